@@ -1,0 +1,248 @@
+#include "app/app.h"
+
+#include <stddef.h>
+
+#include "app/boot.h"
+#include "app/can_link.h"
+#include "app/console.h"
+#include "app/double_buffer.h"
+#include "app/supervisor.h"
+#include "controller/controller.h"
+#include "hal/analog.h"
+#include "hal/can.h"
+#include "hal/inverter.h"
+#include "hal/memory.h"
+#include "hal/rotor_sensor.h"
+#include "hal/time.h"
+#include "hal/upcall.h"
+#include "hal/watchdog.h"
+
+#if !defined(HUBFOC_WHEEL)
+#error "HUBFOC_WHEEL comes from the build"
+#endif
+
+enum { FINISH_PASSES = 100000 /* of the console, more than the slowest line needs for its last words */ };
+
+/* What the background sees of the slow step. */
+typedef struct {
+    slow_output_t output;
+    supervisor_counts_t counts;
+    int32_t winding_temperature_cC;
+    int32_t switch_temperature_cC;
+} view_t;
+
+/* The one instance: interrupts have no other way to find their data. Each member has one writer, named on the right. */
+static struct {
+    boot_report_t boot;      /* boot */
+    const config_t *config;  /* boot; NULL as long as the control steps must not run */
+    controller_t controller; /* .fast: PWM period, .slow: millisecond */
+
+    double_buffer_t to_fast; /* low side millisecond, high side PWM period */
+    slow_to_fast_t slow_to_fast[2];
+    fast_to_slow_t fast_report; /* PWM period; the one the fast step keeps up to date */
+    double_buffer_t from_fast;  /* low side millisecond, high side PWM period; copies of it */
+    fast_to_slow_t fast_to_slow[2];
+    double_buffer_t to_slow; /* low side background, high side millisecond */
+    node_wish_t wish[2];
+    double_buffer_t from_slow; /* low side background, high side millisecond */
+    view_t view[2];
+
+    volatile uint32_t fast_cycles_worst; /* PWM period */
+    supervisor_t supervisor;             /* background, like everything below */
+    can_link_t can;
+    console_t console;
+} app;
+
+static messages_battery_t pack_limits(const config_t *config)
+{
+    const messages_battery_t limits = {
+        .charge_current_mA = q_scale(config->battery.max_charge_current_mA, config->battery.driven_wheels, 1),
+        .discharge_current_mA = q_scale(config->battery.max_discharge_current_mA, config->battery.driven_wheels, 1),
+    };
+    return limits;
+}
+
+static void start_control(const config_t *config)
+{
+    controller_init(&app.controller, config);
+    for (int i = 0; i < 2; i++) {
+        app.slow_to_fast[i] = controller_initial_slow_to_fast(config);
+        app.fast_to_slow[i] = controller_initial_fast_to_slow(config);
+    }
+    app.fast_report = controller_initial_fast_to_slow(config);
+    supervisor_init(&app.supervisor, (uint32_t)config->drive.pwm_frequency_Hz, CONTROLLER_SLOW_RATE_HZ);
+    /* Without CAN the demand counts as lost, which is safe. */
+    (void)can_link_init(&app.can, HUBFOC_WHEEL, pack_limits(config), time_ms());
+    app.wish[0] = app.can.node.wish;
+    app.wish[1] = app.can.node.wish;
+    app.config = config;
+    inverter_start();
+}
+
+void app_boot(void)
+{
+    const view_t no_view = {.counts = {0}};
+    app.config = NULL;
+    app.fast_cycles_worst = 0;
+    app.view[0] = no_view;
+    app.view[1] = no_view;
+    double_buffer_init(&app.to_fast);
+    double_buffer_init(&app.from_fast);
+    double_buffer_init(&app.to_slow);
+    double_buffer_init(&app.from_slow);
+    console_init(&app.console, &app.boot);
+
+    app.boot = boot_run();
+    console_greet(&app.console);
+    watchdog_start(SUPERVISOR_TIMEOUT_ms);
+    if (boot_may_control(&app.boot)) {
+        start_control(app.boot.config);
+    }
+    time_start_tick();
+}
+
+static inverter_mode_t inverter_mode(bridge_mode_t bridge)
+{
+    switch (bridge) {
+    case BRIDGE_PWM:
+        return INVERTER_MODE_PWM;
+    case BRIDGE_SHORT:
+        return INVERTER_MODE_SHORT;
+    case BRIDGE_OFF:
+        break;
+    }
+    return INVERTER_MODE_OFF; /* also for a number that is none of them */
+}
+
+void app_pwm_period_isr(void)
+{
+    if (app.config == NULL) {
+        return;
+    }
+    const uint32_t begin_cycles = time_cycles();
+    const analog_sample_t sample = analog_read();
+    const fast_input_t in = {
+        .phase_current_code = {sample.phase_current_code[0], sample.phase_current_code[1],
+                               sample.phase_current_code[2]},
+        .bus_voltage_code = sample.bus_voltage_code,
+        .rotor_angle_turn = rotor_sensor_angle_turn(),
+        .hall_state = rotor_sensor_hall_state(),
+        .power_stage_fault = inverter_fault(),
+    };
+    const slow_to_fast_t *from_slow = &app.slow_to_fast[double_buffer_high(&app.to_fast)];
+    const fast_output_t out = controller_fast_step(&app.controller.fast, app.config, from_slow, &in, &app.fast_report);
+    inverter_set(inverter_mode(out.bridge), out.compare_counts);
+    app.fast_to_slow[double_buffer_high(&app.from_fast)] = app.fast_report;
+    double_buffer_mark(&app.from_fast);
+
+    const uint32_t cycles = time_cycles() - begin_cycles;
+    if (cycles > app.fast_cycles_worst) {
+        app.fast_cycles_worst = cycles;
+    }
+}
+
+static slow_input_t slow_input(const node_wish_t *wish)
+{
+    const slow_input_t in = {
+        .drive_torque_mNm = wish->demand.drive_torque_mNm,
+        .brake_torque_mNm = wish->demand.brake_torque_mNm,
+        .demand_age_ms = node_demand_age_ms(wish, time_ms()),
+        .bms_charge_current_mA = wish->battery.charge_current_mA,
+        .bms_discharge_current_mA = wish->battery.discharge_current_mA,
+        .winding_temperature_cC = analog_winding_temperature_cC(),
+        .switch_temperature_cC = analog_switch_temperature_cC(),
+        /* An angle that is not known yet must not be driven by. */
+        .enable = wish->demand.enable && rotor_sensor_ready(),
+        .abs_active = wish->demand.abs_active,
+        .fault_reset = wish->demand.fault_reset,
+        .selftest_passed = boot_selftest_passed(&app.boot),
+        .config_accepted = true, /* otherwise this is never called */
+    };
+    return in;
+}
+
+void app_millisecond_isr(void)
+{
+    if (app.config == NULL) {
+        return;
+    }
+    (void)double_buffer_take(&app.from_fast); /* nothing new: the monitor sees that the count stands still */
+    const fast_to_slow_t *from_fast = &app.fast_to_slow[double_buffer_low(&app.from_fast)];
+    slow_to_fast_t *to_fast = &app.slow_to_fast[double_buffer_low(&app.to_fast)];
+    const slow_input_t in = slow_input(&app.wish[double_buffer_high(&app.to_slow)]);
+
+    view_t *view = &app.view[double_buffer_high(&app.from_slow)];
+    view->output = controller_slow_step(&app.controller.slow, app.config, from_fast, &in, to_fast);
+    view->winding_temperature_cC = in.winding_temperature_cC;
+    view->switch_temperature_cC = in.switch_temperature_cC;
+    view->counts.fast_steps = from_fast->fast_step_count;
+    view->counts.slow_steps = to_fast->slow_step_count;
+    view->counts.verdicts = app.controller.slow.monitor.last_fast_step;
+    if (to_fast->monitor.clear_trip) {
+        inverter_clear_fault(); /* the hardware's latch is released with the monitor's, never on its own */
+    }
+    double_buffer_swap(&app.to_fast);
+    double_buffer_mark(&app.from_slow);
+}
+
+static const view_t *current_view(void)
+{
+    (void)double_buffer_take(&app.from_slow);
+    return &app.view[double_buffer_low(&app.from_slow)];
+}
+
+static report_status_t status_of(const view_t *view)
+{
+    const report_status_t status = {
+        .output = &view->output,
+        .node = &app.can.node,
+        .fast_cycles_worst = app.fast_cycles_worst,
+        .stack_free_bytes = memory_stack_free_bytes(),
+        .bus_off = can_bus_off(),
+        .control = app.config != NULL,
+    };
+    return status;
+}
+
+void app_background(void)
+{
+    const uint32_t now_ms = time_ms();
+    const view_t *view = current_view();
+    if (app.config == NULL) {
+        watchdog_feed(); /* bridge off, nothing to supervise; a restart would only hide the reason */
+    } else {
+        if (supervisor_may_feed(&app.supervisor, view->counts)) {
+            watchdog_feed();
+        }
+        if (can_link_receive(&app.can, now_ms)) {
+            app.wish[double_buffer_low(&app.to_slow)] = app.can.node.wish;
+            double_buffer_swap(&app.to_slow);
+        }
+        const messages_output_t said =
+            can_link_output(&view->output, view->winding_temperature_cC, view->switch_temperature_cC);
+        can_link_transmit(&app.can, now_ms, &said);
+    }
+    const report_status_t status = status_of(view);
+    console_pump(&app.console, now_ms, &status);
+}
+
+bool app_finish(void)
+{
+    const view_t *view = current_view();
+    const report_status_t status = status_of(view);
+    const bool good = status.control && view->output.fault_reason == REASON_NONE;
+    text_t line;
+    text_clear(&line);
+    text_add(&line, good ? "result: " : "result: FAILED, ");
+    text_add(&line, status.control ? modes_text(view->output.mode) : "BOOT");
+    if (status.control) {
+        text_add(&line, ", ");
+        text_add(&line, reason_text(view->output.fault_reason));
+    }
+    console_status(&app.console, &status);
+    console_say(&app.console, &line);
+    for (int i = 0; i < FINISH_PASSES && !console_drained(&app.console); i++) {
+        console_pump(&app.console, time_ms(), &status);
+    }
+    return good;
+}

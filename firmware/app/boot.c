@@ -1,0 +1,63 @@
+#include "app/boot.h"
+
+#include "app/selftest.h"
+#include "hal/flash.h"
+#include "hal/memory.h"
+#include "hal/rotor_sensor.h"
+#include "hal/serial.h"
+#include "hal/time.h"
+#include "hal/watchdog.h"
+
+static bool ram_good(void)
+{
+    const memory_window_t window = memory_unused();
+    const bool good = selftest_ram(window.begin, window.words);
+    memory_mark_stack();
+    return good;
+}
+
+static inverter_status_t start_ports(const config_t *config)
+{
+    const inverter_settings_t settings = {
+        .pwm_frequency_Hz = (uint32_t)config->drive.pwm_frequency_Hz,
+        .pwm_period_counts = (uint32_t)config->drive.pwm_period_counts,
+        .dead_time_ns = (uint32_t)config->drive.dead_time_ns,
+    };
+    rotor_sensor_init(config->rotor.sensor == CONFIG_ROTOR_HALL ? ROTOR_SENSOR_HALL : ROTOR_SENSOR_ANGLE,
+                      config->motor.pole_pairs);
+    return inverter_init(&settings);
+}
+
+boot_report_t boot_run(void)
+{
+    boot_report_t report = {.inverter = INVERTER_OK};
+    report.clock_good = time_init();
+    serial_init(BOOT_SERIAL_BIT_RATE);
+    report.was_watchdog = watchdog_caused_reset();
+    report.ram_good = ram_good();
+    const flash_image_t firmware = flash_firmware();
+    report.firmware_good = selftest_firmware(firmware.begin, firmware.size_bytes, flash_firmware_crc32());
+
+    const flash_image_t image = flash_configuration();
+    report.config = (const config_t *)image.begin;
+    report.verdict = config_validate(report.config, image.size_bytes);
+    if (report.clock_good && report.verdict.code == CONFIG_VERDICT_OK) {
+        report.inverter = start_ports(report.config);
+    }
+    return report;
+}
+
+bool boot_config_accepted(const boot_report_t *report)
+{
+    return report->verdict.code == CONFIG_VERDICT_OK && report->inverter == INVERTER_OK;
+}
+
+bool boot_selftest_passed(const boot_report_t *report)
+{
+    return report->ram_good && report->firmware_good;
+}
+
+bool boot_may_control(const boot_report_t *report)
+{
+    return report->clock_good && boot_config_accepted(report);
+}

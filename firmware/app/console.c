@@ -1,0 +1,122 @@
+#include "app/console.h"
+
+#include "hal/serial.h"
+
+enum { STATUS, WATCH, CAN, BOOT, CONFIG, VERSION, COMMANDS_COUNT };
+
+static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
+    [STATUS] = {"status", "", "mode, reason, torque, speed, bus"},
+    [WATCH] = {"watch", "", "the status every second, until the next key"},
+    [CAN] = {"can", "", "how well the others are heard"},
+    [BOOT] = {"boot", "", "what the self-tests found"},
+    [CONFIG] = {"config", "[PREFIX]", "the configuration's fields that begin so"},
+    [VERSION] = {"version", "", "program, version, port"},
+};
+
+static bool answer_boot(const console_t *console, uint32_t number, text_t *line)
+{
+    if (number > 0) {
+        return report_boot(console->boot, number - 1U, line);
+    }
+    report_banner(console->boot, line);
+    return true;
+}
+
+static bool answer(console_t *console, const shell_question_t *asked, text_t *line)
+{
+    switch (asked->command) {
+    case STATUS:
+        report_status(&console->status, line);
+        return asked->number == 0;
+    case WATCH:
+        console->watching = true;
+        text_add(line, "any key ends it");
+        return asked->number == 0;
+    case CAN:
+        return report_can(&console->status, asked->number, line);
+    case BOOT:
+        return answer_boot(console, asked->number, line);
+    case CONFIG:
+        return report_config(console->boot, asked->argument, asked->number, line);
+    case VERSION:
+        report_version(line);
+        return asked->number == 0;
+    default:
+        return false;
+    }
+}
+
+void console_init(console_t *console, const boot_report_t *boot)
+{
+    shell_init(&console->shell, COMMANDS, COMMANDS_COUNT);
+    const report_status_t nothing = {.control = false};
+    console->boot = boot;
+    console->status = nothing;
+    console->watched_ms = 0;
+    console->watching = false;
+}
+
+void console_say(console_t *console, const text_t *line)
+{
+    shell_say(&console->shell, line);
+}
+
+void console_greet(console_t *console)
+{
+    text_t line;
+    text_clear(&line);
+    report_banner(console->boot, &line);
+    console_say(console, &line);
+    text_clear(&line);
+    for (uint32_t i = 0; report_boot(console->boot, i, &line); i++) {
+        console_say(console, &line);
+        text_clear(&line);
+    }
+}
+
+void console_status(console_t *console, const report_status_t *status)
+{
+    text_t line;
+    text_clear(&line);
+    report_status(status, &line);
+    console_say(console, &line);
+}
+
+bool console_drained(const console_t *console)
+{
+    return shell_idle(&console->shell);
+}
+
+static void answer_what_is_asked(console_t *console)
+{
+    shell_question_t asked;
+    while (shell_asks(&console->shell, &asked)) {
+        text_t line;
+        text_clear(&line);
+        if (answer(console, &asked, &line)) {
+            shell_answer(&console->shell, &line);
+        } else {
+            shell_answered(&console->shell);
+        }
+    }
+}
+
+void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status)
+{
+    console->status = *status;
+    uint8_t byte;
+    while (serial_read(&byte)) {
+        console->watching = false;
+        shell_hear(&console->shell, byte);
+    }
+    if (console->watching && now_ms - console->watched_ms >= CONSOLE_WATCH_PERIOD_ms) {
+        console->watched_ms = now_ms;
+        console_status(console, status);
+    }
+    answer_what_is_asked(console);
+    const char *bytes;
+    const uint32_t count = shell_waiting(&console->shell, &bytes);
+    if (count > 0) {
+        shell_taken(&console->shell, serial_write(bytes, count));
+    }
+}

@@ -1,0 +1,51 @@
+/*
+ * console.h: the pump between the serial line and the shell, and the shell's commands.
+ *
+ *     status            mode, reason, torque, speed, bus, once
+ *     watch             the same every second, until the next key
+ *     can               how well the others are heard
+ *     boot              what the self-tests found
+ *     config [PREFIX]   the configuration's fields
+ *     version           program, version, port
+ *     help, reasons     the shell's own
+ *
+ * Background context. Lines nobody asked for are dropped whole and counted when there is no room, never waited for.
+ */
+#ifndef APP_CONSOLE_H
+#define APP_CONSOLE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "app/boot.h"
+#include "app/report.h"
+#include "comms/shell.h"
+#include "comms/text.h"
+
+enum { CONSOLE_WATCH_PERIOD_ms = 1000 };
+
+typedef struct {
+    shell_t shell;
+    const boot_report_t *boot;
+    report_status_t status; /* of the latest pump */
+    uint32_t watched_ms;
+    bool watching;
+} console_t;
+
+/* boot: has to stay where it is; need not be filled in yet. */
+void console_init(console_t *console, const boot_report_t *boot);
+
+/* The banner, and what the self-tests found. */
+void console_greet(console_t *console);
+
+void console_status(console_t *console, const report_status_t *status);
+
+void console_say(console_t *console, const text_t *line);
+
+/* Has the serial line taken everything? */
+bool console_drained(const console_t *console);
+
+/* Hands bytes to and fro. */
+void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status);
+
+#endif

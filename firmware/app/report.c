@@ -1,0 +1,202 @@
+#include "app/report.h"
+
+#include <stddef.h>
+
+#include "app/config_lines.h"
+
+#if !defined(HUBFOC_VERSION) || !defined(HUBFOC_PORT_NAME) || !defined(HUBFOC_WHEEL_NAME)
+#error "HUBFOC_VERSION, HUBFOC_PORT_NAME and HUBFOC_WHEEL_NAME come from the build"
+#endif
+
+void report_version(text_t *line)
+{
+    text_add(line, "hubfoc " HUBFOC_VERSION " on " HUBFOC_PORT_NAME);
+}
+
+static void add_identity(const config_t *config, text_t *line)
+{
+    text_add(line, "configuration ");
+    text_add(line, config->name);
+    text_add(line, " ");
+    text_add_hex(line, config->crc32);
+}
+
+void report_banner(const boot_report_t *boot, text_t *line)
+{
+    report_version(line);
+    if (boot->verdict.code == CONFIG_VERDICT_OK) {
+        text_add(line, ", ");
+        add_identity(boot->config, line);
+    }
+    text_add(line, ", wheel " HUBFOC_WHEEL_NAME);
+}
+
+static void add_refusal(const config_verdict_t *verdict, text_t *line)
+{
+    text_add(line, "configuration refused: ");
+    text_add(line, verdict->field);
+    switch (verdict->code) {
+    case CONFIG_VERDICT_RANGE:
+        text_add(line, " is ");
+        text_add_integer(line, verdict->value);
+        text_add(line, ", accepted ");
+        text_add_integer(line, verdict->lowest);
+        text_add(line, " .. ");
+        text_add_integer(line, verdict->highest);
+        break;
+    case CONFIG_VERDICT_RELATION:
+        text_add(line, " does not hold");
+        break;
+    case CONFIG_VERDICT_MAGIC:
+    case CONFIG_VERDICT_VERSION:
+    case CONFIG_VERDICT_SIZE:
+    case CONFIG_VERDICT_CRC:
+    case CONFIG_VERDICT_NAME:
+    case CONFIG_VERDICT_OK:
+        text_add(line, " is not what this firmware expects");
+        break;
+    }
+}
+
+static const char *inverter_words(inverter_status_t status)
+{
+    switch (status) {
+    case INVERTER_FREQUENCY_UNREACHABLE:
+        return "configuration refused: drive.pwm_period_counts do not make drive.pwm_frequency_Hz on this board";
+    case INVERTER_DEAD_TIME_UNREACHABLE:
+        return "configuration refused: drive.dead_time_ns is longer than this board's timer can make";
+    case INVERTER_TIMER_UNREADY:
+        return "self-test failed: the PWM timer does not update at the top of its count";
+    case INVERTER_CONVERTER_UNREADY:
+        return "self-test failed: the analog converters did not start";
+    case INVERTER_OK:
+        break;
+    }
+    return "inverter ready";
+}
+
+static void add_verdict(const boot_report_t *boot, text_t *line)
+{
+    if (boot->verdict.code != CONFIG_VERDICT_OK) {
+        add_refusal(&boot->verdict, line);
+    } else if (boot->inverter != INVERTER_OK) {
+        text_add(line, inverter_words(boot->inverter));
+    } else {
+        text_add(line, "configuration accepted");
+    }
+}
+
+bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line)
+{
+    const char *const words[] = {
+        boot->was_watchdog ? "restarted by the watchdog" : NULL,
+        boot->clock_good ? NULL : "clock fault: the crystal did not start, staying in BOOT",
+        boot->ram_good ? "self-test RAM: good" : "self-test RAM: FAILED",
+        boot->firmware_good ? "self-test firmware CRC: good" : "self-test firmware CRC: FAILED",
+    };
+    uint32_t left = number;
+    for (uint32_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        if (words[i] == NULL) {
+            continue;
+        }
+        if (left == 0) {
+            text_add(line, words[i]);
+            return true;
+        }
+        left--;
+    }
+    if (left > 0) {
+        return false;
+    }
+    add_verdict(boot, line);
+    return true;
+}
+
+static const char NO_CONTROL[] = "BOOT, bridge off: no control without an accepted configuration and a good clock";
+
+void report_status(const report_status_t *status, text_t *line)
+{
+    if (!status->control) {
+        text_add(line, NO_CONTROL);
+        return;
+    }
+    const slow_output_t *o = status->output;
+    text_add(line, modes_text(o->mode));
+    text_add(line, ", ");
+    text_add(line, reason_text(o->fault_reason != REASON_NONE ? o->fault_reason : o->torque_reason));
+    text_add(line, "; ");
+    text_add_decimal(line, o->motor_torque_estimate_mNm, 3);
+    text_add(line, " N m of ");
+    text_add_decimal(line, o->motor_torque_command_mNm, 3);
+    text_add(line, ", ");
+    text_add_decimal(line, o->speed_mrad_s, 3);
+    text_add(line, " rad/s, ");
+    text_add_decimal(line, o->bus_voltage_mV, 3);
+    text_add(line, " V, ");
+    text_add_decimal(line, o->bus_current_mA, 3);
+    text_add(line, " A; fast step ");
+    text_add_integer(line, (int32_t)status->fast_cycles_worst);
+    text_add(line, " cycles, stack ");
+    text_add_integer(line, (int32_t)status->stack_free_bytes);
+    text_add(line, " B free, demand ");
+    text_add(line, e2e_link_text(status->node->demand.link));
+}
+
+static void add_count(text_t *line, const char *words, uint32_t count)
+{
+    text_add(line, words);
+    text_add_integer(line, (int32_t)(count & (uint32_t)INT32_MAX));
+}
+
+static void add_sender(const char *name, const e2e_receiver_t *receiver, text_t *line)
+{
+    const e2e_counts_t *c = &receiver->counts;
+    text_add(line, name);
+    text_add(line, e2e_link_text(receiver->link));
+    add_count(line, "; used ", c->used);
+    add_count(line, ", lost ", c->lost);
+    add_count(line, ", repeated ", c->repeated);
+    add_count(line, ", out of sequence ", c->wrong_sequence);
+    add_count(line, ", damaged ", c->damaged);
+    add_count(line, ", implausible ", c->implausible);
+    add_count(line, ", timeouts ", c->timeouts);
+}
+
+bool report_can(const report_status_t *status, uint32_t number, text_t *line)
+{
+    if (!status->control) {
+        text_add(line, NO_CONTROL);
+        return number == 0;
+    }
+    switch (number) {
+    case 0:
+        add_sender("demand ", &status->node->demand, line);
+        return true;
+    case 1:
+        add_sender("battery ", &status->node->battery, line);
+        return true;
+    case 2:
+        text_add(line, status->bus_off ? "bus off" : "bus on");
+        add_count(line, ", foreign frames ", status->node->foreign);
+        return true;
+    default:
+        return false;
+    }
+}
+
+bool report_config(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line)
+{
+    if (boot->verdict.code != CONFIG_VERDICT_OK) {
+        add_refusal(&boot->verdict, line);
+        return number == 0;
+    }
+    if (number > 0) {
+        return config_lines_get(boot->config, prefix, number - 1U, line);
+    }
+    add_identity(boot->config, line);
+    text_add(line, ", format ");
+    text_add_integer(line, (int32_t)boot->config->format_version);
+    text_add(line, ", generator ");
+    text_add_hex(line, boot->config->generator_version);
+    return true;
+}

@@ -1,0 +1,91 @@
+/*
+ * e2e.h: end-to-end protection of eight-byte frames, in the manner of AUTOSAR E2E profile 2.
+ *
+ *     byte 0           CRC-8, polynomial 0x2F (x^8+x^5+x^3+x^2+x+1), initial and final 0xFF, of bytes 1 .. 7 and one data id
+ *     byte 1, bit 0-3  counter, one more with every frame, 15 is followed by 0
+ *
+ * The data id is never sent. It is entry [counter] of a list of sixteen, exclusive-or the low byte of the identifier, so
+ * that a frame under another message's or another wheel's identifier is refused. The list was chosen so that, a wrong
+ * counter and therefore a wrong data id included, every one, two or three wrong bits of the 64 and every burst of up to
+ * eight wrong bits are found, which profile 2 by itself does not promise; the tests try them all.
+ *
+ * The receiver, one for each message it hears:
+ *
+ *     NEVER_HEARD -> QUALIFYING -> VALID      first frame; third frame in order
+ *     VALID -> QUALIFYING                     a step of the counter by more than E2E_STEP_MAX
+ *     QUALIFYING, VALID -> TIMED_OUT          no frame to be used for timeout_ms
+ *     TIMED_OUT -> QUALIFYING                 the next frame that is intact
+ *
+ * Only what arrives in VALID may be used. A repeated counter changes nothing and is no sign of life, so a sender that is
+ * stuck times out like one that is silent. Time comes from the caller, wraps, and only differences count. The
+ * specification is AUTOSAR FO "E2E Protocol Specification" (PRS_E2EProtocol), profile 2; the numbers of frames are ours.
+ */
+#ifndef COMMS_E2E_H
+#define COMMS_E2E_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum {
+    E2E_FRAME_BYTES = 8,
+    E2E_COUNTER_MASK = 0x0F,
+    E2E_STEP_MAX = 3,         /* of the counter: two frames in a row may be lost */
+    E2E_QUALIFYING_FRAMES = 3 /* in order, the last of them is the first to be used */
+};
+
+/* On CAN and in the shell; the numbers are part of the protocol. */
+typedef enum { E2E_NEVER_HEARD = 0, E2E_QUALIFYING = 1, E2E_VALID = 2, E2E_TIMED_OUT = 3 } e2e_link_t;
+
+typedef enum {
+    E2E_OK,             /* use it */
+    E2E_SOME_LOST,      /* use it; one or two before it were lost */
+    E2E_NOT_QUALIFIED,  /* in order, but the sender is not trusted yet */
+    E2E_REPEATED,       /* the counter stands still */
+    E2E_WRONG_SEQUENCE, /* the counter jumped */
+    E2E_IMPLAUSIBLE,    /* intact, but the caller found values that cannot be; counts as lost */
+    E2E_DAMAGED         /* CRC or identifier wrong */
+} e2e_verdict_t;
+
+/* Since the start; they wrap. */
+typedef struct {
+    uint32_t used;
+    uint32_t lost; /* never arrived, or damaged and then noticed by the counter too */
+    uint32_t repeated;
+    uint32_t wrong_sequence;
+    uint32_t implausible;
+    uint32_t damaged;
+    uint32_t timeouts;
+} e2e_counts_t;
+
+typedef struct {
+    e2e_link_t link;
+    uint32_t timeout_ms;
+    uint32_t trusted_ms; /* time of the last frame that was used, or of the first of a new start */
+    uint8_t counter;     /* of the last frame that was intact and not a repetition */
+    uint8_t in_order;    /* frames since the order was last broken, up to E2E_QUALIFYING_FRAMES */
+    e2e_counts_t counts;
+} e2e_receiver_t;
+
+/* Writes counter and CRC; everything else must be in place. */
+void e2e_protect(uint8_t data[E2E_FRAME_BYTES], uint16_t identifier, uint8_t counter);
+
+/* Is the CRC right for this content under this identifier? */
+bool e2e_intact(const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier);
+
+/* timeout_ms: at most ten cycle times: after sixteen the counter has come full circle and shows no gap. */
+void e2e_receiver_init(e2e_receiver_t *receiver, uint32_t timeout_ms);
+
+/* One received frame. plausible: the caller's verdict on length and content, as far as it has one. */
+e2e_verdict_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier,
+                          bool plausible, uint32_t now_ms);
+
+/* Often, also when nothing arrives. True once, when the sender has just timed out. */
+bool e2e_timed_out(e2e_receiver_t *receiver, uint32_t now_ms);
+
+/* Frames refused for whatever reason, and timeouts. */
+uint32_t e2e_errors(const e2e_counts_t *counts);
+
+/* "VALID" and so on; never NULL. */
+const char *e2e_link_text(e2e_link_t link);
+
+#endif

@@ -1,0 +1,106 @@
+/*
+ * messages.h: from physical quantities to frames and back. The layout is hubfoc.dbc's; the C that knows it is generated.
+ *
+ * One wheel's messages differ from another's in two bits of the identifier (and in the data id, e2e.h), so one DBC is
+ * for all of them. Structures hold SI milli-units, named as in the controller; a frame holds whole steps of 0.1 N m, 0.1 A,
+ * 0.1 V, 0.1 degrees and 0.01 rad/s. What is sent is rounded to the nearest step and kept within the DBC's range, except
+ * that a braking torque on offer is rounded down: a promise must not be larger than what is there.
+ *
+ * Signs: torque, speed and current are positive when they drive forward; braking torques are magnitudes >= 0; the bus
+ * current is positive out of the battery. Pure; any context.
+ */
+#ifndef COMMS_MESSAGES_H
+#define COMMS_MESSAGES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "comms/e2e.h"
+#include "core/reason.h"
+
+/* The numbers are part of the protocol: the lowest two bits of the identifier, so that on a crowded bus what is urgent for
+ * one wheel goes before what can wait for any other. */
+typedef enum {
+    MESSAGES_FRONT_LEFT = 0,
+    MESSAGES_FRONT_RIGHT = 1,
+    MESSAGES_REAR_LEFT = 2,
+    MESSAGES_REAR_RIGHT = 3
+} messages_wheel_t;
+
+/* In the order of the bus: the lower, the sooner it gets through. */
+typedef enum {
+    MESSAGES_DEMAND,         /* heard */
+    MESSAGES_BATTERY_LIMITS, /* heard */
+    MESSAGES_WHEEL_STATE,    /* this and all that follow: sent */
+    MESSAGES_WHEEL_BRAKE,
+    MESSAGES_WHEEL_DRIVE,
+    MESSAGES_WHEEL_POWER,
+    MESSAGES_WHEEL_HEALTH,
+    MESSAGES_KINDS
+} messages_kind_t;
+
+enum { MESSAGES_HEARD = MESSAGES_WHEEL_STATE, MESSAGES_SENT = MESSAGES_KINDS - MESSAGES_HEARD };
+
+/* A classic CAN data frame with an 11-bit identifier. */
+typedef struct {
+    uint16_t identifier;
+    uint8_t length;
+    uint8_t data[E2E_FRAME_BYTES];
+} messages_frame_t;
+
+typedef struct {
+    int32_t drive_torque_mNm; /* signed, -20 000 000 .. 20 000 000, at this wheel */
+    int32_t brake_torque_mNm; /* 0 .. 20 000 000, at this wheel, motor and hydraulic brake together */
+    bool enable;
+    bool abs_active;
+    bool fault_reset;
+} messages_demand_t;
+
+typedef struct {
+    int32_t charge_current_mA;    /* whole pack, 0 .. 32 000 000 */
+    int32_t discharge_current_mA; /* whole pack, 0 .. 32 000 000 */
+} messages_battery_t;
+
+/* Everything one wheel says. Out-of-range values are sent as the end of the range. */
+typedef struct {
+    int32_t motor_torque_command_mNm;
+    int32_t motor_torque_estimate_mNm;
+    int32_t hydraulic_torque_mNm;
+    int32_t electric_brake_available_mNm;
+    int32_t speed_mrad_s;
+    int32_t i_q_mA;
+    int32_t bus_voltage_mV;
+    int32_t bus_current_mA;
+    int32_t winding_temperature_cC; /* 29 999 or more: sensor broken, sent as 300 degrees */
+    int32_t switch_temperature_cC;  /* likewise */
+    reason_t torque_reason;
+    reason_t available_reason;
+    reason_t hydraulic_reason;
+    reason_t fault_reason;
+    uint8_t mode; /* the number of modes.h, 0 .. 15 */
+    bool stop_lamp;
+    e2e_link_t demand_link;
+    e2e_link_t battery_link;
+    uint32_t demand_errors;
+    uint32_t battery_errors;
+} messages_output_t;
+
+uint16_t messages_identifier(messages_kind_t kind, messages_wheel_t wheel);
+
+/* The DBC's GenMsgCycleTime. */
+uint32_t messages_cycle_ms(messages_kind_t kind);
+
+/* Contents of a frame whose protection is somebody else's to check. False, and the structure untouched, if the length is
+ * wrong or a value is outside the DBC's range. */
+bool messages_read_demand(const messages_frame_t *frame, messages_demand_t *demand);
+bool messages_read_battery(const messages_frame_t *frame, messages_battery_t *battery);
+
+/* For whoever plays the vehicle or the battery: a complete, protected frame. */
+messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel_t wheel, uint8_t counter);
+messages_frame_t messages_battery(const messages_battery_t *battery, uint8_t counter);
+
+/* One of the sent kinds, complete and protected; an empty frame for the heard ones. */
+messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output, messages_wheel_t wheel,
+                                 uint8_t counter);
+
+#endif

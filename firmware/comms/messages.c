@@ -1,0 +1,221 @@
+#include "comms/messages.h"
+
+#include "comms/generated/hubfoc.h"
+#include "core/q15.h"
+
+enum {
+    TORQUE_STEP_mNm = 100,
+    CURRENT_STEP_mA = 100,
+    VOLTAGE_STEP_mV = 100,
+    SPEED_STEP_mrad_s = 10,
+    TEMPERATURE_STEP_cC = 10,
+    /* Ends of what is sent, in steps. */
+    TORQUE_MAX = 200000,
+    SPEED_MAX = 520000,
+    CURRENT_MAX = 60000,
+    BATTERY_CURRENT_MAX = 320000,
+    VOLTAGE_MAX = 20000,
+    TEMPERATURE_MIN = -1000,
+    TEMPERATURE_MAX = 3000,
+    MODE_MASK = 0x0F
+};
+
+typedef struct {
+    uint16_t identifier; /* front left */
+    uint16_t cycle_ms;
+    bool each_wheel; /* has an identifier of its own */
+} kind_t;
+
+static const kind_t KINDS[MESSAGES_KINDS] = {
+    [MESSAGES_DEMAND] = {HUBFOC_DEMAND_FRAME_ID, HUBFOC_DEMAND_CYCLE_TIME_MS, true},
+    [MESSAGES_BATTERY_LIMITS] = {HUBFOC_BATTERY_LIMITS_FRAME_ID, HUBFOC_BATTERY_LIMITS_CYCLE_TIME_MS, false},
+    [MESSAGES_WHEEL_STATE] = {HUBFOC_WHEEL_STATE_FRAME_ID, HUBFOC_WHEEL_STATE_CYCLE_TIME_MS, true},
+    [MESSAGES_WHEEL_BRAKE] = {HUBFOC_WHEEL_BRAKE_FRAME_ID, HUBFOC_WHEEL_BRAKE_CYCLE_TIME_MS, true},
+    [MESSAGES_WHEEL_DRIVE] = {HUBFOC_WHEEL_DRIVE_FRAME_ID, HUBFOC_WHEEL_DRIVE_CYCLE_TIME_MS, true},
+    [MESSAGES_WHEEL_POWER] = {HUBFOC_WHEEL_POWER_FRAME_ID, HUBFOC_WHEEL_POWER_CYCLE_TIME_MS, true},
+    [MESSAGES_WHEEL_HEALTH] = {HUBFOC_WHEEL_HEALTH_FRAME_ID, HUBFOC_WHEEL_HEALTH_CYCLE_TIME_MS, true},
+};
+
+uint16_t messages_identifier(messages_kind_t kind, messages_wheel_t wheel)
+{
+    const kind_t *k = &KINDS[kind];
+    return (uint16_t)(k->identifier | (k->each_wheel ? (uint32_t)wheel : 0U));
+}
+
+uint32_t messages_cycle_ms(messages_kind_t kind)
+{
+    return KINDS[kind].cycle_ms;
+}
+
+/* Nearest step, halves away from zero, between the ends. */
+static int32_t steps(int32_t milli, int32_t step, int32_t lowest, int32_t highest)
+{
+    const int32_t within = q_clamp(milli, lowest * step, highest * step); /* so that half a step more is no overflow */
+    return (within + (within < 0 ? -step : step) / 2) / step;
+}
+
+static int32_t signed_steps(int32_t milli, int32_t step, int32_t highest)
+{
+    return steps(milli, step, -highest, highest);
+}
+
+static uint32_t magnitude_steps(int32_t milli, int32_t step, int32_t highest)
+{
+    return (uint32_t)steps(milli, step, 0, highest);
+}
+
+bool messages_read_demand(const messages_frame_t *frame, messages_demand_t *demand)
+{
+    struct hubfoc_demand_t raw;
+    if (frame->length != E2E_FRAME_BYTES || hubfoc_demand_unpack(&raw, frame->data, frame->length) != 0 ||
+        !hubfoc_demand_drive_torque_nm_is_in_range(raw.drive_torque_nm) ||
+        !hubfoc_demand_brake_torque_nm_is_in_range(raw.brake_torque_nm)) {
+        return false;
+    }
+    demand->drive_torque_mNm = raw.drive_torque_nm * TORQUE_STEP_mNm;
+    demand->brake_torque_mNm = (int32_t)raw.brake_torque_nm * TORQUE_STEP_mNm;
+    demand->enable = raw.enable != 0;
+    demand->abs_active = raw.abs_active != 0;
+    demand->fault_reset = raw.fault_reset != 0;
+    return true;
+}
+
+bool messages_read_battery(const messages_frame_t *frame, messages_battery_t *battery)
+{
+    struct hubfoc_battery_limits_t raw;
+    if (frame->length != E2E_FRAME_BYTES || hubfoc_battery_limits_unpack(&raw, frame->data, frame->length) != 0 ||
+        !hubfoc_battery_limits_charge_current_a_is_in_range(raw.charge_current_a) ||
+        !hubfoc_battery_limits_discharge_current_a_is_in_range(raw.discharge_current_a)) {
+        return false;
+    }
+    battery->charge_current_mA = (int32_t)raw.charge_current_a * CURRENT_STEP_mA;
+    battery->discharge_current_mA = (int32_t)raw.discharge_current_a * CURRENT_STEP_mA;
+    return true;
+}
+
+static messages_frame_t new_frame(messages_kind_t kind, messages_wheel_t wheel)
+{
+    const messages_frame_t frame = {.identifier = messages_identifier(kind, wheel), .length = E2E_FRAME_BYTES};
+    return frame;
+}
+
+messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel_t wheel, uint8_t counter)
+{
+    const struct hubfoc_demand_t raw = {
+        .enable = demand->enable ? 1 : 0,
+        .abs_active = demand->abs_active ? 1 : 0,
+        .fault_reset = demand->fault_reset ? 1 : 0,
+        .drive_torque_nm = signed_steps(demand->drive_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+        .brake_torque_nm = magnitude_steps(demand->brake_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+    };
+    messages_frame_t frame = new_frame(MESSAGES_DEMAND, wheel);
+    (void)hubfoc_demand_pack(frame.data, &raw, sizeof frame.data);
+    e2e_protect(frame.data, frame.identifier, counter);
+    return frame;
+}
+
+messages_frame_t messages_battery(const messages_battery_t *battery, uint8_t counter)
+{
+    const struct hubfoc_battery_limits_t raw = {
+        .charge_current_a = magnitude_steps(battery->charge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
+        .discharge_current_a = magnitude_steps(battery->discharge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
+    };
+    messages_frame_t frame = new_frame(MESSAGES_BATTERY_LIMITS, MESSAGES_FRONT_LEFT);
+    (void)hubfoc_battery_limits_pack(frame.data, &raw, sizeof frame.data);
+    e2e_protect(frame.data, frame.identifier, counter);
+    return frame;
+}
+
+static void put_state(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
+{
+    const struct hubfoc_wheel_state_t raw = {
+        .mode = o->mode & MODE_MASK,
+        .fault_reason = (uint8_t)o->fault_reason,
+        .motor_torque_estimate_nm = signed_steps(o->motor_torque_estimate_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+        .stop_lamp = o->stop_lamp ? 1 : 0,
+        .speed_rad_s = signed_steps(o->speed_mrad_s, SPEED_STEP_mrad_s, SPEED_MAX),
+    };
+    (void)hubfoc_wheel_state_pack(data, &raw, E2E_FRAME_BYTES);
+}
+
+static void put_brake(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
+{
+    const struct hubfoc_wheel_brake_t raw = {
+        .hydraulic_torque_nm = magnitude_steps(o->hydraulic_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+        .electric_brake_available_nm =
+            (uint32_t)q_clamp(o->electric_brake_available_mNm / TORQUE_STEP_mNm, 0, TORQUE_MAX),
+        .hydraulic_reason = (uint8_t)o->hydraulic_reason,
+        .available_reason = (uint8_t)o->available_reason,
+    };
+    (void)hubfoc_wheel_brake_pack(data, &raw, E2E_FRAME_BYTES);
+}
+
+static void put_drive(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
+{
+    const struct hubfoc_wheel_drive_t raw = {
+        .torque_reason = (uint8_t)o->torque_reason,
+        .motor_torque_command_nm = signed_steps(o->motor_torque_command_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+        .current_q_a = signed_steps(o->i_q_mA, CURRENT_STEP_mA, CURRENT_MAX),
+    };
+    (void)hubfoc_wheel_drive_pack(data, &raw, E2E_FRAME_BYTES);
+}
+
+static void put_power(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
+{
+    const struct hubfoc_wheel_power_t raw = {
+        .bus_voltage_v = (uint16_t)magnitude_steps(o->bus_voltage_mV, VOLTAGE_STEP_mV, VOLTAGE_MAX),
+        .bus_current_a = signed_steps(o->bus_current_mA, CURRENT_STEP_mA, CURRENT_MAX),
+    };
+    (void)hubfoc_wheel_power_pack(data, &raw, E2E_FRAME_BYTES);
+}
+
+static int16_t temperature_steps(int32_t temperature_cC)
+{
+    return (int16_t)steps(temperature_cC, TEMPERATURE_STEP_cC, TEMPERATURE_MIN, TEMPERATURE_MAX);
+}
+
+static void put_health(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
+{
+    const struct hubfoc_wheel_health_t raw = {
+        .demand_link = (uint8_t)o->demand_link,
+        .battery_link = (uint8_t)o->battery_link,
+        .winding_temperature_c = temperature_steps(o->winding_temperature_cC),
+        .switch_temperature_c = temperature_steps(o->switch_temperature_cC),
+        .demand_errors = (uint8_t)(o->demand_errors & 0xFFU),
+        .battery_errors = (uint8_t)(o->battery_errors & 0xFFU),
+    };
+    (void)hubfoc_wheel_health_pack(data, &raw, E2E_FRAME_BYTES);
+}
+
+messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output, messages_wheel_t wheel,
+                                 uint8_t counter)
+{
+    if ((uint32_t)kind < MESSAGES_HEARD || (uint32_t)kind >= MESSAGES_KINDS) {
+        const messages_frame_t nothing = {.length = 0};
+        return nothing;
+    }
+    messages_frame_t frame = new_frame(kind, wheel);
+    switch (kind) {
+    case MESSAGES_WHEEL_STATE:
+        put_state(frame.data, output);
+        break;
+    case MESSAGES_WHEEL_BRAKE:
+        put_brake(frame.data, output);
+        break;
+    case MESSAGES_WHEEL_DRIVE:
+        put_drive(frame.data, output);
+        break;
+    case MESSAGES_WHEEL_POWER:
+        put_power(frame.data, output);
+        break;
+    case MESSAGES_WHEEL_HEALTH:
+        put_health(frame.data, output);
+        break;
+    case MESSAGES_DEMAND:
+    case MESSAGES_BATTERY_LIMITS:
+    case MESSAGES_KINDS:
+        break; /* not ours to say, excluded above */
+    }
+    e2e_protect(frame.data, frame.identifier, counter);
+    return frame;
+}

@@ -1,0 +1,130 @@
+#include "comms/node.h"
+
+void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_HEARD])
+{
+    identifiers[MESSAGES_DEMAND] = messages_identifier(MESSAGES_DEMAND, wheel);
+    identifiers[MESSAGES_BATTERY_LIMITS] = messages_identifier(MESSAGES_BATTERY_LIMITS, wheel);
+}
+
+static messages_kind_t sent_kind(uint32_t index)
+{
+    return (messages_kind_t)(MESSAGES_HEARD + index);
+}
+
+void node_init(node_t *node, messages_wheel_t wheel, messages_battery_t pack, uint32_t now_ms)
+{
+    const node_t zero = {.wheel = wheel, .pack = pack, .wish = {.battery = pack}, .offered = MESSAGES_KINDS};
+    *node = zero;
+    e2e_receiver_init(&node->demand, NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_DEMAND));
+    e2e_receiver_init(&node->battery, NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_BATTERY_LIMITS));
+    for (uint32_t i = 0; i < MESSAGES_SENT; i++) {
+        node->due_ms[i] = now_ms + messages_cycle_ms(sent_kind(i));
+    }
+}
+
+static bool is_at_hand(e2e_verdict_t verdict)
+{
+    return verdict == E2E_OK || verdict == E2E_SOME_LOST;
+}
+
+static bool battery_lapses(node_t *node)
+{
+    node->wish.battery.charge_current_mA = 0;
+    node->wish.battery.discharge_current_mA = node->pack.discharge_current_mA;
+    return true;
+}
+
+bool node_tick(node_t *node, uint32_t now_ms)
+{
+    bool changed = false;
+    (void)e2e_timed_out(&node->demand, now_ms); /* the demand's age says the rest */
+    if (node->wish.demand_known && now_ms - node->wish.demand_time_ms >= NODE_DEMAND_FORGOTTEN_ms) {
+        node->wish.demand_known = false;
+        changed = true;
+    }
+    if (e2e_timed_out(&node->battery, now_ms)) {
+        changed = battery_lapses(node) || changed;
+    }
+    return changed;
+}
+
+static bool hear_demand(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
+{
+    messages_demand_t demand;
+    const bool plausible = messages_read_demand(frame, &demand);
+    if (!is_at_hand(e2e_receive(&node->demand, frame->data, frame->identifier, plausible, now_ms))) {
+        return false;
+    }
+    node->wish.demand = demand;
+    node->wish.demand_time_ms = now_ms;
+    node->wish.demand_known = true;
+    return true;
+}
+
+static bool hear_battery(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
+{
+    messages_battery_t battery;
+    const bool plausible = messages_read_battery(frame, &battery);
+    if (!is_at_hand(e2e_receive(&node->battery, frame->data, frame->identifier, plausible, now_ms))) {
+        return false;
+    }
+    node->wish.battery = battery;
+    return true;
+}
+
+bool node_hear(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
+{
+    const bool lapsed = node_tick(node, now_ms);
+    if (frame->identifier == messages_identifier(MESSAGES_DEMAND, node->wheel)) {
+        return hear_demand(node, frame, now_ms) || lapsed;
+    }
+    if (frame->identifier == messages_identifier(MESSAGES_BATTERY_LIMITS, node->wheel)) {
+        return hear_battery(node, frame, now_ms) || lapsed;
+    }
+    node->foreign++;
+    return lapsed;
+}
+
+static bool is_due(uint32_t due_ms, uint32_t now_ms)
+{
+    return now_ms - due_ms < UINT32_MAX / 2U; /* not in the future, also when the clock has wrapped in between */
+}
+
+bool node_next(node_t *node, uint32_t now_ms, const messages_output_t *output, messages_frame_t *frame)
+{
+    for (uint32_t i = 0; i < MESSAGES_SENT; i++) {
+        if (!is_due(node->due_ms[i], now_ms)) {
+            continue;
+        }
+        messages_output_t complete = *output;
+        complete.demand_link = node->demand.link;
+        complete.battery_link = node->battery.link;
+        complete.demand_errors = e2e_errors(&node->demand.counts);
+        complete.battery_errors = e2e_errors(&node->battery.counts);
+        node->offered = sent_kind(i);
+        *frame = messages_output(node->offered, &complete, node->wheel, node->counter[i]);
+        return true;
+    }
+    node->offered = MESSAGES_KINDS;
+    return false;
+}
+
+void node_sent(node_t *node, uint32_t now_ms)
+{
+    if (node->offered == MESSAGES_KINDS) {
+        return;
+    }
+    const uint32_t i = (uint32_t)node->offered - MESSAGES_HEARD;
+    const uint32_t cycle_ms = messages_cycle_ms(node->offered);
+    node->counter[i]++;
+    node->due_ms[i] += cycle_ms;
+    if (is_due(node->due_ms[i], now_ms)) {
+        node->due_ms[i] = now_ms + cycle_ms; /* a whole cycle late: no hurry to catch up */
+    }
+    node->offered = MESSAGES_KINDS;
+}
+
+uint32_t node_demand_age_ms(const node_wish_t *wish, uint32_t now_ms)
+{
+    return wish->demand_known ? now_ms - wish->demand_time_ms : UINT32_MAX;
+}

@@ -1,0 +1,145 @@
+/*
+ * Configuration "ebike36v": 36 V 350 W gearless hub.
+ *
+ * Written by tools/regen_table 0.1.0 from ebike36v.toml; the same bytes as ebike36v.bin. Not edited by hand: change the
+ * TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the section that can be flashed alone.
+ */
+#include "config/config.h"
+
+#ifndef CONFIG_SECTION
+#define CONFIG_SECTION
+#endif
+
+extern const config_t CONFIG_EBIKE36V;
+
+CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
+    .magic = CONFIG_MAGIC,
+    .format_version = 2,
+    .size_bytes = sizeof(config_t),
+    .generator_version = 0x00000100,
+    .name = "ebike36v",
+    .motor = {
+        .type                              = 0, /* 0 surface magnets (L_d = L_q), 1 interior magnets */
+        .pole_pairs                        = 15, /* electrical turns in a mechanical turn */
+        .phase_resistance_uOhm             = 179300, /* [uOhm] one phase, at reference_temperature_cC */
+        .reference_temperature_cC          = 2500, /* [cC] winding temperature at which the resistance holds */
+        .resistance_coefficient_ppm_K      = 3930, /* [ppm/K] rise of resistance with temperature; copper 3930 */
+        .d_inductance_nH                   = 336000, /* [nH] direct axis */
+        .q_inductance_nH                   = 336000, /* [nH] quadrature axis */
+        .flux_linkage_nWb                  = 22970000, /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
+        .iron_loss_resistance_mOhm         = 20000, /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
+        .iron_loss_resistance_slope_nOhm_s = 67000000, /* [nOhm s] part of R_i proportional to electrical speed */
+        .friction_torque_mNm               = 50, /* [mNm] Coulomb friction of bearings and seals */
+        .viscous_friction_uNm_s            = 0, /* [uNm s] friction proportional to mechanical speed */
+        .rated_torque_mNm                  = 8000, /* [mNm] continuous torque */
+        .max_torque_mNm                    = 15000, /* [mNm] largest torque in either direction */
+        .max_power_mW                      = 450000, /* [mW] largest electromagnetic power in either direction */
+        .max_phase_current_mA              = 35000, /* [mA] peak */
+        .max_speed_mrad_s                  = 43982, /* [mrad/s] driving torque fades out here; braking torque does not */
+        .derate_winding_temperature_cC     = 11000, /* [cC] torque limit starts to shrink */
+        .max_winding_temperature_cC        = 13000, /* [cC] torque limit reaches zero */
+    },
+    .drive = {
+        .current_full_scale_mA        = 50000, /* [mA] base of current: what half the converter's range stands for */
+        .voltage_full_scale_mV        = 60000, /* [mV] base of voltage: what the converter's whole range stands for */
+        .pwm_frequency_Hz             = 16000, /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
+        .pwm_period_counts            = 5250, /* timer counts from 0 to the top of the centre-aligned count */
+        .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
+        .min_pulse_counts             = 168, /* shortest low-side pulse: sampling window of the shunts */
+        .derate_switch_temperature_cC = 30000, /* [cC] torque limit starts to shrink */
+        .max_switch_temperature_cC    = 30000, /* [cC] torque limit reaches zero */
+    },
+    .current_loop = {
+        .bandwidth_Hz                   = 500, /* [Hz] closed loop, first order after 1.5 periods of delay; for the record, the gains below realise it */
+        .proportional_d_pu_q16          = 41393, /* [pu] L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
+        .proportional_q_pu_q16          = 41393, /* [pu] L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
+        .integral_d_pu_q24              = 353420, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 353420, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .inductance_d_pu_q16            = 115297, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
+        .inductance_q_pu_q16            = 115297, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
+        .flux_pu_q16                    = 157641, /* [pu] omega_base psi / V_base, back-EMF */
+        .modulation_limit_pu_q15        = 30121, /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        .max_current_pu_q15             = 22938, /* [pu] largest |i| the loop is asked for */
+        .field_weakening_gain_pu_q15    = 0, /* [pu] current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped */
+        .field_weakening_current_pu_q15 = 0, /* [pu] largest demagnetising current */
+        .dead_time_zone_pu_q15          = 128, /* [pu] current below which the dead-time compensation is proportional */
+    },
+    .rotor = {
+        .sensor               = 1, /* 0 absolute electrical angle, 1 three hall sensors */
+        .pll_bandwidth_Hz     = 50, /* [Hz] tracking of the angle, for the record */
+        .pll_proportional_q16 = 2574, /* share of the angle error corrected in one PWM period */
+        .pll_integral_q24     = 6468, /* share of the angle error added to the speed in one PWM period */
+        .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
+    },
+    .battery = {
+        .driven_wheels            = 1, /* motors that share the pack; limits below are one motor's share */
+        .max_charge_current_mA    = 8000, /* [mA] 0: no regeneration into the battery */
+        .max_discharge_current_mA = 20000, /* [mA] */
+        .foldback_voltage_mV      = 41160, /* [mV] charge limit starts to shrink */
+        .max_voltage_mV           = 42000, /* [mV] charge limit reaches zero */
+        .min_voltage_mV           = 30000, /* [mV] discharge limit reaches zero */
+        .overvoltage_trip_mV      = 44100, /* [mV] bridge goes to its safe state */
+        .undervoltage_trip_mV     = 27000, /* [mV] bridge goes to its safe state */
+    },
+    .brake = {
+        .strategy                    = 2, /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
+        .parallel_electric_share_q15 = 6554, /* electric part of the whole demand (parallel_ratio) */
+        .electric_rated_torque_mNm   = 8000, /* [mNm] electric torque before the hydraulic brake adds (parallel) */
+        .max_hydraulic_torque_mNm    = 120000, /* [mNm] 0: no hydraulic brake under this controller's command */
+        .handover_start_mrad_s       = 2094, /* [mrad/s] electric braking starts to fade below this speed */
+        .handover_end_mrad_s         = 838, /* [mrad/s] no electric braking below this speed */
+        .torque_rate_mNm_s           = 60000, /* [mNm/s] fastest change of motor torque that is asked for */
+        .shortfall_band_mNm          = 750, /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        .demand_timeout_ms           = 100, /* [ms] older demands count as lost */
+    },
+    .vehicle = {
+        .wheel_radius_um = 253000, /* [um] rolling radius */
+        .mass_g          = 105000, /* [g] for plausibility only */
+    },
+    .monitor = {
+        .overcurrent_pu_q15     = 29819, /* [pu] |i| of any phase that trips */
+        .current_sum_pu_q15     = 1638, /* [pu] largest |i_a + i_b + i_c| */
+        .offset_tolerance_codes = 200, /* distance of a current sensor's zero from mid-range */
+        .torque_tolerance_mNm   = 1500, /* [mNm] estimate against permitted torque */
+        .torque_fault_time_ms   = 50, /* [ms] how long the torque may be wrong */
+    },
+    .regen_map = {
+        .speed_points          = 12, /* points along speed, from standstill */
+        .speed_step_log2       = 12, /* distance of the points is 2^this mrad/s, mechanical */
+        .temperature_points    = 5, /* points along winding temperature */
+        .temperature_step_log2 = 12, /* distance of the points is 2^this hundredths of a degree */
+        .temperature_origin_cC = -2000, /* [cC] winding temperature of the first point */
+        .torque_mNm = {
+            /* a column every 4.096 rad/s, mechanical */
+            /* -20 degC */
+            -130, 2273, 4667, 7052, 9432, 11807, 14177, 16542, 18904, 21262,
+            23616, 25967,
+            /* 20.96 degC */
+            -110, 1919, 3937, 5948, 7955, 9958, 11954, 13949, 15940, 17929,
+            19915, 21898,
+            /* 61.92 degC */
+            -95, 1661, 3407, 5146, 6880, 8611, 10338, 12062, 13784, 15503,
+            17220, 18935,
+            /* 102.88 degC */
+            -83, 1465, 3004, 4536, 6064, 7588, 9110, 10628, 12145, 13659,
+            15172, 16683,
+            /* 143.84 degC */
+            -74, 1311, 2687, 4057, 5423, 6785, 8144, 9501, 10856, 12210,
+            13561, 14912,
+        },
+    },
+    .current_map = {
+        .torque_points    = 5, /* odd: points along torque in the direction of rotation, braking first; the middle one is no torque */
+        .torque_step_log2 = 13, /* distance of the points is 2^this mNm at the airgap */
+        .speed_points     = 2, /* points along speed, from standstill */
+        .speed_step_log2  = 16, /* distance of the points is 2^this mrad/s, mechanical */
+        .current_d_mA = {
+            /* a column every 8.192 N m from -16.384 N m on */
+            /* 0 rad/s */
+            0, 0, 0, 0, 0,
+            /* 65.536 rad/s */
+            -295, -353, -283, -475, -539,
+        },
+    },
+    .crc32 = 0x894BFDE7,
+};

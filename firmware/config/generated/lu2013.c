@@ -1,0 +1,153 @@
+/*
+ * Configuration "lu2013": Lu 2013 in-wheel motor.
+ *
+ * Written by tools/regen_table 0.1.0 from lu2013.toml; the same bytes as lu2013.bin. Not edited by hand: change the
+ * TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the section that can be flashed alone.
+ */
+#include "config/config.h"
+
+#ifndef CONFIG_SECTION
+#define CONFIG_SECTION
+#endif
+
+extern const config_t CONFIG_LU2013;
+
+CONFIG_SECTION const config_t CONFIG_LU2013 = {
+    .magic = CONFIG_MAGIC,
+    .format_version = 2,
+    .size_bytes = sizeof(config_t),
+    .generator_version = 0x00000100,
+    .name = "lu2013",
+    .motor = {
+        .type                              = 0, /* 0 surface magnets (L_d = L_q), 1 interior magnets */
+        .pole_pairs                        = 23, /* electrical turns in a mechanical turn */
+        .phase_resistance_uOhm             = 31000, /* [uOhm] one phase, at reference_temperature_cC */
+        .reference_temperature_cC          = 2500, /* [cC] winding temperature at which the resistance holds */
+        .resistance_coefficient_ppm_K      = 3930, /* [ppm/K] rise of resistance with temperature; copper 3930 */
+        .d_inductance_nH                   = 76000, /* [nH] direct axis */
+        .q_inductance_nH                   = 76000, /* [nH] quadrature axis */
+        .flux_linkage_nWb                  = 20400000, /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
+        .iron_loss_resistance_mOhm         = 1500, /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
+        .iron_loss_resistance_slope_nOhm_s = 6000000, /* [nOhm s] part of R_i proportional to electrical speed */
+        .friction_torque_mNm               = 0, /* [mNm] Coulomb friction of bearings and seals */
+        .viscous_friction_uNm_s            = 0, /* [uNm s] friction proportional to mechanical speed */
+        .rated_torque_mNm                  = 30000, /* [mNm] continuous torque */
+        .max_torque_mNm                    = 40000, /* [mNm] largest torque in either direction */
+        .max_power_mW                      = 2094000, /* [mW] largest electromagnetic power in either direction */
+        .max_phase_current_mA              = 75000, /* [mA] peak */
+        .max_speed_mrad_s                  = 67021, /* [mrad/s] driving torque fades out here; braking torque does not */
+        .derate_winding_temperature_cC     = 13000, /* [cC] torque limit starts to shrink */
+        .max_winding_temperature_cC        = 15000, /* [cC] torque limit reaches zero */
+    },
+    .drive = {
+        .current_full_scale_mA        = 165000, /* [mA] base of current: what half the converter's range stands for */
+        .voltage_full_scale_mV        = 61800, /* [mV] base of voltage: what the converter's whole range stands for */
+        .pwm_frequency_Hz             = 20000, /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
+        .pwm_period_counts            = 4200, /* timer counts from 0 to the top of the centre-aligned count */
+        .dead_time_ns                 = 1000, /* [ns] between the two switches of a leg */
+        .min_pulse_counts             = 84, /* shortest low-side pulse: sampling window of the shunts */
+        .derate_switch_temperature_cC = 30000, /* [cC] torque limit starts to shrink */
+        .max_switch_temperature_cC    = 30000, /* [cC] torque limit reaches zero */
+    },
+    .current_loop = {
+        .bandwidth_Hz                   = 1000, /* [Hz] closed loop, first order after 1.5 periods of delay; for the record, the gains below realise it */
+        .proportional_d_pu_q16          = 51313, /* [pu] L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
+        .proportional_q_pu_q16          = 51313, /* [pu] L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
+        .integral_d_pu_q24              = 267909, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 267909, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .inductance_d_pu_q16            = 104443, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
+        .inductance_q_pu_q16            = 104443, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
+        .flux_pu_q16                    = 169907, /* [pu] omega_base psi / V_base, back-EMF */
+        .modulation_limit_pu_q15        = 30115, /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        .max_current_pu_q15             = 14895, /* [pu] largest |i| the loop is asked for */
+        .field_weakening_gain_pu_q15    = 175, /* [pu] current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped */
+        .field_weakening_current_pu_q15 = 7944, /* [pu] largest demagnetising current */
+        .dead_time_zone_pu_q15          = 138, /* [pu] current below which the dead-time compensation is proportional */
+    },
+    .rotor = {
+        .sensor               = 1, /* 0 absolute electrical angle, 1 three hall sensors */
+        .pll_bandwidth_Hz     = 50, /* [Hz] tracking of the angle, for the record */
+        .pll_proportional_q16 = 2059, /* share of the angle error corrected in one PWM period */
+        .pll_integral_q24     = 4140, /* share of the angle error added to the speed in one PWM period */
+        .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
+    },
+    .battery = {
+        .driven_wheels            = 4, /* motors that share the pack; limits below are one motor's share */
+        .max_charge_current_mA    = 50000, /* [mA] 0: no regeneration into the battery */
+        .max_discharge_current_mA = 62500, /* [mA] */
+        .foldback_voltage_mV      = 57232, /* [mV] charge limit starts to shrink */
+        .max_voltage_mV           = 58400, /* [mV] charge limit reaches zero */
+        .min_voltage_mV           = 40000, /* [mV] discharge limit reaches zero */
+        .overvoltage_trip_mV      = 60564, /* [mV] bridge goes to its safe state */
+        .undervoltage_trip_mV     = 36000, /* [mV] bridge goes to its safe state */
+    },
+    .brake = {
+        .strategy                    = 2, /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
+        .parallel_electric_share_q15 = 6554, /* electric part of the whole demand (parallel_ratio) */
+        .electric_rated_torque_mNm   = 40000, /* [mNm] electric torque before the hydraulic brake adds (parallel) */
+        .max_hydraulic_torque_mNm    = 300000, /* [mNm] 0: no hydraulic brake under this controller's command */
+        .handover_start_mrad_s       = 2618, /* [mrad/s] electric braking starts to fade below this speed */
+        .handover_end_mrad_s         = 838, /* [mrad/s] no electric braking below this speed */
+        .torque_rate_mNm_s           = 400000, /* [mNm/s] fastest change of motor torque that is asked for */
+        .shortfall_band_mNm          = 2000, /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        .demand_timeout_ms           = 100, /* [ms] older demands count as lost */
+    },
+    .vehicle = {
+        .wheel_radius_um = 250000, /* [um] rolling radius */
+        .mass_g          = 660000, /* [g] for plausibility only */
+    },
+    .monitor = {
+        .overcurrent_pu_q15     = 19363, /* [pu] |i| of any phase that trips */
+        .current_sum_pu_q15     = 1638, /* [pu] largest |i_a + i_b + i_c| */
+        .offset_tolerance_codes = 200, /* distance of a current sensor's zero from mid-range */
+        .torque_tolerance_mNm   = 4000, /* [mNm] estimate against permitted torque */
+        .torque_fault_time_ms   = 50, /* [ms] how long the torque may be wrong */
+    },
+    .regen_map = {
+        .speed_points          = 18, /* points along speed, from standstill */
+        .speed_step_log2       = 12, /* distance of the points is 2^this mrad/s, mechanical */
+        .temperature_points    = 3, /* points along winding temperature */
+        .temperature_step_log2 = 13, /* distance of the points is 2^this hundredths of a degree */
+        .temperature_origin_cC = -2000, /* [cC] winding temperature of the first point */
+        .torque_mNm = {
+            /* a column every 4.096 rad/s, mechanical */
+            /* -20 degC */
+            -2047, 22001, 45682, 69113, 92341, 115390, 138272, 160998, 183572, 205998,
+            228281, 250423, 272425, 294291, 316021, 337619, 359084, 380418,
+            /* 61.92 degC */
+            -1522, 16523, 34238, 51764, 69128, 86379, 103526, 120576, 137535, 154406,
+            171193, 187897, 204521, 221065, 237531, 253920, 270233, 286471,
+            /* 143.84 degC */
+            -1211, 13282, 27463, 41469, 55358, 69153, 82870, 96518, 110103, 123628,
+            137095, 150508, 163867, 177174, 190429, 203634, 216789, 229894,
+        },
+    },
+    .current_map = {
+        .torque_points    = 5, /* odd: points along torque in the direction of rotation, braking first; the middle one is no torque */
+        .torque_step_log2 = 15, /* distance of the points is 2^this mNm at the airgap */
+        .speed_points     = 9, /* points along speed, from standstill */
+        .speed_step_log2  = 14, /* distance of the points is 2^this mrad/s, mechanical */
+        .current_d_mA = {
+            /* a column every 32.768 N m from -65.536 N m on */
+            /* 0 rad/s */
+            0, 0, 0, 0, 0,
+            /* 16.384 rad/s */
+            -778, -1098, -772, -1813, -2198,
+            /* 32.768 rad/s */
+            -2784, -3141, -2322, -4043, -4560,
+            /* 49.152 rad/s */
+            -4975, -5319, -4299, -6315, -6915,
+            /* 65.536 rad/s */
+            -7206, -7522, -6487, -8576, -9240,
+            /* 81.92 rad/s */
+            -9433, -9717, -8740, -10812, -11530,
+            /* 98.304 rad/s */
+            -11641, -11894, -10998, -13019, -13783,
+            /* 114.688 rad/s */
+            -13824, -14045, -13238, -15195, -15999,
+            /* 131.072 rad/s */
+            -15977, -16170, -15451, -17339, -18179,
+        },
+    },
+    .crc32 = 0xE64CF843,
+};

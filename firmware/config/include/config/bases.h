@@ -1,0 +1,49 @@
+/*
+ * bases.h: the per-unit bases, and every conversion between the fast reach's per-unit and the slow reach's SI units.
+ *
+ *     current   1.0 pu = drive.current_full_scale_mA          peak phase current
+ *     bus       1.0 pu = drive.voltage_full_scale_mV          bus voltage
+ *     phase     1.0 pu = v_dc / sqrt(3)                       "modulation": the largest phase voltage SVPWM can make now
+ *     speed     1.0 pu = 1/16 electrical turn per PWM period  (1250 Hz electrical at 20 kHz)
+ *     angle     65 536 = one electrical turn
+ *
+ * Q15 stands for 32 768 = 1.0. All functions divide or multiply in 64 bits: for the slow reach only. They saturate.
+ */
+#ifndef CONFIG_BASES_H
+#define CONFIG_BASES_H
+
+#include <stdint.h>
+
+#include "config/config.h"
+#include "core/q15.h"
+
+static inline int32_t bases_current_mA(const config_t *config, int32_t current_pu_q15)
+{
+    return q_scale(current_pu_q15, config->drive.current_full_scale_mA, 32768);
+}
+
+static inline int16_t bases_current_pu_q15(const config_t *config, int32_t current_mA)
+{
+    return q15_saturate(q_scale(current_mA, 32768, config->drive.current_full_scale_mA));
+}
+
+static inline int32_t bases_bus_voltage_mV(const config_t *config, int32_t voltage_pu_q15)
+{
+    return q_scale(voltage_pu_q15, config->drive.voltage_full_scale_mV, 32768);
+}
+
+/* Electrical speed as the fast reach keeps it, turns per PWM period in Q32, to mechanical mrad/s.
+ *     omega_m = turns/period * f_pwm * 2 pi / pole_pairs;   2 pi * 1000 = 6283.19 mrad a turn */
+static inline int32_t bases_speed_mrad_s(const config_t *config, int32_t speed_turn_q32)
+{
+    const int64_t turns_per_s_q16 = ((int64_t)speed_turn_q32 * config->drive.pwm_frequency_Hz) / 65536;
+    return q_saturate64(turns_per_s_q16 * 628319 / (INT64_C(6553600) * config->motor.pole_pairs));
+}
+
+/* Mechanical mrad/s to electrical mrad/s; saturates. */
+static inline int32_t bases_electrical_mrad_s(const config_t *config, int32_t speed_mrad_s)
+{
+    return q_saturate64((int64_t)speed_mrad_s * config->motor.pole_pairs);
+}
+
+#endif

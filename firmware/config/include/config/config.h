@@ -1,0 +1,219 @@
+/*
+ * config.h: config_t, everything one controller must know about its board, motor, battery and vehicle.
+ *
+ * One constant image: written by tools/regen_table from a TOML file, linked into its own flash section, replaceable
+ * without rebuilding the firmware, refused in BOOT unless config_validate() accepts it. This header is the only
+ * place that knows its layout: the C structures, the validator's ranges and the Python generator all come from the
+ * lists below, one line a field:
+ *
+ *     X(name, smallest accepted value, largest accepted value, "unit", "meaning, meaning of zero, effect of raising")
+ *
+ * Every scalar is an int32_t, so there is no padding on any machine. The unit is part of the name: _mNm, _mA, _mV,
+ * _mW, _uOhm, _nH, _nWb, _cC (hundredths of a degree Celsius), _mrad_s (mechanical), _turn (65 536 = one electrical
+ * turn), _pu_qN (per unit, fixed point with N fraction bits). Per-unit bases: firmware/config/include/config/bases.h.
+ *
+ * Limits are those of ONE motor and its share of the battery (the pack's current divided by the driven wheels).
+ * Braking torques are magnitudes >= 0; signed torques drive forward when positive.
+ */
+#ifndef CONFIG_CONFIG_H
+#define CONFIG_CONFIG_H
+
+#include <stdint.h>
+
+#define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
+#define CONFIG_FORMAT_VERSION 2
+#define CONFIG_NAME_LENGTH 32
+#define CONFIG_REGEN_SPEED_POINTS_MAX 65
+#define CONFIG_REGEN_TEMPERATURE_POINTS_MAX 9
+#define CONFIG_REGEN_POINTS_MAX 585       /* SPEED_POINTS_MAX * TEMPERATURE_POINTS_MAX, a literal for parsers */
+#define CONFIG_CURRENT_MAP_POINTS_MAX 289 /* 17 points of torque times 17 of speed */
+#define CONFIG_HALL_EDGES 6
+
+#define CONFIG_MOTOR_SPMSM 0
+#define CONFIG_MOTOR_IPMSM 1
+
+#define CONFIG_STRATEGY_PARALLEL_RATIO 0
+#define CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL 1
+#define CONFIG_STRATEGY_SERIES_OPTIMAL 2
+
+#define CONFIG_ROTOR_ANGLE 0 /* an absolute electrical angle from the port: encoder, or ideal in simulation */
+#define CONFIG_ROTOR_HALL 1
+
+/* clang-format off */
+
+#define CONFIG_MOTOR_FIELDS(X) \
+    X(type,                                  0,         1,          "",       "0 surface magnets (L_d = L_q), 1 interior magnets") \
+    X(pole_pairs,                            1,         60,         "1",      "electrical turns in a mechanical turn") \
+    X(phase_resistance_uOhm,                 10,        100000000,  "uOhm",   "one phase, at reference_temperature_cC") \
+    X(reference_temperature_cC,              -5000,     15000,      "cC",     "winding temperature at which the resistance holds") \
+    X(resistance_coefficient_ppm_K,          0,         10000,      "ppm/K",  "rise of resistance with temperature; copper 3930") \
+    X(d_inductance_nH,                       100,       1000000000, "nH",     "direct axis") \
+    X(q_inductance_nH,                       100,       1000000000, "nH",     "quadrature axis") \
+    X(flux_linkage_nWb,                      1000,      2000000000, "nWb",    "peak phase flux linkage of the magnets (amplitude-invariant)") \
+    X(iron_loss_resistance_mOhm,             0,         2000000000, "mOhm",   "constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss") \
+    X(iron_loss_resistance_slope_nOhm_s,     0,         2000000000, "nOhm s", "part of R_i proportional to electrical speed") \
+    X(friction_torque_mNm,                   0,         1000000,    "mNm",    "Coulomb friction of bearings and seals") \
+    X(viscous_friction_uNm_s,                0,         1000000000, "uNm s",  "friction proportional to mechanical speed") \
+    X(rated_torque_mNm,                      10,        20000000,   "mNm",    "continuous torque") \
+    X(max_torque_mNm,                        10,        20000000,   "mNm",    "largest torque in either direction") \
+    X(max_power_mW,                          1000,      1000000000, "mW",     "largest electromagnetic power in either direction") \
+    X(max_phase_current_mA,                  100,       3000000,    "mA",     "peak") \
+    X(max_speed_mrad_s,                      1000,      5000000,    "mrad/s", "driving torque fades out here; braking torque does not") \
+    X(derate_winding_temperature_cC,         0,         30000,      "cC",     "torque limit starts to shrink") \
+    X(max_winding_temperature_cC,            1000,      30000,      "cC",     "torque limit reaches zero")
+
+#define CONFIG_DRIVE_FIELDS(X) \
+    X(current_full_scale_mA,                 1000,      4000000,    "mA",     "base of current: what half the converter's range stands for") \
+    X(voltage_full_scale_mV,                 5000,      2000000,    "mV",     "base of voltage: what the converter's whole range stands for") \
+    X(pwm_frequency_Hz,                      4000,      100000,     "Hz",     "rate of the fast reach; base of speed is a sixteenth of it") \
+    X(pwm_period_counts,                     256,       16384,      "1",      "timer counts from 0 to the top of the centre-aligned count") \
+    X(dead_time_ns,                          0,         10000,      "ns",     "between the two switches of a leg") \
+    X(min_pulse_counts,                      0,         4096,       "1",      "shortest low-side pulse: sampling window of the shunts") \
+    X(derate_switch_temperature_cC,          0,         30000,      "cC",     "torque limit starts to shrink") \
+    X(max_switch_temperature_cC,             1000,      30000,      "cC",     "torque limit reaches zero")
+
+#define CONFIG_CURRENT_LOOP_FIELDS(X) \
+    X(bandwidth_Hz,                          10,        10000,      "Hz",     "closed loop, first order after 1.5 periods of delay; for the record, the gains below realise it") \
+    X(proportional_d_pu_q16,                 1,         1048576,    "pu",     "L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped") \
+    X(proportional_q_pu_q16,                 1,         1048576,    "pu",     "L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped") \
+    X(integral_d_pu_q24,                     1,         16777216,   "pu",     "k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole") \
+    X(integral_q_pu_q24,                     1,         16777216,   "pu",     "k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole") \
+    X(inductance_d_pu_q16,                   1,         1048576,    "pu",     "omega_base L_d I_base / V_base, cross-coupling") \
+    X(inductance_q_pu_q16,                   1,         1048576,    "pu",     "omega_base L_q I_base / V_base, cross-coupling") \
+    X(flux_pu_q16,                           1,         1048576,    "pu",     "omega_base psi / V_base, back-EMF") \
+    X(modulation_limit_pu_q15,               8192,      32767,      "pu",     "largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window") \
+    X(max_current_pu_q15,                    164,       32767,      "pu",     "largest |i| the loop is asked for") \
+    X(field_weakening_gain_pu_q15,           0,         32767,      "pu",     "current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped") \
+    X(field_weakening_current_pu_q15,        0,         32767,      "pu",     "largest demagnetising current") \
+    X(dead_time_zone_pu_q15,                 128,       32767,        "pu",     "current below which the dead-time compensation is proportional")
+
+#define CONFIG_ROTOR_FIELDS(X) \
+    X(sensor,                                0,         1,          "",       "0 absolute electrical angle, 1 three hall sensors") \
+    X(pll_bandwidth_Hz,                      1,         1000,       "Hz",     "tracking of the angle, for the record") \
+    X(pll_proportional_q16,                  1,         65536,      "1",      "share of the angle error corrected in one PWM period") \
+    X(pll_integral_q24,                      1,         16777216,   "1",      "share of the angle error added to the speed in one PWM period")
+
+#define CONFIG_HALL_ARRAY(Y) \
+    Y(edge_turn, CONFIG_HALL_EDGES,          0,         65535,      "turn",   "electrical angle at which sector k begins when turning forward")
+
+#define CONFIG_BATTERY_FIELDS(X) \
+    X(driven_wheels,                         1,         16,         "1",      "motors that share the pack; limits below are one motor's share") \
+    X(max_charge_current_mA,                 0,         2000000,    "mA",     "0: no regeneration into the battery") \
+    X(max_discharge_current_mA,              100,       2000000,    "mA",     "") \
+    X(foldback_voltage_mV,                   1000,      2000000,    "mV",     "charge limit starts to shrink") \
+    X(max_voltage_mV,                        1000,      2000000,    "mV",     "charge limit reaches zero") \
+    X(min_voltage_mV,                        1000,      2000000,    "mV",     "discharge limit reaches zero") \
+    X(overvoltage_trip_mV,                   1000,      2000000,    "mV",     "bridge goes to its safe state") \
+    X(undervoltage_trip_mV,                  500,       2000000,    "mV",     "bridge goes to its safe state")
+
+#define CONFIG_BRAKE_FIELDS(X) \
+    X(strategy,                              0,         2,          "",       "0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal") \
+    X(parallel_electric_share_q15,           0,         32767,      "1",      "electric part of the whole demand (parallel_ratio)") \
+    X(electric_rated_torque_mNm,             0,         20000000,   "mNm",    "electric torque before the hydraulic brake adds (parallel)") \
+    X(max_hydraulic_torque_mNm,              0,         20000000,   "mNm",    "0: no hydraulic brake under this controller's command") \
+    X(handover_start_mrad_s,                 0,         1000000,    "mrad/s", "electric braking starts to fade below this speed") \
+    X(handover_end_mrad_s,                   0,         1000000,    "mrad/s", "no electric braking below this speed") \
+    X(torque_rate_mNm_s,                     100,       2000000000, "mNm/s",  "fastest change of motor torque that is asked for") \
+    X(shortfall_band_mNm,                    1,         1000000,    "mNm",    "missing motor torque tolerated before the hydraulic brake fills it") \
+    X(demand_timeout_ms,                     5,         1000,       "ms",     "older demands count as lost")
+
+#define CONFIG_VEHICLE_FIELDS(X) \
+    X(wheel_radius_um,                       10000,     2000000,    "um",     "rolling radius") \
+    X(mass_g,                                1000,      100000000,  "g",      "for plausibility only")
+
+#define CONFIG_MONITOR_FIELDS(X) \
+    X(overcurrent_pu_q15,                    164,       32767,      "pu",     "|i| of any phase that trips") \
+    X(current_sum_pu_q15,                    16,        32767,      "pu",     "largest |i_a + i_b + i_c|") \
+    X(offset_tolerance_codes,                1,         1024,       "1",      "distance of a current sensor's zero from mid-range") \
+    X(torque_tolerance_mNm,                  1,         1000000,    "mNm",    "estimate against permitted torque") \
+    X(torque_fault_time_ms,                  1,         1000,       "ms",     "how long the torque may be wrong")
+
+#define CONFIG_REGEN_MAP_FIELDS(X) \
+    X(speed_points,                          2,         65,         "1",      "points along speed, from standstill") \
+    X(speed_step_log2,                       6,         20,         "",       "distance of the points is 2^this mrad/s, mechanical") \
+    X(temperature_points,                    2,         9,          "1",      "points along winding temperature") \
+    X(temperature_step_log2,                 6,         15,         "",       "distance of the points is 2^this hundredths of a degree") \
+    X(temperature_origin_cC,                 -10000,    20000,      "cC",     "winding temperature of the first point")
+
+/* Row after row of equal temperature: torque[t * speed_points + s]; unused entries at the end are 0. */
+#define CONFIG_REGEN_MAP_ARRAY(Y) \
+    Y(torque_mNm, CONFIG_REGEN_POINTS_MAX,   -100000000, 100000000, "mNm",    "unclamped braking torque that returns the most energy with the i_d of current_map, magnitude; near standstill its line goes on below zero, which counts as 0")
+
+#define CONFIG_CURRENT_MAP_FIELDS(X) \
+    X(torque_points,                         3,         17,         "1",      "odd: points along torque in the direction of rotation, braking first; the middle one is no torque") \
+    X(torque_step_log2,                      0,         24,         "",       "distance of the points is 2^this mNm at the airgap") \
+    X(speed_points,                          2,         17,         "1",      "points along speed, from standstill") \
+    X(speed_step_log2,                       6,         20,         "",       "distance of the points is 2^this mrad/s, mechanical")
+
+/* Row after row of equal speed: current_d[s * torque_points + t]; unused entries at the end are 0. */
+#define CONFIG_CURRENT_MAP_ARRAY(Y) \
+    Y(current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000, 3000000, "mA",   "terminal i_d of least loss, before field weakening; all 0: i_d = 0")
+
+/* clang-format on */
+
+#define CONFIG_SCALAR_MEMBER(name, lowest, highest, unit, text) int32_t name;
+#define CONFIG_ARRAY_MEMBER(name, count, lowest, highest, unit, text) int32_t name[count];
+
+typedef struct {
+    CONFIG_MOTOR_FIELDS(CONFIG_SCALAR_MEMBER)
+} config_motor_t;
+
+typedef struct {
+    CONFIG_DRIVE_FIELDS(CONFIG_SCALAR_MEMBER)
+} config_drive_t;
+
+typedef struct {
+    CONFIG_CURRENT_LOOP_FIELDS(CONFIG_SCALAR_MEMBER)
+} config_current_loop_t;
+
+typedef struct {
+    CONFIG_ROTOR_FIELDS(CONFIG_SCALAR_MEMBER)
+    CONFIG_HALL_ARRAY(CONFIG_ARRAY_MEMBER)
+} config_rotor_t;
+
+typedef struct {
+    CONFIG_BATTERY_FIELDS(CONFIG_SCALAR_MEMBER)
+} config_battery_t;
+
+typedef struct {
+    CONFIG_BRAKE_FIELDS(CONFIG_SCALAR_MEMBER)
+} config_brake_t;
+
+typedef struct {
+    CONFIG_VEHICLE_FIELDS(CONFIG_SCALAR_MEMBER)
+} config_vehicle_t;
+
+typedef struct {
+    CONFIG_MONITOR_FIELDS(CONFIG_SCALAR_MEMBER)
+} config_monitor_t;
+
+typedef struct {
+    CONFIG_REGEN_MAP_FIELDS(CONFIG_SCALAR_MEMBER)
+    CONFIG_REGEN_MAP_ARRAY(CONFIG_ARRAY_MEMBER)
+} config_regen_map_t;
+
+typedef struct {
+    CONFIG_CURRENT_MAP_FIELDS(CONFIG_SCALAR_MEMBER)
+    CONFIG_CURRENT_MAP_ARRAY(CONFIG_ARRAY_MEMBER)
+} config_current_map_t;
+
+typedef struct {
+    uint32_t magic;                /* CONFIG_MAGIC */
+    uint32_t format_version;       /* CONFIG_FORMAT_VERSION: changes whenever this header's layout changes */
+    uint32_t size_bytes;           /* sizeof(config_t) */
+    uint32_t generator_version;    /* 0x00MMmmpp of tools/regen_table */
+    char name[CONFIG_NAME_LENGTH]; /* of the TOML file, zero padded, always zero terminated */
+    config_motor_t motor;
+    config_drive_t drive;
+    config_current_loop_t current_loop;
+    config_rotor_t rotor;
+    config_battery_t battery;
+    config_brake_t brake;
+    config_vehicle_t vehicle;
+    config_monitor_t monitor;
+    config_regen_map_t regen_map;
+    config_current_map_t current_map;
+    uint32_t crc32; /* CRC-32 (IEEE 802.3, reflected, initial and final 0xFFFFFFFF) of all bytes before this field */
+} config_t;
+
+#endif

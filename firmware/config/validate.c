@@ -1,0 +1,229 @@
+#include "config/validate.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct {
+    const char *field;
+    uint16_t offset;
+    uint16_t count;
+    int32_t lowest;
+    int32_t highest;
+} field_range_t;
+
+#define SCALAR(section, name, lowest, highest)                                                                         \
+    {#section "." #name, (uint16_t)offsetof(config_t, section.name), 1, (lowest), (highest)},
+#define ARRAY(section, name, count, lowest, highest)                                                                   \
+    {#section "." #name, (uint16_t)offsetof(config_t, section.name), (count), (lowest), (highest)},
+
+#define MOTOR(name, lowest, highest, unit, text) SCALAR(motor, name, lowest, highest)
+#define DRIVE(name, lowest, highest, unit, text) SCALAR(drive, name, lowest, highest)
+#define CURRENT_LOOP(name, lowest, highest, unit, text) SCALAR(current_loop, name, lowest, highest)
+#define ROTOR(name, lowest, highest, unit, text) SCALAR(rotor, name, lowest, highest)
+#define HALL(name, count, lowest, highest, unit, text) ARRAY(rotor, name, count, lowest, highest)
+#define BATTERY(name, lowest, highest, unit, text) SCALAR(battery, name, lowest, highest)
+#define BRAKE(name, lowest, highest, unit, text) SCALAR(brake, name, lowest, highest)
+#define VEHICLE(name, lowest, highest, unit, text) SCALAR(vehicle, name, lowest, highest)
+#define MONITOR(name, lowest, highest, unit, text) SCALAR(monitor, name, lowest, highest)
+#define REGEN_MAP(name, lowest, highest, unit, text) SCALAR(regen_map, name, lowest, highest)
+#define REGEN_ARRAY(name, count, lowest, highest, unit, text) ARRAY(regen_map, name, count, lowest, highest)
+#define CURRENT_MAP(name, lowest, highest, unit, text) SCALAR(current_map, name, lowest, highest)
+#define CURRENT_MAP_POINTS(name, count, lowest, highest, unit, text) ARRAY(current_map, name, count, lowest, highest)
+
+static const field_range_t FIELDS[] = {
+    CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE) CONFIG_CURRENT_LOOP_FIELDS(CURRENT_LOOP)
+        CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL) CONFIG_BATTERY_FIELDS(BATTERY) CONFIG_BRAKE_FIELDS(BRAKE)
+            CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_MONITOR_FIELDS(MONITOR) CONFIG_REGEN_MAP_FIELDS(REGEN_MAP)
+                CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY) CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
+                    CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
+
+_Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
+_Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t), "the checksum is the last word");
+_Static_assert(CONFIG_REGEN_POINTS_MAX == CONFIG_REGEN_SPEED_POINTS_MAX * CONFIG_REGEN_TEMPERATURE_POINTS_MAX,
+               "the map holds every point of the largest grid");
+
+uint32_t config_crc32(const void *data, uint32_t size_bytes)
+{
+    const uint8_t *bytes = data;
+    uint32_t crc = UINT32_MAX;
+    for (uint32_t i = 0; i < size_bytes; i++) {
+        crc ^= bytes[i];
+        for (unsigned bit = 0; bit < 8; bit++) {
+            crc = (crc >> 1) ^ (UINT32_C(0xEDB88320) & (0U - (crc & 1U)));
+        }
+    }
+    return crc ^ UINT32_MAX;
+}
+
+static config_verdict_t verdict(config_verdict_code_t code, const char *field)
+{
+    const config_verdict_t out = {.code = code, .field = field, .value = 0, .lowest = 0, .highest = 0};
+    return out;
+}
+
+static config_verdict_t check_ranges(const config_t *config)
+{
+    for (size_t f = 0; f < sizeof(FIELDS) / sizeof(FIELDS[0]); f++) {
+        const field_range_t *range = &FIELDS[f];
+        /* Every field is an int32_t at a multiple of four bytes, so the image may be read as an array of words. */
+        const int32_t *value = (const int32_t *)(const void *)config + range->offset / sizeof(int32_t);
+        for (uint16_t i = 0; i < range->count; i++) {
+            if (value[i] < range->lowest || value[i] > range->highest) {
+                config_verdict_t out = verdict(CONFIG_VERDICT_RANGE, range->field);
+                out.value = value[i];
+                out.lowest = range->lowest;
+                out.highest = range->highest;
+                return out;
+            }
+        }
+    }
+    return verdict(CONFIG_VERDICT_OK, "");
+}
+
+typedef struct {
+    bool holds;
+    const char *relation;
+} relation_t;
+
+/* Every sector wide enough to be seen and narrow enough to be interpolated, 30 to 90 degrees; then the six make up
+ * exactly one turn in forward order. */
+static bool hall_sectors_in_order(const config_rotor_t *rotor)
+{
+    bool good = true;
+    for (int k = 0; k < CONFIG_HALL_EDGES; k++) {
+        const uint32_t next = (uint32_t)rotor->edge_turn[(k + 1) % CONFIG_HALL_EDGES];
+        const uint32_t width_turn = (next - (uint32_t)rotor->edge_turn[k]) & 0xFFFFU;
+        good = good && width_turn >= 5461U && width_turn <= 16384U;
+    }
+    return good;
+}
+
+/* One modulation unit at the lowest bus voltage, limit * v_dc / sqrt 3, per unit of voltage in Q15, times 10^4 sqrt 3. */
+static int64_t lowest_unit(const config_t *c)
+{
+    return (int64_t)c->current_loop.modulation_limit_pu_q15 * c->battery.undervoltage_trip_mV /
+           c->drive.voltage_full_scale_mV * 10000;
+}
+
+enum { SQRT3_1E4 = 17321 };
+
+static int64_t larger(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+/* In the current loop's modulation units the proportional gain must stay below 16 and the integral gain below 1/2. */
+static bool gains_fit(const config_t *c)
+{
+    const config_current_loop_t *loop = &c->current_loop;
+    const int64_t proportional_q16 = larger(loop->proportional_d_pu_q16, loop->proportional_q_pu_q16);
+    const int64_t integral_q24 = larger(loop->integral_d_pu_q24, loop->integral_q_pu_q24);
+    return proportional_q16 * SQRT3_1E4 / 2 < 16 * lowest_unit(c) &&
+           integral_q24 * SQRT3_1E4 / 512 < lowest_unit(c) / 2;
+}
+
+/* And w L I_base at the highest speed below 16. */
+static bool cross_coupling_fits(const config_t *c)
+{
+    const config_current_loop_t *loop = &c->current_loop;
+    const int64_t inductance_q16 = larger(loop->inductance_d_pu_q16, loop->inductance_q_pu_q16);
+    /* Electrical speed over its base, 2 pi f / 16 = 392.7 mrad/s for each hertz. */
+    const int64_t speed_1e6 = (int64_t)c->motor.max_speed_mrad_s * c->motor.pole_pairs * 10000000 /
+                              (INT64_C(3927) * c->drive.pwm_frequency_Hz);
+    return inductance_q16 * speed_1e6 / 1000000 * SQRT3_1E4 / 2 < 16 * lowest_unit(c);
+}
+
+/* k_i / k_p = R T / L of either axis below 1/4: the electrical time constant is longer than four PWM periods. */
+static bool time_constants_long_enough(const config_current_loop_t *loop)
+{
+    return loop->integral_d_pu_q24 / 64 < loop->proportional_d_pu_q16 &&
+           loop->integral_q_pu_q24 / 64 < loop->proportional_q_pu_q16;
+}
+
+/* At every stored i_d a quarter of the magnets' flux is left to make torque with, see motor_model.h. */
+static bool flux_left_everywhere(const config_t *c)
+{
+    const int64_t saliency_nH = (int64_t)c->motor.d_inductance_nH - c->motor.q_inductance_nH;
+    bool good = true;
+    for (int i = 0; i < CONFIG_CURRENT_MAP_POINTS_MAX; i++) {
+        const int64_t flux_nWb = c->motor.flux_linkage_nWb + saliency_nH * c->current_map.current_d_mA[i] / 1000;
+        good = good && flux_nWb >= c->motor.flux_linkage_nWb / 4;
+    }
+    return good;
+}
+
+static config_verdict_t check_relations(const config_t *c)
+{
+    const int64_t max_current_pu_q15 = (int64_t)c->motor.max_phase_current_mA * 32768 / c->drive.current_full_scale_mA;
+    const relation_t relations[] = {
+        {c->motor.rated_torque_mNm <= c->motor.max_torque_mNm, "motor.rated_torque_mNm <= motor.max_torque_mNm"},
+        {c->motor.derate_winding_temperature_cC < c->motor.max_winding_temperature_cC,
+         "motor.derate_winding_temperature_cC < motor.max_winding_temperature_cC"},
+        {c->motor.type == CONFIG_MOTOR_IPMSM || c->motor.d_inductance_nH == c->motor.q_inductance_nH,
+         "motor.d_inductance_nH = motor.q_inductance_nH for surface magnets"},
+        {c->drive.derate_switch_temperature_cC <= c->drive.max_switch_temperature_cC,
+         "drive.derate_switch_temperature_cC <= drive.max_switch_temperature_cC"},
+        {c->drive.min_pulse_counts * 5 <= c->drive.pwm_period_counts,
+         "drive.min_pulse_counts <= drive.pwm_period_counts / 5"},
+        {(int64_t)c->drive.dead_time_ns * c->drive.pwm_frequency_Hz <= 125000000,
+         "drive.dead_time_ns within an eighth of the PWM period"},
+        {max_current_pu_q15 <= c->current_loop.max_current_pu_q15 + 1,
+         "motor.max_phase_current_mA within current_loop.max_current_pu_q15"},
+        {c->current_loop.max_current_pu_q15 < c->monitor.overcurrent_pu_q15,
+         "current_loop.max_current_pu_q15 < monitor.overcurrent_pu_q15"},
+        {gains_fit(c), "current_loop gains fit their formats at battery.undervoltage_trip_mV"},
+        {cross_coupling_fits(c), "current_loop inductances fit their formats at motor.max_speed_mrad_s"},
+        {time_constants_long_enough(&c->current_loop), "L / R longer than four PWM periods"},
+        {hall_sectors_in_order(&c->rotor), "rotor.edge_turn in forward order, 30 to 90 degrees apart"},
+        {c->current_loop.field_weakening_current_pu_q15 <= c->current_loop.max_current_pu_q15,
+         "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15"},
+        {c->battery.undervoltage_trip_mV < c->battery.min_voltage_mV,
+         "battery.undervoltage_trip_mV < battery.min_voltage_mV"},
+        {c->battery.min_voltage_mV < c->battery.foldback_voltage_mV,
+         "battery.min_voltage_mV < battery.foldback_voltage_mV"},
+        {c->battery.foldback_voltage_mV < c->battery.max_voltage_mV,
+         "battery.foldback_voltage_mV < battery.max_voltage_mV"},
+        {c->battery.max_voltage_mV < c->battery.overvoltage_trip_mV,
+         "battery.max_voltage_mV < battery.overvoltage_trip_mV"},
+        {c->battery.overvoltage_trip_mV < c->drive.voltage_full_scale_mV,
+         "battery.overvoltage_trip_mV < drive.voltage_full_scale_mV"},
+        {c->brake.handover_end_mrad_s <= c->brake.handover_start_mrad_s,
+         "brake.handover_end_mrad_s <= brake.handover_start_mrad_s"},
+        {c->regen_map.speed_points * c->regen_map.temperature_points <= CONFIG_REGEN_POINTS_MAX,
+         "regen_map.speed_points * regen_map.temperature_points within the table"},
+        {c->current_map.torque_points % 2 == 1, "current_map.torque_points odd, so that the middle one is no torque"},
+        {c->current_map.torque_points * c->current_map.speed_points <= CONFIG_CURRENT_MAP_POINTS_MAX,
+         "current_map.torque_points * current_map.speed_points within the table"},
+        {flux_left_everywhere(c), "current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb"},
+    };
+    for (size_t r = 0; r < sizeof(relations) / sizeof(relations[0]); r++) {
+        if (!relations[r].holds) {
+            return verdict(CONFIG_VERDICT_RELATION, relations[r].relation);
+        }
+    }
+    return verdict(CONFIG_VERDICT_OK, "");
+}
+
+config_verdict_t config_validate(const config_t *config, uint32_t size_bytes)
+{
+    if (size_bytes < sizeof(config_t)) {
+        return verdict(CONFIG_VERDICT_SIZE, "size_bytes");
+    }
+    if (config->magic != CONFIG_MAGIC) {
+        return verdict(CONFIG_VERDICT_MAGIC, "magic");
+    }
+    if (config->format_version != CONFIG_FORMAT_VERSION) {
+        return verdict(CONFIG_VERDICT_VERSION, "format_version");
+    }
+    if (config->size_bytes != sizeof(config_t)) {
+        return verdict(CONFIG_VERDICT_SIZE, "size_bytes");
+    }
+    if (config->crc32 != config_crc32(config, (uint32_t)offsetof(config_t, crc32))) {
+        return verdict(CONFIG_VERDICT_CRC, "crc32");
+    }
+    if (config->name[0] == '\0' || config->name[CONFIG_NAME_LENGTH - 1] != '\0') {
+        return verdict(CONFIG_VERDICT_NAME, "name");
+    }
+    const config_verdict_t ranges = check_ranges(config);
+    return ranges.code != CONFIG_VERDICT_OK ? ranges : check_relations(config);
+}

@@ -1,0 +1,210 @@
+#include "controller/controller.h"
+
+#include "config/bases.h"
+#include "core/q15.h"
+#include "monitor/monitor_fast.h"
+
+/* Until the first sample nothing is known: the middle of the battery's range. */
+static int32_t nominal_v_dc_pu(const config_t *config)
+{
+    const int32_t nominal_mV = (config->battery.min_voltage_mV + config->battery.max_voltage_mV) / 2;
+    return q_scale(nominal_mV, 32768, config->drive.voltage_full_scale_mV);
+}
+
+void controller_init(controller_t *controller, const config_t *config)
+{
+    foc_init(&controller->fast.foc, config);
+    monitor_fast_init(&controller->fast.monitor, config);
+    controller->fast.step_count = 0;
+    foc_summary_init(&controller->slow.summary, nominal_v_dc_pu(config));
+    controller->slow.modulation_limit_q15 = controller->fast.foc.current.svpwm.modulation_limit_q15;
+    torque_init(&controller->slow.torque);
+    monitor_slow_init(&controller->slow.monitor);
+    modes_init(&controller->slow.modes);
+    controller->slow.last_command_mNm = 0;
+    controller->slow.last_estimate_mNm = 0;
+    controller->slow.switching = false;
+    controller->slow.step_count = 0;
+}
+
+static permission_t closed_valve(void)
+{
+    const permission_t out = {.bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_PERMISSION};
+    return out;
+}
+
+slow_to_fast_t controller_initial_slow_to_fast(const config_t *config)
+{
+    foc_state_t fresh;
+    foc_init(&fresh, config);
+    const slow_to_fast_t out = {
+        .foc = foc_initial_command(&fresh, config),
+        .monitor = {.safe_bridge = BRIDGE_OFF, .clear_trip = false},
+        .permission = closed_valve(),
+        .slow_step_count = 0,
+    };
+    return out;
+}
+
+fast_to_slow_t controller_initial_fast_to_slow(const config_t *config)
+{
+    fast_to_slow_t out = {.monitor = {.trip = REASON_NONE}};
+    out.foc.v_dc_pu = nominal_v_dc_pu(config);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        out.foc.offset_q4[x] = SENSE_CODE_MID * 16;
+    }
+    return out;
+}
+
+fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config, const slow_to_fast_t *from_slow,
+                                   const fast_input_t *in, fast_to_slow_t *to_slow)
+{
+    const bool run = from_slow->permission.bridge == BRIDGE_PWM && fast->monitor.trip == REASON_NONE;
+    foc_step(&fast->foc, config, &from_slow->foc, run, in, &to_slow->foc);
+
+    const monitor_fast_input_t watched = {
+        .i_pu = to_slow->foc.current.i_pu,
+        .v_dc_pu = to_slow->foc.v_dc_pu,
+        .power_stage_fault = in->power_stage_fault,
+        .switching = run,
+        .slow_step_count = from_slow->slow_step_count,
+    };
+    to_slow->monitor = monitor_fast_step(&fast->monitor, &from_slow->monitor, &watched);
+    fast->step_count++;
+    to_slow->fast_step_count = fast->step_count;
+
+    const uint16_t *counts = fast->foc.current.on_counts;
+    const fast_output_t out = {
+        .compare_counts = {counts[0], counts[1], counts[2]},
+        .bridge = to_slow->monitor.trip != REASON_NONE ? from_slow->monitor.safe_bridge : from_slow->permission.bridge,
+    };
+    return out;
+}
+
+/* Bus current from the mean power: P = 3/2 u i, u = m limit v_dc/sqrt 3, so i_dc = sqrt(3)/2 limit I_base (m i). */
+static int32_t bus_current_mA(const config_t *config, int32_t power_pu, int32_t modulation_limit_q15)
+{
+    const int32_t in_circle_mA = q_scale(bases_current_mA(config, power_pu), modulation_limit_q15, 32768);
+    return q_scale(in_circle_mA, 866025, 1000000);
+}
+
+static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow, const fast_to_slow_t *from_fast,
+                                               const slow_input_t *in, int32_t speed_mrad_s, int32_t bus_mV)
+{
+    const monitor_slow_input_t out = {
+        .fast_trip = from_fast->monitor.trip,
+        .current_sum_pu = from_fast->foc.current.current_sum_pu,
+        .offsets_known = from_fast->foc.offsets_done,
+        .current_saturated = slow->summary.latest.current_saturated,
+        .rotor_valid = from_fast->foc.rotor_valid,
+        .lost_edges = from_fast->foc.lost_edges,
+        .fast_step_count = from_fast->fast_step_count,
+        .bus_voltage_mV = bus_mV,
+        .speed_mrad_s = speed_mrad_s,
+        .winding_temperature_cC = in->winding_temperature_cC,
+        .switch_temperature_cC = in->switch_temperature_cC,
+        .torque_command_mNm = slow->last_command_mNm,
+        .torque_estimate_mNm = slow->last_estimate_mNm,
+        .offset_q4 = {from_fast->foc.offset_q4[0], from_fast->foc.offset_q4[1], from_fast->foc.offset_q4[2]},
+        .switching = slow->switching,
+    };
+    return out;
+}
+
+static modes_output_t decide_mode(controller_slow_t *slow, const config_t *config, const fast_to_slow_t *from_fast,
+                                  const slow_input_t *in, const monitor_verdict_t *verdict, int32_t speed_mrad_s)
+{
+    const modes_input_t modes_in = {
+        .config_accepted = in->config_accepted,
+        .selftest_passed = in->selftest_passed,
+        .offsets_done = from_fast->foc.offsets_done,
+        .offsets_plausible = verdict->offsets_plausible,
+        .rolling = q_abs(speed_mrad_s) > config->brake.handover_end_mrad_s,
+        .enable = in->enable,
+        .drive_demanded = in->drive_torque_mNm != 0,
+        .torque_demanded = in->drive_torque_mNm != 0 || in->brake_torque_mNm > 0,
+        .fault_reset = in->fault_reset,
+        .warning = verdict->warning != REASON_NONE,
+        .warning_reason = verdict->warning,
+        .fault = verdict->fault,
+        .safe_bridge = verdict->safe_bridge,
+    };
+    return modes_step(&slow->modes, &modes_in);
+}
+
+static torque_output_t flow_torque(controller_slow_t *slow, const config_t *config, const fast_to_slow_t *from_fast,
+                                   const slow_input_t *in, const permission_t *permission, int32_t speed_mrad_s,
+                                   int32_t bus_mV)
+{
+    const torque_input_t torque_in = {
+        .drive_torque_mNm = in->drive_torque_mNm,
+        .brake_torque_mNm = in->brake_torque_mNm,
+        .demand_age_ms = in->demand_age_ms,
+        .abs_active = in->abs_active,
+        .speed_mrad_s = speed_mrad_s,
+        .current =
+            {
+                .d_mA = bases_current_mA(config, slow->summary.latest.i_pu.d),
+                .q_mA = bases_current_mA(config, slow->summary.latest.i_pu.q),
+            },
+        .voltage_limited = slow->summary.latest.voltage_limited,
+        .capability =
+            {
+                .bus_voltage_mV = bus_mV,
+                .bms_charge_current_mA = in->bms_charge_current_mA,
+                .bms_discharge_current_mA = in->bms_discharge_current_mA,
+                .winding_temperature_cC = in->winding_temperature_cC,
+                .switch_temperature_cC = in->switch_temperature_cC,
+                .i_d_weakening_mA = bases_current_mA(config, from_fast->foc.i_d_weakening_pu),
+                .rotor_valid = from_fast->foc.rotor_valid,
+            },
+        .permission = *permission,
+    };
+    return torque_step(&slow->torque, config, &torque_in);
+}
+
+slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config, const fast_to_slow_t *from_fast,
+                                   const slow_input_t *in, slow_to_fast_t *to_fast)
+{
+    const int32_t speed_mrad_s = bases_speed_mrad_s(config, from_fast->foc.speed_q32);
+    const foc_summary_t summary = foc_summary_step(&slow->summary, &from_fast->foc, from_fast->fast_step_count);
+    const int32_t bus_mV = bases_bus_voltage_mV(config, summary.v_dc_pu);
+
+    const monitor_slow_input_t watched = watched_by_monitor(slow, from_fast, in, speed_mrad_s, bus_mV);
+    const monitor_verdict_t verdict = monitor_slow_step(&slow->monitor, config, &watched);
+    const modes_output_t modes = decide_mode(slow, config, from_fast, in, &verdict, speed_mrad_s);
+    const torque_output_t torque = flow_torque(slow, config, from_fast, in, &modes.permission, speed_mrad_s, bus_mV);
+
+    slow->step_count++;
+    slow->last_command_mNm = torque.command_mNm;
+    slow->last_estimate_mNm = torque.estimate_mNm;
+    slow->switching = modes.permission.bridge == BRIDGE_PWM;
+    to_fast->foc.i_reference_pu.d = bases_current_pu_q15(config, torque.current.i_d_mA);
+    to_fast->foc.i_reference_pu.q = bases_current_pu_q15(config, torque.current.i_q_mA);
+    to_fast->foc.tuning =
+        current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu, from_fast->foc.speed_q32);
+    to_fast->foc.calibrate_offsets = modes.calibrate_offsets;
+    to_fast->monitor.safe_bridge = verdict.safe_bridge;
+    to_fast->monitor.clear_trip = modes.clear_trip;
+    to_fast->permission = modes.permission;
+    to_fast->slow_step_count = slow->step_count;
+
+    const slow_output_t out = {
+        .motor_torque_command_mNm = torque.command_mNm,
+        .motor_torque_estimate_mNm = torque.estimate_mNm,
+        .hydraulic_torque_mNm = torque.hydraulic_mNm,
+        .electric_brake_available_mNm = torque.available.torque_mNm,
+        .speed_mrad_s = speed_mrad_s,
+        .i_d_mA = bases_current_mA(config, summary.i_pu.d),
+        .i_q_mA = bases_current_mA(config, summary.i_pu.q),
+        .bus_voltage_mV = bus_mV,
+        .bus_current_mA = bus_current_mA(config, summary.power_pu, slow->modulation_limit_q15),
+        .torque_reason = torque.reason,
+        .available_reason = torque.available.reason,
+        .hydraulic_reason = torque.hydraulic_reason,
+        .fault_reason = modes.fault,
+        .mode = modes.mode,
+        .stop_lamp = torque.stop_lamp,
+    };
+    return out;
+}

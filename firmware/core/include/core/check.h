@@ -1,0 +1,29 @@
+/*
+ * check.h: assertions for what can only be a programming error or a broken memory cell.
+ *
+ * They stay on in release. Each has its module and a stable number; all end in one handler, supplied by app/ (or by
+ * a test), whose job is the safe state. Anything a sensor, a message or a user can cause is never asserted: it is
+ * a reason (reason.h).
+ */
+#ifndef CORE_CHECK_H
+#define CORE_CHECK_H
+
+#include <stdint.h>
+
+typedef enum {
+    CHECK_MODULE_CORE = 1,
+    CHECK_MODULE_CONFIG = 2,
+    CHECK_MODULE_FOC = 3,
+    CHECK_MODULE_TORQUE = 4,
+    CHECK_MODULE_MONITOR = 5,
+    CHECK_MODULE_MODES = 6,
+    CHECK_MODULE_CONTROLLER = 7,
+    CHECK_MODULE_APP = 8
+} check_module_t;
+
+/* Must not return. */
+void check_failed(check_module_t module, uint16_t number);
+
+#define CHECK(module, number, condition) ((condition) ? (void)0 : check_failed((module), (number)))
+
+#endif

@@ -1,0 +1,12 @@
+/*
+ * isqrt.h: integer square root for the slow reach. 32 iterations, no division; not for the PWM-rate path.
+ */
+#ifndef CORE_ISQRT_H
+#define CORE_ISQRT_H
+
+#include <stdint.h>
+
+/* Largest r with r * r <= x. */
+uint32_t isqrt64(uint64_t x);
+
+#endif

@@ -1,0 +1,136 @@
+/*
+ * q15.h: saturating fixed point.
+ *
+ * Q15 is an int16_t that stands for value/32768, so it spans [-1, 1 - 2^-15]. Products and sums live in int32_t.
+ * Nothing here overflows, wraps or divides; whatever leaves the range is clamped to its nearest end.
+ * All functions are straight-line code without data-dependent branches after compilation (clamps become saturating or
+ * conditional instructions), cost 1 to 4 instructions each, and are safe in any context.
+ */
+#ifndef CORE_Q15_H
+#define CORE_Q15_H
+
+#include <stdint.h>
+
+#define Q15_ONE 32767 /* the largest value; 1.0 itself is not representable */
+#define Q15_MIN (-32768)
+
+/* The shifts below rely on it; the language leaves it to the compiler. */
+_Static_assert((-3 >> 1) == -2, "right shift of a negative number must be arithmetic");
+
+/* How a kernel of the fast reach is declared. A port may supply one that inlines even where the compiler is told to save
+ * space: for such short functions the call costs more of both. */
+#ifndef Q_TARGET_INLINE
+#define Q_TARGET_INLINE static inline
+#endif
+
+static inline int32_t q_clamp(int32_t x, int32_t lowest, int32_t highest)
+{
+    x = x < lowest ? lowest : x;
+    return x > highest ? highest : x;
+}
+
+/* x clamped to -most .. most, most >= 0. Being inside is the common case and is asked for first. */
+Q_TARGET_INLINE int32_t q_limit(int32_t x, int32_t most)
+{
+    if ((uint32_t)x + (uint32_t)most <= 2U * (uint32_t)most) {
+        return x;
+    }
+    return x < 0 ? -most : most;
+}
+
+static inline int32_t q_min(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static inline int32_t q_max(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+/* |x|; |INT32_MIN| saturates to INT32_MAX. */
+static inline int32_t q_abs(int32_t x)
+{
+    return x >= 0 ? x : (x == INT32_MIN ? INT32_MAX : -x);
+}
+
+/* x clamped to what a signed number of `bits` bits can hold, 1 <= bits <= 31. Asks once whether x is outside, which is
+ * rare, and only then which end it is: the largest number with the bits of x's sign flipped. */
+Q_TARGET_INLINE int32_t q_saturate_bits(int32_t x, unsigned bits)
+{
+    const uint32_t half = (uint32_t)1 << (bits - 1U);
+    return (((uint32_t)x + half) >> bits) == 0U ? x : (x >> 31) ^ (int32_t)(half - 1U);
+}
+
+/* A port may supply Q_TARGET_SATURATE as one instruction with the same meaning; `bits` must be a literal for that. */
+#ifndef Q_TARGET_SATURATE
+#define Q_TARGET_SATURATE(x, bits) q_saturate_bits((x), (bits))
+#endif
+
+Q_TARGET_INLINE int32_t q_saturate16(int32_t x)
+{
+    return Q_TARGET_SATURATE(x, 16);
+}
+
+Q_TARGET_INLINE int32_t q_saturate17(int32_t x)
+{
+    return Q_TARGET_SATURATE(x, 17);
+}
+
+Q_TARGET_INLINE int32_t q_saturate18(int32_t x)
+{
+    return Q_TARGET_SATURATE(x, 18);
+}
+
+Q_TARGET_INLINE int32_t q_saturate31(int32_t x)
+{
+    return Q_TARGET_SATURATE(x, 31);
+}
+
+static inline int16_t q15_saturate(int32_t x)
+{
+    return (int16_t)q_saturate16(x);
+}
+
+/* x / 2^bits rounded towards minus infinity, 0 <= bits <= 31. */
+static inline int32_t q_shift_right(int32_t x, unsigned bits)
+{
+    return x >> bits;
+}
+
+/* a * b, rounded to nearest (halves upwards); -1 * -1 saturates. */
+static inline int16_t q15_multiply(int16_t a, int16_t b)
+{
+    return q15_saturate(((int32_t)a * b + (1 << 14)) >> 15);
+}
+
+static inline int16_t q15_add(int16_t a, int16_t b)
+{
+    return q15_saturate((int32_t)a + b);
+}
+
+static inline int16_t q15_subtract(int16_t a, int16_t b)
+{
+    return q15_saturate((int32_t)a - b);
+}
+
+/* int64_t to int32_t, saturated. */
+static inline int32_t q_saturate64(int64_t x)
+{
+    return x > INT32_MAX ? INT32_MAX : (x < INT32_MIN ? INT32_MIN : (int32_t)x);
+}
+
+/* value * share, share in Q15, for physical quantities of the slow reach; rounded towards zero, never grows. */
+static inline int32_t q15_share_of(int32_t value, int16_t share_q15)
+{
+    return q_saturate64((int64_t)value * share_q15 / 32768);
+}
+
+/* (a * b) / c with a 64-bit product, rounded towards zero and saturated to int32_t. c must not be 0.
+ * For the slow reach only: it divides. */
+static inline int32_t q_scale(int32_t a, int32_t b, int32_t c)
+{
+    return q_saturate64((int64_t)a * b / c);
+}
+
+#endif

@@ -1,0 +1,25 @@
+/*
+ * ramp.h: a value that follows its target no faster than a given rate.
+ */
+#ifndef CORE_RAMP_H
+#define CORE_RAMP_H
+
+#include <stdint.h>
+
+#include "core/q15.h"
+
+/* The value one step later: at most `step` (>= 0) nearer to the target, never past it. Differences saturate, so
+ * any pair of int32_t values is allowed. */
+static inline int32_t ramp_step(int32_t value, int32_t target, int32_t step)
+{
+    const int64_t distance = (int64_t)target - value;
+    if (distance > step) {
+        return (int32_t)((int64_t)value + step);
+    }
+    if (distance < -(int64_t)step) {
+        return (int32_t)((int64_t)value - step);
+    }
+    return target;
+}
+
+#endif

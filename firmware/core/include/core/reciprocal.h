@@ -1,0 +1,25 @@
+/*
+ * reciprocal.h: 1/n by table, where a division is too dear.
+ *
+ * n is normalised to [2^15, 2^16) by four conditional shifts, then read from 65 points with linear interpolation.
+ * Relative error below 8e-5 for every n: the chord lies up to 6.1e-5 (2^-14) above 1/n, the rest is the rounding of
+ * table and interpolation. Powers of two are exact. No division, no loop.
+ */
+#ifndef CORE_RECIPROCAL_H
+#define CORE_RECIPROCAL_H
+
+#include <stdint.h>
+
+/* 1/n = mantissa * 2^shift / 2^30, mantissa in [2^14, 2^15]. */
+typedef struct {
+    uint16_t mantissa;
+    uint8_t shift;
+} reciprocal_t;
+
+/* 1 <= n <= 65535; n = 0 gives the reciprocal of 1. */
+reciprocal_t reciprocal_of(uint16_t n);
+
+/* x / n for 0 <= x < 2^32: x times the reciprocal above, rounded down. */
+uint32_t reciprocal_scale(uint32_t x, uint16_t n);
+
+#endif

@@ -1,0 +1,182 @@
+#include "foc/hall.h"
+
+#include "core/angle.h"
+#include "core/q15.h"
+#include "core/reciprocal.h"
+
+enum { SECTORS = CONFIG_HALL_EDGES, NO_SECTOR = 7 };
+
+/* Sensors 120 degrees apart, forward order 101, 001, 011, 010, 110, 100 (bits C B A). */
+static const uint8_t SECTOR_OF_SENSORS[8] = {NO_SECTOR, 1, 3, 2, 5, 0, 4, NO_SECTOR};
+
+static uint8_t next_sector(uint8_t sector)
+{
+    return sector == SECTORS - 1 ? 0 : (uint8_t)(sector + 1U);
+}
+
+static uint8_t previous_sector(uint8_t sector)
+{
+    return sector == 0 ? SECTORS - 1 : (uint8_t)(sector - 1U);
+}
+
+static uint16_t sector_start(const config_t *config, uint8_t sector)
+{
+    return (uint16_t)config->rotor.edge_turn[sector];
+}
+
+static uint16_t sector_width(const config_t *config, uint8_t sector)
+{
+    return (uint16_t)(sector_start(config, next_sector(sector)) - sector_start(config, sector));
+}
+
+static void enter_sector(hall_t *hall, const config_t *config, uint8_t sector)
+{
+    const uint16_t half = (uint16_t)(sector_width(config, sector) / 2U);
+    hall->sector = sector;
+    hall->half_width_turn = (int16_t)half;
+    hall->middle_turn = (uint16_t)(sector_start(config, sector) + half);
+    hall->begin_turn = sector_start(config, sector);
+    hall->span_turn = (uint16_t)(2U * half);
+    hall->periods_since_edge = 0;
+}
+
+static void settle(hall_t *hall)
+{
+    hall->speed_q32 = 0;
+    hall->sectors_timed = 0;
+    hall->timed_turn = 0;
+    hall->timed_periods = 0;
+    hall->direction = 0;
+    hall->theta_q32 = (uint32_t)hall->middle_turn << 16;
+    hall->overdue_periods = hall->standstill_periods;
+    hall->bounce_periods = 0;
+}
+
+void hall_init(hall_t *hall, const config_t *config)
+{
+    const hall_t zero = {0};
+    *hall = zero;
+    hall->standstill_periods = config->drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S;
+    hall->steady_sensors = HALL_NEVER;
+}
+
+/* A sector was crossed from end to end. A full turn of them is kept: the sixth before this one was the same sector. */
+static void time_sector(hall_t *hall, uint8_t sector, uint16_t width_turn, uint16_t periods)
+{
+    if (hall->sectors_timed < SECTORS) {
+        hall->sectors_timed++;
+        hall->timed_turn += width_turn;
+    } else {
+        hall->timed_periods -= hall->sector_periods[sector];
+    }
+    hall->timed_periods += periods;
+    hall->sector_periods[sector] = periods;
+}
+
+/* Speed over the sectors timed so far. */
+static int32_t measured_speed_q32(const hall_t *hall)
+{
+    const uint32_t turn = hall->timed_turn;
+    const uint32_t periods = hall->timed_periods;
+    /* turn <= 65 536. Six sectors of up to a quarter of a second may exceed the reciprocal's 16 bits: quarter both then. */
+    const bool slow = periods > UINT16_MAX;
+    const uint32_t divisor = slow ? periods / 4U : periods;
+    const uint32_t dividend_q15 = slow ? turn << 13 : turn << 15;
+    const uint32_t speed_q31 = reciprocal_scale(dividend_q15, (uint16_t)q_min((int32_t)divisor, UINT16_MAX));
+    const int32_t speed_q32 = q_min((int32_t)(speed_q31 & INT32_MAX), INT32_MAX / 2) * 2;
+    return hall->direction > 0 ? speed_q32 : -speed_q32;
+}
+
+/* The angle inside the sector that the sensors report. */
+static void hold_inside(hall_t *hall)
+{
+    const int32_t beyond = angle_difference((uint16_t)(hall->theta_q32 >> 16), hall->middle_turn);
+    if (beyond > hall->half_width_turn) {
+        hall->theta_q32 = (uint32_t)(uint16_t)(hall->middle_turn + hall->half_width_turn - 1) << 16;
+    } else if (beyond < -hall->half_width_turn) {
+        hall->theta_q32 = (uint32_t)(uint16_t)(hall->middle_turn - hall->half_width_turn) << 16;
+    }
+}
+
+static void cross_edge(hall_t *hall, const config_t *config, uint8_t sector, int8_t direction)
+{
+    const uint8_t left = hall->sector;
+    const int32_t took_periods = hall->periods_since_edge;
+    const uint16_t edge_turn = sector_start(config, direction > 0 ? sector : left);
+    const bool crossed = direction == hall->direction; /* the sector just left was crossed from end to end */
+    hall->direction = direction;
+    enter_sector(hall, config, sector);
+    if (!crossed) {
+        settle(hall);
+        hall->direction = direction;
+        return;
+    }
+    time_sector(hall, left, sector_width(config, left), (uint16_t)took_periods);
+    hall->overdue_periods = q_min(took_periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
+    hall->bounce_periods = took_periods / HALL_BOUNCE_DIVISOR;
+    hall->speed_q32 = measured_speed_q32(hall);
+    /* The edge lay on average half a period before this sample. */
+    const uint32_t now_q32 = ((uint32_t)edge_turn << 16) + (uint32_t)(hall->speed_q32 / 2);
+    if (hall->sectors_timed < SECTORS) {
+        hall->theta_q32 = now_q32;
+    } else {
+        hall->theta_q32 += (uint32_t)hall->speed_q32; /* this period's movement, before the comparison */
+        const int32_t wrong_turn = angle_difference((uint16_t)(now_q32 >> 16), (uint16_t)(hall->theta_q32 >> 16));
+        hall->theta_q32 += (uint32_t)(wrong_turn * 32768);
+        hold_inside(hall);
+    }
+}
+
+/* One more period inside the same sector. */
+static void extrapolate(hall_t *hall)
+{
+    hall->theta_q32 += (uint32_t)hall->speed_q32;
+    hold_inside(hall);
+    if (hall->periods_since_edge > hall->overdue_periods) {
+        hall->speed_q32 -= hall->speed_q32 / (1 << HALL_DECAY_LOG2);
+        if (hall->periods_since_edge > hall->standstill_periods) {
+            settle(hall);
+        }
+    }
+}
+
+/* The sensors say a neighbouring sector: an edge, or the bounce of the last one. */
+static void step_to(hall_t *hall, const config_t *config, uint8_t sector, int8_t direction)
+{
+    if (direction != hall->direction && hall->periods_since_edge <= hall->bounce_periods) {
+        extrapolate(hall);
+    } else {
+        cross_edge(hall, config, sector, direction);
+    }
+}
+
+void hall_look(hall_t *hall, const config_t *config, uint8_t sensors)
+{
+    const uint8_t sector = SECTOR_OF_SENSORS[sensors & 7U];
+    hall->periods_since_edge = q_min(hall->periods_since_edge + 1, UINT16_MAX);
+    if (sector == hall->sector && hall->started) {
+        extrapolate(hall);
+    } else if (sector == NO_SECTOR) {
+        hall->invalid_periods = q_min(hall->invalid_periods + 1, UINT16_MAX);
+        hall->valid = hall->started && hall->invalid_periods < HALL_INVALID_PERIODS;
+        hall->steady_sensors = HALL_NEVER;
+        hall->theta_q32 += (uint32_t)hall->speed_q32;
+        return;
+    } else if (!hall->started) {
+        hall->started = true;
+        enter_sector(hall, config, sector);
+        settle(hall);
+    } else if (sector == next_sector(hall->sector)) {
+        step_to(hall, config, sector, 1);
+    } else if (sector == previous_sector(hall->sector)) {
+        step_to(hall, config, sector, -1);
+    } else {
+        /* A sector was skipped: impossible for a healthy set of sensors at any speed the loop can follow. */
+        hall->lost_edges++;
+        enter_sector(hall, config, sector);
+        settle(hall);
+    }
+    hall->invalid_periods = 0;
+    hall->valid = true;
+    hall->steady_sensors = sector == hall->sector ? sensors : (uint8_t)HALL_NEVER; /* a bounce is looked at again */
+}

@@ -1,0 +1,83 @@
+/*
+ * current_loop.h: the current regulator in the rotor frame, once per PWM period.
+ *
+ * Voltages are in modulation units: 1.0 is the largest voltage vector the loop may ask for, modulation_limit * u_dc /
+ * sqrt 3. The voltage limit is therefore the unit circle: one saturating instruction limits the d axis, a table gives q
+ * what the circle leaves, and no step divides by the bus voltage. Everything that depends on bus voltage and speed is
+ * rescaled by the slow reach every millisecond (current_loop_tuning()).
+ *
+ *     u_d = PI(i_d* - i_d) - w L_q i_q            u_q = PI(i_q* - i_q) + w L_d i_d + w psi
+ *
+ * The d axis goes first (field weakening needs it), and both regulators are told the realised voltage. Gains: k_p = L
+ * w_c / (1 + 2 w_c T), k_i = k_p R T / L: the zero cancels the motor's pole, and with the delay of 1.5 periods inside the
+ * loop the current answers like a first-order system of bandwidth w_c that starts 1.5 periods late (derivation:
+ * tools/regen_table/README.md).
+ */
+#ifndef FOC_CURRENT_LOOP_H
+#define FOC_CURRENT_LOOP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "config/config.h"
+#include "core/angle.h"
+#include "core/circle.h"
+#include "core/frames.h"
+#include "core/pi.h"
+#include "core/q15.h"
+
+/* From the slow reach: gains for the present bus voltage, feed-forward for the present speed. */
+typedef struct {
+    pi_gains_t d, q;
+    int32_t w_l_d_q11, w_l_q_q11; /* w L I_base in modulation units, sign of speed, |.| < 16 */
+    int32_t w_psi_q15;            /* back-EMF in modulation units, sign of speed; may exceed 1 */
+    sincos_t advance;             /* the electrical angle of 1.5 periods */
+} current_loop_tuning_t;
+
+typedef struct {
+    pi_state_t d, q;
+} current_loop_state_t;
+
+typedef struct {
+    int32_t wanted_d, wanted_q; /* before the circle, Q15, |.| may exceed 1 */
+    dq_t realised;              /* inside the unit circle */
+} current_loop_out_t;
+
+/*
+ * v_dc_pu: bus voltage, Q15 of the voltage base; values below 1/16 count as 1/16. modulation_limit_q15: radius of the
+ * voltage circle as a share of u_dc/sqrt 3, 8192 .. 32767. speed_q32: electrical turns per period. Divides: slow reach.
+ */
+current_loop_tuning_t current_loop_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu,
+                                          int32_t speed_q32);
+
+static inline void current_loop_reset(current_loop_state_t *state)
+{
+    state->d.integrator_q30 = 0;
+    state->q.integrator_q30 = 0;
+}
+
+Q_TARGET_INLINE current_loop_out_t current_loop_step(current_loop_state_t *state, const current_loop_tuning_t *tuning,
+                                                     dq_t reference, dq_t i)
+{
+    const int32_t error_d = q_saturate16(reference.d - i.d);
+    const int32_t error_q = q_saturate16(reference.q - i.q);
+    const int32_t cross_d = (tuning->w_l_q_q11 * i.q) >> 11;
+    const int32_t cross_q = (tuning->w_l_d_q11 * i.d) >> 11;
+    const int32_t u_d = pi_output(&state->d, &tuning->d, error_d) - cross_d;
+    const int32_t u_q = pi_output(&state->q, &tuning->q, error_q) + cross_q + tuning->w_psi_q15;
+
+    const int32_t real_d = q_saturate16(u_d);
+    const int32_t most_q = circle_other_q15(real_d);
+    const int32_t real_q = q_limit(u_q, most_q);
+
+    pi_update(&state->d, &tuning->d, error_d, u_d, real_d);
+    pi_update(&state->q, &tuning->q, error_q, u_q, real_q);
+    const current_loop_out_t out = {
+        .wanted_d = u_d,
+        .wanted_q = u_q,
+        .realised = {.d = real_d, .q = real_q},
+    };
+    return out;
+}
+
+#endif

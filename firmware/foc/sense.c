@@ -1,0 +1,51 @@
+#include "foc/sense.h"
+
+enum { HALF_A_CODE = 8 };
+
+void sense_init(sense_state_t *state)
+{
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        state->offset_q4[x] = SENSE_CODE_MID * 16;
+        state->sum[x] = 0;
+    }
+    state->samples = 0;
+    state->calibrated = false;
+}
+
+void sense_calibrate_restart(sense_state_t *state)
+{
+    state->samples = 0;
+    state->calibrated = false;
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        state->sum[x] = 0;
+    }
+}
+
+void sense_calibrate_step(sense_state_t *state, const uint16_t codes[SENSE_PHASES])
+{
+    if (state->calibrated) {
+        return;
+    }
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        state->sum[x] += (uint32_t)q_min(codes[x], SENSE_CODE_MAX);
+    }
+    state->samples++;
+    if (state->samples == (1U << SENSE_CALIBRATION_LOG2)) {
+        for (int x = 0; x < SENSE_PHASES; x++) {
+            state->offset_q4[x] = (int32_t)(state->sum[x] >> (SENSE_CALIBRATION_LOG2 - 4));
+        }
+        state->calibrated = true;
+    }
+}
+
+static bool at_end(int32_t offset_q4, int32_t i_pu)
+{
+    const int32_t highest = q_min(SENSE_CODE_MAX * 16 - offset_q4, Q15_ONE);
+    const int32_t lowest = q_max(-offset_q4, Q15_MIN);
+    return i_pu >= highest - HALF_A_CODE || i_pu <= lowest + HALF_A_CODE;
+}
+
+bool sense_at_end(const int32_t offset_q4[SENSE_PHASES], abc_t i_pu)
+{
+    return at_end(offset_q4[0], i_pu.a) || at_end(offset_q4[1], i_pu.b) || at_end(offset_q4[2], i_pu.c);
+}

@@ -1,0 +1,77 @@
+/*
+ * modes.h: the state machine of one controller. It never computes torque; it opens and closes the valve.
+ *
+ *     BOOT -> SELFTEST -> OFFSET_CAL -> READY <-> RUN <-> LIMP
+ *       any of them but BOOT -> FAULT (latched) -> SELFTEST after an acknowledgement
+ *
+ * BOOT is left only with an accepted configuration, FAULT only on a rising edge of `fault_reset` while no torque is
+ * demanded, the monitor is content and the wheel is below the hand-over speed. A fault never clears itself.
+ */
+#ifndef MODES_MODES_H
+#define MODES_MODES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/permission.h"
+#include "core/reason.h"
+
+typedef enum {
+    MODE_BOOT = 0,
+    MODE_SELFTEST = 1,
+    MODE_OFFSET_CAL = 2,
+    MODE_READY = 3, /* bridge off, waiting to be enabled with the drive pedal released */
+    MODE_RUN = 4,
+    MODE_LIMP = 5, /* reduced driving torque after a warning; braking stays whole */
+    MODE_FAULT = 6
+} modes_mode_t;
+
+enum {
+    MODES_SELFTEST_TIMEOUT_STEPS = 1000,   /* 1 s */
+    MODES_CALIBRATION_TIMEOUT_STEPS = 500, /* 0.5 s; the average itself takes about 50 ms */
+    MODES_CALIBRATION_SETTLE_STEPS = 5,
+    MODES_ACKNOWLEDGE_STEPS = 50, /* how long an acknowledgement waits for the monitor to be content */
+    MODES_LIMP_DRIVE_Q15 = 9830   /* 30 % of the driving torque */
+};
+
+typedef struct {
+    bool config_accepted;
+    bool selftest_passed;
+    bool offsets_done;      /* the fast reach has finished averaging */
+    bool offsets_plausible; /* verdict of the monitor on the result */
+    bool rolling;           /* faster than the hand-over speed */
+    bool enable;
+    bool torque_demanded; /* driving or braking */
+    bool drive_demanded;  /* the drive pedal alone: must be released once before RUN */
+    bool fault_reset;
+    bool warning; /* monitor: something is wrong that does not forbid braking */
+    reason_t warning_reason;
+    reason_t fault;            /* monitor: REASON_NONE or a fault code */
+    bridge_mode_t safe_bridge; /* what the monitor's safe-state chooser wants the bridge to do in a fault */
+} modes_input_t;
+
+typedef struct {
+    modes_mode_t mode;
+    reason_t fault;             /* latched, the first one */
+    uint16_t steps;             /* in this mode, saturating */
+    uint16_t acknowledge_steps; /* left of a pending acknowledgement */
+    bool reset_before;
+} modes_state_t;
+
+typedef struct {
+    modes_mode_t mode;
+    reason_t fault; /* latched, REASON_NONE when healthy */
+    permission_t permission;
+    bool calibrate_offsets;
+    bool clear_trip; /* an acknowledgement is pending: the fast reach forgets its latched trip and looks again */
+} modes_output_t;
+
+void modes_init(modes_state_t *state);
+
+/* 1 kHz. */
+modes_output_t modes_step(modes_state_t *state, const modes_input_t *in);
+
+/* "RUN" and so on; never NULL. */
+const char *modes_text(modes_mode_t mode);
+
+#endif

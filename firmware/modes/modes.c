@@ -1,0 +1,172 @@
+#include "modes/modes.h"
+
+#include "core/q15.h"
+
+void modes_init(modes_state_t *state)
+{
+    state->mode = MODE_BOOT;
+    state->fault = REASON_NONE;
+    state->steps = 0;
+    state->acknowledge_steps = 0;
+    state->reset_before = false;
+}
+
+const char *modes_text(modes_mode_t mode)
+{
+    switch (mode) {
+    case MODE_BOOT:
+        return "BOOT";
+    case MODE_SELFTEST:
+        return "SELFTEST";
+    case MODE_OFFSET_CAL:
+        return "OFFSET_CAL";
+    case MODE_READY:
+        return "READY";
+    case MODE_RUN:
+        return "RUN";
+    case MODE_LIMP:
+        return "LIMP";
+    case MODE_FAULT:
+        return "FAULT";
+    }
+    return "unknown mode";
+}
+
+static void enter(modes_state_t *state, modes_mode_t mode)
+{
+    state->mode = mode;
+    state->steps = 0;
+}
+
+static void fail(modes_state_t *state, reason_t fault)
+{
+    if (state->fault == REASON_NONE) {
+        state->fault = fault;
+    }
+    enter(state, MODE_FAULT);
+}
+
+/* A rising edge of fault_reset counts only at rest and without a torque demand. It stays pending for a moment, because
+ * the fast reach must forget its trip and look again before the monitor can be content. */
+static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *in)
+{
+    const bool edge = in->fault_reset && !state->reset_before;
+    state->reset_before = in->fault_reset;
+    const bool allowed = state->mode == MODE_FAULT && !in->torque_demanded && !in->rolling;
+    if (!allowed) {
+        state->acknowledge_steps = 0;
+    } else if (edge) {
+        state->acknowledge_steps = MODES_ACKNOWLEDGE_STEPS;
+    } else if (state->acknowledge_steps > 0) {
+        state->acknowledge_steps--;
+    }
+    return state->acknowledge_steps > 0;
+}
+
+static void advance(modes_state_t *state, const modes_input_t *in, bool acknowledged)
+{
+    switch (state->mode) {
+    case MODE_BOOT:
+        if (in->config_accepted) {
+            enter(state, MODE_SELFTEST);
+        }
+        break;
+    case MODE_SELFTEST:
+        if (in->selftest_passed) {
+            enter(state, MODE_OFFSET_CAL);
+        } else if (state->steps >= MODES_SELFTEST_TIMEOUT_STEPS) {
+            fail(state, REASON_SELFTEST_FAILED);
+        }
+        break;
+    case MODE_OFFSET_CAL:
+        if (state->steps < MODES_CALIBRATION_SETTLE_STEPS) {
+            break; /* the fast reach has not seen the order yet: its answer would be of the last calibration */
+        }
+        if (in->offsets_done) {
+            if (in->offsets_plausible) {
+                enter(state, MODE_READY);
+            } else {
+                fail(state, REASON_OFFSET_IMPLAUSIBLE);
+            }
+        } else if (state->steps >= MODES_CALIBRATION_TIMEOUT_STEPS) {
+            fail(state, REASON_OFFSET_IMPLAUSIBLE);
+        }
+        break;
+    case MODE_READY:
+        if (in->enable && !in->drive_demanded) {
+            enter(state, MODE_RUN);
+        }
+        break;
+    case MODE_RUN:
+    case MODE_LIMP:
+        if (!in->enable && !in->rolling) {
+            enter(state, MODE_READY); /* never while rolling: switching off must not take the electric brake away */
+        } else if (in->warning != (state->mode == MODE_LIMP)) {
+            enter(state, in->warning ? MODE_LIMP : MODE_RUN);
+        }
+        break;
+    case MODE_FAULT:
+        if (acknowledged && in->fault == REASON_NONE) {
+            state->fault = REASON_NONE;
+            state->acknowledge_steps = 0;
+            enter(state, in->config_accepted ? MODE_SELFTEST : MODE_BOOT);
+        }
+        break;
+    }
+}
+
+static permission_t permission_of(const modes_state_t *state, const modes_input_t *in)
+{
+    permission_t out = {.bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_PERMISSION};
+    switch (state->mode) {
+    case MODE_RUN:
+        out.bridge = BRIDGE_PWM;
+        out.drive_q15 = Q15_ONE;
+        out.brake_q15 = Q15_ONE;
+        out.reason = REASON_NONE;
+        if (!in->enable) { /* switched off while rolling: braking only */
+            out.drive_q15 = 0;
+            out.reason = REASON_PERMISSION;
+        }
+        break;
+    case MODE_LIMP:
+        out.bridge = BRIDGE_PWM;
+        out.drive_q15 = in->enable ? MODES_LIMP_DRIVE_Q15 : 0;
+        out.brake_q15 = Q15_ONE;
+        out.reason = in->warning_reason;
+        break;
+    case MODE_FAULT:
+        out.bridge = in->safe_bridge;
+        out.reason = state->fault;
+        break;
+    case MODE_BOOT:
+        out.reason = REASON_CONFIG_INVALID;
+        break;
+    case MODE_READY:
+        out.bridge = in->safe_bridge;
+        break;
+    case MODE_SELFTEST:
+    case MODE_OFFSET_CAL:
+        break;
+    }
+    return out;
+}
+
+modes_output_t modes_step(modes_state_t *state, const modes_input_t *in)
+{
+    const bool acknowledged = acknowledgement_pending(state, in);
+    state->steps = (uint16_t)q_min(state->steps + 1, UINT16_MAX);
+    if (in->fault != REASON_NONE && state->mode != MODE_BOOT) {
+        fail(state, in->fault);
+    } else {
+        advance(state, in, acknowledged);
+    }
+    const modes_output_t out = {
+        .mode = state->mode,
+        .fault = state->fault,
+        .permission = permission_of(state, in),
+        .calibrate_offsets = state->mode == MODE_OFFSET_CAL,
+        .clear_trip = acknowledged,
+    };
+    return out;
+}

@@ -1,0 +1,141 @@
+#include "config/bases.h"
+#include "core/q15.h"
+#include "monitor/monitor.h"
+
+enum {
+    FLOW_TOLERANCE_SHARE = 4, /* fast steps in a slow step may differ by a quarter */
+    OFFSET_SCALE = 16,        /* offsets are codes * 16 */
+    OFFSET_MID_CODE = 2048
+};
+
+void monitor_slow_init(monitor_slow_state_t *state)
+{
+    const monitor_slow_state_t zero = {.started = false};
+    *state = zero;
+}
+
+bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s, int32_t bus_voltage_mV,
+                                  bridge_mode_t now)
+{
+    const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(speed_mrad_s));
+    const int64_t emf_peak_mV = w_mrad_s * config->motor.flux_linkage_nWb / 1000000000;
+    const int64_t line_mV = emf_peak_mV * 1732 / 1000;
+    const int64_t limit_mV = now == BRIDGE_SHORT ? (int64_t)bus_voltage_mV * 9 / 10 : bus_voltage_mV;
+    return line_mV >= limit_mV ? BRIDGE_SHORT : BRIDGE_OFF;
+}
+
+/* How many consecutive steps a condition has held; saturates. */
+static bool held(uint16_t *steps, bool condition, int32_t limit)
+{
+    *steps = condition ? (uint16_t)q_min(*steps + 1, UINT16_MAX) : (uint16_t)0;
+    return *steps >= limit;
+}
+
+/* Torque that nobody asked for: more than the command in its direction, or any in the other. Less torque than asked is
+ * not dangerous here: the arbiter moves it to the hydraulic brake. */
+static bool torque_unwanted(const config_t *config, const monitor_slow_input_t *in)
+{
+    const int64_t tolerance_mNm = config->monitor.torque_tolerance_mNm; /* 64 bits: a watcher trusts no number */
+    const int64_t high_mNm = q_max(in->torque_command_mNm, 0) + tolerance_mNm;
+    const int64_t low_mNm = q_min(in->torque_command_mNm, 0) - tolerance_mNm;
+    return in->torque_estimate_mNm > high_mNm || in->torque_estimate_mNm < low_mNm;
+}
+
+static bool flow_broken(monitor_slow_state_t *state, const config_t *config, uint16_t fast_step_count)
+{
+    const int32_t expected = config->drive.pwm_frequency_Hz / 1000;
+    const int32_t counted = (uint16_t)(fast_step_count - state->last_fast_step);
+    state->last_fast_step = fast_step_count;
+    if (!state->started) {
+        state->started = true;
+        return false;
+    }
+    return q_abs(counted - expected) > expected / FLOW_TOLERANCE_SHARE;
+}
+
+static reason_t voltage_fault(const config_t *config, const monitor_slow_input_t *in)
+{
+    if (in->bus_voltage_mV > config->battery.overvoltage_trip_mV) {
+        return REASON_BUS_OVERVOLTAGE;
+    }
+    return in->switching && in->bus_voltage_mV < config->battery.undervoltage_trip_mV ? REASON_BUS_UNDERVOLTAGE
+                                                                                      : REASON_NONE;
+}
+
+static reason_t temperature_fault(const config_t *config, const monitor_slow_input_t *in)
+{
+    if (in->winding_temperature_cC > config->motor.max_winding_temperature_cC + MONITOR_OVERTEMPERATURE_cC) {
+        return REASON_WINDING_OVERTEMPERATURE;
+    }
+    return in->switch_temperature_cC > config->drive.max_switch_temperature_cC + MONITOR_OVERTEMPERATURE_cC
+               ? REASON_SWITCH_OVERTEMPERATURE
+               : REASON_NONE;
+}
+
+/* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every electrical turn. */
+static bool edges_lost(monitor_slow_state_t *state, uint16_t lost_edges)
+{
+    if (lost_edges != state->last_lost_edges) {
+        state->lost_edge_steps = MONITOR_LOST_EDGE_STEPS;
+    } else if (state->lost_edge_steps > 0) {
+        state->lost_edge_steps--;
+    }
+    state->last_lost_edges = lost_edges;
+    return state->lost_edge_steps > 0;
+}
+
+static bool offsets_plausible(const config_t *config, const int32_t offset_q4[3])
+{
+    bool plausible = true;
+    for (int x = 0; x < 3; x++) {
+        const int64_t beside_q4 = offset_q4[x] - (int64_t)OFFSET_MID_CODE * OFFSET_SCALE;
+        const int32_t tolerance_q4 = config->monitor.offset_tolerance_codes * OFFSET_SCALE;
+        plausible = plausible && beside_q4 <= tolerance_q4 && beside_q4 >= -tolerance_q4;
+    }
+    return plausible;
+}
+
+monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config, const monitor_slow_input_t *in)
+{
+    const bool sum_wrong =
+        held(&state->sum_steps, in->offsets_known && q_abs(in->current_sum_pu) > config->monitor.current_sum_pu_q15,
+             MONITOR_CONFIRM_STEPS);
+    const bool sensor_wrong = held(&state->sensor_steps, in->switching && in->current_saturated, MONITOR_CONFIRM_STEPS);
+    const bool rotor_wrong = held(&state->rotor_steps, in->switching && !in->rotor_valid, MONITOR_CONFIRM_STEPS);
+    const bool torque_wrong =
+        held(&state->torque_steps, in->switching && torque_unwanted(config, in), config->monitor.torque_fault_time_ms);
+    const bool flow_wrong =
+        held(&state->flow_steps, flow_broken(state, config, in->fast_step_count), MONITOR_CONFIRM_STEPS / 4);
+    const reason_t voltage = voltage_fault(config, in);
+    const bool voltage_wrong = held(&state->voltage_steps, voltage != REASON_NONE, MONITOR_CONFIRM_STEPS / 4);
+    const reason_t temperature = temperature_fault(config, in);
+    const bool temperature_wrong = held(&state->temperature_steps, temperature != REASON_NONE, MONITOR_CONFIRM_STEPS);
+
+    monitor_verdict_t out = {
+        .fault = REASON_NONE,
+        .warning = edges_lost(state, in->lost_edges) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
+        .safe_bridge = monitor_safe_bridge(config, in->speed_mrad_s, in->bus_voltage_mV, state->safe_bridge),
+        .offsets_plausible = offsets_plausible(config, in->offset_q4),
+    };
+    state->safe_bridge = out.safe_bridge;
+    state->verdicts++;
+    /* The first line that holds names the fault: causes before consequences. */
+    if (in->fast_trip != REASON_NONE) {
+        out.fault = in->fast_trip;
+    } else if (flow_wrong) {
+        out.fault = REASON_PROGRAM_FLOW;
+    } else if (sensor_wrong) {
+        out.fault = REASON_CURRENT_SENSOR;
+    } else if (sum_wrong) {
+        out.fault = REASON_CURRENT_SUM;
+    } else if (voltage_wrong) {
+        out.fault = voltage;
+    } else if (rotor_wrong) {
+        out.fault = REASON_ROTOR_LOST;
+    } else if (torque_wrong) {
+        out.fault = REASON_TORQUE_IMPLAUSIBLE;
+    } else if (temperature_wrong) {
+        out.fault = temperature;
+    }
+    return out;
+}

@@ -1,0 +1,184 @@
+#include "torque/capability.h"
+
+#include "config/bases.h"
+#include "core/q15.h"
+#include "torque/current_reference.h"
+#include "torque/regen_map.h"
+
+enum {
+    SPEED_FADE_DIVISOR = 32,         /* driving torque fades out over this last part of the speed range */
+    NEGLIGIBLE_POWER_DIVISOR = 1000, /* of the largest power: less than the inverter itself burns */
+    HALVINGS = 6,                    /* of the range in which a limit is looked for */
+    LINES = 1,                       /* drawn through the ends of what is left, before the last one */
+    NO_LIMIT_mNm = INT32_MAX
+};
+
+static int32_t own_share_mA(const config_t *config, int32_t pack_limit_mA, int32_t configured_mA)
+{
+    return q_min(q_max(pack_limit_mA, 0) / config->battery.driven_wheels, configured_mA);
+}
+
+/* Power that |current| of this motor's share means at the present bus voltage, mW. */
+static int32_t power_mW(int32_t current_mA, int32_t voltage_mV)
+{
+    return q_saturate64((int64_t)current_mA * voltage_mV / 1000);
+}
+
+/* One motor in one direction of power. */
+typedef struct {
+    const config_t *config;
+    const motor_model_t *model;
+    int32_t i_d_weakening_mA;
+    int32_t sign; /* of the torque: forward driving 1, forward braking -1 */
+} side_t;
+
+/* What grows with the torque and has a limit. */
+typedef enum { BURDEN_CURRENT_SQUARE, BURDEN_DRAWN_POWER, BURDEN_RETURNED_POWER } burden_t;
+
+static int64_t burden_of(const side_t *side, burden_t burden, int32_t torque_mNm)
+{
+    const motor_current_t i =
+        current_reference_unlimited(side->config, side->model, torque_mNm * side->sign, side->i_d_weakening_mA);
+    if (burden == BURDEN_CURRENT_SQUARE) {
+        return (int64_t)i.d_mA * i.d_mA + (int64_t)i.q_mA * i.q_mA;
+    }
+    const int64_t power_mW = motor_model_power_mW(side->model, i);
+    return burden == BURDEN_DRAWN_POWER ? power_mW : -power_mW;
+}
+
+/* Where between two torques, one within the limit and one beyond it, a line through both burdens meets the limit. */
+typedef struct {
+    int32_t low_mNm, high_mNm;
+    int64_t low, high;
+} bracket_t;
+
+static int32_t on_the_line(const bracket_t *b, int64_t limit)
+{
+    /* Both differences made to fit into 32 bits. */
+    const int64_t scale = (b->high - b->low) / INT32_MAX + 1;
+    const int32_t above = (int32_t)((b->high - b->low) / scale);
+    return b->low_mNm + q_scale(b->high_mNm - b->low_mNm, (int32_t)((limit - b->low) / scale), above);
+}
+
+/*
+ * The torque up to which a burden stays within its limit, NO_LIMIT_mNm if that is all the way up to bound_mNm. For burdens
+ * that grow from nothing to the bound. A line lies above a burden with growing slope, so the torque found is on the safe
+ * side; at a kink the other way the next line mends what the last one missed.
+ */
+static int32_t torque_within(const side_t *side, burden_t burden, int64_t limit, int32_t bound_mNm)
+{
+    bracket_t b = {.low_mNm = 0, .high_mNm = bound_mNm, .low = 0, .high = burden_of(side, burden, bound_mNm)};
+    if (b.high <= limit) {
+        return NO_LIMIT_mNm;
+    }
+    b.low = burden_of(side, burden, 0);
+    if (b.low >= limit) {
+        return 0;
+    }
+    for (int n = 0; n < HALVINGS + LINES; n++) {
+        const int32_t torque_mNm = n < HALVINGS ? b.low_mNm + (b.high_mNm - b.low_mNm) / 2 : on_the_line(&b, limit);
+        const int64_t here = burden_of(side, burden, torque_mNm);
+        if (here <= limit) {
+            b.low_mNm = torque_mNm;
+            b.low = here;
+        } else {
+            b.high_mNm = torque_mNm;
+            b.high = here;
+        }
+    }
+    return on_the_line(&b, limit);
+}
+
+static int32_t power_torque_mNm(const config_t *config, const motor_model_t *model)
+{
+    const int32_t speed_abs_mrad_s = q_abs(model->speed_mrad_s);
+    /* mW / (mrad/s) = N m */
+    return speed_abs_mrad_s > 0 ? q_scale(config->motor.max_power_mW, 1000, speed_abs_mrad_s) : NO_LIMIT_mNm;
+}
+
+static void tighten_common(limit_t *limit, const side_t *side, const capability_input_t *in)
+{
+    const config_motor_t *motor = &side->config->motor;
+    limit_tighten(limit, power_torque_mNm(side->config, side->model), REASON_MAX_POWER);
+    const int64_t most_mA = motor->max_phase_current_mA;
+    limit_tighten(limit, torque_within(side, BURDEN_CURRENT_SQUARE, most_mA * most_mA, limit->torque_mNm),
+                  REASON_PHASE_CURRENT);
+    limit_derate(limit,
+                 limit_fade_q15(in->winding_temperature_cC, motor->derate_winding_temperature_cC,
+                                motor->max_winding_temperature_cC),
+                 REASON_WINDING_TEMPERATURE);
+    limit_derate(limit,
+                 limit_fade_q15(in->switch_temperature_cC, side->config->drive.derate_switch_temperature_cC,
+                                side->config->drive.max_switch_temperature_cC),
+                 REASON_SWITCH_TEMPERATURE);
+    if (!in->rotor_valid) {
+        limit_tighten(limit, 0, REASON_ROTOR_UNCERTAIN);
+    }
+}
+
+/* No limit is looked for beyond what the motor may give anyway. */
+static int32_t search_bound_mNm(const config_t *config, const motor_model_t *model)
+{
+    return q_min(config->motor.max_torque_mNm, power_torque_mNm(config, model));
+}
+
+static limit_t driving_limit(const side_t *side, const capability_input_t *in)
+{
+    const config_t *config = side->config;
+    const config_battery_t *battery = &config->battery;
+    limit_t limit = limit_init(config->motor.max_torque_mNm, REASON_MAX_TORQUE);
+    const int32_t fade_width_mV = battery->max_voltage_mV - battery->foldback_voltage_mV;
+    const int32_t voltage_share_q15 =
+        limit_fade_q15(in->bus_voltage_mV, battery->min_voltage_mV + fade_width_mV, battery->min_voltage_mV);
+    const int32_t current_mA = own_share_mA(config, in->bms_discharge_current_mA, battery->max_discharge_current_mA);
+    const int32_t allowed_mA = q15_share_of(current_mA, (int16_t)voltage_share_q15);
+    const int32_t allowed_mW = q_max(power_mW(allowed_mA, in->bus_voltage_mV), 0);
+    limit_tighten(&limit, torque_within(side, BURDEN_DRAWN_POWER, allowed_mW, search_bound_mNm(config, side->model)),
+                  voltage_share_q15 < Q15_ONE ? REASON_BUS_VOLTAGE_LOW : REASON_DISCHARGE_CURRENT);
+    const int32_t top_mrad_s = config->motor.max_speed_mrad_s;
+    limit_derate(
+        &limit,
+        limit_fade_q15(q_abs(side->model->speed_mrad_s), top_mrad_s - top_mrad_s / SPEED_FADE_DIVISOR, top_mrad_s),
+        REASON_MAX_SPEED);
+    tighten_common(&limit, side, in);
+    return limit;
+}
+
+/* optimal_mNm: shaft torque that returns the most, up to which the returned power grows. */
+static limit_t regenerating_limit(const side_t *side, const capability_input_t *in, int32_t optimal_mNm)
+{
+    const config_t *config = side->config;
+    const config_battery_t *battery = &config->battery;
+    limit_t limit = limit_init(config->motor.max_torque_mNm, REASON_MAX_TORQUE);
+    const int32_t voltage_share_q15 =
+        limit_fade_q15(in->bus_voltage_mV, battery->foldback_voltage_mV, battery->max_voltage_mV);
+    const int32_t current_mA = own_share_mA(config, in->bms_charge_current_mA, battery->max_charge_current_mA);
+    const int32_t allowed_mA = q15_share_of(current_mA, (int16_t)voltage_share_q15);
+    const int32_t allowed_mW = q_max(power_mW(allowed_mA, in->bus_voltage_mV), 0);
+    /* Where even the best torque returns next to nothing the battery's limit has nothing to limit. Without this, a full
+     * battery would forbid the torque that holds a vehicle which begins to roll back on a slope. */
+    const int32_t best_mNm = q_min(search_bound_mNm(config, side->model), optimal_mNm);
+    const int64_t negligible_mW = config->motor.max_power_mW / NEGLIGIBLE_POWER_DIVISOR;
+    if (burden_of(side, BURDEN_RETURNED_POWER, best_mNm) > negligible_mW) {
+        limit_tighten(&limit, torque_within(side, BURDEN_RETURNED_POWER, allowed_mW, best_mNm),
+                      voltage_share_q15 < Q15_ONE ? REASON_BUS_VOLTAGE_HIGH : REASON_CHARGE_CURRENT);
+    }
+    tighten_common(&limit, side, in);
+    return limit;
+}
+
+capability_t capability_step(const config_t *config, const motor_model_t *model, const capability_input_t *in)
+{
+    const int32_t forward = model->speed_mrad_s >= 0 ? 1 : -1;
+    const side_t driving = {config, model, in->i_d_weakening_mA, forward};
+    const side_t braking = {config, model, in->i_d_weakening_mA, -forward};
+    const int32_t airgap_mNm = regen_map_torque_mNm(config, model->speed_mrad_s, in->winding_temperature_cC);
+    const int32_t optimal_mNm = airgap_mNm + q_abs(model->friction_mNm);
+    capability_t out = {
+        .driving = driving_limit(&driving, in),
+        .regenerating = regenerating_limit(&braking, in, optimal_mNm),
+    };
+    out.optimal = out.regenerating;
+    limit_tighten(&out.optimal, optimal_mNm, REASON_LOSS_OPTIMUM);
+    return out;
+}

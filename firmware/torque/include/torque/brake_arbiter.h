@@ -1,0 +1,52 @@
+/*
+ * brake_arbiter.h: who brakes how much.
+ *
+ *     parallel_ratio         electric = share * demand, never above the rated electric braking torque
+ *     parallel_free_travel   electric first, up to the rated electric braking torque
+ *     series_optimal         electric up to the torque that returns the most energy at this speed and temperature
+ *
+ * Whatever the strategy, hard limits of the motor apply, the electric part fades out between the two hand-over speeds,
+ * and the hydraulic brake gets the rest of the demand in the same step: electric + hydraulic = demand, unless the
+ * hydraulic brake is at its own limit. Motor torque that was asked for and did not come (beyond a tolerance band) is
+ * moved to the hydraulic brake at once. Electric braking never holds a standing vehicle.
+ *
+ * Sources: Lu et al. 2013 section 3.2; for the optimum in region I of its Fig. 5 the motor keeps T_opt instead of
+ * leaving everything to the friction brake, which never returns less.
+ */
+#ifndef TORQUE_BRAKE_ARBITER_H
+#define TORQUE_BRAKE_ARBITER_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "config/config.h"
+#include "core/permission.h"
+#include "torque/capability.h"
+
+typedef struct {
+    uint16_t abs_hold_steps; /* the motor stays out of the way this many steps longer */
+} brake_arbiter_state_t;
+
+typedef struct {
+    int32_t demand_mNm;         /* magnitude >= 0 */
+    int32_t speed_mrad_s;       /* mechanical, signed */
+    int32_t motor_command_mNm;  /* of the last step, signed */
+    int32_t motor_achieved_mNm; /* estimated from measured currents, signed */
+    bool abs_active;
+    permission_t permission;
+} brake_arbiter_input_t;
+
+typedef struct {
+    int32_t electric_mNm;      /* what the motor is asked for, magnitude >= 0, before the torque rate */
+    int32_t hydraulic_mNm;     /* magnitude >= 0 */
+    limit_t available;         /* what the motor could take over under this strategy, and what bounds it */
+    reason_t reason;           /* why electric is less than the demand; REASON_NONE when it is not */
+    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT when the two together fall short of the demand */
+} brake_arbiter_out_t;
+
+void brake_arbiter_init(brake_arbiter_state_t *state);
+
+brake_arbiter_out_t brake_arbiter_step(brake_arbiter_state_t *state, const config_t *config,
+                                       const capability_t *capability, const brake_arbiter_input_t *in);
+
+#endif

@@ -1,0 +1,28 @@
+/*
+ * stop_lamp.h: when electric braking must light the stop lamp.
+ *
+ * Any braking demand lights it. Deceleration without one (drive pedal released) lights it from 1.3 m/s^2 and clears it
+ * below 0.7 m/s^2: the thresholds that UN R13-H sets for passenger cars with lift-off regeneration. Not legal advice.
+ */
+#ifndef TORQUE_STOP_LAMP_H
+#define TORQUE_STOP_LAMP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "config/config.h"
+#include "core/filter.h"
+
+typedef struct {
+    int32_t speed_lp_q8_mrad_s; /* low-passed speed, 8 more bits */
+    filter_t decel_lp_mm_s2;
+    bool lit;
+    bool started;
+} stop_lamp_state_t;
+
+void stop_lamp_init(stop_lamp_state_t *state);
+
+/* 1 kHz. speed_mrad_s: wheel, signed. Returns whether the lamp must be lit. */
+bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t speed_mrad_s, int32_t brake_demand_mNm);
+
+#endif

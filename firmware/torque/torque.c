@@ -1,0 +1,63 @@
+#include "torque/torque.h"
+
+#include "torque/motor_model.h"
+
+void torque_init(torque_state_t *state)
+{
+    demand_init(&state->demand);
+    brake_arbiter_init(&state->arbiter);
+    torque_limit_init(&state->limit);
+    stop_lamp_init(&state->lamp);
+}
+
+/* The reason a person wants to read: the arbiter's while braking, the torque limit's while driving, and the phase
+ * limits when those are what stands in the way in the end. */
+static reason_t visible_reason(const demand_t *demand, const brake_arbiter_out_t *split,
+                               const torque_limit_out_t *limited, const current_reference_t *current,
+                               bool voltage_limited)
+{
+    if (current->limited) {
+        return REASON_PHASE_CURRENT;
+    }
+    const reason_t reason = demand->brake_mNm > 0 && split->reason != REASON_NONE ? split->reason : limited->reason;
+    if (reason == REASON_NONE && voltage_limited) {
+        return REASON_VOLTAGE;
+    }
+    return reason == REASON_NONE && demand->timed_out ? REASON_DEMAND_TIMEOUT : reason;
+}
+
+torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
+{
+    const motor_model_t model = motor_model_at(config, in->speed_mrad_s, in->capability.winding_temperature_cC);
+    const int32_t achieved_mNm = motor_model_torque_mNm(&model, config, in->current);
+
+    const demand_t demand =
+        demand_step(&state->demand, config, in->drive_torque_mNm, in->brake_torque_mNm, in->demand_age_ms);
+    const capability_t capability = capability_step(config, &model, &in->capability);
+    const brake_arbiter_input_t braking = {
+        .demand_mNm = demand.brake_mNm,
+        .speed_mrad_s = in->speed_mrad_s,
+        .motor_command_mNm = state->limit.command_mNm,
+        .motor_achieved_mNm = achieved_mNm,
+        .abs_active = in->abs_active,
+        .permission = in->permission,
+    };
+    const brake_arbiter_out_t split = brake_arbiter_step(&state->arbiter, config, &capability, &braking);
+    const torque_limit_out_t limited = torque_limit_step(&state->limit, config, &capability, &in->permission,
+                                                         in->speed_mrad_s, demand.drive_mNm, split.electric_mNm);
+    const current_reference_t current =
+        current_reference_step(config, &model, limited.command_mNm, in->capability.i_d_weakening_mA);
+
+    const torque_output_t out = {
+        .current = current,
+        .command_mNm = limited.command_mNm,
+        .estimate_mNm = achieved_mNm,
+        .hydraulic_mNm = split.hydraulic_mNm,
+        .hydraulic_reason = split.hydraulic_reason,
+        .available = split.available,
+        .reason = visible_reason(&demand, &split, &limited, &current, in->voltage_limited),
+        .demand_timed_out = demand.timed_out,
+        .stop_lamp = stop_lamp_step(&state->lamp, config, in->speed_mrad_s, demand.brake_mNm),
+    };
+    return out;
+}

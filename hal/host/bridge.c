@@ -1,0 +1,185 @@
+/* The simulated board's bridge, sensors and passing time. */
+#include <string.h>
+
+#include "board.h"
+#include "hal/analog.h"
+#include "hal/inverter.h"
+#include "hal/rotor_sensor.h"
+#include "hal/time.h"
+#include "hal/upcall.h"
+#include "host/port.h"
+
+enum { COUNTS_MAX = 16384, DEAD_TIME_MAX_ns = 6000, MILLISECONDS_PER_SECOND = 1000 };
+
+static struct {
+    host_plant_t plant;
+    host_sample_t sample; /* of this period */
+    inverter_mode_t mode; /* asked for; active from the next top on */
+    uint16_t compare_counts[3];
+    uint32_t frequency_Hz;
+    uint32_t share_of_millisecond; /* counts up to frequency_Hz by 1000 a period */
+    uint32_t milliseconds;
+    uint32_t periods_left;
+    rotor_sensor_kind_t sensor;
+    bool endless;
+    bool clock_broken;
+    bool tripped;
+    bool pwm_started;
+    bool tick_started;
+} board;
+
+void host_connect(const host_plant_t *plant, const void *configuration, uint32_t size_bytes)
+{
+    memset(&board, 0, sizeof board);
+    board.plant = *plant;
+    board.endless = true;
+    board_reset_memory(configuration, size_bytes);
+    board_reset_lines();
+}
+
+void host_run_for(uint32_t periods)
+{
+    board.periods_left = periods;
+    board.endless = periods == 0;
+}
+
+void host_break_clock(bool broken)
+{
+    board.clock_broken = broken;
+}
+
+/* Without a running PWM the tick alone makes time pass, at the same rate. */
+static void pass_time(void)
+{
+    const uint32_t frequency_Hz = board.frequency_Hz != 0 ? board.frequency_Hz : MILLISECONDS_PER_SECOND;
+    board.share_of_millisecond += MILLISECONDS_PER_SECOND;
+    if (board.share_of_millisecond < frequency_Hz) {
+        return;
+    }
+    board.share_of_millisecond -= frequency_Hz;
+    board.milliseconds++;
+    board_watchdog_tick();
+    if (board.tick_started) {
+        app_millisecond_isr();
+    }
+}
+
+void host_step(void)
+{
+    if (board.pwm_started) {
+        board.plant.drive(board.plant.context, board.mode, board.compare_counts);
+        board.sample = board.plant.sample(board.plant.context);
+        app_pwm_period_isr();
+    }
+    pass_time();
+}
+
+inverter_status_t inverter_init(const inverter_settings_t *settings)
+{
+    if (settings->pwm_frequency_Hz == 0 || settings->pwm_period_counts > COUNTS_MAX) {
+        return INVERTER_FREQUENCY_UNREACHABLE;
+    }
+    if (settings->dead_time_ns > DEAD_TIME_MAX_ns) {
+        return INVERTER_DEAD_TIME_UNREACHABLE;
+    }
+    board.frequency_Hz = settings->pwm_frequency_Hz;
+    board.sample = board.plant.sample(board.plant.context);
+    return INVERTER_OK;
+}
+
+void inverter_start(void)
+{
+    board.pwm_started = true;
+}
+
+void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
+{
+    board.mode = inverter_fault() ? INVERTER_MODE_OFF : mode;
+    memcpy(board.compare_counts, compare_counts, sizeof board.compare_counts);
+}
+
+void inverter_trip(void)
+{
+    board.tripped = true;
+    board.mode = INVERTER_MODE_OFF;
+}
+
+bool inverter_fault(void)
+{
+    return board.tripped || board.sample.power_stage_fault;
+}
+
+void inverter_clear_fault(void)
+{
+    board.tripped = false;
+}
+
+analog_sample_t analog_read(void)
+{
+    analog_sample_t sample = {.bus_voltage_code = board.sample.bus_voltage_code};
+    memcpy(sample.phase_current_code, board.sample.phase_current_code, sizeof sample.phase_current_code);
+    return sample;
+}
+
+int32_t analog_winding_temperature_cC(void)
+{
+    return board.sample.winding_temperature_cC;
+}
+
+int32_t analog_switch_temperature_cC(void)
+{
+    return board.sample.switch_temperature_cC;
+}
+
+void rotor_sensor_init(rotor_sensor_kind_t kind, int32_t pole_pairs)
+{
+    (void)pole_pairs; /* the plant gives electrical angles */
+    board.sensor = kind;
+}
+
+bool rotor_sensor_ready(void)
+{
+    return true;
+}
+
+uint16_t rotor_sensor_angle_turn(void)
+{
+    return board.sensor == ROTOR_SENSOR_ANGLE ? board.sample.rotor_angle_turn : 0;
+}
+
+uint8_t rotor_sensor_hall_state(void)
+{
+    return board.sensor == ROTOR_SENSOR_HALL ? board.sample.hall_state : 0;
+}
+
+bool time_init(void)
+{
+    return !board.clock_broken;
+}
+
+void time_start_tick(void)
+{
+    board.tick_started = true;
+}
+
+uint32_t time_ms(void)
+{
+    return board.milliseconds;
+}
+
+uint32_t time_cycles(void)
+{
+    return 0;
+}
+
+bool time_running(void)
+{
+    if (!board.endless) {
+        if (board.periods_left == 0) {
+            return false;
+        }
+        board.periods_left--;
+    }
+    host_step();
+    return true;
+}

@@ -1,0 +1,68 @@
+/*
+ * port.h: the host's board. Implements hal/ on a plant that a test or the bench supplies, so that the application,
+ * up to main(), runs on a host exactly as on a board.
+ *
+ * One thread; interrupts are calls. A PWM period passes in host_step(), in this order, which is that of a real board:
+ *
+ *     top of the count    the compare values of the period before become active     plant.drive
+ *                         currents, bus voltage and rotor are sampled               plant.sample
+ *                         app_pwm_period_isr()
+ *     when one is due     app_millisecond_isr()
+ *
+ * main() needs no change: every look at time_running() lets one period pass.
+ */
+#ifndef HOST_PORT_H
+#define HOST_PORT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "hal/can.h"
+#include "hal/inverter.h"
+
+/* What the board measures, in the units of hal/analog.h and hal/rotor_sensor.h. */
+typedef struct {
+    uint16_t phase_current_code[3];
+    uint16_t bus_voltage_code;
+    uint16_t rotor_angle_turn;
+    uint8_t hall_state;
+    bool power_stage_fault;
+    int32_t winding_temperature_cC;
+    int32_t switch_temperature_cC;
+} host_sample_t;
+
+/* The plant: two functions and whatever they need to know. */
+typedef struct {
+    void *context;
+    host_sample_t (*sample)(void *context);
+    /* What the bridge does during the period that begins now. */
+    void (*drive)(void *context, inverter_mode_t mode, const uint16_t compare_counts[3]);
+} host_plant_t;
+
+enum { HOST_FLASH_BYTES = 16384, HOST_CAN_FRAMES = 32, HOST_SERIAL_BYTES = 65536 };
+
+/* Forgets everything, connects a plant and puts an image (of at most HOST_FLASH_BYTES) where the configuration is
+ * looked for; the rest of that memory is erased. Before app_boot(). */
+void host_connect(const host_plant_t *plant, const void *configuration, uint32_t size_bytes);
+
+/* How many PWM periods time_running() lets pass before it says no; 0 (also after host_connect()): for ever. */
+void host_run_for(uint32_t periods);
+
+/* Makes time_init() report a failed clock, as on a board without its crystal. */
+void host_break_clock(bool broken);
+
+/* Lets one PWM period pass. Interrupts that were not started are not called. */
+void host_step(void);
+
+/* The vehicle's side of CAN. A frame whose identifier is not accepted, or that finds no room, is lost. */
+void host_can_send(const can_frame_t *frame);
+bool host_can_receive(can_frame_t *frame);
+
+/* Everything written to the serial line so far, zero terminated; and typing on it. */
+const char *host_serial_output(void);
+void host_serial_type(const char *text);
+
+/* Has the watchdog, on the simulated clock, run out since host_connect()? */
+bool host_watchdog_bit(void);
+
+#endif

@@ -1,0 +1,162 @@
+/* The simulated board's CAN, serial line and watchdog. */
+#include <string.h>
+
+#include "board.h"
+#include "hal/can.h"
+#include "hal/serial.h"
+#include "hal/watchdog.h"
+#include "host/port.h"
+
+enum { ACCEPTED_MAX = 14 };
+
+typedef struct {
+    can_frame_t frame[HOST_CAN_FRAMES];
+    uint32_t first, count;
+} queue_t;
+
+static struct {
+    queue_t to_controller, from_controller;
+    uint16_t accepted[ACCEPTED_MAX];
+    uint32_t accepted_count;
+    char output[HOST_SERIAL_BYTES];
+    uint32_t output_bytes;
+    char typed[HOST_SERIAL_BYTES];
+    uint32_t typed_bytes, heard_bytes;
+    uint32_t watchdog_timeout_ms, watchdog_left_ms;
+    bool watchdog_bit;
+} lines;
+
+void board_reset_lines(void)
+{
+    memset(&lines, 0, sizeof lines);
+}
+
+static bool push(queue_t *queue, const can_frame_t *frame)
+{
+    if (queue->count == HOST_CAN_FRAMES) {
+        return false;
+    }
+    queue->frame[(queue->first + queue->count) % HOST_CAN_FRAMES] = *frame;
+    queue->count++;
+    return true;
+}
+
+static bool pop(queue_t *queue, can_frame_t *frame)
+{
+    if (queue->count == 0) {
+        return false;
+    }
+    *frame = queue->frame[queue->first];
+    queue->first = (queue->first + 1U) % HOST_CAN_FRAMES;
+    queue->count--;
+    return true;
+}
+
+void host_can_send(const can_frame_t *frame)
+{
+    for (uint32_t i = 0; i < lines.accepted_count; i++) {
+        if (lines.accepted[i] == frame->identifier) {
+            (void)push(&lines.to_controller, frame);
+        }
+    }
+}
+
+bool host_can_receive(can_frame_t *frame)
+{
+    return pop(&lines.from_controller, frame);
+}
+
+bool can_init(const uint16_t *accepted_identifiers, uint32_t count)
+{
+    if (count == 0 || count > ACCEPTED_MAX) {
+        return false;
+    }
+    memcpy(lines.accepted, accepted_identifiers, count * sizeof accepted_identifiers[0]);
+    lines.accepted_count = count;
+    return true;
+}
+
+bool can_receive(can_frame_t *frame)
+{
+    return pop(&lines.to_controller, frame);
+}
+
+bool can_transmit(const can_frame_t *frame)
+{
+    return push(&lines.from_controller, frame);
+}
+
+bool can_bus_off(void)
+{
+    return false;
+}
+
+const char *host_serial_output(void)
+{
+    return lines.output;
+}
+
+void host_serial_type(const char *text)
+{
+    const uint32_t room = (uint32_t)sizeof lines.typed - lines.typed_bytes;
+    const uint32_t size = (uint32_t)strlen(text);
+    memcpy(&lines.typed[lines.typed_bytes], text, size < room ? size : room);
+    lines.typed_bytes += size < room ? size : room;
+}
+
+void serial_init(uint32_t bit_rate)
+{
+    (void)bit_rate;
+}
+
+uint32_t serial_write(const char *bytes, uint32_t size)
+{
+    const uint32_t room = (uint32_t)sizeof lines.output - 1U - lines.output_bytes;
+    const uint32_t accepted = size < room ? size : room;
+    memcpy(&lines.output[lines.output_bytes], bytes, accepted);
+    lines.output_bytes += accepted;
+    return accepted;
+}
+
+bool serial_read(uint8_t *byte)
+{
+    if (lines.heard_bytes == lines.typed_bytes) {
+        return false;
+    }
+    *byte = (uint8_t)lines.typed[lines.heard_bytes];
+    lines.heard_bytes++;
+    return true;
+}
+
+void watchdog_start(uint32_t timeout_ms)
+{
+    lines.watchdog_timeout_ms = timeout_ms;
+    lines.watchdog_left_ms = timeout_ms;
+}
+
+void watchdog_feed(void)
+{
+    lines.watchdog_left_ms = lines.watchdog_timeout_ms;
+}
+
+bool watchdog_caused_reset(void)
+{
+    return false;
+}
+
+void board_watchdog_tick(void)
+{
+    if (lines.watchdog_timeout_ms == 0) {
+        return;
+    }
+    if (lines.watchdog_left_ms > 0) {
+        lines.watchdog_left_ms--;
+    } else {
+        lines.watchdog_bit = true;
+    }
+}
+
+bool host_watchdog_bit(void)
+{
+    return lines.watchdog_bit;
+}

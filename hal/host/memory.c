@@ -1,0 +1,61 @@
+/* The simulated board's flash and RAM. */
+#include <string.h>
+
+#include "board.h"
+#include "hal/flash.h"
+#include "hal/memory.h"
+#include "host/port.h"
+
+enum { WINDOW_WORDS = 64 };
+
+/* Stands for the firmware: a text whose CRC-32 is published (the catalogue's check value). */
+static const char FIRMWARE[] = "123456789";
+static const uint32_t FIRMWARE_CRC32 = 0xCBF43926U;
+
+static _Alignas(8) uint8_t flash[HOST_FLASH_BYTES];
+static volatile uint32_t window[WINDOW_WORDS];
+
+void board_reset_memory(const void *configuration, uint32_t size_bytes)
+{
+    memset(flash, 0xFF, sizeof flash);
+    memcpy(flash, configuration, size_bytes < sizeof flash ? size_bytes : sizeof flash);
+}
+
+flash_image_t flash_configuration(void)
+{
+    const flash_image_t image = {flash, sizeof flash};
+    return image;
+}
+
+flash_image_t flash_firmware(void)
+{
+    const flash_image_t image = {FIRMWARE, sizeof FIRMWARE - 1};
+    return image;
+}
+
+uint32_t flash_firmware_crc32(void)
+{
+    return FIRMWARE_CRC32;
+}
+
+flash_status_t flash_write_configuration(const void *bytes, uint32_t size_bytes)
+{
+    if (size_bytes > sizeof flash || size_bytes % 4U != 0) {
+        return FLASH_TOO_LARGE;
+    }
+    board_reset_memory(bytes, size_bytes);
+    return FLASH_OK;
+}
+
+memory_window_t memory_unused(void)
+{
+    const memory_window_t unused = {window, WINDOW_WORDS};
+    return unused;
+}
+
+void memory_mark_stack(void) {}
+
+uint32_t memory_stack_free_bytes(void)
+{
+    return 0; /* the host's stack is not the board's */
+}

@@ -1,0 +1,18 @@
+/*
+ * watchdog.h: resets the core, and with it switches the bridge off, unless it is fed in time. Cannot be stopped.
+ */
+#ifndef HAL_WATCHDOG_H
+#define HAL_WATCHDOG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* timeout_ms 1 .. 4000, made by an oscillator of its own, which may be off by -30 .. +45 %. */
+void watchdog_start(uint32_t timeout_ms);
+
+void watchdog_feed(void);
+
+/* Did the watchdog cause the last reset? The same answer until the next one. */
+bool watchdog_caused_reset(void);
+
+#endif

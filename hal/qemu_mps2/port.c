@@ -1,0 +1,164 @@
+/*
+ * The bridge, the sensors and CAN of a board at rest, through the mailbox. SysTick is the PWM period, with the highest
+ * priority, as on a real board; it interrupts the millisecond.
+ */
+#include "hal/analog.h"
+#include "hal/can.h"
+#include "hal/inverter.h"
+#include "hal/rotor_sensor.h"
+#include "hal/upcall.h"
+#include "mailbox.h"
+#include "memory_map.h"
+#include "semihost.h"
+#include "vectors.h"
+
+enum {
+    CODE_MID = 2048,
+    BUS_CODE_DEFAULT = 3513, /* 53 V of 61.8 V; bus_code=NUMBER on the command line overrides it */
+    HALL_DEFAULT = 5,
+    ROOM_TEMPERATURE_cC = 2500,
+    COUNTS_MAX = 16384,
+    DEAD_TIME_MAX_ns = 6000, /* what the timer of the flashable port can make */
+    SYSTICK_RUN = 7
+};
+
+static uint32_t period_ticks;
+static rotor_sensor_kind_t sensor;
+
+static void put_motor_at_rest(void)
+{
+    for (int x = 0; x < 3; x++) {
+        MAILBOX->phase_current_code[x] = CODE_MID;
+    }
+    MAILBOX->bus_voltage_code = (uint16_t)semihost_option("bus_code", BUS_CODE_DEFAULT);
+    MAILBOX->rotor_angle_turn = 0;
+    MAILBOX->hall_state = HALL_DEFAULT;
+    MAILBOX->power_stage_fault = (uint8_t)semihost_option("power_stage_fault", 0);
+    MAILBOX->winding_temperature_cC = ROOM_TEMPERATURE_cC;
+    MAILBOX->switch_temperature_cC = ROOM_TEMPERATURE_cC;
+    MAILBOX->magic = MAILBOX_MAGIC;
+}
+
+inverter_status_t inverter_init(const inverter_settings_t *settings)
+{
+    /* There is no timer whose clock could miss the frequency; what is impossible on every port is refused here too. */
+    if (settings->pwm_frequency_Hz == 0 || settings->pwm_period_counts > COUNTS_MAX) {
+        return INVERTER_FREQUENCY_UNREACHABLE;
+    }
+    if (settings->dead_time_ns > DEAD_TIME_MAX_ns) {
+        return INVERTER_DEAD_TIME_UNREACHABLE;
+    }
+    period_ticks = PROCESSOR_CLOCK_Hz / settings->pwm_frequency_Hz;
+    if (MAILBOX->magic != MAILBOX_MAGIC) {
+        put_motor_at_rest();
+    }
+    MAILBOX->mode = INVERTER_MODE_OFF;
+    MAILBOX->tripped = 0;
+    MAILBOX->periods = 0;
+    return INVERTER_OK;
+}
+
+void inverter_start(void)
+{
+    SCB_SHPR[15 - 4] = 0;
+    *SYSTICK_RVR = period_ticks - 1U;
+    *SYSTICK_CVR = 0;
+    *SYSTICK_CSR = SYSTICK_RUN;
+}
+
+void systick_handler(void)
+{
+    app_pwm_period_isr();
+    MAILBOX->periods = MAILBOX->periods + 1U;
+}
+
+void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
+{
+    const bool follow = mode == INVERTER_MODE_PWM;
+    for (int x = 0; x < 3; x++) {
+        MAILBOX->compare_counts[x] = follow ? compare_counts[x] : 0;
+    }
+    MAILBOX->mode = (uint8_t)(inverter_fault() ? INVERTER_MODE_OFF : mode);
+}
+
+void inverter_trip(void)
+{
+    MAILBOX->tripped = 1;
+    MAILBOX->mode = INVERTER_MODE_OFF;
+}
+
+bool inverter_fault(void)
+{
+    return MAILBOX->tripped != 0 || MAILBOX->power_stage_fault != 0;
+}
+
+void inverter_clear_fault(void)
+{
+    MAILBOX->tripped = 0;
+}
+
+analog_sample_t analog_read(void)
+{
+    const analog_sample_t sample = {
+        .phase_current_code = {MAILBOX->phase_current_code[0], MAILBOX->phase_current_code[1],
+                               MAILBOX->phase_current_code[2]},
+        .bus_voltage_code = MAILBOX->bus_voltage_code,
+    };
+    return sample;
+}
+
+int32_t analog_winding_temperature_cC(void)
+{
+    return MAILBOX->winding_temperature_cC;
+}
+
+int32_t analog_switch_temperature_cC(void)
+{
+    return MAILBOX->switch_temperature_cC;
+}
+
+void rotor_sensor_init(rotor_sensor_kind_t kind, int32_t pole_pairs)
+{
+    (void)pole_pairs; /* the mailbox already holds electrical angles */
+    sensor = kind;
+}
+
+bool rotor_sensor_ready(void)
+{
+    return true;
+}
+
+uint16_t rotor_sensor_angle_turn(void)
+{
+    return sensor == ROTOR_SENSOR_ANGLE ? MAILBOX->rotor_angle_turn : 0;
+}
+
+uint8_t rotor_sensor_hall_state(void)
+{
+    return sensor == ROTOR_SENSOR_HALL ? MAILBOX->hall_state : 0;
+}
+
+/* The machine has no CAN controller: it reports itself missing, which the application must cope with anyway. */
+bool can_init(const uint16_t *accepted_identifiers, uint32_t count)
+{
+    (void)accepted_identifiers;
+    (void)count;
+    return false;
+}
+
+bool can_receive(can_frame_t *frame)
+{
+    (void)frame;
+    return false;
+}
+
+bool can_transmit(const can_frame_t *frame)
+{
+    (void)frame;
+    return false;
+}
+
+bool can_bus_off(void)
+{
+    return false;
+}

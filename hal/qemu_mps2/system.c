@@ -1,0 +1,178 @@
+/* Time, serial line, watchdog and memory of the emulated board. */
+#include "hal/flash.h"
+#include "hal/memory.h"
+#include "hal/serial.h"
+#include "hal/time.h"
+#include "hal/upcall.h"
+#include "hal/watchdog.h"
+#include "memory_map.h"
+#include "semihost.h"
+#include "vectors.h"
+
+enum {
+    TIMER_RUN = 0x9, /* enable, interrupt */
+    UART_TRANSMIT_AND_RECEIVE = 0x3,
+    UART_TRANSMIT_FULL = 0x1,
+    UART_RECEIVE_FULL = 0x2,
+    UART_DIVIDER_SMALLEST = 16,
+    MILLISECOND_PRIORITY = 0x80,
+    RUN_ms_DEFAULT = 500, /* run_ms=NUMBER on the command line overrides it */
+    WATCHDOG_INTERRUPT = 1,
+    STACK_MARGIN_BYTES = 256
+};
+#define STACK_PATTERN 0x5AA5C33CU
+
+extern const uint32_t link_image_begin[], link_image_end[], link_image_crc32[];
+extern const uint32_t link_configuration_begin[], link_configuration_end[];
+extern uint32_t link_stack_begin[];
+
+static volatile uint32_t milliseconds;
+static uint32_t run_ms;
+
+bool time_init(void)
+{
+    run_ms = semihost_option("run_ms", RUN_ms_DEFAULT);
+    return semihost_option("clock_fault", 0) == 0;
+}
+
+void time_start_tick(void)
+{
+    CMSDK_TIMER0->RELOAD = PROCESSOR_CLOCK_Hz / 1000 - 1;
+    CMSDK_TIMER0->VALUE = PROCESSOR_CLOCK_Hz / 1000 - 1;
+    CMSDK_TIMER0->CTRL = semihost_option("tick_fault", 0) == 0 ? TIMER_RUN : 0; /* tick_fault=1: a dead timer */
+    NVIC_IPR[INTERRUPT_TIMER0] = MILLISECOND_PRIORITY;
+    NVIC_ISER[0] = 1U << INTERRUPT_TIMER0;
+}
+
+void timer0_handler(void)
+{
+    CMSDK_TIMER0->INTCLEAR = 1;
+    milliseconds = milliseconds + 1U;
+    app_millisecond_isr();
+}
+
+uint32_t time_ms(void)
+{
+    return milliseconds;
+}
+
+uint32_t time_cycles(void)
+{
+    return 0; /* QEMU counts no cycles */
+}
+
+bool time_running(void)
+{
+    return milliseconds < run_ms;
+}
+
+void serial_init(uint32_t bit_rate)
+{
+    const uint32_t divider = PROCESSOR_CLOCK_Hz / bit_rate;
+    CMSDK_UART0->BAUDDIV = divider < UART_DIVIDER_SMALLEST ? UART_DIVIDER_SMALLEST : divider;
+    CMSDK_UART0->CTRL = UART_TRANSMIT_AND_RECEIVE;
+}
+
+uint32_t serial_write(const char *bytes, uint32_t size)
+{
+    uint32_t accepted = 0;
+    while (accepted < size && (CMSDK_UART0->STATE & UART_TRANSMIT_FULL) == 0) {
+        CMSDK_UART0->DATA = (uint8_t)bytes[accepted];
+        accepted++;
+    }
+    return accepted;
+}
+
+bool serial_read(uint8_t *byte)
+{
+    if ((CMSDK_UART0->STATE & UART_RECEIVE_FULL) == 0) {
+        return false;
+    }
+    *byte = (uint8_t)CMSDK_UART0->DATA;
+    return true;
+}
+
+/* The watchdog's interrupt is the NMI. A board would start anew; here a starved watchdog fails the run. */
+void watchdog_start(uint32_t timeout_ms)
+{
+    *CMSDK_WATCHDOG_LOCK = CMSDK_WATCHDOG_UNLOCK;
+    CMSDK_WATCHDOG->LOAD = timeout_ms * (PROCESSOR_CLOCK_Hz / 1000);
+    CMSDK_WATCHDOG->CTRL = WATCHDOG_INTERRUPT;
+}
+
+void watchdog_feed(void)
+{
+    CMSDK_WATCHDOG->INTCLR = 1; /* also loads the counter anew */
+}
+
+void watchdog_handler(void)
+{
+    semihost_print("watchdog: not fed in time\n");
+    semihost_exit(false);
+}
+
+bool watchdog_caused_reset(void)
+{
+    return false;
+}
+
+static flash_image_t between(const uint32_t *begin, const uint32_t *end)
+{
+    const flash_image_t image = {begin, (uint32_t)((uintptr_t)end - (uintptr_t)begin)};
+    return image;
+}
+
+flash_image_t flash_configuration(void)
+{
+    return between(link_configuration_begin, link_configuration_end);
+}
+
+flash_image_t flash_firmware(void)
+{
+    return between(link_image_begin, link_image_end);
+}
+
+uint32_t flash_firmware_crc32(void)
+{
+    return *(const volatile uint32_t *)link_image_crc32;
+}
+
+flash_status_t flash_write_configuration(const void *bytes, uint32_t size_bytes)
+{
+    (void)bytes;
+    (void)size_bytes;
+    return FLASH_UNSUPPORTED;
+}
+
+static uint32_t stack_pointer(void)
+{
+    uint32_t pointer;
+    __asm volatile("mov %0, sp" : "=r"(pointer));
+    return pointer;
+}
+
+memory_window_t memory_unused(void)
+{
+    const uint32_t free_bytes = stack_pointer() - (uint32_t)(uintptr_t)link_stack_begin;
+    const memory_window_t window = {link_stack_begin,
+                                    free_bytes > STACK_MARGIN_BYTES ? (free_bytes - STACK_MARGIN_BYTES) / 4U : 0U};
+    return window;
+}
+
+void memory_mark_stack(void)
+{
+    const memory_window_t window = memory_unused();
+    for (uint32_t i = 0; i < window.words; i++) {
+        window.begin[i] = STACK_PATTERN;
+    }
+}
+
+uint32_t memory_stack_free_bytes(void)
+{
+    const uint32_t most = memory_unused().words;
+    uint32_t words = 0;
+    while (words < most && link_stack_begin[words] == STACK_PATTERN) {
+        words++;
+    }
+    return 4U * words;
+}

@@ -1,0 +1,100 @@
+/*
+ * Triple injected simultaneous conversion (RM0090 section 13.9.1), started by TIM1 at the top of its count:
+ *
+ *     ADC1: current a, bus voltage     ADC2: current b, winding temperature     ADC3: current c, switch temperature
+ *
+ * 21 MHz: 3 cycles of sampling, 12 of conversion for the currents (0.7 us, sampled 0.14 us), 15 + 12 for the slow
+ * quantities, whose dividers are stiffened by capacitors. The interrupt comes 2 us after the top.
+ */
+#include "hal/analog.h"
+
+#include "analog_start.h"
+#include "board.h"
+#include "hal/upcall.h"
+#include "interrupts.h"
+#include "ntc.h"
+#include "registers/adc.h"
+#include "registers/rcc.h"
+#include "vectors.h"
+
+enum {
+    MULTI_TRIPLE_INJECTED_SIMULTANEOUS = 0x15,
+    PRESCALER_BY_4 = 1,      /* 84 MHz / 4 */
+    SAMPLE_15_CYCLES = 1,    /* code of the sampling time; 0 is 3 cycles */
+    TRIGGER_TIM1_TRGO = 1,   /* JEXTSEL */
+    TRIGGER_RISING_EDGE = 1, /* JEXTEN */
+    TWO_CONVERSIONS = 1,     /* JL: takes JSQ3 and JSQ4, results in JDR1 and JDR2 */
+    CODE_RANGE = 4096,
+    CODE_LARGEST = 4095
+};
+_Static_assert(BOARD_CHANNEL_SWITCH_TEMPERATURE < 10, "its sampling time is set in SMPR2");
+
+static void configure(adc_registers_t *adc, uint32_t first_channel, uint32_t second_channel)
+{
+    adc->CR1 = ADC_CR1_SCAN;
+    adc->SMPR1 = ((uint32_t)SAMPLE_15_CYCLES << 3 * (BOARD_CHANNEL_BUS_VOLTAGE - 10)) |
+                 ((uint32_t)SAMPLE_15_CYCLES << 3 * (BOARD_CHANNEL_WINDING_TEMPERATURE - 10));
+    adc->SMPR2 = (uint32_t)SAMPLE_15_CYCLES << 3 * BOARD_CHANNEL_SWITCH_TEMPERATURE;
+    adc->JSQR = ((uint32_t)TWO_CONVERSIONS << ADC_JSQR_JL_Pos) | (first_channel << ADC_JSQR_JSQ3_Pos) |
+                (second_channel << ADC_JSQR_JSQ4_Pos);
+    adc->CR2 = ADC_CR2_ADON;
+}
+
+bool analog_init(void)
+{
+    gpio_make_analog(BOARD_CURRENT_A);
+    gpio_make_analog(BOARD_CURRENT_B);
+    gpio_make_analog(BOARD_CURRENT_C);
+    gpio_make_analog(BOARD_BUS_VOLTAGE);
+    gpio_make_analog(BOARD_WINDING_TEMPERATURE);
+    gpio_make_analog(BOARD_SWITCH_TEMPERATURE);
+    RCC->APB2ENR |= RCC_APB2ENR_ADC1EN | RCC_APB2ENR_ADC2EN | RCC_APB2ENR_ADC3EN;
+    (void)RCC->APB2ENR;
+    ADC_COMMON->CCR = ((uint32_t)MULTI_TRIPLE_INJECTED_SIMULTANEOUS << ADC_COMMON_CCR_MULTI_Pos) |
+                      ((uint32_t)PRESCALER_BY_4 << ADC_COMMON_CCR_ADCPRE_Pos);
+    configure(ADC1, BOARD_CHANNEL_CURRENT_A, BOARD_CHANNEL_BUS_VOLTAGE);
+    configure(ADC2, BOARD_CHANNEL_CURRENT_B, BOARD_CHANNEL_WINDING_TEMPERATURE);
+    configure(ADC3, BOARD_CHANNEL_CURRENT_C, BOARD_CHANNEL_SWITCH_TEMPERATURE);
+    /* The converters need 3 us from ADON to the first start (data sheet t_STAB): what they convert before that is only
+     * looked at after analog_start(), much later. */
+    ADC1->CR2 |=
+        ((uint32_t)TRIGGER_TIM1_TRGO << ADC_CR2_JEXTSEL_Pos) | ((uint32_t)TRIGGER_RISING_EDGE << ADC_CR2_JEXTEN_Pos);
+    return (ADC1->CR2 & ADC2->CR2 & ADC3->CR2 & ADC_CR2_ADON) != 0;
+}
+
+void analog_start(void)
+{
+    ADC1->SR = 0; /* the first interrupt belongs to a whole period */
+    ADC1->CR1 |= ADC_CR1_JEOCIE;
+    interrupts_enable(INTERRUPT_ADC, PRIORITY_PWM_PERIOD);
+}
+
+void adc_handler(void)
+{
+    ADC1->SR = ~(uint32_t)(ADC_SR_JEOC | ADC_SR_JSTRT); /* flags are cleared by writing 0, the others are left */
+    app_pwm_period_isr();
+}
+
+static uint16_t current_code(uint32_t raw)
+{
+    return (uint16_t)(BOARD_CURRENT_INVERTED != 0 ? CODE_LARGEST - raw : raw);
+}
+
+analog_sample_t analog_read(void)
+{
+    const analog_sample_t sample = {
+        .phase_current_code = {current_code(ADC1->JDR1), current_code(ADC2->JDR1), current_code(ADC3->JDR1)},
+        .bus_voltage_code = (uint16_t)ADC1->JDR2,
+    };
+    return sample;
+}
+
+int32_t analog_winding_temperature_cC(void)
+{
+    return ntc_temperature_cC((int32_t)ADC2->JDR2, ANALOG_TEMPERATURE_BROKEN_cC);
+}
+
+int32_t analog_switch_temperature_cC(void)
+{
+    return ntc_temperature_cC(CODE_RANGE - (int32_t)ADC3->JDR2, ANALOG_TEMPERATURE_BROKEN_cC);
+}

@@ -1,0 +1,196 @@
+/*
+ * TIM1, centre-aligned, complementary outputs with dead time and break (RM0090 section 17.3).
+ *
+ * One update event a period, at the overflow, that is at the top (17.3.3): the counter starts with repetition counter
+ * 0, which gives an event at both ends, and the 1 that is written while it counts up is taken over at the next top, so
+ * that from there on every second event is left out. Editions of the manual disagree about which end it is, so
+ * inverter_init() looks. Channel 4 has no pin: its reference rises one count before the top and starts the converters
+ * (17.4.2, MMS = OC4REF). In the interrupt, 2 us later, the compare values written one period ago are active and those
+ * written now become active at the next top.
+ */
+#include "hal/inverter.h"
+
+#include "analog_start.h"
+#include "board.h"
+#include "clock.h"
+#include "dead_time.h"
+#include "registers/iwdg.h"
+#include "registers/rcc.h"
+#include "registers/tim.h"
+#include "vectors.h"
+#include "wait.h"
+
+enum {
+    CENTRE_ALIGNED_1 = 1,
+    PWM_MODE_1 = 6, /* active while count < compare */
+    PWM_MODE_2 = 7, /* active while count >= compare */
+    TRIGGER_OUTPUT_OC4REF = 7,
+    LOCK_LEVEL_1 = 1,          /* dead time, break and idle states cannot be changed until the next reset */
+    LOOKS_PERIOD = 20000,      /* 0.6 ms, more than a period of 4 kHz */
+    LOOKS_GATE_DRIVER = 600000 /* 20 ms: the driver holds its fault line down while it starts, 10 ms at most */
+};
+
+static uint16_t top_counts;
+static bool armed; /* a mode other than OFF was asked for in the period before this one */
+static volatile bool tripped;
+
+static bool frequency_fits(const inverter_settings_t *settings)
+{
+    const uint32_t frequency_Hz = CLOCK_TIMER1_Hz / (2U * settings->pwm_period_counts);
+    const uint32_t tolerance_Hz = settings->pwm_frequency_Hz / 1000U;
+    return frequency_Hz + tolerance_Hz >= settings->pwm_frequency_Hz &&
+           frequency_Hz <= settings->pwm_frequency_Hz + tolerance_Hz;
+}
+
+static void start_gate_driver(void)
+{
+    gpio_make_input(BOARD_DRIVER_FAULT, GPIO_PULL_UP);
+    gpio_make_output(BOARD_DRIVER_ENABLE, true);
+    /* A driver that stays in fault is not an error here: inverter_fault() reports it for as long as it lasts. */
+    (void)wait_for(&BOARD_DRIVER_FAULT.port->IDR, 1U << BOARD_DRIVER_FAULT.number, 1U << BOARD_DRIVER_FAULT.number,
+                   LOOKS_GATE_DRIVER);
+}
+
+static void connect_pins(void)
+{
+    /* Pulled down, so that a gate input is low also while its pin is not driven. */
+    gpio_make_alternate(BOARD_GATE_HIGH_A, BOARD_AF_TIM1, GPIO_PULL_DOWN);
+    gpio_make_alternate(BOARD_GATE_HIGH_B, BOARD_AF_TIM1, GPIO_PULL_DOWN);
+    gpio_make_alternate(BOARD_GATE_HIGH_C, BOARD_AF_TIM1, GPIO_PULL_DOWN);
+    gpio_make_alternate(BOARD_GATE_LOW_A, BOARD_AF_TIM1, GPIO_PULL_DOWN);
+    gpio_make_alternate(BOARD_GATE_LOW_B, BOARD_AF_TIM1, GPIO_PULL_DOWN);
+    gpio_make_alternate(BOARD_GATE_LOW_C, BOARD_AF_TIM1, GPIO_PULL_DOWN);
+    gpio_make_alternate(BOARD_BREAK, BOARD_AF_TIM1, GPIO_PULL_UP);
+}
+
+static void configure_timer(uint32_t dead_time_code)
+{
+    TIM1->CR1 = ((uint32_t)CENTRE_ALIGNED_1 << TIM_CR1_CMS_Pos) | TIM_CR1_ARPE;
+    TIM1->CR2 = (uint32_t)TRIGGER_OUTPUT_OC4REF << TIM_CR2_MMS_Pos; /* idle states all 0: both switches of a leg off */
+    TIM1->PSC = 0;
+    TIM1->ARR = top_counts;
+    TIM1->RCR = 0;
+    TIM1->CCMR1 = ((uint32_t)PWM_MODE_1 << TIM_CCMR1_OC1M_Pos) | TIM_CCMR1_OC1PE |
+                  ((uint32_t)PWM_MODE_1 << TIM_CCMR1_OC2M_Pos) | TIM_CCMR1_OC2PE;
+    TIM1->CCMR2 = ((uint32_t)PWM_MODE_1 << TIM_CCMR2_OC3M_Pos) | TIM_CCMR2_OC3PE |
+                  ((uint32_t)PWM_MODE_2 << TIM_CCMR2_OC4M_Pos) | TIM_CCMR2_OC4PE;
+    TIM1->CCR1 = 0;
+    TIM1->CCR2 = 0;
+    TIM1->CCR3 = 0;
+    TIM1->CCR4 = top_counts - 1U;
+    TIM1->CCER = TIM_CCER_CC1E | TIM_CCER_CC1NE | TIM_CCER_CC2E | TIM_CCER_CC2NE | TIM_CCER_CC3E | TIM_CCER_CC3NE;
+    /* Break active low (BKP = 0) and never released by itself (AOE = 0); OSSI and OSSR keep the pins driven to "off". */
+    TIM1->BDTR = (dead_time_code << TIM_BDTR_DTG_Pos) | TIM_BDTR_BKE | TIM_BDTR_OSSI | TIM_BDTR_OSSR |
+                 ((uint32_t)LOCK_LEVEL_1 << TIM_BDTR_LOCK_Pos);
+    TIM1->EGR = TIM_EGR_UG; /* loads every preload register */
+    TIM1->SR = 0;
+    DBGMCU->APB2_FZ |= DBGMCU_APB2_FZ_TIM1_STOP; /* a halted core gets a switched-off bridge (17.3.21) */
+}
+
+static bool wait_for_update(void)
+{
+    TIM1->SR = ~(uint32_t)TIM_SR_UIF; /* the other flags are left alone by writing 1 */
+    return wait_for(&TIM1->SR, TIM_SR_UIF, TIM_SR_UIF, LOOKS_PERIOD);
+}
+
+/* Starts the counter with its update at the top, and looks whether that is where it is: right after an update at the
+ * top the counter counts down. False if not. The bridge is off all the while. */
+static bool start_with_update_at_top(void)
+{
+    TIM1->CR1 |= TIM_CR1_CEN;
+    bool seen = wait_for_update();
+    while (seen && (TIM1->CR1 & TIM_CR1_DIR) != 0) {
+        seen = wait_for_update(); /* until it is the one at the bottom: from here it counts up */
+    }
+    TIM1->RCR = 1;
+    seen = seen && wait_for_update();
+    for (int period = 0; period < 4 && seen; period++) {
+        seen = wait_for_update() && (TIM1->CR1 & TIM_CR1_DIR) != 0;
+    }
+    return seen;
+}
+
+inverter_status_t inverter_init(const inverter_settings_t *settings)
+{
+    if (!frequency_fits(settings)) {
+        return INVERTER_FREQUENCY_UNREACHABLE;
+    }
+    uint8_t dead_time_code;
+    if (!dead_time_encode(settings->dead_time_ns, CLOCK_TIMER1_Hz, &dead_time_code)) {
+        return INVERTER_DEAD_TIME_UNREACHABLE;
+    }
+    RCC->APB2ENR |= RCC_APB2ENR_TIM1EN;
+    (void)RCC->APB2ENR;
+    gpio_init();
+    top_counts = (uint16_t)settings->pwm_period_counts;
+    configure_timer(dead_time_code);
+    connect_pins();
+    start_gate_driver();
+    if (!start_with_update_at_top()) {
+        return INVERTER_TIMER_UNREADY;
+    }
+    return analog_init() ? INVERTER_OK : INVERTER_CONVERTER_UNREADY;
+}
+
+void inverter_start(void)
+{
+    analog_start();
+}
+
+static void switch_off(void)
+{
+    TIM1->BDTR &= ~(uint32_t)TIM_BDTR_MOE;
+}
+
+/* Compare beyond the top holds the high side on; equal to the top would switch it off for one count and two dead times. */
+static uint32_t register_value(uint16_t compare_counts)
+{
+    return compare_counts >= top_counts ? top_counts + 1U : compare_counts;
+}
+
+void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
+{
+    const bool on = (mode == INVERTER_MODE_PWM || mode == INVERTER_MODE_SHORT) && !inverter_fault();
+    if (!on) {
+        switch_off();
+        armed = false;
+        return;
+    }
+    const bool follow = mode == INVERTER_MODE_PWM;
+    TIM1->CCR1 = follow ? register_value(compare_counts[0]) : 0U;
+    TIM1->CCR2 = follow ? register_value(compare_counts[1]) : 0U;
+    TIM1->CCR3 = follow ? register_value(compare_counts[2]) : 0U;
+    /* The outputs are enabled when the first compare values have become active, one period after they were written:
+     * the old ones, from before the bridge was switched off, must never be seen. */
+    if (armed) {
+        TIM1->BDTR |= TIM_BDTR_MOE;
+    }
+    armed = true;
+}
+
+void inverter_trip(void)
+{
+    tripped = true;
+    switch_off();
+}
+
+bool inverter_fault(void)
+{
+    return tripped || (TIM1->SR & TIM_SR_BIF) != 0 || !gpio_read(BOARD_DRIVER_FAULT);
+}
+
+void inverter_clear_fault(void)
+{
+    if (gpio_read(BOARD_DRIVER_FAULT) && gpio_read(BOARD_BREAK)) {
+        TIM1->SR = ~(uint32_t)TIM_SR_BIF;
+        tripped = false;
+    }
+}
+
+/* Nothing can be trusted any more: the bridge goes off and the watchdog, no longer fed, restarts the core. */
+void fault_handler(void)
+{
+    inverter_trip();
+    for (;;) {
+    }
+}

@@ -1,0 +1,81 @@
+/*
+ * Halls on three inputs, or an incremental encoder on TIM3 (RM0090 section 18.3.12): CH1 and CH2 count quadrature
+ * edges, CH3 captures the count at the index pulse, so that the index is found at any speed without an interrupt.
+ * The board's mounting must put the index where the magnet flux lies along phase a.
+ */
+#include "hal/rotor_sensor.h"
+
+#include "board.h"
+#include "registers/rcc.h"
+#include "registers/tim.h"
+
+enum {
+    ENCODER_MODE_3 = 3, /* SMS: count on both edges of both inputs */
+    INPUT_DIRECT = 1,   /* CCxS: input x on its own pin */
+    FILTER_8_SAMPLES = 3
+};
+_Static_assert(65536 % BOARD_ENCODER_COUNTS_PER_TURN == 0, "the 16-bit counter must wrap after whole turns");
+
+static rotor_sensor_kind_t sensor;
+static uint32_t turn_per_count;  /* electrical, 65 536 = one turn */
+static volatile bool index_seen; /* remembered here: reading the capture register clears the timer's flag */
+
+static void init_halls(void)
+{
+    gpio_make_input(BOARD_ROTOR_A, GPIO_PULL_UP);
+    gpio_make_input(BOARD_ROTOR_B, GPIO_PULL_UP);
+    gpio_make_input(BOARD_ROTOR_C, GPIO_PULL_UP);
+}
+
+static void init_encoder(void)
+{
+    RCC->APB1ENR |= RCC_APB1ENR_TIM3EN;
+    (void)RCC->APB1ENR;
+    gpio_make_alternate(BOARD_ROTOR_A, BOARD_AF_TIM3, GPIO_PULL_UP);
+    gpio_make_alternate(BOARD_ROTOR_B, BOARD_AF_TIM3, GPIO_PULL_UP);
+    gpio_make_alternate(BOARD_ROTOR_C, BOARD_AF_TIM3, GPIO_PULL_UP);
+    TIM3->CCMR1 = ((uint32_t)INPUT_DIRECT << TIM_CCMR1_CC1S_Pos) | ((uint32_t)FILTER_8_SAMPLES << TIM_CCMR1_IC1F_Pos) |
+                  ((uint32_t)INPUT_DIRECT << TIM_CCMR1_CC2S_Pos) | ((uint32_t)FILTER_8_SAMPLES << TIM_CCMR1_IC2F_Pos);
+    TIM3->CCMR2 = ((uint32_t)INPUT_DIRECT << TIM_CCMR2_CC3S_Pos) | ((uint32_t)FILTER_8_SAMPLES << TIM_CCMR2_IC3F_Pos);
+    TIM3->CCER = TIM_CCER_CC3E;
+    TIM3->SMCR = (uint32_t)ENCODER_MODE_3 << TIM_SMCR_SMS_Pos;
+    TIM3->ARR = 0xFFFF;
+    TIM3->SR = 0;
+    TIM3->CR1 = TIM_CR1_CEN;
+}
+
+void rotor_sensor_init(rotor_sensor_kind_t kind, int32_t pole_pairs)
+{
+    gpio_init();
+    sensor = kind;
+    turn_per_count = (uint32_t)pole_pairs * (65536U / BOARD_ENCODER_COUNTS_PER_TURN);
+    if (kind == ROTOR_SENSOR_HALL) {
+        init_halls();
+    } else {
+        init_encoder();
+    }
+}
+
+bool rotor_sensor_ready(void)
+{
+    return sensor == ROTOR_SENSOR_HALL || index_seen;
+}
+
+uint16_t rotor_sensor_angle_turn(void)
+{
+    if (sensor == ROTOR_SENSOR_HALL) {
+        return 0;
+    }
+    if ((TIM3->SR & TIM_SR_CC3IF) != 0) {
+        index_seen = true;
+    }
+    return (uint16_t)((TIM3->CNT - TIM3->CCR3) * turn_per_count);
+}
+
+uint8_t rotor_sensor_hall_state(void)
+{
+    if (sensor != ROTOR_SENSOR_HALL) {
+        return 0;
+    }
+    return (uint8_t)((BOARD_HALL_PORT->IDR >> BOARD_HALL_FIRST_PIN) & 7U);
+}

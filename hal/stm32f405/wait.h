@@ -1,0 +1,26 @@
+/*
+ * wait.h: every wait for hardware in this port is bounded by a number of looks, so that a missing crystal, a shorted
+ * bus or an emulator without the peripheral leads to a report instead of a hang.
+ *
+ * One look takes at least five cycles (load, compare, count, branch): 0.3 us on the 16 MHz internal oscillator that
+ * the core starts with, 30 ns at 168 MHz.
+ */
+#ifndef STM32F405_WAIT_H
+#define STM32F405_WAIT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* True as soon as (*reg & mask) == value; false after `looks` looks. */
+static inline bool wait_for(const volatile uint32_t *reg, uint32_t mask, uint32_t value, uint32_t looks)
+{
+    while (looks > 0) {
+        if ((*reg & mask) == value) {
+            return true;
+        }
+        looks--;
+    }
+    return false;
+}
+
+#endif

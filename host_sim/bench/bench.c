@@ -1,0 +1,243 @@
+#include "bench/bench.h"
+
+#include <math.h>
+
+#include "plant/numbers.h"
+
+static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
+static const double ROUNDING = 1e-6; /* of a slow step: periods and milliseconds are counted, not added up */
+/* The run-up: long enough for self-test and offset calibration, gentle enough for the rotor estimate to follow. */
+static const double BOOT_LIMIT_S = 3.0;
+static const double RUN_UP_M_PER_S2 = 15.0;
+static const double SETTLE_S = 0.5;
+
+void bench_refresh(bench_t *bench)
+{
+    bench->world = wheel_world(&bench->params, &bench->config);
+    bench->road_vehicle = vehicle_on_road(&bench->params.vehicle, &bench->params.road);
+    for (int k = 0; k < bench->wheels; k++) {
+        wheel_t *wheel = &bench->wheel[k];
+        wheel->machine = pmsm_at_temperature(&bench->params.motor, wheel->winding.temperature_c);
+    }
+}
+
+static void begin_accounts(bench_t *bench)
+{
+    const ledger_t empty = {.chemical_j = 0.0};
+    bench->booked = empty;
+    bench->braking = empty;
+    bench->is_braking = false;
+    bench->battery = battery_init(&bench->params.battery, bench->world.period_s);
+    bench->driver = driver_init();
+    bench->period = 0;
+    bench->time_s = 0.0;
+    bench->slow_steps = 0;
+    bench->vehicle.distance_m = 0.0;
+    bench->vehicle.height_m = 0.0;
+    bench->kinetic_before_j = vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle);
+    bench->magnetic_before_j = 0.0;
+    for (int k = 0; k < bench->wheels; k++) {
+        wheel_begin(&bench->wheel[k], &bench->world);
+        bench->magnetic_before_j += pmsm_magnetic_energy_j(&bench->wheel[k].machine, &bench->wheel[k].rotor);
+    }
+}
+
+void bench_init(bench_t *bench, const bench_params_t *params, const config_t *config, const driver_trace_t *trace)
+{
+    const bench_t empty = {.wheels = 0};
+    *bench = empty;
+    bench->params = *params;
+    bench->config = *config;
+    bench->trace = *trace;
+    bench->wheels = (int)plant_clamp(floor(params->vehicle.driven_wheels), 1.0, BENCH_WHEELS_MAX);
+    bench_refresh(bench);
+    for (int k = 0; k < bench->wheels; k++) {
+        wheel_init(&bench->wheel[k], &bench->world, k);
+    }
+    begin_accounts(bench);
+}
+
+double bench_wheel_speed_rad_s(const bench_t *bench)
+{
+    return bench->vehicle.speed_m_per_s / bench->params.vehicle.wheel_radius_m;
+}
+
+/* The demand changes with the slow step only, so the accounts need a look only when braking begins or ends. */
+static void note_braking(bench_t *bench)
+{
+    const bool brakes = bench->demand.brake_nm > 0.0;
+    if (brakes == bench->is_braking) {
+        return;
+    }
+    if (brakes) {
+        bench->braking_since = bench_ledger(bench);
+    } else {
+        bench->braking = bench_braking_ledger(bench);
+    }
+    bench->is_braking = brakes;
+}
+
+static void slow_step(bench_t *bench)
+{
+    const bench_params_t *params = &bench->params;
+    if (bench->held) {
+        const driver_demand_t feet_off = {.reference_m_per_s = bench->vehicle.speed_m_per_s};
+        bench->demand = feet_off;
+    } else {
+        bench->demand = driver_step(&params->driver, &bench->driver, &bench->trace, &bench->road_vehicle, bench->wheels,
+                                    bench->vehicle.speed_m_per_s, bench->time_s, SLOW_STEP_S);
+    }
+    note_braking(bench);
+    const wheel_order_t order = {
+        .drive_nm = bench->demand.drive_nm,
+        .brake_nm = bench->demand.brake_nm,
+        .charge_limit_a = battery_charge_limit_a(&params->battery, &bench->battery),
+        .discharge_limit_a = battery_discharge_limit_a(&params->battery, &bench->battery),
+        .demand_age_s = bench->held ? 0.0 : params->driver.demand_age_s,
+        .speed_rad_s = bench_wheel_speed_rad_s(bench),
+        .bus_voltage_v = bench->battery.terminal_v,
+        .time_s = bench->time_s,
+        .enable = bench->held || params->driver.enable > 0.5,
+        .abs_active = !bench->held && params->driver.abs_active > 0.5,
+    };
+    for (int k = 0; k < bench->wheels; k++) {
+        wheel_slow(&bench->wheel[k], &bench->world, &order);
+    }
+}
+
+/* A vehicle whose speed somebody else decides. */
+static vehicle_flow_t carry(const bench_t *bench)
+{
+    const vehicle_flow_t out = {.mean_speed_m_per_s = bench->vehicle.speed_m_per_s};
+    return out;
+}
+
+static void book(ledger_t *ledger, const battery_flow_t *battery, const vehicle_flow_t *road, double kinetic_loss_j)
+{
+    ledger->chemical_j += battery->chemical_j;
+    ledger->battery_j += battery->heat_j;
+    ledger->drag_j += road->drag_j;
+    ledger->rolling_j += road->rolling_j;
+    ledger->climbed_j += road->climbed_j;
+    ledger->turned_over_j += plant_max(battery->chemical_j, 0.0) + plant_max(kinetic_loss_j, 0.0);
+}
+
+void bench_period(bench_t *bench)
+{
+    const double period_s = bench->world.period_s;
+    if (bench->time_s * CONTROLLER_SLOW_RATE_HZ + ROUNDING >= (double)bench->slow_steps) {
+        bench->slow_steps++;
+        slow_step(bench);
+    }
+    const double per_radius = 1.0 / bench->road_vehicle.wheel_radius_m;
+    const double expected_m_per_s =
+        bench->held ? bench->vehicle.speed_m_per_s : vehicle_expected_speed_m_per_s(&bench->vehicle, period_s);
+    wheel_flow_t flow[BENCH_WHEELS_MAX];
+    vehicle_load_t load = {.torque_impulse_nms = 0.0, .friction_capacity_nm = 0.0};
+    double dc_j = 0.0;
+    for (int k = 0; k < bench->wheels; k++) {
+        flow[k] =
+            wheel_period(&bench->wheel[k], &bench->world, expected_m_per_s * per_radius, bench->battery.terminal_v);
+        dc_j += flow[k].dc_j;
+        load.torque_impulse_nms += flow[k].airgap_nms - flow[k].viscous_nms;
+        load.friction_capacity_nm += flow[k].friction_capacity_nm;
+    }
+    const battery_flow_t battery = battery_step(&bench->params.battery, &bench->battery, dc_j);
+    const double kinetic_j = vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle);
+    const vehicle_flow_t road =
+        bench->held ? carry(bench) : vehicle_step(&bench->road_vehicle, &bench->vehicle, &load, period_s);
+    for (int k = 0; k < bench->wheels; k++) {
+        wheel_settle(&bench->wheel[k], &bench->world, &flow[k], road.mean_speed_m_per_s * per_radius,
+                     road.friction_used);
+    }
+    const double kinetic_loss_j = kinetic_j - vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle);
+    book(&bench->booked, &battery, &road, kinetic_loss_j);
+    bench->period++;
+    bench->time_s = (double)bench->period * period_s;
+}
+
+static bool all_run(const bench_t *bench)
+{
+    bool out = true;
+    for (int k = 0; k < bench->wheels; k++) {
+        out = out && bench->wheel[k].slow.mode == MODE_RUN;
+    }
+    return out;
+}
+
+static void run_held(bench_t *bench, double acceleration_m_per_s2, double duration_s)
+{
+    const double until_s = bench->time_s + duration_s;
+    while (bench->time_s < until_s) {
+        bench_period(bench);
+        bench->vehicle.speed_m_per_s += acceleration_m_per_s2 * bench->world.period_s;
+    }
+}
+
+bench_start_t bench_start(bench_t *bench)
+{
+    const bench_params_t *params = &bench->params;
+    if (!pmsm_is_resolved(&bench->wheel[0].machine, bench->world.inverter.pwm_resistance_ohm, bench->world.period_s)) {
+        return BENCH_UNRESOLVED;
+    }
+    bench->held = true;
+    bench->vehicle.speed_m_per_s = 0.0;
+    while (!all_run(bench)) {
+        if (bench->time_s > BOOT_LIMIT_S) {
+            return BENCH_NOT_RUN;
+        }
+        bench_period(bench);
+    }
+    const double speed = params->run.initial_speed_m_per_s;
+    if (speed != 0.0) {
+        const double run_up_s = fabs(speed) / RUN_UP_M_PER_S2;
+        run_held(bench, speed > 0.0 ? RUN_UP_M_PER_S2 : -RUN_UP_M_PER_S2, run_up_s);
+        bench->vehicle.speed_m_per_s = speed;
+        run_held(bench, 0.0, SETTLE_S);
+    }
+    if (!all_run(bench)) {
+        return BENCH_NOT_RUN;
+    }
+    bench->held = false;
+    begin_accounts(bench);
+    return BENCH_READY;
+}
+
+bool bench_has_ended(const bench_t *bench)
+{
+    const double initial = bench->params.run.initial_speed_m_per_s;
+    const double speed = initial >= 0.0 ? bench->vehicle.speed_m_per_s : -bench->vehicle.speed_m_per_s;
+    return bench->params.run.stop_at_standstill > 0.5 && bench->period > 0 && speed <= 0.0;
+}
+
+ledger_t bench_ledger(const bench_t *bench)
+{
+    ledger_t out = bench->booked;
+    for (int k = 0; k < bench->wheels; k++) {
+        const wheel_t *wheel = &bench->wheel[k];
+        out.shaft_j += wheel->totals.shaft_j;
+        out.copper_j += wheel->totals.copper_j;
+        out.iron_j += wheel->totals.iron_j;
+        out.conduction_j += wheel->totals.conduction_j;
+        out.diode_j += wheel->totals.diode_j;
+        out.switching_j += wheel->totals.switching_j;
+        out.bearing_j += wheel->totals.bearing_j;
+        out.hydraulic_j += wheel->totals.hydraulic_j;
+        out.magnetic_j += pmsm_magnetic_energy_j(&wheel->machine, &wheel->rotor);
+    }
+    out.magnetic_j -= bench->magnetic_before_j;
+    out.kinetic_j = vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle) - bench->kinetic_before_j;
+    out.polarisation_j = battery_stored_j(&bench->params.battery, &bench->battery);
+    out.residual_j = ledger_residual_j(&out);
+    return out;
+}
+
+ledger_t bench_braking_ledger(const bench_t *bench)
+{
+    ledger_t out = bench->braking;
+    if (bench->is_braking) {
+        const ledger_t now = bench_ledger(bench);
+        ledger_add_change(&out, &now, &bench->braking_since);
+    }
+    return out;
+}

@@ -1,0 +1,336 @@
+#include "bench/engine.h"
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bench/bench.h"
+#include "bench/recorder.h"
+#include "bench/signals.h"
+#include "config/validate.h"
+
+enum { ERROR_LENGTH = 400, NAME_LENGTH = 80 };
+
+struct hubsim {
+    bench_params_t params;
+    config_t config;
+    driver_trace_t trace;
+    double *trace_memory;
+    bool has_config, has_started;
+    recorder_t recorder;
+    char error[ERROR_LENGTH];
+    bench_t bench;
+};
+
+hubsim_t *hubsim_new(void)
+{
+    hubsim_t *sim = calloc(1, sizeof(*sim));
+    if (sim != NULL) {
+        sim->params.battery.open_circuit_voltage_v = curve_constant(0.0);
+    }
+    return sim;
+}
+
+void hubsim_delete(hubsim_t *sim)
+{
+    if (sim != NULL) {
+        free(sim->trace_memory);
+        free(sim);
+    }
+}
+
+const char *hubsim_error(const hubsim_t *sim)
+{
+    return sim->error;
+}
+
+static int fail(hubsim_t *sim, int code, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(sim->error, sizeof(sim->error), format, arguments);
+    va_end(arguments);
+    return code;
+}
+
+int hubsim_parameter_count(void)
+{
+    return parameters_count();
+}
+
+static bool is_parameter(int index)
+{
+    return index >= 0 && index < parameters_count();
+}
+
+const char *hubsim_parameter_name(int index)
+{
+    return is_parameter(index) ? parameters_info(index).name : NULL;
+}
+
+const char *hubsim_parameter_unit(int index)
+{
+    return is_parameter(index) ? parameters_info(index).unit : NULL;
+}
+
+const char *hubsim_parameter_text(int index)
+{
+    return is_parameter(index) ? parameters_info(index).text : NULL;
+}
+
+double hubsim_parameter_lowest(int index)
+{
+    return is_parameter(index) ? parameters_info(index).lowest : 0.0;
+}
+
+double hubsim_parameter_highest(int index)
+{
+    return is_parameter(index) ? parameters_info(index).highest : 0.0;
+}
+
+int hubsim_set(hubsim_t *sim, const char *name, double value)
+{
+    const int index = parameters_find(name);
+    if (index < 0) {
+        return fail(sim, HUBSIM_BAD_NAME, "%s: no such parameter", name);
+    }
+    bench_params_t *params = sim->has_started ? &sim->bench.params : &sim->params;
+    if (!parameters_set(params, index, value)) {
+        const parameter_info_t info = parameters_info(index);
+        return fail(sim, HUBSIM_BAD_VALUE, "%s: %g %s, accepted: %g to %g", name, value, info.unit, info.lowest,
+                    info.highest);
+    }
+    if (sim->has_started) {
+        bench_refresh(&sim->bench);
+    }
+    return HUBSIM_OK;
+}
+
+int hubsim_get(const hubsim_t *sim, const char *name, double *value)
+{
+    const int index = parameters_find(name);
+    if (index < 0) {
+        return HUBSIM_BAD_NAME;
+    }
+    *value = parameters_get(sim->has_started ? &sim->bench.params : &sim->params, index);
+    return HUBSIM_OK;
+}
+
+int hubsim_set_voltage_curve(hubsim_t *sim, const double *soc, const double *voltage_v, int points)
+{
+    curve_t curve = curve_constant(0.0);
+    if (!curve_set(&curve, soc, voltage_v, points)) {
+        return fail(sim, HUBSIM_BAD_VALUE, "open-circuit voltage: %d points, accepted: 1 to %d with rising soc", points,
+                    CURVE_POINTS_MAX);
+    }
+    for (int k = 0; k < points; k++) {
+        if (!(voltage_v[k] > 0.0)) {
+            return fail(sim, HUBSIM_BAD_VALUE, "open-circuit voltage: %g V, accepted: more than 0 V", voltage_v[k]);
+        }
+    }
+    sim->params.battery.open_circuit_voltage_v = curve;
+    if (sim->has_started) {
+        sim->bench.params.battery.open_circuit_voltage_v = curve;
+    }
+    return HUBSIM_OK;
+}
+
+static bool is_rising_from_zero(const double *time_s, int points)
+{
+    if (points < 1 || !(time_s[0] >= 0.0)) {
+        return false;
+    }
+    for (int k = 1; k < points; k++) {
+        if (!(time_s[k] > time_s[k - 1])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_per_s, int points)
+{
+    if (sim->has_started) {
+        return fail(sim, HUBSIM_BAD_ORDER, "the speed trace cannot be changed during a run");
+    }
+    if (!is_rising_from_zero(time_s, points)) {
+        return fail(sim, HUBSIM_BAD_VALUE, "speed trace: accepted: at least one point, times rising from 0");
+    }
+    double *memory = malloc(2U * sizeof(double) * (size_t)points);
+    if (memory == NULL) {
+        return fail(sim, HUBSIM_FAILED, "no memory for a speed trace of %d points", points);
+    }
+    memcpy(memory, time_s, sizeof(double) * (size_t)points);
+    memcpy(memory + points, speed_m_per_s, sizeof(double) * (size_t)points);
+    free(sim->trace_memory);
+    sim->trace_memory = memory;
+    sim->trace.time_s = memory;
+    sim->trace.speed_m_per_s = memory + points;
+    sim->trace.points = points;
+    return HUBSIM_OK;
+}
+
+static int refused(hubsim_t *sim, const config_verdict_t *verdict)
+{
+    if (verdict->code == CONFIG_VERDICT_RANGE) {
+        return fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s: %ld, accepted: %ld to %ld", verdict->field,
+                    (long)verdict->value, (long)verdict->lowest, (long)verdict->highest);
+    }
+    return fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s", verdict->field);
+}
+
+int hubsim_load_config(hubsim_t *sim, const void *image, uint32_t size_bytes)
+{
+    if (sim->has_started) {
+        return fail(sim, HUBSIM_BAD_ORDER, "the configuration cannot be changed during a run");
+    }
+    config_t config;
+    memset(&config, 0, sizeof(config));
+    memcpy(&config, image, size_bytes < sizeof(config) ? size_bytes : sizeof(config));
+    const config_verdict_t verdict = config_validate(&config, size_bytes);
+    if (verdict.code != CONFIG_VERDICT_OK) {
+        return refused(sim, &verdict);
+    }
+    sim->config = config;
+    sim->has_config = true;
+    return HUBSIM_OK;
+}
+
+static int check_params(hubsim_t *sim)
+{
+    for (int k = 0; k < parameters_count(); k++) {
+        const parameter_info_t info = parameters_info(k);
+        const double value = parameters_get(&sim->params, k);
+        if (!(value >= info.lowest && value <= info.highest)) {
+            return fail(sim, HUBSIM_BAD_ORDER, "%s: never set, accepted: %g to %g %s", info.name, info.lowest,
+                        info.highest, info.unit);
+        }
+    }
+    if (sim->params.battery.open_circuit_voltage_v.y[0] <= 0.0) {
+        return fail(sim, HUBSIM_BAD_ORDER, "open-circuit voltage: never set");
+    }
+    return HUBSIM_OK;
+}
+
+static int not_run(hubsim_t *sim)
+{
+    for (int k = 0; k < sim->bench.wheels; k++) {
+        const wheel_t *wheel = &sim->bench.wheel[k];
+        if (wheel->slow.mode != MODE_RUN) {
+            return fail(sim, HUBSIM_FAILED, "the controller of wheel %d stays in %s before the run begins: %s", k,
+                        modes_text(wheel->slow.mode), reason_text(wheel->slow.fault_reason));
+        }
+    }
+    return fail(sim, HUBSIM_FAILED, "the controllers do not run");
+}
+
+int hubsim_start(hubsim_t *sim)
+{
+    if (!sim->has_config) {
+        return fail(sim, HUBSIM_BAD_ORDER, "no configuration was loaded");
+    }
+    const int checked = check_params(sim);
+    if (checked != HUBSIM_OK) {
+        return checked;
+    }
+    bench_init(&sim->bench, &sim->params, &sim->config, &sim->trace);
+    sim->has_started = true;
+    switch (bench_start(&sim->bench)) {
+    case BENCH_READY:
+        break;
+    case BENCH_NOT_RUN:
+        return not_run(sim);
+    case BENCH_UNRESOLVED:
+        return fail(
+            sim, HUBSIM_FAILED,
+            "the windings' time constant L/R is shorter than a PWM period: raise the inductance or the frequency");
+    }
+    recorder_begin(&sim->recorder, &sim->bench);
+    return HUBSIM_OK;
+}
+
+int hubsim_signal_count(const hubsim_t *sim)
+{
+    return sim->has_started ? signals_count(&sim->bench) : 0;
+}
+
+int hubsim_signal_name(const hubsim_t *sim, int index, char *name, int size)
+{
+    if (index < 0 || index >= hubsim_signal_count(sim) || size < 1) {
+        return HUBSIM_BAD_NAME;
+    }
+    signals_name(&sim->bench, index, name, (size_t)size);
+    return HUBSIM_OK;
+}
+
+int hubsim_choose(hubsim_t *sim, const int *indices, int count)
+{
+    if (!sim->has_started) {
+        return fail(sim, HUBSIM_BAD_ORDER, "signals are known after hubsim_start");
+    }
+    if (!recorder_choose(&sim->recorder, &sim->bench, indices, count)) {
+        return fail(sim, HUBSIM_BAD_NAME, "%d signals: accepted: up to %d, each from 0 to %d", count,
+                    RECORDER_SIGNALS_MAX, signals_count(&sim->bench) - 1);
+    }
+    recorder_begin(&sim->recorder, &sim->bench);
+    return HUBSIM_OK;
+}
+
+int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written, double *remaining_s)
+{
+    *written = 0;
+    *remaining_s = duration_s;
+    if (!sim->has_started) {
+        return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+    }
+    bench_t *bench = &sim->bench;
+    const double until_s = bench->time_s + duration_s - 1e-9;
+    for (;;) {
+        if (recorder_is_due(&sim->recorder, bench)) {
+            if (*written == capacity) {
+                *remaining_s = until_s + 1e-9 - bench->time_s;
+                return HUBSIM_FULL;
+            }
+            recorder_write(&sim->recorder, bench, rows + *written * sim->recorder.signals);
+            (*written)++;
+        }
+        const bool ended = bench_has_ended(bench);
+        if (ended || bench->time_s >= until_s) {
+            *remaining_s = 0.0;
+            return ended ? HUBSIM_ENDED : HUBSIM_OK;
+        }
+        bench_period(bench);
+        if (bench->battery.collapsed) {
+            return fail(sim, HUBSIM_FAILED,
+                        "the battery cannot give the power that was drawn at %.3f s: its voltage collapsed",
+                        bench->time_s);
+        }
+    }
+}
+
+int hubsim_value(const hubsim_t *sim, const char *name, double *value)
+{
+    char known[NAME_LENGTH];
+    const int count = hubsim_signal_count(sim);
+    for (int k = 0; k < count; k++) {
+        signals_name(&sim->bench, k, known, sizeof(known));
+        if (strcmp(known, name) == 0) {
+            const signals_accounts_t accounts = signals_accounts(&sim->bench);
+            *value = signals_read(&sim->bench, &accounts, k);
+            return HUBSIM_OK;
+        }
+    }
+    return HUBSIM_BAD_NAME;
+}
+
+const char *hubsim_mode_text(int mode)
+{
+    return modes_text((modes_mode_t)mode);
+}
+
+const char *hubsim_reason_text(int reason)
+{
+    return reason_text((reason_t)reason);
+}

@@ -1,0 +1,75 @@
+/*
+ * bench.h: a vehicle with a controller in every driven wheel, one battery, one driver, a road.
+ *
+ * A run: bench_init() with parameters and the controllers' configuration; bench_start() boots the controllers at
+ * standstill and brings the vehicle to its initial speed from outside, as on a roller, so that the run begins with
+ * currents, filters and rotor estimates as they are in a moving vehicle; bench_period() is one PWM period. The slow step
+ * comes first in the period in which a millisecond begins. Accounts, way and time start at zero after the start, the
+ * battery and all temperatures as the parameters say.
+ *
+ * Nothing here allocates or does I/O; equal parameters give equal bytes. A bench points into itself: after copying one,
+ * call bench_refresh() on the copy.
+ */
+#ifndef BENCH_BENCH_H
+#define BENCH_BENCH_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "bench/ledger.h"
+#include "bench/parameters.h"
+#include "bench/wheel.h"
+
+enum { BENCH_WHEELS_MAX = 16 };
+
+typedef enum {
+    BENCH_READY,     /* bench_period() may be called */
+    BENCH_NOT_RUN,   /* a controller did not come as far as RUN */
+    BENCH_UNRESOLVED /* the motor is too quick for the PWM period: R T >= L */
+} bench_start_t;
+
+typedef struct {
+    bench_params_t params;
+    config_t config;
+    driver_trace_t trace;
+    wheel_world_t world;
+    vehicle_t road_vehicle;
+    int wheels;
+
+    wheel_t wheel[BENCH_WHEELS_MAX];
+    battery_state_t battery;
+    vehicle_state_t vehicle;
+    driver_state_t driver;
+    driver_demand_t demand;
+    ledger_t booked;         /* what only the bench can count; bench_ledger() has everything */
+    double kinetic_before_j; /* when the run began */
+    double magnetic_before_j;
+    ledger_t braking;       /* the finished times in which the driver braked */
+    ledger_t braking_since; /* the accounts when the present one began */
+    bool is_braking;
+    int64_t period; /* since the start of the run */
+    int64_t slow_steps;
+    double time_s;
+    bool held; /* the vehicle's speed is set from outside */
+} bench_t;
+
+/* trace: see driver_trace_t; its arrays must outlive the bench. */
+void bench_init(bench_t *bench, const bench_params_t *params, const config_t *config, const driver_trace_t *trace);
+
+bench_start_t bench_start(bench_t *bench);
+
+void bench_period(bench_t *bench);
+
+/* The run came to the end that its parameters ask for (stop_at_standstill). */
+bool bench_has_ended(const bench_t *bench);
+
+/* After a change of bench->params: everything worked out from them, states untouched. */
+void bench_refresh(bench_t *bench);
+
+/* The accounts of the run so far, and of those times in it in which the driver pressed the brake pedal. */
+ledger_t bench_ledger(const bench_t *bench);
+ledger_t bench_braking_ledger(const bench_t *bench);
+
+double bench_wheel_speed_rad_s(const bench_t *bench);
+
+#endif

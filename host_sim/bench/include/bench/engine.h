@@ -1,0 +1,83 @@
+/*
+ * engine.h: the bench as a library for other languages: create, set by name, load a configuration, run, read by name.
+ *
+ * Plain declarations only, so that a foreign-function reader (cffi and the like) can take this file as it is, less the
+ * lines that begin with '#'. Functions that can fail return HUBSIM_OK or another code of the enumeration below;
+ * hubsim_error() then says in one line what is wrong and what would be accepted. No function prints, exits or keeps
+ * anything outside the handle, so any number of handles may run at the same time, one thread each.
+ *
+ * Order of a run: hubsim_new, hubsim_set for every parameter, hubsim_set_voltage_curve, hubsim_set_trace if there is
+ * one, hubsim_load_config, hubsim_start, hubsim_choose, hubsim_run until it says HUBSIM_ENDED or enough time has
+ * passed, hubsim_value for the accounts, hubsim_delete. hubsim_set also works between calls of hubsim_run: that is how
+ * events happen.
+ */
+#ifndef BENCH_ENGINE_H
+#define BENCH_ENGINE_H
+
+#include <stdint.h>
+
+enum {
+    HUBSIM_OK = 0,
+    HUBSIM_ENDED = 1,       /* the run came to the end its parameters ask for */
+    HUBSIM_FULL = 2,        /* no room for another row; call again with an empty buffer */
+    HUBSIM_BAD_NAME = -1,   /* no parameter or signal of that name */
+    HUBSIM_BAD_VALUE = -2,  /* outside the accepted range */
+    HUBSIM_BAD_CONFIG = -3, /* refused by the firmware's own validator */
+    HUBSIM_BAD_ORDER = -4,  /* something must be called first */
+    HUBSIM_FAILED = -5      /* the run cannot go on; hubsim_error() says why */
+};
+
+typedef struct hubsim hubsim_t;
+
+/* NULL when there is no memory. */
+hubsim_t *hubsim_new(void);
+void hubsim_delete(hubsim_t *sim);
+
+/* The last failure in words; never NULL, valid until the next call on this handle. */
+const char *hubsim_error(const hubsim_t *sim);
+
+/* Parameters: 0 <= index < count. NULL and 0 outside. */
+int hubsim_parameter_count(void);
+const char *hubsim_parameter_name(int index);
+const char *hubsim_parameter_unit(int index);
+const char *hubsim_parameter_text(int index);
+double hubsim_parameter_lowest(int index);
+double hubsim_parameter_highest(int index);
+
+int hubsim_set(hubsim_t *sim, const char *name, double value);
+int hubsim_get(const hubsim_t *sim, const char *name, double *value);
+
+/* Open-circuit voltage over state of charge, 1 to 64 points with rising soc. */
+int hubsim_set_voltage_curve(hubsim_t *sim, const double *soc, const double *voltage_v, int points);
+
+/* Speed over time for driver.follow_trace, times rising from 0; copied. */
+int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_per_s, int points);
+
+/* The image of config_t that every controller of the vehicle gets; copied. */
+int hubsim_load_config(hubsim_t *sim, const void *image, uint32_t size_bytes);
+
+/* Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards. */
+int hubsim_start(hubsim_t *sim);
+
+/* Signals, known after hubsim_start. name: at most `size` characters are written, terminated. */
+int hubsim_signal_count(const hubsim_t *sim);
+int hubsim_signal_name(const hubsim_t *sim, int index, char *name, int size);
+
+/* Which signals hubsim_run records, as indices. */
+int hubsim_choose(hubsim_t *sim, const int *indices, int count);
+
+/*
+ * Run for duration_s or until the run ends, and write rows of the chosen signals at every run.record_interval_s.
+ * rows: room for `capacity` rows of as many doubles as signals were chosen; *written: rows written. With HUBSIM_FULL
+ * the clock stands at the row there was no room for; *remaining_s is what is left of duration_s.
+ */
+int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written, double *remaining_s);
+
+/* The value of a signal now; rates are given as the account they are the rate of. */
+int hubsim_value(const hubsim_t *sim, const char *name, double *value);
+
+/* Words for the numbers in the signals `mode` and `reason`; never NULL. */
+const char *hubsim_mode_text(int mode);
+const char *hubsim_reason_text(int reason);
+
+#endif

@@ -1,0 +1,48 @@
+/*
+ * ledger.h: where every joule went.
+ *
+ *     chemical = heat (copper, iron, conduction, diode, switching, bearing, hydraulic, battery) + drag + rolling
+ *                + climbed + gained (kinetic, magnetic, polarisation) + residual
+ *
+ * Sums over all wheels since the start of the run; "gained" may be negative. The residual is what the equation leaves
+ * over: the simulation's own error. shaft_j is what the motors did to the wheels on the way (bearings taken off) and
+ * part of no balance; turned_over_j is what cells and moving mass gave, each whenever it gave, the measure for the
+ * residual.
+ */
+#ifndef BENCH_LEDGER_H
+#define BENCH_LEDGER_H
+
+/* X(name, "meaning") */
+#define LEDGER_LIST(X)                                                                                                 \
+    X(chemical_j, "net energy drawn from the battery's cells")                                                         \
+    X(shaft_j, "work of the motors at the wheels, positive driving")                                                   \
+    X(copper_j, "heat in the windings")                                                                                \
+    X(iron_j, "heat in the iron")                                                                                      \
+    X(conduction_j, "heat in the inverters: resistances of switches and diodes")                                       \
+    X(diode_j, "heat in the inverters: forward voltage of the diodes")                                                 \
+    X(switching_j, "heat in the inverters: switching")                                                                 \
+    X(bearing_j, "heat in bearings and seals")                                                                         \
+    X(hydraulic_j, "heat in the hydraulic brakes")                                                                     \
+    X(battery_j, "heat in the battery")                                                                                \
+    X(drag_j, "work against the air")                                                                                  \
+    X(rolling_j, "work against rolling resistance")                                                                    \
+    X(climbed_j, "potential energy gained")                                                                            \
+    X(kinetic_j, "kinetic energy gained")                                                                              \
+    X(magnetic_j, "energy gained by the motors' magnetic fields")                                                      \
+    X(polarisation_j, "energy gained by the battery's polarisation")                                                   \
+    X(turned_over_j, "what the cells and the moving mass gave, each whenever it gave")                                 \
+    X(residual_j, "the simulation's own error")
+
+#define LEDGER_MEMBER(name, text) double name;
+typedef struct {
+    LEDGER_LIST(LEDGER_MEMBER)
+} ledger_t;
+#undef LEDGER_MEMBER
+
+/* Entry by entry: to += now - before. */
+void ledger_add_change(ledger_t *to, const ledger_t *now, const ledger_t *before);
+
+/* What the balance of all other entries leaves over. */
+double ledger_residual_j(const ledger_t *ledger);
+
+#endif

@@ -1,0 +1,68 @@
+/*
+ * parameters.h: everything about the simulated world that can be set, by name "section.name_unit".
+ *
+ * The members come from the models' own lists (plant/parameter.h), so a name here is the name there. This is plant
+ * truth; what a controller believes is its config_t. They are made from the same TOML file, and a test may detune one.
+ */
+#ifndef BENCH_PARAMETERS_H
+#define BENCH_PARAMETERS_H
+
+#include <stdbool.h>
+
+#include "bench/driver.h"
+#include "plant/battery.h"
+#include "plant/hydraulic_brake.h"
+#include "plant/inverter.h"
+#include "plant/pmsm.h"
+#include "plant/sensors.h"
+#include "plant/thermal.h"
+#include "plant/vehicle.h"
+
+/* clang-format off */
+#define RUN_PARAMETERS(X) \
+    X(seed,                       0.0,  9007199254740992.0, "1", "of the sensors' noise") \
+    X(initial_speed_m_per_s,   -100.0,  100.0, "m/s", "the vehicle is brought to it before the run begins") \
+    X(stop_at_standstill,         0.0,  1.0,   "",    "1: the run ends when the vehicle stands") \
+    X(record_interval_s,          1e-5, 1e3,   "s",   "distance of recorded rows") \
+    X(rotor_turn,                 0.0,  1.0,   "1",   "electrical angle of the first wheel's rotor at the start") \
+    X(rotor_spread_turn,          0.0,  1.0,   "1",   "electrical angle between the rotors of neighbouring wheels at the start")
+/* clang-format on */
+
+typedef struct {
+    RUN_PARAMETERS(PLANT_PARAMETER_MEMBER)
+} run_params_t;
+
+typedef struct {
+    pmsm_params_t motor;
+    inverter_params_t inverter;
+    battery_params_t battery;
+    vehicle_params_t vehicle;
+    road_params_t road;
+    hydraulic_brake_params_t brake;
+    sensors_params_t sensors;
+    thermal_params_t thermal;
+    driver_params_t driver;
+    run_params_t run;
+} bench_params_t;
+
+typedef struct {
+    const char *name; /* "motor.pole_pairs" */
+    const char *unit;
+    const char *text;
+    double lowest, highest;
+} parameter_info_t;
+
+int parameters_count(void);
+
+/* 0 <= index < parameters_count() */
+parameter_info_t parameters_info(int index);
+
+/* The index of a name, or -1. */
+int parameters_find(const char *name);
+
+double parameters_get(const bench_params_t *params, int index);
+
+/* False, and nothing changed, outside the parameter's range (NaN included). */
+bool parameters_set(bench_params_t *params, int index, double value);
+
+#endif

@@ -1,0 +1,98 @@
+/*
+ * wheel.h: one in-wheel drive: a complete controller and the motor, bridge, brake and sensors it works with.
+ *
+ * Everything between the firmware's two step functions and the plant's models is here, the timing above all:
+ *
+ *     sensors at t_n -> controller_fast_step() -> the bridge does it from t_{n+1} to t_{n+2}
+ *
+ * wheel_slow() is the millisecond, wheel_period() the PWM period; the bench calls them and closes the loop over the
+ * battery and the vehicle. The exchange structs are carried by assignment.
+ */
+#ifndef BENCH_WHEEL_H
+#define BENCH_WHEEL_H
+
+#include <stdint.h>
+
+#include "bench/parameters.h"
+#include "controller/controller.h"
+#include "plant/random.h"
+
+/* What all wheels of a bench have in common, worked out from the parameters. */
+typedef struct {
+    const bench_params_t *params;
+    const config_t *config;
+    inverter_t inverter;
+    sensors_t sensors;
+    double period_s;
+    double duty_per_count;
+} wheel_world_t;
+
+/* Energies and impulses since the start of the run. Heat and work in J. */
+typedef struct {
+    double copper_j, iron_j, conduction_j, diode_j, switching_j;
+    double dc_j;                  /* taken from the bus */
+    double torque_impulse_nms;    /* airgap torque */
+    double hydraulic_impulse_nms; /* torque of the brake, positive against forward motion */
+    double shaft_j;               /* work of the motor at the wheel, bearing friction taken off, positive driving */
+    double hydraulic_j, bearing_j;
+} wheel_totals_t;
+
+typedef struct {
+    /* The firmware. */
+    controller_t controller;
+    slow_to_fast_t to_fast;
+    fast_to_slow_t to_slow;
+    slow_output_t slow;
+    fast_output_t active; /* what the bridge does in this period */
+    fast_output_t next;   /* from the next one on */
+    /* The plant. */
+    pmsm_t machine;
+    pmsm_state_t rotor;
+    hydraulic_brake_state_t brake;
+    double brake_capacity_nm;
+    thermal_lump_t winding, switches;
+    random_t random;
+    double zone_a;
+    /* The accounts. */
+    wheel_totals_t totals;
+    double heat_winding_j, heat_switches_j; /* since the last millisecond */
+    reason_t first_fault;
+    double first_fault_s;
+} wheel_t;
+
+/* What a wheel did to bus and axle in one period. */
+typedef struct {
+    double dc_j;
+    double airgap_nms;           /* impulse of the airgap torque */
+    double viscous_nms;          /* of viscous friction, sign of speed */
+    double friction_capacity_nm; /* brake and bearing */
+} wheel_flow_t;
+
+wheel_world_t wheel_world(const bench_params_t *params, const config_t *config);
+
+void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index);
+
+/* A run begins: temperatures, brake and accounts as the parameters say; controller and rotor go on as they are. */
+void wheel_begin(wheel_t *wheel, const wheel_world_t *world);
+
+/* What the millisecond brings to every wheel alike. */
+typedef struct {
+    double drive_nm, brake_nm;
+    double charge_limit_a, discharge_limit_a;
+    double demand_age_s;
+    double speed_rad_s; /* mechanical */
+    double bus_voltage_v;
+    double time_s;
+    bool enable, abs_active;
+} wheel_order_t;
+
+void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order);
+
+/* speed_rad_s: mechanical, expected in the middle of the period. */
+wheel_flow_t wheel_period(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v);
+
+/* What the vehicle made of it: speed in the middle of the period and the share of friction at work, -1 .. 1. */
+void wheel_settle(wheel_t *wheel, const wheel_world_t *world, const wheel_flow_t *flow, double speed_rad_s,
+                  double friction_used);
+
+#endif

@@ -1,0 +1,66 @@
+#include "bench/parameters.h"
+
+#include <stddef.h>
+#include <string.h>
+
+typedef struct {
+    parameter_info_t info;
+    size_t offset;
+} line_t;
+
+#define LINE(section, field, least, most, what, meaning)                                                               \
+    {.info = {.name = #section "." #field, .unit = (what), .text = (meaning), .lowest = (least), .highest = (most)},   \
+     .offset = offsetof(bench_params_t, section.field)},
+
+#define MOTOR(name, lowest, highest, unit, text) LINE(motor, name, lowest, highest, unit, text)
+#define INVERTER(name, lowest, highest, unit, text) LINE(inverter, name, lowest, highest, unit, text)
+#define BATTERY(name, lowest, highest, unit, text) LINE(battery, name, lowest, highest, unit, text)
+#define VEHICLE(name, lowest, highest, unit, text) LINE(vehicle, name, lowest, highest, unit, text)
+#define ROAD(name, lowest, highest, unit, text) LINE(road, name, lowest, highest, unit, text)
+#define BRAKE(name, lowest, highest, unit, text) LINE(brake, name, lowest, highest, unit, text)
+#define SENSORS(name, lowest, highest, unit, text) LINE(sensors, name, lowest, highest, unit, text)
+#define THERMAL(name, lowest, highest, unit, text) LINE(thermal, name, lowest, highest, unit, text)
+#define DRIVER(name, lowest, highest, unit, text) LINE(driver, name, lowest, highest, unit, text)
+#define RUN(name, lowest, highest, unit, text) LINE(run, name, lowest, highest, unit, text)
+
+static const line_t LINES[] = {PMSM_PARAMETERS(MOTOR) INVERTER_PARAMETERS(INVERTER) BATTERY_PARAMETERS(BATTERY)
+                                   VEHICLE_PARAMETERS(VEHICLE) ROAD_PARAMETERS(ROAD) HYDRAULIC_BRAKE_PARAMETERS(BRAKE)
+                                       SENSORS_PARAMETERS(SENSORS) THERMAL_PARAMETERS(THERMAL) DRIVER_PARAMETERS(DRIVER)
+                                           RUN_PARAMETERS(RUN)};
+
+int parameters_count(void)
+{
+    return (int)(sizeof(LINES) / sizeof(LINES[0]));
+}
+
+parameter_info_t parameters_info(int index)
+{
+    return LINES[index].info;
+}
+
+int parameters_find(const char *name)
+{
+    for (int k = 0; k < parameters_count(); k++) {
+        if (strcmp(LINES[k].info.name, name) == 0) {
+            return k;
+        }
+    }
+    return -1;
+}
+
+double parameters_get(const bench_params_t *params, int index)
+{
+    double out;
+    memcpy(&out, (const unsigned char *)params + LINES[index].offset, sizeof(out));
+    return out;
+}
+
+bool parameters_set(bench_params_t *params, int index, double value)
+{
+    const line_t *line = &LINES[index];
+    if (!(value >= line->info.lowest && value <= line->info.highest)) {
+        return false;
+    }
+    memcpy((unsigned char *)params + line->offset, &value, sizeof(value));
+    return true;
+}

@@ -1,0 +1,202 @@
+#include "bench/wheel.h"
+
+#include <math.h>
+
+enum { MILLI = 1000, CENTI = 100 };
+static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
+
+wheel_world_t wheel_world(const bench_params_t *params, const config_t *config)
+{
+    const wheel_world_t out = {
+        .params = params,
+        .config = config,
+        .inverter = inverter_init(&params->inverter),
+        .sensors = sensors_init(&params->sensors),
+        .period_s = 1.0 / params->inverter.pwm_frequency_hz,
+        .duty_per_count = 1.0 / config->drive.pwm_period_counts,
+    };
+    return out;
+}
+
+static fast_output_t bridge_off(void)
+{
+    const fast_output_t out = {.compare_counts = {0, 0, 0}, .bridge = BRIDGE_OFF};
+    return out;
+}
+
+void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index)
+{
+    const bench_params_t *params = world->params;
+    const wheel_t empty = {.first_fault = REASON_NONE};
+    *wheel = empty;
+    controller_init(&wheel->controller, world->config);
+    wheel->to_fast = controller_initial_slow_to_fast(world->config);
+    wheel->to_slow = controller_initial_fast_to_slow(world->config);
+    wheel->active = bridge_off();
+    wheel->next = bridge_off();
+    wheel->rotor = pmsm_at_rest(params->run.rotor_turn + index * params->run.rotor_spread_turn);
+    wheel->random = random_init((uint64_t)params->run.seed, (uint64_t)index);
+    wheel_begin(wheel, world);
+}
+
+void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
+{
+    const bench_params_t *params = world->params;
+    const thermal_params_t *thermal = &params->thermal;
+    const wheel_totals_t nothing = {.copper_j = 0.0};
+    wheel->totals = nothing;
+    wheel->heat_winding_j = 0.0;
+    wheel->heat_switches_j = 0.0;
+    wheel->brake = hydraulic_brake_init(&params->brake, world->period_s);
+    wheel->winding = thermal_init(thermal->winding_heat_capacity_j_per_k, thermal->winding_thermal_resistance_k_per_w,
+                                  thermal->winding_temperature_c, SLOW_STEP_S);
+    wheel->switches = thermal_init(thermal->switch_heat_capacity_j_per_k, thermal->switch_thermal_resistance_k_per_w,
+                                   thermal->switch_temperature_c, SLOW_STEP_S);
+    wheel->machine = pmsm_at_temperature(&params->motor, wheel->winding.temperature_c);
+}
+
+static int32_t rounded(double x, int32_t scale)
+{
+    return (int32_t)lround(x * scale);
+}
+
+static void warm(wheel_t *wheel, const wheel_world_t *world)
+{
+    const double ambient_c = world->params->thermal.ambient_temperature_c;
+    thermal_step(&wheel->winding, wheel->heat_winding_j, ambient_c);
+    thermal_step(&wheel->switches, wheel->heat_switches_j, ambient_c);
+    wheel->heat_winding_j = 0.0;
+    wheel->heat_switches_j = 0.0;
+    wheel->machine = pmsm_at_temperature(&world->params->motor, wheel->winding.temperature_c);
+}
+
+void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order)
+{
+    warm(wheel, world);
+    const slow_input_t in = {
+        .drive_torque_mNm = rounded(order->drive_nm, MILLI),
+        .brake_torque_mNm = rounded(order->brake_nm, MILLI),
+        .demand_age_ms = (uint32_t)rounded(order->demand_age_s, MILLI),
+        .bms_charge_current_mA = rounded(order->charge_limit_a, MILLI),
+        .bms_discharge_current_mA = rounded(order->discharge_limit_a, MILLI),
+        .winding_temperature_cC = rounded(wheel->winding.temperature_c, CENTI),
+        .switch_temperature_cC = rounded(wheel->switches.temperature_c, CENTI),
+        .enable = order->enable,
+        .abs_active = order->abs_active,
+        .fault_reset = false,
+        .selftest_passed = true,
+        .config_accepted = true,
+    };
+    wheel->slow = controller_slow_step(&wheel->controller.slow, world->config, &wheel->to_slow, &in, &wheel->to_fast);
+    hydraulic_brake_command(&world->params->brake, &wheel->brake, (double)wheel->slow.hydraulic_torque_mNm / MILLI);
+    const pmsm_step_t step = {.omega_rad_s = order->speed_rad_s * world->params->motor.pole_pairs,
+                              .duration_s = world->period_s,
+                              .series_resistance_ohm = world->inverter.pwm_resistance_ohm};
+    wheel->zone_a =
+        inverter_zone_a(&world->inverter, order->bus_voltage_v, pmsm_amperes_per_volt(&wheel->machine, &step));
+    if (wheel->first_fault == REASON_NONE && wheel->slow.fault_reason != REASON_NONE) {
+        wheel->first_fault = wheel->slow.fault_reason;
+        wheel->first_fault_s = order->time_s;
+    }
+}
+
+static void run_firmware(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v)
+{
+    const sensors_sample_t seen =
+        sensors_sample(&world->sensors, &wheel->random, plant_inverse_clarke(wheel->rotor.terminal), bus_voltage_v,
+                       wheel->rotor.theta_turn);
+    const fast_input_t in = {
+        .phase_current_code = {seen.phase_current_code[0], seen.phase_current_code[1], seen.phase_current_code[2]},
+        .bus_voltage_code = seen.bus_voltage_code,
+        .rotor_angle_turn = seen.rotor_angle_turn,
+        .hall_state = seen.hall_state,
+        .power_stage_fault = false,
+    };
+    wheel->active = wheel->next;
+    wheel->next = controller_fast_step(&wheel->controller.fast, world->config, &wheel->to_fast, &in, &wheel->to_slow);
+}
+
+static pmsm_flow_t switch_bridge(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v, pmsm_step_t *step,
+                                 inverter_flow_t *bridge)
+{
+    const inverter_t *inverter = &world->inverter;
+    const plant_abc_t duty = {.a = wheel->active.compare_counts[0] * world->duty_per_count,
+                              .b = wheel->active.compare_counts[1] * world->duty_per_count,
+                              .c = wheel->active.compare_counts[2] * world->duty_per_count};
+    const plant_phasor_t half_turn = plant_small_phasor(0.5 * step->omega_rad_s * step->duration_s);
+    const plant_ab_t now = wheel->rotor.terminal;
+    const plant_ab_t middle = {.alpha = now.alpha * half_turn.cos - now.beta * half_turn.sin,
+                               .beta = now.beta * half_turn.cos + now.alpha * half_turn.sin};
+    step->series_resistance_ohm = inverter->pwm_resistance_ohm;
+    const inverter_drive_t drive =
+        inverter_drive(inverter, duty, bus_voltage_v, plant_inverse_clarke(middle), wheel->zone_a);
+    const pmsm_flow_t flow = pmsm_step(&wheel->machine, &wheel->rotor, drive.source, step);
+    *bridge = inverter_pwm_flow(inverter, &drive, &flow);
+    return flow;
+}
+
+static pmsm_flow_t feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v,
+                              inverter_flow_t *bridge)
+{
+    const inverter_t *inverter = &world->inverter;
+    const plant_ab_t shorted = {0.0, 0.0};
+    pmsm_step_t step = {.omega_rad_s = speed_rad_s * world->params->motor.pole_pairs, .duration_s = world->period_s};
+    pmsm_flow_t flow = {.source_j = 0.0};
+    switch (wheel->active.bridge) {
+    case BRIDGE_PWM:
+        flow = switch_bridge(wheel, world, bus_voltage_v, &step, bridge);
+        break;
+    case BRIDGE_SHORT:
+        step.series_resistance_ohm = inverter->short_resistance_ohm;
+        flow = pmsm_step(&wheel->machine, &wheel->rotor, shorted, &step);
+        *bridge = inverter_short_flow(&flow);
+        break;
+    case BRIDGE_OFF:
+        step.series_resistance_ohm = inverter->diode_resistance_ohm;
+        flow = pmsm_step_rectified(&wheel->machine, &wheel->rotor,
+                                   inverter_rectifier_ceiling_v(inverter, bus_voltage_v), &step);
+        *bridge = inverter_rectifier_flow(inverter, bus_voltage_v, &flow);
+        break;
+    }
+    return flow;
+}
+
+wheel_flow_t wheel_period(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v)
+{
+    run_firmware(wheel, world, bus_voltage_v);
+    inverter_flow_t bridge = {.dc_j = 0.0};
+    const pmsm_flow_t flow = feed_motor(wheel, world, speed_rad_s, bus_voltage_v, &bridge);
+    wheel->brake_capacity_nm = hydraulic_brake_step(&wheel->brake);
+
+    wheel_totals_t *totals = &wheel->totals;
+    const double bridge_heat_j = bridge.conduction_j + bridge.diode_j + bridge.switching_j;
+    totals->copper_j += flow.copper_j;
+    totals->iron_j += flow.iron_j;
+    totals->conduction_j += bridge.conduction_j;
+    totals->diode_j += bridge.diode_j;
+    totals->switching_j += bridge.switching_j;
+    totals->dc_j += bridge.dc_j;
+    totals->torque_impulse_nms += flow.torque_nms;
+    wheel->heat_winding_j += flow.copper_j;
+    wheel->heat_switches_j += bridge_heat_j;
+    const wheel_flow_t out = {
+        .dc_j = bridge.dc_j,
+        .airgap_nms = flow.torque_nms,
+        .viscous_nms = world->params->motor.viscous_friction_nm_s * speed_rad_s * world->period_s,
+        .friction_capacity_nm = wheel->brake_capacity_nm + world->params->motor.friction_torque_nm,
+    };
+    return out;
+}
+
+void wheel_settle(wheel_t *wheel, const wheel_world_t *world, const wheel_flow_t *flow, double speed_rad_s,
+                  double friction_used)
+{
+    wheel_totals_t *totals = &wheel->totals;
+    const double used_s = friction_used * world->period_s;
+    const double bearing_nms = flow->viscous_nms + world->params->motor.friction_torque_nm * used_s;
+    const double hydraulic_nms = wheel->brake_capacity_nm * used_s;
+    totals->shaft_j += (flow->airgap_nms - bearing_nms) * speed_rad_s;
+    totals->bearing_j += bearing_nms * speed_rad_s;
+    totals->hydraulic_impulse_nms += hydraulic_nms;
+    totals->hydraulic_j += hydraulic_nms * speed_rad_s;
+}

@@ -1,0 +1,68 @@
+#include "plant/battery.h"
+
+#include <math.h>
+
+#include "plant/numbers.h"
+
+static const double AS_PER_AH = 3600.0;
+static const double FADE_SOC = 0.02;
+
+battery_state_t battery_init(const battery_params_t *params, double step_s)
+{
+    const double tau_s = params->polarisation_resistance_ohm * params->polarisation_capacitance_f;
+    const double ratio = tau_s > 0.0 ? step_s / tau_s : INFINITY;
+    const battery_state_t out = {
+        .soc = params->initial_soc,
+        .polarisation_v = 0.0,
+        .terminal_v = curve_at(&params->open_circuit_voltage_v, params->initial_soc),
+        .current_a = 0.0,
+        .collapsed = false,
+        .step_s = step_s,
+        .decay = exp(-ratio),
+        .mean_decay = tau_s > 0.0 ? -expm1(-ratio) / ratio : 0.0,
+    };
+    return out;
+}
+
+battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state, double terminal_j)
+{
+    const double h = state->step_s;
+    const double r_t = params->polarisation_resistance_ohm;
+    const double u_oc = curve_at(&params->open_circuit_voltage_v, state->soc);
+    /* Mean of u_c over the step: i R_t (1 - mean_decay) + u_c mean_decay. */
+    const double e = u_oc - state->polarisation_v * state->mean_decay;
+    const double r = params->series_resistance_ohm + r_t * (1.0 - state->mean_decay);
+    const double power_w = terminal_j / h;
+    const double square = e * e - 4.0 * r * power_w;
+    state->collapsed = state->collapsed || square < 0.0;
+    const double i = square >= 0.0 ? 2.0 * power_w / (e + sqrt(square)) : e / (2.0 * r);
+
+    const double stored_before_j = battery_stored_j(params, state);
+    const double mean_polarisation_v = i * r_t * (1.0 - state->mean_decay) + state->polarisation_v * state->mean_decay;
+    state->polarisation_v = i * r_t * (1.0 - state->decay) + state->polarisation_v * state->decay;
+    state->soc -= i * h / (params->capacity_ah * AS_PER_AH);
+    state->current_a = i;
+    state->terminal_v = e - r * i;
+    const battery_flow_t out = {
+        .chemical_j = u_oc * i * h,
+        .terminal_j = state->terminal_v * i * h,
+        .heat_j = (params->series_resistance_ohm * i + mean_polarisation_v) * i * h -
+                  (battery_stored_j(params, state) - stored_before_j),
+    };
+    return out;
+}
+
+double battery_stored_j(const battery_params_t *params, const battery_state_t *state)
+{
+    return 0.5 * params->polarisation_capacitance_f * state->polarisation_v * state->polarisation_v;
+}
+
+double battery_charge_limit_a(const battery_params_t *params, const battery_state_t *state)
+{
+    return params->max_charge_current_a * plant_clamp((1.0 - state->soc) / FADE_SOC, 0.0, 1.0);
+}
+
+double battery_discharge_limit_a(const battery_params_t *params, const battery_state_t *state)
+{
+    return params->max_discharge_current_a * plant_clamp(state->soc / FADE_SOC, 0.0, 1.0);
+}

@@ -1,0 +1,32 @@
+#include "plant/hydraulic_brake.h"
+
+#include <math.h>
+
+#include "plant/numbers.h"
+
+hydraulic_brake_state_t hydraulic_brake_init(const hydraulic_brake_params_t *params, double step_s)
+{
+    const double tau_s = params->hydraulic_time_constant_s;
+    hydraulic_brake_state_t out = {
+        .torque_nm = 0.0,
+        .delay_ms = (int)lround(plant_min(params->hydraulic_dead_time_s * 1e3, HYDRAULIC_BRAKE_DELAY_MS_MAX)),
+        .approach = tau_s > 0.0 ? -expm1(-step_s / tau_s) : 1.0,
+        .largest_change_nm = params->hydraulic_rate_nm_per_s * step_s,
+    };
+    return out;
+}
+
+void hydraulic_brake_command(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state, double command_nm)
+{
+    const int length = state->delay_ms + 1;
+    state->commands_nm[state->next] = plant_clamp(command_nm, 0.0, params->max_hydraulic_torque_nm);
+    state->next = state->next + 1 == length ? 0 : state->next + 1;
+    state->target_nm = state->commands_nm[state->next];
+}
+
+double hydraulic_brake_step(hydraulic_brake_state_t *state)
+{
+    const double wanted_nm = (state->target_nm - state->torque_nm) * state->approach;
+    state->torque_nm += plant_clamp(wanted_nm, -state->largest_change_nm, state->largest_change_nm);
+    return state->torque_nm;
+}

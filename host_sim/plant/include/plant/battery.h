@@ -1,0 +1,69 @@
+/*
+ * battery.h: a pack as open-circuit voltage over state of charge, series resistance and one RC branch.
+ *
+ *     u_b = u_oc(SOC) - u_c - R_s i        C_t du_c/dt = i - u_c / R_t        i > 0 discharges
+ *
+ * battery_step() is told the power the wheels take at the terminals (P > 0 discharges) and finds the current that is
+ * constant over the step and makes exactly that power, with the exponential of the RC branch solved exactly:
+ *
+ *     i = 2 P / (E + sqrt(E^2 - 4 R P)),  E and R of the step's mean,  so chemical = terminal + heat + stored, to rounding.
+ *
+ * Source: Lu et al. 2013 eqs (15) to (19), (24) corrected. Beyond the largest power E^2/(4 R) the voltage collapses: the
+ * current of largest power flows and `collapsed` says so.
+ */
+#ifndef PLANT_BATTERY_H
+#define PLANT_BATTERY_H
+
+#include <stdbool.h>
+
+#include "plant/curve.h"
+#include "plant/parameter.h"
+
+/* clang-format off */
+#define BATTERY_PARAMETERS(X) \
+    X(series_resistance_ohm,        0.0,  1e3,  "ohm", "R_s") \
+    X(polarisation_resistance_ohm,  0.0,  1e3,  "ohm", "R_t; 0: no RC branch") \
+    X(polarisation_capacitance_f,   1e-6, 1e9,  "F",   "C_t") \
+    X(capacity_ah,                  1e-3, 1e6,  "A h", "") \
+    X(initial_soc,                  0.0,  1.0,  "1",   "state of charge where work begins") \
+    X(max_charge_current_a,         0.0,  1e5,  "A",   "what the battery management allows into the pack") \
+    X(max_discharge_current_a,      0.0,  1e5,  "A",   "what the battery management allows out of the pack")
+/* clang-format on */
+
+typedef struct {
+    BATTERY_PARAMETERS(PLANT_PARAMETER_MEMBER)
+    curve_t open_circuit_voltage_v; /* over state of charge */
+} battery_params_t;
+
+typedef struct {
+    double soc;
+    double polarisation_v; /* u_c */
+    double terminal_v;     /* mean of the last step */
+    double current_a;      /* of the last step, positive out of the pack */
+    bool collapsed;        /* more power was asked for than the pack can give, at some time */
+    /* Of the step length: */
+    double step_s;
+    double decay;      /* exp(-step/tau) */
+    double mean_decay; /* mean of exp(-t/tau) over the step */
+} battery_state_t;
+
+typedef struct {
+    double chemical_j; /* drawn from (positive) or returned to the cells */
+    double terminal_j;
+    double heat_j;
+} battery_flow_t;
+
+battery_state_t battery_init(const battery_params_t *params, double step_s);
+
+/* terminal_j: energy drawn at the terminals during this step. */
+battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state, double terminal_j);
+
+/* Energy in the polarisation capacitance. */
+double battery_stored_j(const battery_params_t *params, const battery_state_t *state);
+
+/* The battery management's limits now, magnitudes. Over the last two per cent of charge they fade: to nothing into a
+ * full pack, to nothing out of an empty one. */
+double battery_charge_limit_a(const battery_params_t *params, const battery_state_t *state);
+double battery_discharge_limit_a(const battery_params_t *params, const battery_state_t *state);
+
+#endif

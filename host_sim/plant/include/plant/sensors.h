@@ -1,0 +1,71 @@
+/*
+ * sensors.h: what a controller gets to see of one wheel, with the faults of real sensors.
+ *
+ * Converter codes are right-aligned 12 bit, as the firmware's port delivers them (controller.h): phase currents around
+ * 2048, rising with current into the motor; bus voltage from 0. A coarser converter leaves the low bits zero. All
+ * samples are taken at one instant, the boundary of two PWM periods; where the controller chooses two of three phases,
+ * all three are offered.
+ *
+ * Halls: sector k = 0 .. 5 begins at edge k and shows 5, 1, 3, 2, 6, 4 (bit 0 = A, 1 = B, 2 = C), sensors 120 degrees
+ * apart. Misplacement is the plant's alone: the controller is told hall_edges, not the error.
+ */
+#ifndef PLANT_SENSORS_H
+#define PLANT_SENSORS_H
+
+#include <stdint.h>
+
+#include "plant/parameter.h"
+#include "plant/random.h"
+#include "plant/vectors.h"
+
+/* clang-format off */
+#define SENSORS_PARAMETERS(X) \
+    X(current_full_scale_a,   0.1,   1e5,   "A",   "current that half the converter's range stands for") \
+    X(voltage_full_scale_v,   1.0,   1e5,   "V",   "voltage that the whole range stands for") \
+    X(current_noise_a,        0.0,   1e4,   "A",   "standard deviation") \
+    X(bus_voltage_noise_v,    0.0,   1e4,   "V",   "standard deviation") \
+    X(current_offset_a,      -1e4,   1e4,   "A",   "of phases a and c; the opposite in b") \
+    X(hall_edge_error_deg,    0.0,   30.0,  "deg", "misplacement of the hall edges, electrical, late and early in turn") \
+    X(adc_bits,               4.0,   16.0,  "1",   "resolution of every converter") \
+    X(hall_edge_0_deg,        0.0,   360.0, "deg", "electrical angle at which sector 0 begins, turning forward") \
+    X(hall_edge_1_deg,        0.0,   360.0, "deg", "sector 1") \
+    X(hall_edge_2_deg,        0.0,   360.0, "deg", "sector 2") \
+    X(hall_edge_3_deg,        0.0,   360.0, "deg", "sector 3") \
+    X(hall_edge_4_deg,        0.0,   360.0, "deg", "sector 4") \
+    X(hall_edge_5_deg,        0.0,   360.0, "deg", "sector 5")
+/* clang-format on */
+
+typedef struct {
+    SENSORS_PARAMETERS(PLANT_PARAMETER_MEMBER)
+} sensors_params_t;
+
+enum { SENSORS_HALL_SECTORS = 6 };
+
+/* Worked out once. */
+typedef struct {
+    double steps_per_a, steps_per_v; /* steps of the converter */
+    double middle_steps, highest_step;
+    uint32_t codes_per_step; /* a step in 12-bit codes */
+    double offset_a[3];
+    double current_noise_a, bus_voltage_noise_v;
+    double edge_turn[SENSORS_HALL_SECTORS];   /* rising */
+    uint8_t state_from[SENSORS_HALL_SECTORS]; /* hall state that begins at edge_turn[k] */
+} sensors_t;
+
+typedef struct {
+    uint16_t phase_current_code[3];
+    uint16_t bus_voltage_code;
+    uint16_t rotor_angle_turn; /* 65 536 = one electrical turn */
+    uint8_t hall_state;
+} sensors_sample_t;
+
+sensors_t sensors_init(const sensors_params_t *params);
+
+/* current: in the wires; theta_turn: electrical, 0 <= theta < 1. Draws from `random` only where there is noise. */
+sensors_sample_t sensors_sample(const sensors_t *sensors, random_t *random, plant_abc_t current_a, double bus_voltage_v,
+                                double theta_turn);
+
+/* Hall state alone. */
+uint8_t sensors_hall_state(const sensors_t *sensors, double theta_turn);
+
+#endif

@@ -1,0 +1,92 @@
+#include "plant/inverter.h"
+
+#include "plant/numbers.h"
+
+inverter_t inverter_init(const inverter_params_t *params)
+{
+    const double delta = 2.0 * params->dead_time_s * params->pwm_frequency_hz;
+    const inverter_t out = {
+        .period_s = 1.0 / params->pwm_frequency_hz,
+        .dead_share = delta,
+        .pwm_resistance_ohm = params->switch_resistance_ohm * (1.0 - delta) + params->diode_resistance_ohm * delta,
+        .short_resistance_ohm = params->switch_resistance_ohm,
+        .diode_resistance_ohm = params->diode_resistance_ohm,
+        .forward_voltage_v = params->diode_forward_voltage_v,
+        .switching_loss_j_per_as =
+            0.5 * (params->turn_on_loss_j_per_a + params->turn_off_loss_j_per_a) * params->pwm_frequency_hz,
+    };
+    return out;
+}
+
+double inverter_zone_a(const inverter_t *inverter, double bus_voltage_v, double amperes_per_volt)
+{
+    const double error_v = inverter->dead_share * (0.5 * bus_voltage_v + inverter->forward_voltage_v);
+    return error_v * amperes_per_volt;
+}
+
+static inline double sign_within(double x, double per_zone)
+{
+    return plant_clamp(x * per_zone, -1.0, 1.0);
+}
+
+inverter_drive_t inverter_drive(const inverter_t *inverter, plant_abc_t duty, double bus_voltage_v, plant_abc_t middle,
+                                double zone_a)
+{
+    /* Without any error voltage the zone is empty and the sign of no consequence. */
+    const double per_zone = zone_a > 0.0 ? 1.0 / zone_a : 0.0;
+    const plant_abc_t sign = {.a = sign_within(middle.a, per_zone),
+                              .b = sign_within(middle.b, per_zone),
+                              .c = sign_within(middle.c, per_zone)};
+    const plant_ab_t signs = plant_clarke(sign);
+    const plant_ab_t duties = plant_clarke(duty);
+    const double dead_duty = 0.5 * inverter->dead_share;
+    const double drop_v = inverter->dead_share * inverter->forward_voltage_v;
+    inverter_drive_t out;
+    out.bus_part.alpha = bus_voltage_v * (duties.alpha - dead_duty * signs.alpha);
+    out.bus_part.beta = bus_voltage_v * (duties.beta - dead_duty * signs.beta);
+    out.diode_part.alpha = drop_v * signs.alpha;
+    out.diode_part.beta = drop_v * signs.beta;
+    out.source.alpha = out.bus_part.alpha - out.diode_part.alpha;
+    out.source.beta = out.bus_part.beta - out.diode_part.beta;
+    return out;
+}
+
+static inline double energy_j(plant_ab_t u, plant_ab_t charge_as)
+{
+    return 1.5 * (u.alpha * charge_as.alpha + u.beta * charge_as.beta);
+}
+
+inverter_flow_t inverter_pwm_flow(const inverter_t *inverter, const inverter_drive_t *drive, const pmsm_flow_t *flow)
+{
+    const double switching_j = inverter->switching_loss_j_per_as * flow->rectified_as;
+    const inverter_flow_t out = {
+        .dc_j = energy_j(drive->bus_part, flow->charge_as) + switching_j,
+        .conduction_j = flow->series_j,
+        .diode_j = energy_j(drive->diode_part, flow->charge_as),
+        .switching_j = switching_j,
+    };
+    return out;
+}
+
+double inverter_rectifier_ceiling_v(const inverter_t *inverter, double bus_voltage_v)
+{
+    return (bus_voltage_v + 2.0 * inverter->forward_voltage_v) * PLANT_INV_SQRT3;
+}
+
+inverter_flow_t inverter_rectifier_flow(const inverter_t *inverter, double bus_voltage_v, const pmsm_flow_t *flow)
+{
+    const double dc_share = bus_voltage_v / (bus_voltage_v + 2.0 * inverter->forward_voltage_v);
+    const inverter_flow_t out = {
+        .dc_j = flow->source_j * dc_share,
+        .conduction_j = flow->series_j,
+        .diode_j = -flow->source_j * (1.0 - dc_share),
+        .switching_j = 0.0,
+    };
+    return out;
+}
+
+inverter_flow_t inverter_short_flow(const pmsm_flow_t *flow)
+{
+    const inverter_flow_t out = {.dc_j = 0.0, .conduction_j = flow->series_j, .diode_j = 0.0, .switching_j = 0.0};
+    return out;
+}

@@ -1,0 +1,78 @@
+"""The three strategies on one cycle, side by side: runs in parallel, page and summary."""
+
+import os
+import threading
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+from regen_table.schema import Drive
+from rich.progress import Progress, TaskID
+
+from hubsim import cycles, files, outputs, report, run
+from hubsim.errors import HubsimError
+from hubsim.results import SIGNAL_POINTS_MAX, RunResult, realtime_factor
+from hubsim.scenario import Scenario
+
+PAGE, SUMMARY = "index.html", "summary.json"
+SIGNALS = ("time_s", *report.SIGNALS)
+
+
+def check_output(directory: Path) -> None:
+    """Make the directory, or refuse before any work is done."""
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise HubsimError(f"{directory}: cannot be made: {error.strerror}") from error
+    for name in (PAGE, SUMMARY):
+        files.check_writable(directory / name)
+
+
+def recorded(scenario: Scenario, beside: Path) -> Scenario:
+    """Return the scenario with the finest whole number of milliseconds between rows that the page can show."""
+    duration_s = scenario.max_duration_s
+    if scenario.cycle is not None:
+        duration_s = min(duration_s, cycles.load(scenario.cycle, beside).duration_s * scenario.repeats)
+    interval_ms = duration_s * 1e3 // (SIGNAL_POINTS_MAX - 1) + 1
+    return scenario.model_copy(update={"record_interval_s": interval_ms * 1e-3})
+
+
+def simulate_all(
+    name: str, drives: Sequence[Drive], scenario: Scenario, beside: Path, plant: dict[str, float], bar: Progress
+) -> list[RunResult]:
+    """Run all drives at the same time, as many as there are cores; results in the order of the drives."""
+    shown = recorded(scenario, beside)
+
+    stop = threading.Event()
+
+    def one(drive: Drive, task: TaskID) -> RunResult:
+        def progress(now_s: float, planned_s: float) -> None:
+            if stop.is_set():
+                raise HubsimError(f"{name}, {drive.brake.strategy}: stopped at {now_s:g} s")
+            bar.update(task, completed=int(now_s), total=int(planned_s))
+
+        return run.simulate(name, drive, shown, beside, SIGNALS, plant, progress)
+
+    with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+        waiting = [pool.submit(partial(one, drive, bar.add_task(drive.brake.strategy, total=None))) for drive in drives]
+        try:
+            return [future.result() for future in waiting]
+        except BaseException:  # one run failed, or somebody has seen enough: the others need not go on
+            stop.set()
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def write(results: Sequence[RunResult], directory: Path) -> list[str]:
+    """Write page and summary; return what to tell the user."""
+    factor = realtime_factor(results)
+    summary = {"runs": [result.run_object for result in results], "realtime_factor": factor}
+    report.write_report(list(results), directory)
+    files.write_text(directory / SUMMARY, outputs.as_json(summary))
+    wheels = results[0].wheels
+    return [
+        f"{wheels} wheels at {factor:.0f} times real time on one core ({wheels * factor:.0f} for one wheel)",
+        f"report: {directory / PAGE}",
+        f"summary: {directory / SUMMARY}",
+    ]

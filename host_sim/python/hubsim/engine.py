@@ -1,0 +1,191 @@
+"""The C engine as a Python object: parameters, configuration and signals by name, rows as NumPy arrays.
+
+The declarations are read from host_sim/bench/include/bench/engine.h itself, so this module cannot disagree with it.
+Calls into the engine release the interpreter's lock: runs in several threads use several cores.
+"""
+
+import os
+import re
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, Self
+
+import cffi
+import numpy as np
+import numpy.typing as npt
+
+from hubsim.errors import HubsimError
+
+ROOT = Path(__file__).resolve().parents[3]
+HEADER = ROOT / "host_sim" / "bench" / "include" / "bench" / "engine.h"
+LIBRARY = Path("host_sim") / "libhubsim_engine.so"
+_NAME_BYTES = 96
+
+Rows = npt.NDArray[np.float64]
+
+
+def library_path() -> Path:
+    """Return where the engine was built: under ``HUBFOC_BUILD_DIR`` if that is set, else under build/host."""
+    named = os.environ.get("HUBFOC_BUILD_DIR")
+    path = Path(named) / LIBRARY if named else ROOT / "build" / "host" / LIBRARY
+    if not path.is_file():
+        raise HubsimError(f"{path}: the simulation engine is not built, accepted: after 'cmake --build --preset host'")
+    return path
+
+
+@cache
+def _load() -> tuple[cffi.FFI, Any]:
+    """Declare and open the library, once in a process."""
+    ffi = cffi.FFI()
+    text = re.sub(r"^\s*#.*$", "", HEADER.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    ffi.cdef(text)
+    path = library_path()
+    try:
+        return ffi, ffi.dlopen(str(path))
+    except OSError as error:
+        raise HubsimError(f"{path}: cannot be loaded: {' '.join(str(error).split())}") from error
+
+
+class Engine:
+    """One simulated vehicle. Not for two threads at the same time."""
+
+    def __init__(self) -> None:
+        self._ffi, self._lib = _load()
+        handle = self._lib.hubsim_new()
+        if handle == self._ffi.NULL:
+            raise HubsimError("no memory for a simulated vehicle")
+        self._sim = self._ffi.gc(handle, self._lib.hubsim_delete)
+        self._chosen: list[str] = []
+        self.ended = False
+
+    def __enter__(self) -> Self:
+        """Return the engine itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Free the vehicle now, not when the collector finds it."""
+        self._ffi.release(self._sim)
+
+    def set(self, name: str, value: float) -> None:
+        """Set a parameter, before the run or during it."""
+        self._check(self._lib.hubsim_set(self._sim, name.encode(), float(value)))
+
+    def get(self, name: str) -> float:
+        """Return a parameter."""
+        out = self._ffi.new("double *")
+        if self._lib.hubsim_get(self._sim, name.encode(), out) != self._lib.HUBSIM_OK:
+            raise HubsimError(f"{name}: no such parameter")
+        return float(out[0])
+
+    def set_voltage_curve(self, soc: Sequence[float], voltage_v: Sequence[float]) -> None:
+        """Set the battery's open-circuit voltage (V) over state of charge (0 to 1, rising); one point: constant."""
+        self._check(self._lib.hubsim_set_voltage_curve(self._sim, *self._points(soc, voltage_v)))
+
+    def set_trace(self, time_s: Sequence[float], speed_m_per_s: Sequence[float]) -> None:
+        """Set the speed trace: times in s rising from 0, speeds in m/s."""
+        self._check(self._lib.hubsim_set_trace(self._sim, *self._points(time_s, speed_m_per_s)))
+
+    def load_config(self, image: bytes) -> None:
+        """Give all controllers a configuration; the firmware's own validator may refuse it."""
+        self._check(self._lib.hubsim_load_config(self._sim, self._ffi.from_buffer(image), len(image)))
+
+    def start(self) -> None:
+        """Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards."""
+        self._check(self._lib.hubsim_start(self._sim))
+        self.ended = False
+
+    def choose(self, signals: Sequence[str]) -> None:
+        """Choose what ``run`` records."""
+        known = {name: k for k, name in enumerate(self.signals())}
+        for name in signals:
+            if name not in known:
+                raise HubsimError(f"{name}: no such signal")
+        self._check(self._lib.hubsim_choose(self._sim, [known[name] for name in signals], len(signals)))
+        self._chosen = list(signals)
+
+    def signals(self) -> list[str]:
+        """Return the names of all signals; known after ``start``."""
+        buffer = self._ffi.new("char[]", _NAME_BYTES)
+        names = []
+        for k in range(self._lib.hubsim_signal_count(self._sim)):
+            self._lib.hubsim_signal_name(self._sim, k, buffer, _NAME_BYTES)
+            names.append(self._text(buffer))
+        return names
+
+    def run(self, duration_s: float) -> Rows:
+        """Run for a time or to the end of the run, and return what was recorded.
+
+        Returns
+        -------
+        array, shape (rows, chosen signals)
+            In the units of the signals' names. ``ended`` tells whether the run is over.
+        """
+        width = max(len(self._chosen), 1)
+        capacity = int(duration_s / self.get("run.record_interval_s")) + 2 if self._chosen else 0
+        rows: Rows = np.empty((capacity, width), dtype=np.float64)
+        written, remaining = self._ffi.new("int64_t *"), self._ffi.new("double *")
+        buffer = self._ffi.from_buffer("double[]", rows.data) if capacity else self._ffi.NULL
+        status = self._lib.hubsim_run(self._sim, duration_s, buffer, capacity, written, remaining)
+        self._check(status)
+        if status == self._lib.HUBSIM_FULL:
+            raise AssertionError("the engine recorded more rows than the interval allows")
+        self.ended = status == self._lib.HUBSIM_ENDED
+        return rows[: written[0], : len(self._chosen)]
+
+    def value(self, name: str) -> float:
+        """Return a signal now; of a rate, the account it is the rate of."""
+        out = self._ffi.new("double *")
+        if self._lib.hubsim_value(self._sim, name.encode(), out) != self._lib.HUBSIM_OK:
+            raise HubsimError(f"{name}: no such signal")
+        return float(out[0])
+
+    def mode_text(self, mode: float) -> str:
+        """Return the name of a controller's mode."""
+        return self._text(self._lib.hubsim_mode_text(int(mode)))
+
+    def reason_text(self, reason: float) -> str:
+        """Return what a reason code means."""
+        return self._text(self._lib.hubsim_reason_text(int(reason)))
+
+    def _points(self, x: Sequence[float], y: Sequence[float]) -> tuple[Any, Any, int]:
+        return self._ffi.new("double[]", list(x)), self._ffi.new("double[]", list(y)), len(x)
+
+    def _text(self, chars: Any) -> str:  # noqa: ANN401, cffi's types have no public names
+        raw = self._ffi.string(chars)
+        assert isinstance(raw, bytes)
+        return raw.decode("ascii")
+
+    def _check(self, status: int) -> None:
+        if status < self._lib.HUBSIM_OK:
+            raise HubsimError(self._text(self._lib.hubsim_error(self._sim)))
+
+
+class Parameter:
+    """One line of the engine's list of parameters."""
+
+    def __init__(self, name: str, unit: str, text: str, lowest: float, highest: float) -> None:
+        self.name, self.unit, self.text, self.lowest, self.highest = name, unit, text, lowest, highest
+
+
+@cache
+def parameters() -> dict[str, Parameter]:
+    """Return all parameters of the simulated world by name."""
+    ffi, lib = _load()
+
+    def text(chars: Any) -> str:  # noqa: ANN401, cffi's types have no public names
+        raw = ffi.string(chars)
+        assert isinstance(raw, bytes)
+        return raw.decode("ascii")
+
+    found = [
+        Parameter(
+            text(lib.hubsim_parameter_name(k)),
+            text(lib.hubsim_parameter_unit(k)),
+            text(lib.hubsim_parameter_text(k)),
+            lib.hubsim_parameter_lowest(k),
+            lib.hubsim_parameter_highest(k),
+        )
+        for k in range(lib.hubsim_parameter_count())
+    ]
+    return {parameter.name: parameter for parameter in found}

@@ -1,0 +1,91 @@
+"""What a run is written to: the summary object as JSON, the signals as CSV, a table for people."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TextIO
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from hubsim import files
+from hubsim.results import RunResult
+
+KILO = 1e3
+PERCENT = 100.0
+
+# Key in the summary, heading, what it is.
+ENERGIES = (
+    ("traction", "traction", "chemical energy drawn from the battery while the driver does not brake"),
+    ("braking_at_wheels", "braking work", "work of motors and hydraulic brakes at the wheels while the driver brakes"),
+    ("battery_returned", "returned", "net chemical energy into the battery while the driver brakes"),
+    ("hydraulic", "hydraulic", "heat in the hydraulic brakes, whole run"),
+    ("copper", "copper", "heat in the windings, whole run"),
+    ("iron", "iron", "heat in the iron, whole run"),
+    ("inverter", "inverter", "heat in the inverters (conduction, diodes, switching), whole run"),
+    ("battery", "battery", "heat in the battery, whole run"),
+)
+
+
+def run_object(result: RunResult) -> dict[str, Any]:
+    """Return a run as ``hubsim run --json`` writes it: the summary's object and what a single run knows besides."""
+    out = result.run_object | {"kinetic_energy_j": result.kinetic_energy_j}
+    if result.stopped is not None:
+        out["stop_distance_m"] = result.distance_m if result.stopped else None
+    return out | {
+        "config": result.vehicle,
+        "duration_s": result.duration_s,
+        "distance_m": result.distance_m,
+        "soc_initial": result.soc[0],
+        "soc_final": result.soc[1],
+        "realtime_factor": result.realtime_factor,
+        "faults": [{"wheel": f.wheel, "time_s": f.time_s, "reason": f.reason} for f in result.faults],
+        "accounts_j": result.account_j,
+    }
+
+
+def as_json(value: object) -> str:
+    """Return readable JSON; numbers that JSON cannot hold are a defect, not output."""
+    return json.dumps(value, indent=2, allow_nan=False) + "\n"
+
+
+def write_csv(result: RunResult, path: Path) -> None:
+    """Write the recorded signals, one column each, headings with units, nine digits."""
+
+    def fill(file: TextIO) -> None:
+        np.savetxt(file, result.rows, fmt="%.9g", delimiter=",", header=",".join(result.names), comments="")
+
+    files.write_with(path, fill)
+
+
+def energy_table(results: Sequence[RunResult]) -> Table:
+    """Return the energy table, a column for each run; share of the series optimum where that is among them."""
+    best = next((r.returned_j for r in results if r.strategy == "series_optimal"), None)
+    title = f"{results[0].cycle}: energies of the whole vehicle in kJ"
+    table = Table(title=title, title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD)
+    table.add_column("")
+    for result in results:
+        table.add_column(result.strategy, justify="right")
+    columns = [result.run_object["energy_j"] for result in results]
+    for key, heading, _ in ENERGIES:
+        table.add_row(heading, *(f"{column[key] / KILO:.2f}" for column in columns))
+    table.add_section()
+    table.add_row("share of braking work stored", *(f"{PERCENT * r.braking_share_stored:.1f} %" for r in results))
+    if best is not None and best > 0.0:
+        table.add_row("share of the series optimum", *(f"{PERCENT * r.returned_j / best:.1f} %" for r in results))
+    table.add_row("energy residual", *(f"{r.residual_relative:.1e}" for r in results))
+    return table
+
+
+def definitions() -> list[str]:
+    """Return what the table's rows mean, one line each."""
+    lines = [f"{heading}: {text}" for _, heading, text in ENERGIES]
+    return [*lines, "share of braking work stored: returned / braking work"]
+
+
+def print_table(results: Sequence[RunResult]) -> None:
+    """Print the energy table on stdout, unwrapped however narrow the terminal is said to be."""
+    console = Console(highlight=False, width=None if Console().is_terminal else 120)
+    console.print(energy_table(results))

@@ -1,0 +1,71 @@
+"""From a drive's TOML file to the parameters of the simulated world: the plant's truth, not the controller's belief."""
+
+from regen_table.schema import Drive
+
+STANDARD_AIR_KG_PER_M3 = 1.204  # dry, 20 degC, 1013 hPa
+STANDARD_GRAVITY_M_PER_S2 = 9.80665
+FULL_SOC = 1.0
+
+
+def parameters(drive: Drive) -> dict[str, float]:
+    """Return every parameter that a drive's file decides, by the engine's names.
+
+    What belongs to one run (temperatures, road, driver, seed) is the scenario's and comes on top.
+    """
+    motor, inverter, battery, vehicle, brake = drive.motor, drive.inverter, drive.battery, drive.vehicle, drive.brake
+    a0, a1 = motor.iron_loss_resistance_ohm or (0.0, 0.0)
+    found = {
+        "motor.pole_pairs": motor.pole_pairs,
+        "motor.phase_resistance_ohm": motor.phase_resistance_ohm,
+        "motor.reference_temperature_c": motor.reference_temperature_c,
+        "motor.resistance_temperature_coefficient_per_k": motor.resistance_temperature_coefficient_per_k,
+        "motor.d_inductance_h": motor.d_inductance_h,
+        "motor.q_inductance_h": motor.q_inductance_h,
+        "motor.flux_linkage_wb": motor.flux_linkage_wb,
+        "motor.flux_temperature_coefficient_per_k": motor.flux_temperature_coefficient_per_k or 0.0,
+        "motor.iron_loss_resistance_ohm": a0,
+        "motor.iron_loss_resistance_slope_ohm_s": a1,
+        "motor.friction_torque_nm": motor.friction_torque_nm,
+        "motor.viscous_friction_nm_s": motor.viscous_friction_nm_s,
+        "inverter.switch_resistance_ohm": inverter.switch_resistance_ohm,
+        "inverter.diode_forward_voltage_v": inverter.diode_forward_voltage_v,
+        "inverter.diode_resistance_ohm": inverter.diode_resistance_ohm,
+        "inverter.dead_time_s": inverter.dead_time_s,
+        "inverter.pwm_frequency_hz": inverter.pwm_frequency_hz,
+        "inverter.turn_on_loss_j_per_a": inverter.turn_on_loss_j_per_a,
+        "inverter.turn_off_loss_j_per_a": inverter.turn_off_loss_j_per_a,
+        "battery.series_resistance_ohm": battery.series_resistance_ohm,
+        "battery.polarisation_resistance_ohm": battery.polarisation_resistance_ohm,
+        "battery.polarisation_capacitance_f": battery.polarisation_capacitance_f,
+        "battery.capacity_ah": battery.capacity_ah,
+        "battery.initial_soc": FULL_SOC if battery.initial_soc is None else battery.initial_soc,
+        "battery.max_charge_current_a": battery.max_charge_current_a,
+        "battery.max_discharge_current_a": battery.max_discharge_current_a,
+        "vehicle.mass_kg": vehicle.mass_kg,
+        "vehicle.wheel_radius_m": vehicle.wheel_radius_m,
+        "vehicle.frontal_area_m2": vehicle.frontal_area_m2,
+        "vehicle.drag_coefficient": vehicle.drag_coefficient,
+        "vehicle.rolling_resistance": vehicle.rolling_resistance,
+        "vehicle.driven_wheels": vehicle.driven_wheels,
+        "brake.hydraulic_dead_time_s": brake.hydraulic_dead_time_s,
+        "brake.hydraulic_time_constant_s": brake.hydraulic_time_constant_s,
+        "brake.hydraulic_rate_nm_per_s": brake.hydraulic_rate_nm_per_s,
+        "brake.max_hydraulic_torque_nm": brake.max_hydraulic_torque_nm,
+        "sensors.current_full_scale_a": inverter.current_full_scale_a,
+        "sensors.voltage_full_scale_v": inverter.voltage_full_scale_v,
+        "sensors.current_noise_a": drive.sensors.current_noise_a,
+        "sensors.bus_voltage_noise_v": drive.sensors.bus_voltage_noise_v,
+        "sensors.current_offset_a": drive.sensors.current_offset_a,
+        "sensors.hall_edge_error_deg": drive.sensors.hall_edge_error_deg,
+        "sensors.adc_bits": drive.sensors.adc_bits,
+    }
+    found |= {f"sensors.hall_edge_{k}_deg": edge for k, edge in enumerate(drive.rotor.hall_edges_deg)}
+    return {name: float(value) for name, value in found.items()}
+
+
+def voltage_curve(drive: Drive) -> tuple[list[float], list[float]]:
+    """Return the open-circuit voltage in V over state of charge, as one point where it is constant."""
+    voltage = drive.battery.open_circuit_voltage_v
+    if isinstance(voltage, float | int):
+        return [0.0], [float(voltage)]
+    return [point[0] for point in voltage], [point[1] for point in voltage]

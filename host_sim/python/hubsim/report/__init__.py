@@ -1,0 +1,41 @@
+"""The report: one HTML page that opens anywhere, with the energies and traces of runs.
+
+The page needs nothing but itself: styles, pictures and the small script for reading values are inside. Pictures are
+SVG made here, in colours that follow the page's light or dark scheme.
+"""
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from hubsim.errors import HubsimError
+from hubsim.report import page
+from hubsim.report.reading import SIGNALS, RunLike
+
+__all__ = ["SIGNALS", "RunLike", "write_report"]
+
+NAME = "index.html"
+
+
+def write_report(runs: Sequence[RunLike], directory: Path) -> None:
+    """Write ``index.html`` into a directory, which is made if need be; a page that is already there is replaced at once.
+
+    Raises
+    ------
+    HubsimError
+        Without any run, or when the file cannot be written; nothing half-written remains.
+    """
+    if not runs:
+        raise HubsimError("report: no runs, accepted: at least one")
+    text = page.document(runs)
+    path = directory / NAME
+    beside = directory / f".{NAME}.{os.getpid()}"
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        try:
+            beside.write_text(text, encoding="utf-8", newline="\n")
+            beside.replace(path)
+        finally:
+            beside.unlink(missing_ok=True)
+    except OSError as error:
+        raise HubsimError(f"{path}: cannot be written: {error.strerror}") from error

@@ -1,0 +1,195 @@
+"""The page: one section for each cycle, in each of them one column for each strategy, all in one file."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from hubsim.report import flows, lanes, reading, sankey, table, traces, words
+from hubsim.report.markup import Markup, data, element, join
+from hubsim.report.reading import RunLike
+
+_HERE = Path(__file__).parent
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+COMMAND = "./tools/dev sim"
+
+HOW_TO_READ = (
+    "The braking work at the wheels is what brakes and motors take from the motion; the flow picture shows what becomes of it.",
+    "Between strategies that drive alike, the better one has the thicker arrow back into the battery. The way out to the "
+    "wheels is the same for all.",
+    "A motor that brakes harder than its best torque returns less, because copper loss grows with the square of the "
+    "current. The series strategy stops at that torque.",
+    "In the torque panel the filled areas are stacked: motor and hydraulic brake together should reach the demand.",
+    "Every limit that makes the torque smaller than the demand names itself; the strips show when, in the controller's own words.",
+    "The residual compares sources, sinks and storage over the whole run. It judges the simulation, not the vehicle.",
+)
+
+
+def document(runs: Sequence[RunLike]) -> str:
+    """Return the whole page."""
+    cycles = reading.by_cycle(runs)
+    vehicles = ", ".join(dict.fromkeys(run.vehicle for run in runs))
+    title = f"Energy of {vehicles} in {', '.join(reading.cycle(name) for name in cycles)}"
+    head = element(
+        "head",
+        element("meta", charset="utf-8"),
+        element("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        Markup(f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'),
+        element("link", rel="icon", href="data:,"),
+        element("title", title),
+        element("style", Markup(_asset("page.css"))),
+    )
+    sections = [_cycle(name, group, place) for place, (name, group) in enumerate(cycles.items())]
+    body = element(
+        "body",
+        _header(runs, vehicles, list(cycles)),
+        element("main", *sections),
+        _footer(),
+        element("script", Markup(_asset("readout.js"))),
+    )
+    return f'<!DOCTYPE html>\n<html lang="en">{head}\n{body}</html>\n'
+
+
+def _asset(name: str) -> str:
+    return "\n" + (_HERE / name).read_text(encoding="utf-8")
+
+
+def _header(runs: Sequence[RunLike], vehicles: str, cycles: list[str]) -> Markup:
+    counted = {1: "One braking strategy", 2: "Two braking strategies", 3: "Three braking strategies"}
+    strategies = len({run.strategy for run in runs})
+    how_many = counted.get(strategies, f"{strategies} braking strategies")
+    driven = " and ".join(reading.cycle(name) for name in cycles)
+    links = [element("li", element("a", reading.cycle(name), href=f"#cycle-{place}")) for place, name in enumerate(cycles)]
+    return element(
+        "header",
+        element("p", f"Vehicle {vehicles} · hubfoc, simulated", class_="kicker"),
+        element("h1", "Where the braking energy goes"),
+        element(
+            "p",
+            f"{how_many} on {driven}: a complete controller, the same code as on the microcontroller, works in every driven "
+            "wheel of the simulated vehicle, and every joule is accounted for.",
+            class_="lead",
+        ),
+        element("nav", element("ul", *links), aria_label="Cycles") if len(cycles) > 1 else "",
+    )
+
+
+def _cycle(name: str, runs: list[RunLike], place: int) -> Markup:
+    called = reading.cycle(name)
+    identity = f"c{place}"
+    heading = called[0].upper() + called[1:] if called else "Run"
+    return element(
+        "section",
+        element("h2", f"{heading}: how much of the braking work comes back"),
+        element("div", *[_card(run) for run in runs], class_="columns"),
+        table.draw(runs, f"Energies of the whole vehicle, {called}"),
+        _flows(runs, identity, called),
+        _traces(runs, identity, called),
+        id=f"cycle-{place}",
+        data_cycle=name,
+    )
+
+
+def _card(run: RunLike) -> Markup:
+    """Put the result in one number, and the braking work in a bar."""
+    called = reading.strategy(run)
+    share = table.stored_share(run)
+    known = math.isfinite(share)
+    number = words.percent(share).removesuffix(" %") if known else ""
+    meaning = " % of the braking work stored" if known else "share of the braking work stored: not known"
+    parts: list[Markup] = [
+        element("h3", called.title),
+        element("p", number, element("small", meaning), class_="share"),
+        _bar(run),
+        element("p", called.sentence) if called.sentence else Markup(""),
+    ]
+    return element("article", *parts, class_="card")
+
+
+def _bar(run: RunLike) -> Markup:
+    """Show what became of the braking work, to scale; left of zero what the battery had to add."""
+    work, returned = reading.energy_j(run, "braking_at_wheels"), reading.energy_j(run, "battery_returned")
+    braking = reading.phase_j(run, "while_braking_j") or {}
+    hydraulic = braking.get("hydraulic", reading.energy_j(run, "hydraulic"))
+    if not (math.isfinite(returned) and math.isfinite(hydraulic) and work > 0.0):
+        return Markup("")
+    shares = (
+        ("battery", "returned", returned / work),
+        ("losses", "motor, inverter and battery losses", (work - returned - hydraulic) / work),
+        ("hydraulic", "hydraulic heat", hydraulic / work),
+    )
+    bars = []
+    low = right = -sum(min(share, 0.0) for _, _, share in shares)
+    left = 0.0
+    for style, _, share in shares:
+        width = abs(share)
+        bars.append(
+            element("rect", x=100.0 * (right if share >= 0.0 else left), y=0.0, width=100.0 * width, height=10.0, class_=f"share-{style}")
+        )
+        right, left = (right + width, left) if share >= 0.0 else (right, left + width)
+    listed = [element("li", element("span", f"{name} {words.percent(share)}"), class_=style) for style, name, share in shares]
+    view = f"0 0 {100.0 * max(right, low + 1.0):.2f} 10"
+    drawn = element("svg", *bars, viewBox=view, preserveAspectRatio="none", aria_hidden="true", focusable="false")
+    return join(drawn, element("ul", *listed))
+
+
+def _flows(runs: list[RunLike], identity: str, called: str) -> Markup:
+    found = [flows.flow_of(run) for run in runs]
+    known = [flow for flow in found if flow is not None]
+    if not known:
+        return element("p", "The energies that the flow picture needs are not known.", class_="soft")
+    shared = lanes.frame(known)
+    figures = []
+    for place, (run, flow) in enumerate(zip(runs, found, strict=True)):
+        title = reading.strategy(run).title
+        drawn = (
+            sankey.draw(flow, shared, f"{identity}f{place}", f"Energy flow, {title}, {called}")
+            if flow is not None
+            else element("p", "not known", class_="soft")
+        )
+        figures.append(element("figure", element("figcaption", element("h3", title)), drawn))
+    said = ["Along the upper lane energy goes from the battery to the wheels, along the lower lane it comes back. Widths are to one scale."]
+    if any(flow.net for flow in known):
+        said.append("Where there is no upper lane, the battery gave nothing for driving: the vehicle's own motion is the source.")
+    if any(flow.split for flow in known):
+        said.append("Losses are booked by what the driver does at that moment; the battery's part includes what its polarisation keeps.")
+    if not all(flow.split for flow in known):
+        where = " where no work at the wheels is named" if any(flow.split for flow in known) else ""
+        said.append(f"Losses are those of the whole run, driving and braking together{where}.")
+    return _block("Energy flow", " ".join(said), figures)
+
+
+def _traces(runs: list[RunLike], identity: str, called: str) -> Markup:
+    shared = traces.layout(runs)
+    if shared is None:
+        return element("p", "No signals were recorded.", class_="soft")
+    figures = []
+    for place, run in enumerate(runs):
+        title = reading.strategy(run).title
+        values = traces.readout(run, shared)
+        figures.append(
+            element(
+                "figure",
+                element("figcaption", element("h3", title)),
+                traces.draw(run, shared, f"{identity}t{place}", f"Signals over time, {title}, {called}"),
+                data(values) if values is not None else "",
+                class_="trace",
+            )
+        )
+    note = "The driver brakes where the ground is shaded. Scales are the same in every column; torques are those of one wheel."
+    return _block("Over time", note, figures)
+
+
+def _block(title: str, note: str, figures: list[Markup]) -> Markup:
+    """Put figures side by side under a heading, on paper never apart from it."""
+    return element(
+        "div", element("h2", title), element("p", note, class_="soft"), element("div", *figures, class_="columns"), class_="block"
+    )
+
+
+def _footer() -> Markup:
+    return element(
+        "footer",
+        element("h2", "How to read this page"),
+        element("ul", *[element("li", point) for point in HOW_TO_READ], class_="how"),
+        element("p", "Made by ", element("code", COMMAND), ". The numbers are also in summary.json beside this file.", class_="soft"),
+    )

@@ -1,0 +1,153 @@
+"""What the report reads of a run, and what it calls things. Everything may be missing; nothing here raises for that."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+# What the page draws, by the engine's names; anything else that was recorded is left alone.
+SIGNALS = (
+    "driver.reference_m_per_s",
+    "driver.drive_nm",
+    "driver.brake_nm",
+    "vehicle.speed_m_per_s",
+    "battery.voltage_v",
+    "battery.current_a",
+    "wheel0.motor_torque_nm",
+    "wheel0.hydraulic_torque_nm",
+    "wheel0.winding_temperature_c",
+    "wheel0.reason",
+)
+
+
+class RunLike(Protocol):
+    """A finished run.
+
+    ``summary`` is the run object of summary.json. Beyond its fixed keys the report uses, where they are there,
+    ``while_driving_j`` and ``while_braking_j`` (the losses split by what the driver does: battery, inverter, copper,
+    iron, bearing, hydraulic), ``drag``, ``rolling``, ``climbed`` and ``stored_kinetic`` in ``energy_j``, and
+    ``reason_texts`` (words for the codes in the signal ``reason``).
+
+    ``signals`` holds arrays of shape (samples,) like ``time_s``, each in the unit at the end of its name.
+    """
+
+    @property
+    def cycle(self) -> str:
+        """Name of the cycle or scenario."""
+
+    @property
+    def strategy(self) -> str:
+        """Name of the braking strategy."""
+
+    @property
+    def vehicle(self) -> str:
+        """Name of the configuration."""
+
+    @property
+    def summary(self) -> Mapping[str, Any]:
+        """Results in J and shares."""
+
+    @property
+    def time_s(self) -> Array:
+        """Times of the samples, rising."""
+
+    @property
+    def signals(self) -> Mapping[str, Array]:
+        """Recorded signals by name."""
+
+
+@dataclass(frozen=True)
+class Strategy:
+    """How a braking strategy is called and what it does, in one sentence."""
+
+    title: str
+    sentence: str
+
+
+STRATEGIES = {
+    "parallel_ratio": Strategy(
+        "Parallel, fixed ratio", "The motor takes a fixed share of every braking demand, the hydraulic brake takes the rest."
+    ),
+    "parallel_free_travel": Strategy(
+        "Parallel, free travel",
+        "The motor takes the demand up to its rated braking torque, the hydraulic brake adds what is beyond.",
+    ),
+    "series_optimal": Strategy(
+        "Series, loss-optimal",
+        "The motor takes up to the torque that returns the most energy at this speed and temperature, the hydraulic brake adds the rest.",
+    ),
+}
+OPTIMUM = "series_optimal"
+
+CYCLES = {
+    "ece15": "the urban cycle ECE\u201115",
+    "udds": "the urban cycle UDDS",
+    "stop": "a stop at constant demand",
+}
+
+
+def strategy(run: RunLike) -> Strategy:
+    """Return how a run's strategy is called; a name of its own stays what it is."""
+    return STRATEGIES.get(run.strategy, Strategy(run.strategy, ""))
+
+
+def cycle(name: str) -> str:
+    """Return how a cycle is called."""
+    return CYCLES.get(name, name)
+
+
+def by_cycle(runs: Sequence[RunLike]) -> dict[str, list[RunLike]]:
+    """Sort runs into cycles, in the order in which these first come, strategies from the least to the best."""
+    order = {name: place for place, name in enumerate(STRATEGIES)}
+    found: dict[str, list[RunLike]] = {}
+    for run in runs:
+        found.setdefault(run.cycle, []).append(run)
+    return {name: sorted(group, key=lambda run: order.get(run.strategy, len(order))) for name, group in found.items()}
+
+
+def as_number(value: object) -> float:
+    """Return a number, or NaN for anything that is none."""
+    return float(value) if isinstance(value, int | float | np.number) and not isinstance(value, bool) else math.nan
+
+
+def energy_j(run: RunLike, name: str) -> float:
+    """Return an entry of the run's energies in J, NaN where it is missing."""
+    energies = run.summary.get("energy_j")
+    return as_number(energies.get(name)) if isinstance(energies, Mapping) else math.nan
+
+
+def phase_j(run: RunLike, phase: str) -> dict[str, float] | None:
+    """Return the losses in J ``while_driving_j`` or ``while_braking_j``; None unless the four electric ones are known."""
+    entries = run.summary.get(phase)
+    if not isinstance(entries, Mapping):
+        return None
+    found = {str(name): as_number(value) for name, value in entries.items()}
+    return found if all(math.isfinite(found.get(name, math.nan)) for name in ("battery", "inverter", "copper", "iron")) else None
+
+
+def signal(run: RunLike, name: str) -> Array | None:
+    """Return a signal of shape (samples,) by the engine's name ``group.name_unit`` or a shorter spelling of it.
+
+    NaN stands for every value that is none; None where it was not recorded, does not fit the times or never has a value.
+    """
+    for spelling in (name, name.replace(".", "_"), name.rpartition(".")[2]):
+        values = run.signals.get(spelling)
+        if values is not None:
+            array = np.asarray(values, dtype=np.float64)
+            known = np.isfinite(array)
+            fits = array.shape == np.shape(run.time_s) and array.size > 1
+            return np.where(known, array, np.nan) if fits and bool(np.any(known)) else None
+    return None
+
+
+def reason_text(run: RunLike, code: int) -> str:
+    """Return the words for a reason code, or its number where no words came with the run."""
+    texts = run.summary.get("reason_texts")
+    words = texts.get(str(code), texts.get(code)) if isinstance(texts, Mapping) else None
+    return str(words) if words else f"reason {code}"

@@ -1,0 +1,160 @@
+"""What a run leaves behind: accounts, recorded signals, and the summary object made of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from hubsim.engine import Rows
+
+INVERTER = ("conduction", "diode", "switching")
+SIGNAL_POINTS_MAX = 4000
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A controller that gave up during a run."""
+
+    wheel: int
+    time_s: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class RunResult:
+    """A finished run of one vehicle.
+
+    Attributes
+    ----------
+    cycle, strategy, vehicle : str
+        Names of the scenario, of the braking strategy and of the configuration.
+    names, rows
+        Recorded signals; ``rows`` has the shape (times, signals) and the units of the signals' names.
+    account_j : dict
+        "energy.<account>_j" of the whole run and "braking.<account>_j" of the times in which the driver braked, J.
+    kinetic_energy_j : float
+        Of the vehicle when the run began.
+    stopped : bool or None
+        Whether the vehicle came to rest, where that was to end the run.
+    cpu_s : float
+        Processor time of the simulation alone, for the whole vehicle.
+    reason_texts : dict
+        Words for the reason codes that were recorded, by code.
+    """
+
+    cycle: str
+    strategy: str
+    vehicle: str
+    wheels: int
+    names: list[str]
+    rows: Rows
+    account_j: dict[str, float]
+    duration_s: float
+    distance_m: float
+    kinetic_energy_j: float
+    soc: tuple[float, float]
+    stopped: bool | None
+    cpu_s: float
+    faults: list[Fault] = field(default_factory=list)
+    reason_texts: dict[str, str] = field(default_factory=dict)
+
+    def signal(self, name: str) -> Rows:
+        """Return one recorded signal, shape (times,)."""
+        return np.ascontiguousarray(self.rows[:, self.names.index(name)])
+
+    @property
+    def time_s(self) -> Rows:
+        """Times of ``signals``, at most SIGNAL_POINTS_MAX of them."""
+        return self.signals["time_s"]
+
+    @property
+    def signals(self) -> dict[str, Rows]:
+        """All recorded signals by name, shape (points,); a long recording is thinned out evenly."""
+        step = -(-len(self.rows) // SIGNAL_POINTS_MAX) or 1
+        thin = self.rows[::step]
+        return {name: np.ascontiguousarray(thin[:, k]) for k, name in enumerate(self.names)}
+
+    def braking_j(self, *accounts: str) -> float:
+        """Return the sum of accounts over the times in which the driver braked, J."""
+        return sum(self.account_j[f"braking.{name}_j"] for name in accounts)
+
+    def energy_j(self, *accounts: str) -> float:
+        """Return the sum of accounts over the whole run, J."""
+        return sum(self.account_j[f"energy.{name}_j"] for name in accounts)
+
+    def driving_j(self, *accounts: str) -> float:
+        """Return the sum of accounts over the times in which the driver did not brake, J."""
+        return self.energy_j(*accounts) - self.braking_j(*accounts)
+
+    @property
+    def returned_j(self) -> float:
+        """Net chemical energy into the battery while the driver brakes."""
+        return 0.0 - self.braking_j("chemical")
+
+    @property
+    def braking_work_j(self) -> float:
+        """Work of motors and hydraulic brakes against the motion while the driver brakes."""
+        return self.braking_j("hydraulic") - self.braking_j("shaft")
+
+    @property
+    def residual_relative(self) -> float:
+        """The simulation's own energy error over the energy turned over, magnitude."""
+        turned_over = self.energy_j("turned_over")
+        return abs(self.energy_j("residual")) / turned_over if turned_over > 0.0 else 0.0
+
+    @property
+    def braking_share_stored(self) -> float:
+        """Share of the braking work at the wheels that came to rest in the battery; 0 without braking."""
+        return self.returned_j / self.braking_work_j if self.braking_work_j > 0.0 else 0.0
+
+    @property
+    def realtime_factor(self) -> float:
+        """Simulated time over processor time, whole vehicle on one core."""
+        return self.duration_s / self.cpu_s if self.cpu_s > 0.0 else 0.0
+
+    @property
+    def run_object(self) -> dict[str, Any]:
+        """The run as summary.json holds it: names, energies in J, shares."""
+        return {
+            "cycle": self.cycle,
+            "strategy": self.strategy,
+            "energy_j": {
+                "traction": self.driving_j("chemical"),
+                "braking_at_wheels": self.braking_work_j,
+                "battery_returned": self.returned_j,
+                "hydraulic": self.energy_j("hydraulic"),
+                "copper": self.energy_j("copper"),
+                "iron": self.energy_j("iron"),
+                "inverter": self.energy_j(*INVERTER),
+                "battery": self.energy_j("battery"),
+            },
+            "residual_relative": self.residual_relative,
+            "braking_share_stored": self.braking_share_stored,
+        }
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The run object and what a report says besides: other sinks and storage, losses by what the driver does."""
+        out = self.run_object
+        out["energy_j"] |= {
+            "bearing": self.energy_j("bearing"),
+            "drag": self.energy_j("drag"),
+            "rolling": self.energy_j("rolling"),
+            "climbed": self.energy_j("climbed"),
+            "stored_kinetic": self.energy_j("kinetic"),
+            "stored_battery": self.energy_j("polarisation"),
+        }
+        # What a field or the polarisation took in is on its way to heat: with it, the losses of a phase balance.
+        parts = {"battery": ("battery", "polarisation"), "inverter": INVERTER, "copper": ("copper", "magnetic")}
+        parts |= {name: (name,) for name in ("iron", "bearing", "hydraulic")}
+        out["while_driving_j"] = {name: self.driving_j(*accounts) for name, accounts in parts.items()}
+        out["while_braking_j"] = {name: self.braking_j(*accounts) for name, accounts in parts.items()}
+        out["reason_texts"] = self.reason_texts
+        return out
+
+
+def realtime_factor(results: Sequence[RunResult]) -> float:
+    """Return simulated time over processor time of all runs together: whole vehicles on one core."""
+    cpu_s = sum(result.cpu_s for result in results)
+    return sum(result.duration_s for result in results) / cpu_s if cpu_s > 0.0 else 0.0

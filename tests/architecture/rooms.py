@@ -1,0 +1,57 @@
+"""The rooms of the firmware: who may include whom, where their files are, and C text without comments and strings."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+FIRMWARE = ROOT / "firmware"
+
+# What a room may include besides itself: core <- config <- foc, torque, monitor, modes <- controller <- app -> hal.
+MAY_INCLUDE: dict[str, tuple[str, ...]] = {
+    "core": (),
+    "config": ("core",),
+    "foc": ("core", "config"),
+    "torque": ("core", "config"),
+    "monitor": ("core", "config"),
+    "modes": ("core", "config"),
+    "comms": ("core",),
+    "controller": ("core", "config", "foc", "torque", "monitor", "modes"),
+    "app": ("core", "config", "foc", "torque", "monitor", "modes", "comms", "controller", "hal"),
+}
+
+# State, configuration and inputs in, outputs out: nothing of the machine or the C library reaches these.
+PURE = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
+
+WARNINGS = [
+    *("-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wshadow", "-Wundef", "-Wswitch-enum", "-Wmissing-prototypes"),
+    *("-Wstrict-prototypes", "-Wcast-align"),
+]
+# ISO C and nothing else, which is what "no compiler extensions" means to a compiler.
+STRICT_C = ["-std=c11", "-pedantic-errors", *WARNINGS]
+
+
+def files_of(room: str) -> list[Path]:
+    """Return every C file of a room but those a generator wrote."""
+    found = [path for pattern in ("*.c", "*.h") for path in (FIRMWARE / room).rglob(pattern)]
+    return sorted(path for path in found if "generated" not in path.parts)
+
+
+def sources_of(room: str) -> list[Path]:
+    return [path for path in files_of(room) if path.suffix == ".c"]
+
+
+def include_options(room: str) -> list[str]:
+    """Return the -I options a room is compiled with: its own headers and those of the rooms it may include."""
+    visible = (room, *MAY_INCLUDE[room])
+    return [f"-I{ROOT / 'hal/include' if name == 'hal' else FIRMWARE / name / 'include'}" for name in visible]
+
+
+def includes_in(text: str) -> list[tuple[str, str]]:
+    """Return (kind, name) of every include: ('"', "core/q15.h") or ("<", "stdint.h")."""
+    return re.findall(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">]+)[">]', text, re.MULTILINE)
+
+
+def code_only(text: str) -> str:
+    """Return C text with comments, strings and characters blanked, so that only code can be found in it."""
+    pattern = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.DOTALL)
+    return pattern.sub(lambda match: re.sub(r"[^\n]", " ", match.group()), text)

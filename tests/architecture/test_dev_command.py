@@ -1,0 +1,369 @@
+"""tools/dev at its edges: help, wrong usage, and what it asks of a machine that misses something.
+
+Runs offline in about a second. The command is copied into an empty directory, and what it would install comes from a
+pretended apt-get that only writes down how it was called, so nothing outside the temporary directory is touched.
+"""
+
+import os
+import re
+import shutil
+import stat
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+COMMANDS = ("sim", "test", "table", "firmware", "flash", "hubsim", "python", "bench", "report", "format", "lint", "setup", "clean")
+USAGE = 2
+NOBODY = 65534
+
+# What the set-up looks for, hidden from the command so that every machine looks equally bare to it.
+HIDDEN = ("apt-get", "apt-cache", "sudo", "arm-none-eabi-gcc", "qemu-system-arm", "clang-tidy", "shellcheck", "ninja", "openocd")
+
+# Writes down its arguments and, when told to install, puts the programs of known packages where PATH finds them.
+PRETENDED_APT_GET = """#!/bin/sh
+echo "$*" >> "$APT_CALLS"
+case "$*" in *" install "*) ;; *) exit 0 ;; esac
+[ -z "$APT_BROKEN" ] || { echo "E: pretended failure" >&2; exit 100; }
+for package in "$@"; do
+    case $package in
+        gcc-arm-none-eabi) printf '#!/bin/sh\\necho /pretended/nano.specs\\n' > "$APT_BIN/arm-none-eabi-gcc" ;;
+        qemu-system-arm) printf '#!/bin/sh\\n' > "$APT_BIN/qemu-system-arm" ;;
+        *) continue ;;
+    esac
+done
+chmod +x "$APT_BIN"/*
+"""
+
+# Configures by leaving what a configured directory has; says what it was called with.
+PRETENDED_CMAKE = """#!/bin/sh
+echo "cmake $*" >> "$CALLS"
+case "$*" in
+    --version) echo "cmake version 3.25.1" ;;
+    "--preset "*)
+        mkdir -p "build/$2"
+        printf 'CMAKE_HOME_DIRECTORY:INTERNAL=%s\\n' "$PWD" > "build/$2/CMakeCache.txt"
+        for option in "$@"; do
+            case $option in -D*) echo "${option#-D}" | sed 's/=/:STRING=/' >> "build/$2/CMakeCache.txt" ;; esac
+        done
+        touch "build/$2/build.ninja" ;;
+    *" --target hubfoc_"*) touch "build/$3/$5.elf"; printf 'Linking\\nMemory region: pretended\\n' ;;
+    *"$BROKEN_BUILD"*) [ -z "$BROKEN_BUILD" ] || { echo "main.c:1: error: pretended"; exit 1; } ;;
+esac
+"""
+
+# Fails for the preset it is told to, with the closing lines of the real one.
+PRETENDED_CTEST = """#!/bin/sh
+echo "ctest $*" >> "$CALLS"
+echo "Test project"
+if [ "$2" = "$BROKEN_TEST" ]; then
+    printf '\\n50%% tests passed, 1 tests failed out of 2\\n\\nThe following tests FAILED:\\n\\t  2 - %s_physics (Failed)\\n' "$2"
+    exit 8
+fi
+printf '\\n100%% tests passed, 0 tests failed out of 2\\n\\nTotal Test time (real) =   0.01 sec\\n'
+"""
+
+# The headers are looked for where distributions put them, so they cannot be pretended.
+needs_headers = unittest.skipUnless(
+    all(any(Path(p, "include", h).exists() for p in ("/usr", "/usr/local")) for h in ("eigen3", "doctest")), "needs Eigen and doctest"
+)
+
+
+def write_program(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+    path.chmod(path.stat().st_mode | stat.S_IXUSR | stat.S_IXGRP | stat.S_IXOTH)
+
+
+class DevCommandTest(unittest.TestCase):
+    """Each test has its own copy of the command in a directory that holds nothing else."""
+
+    ordinary: Path
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        """Make a directory with the ordinary programs of this machine, but none of the hidden ones."""
+        temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(temporary.cleanup)
+        cls.ordinary = Path(temporary.name)
+        cls.ordinary.chmod(0o755)
+        for directory in {Path("/bin").resolve(), Path("/usr/bin").resolve()}:
+            for program in directory.iterdir():
+                if program.name not in HIDDEN:
+                    (cls.ordinary / program.name).symlink_to(program)
+
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.base = Path(temporary.name)
+        self.base.chmod(0o755)
+        self.home = self.base / "clone"
+        self.bin = self.base / "bin"
+        self.bin.mkdir()
+        (self.home / "tools").mkdir(parents=True)
+        shutil.copy2(ROOT / "tools/dev", self.home / "tools/dev")
+        shutil.copy2(ROOT / "tools/requirements.txt", self.home / "tools/requirements.txt")
+        shutil.copytree(ROOT / "tools/setup", self.home / "tools/setup")
+        self.before = self.contents()
+
+    def contents(self) -> set[Path]:
+        return set(self.home.rglob("*"))
+
+    def run_dev(
+        self, *arguments: str, path: str | None = None, user: int | None = None, environment: dict[str, str] | None = None
+    ) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [str(self.home / "tools/dev"), *arguments],
+            env={"PATH": path or os.environ["PATH"], "HOME": str(self.base), **(environment or {})},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+            user=user,
+            cwd=self.base,
+        )
+
+    def assert_refused(self, result: subprocess.CompletedProcess[str], *words: str) -> None:
+        """One line on stderr that holds the words, usage status, and the directory as it was."""
+        self.assertEqual(result.returncode, USAGE, result.stderr)
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)
+        self.assertEqual(self.contents(), self.before)
+
+    def bare_path(self) -> str:
+        return f"{self.bin}:{self.ordinary}"
+
+    def pretend_apt(self) -> dict[str, str]:
+        write_program(self.bin / "apt-get", PRETENDED_APT_GET)
+        write_program(self.bin / "apt-cache", "#!/bin/sh\n")
+        write_program(self.bin / "sudo", '#!/bin/sh\n[ "$1" != -n ] || shift\nexec "$@"\n')
+        return {"APT_CALLS": str(self.base / "calls"), "APT_BIN": str(self.bin)}
+
+    def pretend_everything_is_installed(self) -> tuple[str, dict[str, str]]:
+        """Return a PATH and an environment in which every tool is there and only writes down its calls."""
+        path = self.bare_path()
+        for name in (
+            "arm-none-eabi-gcc",
+            "arm-none-eabi-size",
+            "qemu-system-arm",
+            "clang-tidy",
+            "shellcheck",
+            "ruby",
+            "clang",
+            "cbmc",
+            "gcc",
+            "g++",
+            "ninja",
+        ):
+            write_program(self.bin / name, f'#!/bin/sh\necho "{name} $*" >> "$CALLS"\necho /pretended/nano.specs\n')
+        write_program(self.bin / "cmake", PRETENDED_CMAKE)
+        write_program(self.bin / "ctest", PRETENDED_CTEST)
+        write_program(self.bin / "apt-get", "#!/bin/sh\necho apt-get $* >> $CALLS\nexit 1\n")
+        python = self.home / ".dev/venv/bin/python"
+        python.parent.mkdir(parents=True)
+        write_program(python, '#!/bin/sh\necho "python $*" >> "$CALLS"\n')
+        cmock = self.home / ".dev/cmock/usr/share/cmock"
+        for file in (cmock / "lib/cmock.rb", cmock / "vendor/unity/src/unity.c", self.home / "CMakePresets.json"):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.touch()
+        return path, {"CALLS": str(self.base / "calls")}
+
+    def calls(self, program: str) -> list[str]:
+        """Return the arguments of every call of a program, but for questions about its version and paths."""
+        lines = (self.base / "calls").read_text().splitlines()
+        calls = [line.partition(" ")[2] for line in lines if line.startswith(program + " ")]
+        return [call for call in calls if "version" not in call and "print-file-name" not in call]
+
+    def apt_installs(self) -> list[str]:
+        calls = self.base / "calls"
+        return [line for line in calls.read_text().splitlines() if " install " in line] if calls.exists() else []
+
+    def test_help_names_every_command_and_installs_nothing(self) -> None:
+        for arguments in (["--help"], ["-h"], ["help"]):
+            result = self.run_dev(*arguments)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            for command in COMMANDS:
+                self.assertRegex(result.stdout, rf"(?m)^  {command}\b")
+        self.assertEqual(self.contents(), self.before)
+
+    def test_every_command_has_a_help_of_its_own_that_installs_nothing(self) -> None:
+        for command in COMMANDS:
+            for arguments in ([command, "--help"], ["help", command]):
+                result = self.run_dev(*arguments)
+                self.assertEqual((result.returncode, result.stderr), (0, ""), arguments)
+                self.assertTrue(result.stdout.startswith(f"Usage: tools/dev {command}"), result.stdout)
+        self.assertEqual(self.contents(), self.before)
+
+    def test_without_a_command_the_help_goes_to_stderr_and_the_status_says_wrong_usage(self) -> None:
+        result = self.run_dev()
+        self.assertEqual((result.returncode, result.stdout), (USAGE, ""))
+        self.assertIn("Usage:", result.stderr)
+
+    def test_an_unknown_command_is_named(self) -> None:
+        self.assert_refused(self.run_dev("simm"), "simm", "--help")
+
+    def test_a_surplus_argument_is_named(self) -> None:
+        for command in ("sim", "test", "bench", "report", "format", "lint"):
+            self.assert_refused(self.run_dev(command, "surplus"), command, "surplus")
+        self.assert_refused(self.run_dev("firmware", "qemu", "surplus"), "surplus")
+        self.assert_refused(self.run_dev("clean", "surplus"), "surplus")
+
+    def test_an_unknown_option_or_group_is_named(self) -> None:
+        self.assert_refused(self.run_dev("table", "--wrong"), "--wrong")
+        self.assert_refused(self.run_dev("flash", "--wrong"), "--wrong")
+        self.assert_refused(self.run_dev("clean", "--wrong"), "--wrong")
+        self.assert_refused(self.run_dev("setup", "wrong"), "wrong", "build", "arm", "qemu")
+
+    def test_a_missing_configuration_file_is_named_before_anything_is_installed(self) -> None:
+        self.assert_refused(self.run_dev("table", "absent.toml"), "absent.toml", "no such file")
+        self.assert_refused(self.run_dev("table"), "CONFIG.toml")
+        self.assert_refused(self.run_dev("table", "-o"), "-o")
+
+    def test_an_unknown_port_or_probe_is_answered_with_the_known_ones(self) -> None:
+        self.assert_refused(self.run_dev("firmware", "avr"), "avr", "stm32f405", "qemu")
+        self.assert_refused(self.run_dev("flash", "avr"), "avr", "stm32f405")
+        self.assert_refused(self.run_dev("flash", "qemu"), "qemu", "emulator")
+        self.assert_refused(self.run_dev("flash", "--probe", "wand"), "wand", "stlink")
+        self.assert_refused(self.run_dev("flash", "--with", "wand"), "wand", "openocd", "pyocd")
+
+    @unittest.skipUnless(shutil.which("shellcheck"), "no shellcheck here; tools/dev setup checks installs it")
+    def test_the_shell_scripts_have_no_known_defects(self) -> None:
+        scripts = ["tools/dev", ".ci/run", *sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("tools/setup/*.sh"))]
+        result = subprocess.run(["shellcheck", "-x", *scripts], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False)
+        self.assertEqual(result.returncode, 0, result.stdout)
+
+    def test_it_finds_its_home_through_a_link_and_from_another_directory(self) -> None:
+        link = self.base / "hubfoc"
+        link.symlink_to(self.home / "tools/dev")
+        result = subprocess.run([str(link), "--help"], cwd="/", capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+
+    def test_setup_asks_apt_for_exactly_what_is_missing_and_the_second_run_for_nothing(self) -> None:
+        path, apt = self.bare_path(), self.pretend_apt()
+        first = self.run_dev("setup", "arm", "qemu", path=path, environment=apt)
+        self.assertEqual(first.returncode, 0, first.stderr)
+        self.assertEqual(first.stdout, "")
+        installs = self.apt_installs()
+        self.assertEqual(len(installs), 1, installs)
+        self.assertIn("--no-install-recommends", installs[0])
+        self.assertEqual(re.findall(r"\S*(?:arm)\S*", installs[0]), ["gcc-arm-none-eabi", "libnewlib-arm-none-eabi", "qemu-system-arm"])
+        # What is going to be installed is announced.
+        self.assertRegex(first.stderr, r"misses: gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm")
+
+        second = self.run_dev("setup", "arm", "qemu", path=path, environment=apt)
+        self.assertEqual(second.returncode, 0, second.stderr)
+        self.assertEqual(self.apt_installs(), installs)
+
+        # A tool that vanished since is noticed: nothing is remembered that the machine itself can tell.
+        (self.bin / "qemu-system-arm").unlink()
+        third = self.run_dev("setup", "arm", "qemu", path=path, environment=apt)
+        self.assertEqual(third.returncode, 0, third.stderr)
+        self.assertTrue(self.apt_installs()[-1].endswith("--no-install-recommends qemu-system-arm"), self.apt_installs())
+
+    def test_a_failing_installation_shows_the_end_of_its_log_and_fails(self) -> None:
+        result = self.run_dev("setup", "qemu", path=self.bare_path(), environment={"APT_BROKEN": "1"} | self.pretend_apt())
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("E: pretended failure", result.stderr)
+        self.assertIn(".dev/log/", result.stderr)
+        self.assertIn("qemu-system-arm", result.stderr.splitlines()[-1])
+
+    def test_a_package_that_does_not_bring_its_tool_is_not_called_installed(self) -> None:
+        result = self.run_dev("setup", "checks", path=self.bare_path(), environment=self.pretend_apt())
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("still missing after installation: clang-tidy shellcheck", result.stderr.splitlines()[-1])
+
+    def test_without_root_and_sudo_one_line_says_what_an_administrator_has_to_type(self) -> None:
+        path, apt = self.bare_path(), self.pretend_apt()
+        (self.bin / "sudo").unlink()
+        user = None
+        if os.geteuid() == 0:
+            user = NOBODY
+            for place in (self.home, self.home / "tools"):
+                os.chown(place, NOBODY, -1)
+        result = self.run_dev("setup", "arm", path=path, user=user, environment=apt)
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        self.assertIn("apt-get install -y --no-install-recommends gcc-arm-none-eabi libnewlib-arm-none-eabi", result.stderr)
+        self.assertEqual(self.apt_installs(), [])
+
+    def test_on_a_system_without_apt_one_line_names_what_is_missing(self) -> None:
+        result = self.run_dev("setup", "qemu", path=self.bare_path())
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        self.assertIn("qemu-system-arm", result.stderr)
+
+    def test_on_a_system_without_apt_that_has_everything_it_just_works(self) -> None:
+        path = self.bare_path()
+        write_program(self.bin / "qemu-system-arm", "#!/bin/sh\n")
+        self.assertEqual(self.run_dev("setup", "qemu", path=path).returncode, 0)
+
+    @needs_headers
+    def test_test_runs_every_preset_and_ends_with_what_ctest_said(self) -> None:
+        path, environment = self.pretend_everything_is_installed()
+        result = self.run_dev("test", path=path, environment=environment)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        presets = [call.split()[1] for call in self.calls("ctest")]
+        self.assertEqual(presets, ["host", "host-asan", "stm32f405", "qemu"])
+        self.assertEqual(self.calls("apt-get"), [])
+        closing = result.stdout.splitlines()[-3 * len(presets) :]
+        self.assertEqual(closing[0::3], [f"{preset}:" for preset in presets])
+        self.assertEqual(set(closing[1::3]), {"100% tests passed, 0 tests failed out of 2"})
+
+        # The second run configures nothing again.
+        before = self.calls("cmake")
+        self.assertEqual(self.run_dev("test", path=path, environment=environment).returncode, 0)
+        self.assertFalse([call for call in self.calls("cmake")[len(before) :] if call.startswith("--preset")])
+
+    @needs_headers
+    def test_a_failing_preset_fails_the_command_and_the_others_run_all_the_same(self) -> None:
+        path, environment = self.pretend_everything_is_installed()
+        broken = environment | {"BROKEN_BUILD": "--build --preset stm32f405", "BROKEN_TEST": "host"}
+        result = self.run_dev("test", path=path, environment=broken)
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual([call.split()[1] for call in self.calls("ctest")], ["host", "host-asan", "qemu"])
+        self.assertIn("host_physics (Failed)", result.stdout.split("host-asan:")[0].rpartition("host:")[2])
+        self.assertIn("main.c:1: error: pretended", result.stderr)
+        self.assertEqual(result.stderr.splitlines()[-1], "tools/dev: failed: host stm32f405 (build)")
+
+    def test_firmware_is_built_for_the_vehicle_that_was_named_and_for_the_paper_s_otherwise(self) -> None:
+        path, environment = self.pretend_everything_is_installed()
+        generated = self.home / "firmware/config/generated"
+        generated.mkdir(parents=True)
+        for name in ("lu2013", "lu2013b"):
+            (generated / f"{name}.c").touch()
+        (self.home / "build/qemu").mkdir(parents=True)
+        for suffix in ("bin", "hex"):
+            (self.home / f"build/qemu/hubfoc_qemu.{suffix}").touch()
+
+        for arguments, configured in (
+            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013"]),
+            ([], []),
+            (["--config", "lu2013b"], ["--preset qemu -DHUBFOC_CONFIG=lu2013b"]),
+            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013"]),
+        ):
+            before = len(self.calls("cmake")) if (self.base / "calls").exists() else 0
+            result = self.run_dev("firmware", "qemu", *arguments, path=path, environment=environment)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            calls = self.calls("cmake")[before:]
+            self.assertEqual([call for call in calls if call.startswith("--preset")], configured)
+            self.assertEqual(calls[-1], "--build --preset qemu --target hubfoc_qemu")
+            self.assertTrue(result.stdout.startswith("Memory region: pretended\n"), result.stdout)
+            self.assertIn("build/qemu/hubfoc_qemu.hex", result.stdout)
+
+        result = self.run_dev("firmware", "--config", "absent", path=path, environment=environment)
+        self.assertEqual((result.returncode, len(result.stderr.splitlines())), (USAGE, 1), result.stderr)
+        self.assertIn("absent", result.stderr)
+
+    def test_hubsim_gets_its_arguments_unchanged_after_the_engine_is_up_to_date(self) -> None:
+        path, environment = self.pretend_everything_is_installed()
+        result = self.run_dev("hubsim", "run", "stop", "--set", "a b=1", path=path, environment=environment)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("--build --preset host --target hubsim_engine", self.calls("cmake"))
+        self.assertEqual(self.calls("python")[-1], "-m hubsim run stop --set a b=1")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,60 @@
+"""Formatting and static checks, each as a test; the same tools and settings as tools/dev lint."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from rooms import PURE, ROOT, sources_of
+from test_repository import git_files, name_of
+
+VENV = Path(sys.executable).parent
+
+
+def run(*command: str | Path) -> None:
+    result = subprocess.run([str(part) for part in command], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, f"{result.stdout}\n{result.stderr}"
+
+
+def tracked(*suffixes: str) -> list[str]:
+    return [name for name in map(name_of, git_files()) if name.endswith(suffixes) and "/generated/" not in name]
+
+
+def test_c_is_formatted() -> None:
+    run(VENV / "clang-format", "--dry-run", "-Werror", *tracked(".c", ".h", ".cpp", ".hpp"))
+
+
+def test_python_is_formatted() -> None:
+    run(VENV / "ruff", "format", "--check", "--config", "tools/setup/ruff.toml", *tracked(".py"))
+
+
+def test_python_has_no_known_defects() -> None:
+    run(VENV / "ruff", "check", "--config", "tools/setup/ruff.toml", *tracked(".py"))
+
+
+def test_python_types_agree() -> None:
+    run(VENV / "mypy", "--config-file", "tools/setup/mypy.ini", *tracked(".py"))
+
+
+def test_the_pure_rooms_have_no_known_defects() -> None:
+    """clang-tidy with the options the build compiles them with."""
+    clang_tidy = shutil.which("clang-tidy")
+    if clang_tidy is None:
+        pytest.skip("no clang-tidy here; tools/dev setup checks installs it")
+    build = Path(os.environ["HUBFOC_BUILD_DIR"])
+    compiled = {entry["file"] for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))}
+    sources = [str(path) for room in PURE for path in sources_of(room)]
+    assert set(sources) <= compiled
+    jobs = [
+        subprocess.Popen([clang_tidy, "--quiet", "-p", build, *part], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        for part in halves(sources)
+    ]
+    said = [job.communicate()[0] for job in jobs]
+    assert not any(job.returncode for job in jobs), "\n".join(said)
+
+
+def halves(items: list[str]) -> list[list[str]]:
+    return [items[0::2], items[1::2]]

@@ -1,0 +1,128 @@
+"""The repository itself: what lies at its top, how long files are, and what no tracked file may say."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from rooms import ROOT
+
+TOP_LEVEL = {
+    *("CMakeLists.txt", "CMakePresets.json", "README.md", "LICENSE"),
+    *(".ci", ".clang-format", ".clang-tidy", ".editorconfig", ".gitattributes", ".gitignore"),
+    *("firmware", "hal", "host_sim", "tests", "tools"),
+}
+
+LONGEST_FILE = 400  # lines; past it there are two modules in one
+LONGEST_LINE = 140  # characters, as in .editorconfig
+
+# Files whose text is somebody else's or a tool's; nothing is asked of it.
+FOREIGN = re.compile(r"(?:^|/)(?:LICENSE|generated/.*|cycles/.*\.csv)$|\.(?:bin|png|svg|csv)$")
+CODE = re.compile(r"\.(?:c|h|cpp|hpp|py|sh|cmake|toml|ld)$|(?:^|/)CMakeLists\.txt$|^tools/dev$")
+
+# Documents that are cited by address. Any other host name is a machine's, and machines move.
+KNOWN_HOSTS = re.compile(r"(?:^|\.)(?:apache|doi|fmi-standard|w3)\.org$")
+
+# Written so that this file does not hold what it looks for.
+MACHINE_PATH = re.compile(r"(?<![\w.~$}/-])/(?:home|root|work|Users|mnt|media)(?:/|\b(?![\w-]))|(?<![\w$}/.-])/tmp/\w")
+HOST = re.compile(r"(?<=://)[\w-]+(?:\.[\w-]+)+|\b(?:[a-z0-9-]+\.)+(?:com|org)\b(?!\()")
+UNFINISHED = re.compile(
+    rf"\b(?:{'TO' + 'DO'}|{'FIX' + 'ME'}|{'XX' + 'X'}|(?i:{'ha' + 'ck'}|{'place' + 'holder'}|{'dum' + 'my'}|{'st' + 'ubs?'}))\b"
+)
+
+
+def git_files() -> list[Path]:
+    """Return the files that are tracked or would be with the next commit."""
+    command = ["git", "-C", str(ROOT), "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        pytest.skip("not a git checkout")
+    return [ROOT / name for name in result.stdout.split("\0") if name and (ROOT / name).is_file()]
+
+
+def name_of(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def own_text() -> dict[str, str]:
+    """Return name and text of every file that people of this project wrote."""
+    return {name_of(path): path.read_bytes().decode("utf-8") for path in git_files() if not FOREIGN.search(name_of(path))}
+
+
+def found(pattern: re.Pattern[str], texts: dict[str, str]) -> list[str]:
+    return [
+        f"{name}:{number}: {match.group()}"
+        for name, text in texts.items()
+        for number, line in enumerate(text.splitlines(), start=1)
+        for match in pattern.finditer(line)
+    ]
+
+
+def test_the_top_level_holds_what_the_design_names_and_nothing_beside_it() -> None:
+    top = {name_of(path).split("/", maxsplit=1)[0] for path in git_files()}
+    assert top <= TOP_LEVEL
+    assert {"CMakeLists.txt", "README.md", "LICENSE", "firmware", "hal", "tests", "tools"} <= top
+
+
+def test_no_file_grows_into_two_modules() -> None:
+    lengths = {name: text.count("\n") for name, text in own_text().items() if CODE.search(name)}
+    assert {name: lines for name, lines in lengths.items() if lines > LONGEST_FILE} == {}
+
+
+def test_no_line_of_c_is_longer_than_a_screen() -> None:
+    """Comments, that is: code is the formatter's business. One line a field is worth more than that: config.h is a table."""
+    texts = {name: text for name, text in own_text().items() if re.search(r"\.(?:c|h|cpp|hpp)$", name)}
+    del texts["firmware/config/include/config/config.h"]
+    assert found(re.compile(rf"^.{{{LONGEST_LINE + 1},}}$"), texts) == []
+
+
+def test_text_is_clean() -> None:
+    for name, text in own_text().items():
+        assert "\r" not in text, f"{name}: carriage return"
+        assert text == "" or text.endswith("\n"), f"{name}: no newline at the end"
+        if not name.endswith(".md"):
+            assert found(re.compile(r"[ \t]+$"), {name: text}) == []
+        if CODE.search(name):
+            assert found(re.compile(r"^.*\t"), {name: text}) == [], "indented with tabs"
+
+
+def test_no_file_knows_a_machine_it_was_written_on() -> None:
+    assert found(MACHINE_PATH, own_text()) == []
+
+
+def test_no_file_names_a_host_but_those_of_cited_documents() -> None:
+    places = found(HOST, own_text())
+    assert [place for place in places if not KNOWN_HOSTS.search(place.rsplit(" ", maxsplit=1)[1])] == []
+
+
+def test_nothing_is_left_unfinished() -> None:
+    assert found(UNFINISHED, own_text()) == []
+
+
+@pytest.mark.parametrize(
+    ("pattern", "line"),
+    [
+        (MACHINE_PATH, "see /ho" + "me/someone/x"),
+        (MACHINE_PATH, '"/ro' + 'ot"'),
+        (MACHINE_PATH, "cd /t" + "mp/build"),
+        (HOST, "fetch https://mirror" + ".somewhere" + ".org/x"),
+        (HOST, "index = packages" + ".com"),
+        (UNFINISHED, "/* TO" + "DO: later */"),
+        (UNFINISHED, "returns a dum" + "my value"),
+    ],
+)
+def test_the_search_finds_what_it_looks_for(pattern: re.Pattern[str], line: str) -> None:
+    assert pattern.search(line)
+
+
+@pytest.mark.parametrize(
+    ("pattern", "line"),
+    [
+        (MACHINE_PATH, "${CMAKE_BINARY_DIR}/root/x, host_sim/work, $ROOT/home"),
+        (MACHINE_PATH, "/usr/bin and /etc/os-release are the same everywhere"),
+        (HOST, "flow.net, model.organ, scipy.io, x.com(1)"),
+        (UNFINISHED, "a stubborn wheel; todo = [root]"),
+    ],
+)
+def test_the_search_does_not_find_what_it_should_not(pattern: re.Pattern[str], line: str) -> None:
+    assert not pattern.search(line)

@@ -1,0 +1,176 @@
+"""The rooms keep their walls: includes run one way, the pure rooms stay pure, every header stands alone."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from rooms import FIRMWARE, MAY_INCLUDE, PURE, ROOT, STRICT_C, code_only, files_of, include_options, includes_in
+
+PURE_LIBRARY_HEADERS = {"stdint.h", "stdbool.h", "stddef.h"}
+
+# Nothing here may appear in a pure room, each for its own reason.
+FORBIDDEN = {
+    "floating point": r"\b(?:float|double|_Complex|_Imaginary|_Float\w+)\b|\b\d+\.\d*[fFlL]?\b",
+    "heap": r"\b(?:malloc|calloc|realloc|free|alloca)\b",
+    "jumps out of a function": r"\b(?:setjmp|longjmp|_setjmp|goto)\b",
+    "input and output": r"\b(?:s?n?printf|puts|putchar|scanf|fopen)\b",
+    "memory that changes by itself": r"\bvolatile\b",
+    "threads": r"\b(?:_Thread_local|_Atomic)\b",
+    "compiler extensions": r"\b(?:asm|typeof|__\w+)\b",
+    "variable arguments": r"\bva_(?:list|start|arg|end)\b",
+    "compiler-dependent code": r"#\s*pragma\b",
+}
+
+ROOMS_HERE = [room for room in MAY_INCLUDE if (FIRMWARE / room).is_dir()]
+HEADERS = [
+    (room, path.relative_to(FIRMWARE / room / "include").as_posix())
+    for room in ROOMS_HERE
+    for path in files_of(room)
+    if path.suffix == ".h"
+]
+HAL_HEADERS = sorted(path.relative_to(ROOT / "hal/include").as_posix() for path in (ROOT / "hal/include").rglob("*.h"))
+
+
+def compile_text(text: str, options: list[str]) -> subprocess.CompletedProcess[str]:
+    compiler = shutil.which("gcc")
+    assert compiler is not None, "the architecture tests compile with gcc"
+    command = [compiler, *STRICT_C, "-fsyntax-only", *options, "-x", "c", "-"]
+    return subprocess.run(command, input=text, capture_output=True, text=True, check=False)
+
+
+def test_every_directory_of_the_firmware_is_a_room_of_the_plan() -> None:
+    assert {path.name for path in FIRMWARE.iterdir() if path.is_dir()} <= set(MAY_INCLUDE)
+    assert set(PURE) <= set(ROOMS_HERE)
+
+
+@pytest.mark.parametrize("room", ROOMS_HERE)
+def test_a_room_includes_only_the_rooms_before_it(room: str) -> None:
+    allowed = {room, *MAY_INCLUDE[room]}
+    wrong = []
+    for path in files_of(room):
+        for kind, name in includes_in(path.read_text(encoding="utf-8")):
+            # A private header beside its source has no room in its name; it must then really be there.
+            of_room = name.split("/")[0] if "/" in name else room if (path.parent / name).exists() else name
+            if kind == '"' and of_room not in allowed:
+                wrong.append(f"{path.relative_to(ROOT)}: {name}")
+    assert not wrong
+
+
+def test_only_app_sees_the_hardware_interface_and_no_port_sees_the_firmware() -> None:
+    assert [room for room in MAY_INCLUDE if "hal" in MAY_INCLUDE[room]] == ["app"]
+    for path in sorted((ROOT / "hal").rglob("*.[ch]")):
+        names = {name.split("/")[0] for kind, name in includes_in(path.read_text(encoding="utf-8")) if kind == '"' and "/" in name}
+        assert not names & set(MAY_INCLUDE), path.relative_to(ROOT)
+
+
+def test_the_hardware_interface_is_small() -> None:
+    """At most twelve functions a header: whoever writes a port can see the end of it."""
+    assert HAL_HEADERS
+    for header in HAL_HEADERS:
+        text = code_only((ROOT / "hal/include" / header).read_text(encoding="utf-8"))
+        functions = re.findall(r"^[a-z][\w \t*]*?\b(\w+)\([^;{]*\);", text, re.MULTILINE)
+        assert 1 <= len(functions) <= 12, (header, functions)
+
+
+@pytest.mark.parametrize("room", PURE)
+def test_a_pure_room_uses_no_more_of_the_library_than_integer_types(room: str) -> None:
+    wrong = [
+        f"{path.relative_to(ROOT)}: <{name}>"
+        for path in files_of(room)
+        for kind, name in includes_in(path.read_text(encoding="utf-8"))
+        if kind == "<" and name not in PURE_LIBRARY_HEADERS
+    ]
+    assert not wrong
+
+
+@pytest.mark.parametrize("reason", FORBIDDEN)
+def test_a_pure_room_has_no(reason: str) -> None:
+    wrong = []
+    for room in PURE:
+        for path in files_of(room):
+            for number, line in enumerate(code_only(path.read_text(encoding="utf-8")).splitlines(), start=1):
+                found = re.search(FORBIDDEN[reason], line)
+                if found:
+                    wrong.append(f"{path.relative_to(ROOT)}:{number}: {found.group()}")
+    assert not wrong
+
+
+@pytest.mark.parametrize(
+    ("reason", "line"),
+    [
+        ("floating point", "x = 0.5f;"),
+        ("floating point", "double y;"),
+        ("heap", "p = malloc(4);"),
+        ("jumps out of a function", "goto end;"),
+        ("input and output", "snprintf(text, 8, x);"),
+        ("compiler extensions", "int x __attribute__((used));"),
+        ("compiler extensions", "y = __builtin_clz(x);"),
+        ("memory that changes by itself", "volatile int x;"),
+        ("compiler-dependent code", "#pragma GCC optimize"),
+    ],
+)
+def test_the_search_finds_what_it_looks_for(reason: str, line: str) -> None:
+    assert re.search(FORBIDDEN[reason], code_only(line))
+
+
+def test_the_search_does_not_read_comments_and_strings() -> None:
+    text = 'int x; /* a double\n malloc */ // goto\nconst char *y = "float \\" 0.5";'
+    assert not any(re.search(pattern, code_only(text)) for pattern in FORBIDDEN.values())
+    assert len(code_only(text)) == len(text)
+
+
+@pytest.mark.parametrize(("room", "header"), HEADERS)
+def test_a_header_stands_alone_and_may_be_included_twice(room: str, header: str) -> None:
+    result = compile_text(f'#include "{header}"\n#include "{header}"\n', include_options(room))
+    assert result.returncode == 0, result.stderr
+
+
+@pytest.mark.parametrize("header", HAL_HEADERS)
+def test_a_header_of_the_hardware_interface_stands_alone(header: str) -> None:
+    result = compile_text(f'#include "{header}"\n#include "{header}"\n', [f"-I{ROOT / 'hal/include'}"])
+    assert result.returncode == 0, result.stderr
+
+
+def test_a_vector_of_one_frame_is_no_argument_for_another() -> None:
+    text = '#include "foc/transforms.h"\ndq_t f({0} x, sincos_t a);\ndq_t f({0} x, sincos_t a) {{ return transforms_park(x, a); }}\n'
+    assert compile_text(text.format("ab_t"), include_options("foc")).returncode == 0
+    for wrong in ("dq_t", "abc_t"):
+        assert "incompatible type" in compile_text(text.format(wrong), include_options("foc")).stderr
+
+
+def test_a_room_cannot_be_compiled_with_an_include_it_must_not_have() -> None:
+    """The same wall in the build itself: each target sees only the headers of the rooms before it."""
+    for target, forbidden in (("torque", "foc/foc.h"), ("core", "config/config.h"), ("monitor", "modes/modes.h")):
+        assert compile_text(f'#include "{forbidden}"\n', include_options(target)).returncode != 0
+    for room in ROOMS_HERE:
+        text = (FIRMWARE / room / "CMakeLists.txt").read_text(encoding="utf-8")
+        named = set(re.findall(r"\bhubfoc_(\w+)\b", re.sub(r"#.*", "", text))) & {*MAY_INCLUDE, "hal"}
+        assert named <= {room, *MAY_INCLUDE[room]}, room
+
+
+def test_every_room_says_what_it_is_for() -> None:
+    missing = [room for room in ROOMS_HERE if not (FIRMWARE / room / "README.md").is_file()]
+    assert not missing
+
+
+def modules_of(room: str) -> set[str]:
+    """Return the modules of a room: its sources, and headers that hold code of their own."""
+    headers = {
+        path.stem for path in files_of(room) if path.suffix == ".h" and "static inline" in code_only(path.read_text(encoding="utf-8"))
+    }
+    return headers | {path.stem for path in files_of(room) if path.suffix == ".c"}
+
+
+@pytest.mark.parametrize("room", PURE)
+def test_every_module_has_a_test_of_its_own(room: str) -> None:
+    here = ROOT / "tests/unit/firmware" / room
+    missing = [module for module in sorted(modules_of(room)) if not (here / f"test_{module}.c").is_file()]
+    assert not missing, f"{here.relative_to(ROOT)} has no test of these modules"
+
+
+def test_the_files_of_a_room_are_found() -> None:
+    """Guards the tests above against looking at nothing."""
+    assert {"limit", "brake_arbiter", "motor_model"} <= modules_of("torque")
+    assert Path("foc/foc.h") in {Path(header) for _, header in HEADERS}

@@ -1,0 +1,106 @@
+/* Limits in closed loop: a full pack, a weak pack, a hot winding, above base speed, a fault at speed. */
+#include <math.h>
+
+#include "unity.h"
+#include "vehicle_fixture.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+void test_a_full_battery_is_braked_hydraulically_and_says_why(void)
+{
+    bench_params_t params = fixture_quarter_vehicle();
+    params.run.initial_speed_m_per_s = 9.0;
+    params.battery.initial_soc = 1.0;
+    params.driver.brake_demand_nm = 40.0;
+    const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.5);
+    TEST_ASSERT_EQUAL_INT(REASON_CHARGE_CURRENT, bench->wheel[0].slow.available_reason);
+    fixture_run_to_standstill(bench, 30.0);
+    const ledger_t ledger = bench_ledger(bench);
+    /* The iron drags, whatever anybody wants; all else is the hydraulic brake's, and the cells get nothing. */
+    TEST_ASSERT_TRUE(ledger.hydraulic_j + ledger.iron_j > 0.99 * bench->kinetic_before_j);
+    TEST_ASSERT_TRUE(ledger.hydraulic_j > 0.9 * bench->kinetic_before_j);
+    TEST_ASSERT_TRUE(-ledger.chemical_j < 0.001 * bench->kinetic_before_j);
+    /* As quick a stop as with an empty battery: v^2/2a and 0.15 s for the brakes to come. */
+    const double ideal_m = 81.0 / (2.0 * 4.0 * 40.0 / 0.25 / 660.0);
+    TEST_ASSERT_TRUE(bench->vehicle.distance_m < ideal_m + 0.15 * 9.0);
+}
+
+void test_a_weak_battery_is_not_pulled_below_its_limit(void)
+{
+    bench_params_t params = fixture_vehicle();
+    params.run.initial_speed_m_per_s = 3.0;
+    params.driver.drive_demand_nm = 40.0;
+    params.battery.series_resistance_ohm = 0.5; /* 40 N m a wheel would take it below 35 V */
+    const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    bench_t *bench = fixture_start(&params, &config);
+    double lowest_v = 1e9;
+    for (int k = 0; k < 300; k++) {
+        fixture_run(bench, 0.01);
+        lowest_v = fmin(lowest_v, bench->battery.terminal_v);
+    }
+    TEST_ASSERT_TRUE(lowest_v < 42.0); /* it was asked for more than the pack has */
+    TEST_ASSERT_TRUE(lowest_v > 0.97 * 1e-3 * config.battery.min_voltage_mV);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
+    TEST_ASSERT_FALSE(bench->battery.collapsed);
+}
+
+void test_a_winding_at_its_limit_gives_no_torque_and_the_hydraulic_brake_takes_over(void)
+{
+    bench_params_t params = fixture_quarter_vehicle();
+    params.run.initial_speed_m_per_s = 8.0;
+    params.thermal.winding_temperature_c = 150.0;
+    params.driver.brake_demand_nm = 40.0;
+    const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.5);
+    TEST_ASSERT_EQUAL_INT(REASON_WINDING_TEMPERATURE, bench->wheel[0].slow.available_reason);
+    TEST_ASSERT_EQUAL_INT32(0, bench->wheel[0].slow.motor_torque_command_mNm);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 40.0, bench->wheel[0].brake_capacity_nm);
+}
+
+/* 60 km/h is 636 r/min: 54.1 V of EMF between lines, more than the battery has. */
+void test_braking_above_base_speed_stays_controlled(void)
+{
+    bench_params_t params = fixture_quarter_vehicle();
+    params.run.initial_speed_m_per_s = 60.0 / 3.6;
+    params.driver.brake_demand_nm = 20.0;
+    const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.5);
+    const double before_nms = bench->wheel[0].totals.torque_impulse_nms;
+    fixture_run(bench, 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(0.6, -20.0, (bench->wheel[0].totals.torque_impulse_nms - before_nms) / 0.5);
+    fixture_run_to_standstill(bench, 60.0);
+    const ledger_t ledger = bench_ledger(bench);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
+    TEST_ASSERT_TRUE(-ledger.chemical_j > 0.7 * bench->kinetic_before_j);
+    TEST_ASSERT_TRUE(fabs(ledger.residual_j) < 1e-4 * ledger.turned_over_j);
+}
+
+void test_a_power_stage_that_goes_off_below_base_speed_leaves_a_freely_rolling_wheel(void)
+{
+    bench_params_t params = fixture_quarter_vehicle();
+    params.run.initial_speed_m_per_s = 10.0;
+    params.driver.drive_demand_nm = 20.0;
+    const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.3);
+    bench->wheel[0].winding.temperature_c = 290.0; /* a fault that closes the valve */
+    fixture_run(bench, 0.2);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, bench->wheel[0].active.bridge);
+    const ledger_t before = bench_ledger(bench);
+    fixture_run(bench, 0.5);
+    const ledger_t after = bench_ledger(bench);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, after.copper_j - before.copper_j);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, after.chemical_j - before.chemical_j);
+    /* Only the iron drags: 1.5 (w psi)^2 / R_i, a little less for the iron branch's own inductance drop. */
+    const double w = bench_wheel_speed_rad_s(bench) * 23.0;
+    const double r_i = 1.5 + 0.006 * w;
+    const double iron_w = 1.5 * w * w * 0.0204 * 0.0204 / r_i;
+    TEST_ASSERT_DOUBLE_WITHIN(0.05 * iron_w, iron_w, (after.iron_j - before.iron_j) / 0.5);
+    TEST_ASSERT_TRUE(fabs(after.residual_j) < 1e-4 * after.turned_over_j);
+}

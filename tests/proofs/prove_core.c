@@ -1,0 +1,144 @@
+/* The kernels of core: results inside their ranges for every argument their headers allow. */
+#include "core/angle.h"
+#include "core/circle.h"
+#include "core/filter.h"
+#include "core/grid.h"
+#include "core/pi.h"
+#include "core/q15.h"
+#include "core/ramp.h"
+#include "core/reciprocal.h"
+#include "proof.h"
+
+void prove_q15(void)
+{
+    const int32_t x = nondet_int32();
+    const int16_t a = nondet_int16();
+    const int16_t b = nondet_int16();
+    const int16_t saturated = q15_saturate(x);
+    PROMISE(x < Q15_MIN || x > Q15_ONE || saturated == x);
+    PROMISE(x >= Q15_MIN || saturated == Q15_MIN);
+    PROMISE(x <= Q15_ONE || saturated == Q15_ONE);
+    PROMISE(q_saturate31(x) >= -1073741824 && q_saturate31(x) <= 1073741823);
+    PROMISE(q_abs(x) >= 0);
+    const int32_t sum = a + b;
+    PROMISE(q15_add(a, b) == sum || sum < Q15_MIN || sum > Q15_ONE);
+    const int32_t difference = a - b;
+    PROMISE(q15_subtract(a, b) == difference || difference < Q15_MIN || difference > Q15_ONE);
+    const int16_t product = q15_multiply(a, b); /* nothing overflows; its value is tested in tests/unit */
+    PROMISE(a != 0 || product == 0);
+    PROOF_END();
+}
+
+void prove_q15_slow(void)
+{
+    const int32_t value = nondet_int32();
+    const int16_t share_q15 = nondet_int16();
+    const int32_t share = q15_share_of(value, share_q15);
+    PROMISE(value != 0 || share == 0);
+    const int64_t x = nondet_int64();
+    const int32_t saturated = q_saturate64(x);
+    PROMISE(saturated == x || x > INT32_MAX || x < INT32_MIN);
+    PROOF_END();
+}
+
+void prove_angle(void)
+{
+    const uint16_t theta = nondet_uint16();
+    const sincos_t out = angle_sincos(theta);
+    PROMISE(out.sin >= -32768 && out.sin <= 32768);
+    PROMISE(out.cos >= -32768 && out.cos <= 32768);
+    PROOF_END();
+}
+
+void prove_angle_difference(void)
+{
+    const uint16_t a = nondet_uint16();
+    const uint16_t b = nondet_uint16();
+    const int32_t difference = angle_difference(b, a);
+    PROMISE((uint16_t)((int32_t)a + difference + 65536) == b);
+    PROOF_END();
+}
+
+void prove_circle(void)
+{
+    const int32_t x = any_within(-32768, 32768);
+    const int32_t y = circle_other_q15(x);
+    PROMISE(y >= 0 && y <= 32767); /* how near to the circle is tested for every x in tests/unit */
+    PROOF_END();
+}
+
+void prove_circle_of_any_radius(void)
+{
+    const int32_t radius = any_within(164, Q15_ONE);
+    /* What circle_init() makes of it: the reciprocal, rounded up. */
+    circle_t circle;
+    circle.radius_q15 = radius;
+    circle.inverse_q14 = any_within((1 << 29) / Q15_ONE, (1 << 29) / 164 + 1);
+    ASSUME((int64_t)circle.inverse_q14 * radius > (1 << 29) && (int64_t)(circle.inverse_q14 - 1) * radius <= (1 << 29));
+    const int32_t x = any_within(-Q15_ONE, Q15_ONE);
+    ASSUME(x >= -radius && x <= radius);
+    const int32_t y = circle_other(&circle, x);
+    PROMISE(y >= 0 && y <= radius);
+    PROOF_END();
+}
+
+void prove_pi(void)
+{
+    const pi_gains_t gains = {
+        .proportional_q11 = any_within(0, 32767),
+        .integral_q15 = any_within(0, PI_LARGEST_INTEGRAL_Q15),
+        .anti_windup_q15 = any_within(0, PI_LARGEST_ANTI_WINDUP_Q15),
+    };
+    pi_state_t state = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)};
+    const int32_t error = any_within(-32768, 32767);
+    const int32_t u = pi_output(&state, &gains, error);
+    PROMISE(u >= -18 * 32768 && u <= 18 * 32768);
+    /* Whatever the actuator could do, and cross-coupling and back-EMF on top of what the regulator wants. */
+    const int32_t wanted = any_within(-64 * 32768, 64 * 32768);
+    const int32_t realised = any_within(-32768, 32768);
+    pi_update(&state, &gains, error, wanted, realised);
+    PROMISE(state.integrator_q30 >= -(1 << 30) && state.integrator_q30 <= (1 << 30) - 1);
+    PROOF_END();
+}
+
+void prove_reciprocal(void)
+{
+    const uint16_t n = nondet_uint16();
+    const reciprocal_t r = reciprocal_of(n);
+    PROMISE(r.mantissa >= 16384 && r.mantissa <= 32768);
+    PROMISE(r.shift <= 15);
+    const uint32_t x = nondet_uint32();
+    const uint32_t quotient = reciprocal_scale(x, n);
+    PROMISE(quotient <= x);
+    PROOF_END();
+}
+
+void prove_grid(void)
+{
+    const int32_t points = any_within(2, 65);
+    const int32_t step_log2 = any_within(0, 20);
+    const grid_position_t at = grid_locate(nondet_int32(), points, step_log2);
+    PROMISE(at.index >= 0 && at.index <= points - 2);
+    PROMISE(at.fraction >= 0 && at.fraction <= (1 << step_log2));
+    PROOF_END();
+}
+
+void prove_filter_and_ramp(void)
+{
+    const unsigned shift = nondet_uint8() & 15U;
+    const int32_t most = ((1 << 30) - 1) >> shift;
+    filter_t filter;
+    filter_reset(&filter, any_within(-most, most), shift);
+    const int32_t x = any_within(-most, most);
+    for (int n = 0; n < 2; n++) {
+        const int32_t y = filter_step(&filter, x, shift);
+        PROMISE(y >= -most - 1 && y <= most);
+    }
+    const int32_t value = nondet_int32();
+    const int32_t target = nondet_int32();
+    const int32_t step = any_within(0, INT32_MAX);
+    const int32_t next = ramp_step(value, target, step);
+    PROMISE(target >= value ? (next >= value && next <= target) : (next <= value && next >= target));
+    PROMISE((int64_t)next - value <= step && (int64_t)value - next <= step);
+    PROOF_END();
+}

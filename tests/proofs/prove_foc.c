@@ -1,0 +1,178 @@
+/*
+ * The boxes of the fast reach: nothing overflows for any input their headers allow, every limiter stays inside its limits,
+ * every pulse inside the period. Where a vector is bounded by a circle, the proof uses the tangents of the circle that
+ * matter: they bound a larger set.
+ */
+#include "config/config.h"
+#include "core/angle.h"
+#include "foc/current_loop.h"
+#include "foc/dead_time.h"
+#include "foc/field_weakening.h"
+#include "foc/sense.h"
+#include "foc/svpwm.h"
+#include "foc/transforms.h"
+#include "proof.h"
+
+void prove_sense(void)
+{
+    sense_state_t state;
+    uint16_t codes[3];
+    uint16_t on[3];
+    for (int x = 0; x < 3; x++) {
+        state.offset_q4[x] = any_within(0, SENSE_CODE_MAX * 16);
+        codes[x] = nondet_uint16(); /* the header asks for 12 bits; even 16 do no harm */
+        on[x] = nondet_uint16();
+    }
+    const sense_out_t out = sense_step(&state, codes, on);
+    PROMISE(out.i.alpha >= -32768 && out.i.alpha <= 32767);
+    PROMISE(out.i.beta >= -37838 && out.i.beta <= 37838); /* 65 536 / sqrt 3 */
+    const abc_t phases = {
+        .a = any_within(-65536, 65535), .b = any_within(-65536, 65535), .c = any_within(-65536, 65535)};
+    (void)sense_at_end(state.offset_q4, phases);
+    PROOF_END();
+}
+
+void prove_sense_calibration(void)
+{
+    sense_state_t state;
+    state.samples = (uint16_t)any_within(0, (1 << SENSE_CALIBRATION_LOG2) - 1);
+    state.calibrated = false;
+    uint16_t codes[3];
+    for (int x = 0; x < 3; x++) {
+        codes[x] = nondet_uint16();
+        state.sum[x] = nondet_uint32();
+        /* What so many samples can have made. */
+        ASSUME(state.sum[x] <= (uint32_t)state.samples * SENSE_CODE_MAX);
+        state.offset_q4[x] = any_within(0, SENSE_CODE_MAX * 16);
+    }
+    sense_calibrate_step(&state, codes);
+    for (int x = 0; x < 3; x++) {
+        PROMISE(state.offset_q4[x] >= 0 && state.offset_q4[x] <= SENSE_CODE_MAX * 16);
+        PROMISE(state.calibrated || state.sum[x] <= (uint32_t)state.samples * SENSE_CODE_MAX);
+    }
+    PROOF_END();
+}
+
+/* What sense_step() gives, see prove_sense(). */
+static ab_t any_measured(void)
+{
+    const ab_t i = {.alpha = any_within(-32768, 32767), .beta = any_within(-37838, 37838)};
+    return i;
+}
+
+/* What tests/unit shows of sine and cosine at every angle: their magnitudes add up to sqrt 2 and 1.5 LSB each. */
+static sincos_t any_angle(void)
+{
+    const sincos_t angle = {.sin = any_within(-32768, 32768), .cos = any_within(-32768, 32768)};
+    ASSUME(q_abs(angle.sin) + q_abs(angle.cos) <= 46343);
+    return angle;
+}
+
+void prove_park(void)
+{
+    const ab_t x = {.alpha = any_within(-32768, 32767), .beta = any_within(-37838, 37838)};
+    (void)transforms_park(x, any_angle()); /* the length of the result is tested at every angle in tests/unit */
+    PROOF_END();
+}
+
+void prove_inverse_park(void)
+{
+    const dq_t x = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)};
+    (void)transforms_inverse_park(x, any_angle());
+    PROOF_END();
+}
+
+void prove_advance(void)
+{
+    (void)transforms_advance(any_angle(), any_angle());
+    PROOF_END();
+}
+
+static pi_gains_t any_gains(void)
+{
+    const pi_gains_t gains = {
+        .proportional_q11 = any_within(0, 32767),
+        .integral_q15 = any_within(0, PI_LARGEST_INTEGRAL_Q15),
+        .anti_windup_q15 = any_within(0, PI_LARGEST_ANTI_WINDUP_Q15),
+    };
+    return gains;
+}
+
+void prove_current_loop(void)
+{
+    const current_loop_tuning_t tuning = {
+        .d = any_gains(),
+        .q = any_gains(),
+        .w_l_d_q11 = any_within(-32768, 32767),
+        .w_l_q_q11 = any_within(-32768, 32767),
+        .w_psi_q15 = any_within(-(1 << 18), 1 << 18),
+    };
+    current_loop_state_t state = {
+        .d = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
+        .q = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
+    };
+    const dq_t reference = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
+    const dq_t i = {.d = any_within(-50200, 50200), .q = any_within(-50200, 50200)};
+    const current_loop_out_t out = current_loop_step(&state, &tuning, reference, i);
+    PROMISE(out.realised.d >= -32768 && out.realised.d <= 32767);
+    PROMISE(out.realised.q >= -32767 && out.realised.q <= 32767);
+    /* The limiter: never longer and never of the other sign. That circle_other_q15() leaves q what is inside the circle
+     * is tested for every d in tests/unit. */
+    PROMISE(out.wanted_d >= 0 ? out.realised.d >= 0 && out.realised.d <= out.wanted_d
+                              : out.realised.d <= 0 && out.realised.d >= out.wanted_d);
+    PROMISE(out.wanted_q >= 0 ? out.realised.q >= 0 && out.realised.q <= out.wanted_q
+                              : out.realised.q <= 0 && out.realised.q >= out.wanted_q);
+    PROMISE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
+    PROMISE(state.q.integrator_q30 >= -(1 << 30) && state.q.integrator_q30 <= (1 << 30) - 1);
+    PROOF_END();
+}
+
+void prove_field_weakening(void)
+{
+    const int32_t most = any_within(0, 32767);
+    field_weakening_t state = {.current_q30 = nondet_int32()};
+    ASSUME(state.current_q30 <= 0 && state.current_q30 >= -most * 32768);
+    field_weakening_step(&state, nondet_int32(), nondet_int32(), any_within(0, 32767), most);
+    PROMISE(field_weakening_current_pu(&state) <= 0);
+    PROMISE(field_weakening_current_pu(&state) >= -most);
+    PROOF_END();
+}
+
+/* Two of the three phase voltages of a vector within the unit circle (and 2 LSB for the rotation that made it) are bounded
+ * by the circle's tangents across the phases' axes, sqrt 3/2 in Q15; the first is alpha itself. */
+static ab_t any_vector_in_circle(void)
+{
+    const ab_t x = {.alpha = any_within(-32770, 32770), .beta = any_within(-32770, 32770)};
+    const int32_t across = (x.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
+    const int32_t along = x.alpha >> 1;
+    ASSUME(across - along <= 32771 && across - along >= -32771);
+    ASSUME(-across - along <= 32771 && -across - along >= -32771);
+    return x;
+}
+
+void prove_dead_time(void)
+{
+    /* The steepest slopes dead_time_init() makes: any flatter ones overflow less. */
+    const dead_time_t steepest = {.full_counts = 2048, .slope_alpha_q8 = 32500, .slope_beta_q8 = 56292};
+    const abc_t shares = dead_time_shares(&steepest, any_vector_in_circle());
+    PROMISE(shares.a >= -32768 && shares.a <= 32767);
+    PROMISE(shares.b >= -32768 && shares.b <= 32767);
+    PROMISE(shares.c >= -32768 && shares.c <= 32767);
+    PROOF_END();
+}
+
+/* No overflow with the largest period, scale and trim that svpwm_init() and the validator let through. */
+void prove_svpwm(void)
+{
+    const int32_t period = any_within(256, 16384);
+    const svpwm_t svpwm = {
+        .centre_q16 = period * (1 << 15) + (1 << 15),
+        .trim_doubled_counts = 4096,
+        .scale_counts = any_within(36, 9460),
+        .modulation_limit_q15 = 32767,
+    };
+    const abc_t trim = {.a = any_within(-32768, 32767), .b = any_within(-32768, 32767), .c = any_within(-32768, 32767)};
+    uint16_t on[3];
+    svpwm_step(&svpwm, any_vector_in_circle(), trim, on);
+    PROOF_END();
+}

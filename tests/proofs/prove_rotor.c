@@ -1,0 +1,105 @@
+/*
+ * Rotor estimates: whatever the sensors say, in whatever order, nothing overflows and no index leaves its array. The hall
+ * estimate is proved by induction: from any state that its invariant allows one step leads to another such state.
+ */
+#include "config/config.h"
+#include "foc/hall.h"
+#include "foc/rotor.h"
+#include "proof.h"
+
+/* A configuration as the validator lets it through, as far as a rotor estimate reads it. */
+static void any_rotor_configuration(config_t *config)
+{
+    config->drive.pwm_frequency_Hz = any_within(4000, 100000);
+    config->rotor.sensor = any_within(0, 1);
+    config->rotor.pll_proportional_q16 = any_within(1, 65536);
+    config->rotor.pll_integral_q24 = any_within(1, 16777216);
+    uint32_t turn = 0;
+    for (int k = 0; k < CONFIG_HALL_EDGES; k++) {
+        config->rotor.edge_turn[k] = any_within(0, 65535);
+    }
+    for (int k = 0; k < CONFIG_HALL_EDGES; k++) {
+        const uint32_t next = (uint32_t)config->rotor.edge_turn[(k + 1) % CONFIG_HALL_EDGES];
+        const uint32_t width = (next - (uint32_t)config->rotor.edge_turn[k]) & 0xFFFFU;
+        ASSUME(width >= 5461U && width <= 16384U);
+        turn += width;
+    }
+    /* A sum of differences round the circle is a whole number of turns, and these lie between 1/2 and 3/2: it is one. */
+    ASSUME(turn == 65536U);
+}
+
+static bool hall_invariant(const hall_t *hall, const config_t *config)
+{
+    return hall->sector <= 5 && hall->sectors_timed <= 6 && hall->direction >= -1 && hall->direction <= 1 &&
+           hall->half_width_turn >= 2730 && hall->half_width_turn <= 8192 && hall->periods_since_edge >= 0 &&
+           hall->periods_since_edge <= 65535 && hall->invalid_periods >= 0 && hall->invalid_periods <= 65535 &&
+           hall->overdue_periods >= 0 && hall->overdue_periods <= hall->standstill_periods &&
+           hall->bounce_periods >= 0 && hall->bounce_periods <= 65535 && hall->speed_q32 >= -INT32_MAX &&
+           hall->standstill_periods == config->drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S;
+}
+
+static hall_t any_hall(const config_t *config)
+{
+    hall_t hall;
+    hall.theta_q32 = nondet_uint32();
+    hall.speed_q32 = nondet_int32();
+    hall.middle_turn = nondet_uint16();
+    hall.half_width_turn = nondet_int16();
+    hall.begin_turn = nondet_uint16();
+    hall.span_turn = nondet_uint16();
+    hall.timed_turn = nondet_uint32();
+    hall.timed_periods = nondet_uint32();
+    hall.steady_sensors = nondet_uint8();
+    hall.periods_since_edge = nondet_int32();
+    hall.overdue_periods = nondet_int32();
+    hall.bounce_periods = nondet_int32();
+    hall.standstill_periods = nondet_int32();
+    hall.invalid_periods = nondet_int32();
+    for (int k = 0; k < CONFIG_HALL_EDGES; k++) {
+        hall.sector_periods[k] = nondet_uint16();
+    }
+    hall.lost_edges = nondet_uint16();
+    hall.sector = nondet_uint8();
+    hall.sectors_timed = nondet_uint8();
+    hall.direction = (int8_t)any_within(-1, 1);
+    hall.started = true;
+    hall.valid = nondet_bool();
+    ASSUME(hall_invariant(&hall, config));
+    return hall;
+}
+
+void prove_hall_begin(void)
+{
+    config_t config;
+    any_rotor_configuration(&config);
+    hall_t hall;
+    hall_init(&hall, &config);
+    hall_step(&hall, &config, nondet_uint8());
+    PROMISE(!hall.started || hall_invariant(&hall, &config));
+    PROMISE(!hall.valid || hall.started);
+    PROOF_END();
+}
+
+void prove_hall_step(void)
+{
+    config_t config;
+    any_rotor_configuration(&config);
+    hall_t hall = any_hall(&config);
+    hall_step(&hall, &config, nondet_uint8());
+    PROMISE(hall_invariant(&hall, &config));
+    PROOF_END();
+}
+
+void prove_pll(void)
+{
+    config_t config;
+    any_rotor_configuration(&config);
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+    rotor_state_t state;
+    state.pll.theta_q32 = nondet_uint32();
+    state.pll.speed_q32 = nondet_int32();
+    state.pll.started = nondet_bool();
+    const rotor_out_t out = rotor_step(&state, &config, nondet_uint16(), nondet_uint8());
+    PROMISE(out.valid && out.age_periods == 0);
+    PROOF_END();
+}

@@ -1,0 +1,19 @@
+/*
+ * errors.hpp: the largest error of every kernel of the fast reach against its double-precision twin.
+ */
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+struct Measured {
+    std::string kernel; // the name in the first column of the table in firmware/foc/README.md
+    double error;       // the largest found
+    double bound;       // what the design allows, derived where it is measured
+    std::string unit;
+};
+
+// count: random inputs for each kernel whose inputs are too many to try all.
+std::vector<Measured> measure_transforms(int64_t count);
+std::vector<Measured> measure_loop(int64_t count);

@@ -1,0 +1,232 @@
+/*
+ * The whole controller under a coverage-guided fuzzer: any configuration the validator accepts, any codes, any order of fast
+ * and slow steps. Address and undefined-behaviour sanitizers watch the arithmetic; the promises checked here are those
+ * that must hold whatever happens: on-times the timer can make, a sampling window on every leg while switching, a
+ * valve that never opens a tripped bridge.
+ *
+ * The input is read as a string of bytes. The first ones change fields of the paper's vehicle, each to any value of its
+ * range, and a change that breaks a relation between fields is taken back, so every input means a valid configuration.
+ */
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "config/validate.h"
+#include "controller/controller.h"
+
+extern const config_t CONFIG_LU2013;
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+typedef struct {
+    const uint8_t *at;
+    size_t left;
+} bytes_t;
+
+/* After the end of the input everything is zero. */
+static uint8_t take8(bytes_t *bytes)
+{
+    if (bytes->left == 0) {
+        return 0;
+    }
+    bytes->left--;
+    return *bytes->at++;
+}
+
+static uint16_t take16(bytes_t *bytes)
+{
+    const uint8_t low = take8(bytes);
+    return (uint16_t)(low | (uint16_t)(take8(bytes) << 8));
+}
+
+static uint32_t take32(bytes_t *bytes)
+{
+    const uint16_t low = take16(bytes);
+    return low | (uint32_t)take16(bytes) << 16;
+}
+
+/* lowest .. highest, its ends often. */
+static int32_t take_within(bytes_t *bytes, int32_t lowest, int32_t highest)
+{
+    const uint8_t how = take8(bytes);
+    if (how < 32) {
+        return lowest;
+    }
+    if (how < 64) {
+        return highest;
+    }
+    const uint64_t count = (uint64_t)((int64_t)highest - lowest) + 1U;
+    return (int32_t)((int64_t)(take32(bytes) % count) + lowest);
+}
+
+static void promise(bool holds, const char *what)
+{
+    if (!holds) {
+        fprintf(stderr, "broken promise: %s\n", what);
+        abort();
+    }
+}
+
+/* ---- configuration ---- */
+
+typedef struct {
+    size_t offset;
+    int32_t lowest, highest;
+} field_t;
+
+#define SCALAR(section, name, lowest, highest) {offsetof(config_t, section.name), (lowest), (highest)},
+#define ARRAY_6(section, name, lowest, highest)                                                                        \
+    {offsetof(config_t, section.name[0]), (lowest), (highest)},                                                        \
+        {offsetof(config_t, section.name[1]), (lowest), (highest)},                                                    \
+        {offsetof(config_t, section.name[2]), (lowest), (highest)},                                                    \
+        {offsetof(config_t, section.name[3]), (lowest), (highest)},                                                    \
+        {offsetof(config_t, section.name[4]), (lowest), (highest)},                                                    \
+        {offsetof(config_t, section.name[5]), (lowest), (highest)},
+#define MOTOR(name, lowest, highest, unit, text) SCALAR(motor, name, lowest, highest)
+#define DRIVE(name, lowest, highest, unit, text) SCALAR(drive, name, lowest, highest)
+#define CURRENT_LOOP(name, lowest, highest, unit, text) SCALAR(current_loop, name, lowest, highest)
+#define ROTOR(name, lowest, highest, unit, text) SCALAR(rotor, name, lowest, highest)
+#define HALL(name, count, lowest, highest, unit, text) ARRAY_6(rotor, name, lowest, highest)
+#define BATTERY(name, lowest, highest, unit, text) SCALAR(battery, name, lowest, highest)
+#define BRAKE(name, lowest, highest, unit, text) SCALAR(brake, name, lowest, highest)
+#define VEHICLE(name, lowest, highest, unit, text) SCALAR(vehicle, name, lowest, highest)
+#define MONITOR(name, lowest, highest, unit, text) SCALAR(monitor, name, lowest, highest)
+#define REGEN_MAP(name, lowest, highest, unit, text) SCALAR(regen_map, name, lowest, highest)
+
+static const field_t FIELDS[] = {
+    CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE) CONFIG_CURRENT_LOOP_FIELDS(CURRENT_LOOP)
+        CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL) CONFIG_BATTERY_FIELDS(BATTERY) CONFIG_BRAKE_FIELDS(BRAKE)
+            CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_MONITOR_FIELDS(MONITOR) CONFIG_REGEN_MAP_FIELDS(REGEN_MAP)};
+enum { FIELD_COUNT = sizeof(FIELDS) / sizeof(FIELDS[0]) };
+
+static bool accepted(config_t *config)
+{
+    config->crc32 = config_crc32(config, (uint32_t)offsetof(config_t, crc32));
+    return config_validate(config, sizeof(*config)).code == CONFIG_VERDICT_OK;
+}
+
+static void change_configuration(config_t *config, bytes_t *bytes)
+{
+    for (int changes = take8(bytes) % 6; changes > 0; changes--) {
+        const field_t *field = &FIELDS[take8(bytes) % FIELD_COUNT];
+        int32_t *value = (int32_t *)(void *)((char *)config + field->offset);
+        const int32_t before = *value;
+        *value = take_within(bytes, field->lowest, field->highest);
+        if (!accepted(config)) {
+            *value = before;
+        }
+    }
+    (void)accepted(config);
+}
+
+/* ---- steps ---- */
+
+static slow_input_t take_slow_input(bytes_t *bytes)
+{
+    const uint8_t flags = take8(bytes);
+    const slow_input_t in = {
+        .drive_torque_mNm = (flags & 1U) != 0 ? take_within(bytes, INT32_MIN, INT32_MAX) : 0,
+        .brake_torque_mNm = (flags & 2U) != 0 ? take_within(bytes, 0, INT32_MAX) : 0,
+        .demand_age_ms = (flags & 4U) != 0 ? take32(bytes) : 0,
+        .bms_charge_current_mA = take_within(bytes, 0, INT32_MAX),
+        .bms_discharge_current_mA = take_within(bytes, 0, INT32_MAX),
+        .winding_temperature_cC = (int16_t)take16(bytes),
+        .switch_temperature_cC = (int16_t)take16(bytes),
+        .enable = (flags & 8U) == 0,
+        .abs_active = (flags & 16U) != 0,
+        .fault_reset = (flags & 32U) != 0,
+        .selftest_passed = (flags & 64U) == 0,
+        .config_accepted = (flags & 128U) == 0,
+    };
+    return in;
+}
+
+/* What a slow reach may say without having been asked: any reference, any speed and bus voltage to be tuned for. */
+static void take_command(slow_to_fast_t *command, const config_t *config, const fast_to_slow_t *report, bytes_t *bytes)
+{
+    command->foc.i_reference_pu.d = (int16_t)take16(bytes);
+    command->foc.i_reference_pu.q = (int16_t)take16(bytes);
+    command->foc.tuning =
+        current_loop_tuning(config, report->foc.modulation_limit_q15, take_within(bytes, -32768, 32767),
+                            take_within(bytes, INT32_MIN, INT32_MAX));
+    command->foc.calibrate_offsets = (take8(bytes) & 7U) == 0;
+    command->permission.bridge = (bridge_mode_t)(take8(bytes) % 3U);
+    command->monitor.safe_bridge = (take8(bytes) & 1U) != 0 ? BRIDGE_SHORT : BRIDGE_OFF;
+    command->monitor.clear_trip = (take8(bytes) & 7U) == 0;
+    command->slow_step_count++;
+}
+
+static fast_input_t take_fast_input(bytes_t *bytes)
+{
+    const uint8_t flags = take8(bytes);
+    fast_input_t in = {
+        .rotor_angle_turn = take16(bytes),
+        .bus_voltage_code = (flags & 1U) != 0 ? take16(bytes) : 3500,
+        .hall_state = take8(bytes),
+        .power_stage_fault = (flags & 0xF0U) == 0xF0U,
+    };
+    for (int x = 0; x < 3; x++) {
+        in.phase_current_code[x] =
+            (flags & 2U) != 0 ? (uint16_t)(take16(bytes) & 4095U) : (uint16_t)(2048U + take8(bytes));
+    }
+    return in;
+}
+
+static void check_fast(const config_t *config, const slow_to_fast_t *command, const fast_to_slow_t *report,
+                       const fast_output_t *out)
+{
+    const bool tripped = report->monitor.trip != REASON_NONE;
+    promise(!tripped || out->bridge != BRIDGE_PWM, "a tripped bridge does not switch");
+    promise(tripped || out->bridge == command->permission.bridge, "without a trip the bridge does what it is told");
+    for (int x = 0; x < 3; x++) {
+        const int32_t on = out->compare_counts[x];
+        promise(on >= config->drive.min_pulse_counts, "the low side keeps its shortest pulse");
+        promise(on <= config->drive.pwm_period_counts - config->drive.min_pulse_counts, "so does the high side");
+    }
+    promise(report->foc.i_d_weakening_pu <= 0, "field weakening only takes flux away");
+    promise(report->foc.i_d_weakening_pu >= -config->current_loop.field_weakening_current_pu_q15, "up to its limit");
+}
+
+static void check_slow(const config_t *config, const slow_output_t *out)
+{
+    promise(out->hydraulic_torque_mNm >= 0, "hydraulic torque is a magnitude");
+    promise(out->electric_brake_available_mNm >= 0, "so is what the motor could take over");
+    promise(q_abs(out->motor_torque_command_mNm) <= config->motor.max_torque_mNm,
+            "torque stays inside the motor's limit");
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    bytes_t bytes = {.at = data, .left = size};
+    static config_t config;
+    config = CONFIG_LU2013;
+    change_configuration(&config, &bytes);
+
+    controller_t controller;
+    controller_init(&controller, &config);
+    slow_to_fast_t command = controller_initial_slow_to_fast(&config);
+    fast_to_slow_t report = controller_initial_fast_to_slow(&config);
+    const bool with_slow_reach = (take8(&bytes) & 1U) != 0;
+    int steps = 0;
+    while (bytes.left > 0 && steps < 512) {
+        const uint8_t what = take8(&bytes);
+        if (what < 64 && with_slow_reach) {
+            const slow_input_t in = take_slow_input(&bytes);
+            report.foc.offsets_done = true; /* a thousand samples are more than an input has to spare */
+            for (int repeat = what % 8; repeat >= 0; repeat--) {
+                const slow_output_t out = controller_slow_step(&controller.slow, &config, &report, &in, &command);
+                check_slow(&config, &out);
+            }
+        } else if (what < 64) {
+            take_command(&command, &config, &report, &bytes);
+        }
+        const fast_input_t in = take_fast_input(&bytes);
+        for (int repeat = what % 16; repeat >= 0; repeat--) {
+            const fast_output_t out = controller_fast_step(&controller.fast, &config, &command, &in, &report);
+            check_fast(&config, &command, &report, &out);
+            steps++;
+        }
+    }
+    return 0;
+}

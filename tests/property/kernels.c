@@ -1,0 +1,284 @@
+#include "kernels.h"
+
+#include "core/angle.h"
+#include "core/circle.h"
+#include "core/reciprocal.h"
+#include "foc/foc.h"
+#include "foc/transforms.h"
+
+static pair_t pair_of_angle(sincos_t angle)
+{
+    const pair_t out = {angle.cos, angle.sin};
+    return out;
+}
+
+static sincos_t angle_of(pair_t cos_sin)
+{
+    const sincos_t out = {.sin = cos_sin.y, .cos = cos_sin.x};
+    return out;
+}
+
+static ab_t ab_of(pair_t x)
+{
+    const ab_t out = {.alpha = x.x, .beta = x.y};
+    return out;
+}
+
+static pair_t pair_of_ab(ab_t x)
+{
+    const pair_t out = {x.alpha, x.beta};
+    return out;
+}
+
+static dq_t dq_of(pair_t x)
+{
+    const dq_t out = {.d = x.x, .q = x.y};
+    return out;
+}
+
+static pair_t pair_of_dq(dq_t x)
+{
+    const pair_t out = {x.d, x.q};
+    return out;
+}
+
+static triple_t triple_of(abc_t x)
+{
+    const triple_t out = {x.a, x.b, x.c};
+    return out;
+}
+
+pair_t kernel_cos_sin(uint16_t theta_turn)
+{
+    return pair_of_angle(angle_sincos(theta_turn));
+}
+
+pair_t kernel_clarke(triple_t phases)
+{
+    /* Readings of mid-range whose zeros lie apart by the currents wanted; c is worked out, which changes nothing when they add up. */
+    const int32_t middle_q4 = SENSE_CODE_MID * 16;
+    const uint16_t codes[3] = {SENSE_CODE_MID, SENSE_CODE_MID, SENSE_CODE_MID};
+    const uint16_t on_counts[3] = {0, 0, 1};
+    const int32_t offset_q4[3] = {middle_q4 - phases.a, middle_q4 - phases.b, middle_q4 - phases.c};
+    return kernel_sense(codes, offset_q4, on_counts);
+}
+
+pair_t kernel_park(pair_t ab, pair_t cos_sin)
+{
+    return pair_of_dq(transforms_park(ab_of(ab), angle_of(cos_sin)));
+}
+
+pair_t kernel_inverse_park(pair_t dq, pair_t cos_sin)
+{
+    return pair_of_ab(transforms_inverse_park(dq_of(dq), angle_of(cos_sin)));
+}
+
+pair_t kernel_advance(pair_t cos_sin, pair_t by)
+{
+    return pair_of_angle(transforms_advance(angle_of(cos_sin), angle_of(by)));
+}
+
+int32_t kernel_circle_other_q15(int32_t x)
+{
+    return circle_other_q15(x);
+}
+
+int32_t kernel_circle_other(int32_t radius, int32_t x)
+{
+    const circle_t circle = circle_init(radius);
+    return circle_other(&circle, x);
+}
+
+double kernel_reciprocal(uint16_t n)
+{
+    const reciprocal_t r = reciprocal_of(n);
+    return (double)r.mantissa * (double)(1U << r.shift) / 1073741824.0;
+}
+
+static sense_state_t sense_of(const int32_t offset_q4[3])
+{
+    sense_state_t state;
+    sense_init(&state);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        state.offset_q4[x] = offset_q4[x];
+    }
+    return state;
+}
+
+pair_t kernel_sense(const uint16_t codes[3], const int32_t offset_q4[3], const uint16_t on_counts[3])
+{
+    const sense_state_t state = sense_of(offset_q4);
+    return pair_of_ab(sense_step(&state, codes, on_counts).i);
+}
+
+static pi_gains_t gains_of(kernel_pi_gains_t gains)
+{
+    const pi_gains_t out = {.proportional_q11 = gains.proportional_q11,
+                            .integral_q15 = gains.integral_q15,
+                            .anti_windup_q15 = gains.anti_windup_q15};
+    return out;
+}
+
+static kernel_pi_gains_t plain_gains(pi_gains_t gains)
+{
+    const kernel_pi_gains_t out = {gains.proportional_q11, gains.integral_q15, gains.anti_windup_q15};
+    return out;
+}
+
+int32_t kernel_pi_output(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error)
+{
+    const pi_state_t state = {.integrator_q30 = integrator_q30};
+    const pi_gains_t pi_gains = gains_of(gains);
+    return pi_output(&state, &pi_gains, error);
+}
+
+int32_t kernel_pi_update(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error, int32_t wanted,
+                         int32_t realised)
+{
+    pi_state_t state = {.integrator_q30 = integrator_q30};
+    const pi_gains_t pi_gains = gains_of(gains);
+    pi_update(&state, &pi_gains, error, wanted, realised);
+    return state.integrator_q30;
+}
+
+int32_t kernel_pi_largest_integral_q15(void)
+{
+    return PI_LARGEST_INTEGRAL_Q15;
+}
+
+int32_t kernel_pi_largest_anti_windup_q15(void)
+{
+    return PI_LARGEST_ANTI_WINDUP_Q15;
+}
+
+static current_loop_tuning_t tuning_of(const kernel_tuning_t *tuning)
+{
+    const current_loop_tuning_t out = {
+        .d = gains_of(tuning->d),
+        .q = gains_of(tuning->q),
+        .w_l_d_q11 = tuning->w_l_d_q11,
+        .w_l_q_q11 = tuning->w_l_q_q11,
+        .w_psi_q15 = tuning->w_psi_q15,
+        .advance = angle_of(tuning->advance),
+    };
+    return out;
+}
+
+kernel_tuning_t kernel_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu, int32_t speed_q32)
+{
+    const current_loop_tuning_t tuning = current_loop_tuning(config, modulation_limit_q15, v_dc_pu, speed_q32);
+    const kernel_tuning_t out = {
+        .d = plain_gains(tuning.d),
+        .q = plain_gains(tuning.q),
+        .w_l_d_q11 = tuning.w_l_d_q11,
+        .w_l_q_q11 = tuning.w_l_q_q11,
+        .w_psi_q15 = tuning.w_psi_q15,
+        .advance = pair_of_angle(tuning.advance),
+    };
+    return out;
+}
+
+static current_loop_state_t integrators_of(pair_t integrator_q30)
+{
+    const current_loop_state_t out = {.d = {.integrator_q30 = integrator_q30.x},
+                                      .q = {.integrator_q30 = integrator_q30.y}};
+    return out;
+}
+
+static kernel_voltage_t voltage_of(current_loop_out_t out, const current_loop_state_t *state)
+{
+    const kernel_voltage_t voltage = {
+        .wanted = {out.wanted_d, out.wanted_q},
+        .realised = pair_of_dq(out.realised),
+        .integrator_q30 = {state->d.integrator_q30, state->q.integrator_q30},
+    };
+    return voltage;
+}
+
+kernel_voltage_t kernel_current_loop(pair_t integrator_q30, const kernel_tuning_t *tuning, pair_t reference, pair_t i)
+{
+    current_loop_state_t state = integrators_of(integrator_q30);
+    const current_loop_tuning_t loop_tuning = tuning_of(tuning);
+    const current_loop_out_t out = current_loop_step(&state, &loop_tuning, dq_of(reference), dq_of(i));
+    return voltage_of(out, &state);
+}
+
+static svpwm_t svpwm_of(const kernel_svpwm_t *svpwm)
+{
+    const svpwm_t out = {.centre_q16 = svpwm->centre_q16,
+                         .trim_doubled_counts = svpwm->trim_doubled_counts,
+                         .scale_counts = svpwm->scale_counts,
+                         .modulation_limit_q15 = svpwm->modulation_limit_q15};
+    return out;
+}
+
+kernel_svpwm_t kernel_svpwm_init(int32_t period_counts, int32_t min_pulse_counts, int32_t trim_counts,
+                                 int32_t limit_q15)
+{
+    const svpwm_t svpwm = svpwm_init(period_counts, min_pulse_counts, trim_counts, limit_q15);
+    const kernel_svpwm_t out = {svpwm.centre_q16, svpwm.trim_doubled_counts, svpwm.scale_counts,
+                                svpwm.modulation_limit_q15};
+    return out;
+}
+
+triple_t kernel_svpwm(const kernel_svpwm_t *svpwm, pair_t u, triple_t trim_q15)
+{
+    const svpwm_t state = svpwm_of(svpwm);
+    const abc_t trim = {.a = trim_q15.a, .b = trim_q15.b, .c = trim_q15.c};
+    uint16_t counts[3];
+    svpwm_step(&state, ab_of(u), trim, counts);
+    const triple_t out = {counts[0], counts[1], counts[2]};
+    return out;
+}
+
+kernel_dead_time_t kernel_dead_time_init(const config_t *config)
+{
+    const dead_time_t dead_time = dead_time_init(config);
+    const kernel_dead_time_t out = {dead_time.full_counts, dead_time.slope_alpha_q8, dead_time.slope_beta_q8};
+    return out;
+}
+
+static dead_time_t dead_time_of(kernel_dead_time_t dead_time)
+{
+    const dead_time_t out = {.full_counts = dead_time.full_counts,
+                             .slope_alpha_q8 = dead_time.slope_alpha_q8,
+                             .slope_beta_q8 = dead_time.slope_beta_q8};
+    return out;
+}
+
+triple_t kernel_dead_time(kernel_dead_time_t dead_time, pair_t i)
+{
+    const dead_time_t state = dead_time_of(dead_time);
+    return triple_of(dead_time_shares(&state, ab_of(i)));
+}
+
+int32_t kernel_field_weakening(int32_t current_q30, pair_t wanted, int32_t gain_q15, int32_t most_q15)
+{
+    field_weakening_t state = {.current_q30 = current_q30};
+    field_weakening_step(&state, wanted.x, wanted.y, gain_q15, most_q15);
+    return state.current_q30;
+}
+
+kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning, const uint16_t codes[3],
+                              uint16_t theta_turn, pair_t reference)
+{
+    foc_current_state_t state = {
+        .sense = sense_of(loop->offset_q4),
+        .loop = integrators_of(loop->integrator_q30),
+        .svpwm = svpwm_of(&loop->svpwm),
+        .dead_time = dead_time_of(loop->dead_time),
+        .on_counts = {loop->on_counts[0], loop->on_counts[1], loop->on_counts[2]},
+    };
+    const current_loop_tuning_t loop_tuning = tuning_of(tuning);
+    foc_current_out_t out;
+    foc_current_step(&state, &loop_tuning, codes, theta_turn, dq_of(reference), &out);
+    for (int x = 0; x < 3; x++) {
+        loop->on_counts[x] = state.on_counts[x];
+    }
+    const kernel_loop_out_t result = {
+        .i_dq = pair_of_dq(out.i_pu),
+        .voltage = voltage_of(out.voltage, &state.loop),
+    };
+    loop->integrator_q30 = result.voltage.integrator_q30;
+    return result;
+}

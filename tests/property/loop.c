@@ -1,0 +1,75 @@
+#include "loop.h"
+
+#include <stdlib.h>
+
+#include "foc/foc.h"
+#include "foc/summary.h"
+
+struct loop_s {
+    config_t config;
+    foc_state_t foc;
+    foc_command_t command;
+    foc_report_t report;
+    foc_summary_state_t summary;
+    uint16_t steps;
+    int32_t periods_to_slow_step;
+};
+
+loop_t *loop_new(const config_t *config)
+{
+    loop_t *loop = calloc(1, sizeof(*loop));
+    if (loop == NULL) {
+        abort();
+    }
+    loop->config = *config;
+    foc_init(&loop->foc, &loop->config);
+    loop->command = foc_initial_command(&loop->foc, &loop->config);
+    return loop;
+}
+
+void loop_free(loop_t *loop)
+{
+    free(loop);
+}
+
+void loop_set_reference(loop_t *loop, int32_t i_d_pu, int32_t i_q_pu)
+{
+    loop->command.i_reference_pu.d = i_d_pu;
+    loop->command.i_reference_pu.q = i_q_pu;
+}
+
+loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
+{
+    const foc_input_t sampled = {
+        .phase_current_code = {in->phase_code[0], in->phase_code[1], in->phase_code[2]},
+        .bus_voltage_code = in->bus_code,
+        .rotor_angle_turn = in->rotor_angle_turn,
+        .hall_state = in->hall_state,
+    };
+    foc_step(&loop->foc, &loop->config, &loop->command, run, &sampled, &loop->report);
+    loop->steps++;
+    if (--loop->periods_to_slow_step <= 0) {
+        loop->periods_to_slow_step = loop->config.drive.pwm_frequency_Hz / 1000;
+        const foc_summary_t summary = foc_summary_step(&loop->summary, &loop->report, loop->steps);
+        loop->command.tuning = current_loop_tuning(&loop->config, loop->foc.current.svpwm.modulation_limit_q15,
+                                                   summary.v_dc_pu, loop->report.speed_q32);
+    }
+    const foc_report_t *report = &loop->report;
+    const current_loop_out_t *voltage = &report->current.voltage;
+    const loop_output_t out = {
+        .compare_counts = {loop->foc.current.on_counts[0], loop->foc.current.on_counts[1],
+                           loop->foc.current.on_counts[2]},
+        .i_d_pu = report->current.i_pu.d,
+        .i_q_pu = report->current.i_pu.q,
+        .u_d_pu = report->current.voltage.realised.d,
+        .u_q_pu = report->current.voltage.realised.q,
+        .weakening_pu = field_weakening_current_pu(&loop->foc.weakening),
+        .power_pu = loop->summary.latest.power_pu,
+        .modulation_limit_q15 = loop->foc.current.svpwm.modulation_limit_q15,
+        .speed_q32 = report->speed_q32,
+        .theta_turn = report->theta_turn,
+        .limited = voltage->wanted_d != voltage->realised.d || voltage->wanted_q != voltage->realised.q,
+        .rotor_valid = report->rotor_valid,
+    };
+    return out;
+}

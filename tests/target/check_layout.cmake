@@ -1,0 +1,25 @@
+# cmake -DNM=arm-none-eabi-nm -DELF=hubfoc_stm32f405.elf -DCONFIG=CONFIG_LU2013 -P check_layout.cmake
+#
+# Facts about the flashable image that no compiler checks: what has to be where (hal/stm32f405/link.ld and board.h).
+cmake_minimum_required(VERSION 3.25)
+execute_process(COMMAND "${NM}" "${ELF}" OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
+
+function(address_of symbol result)
+  if(NOT symbols MATCHES "([0-9a-f]+) [A-Za-z] ${symbol}\n")
+    message(FATAL_ERROR "no symbol ${symbol}")
+  endif()
+  set(${result} "${CMAKE_MATCH_1}" PARENT_SCOPE)
+endfunction()
+
+function(expect symbol address why)
+  address_of(${symbol} found)
+  if(NOT found STREQUAL address)
+    message(FATAL_ERROR "${symbol} is at 0x${found}, not 0x${address}: ${why}")
+  endif()
+endfunction()
+
+expect(boot_vectors 08000000 "the core reads stack and entry from the start of the flash")
+expect(${CONFIG} 08004000 "the configuration begins sector 1, so that it can be flashed alone")
+expect(link_configuration_end 08008000 "sector 1 holds nothing else")
+expect(vectors 08008000 "the vector table begins the checked image, aligned to 512 bytes")
+expect(link_stack_begin 20000000 "an overflowing stack must leave RAM and fault")

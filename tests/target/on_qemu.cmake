@@ -1,0 +1,106 @@
+# What runs on mps2-an386.
+
+find_program(HUBFOC_HOST_CC NAMES cc gcc clang)
+find_program(HUBFOC_RUBY ruby)
+find_path(CMOCK_DIR lib/cmock.rb HINTS "${PROJECT_SOURCE_DIR}/.dev/cmock/usr/share/cmock" "/usr/share/cmock" NO_DEFAULT_PATH
+  NO_CMAKE_FIND_ROOT_PATH)
+set(missing "")
+foreach(needed IN ITEMS HUBFOC_QEMU HUBFOC_HOST_CC HUBFOC_RUBY CMOCK_DIR)
+  if(NOT ${needed})
+    list(APPEND missing ${needed})
+  endif()
+endforeach()
+# The firmware itself needs none of these, so a machine without them may configure; its tests then say so.
+add_test(NAME target_prerequisites COMMAND "${CMAKE_COMMAND}" "-DMISSING=${missing}" -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
+
+# ---- the firmware ----
+
+hubfoc_add_qemu_test(NAME firmware_boots ELF hubfoc_qemu
+  EXPECT "hubfoc ${PROJECT_VERSION} on qemu_mps2, configuration ${HUBFOC_CONFIG} 0x[0-9A-F]+" "self-test RAM: good" "self-test firmware CRC: good"
+         "configuration accepted" "result: READY, no limit")
+hubfoc_add_qemu_test(NAME firmware_keeps_its_watchdog_fed ELF hubfoc_qemu ARGUMENTS run_ms=10000
+  EXPECT "result: READY, no limit")
+hubfoc_add_qemu_test(NAME firmware_with_a_dead_timer_is_caught_by_the_watchdog ELF hubfoc_qemu ARGUMENTS tick_fault=1 EXPECT_EXIT 1
+  EXPECT "watchdog: not fed in time")
+hubfoc_add_qemu_test(NAME firmware_latches_a_fault_of_the_power_stage ELF hubfoc_qemu ARGUMENTS power_stage_fault=1 EXPECT_EXIT 1
+  EXPECT "result: FAILED, FAULT, power stage reported a fault")
+hubfoc_add_qemu_test(NAME firmware_without_its_clock_stays_in_boot ELF hubfoc_qemu ARGUMENTS clock_fault=1 EXPECT_EXIT 1
+  EXPECT "clock fault" "result: FAILED, BOOT")
+
+# damaged(NAME SECTION OFFSET): a copy of the firmware with one wrong byte.
+function(damaged name section offset)
+  add_custom_command(OUTPUT "${name}.elf"
+    COMMAND "${CMAKE_COMMAND}" "-DELF=$<TARGET_FILE:hubfoc_qemu>" "-DBAD=${CMAKE_CURRENT_BINARY_DIR}/${name}.elf" "-DSECTION=${section}"
+      -DOFFSET=${offset} "-DOBJCOPY=${CMAKE_OBJCOPY}" "-DHAL_CMAKE=${PROJECT_SOURCE_DIR}/hal/cmake"
+      -P "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/damage.cmake"
+    DEPENDS hubfoc_qemu "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/damage.cmake" VERBATIM)
+  add_custom_target(${name} ALL DEPENDS "${name}.elf")
+endfunction()
+damaged(damaged_configuration .hubfoc_config 100)
+damaged(damaged_magic .hubfoc_config 0)
+damaged(damaged_code .text 28) # a reserved entry of the vector table (ARMv7-M, B1.5.3): nobody but the checksum reads it
+hubfoc_add_qemu_test(NAME firmware_refuses_a_damaged_configuration ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_configuration.elf" EXPECT_EXIT 1
+  EXPECT "configuration refused: crc32" "BOOT, bridge off" "result: FAILED, BOOT")
+hubfoc_add_qemu_test(NAME firmware_refuses_what_is_no_configuration ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_magic.elf" EXPECT_EXIT 1
+  EXPECT "configuration refused: magic" "result: FAILED, BOOT")
+hubfoc_add_qemu_test(NAME firmware_finds_one_wrong_byte_in_itself ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_code.elf" ARGUMENTS run_ms=1200
+  EXPECT_EXIT 1 EXPECT "self-test firmware CRC: FAILED" "result: FAILED, FAULT, self-test failed")
+
+# ---- the same stories on host and target ----
+
+set(room_sources "")
+set(room_includes "")
+foreach(room IN LISTS rooms)
+  get_target_property(sources hubfoc_${room} SOURCES)
+  get_target_property(directory hubfoc_${room} SOURCE_DIR)
+  list(TRANSFORM sources PREPEND "${directory}/")
+  list(APPEND room_sources ${sources})
+  list(APPEND room_includes "${directory}/include")
+endforeach()
+list(TRANSFORM trace_sources PREPEND "${CMAKE_CURRENT_LIST_DIR}/" OUTPUT_VARIABLE trace_files)
+list(TRANSFORM room_includes PREPEND "-I" OUTPUT_VARIABLE include_options)
+file(GLOB_RECURSE room_headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/firmware/*/include/*.h" "${CMAKE_CURRENT_LIST_DIR}/*.h")
+
+set(trace_on_host "${CMAKE_CURRENT_BINARY_DIR}/trace_on_host")
+if(HUBFOC_HOST_CC)
+  set(host_files ${trace_files} "${CMAKE_CURRENT_LIST_DIR}/print_host.c" ${room_sources} "${config_image}")
+  add_custom_command(OUTPUT trace_on_host
+    COMMAND "${HUBFOC_HOST_CC}" -std=c11 -O2 ${include_options} "-I${PROJECT_SOURCE_DIR}/tests/unit/firmware/support" "-D${trace_definitions}"
+      ${host_files} -o trace_on_host
+    DEPENDS ${host_files} ${room_headers} VERBATIM)
+  add_custom_target(hubfoc_trace_on_host ALL DEPENDS trace_on_host)
+endif()
+
+# trace(NAME OPTION...): the stories, compiled for the emulated core with these options, against the host.
+function(trace name)
+  hubfoc_add_target_program(NAME ${name} OPTIONS ${ARGN}
+    SOURCES ${trace_files} "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/print_target.c" ${room_sources} "${config_image}")
+  target_include_directories(${name} PRIVATE ${room_includes} "${PROJECT_SOURCE_DIR}/tests/unit/firmware/support")
+  target_compile_definitions(${name} PRIVATE ${trace_definitions})
+  hubfoc_add_qemu_test(NAME ${name}_is_the_hosts_bit_for_bit ELF ${name} SECONDS 110 SAME_AS "${trace_on_host}")
+endfunction()
+trace(trace_cortex_m4)
+trace(trace_cortex_m4_portable -U__ARM_FEATURE_SAT) # q15.h's own clamps instead of SSAT
+trace(trace_cortex_m4_unoptimised -O0)
+set(HUBFOC_OTHER_CORE cortex-m3)
+set(HUBFOC_OTHER_CORE_OPTIONS -O2)
+add_subdirectory(other_core cortex_m3)
+set(HUBFOC_OTHER_CORE cortex-m0plus)
+set(HUBFOC_OTHER_CORE_OPTIONS -Os)
+add_subdirectory(other_core cortex_m0plus)
+
+# ---- the unit tests of the pure rooms ----
+
+if(HUBFOC_RUBY AND CMOCK_DIR)
+  set(UNITY_DIR "${CMOCK_DIR}/vendor/unity")
+  set(HUBFOC_CMOCK_YML "${PROJECT_SOURCE_DIR}/tools/cmake/cmock.yml")
+  add_library(unity_target STATIC "${UNITY_DIR}/src/unity.c")
+  target_include_directories(unity_target SYSTEM PUBLIC "${UNITY_DIR}/src")
+  target_compile_definitions(unity_target PUBLIC UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64 UNITY_OUTPUT_CHAR=target_putchar
+    "UNITY_OUTPUT_CHAR_HEADER_DECLARATION=target_putchar(int)")
+  foreach(room IN LISTS rooms)
+    if(EXISTS "${PROJECT_SOURCE_DIR}/tests/unit/firmware/${room}/CMakeLists.txt")
+      add_subdirectory("${PROJECT_SOURCE_DIR}/tests/unit/firmware/${room}" "unit_${room}")
+    endif()
+  endforeach()
+endif()

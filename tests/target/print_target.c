@@ -1,0 +1,8 @@
+#include "print.h"
+
+#include "semihost.h"
+
+void print(const char *text)
+{
+    semihost_print(text);
+}

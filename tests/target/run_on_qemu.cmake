@@ -1,0 +1,60 @@
+# cmake -DELF=x.elf -DQEMU=qemu-system-arm [-DMACHINE=mps2-an386] [-DARGUMENTS="a=1 b=2"] [-DSERIAL=3] [-DSECONDS=60]
+#       [-DEXPECT_EXIT=0|1|timeout] [-DEXPECT="regex1|||regex2"] [-DSAME_AS=program] -P run_on_qemu.cmake
+#
+# Runs a program on the emulated core and judges exit status and output. Always with a time limit and with semihosting
+# switched on: without it the first request aborts the emulator. The instruction-count clock makes every run the same.
+# SERIAL: number of the machine's serial line that is shown. SAME_AS: a host program that must print the same text.
+cmake_minimum_required(VERSION 3.25)
+
+foreach(default IN ITEMS MACHINE=mps2-an386 SERIAL=1 SECONDS=60 EXPECT_EXIT=0)
+  string(REPLACE "=" ";" default "${default}")
+  list(GET default 0 name)
+  if(NOT DEFINED ${name})
+    list(GET default 1 ${name})
+  endif()
+endforeach()
+if(NOT QEMU)
+  message(FATAL_ERROR "qemu-system-arm was not found when this build was configured; ./tools/dev setup qemu installs it")
+endif()
+
+set(semihosting "enable=on,target=native,arg=hubfoc")
+separate_arguments(ARGUMENTS)
+foreach(argument IN LISTS ARGUMENTS)
+  string(APPEND semihosting ",arg=${argument}")
+endforeach()
+set(serial_lines "")
+foreach(line RANGE 1 ${SERIAL})
+  if(line EQUAL SERIAL)
+    list(APPEND serial_lines -serial stdio)
+  else()
+    list(APPEND serial_lines -serial null)
+  endif()
+endforeach()
+execute_process(COMMAND "${QEMU}" -M ${MACHINE} -display none -monitor none ${serial_lines} -icount shift=3,sleep=off
+  -semihosting-config "${semihosting}" -kernel "${ELF}"
+  TIMEOUT ${SECONDS} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+message("${output}")
+
+if(EXPECT_EXIT STREQUAL "timeout")
+  if(NOT result MATCHES "timeout")
+    message(FATAL_ERROR "exit status ${result}, but the program was expected to run on")
+  endif()
+elseif(NOT result STREQUAL EXPECT_EXIT)
+  message(FATAL_ERROR "exit status ${result}, expected ${EXPECT_EXIT}")
+endif()
+string(REPLACE "|||" ";" EXPECT "${EXPECT}")
+foreach(expected IN LISTS EXPECT)
+  if(NOT output MATCHES "${expected}")
+    message(FATAL_ERROR "the output holds nothing that matches: ${expected}")
+  endif()
+endforeach()
+
+if(SAME_AS)
+  execute_process(COMMAND "${SAME_AS}" RESULT_VARIABLE host_result OUTPUT_VARIABLE host_output)
+  if(NOT host_result EQUAL 0 OR host_output STREQUAL "")
+    message(FATAL_ERROR "${SAME_AS}: exit status ${host_result}, output '${host_output}'")
+  endif()
+  if(NOT output STREQUAL host_output)
+    message(FATAL_ERROR "the host's output differs:\n${host_output}")
+  endif()
+endif()

@@ -1,0 +1,246 @@
+/*
+ * The same long stories for both step functions, told on the host and on the emulated core: prints one CRC-32 a story
+ * over every output of every step, and a count of the modes that were reached, so that a story that goes nowhere is seen.
+ */
+#include <stddef.h>
+#include <string.h>
+
+#include "config_image.h"
+#include "digest.h"
+#include "print.h"
+#include "wheel.h"
+
+enum { FAST_STEPS = 24000, FAST_A_SLOW_STEP = 20, MODES = MODE_FAULT + 1 };
+
+typedef struct story story_t;
+struct story {
+    const char *name;
+    void (*configure)(config_t *config);
+    void (*world)(wheel_t *wheel, slow_input_t *in, int32_t ms); /* 1 kHz: demands, temperatures, speed */
+    void (*disturb)(wheel_t *wheel, fast_input_t *in);           /* every period, may be NULL */
+    bool
+        forced; /* the bridge is ordered to switch whatever the modes say, trips are forgotten, references are random */
+};
+
+/* ---- configurations ---- */
+
+static void as_generated(config_t *config)
+{
+    (void)config;
+}
+
+static void with_angle_sensor(config_t *config)
+{
+    config->rotor.sensor = CONFIG_ROTOR_ANGLE;
+}
+
+static void with_halls_and_ratio(config_t *config)
+{
+    config->rotor.sensor = CONFIG_ROTOR_HALL;
+    config->brake.strategy = CONFIG_STRATEGY_PARALLEL_RATIO;
+}
+
+static void with_field_weakening_and_free_travel(config_t *config)
+{
+    config->rotor.sensor = CONFIG_ROTOR_ANGLE;
+    config->brake.strategy = CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL;
+    config->current_loop.field_weakening_gain_pu_q15 = 400;
+    config->current_loop.field_weakening_current_pu_q15 = config->current_loop.max_current_pu_q15 / 2;
+}
+
+static void with_interior_magnets(config_t *config)
+{
+    config->rotor.sensor = CONFIG_ROTOR_ANGLE;
+    config->motor.type = CONFIG_MOTOR_IPMSM;
+    config->motor.q_inductance_nH = config->motor.d_inductance_nH * 2;
+    config->current_loop.inductance_q_pu_q16 = config->current_loop.inductance_d_pu_q16 * 2;
+}
+
+/* ---- worlds ---- */
+
+static void enabled_at_room_temperature(slow_input_t *in, int32_t ms)
+{
+    in->demand_age_ms = 0;
+    in->bms_charge_current_mA = 200000;
+    in->bms_discharge_current_mA = 400000;
+    in->winding_temperature_cC = 2500 + ms;
+    in->switch_temperature_cC = 3000 + 2 * ms;
+    in->enable = ms > 200;
+    in->drive_torque_mNm = 0;
+    in->brake_torque_mNm = 0;
+}
+
+static void drive_and_brake(wheel_t *wheel, slow_input_t *in, int32_t ms)
+{
+    enabled_at_room_temperature(in, ms);
+    in->drive_torque_mNm = ms % 600 > 300 ? 20000 : 0;
+    in->brake_torque_mNm = ms % 600 > 100 && ms % 600 <= 300 ? ms * 50 : 0;
+    wheel->speed_q32 = ms * 20000;
+}
+
+static void reverse(wheel_t *wheel, slow_input_t *in, int32_t ms)
+{
+    enabled_at_room_temperature(in, ms);
+    in->drive_torque_mNm = ms % 400 < 200 ? -15000 : 15000;
+    wheel->speed_q32 = (600 - ms) * 25000;
+}
+
+static void hot_and_full(wheel_t *wheel, slow_input_t *in, int32_t ms)
+{
+    enabled_at_room_temperature(in, ms);
+    in->winding_temperature_cC = 9000 + 6 * ms;
+    in->bms_charge_current_mA = 40000 - 30 * ms > 0 ? 40000 - 30 * ms : 0;
+    in->brake_torque_mNm = 60000;
+    in->abs_active = ms % 250 > 200;
+    wheel->speed_q32 = 15000000 - ms * 8000;
+    wheel->bus_code = (uint16_t)(3500 + ms / 4);
+}
+
+/* Demand lost, hardware fault, acknowledgement, over and over. */
+static void faults_and_recoveries(wheel_t *wheel, slow_input_t *in, int32_t ms)
+{
+    enabled_at_room_temperature(in, ms);
+    in->brake_torque_mNm = ms % 400 < 150 ? 30000 : 0;
+    in->demand_age_ms = ms % 300 > 250 ? (uint32_t)(ms % 300) : 0;
+    in->fault_reset = ms % 100 > 50;
+    in->enable = ms > 200 && ms % 400 < 300;
+    wheel->speed_q32 = ms % 400 < 200 ? 3000000 : 0;
+}
+
+/* Anything a port can deliver, in any order. */
+static void chaos(wheel_t *wheel, slow_input_t *in, int32_t ms)
+{
+    const int32_t roll = (int32_t)wheel_random(wheel);
+    in->drive_torque_mNm = (roll - 32768) * 100;
+    in->brake_torque_mNm = (int32_t)wheel_random(wheel) * 100;
+    in->demand_age_ms = roll % 16 == 0 ? UINT32_MAX : 0;
+    in->bms_charge_current_mA = (int32_t)wheel_random(wheel) * 100;
+    in->bms_discharge_current_mA = (int32_t)wheel_random(wheel) * 100;
+    in->winding_temperature_cC = (int32_t)(wheel_random(wheel) % 20000U) - 5000;
+    in->switch_temperature_cC = (int32_t)(wheel_random(wheel) % 20000U) - 5000;
+    in->enable = ms > 200 && roll % 64 != 0;
+    in->abs_active = roll % 8 == 1;
+    in->fault_reset = roll % 2 == 1;
+    wheel->speed_q32 = (roll - 32768) * 8000;
+}
+
+/* ---- disturbances ---- */
+
+static void break_now_and_then(wheel_t *wheel, fast_input_t *in)
+{
+    in->power_stage_fault = wheel_random(wheel) % 4001U == 0;
+}
+
+static void random_codes(wheel_t *wheel, fast_input_t *in)
+{
+    for (int x = 0; x < 3; x++) {
+        in->phase_current_code[x] = (uint16_t)(wheel_random(wheel) & 0xFFFU);
+    }
+    in->bus_voltage_code = (uint16_t)(wheel_random(wheel) & 0xFFFU);
+    in->rotor_angle_turn = (uint16_t)wheel_random(wheel);
+    in->hall_state = (uint8_t)(wheel_random(wheel) & 7U);
+    in->power_stage_fault = wheel_random(wheel) % 997U == 0;
+}
+
+/* Calm enough to keep running, wild enough to reach every clamp: bursts of random codes, trips acknowledged. */
+static void bursts(wheel_t *wheel, fast_input_t *in)
+{
+    if (wheel_random(wheel) % 50U == 0) {
+        const int phase = (int)(wheel_random(wheel) % 3U);
+        in->phase_current_code[phase] = (uint16_t)(wheel_random(wheel) & 0xFFFU);
+    }
+    if (wheel_random(wheel) % 200U == 0) {
+        in->hall_state = (uint8_t)(wheel_random(wheel) & 7U);
+        in->rotor_angle_turn = (uint16_t)wheel_random(wheel);
+    }
+}
+
+static const story_t STORIES[] = {
+    {"as generated, drive and brake", as_generated, drive_and_brake, NULL, false},
+    {"angle sensor, drive and brake", with_angle_sensor, drive_and_brake, NULL, false},
+    {"halls, ratio, through standstill", with_halls_and_ratio, reverse, NULL, false},
+    {"field weakening, free travel, hot, full battery", with_field_weakening_and_free_travel, hot_and_full, NULL,
+     false},
+    {"interior magnets, reverse", with_interior_magnets, reverse, NULL, false},
+    {"faults and recoveries", with_angle_sensor, faults_and_recoveries, break_now_and_then, false},
+    {"bursts of noise", with_halls_and_ratio, drive_and_brake, bursts, false},
+    {"chaos on halls", with_halls_and_ratio, chaos, random_codes, false},
+    {"chaos on an angle sensor", with_interior_magnets, chaos, random_codes, false},
+    {"forced through chaos on halls", with_halls_and_ratio, chaos, random_codes, true},
+    {"forced through chaos on an angle sensor", with_field_weakening_and_free_travel, chaos, random_codes, true},
+};
+
+static void print_number(uint32_t value, uint32_t base)
+{
+    char digits[12] = {0};
+    int at = 11;
+    do {
+        digits[--at] = "0123456789ABCDEF"[value % base];
+        value /= base;
+    } while (value > 0);
+    print(&digits[at]);
+}
+
+static void force(wheel_t *wheel, slow_to_fast_t *command)
+{
+    command->permission.bridge = BRIDGE_PWM;
+    command->monitor.clear_trip = true;
+    command->foc.i_reference_pu.d = (int16_t)((int32_t)wheel_random(wheel) - 32768);
+    command->foc.i_reference_pu.q = (int16_t)((int32_t)wheel_random(wheel) - 32768);
+}
+
+static uint32_t tell(const story_t *story, uint32_t mode_steps[MODES])
+{
+    static config_t config;
+    static controller_t controller;
+    config = CONFIG_IMAGE;
+    story->configure(&config);
+    controller_init(&controller, &config);
+    slow_to_fast_t slow_to_fast = controller_initial_slow_to_fast(&config);
+    fast_to_slow_t fast_to_slow = controller_initial_fast_to_slow(&config);
+    wheel_t wheel = {.random = 2013, .bus_code = 3500, .noise_codes = 6};
+    slow_input_t slow_in = {.config_accepted = true, .selftest_passed = true};
+    digest_t digest;
+    digest_begin(&digest);
+    for (int32_t step = 1; step <= FAST_STEPS; step++) {
+        fast_input_t in = wheel_sample(&wheel);
+        if (story->disturb != NULL && step > 4000) {
+            story->disturb(&wheel, &in);
+        }
+        const fast_output_t out = controller_fast_step(&controller.fast, &config, &slow_to_fast, &in, &fast_to_slow);
+        digest_fast(&digest, &out, &fast_to_slow);
+        wheel_step(&wheel, &config, &out);
+        if (step % FAST_A_SLOW_STEP == 0) {
+            story->world(&wheel, &slow_in, step / FAST_A_SLOW_STEP);
+            const slow_output_t slow =
+                controller_slow_step(&controller.slow, &config, &fast_to_slow, &slow_in, &slow_to_fast);
+            digest_slow(&digest, &slow, &slow_to_fast);
+            if (story->forced) {
+                force(&wheel, &slow_to_fast);
+            }
+            mode_steps[slow.mode]++;
+        }
+    }
+    return digest_end(&digest);
+}
+
+int main(void)
+{
+    for (size_t i = 0; i < sizeof STORIES / sizeof STORIES[0]; i++) {
+        uint32_t mode_steps[MODES] = {0};
+        const uint32_t crc = tell(&STORIES[i], mode_steps);
+        print_number(crc, 16);
+        print("  ");
+        print(STORIES[i].name);
+        for (int mode = 0; mode < MODES; mode++) {
+            if (mode_steps[mode] > 0) {
+                print(", ");
+                print(modes_text((modes_mode_t)mode));
+                print(" ");
+                print_number(mode_steps[mode], 10);
+            }
+        }
+        print("\n");
+    }
+    return 0;
+}

@@ -1,0 +1,31 @@
+/*
+ * wheel.h: a wheel for comparing machines, not for believing in: three windings that follow the compare values like a
+ * resistance with an inductance, a back-EMF that turns with the rotor, all in integers, so that host and emulated core
+ * compute the same. It closes the loop, so that the controller goes through its regulators and limits as on a vehicle.
+ */
+#ifndef TARGET_WHEEL_H
+#define TARGET_WHEEL_H
+
+#include <stdint.h>
+
+#include "controller/controller.h"
+
+typedef struct {
+    uint32_t random;
+    uint32_t angle_q32;
+    int32_t speed_q32;          /* electrical turns per PWM period */
+    int32_t winding_code_q8[2]; /* currents a and b in converter codes */
+    uint16_t bus_code;
+    uint16_t noise_codes; /* peak to peak */
+} wheel_t;
+
+/* Uniform 16 bits; Numerical Recipes' generator. */
+uint32_t wheel_random(wheel_t *wheel);
+
+/* What the board measures now. */
+fast_input_t wheel_sample(wheel_t *wheel);
+
+/* One PWM period under this output. */
+void wheel_step(wheel_t *wheel, const config_t *config, const fast_output_t *out);
+
+#endif

@@ -1,0 +1,123 @@
+#include <string.h>
+
+#include "app/boot.h"
+#include "config_image.h"
+#include "mock_flash.h"
+#include "mock_inverter.h"
+#include "mock_memory.h"
+#include "mock_rotor_sensor.h"
+#include "mock_serial.h"
+#include "mock_time.h"
+#include "mock_watchdog.h"
+#include "unity.h"
+
+static config_t config;
+static volatile uint32_t window[16];
+
+/* A board on which everything is in order; single tests change one thing. */
+static void expect_board(bool clock_good, const void *configuration, uint32_t configuration_bytes,
+                         uint32_t firmware_crc32)
+{
+    const memory_window_t unused = {window, 16};
+    const flash_image_t firmware = {"123456789", 9};
+    const flash_image_t image = {configuration, configuration_bytes};
+    time_init_ExpectAndReturn(clock_good);
+    serial_init_Expect(BOOT_SERIAL_BIT_RATE);
+    watchdog_caused_reset_ExpectAndReturn(false);
+    memory_unused_ExpectAndReturn(unused);
+    memory_mark_stack_Expect();
+    flash_firmware_ExpectAndReturn(firmware);
+    flash_firmware_crc32_ExpectAndReturn(firmware_crc32);
+    flash_configuration_ExpectAndReturn(image);
+}
+
+static void expect_ports(inverter_status_t status)
+{
+    static inverter_settings_t settings;
+    settings.pwm_frequency_Hz = (uint32_t)config.drive.pwm_frequency_Hz;
+    settings.pwm_period_counts = (uint32_t)config.drive.pwm_period_counts;
+    settings.dead_time_ns = (uint32_t)config.drive.dead_time_ns;
+    rotor_sensor_init_Expect(config.rotor.sensor == CONFIG_ROTOR_HALL ? ROTOR_SENSOR_HALL : ROTOR_SENSOR_ANGLE,
+                             config.motor.pole_pairs);
+    inverter_init_ExpectAndReturn(&settings, status);
+}
+
+enum { GOOD_CRC32 = (int)0xCBF43926 };
+
+void setUp(void)
+{
+    config = CONFIG_IMAGE;
+}
+
+void tearDown(void) {}
+
+void test_a_sound_board_with_a_good_configuration_may_control(void)
+{
+    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    expect_ports(INVERTER_OK);
+    const boot_report_t report = boot_run();
+    TEST_ASSERT_TRUE(boot_config_accepted(&report));
+    TEST_ASSERT_TRUE(boot_selftest_passed(&report));
+    TEST_ASSERT_TRUE(boot_may_control(&report));
+    TEST_ASSERT_EQUAL_PTR(&config, report.config);
+}
+
+/* No expectation for inverter or rotor: a call would fail the test. */
+void test_a_refused_configuration_starts_neither_bridge_nor_rotor_sensor_and_names_the_field(void)
+{
+    config.motor.pole_pairs = 0;
+    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    const boot_report_t report = boot_run();
+    TEST_ASSERT_FALSE(boot_may_control(&report));
+    TEST_ASSERT_EQUAL_STRING("motor.pole_pairs", report.verdict.field);
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_RANGE, report.verdict.code);
+}
+
+void test_an_erased_sector_is_refused(void)
+{
+    uint8_t erased[sizeof(config_t)];
+    memset(erased, 0xFF, sizeof erased);
+    memcpy(&config, erased, sizeof config);
+    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    const boot_report_t report = boot_run();
+    TEST_ASSERT_FALSE(boot_config_accepted(&report));
+}
+
+void test_a_sector_too_small_for_the_image_is_refused_without_being_read(void)
+{
+    expect_board(true, &config, sizeof config - 4, (uint32_t)GOOD_CRC32);
+    const boot_report_t report = boot_run();
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_SIZE, report.verdict.code);
+    TEST_ASSERT_FALSE(boot_may_control(&report));
+}
+
+void test_without_its_clock_the_board_starts_nothing_that_needs_exact_time(void)
+{
+    expect_board(false, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    const boot_report_t report = boot_run();
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, report.verdict.code);
+    TEST_ASSERT_FALSE(boot_may_control(&report));
+}
+
+void test_firmware_that_is_not_what_was_built_fails_the_self_test_but_may_report_it(void)
+{
+    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32 + 1U);
+    expect_ports(INVERTER_OK);
+    const boot_report_t report = boot_run();
+    TEST_ASSERT_FALSE(boot_selftest_passed(&report));
+    TEST_ASSERT_TRUE(boot_may_control(&report));
+}
+
+void test_a_configuration_that_this_boards_timer_cannot_realise_is_refused(void)
+{
+    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNREACHABLE, INVERTER_DEAD_TIME_UNREACHABLE,
+                                            INVERTER_TIMER_UNREADY, INVERTER_CONVERTER_UNREADY};
+    for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; i++) {
+        expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+        expect_ports(BAD[i]);
+        const boot_report_t report = boot_run();
+        TEST_ASSERT_FALSE(boot_config_accepted(&report));
+        TEST_ASSERT_FALSE(boot_may_control(&report));
+    }
+}

@@ -1,0 +1,202 @@
+/* Frames through the pump as through a pipe: what they mean is tested with the node (firmware/comms). */
+#include "app/can_link.h"
+#include "mock_can.h"
+#include "unity.h"
+
+static const messages_battery_t PACK = {.charge_current_mA = 50000, .discharge_current_mA = 150000};
+
+static can_link_t can_link;
+static uint16_t accepted[MESSAGES_HEARD];
+static can_frame_t waiting[16]; /* what the bus has for us */
+static int waiting_count, delivered;
+static can_frame_t sent[64];
+static int sent_count, room;
+static bool starts;
+
+static bool init(const uint16_t *identifiers, uint32_t count, int calls)
+{
+    (void)calls;
+    TEST_ASSERT_EQUAL_UINT32(MESSAGES_HEARD, count);
+    for (uint32_t i = 0; i < count; i++) {
+        accepted[i] = identifiers[i];
+    }
+    return starts;
+}
+
+static bool receive(can_frame_t *frame, int calls)
+{
+    (void)calls;
+    if (delivered == waiting_count) {
+        return false;
+    }
+    *frame = waiting[delivered++];
+    return true;
+}
+
+static bool transmit(const can_frame_t *frame, int calls)
+{
+    (void)calls;
+    if (room == 0) {
+        return false;
+    }
+    room--;
+    sent[sent_count++] = *frame;
+    return true;
+}
+
+void setUp(void)
+{
+    waiting_count = 0;
+    delivered = 0;
+    sent_count = 0;
+    room = 64;
+    starts = true;
+    can_init_StubWithCallback(init);
+    can_receive_StubWithCallback(receive);
+    can_transmit_StubWithCallback(transmit);
+    TEST_ASSERT_TRUE(can_link_init(&can_link, MESSAGES_REAR_LEFT, PACK, 0));
+}
+
+void tearDown(void) {}
+
+static void arrive(uint8_t counter, int32_t drive_torque_mNm)
+{
+    const messages_demand_t demand = {.drive_torque_mNm = drive_torque_mNm, .enable = true};
+    const messages_frame_t frame = messages_demand(&demand, MESSAGES_REAR_LEFT, counter);
+    can_frame_t *to = &waiting[waiting_count++];
+    to->identifier = frame.identifier;
+    to->length = frame.length;
+    for (uint32_t i = 0; i < frame.length; i++) {
+        to->data[i] = frame.data[i];
+    }
+}
+
+/* Identifiers from the DBC: Demand 0x100, the rear left wheel +2; BatteryLimits 0x140 for every wheel. */
+void test_only_what_is_meant_for_this_wheel_is_let_through(void)
+{
+    TEST_ASSERT_EQUAL_HEX16(0x102, accepted[0]);
+    TEST_ASSERT_EQUAL_HEX16(0x140, accepted[1]);
+}
+
+void test_a_demand_arrives_whole_and_with_its_time(void)
+{
+    arrive(7, 1000);
+    arrive(8, 2000);
+    arrive(9, -123400);
+    TEST_ASSERT_TRUE(can_link_receive(&can_link, 42));
+    TEST_ASSERT_EQUAL_INT32(-123400, can_link.node.wish.demand.drive_torque_mNm);
+    TEST_ASSERT_TRUE(can_link.node.wish.demand.enable);
+    TEST_ASSERT_EQUAL_UINT32(42, can_link.node.wish.demand_time_ms);
+    TEST_ASSERT_FALSE(can_link_receive(&can_link, 43));
+}
+
+void test_silence_is_noticed_without_any_frame(void)
+{
+    const messages_battery_t full = {.charge_current_mA = 20000, .discharge_current_mA = 90000};
+    for (uint8_t counter = 0; counter < 3; counter++) {
+        const messages_frame_t frame = messages_battery(&full, counter);
+        (void)node_hear(&can_link.node, &frame, 100);
+    }
+    TEST_ASSERT_EQUAL_INT32(20000, can_link.node.wish.battery.charge_current_mA);
+    TEST_ASSERT_TRUE(can_link_receive(&can_link, 100000));
+    TEST_ASSERT_EQUAL_INT32(0, can_link.node.wish.battery.charge_current_mA);
+}
+
+void test_a_flooded_bus_is_read_in_portions(void)
+{
+    for (uint8_t i = 0; i < 16; i++) {
+        arrive(i, i);
+    }
+    (void)can_link_receive(&can_link, 0);
+    TEST_ASSERT_TRUE(delivered > 0 && delivered < 16);
+}
+
+/* In a second: state and brake 100 times, drive 50 times, power and health 10 times each. */
+void test_everything_leaves_in_its_cycle_when_there_is_room(void)
+{
+    const messages_output_t output = {.mode = 3};
+    int count[5] = {0};
+    for (uint32_t ms = 1; ms <= 1000; ms++) {
+        sent_count = 0;
+        room = 64;
+        can_link_transmit(&can_link, ms, &output);
+        can_link_transmit(&can_link, ms, &output);
+        for (int i = 0; i < sent_count; i++) {
+            TEST_ASSERT_EQUAL_UINT8(8, sent[i].length);
+            TEST_ASSERT_TRUE(sent[i].identifier >= 0x182 && sent[i].identifier <= 0x192);
+            TEST_ASSERT_EQUAL_HEX16(2, sent[i].identifier & 3);
+            count[(sent[i].identifier - 0x180) / 4]++;
+        }
+    }
+    TEST_ASSERT_EQUAL_INT(100, count[0]);
+    TEST_ASSERT_EQUAL_INT(100, count[1]);
+    TEST_ASSERT_EQUAL_INT(50, count[2]);
+    TEST_ASSERT_EQUAL_INT(10, count[3]);
+    TEST_ASSERT_EQUAL_INT(10, count[4]);
+}
+
+/* Three mailboxes, five messages due at once: the most urgent first, the others when the mailboxes are empty again. */
+void test_what_finds_no_room_leaves_with_the_next_pass(void)
+{
+    const messages_output_t output = {.mode = 3};
+    room = 3;
+    can_link_transmit(&can_link, 100, &output);
+    TEST_ASSERT_EQUAL_INT(3, sent_count);
+    TEST_ASSERT_EQUAL_HEX16(0x182, sent[0].identifier);
+    TEST_ASSERT_EQUAL_HEX16(0x186, sent[1].identifier);
+    TEST_ASSERT_EQUAL_HEX16(0x18A, sent[2].identifier);
+    room = 3;
+    can_link_transmit(&can_link, 101, &output);
+    TEST_ASSERT_EQUAL_INT(5, sent_count);
+    TEST_ASSERT_EQUAL_HEX16(0x18E, sent[3].identifier);
+    TEST_ASSERT_EQUAL_HEX16(0x192, sent[4].identifier);
+}
+
+void test_a_controller_that_did_not_start_is_left_alone(void)
+{
+    starts = false;
+    TEST_ASSERT_FALSE(can_link_init(&can_link, MESSAGES_FRONT_LEFT, PACK, 0));
+    arrive(1, 1);
+    const messages_output_t output = {.mode = 3};
+    TEST_ASSERT_FALSE(can_link_receive(&can_link, 10));
+    can_link_transmit(&can_link, 1000, &output);
+    TEST_ASSERT_EQUAL_INT(0, delivered);
+    TEST_ASSERT_EQUAL_INT(0, sent_count);
+}
+
+void test_every_output_of_the_controller_is_handed_over_as_it_is(void)
+{
+    const slow_output_t output = {
+        .motor_torque_command_mNm = -1,
+        .motor_torque_estimate_mNm = -2,
+        .hydraulic_torque_mNm = 3,
+        .electric_brake_available_mNm = 4,
+        .speed_mrad_s = 5,
+        .i_q_mA = -6,
+        .bus_voltage_mV = 7,
+        .bus_current_mA = -8,
+        .torque_reason = REASON_ABS,
+        .available_reason = REASON_HANDOVER,
+        .hydraulic_reason = REASON_HYDRAULIC_LIMIT,
+        .fault_reason = REASON_OVERCURRENT,
+        .mode = MODE_LIMP,
+        .stop_lamp = true,
+    };
+    const messages_output_t said = can_link_output(&output, 9, 10);
+    TEST_ASSERT_EQUAL_INT32(-1, said.motor_torque_command_mNm);
+    TEST_ASSERT_EQUAL_INT32(-2, said.motor_torque_estimate_mNm);
+    TEST_ASSERT_EQUAL_INT32(3, said.hydraulic_torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(4, said.electric_brake_available_mNm);
+    TEST_ASSERT_EQUAL_INT32(5, said.speed_mrad_s);
+    TEST_ASSERT_EQUAL_INT32(-6, said.i_q_mA);
+    TEST_ASSERT_EQUAL_INT32(7, said.bus_voltage_mV);
+    TEST_ASSERT_EQUAL_INT32(-8, said.bus_current_mA);
+    TEST_ASSERT_EQUAL_INT32(9, said.winding_temperature_cC);
+    TEST_ASSERT_EQUAL_INT32(10, said.switch_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(REASON_ABS, said.torque_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_HANDOVER, said.available_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LIMIT, said.hydraulic_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, said.fault_reason);
+    TEST_ASSERT_EQUAL_UINT8(MODE_LIMP, said.mode);
+    TEST_ASSERT_TRUE(said.stop_lamp);
+}

@@ -1,0 +1,184 @@
+/* The pump between shell and serial line. What the words say is tested with app/report, typing with comms/shell. */
+#include <string.h>
+
+#include "app/console.h"
+#include "config_image.h"
+#include "mock_serial.h"
+#include "unity.h"
+
+static console_t console;
+static boot_report_t boot;
+static slow_output_t output;
+static node_t node;
+static report_status_t status;
+static char screen[65536];
+static uint32_t screen_bytes, line_takes;
+static const char *keys;
+
+static uint32_t take(const char *bytes, uint32_t size, int calls)
+{
+    (void)calls;
+    const uint32_t accepted = size < line_takes ? size : line_takes;
+    memcpy(&screen[screen_bytes], bytes, accepted);
+    screen_bytes += accepted;
+    screen[screen_bytes] = '\0';
+    return accepted;
+}
+
+static bool type(uint8_t *byte, int calls)
+{
+    (void)calls;
+    if (*keys == '\0') {
+        return false;
+    }
+    *byte = (uint8_t)*keys++;
+    return true;
+}
+
+void setUp(void)
+{
+    const boot_report_t good = {
+        .clock_good = true, .ram_good = true, .firmware_good = true, .verdict = {.field = ""}, .config = &CONFIG_IMAGE};
+    boot = good;
+    const slow_output_t idle = {.mode = MODE_READY, .torque_reason = REASON_PERMISSION, .bus_voltage_mV = 53012};
+    output = idle;
+    const report_status_t running = {.output = &output, .node = &node, .control = true};
+    status = running;
+    console_init(&console, &boot);
+    screen_bytes = 0;
+    screen[0] = '\0';
+    line_takes = 1000;
+    keys = "";
+    serial_write_StubWithCallback(take);
+    serial_read_StubWithCallback(type);
+}
+
+void tearDown(void) {}
+
+static void pump(uint32_t now_ms)
+{
+    console_pump(&console, now_ms, &status);
+}
+
+static void type_and_wait(const char *typed)
+{
+    keys = typed;
+    for (int i = 0; i < 10000 && (*keys != '\0' || !console_drained(&console)); i++) {
+        pump(0);
+    }
+    TEST_ASSERT_TRUE(console_drained(&console));
+}
+
+static void assert_shows(const char *words)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(screen, words), screen);
+}
+
+static int times_shown(const char *words)
+{
+    int times = 0;
+    for (const char *at = strstr(screen, words); at != NULL; at = strstr(at + 1, words)) {
+        times++;
+    }
+    return times;
+}
+
+void test_the_greeting_is_the_banner_and_what_the_self_tests_found(void)
+{
+    console_greet(&console);
+    pump(0);
+    TEST_ASSERT_EQUAL_PTR(screen, strstr(screen, "hubfoc "));
+    assert_shows("self-test RAM: good\r\n");
+    assert_shows("configuration accepted\r\n");
+}
+
+void test_every_command_that_help_lists_has_an_answer(void)
+{
+    type_and_wait("help\r");
+    static const char *const NAMES[] = {"help", "reasons", "status", "watch", "can", "boot", "config", "version"};
+    for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
+        text_t line_begin;
+        text_clear(&line_begin);
+        text_add(&line_begin, "\n");
+        text_add(&line_begin, NAMES[i]);
+        text_add(&line_begin, " ");
+        assert_shows(line_begin.chars);
+    }
+    type_and_wait("status\r");
+    assert_shows("READY, torque not permitted in this mode; ");
+    type_and_wait("can\r");
+    assert_shows("demand NEVER_HEARD; ");
+    type_and_wait("boot\r");
+    assert_shows("self-test RAM: good\r\n");
+    type_and_wait("version\r");
+    assert_shows("version\r\nhubfoc ");
+    type_and_wait("config motor.pole\r");
+    assert_shows("\r\nmotor.pole_pairs ");
+    TEST_ASSERT_EQUAL_INT(0, times_shown("unknown"));
+}
+
+/* More than a thousand bytes through a buffer of a thousand. */
+void test_the_whole_configuration_is_shown_without_a_gap_on_a_slow_line(void)
+{
+    line_takes = 7;
+    type_and_wait("config\r");
+    TEST_ASSERT_TRUE(screen_bytes > SHELL_WAITING_BYTES);
+    TEST_ASSERT_EQUAL_INT(1, times_shown("\nmotor.type "));
+    TEST_ASSERT_EQUAL_INT(1, times_shown("\nregen_map.temperature_origin_cC "));
+    TEST_ASSERT_EQUAL_UINT32(0, console.shell.dropped_lines);
+}
+
+void test_two_commands_typed_at_once_are_both_answered_in_their_order(void)
+{
+    type_and_wait("version\rstatus\r");
+    const char *version = strstr(screen, "\nhubfoc ");
+    TEST_ASSERT_NOT_NULL_MESSAGE(version, screen);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(version, "\nREADY, "), screen);
+}
+
+void test_watching_shows_a_line_a_second_until_a_key_is_hit(void)
+{
+    keys = "watch\r";
+    for (uint32_t ms = 0; ms <= 3500; ms++) {
+        pump(ms);
+    }
+    TEST_ASSERT_EQUAL_INT(3, times_shown("READY, "));
+    keys = "x";
+    for (uint32_t ms = 3501; ms <= 9000; ms++) {
+        pump(ms);
+    }
+    TEST_ASSERT_EQUAL_INT(3, times_shown("READY, "));
+}
+
+void test_the_status_is_of_now_not_of_when_the_key_was_hit(void)
+{
+    keys = "watch\r";
+    pump(0);
+    output.mode = MODE_RUN;
+    pump(1000);
+    assert_shows("RUN, ");
+    TEST_ASSERT_EQUAL_INT(0, times_shown("READY, "));
+}
+
+void test_a_line_that_takes_one_byte_at_a_time_loses_nothing(void)
+{
+    line_takes = 1;
+    console_greet(&console);
+    type_and_wait("");
+    assert_shows("configuration accepted\r\n");
+    TEST_ASSERT_EQUAL_UINT32(0, console.shell.dropped_lines);
+}
+
+void test_a_line_that_takes_nothing_costs_whole_lines_and_they_are_counted(void)
+{
+    line_takes = 0;
+    for (int i = 0; i < 50; i++) {
+        console_status(&console, &status);
+        pump(0);
+    }
+    TEST_ASSERT_TRUE(console.shell.dropped_lines > 0);
+    line_takes = 1000;
+    type_and_wait("");
+    TEST_ASSERT_EQUAL_INT(50 - (int)console.shell.dropped_lines, times_shown("\r\n"));
+    TEST_ASSERT_EQUAL_CHAR('\n', screen[screen_bytes - 1]);
+}

@@ -1,0 +1,311 @@
+/* The application's two up-calls and its background, one call at a time, with every function of hal/ replaced. */
+#include <string.h>
+
+#include "app/app.h"
+#include "app/supervisor.h"
+#include "comms/messages.h"
+#include "config/validate.h"
+#include "config_image.h"
+#include "controller/controller.h"
+#include "hal/upcall.h"
+#include "mock_analog.h"
+#include "mock_can.h"
+#include "mock_flash.h"
+#include "mock_inverter.h"
+#include "mock_memory.h"
+#include "mock_rotor_sensor.h"
+#include "mock_serial.h"
+#include "mock_time.h"
+#include "mock_watchdog.h"
+#include "unity.h"
+
+static struct {
+    config_t config;
+    analog_sample_t sample;
+    inverter_mode_t mode;
+    uint16_t compare_counts[3];
+    can_frame_t waiting;
+    can_frame_t last_state;
+    uint32_t now_ms, firmware_crc32;
+    int sets, feedings, clearings;
+    bool fault, rotor_ready, frame_waits, inverter_started;
+} board;
+
+static volatile uint32_t window[4];
+
+static flash_image_t configuration(int calls)
+{
+    (void)calls;
+    const flash_image_t image = {&board.config, sizeof board.config};
+    return image;
+}
+
+static flash_image_t firmware(int calls)
+{
+    (void)calls;
+    const flash_image_t image = {"123456789", 9};
+    return image;
+}
+
+static uint32_t firmware_crc32(int calls)
+{
+    (void)calls;
+    return board.firmware_crc32;
+}
+
+static memory_window_t unused(int calls)
+{
+    (void)calls;
+    const memory_window_t out = {window, 4};
+    return out;
+}
+
+static analog_sample_t read_analog(int calls)
+{
+    (void)calls;
+    return board.sample;
+}
+
+static void set(inverter_mode_t mode, const uint16_t compare_counts[3], int calls)
+{
+    (void)calls;
+    board.sets++;
+    board.mode = mode;
+    memcpy(board.compare_counts, compare_counts, sizeof board.compare_counts);
+}
+
+static void start(int calls)
+{
+    (void)calls;
+    board.inverter_started = true;
+}
+
+static bool fault(int calls)
+{
+    (void)calls;
+    return board.fault;
+}
+
+static void clear_fault(int calls)
+{
+    (void)calls;
+    board.clearings++;
+    board.fault = false;
+}
+
+static bool ready(int calls)
+{
+    (void)calls;
+    return board.rotor_ready;
+}
+
+static void feed(int calls)
+{
+    (void)calls;
+    board.feedings++;
+}
+
+static uint32_t now(int calls)
+{
+    (void)calls;
+    return board.now_ms;
+}
+
+static bool receive(can_frame_t *frame, int calls)
+{
+    (void)calls;
+    const bool waits = board.frame_waits;
+    *frame = board.waiting;
+    board.frame_waits = false;
+    return waits;
+}
+
+static bool transmit(const can_frame_t *frame, int calls)
+{
+    (void)calls;
+    if (frame->identifier == messages_identifier(MESSAGES_WHEEL_STATE, HUBFOC_WHEEL)) {
+        board.last_state = *frame;
+    }
+    return true;
+}
+
+void setUp(void)
+{
+    memset(&board, 0, sizeof board);
+    board.config = CONFIG_IMAGE;
+    board.rotor_ready = true;
+    board.firmware_crc32 = 0xCBF43926U; /* of "123456789", published */
+    const config_t *c = &board.config;
+    const int32_t v_dc_mV = (c->battery.min_voltage_mV + c->battery.foldback_voltage_mV) / 2;
+    board.sample =
+        (analog_sample_t){{2048, 2048, 2048}, (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};
+    time_init_IgnoreAndReturn(true);
+    time_start_tick_Ignore();
+    time_ms_StubWithCallback(now);
+    time_cycles_IgnoreAndReturn(0);
+    serial_init_Ignore();
+    serial_read_IgnoreAndReturn(false);
+    serial_write_IgnoreAndReturn(0);
+    watchdog_caused_reset_IgnoreAndReturn(false);
+    watchdog_start_Ignore();
+    watchdog_feed_StubWithCallback(feed);
+    memory_unused_StubWithCallback(unused);
+    memory_mark_stack_Ignore();
+    memory_stack_free_bytes_IgnoreAndReturn(0);
+    flash_firmware_StubWithCallback(firmware);
+    flash_firmware_crc32_StubWithCallback(firmware_crc32);
+    flash_configuration_StubWithCallback(configuration);
+    rotor_sensor_init_Ignore();
+    rotor_sensor_ready_StubWithCallback(ready);
+    rotor_sensor_angle_turn_IgnoreAndReturn(0);
+    rotor_sensor_hall_state_IgnoreAndReturn(5);
+    inverter_init_IgnoreAndReturn(INVERTER_OK);
+    inverter_start_StubWithCallback(start);
+    inverter_set_StubWithCallback(set);
+    inverter_fault_StubWithCallback(fault);
+    inverter_clear_fault_StubWithCallback(clear_fault);
+    analog_read_StubWithCallback(read_analog);
+    analog_winding_temperature_cC_IgnoreAndReturn(2500);
+    analog_switch_temperature_cC_IgnoreAndReturn(2500);
+    can_init_IgnoreAndReturn(true);
+    can_receive_StubWithCallback(receive);
+    can_transmit_StubWithCallback(transmit);
+    can_bus_off_IgnoreAndReturn(false);
+}
+
+void tearDown(void) {}
+
+static void milliseconds(int count)
+{
+    const int fast = board.config.drive.pwm_frequency_Hz / 1000;
+    for (int i = 0; i < count; i++) {
+        for (int k = 0; k < fast; k++) {
+            app_pwm_period_isr();
+        }
+        board.now_ms++;
+        app_millisecond_isr();
+        app_background();
+    }
+}
+
+/* The vehicle's message, ten times a second is enough for no timeout; counter and CRC as they must be. */
+static void vehicle_says(bool enable, bool fault_reset, int duration_ms)
+{
+    static uint8_t counter;
+    for (int ms = 0; ms < duration_ms; ms += 10) {
+        const messages_demand_t demand = {.enable = enable, .fault_reset = fault_reset};
+        const messages_frame_t said = messages_demand(&demand, HUBFOC_WHEEL, counter++);
+        can_frame_t frame = {.identifier = said.identifier, .length = said.length};
+        memcpy(frame.data, said.data, sizeof frame.data);
+        board.waiting = frame;
+        board.frame_waits = true;
+        milliseconds(10);
+    }
+}
+
+static modes_mode_t mode_on_can(void)
+{
+    return (modes_mode_t)(board.last_state.data[1] >> 4); /* hubfoc.dbc: WheelState.mode, bits 12 .. 15 */
+}
+
+void test_from_boot_to_ready_with_the_bridge_off_all_the_way(void)
+{
+    app_boot();
+    TEST_ASSERT_TRUE(board.inverter_started);
+    for (int ms = 0; ms < 300; ms++) {
+        milliseconds(1);
+        TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, board.mode);
+    }
+    TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
+    TEST_ASSERT_EQUAL_INT(300 * board.config.drive.pwm_frequency_Hz / 1000, board.sets);
+}
+
+void test_enabled_over_can_the_bridge_switches(void)
+{
+    app_boot();
+    milliseconds(300);
+    vehicle_says(true, false, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, board.mode);
+}
+
+void test_an_angle_that_is_not_known_yet_is_not_driven_by(void)
+{
+    board.rotor_ready = false;
+    app_boot();
+    milliseconds(300);
+    vehicle_says(true, false, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
+    board.rotor_ready = true;
+    vehicle_says(true, false, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
+}
+
+void test_with_a_refused_configuration_the_interrupts_do_nothing_and_the_watchdog_is_fed(void)
+{
+    board.config.crc32 ^= 1U;
+    app_boot();
+    TEST_ASSERT_FALSE(board.inverter_started);
+    milliseconds(100);
+    TEST_ASSERT_EQUAL_INT(0, board.sets);
+    TEST_ASSERT_EQUAL_INT(100, board.feedings);
+    TEST_ASSERT_FALSE(app_finish());
+}
+
+void test_the_hardwares_fault_is_latched_and_released_only_with_an_acknowledgement(void)
+{
+    app_boot();
+    milliseconds(300);
+    vehicle_says(true, false, 50);
+    board.fault = true;
+    milliseconds(20);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
+    TEST_ASSERT_EQUAL_UINT8(REASON_HARDWARE_BREAK, board.last_state.data[2]);
+    TEST_ASSERT_FALSE(app_finish());
+    vehicle_says(false, false, 500);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
+    TEST_ASSERT_EQUAL_INT(0, board.clearings);
+    vehicle_says(false, true, 500);
+    TEST_ASSERT_TRUE(board.clearings > 0);
+    TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
+    TEST_ASSERT_TRUE(app_finish());
+}
+
+void test_the_watchdog_is_fed_in_every_window_while_all_is_at_work(void)
+{
+    app_boot();
+    milliseconds(SUPERVISOR_WINDOW_STEPS); /* the first window begins somewhere */
+    board.feedings = 0;
+    milliseconds(40 * SUPERVISOR_WINDOW_STEPS);
+    TEST_ASSERT_INT_WITHIN(1, 40, board.feedings);
+}
+
+void test_the_watchdog_starves_when_either_reach_stops(void)
+{
+    app_boot();
+    milliseconds(100);
+    board.feedings = 0;
+    for (int i = 0; i < 100; i++) { /* no PWM period any more */
+        app_millisecond_isr();
+        app_background();
+    }
+    TEST_ASSERT_EQUAL_INT(0, board.feedings);
+    app_boot();
+    milliseconds(100);
+    board.feedings = 0;
+    for (int i = 0; i < 2000; i++) { /* no millisecond any more */
+        app_pwm_period_isr();
+        app_background();
+    }
+    TEST_ASSERT_EQUAL_INT(0, board.feedings);
+}
+
+void test_firmware_that_fails_its_crc_ends_in_fault_and_says_so_on_can(void)
+{
+    board.firmware_crc32++;
+    app_boot();
+    milliseconds(MODES_SELFTEST_TIMEOUT_STEPS + 50);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
+    TEST_ASSERT_EQUAL_UINT8(REASON_SELFTEST_FAILED, board.last_state.data[2]);
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, board.mode);
+}

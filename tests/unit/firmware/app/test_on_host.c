@@ -1,0 +1,261 @@
+/*
+ * The whole application, main loop included, on the simulated board, against the controller driven directly with the
+ * same inputs: the exchange between the contexts must not change a single number.
+ */
+#include <string.h>
+
+#include "app/app.h"
+#include "comms/messages.h"
+#include "config_image.h"
+#include "controller/controller.h"
+#include "hal/time.h"
+#include "hal/upcall.h"
+#include "host/port.h"
+#include "unity.h"
+
+enum { PERIODS = 40000, MESSAGE_PERIOD_ms = 10 };
+
+/* A motor seen through its sensors only: halls that turn, currents that wander. Equal seeds, equal stories. */
+typedef struct {
+    uint32_t random;
+    uint32_t angle_q32;
+    int32_t speed_q32;
+    uint16_t bus_code;
+} story_t;
+
+typedef struct {
+    inverter_mode_t mode;
+    uint16_t compare_counts[3];
+} seen_t;
+
+static story_t story;
+static seen_t seen[PERIODS];
+static int seen_count;
+
+static uint32_t next_random(story_t *s)
+{
+    s->random = s->random * 1664525U + 1013904223U; /* Numerical Recipes' generator */
+    return s->random >> 16;
+}
+
+static host_sample_t tell(story_t *s)
+{
+    static const uint8_t HALL_OF_SECTOR[6] = {5, 1, 3, 2, 6, 4};
+    host_sample_t out = {
+        .winding_temperature_cC = 2500, .switch_temperature_cC = 3000, .bus_voltage_code = s->bus_code};
+    const int32_t a = (int32_t)(next_random(s) % 101U) - 50;
+    const int32_t b = (int32_t)(next_random(s) % 101U) - 50;
+    out.phase_current_code[0] = (uint16_t)(2048 + a);
+    out.phase_current_code[1] = (uint16_t)(2048 + b);
+    out.phase_current_code[2] = (uint16_t)(2048 - a - b);
+    s->speed_q32 += (int32_t)(next_random(s) % 2001U) - 1000;
+    s->angle_q32 += (uint32_t)s->speed_q32;
+    out.rotor_angle_turn = (uint16_t)(s->angle_q32 >> 16);
+    out.hall_state = HALL_OF_SECTOR[((uint64_t)s->angle_q32 * 6U) >> 32];
+    return out;
+}
+
+static host_sample_t sample(void *context)
+{
+    return tell(context);
+}
+
+static void drive(void *context, inverter_mode_t mode, const uint16_t compare_counts[3])
+{
+    (void)context;
+    if (seen_count < PERIODS) {
+        seen[seen_count].mode = mode;
+        memcpy(seen[seen_count].compare_counts, compare_counts, sizeof seen[0].compare_counts);
+        seen_count++;
+    }
+}
+
+static void begin_story(void)
+{
+    const config_t *c = &CONFIG_IMAGE;
+    const int32_t v_dc_mV = (c->battery.min_voltage_mV + c->battery.foldback_voltage_mV) / 2;
+    story = (story_t){.random = 12345,
+                      .speed_q32 = 8000000,
+                      .bus_code = (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};
+}
+
+/* Enabled after 0.5 s; then drive, brake and let go in turn. */
+static messages_demand_t wish(uint32_t now_ms)
+{
+    const uint32_t act = now_ms / 200 % 3;
+    const messages_demand_t demand = {
+        .drive_torque_mNm = act == 0 ? 5000 : 0,
+        .brake_torque_mNm = act == 1 ? 15000 : 0,
+        .enable = now_ms >= 500,
+    };
+    return demand;
+}
+
+static can_frame_t message(uint32_t now_ms)
+{
+    const messages_demand_t demand = wish(now_ms);
+    const messages_frame_t said = messages_demand(&demand, HUBFOC_WHEEL, (uint8_t)(now_ms / MESSAGE_PERIOD_ms));
+    can_frame_t frame = {.identifier = said.identifier, .length = said.length};
+    memcpy(frame.data, said.data, sizeof frame.data);
+    return frame;
+}
+
+static void connect(const config_t *config)
+{
+    const host_plant_t plant = {.context = &story, .sample = sample, .drive = drive};
+    begin_story();
+    seen_count = 0;
+    memset(seen, 0, sizeof seen);
+    host_connect(&plant, config, sizeof *config);
+}
+
+static void run_application(void)
+{
+    connect(&CONFIG_IMAGE);
+    app_boot();
+    host_run_for(PERIODS);
+    uint32_t said_ms = 0;
+    while (time_running()) {
+        if (time_ms() - said_ms >= MESSAGE_PERIOD_ms) {
+            said_ms = time_ms();
+            const can_frame_t frame = message(said_ms);
+            host_can_send(&frame);
+        }
+        app_background();
+    }
+}
+
+static inverter_mode_t expected_mode(bridge_mode_t bridge)
+{
+    return bridge == BRIDGE_PWM ? INVERTER_MODE_PWM : bridge == BRIDGE_SHORT ? INVERTER_MODE_SHORT : INVERTER_MODE_OFF;
+}
+
+/* The two steps by hand, data carried across by assignment, as the bench does it. */
+static void assert_same_as_driven_directly(void)
+{
+    const config_t *config = &CONFIG_IMAGE;
+    static controller_t controller;
+    controller_init(&controller, config);
+    slow_to_fast_t slow_to_fast = controller_initial_slow_to_fast(config);
+    fast_to_slow_t fast_to_slow = controller_initial_fast_to_slow(config);
+    begin_story();
+    (void)tell(&story); /* the board looks once at start-up */
+    fast_output_t out = {.bridge = BRIDGE_OFF};
+    messages_demand_t demand = {0};
+    uint32_t demand_ms = 0, now_ms = 0, said_ms = 0;
+    int messages_heard = 0;
+    bool heard = false;
+    int running = 0;
+    for (int period = 0; period < PERIODS; period++) {
+        TEST_ASSERT_EQUAL_INT(expected_mode(out.bridge), seen[period].mode);
+        TEST_ASSERT_EQUAL_MEMORY(out.compare_counts, seen[period].compare_counts, sizeof out.compare_counts);
+        running += out.bridge == BRIDGE_PWM ? 1 : 0;
+        const host_sample_t s = tell(&story);
+        const fast_input_t in = {
+            .phase_current_code = {s.phase_current_code[0], s.phase_current_code[1], s.phase_current_code[2]},
+            .bus_voltage_code = s.bus_voltage_code,
+            .rotor_angle_turn = config->rotor.sensor == CONFIG_ROTOR_HALL ? (uint16_t)0 : s.rotor_angle_turn,
+            .hall_state = config->rotor.sensor == CONFIG_ROTOR_HALL ? s.hall_state : (uint8_t)0,
+        };
+        out = controller_fast_step(&controller.fast, config, &slow_to_fast, &in, &fast_to_slow);
+        if ((period + 1) % (config->drive.pwm_frequency_Hz / CONTROLLER_SLOW_RATE_HZ) == 0) {
+            now_ms++;
+            const slow_input_t slow_in = {
+                .drive_torque_mNm = demand.drive_torque_mNm,
+                .brake_torque_mNm = demand.brake_torque_mNm,
+                .demand_age_ms = heard ? now_ms - demand_ms : UINT32_MAX,
+                .bms_charge_current_mA = config->battery.max_charge_current_mA * config->battery.driven_wheels,
+                .bms_discharge_current_mA = config->battery.max_discharge_current_mA * config->battery.driven_wheels,
+                .winding_temperature_cC = s.winding_temperature_cC,
+                .switch_temperature_cC = s.switch_temperature_cC,
+                .enable = demand.enable,
+                .selftest_passed = true,
+                .config_accepted = true,
+            };
+            (void)controller_slow_step(&controller.slow, config, &fast_to_slow, &slow_in, &slow_to_fast);
+        }
+        if (now_ms - said_ms >= MESSAGE_PERIOD_ms) {
+            said_ms = now_ms;
+            messages_heard++;
+            if (messages_heard >= E2E_QUALIFYING_FRAMES) { /* those before are not trusted yet */
+                demand = wish(now_ms);
+                demand_ms = now_ms;
+                heard = true;
+            }
+        }
+    }
+    TEST_ASSERT_TRUE_MESSAGE(running > PERIODS / 4, "the story must reach RUN to prove anything");
+}
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+void test_through_interrupts_buffers_and_can_the_bridge_gets_the_same_numbers_in_every_period(void)
+{
+    run_application();
+    TEST_ASSERT_EQUAL_INT(PERIODS, seen_count);
+    assert_same_as_driven_directly();
+}
+
+void test_the_watchdog_is_content_through_all_of_it_and_the_run_ends_well(void)
+{
+    run_application();
+    TEST_ASSERT_FALSE(host_watchdog_bit());
+    TEST_ASSERT_TRUE_MESSAGE(app_finish(), host_serial_output());
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "configuration accepted"));
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "result: RUN, "));
+}
+
+void test_a_run_can_be_repeated_from_boot_and_repeats_itself(void)
+{
+    static seen_t first[PERIODS];
+    run_application();
+    memcpy(first, seen, sizeof first);
+    run_application();
+    TEST_ASSERT_EQUAL_MEMORY(first, seen, sizeof first);
+}
+
+void test_a_corrupt_configuration_boots_to_a_refusal_that_names_the_field_and_the_bridge_never_moves(void)
+{
+    config_t config = CONFIG_IMAGE;
+    config.battery.max_voltage_mV++;
+    connect(&config);
+    app_boot();
+    host_run_for(2000);
+    host_serial_type("status\r");
+    while (time_running()) {
+        app_background();
+    }
+    TEST_ASSERT_EQUAL_INT(0, seen_count);
+    TEST_ASSERT_FALSE(app_finish());
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "configuration refused: crc32"));
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "BOOT, bridge off"));
+    TEST_ASSERT_FALSE(host_watchdog_bit());
+}
+
+void test_a_board_without_its_crystal_says_so_and_stays_in_boot(void)
+{
+    connect(&CONFIG_IMAGE);
+    host_break_clock(true);
+    app_boot();
+    host_run_for(2000);
+    while (time_running()) {
+        app_background();
+    }
+    TEST_ASSERT_EQUAL_INT(0, seen_count);
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "clock fault"));
+}
+
+void test_the_shell_answers_while_the_wheel_turns(void)
+{
+    connect(&CONFIG_IMAGE);
+    app_boot();
+    host_run_for(10000);
+    host_serial_type("boot\rstatus\r");
+    while (time_running()) {
+        app_background();
+    }
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "self-test RAM: good"));
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), " rad/s, "));
+}

@@ -1,0 +1,240 @@
+#include <string.h>
+
+#include "app/report.h"
+#include "config_image.h"
+#include "unity.h"
+
+static boot_report_t boot;
+static slow_output_t output;
+static node_t node;
+static report_status_t status;
+static text_t line;
+static char page[4096];
+static size_t page_length;
+
+void setUp(void)
+{
+    const boot_report_t good = {
+        .clock_good = true, .ram_good = true, .firmware_good = true, .verdict = {.field = ""}, .config = &CONFIG_IMAGE};
+    boot = good;
+    const slow_output_t idle = {.mode = MODE_READY, .torque_reason = REASON_PERMISSION, .bus_voltage_mV = 53012};
+    output = idle;
+    const messages_battery_t pack = {.charge_current_mA = 1000, .discharge_current_mA = 1000};
+    node_init(&node, MESSAGES_FRONT_LEFT, pack, 0);
+    const report_status_t running = {
+        .output = &output, .node = &node, .fast_cycles_worst = 321, .stack_free_bytes = 2048, .control = true};
+    status = running;
+    text_clear(&line);
+    page_length = 0;
+    page[0] = '\0';
+}
+
+void tearDown(void) {}
+
+/* All lines of an answer, each with its end. */
+static void keep(void)
+{
+    text_add(&line, "\n");
+    TEST_ASSERT_TRUE(page_length + line.length < sizeof page);
+    memcpy(&page[page_length], line.chars, line.length + 1U);
+    page_length += line.length;
+    text_clear(&line);
+}
+
+static void turn_page(void)
+{
+    page_length = 0;
+    page[0] = '\0';
+}
+
+static void read_boot(void)
+{
+    for (uint32_t i = 0; report_boot(&boot, i, &line); i++) {
+        keep();
+    }
+}
+
+static void assert_on_page(const char *words)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(page, words), page);
+}
+
+static void assert_in_line(const char *words)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(line.chars, words), line.chars);
+}
+
+void test_the_banner_names_program_configuration_checksum_and_wheel(void)
+{
+    report_banner(&boot, &line);
+    assert_in_line("hubfoc ");
+    assert_in_line(CONFIG_IMAGE.name);
+    text_t crc;
+    text_clear(&crc);
+    text_add_hex(&crc, CONFIG_IMAGE.crc32);
+    assert_in_line(crc.chars);
+    assert_in_line(", wheel ");
+}
+
+void test_a_refused_configuration_is_not_named_in_the_banner_since_its_name_may_be_garbage(void)
+{
+    boot.verdict.code = CONFIG_VERDICT_MAGIC;
+    boot.config = NULL; /* would crash if it were read */
+    report_banner(&boot, &line);
+    TEST_ASSERT_NULL(strstr(line.chars, "configuration"));
+}
+
+void test_after_a_good_start_three_lines_say_so(void)
+{
+    read_boot();
+    TEST_ASSERT_EQUAL_STRING("self-test RAM: good\nself-test firmware CRC: good\nconfiguration accepted\n", page);
+}
+
+void test_a_refused_field_is_named_with_its_value_and_what_would_be_accepted(void)
+{
+    const config_verdict_t verdict = {
+        .code = CONFIG_VERDICT_RANGE, .field = "motor.pole_pairs", .value = 0, .lowest = 1, .highest = 60};
+    boot.verdict = verdict;
+    read_boot();
+    assert_on_page("configuration refused: motor.pole_pairs is 0, accepted 1 .. 60\n");
+}
+
+void test_a_broken_relation_and_a_wrong_checksum_are_named(void)
+{
+    boot.verdict.code = CONFIG_VERDICT_RELATION;
+    boot.verdict.field = "a < b";
+    read_boot();
+    boot.verdict.code = CONFIG_VERDICT_CRC;
+    boot.verdict.field = "crc32";
+    read_boot();
+    assert_on_page("configuration refused: a < b does not hold\n");
+    assert_on_page("configuration refused: crc32 is not what this firmware expects\n");
+}
+
+void test_failed_self_tests_and_clocks_are_said(void)
+{
+    boot.clock_good = false;
+    boot.ram_good = false;
+    boot.firmware_good = false;
+    boot.was_watchdog = true;
+    read_boot();
+    assert_on_page("clock fault");
+    assert_on_page("RAM: FAILED");
+    assert_on_page("CRC: FAILED");
+    assert_on_page("restarted by the watchdog");
+}
+
+void test_each_way_in_which_the_ports_can_refuse_has_words_of_its_own(void)
+{
+    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNREACHABLE, INVERTER_DEAD_TIME_UNREACHABLE,
+                                            INVERTER_TIMER_UNREADY, INVERTER_CONVERTER_UNREADY};
+    static const char *const WORDS[] = {"drive.pwm_period_counts", "drive.dead_time_ns", "PWM timer", "converters"};
+    for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; i++) {
+        boot.inverter = BAD[i];
+        turn_page();
+        read_boot();
+        assert_on_page(WORDS[i]);
+        TEST_ASSERT_NULL(strstr(page, "accepted"));
+    }
+}
+
+void test_status_shows_mode_reason_and_numbers_in_si_units(void)
+{
+    output.mode = MODE_RUN;
+    output.torque_reason = REASON_LOSS_OPTIMUM;
+    output.motor_torque_estimate_mNm = -20450;
+    report_status(&status, &line);
+    assert_in_line("RUN, ");
+    assert_in_line(reason_text(REASON_LOSS_OPTIMUM));
+    assert_in_line("-20.450 N m");
+    assert_in_line("53.012 V");
+    assert_in_line("321 cycles");
+    assert_in_line("demand NEVER_HEARD");
+}
+
+void test_a_latched_fault_is_shown_instead_of_the_limit(void)
+{
+    output.mode = MODE_FAULT;
+    output.fault_reason = REASON_OVERCURRENT;
+    report_status(&status, &line);
+    assert_in_line(reason_text(REASON_OVERCURRENT));
+    TEST_ASSERT_NULL(strstr(line.chars, reason_text(REASON_PERMISSION)));
+}
+
+void test_without_control_the_status_says_boot_and_reads_nothing_else(void)
+{
+    status.control = false;
+    status.output = NULL;
+    status.node = NULL;
+    report_status(&status, &line);
+    assert_in_line("BOOT, bridge off");
+    text_clear(&line);
+    TEST_ASSERT_TRUE(report_can(&status, 0, &line));
+    assert_in_line("BOOT, bridge off");
+    TEST_ASSERT_FALSE(report_can(&status, 1, &line));
+}
+
+void test_the_longest_status_is_not_cut_off(void)
+{
+    output.mode = MODE_OFFSET_CAL;
+    output.torque_reason = REASON_ELECTRIC_RATED; /* the longest text of all */
+    output.motor_torque_estimate_mNm = -20000000;
+    output.motor_torque_command_mNm = -20000000;
+    output.speed_mrad_s = -5000000;
+    output.bus_voltage_mV = 2000000;
+    output.bus_current_mA = -2000000;
+    status.fast_cycles_worst = 8400;
+    status.stack_free_bytes = 131072;
+    report_status(&status, &line);
+    TEST_ASSERT_EQUAL_STRING("NEVER_HEARD", &line.chars[line.length - strlen("NEVER_HEARD")]);
+}
+
+void test_every_way_in_which_a_frame_can_be_wrong_has_its_count(void)
+{
+    const messages_demand_t demand = {.enable = true};
+    for (uint8_t counter = 0; counter < 3; counter++) {
+        const messages_frame_t frame = messages_demand(&demand, MESSAGES_FRONT_LEFT, counter);
+        (void)node_hear(&node, &frame, 10);
+        (void)node_hear(&node, &frame, 10);
+    }
+    for (uint32_t i = 0; report_can(&status, i, &line); i++) {
+        keep();
+    }
+    assert_on_page(
+        "demand VALID; used 1, lost 0, repeated 3, out of sequence 0, damaged 0, implausible 0, timeouts 0\n");
+    assert_on_page("battery NEVER_HEARD; used 0, ");
+    assert_on_page("bus on, foreign frames 0\n");
+}
+
+void test_a_bus_that_is_off_is_said(void)
+{
+    status.bus_off = true;
+    TEST_ASSERT_TRUE(report_can(&status, 2, &line));
+    assert_in_line("bus off");
+}
+
+void test_a_configuration_is_shown_with_its_identity_first_and_then_the_fields_asked_for(void)
+{
+    TEST_ASSERT_TRUE(report_config(&boot, "motor.pole", 0, &line));
+    assert_in_line(CONFIG_IMAGE.name);
+    TEST_ASSERT_EQUAL_UINT32(CONFIG_FORMAT_VERSION, CONFIG_IMAGE.format_version);
+    text_t format;
+    text_clear(&format);
+    text_add(&format, ", format ");
+    text_add_integer(&format, CONFIG_FORMAT_VERSION);
+    assert_in_line(format.chars);
+    text_clear(&line);
+    TEST_ASSERT_TRUE(report_config(&boot, "motor.pole", 1, &line));
+    assert_in_line("motor.pole_pairs ");
+    TEST_ASSERT_FALSE(report_config(&boot, "motor.pole", 2, &line));
+}
+
+void test_of_a_refused_configuration_only_the_refusal_is_shown(void)
+{
+    boot.verdict.code = CONFIG_VERDICT_CRC;
+    boot.verdict.field = "crc32";
+    boot.config = NULL;
+    TEST_ASSERT_TRUE(report_config(&boot, "", 0, &line));
+    assert_in_line("configuration refused: crc32");
+    TEST_ASSERT_FALSE(report_config(&boot, "", 1, &line));
+}

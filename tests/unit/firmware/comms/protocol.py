@@ -1,0 +1,73 @@
+"""The protocol as its users see it: the DBC through cantools, and the firmware's C through its own headers."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import cantools
+import cffi
+from cantools.database.can import Database
+
+ROOT = Path(__file__).resolve().parents[4]
+FIRMWARE = ROOT / "firmware"
+ROOM = FIRMWARE / "comms"
+DBC = ROOM / "hubfoc.dbc"
+
+WHEELS = {"FRONT_LEFT": 0, "FRONT_RIGHT": 1, "REAR_LEFT": 2, "REAR_RIGHT": 3}
+WHEEL_MASK = 0x7FC  # what of an identifier says which message it is
+
+# A structure, an enumerator's or a function's value of the C, which has the types that the headers give it.
+CValue: TypeAlias = Any
+
+
+def load(frame_id_mask: int | None = None) -> Database:
+    """Load the DBC strictly."""
+    loaded = cantools.database.load_file(str(DBC), strict=True, frame_id_mask=frame_id_mask)
+    assert isinstance(loaded, Database)
+    return loaded
+
+
+class Comms:
+    """The room's C: ``ffi`` for its types, ``lib`` for its functions."""
+
+    def __init__(self, library: Path, bare: Path) -> None:
+        """Read the declarations out of the headers; nothing of them is repeated here."""
+        for name in ("stdint.h", "stdbool.h"):  # cffi knows these types by itself
+            (bare / name).write_text("", encoding="utf-8")
+        compiler = shutil.which("cc") or shutil.which("gcc")
+        assert compiler is not None
+        includes = [f"-I{directory}" for directory in (bare, ROOM / "include", FIRMWARE / "core" / "include")]
+        command = [compiler, "-E", "-P", "-nostdinc", *includes, "-"]
+        text = '#include "comms/messages.h"\n'
+        declarations = subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
+        self.ffi = cffi.FFI()
+        self.ffi.cdef(declarations)
+        self.lib: CValue = self.ffi.dlopen(str(library))
+
+    def struct(self, name: str, **values: int) -> CValue:
+        """Return a structure with the given members, the others zero."""
+        made = self.ffi.new(f"{name} *")
+        for member, value in values.items():
+            setattr(made, member, value)
+        return made
+
+    def number(self, name: str) -> int:
+        """Return the value of an enumerator."""
+        return int(getattr(self.lib, name))
+
+
+def reasons() -> dict[int, str]:
+    """Return number and name of every reason of core/reason.h."""
+    text = (FIRMWARE / "core/include/core/reason.h").read_text(encoding="utf-8")
+    found = {int(number): name for number, name in re.findall(r"^\s*X\((\d+), (\w+), \"", text, re.MULTILINE)}
+    assert found[0] == "NONE"
+    assert len(found) > 20
+    return found
+
+
+def enumerators(header: str, prefix: str) -> dict[int, str]:
+    """Return number and name, without the prefix, of the enumerators of a firmware header that begin so."""
+    text = (FIRMWARE / header).read_text(encoding="utf-8")
+    return {int(number): name for name, number in re.findall(rf"\b{prefix}_(\w+) = (\d+)", text)}

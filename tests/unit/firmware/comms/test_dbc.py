@@ -1,0 +1,179 @@
+"""hubfoc.dbc by itself: what a tool that has never heard of this project needs to find in it."""
+
+import re
+from itertools import combinations
+
+import pytest
+from cantools.database.can import Database, Message, Signal
+from protocol import DBC, WHEELS, enumerators, reasons
+
+# Suffix of a name, and the unit it promises.
+UNITS = {"_nm": "Nm", "_rad_s": "rad/s", "_v": "V", "_a": "A", "_c": "degC"}
+
+# Sections that every tool reads (no VAL_TABLE_, SIG_GROUP_, EV_ and so on).
+SECTIONS = {"VERSION", "NS_", "BS_", "BU_", "BO_", "CM_", "BA_DEF_", "BA_DEF_DEF_", "BA_", "VAL_"}
+VECTOR_NAME = re.compile(r"[A-Za-z_]\w{0,31}")
+
+
+def signals(database: Database) -> list[tuple[Message, Signal]]:
+    return [(message, signal) for message in database.messages for signal in message.signals]
+
+
+def test_the_messages_are_those_of_the_protocol(database: Database) -> None:
+    assert [message.name for message in database.messages] == [
+        "Demand",
+        "BatteryLimits",
+        "WheelState",
+        "WheelBrake",
+        "WheelDrive",
+        "WheelPower",
+        "WheelHealth",
+    ]
+
+
+def test_everything_a_brake_system_looks_for_is_there(database: Database) -> None:
+    names = {signal.name for _, signal in signals(database)}
+    assert names >= {
+        *("drive_torque_nm", "brake_torque_nm", "abs_active", "enable", "fault_reset"),
+        *("charge_current_a", "discharge_current_a"),
+        *("motor_torque_command_nm", "motor_torque_estimate_nm", "electric_brake_available_nm", "hydraulic_torque_nm"),
+        *("speed_rad_s", "bus_voltage_v", "bus_current_a", "winding_temperature_c", "switch_temperature_c"),
+        *("mode", "torque_reason", "available_reason", "hydraulic_reason", "fault_reason", "stop_lamp"),
+    }
+
+
+def test_every_message_is_a_classic_frame_of_eight_bytes_with_a_comment_a_cycle_and_a_sender(database: Database) -> None:
+    for message in database.messages:
+        assert message.length == 8, message.name
+        assert not message.is_extended_frame and not message.is_fd, message.name
+        assert message.comment, message.name
+        assert message.cycle_time in (10, 20, 50, 100, 200, 1000), message.name
+        assert len(message.senders) == 1, message.name
+
+
+def test_identifiers_are_unique_also_when_every_wheel_has_its_own(database: Database) -> None:
+    per_wheel = [message for message in database.messages if message.senders != ["battery"]]
+    assert all(message.frame_id % len(WHEELS) == 0 for message in database.messages)
+    taken = [message.frame_id + wheel for message in per_wheel for wheel in WHEELS.values()]
+    taken += [message.frame_id for message in database.messages if message not in per_wheel]
+    assert len(set(taken)) == len(taken)
+    assert max(taken) < 0x800
+    # The low byte alone makes the data id (e2e.h).
+    assert len({identifier & 0xFF for identifier in taken}) == len(taken)
+
+
+def test_every_signal_has_a_comment_a_range_and_a_receiver(database: Database) -> None:
+    for message, signal in signals(database):
+        where = f"{message.name}.{signal.name}"
+        assert signal.comment, where
+        assert signal.receivers, where
+        assert signal.minimum is not None and signal.maximum is not None, where
+        assert signal.minimum < signal.maximum, where
+
+
+def test_every_physical_signal_has_the_unit_that_its_name_says_and_numbers_have_none(database: Database) -> None:
+    for message, signal in signals(database):
+        promised = [unit for suffix, unit in UNITS.items() if signal.name.endswith(suffix)]
+        assert (signal.unit or "") == (promised[0] if promised else ""), f"{message.name}.{signal.name}"
+
+
+def test_every_range_fits_its_field_and_ends_on_a_whole_step(database: Database) -> None:
+    for message, signal in signals(database):
+        where = f"{message.name}.{signal.name}"
+        lowest = -(2 ** (signal.length - 1)) if signal.is_signed else 0
+        highest = 2 ** (signal.length - (1 if signal.is_signed else 0)) - 1
+        for end in (signal.minimum, signal.maximum):
+            assert end is not None
+            steps = (end - signal.conversion.offset) / signal.conversion.scale
+            assert abs(steps - round(steps)) < 1e-6, where
+            assert lowest <= round(steps) <= highest, where
+
+
+def bits_of(signal: Signal) -> set[int]:
+    assert signal.byte_order == "little_endian"
+    return set(range(signal.start, signal.start + signal.length))
+
+
+def test_no_two_signals_share_a_bit_and_none_leaves_the_frame(database: Database) -> None:
+    for message in database.messages:
+        for one, other in combinations(message.signals, 2):
+            assert not bits_of(one) & bits_of(other), f"{message.name}: {one.name}, {other.name}"
+        assert max(max(bits_of(signal)) for signal in message.signals) < 8 * message.length
+
+
+def test_checksum_and_counter_are_where_profile_2_has_them(database: Database) -> None:
+    for message in database.messages:
+        crc, counter = message.get_signal_by_name("crc"), message.get_signal_by_name("counter")
+        assert (crc.start, crc.length) == (0, 8), message.name
+        assert (counter.start, counter.length) == (8, 4), message.name
+
+
+def test_limits_and_demands_leave_room_for_the_largest_drive_the_configuration_accepts(database: Database) -> None:
+    """20 kN m and 5000 rad/s are the ends of config.h's ranges; 16 wheels of 2000 A share a pack."""
+    demand = database.get_message_by_name("Demand")
+    for name, needed in (("drive_torque_nm", 20_000), ("brake_torque_nm", 20_000)):
+        assert (demand.get_signal_by_name(name).maximum or 0) >= needed
+        assert demand.get_signal_by_name(name).conversion.scale == 0.1
+    state = database.get_message_by_name("WheelState")
+    assert (state.get_signal_by_name("speed_rad_s").maximum or 0) >= 5000
+    limits = database.get_message_by_name("BatteryLimits")
+    assert (limits.get_signal_by_name("charge_current_a").maximum or 0) >= 16 * 2000
+
+
+def choices(message: str, signal: str, database: Database) -> dict[int, str]:
+    table = database.get_message_by_name(message).get_signal_by_name(signal).choices
+    assert table is not None, f"{message}.{signal} has no value table"
+    return {int(number): str(name) for number, name in table.items()}
+
+
+@pytest.mark.parametrize(
+    ("message", "signal"),
+    [
+        ("WheelState", "fault_reason"),
+        ("WheelBrake", "hydraulic_reason"),
+        ("WheelBrake", "available_reason"),
+        ("WheelDrive", "torque_reason"),
+    ],
+)
+def test_reasons_have_the_firmware_s_numbers_and_names(message: str, signal: str, database: Database) -> None:
+    assert choices(message, signal, database) == reasons()
+
+
+def test_no_reason_is_left_without_a_value_table(database: Database) -> None:
+    for message, signal in signals(database):
+        assert signal.name.endswith("_reason") == (signal.choices is not None and 64 in signal.choices), f"{message.name}.{signal.name}"
+
+
+def test_modes_have_the_firmware_s_numbers_and_names(database: Database) -> None:
+    modes = enumerators("modes/include/modes/modes.h", "MODE")
+    assert len(modes) >= 7
+    assert choices("WheelState", "mode", database) == modes
+
+
+@pytest.mark.parametrize("signal", ["demand_link", "battery_link"])
+def test_links_have_the_firmware_s_numbers_and_names(signal: str, database: Database) -> None:
+    links = enumerators("comms/include/comms/e2e.h", "E2E")
+    expected = {number: name for number, name in links.items() if name in ("NEVER_HEARD", "QUALIFYING", "VALID", "TIMED_OUT")}
+    assert len(expected) == 4
+    assert choices("WheelHealth", signal, database) == expected
+
+
+def test_the_file_keeps_to_what_every_tool_reads() -> None:
+    text = DBC.read_bytes().decode("ascii")
+    assert "\r" not in text
+    after_names = text.partition("BS_:")[2]
+    keywords = {line.split(" ")[0].rstrip(":") for line in after_names.splitlines() if line and not line.startswith(" SG_")}
+    assert keywords <= SECTIONS
+    attributes = re.findall(r'^BA_DEF_ \w+ "(\w+)"', text, re.MULTILINE)
+    assert attributes == ["GenMsgCycleTime"]
+
+
+def test_names_are_short_enough_for_every_tool(database: Database) -> None:
+    for message, signal in signals(database):
+        assert VECTOR_NAME.fullmatch(message.name), message.name
+        assert VECTOR_NAME.fullmatch(signal.name), signal.name
+
+
+def test_every_node_says_who_it_is(database: Database) -> None:
+    assert {node.name for node in database.nodes} == {"vehicle", "battery", "wheel"}
+    assert all(node.comment for node in database.nodes)

@@ -1,0 +1,310 @@
+"""Frames made by the firmware's C, read by cantools through the DBC, and the other way round.
+
+cantools computes CRC-8 AUTOSAR and profile 2 by itself, so checksum and layout have two independent implementations.
+"""
+
+import random
+from collections.abc import Iterator
+
+import pytest
+from cantools.autosar.end_to_end import apply_profile2_crc, check_profile2_crc, compute_profile2_crc
+from cantools.database.can import Database, Message, Signal
+from protocol import DBC, ROOM, WHEELS, Comms, CValue
+
+# The list of e2e.c once more: made of four entries, as its comment says.
+BASIS = {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}
+
+SENT = ["WheelState", "WheelBrake", "WheelDrive", "WheelPower", "WheelHealth"]
+KINDS = {
+    "Demand": "MESSAGES_DEMAND",
+    "BatteryLimits": "MESSAGES_BATTERY_LIMITS",
+    "WheelState": "MESSAGES_WHEEL_STATE",
+    "WheelBrake": "MESSAGES_WHEEL_BRAKE",
+    "WheelDrive": "MESSAGES_WHEEL_DRIVE",
+    "WheelPower": "MESSAGES_WHEEL_POWER",
+    "WheelHealth": "MESSAGES_WHEEL_HEALTH",
+}
+
+# Member of messages_output_t, and the signal it becomes: message, name, milli-units (or hundredths) of one unit.
+PHYSICAL = {
+    "motor_torque_command_mNm": ("WheelDrive", "motor_torque_command_nm", 1000),
+    "motor_torque_estimate_mNm": ("WheelState", "motor_torque_estimate_nm", 1000),
+    "hydraulic_torque_mNm": ("WheelBrake", "hydraulic_torque_nm", 1000),
+    "electric_brake_available_mNm": ("WheelBrake", "electric_brake_available_nm", 1000),
+    "speed_mrad_s": ("WheelState", "speed_rad_s", 1000),
+    "i_q_mA": ("WheelDrive", "current_q_a", 1000),
+    "bus_voltage_mV": ("WheelPower", "bus_voltage_v", 1000),
+    "bus_current_mA": ("WheelPower", "bus_current_a", 1000),
+    "winding_temperature_cC": ("WheelHealth", "winding_temperature_c", 100),
+    "switch_temperature_cC": ("WheelHealth", "switch_temperature_c", 100),
+}
+NUMBERS = {
+    "torque_reason": ("WheelDrive", "torque_reason"),
+    "available_reason": ("WheelBrake", "available_reason"),
+    "hydraulic_reason": ("WheelBrake", "hydraulic_reason"),
+    "fault_reason": ("WheelState", "fault_reason"),
+    "mode": ("WheelState", "mode"),
+    "stop_lamp": ("WheelState", "stop_lamp"),
+    "demand_link": ("WheelHealth", "demand_link"),
+    "battery_link": ("WheelHealth", "battery_link"),
+    "demand_errors": ("WheelHealth", "demand_errors"),
+    "battery_errors": ("WheelHealth", "battery_errors"),
+}
+
+
+def data_id(identifier: int, counter: int) -> int:
+    """Return the data id of e2e.h."""
+    entry = 0
+    for bit, value in BASIS.items():
+        entry ^= value if counter & bit else 0
+    return entry ^ (identifier & 0xFF)
+
+
+def content(frame: CValue) -> bytes:
+    assert frame.length == 8
+    return bytes(frame.data)
+
+
+def output_frame(comms: Comms, message: str, wheel: int, counter: int, **values: int) -> CValue:
+    output = comms.struct("messages_output_t", **values)
+    return comms.lib.messages_output(comms.number(KINDS[message]), output, wheel, counter)
+
+
+def values_in(database: Database, frame: CValue) -> dict[str, float]:
+    """Return what cantools reads in a frame."""
+    message = database.get_message_by_frame_id(frame.identifier)
+    found = message.decode(content(frame), decode_choices=False)
+    assert isinstance(found, dict)
+    numbers = {name: value for name, value in found.items() if isinstance(value, int | float)}
+    assert len(numbers) == len(message.signals)
+    return numbers
+
+
+def decoded(comms: Comms, database: Database, message: str, **values: int) -> dict[str, float]:
+    frame = output_frame(comms, message, 0, 0, **values)
+    return values_in(database, frame)
+
+
+def signal_of(database: Database, message: str, signal: str) -> Signal:
+    return database.get_message_by_name(message).get_signal_by_name(signal)
+
+
+def frames(comms: Comms) -> Iterator[tuple[str, int, int, CValue]]:
+    """Yield one frame of every message, wheel and counter: name, wheel, counter, frame."""
+    demand = comms.struct("messages_demand_t", drive_torque_mNm=-12300, brake_torque_mNm=456700, enable=True)
+    battery = comms.struct("messages_battery_t", charge_current_mA=123400, discharge_current_mA=567800)
+    for counter in range(16):
+        yield "BatteryLimits", 0, counter, comms.lib.messages_battery(battery, counter)
+        for wheel in WHEELS.values():
+            yield "Demand", wheel, counter, comms.lib.messages_demand(demand, wheel, counter)
+            for name in SENT:
+                values = {"speed_mrad_s": 123450, "bus_current_mA": -4300, "mode": 4, "i_q_mA": -77700, "hydraulic_torque_mNm": 900}
+                yield name, wheel, counter, output_frame(comms, name, wheel, counter, **values)
+
+
+# ---- end-to-end protection ----
+
+
+def test_every_message_of_every_wheel_passes_an_independent_profile_2_check(comms: Comms) -> None:
+    count = 0
+    for name, _, counter, frame in frames(comms):
+        data = content(frame)
+        assert data[1] & 0x0F == counter, name
+        assert check_profile2_crc(data, data_id(frame.identifier, counter)), (name, counter)
+        count += 1
+    assert count == 16 * (1 + 4 * 6)
+
+
+def test_the_checksum_of_random_content_is_the_independent_one(comms: Comms) -> None:
+    dice = random.Random(1)
+    for _ in range(2000):
+        identifier, counter = dice.randrange(0x800), dice.randrange(16)
+        data = comms.ffi.new("uint8_t[8]", dice.randbytes(8))
+        comms.lib.e2e_protect(data, identifier, counter)
+        made = bytes(data)
+        assert made[0] == compute_profile2_crc(made, data_id(identifier, counter))
+
+
+def test_frames_protected_by_the_independent_implementation_are_accepted_and_no_others(comms: Comms) -> None:
+    dice = random.Random(2)
+    for _ in range(500):
+        identifier, counter = dice.randrange(0x800), dice.randrange(16)
+        payload = bytearray(dice.randbytes(8))
+        payload[1] = (payload[1] & 0xF0) | counter
+        protected = apply_profile2_crc(bytes(payload), data_id(identifier, counter))
+        assert protected is not None
+        assert comms.lib.e2e_intact(comms.ffi.new("uint8_t[8]", bytes(protected)), identifier)
+        wrong = bytes([protected[0] ^ dice.randrange(1, 256), *protected[1:]])
+        assert not comms.lib.e2e_intact(comms.ffi.new("uint8_t[8]", wrong), identifier)
+
+
+def test_the_sixteen_data_ids_of_a_message_differ(comms: Comms) -> None:
+    """Seen from outside: one content under sixteen counters; without the counter's own share, the ids are left."""
+    for name, wheel in (("WheelState", 0), ("WheelHealth", 3)):
+        found = set()
+        for counter in range(16):
+            frame = output_frame(comms, name, wheel, counter)
+            data = content(frame)
+            matching = [candidate for candidate in range(256) if compute_profile2_crc(data, candidate) == data[0]]
+            assert len(matching) == 1
+            found.update(matching)
+        assert len(found) == 16
+
+
+def test_the_readme_prints_the_list_of_data_ids() -> None:
+    printed = " ".join(f"{data_id(0, counter):02X}" for counter in range(16))
+    assert f"\n    {printed}\n" in (ROOM / "README.md").read_text(encoding="utf-8")
+
+
+# ---- layout ----
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_identifiers_and_cycles_are_the_dbc_s(name: str, comms: Comms, database: Database) -> None:
+    message: Message = database.get_message_by_name(name)
+    for wheel in WHEELS.values():
+        offset = 0 if name == "BatteryLimits" else wheel
+        assert comms.lib.messages_identifier(comms.number(KINDS[name]), wheel) == message.frame_id + offset
+    assert comms.lib.messages_cycle_ms(comms.number(KINDS[name])) == message.cycle_time
+
+
+def test_wheels_have_the_numbers_that_the_dbc_tells_its_readers(comms: Comms) -> None:
+    text = DBC.read_text(encoding="utf-8")
+    for name, number in WHEELS.items():
+        assert comms.number(f"MESSAGES_{name}") == number
+        assert f"{name.lower().replace('_', ' ')} {number}" in text
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_one_dbc_decodes_every_wheel(name: str, comms: Comms, all_wheels: Database) -> None:
+    seen = 0
+    for made, _, counter, frame in frames(comms):
+        if made == name:
+            assert all_wheels.get_message_by_frame_id(frame.identifier).name == name
+            assert values_in(all_wheels, frame)["counter"] == counter
+            seen += 1
+    assert seen >= 16
+
+
+@pytest.mark.parametrize("member", PHYSICAL)
+def test_a_quantity_arrives_within_half_a_step_and_alone(member: str, comms: Comms, database: Database) -> None:
+    """Random values over the whole range; every other quantity of the message must stay zero."""
+    message, name, per_unit = PHYSICAL[member]
+    signal = signal_of(database, message, name)
+    lowest, highest = signal.minimum, signal.maximum
+    assert lowest is not None and highest is not None
+    step = float(signal.conversion.scale)
+    dice = random.Random(member)
+    zero = decoded(comms, database, message)
+    values = [dice.randint(int(lowest * per_unit), int(highest * per_unit)) for _ in range(200)]
+    for value in [0, int(lowest * per_unit), int(highest * per_unit), *values]:
+        got = decoded(comms, database, message, **{member: value})
+        error = got[name] - value / per_unit
+        if member == "electric_brake_available_mNm":
+            assert -step - 1e-9 < error <= 1e-9, "a promise may not be larger than what is there"
+        else:
+            assert abs(error) <= step / 2 + 1e-9
+        assert {k: v for k, v in got.items() if k not in (name, "crc")} == {k: v for k, v in zero.items() if k not in (name, "crc")}
+
+
+@pytest.mark.parametrize("member", PHYSICAL)
+def test_a_quantity_beyond_its_range_is_sent_as_the_end_of_the_dbc_s_range(member: str, comms: Comms, database: Database) -> None:
+    message, name, per_unit = PHYSICAL[member]
+    signal = signal_of(database, message, name)
+    lowest, highest = signal.minimum, signal.maximum
+    assert lowest is not None and highest is not None
+    for value in (2**31 - 1, int(highest * per_unit) + 1, int(highest * per_unit)):
+        assert decoded(comms, database, message, **{member: value})[name] == pytest.approx(highest)
+    for value in (-(2**31), int(lowest * per_unit) - 1, int(lowest * per_unit)):
+        assert decoded(comms, database, message, **{member: value})[name] == pytest.approx(lowest)
+
+
+@pytest.mark.parametrize("member", ["motor_torque_command_mNm", "speed_mrad_s", "bus_current_mA", "winding_temperature_cC"])
+def test_rounding_is_symmetric_so_that_forward_and_reverse_are_the_same(member: str, comms: Comms, database: Database) -> None:
+    message, name, per_unit = PHYSICAL[member]
+    for value in (*range(1, 120), 4999, 9876):
+        plus = decoded(comms, database, message, **{member: value})[name]
+        minus = decoded(comms, database, message, **{member: -value})[name]
+        assert plus == pytest.approx(-minus), value
+        assert plus == pytest.approx(value / per_unit, abs=float(signal_of(database, message, name).conversion.scale))
+
+
+@pytest.mark.parametrize("member", NUMBERS)
+def test_a_number_arrives_as_it_is_in_the_width_of_its_field(member: str, comms: Comms, database: Database) -> None:
+    message, name = NUMBERS[member]
+    width = signal_of(database, message, name).length
+    zero = decoded(comms, database, message)
+    for value in range(2**width):
+        got = decoded(comms, database, message, **{member: value})
+        assert got[name] == value
+        assert {k: v for k, v in got.items() if k not in (name, "crc")} == {k: v for k, v in zero.items() if k not in (name, "crc")}
+
+
+def test_counts_of_errors_wrap_and_do_not_stop(comms: Comms, database: Database) -> None:
+    got = decoded(comms, database, "WheelHealth", demand_errors=256 + 7, battery_errors=2**32 - 1)
+    assert (got["demand_errors"], got["battery_errors"]) == (7, 255)
+
+
+def test_a_broken_temperature_sensor_is_300_degrees(comms: Comms, database: Database) -> None:
+    """hal/analog.h reports 29 999 hundredths for a sensor that is broken or not there."""
+    got = decoded(comms, database, "WheelHealth", winding_temperature_cC=29999, switch_temperature_cC=29999)
+    assert (got["winding_temperature_c"], got["switch_temperature_c"]) == (300.0, 300.0)
+
+
+# ---- what the vehicle and the battery say, made by cantools ----
+
+
+def received(comms: Comms, database: Database, message: str, values: dict[str, float]) -> CValue:
+    """Return the frame cantools makes, as the C sees it."""
+    encoded = database.encode_message(message, {"crc": 0, "counter": 0, **values}, strict=False)
+    frame = comms.struct("messages_frame_t", identifier=database.get_message_by_name(message).frame_id, length=8)
+    frame.data[0:8] = list(encoded)
+    return frame
+
+
+def test_a_demand_made_by_another_tool_is_read_exactly(comms: Comms, database: Database) -> None:
+    dice = random.Random(3)
+    for _ in range(1000):
+        drive, brake = dice.randint(-200_000, 200_000), dice.randint(0, 200_000)
+        flags = {name: dice.randint(0, 1) for name in ("enable", "abs_active", "fault_reset")}
+        frame = received(comms, database, "Demand", {"drive_torque_nm": drive / 10, "brake_torque_nm": brake / 10, **flags})
+        demand = comms.struct("messages_demand_t")
+        assert comms.lib.messages_read_demand(frame, demand)
+        assert (demand.drive_torque_mNm, demand.brake_torque_mNm) == (100 * drive, 100 * brake)
+        assert {name: int(getattr(demand, name)) for name in flags} == flags
+
+
+def test_battery_limits_made_by_another_tool_are_read_exactly(comms: Comms, database: Database) -> None:
+    dice = random.Random(4)
+    for _ in range(1000):
+        charge, discharge = dice.randint(0, 320_000), dice.randint(0, 320_000)
+        frame = received(comms, database, "BatteryLimits", {"charge_current_a": charge / 10, "discharge_current_a": discharge / 10})
+        battery = comms.struct("messages_battery_t")
+        assert comms.lib.messages_read_battery(frame, battery)
+        assert (battery.charge_current_mA, battery.discharge_current_mA) == (100 * charge, 100 * discharge)
+
+
+@pytest.mark.parametrize(
+    ("message", "signal"),
+    [
+        ("Demand", "drive_torque_nm"),
+        ("Demand", "brake_torque_nm"),
+        ("BatteryLimits", "charge_current_a"),
+        ("BatteryLimits", "discharge_current_a"),
+    ],
+)
+def test_the_range_that_is_accepted_is_the_dbc_s(message: str, signal: str, comms: Comms, database: Database) -> None:
+    described = signal_of(database, message, signal)
+    others = {other.name: 0.0 for other in database.get_message_by_name(message).signals if other.name not in (signal, "crc", "counter")}
+    read, kind = {
+        "Demand": (comms.lib.messages_read_demand, "messages_demand_t"),
+        "BatteryLimits": (comms.lib.messages_read_battery, "messages_battery_t"),
+    }[message]
+    step = float(described.conversion.scale)
+    lowest, highest = described.minimum, described.maximum
+    assert lowest is not None and highest is not None
+    for value, accepted in ((lowest, True), (highest, True), (highest + step, False), (lowest - step, not described.is_signed)):
+        if value < 0 and not described.is_signed:
+            continue  # cannot be sent at all
+        frame = received(comms, database, message, {**others, signal: value})
+        assert bool(read(frame, comms.struct(kind))) == accepted, value

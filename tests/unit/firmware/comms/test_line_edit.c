@@ -1,0 +1,169 @@
+#include <string.h>
+
+#include "comms/line_edit.h"
+#include "unity.h"
+
+static line_edit_t edit;
+static text_t echo;
+
+void setUp(void)
+{
+    memset(&edit, 0xA5, sizeof edit); /* so that what is not initialised shows */
+    line_edit_init(&edit);
+    text_clear(&echo);
+}
+
+void tearDown(void) {}
+
+static line_edit_event_t type(const char *keys)
+{
+    line_edit_event_t event = LINE_EDIT_GOES_ON;
+    for (uint32_t i = 0; keys[i] != '\0'; i++) {
+        event = line_edit_hear(&edit, (uint8_t)keys[i], &echo);
+    }
+    return event;
+}
+
+static void assert_line(const char *expected, const char *keys)
+{
+    TEST_ASSERT_EQUAL_INT(LINE_EDIT_ENDED, type(keys));
+    TEST_ASSERT_EQUAL_STRING(expected, edit.line);
+}
+
+void test_what_is_typed_is_echoed_and_is_the_line(void)
+{
+    assert_line("config motor", "config motor\r");
+    TEST_ASSERT_EQUAL_STRING("config motor\r\n", echo.chars);
+}
+
+void test_every_printable_character_can_be_typed(void)
+{
+    for (int c = '!'; c <= '~'; c++) {
+        const char keys[] = {(char)c, '\0'};
+        text_clear(&echo);
+        (void)type(keys);
+        TEST_ASSERT_EQUAL_STRING(keys, echo.chars);
+        assert_line(keys, "\r");
+    }
+}
+
+void test_a_line_feed_may_be_the_very_first_key(void)
+{
+    assert_line("", "\n");
+}
+
+void test_blanks_around_the_words_are_dropped_and_those_between_are_kept(void)
+{
+    assert_line("a  b", "   a  b  \r");
+    assert_line("", "     \r");
+}
+
+void test_return_line_feed_and_both_end_one_line_each(void)
+{
+    assert_line("a", "a\r");
+    assert_line("b", "b\n");
+    assert_line("c", "c\r");
+    TEST_ASSERT_EQUAL_INT(LINE_EDIT_GOES_ON, type("\n")); /* the second half of CR LF */
+    TEST_ASSERT_EQUAL_INT(LINE_EDIT_ENDED, type("\n"));
+    TEST_ASSERT_EQUAL_STRING("", edit.line);
+    TEST_ASSERT_EQUAL_INT(LINE_EDIT_ENDED, type("\r"));
+    TEST_ASSERT_EQUAL_INT(LINE_EDIT_ENDED, type("\r"));
+}
+
+void test_backspace_and_delete_take_one_character_back_and_never_more_than_there_are(void)
+{
+    assert_line("status", "\b\x7Fstax\btus\r");
+    TEST_ASSERT_EQUAL_STRING("stax\b \btus\r\n", echo.chars);
+    assert_line("ab", "abc\x7F\r");
+}
+
+void test_control_u_takes_everything_back(void)
+{
+    assert_line("new", "old words\x15new\r");
+    TEST_ASSERT_NOT_NULL(strstr(echo.chars, "\r\x1B[K" LINE_EDIT_PROMPT "new"));
+}
+
+void test_control_c_gives_up_and_the_next_line_is_empty(void)
+{
+    TEST_ASSERT_EQUAL_INT(LINE_EDIT_CANCELLED, type("half\x03"));
+    assert_line("", "\r");
+}
+
+void test_the_arrow_up_brings_the_last_line_back_for_editing(void)
+{
+    assert_line("status", "status\r");
+    assert_line("status", "\x1B[A\r");
+    assert_line("statuses", "xyz\x1B[A"
+                            "es\r");
+    assert_line("statuses", "\x1B[A\r");
+}
+
+void test_an_empty_line_is_not_remembered(void)
+{
+    assert_line("status", "status\r");
+    assert_line("", "\r");
+    assert_line("", "   \r");
+    assert_line("status", "\x1B[A\r");
+}
+
+void test_other_keys_do_nothing(void)
+{
+    assert_line("", "\x1B[A\r"); /* nothing to bring back yet */
+    text_clear(&echo);
+    assert_line("ab", "a\x1B[@\x1B[~\x1B[B\x1B[C\x1B[D\x1B[1;5C\x1B[3~\t\x01\x07"
+                      "b\r");
+    TEST_ASSERT_EQUAL_STRING("ab\r\n", echo.chars);
+    text_clear(&echo);
+    for (unsigned byte = 0x80; byte < 0x100; byte++) {
+        TEST_ASSERT_EQUAL_INT(LINE_EDIT_GOES_ON, line_edit_hear(&edit, (uint8_t)byte, &echo));
+    }
+    TEST_ASSERT_EQUAL_UINT32(0, echo.length);
+}
+
+void test_a_lonely_escape_does_not_swallow_the_next_key(void)
+{
+    assert_line("ab", "a\x1B"
+                      "b\r");
+}
+
+void test_a_full_line_rings_and_keeps_what_it_has(void)
+{
+    char keys[LINE_EDIT_CHARS + 1];
+    memset(keys, 'k', LINE_EDIT_CHARS);
+    keys[LINE_EDIT_CHARS] = '\0';
+    (void)type(keys);
+    TEST_ASSERT_EQUAL_STRING(keys, echo.chars);
+    text_clear(&echo);
+    (void)type("more");
+    TEST_ASSERT_EQUAL_STRING("\a\a\a\a", echo.chars);
+    assert_line(keys, "\r");
+    text_clear(&echo);
+    assert_line(keys, "\x1B[A\r");
+}
+
+/* One key's echo must fit a text, whatever has been typed. */
+void test_the_longest_echo_of_one_key_is_not_cut_off(void)
+{
+    char keys[LINE_EDIT_CHARS + 1];
+    memset(keys, 'k', LINE_EDIT_CHARS);
+    keys[LINE_EDIT_CHARS] = '\0';
+    (void)type(keys);
+    (void)type("\r");
+    (void)type(keys);
+    (void)type("\x1B[");
+    text_clear(&echo);
+    (void)type("A");
+    TEST_ASSERT_TRUE(echo.length + 1 < TEXT_CAPACITY);
+    TEST_ASSERT_EQUAL_STRING(keys, &echo.chars[echo.length - LINE_EDIT_CHARS]);
+}
+
+void test_any_bytes_at_all_leave_a_line_within_its_bounds(void)
+{
+    uint32_t random = 7;
+    for (int i = 0; i < 200000; i++) {
+        random = random * 1664525U + 1013904223U; /* Numerical Recipes' generator */
+        text_clear(&echo);
+        (void)line_edit_hear(&edit, (uint8_t)(random >> 24), &echo);
+        TEST_ASSERT_TRUE(edit.length <= LINE_EDIT_CHARS);
+    }
+}

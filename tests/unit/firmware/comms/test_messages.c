@@ -1,0 +1,157 @@
+/* The layout is compared with the DBC in test_frames.py, by decoding; here is what the C promises by itself. */
+#include "comms/generated/hubfoc.h"
+#include "comms/messages.h"
+#include "unity.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static const messages_wheel_t WHEELS[] = {MESSAGES_FRONT_LEFT, MESSAGES_FRONT_RIGHT, MESSAGES_REAR_LEFT,
+                                          MESSAGES_REAR_RIGHT};
+
+void test_identifiers_fit_eleven_bits_and_no_two_share_their_low_byte(void)
+{
+    bool seen[256] = {false};
+    for (uint32_t w = 0; w < 4; w++) {
+        for (int kind = 0; kind < MESSAGES_KINDS; kind++) {
+            const uint16_t identifier = messages_identifier((messages_kind_t)kind, WHEELS[w]);
+            TEST_ASSERT_TRUE(identifier < 0x800);
+            if (kind == MESSAGES_BATTERY_LIMITS && w > 0) {
+                TEST_ASSERT_EQUAL_HEX16(messages_identifier(MESSAGES_BATTERY_LIMITS, MESSAGES_FRONT_LEFT), identifier);
+                continue;
+            }
+            TEST_ASSERT_FALSE_MESSAGE(seen[identifier & 0xFF], "two data ids would be equal");
+            seen[identifier & 0xFF] = true;
+        }
+    }
+}
+
+void test_a_wheel_is_the_lowest_two_bits_of_the_identifier(void)
+{
+    for (uint32_t w = 0; w < 4; w++) {
+        TEST_ASSERT_EQUAL_HEX16(0x100 | w, messages_identifier(MESSAGES_DEMAND, WHEELS[w]));
+        TEST_ASSERT_EQUAL_HEX16(0x190 | w, messages_identifier(MESSAGES_WHEEL_HEALTH, WHEELS[w]));
+    }
+}
+
+/* On CAN the lower identifier wins, and the last wheel's urgent message goes before the first one's less urgent. */
+void test_what_is_more_urgent_has_the_lower_identifier_whatever_the_wheel(void)
+{
+    for (int kind = 1; kind < MESSAGES_KINDS; kind++) {
+        TEST_ASSERT_TRUE(messages_identifier((messages_kind_t)(kind - 1), MESSAGES_REAR_RIGHT) <
+                         messages_identifier((messages_kind_t)kind, MESSAGES_FRONT_LEFT));
+    }
+}
+
+void test_a_demand_comes_back_as_it_was_meant(void)
+{
+    static const int32_t DRIVE_mNm[] = {-20000000, -12300, -100, 0, 100, 40000, 20000000};
+    static const int32_t BRAKE_mNm[] = {0, 100, 12300, 20000000};
+    for (uint32_t d = 0; d < 7; d++) {
+        for (uint32_t b = 0; b < 4; b++) {
+            for (uint32_t flags = 0; flags < 8; flags++) {
+                const messages_demand_t meant = {
+                    .drive_torque_mNm = DRIVE_mNm[d],
+                    .brake_torque_mNm = BRAKE_mNm[b],
+                    .enable = (flags & 1U) != 0,
+                    .abs_active = (flags & 2U) != 0,
+                    .fault_reset = (flags & 4U) != 0,
+                };
+                const messages_frame_t frame = messages_demand(&meant, MESSAGES_FRONT_RIGHT, 5);
+                messages_demand_t read;
+                TEST_ASSERT_TRUE(e2e_intact(frame.data, frame.identifier));
+                TEST_ASSERT_TRUE(messages_read_demand(&frame, &read));
+                TEST_ASSERT_EQUAL_INT32(meant.drive_torque_mNm, read.drive_torque_mNm);
+                TEST_ASSERT_EQUAL_INT32(meant.brake_torque_mNm, read.brake_torque_mNm);
+                TEST_ASSERT_EQUAL(meant.enable, read.enable);
+                TEST_ASSERT_EQUAL(meant.abs_active, read.abs_active);
+                TEST_ASSERT_EQUAL(meant.fault_reset, read.fault_reset);
+            }
+        }
+    }
+}
+
+void test_the_batterys_limits_come_back_as_they_were_meant(void)
+{
+    static const int32_t CURRENT_mA[] = {0, 100, 123400, 32000000};
+    for (uint32_t c = 0; c < 4; c++) {
+        for (uint32_t d = 0; d < 4; d++) {
+            const messages_battery_t meant = {CURRENT_mA[c], CURRENT_mA[d]};
+            const messages_frame_t frame = messages_battery(&meant, 15);
+            messages_battery_t read;
+            TEST_ASSERT_TRUE(e2e_intact(frame.data, frame.identifier));
+            TEST_ASSERT_TRUE(messages_read_battery(&frame, &read));
+            TEST_ASSERT_EQUAL_INT32(meant.charge_current_mA, read.charge_current_mA);
+            TEST_ASSERT_EQUAL_INT32(meant.discharge_current_mA, read.discharge_current_mA);
+        }
+    }
+}
+
+static bool demand_is_read(int32_t drive_steps, uint32_t brake_steps)
+{
+    const struct hubfoc_demand_t raw = {.drive_torque_nm = drive_steps, .brake_torque_nm = brake_steps};
+    messages_frame_t frame = {.length = 8};
+    (void)hubfoc_demand_pack(frame.data, &raw, sizeof frame.data);
+    messages_demand_t demand = {.drive_torque_mNm = 7};
+    const bool read = messages_read_demand(&frame, &demand);
+    TEST_ASSERT_TRUE_MESSAGE(read || demand.drive_torque_mNm == 7, "a refused frame must leave everything as it was");
+    return read;
+}
+
+/* 200 000 steps of 0.1 N m are the DBC's 20 000 N m; the field could hold more. */
+void test_a_demand_beyond_the_range_is_refused_and_the_end_of_the_range_is_not(void)
+{
+    TEST_ASSERT_TRUE(demand_is_read(200000, 200000));
+    TEST_ASSERT_TRUE(demand_is_read(-200000, 0));
+    TEST_ASSERT_FALSE(demand_is_read(200001, 0));
+    TEST_ASSERT_FALSE(demand_is_read(-200001, 0));
+    TEST_ASSERT_FALSE(demand_is_read(0, 200001));
+    TEST_ASSERT_FALSE(demand_is_read(262143, 0));
+    TEST_ASSERT_FALSE(demand_is_read(-262144, 0));
+    TEST_ASSERT_FALSE(demand_is_read(0, 262143));
+}
+
+static bool battery_is_read(uint32_t charge_steps, uint32_t discharge_steps)
+{
+    const struct hubfoc_battery_limits_t raw = {.charge_current_a = charge_steps,
+                                                .discharge_current_a = discharge_steps};
+    messages_frame_t frame = {.length = 8};
+    (void)hubfoc_battery_limits_pack(frame.data, &raw, sizeof frame.data);
+    messages_battery_t battery = {7, 7};
+    const bool read = messages_read_battery(&frame, &battery);
+    TEST_ASSERT_TRUE(read || (battery.charge_current_mA == 7 && battery.discharge_current_mA == 7));
+    return read;
+}
+
+void test_battery_limits_beyond_the_range_are_refused(void)
+{
+    TEST_ASSERT_TRUE(battery_is_read(320000, 320000));
+    TEST_ASSERT_FALSE(battery_is_read(320001, 0));
+    TEST_ASSERT_FALSE(battery_is_read(0, 320001));
+    TEST_ASSERT_FALSE(battery_is_read(524287, 524287));
+}
+
+void test_a_frame_of_another_length_is_refused(void)
+{
+    const messages_demand_t demand = {.enable = true};
+    const messages_battery_t battery = {1000, 1000};
+    for (uint8_t length = 0; length < 8; length++) {
+        messages_frame_t frame = messages_demand(&demand, MESSAGES_FRONT_LEFT, 0);
+        messages_demand_t read_demand;
+        frame.length = length;
+        TEST_ASSERT_FALSE(messages_read_demand(&frame, &read_demand));
+        frame = messages_battery(&battery, 0);
+        messages_battery_t read_battery;
+        frame.length = length;
+        TEST_ASSERT_FALSE(messages_read_battery(&frame, &read_battery));
+    }
+}
+
+void test_what_the_wheel_only_hears_it_cannot_be_made_to_say(void)
+{
+    const messages_output_t output = {.mode = 4};
+    TEST_ASSERT_EQUAL_UINT8(0, messages_output(MESSAGES_DEMAND, &output, MESSAGES_FRONT_LEFT, 0).length);
+    TEST_ASSERT_EQUAL_UINT8(0, messages_output(MESSAGES_BATTERY_LIMITS, &output, MESSAGES_FRONT_LEFT, 0).length);
+    TEST_ASSERT_EQUAL_UINT8(0, messages_output(MESSAGES_KINDS, &output, MESSAGES_FRONT_LEFT, 0).length);
+}

@@ -1,0 +1,302 @@
+/* The validator: every field at both ends of its range and one beyond, every relation, every way an image can be damaged. */
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "config/validate.h"
+#include "unity.h"
+
+extern const config_t CONFIG_LU2013;
+
+static config_t config;
+
+void setUp(void)
+{
+    config = CONFIG_LU2013;
+}
+
+void tearDown(void) {}
+
+static void seal(void)
+{
+    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+}
+
+static config_verdict_t sealed_verdict(void)
+{
+    seal();
+    return config_validate(&config, sizeof(config));
+}
+
+void test_the_papers_vehicle_is_accepted(void)
+{
+    const config_verdict_t verdict = config_validate(&CONFIG_LU2013, sizeof(config_t));
+    TEST_ASSERT_EQUAL_STRING("", verdict.field);
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, verdict.code);
+}
+
+void test_a_longer_memory_than_the_image_is_fine(void)
+{
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, config_validate(&CONFIG_LU2013, UINT32_MAX).code);
+}
+
+void test_a_shorter_image_is_refused_without_being_read(void)
+{
+    for (uint32_t size = 0; size < sizeof(config_t); size += 4) {
+        /* A block of exactly that size: the address sanitizer would see a read beyond it. */
+        config_t *image = malloc(size + 1U);
+        TEST_ASSERT_NOT_NULL(image);
+        memcpy(image, &CONFIG_LU2013, size);
+        const config_verdict_t verdict = config_validate(image, size);
+        free(image);
+        TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_SIZE, verdict.code);
+    }
+}
+
+void test_wrong_magic_version_and_size_are_told_apart(void)
+{
+    config.magic ^= 1U;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_MAGIC, sealed_verdict().code);
+    config = CONFIG_LU2013;
+    config.format_version++;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_VERSION, sealed_verdict().code);
+    config = CONFIG_LU2013;
+    config.size_bytes -= 4U;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_SIZE, sealed_verdict().code);
+}
+
+void test_an_erased_flash_sector_is_refused(void)
+{
+    memset(&config, 0xFF, sizeof(config));
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_MAGIC, config_validate(&config, sizeof(config)).code);
+    memset(&config, 0, sizeof(config));
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_MAGIC, config_validate(&config, sizeof(config)).code);
+}
+
+void test_any_single_flipped_bit_is_refused(void)
+{
+    uint8_t *bytes = (uint8_t *)&config;
+    for (size_t bit = 0; bit < 8U * sizeof(config); bit += 11U) {
+        bytes[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
+        TEST_ASSERT_NOT_EQUAL(CONFIG_VERDICT_OK, config_validate(&config, sizeof(config)).code);
+        bytes[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
+    }
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, config_validate(&config, sizeof(config)).code);
+}
+
+void test_a_name_must_be_there_and_end(void)
+{
+    config.name[0] = '\0';
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_NAME, sealed_verdict().code);
+    memset(config.name, 'x', sizeof(config.name));
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_NAME, sealed_verdict().code);
+}
+
+/* One beyond an end must be refused with field, value and range; the end itself must not be refused as out of range (a
+ * relation with other fields may still object). */
+static void assert_range(const char *field, int32_t *value, int32_t lowest, int32_t highest)
+{
+    const int32_t good = *value;
+    const int32_t beyond[] = {lowest == INT32_MIN ? lowest : lowest - 1, highest == INT32_MAX ? highest : highest + 1};
+    for (int i = 0; i < 2; i++) {
+        *value = beyond[i];
+        const config_verdict_t verdict = sealed_verdict();
+        TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_VERDICT_RANGE, verdict.code, field);
+        TEST_ASSERT_EQUAL_STRING(field, verdict.field);
+        TEST_ASSERT_EQUAL_INT32(beyond[i], verdict.value);
+        TEST_ASSERT_EQUAL_INT32(lowest, verdict.lowest);
+        TEST_ASSERT_EQUAL_INT32(highest, verdict.highest);
+    }
+    const int32_t ends[] = {lowest, highest};
+    for (int i = 0; i < 2; i++) {
+        *value = ends[i];
+        TEST_ASSERT_NOT_EQUAL(CONFIG_VERDICT_RANGE, sealed_verdict().code);
+    }
+    *value = good;
+}
+
+#define CHECK_SCALAR(section, name, lowest, highest)                                                                   \
+    assert_range(#section "." #name, &config.section.name, lowest, highest);
+#define CHECK_ARRAY(section, name, count, lowest, highest)                                                             \
+    for (int i = 0; i < (count); i++) {                                                                                \
+        assert_range(#section "." #name, &config.section.name[i], lowest, highest);                                    \
+    }
+#define CHECK_MOTOR(name, lowest, highest, unit, text) CHECK_SCALAR(motor, name, lowest, highest)
+#define CHECK_DRIVE(name, lowest, highest, unit, text) CHECK_SCALAR(drive, name, lowest, highest)
+#define CHECK_CURRENT_LOOP(name, lowest, highest, unit, text) CHECK_SCALAR(current_loop, name, lowest, highest)
+#define CHECK_ROTOR(name, lowest, highest, unit, text) CHECK_SCALAR(rotor, name, lowest, highest)
+#define CHECK_HALL(name, count, lowest, highest, unit, text) CHECK_ARRAY(rotor, name, count, lowest, highest)
+#define CHECK_BATTERY(name, lowest, highest, unit, text) CHECK_SCALAR(battery, name, lowest, highest)
+#define CHECK_BRAKE(name, lowest, highest, unit, text) CHECK_SCALAR(brake, name, lowest, highest)
+#define CHECK_VEHICLE(name, lowest, highest, unit, text) CHECK_SCALAR(vehicle, name, lowest, highest)
+#define CHECK_MONITOR(name, lowest, highest, unit, text) CHECK_SCALAR(monitor, name, lowest, highest)
+#define CHECK_MAP(name, lowest, highest, unit, text) CHECK_SCALAR(regen_map, name, lowest, highest)
+#define CHECK_MAP_ARRAY(name, count, lowest, highest, unit, text) CHECK_ARRAY(regen_map, name, count, lowest, highest)
+#define CHECK_CURRENT(name, lowest, highest, unit, text) CHECK_SCALAR(current_map, name, lowest, highest)
+#define CHECK_CURRENT_ARRAY(name, count, lowest, highest, unit, text)                                                  \
+    CHECK_ARRAY(current_map, name, count, lowest, highest)
+
+void test_every_field_is_held_to_the_range_of_the_header(void)
+{
+    CONFIG_MOTOR_FIELDS(CHECK_MOTOR)
+    CONFIG_DRIVE_FIELDS(CHECK_DRIVE)
+    CONFIG_CURRENT_LOOP_FIELDS(CHECK_CURRENT_LOOP)
+    CONFIG_ROTOR_FIELDS(CHECK_ROTOR)
+    CONFIG_HALL_ARRAY(CHECK_HALL)
+    CONFIG_BATTERY_FIELDS(CHECK_BATTERY)
+    CONFIG_BRAKE_FIELDS(CHECK_BRAKE)
+    CONFIG_VEHICLE_FIELDS(CHECK_VEHICLE)
+    CONFIG_MONITOR_FIELDS(CHECK_MONITOR)
+    CONFIG_REGEN_MAP_FIELDS(CHECK_MAP)
+    CONFIG_REGEN_MAP_ARRAY(CHECK_MAP_ARRAY)
+    CONFIG_CURRENT_MAP_FIELDS(CHECK_CURRENT)
+    CONFIG_CURRENT_MAP_ARRAY(CHECK_CURRENT_ARRAY)
+}
+
+static void assert_relation(const char *fields)
+{
+    const config_verdict_t verdict = sealed_verdict();
+    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_VERDICT_RELATION, verdict.code, fields);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(verdict.field, fields), verdict.field);
+    config = CONFIG_LU2013;
+}
+
+void test_torques_and_temperatures_must_be_in_order(void)
+{
+    config.motor.rated_torque_mNm = config.motor.max_torque_mNm + 1;
+    assert_relation("motor.rated_torque_mNm <= motor.max_torque_mNm");
+    config.motor.derate_winding_temperature_cC = config.motor.max_winding_temperature_cC;
+    assert_relation("motor.derate_winding_temperature_cC < motor.max_winding_temperature_cC");
+    config.drive.max_switch_temperature_cC = 9000;
+    config.drive.derate_switch_temperature_cC = 9001;
+    assert_relation("drive.derate_switch_temperature_cC <= drive.max_switch_temperature_cC");
+}
+
+void test_a_surface_magnet_motor_has_one_inductance(void)
+{
+    config.motor.type = CONFIG_MOTOR_SPMSM;
+    config.motor.q_inductance_nH = config.motor.d_inductance_nH + 1;
+    assert_relation("motor.d_inductance_nH = motor.q_inductance_nH");
+    config.motor.type = CONFIG_MOTOR_IPMSM;
+    config.motor.q_inductance_nH = config.motor.d_inductance_nH + 1;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+}
+
+void test_current_limits_must_leave_the_trip_its_room(void)
+{
+    config.motor.max_phase_current_mA = config.drive.current_full_scale_mA;
+    assert_relation("motor.max_phase_current_mA");
+    config.monitor.overcurrent_pu_q15 = config.current_loop.max_current_pu_q15;
+    assert_relation("current_loop.max_current_pu_q15 < monitor.overcurrent_pu_q15");
+    config.current_loop.field_weakening_current_pu_q15 = config.current_loop.max_current_pu_q15 + 1;
+    assert_relation("current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15");
+}
+
+void test_voltages_must_be_in_order(void)
+{
+    config.battery.undervoltage_trip_mV = config.battery.min_voltage_mV;
+    assert_relation("battery.undervoltage_trip_mV < battery.min_voltage_mV");
+    config.battery.min_voltage_mV = config.battery.foldback_voltage_mV;
+    assert_relation("battery.min_voltage_mV < battery.foldback_voltage_mV");
+    config.battery.foldback_voltage_mV = config.battery.max_voltage_mV;
+    assert_relation("battery.foldback_voltage_mV < battery.max_voltage_mV");
+    config.battery.overvoltage_trip_mV = config.battery.max_voltage_mV;
+    assert_relation("battery.max_voltage_mV < battery.overvoltage_trip_mV");
+    config.battery.overvoltage_trip_mV = config.drive.voltage_full_scale_mV;
+    assert_relation("battery.overvoltage_trip_mV < drive.voltage_full_scale_mV");
+}
+
+void test_pulses_and_dead_time_must_fit_into_the_period(void)
+{
+    config.drive.min_pulse_counts = config.drive.pwm_period_counts / 5 + 1;
+    assert_relation("drive.min_pulse_counts");
+    config.drive.dead_time_ns = 10000; /* 20 % of the period at 20 kHz */
+    assert_relation("drive.dead_time_ns");
+}
+
+void test_the_handover_ends_below_where_it_starts(void)
+{
+    config.brake.handover_end_mrad_s = config.brake.handover_start_mrad_s + 1;
+    assert_relation("brake.handover_end_mrad_s <= brake.handover_start_mrad_s");
+}
+
+/* The lowest bus voltage, 36 V of 61.8 V full scale, and a circle of 0.919 of it over sqrt 3: one modulation unit is 0.3091
+ * of the voltage base. */
+static double lowest_unit(void)
+{
+    return config.current_loop.modulation_limit_pu_q15 / 32768.0 * config.battery.undervoltage_trip_mV /
+           config.drive.voltage_full_scale_mV / sqrt(3.0);
+}
+
+/* A value a thousandth below the limit is accepted, one a thousandth above it is not. */
+static void assert_edge(int32_t *value, double limit, const char *fields)
+{
+    const int32_t good = *value;
+    *value = (int32_t)(limit * 0.999);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_VERDICT_OK, sealed_verdict().code, fields);
+    *value = (int32_t)(limit * 1.001);
+    const config_verdict_t verdict = sealed_verdict();
+    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_VERDICT_RELATION, verdict.code, fields);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(verdict.field, fields), verdict.field);
+    *value = good;
+}
+
+void test_gains_must_fit_the_current_loop_s_formats_at_the_lowest_bus_voltage(void)
+{
+    /* Proportional below 16 and integral below 1/2 in modulation units, with k_i / k_p below 1/4. */
+    assert_edge(&config.current_loop.proportional_d_pu_q16, 16.0 * lowest_unit() * 65536.0, "gains fit");
+    assert_edge(&config.current_loop.proportional_q_pu_q16, 16.0 * lowest_unit() * 65536.0, "gains fit");
+    config.current_loop.proportional_d_pu_q16 = (int32_t)(15.0 * lowest_unit() * 65536.0);
+    config.current_loop.proportional_q_pu_q16 = config.current_loop.proportional_d_pu_q16;
+    assert_edge(&config.current_loop.integral_d_pu_q24, 0.5 * lowest_unit() * 16777216.0, "gains fit");
+    assert_edge(&config.current_loop.integral_q_pu_q24, 0.5 * lowest_unit() * 16777216.0, "gains fit");
+}
+
+void test_cross_coupling_must_fit_its_format_at_the_highest_speed(void)
+{
+    /* w L I_base below 16 modulation units; w over its base of 2 pi 20 kHz / 16. */
+    config.motor.max_speed_mrad_s *= 2; /* so that the limit lies inside the range of the field */
+    const double speed = config.motor.max_speed_mrad_s * 1e-3 * config.motor.pole_pairs / (2.0 * 3.14159265 * 1250.0);
+    const double limit = 16.0 * lowest_unit() / speed * 65536.0;
+    assert_edge(&config.current_loop.inductance_d_pu_q16, limit, "inductances fit");
+    assert_edge(&config.current_loop.inductance_q_pu_q16, limit, "inductances fit");
+}
+
+void test_the_winding_s_time_constant_must_be_longer_than_four_periods(void)
+{
+    /* k_i / k_p = R T / L below 1/4: Q24 over Q16 */
+    config.current_loop.proportional_d_pu_q16 /= 2; /* so that k_i itself still fits */
+    config.current_loop.proportional_q_pu_q16 /= 2;
+    assert_edge(&config.current_loop.integral_d_pu_q24, config.current_loop.proportional_d_pu_q16 * 64.0, "L / R");
+    assert_edge(&config.current_loop.integral_q_pu_q24, config.current_loop.proportional_q_pu_q16 * 64.0, "L / R");
+}
+
+void test_hall_sectors_must_be_in_order_and_thirty_to_ninety_degrees_wide(void)
+{
+    const int32_t edge = config.rotor.edge_turn[2];
+    config.rotor.edge_turn[2] = config.rotor.edge_turn[1] + 5460; /* 29.99 degrees */
+    assert_relation("rotor.edge_turn");
+    config.rotor.edge_turn[2] = config.rotor.edge_turn[1] + 16385;
+    assert_relation("rotor.edge_turn");
+    config.rotor.edge_turn[2] = config.rotor.edge_turn[3];
+    config.rotor.edge_turn[3] = edge;
+    assert_relation("rotor.edge_turn");
+}
+
+void test_the_map_of_i_d_has_a_point_of_no_torque(void)
+{
+    config.current_map.torque_points = 4;
+    assert_relation("current_map.torque_points odd");
+}
+
+void test_no_stored_i_d_may_eat_the_flux_that_makes_the_torque(void)
+{
+    /* psi = 20.4 mWb; with L_q - L_d = 0.1 mH three quarters of it are gone at 153 A. */
+    config.motor.type = CONFIG_MOTOR_IPMSM;
+    config.motor.q_inductance_nH = config.motor.d_inductance_nH + 100000;
+    config.current_map.current_d_mA[288] = 152999;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    config.current_map.current_d_mA[288] = 153001;
+    assert_relation("current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb");
+}

@@ -1,0 +1,267 @@
+#include "controller_rig.h"
+#include "unity.h"
+
+static rig_t rig;
+
+void setUp(void)
+{
+    rig_start(&rig);
+}
+
+void tearDown(void) {}
+
+/* ---- start-up ---- */
+
+void test_start_up_goes_through_self_test_and_calibration_to_ready_and_run_in_this_order(void)
+{
+    modes_mode_t seen[8];
+    int count = 0;
+    for (int n = 0; n < 200; n++) {
+        rig.slow_in.enable = n >= 150;
+        rig_run(&rig, 1);
+        if (count == 0 || seen[count - 1] != rig.out.mode) {
+            TEST_ASSERT_LESS_THAN_INT(8, count);
+            seen[count++] = rig.out.mode;
+        }
+    }
+    const modes_mode_t order[] = {MODE_SELFTEST, MODE_OFFSET_CAL, MODE_READY, MODE_RUN};
+    TEST_ASSERT_EQUAL_INT(4, count);
+    for (int k = 0; k < 4; k++) {
+        TEST_ASSERT_EQUAL_INT(order[k], seen[k]);
+    }
+}
+
+void test_with_the_drive_pedal_pressed_switching_on_waits_for_its_release(void)
+{
+    rig.slow_in.enable = true;
+    rig.slow_in.drive_torque_mNm = -1;
+    rig_run(&rig, 500);
+    TEST_ASSERT_EQUAL_INT(MODE_READY, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    rig.slow_in.drive_torque_mNm = 0;
+    rig.slow_in.brake_torque_mNm = 10000;
+    rig_run(&rig, 1);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+}
+
+void test_the_bridge_does_not_switch_before_run(void)
+{
+    while (rig.out.mode != MODE_RUN) {
+        rig.slow_in.enable = true;
+        for (int k = 0; k < RIG_FAST_PER_SLOW; k++) {
+            rig_fast(&rig);
+            TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+        }
+        rig_slow(&rig);
+    }
+    rig_fast(&rig);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+}
+
+void test_calibration_averages_1024_samples_which_take_51_2_ms(void)
+{
+    int milliseconds = 0;
+    while (rig.out.mode != MODE_READY) {
+        rig_run(&rig, 1);
+        milliseconds++;
+        TEST_ASSERT_LESS_THAN_INT(100, milliseconds);
+    }
+    /* two steps to get there, 51.2 ms, and up to two steps until the order and the answer have crossed */
+    TEST_ASSERT_INT_WITHIN(2, 55, milliseconds);
+}
+
+void test_before_anything_is_known_the_hydraulic_brake_takes_every_braking_demand(void)
+{
+    rig.slow_in.brake_torque_mNm = 20000;
+    for (int n = 0; n < 200; n++) {
+        rig_run(&rig, 1);
+        TEST_ASSERT_EQUAL_INT32(20000, rig.out.hydraulic_torque_mNm);
+        TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
+        TEST_ASSERT_EQUAL_INT32(0, rig.out.electric_brake_available_mNm);
+        TEST_ASSERT_TRUE(rig.out.stop_lamp);
+    }
+}
+
+void test_a_refused_configuration_keeps_the_controller_in_boot_with_the_bridge_off(void)
+{
+    rig.slow_in.config_accepted = false;
+    rig.slow_in.enable = true;
+    rig.slow_in.brake_torque_mNm = 20000;
+    rig_set_speed_rpm(&rig, 300.0);
+    rig_run(&rig, 1000);
+    TEST_ASSERT_EQUAL_INT(MODE_BOOT, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    TEST_ASSERT_EQUAL_INT32(20000, rig.out.hydraulic_torque_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_CONFIG_INVALID, rig.out.available_reason);
+}
+
+/* ---- calibration ---- */
+
+static void put_codes(uint16_t a, uint16_t b, uint16_t c)
+{
+    rig.fast_in.phase_current_code[0] = a;
+    rig.fast_in.phase_current_code[1] = b;
+    rig.fast_in.phase_current_code[2] = c;
+}
+
+void test_calibrated_offsets_are_the_codes_at_rest_and_read_as_no_current(void)
+{
+    put_codes(2148, 1948, 2198); /* 100, -100 and 150 codes off: within the tolerance of 200 */
+    rig_run(&rig, 200);
+    TEST_ASSERT_EQUAL_INT(MODE_READY, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT32(2148 * 16, rig.to_slow.foc.offset_q4[0]);
+    TEST_ASSERT_EQUAL_INT32(1948 * 16, rig.to_slow.foc.offset_q4[1]);
+    TEST_ASSERT_EQUAL_INT32(2198 * 16, rig.to_slow.foc.offset_q4[2]);
+    TEST_ASSERT_EQUAL_INT32(0, rig.out.i_d_mA);
+    TEST_ASSERT_EQUAL_INT32(0, rig.out.i_q_mA);
+}
+
+void test_sensors_that_are_all_off_to_one_side_calibrate_like_others(void)
+{
+    put_codes(2238, 2238, 2238); /* the sum of what is read before is 28 % of full scale */
+    rig_run(&rig, 200);
+    TEST_ASSERT_EQUAL_INT(MODE_READY, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
+}
+
+void test_an_offset_beyond_the_tolerance_is_a_fault(void)
+{
+    for (int x = 0; x < 3; x++) {
+        rig_start(&rig);
+        rig.fast_in.phase_current_code[x] = 2048 + 201;
+        rig_run(&rig, 200);
+        TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+        TEST_ASSERT_EQUAL_INT(REASON_OFFSET_IMPLAUSIBLE, rig.out.fault_reason);
+    }
+}
+
+/* ---- what is measured ---- */
+
+void test_codes_become_volts_amperes_and_radians_per_second(void)
+{
+    rig_start_running(&rig);
+    rig_set_speed_rpm(&rig, 300.0);
+    rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 48.0);
+    rig_run(&rig, 500);
+    TEST_ASSERT_INT32_WITHIN(mrad_s_of_rpm(300.0) / 200, mrad_s_of_rpm(300.0), rig.out.speed_mrad_s); /* 0.5 % */
+    TEST_ASSERT_INT32_WITHIN(30, 48000, rig.out.bus_voltage_mV); /* two converter codes */
+}
+
+void test_phase_currents_become_d_and_q_in_the_frame_of_the_rotor(void)
+{
+    /* The rotor stands at 90 electrical degrees, where d is the beta axis and q is minus alpha. i_a = -40 A and
+     * i_b = i_c = 20 A are alpha = -40 A: i_d = 0, i_q = 40 A. */
+    rig_start_running(&rig);
+    rig.angle_turn = 0.25;
+    rig_run(&rig, 300); /* the tracking loop gets there */
+    const double codes_per_a = 2048e3 / rig.config.drive.current_full_scale_mA;
+    put_codes((uint16_t)lround(2048 - 40 * codes_per_a), (uint16_t)lround(2048 + 20 * codes_per_a),
+              (uint16_t)lround(2048 + 20 * codes_per_a));
+    rig_run(&rig, 10);
+    TEST_ASSERT_INT32_WITHIN(100, 0, rig.out.i_d_mA); /* a code is 81 mA */
+    TEST_ASSERT_INT32_WITHIN(100, 40000, rig.out.i_q_mA);
+    /* at rest 0.7038 Nm/A, no iron current */
+    TEST_ASSERT_INT32_WITHIN(100, 28152, rig.out.motor_torque_estimate_mNm);
+}
+
+/* Running, without field weakening: where no current answers the voltage it would turn all of it into the d axis. */
+static void start_running_at(double angle_turn)
+{
+    rig_start(&rig);
+    rig.config.current_loop.field_weakening_current_pu_q15 = 0;
+    controller_init(&rig.controller, &rig.config);
+    rig.slow_in.enable = true;
+    rig.angle_turn = angle_turn;
+    rig_run(&rig, 300);
+}
+
+void test_the_bus_current_is_that_of_the_voltage_made_and_the_current_measured(void)
+{
+    /* 40 A of i_q against a reference of none: the loop answers with all the voltage there is, u_q = -limit v_dc/sqrt 3.
+     * P = 3/2 u_q i_q, so i_dc = -sqrt(3)/2 * limit * 40 A, into the battery. */
+    start_running_at(0.25);
+    const double codes_per_a = 2048e3 / rig.config.drive.current_full_scale_mA;
+    put_codes((uint16_t)lround(2048 - 40 * codes_per_a), (uint16_t)lround(2048 + 20 * codes_per_a),
+              (uint16_t)lround(2048 + 20 * codes_per_a));
+    rig_run(&rig, 20);
+    const double limit = rig.config.current_loop.modulation_limit_pu_q15 / 32768.0;
+    TEST_ASSERT_INT32_WITHIN(600, (int32_t)lround(-0.5 * sqrt(3.0) * limit * 40e3), rig.out.bus_current_mA);
+}
+
+void test_before_the_first_sample_the_middle_of_the_battery_s_range_is_assumed(void)
+{
+    rig_slow(&rig);
+    TEST_ASSERT_INT32_WITHIN(2, (40000 + 58400) / 2, rig.out.bus_voltage_mV);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
+}
+
+/* ---- what is commanded ---- */
+
+void test_each_phase_gets_its_own_compare_value(void)
+{
+    /* q lies a quarter turn before d. With d at a quarter turn beyond phase a, a positive i_q points against a: the
+     * loop, which sees no current, gives a the least on-time and b and c the same. So with the others in turn. */
+    for (int phase = 0; phase < 3; phase++) {
+        start_running_at(0.25 + phase / 3.0);
+        rig.slow_in.drive_torque_mNm = 20000;
+        rig_run(&rig, 100);
+        const uint16_t *counts = rig.pwm.compare_counts;
+        const uint16_t least = counts[phase];
+        const uint16_t next = counts[(phase + 1) % 3];
+        const uint16_t last = counts[(phase + 2) % 3];
+        TEST_ASSERT_LESS_THAN_INT32(rig.config.drive.pwm_period_counts / 4, least);
+        TEST_ASSERT_INT_WITHIN((uint32_t)rig.config.drive.pwm_period_counts / 50U, next, last);
+        TEST_ASSERT_GREATER_THAN_INT32(rig.config.drive.pwm_period_counts / 2, next);
+    }
+}
+
+void test_the_torque_demand_reaches_the_current_loop_as_a_per_unit_reference(void)
+{
+    rig_start_running(&rig);
+    rig.slow_in.drive_torque_mNm = 20000;
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT32(20000, rig.out.motor_torque_command_mNm);
+    /* 20 Nm / 0.7038 Nm/A = 28.417 A of 165 A = 5643.5 in Q15 */
+    TEST_ASSERT_INT_WITHIN(5, 5643, rig.to_fast.foc.i_reference_pu.q);
+    TEST_ASSERT_EQUAL_INT(0, rig.to_fast.foc.i_reference_pu.d);
+}
+
+void test_braking_torque_the_motor_does_not_make_is_moved_to_the_hydraulic_brake(void)
+{
+    rig_start_running(&rig);
+    rig_set_speed_rpm(&rig, 300.0);
+    rig_run(&rig, 300);
+    rig.slow_in.brake_torque_mNm = 30000;
+    rig_run(&rig, 300); /* the currents stay at zero, whatever the compare values */
+    /* 30 Nm less the 1.778 Nm of iron drag, which is torque without current, and the band of 2 Nm */
+    TEST_ASSERT_INT32_WITHIN(100, 30000 - 1778 - 2000, rig.out.hydraulic_torque_mNm);
+}
+
+void test_a_demand_that_goes_stale_fades_at_the_torque_rate(void)
+{
+    rig_start_running(&rig);
+    rig.slow_in.drive_torque_mNm = 10000;
+    rig_run(&rig, 100);
+    rig.slow_in.demand_age_ms = 101;
+    rig_run(&rig, 10);
+    TEST_ASSERT_INT32_WITHIN(400, 6000, rig.out.motor_torque_command_mNm); /* 400 mNm a step */
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
+}
+
+void test_switching_off_while_rolling_keeps_the_electric_brake(void)
+{
+    rig_start_running(&rig);
+    rig_set_speed_rpm(&rig, 300.0);
+    rig_run(&rig, 300);
+    rig.slow_in.enable = false;
+    rig.slow_in.brake_torque_mNm = 20000;
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT32(-20000, rig.out.motor_torque_command_mNm);
+    rig.slow_in.brake_torque_mNm = 0;
+    rig.slow_in.drive_torque_mNm = 20000;
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_PERMISSION, rig.out.torque_reason);
+}

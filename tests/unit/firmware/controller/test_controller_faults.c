@@ -1,0 +1,257 @@
+#include "controller_rig.h"
+#include "unity.h"
+
+static rig_t rig;
+
+/* Braking with 20 Nm at 300 r/min, in RUN. */
+void setUp(void)
+{
+    rig_start_running(&rig);
+    rig_set_speed_rpm(&rig, 300.0);
+    rig_run(&rig, 300);
+    rig.slow_in.brake_torque_mNm = 20000;
+    rig_run(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+}
+
+void tearDown(void) {}
+
+static void put_codes(uint16_t a, uint16_t b, uint16_t c)
+{
+    rig.fast_in.phase_current_code[0] = a;
+    rig.fast_in.phase_current_code[1] = b;
+    rig.fast_in.phase_current_code[2] = c;
+}
+
+/* 110 A in phases a and b; the limit is 97.5 A, a code 80.6 mA. */
+static void put_over_current(void)
+{
+    put_codes(2048 + 1365, 2048 - 1365, 2048);
+}
+
+static void assert_fault(reason_t reason)
+{
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(reason, rig.out.fault_reason);
+    TEST_ASSERT_EQUAL_INT32(20000, rig.out.hydraulic_torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, rig.out.electric_brake_available_mNm);
+    TEST_ASSERT_EQUAL_INT(reason, rig.out.available_reason);
+    rig_fast(&rig);
+    TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+}
+
+void test_an_over_current_stops_the_bridge_in_the_period_that_confirms_it(void)
+{
+    put_over_current();
+    rig_fast(&rig);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+    rig_fast(&rig);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    put_codes(2048, 2048, 2048);
+    rig_fast(&rig);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, rig.to_slow.monitor.trip);
+}
+
+void test_after_a_trip_the_current_loop_rests_even_before_the_slow_reach_has_noticed(void)
+{
+    put_over_current();
+    rig_fast(&rig);
+    rig_fast(&rig);
+    rig_fast(&rig);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.to_fast.permission.bridge);
+    for (int x = 0; x < 3; x++) {
+        TEST_ASSERT_EQUAL_UINT16(rig.config.drive.pwm_period_counts / 2, rig.pwm.compare_counts[x]);
+    }
+}
+
+void test_after_a_trip_the_hydraulic_brake_has_the_whole_demand_in_the_next_slow_step(void)
+{
+    put_over_current();
+    rig_fast(&rig);
+    rig_fast(&rig);
+    rig_slow(&rig);
+    assert_fault(REASON_OVERCURRENT);
+}
+
+void test_the_power_stage_s_fault_stops_the_bridge_in_the_same_period(void)
+{
+    rig.fast_in.power_stage_fault = true;
+    rig_fast(&rig);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    rig_slow(&rig);
+    assert_fault(REASON_HARDWARE_BREAK);
+}
+
+void test_an_over_voltage_stops_the_bridge_in_the_same_period(void)
+{
+    rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 60.7); /* trips at 60.564 V */
+    rig_fast(&rig);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    rig_slow(&rig);
+    assert_fault(REASON_BUS_OVERVOLTAGE);
+}
+
+void test_above_the_speed_whose_emf_exceeds_the_bus_a_trip_shorts_the_motor_instead(void)
+{
+    /* at 640 r/min and 53 V, sqrt(3) psi w = 54.5 V */
+    rig_set_speed_rpm(&rig, 640.0);
+    rig_run(&rig, 500);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    rig.fast_in.power_stage_fault = true;
+    rig_fast(&rig);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, rig.pwm.bridge);
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, rig.pwm.bridge);
+    rig_set_speed_rpm(&rig, 300.0);
+    rig_run(&rig, 500);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+}
+
+void test_a_slow_reach_that_falls_silent_lets_the_fast_reach_stop_the_bridge(void)
+{
+    /* four of its steps, 80 periods, may be missing; the step before the first of them is still on its way */
+    for (int n = 0; n < 80; n++) {
+        rig_fast(&rig);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+    }
+    rig_fast(&rig);
+    rig_fast(&rig);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    rig_slow(&rig);
+    assert_fault(REASON_PROGRAM_FLOW);
+}
+
+void test_a_fast_reach_that_falls_silent_is_a_fault_after_five_milliseconds(void)
+{
+    for (int n = 0; n < 4; n++) {
+        rig_slow(&rig);
+        TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    }
+    rig_slow(&rig);
+    assert_fault(REASON_PROGRAM_FLOW);
+}
+
+void test_a_hall_sensor_set_that_says_nothing_sensible_ends_torque_and_then_the_mode(void)
+{
+    rig_start(&rig);
+    rig.config.rotor.sensor = CONFIG_ROTOR_HALL;
+    rig.fast_in.hall_state = 5;
+    rig.slow_in.enable = true;
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    rig.slow_in.drive_torque_mNm = 4000;
+    rig_run(&rig, 20);
+    TEST_ASSERT_EQUAL_INT32(4000, rig.out.motor_torque_command_mNm);
+    rig.fast_in.hall_state = 7;
+    rig_run(&rig, 8); /* 64 periods are 3.2 ms; then the torque leaves at 0.4 Nm a step */
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    TEST_ASSERT_LESS_THAN_INT32(4000, rig.out.motor_torque_command_mNm);
+    TEST_ASSERT_GREATER_THAN_INT32(0, rig.out.motor_torque_command_mNm);
+    rig_run(&rig, 30);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_LOST, rig.out.fault_reason);
+}
+
+void test_currents_that_do_not_add_up_end_in_a_fault(void)
+{
+    put_codes(2048 + 150, 2048, 2048); /* 7.3 % of full scale; 5 % are allowed */
+    rig_run(&rig, 22);
+    assert_fault(REASON_CURRENT_SUM);
+}
+
+void test_torque_nobody_asked_for_ends_in_a_fault(void)
+{
+    rig.slow_in.brake_torque_mNm = 0;
+    rig_set_speed_rpm(&rig, 0.0);
+    rig.angle_turn = 0.25;
+    rig_run(&rig, 300);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    put_codes(2048 - 248, 2048 + 124, 2048 + 124); /* 20 A of i_q: 14 Nm without a command */
+    rig_run(&rig, 45);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    rig_run(&rig, 20);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_TORQUE_IMPLAUSIBLE, rig.out.fault_reason);
+}
+
+/* ---- acknowledgement ---- */
+
+static void trip(void)
+{
+    put_over_current();
+    rig_fast(&rig);
+    rig_fast(&rig);
+    put_codes(2048, 2048, 2048);
+    rig_run(&rig, 10);
+    assert_fault(REASON_OVERCURRENT);
+}
+
+/* Rest, no demand: what an acknowledgement asks for. */
+static void come_to_rest(void)
+{
+    rig.slow_in.brake_torque_mNm = 0;
+    rig_set_speed_rpm(&rig, 0.0);
+    rig_run(&rig, 500);
+}
+
+void test_a_fault_stays_until_it_is_acknowledged_however_long_all_has_been_well(void)
+{
+    trip();
+    come_to_rest();
+    rig_run(&rig, 10000);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, rig.out.fault_reason);
+}
+
+void test_an_acknowledged_trip_is_forgotten_by_both_reaches_and_the_sensors_are_calibrated_anew(void)
+{
+    trip();
+    come_to_rest();
+    put_codes(2060, 2050, 2040); /* the sensors have drifted with the heat */
+    rig.slow_in.fault_reset = true;
+    rig_run(&rig, 3);
+    TEST_ASSERT_NOT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.to_slow.monitor.trip);
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode); /* still enabled */
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+    TEST_ASSERT_EQUAL_INT32(2060 * 16, rig.to_slow.foc.offset_q4[0]);
+    TEST_ASSERT_EQUAL_INT32(2050 * 16, rig.to_slow.foc.offset_q4[1]);
+    TEST_ASSERT_EQUAL_INT32(2040 * 16, rig.to_slow.foc.offset_q4[2]);
+}
+
+void test_an_acknowledgement_while_the_wheel_turns_or_torque_is_demanded_does_nothing(void)
+{
+    trip();
+    rig.slow_in.fault_reset = true; /* rolling, braking */
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+    rig.slow_in.fault_reset = false;
+    come_to_rest();
+    rig.slow_in.drive_torque_mNm = 1;
+    rig.slow_in.fault_reset = true;
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+}
+
+void test_an_acknowledgement_of_a_fault_that_persists_leaves_it_standing(void)
+{
+    trip();
+    come_to_rest();
+    rig.fast_in.power_stage_fault = true;
+    rig.slow_in.fault_reset = true;
+    for (int n = 0; n < 200; n++) {
+        rig_run(&rig, 1);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    }
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, rig.out.fault_reason);
+    rig.fast_in.power_stage_fault = false;
+    rig_run(&rig, 1000);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+}

@@ -1,0 +1,162 @@
+#include "controller_rig.h"
+#include "random_values.h"
+#include "unity.h"
+
+static rig_t rig;
+
+void setUp(void)
+{
+    rig_start(&rig);
+}
+
+void tearDown(void) {}
+
+/* Numbers from the whole range now and then, ordinary ones in between, so that the controller gets to run, too. */
+static void randomise(random_t *random, slow_input_t *slow, fast_input_t *fast)
+{
+    const bool wild = random_chance(random, 2e-4);
+    slow->drive_torque_mNm = wild ? random_wild(random) : random_between(random, -40000, 40000);
+    if (random_chance(random, 0.1)) {
+        slow->drive_torque_mNm = 0; /* the pedal must be released once before RUN */
+    }
+    slow->brake_torque_mNm = wild ? random_wild(random) : q_max(random_between(random, -40000, 40000), 0);
+    slow->demand_age_ms = (uint32_t)random_between(random, 0, 150);
+    slow->bms_charge_current_mA = random_wild(random);
+    slow->bms_discharge_current_mA = random_wild(random);
+    slow->winding_temperature_cC = wild ? random_wild(random) : random_between(random, -4000, 15000);
+    slow->switch_temperature_cC = wild ? random_wild(random) : random_between(random, -4000, 15000);
+    slow->enable = random_chance(random, 0.99);
+    slow->abs_active = random_chance(random, 0.01);
+    for (int x = 0; x < 3; x++) {
+        fast->phase_current_code[x] =
+            (uint16_t)(wild ? random_between(random, 0, 4095) : random_between(random, 2040, 2056));
+    }
+    fast->bus_voltage_code = (uint16_t)(wild ? random_between(random, 0, 4095) : random_between(random, 3000, 4000));
+    fast->rotor_angle_turn = (uint16_t)(wild ? random_between(random, 0, 65535) : fast->rotor_angle_turn + 1);
+    fast->hall_state = (uint8_t)(wild ? random_between(random, 0, 255) : fast->hall_state);
+    fast->power_stage_fault = wild && random_chance(random, 0.1);
+}
+
+/* The driver sees the fault: foot off, key turned. */
+static void acknowledge(slow_input_t *slow, int step)
+{
+    slow->drive_torque_mNm = 0;
+    slow->brake_torque_mNm = 0;
+    slow->fault_reset = step % 2 == 0;
+}
+
+void test_whatever_happens_the_bridge_switches_only_in_run_and_the_compares_stay_in_range(void)
+{
+    random_t random = random_seeded(1);
+    for (int sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_HALL; sensor++) {
+        int switched = 0;
+        int faults = 0;
+        rig_start(&rig);
+        rig.config.rotor.sensor = sensor;
+        rig.fast_in.hall_state = 5;
+        for (int n = 0; n < 30000; n++) {
+            const modes_mode_t before = rig.out.mode;
+            for (int k = 0; k < RIG_FAST_PER_SLOW; k++) {
+                randomise(&random, &rig.slow_in, &rig.fast_in);
+                rig.pwm =
+                    controller_fast_step(&rig.controller.fast, &rig.config, &rig.to_fast, &rig.fast_in, &rig.to_slow);
+                if (rig.pwm.bridge == BRIDGE_PWM) {
+                    switched++;
+                    TEST_ASSERT_TRUE(rig.out.mode == MODE_RUN || rig.out.mode == MODE_LIMP);
+                    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.to_slow.monitor.trip);
+                }
+                for (int x = 0; x < 3; x++) {
+                    TEST_ASSERT_LESS_OR_EQUAL_INT32(rig.config.drive.pwm_period_counts, rig.pwm.compare_counts[x]);
+                }
+            }
+            if (before == MODE_FAULT) {
+                acknowledge(&rig.slow_in, n);
+            }
+            rig_slow(&rig);
+            faults += rig.out.mode == MODE_FAULT && before != MODE_FAULT ? 1 : 0;
+            TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, rig.out.hydraulic_torque_mNm);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(rig.config.brake.max_hydraulic_torque_mNm, rig.out.hydraulic_torque_mNm);
+            TEST_ASSERT_INT32_WITHIN(rig.config.motor.max_torque_mNm, 0, rig.out.motor_torque_command_mNm);
+            if (rig.out.mode != MODE_RUN && rig.out.mode != MODE_LIMP) {
+                TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
+            }
+        }
+        /* The walk has been on both sides of the valve. */
+        TEST_ASSERT_GREATER_THAN_INT(30000, switched);
+        TEST_ASSERT_GREATER_THAN_INT(5, faults);
+    }
+}
+
+static void assert_same_slow(const slow_output_t *a, const slow_output_t *b)
+{
+    TEST_ASSERT_EQUAL_INT32(a->motor_torque_command_mNm, b->motor_torque_command_mNm);
+    TEST_ASSERT_EQUAL_INT32(a->motor_torque_estimate_mNm, b->motor_torque_estimate_mNm);
+    TEST_ASSERT_EQUAL_INT32(a->hydraulic_torque_mNm, b->hydraulic_torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(a->electric_brake_available_mNm, b->electric_brake_available_mNm);
+    TEST_ASSERT_EQUAL_INT32(a->speed_mrad_s, b->speed_mrad_s);
+    TEST_ASSERT_EQUAL_INT32(a->i_d_mA, b->i_d_mA);
+    TEST_ASSERT_EQUAL_INT32(a->i_q_mA, b->i_q_mA);
+    TEST_ASSERT_EQUAL_INT32(a->bus_voltage_mV, b->bus_voltage_mV);
+    TEST_ASSERT_EQUAL_INT32(a->bus_current_mA, b->bus_current_mA);
+    TEST_ASSERT_EQUAL_INT(a->torque_reason, b->torque_reason);
+    TEST_ASSERT_EQUAL_INT(a->available_reason, b->available_reason);
+    TEST_ASSERT_EQUAL_INT(a->hydraulic_reason, b->hydraulic_reason);
+    TEST_ASSERT_EQUAL_INT(a->fault_reason, b->fault_reason);
+    TEST_ASSERT_EQUAL_INT(a->mode, b->mode);
+    TEST_ASSERT_EQUAL(a->stop_lamp, b->stop_lamp);
+}
+
+void test_equal_inputs_give_equal_outputs_whatever_the_memory_held_before(void)
+{
+    static rig_t other;
+    for (int sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_HALL; sensor++) {
+        rig_start(&rig);
+        rig_start(&other);
+        memset(&rig.controller, 0x00, sizeof rig.controller);
+        memset(&other.controller, 0xA5, sizeof other.controller);
+        rig.config.rotor.sensor = sensor;
+        other.config.rotor.sensor = sensor;
+        controller_init(&rig.controller, &rig.config);
+        controller_init(&other.controller, &other.config);
+        random_t random = random_seeded(2);
+        for (int n = 0; n < 5000; n++) {
+            for (int k = 0; k < RIG_FAST_PER_SLOW; k++) {
+                randomise(&random, &rig.slow_in, &rig.fast_in);
+                other.slow_in = rig.slow_in;
+                other.fast_in = rig.fast_in;
+                const fast_output_t a =
+                    controller_fast_step(&rig.controller.fast, &rig.config, &rig.to_fast, &rig.fast_in, &rig.to_slow);
+                const fast_output_t b = controller_fast_step(&other.controller.fast, &other.config, &other.to_fast,
+                                                             &other.fast_in, &other.to_slow);
+                TEST_ASSERT_EQUAL_UINT16_ARRAY(a.compare_counts, b.compare_counts, 3);
+                TEST_ASSERT_EQUAL_INT(a.bridge, b.bridge);
+            }
+            if (rig.out.mode == MODE_FAULT) {
+                acknowledge(&rig.slow_in, n);
+                acknowledge(&other.slow_in, n);
+            }
+            rig_slow(&rig);
+            rig_slow(&other);
+            assert_same_slow(&rig.out, &other.out);
+        }
+    }
+}
+
+void test_two_wheels_in_one_process_do_not_know_each_other(void)
+{
+    static rig_t alone;
+    static rig_t left;
+    static rig_t right;
+    rig_start_running(&alone);
+    rig_start(&left);
+    rig_start(&right);
+    left.slow_in.enable = true;
+    right.slow_in.enable = true;
+    rig_set_speed_rpm(&right, -200.0);
+    for (int n = 0; n < 100; n++) {
+        rig_run(&left, 1);
+        rig_run(&right, 1);
+    }
+    assert_same_slow(&alone.out, &left.out);
+    TEST_ASSERT_NOT_EQUAL_INT32(left.out.speed_mrad_s, right.out.speed_mrad_s);
+}

@@ -1,0 +1,22 @@
+/* The valve: its zero value is the closed one, so memory that was never written opens nothing. */
+#include "core/permission.h"
+#include "unity.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+void test_a_valve_of_zeros_is_closed(void)
+{
+    const permission_t zero = {0};
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, zero.bridge);
+    TEST_ASSERT_EQUAL_INT16(0, zero.drive_q15);
+    TEST_ASSERT_EQUAL_INT16(0, zero.brake_q15);
+}
+
+void test_bridge_modes_are_frozen(void)
+{
+    TEST_ASSERT_EQUAL_INT(0, BRIDGE_OFF);
+    TEST_ASSERT_EQUAL_INT(1, BRIDGE_PWM);
+    TEST_ASSERT_EQUAL_INT(2, BRIDGE_SHORT);
+}

@@ -1,0 +1,132 @@
+/* The regulator: gains in their formats, and what the integrator does when it is told what was realised. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "core/pi.h"
+#include "unity.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static pi_gains_t gains_of(double proportional, double integral)
+{
+    const pi_gains_t gains = {
+        .proportional_q11 = (int16_t)lround(proportional * 2048.0),
+        .integral_q15 = (int16_t)lround(integral * 32768.0),
+        .anti_windup_q15 = (int16_t)lround(integral / proportional * 32768.0),
+    };
+    return gains;
+}
+
+/* The largest value short of 1.0 in Q30. */
+enum { INTEGRATOR_FULL_Q30 = (1 << 30) - 1 };
+
+static double integrator_of(const pi_state_t *state)
+{
+    return (double)state->integrator_q30 / 1073741824.0;
+}
+
+void test_output_is_gain_times_error_plus_the_integral(void)
+{
+    const pi_gains_t gains = gains_of(2.5, 0.25);
+    const pi_state_t state = {.integrator_q30 = 1 << 28}; /* 0.25 */
+    for (int32_t error = INT16_MIN; error <= INT16_MAX; error++) {
+        const double exact = 2.5 * error + 0.25 * 32768.0;
+        const double got = pi_output(&state, &gains, (int16_t)error);
+        TEST_ASSERT_TRUE(got <= exact && got > exact - 2.0); /* two terms, each rounded down */
+    }
+}
+
+void test_the_output_before_the_limit_may_exceed_one_and_does_not_wrap(void)
+{
+    const pi_gains_t gains = {.proportional_q11 = 32767, .integral_q15 = 1, .anti_windup_q15 = 1};
+    const pi_state_t high = {.integrator_q30 = INTEGRATOR_FULL_Q30};
+    const pi_state_t low = {.integrator_q30 = -INTEGRATOR_FULL_Q30};
+    /* 16 * 1 + 1 = 17 */
+    TEST_ASSERT_INT32_WITHIN(64, 17 * 32768, pi_output(&high, &gains, 32767));
+    TEST_ASSERT_INT32_WITHIN(64, -17 * 32768, pi_output(&low, &gains, -32768));
+}
+
+void test_without_a_limit_the_integrator_sums_the_error_exactly(void)
+{
+    const pi_gains_t gains = gains_of(1.0, 0.125);
+    pi_state_t state = {0};
+    for (int n = 0; n < 100; n++) {
+        const int32_t u = pi_output(&state, &gains, 80);
+        pi_update(&state, &gains, 80, u, u);
+    }
+    TEST_ASSERT_EQUAL_INT32(100 * 80 * 4096, state.integrator_q30); /* 0.125 = 4096 / 2^15 */
+}
+
+void test_an_error_of_one_lsb_is_never_lost(void)
+{
+    const pi_gains_t gains = {.proportional_q11 = 2048, .integral_q15 = 1, .anti_windup_q15 = 1};
+    pi_state_t state = {0};
+    for (int n = 0; n < 1000; n++) {
+        const int32_t u = pi_output(&state, &gains, -1);
+        pi_update(&state, &gains, -1, u, u);
+    }
+    TEST_ASSERT_EQUAL_INT32(-1000, state.integrator_q30);
+}
+
+/* With the actuator at its limit, u_real = k_p e_r + I defines the error e_r that would just have produced it. The
+ * integrator follows I' = I + k_i e_r = I + k_i (u_real - I) / k_p: it tends to u_real with the regulator's own time
+ * constant k_p / k_i, whatever the error is and however long the limit lasts. */
+void test_at_the_limit_the_integrator_tends_to_the_limit_and_stays_there(void)
+{
+    const pi_gains_t gains = gains_of(2.0, 0.05);
+    pi_state_t state = {0};
+    double expected = 0.0;
+    for (int n = 0; n < 400; n++) {
+        const int32_t u = pi_output(&state, &gains, 16000);
+        const int32_t realised = q_clamp(u, -8192, 8192);
+        pi_update(&state, &gains, 16000, u, realised);
+        expected += 0.05 * (0.25 - expected) / 2.0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.002, expected, integrator_of(&state));
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.002, 0.25, integrator_of(&state));
+}
+
+void test_the_conditioned_error_holds_when_four_times_the_limit_is_asked_for(void)
+{
+    /* k_p = 4 and a full-scale error ask for 3.1 more than there is: still I tends to the limit, not beyond. */
+    const pi_gains_t gains = gains_of(4.0, 0.05);
+    pi_state_t state = {0};
+    double expected = 0.0;
+    for (int n = 0; n < 500; n++) {
+        const int32_t u = pi_output(&state, &gains, 32767);
+        const int32_t realised = q_clamp(u, -29491, 29491); /* 0.9 */
+        pi_update(&state, &gains, 32767, u, realised);
+        expected += 0.05 * (0.9 - expected) / 4.0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, expected, integrator_of(&state));
+    }
+}
+
+void test_the_limit_is_left_at_once_when_the_error_changes_its_sign(void)
+{
+    const pi_gains_t gains = gains_of(2.0, 0.05);
+    pi_state_t state = {0};
+    for (int n = 0; n < 10000; n++) {
+        const int32_t u = pi_output(&state, &gains, 20000);
+        pi_update(&state, &gains, 20000, u, q_clamp(u, -16384, 16384));
+    }
+    /* The integrator stands at the limit, 0.5; -0.05 of error takes 0.1 off it in the very next step. */
+    TEST_ASSERT_INT32_WITHIN(70, 16384 - 3277, pi_output(&state, &gains, -1638));
+}
+
+void test_the_integrator_saturates_at_full_scale_and_does_not_wrap(void)
+{
+    const pi_gains_t gains = {
+        .proportional_q11 = 1, .integral_q15 = PI_LARGEST_INTEGRAL_Q15, .anti_windup_q15 = PI_LARGEST_ANTI_WINDUP_Q15};
+    static const int16_t ERRORS[] = {32767, -32768};
+    for (int i = 0; i < 2; i++) {
+        pi_state_t state = {0};
+        for (int n = 0; n < 10; n++) {
+            const int32_t u = pi_output(&state, &gains, ERRORS[i]);
+            pi_update(&state, &gains, ERRORS[i], u, u);
+            TEST_ASSERT_TRUE(abs(state.integrator_q30) <= INTEGRATOR_FULL_Q30 + 1);
+        }
+        TEST_ASSERT_INT32_WITHIN(1, i == 0 ? INTEGRATOR_FULL_Q30 : -INTEGRATOR_FULL_Q30, state.integrator_q30);
+    }
+}

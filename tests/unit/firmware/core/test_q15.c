@@ -1,0 +1,144 @@
+/* Saturating fixed point against arithmetic in a wider type. */
+#include "core/q15.h"
+#include "unity.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+/* The ends, their neighbours, zero, halves and a few of no special kind. */
+static const int16_t CORNERS[] = {-32768, -32767, -32766, -16385, -16384, -16383, -12345, -257,  -2,    -1,    0,
+                                  1,      2,      3,      255,    9999,   16383,  16384,  16385, 32765, 32766, 32767};
+enum { CORNER_COUNT = sizeof(CORNERS) / sizeof(CORNERS[0]) };
+
+static int64_t clamped(int64_t x, int64_t lowest, int64_t highest)
+{
+    return x < lowest ? lowest : (x > highest ? highest : x);
+}
+
+void test_saturation_keeps_every_value_of_the_range_and_clamps_every_other_to_the_nearest_end(void)
+{
+    for (int32_t x = -70000; x <= 70000; x++) {
+        TEST_ASSERT_EQUAL_INT64(clamped(x, -32768, 32767), q15_saturate(x));
+    }
+    TEST_ASSERT_EQUAL_INT16(-32768, q15_saturate(INT32_MIN));
+    TEST_ASSERT_EQUAL_INT16(32767, q15_saturate(INT32_MAX));
+}
+
+void test_a_limit_is_the_clamp_between_a_number_and_its_negative(void)
+{
+    static const int32_t MOST[] = {0, 1, 2, 255, 32767, 32768, 1 << 30, INT32_MAX};
+    static const int32_t X[] = {
+        INT32_MIN, INT32_MIN + 1, -(1 << 30), -32769, -32768, -256,  -255,    -2,       -1, 0, 1,
+        2,         255,           256,        32767,  32768,  32769, 1 << 30, INT32_MAX};
+    for (unsigned m = 0; m < sizeof(MOST) / sizeof(MOST[0]); m++) {
+        for (unsigned k = 0; k < sizeof(X) / sizeof(X[0]); k++) {
+            TEST_ASSERT_EQUAL_INT64(clamped(X[k], -(int64_t)MOST[m], MOST[m]), q_limit(X[k], MOST[m]));
+        }
+    }
+}
+
+void test_wider_saturations_keep_their_bits(void)
+{
+    static const int64_t X[] = {INT32_MIN, -1073741825, -1073741824, -131073, -131072,    -65537,     -65536,   0,
+                                65535,     65536,       131071,      131072,  1073741823, 1073741824, INT32_MAX};
+    for (unsigned k = 0; k < sizeof(X) / sizeof(X[0]); k++) {
+        TEST_ASSERT_EQUAL_INT64(clamped(X[k], -65536, 65535), q_saturate17((int32_t)X[k]));
+        TEST_ASSERT_EQUAL_INT64(clamped(X[k], -131072, 131071), q_saturate18((int32_t)X[k]));
+        TEST_ASSERT_EQUAL_INT64(clamped(X[k], -1073741824, 1073741823), q_saturate31((int32_t)X[k]));
+    }
+}
+
+void test_clamp_minimum_and_maximum_work_at_the_ends_of_int32(void)
+{
+    TEST_ASSERT_EQUAL_INT32(-5, q_clamp(INT32_MIN, -5, 7));
+    TEST_ASSERT_EQUAL_INT32(7, q_clamp(INT32_MAX, -5, 7));
+    TEST_ASSERT_EQUAL_INT32(3, q_clamp(3, -5, 7));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, q_min(INT32_MIN, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, q_max(INT32_MIN, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(-1, q_min(-1, 0));
+    TEST_ASSERT_EQUAL_INT32(0, q_max(-1, 0));
+}
+
+void test_the_magnitude_of_the_most_negative_number_saturates(void)
+{
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, q_abs(INT32_MIN));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, q_abs(INT32_MIN + 1));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, q_abs(INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(0, q_abs(0));
+    TEST_ASSERT_EQUAL_INT32(1, q_abs(-1));
+}
+
+void test_a_right_shift_rounds_towards_minus_infinity(void)
+{
+    /* -1 / 2^n lies between -1 and 0: the floor is -1 for every n. */
+    for (unsigned bits = 0; bits <= 31; bits++) {
+        TEST_ASSERT_EQUAL_INT32(-1, q_shift_right(-1, bits));
+        TEST_ASSERT_EQUAL_INT32(bits == 0 ? 1 : 0, q_shift_right(1, bits));
+        TEST_ASSERT_EQUAL_INT32(bits == 31 ? -1 : INT32_MIN / (1 << bits), q_shift_right(INT32_MIN, bits));
+    }
+}
+
+void test_a_product_is_the_exact_one_rounded_to_nearest_with_halves_upwards(void)
+{
+    for (int i = 0; i < CORNER_COUNT; i++) {
+        for (int32_t b = INT16_MIN; b <= INT16_MAX; b++) {
+            /* floor(x / 2^15 + 1/2) without relying on the shift under test: make the dividend positive first. */
+            const int64_t exact = (int64_t)CORNERS[i] * b;
+            const int64_t rounded = (exact + (INT64_C(1) << 14) + (INT64_C(1) << 40)) / 32768 - (INT64_C(1) << 25);
+            TEST_ASSERT_EQUAL_INT64(clamped(rounded, -32768, 32767), q15_multiply(CORNERS[i], (int16_t)b));
+        }
+    }
+}
+
+void test_minus_one_times_minus_one_saturates_and_is_the_only_product_that_does(void)
+{
+    TEST_ASSERT_EQUAL_INT16(32767, q15_multiply(-32768, -32768));
+    TEST_ASSERT_EQUAL_INT16(32767, q15_multiply(-32768, -32767));
+    TEST_ASSERT_EQUAL_INT16(-32767, q15_multiply(-32768, 32767));
+    TEST_ASSERT_EQUAL_INT16(32766, q15_multiply(32767, 32767)); /* (1 - 2^-15)^2 = 1 - 2^-14 + 2^-30 */
+}
+
+void test_sums_and_differences_saturate_and_never_wrap(void)
+{
+    for (int i = 0; i < CORNER_COUNT; i++) {
+        for (int32_t b = INT16_MIN; b <= INT16_MAX; b++) {
+            TEST_ASSERT_EQUAL_INT64(clamped(CORNERS[i] + b, -32768, 32767), q15_add(CORNERS[i], (int16_t)b));
+            TEST_ASSERT_EQUAL_INT64(clamped(CORNERS[i] - b, -32768, 32767), q15_subtract(CORNERS[i], (int16_t)b));
+        }
+    }
+}
+
+void test_a_share_of_a_quantity_is_rounded_towards_zero_and_never_grows(void)
+{
+    static const int32_t VALUES[] = {INT32_MIN, -1000000, -32769, -3, -1, 0, 1, 2, 40000, 16777217, INT32_MAX};
+    for (unsigned v = 0; v < sizeof(VALUES) / sizeof(VALUES[0]); v++) {
+        for (int i = 0; i < CORNER_COUNT; i++) {
+            const int64_t exact = (int64_t)VALUES[v] * CORNERS[i];
+            const int64_t expected = clamped(exact / 32768, INT32_MIN, INT32_MAX); /* C division rounds towards zero */
+            const int32_t share = q15_share_of(VALUES[v], CORNERS[i]);
+            TEST_ASSERT_EQUAL_INT64(expected, share);
+            TEST_ASSERT_TRUE(q_abs(share) <= q_abs(VALUES[v]));
+        }
+    }
+}
+
+void test_scaling_has_a_64_bit_product_and_saturates(void)
+{
+    TEST_ASSERT_EQUAL_INT32(123456789, q_scale(123456789, 2000000000, 2000000000));
+    TEST_ASSERT_EQUAL_INT32(-3, q_scale(7, -1, 2)); /* -3.5 towards zero */
+    TEST_ASSERT_EQUAL_INT32(3, q_scale(-7, -1, 2));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, q_scale(INT32_MAX, INT32_MAX, 1));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, q_scale(INT32_MIN, INT32_MAX, 1));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, q_scale(INT32_MIN, INT32_MIN, 1));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, q_scale(INT32_MIN, 1, -1));
+}
+
+void test_64_bit_values_saturate_to_32_bits(void)
+{
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, q_saturate64(INT64_MAX));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, q_saturate64(INT64_MIN));
+    TEST_ASSERT_EQUAL_INT32(INT32_MAX, q_saturate64((int64_t)INT32_MAX + 1));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, q_saturate64((int64_t)INT32_MIN - 1));
+    TEST_ASSERT_EQUAL_INT32(-1, q_saturate64(-1));
+}

@@ -1,0 +1,89 @@
+/* Reasons are part of the protocol: the numbers are frozen here. */
+#include <string.h>
+
+#include "core/reason.h"
+#include "unity.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+/* Written down a second time on purpose: a renumbered code must break this list. */
+typedef struct {
+    int number;
+    reason_t reason;
+} frozen_t;
+
+static const frozen_t FROZEN[] = {
+    {0, REASON_NONE},
+    {1, REASON_LOSS_OPTIMUM},
+    {2, REASON_MAX_TORQUE},
+    {3, REASON_MAX_POWER},
+    {4, REASON_PHASE_CURRENT},
+    {5, REASON_CHARGE_CURRENT},
+    {6, REASON_DISCHARGE_CURRENT},
+    {7, REASON_BUS_VOLTAGE_HIGH},
+    {8, REASON_BUS_VOLTAGE_LOW},
+    {9, REASON_WINDING_TEMPERATURE},
+    {10, REASON_SWITCH_TEMPERATURE},
+    {11, REASON_HANDOVER},
+    {12, REASON_TORQUE_RATE},
+    {13, REASON_VOLTAGE},
+    {14, REASON_ELECTRIC_SHARE},
+    {15, REASON_ELECTRIC_RATED},
+    {16, REASON_ABS},
+    {17, REASON_PERMISSION},
+    {18, REASON_MAX_SPEED},
+    {19, REASON_ROTOR_UNCERTAIN},
+    {20, REASON_HYDRAULIC_LIMIT},
+    {64, REASON_CONFIG_INVALID},
+    {65, REASON_SELFTEST_FAILED},
+    {66, REASON_OFFSET_IMPLAUSIBLE},
+    {67, REASON_OVERCURRENT},
+    {68, REASON_BUS_OVERVOLTAGE},
+    {69, REASON_BUS_UNDERVOLTAGE},
+    {70, REASON_WINDING_OVERTEMPERATURE},
+    {71, REASON_SWITCH_OVERTEMPERATURE},
+    {72, REASON_CURRENT_SUM},
+    {73, REASON_ROTOR_LOST},
+    {74, REASON_TORQUE_IMPLAUSIBLE},
+    {75, REASON_PROGRAM_FLOW},
+    {76, REASON_DEMAND_TIMEOUT},
+    {77, REASON_HARDWARE_BREAK},
+    {78, REASON_CURRENT_SENSOR},
+};
+enum { FROZEN_COUNT = sizeof(FROZEN) / sizeof(FROZEN[0]) };
+
+void test_no_published_number_has_moved(void)
+{
+    for (int i = 0; i < FROZEN_COUNT; i++) {
+        TEST_ASSERT_EQUAL_INT(FROZEN[i].number, FROZEN[i].reason);
+    }
+}
+
+void test_every_reason_has_a_text_of_its_own(void)
+{
+    for (int i = 0; i < FROZEN_COUNT; i++) {
+        const char *text = reason_text(FROZEN[i].reason);
+        TEST_ASSERT_NOT_NULL(text);
+        TEST_ASSERT_TRUE(strlen(text) >= 5);
+        TEST_ASSERT_TRUE(strcmp(text, "unknown reason") != 0);
+        for (int k = 0; k < i; k++) {
+            TEST_ASSERT_TRUE(strcmp(text, reason_text(FROZEN[k].reason)) != 0);
+        }
+    }
+}
+
+void test_a_number_outside_the_list_is_said_to_be_unknown(void)
+{
+    static const int UNKNOWN[] = {40, 63, 200, 255};
+    for (unsigned i = 0; i < sizeof(UNKNOWN) / sizeof(UNKNOWN[0]); i++) {
+        TEST_ASSERT_EQUAL_STRING("unknown reason", reason_text((reason_t)UNKNOWN[i]));
+    }
+}
+
+void test_limits_and_faults_are_told_apart_by_their_number(void)
+{
+    TEST_ASSERT_TRUE((int)REASON_HYDRAULIC_LIMIT < (int)REASON_FIRST_FAULT);
+    TEST_ASSERT_EQUAL_INT((int)REASON_FIRST_FAULT, (int)REASON_CONFIG_INVALID);
+}

@@ -1,0 +1,118 @@
+/* Dead-time compensation: size from the configuration, sign from the current, proportional near zero. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "foc/dead_time.h"
+#include "unity.h"
+
+extern const config_t CONFIG_LU2013;
+
+static config_t config;
+
+void setUp(void)
+{
+    config = CONFIG_LU2013;
+    config.drive.pwm_frequency_Hz = 20000;
+    config.drive.pwm_period_counts = 4200;
+    config.drive.dead_time_ns = 1000;
+    config.current_loop.dead_time_zone_pu_q15 = 655;
+}
+
+void tearDown(void) {}
+
+/* Phase a is the alpha axis. */
+static double trim_counts(const dead_time_t *dead_time, int32_t current_pu)
+{
+    const ab_t i = {.alpha = current_pu, .beta = 0};
+    return dead_time_shares(dead_time, i).a / 32768.0 * dead_time->full_counts;
+}
+
+void test_the_full_correction_is_the_share_of_the_period_that_dead_time_takes(void)
+{
+    /* 1 us * 20 kHz = 2 % of 4200 counts. */
+    TEST_ASSERT_EQUAL_INT32(84, dead_time_init(&config).full_counts);
+    config.drive.dead_time_ns = 500;
+    config.drive.pwm_frequency_Hz = 16000;
+    config.drive.pwm_period_counts = 5250;
+    TEST_ASSERT_EQUAL_INT32(42, dead_time_init(&config).full_counts); /* 0.8 % of 5250 */
+}
+
+void test_positive_current_lengthens_the_high_side_pulse(void)
+{
+    const dead_time_t dead_time = dead_time_init(&config);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 84.0, trim_counts(&dead_time, 20000));
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, -84.0, trim_counts(&dead_time, -20000));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(&dead_time, 0));
+}
+
+void test_inside_the_zone_it_is_proportional(void)
+{
+    const dead_time_t dead_time = dead_time_init(&config);
+    for (int32_t i = -655; i <= 655; i++) {
+        /* The slope 1/zone is kept to 1/2^16 of one unit per LSB: 0.3 % here, and one LSB of Q15 is rounded away. */
+        TEST_ASSERT_DOUBLE_WITHIN(84.0 * 0.004, 84.0 * i / 655.0, trim_counts(&dead_time, i));
+    }
+}
+
+void test_it_is_bounded_and_monotone_for_every_current_and_zone(void)
+{
+    static const int32_t ZONES[] = {128, 129, 655, 5000, 32767};
+    for (int z = 0; z < 5; z++) {
+        config.current_loop.dead_time_zone_pu_q15 = ZONES[z];
+        const dead_time_t dead_time = dead_time_init(&config);
+        double before = -85.0;
+        for (int32_t i = -32768; i <= 32767; i++) {
+            const double trim = trim_counts(&dead_time, i);
+            TEST_ASSERT_TRUE(trim >= before && fabs(trim) <= 84.0);
+            before = trim;
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(0.5, 84.0, before); /* the zone ends inside the range */
+    }
+}
+
+void test_each_phase_is_trimmed_by_the_sign_of_its_own_current(void)
+{
+    const dead_time_t dead_time = dead_time_init(&config);
+    for (int k = 0; k < 3600; k++) {
+        const double angle = k * 3.14159265358979323846 / 1800.0;
+        const ab_t i = {(int32_t)lround(20000.0 * cos(angle)), (int32_t)lround(20000.0 * sin(angle))};
+        const abc_t trim = dead_time_shares(&dead_time, i);
+        const int32_t got[3] = {trim.a, trim.b, trim.c};
+        for (int x = 0; x < 3; x++) {
+            const double phase = 20000.0 * cos(angle - x * 2.0 * 3.14159265358979323846 / 3.0);
+            if (fabs(phase) > 660.0) {
+                TEST_ASSERT_DOUBLE_WITHIN(0.01, phase > 0.0 ? 84.0 : -84.0, 84.0 * got[x] / 32768.0);
+            } else {
+                TEST_ASSERT_DOUBLE_WITHIN(84.0 * 0.01, 84.0 * phase / 655.0, 84.0 * got[x] / 32768.0);
+            }
+        }
+    }
+}
+
+void test_the_longest_current_vector_does_not_overflow_in_any_direction(void)
+{
+    config.current_loop.dead_time_zone_pu_q15 = 128;
+    const dead_time_t dead_time = dead_time_init(&config);
+    for (int k = 0; k < 36000; k++) {
+        const double angle = k * 3.14159265358979323846 / 18000.0;
+        const ab_t i = {(int32_t)lround(32768.0 * cos(angle)), (int32_t)lround(32768.0 * sin(angle))};
+        const abc_t trim = dead_time_shares(&dead_time, i);
+        TEST_ASSERT_TRUE(abs(trim.a) <= 32768 && abs(trim.b) <= 32768 && abs(trim.c) <= 32768);
+        /* With a zone this narrow only a wrap could turn a sign round. */
+        const double beta_part = i.beta * sqrt(0.75);
+        const double phase[3] = {i.alpha, beta_part - 0.5 * i.alpha, -beta_part - 0.5 * i.alpha};
+        const int32_t got[3] = {trim.a, trim.b, trim.c};
+        for (int x = 0; x < 3; x++) {
+            TEST_ASSERT_TRUE(fabs(phase[x]) < 4.0 || got[x] * phase[x] > 0.0);
+        }
+    }
+}
+
+void test_no_dead_time_needs_no_correction(void)
+{
+    config.drive.dead_time_ns = 0;
+    const dead_time_t dead_time = dead_time_init(&config);
+    for (int32_t i = -32768; i <= 32767; i += 5) {
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(&dead_time, i));
+    }
+}

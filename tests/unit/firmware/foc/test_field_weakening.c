@@ -1,0 +1,84 @@
+/* The demagnetising current: comes when the voltage runs out, goes when it is back, never beyond its limits. */
+#include "foc/field_weakening.h"
+#include "unity.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static int32_t after(field_weakening_t *state, int steps, int32_t d, int32_t q, int32_t gain, int32_t most)
+{
+    for (int n = 0; n < steps; n++) {
+        field_weakening_step(state, d, q, gain, most);
+    }
+    return field_weakening_current_pu(state);
+}
+
+void test_with_voltage_to_spare_there_is_none(void)
+{
+    field_weakening_t state = {0};
+    TEST_ASSERT_EQUAL_INT32(0, after(&state, 1000, 0, 20000, 500, 8000));
+}
+
+void test_beyond_the_circle_it_grows_and_stops_at_its_limit(void)
+{
+    field_weakening_t state = {0};
+    int32_t before = 0;
+    for (int n = 0; n < 200; n++) {
+        const int32_t now = after(&state, 1, 0, 40000, 5000, 8000);
+        TEST_ASSERT_TRUE(now <= before && now >= -8000);
+        before = now;
+    }
+    TEST_ASSERT_EQUAL_INT32(-8000, before);
+}
+
+void test_it_returns_to_exactly_zero(void)
+{
+    field_weakening_t state = {0};
+    after(&state, 1000, 0, 40000, 5000, 8000);
+    TEST_ASSERT_EQUAL_INT32(0, after(&state, 1000, 0, 0, 5000, 8000));
+}
+
+void test_one_step_is_gain_times_missing_squared_voltage(void)
+{
+    /* |u|^2 = 1 in either axis is the circle; the aim leaves 3 % of the voltage, 30760/32768 of its square. */
+    field_weakening_t state = {0};
+    field_weakening_step(&state, 32767, 0, 1000, 32767);
+    const double missing = 32767.0 * 32767.0 / 32768.0 - FIELD_WEAKENING_AIM_Q15;
+    TEST_ASSERT_DOUBLE_WITHIN(2.0 * 1000.0, -missing * 1000.0, state.current_q30);
+}
+
+void test_driving_and_braking_are_treated_alike(void)
+{
+    field_weakening_t forward = {0};
+    field_weakening_t backward = {0};
+    for (int n = 0; n < 50; n++) {
+        field_weakening_step(&forward, -9000, 31000, 700, 8000);
+        field_weakening_step(&backward, -9000, -31000, 700, 8000);
+        /* Each square is rounded down on its own, which sees no sign. */
+        TEST_ASSERT_EQUAL_INT32(forward.current_q30, backward.current_q30);
+    }
+    TEST_ASSERT_TRUE(forward.current_q30 < 0);
+}
+
+void test_a_limit_or_a_gain_of_zero_switches_it_off(void)
+{
+    field_weakening_t state = {0};
+    TEST_ASSERT_EQUAL_INT32(0, after(&state, 100, 0, 100000, 32767, 0));
+    TEST_ASSERT_EQUAL_INT32(0, after(&state, 100, 0, 100000, 0, 32767));
+}
+
+void test_the_largest_voltages_and_gains_do_not_overflow(void)
+{
+    static const int32_t VOLTAGES[] = {INT32_MIN, -600000, -32769, 32768, 600000, INT32_MAX};
+    field_weakening_t state = {0};
+    for (int d = 0; d < 6; d++) {
+        for (int q = 0; q < 6; q++) {
+            for (int n = 0; n < 4; n++) {
+                field_weakening_step(&state, VOLTAGES[d], VOLTAGES[q], 32767, 32767);
+                TEST_ASSERT_TRUE(field_weakening_current_pu(&state) >= -32767);
+                TEST_ASSERT_TRUE(field_weakening_current_pu(&state) <= 0);
+            }
+        }
+    }
+}

@@ -1,0 +1,298 @@
+/* The fast reach as a whole: codes in, compare values out, and what it reports. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "foc/foc.h"
+#include "foc/summary.h"
+#include "unity.h"
+
+extern const config_t CONFIG_LU2013;
+
+static const double PI = 3.14159265358979323846;
+enum { PERIOD_COUNTS = 4200 };
+
+static config_t config;
+static foc_state_t foc;
+static foc_command_t command;
+static foc_report_t report;
+static foc_input_t in;
+static uint16_t *const codes = in.phase_current_code;
+
+static void restart(void)
+{
+    foc_init(&foc, &config);
+    command = foc_initial_command(&foc, &config);
+}
+
+void setUp(void)
+{
+    config = CONFIG_LU2013;
+    config.drive.pwm_period_counts = PERIOD_COUNTS;
+    config.drive.pwm_frequency_Hz = 20000;
+    config.drive.dead_time_ns = 0;
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+    codes[0] = codes[1] = codes[2] = 2048;
+    in.bus_voltage_code = 3513; /* 53 V of 61.8 V */
+    in.rotor_angle_turn = 0;
+    in.hall_state = 5;
+    memset(&report, 0, sizeof(report));
+    for (int x = 0; x < 3; x++) {
+        report.offset_q4[x] = 2048 * 16;
+    }
+    restart();
+}
+
+void tearDown(void) {}
+
+static void step(bool run)
+{
+    foc_step(&foc, &config, &command, run, &in, &report);
+}
+
+/* What the slow reach makes of the report when it holds `steps` steps. */
+static foc_summary_t summed_up(uint16_t steps)
+{
+    foc_summary_state_t summary;
+    foc_summary_init(&summary, 0);
+    return foc_summary_step(&summary, &report, steps);
+}
+
+/* Phase currents of a rotor-frame current, as codes. */
+static void set_current(double d_pu, double q_pu, uint16_t theta_turn)
+{
+    const double theta = theta_turn * 2.0 * PI / 65536.0;
+    for (int x = 0; x < 3; x++) {
+        const double angle = theta - x * 2.0 * PI / 3.0;
+        codes[x] = (uint16_t)lround(2048.0 + 2048.0 * (d_pu * cos(angle) - q_pu * sin(angle)));
+    }
+}
+
+/* The stator voltage the compare values make, share of u_dc. */
+static void realised(double *alpha, double *beta)
+{
+    const uint16_t *on = foc.current.on_counts;
+    *alpha = (2.0 * on[0] - on[1] - on[2]) / 3.0 / PERIOD_COUNTS;
+    *beta = (on[1] - on[2]) / sqrt(3.0) / PERIOD_COUNTS;
+}
+
+void test_without_run_the_legs_are_centred_and_nothing_is_integrated(void)
+{
+    set_current(0.2, 0.3, 0);
+    command.i_reference_pu.q = 9000;
+    for (int n = 0; n < 100; n++) {
+        step(false);
+        for (int x = 0; x < 3; x++) {
+            TEST_ASSERT_EQUAL_UINT16(PERIOD_COUNTS / 2, foc.current.on_counts[x]);
+        }
+    }
+    TEST_ASSERT_EQUAL_INT32(0, foc.current.loop.d.integrator_q30);
+    TEST_ASSERT_EQUAL_INT32(0, foc.current.loop.q.integrator_q30);
+    TEST_ASSERT_EQUAL_INT32(0, report.current.voltage.realised.q);
+}
+
+void test_currents_are_measured_with_and_without_run_in_the_rotor_frame(void)
+{
+    for (int run = 0; run <= 1; run++) {
+        for (uint32_t theta = 0; theta < 65536U; theta += 997U) {
+            restart();
+            in.rotor_angle_turn = (uint16_t)theta;
+            set_current(-0.1, 0.25, (uint16_t)theta);
+            step(run != 0);
+            /* Half a code of 16 LSB in each of two phases reaches dq amplified by at most 2/sqrt 3 * sqrt 3. */
+            TEST_ASSERT_DOUBLE_WITHIN(20.0, -0.1 * 32768.0, report.current.i_pu.d);
+            TEST_ASSERT_DOUBLE_WITHIN(20.0, 0.25 * 32768.0, report.current.i_pu.q);
+        }
+    }
+}
+
+void test_the_back_emf_is_put_where_the_rotor_will_be_one_and_a_half_periods_later(void)
+{
+    const double speed_turns = 0.0123; /* 641 r/min of 23 pole pairs */
+    for (uint32_t theta = 0; theta < 65536U; theta += 1013U) {
+        restart();
+        in.rotor_angle_turn = (uint16_t)theta;
+        command.tuning =
+            current_loop_tuning(&config, foc.current.svpwm.modulation_limit_q15, 3513 * 8,
+                                (int32_t)lround(speed_turns * 0.5 * 4294967296.0)); /* half: inside the circle */
+        step(true);
+        const double angle = theta * 2.0 * PI / 65536.0 + 1.5 * 0.5 * speed_turns * 2.0 * PI;
+        const double v_dc_V = 3513.0 / 4096.0 * config.drive.voltage_full_scale_mV * 1e-3;
+        const double emf = 0.5 * speed_turns * 20000.0 * 2.0 * PI * config.motor.flux_linkage_nWb * 1e-9 / v_dc_V;
+        double alpha = 0.0;
+        double beta = 0.0;
+        realised(&alpha, &beta);
+        /* One count of each leg, 1/4200, is what the modulator may be off. */
+        TEST_ASSERT_DOUBLE_WITHIN(1.2 / PERIOD_COUNTS, -emf * sin(angle), alpha);
+        TEST_ASSERT_DOUBLE_WITHIN(1.2 / PERIOD_COUNTS, emf * cos(angle), beta);
+    }
+}
+
+void test_a_positive_q_error_makes_voltage_a_quarter_turn_ahead_of_the_rotor(void)
+{
+    command.i_reference_pu.q = 3000;
+    for (uint32_t theta = 0; theta < 65536U; theta += 4096U) {
+        restart();
+        command.i_reference_pu.q = 3000;
+        in.rotor_angle_turn = (uint16_t)theta;
+        step(true);
+        double alpha = 0.0;
+        double beta = 0.0;
+        realised(&alpha, &beta);
+        const double angle = theta * 2.0 * PI / 65536.0;
+        TEST_ASSERT_TRUE(-alpha * sin(angle) + beta * cos(angle) > 0.05);
+        TEST_ASSERT_DOUBLE_WITHIN(0.001, 0.0, alpha * cos(angle) + beta * sin(angle));
+    }
+}
+
+void test_a_start_after_a_rest_remembers_nothing(void)
+{
+    command.i_reference_pu.q = 5000;
+    step(true);
+    uint16_t first[3];
+    memcpy(first, foc.current.on_counts, sizeof(first));
+    for (int n = 0; n < 200; n++) {
+        step(true); /* a current that does not come: the integrator fills */
+    }
+    TEST_ASSERT_TRUE(memcmp(first, foc.current.on_counts, sizeof(first)) != 0);
+    step(false);
+    step(true);
+    TEST_ASSERT_EQUAL_UINT16_ARRAY(first, foc.current.on_counts, 3);
+}
+
+void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
+{
+    /* Proportional action only, without saturation: the voltage shows the reference that was regulated. */
+    command.tuning.d.proportional_q11 = 2048;
+    command.tuning.q.proportional_q11 = 2048;
+    const int32_t most = config.current_loop.max_current_pu_q15;
+    static const int32_t WANTED[][2] = {{-32768, 32767}, {-10000, 32767}, {5000, -32768}, {0, 32767}, {-3000, 4000}};
+    for (int k = 0; k < 5; k++) {
+        step(false);
+        command.i_reference_pu.d = WANTED[k][0];
+        command.i_reference_pu.q = WANTED[k][1];
+        step(true);
+        const double d = report.current.voltage.wanted_d;
+        const double q = report.current.voltage.wanted_q;
+        TEST_ASSERT_TRUE(hypot(d, q) <= most + 2.0);
+        TEST_ASSERT_EQUAL_INT32(q_clamp(WANTED[k][0], -most, most), report.current.voltage.wanted_d);
+        TEST_ASSERT_TRUE(q * WANTED[k][1] >= 0.0); /* a limit never turns the torque round */
+    }
+    TEST_ASSERT_EQUAL_INT32(4000, report.current.voltage.wanted_q); /* the last one was inside */
+}
+
+void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_and_back(void)
+{
+    config.current_loop.field_weakening_gain_pu_q15 = 2000;
+    config.current_loop.field_weakening_current_pu_q15 = 6000;
+    restart();
+    command.tuning.w_psi_q15 = 40000; /* more than the circle */
+    for (int n = 0; n < 2000; n++) {
+        step(true);
+        const int32_t weakening_pu = field_weakening_current_pu(&foc.weakening);
+        TEST_ASSERT_TRUE(weakening_pu <= 0 && weakening_pu >= -6000);
+    }
+    TEST_ASSERT_EQUAL_INT32(-6000, field_weakening_current_pu(&foc.weakening));
+    TEST_ASSERT_TRUE(summed_up(1).voltage_limited);
+    step(false);
+    command.tuning.w_psi_q15 = 0;
+    step(true);
+    TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening)); /* a rest forgets it */
+}
+
+void test_the_limit_flag_says_whether_the_circle_bit_in_this_period(void)
+{
+    command.tuning.w_psi_q15 = 20000;
+    step(true);
+    TEST_ASSERT_FALSE(summed_up(1).voltage_limited);
+    command.tuning.w_psi_q15 = 33000;
+    step(true);
+    TEST_ASSERT_TRUE(summed_up(1).voltage_limited);
+}
+
+void test_offsets_are_averaged_on_command_and_taken_over_once(void)
+{
+    codes[0] = 2060;
+    codes[1] = 2040;
+    codes[2] = 2049;
+    command.calibrate_offsets = true;
+    for (int n = 0; n < (1 << SENSE_CALIBRATION_LOG2); n++) {
+        TEST_ASSERT_FALSE(report.offsets_done);
+        step(false);
+    }
+    TEST_ASSERT_TRUE(report.offsets_done);
+    TEST_ASSERT_EQUAL_INT32(2060 * 16, report.offset_q4[0]);
+    TEST_ASSERT_EQUAL_INT32(2040 * 16, report.offset_q4[1]);
+    TEST_ASSERT_EQUAL_INT32(2049 * 16, report.offset_q4[2]);
+    step(false);
+    TEST_ASSERT_EQUAL_INT32(0, report.current.i_pu.d);
+    TEST_ASSERT_EQUAL_INT32(0, report.current.current_sum_pu);
+    command.calibrate_offsets = false;
+    step(false);
+    command.calibrate_offsets = true; /* a new command starts anew */
+    step(false);
+    TEST_ASSERT_FALSE(report.offsets_done);
+}
+
+void test_the_power_report_is_voltage_times_current(void)
+{
+    command.i_reference_pu.d = -3000;
+    command.i_reference_pu.q = 6000;
+    set_current(-3000.0 / 32768.0, 6000.0 / 32768.0, 0);
+    command.tuning.w_psi_q15 = 20000;
+    command.tuning.d.integral_q15 = 0; /* no drift from the half code of rounding */
+    command.tuning.q.integral_q15 = 0;
+    step(true);
+    const dq_t u = report.current.voltage.realised;
+    const dq_t i = report.current.i_pu;
+    /* One period, from nothing: its sum is its mean. */
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, (u.d * (double)i.d + u.q * (double)i.q) / 32768.0, summed_up(1).power_pu);
+    TEST_ASSERT_EQUAL_INT32(i.q, summed_up(1).i_pu.q);
+}
+
+void test_the_bus_voltage_is_eight_a_code_and_codes_beyond_twelve_bits_are_clamped(void)
+{
+    in.bus_voltage_code = 1000;
+    step(false);
+    TEST_ASSERT_EQUAL_INT32(8000, report.v_dc_pu);
+    in.bus_voltage_code = 65535;
+    step(false);
+    TEST_ASSERT_EQUAL_INT32(4095 * 8, report.v_dc_pu);
+}
+
+void test_a_current_converter_at_its_end_is_reported(void)
+{
+    step(true);
+    TEST_ASSERT_FALSE(summed_up(1).current_saturated);
+    codes[0] = 4095;
+    codes[1] = 0;
+    step(true);
+    TEST_ASSERT_TRUE(summed_up(2).current_saturated);
+}
+
+void test_two_controllers_in_one_process_do_not_know_of_each_other(void)
+{
+    foc_state_t alone = foc;
+    foc_state_t other;
+    foc_init(&other, &config);
+    foc_report_t report_alone = report;
+    foc_report_t report_other = report;
+    foc_command_t stir = command;
+    stir.i_reference_pu.q = -7000;
+    command.i_reference_pu.q = 2000;
+    const foc_input_t others_in = {
+        .phase_current_code = {1000, 3000, 2500}, .bus_voltage_code = 2000, .rotor_angle_turn = 30000, .hall_state = 3};
+    for (int n = 0; n < 100; n++) {
+        in.rotor_angle_turn = (uint16_t)(in.rotor_angle_turn + 500U);
+        foc_step(&alone, &config, &command, true, &in, &report_alone);
+    }
+    in.rotor_angle_turn = 0;
+    for (int n = 0; n < 100; n++) {
+        in.rotor_angle_turn = (uint16_t)(in.rotor_angle_turn + 500U);
+        foc_step(&other, &config, &stir, true, &others_in, &report_other);
+        step(true);
+    }
+    TEST_ASSERT_EQUAL_UINT16_ARRAY(alone.current.on_counts, foc.current.on_counts, 3);
+    TEST_ASSERT_EQUAL_UINT32(report_alone.sums.power_pu, report.sums.power_pu);
+    TEST_ASSERT_EQUAL_INT32(report_alone.speed_q32, report.speed_q32);
+}

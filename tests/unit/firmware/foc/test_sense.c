@@ -1,0 +1,163 @@
+/* From codes to currents: which phase is reconstructed, what adds up, what counts as saturated, and the offsets. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "foc/sense.h"
+#include "unity.h"
+
+static sense_state_t state;
+
+void setUp(void)
+{
+    sense_init(&state);
+}
+
+void tearDown(void) {}
+
+void test_the_constant_is_the_rounded_root(void)
+{
+    TEST_ASSERT_EQUAL_INT(lround(32768.0 / sqrt(3.0)), SENSE_INV_SQRT3_Q15);
+}
+
+/* beta = (b - c)/sqrt 3: one rounding down, and the constant's 0.39 LSB on b - c of at most 2. */
+static void check_vector(double a, double b_less_c, ab_t i)
+{
+    TEST_ASSERT_EQUAL_DOUBLE(a, i.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1.8, b_less_c / sqrt(3.0), i.beta);
+}
+
+void test_mid_range_is_no_current_and_the_ends_are_full_scale(void)
+{
+    /* 2048 codes = 1.0 = 32768: 16 a code. Phase c is longest on and worked out from a and b. */
+    const uint16_t on[3] = {100, 200, 300};
+    const uint16_t middle[3] = {2048, 2048, 2048};
+    const sense_out_t zero = sense_step(&state, middle, on);
+    TEST_ASSERT_EQUAL_INT32(0, zero.i.alpha);
+    TEST_ASSERT_EQUAL_INT32(0, zero.i.beta);
+    const uint16_t ends[3] = {0, 4095, 0};
+    /* c = -(a + b) = 16 */
+    check_vector(-32768.0, 2047.0 * 16.0 - 16.0, sense_step(&state, ends, on).i);
+}
+
+void test_the_phase_with_the_longest_on_time_is_worked_out_from_the_other_two(void)
+{
+    static const uint16_t ON[6][3] = {{9, 5, 1}, {9, 1, 5}, {5, 9, 1}, {1, 9, 5}, {5, 1, 9}, {1, 5, 9}};
+    static const int LONGEST[6] = {0, 0, 1, 1, 2, 2};
+    const uint16_t codes[3] = {2100, 2200, 1700}; /* 52, 152, -348 codes: the sum is -144 */
+    for (int k = 0; k < 6; k++) {
+        const sense_out_t out = sense_step(&state, codes, ON[k]);
+        int32_t i[3] = {52 * 16, 152 * 16, -348 * 16};
+        i[LONGEST[k]] = -i[(LONGEST[k] + 1) % 3] - i[(LONGEST[k] + 2) % 3];
+        check_vector(i[0], i[1] - i[2], out.i);
+        TEST_ASSERT_EQUAL_INT32(-144 * 16, out.sum_pu);
+    }
+}
+
+void test_on_a_tie_the_earlier_phase_is_worked_out(void)
+{
+    static const uint16_t ON[4][3] = {{7, 7, 7}, {7, 7, 1}, {7, 1, 7}, {1, 7, 7}};
+    static const int EARLIER[4] = {0, 0, 0, 1};
+    const uint16_t codes[3] = {2100, 2200, 1700};
+    for (int k = 0; k < 4; k++) {
+        int32_t i[3] = {52 * 16, 152 * 16, -348 * 16};
+        i[EARLIER[k]] = -i[(EARLIER[k] + 1) % 3] - i[(EARLIER[k] + 2) % 3];
+        check_vector(i[0], i[1] - i[2], sense_step(&state, codes, ON[k]).i);
+    }
+}
+
+void test_all_codes_give_the_vector_of_their_phases_unless_it_saturates(void)
+{
+    const uint16_t on[3] = {1, 2, 3};
+    for (int32_t a = 0; a < 4096; a += 63) {
+        for (int32_t b = 0; b < 4096; b += 65) {
+            const uint16_t codes[3] = {(uint16_t)a, (uint16_t)b, 17};
+            const int32_t b_less_c = 16 * ((a - 2048) + 2 * (b - 2048)); /* c = -a - b */
+            const double held = b_less_c > 65535 ? 65535.0 : (b_less_c < -65536 ? -65536.0 : b_less_c);
+            check_vector(16.0 * (a - 2048), held, sense_step(&state, codes, on).i);
+        }
+    }
+}
+
+void test_a_current_at_an_end_of_its_converter_s_range_is_seen_and_one_code_inside_is_not(void)
+{
+    /* Zeros away from mid-range: what code 0 and code 4095 stand for moves with them. */
+    static const int32_t OFFSETS[3][3] = {{2048, 2048, 2048}, {2010, 2048, 2090}, {2148, 1948, 2040}};
+    for (int k = 0; k < 3; k++) {
+        const int32_t offset_q4[3] = {OFFSETS[k][0] * 16, OFFSETS[k][1] * 16, OFFSETS[k][2] * 16};
+        for (int phase = 0; phase < 3; phase++) {
+            for (int e = 0; e < 2; e++) {
+                const int32_t end_code = e == 0 ? 0 : SENSE_CODE_MAX;
+                const int32_t inside_code = e == 0 ? 1 : SENSE_CODE_MAX - 1;
+                int32_t i[3] = {320, -160, -160};
+                i[phase] = q_saturate16((end_code - OFFSETS[k][phase]) * 16);
+                const abc_t at_end = {i[0], i[1], i[2]};
+                TEST_ASSERT_TRUE(sense_at_end(offset_q4, at_end));
+                i[phase] = (inside_code - OFFSETS[k][phase]) * 16;
+                if (i[phase] > -32768 && i[phase] < 32767) { /* beyond one, both are the end of the number */
+                    const abc_t inside = {i[0], i[1], i[2]};
+                    TEST_ASSERT_FALSE(sense_at_end(offset_q4, inside));
+                }
+            }
+        }
+    }
+}
+
+static void calibrate(uint16_t a, uint16_t b, uint16_t c)
+{
+    const uint16_t codes[3] = {a, b, c};
+    for (int n = 0; n < (1 << SENSE_CALIBRATION_LOG2); n++) {
+        sense_calibrate_step(&state, codes);
+    }
+}
+
+void test_calibrated_offsets_make_the_resting_codes_zero(void)
+{
+    const uint16_t on[3] = {1, 2, 3};
+    const uint16_t resting[3] = {2061, 2030, 2048};
+    TEST_ASSERT_FALSE(state.calibrated);
+    calibrate(resting[0], resting[1], resting[2]);
+    TEST_ASSERT_TRUE(state.calibrated);
+    const sense_out_t out = sense_step(&state, resting, on);
+    TEST_ASSERT_EQUAL_INT32(0, out.i.alpha);
+    TEST_ASSERT_EQUAL_INT32(0, out.i.beta);
+    TEST_ASSERT_EQUAL_INT32(0, out.sum_pu);
+}
+
+void test_the_average_resolves_a_sixteenth_of_a_code(void)
+{
+    /* 11 of 16 samples read one more: the mean is 2048 + 11/16 codes. */
+    for (int n = 0; n < (1 << SENSE_CALIBRATION_LOG2); n++) {
+        const uint16_t code = (uint16_t)(2048 + (n % 16 < 11 ? 1 : 0));
+        const uint16_t codes[3] = {code, code, code};
+        sense_calibrate_step(&state, codes);
+    }
+    TEST_ASSERT_EQUAL_INT32(2048 * 16 + 11, state.offset_q4[0]);
+}
+
+void test_offsets_stay_in_use_until_a_new_calibration_is_complete(void)
+{
+    calibrate(2100, 2100, 2100);
+    sense_calibrate_restart(&state);
+    const uint16_t codes[3] = {1900, 1900, 1900};
+    for (int n = 0; n < (1 << SENSE_CALIBRATION_LOG2) - 1; n++) {
+        sense_calibrate_step(&state, codes);
+        TEST_ASSERT_FALSE(state.calibrated);
+        TEST_ASSERT_EQUAL_INT32(2100 * 16, state.offset_q4[1]);
+    }
+    sense_calibrate_step(&state, codes);
+    TEST_ASSERT_TRUE(state.calibrated);
+    TEST_ASSERT_EQUAL_INT32(1900 * 16, state.offset_q4[1]);
+}
+
+void test_the_highest_codes_do_not_overflow_the_sum(void)
+{
+    calibrate(4095, 4095, 4095);
+    TEST_ASSERT_EQUAL_INT32(4095 * 16, state.offset_q4[2]);
+}
+
+void test_samples_after_the_calibration_change_nothing(void)
+{
+    calibrate(2100, 2100, 2100);
+    calibrate(0, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(2100 * 16, state.offset_q4[0]);
+}

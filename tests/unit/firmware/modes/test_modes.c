@@ -1,0 +1,206 @@
+#include <string.h>
+
+#include "modes_rig.h"
+
+void setUp(void)
+{
+    start();
+}
+
+void tearDown(void) {}
+
+/* ---- the way up ---- */
+
+void test_from_boot_to_ready_in_the_order_of_the_diagram(void)
+{
+    assert_mode(MODE_SELFTEST, step());
+    assert_mode(MODE_OFFSET_CAL, step());
+    assert_mode(MODE_READY, run(MODES_CALIBRATION_SETTLE_STEPS));
+    assert_mode(MODE_READY, run(100000));
+    in.enable = true;
+    assert_mode(MODE_RUN, step());
+}
+
+void test_boot_is_not_left_without_an_accepted_configuration(void)
+{
+    in.config_accepted = false;
+    in.enable = true;
+    assert_mode(MODE_BOOT, run(100000));
+    in.fault = REASON_OVERCURRENT; /* and nothing else is looked at before */
+    assert_mode(MODE_BOOT, step());
+    in.fault = REASON_NONE;
+    in.config_accepted = true;
+    assert_mode(MODE_SELFTEST, step());
+}
+
+void test_a_self_test_that_does_not_pass_within_a_second_is_a_fault(void)
+{
+    reach(MODE_SELFTEST);
+    assert_mode(MODE_SELFTEST, run(MODES_SELFTEST_TIMEOUT_STEPS - 1));
+    const modes_output_t out = step();
+    assert_mode(MODE_FAULT, out);
+    TEST_ASSERT_EQUAL_INT(REASON_SELFTEST_FAILED, out.fault);
+}
+
+void test_offsets_are_calibrated_in_their_mode_and_in_no_other(void)
+{
+    for (modes_mode_t mode = MODE_BOOT; mode <= MODE_FAULT; mode++) {
+        reach(mode);
+        TEST_ASSERT_EQUAL(mode == MODE_OFFSET_CAL, step().calibrate_offsets);
+    }
+}
+
+void test_the_answer_of_an_earlier_calibration_is_not_taken_for_the_new_one(void)
+{
+    reach(MODE_OFFSET_CAL);
+    in.offsets_done = true; /* still says so from last time */
+    assert_mode(MODE_OFFSET_CAL, run(MODES_CALIBRATION_SETTLE_STEPS - 1));
+    in.offsets_done = false; /* the fast reach has begun */
+    assert_mode(MODE_OFFSET_CAL, run(100));
+    in.offsets_done = true;
+    assert_mode(MODE_READY, step());
+}
+
+void test_implausible_offsets_are_a_fault(void)
+{
+    reach(MODE_OFFSET_CAL);
+    in.offsets_plausible = false;
+    assert_mode(MODE_OFFSET_CAL, run(50)); /* not before they are done */
+    in.offsets_done = true;
+    const modes_output_t out = step();
+    assert_mode(MODE_FAULT, out);
+    TEST_ASSERT_EQUAL_INT(REASON_OFFSET_IMPLAUSIBLE, out.fault);
+}
+
+void test_a_calibration_that_never_ends_is_a_fault_after_half_a_second(void)
+{
+    reach(MODE_OFFSET_CAL);
+    assert_mode(MODE_OFFSET_CAL, run(MODES_CALIBRATION_TIMEOUT_STEPS - 1));
+    const modes_output_t out = step();
+    assert_mode(MODE_FAULT, out);
+    TEST_ASSERT_EQUAL_INT(REASON_OFFSET_IMPLAUSIBLE, out.fault);
+}
+
+/* ---- running ---- */
+
+void test_a_pressed_drive_pedal_at_switch_on_waits_for_its_release_and_a_brake_pedal_does_not(void)
+{
+    reach(MODE_READY);
+    in.enable = true;
+    in.torque_demanded = true;
+    in.drive_demanded = true;
+    assert_mode(MODE_READY, run(1000));
+    in.drive_demanded = false; /* the brake pedal is still pressed */
+    assert_mode(MODE_RUN, step());
+    in.drive_demanded = true;
+    assert_mode(MODE_RUN, run(1000));
+}
+
+void test_switching_off_at_rest_leads_back_to_ready(void)
+{
+    const modes_mode_t running[] = {MODE_RUN, MODE_LIMP};
+    for (int k = 0; k < 2; k++) {
+        reach(running[k]);
+        in.enable = false;
+        assert_mode(MODE_READY, step());
+    }
+}
+
+void test_switching_off_while_rolling_takes_the_drive_and_leaves_the_electric_brake(void)
+{
+    const modes_mode_t running[] = {MODE_RUN, MODE_LIMP};
+    for (int k = 0; k < 2; k++) {
+        reach(running[k]);
+        in.rolling = true;
+        in.enable = false;
+        const modes_output_t out = run(10000);
+        assert_mode(running[k], out);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, out.permission.bridge);
+        TEST_ASSERT_EQUAL_INT16(0, out.permission.drive_q15);
+        TEST_ASSERT_EQUAL_INT16(Q15_ONE, out.permission.brake_q15);
+        TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, out.permission.reason);
+        in.rolling = false;
+        assert_mode(MODE_READY, step());
+    }
+}
+
+void test_a_warning_leads_to_limp_and_its_end_back_to_run(void)
+{
+    reach(MODE_RUN);
+    in.warning = true;
+    in.warning_reason = REASON_ROTOR_UNCERTAIN;
+    assert_mode(MODE_LIMP, step());
+    assert_mode(MODE_LIMP, run(100));
+    in.warning = false;
+    assert_mode(MODE_RUN, step());
+}
+
+void test_a_warning_at_rest_changes_nothing(void)
+{
+    reach(MODE_READY);
+    in.warning = true;
+    assert_mode(MODE_READY, run(100));
+}
+
+/* ---- permission, mode by mode ---- */
+
+void test_the_valve_of_every_mode_is_that_of_the_table(void)
+{
+    static const struct {
+        modes_mode_t mode;
+        bridge_mode_t bridge;
+        int16_t drive_q15, brake_q15;
+        reason_t reason;
+    } TABLE[] = {
+        {MODE_BOOT, BRIDGE_OFF, 0, 0, REASON_CONFIG_INVALID},
+        {MODE_SELFTEST, BRIDGE_OFF, 0, 0, REASON_PERMISSION},
+        {MODE_OFFSET_CAL, BRIDGE_OFF, 0, 0, REASON_PERMISSION},
+        {MODE_READY, BRIDGE_OFF, 0, 0, REASON_PERMISSION},
+        {MODE_RUN, BRIDGE_PWM, Q15_ONE, Q15_ONE, REASON_NONE},
+        {MODE_LIMP, BRIDGE_PWM, MODES_LIMP_DRIVE_Q15, Q15_ONE, REASON_ROTOR_UNCERTAIN},
+        {MODE_FAULT, BRIDGE_OFF, 0, 0, REASON_OVERCURRENT},
+    };
+    for (int k = 0; k < 7; k++) {
+        reach(TABLE[k].mode);
+        const permission_t out = step().permission;
+        TEST_ASSERT_EQUAL_INT(TABLE[k].bridge, out.bridge);
+        TEST_ASSERT_EQUAL_INT16(TABLE[k].drive_q15, out.drive_q15);
+        TEST_ASSERT_EQUAL_INT16(TABLE[k].brake_q15, out.brake_q15);
+        TEST_ASSERT_EQUAL_INT(TABLE[k].reason, out.reason);
+    }
+}
+
+void test_limp_leaves_thirty_per_cent_of_the_drive(void)
+{
+    TEST_ASSERT_INT_WITHIN(33, 32768 * 3 / 10, MODES_LIMP_DRIVE_Q15);
+}
+
+void test_where_the_bridge_rests_it_rests_in_the_safe_state(void)
+{
+    reach(MODE_READY);
+    in.safe_bridge = BRIDGE_SHORT;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().permission.bridge);
+    reach(MODE_FAULT);
+    in.safe_bridge = BRIDGE_SHORT;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().permission.bridge);
+    in.safe_bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().permission.bridge);
+}
+
+void test_while_current_sensors_are_calibrated_no_current_may_flow_through_a_short(void)
+{
+    reach(MODE_OFFSET_CAL);
+    in.safe_bridge = BRIDGE_SHORT;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().permission.bridge);
+}
+
+void test_every_mode_has_a_name(void)
+{
+    for (modes_mode_t mode = MODE_BOOT; mode <= MODE_FAULT; mode++) {
+        TEST_ASSERT_TRUE(strcmp("unknown mode", modes_text(mode)) != 0);
+        for (modes_mode_t other = MODE_BOOT; other < mode; other++) {
+            TEST_ASSERT_TRUE(strcmp(modes_text(other), modes_text(mode)) != 0);
+        }
+    }
+    TEST_ASSERT_EQUAL_STRING("unknown mode", modes_text((modes_mode_t)99));
+}

@@ -1,0 +1,204 @@
+#include "modes_rig.h"
+#include "random_values.h"
+
+void setUp(void)
+{
+    start();
+}
+
+void tearDown(void) {}
+
+void test_a_fault_in_any_mode_after_boot_closes_the_valve_in_the_same_step(void)
+{
+    for (modes_mode_t mode = MODE_SELFTEST; mode <= MODE_LIMP; mode++) {
+        reach(mode);
+        in.fault = REASON_BUS_OVERVOLTAGE;
+        const modes_output_t out = step();
+        assert_mode(MODE_FAULT, out);
+        TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, out.fault);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.permission.bridge);
+        TEST_ASSERT_EQUAL_INT16(0, out.permission.drive_q15);
+        TEST_ASSERT_EQUAL_INT16(0, out.permission.brake_q15);
+        TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, out.permission.reason);
+    }
+}
+
+void test_the_first_fault_keeps_its_name(void)
+{
+    reach(MODE_FAULT);
+    in.fault = REASON_BUS_UNDERVOLTAGE;
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, run(10).fault);
+}
+
+void test_a_fault_never_clears_itself(void)
+{
+    reach(MODE_FAULT);
+    in.enable = true;
+    const modes_output_t out = run(100000);
+    assert_mode(MODE_FAULT, out);
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, out.fault);
+}
+
+void test_an_acknowledgement_at_rest_starts_again_from_the_self_test_and_recalibrates(void)
+{
+    reach(MODE_FAULT);
+    in.fault_reset = true;
+    const modes_output_t out = step();
+    assert_mode(MODE_SELFTEST, out);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
+    TEST_ASSERT_TRUE(out.clear_trip);
+    TEST_ASSERT_FALSE(step().clear_trip);
+    assert_mode(MODE_OFFSET_CAL, step());
+    assert_mode(MODE_READY, run(10));
+}
+
+void test_an_acknowledgement_with_a_refused_configuration_leads_back_to_boot(void)
+{
+    reach(MODE_FAULT);
+    in.config_accepted = false;
+    in.fault_reset = true;
+    assert_mode(MODE_BOOT, step());
+}
+
+void test_a_reset_line_that_was_high_all_along_acknowledges_nothing(void)
+{
+    in.fault_reset = true;
+    run(10);
+    in.fault = REASON_OVERCURRENT;
+    step();
+    in.fault = REASON_NONE;
+    assert_mode(MODE_FAULT, run(10000));
+    in.fault_reset = false;
+    assert_mode(MODE_FAULT, run(10));
+    in.fault_reset = true;
+    assert_mode(MODE_SELFTEST, step());
+}
+
+void test_an_acknowledgement_while_rolling_does_not_count_not_even_later(void)
+{
+    reach(MODE_FAULT);
+    in.rolling = true;
+    in.fault_reset = true;
+    assert_mode(MODE_FAULT, run(10));
+    in.rolling = false;
+    assert_mode(MODE_FAULT, run(1000));
+}
+
+void test_an_acknowledgement_with_torque_demanded_does_not_count_not_even_later(void)
+{
+    reach(MODE_FAULT);
+    in.torque_demanded = true;
+    in.fault_reset = true;
+    assert_mode(MODE_FAULT, run(10));
+    in.torque_demanded = false;
+    assert_mode(MODE_FAULT, run(1000));
+}
+
+void test_an_acknowledgement_waits_a_moment_for_the_monitor_to_be_content_again(void)
+{
+    reach(MODE_FAULT);
+    in.fault = REASON_OVERCURRENT; /* the fast reach has not looked again yet */
+    in.fault_reset = true;
+    for (int n = 0; n < MODES_ACKNOWLEDGE_STEPS - 1; n++) {
+        const modes_output_t out = step();
+        assert_mode(MODE_FAULT, out);
+        TEST_ASSERT_TRUE(out.clear_trip);
+    }
+    in.fault = REASON_NONE;
+    assert_mode(MODE_SELFTEST, step());
+}
+
+void test_an_acknowledgement_does_not_wait_for_ever(void)
+{
+    reach(MODE_FAULT);
+    in.fault = REASON_OVERCURRENT;
+    in.fault_reset = true;
+    run(MODES_ACKNOWLEDGE_STEPS);
+    const modes_output_t out = step();
+    TEST_ASSERT_FALSE(out.clear_trip);
+    in.fault = REASON_NONE;
+    assert_mode(MODE_FAULT, run(1000));
+}
+
+void test_a_torque_demand_during_the_wait_withdraws_the_acknowledgement(void)
+{
+    reach(MODE_FAULT);
+    in.fault = REASON_OVERCURRENT;
+    in.fault_reset = true;
+    run(10);
+    in.torque_demanded = true;
+    TEST_ASSERT_FALSE(step().clear_trip);
+    in.torque_demanded = false;
+    in.fault = REASON_NONE;
+    assert_mode(MODE_FAULT, run(1000));
+}
+
+void test_after_an_acknowledged_fault_the_next_one_gets_its_own_name(void)
+{
+    reach(MODE_FAULT);
+    in.fault_reset = true;
+    run(20);
+    in.fault = REASON_CURRENT_SUM;
+    TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, step().fault);
+}
+
+/* ---- whatever happens ---- */
+
+static void random_input(random_t *random)
+{
+    in.config_accepted = random_chance(random, 0.95);
+    in.selftest_passed = random_chance(random, 0.9);
+    in.offsets_done = random_chance(random, 0.9);
+    in.offsets_plausible = random_chance(random, 0.99);
+    in.rolling = random_chance(random, 0.3);
+    in.enable = random_chance(random, 0.8);
+    in.torque_demanded = random_chance(random, 0.3);
+    in.fault_reset = random_chance(random, 0.3);
+    in.warning = random_chance(random, 0.1);
+    in.warning_reason = in.warning ? REASON_ROTOR_UNCERTAIN : REASON_NONE;
+    in.fault = random_chance(random, 0.02) ? REASON_CURRENT_SUM : REASON_NONE;
+    in.safe_bridge = random_chance(random, 0.9) ? BRIDGE_OFF : BRIDGE_SHORT;
+}
+
+void test_whatever_happens_the_bridge_switches_only_in_run_and_limp(void)
+{
+    random_t random = random_seeded(1);
+    int running = 0;
+    for (int n = 0; n < 200000; n++) {
+        random_input(&random);
+        const modes_output_t out = step();
+        const bool may_switch = out.mode == MODE_RUN || out.mode == MODE_LIMP;
+        TEST_ASSERT_EQUAL(may_switch, out.permission.bridge == BRIDGE_PWM);
+        running += may_switch ? 1 : 0;
+        if (!may_switch) {
+            TEST_ASSERT_EQUAL_INT16(0, out.permission.drive_q15);
+            TEST_ASSERT_EQUAL_INT16(0, out.permission.brake_q15);
+        }
+        const bool open = out.permission.drive_q15 == Q15_ONE && out.permission.brake_q15 == Q15_ONE;
+        TEST_ASSERT_EQUAL(open, out.permission.reason == REASON_NONE);
+        TEST_ASSERT_EQUAL(out.mode == MODE_FAULT, out.fault != REASON_NONE);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(10000, running); /* the walk has been everywhere, not only in a corner */
+}
+
+void test_whatever_happens_fault_is_left_only_at_rest_without_demand_soon_after_a_rising_edge(void)
+{
+    random_t random = random_seeded(2);
+    int since_edge = 1000;
+    int left = 0;
+    for (int n = 0; n < 200000; n++) {
+        const modes_mode_t before = state.mode;
+        const bool reset_before = in.fault_reset;
+        random_input(&random);
+        since_edge = in.fault_reset && !reset_before ? 0 : since_edge + 1;
+        const modes_output_t out = step();
+        if (before == MODE_FAULT && out.mode != MODE_FAULT) {
+            left++;
+            TEST_ASSERT_FALSE(in.rolling);
+            TEST_ASSERT_FALSE(in.torque_demanded);
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, in.fault);
+            TEST_ASSERT_LESS_THAN_INT(MODES_ACKNOWLEDGE_STEPS, since_edge);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(100, left);
+}

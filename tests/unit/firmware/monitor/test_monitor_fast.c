@@ -1,0 +1,225 @@
+#include "monitor/monitor_fast.h"
+#include "paper_vehicle.h"
+#include "unity.h"
+
+/* 60.564 V trips at 61.8 V full scale; a Q15 step is 1.9 mV. */
+enum {
+    LIMIT = 19363,         /* of the phase currents, Q15: about 97.5 A of 165 A */
+    BELOW_TRIP_V = 32107,  /* 60.555 V */
+    ABOVE_TRIP_V = 32117,  /* 60.573 V */
+    PERIODS_PER_SLOW = 20, /* 20 kHz over 1 kHz */
+};
+
+static config_t config;
+static monitor_fast_state_t state;
+static monitor_command_t command;
+static monitor_fast_input_t in;
+
+static const monitor_fast_input_t HEALTHY = {
+    .i_pu = {.d = -400, .q = 1000},
+    .v_dc_pu = 28102, /* 53 V */
+    .power_stage_fault = false,
+    .switching = true,
+    .slow_step_count = 7,
+};
+
+void setUp(void)
+{
+    config = paper_vehicle();
+    config.monitor.overcurrent_pu_q15 = LIMIT;
+    config.battery.overvoltage_trip_mV = 60564;
+    config.drive.voltage_full_scale_mV = 61800;
+    monitor_fast_init(&state, &config);
+    command.safe_bridge = BRIDGE_OFF;
+    command.clear_trip = false;
+    in = HEALTHY;
+}
+
+void tearDown(void) {}
+
+static reason_t step(void)
+{
+    return monitor_fast_step(&state, &command, &in).trip;
+}
+
+/* The slow reach steps every 20 periods, as it should. */
+static reason_t run(int periods)
+{
+    reason_t trip = REASON_NONE;
+    for (int n = 0; n < periods; n++) {
+        if (n % PERIODS_PER_SLOW == 0) {
+            in.slow_step_count++;
+        }
+        trip = step();
+    }
+    return trip;
+}
+
+void test_a_healthy_drive_never_trips(void)
+{
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(200000)); /* ten seconds, the slow reach's counter wraps */
+}
+
+/* LIMIT of length in any direction: the 3-4-5 triangle and the axes. */
+void test_an_over_current_in_any_direction_trips_in_its_second_period(void)
+{
+    static const int32_t DIRECTION[8][2] = {{5, 0}, {0, 5}, {-5, 0}, {0, -5}, {3, 4}, {-4, 3}, {-3, -4}, {4, -3}};
+    for (int k = 0; k < 8; k++) {
+        setUp();
+        in.i_pu.d = (LIMIT + 5) * DIRECTION[k][0] / 5; /* rounded towards zero by less than 1 each, so still longer */
+        in.i_pu.q = (LIMIT + 5) * DIRECTION[k][1] / 5;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+        TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
+    }
+}
+
+void test_the_longest_vector_that_can_be_measured_counts_as_an_over_current(void)
+{
+    /* alpha of -1 and beta of 2/sqrt 3: 1.53 long, in every direction. */
+    static const int32_t LONGEST[4][2] = {{-50197, 0}, {0, 50197}, {-32768, 37837}, {32767, -37837}};
+    for (int k = 0; k < 4; k++) {
+        setUp();
+        in.i_pu.d = LONGEST[k][0];
+        in.i_pu.q = LONGEST[k][1];
+        step();
+        TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
+    }
+}
+
+void test_a_current_just_at_its_limit_may_last(void)
+{
+    in.i_pu.d = 0;
+    in.i_pu.q = -LIMIT;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
+}
+
+void test_single_spikes_do_not_add_up_to_an_over_current(void)
+{
+    for (int n = 0; n < 1000; n++) {
+        in.i_pu.q = n % 2 == 0 ? INT16_MAX : 0;
+        in.slow_step_count++;
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    }
+}
+
+void test_an_over_current_that_turns_is_still_one(void)
+{
+    in.i_pu.q = LIMIT + 1;
+    step();
+    in.i_pu.q = 0;
+    in.i_pu.d = -(LIMIT + 1);
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
+}
+
+void test_an_over_voltage_trips_at_once(void)
+{
+    in.v_dc_pu = BELOW_TRIP_V;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
+    in.v_dc_pu = ABOVE_TRIP_V;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
+}
+
+void test_an_over_voltage_trips_whether_the_bridge_switches_or_not(void)
+{
+    in.switching = false;
+    in.v_dc_pu = ABOVE_TRIP_V;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
+}
+
+void test_the_power_stage_s_own_fault_line_trips_at_once(void)
+{
+    in.power_stage_fault = true;
+    TEST_ASSERT_EQUAL_INT(REASON_HARDWARE_BREAK, step());
+}
+
+void test_a_slow_reach_that_is_silent_for_four_of_its_steps_trips_while_the_bridge_switches(void)
+{
+    step(); /* sees a new count */
+    for (int n = 0; n < MONITOR_STALE_STEPS * PERIODS_PER_SLOW; n++) {
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step());
+}
+
+void test_a_slow_reach_that_is_silent_does_no_harm_to_a_bridge_at_rest(void)
+{
+    in.switching = false;
+    for (int n = 0; n < 100000; n++) {
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    }
+    /* nor is what was missed then counted when switching begins */
+    in.switching = true;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
+}
+
+void test_one_step_of_the_slow_reach_starts_its_time_anew(void)
+{
+    for (int k = 0; k < 10; k++) {
+        in.slow_step_count++;
+        for (int n = 0; n <= MONITOR_STALE_STEPS * PERIODS_PER_SLOW; n++) {
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+        }
+    }
+}
+
+void test_a_trip_stays_after_its_cause_has_gone(void)
+{
+    in.power_stage_fault = true;
+    step();
+    in = HEALTHY;
+    TEST_ASSERT_EQUAL_INT(REASON_HARDWARE_BREAK, run(100000));
+}
+
+void test_the_first_trip_keeps_its_name(void)
+{
+    in.v_dc_pu = ABOVE_TRIP_V;
+    step();
+    in.power_stage_fault = true;
+    in.i_pu.q = INT16_MAX;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, run(100));
+}
+
+void test_an_acknowledgement_clears_a_trip_whose_cause_has_gone(void)
+{
+    in.power_stage_fault = true;
+    step();
+    in = HEALTHY;
+    command.clear_trip = true;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    command.clear_trip = false;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
+}
+
+void test_an_acknowledgement_does_not_hide_a_cause_that_is_still_there(void)
+{
+    in.power_stage_fault = true;
+    step();
+    command.clear_trip = true;
+    for (int n = 0; n < 100; n++) {
+        TEST_ASSERT_EQUAL_INT(REASON_HARDWARE_BREAK, step());
+    }
+    setUp();
+    in.v_dc_pu = ABOVE_TRIP_V;
+    command.clear_trip = true;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
+}
+
+void test_an_over_current_that_outlasts_an_acknowledgement_trips_again(void)
+{
+    in.i_pu.q = LIMIT + 1;
+    run(2);
+    command.clear_trip = true;
+    run(1000);
+    command.clear_trip = false;
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, run(2));
+}
+
+void test_a_new_start_forgets_everything(void)
+{
+    in.power_stage_fault = true;
+    step();
+    monitor_fast_init(&state, &config);
+    in = HEALTHY;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100));
+}

@@ -1,0 +1,93 @@
+/*
+ * controller_rig.h: a controller with somebody who calls its two steps on time and carries the exchange across.
+ *
+ * There is no motor: codes are what the test says they are, and only the rotor's angle moves on. Whether a motor then
+ * does what it should is asked in tests/closed_loop.
+ */
+#ifndef CONTROLLER_RIG_H
+#define CONTROLLER_RIG_H
+
+#include <math.h>
+#include <string.h>
+
+#include "controller/controller.h"
+#include "paper_vehicle.h"
+
+enum { RIG_FAST_PER_SLOW = 20 /* 20 kHz over 1 kHz */ };
+
+typedef struct {
+    config_t config;
+    controller_t controller;
+    slow_to_fast_t to_fast;
+    fast_to_slow_t to_slow;
+    slow_input_t slow_in;
+    fast_input_t fast_in;
+    slow_output_t out;
+    fast_output_t pwm;
+    double angle_turn;
+    double turn_per_period;
+} rig_t;
+
+static inline uint16_t rig_bus_code(const rig_t *rig, double volts)
+{
+    return (uint16_t)lround(volts * 4096e3 / rig->config.drive.voltage_full_scale_mV);
+}
+
+/* A charged battery, cool, switched off, nothing demanded, a standing wheel with an absolute angle sensor. */
+static inline void rig_start(rig_t *rig)
+{
+    memset(rig, 0, sizeof *rig);
+    rig->config = paper_vehicle();
+    rig->config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+    controller_init(&rig->controller, &rig->config);
+    rig->to_fast = controller_initial_slow_to_fast(&rig->config);
+    rig->to_slow = controller_initial_fast_to_slow(&rig->config);
+    rig->slow_in.bms_charge_current_mA = 1000000;
+    rig->slow_in.bms_discharge_current_mA = 1000000;
+    rig->slow_in.winding_temperature_cC = 2500;
+    rig->slow_in.switch_temperature_cC = 2500;
+    rig->slow_in.selftest_passed = true;
+    rig->slow_in.config_accepted = true;
+    rig->fast_in.bus_voltage_code = rig_bus_code(rig, 53.0);
+    for (int x = 0; x < 3; x++) {
+        rig->fast_in.phase_current_code[x] = 2048;
+    }
+}
+
+static inline void rig_set_speed_rpm(rig_t *rig, double rpm)
+{
+    rig->turn_per_period = rpm / 60.0 * rig->config.motor.pole_pairs / rig->config.drive.pwm_frequency_Hz;
+}
+
+static inline void rig_slow(rig_t *rig)
+{
+    rig->out = controller_slow_step(&rig->controller.slow, &rig->config, &rig->to_slow, &rig->slow_in, &rig->to_fast);
+}
+
+static inline void rig_fast(rig_t *rig)
+{
+    rig->angle_turn += rig->turn_per_period;
+    rig->angle_turn -= floor(rig->angle_turn);
+    rig->fast_in.rotor_angle_turn = (uint16_t)(uint32_t)(rig->angle_turn * 65536.0);
+    rig->pwm = controller_fast_step(&rig->controller.fast, &rig->config, &rig->to_fast, &rig->fast_in, &rig->to_slow);
+}
+
+static inline void rig_run(rig_t *rig, int milliseconds)
+{
+    for (int n = 0; n < milliseconds; n++) {
+        for (int k = 0; k < RIG_FAST_PER_SLOW; k++) {
+            rig_fast(rig);
+        }
+        rig_slow(rig);
+    }
+}
+
+/* Started, calibrated, switched on. */
+static inline void rig_start_running(rig_t *rig)
+{
+    rig_start(rig);
+    rig->slow_in.enable = true;
+    rig_run(rig, 100);
+}
+
+#endif

@@ -1,0 +1,93 @@
+/*
+ * modes_rig.h: a state machine at rest, and the ordinary way to each of its modes.
+ */
+#ifndef MODES_RIG_H
+#define MODES_RIG_H
+
+#include "core/q15.h"
+#include "modes/modes.h"
+#include "unity.h"
+
+static modes_state_t state;
+static modes_input_t in;
+
+/* Everything is well, nobody asks for anything. */
+static const modes_input_t CALM = {
+    .config_accepted = true,
+    .selftest_passed = true,
+    .offsets_done = true,
+    .offsets_plausible = true,
+    .rolling = false,
+    .enable = false,
+    .torque_demanded = false,
+    .fault_reset = false,
+    .warning = false,
+    .warning_reason = REASON_NONE,
+    .fault = REASON_NONE,
+    .safe_bridge = BRIDGE_OFF,
+};
+
+static inline void start(void)
+{
+    modes_init(&state);
+    in = CALM;
+}
+
+static inline modes_output_t step(void)
+{
+    return modes_step(&state, &in);
+}
+
+static inline modes_output_t run(int milliseconds)
+{
+    for (int n = 1; n < milliseconds; n++) {
+        step();
+    }
+    return step();
+}
+
+/* Start, and walk the ordinary way to a mode. Leaves `in` as it must be to stay there. */
+static inline void reach(modes_mode_t mode)
+{
+    start();
+    switch (mode) {
+    case MODE_BOOT:
+        in.config_accepted = false;
+        break;
+    case MODE_SELFTEST:
+        in.selftest_passed = false;
+        step();
+        break;
+    case MODE_OFFSET_CAL:
+        in.offsets_done = false;
+        run(2);
+        break;
+    case MODE_READY:
+        run(10);
+        break;
+    case MODE_RUN:
+        in.enable = true;
+        run(10);
+        break;
+    case MODE_LIMP:
+        in.enable = true;
+        in.warning = true;
+        in.warning_reason = REASON_ROTOR_UNCERTAIN;
+        run(10);
+        break;
+    case MODE_FAULT:
+        run(10);
+        in.fault = REASON_OVERCURRENT;
+        step();
+        in.fault = REASON_NONE;
+        break;
+    }
+    TEST_ASSERT_EQUAL_INT(mode, state.mode);
+}
+
+static inline void assert_mode(modes_mode_t mode, modes_output_t out)
+{
+    TEST_ASSERT_EQUAL_STRING(modes_text(mode), modes_text(out.mode));
+}
+
+#endif

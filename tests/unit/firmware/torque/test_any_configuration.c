@@ -1,0 +1,128 @@
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "config/validate.h"
+#include "paper_vehicle.h"
+#include "random_values.h"
+#include "torque/torque.h"
+#include "unity.h"
+
+/*
+ * Drives nobody has built, as far as the validator lets them pass: any number of fields at any place of their ranges.
+ * What must hold even then is asserted; that no number overflows on the way is the sanitizer's assertion.
+ */
+
+typedef struct {
+    size_t offset;
+    int32_t lowest, highest;
+} field_t;
+
+#define MOTOR(name, lowest, highest, unit, text) {offsetof(config_t, motor.name), lowest, highest},
+#define DRIVE(name, lowest, highest, unit, text) {offsetof(config_t, drive.name), lowest, highest},
+#define BATTERY(name, lowest, highest, unit, text) {offsetof(config_t, battery.name), lowest, highest},
+#define BRAKE(name, lowest, highest, unit, text) {offsetof(config_t, brake.name), lowest, highest},
+#define VEHICLE(name, lowest, highest, unit, text) {offsetof(config_t, vehicle.name), lowest, highest},
+#define CURRENT_MAP(name, lowest, highest, unit, text) {offsetof(config_t, current_map.name), lowest, highest},
+
+static const field_t FIELDS[] = {CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE) CONFIG_BATTERY_FIELDS(
+    BATTERY) CONFIG_BRAKE_FIELDS(BRAKE) CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)};
+
+enum { FIELD_COUNT = sizeof FIELDS / sizeof FIELDS[0] };
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+/* Evenly over the decades where the range has some, and the very ends now and then. */
+static int32_t random_in(random_t *random, const field_t *field)
+{
+    if (random_chance(random, 0.1)) {
+        return random_chance(random, 0.5) ? field->lowest : field->highest;
+    }
+    if (field->lowest < 0 || random_chance(random, 0.3)) {
+        return random_between(random, field->lowest, field->highest);
+    }
+    const double low = log(field->lowest < 1 ? 1.0 : field->lowest);
+    return (int32_t)exp(random_real(random, low, log((double)field->highest)));
+}
+
+/* Whether the validator accepts what came out. */
+static bool random_configuration(random_t *random, double changed, config_t *config)
+{
+    *config = paper_vehicle();
+    for (int f = 0; f < FIELD_COUNT; f++) {
+        if (random_chance(random, changed)) {
+            const int32_t value = random_in(random, &FIELDS[f]);
+            memcpy((char *)config + FIELDS[f].offset, &value, sizeof value);
+        }
+    }
+    if (config->motor.type == CONFIG_MOTOR_SPMSM) {
+        config->motor.q_inductance_nH = config->motor.d_inductance_nH;
+    }
+    for (int k = 0; k < CONFIG_CURRENT_MAP_POINTS_MAX && random_chance(random, 0.999); k++) {
+        config->current_map.current_d_mA[k] =
+            (int32_t)(random_between(random, -1000, 1000) * exp(random_real(random, 0.0, 8.0)));
+    }
+    config->crc32 = config_crc32(config, (uint32_t)offsetof(config_t, crc32));
+    return config_validate(config, sizeof *config).code == CONFIG_VERDICT_OK;
+}
+
+static void random_input(random_t *random, torque_input_t *in)
+{
+    in->drive_torque_mNm = random_wild(random);
+    in->brake_torque_mNm = random_wild(random);
+    in->demand_age_ms = random_chance(random, 0.9) ? 0U : 5000U;
+    in->abs_active = random_chance(random, 0.1);
+    in->speed_mrad_s = random_wild(random);
+    in->current.d_mA = random_wild(random);
+    in->current.q_mA = random_wild(random);
+    in->capability.bus_voltage_mV = random_wild(random);
+    in->capability.bms_charge_current_mA = random_wild(random);
+    in->capability.bms_discharge_current_mA = random_wild(random);
+    in->capability.winding_temperature_cC = random_wild(random);
+    in->capability.switch_temperature_cC = random_wild(random);
+    in->capability.i_d_weakening_mA = random_wild(random);
+    in->capability.rotor_valid = random_chance(random, 0.9);
+    in->permission.bridge = random_chance(random, 0.9) ? BRIDGE_PWM : BRIDGE_OFF;
+    in->permission.drive_q15 = (int16_t)random_between(random, 0, Q15_ONE);
+    in->permission.brake_q15 = (int16_t)random_between(random, 0, Q15_ONE);
+    in->permission.reason = REASON_PERMISSION;
+}
+
+static void assert_bounded(const config_t *config, const torque_output_t *out)
+{
+    TEST_ASSERT_INT32_WITHIN(config->motor.max_torque_mNm, 0, out->command_mNm);
+    TEST_ASSERT_INT32_WITHIN(config->motor.max_phase_current_mA, 0, out->current.i_q_mA);
+    TEST_ASSERT_INT32_WITHIN(config->motor.max_phase_current_mA, 0, out->current.i_d_mA);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out->hydraulic_mNm);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(config->brake.max_hydraulic_torque_mNm, out->hydraulic_mNm);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out->available.torque_mNm);
+    TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, out->available.reason);
+}
+
+void test_no_accepted_configuration_and_no_input_leads_the_slow_reach_out_of_its_bounds(void)
+{
+    random_t random = random_seeded(1);
+    const double changed[] = {0.02, 0.08, 0.15};
+    for (int k = 0; k < 3; k++) {
+        int accepted = 0;
+        for (int n = 0; n < 4000; n++) {
+            config_t config;
+            if (!random_configuration(&random, changed[k], &config)) {
+                continue;
+            }
+            accepted++;
+            torque_state_t state;
+            torque_init(&state);
+            torque_input_t in;
+            memset(&in, 0, sizeof in);
+            for (int s = 0; s < 40; s++) {
+                random_input(&random, &in);
+                const torque_output_t out = torque_step(&state, &config, &in);
+                assert_bounded(&config, &out);
+            }
+        }
+        TEST_ASSERT_GREATER_THAN_INT(200, accepted); /* the validator has not refused them all */
+    }
+}

@@ -1,0 +1,313 @@
+#include <math.h>
+
+#include "paper_vehicle.h"
+#include "random_values.h"
+#include "reference_motor.h"
+#include "torque/capability.h"
+#include "torque/regen_map.h"
+#include "unity.h"
+
+static config_t config;
+static capability_input_t world;
+
+/* 53 V, cool, a battery that takes and gives whatever it is asked for: what is left are the motor's own limits. */
+void setUp(void)
+{
+    config = paper_vehicle_without_i_d();
+    world.bus_voltage_mV = 53000;
+    world.bms_charge_current_mA = 1000000;
+    world.bms_discharge_current_mA = 1000000;
+    world.winding_temperature_cC = 2500;
+    world.switch_temperature_cC = 2500;
+    world.i_d_weakening_mA = 0;
+    world.rotor_valid = true;
+}
+
+void tearDown(void) {}
+
+static capability_t at_speed(int32_t speed_mrad_s)
+{
+    const motor_model_t model = motor_model_at(&config, speed_mrad_s, world.winding_temperature_cC);
+    return capability_step(&config, &model, &world);
+}
+
+static capability_t at_rpm(double rpm)
+{
+    return at_speed(mrad_s_of_rpm(rpm));
+}
+
+static void assert_limit(int32_t expected_mNm, reason_t reason, limit_t limit)
+{
+    TEST_ASSERT_INT32_WITHIN(30, expected_mNm, limit.torque_mNm); /* 0.1 % of rated torque */
+    TEST_ASSERT_EQUAL_INT(reason, limit.reason);
+}
+
+/* Airgap torque magnitude, mNm, at which the power at the terminals is power_w (negative: returned), smaller root of
+ * 3/2 (A x^2 + B x) = P at i_d = 0; by bisection on the circuit, not by the formula. */
+static double torque_at_power_mNm(double rpm, double power_w)
+{
+    const reference_motor_t motor = reference_motor(&config, mrad_s_of_rpm(rpm), world.winding_temperature_cC);
+    const double idle_qt = -motor.w_rad_s * motor.psi_wb * motor.iron_siemens;
+    double near_a = idle_qt; /* about no terminal current */
+    double far_a = power_w < 0.0 ? -200.0 : 200.0;
+    for (int n = 0; n < 200; n++) {
+        const double middle_a = 0.5 * (near_a + far_a);
+        const double p = reference_point_without_i_d(&motor, middle_a).power_w;
+        const bool beyond = power_w < 0.0 ? p < power_w : p > power_w;
+        far_a = beyond ? middle_a : far_a;
+        near_a = beyond ? near_a : middle_a;
+    }
+    return fabs(reference_point_without_i_d(&motor, far_a).torque_nm) * 1e3;
+}
+
+void test_with_nothing_in_the_way_the_motor_gives_its_largest_torque_both_ways(void)
+{
+    const capability_t out = at_rpm(150.0); /* T_opt is 74.7 Nm there */
+    assert_limit(40000, REASON_MAX_TORQUE, out.driving);
+    assert_limit(40000, REASON_MAX_TORQUE, out.regenerating);
+    assert_limit(40000, REASON_MAX_TORQUE, out.optimal);
+}
+
+void test_below_its_speed_the_loss_optimum_bounds_only_the_optimal_limit(void)
+{
+    const capability_t out = at_rpm(50.0);
+    assert_limit(40000, REASON_MAX_TORQUE, out.driving);
+    assert_limit(40000, REASON_MAX_TORQUE, out.regenerating);
+    TEST_ASSERT_EQUAL_INT(REASON_LOSS_OPTIMUM, out.optimal.reason);
+    TEST_ASSERT_EQUAL_INT32(regen_map_torque_mNm(&config, mrad_s_of_rpm(50.0), 2500), out.optimal.torque_mNm);
+    /* 24.19 Nm at 25 degC (physics section 6). Three temperatures leave the interpolated torque up to 5 % off, which
+     * costs its square, a quarter of a per cent, of the returned power. */
+    TEST_ASSERT_INT32_WITHIN(24190 / 20, 24190, out.optimal.torque_mNm);
+}
+
+void test_at_the_shaft_friction_brakes_on_top_of_the_optimum_at_the_airgap(void)
+{
+    const int32_t without_mNm = at_rpm(50.0).optimal.torque_mNm;
+    config.motor.friction_torque_mNm = 700;
+    TEST_ASSERT_EQUAL_INT32(without_mNm + 700, at_rpm(50.0).optimal.torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(without_mNm + 700, at_rpm(-50.0).optimal.torque_mNm);
+}
+
+void test_the_power_limit_bites_at_speed_in_both_directions(void)
+{
+    /* 2094 W at 600 r/min = 62.832 rad/s: 33.327 Nm */
+    const capability_t out = at_rpm(600.0);
+    assert_limit(33327, REASON_MAX_POWER, out.driving);
+    assert_limit(33327, REASON_MAX_POWER, out.regenerating);
+}
+
+void test_the_phase_current_limit_bites_and_the_iron_current_counts_for_the_brake(void)
+{
+    config.motor.max_phase_current_mA = 30000;
+    /* standstill: 3/2 * 23 * 0.0204 * 30 = 21.114 Nm */
+    assert_limit(21114, REASON_PHASE_CURRENT, at_speed(0).driving);
+    assert_limit(21114, REASON_PHASE_CURRENT, at_speed(0).regenerating);
+    /* 300 r/min: iron current 2.5260 A, 1 + a^2 = 1.0000886: 0.7038 * (30 -+ 2.526)/1.0000886 */
+    assert_limit(19334, REASON_PHASE_CURRENT, at_rpm(300.0).driving);
+    assert_limit(22890, REASON_PHASE_CURRENT, at_rpm(300.0).regenerating);
+}
+
+void test_the_charge_current_of_the_pack_is_shared_and_bounds_only_braking(void)
+{
+    world.bms_charge_current_mA = 40000; /* four wheels: 10 A * 53 V = 530 W each */
+    const capability_t out = at_rpm(300.0);
+    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -530.0)), REASON_CHARGE_CURRENT, out.regenerating);
+    assert_limit(40000, REASON_MAX_TORQUE, out.driving);
+}
+
+void test_the_configured_charge_current_bounds_what_the_battery_offers(void)
+{
+    config.battery.max_charge_current_mA = 8000; /* 424 W */
+    const capability_t out = at_rpm(300.0);
+    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -424.0)), REASON_CHARGE_CURRENT, out.regenerating);
+}
+
+void test_a_full_battery_leaves_only_the_drag_that_returns_nothing(void)
+{
+    /* At 300 r/min iron drags with 1.778 Nm at no terminal current: it heats the motor, not the battery. */
+    world.bms_charge_current_mA = 0;
+    assert_limit(1778, REASON_CHARGE_CURRENT, at_rpm(300.0).regenerating);
+    world.bms_charge_current_mA = INT32_MIN;
+    assert_limit(1778, REASON_CHARGE_CURRENT, at_rpm(300.0).regenerating);
+}
+
+void test_a_full_battery_does_not_forbid_to_hold_a_vehicle_that_rolls_back(void)
+{
+    /* At 0.2 rad/s the EMF is 94 mV: 3/2 * 0.094^2/(4 * 0.031) = 0.11 W at the most, less than the inverter burns.
+     * Refusing torque for that would let a vehicle on a slope run away backwards. */
+    world.bms_charge_current_mA = 0;
+    assert_limit(40000, REASON_MAX_TORQUE, at_speed(-200).regenerating);
+    assert_limit(40000, REASON_MAX_TORQUE, at_speed(200).regenerating);
+    assert_limit(40000, REASON_MAX_TORQUE, at_speed(0).regenerating);
+}
+
+void test_a_bus_near_its_upper_voltage_folds_the_charge_current_back(void)
+{
+    /* Half-way between 57.232 V and 58.4 V: half of 50 A at 57.816 V is 1445.4 W. */
+    world.bus_voltage_mV = (config.battery.foldback_voltage_mV + config.battery.max_voltage_mV) / 2;
+    const capability_t half = at_rpm(450.0);
+    assert_limit((int32_t)lround(torque_at_power_mNm(450.0, -1445.4)), REASON_BUS_VOLTAGE_HIGH, half.regenerating);
+    assert_limit(40000, REASON_MAX_TORQUE, half.driving);
+    world.bus_voltage_mV = config.battery.max_voltage_mV;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, at_rpm(450.0).regenerating.reason);
+    assert_limit((int32_t)lround(torque_at_power_mNm(450.0, -1e-9)), REASON_BUS_VOLTAGE_HIGH,
+                 at_rpm(450.0).regenerating);
+}
+
+void test_the_discharge_current_of_the_pack_is_shared_and_bounds_only_driving(void)
+{
+    world.bms_discharge_current_mA = 40000; /* 530 W each */
+    const capability_t out = at_rpm(300.0);
+    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, 530.0)), REASON_DISCHARGE_CURRENT, out.driving);
+    assert_limit(40000, REASON_MAX_TORQUE, out.regenerating);
+}
+
+void test_a_bus_near_its_lower_voltage_folds_the_discharge_current_back(void)
+{
+    /* The fold-back is as wide as the upper one, 1.168 V above 40 V; half of 62.5 A at 40.584 V is 1268.3 W. */
+    world.bus_voltage_mV = 40584;
+    const capability_t half = at_rpm(300.0);
+    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, 1268.25)), REASON_BUS_VOLTAGE_LOW, half.driving);
+    assert_limit(40000, REASON_MAX_TORQUE, half.regenerating);
+    world.bus_voltage_mV = 40000;
+    assert_limit(0, REASON_BUS_VOLTAGE_LOW, at_rpm(300.0).driving);
+}
+
+void test_a_hot_winding_derates_both_directions(void)
+{
+    world.winding_temperature_cC = 14000; /* half-way between 130 and 150 degC */
+    assert_limit(20000, REASON_WINDING_TEMPERATURE, at_rpm(150.0).driving);
+    assert_limit(20000, REASON_WINDING_TEMPERATURE, at_rpm(150.0).regenerating);
+    world.winding_temperature_cC = 15000;
+    assert_limit(0, REASON_WINDING_TEMPERATURE, at_rpm(150.0).driving);
+    assert_limit(0, REASON_WINDING_TEMPERATURE, at_rpm(150.0).regenerating);
+}
+
+void test_hot_switches_derate_both_directions(void)
+{
+    config.drive.derate_switch_temperature_cC = 8000;
+    config.drive.max_switch_temperature_cC = 10000;
+    world.switch_temperature_cC = 9500; /* a quarter is left */
+    assert_limit(10000, REASON_SWITCH_TEMPERATURE, at_rpm(150.0).driving);
+    assert_limit(10000, REASON_SWITCH_TEMPERATURE, at_rpm(150.0).regenerating);
+}
+
+void test_the_speed_limit_cuts_the_drive_and_never_the_brake(void)
+{
+    /* The drive fades over the last 1/32 of 67.021 rad/s, from 64.927 on; half at 65.974, where 2094 W leave more than
+     * half of 40 Nm. The brake goes on at the power limit, 2094 W / 65.974 and, beyond the limit, / 80. */
+    const capability_t half = at_speed(65974);
+    assert_limit(20000, REASON_MAX_SPEED, half.driving);
+    assert_limit(31740, REASON_MAX_POWER, half.regenerating);
+    const capability_t beyond = at_speed(80000);
+    assert_limit(0, REASON_MAX_SPEED, beyond.driving);
+    assert_limit(26175, REASON_MAX_POWER, beyond.regenerating);
+}
+
+void test_without_a_rotor_angle_there_is_no_torque(void)
+{
+    world.rotor_valid = false;
+    const capability_t out = at_rpm(150.0);
+    assert_limit(0, REASON_ROTOR_UNCERTAIN, out.driving);
+    assert_limit(0, REASON_ROTOR_UNCERTAIN, out.regenerating);
+    assert_limit(0, REASON_ROTOR_UNCERTAIN, out.optimal);
+}
+
+static void random_world(random_t *random)
+{
+    world.bus_voltage_mV = random_between(random, 0, 70000);
+    world.bms_charge_current_mA = random_between(random, -10000, 300000);
+    world.bms_discharge_current_mA = random_between(random, -10000, 300000);
+    world.winding_temperature_cC = random_between(random, -4000, 20000);
+    world.switch_temperature_cC = random_between(random, -4000, 12000);
+    world.rotor_valid = random_chance(random, 0.95);
+}
+
+void test_limits_are_magnitudes_whatever_the_world_is_like(void)
+{
+    random_t random = random_seeded(1);
+    for (int n = 0; n < 50000; n++) {
+        random_world(&random);
+        const capability_t out = at_speed(random_between(&random, -100000, 100000));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.driving.torque_mNm);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.regenerating.torque_mNm);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.optimal.torque_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(out.regenerating.torque_mNm, out.optimal.torque_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(config.motor.max_torque_mNm, out.driving.torque_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(config.motor.max_torque_mNm, out.regenerating.torque_mNm);
+        TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, out.driving.reason);
+        TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, out.regenerating.reason);
+    }
+}
+
+void test_forward_and_backward_are_equally_limited(void)
+{
+    random_t random = random_seeded(2);
+    for (int n = 0; n < 20000; n++) {
+        random_world(&random);
+        const int32_t speed_mrad_s = random_between(&random, 1, 100000);
+        const capability_t forward = at_speed(speed_mrad_s);
+        const capability_t backward = at_speed(-speed_mrad_s);
+        TEST_ASSERT_EQUAL_INT32(forward.driving.torque_mNm, backward.driving.torque_mNm);
+        TEST_ASSERT_EQUAL_INT32(forward.regenerating.torque_mNm, backward.regenerating.torque_mNm);
+        TEST_ASSERT_EQUAL_INT32(forward.optimal.torque_mNm, backward.optimal.torque_mNm);
+        TEST_ASSERT_EQUAL_INT(forward.regenerating.reason, backward.regenerating.reason);
+    }
+}
+
+void test_a_worse_battery_never_allows_more(void)
+{
+    random_t random = random_seeded(3);
+    for (int n = 0; n < 20000; n++) {
+        random_world(&random);
+        const int32_t speed_mrad_s = random_between(&random, -100000, 100000);
+        const capability_t before = at_speed(speed_mrad_s);
+        world.bms_charge_current_mA -= random_between(&random, 0, 50000);
+        world.bms_discharge_current_mA -= random_between(&random, 0, 50000);
+        const capability_t after = at_speed(speed_mrad_s);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(before.driving.torque_mNm, after.driving.torque_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(before.regenerating.torque_mNm, after.regenerating.torque_mNm);
+    }
+}
+
+void test_hotter_switches_and_a_hotter_winding_never_allow_more_torque(void)
+{
+    config.drive.derate_switch_temperature_cC = 8000;
+    config.drive.max_switch_temperature_cC = 10000;
+    random_t random = random_seeded(4);
+    for (int n = 0; n < 20000; n++) {
+        random_world(&random);
+        world.bms_charge_current_mA = 1000000; /* heat lowers the returned power, so the charge limit relaxes */
+        world.bms_discharge_current_mA = 1000000;
+        world.bus_voltage_mV = 53000;
+        const int32_t speed_mrad_s = random_between(&random, -60000, 60000);
+        const capability_t before = at_speed(speed_mrad_s);
+        world.winding_temperature_cC += random_between(&random, 0, 5000);
+        world.switch_temperature_cC += random_between(&random, 0, 5000);
+        const capability_t after = at_speed(speed_mrad_s);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(before.driving.torque_mNm, after.driving.torque_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(before.regenerating.torque_mNm, after.regenerating.torque_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(before.optimal.torque_mNm, after.optimal.torque_mNm);
+    }
+}
+
+void test_no_permitted_braking_torque_charges_the_battery_beyond_its_limit(void)
+{
+    random_t random = random_seeded(5);
+    for (int n = 0; n < 50000; n++) {
+        world.bus_voltage_mV = random_between(&random, 40000, 57000);
+        world.bms_charge_current_mA = random_between(&random, 0, 200000);
+        world.winding_temperature_cC = random_between(&random, -2000, 13000);
+        const int32_t speed_mrad_s = random_between(&random, 900, 67000);
+        const limit_t limit = at_speed(speed_mrad_s).regenerating;
+        const reference_motor_t motor = reference_motor(&config, speed_mrad_s, world.winding_temperature_cC);
+        const double torque_nm = random_fraction(&random) * limit.torque_mNm * 1e-3;
+        const double i_qt = -torque_nm / (1.5 * motor.pole_pairs * motor.psi_wb);
+        const double returned_w = -reference_point_without_i_d(&motor, i_qt).power_w;
+        const double share_ma = fmin(world.bms_charge_current_mA / 4.0, config.battery.max_charge_current_mA);
+        const double allowed_w = share_ma * 1e-3 * world.bus_voltage_mV * 1e-3;
+        /* Currents in whole milliamperes and voltages in whole millivolts: half a watt of two thousand; and the speed
+         * below which charging is not worth limiting, 0.1 % of the largest power. */
+        TEST_ASSERT_TRUE(returned_w <= allowed_w + 0.5 + 2.1);
+    }
+}

@@ -1,0 +1,111 @@
+#include "random_values.h"
+#include "torque/limit.h"
+#include "unity.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+void test_a_limit_below_zero_counts_as_zero(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, limit_init(-1, REASON_MAX_TORQUE).torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, limit_init(INT32_MIN, REASON_MAX_TORQUE).torque_mNm);
+    limit_t limit = limit_init(1000, REASON_MAX_TORQUE);
+    limit_tighten(&limit, INT32_MIN, REASON_MAX_POWER);
+    TEST_ASSERT_EQUAL_INT32(0, limit.torque_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_MAX_POWER, limit.reason);
+}
+
+void test_the_tightest_bound_wins_and_gives_its_reason(void)
+{
+    limit_t limit = limit_init(1000, REASON_MAX_TORQUE);
+    limit_tighten(&limit, 800, REASON_MAX_POWER);
+    limit_tighten(&limit, 900, REASON_PHASE_CURRENT);
+    TEST_ASSERT_EQUAL_INT32(800, limit.torque_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_MAX_POWER, limit.reason);
+}
+
+void test_on_a_tie_the_earlier_reason_stays(void)
+{
+    limit_t limit = limit_init(1000, REASON_MAX_TORQUE);
+    limit_tighten(&limit, 1000, REASON_MAX_POWER);
+    TEST_ASSERT_EQUAL_INT(REASON_MAX_TORQUE, limit.reason);
+}
+
+void test_the_order_of_bounds_does_not_change_the_torque(void)
+{
+    random_t random = random_seeded(1);
+    for (int n = 0; n < 1000; n++) {
+        const int32_t a = random_between(&random, -1000, 100000);
+        const int32_t b = random_between(&random, -1000, 100000);
+        limit_t one = limit_init(50000, REASON_MAX_TORQUE);
+        limit_t other = one;
+        limit_tighten(&one, a, REASON_MAX_POWER);
+        limit_tighten(&one, b, REASON_PHASE_CURRENT);
+        limit_tighten(&other, b, REASON_PHASE_CURRENT);
+        limit_tighten(&other, a, REASON_MAX_POWER);
+        TEST_ASSERT_EQUAL_INT32(one.torque_mNm, other.torque_mNm);
+    }
+}
+
+void test_a_whole_share_changes_nothing_and_half_a_share_leaves_half(void)
+{
+    limit_t limit = limit_init(1000, REASON_MAX_TORQUE);
+    limit_derate(&limit, Q15_ONE, REASON_WINDING_TEMPERATURE);
+    limit_derate(&limit, INT32_MAX, REASON_WINDING_TEMPERATURE);
+    TEST_ASSERT_EQUAL_INT32(1000, limit.torque_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_MAX_TORQUE, limit.reason);
+    limit_derate(&limit, 16384, REASON_WINDING_TEMPERATURE); /* 0.5 in Q15 */
+    TEST_ASSERT_EQUAL_INT32(500, limit.torque_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_WINDING_TEMPERATURE, limit.reason);
+}
+
+void test_a_share_below_zero_leaves_nothing_and_never_turns_the_torque_round(void)
+{
+    limit_t limit = limit_init(1000, REASON_MAX_TORQUE);
+    limit_derate(&limit, -16384, REASON_WINDING_TEMPERATURE);
+    TEST_ASSERT_EQUAL_INT32(0, limit.torque_mNm);
+}
+
+void test_derating_never_lets_a_limit_grow(void)
+{
+    random_t random = random_seeded(2);
+    for (int n = 0; n < 10000; n++) {
+        const int32_t torque_mNm = random_between(&random, 0, INT32_MAX);
+        limit_t limit = limit_init(torque_mNm, REASON_MAX_TORQUE);
+        limit_derate(&limit, random_between(&random, -40000, 40000), REASON_SWITCH_TEMPERATURE);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(torque_mNm, limit.torque_mNm);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, limit.torque_mNm);
+    }
+}
+
+void test_a_fade_is_whole_on_one_side_nothing_on_the_other_and_linear_between(void)
+{
+    /* Falling with x, as for temperature: full at 100, nothing at 200. A quarter of the way leaves three quarters:
+     * 0.75 * 32767 = 24575.25, rounded towards zero. */
+    TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(100, 100, 200));
+    TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(INT32_MIN, 100, 200));
+    TEST_ASSERT_EQUAL_INT32(24575, limit_fade_q15(125, 100, 200));
+    TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(200, 100, 200));
+    TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(INT32_MAX, 100, 200));
+    /* Rising with x, as for speed: full at 200, nothing at 100. */
+    TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(200, 200, 100));
+    TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(INT32_MAX, 200, 100));
+    TEST_ASSERT_EQUAL_INT32(24575, limit_fade_q15(175, 200, 100));
+    TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(100, 200, 100));
+    TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(INT32_MIN, 200, 100));
+}
+
+void test_a_fade_never_rises_on_the_way_to_nothing(void)
+{
+    for (int32_t x = 90; x < 210; x++) {
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(limit_fade_q15(x + 1, 100, 200), limit_fade_q15(x, 100, 200));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(limit_fade_q15(x, 200, 100), limit_fade_q15(x + 1, 200, 100));
+    }
+}
+
+void test_a_fade_of_no_width_is_a_step_that_is_whole_up_to_its_place(void)
+{
+    TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(100, 100, 100));
+    TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(101, 100, 100));
+}

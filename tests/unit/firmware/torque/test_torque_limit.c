@@ -1,0 +1,156 @@
+#include "paper_vehicle.h"
+#include "random_values.h"
+#include "torque/torque_limit.h"
+#include "unity.h"
+
+enum { FORWARD = 30000, BACKWARD = -30000, RATE = 400, SETTLED = 200 };
+
+static config_t config;
+static torque_limit_state_t state;
+static capability_t capability;
+static permission_t permission;
+
+void setUp(void)
+{
+    config = paper_vehicle();
+    config.brake.torque_rate_mNm_s = RATE * 1000;
+    torque_limit_init(&state);
+    capability.driving = limit_init(40000, REASON_MAX_TORQUE);
+    capability.regenerating = limit_init(25000, REASON_CHARGE_CURRENT);
+    capability.optimal = capability.regenerating;
+    permission.bridge = BRIDGE_PWM;
+    permission.drive_q15 = Q15_ONE;
+    permission.brake_q15 = Q15_ONE;
+    permission.reason = REASON_NONE;
+}
+
+void tearDown(void) {}
+
+static torque_limit_out_t step(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
+{
+    return torque_limit_step(&state, &config, &capability, &permission, speed_mrad_s, drive_mNm, electric_mNm);
+}
+
+static torque_limit_out_t settle(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
+{
+    for (int n = 0; n < SETTLED; n++) {
+        step(speed_mrad_s, drive_mNm, electric_mNm);
+    }
+    return step(speed_mrad_s, drive_mNm, electric_mNm);
+}
+
+static void assert_command(int32_t command_mNm, reason_t reason, torque_limit_out_t out)
+{
+    TEST_ASSERT_EQUAL_INT32(command_mNm, out.command_mNm);
+    TEST_ASSERT_EQUAL_INT(reason, out.reason);
+}
+
+void test_torque_rises_and_falls_at_its_rate_and_says_so_until_it_has_arrived(void)
+{
+    assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 1000, 0));
+    assert_command(800, REASON_TORQUE_RATE, step(FORWARD, 1000, 0));
+    assert_command(1000, REASON_NONE, step(FORWARD, 1000, 0));
+    assert_command(600, REASON_TORQUE_RATE, step(FORWARD, 0, 0));
+    assert_command(200, REASON_TORQUE_RATE, step(FORWARD, 0, 0));
+    assert_command(0, REASON_NONE, step(FORWARD, 0, 0));
+}
+
+void test_braking_acts_against_the_rotation(void)
+{
+    assert_command(-10000, REASON_NONE, settle(FORWARD, 0, 10000));
+    assert_command(10000, REASON_NONE, settle(BACKWARD, 0, 10000));
+}
+
+void test_driving_forward_and_backward_obeys_the_driving_limit(void)
+{
+    assert_command(30000, REASON_NONE, settle(FORWARD, 30000, 0));
+    assert_command(40000, REASON_MAX_TORQUE, settle(FORWARD, 60000, 0));
+    assert_command(-40000, REASON_MAX_TORQUE, settle(BACKWARD, -60000, 0));
+}
+
+void test_from_standstill_the_driving_limit_holds_in_both_directions(void)
+{
+    assert_command(40000, REASON_MAX_TORQUE, settle(0, 60000, 0));
+    assert_command(-40000, REASON_MAX_TORQUE, settle(0, -60000, 0));
+}
+
+void test_braking_with_the_drive_pedal_obeys_the_limit_of_braking(void)
+{
+    assert_command(-25000, REASON_CHARGE_CURRENT, settle(FORWARD, -60000, 0));
+    assert_command(25000, REASON_CHARGE_CURRENT, settle(BACKWARD, 60000, 0));
+    capability.driving = limit_init(0, REASON_MAX_SPEED); /* a driving-side reason does not take the brake away */
+    assert_command(-25000, REASON_CHARGE_CURRENT, settle(FORWARD, -60000, 0));
+}
+
+void test_each_direction_of_power_has_its_own_permission(void)
+{
+    permission.drive_q15 = 8192; /* a quarter of 40 Nm */
+    permission.reason = REASON_ROTOR_UNCERTAIN;
+    assert_command(10000, REASON_ROTOR_UNCERTAIN, settle(FORWARD, 60000, 0));
+    assert_command(-25000, REASON_CHARGE_CURRENT, settle(FORWARD, -60000, 0));
+    permission.drive_q15 = Q15_ONE;
+    permission.brake_q15 = 8192; /* a quarter of 25 Nm */
+    assert_command(40000, REASON_MAX_TORQUE, settle(FORWARD, 60000, 0));
+    assert_command(-6250, REASON_ROTOR_UNCERTAIN, settle(FORWARD, -60000, 0));
+}
+
+void test_a_permission_taken_away_lets_the_torque_leave_at_its_rate(void)
+{
+    settle(FORWARD, 30000, 0);
+    permission.drive_q15 = 0;
+    permission.reason = REASON_PERMISSION;
+    assert_command(29600, REASON_TORQUE_RATE, step(FORWARD, 30000, 0));
+    assert_command(0, REASON_PERMISSION, settle(FORWARD, 30000, 0));
+}
+
+void test_a_bridge_that_stops_switching_ends_the_command_at_once(void)
+{
+    const bridge_mode_t silent[] = {BRIDGE_OFF, BRIDGE_SHORT};
+    for (int k = 0; k < 2; k++) {
+        permission.bridge = BRIDGE_PWM;
+        settle(FORWARD, 30000, 0);
+        permission.bridge = silent[k];
+        permission.reason = REASON_OVERCURRENT;
+        assert_command(0, REASON_OVERCURRENT, step(FORWARD, 30000, 0));
+        assert_command(0, REASON_OVERCURRENT, step(FORWARD, 0, 10000));
+        assert_command(0, REASON_NONE, step(FORWARD, 0, 0));
+        /* and afterwards it starts again from nothing */
+        permission.bridge = BRIDGE_PWM;
+        assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 30000, 0));
+        torque_limit_init(&state);
+    }
+}
+
+void test_a_limit_only_shrinks_the_demand_and_never_turns_it_round(void)
+{
+    random_t random = random_seeded(1);
+    for (int n = 0; n < 20000; n++) {
+        capability.driving = limit_init(random_between(&random, 0, 60000), REASON_MAX_POWER);
+        capability.regenerating = limit_init(random_between(&random, 0, 60000), REASON_MAX_POWER);
+        permission.drive_q15 = (int16_t)random_between(&random, 0, Q15_ONE);
+        permission.brake_q15 = (int16_t)random_between(&random, 0, Q15_ONE);
+        const int32_t speed_mrad_s = random_between(&random, -70000, 70000);
+        const int32_t drive_mNm = random_between(&random, -60000, 60000);
+        torque_limit_init(&state);
+        for (int k = 0; k < 160; k++) {
+            const int32_t command_mNm = step(speed_mrad_s, drive_mNm, 0).command_mNm;
+            TEST_ASSERT_GREATER_OR_EQUAL_INT32(drive_mNm < 0 ? drive_mNm : 0, command_mNm);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(drive_mNm > 0 ? drive_mNm : 0, command_mNm);
+        }
+    }
+}
+
+void test_the_command_never_changes_faster_than_the_rate_while_the_bridge_switches(void)
+{
+    random_t random = random_seeded(2);
+    int32_t before_mNm = 0;
+    for (int n = 0; n < 100000; n++) {
+        const bool braking = random_chance(&random, 0.5);
+        const int32_t command_mNm =
+            step(random_between(&random, -70000, 70000), braking ? 0 : random_between(&random, -60000, 60000),
+                 braking ? random_between(&random, 0, 60000) : 0)
+                .command_mNm;
+        TEST_ASSERT_INT32_WITHIN(RATE, before_mNm, command_mNm);
+        before_mNm = command_mNm;
+    }
+}

@@ -1,0 +1,206 @@
+/* The simulated board keeps the order and the timing of a real one; the application's two up-calls are played here. */
+#include <string.h>
+
+#include "hal/analog.h"
+#include "hal/flash.h"
+#include "hal/rotor_sensor.h"
+#include "hal/time.h"
+#include "hal/upcall.h"
+#include "hal/watchdog.h"
+#include "host/port.h"
+#include "unity.h"
+
+typedef struct {
+    int samples, drives;
+    inverter_mode_t mode;
+    uint16_t first_compare;
+    bool fault;
+} plant_t;
+
+static plant_t plant;
+static int fast_calls, slow_calls;
+static uint16_t compare_to_set;
+
+static host_sample_t sample(void *context)
+{
+    plant_t *p = context;
+    p->samples++;
+    const host_sample_t out = {.phase_current_code = {(uint16_t)p->samples, 2, 3},
+                               .hall_state = 5,
+                               .rotor_angle_turn = 77,
+                               .power_stage_fault = p->fault};
+    return out;
+}
+
+static void drive(void *context, inverter_mode_t mode, const uint16_t compare_counts[3])
+{
+    plant_t *p = context;
+    p->drives++;
+    p->mode = mode;
+    p->first_compare = compare_counts[0];
+}
+
+void app_pwm_period_isr(void)
+{
+    fast_calls++;
+    const uint16_t compare[3] = {compare_to_set, 0, 0};
+    inverter_set(INVERTER_MODE_PWM, compare);
+}
+
+void app_millisecond_isr(void)
+{
+    slow_calls++;
+}
+
+static inverter_status_t start(uint32_t frequency_Hz)
+{
+    const inverter_settings_t settings = {
+        .pwm_frequency_Hz = frequency_Hz, .pwm_period_counts = 4200, .dead_time_ns = 500};
+    const inverter_status_t status = inverter_init(&settings);
+    inverter_start();
+    time_start_tick();
+    return status;
+}
+
+void setUp(void)
+{
+    const plant_t rest = {0};
+    plant = rest;
+    fast_calls = 0;
+    slow_calls = 0;
+    compare_to_set = 0;
+    const host_plant_t connection = {.context = &plant, .sample = sample, .drive = drive};
+    host_connect(&connection, "\x01\x02\x03\x04", 4);
+}
+
+void tearDown(void) {}
+
+void test_nothing_is_called_before_it_was_started(void)
+{
+    for (int i = 0; i < 100; i++) {
+        host_step();
+    }
+    TEST_ASSERT_EQUAL_INT(0, fast_calls);
+    TEST_ASSERT_EQUAL_INT(0, slow_calls);
+}
+
+void test_the_millisecond_comes_a_thousand_times_a_second_also_when_the_frequency_is_no_multiple(void)
+{
+    (void)start(17500);
+    for (int i = 0; i < 17500; i++) {
+        host_step();
+    }
+    TEST_ASSERT_EQUAL_INT(17500, fast_calls);
+    TEST_ASSERT_EQUAL_INT(1000, slow_calls);
+    TEST_ASSERT_EQUAL_UINT32(1000, time_ms());
+}
+
+void test_what_was_set_in_one_period_acts_from_the_next_top_on(void)
+{
+    (void)start(20000);
+    compare_to_set = 1234;
+    host_step();
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, plant.mode);
+    compare_to_set = 9;
+    host_step();
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, plant.mode);
+    TEST_ASSERT_EQUAL_UINT16(1234, plant.first_compare);
+}
+
+void test_the_up_call_sees_the_sample_of_its_own_period(void)
+{
+    (void)start(20000);
+    host_step();
+    TEST_ASSERT_EQUAL_UINT16(plant.samples, analog_read().phase_current_code[0]);
+    rotor_sensor_init(ROTOR_SENSOR_HALL, 4);
+    TEST_ASSERT_EQUAL_UINT8(5, rotor_sensor_hall_state());
+    TEST_ASSERT_EQUAL_UINT16(0, rotor_sensor_angle_turn());
+    rotor_sensor_init(ROTOR_SENSOR_ANGLE, 4);
+    TEST_ASSERT_EQUAL_UINT8(0, rotor_sensor_hall_state());
+    TEST_ASSERT_EQUAL_UINT16(77, rotor_sensor_angle_turn());
+}
+
+void test_a_fault_keeps_the_bridge_off_until_its_cause_is_gone_and_it_was_cleared(void)
+{
+    (void)start(20000);
+    host_step();
+    host_step();
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, plant.mode);
+    inverter_trip();
+    host_step();
+    host_step();
+    TEST_ASSERT_TRUE(inverter_fault());
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, plant.mode);
+    inverter_clear_fault();
+    host_step();
+    host_step();
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, plant.mode);
+    plant.fault = true;
+    host_step();
+    host_step();
+    inverter_clear_fault();
+    TEST_ASSERT_TRUE(inverter_fault());
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, plant.mode);
+}
+
+void test_settings_that_no_port_could_realise_are_refused(void)
+{
+    inverter_settings_t settings = {.pwm_frequency_Hz = 20000, .pwm_period_counts = 4200, .dead_time_ns = 6001};
+    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, inverter_init(&settings));
+    settings.dead_time_ns = 1000;
+    settings.pwm_period_counts = 16385;
+    TEST_ASSERT_EQUAL_INT(INVERTER_FREQUENCY_UNREACHABLE, inverter_init(&settings));
+}
+
+void test_only_accepted_identifiers_arrive(void)
+{
+    const uint16_t accepted[] = {0x200};
+    TEST_ASSERT_TRUE(can_init(accepted, 1));
+    const can_frame_t wrong = {.identifier = 0x201, .length = 8};
+    const can_frame_t right = {.identifier = 0x200, .length = 8, .data = {1}};
+    host_can_send(&wrong);
+    host_can_send(&right);
+    can_frame_t frame;
+    TEST_ASSERT_TRUE(can_receive(&frame));
+    TEST_ASSERT_EQUAL_UINT16(0x200, frame.identifier);
+    TEST_ASSERT_FALSE(can_receive(&frame));
+}
+
+void test_a_starved_watchdog_bites_and_a_fed_one_does_not(void)
+{
+    time_start_tick();
+    watchdog_start(10);
+    for (int i = 0; i < 50; i++) {
+        watchdog_feed();
+        host_step();
+    }
+    TEST_ASSERT_FALSE(host_watchdog_bit());
+    for (int i = 0; i < 11; i++) {
+        host_step();
+    }
+    TEST_ASSERT_TRUE(host_watchdog_bit());
+}
+
+void test_the_configurations_memory_holds_the_image_and_is_erased_behind_it(void)
+{
+    const flash_image_t image = flash_configuration();
+    const uint8_t *bytes = image.begin;
+    TEST_ASSERT_EQUAL_UINT8(4, bytes[3]);
+    TEST_ASSERT_EQUAL_UINT8(0xFF, bytes[4]);
+    TEST_ASSERT_EQUAL_UINT8(0xFF, bytes[image.size_bytes - 1]);
+    TEST_ASSERT_EQUAL_INT(FLASH_OK, flash_write_configuration("\x09\x08\x07\x06\x05\x04\x03\x02", 8));
+    TEST_ASSERT_EQUAL_UINT8(9, bytes[0]);
+    TEST_ASSERT_EQUAL_INT(FLASH_TOO_LARGE, flash_write_configuration(bytes, HOST_FLASH_BYTES + 4));
+}
+
+void test_the_run_ends_after_as_many_periods_as_were_asked_for(void)
+{
+    (void)start(20000);
+    host_run_for(40);
+    int looks = 0;
+    while (time_running()) {
+        looks++;
+    }
+    TEST_ASSERT_EQUAL_INT(40, looks);
+    TEST_ASSERT_EQUAL_INT(40, fast_calls);
+}

@@ -1,0 +1,54 @@
+#include <math.h>
+
+#include "ntc.h"
+#include "unity.h"
+
+enum { BROKEN_cC = 29999 };
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+/* The formula of ntc.h, in double: R/R_25 = exp(B (1/T - 1/T_25)), divider with R_25. */
+static double code_at(double celsius)
+{
+    const double ratio = exp(3380.0 * (1.0 / (celsius + 273.15) - 1.0 / 298.15));
+    return 4096.0 * ratio / (ratio + 1.0);
+}
+
+static double celsius_at(double code)
+{
+    return 1.0 / (1.0 / 298.15 + log(code / (4096.0 - code)) / 3380.0) - 273.15;
+}
+
+void test_half_the_supply_means_25_degrees(void)
+{
+    TEST_ASSERT_INT32_WITHIN(5, 2500, ntc_temperature_cC(2048, BROKEN_cC));
+}
+
+void test_every_code_gives_the_formulas_temperature_within_the_stated_error(void)
+{
+    for (int32_t code = (int32_t)code_at(149.5); code <= (int32_t)code_at(-39.5); code++) {
+        const double truth = celsius_at(code);
+        const double error = 0.01 * ntc_temperature_cC(code, BROKEN_cC) - truth;
+        TEST_ASSERT_DOUBLE_WITHIN(truth <= 130.0 ? 0.7 : 1.5, 0.0, error);
+    }
+}
+
+void test_temperature_falls_with_the_code_without_a_step_back(void)
+{
+    int32_t before = ntc_temperature_cC(139, BROKEN_cC);
+    for (int32_t code = 140; code <= 3929; code++) {
+        const int32_t now = ntc_temperature_cC(code, BROKEN_cC);
+        TEST_ASSERT_TRUE(now <= before);
+        before = now;
+    }
+}
+
+void test_a_torn_or_shorted_sensor_is_reported_as_broken(void)
+{
+    TEST_ASSERT_EQUAL_INT32(BROKEN_cC, ntc_temperature_cC(0, BROKEN_cC));
+    TEST_ASSERT_EQUAL_INT32(BROKEN_cC, ntc_temperature_cC((int32_t)code_at(155.0), BROKEN_cC));
+    TEST_ASSERT_EQUAL_INT32(BROKEN_cC, ntc_temperature_cC((int32_t)code_at(-45.0), BROKEN_cC));
+    TEST_ASSERT_EQUAL_INT32(BROKEN_cC, ntc_temperature_cC(4096, BROKEN_cC));
+}

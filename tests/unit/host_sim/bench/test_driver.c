@@ -1,0 +1,124 @@
+/* The driver: reads the trace, knows the road, corrects what is left, keeps within the pedals. */
+#include "bench/driver.h"
+
+#include <math.h>
+
+#include "unity.h"
+
+static const double STEP_S = 1e-3;
+enum { WHEELS = 4 };
+static driver_params_t params;
+static driver_state_t state;
+static vehicle_t vehicle;
+
+void setUp(void)
+{
+    const driver_params_t usual = {.follow_trace = 1.0,
+                                   .bandwidth_rad_per_s = 1.0,
+                                   .preview_s = 0.4,
+                                   .most_drive_nm = 40.0,
+                                   .most_brake_nm = 340.0};
+    const vehicle_params_t car = {.mass_kg = 660.0,
+                                  .wheel_radius_m = 0.25,
+                                  .frontal_area_m2 = 1.4,
+                                  .drag_coefficient = 0.4,
+                                  .rolling_resistance = 0.014,
+                                  .driven_wheels = WHEELS};
+    const road_params_t flat = {.air_density_kg_per_m3 = 1.2, .gravity_m_per_s2 = 9.81, .slope = 0.0};
+    params = usual;
+    vehicle = vehicle_on_road(&car, &flat);
+    state = driver_init();
+}
+
+void tearDown(void) {}
+
+static driver_demand_t ask(const driver_trace_t *trace, double speed, double time_s)
+{
+    return driver_step(&params, &state, trace, &vehicle, WHEELS, speed, time_s, STEP_S);
+}
+
+void test_the_trace_is_straight_between_its_points_and_level_outside(void)
+{
+    const double time_s[] = {0.0, 10.0, 20.0, 20.5};
+    const double speed[] = {0.0, 5.0, 5.0, 0.0};
+    const driver_trace_t trace = {.time_s = time_s, .speed_m_per_s = speed, .points = 4};
+    int cursor = 0;
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, driver_trace_at(&trace, &cursor, 0.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.25, driver_trace_at(&trace, &cursor, 2.5));
+    TEST_ASSERT_EQUAL_DOUBLE(5.0, driver_trace_at(&trace, &cursor, 10.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 2.5, driver_trace_at(&trace, &cursor, 20.25));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, driver_trace_at(&trace, &cursor, 1000.0));
+}
+
+void test_at_steady_speed_the_demand_is_the_road_load(void)
+{
+    const double time_s[] = {0.0, 100.0};
+    const double speed[] = {10.0, 10.0};
+    const driver_trace_t trace = {.time_s = time_s, .speed_m_per_s = speed, .points = 2};
+    const driver_demand_t demand = ask(&trace, 10.0, 5.0);
+    const double force_n = 0.014 * 660.0 * 9.81 + 0.5 * 1.2 * 0.4 * 1.4 * 100.0;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, force_n * 0.25 / WHEELS, demand.drive_nm);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, demand.brake_nm);
+    TEST_ASSERT_EQUAL_DOUBLE(10.0, demand.reference_m_per_s);
+}
+
+void test_slowing_down_is_braking_with_mass_times_deceleration_less_road_load(void)
+{
+    const double time_s[] = {0.0, 10.0};
+    const double speed[] = {10.0, 0.0};
+    const driver_trace_t trace = {.time_s = time_s, .speed_m_per_s = speed, .points = 2};
+    const driver_demand_t demand = ask(&trace, 5.0, 5.0);
+    const double force_n = 660.0 * 1.0 - 0.014 * 660.0 * 9.81 - 0.5 * 1.2 * 0.4 * 1.4 * 25.0;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, force_n * 0.25 / WHEELS, demand.brake_nm);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, demand.drive_nm);
+}
+
+void test_a_speed_error_is_corrected_and_what_remains_is_integrated(void)
+{
+    const double time_s[] = {0.0, 100.0};
+    const double speed[] = {5.0, 5.0};
+    const driver_trace_t trace = {.time_s = time_s, .speed_m_per_s = speed, .points = 2};
+    const double exact = ask(&trace, 5.0, 1.0).drive_nm;
+    const double first = ask(&trace, 4.9, 1.0).drive_nm;
+    /* 2 m w e, and one step of m w^2 e */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 660.0 * 0.1 * (2.0 + STEP_S) * 0.25 / WHEELS, first - exact);
+    const double second = ask(&trace, 4.9, 1.0).drive_nm;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 660.0 * 0.1 * STEP_S * 0.25 / WHEELS, second - first);
+}
+
+void test_pedals_at_their_end_do_not_wind_the_driver_up(void)
+{
+    const double time_s[] = {0.0, 1000.0};
+    const double speed[] = {20.0, 20.0};
+    const driver_trace_t trace = {.time_s = time_s, .speed_m_per_s = speed, .points = 2};
+    for (int k = 0; k < 100000; k++) {
+        TEST_ASSERT_EQUAL_DOUBLE(40.0, ask(&trace, 0.0, 1.0).drive_nm);
+    }
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, state.integral_m);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, ask(&trace, 21.0, 1.0).drive_nm);
+}
+
+void test_a_vehicle_that_is_to_stand_is_held_on_a_slope_and_left_alone_on_the_flat(void)
+{
+    const double time_s[] = {0.0, 10.0};
+    const double speed[] = {0.0, 0.0};
+    const driver_trace_t trace = {.time_s = time_s, .speed_m_per_s = speed, .points = 2};
+    driver_demand_t demand = ask(&trace, 0.0, 1.0);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, demand.brake_nm);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, demand.drive_nm);
+    vehicle.slope_n = -500.0;
+    demand = ask(&trace, 0.0, 1.0);
+    TEST_ASSERT_TRUE(demand.brake_nm * WHEELS / 0.25 >= 500.0);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, demand.drive_nm);
+}
+
+void test_held_pedals_are_where_the_scenario_puts_them_and_braking_cuts_driving(void)
+{
+    const driver_trace_t none = {.points = 0};
+    params.follow_trace = 0.0;
+    params.drive_demand_nm = -12.0;
+    TEST_ASSERT_EQUAL_DOUBLE(-12.0, ask(&none, 3.0, 0.0).drive_nm);
+    params.brake_demand_nm = 25.0;
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, ask(&none, 3.0, 0.0).drive_nm);
+    TEST_ASSERT_EQUAL_DOUBLE(25.0, ask(&none, 3.0, 0.0).brake_nm);
+}

@@ -1,0 +1,142 @@
+/* The library's face: order of calls, names, ranges, refusals in words, rows. */
+#include "bench/engine.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "plant_values.h"
+#include "unity.h"
+#include "vehicle_fixture.h"
+
+static hubsim_t *sim;
+static config_t config;
+
+void setUp(void)
+{
+    sim = hubsim_new();
+    TEST_ASSERT_NOT_NULL(sim);
+    config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+}
+
+void tearDown(void)
+{
+    hubsim_delete(sim);
+}
+
+static void set(const char *name, double value)
+{
+    TEST_ASSERT_EQUAL_INT_MESSAGE(HUBSIM_OK, hubsim_set(sim, name, value), hubsim_error(sim));
+}
+
+static void load_vehicle(void)
+{
+    for (int k = 0; k < PLANT_VALUES_COUNT; k++) {
+        set(PLANT_VALUES[k].name, PLANT_VALUES[k].value);
+    }
+    set("road.gravity_m_per_s2", 9.81);
+    set("driver.bandwidth_rad_per_s", 1.0);
+    set("driver.preview_s", 0.4);
+    set("driver.enable", 1.0);
+    set("run.record_interval_s", 0.01);
+    set("run.initial_speed_m_per_s", 3.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_set_voltage_curve(sim, PLANT_SOC, PLANT_VOLTAGE_V, PLANT_VOLTAGE_POINTS));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_load_config(sim, &config, sizeof(config)));
+}
+
+void test_a_vehicle_runs_and_its_signals_are_read_by_name(void)
+{
+    load_vehicle();
+    set("driver.brake_demand_nm", 20.0);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(HUBSIM_OK, hubsim_start(sim), hubsim_error(sim));
+    const int chosen[] = {0};
+    double rows[20];
+    int64_t written = 0;
+    double remaining_s = 0.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_choose(sim, chosen, 1));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_run(sim, 0.1, rows, 20, &written, &remaining_s));
+    TEST_ASSERT_EQUAL_INT64(11, written);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.1, rows[10]);
+    double speed = 0.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_value(sim, "vehicle.speed_m_per_s", &speed));
+    TEST_ASSERT_TRUE(speed > 2.5 && speed < 3.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_NAME, hubsim_value(sim, "vehicle.colour", &speed));
+}
+
+void test_a_full_buffer_stops_the_clock_and_the_run_goes_on_from_there(void)
+{
+    load_vehicle();
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
+    const int chosen[] = {0};
+    double rows[4];
+    int64_t written = 0;
+    double remaining_s = 0.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_choose(sim, chosen, 1));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_FULL, hubsim_run(sim, 0.1, rows, 4, &written, &remaining_s));
+    TEST_ASSERT_EQUAL_INT64(4, written);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.06, remaining_s);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_FULL, hubsim_run(sim, remaining_s, rows, 4, &written, &remaining_s));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.04, rows[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.07, rows[3]);
+}
+
+void test_a_run_that_is_to_end_at_standstill_says_so(void)
+{
+    load_vehicle();
+    set("run.stop_at_standstill", 1.0);
+    set("driver.brake_demand_nm", 60.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
+    int64_t written = 0;
+    double remaining_s = 1.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_ENDED, hubsim_run(sim, 100.0, NULL, 0, &written, &remaining_s));
+    double time_s = 0.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_value(sim, "time_s", &time_s));
+    TEST_ASSERT_TRUE(time_s > 1.0 && time_s < 5.0);
+}
+
+void test_calls_out_of_order_are_refused_in_words(void)
+{
+    int64_t written = 0;
+    double remaining_s = 0.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_run(sim, 1.0, NULL, 0, &written, &remaining_s));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_start(sim));
+    TEST_ASSERT_EQUAL_STRING("no configuration was loaded", hubsim_error(sim));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_load_config(sim, &config, sizeof(config)));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_start(sim));
+    TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), "motor.pole_pairs: never set"));
+    TEST_ASSERT_EQUAL_INT(0, hubsim_signal_count(sim));
+}
+
+void test_bad_names_and_values_are_refused_with_what_is_accepted(void)
+{
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_NAME, hubsim_set(sim, "motor.colour", 1.0));
+    TEST_ASSERT_EQUAL_STRING("motor.colour: no such parameter", hubsim_error(sim));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_set(sim, "road.slope", 3.0));
+    TEST_ASSERT_EQUAL_STRING("road.slope: 3 1, accepted: -1 to 1", hubsim_error(sim));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_set(sim, "road.slope", NAN));
+    const double falling[] = {1.0, 0.5};
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_set_trace(sim, falling, falling, 2));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_set_voltage_curve(sim, falling, falling, 2));
+}
+
+void test_a_refused_configuration_is_reported_with_the_field(void)
+{
+    config.motor.pole_pairs = 0;
+    config.crc32 = 0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_CONFIG, hubsim_load_config(sim, &config, sizeof(config)));
+    TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), "crc32"));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_CONFIG, hubsim_load_config(sim, &config, 100));
+    TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), "size_bytes"));
+}
+
+void test_a_pack_that_breaks_down_under_load_ends_the_run_in_words(void)
+{
+    load_vehicle();
+    set("driver.drive_demand_nm", 30.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
+    int64_t written = 0;
+    double remaining_s = 0.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_run(sim, 0.5, NULL, 0, &written, &remaining_s)); /* well over 1 kW */
+    set("battery.series_resistance_ohm", 10.0);                                              /* 70 W at most */
+    TEST_ASSERT_EQUAL_INT(HUBSIM_FAILED, hubsim_run(sim, 1.0, NULL, 0, &written, &remaining_s));
+    TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), "the battery cannot give the power"));
+}

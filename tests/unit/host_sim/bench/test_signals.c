@@ -1,0 +1,82 @@
+/* Everything that can be watched has one name and one value. */
+#include "bench/signals.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "unity.h"
+#include "vehicle_fixture.h"
+
+enum { NAME_LENGTH = 80 };
+static bench_t *bench;
+
+void setUp(void)
+{
+    bench_params_t params = fixture_vehicle();
+    params.run.initial_speed_m_per_s = 5.0;
+    params.driver.brake_demand_nm = 20.0;
+    const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.3);
+}
+
+void tearDown(void) {}
+
+static double value_of(const char *wanted)
+{
+    const signals_accounts_t accounts = signals_accounts(bench);
+    char name[NAME_LENGTH];
+    for (int k = 0; k < signals_count(bench); k++) {
+        signals_name(bench, k, name, sizeof(name));
+        if (strcmp(name, wanted) == 0) {
+            return signals_read(bench, &accounts, k);
+        }
+    }
+    TEST_FAIL_MESSAGE(wanted);
+    return NAN;
+}
+
+void test_every_name_is_there_once(void)
+{
+    char a[NAME_LENGTH];
+    char b[NAME_LENGTH];
+    for (int k = 0; k < signals_count(bench); k++) {
+        signals_name(bench, k, a, sizeof(a));
+        TEST_ASSERT_TRUE(strlen(a) < NAME_LENGTH - 1);
+        for (int n = 0; n < k; n++) {
+            signals_name(bench, n, b, sizeof(b));
+            TEST_ASSERT_TRUE_MESSAGE(strcmp(a, b) != 0, a);
+        }
+    }
+}
+
+void test_signals_are_the_values_of_their_names(void)
+{
+    TEST_ASSERT_EQUAL_DOUBLE(bench->time_s, value_of("time_s"));
+    TEST_ASSERT_EQUAL_DOUBLE(bench->vehicle.speed_m_per_s, value_of("vehicle.speed_m_per_s"));
+    TEST_ASSERT_EQUAL_DOUBLE(20.0, value_of("driver.brake_nm"));
+    TEST_ASSERT_EQUAL_DOUBLE(bench_ledger(bench).iron_j, value_of("energy.iron_j"));
+    TEST_ASSERT_EQUAL_DOUBLE(bench_braking_ledger(bench).copper_j, value_of("braking.copper_j"));
+    TEST_ASSERT_EQUAL_DOUBLE((double)MODE_RUN, value_of("wheel3.mode"));
+    TEST_ASSERT_EQUAL_DOUBLE(25.0, value_of("wheel2.winding_temperature_c"));
+}
+
+void test_phase_currents_add_up_to_zero_and_turn_into_d_and_q(void)
+{
+    const double a = value_of("wheel1.phase_a_a");
+    const double b = value_of("wheel1.phase_b_a");
+    const double c = value_of("wheel1.phase_c_a");
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, a + b + c);
+    const double square = (a * a + b * b + c * c) / 1.5; /* of the amplitude */
+    const double d = value_of("wheel1.current_d_a");
+    const double q = value_of("wheel1.current_q_a");
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, square, d * d + q * q);
+    TEST_ASSERT_TRUE(square > 100.0);
+}
+
+void test_the_wheels_are_told_apart(void)
+{
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, bench->wheel[0].rotor.theta_turn, value_of("wheel0.theta_turn"));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, bench->wheel[3].rotor.theta_turn, value_of("wheel3.theta_turn"));
+    TEST_ASSERT_TRUE(fabs(value_of("wheel0.theta_turn") - value_of("wheel3.theta_turn")) > 0.1);
+}

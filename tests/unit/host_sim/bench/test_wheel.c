@@ -1,0 +1,110 @@
+/* One wheel: the timing of the loop, its accounts, its sensors' truth. */
+#include "bench/wheel.h"
+
+#include <math.h>
+
+#include "unity.h"
+#include "vehicle_fixture.h"
+
+static bench_t *bench;
+static wheel_t *wheel;
+
+void setUp(void)
+{
+    bench_params_t params = fixture_quarter_vehicle();
+    params.run.initial_speed_m_per_s = 6.0;
+    const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    bench = fixture_start(&params, &config);
+    wheel = &bench->wheel[0];
+}
+
+void tearDown(void) {}
+
+void test_what_the_firmware_computes_acts_one_period_later(void)
+{
+    for (int k = 0; k < 100; k++) {
+        const fast_output_t computed = wheel->next;
+        bench_period(bench);
+        TEST_ASSERT_EQUAL_UINT16(computed.compare_counts[0], wheel->active.compare_counts[0]);
+        TEST_ASSERT_EQUAL_UINT16(computed.compare_counts[1], wheel->active.compare_counts[1]);
+        TEST_ASSERT_EQUAL_UINT16(computed.compare_counts[2], wheel->active.compare_counts[2]);
+        TEST_ASSERT_EQUAL_INT(computed.bridge, wheel->active.bridge);
+    }
+}
+
+void test_a_changed_reference_reaches_the_current_after_the_delay_and_not_before(void)
+{
+    /* Between two slow steps the reference stands still: change it by hand, and compare with a twin that keeps it. */
+    while (bench->period % 20 != 2) {
+        bench_period(bench);
+    }
+    static bench_t twin;
+    twin = *bench;
+    bench_refresh(&twin);
+    wheel->to_fast.foc.i_reference_pu.q = (int16_t)(wheel->to_fast.foc.i_reference_pu.q + 2000); /* 10 A */
+    bench_period(bench); /* samples and computes */
+    bench_period(&twin);
+    TEST_ASSERT_EQUAL_DOUBLE(twin.wheel[0].rotor.i_t.q, wheel->rotor.i_t.q);
+    bench_period(bench); /* acts */
+    bench_period(&twin);
+    TEST_ASSERT_TRUE(wheel->rotor.i_t.q - twin.wheel[0].rotor.i_t.q > 0.5);
+}
+
+void test_slow_steps_come_every_twenty_periods(void)
+{
+    uint16_t last = wheel->to_fast.slow_step_count;
+    int64_t at = -1;
+    for (int k = 0; k < 400; k++) {
+        bench_period(bench);
+        if (wheel->to_fast.slow_step_count != last) {
+            TEST_ASSERT_EQUAL_UINT16((uint16_t)(last + 1U), wheel->to_fast.slow_step_count);
+            TEST_ASSERT_TRUE(at < 0 || bench->period - at == 20);
+            at = bench->period;
+            last = wheel->to_fast.slow_step_count;
+        }
+    }
+    TEST_ASSERT_TRUE(at > 0);
+}
+
+void test_what_the_bus_gave_is_heat_work_and_field(void)
+{
+    bench->params.driver.drive_demand_nm = 25.0;
+    const wheel_totals_t before = wheel->totals;
+    const double field_before_j = pmsm_magnetic_energy_j(&wheel->machine, &wheel->rotor);
+    fixture_run(bench, 0.5);
+    const wheel_totals_t *now = &wheel->totals;
+    const double heat_j = now->copper_j - before.copper_j + now->iron_j - before.iron_j + now->conduction_j -
+                          before.conduction_j + now->diode_j - before.diode_j + now->switching_j - before.switching_j;
+    const double field_j = pmsm_magnetic_energy_j(&wheel->machine, &wheel->rotor) - field_before_j;
+    const double dc_j = now->dc_j - before.dc_j;
+    TEST_ASSERT_TRUE(dc_j > 100.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * dc_j, dc_j, heat_j + now->shaft_j - before.shaft_j + field_j);
+}
+
+void test_a_first_fault_is_remembered_with_its_time(void)
+{
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, wheel->first_fault);
+    fixture_run(bench, 0.1);
+    bench->params.thermal.winding_temperature_c = 25.0;
+    wheel->winding.temperature_c = 290.0; /* a winding that hot is a fault */
+    fixture_run(bench, 0.1);
+    TEST_ASSERT_EQUAL_INT(REASON_WINDING_OVERTEMPERATURE, wheel->first_fault);
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.12, wheel->first_fault_s);
+}
+
+void test_heat_warms_the_winding_when_the_model_is_on(void)
+{
+    bench_params_t params = fixture_quarter_vehicle();
+    params.run.initial_speed_m_per_s = 6.0;
+    params.driver.drive_demand_nm = 30.0;
+    params.thermal.winding_heat_capacity_j_per_k = 50.0;
+    const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    bench = fixture_start(&params, &config);
+    const double cold_ohm = bench->wheel[0].machine.resistance_ohm;
+    fixture_run(bench, 1.0);
+    const wheel_t *w = &bench->wheel[0];
+    TEST_ASSERT_TRUE(w->totals.copper_j > 20.0);
+    /* The last millisecond's heat has not been handed over yet. */
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 25.0 + w->totals.copper_j / 50.0, w->winding.temperature_c);
+    TEST_ASSERT_TRUE(w->machine.resistance_ohm > cold_ohm);
+}

@@ -1,0 +1,85 @@
+/* A brake that is late: dead time, lag, rate, and never more than it has. */
+#include "plant/hydraulic_brake.h"
+
+#include <math.h>
+
+#include "unity.h"
+
+static const double STEP_S = 50e-6;
+enum { STEPS_PER_MS = 20 };
+static hydraulic_brake_params_t params;
+static hydraulic_brake_state_t brake;
+
+void setUp(void)
+{
+    const hydraulic_brake_params_t usual = {.hydraulic_dead_time_s = 0.04,
+                                            .hydraulic_time_constant_s = 0.06,
+                                            .hydraulic_rate_nm_per_s = 1e6,
+                                            .max_hydraulic_torque_nm = 300.0};
+    params = usual;
+    brake = hydraulic_brake_init(&params, STEP_S);
+}
+
+void tearDown(void) {}
+
+static void run_ms(int ms, double command_nm)
+{
+    for (int k = 0; k < ms; k++) {
+        hydraulic_brake_command(&params, &brake, command_nm);
+        for (int n = 0; n < STEPS_PER_MS; n++) {
+            hydraulic_brake_step(&brake);
+        }
+    }
+}
+
+void test_nothing_happens_before_the_dead_time(void)
+{
+    run_ms(40, 100.0);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, brake.torque_nm);
+    run_ms(1, 100.0);
+    TEST_ASSERT_TRUE(brake.torque_nm > 0.0);
+}
+
+void test_after_it_the_torque_approaches_as_a_first_order_lag(void)
+{
+    run_ms(40 + 60, 100.0); /* one time constant */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0 * (1.0 - exp(-1.0)), brake.torque_nm);
+    run_ms(600, 100.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 100.0, brake.torque_nm);
+    run_ms(40 + 60, 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 100.0 * exp(-1.0), brake.torque_nm);
+}
+
+void test_the_rate_bounds_both_directions(void)
+{
+    params.hydraulic_rate_nm_per_s = 500.0;
+    brake = hydraulic_brake_init(&params, STEP_S);
+    run_ms(40 + 100, 300.0); /* the lag alone would be far ahead */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 50.0, brake.torque_nm);
+    run_ms(400, 300.0);
+    const double before_nm = brake.torque_nm;
+    run_ms(40, 0.0); /* what is still under way */
+    const double at_release_nm = brake.torque_nm;
+    TEST_ASSERT_TRUE(at_release_nm >= before_nm);
+    run_ms(100, 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, at_release_nm - 50.0, brake.torque_nm);
+}
+
+void test_no_command_gives_more_than_the_brake_has_or_less_than_nothing(void)
+{
+    run_ms(3000, 1e9);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 300.0, brake.torque_nm);
+    run_ms(3000, -50.0);
+    TEST_ASSERT_TRUE(brake.torque_nm >= 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, brake.torque_nm);
+}
+
+void test_a_brake_without_delay_and_lag_follows_at_once(void)
+{
+    params.hydraulic_dead_time_s = 0.0;
+    params.hydraulic_time_constant_s = 0.0;
+    params.hydraulic_rate_nm_per_s = 1e7;
+    brake = hydraulic_brake_init(&params, STEP_S);
+    hydraulic_brake_command(&params, &brake, 120.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 120.0, hydraulic_brake_step(&brake));
+}

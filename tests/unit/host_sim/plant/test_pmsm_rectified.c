@@ -1,0 +1,142 @@
+/* The machine on a bridge that is off: diodes block until the EMF is higher than the bus, then feed it. */
+#include <math.h>
+
+#include "machines.h"
+#include "plant/inverter.h"
+#include "plant/pmsm.h"
+#include "unity.h"
+
+static const double PERIOD_S = 50e-6;
+static const double CEILING_V = 30.0;
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static pmsm_step_t step_at(double omega_rad_s)
+{
+    const pmsm_step_t out = {.omega_rad_s = omega_rad_s, .duration_s = PERIOD_S, .series_resistance_ohm = 0.005};
+    return out;
+}
+
+static double residual_j(const pmsm_params_t *params, const pmsm_flow_t *flow, double omega, double gain_j)
+{
+    return flow->source_j - flow->copper_j - flow->series_j - flow->iron_j -
+           flow->torque_nms * omega / params->pole_pairs - gain_j;
+}
+
+void test_below_the_bus_nothing_flows_and_only_the_iron_drags(void)
+{
+    const pmsm_params_t params = salient_machine();
+    const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
+    const double w = 1000.0; /* EMF 20 V peak phase */
+    pmsm_state_t state = pmsm_at_rest(0.0);
+    const pmsm_step_t step = step_at(w);
+    pmsm_flow_t flow = {.source_j = 0.0};
+    for (int k = 0; k < 500; k++) {
+        flow = pmsm_step_rectified(&machine, &state, CEILING_V, &step);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.charge_as.alpha);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.charge_as.beta);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.copper_j);
+    }
+    /* With i = 0 the torque current is what the EMF drives through R_i: i_qt = -(w psi / R_i) / (1 + a^2), i_dt = b i_qt */
+    const double r_i = params.iron_loss_resistance_ohm + params.iron_loss_resistance_slope_ohm_s * w;
+    const double b = w * params.q_inductance_h / r_i;
+    const double i_qt = -(w * params.flux_linkage_wb / r_i) / (1.0 + b * w * params.d_inductance_h / r_i);
+    const double flux = params.flux_linkage_wb + (params.d_inductance_h - params.q_inductance_h) * b * i_qt;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.5 * params.pole_pairs * flux * i_qt, flow.torque_nms / PERIOD_S);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, flow.source_j);
+}
+
+void test_without_iron_loss_a_blocked_machine_does_not_brake(void)
+{
+    const pmsm_params_t params = plain_machine();
+    const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
+    pmsm_state_t state = pmsm_at_rest(0.0);
+    const pmsm_step_t step = step_at(-1400.0);
+    for (int k = 0; k < 100; k++) {
+        const pmsm_flow_t flow = pmsm_step_rectified(&machine, &state, CEILING_V, &step);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.torque_nms);
+    }
+}
+
+void test_conduction_begins_where_the_line_emf_passes_the_bus(void)
+{
+    const pmsm_params_t params = plain_machine();
+    const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
+    const inverter_params_t bridge = {.diode_forward_voltage_v = 0.8, .pwm_frequency_hz = 20000.0};
+    const inverter_t inverter = inverter_init(&bridge);
+    const double bus_v = 48.0;
+    const double ceiling_v = inverter_rectifier_ceiling_v(&inverter, bus_v);
+    const double threshold = (bus_v + 1.6) / (sqrt(3.0) * params.flux_linkage_wb);
+    for (int n = 0; n < 2; n++) {
+        const double w = threshold * (n == 0 ? 0.99 : 1.01);
+        pmsm_state_t state = pmsm_at_rest(0.0);
+        const pmsm_step_t step = step_at(w);
+        pmsm_flow_t flow = {.source_j = 0.0};
+        for (int k = 0; k < 2000; k++) {
+            flow = pmsm_step_rectified(&machine, &state, ceiling_v, &step);
+        }
+        TEST_ASSERT_EQUAL_INT(n, hypot(flow.charge_as.alpha, flow.charge_as.beta) > 0.0 ? 1 : 0);
+    }
+}
+
+void test_above_the_bus_the_machine_brakes_and_feeds_it_and_no_energy_is_lost(void)
+{
+    const pmsm_params_t machines[] = {salient_machine(), plain_machine()};
+    for (int m = 0; m < 2; m++) {
+        const pmsm_t machine = pmsm_at_temperature(&machines[m], 25.0);
+        const double w = 2500.0; /* EMF 50 V peak phase */
+        pmsm_state_t state = pmsm_at_rest(0.0);
+        const pmsm_step_t step = step_at(w);
+        for (int k = 0; k < 2000; k++) {
+            const double before_j = pmsm_magnetic_energy_j(&machine, &state);
+            const pmsm_flow_t flow = pmsm_step_rectified(&machine, &state, CEILING_V, &step);
+            const double gain_j = pmsm_magnetic_energy_j(&machine, &state) - before_j;
+            TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, residual_j(&machines[m], &flow, w, gain_j));
+            if (k > 1000) {
+                TEST_ASSERT_TRUE(flow.source_j < 0.0);
+                TEST_ASSERT_TRUE(flow.torque_nms < 0.0);
+            }
+        }
+    }
+}
+
+/* |i| where diodes hold |u| = U against the current: (w psi)^2 = (U + R i)^2 + (w L i)^2, a circuit of one phase. */
+void test_the_rectified_current_is_that_of_the_phasor_circuit(void)
+{
+    const pmsm_params_t params = plain_machine();
+    const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
+    const double w = 2500.0;
+    pmsm_state_t state = pmsm_at_rest(0.0);
+    pmsm_step_t step = step_at(w);
+    step.duration_s = 1e-6;
+    for (int k = 0; k < 60000; k++) {
+        pmsm_step_rectified(&machine, &state, CEILING_V, &step);
+    }
+    const double i = hypot(state.terminal.alpha, state.terminal.beta);
+    const double r = params.phase_resistance_ohm + step.series_resistance_ohm;
+    const double resistive = CEILING_V + r * i;
+    const double reactive = w * params.d_inductance_h * i;
+    TEST_ASSERT_TRUE(i > 10.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.005 * w * params.flux_linkage_wb, w * params.flux_linkage_wb,
+                              hypot(resistive, reactive));
+}
+
+void test_current_left_over_from_switching_flows_into_the_bus_and_dies(void)
+{
+    const pmsm_params_t params = plain_machine();
+    const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
+    pmsm_state_t state = pmsm_at_rest(0.0);
+    state.i_t.d = -60.0;
+    state.i_t.q = 80.0;
+    const double magnetic_j = pmsm_magnetic_energy_j(&machine, &state);
+    const pmsm_step_t step = step_at(0.0);
+    double into_bus_j = 0.0;
+    for (int k = 0; k < 20; k++) {
+        into_bus_j -= pmsm_step_rectified(&machine, &state, CEILING_V, &step).source_j;
+    }
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, state.i_t.d);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, state.i_t.q);
+    TEST_ASSERT_TRUE(into_bus_j > 0.8 * magnetic_j && into_bus_j < magnetic_j);
+}

@@ -1,0 +1,145 @@
+/* What the controller gets to see: codes, halls, angle, and the faults that can be switched on. */
+#include "plant/sensors.h"
+
+#include <math.h>
+
+#include "unity.h"
+
+static sensors_params_t params;
+static random_t noise;
+static const plant_abc_t NO_CURRENT = {0.0, 0.0, 0.0};
+
+void setUp(void)
+{
+    const sensors_params_t clean = {.current_full_scale_a = 165.0,
+                                    .voltage_full_scale_v = 61.8,
+                                    .adc_bits = 12.0,
+                                    .hall_edge_0_deg = 0.0,
+                                    .hall_edge_1_deg = 60.0,
+                                    .hall_edge_2_deg = 120.0,
+                                    .hall_edge_3_deg = 180.0,
+                                    .hall_edge_4_deg = 240.0,
+                                    .hall_edge_5_deg = 300.0};
+    params = clean;
+    noise = random_init(1, 0);
+}
+
+void tearDown(void) {}
+
+static sensors_sample_t sample(plant_abc_t current, double bus_v, double theta_turn)
+{
+    const sensors_t sensors = sensors_init(&params);
+    return sensors_sample(&sensors, &noise, current, bus_v, theta_turn);
+}
+
+void test_no_current_is_mid_range_and_full_scale_is_half_the_range(void)
+{
+    const plant_abc_t current = {.a = 0.0, .b = 82.5, .c = -82.5};
+    const sensors_sample_t seen = sample(current, 30.9, 0.0);
+    TEST_ASSERT_EQUAL_UINT16(2048, seen.phase_current_code[0]);
+    TEST_ASSERT_EQUAL_UINT16(2048 + 1024, seen.phase_current_code[1]);
+    TEST_ASSERT_EQUAL_UINT16(2048 - 1024, seen.phase_current_code[2]);
+    TEST_ASSERT_EQUAL_UINT16(2048, seen.bus_voltage_code);
+}
+
+void test_beyond_its_range_a_converter_stands_at_the_end(void)
+{
+    const plant_abc_t current = {.a = 400.0, .b = -400.0, .c = 0.0};
+    const sensors_sample_t seen = sample(current, 99.0, 0.0);
+    TEST_ASSERT_EQUAL_UINT16(4095, seen.phase_current_code[0]);
+    TEST_ASSERT_EQUAL_UINT16(0, seen.phase_current_code[1]);
+    TEST_ASSERT_EQUAL_UINT16(4095, seen.bus_voltage_code);
+}
+
+void test_a_code_is_wrong_by_half_a_step_at_most(void)
+{
+    for (int k = -1500; k <= 1500; k++) {
+        const plant_abc_t current = {.a = 0.1 * k, .b = 0.0, .c = 0.0};
+        const double exact = 2048.0 + current.a / 165.0 * 2048.0;
+        const sensors_sample_t seen = sample(current, 50.0, 0.0);
+        TEST_ASSERT_DOUBLE_WITHIN(0.5 + 1e-9, exact, (double)seen.phase_current_code[0]);
+    }
+}
+
+void test_a_coarser_converter_leaves_the_low_bits_zero(void)
+{
+    params.adc_bits = 10.0;
+    for (int k = -300; k <= 300; k++) {
+        const plant_abc_t current = {.a = 0.5 * k, .b = 0.0, .c = 0.0};
+        const uint16_t code = sample(current, 50.0, 0.0).phase_current_code[0];
+        TEST_ASSERT_EQUAL_UINT16(0, code % 4U);
+        TEST_ASSERT_DOUBLE_WITHIN(2.0 + 1e-9, 2048.0 + current.a / 165.0 * 2048.0, (double)code);
+    }
+}
+
+void test_offsets_are_those_of_phases_a_and_c_and_the_opposite_in_b(void)
+{
+    params.current_offset_a = 16.5;
+    const sensors_sample_t seen = sample(NO_CURRENT, 50.0, 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 2048.0 + 204.8, (double)seen.phase_current_code[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 2048.0 - 204.8, (double)seen.phase_current_code[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 2048.0 + 204.8, (double)seen.phase_current_code[2]);
+}
+
+void test_halls_show_the_forward_order_one_sensor_changing_at_a_time(void)
+{
+    const uint8_t order[6] = {5, 1, 3, 2, 6, 4};
+    const sensors_t sensors = sensors_init(&params);
+    for (int k = 0; k < 6; k++) {
+        TEST_ASSERT_EQUAL_UINT8(order[k], sensors_hall_state(&sensors, (k + 0.001) / 6.0));
+        TEST_ASSERT_EQUAL_UINT8(order[k], sensors_hall_state(&sensors, (k + 0.999) / 6.0));
+        const unsigned changed = order[k] ^ (unsigned)order[(k + 1) % 6];
+        TEST_ASSERT_TRUE(changed == 1U || changed == 2U || changed == 4U);
+    }
+}
+
+/* Angle at which the state that follows edge k begins, found by looking. */
+static double edge_deg(const sensors_t *sensors, uint8_t before, uint8_t after, double around_deg)
+{
+    for (int k = -2000; k < 2000; k++) {
+        const double x = around_deg + 0.01 * k;
+        const double turn = x / 360.0;
+        const double next = (x + 0.01) / 360.0;
+        if (sensors_hall_state(sensors, turn - floor(turn)) == before &&
+            sensors_hall_state(sensors, next - floor(next)) == after) {
+            return x;
+        }
+    }
+    return NAN;
+}
+
+void test_misplaced_halls_switch_late_and_early_in_turn_even_across_angle_zero(void)
+{
+    const uint8_t order[6] = {5, 1, 3, 2, 6, 4};
+    params.hall_edge_0_deg = 357.0;
+    params.hall_edge_error_deg = 5.0;
+    const sensors_t sensors = sensors_init(&params);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 362.0, edge_deg(&sensors, order[5], order[0], 360.0));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 55.0, edge_deg(&sensors, order[0], order[1], 60.0));
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 125.0, edge_deg(&sensors, order[1], order[2], 120.0));
+}
+
+void test_the_angle_is_rounded_and_wraps_to_zero(void)
+{
+    TEST_ASSERT_EQUAL_UINT16(0, sample(NO_CURRENT, 50.0, 0.0).rotor_angle_turn);
+    TEST_ASSERT_EQUAL_UINT16(16384, sample(NO_CURRENT, 50.0, 0.25).rotor_angle_turn);
+    TEST_ASSERT_EQUAL_UINT16(65535, sample(NO_CURRENT, 50.0, 65535.4 / 65536.0).rotor_angle_turn);
+    TEST_ASSERT_EQUAL_UINT16(0, sample(NO_CURRENT, 50.0, 65535.6 / 65536.0).rotor_angle_turn);
+}
+
+void test_noise_has_the_given_deviation_and_no_mean(void)
+{
+    params.current_noise_a = 2.0;
+    const sensors_t sensors = sensors_init(&params);
+    const int samples = 20000;
+    double sum = 0.0;
+    double square = 0.0;
+    for (int k = 0; k < samples; k++) {
+        const sensors_sample_t seen = sensors_sample(&sensors, &noise, NO_CURRENT, 50.0, 0.0);
+        const double a = (seen.phase_current_code[1] - 2048.0) / 2048.0 * 165.0;
+        sum += a;
+        square += a * a;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2.0 / sqrt(samples), 0.0, sum / samples); /* four standard errors */
+    TEST_ASSERT_DOUBLE_WITHIN(0.04, 2.0, sqrt(square / samples));
+}

@@ -1,0 +1,89 @@
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hubsim import run, scenario
+from hubsim.engine import Engine, Rows, library_path
+from hubsim.errors import HubsimError
+from regen_table.schema import Drive
+
+SIGNALS = ["time_s", "vehicle.speed_m_per_s", "wheel0.current_q_a", "wheel3.motor_torque_nm", "battery.chemical_w"]
+
+
+def vehicle(drive: Drive, **keys: object) -> Engine:
+    settings = {"initial_speed_kmh": 20.0, "demand_nm": 30.0, "stop_at_standstill": False, "max_duration_s": 10.0, **keys}
+    engine, _ = run.prepare(drive, scenario.load("stop", settings)[1], Path(), {"sensors.current_noise_a": 0.5})
+    engine.start()
+    engine.choose(SIGNALS)
+    return engine
+
+
+def recorded(drive: Drive, **keys: object) -> Rows:
+    with vehicle(drive, **keys) as engine:
+        return engine.run(0.4)
+
+
+def test_the_same_seed_gives_the_same_bytes_in_any_thread(drive: Drive) -> None:
+    alone = recorded(drive)
+    with ThreadPoolExecutor(max_workers=3) as pool:
+        together = [future.result() for future in [pool.submit(recorded, drive) for _ in range(3)]]
+    assert all(rows.tobytes() == alone.tobytes() for rows in together)
+
+
+def test_another_seed_gives_other_noise_but_the_same_stop(drive: Drive) -> None:
+    one, other = recorded(drive, seed=1), recorded(drive, seed=2)
+    assert one.tobytes() != other.tobytes()
+    assert np.max(np.abs(one[:, 1] - other[:, 1])) < 0.01  # m/s
+
+
+def test_a_run_in_pieces_is_the_run_in_one(drive: Drive) -> None:
+    whole = recorded(drive)
+    with vehicle(drive) as engine:
+        pieces = np.concatenate([engine.run(t) for t in (0.1, 0.03, 0.17, 0.1)])
+    assert pieces.tobytes() == whole.tobytes()
+
+
+def test_rows_come_at_the_recording_interval(drive: Drive) -> None:
+    rows = recorded(drive, record_interval_s=0.02)
+    assert rows.shape == (21, len(SIGNALS))
+    assert rows[:, 0] == pytest.approx(np.arange(21) * 0.02)
+
+
+def test_a_parameter_set_during_the_run_takes_effect(drive: Drive) -> None:
+    with vehicle(drive, demand_nm=0.0, drag=False) as engine:
+        engine.run(0.3)
+        before = engine.value("vehicle.speed_m_per_s")
+        engine.set("road.slope", -0.2)
+        engine.run(0.5)
+        gained = engine.value("vehicle.speed_m_per_s") - before
+    assert gained == pytest.approx(9.80665 * 0.2 / (1 + 0.2**2) ** 0.5 * 0.5, rel=0.03)
+
+
+def test_names_that_do_not_exist_are_refused(drive: Drive) -> None:
+    with vehicle(drive) as engine:
+        with pytest.raises(HubsimError, match=r"motor\.colour: no such parameter"):
+            engine.set("motor.colour", 1.0)
+        with pytest.raises(HubsimError, match=r"motor\.colour: no such parameter"):
+            engine.get("motor.colour")
+        with pytest.raises(HubsimError, match=r"wheel9\.mode: no such signal"):
+            engine.value("wheel9.mode")
+        with pytest.raises(HubsimError, match="colour: no such signal"):
+            engine.choose(["colour"])
+
+
+def test_a_refused_configuration_names_the_field() -> None:
+    with Engine() as engine, pytest.raises(HubsimError, match="configuration refused: size_bytes"):
+        engine.load_config(b"no configuration")
+
+
+def test_the_words_for_modes_and_reasons_are_the_firmwares(drive: Drive) -> None:
+    with vehicle(drive) as engine:
+        assert engine.mode_text(engine.value("wheel0.mode")) == "RUN"
+        assert engine.reason_text(67) == "phase over-current"
+
+
+def test_an_engine_that_is_not_built_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("HUBFOC_BUILD_DIR", str(tmp_path))
+    with pytest.raises(HubsimError, match="the simulation engine is not built"):
+        library_path()

@@ -1,0 +1,26 @@
+from hubsim import engine, plant
+from regen_table.schema import Drive
+
+OF_THE_RUN = ("road.", "driver.", "run.", "thermal.")
+
+
+def test_a_drive_decides_every_parameter_that_a_run_does_not(drive: Drive) -> None:
+    decided = set(plant.parameters(drive))
+    known = {name for name in engine.parameters() if not name.startswith(OF_THE_RUN)}
+    assert decided == known
+
+
+def test_the_paper_vehicle_arrives_in_the_plant_as_it_is_written(drive: Drive) -> None:
+    found = plant.parameters(drive)
+    assert found["motor.pole_pairs"] == 23.0
+    assert found["motor.flux_linkage_wb"] == 0.0204
+    assert found["motor.iron_loss_resistance_slope_ohm_s"] == 0.006
+    assert found["vehicle.mass_kg"] == 660.0
+    assert found["sensors.hall_edge_2_deg"] == 120.0
+    assert plant.voltage_curve(drive) == ([0.0], [53.0])
+
+
+def test_every_value_lies_in_the_range_the_plant_accepts(drive: Drive) -> None:
+    for name, value in plant.parameters(drive).items():
+        parameter = engine.parameters()[name]
+        assert parameter.lowest <= value <= parameter.highest, name

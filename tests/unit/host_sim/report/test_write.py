@@ -1,0 +1,47 @@
+from pathlib import Path
+
+import pytest
+from hubsim.errors import HubsimError
+from hubsim.report import write_report
+
+from tests.unit.host_sim.report import documents
+from tests.unit.host_sim.report.ideal_vehicle import three
+
+
+def test_the_page_is_the_only_thing_written(tmp_path: Path) -> None:
+    directory = tmp_path / "build" / "report"
+    write_report(three(), directory)
+    assert [path.name for path in directory.iterdir()] == ["index.html"]
+    text = (directory / "index.html").read_text(encoding="utf-8")
+    assert text.startswith("<!DOCTYPE html>")
+    documents.read(text)
+
+
+def test_a_page_that_is_there_is_replaced_and_its_neighbours_are_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "index.html").write_text("old", encoding="utf-8")
+    (tmp_path / "summary.json").write_text("{}", encoding="utf-8")
+    write_report(three(), tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["index.html", "summary.json"]
+    assert "old" not in (tmp_path / "index.html").read_text(encoding="utf-8")[:10]
+    assert (tmp_path / "summary.json").read_text(encoding="utf-8") == "{}"
+
+
+def test_a_directory_that_cannot_be_made_is_one_line_and_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("here", encoding="utf-8")
+    with pytest.raises(HubsimError, match=r"index\.html: cannot be written: ") as caught:
+        write_report(three(), tmp_path / "file" / "report")
+    assert "\n" not in str(caught.value)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_page_that_cannot_be_replaced_leaves_no_half_written_file(tmp_path: Path) -> None:
+    (tmp_path / "index.html" / "inside").mkdir(parents=True)
+    with pytest.raises(HubsimError, match="cannot be written"):
+        write_report(three(), tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["index.html"]
+
+
+def test_no_runs_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(HubsimError, match="accepted: at least one"):
+        write_report([], tmp_path)
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,56 @@
+"""The counter against functions whose instructions can be counted by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from benchmark import build, count, elf
+
+# straight: 10 and the return. loop(n): 1, then 2 for each pass, and the return. skipped: compare, IT, two that are not
+# taken but are fetched, the return. outer: push, call, pop: 3 around straight's 11.
+PROGRAM = """
+__attribute__((naked, noinline)) void straight(void) { __asm volatile(".rept 10\\n nop\\n .endr\\n bx lr"); }
+__attribute__((naked, noinline)) void loop(int n) { __asm volatile("nop\\n 1: subs r0, #1\\n bne 1b\\n bx lr" ::: "r0"); }
+__attribute__((naked, noinline)) void skipped(void) { __asm volatile("cmp sp, #0\\n itt eq\\n moveq r0, #1\\n moveq r1, #2\\n bx lr"); }
+__attribute__((naked, noinline)) void outer(void) { __asm volatile("push {r4, lr}\\n bl straight\\n pop {r4, pc}"); }
+__attribute__((noinline)) void begin(void) { __asm volatile(""); }
+int main(void) {
+    for (int i = 0; i < 100; i++) { straight(); loop(7); skipped(); outer(); } /* before begin(): must not count */
+    begin();
+    for (int i = 1; i <= 1001; i++) { straight(); loop(i); skipped(); outer(); }
+    return 0;
+}
+"""
+NAMES = ["straight", "loop", "skipped", "outer"]
+
+
+@pytest.fixture
+def counts(program: Callable[..., Path], tmp_path: Path) -> dict[str, count.Count]:
+    image = program(PROGRAM)
+    functions = elf.functions(image)
+    plugin = count.loadable_plugin(build.CORES[0], image, tmp_path)
+    return count.count(build.CORES[0], image, plugin, functions, NAMES, "begin")
+
+
+def test_counts_are_those_made_by_hand(counts: dict[str, count.Count]) -> None:
+    assert counts["loop"] == count.Count(1001, 1 + 2 * 1 + 1, 1 + 2 * 501 + 1, 1 + 2 * 1001 + 1)
+    assert counts["skipped"] == count.Count(1001, 5, 5, 5)
+    assert counts["outer"] == count.Count(1001, 14, 14, 14)
+    # straight is called from two places, each of which ends a window of its own.
+    assert counts["straight"] == count.Count(2002, 11, 11, 11)
+
+
+def test_a_function_that_is_not_there_is_named(program: Callable[..., Path], tmp_path: Path) -> None:
+    image = program(PROGRAM)
+    with pytest.raises(build.BenchError, match="vanished: not a function of its own"):
+        count.count(build.CORES[0], image, tmp_path / "none.so", elf.functions(image), ["vanished"], "begin")
+
+
+def test_a_function_that_is_left_by_a_jump_is_refused(program: Callable[..., Path], tmp_path: Path) -> None:
+    tail = '__attribute__((noinline)) int inner(int x) { __asm volatile(""); return x + 1; }\n'
+    tail += "__attribute__((noinline)) int outer(int x) { return inner(2 * x); }\nvoid begin(void) {}\n"
+    image = program(tail + "int main(void) { volatile int x = 3; return outer(x) != 7; }", "-foptimize-sibling-calls")
+    with pytest.raises(build.BenchError, match="inner: left by a jump from outer"):
+        count.count(build.CORES[0], image, tmp_path / "none.so", elf.functions(image), ["inner"], "begin")

@@ -1,0 +1,141 @@
+"""The stored demagnetising current: exact torque, least loss on a few points, no need for the bus voltage."""
+
+import math
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import cffi
+import numpy as np
+import pytest
+from regen_table import audit, current_audit, current_map, image, joint, models, schema
+
+ROOT = Path(__file__).resolve().parents[4]
+MOTORS = sorted((ROOT / "tools" / "motors").glob("*.toml"))
+
+
+@pytest.fixture(params=MOTORS, ids=lambda path: path.stem)
+def drive(request: pytest.FixtureRequest) -> schema.Drive:
+    return schema.load(request.param)
+
+
+def test_the_torque_is_exact_whatever_demagnetising_current_flows(random_drives: list[schema.Drive]) -> None:
+    rng = np.random.default_rng(7)
+    for drive in random_drives[::4]:
+        motor, inverter = models.machine(drive, 80.0), models.bridge(drive)
+        omega = drive.motor.max_speed_rpm * math.pi / 30.0 * motor.pole_pairs * rng.uniform(-1.0, 1.0, 100)
+        torque = drive.motor.rated_torque_nm * rng.uniform(-1.0, 1.0, 100)
+        current = -drive.motor.max_phase_current_a * rng.uniform(0.0, 0.6, 100)
+        state = current_map.state(motor, inverter, omega, torque, current)
+        assert np.all(np.abs(state.torque_nm - torque) <= 1e-9 * drive.motor.rated_torque_nm)
+        assert np.all(np.abs(state.current_d_a - current) <= 1e-9 * drive.motor.max_phase_current_a)
+
+
+def test_few_points_come_within_a_fiftieth_of_a_per_cent_of_the_least_loss(drive: schema.Drive) -> None:
+    table = current_audit.choose(drive)
+    assert table.current_d_mA.size <= 17 * 17
+    losses = current_audit.losses(drive, table)
+    assert {loss.manoeuvre for loss in losses} >= {"hard stop", "full acceleration", "ece15", "udds"}
+    for loss in losses:
+        assert loss.interpolation <= 2e-4
+        assert -1e-9 <= loss.stored <= 5e-4  # the best i_d moves a little with temperature, which is no axis
+        assert loss.without_d_current >= -1e-9
+
+
+def test_with_constant_magnets_the_stored_current_costs_no_braking_power_anywhere(drive: schema.Drive) -> None:
+    if drive.motor.flux_temperature_coefficient_per_k:
+        pytest.skip("the best current moves with the magnets' temperature, which is no axis")
+    assert current_audit.worst_power_loss(drive, current_audit.choose(drive)) <= 1e-3
+
+
+def test_leaving_the_bus_voltage_out_costs_less_than_a_tenth_of_a_per_cent(drive: schema.Drive) -> None:
+    assert current_audit.bus_voltage_loss(drive) < 1e-3
+
+
+def test_at_its_points_the_table_is_the_least_loss(drive: schema.Drive) -> None:
+    table = current_map.compute(drive, 5, 3)
+    motor, inverter = models.machine(drive, float(np.mean(drive.table.temperature_range_c))), models.bridge(drive)
+    omega = table.speeds_rad_s[:, np.newaxis] * motor.pole_pairs
+    at = current_map.read(table, table.torques_nm, np.broadcast_to(table.speeds_rad_s[:, np.newaxis], (3, 5)))
+    assert np.allclose(at * 1000.0, table.current_d_mA, rtol=0.0, atol=1e-6)
+    power = current_map.state(motor, inverter, omega, table.torques_nm, at).dc_power_w
+    # Neighbours half an ampere away cost more: the points are minima, found here without the search.
+    for step in (-0.5, 0.5):
+        other = current_map.state(motor, inverter, omega, table.torques_nm, at + step).dc_power_w
+        assert np.all(other >= power - 1e-6 * drive.motor.max_power_w)
+
+
+def test_reverse_reads_the_mirrored_torque(drive: schema.Drive) -> None:
+    table = current_audit.choose(drive)
+    torque = np.linspace(-1.0, 1.0, 41) * drive.motor.max_torque_nm
+    speed = 0.37 * drive.motor.max_speed_rpm * math.pi / 30.0
+    assert np.array_equal(current_map.read(table, torque, speed), current_map.read(table, -torque, -speed))
+
+
+def test_the_braking_table_that_goes_with_it_loses_next_to_nothing(drive: schema.Drive) -> None:
+    table = current_audit.choose(drive)
+    losses = audit.grid_losses(drive, current_map.regen_map(drive, table), current_map.production(table))
+    assert all(-1e-6 <= loss.relative <= 2e-4 for loss in losses), losses
+
+
+def test_its_optimum_is_the_joint_optimum_of_both_currents(drive: schema.Drive) -> None:
+    table = current_audit.choose(drive)
+    motor, inverter = models.machine(drive, float(np.mean(drive.table.temperature_range_c))), models.bridge(drive)
+    speed = np.array([0.05, 0.1, 0.3, 0.9]) * drive.motor.max_speed_rpm * math.pi / 30.0
+    limit = 0.9 * drive.motor.max_torque_nm
+    torque = current_map.best_torque_nm(motor, inverter, table, speed, limit)
+    made = current_map.production(table).state(motor, inverter, speed, -torque).dc_power_w
+    best = joint.best_braking(motor, inverter, speed * motor.pole_pairs, joint.Limits(3.0 * drive.motor.max_phase_current_a), limit)
+    assert np.all(made <= best.state.dc_power_w + 1e-3 * np.abs(best.state.dc_power_w))
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+def test_the_generator_reads_the_map_exactly_as_the_firmware_does(tmp_path: Path, drive: schema.Drive) -> None:
+    library = tmp_path / "current_map.so"
+    includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")]
+    sources = [str(ROOT / "firmware" / name) for name in ("torque/current_map.c", "core/grid.c")]
+    subprocess.run(["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)], check=True)
+    ffi = cffi.FFI()
+    ffi.cdef("int32_t current_map_d_mA(const void *config, int32_t speed_mrad_s, int32_t airgap_torque_mNm);")
+    firmware: Any = ffi.dlopen(str(library))
+    raw = ffi.from_buffer(image.build(drive))
+    table = current_audit.choose(drive)
+    rng = np.random.default_rng(8)
+    top, most = round(1200.0 * drive.motor.max_speed_rpm * math.pi / 30.0), round(1500.0 * drive.motor.max_torque_nm)
+    speeds, torques = rng.integers(-top, top, 3000), rng.integers(-most, most, 3000)
+    expected = [firmware.current_map_d_mA(raw, int(s), int(t)) for s, t in zip(speeds, torques, strict=True)]
+    found = current_map.read(table, torques / 1000.0, speeds / 1000.0)
+    assert np.rint(found * 1000.0).astype(int).tolist() == expected
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
+def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(tmp_path: Path, drive: schema.Drive) -> None:
+    """The current reference, compiled, against the model: torque within 0.2 %, and the DC power of the stored map."""
+    library = tmp_path / "reference.so"
+    includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")]
+    names = ("torque/current_map.c", "torque/current_reference.c", "torque/motor_model.c", "core/grid.c", "core/isqrt.c")
+    sources = [str(ROOT / "firmware" / name) for name in names]
+    subprocess.run(["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)], check=True)
+    ffi = cffi.FFI()
+    ffi.cdef("""
+        typedef struct { int32_t words[10]; } model_t;
+        typedef struct { int32_t d_mA, q_mA; } current_t;
+        model_t motor_model_at(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC);
+        current_t current_reference_unlimited(const void *config, const model_t *model, int32_t torque_mNm, int32_t i_d_weakening_mA);
+    """)
+    firmware: Any = ffi.dlopen(str(library))
+    raw = ffi.from_buffer(image.build(drive))
+    table, inverter = current_audit.choose(drive), models.bridge(drive)
+    warm = drive.motor.reference_temperature_c
+    motor = models.machine(drive, warm)
+    for speed in np.linspace(-1.0, 1.0, 9) * drive.motor.max_speed_rpm * math.pi / 30.0:
+        model = ffi.new("model_t *", firmware.motor_model_at(raw, round(speed * 1000.0), round(warm * 100.0)))
+        turning = float(np.clip(speed, -0.5, 0.5)) / 0.5
+        friction = turning * motor.friction_nm + motor.viscous_nm_s * speed
+        for torque in np.linspace(-1.0, 1.0, 9) * drive.motor.max_torque_nm:
+            i = firmware.current_reference_unlimited(raw, model, round((torque - friction) * 1000.0), 0)
+            made = models.evaluate(motor, inverter, speed * motor.pole_pairs, i.d_mA / 1000.0, i.q_mA / 1000.0)
+            promised = current_map.state(motor, inverter, speed * motor.pole_pairs, torque, current_map.read(table, torque, speed))
+            assert abs(float(made.torque_nm) - torque) <= 2e-3 * drive.motor.max_torque_nm
+            assert float(made.dc_power_w) == pytest.approx(float(promised.dc_power_w), rel=3e-3, abs=2e-3 * drive.motor.max_power_w)

@@ -1,0 +1,1 @@
+"""Counts and sizes of the firmware: instructions of a step, bytes of code, depth of the stack."""

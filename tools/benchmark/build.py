@@ -1,0 +1,102 @@
+"""The programs that are measured: the firmware's rooms with a closed loop around them, for each core, and the plugin."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).resolve().parent
+ROOMS = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
+PREFIX = "arm-none-eabi-"
+PLUGIN_INTERFACES = (1, 4, 3, 2, 5)
+"""Versions of QEMU's plugin interface, tried in this order: 1 is that of QEMU 7 and 8, 4 that of QEMU 10."""
+
+
+class BenchError(Exception):
+    """Something is missing or went wrong; the message is one line for the user."""
+
+
+@dataclass(frozen=True)
+class Core:
+    """A core to build for, and the emulated machine that runs its code."""
+
+    name: str
+    flags: tuple[str, ...]
+    optimise: str
+    machine: str
+
+
+CORES = (
+    Core("cortex-m4", ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"), "-O2", "mps2-an386"),
+    Core("cortex-m3", ("-mcpu=cortex-m3", "-mthumb"), "-O2", "mps2-an385"),
+    # No emulated board has a Cortex-M0+ with enough memory; its instruction set is a subset of the M4's.
+    Core("cortex-m0plus", ("-mcpu=cortex-m0plus", "-mthumb"), "-Os", "mps2-an386"),
+)
+
+
+def tool(name: str, package: str) -> str:
+    """Path of a program, or an error that names the package to install."""
+    found = shutil.which(name)
+    if not found:
+        raise BenchError(f"{name} was not found; ./tools/dev setup installs it (package {package})")
+    return found
+
+
+def run(command: list[str], what: str, **options: float) -> str:
+    """Run a program and return its output; an error with its last line otherwise."""
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=options.get("timeout_s", 300.0))
+    except subprocess.TimeoutExpired as error:
+        raise BenchError(f"{what}: no end after {error.timeout:.0f} s") from error
+    if done.returncode != 0:
+        lines = (done.stderr.strip() or done.stdout.strip() or "no output").splitlines()
+        raise BenchError(f"{what}: exit status {done.returncode}: {lines[-1]}")
+    return done.stdout + done.stderr
+
+
+def sources(config: str) -> list[Path]:
+    """Everything that goes into the measured program."""
+    image = ROOT / "firmware" / "config" / "generated" / f"{config}.c"
+    if not image.is_file():
+        raise BenchError(f"no configuration firmware/config/generated/{config}.c; ./tools/dev table makes it")
+    rooms = [path for room in ROOMS for path in sorted((ROOT / "firmware" / room).glob("*.c"))]
+    port = ROOT / "hal" / "qemu_mps2"
+    return [*rooms, image, port / "semihost.c", port / "startup.c", *sorted((HERE / "target").glob("*.c"))]
+
+
+def compile_program(core: Core, config: str, directory: Path) -> Path:
+    """Compile and link for one core; returns the ELF. The compiler leaves its stack figures in the same directory."""
+    compiler = tool(PREFIX + "gcc", "gcc-arm-none-eabi")
+    shutil.rmtree(directory, ignore_errors=True)
+    directory.mkdir(parents=True)
+    port = ROOT / "hal" / "qemu_mps2"
+    symbol = "".join(c if c.isalnum() else "_" for c in config).upper()
+    includes = [ROOT / "firmware" / room / "include" for room in ROOMS] + [port, ROOT / "tests" / "unit" / "firmware" / "support"]
+    common = [*core.flags, core.optimise, "-g", "-std=c11", "-ffunction-sections", "-fdata-sections", "-fno-common"]
+    common += ["-fcallgraph-info=su", "-include", str(ROOT / "hal" / "cortex_m" / "saturate.h")]
+    common += [f"-I{path}" for path in includes] + [f"-DCONFIG_{symbol}=CONFIG_IMAGE"]
+
+    def compile_one(source: Path) -> str:
+        target = directory / f"{source.parent.name}_{source.stem}.o"
+        run([compiler, *common, "-c", str(source), "-o", str(target)], f"compiling {source.relative_to(ROOT)} for {core.name}")
+        return str(target)
+
+    with ThreadPoolExecutor(max_workers=2) as pool:
+        objects = list(pool.map(compile_one, sources(config)))
+    elf = directory / "ride.elf"
+    link = ["-nostartfiles", "--specs=nano.specs", f"-T{port / 'link.ld'}", "-Wl,--gc-sections", "-Wl,--defsym=link_stack_size=0x4000"]
+    run([compiler, *core.flags, *link, *objects, "-lm", "-o", str(elf)], f"linking for {core.name}")
+    return elf
+
+
+def compile_plugin(interface: int, directory: Path) -> Path:
+    """Compile the counting plugin for one version of the emulator's interface."""
+    compiler = shutil.which("cc") or tool("gcc", "gcc")
+    plugin = directory / f"count_api{interface}.so"
+    flags = ["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-fvisibility=hidden", f"-DQEMU_PLUGIN_API={interface}"]
+    run([compiler, *flags, str(HERE / "plugin.c"), "-o", str(plugin)], "compiling the counting plugin")
+    return plugin

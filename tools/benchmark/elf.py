@@ -1,0 +1,139 @@
+"""What the linker produced, read back through binutils: functions, calls, data they refer to, stack they push.
+
+Standard library only: the stack report runs after every link, also on machines without the project's environment.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from dataclasses import dataclass, field
+from pathlib import Path
+
+_SYMBOL = re.compile(r"^\s*\d+: ([0-9a-f]+)\s+(\d+|0x[0-9a-f]+) (FUNC|OBJECT)\s.*\s(\S+)$")
+_HEAD = re.compile(r"^([0-9a-f]+) <(\S+)>:$")
+_LINE = re.compile(r"^\s*([0-9a-f]+):\t(\S+)\s*(.*)$")
+_TARGET = re.compile(r"\b([0-9a-f]+) <([^>+]+)(\+0x[0-9a-f]+)?>")
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """A sized symbol: address without the Thumb bit, size in bytes, code or data."""
+
+    name: str
+    address: int
+    size: int
+    is_code: bool
+
+
+@dataclass
+class Function:
+    """One function as disassembled."""
+
+    name: str
+    address: int
+    calls: set[str] = field(default_factory=set)
+    """Functions it calls or jumps to."""
+    return_sites: dict[str, list[int]] = field(default_factory=dict)
+    """Called function -> addresses of the instructions behind the calls."""
+    jumps: set[str] = field(default_factory=set)
+    """Functions it leaves to by a jump, so that their return goes to its own caller."""
+    words: set[int] = field(default_factory=set)
+    """Constants in its literal pool or built by movw/movt: among them the addresses of data it uses."""
+    pushed_bytes: int = 0
+    """Stack that its instructions take, by the instructions themselves."""
+    indirect: bool = False
+    """Calls through a pointer."""
+
+
+def _run(tool: str, *arguments: str) -> str:
+    return subprocess.run([tool, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+def symbols(elf: Path, prefix: str = "arm-none-eabi-") -> dict[str, Symbol]:
+    """Functions and objects of an ELF by name; of several static ones with one name, the last."""
+    found = {}
+    for line in _run(prefix + "readelf", "-sW", str(elf)).splitlines():
+        match = _SYMBOL.match(line)
+        if match:
+            address, size, kind, name = match.groups()
+            found[name] = Symbol(name, int(address, 16) & ~1, int(size, 0), kind == "FUNC")
+    return found
+
+
+def _registers(operands: str) -> int:
+    """Count of registers in a list like ``{r4, r6-r8, lr}``."""
+    count = 0
+    for part in re.findall(r"[^{},\s]+", operands[operands.index("{") :]):
+        first, _, last = part.partition("-")
+        count += int(last[1:]) - int(first[1:]) + 1 if last else 1
+    return count
+
+
+def _pushed(mnemonic: str, operands: str) -> int:
+    """Bytes by which an instruction lowers the stack pointer."""
+    name = mnemonic.removesuffix(".w").removesuffix(".n")
+    if name == "push" or (name in ("stmdb", "stmfd") and operands.startswith("sp!")):
+        return 4 * _registers(operands)
+    if name == "vpush":
+        return (8 if "d" in operands else 4) * _registers(operands)
+    if name in ("sub", "subw", "subs") and operands.startswith("sp"):
+        match = re.search(r"#(\d+)", operands)
+        return int(match.group(1)) if match else 0
+    match = re.search(r"\[sp, #-(\d+)\]!", operands)
+    return int(match.group(1)) if match and name.startswith("str") else 0
+
+
+def _note_jump_or_call(function: Function, mnemonic: str, operands: str, behind: int) -> None:
+    name = mnemonic.removesuffix(".w").removesuffix(".n")
+    target = _TARGET.search(operands)
+    if name == "bl" and target:
+        function.calls.add(target.group(2))
+        function.return_sites.setdefault(target.group(2), []).append(behind)
+    elif name == "blx" and not target:
+        function.indirect = True
+    elif target and not target.group(3) and target.group(2) != function.name and (name.startswith("b") or name.startswith("cb")):
+        function.calls.add(target.group(2))
+        function.jumps.add(target.group(2))
+
+
+def functions(elf: Path, prefix: str = "arm-none-eabi-") -> dict[str, Function]:
+    """Every function of an ELF, disassembled."""
+    found: dict[str, Function] = {}
+    current: Function | None = None
+    high: dict[str, int] = {}
+    low: dict[str, int] = {}
+    for line in _run(prefix + "objdump", "-d", "--no-show-raw-insn", "-w", str(elf)).splitlines():
+        head = _HEAD.match(line)
+        if head:
+            current = found[head.group(2)] = Function(head.group(2), int(head.group(1), 16))
+            high, low = {}, {}
+            continue
+        match = _LINE.match(line)
+        if not match or current is None:
+            continue
+        address, mnemonic, operands = int(match.group(1), 16), match.group(2), match.group(3)
+        if mnemonic == ".word":
+            current.words.add(int(operands.split()[0], 16))
+        elif mnemonic.startswith(("movw", "movt")):
+            register, _, value = operands.partition(", #")
+            half = low if mnemonic.startswith("movw") else high
+            half[register] = int(value.split()[0])
+            if register in low and register in high:
+                current.words.add(low[register] | high[register] << 16)
+        else:
+            current.pushed_bytes += _pushed(mnemonic, operands)
+            _note_jump_or_call(current, mnemonic, operands, address + 4)
+    return found
+
+
+def reachable(start: str, all_functions: dict[str, Function]) -> set[str]:
+    """Names of the functions that a call of ``start`` can reach, itself included."""
+    seen: set[str] = set()
+    ahead = [start]
+    while ahead:
+        name = ahead.pop()
+        if name not in seen and name in all_functions:
+            seen.add(name)
+            ahead += all_functions[name].calls
+    return seen

@@ -1,0 +1,209 @@
+"""Measure the firmware's two steps on emulated cores; write build/bench.json and print a table.
+
+Instructions are exact and repeatable: a closed loop of firmware and motor runs on the emulator, and a plugin counts what
+every call executes. They are instructions, not cycles: the emulator has no pipeline, no flash and no bus.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+if __package__ in (None, ""):
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from rich.console import Console
+from rich.table import Table
+
+from benchmark import build, count, elf, stack_report
+
+CURRENT_LOOP = "foc_current_step"
+FAST_STEP = "controller_fast_step"
+SLOW_STEP = "controller_slow_step"
+FUNCTIONS = {CURRENT_LOOP: "current loop", "foc_step": "fast reach", FAST_STEP: "whole fast step", SLOW_STEP: "slow step"}
+BEGIN = "ride_measure"
+RAM_BEGINS = 0x20000000
+
+
+@dataclass(frozen=True)
+class Budget:
+    """What a function may cost on a core; the project's goal, not a law of nature."""
+
+    core: str
+    function: str
+    median_at_most: int
+    spread_at_most: float | None = None
+
+
+BUDGETS = (
+    Budget("cortex-m4", CURRENT_LOOP, 180, 1.05),
+    Budget("cortex-m4", FAST_STEP, 300),
+    Budget("cortex-m3", CURRENT_LOOP, 190),
+    Budget("cortex-m0plus", CURRENT_LOOP, 320),
+)
+LOOP_BYTES_AT_MOST = 2048
+
+
+def size_of(start: str, functions: dict[str, elf.Function], symbols: dict[str, elf.Symbol]) -> dict[str, int]:
+    """Bytes of everything a call of ``start`` can execute, and of the constant tables that this code refers to."""
+    names = elf.reachable(start, functions)
+    words = {word for name in names for word in functions[name].words}
+    constants = [s for s in symbols.values() if not s.is_code and s.address < RAM_BEGINS]
+    tables = [s for s in constants if any(s.address <= word < s.address + s.size for word in words)]
+    return {"code": sum(symbols[n].size for n in names if n in symbols), "tables": sum(s.size for s in tables)}
+
+
+def measure(core: build.Core, config: str, directory: Path, plugin: Path | None) -> tuple[dict[str, Any], Path]:
+    """Everything about one core; returns also the plugin, which the next core can use."""
+    program = build.compile_program(core, config, directory / core.name)
+    functions = elf.functions(program)
+    symbols = elf.symbols(program)
+    plugin = plugin or count.loadable_plugin(core, program, directory)
+    counts = count.count(core, program, plugin, functions, list(FUNCTIONS), BEGIN)
+    frames = stack_report.compiled_frames([program.parent])
+    result = {
+        "flags": " ".join([*core.flags, core.optimise]),
+        "machine": core.machine,
+        "instructions": {name: asdict(value) for name, value in counts.items()},
+        "size_bytes": {name: size_of(name, functions, symbols) for name in FUNCTIONS},
+        "stack_bytes": {name: stack_report.worst_path(name, functions, frames).bytes for name in FUNCTIONS},
+    }
+    return result, plugin
+
+
+def judge(cores: dict[str, Any]) -> list[dict[str, Any]]:
+    """Compare with the budgets."""
+    verdicts = []
+    for budget in BUDGETS:
+        value = cores[budget.core]["instructions"][budget.function]
+        spread = value["max"] / value["median"]
+        met = value["median"] <= budget.median_at_most and (budget.spread_at_most is None or spread <= budget.spread_at_most)
+        verdicts.append({**asdict(budget), "median": value["median"], "spread": round(spread, 3), "met": met})
+    size = sum(cores["cortex-m4"]["size_bytes"][CURRENT_LOOP].values())
+    verdicts.append(
+        {
+            "core": "cortex-m4",
+            "function": CURRENT_LOOP,
+            "bytes_at_most": LOOP_BYTES_AT_MOST,
+            "bytes": size,
+            "met": size <= LOOP_BYTES_AT_MOST,
+        }
+    )
+    return verdicts
+
+
+def firmware_size(image: Path) -> dict[str, int] | None:
+    """Sections of a linked firmware, if it has been built."""
+    if not image.is_file():
+        return None
+    text, data, bss = build.run([build.PREFIX + "size", str(image)], "size").splitlines()[1].split()[:3]
+    return {"text": int(text), "data": int(data), "bss": int(bss)}
+
+
+def simulation_speed(config: str) -> dict[str, float]:
+    """Measure simulated seconds a second of processor time, four wheels on one core: the best of three stops."""
+    toml = build.ROOT / "tools" / "motors" / f"{config}.toml"
+    best = 0.0
+    for _ in range(3):
+        with tempfile.TemporaryDirectory() as scratch:
+            result = Path(scratch) / "stop.json"
+            command = [sys.executable, "-m", "hubsim", "run", "stop", "--config", str(toml), "--json", str(result)]
+            build.run(command, "the simulated stop")
+            best = max(best, float(json.loads(result.read_text())["realtime_factor"]))
+    return {"realtime_factor_four_wheels": round(best, 1)}
+
+
+def first_line(command: list[str]) -> str:
+    """Version line of a tool."""
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()[0]
+
+
+def show(console: Console, report: dict[str, Any]) -> None:
+    """Print what was measured."""
+    table = Table(title=f"Instructions a call, closed loop, configuration {report['config']}", title_justify="left")
+    for heading in ("core", "function", "calls", "min", "median", "max", "code", "tables", "stack"):
+        table.add_column(heading, justify="left" if heading in ("core", "function") else "right")
+    for core, result in report["cores"].items():
+        for name, text in FUNCTIONS.items():
+            value, size = result["instructions"][name], result["size_bytes"][name]
+            cells = [value["calls"], value["min"], value["median"], value["max"], size["code"], size["tables"], result["stack_bytes"][name]]
+            table.add_row(core if name == CURRENT_LOOP else "", f"{text} ({name})", *map(str, cells))
+        table.add_section()
+    console.print(table)
+    for verdict in report["budgets"]:
+        amount = (
+            f"{verdict['bytes']} of {verdict['bytes_at_most']} bytes"
+            if "bytes" in verdict
+            else f"{verdict['median']} of {verdict['median_at_most']} instructions, max/median {verdict['spread']}"
+        )
+        console.print(f"{'met   ' if verdict['met'] else 'MISSED'}  {verdict['core']} {FUNCTIONS[verdict['function']]}: {amount}")
+    for port, size in report["firmware_bytes"].items():
+        if size:
+            console.print(
+                f"Firmware {port}: {size['text']} bytes of code and constants, {size['data'] + size['bss']} of RAM with the stack"
+            )
+    if report["simulation"]:
+        console.print(f"Simulation: {report['simulation']['realtime_factor_four_wheels']} times real time, four wheels on one core")
+
+
+def write_json(path: Path, report: dict[str, Any]) -> None:
+    """Write beside and rename, so that no half-written file is ever seen."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    beside = path.with_suffix(".json.new")
+    beside.write_text(json.dumps(report, indent=2) + "\n")
+    beside.replace(path)
+
+
+def bench(options: argparse.Namespace) -> int:
+    """Do what the command line asks for."""
+    directory = build.ROOT / "build" / "bench"
+    cores: dict[str, Any] = {}
+    plugin: Path | None = None
+    console = Console(stderr=False, width=None if sys.stdout.isatty() else 132)
+    for core in build.CORES:
+        console.print(f"{core.name} ...", style="dim")
+        cores[core.name], plugin = measure(core, options.config, directory, plugin)
+    images = {port: build.ROOT / "build" / port / f"hubfoc_{port}.elf" for port in ("stm32f405", "qemu")}
+    report = {
+        "config": options.config,
+        "compiler": first_line([build.PREFIX + "gcc", "--version"]),
+        "emulator": first_line(["qemu-system-arm", "--version"]),
+        "cores": cores,
+        "budgets": judge(cores),
+        "firmware_bytes": {port: firmware_size(image) for port, image in images.items()},
+        "simulation": {} if options.no_simulation else simulation_speed(options.config),
+    }
+    write_json(options.output, report)
+    show(console, report)
+    missed = [v for v in report["budgets"] if not v["met"]]
+    return 1 if options.check and missed else 0
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Entry point; mistakes are answered with one line on stderr."""
+    parser = argparse.ArgumentParser(prog="bench", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--config", default="lu2013", help="a configuration in firmware/config/generated (default: %(default)s)")
+    parser.add_argument("--output", type=Path, default=build.ROOT / "build" / "bench.json", help="default: build/bench.json")
+    parser.add_argument("--no-simulation", action="store_true", help="leave out the speed of the simulation")
+    parser.add_argument("--check", action="store_true", help="exit status 1 if a budget is missed")
+    options = parser.parse_args(arguments)
+    if not re.fullmatch(r"[A-Za-z0-9_-]+", options.config):
+        parser.error(f"--config {options.config}: a name of letters, digits, - and _, not a path")
+    try:
+        return bench(options)
+    except (build.BenchError, stack_report.StackError, OSError) as error:
+        print(f"bench: {error}", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("PYTHONDONTWRITEBYTECODE", "1")
+    sys.exit(main())

@@ -1,0 +1,16 @@
+# hubfoc_warnings: what every C target of this project is compiled with. Generated third-party-shaped code
+# (mocks, runners) does not link it.
+add_library(hubfoc_warnings INTERFACE)
+target_compile_options(hubfoc_warnings INTERFACE
+  $<$<COMPILE_LANGUAGE:C>:-Wall -Wextra -Werror -Wconversion -Wshadow -Wundef -Wswitch-enum -Wmissing-prototypes
+    -Wstrict-prototypes -Wcast-align>
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Werror -Wshadow -Wundef>)
+
+if(HUBFOC_SANITIZE)
+  add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=address,undefined)
+endif()
+if(HUBFOC_COVERAGE)
+  add_compile_options(--coverage -fprofile-update=atomic)
+  add_link_options(--coverage)
+endif()

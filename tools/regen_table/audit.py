@@ -1,0 +1,134 @@
+"""What the stored optimum loses: the table read exactly as the firmware reads it, against the optimum itself.
+
+A grid is refused by the energy it loses to interpolation and quantisation over stops and cycles, not by its looks.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from regen_table import braking, cycles, models
+from regen_table.errors import ConfigurationError
+from regen_table.models import Array, ArrayLike
+from regen_table.schema import Drive
+from regen_table.tables import RegenMap
+
+ENERGY_LOSS_MAX = 2e-4
+POWER_LOSS_MAX = 1e-3
+_TEMPERATURES = 9
+_SPEEDS = 600
+Whole = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class GridLoss:
+    """Relative energy lost to the grid in one manoeuvre at its worst temperature."""
+
+    manoeuvre: str
+    winding_temperature_c: float
+    relative: float
+
+
+def read(table: RegenMap, speed_mrad_s: ArrayLike, temperature_cc: ArrayLike) -> Whole:
+    """Read the table in whole numbers, as regen_map_torque_mNm() does: bilinear, rounded, no extrapolation, not below 0; mN m."""
+    s, s_part = locate(np.abs(speed_mrad_s), table.torque_mNm.shape[1], table.speed_step_log2)
+    origin = np.asarray(temperature_cc) - table.temperature_origin_cC
+    t, t_part = locate(origin, table.torque_mNm.shape[0], table.temperature_step_log2)
+    entries = table.torque_mNm.astype(np.int64)
+    cold = between(entries[t, s], entries[t, s + 1], s_part, table.speed_step_log2)
+    hot = between(entries[t + 1, s], entries[t + 1, s + 1], s_part, table.speed_step_log2)
+    return np.maximum(between(cold, hot, t_part, table.temperature_step_log2), 0)
+
+
+def locate(x: ArrayLike, points: int, step_log2: int) -> tuple[Whole, Whole]:
+    """Mirror gridlocate(): index and fraction, the ends counting beyond the axis."""
+    whole = np.clip(np.rint(np.asarray(x)).astype(np.int64), 0, (points - 1) << step_log2)
+    index = np.minimum(whole >> step_log2, points - 2)
+    return index, whole - (index << step_log2)
+
+
+def between(a: Whole, b: Whole, fraction: Whole, step_log2: int) -> Whole:
+    """Mirror grid_interpolate(): rounded to nearest."""
+    return np.asarray(a + (((b - a) * fraction + (1 << (step_log2 - 1))) >> step_log2))
+
+
+def table_capability_nm(drive: Drive, table: RegenMap, speed_rad_s: ArrayLike, temperature_c: ArrayLike) -> Array:
+    """Capability in N m as the firmware has it: the table's entry clamped by torque and power."""
+    stored = read(table, np.asarray(speed_rad_s) * 1000.0, np.asarray(temperature_c) * 100.0) / 1000.0
+    return np.minimum(stored, braking.torque_limit_nm(drive, speed_rad_s))
+
+
+@dataclass(frozen=True)
+class Production:
+    """How a torque is made: the best one inside the limits (magnitude), and the steady state of any (signed)."""
+
+    capability_nm: Callable[[Drive, models.Machine, models.Bridge, ArrayLike], Array]
+    state: Callable[[models.Machine, models.Bridge, ArrayLike, ArrayLike], models.State]
+
+
+ZERO_D_CURRENT = Production(braking.capability_nm, braking.state_of_torque)
+
+
+def grid_losses(drive: Drive, table: RegenMap, made: Production = ZERO_D_CURRENT) -> list[GridLoss]:
+    """Energy lost to the grid over a hard stop from top speed, a stop at rated torque, and every shipped cycle."""
+    temperatures = np.linspace(table.temperatures_c[0], min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c), _TEMPERATURES)
+    top = drive.motor.max_speed_rpm * np.pi / 30.0
+    speed = (np.arange(_SPEEDS) + 0.5) * top / _SPEEDS
+    hardest = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
+    # A stop at constant demand spends equal times at equal steps of speed.
+    manoeuvres = {
+        "hard stop": (speed, np.ones(_SPEEDS), np.full(_SPEEDS, hardest)),
+        "stop at rated torque": (speed, np.ones(_SPEEDS), np.full(_SPEEDS, drive.motor.rated_torque_nm)),
+    }
+    for cycle in cycles.shipped(drive):
+        asked = cycles.demand(drive, cycle)
+        brakes = (asked.torque_nm < 0.0) & (asked.speed_rad_s > 0.0)
+        manoeuvres[cycle.name] = (asked.speed_rad_s[brakes], asked.seconds[brakes], -asked.torque_nm[brakes])
+    return [_loss(drive, table, made, name, temperatures, *parts) for name, parts in manoeuvres.items()]
+
+
+def _loss(
+    drive: Drive, table: RegenMap, made: Production, name: str, temperatures: Array, speed: Array, seconds: Array, demand: Array
+) -> GridLoss:
+    """Energy lost in one manoeuvre at its worst temperature, relative to what the exact optimum returns.
+
+    Below handover_end_rpm the motor does not brake, so nothing is lost there.
+    """
+    brakes = speed >= drive.control.handover_end_rpm * np.pi / 30.0
+    speed, seconds, demand = speed[brakes], seconds[brakes], demand[brakes]
+    winding = temperatures[:, np.newaxis]
+    motor, inverter = models.machine(drive, winding), models.bridge(drive)
+    exact = np.minimum(made.capability_nm(drive, motor, inverter, speed), demand)
+    stored = np.minimum(table_capability_nm(drive, table, speed, winding), demand)
+    power = [made.state(motor, inverter, speed, -torque).dc_power_w for torque in (exact, stored)]
+    returned = -np.sum(power[0] * seconds, axis=1)
+    lost = np.sum((power[1] - power[0]) * seconds, axis=1)
+    relative = np.divide(lost, returned, out=np.zeros_like(lost), where=returned > 0.0)
+    worst = int(np.argmax(relative))
+    return GridLoss(name, float(temperatures[worst]), float(relative[worst]))
+
+
+def worst_power_loss(drive: Drive, table: RegenMap, made: Production = ZERO_D_CURRENT) -> float:
+    """Largest relative loss of regenerated power, inside torque and power limits, at any temperature and any speed.
+
+    From the speed at which electric braking has faded out; where no torque returns energy there is nothing to lose.
+    """
+    winding = np.linspace(table.temperatures_c[0], min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c), 17)[:, np.newaxis]
+    lowest, top = drive.control.handover_end_rpm * np.pi / 30.0, drive.motor.max_speed_rpm * np.pi / 30.0
+    speed = np.concatenate([np.geomspace(max(lowest, 1e-3 * top), top, 100), np.linspace(lowest, top, 100)])
+    motor, inverter = models.machine(drive, winding), models.bridge(drive)
+    exact = made.state(motor, inverter, speed, -made.capability_nm(drive, motor, inverter, speed)).dc_power_w
+    power = made.state(motor, inverter, speed, -table_capability_nm(drive, table, speed, winding)).dc_power_w
+    return float(np.max(np.divide(power - exact, -exact, out=np.zeros_like(exact), where=exact < 0.0)))
+
+
+def refuse_lossy_grid(losses: list[GridLoss]) -> None:
+    """Raise ConfigurationError when the grid loses more than 0.02 % of any manoeuvre's energy."""
+    worst = max(losses, key=lambda loss: loss.relative)
+    if worst.relative > ENERGY_LOSS_MAX:
+        raise ConfigurationError(
+            f"table.speed_points, table.temperature_points: the grid loses {worst.relative:.3%} of the energy of the {worst.manoeuvre} at "
+            f"{worst.winding_temperature_c:.0f} degC, accepted: at most {ENERGY_LOSS_MAX:.2%} (more points)"
+        )

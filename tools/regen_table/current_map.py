@@ -1,0 +1,142 @@
+"""The demagnetising current of least loss over torque and speed, on grids of powers of two.
+
+Only i_d is stored. The controller computes i_q from the torque, the speed and the i_d that really flows (this table's
+plus what field weakening adds), so the torque is exact whatever the interpolation did to i_d, whose error costs power
+only in second order. For the same reason bus voltage is no axis: at a given torque the power has one minimum along
+i_d, so under a voltage limit the best point is the limit itself, which is where field weakening at constant torque
+goes (current_audit measures what that leaves).
+
+The torque axis counts in the direction of rotation, driving positive; its middle point is zero. Winding temperature
+moves the optimum little and is left out: the table is made for the middle of the range, and the audit is made at both
+ends.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from regen_table import audit, braking, joint, models, optimum, tables
+from regen_table.models import Array, ArrayLike
+from regen_table.schema import Drive
+
+REACH = 4.0  # the braking table holds at least torques up to so many times the largest one
+BEYOND_CLOSED_FORM = 1.25  # and up to so many times the optimum with i_d = 0, where that is more
+RELAXED = 3.0  # nodes beyond the current limit continue the curve, so that it does not bend inside the last cell
+
+
+@dataclass(frozen=True)
+class CurrentMap:
+    """``current_d_mA`` has the shape (speed points, torque points); the middle torque point is zero."""
+
+    torque_step_log2: int
+    speed_step_log2: int
+    current_d_mA: npt.NDArray[np.int32]  # noqa: N815, units keep their letters
+
+    @property
+    def torques_nm(self) -> Array:
+        """Torque of each column in N m, in the direction of rotation."""
+        count = self.current_d_mA.shape[1]
+        return np.asarray((np.arange(count, dtype=np.float64) - count // 2) * (2.0**self.torque_step_log2 / 1000.0))
+
+    @property
+    def speeds_rad_s(self) -> Array:
+        """Mechanical speed of each row in rad/s."""
+        return np.arange(self.current_d_mA.shape[0], dtype=np.float64) * (2.0**self.speed_step_log2 / 1000.0)
+
+
+def compute(drive: Drive, torque_points: int, speed_points: int) -> CurrentMap:
+    """Compute the table on one grid; the grid covers max_torque_nm either way and max_speed_rpm."""
+    torque_step = tables.step_log2(2.0 * drive.motor.max_torque_nm * 1000.0, torque_points, 0)
+    speed_step = tables.step_log2(drive.motor.max_speed_rpm * np.pi / 30.0 * 1000.0, speed_points, 6)
+    empty = CurrentMap(torque_step, speed_step, np.zeros((speed_points, torque_points), np.int32))
+    motor = models.machine(drive, float(np.mean(drive.table.temperature_range_c)))
+    omega = empty.speeds_rad_s[:, np.newaxis] * drive.motor.pole_pairs
+    limits = joint.Limits(RELAXED * drive.motor.max_phase_current_a)
+    best = joint.least_power(motor, models.bridge(drive), omega, empty.torques_nm, limits)
+    current = np.where(best.feasible, best.state.current_d_a, 0.0)
+    return CurrentMap(torque_step, speed_step, np.rint(current * 1000.0).astype(np.int32))
+
+
+def read(table: CurrentMap, torque_nm: ArrayLike, speed_rad_s: ArrayLike) -> Array:
+    """Read i_d in A in whole numbers, as the controller would: bilinear, rounded, the edges counting beyond the grid."""
+    rows, columns = table.current_d_mA.shape
+    turning = np.where(np.asarray(speed_rad_s) < 0.0, -1.0, 1.0)
+    from_edge = np.asarray(torque_nm) * turning * 1000.0 + (columns // 2) * 2.0**table.torque_step_log2
+    s, s_part = audit.locate(np.abs(speed_rad_s) * 1000.0, rows, table.speed_step_log2)
+    t, t_part = audit.locate(from_edge, columns, table.torque_step_log2)
+    entries = table.current_d_mA.astype(np.int64)
+    slow = audit.between(entries[s, t], entries[s, t + 1], t_part, table.torque_step_log2)
+    fast = audit.between(entries[s + 1, t], entries[s + 1, t + 1], t_part, table.torque_step_log2)
+    return np.asarray(audit.between(slow, fast, s_part, table.speed_step_log2) / 1000.0)
+
+
+def state(motor: models.Machine, inverter: models.Bridge, omega: ArrayLike, torque_nm: ArrayLike, i_d: ArrayLike) -> models.State:
+    """Steady state of a torque with a given terminal i_d: i_q from the quadratic that the iron branch leaves.
+
+    With i_dt = i_d + g L_q i_qt the torque is 1.5 p i_qt (psi - s i_d - s g L_q i_qt), s = L_q - L_d.
+    """
+    g, saliency = motor.iron_ratio(omega), motor.q_inductance_h - motor.d_inductance_h
+    per_flux = np.asarray(torque_nm) / (1.5 * motor.pole_pairs)
+    flux = motor.flux_wb - saliency * np.asarray(i_d)
+    square = np.square(flux) - 4.0 * saliency * g * motor.q_inductance_h * per_flux
+    i_qt = 2.0 * per_flux / (flux + np.sqrt(np.where(square >= 0.0, square, np.nan)))
+    i_dt = i_d + g * motor.q_inductance_h * i_qt
+    return models.evaluate(motor, inverter, omega, i_d, i_qt + g * (motor.d_inductance_h * i_dt + motor.flux_wb))
+
+
+def best_torque_nm(
+    motor: models.Machine, inverter: models.Bridge, table: CurrentMap, speed_rad_s: ArrayLike, strongest_nm: ArrayLike
+) -> Array:
+    """Braking torque magnitude in N m, at most ``strongest_nm``, that returns the most power with the stored i_d."""
+    speed, strongest, _ = np.broadcast_arrays(speed_rad_s, strongest_nm, motor.resistance_ohm)
+    wide = models.widened(motor)
+
+    def power(torque: Array) -> Array:
+        at = np.broadcast_to(speed[..., np.newaxis], torque.shape)
+        return state(wide, inverter, at * motor.pole_pairs, torque, read(table, torque, at)).dc_power_w
+
+    return np.asarray(-joint.shrink(power, -strongest.astype(np.float64), np.zeros(speed.shape), first=65)[0])
+
+
+def production(table: CurrentMap) -> audit.Production:
+    """Return how torque is made with the stored i_d, for the audit of the braking table."""
+
+    def capability(drive: Drive, motor: models.Machine, inverter: models.Bridge, speed: ArrayLike) -> Array:
+        return best_torque_nm(motor, inverter, table, speed, braking.torque_limit_nm(drive, speed))
+
+    def made(motor: models.Machine, inverter: models.Bridge, speed: ArrayLike, torque: ArrayLike) -> models.State:
+        return state(motor, inverter, np.asarray(speed) * motor.pole_pairs, torque, read(table, torque, speed))
+
+    return audit.Production(capability, made)
+
+
+def regen_map(drive: Drive, currents: CurrentMap) -> tables.RegenMap:
+    """Return the braking table that belongs to the stored i_d: its optimum at every point, unclamped.
+
+    The grid reaches up to the top speed, as without i_d, unless it loses too much power somewhere. It does for a salient
+    motor, whose optimum runs away at the speed where the power loses its minimum (it is stored up to a bound then): a
+    finer grid that ends where every optimum is beyond max_torque_nm is better, because from there on the limits decide,
+    and the firmware takes the nearest edge.
+    """
+    plain = tables.regen_map(drive)
+    made = production(currents)
+    whole = _filled(drive, currents, plain, plain.speed_step_log2)
+    if audit.worst_power_loss(drive, whole, made) <= audit.POWER_LOSS_MAX:
+        return whole
+    for step in range(tables.SPEED_STEP_LOG2_MIN, plain.speed_step_log2):
+        short = _filled(drive, currents, plain, step)
+        if np.all(short.torque_mNm[:, -1] >= 1000.0 * drive.motor.max_torque_nm):
+            return min(whole, short, key=lambda table: audit.worst_power_loss(drive, table, made))
+    return whole
+
+
+def _filled(drive: Drive, currents: CurrentMap, plain: tables.RegenMap, step_log2: int) -> tables.RegenMap:
+    """Fill a braking table with another distance of its speeds; at standstill the closed form's continuation below zero."""
+    motor, inverter = models.machine(drive, plain.temperatures_c[:, np.newaxis]), models.bridge(drive)
+    speeds = np.arange(drive.table.speed_points, dtype=np.float64) * (2.0**step_log2 / 1000.0)
+    without = np.abs(optimum.closed_form(motor, inverter, speeds * motor.pole_pairs).torque_optimal_nm)
+    strongest = np.maximum(REACH * drive.motor.max_torque_nm, BEYOND_CLOSED_FORM * without)
+    torque = np.rint(best_torque_nm(motor, inverter, currents, speeds, strongest) * 1000.0).astype(np.int32)
+    torque[:, 0] = plain.torque_mNm[:, 0]
+    return tables.RegenMap(step_log2, plain.temperature_step_log2, plain.temperature_origin_cC, torque)

@@ -1,0 +1,169 @@
+"""The ideal drive cycle: every instant in steady state, the speed trace followed exactly as far as the limits allow."""
+
+import csv
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from regen_table import braking, models
+from regen_table.errors import ConfigurationError
+from regen_table.models import Array
+from regen_table.schema import Drive
+
+DIRECTORY = Path(__file__).resolve().parents[2] / "host_sim" / "cycles"
+GRAVITY_M_S2 = 9.80665
+AIR_DENSITY_KG_M3 = 1.2041  # 20 degC, 101 325 Pa
+PARTS = 4  # steady states per sample of the trace
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A speed trace: ``time_s`` and ``speed_m_s``, shape (samples,)."""
+
+    name: str
+    time_s: Array
+    speed_m_s: Array
+
+
+@dataclass(frozen=True)
+class CycleEnergies:
+    """Energy of a cycle in J, all motors together, positive; ``traction`` is what the battery's cells gave."""
+
+    traction: float
+    braking_at_wheels: float
+    battery_returned: float
+    hydraulic: float
+    copper: float
+    iron: float
+    inverter: float
+    battery: float
+    friction: float
+    drag: float
+
+    @property
+    def losses(self) -> dict[str, float]:
+        """Everything that became heat on the way between the cells and the road, hydraulic brake included, in J."""
+        names = ("copper", "iron", "inverter", "battery", "friction", "hydraulic")
+        return {name: getattr(self, name) for name in names}
+
+
+@dataclass(frozen=True)
+class CycleResult:
+    """Result of one cycle under one strategy."""
+
+    cycle: str
+    strategy: str
+    winding_temperature_c: float
+    energy_j: CycleEnergies
+    while_driving_j: CycleEnergies
+    while_braking_j: CycleEnergies
+    braking_share_stored: float
+    residual_relative: float
+
+    def as_dict(self) -> dict[str, object]:
+        """Return the result as nested mappings for JSON."""
+        return asdict(self)
+
+
+def load(path: Path, top_speed_kmh: float | None = None) -> Cycle:
+    """Read a trace with the columns ``time_s`` and ``speed_km_h``; lines that begin with # are comments.
+
+    ``top_speed_kmh`` scales the speeds so that the fastest one becomes it (None: as they are).
+    """
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+        time = np.array([float(row["time_s"]) for row in rows])
+        speed = np.array([float(row["speed_km_h"]) for row in rows]) / 3.6
+    except FileNotFoundError:
+        raise ConfigurationError(f"{path}: file not found") from None
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise ConfigurationError(f"{path}: accepted: columns time_s and speed_km_h with a number each ({error})") from error
+    if len(time) < 2 or not np.all(np.isfinite(time) & np.isfinite(speed)) or np.any(np.diff(time) <= 0.0) or np.any(speed < 0.0):
+        raise ConfigurationError(f"{path}: accepted: at least two samples, rising time_s, speed_km_h >= 0")
+    factor = 1.0 if top_speed_kmh is None else top_speed_kmh / 3.6 / float(np.max(speed))
+    return Cycle(path.stem, time, speed * factor)
+
+
+def shipped(drive: Drive) -> list[Cycle]:
+    """Return the cycles that come with the simulator, slowed down where they exceed the drive's own top speed."""
+    top = drive.motor.max_speed_rpm * np.pi / 30.0 * drive.vehicle.wheel_radius_m
+    found = [load(path) for path in sorted(DIRECTORY.glob("*.csv"))]
+    return [Cycle(c.name, c.time_s, c.speed_m_s * min(1.0, top / float(np.max(c.speed_m_s)))) for c in found]
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What a cycle asks of one wheel; arrays of the shape (steps,)."""
+
+    seconds: Array
+    speed_rad_s: Array
+    torque_nm: Array  # at the wheel, positive drives
+    drag_w: Array  # whole vehicle
+
+
+def demand(drive: Drive, cycle: Cycle) -> Demand:
+    """Compute what a cycle asks of every driven wheel, from mass, rolling resistance and air drag."""
+    vehicle = drive.vehicle
+    share = np.arange(PARTS + 1) / PARTS
+    time = cycle.time_s[:-1, np.newaxis] + np.diff(cycle.time_s)[:, np.newaxis] * share
+    speed = cycle.speed_m_s[:-1, np.newaxis] + np.diff(cycle.speed_m_s)[:, np.newaxis] * share
+    seconds = np.diff(time, axis=1).ravel()
+    middle = (0.5 * (speed[:, 1:] + speed[:, :-1])).ravel()
+    acceleration = np.diff(speed, axis=1).ravel() / seconds
+    rolling = vehicle.rolling_resistance * vehicle.mass_kg * GRAVITY_M_S2 * (middle > 0.0)
+    drag = rolling + 0.5 * AIR_DENSITY_KG_M3 * vehicle.drag_coefficient * vehicle.frontal_area_m2 * middle**2
+    force = vehicle.mass_kg * acceleration + drag
+    return Demand(seconds, middle / vehicle.wheel_radius_m, force * vehicle.wheel_radius_m / vehicle.driven_wheels, drag * middle)
+
+
+def run(drive: Drive, cycle: Cycle, strategy: str, temperature_c: float, soc: float | None = None) -> CycleResult:
+    """Drive one cycle; the battery's state of charge stays where it is."""
+    motor, inverter, wheels = models.machine(drive, temperature_c), models.bridge(drive), drive.vehicle.driven_wheels
+    asked = demand(drive, cycle)
+    speed = asked.speed_rad_s
+    friction = np.where(speed > 0.0, motor.friction_nm + motor.viscous_nm_s * speed, 0.0)
+    braking_demand = np.maximum(-asked.torque_nm - friction, 0.0)
+    electric = braking.electric_torque_nm(drive, strategy, braking_demand, speed, braking.capability_nm(drive, motor, inverter, speed))
+    driving = np.maximum(asked.torque_nm + friction, 0.0)
+    moving = speed > 0.0
+    state = braking.state_of_torque(motor, inverter, speed, np.where(moving, driving - electric, 0.0))
+    resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
+    pack = models.battery_steady(models.open_circuit_voltage_v(drive, soc), resistance, wheels * state.dc_power_w)
+
+    brakes = asked.torque_nm < -friction
+
+    def part(chosen: npt.NDArray[np.bool_]) -> CycleEnergies:
+        weight = asked.seconds * chosen
+
+        def total(power_w: Array) -> float:
+            return float(np.sum(power_w * weight))
+
+        return CycleEnergies(
+            traction=total(np.maximum(pack.chemical_power_w, 0.0)),
+            braking_at_wheels=total(wheels * braking_demand * speed),
+            battery_returned=total(np.maximum(-pack.chemical_power_w, 0.0)),
+            hydraulic=total(wheels * (braking_demand - electric) * speed),
+            copper=total(wheels * state.loss_copper_w),
+            iron=total(wheels * state.loss_iron_w),
+            inverter=total(wheels * state.loss_inverter_w),
+            battery=total(pack.loss_w),
+            friction=total(wheels * friction * speed),
+            drag=total(asked.drag_w),
+        )
+
+    energies = part(np.ones_like(brakes))
+    kinetic = 0.5 * drive.vehicle.mass_kg * float(cycle.speed_m_s[-1] ** 2 - cycle.speed_m_s[0] ** 2)
+    residual = energies.traction - energies.battery_returned - sum(energies.losses.values()) - energies.drag - kinetic
+    return CycleResult(
+        cycle=cycle.name,
+        strategy=strategy,
+        winding_temperature_c=temperature_c,
+        energy_j=energies,
+        while_driving_j=part(~brakes),
+        while_braking_j=part(brakes),
+        braking_share_stored=energies.battery_returned / energies.braking_at_wheels if energies.braking_at_wheels > 0.0 else 0.0,
+        residual_relative=residual / max(energies.traction, 1e-9),
+    )

@@ -1,0 +1,93 @@
+"""The configuration as C source: one constant with designated initialisers, the same bytes as the binary image."""
+
+import re
+import zlib
+from typing import Any
+
+from regen_table import __version__, image, layout
+from regen_table.schema import Drive
+
+_HEAD = """\
+/*
+ * Configuration "{name}": {motor}.
+ *
+ * Written by tools/regen_table {version} from {name}.toml; the same bytes as {name}.bin. Not edited by hand: change the
+ * TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the section that can be flashed alone.
+ */
+#include "config/config.h"
+
+#ifndef CONFIG_SECTION
+#define CONFIG_SECTION
+#endif
+
+extern const config_t {symbol};
+
+CONFIG_SECTION const config_t {symbol} = {{
+    .magic = CONFIG_MAGIC,
+    .format_version = {format_version},
+    .size_bytes = sizeof(config_t),
+    .generator_version = 0x{generator_version:08X},
+    .name = "{name}",
+"""
+
+
+def symbol(drive: Drive) -> str:
+    """Return the name of the C constant."""
+    return "CONFIG_" + re.sub(r"\W", "_", drive.name).upper()
+
+
+def source(drive: Drive, raw: bytes) -> str:
+    """Return the C file of a drive whose image is ``raw``; depends on nothing else, so its bytes repeat."""
+    header = layout.load()
+    lines = [
+        _HEAD.format(
+            name=drive.name,
+            motor=re.sub(r"[^ -~]|[\\*/]", "?", drive.motor.name),
+            version=__version__,
+            symbol=symbol(drive),
+            format_version=header.constants["CONFIG_FORMAT_VERSION"],
+            generator_version=image.generator_version(),
+        )
+    ]
+    packed = header.ffi.from_buffer("config_t *", raw)
+    for section, fields in header.sections.items():
+        lines.append(f"    .{section} = {{\n")
+        width = max(len(name) for name, info in fields.items() if not info.count)
+        for name, info in fields.items():
+            value = getattr(getattr(packed, section), name)
+            if info.count:
+                lines += _array(name, [int(item) for item in value], packed)
+            else:
+                meaning = " ".join(part for part in (f"[{info.unit}]" if info.unit not in {"", "1"} else "", info.text) if part)
+                lines.append(f"        .{name:<{width}} = {int(value)}," + (f" /* {meaning} */\n" if meaning else "\n"))
+        lines.append("    },\n")
+    body = raw[: header.ffi.offsetof("config_t", "crc32")]
+    lines.append(f"    .crc32 = 0x{zlib.crc32(body):08X},\n}};\n")
+    return "".join(lines)
+
+
+def _array(name: str, values: list[int], packed: Any) -> list[str]:  # noqa: ANN401, a cffi pointer
+    """Write an array: a map row by row with what each row stands for, anything else in one line; trailing zeros are implied."""
+    if name == "torque_mNm":
+        grid = packed.regen_map
+        temperatures = [(grid.temperature_origin_cC + (row << grid.temperature_step_log2)) / 100 for row in range(grid.temperature_points)]
+        step = (1 << grid.speed_step_log2) / 1000
+        return _rows(name, values, grid.speed_points, f"a column every {step:g} rad/s, mechanical", [f"{t:g} degC" for t in temperatures])
+    if name == "current_d_mA":
+        grid = packed.current_map
+        speeds = [(row << grid.speed_step_log2) / 1000 for row in range(grid.speed_points)]
+        first, step = -(grid.torque_points // 2 << grid.torque_step_log2) / 1000, (1 << grid.torque_step_log2) / 1000
+        return _rows(
+            name, values, grid.torque_points, f"a column every {step:g} N m from {first:g} N m on", [f"{w:g} rad/s" for w in speeds]
+        )
+    return [f"        .{name} = {{{', '.join(str(value) for value in values)}}},\n"]
+
+
+def _rows(name: str, values: list[int], columns: int, head: str, labels: list[str]) -> list[str]:
+    """Write a map, one labelled row after the other."""
+    lines = [f"        .{name} = {{\n", f"            /* {head} */\n"]
+    for row, label in enumerate(labels):
+        entries = values[row * columns : (row + 1) * columns]
+        lines.append(f"            /* {label} */\n")
+        lines += [f"            {', '.join(str(value) for value in entries[start : start + 10])},\n" for start in range(0, columns, 10)]
+    return [*lines, "        },\n"]

@@ -1,0 +1,155 @@
+"""The figures of Lu et al. 2013 that need the whole vehicle: 7, 8, 10 and 14."""
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch, Rectangle
+from matplotlib.path import Path as Outline
+
+from regen_table import braking, cycles, models, plotting, stops
+from regen_table.plotting import BLUE, GREEN, GREY, ORANGE, RED, STRATEGY_COLOURS, STRATEGY_NAMES
+from regen_table.schema import Drive
+
+URBAN_CYCLE_TOP_KMH = 80.0  # the paper drives the urban cycle slowed by 60/80: a car of 80 km/h would drive it as it is
+
+
+def _reference(drive: Drive) -> tuple[models.Machine, models.Bridge, float]:
+    return models.machine(drive, drive.motor.reference_temperature_c), models.bridge(drive), drive.motor.max_speed_rpm * math.pi / 30.0
+
+
+def _soc(drive: Drive) -> float:
+    return drive.battery.initial_soc if drive.battery.initial_soc is not None else 0.5
+
+
+def electric_share(drive: Drive) -> Figure:
+    """Fig. 7: electric braking torque of the three strategies over speed and demand."""
+    motor, inverter, top = _reference(drive)
+    speed = np.linspace(1e-3 * top, top, 200)
+    demand = np.linspace(0.0, 3.0 * drive.motor.max_torque_nm, 150)[:, np.newaxis]
+    capability = braking.capability_nm(drive, motor, inverter, speed)
+    made, panels = plotting.figure("Fig. 7   Electric braking torque, N·m", columns=3, width=11.0, height=4.2)
+    levels = np.linspace(0.0, drive.motor.max_torque_nm, 11)
+    drawn = []
+    for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
+        electric = braking.electric_torque_nm(drive, strategy, demand, speed, capability)
+        x, y, z = np.broadcast_arrays(speed * 30.0 / math.pi, demand, electric)
+        drawn.append(axes.contourf(x, y, z, levels=levels, cmap="Blues"))
+        axes.contour(x, y, z, levels=levels, colors="white", linewidths=0.5)
+        axes.grid(visible=False)
+        axes.set(title=STRATEGY_NAMES[strategy], xlabel="speed, r/min")
+    panels[0].set_ylabel("braking demand at the wheel, N·m")
+    made.colorbar(drawn[0], ax=panels, label="electric torque, N·m")
+    return made
+
+
+def pedal(drive: Drive) -> Figure:
+    """Fig. 8: how the pedal is shared; for the series strategy it depends on speed."""
+    motor, inverter, top = _reference(drive)
+    full = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
+    travel = np.linspace(0.0, 1.0, 301)
+    demand = travel * full
+    made, panels = plotting.figure("Fig. 8   What the brake pedal means for motor and mechanical brake", columns=3, width=11.0, height=4.2)
+    for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
+        shares = (0.05, 0.1, 0.9) if strategy == "series_optimal" else (0.5,)
+        for share, style in zip(shares, ("-", "--", ":"), strict=False):
+            speed = share * top
+            electric = braking.electric_torque_nm(drive, strategy, demand, speed, braking.capability_nm(drive, motor, inverter, speed))
+            at = f" at {share * drive.motor.max_speed_rpm:.0f} r/min" if len(shares) > 1 else ""
+            axes.plot(100.0 * travel, electric, color=BLUE, linestyle=style, label=f"motor{at}")
+            axes.plot(100.0 * travel, demand - electric, color=RED, linestyle=style, label="mechanical" if style == "-" else None)
+        axes.plot(100.0 * travel, demand, color="black", linewidth=0.9, label="demand")
+        axes.set(title=STRATEGY_NAMES[strategy], xlabel="brake pedal, %", xlim=(0.0, 100.0), ylim=(0.0, full))
+        axes.legend(loc="upper left", fontsize=9)
+    panels[0].set_ylabel("braking torque at one wheel, N·m")
+    return made
+
+
+def stored_share(drive: Drive) -> Figure:
+    """Fig. 14: share of the kinetic energy that a stop stores, over the demand."""
+    top_kmh = drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
+    initial = min(40.0, 2.0 / 3.0 * top_kmh)
+    demands = np.geomspace(0.05, 5.0, 60) * drive.motor.max_torque_nm
+    made, (axes,) = plotting.figure(f"Fig. 14   Kinetic energy stored by a stop from {initial:.3g} km/h")
+    for strategy in braking.STRATEGIES:
+        stored = [
+            100.0
+            * stops.stop(drive, strategy, float(demand), initial, drive.motor.reference_temperature_c, _soc(drive)).stored_share_of_kinetic
+            for demand in demands
+        ]
+        axes.plot(demands, stored, color=STRATEGY_COLOURS[strategy], linewidth=2.0, label=STRATEGY_NAMES[strategy])
+    axes.axhline(0.0, color="black", linewidth=0.8)
+    axes.set(
+        xlabel="braking demand at each driven wheel, N·m",
+        ylabel="stored, % of kinetic energy",
+        xlim=(0.0, float(demands[-1])),
+        ylim=(-20.0, 100.0),
+    )
+    axes.legend(loc="upper right")
+    return made
+
+
+def energy_flow(drive: Drive) -> Figure:
+    """Fig. 10: where the energy of the urban cycle goes under the three strategies."""
+    top_kmh = drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
+    trace = cycles.load(cycles.DIRECTORY / "ece15.csv")
+    factor = min(1.0, top_kmh / URBAN_CYCLE_TOP_KMH)
+    trace = cycles.Cycle(trace.name, trace.time_s, trace.speed_m_s * factor)
+    title = f"Fig. 10   Energy flow over the urban cycle (ECE-15, speeds × {factor:.2f})"
+    made, panels = plotting.figure(title, rows=3, width=10.5, height=9.5)
+    for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
+        result = cycles.run(drive, trace, strategy, drive.motor.reference_temperature_c, _soc(drive))
+        axes.set_title(f"{STRATEGY_NAMES[strategy]}: {result.braking_share_stored:.1%} of the braking work stored", loc="left")
+        _flow(axes, result)
+    return made
+
+
+def _flow(axes: Axes, result: cycles.CycleResult) -> None:
+    """Draw one flow from left to right: the band is what is left, what leaves it bends up."""
+    out, back = result.while_driving_j, result.while_braking_j
+    exits = [("battery", out.battery, GREY), ("inverter", out.inverter, GREY), ("copper", out.copper, ORANGE), ("iron", out.iron, ORANGE)]
+    exits += [
+        ("bearings", out.friction + back.friction, GREY),
+        ("drag", result.energy_j.drag, GREEN),
+        ("mechanical\nbrake", back.hydraulic, RED),
+    ]
+    exits += [
+        ("iron", back.iron, ORANGE),
+        ("copper", back.copper, ORANGE),
+        ("inverter", back.inverter, GREY),
+        ("battery", back.battery, GREY),
+    ]
+    total, returned = result.energy_j.traction, result.energy_j.battery_returned
+    level, x = total, 0.0
+    axes.axis("off")
+    axes.text(-0.2, level / 2.0, f"from the cells\n{total / 1e3:.3g} kJ", ha="right", va="center")
+    for name, energy, colour in [(n, e, c) for n, e, c in exits if e > 1e-3 * total]:
+        below = level - energy
+        axes.add_patch(Rectangle((x, 0.0), 1.0, below, facecolor=BLUE, edgecolor="none"))
+        axes.add_patch(_leaving(x, below, energy, total, colour))
+        axes.text(x + 0.75, 1.25 * total, f"{name}\n{energy / total:.1%}", ha="center", va="bottom", fontsize=8.5)
+        level, x = below, x + 1.0
+    axes.add_patch(Rectangle((x, 0.0), 0.6, max(level, 0.0), facecolor=BLUE, edgecolor="none"))
+    axes.text(x + 0.75, level / 2.0, f"back into the cells\n{returned / 1e3:.3g} kJ, {returned / total:.1%}", ha="left", va="center")
+    axes.set(xlim=(-1.8, 13.5), ylim=(-0.02 * total, 1.62 * total))
+
+
+def _leaving(x: float, below: float, energy: float, total: float, colour: str) -> PathPatch:
+    """Make the top slice of the band at x bend up and out at the top; its width there shows its share."""
+    half = 0.45 * max(energy / total, 0.01)
+    end, top, middle = x + 0.75, 1.2 * total, 0.5 * (below + 1.2 * total)
+    curve = [
+        (x, below), (x + 0.5, below), (end + half, below), (end + half, middle), (end + half, top), (end - half, top),
+        (end - half, middle + energy), (end - half, below + energy), (x + 0.3, below + energy), (x, below + energy), (x, below),
+    ]  # fmt: skip
+    codes = [
+        Outline.MOVETO,
+        *[Outline.CURVE4] * 3,
+        Outline.LINETO,
+        Outline.LINETO,
+        Outline.LINETO,
+        *[Outline.CURVE4] * 3,
+        Outline.CLOSEPOLY,
+    ]
+    return PathPatch(Outline(curve, codes), facecolor=colour, edgecolor="none")

@@ -1,0 +1,196 @@
+"""The binary image of config_t: from a checked drive to the bytes the firmware reads.
+
+``fields(drive)`` computes every value, ``build(drive)`` packs them by field name into the layout of config.h, within
+the ranges config.h accepts, and seals them with the CRC-32 that the firmware checks in BOOT.
+"""
+
+import zlib
+from typing import Any
+
+from regen_table import __version__, current_audit, current_map, envelope, layout, loops, margins, relations
+from regen_table.errors import ConfigurationError
+from regen_table.loops import nearest
+from regen_table.schema import Drive
+
+Values = dict[str, dict[str, int | list[int]]]
+SWITCH_TEMPERATURE_OFF_CC = 30000
+STRATEGIES = {"parallel_ratio": 0, "parallel_free_travel": 1, "series_optimal": 2}
+RPM_TO_MRAD_S = 1000.0 * 3.141592653589793 / 30.0
+
+
+def build(drive: Drive) -> bytes:
+    """Return the image of a drive: what the firmware, the simulator and config_validate() accept.
+
+    A drive whose loop has too little phase margin or whose quantities leave their number formats is refused.
+
+    Raises
+    ------
+    ConfigurationError
+        One line that names the field whose value the firmware could not take.
+    """
+    header = layout.load()
+    image: Any = header.ffi.new("config_t *")
+    image.magic = header.constants["CONFIG_MAGIC"]
+    image.format_version = header.constants["CONFIG_FORMAT_VERSION"]
+    image.size_bytes = header.size_bytes
+    image.generator_version = generator_version()
+    image.name = drive.name.encode("ascii")
+    for section, values in checked_fields(drive).items():
+        target = getattr(image, section)
+        for name, value in values.items():
+            if isinstance(value, list):
+                getattr(target, name)[0 : len(value)] = value
+            else:
+                setattr(target, name, value)
+    raw = bytes(header.ffi.buffer(image))
+    body = raw[: header.ffi.offsetof("config_t", "crc32")]
+    return body + zlib.crc32(body).to_bytes(4, "little") + raw[len(body) + 4 :]
+
+
+def generator_version() -> int:
+    """Return the package's version as 0x00MMmmpp."""
+    major, minor, patch = (int(part) for part in __version__.split("."))
+    return major << 16 | minor << 8 | patch
+
+
+def checked_fields(drive: Drive) -> Values:
+    """Return every field of every section in the header's order, refusing what the header does not accept."""
+    header, values = layout.load(), fields(drive)
+    for section, known in header.sections.items():
+        odd = set(known) ^ set(values.get(section, {}))
+        if odd:
+            raise ConfigurationError(f"config.h and this generator disagree about {section}.{min(odd)}: one of them is newer")
+        for name, info in known.items():
+            value = values[section][name]
+            for item in value if isinstance(value, list) else [value]:
+                if not info.lowest <= item <= info.highest:
+                    unit = f" {info.unit}" if info.unit not in {"", "1"} else ""
+                    raise ConfigurationError(
+                        f"{section}.{name}: {item}{unit} does not fit the controller, accepted: {info.lowest} to {info.highest}{unit}"
+                    )
+    return {section: {name: values[section][name] for name in known} for section, known in header.sections.items()}
+
+
+def fields(drive: Drive) -> Values:
+    """Compute every field of config_t, in the units its name ends in."""
+    margins.refuse_thin_margins(drive, margins.current_loop(drive))
+    envelope.refuse_overflow(envelope.proofs(drive))
+    currents = current_audit.choose(drive)
+    table = current_map.regen_map(drive, currents)
+    return {
+        "motor": _motor(drive),
+        "drive": _drive(drive),
+        "current_loop": dict(loops.current_loop(drive)),
+        "rotor": loops.rotor(drive),
+        "battery": _battery(drive),
+        "brake": _brake(drive),
+        "vehicle": {"wheel_radius_um": nearest(drive.vehicle.wheel_radius_m * 1e6), "mass_g": nearest(drive.vehicle.mass_kg * 1e3)},
+        "monitor": _monitor(drive),
+        "regen_map": {
+            "speed_points": table.torque_mNm.shape[1],
+            "speed_step_log2": table.speed_step_log2,
+            "temperature_points": table.torque_mNm.shape[0],
+            "temperature_step_log2": table.temperature_step_log2,
+            "temperature_origin_cC": table.temperature_origin_cC,
+            "torque_mNm": [int(value) for value in table.torque_mNm.ravel()],
+        },
+        "current_map": {
+            "torque_points": currents.current_d_mA.shape[1],
+            "torque_step_log2": currents.torque_step_log2,
+            "speed_points": currents.current_d_mA.shape[0],
+            "speed_step_log2": currents.speed_step_log2,
+            "current_d_mA": [int(value) for value in currents.current_d_mA.ravel()],
+        },
+    }
+
+
+def _motor(drive: Drive) -> dict[str, Any]:
+    motor = drive.motor
+    a0, a1 = motor.iron_loss_resistance_ohm or (0.0, 0.0)
+    return {
+        "type": {"spmsm": 0, "ipmsm": 1}[motor.type],
+        "pole_pairs": motor.pole_pairs,
+        "phase_resistance_uOhm": nearest(motor.phase_resistance_ohm * 1e6),
+        "reference_temperature_cC": nearest(motor.reference_temperature_c * 1e2),
+        "resistance_coefficient_ppm_K": nearest(motor.resistance_temperature_coefficient_per_k * 1e6),
+        "d_inductance_nH": nearest(motor.d_inductance_h * 1e9),
+        "q_inductance_nH": nearest(motor.q_inductance_h * 1e9),
+        "flux_linkage_nWb": nearest(motor.flux_linkage_wb * 1e9),
+        "iron_loss_resistance_mOhm": nearest(a0 * 1e3),
+        "iron_loss_resistance_slope_nOhm_s": nearest(a1 * 1e9),
+        "friction_torque_mNm": nearest(motor.friction_torque_nm * 1e3),
+        "viscous_friction_uNm_s": nearest(motor.viscous_friction_nm_s * 1e6),
+        "rated_torque_mNm": nearest(motor.rated_torque_nm * 1e3),
+        "max_torque_mNm": nearest(motor.max_torque_nm * 1e3),
+        "max_power_mW": nearest(motor.max_power_w * 1e3),
+        "max_phase_current_mA": nearest(motor.max_phase_current_a * 1e3),
+        "max_speed_mrad_s": nearest(motor.max_speed_rpm * RPM_TO_MRAD_S),
+        "derate_winding_temperature_cC": nearest((motor.max_winding_temperature_c - 20.0) * 1e2),
+        "max_winding_temperature_cC": nearest(motor.max_winding_temperature_c * 1e2),
+    }
+
+
+def _drive(drive: Drive) -> dict[str, Any]:
+    inverter = drive.inverter
+    hottest = inverter.max_switch_temperature_c
+    return {
+        "current_full_scale_mA": nearest(inverter.current_full_scale_a * 1e3),
+        "voltage_full_scale_mV": nearest(inverter.voltage_full_scale_v * 1e3),
+        "pwm_frequency_Hz": nearest(inverter.pwm_frequency_hz),
+        "pwm_period_counts": loops.pwm_period_counts(drive),
+        "dead_time_ns": nearest(inverter.dead_time_s * 1e9),
+        "min_pulse_counts": loops.min_pulse_counts(drive),
+        "derate_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC if hottest is None else nearest((hottest - 20.0) * 1e2),
+        "max_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC if hottest is None else nearest(hottest * 1e2),
+    }
+
+
+def _battery(drive: Drive) -> dict[str, Any]:
+    battery, motors, trip = drive.battery, drive.vehicle.driven_wheels, relations.overvoltage_trip_v(drive)
+    if trip <= battery.max_voltage_v:
+        raise ConfigurationError(
+            f"inverter.voltage_full_scale_v: {drive.inverter.voltage_full_scale_v:g} V, accepted: more than "
+            f"{battery.max_voltage_v / 0.98:.4g} V, so that the board can see battery.max_voltage_v being exceeded"
+        )
+    if battery.min_voltage_v >= 0.98 * battery.max_voltage_v:
+        raise ConfigurationError(
+            f"battery.min_voltage_v: {battery.min_voltage_v:g} V, accepted: less than {0.98 * battery.max_voltage_v:.4g} V, "
+            f"where charging starts to fold back (2 % below max_voltage_v)"
+        )
+    return {
+        "driven_wheels": motors,
+        "max_charge_current_mA": nearest(battery.max_charge_current_a / motors * 1e3),
+        "max_discharge_current_mA": nearest(battery.max_discharge_current_a / motors * 1e3),
+        "foldback_voltage_mV": nearest(0.98 * battery.max_voltage_v * 1e3),
+        "max_voltage_mV": nearest(battery.max_voltage_v * 1e3),
+        "min_voltage_mV": nearest(battery.min_voltage_v * 1e3),
+        "overvoltage_trip_mV": nearest(trip * 1e3),
+        "undervoltage_trip_mV": nearest(loops.undervoltage_trip_v(drive) * 1e3),
+    }
+
+
+def _brake(drive: Drive) -> dict[str, Any]:
+    brake, control = drive.brake, drive.control
+    return {
+        "strategy": STRATEGIES[brake.strategy],
+        "parallel_electric_share_q15": loops.fixed(brake.parallel_electric_share, 15),
+        "electric_rated_torque_mNm": nearest(brake.electric_rated_torque_nm * 1e3),
+        "max_hydraulic_torque_mNm": nearest(brake.max_hydraulic_torque_nm * 1e3),
+        "handover_start_mrad_s": nearest(control.handover_start_rpm * RPM_TO_MRAD_S),
+        "handover_end_mrad_s": nearest(control.handover_end_rpm * RPM_TO_MRAD_S),
+        "torque_rate_mNm_s": nearest(control.torque_rate_nm_per_s * 1e3),
+        "shortfall_band_mNm": max(1, nearest(0.05 * drive.motor.max_torque_nm * 1e3)),
+        "demand_timeout_ms": nearest(control.demand_timeout_s * 1e3),
+    }
+
+
+def _monitor(drive: Drive) -> dict[str, Any]:
+    # Three independent samples in the sum: four standard deviations of it, above 5 % of the range.
+    noise = 4.0 * 3.0**0.5 * drive.sensors.current_noise_a / drive.inverter.current_full_scale_a
+    return {
+        "overcurrent_pu_q15": loops.fixed(loops.overcurrent_pu(drive), 15),
+        "current_sum_pu_q15": loops.fixed(0.05 + noise, 15),
+        "offset_tolerance_codes": 200,
+        "torque_tolerance_mNm": nearest(max(0.1 * drive.motor.max_torque_nm, 0.5) * 1e3),
+        "torque_fault_time_ms": 50,
+    }

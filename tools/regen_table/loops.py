@@ -1,0 +1,232 @@
+"""Gains and per-unit constants of the fast reach (margins.py judges their stability, envelope.py their formats).
+
+Bases: current I_base = current_full_scale, bus voltage V_base = voltage_full_scale, electrical speed
+omega_base = 2 pi f_pwm / 16. The configuration stores gains relative to V_base; once a millisecond the firmware
+multiplies them by V_base sqrt(3) / (limit v_dc), which turns volts into shares of the voltage circle's radius.
+"""
+
+import math
+from dataclasses import dataclass
+
+from regen_table import relations
+from regen_table.errors import ConfigurationError
+from regen_table.schema import Drive
+
+MODULATION_MAX = 0.98
+FIELD_WEAKENING_BANDWIDTH_HZ = 30.0
+FIELD_WEAKENING_AIM = 0.97  # of the voltage circle, as in foc/field_weakening.h
+ROUNDING_COUNTS = 2  # as in foc/svpwm.c
+SETTLING_S = 0.5e-6  # of a shunt amplifier after its low side begins to conduct
+DEAD_TIME_ZONE_MIN = 128.0 / 32768.0  # as in config.h
+OVERCURRENT_SHARE_MAX = 0.97  # of the converter's range: above it, a clipped sample hides the real current
+
+
+@dataclass(frozen=True)
+class Bases:
+    """Bases of the per-unit system (A, V, electrical rad/s) and the fast reach's period (s)."""
+
+    current_a: float
+    voltage_v: float
+    speed_rad_s: float
+    period_s: float
+
+
+def bases(drive: Drive) -> Bases:
+    """Return the bases of a drive."""
+    frequency = drive.inverter.pwm_frequency_hz
+    return Bases(
+        current_a=drive.inverter.current_full_scale_a,
+        voltage_v=drive.inverter.voltage_full_scale_v,
+        speed_rad_s=2.0 * math.pi * frequency / 16.0,
+        period_s=1.0 / frequency,
+    )
+
+
+def undervoltage_trip_v(drive: Drive) -> float:
+    """Bus voltage in V below which the bridge does not run: the lowest one the gains are scaled for."""
+    return 0.9 * drive.battery.min_voltage_v
+
+
+def pwm_period_counts(drive: Drive) -> int:
+    """Timer counts of half a PWM period."""
+    return nearest(drive.inverter.pwm_timer_clock_hz / (2.0 * drive.inverter.pwm_frequency_hz))
+
+
+def min_pulse_counts(drive: Drive) -> int:
+    """Return the timer counts that the low side of every leg conducts at least before and after the top of the count.
+
+    What the gate driver and its bootstrap supply need. Without a word from the configuration, twice the dead time,
+    and at least a microsecond.
+    """
+    inverter = drive.inverter
+    seconds = inverter.min_pulse_s if inverter.min_pulse_s is not None else max(1e-6, 2.0 * inverter.dead_time_s)
+    return math.ceil(seconds * inverter.pwm_timer_clock_hz - 1e-9)
+
+
+def dead_time_counts(drive: Drive) -> int:
+    """Timer counts by which the dead-time compensation may move a compare value."""
+    return nearest(drive.inverter.dead_time_s * drive.inverter.pwm_frequency_hz * pwm_period_counts(drive))
+
+
+def modulation_limit(drive: Drive) -> float:
+    """Largest modulation |u| / (v_dc / sqrt(3)) that leaves the shortest pulse and the shunts' sampling window.
+
+    Min/max injection centres the three phases: the largest compare value is period/2 (1 + span / v_dc), and the
+    line-to-line span of a voltage vector is at most sqrt(3) |u|, which is the modulation m times v_dc. Dead-time
+    compensation and rounding take their part, so period/2 (1 + m) + trim + 2 <= period - min_pulse.
+
+    Only two currents are sampled, those of the legs whose low sides conduct longest. The shorter of these two has at
+    most period/2 (1 + cos(30 deg) m), where two phases are equal; it must leave the dead time and the settling time.
+    """
+    period, taken = pwm_period_counts(drive), dead_time_counts(drive) + ROUNDING_COUNTS
+    window = (drive.inverter.dead_time_s + SETTLING_S) * drive.inverter.pwm_timer_clock_hz
+    by_pulse = 1.0 - 2.0 * (min_pulse_counts(drive) + taken) / period
+    by_sampling = (1.0 - 2.0 * (window + taken) / period) / math.cos(math.pi / 6.0)
+    return min(MODULATION_MAX, by_pulse, by_sampling)
+
+
+def phase_voltage_limit_v(drive: Drive, bus_voltage_v: float) -> float:
+    """Peak phase voltage in V that the firmware can make from a bus voltage."""
+    return modulation_limit(drive) * bus_voltage_v / math.sqrt(3.0)
+
+
+@dataclass(frozen=True)
+class AxisGains:
+    """Gains of one axis of the current loop: V/A, and V/A added every PWM period."""
+
+    proportional: float
+    integral: float
+
+
+def axis_gains(drive: Drive, inductance_h: float) -> AxisGains:
+    """Return the gains that make one axis follow like a first-order pole at omega_c behind a delay of 1.5 periods.
+
+    With k_i = k_p R T / L the regulator's zero lies on the winding's pole, and what is left is the loop K / (z (z - 1)),
+    K = k_p T / L: one period until the voltage acts, one until a sample shows what it did. Its control error after a
+    step adds up to 1/K samples. That of the design, 1 - exp(-omega_c (t - 1.5 T)) from the second sample on, adds up to
+    2 + 1 / (2 sinh(omega_c T / 2)), which is 2 + 1 / (omega_c T) within one per cent. Equal sums need
+    K = omega_c T / (1 + 2 omega_c T), so
+
+        k_p = L omega_c / (1 + 2 omega_c T)        k_i = R T omega_c / (1 + 2 omega_c T)
+
+    K = omega_c T would leave out that the delay is inside the loop: at omega_c T = 0.31 it answers a step up to 30 %
+    away from the design, with 2.2 times its bandwidth.
+    """
+    period, wanted = 1.0 / drive.inverter.pwm_frequency_hz, 2.0 * math.pi * drive.control.current_bandwidth_hz
+    crossover = wanted / (1.0 + 2.0 * wanted * period)
+    return AxisGains(inductance_h * crossover, drive.motor.phase_resistance_ohm * period * crossover)
+
+
+@dataclass(frozen=True)
+class PerUnitGains:
+    """Gains of the current loop relative to V_base: volts per ampere, per ampere and speed, per speed."""
+
+    proportional: dict[str, float]
+    integral: float
+    inductance: dict[str, float]
+    flux: float
+
+
+def per_unit_gains(drive: Drive) -> PerUnitGains:
+    """Return the gains of the current loop, the cross-coupling and the back-EMF, per unit."""
+    motor, base = drive.motor, bases(drive)
+    impedance = base.current_a / base.voltage_v
+    axes = {"d": motor.d_inductance_h, "q": motor.q_inductance_h}
+    gains = {axis: axis_gains(drive, value) for axis, value in axes.items()}
+    return PerUnitGains(
+        proportional={axis: gain.proportional * impedance for axis, gain in gains.items()},
+        integral=gains["d"].integral * impedance,  # R alone: both axes have the same
+        inductance={axis: base.speed_rad_s * value * impedance for axis, value in axes.items()},
+        flux=base.speed_rad_s * motor.flux_linkage_wb / base.voltage_v,
+    )
+
+
+def dead_time_zone_pu(drive: Drive) -> float:
+    """Per-unit current below which the dead-time compensation is proportional.
+
+    During a dead interval the leg takes the voltage that the current's sign gives it, until the current has gone. Over
+    a period the error is at most t_d f v_dc, which moves the current by t_d f v_dc T / L = t_d v_dc / L: whatever is
+    smaller may end inside the interval. The smaller inductance lets it end soonest. Not below 128 LSB, the noise of a
+    12-bit converter.
+    """
+    zone = drive.control.dead_time_zone_a
+    if zone is not None:
+        return zone / drive.inverter.current_full_scale_a
+    inductance = min(drive.motor.d_inductance_h, drive.motor.q_inductance_h)
+    volts_lost = drive.inverter.dead_time_s * drive.inverter.pwm_frequency_hz * relations.nominal_open_circuit_v(drive)
+    extinguished_a = volts_lost * bases(drive).period_s / inductance
+    return min(max(extinguished_a / drive.inverter.current_full_scale_a, DEAD_TIME_ZONE_MIN), 1.0)
+
+
+def current_loop(drive: Drive) -> dict[str, int]:
+    """Fill config_current_loop_t."""
+    motor, control, base, gains = drive.motor, drive.control, bases(drive), per_unit_gains(drive)
+    largest, trip = motor.max_phase_current_a / base.current_a, overcurrent_pu(drive)
+    if trip < 1.05 * largest:
+        raise ConfigurationError(
+            f"motor.max_phase_current_a: {motor.max_phase_current_a:g} A, accepted: at most "
+            f"{OVERCURRENT_SHARE_MAX / 1.05 * base.current_a:.4g} A, so that the overcurrent trip still lies inside "
+            f"inverter.current_full_scale_a = {base.current_a:g} A"
+        )
+    limit = modulation_limit(drive)
+    return {
+        "bandwidth_Hz": nearest(control.current_bandwidth_hz),
+        "proportional_d_pu_q16": fixed(gains.proportional["d"], 16),
+        "proportional_q_pu_q16": fixed(gains.proportional["q"], 16),
+        "integral_d_pu_q24": fixed(gains.integral, 24),
+        "integral_q_pu_q24": fixed(gains.integral, 24),
+        "inductance_d_pu_q16": fixed(gains.inductance["d"], 16),
+        "inductance_q_pu_q16": fixed(gains.inductance["q"], 16),
+        "flux_pu_q16": fixed(gains.flux, 16),
+        "modulation_limit_pu_q15": math.floor(limit * 32768),
+        "max_current_pu_q15": fixed(largest, 15),
+        "field_weakening_gain_pu_q15": fixed(field_weakening_gain(drive), 15),
+        "field_weakening_current_pu_q15": fixed((control.field_weakening_current_a or 0.0) / base.current_a, 15),
+        "dead_time_zone_pu_q15": fixed(dead_time_zone_pu(drive), 15),
+    }
+
+
+def overcurrent_pu(drive: Drive) -> float:
+    """Per-unit phase current that trips: 30 % above the largest asked for, inside the converter's range."""
+    return min(OVERCURRENT_SHARE_MAX, 1.3 * drive.motor.max_phase_current_a / drive.inverter.current_full_scale_a)
+
+
+def field_weakening_gain(drive: Drive) -> float:
+    """Per-unit demagnetising current added per PWM period and unit of missing squared voltage.
+
+    Voltages u are shares of the circle's radius, limit v_dc / sqrt(3). The regulator integrates aim^2 - u^2. In the
+    steady state one ampere of i_d moves u by up to omega L_d sqrt(3) / (limit v_dc) and its square by 2 aim times
+    that, so the loop's bandwidth is the gain times f_pwm 2 aim omega L_d I_base sqrt(3) / (limit v_dc). It is set to
+    30 Hz at the largest speed and the lowest bus voltage, where it is fastest, well below the current loop's. Zero
+    when field weakening is off.
+    """
+    if not drive.control.field_weakening_current_a:
+        return 0.0
+    base = bases(drive)
+    reactance = relations.omega_max(drive) * drive.motor.d_inductance_h
+    slope = 2.0 * FIELD_WEAKENING_AIM * reactance * base.current_a / phase_voltage_limit_v(drive, drive.battery.min_voltage_v)
+    bandwidth = min(FIELD_WEAKENING_BANDWIDTH_HZ, drive.control.current_bandwidth_hz / 10.0)
+    return min(2.0 * math.pi * bandwidth * base.period_s / slope, 32767.0 / 32768.0)
+
+
+def rotor(drive: Drive) -> dict[str, int | list[int]]:
+    """Fill config_rotor_t: a second-order tracking loop with both poles at the bandwidth's rad/s (damping 1)."""
+    natural = 2.0 * math.pi * drive.rotor.pll_bandwidth_hz * bases(drive).period_s
+    return {
+        "sensor": {"angle": 0, "hall": 1}[drive.rotor.sensor],
+        "pll_bandwidth_Hz": nearest(drive.rotor.pll_bandwidth_hz),
+        "pll_proportional_q16": fixed(2.0 * natural, 16),
+        "pll_integral_q24": fixed(natural * natural, 24),
+        "edge_turn": [nearest(edge / 360.0 * 65536.0) % 65536 for edge in drive.rotor.hall_edges_deg],
+    }
+
+
+def nearest(value: float) -> int:
+    """Nearest whole number, halves upwards."""
+    return math.floor(value + 0.5)
+
+
+def fixed(value: float, fraction_bits: int) -> int:
+    """Nearest fixed-point number with so many fraction bits; 1.0 in Q15 becomes the largest int16."""
+    scaled = nearest(value * (1 << fraction_bits))
+    return min(scaled, 32767) if fraction_bits == 15 and scaled == 32768 else scaled

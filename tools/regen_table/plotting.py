@@ -1,0 +1,49 @@
+"""How figures look and how they are saved: one style, SVG and PNG of the same picture, the same bytes every time."""
+
+import io
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from regen_table import generate
+
+BLUE, ORANGE, GREEN, RED, PURPLE, GREY = "#1f5fa8", "#d9730d", "#2e8540", "#b3262a", "#6b4ea0", "#6e6e6e"
+STRATEGY_COLOURS = {"parallel_ratio": GREY, "parallel_free_travel": ORANGE, "series_optimal": BLUE}
+STRATEGY_NAMES = {"parallel_ratio": "parallel, fixed ratio", "parallel_free_travel": "parallel, free travel", "series_optimal": "series"}
+_STYLE: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 10.0,
+    "axes.titlesize": 11.0,
+    "axes.grid": True,
+    "grid.color": "#dddddd",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "figure.constrained_layout.use": True,
+    "svg.hashsalt": "hubfoc",
+    "svg.fonttype": "none",
+}
+
+
+def figure(title: str, columns: int = 1, rows: int = 1, width: float = 7.0, height: float = 4.6) -> tuple[Figure, list[Axes]]:
+    """Make a figure of ``rows`` x ``columns`` axes (inches); returns it and its axes in reading order."""
+    with mpl.rc_context(_STYLE):
+        made = Figure(figsize=(width, height))
+        grid = made.subplots(rows, columns, squeeze=False)
+        made.suptitle(title)
+    return made, [axes for row in grid for axes in row]
+
+
+def save(figures: dict[str, Figure], directory: Path) -> list[Path]:
+    """Write every figure as SVG and PNG, all of them or none; returns the paths."""
+    files: dict[str, bytes] = {}
+    for name, made in figures.items():
+        with mpl.rc_context(_STYLE):
+            vector, raster = io.BytesIO(), io.BytesIO()
+            made.savefig(vector, format="svg", metadata={"Date": None})
+            made.savefig(raster, format="png", dpi=110, metadata={"Software": None})
+        files |= {f"{name}.svg": vector.getvalue(), f"{name}.png": raster.getvalue()}
+    return generate.write_all(files, directory)

@@ -1,0 +1,229 @@
+"""Relations between the keys of a drive: what no single range can express.
+
+A mistake refuses the drive (nobody could build or brake with it); a warning describes a drive that works, but not as
+its numbers promise. Plain scalar arithmetic, so that this module needs nothing but the standard library.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from regen_table.schema import Drive
+
+
+def first_mistake(drive: Drive) -> str | None:
+    """Return one line "section.key: what, accepted", or None when the drive holds together."""
+    for check in _CHECKS:
+        for mistake in check(drive):
+            return mistake
+    return None
+
+
+def warnings(drive: Drive) -> list[str]:
+    """Return one line for everything that works, but not as promised."""
+    found = []
+    motor, battery = drive.motor, drive.battery
+    reachable = largest_torque_nm(drive, motor.max_phase_current_a)
+    if motor.max_torque_nm > reachable:
+        found.append(
+            f"motor.max_torque_nm: {motor.max_torque_nm:g} N m is never reached: "
+            f"max_phase_current_a = {motor.max_phase_current_a:g} A gives {reachable:.4g} N m"
+        )
+    emf, bus = line_emf_v(drive), lowest_open_circuit_v(drive)
+    if emf > bus:
+        found.append(
+            f"motor.max_speed_rpm: the back-EMF there is {emf:.4g} V between lines, above the battery's {bus:.4g} V: "
+            "current flows into the battery when the bridge is off"
+        )
+    if drive.brake.electric_rated_torque_nm > motor.max_torque_nm:
+        found.append(
+            f"brake.electric_rated_torque_nm: {drive.brake.electric_rated_torque_nm:g} N m is more than "
+            f"motor.max_torque_nm = {motor.max_torque_nm:g} N m"
+        )
+    if battery.max_charge_current_a == 0.0:
+        found.append("battery.max_charge_current_a: 0 A leaves no regeneration at all")
+    return found
+
+
+def omega_max(drive: Drive) -> float:
+    """Largest electrical speed in rad/s."""
+    return drive.motor.max_speed_rpm * math.pi / 30.0 * drive.motor.pole_pairs
+
+
+def line_emf_v(drive: Drive) -> float:
+    """Peak line-to-line back-EMF at the largest speed in V: what a bridge that is off rectifies onto the bus."""
+    return math.sqrt(3.0) * drive.motor.flux_linkage_wb * omega_max(drive)
+
+
+def overvoltage_trip_v(drive: Drive) -> float:
+    """Bus voltage in V at which the bridge must leave: what battery and board stand, and the board can still see."""
+    return min(1.05 * drive.battery.max_voltage_v, 0.98 * drive.inverter.voltage_full_scale_v)
+
+
+def lowest_open_circuit_v(drive: Drive) -> float:
+    """Open-circuit voltage in V, at the lowest listed state of charge where it depends on it."""
+    voltage = drive.battery.open_circuit_voltage_v
+    return voltage if isinstance(voltage, float | int) else voltage[0][1]
+
+
+def nominal_open_circuit_v(drive: Drive) -> float:
+    """Open-circuit voltage in V at half charge, or the one there is where it does not depend on it."""
+    voltage = drive.battery.open_circuit_voltage_v
+    if isinstance(voltage, float | int):
+        return voltage
+    for (soc, volts), (next_soc, next_volts) in itertools.pairwise(voltage):
+        if soc <= 0.5 <= next_soc:
+            return volts + (next_volts - volts) * (0.5 - soc) / (next_soc - soc)
+    return voltage[0][1] if voltage[0][0] > 0.5 else voltage[-1][1]
+
+
+def largest_torque_nm(drive: Drive, current_a: float) -> float:
+    """Largest torque in N m of a peak phase current at standstill, where no iron-loss current flows.
+
+    T = 1.5 p (psi + (L_d - L_q) i_d) i_q on the circle i_d^2 + i_q^2 = I^2. With d = L_q - L_d the best i_d solves
+    2 d i_d^2 - psi i_d - d I^2 = 0; the root below is the one with the larger torque for either sign of d.
+    """
+    motor = drive.motor
+    saliency = motor.q_inductance_h - motor.d_inductance_h
+    psi = motor.flux_linkage_wb
+    i_d = 0.0
+    if saliency != 0.0:
+        root = math.sqrt(psi * psi + 8.0 * (saliency * current_a) ** 2)
+        i_d = -2.0 * saliency * current_a * current_a / (psi + root)
+    i_q = math.sqrt(max(current_a * current_a - i_d * i_d, 0.0))
+    return 1.5 * motor.pole_pairs * (psi - saliency * i_d) * i_q
+
+
+def _inductances(drive: Drive) -> Iterator[str]:
+    motor = drive.motor
+    if motor.type == "spmsm" and not math.isclose(motor.d_inductance_h, motor.q_inductance_h, rel_tol=1e-9):
+        yield (
+            f"motor.q_inductance_h: {motor.q_inductance_h:g} H, accepted: equal to d_inductance_h "
+            f'({motor.d_inductance_h:g} H) when type = "spmsm"'
+        )
+
+
+def _iron(drive: Drive) -> Iterator[str]:
+    if drive.motor.iron_loss_resistance_ohm is not None and sum(drive.motor.iron_loss_resistance_ohm) == 0.0:
+        yield "motor.iron_loss_resistance_ohm: [0, 0] would short-circuit the motor, accepted: a0 + a1 > 0, or no such key for no iron loss"
+
+
+def _torques(drive: Drive) -> Iterator[str]:
+    motor = drive.motor
+    if motor.rated_torque_nm > motor.max_torque_nm:
+        yield f"motor.rated_torque_nm: {motor.rated_torque_nm:g} N m, accepted: at most max_torque_nm = {motor.max_torque_nm:g} N m"
+    reachable = largest_torque_nm(drive, motor.max_phase_current_a)
+    if motor.rated_torque_nm > reachable:
+        yield (
+            f"motor.rated_torque_nm: {motor.rated_torque_nm:g} N m, accepted: at most {reachable:.4g} N m, "
+            f"which is what max_phase_current_a = {motor.max_phase_current_a:g} A gives"
+        )
+
+
+def _currents(drive: Drive) -> Iterator[str]:
+    weakening, largest = drive.control.field_weakening_current_a, drive.motor.max_phase_current_a
+    if weakening is not None and weakening > largest:
+        yield f"control.field_weakening_current_a: {weakening:g} A, accepted: at most motor.max_phase_current_a = {largest:g} A"
+
+
+def _battery(drive: Drive) -> Iterator[str]:
+    battery = drive.battery
+    lowest, highest, voltage = battery.min_voltage_v, battery.max_voltage_v, battery.open_circuit_voltage_v
+    if lowest >= highest:
+        yield f"battery.min_voltage_v: {lowest:g} V, accepted: less than max_voltage_v = {highest:g} V"
+    if isinstance(voltage, float | int):
+        if not lowest <= voltage <= highest:
+            yield (
+                f"battery.open_circuit_voltage_v: {voltage:g} V, accepted: from min_voltage_v = {lowest:g} V "
+                f"to max_voltage_v = {highest:g} V"
+            )
+        return
+    if len(voltage) < 2:
+        yield "battery.open_circuit_voltage_v: one point, accepted: at least two [soc, V] points, or one number"
+        return
+    pairs = list(itertools.pairwise(voltage))
+    if any(b[0] <= a[0] or b[1] < a[1] for a, b in pairs):
+        yield "battery.open_circuit_voltage_v: accepted: soc rising and voltage not falling from point to point"
+    if voltage[0][1] > highest or voltage[-1][1] < lowest:
+        yield f"battery.open_circuit_voltage_v: accepted: a curve that meets min_voltage_v = {lowest:g} V to max_voltage_v = {highest:g} V"
+
+
+def _grid(drive: Drive) -> Iterator[str]:
+    lowest, highest = drive.table.temperature_range_c
+    if highest - lowest < 1.0:
+        yield f"table.temperature_range_c: [{lowest:g}, {highest:g}], accepted: [lowest, highest], at least 1 degC apart"
+
+
+def _temperatures(drive: Drive) -> Iterator[str]:
+    motor, (lowest, highest) = drive.motor, drive.table.temperature_range_c
+    resistance = 1.0 + motor.resistance_temperature_coefficient_per_k * (lowest - motor.reference_temperature_c)
+    flux = 1.0 + (motor.flux_temperature_coefficient_per_k or 0.0) * (highest - motor.reference_temperature_c)
+    if resistance < 0.1:
+        yield f"table.temperature_range_c: {lowest:g} degC leave {resistance:.2g} of the resistance, accepted: a lowest that leaves 0.1"
+    if flux < 0.1:
+        yield f"table.temperature_range_c: {highest:g} degC leave {flux:.2g} of the flux, accepted: a highest that leaves 0.1"
+
+
+def _handover(drive: Drive) -> Iterator[str]:
+    control = drive.control
+    if control.handover_end_rpm >= control.handover_start_rpm:
+        yield (
+            f"control.handover_end_rpm: {control.handover_end_rpm:g} r/min, accepted: less than "
+            f"handover_start_rpm = {control.handover_start_rpm:g} r/min"
+        )
+
+
+def _hall(drive: Drive) -> Iterator[str]:
+    edges = drive.rotor.hall_edges_deg
+    widths = [(b - a) % 360.0 for a, b in zip(edges, (*edges[1:], edges[0]), strict=True)]
+    if not math.isclose(sum(widths), 360.0) or not all(30.0 <= width <= 90.0 for width in widths):
+        yield "rotor.hall_edges_deg: accepted: six edges in forward order, 30 to 90 deg apart, once around"
+
+
+def _emf(drive: Drive) -> Iterator[str]:
+    emf, trip = line_emf_v(drive), overvoltage_trip_v(drive)
+    if emf <= trip:
+        return
+    where = f"motor.max_speed_rpm: the back-EMF at {drive.motor.max_speed_rpm:g} r/min is {emf:.4g} V between lines"
+    per_volt = emf / drive.motor.flux_linkage_wb
+    weakening = drive.control.field_weakening_current_a or 0.0
+    if weakening == 0.0:
+        allowed = drive.motor.max_speed_rpm * trip / emf
+        yield f"{where}, accepted: at most the bus limit of {trip:.4g} V ({allowed:.4g} r/min), or control.field_weakening_current_a > 0"
+        return
+    weakened = per_volt * max(drive.motor.flux_linkage_wb - drive.motor.d_inductance_h * weakening, 0.0)
+    lowest = drive.battery.min_voltage_v
+    if weakened > lowest:
+        needed = (drive.motor.flux_linkage_wb - lowest / per_volt) / drive.motor.d_inductance_h
+        yield (
+            f"{where}, above the bus limit of {trip:.4g} V; control.field_weakening_current_a = {weakening:g} A weakens it to "
+            f"{weakened:.4g} V, accepted: at most battery.min_voltage_v = {lowest:g} V, which takes {needed:.4g} A"
+        )
+
+
+def _regeneration(drive: Drive) -> Iterator[str]:
+    """B > 2 c1 / 3 must hold somewhere (peak quantities): else braking costs battery energy at any torque."""
+    motor, inverter = drive.motor, drive.inverter
+    dead_share = 2.0 * inverter.dead_time_s * inverter.pwm_frequency_hz
+    switching = 3.0 * (inverter.turn_on_loss_j_per_a + inverter.turn_off_loss_j_per_a) * inverter.pwm_frequency_hz / math.pi
+    threshold = (2.0 / 3.0) * (6.0 / math.pi * inverter.diode_forward_voltage_v * dead_share + switching)
+    a0, a1 = motor.iron_loss_resistance_ohm or (math.inf, 0.0)
+    best = 0.0
+    for step in range(1, 257):
+        omega = omega_max(drive) * step / 256
+        iron = omega / (a0 + a1 * omega)
+        best = max(best, omega * motor.flux_linkage_wb / (1.0 + iron * iron * motor.d_inductance_h * motor.q_inductance_h))
+    if best <= threshold:
+        yield (
+            f"motor.max_speed_rpm: no regeneration at any speed up to {motor.max_speed_rpm:g} r/min: the back-EMF stays below "
+            f"{best:.3g} V and the bridge's own drop is {threshold:.3g} V, accepted: a drive that can return energy somewhere"
+        )
+
+
+_CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
+    _inductances, _iron, _torques, _currents, _battery, _grid, _temperatures, _handover, _hall, _emf, _regeneration,
+)  # fmt: skip

@@ -1,0 +1,189 @@
+"""A drive: one motor with its inverter, battery, vehicle, brake and limits, read from TOML and checked.
+
+Light to import (pydantic and the standard library): the simulator reads the same files through this module.
+"""
+
+import difflib
+import re
+import tomllib
+import types
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self, Union, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from regen_table import relations
+from regen_table.errors import ConfigurationError
+from regen_table.sections import Battery, Brake, Control, Inverter, Motor, Rotor, Section, Sensors, Table, Vehicle
+
+__all__ = ["ConfigurationError", "Drive", "load", "parse"]
+
+MAX_FILE_BYTES = 1 << 20
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
+
+
+class Drive(Section):
+    """Everything known about one drive, SI units, keys as in the TOML file."""
+
+    motor: Motor
+    inverter: Inverter
+    battery: Battery
+    vehicle: Vehicle
+    brake: Brake
+    control: Control
+    table: Table
+    rotor: Rotor = Rotor()
+    sensors: Sensors = Sensors()
+    _name: str = "unnamed"
+
+    @property
+    def name(self) -> str:
+        """Name of the configuration: the file's name without its ending."""
+        return self._name
+
+    def named(self, name: str) -> Self:
+        """Return the same drive under another name (letter first; letters, digits, - and _; at most 31)."""
+        if not _NAME.fullmatch(name):
+            raise ConfigurationError(f"configuration name {name!r}: must be a letter followed by at most 30 letters, digits, '-' or '_'")
+        copy = self.model_copy()
+        copy._name = name
+        return copy
+
+
+def load(path: str | Path) -> Drive:
+    """Read and check one TOML file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; its name without ``.toml`` becomes the name of the configuration.
+
+    Raises
+    ------
+    ConfigurationError
+        One line: file, key, what is wrong, what is accepted.
+    """
+    path = Path(path)
+    text = _read(path)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigurationError(f"{path}: not valid TOML: {' '.join(str(error).split())}") from error
+    except RecursionError as error:
+        raise ConfigurationError(f"{path}: not valid TOML: nested too deeply") from error
+    return parse(data, name=path.stem, source=str(path))
+
+
+def parse(data: Mapping[str, Any], name: str, source: str) -> Drive:
+    """Check a drive that is already in memory as nested mappings; ``source`` begins every error line."""
+    try:
+        drive = Drive.model_validate(dict(data)).named(name)
+    except ValidationError as error:
+        raise ConfigurationError(f"{source}: {_first_mistake(error)}") from error
+    except ConfigurationError as error:
+        raise ConfigurationError(f"{source}: {error}") from error
+    mistake = relations.first_mistake(drive)
+    if mistake is not None:
+        raise ConfigurationError(f"{source}: {mistake}")
+    return drive
+
+
+def _read(path: Path) -> str:
+    """Return the file's text, refusing what cannot be a configuration before reading it."""
+    try:
+        if path.is_dir():
+            raise ConfigurationError(f"{path}: is a directory, a TOML file is needed")
+        with path.open("rb") as file:
+            raw = file.read(MAX_FILE_BYTES + 1)
+    except FileNotFoundError:
+        raise ConfigurationError(f"{path}: file not found") from None
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+        raise ConfigurationError(f"{path}: cannot be read: {reason}") from error
+    if len(raw) > MAX_FILE_BYTES:
+        raise ConfigurationError(f"{path}: larger than {MAX_FILE_BYTES} bytes, a drive takes a few thousand")
+    try:
+        return raw.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ConfigurationError(f"{path}: not UTF-8 text (byte {error.start})") from error
+
+
+# A misspelt key shows up twice, as an unknown one and as a missing one: the first of these says more.
+_ORDER = {"extra_forbidden": 0, "missing": 1}
+
+
+def _first_mistake(error: ValidationError) -> str:
+    """Turn what the validator found into one line about the most telling mistake."""
+    details = min(error.errors(include_url=False), key=lambda d: _ORDER.get(d["type"], 2))
+    keys = [str(part) for part in details["loc"][:2]]
+    return f"{'.'.join(keys)}: {_explain(details, keys)}"
+
+
+def _explain(details: ErrorDetails, keys: list[str]) -> str:
+    """Say what is wrong with one value and what would be accepted."""
+    kind, value = details["type"], details["input"]
+    parent = Drive if len(keys) == 1 else _section(keys[0])
+    if kind == "extra_forbidden":
+        what = "section" if parent is Drive and isinstance(value, Mapping) else "key"
+        known = list(parent.model_fields)
+        near = difflib.get_close_matches(keys[-1], known, n=1, cutoff=0.5)
+        return f"unknown {what}, did you mean {near[0]}?" if near else f"unknown {what}, known are {', '.join(known)}"
+    if parent is Drive:
+        return "this section is missing" if kind == "missing" else f"must be a section, found {_show(value)}"
+    accepted = _accepted(parent.model_fields[keys[1]])
+    absent = kind == "missing" and len(details["loc"]) == 2
+    return f"missing, accepted: {accepted}" if absent else f"{_show(value)} is not accepted, accepted: {accepted}"
+
+
+def _show(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _section(name: str) -> type[BaseModel]:
+    """Return the class of a section."""
+    section = Drive.model_fields[name].annotation
+    assert isinstance(section, type) and issubclass(section, BaseModel)
+    return section
+
+
+def _accepted(info: FieldInfo) -> str:
+    """Describe what a key takes: kind, range and unit."""
+    extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
+    unit = str(extra.get("unit", "1"))
+    kinds = [kind for kind in get_args(info.annotation) if kind is not type(None)] if _is_union(info.annotation) else [info.annotation]
+    return " or ".join(_accepted_kind(kind, info.metadata, unit) for kind in kinds)
+
+
+def _accepted_kind(kind: object, metadata: list[Any], unit: str) -> str:
+    """Describe one of the kinds of value that a key takes."""
+    if get_origin(kind) is Annotated:
+        bare, *notes = get_args(kind)
+        fields = [note for note in notes if isinstance(note, FieldInfo)]
+        extra = next((f.json_schema_extra for f in fields if isinstance(f.json_schema_extra, dict)), {})
+        return _accepted_kind(bare, [m for f in fields for m in f.metadata], str(extra.get("unit", "1")))
+    if get_origin(kind) is Literal:
+        return " or ".join(f'"{choice}"' for choice in get_args(kind))
+    if get_origin(kind) is tuple:
+        elements = get_args(kind)
+        if elements[-1] is Ellipsis:
+            return f"a list of ({_accepted_kind(elements[0], [], unit)})"
+        texts = [_accepted_kind(element, [], unit) for element in elements]
+        return f"a list of {len(texts)}: " + (f"{texts[0]} each" if len(set(texts)) == 1 else ", ".join(texts))
+    lowest, highest = _bounds(metadata)
+    if kind is str:
+        return f"text of {lowest} to {highest} characters"
+    return f"{'a whole number' if kind is int else 'a number'} from {lowest:g} to {highest:g}" + (f" {unit}" if unit != "1" else "")
+
+
+def _is_union(annotation: object) -> bool:
+    return get_origin(annotation) in {Union, types.UnionType}
+
+
+def _bounds(metadata: list[Any]) -> tuple[Any, Any]:
+    lowest = next((v for m in metadata for n in ("ge", "min_length") if (v := getattr(m, n, None)) is not None), None)
+    highest = next((v for m in metadata for n in ("le", "max_length") if (v := getattr(m, n, None)) is not None), None)
+    return lowest, highest

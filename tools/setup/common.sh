@@ -1,0 +1,73 @@
+# shellcheck shell=bash
+# Talking to people and running noisy commands. Sourced by tools/dev, which sets ROOT.
+# Everything said here goes to stderr: stdout belongs to the command that was asked for, so that
+# `tools/dev python -m regen_table solve ... --json` can be piped even on the run that installs things.
+
+readonly LOG_DIR="$ROOT/.dev/log"
+readonly EXIT_USAGE=2
+
+say() { printf '%s\n' "$*" >&2; }
+
+fail() {
+    printf 'tools/dev: %s\n' "$*" >&2
+    exit 1
+}
+
+# For everything the caller can mend by typing something else: unknown words, files that are not there.
+usage_fail() {
+    printf 'tools/dev: %s\n' "$*" >&2
+    exit "$EXIT_USAGE"
+}
+
+# Ctrl-C ends everything, also where a program takes it as "stop this one thing" and ends by itself, as ctest does.
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+have() { command -v "$1" >/dev/null 2>&1; }
+
+# version_at_least HAVE WANT: dotted numbers.
+version_at_least() {
+    [[ "$(printf '%s\n%s\n' "$2" "$1" | sort -V | head -n 1)" == "$2" ]]
+}
+
+# Prints how long the step has run and the last line of its log, once a second on a terminal, rarely in a log file.
+# Ends by itself when tools/dev does, whatever ended it. `read -t` is the pause because, unlike `sleep`, it leaves no
+# child behind that keeps a pipe open.
+report_progress() {
+    local label=$1 log=$2 parent=$3 begin=$SECONDS period=20 line
+    [[ -t 2 ]] && period=1
+    while read -rt "$period" _ <> <(:) || kill -0 "$parent" 2>/dev/null; do
+        line=$(tail -n 1 "$log" 2>/dev/null | tr -d '\000-\037' | cut -c 1-70) || line=
+        if [[ -t 2 ]]; then
+            printf '\r\033[K%s: %d s  %s' "$label" "$((SECONDS - begin))" "$line" >&2
+        else
+            printf '%s: %d s  %s\n' "$label" "$((SECONDS - begin))" "$line" >&2
+        fi
+    done
+}
+
+# run_logged LABEL LOGNAME COMMAND...: the output goes to a log; its last lines are shown only if the command fails.
+# The command stays in the foreground and the reporter goes to the background, because bash makes background commands
+# deaf to Ctrl-C, and it is the command that has to hear it.
+run_logged() {
+    local label=$1 log=$LOG_DIR/$2.log begin=$SECONDS status=0 reporter
+    shift 2
+    mkdir -p "$LOG_DIR"
+    : >"$log"
+    report_progress "$label" "$log" "$$" &
+    reporter=$!
+    # shellcheck disable=SC2064  # the number is meant to be put in now
+    trap "kill $reporter 2>/dev/null; exit 130" INT
+    "$@" >"$log" 2>&1 </dev/null 9>&- || status=$? # 9 is the set-up lock; a service that apt starts must not keep it
+    kill "$reporter" 2>/dev/null || true
+    wait "$reporter" 2>/dev/null || true
+    trap 'exit 130' INT
+    [[ -t 2 ]] && printf '\r\033[K' >&2
+    if ((status != 0)); then
+        say "$label: failed after $((SECONDS - begin)) s; the end of ${log#"$ROOT"/}:"
+        tail -n 20 "$log" | cut -c 1-200 | sed 's/^/    /' >&2
+        return "$status"
+    fi
+    # Nothing was to do, nothing is said: LAST_LINE_IF_IDLE is how the program puts it.
+    [[ -n ${LAST_LINE_IF_IDLE:-} && $(tail -n 1 "$log") == "$LAST_LINE_IF_IDLE" ]] || say "$label: done in $((SECONDS - begin)) s"
+}

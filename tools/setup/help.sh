@@ -1,0 +1,146 @@
+# shellcheck shell=bash
+# What each command says for --help.
+
+help_top() {
+    cat <<'TEXT'
+Usage: tools/dev COMMAND [ARGUMENT...]
+
+From a bare Debian 12, Debian 13 or Ubuntu 24.04, every command first installs what it needs and misses
+(root or sudo; system packages with apt, Python packages into .dev/venv), then does its work.
+
+  sim                           the urban cycle under the three braking strategies: energy table and report
+  test                          all tests: host, host with sanitizers, emulated Cortex-M4
+  table CONFIG.toml [-o DIR]    configuration and torque table of one vehicle, as C and as a binary image
+  firmware [PORT]               ELF, BIN, HEX, sizes and depth of the stack; PORT is stm32f405 (default) or qemu
+  flash [PORT]                  firmware onto a board through a debug probe
+  hubsim ARGUMENT...            the simulator's own command
+  python ARGUMENT...            the project's Python, with hubsim and regen_table importable
+  bench                         instructions, stack, code size, simulation speed
+  report                        show the page that sim wrote
+  format                        rewrite all sources in the project's format
+  lint                          format, types and static checks
+  setup [GROUP...]              only install
+  clean [--all]                 remove build/ (with --all also .dev/)
+
+tools/dev COMMAND --help says more. Exit status: 0 done, 1 failed, 2 wrong usage.
+TEXT
+}
+
+help_sim() {
+    cat <<'TEXT'
+Usage: tools/dev sim
+
+Builds the simulation engine, drives the urban cycle with the three braking strategies, four complete controllers each,
+prints the energy table and writes build/report/index.html (opens offline) and build/report/summary.json.
+TEXT
+}
+
+help_test() {
+    cat <<'TEXT'
+Usage: tools/dev test
+
+Builds and tests, one preset after the other: host, host-asan (address and undefined-behaviour sanitizers), stm32f405 and
+qemu (the firmware on an emulated Cortex-M4). All are run even if one fails; what ctest says at the end of each comes last.
+TEXT
+}
+
+help_table() {
+    cat <<'TEXT'
+Usage: tools/dev table CONFIG.toml [-o DIR]
+
+Turns one vehicle's TOML (see tools/motors) into the configuration that the firmware is built with: <name>.c and, with
+the same bytes, <name>.bin. Without -o they go to firmware/config/generated.
+TEXT
+}
+
+help_firmware() {
+    cat <<'TEXT'
+Usage: tools/dev firmware [PORT] [--config NAME]
+
+Builds the firmware for PORT, stm32f405 (default) or qemu, says how big it is, how deep the stack gets and where ELF, BIN and HEX are.
+NAME is a configuration in firmware/config/generated (made by tools/dev table); lu2013 if not given.
+TEXT
+}
+
+help_flash() {
+    cat <<'TEXT'
+Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd]
+
+Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe, an ST-Link unless said
+otherwise, with OpenOCD (default) or with pyOCD, which finds the probe itself and fetches a device pack on first use.
+With --only-config the program on the board stays and only the configuration's sector is written: another motor, the
+same firmware. Wheel off the ground, please.
+TEXT
+}
+
+help_hubsim() {
+    cat <<'TEXT'
+Usage: tools/dev hubsim ARGUMENT...
+
+Brings the simulation engine up to date and hands the arguments to `python -m hubsim`; its own help follows once it is
+installed (tools/dev setup), and `tools/dev hubsim COMMAND --help` is its own as well.
+TEXT
+}
+
+help_python() {
+    cat <<'TEXT'
+Usage: tools/dev python ARGUMENT...
+
+Runs the private Python environment .dev/venv, in which hubsim and regen_table can be imported. For example:
+  tools/dev python -m regen_table solve tools/motors/lu2013.toml --speed-rpm 100,200 --winding-temperature-c 25 --json
+TEXT
+}
+
+help_bench() {
+    cat <<'TEXT'
+Usage: tools/dev bench [--config NAME] [--no-simulation] [--check]
+
+Measures both step functions on emulated cores (instructions, code, stack), the firmware's size and the simulation's speed;
+prints them and writes build/bench.json. With --check a missed budget is a failure.
+TEXT
+}
+
+help_report() {
+    cat <<'TEXT'
+Usage: tools/dev report
+
+Opens build/report/index.html in the browser where there is one, else says where it lies. Runs sim first if it is not there.
+TEXT
+}
+
+help_format() {
+    cat <<'TEXT'
+Usage: tools/dev format
+
+Rewrites every C and Python source, except generated ones, in the project's format (clang-format and ruff, both pinned).
+TEXT
+}
+
+help_lint() {
+    cat <<'TEXT'
+Usage: tools/dev lint
+
+Checks without changing anything: the tests labelled lint (clang-format, ruff, mypy, clang-tidy) and shellcheck. Exit status 1 if
+any found something.
+TEXT
+}
+
+help_setup() {
+    cat <<'TEXT'
+Usage: tools/dev setup [GROUP...]
+
+Installs what the other commands would install when they need it. Groups (all, if none is named):
+  build    cmake, ninja                     host     gcc, g++
+  python   .dev/venv                        unit     ruby, CMock with Unity, Eigen, doctest
+  arm      arm-none-eabi-gcc, newlib        qemu     qemu-system-arm
+  checks   clang-tidy, shellcheck           proofs   CBMC, clang with its fuzzer
+TEXT
+}
+
+help_clean() {
+    cat <<'TEXT'
+Usage: tools/dev clean [--all]
+
+Removes build/; with --all also .dev/, that is the Python environment, CMock and the logs.
+TEXT
+}
