@@ -93,11 +93,13 @@ typedef struct {
 #define VEHICLE(name, lowest, highest, unit, text) SCALAR(vehicle, name, lowest, highest)
 #define MONITOR(name, lowest, highest, unit, text) SCALAR(monitor, name, lowest, highest)
 #define REGEN_MAP(name, lowest, highest, unit, text) SCALAR(regen_map, name, lowest, highest)
+#define CURRENT_MAP(name, lowest, highest, unit, text) SCALAR(current_map, name, lowest, highest)
 
 static const field_t FIELDS[] = {
     CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE) CONFIG_CURRENT_LOOP_FIELDS(CURRENT_LOOP)
         CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL) CONFIG_BATTERY_FIELDS(BATTERY) CONFIG_BRAKE_FIELDS(BRAKE)
-            CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_MONITOR_FIELDS(MONITOR) CONFIG_REGEN_MAP_FIELDS(REGEN_MAP)};
+            CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_MONITOR_FIELDS(MONITOR) CONFIG_REGEN_MAP_FIELDS(REGEN_MAP)
+                CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)};
 enum { FIELD_COUNT = sizeof(FIELDS) / sizeof(FIELDS[0]) };
 
 static bool accepted(config_t *config)
@@ -143,13 +145,12 @@ static slow_input_t take_slow_input(bytes_t *bytes)
 }
 
 /* What a slow reach may say without having been asked: any reference, any speed and bus voltage to be tuned for. */
-static void take_command(slow_to_fast_t *command, const config_t *config, const fast_to_slow_t *report, bytes_t *bytes)
+static void take_command(slow_to_fast_t *command, const config_t *config, int32_t modulation_limit_q15, bytes_t *bytes)
 {
     command->foc.i_reference_pu.d = (int16_t)take16(bytes);
     command->foc.i_reference_pu.q = (int16_t)take16(bytes);
-    command->foc.tuning =
-        current_loop_tuning(config, report->foc.modulation_limit_q15, take_within(bytes, -32768, 32767),
-                            take_within(bytes, INT32_MIN, INT32_MAX));
+    command->foc.tuning = current_loop_tuning(config, modulation_limit_q15, take_within(bytes, -32768, 32767),
+                                              take_within(bytes, INT32_MIN, INT32_MAX));
     command->foc.calibrate_offsets = (take8(bytes) & 7U) == 0;
     command->permission.bridge = (bridge_mode_t)(take8(bytes) % 3U);
     command->monitor.safe_bridge = (take8(bytes) & 1U) != 0 ? BRIDGE_SHORT : BRIDGE_OFF;
@@ -219,7 +220,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                 check_slow(&config, &out);
             }
         } else if (what < 64) {
-            take_command(&command, &config, &report, &bytes);
+            take_command(&command, &config, controller.slow.modulation_limit_q15, &bytes);
         }
         const fast_input_t in = take_fast_input(&bytes);
         for (int repeat = what % 16; repeat >= 0; repeat--) {
