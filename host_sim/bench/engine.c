@@ -265,6 +265,21 @@ int hubsim_signal_name(const hubsim_t *sim, int index, char *name, int size)
     return HUBSIM_OK;
 }
 
+static bool is_signal(const hubsim_t *sim, int index)
+{
+    return index >= 0 && index < hubsim_signal_count(sim);
+}
+
+const char *hubsim_signal_unit(const hubsim_t *sim, int index)
+{
+    return is_signal(sim, index) ? signals_unit(&sim->bench, index) : NULL;
+}
+
+const char *hubsim_signal_text(const hubsim_t *sim, int index)
+{
+    return is_signal(sim, index) ? signals_text(&sim->bench, index) : NULL;
+}
+
 int hubsim_choose(hubsim_t *sim, const int *indices, int count)
 {
     if (!sim->has_started) {

@@ -4,68 +4,72 @@
 
 typedef enum { VALUE, RATE } kind_t;
 
-/* X(name, kind, expression of the bench b and its accounts) */
+/* clang-format off */
+/* X(name, kind, unit, meaning, expression of the bench b and its accounts) */
 #define BENCH_SIGNALS(X)                                                                                               \
-    X("time_s", VALUE, b->time_s)                                                                                      \
-    X("driver.reference_m_per_s", VALUE, b->demand.reference_m_per_s)                                                  \
-    X("driver.drive_nm", VALUE, b->demand.drive_nm)                                                                    \
-    X("driver.brake_nm", VALUE, b->demand.brake_nm)                                                                    \
-    X("vehicle.speed_m_per_s", VALUE, b->vehicle.speed_m_per_s)                                                        \
-    X("vehicle.acceleration_m_per_s2", RATE, b->vehicle.speed_m_per_s)                                                 \
-    X("vehicle.distance_m", VALUE, b->vehicle.distance_m)                                                              \
-    X("vehicle.height_m", VALUE, b->vehicle.height_m)                                                                  \
-    X("battery.voltage_v", VALUE, b->battery.terminal_v)                                                               \
-    X("battery.current_a", VALUE, b->battery.current_a)                                                                \
-    X("battery.soc", VALUE, b->battery.soc)                                                                            \
-    X("battery.polarisation_v", VALUE, b->battery.polarisation_v)                                                      \
-    X("battery.collapsed", VALUE, b->battery.collapsed ? 1.0 : 0.0)                                                    \
-    X("battery.chemical_w", RATE, accounts->run.chemical_j)                                                            \
-    X("battery.loss_w", RATE, accounts->run.battery_j)
+    X("time_s", VALUE, "s", "since the run began", b->time_s) \
+    X("driver.reference_m_per_s", VALUE, "m/s", "speed the driver is to follow", b->demand.reference_m_per_s) \
+    X("driver.drive_nm", VALUE, "N.m", "drive pedal, at each driven wheel, positive forward", b->demand.drive_nm) \
+    X("driver.brake_nm", VALUE, "N.m", "brake pedal, at each driven wheel, magnitude", b->demand.brake_nm) \
+    X("vehicle.speed_m_per_s", VALUE, "m/s", "over ground, positive forward", b->vehicle.speed_m_per_s) \
+    X("vehicle.acceleration_m_per_s2", RATE, "m/s2", "mean over the row", b->vehicle.speed_m_per_s) \
+    X("vehicle.distance_m", VALUE, "m", "since the run began", b->vehicle.distance_m) \
+    X("vehicle.height_m", VALUE, "m", "climbed since the run began", b->vehicle.height_m) \
+    X("battery.voltage_v", VALUE, "V", "at the terminals", b->battery.terminal_v) \
+    X("battery.current_a", VALUE, "A", "positive out of the battery", b->battery.current_a) \
+    X("battery.soc", VALUE, "1", "state of charge", b->battery.soc) \
+    X("battery.polarisation_v", VALUE, "V", "over the RC branch", b->battery.polarisation_v) \
+    X("battery.collapsed", VALUE, "", "1: more power was drawn than the battery can give", b->battery.collapsed ? 1.0 : 0.0) \
+    X("battery.chemical_w", RATE, "W", "power drawn from the cells, mean over the row", accounts->run.chemical_j) \
+    X("battery.loss_w", RATE, "W", "heat in the battery, mean over the row", accounts->run.battery_j)
 
-/* X(name, kind, expression of the wheel w) */
+/* X(name, kind, unit, meaning, expression of the wheel w) */
 #define WHEEL_SIGNALS(X)                                                                                               \
-    X("motor_torque_nm", RATE, w->totals.torque_impulse_nms)                                                           \
-    X("hydraulic_torque_nm", RATE, w->totals.hydraulic_impulse_nms)                                                    \
-    X("dc_w", RATE, w->totals.dc_j)                                                                                    \
-    X("shaft_w", RATE, w->totals.shaft_j)                                                                              \
-    X("copper_w", RATE, w->totals.copper_j)                                                                            \
-    X("iron_w", RATE, w->totals.iron_j)                                                                                \
-    X("inverter_w", RATE, w->totals.conduction_j + w->totals.diode_j + w->totals.switching_j)                          \
-    X("phase_a_a", VALUE, plant_inverse_clarke(w->rotor.terminal).a)                                                   \
-    X("phase_b_a", VALUE, plant_inverse_clarke(w->rotor.terminal).b)                                                   \
-    X("phase_c_a", VALUE, plant_inverse_clarke(w->rotor.terminal).c)                                                   \
-    X("current_d_a", VALUE, plant_park(w->rotor.terminal, w->rotor.axis).d)                                            \
-    X("current_q_a", VALUE, plant_park(w->rotor.terminal, w->rotor.axis).q)                                            \
-    X("theta_turn", VALUE, w->rotor.theta_turn)                                                                        \
-    X("winding_temperature_c", VALUE, w->winding.temperature_c)                                                        \
-    X("switch_temperature_c", VALUE, w->switches.temperature_c)                                                        \
-    X("bridge", VALUE, (double)w->active.bridge)                                                                       \
-    X("command_nm", VALUE, 1e-3 * w->slow.motor_torque_command_mNm)                                                    \
-    X("estimate_nm", VALUE, 1e-3 * w->slow.motor_torque_estimate_mNm)                                                  \
-    X("hydraulic_command_nm", VALUE, 1e-3 * w->slow.hydraulic_torque_mNm)                                              \
-    X("available_nm", VALUE, 1e-3 * w->slow.electric_brake_available_mNm)                                              \
-    X("speed_estimate_rad_per_s", VALUE, 1e-3 * w->slow.speed_mrad_s)                                                  \
-    X("theta_estimate_turn", VALUE, (double)w->to_slow.foc.theta_turn / 65536.0)                                       \
-    X("current_d_estimate_a", VALUE, 1e-3 * w->slow.i_d_mA)                                                            \
-    X("current_q_estimate_a", VALUE, 1e-3 * w->slow.i_q_mA)                                                            \
-    X("voltage_estimate_v", VALUE, 1e-3 * w->slow.bus_voltage_mV)                                                      \
-    X("bus_current_estimate_a", VALUE, 1e-3 * w->slow.bus_current_mA)                                                  \
-    X("reason", VALUE, (double)w->slow.torque_reason)                                                                  \
-    X("available_reason", VALUE, (double)w->slow.available_reason)                                                     \
-    X("fault_reason", VALUE, (double)w->slow.fault_reason)                                                             \
-    X("first_fault_reason", VALUE, (double)w->first_fault)                                                             \
-    X("first_fault_s", VALUE, w->first_fault_s)                                                                        \
-    X("mode", VALUE, (double)w->slow.mode)                                                                             \
-    X("stop_lamp", VALUE, w->slow.stop_lamp ? 1.0 : 0.0)
+    X("motor_torque_nm", RATE, "N.m", "airgap torque, positive driving forward, mean over the row", w->totals.torque_impulse_nms) \
+    X("hydraulic_torque_nm", RATE, "N.m", "positive against forward motion, mean over the row", w->totals.hydraulic_impulse_nms) \
+    X("dc_w", RATE, "W", "power taken from the bus, mean over the row", w->totals.dc_j) \
+    X("shaft_w", RATE, "W", "power of the motor at the wheel, positive driving, mean over the row", w->totals.shaft_j) \
+    X("copper_w", RATE, "W", "heat in the winding, mean over the row", w->totals.copper_j) \
+    X("iron_w", RATE, "W", "heat in the iron, mean over the row", w->totals.iron_j) \
+    X("inverter_w", RATE, "W", "heat, mean over the row", w->totals.conduction_j + w->totals.diode_j + w->totals.switching_j) \
+    X("phase_a_a", VALUE, "A", "current into phase a", plant_inverse_clarke(w->rotor.terminal).a) \
+    X("phase_b_a", VALUE, "A", "current into phase b", plant_inverse_clarke(w->rotor.terminal).b) \
+    X("phase_c_a", VALUE, "A", "current into phase c", plant_inverse_clarke(w->rotor.terminal).c) \
+    X("current_d_a", VALUE, "A", "direct-axis current, peak phase value", plant_park(w->rotor.terminal, w->rotor.axis).d) \
+    X("current_q_a", VALUE, "A", "quadrature-axis current, peak phase value", plant_park(w->rotor.terminal, w->rotor.axis).q) \
+    X("theta_turn", VALUE, "turn", "electrical angle of the rotor", w->rotor.theta_turn) \
+    X("winding_temperature_c", VALUE, "degC", "of the winding", w->winding.temperature_c) \
+    X("switch_temperature_c", VALUE, "degC", "of the switches", w->switches.temperature_c) \
+    X("bridge", VALUE, "", "what the bridge does: 0 off, 1 pulse-width modulation, 2 short circuit", (double)w->active.bridge) \
+    X("command_nm", VALUE, "N.m", "controller: torque the current loop is asked for", 1e-3 * w->slow.motor_torque_command_mNm) \
+    X("estimate_nm", VALUE, "N.m", "controller: torque worked out from measured currents", 1e-3 * w->slow.motor_torque_estimate_mNm) \
+    X("hydraulic_command_nm", VALUE, "N.m", "controller: command to the hydraulic brake, magnitude", 1e-3 * w->slow.hydraulic_torque_mNm) \
+    X("available_nm", VALUE, "N.m", "controller: braking torque the motor could add", 1e-3 * w->slow.electric_brake_available_mNm) \
+    X("speed_estimate_rad_per_s", VALUE, "rad/s", "controller: mechanical speed", 1e-3 * w->slow.speed_mrad_s) \
+    X("theta_estimate_turn", VALUE, "turn", "controller: electrical angle of the rotor", (double)w->to_slow.foc.theta_turn / 65536.0) \
+    X("current_d_estimate_a", VALUE, "A", "controller: direct-axis current, low-passed", 1e-3 * w->slow.i_d_mA) \
+    X("current_q_estimate_a", VALUE, "A", "controller: quadrature-axis current, low-passed", 1e-3 * w->slow.i_q_mA) \
+    X("voltage_estimate_v", VALUE, "V", "controller: bus voltage", 1e-3 * w->slow.bus_voltage_mV) \
+    X("bus_current_estimate_a", VALUE, "A", "controller: bus current, positive out of the battery", 1e-3 * w->slow.bus_current_mA) \
+    X("reason", VALUE, "", "controller: what bounds the motor torque, 0 nothing", (double)w->slow.torque_reason) \
+    X("available_reason", VALUE, "", "controller: what bounds the braking torque available", (double)w->slow.available_reason) \
+    X("fault_reason", VALUE, "", "controller: the latched fault, 0 healthy", (double)w->slow.fault_reason) \
+    X("first_fault_reason", VALUE, "", "the first fault of the run, 0 none", (double)w->first_fault) \
+    X("first_fault_s", VALUE, "s", "when it came", w->first_fault_s) \
+    X("mode", VALUE, "", "controller: 0 boot, 1 self-test, 2 offset calibration, 3 ready, 4 run, 5 limp, 6 fault", (double)w->slow.mode) \
+    X("stop_lamp", VALUE, "", "controller: 1 the stop lamp is lit", w->slow.stop_lamp ? 1.0 : 0.0)
+
+/* clang-format on */
 
 typedef struct {
     const char *name;
     kind_t kind;
+    const char *unit, *text;
 } line_t;
 
-#define LINE(name, kind, expression) {name, kind},
-#define LEDGER_LINE(name, text) {"energy." #name, VALUE},
-#define BRAKING_LINE(name, text) {"braking." #name, VALUE},
+#define LINE(name, kind, unit, text, expression) {name, kind, unit, text},
+#define LEDGER_LINE(name, text) {"energy." #name, VALUE, "J", text},
+#define BRAKING_LINE(name, text) {"braking." #name, VALUE, "J", "while the driver brakes: " text},
 static const line_t BENCH_LINES[] = {BENCH_SIGNALS(LINE) LEDGER_LIST(LEDGER_LINE) LEDGER_LIST(BRAKING_LINE)};
 static const line_t WHEEL_LINES[] = {WHEEL_SIGNALS(LINE)};
 
@@ -94,13 +98,25 @@ void signals_name(const bench_t *bench, int index, char *name, size_t size)
     }
 }
 
+const char *signals_unit(const bench_t *bench, int index)
+{
+    (void)bench;
+    return line_at(index)->unit;
+}
+
+const char *signals_text(const bench_t *bench, int index)
+{
+    (void)bench;
+    return line_at(index)->text;
+}
+
 bool signals_is_rate(const bench_t *bench, int index)
 {
     (void)bench;
     return line_at(index)->kind == RATE;
 }
 
-#define READ(name, kind, expression) (expression),
+#define READ(name, kind, unit, text, expression) (expression),
 #define READ_RUN(name, text) accounts->run.name,
 #define READ_BRAKING(name, text) accounts->braking.name,
 

@@ -63,6 +63,10 @@ int hubsim_start(hubsim_t *sim);
 int hubsim_signal_count(const hubsim_t *sim);
 int hubsim_signal_name(const hubsim_t *sim, int index, char *name, int size);
 
+/* Unit ("N.m", "m/s2", "1" for a share, "" for a code or a flag) and meaning; NULL outside 0 <= index < count. */
+const char *hubsim_signal_unit(const hubsim_t *sim, int index);
+const char *hubsim_signal_text(const hubsim_t *sim, int index);
+
 /* Which signals hubsim_run records, as indices. */
 int hubsim_choose(hubsim_t *sim, const int *indices, int count);
 

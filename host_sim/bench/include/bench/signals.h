@@ -17,6 +17,10 @@ int signals_count(const bench_t *bench);
 /* 0 <= index < signals_count(bench). Writes at most `size` characters, terminated. */
 void signals_name(const bench_t *bench, int index, char *name, size_t size);
 
+/* The unit as the FMI standard spells units ("N.m", "m/s2", "degC"), "1" for a share, "" for a code or a flag; what it is. */
+const char *signals_unit(const bench_t *bench, int index);
+const char *signals_text(const bench_t *bench, int index);
+
 bool signals_is_rate(const bench_t *bench, int index);
 
 /* The accounts that signals are read from; made once for all signals of an instant. */

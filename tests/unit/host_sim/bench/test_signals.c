@@ -50,6 +50,37 @@ void test_every_name_is_there_once(void)
     }
 }
 
+static bool ends_with(const char *name, const char *end)
+{
+    const size_t length = strlen(name);
+    return length >= strlen(end) && strcmp(name + length - strlen(end), end) == 0;
+}
+
+void test_the_unit_is_the_one_at_the_end_of_the_name_and_every_signal_says_what_it_is(void)
+{
+    /* The longest ending counts, so it comes first. */
+    static const char *const UNITS[][2] = {{"_m_per_s2", "m/s2"}, {"_rad_per_s", "rad/s"},
+                                           {"_m_per_s", "m/s"},   {"_turn", "turn"},
+                                           {"_nm", "N.m"},        {"_a", "A"},
+                                           {"_c", "degC"},        {"_j", "J"},
+                                           {"_m", "m"},           {"_s", "s"},
+                                           {"_v", "V"},           {"_w", "W"}};
+    char name[NAME_LENGTH];
+    for (int k = 0; k < signals_count(bench); k++) {
+        signals_name(bench, k, name, sizeof(name));
+        const char *unit = NULL;
+        for (size_t u = 0; u < sizeof(UNITS) / sizeof(UNITS[0]) && unit == NULL; u++) {
+            unit = ends_with(name, UNITS[u][0]) ? UNITS[u][1] : NULL;
+        }
+        if (unit != NULL) {
+            TEST_ASSERT_EQUAL_STRING_MESSAGE(unit, signals_unit(bench, k), name);
+        } else {
+            TEST_ASSERT_TRUE_MESSAGE(strlen(signals_unit(bench, k)) <= 1, name);
+        }
+        TEST_ASSERT_TRUE_MESSAGE(strlen(signals_text(bench, k)) > 3, name);
+    }
+}
+
 void test_signals_are_the_values_of_their_names(void)
 {
     TEST_ASSERT_EQUAL_DOUBLE(bench->time_s, value_of("time_s"));
