@@ -1,6 +1,7 @@
 #include "bench/bench.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #include "plant/numbers.h"
 
@@ -16,9 +17,19 @@ void bench_refresh(bench_t *bench)
     bench->world = wheel_world(&bench->params, &bench->config);
     bench->road_vehicle = vehicle_on_road(&bench->params.vehicle, &bench->params.road);
     for (int k = 0; k < bench->wheels; k++) {
-        wheel_t *wheel = &bench->wheel[k];
-        wheel->machine = pmsm_at_temperature(&bench->params.motor, wheel->winding.temperature_c);
+        wheel_refresh(&bench->wheel[k], &bench->world);
     }
+}
+
+const char *bench_objection(const bench_t *bench, const bench_params_t *changed)
+{
+    if (changed->bus.capacitance_f != bench->params.bus.capacitance_f) {
+        return "bus.capacitance_f: cannot be changed during a run";
+    }
+    if (changed->bus.contactor_open > 0.0 && changed->bus.capacitance_f <= 0.0) {
+        return "bus.contactor_open: accepted: 0 as long as bus.capacitance_f is 0";
+    }
+    return NULL;
 }
 
 static void begin_accounts(bench_t *bench)
@@ -28,7 +39,10 @@ static void begin_accounts(bench_t *bench)
     bench->braking = empty;
     bench->is_braking = false;
     bench->battery = battery_init(&bench->params.battery, bench->world.period_s);
+    bench->bus = bus_init(&bench->battery);
+    bench->bus_before_j = bus_stored_j(&bench->params.bus, &bench->bus);
     bench->driver = driver_init();
+    bench->demand_age_s = 0.0;
     bench->period = 0;
     bench->time_s = 0.0;
     bench->slow_steps = 0;
@@ -81,9 +95,13 @@ static void slow_step(bench_t *bench)
 {
     const bench_params_t *params = &bench->params;
     if (bench->held) {
+        bench->demand_age_s = 0.0;
         const driver_demand_t feet_off = {.reference_m_per_s = bench->vehicle.speed_m_per_s};
         bench->demand = feet_off;
+    } else if (params->driver.silent > 0.5) {
+        bench->demand_age_s += SLOW_STEP_S;
     } else {
+        bench->demand_age_s = params->driver.demand_age_s;
         bench->demand = driver_step(&params->driver, &bench->driver, &bench->trace, &bench->road_vehicle, bench->wheels,
                                     bench->vehicle.speed_m_per_s, bench->time_s, SLOW_STEP_S);
     }
@@ -93,9 +111,10 @@ static void slow_step(bench_t *bench)
         .brake_nm = bench->demand.brake_nm,
         .charge_limit_a = battery_charge_limit_a(&params->battery, &bench->battery),
         .discharge_limit_a = battery_discharge_limit_a(&params->battery, &bench->battery),
-        .demand_age_s = bench->held ? 0.0 : params->driver.demand_age_s,
+        .demand_age_s = bench->demand_age_s,
+        .current_drift_a = bench->held ? 0.0 : params->sensors.current_drift_a_per_s * bench->time_s,
         .speed_rad_s = bench_wheel_speed_rad_s(bench),
-        .bus_voltage_v = bench->battery.terminal_v,
+        .bus_voltage_v = bench->bus.voltage_v,
         .time_s = bench->time_s,
         .enable = bench->held || params->driver.enable > 0.5,
         .abs_active = !bench->held && params->driver.abs_active > 0.5,
@@ -112,14 +131,15 @@ static vehicle_flow_t carry(const bench_t *bench)
     return out;
 }
 
-static void book(ledger_t *ledger, const battery_flow_t *battery, const vehicle_flow_t *road, double kinetic_loss_j)
+static void book(ledger_t *ledger, const bus_flow_t *bus, const vehicle_flow_t *road, double kinetic_loss_j)
 {
-    ledger->chemical_j += battery->chemical_j;
-    ledger->battery_j += battery->heat_j;
+    ledger->chemical_j += bus->battery.chemical_j;
+    ledger->battery_j += bus->battery.heat_j;
+    ledger->cable_j += bus->cable_j;
     ledger->drag_j += road->drag_j;
     ledger->rolling_j += road->rolling_j;
     ledger->climbed_j += road->climbed_j;
-    ledger->turned_over_j += plant_max(battery->chemical_j, 0.0) + plant_max(kinetic_loss_j, 0.0);
+    ledger->turned_over_j += plant_max(bus->battery.chemical_j, 0.0) + plant_max(kinetic_loss_j, 0.0);
 }
 
 void bench_period(bench_t *bench)
@@ -136,13 +156,12 @@ void bench_period(bench_t *bench)
     vehicle_load_t load = {.torque_impulse_nms = 0.0, .friction_capacity_nm = 0.0};
     double dc_j = 0.0;
     for (int k = 0; k < bench->wheels; k++) {
-        flow[k] =
-            wheel_period(&bench->wheel[k], &bench->world, expected_m_per_s * per_radius, bench->battery.terminal_v);
+        flow[k] = wheel_period(&bench->wheel[k], &bench->world, expected_m_per_s * per_radius, bench->bus.voltage_v);
         dc_j += flow[k].dc_j;
         load.torque_impulse_nms += flow[k].airgap_nms - flow[k].viscous_nms;
         load.friction_capacity_nm += flow[k].friction_capacity_nm;
     }
-    const battery_flow_t battery = battery_step(&bench->params.battery, &bench->battery, dc_j);
+    const bus_flow_t bus = bus_step(&bench->params.bus, &bench->bus, &bench->params.battery, &bench->battery, dc_j);
     const double kinetic_j = vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle);
     const vehicle_flow_t road =
         bench->held ? carry(bench) : vehicle_step(&bench->road_vehicle, &bench->vehicle, &load, period_s);
@@ -151,7 +170,7 @@ void bench_period(bench_t *bench)
                      road.friction_used);
     }
     const double kinetic_loss_j = kinetic_j - vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle);
-    book(&bench->booked, &battery, &road, kinetic_loss_j);
+    book(&bench->booked, &bus, &road, kinetic_loss_j);
     bench->period++;
     bench->time_s = (double)bench->period * period_s;
 }
@@ -228,6 +247,7 @@ ledger_t bench_ledger(const bench_t *bench)
     out.magnetic_j -= bench->magnetic_before_j;
     out.kinetic_j = vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle) - bench->kinetic_before_j;
     out.polarisation_j = battery_stored_j(&bench->params.battery, &bench->battery);
+    out.bus_j = bus_stored_j(&bench->params.bus, &bench->bus) - bench->bus_before_j;
     out.residual_j = ledger_residual_j(&out);
     return out;
 }

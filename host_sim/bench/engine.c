@@ -96,15 +96,22 @@ int hubsim_set(hubsim_t *sim, const char *name, double value)
     if (index < 0) {
         return fail(sim, HUBSIM_BAD_NAME, "%s: no such parameter", name);
     }
-    bench_params_t *params = sim->has_started ? &sim->bench.params : &sim->params;
-    if (!parameters_set(params, index, value)) {
+    bench_params_t changed = sim->has_started ? sim->bench.params : sim->params;
+    if (!parameters_set(&changed, index, value)) {
         const parameter_info_t info = parameters_info(index);
         return fail(sim, HUBSIM_BAD_VALUE, "%s: %g %s, accepted: %g to %g", name, value, info.unit, info.lowest,
                     info.highest);
     }
-    if (sim->has_started) {
-        bench_refresh(&sim->bench);
+    if (!sim->has_started) {
+        sim->params = changed;
+        return HUBSIM_OK;
     }
+    const char *objection = bench_objection(&sim->bench, &changed);
+    if (objection != NULL) {
+        return fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
+    }
+    sim->bench.params = changed;
+    bench_refresh(&sim->bench);
     return HUBSIM_OK;
 }
 
@@ -210,6 +217,9 @@ static int check_params(hubsim_t *sim)
     }
     if (sim->params.battery.open_circuit_voltage_v.y[0] <= 0.0) {
         return fail(sim, HUBSIM_BAD_ORDER, "open-circuit voltage: never set");
+    }
+    if (sim->params.bus.contactor_open > 0.0) {
+        return fail(sim, HUBSIM_BAD_ORDER, "bus.contactor_open: accepted: 0 when a run begins");
     }
     return HUBSIM_OK;
 }
@@ -317,10 +327,10 @@ int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity,
             return ended ? HUBSIM_ENDED : HUBSIM_OK;
         }
         bench_period(bench);
-        if (bench->battery.collapsed) {
+        if (bench->battery.collapsed || bench->bus.collapsed) {
             return fail(sim, HUBSIM_FAILED,
-                        "the battery cannot give the power that was drawn at %.3f s: its voltage collapsed",
-                        bench->time_s);
+                        "the %s cannot give the power that was drawn at %.3f s: its voltage collapsed",
+                        bench->battery.collapsed ? "battery" : "bus", bench->time_s);
         }
     }
 }

@@ -29,12 +29,13 @@ void recorder_begin(recorder_t *recorder, const bench_t *bench)
         recorder->account[k] = signals_read(bench, &accounts, recorder->chosen[k]);
     }
     recorder->account_s = bench->time_s;
+    recorder->begin_s = bench->time_s;
     recorder->rows = 0;
 }
 
 bool recorder_is_due(const recorder_t *recorder, const bench_t *bench)
 {
-    const double intervals = bench->time_s / bench->params.run.record_interval_s;
+    const double intervals = (bench->time_s - recorder->begin_s) / bench->params.run.record_interval_s;
     return recorder->signals > 0 && intervals + ROUNDING >= (double)recorder->rows;
 }
 

@@ -20,6 +20,8 @@ typedef enum { VALUE, RATE } kind_t;
     X("battery.soc", VALUE, "1", "state of charge", b->battery.soc) \
     X("battery.polarisation_v", VALUE, "V", "over the RC branch", b->battery.polarisation_v) \
     X("battery.collapsed", VALUE, "", "1: more power was drawn than the battery can give", b->battery.collapsed ? 1.0 : 0.0) \
+    X("bus.voltage_v", VALUE, "V", "at the bridges", b->bus.voltage_v) \
+    X("driver.demand_age_s", VALUE, "s", "age of the demand the controllers have", b->demand_age_s) \
     X("battery.chemical_w", RATE, "W", "power drawn from the cells, mean over the row", accounts->run.chemical_j) \
     X("battery.loss_w", RATE, "W", "heat in the battery, mean over the row", accounts->run.battery_j)
 

@@ -36,6 +36,7 @@ void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index)
     wheel->next = bridge_off();
     wheel->rotor = pmsm_at_rest(params->run.rotor_turn + index * params->run.rotor_spread_turn);
     wheel->random = random_init((uint64_t)params->run.seed, (uint64_t)index);
+    wheel->index = index;
     wheel_begin(wheel, world);
 }
 
@@ -48,11 +49,29 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
     wheel->heat_winding_j = 0.0;
     wheel->heat_switches_j = 0.0;
     wheel->brake = hydraulic_brake_init(&params->brake, world->period_s);
-    wheel->winding = thermal_init(thermal->winding_heat_capacity_j_per_k, thermal->winding_thermal_resistance_k_per_w,
-                                  thermal->winding_temperature_c, SLOW_STEP_S);
+    wheel->winding =
+        thermal_init(thermal->winding_heat_capacity_j_per_k, thermal->winding_thermal_resistance_k_per_w,
+                     thermal->winding_temperature_c + params->wheel[wheel->index].winding_rise_k, SLOW_STEP_S);
     wheel->switches = thermal_init(thermal->switch_heat_capacity_j_per_k, thermal->switch_thermal_resistance_k_per_w,
                                    thermal->switch_temperature_c, SLOW_STEP_S);
+    wheel_refresh(wheel, world);
+}
+
+void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
+{
+    const bench_params_t *params = world->params;
+    const one_wheel_params_t *own = &params->wheel[wheel->index];
+    if (wheel->winding.capacity_j_per_k <= 0.0) {
+        wheel->winding.temperature_c = params->thermal.winding_temperature_c + own->winding_rise_k;
+    }
+    if (wheel->switches.capacity_j_per_k <= 0.0) {
+        wheel->switches.temperature_c = params->thermal.switch_temperature_c;
+    }
     wheel->machine = pmsm_at_temperature(&params->motor, wheel->winding.temperature_c);
+    hydraulic_brake_refresh(&params->brake, &wheel->brake, own->brake_torque_loss, world->period_s);
+    wheel->fault.hall_stuck_low = (uint8_t)((unsigned)params->sensors.hall_stuck_low | (unsigned)own->hall_stuck_low);
+    wheel->fault.hall_stuck_high =
+        (uint8_t)((unsigned)params->sensors.hall_stuck_high | (unsigned)own->hall_stuck_high);
 }
 
 static int32_t rounded(double x, int32_t scale)
@@ -73,6 +92,7 @@ static void warm(wheel_t *wheel, const wheel_world_t *world)
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order)
 {
     warm(wheel, world);
+    wheel->fault.offset_a = world->params->wheel[wheel->index].current_offset_a + order->current_drift_a;
     const slow_input_t in = {
         .drive_torque_mNm = rounded(order->drive_nm, MILLI),
         .brake_torque_mNm = rounded(order->brake_nm, MILLI),
@@ -103,8 +123,8 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
 static void run_firmware(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v)
 {
     const sensors_sample_t seen =
-        sensors_sample(&world->sensors, &wheel->random, plant_inverse_clarke(wheel->rotor.terminal), bus_voltage_v,
-                       wheel->rotor.theta_turn);
+        sensors_sample(&world->sensors, &wheel->fault, &wheel->random, plant_inverse_clarke(wheel->rotor.terminal),
+                       bus_voltage_v, wheel->rotor.theta_turn);
     const fast_input_t in = {
         .phase_current_code = {seen.phase_current_code[0], seen.phase_current_code[1], seen.phase_current_code[2]},
         .bus_voltage_code = seen.bus_voltage_code,

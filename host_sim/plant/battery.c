@@ -24,25 +24,37 @@ battery_state_t battery_init(const battery_params_t *params, double step_s)
     return out;
 }
 
-battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state, double terminal_j)
+battery_source_t battery_source(const battery_params_t *params, const battery_state_t *state)
+{
+    /* Mean of u_c over the step: i R_t (1 - mean_decay) + u_c mean_decay. */
+    const battery_source_t out = {
+        .open_v = curve_at(&params->open_circuit_voltage_v, state->soc) - state->polarisation_v * state->mean_decay,
+        .resistance_ohm =
+            params->series_resistance_ohm + params->polarisation_resistance_ohm * (1.0 - state->mean_decay),
+    };
+    return out;
+}
+
+double battery_current_a(double open_v, double resistance_ohm, double power_w, bool *collapsed)
+{
+    const double square = open_v * open_v - 4.0 * resistance_ohm * power_w;
+    *collapsed = *collapsed || square < 0.0;
+    return square >= 0.0 ? 2.0 * power_w / (open_v + sqrt(square)) : open_v / (2.0 * resistance_ohm);
+}
+
+battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *state, double current_a)
 {
     const double h = state->step_s;
+    const double i = current_a;
     const double r_t = params->polarisation_resistance_ohm;
     const double u_oc = curve_at(&params->open_circuit_voltage_v, state->soc);
-    /* Mean of u_c over the step: i R_t (1 - mean_decay) + u_c mean_decay. */
-    const double e = u_oc - state->polarisation_v * state->mean_decay;
-    const double r = params->series_resistance_ohm + r_t * (1.0 - state->mean_decay);
-    const double power_w = terminal_j / h;
-    const double square = e * e - 4.0 * r * power_w;
-    state->collapsed = state->collapsed || square < 0.0;
-    const double i = square >= 0.0 ? 2.0 * power_w / (e + sqrt(square)) : e / (2.0 * r);
-
+    const battery_source_t source = battery_source(params, state);
     const double stored_before_j = battery_stored_j(params, state);
     const double mean_polarisation_v = i * r_t * (1.0 - state->mean_decay) + state->polarisation_v * state->mean_decay;
     state->polarisation_v = i * r_t * (1.0 - state->decay) + state->polarisation_v * state->decay;
     state->soc -= i * h / (params->capacity_ah * AS_PER_AH);
     state->current_a = i;
-    state->terminal_v = e - r * i;
+    state->terminal_v = source.open_v - source.resistance_ohm * i;
     const battery_flow_t out = {
         .chemical_j = u_oc * i * h,
         .terminal_j = state->terminal_v * i * h,
@@ -50,6 +62,14 @@ battery_flow_t battery_step(const battery_params_t *params, battery_state_t *sta
                   (battery_stored_j(params, state) - stored_before_j),
     };
     return out;
+}
+
+battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state, double terminal_j)
+{
+    const battery_source_t source = battery_source(params, state);
+    const double power_w = terminal_j / state->step_s;
+    return battery_carry(params, state,
+                         battery_current_a(source.open_v, source.resistance_ohm, power_w, &state->collapsed));
 }
 
 double battery_stored_j(const battery_params_t *params, const battery_state_t *state)

@@ -6,14 +6,23 @@
 
 hydraulic_brake_state_t hydraulic_brake_init(const hydraulic_brake_params_t *params, double step_s)
 {
-    const double tau_s = params->hydraulic_time_constant_s;
     hydraulic_brake_state_t out = {
         .torque_nm = 0.0,
         .delay_ms = (int)lround(plant_min(params->hydraulic_dead_time_s * 1e3, HYDRAULIC_BRAKE_DELAY_MS_MAX)),
-        .approach = tau_s > 0.0 ? -expm1(-step_s / tau_s) : 1.0,
-        .largest_change_nm = params->hydraulic_rate_nm_per_s * step_s,
     };
+    hydraulic_brake_refresh(params, &out, 0.0, step_s);
     return out;
+}
+
+void hydraulic_brake_refresh(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state, double torque_loss,
+                             double step_s)
+{
+    const double tau_s = params->hydraulic_time_constant_s;
+    state->approach = tau_s > 0.0 ? -expm1(-step_s / tau_s) : 1.0;
+    state->largest_change_nm = params->hydraulic_rate_nm_per_s * step_s;
+    state->knee_nm = params->knee_torque_nm;
+    state->knee_rise_nm = plant_min(params->knee_rate_nm_per_s * step_s, state->largest_change_nm);
+    state->gain = (1.0 - params->torque_loss) * (1.0 - torque_loss);
 }
 
 void hydraulic_brake_command(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state, double command_nm)
@@ -27,6 +36,7 @@ void hydraulic_brake_command(const hydraulic_brake_params_t *params, hydraulic_b
 double hydraulic_brake_step(hydraulic_brake_state_t *state)
 {
     const double wanted_nm = (state->target_nm - state->torque_nm) * state->approach;
-    state->torque_nm += plant_clamp(wanted_nm, -state->largest_change_nm, state->largest_change_nm);
-    return state->torque_nm;
+    const double largest_rise_nm = state->torque_nm < state->knee_nm ? state->knee_rise_nm : state->largest_change_nm;
+    state->torque_nm += plant_clamp(wanted_nm, -state->largest_change_nm, largest_rise_nm);
+    return state->torque_nm * state->gain;
 }

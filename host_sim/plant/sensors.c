@@ -72,11 +72,12 @@ static inline uint16_t code_of(const sensors_t *sensors, double steps)
     return (uint16_t)((uint32_t)level * sensors->codes_per_step);
 }
 
-sensors_sample_t sensors_sample(const sensors_t *sensors, random_t *random, plant_abc_t current_a, double bus_voltage_v,
-                                double theta_turn)
+sensors_sample_t sensors_sample(const sensors_t *sensors, const sensors_fault_t *fault, random_t *random,
+                                plant_abc_t current_a, double bus_voltage_v, double theta_turn)
 {
-    double i_a[3] = {current_a.a + sensors->offset_a[0], current_a.b + sensors->offset_a[1],
-                     current_a.c + sensors->offset_a[2]};
+    double i_a[3] = {current_a.a + sensors->offset_a[0] + fault->offset_a,
+                     current_a.b + sensors->offset_a[1] - fault->offset_a,
+                     current_a.c + sensors->offset_a[2] + fault->offset_a};
     double v_dc = bus_voltage_v;
     if (sensors->current_noise_a > 0.0) {
         for (int x = 0; x < 3; x++) {
@@ -92,6 +93,7 @@ sensors_sample_t sensors_sample(const sensors_t *sensors, random_t *random, plan
     }
     out.bus_voltage_code = code_of(sensors, v_dc * sensors->steps_per_v);
     out.rotor_angle_turn = (uint16_t)((uint32_t)(theta_turn * ANGLE_TURN + 0.5) % ANGLE_TURN);
-    out.hall_state = sensors_hall_state(sensors, theta_turn);
+    const unsigned lines = sensors_hall_state(sensors, theta_turn) & ~(unsigned)fault->hall_stuck_low;
+    out.hall_state = (uint8_t)(lines | fault->hall_stuck_high);
     return out;
 }

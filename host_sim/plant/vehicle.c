@@ -13,6 +13,7 @@ vehicle_t vehicle_on_road(const vehicle_params_t *params, const road_params_t *r
         .mass_kg = params->mass_kg,
         .wheel_radius_m = params->wheel_radius_m,
         .drag_n_s2_per_m2 = 0.5 * road->air_density_kg_per_m3 * params->drag_coefficient * params->frontal_area_m2,
+        .wind_m_per_s = road->wind_m_per_s,
         .rolling_n = params->rolling_resistance * weight_n * cosine,
         .slope_n = weight_n * road->slope * cosine,
         .rise = road->slope * cosine,
@@ -22,7 +23,8 @@ vehicle_t vehicle_on_road(const vehicle_params_t *params, const road_params_t *r
 
 double vehicle_drag_n(const vehicle_t *vehicle, double speed_m_per_s)
 {
-    return vehicle->drag_n_s2_per_m2 * speed_m_per_s * fabs(speed_m_per_s);
+    const double against_air = speed_m_per_s + vehicle->wind_m_per_s;
+    return vehicle->drag_n_s2_per_m2 * against_air * fabs(against_air);
 }
 
 vehicle_flow_t vehicle_step(const vehicle_t *vehicle, vehicle_state_t *state, const vehicle_load_t *load, double step_s)

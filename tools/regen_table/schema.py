@@ -17,7 +17,7 @@ from pydantic_core import ErrorDetails
 
 from regen_table import relations
 from regen_table.errors import ConfigurationError
-from regen_table.sections import Battery, Brake, Control, Inverter, Motor, Rotor, Section, Sensors, Table, Vehicle
+from regen_table.sections import Battery, Brake, Bus, Control, Inverter, Motor, Rotor, Section, Sensors, Table, Vehicle
 
 __all__ = ["ConfigurationError", "Drive", "load", "parse"]
 
@@ -37,6 +37,7 @@ class Drive(Section):
     table: Table
     rotor: Rotor = Rotor()
     sensors: Sensors = Sensors()
+    bus: Bus = Bus()
     _name: str = "unnamed"
 
     @property

@@ -96,6 +96,13 @@ class Battery(Section):
     min_voltage_v: Annotated[float, _number(1.0, 1900.0, "V", "end of discharge")]
 
 
+class Bus(Section):
+    """What lies between pack and bridges: read by the simulated plant only; absent: the bridges sit on the pack's terminals."""
+
+    capacitance_f: Annotated[float, _number(0.0, 1.0, "F", "of all bridges' capacitors together; 0: none")] = 0.0
+    cable_resistance_ohm: Annotated[float, _number(0.0, 10.0, "ohm", "from the pack to the bus, both ways")] = 0.0
+
+
 class Vehicle(Section):
     """What the motors move."""
 
@@ -119,6 +126,10 @@ class Brake(Section):
     hydraulic_time_constant_s: Annotated[float, _number(1e-3, 2.0, "s", "")]
     hydraulic_rate_nm_per_s: Annotated[float, _number(0.1, 1e6, "N m/s", "")]
     max_hydraulic_torque_nm: Annotated[float, _number(0.0, 20e3, "N m", "per driven wheel; 0: none")]
+    hydraulic_knee_torque_nm: Annotated[
+        float, _number(0.0, 20e3, "N m", "torque rises slowly up to here (simulated plant only); 0: no knee")
+    ] = 0.0
+    hydraulic_knee_rate_nm_per_s: Annotated[float, _number(0.0, 1e6, "N m/s", "of the rise below the knee")] = 0.0
 
 
 class Control(Section):

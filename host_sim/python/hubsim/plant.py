@@ -5,12 +5,22 @@ from regen_table.schema import Drive
 STANDARD_AIR_KG_PER_M3 = 1.204  # dry, 20 degC, 1013 hPa
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
 FULL_SOC = 1.0
+# What can happen to a vehicle under way, by how the names begin.
+EVENTS = (
+    "bus.contactor_open",
+    "brake.torque_loss",
+    "sensors.hall_stuck_low",
+    "sensors.hall_stuck_high",
+    "sensors.current_drift_a_per_s",
+    *(f"wheel{k}." for k in range(16)),
+)
 
 
 def parameters(drive: Drive) -> dict[str, float]:
     """Return every parameter that a drive's file decides, by the engine's names.
 
-    What belongs to one run (temperatures, road, driver, seed) is the scenario's and comes on top.
+    What belongs to one run (temperatures, road, driver, seed) is the scenario's and comes on top; so do the EVENTS, which
+    are 0 in a healthy vehicle.
     """
     motor, inverter, battery, vehicle, brake = drive.motor, drive.inverter, drive.battery, drive.vehicle, drive.brake
     a0, a1 = motor.iron_loss_resistance_ohm or (0.0, 0.0)
@@ -51,6 +61,10 @@ def parameters(drive: Drive) -> dict[str, float]:
         "brake.hydraulic_time_constant_s": brake.hydraulic_time_constant_s,
         "brake.hydraulic_rate_nm_per_s": brake.hydraulic_rate_nm_per_s,
         "brake.max_hydraulic_torque_nm": brake.max_hydraulic_torque_nm,
+        "brake.knee_torque_nm": brake.hydraulic_knee_torque_nm,
+        "brake.knee_rate_nm_per_s": brake.hydraulic_knee_rate_nm_per_s,
+        "bus.capacitance_f": drive.bus.capacitance_f,
+        "bus.cable_resistance_ohm": drive.bus.cable_resistance_ohm,
         "sensors.current_full_scale_a": inverter.current_full_scale_a,
         "sensors.voltage_full_scale_v": inverter.voltage_full_scale_v,
         "sensors.current_noise_a": drive.sensors.current_noise_a,

@@ -20,7 +20,7 @@
 #include "bench/parameters.h"
 #include "bench/wheel.h"
 
-enum { BENCH_WHEELS_MAX = 16 };
+enum { BENCH_WHEELS_MAX = PARAMETERS_WHEELS_MAX };
 
 typedef enum {
     BENCH_READY,     /* bench_period() may be called */
@@ -38,12 +38,15 @@ typedef struct {
 
     wheel_t wheel[BENCH_WHEELS_MAX];
     battery_state_t battery;
+    bus_state_t bus;
     vehicle_state_t vehicle;
     driver_state_t driver;
     driver_demand_t demand;
+    double demand_age_s;     /* of the message the controllers have */
     ledger_t booked;         /* what only the bench can count; bench_ledger() has everything */
     double kinetic_before_j; /* when the run began */
     double magnetic_before_j;
+    double bus_before_j;
     ledger_t braking;       /* the finished times in which the driver braked */
     ledger_t braking_since; /* the accounts when the present one began */
     bool is_braking;
@@ -62,6 +65,9 @@ void bench_period(bench_t *bench);
 
 /* The run came to the end that its parameters ask for (stop_at_standstill). */
 bool bench_has_ended(const bench_t *bench);
+
+/* Why these parameters cannot take the place of the running bench's, in one line; NULL: they can. */
+const char *bench_objection(const bench_t *bench, const bench_params_t *changed);
 
 /* After a change of bench->params: everything worked out from them, states untouched. */
 void bench_refresh(bench_t *bench);

@@ -27,6 +27,7 @@
     X(most_drive_nm,        0.0,  1e5,   "N m",   "end of the drive pedal, at each driven wheel") \
     X(most_brake_nm,        0.0,  1e5,   "N m",   "end of the brake pedal, at each driven wheel") \
     X(demand_age_s,         0.0,  1e6,   "s",     "age of the demands when they reach the controllers") \
+    X(silent,               0.0,  1.0,   "",      "1: no more messages, the controllers see the last demand grow old") \
     X(enable,               0.0,  1.0,   "",      "1: the vehicle is switched on") \
     X(abs_active,           0.0,  1.0,   "",      "1: the anti-lock system is at work")
 /* clang-format on */

@@ -1,5 +1,6 @@
 /*
- * parameters.h: everything about the simulated world that can be set, by name "section.name_unit".
+ * parameters.h: everything about the simulated world that can be set, by name "section.name_unit"; what one wheel has of
+ * its own is "wheel0.name_unit" and so on.
  *
  * The members come from the models' own lists (plant/parameter.h), so a name here is the name there. This is plant
  * truth; what a controller believes is its config_t. They are made from the same TOML file, and a test may detune one.
@@ -11,6 +12,7 @@
 
 #include "bench/driver.h"
 #include "plant/battery.h"
+#include "plant/bus.h"
 #include "plant/hydraulic_brake.h"
 #include "plant/inverter.h"
 #include "plant/pmsm.h"
@@ -26,7 +28,23 @@
     X(record_interval_s,          1e-5, 1e3,   "s",   "distance of recorded rows") \
     X(rotor_turn,                 0.0,  1.0,   "1",   "electrical angle of the first wheel's rotor at the start") \
     X(rotor_spread_turn,          0.0,  1.0,   "1",   "electrical angle between the rotors of neighbouring wheels at the start")
+
+/* Of one wheel alone, on top of what holds for all: X(wheel, name, lowest, highest, unit, text). */
+#define ONE_WHEEL_PARAMETERS(X, wheel) \
+    X(wheel, hall_stuck_low,       0.0,   7.0,   "",    "as sensors.hall_stuck_low, this wheel") \
+    X(wheel, hall_stuck_high,      0.0,   7.0,   "",    "as sensors.hall_stuck_high, this wheel") \
+    X(wheel, current_offset_a,    -1e4,   1e4,   "A",   "added to sensors.current_offset_a") \
+    X(wheel, brake_torque_loss,   -0.5,   1.0,   "1",   "as brake.torque_loss, this wheel") \
+    X(wheel, winding_rise_k,      -100.0, 300.0, "K",   "winding warmer than thermal.winding_temperature_c")
 /* clang-format on */
+
+enum { PARAMETERS_WHEELS_MAX = 16 };
+
+#define ONE_WHEEL_MEMBER(wheel, name, lowest, highest, unit, text) double name;
+typedef struct {
+    ONE_WHEEL_PARAMETERS(ONE_WHEEL_MEMBER, )
+} one_wheel_params_t;
+#undef ONE_WHEEL_MEMBER
 
 typedef struct {
     RUN_PARAMETERS(PLANT_PARAMETER_MEMBER)
@@ -36,6 +54,7 @@ typedef struct {
     pmsm_params_t motor;
     inverter_params_t inverter;
     battery_params_t battery;
+    bus_params_t bus;
     vehicle_params_t vehicle;
     road_params_t road;
     hydraulic_brake_params_t brake;
@@ -43,6 +62,7 @@ typedef struct {
     thermal_params_t thermal;
     driver_params_t driver;
     run_params_t run;
+    one_wheel_params_t wheel[PARAMETERS_WHEELS_MAX];
 } bench_params_t;
 
 typedef struct {

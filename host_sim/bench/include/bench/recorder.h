@@ -19,13 +19,14 @@ typedef struct {
     int chosen[RECORDER_SIGNALS_MAX];
     double account[RECORDER_SIGNALS_MAX]; /* of rates, when the last row was written */
     double account_s;
+    double begin_s;
     int64_t rows;
 } recorder_t;
 
 /* False, and nothing chosen, when there are too many or an index is out of range. */
 bool recorder_choose(recorder_t *recorder, const bench_t *bench, const int *indices, int count);
 
-/* The run begins. */
+/* Rows are counted from now on. */
 void recorder_begin(recorder_t *recorder, const bench_t *bench);
 
 bool recorder_is_due(const recorder_t *recorder, const bench_t *bench);

@@ -52,7 +52,9 @@ typedef struct {
     double brake_capacity_nm;
     thermal_lump_t winding, switches;
     random_t random;
+    sensors_fault_t fault;
     double zone_a;
+    int index;
     /* The accounts. */
     wheel_totals_t totals;
     double heat_winding_j, heat_switches_j; /* since the last millisecond */
@@ -75,12 +77,17 @@ void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index);
 /* A run begins: temperatures, brake and accounts as the parameters say; controller and rotor go on as they are. */
 void wheel_begin(wheel_t *wheel, const wheel_world_t *world);
 
+/* After a change of parameters: everything of the wheel that was worked out from them, states untouched. A temperature
+ * without heat capacity is no state but follows its parameter. */
+void wheel_refresh(wheel_t *wheel, const wheel_world_t *world);
+
 /* What the millisecond brings to every wheel alike. */
 typedef struct {
     double drive_nm, brake_nm;
     double charge_limit_a, discharge_limit_a;
     double demand_age_s;
-    double speed_rad_s; /* mechanical */
+    double current_drift_a; /* what the current sensors' offset has grown by */
+    double speed_rad_s;     /* mechanical */
     double bus_voltage_v;
     double time_s;
     bool enable, abs_active;

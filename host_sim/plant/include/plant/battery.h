@@ -55,6 +55,20 @@ typedef struct {
 
 battery_state_t battery_init(const battery_params_t *params, double step_s);
 
+/* What the pack is to the outside during one step: an open-circuit voltage and a resistance, means over the step. */
+typedef struct {
+    double open_v;
+    double resistance_ohm;
+} battery_source_t;
+
+battery_source_t battery_source(const battery_params_t *params, const battery_state_t *state);
+
+/* The constant current with which a source gives power_w behind resistance_ohm; *collapsed is set when it cannot. */
+double battery_current_a(double open_v, double resistance_ohm, double power_w, bool *collapsed);
+
+/* Advance one step in which current_a flowed out of the pack. */
+battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *state, double current_a);
+
 /* terminal_j: energy drawn at the terminals during this step. */
 battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state, double terminal_j);
 

@@ -32,7 +32,10 @@
     X(hall_edge_2_deg,        0.0,   360.0, "deg", "sector 2") \
     X(hall_edge_3_deg,        0.0,   360.0, "deg", "sector 3") \
     X(hall_edge_4_deg,        0.0,   360.0, "deg", "sector 4") \
-    X(hall_edge_5_deg,        0.0,   360.0, "deg", "sector 5")
+    X(hall_edge_5_deg,        0.0,   360.0, "deg", "sector 5") \
+    X(current_drift_a_per_s, -1e3,   1e3,   "A/s", "growth of the offset of phases a and c, and of the opposite in b") \
+    X(hall_stuck_low,         0.0,   7.0,   "",    "sensors whose line is shorted to ground: 1 = A, 2 = B, 4 = C, sums") \
+    X(hall_stuck_high,        0.0,   7.0,   "",    "sensors whose line is broken and pulled up, likewise; 7: plug off")
 /* clang-format on */
 
 typedef struct {
@@ -52,6 +55,12 @@ typedef struct {
     uint8_t state_from[SENSORS_HALL_SECTORS]; /* hall state that begins at edge_turn[k] */
 } sensors_t;
 
+/* What has gone wrong at one wheel since. */
+typedef struct {
+    double offset_a;                         /* of the current sensors: phases a and c, the opposite in b */
+    uint8_t hall_stuck_low, hall_stuck_high; /* bit 0 = A, 1 = B, 2 = C; broken wins */
+} sensors_fault_t;
+
 typedef struct {
     uint16_t phase_current_code[3];
     uint16_t bus_voltage_code;
@@ -62,8 +71,8 @@ typedef struct {
 sensors_t sensors_init(const sensors_params_t *params);
 
 /* current: in the wires; theta_turn: electrical, 0 <= theta < 1. Draws from `random` only where there is noise. */
-sensors_sample_t sensors_sample(const sensors_t *sensors, random_t *random, plant_abc_t current_a, double bus_voltage_v,
-                                double theta_turn);
+sensors_sample_t sensors_sample(const sensors_t *sensors, const sensors_fault_t *fault, random_t *random,
+                                plant_abc_t current_a, double bus_voltage_v, double theta_turn);
 
 /* Hall state alone. */
 uint8_t sensors_hall_state(const sensors_t *sensors, double theta_turn);

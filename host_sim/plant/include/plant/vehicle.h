@@ -1,7 +1,7 @@
 /*
  * vehicle.h: a mass on wheels that do not slip, moving along a road.
  *
- *     m dv/dt = torques / r - 1/2 rho c_d A v|v| - m g sin(slope) - friction
+ *     m dv/dt = torques / r - 1/2 rho c_d A u|u| - m g sin(slope) - friction        u = v + wind
  *
  * Friction (rolling resistance, brakes, bearings) is a capacity: while the vehicle rolls it opposes with all of it;
  * when less is enough to stop within the step, exactly that much is used, and a standing vehicle is held as long as
@@ -27,7 +27,8 @@
 #define ROAD_PARAMETERS(X) \
     X(air_density_kg_per_m3, 0.0,  10.0, "kg/m3", "dry air at 20 degC and sea level: 1.204") \
     X(gravity_m_per_s2,      0.0,  30.0, "m/s2",  "") \
-    X(slope,                -1.0,  1.0,  "1",     "rise over run, positive uphill")
+    X(slope,                -1.0,  1.0,  "1",     "rise over run, positive uphill") \
+    X(wind_m_per_s,         -60.0, 60.0, "m/s",   "along the road, positive against a vehicle that drives forward")
 /* clang-format on */
 
 typedef struct {
@@ -64,8 +65,9 @@ typedef struct {
 typedef struct {
     double mass_kg;
     double wheel_radius_m;
-    double drag_n_s2_per_m2; /* of v|v| */
-    double rolling_n;        /* capacity */
+    double drag_n_s2_per_m2; /* of u|u| */
+    double wind_m_per_s;
+    double rolling_n; /* capacity */
     double slope_n;
     double rise; /* height gained on a metre of way */
 } vehicle_t;

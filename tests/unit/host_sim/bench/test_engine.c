@@ -140,3 +140,17 @@ void test_a_pack_that_breaks_down_under_load_ends_the_run_in_words(void)
     TEST_ASSERT_EQUAL_INT(HUBSIM_FAILED, hubsim_run(sim, 1.0, NULL, 0, &written, &remaining_s));
     TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), "the battery cannot give the power"));
 }
+
+void test_a_contactor_is_not_opened_without_a_capacitor_or_before_the_run(void)
+{
+    load_vehicle();
+    set("bus.contactor_open", 1.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_start(sim));
+    set("bus.contactor_open", 0.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set(sim, "bus.contactor_open", 1.0));
+    TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), "accepted: 0 as long as"));
+    double value = 1.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_get(sim, "bus.contactor_open", &value));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, value);
+}

@@ -83,3 +83,32 @@ void test_a_brake_without_delay_and_lag_follows_at_once(void)
     hydraulic_brake_command(&params, &brake, 120.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 120.0, hydraulic_brake_step(&brake));
 }
+
+void test_below_the_knee_the_torque_rises_at_the_knees_rate_and_falls_at_the_usual_one(void)
+{
+    params.hydraulic_dead_time_s = 0.0;
+    params.hydraulic_time_constant_s = 0.0;
+    params.hydraulic_rate_nm_per_s = 1000.0;
+    params.knee_torque_nm = 20.0;
+    params.knee_rate_nm_per_s = 200.0;
+    brake = hydraulic_brake_init(&params, STEP_S);
+    run_ms(50, 300.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 10.0, brake.torque_nm);
+    run_ms(50 + 100, 300.0); /* 20 N m after 100 ms, then 1000 N m/s; a step may straddle the knee */
+    TEST_ASSERT_DOUBLE_WITHIN(0.06, 120.0, brake.torque_nm);
+    run_ms(110, 0.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.06, 10.0, brake.torque_nm);
+}
+
+void test_lost_friction_scales_the_torque_and_not_what_the_pressure_does(void)
+{
+    run_ms(2000, 100.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100.0, hydraulic_brake_step(&brake));
+    params.torque_loss = 0.2;
+    hydraulic_brake_refresh(&params, &brake, 0.5, STEP_S);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100.0 * 0.8 * 0.5, hydraulic_brake_step(&brake));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100.0, brake.torque_nm);
+    params.torque_loss = 1.0;
+    hydraulic_brake_refresh(&params, &brake, 0.0, STEP_S);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, hydraulic_brake_step(&brake));
+}

@@ -7,6 +7,7 @@
 
 static sensors_params_t params;
 static random_t noise;
+static sensors_fault_t fault;
 static const plant_abc_t NO_CURRENT = {0.0, 0.0, 0.0};
 
 void setUp(void)
@@ -21,6 +22,8 @@ void setUp(void)
                                     .hall_edge_4_deg = 240.0,
                                     .hall_edge_5_deg = 300.0};
     params = clean;
+    const sensors_fault_t none = {.offset_a = 0.0};
+    fault = none;
     noise = random_init(1, 0);
 }
 
@@ -29,7 +32,7 @@ void tearDown(void) {}
 static sensors_sample_t sample(plant_abc_t current, double bus_v, double theta_turn)
 {
     const sensors_t sensors = sensors_init(&params);
-    return sensors_sample(&sensors, &noise, current, bus_v, theta_turn);
+    return sensors_sample(&sensors, &fault, &noise, current, bus_v, theta_turn);
 }
 
 void test_no_current_is_mid_range_and_full_scale_is_half_the_range(void)
@@ -135,11 +138,37 @@ void test_noise_has_the_given_deviation_and_no_mean(void)
     double sum = 0.0;
     double square = 0.0;
     for (int k = 0; k < samples; k++) {
-        const sensors_sample_t seen = sensors_sample(&sensors, &noise, NO_CURRENT, 50.0, 0.0);
+        const sensors_sample_t seen = sensors_sample(&sensors, &fault, &noise, NO_CURRENT, 50.0, 0.0);
         const double a = (seen.phase_current_code[1] - 2048.0) / 2048.0 * 165.0;
         sum += a;
         square += a * a;
     }
     TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2.0 / sqrt(samples), 0.0, sum / samples); /* four standard errors */
     TEST_ASSERT_DOUBLE_WITHIN(0.04, 2.0, sqrt(square / samples));
+}
+
+void test_an_offset_that_comes_later_moves_a_and_c_up_and_b_down(void)
+{
+    fault.offset_a = 165.0 * 100.0 / 2048.0; /* 100 codes */
+    const sensors_sample_t seen = sample(NO_CURRENT, 50.0, 0.0);
+    TEST_ASSERT_EQUAL_UINT16(2148, seen.phase_current_code[0]);
+    TEST_ASSERT_EQUAL_UINT16(1948, seen.phase_current_code[1]);
+    TEST_ASSERT_EQUAL_UINT16(2148, seen.phase_current_code[2]);
+}
+
+void test_a_hall_line_to_ground_reads_low_and_a_broken_one_high_at_every_angle(void)
+{
+    for (int k = 0; k < 6; k++) {
+        const double theta_turn = (k + 0.5) / 6.0;
+        const sensors_fault_t none = {.offset_a = 0.0};
+        fault = none;
+        const unsigned healthy = sample(NO_CURRENT, 50.0, theta_turn).hall_state;
+        fault.hall_stuck_low = 1U;
+        TEST_ASSERT_EQUAL_UINT8(healthy & 6U, sample(NO_CURRENT, 50.0, theta_turn).hall_state);
+        fault.hall_stuck_low = 0U;
+        fault.hall_stuck_high = 2U;
+        TEST_ASSERT_EQUAL_UINT8(healthy | 2U, sample(NO_CURRENT, 50.0, theta_turn).hall_state);
+        fault.hall_stuck_high = 7U;
+        TEST_ASSERT_EQUAL_UINT8(7U, sample(NO_CURRENT, 50.0, theta_turn).hall_state);
+    }
 }

@@ -138,3 +138,13 @@ void test_work_in_is_heat_height_and_motion_to_rounding(void)
     TEST_ASSERT_TRUE(sum.rolling_j > 0.0);
     TEST_ASSERT_TRUE(sum.drag_j > 0.0);
 }
+
+void test_wind_adds_to_the_speed_through_the_air_and_pushes_a_standing_vehicle(void)
+{
+    road.wind_m_per_s = 5.0;
+    const vehicle_t vehicle = vehicle_on_road(&params, &road);
+    const double per_square = 0.5 * 1.2 * 0.4 * 1.4;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, per_square * 15.0 * 15.0, vehicle_drag_n(&vehicle, 10.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, per_square * 25.0, vehicle_drag_n(&vehicle, 0.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -per_square * 25.0, vehicle_drag_n(&vehicle, -10.0));
+}

@@ -1,0 +1,135 @@
+/* What can happen to a vehicle under way, each by the name of its parameter, and what the firmware makes of it. */
+#include "bench/bench.h"
+
+#include <math.h>
+
+#include "unity.h"
+#include "vehicle_fixture.h"
+
+static bench_params_t params;
+static config_t config;
+
+void setUp(void)
+{
+    params = fixture_quarter_vehicle();
+    params.run.initial_speed_m_per_s = 10.0;
+    params.driver.brake_demand_nm = 40.0;
+    config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+}
+
+void tearDown(void) {}
+
+static double residual(const bench_t *bench)
+{
+    const ledger_t ledger = bench_ledger(bench);
+    return fabs(ledger.residual_j) / ledger.turned_over_j;
+}
+
+void test_a_contactor_that_opens_at_full_regeneration_lifts_the_bus_until_the_firmware_lets_go(void)
+{
+    params.bus.capacitance_f = 1e-3;
+    params.bus.cable_resistance_ohm = 0.002;
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.5);
+    TEST_ASSERT_TRUE(bench->battery.current_a < -20.0);
+    const double power_w = -bench->battery.current_a * bench->bus.voltage_v;
+    const double before_v = bench->bus.voltage_v;
+    bench->params.bus.contactor_open = 1.0;
+    bench_refresh(bench);
+    bench_period(bench);
+    /* C (v^2 - v0^2) / 2 = P t */
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, sqrt(before_v * before_v + 2.0 * power_w * 50e-6 / 1e-3), bench->bus.voltage_v);
+    double highest_v = 0.0;
+    for (int k = 0; k < 2000; k++) {
+        bench_period(bench);
+        highest_v = fmax(highest_v, bench->bus.voltage_v);
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, bench->wheel[0].first_fault);
+    TEST_ASSERT_TRUE(bench->wheel[0].active.bridge != BRIDGE_PWM);
+    /* Two periods from the code to the bridge and the field's energy, below what 75 V switches stand. */
+    TEST_ASSERT_TRUE(highest_v > 1e-3 * config.battery.overvoltage_trip_mV && highest_v < 70.0);
+    /* The driver still brakes: the hydraulic brake has taken over. */
+    fixture_run(bench, 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 40.0, bench->wheel[0].brake_capacity_nm);
+    TEST_ASSERT_TRUE(residual(bench) < 1e-5);
+}
+
+void test_a_contactor_cannot_open_where_there_is_no_capacitor(void)
+{
+    bench_t *bench = fixture_start(&params, &config);
+    bench_params_t changed = bench->params;
+    changed.bus.contactor_open = 1.0;
+    TEST_ASSERT_NOT_NULL(bench_objection(bench, &changed));
+    changed.bus.contactor_open = 0.0;
+    TEST_ASSERT_NULL(bench_objection(bench, &changed));
+    changed.bus.capacitance_f = 1e-3;
+    TEST_ASSERT_NOT_NULL(bench_objection(bench, &changed));
+}
+
+void test_silence_on_the_bus_ages_the_last_demand(void)
+{
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.3);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, bench->demand_age_s);
+    bench->params.driver.silent = 1.0;
+    bench->params.driver.brake_demand_nm = 10.0; /* nobody hears it */
+    fixture_run(bench, 0.05);
+    TEST_ASSERT_DOUBLE_WITHIN(1.1e-3, 0.05, bench->demand_age_s);
+    TEST_ASSERT_EQUAL_DOUBLE(40.0, bench->demand.brake_nm);
+    bench->params.driver.silent = 0.0;
+    fixture_run(bench, 0.002);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, bench->demand_age_s);
+    TEST_ASSERT_EQUAL_DOUBLE(10.0, bench->demand.brake_nm);
+}
+
+void test_a_dead_brake_of_one_wheel_leaves_the_others_theirs(void)
+{
+    params = fixture_vehicle();
+    params.run.initial_speed_m_per_s = 10.0;
+    params.driver.brake_demand_nm = 100.0;
+    bench_t *bench = fixture_start(&params, &config);
+    bench->params.wheel[2].brake_torque_loss = 1.0;
+    bench_refresh(bench);
+    fixture_run(bench, 0.5);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, bench->wheel[2].brake_capacity_nm);
+    TEST_ASSERT_TRUE(bench->wheel[1].brake_capacity_nm > 50.0);
+    TEST_ASSERT_TRUE(residual(bench) < 1e-5);
+}
+
+void test_a_current_sensor_that_drifts_after_calibration_is_off_by_rate_times_time(void)
+{
+    params.driver.brake_demand_nm = 0.0;
+    params.sensors.current_drift_a_per_s = 2.0;
+    bench_t *bench = fixture_start(&params, &config);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, bench->wheel[0].fault.offset_a);
+    fixture_run(bench, 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(2.1e-3, 1.0, bench->wheel[0].fault.offset_a);
+    bench->params.wheel[0].current_offset_a = 3.0;
+    fixture_run(bench, 0.01);
+    TEST_ASSERT_DOUBLE_WITHIN(2.1e-3, 4.02, bench->wheel[0].fault.offset_a);
+}
+
+void test_a_broken_hall_plug_is_noticed_by_that_wheel_alone(void)
+{
+    params = fixture_vehicle();
+    params.run.initial_speed_m_per_s = 3.0;
+    params.driver.drive_demand_nm = 20.0;
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.2);
+    bench->params.wheel[1].hall_stuck_high = 7.0;
+    bench_refresh(bench);
+    fixture_run(bench, 0.2);
+    TEST_ASSERT_TRUE(bench->wheel[1].first_fault != REASON_NONE);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
+}
+
+void test_a_held_temperature_follows_its_parameter_under_way(void)
+{
+    bench_t *bench = fixture_start(&params, &config);
+    const double cold_ohm = bench->wheel[0].machine.resistance_ohm;
+    bench->params.thermal.winding_temperature_c = 100.0;
+    bench->params.wheel[0].winding_rise_k = 20.0;
+    bench_refresh(bench);
+    TEST_ASSERT_EQUAL_DOUBLE(120.0, bench->wheel[0].winding.temperature_c);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0 + 0.00393 * 95.0, bench->wheel[0].machine.resistance_ohm / cold_ohm);
+}
