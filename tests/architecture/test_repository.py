@@ -70,9 +70,10 @@ def test_no_file_grows_into_two_modules() -> None:
 
 
 def test_no_line_of_c_is_longer_than_a_screen() -> None:
-    """Comments, that is: code is the formatter's business. One line a field is worth more than that: config.h is a table."""
+    """Comments, that is: code is the formatter's business. One line a field is worth more than that: some headers are tables."""
     texts = {name: text for name, text in own_text().items() if re.search(r"\.(?:c|h|cpp|hpp)$", name)}
     del texts["firmware/config/include/config/config.h"]
+    del texts["host_sim/exchange/include/exchange/variables.h"]
     assert found(re.compile(rf"^.{{{LONGEST_LINE + 1},}}$"), texts) == []
 
 

@@ -2,6 +2,31 @@
 
 Units are part of every name. Torques are per driven wheel; motor torque is signed, positive driving forward; braking
 demands and hydraulic torques are magnitudes. Energies are those of the whole vehicle.
+
+    hubsim.load_configuration(path)   what a controller believes and a plant is made of
+    hubsim.Bench(...)                 the vehicle, driven from Python
+    hubsim.Controller(...)            the controller of one wheel alone
+    hubsim.parameters()               everything about the simulated world that can be set
 """
 
 __version__ = "0.1.0"
+
+from hubsim.bench import Bench, Recording
+from hubsim.configuration import Configuration
+from hubsim.configuration import load as load_configuration
+from hubsim.controller import Controller
+from hubsim.engine import parameters
+from hubsim.errors import HubsimError
+from hubsim.variables import Values, Variable
+
+__all__ = [
+    "Bench",
+    "Configuration",
+    "Controller",
+    "HubsimError",
+    "Recording",
+    "Values",
+    "Variable",
+    "load_configuration",
+    "parameters",
+]

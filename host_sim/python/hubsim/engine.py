@@ -1,6 +1,7 @@
 """The C engine as a Python object: parameters, configuration and signals by name, rows as NumPy arrays.
 
-The declarations are read from host_sim/bench/include/bench/engine.h itself, so this module cannot disagree with it.
+The declarations are read from the library's own headers (bench/engine.h, exchange/face.h), so this module cannot disagree
+with them.
 Calls into the engine release the interpreter's lock: runs in several threads use several cores.
 """
 
@@ -18,7 +19,10 @@ import numpy.typing as npt
 from hubsim.errors import HubsimError
 
 ROOT = Path(__file__).resolve().parents[3]
-HEADER = ROOT / "host_sim" / "bench" / "include" / "bench" / "engine.h"
+HEADERS = (
+    ROOT / "host_sim" / "bench" / "include" / "bench" / "engine.h",
+    ROOT / "host_sim" / "exchange" / "include" / "exchange" / "face.h",
+)
 LIBRARY = Path("host_sim") / "libhubsim_engine.so"
 _NAME_BYTES = 96
 
@@ -35,11 +39,11 @@ def library_path() -> Path:
 
 
 @cache
-def _load() -> tuple[cffi.FFI, Any]:
+def library() -> tuple[cffi.FFI, Any]:
     """Declare and open the library, once in a process."""
     ffi = cffi.FFI()
-    text = re.sub(r"^\s*#.*$", "", HEADER.read_text(encoding="utf-8"), flags=re.MULTILINE)
-    ffi.cdef(text)
+    for header in HEADERS:
+        ffi.cdef(re.sub(r"^\s*#.*$", "", header.read_text(encoding="utf-8"), flags=re.MULTILINE))
     path = library_path()
     try:
         return ffi, ffi.dlopen(str(path))
@@ -47,11 +51,18 @@ def _load() -> tuple[cffi.FFI, Any]:
         raise HubsimError(f"{path}: cannot be loaded: {' '.join(str(error).split())}") from error
 
 
+def text_of(chars: Any) -> str:  # noqa: ANN401, cffi's types have no public names
+    """Return a text of the library."""
+    raw = library()[0].string(chars)
+    assert isinstance(raw, bytes)
+    return raw.decode("ascii")
+
+
 class Engine:
     """One simulated vehicle. Not for two threads at the same time."""
 
     def __init__(self) -> None:
-        self._ffi, self._lib = _load()
+        self._ffi, self._lib = library()
         handle = self._lib.hubsim_new()
         if handle == self._ffi.NULL:
             raise HubsimError("no memory for a simulated vehicle")
@@ -110,8 +121,13 @@ class Engine:
         names = []
         for k in range(self._lib.hubsim_signal_count(self._sim)):
             self._lib.hubsim_signal_name(self._sim, k, buffer, _NAME_BYTES)
-            names.append(self._text(buffer))
+            names.append(text_of(buffer))
         return names
+
+    def meanings(self) -> dict[str, tuple[str, str]]:
+        """Return unit and meaning of all signals by name; the unit is "1" for a share, "" for a code or a flag."""
+        unit, text = self._lib.hubsim_signal_unit, self._lib.hubsim_signal_text
+        return {name: (text_of(unit(self._sim, k)), text_of(text(self._sim, k))) for k, name in enumerate(self.signals())}
 
     def run(self, duration_s: float) -> Rows:
         """Run for a time or to the end of the run, and return what was recorded.
@@ -142,23 +158,18 @@ class Engine:
 
     def mode_text(self, mode: float) -> str:
         """Return the name of a controller's mode."""
-        return self._text(self._lib.hubsim_mode_text(int(mode)))
+        return text_of(self._lib.hubsim_mode_text(int(mode)))
 
     def reason_text(self, reason: float) -> str:
         """Return what a reason code means."""
-        return self._text(self._lib.hubsim_reason_text(int(reason)))
+        return text_of(self._lib.hubsim_reason_text(int(reason)))
 
     def _points(self, x: Sequence[float], y: Sequence[float]) -> tuple[Any, Any, int]:
         return self._ffi.new("double[]", list(x)), self._ffi.new("double[]", list(y)), len(x)
 
-    def _text(self, chars: Any) -> str:  # noqa: ANN401, cffi's types have no public names
-        raw = self._ffi.string(chars)
-        assert isinstance(raw, bytes)
-        return raw.decode("ascii")
-
     def _check(self, status: int) -> None:
         if status < self._lib.HUBSIM_OK:
-            raise HubsimError(self._text(self._lib.hubsim_error(self._sim)))
+            raise HubsimError(text_of(self._lib.hubsim_error(self._sim)))
 
 
 class Parameter:
@@ -171,18 +182,12 @@ class Parameter:
 @cache
 def parameters() -> dict[str, Parameter]:
     """Return all parameters of the simulated world by name."""
-    ffi, lib = _load()
-
-    def text(chars: Any) -> str:  # noqa: ANN401, cffi's types have no public names
-        raw = ffi.string(chars)
-        assert isinstance(raw, bytes)
-        return raw.decode("ascii")
-
+    _, lib = library()
     found = [
         Parameter(
-            text(lib.hubsim_parameter_name(k)),
-            text(lib.hubsim_parameter_unit(k)),
-            text(lib.hubsim_parameter_text(k)),
+            text_of(lib.hubsim_parameter_name(k)),
+            text_of(lib.hubsim_parameter_unit(k)),
+            text_of(lib.hubsim_parameter_text(k)),
             lib.hubsim_parameter_lowest(k),
             lib.hubsim_parameter_highest(k),
         )

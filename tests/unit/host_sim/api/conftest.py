@@ -1,0 +1,18 @@
+"""What the tests of the Python API share: the paper's vehicle, read once."""
+
+import hubsim
+import pytest
+from hubsim.engine import ROOT
+
+LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
+WITH_ANGLE = {"rotor.sensor": "angle"}
+
+
+@pytest.fixture(scope="session")
+def config() -> hubsim.Configuration:
+    return hubsim.load_configuration(LU2013)
+
+
+@pytest.fixture(scope="session")
+def angle_config() -> hubsim.Configuration:
+    return hubsim.load_configuration(LU2013, WITH_ANGLE)

@@ -1,0 +1,90 @@
+"""The bench from Python is the bench of ``hubsim run``: same numbers, steps of any length, events between them."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import hubsim
+import numpy as np
+import pytest
+from hubsim import run, scenario
+from hubsim.engine import ROOT
+from regen_table import schema
+
+LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
+STOP: dict[str, Any] = {"initial_speed_kmh": 10.0, "demand_nm": 30.0, "stop_at_standstill": True}
+
+
+def test_a_run_is_the_one_of_the_command_to_the_last_bit(config: hubsim.Configuration) -> None:
+    with hubsim.Bench(config, "stop", **STOP) as bench:
+        recording = bench.run()
+    name, chosen, beside = scenario.load("stop", STOP)
+    expected = run.simulate(name, schema.load(LU2013), chosen, beside, ["*"])
+    assert list(recording) == expected.names
+    assert np.array_equal(recording.rows, expected.rows)
+
+
+def test_signals_are_arrays_with_units(config: hubsim.Configuration) -> None:
+    with hubsim.Bench(config, record=("time_s", "vehicle.*", "wheel0.motor_torque_nm"), **STOP) as bench:
+        recording = bench.run()
+        assert bench.ended
+        assert bench["vehicle.speed_m_per_s"] == 0.0
+    assert recording.units["vehicle.speed_m_per_s"] == "m/s"
+    assert recording.units["wheel0.motor_torque_nm"] == "N.m"
+    assert "airgap" in recording.texts["wheel0.motor_torque_nm"]
+    speed = recording["vehicle.speed_m_per_s"]
+    assert speed.shape == recording["time_s"].shape
+    assert speed[0] == pytest.approx(10.0 / 3.6)
+    assert np.all(np.diff(speed) < 1e-3)
+    with pytest.raises(KeyError, match="not recorded"):
+        _ = recording["battery.soc"]
+
+
+def test_steps_of_any_length_make_the_same_run(config: hubsim.Configuration) -> None:
+    with hubsim.Bench(config, record=("time_s", "vehicle.speed_m_per_s"), **STOP) as whole:
+        at_once = whole.run(0.3).rows
+    with hubsim.Bench(config, record=("time_s", "vehicle.speed_m_per_s"), **STOP) as pieces:
+        for _ in range(1000):
+            pieces.step()
+        pieces.step(0.15)
+        in_pieces = pieces.run(0.1).rows
+        assert pieces.time_s == pytest.approx(0.3)
+    assert np.array_equal(at_once, in_pieces)
+
+
+def test_a_pedal_can_move_during_the_run(config: hubsim.Configuration) -> None:
+    with hubsim.Bench(config, initial_speed_kmh=20.0, drag=False) as bench:
+        coasting = bench.run(0.5)
+        bench.set("driver.brake_demand_nm", 25.0)
+        assert bench.get("driver.brake_demand_nm") == 25.0
+        braking = bench.run(0.5)
+    # 4 wheels, 25 N m at 0.25 m on 660 kg; the demand takes 63 ms to come at 400 N m/s.
+    assert np.ptp(coasting["vehicle.speed_m_per_s"]) < 0.02
+    assert braking["vehicle.acceleration_m_per_s2"][-1] == pytest.approx(-4 * 25.0 / 0.25 / 660.0, rel=0.01)
+
+
+def test_plant_and_belief_can_differ(config: hubsim.Configuration, angle_config: hubsim.Configuration) -> None:
+    with hubsim.Bench(config, plant={"motor.phase_resistance_ohm": 0.05}, **STOP) as bench:
+        assert bench.get("motor.phase_resistance_ohm") == 0.05
+    timid = hubsim.load_configuration(LU2013, {"motor.max_torque_nm": 10.0, "motor.rated_torque_nm": 10.0})
+    settings = STOP | {"initial_speed_kmh": 20.0}
+    with hubsim.Bench(config, controller=timid, record=("wheel0.motor_torque_nm",), **settings) as bench:
+        weak = bench.run(0.5)["wheel0.motor_torque_nm"]
+    assert np.min(weak) == pytest.approx(-10.0, rel=0.03)
+
+
+def test_mistakes_are_one_line(config: hubsim.Configuration, tmp_path: Path) -> None:
+    image = tmp_path / "x.bin"
+    image.write_bytes(config.image)
+    mistakes: list[Callable[[], object]] = [
+        lambda: hubsim.Bench(image),
+        lambda: hubsim.Bench(config, colour="red"),
+        lambda: hubsim.Bench(config, initial_speed_kmh=-5.0),
+        lambda: hubsim.Bench(config, record=("wheel9.*",)),
+        lambda: hubsim.Bench(config, plant={"motor.colour": 1.0}),
+        lambda: hubsim.Bench(config, "nowhere"),
+    ]
+    for wrong in mistakes:
+        with pytest.raises(hubsim.HubsimError) as caught:
+            wrong()
+        assert "\n" not in str(caught.value)

@@ -1,0 +1,53 @@
+"""A configuration comes from a TOML file or from an image, and what is wrong with either is said in one line."""
+
+from pathlib import Path
+
+import hubsim
+import pytest
+from hubsim.engine import ROOT
+
+LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
+IMAGE = ROOT / "firmware" / "config" / "generated" / "lu2013.bin"
+
+
+def test_a_drive_and_its_flashed_image_are_the_same_configuration(config: hubsim.Configuration) -> None:
+    image = hubsim.load_configuration(IMAGE)
+    assert image.image == config.image
+    assert image.name == config.name == "lu2013"
+    assert config.drive is not None
+    assert image.drive is None
+
+
+def test_a_setting_changes_the_drive_and_the_image(config: hubsim.Configuration) -> None:
+    other = hubsim.load_configuration(LU2013, {"vehicle.mass_kg": 700.0, "motor.iron_loss_resistance_ohm": None})
+    assert other.drive is not None
+    assert other.drive.vehicle.mass_kg == 700.0
+    assert other.drive.motor.iron_loss_resistance_ohm is None
+    assert other.image != config.image
+
+
+@pytest.mark.parametrize(
+    ("path", "settings", "said"),
+    [
+        ("nowhere.toml", None, "nowhere.toml: file not found"),
+        ("nowhere.bin", None, "nowhere.bin: file not found"),
+        (str(LU2013), {"mass_kg": 1.0}, "'mass_kg': accepted: section.key"),
+        (str(LU2013), {"vehicle.mass_kg": -1.0}, "vehicle.mass_kg"),
+        (str(LU2013), {"vehicle.colour": 1.0}, "colour"),
+        (str(IMAGE), {"vehicle.mass_kg": 1.0}, "an image cannot be changed"),
+    ],
+)
+def test_mistakes_are_one_line_that_names_them(path: str, settings: dict[str, float] | None, said: str) -> None:
+    with pytest.raises(hubsim.HubsimError) as caught:
+        hubsim.load_configuration(path, settings)
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_image_the_firmware_refuses_is_refused_in_its_words(config: hubsim.Configuration, tmp_path: Path) -> None:
+    damaged = bytearray(config.image)
+    damaged[200] ^= 1
+    path = tmp_path / "damaged.bin"
+    path.write_bytes(damaged)
+    with pytest.raises(hubsim.HubsimError, match="damaged: configuration refused"):
+        hubsim.Controller(path)

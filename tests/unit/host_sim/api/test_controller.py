@@ -1,0 +1,160 @@
+"""The controller alone: every member of the exchange structs is there, and the steps are the firmware's."""
+
+import math
+import re
+
+import hubsim
+import pytest
+from hubsim import variables
+from hubsim.engine import ROOT
+
+PORTS = {
+    "foc_input_t": ("firmware/foc/include/foc/foc.h", "fast_input"),
+    "fast_output_t": ("firmware/controller/include/controller/controller.h", "fast_output"),
+    "slow_input_t": ("firmware/controller/include/controller/controller.h", "slow_input"),
+    "slow_output_t": ("firmware/controller/include/controller/controller.h", "slow_output"),
+}
+
+
+def members(header: str, struct: str) -> set[str]:
+    """Return the members of a C structure; of an array of three phases one for each."""
+    text = re.sub(r"/\*.*?\*/", "", (ROOT / header).read_text(encoding="utf-8"), flags=re.DOTALL)
+    bodies = re.findall(r"typedef struct \{([^}]*)\} (\w+);", text)
+    body = next(body for body, name in bodies if name == struct)
+    found = set()
+    for line in body.split(";"):
+        for name, size in re.findall(r"(\w+)(\[\w+\])?\s*(?=,|$)", line.strip()):
+            found |= {f"{name}_{phase}" for phase in "abc"} if size else {name}
+    return found
+
+
+@pytest.mark.parametrize("struct", PORTS)
+def test_every_member_of_the_exchange_structs_has_a_name_here(struct: str) -> None:
+    header, port = PORTS[struct]
+    assert {v.raw_name for v in hubsim.Controller.variables()[port]} == members(header, struct)
+
+
+def test_names_carry_their_units() -> None:
+    endings = {"A": "_a", "V": "_v", "N.m": "_nm", "s": "_s", "degC": "_c", "turn": "_turn", "rad/s": "_rad_per_s"}
+    for port in hubsim.Controller.variables().values():
+        for variable in port:
+            if variable.unit in endings:
+                assert variable.name.endswith(endings[variable.unit])
+            else:
+                assert variable.unit in {"", "1"}
+
+
+def boot(controller: hubsim.Controller, until_s: float = 0.4) -> hubsim.Values:
+    """Let a controller at standstill calibrate and be switched on."""
+    per_ms = round(1e-3 / controller.period_s)
+    slow = controller.slow_step()
+    for n in range(round(until_s / controller.period_s)):
+        if n % per_ms == 0:
+            slow = controller.slow_step(enable=n > 5000)
+        controller.fast_step(bus_voltage_v=53.0)
+    return slow
+
+
+def test_a_controller_boots_calibrates_and_runs(angle_config: hubsim.Configuration) -> None:
+    controller = hubsim.Controller(angle_config)
+    slow = boot(controller)
+    assert controller.mode_text(slow.mode) == "RUN"
+    assert controller.reason_text(slow.fault_reason) == "no limit"
+    assert slow["bus_voltage_v"] == pytest.approx(53.0, abs=61.8 / 4096)
+
+
+def test_a_driving_demand_becomes_voltage_in_the_right_direction(angle_config: hubsim.Configuration) -> None:
+    """At angle 0 the q axis is at right angles to phase a: b has to be above c for current that drives forward."""
+    controller = hubsim.Controller(angle_config)
+    boot(controller)
+    for n in range(400):
+        if n % 20 == 0:
+            slow = controller.slow_step(drive_torque_nm=2.0)
+        fast = controller.fast_step()
+    assert slow.motor_torque_command_nm > 0.0
+    assert fast.duty_b > fast.duty_a > fast.duty_c
+
+
+def test_inputs_keep_their_value_until_they_are_named_again(angle_config: hubsim.Configuration) -> None:
+    one, other = hubsim.Controller(angle_config), hubsim.Controller(angle_config)
+    for _ in range(50):
+        a = one.fast_step(bus_voltage_v=50.0, phase_a_a=1.0, phase_b_a=-1.0)
+    other.fast_step(bus_voltage_v=50.0, phase_a_a=1.0, phase_b_a=-1.0)
+    for _ in range(49):
+        b = other.fast_step()
+    assert a == b
+    assert one.save() == other.save()
+
+
+def test_raw_and_engineering_steps_are_the_same(angle_config: hubsim.Configuration) -> None:
+    one, other = hubsim.Controller(angle_config), hubsim.Controller(angle_config)
+    scales = {v.name: (v, *one.scale(variables.FAST_INPUT, k)) for k, v in enumerate(one.variables()["fast_input"])}
+    for n in range(200):
+        raw = {
+            "phase_current_code_a": 2048 + n,
+            "phase_current_code_b": 2048 - n,
+            "phase_current_code_c": 2048,
+            "bus_voltage_code": 3400,
+            "rotor_angle_turn": 17 * n,
+        }
+        done = one.fast_step_raw(**raw)
+        named = {v.name: (raw[v.raw_name] - zero) / per_unit for v, zero, per_unit in scales.values() if v.raw_name in raw}
+        same = other.fast_step(**named)
+        assert same.bridge == done.bridge
+        assert same.duty_a * other.scale(variables.FAST_OUTPUT, 0)[1] == done.compare_counts_a
+    assert one.save() == other.save()
+
+
+def test_a_saved_controller_goes_on_where_it_was(angle_config: hubsim.Configuration) -> None:
+    controller = hubsim.Controller(angle_config)
+    boot(controller, 0.2)
+    state = controller.save()
+
+    def go_on() -> list[hubsim.Values]:
+        return [controller.fast_step(rotor_angle_turn=n / 500.0) for n in range(100)]
+
+    first = go_on()
+    controller.restore(state)
+    assert go_on() == first
+    with pytest.raises(hubsim.HubsimError, match="bytes"):
+        controller.restore(state[1:])
+    with pytest.raises(hubsim.HubsimError, match="no controller's state"):
+        controller.restore(bytes(len(state)))
+
+
+def test_reset_is_power_up(angle_config: hubsim.Configuration) -> None:
+    controller = hubsim.Controller(angle_config)
+    fresh = controller.save()
+    boot(controller, 0.2)
+    assert controller.save() != fresh
+    controller.reset()
+    assert controller.save() == fresh
+
+
+@pytest.mark.parametrize(
+    ("step", "inputs", "said"),
+    [
+        ("fast_step", {"phase_a": 1.0}, "phase_a: no such input, accepted: phase_a_a"),
+        ("fast_step", {"phase_a_a": math.nan}, "phase_a_a: not a finite number"),
+        ("slow_step", {"brake_torque_nm": math.inf}, "brake_torque_nm: not a finite number"),
+        ("fast_step_raw", {"bus_voltage_code": 4096}, "bus_voltage_code: 4096, accepted: 0 to 4095"),
+        ("slow_step_raw", {"drive_torque_mNm": 1 << 40}, "32 bits"),
+        ("slow_step_raw", {"enable": 2}, "enable: 2, accepted: 0 to 1"),
+    ],
+)
+def test_what_cannot_be_an_input_is_refused_by_name(
+    angle_config: hubsim.Configuration, step: str, inputs: dict[str, float], said: str
+) -> None:
+    controller = hubsim.Controller(angle_config)
+    before = controller.save()
+    with pytest.raises(hubsim.HubsimError) as caught:
+        getattr(controller, step)(**inputs)
+    assert said in str(caught.value)
+    assert controller.save() == before
+
+
+def test_outputs_that_do_not_exist_name_those_that_do(angle_config: hubsim.Configuration) -> None:
+    values = hubsim.Controller(angle_config).fast_step()
+    assert list(values) == ["duty_a", "duty_b", "duty_c", "bridge"]
+    with pytest.raises(AttributeError, match="duty_a"):
+        _ = values.duty

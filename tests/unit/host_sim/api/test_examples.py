@@ -1,0 +1,59 @@
+"""The examples run as a user starts them, and show what they say they show."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hubsim.engine import ROOT
+
+EXAMPLES = ROOT / "host_sim" / "python" / "examples"
+
+
+def example(name: str) -> Any:  # noqa: ANN401, a module
+    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_every_example_is_tested_here_and_named_in_the_readme() -> None:
+    found = {path.stem for path in EXAMPLES.glob("*.py")}
+    assert found == {"strategies", "own_plant", "motulator_motor"}
+    readme = (EXAMPLES / "README.md").read_text(encoding="utf-8")
+    assert all(f"{name}.py" in readme for name in found)
+
+
+def test_an_example_runs_from_anywhere_as_a_program(tmp_path: Path) -> None:
+    command = [sys.executable, str(EXAMPLES / "own_plant.py")]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=200, check=False)
+    assert result.returncode == 0, result.stderr
+    assert "mode RUN" in result.stdout
+
+
+def test_strategies_come_near_the_ideal_stop() -> None:
+    """Stored share of the kinetic energy at 40 N m: steady-state figures of regen_table, dynamics give up to 1.6 % more."""
+    ideal = {"parallel_ratio": 0.149, "parallel_free_travel": 0.743, "series_optimal": 0.756}
+    stored = example("strategies").main()
+    assert stored.keys() == ideal.keys()
+    for strategy, share in ideal.items():
+        assert share - 0.002 < stored[strategy] < share + 0.016
+
+
+@pytest.mark.parametrize(("speed_rad_s", "brake_nm"), [(20.0, 20.0), (35.0, 5.0)])
+def test_the_page_long_motor_makes_the_torque_the_controller_means(speed_rad_s: float, brake_nm: float) -> None:
+    motor_nm, estimate_nm = example("own_plant").main(speed_rad_s, brake_nm)
+    assert motor_nm == pytest.approx(-brake_nm, rel=0.01)
+    assert estimate_nm == pytest.approx(motor_nm, rel=0.01)
+
+
+def test_on_motulators_motor_torques_agree_within_one_per_cent() -> None:
+    module = example("motulator_motor")
+    for (_, brake_nm), torques in zip(module.POINTS, module.main(), strict=True):
+        for name in ("command", "estimate", "motulator", "bench"):
+            assert torques[name] == pytest.approx(-brake_nm, rel=0.01), name

@@ -1,0 +1,168 @@
+/* Driven by name the controller does what it does driven through its structures, and it can be copied at any moment. */
+#include "exchange/joined.h"
+
+#include <string.h>
+
+#include "unity.h"
+#include "vehicle_fixture.h"
+
+enum { STEPS = 8000, STEPS_PER_MS = 20 };
+
+static config_t config;
+
+void setUp(void)
+{
+    config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+}
+
+void tearDown(void) {}
+
+/* Inputs that wander through everything a step may see; the same for the same n. */
+static uint32_t scrambled(uint32_t n)
+{
+    n ^= n >> 16;
+    n *= 0x7feb352dU;
+    n ^= n >> 15;
+    n *= 0x846ca68bU;
+    return n ^ (n >> 16);
+}
+
+static fast_input_t fast_input(uint32_t n)
+{
+    const bool calm = n < STEPS / 2; /* boot and calibration want a quiet machine */
+    const fast_input_t out = {
+        .phase_current_code = {(uint16_t)(2048 + (calm ? 0 : scrambled(n) % 300)),
+                               (uint16_t)(2048 - (calm ? 0 : scrambled(n + 1) % 300)), 2048},
+        .bus_voltage_code = (uint16_t)(3500 + scrambled(n + 2) % 50),
+        .rotor_angle_turn = (uint16_t)(n * 40),
+        .hall_state = 5,
+        .power_stage_fault = n == STEPS - 100,
+    };
+    return out;
+}
+
+static slow_input_t slow_input(uint32_t n)
+{
+    const slow_input_t out = {
+        .drive_torque_mNm = n > 3000 ? (int32_t)(scrambled(n) % 40000) - 20000 : 0,
+        .brake_torque_mNm = n > 5000 ? (int32_t)(scrambled(n + 7) % 40000) : 0,
+        .demand_age_ms = scrambled(n + 8) % 10,
+        .bms_charge_current_mA = 200000,
+        .bms_discharge_current_mA = 150000,
+        .winding_temperature_cC = 4000,
+        .switch_temperature_cC = 5000,
+        .enable = true,
+        .abs_active = n % 700 == 0,
+        .fault_reset = n % 900 == 0,
+        .selftest_passed = true,
+        .config_accepted = true,
+    };
+    return out;
+}
+
+/* By hand, in the order of variables.h: a line in the wrong place shows as a wrong output. */
+static void fast_array(const fast_input_t *in, int32_t *out)
+{
+    const int32_t values[] = {in->phase_current_code[0], in->phase_current_code[1], in->phase_current_code[2],
+                              in->bus_voltage_code,      in->rotor_angle_turn,      in->hall_state,
+                              in->power_stage_fault};
+    memcpy(out, values, sizeof(values));
+}
+
+static void slow_array(const slow_input_t *in, int32_t *out)
+{
+    const int32_t values[] = {in->drive_torque_mNm,
+                              in->brake_torque_mNm,
+                              (int32_t)in->demand_age_ms,
+                              in->bms_charge_current_mA,
+                              in->bms_discharge_current_mA,
+                              in->winding_temperature_cC,
+                              in->switch_temperature_cC,
+                              in->enable,
+                              in->abs_active,
+                              in->fault_reset,
+                              in->selftest_passed,
+                              in->config_accepted};
+    memcpy(out, values, sizeof(values));
+}
+
+static void step(joined_t *joined, uint32_t n, int32_t fast_out[], int32_t slow_out[])
+{
+    int32_t in[EXCHANGE_SLOW_INPUT_COUNT];
+    if (n % STEPS_PER_MS == 0) {
+        const slow_input_t slow = slow_input(n);
+        slow_array(&slow, in);
+        joined_slow(joined, in, slow_out);
+    }
+    const fast_input_t fast = fast_input(n);
+    fast_array(&fast, in);
+    joined_fast(joined, in, fast_out);
+}
+
+void test_by_name_and_by_structure_are_the_same_controller(void)
+{
+    static joined_t joined;
+    joined_init(&joined, &config);
+    controller_t direct;
+    controller_init(&direct, &config);
+    slow_to_fast_t to_fast = controller_initial_slow_to_fast(&config);
+    fast_to_slow_t to_slow = controller_initial_fast_to_slow(&config);
+    slow_output_t slow = {.mode = MODE_BOOT};
+    int32_t fast_out[EXCHANGE_FAST_OUTPUT_COUNT];
+    int32_t slow_out[EXCHANGE_SLOW_OUTPUT_COUNT];
+    bool has_switched = false;
+    for (uint32_t n = 0; n < STEPS; n++) {
+        step(&joined, n, fast_out, slow_out);
+        if (n % STEPS_PER_MS == 0) {
+            const slow_input_t in = slow_input(n);
+            slow = controller_slow_step(&direct.slow, &config, &to_slow, &in, &to_fast);
+        }
+        const fast_input_t in = fast_input(n);
+        const fast_output_t fast = controller_fast_step(&direct.fast, &config, &to_fast, &in, &to_slow);
+        const int32_t fast_expected[] = {fast.compare_counts[0], fast.compare_counts[1], fast.compare_counts[2],
+                                         (int32_t)fast.bridge};
+        const int32_t slow_expected[] = {slow.motor_torque_command_mNm,
+                                         slow.motor_torque_estimate_mNm,
+                                         slow.hydraulic_torque_mNm,
+                                         slow.electric_brake_available_mNm,
+                                         slow.speed_mrad_s,
+                                         slow.i_d_mA,
+                                         slow.i_q_mA,
+                                         slow.bus_voltage_mV,
+                                         slow.bus_current_mA,
+                                         (int32_t)slow.torque_reason,
+                                         (int32_t)slow.available_reason,
+                                         (int32_t)slow.hydraulic_reason,
+                                         (int32_t)slow.fault_reason,
+                                         (int32_t)slow.mode,
+                                         slow.stop_lamp};
+        TEST_ASSERT_EQUAL_INT32_ARRAY(fast_expected, fast_out, EXCHANGE_FAST_OUTPUT_COUNT);
+        TEST_ASSERT_EQUAL_INT32_ARRAY(slow_expected, slow_out, EXCHANGE_SLOW_OUTPUT_COUNT);
+        has_switched = has_switched || fast.bridge == BRIDGE_PWM;
+    }
+    TEST_ASSERT_TRUE_MESSAGE(has_switched, "the inputs never made the controller work");
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, slow.mode);
+}
+
+void test_a_copy_goes_on_exactly_where_the_original_was(void)
+{
+    static joined_t original;
+    static joined_t copy;
+    int32_t fast_out[EXCHANGE_FAST_OUTPUT_COUNT];
+    int32_t slow_out[EXCHANGE_SLOW_OUTPUT_COUNT];
+    int32_t fast_copy[EXCHANGE_FAST_OUTPUT_COUNT];
+    int32_t slow_copy[EXCHANGE_SLOW_OUTPUT_COUNT];
+    joined_init(&original, &config);
+    for (uint32_t n = 0; n < STEPS / 2; n++) {
+        step(&original, n, fast_out, slow_out);
+    }
+    memcpy(&copy, &original, sizeof(copy));
+    for (uint32_t n = STEPS / 2; n < STEPS; n++) {
+        step(&original, n, fast_out, slow_out);
+    }
+    for (uint32_t n = STEPS / 2; n < STEPS; n++) {
+        step(&copy, n, fast_copy, slow_copy);
+    }
+    TEST_ASSERT_EQUAL_INT32_ARRAY(fast_out, fast_copy, EXCHANGE_FAST_OUTPUT_COUNT);
+    TEST_ASSERT_EQUAL_INT32_ARRAY(slow_out, slow_copy, EXCHANGE_SLOW_OUTPUT_COUNT);
+}
