@@ -93,6 +93,44 @@ bool messages_read_battery(const messages_frame_t *frame, messages_battery_t *ba
     return true;
 }
 
+static bool read_state(const messages_frame_t *frame, messages_output_t *o)
+{
+    struct hubfoc_wheel_state_t raw;
+    if (hubfoc_wheel_state_unpack(&raw, frame->data, frame->length) != 0) {
+        return false;
+    }
+    o->mode = raw.mode;
+    o->fault_reason = (reason_t)raw.fault_reason;
+    o->motor_torque_estimate_mNm = raw.motor_torque_estimate_nm * TORQUE_STEP_mNm;
+    o->speed_mrad_s = raw.speed_rad_s * SPEED_STEP_mrad_s;
+    o->stop_lamp = raw.stop_lamp != 0;
+    return true;
+}
+
+static bool read_brake(const messages_frame_t *frame, messages_output_t *o)
+{
+    struct hubfoc_wheel_brake_t raw;
+    if (hubfoc_wheel_brake_unpack(&raw, frame->data, frame->length) != 0) {
+        return false;
+    }
+    o->hydraulic_torque_mNm = (int32_t)raw.hydraulic_torque_nm * TORQUE_STEP_mNm;
+    o->electric_brake_available_mNm = (int32_t)raw.electric_brake_available_nm * TORQUE_STEP_mNm;
+    o->hydraulic_reason = (reason_t)raw.hydraulic_reason;
+    o->available_reason = (reason_t)raw.available_reason;
+    return true;
+}
+
+bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel, messages_output_t *output)
+{
+    if (frame->length != E2E_FRAME_BYTES) {
+        return false;
+    }
+    if (frame->identifier == messages_identifier(MESSAGES_WHEEL_STATE, wheel)) {
+        return read_state(frame, output);
+    }
+    return frame->identifier == messages_identifier(MESSAGES_WHEEL_BRAKE, wheel) && read_brake(frame, output);
+}
+
 static messages_frame_t new_frame(messages_kind_t kind, messages_wheel_t wheel)
 {
     const messages_frame_t frame = {.identifier = messages_identifier(kind, wheel), .length = E2E_FRAME_BYTES};

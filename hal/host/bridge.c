@@ -48,15 +48,8 @@ void host_break_clock(bool broken)
     board.clock_broken = broken;
 }
 
-/* Without a running PWM the tick alone makes time pass, at the same rate. */
-static void pass_time(void)
+void host_millisecond(void)
 {
-    const uint32_t frequency_Hz = board.frequency_Hz != 0 ? board.frequency_Hz : MILLISECONDS_PER_SECOND;
-    board.share_of_millisecond += MILLISECONDS_PER_SECOND;
-    if (board.share_of_millisecond < frequency_Hz) {
-        return;
-    }
-    board.share_of_millisecond -= frequency_Hz;
     board.milliseconds++;
     board_watchdog_tick();
     if (board.tick_started) {
@@ -64,14 +57,25 @@ static void pass_time(void)
     }
 }
 
-void host_step(void)
+void host_pwm_period(void)
 {
     if (board.pwm_started) {
         board.plant.drive(board.plant.context, board.mode, board.compare_counts);
         board.sample = board.plant.sample(board.plant.context);
         app_pwm_period_isr();
     }
-    pass_time();
+}
+
+/* Without a running PWM the tick alone makes time pass, at the same rate. */
+void host_step(void)
+{
+    host_pwm_period();
+    const uint32_t frequency_Hz = board.frequency_Hz != 0 ? board.frequency_Hz : MILLISECONDS_PER_SECOND;
+    board.share_of_millisecond += MILLISECONDS_PER_SECOND;
+    if (board.share_of_millisecond >= frequency_Hz) {
+        board.share_of_millisecond -= frequency_Hz;
+        host_millisecond();
+    }
 }
 
 inverter_status_t inverter_init(const inverter_settings_t *settings)

@@ -1,6 +1,7 @@
 #include "bench/wheel.h"
 
 #include <math.h>
+#include <stddef.h>
 
 enum { MILLI = 1000, CENTI = 100 };
 static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
@@ -10,7 +11,7 @@ wheel_world_t wheel_world(const bench_params_t *params, const config_t *config)
     const wheel_world_t out = {
         .params = params,
         .config = config,
-        .inverter = inverter_init(&params->inverter),
+        .inverter = inverter_model(&params->inverter),
         .sensors = sensors_init(&params->sensors),
         .period_s = 1.0 / params->inverter.pwm_frequency_hz,
         .duty_per_count = 1.0 / config->drive.pwm_period_counts,
@@ -107,7 +108,9 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
         .selftest_passed = true,
         .config_accepted = true,
     };
-    wheel->slow = controller_slow_step(&wheel->controller.slow, world->config, &wheel->to_slow, &in, &wheel->to_fast);
+    wheel->slow = wheel->coupling != NULL ? wheel->coupling->millisecond(wheel->coupling->context, &in)
+                                          : controller_slow_step(&wheel->controller.slow, world->config,
+                                                                 &wheel->to_slow, &in, &wheel->to_fast);
     hydraulic_brake_command(&world->params->brake, &wheel->brake, (double)wheel->slow.hydraulic_torque_mNm / MILLI);
     const pmsm_step_t step = {.omega_rad_s = order->speed_rad_s * world->params->motor.pole_pairs,
                               .duration_s = world->period_s,
@@ -132,6 +135,10 @@ static void run_firmware(wheel_t *wheel, const wheel_world_t *world, double bus_
         .hall_state = seen.hall_state,
         .power_stage_fault = false,
     };
+    if (wheel->coupling != NULL) {
+        wheel->active = wheel->coupling->period(wheel->coupling->context, &in);
+        return;
+    }
     wheel->active = wheel->next;
     wheel->next = controller_fast_step(&wheel->controller.fast, world->config, &wheel->to_fast, &in, &wheel->to_slow);
 }

@@ -2,7 +2,7 @@
 
 #include "plant/numbers.h"
 
-inverter_t inverter_init(const inverter_params_t *params)
+inverter_t inverter_model(const inverter_params_t *params)
 {
     const double delta = 2.0 * params->dead_time_s * params->pwm_frequency_hz;
     const inverter_t out = {

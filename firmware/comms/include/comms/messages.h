@@ -99,6 +99,10 @@ bool messages_read_battery(const messages_frame_t *frame, messages_battery_t *ba
 messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel_t wheel, uint8_t counter);
 messages_frame_t messages_battery(const messages_battery_t *battery, uint8_t counter);
 
+/* The other way, for the vehicle's side: the fields that this kind of frame carries, in whole steps; the others are left
+ * as they are. False, and the structure untouched, if it is neither WHEEL_STATE nor WHEEL_BRAKE of that wheel. */
+bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel, messages_output_t *output);
+
 /* One of the sent kinds, complete and protected; an empty frame for the heard ones. */
 messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output, messages_wheel_t wheel,
                                  uint8_t counter);

@@ -9,7 +9,8 @@
  *                         app_pwm_period_isr()
  *     when one is due     app_millisecond_isr()
  *
- * main() needs no change: every look at time_running() lets one period pass.
+ * main() needs no change: every look at time_running() lets one period pass. Whoever has a clock of its own, as the
+ * bench has, calls the two parts of a step itself instead.
  */
 #ifndef HOST_PORT_H
 #define HOST_PORT_H
@@ -53,6 +54,10 @@ void host_break_clock(bool broken);
 
 /* Lets one PWM period pass. Interrupts that were not started are not called. */
 void host_step(void);
+
+/* The two parts of it: the top of the count, and a millisecond of the clock, in whatever phase they are to each other. */
+void host_pwm_period(void);
+void host_millisecond(void);
 
 /* The vehicle's side of CAN. A frame whose identifier is not accepted, or that finds no room, is lost. */
 void host_can_send(const can_frame_t *frame);

@@ -6,7 +6,8 @@
  *     sensors at t_n -> controller_fast_step() -> the bridge does it from t_{n+1} to t_{n+2}
  *
  * wheel_slow() is the millisecond, wheel_period() the PWM period; the bench calls them and closes the loop over the
- * battery and the vehicle. The exchange structs are carried by assignment.
+ * battery and the vehicle. The exchange structs are carried by assignment, unless a wheel has a coupling of its own: then
+ * something else that holds a controller stands there, the whole application on its simulated board (board.h).
  */
 #ifndef BENCH_WHEEL_H
 #define BENCH_WHEEL_H
@@ -27,6 +28,14 @@ typedef struct {
     double duty_per_count;
 } wheel_world_t;
 
+/* Somebody else's controller in place of the two steps. */
+typedef struct {
+    void *context;
+    /* The top of the count: what the sensors see; returns what the bridge does from now to the next top. */
+    fast_output_t (*period)(void *context, const fast_input_t *in);
+    slow_output_t (*millisecond)(void *context, const slow_input_t *in);
+} wheel_coupling_t;
+
 /* Energies and impulses since the start of the run. Heat and work in J. */
 typedef struct {
     double copper_j, iron_j, conduction_j, diode_j, switching_j;
@@ -43,8 +52,9 @@ typedef struct {
     slow_to_fast_t to_fast;
     fast_to_slow_t to_slow;
     slow_output_t slow;
-    fast_output_t active; /* what the bridge does in this period */
-    fast_output_t next;   /* from the next one on */
+    fast_output_t active;             /* what the bridge does in this period */
+    fast_output_t next;               /* from the next one on */
+    const wheel_coupling_t *coupling; /* NULL after wheel_init(): the two steps, called directly */
     /* The plant. */
     pmsm_t machine;
     pmsm_state_t rotor;

@@ -68,7 +68,7 @@ typedef struct {
     double switching_j;
 } inverter_flow_t;
 
-inverter_t inverter_init(const inverter_params_t *params);
+inverter_t inverter_model(const inverter_params_t *params);
 
 /* Current that the held dead-time and diode voltages can move within a period: zone_a of inverter_drive().
  * amperes_per_volt: of what the bridge feeds, see pmsm_amperes_per_volt(). */

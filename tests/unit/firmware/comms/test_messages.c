@@ -44,6 +44,54 @@ void test_what_is_more_urgent_has_the_lower_identifier_whatever_the_wheel(void)
     }
 }
 
+/* Values of whole steps, so that nothing is rounded; 200 is a reason that this version need not know. */
+void test_what_a_wheel_says_about_state_and_brake_comes_back_on_the_vehicles_side(void)
+{
+    const messages_output_t meant = {
+        .motor_torque_estimate_mNm = -39900,
+        .hydraulic_torque_mNm = 123400,
+        .electric_brake_available_mNm = 40000,
+        .speed_mrad_s = -12340,
+        .available_reason = (reason_t)3,
+        .hydraulic_reason = (reason_t)200,
+        .fault_reason = (reason_t)7,
+        .mode = 5,
+        .stop_lamp = true,
+    };
+    for (uint32_t w = 0; w < 4; w++) {
+        messages_output_t back = {.i_q_mA = 77};
+        const messages_frame_t state = messages_output(MESSAGES_WHEEL_STATE, &meant, WHEELS[w], 9);
+        const messages_frame_t brake = messages_output(MESSAGES_WHEEL_BRAKE, &meant, WHEELS[w], 9);
+        TEST_ASSERT_TRUE(messages_read_output(&state, WHEELS[w], &back));
+        TEST_ASSERT_EQUAL_INT(0, back.hydraulic_torque_mNm);
+        TEST_ASSERT_TRUE(messages_read_output(&brake, WHEELS[w], &back));
+        TEST_ASSERT_EQUAL_INT(meant.motor_torque_estimate_mNm, back.motor_torque_estimate_mNm);
+        TEST_ASSERT_EQUAL_INT(meant.hydraulic_torque_mNm, back.hydraulic_torque_mNm);
+        TEST_ASSERT_EQUAL_INT(meant.electric_brake_available_mNm, back.electric_brake_available_mNm);
+        TEST_ASSERT_EQUAL_INT(meant.speed_mrad_s, back.speed_mrad_s);
+        TEST_ASSERT_EQUAL_INT(meant.available_reason, back.available_reason);
+        TEST_ASSERT_EQUAL_INT(meant.hydraulic_reason, back.hydraulic_reason);
+        TEST_ASSERT_EQUAL_INT(meant.fault_reason, back.fault_reason);
+        TEST_ASSERT_EQUAL_UINT8(meant.mode, back.mode);
+        TEST_ASSERT_TRUE(back.stop_lamp);
+        TEST_ASSERT_EQUAL_INT(77, back.i_q_mA);
+    }
+}
+
+void test_what_is_not_that_wheels_state_or_brake_is_not_read(void)
+{
+    const messages_output_t meant = {.hydraulic_torque_mNm = 1000, .mode = 3};
+    messages_output_t back = {.mode = 1};
+    messages_frame_t frame = messages_output(MESSAGES_WHEEL_BRAKE, &meant, MESSAGES_REAR_LEFT, 0);
+    TEST_ASSERT_FALSE(messages_read_output(&frame, MESSAGES_REAR_RIGHT, &back));
+    frame.length = 7;
+    TEST_ASSERT_FALSE(messages_read_output(&frame, MESSAGES_REAR_LEFT, &back));
+    const messages_frame_t drive = messages_output(MESSAGES_WHEEL_DRIVE, &meant, MESSAGES_REAR_LEFT, 0);
+    TEST_ASSERT_FALSE(messages_read_output(&drive, MESSAGES_REAR_LEFT, &back));
+    TEST_ASSERT_EQUAL_INT(0, back.hydraulic_torque_mNm);
+    TEST_ASSERT_EQUAL_UINT8(1, back.mode);
+}
+
 void test_a_demand_comes_back_as_it_was_meant(void)
 {
     static const int32_t DRIVE_mNm[] = {-20000000, -12300, -100, 0, 100, 40000, 20000000};

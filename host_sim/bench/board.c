@@ -1,0 +1,145 @@
+#include "bench/board.h"
+
+#include <string.h>
+
+#include "app/app.h"
+
+enum { NO_CURRENT_CODE = 2048, ROOM_TEMPERATURE_cC = 2500, TIMEOUT_CYCLES = 5 };
+
+static host_sample_t sample(void *context)
+{
+    return ((const board_t *)context)->sample;
+}
+
+static void drive(void *context, inverter_mode_t mode, const uint16_t compare_counts[3])
+{
+    board_t *board = context;
+    board->active.bridge = mode == INVERTER_MODE_PWM     ? BRIDGE_PWM
+                           : mode == INVERTER_MODE_SHORT ? BRIDGE_SHORT
+                                                         : BRIDGE_OFF;
+    memcpy(board->active.compare_counts, compare_counts, sizeof board->active.compare_counts);
+}
+
+void board_start(board_t *board, messages_wheel_t wheel, const config_t *config)
+{
+    const board_t at_rest = {
+        .wheel = wheel,
+        .sample = {.phase_current_code = {NO_CURRENT_CODE, NO_CURRENT_CODE, NO_CURRENT_CODE},
+                   .winding_temperature_cC = ROOM_TEMPERATURE_cC,
+                   .switch_temperature_cC = ROOM_TEMPERATURE_cC},
+        .active = {.bridge = BRIDGE_OFF},
+        .heard = {.mode = (uint8_t)MODE_BOOT},
+    };
+    *board = at_rest;
+    e2e_receiver_init(&board->state_link, TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_STATE));
+    e2e_receiver_init(&board->brake_link, TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_BRAKE));
+    const host_plant_t plant = {.context = board, .sample = sample, .drive = drive};
+    host_connect(&plant, config, sizeof *config);
+    app_boot();
+}
+
+static fast_output_t period(void *context, const fast_input_t *in)
+{
+    board_t *board = context;
+    memcpy(board->sample.phase_current_code, in->phase_current_code, sizeof board->sample.phase_current_code);
+    board->sample.bus_voltage_code = in->bus_voltage_code;
+    board->sample.rotor_angle_turn = in->rotor_angle_turn;
+    board->sample.hall_state = in->hall_state;
+    board->sample.power_stage_fault = in->power_stage_fault;
+    host_pwm_period();
+    return board->active;
+}
+
+static void send(board_t *board, const messages_frame_t *frame)
+{
+    can_frame_t *sent = &board->said[board->said_count];
+    board->said_count++;
+    sent->identifier = frame->identifier;
+    sent->length = frame->length;
+    memcpy(sent->data, frame->data, sizeof sent->data);
+    host_can_send(sent);
+}
+
+/* What the vehicle and the battery have to say in this millisecond. */
+static void say(board_t *board, const slow_input_t *in)
+{
+    board->said_count = 0;
+    const uint32_t demand_cycle_ms = messages_cycle_ms(MESSAGES_DEMAND);
+    if (board->now_ms % demand_cycle_ms == 0 && in->demand_age_ms < demand_cycle_ms) {
+        const messages_demand_t demand = {
+            .drive_torque_mNm = in->drive_torque_mNm,
+            .brake_torque_mNm = in->brake_torque_mNm,
+            .enable = in->enable,
+            .abs_active = in->abs_active,
+            .fault_reset = in->fault_reset,
+        };
+        const messages_frame_t frame = messages_demand(&demand, board->wheel, board->demand_counter++);
+        send(board, &frame);
+    }
+    if (board->now_ms % messages_cycle_ms(MESSAGES_BATTERY_LIMITS) == 0) {
+        const messages_battery_t battery = {in->bms_charge_current_mA, in->bms_discharge_current_mA};
+        const messages_frame_t frame = messages_battery(&battery, board->battery_counter++);
+        send(board, &frame);
+    }
+}
+
+static e2e_receiver_t *link_of(board_t *board, uint16_t identifier)
+{
+    return identifier == messages_identifier(MESSAGES_WHEEL_STATE, board->wheel) ? &board->state_link
+                                                                                 : &board->brake_link;
+}
+
+static void hear(board_t *board)
+{
+    can_frame_t received;
+    while (host_can_receive(&received)) {
+        messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
+        memcpy(frame.data, received.data, sizeof frame.data);
+        messages_output_t said = board->heard;
+        if (!messages_read_output(&frame, board->wheel, &said)) {
+            continue; /* of no interest to the plant */
+        }
+        const e2e_verdict_t verdict =
+            e2e_receive(link_of(board, frame.identifier), frame.data, frame.identifier, true, board->now_ms);
+        if (verdict == E2E_OK || verdict == E2E_SOME_LOST) {
+            board->heard = said;
+        }
+    }
+}
+
+static slow_output_t as_known(const messages_output_t *heard)
+{
+    const slow_output_t out = {
+        .motor_torque_estimate_mNm = heard->motor_torque_estimate_mNm,
+        .hydraulic_torque_mNm = heard->hydraulic_torque_mNm,
+        .electric_brake_available_mNm = heard->electric_brake_available_mNm,
+        .speed_mrad_s = heard->speed_mrad_s,
+        .available_reason = heard->available_reason,
+        .hydraulic_reason = heard->hydraulic_reason,
+        .fault_reason = heard->fault_reason,
+        .mode = (modes_mode_t)heard->mode,
+        .stop_lamp = heard->stop_lamp,
+    };
+    return out;
+}
+
+/* The main loop runs before the interrupt, so that what was said now is acted upon now, and after it. */
+static slow_output_t millisecond(void *context, const slow_input_t *in)
+{
+    board_t *board = context;
+    board->sample.winding_temperature_cC = in->winding_temperature_cC;
+    board->sample.switch_temperature_cC = in->switch_temperature_cC;
+    say(board, in);
+    app_background();
+    host_millisecond();
+    board->now_ms++;
+    app_background();
+    hear(board);
+    return as_known(&board->heard);
+}
+
+wheel_coupling_t board_coupling(board_t *board)
+{
+    const wheel_coupling_t coupling = {.context = board, .period = period, .millisecond = millisecond};
+    return coupling;
+}

@@ -1,0 +1,41 @@
+/*
+ * board.h: the whole application on its simulated board (hal/host) as the controller of one wheel.
+ *
+ *     wheel's plant -> host_sample_t -> hal/ -> interrupts, double buffers -> controller -> hal/ -> wheel's bridge
+ *     demand, battery limits -> CAN frames in -> main loop -> CAN frames out -> hydraulic brake, mode, reasons
+ *
+ * Bridge and sensors are connected as the two steps are: sampled at the top, acting from the next one on. What comes by
+ * CAN is what a vehicle has: whole steps of hubfoc.dbc, in the messages' cycles, end-to-end protected. A demand older than
+ * its message's cycle is not sent. Of slow_output_t only what is on CAN is known; the rest stays zero.
+ *
+ * The application is one a process (interrupts have no other way to find their data), so is the board.
+ */
+#ifndef BENCH_BOARD_H
+#define BENCH_BOARD_H
+
+#include "bench/wheel.h"
+#include "comms/messages.h"
+#include "hal/can.h"
+#include "host/port.h"
+
+enum { BOARD_SAID_MAX = 2 };
+
+typedef struct {
+    messages_wheel_t wheel;
+    host_sample_t sample;    /* what the sensors see at this top */
+    fast_output_t active;    /* what the bridge does from this top on */
+    messages_output_t heard; /* what the wheel has said last */
+    e2e_receiver_t state_link, brake_link;
+    uint32_t now_ms;
+    uint8_t demand_counter, battery_counter;
+    can_frame_t said[BOARD_SAID_MAX]; /* to the wheel in this millisecond */
+    uint32_t said_count;
+} board_t;
+
+/* Boots the application with this configuration and a motor at rest; `wheel` is the one it was built for. */
+void board_start(board_t *board, messages_wheel_t wheel, const config_t *config);
+
+/* For wheel_t.coupling. `board` has to stay where it is. */
+wheel_coupling_t board_coupling(board_t *board);
+
+#endif

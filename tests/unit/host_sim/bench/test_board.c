@@ -1,0 +1,218 @@
+/*
+ * The application on its simulated board against the two step functions called directly: in every period of a drive that
+ * the application itself controls, the bridge must get the same numbers; and the drive must be the bench's.
+ */
+#include "bench/board.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "comms/node.h"
+#include "unity.h"
+#include "vehicle_fixture.h"
+
+/* Cycle of the demand and of the brake's command: what CAN makes older, each. */
+static const double CYCLE_S = 0.010;
+
+/* The twin: nothing but pure rooms, fed with what the sensors saw and with the frames the vehicle sent. */
+typedef struct {
+    board_t board;
+    wheel_coupling_t through_board;
+    const config_t *config;
+    controller_t controller;
+    slow_to_fast_t to_fast;
+    fast_to_slow_t to_slow;
+    node_t node;
+    fast_output_t next;
+    int32_t winding_temperature_cC, switch_temperature_cC;
+    uint32_t now_ms;
+    int switching_periods, braking_commands;
+} twin_t;
+
+static bench_t bench;
+static twin_t twin;
+
+static fast_output_t period(void *context, const fast_input_t *in)
+{
+    twin_t *t = context;
+    const fast_output_t out = t->through_board.period(t->through_board.context, in);
+    const fast_output_t expected = t->next;
+    t->next = controller_fast_step(&t->controller.fast, t->config, &t->to_fast, in, &t->to_slow);
+    TEST_ASSERT_EQUAL_INT(expected.bridge, out.bridge);
+    TEST_ASSERT_EQUAL_UINT16_ARRAY(expected.compare_counts, out.compare_counts, 3);
+    t->switching_periods += out.bridge == BRIDGE_PWM ? 1 : 0;
+    return out;
+}
+
+static void hear_what_was_said(twin_t *t)
+{
+    (void)node_tick(&t->node, t->now_ms);
+    for (uint32_t i = 0; i < t->board.said_count; i++) {
+        const can_frame_t *said = &t->board.said[i];
+        messages_frame_t frame = {.identifier = said->identifier, .length = said->length};
+        memcpy(frame.data, said->data, sizeof frame.data);
+        (void)node_hear(&t->node, &frame, t->now_ms);
+    }
+}
+
+static slow_output_t millisecond(void *context, const slow_input_t *in)
+{
+    twin_t *t = context;
+    const slow_output_t out = t->through_board.millisecond(t->through_board.context, in);
+    hear_what_was_said(t);
+    t->now_ms++;
+    const node_wish_t *wish = &t->node.wish;
+    const slow_input_t heard = {
+        .drive_torque_mNm = wish->demand.drive_torque_mNm,
+        .brake_torque_mNm = wish->demand.brake_torque_mNm,
+        .demand_age_ms = node_demand_age_ms(wish, t->now_ms),
+        .bms_charge_current_mA = wish->battery.charge_current_mA,
+        .bms_discharge_current_mA = wish->battery.discharge_current_mA,
+        .winding_temperature_cC = t->winding_temperature_cC,
+        .switch_temperature_cC = t->switch_temperature_cC,
+        .enable = wish->demand.enable,
+        .abs_active = wish->demand.abs_active,
+        .fault_reset = wish->demand.fault_reset,
+        .selftest_passed = true,
+        .config_accepted = true,
+    };
+    /* The board's temperatures are sampled with the currents, so the next millisecond sees them. */
+    t->winding_temperature_cC = in->winding_temperature_cC;
+    t->switch_temperature_cC = in->switch_temperature_cC;
+    const slow_output_t expected =
+        controller_slow_step(&t->controller.slow, t->config, &t->to_slow, &heard, &t->to_fast);
+    if (t->board.brake_link.link == E2E_VALID && t->board.brake_link.trusted_ms == t->now_ms) {
+        TEST_ASSERT_INT_WITHIN(50, expected.hydraulic_torque_mNm, out.hydraulic_torque_mNm); /* half a step */
+        TEST_ASSERT_EQUAL_INT(expected.available_reason, out.available_reason);
+        t->braking_commands += out.hydraulic_torque_mNm > 0 ? 1 : 0;
+    }
+    if (t->board.state_link.link == E2E_VALID && t->board.state_link.trusted_ms == t->now_ms) {
+        TEST_ASSERT_EQUAL_INT(expected.mode, out.mode);
+        TEST_ASSERT_EQUAL_INT(expected.fault_reason, out.fault_reason);
+    }
+    return out;
+}
+
+static void start_twin(const config_t *config)
+{
+    const int32_t wheels = config->battery.driven_wheels;
+    const messages_battery_t pack = {config->battery.max_charge_current_mA * wheels,
+                                     config->battery.max_discharge_current_mA * wheels};
+    memset(&twin, 0, sizeof twin);
+    board_start(&twin.board, HUBFOC_WHEEL, config);
+    twin.through_board = board_coupling(&twin.board);
+    twin.config = config;
+    controller_init(&twin.controller, config);
+    twin.to_fast = controller_initial_slow_to_fast(config);
+    twin.to_slow = controller_initial_fast_to_slow(config);
+    node_init(&twin.node, HUBFOC_WHEEL, pack, 0);
+    twin.next.bridge = BRIDGE_OFF;
+    twin.winding_temperature_cC = twin.board.sample.winding_temperature_cC;
+    twin.switch_temperature_cC = twin.board.sample.switch_temperature_cC;
+}
+
+static bench_params_t moving_vehicle(double speed_m_per_s)
+{
+    bench_params_t params = fixture_quarter_vehicle();
+    params.run.initial_speed_m_per_s = speed_m_per_s;
+    return params;
+}
+
+/* A bench whose one wheel has this coupling; NULL: the bench's own way. */
+static bench_start_t start(const bench_params_t *params, const config_t *config, const wheel_coupling_t *coupling)
+{
+    const driver_trace_t none = {.points = 0};
+    bench_init(&bench, params, config, &none);
+    bench.wheel[0].coupling = coupling;
+    return bench_start(&bench);
+}
+
+/* Brakes beyond what the motor gives, lets go, drives, brakes gently to the end. */
+static void drive_about(void)
+{
+    bench.params.driver.brake_demand_nm = 75.03; /* between two steps of the message */
+    fixture_run(&bench, 0.4);
+    bench.params.driver.brake_demand_nm = 0.0;
+    fixture_run(&bench, 0.1);
+    bench.params.driver.drive_demand_nm = 12.34;
+    fixture_run(&bench, 0.3);
+    bench.params.driver.drive_demand_nm = 0.0;
+    bench.params.driver.brake_demand_nm = 90.0;
+    fixture_run_to_standstill(&bench, 10.0);
+}
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static void assert_the_same_in_every_period(int32_t strategy, int32_t sensor)
+{
+    const config_t config = fixture_config_with_sensor(strategy, sensor);
+    const bench_params_t params = moving_vehicle(5.0);
+    start_twin(&config);
+    const wheel_coupling_t compared = {.context = &twin, .period = period, .millisecond = millisecond};
+    TEST_ASSERT_EQUAL_INT(BENCH_READY, start(&params, &config, &compared));
+    drive_about();
+    TEST_ASSERT_TRUE_MESSAGE(twin.switching_periods > 20000, "the bridge must switch to prove anything");
+    TEST_ASSERT_TRUE_MESSAGE(twin.braking_commands > 20, "the hydraulic brake must have been asked");
+    TEST_ASSERT_FALSE(host_watchdog_bit());
+}
+
+void test_with_an_angle_sensor_the_bridge_gets_the_same_numbers_through_the_board_as_directly(void)
+{
+    assert_the_same_in_every_period(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+}
+
+void test_with_halls_the_bridge_gets_the_same_numbers_through_the_board_as_directly(void)
+{
+    assert_the_same_in_every_period(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, CONFIG_ROTOR_HALL);
+}
+
+typedef struct {
+    double distance_m;
+    double chemical_j;
+    double kinetic_j;
+} stop_t;
+
+static stop_t stop_with(const wheel_coupling_t *coupling, const config_t *config, double demand_nm)
+{
+    const bench_params_t params = moving_vehicle(5.0);
+    TEST_ASSERT_EQUAL_INT(BENCH_READY, start(&params, config, coupling));
+    bench.params.driver.brake_demand_nm = demand_nm;
+    const double kinetic_j = vehicle_kinetic_energy_j(&bench.road_vehicle, &bench.vehicle);
+    fixture_run_to_standstill(&bench, 20.0);
+    const stop_t out = {bench.vehicle.distance_m, bench_ledger(&bench).chemical_j, kinetic_j};
+    return out;
+}
+
+/*
+ * CAN makes the demand older by a cycle and the brake's command by another, and rounds both to 0.1 N m, half of which is
+ * 0.1 % of 50 N m. So the stop may be longer by twice the cycle at full speed and by a thousandth or two of itself, and
+ * the battery may miss the power of a cycle at the start: T w <= 50 N m * 20 rad/s = 1 kW.
+ */
+void test_a_stop_through_the_board_is_the_stop_of_the_bench_but_for_the_time_that_can_takes(void)
+{
+    const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    const stop_t direct = stop_with(NULL, &config, 50.0);
+    static board_t board;
+    board_start(&board, HUBFOC_WHEEL, &config);
+    const wheel_coupling_t coupling = board_coupling(&board);
+    const stop_t through = stop_with(&coupling, &config, 50.0);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0 * CYCLE_S * 5.0 + 0.002 * direct.distance_m, direct.distance_m, through.distance_m);
+    TEST_ASSERT_TRUE_MESSAGE(direct.chemical_j < -0.3 * direct.kinetic_j, "the battery must get something");
+    TEST_ASSERT_DOUBLE_WITHIN(1000.0 * CYCLE_S + 0.002 * direct.kinetic_j, direct.chemical_j, through.chemical_j);
+}
+
+void test_an_application_that_refuses_its_configuration_never_moves_the_vehicle(void)
+{
+    const config_t good = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    config_t damaged = good;
+    damaged.motor.pole_pairs++; /* the checksum now says so */
+    static board_t board;
+    board_start(&board, HUBFOC_WHEEL, &damaged);
+    const wheel_coupling_t coupling = board_coupling(&board);
+    const bench_params_t params = moving_vehicle(0.0);
+    TEST_ASSERT_EQUAL_INT(BENCH_NOT_RUN, start(&params, &good, &coupling));
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, bench.wheel[0].active.bridge);
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "configuration refused: crc32"));
+}
