@@ -15,7 +15,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import ValidationError
 
-from hubsim import configuration, run, scenario
+from hubsim import configuration, overrides, run, scenario
 from hubsim.configuration import Configuration
 from hubsim.engine import Rows, parameters
 from hubsim.errors import HubsimError
@@ -93,7 +93,9 @@ class Bench:
         if config.drive is None:
             raise HubsimError(f"{config.name}: an image does not say what the plant is, accepted: a drive's .toml file")
         chosen, beside = _scenario(scenario, settings)
-        self._engine, self.planned_s = run.prepare(config.drive, chosen, beside, dict(plant or {}))
+        vehicle = overrides.changed(config.drive, chosen.drive_changes, f"{chosen.source}: drive")
+        self._engine, self.planned_s = run.prepare(vehicle, chosen, beside, dict(plant or {}))
+        self._happening = run.timeline(chosen)
         if controller is not None:
             other = controller if isinstance(controller, Configuration) else configuration.load(controller)
             self._engine.load_config(other.image)
@@ -144,10 +146,15 @@ class Bench:
         return self._engine.get(name)
 
     def step(self, duration_s: float | None = None) -> None:
-        """Go on for a time, by default one PWM period. Rows that fall due come with the next ``run``."""
-        rows = self._engine.run(self.period_s if duration_s is None else duration_s)
-        if len(rows):
-            self._kept.append(rows)
+        """Go on for a time, by default one PWM period; the scenario's events happen. Rows that fall due come with the next ``run``."""
+        now_s = self.time_s
+        until_s = now_s + (self.period_s if duration_s is None else duration_s)
+        while not self.ended and now_s < until_s - 1e-3 * self.period_s:
+            self._happening.apply(self._engine, now_s)
+            rows = self._engine.run(min(until_s, self._happening.next_s(now_s)) - now_s)
+            if len(rows):
+                self._kept.append(rows)
+            now_s = self.time_s
 
     def run(self, duration_s: float | None = None) -> Recording:
         """Go on for a time, by default to the end of the scenario, and return what was recorded since the last ``run``."""

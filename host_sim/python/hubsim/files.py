@@ -26,13 +26,23 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_with(path: Path, write: Callable[[TextIO], object]) -> None:
-    """Let ``write`` fill a file that takes its name only when it is complete."""
+    """Let ``write`` fill a text file that takes its name only when it is complete."""
+
+    def fill(temporary: Path) -> None:
+        with temporary.open("w", encoding="utf-8", newline="\n") as file:
+            write(file)
+
+    write_by_name(path, fill)
+
+
+def write_by_name(path: Path, write: Callable[[Path], object], suffix: str = "") -> None:
+    """Let ``write`` make a file under another name, ending in ``suffix``, that takes its own only when it is complete."""
     check_writable(path)
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=suffix, dir=path.parent)
+    os.close(handle)
     temporary = Path(name)
     try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            write(file)
+        write(temporary)
         temporary.chmod(0o666 & ~_umask())
         temporary.replace(path)
     except BaseException as error:

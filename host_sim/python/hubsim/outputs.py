@@ -1,17 +1,15 @@
-"""What a run is written to: the summary object as JSON, the signals as CSV, a table for people."""
+"""What a run is written to: the summary object as JSON, tables for people."""
 
 import json
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, cast
 
-import numpy as np
 from rich import box
-from rich.console import Console
+from rich.console import Console, JustifyMethod
 from rich.table import Table
 
-from hubsim import files
 from hubsim.results import RunResult
+from hubsim.verdicts import Verdict
 
 KILO = 1e3
 PERCENT = 100.0
@@ -29,11 +27,13 @@ ENERGIES = (
 )
 
 
-def run_object(result: RunResult) -> dict[str, Any]:
+def run_object(result: RunResult, judged: Sequence[Verdict] = ()) -> dict[str, Any]:
     """Return a run as ``hubsim run --json`` writes it: the summary's object and what a single run knows besides."""
     out = result.run_object | {"kinetic_energy_j": result.kinetic_energy_j}
     if result.stopped is not None:
         out["stop_distance_m"] = result.distance_m if result.stopped else None
+    if judged:
+        out |= {"passed": all(verdict.passed for verdict in judged), "criteria": [verdict.as_object() for verdict in judged]}
     return out | {
         "config": result.vehicle,
         "duration_s": result.duration_s,
@@ -49,15 +49,6 @@ def run_object(result: RunResult) -> dict[str, Any]:
 def as_json(value: object) -> str:
     """Return readable JSON; numbers that JSON cannot hold are a defect, not output."""
     return json.dumps(value, indent=2, allow_nan=False) + "\n"
-
-
-def write_csv(result: RunResult, path: Path) -> None:
-    """Write the recorded signals, one column each, headings with units, nine digits."""
-
-    def fill(file: TextIO) -> None:
-        np.savetxt(file, result.rows, fmt="%.9g", delimiter=",", header=",".join(result.names), comments="")
-
-    files.write_with(path, fill)
 
 
 def energy_table(results: Sequence[RunResult]) -> Table:
@@ -85,7 +76,30 @@ def definitions() -> list[str]:
     return [*lines, "share of braking work stored: returned / braking work"]
 
 
+def verdict_table(name: str, judged: Sequence[Verdict]) -> Table:
+    """Return the criteria of a run with what they came to."""
+    met = sum(verdict.passed for verdict in judged)
+    table = Table(title=f"{name}: {met} of {len(judged)} criteria met", title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD)
+    for heading, justify in (("criterion", "left"), ("value", "right"), ("at least", "right"), ("at most", "right"), ("unit", "left")):
+        table.add_column(heading, justify=cast(JustifyMethod, justify))
+    table.add_column("")
+    table.add_column("", overflow="fold")
+    for v in judged:
+        limits = ["" if limit is None else f"{limit:.5g}" for limit in (v.at_least, v.at_most)]
+        table.add_row(v.name, f"{v.value:.5g}", *limits, v.unit, "pass" if v.passed else "FAIL", v.remark)
+    return table
+
+
+def print_verdicts(name: str, judged: Sequence[Verdict]) -> None:
+    """Print the verdicts on stdout."""
+    _console().print(verdict_table(name, judged))
+
+
 def print_table(results: Sequence[RunResult]) -> None:
-    """Print the energy table on stdout, unwrapped however narrow the terminal is said to be."""
-    console = Console(highlight=False, width=None if Console().is_terminal else 120)
-    console.print(energy_table(results))
+    """Print the energy table on stdout."""
+    _console().print(energy_table(results))
+
+
+def _console() -> Console:
+    """Return a console on stdout, unwrapped however narrow the terminal is said to be."""
+    return Console(highlight=False, width=None if Console().is_terminal else 120)

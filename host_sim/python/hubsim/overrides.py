@@ -1,13 +1,13 @@
 """``--set key=value``: whose key it is, and what the value says.
 
-Without a dot it is a key of the scenario (``demand_nm=60``). ``section.key`` changes the drive's file before anything
-is made of it, for plant and controller alike (``battery.initial_soc=0.5``). ``plant.section.key`` changes the simulated
-world alone and leaves the controller's belief as it is (``plant.motor.phase_resistance_ohm=0.04``).
+Without a dot it is a key of the scenario (``demand_nm=60``); ``events.NAME.key`` and ``criteria.NAME.key`` are the
+scenario's too. ``section.key`` changes the drive's file before anything is made of it, for plant and controller alike
+(``battery.initial_soc=0.5``). ``plant.section.key`` changes the simulated world alone and leaves the controller's belief
+as it is (``plant.motor.phase_resistance_ohm=0.04``).
 """
 
-import difflib
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -17,8 +17,11 @@ from regen_table.schema import Drive
 
 from hubsim import engine
 from hubsim.errors import HubsimError
+from hubsim.events import check_parameter, range_of
+from hubsim.scenario import Scenario
 
 PLANT = "plant."
+OF_THE_SCENARIO = ("events.", "criteria.")
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ def parse(settings: Iterable[str]) -> Overrides:
         if key.startswith(PLANT):
             name = key.removeprefix(PLANT)
             out.plant[name] = _plant_value(name, value)
-        elif "." in key:
+        elif "." in key and not key.startswith(OF_THE_SCENARIO):
             section, _, name = key.partition(".")
             out.drive[section, name] = value
         else:
@@ -59,30 +62,31 @@ def value_of(text: str) -> Any:  # noqa: ANN401, whatever TOML can say
 
 
 def _plant_value(name: str, value: object) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        try:
+            check_parameter(name, float(value))
+        except ValueError as error:
+            raise HubsimError(f"--set {PLANT}{str(error).replace('did you mean ', f'did you mean {PLANT}')}") from error
+        return float(value)
     known = engine.parameters()
     if name not in known:
-        near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-        hint = f"did you mean {PLANT}{near[0]}?" if near else "'hubsim list --parameters' shows all"
-        raise HubsimError(f"--set {PLANT}{name}: unknown key, {hint}")
-    parameter = known[name]
-    number = float(value) if isinstance(value, int | float) else None
-    if number is None or not parameter.lowest <= number <= parameter.highest:
-        unit = f" {parameter.unit}" if parameter.unit not in {"", "1"} else ""
-        raise HubsimError(
-            f"--set {PLANT}{name}: {value!r} is not accepted, accepted: a number from {parameter.lowest:g} to {parameter.highest:g}{unit}"
-        )
-    return number
+        return _plant_value(name, 0.0)  # which refuses the name
+    raise HubsimError(f"--set {PLANT}{name}: {value!r} is not accepted, accepted: {range_of(known[name])}")
 
 
-def load_drive(path: Path, overrides: Overrides) -> Drive:
-    """Read a drive's file with the settings that are meant for it."""
+def load_drive(path: Path, overrides: Overrides, scenario: Scenario | None = None) -> Drive:
+    """Read a drive's file with what the scenario has differently, and with the settings that are meant for it."""
     drive = schema.load(path)
-    if not overrides.drive:
+    changes = {**(scenario.drive_changes if scenario else {}), **overrides.drive}
+    source = f"{path} with --set" if overrides.drive or scenario is None else f"{scenario.source}: drive"
+    return changed(drive, changes, source)
+
+
+def changed(drive: Drive, changes: Mapping[tuple[str, str], Any], source: str) -> Drive:
+    """Return a drive with other values of some keys, by (section, key), checked as a file would be."""
+    if not changes:
         return drive
-    data = tomllib.loads(path.read_text(encoding="utf-8"))
-    for (section, name), value in overrides.drive.items():
-        keys = data.setdefault(section, {})
-        if not isinstance(keys, dict):
-            raise HubsimError(f"--set {section}.{name}: {section} is no section of {path}")
-        keys[name] = value
-    return schema.parse(data, name=drive.name, source=f"{path} with --set")
+    data = drive.model_dump(exclude_none=True)
+    for (section, name), value in changes.items():
+        data.setdefault(section, {})[name] = value
+    return schema.parse(data, name=drive.name, source=source)

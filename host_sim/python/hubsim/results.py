@@ -1,7 +1,7 @@
 """What a run leaves behind: accounts, recorded signals, and the summary object made of them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,12 @@ class RunResult:
         Processor time of the simulation alone, for the whole vehicle.
     reason_texts : dict
         Words for the reason codes that were recorded, by code.
+    parameters : dict
+        Of the simulated world when the run began, by the engine's names.
+    missed : dict
+        Events whose time (s) the run did not reach, by name.
+    meanings : dict
+        Unit and words for every recorded signal, by name.
     """
 
     cycle: str
@@ -58,10 +64,18 @@ class RunResult:
     cpu_s: float
     faults: list[Fault] = field(default_factory=list)
     reason_texts: dict[str, str] = field(default_factory=dict)
+    parameters: dict[str, float] = field(default_factory=dict)
+    missed: dict[str, float] = field(default_factory=dict)
+    meanings: dict[str, tuple[str, str]] = field(default_factory=dict)
 
     def signal(self, name: str) -> Rows:
         """Return one recorded signal, shape (times,)."""
         return np.ascontiguousarray(self.rows[:, self.names.index(name)])
+
+    def only(self, names: Sequence[str]) -> "RunResult":
+        """Return the run as if only these of its signals had been recorded."""
+        columns = [self.names.index(name) for name in names]
+        return replace(self, names=list(names), rows=np.ascontiguousarray(self.rows[:, columns]))
 
     @property
     def time_s(self) -> Rows:

@@ -1,8 +1,10 @@
 """One run: a drive, a scenario and a strategy in, recorded signals and accounts out."""
 
+import operator
 import time
 from collections.abc import Callable, Sequence
 from fnmatch import fnmatchcase
+from functools import reduce
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +12,11 @@ from regen_table import image
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import cycles, plant
+from hubsim import cycles, plant, verdicts
 from hubsim.engine import Engine, Rows
+from hubsim.engine import parameters as engine_parameters
 from hubsim.errors import HubsimError
+from hubsim.events import Timeline
 from hubsim.results import Fault, RunResult
 from hubsim.scenario import Scenario
 
@@ -27,16 +31,31 @@ Progress = Callable[[float, float], None]  # simulated s, planned s
 def prepare(drive: Drive, scenario: Scenario, beside: Path, plant_overrides: dict[str, float]) -> tuple[Engine, float]:
     """Build the vehicle of a run that has not begun, and say how long the run is planned to be (s)."""
     engine = Engine()
-    trace = cycles.load(scenario.cycle, beside).repeated(scenario.repeats) if scenario.cycle is not None else None
+    trace = followed(scenario, beside)
     if trace is not None:
         speeds = [speed * scenario.speed_scale / cycles.KMH_PER_M_PER_S for speed in trace.speed_kmh]
         engine.set_trace(trace.time_s, speeds)
-    for name, value in {**plant.parameters(drive), **_scenario_parameters(drive, scenario), **plant_overrides}.items():
+    sources = (plant.parameters(drive), _scenario_parameters(drive, scenario), scenario.plant, plant_overrides)
+    for name, value in reduce(operator.or_, sources).items():
         engine.set(name, value)
     engine.set_voltage_curve(*plant.voltage_curve(drive))
     engine.load_config(image.build(drive))
     duration = scenario.max_duration_s if trace is None else min(trace.duration_s, scenario.max_duration_s)
     return engine, duration
+
+
+def followed(scenario: Scenario, beside: Path) -> cycles.Cycle | None:
+    """Return the speeds over time that the driver follows, if he does."""
+    if scenario.speed_trace_kmh is not None:
+        time_s, speed_kmh = zip(*scenario.speed_trace_kmh, strict=True)
+        return cycles.Cycle("speed_trace_kmh", time_s, speed_kmh).repeated(scenario.repeats)
+    return cycles.load(scenario.cycle, beside).repeated(scenario.repeats) if scenario.cycle is not None else None
+
+
+def timeline(scenario: Scenario) -> Timeline:
+    """Return what is changed during a run: the pedals' traces and the events."""
+    pedals = {"driver.brake_demand_nm": scenario.demand_trace_nm, "driver.drive_demand_nm": scenario.drive_trace_nm}
+    return Timeline(scenario.events, {name: points for name, points in pedals.items() if points is not None})
 
 
 def _scenario_parameters(drive: Drive, scenario: Scenario) -> dict[str, float]:
@@ -48,7 +67,7 @@ def _scenario_parameters(drive: Drive, scenario: Scenario) -> dict[str, float]:
         "thermal.winding_temperature_c": scenario.winding_temperature_c,
         "thermal.switch_temperature_c": scenario.switch_temperature_c,
         "thermal.ambient_temperature_c": scenario.ambient_temperature_c,
-        "driver.follow_trace": float(scenario.cycle is not None),
+        "driver.follow_trace": float(scenario.follows),
         "driver.brake_demand_nm": scenario.demand_nm,
         "driver.drive_demand_nm": scenario.drive_nm,
         "driver.bandwidth_rad_per_s": scenario.driver_bandwidth_rad_per_s,
@@ -97,7 +116,7 @@ def simulate(
     beside : Path
         Directory in which the scenario's own files are looked for.
     patterns : sequence of str
-        Signals to record; empty: none.
+        Signals to record besides those that the scenario's criteria look at; empty: none.
     progress : callable, optional
         Called with the simulated time and the planned end, both in s.
     """
@@ -107,16 +126,25 @@ def simulate(
         raise HubsimError(f"{drive.name}: {error}") from error
     with engine:
         engine.start()
-        names = matching(engine.signals(), patterns)
+        known = engine.signals()
+        parameters = {parameter: engine.get(parameter) for parameter in engine_parameters()}
+        judged = verdicts.signals_of(scenario, drive, known, parameters)
+        names = [name for name in known if name in {*judged, *matching(known, patterns)}]
         engine.choose(names)
+        happening = timeline(scenario)
         begun = time.thread_time()
         kinetic_j = 0.5 * engine.get("vehicle.mass_kg") * engine.value("vehicle.speed_m_per_s") ** 2
         soc = engine.value("battery.soc")
         parts = []
-        while not engine.ended and engine.value("time_s") < planned_s - 1e-6:
-            parts.append(engine.run(min(CHUNK_S, planned_s - engine.value("time_s"))))
-            if progress is not None:
-                progress(engine.value("time_s"), planned_s)
+        now_s = shown_s = 0.0
+        while not engine.ended and now_s < planned_s - 1e-6:
+            happening.apply(engine, now_s)
+            parts.append(engine.run(min(shown_s + CHUNK_S, planned_s, happening.next_s(now_s)) - now_s))
+            now_s = engine.value("time_s")
+            if now_s >= shown_s + CHUNK_S - 1e-6:
+                shown_s = now_s
+                if progress is not None:
+                    progress(now_s, planned_s)
         wheels = int(engine.get("vehicle.driven_wheels"))
         rows = np.concatenate(parts) if parts else np.empty((0, len(names)))
         return RunResult(
@@ -126,7 +154,7 @@ def simulate(
             wheels=wheels,
             names=names,
             rows=rows,
-            account_j={s: engine.value(s) for s in engine.signals() if s.startswith(("energy.", "braking."))},
+            account_j={s: engine.value(s) for s in known if s.startswith(("energy.", "braking."))},
             duration_s=engine.value("time_s"),
             distance_m=engine.value("vehicle.distance_m"),
             kinetic_energy_j=kinetic_j,
@@ -135,6 +163,9 @@ def simulate(
             cpu_s=time.thread_time() - begun,
             faults=_faults(engine, wheels),
             reason_texts=_reason_texts(engine, names, rows),
+            parameters=parameters,
+            missed=happening.missed(now_s),
+            meanings={name: meaning for name, meaning in engine.meanings().items() if name in names},
         )
 
 

@@ -1,4 +1,9 @@
-"""Scenarios: what a simulated vehicle is made to do, from TOML, with every key overridable on the command line."""
+"""Scenarios: what a simulated vehicle is made to do and must show, from TOML, with every key overridable on the command line.
+
+The keys at the top are state, driver and road. Sections: ``[plant.SECTION]`` is the simulated world where it is to differ
+from the drive's file, ``[drive.SECTION]`` the drive's file itself for plant and controllers alike, ``[events.NAME]`` something
+that happens (events.py), ``[criteria.NAME]`` something that must be shown (criteria.py).
+"""
 
 import difflib
 import tomllib
@@ -6,50 +11,103 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
-from pydantic_core import ErrorDetails
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
+from hubsim import mistakes
+from hubsim.criteria import Criterion
 from hubsim.errors import HubsimError
+from hubsim.events import Event, check_parameter, rising
+from hubsim.keys import Section, listed, listing, number
 
 DIRECTORY = Path(__file__).resolve().parent / "scenarios"
 MAX_FILE_BYTES = 1 << 20
 
+_POINTS = "a list of [time_s, value] with times from 0, rising"
+Points = tuple[Annotated[tuple[float, float], Field(strict=False)], ...]
+Named = dict[str, dict[str, Any]]
 
-def _number(lowest: float, highest: float, text: str) -> Any:  # noqa: ANN401, pydantic's own type for this
-    return Field(ge=lowest, le=highest, description=text)
 
-
-class Scenario(BaseModel):
+class Scenario(Section):
     """One scenario; keys as in the TOML file and after ``--set``. Torques are at each driven wheel."""
-
-    model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
     description: Annotated[str, Field(max_length=200, description="one line for people")] = ""
     cycle: Annotated[str | None, Field(description="a built-in cycle or a .csv file: the driver follows it")] = None
-    speed_scale: Annotated[float, _number(0.01, 10.0, "the cycle's speeds are multiplied with it")] = 1.0
-    repeats: Annotated[int, _number(1, 1000, "how many times the cycle is driven")] = 1
-    initial_speed_kmh: Annotated[float, _number(0.0, 300.0, "speed at which the run begins, km/h")] = 0.0
-    demand_nm: Annotated[float, _number(0.0, 1e5, "without a cycle: held braking demand, N m")] = 0.0
-    drive_nm: Annotated[float, _number(-1e5, 1e5, "without a cycle or braking demand: held drive demand, N m")] = 0.0
+    speed_scale: Annotated[float, number(0.01, 10.0, "the cycle's speeds are multiplied with it")] = 1.0
+    speed_trace_kmh: Annotated[Points | None, listing("instead of a cycle: speeds to follow over time, km/h", _POINTS)] = None
+    repeats: Annotated[int, number(1, 1000, "how many times the cycle is driven")] = 1
+    initial_speed_kmh: Annotated[float, number(-300.0, 300.0, "speed at which the run begins, km/h, negative backwards")] = 0.0
+    demand_nm: Annotated[float, number(0.0, 1e5, "without a cycle: held braking demand, N m")] = 0.0
+    drive_nm: Annotated[float, number(-1e5, 1e5, "without a cycle or braking demand: held drive demand, N m")] = 0.0
+    demand_trace_nm: Annotated[Points | None, listing("instead of demand_nm: brake pedal over time, N m", _POINTS)] = None
+    drive_trace_nm: Annotated[Points | None, listing("instead of drive_nm: drive pedal over time, N m", _POINTS)] = None
     stop_at_standstill: Annotated[bool, Field(description="the run ends when the vehicle stands")] = False
-    max_duration_s: Annotated[float, _number(0.001, 1e6, "the run ends at the latest; a cycle ends by itself")] = 1e5
+    max_duration_s: Annotated[float, number(0.001, 1e6, "the run ends at the latest; a cycle ends by itself")] = 1e5
     drag: Annotated[bool, Field(description="false: no air drag and no rolling resistance")] = True
-    slope_percent: Annotated[float, _number(-50.0, 50.0, "of the road, positive uphill, %")] = 0.0
-    winding_temperature_c: Annotated[float, _number(-40.0, 250.0, "of all windings at the start, degC")] = 25.0
-    switch_temperature_c: Annotated[float, _number(-40.0, 250.0, "of all inverters at the start, degC")] = 25.0
-    ambient_temperature_c: Annotated[float, _number(-40.0, 60.0, "of the air, degC")] = 25.0
-    initial_soc: Annotated[float | None, _number(0.0, 1.0, "state of charge at the start; absent: the drive's own")] = None
+    slope_percent: Annotated[float, number(-50.0, 50.0, "of the road, positive uphill, %")] = 0.0
+    winding_temperature_c: Annotated[float, number(-40.0, 250.0, "of all windings at the start, degC")] = 25.0
+    switch_temperature_c: Annotated[float, number(-40.0, 250.0, "of all inverters at the start, degC")] = 25.0
+    ambient_temperature_c: Annotated[float, number(-40.0, 60.0, "of the air, degC")] = 25.0
+    initial_soc: Annotated[float | None, number(0.0, 1.0, "state of charge at the start; absent: the drive's own")] = None
     noise: Annotated[bool, Field(description="false: sensors without the noise that the drive's file gives them")] = True
-    seed: Annotated[int, _number(0, 1 << 53, "of all noise: same seed, same bytes")] = 1
-    record_interval_s: Annotated[float, _number(1e-5, 1e3, "distance of recorded rows, s")] = 0.01
-    driver_bandwidth_rad_per_s: Annotated[float, _number(1e-3, 100.0, "of the driver's speed regulator, rad/s")] = 2.0
-    driver_preview_s: Annotated[float, _number(1e-3, 10.0, "how far ahead the driver looks, s")] = 0.1
+    seed: Annotated[int, number(0, 1 << 53, "of all noise: same seed, same bytes")] = 1
+    record_interval_s: Annotated[float, number(1e-5, 1e3, "distance of recorded rows, s")] = 0.01
+    driver_bandwidth_rad_per_s: Annotated[float, number(1e-3, 100.0, "of the driver's speed regulator, rad/s")] = 2.0
+    driver_preview_s: Annotated[float, number(1e-3, 10.0, "how far ahead the driver looks, s")] = 0.1
+    drive: Annotated[Named, listed("sections of the drive's file that differ in this scenario", "sections of keys")] = Field(
+        default_factory=dict
+    )
+    plant: Annotated[dict[str, float], listed("parameters that the simulated world alone has differently", "sections of numbers")] = Field(
+        default_factory=dict
+    )
+    events: Annotated[dict[str, Event], listed("what happens during the run, by name", "sections of events")] = Field(default_factory=dict)
+    criteria: Annotated[dict[str, Criterion], listed("what the run must show, by name", "sections of criteria")] = Field(
+        default_factory=dict
+    )
+
+    _source: str = PrivateAttr(default="scenario")
 
     @model_validator(mode="after")
-    def _has_an_end(self) -> "Scenario":
-        if self.cycle is None and self.max_duration_s >= 1e5 and not self.stop_at_standstill:
+    def _fits_together(self) -> "Scenario":
+        if self.cycle is None and self.speed_trace_kmh is None and self.max_duration_s >= 1e5 and not self.stop_at_standstill:
             raise ValueError("cycle: missing, accepted: a cycle, or max_duration_s, or stop_at_standstill = true")
+        if self.cycle is not None and self.speed_trace_kmh is not None:
+            raise ValueError("speed_trace_kmh: accepted: either cycle or speed_trace_kmh")
+        for key in ("speed_trace_kmh", "demand_trace_nm", "drive_trace_nm"):
+            if (points := getattr(self, key)) is not None:
+                rising(points, key)
+        for name, value in self.plant.items():
+            try:
+                check_parameter(name, value)
+            except ValueError as error:
+                raise ValueError(f"plant.{error}") from error
         return self
+
+    @property
+    def source(self) -> str:
+        """Where the scenario came from, for messages."""
+        return self._source
+
+    @property
+    def drive_changes(self) -> dict[tuple[str, str], Any]:
+        """What the drive's file is to say differently, by (section, key)."""
+        return {(section, key): value for section, keys in self.drive.items() for key, value in keys.items()}
+
+    @property
+    def follows(self) -> bool:
+        """Whether the driver follows a speed over time."""
+        return self.cycle is not None or self.speed_trace_kmh is not None
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """What formulas may name besides signals: the scenario's own numbers and the times of its events."""
+        own = {f"scenario.{key}": value for key, value in self if isinstance(value, int | float) and not isinstance(value, bool)}
+        for name, event in self.events.items():
+            own[f"events.{name}.at_s"] = event.at_s
+            own[f"events.{name}.over_s"] = event.over_s
+            if event.until_s is not None:
+                own[f"events.{name}.until_s"] = event.until_s
+            own |= {f"events.{name}.set.{key}": value for key, value in event.values.items()}
+        return {key: float(value) for key, value in own.items()}
 
 
 def builtin_names() -> list[str]:
@@ -65,7 +123,7 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
     name : str
         A built-in scenario, or a TOML file.
     overrides : mapping
-        Key to value.
+        Key to value; a key inside a section is dotted (``events.lost.at_s``).
 
     Returns
     -------
@@ -75,14 +133,66 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
     path = DIRECTORY / f"{name}.toml" if name in builtin_names() else Path(name)
     if path.suffix != ".toml":
         raise HubsimError(f"no scenario {name!r}, accepted: {', '.join(builtin_names())} or a .toml file")
-    data = {**_read(path), **overrides}
+    data = _flattened(_read(path))
+    for key, value in overrides.items():
+        _put(data, key, value)
     try:
-        return path.stem, Scenario.model_validate(data), path.parent
+        found = Scenario.model_validate(data)
     except ValidationError as error:
-        details = min(error.errors(include_url=False), key=lambda d: d["type"] != "extra_forbidden")
-        key = str(details["loc"][0]) if details["loc"] else ""
-        source = f"--set {key}" if key in overrides else f"{path}"
-        raise HubsimError(f"{source}: {_explain(key, details, key in overrides)}") from error
+        key, what = mistakes.first(error, Scenario)
+        guilty = next((given for given in overrides if _concerns(given, key)), None)
+        if guilty is not None:
+            rest = "" if key == guilty else f"{key}: " if key and not guilty.startswith(f"{key}.") else ""
+            raise HubsimError(f"--set {guilty}: {rest}{what}") from error
+        raise HubsimError(f"{path}: {key}: {what}" if key else f"{path}: {what}") from error
+    found._source = str(path)
+    return path.stem, found, path.parent
+
+
+def _concerns(given: str, key: str) -> bool:
+    return bool(key) and (given == key or given.startswith(f"{key}.") or key.startswith(f"{given}."))
+
+
+def _flattened(data: dict[str, Any]) -> dict[str, Any]:
+    """Bring sections of parameters (``[plant.battery]``, ``set.driver.x``) to dotted names."""
+    if isinstance(data.get("plant"), dict):
+        data["plant"] = _dotted(data["plant"])
+    events = data.get("events")
+    for event in events.values() if isinstance(events, dict) else ():
+        if isinstance(event, dict) and isinstance(event.get("set"), dict):
+            event["set"] = _dotted(event["set"])
+    return data
+
+
+def _dotted(data: Mapping[str, Any]) -> dict[str, Any]:
+    out: dict[str, Any] = {}
+    for key, value in data.items():
+        if isinstance(value, dict):
+            out |= {f"{key}.{name}": inner for name, inner in _dotted(value).items()}
+        else:
+            out[key] = value
+    return out
+
+
+def _put(data: dict[str, Any], key: str, value: object) -> None:
+    """Set a key; one of an event or criterion that the file has is dotted: ``events.NAME.KEY``, ``events.NAME.set.PARAMETER``."""
+    head, _, rest = key.partition(".")
+    if head not in {"events", "criteria"}:
+        data[key] = value
+        return
+    name, _, inner = rest.partition(".")
+    known = data.get(head) or {}
+    section = known.get(name) if isinstance(known, dict) else None
+    if not isinstance(section, dict) or not inner:
+        near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
+        hint = (
+            f"did you mean {head}.{near[0]}?" if near else f"accepted: {head}.NAME.KEY with NAME one of {', '.join(known) or 'none here'}"
+        )
+        raise HubsimError(f"--set {key}: {hint}")
+    if inner.startswith("set."):
+        section = section.setdefault("set", {})
+        inner = inner.removeprefix("set.")
+    section[inner] = value
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -102,26 +212,6 @@ def _read(path: Path) -> dict[str, Any]:
         raise HubsimError(f"{path}: not valid TOML: {' '.join(str(error).split())}") from error
 
 
-def _explain(key: str, details: ErrorDetails, named: bool) -> str:
-    """Say what is wrong with a key and what would be accepted."""
-    lead = "" if named else f"{key}: "
-    if details["type"] == "extra_forbidden":
-        near = difflib.get_close_matches(key, Scenario.model_fields, n=1, cutoff=0.5)
-        return f"{lead}unknown key, " + (f"did you mean {near[0]}?" if near else f"known are {', '.join(Scenario.model_fields)}")
-    if not key:
-        return str(details["msg"]).removeprefix("Value error, ")
-    value = repr(details["input"])
-    return f"{lead}{value if len(value) <= 40 else value[:37] + '...'} is not accepted, accepted: {accepted(key)}"
-
-
 def accepted(key: str) -> str:
     """Describe what a key takes."""
-    field = Scenario.model_fields[key]
-    bounds = {name: getattr(m, name) for m in field.metadata for name in ("ge", "le") if hasattr(m, name)}
-    kind = str(field.annotation)
-    if "bool" in kind:
-        return "true or false"
-    if "str" in kind:
-        return "text"
-    number = "a whole number" if "float" not in kind else "a number"
-    return f"{number} from {bounds['ge']:g} to {bounds['le']:g}"
+    return mistakes.accepted(Scenario.model_fields[key])

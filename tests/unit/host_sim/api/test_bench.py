@@ -79,7 +79,7 @@ def test_mistakes_are_one_line(config: hubsim.Configuration, tmp_path: Path) -> 
     mistakes: list[Callable[[], object]] = [
         lambda: hubsim.Bench(image),
         lambda: hubsim.Bench(config, colour="red"),
-        lambda: hubsim.Bench(config, initial_speed_kmh=-5.0),
+        lambda: hubsim.Bench(config, initial_speed_kmh=-500.0),
         lambda: hubsim.Bench(config, record=("wheel9.*",)),
         lambda: hubsim.Bench(config, plant={"motor.colour": 1.0}),
         lambda: hubsim.Bench(config, "nowhere"),

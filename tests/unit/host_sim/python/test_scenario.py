@@ -69,7 +69,7 @@ def test_a_wrong_file_gets_one_line_with_its_name(tmp_path: Path, text: str, mes
 
 
 def test_what_is_no_scenario_is_answered_with_what_there_is(tmp_path: Path) -> None:
-    with pytest.raises(HubsimError, match=r"no scenario 'stpo', accepted: ece15, stop, udds or a \.toml file"):
+    with pytest.raises(HubsimError, match=r"no scenario 'stpo', accepted: .*stop, .*udds.* or a \.toml file"):
         scenario.load("stpo", {})
     with pytest.raises(HubsimError, match="file not found"):
         scenario.load(str(tmp_path / "none.toml"), {})

@@ -1,0 +1,41 @@
+"""The firmware's reasons by their identifiers, read from firmware/core/include/core/reason.h itself."""
+
+import difflib
+import re
+from functools import cache
+
+from hubsim.engine import ROOT
+
+HEADER = ROOT / "firmware" / "core" / "include" / "core" / "reason.h"
+ANY_FAULT = "ANY_FAULT"
+
+
+@cache
+def codes() -> dict[str, int]:
+    """Return identifier to code, without the prefix REASON_."""
+    text = HEADER.read_text(encoding="utf-8")
+    return {name: int(number) for number, name in re.findall(r"^\s*X\((\d+), (\w+),", text, flags=re.MULTILINE)}
+
+
+@cache
+def first_fault() -> int:
+    """Return the code from which on reasons are faults."""
+    found = re.search(r"REASON_FIRST_FAULT = (\d+)", HEADER.read_text(encoding="utf-8"))
+    assert found is not None
+    return int(found[1])
+
+
+def identifier(code: float) -> str:
+    """Return the identifier of a code."""
+    return next((name for name, number in codes().items() if number == int(code)), f"unknown {int(code)}")
+
+
+def meant(name: str) -> frozenset[int]:
+    """Return the codes that a name in a criterion stands for; ValueError says what would be accepted."""
+    if name == ANY_FAULT:
+        return frozenset(code for code in codes().values() if code >= first_fault())
+    if name in codes():
+        return frozenset({codes()[name]})
+    near = difflib.get_close_matches(name, [*codes(), ANY_FAULT], n=1, cutoff=0.5)
+    hint = f"did you mean {near[0]}?" if near else f"accepted: {ANY_FAULT}, {', '.join(codes())}"
+    raise ValueError(f"no reason {name!r}, {hint}")

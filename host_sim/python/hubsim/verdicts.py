@@ -1,0 +1,246 @@
+"""A finished run judged by the criteria of its scenario."""
+
+import difflib
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from regen_table.schema import Drive
+
+from hubsim import expression, reasons
+from hubsim.criteria import Criterion
+from hubsim.errors import HubsimError
+from hubsim.expression import ExpressionError, NothingSeen, Value
+from hubsim.results import RunResult
+from hubsim.scenario import Scenario
+
+RESIDUAL_MOST = 1e-4  # of the energy turned over: more would be the simulation's own mistake, not the vehicle's
+_ACCOUNTS = ("energy.", "braking.")
+_WHEELS = "wheels."
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What one criterion came to; ``value`` is NaN where there was nothing to look at."""
+
+    name: str
+    passed: bool
+    value: float
+    at_least: float | None = None
+    at_most: float | None = None
+    unit: str = ""
+    text: str = ""
+    remark: str = ""
+
+    def as_object(self) -> dict[str, Any]:
+        """Return it for a JSON file."""
+        value = self.value if math.isfinite(self.value) else None
+        return {"name": self.name, "passed": self.passed, "value": value, "at_least": self.at_least, "at_most": self.at_most,
+                "unit": self.unit, "text": self.text, "remark": self.remark}  # fmt: skip
+
+
+# What formulas call run.*: figures of the run as a whole.
+RUN_FIGURES: Mapping[str, Callable[[RunResult], float]] = {
+    "duration_s": lambda r: r.duration_s,
+    "distance_m": lambda r: r.distance_m,
+    "kinetic_energy_j": lambda r: r.kinetic_energy_j,
+    "soc_initial": lambda r: r.soc[0],
+    "soc_final": lambda r: r.soc[1],
+    "returned_j": lambda r: r.returned_j,
+    "braking_work_j": lambda r: r.braking_work_j,
+    "braking_share_stored": lambda r: r.braking_share_stored,
+    "traction_j": lambda r: r.driving_j("chemical"),
+    "residual_relative": lambda r: r.residual_relative,
+    "stopped": lambda r: float(bool(r.stopped)),
+    "faults": lambda r: float(len(r.faults)),
+}
+
+
+def constants(scenario: Scenario, drive: Drive) -> dict[str, float]:
+    """Return what formulas may name that is known before the run: numbers of the scenario and of the drive's file."""
+    out = scenario.constants
+    for section, keys in drive.model_dump().items():
+        out |= {f"drive.{section}.{key}": float(v) for key, v in keys.items() if isinstance(v, int | float) and not isinstance(v, bool)}
+    return out
+
+
+def signals_of(scenario: Scenario, drive: Drive, known: Sequence[str], parameters: Iterable[str]) -> list[str]:
+    """Return the signals that the criteria of a scenario look at, refusing a name that there is not."""
+    scalars = {*constants(scenario, drive), *(f"plant.{name}" for name in parameters), *(f"run.{name}" for name in RUN_FIGURES)}
+    scalars |= {name for name in known if name.startswith(_ACCOUNTS)}
+    wanted: set[str] = set()
+    for name, criterion in scenario.criteria.items():
+        for key, formula in criterion.formulas.items():
+            wanted.add("time_s")
+            try:
+                wanted |= signals_named(formula.names, known, scalars)
+            except ExpressionError as error:
+                raise HubsimError(f"{scenario.source}: criteria.{name}.{key}: {error}") from error
+    return [name for name in known if name in wanted]
+
+
+def signals_named(names: Iterable[str], known: Sequence[str], scalars: Iterable[str]) -> set[str]:
+    """Return the signals that the names of a formula stand for."""
+    wheels: dict[str, set[str]] = {}
+    for signal in known:
+        head, _, tail = signal.partition(".")
+        if head.startswith("wheel"):
+            wheels.setdefault(f"{_WHEELS}{tail}", set()).add(signal)
+    wanted: set[str] = set()
+    for name in names:
+        if name in wheels:
+            wanted |= wheels[name]
+        elif name in known and not name.startswith(_ACCOUNTS):
+            wanted.add(name)
+        elif name not in scalars:
+            near = difflib.get_close_matches(name, [*known, *wheels, *scalars], n=1, cutoff=0.6)
+            hint = f"did you mean {near[0]}?" if near else "'hubsim list --signals' and '--parameters' show what there is"
+            raise ExpressionError(f"no quantity {name!r}, {hint}")
+    return wanted
+
+
+class Judge:
+    """Values of names for the formulas of one run.
+
+    Parameters
+    ----------
+    result : RunResult
+        With every signal recorded that the formulas look at.
+    constants : mapping
+        Further quantities that a formula may name: keys of scenario and drive, times of events.
+    """
+
+    def __init__(self, result: RunResult, constants: Mapping[str, float]) -> None:
+        self._result = result
+        self._time_s = result.signal("time_s") if "time_s" in result.names else np.empty(0)
+        self._scalars = {
+            **constants,
+            **{f"plant.{name}": value for name, value in result.parameters.items()},
+            **result.account_j,
+            **{f"run.{name}": figure(result) for name, figure in RUN_FIGURES.items()},
+        }
+        self._window: Value | None = None
+
+    def number(self, text: float | str) -> float:
+        """Work out a limit or a time: a number, or a formula that comes to one."""
+        return float(text) if isinstance(text, float | int) else self._single(expression.read(text).value(self._lookup), text)
+
+    def value(self, text: str) -> Value:
+        """Work out a formula in the present window."""
+        return expression.read(text).value(self._lookup)
+
+    def single(self, text: str) -> float:
+        """Work out a formula that must come to one number in the present window."""
+        return self._single(self.value(text), text)
+
+    @staticmethod
+    def _single(value: Value, text: str) -> float:
+        if value.ndim != 0:
+            raise ExpressionError(f"{text!r} changes over time, accepted: one number, as of max(), min(), mean(), final(), ...")
+        return float(value)
+
+    def look_through(self, criterion: Criterion) -> None:
+        """Open the window of a criterion."""
+        self._window = None
+        first = self.number(criterion.from_s)
+        last = math.inf if criterion.until_s is None else self.number(criterion.until_s)
+        seen: Value = (self._time_s >= first - 1e-9) & (self._time_s <= last + 1e-9)
+        if criterion.where is not None:
+            seen = seen & self.value(criterion.where).astype(bool)
+        self._window = seen
+
+    def _lookup(self, name: str) -> Value:
+        if name == "":
+            return np.diff(self._time_s, prepend=self._time_s[:1])
+        if name in self._scalars:
+            return np.asarray(self._scalars[name])
+        rows = self._rows(name)
+        if self._window is None:
+            return rows
+        wide = rows.shape if rows.ndim >= self._window.ndim else self._window.shape
+        return np.where(self._window, np.broadcast_to(rows, wide), np.nan)
+
+    def _rows(self, name: str) -> Value:
+        if name.startswith(_WHEELS):
+            own = [f"wheel{k}.{name.removeprefix(_WHEELS)}" for k in range(self._result.wheels)]
+            return np.stack([self._result.signal(signal) for signal in own])
+        return self._result.signal(name)
+
+
+def judge(scenario: Scenario, drive: Drive, result: RunResult) -> list[Verdict]:
+    """Return a verdict for every criterion, and one on the simulation's own error; nothing without criteria.
+
+    Raises
+    ------
+    HubsimError
+        For a formula that names what there is not, or comes to no number; one line with source and key.
+    """
+    judge = Judge(result, constants(scenario, drive))
+    out = []
+    for name, criterion in scenario.criteria.items():
+        try:
+            judge.look_through(criterion)
+            out.append(_verdict(name, criterion, judge))
+        except NothingSeen:
+            out.append(Verdict(name, False, math.nan, unit=criterion.unit, text=criterion.text, remark="no row in the window"))
+        except ExpressionError as error:
+            raise HubsimError(f"{scenario.source}: criteria.{name}: {error}") from error
+    if out:
+        residual = result.residual_relative
+        text = "energy: sources less sinks less storage, over the energy turned over"
+        out.append(Verdict("residual", residual <= RESIDUAL_MOST, residual, at_most=RESIDUAL_MOST, unit="1", text=text))
+    return out
+
+
+def _verdict(name: str, criterion: Criterion, judge: Judge) -> Verdict:
+    if criterion.reasons is not None:
+        return _judge_reasons(name, criterion, judge.value(criterion.reasons))
+    assert criterion.value is not None
+    if criterion.settles_to is not None:
+        return _judge_settling(name, criterion, judge)
+    value = judge.single(criterion.value)
+    low = None if criterion.at_least is None else judge.number(criterion.at_least)
+    high = None if criterion.at_most is None else judge.number(criterion.at_most)
+    passed = math.isfinite(value) and (low is None or value >= low) and (high is None or value <= high)
+    return Verdict(name, passed, value, low, high, criterion.unit, criterion.text)
+
+
+def _judge_settling(name: str, criterion: Criterion, judge: Judge) -> Verdict:
+    """Time from the window's beginning to the first row after which the value stays in the band to the window's end."""
+    assert (
+        criterion.value is not None and criterion.settles_to is not None and criterion.band is not None and criterion.within_s is not None
+    )
+    rows = np.atleast_2d(judge.value(criterion.value))
+    time_s = judge.value("time_s")
+    time_s = time_s if time_s.ndim == 1 else time_s[0]
+    away = np.abs(rows - judge.number(criterion.settles_to)) > judge.number(criterion.band)
+    seen = np.flatnonzero(~np.all(np.isnan(rows), axis=0) & ~np.isnan(time_s))
+    if seen.size == 0:
+        raise NothingSeen
+    outside = np.flatnonzero(np.any(away, axis=0))
+    most = judge.number(criterion.within_s)
+    if outside.size and outside[-1] == seen[-1]:
+        last = rows[:, outside[-1]]
+        remark = f"never settles: {last[np.argmax(np.abs(last))]:.4g} at the end"
+        return Verdict(name, False, math.nan, at_most=most, unit="s", text=criterion.text, remark=remark)
+    after = seen[seen > outside[-1]][0] if outside.size else seen[0]
+    settled_s = float(time_s[after]) - judge.number(criterion.from_s)
+    return Verdict(name, settled_s <= most, settled_s, at_most=most, unit="s", text=criterion.text)
+
+
+def _judge_reasons(name: str, criterion: Criterion, codes: Value) -> Verdict:
+    rows = np.atleast_2d(codes)
+    rows = rows[:, ~np.all(np.isnan(rows), axis=0)]
+    if rows.shape[1] == 0:
+        raise NothingSeen
+    present = {int(code) for code in rows[~np.isnan(rows)]}
+    shown = {wanted: float(np.mean(np.any(np.isin(rows, list(reasons.meant(wanted))), axis=0))) for wanted in criterion.must_appear}
+    absent = [wanted for wanted, share in shown.items() if share <= 0.0 or share < criterion.share]
+    unwanted = sorted({reasons.identifier(code) for bad in criterion.must_not_appear for code in reasons.meant(bad) & present})
+    remarks = [f"missing: {', '.join(absent)}"] if absent else []
+    remarks += [f"appeared: {', '.join(unwanted)}"] if unwanted else []
+    found = ", ".join(reasons.identifier(code) for code in sorted(present))
+    return Verdict(name, not remarks, float(len(absent) + len(unwanted)), at_most=0.0, text=criterion.text,
+                   remark="; ".join([*remarks, f"seen: {found}"]))  # fmt: skip
