@@ -2,6 +2,7 @@
 
 #include <stdarg.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,7 @@
 #include "config/validate.h"
 
 enum { ERROR_LENGTH = 400, NAME_LENGTH = 80 };
+static const double CLOCK_ROUNDING_S = 1e-9;
 
 struct hubsim {
     bench_params_t params;
@@ -53,41 +55,6 @@ static int fail(hubsim_t *sim, int code, const char *format, ...)
     vsnprintf(sim->error, sizeof(sim->error), format, arguments);
     va_end(arguments);
     return code;
-}
-
-int hubsim_parameter_count(void)
-{
-    return parameters_count();
-}
-
-static bool is_parameter(int index)
-{
-    return index >= 0 && index < parameters_count();
-}
-
-const char *hubsim_parameter_name(int index)
-{
-    return is_parameter(index) ? parameters_info(index).name : NULL;
-}
-
-const char *hubsim_parameter_unit(int index)
-{
-    return is_parameter(index) ? parameters_info(index).unit : NULL;
-}
-
-const char *hubsim_parameter_text(int index)
-{
-    return is_parameter(index) ? parameters_info(index).text : NULL;
-}
-
-double hubsim_parameter_lowest(int index)
-{
-    return is_parameter(index) ? parameters_info(index).lowest : 0.0;
-}
-
-double hubsim_parameter_highest(int index)
-{
-    return is_parameter(index) ? parameters_info(index).highest : 0.0;
 }
 
 int hubsim_set(hubsim_t *sim, const char *name, double value)
@@ -303,6 +270,17 @@ int hubsim_choose(hubsim_t *sim, const int *indices, int count)
     return HUBSIM_OK;
 }
 
+static int one_period(hubsim_t *sim)
+{
+    bench_t *bench = &sim->bench;
+    bench_period(bench);
+    if (bench->battery.collapsed || bench->bus.collapsed) {
+        return fail(sim, HUBSIM_FAILED, "the %s cannot give the power that was drawn at %.3f s: its voltage collapsed",
+                    bench->battery.collapsed ? "battery" : "bus", bench->time_s);
+    }
+    return HUBSIM_OK;
+}
+
 int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written, double *remaining_s)
 {
     *written = 0;
@@ -311,11 +289,11 @@ int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity,
         return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
     }
     bench_t *bench = &sim->bench;
-    const double until_s = bench->time_s + duration_s - 1e-9;
+    const double until_s = bench->time_s + duration_s - CLOCK_ROUNDING_S;
     for (;;) {
         if (recorder_is_due(&sim->recorder, bench)) {
             if (*written == capacity) {
-                *remaining_s = until_s + 1e-9 - bench->time_s;
+                *remaining_s = until_s + CLOCK_ROUNDING_S - bench->time_s;
                 return HUBSIM_FULL;
             }
             recorder_write(&sim->recorder, bench, rows + *written * sim->recorder.signals);
@@ -326,13 +304,65 @@ int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity,
             *remaining_s = 0.0;
             return ended ? HUBSIM_ENDED : HUBSIM_OK;
         }
-        bench_period(bench);
-        if (bench->battery.collapsed || bench->bus.collapsed) {
-            return fail(sim, HUBSIM_FAILED,
-                        "the %s cannot give the power that was drawn at %.3f s: its voltage collapsed",
-                        bench->battery.collapsed ? "battery" : "bus", bench->time_s);
+        const int status = one_period(sim);
+        if (status != HUBSIM_OK) {
+            return status;
         }
     }
+}
+
+int hubsim_advance(hubsim_t *sim, double until_s)
+{
+    if (!sim->has_started) {
+        return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+    }
+    int status = HUBSIM_OK;
+    while (status == HUBSIM_OK && sim->bench.time_s < until_s - CLOCK_ROUNDING_S) {
+        status = bench_has_ended(&sim->bench) ? HUBSIM_ENDED : one_period(sim);
+    }
+    return status;
+}
+
+int hubsim_sample(hubsim_t *sim, double *row)
+{
+    if (!sim->has_started) {
+        return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+    }
+    recorder_write(&sim->recorder, &sim->bench, row);
+    return HUBSIM_OK;
+}
+
+/* What changes while a vehicle runs. The speed trace stays with the handle. */
+typedef struct {
+    recorder_t recorder;
+    bench_t bench;
+} snapshot_t;
+
+uint32_t hubsim_state_bytes(void)
+{
+    return (uint32_t)sizeof(snapshot_t);
+}
+
+int hubsim_save(hubsim_t *sim, void *state)
+{
+    if (!sim->has_started) {
+        return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+    }
+    memcpy(state, &sim->recorder, sizeof(sim->recorder));
+    memcpy((unsigned char *)state + offsetof(snapshot_t, bench), &sim->bench, sizeof(sim->bench));
+    return HUBSIM_OK;
+}
+
+int hubsim_restore(hubsim_t *sim, const void *state)
+{
+    if (!sim->has_started) {
+        return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+    }
+    memcpy(&sim->recorder, state, sizeof(sim->recorder));
+    memcpy(&sim->bench, (const unsigned char *)state + offsetof(snapshot_t, bench), sizeof(sim->bench));
+    sim->bench.trace = sim->trace;
+    bench_refresh(&sim->bench);
+    return HUBSIM_OK;
 }
 
 int hubsim_value(const hubsim_t *sim, const char *name, double *value)
@@ -348,14 +378,4 @@ int hubsim_value(const hubsim_t *sim, const char *name, double *value)
         }
     }
     return HUBSIM_BAD_NAME;
-}
-
-const char *hubsim_mode_text(int mode)
-{
-    return modes_text((modes_mode_t)mode);
-}
-
-const char *hubsim_reason_text(int reason)
-{
-    return reason_text((reason_t)reason);
 }

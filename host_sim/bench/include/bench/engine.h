@@ -77,6 +77,19 @@ int hubsim_choose(hubsim_t *sim, const int *indices, int count);
  */
 int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written, double *remaining_s);
 
+/*
+ * The same for whoever keeps the clock: run to a time, at most to the end of the run, and record nothing; one row of the
+ * chosen signals now, rates as means since the row before. At equal times rows are those of hubsim_run.
+ */
+int hubsim_advance(hubsim_t *sim, double until_s);
+int hubsim_sample(hubsim_t *sim, double *row);
+
+/* A running vehicle with parameters, recorder and all, as bytes that mean something to this very library only; a speed
+ * trace is not part of them. Restored into a started handle it goes on exactly where it was. */
+uint32_t hubsim_state_bytes(void);
+int hubsim_save(hubsim_t *sim, void *state);
+int hubsim_restore(hubsim_t *sim, const void *state);
+
 /* The value of a signal now; rates are given as the account they are the rate of. */
 int hubsim_value(const hubsim_t *sim, const char *name, double *value);
 

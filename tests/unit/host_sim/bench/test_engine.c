@@ -2,6 +2,7 @@
 #include "bench/engine.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "plant_values.h"
@@ -91,6 +92,65 @@ void test_a_run_that_is_to_end_at_standstill_says_so(void)
     double time_s = 0.0;
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_value(sim, "time_s", &time_s));
     TEST_ASSERT_TRUE(time_s > 1.0 && time_s < 5.0);
+}
+
+enum { CHOSEN = 40, ROWS = 30 };
+
+static void start_braking(void)
+{
+    load_vehicle();
+    set("driver.brake_demand_nm", 20.0);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(HUBSIM_OK, hubsim_start(sim), hubsim_error(sim));
+    int chosen[CHOSEN];
+    for (int k = 0; k < CHOSEN; k++) {
+        chosen[k] = k;
+    }
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_choose(sim, chosen, CHOSEN));
+}
+
+void test_whoever_keeps_the_clock_gets_the_same_rows(void)
+{
+    static double run[ROWS][CHOSEN];
+    static double sampled[ROWS][CHOSEN];
+    start_braking();
+    int64_t written = 0;
+    double remaining_s = 0.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_run(sim, 0.29, run[0], ROWS, &written, &remaining_s));
+    TEST_ASSERT_EQUAL_INT64(ROWS, written);
+    hubsim_delete(sim);
+    sim = hubsim_new();
+    start_braking();
+    for (int k = 0; k < ROWS; k++) {
+        TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.01 * k));
+        TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_sample(sim, sampled[k]));
+    }
+    TEST_ASSERT_EQUAL_INT(0, memcmp(run, sampled, sizeof(run)));
+}
+
+void test_a_saved_vehicle_goes_on_where_it_was_in_another_handle_too(void)
+{
+    double first[CHOSEN];
+    double again[CHOSEN];
+    double elsewhere[CHOSEN];
+    start_braking();
+    void *state = malloc(hubsim_state_bytes());
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.1));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_save(sim, state));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.25));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_sample(sim, first));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_restore(sim, state));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.25));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_sample(sim, again));
+    hubsim_delete(sim);
+    sim = hubsim_new();
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_restore(sim, state));
+    start_braking();
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_restore(sim, state));
+    free(state);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_advance(sim, 0.25));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_sample(sim, elsewhere));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(first, again, sizeof(first)));
+    TEST_ASSERT_EQUAL_INT(0, memcmp(first, elsewhere, sizeof(first)));
 }
 
 void test_calls_out_of_order_are_refused_in_words(void)
