@@ -121,11 +121,13 @@ void app_pwm_period_isr(void)
     }
     const uint32_t begin_cycles = time_cycles();
     const analog_sample_t sample = analog_read();
+    const rotor_sensor_encoder_t encoder = rotor_sensor_encoder();
     const fast_input_t in = {
         .phase_current_code = {sample.phase_current_code[0], sample.phase_current_code[1],
                                sample.phase_current_code[2]},
         .bus_voltage_code = sample.bus_voltage_code,
         .rotor_angle_turn = rotor_sensor_angle_turn(),
+        .encoder = {.count = encoder.count, .index_count = encoder.index_count, .index = encoder.index},
         .hall_state = rotor_sensor_hall_state(),
         .power_stage_fault = inverter_fault(),
     };
@@ -151,8 +153,7 @@ static slow_input_t slow_input(const node_wish_t *wish)
         .bms_discharge_current_mA = wish->battery.discharge_current_mA,
         .winding_temperature_cC = analog_winding_temperature_cC(),
         .switch_temperature_cC = analog_switch_temperature_cC(),
-        /* An angle that is not known yet must not be driven by. */
-        .enable = wish->demand.enable && rotor_sensor_ready(),
+        .enable = wish->demand.enable,
         .abs_active = wish->demand.abs_active,
         .fault_reset = wish->demand.fault_reset,
         .selftest_passed = boot_selftest_passed(&app.boot),

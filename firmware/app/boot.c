@@ -16,15 +16,25 @@ static bool ram_good(void)
     return good;
 }
 
-static inverter_status_t start_ports(const config_t *config)
+static rotor_sensor_kind_t rotor_sensor_kind(int32_t sensor)
+{
+    switch (sensor) {
+    case CONFIG_ROTOR_HALL:
+        return ROTOR_SENSOR_HALL;
+    case CONFIG_ROTOR_ENCODER:
+        return ROTOR_SENSOR_ENCODER;
+    default: /* CONFIG_ROTOR_ANGLE; config_validate() lets nothing else through */
+        return ROTOR_SENSOR_ANGLE;
+    }
+}
+
+static inverter_status_t start_inverter(const config_t *config)
 {
     const inverter_settings_t settings = {
         .pwm_frequency_Hz = (uint32_t)config->drive.pwm_frequency_Hz,
         .pwm_period_counts = (uint32_t)config->drive.pwm_period_counts,
         .dead_time_ns = (uint32_t)config->drive.dead_time_ns,
     };
-    rotor_sensor_init(config->rotor.sensor == CONFIG_ROTOR_HALL ? ROTOR_SENSOR_HALL : ROTOR_SENSOR_ANGLE,
-                      config->motor.pole_pairs);
     return inverter_init(&settings);
 }
 
@@ -42,14 +52,16 @@ boot_report_t boot_run(void)
     report.config = (const config_t *)image.begin;
     report.verdict = config_validate(report.config, image.size_bytes);
     if (report.clock_good && report.verdict.code == CONFIG_VERDICT_OK) {
-        report.inverter = start_ports(report.config);
+        report.rotor_sensor_missing = !rotor_sensor_init(rotor_sensor_kind(report.config->rotor.sensor));
+        report.inverter = start_inverter(report.config);
     }
     return report;
 }
 
 bool boot_config_accepted(const boot_report_t *report)
 {
-    return report->verdict.code == CONFIG_VERDICT_OK && report->inverter == INVERTER_OK;
+    return report->verdict.code == CONFIG_VERDICT_OK && report->inverter == INVERTER_OK &&
+           !report->rotor_sensor_missing;
 }
 
 bool boot_selftest_passed(const boot_report_t *report)

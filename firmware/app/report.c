@@ -81,6 +81,8 @@ static void add_verdict(const boot_report_t *boot, text_t *line)
         add_refusal(&boot->verdict, line);
     } else if (boot->inverter != INVERTER_OK) {
         text_add(line, inverter_words(boot->inverter));
+    } else if (boot->rotor_sensor_missing) {
+        text_add(line, "configuration refused: rotor.sensor is not on this board");
     } else {
         text_add(line, "configuration accepted");
     }

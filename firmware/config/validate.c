@@ -98,6 +98,30 @@ static bool hall_sectors_in_order(const config_rotor_t *rotor)
     return good;
 }
 
+enum { ENCODER_COUNTS_A_POLE_PAIR = 32, INDEX_TOLERANCE_DIVISOR = 12 };
+
+/* Fine enough for a torque within 0.5 % (half a count is at most 5.6 degrees electrical) and for the tracking loop. */
+static bool encoder_fine_enough(const config_t *c)
+{
+    return c->rotor.sensor != CONFIG_ROTOR_ENCODER ||
+           c->rotor.encoder_counts >= ENCODER_COUNTS_A_POLE_PAIR * c->motor.pole_pairs;
+}
+
+/* An angle that is accepted may be wrong by the tolerance: 30 degrees electrical leave 87 % of the torque. */
+static bool encoder_index_sharp_enough(const config_t *c)
+{
+    return c->rotor.sensor != CONFIG_ROTOR_ENCODER ||
+           c->rotor.encoder_index_tolerance_counts * INDEX_TOLERANCE_DIVISOR * c->motor.pole_pairs <=
+               c->rotor.encoder_counts;
+}
+
+/* Halls lose the speed when no edge comes for a quarter of a second. A sector may be a quarter turn wide, so above one
+ * electrical turn a second, 2 pi rad/s, there is always an edge in time. Below it nobody may brake electrically. */
+static bool halls_know_the_hand_over(const config_t *c)
+{
+    return c->rotor.sensor != CONFIG_ROTOR_HALL || (int64_t)c->brake.handover_end_mrad_s * c->motor.pole_pairs >= 6284;
+}
+
 /* One modulation unit at the lowest bus voltage, limit * v_dc / sqrt 3, per unit of voltage in Q15, times 10^4 sqrt 3. */
 static int64_t lowest_unit(const config_t *c)
 {
@@ -175,6 +199,9 @@ static config_verdict_t check_relations(const config_t *c)
         {cross_coupling_fits(c), "current_loop inductances fit their formats at motor.max_speed_mrad_s"},
         {time_constants_long_enough(&c->current_loop), "L / R longer than four PWM periods"},
         {hall_sectors_in_order(&c->rotor), "rotor.edge_turn in forward order, 30 to 90 degrees apart"},
+        {encoder_fine_enough(c), "rotor.encoder_counts at least 32 for each of motor.pole_pairs"},
+        {encoder_index_sharp_enough(c), "rotor.encoder_index_tolerance_counts within 30 degrees electrical"},
+        {halls_know_the_hand_over(c), "brake.handover_end_mrad_s at least one electrical turn a second with halls"},
         {c->current_loop.field_weakening_current_pu_q15 <= c->current_loop.max_current_pu_q15,
          "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15"},
         {c->battery.undervoltage_trip_mV < c->battery.min_voltage_mV,

@@ -110,12 +110,12 @@ static void add_up(foc_sums_t *sums, const foc_current_out_t *current, int32_t v
 void foc_step(foc_state_t *state, const config_t *config, const foc_command_t *command, bool run, const foc_input_t *in,
               foc_report_t *report)
 {
-    const rotor_out_t rotor = rotor_step(&state->rotor, config, in->rotor_angle_turn, in->hall_state);
+    const rotor_out_t rotor = rotor_step(&state->rotor, config, in->rotor_angle_turn, in->hall_state, &in->encoder);
     report->theta_turn = rotor.theta_turn;
     report->speed_q32 = rotor.speed_q32;
     report->rotor_age_periods = rotor.age_periods;
     report->rotor_valid = rotor.valid;
-    report->lost_edges = state->rotor.hall.lost_edges;
+    report->rotor_faults = rotor.faults;
     report->v_dc_pu = q_min(in->bus_voltage_code, SENSE_CODE_MAX) * 8;
     if (run) {
         const dq_t reference = limited_reference(state, command->i_reference_pu);

@@ -1,24 +1,28 @@
 #include "foc/rotor.h"
 
-#include "core/angle.h"
-#include "core/q15.h"
-
 void rotor_init(rotor_state_t *state, const config_t *config)
 {
-    const rotor_pll_t zero = {0};
-    state->pll = zero;
+    const tracking_t still = {.started = false};
+    state->tracking = still;
     hall_init(&state->hall, config);
+    encoder_init(&state->encoder, config);
 }
 
-void rotor_pll_step(rotor_pll_t *pll, const config_t *config, uint16_t angle_turn)
+rotor_out_t rotor_other_step(rotor_state_t *state, const config_t *config, uint16_t angle_turn,
+                             const encoder_input_t *encoder)
 {
-    if (!pll->started) {
-        pll->started = true;
-        pll->theta_q32 = (uint32_t)angle_turn << 16;
+    rotor_out_t out = {.age_periods = 0, .faults = 0, .valid = true};
+    if (config->rotor.sensor == CONFIG_ROTOR_ENCODER) {
+        encoder_step(&state->encoder, config, encoder);
+        out.theta_turn = state->encoder.theta_turn;
+        out.speed_q32 = state->encoder.tracking.speed_q32;
+        out.age_periods = state->encoder.age_periods;
+        out.faults = state->encoder.faults;
+        out.valid = state->encoder.valid;
+    } else {
+        tracking_step(&state->tracking, config, angle_turn);
+        out.theta_turn = (uint16_t)(state->tracking.theta_q32 >> 16);
+        out.speed_q32 = state->tracking.speed_q32;
     }
-    pll->theta_q32 += (uint32_t)pll->speed_q32;
-    const int32_t error_turn = angle_difference(angle_turn, (uint16_t)(pll->theta_q32 >> 16));
-    /* error in turn Q16 times a gain in Q16 is Q32; times a gain in Q24 is Q40. */
-    pll->theta_q32 += (uint32_t)q_saturate64((int64_t)error_turn * config->rotor.pll_proportional_q16);
-    pll->speed_q32 = q_saturate64(pll->speed_q32 + (((int64_t)error_turn * config->rotor.pll_integral_q24) >> 8));
+    return out;
 }

@@ -93,7 +93,7 @@ static void advance(modes_state_t *state, const modes_input_t *in, bool acknowle
         }
         break;
     case MODE_READY:
-        if (in->enable && !in->drive_demanded) {
+        if (in->enable && !in->drive_demanded && in->rotor_valid) {
             enter(state, MODE_RUN);
         }
         break;
@@ -144,6 +144,7 @@ static permission_t permission_of(const modes_state_t *state, const modes_input_
         break;
     case MODE_READY:
         out.bridge = in->safe_bridge;
+        out.reason = in->rotor_valid ? REASON_PERMISSION : REASON_ROTOR_UNCERTAIN;
         break;
     case MODE_SELFTEST:
     case MODE_OFFSET_CAL:

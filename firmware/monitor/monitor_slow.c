@@ -73,15 +73,15 @@ static reason_t temperature_fault(const config_t *config, const monitor_slow_inp
 }
 
 /* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every electrical turn. */
-static bool edges_lost(monitor_slow_state_t *state, uint16_t lost_edges)
+static bool rotor_doubtful(monitor_slow_state_t *state, uint16_t rotor_faults)
 {
-    if (lost_edges != state->last_lost_edges) {
-        state->lost_edge_steps = MONITOR_LOST_EDGE_STEPS;
-    } else if (state->lost_edge_steps > 0) {
-        state->lost_edge_steps--;
+    if (rotor_faults != state->last_rotor_faults) {
+        state->doubt_steps = MONITOR_DOUBT_STEPS;
+    } else if (state->doubt_steps > 0) {
+        state->doubt_steps--;
     }
-    state->last_lost_edges = lost_edges;
-    return state->lost_edge_steps > 0;
+    state->last_rotor_faults = rotor_faults;
+    return state->doubt_steps > 0;
 }
 
 static bool offsets_plausible(const config_t *config, const int32_t offset_q4[3])
@@ -113,7 +113,7 @@ monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t 
 
     monitor_verdict_t out = {
         .fault = REASON_NONE,
-        .warning = edges_lost(state, in->lost_edges) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
+        .warning = rotor_doubtful(state, in->rotor_faults) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
         .safe_bridge = monitor_safe_bridge(config, in->speed_mrad_s, in->bus_voltage_mV, state->safe_bridge),
         .offsets_plausible = offsets_plausible(config, in->offset_q4),
     };

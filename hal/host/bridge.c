@@ -23,6 +23,7 @@ static struct {
     rotor_sensor_kind_t sensor;
     bool endless;
     bool clock_broken;
+    bool sensor_missing;
     bool tripped;
     bool pwm_started;
     bool tick_started;
@@ -46,6 +47,11 @@ void host_run_for(uint32_t periods)
 void host_break_clock(bool broken)
 {
     board.clock_broken = broken;
+}
+
+void host_take_rotor_sensor_away(bool missing)
+{
+    board.sensor_missing = missing;
 }
 
 void host_millisecond(void)
@@ -135,15 +141,10 @@ int32_t analog_switch_temperature_cC(void)
     return board.sample.switch_temperature_cC;
 }
 
-void rotor_sensor_init(rotor_sensor_kind_t kind, int32_t pole_pairs)
+bool rotor_sensor_init(rotor_sensor_kind_t kind)
 {
-    (void)pole_pairs; /* the plant gives electrical angles */
     board.sensor = kind;
-}
-
-bool rotor_sensor_ready(void)
-{
-    return true;
+    return !board.sensor_missing;
 }
 
 uint16_t rotor_sensor_angle_turn(void)
@@ -154,6 +155,12 @@ uint16_t rotor_sensor_angle_turn(void)
 uint8_t rotor_sensor_hall_state(void)
 {
     return board.sensor == ROTOR_SENSOR_HALL ? board.sample.hall_state : 0;
+}
+
+rotor_sensor_encoder_t rotor_sensor_encoder(void)
+{
+    const rotor_sensor_encoder_t none = {.index = false};
+    return board.sensor == ROTOR_SENSOR_ENCODER ? board.sample.encoder : none;
 }
 
 bool time_init(void)

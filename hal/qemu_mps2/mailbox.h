@@ -21,6 +21,9 @@ typedef struct {
     uint8_t power_stage_fault;
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
+    uint16_t encoder_count;
+    uint16_t encoder_index_count;
+    uint32_t encoder_index; /* not 0: an index pulse came; the firmware clears it */
     /* out, valid when `periods` has grown */
     uint16_t compare_counts[3];
     uint8_t mode; /* inverter_mode_t */

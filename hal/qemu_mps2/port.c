@@ -33,6 +33,9 @@ static void put_motor_at_rest(void)
     MAILBOX->bus_voltage_code = (uint16_t)semihost_option("bus_code", BUS_CODE_DEFAULT);
     MAILBOX->rotor_angle_turn = 0;
     MAILBOX->hall_state = HALL_DEFAULT;
+    MAILBOX->encoder_count = 0;
+    MAILBOX->encoder_index_count = 0;
+    MAILBOX->encoder_index = 0;
     MAILBOX->power_stage_fault = (uint8_t)semihost_option("power_stage_fault", 0);
     MAILBOX->winding_temperature_cC = ROOM_TEMPERATURE_cC;
     MAILBOX->switch_temperature_cC = ROOM_TEMPERATURE_cC;
@@ -117,14 +120,9 @@ int32_t analog_switch_temperature_cC(void)
     return MAILBOX->switch_temperature_cC;
 }
 
-void rotor_sensor_init(rotor_sensor_kind_t kind, int32_t pole_pairs)
+bool rotor_sensor_init(rotor_sensor_kind_t kind)
 {
-    (void)pole_pairs; /* the mailbox already holds electrical angles */
     sensor = kind;
-}
-
-bool rotor_sensor_ready(void)
-{
     return true;
 }
 
@@ -136,6 +134,18 @@ uint16_t rotor_sensor_angle_turn(void)
 uint8_t rotor_sensor_hall_state(void)
 {
     return sensor == ROTOR_SENSOR_HALL ? MAILBOX->hall_state : 0;
+}
+
+rotor_sensor_encoder_t rotor_sensor_encoder(void)
+{
+    rotor_sensor_encoder_t seen = {.index = false};
+    if (sensor == ROTOR_SENSOR_ENCODER) {
+        seen.count = MAILBOX->encoder_count;
+        seen.index_count = MAILBOX->encoder_index_count;
+        seen.index = MAILBOX->encoder_index != 0;
+        MAILBOX->encoder_index = 0;
+    }
+    return seen;
 }
 
 /* The machine has no CAN controller: it reports itself missing, which the application must cope with anyway. */

@@ -1,7 +1,6 @@
 /*
  * Halls on three inputs, or an incremental encoder on TIM3 (RM0090 section 18.3.12): CH1 and CH2 count quadrature
  * edges, CH3 captures the count at the index pulse, so that the index is found at any speed without an interrupt.
- * The board's mounting must put the index where the magnet flux lies along phase a.
  */
 #include "hal/rotor_sensor.h"
 
@@ -14,11 +13,8 @@ enum {
     INPUT_DIRECT = 1,   /* CCxS: input x on its own pin */
     FILTER_8_SAMPLES = 3
 };
-_Static_assert(65536 % BOARD_ENCODER_COUNTS_PER_TURN == 0, "the 16-bit counter must wrap after whole turns");
 
 static rotor_sensor_kind_t sensor;
-static uint32_t turn_per_count;  /* electrical, 65 536 = one turn */
-static volatile bool index_seen; /* remembered here: reading the capture register clears the timer's flag */
 
 static void init_halls(void)
 {
@@ -44,32 +40,26 @@ static void init_encoder(void)
     TIM3->CR1 = TIM_CR1_CEN;
 }
 
-void rotor_sensor_init(rotor_sensor_kind_t kind, int32_t pole_pairs)
+bool rotor_sensor_init(rotor_sensor_kind_t kind)
 {
     gpio_init();
     sensor = kind;
-    turn_per_count = (uint32_t)pole_pairs * (65536U / BOARD_ENCODER_COUNTS_PER_TURN);
-    if (kind == ROTOR_SENSOR_HALL) {
+    switch (kind) {
+    case ROTOR_SENSOR_HALL:
         init_halls();
-    } else {
+        return true;
+    case ROTOR_SENSOR_ENCODER:
         init_encoder();
+        return true;
+    case ROTOR_SENSOR_ANGLE:
+        break;
     }
-}
-
-bool rotor_sensor_ready(void)
-{
-    return sensor == ROTOR_SENSOR_HALL || index_seen;
+    return false; /* there is nothing on this board that reads a resolver */
 }
 
 uint16_t rotor_sensor_angle_turn(void)
 {
-    if (sensor == ROTOR_SENSOR_HALL) {
-        return 0;
-    }
-    if ((TIM3->SR & TIM_SR_CC3IF) != 0) {
-        index_seen = true;
-    }
-    return (uint16_t)((TIM3->CNT - TIM3->CCR3) * turn_per_count);
+    return 0;
 }
 
 uint8_t rotor_sensor_hall_state(void)
@@ -78,4 +68,19 @@ uint8_t rotor_sensor_hall_state(void)
         return 0;
     }
     return (uint8_t)((BOARD_HALL_PORT->IDR >> BOARD_HALL_FIRST_PIN) & 7U);
+}
+
+rotor_sensor_encoder_t rotor_sensor_encoder(void)
+{
+    rotor_sensor_encoder_t seen = {.index = false};
+    if (sensor == ROTOR_SENSOR_ENCODER) {
+        /* The flag before the count: an index pulse between the two is found in the next period. Reading the capture
+         * register clears the flag (section 18.4.5). */
+        seen.index = (TIM3->SR & TIM_SR_CC3IF) != 0;
+        if (seen.index) {
+            seen.index_count = (uint16_t)TIM3->CCR3;
+        }
+        seen.count = (uint16_t)TIM3->CNT;
+    }
+    return seen;
 }

@@ -193,6 +193,13 @@ static void run_held(bench_t *bench, double acceleration_m_per_s2, double durati
     }
 }
 
+/* Standing, unless the controllers wait for the index of an encoder: then a turn a second. */
+static double boot_speed_m_per_s(const bench_t *bench)
+{
+    return bench->config.rotor.sensor == CONFIG_ROTOR_ENCODER ? PLANT_TWO_PI * bench->params.vehicle.wheel_radius_m
+                                                              : 0.0;
+}
+
 bench_start_t bench_start(bench_t *bench)
 {
     const bench_params_t *params = &bench->params;
@@ -200,7 +207,7 @@ bench_start_t bench_start(bench_t *bench)
         return BENCH_UNRESOLVED;
     }
     bench->held = true;
-    bench->vehicle.speed_m_per_s = 0.0;
+    bench->vehicle.speed_m_per_s = boot_speed_m_per_s(bench);
     while (!all_run(bench)) {
         if (bench->time_s > BOOT_LIMIT_S) {
             return BENCH_NOT_RUN;
@@ -208,9 +215,9 @@ bench_start_t bench_start(bench_t *bench)
         bench_period(bench);
     }
     const double speed = params->run.initial_speed_m_per_s;
-    if (speed != 0.0) {
-        const double run_up_s = fabs(speed) / RUN_UP_M_PER_S2;
-        run_held(bench, speed > 0.0 ? RUN_UP_M_PER_S2 : -RUN_UP_M_PER_S2, run_up_s);
+    const double run_up = speed - bench->vehicle.speed_m_per_s;
+    if (run_up != 0.0) {
+        run_held(bench, run_up > 0.0 ? RUN_UP_M_PER_S2 : -RUN_UP_M_PER_S2, fabs(run_up) / RUN_UP_M_PER_S2);
         bench->vehicle.speed_m_per_s = speed;
         run_held(bench, 0.0, SETTLE_S);
     }

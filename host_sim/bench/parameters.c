@@ -19,6 +19,7 @@ typedef struct {
 #define ROAD(name, lowest, highest, unit, text) LINE(road, name, lowest, highest, unit, text)
 #define BRAKE(name, lowest, highest, unit, text) LINE(brake, name, lowest, highest, unit, text)
 #define SENSORS(name, lowest, highest, unit, text) LINE(sensors, name, lowest, highest, unit, text)
+#define ENCODER(name, lowest, highest, unit, text) LINE(encoder, name, lowest, highest, unit, text)
 #define THERMAL(name, lowest, highest, unit, text) LINE(thermal, name, lowest, highest, unit, text)
 #define DRIVER(name, lowest, highest, unit, text) LINE(driver, name, lowest, highest, unit, text)
 #define RUN(name, lowest, highest, unit, text) LINE(run, name, lowest, highest, unit, text)
@@ -29,12 +30,12 @@ typedef struct {
      .offset = offsetof(bench_params_t, wheel[k].field)},
 #define WHEEL(k) ONE_WHEEL_PARAMETERS(ONE_WHEEL, k)
 
-static const line_t LINES[] = {PMSM_PARAMETERS(MOTOR) INVERTER_PARAMETERS(INVERTER) BATTERY_PARAMETERS(BATTERY)
-                                   VEHICLE_PARAMETERS(VEHICLE) ROAD_PARAMETERS(ROAD) HYDRAULIC_BRAKE_PARAMETERS(BRAKE)
-                                       SENSORS_PARAMETERS(SENSORS) THERMAL_PARAMETERS(THERMAL) DRIVER_PARAMETERS(DRIVER)
-                                           RUN_PARAMETERS(RUN) BUS_PARAMETERS(BUS) WHEEL(0) WHEEL(1) WHEEL(2) WHEEL(3)
-                                               WHEEL(4) WHEEL(5) WHEEL(6) WHEEL(7) WHEEL(8) WHEEL(9) WHEEL(10) WHEEL(11)
-                                                   WHEEL(12) WHEEL(13) WHEEL(14) WHEEL(15)};
+static const line_t LINES[] = {
+    PMSM_PARAMETERS(MOTOR) INVERTER_PARAMETERS(INVERTER) BATTERY_PARAMETERS(BATTERY) VEHICLE_PARAMETERS(VEHICLE)
+        ROAD_PARAMETERS(ROAD) HYDRAULIC_BRAKE_PARAMETERS(BRAKE) SENSORS_PARAMETERS(SENSORS) ENCODER_PARAMETERS(ENCODER)
+            THERMAL_PARAMETERS(THERMAL) DRIVER_PARAMETERS(DRIVER) RUN_PARAMETERS(RUN) BUS_PARAMETERS(BUS) WHEEL(0)
+                WHEEL(1) WHEEL(2) WHEEL(3) WHEEL(4) WHEEL(5) WHEEL(6) WHEEL(7) WHEEL(8) WHEEL(9) WHEEL(10) WHEEL(11)
+                    WHEEL(12) WHEEL(13) WHEEL(14) WHEEL(15)};
 
 int parameters_count(void)
 {

@@ -36,6 +36,7 @@ void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index)
     wheel->active = bridge_off();
     wheel->next = bridge_off();
     wheel->rotor = pmsm_at_rest(params->run.rotor_turn + index * params->run.rotor_spread_turn);
+    wheel->shaft = encoder_begin(&params->encoder, params->motor.pole_pairs, wheel->rotor.theta_turn, 0);
     wheel->random = random_init((uint64_t)params->run.seed, (uint64_t)index);
     wheel->index = index;
     wheel_begin(wheel, world);
@@ -128,10 +129,14 @@ static void run_firmware(wheel_t *wheel, const wheel_world_t *world, double bus_
     const sensors_sample_t seen =
         sensors_sample(&world->sensors, &wheel->fault, &wheel->random, plant_inverse_clarke(wheel->rotor.terminal),
                        bus_voltage_v, wheel->rotor.theta_turn);
+    const bench_params_t *params = world->params;
+    const encoder_sample_t counted =
+        encoder_look(&params->encoder, params->motor.pole_pairs, &wheel->shaft, wheel->rotor.theta_turn);
     const fast_input_t in = {
         .phase_current_code = {seen.phase_current_code[0], seen.phase_current_code[1], seen.phase_current_code[2]},
         .bus_voltage_code = seen.bus_voltage_code,
         .rotor_angle_turn = seen.rotor_angle_turn,
+        .encoder = {.count = counted.count, .index_count = counted.index_count, .index = counted.index},
         .hall_state = seen.hall_state,
         .power_stage_fault = false,
     };

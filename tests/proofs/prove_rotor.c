@@ -11,7 +11,7 @@
 static void any_rotor_configuration(config_t *config)
 {
     config->drive.pwm_frequency_Hz = any_within(4000, 100000);
-    config->rotor.sensor = any_within(0, 1);
+    config->rotor.sensor = any_within(0, 2);
     config->rotor.pll_proportional_q16 = any_within(1, 65536);
     config->rotor.pll_integral_q24 = any_within(1, 16777216);
     uint32_t turn = 0;
@@ -90,16 +90,61 @@ void prove_hall_step(void)
     PROOF_END();
 }
 
-void prove_pll(void)
+void prove_tracking(void)
 {
     config_t config;
     any_rotor_configuration(&config);
     config.rotor.sensor = CONFIG_ROTOR_ANGLE;
     rotor_state_t state;
-    state.pll.theta_q32 = nondet_uint32();
-    state.pll.speed_q32 = nondet_int32();
-    state.pll.started = nondet_bool();
-    const rotor_out_t out = rotor_step(&state, &config, nondet_uint16(), nondet_uint8());
+    state.tracking.theta_q32 = nondet_uint32();
+    state.tracking.speed_q32 = nondet_int32();
+    state.tracking.started = nondet_bool();
+    const encoder_input_t no_encoder = {.index = false};
+    const rotor_out_t out = rotor_step(&state, &config, nondet_uint16(), nondet_uint8(), &no_encoder);
     PROMISE(out.valid && out.age_periods == 0);
+    PROOF_END();
+}
+
+/* From any state with a bounded position, whatever counter and index say: nothing overflows, and the position stays bounded. */
+static bool encoder_invariant(const encoder_t *encoder)
+{
+    return encoder->position_counts >= -INT32_C(200000) && encoder->position_counts <= INT32_C(200000) &&
+           encoder->age_periods >= 0 && encoder->age_periods <= 65535;
+}
+
+void prove_encoder(void)
+{
+    config_t config;
+    any_rotor_configuration(&config);
+    config.rotor.encoder_counts = any_within(32, 65536);
+    config.rotor.encoder_index_tolerance_counts = any_within(0, 1024);
+    config.motor.pole_pairs = any_within(1, 60);
+    ASSUME(config.rotor.encoder_counts >= 32 * config.motor.pole_pairs);
+    ASSUME(config.rotor.encoder_index_tolerance_counts * 12 * config.motor.pole_pairs <= config.rotor.encoder_counts);
+    encoder_t encoder;
+    encoder.turn_per_count_q32 = nondet_uint32();
+    encoder.origin_q32 = nondet_uint32();
+    encoder.counts = config.rotor.encoder_counts;
+    encoder.tolerance_counts = config.rotor.encoder_index_tolerance_counts;
+    encoder.overdue_counts = encoder.counts + encoder.counts / ENCODER_OVERDUE_DIVISOR;
+    encoder.most_counts = any_within(16, 32768);
+    ASSUME(encoder.most_counts <= encoder.counts / 2);
+    encoder.count_turn = any_within(1, 2049);
+    encoder.sign = nondet_bool() ? 1 : -1;
+    encoder.tracking.theta_q32 = nondet_uint32();
+    encoder.tracking.speed_q32 = nondet_int32();
+    encoder.tracking.started = nondet_bool();
+    encoder.theta_turn = nondet_uint16();
+    encoder.position_counts = nondet_int32();
+    encoder.age_periods = nondet_int32();
+    encoder.last_count = nondet_uint16();
+    encoder.faults = nondet_uint16();
+    encoder.started = nondet_bool();
+    encoder.referenced = nondet_bool();
+    encoder.valid = nondet_bool();
+    ASSUME(encoder_invariant(&encoder));
+    const encoder_input_t in = {.count = nondet_uint16(), .index_count = nondet_uint16(), .index = nondet_bool()};
+    encoder_step(&encoder, &config, &in);
+    PROMISE(encoder_invariant(&encoder));
     PROOF_END();
 }

@@ -84,7 +84,7 @@ def fields(drive: Drive) -> Values:
         "rotor": loops.rotor(drive),
         "battery": _battery(drive),
         "brake": _brake(drive),
-        "vehicle": {"wheel_radius_um": nearest(drive.vehicle.wheel_radius_m * 1e6), "mass_g": nearest(drive.vehicle.mass_kg * 1e3)},
+        "vehicle": _vehicle(drive),
         "monitor": _monitor(drive),
         "regen_map": {
             "speed_points": table.torque_mNm.shape[1],
@@ -116,6 +116,7 @@ def _motor(drive: Drive) -> dict[str, Any]:
         "d_inductance_nH": nearest(motor.d_inductance_h * 1e9),
         "q_inductance_nH": nearest(motor.q_inductance_h * 1e9),
         "flux_linkage_nWb": nearest(motor.flux_linkage_wb * 1e9),
+        "flux_coefficient_ppm_K": nearest((motor.flux_temperature_coefficient_per_k or 0.0) * 1e6),
         "iron_loss_resistance_mOhm": nearest(a0 * 1e3),
         "iron_loss_resistance_slope_nOhm_s": nearest(a1 * 1e9),
         "friction_torque_mNm": nearest(motor.friction_torque_nm * 1e3),
@@ -181,6 +182,15 @@ def _brake(drive: Drive) -> dict[str, Any]:
         "torque_rate_mNm_s": nearest(control.torque_rate_nm_per_s * 1e3),
         "shortfall_band_mNm": max(1, nearest(0.05 * drive.motor.max_torque_nm * 1e3)),
         "demand_timeout_ms": nearest(control.demand_timeout_s * 1e3),
+    }
+
+
+def _vehicle(drive: Drive) -> dict[str, Any]:
+    vehicle = drive.vehicle
+    return {
+        "wheel_radius_um": nearest(vehicle.wheel_radius_m * 1e6),
+        "mass_g": nearest(vehicle.mass_kg * 1e3),
+        "wheel_position": {"front_left": 0, "front_right": 1, "rear_left": 2, "rear_right": 3}[vehicle.wheel_position],
     }
 
 

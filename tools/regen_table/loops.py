@@ -213,12 +213,21 @@ def rotor(drive: Drive) -> dict[str, int | list[int]]:
     """Fill config_rotor_t: a second-order tracking loop with both poles at the bandwidth's rad/s (damping 1)."""
     natural = 2.0 * math.pi * drive.rotor.pll_bandwidth_hz * bases(drive).period_s
     return {
-        "sensor": {"angle": 0, "hall": 1}[drive.rotor.sensor],
+        "sensor": {"angle": 0, "hall": 1, "encoder": 2}[drive.rotor.sensor],
         "pll_bandwidth_Hz": nearest(drive.rotor.pll_bandwidth_hz),
         "pll_proportional_q16": fixed(2.0 * natural, 16),
         "pll_integral_q24": fixed(natural * natural, 24),
-        "edge_turn": [nearest(edge / 360.0 * 65536.0) % 65536 for edge in drive.rotor.hall_edges_deg],
+        "encoder_counts": drive.rotor.encoder_counts or 0,
+        "encoder_index_turn": _turn(drive.rotor.encoder_index_deg or 0.0),
+        "encoder_index_tolerance_counts": drive.rotor.encoder_index_tolerance_counts,
+        "encoder_reversed": int(drive.rotor.encoder_reversed),
+        "edge_turn": [_turn(edge) for edge in drive.rotor.hall_edges_deg],
     }
+
+
+def _turn(degrees: float) -> int:
+    """Electrical angle with 65 536 to a turn."""
+    return nearest(degrees / 360.0 * 65536.0) % 65536
 
 
 def nearest(value: float) -> int:

@@ -184,6 +184,36 @@ def _hall(drive: Drive) -> Iterator[str]:
         yield "rotor.hall_edges_deg: accepted: six edges in forward order, 30 to 90 deg apart, once around"
 
 
+def _hall_hand_over(drive: Drive) -> Iterator[str]:
+    """Below one electrical turn a second a sector of 90 deg may last the quarter second that halls take for standstill."""
+    slowest = 60.0 / drive.motor.pole_pairs
+    if drive.rotor.sensor == "hall" and drive.control.handover_end_rpm < slowest:
+        yield (
+            f"control.handover_end_rpm: {drive.control.handover_end_rpm:g} r/min, accepted: at least {slowest:.4g} r/min, "
+            f"down to which halls know the speed of a motor with {drive.motor.pole_pairs} pole pairs"
+        )
+
+
+def _encoder(drive: Drive) -> Iterator[str]:
+    rotor, pole_pairs = drive.rotor, drive.motor.pole_pairs
+    if rotor.sensor != "encoder":
+        return
+    if rotor.encoder_counts is None:
+        yield 'rotor.encoder_counts: missing, accepted with sensor = "encoder": counts in a mechanical turn, four to a line'
+        return
+    if rotor.encoder_index_deg is None:
+        yield 'rotor.encoder_index_deg: missing, accepted with sensor = "encoder": the electrical angle at the index, 0 to 360 deg'
+    if rotor.encoder_counts < 32 * pole_pairs:
+        yield (
+            f"rotor.encoder_counts: {rotor.encoder_counts}, accepted: at least {32 * pole_pairs}, 32 for each of {pole_pairs} pole pairs"
+        )
+    widest = rotor.encoder_counts // (12 * pole_pairs)
+    if rotor.encoder_index_tolerance_counts > widest:
+        yield (
+            f"rotor.encoder_index_tolerance_counts: {rotor.encoder_index_tolerance_counts}, accepted: at most {widest}, 30 deg electrical"
+        )
+
+
 def _emf(drive: Drive) -> Iterator[str]:
     emf, trip = line_emf_v(drive), overvoltage_trip_v(drive)
     if emf <= trip:
@@ -225,5 +255,5 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    _inductances, _iron, _torques, _currents, _battery, _grid, _temperatures, _handover, _hall, _emf, _regeneration,
+    _inductances, _iron, _torques, _currents, _battery, _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration,
 )  # fmt: skip

@@ -112,6 +112,9 @@ class Vehicle(Section):
     drag_coefficient: Annotated[float, _number(0.0, 2.0, "1", "")]
     rolling_resistance: Annotated[float, _number(0.0, 0.2, "1", "")]
     driven_wheels: Annotated[int, _number(1, 16, "1", "motors on one battery")]
+    wheel_position: Annotated[
+        Literal["front_left", "front_right", "rear_left", "rear_right"], Field(description="this controller's address on CAN")
+    ] = "front_left"
 
 
 class Brake(Section):
@@ -155,12 +158,21 @@ class Table(Section):
 class Rotor(Section):
     """How the controller learns the rotor's angle."""
 
-    sensor: Annotated[Literal["hall", "angle"], Field(description="three hall sensors, or an absolute electrical angle")] = "angle"
+    sensor: Annotated[
+        Literal["hall", "encoder", "angle"],
+        Field(description="three hall sensors, an incremental encoder with index, or an absolute electrical angle"),
+    ] = "angle"
     hall_edges_deg: Annotated[
         tuple[Degrees, Degrees, Degrees, Degrees, Degrees, Degrees],
         Field(strict=False, description="electrical angle at which sector k begins when turning forward"),
     ] = (0.0, 60.0, 120.0, 180.0, 240.0, 300.0)
     pll_bandwidth_hz: Annotated[float, _number(1.0, 1000.0, "Hz", "tracking of the angle")] = 50.0
+    encoder_counts: Annotated[int | None, _number(32, 65536, "1", "in a mechanical turn, four to a line; absent: no encoder")] = None
+    encoder_index_deg: Annotated[float | None, _number(0.0, 360.0, "deg", "electrical angle at the index pulse")] = None
+    encoder_index_tolerance_counts: Annotated[
+        int, _number(0, 1024, "1", "how far beside its place an index pulse is still the expected one: its width")
+    ] = 4
+    encoder_reversed: Annotated[bool, Field(description="the count falls when turning forward")] = False
 
 
 class Sensors(Section):

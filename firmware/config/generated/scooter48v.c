@@ -14,7 +14,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 2,
+    .format_version = 3,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -27,6 +27,7 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .d_inductance_nH                   = 85000, /* [nH] direct axis */
         .q_inductance_nH                   = 150000, /* [nH] quadrature axis */
         .flux_linkage_nWb                  = 18000000, /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
+        .flux_coefficient_ppm_K            = 0, /* [ppm/K] fall of the flux with temperature, magnets at winding temperature; NdFeB -1100; 0: constant */
         .iron_loss_resistance_mOhm         = 6000, /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
         .iron_loss_resistance_slope_nOhm_s = 10000000, /* [nOhm s] part of R_i proportional to electrical speed */
         .friction_torque_mNm               = 80, /* [mNm] Coulomb friction of bearings and seals */
@@ -65,10 +66,14 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .dead_time_zone_pu_q15          = 128, /* [pu] current below which the dead-time compensation is proportional */
     },
     .rotor = {
-        .sensor               = 1, /* 0 absolute electrical angle, 1 three hall sensors */
-        .pll_bandwidth_Hz     = 50, /* [Hz] tracking of the angle, for the record */
-        .pll_proportional_q16 = 1716, /* share of the angle error corrected in one PWM period */
-        .pll_integral_q24     = 2875, /* share of the angle error added to the speed in one PWM period */
+        .sensor                         = 1, /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
+        .pll_bandwidth_Hz               = 50, /* [Hz] tracking of the angle, for the record */
+        .pll_proportional_q16           = 1716, /* share of the angle error corrected in one PWM period */
+        .pll_integral_q24               = 2875, /* share of the angle error added to the speed in one PWM period */
+        .encoder_counts                 = 0, /* counts in a mechanical turn, four to a line; 0: no encoder */
+        .encoder_index_turn             = 0, /* [turn] electrical angle at the index pulse */
+        .encoder_index_tolerance_counts = 4, /* how far beside its place an index pulse is still the expected one: the width of the pulse */
+        .encoder_reversed               = 0, /* 1: the count falls when turning forward */
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
@@ -95,9 +100,10 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .vehicle = {
         .wheel_radius_um = 127000, /* [um] rolling radius */
         .mass_g          = 95000, /* [g] for plausibility only */
+        .wheel_position  = 0, /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
     },
     .monitor = {
-        .overcurrent_pu_q15     = 25817, /* [pu] |i| of any phase that trips */
+        .overcurrent_pu_q15     = 25817, /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
         .current_sum_pu_q15     = 1638, /* [pu] largest |i_a + i_b + i_c| */
         .offset_tolerance_codes = 200, /* distance of a current sensor's zero from mid-range */
         .torque_tolerance_mNm   = 1900, /* [mNm] estimate against permitted torque */
@@ -164,5 +170,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -9013, -11100, -13683, -16733, -20187, -23976, -28032,
         },
     },
-    .crc32 = 0xEB3FD1F9,
+    .crc32 = 0xAAD2F9B8,
 };

@@ -1,5 +1,5 @@
 /*
- * rotor_sensor.h: where the rotor is. One of two sensors, chosen at start-up.
+ * rotor_sensor.h: where the rotor is. One of three sensors, chosen at start-up.
  */
 #ifndef HAL_ROTOR_SENSOR_H
 #define HAL_ROTOR_SENSOR_H
@@ -8,21 +8,29 @@
 #include <stdint.h>
 
 typedef enum {
-    ROTOR_SENSOR_ANGLE = 0, /* an absolute electrical angle: on boards an incremental encoder with index */
-    ROTOR_SENSOR_HALL = 1   /* three hall sensors */
+    ROTOR_SENSOR_ANGLE = 0,  /* an absolute electrical angle: a resolver, or a simulation */
+    ROTOR_SENSOR_HALL = 1,   /* three hall sensors */
+    ROTOR_SENSOR_ENCODER = 2 /* incremental encoder: A, B and index */
 } rotor_sensor_kind_t;
 
-/* Background context, once, before inverter_start(). pole_pairs turns a mechanical angle into an electrical one. */
-void rotor_sensor_init(rotor_sensor_kind_t kind, int32_t pole_pairs);
+/* What an encoder counted. Where the index lies, and what a count means, is not known here. */
+typedef struct {
+    uint16_t count;       /* free running, both edges of both tracks: four to a line */
+    uint16_t index_count; /* the count at the latest index pulse, captured by hardware; holds for `index` only */
+    bool index;           /* an index pulse came since the last look */
+} rotor_sensor_encoder_t;
 
-/* False while the angle is not known yet (encoder index not seen); halls are ready at once. Any context. */
-bool rotor_sensor_ready(void);
+/* Background context, once, before inverter_start(). False: this board has no such sensor. */
+bool rotor_sensor_init(rotor_sensor_kind_t kind);
 
-/* Electrical angle now, 65 536 = one turn, 0 = magnet flux along phase a, rising when driving forward; 0 with halls.
- * Only from app_pwm_period_isr(). */
+/* Electrical angle now, 65 536 = one turn, 0 = magnet flux along phase a, rising when driving forward; 0 with another
+ * sensor. Only from app_pwm_period_isr(). */
 uint16_t rotor_sensor_angle_turn(void);
 
-/* Levels now: bit 0 = hall A, bit 1 = hall B, bit 2 = hall C; 0 with an encoder. Only from app_pwm_period_isr(). */
+/* Levels now: bit 0 = hall A, bit 1 = hall B, bit 2 = hall C; 0 with another sensor. Only from app_pwm_period_isr(). */
 uint8_t rotor_sensor_hall_state(void);
+
+/* All zero with another sensor. Only from app_pwm_period_isr(), once a period: a look takes the index pulse. */
+rotor_sensor_encoder_t rotor_sensor_encoder(void);
 
 #endif

@@ -73,6 +73,12 @@ def parameters(drive: Drive) -> dict[str, float]:
         "sensors.hall_edge_error_deg": drive.sensors.hall_edge_error_deg,
         "sensors.adc_bits": drive.sensors.adc_bits,
     }
+    found |= {
+        "encoder.counts": drive.rotor.encoder_counts or 0,
+        "encoder.index_deg": drive.rotor.encoder_index_deg or 0.0,
+        "encoder.index_width_counts": min(1, drive.rotor.encoder_index_tolerance_counts),
+        "encoder.reversed": drive.rotor.encoder_reversed,
+    }
     found |= {f"sensors.hall_edge_{k}_deg": edge for k, edge in enumerate(drive.rotor.hall_edges_deg)}
     return {name: float(value) for name, value in found.items()}
 

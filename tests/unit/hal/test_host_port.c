@@ -27,6 +27,7 @@ static host_sample_t sample(void *context)
     p->samples++;
     const host_sample_t out = {.phase_current_code = {(uint16_t)p->samples, 2, 3},
                                .hall_state = 5,
+                               .encoder = {.count = 901, .index_count = 890, .index = true},
                                .rotor_angle_turn = 77,
                                .power_stage_fault = p->fault};
     return out;
@@ -112,12 +113,26 @@ void test_the_up_call_sees_the_sample_of_its_own_period(void)
     (void)start(20000);
     host_step();
     TEST_ASSERT_EQUAL_UINT16(plant.samples, analog_read().phase_current_code[0]);
-    rotor_sensor_init(ROTOR_SENSOR_HALL, 4);
+    TEST_ASSERT_TRUE(rotor_sensor_init(ROTOR_SENSOR_HALL));
     TEST_ASSERT_EQUAL_UINT8(5, rotor_sensor_hall_state());
     TEST_ASSERT_EQUAL_UINT16(0, rotor_sensor_angle_turn());
-    rotor_sensor_init(ROTOR_SENSOR_ANGLE, 4);
+    TEST_ASSERT_TRUE(rotor_sensor_init(ROTOR_SENSOR_ANGLE));
     TEST_ASSERT_EQUAL_UINT8(0, rotor_sensor_hall_state());
     TEST_ASSERT_EQUAL_UINT16(77, rotor_sensor_angle_turn());
+    TEST_ASSERT_FALSE(rotor_sensor_encoder().index);
+    TEST_ASSERT_TRUE(rotor_sensor_init(ROTOR_SENSOR_ENCODER));
+    TEST_ASSERT_EQUAL_UINT8(0, rotor_sensor_hall_state());
+    TEST_ASSERT_EQUAL_UINT16(0, rotor_sensor_angle_turn());
+    TEST_ASSERT_EQUAL_UINT16(901, rotor_sensor_encoder().count);
+    TEST_ASSERT_EQUAL_UINT16(890, rotor_sensor_encoder().index_count);
+    TEST_ASSERT_TRUE(rotor_sensor_encoder().index);
+}
+
+void test_a_rotor_sensor_can_be_taken_away(void)
+{
+    (void)start(20000);
+    host_take_rotor_sensor_away(true);
+    TEST_ASSERT_FALSE(rotor_sensor_init(ROTOR_SENSOR_HALL));
 }
 
 void test_a_fault_keeps_the_bridge_off_until_its_cause_is_gone_and_it_was_cleared(void)

@@ -22,12 +22,13 @@ typedef struct {
     bool was_watchdog;  /* the watchdog caused this start */
     config_verdict_t verdict;
     inverter_status_t inverter; /* looked at only with an accepted configuration and a good clock */
+    bool rotor_sensor_missing;  /* the board has none of the kind that the configuration names; looked at likewise */
     const config_t *config;     /* the image in flash; only to be used if `verdict` is good */
 } boot_report_t;
 
 boot_report_t boot_run(void);
 
-/* Accepted by the validator, and the port's timers can realise it. */
+/* Accepted by the validator, the port's timers can realise it, and its rotor sensor can be read. */
 bool boot_config_accepted(const boot_report_t *report);
 
 /* RAM and firmware. */

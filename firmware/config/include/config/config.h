@@ -21,7 +21,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 2
+#define CONFIG_FORMAT_VERSION 3
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_SPEED_POINTS_MAX 65
 #define CONFIG_REGEN_TEMPERATURE_POINTS_MAX 9
@@ -36,8 +36,9 @@
 #define CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL 1
 #define CONFIG_STRATEGY_SERIES_OPTIMAL 2
 
-#define CONFIG_ROTOR_ANGLE 0 /* an absolute electrical angle from the port: encoder, or ideal in simulation */
-#define CONFIG_ROTOR_HALL 1
+#define CONFIG_ROTOR_ANGLE 0   /* an absolute electrical angle from the port: resolver, or ideal in simulation */
+#define CONFIG_ROTOR_HALL 1    /* three hall sensors */
+#define CONFIG_ROTOR_ENCODER 2 /* incremental encoder with index */
 
 /* clang-format off */
 
@@ -50,6 +51,7 @@
     X(d_inductance_nH,                       100,       1000000000, "nH",     "direct axis") \
     X(q_inductance_nH,                       100,       1000000000, "nH",     "quadrature axis") \
     X(flux_linkage_nWb,                      1000,      2000000000, "nWb",    "peak phase flux linkage of the magnets (amplitude-invariant)") \
+    X(flux_coefficient_ppm_K,                -10000,    0,          "ppm/K",  "fall of the flux with temperature, magnets at winding temperature; NdFeB -1100; 0: constant") \
     X(iron_loss_resistance_mOhm,             0,         2000000000, "mOhm",   "constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss") \
     X(iron_loss_resistance_slope_nOhm_s,     0,         2000000000, "nOhm s", "part of R_i proportional to electrical speed") \
     X(friction_torque_mNm,                   0,         1000000,    "mNm",    "Coulomb friction of bearings and seals") \
@@ -88,10 +90,14 @@
     X(dead_time_zone_pu_q15,                 128,       32767,        "pu",     "current below which the dead-time compensation is proportional")
 
 #define CONFIG_ROTOR_FIELDS(X) \
-    X(sensor,                                0,         1,          "",       "0 absolute electrical angle, 1 three hall sensors") \
+    X(sensor,                                0,         2,          "",       "0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index") \
     X(pll_bandwidth_Hz,                      1,         1000,       "Hz",     "tracking of the angle, for the record") \
     X(pll_proportional_q16,                  1,         65536,      "1",      "share of the angle error corrected in one PWM period") \
-    X(pll_integral_q24,                      1,         16777216,   "1",      "share of the angle error added to the speed in one PWM period")
+    X(pll_integral_q24,                      1,         16777216,   "1",      "share of the angle error added to the speed in one PWM period") \
+    X(encoder_counts,                        0,         65536,      "1",      "counts in a mechanical turn, four to a line; 0: no encoder") \
+    X(encoder_index_turn,                    0,         65535,      "turn",   "electrical angle at the index pulse") \
+    X(encoder_index_tolerance_counts,        0,         1024,       "1",      "how far beside its place an index pulse is still the expected one: the width of the pulse") \
+    X(encoder_reversed,                      0,         1,          "",       "1: the count falls when turning forward")
 
 #define CONFIG_HALL_ARRAY(Y) \
     Y(edge_turn, CONFIG_HALL_EDGES,          0,         65535,      "turn",   "electrical angle at which sector k begins when turning forward")
@@ -119,10 +125,11 @@
 
 #define CONFIG_VEHICLE_FIELDS(X) \
     X(wheel_radius_um,                       10000,     2000000,    "um",     "rolling radius") \
-    X(mass_g,                                1000,      100000000,  "g",      "for plausibility only")
+    X(mass_g,                                1000,      100000000,  "g",      "for plausibility only") \
+    X(wheel_position,                        0,         3,          "",       "address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right")
 
 #define CONFIG_MONITOR_FIELDS(X) \
-    X(overcurrent_pu_q15,                    164,       32767,      "pu",     "|i| of any phase that trips") \
+    X(overcurrent_pu_q15,                    164,       32767,      "pu",     "length of the current vector that trips, the peak of three sinusoidal phases") \
     X(current_sum_pu_q15,                    16,        32767,      "pu",     "largest |i_a + i_b + i_c|") \
     X(offset_tolerance_codes,                1,         1024,       "1",      "distance of a current sensor's zero from mid-range") \
     X(torque_tolerance_mNm,                  1,         1000000,    "mNm",    "estimate against permitted torque") \

@@ -35,6 +35,7 @@ typedef struct {
     uint16_t bus_voltage_code; /* right-aligned 12-bit code, 4096 = config.drive.voltage_full_scale_mV */
     uint16_t rotor_angle_turn; /* absolute electrical angle, 65 536 = one turn; read only when rotor.sensor =
                                 * CONFIG_ROTOR_ANGLE */
+    encoder_input_t encoder;   /* read only when rotor.sensor = CONFIG_ROTOR_ENCODER */
     uint8_t hall_state;     /* bit 0 = hall A, bit 1 = B, bit 2 = C; read only when rotor.sensor = CONFIG_ROTOR_HALL */
     bool power_stage_fault; /* gate driver or timer break input active; the monitor's, not read in this room */
 } foc_input_t;
@@ -62,9 +63,9 @@ typedef struct {
     int32_t speed_q32;        /* electrical turns per period */
     int32_t i_d_weakening_pu; /* demagnetising current that is added to the reference, Q15, <= 0 */
     int32_t offset_q4[SENSE_PHASES];
-    int32_t rotor_age_periods; /* since the last hall edge */
+    int32_t rotor_age_periods; /* since the last hall edge or encoder count */
     uint16_t theta_turn;
-    uint16_t lost_edges;
+    uint16_t rotor_faults; /* wrapping count of what a healthy rotor sensor does not do */
     bool rotor_valid;
     bool offsets_done;
 } foc_report_t;

@@ -4,7 +4,7 @@
  *     BOOT -> SELFTEST -> OFFSET_CAL -> READY <-> RUN <-> LIMP
  *       any of them but BOOT -> FAULT (latched) -> SELFTEST after an acknowledgement
  *
- * BOOT is left only with an accepted configuration, FAULT only on a rising edge of `fault_reset` while no torque is
+ * BOOT is left only with an accepted configuration, READY only with a known rotor angle, FAULT only on a rising edge of `fault_reset` while no torque is
  * demanded, the monitor is content and the wheel is below the hand-over speed. A fault never clears itself.
  */
 #ifndef MODES_MODES_H
@@ -20,7 +20,7 @@ typedef enum {
     MODE_BOOT = 0,
     MODE_SELFTEST = 1,
     MODE_OFFSET_CAL = 2,
-    MODE_READY = 3, /* bridge off, waiting to be enabled with the drive pedal released */
+    MODE_READY = 3, /* bridge off, waiting to be enabled with the drive pedal released and the rotor's angle known */
     MODE_RUN = 4,
     MODE_LIMP = 5, /* reduced driving torque after a warning; braking stays whole */
     MODE_FAULT = 6
@@ -39,6 +39,7 @@ typedef struct {
     bool selftest_passed;
     bool offsets_done;      /* the fast reach has finished averaging */
     bool offsets_plausible; /* verdict of the monitor on the result */
+    bool rotor_valid;       /* the rotor's angle may be used for torque */
     bool rolling;           /* faster than the hand-over speed */
     bool enable;
     bool torque_demanded; /* driving or braking */

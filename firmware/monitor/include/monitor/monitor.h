@@ -21,7 +21,7 @@
 enum {
     MONITOR_CONFIRM_STEPS = 20,       /* ms a slow condition must hold before it counts */
     MONITOR_TRIP_PERIODS = 2,         /* PWM periods an over-current must hold: one sample may be a spike */
-    MONITOR_LOST_EDGE_STEPS = 10000,  /* ms a skipped hall sector keeps the warning up */
+    MONITOR_DOUBT_STEPS = 10000,      /* ms a doubt about the rotor sensor keeps the warning up */
     MONITOR_STALE_STEPS = 4,          /* slow steps that may be missing before the fast reach acts */
     MONITOR_OVERTEMPERATURE_cC = 1000 /* above the temperature at which no torque is left */
 };
@@ -66,9 +66,9 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config);
 typedef struct {
     uint16_t sum_steps, sensor_steps, rotor_steps, torque_steps, flow_steps, voltage_steps, temperature_steps;
     uint16_t last_fast_step;
-    uint16_t last_lost_edges;
-    uint16_t lost_edge_steps; /* left of the warning */
-    uint16_t verdicts;        /* counts the steps, wrapping: the watchdog is fed only while it moves */
+    uint16_t last_rotor_faults;
+    uint16_t doubt_steps; /* left of the warning */
+    uint16_t verdicts;    /* counts the steps, wrapping: the watchdog is fed only while it moves */
     bridge_mode_t safe_bridge;
     bool started;
 } monitor_slow_state_t;
@@ -79,7 +79,7 @@ typedef struct {
     bool offsets_known;     /* the sensors' zeros are calibrated; before, their sum says nothing */
     bool current_saturated;
     bool rotor_valid;
-    uint16_t lost_edges;
+    uint16_t rotor_faults;
     uint16_t fast_step_count;
     int32_t bus_voltage_mV;
     int32_t speed_mrad_s;

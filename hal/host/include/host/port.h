@@ -20,6 +20,7 @@
 
 #include "hal/can.h"
 #include "hal/inverter.h"
+#include "hal/rotor_sensor.h"
 
 /* What the board measures, in the units of hal/analog.h and hal/rotor_sensor.h. */
 typedef struct {
@@ -27,6 +28,7 @@ typedef struct {
     uint16_t bus_voltage_code;
     uint16_t rotor_angle_turn;
     uint8_t hall_state;
+    rotor_sensor_encoder_t encoder;
     bool power_stage_fault;
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
@@ -51,6 +53,9 @@ void host_run_for(uint32_t periods);
 
 /* Makes time_init() report a failed clock, as on a board without its crystal. */
 void host_break_clock(bool broken);
+
+/* Makes rotor_sensor_init() say that the board has no such sensor. */
+void host_take_rotor_sensor_away(bool missing);
 
 /* Lets one PWM period pass. Interrupts that were not started are not called. */
 void host_step(void);

@@ -2,7 +2,7 @@
  * bench.h: a vehicle with a controller in every driven wheel, one battery, one driver, a road.
  *
  * A run: bench_init() with parameters and the controllers' configuration; bench_start() boots the controllers at
- * standstill and brings the vehicle to its initial speed from outside, as on a roller, so that the run begins with
+ * standstill (with encoders at a turn a second, so that they meet their index) and brings the vehicle to its initial speed from outside, as on a roller, so that the run begins with
  * currents, filters and rotor estimates as they are in a moving vehicle; bench_period() is one PWM period. The slow step
  * comes first in the period in which a millisecond begins. Accounts, way and time start at zero after the start, the
  * battery and all temperatures as the parameters say.

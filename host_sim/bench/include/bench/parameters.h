@@ -13,6 +13,7 @@
 #include "bench/driver.h"
 #include "plant/battery.h"
 #include "plant/bus.h"
+#include "plant/encoder.h"
 #include "plant/hydraulic_brake.h"
 #include "plant/inverter.h"
 #include "plant/pmsm.h"
@@ -59,6 +60,7 @@ typedef struct {
     road_params_t road;
     hydraulic_brake_params_t brake;
     sensors_params_t sensors;
+    encoder_params_t encoder;
     thermal_params_t thermal;
     driver_params_t driver;
     run_params_t run;

@@ -58,6 +58,7 @@ typedef struct {
     /* The plant. */
     pmsm_t machine;
     pmsm_state_t rotor;
+    encoder_shaft_t shaft;
     hydraulic_brake_state_t brake;
     double brake_capacity_nm;
     thermal_lump_t winding, switches;

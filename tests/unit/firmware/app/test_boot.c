@@ -12,6 +12,7 @@
 #include "unity.h"
 
 static config_t config;
+static bool rotor_sensor_there;
 static volatile uint32_t window[16];
 
 /* A board on which everything is in order; single tests change one thing. */
@@ -37,8 +38,12 @@ static void expect_ports(inverter_status_t status)
     settings.pwm_frequency_Hz = (uint32_t)config.drive.pwm_frequency_Hz;
     settings.pwm_period_counts = (uint32_t)config.drive.pwm_period_counts;
     settings.dead_time_ns = (uint32_t)config.drive.dead_time_ns;
-    rotor_sensor_init_Expect(config.rotor.sensor == CONFIG_ROTOR_HALL ? ROTOR_SENSOR_HALL : ROTOR_SENSOR_ANGLE,
-                             config.motor.pole_pairs);
+    static const rotor_sensor_kind_t KINDS[] = {
+        [CONFIG_ROTOR_ANGLE] = ROTOR_SENSOR_ANGLE,
+        [CONFIG_ROTOR_HALL] = ROTOR_SENSOR_HALL,
+        [CONFIG_ROTOR_ENCODER] = ROTOR_SENSOR_ENCODER,
+    };
+    rotor_sensor_init_ExpectAndReturn(KINDS[config.rotor.sensor], rotor_sensor_there);
     inverter_init_ExpectAndReturn(&settings, status);
 }
 
@@ -47,6 +52,7 @@ enum { GOOD_CRC32 = (int)0xCBF43926 };
 void setUp(void)
 {
     config = CONFIG_IMAGE;
+    rotor_sensor_there = true;
 }
 
 void tearDown(void) {}
@@ -60,6 +66,22 @@ void test_a_sound_board_with_a_good_configuration_may_control(void)
     TEST_ASSERT_TRUE(boot_selftest_passed(&report));
     TEST_ASSERT_TRUE(boot_may_control(&report));
     TEST_ASSERT_EQUAL_PTR(&config, report.config);
+}
+
+void test_a_board_without_the_sensor_that_the_configuration_names_may_not_control(void)
+{
+    config.rotor.encoder_counts = 4096;
+    for (int32_t sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_ENCODER; sensor++) {
+        for (int there = 0; there <= 1; there++) {
+            rotor_sensor_there = there != 0;
+            config.rotor.sensor = sensor;
+            config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+            expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+            expect_ports(INVERTER_OK);
+            const boot_report_t report = boot_run();
+            TEST_ASSERT_EQUAL(there != 0, boot_may_control(&report));
+        }
+    }
 }
 
 /* No expectation for inverter or rotor: a call would fail the test. */

@@ -28,7 +28,7 @@ static struct {
     can_frame_t last_state;
     uint32_t now_ms, firmware_crc32;
     int sets, feedings, clearings;
-    bool fault, rotor_ready, frame_waits, inverter_started;
+    bool fault, at_index, frame_waits, inverter_started;
 } board;
 
 static volatile uint32_t window[4];
@@ -93,10 +93,11 @@ static void clear_fault(int calls)
     board.fault = false;
 }
 
-static bool ready(int calls)
+static rotor_sensor_encoder_t encoder(int calls)
 {
     (void)calls;
-    return board.rotor_ready;
+    const rotor_sensor_encoder_t seen = {.count = 40000, .index_count = 40000, .index = board.at_index};
+    return seen;
 }
 
 static void feed(int calls)
@@ -133,7 +134,6 @@ void setUp(void)
 {
     memset(&board, 0, sizeof board);
     board.config = CONFIG_IMAGE;
-    board.rotor_ready = true;
     board.firmware_crc32 = 0xCBF43926U; /* of "123456789", published */
     const config_t *c = &board.config;
     const int32_t v_dc_mV = (c->battery.min_voltage_mV + c->battery.foldback_voltage_mV) / 2;
@@ -155,8 +155,8 @@ void setUp(void)
     flash_firmware_StubWithCallback(firmware);
     flash_firmware_crc32_StubWithCallback(firmware_crc32);
     flash_configuration_StubWithCallback(configuration);
-    rotor_sensor_init_Ignore();
-    rotor_sensor_ready_StubWithCallback(ready);
+    rotor_sensor_init_IgnoreAndReturn(true);
+    rotor_sensor_encoder_StubWithCallback(encoder);
     rotor_sensor_angle_turn_IgnoreAndReturn(0);
     rotor_sensor_hall_state_IgnoreAndReturn(5);
     inverter_init_IgnoreAndReturn(INVERTER_OK);
@@ -231,12 +231,14 @@ void test_enabled_over_can_the_bridge_switches(void)
 
 void test_an_angle_that_is_not_known_yet_is_not_driven_by(void)
 {
-    board.rotor_ready = false;
+    board.config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    board.config.rotor.encoder_counts = 65536;
+    board.config.crc32 = config_crc32(&board.config, (uint32_t)offsetof(config_t, crc32));
     app_boot();
     milliseconds(300);
     vehicle_says(true, false, 100);
     TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
-    board.rotor_ready = true;
+    board.at_index = true;
     vehicle_says(true, false, 100);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
 }

@@ -284,6 +284,36 @@ void test_hall_sectors_must_be_in_order_and_thirty_to_ninety_degrees_wide(void)
     assert_relation("rotor.edge_turn");
 }
 
+void test_an_encoder_must_be_fine_enough_and_its_index_sharp_enough(void)
+{
+    config.rotor.encoder_counts = 0;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code); /* no encoder, no demand on it */
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    config.rotor.encoder_index_tolerance_counts = 2;
+    config.rotor.encoder_counts = 32 * 23;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    config.rotor.encoder_counts = 32 * 23 - 1;
+    assert_relation("rotor.encoder_counts");
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    config.rotor.encoder_counts = 4096; /* 178 counts an electrical turn, 14.8 in 30 degrees */
+    config.rotor.encoder_index_tolerance_counts = 14;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    config.rotor.encoder_index_tolerance_counts = 15;
+    assert_relation("rotor.encoder_index_tolerance_counts");
+}
+
+void test_nobody_brakes_electrically_where_halls_have_lost_the_speed(void)
+{
+    /* One electrical turn a second of 23 pole pairs: 2 pi / 23 = 0.27318 rad/s. */
+    config.brake.handover_end_mrad_s = 274;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    config.brake.handover_end_mrad_s = 273;
+    assert_relation("brake.handover_end_mrad_s at least one electrical turn");
+    config.brake.handover_end_mrad_s = 0;
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+}
+
 void test_the_map_of_i_d_has_a_point_of_no_torque(void)
 {
     config.current_map.torque_points = 4;

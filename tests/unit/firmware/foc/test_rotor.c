@@ -7,6 +7,7 @@
 
 extern const config_t CONFIG_LU2013;
 
+static const encoder_input_t NO_ENCODER;
 static config_t config;
 static rotor_state_t rotor;
 
@@ -29,7 +30,7 @@ void tearDown(void) {}
 
 static rotor_out_t step(double turns)
 {
-    return rotor_step(&rotor, &config, (uint16_t)((int64_t)floor(turns * 65536.0) & 0xFFFF), 0);
+    return rotor_step(&rotor, &config, (uint16_t)((int64_t)floor(turns * 65536.0) & 0xFFFF), 0, &NO_ENCODER);
 }
 
 void test_the_first_angle_is_taken_as_it_is(void)
@@ -138,8 +139,23 @@ void test_hall_sensors_are_read_only_when_the_configuration_says_so(void)
         config.rotor.edge_turn[k] = (int32_t)lround(k * 65536.0 / 6.0);
     }
     rotor_init(&rotor, &config);
-    const rotor_out_t out = rotor_step(&rotor, &config, 12345, 2); /* 010: sector 3, 180 to 240 degrees */
+    const rotor_out_t out = rotor_step(&rotor, &config, 12345, 2, &NO_ENCODER); /* 010: sector 3, 180 to 240 degrees */
     TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(3.5 * 65536.0 / 6.0), out.theta_turn);
     TEST_ASSERT_TRUE(out.valid);
-    TEST_ASSERT_FALSE(rotor_step(&rotor, &config, 12345, 2).age_periods == 0);
+    TEST_ASSERT_FALSE(rotor_step(&rotor, &config, 12345, 2, &NO_ENCODER).age_periods == 0);
+}
+
+void test_an_encoder_is_read_only_when_the_configuration_says_so(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    config.rotor.encoder_counts = 4096;
+    config.rotor.encoder_index_turn = 20000;
+    rotor_init(&rotor, &config);
+    const encoder_input_t at_index = {.count = 700, .index_count = 700, .index = true};
+    TEST_ASSERT_TRUE(rotor_step(&rotor, &config, 12345, 2, &at_index).valid);
+    const encoder_input_t later = {.count = 710};
+    const rotor_out_t out = rotor_step(&rotor, &config, 12345, 2, &later);
+    /* Ten counts of 23 * 65 536 / 4096 = 368 and half of the one it is in; the loop may lag one count. */
+    TEST_ASSERT_INT32_WITHIN(369, 20000 + 10 * 368 + 184, out.theta_turn);
+    TEST_ASSERT_EQUAL_INT32(0, out.age_periods);
 }

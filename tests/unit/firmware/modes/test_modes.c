@@ -21,6 +21,19 @@ void test_from_boot_to_ready_in_the_order_of_the_diagram(void)
     assert_mode(MODE_RUN, step());
 }
 
+void test_ready_is_not_left_without_a_known_rotor_angle_and_says_so(void)
+{
+    reach(MODE_READY);
+    in.enable = true;
+    in.rotor_valid = false;
+    assert_mode(MODE_READY, run(100000));
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().permission.reason);
+    in.rotor_valid = true;
+    assert_mode(MODE_RUN, step());
+    in.rotor_valid = false; /* what follows now is the monitor's business: the torque must leave in a ramp */
+    assert_mode(MODE_RUN, run(10));
+}
+
 void test_boot_is_not_left_without_an_accepted_configuration(void)
 {
     in.config_accepted = false;

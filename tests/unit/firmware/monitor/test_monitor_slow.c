@@ -21,7 +21,7 @@ static const monitor_slow_input_t HEALTHY = {
     .offsets_known = true,
     .current_saturated = false,
     .rotor_valid = true,
-    .lost_edges = 0,
+    .rotor_faults = 0,
     .fast_step_count = 0,
     .bus_voltage_mV = 53000,
     .speed_mrad_s = 30000,
@@ -165,7 +165,7 @@ void test_a_lost_rotor_is_a_fault_while_the_bridge_switches(void)
 
 void test_a_skipped_hall_sector_is_a_warning_of_ten_seconds_and_no_fault(void)
 {
-    in.lost_edges = 1;
+    in.rotor_faults = 1;
     for (int n = 0; n < 10000; n++) {
         const monitor_verdict_t out = step();
         TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, out.warning);
@@ -176,9 +176,9 @@ void test_a_skipped_hall_sector_is_a_warning_of_ten_seconds_and_no_fault(void)
 
 void test_a_dead_hall_sensor_keeps_the_warning_up_for_ever(void)
 {
-    in.lost_edges = 1;
+    in.rotor_faults = 1;
     for (int n = 1; n < 1000000; n++) { /* a sector in ten milliseconds: the counter wraps */
-        in.lost_edges = (uint16_t)(in.lost_edges + (n % 10 == 0 ? 1 : 0));
+        in.rotor_faults = (uint16_t)(in.rotor_faults + (n % 10 == 0 ? 1 : 0));
         TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
     }
 }

@@ -17,6 +17,7 @@ static const modes_input_t CALM = {
     .selftest_passed = true,
     .offsets_done = true,
     .offsets_plausible = true,
+    .rotor_valid = true,
     .rolling = false,
     .enable = false,
     .torque_demanded = false,

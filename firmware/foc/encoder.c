@@ -1,0 +1,106 @@
+#include "foc/encoder.h"
+
+#include "core/angle.h"
+#include "core/q15.h"
+
+void encoder_init(encoder_t *encoder, const config_t *config)
+{
+    const encoder_t fresh = {.sign = config->rotor.encoder_reversed != 0 ? -1 : 1};
+    *encoder = fresh;
+    const uint64_t counts = (uint64_t)q_max(config->rotor.encoder_counts, 1);
+    const uint64_t pole_pairs = (uint64_t)config->motor.pole_pairs;
+    encoder->counts = (int32_t)counts;
+    encoder->tolerance_counts = config->rotor.encoder_index_tolerance_counts;
+    encoder->overdue_counts = encoder->counts + encoder->counts / ENCODER_OVERDUE_DIVISOR;
+    encoder->most_counts = (int32_t)(counts / (2U * pole_pairs));
+    encoder->turn_per_count_q32 = (uint32_t)(((pole_pairs << 32) + counts / 2U) / counts);
+    encoder->count_turn = (int32_t)(encoder->turn_per_count_q32 >> 16) + 1;
+    const uint32_t half_q32 = encoder->turn_per_count_q32 / 2U;
+    encoder->origin_q32 =
+        ((uint32_t)config->rotor.encoder_index_turn << 16) + (encoder->sign > 0 ? half_q32 : -half_q32);
+}
+
+/* b - a of a wrapping counter, -32 768 .. 32 767. */
+static int32_t difference(uint16_t b, uint16_t a)
+{
+    return angle_difference(b, a);
+}
+
+/* The place that was at_counts is where the index is from now on. The tracked angle makes the same jump, so that the loop
+ * keeps its speed. */
+static void refer(encoder_t *encoder, int32_t at_counts)
+{
+    encoder->position_counts -= at_counts;
+    encoder->tracking.theta_q32 -= (uint32_t)at_counts * encoder->turn_per_count_q32;
+}
+
+static bool within(const encoder_t *encoder, int32_t beside_counts)
+{
+    return q_abs(beside_counts) <= encoder->tolerance_counts;
+}
+
+/* An index pulse at a position: the expected one, the first one, or one that contradicts the counts. */
+static void meet_index(encoder_t *encoder, int32_t at_counts)
+{
+    if (!encoder->referenced) {
+        encoder->referenced = true;
+        encoder->valid = true;
+        refer(encoder, at_counts);
+    } else if (within(encoder, at_counts)) {
+        encoder->valid = true;
+    } else if (within(encoder, at_counts - encoder->counts)) {
+        encoder->valid = true;
+        refer(encoder, encoder->counts);
+    } else if (within(encoder, at_counts + encoder->counts)) {
+        encoder->valid = true;
+        refer(encoder, -encoder->counts);
+    } else {
+        encoder->valid = false;
+        encoder->faults++;
+        refer(encoder, at_counts);
+    }
+}
+
+/* Far more than a turn away from the last index: one was missed. */
+static void miss_index(encoder_t *encoder)
+{
+    encoder->faults++;
+    refer(encoder, encoder->position_counts > 0 ? encoder->counts : -encoder->counts);
+}
+
+/* The first period, or a jump that no rotor makes. */
+static void start(encoder_t *encoder, uint16_t count)
+{
+    encoder->faults = (uint16_t)(encoder->faults + (encoder->started ? 1U : 0U));
+    encoder->started = true;
+    encoder->referenced = false;
+    encoder->valid = false;
+    encoder->last_count = count;
+    encoder->position_counts = 0;
+    encoder->tracking.started = false;
+    encoder->tracking.speed_q32 = 0;
+}
+
+void encoder_step(encoder_t *encoder, const config_t *config, const encoder_input_t *in)
+{
+    int32_t moved_counts = encoder->sign * difference(in->count, encoder->last_count);
+    if (!encoder->started || q_abs(moved_counts) > encoder->most_counts) {
+        start(encoder, in->count);
+        moved_counts = 0;
+    }
+    encoder->last_count = in->count;
+    encoder->position_counts += moved_counts;
+    encoder->age_periods = moved_counts != 0 ? 0 : q_min(encoder->age_periods + 1, UINT16_MAX);
+    if (in->index) {
+        meet_index(encoder, encoder->position_counts + encoder->sign * difference(in->index_count, in->count));
+    }
+    if (q_abs(encoder->position_counts) > encoder->overdue_counts) {
+        miss_index(encoder);
+    }
+    const uint32_t measured_q32 =
+        encoder->origin_q32 + (uint32_t)encoder->position_counts * encoder->turn_per_count_q32;
+    const uint16_t measured_turn = (uint16_t)(measured_q32 >> 16);
+    tracking_step(&encoder->tracking, config, measured_turn);
+    const int32_t ahead_turn = angle_difference((uint16_t)(encoder->tracking.theta_q32 >> 16), measured_turn);
+    encoder->theta_turn = (uint16_t)(measured_turn + (uint32_t)q_limit(ahead_turn, encoder->count_turn));
+}

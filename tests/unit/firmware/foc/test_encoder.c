@@ -1,0 +1,261 @@
+/* Incremental encoder: a shaft that turns as told, its counts and its index, and what the estimate makes of them. */
+#include <math.h>
+
+#include "foc/encoder.h"
+#include "unity.h"
+
+extern const config_t CONFIG_LU2013;
+
+static config_t config;
+static encoder_t encoder;
+static double shaft_turns; /* true mechanical angle; the index lies at whole numbers */
+static int lost_counts;    /* that the counter has missed so far */
+
+enum { COUNTER_START = 60000 }; /* of the 16-bit counter: it soon wraps */
+
+static void restart(void)
+{
+    encoder_init(&encoder, &config);
+    shaft_turns = -0.37;
+    lost_counts = 0;
+}
+
+static void configure(int32_t counts, int32_t reversed)
+{
+    config.rotor.encoder_counts = counts;
+    config.rotor.encoder_reversed = reversed;
+    restart();
+}
+
+void setUp(void)
+{
+    config = CONFIG_LU2013;
+    config.drive.pwm_frequency_Hz = 20000;
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    config.rotor.encoder_index_turn = 12345;
+    config.rotor.encoder_index_tolerance_counts = 4;
+    configure(4096, 0);
+}
+
+void tearDown(void) {}
+
+static uint16_t counter_at(double turns)
+{
+    const int64_t counts = (int64_t)floor(turns * config.rotor.encoder_counts) - lost_counts;
+    return (uint16_t)(COUNTER_START + (config.rotor.encoder_reversed != 0 ? -counts : counts));
+}
+
+/* One period at a mechanical speed. The index is a line one count long. */
+static void turn(double turns_a_period)
+{
+    const double before = shaft_turns;
+    shaft_turns += turns_a_period;
+    encoder_input_t in = {.count = counter_at(shaft_turns)};
+    const double front = floor(turns_a_period >= 0.0 ? shaft_turns : before);
+    if (front > before || (turns_a_period < 0.0 && front > shaft_turns)) {
+        in.index = true;
+        in.index_count = counter_at(front + 1e-9);
+    }
+    encoder_step(&encoder, &config, &in);
+}
+
+static void turn_for(double turns, double turns_a_period)
+{
+    for (int n = (int)ceil(turns / fabs(turns_a_period)); n > 0; n--) {
+        turn(turns_a_period);
+    }
+}
+
+/* How far the estimate lies ahead of the truth, electrical turns. */
+static double angle_error_turns(void)
+{
+    const double truth = shaft_turns * config.motor.pole_pairs + config.rotor.encoder_index_turn / 65536.0;
+    const double error = encoder.theta_turn / 65536.0 - truth;
+    return error - floor(error + 0.5);
+}
+
+static double count_turns(void)
+{
+    return (double)config.motor.pole_pairs / config.rotor.encoder_counts;
+}
+
+static const double SPEEDS[] = {2e-5, 1e-4, 5e-4, -2e-5, -5e-4}; /* mechanical, 24 to 600 r/min */
+enum { SPEED_COUNT = sizeof(SPEEDS) / sizeof(SPEEDS[0]) };
+
+void test_before_the_index_nothing_may_be_driven_and_the_first_index_makes_the_angle_valid(void)
+{
+    for (int s = 0; s < SPEED_COUNT; s++) {
+        restart();
+        const double to_index = SPEEDS[s] > 0.0 ? 0.37 : 0.63;
+        turn_for(to_index - 0.01, SPEEDS[s]);
+        TEST_ASSERT_FALSE(encoder.valid);
+        turn_for(0.02, SPEEDS[s]);
+        TEST_ASSERT_TRUE(encoder.valid);
+        TEST_ASSERT_EQUAL_UINT16(0, encoder.faults);
+        TEST_ASSERT_DOUBLE_WITHIN(1.6 * count_turns(), 0.0, angle_error_turns());
+    }
+}
+
+/* Counts that are no power of two, counters that wrap inside a turn, both directions of counting. */
+void test_the_angle_never_drifts_and_is_wrong_by_a_count_and_a_half_at_most(void)
+{
+    static const int32_t COUNTS[] = {1000, 4096, 10000, 65536};
+    for (int c = 0; c < 4; c++) {
+        for (int reversed = 0; reversed <= 1; reversed++) {
+            for (int s = 0; s < SPEED_COUNT; s++) {
+                configure(COUNTS[c], reversed);
+                turn_for(2.0, SPEEDS[s]);
+                for (int n = 0; n < 60000; n++) {
+                    turn(SPEEDS[s]);
+                    TEST_ASSERT_TRUE(encoder.valid);
+                    /* One count beside the middle of the one that is shown, half a count either side of that middle; a
+                     * captured index is up to a count beside the line's front when turning back. 6 LSB of rounding. */
+                    const double most = (SPEEDS[s] > 0.0 ? 1.5 : 2.5) * count_turns() + 6.0 / 65536.0;
+                    TEST_ASSERT_DOUBLE_WITHIN(most, 0.0, angle_error_turns());
+                }
+                TEST_ASSERT_EQUAL_UINT16(0, encoder.faults);
+            }
+        }
+    }
+}
+
+void test_at_constant_speed_the_tracking_loop_finds_the_speed_and_the_angle_between_counts(void)
+{
+    for (int s = 0; s < SPEED_COUNT; s++) {
+        restart();
+        turn_for(2.5, SPEEDS[s]);
+        double worst = 0.0;
+        for (int n = 0; n < 20000; n++) {
+            turn(SPEEDS[s]);
+            worst = fmax(worst, fabs(angle_error_turns()));
+            /* The error is a saw-tooth of one count, at these speeds 25 periods long at most (the beat of counts and
+             * samples at 2.048 counts a period takes 21). Added up in the integrator: k_i * 25 / 8 of a count. */
+            const double speed = encoder.tracking.speed_q32 / 4294967296.0 / config.motor.pole_pairs;
+            const double k_i = config.rotor.pll_integral_q24 / 16777216.0;
+            TEST_ASSERT_DOUBLE_WITHIN(k_i * 25.0 / 8.0 / config.rotor.encoder_counts + 1e-9, SPEEDS[s], speed);
+        }
+        TEST_ASSERT_TRUE(worst < 1.5 * count_turns());
+    }
+}
+
+void test_however_fast_the_speed_changes_the_angle_is_wrong_by_counts_not_by_the_loops_lag(void)
+{
+    turn_for(2.0, 2e-4);
+    /* A locking wheel: 240 r/min to nothing in 25 ms. The loop of 50 Hz alone would lie a / w^2 = 0.37 electrical turns
+     * beside the truth: 0.0046 turns a period in 500 of them is 9.2e-6, over (2 pi 50 / 20 000)^2 = 2.47e-4. */
+    for (double speed = 2e-4; speed > 0.0; speed -= 4e-7) {
+        turn(speed);
+        TEST_ASSERT_DOUBLE_WITHIN(1.6 * count_turns(), 0.0, angle_error_turns());
+    }
+}
+
+void test_rocking_over_the_index_is_no_fault(void)
+{
+    turn_for(1.37, 1e-4);
+    for (int n = 0; n < 20000; n++) {
+        const double next = 1.0 + 0.003 * sin(n * 0.01);
+        turn(next - shaft_turns);
+        TEST_ASSERT_TRUE(encoder.valid);
+    }
+    TEST_ASSERT_EQUAL_UINT16(0, encoder.faults);
+}
+
+void test_counts_that_are_lost_or_invented_end_the_angles_validity_until_two_pulses_agree(void)
+{
+    for (int sign = -1; sign <= 1; sign += 2) {
+        restart();
+        turn_for(1.5, 1e-4);
+        lost_counts = sign * 30; /* 61 degrees electrical */
+        turn_for(0.2, 1e-4);
+        TEST_ASSERT_TRUE(encoder.valid); /* nobody can know yet */
+        turn_for(0.8, 1e-4);
+        TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
+        TEST_ASSERT_FALSE(encoder.valid);
+        turn_for(1.0, 1e-4); /* the next pulse confirms the new reference */
+        TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
+        TEST_ASSERT_TRUE(encoder.valid);
+        TEST_ASSERT_DOUBLE_WITHIN(1.6 * count_turns(), 0.0, angle_error_turns());
+    }
+}
+
+void test_a_count_lost_now_and_then_adds_up_until_it_is_seen(void)
+{
+    turn_for(1.5, 1e-4);
+    int turns = 0;
+    while (encoder.faults == 0 && turns < 20) {
+        lost_counts++;
+        turn_for(1.0, 1e-4);
+        turns++;
+    }
+    /* Tolerated up to 4 counts, 8 degrees electrical; the fifth is too many. */
+    TEST_ASSERT_EQUAL_INT(5, turns);
+}
+
+void test_a_false_index_pulse_takes_the_validity_away_and_the_true_ones_bring_it_back(void)
+{
+    turn_for(1.5, 1e-4);
+    const uint16_t here = counter_at(shaft_turns);
+    const encoder_input_t spark = {.count = here, .index_count = (uint16_t)(here - 100U), .index = true};
+    encoder_step(&encoder, &config, &spark);
+    TEST_ASSERT_FALSE(encoder.valid);
+    TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
+    turn_for(1.0, 1e-4); /* true, but contradicts the spark */
+    TEST_ASSERT_FALSE(encoder.valid);
+    TEST_ASSERT_EQUAL_UINT16(2, encoder.faults);
+    turn_for(1.0, 1e-4);
+    TEST_ASSERT_TRUE(encoder.valid);
+    TEST_ASSERT_DOUBLE_WITHIN(1.6 * count_turns(), 0.0, angle_error_turns());
+}
+
+void test_an_index_that_stops_coming_is_counted_every_turn_and_leaves_the_angle_good(void)
+{
+    turn_for(1.5, 1e-4);
+    for (int n = 0; n < 30000; n++) {
+        shaft_turns += 1e-4;
+        const encoder_input_t in = {.count = counter_at(shaft_turns)};
+        encoder_step(&encoder, &config, &in);
+        TEST_ASSERT_TRUE(encoder.valid);
+        TEST_ASSERT_DOUBLE_WITHIN(1.6 * count_turns(), 0.0, angle_error_turns());
+    }
+    TEST_ASSERT_EQUAL_UINT16(3, encoder.faults);
+}
+
+void test_a_jump_that_no_rotor_makes_starts_everything_again(void)
+{
+    turn_for(1.5, 1e-4);
+    lost_counts = 2000;
+    turn(1e-4);
+    TEST_ASSERT_FALSE(encoder.valid);
+    TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
+    TEST_ASSERT_EQUAL_INT32(0, encoder.tracking.speed_q32);
+    turn_for(1.0, 1e-4);
+    TEST_ASSERT_TRUE(encoder.valid);
+}
+
+void test_the_age_counts_the_periods_without_a_count(void)
+{
+    turn_for(1.5, 1e-4);
+    TEST_ASSERT_TRUE(encoder.age_periods <= (int32_t)(1.0 / (1e-4 * 4096)) + 1);
+    const encoder_input_t still = {.count = counter_at(shaft_turns)};
+    for (int n = 0; n < 70000; n++) {
+        encoder_step(&encoder, &config, &still);
+    }
+    TEST_ASSERT_EQUAL_INT32(65535, encoder.age_periods);
+    TEST_ASSERT_TRUE(encoder.valid);
+    TEST_ASSERT_INT32_WITHIN(100, 0, encoder.tracking.speed_q32);
+}
+
+void test_standing_between_two_counts_with_a_trembling_track_makes_no_speed_worth_the_name(void)
+{
+    turn_for(1.5, 1e-4);
+    double largest = 0.0;
+    const uint16_t here = counter_at(shaft_turns);
+    for (int n = 0; n < 40000; n++) {
+        const encoder_input_t in = {.count = (uint16_t)(here + (n / 7) % 2)};
+        encoder_step(&encoder, &config, &in);
+        largest = n > 10000 ? fmax(largest, fabs((double)encoder.tracking.speed_q32)) : 0.0;
+    }
+    /* One count to and fro in 14 periods: k_i * 7 periods * half a count, 1e-3 counts a period, is 0.3 r/min. */
+    TEST_ASSERT_TRUE(largest / 4294967296.0 < 1e-3 * count_turns());
+    TEST_ASSERT_TRUE(encoder.valid);
+}
