@@ -15,9 +15,9 @@ void encoder_init(encoder_t *encoder, const config_t *config)
     encoder->most_counts = (int32_t)(counts / (2U * pole_pairs));
     encoder->turn_per_count_q32 = (uint32_t)(((pole_pairs << 32) + counts / 2U) / counts);
     encoder->count_turn = (int32_t)(encoder->turn_per_count_q32 >> 16) + 1;
-    const uint32_t half_q32 = encoder->turn_per_count_q32 / 2U;
-    encoder->origin_q32 =
-        ((uint32_t)config->rotor.encoder_index_turn << 16) + (encoder->sign > 0 ? half_q32 : -half_q32);
+    /* The counter changes at the edges of the lines, whichever way it counts: the count that the index captures begins
+     * there and goes on forward. */
+    encoder->origin_q32 = ((uint32_t)config->rotor.encoder_index_turn << 16) + encoder->turn_per_count_q32 / 2U;
 }
 
 /* b - a of a wrapping counter, -32 768 .. 32 767. */

@@ -255,5 +255,6 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    _inductances, _iron, _torques, _currents, _battery, _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration,
+    _inductances, _iron, _torques, _currents, _battery, _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder,
+    _emf, _regeneration,
 )  # fmt: skip

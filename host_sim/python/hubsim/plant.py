@@ -7,6 +7,7 @@ STANDARD_GRAVITY_M_PER_S2 = 9.80665
 FULL_SOC = 1.0
 # What can happen to a vehicle under way, by how the names begin.
 EVENTS = (
+    "encoder.lost_counts",
     "bus.contactor_open",
     "brake.torque_loss",
     "sensors.hall_stuck_low",

@@ -4,8 +4,9 @@
  *     BOOT -> SELFTEST -> OFFSET_CAL -> READY <-> RUN <-> LIMP
  *       any of them but BOOT -> FAULT (latched) -> SELFTEST after an acknowledgement
  *
- * BOOT is left only with an accepted configuration, READY only with a known rotor angle, FAULT only on a rising edge of `fault_reset` while no torque is
- * demanded, the monitor is content and the wheel is below the hand-over speed. A fault never clears itself.
+ * BOOT is left only with an accepted configuration, READY only with a known rotor angle, FAULT only on a rising edge of
+ * `fault_reset` while no torque is demanded, the monitor is content and the wheel is below the hand-over speed. A fault
+ * never clears itself.
  */
 #ifndef MODES_MODES_H
 #define MODES_MODES_H

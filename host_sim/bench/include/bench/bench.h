@@ -2,10 +2,10 @@
  * bench.h: a vehicle with a controller in every driven wheel, one battery, one driver, a road.
  *
  * A run: bench_init() with parameters and the controllers' configuration; bench_start() boots the controllers at
- * standstill (with encoders at a turn a second, so that they meet their index) and brings the vehicle to its initial speed from outside, as on a roller, so that the run begins with
- * currents, filters and rotor estimates as they are in a moving vehicle; bench_period() is one PWM period. The slow step
- * comes first in the period in which a millisecond begins. Accounts, way and time start at zero after the start, the
- * battery and all temperatures as the parameters say.
+ * standstill (with encoders at a turn a second, so that they meet their index) and brings the vehicle to its initial
+ * speed from outside, as on a roller, so that the run begins with currents, filters and rotor estimates as they are in a
+ * moving vehicle; bench_period() is one PWM period. The slow step comes first in the period in which a millisecond
+ * begins. Accounts, way and time start at zero after the start, the battery and all temperatures as the parameters say.
  *
  * Nothing here allocates or does I/O; equal parameters give equal bytes. A bench points into itself: after copying one,
  * call bench_refresh() on the copy.

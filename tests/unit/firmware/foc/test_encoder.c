@@ -108,10 +108,8 @@ void test_the_angle_never_drifts_and_is_wrong_by_a_count_and_a_half_at_most(void
                 for (int n = 0; n < 60000; n++) {
                     turn(SPEEDS[s]);
                     TEST_ASSERT_TRUE(encoder.valid);
-                    /* One count beside the middle of the one that is shown, half a count either side of that middle; a
-                     * captured index is up to a count beside the line's front when turning back. 6 LSB of rounding. */
-                    const double most = (SPEEDS[s] > 0.0 ? 1.5 : 2.5) * count_turns() + 6.0 / 65536.0;
-                    TEST_ASSERT_DOUBLE_WITHIN(most, 0.0, angle_error_turns());
+                    /* One count beside the middle of the one that is shown, half a count either side of that middle. */
+                    TEST_ASSERT_DOUBLE_WITHIN(1.5 * count_turns() + 3.0 / 65536.0, 0.0, angle_error_turns());
                 }
                 TEST_ASSERT_EQUAL_UINT16(0, encoder.faults);
             }

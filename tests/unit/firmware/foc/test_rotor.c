@@ -1,4 +1,4 @@
-/* The tracking loop of an absolute angle: no steady error, the designed bandwidth, and the choice of the input. */
+/* Which sensor is read, and what is made of it. */
 #include <math.h>
 
 #include "core/angle.h"
@@ -39,97 +39,6 @@ void test_the_first_angle_is_taken_as_it_is(void)
     TEST_ASSERT_INT32_WITHIN(1, 0, angle_difference(out.theta_turn, (uint16_t)(0.7 * 65536.0)));
     TEST_ASSERT_TRUE(out.valid);
     TEST_ASSERT_EQUAL_INT32(0, out.age_periods);
-}
-
-void test_at_constant_speed_there_is_no_steady_error(void)
-{
-    static const double SPEEDS[] = {0.0001, 0.002, 0.0123, 0.05, -0.0123, -0.05};
-    for (int s = 0; s < 6; s++) {
-        rotor_init(&rotor, &config);
-        double turns = 0.0;
-        int64_t sum = 0;
-        rotor_out_t out = step(turns);
-        for (int n = 0; n < 12000; n++) {
-            turns += SPEEDS[s];
-            out = step(turns);
-            if (n >= 10000) {
-                const int32_t error =
-                    angle_difference(out.theta_turn, (uint16_t)((int64_t)floor(turns * 65536.0) & 0xFFFF));
-                TEST_ASSERT_INT32_WITHIN(2, 0, error);
-                sum += error;
-            }
-        }
-        TEST_ASSERT_DOUBLE_WITHIN(1.0, 0.0, (double)sum / 2000.0);
-        /* Input steps of 1/65 536 turn, seen through a bandwidth of 50 Hz: 5e-3 LSB of angle a period are 8e-8 turns. */
-        TEST_ASSERT_DOUBLE_WITHIN(4e-7, SPEEDS[s], out.speed_q32 / 4294967296.0);
-    }
-}
-
-/* With e the angle error after the correction, the loop is z^2 - (2 - kp - ki) z + (1 - kp) = 0. Double-precision twin. */
-void test_a_step_of_the_angle_is_followed_as_designed(void)
-{
-    const double kp = config.rotor.pll_proportional_q16 / 65536.0;
-    const double ki = config.rotor.pll_integral_q24 / 16777216.0;
-    double theta = 0.0;
-    double speed = 0.0;
-    step(0.0);
-    for (int n = 0; n < 2000; n++) {
-        theta += speed;
-        const double error = 0.05 - theta;
-        theta += kp * error;
-        speed += ki * error;
-        const rotor_out_t out = step(0.05);
-        TEST_ASSERT_DOUBLE_WITHIN(4.0 / 65536.0, theta, angle_difference(out.theta_turn, 0) / 65536.0);
-    }
-}
-
-void test_the_bandwidth_is_the_designed_one(void)
-{
-    /* (2 w s + w^2)/(s + w)^2 at s = j w passes sqrt 5 / 2 = 1.118 of the amplitude; at 10 w, 0.2. */
-    static const double FREQUENCY_HZ[] = {5.0, 50.0, 500.0};
-    static const double GAIN[] = {1.0098, 1.1180, 0.1985}; /* |1 + 2jx| / (1 + x^2), x = 0.1, 1, 10 */
-    for (int f = 0; f < 3; f++) {
-        rotor_init(&rotor, &config);
-        double cosine = 0.0;
-        double sine = 0.0;
-        const int periods = 20000 * 2;
-        for (int n = 0; n < 2 * periods; n++) {
-            const double phase = 2.0 * PI * FREQUENCY_HZ[f] * n / 20000.0;
-            const rotor_out_t out = step(0.5 + 0.02 * sin(phase));
-            const double followed = angle_difference(out.theta_turn, 32768) / 65536.0;
-            if (n >= periods) {
-                sine += followed * sin(phase) * 2.0 / periods;
-                cosine += followed * cos(phase) * 2.0 / periods;
-            }
-        }
-        /* 10 %: at 500 Hz the samples are no longer close to continuous. */
-        TEST_ASSERT_DOUBLE_WITHIN(0.1 * GAIN[f], GAIN[f], hypot(sine, cosine) / 0.02);
-    }
-}
-
-void test_the_loop_is_stable_at_the_largest_gains_a_configuration_may_hold(void)
-{
-    config.rotor.pll_proportional_q16 = 65536;
-    config.rotor.pll_integral_q24 = 16777216;
-    rotor_init(&rotor, &config);
-    step(0.0);
-    rotor_out_t out = {0};
-    for (int n = 0; n < 100; n++) {
-        out = step(0.3);
-    }
-    TEST_ASSERT_INT32_WITHIN(2, (int32_t)(0.3 * 65536.0), out.theta_turn);
-}
-
-void test_half_a_turn_of_error_in_every_period_does_not_overflow(void)
-{
-    config.rotor.pll_proportional_q16 = 65536;
-    config.rotor.pll_integral_q24 = 16777216;
-    rotor_init(&rotor, &config);
-    for (int n = 0; n < 1000; n++) {
-        step(n % 3 == 0 ? 0.5 : 0.0);
-    }
-    const rotor_out_t out = step(0.0);
-    TEST_ASSERT_TRUE(out.valid);
 }
 
 void test_hall_sensors_are_read_only_when_the_configuration_says_so(void)
