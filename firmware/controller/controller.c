@@ -182,8 +182,8 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     slow->switching = modes.permission.bridge == BRIDGE_PWM;
     to_fast->foc.i_reference_pu.d = bases_current_pu_q15(config, torque.current.i_d_mA);
     to_fast->foc.i_reference_pu.q = bases_current_pu_q15(config, torque.current.i_q_mA);
-    to_fast->foc.tuning =
-        current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu, from_fast->foc.speed_q32);
+    to_fast->foc.tuning = current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu,
+                                              from_fast->foc.speed_q32, in->winding_temperature_cC);
     to_fast->foc.calibrate_offsets = modes.calibrate_offsets;
     to_fast->monitor.safe_bridge = verdict.safe_bridge;
     to_fast->monitor.clear_trip = modes.clear_trip;

@@ -1,5 +1,7 @@
 #include "foc/current_loop.h"
 
+#include "config/bases.h"
+
 enum { LOWEST_BUS_PU = 2048 /* 1/16 */, ADVANCE_HALF_PERIODS = 3 };
 
 /* sqrt(3) in Q15 */
@@ -21,7 +23,7 @@ static pi_gains_t axis_gains(int32_t proportional_q16, int32_t integral_q24, int
     const int64_t proportional_q11 = scaled(proportional_q16, 16, factor_q12, 11);
     const int64_t integral_q15 = scaled(integral_q24, 24, factor_q12, 15);
     /* k_i / k_p does not depend on the bus voltage: Q24 over Q16 is Q8, made Q15. */
-    const int64_t anti_windup_q15 = ((int64_t)integral_q24 << 7) / proportional_q16;
+    const int64_t anti_windup_q15 = (int64_t)integral_q24 * 128 / proportional_q16;
     const pi_gains_t gains = {
         .proportional_q11 = gain_within(proportional_q11, Q15_ONE),
         .integral_q15 = gain_within(integral_q15, PI_LARGEST_INTEGRAL_Q15),
@@ -31,12 +33,16 @@ static pi_gains_t axis_gains(int32_t proportional_q16, int32_t integral_q24, int
 }
 
 current_loop_tuning_t current_loop_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu,
-                                          int32_t speed_q32)
+                                          int32_t speed_q32, int32_t winding_temperature_cC)
 {
     /* Volts per unit to modulation: V_base / (limit u_dc / sqrt 3) = sqrt 3 / (limit v_dc_pu). */
     const int64_t circle_q30 = (int64_t)q_max(v_dc_pu, LOWEST_BUS_PU) * modulation_limit_q15;
     const int64_t factor_q12 = ((int64_t)SQRT3_Q15 << 27) / circle_q30;
     const config_current_loop_t *loop = &config->current_loop;
+    const int32_t integral_d_q24 =
+        bases_at_winding_temperature(config, loop->integral_d_pu_q24, winding_temperature_cC);
+    const int32_t integral_q_q24 =
+        bases_at_winding_temperature(config, loop->integral_q_pu_q24, winding_temperature_cC);
     /* Speed in units of its base, 1/16 turn per period = 2^28 in Q32; kept to 24 fraction bits. */
     const int32_t speed_q24 = speed_q32 >> 4;
     const int64_t l_d_q16 = scaled(loop->inductance_d_pu_q16, 16, factor_q12, 16);
@@ -44,8 +50,8 @@ current_loop_tuning_t current_loop_tuning(const config_t *config, int32_t modula
     const int64_t psi_q16 = scaled(loop->flux_pu_q16, 16, factor_q12, 16);
     const uint16_t advance_turn = (uint16_t)(((int64_t)speed_q32 * ADVANCE_HALF_PERIODS) >> 17);
     const current_loop_tuning_t tuning = {
-        .d = axis_gains(loop->proportional_d_pu_q16, loop->integral_d_pu_q24, factor_q12),
-        .q = axis_gains(loop->proportional_q_pu_q16, loop->integral_q_pu_q24, factor_q12),
+        .d = axis_gains(loop->proportional_d_pu_q16, integral_d_q24, factor_q12),
+        .q = axis_gains(loop->proportional_q_pu_q16, integral_q_q24, factor_q12),
         .w_l_d_q11 = q_saturate16(q_saturate64((l_d_q16 * speed_q24) >> 29)),
         .w_l_q_q11 = q_saturate16(q_saturate64((l_q_q16 * speed_q24) >> 29)),
         .w_psi_q15 = q_clamp(q_saturate64((psi_q16 * speed_q24) >> 25), -(1 << 18), 1 << 18),

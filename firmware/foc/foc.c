@@ -30,7 +30,8 @@ foc_command_t foc_initial_command(const foc_state_t *state, const config_t *conf
     const int32_t highest_pu = q_scale(config->battery.max_voltage_mV, 32768, config->drive.voltage_full_scale_mV);
     const foc_command_t command = {
         .i_reference_pu = {.d = 0, .q = 0},
-        .tuning = current_loop_tuning(config, state->current.svpwm.modulation_limit_q15, highest_pu, 0),
+        .tuning = current_loop_tuning(config, state->current.svpwm.modulation_limit_q15, highest_pu, 0,
+                                      config->motor.reference_temperature_cC),
         .calibrate_offsets = false,
     };
     return command;

@@ -10,8 +10,7 @@ enum {
     MOST_CURRENT_mA = 10000000,   /* 10 kA */
     MOST_TORQUE_mNm = 1000000000, /* 1 MNm */
     MOST_FRICTION_mNm = 500000000,
-    MOST_VOLTAGE_mV = 500000000,      /* 500 kV */
-    MOST_TEMPERATURE_RISE_cK = 100000 /* 1000 K, either way */
+    MOST_VOLTAGE_mV = 500000000 /* 500 kV */
 };
 static const int64_t MOST_FLUX_nWb = INT64_C(10000000000); /* 10 Wb: 3/2 * 60 * 10 Wb * 10 kA is 9.0e18 pNm */
 
@@ -23,17 +22,6 @@ static int64_t clamp64(int64_t x, int64_t most)
 static int32_t divide_saturated(int64_t a, int64_t b)
 {
     return q_saturate64(a / b);
-}
-
-static int32_t resistance_at(const config_motor_t *motor, int32_t temperature_cC)
-{
-    const int64_t rise_cK =
-        clamp64((int64_t)temperature_cC - motor->reference_temperature_cC, MOST_TEMPERATURE_RISE_cK);
-    /* ppm/K times hundredths of a kelvin is 1e-8. Not below a tenth, whatever a broken thermistor says. */
-    const int64_t factor_1e8 = INT64_C(100000000) + rise_cK * motor->resistance_coefficient_ppm_K;
-    const int64_t floor_1e8 = INT64_C(10000000);
-    return divide_saturated(motor->phase_resistance_uOhm * (factor_1e8 > floor_1e8 ? factor_1e8 : floor_1e8),
-                            INT64_C(100000000));
 }
 
 static int32_t friction_at(const config_motor_t *motor, int32_t speed_mrad_s)
@@ -59,7 +47,7 @@ motor_model_t motor_model_at(const config_t *config, int32_t speed_mrad_s, int32
         /* mrad/s * nH = 1e-6 uOhm */
         .reactance_d_uOhm = divide_saturated(w_mrad_s * motor->d_inductance_nH, PPM),
         .reactance_q_uOhm = divide_saturated(w_mrad_s * motor->q_inductance_nH, PPM),
-        .resistance_uOhm = resistance_at(motor, winding_temperature_cC),
+        .resistance_uOhm = bases_at_winding_temperature(config, motor->phase_resistance_uOhm, winding_temperature_cC),
         .friction_mNm = friction_at(motor, speed_mrad_s),
     };
     const int64_t iron_uOhm = (int64_t)motor->iron_loss_resistance_mOhm * 1000 +

@@ -8,31 +8,31 @@ namespace bench {
 namespace {
 
 constexpr int SUBSTEPS = 10;
+const double SQRT3_2 = std::sqrt(3.0) / 2.0;
 
-Vector3d phases_of(const Vector2d &dq, double theta)
+Vector3d phases(const Vector2d &ab)
 {
-    Vector3d out;
-    for (int x = 0; x < 3; x++) {
-        const double angle = theta - 2.0 * PI / 3.0 * x;
-        out[x] = dq.x() * std::cos(angle) - dq.y() * std::sin(angle);
-    }
-    return out;
+    return {ab.x(), -0.5 * ab.x() + SQRT3_2 * ab.y(), -0.5 * ab.x() - SQRT3_2 * ab.y()};
 }
 
-Vector2d dq_of(const Vector3d &phases, double theta)
+Vector2d clarke(const Vector3d &abc)
 {
-    Vector2d out = Vector2d::Zero();
-    for (int x = 0; x < 3; x++) {
-        const double angle = theta - 2.0 * PI / 3.0 * x;
-        out += 2.0 / 3.0 * phases[x] * Vector2d(std::cos(angle), -std::sin(angle));
-    }
-    return out;
+    return {(2.0 * abc[0] - abc[1] - abc[2]) / 3.0, (abc[1] - abc[2]) / std::sqrt(3.0)};
 }
 
-uint16_t code_of(double x, bool quantised)
+Vector2d to_stator(const Vector2d &dq, double cos, double sin)
 {
-    const double code = std::clamp(x, 0.0, 4095.0);
-    return static_cast<uint16_t>(quantised ? std::lround(code) : std::lround(code));
+    return {cos * dq.x() - sin * dq.y(), sin * dq.x() + cos * dq.y()};
+}
+
+Vector2d to_rotor(const Vector2d &ab, double cos, double sin)
+{
+    return {cos * ab.x() + sin * ab.y(), cos * ab.y() - sin * ab.x()};
+}
+
+uint16_t code_of(double x)
+{
+    return static_cast<uint16_t>(std::lround(std::clamp(x, 0.0, 4095.0)));
 }
 
 } // namespace
@@ -44,6 +44,7 @@ Plant plant_of(const config_t &config, double winding_temperature_C, double v_dc
     Plant plant{};
     plant.resistance_ohm =
         motor.phase_resistance_uOhm * 1e-6 * (1.0 + motor.resistance_coefficient_ppm_K * 1e-6 * rise_K);
+    plant.winding_C = winding_temperature_C;
     plant.d_inductance_H = motor.d_inductance_nH * 1e-9;
     plant.q_inductance_H = motor.q_inductance_nH * 1e-9;
     plant.flux_Wb = motor.flux_linkage_nWb * 1e-9;
@@ -52,10 +53,45 @@ Plant plant_of(const config_t &config, double winding_temperature_C, double v_dc
     return plant;
 }
 
-Bench::Bench(const config_t &config, const Plant &plant_parameters)
-    : plant(plant_parameters), config_(config), loop_(loop_new(&config), &loop_free),
-      period_s_(1.0 / config.drive.pwm_frequency_Hz), current_base_A_(config.drive.current_full_scale_mA * 1e-3)
+Plant with_bridge(Plant plant)
 {
+    plant.dead_time_s = 1e-6;
+    plant.diode_forward_voltage_V = 0.8;
+    plant.switch_resistance_ohm = 3.3e-3;
+    return plant;
+}
+
+config_t paper_config(bool dead_time_compensation)
+{
+    config_t config = CONFIG_LU2013;
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+    if (!dead_time_compensation) {
+        config.drive.dead_time_ns = 0;
+    }
+    return config;
+}
+
+config_t with_finer_converter(config_t config, int32_t factor)
+{
+    config_current_loop_t &loop = config.current_loop;
+    config.drive.current_full_scale_mA /= factor;
+    for (int32_t *per_ampere : {&loop.proportional_d_pu_q16, &loop.proportional_q_pu_q16, &loop.integral_d_pu_q24,
+                                &loop.integral_q_pu_q24, &loop.inductance_d_pu_q16, &loop.inductance_q_pu_q16}) {
+        *per_ampere /= factor;
+    }
+    for (int32_t *ampere : {&loop.max_current_pu_q15, &loop.field_weakening_gain_pu_q15,
+                            &loop.field_weakening_current_pu_q15, &loop.dead_time_zone_pu_q15}) {
+        *ampere = std::min(*ampere * factor, 32767);
+    }
+    return config;
+}
+
+Bench::Bench(const config_t &config, const Plant &plant_parameters, double theta_rad)
+    : plant(plant_parameters), config_(config), loop_(loop_new(&config), &loop_free),
+      period_s_(1.0 / config.drive.pwm_frequency_Hz), current_base_A_(config.drive.current_full_scale_mA * 1e-3),
+      theta_(theta_rad)
+{
+    loop_set_winding_temperature(loop_.get(), static_cast<int32_t>(std::lround(plant.winding_C * 100.0)));
 }
 
 void Bench::set_reference(double i_d_A, double i_q_A)
@@ -64,91 +100,98 @@ void Bench::set_reference(double i_d_A, double i_q_A)
                        static_cast<int32_t>(std::lround(i_q_A / current_base_A_ * 32768.0)));
 }
 
-Vector3d Bench::phase_currents() const
+void Bench::calibrate()
 {
-    return phases_of(i_, theta_);
+    loop_calibrate_offsets(loop_.get(), true);
+    run(1100, Mode::off); // 1024 samples and some
+    loop_calibrate_offsets(loop_.get(), false);
 }
 
-Vector2d Bench::derivative(const Vector2d &i, double theta) const
+Vector3d Bench::phase_currents() const
 {
-    Vector3d leg_V = (duty_.array() - 0.5) * plant.v_dc_V;
-    if (plant.dead_time_s > 0.0) {
-        const double lost_V = plant.dead_time_s / period_s_ * plant.v_dc_V;
+    return phases(to_stator(i_, std::cos(theta_), std::sin(theta_)));
+}
+
+double Bench::torque_Nm() const
+{
+    return 1.5 * config_.motor.pole_pairs *
+           (plant.flux_Wb + (plant.d_inductance_H - plant.q_inductance_H) * sampled_.x()) * sampled_.y();
+}
+
+Vector2d Bench::derivative(const Vector2d &i, const Vector2d &u_stator, double cos, double sin) const
+{
+    Vector2d u = to_rotor(u_stator, cos, sin);
+    const double dead_share = plant.dead_time_s / period_s_;
+    if (mode_ == Mode::pwm && dead_share > 0.0) {
+        // In both dead intervals of a period a diode conducts: the leg misses half of them at the bus, and the diode's drop.
+        const double lost_V = dead_share * (plant.v_dc_V + 2.0 * plant.diode_forward_voltage_V);
         // The lost voltage cannot carry a current beyond zero: within one period it takes away this much.
         const double zone_A = lost_V * period_s_ / plant.q_inductance_H;
-        const Vector3d current = phases_of(i, theta);
+        Vector3d lost = phases(to_stator(i, cos, sin));
         for (int x = 0; x < 3; x++) {
-            leg_V[x] -= lost_V * std::clamp(current[x] / zone_A, -1.0, 1.0);
+            lost[x] = lost_V * std::clamp(lost[x] / zone_A, -1.0, 1.0);
         }
+        u -= to_rotor(clarke(lost), cos, sin);
     }
-    const Vector2d u = dq_of(leg_V, theta);
     const double w = plant.speed_rad_s;
-    return {(u.x() - plant.resistance_ohm * i.x() + w * plant.q_inductance_H * i.y()) / plant.d_inductance_H,
-            (u.y() - plant.resistance_ohm * i.y() - w * (plant.d_inductance_H * i.x() + plant.flux_Wb)) /
-                plant.q_inductance_H};
+    const double resistance = plant.resistance_ohm + plant.switch_resistance_ohm;
+    return {(u.x() - resistance * i.x() + w * plant.q_inductance_H * i.y()) / plant.d_inductance_H,
+            (u.y() - resistance * i.y() - w * (plant.d_inductance_H * i.x() + plant.flux_Wb)) / plant.q_inductance_H};
 }
 
 void Bench::integrate()
 {
     const double h = period_s_ / SUBSTEPS;
+    const double half = plant.speed_rad_s * h / 2.0;
+    if (mode_ == Mode::off) {
+        i_.setZero(); // below the rectifying speed a bridge that is off carries nothing
+        theta_ = std::fmod(theta_ + plant.speed_rad_s * period_s_, 2.0 * PI);
+        return;
+    }
+    const Vector2d u = mode_ == Mode::pwm ? Vector2d(plant.v_dc_V * clarke(duty_)) : Vector2d::Zero();
     for (int n = 0; n < SUBSTEPS; n++) {
-        if (bridge_on_) {
-            const double half_turned = theta_ + plant.speed_rad_s * h / 2.0;
-            const double turned = theta_ + plant.speed_rad_s * h;
-            const Vector2d k1 = derivative(i_, theta_);
-            const Vector2d k2 = derivative(i_ + h / 2.0 * k1, half_turned);
-            const Vector2d k3 = derivative(i_ + h / 2.0 * k2, half_turned);
-            const Vector2d k4 = derivative(i_ + h * k3, turned);
-            i_ += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-        } else {
-            i_.setZero(); // below the rectifying speed a bridge that is off carries nothing
-        }
-        theta_ = std::fmod(theta_ + plant.speed_rad_s * h, 2.0 * PI);
+        const double c[3] = {std::cos(theta_), std::cos(theta_ + half), std::cos(theta_ + 2.0 * half)};
+        const double s[3] = {std::sin(theta_), std::sin(theta_ + half), std::sin(theta_ + 2.0 * half)};
+        const Vector2d k1 = derivative(i_, u, c[0], s[0]);
+        const Vector2d k2 = derivative(i_ + h / 2.0 * k1, u, c[1], s[1]);
+        const Vector2d k3 = derivative(i_ + h / 2.0 * k2, u, c[1], s[1]);
+        const Vector2d k4 = derivative(i_ + h * k3, u, c[2], s[2]);
+        i_ += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+        theta_ = std::fmod(theta_ + 2.0 * half, 2.0 * PI);
     }
 }
 
-loop_output_t Bench::step(bool run)
+loop_output_t Bench::step(Mode mode)
 {
     sampled_ = i_;
     const Vector3d phase = phase_currents();
     loop_input_t in{};
     for (int x = 0; x < 3; x++) {
-        in.phase_code[x] = code_of(2048.0 + phase[x] / current_base_A_ * 2048.0, plant.quantised);
+        in.phase_code[x] = code_of(2048.0 + (phase[x] / current_base_A_ + plant.sensor_offset[x]) * 2048.0);
     }
-    in.bus_code = code_of(plant.v_dc_V / (config_.drive.voltage_full_scale_mV * 1e-3) * 4096.0, plant.quantised);
+    in.bus_code = code_of(plant.v_dc_V / (config_.drive.voltage_full_scale_mV * 1e-3) * 4096.0);
     const double turns = theta_ / (2.0 * PI);
     in.rotor_angle_turn = static_cast<uint16_t>(std::lround((turns - std::floor(turns)) * 65536.0) & 0xFFFF);
     const int sector = static_cast<int>(std::floor((turns - std::floor(turns)) * 6.0)) % 6;
     static const uint8_t HALL[6] = {5, 1, 3, 2, 6, 4};
     in.hall_state = HALL[sector];
 
-    const loop_output_t out = loop_step(loop_.get(), &in, run);
+    const loop_output_t out = loop_step(loop_.get(), &in, mode == Mode::pwm);
     duty_ = next_duty_;
-    bridge_on_ = bridge_next_;
+    mode_ = next_mode_;
     for (int x = 0; x < 3; x++) {
         next_duty_[x] = static_cast<double>(out.compare_counts[x]) / config_.drive.pwm_period_counts;
     }
-    bridge_next_ = run;
+    next_mode_ = mode;
     integrate();
     return out;
 }
 
-void Bench::run(int periods, bool regulate)
+void Bench::run(int periods, Mode mode)
 {
     for (int n = 0; n < periods; n++) {
-        step(regulate);
+        step(mode);
     }
-}
-
-double Bench::mean_torque_Nm(int periods, bool regulate)
-{
-    double sum = 0.0;
-    for (int n = 0; n < periods; n++) {
-        step(regulate);
-        sum += 1.5 * config_.motor.pole_pairs *
-               (plant.flux_Wb + (plant.d_inductance_H - plant.q_inductance_H) * i_.x()) * i_.y();
-    }
-    return sum / periods;
 }
 
 } // namespace bench

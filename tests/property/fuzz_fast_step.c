@@ -149,8 +149,9 @@ static void take_command(slow_to_fast_t *command, const config_t *config, int32_
 {
     command->foc.i_reference_pu.d = (int16_t)take16(bytes);
     command->foc.i_reference_pu.q = (int16_t)take16(bytes);
-    command->foc.tuning = current_loop_tuning(config, modulation_limit_q15, take_within(bytes, -32768, 32767),
-                                              take_within(bytes, INT32_MIN, INT32_MAX));
+    command->foc.tuning =
+        current_loop_tuning(config, modulation_limit_q15, take_within(bytes, -32768, 32767),
+                            take_within(bytes, INT32_MIN, INT32_MAX), take_within(bytes, INT32_MIN, INT32_MAX));
     command->foc.calibrate_offsets = (take8(bytes) & 7U) == 0;
     command->permission.bridge = (bridge_mode_t)(take8(bytes) % 3U);
     command->monitor.safe_bridge = (take8(bytes) & 1U) != 0 ? BRIDGE_SHORT : BRIDGE_OFF;

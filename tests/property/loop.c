@@ -13,6 +13,7 @@ struct loop_s {
     foc_summary_state_t summary;
     uint16_t steps;
     int32_t periods_to_slow_step;
+    int32_t winding_temperature_cC;
 };
 
 loop_t *loop_new(const config_t *config)
@@ -24,6 +25,7 @@ loop_t *loop_new(const config_t *config)
     loop->config = *config;
     foc_init(&loop->foc, &loop->config);
     loop->command = foc_initial_command(&loop->foc, &loop->config);
+    loop->winding_temperature_cC = config->motor.reference_temperature_cC;
     return loop;
 }
 
@@ -36,6 +38,16 @@ void loop_set_reference(loop_t *loop, int32_t i_d_pu, int32_t i_q_pu)
 {
     loop->command.i_reference_pu.d = i_d_pu;
     loop->command.i_reference_pu.q = i_q_pu;
+}
+
+void loop_set_winding_temperature(loop_t *loop, int32_t winding_temperature_cC)
+{
+    loop->winding_temperature_cC = winding_temperature_cC;
+}
+
+void loop_calibrate_offsets(loop_t *loop, bool calibrate)
+{
+    loop->command.calibrate_offsets = calibrate;
 }
 
 loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
@@ -51,8 +63,9 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
     if (--loop->periods_to_slow_step <= 0) {
         loop->periods_to_slow_step = loop->config.drive.pwm_frequency_Hz / 1000;
         const foc_summary_t summary = foc_summary_step(&loop->summary, &loop->report, loop->steps);
-        loop->command.tuning = current_loop_tuning(&loop->config, loop->foc.current.svpwm.modulation_limit_q15,
-                                                   summary.v_dc_pu, loop->report.speed_q32);
+        loop->command.tuning =
+            current_loop_tuning(&loop->config, loop->foc.current.svpwm.modulation_limit_q15, summary.v_dc_pu,
+                                loop->report.speed_q32, loop->winding_temperature_cC);
     }
     const foc_report_t *report = &loop->report;
     const current_loop_out_t *voltage = &report->current.voltage;

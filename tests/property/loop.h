@@ -46,6 +46,12 @@ void loop_free(loop_t *loop);
 /* References in Q15 of the current base. */
 void loop_set_reference(loop_t *loop, int32_t i_d_pu, int32_t i_q_pu);
 
+/* What the thermistor says; until then the reference temperature. */
+void loop_set_winding_temperature(loop_t *loop, int32_t winding_temperature_cC);
+
+/* Average the current sensors' zero for as long as it is asked for; with the bridge off. */
+void loop_calibrate_offsets(loop_t *loop, bool calibrate);
+
 /* run: regulate; otherwise held reset. */
 loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run);
 

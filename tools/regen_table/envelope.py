@@ -87,11 +87,15 @@ def proofs(drive: Drive) -> list[Proof]:
     slower = "raise inverter.pwm_frequency_hz or lower motor.max_speed_rpm"
     found.append(Proof("rotor.speed_pu", speed, both_signs(1.0), slower))
     found.append(Proof("current_loop.w_psi", gains.flux * per_volt * speed, both_signs(8.0), "raise battery.min_voltage_v"))
-    found.append(Proof("current_loop.integral", gains.integral * per_volt, Interval(INTEGRAL_STEPS_MIN / 32768.0, 0.5), smaller, larger))
+    temperatures = (drive.table.temperature_range_c[0], drive.motor.max_winding_temperature_c)
+    warmth = Interval(*sorted(loops.resistance_ratio(drive, temperature) for temperature in temperatures))
+    found.append(
+        Proof("current_loop.integral", gains.integral * warmth * per_volt, Interval(INTEGRAL_STEPS_MIN / 32768.0, 0.5), smaller, larger)
+    )
     for axis in ("d", "q"):
         proportional = gains.proportional[axis] * per_volt
         reactance = gains.inductance[axis] * per_volt * speed
-        ratio = gains.integral / gains.proportional[axis]
+        ratio = gains.integral / gains.proportional[axis] * warmth
         output = proportional * both_signs(1.0) + both_signs(1.0)
         found.append(
             Proof(f"current_loop.proportional_{axis}", proportional, Interval(PROPORTIONAL_STEPS_MIN / 2048.0, 16.0), smaller, larger)
@@ -99,7 +103,7 @@ def proofs(drive: Drive) -> list[Proof]:
         found.append(
             Proof(f"current_loop.w_l_{axis}", reactance, both_signs(CROSS_COUPLING_MAX), f"{smaller}, or lower motor.max_speed_rpm")
         )
-        found.append(Proof(f"current_loop.anti_windup_{axis}", Interval(ratio, ratio), Interval(4.0 / 32768.0, 0.25), slower, slower))
+        found.append(Proof(f"current_loop.anti_windup_{axis}", ratio, Interval(4.0 / 32768.0, 0.25), slower, slower))
         found.append(Proof(f"current_loop.pi_output_{axis}", output, both_signs(18.0), smaller))
     zone = Interval(loops.dead_time_zone_pu(drive), loops.dead_time_zone_pu(drive))
     found.append(

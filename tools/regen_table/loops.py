@@ -101,7 +101,8 @@ class AxisGains:
 def axis_gains(drive: Drive, inductance_h: float) -> AxisGains:
     """Return the gains that make one axis follow like a first-order pole at omega_c behind a delay of 1.5 periods.
 
-    With k_i = k_p R T / L the regulator's zero lies on the winding's pole, and what is left is the loop K / (z (z - 1)),
+    With k_i = k_p R T / L the regulator's zero lies on the winding's pole (R with one switch, at the reference temperature;
+    the firmware scales k_i to the winding's: resistance_ratio()), and what is left is the loop K / (z (z - 1)),
     K = k_p T / L: one period until the voltage acts, one until a sample shows what it did. Its control error after a
     step adds up to 1/K samples. That of the design, 1 - exp(-omega_c (t - 1.5 T)) from the second sample on, adds up to
     2 + 1 / (2 sinh(omega_c T / 2)), which is 2 + 1 / (omega_c T) within one per cent. Equal sums need
@@ -114,7 +115,14 @@ def axis_gains(drive: Drive, inductance_h: float) -> AxisGains:
     """
     period, wanted = 1.0 / drive.inverter.pwm_frequency_hz, 2.0 * math.pi * drive.control.current_bandwidth_hz
     crossover = wanted / (1.0 + 2.0 * wanted * period)
-    return AxisGains(inductance_h * crossover, drive.motor.phase_resistance_ohm * period * crossover)
+    resistance = drive.motor.phase_resistance_ohm + drive.inverter.switch_resistance_ohm
+    return AxisGains(inductance_h * crossover, resistance * period * crossover)
+
+
+def resistance_ratio(drive: Drive, winding_temperature_c: float) -> float:
+    """Return the winding's resistance over that at its reference temperature, which is what the firmware scales k_i by."""
+    rise = winding_temperature_c - drive.motor.reference_temperature_c
+    return 1.0 + drive.motor.resistance_temperature_coefficient_per_k * rise
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,7 @@ def designed_step(bandwidth_hz: float, period_s: float, samples: int) -> models.
 
 
 def current_loop(drive: Drive) -> list[Margins]:
-    """Margins of both axes with a cold, a reference and a hot winding, the gains staying those of the reference."""
+    """Margins of both axes with a cold, a reference and a hot winding, whose temperature the integral gain knows."""
     period, bandwidth = 1.0 / drive.inverter.pwm_frequency_hz, drive.control.current_bandwidth_hz
     temperatures = (drive.table.temperature_range_c[0], drive.motor.reference_temperature_c, drive.motor.max_winding_temperature_c)
     samples = min(4000, 10 + math.ceil(1.0 / (bandwidth * period)))  # six time constants
@@ -110,7 +110,8 @@ def current_loop(drive: Drive) -> list[Margins]:
         gains = loops.axis_gains(drive, inductance)
         for temperature in temperatures:
             resistance = float(np.asarray(models.machine(drive, temperature).resistance_ohm)) + drive.inverter.switch_resistance_ohm
-            loop = Loop(resistance, inductance, gains.proportional, gains.integral, period)
+            integral = gains.integral * loops.resistance_ratio(drive, temperature)
+            loop = Loop(resistance, inductance, gains.proportional, integral, period)
             deviation = np.abs(step_response(loop, samples) - designed_step(bandwidth, period, samples))
             found.append(Margins(axis, temperature, **frequency_response(loop), step_deviation=float(np.max(deviation))))
     return found

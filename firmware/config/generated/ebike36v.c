@@ -54,8 +54,8 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .bandwidth_Hz                   = 500, /* [Hz] closed loop, first order after 1.5 periods of delay; for the record, the gains below realise it */
         .proportional_d_pu_q16          = 41393, /* [pu] L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
         .proportional_q_pu_q16          = 41393, /* [pu] L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
-        .integral_d_pu_q24              = 353420, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .integral_q_pu_q24              = 353420, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_d_pu_q24              = 365247, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 365247, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
         .inductance_d_pu_q16            = 115297, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
         .inductance_q_pu_q16            = 115297, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
         .flux_pu_q16                    = 157641, /* [pu] omega_base psi / V_base, back-EMF */
@@ -147,5 +147,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -295, -353, -283, -475, -539,
         },
     },
-    .crc32 = 0x5F3BCE64,
+    .crc32 = 0xCE96E339,
 };

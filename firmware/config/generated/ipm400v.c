@@ -54,8 +54,8 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .bandwidth_Hz                   = 500, /* [Hz] closed loop, first order after 1.5 periods of delay; for the record, the gains below realise it */
         .proportional_d_pu_q16          = 26199, /* [pu] L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
         .proportional_q_pu_q16          = 84969, /* [pu] L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
-        .integral_d_pu_q24              = 32628, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .integral_q_pu_q24              = 32628, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_d_pu_q24              = 39879, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 39879, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
         .inductance_d_pu_q16            = 53325, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
         .inductance_q_pu_q16            = 172945, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
         .flux_pu_q16                    = 33971, /* [pu] omega_base psi / V_base, back-EMF */
@@ -233,5 +233,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -150887, -178964, -204508, -227876, -249471, -269616, -288554,
         },
     },
-    .crc32 = 0xDE5B321E,
+    .crc32 = 0x4509B30E,
 };

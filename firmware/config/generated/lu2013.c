@@ -54,8 +54,8 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .bandwidth_Hz                   = 1000, /* [Hz] closed loop, first order after 1.5 periods of delay; for the record, the gains below realise it */
         .proportional_d_pu_q16          = 51313, /* [pu] L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
         .proportional_q_pu_q16          = 51313, /* [pu] L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
-        .integral_d_pu_q24              = 267909, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .integral_q_pu_q24              = 267909, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_d_pu_q24              = 296429, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 296429, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
         .inductance_d_pu_q16            = 104443, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
         .inductance_q_pu_q16            = 104443, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
         .flux_pu_q16                    = 169907, /* [pu] omega_base psi / V_base, back-EMF */
@@ -155,5 +155,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -15977, -16170, -15451, -17339, -18179,
         },
     },
-    .crc32 = 0x195961C1,
+    .crc32 = 0x3853A1BB,
 };

@@ -54,8 +54,8 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .bandwidth_Hz                   = 1000, /* [Hz] closed loop, first order after 1.5 periods of delay; for the record, the gains below realise it */
         .proportional_d_pu_q16          = 26323, /* [pu] L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
         .proportional_q_pu_q16          = 46452, /* [pu] L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
-        .integral_d_pu_q24              = 69368, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .integral_q_pu_q24              = 69368, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_d_pu_q24              = 82581, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 82581, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
         .inductance_d_pu_q16            = 60158, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
         .inductance_q_pu_q16            = 106161, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
         .flux_pu_q16                    = 154416, /* [pu] omega_base psi / V_base, back-EMF */
@@ -170,5 +170,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -9013, -11100, -13683, -16733, -20187, -23976, -28032,
         },
     },
-    .crc32 = 0xAAD2F9B8,
+    .crc32 = 0x65EF78DC,
 };

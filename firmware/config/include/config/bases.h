@@ -46,4 +46,19 @@ static inline int32_t bases_electrical_mrad_s(const config_t *config, int32_t sp
     return q_saturate64((int64_t)speed_mrad_s * config->motor.pole_pairs);
 }
 
+/* A winding's resistance, or a gain proportional to one, at a winding temperature, from its value at the reference
+ * temperature: linear, as copper is. Between a tenth and the value 1000 K up, whatever a broken thermistor says. */
+static inline int32_t bases_at_winding_temperature(const config_t *config, int32_t at_reference,
+                                                   int32_t winding_temperature_cC)
+{
+    const config_motor_t *motor = &config->motor;
+    const int64_t rise_cK = (int64_t)winding_temperature_cC - motor->reference_temperature_cC;
+    const int64_t most_cK = 100000;
+    const int64_t within_cK = rise_cK > most_cK ? most_cK : (rise_cK < -most_cK ? -most_cK : rise_cK);
+    /* ppm/K times hundredths of a kelvin is 1e-8; up to 11. */
+    const int64_t factor_1e8 = INT64_C(100000000) + within_cK * motor->resistance_coefficient_ppm_K;
+    const int64_t floor_1e8 = INT64_C(10000000);
+    return q_saturate64(at_reference * (factor_1e8 > floor_1e8 ? factor_1e8 : floor_1e8) / INT64_C(100000000));
+}
+
 #endif

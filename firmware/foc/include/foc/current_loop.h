@@ -9,9 +9,9 @@
  *     u_d = PI(i_d* - i_d) - w L_q i_q            u_q = PI(i_q* - i_q) + w L_d i_d + w psi
  *
  * The d axis goes first (field weakening needs it), and both regulators are told the realised voltage. Gains: k_p = L
- * w_c / (1 + 2 w_c T), k_i = k_p R T / L: the zero cancels the motor's pole, and with the delay of 1.5 periods inside the
- * loop the current answers like a first-order system of bandwidth w_c that starts 1.5 periods late (derivation:
- * tools/regen_table/README.md).
+ * w_c / (1 + 2 w_c T), k_i = k_p R T / L with R at the winding's temperature: the zero cancels the motor's pole, and with
+ * the delay of 1.5 periods inside the loop the current answers like a first-order system of bandwidth w_c that starts
+ * 1.5 periods late (derivation: tools/regen_table/README.md).
  */
 #ifndef FOC_CURRENT_LOOP_H
 #define FOC_CURRENT_LOOP_H
@@ -45,10 +45,11 @@ typedef struct {
 
 /*
  * v_dc_pu: bus voltage, Q15 of the voltage base; values below 1/16 count as 1/16. modulation_limit_q15: radius of the
- * voltage circle as a share of u_dc/sqrt 3, 8192 .. 32767. speed_q32: electrical turns per period. Divides: slow reach.
+ * voltage circle as a share of u_dc/sqrt 3, 8192 .. 32767. speed_q32: electrical turns per period. winding_temperature_cC
+ * moves the integral gains; when it is not known, the reference temperature is right. Divides: slow reach.
  */
 current_loop_tuning_t current_loop_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu,
-                                          int32_t speed_q32);
+                                          int32_t speed_q32, int32_t winding_temperature_cC);
 
 static inline void current_loop_reset(current_loop_state_t *state)
 {

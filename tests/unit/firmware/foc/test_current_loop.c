@@ -42,7 +42,8 @@ void test_gains_in_modulation_units_are_the_configured_volts_over_the_unit(void)
 {
     for (int v = 0; v < 4; v++) {
         for (int l = 0; l < 3; l++) {
-            const current_loop_tuning_t tuning = current_loop_tuning(&config, LIMIT_Q15[l], BUS_PU[v], 0);
+            const current_loop_tuning_t tuning =
+                current_loop_tuning(&config, LIMIT_Q15[l], BUS_PU[v], 0, config.motor.reference_temperature_cC);
             /* per-unit volts per per-unit ampere, times V_base, over the unit */
             const double factor = config.drive.voltage_full_scale_mV * 1e-3 / unit_V(LIMIT_Q15[l], BUS_PU[v]);
             const double proportional = config.current_loop.proportional_q_pu_q16 / 65536.0 * factor;
@@ -55,13 +56,34 @@ void test_gains_in_modulation_units_are_the_configured_volts_over_the_unit(void)
     }
 }
 
+void test_the_integral_gain_follows_the_winding_as_copper_does_and_the_proportional_does_not(void)
+{
+    const int32_t reference_cC = config.motor.reference_temperature_cC;
+    const current_loop_tuning_t before = current_loop_tuning(&config, 27493, 28102, 0, reference_cC);
+    static const int32_t RISE_cK[] = {-4500, 9500, 12500};
+    for (int t = 0; t < 3; t++) {
+        const current_loop_tuning_t tuning = current_loop_tuning(&config, 27493, 28102, 0, reference_cC + RISE_cK[t]);
+        const double factor = 1.0 + 0.00393 * RISE_cK[t] / 100.0;
+        TEST_ASSERT_DOUBLE_WITHIN(2.0, factor * before.d.integral_q15, tuning.d.integral_q15);
+        TEST_ASSERT_DOUBLE_WITHIN(2.0, factor * before.q.integral_q15, tuning.q.integral_q15);
+        TEST_ASSERT_DOUBLE_WITHIN(2.0, factor * before.q.anti_windup_q15, tuning.q.anti_windup_q15);
+        TEST_ASSERT_EQUAL_INT32(before.q.proportional_q11, tuning.q.proportional_q11);
+    }
+    /* A broken thermistor moves it within a tenth and 1000 K up. */
+    const current_loop_tuning_t lowest = current_loop_tuning(&config, 27493, 28102, 0, INT32_MIN);
+    const current_loop_tuning_t highest = current_loop_tuning(&config, 27493, 28102, 0, INT32_MAX);
+    TEST_ASSERT_DOUBLE_WITHIN(1.5, 0.1 * before.q.integral_q15, lowest.q.integral_q15);
+    TEST_ASSERT_DOUBLE_WITHIN(6.0, 4.93 * before.q.integral_q15, highest.q.integral_q15);
+}
+
 void test_feed_forward_is_speed_times_flux_and_inductance(void)
 {
     static const int32_t SPEEDS_Q32[] = {-52000000, -5000000, 1000, 5000000,
                                          52000000}; /* to 640 r/min of 23 pole pairs */
     for (int v = 0; v < 4; v++) {
         for (int s = 0; s < 5; s++) {
-            const current_loop_tuning_t tuning = current_loop_tuning(&config, 27493, BUS_PU[v], SPEEDS_Q32[s]);
+            const current_loop_tuning_t tuning =
+                current_loop_tuning(&config, 27493, BUS_PU[v], SPEEDS_Q32[s], config.motor.reference_temperature_cC);
             const double w = speed_rad_s(SPEEDS_Q32[s]);
             const double unit = unit_V(27493, BUS_PU[v]);
             const double emf = w * config.motor.flux_linkage_nWb * 1e-9 / unit;
@@ -77,7 +99,8 @@ void test_the_angle_is_advanced_by_one_and_a_half_periods(void)
 {
     static const int32_t SPEEDS_Q32[] = {-100000000, -52000000, 0, 131072, 52000000, 100000000};
     for (int s = 0; s < 6; s++) {
-        const current_loop_tuning_t tuning = current_loop_tuning(&config, 27493, 28102, SPEEDS_Q32[s]);
+        const current_loop_tuning_t tuning =
+            current_loop_tuning(&config, 27493, 28102, SPEEDS_Q32[s], config.motor.reference_temperature_cC);
         const double angle = 1.5 * SPEEDS_Q32[s] / 4294967296.0 * 2.0 * PI;
         /* The advance is rounded down to three 65 536ths of a turn, 2.9e-4 rad or 9.4 LSB, and sine has its own 1.5. */
         TEST_ASSERT_DOUBLE_WITHIN(11.0, 32768.0 * sin(angle), tuning.advance.sin);
@@ -87,10 +110,12 @@ void test_the_angle_is_advanced_by_one_and_a_half_periods(void)
 
 void test_a_bus_voltage_below_a_sixteenth_counts_as_a_sixteenth(void)
 {
-    const current_loop_tuning_t lowest = current_loop_tuning(&config, 27493, 2048, 1000000);
+    const current_loop_tuning_t lowest =
+        current_loop_tuning(&config, 27493, 2048, 1000000, config.motor.reference_temperature_cC);
     static const int32_t BELOW[] = {2047, 1, 0, -1, -32768};
     for (int i = 0; i < 5; i++) {
-        const current_loop_tuning_t tuning = current_loop_tuning(&config, 27493, BELOW[i], 1000000);
+        const current_loop_tuning_t tuning =
+            current_loop_tuning(&config, 27493, BELOW[i], 1000000, config.motor.reference_temperature_cC);
         TEST_ASSERT_EQUAL_INT32(lowest.q.proportional_q11, tuning.q.proportional_q11);
         TEST_ASSERT_EQUAL_INT32(lowest.w_psi_q15, tuning.w_psi_q15);
     }
@@ -102,7 +127,8 @@ void test_gains_beyond_their_formats_are_clamped_and_never_zero(void)
     config.current_loop.integral_d_pu_q24 = 16777216;
     config.current_loop.proportional_q_pu_q16 = 1;
     config.current_loop.integral_q_pu_q24 = 1;
-    const current_loop_tuning_t tuning = current_loop_tuning(&config, 8192, 1, INT32_MAX);
+    const current_loop_tuning_t tuning =
+        current_loop_tuning(&config, 8192, 1, INT32_MAX, config.motor.reference_temperature_cC);
     TEST_ASSERT_TRUE(tuning.d.proportional_q11 <= 32767 && tuning.d.integral_q15 <= PI_LARGEST_INTEGRAL_Q15);
     TEST_ASSERT_TRUE(tuning.d.anti_windup_q15 <= PI_LARGEST_ANTI_WINDUP_Q15);
     TEST_ASSERT_TRUE(tuning.q.proportional_q11 >= 1 && tuning.q.integral_q15 >= 1 && tuning.q.anti_windup_q15 >= 1);
@@ -110,7 +136,7 @@ void test_gains_beyond_their_formats_are_clamped_and_never_zero(void)
 
 static current_loop_tuning_t plain_tuning(void)
 {
-    return current_loop_tuning(&config, 27493, 28102, 0);
+    return current_loop_tuning(&config, 27493, 28102, 0, config.motor.reference_temperature_cC);
 }
 
 static current_loop_out_t step(const current_loop_tuning_t *tuning, int32_t d, int32_t q, int32_t i_d, int32_t i_q)
@@ -132,7 +158,8 @@ void test_without_error_and_speed_there_is_no_voltage(void)
 
 void test_at_speed_without_current_the_voltage_is_the_back_emf(void)
 {
-    const current_loop_tuning_t tuning = current_loop_tuning(&config, 27493, 28102, 20000000);
+    const current_loop_tuning_t tuning =
+        current_loop_tuning(&config, 27493, 28102, 20000000, config.motor.reference_temperature_cC);
     const current_loop_out_t out = step(&tuning, 0, 0, 0, 0);
     TEST_ASSERT_EQUAL_INT32(0, out.realised.d);
     TEST_ASSERT_INT32_WITHIN(1, tuning.w_psi_q15, out.realised.q);

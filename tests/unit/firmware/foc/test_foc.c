@@ -114,7 +114,8 @@ void test_the_back_emf_is_put_where_the_rotor_will_be_one_and_a_half_periods_lat
         in.rotor_angle_turn = (uint16_t)theta;
         command.tuning =
             current_loop_tuning(&config, foc.current.svpwm.modulation_limit_q15, 3513 * 8,
-                                (int32_t)lround(speed_turns * 0.5 * 4294967296.0)); /* half: inside the circle */
+                                (int32_t)lround(speed_turns * 0.5 * 4294967296.0), /* half: inside the circle */
+                                config.motor.reference_temperature_cC);
         step(true);
         const double angle = theta * 2.0 * PI / 65536.0 + 1.5 * 0.5 * speed_turns * 2.0 * PI;
         const double v_dc_V = 3513.0 / 4096.0 * config.drive.voltage_full_scale_mV * 1e-3;

@@ -74,7 +74,7 @@ def test_the_per_unit_gains_are_the_textbooks(paper: schema.Drive) -> None:
     # Z = 165 A / 61.8 V, omega_c = 2 pi 1000, omega_base = 2 pi 20000 / 16, T = 50 us: 1 + 2 omega_c T = 1.6283185.
     loop = unpack(image.build(paper)).current_loop
     assert loop.proportional_d_pu_q16 / 65536 == pytest.approx(76e-6 * 6283.1853 / 1.6283185 * 165 / 61.8, rel=1e-5)
-    assert loop.integral_q_pu_q24 / 2**24 == pytest.approx(0.031 * 6283.1853 / 1.6283185 * 50e-6 * 165 / 61.8, rel=1e-5)
+    assert loop.integral_q_pu_q24 / 2**24 == pytest.approx((0.031 + 0.0033) * 6283.1853 / 1.6283185 * 50e-6 * 165 / 61.8, rel=1e-5)
     assert loop.inductance_d_pu_q16 / 65536 == pytest.approx(7853.9816 * 76e-6 * 165 / 61.8, rel=1e-5)
     assert loop.flux_pu_q16 / 65536 == pytest.approx(7853.9816 * 0.0204 / 61.8, rel=1e-5)
 
@@ -120,7 +120,7 @@ def test_the_largest_modulation_leaves_the_shortest_pulse_and_two_sampled_legs(p
         ({"inverter.voltage_full_scale_v": 59.0}, "inverter.voltage_full_scale_v: 59 V, accepted: more than 59.59 V"),
         ({"inverter.min_pulse_s": 1e-5}, "svpwm.lowest_counts: "),
         ({"battery.min_voltage_v": 8.0}, "current_loop.w_psi: "),
-        ({"motor.phase_resistance_ohm": 5e-5}, "current_loop.integral: "),
+        ({"motor.phase_resistance_ohm": 5e-5, "inverter.switch_resistance_ohm": 0.0}, "current_loop.integral: "),
         ({"control.dead_time_zone_a": 0.1}, "dead_time.zone: "),
         ({"inverter.pwm_timer_clock_hz": 1_000_000}, "drive.pwm_period_counts: 25 does not fit the controller, accepted: 256 to 16384"),
         ({"vehicle.driven_wheels": 16, "battery.max_discharge_current_a": 1.0}, "battery.max_discharge_current_mA: 63 mA does not fit"),

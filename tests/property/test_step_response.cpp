@@ -1,0 +1,318 @@
+// The current loop's answer to small changes of its reference, against the answer it is designed for: a first-order pole at
+// the configured bandwidth that starts 1.5 periods after the sample.
+#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include "bench.hpp"
+
+namespace {
+
+using bench::Bench;
+using bench::Mode;
+using bench::paper_config;
+using bench::Plant;
+using bench::SETTLE_PERIODS;
+
+constexpr double STEP_A = 5.0;
+constexpr int SAMPLES = 80; // 25 time constants of 1 kHz
+
+struct Point {
+    double winding_C, speed_rpm, v_dc_V;
+    bool real_bridge;
+};
+
+std::vector<Point> operating_points()
+{
+    std::vector<Point> points;
+    for (const bool real_bridge : {false, true}) {
+        for (const double winding_C : {25.0, 120.0}) {
+            for (const double speed_rpm : {0.0, 50.0, 300.0, 450.0}) {
+                for (const double v_dc_V : {45.0, 53.0, 58.0}) {
+                    points.push_back({winding_C, speed_rpm, v_dc_V, real_bridge});
+                }
+            }
+        }
+    }
+    return points;
+}
+
+Plant plant_at(const config_t &config, const Point &point)
+{
+    const Plant plant = bench::plant_of(config, point.winding_C, point.v_dc_V, point.speed_rpm);
+    return point.real_bridge ? bench::with_bridge(plant) : plant;
+}
+
+// At 450 r/min and 45 V the back-EMF of 22.1 V is longer than the circle of 0.84 * 45/sqrt 3 = 21.8 V. Only with
+// demagnetising current is there a voltage to step with: 40 A take 1084 rad/s * 76 uH * 40 A = 3.3 V away.
+double demagnetising_A(const Point &point)
+{
+    return point.speed_rpm > 400.0 && point.v_dc_V < 50.0 ? -40.0 : 0.0;
+}
+
+double designed(const config_t &config, int sample)
+{
+    const double pole = 2.0 * bench::PI * config.current_loop.bandwidth_Hz / config.drive.pwm_frequency_Hz;
+    return 1.0 - std::exp(-pole * std::max(sample - 1.5, 0.0));
+}
+
+// Worst over the samples, all as shares of the step.
+struct Answer {
+    double beside = 0.0; // from the designed response
+    double beyond = 0.0; // the reference
+    double i_d = 0.0;
+    double arrived = 0.0; // error over the last tenth of the samples
+    bool limited = false;
+
+    void see(const Answer &other)
+    {
+        beside = std::max(beside, other.beside);
+        beyond = std::max(beyond, other.beyond);
+        i_d = std::max(i_d, other.i_d);
+        arrived = std::max(arrived, other.arrived);
+        limited = limited || other.limited;
+    }
+};
+
+Answer step(Bench &bench, const config_t &config, double i_d_A, double from_A, double to_A)
+{
+    bench.set_reference(i_d_A, from_A);
+    bench.run(SETTLE_PERIODS, Mode::off);
+    bench.run(1000);
+    bench.set_reference(i_d_A, to_A);
+    Answer answer;
+    for (int n = 0; n < SAMPLES; n++) {
+        const loop_output_t out = bench.step();
+        const double share = (bench.i_q() - from_A) / (to_A - from_A);
+        answer.beside = std::max(answer.beside, std::abs(share - designed(config, n)));
+        answer.beyond = std::max(answer.beyond, share - 1.0);
+        answer.i_d = std::max(answer.i_d, std::abs((bench.i_d() - i_d_A) / (to_A - from_A)));
+        answer.limited = answer.limited || out.limited;
+        if (n >= SAMPLES * 9 / 10) {
+            answer.arrived = std::max(answer.arrived, std::abs(share - 1.0));
+        }
+    }
+    return answer;
+}
+
+// From several positions of the rotor, in both directions.
+Answer steps_from(double from_A, const config_t &config, const Point &point)
+{
+    Answer worst;
+    for (int position = 0; position < 5; position++) {
+        for (const double direction : {-1.0, 1.0}) {
+            Bench bench(config, plant_at(config, point), 0.1 + 0.83 * position);
+            worst.see(step(bench, config, demagnetising_A(point), from_A, from_A + direction * STEP_A));
+        }
+    }
+    return worst;
+}
+
+// Gain and phase from reference to current at one frequency, from 20 periods of a sine around a braking current.
+std::complex<double> response(Bench &bench, double around_A, double i_d_A, double frequency_Hz)
+{
+    const double turn = 2.0 * bench::PI * frequency_Hz * bench.period_s();
+    const int settle = static_cast<int>(10.0 * 2.0 * bench::PI / turn) + 100;
+    const int count = static_cast<int>(std::lround(60.0 * 2.0 * bench::PI / turn));
+    std::complex<double> in = 0.0;
+    std::complex<double> out = 0.0;
+    for (int n = 0; n < settle + count; n++) {
+        const double reference = around_A + STEP_A * std::sin(turn * n);
+        bench.set_reference(i_d_A, reference);
+        bench.step();
+        if (n >= settle) {
+            const std::complex<double> back = std::polar(1.0, -turn * n);
+            in += (reference - around_A) * back;
+            out += (bench.i_q() - around_A) * back;
+        }
+    }
+    return out / in;
+}
+
+double bandwidth_Hz(const config_t &config, const Point &point)
+{
+    Bench bench(config, plant_at(config, point), 0.3);
+    const double i_d_A = demagnetising_A(point);
+    bench.set_reference(i_d_A, -20.0);
+    bench.run(SETTLE_PERIODS, Mode::off);
+    bench.run(1000);
+    double lowest = 300.0;
+    double highest = 3000.0;
+    while (highest - lowest > 2.0) {
+        const double middle = 0.5 * (lowest + highest);
+        (std::abs(response(bench, -20.0, i_d_A, middle)) > std::sqrt(0.5) ? lowest : highest) = middle;
+    }
+    return 0.5 * (lowest + highest);
+}
+
+} // namespace
+
+TEST_CASE("a step of 5 A is followed within 5 % at every sample, as designed, with little overshoot and no i_d")
+{
+    // Converters of a sixth of the range: what their rounding adds is the next case. With dead time the step goes along
+    // the current's own direction, so that no phase changes its sign; what happens then is the case after.
+    for (const Point &point : operating_points()) {
+        const config_t config = bench::with_finer_converter(paper_config(point.real_bridge), 6);
+        CAPTURE(point.winding_C);
+        CAPTURE(point.speed_rpm);
+        CAPTURE(point.v_dc_V);
+        CAPTURE(point.real_bridge);
+        for (const double from_A : {0.0, -20.0}) {
+            if (demagnetising_A(point) != 0.0 || (point.real_bridge && from_A == 0.0)) {
+                continue; // 40 A are more than this converter has
+            }
+            CAPTURE(from_A);
+            const Answer answer = steps_from(from_A, config, point);
+            CHECK(answer.beside <= 0.05);
+            CHECK(answer.beyond <= 0.10);
+            CHECK(answer.i_d <= 0.05);
+            CHECK_FALSE(answer.limited);
+        }
+    }
+}
+
+TEST_CASE("the board's 12-bit converters add their rounding to the step response and nothing else")
+{
+    // Each code is right to half of one; of the phase that is worked out from the other two, to one: 165 A / 2048.
+    for (const Point &point : operating_points()) {
+        const config_t config = paper_config(point.real_bridge);
+        const double code = 165.0 / 2048.0 / STEP_A;
+        for (const double from_A : {0.0, -20.0}) {
+            if (point.real_bridge && (from_A == 0.0 || demagnetising_A(point) != 0.0)) {
+                continue;
+            }
+            const Answer answer = steps_from(from_A, config, point);
+            CAPTURE(point.speed_rpm);
+            CHECK(answer.beside <= 0.05 + code);
+            CHECK(answer.i_d <= 0.05 + code);
+            CHECK(answer.arrived <= 0.005 + code);
+        }
+    }
+}
+
+TEST_CASE(
+    "a step that turns phase currents over meets dead-time compensation ahead of the current, for two periods at most")
+{
+    // The compensation goes by the reference. Until the current has followed, a phase is given up to twice the voltage that
+    // dead time takes, 4/3 of it in the vector: the reference is one period ahead of the voltage and the current another.
+    for (const Point &point : operating_points()) {
+        if (!point.real_bridge) {
+            continue;
+        }
+        const config_t config = paper_config(true);
+        const Plant plant = plant_at(config, point);
+        const double lost_V = plant.dead_time_s * 20e3 * (plant.v_dc_V + 2.0 * plant.diode_forward_voltage_V);
+        const double ahead = 2.0 * 4.0 / 3.0 * lost_V * 50e-6 / plant.q_inductance_H / STEP_A;
+        const Answer answer = steps_from(0.0, config, point);
+        CAPTURE(point.speed_rpm);
+        CAPTURE(point.v_dc_V);
+        CHECK(answer.beside <= 0.05 + ahead);
+        CHECK(answer.beyond <= 0.10);
+        CHECK(answer.i_d <= 0.05 + 0.5 * ahead);
+        CHECK(answer.arrived <= 0.03);
+    }
+}
+
+TEST_CASE(
+    "the closed loop has the designed bandwidth within a tenth, at any speed, bus voltage and winding temperature")
+{
+    for (const Point &point : operating_points()) {
+        const config_t config = paper_config(point.real_bridge);
+        CAPTURE(point.winding_C);
+        CAPTURE(point.speed_rpm);
+        CAPTURE(point.v_dc_V);
+        CAPTURE(point.real_bridge);
+        CHECK(bandwidth_Hz(config, point) == doctest::Approx(config.current_loop.bandwidth_Hz).epsilon(0.10));
+    }
+}
+
+TEST_CASE("gains for a loop without delay, or a winding that is hotter than the thermistor says, miss the design")
+{
+    const Point point{120.0, 300.0, 53.0, false};
+    const double wT = 2.0 * bench::PI * 1000.0 * 50e-6;
+    config_t textbook = paper_config(false); // k_p = L omega_c
+    for (int32_t *gain : {&textbook.current_loop.proportional_q_pu_q16, &textbook.current_loop.integral_q_pu_q24}) {
+        *gain = static_cast<int32_t>(*gain * (1.0 + 2.0 * wT));
+    }
+    CHECK(steps_from(-20.0, textbook, point).beside > 0.25);
+    CHECK(bandwidth_Hz(textbook, point) > 1800.0);
+
+    config_t cold = paper_config(false);
+    cold.motor.resistance_coefficient_ppm_K = 0;
+    cold.motor.phase_resistance_uOhm = CONFIG_LU2013.motor.phase_resistance_uOhm;
+    Plant hot = bench::plant_of(paper_config(false), 120.0, 53.0, 300.0);
+    Bench bench(cold, hot, 0.3);
+    bench.set_reference(0.0, -20.0);
+    bench.run(SETTLE_PERIODS, Mode::off);
+    CHECK(std::abs(response(bench, -20.0, 0.0, 900.0)) < std::sqrt(0.5));
+}
+
+TEST_CASE("with resistance and flux wrong by 30 % and inductance by half in any combination the error dies away")
+{
+    for (const double resistance : {0.7, 1.3}) {
+        for (const double flux : {0.7, 1.3}) {
+            for (const double inductance : {0.5, 1.5}) {
+                for (const Point &point : operating_points()) {
+                    if (point.speed_rpm > 400.0 && (flux > 1.0 || point.v_dc_V < 50.0)) {
+                        continue; // 28.7 V of back-EMF: more than any of these batteries has
+                    }
+                    const config_t config = paper_config(point.real_bridge);
+                    Plant plant = plant_at(config, point);
+                    plant.resistance_ohm *= resistance;
+                    plant.flux_Wb *= flux;
+                    plant.d_inductance_H *= inductance;
+                    plant.q_inductance_H *= inductance;
+                    Bench bench(config, plant, 0.3);
+                    bench.set_reference(0.0, 0.0);
+                    bench.run(SETTLE_PERIODS, Mode::off);
+                    bench.run(1000);
+                    bench.set_reference(0.0, -10.0);
+                    const auto worst = [&](int periods) {
+                        double error_A = 0.0;
+                        for (int n = 0; n < periods; n++) {
+                            bench.step();
+                            error_A = std::max(error_A, (bench.current() - bench::Vector2d(0.0, -10.0)).norm());
+                        }
+                        return error_A;
+                    };
+                    const double first_A = worst(20);
+                    const double later_A = worst(80);
+                    bench.run(200);
+                    const double last_A = worst(200);
+                    CAPTURE(resistance);
+                    CAPTURE(flux);
+                    CAPTURE(inductance);
+                    CAPTURE(point.speed_rpm);
+                    CAPTURE(point.v_dc_V);
+                    CAPTURE(point.real_bridge);
+                    CHECK(first_A < 1.5 * 10.0);
+                    CHECK(later_A < 0.25 * 10.0);
+                    // What stays are the converters' codes and, with dead time, its six pulses a turn.
+                    CHECK(last_A < (point.real_bridge ? 0.6 : 0.2));
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("a loop that is unstable is seen to be: five and a half times the gain oscillates")
+{
+    config_t config = paper_config(false);
+    config.current_loop.proportional_q_pu_q16 = static_cast<int32_t>(config.current_loop.proportional_q_pu_q16 * 5.5);
+    Bench bench(config, bench::plant_of(config, 25.0, 53.0, 50.0), 0.3);
+    bench.set_reference(0.0, 0.0);
+    bench.run(SETTLE_PERIODS, Mode::off);
+    bench.run(1000);
+    bench.set_reference(0.0, -10.0);
+    bench.run(300);
+    double error_A = 0.0;
+    for (int n = 0; n < 200; n++) {
+        bench.step();
+        error_A = std::max(error_A, std::abs(bench.i_q() + 10.0));
+    }
+    CHECK(error_A > 1.0);
+}
