@@ -21,7 +21,10 @@
 #error "HUBFOC_WHEEL comes from the build"
 #endif
 
-enum { FINISH_PASSES = 100000 /* of the console, more than the slowest line needs for its last words */ };
+enum {
+    FINISH_PASSES = 100000, /* of the console, more than the slowest line needs for its last words */
+    AT_REST_mrad_s = 300    /* a turn in 20 s */
+};
 
 /* What the background sees of the slow step. */
 typedef struct {
@@ -33,9 +36,9 @@ typedef struct {
 
 /* The one instance: interrupts have no other way to find their data. Each member has one writer, named on the right. */
 static struct {
-    boot_report_t boot;      /* boot */
-    const config_t *config;  /* boot; NULL as long as the control steps must not run */
-    controller_t controller; /* .fast: PWM period, .slow: millisecond */
+    boot_report_t boot;              /* boot */
+    const config_t *volatile config; /* boot, background; NULL when the control steps must not run */
+    controller_t controller;         /* .fast: PWM period, .slow: millisecond */
 
     double_buffer_t to_fast; /* low side millisecond, high side PWM period */
     slow_to_fast_t slow_to_fast[2];
@@ -51,6 +54,7 @@ static struct {
     supervisor_t supervisor;             /* background, like everything below */
     can_link_t can;
     console_t console;
+    bool restarting; /* the watchdog is left to itself */
 } app;
 
 static messages_battery_t pack_limits(const config_t *config)
@@ -84,6 +88,7 @@ void app_boot(void)
     const view_t no_view = {.counts = {0}};
     app.config = NULL;
     app.fast_cycles_worst = 0;
+    app.restarting = false;
     app.view[0] = no_view;
     app.view[1] = no_view;
     double_buffer_init(&app.to_fast);
@@ -116,7 +121,8 @@ static inverter_mode_t inverter_mode(bridge_mode_t bridge)
 
 void app_pwm_period_isr(void)
 {
-    if (app.config == NULL) {
+    const config_t *config = app.config;
+    if (config == NULL) {
         return;
     }
     const uint32_t begin_cycles = time_cycles();
@@ -132,7 +138,7 @@ void app_pwm_period_isr(void)
         .power_stage_fault = inverter_fault(),
     };
     const slow_to_fast_t *from_slow = &app.slow_to_fast[double_buffer_high(&app.to_fast)];
-    const fast_output_t out = controller_fast_step(&app.controller.fast, app.config, from_slow, &in, &app.fast_report);
+    const fast_output_t out = controller_fast_step(&app.controller.fast, config, from_slow, &in, &app.fast_report);
     inverter_set(inverter_mode(out.bridge), out.compare_counts);
     app.fast_to_slow[double_buffer_high(&app.from_fast)] = app.fast_report;
     double_buffer_mark(&app.from_fast);
@@ -164,7 +170,8 @@ static slow_input_t slow_input(const node_wish_t *wish)
 
 void app_millisecond_isr(void)
 {
-    if (app.config == NULL) {
+    const config_t *config = app.config;
+    if (config == NULL) {
         return;
     }
     (void)double_buffer_take(&app.from_fast); /* nothing new: the monitor sees that the count stands still */
@@ -173,7 +180,7 @@ void app_millisecond_isr(void)
     const slow_input_t in = slow_input(&app.wish[double_buffer_high(&app.to_slow)]);
 
     view_t *view = &app.view[double_buffer_high(&app.from_slow)];
-    view->output = controller_slow_step(&app.controller.slow, app.config, from_fast, &in, to_fast);
+    view->output = controller_slow_step(&app.controller.slow, config, from_fast, &in, to_fast);
     view->winding_temperature_cC = in.winding_temperature_cC;
     view->switch_temperature_cC = in.switch_temperature_cC;
     view->counts.fast_steps = from_fast->fast_step_count;
@@ -205,11 +212,36 @@ static report_status_t status_of(const view_t *view)
     return status;
 }
 
+/* Nothing turns and nothing is switched on: the configuration may go. Without control the bridge is off anyway. */
+static bool is_at_rest(const slow_output_t *said)
+{
+    const bool switched_on = said->mode == MODE_RUN || said->mode == MODE_LIMP;
+    return app.config == NULL ||
+           (!switched_on && said->speed_mrad_s > -AT_REST_mrad_s && said->speed_mrad_s < AT_REST_mrad_s);
+}
+
+/* The configuration in use is about to be erased, so control ends here, whatever becomes of the new one. */
+static void replace_configuration(const view_t *view)
+{
+    text_t line;
+    text_clear(&line);
+    if (is_at_rest(&view->output)) {
+        app.config = NULL;
+        app.restarting = true;
+        (void)installer_write(&app.console.installer, &line);
+    } else {
+        text_add(&line, "refused: only with the wheel at rest and switched off; the configuration is as it was");
+    }
+    console_say(&app.console, &line);
+}
+
 void app_background(void)
 {
     const uint32_t now_ms = time_ms();
     const view_t *view = current_view();
-    if (app.config == NULL) {
+    if (app.restarting) {
+        /* nothing feeds the watchdog; the console still says why */
+    } else if (app.config == NULL) {
         watchdog_feed(); /* bridge off, nothing to supervise; a restart would only hide the reason */
     } else {
         if (supervisor_may_feed(&app.supervisor, view->counts)) {
@@ -225,6 +257,9 @@ void app_background(void)
     }
     const report_status_t status = status_of(view);
     console_pump(&app.console, now_ms, &status);
+    if (console_has_accepted(&app.console)) {
+        replace_configuration(view);
+    }
 }
 
 bool app_finish(void)

@@ -2,7 +2,7 @@
 
 #include "hal/serial.h"
 
-enum { STATUS, WATCH, CAN, BOOT, CONFIG, VERSION, COMMANDS_COUNT };
+enum { STATUS, WATCH, CAN, BOOT, CONFIG, VERSION, INSTALL, COMMANDS_COUNT };
 
 static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [STATUS] = {"status", "", "mode, reason, torque, speed, bus"},
@@ -11,6 +11,7 @@ static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [BOOT] = {"boot", "", "what the self-tests found"},
     [CONFIG] = {"config", "[PREFIX]", "the configuration's fields that begin so"},
     [VERSION] = {"version", "", "program, version, port"},
+    [INSTALL] = {"install", "", "another configuration: send it as Intel HEX, the wheel at rest"},
 };
 
 static bool answer_boot(const console_t *console, uint32_t number, text_t *line)
@@ -41,6 +42,10 @@ static bool answer(console_t *console, const shell_question_t *asked, text_t *li
     case VERSION:
         report_version(line);
         return asked->number == 0;
+    case INSTALL:
+        installer_open(&console->installer, console->now_ms);
+        text_add(line, "send the configuration as Intel HEX; ^C gives up");
+        return asked->number == 0;
     default:
         return false;
     }
@@ -54,6 +59,8 @@ void console_init(console_t *console, const boot_report_t *boot)
     console->status = nothing;
     console->watched_ms = 0;
     console->watching = false;
+    console->now_ms = 0;
+    installer_init(&console->installer);
 }
 
 void console_say(console_t *console, const text_t *line)
@@ -101,14 +108,48 @@ static void answer_what_is_asked(console_t *console)
     }
 }
 
+/* An accepted one stays until console_has_accepted() has said so. */
+static void say_what_became_of_it(console_t *console)
+{
+    const installer_state_t state = console->installer.state;
+    if (state != INSTALLER_GIVEN_UP && state != INSTALLER_REFUSED) {
+        return;
+    }
+    text_t line;
+    text_clear(&line);
+    installer_words(&console->installer, &line);
+    console_say(console, &line);
+    console->installer.state = INSTALLER_CLOSED;
+}
+
+bool console_has_accepted(console_t *console)
+{
+    const bool accepted = console->installer.state == INSTALLER_ACCEPTED;
+    if (accepted) {
+        text_t line;
+        text_clear(&line);
+        installer_words(&console->installer, &line);
+        console_say(console, &line);
+        console->installer.state = INSTALLER_CLOSED;
+    }
+    return accepted;
+}
+
 void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status)
 {
     console->status = *status;
+    console->now_ms = now_ms;
     uint8_t byte;
     while (serial_read(&byte)) {
         console->watching = false;
-        shell_hear(&console->shell, byte);
+        if (console->installer.state == INSTALLER_RECEIVING) {
+            installer_hear(&console->installer, byte, now_ms);
+        } else {
+            shell_hear(&console->shell, byte);
+        }
     }
+    installer_tick(&console->installer, now_ms);
+    say_what_became_of_it(console);
     if (console->watching && now_ms - console->watched_ms >= CONSOLE_WATCH_PERIOD_ms) {
         console->watched_ms = now_ms;
         console_status(console, status);

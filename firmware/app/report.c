@@ -13,7 +13,7 @@ void report_version(text_t *line)
     text_add(line, "hubfoc " HUBFOC_VERSION " on " HUBFOC_PORT_NAME);
 }
 
-static void add_identity(const config_t *config, text_t *line)
+void report_identity(const config_t *config, text_t *line)
 {
     text_add(line, "configuration ");
     text_add(line, config->name);
@@ -26,12 +26,12 @@ void report_banner(const boot_report_t *boot, text_t *line)
     report_version(line);
     if (boot->verdict.code == CONFIG_VERDICT_OK) {
         text_add(line, ", ");
-        add_identity(boot->config, line);
+        report_identity(boot->config, line);
     }
     text_add(line, ", wheel " HUBFOC_WHEEL_NAME);
 }
 
-static void add_refusal(const config_verdict_t *verdict, text_t *line)
+void report_refusal(const config_verdict_t *verdict, text_t *line)
 {
     text_add(line, "configuration refused: ");
     text_add(line, verdict->field);
@@ -78,7 +78,7 @@ static const char *inverter_words(inverter_status_t status)
 static void add_verdict(const boot_report_t *boot, text_t *line)
 {
     if (boot->verdict.code != CONFIG_VERDICT_OK) {
-        add_refusal(&boot->verdict, line);
+        report_refusal(&boot->verdict, line);
     } else if (boot->inverter != INVERTER_OK) {
         text_add(line, inverter_words(boot->inverter));
     } else if (boot->rotor_sensor_missing) {
@@ -189,13 +189,13 @@ bool report_can(const report_status_t *status, uint32_t number, text_t *line)
 bool report_config(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line)
 {
     if (boot->verdict.code != CONFIG_VERDICT_OK) {
-        add_refusal(&boot->verdict, line);
+        report_refusal(&boot->verdict, line);
         return number == 0;
     }
     if (number > 0) {
         return config_lines_get(boot->config, prefix, number - 1U, line);
     }
-    add_identity(boot->config, line);
+    report_identity(boot->config, line);
     text_add(line, ", format ");
     text_add_integer(line, (int32_t)boot->config->format_version);
     text_add(line, ", generator ");

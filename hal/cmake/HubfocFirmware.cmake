@@ -1,8 +1,8 @@
 # hubfoc_add_firmware(NAME hubfoc_stm32f405 LINKER_SCRIPT link.ld PORT hubfoc_port_stm32f405 STACK_BYTES 4096
 #                     INTERRUPTS lowest_handler ... highest_handler)
 #
-# The firmware of one port: <name>.elf with its CRC filled in, <name>.bin, <name>.hex, and <name>_config.bin, the
-# configuration alone. Prints the size of what was linked and, where there is a Python, the worst-case depth of the stack,
+# The firmware of one port: <name>.elf with its CRC filled in, <name>.bin, <name>.hex, and <name>_config.bin and
+# <name>_config.hex, the configuration alone. Prints the size of what was linked and, where there is a Python, the worst-case depth of the stack,
 # which fails the build if STACK_BYTES are not enough for main() and one of each interrupt on top of each other.
 set(HUBFOC_SEAL "${CMAKE_CURRENT_LIST_DIR}/seal_image.cmake")
 find_program(HUBFOC_REPORT_PYTHON python3 DOC "Any Python 3.11 or newer, for the stack report")
@@ -37,7 +37,8 @@ function(hubfoc_add_firmware)
     COMMAND "${CMAKE_OBJCOPY}" -O ihex "${stem}.elf" "${stem}.hex"
     COMMAND "${CMAKE_OBJCOPY}" -I ihex -O binary --gap-fill 0xFF "${stem}.hex" "${stem}.bin"
     COMMAND "${CMAKE_OBJCOPY}" -O binary --only-section=.hubfoc_config "${stem}.elf" "${stem}_config.bin"
+    COMMAND "${CMAKE_OBJCOPY}" -I binary -O ihex "${stem}_config.bin" "${stem}_config.hex"
     COMMAND "${CMAKE_SIZE}" --format=berkeley "${stem}.elf"
     COMMAND ${stack_report}
-    BYPRODUCTS "${stem}.bin" "${stem}.hex" "${stem}_config.bin" VERBATIM)
+    BYPRODUCTS "${stem}.bin" "${stem}.hex" "${stem}_config.bin" "${stem}_config.hex" VERBATIM)
 endfunction()

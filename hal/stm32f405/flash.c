@@ -36,7 +36,7 @@ uint32_t flash_firmware_crc32(void)
 }
 
 /* From here on code runs in RAM: the flash cannot be read while it is erased or written. */
-#define IN_RAM __attribute__((section(".ram_code"), noinline, long_call))
+#define IN_RAM __attribute__((section(".ram_code"), noinline)) /* the linker adds the long jump there */
 
 IN_RAM static bool ram_wait(uint32_t looks)
 {

@@ -126,6 +126,8 @@ inverter_status_t inverter_init(const inverter_settings_t *settings)
     configure_timer(dead_time_code);
     connect_pins();
     start_gate_driver();
+    /* While the pins were being connected the break input may have been seen low. One that is still low sets it again. */
+    TIM1->SR = ~(uint32_t)TIM_SR_BIF;
     if (!start_with_update_at_top()) {
         return INVERTER_TIMER_UNREADY;
     }
@@ -164,6 +166,11 @@ void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
      * the old ones, from before the bridge was switched off, must never be seen. */
     if (armed) {
         TIM1->BDTR |= TIM_BDTR_MOE;
+        /* A break between the look at the top and this must not be undone by it: the timer takes an enable as soon as
+         * the input is inactive again. */
+        if (inverter_fault()) {
+            switch_off();
+        }
     }
     armed = true;
 }

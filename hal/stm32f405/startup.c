@@ -44,6 +44,8 @@ void reset_handler(void)
 {
     *SCB_VTOR = (uint32_t)(uintptr_t)vectors;
     *SCB_SHCSR |= SCB_SHCSR_FAULTS_ENABLED;
+    /* The firmware computes nothing in floating point, but a compiler may keep integers in the unit's registers. */
+    *SCB_CPACR |= SCB_CPACR_FLOATING_POINT;
     const uint32_t *from = link_data_load;
     for (uint32_t *to = link_data_begin; to < link_data_end; to++) {
         *to = *from++;

@@ -5,11 +5,13 @@ pretended apt-get that only writes down how it was called, so nothing outside th
 """
 
 import os
+import pty
 import re
 import shutil
 import stat
 import subprocess
 import tempfile
+import threading
 import unittest
 from pathlib import Path
 
@@ -227,7 +229,10 @@ class DevCommandTest(unittest.TestCase):
         self.assert_refused(self.run_dev("flash", "avr"), "avr", "stm32f405")
         self.assert_refused(self.run_dev("flash", "qemu"), "qemu", "emulator")
         self.assert_refused(self.run_dev("flash", "--probe", "wand"), "wand", "stlink")
-        self.assert_refused(self.run_dev("flash", "--with", "wand"), "wand", "openocd", "pyocd")
+        self.assert_refused(self.run_dev("flash", "--with", "wand"), "wand", "openocd", "pyocd", "serial")
+        self.assert_refused(self.run_dev("firmware", "--wheel", "fifth"), "fifth", "front_left", "rear_right")
+        self.assert_refused(self.run_dev("flash", "--with", "serial"), "--only-config")
+        self.assert_refused(self.run_dev("flash", "--with", "serial", "--only-config", "--line", "absent"), "absent", "no such serial line")
 
     @unittest.skipUnless(shutil.which("shellcheck"), "no shellcheck here; tools/dev setup checks installs it")
     def test_the_shell_scripts_have_no_known_defects(self) -> None:
@@ -339,10 +344,13 @@ class DevCommandTest(unittest.TestCase):
             (self.home / f"build/qemu/hubfoc_qemu.{suffix}").touch()
 
         for arguments, configured in (
-            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013"]),
+            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013 -DHUBFOC_WHEEL=FRONT_LEFT"]),
             ([], []),
-            (["--config", "lu2013b"], ["--preset qemu -DHUBFOC_CONFIG=lu2013b"]),
-            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013"]),
+            (["--config", "lu2013b"], ["--preset qemu -DHUBFOC_CONFIG=lu2013b -DHUBFOC_WHEEL=FRONT_LEFT"]),
+            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013 -DHUBFOC_WHEEL=FRONT_LEFT"]),
+            (["--wheel", "rear_right"], ["--preset qemu -DHUBFOC_CONFIG=lu2013 -DHUBFOC_WHEEL=REAR_RIGHT"]),
+            (["--wheel", "rear_right"], []),
+            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013 -DHUBFOC_WHEEL=FRONT_LEFT"]),
         ):
             before = len(self.calls("cmake")) if (self.base / "calls").exists() else 0
             result = self.run_dev("firmware", "qemu", *arguments, path=path, environment=environment)
@@ -356,6 +364,53 @@ class DevCommandTest(unittest.TestCase):
         result = self.run_dev("firmware", "--config", "absent", path=path, environment=environment)
         self.assertEqual((result.returncode, len(result.stderr.splitlines())), (USAGE, 1), result.stderr)
         self.assertIn("absent", result.stderr)
+
+    def send_over_serial(self, *answers: bytes) -> tuple[subprocess.CompletedProcess[str], bytes]:
+        """Flash a configuration over a line whose other end answers the shell's command, and then the image, as told."""
+        path, environment = self.pretend_everything_is_installed()
+        (self.home / "firmware/config/generated").mkdir(parents=True)
+        (self.home / "firmware/config/generated/lu2013.c").touch()
+        (self.home / "build/stm32f405").mkdir(parents=True)
+        for name in ("hubfoc_stm32f405.bin", "hubfoc_stm32f405.hex"):
+            (self.home / "build/stm32f405" / name).touch()
+        (self.home / "build/stm32f405/hubfoc_stm32f405_config.hex").write_text(":0100000011EE\n:00000001FF\n")
+        board, line = pty.openpty()
+        self.addCleanup(os.close, board)
+        self.addCleanup(os.close, line)
+        heard = b""
+
+        def answer() -> None:
+            nonlocal heard
+            for waits_for, words in zip((b"install\r", b":00000001FF"), answers, strict=False):
+                while waits_for not in heard:
+                    heard += os.read(board, 4096)
+                os.write(board, words)
+
+        listener = threading.Thread(target=answer, daemon=True)
+        listener.start()
+        result = self.run_dev(
+            *("flash", "--only-config", "--with", "serial", "--line", os.ttyname(line)), path=path, environment=environment
+        )
+        listener.join(timeout=10)
+        return result, heard
+
+    PROMPT = b"> install\r\nsend the configuration as Intel HEX; ^C gives up\r\n> "
+
+    def test_a_configuration_goes_over_the_serial_line_as_it_was_built(self) -> None:
+        result, heard = self.send_over_serial(self.PROMPT, b"accepted: configuration x\r\nwritten, restarting\r\n")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn(":0100000011EE\n:00000001FF", heard.decode().replace("\r", ""))
+        self.assertEqual(result.stderr.splitlines()[-1], "Written; the board restarts with it")
+
+    def test_what_the_board_says_against_a_configuration_is_passed_on(self) -> None:
+        result, _ = self.send_over_serial(self.PROMPT, b"refused: record 1: wrong checksum; the configuration is as it was\r\n")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("tools/dev: flash: refused: record 1: wrong checksum", result.stderr.splitlines()[-1])
+
+    def test_a_wheel_that_is_not_at_rest_is_passed_on_too(self) -> None:
+        result, _ = self.send_over_serial(self.PROMPT, b"accepted: configuration x\r\nrefused: only with the wheel at rest\r\n")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("refused: only with the wheel at rest", result.stderr.splitlines()[-1])
 
     def test_hubsim_gets_its_arguments_unchanged_after_the_engine_is_up_to_date(self) -> None:
         path, environment = self.pretend_everything_is_installed()

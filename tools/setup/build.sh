@@ -4,20 +4,33 @@
 
 # shellcheck disable=SC2034  # read by tools/dev
 readonly PORTS=(stm32f405 qemu) DEFAULT_CONFIG=lu2013
+# shellcheck disable=SC2034  # read by tools/dev
+readonly WHEELS=(front_left front_right rear_left rear_right) DEFAULT_WHEEL=front_left
 
-# configure PRESET [NAME=VALUE], only if needed. A directory configured elsewhere (the repository was moved or copied)
+to_upper() { printf '%s' "$1" | tr '[:lower:]' '[:upper:]'; }
+
+# variables_are FILE [NAME=VALUE...]: does CMake's cache say so?
+variables_are() {
+    local file=$1 variable
+    shift
+    for variable in "$@"; do
+        grep -qx "${variable%%=*}:[A-Z]*=${variable#*=}" "$file" || return
+    done
+}
+
+# configure PRESET [NAME=VALUE...], only if needed. A directory configured elsewhere (the repository was moved or copied)
 # cannot be used; presets that changed since are not noticed by CMake itself. Everything else CMake finds out alone.
 configure() {
-    local preset=$1 variable=${2:-} directory=$ROOT/build/$1 options=()
+    local preset=$1 directory=$ROOT/build/$1 options=()
+    shift
     if [[ -f $directory/CMakeCache.txt ]]; then
         if ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$ROOT" "$directory/CMakeCache.txt"; then
             options=(--fresh)
-        elif [[ $directory/build.ninja -nt $ROOT/CMakePresets.json ]] &&
-            { [[ -z $variable ]] || grep -qx "${variable%%=*}:[A-Z]*=${variable#*=}" "$directory/CMakeCache.txt"; }; then
+        elif [[ $directory/build.ninja -nt $ROOT/CMakePresets.json ]] && variables_are "$directory/CMakeCache.txt" "$@"; then
             return
         fi
     fi
-    [[ -z $variable ]] || options+=("-D$variable")
+    options+=("${@/#/-D}")
     (cd "$ROOT" && run_logged "Configuring $preset" "configure-$preset" cmake --preset "$preset" "${options[@]}")
 }
 

@@ -35,6 +35,34 @@ flash_pyocd() {
     flash_with "any that pyOCD knows" "$pyocd" flash --target "$PYOCD_TARGET" --no-wait "${arguments[@]}"
 }
 
+# flash_serial config IMAGE PROBE LINE: through the firmware's own shell, so that a board in its housing needs no probe.
+flash_serial() {
+    local image=$2_config.hex line=$4
+    say "Sending ${image##*/} over $line; the wheel has to stand still, switched off"
+    stty -F "$line" 115200 raw -echo 2>/dev/null || fail "flash: $line cannot be set to 115200 baud; may this user open it?"
+    exec 8<>"$line" || fail "flash: $line cannot be opened"
+    printf '\003install\r' >&8
+    answer_with 'Intel HEX' || fail "flash: nothing on $line answers as hubfoc's shell does"
+    cat "$image" >&8
+    answer_with 'accepted:|refused:|given up|as it was' || fail "flash: no answer to the configuration; is it on?"
+    [[ $HEARD == *accepted:* ]] || fail "flash: ${HEARD//$'\r'/}"
+    answer_with 'written|FAILED|refused:' || fail "flash: no word about the memory; look at the board"
+    exec 8>&-
+    [[ $HEARD == *written* ]] || fail "flash: ${HEARD//$'\r'/}"
+    say "Written; the board restarts with it"
+}
+
+# answer_with REGEX: leaves the first line on the serial line that matches in HEARD; false after five seconds of silence. Not
+# a subshell's business: `read` takes more from a terminal than it hands out.
+HEARD=''
+answer_with() {
+    while IFS= read -r -t 5 -u 8 HEARD; do
+        HEARD=${HEARD#> } # the prompt
+        if [[ $HEARD =~ $1 ]]; then return; fi
+    done
+    return 1
+}
+
 # Where the configuration lies in flash. The linker decided that; asking its product keeps the address in one place.
 config_address() {
     local address

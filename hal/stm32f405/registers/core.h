@@ -27,7 +27,9 @@ typedef struct {
 #define SCB_SHCSR ((volatile uint32_t *)0xE000ED24U)
 #define SCB_SHPR ((volatile uint8_t *)0xE000ED18U) /* priority of exceptions 4 .. 15 */
 #define SCB_CFSR ((volatile uint32_t *)0xE000ED28U)
+#define SCB_CPACR ((volatile uint32_t *)0xE000ED88U)
 #define SCB_SHCSR_FAULTS_ENABLED (7U << 16)
+#define SCB_CPACR_FLOATING_POINT (0xFU << 20) /* coprocessors 10 and 11, full access */
 #define SCB_AIRCR_RESET 0x05FA0004U
 #define SCB_SHPR_SYSTICK (15 - 4)
 

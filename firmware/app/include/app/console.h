@@ -7,6 +7,7 @@
  *     boot              what the self-tests found
  *     config [PREFIX]   the configuration's fields
  *     version           program, version, port
+ *     install           another configuration, as Intel HEX (installer.h)
  *     help, reasons     the shell's own
  *
  * Background context. Lines nobody asked for are dropped whole and counted when there is no room, never waited for.
@@ -18,6 +19,7 @@
 #include <stdint.h>
 
 #include "app/boot.h"
+#include "app/installer.h"
 #include "app/report.h"
 #include "comms/shell.h"
 #include "comms/text.h"
@@ -29,7 +31,9 @@ typedef struct {
     const boot_report_t *boot;
     report_status_t status; /* of the latest pump */
     uint32_t watched_ms;
+    uint32_t now_ms; /* of the latest pump */
     bool watching;
+    installer_t installer;
 } console_t;
 
 /* boot: has to stay where it is; need not be filled in yet. */
@@ -44,6 +48,9 @@ void console_say(console_t *console, const text_t *line);
 
 /* Has the serial line taken everything? */
 bool console_drained(const console_t *console);
+
+/* True once, when a configuration has been received and accepted. */
+bool console_has_accepted(console_t *console);
 
 /* Hands bytes to and fro. */
 void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status);

@@ -8,7 +8,7 @@
  * the next line is asked for only when there is room, so an answer may be far longer than the buffer and nothing of
  * it is lost. What is typed meanwhile waits; ^C ends the answer. The keys are line_edit.h's.
  *
- * The shell only shows: it has no way to move the wheel or to change a limit.
+ * The shell by itself only shows: it has no way to move the wheel or to change a limit.
  */
 #ifndef COMMS_SHELL_H
 #define COMMS_SHELL_H

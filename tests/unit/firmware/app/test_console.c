@@ -3,6 +3,8 @@
 
 #include "app/console.h"
 #include "config_image.h"
+#include "mock_flash.h"
+#include "mock_inverter.h"
 #include "mock_serial.h"
 #include "unity.h"
 
@@ -95,7 +97,8 @@ void test_the_greeting_is_the_banner_and_what_the_self_tests_found(void)
 void test_every_command_that_help_lists_has_an_answer(void)
 {
     type_and_wait("help\r");
-    static const char *const NAMES[] = {"help", "reasons", "status", "watch", "can", "boot", "config", "version"};
+    static const char *const NAMES[] = {"help", "reasons", "status",  "watch",  "can",
+                                        "boot", "config",  "version", "install"};
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
         text_t line_begin;
         text_clear(&line_begin);

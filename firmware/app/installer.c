@@ -1,0 +1,89 @@
+#include "app/installer.h"
+
+#include "app/report.h"
+#include "hal/inverter.h"
+
+enum { CANCEL = 0x03 };
+
+void installer_init(installer_t *installer)
+{
+    installer->state = INSTALLER_CLOSED;
+}
+
+void installer_open(installer_t *installer, uint32_t now_ms)
+{
+    intel_hex_init(&installer->hex, installer->image.bytes, (uint32_t)sizeof installer->image.bytes);
+    installer->heard_ms = now_ms;
+    installer->state = INSTALLER_RECEIVING;
+}
+
+static void judge(installer_t *installer)
+{
+    installer->state = INSTALLER_REFUSED;
+    if (installer->hex.problem == INTEL_HEX_GOOD) {
+        installer->verdict = config_validate(&installer->image.config, installer->hex.size_bytes);
+        if (installer->verdict.code == CONFIG_VERDICT_OK) {
+            installer->state = INSTALLER_ACCEPTED;
+        }
+    }
+}
+
+void installer_hear(installer_t *installer, uint8_t byte, uint32_t now_ms)
+{
+    installer->heard_ms = now_ms;
+    if (byte == (uint8_t)CANCEL) {
+        installer->state = INSTALLER_GIVEN_UP;
+    } else if (intel_hex_hear(&installer->hex, byte)) {
+        judge(installer);
+    }
+}
+
+void installer_tick(installer_t *installer, uint32_t now_ms)
+{
+    if (installer->state == INSTALLER_RECEIVING && now_ms - installer->heard_ms >= INSTALLER_SILENCE_ms) {
+        installer->state = INSTALLER_GIVEN_UP;
+    }
+}
+
+void installer_words(const installer_t *installer, text_t *line)
+{
+    if (installer->state == INSTALLER_ACCEPTED) {
+        text_add(line, "accepted: ");
+        report_identity(&installer->image.config, line);
+        return;
+    }
+    if (installer->state == INSTALLER_GIVEN_UP) {
+        text_add(line, "given up; the configuration is as it was");
+        return;
+    }
+    if (installer->hex.problem != INTEL_HEX_GOOD) {
+        text_add(line, "refused: record ");
+        text_add_integer(line, (int32_t)installer->hex.record);
+        text_add(line, ": ");
+        text_add(line, intel_hex_text(installer->hex.problem));
+    } else {
+        report_refusal(&installer->verdict, line);
+    }
+    text_add(line, "; the configuration is as it was");
+}
+
+bool installer_write(const installer_t *installer, text_t *line)
+{
+    inverter_trip();
+    switch (flash_write_configuration(installer->image.bytes, installer->hex.size_bytes)) {
+    case FLASH_OK:
+        text_add(line, "written, restarting");
+        return true;
+    case FLASH_UNSUPPORTED:
+        text_add(line, "FAILED: this port has no memory to write to; restarting");
+        break;
+    case FLASH_TOO_LARGE:
+        text_add(line, "FAILED: larger than the memory; restarting");
+        break;
+    case FLASH_ERASE_FAILED:
+    case FLASH_WRITE_FAILED:
+        text_add(line, "FAILED: the memory did not take it, so the next start refuses it; restarting");
+        break;
+    }
+    return false;
+}

@@ -1,0 +1,56 @@
+/*
+ * intel_hex.h: an image that arrives as Intel HEX text, one character at a time, into a buffer of the owner's.
+ *
+ * What is read is what objcopy and every programmer write: records ":", length, address, type, data and a checksum that makes
+ * the sum of all bytes zero, in hexadecimal digits. Data records must follow each other without a gap, wherever the
+ * first one begins; an extended address may lie between them, a start address means nothing here. Characters between
+ * records, line ends above all, are skipped. The first thing that is wrong is kept, with the number of its record, and nothing
+ * is taken after it; the end-of-file record ends the text in any case, so that the rest of a damaged one is swallowed
+ * instead of being taken for something else. Pure; any context. Format: Intel, Hexadecimal Object File Format
+ * Specification, revision A.
+ */
+#ifndef COMMS_INTEL_HEX_H
+#define COMMS_INTEL_HEX_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef enum {
+    INTEL_HEX_GOOD = 0,
+    INTEL_HEX_CHARACTER, /* not a hexadecimal digit where one must be */
+    INTEL_HEX_CHECKSUM,
+    INTEL_HEX_TYPE,     /* a type or length that the format does not have */
+    INTEL_HEX_GAP,      /* data that do not follow the data before them */
+    INTEL_HEX_TOO_LARGE /* more data than the buffer holds */
+} intel_hex_problem_t;
+
+enum { INTEL_HEX_HEAD_BYTES = 4, INTEL_HEX_DATA_MAX = 255 };
+
+typedef struct {
+    uint8_t *to;
+    uint32_t capacity_bytes;
+    uint32_t size_bytes; /* in place so far */
+    intel_hex_problem_t problem;
+    uint32_t record; /* number of the record that is being read, of the first bad one after a problem; from 1 */
+
+    bool in_record;
+    bool half;      /* the first digit of a byte is known */
+    uint8_t digit;  /* and this is it */
+    uint8_t sum;    /* of the record's bytes */
+    uint32_t bytes; /* of the record so far */
+    uint32_t records;
+    uint8_t head[INTEL_HEX_HEAD_BYTES]; /* length, address, type */
+    uint8_t data[INTEL_HEX_DATA_MAX];
+    uint32_t segment;      /* what the address of a record is added to */
+    uint32_t next_address; /* where the next data have to begin, once there were any */
+} intel_hex_t;
+
+void intel_hex_init(intel_hex_t *hex, uint8_t *to, uint32_t capacity_bytes);
+
+/* True when the text has ended: the image is whole if hex->problem is INTEL_HEX_GOOD. */
+bool intel_hex_hear(intel_hex_t *hex, uint8_t character);
+
+/* What is wrong, for people; never NULL. */
+const char *intel_hex_text(intel_hex_problem_t problem);
+
+#endif

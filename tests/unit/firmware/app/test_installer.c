@@ -1,0 +1,160 @@
+/* Receiving and judging a configuration; the memory and the bridge are mocks. The whole way is in test_on_host.c. */
+#include <string.h>
+
+#include "app/installer.h"
+#include "config_image.h"
+#include "mock_flash.h"
+#include "mock_inverter.h"
+#include "unity.h"
+
+static installer_t installer;
+static text_t line;
+
+void setUp(void)
+{
+    text_clear(&line);
+    installer_init(&installer);
+}
+
+void tearDown(void) {}
+
+static void type(const char *text)
+{
+    for (; *text != '\0' && installer.state == INSTALLER_RECEIVING; text++) {
+        installer_hear(&installer, (uint8_t)*text, 0);
+    }
+}
+
+static void type_byte(uint8_t byte, uint8_t *sum)
+{
+    static const char DIGITS[] = "0123456789ABCDEF";
+    const char text[3] = {DIGITS[byte >> 4], DIGITS[byte & 15U], '\0'};
+    *sum = (uint8_t)(*sum + byte);
+    type(text);
+}
+
+/* As objcopy does it: sixteen bytes a record. */
+static void send(const config_t *config, uint32_t size_bytes)
+{
+    const uint8_t *bytes = (const uint8_t *)config;
+    installer_open(&installer, 0);
+    for (uint32_t at = 0; at < size_bytes; at += 16U) {
+        const uint32_t length = size_bytes - at < 16U ? size_bytes - at : 16U;
+        uint8_t sum = 0;
+        type(":");
+        type_byte((uint8_t)length, &sum);
+        type_byte((uint8_t)(at >> 8), &sum);
+        type_byte((uint8_t)at, &sum);
+        type_byte(0, &sum);
+        for (uint32_t i = 0; i < length; i++) {
+            type_byte(bytes[at + i], &sum);
+        }
+        type_byte((uint8_t)(0U - sum), &sum);
+        type("\r\n");
+    }
+    type(":00000001FF\r\n");
+}
+
+static void assert_says(const char *words)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(line.chars, words), line.chars);
+}
+
+void test_a_whole_configuration_is_accepted_and_named(void)
+{
+    send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_ACCEPTED, installer.state);
+    TEST_ASSERT_EQUAL_MEMORY(&CONFIG_IMAGE, &installer.image.config, sizeof CONFIG_IMAGE);
+    installer_words(&installer, &line);
+    assert_says("accepted: configuration ");
+    assert_says(CONFIG_IMAGE.name);
+}
+
+void test_a_configuration_that_the_validator_refuses_is_refused_with_its_field(void)
+{
+    config_t config = CONFIG_IMAGE;
+    config.motor.pole_pairs = 0;
+    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+    send(&config, sizeof config);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
+    installer_words(&installer, &line);
+    assert_says("motor.pole_pairs is 0, accepted 1 .. ");
+    assert_says("the configuration is as it was");
+}
+
+void test_a_configuration_with_its_end_missing_is_refused(void)
+{
+    send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE - 4U);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
+    installer_words(&installer, &line);
+    assert_says("size_bytes is not what this firmware expects");
+}
+
+void test_a_damaged_record_is_refused_by_number_after_the_last_one(void)
+{
+    installer_open(&installer, 0);
+    type(":0100000011EE\n:0100010022DD\n:0100020033CA\n");
+    TEST_ASSERT_EQUAL_INT(INSTALLER_RECEIVING, installer.state);
+    type(":00000001FF");
+    TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
+    installer_words(&installer, &line);
+    assert_says("refused: record 2: wrong checksum; the configuration is as it was");
+}
+
+void test_silence_or_control_c_gives_up_and_before_that_nothing_is_lost(void)
+{
+    installer_open(&installer, 1000);
+    installer_hear(&installer, ':', 2000);
+    installer_tick(&installer, 2000 + INSTALLER_SILENCE_ms - 1);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_RECEIVING, installer.state);
+    installer_tick(&installer, 2000 + INSTALLER_SILENCE_ms);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_GIVEN_UP, installer.state);
+    installer_words(&installer, &line);
+    assert_says("given up");
+    installer_open(&installer, 0);
+    installer_hear(&installer, 0x03, 0);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_GIVEN_UP, installer.state);
+}
+
+static bool tripped;
+
+static void trip(int calls)
+{
+    (void)calls;
+    tripped = true;
+}
+
+static flash_status_t write_configuration(const void *bytes, uint32_t size_bytes, int calls)
+{
+    (void)calls;
+    TEST_ASSERT_TRUE(tripped);
+    TEST_ASSERT_EQUAL_UINT32(sizeof CONFIG_IMAGE, size_bytes);
+    TEST_ASSERT_EQUAL_MEMORY(&CONFIG_IMAGE, bytes, sizeof CONFIG_IMAGE);
+    return FLASH_OK;
+}
+
+void test_the_bridge_goes_off_before_the_memory_is_touched(void)
+{
+    send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
+    tripped = false;
+    inverter_trip_StubWithCallback(trip);
+    flash_write_configuration_StubWithCallback(write_configuration);
+    TEST_ASSERT_TRUE(installer_write(&installer, &line));
+    assert_says("written, restarting");
+    inverter_trip_StubWithCallback(NULL);
+    flash_write_configuration_StubWithCallback(NULL);
+}
+
+void test_a_memory_that_fails_is_said(void)
+{
+    static const flash_status_t FAILURES[] = {FLASH_TOO_LARGE, FLASH_ERASE_FAILED, FLASH_WRITE_FAILED,
+                                              FLASH_UNSUPPORTED};
+    send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
+    for (size_t i = 0; i < sizeof FAILURES / sizeof FAILURES[0]; i++) {
+        inverter_trip_Expect();
+        flash_write_configuration_ExpectAndReturn(installer.image.bytes, sizeof CONFIG_IMAGE, FAILURES[i]);
+        text_clear(&line);
+        TEST_ASSERT_FALSE(installer_write(&installer, &line));
+        assert_says("FAILED: ");
+    }
+}
