@@ -1,70 +1,16 @@
-"""tools/dev at its edges: help, wrong usage, and what it asks of a machine that misses something.
-
-Runs offline in about a second. The command is copied into an empty directory, and what it would install comes from a
-pretended apt-get that only writes down how it was called, so nothing outside the temporary directory is touched.
-"""
+"""tools/dev at its edges: help, wrong usage, and what it asks of a machine that misses something; offline, in seconds."""
 
 import os
-import pty
 import re
 import shutil
-import stat
 import subprocess
-import tempfile
-import threading
 import unittest
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
+from dev_fixture import ROOT, USAGE, DevFixture, write_program
+
 COMMANDS = ("sim", "test", "table", "firmware", "flash", "hubsim", "python", "bench", "report", "format", "lint", "setup", "clean")
-USAGE = 2
 NOBODY = 65534
-
-# What the set-up looks for, hidden from the command so that every machine looks equally bare to it.
-HIDDEN = ("apt-get", "apt-cache", "sudo", "arm-none-eabi-gcc", "qemu-system-arm", "clang-tidy", "shellcheck", "ninja", "openocd")
-
-# Writes down its arguments and, when told to install, puts the programs of known packages where PATH finds them.
-PRETENDED_APT_GET = """#!/bin/sh
-echo "$*" >> "$APT_CALLS"
-case "$*" in *" install "*) ;; *) exit 0 ;; esac
-[ -z "$APT_BROKEN" ] || { echo "E: pretended failure" >&2; exit 100; }
-for package in "$@"; do
-    case $package in
-        gcc-arm-none-eabi) printf '#!/bin/sh\\necho /pretended/nano.specs\\n' > "$APT_BIN/arm-none-eabi-gcc" ;;
-        qemu-system-arm) printf '#!/bin/sh\\n' > "$APT_BIN/qemu-system-arm" ;;
-        *) continue ;;
-    esac
-done
-chmod +x "$APT_BIN"/*
-"""
-
-# Configures by leaving what a configured directory has; says what it was called with.
-PRETENDED_CMAKE = """#!/bin/sh
-echo "cmake $*" >> "$CALLS"
-case "$*" in
-    --version) echo "cmake version 3.25.1" ;;
-    "--preset "*)
-        mkdir -p "build/$2"
-        printf 'CMAKE_HOME_DIRECTORY:INTERNAL=%s\\n' "$PWD" > "build/$2/CMakeCache.txt"
-        for option in "$@"; do
-            case $option in -D*) echo "${option#-D}" | sed 's/=/:STRING=/' >> "build/$2/CMakeCache.txt" ;; esac
-        done
-        touch "build/$2/build.ninja" ;;
-    *" --target hubfoc_"*) touch "build/$3/$5.elf"; printf 'Linking\\nMemory region: pretended\\n' ;;
-    *"$BROKEN_BUILD"*) [ -z "$BROKEN_BUILD" ] || { echo "main.c:1: error: pretended"; exit 1; } ;;
-esac
-"""
-
-# Fails for the preset it is told to, with the closing lines of the real one.
-PRETENDED_CTEST = """#!/bin/sh
-echo "ctest $*" >> "$CALLS"
-echo "Test project"
-if [ "$2" = "$BROKEN_TEST" ]; then
-    printf '\\n50%% tests passed, 1 tests failed out of 2\\n\\nThe following tests FAILED:\\n\\t  2 - %s_physics (Failed)\\n' "$2"
-    exit 8
-fi
-printf '\\n100%% tests passed, 0 tests failed out of 2\\n\\nTotal Test time (real) =   0.01 sec\\n'
-"""
 
 # The headers are looked for where distributions put them, so they cannot be pretended.
 needs_headers = unittest.skipUnless(
@@ -72,116 +18,8 @@ needs_headers = unittest.skipUnless(
 )
 
 
-def write_program(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")
-    path.chmod(path.stat().st_mode | stat.S_IXUSR | stat.S_IXGRP | stat.S_IXOTH)
-
-
-class DevCommandTest(unittest.TestCase):
+class DevCommandTest(DevFixture):
     """Each test has its own copy of the command in a directory that holds nothing else."""
-
-    ordinary: Path
-
-    @classmethod
-    def setUpClass(cls) -> None:
-        """Make a directory with the ordinary programs of this machine, but none of the hidden ones."""
-        temporary = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(temporary.cleanup)
-        cls.ordinary = Path(temporary.name)
-        cls.ordinary.chmod(0o755)
-        for directory in {Path("/bin").resolve(), Path("/usr/bin").resolve()}:
-            for program in directory.iterdir():
-                if program.name not in HIDDEN:
-                    (cls.ordinary / program.name).symlink_to(program)
-
-    def setUp(self) -> None:
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.base = Path(temporary.name)
-        self.base.chmod(0o755)
-        self.home = self.base / "clone"
-        self.bin = self.base / "bin"
-        self.bin.mkdir()
-        (self.home / "tools").mkdir(parents=True)
-        shutil.copy2(ROOT / "tools/dev", self.home / "tools/dev")
-        shutil.copy2(ROOT / "tools/requirements.txt", self.home / "tools/requirements.txt")
-        shutil.copytree(ROOT / "tools/setup", self.home / "tools/setup")
-        self.before = self.contents()
-
-    def contents(self) -> set[Path]:
-        return set(self.home.rglob("*"))
-
-    def run_dev(
-        self, *arguments: str, path: str | None = None, user: int | None = None, environment: dict[str, str] | None = None
-    ) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            [str(self.home / "tools/dev"), *arguments],
-            env={"PATH": path or os.environ["PATH"], "HOME": str(self.base), **(environment or {})},
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-            user=user,
-            cwd=self.base,
-        )
-
-    def assert_refused(self, result: subprocess.CompletedProcess[str], *words: str) -> None:
-        """One line on stderr that holds the words, usage status, and the directory as it was."""
-        self.assertEqual(result.returncode, USAGE, result.stderr)
-        self.assertEqual(result.stdout, "")
-        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
-        for word in words:
-            self.assertIn(word, result.stderr)
-        self.assertEqual(self.contents(), self.before)
-
-    def bare_path(self) -> str:
-        return f"{self.bin}:{self.ordinary}"
-
-    def pretend_apt(self) -> dict[str, str]:
-        write_program(self.bin / "apt-get", PRETENDED_APT_GET)
-        write_program(self.bin / "apt-cache", "#!/bin/sh\n")
-        write_program(self.bin / "sudo", '#!/bin/sh\n[ "$1" != -n ] || shift\nexec "$@"\n')
-        return {"APT_CALLS": str(self.base / "calls"), "APT_BIN": str(self.bin)}
-
-    def pretend_everything_is_installed(self) -> tuple[str, dict[str, str]]:
-        """Return a PATH and an environment in which every tool is there and only writes down its calls."""
-        path = self.bare_path()
-        for name in (
-            "arm-none-eabi-gcc",
-            "arm-none-eabi-size",
-            "qemu-system-arm",
-            "clang-tidy",
-            "shellcheck",
-            "ruby",
-            "clang",
-            "cbmc",
-            "gcc",
-            "g++",
-            "ninja",
-        ):
-            write_program(self.bin / name, f'#!/bin/sh\necho "{name} $*" >> "$CALLS"\necho /pretended/nano.specs\n')
-        write_program(self.bin / "cmake", PRETENDED_CMAKE)
-        write_program(self.bin / "ctest", PRETENDED_CTEST)
-        write_program(self.bin / "apt-get", "#!/bin/sh\necho apt-get $* >> $CALLS\nexit 1\n")
-        python = self.home / ".dev/venv/bin/python"
-        python.parent.mkdir(parents=True)
-        write_program(python, '#!/bin/sh\necho "python $*" >> "$CALLS"\n')
-        cmock = self.home / ".dev/cmock/usr/share/cmock"
-        for file in (cmock / "lib/cmock.rb", cmock / "vendor/unity/src/unity.c", self.home / "CMakePresets.json"):
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.touch()
-        return path, {"CALLS": str(self.base / "calls")}
-
-    def calls(self, program: str) -> list[str]:
-        """Return the arguments of every call of a program, but for questions about its version and paths."""
-        lines = (self.base / "calls").read_text().splitlines()
-        calls = [line.partition(" ")[2] for line in lines if line.startswith(program + " ")]
-        return [call for call in calls if "version" not in call and "print-file-name" not in call]
-
-    def apt_installs(self) -> list[str]:
-        calls = self.base / "calls"
-        return [line for line in calls.read_text().splitlines() if " install " in line] if calls.exists() else []
 
     def test_help_names_every_command_and_installs_nothing(self) -> None:
         for arguments in (["--help"], ["-h"], ["help"]):
@@ -364,53 +202,6 @@ class DevCommandTest(unittest.TestCase):
         result = self.run_dev("firmware", "--config", "absent", path=path, environment=environment)
         self.assertEqual((result.returncode, len(result.stderr.splitlines())), (USAGE, 1), result.stderr)
         self.assertIn("absent", result.stderr)
-
-    def send_over_serial(self, *answers: bytes) -> tuple[subprocess.CompletedProcess[str], bytes]:
-        """Flash a configuration over a line whose other end answers the shell's command, and then the image, as told."""
-        path, environment = self.pretend_everything_is_installed()
-        (self.home / "firmware/config/generated").mkdir(parents=True)
-        (self.home / "firmware/config/generated/lu2013.c").touch()
-        (self.home / "build/stm32f405").mkdir(parents=True)
-        for name in ("hubfoc_stm32f405.bin", "hubfoc_stm32f405.hex"):
-            (self.home / "build/stm32f405" / name).touch()
-        (self.home / "build/stm32f405/hubfoc_stm32f405_config.hex").write_text(":0100000011EE\n:00000001FF\n")
-        board, line = pty.openpty()
-        self.addCleanup(os.close, board)
-        self.addCleanup(os.close, line)
-        heard = b""
-
-        def answer() -> None:
-            nonlocal heard
-            for waits_for, words in zip((b"install\r", b":00000001FF"), answers, strict=False):
-                while waits_for not in heard:
-                    heard += os.read(board, 4096)
-                os.write(board, words)
-
-        listener = threading.Thread(target=answer, daemon=True)
-        listener.start()
-        result = self.run_dev(
-            *("flash", "--only-config", "--with", "serial", "--line", os.ttyname(line)), path=path, environment=environment
-        )
-        listener.join(timeout=10)
-        return result, heard
-
-    PROMPT = b"> install\r\nsend the configuration as Intel HEX; ^C gives up\r\n> "
-
-    def test_a_configuration_goes_over_the_serial_line_as_it_was_built(self) -> None:
-        result, heard = self.send_over_serial(self.PROMPT, b"accepted: configuration x\r\nwritten, restarting\r\n")
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn(":0100000011EE\n:00000001FF", heard.decode().replace("\r", ""))
-        self.assertEqual(result.stderr.splitlines()[-1], "Written; the board restarts with it")
-
-    def test_what_the_board_says_against_a_configuration_is_passed_on(self) -> None:
-        result, _ = self.send_over_serial(self.PROMPT, b"refused: record 1: wrong checksum; the configuration is as it was\r\n")
-        self.assertEqual(result.returncode, 1)
-        self.assertIn("tools/dev: flash: refused: record 1: wrong checksum", result.stderr.splitlines()[-1])
-
-    def test_a_wheel_that_is_not_at_rest_is_passed_on_too(self) -> None:
-        result, _ = self.send_over_serial(self.PROMPT, b"accepted: configuration x\r\nrefused: only with the wheel at rest\r\n")
-        self.assertEqual(result.returncode, 1)
-        self.assertIn("refused: only with the wheel at rest", result.stderr.splitlines()[-1])
 
     def test_hubsim_gets_its_arguments_unchanged_after_the_engine_is_up_to_date(self) -> None:
         path, environment = self.pretend_everything_is_installed()

@@ -41,9 +41,9 @@ static inline int32_t random_wild(random_t *random)
     const int32_t near_zero = (int32_t)((bits >> 40) % 5U) - 2;
     switch (bits & 7U) {
     case 0:
-        return INT32_MIN + near_zero + 2;
+        return INT32_MIN + (near_zero + 2);
     case 1:
-        return INT32_MAX + near_zero - 2;
+        return INT32_MAX + (near_zero - 2);
     case 2:
         return near_zero;
     default:

@@ -1,0 +1,174 @@
+"""A copy of tools/dev in an empty directory, on a machine that is as bare, or as complete, as a test pretends.
+
+What it would install comes from a pretended apt-get that only writes down how it was called, so nothing outside the
+temporary directory is touched.
+"""
+
+import os
+import shutil
+import stat
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+USAGE = 2
+
+# What the set-up looks for, hidden from the command so that every machine looks equally bare to it.
+HIDDEN = ("apt-get", "apt-cache", "sudo", "arm-none-eabi-gcc", "qemu-system-arm", "clang-tidy", "shellcheck", "ninja", "openocd")
+
+# Writes down its arguments and, when told to install, puts the programs of known packages where PATH finds them.
+PRETENDED_APT_GET = """#!/bin/sh
+echo "$*" >> "$APT_CALLS"
+case "$*" in *" install "*) ;; *) exit 0 ;; esac
+[ -z "$APT_BROKEN" ] || { echo "E: pretended failure" >&2; exit 100; }
+for package in "$@"; do
+    case $package in
+        gcc-arm-none-eabi) printf '#!/bin/sh\\necho /pretended/nano.specs\\n' > "$APT_BIN/arm-none-eabi-gcc" ;;
+        qemu-system-arm) printf '#!/bin/sh\\n' > "$APT_BIN/qemu-system-arm" ;;
+        *) continue ;;
+    esac
+done
+chmod +x "$APT_BIN"/*
+"""
+
+# Configures by leaving what a configured directory has; says what it was called with.
+PRETENDED_CMAKE = """#!/bin/sh
+echo "cmake $*" >> "$CALLS"
+case "$*" in
+    --version) echo "cmake version 3.25.1" ;;
+    "--preset "*)
+        mkdir -p "build/$2"
+        printf 'CMAKE_HOME_DIRECTORY:INTERNAL=%s\\n' "$PWD" > "build/$2/CMakeCache.txt"
+        for option in "$@"; do
+            case $option in -D*) echo "${option#-D}" | sed 's/=/:STRING=/' >> "build/$2/CMakeCache.txt" ;; esac
+        done
+        touch "build/$2/build.ninja" ;;
+    *" --target hubfoc_"*) touch "build/$3/$5.elf"; printf 'Linking\\nMemory region: pretended\\n' ;;
+    *"$BROKEN_BUILD"*) [ -z "$BROKEN_BUILD" ] || { echo "main.c:1: error: pretended"; exit 1; } ;;
+esac
+"""
+
+# Fails for the preset it is told to, with the closing lines of the real one.
+PRETENDED_CTEST = """#!/bin/sh
+echo "ctest $*" >> "$CALLS"
+echo "Test project"
+if [ "$2" = "$BROKEN_TEST" ]; then
+    printf '\\n50%% tests passed, 1 tests failed out of 2\\n\\nThe following tests FAILED:\\n\\t  2 - %s_physics (Failed)\\n' "$2"
+    exit 8
+fi
+printf '\\n100%% tests passed, 0 tests failed out of 2\\n\\nTotal Test time (real) =   0.01 sec\\n'
+"""
+
+
+def write_program(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+    path.chmod(path.stat().st_mode | stat.S_IXUSR | stat.S_IXGRP | stat.S_IXOTH)
+
+
+class DevFixture(unittest.TestCase):
+    """Each test has its own copy of the command in a directory that holds nothing else."""
+
+    ordinary: Path
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        """Make a directory with the ordinary programs of this machine, but none of the hidden ones."""
+        temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(temporary.cleanup)
+        cls.ordinary = Path(temporary.name)
+        cls.ordinary.chmod(0o755)
+        for directory in {Path("/bin").resolve(), Path("/usr/bin").resolve()}:
+            for program in directory.iterdir():
+                if program.name not in HIDDEN:
+                    (cls.ordinary / program.name).symlink_to(program)
+
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.base = Path(temporary.name)
+        self.base.chmod(0o755)
+        self.home = self.base / "clone"
+        self.bin = self.base / "bin"
+        self.bin.mkdir()
+        (self.home / "tools").mkdir(parents=True)
+        shutil.copy2(ROOT / "tools/dev", self.home / "tools/dev")
+        shutil.copy2(ROOT / "tools/requirements.txt", self.home / "tools/requirements.txt")
+        shutil.copytree(ROOT / "tools/setup", self.home / "tools/setup")
+        self.before = self.contents()
+
+    def contents(self) -> set[Path]:
+        return set(self.home.rglob("*"))
+
+    def run_dev(
+        self, *arguments: str, path: str | None = None, user: int | None = None, environment: dict[str, str] | None = None
+    ) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [str(self.home / "tools/dev"), *arguments],
+            env={"PATH": path or os.environ["PATH"], "HOME": str(self.base), **(environment or {})},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+            user=user,
+            cwd=self.base,
+        )
+
+    def assert_refused(self, result: subprocess.CompletedProcess[str], *words: str) -> None:
+        """One line on stderr that holds the words, usage status, and the directory as it was."""
+        self.assertEqual(result.returncode, USAGE, result.stderr)
+        self.assertEqual(result.stdout, "")
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, result.stderr)
+        self.assertEqual(self.contents(), self.before)
+
+    def bare_path(self) -> str:
+        return f"{self.bin}:{self.ordinary}"
+
+    def pretend_apt(self) -> dict[str, str]:
+        write_program(self.bin / "apt-get", PRETENDED_APT_GET)
+        write_program(self.bin / "apt-cache", "#!/bin/sh\n")
+        write_program(self.bin / "sudo", '#!/bin/sh\n[ "$1" != -n ] || shift\nexec "$@"\n')
+        return {"APT_CALLS": str(self.base / "calls"), "APT_BIN": str(self.bin)}
+
+    def pretend_everything_is_installed(self) -> tuple[str, dict[str, str]]:
+        """Return a PATH and an environment in which every tool is there and only writes down its calls."""
+        path = self.bare_path()
+        for name in (
+            "arm-none-eabi-gcc",
+            "arm-none-eabi-size",
+            "qemu-system-arm",
+            "clang-tidy",
+            "shellcheck",
+            "ruby",
+            "clang",
+            "cbmc",
+            "gcc",
+            "g++",
+            "ninja",
+        ):
+            write_program(self.bin / name, f'#!/bin/sh\necho "{name} $*" >> "$CALLS"\necho /pretended/nano.specs\n')
+        write_program(self.bin / "cmake", PRETENDED_CMAKE)
+        write_program(self.bin / "ctest", PRETENDED_CTEST)
+        write_program(self.bin / "apt-get", "#!/bin/sh\necho apt-get $* >> $CALLS\nexit 1\n")
+        python = self.home / ".dev/venv/bin/python"
+        python.parent.mkdir(parents=True)
+        write_program(python, '#!/bin/sh\necho "python $*" >> "$CALLS"\n')
+        cmock = self.home / ".dev/cmock/usr/share/cmock"
+        for file in (cmock / "lib/cmock.rb", cmock / "vendor/unity/src/unity.c", self.home / "CMakePresets.json"):
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.touch()
+        return path, {"CALLS": str(self.base / "calls")}
+
+    def calls(self, program: str) -> list[str]:
+        """Return the arguments of every call of a program, but for questions about its version and paths."""
+        lines = (self.base / "calls").read_text().splitlines()
+        calls = [line.partition(" ")[2] for line in lines if line.startswith(program + " ")]
+        return [call for call in calls if "version" not in call and "print-file-name" not in call]
+
+    def apt_installs(self) -> list[str]:
+        calls = self.base / "calls"
+        return [line for line in calls.read_text().splitlines() if " install " in line] if calls.exists() else []
