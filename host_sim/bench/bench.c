@@ -139,7 +139,8 @@ static void book(ledger_t *ledger, const bus_flow_t *bus, const vehicle_flow_t *
     ledger->drag_j += road->drag_j;
     ledger->rolling_j += road->rolling_j;
     ledger->climbed_j += road->climbed_j;
-    ledger->turned_over_j += plant_max(bus->battery.chemical_j, 0.0) + plant_max(kinetic_loss_j, 0.0);
+    ledger->turned_over_j +=
+        plant_max(bus->battery.chemical_j, 0.0) + plant_max(kinetic_loss_j, 0.0) + plant_max(-road->climbed_j, 0.0);
 }
 
 void bench_period(bench_t *bench)

@@ -34,7 +34,10 @@ class Injection:
 INJECTIONS: Mapping[str, Injection] = {
     "abs": Injection({"driver.abs_active": 1.0}, "the anti-lock system is at work"),
     "vehicle_off": Injection({"driver.enable": 0.0}, "the driver switches the vehicle off"),
-    "hydraulic_dead": Injection({"brake.max_hydraulic_torque_nm": 0.0}, "the hydraulic brake gives nothing"),
+    "can_silence": Injection({"driver.silent": 1.0}, "no demand arrives any more; the last one stays and grows old"),
+    "contactor_opens": Injection({"bus.contactor_open": 1.0}, "the battery is cut off the bus (which needs bus.capacitance_f)"),
+    "hall_unplugged": Injection({"sensors.hall_stuck_high": 7.0}, "the hall sensors' plugs are off: all lines at their pull-ups"),
+    "hydraulic_dead": Injection({"brake.torque_loss": 1.0}, "the hydraulic brakes give nothing, whatever they are told"),
     "no_charging": Injection({"battery.max_charge_current_a": 0.0}, "the battery management allows no charging"),
     "no_discharging": Injection({"battery.max_discharge_current_a": 0.0}, "the battery management allows no discharging"),
 }

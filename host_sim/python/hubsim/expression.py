@@ -22,7 +22,7 @@ import numpy.typing as npt
 Value = npt.NDArray[Any]
 Lookup = Callable[[str], Value]
 
-MAX_LENGTH = 400
+MAX_LENGTH = 1000
 
 
 class ExpressionError(ValueError):
@@ -126,7 +126,7 @@ def read(text: str) -> Formula:
     if len(text) > MAX_LENGTH:
         raise ExpressionError(f"longer than {MAX_LENGTH} characters")
     try:
-        tree = ast.parse(text.strip(), mode="eval").body
+        tree = ast.parse(f"({text.strip()})", mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise ExpressionError(f"{_short(text)} cannot be read, accepted: a formula like max(abs(vehicle.speed_m_per_s)) / 2") from None
     names: dict[str, None] = {}

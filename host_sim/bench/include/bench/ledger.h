@@ -6,8 +6,8 @@
  *
  * Sums over all wheels since the start of the run; "gained" may be negative. The residual is what the equation leaves
  * over: the simulation's own error. shaft_j is what the motors did to the wheels on the way (bearings taken off) and
- * part of no balance; turned_over_j is what cells and moving mass gave, each whenever it gave, the measure for the
- * residual.
+ * part of no balance; turned_over_j is what cells, moving mass and height gave, each whenever it gave, the measure
+ * for the residual.
  */
 #ifndef BENCH_LEDGER_H
 #define BENCH_LEDGER_H
@@ -32,7 +32,7 @@
     X(polarisation_j, "energy gained by the battery's polarisation")                                                   \
     X(cable_j, "heat in the cable between battery and bus")                                                            \
     X(bus_j, "energy gained by the bus capacitors")                                                                    \
-    X(turned_over_j, "what the cells and the moving mass gave, each whenever it gave")                                 \
+    X(turned_over_j, "what cells, moving mass and height gave, each whenever it gave")                                 \
     X(residual_j, "the simulation's own error")
 
 #define LEDGER_MEMBER(name, text) double name;

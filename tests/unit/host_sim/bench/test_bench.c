@@ -72,6 +72,20 @@ void test_nothing_is_lost_while_driving_braking_and_climbing(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * ledger.turned_over_j, at_wheels_j, ledger.shaft_j);
 }
 
+/* 5 m/s down 10 % for a second: m g h = 660 * 9.81 * 5 * 0.0995 = 3221 J, and more as it gains speed. */
+void test_a_descent_turns_over_what_the_height_gives(void)
+{
+    params.road.slope = -0.1;
+    params.run.initial_speed_m_per_s = 5.0;
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 1.0);
+    const ledger_t ledger = bench_ledger(bench);
+    TEST_ASSERT_TRUE(-ledger.climbed_j > 3221.0);
+    TEST_ASSERT_TRUE(ledger.turned_over_j >= -ledger.climbed_j);
+    TEST_ASSERT_TRUE(ledger.turned_over_j < -1.1 * ledger.climbed_j);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, ledger.residual_j / ledger.turned_over_j);
+}
+
 void test_braking_accounts_hold_what_happened_while_the_brake_pedal_was_pressed(void)
 {
     params.run.initial_speed_m_per_s = 8.0;

@@ -1,0 +1,56 @@
+"""Every built-in scenario meets its criteria, and would not if the world were different: a criterion that cannot fail shows nothing."""
+
+import json
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hubsim import scenario
+
+Hubsim = Callable[..., subprocess.CompletedProcess[str]]
+
+# What to change in the world or in the events, and the criterion that must notice it.
+SABOTAGE = {
+    "contactor": ("plant.bus.capacitance_f=1e-3", "peak"),
+    "demand_timeout": ("events.silence.until_s=1.05", "gone"),
+    "descent_full": ("plant.brake.torque_loss=1", "speed"),
+    "ece15": ("plant.driver.demand_age_s=1", "follows"),
+    "hall_dropout": ("events.unplugged.at_s=30", "says_why"),
+    "hill_hold": ("plant.brake.torque_loss=1", "stands"),
+    "hot_derate": ("plant.brake.torque_loss=1", "torque"),
+    "hydraulic_dead": ("events.dead.at_s=50", "dead"),
+    "pedal_stab": ("plant.brake.hydraulic_time_constant_s=0.3", "goes"),
+    "ramp150": ("plant.motor.phase_resistance_ohm=0.04", "best_power"),
+    "reverse": ("plant.motor.flux_linkage_wb=0.015", "speeds_up"),
+    "stop": ("plant.motor.flux_linkage_wb=0.018", "torque"),
+    "udds": ("plant.driver.demand_age_s=1", "follows"),
+}
+SHORTENED = {"udds": ("max_duration_s=60",), "ece15": ("max_duration_s=30",), "descent_full": ("max_duration_s=10", "initial_soc=1")}
+
+
+def judged(done: subprocess.CompletedProcess[str], path: Path) -> dict[str, bool]:
+    found = json.loads(path.read_text(encoding="utf-8"))
+    assert found["passed"] is (done.returncode == 0)
+    return {verdict["name"]: verdict["passed"] for verdict in found["criteria"]}
+
+
+@pytest.mark.parametrize("name", scenario.builtin_names())
+def test_criteria_are_met_and_energy_is_conserved(hubsim: Hubsim, tmp_path: Path, name: str) -> None:
+    done = hubsim("run", name, "--json", "out.json")
+    assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
+    verdicts = judged(done, tmp_path / "out.json")
+    assert all(verdicts.values())
+    assert set(verdicts) == {*scenario.load(name, {})[1].criteria, "residual"}
+    assert json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["residual_relative"] <= 1e-4
+    assert "never came" not in done.stderr
+
+
+@pytest.mark.parametrize("name", scenario.builtin_names())
+def test_criteria_notice_a_world_in_which_they_are_not_met(hubsim: Hubsim, tmp_path: Path, name: str) -> None:
+    setting, criterion = SABOTAGE[name]
+    shorter = [part for short in SHORTENED.get(name, ()) for part in ("--set", short)]
+    done = hubsim("run", name, "--set", setting, *shorter, "--json", "out.json")
+    assert done.returncode == 1, done.stdout
+    assert not judged(done, tmp_path / "out.json")[criterion]
+    assert criterion in done.stderr.splitlines()[-1]
