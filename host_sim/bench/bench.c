@@ -12,10 +12,17 @@ static const double BOOT_LIMIT_S = 3.0;
 static const double RUN_UP_M_PER_S2 = 15.0;
 static const double SETTLE_S = 0.5;
 
+static motion_t moving(bench_t *bench)
+{
+    const motion_t out = {
+        .vehicle = &bench->vehicle, .chassis = &bench->chassis, .wheels = bench->wheel, .count = bench->wheels};
+    return out;
+}
+
 void bench_refresh(bench_t *bench)
 {
     bench->world = wheel_world(&bench->params, &bench->config);
-    bench->road_vehicle = vehicle_on_road(&bench->params.vehicle, &bench->params.road);
+    bench->road = motion_world(&bench->params, bench->world.period_s);
     for (int k = 0; k < bench->wheels; k++) {
         wheel_refresh(&bench->wheel[k], &bench->world);
     }
@@ -29,7 +36,16 @@ const char *bench_objection(const bench_t *bench, const bench_params_t *changed)
     if (changed->bus.contactor_open > 0.0 && changed->bus.capacitance_f <= 0.0) {
         return "bus.contactor_open: accepted: 0 as long as bus.capacitance_f is 0";
     }
-    return NULL;
+    if ((changed->road.friction > 0.0) != bench->road.slips) {
+        return "road.friction: whether wheels slip is decided before the run, accepted: another value above 0, or 0 as "
+               "it was";
+    }
+    return motion_objection(changed);
+}
+
+static double kinetic_energy_j(const bench_t *bench)
+{
+    return motion_kinetic_energy_j(&bench->road, &bench->vehicle, bench->wheel, bench->wheels);
 }
 
 static void begin_accounts(bench_t *bench)
@@ -48,7 +64,13 @@ static void begin_accounts(bench_t *bench)
     bench->slow_steps = 0;
     bench->vehicle.distance_m = 0.0;
     bench->vehicle.height_m = 0.0;
-    bench->kinetic_before_j = vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle);
+    const chassis_state_t level = {.felt_m_per_s2 = 0.0};
+    bench->chassis = level;
+    const motion_t motion = moving(bench);
+    motion_roll(&bench->road, &motion);
+    const bms_state_t none_sent = {.next_s = 0.0};
+    bench->limits = none_sent;
+    bench->kinetic_before_j = kinetic_energy_j(bench);
     bench->magnetic_before_j = 0.0;
     for (int k = 0; k < bench->wheels; k++) {
         wheel_begin(&bench->wheel[k], &bench->world);
@@ -102,18 +124,19 @@ static void slow_step(bench_t *bench)
         bench->demand_age_s += SLOW_STEP_S;
     } else {
         bench->demand_age_s = params->driver.demand_age_s;
-        bench->demand = driver_step(&params->driver, &bench->driver, &bench->trace, &bench->road_vehicle, bench->wheels,
+        bench->demand = driver_step(&params->driver, &bench->driver, &bench->trace, &bench->road.vehicle, bench->wheels,
                                     bench->vehicle.speed_m_per_s, bench->time_s, SLOW_STEP_S);
     }
     note_braking(bench);
+    const bms_limits_t limits =
+        bms_step(&params->bms, &bench->limits, &params->battery, &bench->battery, bench->time_s);
     const wheel_order_t order = {
         .drive_nm = bench->demand.drive_nm,
         .brake_nm = bench->demand.brake_nm,
-        .charge_limit_a = battery_charge_limit_a(&params->battery, &bench->battery),
-        .discharge_limit_a = battery_discharge_limit_a(&params->battery, &bench->battery),
+        .charge_limit_a = limits.charge_a,
+        .discharge_limit_a = limits.discharge_a,
         .demand_age_s = bench->demand_age_s,
         .current_drift_a = bench->held ? 0.0 : params->sensors.current_drift_a_per_s * bench->time_s,
-        .speed_rad_s = bench_wheel_speed_rad_s(bench),
         .bus_voltage_v = bench->bus.voltage_v,
         .time_s = bench->time_s,
         .enable = bench->held || params->driver.enable > 0.5,
@@ -125,22 +148,28 @@ static void slow_step(bench_t *bench)
 }
 
 /* A vehicle whose speed somebody else decides. */
-static vehicle_flow_t carry(const bench_t *bench)
+static motion_flow_t carry(bench_t *bench, const wheel_flow_t *flow)
 {
-    const vehicle_flow_t out = {.mean_speed_m_per_s = bench->vehicle.speed_m_per_s};
+    const motion_flow_t out = {.road = {.mean_speed_m_per_s = bench->vehicle.speed_m_per_s}};
+    const double speed_rad_s = bench_wheel_speed_rad_s(bench);
+    for (int k = 0; k < bench->wheels; k++) {
+        bench->wheel[k].motion.speed_rad_s = speed_rad_s;
+        wheel_settle(&bench->wheel[k], &bench->world, &flow[k], speed_rad_s, 0.0);
+    }
     return out;
 }
 
-static void book(ledger_t *ledger, const bus_flow_t *bus, const vehicle_flow_t *road, double kinetic_loss_j)
+static void book(ledger_t *ledger, const bus_flow_t *bus, const motion_flow_t *motion, double kinetic_loss_j)
 {
     ledger->chemical_j += bus->battery.chemical_j;
     ledger->battery_j += bus->battery.heat_j;
     ledger->cable_j += bus->cable_j;
-    ledger->drag_j += road->drag_j;
-    ledger->rolling_j += road->rolling_j;
-    ledger->climbed_j += road->climbed_j;
-    ledger->turned_over_j +=
-        plant_max(bus->battery.chemical_j, 0.0) + plant_max(kinetic_loss_j, 0.0) + plant_max(-road->climbed_j, 0.0);
+    ledger->tyre_j += motion->tyre_j;
+    ledger->drag_j += motion->road.drag_j;
+    ledger->rolling_j += motion->road.rolling_j;
+    ledger->climbed_j += motion->road.climbed_j;
+    ledger->turned_over_j += plant_max(bus->battery.chemical_j, 0.0) + plant_max(kinetic_loss_j, 0.0) +
+                             plant_max(-motion->road.climbed_j, 0.0);
 }
 
 void bench_period(bench_t *bench)
@@ -150,28 +179,20 @@ void bench_period(bench_t *bench)
         bench->slow_steps++;
         slow_step(bench);
     }
-    const double per_radius = 1.0 / bench->road_vehicle.wheel_radius_m;
-    const double expected_m_per_s =
-        bench->held ? bench->vehicle.speed_m_per_s : vehicle_expected_speed_m_per_s(&bench->vehicle, period_s);
+    motion_t motion = moving(bench);
     wheel_flow_t flow[BENCH_WHEELS_MAX];
-    vehicle_load_t load = {.torque_impulse_nms = 0.0, .friction_capacity_nm = 0.0};
     double dc_j = 0.0;
     for (int k = 0; k < bench->wheels; k++) {
-        flow[k] = wheel_period(&bench->wheel[k], &bench->world, expected_m_per_s * per_radius, bench->bus.voltage_v);
+        const double speed_rad_s =
+            bench->held ? bench_wheel_speed_rad_s(bench) : motion_expected_rad_s(&bench->road, &motion, k, period_s);
+        flow[k] = wheel_period(&bench->wheel[k], &bench->world, speed_rad_s, bench->bus.voltage_v);
         dc_j += flow[k].dc_j;
-        load.torque_impulse_nms += flow[k].airgap_nms - flow[k].viscous_nms;
-        load.friction_capacity_nm += flow[k].friction_capacity_nm;
     }
     const bus_flow_t bus = bus_step(&bench->params.bus, &bench->bus, &bench->params.battery, &bench->battery, dc_j);
-    const double kinetic_j = vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle);
-    const vehicle_flow_t road =
-        bench->held ? carry(bench) : vehicle_step(&bench->road_vehicle, &bench->vehicle, &load, period_s);
-    for (int k = 0; k < bench->wheels; k++) {
-        wheel_settle(&bench->wheel[k], &bench->world, &flow[k], road.mean_speed_m_per_s * per_radius,
-                     road.friction_used);
-    }
-    const double kinetic_loss_j = kinetic_j - vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle);
-    book(&bench->booked, &bus, &road, kinetic_loss_j);
+    const double kinetic_j = kinetic_energy_j(bench);
+    const motion_flow_t moved =
+        bench->held ? carry(bench, flow) : motion_step(&bench->road, &motion, &bench->world, flow);
+    book(&bench->booked, &bus, &moved, kinetic_j - kinetic_energy_j(bench));
     bench->period++;
     bench->time_s = (double)bench->period * period_s;
 }
@@ -204,7 +225,8 @@ static double boot_speed_m_per_s(const bench_t *bench)
 bench_start_t bench_start(bench_t *bench)
 {
     const bench_params_t *params = &bench->params;
-    if (!pmsm_is_resolved(&bench->wheel[0].machine, bench->world.inverter.pwm_resistance_ohm, bench->world.period_s)) {
+    if (!pmsm_is_resolved(&bench->wheel[0].machine, bench->wheel[0].inverter.pwm_resistance_ohm,
+                          bench->world.period_s)) {
         return BENCH_UNRESOLVED;
     }
     bench->held = true;
@@ -253,7 +275,7 @@ ledger_t bench_ledger(const bench_t *bench)
         out.magnetic_j += pmsm_magnetic_energy_j(&wheel->machine, &wheel->rotor);
     }
     out.magnetic_j -= bench->magnetic_before_j;
-    out.kinetic_j = vehicle_kinetic_energy_j(&bench->road_vehicle, &bench->vehicle) - bench->kinetic_before_j;
+    out.kinetic_j = kinetic_energy_j(bench) - bench->kinetic_before_j;
     out.polarisation_j = battery_stored_j(&bench->params.battery, &bench->battery);
     out.bus_j = bus_stored_j(&bench->params.bus, &bench->bus) - bench->bus_before_j;
     out.residual_j = ledger_residual_j(&out);

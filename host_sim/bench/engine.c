@@ -188,6 +188,10 @@ static int check_params(hubsim_t *sim)
     if (sim->params.bus.contactor_open > 0.0) {
         return fail(sim, HUBSIM_BAD_ORDER, "bus.contactor_open: accepted: 0 when a run begins");
     }
+    const char *objection = motion_objection(&sim->params);
+    if (objection != NULL) {
+        return fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
+    }
     return HUBSIM_OK;
 }
 

@@ -22,6 +22,8 @@ typedef enum { VALUE, RATE } kind_t;
     X("battery.collapsed", VALUE, "", "1: more power was drawn than the battery can give", b->battery.collapsed ? 1.0 : 0.0) \
     X("bus.voltage_v", VALUE, "V", "at the bridges", b->bus.voltage_v) \
     X("driver.demand_age_s", VALUE, "s", "age of the demand the controllers have", b->demand_age_s) \
+    X("bms.charge_a", VALUE, "A", "charge limit sent to the controllers", b->limits.sent.charge_a) \
+    X("bms.discharge_a", VALUE, "A", "discharge limit sent to the controllers", b->limits.sent.discharge_a) \
     X("battery.chemical_w", RATE, "W", "power drawn from the cells, mean over the row", accounts->run.chemical_j) \
     X("battery.loss_w", RATE, "W", "heat in the battery, mean over the row", accounts->run.battery_j)
 
@@ -39,6 +41,12 @@ typedef enum { VALUE, RATE } kind_t;
     X("phase_c_a", VALUE, "A", "current into phase c", plant_inverse_clarke(w->rotor.terminal).c) \
     X("current_d_a", VALUE, "A", "direct-axis current, peak phase value", plant_park(w->rotor.terminal, w->rotor.axis).d) \
     X("current_q_a", VALUE, "A", "quadrature-axis current, peak phase value", plant_park(w->rotor.terminal, w->rotor.axis).q) \
+    X("speed_rad_per_s", VALUE, "rad/s", "of the wheel", w->motion.speed_rad_s) \
+    X("load_n", VALUE, "N", "of the wheel on the road", w->motion.load_n) \
+    X("tyre_n", VALUE, "N", "force of the tyre, positive forward; 0 where wheels cannot slip", w->motion.force_n) \
+    X("hydraulic_reason", VALUE, "", "why motor and hydraulic brake cannot meet the demand", (double)w->slow.hydraulic_reason) \
+    X("housing_temperature_c", VALUE, "degC", "of the motor's housing", w->winding.outer_c) \
+    X("heatsink_temperature_c", VALUE, "degC", "of the inverter's heat sink", w->switches.outer_c) \
     X("theta_turn", VALUE, "turn", "electrical angle of the rotor", w->rotor.theta_turn) \
     X("winding_temperature_c", VALUE, "degC", "of the winding", w->winding.temperature_c) \
     X("switch_temperature_c", VALUE, "degC", "of the switches", w->switches.temperature_c) \

@@ -11,7 +11,6 @@ wheel_world_t wheel_world(const bench_params_t *params, const config_t *config)
     const wheel_world_t out = {
         .params = params,
         .config = config,
-        .inverter = inverter_model(&params->inverter),
         .sensors = sensors_init(&params->sensors),
         .period_s = 1.0 / params->inverter.pwm_frequency_hz,
         .duty_per_count = 1.0 / config->drive.pwm_period_counts,
@@ -49,27 +48,46 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
     const wheel_totals_t nothing = {.copper_j = 0.0};
     wheel->totals = nothing;
     wheel->heat_winding_j = 0.0;
+    wheel->heat_iron_j = 0.0;
     wheel->heat_switches_j = 0.0;
     wheel->brake = hydraulic_brake_init(&params->brake, world->period_s);
-    wheel->winding =
-        thermal_init(thermal->winding_heat_capacity_j_per_k, thermal->winding_thermal_resistance_k_per_w,
-                     thermal->winding_temperature_c + params->wheel[wheel->index].winding_rise_k, SLOW_STEP_S);
-    wheel->switches = thermal_init(thermal->switch_heat_capacity_j_per_k, thermal->switch_thermal_resistance_k_per_w,
-                                   thermal->switch_temperature_c, SLOW_STEP_S);
+    const bool active = thermal->active > 0.5;
+    const thermal_row_t motor = {
+        .inner_j_per_k = active ? thermal->winding_heat_capacity_j_per_k : 0.0,
+        .inner_k_per_w = thermal->winding_thermal_resistance_k_per_w,
+        .outer_j_per_k = thermal->housing_heat_capacity_j_per_k,
+        .outer_k_per_w = thermal->housing_thermal_resistance_k_per_w,
+    };
+    const thermal_row_t bridge = {
+        .inner_j_per_k = active ? thermal->switch_heat_capacity_j_per_k : 0.0,
+        .inner_k_per_w = thermal->switch_thermal_resistance_k_per_w,
+        .outer_j_per_k = thermal->heatsink_heat_capacity_j_per_k,
+        .outer_k_per_w = thermal->heatsink_thermal_resistance_k_per_w,
+    };
+    const double winding_c = thermal->winding_temperature_c + params->wheel[wheel->index].winding_rise_k;
+    wheel->winding = thermal_init(&motor, winding_c, SLOW_STEP_S);
+    wheel->switches = thermal_init(&bridge, thermal->switch_temperature_c, SLOW_STEP_S);
     wheel_refresh(wheel, world);
+}
+
+static void at_temperature(wheel_t *wheel, const wheel_world_t *world)
+{
+    wheel->machine = pmsm_at_temperature(&world->params->motor, wheel->winding.temperature_c);
+    wheel->inverter = inverter_model(&world->params->inverter, wheel->switches.temperature_c);
 }
 
 void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
 {
     const bench_params_t *params = world->params;
     const one_wheel_params_t *own = &params->wheel[wheel->index];
-    if (wheel->winding.capacity_j_per_k <= 0.0) {
+    if (wheel->winding.held) {
         wheel->winding.temperature_c = params->thermal.winding_temperature_c + own->winding_rise_k;
     }
-    if (wheel->switches.capacity_j_per_k <= 0.0) {
+    if (wheel->switches.held) {
         wheel->switches.temperature_c = params->thermal.switch_temperature_c;
     }
-    wheel->machine = pmsm_at_temperature(&params->motor, wheel->winding.temperature_c);
+    wheel->friction = own->road_friction > 0.0 ? own->road_friction : params->road.friction;
+    at_temperature(wheel, world);
     hydraulic_brake_refresh(&params->brake, &wheel->brake, own->brake_torque_loss, world->period_s);
     wheel->fault.hall_stuck_low = (uint8_t)((unsigned)params->sensors.hall_stuck_low | (unsigned)own->hall_stuck_low);
     wheel->fault.hall_stuck_high =
@@ -84,11 +102,12 @@ static int32_t rounded(double x, int32_t scale)
 static void warm(wheel_t *wheel, const wheel_world_t *world)
 {
     const double ambient_c = world->params->thermal.ambient_temperature_c;
-    thermal_step(&wheel->winding, wheel->heat_winding_j, ambient_c);
-    thermal_step(&wheel->switches, wheel->heat_switches_j, ambient_c);
+    thermal_step(&wheel->winding, wheel->heat_winding_j, wheel->heat_iron_j, ambient_c);
+    thermal_step(&wheel->switches, wheel->heat_switches_j, 0.0, ambient_c);
     wheel->heat_winding_j = 0.0;
+    wheel->heat_iron_j = 0.0;
     wheel->heat_switches_j = 0.0;
-    wheel->machine = pmsm_at_temperature(&world->params->motor, wheel->winding.temperature_c);
+    at_temperature(wheel, world);
 }
 
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order)
@@ -113,11 +132,11 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
                                           : controller_slow_step(&wheel->controller.slow, world->config,
                                                                  &wheel->to_slow, &in, &wheel->to_fast);
     hydraulic_brake_command(&world->params->brake, &wheel->brake, (double)wheel->slow.hydraulic_torque_mNm / MILLI);
-    const pmsm_step_t step = {.omega_rad_s = order->speed_rad_s * world->params->motor.pole_pairs,
+    const pmsm_step_t step = {.omega_rad_s = wheel->motion.speed_rad_s * world->params->motor.pole_pairs,
                               .duration_s = world->period_s,
-                              .series_resistance_ohm = world->inverter.pwm_resistance_ohm};
+                              .series_resistance_ohm = wheel->inverter.pwm_resistance_ohm};
     wheel->zone_a =
-        inverter_zone_a(&world->inverter, order->bus_voltage_v, pmsm_amperes_per_volt(&wheel->machine, &step));
+        inverter_zone_a(&wheel->inverter, order->bus_voltage_v, pmsm_amperes_per_volt(&wheel->machine, &step));
     if (wheel->first_fault == REASON_NONE && wheel->slow.fault_reason != REASON_NONE) {
         wheel->first_fault = wheel->slow.fault_reason;
         wheel->first_fault_s = order->time_s;
@@ -151,7 +170,7 @@ static void run_firmware(wheel_t *wheel, const wheel_world_t *world, double bus_
 static pmsm_flow_t switch_bridge(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v, pmsm_step_t *step,
                                  inverter_flow_t *bridge)
 {
-    const inverter_t *inverter = &world->inverter;
+    const inverter_t *inverter = &wheel->inverter;
     const plant_abc_t duty = {.a = wheel->active.compare_counts[0] * world->duty_per_count,
                               .b = wheel->active.compare_counts[1] * world->duty_per_count,
                               .c = wheel->active.compare_counts[2] * world->duty_per_count};
@@ -170,7 +189,7 @@ static pmsm_flow_t switch_bridge(wheel_t *wheel, const wheel_world_t *world, dou
 static pmsm_flow_t feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v,
                               inverter_flow_t *bridge)
 {
-    const inverter_t *inverter = &world->inverter;
+    const inverter_t *inverter = &wheel->inverter;
     const plant_ab_t shorted = {0.0, 0.0};
     pmsm_step_t step = {.omega_rad_s = speed_rad_s * world->params->motor.pole_pairs, .duration_s = world->period_s};
     pmsm_flow_t flow = {.source_j = 0.0};
@@ -210,6 +229,7 @@ wheel_flow_t wheel_period(wheel_t *wheel, const wheel_world_t *world, double spe
     totals->dc_j += bridge.dc_j;
     totals->torque_impulse_nms += flow.torque_nms;
     wheel->heat_winding_j += flow.copper_j;
+    wheel->heat_iron_j += flow.iron_j;
     wheel->heat_switches_j += bridge_heat_j;
     const wheel_flow_t out = {
         .dc_j = bridge.dc_j,

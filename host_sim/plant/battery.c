@@ -2,10 +2,7 @@
 
 #include <math.h>
 
-#include "plant/numbers.h"
-
 static const double AS_PER_AH = 3600.0;
-static const double FADE_SOC = 0.02;
 
 battery_state_t battery_init(const battery_params_t *params, double step_s)
 {
@@ -75,14 +72,4 @@ battery_flow_t battery_step(const battery_params_t *params, battery_state_t *sta
 double battery_stored_j(const battery_params_t *params, const battery_state_t *state)
 {
     return 0.5 * params->polarisation_capacitance_f * state->polarisation_v * state->polarisation_v;
-}
-
-double battery_charge_limit_a(const battery_params_t *params, const battery_state_t *state)
-{
-    return params->max_charge_current_a * plant_clamp((1.0 - state->soc) / FADE_SOC, 0.0, 1.0);
-}
-
-double battery_discharge_limit_a(const battery_params_t *params, const battery_state_t *state)
-{
-    return params->max_discharge_current_a * plant_clamp(state->soc / FADE_SOC, 0.0, 1.0);
 }

@@ -2,14 +2,20 @@
 
 #include "plant/numbers.h"
 
-inverter_t inverter_model(const inverter_params_t *params)
+/* Coldest switches of a broken scenario still conduct like switches. */
+static const double LEAST_SHARE = 0.05;
+
+inverter_t inverter_model(const inverter_params_t *params, double switch_temperature_c)
 {
+    const double rise_k = switch_temperature_c - params->switch_reference_temperature_c;
+    const double share = 1.0 + params->switch_resistance_temperature_coefficient_per_k * rise_k;
+    const double switch_ohm = params->switch_resistance_ohm * plant_max(share, LEAST_SHARE);
     const double delta = 2.0 * params->dead_time_s * params->pwm_frequency_hz;
     const inverter_t out = {
         .period_s = 1.0 / params->pwm_frequency_hz,
         .dead_share = delta,
-        .pwm_resistance_ohm = params->switch_resistance_ohm * (1.0 - delta) + params->diode_resistance_ohm * delta,
-        .short_resistance_ohm = params->switch_resistance_ohm,
+        .pwm_resistance_ohm = switch_ohm * (1.0 - delta) + params->diode_resistance_ohm * delta,
+        .short_resistance_ohm = switch_ohm,
         .diode_resistance_ohm = params->diode_resistance_ohm,
         .forward_voltage_v = params->diode_forward_voltage_v,
         .switching_loss_j_per_as =

@@ -15,6 +15,7 @@ vehicle_t vehicle_on_road(const vehicle_params_t *params, const road_params_t *r
         .drag_n_s2_per_m2 = 0.5 * road->air_density_kg_per_m3 * params->drag_coefficient * params->frontal_area_m2,
         .wind_m_per_s = road->wind_m_per_s,
         .rolling_n = params->rolling_resistance * weight_n * cosine,
+        .weight_n = weight_n * cosine,
         .slope_n = weight_n * road->slope * cosine,
         .rise = road->slope * cosine,
     };

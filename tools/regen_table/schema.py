@@ -17,7 +17,23 @@ from pydantic_core import ErrorDetails
 
 from regen_table import relations
 from regen_table.errors import ConfigurationError
-from regen_table.sections import Battery, Brake, Bus, Control, Inverter, Motor, Rotor, Section, Sensors, Table, Vehicle
+from regen_table.sections import (
+    Battery,
+    Bms,
+    Brake,
+    Bus,
+    Chassis,
+    Control,
+    Inverter,
+    Motor,
+    Rotor,
+    Section,
+    Sensors,
+    Table,
+    Thermal,
+    Tyre,
+    Vehicle,
+)
 
 __all__ = ["ConfigurationError", "Drive", "load", "parse"]
 
@@ -38,6 +54,10 @@ class Drive(Section):
     rotor: Rotor = Rotor()
     sensors: Sensors = Sensors()
     bus: Bus = Bus()
+    bms: Bms = Bms()
+    thermal: Thermal = Thermal()
+    chassis: Chassis = Chassis()
+    tyre: Tyre = Tyre()
     _name: str = "unnamed"
 
     @property

@@ -5,6 +5,7 @@ from regen_table.schema import Drive
 STANDARD_AIR_KG_PER_M3 = 1.204  # dry, 20 degC, 1013 hPa
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
 FULL_SOC = 1.0
+SWITCH_REFERENCE_C = 25.0
 # What can happen to a vehicle under way, by how the names begin.
 EVENTS = (
     "encoder.lost_counts",
@@ -23,7 +24,7 @@ def parameters(drive: Drive) -> dict[str, float]:
     What belongs to one run (temperatures, road, driver, seed) is the scenario's and comes on top; so do the EVENTS, which
     are 0 in a healthy vehicle.
     """
-    motor, inverter, battery, vehicle, brake = drive.motor, drive.inverter, drive.battery, drive.vehicle, drive.brake
+    motor, inverter, battery, vehicle, brake = (drive.motor, drive.inverter, drive.battery, drive.vehicle, drive.brake)
     a0, a1 = motor.iron_loss_resistance_ohm or (0.0, 0.0)
     found = {
         "motor.pole_pairs": motor.pole_pairs,
@@ -80,8 +81,30 @@ def parameters(drive: Drive) -> dict[str, float]:
         "encoder.index_width_counts": min(1, drive.rotor.encoder_index_tolerance_counts),
         "encoder.reversed": drive.rotor.encoder_reversed,
     }
+    found |= _bms(drive)
+    for name in ("thermal", "chassis", "tyre"):
+        section = getattr(drive, name)
+        found |= {f"{name}.{key}": getattr(section, key) for key in type(section).model_fields}
+    found["inverter.switch_resistance_temperature_coefficient_per_k"] = found.pop("thermal.switch_resistance_temperature_coefficient_per_k")
+    found["inverter.switch_reference_temperature_c"] = SWITCH_REFERENCE_C
     found |= {f"sensors.hall_edge_{k}_deg": edge for k, edge in enumerate(drive.rotor.hall_edges_deg)}
     return {name: float(value) for name, value in found.items()}
+
+
+def _bms(drive: Drive) -> dict[str, float]:
+    """Return what decides the current limits that the controllers are told."""
+    bms, battery = drive.bms, drive.battery
+    coldest_c, full_c = bms.cold_charge_c or (0.0, 0.0)
+    return {
+        "bms.fade_soc": bms.fade_soc,
+        "bms.max_voltage_v": battery.max_voltage_v if bms.keep_voltage else 0.0,
+        "bms.min_voltage_v": battery.min_voltage_v if bms.keep_voltage else 0.0,
+        "bms.temperature_c": bms.temperature_c,
+        "bms.coldest_charge_c": coldest_c,
+        "bms.full_charge_c": full_c,
+        "bms.period_s": bms.period_s,
+        "bms.current_step_a": bms.current_step_a,
+    }
 
 
 def voltage_curve(drive: Drive) -> tuple[list[float], list[float]]:

@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "bench/ledger.h"
+#include "bench/motion.h"
 #include "bench/parameters.h"
 #include "bench/wheel.h"
 
@@ -33,13 +34,15 @@ typedef struct {
     config_t config;
     driver_trace_t trace;
     wheel_world_t world;
-    vehicle_t road_vehicle;
+    motion_world_t road;
     int wheels;
 
     wheel_t wheel[BENCH_WHEELS_MAX];
     battery_state_t battery;
     bus_state_t bus;
+    bms_state_t limits;
     vehicle_state_t vehicle;
+    chassis_state_t chassis;
     driver_state_t driver;
     driver_demand_t demand;
     double demand_age_s;     /* of the message the controllers have */

@@ -1,8 +1,8 @@
 /*
  * ledger.h: where every joule went.
  *
- *     chemical = heat (copper, iron, conduction, diode, switching, bearing, hydraulic, battery, cable) + drag + rolling
- *                + climbed + gained (kinetic, magnetic, polarisation, bus) + residual
+ *     chemical = heat (copper, iron, conduction, diode, switching, bearing, hydraulic, battery, cable) + tyre
+ *                + drag + rolling + climbed + gained (kinetic, magnetic, polarisation, bus) + residual
  *
  * Sums over all wheels since the start of the run; "gained" may be negative. The residual is what the equation leaves
  * over: the simulation's own error. shaft_j is what the motors did to the wheels on the way (bearings taken off) and
@@ -30,6 +30,7 @@
     X(kinetic_j, "kinetic energy gained")                                                                              \
     X(magnetic_j, "energy gained by the motors' magnetic fields")                                                      \
     X(polarisation_j, "energy gained by the battery's polarisation")                                                   \
+    X(tyre_j, "heat of slipping tyres, and what their deflection holds")                                               \
     X(cable_j, "heat in the cable between battery and bus")                                                            \
     X(bus_j, "energy gained by the bus capacitors")                                                                    \
     X(turned_over_j, "what cells, moving mass and height gave, each whenever it gave")                                 \

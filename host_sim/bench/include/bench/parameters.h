@@ -12,13 +12,16 @@
 
 #include "bench/driver.h"
 #include "plant/battery.h"
+#include "plant/bms.h"
 #include "plant/bus.h"
+#include "plant/chassis.h"
 #include "plant/encoder.h"
 #include "plant/hydraulic_brake.h"
 #include "plant/inverter.h"
 #include "plant/pmsm.h"
 #include "plant/sensors.h"
 #include "plant/thermal.h"
+#include "plant/tyre.h"
 #include "plant/vehicle.h"
 
 /* clang-format off */
@@ -36,6 +39,7 @@
     X(wheel, hall_stuck_high,      0.0,   7.0,   "",    "as sensors.hall_stuck_high, this wheel") \
     X(wheel, current_offset_a,    -1e4,   1e4,   "A",   "added to sensors.current_offset_a") \
     X(wheel, brake_torque_loss,   -0.5,   1.0,   "1",   "as brake.torque_loss, this wheel") \
+    X(wheel, road_friction,        0.0,   3.0,   "1",   "as road.friction, this wheel; 0: no other") \
     X(wheel, winding_rise_k,      -100.0, 300.0, "K",   "winding warmer than thermal.winding_temperature_c")
 /* clang-format on */
 
@@ -56,6 +60,9 @@ typedef struct {
     inverter_params_t inverter;
     battery_params_t battery;
     bus_params_t bus;
+    bms_params_t bms;
+    chassis_params_t chassis;
+    tyre_params_t tyre;
     vehicle_params_t vehicle;
     road_params_t road;
     hydraulic_brake_params_t brake;

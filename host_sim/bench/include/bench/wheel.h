@@ -22,7 +22,6 @@
 typedef struct {
     const bench_params_t *params;
     const config_t *config;
-    inverter_t inverter;
     sensors_t sensors;
     double period_s;
     double duty_per_count;
@@ -46,6 +45,15 @@ typedef struct {
     double hydraulic_j, bearing_j;
 } wheel_totals_t;
 
+/* How the wheel moves and what it does to the road (motion.h). */
+typedef struct {
+    double speed_rad_s; /* mechanical */
+    double acceleration_rad_s2;
+    double load_n;
+    double force_n; /* of the tyre, positive forward */
+    tyre_state_t tyre;
+} wheel_motion_t;
+
 typedef struct {
     /* The firmware. */
     controller_t controller;
@@ -61,14 +69,17 @@ typedef struct {
     encoder_shaft_t shaft;
     hydraulic_brake_state_t brake;
     double brake_capacity_nm;
-    thermal_lump_t winding, switches;
+    thermal_t winding, switches; /* with housing and heat sink */
+    inverter_t inverter;         /* at the switches' temperature */
+    wheel_motion_t motion;
+    double friction; /* of tyre and road */
     random_t random;
     sensors_fault_t fault;
     double zone_a;
     int index;
     /* The accounts. */
     wheel_totals_t totals;
-    double heat_winding_j, heat_switches_j; /* since the last millisecond */
+    double heat_winding_j, heat_iron_j, heat_switches_j; /* since the last millisecond */
     reason_t first_fault;
     double first_fault_s;
 } wheel_t;

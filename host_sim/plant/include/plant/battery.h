@@ -75,9 +75,4 @@ battery_flow_t battery_step(const battery_params_t *params, battery_state_t *sta
 /* Energy in the polarisation capacitance. */
 double battery_stored_j(const battery_params_t *params, const battery_state_t *state);
 
-/* The battery management's limits now, magnitudes. Over the last two per cent of charge they fade: to nothing into a
- * full pack, to nothing out of an empty one. */
-double battery_charge_limit_a(const battery_params_t *params, const battery_state_t *state);
-double battery_discharge_limit_a(const battery_params_t *params, const battery_state_t *state);
-
 #endif

@@ -35,7 +35,9 @@
     X(dead_time_s,              0.0, 1e-4,  "s",   "t_d, between the two switches of a leg") \
     X(pwm_frequency_hz,         1e3, 1e6,   "Hz",  "f_s") \
     X(turn_on_loss_j_per_a,     0.0, 1.0,   "J/A", "k_on") \
-    X(turn_off_loss_j_per_a,    0.0, 1.0,   "J/A", "k_off")
+    X(turn_off_loss_j_per_a,    0.0, 1.0,   "J/A", "k_off") \
+    X(switch_resistance_temperature_coefficient_per_k, 0.0, 0.1, "1/K", "of R_ds, from the reference temperature") \
+    X(switch_reference_temperature_c, -60.0, 300.0, "degC", "where R_ds holds")
 /* clang-format on */
 
 typedef struct {
@@ -68,7 +70,7 @@ typedef struct {
     double switching_j;
 } inverter_flow_t;
 
-inverter_t inverter_model(const inverter_params_t *params);
+inverter_t inverter_model(const inverter_params_t *params, double switch_temperature_c);
 
 /* Current that the held dead-time and diode voltages can move within a period: zone_a of inverter_drive().
  * amperes_per_volt: of what the bridge feeds, see pmsm_amperes_per_volt(). */

@@ -1,5 +1,5 @@
 /*
- * vehicle.h: a mass on wheels that do not slip, moving along a road.
+ * vehicle.h: a mass on wheels that do not slip, moving along a road (wheels that do: chassis.h, tyre.h).
  *
  *     m dv/dt = torques / r - 1/2 rho c_d A u|u| - m g sin(slope) - friction        u = v + wind
  *
@@ -27,6 +27,7 @@
 #define ROAD_PARAMETERS(X) \
     X(air_density_kg_per_m3, 0.0,  10.0, "kg/m3", "dry air at 20 degC and sea level: 1.204") \
     X(gravity_m_per_s2,      0.0,  30.0, "m/s2",  "") \
+    X(friction,              0.0,  3.0,  "1",     "of tyre and road, sticking; 0: wheels cannot slip") \
     X(slope,                -1.0,  1.0,  "1",     "rise over run, positive uphill") \
     X(wind_m_per_s,         -60.0, 60.0, "m/s",   "along the road, positive against a vehicle that drives forward")
 /* clang-format on */
@@ -68,6 +69,7 @@ typedef struct {
     double drag_n_s2_per_m2; /* of u|u| */
     double wind_m_per_s;
     double rolling_n; /* capacity */
+    double weight_n;  /* square to the road */
     double slope_n;
     double rise; /* height gained on a metre of way */
 } vehicle_t;

@@ -179,7 +179,7 @@ static stop_t stop_with(const wheel_coupling_t *coupling, const config_t *config
     const bench_params_t params = moving_vehicle(5.0);
     TEST_ASSERT_EQUAL_INT(BENCH_READY, start(&params, config, coupling));
     bench.params.driver.brake_demand_nm = demand_nm;
-    const double kinetic_j = vehicle_kinetic_energy_j(&bench.road_vehicle, &bench.vehicle);
+    const double kinetic_j = vehicle_kinetic_energy_j(&bench.road.vehicle, &bench.vehicle);
     fixture_run_to_standstill(&bench, 20.0);
     const stop_t out = {bench.vehicle.distance_m, bench_ledger(&bench).chemical_j, kinetic_j};
     return out;

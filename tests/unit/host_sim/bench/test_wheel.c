@@ -97,7 +97,11 @@ void test_heat_warms_the_winding_when_the_model_is_on(void)
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 6.0;
     params.driver.drive_demand_nm = 30.0;
+    params.thermal.active = 1.0;
     params.thermal.winding_heat_capacity_j_per_k = 50.0;
+    params.thermal.winding_thermal_resistance_k_per_w = 0.0;
+    params.thermal.housing_heat_capacity_j_per_k = 0.0;
+    params.thermal.housing_thermal_resistance_k_per_w = 0.0;
     const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
     bench = fixture_start(&params, &config);
     const double cold_ohm = bench->wheel[0].machine.resistance_ohm;

@@ -61,12 +61,13 @@ void test_codes_are_those_of_a_faultless_converter_of_the_same_full_scale(void)
         .adc_bits = 12.0,
     };
     const sensors_t sensors = sensors_init(&params);
+    const sensors_fault_t healthy = {.offset_a = 0.0};
     random_t random = random_init(1, 0);
     for (int k = -300; k <= 300; k++) {
         const plant_abc_t i = {.a = 0.7131 * k, .b = -0.31 * k, .c = 0.017 * k};
         const double volts = 0.11 * (k + 300);
         const double turn = (k + 300) / 601.0;
-        const sensors_sample_t seen = sensors_sample(&sensors, &random, i, volts, turn);
+        const sensors_sample_t seen = sensors_sample(&sensors, &healthy, &random, i, volts, turn);
         TEST_ASSERT_EQUAL_INT(seen.phase_current_code[0], raw_of(EXCHANGE_PORT_FAST_INPUT, "phase_a_a", i.a));
         TEST_ASSERT_EQUAL_INT(seen.phase_current_code[1], raw_of(EXCHANGE_PORT_FAST_INPUT, "phase_b_a", i.b));
         TEST_ASSERT_EQUAL_INT(seen.phase_current_code[2], raw_of(EXCHANGE_PORT_FAST_INPUT, "phase_c_a", i.c));

@@ -115,18 +115,3 @@ void test_more_power_than_the_pack_has_is_noticed_and_the_largest_flows(void)
     TEST_ASSERT_TRUE(state.collapsed);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * largest_w, largest_w, flow.terminal_j / STEP_S);
 }
-
-void test_limits_fade_to_nothing_into_a_full_pack_and_out_of_an_empty_one(void)
-{
-    TEST_ASSERT_EQUAL_DOUBLE(200.0, battery_charge_limit_a(&params, &state));
-    TEST_ASSERT_EQUAL_DOUBLE(250.0, battery_discharge_limit_a(&params, &state));
-    state.soc = 0.99;
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0, battery_charge_limit_a(&params, &state));
-    TEST_ASSERT_EQUAL_DOUBLE(250.0, battery_discharge_limit_a(&params, &state));
-    state.soc = 1.0;
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, battery_charge_limit_a(&params, &state));
-    state.soc = 0.01;
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 125.0, battery_discharge_limit_a(&params, &state));
-    state.soc = 0.0;
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, battery_discharge_limit_a(&params, &state));
-}

@@ -21,7 +21,7 @@ void setUp(void)
                                              .turn_on_loss_j_per_a = 4e-6,
                                              .turn_off_loss_j_per_a = 6e-6};
     params = all_different;
-    inverter = inverter_model(&params);
+    inverter = inverter_model(&params, 25.0);
 }
 
 void tearDown(void) {}
@@ -90,7 +90,7 @@ void test_dc_energy_is_terminal_energy_and_all_losses(void)
 void test_an_ideal_bridge_gives_bus_voltage_times_duty(void)
 {
     const inverter_params_t ideal = {.pwm_frequency_hz = 16000.0};
-    const inverter_t bridge = inverter_model(&ideal);
+    const inverter_t bridge = inverter_model(&ideal, 25.0);
     const plant_abc_t duty = {.a = 0.7, .b = 0.2, .c = 0.4};
     const plant_abc_t middle = {.a = 3.0, .b = -1.0, .c = -2.0};
     const inverter_drive_t drive = inverter_drive(&bridge, duty, BUS_V, middle, inverter_zone_a(&bridge, BUS_V, 0.5));

@@ -65,7 +65,7 @@ void test_conduction_begins_where_the_line_emf_passes_the_bus(void)
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
     const inverter_params_t bridge = {.diode_forward_voltage_v = 0.8, .pwm_frequency_hz = 20000.0};
-    const inverter_t inverter = inverter_model(&bridge);
+    const inverter_t inverter = inverter_model(&bridge, 25.0);
     const double bus_v = 48.0;
     const double ceiling_v = inverter_rectifier_ceiling_v(&inverter, bus_v);
     const double threshold = (bus_v + 1.6) / (sqrt(3.0) * params.flux_linkage_wb);

@@ -1,4 +1,4 @@
-/* A lump of heat capacity: exact exponential, right end, and off means off. */
+/* Lumps of heat capacity: exact exponentials, right ends, every joule kept, and off means off. */
 #include "plant/thermal.h"
 
 #include <math.h>
@@ -11,31 +11,90 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
+static thermal_t row(double c1, double r1, double c2, double r2, double temperature_c)
+{
+    const thermal_row_t built = {.inner_j_per_k = c1, .inner_k_per_w = r1, .outer_j_per_k = c2, .outer_k_per_w = r2};
+    return thermal_init(&built, temperature_c, STEP_S);
+}
+
+static void heat(thermal_t *thermal, int steps, double inner_w, double outer_w, double ambient_c)
+{
+    for (int k = 0; k < steps; k++) {
+        thermal_step(thermal, inner_w * STEP_S, outer_w * STEP_S, ambient_c);
+    }
+}
+
 void test_a_heated_lump_rises_exponentially_to_power_times_resistance(void)
 {
-    thermal_lump_t lump = thermal_init(200.0, 0.5, 25.0, STEP_S); /* 100 s */
-    for (int k = 0; k < 100000; k++) {
-        thermal_step(&lump, 80.0 * STEP_S, 25.0);
-    }
+    thermal_t lump = row(200.0, 0.5, 0.0, 0.0, 25.0); /* 100 s */
+    heat(&lump, 100000, 80.0, 0.0, 25.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 25.0 + 40.0 * (1.0 - exp(-1.0)), lump.temperature_c);
-    for (int k = 0; k < 2000000; k++) {
-        thermal_step(&lump, 80.0 * STEP_S, 25.0);
-    }
+    heat(&lump, 2000000, 80.0, 0.0, 25.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 65.0, lump.temperature_c);
+}
+
+void test_without_an_outer_lump_its_resistance_is_in_series(void)
+{
+    thermal_t lump = row(200.0, 0.3, 0.0, 0.2, 25.0);
+    heat(&lump, 100000, 80.0, 1000.0, 25.0); /* the outer heat is nobody's */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 25.0 + 40.0 * (1.0 - exp(-1.0)), lump.temperature_c);
 }
 
 void test_an_insulated_lump_keeps_every_joule(void)
 {
-    thermal_lump_t lump = thermal_init(200.0, 0.0, 20.0, STEP_S);
-    for (int k = 0; k < 5000; k++) {
-        thermal_step(&lump, 100.0 * STEP_S, -40.0);
-    }
+    thermal_t lump = row(200.0, 0.0, 0.0, 0.0, 20.0);
+    heat(&lump, 5000, 100.0, 0.0, -40.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 22.5, lump.temperature_c);
+}
+
+void test_two_insulated_lumps_keep_every_joule_and_meet(void)
+{
+    thermal_t lumps = row(100.0, 0.5, 300.0, 0.0, 20.0);
+    heat(&lumps, 3000, 100.0, 50.0, -40.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 450.0, 100.0 * (lumps.temperature_c - 20.0) + 300.0 * (lumps.outer_c - 20.0));
+    TEST_ASSERT_TRUE(lumps.temperature_c > lumps.outer_c + 1.0);
+    heat(&lumps, 2000000, 0.0, 0.0, -40.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 20.0 + 450.0 / 400.0, lumps.temperature_c);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 20.0 + 450.0 / 400.0, lumps.outer_c);
+}
+
+void test_two_lumps_settle_where_the_resistances_say(void)
+{
+    thermal_t lumps = row(10.0, 0.5, 50.0, 0.4, 25.0);
+    heat(&lumps, 1000000, 60.0, 20.0, 10.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 10.0 + 0.4 * 80.0, lumps.outer_c);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 10.0 + 0.4 * 80.0 + 0.5 * 60.0, lumps.temperature_c);
+}
+
+/* An integration with a thousand times shorter steps, of the differential equations as they are written. */
+void test_two_lumps_follow_their_differential_equations_for_fast_and_slow_ones(void)
+{
+    const double inner_j_per_k[] = {100.0, 0.002}; /* the second: 1 ms against a step of 1 ms */
+    for (int n = 0; n < 2; n++) {
+        const double c1 = inner_j_per_k[n];
+        const double power_w = n == 0 ? 500.0 : 2.0;
+        thermal_t lumps = row(c1, 0.5, 30.0 * c1, 0.2, 25.0);
+        double t1 = 25.0;
+        double t2 = 25.0;
+        const double h = STEP_S / 1000.0;
+        for (int k = 0; k < 20 * 1000; k++) {
+            /* Midpoint rule */
+            const double d1 = (power_w - (t1 - t2) / 0.5) / c1;
+            const double d2 = ((t1 - t2) / 0.5 - (t2 - 15.0) / 0.2) / (30.0 * c1);
+            const double m1 = t1 + 0.5 * h * d1;
+            const double m2 = t2 + 0.5 * h * d2;
+            t1 += h * (power_w - (m1 - m2) / 0.5) / c1;
+            t2 += h * ((m1 - m2) / 0.5 - (m2 - 15.0) / 0.2) / (30.0 * c1);
+        }
+        heat(&lumps, 20, power_w, 0.0, 15.0);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, t1, lumps.temperature_c);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, t2, lumps.outer_c);
+    }
 }
 
 void test_without_a_heat_capacity_the_temperature_stays(void)
 {
-    thermal_lump_t lump = thermal_init(0.0, 0.5, 120.0, STEP_S);
-    thermal_step(&lump, 1e6, 25.0);
+    thermal_t lump = row(0.0, 0.5, 10.0, 1.0, 120.0);
+    thermal_step(&lump, 1e6, 1e6, 25.0);
     TEST_ASSERT_EQUAL_DOUBLE(120.0, lump.temperature_c);
 }

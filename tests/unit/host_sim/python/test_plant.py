@@ -1,7 +1,15 @@
 from hubsim import engine, plant
 from regen_table.schema import Drive
 
-OF_THE_RUN = ("road.", "driver.", "run.", "thermal.")
+OF_THE_RUN = (
+    "road.",
+    "driver.",
+    "run.",
+    "thermal.winding_temperature_c",
+    "thermal.switch_temperature_c",
+    "thermal.ambient_",
+    "thermal.active",
+)
 
 
 def test_a_drive_decides_every_parameter_that_a_run_does_not(drive: Drive) -> None:

@@ -116,8 +116,13 @@ def test_a_recorded_power_adds_up_to_the_account(drive: Drive) -> None:
 
 def test_a_controller_that_gives_up_is_named_with_reason_and_time(drive: Drive) -> None:
     name, loaded, beside = scenario.load("stop", {"demand_nm": 40.0, "max_duration_s": 1.0, "stop_at_standstill": False})
-    # A winding of next to no heat capacity: too hot before the torque rate lets the current go.
-    plant = {"thermal.winding_heat_capacity_j_per_k": 0.02, "thermal.winding_temperature_c": 100.0}
+    # An insulated winding of next to no heat capacity: too hot before the torque rate lets the current go.
+    plant = {
+        "thermal.active": 1.0,
+        "thermal.winding_heat_capacity_j_per_k": 0.02,
+        "thermal.winding_thermal_resistance_k_per_w": 0.0,
+        "thermal.winding_temperature_c": 100.0,
+    }
     result = run.simulate(name, drive, loaded, beside, (), plant)
     assert {fault.wheel for fault in result.faults} == {0, 1, 2, 3}
     assert {fault.reason for fault in result.faults} == {"winding over-temperature"}

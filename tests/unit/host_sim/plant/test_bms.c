@@ -1,0 +1,115 @@
+/* What the battery management allows, limit by limit, and how its message comes. */
+#include "plant/bms.h"
+
+#include <math.h>
+
+#include "unity.h"
+
+static battery_params_t pack;
+static bms_params_t params;
+static battery_state_t battery;
+
+void setUp(void)
+{
+    const battery_params_t p = {.series_resistance_ohm = 0.012,
+                                .polarisation_resistance_ohm = 0.010,
+                                .polarisation_capacitance_f = 3000.0,
+                                .capacity_ah = 100.0,
+                                .initial_soc = 0.9,
+                                .max_charge_current_a = 200.0,
+                                .max_discharge_current_a = 250.0,
+                                .open_circuit_voltage_v = curve_constant(53.0)};
+    const bms_params_t b = {.fade_soc = 0.02};
+    pack = p;
+    params = b;
+    battery = battery_init(&pack, 50e-6);
+}
+
+void tearDown(void) {}
+
+static double charge_at(double soc)
+{
+    battery.soc = soc;
+    return bms_limits(&params, &pack, &battery).charge_a;
+}
+
+static double discharge_at(double soc)
+{
+    battery.soc = soc;
+    return bms_limits(&params, &pack, &battery).discharge_a;
+}
+
+void test_limits_fade_to_nothing_into_a_full_pack_and_out_of_an_empty_one(void)
+{
+    TEST_ASSERT_EQUAL_DOUBLE(200.0, charge_at(0.9));
+    TEST_ASSERT_EQUAL_DOUBLE(250.0, discharge_at(0.9));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0, charge_at(0.99));
+    TEST_ASSERT_EQUAL_DOUBLE(250.0, discharge_at(0.99));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, charge_at(1.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 125.0, discharge_at(0.01));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, discharge_at(0.0));
+}
+
+void test_without_a_fade_a_pack_takes_all_until_it_is_full(void)
+{
+    params.fade_soc = 0.0;
+    TEST_ASSERT_EQUAL_DOUBLE(200.0, charge_at(0.9999));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, charge_at(1.0));
+}
+
+void test_the_charge_limit_ends_where_the_settled_voltage_would_reach_the_end_of_charge(void)
+{
+    params.max_voltage_v = 55.0;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2.0 / 0.022, charge_at(0.9));
+    /* With that current for ten time constants of the RC branch the terminals are at the end, and not beyond. */
+    for (int k = 0; k < 10 * 30 * 20; k++) {
+        battery.step_s = 2.5e-3;
+        battery.decay = exp(-2.5e-3 / 30.0);
+        battery.mean_decay = -expm1(-2.5e-3 / 30.0) / (2.5e-3 / 30.0);
+        for (int n = 0; n < 20; n++) {
+            battery_carry(&pack, &battery, -2.0 / 0.022);
+        }
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-3, 55.0, battery.terminal_v);
+    params.max_voltage_v = 52.0;
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, charge_at(0.9));
+}
+
+void test_the_discharge_limit_ends_where_the_settled_voltage_would_reach_the_end_of_discharge(void)
+{
+    params.min_voltage_v = 49.7;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 3.3 / 0.022, discharge_at(0.9));
+}
+
+void test_cold_cells_take_less_and_give_the_same(void)
+{
+    params.coldest_charge_c = -5.0;
+    params.full_charge_c = 15.0;
+    params.temperature_c = -10.0;
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, charge_at(0.9));
+    params.temperature_c = 5.0;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0, charge_at(0.9));
+    TEST_ASSERT_EQUAL_DOUBLE(250.0, discharge_at(0.9));
+    params.temperature_c = 25.0;
+    TEST_ASSERT_EQUAL_DOUBLE(200.0, charge_at(0.9));
+}
+
+void test_the_message_counts_in_whole_steps_towards_caution(void)
+{
+    params.current_step_a = 7.0;
+    TEST_ASSERT_EQUAL_DOUBLE(196.0, charge_at(0.9));
+    TEST_ASSERT_EQUAL_DOUBLE(245.0, discharge_at(0.9));
+}
+
+void test_between_messages_the_last_one_holds(void)
+{
+    params.period_s = 0.1;
+    bms_state_t state = {.next_s = 0.0};
+    TEST_ASSERT_EQUAL_DOUBLE(200.0, bms_step(&params, &state, &pack, &battery, 0.0).charge_a);
+    battery.soc = 1.0;
+    TEST_ASSERT_EQUAL_DOUBLE(200.0, bms_step(&params, &state, &pack, &battery, 0.099).charge_a);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, bms_step(&params, &state, &pack, &battery, 0.100).charge_a);
+    battery.soc = 0.5;
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, bms_step(&params, &state, &pack, &battery, 0.199).charge_a);
+    TEST_ASSERT_EQUAL_DOUBLE(200.0, bms_step(&params, &state, &pack, &battery, 0.201).charge_a);
+}
