@@ -17,10 +17,6 @@
 #include "hal/upcall.h"
 #include "hal/watchdog.h"
 
-#if !defined(HUBFOC_WHEEL)
-#error "HUBFOC_WHEEL comes from the build"
-#endif
-
 enum {
     FINISH_PASSES = 100000, /* of the console, more than the slowest line needs for its last words */
     AT_REST_mrad_s = 300    /* a turn in 20 s */
@@ -76,7 +72,7 @@ static void start_control(const config_t *config)
     app.fast_report = controller_initial_fast_to_slow(config);
     supervisor_init(&app.supervisor, (uint32_t)config->drive.pwm_frequency_Hz, CONTROLLER_SLOW_RATE_HZ);
     /* Without CAN the demand counts as lost, which is safe. */
-    (void)can_link_init(&app.can, HUBFOC_WHEEL, pack_limits(config), time_ms());
+    (void)can_link_init(&app.can, (messages_wheel_t)config->vehicle.wheel_position, pack_limits(config), time_ms());
     app.wish[0] = app.can.node.wish;
     app.wish[1] = app.can.node.wish;
     app.config = config;

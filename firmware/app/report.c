@@ -4,8 +4,8 @@
 
 #include "app/config_lines.h"
 
-#if !defined(HUBFOC_VERSION) || !defined(HUBFOC_PORT_NAME) || !defined(HUBFOC_WHEEL_NAME)
-#error "HUBFOC_VERSION, HUBFOC_PORT_NAME and HUBFOC_WHEEL_NAME come from the build"
+#if !defined(HUBFOC_VERSION) || !defined(HUBFOC_PORT_NAME)
+#error "HUBFOC_VERSION and HUBFOC_PORT_NAME come from the build"
 #endif
 
 void report_version(text_t *line)
@@ -27,8 +27,9 @@ void report_banner(const boot_report_t *boot, text_t *line)
     if (boot->verdict.code == CONFIG_VERDICT_OK) {
         text_add(line, ", ");
         report_identity(boot->config, line);
+        text_add(line, ", wheel ");
+        text_add(line, messages_wheel_text((messages_wheel_t)boot->config->vehicle.wheel_position));
     }
-    text_add(line, ", wheel " HUBFOC_WHEEL_NAME);
 }
 
 void report_refusal(const config_verdict_t *verdict, text_t *line)

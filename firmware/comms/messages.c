@@ -36,6 +36,21 @@ static const kind_t KINDS[MESSAGES_KINDS] = {
     [MESSAGES_WHEEL_HEALTH] = {HUBFOC_WHEEL_HEALTH_FRAME_ID, HUBFOC_WHEEL_HEALTH_CYCLE_TIME_MS, true},
 };
 
+const char *messages_wheel_text(messages_wheel_t wheel)
+{
+    switch (wheel) {
+    case MESSAGES_FRONT_LEFT:
+        return "front left";
+    case MESSAGES_FRONT_RIGHT:
+        return "front right";
+    case MESSAGES_REAR_LEFT:
+        return "rear left";
+    case MESSAGES_REAR_RIGHT:
+        return "rear right";
+    }
+    return "unknown";
+}
+
 uint16_t messages_identifier(messages_kind_t kind, messages_wheel_t wheel)
 {
     const kind_t *k = &KINDS[kind];

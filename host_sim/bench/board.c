@@ -20,10 +20,10 @@ static void drive(void *context, inverter_mode_t mode, const uint16_t compare_co
     memcpy(board->active.compare_counts, compare_counts, sizeof board->active.compare_counts);
 }
 
-void board_start(board_t *board, messages_wheel_t wheel, const config_t *config)
+void board_start(board_t *board, const config_t *config)
 {
     const board_t at_rest = {
-        .wheel = wheel,
+        .wheel = (messages_wheel_t)config->vehicle.wheel_position,
         .sample = {.phase_current_code = {NO_CURRENT_CODE, NO_CURRENT_CODE, NO_CURRENT_CODE},
                    .winding_temperature_cC = ROOM_TEMPERATURE_cC,
                    .switch_temperature_cC = ROOM_TEMPERATURE_cC},
@@ -45,6 +45,9 @@ static fast_output_t period(void *context, const fast_input_t *in)
     board->sample.bus_voltage_code = in->bus_voltage_code;
     board->sample.rotor_angle_turn = in->rotor_angle_turn;
     board->sample.hall_state = in->hall_state;
+    board->sample.encoder.count = in->encoder.count;
+    board->sample.encoder.index_count = in->encoder.index_count;
+    board->sample.encoder.index = in->encoder.index;
     board->sample.power_stage_fault = in->power_stage_fault;
     host_pwm_period();
     return board->active;

@@ -68,7 +68,6 @@ class DevCommandTest(DevFixture):
         self.assert_refused(self.run_dev("flash", "qemu"), "qemu", "emulator")
         self.assert_refused(self.run_dev("flash", "--probe", "wand"), "wand", "stlink")
         self.assert_refused(self.run_dev("flash", "--with", "wand"), "wand", "openocd", "pyocd", "serial")
-        self.assert_refused(self.run_dev("firmware", "--wheel", "fifth"), "fifth", "front_left", "rear_right")
         self.assert_refused(self.run_dev("flash", "--with", "serial"), "--only-config")
         self.assert_refused(self.run_dev("flash", "--with", "serial", "--only-config", "--line", "absent"), "absent", "no such serial line")
 
@@ -182,13 +181,10 @@ class DevCommandTest(DevFixture):
             (self.home / f"build/qemu/hubfoc_qemu.{suffix}").touch()
 
         for arguments, configured in (
-            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013 -DHUBFOC_WHEEL=FRONT_LEFT"]),
+            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013"]),
             ([], []),
-            (["--config", "lu2013b"], ["--preset qemu -DHUBFOC_CONFIG=lu2013b -DHUBFOC_WHEEL=FRONT_LEFT"]),
-            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013 -DHUBFOC_WHEEL=FRONT_LEFT"]),
-            (["--wheel", "rear_right"], ["--preset qemu -DHUBFOC_CONFIG=lu2013 -DHUBFOC_WHEEL=REAR_RIGHT"]),
-            (["--wheel", "rear_right"], []),
-            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013 -DHUBFOC_WHEEL=FRONT_LEFT"]),
+            (["--config", "lu2013b"], ["--preset qemu -DHUBFOC_CONFIG=lu2013b"]),
+            ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013"]),
         ):
             before = len(self.calls("cmake")) if (self.base / "calls").exists() else 0
             result = self.run_dev("firmware", "qemu", *arguments, path=path, environment=environment)

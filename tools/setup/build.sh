@@ -4,11 +4,6 @@
 
 # shellcheck disable=SC2034  # read by tools/dev
 readonly PORTS=(stm32f405 qemu) DEFAULT_CONFIG=lu2013
-# shellcheck disable=SC2034  # read by tools/dev
-readonly WHEELS=(front_left front_right rear_left rear_right) DEFAULT_WHEEL=front_left
-
-to_upper() { printf '%s' "$1" | tr '[:lower:]' '[:upper:]'; }
-
 # variables_are FILE [NAME=VALUE...]: does CMake's cache say so?
 variables_are() {
     local file=$1 variable

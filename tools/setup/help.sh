@@ -55,26 +55,24 @@ TEXT
 
 help_firmware() {
     cat <<'TEXT'
-Usage: tools/dev firmware [PORT] [--config NAME] [--wheel WHEEL]
+Usage: tools/dev firmware [PORT] [--config NAME]
 
 Builds the firmware for PORT, stm32f405 (default) or qemu, says how big it is, how deep the stack gets and where ELF, BIN and HEX are.
-NAME is a configuration in firmware/config/generated (made by tools/dev table); lu2013 if not given. WHEEL is the place on CAN:
-front_left (default), front_right, rear_left or rear_right.
+NAME is a configuration in firmware/config/generated (made by tools/dev table); lu2013 if not given.
 TEXT
 }
 
 help_flash() {
     cat <<'TEXT'
-Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--wheel WHEEL]
-                       [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd]
+Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd]
        tools/dev flash [stm32f405] --config NAME --only-config --with serial --line DEVICE
 
 Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe, an ST-Link unless said
 otherwise, with OpenOCD (default) or with pyOCD, which finds the probe itself and fetches a device pack on first use.
 With --only-config the program on the board stays and only the configuration's sector is written: another motor, the
 same firmware. That also goes without a probe, over the serial line to the firmware's shell (--with serial); the wheel
-has to stand still, and the firmware checks the configuration before it lets go of the old one. WHEEL: see tools/dev firmware
---help. Wheel off the ground, please.
+has to stand still, and the firmware checks the configuration before it lets go of the old one.
+Wheel off the ground, please.
 TEXT
 }
 

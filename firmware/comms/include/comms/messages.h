@@ -85,6 +85,9 @@ typedef struct {
     uint32_t battery_errors;
 } messages_output_t;
 
+/* "front left" and so on; never NULL. */
+const char *messages_wheel_text(messages_wheel_t wheel);
+
 uint16_t messages_identifier(messages_kind_t kind, messages_wheel_t wheel);
 
 /* The DBC's GenMsgCycleTime. */

@@ -32,8 +32,8 @@ typedef struct {
     uint32_t said_count;
 } board_t;
 
-/* Boots the application with this configuration and a motor at rest; `wheel` is the one it was built for. */
-void board_start(board_t *board, messages_wheel_t wheel, const config_t *config);
+/* Boots the application with this configuration and a motor at rest. */
+void board_start(board_t *board, const config_t *config);
 
 /* For wheel_t.coupling. `board` has to stay where it is. */
 wheel_coupling_t board_coupling(board_t *board);

@@ -124,7 +124,8 @@ static bool receive(can_frame_t *frame, int calls)
 static bool transmit(const can_frame_t *frame, int calls)
 {
     (void)calls;
-    if (frame->identifier == messages_identifier(MESSAGES_WHEEL_STATE, HUBFOC_WHEEL)) {
+    if (frame->identifier ==
+        messages_identifier(MESSAGES_WHEEL_STATE, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position)) {
         board.last_state = *frame;
     }
     return true;
@@ -194,7 +195,8 @@ static void vehicle_says(bool enable, bool fault_reset, int duration_ms)
     static uint8_t counter;
     for (int ms = 0; ms < duration_ms; ms += 10) {
         const messages_demand_t demand = {.enable = enable, .fault_reset = fault_reset};
-        const messages_frame_t said = messages_demand(&demand, HUBFOC_WHEEL, counter++);
+        const messages_frame_t said =
+            messages_demand(&demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position, counter++);
         can_frame_t frame = {.identifier = said.identifier, .length = said.length};
         memcpy(frame.data, said.data, sizeof frame.data);
         board.waiting = frame;

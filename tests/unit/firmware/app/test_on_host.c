@@ -98,7 +98,8 @@ static messages_demand_t wish(uint32_t now_ms)
 static can_frame_t message(uint32_t now_ms)
 {
     const messages_demand_t demand = wish(now_ms);
-    const messages_frame_t said = messages_demand(&demand, HUBFOC_WHEEL, (uint8_t)(now_ms / MESSAGE_PERIOD_ms));
+    const messages_frame_t said = messages_demand(&demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position,
+                                                  (uint8_t)(now_ms / MESSAGE_PERIOD_ms));
     can_frame_t frame = {.identifier = said.identifier, .length = said.length};
     memcpy(frame.data, said.data, sizeof frame.data);
     return frame;
@@ -375,4 +376,25 @@ void test_a_wheel_that_turns_takes_no_configuration(void)
                                  host_serial_output());
     TEST_ASSERT_TRUE(is_as_it_was());
     TEST_ASSERT_FALSE(host_watchdog_bit());
+}
+
+/* One firmware for four wheels: the address is the configuration's. */
+void test_a_wheel_listens_and_speaks_under_the_address_in_its_configuration(void)
+{
+    for (int32_t wheel = MESSAGES_FRONT_LEFT; wheel <= MESSAGES_REAR_RIGHT; wheel++) {
+        config_t config = CONFIG_IMAGE;
+        config.vehicle.wheel_position = wheel;
+        config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+        connect(&config);
+        app_boot();
+        run_for(1000);
+        can_frame_t frame;
+        int states = 0;
+        while (host_can_receive(&frame)) {
+            TEST_ASSERT_EQUAL_UINT16(wheel, frame.identifier & 3U);
+            states += frame.identifier == messages_identifier(MESSAGES_WHEEL_STATE, (messages_wheel_t)wheel) ? 1 : 0;
+        }
+        TEST_ASSERT_TRUE(states > 0);
+        TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), messages_wheel_text((messages_wheel_t)wheel)));
+    }
 }

@@ -74,6 +74,7 @@ void test_the_banner_names_program_configuration_checksum_and_wheel(void)
     text_add_hex(&crc, CONFIG_IMAGE.crc32);
     assert_in_line(crc.chars);
     assert_in_line(", wheel ");
+    assert_in_line(messages_wheel_text((messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position));
 }
 
 void test_a_refused_configuration_is_not_named_in_the_banner_since_its_name_may_be_garbage(void)

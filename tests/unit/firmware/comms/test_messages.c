@@ -27,6 +27,15 @@ void test_identifiers_fit_eleven_bits_and_no_two_share_their_low_byte(void)
     }
 }
 
+void test_every_wheel_has_a_name_of_its_own(void)
+{
+    TEST_ASSERT_EQUAL_STRING("front left", messages_wheel_text(MESSAGES_FRONT_LEFT));
+    TEST_ASSERT_EQUAL_STRING("front right", messages_wheel_text(MESSAGES_FRONT_RIGHT));
+    TEST_ASSERT_EQUAL_STRING("rear left", messages_wheel_text(MESSAGES_REAR_LEFT));
+    TEST_ASSERT_EQUAL_STRING("rear right", messages_wheel_text(MESSAGES_REAR_RIGHT));
+    TEST_ASSERT_EQUAL_STRING("unknown", messages_wheel_text((messages_wheel_t)4));
+}
+
 void test_a_wheel_is_the_lowest_two_bits_of_the_identifier(void)
 {
     for (uint32_t w = 0; w < 4; w++) {

@@ -5,9 +5,11 @@
 #include "bench/board.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "comms/node.h"
+#include "config/validate.h"
 #include "unity.h"
 #include "vehicle_fixture.h"
 
@@ -99,13 +101,13 @@ static void start_twin(const config_t *config)
     const messages_battery_t pack = {config->battery.max_charge_current_mA * wheels,
                                      config->battery.max_discharge_current_mA * wheels};
     memset(&twin, 0, sizeof twin);
-    board_start(&twin.board, HUBFOC_WHEEL, config);
+    board_start(&twin.board, config);
     twin.through_board = board_coupling(&twin.board);
     twin.config = config;
     controller_init(&twin.controller, config);
     twin.to_fast = controller_initial_slow_to_fast(config);
     twin.to_slow = controller_initial_fast_to_slow(config);
-    node_init(&twin.node, HUBFOC_WHEEL, pack, 0);
+    node_init(&twin.node, (messages_wheel_t)config->vehicle.wheel_position, pack, 0);
     twin.next.bridge = BRIDGE_OFF;
     twin.winding_temperature_cC = twin.board.sample.winding_temperature_cC;
     twin.switch_temperature_cC = twin.board.sample.switch_temperature_cC;
@@ -145,13 +147,11 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-static void assert_the_same_in_every_period(int32_t strategy, int32_t sensor)
+static void assert_the_same_in_every_period(const config_t *config, const bench_params_t *params)
 {
-    const config_t config = fixture_config_with_sensor(strategy, sensor);
-    const bench_params_t params = moving_vehicle(5.0);
-    start_twin(&config);
+    start_twin(config);
     const wheel_coupling_t compared = {.context = &twin, .period = period, .millisecond = millisecond};
-    TEST_ASSERT_EQUAL_INT(BENCH_READY, start(&params, &config, &compared));
+    TEST_ASSERT_EQUAL_INT(BENCH_READY, start(params, config, &compared));
     drive_about();
     TEST_ASSERT_TRUE_MESSAGE(twin.switching_periods > 20000, "the bridge must switch to prove anything");
     TEST_ASSERT_TRUE_MESSAGE(twin.braking_commands > 20, "the hydraulic brake must have been asked");
@@ -160,12 +160,29 @@ static void assert_the_same_in_every_period(int32_t strategy, int32_t sensor)
 
 void test_with_an_angle_sensor_the_bridge_gets_the_same_numbers_through_the_board_as_directly(void)
 {
-    assert_the_same_in_every_period(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    const bench_params_t params = moving_vehicle(5.0);
+    assert_the_same_in_every_period(&config, &params);
 }
 
 void test_with_halls_the_bridge_gets_the_same_numbers_through_the_board_as_directly(void)
 {
-    assert_the_same_in_every_period(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, CONFIG_ROTOR_HALL);
+    const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, CONFIG_ROTOR_HALL);
+    const bench_params_t params = moving_vehicle(5.0);
+    assert_the_same_in_every_period(&config, &params);
+}
+
+void test_with_an_encoder_the_bridge_gets_the_same_numbers_through_the_board_as_directly(void)
+{
+    config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    config.rotor.encoder_counts = 4096;
+    config.rotor.encoder_index_tolerance_counts = 2;
+    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+    bench_params_t params = moving_vehicle(5.0);
+    params.encoder.counts = 4096.0;
+    params.encoder.index_width_counts = 1.0;
+    assert_the_same_in_every_period(&config, &params);
 }
 
 typedef struct {
@@ -195,7 +212,7 @@ void test_a_stop_through_the_board_is_the_stop_of_the_bench_but_for_the_time_tha
     const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
     const stop_t direct = stop_with(NULL, &config, 50.0);
     static board_t board;
-    board_start(&board, HUBFOC_WHEEL, &config);
+    board_start(&board, &config);
     const wheel_coupling_t coupling = board_coupling(&board);
     const stop_t through = stop_with(&coupling, &config, 50.0);
     TEST_ASSERT_DOUBLE_WITHIN(2.0 * CYCLE_S * 5.0 + 0.002 * direct.distance_m, direct.distance_m, through.distance_m);
@@ -209,7 +226,7 @@ void test_an_application_that_refuses_its_configuration_never_moves_the_vehicle(
     config_t damaged = good;
     damaged.motor.pole_pairs++; /* the checksum now says so */
     static board_t board;
-    board_start(&board, HUBFOC_WHEEL, &damaged);
+    board_start(&board, &damaged);
     const wheel_coupling_t coupling = board_coupling(&board);
     const bench_params_t params = moving_vehicle(0.0);
     TEST_ASSERT_EQUAL_INT(BENCH_NOT_RUN, start(&params, &good, &coupling));
