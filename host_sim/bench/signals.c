@@ -21,7 +21,7 @@ typedef enum { VALUE, RATE } kind_t;
     X("battery.polarisation_v", VALUE, "V", "over the RC branch", b->battery.polarisation_v) \
     X("battery.collapsed", VALUE, "", "1: more power was drawn than the battery can give", b->battery.collapsed ? 1.0 : 0.0) \
     X("bus.voltage_v", VALUE, "V", "at the bridges", b->bus.voltage_v) \
-    X("driver.demand_age_s", VALUE, "s", "age of the demand the controllers have", b->demand_age_s) \
+    X("driver.message_age_s", VALUE, "s", "age of the demand the controllers have", b->demand_age_s) \
     X("bms.charge_a", VALUE, "A", "charge limit sent to the controllers", b->limits.sent.charge_a) \
     X("bms.discharge_a", VALUE, "A", "discharge limit sent to the controllers", b->limits.sent.discharge_a) \
     X("battery.chemical_w", RATE, "W", "power drawn from the cells, mean over the row", accounts->run.chemical_j) \

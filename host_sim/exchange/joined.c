@@ -12,7 +12,7 @@ enum { EXCHANGE_SLOW_OUTPUTS(OUT_AT) };
 
 void joined_init(joined_t *joined, const config_t *config)
 {
-    memset(joined, 0, sizeof(*joined)); /* padding too, so that equal values are equal bytes */
+    memset(joined, 0, sizeof(*joined)); /* padding too: the whole value is read when it is saved */
     joined->config = *config;
     controller_init(&joined->controller, &joined->config);
     joined->to_fast = controller_initial_slow_to_fast(&joined->config);
@@ -26,6 +26,9 @@ void joined_fast(joined_t *joined, const int32_t *in, int32_t *out)
                                (uint16_t)in[IN_phase_current_code_c]},
         .bus_voltage_code = (uint16_t)in[IN_bus_voltage_code],
         .rotor_angle_turn = (uint16_t)in[IN_rotor_angle_turn],
+        .encoder = {.count = (uint16_t)in[IN_encoder_count],
+                    .index_count = (uint16_t)in[IN_encoder_index_count],
+                    .index = in[IN_encoder_index] != 0},
         .hall_state = (uint8_t)in[IN_hall_state],
         .power_stage_fault = in[IN_power_stage_fault] != 0,
     };

@@ -15,6 +15,7 @@ From a bare Debian 12, Debian 13 or Ubuntu 24.04, every command first installs w
   flash [PORT]                  firmware onto a board through a debug probe
   hubsim ARGUMENT...            the simulator's own command
   python ARGUMENT...            the project's Python, with hubsim and regen_table importable
+  fmu [--config CONFIG.toml]    units for co-simulation (FMI 2.0 and 3.0): one controller, and the whole vehicle
   bench                         instructions, stack, code size, simulation speed
   report                        show the page that sim wrote
   format                        rewrite all sources in the project's format
@@ -91,6 +92,16 @@ Usage: tools/dev python ARGUMENT...
 
 Runs the private Python environment .dev/venv, in which hubsim and regen_table can be imported. For example:
   tools/dev python -m regen_table solve tools/motors/lu2013.toml --speed-rpm 100,200 --winding-temperature-c 25 --json
+TEXT
+}
+
+help_fmu() {
+    cat <<'TEXT'
+Usage: tools/dev fmu [--config CONFIG.toml]
+
+Builds four units for co-simulation from one drive (tools/motors/lu2013.toml unless said otherwise) and says where they are:
+hubfoc_controller (one controller) and hubfoc_vehicle (controllers with motors, battery, brakes and road), each for FMI 2.0
+and 3.0, with binary for this machine and complete source.
 TEXT
 }
 

@@ -22,7 +22,7 @@ from hubsim.variables import Values, Variable
 
 SLOW_RATE_HZ = 1000
 # What nobody has set yet: a healthy board at room temperature, and a battery that leaves the limits to the configuration.
-_QUIET = {
+FIRST_VALUES = {
     "selftest_passed": 1.0,
     "config_accepted": 1.0,
     "winding_temperature_c": 25.0,
@@ -148,7 +148,7 @@ class _Step:
     def reset(self) -> None:
         """Give every input its first value."""
         for k, variable in enumerate(self._in):
-            first = _QUIET.get(variable.name, 0.0)
+            first = FIRST_VALUES.get(variable.name, 0.0)
             zero, per_unit = self._owner.scale(self._port, k)
             self._values[k] = first
             self._raw_values[k] = min(max(round(zero + first * per_unit), variable.lowest_raw), variable.highest_raw)

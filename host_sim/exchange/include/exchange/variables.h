@@ -3,7 +3,8 @@
  *
  *     X(name_unit, raw name, type, scale, lowest raw, highest raw, "unit", "meaning")
  *
- * The raw name is the member of controller.h's exchange structs (with a phase's letter in place of an index), the raw
+ * The raw name is the member of controller.h's exchange structs (with a phase's letter in place of an index,
+ * an underscore in place of a dot), the raw
  * value the integer the firmware works with. scale says how the two belong together, variables_scale() puts it in
  * numbers: raw = zero + engineering * per_unit. type is what the variable is to a tool: REAL, FLAG or CODE (an integer
  * that stands for something). Everything that offers a controller to other programs reads these lists, so a variable
@@ -27,6 +28,9 @@
     X(phase_c_a,         phase_current_code_c, REAL, CURRENT_CODE, 0, 4095,  "A",    "current into phase c at the sampling instant") \
     X(bus_voltage_v,     bus_voltage_code,     REAL, VOLTAGE_CODE, 0, 4095,  "V",    "DC bus voltage at the sampling instant") \
     X(rotor_angle_turn,  rotor_angle_turn,     REAL, TURN,         0, 65535, "turn", "electrical angle of the rotor, any number of turns; read with an angle sensor only") \
+    X(encoder_count,       encoder_count,       CODE, PLAIN,       0, 65535, "",     "free running, four to a line; read with an encoder only") \
+    X(encoder_index_count, encoder_index_count, CODE, PLAIN,       0, 65535, "",     "the count at the latest index pulse") \
+    X(encoder_index,       encoder_index,       FLAG, PLAIN,       0, 1,     "",     "an index pulse came since the last period") \
     X(hall_state,        hall_state,           CODE, PLAIN,        0, 7,     "",     "bit 0 hall A, bit 1 B, bit 2 C; read with hall sensors only") \
     X(power_stage_fault, power_stage_fault,    FLAG, PLAIN,        0, 1,     "",     "gate driver or break input active")
 

@@ -50,6 +50,15 @@ void test_every_name_is_there_once(void)
     }
 }
 
+void test_what_is_watched_and_what_is_set_never_have_the_same_name(void)
+{
+    char name[NAME_LENGTH];
+    for (int k = 0; k < signals_count(bench); k++) {
+        signals_name(bench, k, name, sizeof(name));
+        TEST_ASSERT_EQUAL_INT_MESSAGE(-1, parameters_find(name), name);
+    }
+}
+
 static bool ends_with(const char *name, const char *end)
 {
     const size_t length = strlen(name);

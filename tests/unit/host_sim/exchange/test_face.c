@@ -9,7 +9,7 @@
 #include "unity.h"
 #include "vehicle_fixture.h"
 
-enum { FAST_INPUTS = 7, FAST_OUTPUTS = 4, SLOW_INPUTS = 12 };
+enum { FAST_INPUTS = 10, FAST_OUTPUTS = 4, SLOW_INPUTS = 12 };
 static hubsim_controller_t *controller;
 static config_t config;
 
@@ -93,7 +93,8 @@ void test_engineering_and_raw_steps_are_the_same_step(void)
     hubsim_controller_t *other = hubsim_controller_new();
     TEST_ASSERT_EQUAL_INT(0, hubsim_controller_load_config(other, &config, sizeof(config)));
     for (int n = 0; n < 3000; n++) {
-        const int32_t raw[FAST_INPUTS] = {2048 + n % 40, 2048 - n % 30, 2048 - n % 10, 3400, (n * 30) & 0xFFFF, 5, 0};
+        const int32_t raw[FAST_INPUTS] = {
+            2048 + n % 40, 2048 - n % 30, 2048 - n % 10, 3400, (n * 30) & 0xFFFF, n, n, 0, 5, 0};
         int32_t raw_out[FAST_OUTPUTS];
         double in[FAST_INPUTS];
         double out[FAST_OUTPUTS];

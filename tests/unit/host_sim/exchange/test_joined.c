@@ -35,6 +35,7 @@ static fast_input_t fast_input(uint32_t n)
                                (uint16_t)(2048 - (calm ? 0 : scrambled(n + 1) % 300)), 2048},
         .bus_voltage_code = (uint16_t)(3500 + scrambled(n + 2) % 50),
         .rotor_angle_turn = (uint16_t)(n * 40),
+        .encoder = {.count = (uint16_t)n, .index_count = (uint16_t)(n / 7), .index = n % 7 == 0},
         .hall_state = 5,
         .power_stage_fault = n == STEPS - 100,
     };
@@ -64,7 +65,8 @@ static slow_input_t slow_input(uint32_t n)
 static void fast_array(const fast_input_t *in, int32_t *out)
 {
     const int32_t values[] = {in->phase_current_code[0], in->phase_current_code[1], in->phase_current_code[2],
-                              in->bus_voltage_code,      in->rotor_angle_turn,      in->hall_state,
+                              in->bus_voltage_code,      in->rotor_angle_turn,      in->encoder.count,
+                              in->encoder.index_count,   in->encoder.index,         in->hall_state,
                               in->power_stage_fault};
     memcpy(out, values, sizeof(values));
 }

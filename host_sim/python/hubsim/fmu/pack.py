@@ -1,0 +1,72 @@
+"""The package: model description, binary, sources that need nothing else, documentation."""
+
+import platform
+import zipfile
+from collections.abc import Iterable
+from pathlib import Path
+
+from hubsim import files
+from hubsim.errors import HubsimError
+from hubsim.fmu import xml
+from hubsim.fmu.description import Description
+
+_STAMP = (1980, 1, 1, 0, 0, 0)  # the same content is the same package
+_MACHINE = {"x86_64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
+_FMI2_FOLDER = {"x86_64": "linux64", "aarch64": "aarch64-linux"}
+
+
+def platform_folder(fmi: int) -> str:
+    """Return the folder below binaries/ that this machine's importers look into."""
+    machine = _MACHINE.get(platform.machine())
+    if machine is None or platform.system() != "Linux":
+        raise HubsimError(f"{platform.system()} on {platform.machine()}: units are built on Linux, x86_64 or aarch64")
+    return _FMI2_FOLDER[machine] if fmi == 2 else f"{machine}-linux"
+
+
+def source_files(listed: Iterable[Path], table: Path) -> dict[str, Path]:
+    """Return name below sources/ and file, for C files in rooms (``.../ROOM/FILE.c``), their headers and the table.
+
+    Headers keep the names they are included by, so that sources/ is the only include directory.
+    """
+    found: dict[str, Path] = {"table.c": table}
+    for path in listed:
+        room = path.parent
+        found[f"{room.name}/{path.name}"] = path
+        for header in sorted((room / "include").rglob("*.h")):
+            found[header.relative_to(room / "include").as_posix()] = header
+        for header in sorted(room.glob("*.h")):
+            found[f"{room.name}/{header.name}"] = header
+    return found
+
+
+def write(unit: Description, fmi: int, binary: Path, listed: Iterable[Path], table: Path, licence: Path, out: Path) -> None:
+    """Write a unit; an old one is replaced only by a complete new one."""
+    sources = source_files(listed, table)
+    compiled = sorted(name for name in sources if name.endswith(".c"))
+    entries: dict[str, bytes] = {"modelDescription.xml": xml.model_description(unit, fmi, compiled).encode()}
+    entries[f"binaries/{platform_folder(fmi)}/{unit.identifier}.so"] = binary.read_bytes()
+    entries |= {f"sources/{name}": path.read_bytes() for name, path in sources.items()}
+    if fmi == 3:
+        entries["sources/buildDescription.xml"] = xml.build_description(unit, compiled).encode()
+    where = "documentation/licenses" if fmi == 3 else "documentation"
+    entries[f"{where}/license.txt"] = licence.read_bytes()
+    entries["documentation/index.html"] = _page(unit).encode()
+    files.check_writable(out)
+    beside = out.with_name(f".{out.name}.new")
+    try:
+        with zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as package:
+            for name, content in sorted(entries.items()):
+                entry = zipfile.ZipInfo(name, _STAMP)
+                entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+                package.writestr(entry, content)
+        beside.replace(out)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def _page(unit: Description) -> str:
+    rows = "\n".join(f"<tr><td>{v.name}<td>{v.role.lower()}<td>{v.unit}<td>{v.text}" for v in unit.variables)
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><meta charset="utf-8"><title>{unit.identifier}</title>\n<h1>{unit.identifier}</h1>\n'
+        f"<p>{unit.text}\n<table><tr><th>variable<th>role<th>unit<th>meaning\n{rows}\n</table></html>\n"
+    )
