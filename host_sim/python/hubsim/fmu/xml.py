@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from hubsim import __version__
 from hubsim.fmu.description import CODE, FIXED, FLAG, INPUT, OUTPUT, REAL, Description, Variable
-from hubsim.fmu.units import UNITS
+from hubsim.fmu.units import base_powers
 
 STOP_S = 10.0
 _TYPE = {2: {REAL: "Real", FLAG: "Boolean", CODE: "Integer"}, 3: {REAL: "Float64", FLAG: "Boolean", CODE: "Int32"}}
@@ -72,7 +72,7 @@ def _units(root: ET.Element, unit: Description, fmi: int) -> None:
     definitions = ET.SubElement(root, "UnitDefinitions")
     used = {v.unit for v in unit.variables if v.unit} | ({"s"} if fmi == 3 else set())
     for name in sorted(used):
-        powers = {key: _number(value) for key, value in UNITS[name].items()}
+        powers = {key: _number(value) for key, value in base_powers(name).items()}
         ET.SubElement(ET.SubElement(definitions, "Unit", {"name": name}), "BaseUnit", powers)
 
 

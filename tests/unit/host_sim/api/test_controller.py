@@ -78,7 +78,9 @@ def behaviour(controller: hubsim.Controller) -> list[hubsim.Values]:
     for n in range(400):
         if n % 20 == 0:
             found.append(controller.slow_step(drive_torque_nm=1.0, enable=True))
-        found.append(controller.fast_step(rotor_angle_turn=n / 300.0, phase_a_a=0.1 * (n % 5), bus_voltage_v=52.0))
+        found.append(
+            controller.fast_step(rotor_angle_turn=n / 300.0, phase_a_a=0.1 * (n % 5), phase_b_a=0.0, phase_c_a=0.0, bus_voltage_v=52.0)
+        )
     return found
 
 

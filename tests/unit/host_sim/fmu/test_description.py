@@ -58,12 +58,29 @@ def test_every_variable_says_what_it_is_in_its_unit(fmi: int, vehicle: Descripti
         assert used == defined
 
 
-def test_a_degree_a_turn_and_an_ampere_hour_are_what_they_are() -> None:
-    assert units.UNITS["degC"] == {"K": 1, "offset": 273.15}
-    assert units.UNITS["turn"]["factor"] == pytest.approx(6.283185307)
-    assert units.UNITS["A.h"]["factor"] == 3600.0
+@pytest.mark.parametrize(
+    ("unit", "powers"),
+    [
+        ("N.m", {"kg": 1, "m": 2, "s": -2}),
+        ("m/s2", {"m": 1, "s": -2}),
+        ("1/m", {"m": -1}),
+        ("K/W", {"K": 1, "kg": -1, "m": -2, "s": 3}),
+        ("V.s/rad", {"kg": 1, "m": 2, "s": -2, "A": -1, "rad": -1}),
+        ("A.h", {"A": 1, "s": 1, "factor": 3600.0}),
+        ("degC", {"K": 1, "offset": 273.15}),
+        ("turn/min", {"rad": 1, "s": -1, "factor": pytest.approx(2.0 * 3.141592653589793 / 60.0)}),
+        ("m/m", {}),
+    ],
+)
+def test_units_are_powers_of_base_units(unit: str, powers: dict[str, float]) -> None:
+    assert units.base_powers(unit) == powers
+
+
+def test_what_is_no_unit_is_named() -> None:
+    assert units.known("N m s") == "N.m.s"
+    assert units.known("1") == units.known("") == ""
     with pytest.raises(hubsim.HubsimError, match="furlong"):
-        units.known("furlong")
+        units.known("furlong/s")
 
 
 def test_another_configuration_is_another_unit(vehicle: Description, tmp_path: Path) -> None:
