@@ -72,9 +72,9 @@ TEST_CASE("a bridge that starts to switch at any speed meets the back-EMF with i
                     Bench bench = rolling(config, plant, 0.9 * position);
                     CAPTURE(speed_rpm);
                     CAPTURE(position);
-                    CHECK(largest_A(bench, 400) < 0.5);
+                    CHECK(largest_A(bench, 400) < 0.25);
                     bench.run(50, Mode::off);
-                    CHECK(largest_A(bench, 400) < 0.5);
+                    CHECK(largest_A(bench, 400) < 0.25);
                 }
             }
         }
@@ -97,7 +97,7 @@ TEST_CASE(
             CAPTURE(speed_rpm);
             CHECK(largest < missing_V / k_p_ohm(config) + 0.5);
             CHECK(largest > 0.5 * missing_V / k_p_ohm(config)); // without it there would be nothing to bound
-            CHECK(largest_A(bench, 400) < 0.5);
+            CHECK(largest_A(bench, 400) < 0.25);
         }
     }
 }
