@@ -62,7 +62,6 @@ void test_codes_are_those_of_a_faultless_converter_of_the_same_full_scale(void)
     };
     const sensors_t sensors = sensors_init(&params);
     const sensors_fault_t healthy = {.offset_a = 0.0};
-    const sensors_fault_t healthy = {.offset_a = 0.0};
     random_t random = random_init(1, 0);
     for (int k = -300; k <= 300; k++) {
         const plant_abc_t i = {.a = 0.7131 * k, .b = -0.31 * k, .c = 0.017 * k};
