@@ -88,8 +88,15 @@ static int32_t bus_current_mA(const config_t *config, int32_t power_pu, int32_t 
     return q_scale(in_circle_mA, 866025, 1000000);
 }
 
-static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow, const fast_to_slow_t *from_fast,
-                                               const slow_input_t *in, int32_t speed_mrad_s, int32_t bus_mV)
+/* A share of the voltage circle in volts: u = m limit v_dc / sqrt(3); 32 768 sqrt(3) = 56 756. */
+static int32_t phase_mV(int32_t share_q15, int32_t modulation_limit_q15, int32_t bus_mV)
+{
+    return q_scale(q_scale(share_q15, modulation_limit_q15, 32768), bus_mV, 56756);
+}
+
+static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow, const config_t *config,
+                                               const fast_to_slow_t *from_fast, const slow_input_t *in,
+                                               int32_t speed_mrad_s, int32_t bus_mV)
 {
     const monitor_slow_input_t out = {
         .fast_trip = from_fast->monitor.trip,
@@ -103,6 +110,11 @@ static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow, co
         .speed_mrad_s = speed_mrad_s,
         .winding_temperature_cC = in->winding_temperature_cC,
         .switch_temperature_cC = in->switch_temperature_cC,
+        .i_d_mA = bases_current_mA(config, from_fast->foc.current.i_pu.d),
+        .i_q_mA = bases_current_mA(config, from_fast->foc.current.i_pu.q),
+        .u_d_mV = phase_mV(from_fast->foc.current.voltage.realised.d, slow->modulation_limit_q15, bus_mV),
+        .u_q_mV = phase_mV(from_fast->foc.current.voltage.realised.q, slow->modulation_limit_q15, bus_mV),
+        .voltage_limited = slow->summary.latest.voltage_limited,
         .torque_command_mNm = slow->last_command_mNm,
         .torque_estimate_mNm = slow->last_estimate_mNm,
         .offset_q4 = {from_fast->foc.offset_q4[0], from_fast->foc.offset_q4[1], from_fast->foc.offset_q4[2]},
@@ -171,7 +183,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     const foc_summary_t summary = foc_summary_step(&slow->summary, &from_fast->foc, from_fast->fast_step_count);
     const int32_t bus_mV = bases_bus_voltage_mV(config, summary.v_dc_pu);
 
-    const monitor_slow_input_t watched = watched_by_monitor(slow, from_fast, in, speed_mrad_s, bus_mV);
+    const monitor_slow_input_t watched = watched_by_monitor(slow, config, from_fast, in, speed_mrad_s, bus_mV);
     const monitor_verdict_t verdict = monitor_slow_step(&slow->monitor, config, &watched);
     const modes_output_t modes = decide_mode(slow, config, from_fast, in, &verdict, speed_mrad_s);
     const torque_output_t torque = flow_torque(slow, config, from_fast, in, &modes.permission, speed_mrad_s, bus_mV);

@@ -50,6 +50,8 @@ static void settle(hall_t *hall)
     hall->theta_q32 = (uint32_t)hall->middle_turn << 16;
     hall->overdue_periods = hall->standstill_periods;
     hall->bounce_periods = 0;
+    hall->edge_theta_q32 = hall->theta_q32;
+    hall->edge_speed_q32 = 0;
 }
 
 void hall_init(hall_t *hall, const config_t *config)
@@ -57,6 +59,7 @@ void hall_init(hall_t *hall, const config_t *config)
     const hall_t zero = {0};
     *hall = zero;
     hall->standstill_periods = config->drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S;
+    hall->turn_round_periods = config->drive.pwm_frequency_Hz / HALL_TURN_ROUND_DIVISOR;
     hall->steady_sensors = HALL_NEVER;
 }
 
@@ -125,13 +128,13 @@ static void cross_edge(hall_t *hall, const config_t *config, uint8_t sector, int
         hall->theta_q32 += (uint32_t)(wrong_turn * 32768);
         hold_inside(hall);
     }
+    hall->edge_theta_q32 = hall->theta_q32;
+    hall->edge_speed_q32 = hall->speed_q32;
 }
 
-/* One more period inside the same sector. */
-static void extrapolate(hall_t *hall)
+/* When the next edge is overdue the speed dies away, and in the end the rotor counts as standing. */
+static void wait_for_edge(hall_t *hall)
 {
-    hall->theta_q32 += (uint32_t)hall->speed_q32;
-    hold_inside(hall);
     if (hall->periods_since_edge > hall->overdue_periods) {
         hall->speed_q32 -= hall->speed_q32 / (1 << HALL_DECAY_LOG2);
         if (hall->periods_since_edge > hall->standstill_periods) {
@@ -140,13 +143,120 @@ static void extrapolate(hall_t *hall)
     }
 }
 
-/* The sensors say a neighbouring sector: an edge, or the bounce of the last one. */
+/* One more period inside the same sector. */
+static void extrapolate(hall_t *hall)
+{
+    hall->theta_q32 += (uint32_t)hall->speed_q32;
+    hold_inside(hall);
+    wait_for_edge(hall);
+}
+
+/* The sensors contradict themselves. Whatever was held back since the last edge in order was perhaps no slower rotor but a
+ * dead sensor: the angle goes on from there as if that edge had been the last thing heard. */
+static void begin_doubt(hall_t *hall)
+{
+    hall->lost_edges++;
+    hall->doubt = true;
+    hall->edges_in_order = 0;
+    hall->speed_q32 = hall->edge_speed_q32;
+    hall->theta_q32 = hall->edge_theta_q32 + (uint32_t)hall->edge_speed_q32 * (uint32_t)hall->periods_since_edge;
+    /* A dead sensor stretches sectors to twice their time. */
+    hall->overdue_periods = q_min(hall->overdue_periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
+}
+
+/* A neighbouring sector in the direction of the rotation, while in doubt. */
+static void follow_edge_in_doubt(hall_t *hall, const config_t *config, uint8_t sector)
+{
+    const uint8_t left = hall->sector;
+    const uint16_t edge_turn = sector_start(config, hall->direction > 0 ? sector : left);
+    hall->edges_in_order++;
+    if (hall->edges_in_order > 1) {
+        hall->sectors_timed = 0; /* both ends of the sector just left were edges in order: its time alone counts */
+        hall->timed_turn = 0;
+        hall->timed_periods = 0;
+        time_sector(hall, left, sector_width(config, left), (uint16_t)hall->periods_since_edge);
+        hall->bounce_periods = hall->periods_since_edge / HALL_BOUNCE_DIVISOR;
+        hall->overdue_periods =
+            q_min(hall->periods_since_edge * HALL_OVERDUE_FACTOR * HALL_OVERDUE_FACTOR, hall->standstill_periods);
+        /* One sector is known to a period of its time only, so it counts for a quarter. */
+        hall->speed_q32 = q_saturate64((INT64_C(3) * hall->speed_q32 + measured_speed_q32(hall)) / 4);
+    }
+    const int32_t wrong_turn = angle_difference(edge_turn, (uint16_t)(hall->theta_q32 >> 16));
+    if (q_abs(wrong_turn) < HALL_NEAR_EDGE_TURN) {
+        hall->theta_q32 += (uint32_t)(wrong_turn * 32768);
+    }
+}
+
+/* A period in doubt: dead reckoning, corrected by the edges that fit. True when the doubt is over. */
+static bool reckon(hall_t *hall, const config_t *config, uint8_t sector)
+{
+    hall->theta_q32 += (uint32_t)hall->speed_q32;
+    if (sector == NO_SECTOR) {
+        hall->edges_in_order = 0;
+    } else if (sector != hall->sector) {
+        const int8_t step =
+            sector == next_sector(hall->sector) ? 1 : (sector == previous_sector(hall->sector) ? -1 : 0);
+        if (step != 0 && step != hall->direction && hall->periods_since_edge <= hall->bounce_periods) {
+            return false; /* a bounce */
+        }
+        if (step != 0 && step == hall->direction) {
+            follow_edge_in_doubt(hall, config, sector);
+        } else {
+            hall->edges_in_order = 0;
+            hall->direction = hall->direction == 0 ? step : hall->direction;
+        }
+        enter_sector(hall, config, sector);
+    }
+    const bool standing = hall->periods_since_edge > hall->standstill_periods;
+    wait_for_edge(hall);
+    if (hall->speed_q32 == 0) {
+        hall->theta_q32 = (uint32_t)hall->middle_turn << 16;
+    }
+    return sector != NO_SECTOR && (standing || hall->edges_in_order >= HALL_TRUSTED_EDGES);
+}
+
+static void end_doubt(hall_t *hall)
+{
+    hall->doubt = false;
+    hold_inside(hall);
+    hall->overdue_periods /= HALL_OVERDUE_FACTOR;
+    hall->edge_theta_q32 = hall->theta_q32;
+    hall->edge_speed_q32 = hall->speed_q32;
+}
+
+/* The sensors say a neighbouring sector: an edge, the bounce of the last one, or a reversal that cannot be. */
 static void step_to(hall_t *hall, const config_t *config, uint8_t sector, int8_t direction)
 {
+    const bool back = direction == -hall->direction;
+    const bool too_quick = hall->sectors_timed > 0 && hall->overdue_periods < hall->turn_round_periods &&
+                           hall->periods_since_edge <= hall->overdue_periods;
     if (direction != hall->direction && hall->periods_since_edge <= hall->bounce_periods) {
         extrapolate(hall);
+    } else if (back && too_quick) {
+        begin_doubt(hall);
+        enter_sector(hall, config, sector);
     } else {
         cross_edge(hall, config, sector, direction);
+    }
+}
+
+static void look_in_order(hall_t *hall, const config_t *config, uint8_t sector)
+{
+    hall->invalid_periods = sector == NO_SECTOR ? q_min(hall->invalid_periods + 1, UINT16_MAX) : 0;
+    if (sector == NO_SECTOR) {
+        hall->theta_q32 += (uint32_t)hall->speed_q32;
+        if (hall->invalid_periods >= HALL_INVALID_PERIODS) {
+            begin_doubt(hall);
+        }
+    } else if (sector == hall->sector) {
+        extrapolate(hall);
+    } else if (sector == next_sector(hall->sector)) {
+        step_to(hall, config, sector, 1);
+    } else if (sector == previous_sector(hall->sector)) {
+        step_to(hall, config, sector, -1);
+    } else {
+        begin_doubt(hall);
+        enter_sector(hall, config, sector);
     }
 }
 
@@ -154,29 +264,18 @@ void hall_look(hall_t *hall, const config_t *config, uint8_t sensors)
 {
     const uint8_t sector = SECTOR_OF_SENSORS[sensors & 7U];
     hall->periods_since_edge = q_min(hall->periods_since_edge + 1, UINT16_MAX);
-    if (sector == hall->sector && hall->started) {
-        extrapolate(hall);
-    } else if (sector == NO_SECTOR) {
-        hall->invalid_periods = q_min(hall->invalid_periods + 1, UINT16_MAX);
-        hall->valid = hall->started && hall->invalid_periods < HALL_INVALID_PERIODS;
-        hall->steady_sensors = HALL_NEVER;
-        hall->theta_q32 += (uint32_t)hall->speed_q32;
-        return;
-    } else if (!hall->started) {
-        hall->started = true;
-        enter_sector(hall, config, sector);
-        settle(hall);
-    } else if (sector == next_sector(hall->sector)) {
-        step_to(hall, config, sector, 1);
-    } else if (sector == previous_sector(hall->sector)) {
-        step_to(hall, config, sector, -1);
-    } else {
-        /* A sector was skipped: impossible for a healthy set of sensors at any speed the loop can follow. */
-        hall->lost_edges++;
-        enter_sector(hall, config, sector);
-        settle(hall);
+    if (!hall->started) {
+        if (sector != NO_SECTOR) {
+            hall->started = true;
+            enter_sector(hall, config, sector);
+            settle(hall);
+        }
+    } else if (!hall->doubt) {
+        look_in_order(hall, config, sector);
+    } else if (reckon(hall, config, sector)) {
+        end_doubt(hall);
     }
-    hall->invalid_periods = 0;
-    hall->valid = true;
-    hall->steady_sensors = sector == hall->sector ? sensors : (uint8_t)HALL_NEVER; /* a bounce is looked at again */
+    hall->valid = hall->started && !hall->doubt;
+    /* A bounce, an impossible state and a doubt are looked at again in every period. */
+    hall->steady_sensors = hall->valid && sector == hall->sector ? sensors : (uint8_t)HALL_NEVER;
 }

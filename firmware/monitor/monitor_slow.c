@@ -41,6 +41,13 @@ static bool torque_unwanted(const config_t *config, const monitor_slow_input_t *
     return in->torque_estimate_mNm > high_mNm || in->torque_estimate_mNm < low_mNm;
 }
 
+/* Without a valid angle the torque leaves in its ramp; the valve must not close in the middle of it, for that would be
+ * the step that the ramp is there to avoid. */
+static int32_t rotor_confirm_steps(const config_t *config)
+{
+    return q_scale(config->motor.max_torque_mNm, 1000, config->brake.torque_rate_mNm_s) + MONITOR_ROTOR_STEPS;
+}
+
 static bool flow_broken(monitor_slow_state_t *state, const config_t *config, uint16_t fast_step_count)
 {
     const int32_t expected = config->drive.pwm_frequency_Hz / 1000;
@@ -95,13 +102,31 @@ static bool offsets_plausible(const config_t *config, const int32_t offset_q4[3]
     return plausible;
 }
 
+static monitor_emf_input_t emf_input(const monitor_slow_input_t *in)
+{
+    const monitor_emf_input_t out = {
+        .u_d_mV = in->u_d_mV,
+        .u_q_mV = in->u_q_mV,
+        .i_d_mA = in->i_d_mA,
+        .i_q_mA = in->i_q_mA,
+        .bus_voltage_mV = in->bus_voltage_mV,
+        .speed_mrad_s = in->speed_mrad_s,
+        .switching = in->switching,
+        .voltage_limited = in->voltage_limited,
+        .rotor_valid = in->rotor_valid,
+    };
+    return out;
+}
+
 monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config, const monitor_slow_input_t *in)
 {
     const bool sum_wrong =
         held(&state->sum_steps, in->offsets_known && q_abs(in->current_sum_pu) > config->monitor.current_sum_pu_q15,
              MONITOR_CONFIRM_STEPS);
     const bool sensor_wrong = held(&state->sensor_steps, in->switching && in->current_saturated, MONITOR_CONFIRM_STEPS);
-    const bool rotor_wrong = held(&state->rotor_steps, in->switching && !in->rotor_valid, MONITOR_CONFIRM_STEPS);
+    const bool rotor_wrong = held(&state->rotor_steps, in->switching && !in->rotor_valid, rotor_confirm_steps(config));
+    const monitor_emf_input_t emf = emf_input(in);
+    const bool angle_wrong = monitor_emf_step(&state->emf, config, &emf);
     const bool torque_wrong =
         held(&state->torque_steps, in->switching && torque_unwanted(config, in), config->monitor.torque_fault_time_ms);
     const bool flow_wrong =
@@ -132,6 +157,8 @@ monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t 
         out.fault = voltage;
     } else if (rotor_wrong) {
         out.fault = REASON_ROTOR_LOST;
+    } else if (angle_wrong) {
+        out.fault = REASON_ROTOR_IMPLAUSIBLE;
     } else if (torque_wrong) {
         out.fault = REASON_TORQUE_IMPLAUSIBLE;
     } else if (temperature_wrong) {

@@ -35,6 +35,9 @@ static bool hall_invariant(const hall_t *hall, const config_t *config)
            hall->periods_since_edge <= 65535 && hall->invalid_periods >= 0 && hall->invalid_periods <= 65535 &&
            hall->overdue_periods >= 0 && hall->overdue_periods <= hall->standstill_periods &&
            hall->bounce_periods >= 0 && hall->bounce_periods <= 65535 && hall->speed_q32 >= -INT32_MAX &&
+           hall->edges_in_order <= 6 && (!hall->doubt || hall->edges_in_order < 6) && (!hall->doubt || !hall->valid) &&
+           hall->edge_speed_q32 >= -INT32_MAX &&
+           hall->turn_round_periods == config->drive.pwm_frequency_Hz / HALL_TURN_ROUND_DIVISOR &&
            hall->standstill_periods == config->drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S;
 }
 
@@ -62,6 +65,11 @@ static hall_t any_hall(const config_t *config)
     hall.sector = nondet_uint8();
     hall.sectors_timed = nondet_uint8();
     hall.direction = (int8_t)any_within(-1, 1);
+    hall.turn_round_periods = nondet_int32();
+    hall.edge_theta_q32 = nondet_uint32();
+    hall.edge_speed_q32 = nondet_int32();
+    hall.edges_in_order = nondet_uint8();
+    hall.doubt = nondet_bool();
     hall.started = true;
     hall.valid = nondet_bool();
     ASSUME(hall_invariant(&hall, config));

@@ -2,10 +2,10 @@
  * monitor.h: the independent watcher. It looks at what the others do with its own eyes and its own arithmetic, names
  * what is wrong, and says what the bridge should do then. It never computes torque.
  *
- * Fast part (every PWM period): phase over-current, bus over-voltage, the power stage's own fault line. A trip is
+ * Fast part (every PWM period): length of the current vector, bus over-voltage, the power stage's own fault line. A trip is
  * latched, and the bridge goes to the safe state in the same period, whatever the slow reach says.
- * Slow part (1 kHz): sum of currents, saturated sensors, bus voltage, temperatures, rotor, torque against what was
- * permitted, and program flow (each reach counts the other's steps).
+ * Slow part (1 kHz): sum of currents, saturated sensors, bus voltage, temperatures, rotor, its angle against the back-EMF
+ * (monitor_emf.h), torque against what was permitted, and program flow (each reach counts the other's steps).
  */
 #ifndef MONITOR_MONITOR_H
 #define MONITOR_MONITOR_H
@@ -17,9 +17,11 @@
 #include "core/frames.h"
 #include "core/permission.h"
 #include "core/reason.h"
+#include "monitor/monitor_emf.h"
 
 enum {
     MONITOR_CONFIRM_STEPS = 20,       /* ms a slow condition must hold before it counts */
+    MONITOR_ROTOR_STEPS = 250,        /* ms that an angle which is not valid may heal, once the torque has left */
     MONITOR_TRIP_PERIODS = 2,         /* PWM periods an over-current must hold: one sample may be a spike */
     MONITOR_DOUBT_STEPS = 10000,      /* ms a doubt about the rotor sensor keeps the warning up */
     MONITOR_STALE_STEPS = 4,          /* slow steps that may be missing before the fast reach acts */
@@ -70,6 +72,7 @@ typedef struct {
     uint16_t doubt_steps; /* left of the warning */
     uint16_t verdicts;    /* counts the steps, wrapping: the watchdog is fed only while it moves */
     bridge_mode_t safe_bridge;
+    monitor_emf_state_t emf;
     bool started;
 } monitor_slow_state_t;
 
@@ -85,6 +88,9 @@ typedef struct {
     int32_t speed_mrad_s;
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
+    int32_t i_d_mA, i_q_mA;      /* of the latest period, peak phase, estimated frame */
+    int32_t u_d_mV, u_q_mV;      /* likewise, as realised */
+    bool voltage_limited;        /* likewise */
     int32_t torque_command_mNm;  /* of the last step, signed */
     int32_t torque_estimate_mNm; /* signed */
     int32_t offset_q4[3];        /* zero-current codes * 16 */

@@ -148,10 +148,13 @@ void test_a_hall_sensor_set_that_says_nothing_sensible_ends_torque_and_then_the_
     TEST_ASSERT_EQUAL_INT32(4000, rig.out.motor_torque_command_mNm);
     rig.fast_in.hall_state = 7;
     rig_run(&rig, 8); /* 64 periods are 3.2 ms; then the torque leaves at 0.4 Nm a step */
-    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
     TEST_ASSERT_LESS_THAN_INT32(4000, rig.out.motor_torque_command_mNm);
     TEST_ASSERT_GREATER_THAN_INT32(0, rig.out.motor_torque_command_mNm);
-    rig_run(&rig, 30);
+    rig_run(&rig, 10);
+    TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
+    rig_run(&rig, 360); /* 40 Nm would have taken 100 ms to leave, and a doubt may heal for 250 */
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_LOST, rig.out.fault_reason);
 }

@@ -51,6 +51,7 @@ static const frozen_t FROZEN[] = {
     {76, REASON_DEMAND_TIMEOUT},
     {77, REASON_HARDWARE_BREAK},
     {78, REASON_CURRENT_SENSOR},
+    {79, REASON_ROTOR_IMPLAUSIBLE},
 };
 enum { FROZEN_COUNT = sizeof(FROZEN) / sizeof(FROZEN[0]) };
 

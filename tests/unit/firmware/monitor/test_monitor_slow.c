@@ -27,6 +27,7 @@ static const monitor_slow_input_t HEALTHY = {
     .speed_mrad_s = 30000,
     .winding_temperature_cC = 2500,
     .switch_temperature_cC = 2500,
+    .u_q_mV = 14076, /* 30 rad/s * 23 * 20.4 mWb */
     .torque_command_mNm = 10000,
     .torque_estimate_mNm = 10000,
     .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
@@ -157,7 +158,10 @@ void test_zero_current_codes_are_plausible_within_the_tolerance_and_not_beyond(v
 void test_a_lost_rotor_is_a_fault_while_the_bridge_switches(void)
 {
     in.rotor_valid = false;
-    assert_fault_after(20, REASON_ROTOR_LOST);
+    /* 40 Nm leave at 400 Nm/s in 100 ms; only after them may the valve close. */
+    config.motor.max_torque_mNm = 40000;
+    config.brake.torque_rate_mNm_s = 400000;
+    assert_fault_after(100 + 250, REASON_ROTOR_LOST);
     in.rotor_valid = false;
     in.switching = false;
     assert_never_a_fault();
@@ -181,6 +185,13 @@ void test_a_dead_hall_sensor_keeps_the_warning_up_for_ever(void)
         in.rotor_faults = (uint16_t)(in.rotor_faults + (n % 10 == 0 ? 1 : 0));
         TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
     }
+}
+
+void test_an_angle_that_contradicts_the_back_emf_is_a_fault(void)
+{
+    in.u_d_mV = 14076; /* the EMF is where the d axis is believed to be */
+    in.u_q_mV = 0;
+    assert_fault_after(20, REASON_ROTOR_IMPLAUSIBLE);
 }
 
 /* ---- bus voltage ---- */
@@ -346,7 +357,7 @@ void test_a_cause_is_named_before_its_consequences(void)
     torque(0, 40000);
     in.winding_temperature_cC = 20000;
     fast_steps_per_slow = 0;
-    TEST_ASSERT_EQUAL_INT(order[0], run(100).fault);
+    TEST_ASSERT_EQUAL_INT(order[0], run(400).fault);
     in.fast_trip = REASON_NONE;
     TEST_ASSERT_EQUAL_INT(order[1], step().fault);
     fast_steps_per_slow = FAST_PER_SLOW;
@@ -383,6 +394,10 @@ void test_no_number_from_outside_leads_to_undefined_behaviour(void)
     random_t random = random_seeded(2);
     for (int n = 0; n < 100000; n++) {
         in.current_sum_pu = random_wild(&random);
+        in.u_d_mV = random_wild(&random);
+        in.u_q_mV = random_wild(&random);
+        in.i_d_mA = random_wild(&random);
+        in.i_q_mA = random_wild(&random);
         in.fast_step_count = (uint16_t)random_u64(&random);
         in.bus_voltage_mV = random_wild(&random);
         in.speed_mrad_s = random_wild(&random);
