@@ -1,5 +1,5 @@
 /* The rotor's angle against the back-EMF: a motor in double precision, seen in a frame that is turned against it. */
-#include "monitor/monitor_emf.h"
+#include "monitor/monitor.h"
 
 #include <math.h>
 
@@ -175,4 +175,46 @@ void test_a_fault_is_forgotten_when_the_angle_is_right_again(void)
         n++;
     }
     TEST_ASSERT_EQUAL_INT(0, n);
+}
+
+void test_the_slow_monitor_makes_a_fault_of_it(void)
+{
+    monitor_slow_state_t slow;
+    monitor_slow_init(&slow);
+    const monitor_emf_input_t wrong = seen(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
+    monitor_slow_input_t in = {
+        .rotor_valid = true,
+        .switching = true,
+        .bus_voltage_mV = wrong.bus_voltage_mV,
+        .speed_mrad_s = wrong.speed_mrad_s,
+        .i_d_mA = wrong.i_d_mA,
+        .i_q_mA = wrong.i_q_mA,
+        .u_d_mV = wrong.u_d_mV,
+        .u_q_mV = wrong.u_q_mV,
+    };
+    for (int n = 1; n <= 30; n++) {
+        in.fast_step_count = (uint16_t)(in.fast_step_count + 20U);
+        const reason_t fault = monitor_slow_step(&slow, &config, &in).fault;
+        TEST_ASSERT_EQUAL_INT(n < 20 ? REASON_NONE : REASON_ROTOR_IMPLAUSIBLE, fault);
+    }
+}
+
+void test_no_number_from_outside_leads_to_undefined_behaviour(void)
+{
+    /* The assertion is the sanitizer's. */
+    random_t random = random_seeded(5);
+    for (int n = 0; n < 100000; n++) {
+        const monitor_emf_input_t in = {
+            .u_d_mV = random_wild(&random),
+            .u_q_mV = random_wild(&random),
+            .i_d_mA = random_wild(&random),
+            .i_q_mA = random_wild(&random),
+            .bus_voltage_mV = random_wild(&random),
+            .speed_mrad_s = random_wild(&random),
+            .switching = true,
+            .rotor_valid = true,
+        };
+        (void)monitor_emf_step(&state, &config, &in);
+        TEST_ASSERT_TRUE(state.level <= MONITOR_EMF_STEPS);
+    }
 }
