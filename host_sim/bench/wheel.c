@@ -74,6 +74,7 @@ static void at_temperature(wheel_t *wheel, const wheel_world_t *world)
 {
     wheel->machine = pmsm_at_temperature(&world->params->motor, wheel->winding.temperature_c);
     wheel->inverter = inverter_model(&world->params->inverter, wheel->switches.temperature_c);
+    wheel->switching = switching_model(&world->params->inverter, wheel->switches.temperature_c);
 }
 
 void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
@@ -167,20 +168,46 @@ static void run_firmware(wheel_t *wheel, const wheel_world_t *world, double bus_
     wheel->next = controller_fast_step(&wheel->controller.fast, world->config, &wheel->to_fast, &in, &wheel->to_slow);
 }
 
+static plant_abc_t duties(const wheel_t *wheel, const wheel_world_t *world)
+{
+    const plant_abc_t out = {.a = wheel->active.compare_counts[0] * world->duty_per_count,
+                             .b = wheel->active.compare_counts[1] * world->duty_per_count,
+                             .c = wheel->active.compare_counts[2] * world->duty_per_count};
+    return out;
+}
+
+/* Edge by edge. */
+static pmsm_flow_t switch_legs(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v,
+                               const pmsm_step_t *step, inverter_flow_t *bridge)
+{
+    switching_flow_t flow = {.bridge = {.dc_j = 0.0}};
+    switch (wheel->active.bridge) {
+    case BRIDGE_PWM:
+        flow =
+            switching_pwm(&wheel->switching, &wheel->machine, &wheel->rotor, duties(wheel, world), bus_voltage_v, step);
+        break;
+    case BRIDGE_SHORT:
+        flow = switching_short(&wheel->switching, &wheel->machine, &wheel->rotor, bus_voltage_v, step);
+        break;
+    case BRIDGE_OFF:
+        flow = switching_off(&wheel->switching, &wheel->machine, &wheel->rotor, bus_voltage_v, step);
+        break;
+    }
+    *bridge = flow.bridge;
+    return flow.machine;
+}
+
 static pmsm_flow_t switch_bridge(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v, pmsm_step_t *step,
                                  inverter_flow_t *bridge)
 {
     const inverter_t *inverter = &wheel->inverter;
-    const plant_abc_t duty = {.a = wheel->active.compare_counts[0] * world->duty_per_count,
-                              .b = wheel->active.compare_counts[1] * world->duty_per_count,
-                              .c = wheel->active.compare_counts[2] * world->duty_per_count};
     const plant_phasor_t half_turn = plant_small_phasor(0.5 * step->omega_rad_s * step->duration_s);
     const plant_ab_t now = wheel->rotor.terminal;
     const plant_ab_t middle = {.alpha = now.alpha * half_turn.cos - now.beta * half_turn.sin,
                                .beta = now.beta * half_turn.cos + now.alpha * half_turn.sin};
     step->series_resistance_ohm = inverter->pwm_resistance_ohm;
     const inverter_drive_t drive =
-        inverter_drive(inverter, duty, bus_voltage_v, plant_inverse_clarke(middle), wheel->zone_a);
+        inverter_drive(inverter, duties(wheel, world), bus_voltage_v, plant_inverse_clarke(middle), wheel->zone_a);
     const pmsm_flow_t flow = pmsm_step(&wheel->machine, &wheel->rotor, drive.source, step);
     *bridge = inverter_pwm_flow(inverter, &drive, &flow);
     return flow;
@@ -192,6 +219,9 @@ static pmsm_flow_t feed_motor(wheel_t *wheel, const wheel_world_t *world, double
     const inverter_t *inverter = &wheel->inverter;
     const plant_ab_t shorted = {0.0, 0.0};
     pmsm_step_t step = {.omega_rad_s = speed_rad_s * world->params->motor.pole_pairs, .duration_s = world->period_s};
+    if (world->params->inverter.switching > 0.5) {
+        return switch_legs(wheel, world, bus_voltage_v, &step, bridge);
+    }
     pmsm_flow_t flow = {.source_j = 0.0};
     switch (wheel->active.bridge) {
     case BRIDGE_PWM:

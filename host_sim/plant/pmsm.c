@@ -156,6 +156,12 @@ static void straighten(pmsm_state_t *state)
     state->axis.sin *= stretch;
 }
 
+void pmsm_turn(pmsm_state_t *state, const pmsm_step_t *step)
+{
+    turn_rotor(state, step);
+    straighten(state);
+}
+
 pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, const pmsm_step_t *step)
 {
     const equations_t eq = equations_at(machine, step);
@@ -166,8 +172,7 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, 
     for (int k = 0; k < sets; k++) {
         advance(&eq, state, u, h, &flow);
     }
-    turn_rotor(state, step);
-    straighten(state);
+    pmsm_turn(state, step);
 
     const double square_a2s = flow.copper_j;
     flow.copper_j = 1.5 * machine->resistance_ohm * square_a2s;

@@ -46,6 +46,7 @@ def parameters(drive: Drive) -> dict[str, float]:
         "inverter.pwm_frequency_hz": inverter.pwm_frequency_hz,
         "inverter.turn_on_loss_j_per_a": inverter.turn_on_loss_j_per_a,
         "inverter.turn_off_loss_j_per_a": inverter.turn_off_loss_j_per_a,
+        "inverter.switching": 0.0,
         "battery.series_resistance_ohm": battery.series_resistance_ohm,
         "battery.polarisation_resistance_ohm": battery.polarisation_resistance_ohm,
         "battery.polarisation_capacitance_f": battery.polarisation_capacitance_f,

@@ -17,6 +17,7 @@
 #include "bench/parameters.h"
 #include "controller/controller.h"
 #include "plant/random.h"
+#include "plant/switching.h"
 
 /* What all wheels of a bench have in common, worked out from the parameters. */
 typedef struct {
@@ -71,6 +72,7 @@ typedef struct {
     double brake_capacity_nm;
     thermal_t winding, switches; /* with housing and heat sink */
     inverter_t inverter;         /* at the switches' temperature */
+    switching_t switching;       /* the same, edge by edge */
     wheel_motion_t motion;
     double friction; /* of tyre and road */
     random_t random;

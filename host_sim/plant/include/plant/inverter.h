@@ -37,7 +37,8 @@
     X(turn_on_loss_j_per_a,     0.0, 1.0,   "J/A", "k_on") \
     X(turn_off_loss_j_per_a,    0.0, 1.0,   "J/A", "k_off") \
     X(switch_resistance_temperature_coefficient_per_k, 0.0, 0.1, "1/K", "of R_ds, from the reference temperature") \
-    X(switch_reference_temperature_c, -60.0, 300.0, "degC", "where R_ds holds")
+    X(switch_reference_temperature_c, -60.0, 300.0, "degC", "where R_ds holds") \
+    X(switching,                0.0, 1.0,   "",    "1: every edge by itself (switching.h), 0: averaged over the period")
 /* clang-format on */
 
 typedef struct {

@@ -97,6 +97,9 @@ pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, doub
 /* Terminal current that a volt moves within a step: through the smaller inductance, and at once through the iron branch. */
 double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_step_t *step);
 
+/* The rotor's angle after a step; whoever integrates the currents himself turns it with this. */
+void pmsm_turn(pmsm_state_t *state, const pmsm_step_t *step);
+
 double pmsm_magnetic_energy_j(const pmsm_t *machine, const pmsm_state_t *state);
 
 double pmsm_torque_nm(const pmsm_t *machine, plant_dq_t i_t);

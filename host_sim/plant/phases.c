@@ -1,0 +1,185 @@
+#include "plant/phases.h"
+
+#include <math.h>
+
+#include "plant/numbers.h"
+
+/* Time constant of what current a winding still has when its leg opens. */
+static const double FADE_S = 2e-6;
+const double PHASES_OPEN_STEP_S = 0.5e-6;
+
+phases_t phases_at(const pmsm_t *machine, double omega_rad_s)
+{
+    const pmsm_params_t *p = &machine->params;
+    const double per_l_d = 1.0 / p->d_inductance_h;
+    const double per_l_q = 1.0 / p->q_inductance_h;
+    const double iron_ohm = p->iron_loss_resistance_ohm + p->iron_loss_resistance_slope_ohm_s * fabs(omega_rad_s);
+    const phases_t out = {
+        .machine = machine,
+        .omega_rad_s = omega_rad_s,
+        .iron_s = iron_ohm > 0.0 ? 1.0 / iron_ohm : 0.0,
+        .open_ohm = plant_max(p->d_inductance_h, p->q_inductance_h) / FADE_S,
+        .iron_sees_ripple = false,
+        .per_l_sum = 0.5 * (per_l_d + per_l_q),
+        .per_l_difference = 0.5 * (per_l_d - per_l_q),
+    };
+    return out;
+}
+
+static void to_phases(plant_ab_t x, double out[PHASES])
+{
+    const plant_abc_t abc = plant_inverse_clarke(x);
+    out[0] = abc.a;
+    out[1] = abc.b;
+    out[2] = abc.c;
+}
+
+static plant_ab_t from_phases(const double x[PHASES])
+{
+    const plant_abc_t abc = {.a = x[0], .b = x[1], .c = x[2]};
+    return plant_clarke(abc);
+}
+
+phases_state_t phases_from(const phases_t *phases, const pmsm_state_t *rotor)
+{
+    const pmsm_params_t *p = &phases->machine->params;
+    const plant_dq_t flux = {.d = p->d_inductance_h * rotor->i_t.d + phases->machine->flux_wb,
+                             .q = p->q_inductance_h * rotor->i_t.q};
+    phases_state_t out = {.axis = rotor->axis};
+    to_phases(plant_inverse_park(flux, rotor->axis), out.flux_wb);
+    to_phases(rotor->terminal, out.current_a);
+    return out;
+}
+
+void phases_to(const phases_t *phases, const phases_state_t *state, pmsm_state_t *rotor)
+{
+    const pmsm_params_t *p = &phases->machine->params;
+    const plant_dq_t flux = plant_park(from_phases(state->flux_wb), state->axis);
+    rotor->i_t.d = (flux.d - phases->machine->flux_wb) / p->d_inductance_h;
+    rotor->i_t.q = flux.q / p->q_inductance_h;
+    rotor->terminal = from_phases(state->current_a);
+    rotor->axis = state->axis;
+}
+
+/* i_t of three windings: L^-1 in the stator is a circle plus a part that turns at twice the rotor's angle. */
+static plant_ab_t behind_iron(const phases_t *phases, plant_ab_t flux, plant_phasor_t axis)
+{
+    const double psi = phases->machine->flux_wb;
+    const double x = flux.alpha - psi * axis.cos;
+    const double y = flux.beta - psi * axis.sin;
+    const double cos2 = axis.cos * axis.cos - axis.sin * axis.sin;
+    const double sin2 = 2.0 * axis.cos * axis.sin;
+    const plant_ab_t out = {
+        .alpha = phases->per_l_sum * x + phases->per_l_difference * (cos2 * x + sin2 * y),
+        .beta = phases->per_l_sum * y + phases->per_l_difference * (sin2 * x - cos2 * y),
+    };
+    return out;
+}
+
+/* Everything at one instant. */
+typedef struct {
+    double volts[PHASES];   /* v_x */
+    double current[PHASES]; /* i_x of the winding and its iron; the wire's too unless the leg is open */
+    double iron_v[PHASES];  /* w_x */
+    double star_v;
+    double torque_per_p;
+} instant_t;
+
+static instant_t instant_at(const phases_t *phases, const phases_leg_t legs[PHASES], const double flux_wb[PHASES],
+                            plant_phasor_t axis)
+{
+    const plant_ab_t flux = from_phases(flux_wb);
+    const plant_ab_t behind = behind_iron(phases, flux, axis);
+    const plant_ab_t turning = {.alpha = -phases->omega_rad_s * flux.beta, .beta = phases->omega_rad_s * flux.alpha};
+    const double iron_now_s = phases->iron_sees_ripple ? 0.0 : phases->iron_s; /* known before v is */
+    const double iron_late_s = phases->iron_s - iron_now_s;
+    double i_t[PHASES];
+    instant_t out = {.torque_per_p = 1.5 * (flux.alpha * behind.beta - flux.beta * behind.alpha)};
+    to_phases(behind, i_t);
+    to_phases(turning, out.iron_v);
+    double share[PHASES];
+    double shares = 0.0;
+    double sum = 0.0;
+    for (int x = 0; x < PHASES; x++) {
+        out.current[x] = i_t[x] + iron_now_s * out.iron_v[x];
+        if (legs[x].open) {
+            share[x] = 0.0;
+            out.volts[x] = out.iron_v[x] - phases->open_ohm * out.current[x];
+        } else {
+            const double ohms = phases->machine->resistance_ohm + legs[x].ohms;
+            share[x] = 1.0 / (1.0 + ohms * iron_late_s);
+            out.volts[x] = share[x] * (legs[x].volts - ohms * out.current[x]);
+        }
+        shares += share[x];
+        sum += out.volts[x];
+    }
+    out.star_v = shares > 0.0 ? sum / shares : 0.0;
+    for (int x = 0; x < PHASES; x++) {
+        out.volts[x] -= share[x] * out.star_v;
+        if (phases->iron_sees_ripple) {
+            out.iron_v[x] = out.volts[x];
+            out.current[x] += iron_late_s * out.volts[x];
+        }
+    }
+    return out;
+}
+
+static void along(const double from[PHASES], double h, const double slope[PHASES], double out[PHASES])
+{
+    for (int x = 0; x < PHASES; x++) {
+        out[x] = from[x] + h * slope[x];
+    }
+}
+
+static void add(const phases_t *phases, const phases_leg_t legs[PHASES], const instant_t *at, double weight_s,
+                phases_flow_t *flow)
+{
+    for (int x = 0; x < PHASES; x++) {
+        flow->iron_j += weight_s * at->volts[x] * at->iron_v[x] * phases->iron_s;
+        if (legs[x].open) {
+            flow->open_j -= weight_s * (at->volts[x] + at->star_v) * at->current[x];
+        } else {
+            flow->charge_as[x] += weight_s * at->current[x];
+            flow->square_a2s[x] += weight_s * at->current[x] * at->current[x];
+        }
+    }
+    flow->torque_nms += weight_s * phases->machine->params.pole_pairs * at->torque_per_p;
+}
+
+void phases_advance(const phases_t *phases, phases_state_t *state, const phases_leg_t legs[PHASES], double h,
+                    phases_flow_t *flow)
+{
+    const plant_phasor_t half_turn = plant_small_phasor(0.5 * phases->omega_rad_s * h);
+    const plant_phasor_t middle = plant_turned(state->axis, half_turn);
+    const plant_phasor_t end = plant_turned(middle, half_turn);
+    double at[PHASES];
+    const instant_t s1 = instant_at(phases, legs, state->flux_wb, state->axis);
+    along(state->flux_wb, 0.5 * h, s1.volts, at);
+    const instant_t s2 = instant_at(phases, legs, at, middle);
+    along(state->flux_wb, 0.5 * h, s2.volts, at);
+    const instant_t s3 = instant_at(phases, legs, at, middle);
+    along(state->flux_wb, h, s3.volts, at);
+    const instant_t s4 = instant_at(phases, legs, at, end);
+    add(phases, legs, &s1, h / 6.0, flow);
+    add(phases, legs, &s2, h / 3.0, flow);
+    add(phases, legs, &s3, h / 3.0, flow);
+    add(phases, legs, &s4, h / 6.0, flow);
+    for (int x = 0; x < PHASES; x++) {
+        state->flux_wb[x] += h / 6.0 * (s1.volts[x] + 2.0 * (s2.volts[x] + s3.volts[x]) + s4.volts[x]);
+    }
+    state->axis = end;
+    const instant_t now = instant_at(phases, legs, state->flux_wb, end);
+    for (int x = 0; x < PHASES; x++) {
+        state->current_a[x] = legs[x].open ? 0.0 : now.current[x];
+    }
+}
+
+void phases_look(const phases_t *phases, const phases_state_t *state, const phases_leg_t legs[PHASES],
+                 double current_a[PHASES], double end_v[PHASES])
+{
+    const instant_t now = instant_at(phases, legs, state->flux_wb, state->axis);
+    for (int x = 0; x < PHASES; x++) {
+        current_a[x] = legs[x].open ? 0.0 : now.current[x];
+        end_v[x] = legs[x].open ? now.volts[x] + now.star_v : legs[x].volts - legs[x].ohms * now.current[x];
+    }
+}

@@ -1,0 +1,201 @@
+/* The bridge edge by edge: its own balance, what an edge loses, and the averaged bridge as its mean. */
+#include "plant/switching.h"
+
+#include <math.h>
+
+#include "machines.h"
+#include "unity.h"
+
+static const double BUS_V = 50.0;
+static const double TWO_PI = 6.283185307179586;
+static inverter_params_t params;
+static pmsm_t machine;
+static pmsm_state_t rotor;
+static pmsm_step_t step;
+
+void setUp(void)
+{
+    const inverter_params_t p = {.switch_resistance_ohm = 0.004,
+                                 .diode_forward_voltage_v = 0.8,
+                                 .diode_resistance_ohm = 0.006,
+                                 .dead_time_s = 1e-6,
+                                 .pwm_frequency_hz = 20000.0,
+                                 .turn_on_loss_j_per_a = 5e-6,
+                                 .turn_off_loss_j_per_a = 7e-6};
+    const pmsm_params_t motor = salient_machine();
+    const pmsm_step_t s = {.omega_rad_s = 500.0, .duration_s = 50e-6};
+    params = p;
+    machine = pmsm_at_temperature(&motor, 25.0);
+    rotor = pmsm_at_rest(0.0);
+    step = s;
+}
+
+void tearDown(void) {}
+
+static double work_j(const pmsm_flow_t *flow)
+{
+    return flow->torque_nms * step.omega_rad_s / machine.params.pole_pairs;
+}
+
+/* What the bus gave less heat, work and field. */
+static double residual_j(const switching_flow_t *flow, double field_before_j)
+{
+    const double heat_j = flow->machine.copper_j + flow->machine.iron_j + flow->bridge.conduction_j +
+                          flow->bridge.diode_j + flow->bridge.switching_j;
+    const double field_j = pmsm_magnetic_energy_j(&machine, &rotor) - field_before_j;
+    return flow->bridge.dc_j - heat_j - work_j(&flow->machine) - field_j;
+}
+
+static plant_abc_t duty_at(double amplitude_v, double angle)
+{
+    const plant_abc_t out = {.a = 0.5 + amplitude_v / BUS_V * cos(angle),
+                             .b = 0.5 + amplitude_v / BUS_V * cos(angle - TWO_PI / 3.0),
+                             .c = 0.5 + amplitude_v / BUS_V * cos(angle + TWO_PI / 3.0)};
+    return out;
+}
+
+void test_every_period_balances_at_any_current_and_dead_time(void)
+{
+    const double dead_times_s[] = {0.0, 1e-6, 3e-6};
+    for (int d = 0; d < 3; d++) {
+        params.dead_time_s = dead_times_s[d];
+        const switching_t bridge = switching_model(&params, 25.0);
+        for (int level = 0; level < 4; level++) { /* from almost no current, where legs float, to a lot */
+            rotor = pmsm_at_rest(0.0);
+            double turned_j = 0.0;
+            double lost_j = 0.0;
+            for (int k = 0; k < 2000; k++) {
+                const double field_j = pmsm_magnetic_energy_j(&machine, &rotor);
+                const plant_abc_t duty = duty_at(10.0 + 1.5 * level, TWO_PI * rotor.theta_turn + 1.65 + 0.02 * level);
+                const switching_flow_t flow = switching_pwm(&bridge, &machine, &rotor, duty, BUS_V, &step);
+                turned_j += fabs(flow.bridge.dc_j);
+                lost_j += fabs(residual_j(&flow, field_j));
+                TEST_ASSERT_TRUE(flow.bridge.diode_j >= -1e-9 && flow.bridge.switching_j >= 0.0);
+            }
+            TEST_ASSERT_TRUE(turned_j > 0.1);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, lost_j / turned_j);
+        }
+    }
+}
+
+typedef struct {
+    double torque_nm, copper_w, iron_w, conduction_w, diode_w, switching_w;
+} means_t;
+
+/* Steady braking under the same sinusoidal duties; means over whole electrical turns. */
+static means_t steady(bool edges, double amplitude_v, double lead)
+{
+    const switching_t bridge = switching_model(&params, 25.0);
+    const inverter_t averaged = inverter_model(&params, 25.0);
+    step.series_resistance_ohm = averaged.pwm_resistance_ohm;
+    const double zone_a = inverter_zone_a(&averaged, BUS_V, pmsm_amperes_per_volt(&machine, &step));
+    rotor = pmsm_at_rest(0.0);
+    means_t out = {.torque_nm = 0.0};
+    const int settle = 4000;
+    const int count = 2513; /* ten turns of 500 rad/s: 0.12566 s */
+    for (int k = 0; k < settle + count; k++) {
+        const double middle = TWO_PI * rotor.theta_turn + 0.5 * step.omega_rad_s * step.duration_s;
+        const plant_abc_t duty = duty_at(amplitude_v, middle + lead);
+        switching_flow_t flow = {.bridge = {.dc_j = 0.0}};
+        if (edges) {
+            flow = switching_pwm(&bridge, &machine, &rotor, duty, BUS_V, &step);
+        } else {
+            const double turn = 0.5 * step.omega_rad_s * step.duration_s;
+            const plant_ab_t now = rotor.terminal;
+            const plant_ab_t half = {.alpha = now.alpha * cos(turn) - now.beta * sin(turn),
+                                     .beta = now.beta * cos(turn) + now.alpha * sin(turn)};
+            const inverter_drive_t drive = inverter_drive(&averaged, duty, BUS_V, plant_inverse_clarke(half), zone_a);
+            flow.machine = pmsm_step(&machine, &rotor, drive.source, &step);
+            flow.bridge = inverter_pwm_flow(&averaged, &drive, &flow.machine);
+        }
+        if (k >= settle) {
+            const double per_s = 1.0 / (count * step.duration_s);
+            out.torque_nm += flow.machine.torque_nms * per_s;
+            out.copper_w += flow.machine.copper_j * per_s;
+            out.iron_w += flow.machine.iron_j * per_s;
+            out.conduction_w += flow.bridge.conduction_j * per_s;
+            out.diode_w += flow.bridge.diode_j * per_s;
+            out.switching_w += flow.bridge.switching_j * per_s;
+        }
+    }
+    return out;
+}
+
+static void check_agreement(double amplitude_v, double lead)
+{
+    const means_t mean = steady(false, amplitude_v, lead);
+    const means_t edge = steady(true, amplitude_v, lead);
+    const double all_mean_w = mean.copper_w + mean.iron_w + mean.conduction_w + mean.diode_w + mean.switching_w;
+    const double all_edge_w = edge.copper_w + edge.iron_w + edge.conduction_w + edge.diode_w + edge.switching_w;
+    TEST_ASSERT_TRUE(fabs(mean.torque_nm) > 1.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * fabs(mean.torque_nm), mean.torque_nm, edge.torque_nm);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * all_mean_w, all_mean_w, all_edge_w);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * mean.copper_w, mean.copper_w, edge.copper_w);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * mean.iron_w, mean.iron_w, edge.iron_w);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * mean.conduction_w, mean.conduction_w, edge.conduction_w);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * mean.diode_w, mean.diode_w, edge.diode_w);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * mean.switching_w, mean.switching_w, edge.switching_w);
+}
+
+void test_averaged_and_switching_bridge_agree_on_torque_and_every_loss_within_a_hundredth(void)
+{
+    check_agreement(7.5, 1.85);
+    check_agreement(13.0, 1.45);
+    check_agreement(10.5, 1.85);
+}
+
+void test_open_switches_on_a_slow_rotor_let_nothing_through(void)
+{
+    const switching_t bridge = switching_model(&params, 25.0);
+    switching_off(&bridge, &machine, &rotor, BUS_V, &step); /* the iron's part of the current comes up */
+    for (int k = 0; k < 400; k++) {
+        const switching_flow_t flow = switching_off(&bridge, &machine, &rotor, BUS_V, &step);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.bridge.dc_j);
+    }
+}
+
+void test_open_switches_on_a_fast_rotor_rectify_into_the_bus_and_balance(void)
+{
+    const switching_t bridge = switching_model(&params, 25.0);
+    step.omega_rad_s = 2500.0; /* line EMF of 87 V against 51.6 V */
+    double into_bus_j = 0.0;
+    double work = 0.0;
+    double lost_j = 0.0;
+    for (int k = 0; k < 4000; k++) {
+        const double field_j = pmsm_magnetic_energy_j(&machine, &rotor);
+        const switching_flow_t flow = switching_off(&bridge, &machine, &rotor, BUS_V, &step);
+        lost_j += fabs(residual_j(&flow, field_j));
+        into_bus_j -= flow.bridge.dc_j;
+        work += work_j(&flow.machine);
+    }
+    TEST_ASSERT_TRUE(into_bus_j > 10.0 && work < -into_bus_j);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * into_bus_j, 0.0, lost_j);
+}
+
+void test_closed_low_sides_brake_as_a_short_circuit_does(void)
+{
+    const pmsm_params_t motor = plain_machine();
+    machine = pmsm_at_temperature(&motor, 25.0);
+    const switching_t bridge = switching_model(&params, 25.0);
+    pmsm_flow_t last = {.torque_nms = 0.0};
+    for (int k = 0; k < 20000; k++) {
+        last = switching_short(&bridge, &machine, &rotor, BUS_V, &step).machine;
+    }
+    /* T = -3/2 p psi^2 R w / (R^2 + (w L)^2) */
+    const double r = motor.phase_resistance_ohm + 0.004;
+    const double x = 500.0 * motor.d_inductance_h;
+    const double torque_nm = -1.5 * 7.0 * 0.02 * 0.02 * r * 500.0 / (r * r + x * x);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(torque_nm), torque_nm, last.torque_nms / step.duration_s);
+}
+
+void test_a_leg_without_current_ends_in_the_dead_time_and_does_not_hunt(void)
+{
+    /* Standing rotor, equal duties: no voltage anywhere, no current may appear out of dead times and diodes. */
+    step.omega_rad_s = 0.0;
+    const switching_t bridge = switching_model(&params, 25.0);
+    const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
+    for (int k = 0; k < 100; k++) {
+        switching_pwm(&bridge, &machine, &rotor, half, BUS_V, &step);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, hypot(rotor.terminal.alpha, rotor.terminal.beta));
+    }
+}
