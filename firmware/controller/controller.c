@@ -73,9 +73,9 @@ fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *conf
     fast->step_count++;
     to_slow->fast_step_count = fast->step_count;
 
-    const uint16_t *counts = fast->foc.current.on_counts;
+    const int32_t *on_q16 = fast->foc.current.on_q16;
     const fast_output_t out = {
-        .compare_counts = {counts[0], counts[1], counts[2]},
+        .compare_counts = {(uint16_t)(on_q16[0] >> 16), (uint16_t)(on_q16[1] >> 16), (uint16_t)(on_q16[2] >> 16)},
         .bridge = to_slow->monitor.trip != REASON_NONE ? from_slow->monitor.safe_bridge : from_slow->permission.bridge,
     };
     return out;

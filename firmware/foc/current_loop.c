@@ -2,7 +2,7 @@
 
 #include "config/bases.h"
 
-enum { LOWEST_BUS_PU = 2048 /* 1/16 */, ADVANCE_HALF_PERIODS = 3 };
+enum { LOWEST_BUS_PU = 2048 /* 1/16 */, ADVANCE_HALF_PERIODS = 3, COUPLING_LARGEST_Q10 = 16383 /* 16 */ };
 
 /* sqrt(3) in Q15 */
 static const int32_t SQRT3_Q15 = 56756;
@@ -18,14 +18,21 @@ static int32_t gain_within(int64_t x, int32_t largest)
     return q_clamp(q_saturate64(x), 1, largest);
 }
 
+/* w L, Q40, rounded to Q10. */
+static int32_t coupling_q10(int64_t reactance_q40)
+{
+    const int32_t reactance_q10 = q_saturate64((reactance_q40 + (1 << 29)) >> 30);
+    return q_clamp(reactance_q10, -COUPLING_LARGEST_Q10, COUPLING_LARGEST_Q10);
+}
+
 static pi_gains_t axis_gains(int32_t proportional_q16, int32_t integral_q24, int64_t factor_q12)
 {
-    const int64_t proportional_q11 = scaled(proportional_q16, 16, factor_q12, 11);
+    const int64_t proportional_q10 = (scaled(proportional_q16, 16, factor_q12, 11) + 1) >> 1;
     const int64_t integral_q15 = scaled(integral_q24, 24, factor_q12, 15);
     /* k_i / k_p does not depend on the bus voltage: Q24 over Q16 is Q8, made Q15. */
     const int64_t anti_windup_q15 = (int64_t)integral_q24 * 128 / proportional_q16;
     const pi_gains_t gains = {
-        .proportional_q11 = gain_within(proportional_q11, Q15_ONE),
+        .proportional_q10 = gain_within(proportional_q10, PI_LARGEST_PROPORTIONAL_Q10),
         .integral_q15 = gain_within(integral_q15, PI_LARGEST_INTEGRAL_Q15),
         .anti_windup_q15 = gain_within(anti_windup_q15, PI_LARGEST_ANTI_WINDUP_Q15),
     };
@@ -52,9 +59,9 @@ current_loop_tuning_t current_loop_tuning(const config_t *config, int32_t modula
     const current_loop_tuning_t tuning = {
         .d = axis_gains(loop->proportional_d_pu_q16, integral_d_q24, factor_q12),
         .q = axis_gains(loop->proportional_q_pu_q16, integral_q_q24, factor_q12),
-        .w_l_d_q11 = q_saturate16(q_saturate64((l_d_q16 * speed_q24) >> 29)),
-        .w_l_q_q11 = q_saturate16(q_saturate64((l_q_q16 * speed_q24) >> 29)),
-        .w_psi_q15 = q_clamp(q_saturate64((psi_q16 * speed_q24) >> 25), -(1 << 18), 1 << 18),
+        .w_l_d_q10 = coupling_q10(l_d_q16 * speed_q24),
+        .w_l_q_q10 = coupling_q10(l_q_q16 * speed_q24),
+        .w_psi_q25 = q_clamp(q_saturate64((psi_q16 * speed_q24) >> 15), -(1 << 28), 1 << 28),
         .advance = angle_sincos(advance_turn),
     };
     return tuning;

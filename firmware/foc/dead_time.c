@@ -11,7 +11,7 @@ dead_time_t dead_time_init(const config_t *config)
     const int32_t slope_q8 = q_min(8388608 / config->current_loop.dead_time_zone_pu_q15, LARGEST_SLOPE_Q8);
     const dead_time_t out = {
         .full_counts = q_saturate64(counts),
-        .slope_alpha_q8 = slope_q8 / 2,
+        .slope_alpha_q8 = slope_q8,
         .slope_beta_q8 = (int32_t)(((uint32_t)slope_q8 * TRANSFORMS_SQRT3_2_Q15 + (1U << 14)) >> 15),
     };
     return out;

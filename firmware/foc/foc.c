@@ -6,7 +6,7 @@
 static void centre_counts(foc_current_state_t *state)
 {
     for (int x = 0; x < SENSE_PHASES; x++) {
-        state->on_counts[x] = (uint16_t)(state->svpwm.centre_q16 >> 16);
+        state->on_q16[x] = state->svpwm.centre_q16;
     }
 }
 
@@ -38,33 +38,34 @@ foc_command_t foc_initial_command(const foc_state_t *state, const config_t *conf
 }
 
 void foc_current_step(foc_current_state_t *restrict state, const current_loop_tuning_t *restrict tuning,
-                      const uint16_t *restrict codes, uint16_t theta_turn, dq_t reference,
-                      foc_current_out_t *restrict out)
+                      const uint16_t *restrict codes, foc_period_t *restrict period)
 {
-    const sense_out_t sensed = sense_step(&state->sense, codes, state->on_counts);
-    const sincos_t angle = angle_sincos(theta_turn);
+    const sense_out_t sensed = sense_step(&state->sense, codes, state->on_q16);
+    period->current_sum_pu = sensed.sum_pu;
+    const sincos_t angle = angle_sincos(period->theta_turn);
     const dq_t i = transforms_park(sensed.i, angle);
-    out->i_pu = i;
-    out->current_sum_pu = sensed.sum_pu;
-
+    period->i_pu = i;
+    const dq_t reference = period->i_reference_pu;
     const current_loop_out_t voltage = current_loop_step(&state->loop, tuning, reference, i);
-    out->voltage = voltage;
+    period->voltage = voltage;
 
     /* The voltage acts from the next update for one period: on average 1.5 periods after the sample. */
     const sincos_t angle_applied = transforms_advance(angle, tuning->advance);
     const ab_t u = transforms_inverse_park(voltage.realised, angle_applied);
     const ab_t i_applied = transforms_inverse_park(reference, angle_applied);
-    svpwm_step(&state->svpwm, u, dead_time_shares(&state->dead_time, i_applied), state->on_counts);
+    svpwm_step(&state->svpwm, u, dead_time_shares(&state->dead_time, i_applied), state->on_q16);
 }
 
 /* The same measurements with the bridge not switching: nothing is regulated, the next start is bump-free. */
-static void rest(foc_state_t *state, const uint16_t codes[SENSE_PHASES], uint16_t theta_turn, foc_current_out_t *out)
+static void rest(foc_state_t *state, const uint16_t codes[SENSE_PHASES], foc_period_t *period)
 {
-    const sense_out_t sensed = sense_step(&state->current.sense, codes, state->current.on_counts);
+    const sense_out_t sensed = sense_step(&state->current.sense, codes, state->current.on_q16);
     const current_loop_out_t no_voltage = {.wanted_d = 0, .wanted_q = 0, .realised = {.d = 0, .q = 0}};
-    out->i_pu = transforms_park(sensed.i, angle_sincos(theta_turn));
-    out->current_sum_pu = sensed.sum_pu;
-    out->voltage = no_voltage;
+    const dq_t no_current = {.d = 0, .q = 0};
+    period->i_reference_pu = no_current;
+    period->i_pu = transforms_park(sensed.i, angle_sincos(period->theta_turn));
+    period->voltage = no_voltage;
+    period->current_sum_pu = sensed.sum_pu;
     current_loop_reset(&state->current.loop);
     state->weakening.current_q30 = 0;
     centre_counts(&state->current);
@@ -97,37 +98,38 @@ static void calibrate(foc_state_t *state, const uint16_t codes[SENSE_PHASES], fo
     report->offsets_done = sense->calibrated;
 }
 
-static void add_up(foc_sums_t *sums, const foc_current_out_t *current, int32_t v_dc_pu)
+static void add_up(foc_sums_t *sums, const foc_period_t *period, int32_t v_dc_pu)
 {
-    const dq_t i = current->i_pu;
-    const dq_t u = current->voltage.realised;
-    sums->i_d_pu += (uint32_t)i.d;
-    sums->i_q_pu += (uint32_t)i.q;
+    const dq_t i = period->i_pu;
+    const dq_t u = period->voltage.realised;
+    foc_sums_t sum = *sums;
+    sum.i_d_pu += (uint32_t)i.d;
+    sum.i_q_pu += (uint32_t)i.q;
     /* |u| <= 1 and |i| <= 1.53, so the sum of products stays below 2^31. */
-    sums->power_pu += (uint32_t)((u.d * i.d + u.q * i.q) >> 15);
-    sums->v_dc_pu += (uint32_t)v_dc_pu;
+    sum.power_pu += (uint32_t)((u.d * i.d + u.q * i.q) >> 15);
+    sum.v_dc_pu += (uint32_t)v_dc_pu;
+    *sums = sum;
 }
 
 void foc_step(foc_state_t *state, const config_t *config, const foc_command_t *command, bool run, const foc_input_t *in,
               foc_report_t *report)
 {
     const rotor_out_t rotor = rotor_step(&state->rotor, config, in->rotor_angle_turn, in->hall_state, &in->encoder);
-    report->theta_turn = rotor.theta_turn;
+    report->current.theta_turn = rotor.theta_turn;
     report->speed_q32 = rotor.speed_q32;
     report->rotor_age_periods = rotor.age_periods;
     report->rotor_valid = rotor.valid;
     report->rotor_faults = rotor.faults;
     report->v_dc_pu = q_min(in->bus_voltage_code, SENSE_CODE_MAX) * 8;
     if (run) {
-        const dq_t reference = limited_reference(state, command->i_reference_pu);
-        foc_current_step(&state->current, &command->tuning, in->phase_current_code, rotor.theta_turn, reference,
-                         &report->current);
+        report->current.i_reference_pu = limited_reference(state, command->i_reference_pu);
+        foc_current_step(&state->current, &command->tuning, in->phase_current_code, &report->current);
         const current_loop_out_t *voltage = &report->current.voltage;
         field_weakening_step(&state->weakening, voltage->wanted_d, voltage->wanted_q,
                              config->current_loop.field_weakening_gain_pu_q15,
                              config->current_loop.field_weakening_current_pu_q15);
     } else {
-        rest(state, in->phase_current_code, rotor.theta_turn, &report->current);
+        rest(state, in->phase_current_code, &report->current);
     }
     if (command->calibrate_offsets) {
         calibrate(state, in->phase_current_code, report);

@@ -9,15 +9,16 @@ svpwm_t svpwm_init(int32_t period_counts, int32_t min_pulse_counts, int32_t trim
     const int32_t kept_counts = min_pulse_counts + trim_counts + ROUNDING_COUNTS;
     const int32_t widest_q15 = Q15_ONE - q_scale(2 * kept_counts, 32768, period_counts);
     const int32_t limit_q15 = q_max(q_min(wanted_limit_q15, widest_q15), SMALLEST_LIMIT_Q15);
-    /* The scale is a whole number; the limit is made to fit it, so that the voltage that is realised is the voltage
-     * that was meant: scale = limit * period / sqrt 3. 1/sqrt 3 and sqrt 3 in Q30 and Q16. */
-    const int64_t scale_counts = ((int64_t)period_counts * limit_q15 * 619925131) >> 45;
-    const int64_t realised_limit_q15 = (scale_counts * 113512 + period_counts) / (2 * (int64_t)period_counts);
+    /* One modulation unit is that many counts between two lines. Both factors are whole numbers; the limit is made to fit the one
+     * and the other to fit that, so that the voltage that is realised is the voltage that was meant. sqrt 3 in Q30. */
+    const int32_t beta_counts = (int32_t)(((int64_t)period_counts * limit_q15) >> 15);
+    const int32_t alpha_counts = (int32_t)(((int64_t)beta_counts * 1859775393 + (1 << 29)) >> 30);
     const svpwm_t out = {
         .centre_q16 = period_counts * (1 << 15) + (1 << 15),
         .trim_doubled_counts = 2 * trim_counts,
-        .scale_counts = q_saturate64(scale_counts),
-        .modulation_limit_q15 = q_saturate64(realised_limit_q15),
+        .alpha_counts = alpha_counts,
+        .beta_counts = beta_counts,
+        .modulation_limit_q15 = q_scale(beta_counts, 32768, period_counts),
     };
     return out;
 }

@@ -85,14 +85,15 @@ void prove_circle_of_any_radius(void)
 void prove_pi(void)
 {
     const pi_gains_t gains = {
-        .proportional_q11 = any_within(0, 32767),
+        .proportional_q10 = any_within(0, PI_LARGEST_PROPORTIONAL_Q10),
         .integral_q15 = any_within(0, PI_LARGEST_INTEGRAL_Q15),
         .anti_windup_q15 = any_within(0, PI_LARGEST_ANTI_WINDUP_Q15),
     };
     pi_state_t state = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)};
     const int32_t error = any_within(-32768, 32767);
-    const int32_t u = pi_output(&state, &gains, error);
-    PROMISE(u >= -18 * 32768 && u <= 18 * 32768);
+    const int32_t forward_q25 = any_within(-46 * (1 << 25), 46 * (1 << 25));
+    const int32_t u_q25 = pi_output_q25(&state, &gains, error, forward_q25);
+    PROMISE(u_q25 - forward_q25 >= -17 * (1 << 25) && u_q25 - forward_q25 <= 17 * (1 << 25));
     /* Whatever the actuator could do, and cross-coupling and back-EMF on top of what the regulator wants. */
     const int32_t wanted = any_within(-64 * 32768, 64 * 32768);
     const int32_t realised = any_within(-32768, 32768);

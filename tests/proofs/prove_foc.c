@@ -17,11 +17,11 @@ void prove_sense(void)
 {
     sense_state_t state;
     uint16_t codes[3];
-    uint16_t on[3];
+    int32_t on[3];
     for (int x = 0; x < 3; x++) {
         state.offset_q4[x] = any_within(0, SENSE_CODE_MAX * 16);
         codes[x] = nondet_uint16(); /* the header asks for 12 bits; even 16 do no harm */
-        on[x] = nondet_uint16();
+        on[x] = nondet_int32();
     }
     const sense_out_t out = sense_step(&state, codes, on);
     PROMISE(out.i.alpha >= -32768 && out.i.alpha <= 32767);
@@ -60,11 +60,11 @@ static ab_t any_measured(void)
     return i;
 }
 
-/* What tests/unit shows of sine and cosine at every angle: their magnitudes add up to sqrt 2 and 1.5 LSB each. */
+/* What tests/unit shows of sine and cosine at every angle: their magnitudes add up to sqrt 2 and 1 LSB each. */
 static sincos_t any_angle(void)
 {
     const sincos_t angle = {.sin = any_within(-32768, 32768), .cos = any_within(-32768, 32768)};
-    ASSUME(q_abs(angle.sin) + q_abs(angle.cos) <= 46343);
+    ASSUME(q_abs(angle.sin) + q_abs(angle.cos) <= 46342);
     return angle;
 }
 
@@ -91,7 +91,7 @@ void prove_advance(void)
 static pi_gains_t any_gains(void)
 {
     const pi_gains_t gains = {
-        .proportional_q11 = any_within(0, 32767),
+        .proportional_q10 = any_within(0, PI_LARGEST_PROPORTIONAL_Q10),
         .integral_q15 = any_within(0, PI_LARGEST_INTEGRAL_Q15),
         .anti_windup_q15 = any_within(0, PI_LARGEST_ANTI_WINDUP_Q15),
     };
@@ -103,9 +103,9 @@ void prove_current_loop(void)
     const current_loop_tuning_t tuning = {
         .d = any_gains(),
         .q = any_gains(),
-        .w_l_d_q11 = any_within(-32768, 32767),
-        .w_l_q_q11 = any_within(-32768, 32767),
-        .w_psi_q15 = any_within(-(1 << 18), 1 << 18),
+        .w_l_d_q10 = any_within(-16383, 16383),
+        .w_l_q_q10 = any_within(-16383, 16383),
+        .w_psi_q25 = any_within(-(1 << 28), 1 << 28),
     };
     current_loop_state_t state = {
         .d = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
@@ -153,11 +153,11 @@ static ab_t any_vector_in_circle(void)
 void prove_dead_time(void)
 {
     /* The steepest slopes dead_time_init() makes: any flatter ones overflow less. */
-    const dead_time_t steepest = {.full_counts = 2048, .slope_alpha_q8 = 32500, .slope_beta_q8 = 56292};
+    const dead_time_t steepest = {.full_counts = 2048, .slope_alpha_q8 = 65000, .slope_beta_q8 = 56292};
     const abc_t shares = dead_time_shares(&steepest, any_vector_in_circle());
     PROMISE(shares.a >= -32768 && shares.a <= 32767);
     PROMISE(shares.b >= -32768 && shares.b <= 32767);
-    PROMISE(shares.c >= -32768 && shares.c <= 32767);
+    PROMISE(shares.c >= -32767 && shares.c <= 32768);
     PROOF_END();
 }
 
@@ -168,11 +168,12 @@ void prove_svpwm(void)
     const svpwm_t svpwm = {
         .centre_q16 = period * (1 << 15) + (1 << 15),
         .trim_doubled_counts = 4096,
-        .scale_counts = any_within(36, 9460),
+        .alpha_counts = any_within(106, 28378),
+        .beta_counts = any_within(61, 16384),
         .modulation_limit_q15 = 32767,
     };
-    const abc_t trim = {.a = any_within(-32768, 32767), .b = any_within(-32768, 32767), .c = any_within(-32768, 32767)};
-    uint16_t on[3];
+    const abc_t trim = {.a = any_within(-32768, 32767), .b = any_within(-32768, 32767), .c = any_within(-32767, 32768)};
+    int32_t on[3];
     svpwm_step(&svpwm, any_vector_in_circle(), trim, on);
     PROOF_END();
 }

@@ -18,11 +18,12 @@ static void prove_pulses_of(int32_t period, int32_t min_pulse, int32_t trim_coun
     const svpwm_t svpwm = svpwm_init(period, min_pulse, trim_counts, 32767);
     /* A pulse is linear in its trim: it is shortest or longest at an end of it. */
     const abc_t trim = {
-        .a = nondet_bool() ? 32767 : -32768, .b = nondet_bool() ? 32767 : -32768, .c = nondet_bool() ? 32767 : -32768};
-    uint16_t on[3];
-    svpwm_step(&svpwm, any_vector_in_circle(), trim, on);
+        .a = nondet_bool() ? 32767 : -32768, .b = nondet_bool() ? 32767 : -32768, .c = nondet_bool() ? 32768 : -32767};
+    int32_t on_q16[3];
+    svpwm_step(&svpwm, any_vector_in_circle(), trim, on_q16);
     for (int x = 0; x < 3; x++) {
-        PROMISE(on[x] >= min_pulse && on[x] <= period - min_pulse);
+        const int32_t on = on_q16[x] >> 16;
+        PROMISE(on >= min_pulse && on <= period - min_pulse);
     }
 }
 

@@ -13,26 +13,26 @@ using twin::vector;
 using twin::Vector2d;
 using twin::Vector3d;
 
-// Alpha is exact. Beta is rounded down once, and 1/sqrt 3 is off by 0.39 LSB, which b - c of up to 2 doubles.
+// Alpha is exact. Twice beta is rounded down, then beta to the nearest; the constant is off by 0.09 of 2^-17, 0.03 LSB of beta.
 Measured sense(int64_t count)
 {
     Random random(7);
     Largest largest;
     for (int64_t n = 0; n < count; n++) {
         uint16_t codes[3];
-        uint16_t on[3];
+        int32_t on[3];
         int32_t offset[3];
         for (int x = 0; x < 3; x++) {
             codes[x] = static_cast<uint16_t>(random.any(0, 4095));
-            on[x] = static_cast<uint16_t>(random.any(0, 16384));
+            on[x] = random.any(0, 16384 << 16);
             offset[x] = random.any(1024 * 16, 3072 * 16);
         }
         largest.see(vector(kernel_sense(codes, offset, on)) - twin::sense(codes, offset, on));
     }
-    return {"sense_step", largest.value, 1.8, "LSB"};
+    return {"sense_step", largest.value, 0.53, "LSB"};
 }
 
-// Two terms, each rounded.
+// Everything is added up in Q25, where only the integrator was rounded, and then once.
 Measured pi_output(int64_t count)
 {
     Random random(8);
@@ -41,10 +41,11 @@ Measured pi_output(int64_t count)
         const kernel_pi_gains_t gains = any_gains(random);
         const int32_t integrator = random.any(INTEGRATOR_LOWEST, INTEGRATOR_HIGHEST);
         const int32_t error = random.any(LOWEST, HIGHEST);
-        const double exact = twin::Gains(gains).proportional * error + integrator / ONE;
-        largest.see(kernel_pi_output(integrator, gains, error) - exact);
+        const int32_t forward_q25 = random.any(-(1 << 30), 1 << 30);
+        const double exact = twin::Gains(gains).proportional * error + integrator / ONE + forward_q25 / 1024.0;
+        largest.see((kernel_pi_output_q25(integrator, gains, error, forward_q25) >> 10) - exact);
     }
-    return {"pi_output", largest.value, 2.0, "LSB"};
+    return {"pi_output_q25", largest.value, 1.0, "LSB"};
 }
 
 // Exact, as long as neither the error by itself fills the integrator nor more than four units are missing.
@@ -67,7 +68,7 @@ Measured pi_update(int64_t count)
     return {"pi_update", largest.value, 1e-4, "LSB"};
 }
 
-// Regulator (two roundings) and one cross product; what is realised inside the circle is the same number.
+// One rounding of the whole sum; what is realised inside the circle is the same number.
 Measured wanted_voltage(int64_t count)
 {
     Random random(10);
@@ -82,10 +83,11 @@ Measured wanted_voltage(int64_t count)
             twin::current_loop(vector(integrator) / ONE, twin::Tuning(plain), vector(reference), vector(i));
         largest.see(vector(out.wanted) - exact.wanted);
     }
-    return {"current_loop_step", largest.value, 3.0, "LSB"};
+    return {"current_loop_step", largest.value, 1.0, "LSB"};
 }
 
-// A half count for each leg's rounding; half-LSB roundings of two phases, each scale/32768 count.
+// The first leg is rounded by half a count at most, the second follows it within a half, the third the mean of both within a half:
+// three quarters between the last two. alpha_counts is rounded: half a unit of it is a quarter of a count at full length.
 Measured line_voltages(int64_t count, int32_t period, const char *name, double bound)
 {
     Random random(11);
@@ -94,7 +96,7 @@ Measured line_voltages(int64_t count, int32_t period, const char *name, double b
     for (int64_t n = 0; n < count; n++) {
         const pair_t u = inside_circle(random);
         const Vector3d on = vector(kernel_svpwm(&svpwm, u, {0, 0, 0}));
-        largest.see(twin::lines(on) - twin::modulate(vector(u), svpwm.modulation_limit_q15 / ONE, period));
+        largest.see(twin::lines(on) - twin::modulate(vector(u), svpwm.beta_counts));
     }
     return {name, largest.value, bound, "counts"};
 }
@@ -137,7 +139,7 @@ Measured dead_time(int64_t count)
     }
     /* The share is rounded once. Each slope is kept to half a unit, which moves the zero of a phase in a long vector; and their
      * common factor, the slope of the zone, is rounded down. */
-    const double slope = 2.0 * dead_time.slope_alpha_q8;
+    const double slope = 1.0 * dead_time.slope_alpha_q8;
     const double bound = dead_time.full_counts * (1.0 / ONE + 0.71 * ONE / (slope * zone) + 1.0 / slope);
     return {"dead_time_shares", largest.value, bound, "counts"};
 }
@@ -166,7 +168,6 @@ Measured whole_loop(int64_t count)
     Random random(14);
     Largest largest;
     const config_t config = papers_vehicle();
-    const double period = config.drive.pwm_period_counts;
     kernel_loop_t loop{};
     loop.dead_time = kernel_dead_time_init(&config);
     loop.svpwm = kernel_svpwm_init(config.drive.pwm_period_counts, config.drive.min_pulse_counts,
@@ -183,16 +184,16 @@ Measured whole_loop(int64_t count)
         for (int x = 0; x < 3; x++) {
             loop.offset_q4[x] = random.even(2000 * 16, 2100 * 16);
             codes[x] = static_cast<uint16_t>(std::clamp(std::lround((i[x] + loop.offset_q4[x]) / 16.0), 1L, 4094L));
-            loop.on_counts[x] = static_cast<uint16_t>(random.even(0, config.drive.pwm_period_counts));
+            loop.on_q16[x] = random.even(0, config.drive.pwm_period_counts) * 65536;
         }
         loop.integrator_q30 = {random.even(-(1 << 28), 1 << 28), random.even(-(1 << 28), 1 << 28)};
         kernel_loop_t after = loop;
-        const twin::Loop exact = twin::loop(loop, twin::Tuning(tuning), codes, theta, vector(reference), period,
+        const twin::Loop exact = twin::loop(loop, twin::Tuning(tuning), codes, theta, vector(reference),
                                             config.current_loop.dead_time_zone_pu_q15);
         const kernel_loop_out_t out = kernel_loop(&after, &tuning, codes, theta, reference);
         if (out.voltage.wanted.x == out.voltage.realised.x && out.voltage.wanted.y == out.voltage.realised.y &&
             exact.voltage.wanted == exact.voltage.realised) {
-            const triple_t on = {after.on_counts[0], after.on_counts[1], after.on_counts[2]};
+            const triple_t on = {after.on_q16[0] >> 16, after.on_q16[1] >> 16, after.on_q16[2] >> 16};
             largest.see(twin::lines(vector(on)) - exact.line_counts);
         }
     }
@@ -209,7 +210,7 @@ std::vector<Measured> measure_loop(int64_t count)
             wanted_voltage(count),
             dead_time(count),
             field_weakening(count),
-            line_voltages(count, 4200, "svpwm_step, 4 200 counts", 1.2),
-            line_voltages(count, 16384, "svpwm_step, 16 384 counts", 1.6),
+            line_voltages(count, 4200, "svpwm_step, 4 200 counts", 1.0),
+            line_voltages(count, 16384, "svpwm_step, 16 384 counts", 1.0),
             whole_loop(count)};
 }

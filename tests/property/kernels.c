@@ -58,9 +58,9 @@ pair_t kernel_clarke(triple_t phases)
     /* Readings of mid-range whose zeros lie apart by the currents wanted; c is worked out, which changes nothing when they add up. */
     const int32_t middle_q4 = SENSE_CODE_MID * 16;
     const uint16_t codes[3] = {SENSE_CODE_MID, SENSE_CODE_MID, SENSE_CODE_MID};
-    const uint16_t on_counts[3] = {0, 0, 1};
+    const int32_t on_q16[3] = {0, 0, 1};
     const int32_t offset_q4[3] = {middle_q4 - phases.a, middle_q4 - phases.b, middle_q4 - phases.c};
-    return kernel_sense(codes, offset_q4, on_counts);
+    return kernel_sense(codes, offset_q4, on_q16);
 }
 
 pair_t kernel_park(pair_t ab, pair_t cos_sin)
@@ -105,15 +105,15 @@ static sense_state_t sense_of(const int32_t offset_q4[3])
     return state;
 }
 
-pair_t kernel_sense(const uint16_t codes[3], const int32_t offset_q4[3], const uint16_t on_counts[3])
+pair_t kernel_sense(const uint16_t codes[3], const int32_t offset_q4[3], const int32_t on_q16[3])
 {
     const sense_state_t state = sense_of(offset_q4);
-    return pair_of_ab(sense_step(&state, codes, on_counts).i);
+    return pair_of_ab(sense_step(&state, codes, on_q16).i);
 }
 
 static pi_gains_t gains_of(kernel_pi_gains_t gains)
 {
-    const pi_gains_t out = {.proportional_q11 = gains.proportional_q11,
+    const pi_gains_t out = {.proportional_q10 = gains.proportional_q10,
                             .integral_q15 = gains.integral_q15,
                             .anti_windup_q15 = gains.anti_windup_q15};
     return out;
@@ -121,15 +121,15 @@ static pi_gains_t gains_of(kernel_pi_gains_t gains)
 
 static kernel_pi_gains_t plain_gains(pi_gains_t gains)
 {
-    const kernel_pi_gains_t out = {gains.proportional_q11, gains.integral_q15, gains.anti_windup_q15};
+    const kernel_pi_gains_t out = {gains.proportional_q10, gains.integral_q15, gains.anti_windup_q15};
     return out;
 }
 
-int32_t kernel_pi_output(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error)
+int32_t kernel_pi_output_q25(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error, int32_t forward_q25)
 {
     const pi_state_t state = {.integrator_q30 = integrator_q30};
     const pi_gains_t pi_gains = gains_of(gains);
-    return pi_output(&state, &pi_gains, error);
+    return pi_output_q25(&state, &pi_gains, error, forward_q25);
 }
 
 int32_t kernel_pi_update(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error, int32_t wanted,
@@ -139,6 +139,11 @@ int32_t kernel_pi_update(int32_t integrator_q30, kernel_pi_gains_t gains, int32_
     const pi_gains_t pi_gains = gains_of(gains);
     pi_update(&state, &pi_gains, error, wanted, realised);
     return state.integrator_q30;
+}
+
+int32_t kernel_pi_largest_proportional_q10(void)
+{
+    return PI_LARGEST_PROPORTIONAL_Q10;
 }
 
 int32_t kernel_pi_largest_integral_q15(void)
@@ -156,9 +161,9 @@ static current_loop_tuning_t tuning_of(const kernel_tuning_t *tuning)
     const current_loop_tuning_t out = {
         .d = gains_of(tuning->d),
         .q = gains_of(tuning->q),
-        .w_l_d_q11 = tuning->w_l_d_q11,
-        .w_l_q_q11 = tuning->w_l_q_q11,
-        .w_psi_q15 = tuning->w_psi_q15,
+        .w_l_d_q10 = tuning->w_l_d_q10,
+        .w_l_q_q10 = tuning->w_l_q_q10,
+        .w_psi_q25 = tuning->w_psi_q25,
         .advance = angle_of(tuning->advance),
     };
     return out;
@@ -171,9 +176,9 @@ kernel_tuning_t kernel_tuning(const config_t *config, int32_t modulation_limit_q
     const kernel_tuning_t out = {
         .d = plain_gains(tuning.d),
         .q = plain_gains(tuning.q),
-        .w_l_d_q11 = tuning.w_l_d_q11,
-        .w_l_q_q11 = tuning.w_l_q_q11,
-        .w_psi_q15 = tuning.w_psi_q15,
+        .w_l_d_q10 = tuning.w_l_d_q10,
+        .w_l_q_q10 = tuning.w_l_q_q10,
+        .w_psi_q25 = tuning.w_psi_q25,
         .advance = pair_of_angle(tuning.advance),
     };
     return out;
@@ -208,7 +213,8 @@ static svpwm_t svpwm_of(const kernel_svpwm_t *svpwm)
 {
     const svpwm_t out = {.centre_q16 = svpwm->centre_q16,
                          .trim_doubled_counts = svpwm->trim_doubled_counts,
-                         .scale_counts = svpwm->scale_counts,
+                         .alpha_counts = svpwm->alpha_counts,
+                         .beta_counts = svpwm->beta_counts,
                          .modulation_limit_q15 = svpwm->modulation_limit_q15};
     return out;
 }
@@ -217,7 +223,7 @@ kernel_svpwm_t kernel_svpwm_init(int32_t period_counts, int32_t min_pulse_counts
                                  int32_t limit_q15)
 {
     const svpwm_t svpwm = svpwm_init(period_counts, min_pulse_counts, trim_counts, limit_q15);
-    const kernel_svpwm_t out = {svpwm.centre_q16, svpwm.trim_doubled_counts, svpwm.scale_counts,
+    const kernel_svpwm_t out = {svpwm.centre_q16, svpwm.trim_doubled_counts, svpwm.alpha_counts, svpwm.beta_counts,
                                 svpwm.modulation_limit_q15};
     return out;
 }
@@ -226,9 +232,9 @@ triple_t kernel_svpwm(const kernel_svpwm_t *svpwm, pair_t u, triple_t trim_q15)
 {
     const svpwm_t state = svpwm_of(svpwm);
     const abc_t trim = {.a = trim_q15.a, .b = trim_q15.b, .c = trim_q15.c};
-    uint16_t counts[3];
-    svpwm_step(&state, ab_of(u), trim, counts);
-    const triple_t out = {counts[0], counts[1], counts[2]};
+    int32_t on_q16[3];
+    svpwm_step(&state, ab_of(u), trim, on_q16);
+    const triple_t out = {on_q16[0] >> 16, on_q16[1] >> 16, on_q16[2] >> 16};
     return out;
 }
 
@@ -268,17 +274,17 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
         .loop = integrators_of(loop->integrator_q30),
         .svpwm = svpwm_of(&loop->svpwm),
         .dead_time = dead_time_of(loop->dead_time),
-        .on_counts = {loop->on_counts[0], loop->on_counts[1], loop->on_counts[2]},
+        .on_q16 = {loop->on_q16[0], loop->on_q16[1], loop->on_q16[2]},
     };
     const current_loop_tuning_t loop_tuning = tuning_of(tuning);
-    foc_current_out_t out;
-    foc_current_step(&state, &loop_tuning, codes, theta_turn, dq_of(reference), &out);
+    foc_period_t period = {.i_reference_pu = dq_of(reference), .theta_turn = theta_turn};
+    foc_current_step(&state, &loop_tuning, codes, &period);
     for (int x = 0; x < 3; x++) {
-        loop->on_counts[x] = state.on_counts[x];
+        loop->on_q16[x] = state.on_q16[x];
     }
     const kernel_loop_out_t result = {
-        .i_dq = pair_of_dq(out.i_pu),
-        .voltage = voltage_of(out.voltage, &state.loop),
+        .i_dq = pair_of_dq(period.i_pu),
+        .voltage = voltage_of(period.voltage, &state.loop),
     };
     loop->integrator_q30 = result.voltage.integrator_q30;
     return result;

@@ -35,21 +35,22 @@ int32_t kernel_circle_other(int32_t radius, int32_t x);
 /* 1/n as a real number. */
 double kernel_reciprocal(uint16_t n);
 
-pair_t kernel_sense(const uint16_t codes[3], const int32_t offset_q4[3], const uint16_t on_counts[3]);
+pair_t kernel_sense(const uint16_t codes[3], const int32_t offset_q4[3], const int32_t on_q16[3]);
 
 typedef struct {
-    int32_t proportional_q11, integral_q15, anti_windup_q15;
+    int32_t proportional_q10, integral_q15, anti_windup_q15;
 } kernel_pi_gains_t;
 
-int32_t kernel_pi_output(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error);
+int32_t kernel_pi_output_q25(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error, int32_t forward_q25);
 int32_t kernel_pi_update(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error, int32_t wanted,
                          int32_t realised);
+int32_t kernel_pi_largest_proportional_q10(void);
 int32_t kernel_pi_largest_integral_q15(void);
 int32_t kernel_pi_largest_anti_windup_q15(void);
 
 typedef struct {
     kernel_pi_gains_t d, q;
-    int32_t w_l_d_q11, w_l_q_q11, w_psi_q15;
+    int32_t w_l_d_q10, w_l_q_q10, w_psi_q25;
     pair_t advance; /* cos sin */
 } kernel_tuning_t;
 
@@ -63,7 +64,7 @@ typedef struct {
 kernel_voltage_t kernel_current_loop(pair_t integrator_q30, const kernel_tuning_t *tuning, pair_t reference, pair_t i);
 
 typedef struct {
-    int32_t centre_q16, trim_doubled_counts, scale_counts, modulation_limit_q15;
+    int32_t centre_q16, trim_doubled_counts, alpha_counts, beta_counts, modulation_limit_q15;
 } kernel_svpwm_t;
 
 kernel_svpwm_t kernel_svpwm_init(int32_t period_counts, int32_t min_pulse_counts, int32_t trim_counts,
@@ -85,7 +86,7 @@ typedef struct {
     pair_t integrator_q30;
     kernel_svpwm_t svpwm;
     kernel_dead_time_t dead_time;
-    uint16_t on_counts[3]; /* before: during the sample; after: result */
+    int32_t on_q16[3]; /* before: during the sample; after: result */
 } kernel_loop_t;
 
 typedef struct {

@@ -70,8 +70,8 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
     const foc_report_t *report = &loop->report;
     const current_loop_out_t *voltage = &report->current.voltage;
     const loop_output_t out = {
-        .compare_counts = {loop->foc.current.on_counts[0], loop->foc.current.on_counts[1],
-                           loop->foc.current.on_counts[2]},
+        .compare_counts = {(uint16_t)(loop->foc.current.on_q16[0] >> 16), (uint16_t)(loop->foc.current.on_q16[1] >> 16),
+                           (uint16_t)(loop->foc.current.on_q16[2] >> 16)},
         .i_d_pu = report->current.i_pu.d,
         .i_q_pu = report->current.i_pu.q,
         .u_d_pu = report->current.voltage.realised.d,
@@ -80,7 +80,7 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .power_pu = loop->summary.latest.power_pu,
         .modulation_limit_q15 = loop->foc.current.svpwm.modulation_limit_q15,
         .speed_q32 = report->speed_q32,
-        .theta_turn = report->theta_turn,
+        .theta_turn = report->current.theta_turn,
         .limited = voltage->wanted_d != voltage->realised.d || voltage->wanted_q != voltage->realised.q,
         .rotor_valid = report->rotor_valid,
     };

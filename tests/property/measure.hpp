@@ -57,7 +57,7 @@ inline pair_t measured_dq(Random &random)
 
 inline kernel_pi_gains_t any_gains(Random &random)
 {
-    return {random.any(1, HIGHEST), random.any(1, kernel_pi_largest_integral_q15()),
+    return {random.any(1, kernel_pi_largest_proportional_q10()), random.any(1, kernel_pi_largest_integral_q15()),
             random.any(1, kernel_pi_largest_anti_windup_q15())};
 }
 
@@ -72,9 +72,9 @@ inline kernel_tuning_t any_tuning(Random &random)
     kernel_tuning_t tuning{};
     tuning.d = any_gains(random);
     tuning.q = any_gains(random);
-    tuning.w_l_d_q11 = random.any(LOWEST, HIGHEST);
-    tuning.w_l_q_q11 = random.any(LOWEST, HIGHEST);
-    tuning.w_psi_q15 = random.any(-(1 << 18), 1 << 18);
+    tuning.w_l_d_q10 = random.any(-16383, 16383);
+    tuning.w_l_q_q10 = random.any(-16383, 16383);
+    tuning.w_psi_q25 = random.any(-(1 << 28), 1 << 28);
     tuning.advance = kernel_cos_sin(static_cast<uint16_t>(random.any(-8192, 8192)));
     return tuning;
 }

@@ -50,15 +50,15 @@ Situation random_situation(Random &random)
     for (int x = 0; x < 3; x++) {
         s.loop.offset_q4[x] = 2048 * 16;
         s.codes[x] = static_cast<uint16_t>(std::lround(2048.0 + i[x] / 16.0));
-        s.loop.on_counts[x] = static_cast<uint16_t>(random.even(0, config.drive.pwm_period_counts));
+        s.loop.on_q16[x] = random.even(0, config.drive.pwm_period_counts) * 65536;
     }
     return s;
 }
 
 Vector3d on_counts(const kernel_loop_t &loop)
 {
-    return {static_cast<double>(loop.on_counts[0]), static_cast<double>(loop.on_counts[1]),
-            static_cast<double>(loop.on_counts[2])};
+    return {static_cast<double>(loop.on_q16[0] >> 16), static_cast<double>(loop.on_q16[1] >> 16),
+            static_cast<double>(loop.on_q16[2] >> 16)};
 }
 
 } // namespace
@@ -156,7 +156,7 @@ TEST_CASE("turning rotor and currents together turns the voltage with them")
         turned.theta = static_cast<uint16_t>(s.theta + 21845U); // 65 536/3 less a third of an LSB
         for (int x = 0; x < 3; x++) {
             turned.codes[(x + 1) % 3] = s.codes[x];
-            turned.loop.on_counts[(x + 1) % 3] = s.loop.on_counts[x];
+            turned.loop.on_q16[(x + 1) % 3] = s.loop.on_q16[x];
         }
         kernel_loop_t after = s.loop;
         kernel_loop_t after_turned = turned.loop;
@@ -164,8 +164,8 @@ TEST_CASE("turning rotor and currents together turns the voltage with them")
         const kernel_loop_out_t out_turned =
             kernel_loop(&after_turned, &turned.tuning, turned.codes, turned.theta, turned.reference);
         // A tie of on-times is broken by the phase's name, so the reconstructed phase may differ there.
-        const bool tie = s.loop.on_counts[0] == s.loop.on_counts[1] || s.loop.on_counts[1] == s.loop.on_counts[2] ||
-                         s.loop.on_counts[2] == s.loop.on_counts[0];
+        const bool tie = s.loop.on_q16[0] == s.loop.on_q16[1] || s.loop.on_q16[1] == s.loop.on_q16[2] ||
+                         s.loop.on_q16[2] == s.loop.on_q16[0];
         if (!tie) {
             REQUIRE((vector(out_turned.i_dq) - vector(out.i_dq)).norm() <= 2.0 * 3.7 + 1.0);
             const Vector3d lines = twin::lines(on_counts(after));
@@ -203,7 +203,7 @@ TEST_CASE("driving and braking, forward and backward are mirror images")
     for (int n = 0; n < COUNT; n++) {
         const kernel_tuning_t tuning = any_tuning(random);
         kernel_tuning_t mirrored = tuning;
-        mirrored.w_psi_q15 = -tuning.w_psi_q15; // speed and flux seen from the other side; w L i keeps its factor
+        mirrored.w_psi_q25 = -tuning.w_psi_q25; // speed and flux seen from the other side; w L i keeps its factor
         const pair_t integrator = any_integrators(random);
         const pair_t reference = inside_circle(random, ONE - 2.0);
         const pair_t i = measured_dq(random);

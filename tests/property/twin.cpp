@@ -38,20 +38,20 @@ Vector2d inverse_park(const Vector2d &dq, double angle)
     return Eigen::Rotation2Dd(angle) * dq;
 }
 
-Vector2d sense(const uint16_t codes[3], const int32_t offset_q4[3], const uint16_t on_counts[3])
+Vector2d sense(const uint16_t codes[3], const int32_t offset_q4[3], const int32_t on_q16[3])
 {
     Vector3d i;
     for (int x = 0; x < 3; x++) {
         i[x] = 16.0 * codes[x] - offset_q4[x];
     }
-    const int longest = static_cast<int>(std::max_element(on_counts, on_counts + 3) - on_counts);
+    const int longest = static_cast<int>(std::max_element(on_q16, on_q16 + 3) - on_q16);
     i[longest] -= i.sum();
     return {saturated16(i[0]), std::clamp(i[1] - i[2], -65536.0, 65535.0) / std::sqrt(3.0)};
 }
 
 Tuning::Tuning(const kernel_tuning_t &tuning)
-    : d(tuning.d), q(tuning.q), w_l_d(tuning.w_l_d_q11 / 2048.0), w_l_q(tuning.w_l_q_q11 / 2048.0),
-      w_psi(tuning.w_psi_q15), advance(std::atan2(tuning.advance.y, tuning.advance.x))
+    : d(tuning.d), q(tuning.q), w_l_d(tuning.w_l_d_q10 / 1024.0), w_l_q(tuning.w_l_q_q10 / 1024.0),
+      w_psi(tuning.w_psi_q25 / 1024.0), advance(std::atan2(tuning.advance.y, tuning.advance.x))
 {
 }
 
@@ -76,9 +76,9 @@ Vector3d lines(const Vector3d &phase_counts)
     return {phase_counts[0] - phase_counts[1], phase_counts[1] - phase_counts[2], phase_counts[2] - phase_counts[0]};
 }
 
-Vector3d modulate(const Vector2d &u, double limit, double period_counts)
+Vector3d modulate(const Vector2d &u, double unit_counts)
 {
-    return lines(phases(u)) / ONE * limit * period_counts / std::sqrt(3.0);
+    return lines(phases(u)) / ONE * unit_counts / std::sqrt(3.0);
 }
 
 Vector3d dead_time(const Vector2d &i, double full_counts, double zone)
@@ -87,16 +87,15 @@ Vector3d dead_time(const Vector2d &i, double full_counts, double zone)
 }
 
 Loop loop(const kernel_loop_t &before, const Tuning &tuning, const uint16_t codes[3], double theta_turn,
-          const Vector2d &reference, double period_counts, double zone)
+          const Vector2d &reference, double zone)
 {
     const double angle = radians(theta_turn);
     Loop out;
-    out.i_dq = park(sense(codes, before.offset_q4, before.on_counts), angle);
+    out.i_dq = park(sense(codes, before.offset_q4, before.on_q16), angle);
     out.voltage = current_loop(vector(before.integrator_q30) / ONE, tuning, reference, out.i_dq);
     const double applied = angle + tuning.advance;
-    out.line_counts =
-        modulate(inverse_park(out.voltage.realised, applied), before.svpwm.modulation_limit_q15 / ONE, period_counts) +
-        lines(dead_time(inverse_park(reference, applied), before.dead_time.full_counts, zone));
+    out.line_counts = modulate(inverse_park(out.voltage.realised, applied), before.svpwm.beta_counts) +
+                      lines(dead_time(inverse_park(reference, applied), before.dead_time.full_counts, zone));
     return out;
 }
 

@@ -42,12 +42,12 @@ Vector2d inverse_park(const Vector2d &dq, double angle);
 
 // Two phases measured, the one with the longest on-time worked out from them; a tie goes to the earlier phase. Stator frame;
 // alpha holds 16 bits, b - c 17.
-Vector2d sense(const uint16_t codes[3], const int32_t offset_q4[3], const uint16_t on_counts[3]);
+Vector2d sense(const uint16_t codes[3], const int32_t offset_q4[3], const int32_t on_q16[3]);
 
 struct Gains {
     double proportional, integral, anti_windup;
     explicit Gains(kernel_pi_gains_t gains)
-        : proportional(gains.proportional_q11 / 2048.0), integral(gains.integral_q15 / ONE),
+        : proportional(gains.proportional_q10 / 1024.0), integral(gains.integral_q15 / ONE),
           anti_windup(gains.anti_windup_q15 / ONE)
     {
     }
@@ -68,9 +68,9 @@ struct Voltage {
 // Regulators, decoupling, circle with d first, self-conditioning with what was realised.
 Voltage current_loop(const Vector2d &integrator, const Tuning &tuning, const Vector2d &reference, const Vector2d &i);
 
-// Line voltages ab, bc, ca in counts: one modulation unit is limit * period / sqrt 3.
+// Line voltages ab, bc, ca in counts: one modulation unit is unit_counts between two lines.
 Vector3d lines(const Vector3d &phase_counts);
-Vector3d modulate(const Vector2d &u, double limit, double period_counts);
+Vector3d modulate(const Vector2d &u, double unit_counts);
 
 // Trim of each phase in counts.
 Vector3d dead_time(const Vector2d &i, double full_counts, double zone);
@@ -83,6 +83,6 @@ struct Loop {
 
 // From codes to line voltages.
 Loop loop(const kernel_loop_t &before, const Tuning &tuning, const uint16_t codes[3], double theta_turn,
-          const Vector2d &reference, double period_counts, double zone);
+          const Vector2d &reference, double zone);
 
 } // namespace twin

@@ -15,8 +15,8 @@ typedef struct {
 
 enum {
     ANGLE_QUARTER_TURN = 16384,
-    ANGLE_TABLE_POINTS = 128,                                            /* a turn */
-    ANGLE_TABLE_LENGTH = ANGLE_TABLE_POINTS + ANGLE_TABLE_POINTS / 4 + 1 /* and a quarter, for the cosine */
+    ANGLE_TABLE_POINTS = 256,                                        /* a turn */
+    ANGLE_TABLE_LENGTH = ANGLE_TABLE_POINTS + ANGLE_TABLE_POINTS / 4 /* and a quarter, for the cosine */
 };
 
 extern const int16_t ANGLE_SINE_TABLE[ANGLE_TABLE_LENGTH];
@@ -29,25 +29,25 @@ static inline int16_t angle_difference(uint16_t b, uint16_t a)
 }
 
 /*
- * Sine and cosine together, at most 1 LSB of Q15 from the correctly rounded value at every one of the 65 536 angles.
+ * Sine and cosine together, within 1 LSB of Q15 of the exact values at every one of the 65 536 angles.
  *
- * With the nearest table point theta_k and delta = theta - theta_k, |delta| <= pi/128:
+ * The table's points theta_k lie in the middle of its steps. With delta = theta - theta_k, |delta| <= pi/256:
  *     sin = s + delta c - delta^2/2 s,   cos = c - delta s - delta^2/2 c
- * The neglected cubic term is below 0.1 LSB, the rounding of delta below 0.3 LSB. The table is rounded down and what is
- * taken from it too, so each of the two roundings is below 1 LSB and they point in opposite directions.
+ * The neglected cubic term and the rounding of delta and of its square are below 0.02 LSB together. The table is rounded
+ * down and so is what is taken from it, so each of the two roundings is below 1 LSB and they point in opposite directions.
  */
 Q_TARGET_INLINE sincos_t angle_sincos(uint16_t theta_turn)
 {
-    const uint32_t k = ((theta_turn + 256U) >> 9) & (ANGLE_TABLE_POINTS - 1U);
-    const int32_t offset = (int32_t)((uint32_t)theta_turn << 23) >> 23; /* to the nearest point, -256 .. 255 */
-    const int32_t delta_q21 = offset * 201;                             /* 2 pi / 65536 in Q21 is 201.06 */
+    const uint32_t k = theta_turn >> 8;
+    /* theta_turn & 255 counts from the beginning of the step, the delta from its middle; 2 pi / 65536 in Q25 is 3216.99. */
+    const int32_t delta_q22 = ((int32_t)(theta_turn & 255U) * 3217 - (128 * 3217 - 4)) >> 3;
     /* delta^2 is below 2^32, not below 2^31. */
-    const int32_t half_square_q21 = (int32_t)(((uint32_t)delta_q21 * (uint32_t)delta_q21) >> 22);
+    const int32_t half_square_q22 = (int32_t)(((uint32_t)delta_q22 * (uint32_t)delta_q22 + (1U << 22)) >> 23);
     const int32_t s = ANGLE_SINE_TABLE[k];
     const int32_t c = ANGLE_SINE_TABLE[k + ANGLE_TABLE_POINTS / 4];
     const sincos_t out = {
-        .sin = s - ((half_square_q21 * s - delta_q21 * c) >> 21),
-        .cos = c - ((half_square_q21 * c + delta_q21 * s) >> 21),
+        .sin = s - ((half_square_q22 * s - delta_q22 * c) >> 22),
+        .cos = c - ((half_square_q22 * c + delta_q22 * s) >> 22),
     };
     return out;
 }

@@ -3,7 +3,7 @@
  *
  * Two calls a step, so that anti-windup cannot be forgotten:
  *
- *     u = pi_output(&pi, &gains, error)                    what the regulator wants
+ *     u = pi_output_q25(&pi, &gains, error, forward)       what the regulator wants, feed-forward included
  *     pi_update(&pi, &gains, error, u, u_realised)         what the actuator could do
  *
  * When u was limited, the integrator advances with the error that would just have produced the realised output
@@ -11,9 +11,10 @@
  *     integrator += k_i e + k_i/k_p (u_realised - u)
  * It leaves a limit without overshoot and needs no switching logic.
  *
- * Formats: error within Q15 (-32768 .. 32767); output per-unit Q15, which before limiting may exceed 1 (|u| < 18);
- * proportional gain Q11 (< 16); integral gain per step Q15, below one half; anti-windup gain k_i/k_p Q15, below one
- * eighth, and what is missing counts up to 4, so that no sum overflows; integrator Q30, |.| < 1.
+ * Formats: error within Q15 (-32768 .. 32767); proportional gain Q10 (< 16); feed-forward and output Q25, so that everything
+ * is added up before anything is rounded, the feed-forward within 46; integral gain per step Q15, below one
+ * half; anti-windup gain k_i/k_p Q15, below one eighth, and what is missing (Q15) counts up to 4, so that no sum overflows;
+ * integrator Q30, |.| < 1.
  */
 #ifndef CORE_PI_H
 #define CORE_PI_H
@@ -22,10 +23,10 @@
 
 #include "core/q15.h"
 
-enum { PI_LARGEST_INTEGRAL_Q15 = 16383, PI_LARGEST_ANTI_WINDUP_Q15 = 4095 };
+enum { PI_LARGEST_PROPORTIONAL_Q10 = 16383, PI_LARGEST_INTEGRAL_Q15 = 16383, PI_LARGEST_ANTI_WINDUP_Q15 = 4095 };
 
 typedef struct {
-    int32_t proportional_q11; /* 0 .. 32767 */
+    int32_t proportional_q10; /* 0 .. 16383 */
     int32_t integral_q15;     /* 0 .. PI_LARGEST_INTEGRAL_Q15 */
     int32_t anti_windup_q15;  /* 0 .. PI_LARGEST_ANTI_WINDUP_Q15 */
 } pi_gains_t;
@@ -34,18 +35,22 @@ typedef struct {
     int32_t integrator_q30;
 } pi_state_t;
 
-static inline int32_t pi_output(const pi_state_t *state, const pi_gains_t *gains, int32_t error)
+Q_TARGET_INLINE int32_t pi_output_q25(const pi_state_t *state, const pi_gains_t *gains, int32_t error,
+                                      int32_t forward_q25)
 {
-    return ((gains->proportional_q11 * error) >> 11) + (state->integrator_q30 >> 15);
+    return gains->proportional_q10 * error + forward_q25 + (state->integrator_q30 >> 5);
 }
 
-static inline void pi_update(pi_state_t *state, const pi_gains_t *gains, int32_t error, int32_t wanted,
-                             int32_t realised)
+Q_TARGET_INLINE void pi_update(pi_state_t *state, const pi_gains_t *gains, int32_t error, int32_t wanted,
+                               int32_t realised)
 {
-    const int32_t missing = q_saturate18(realised - wanted);
+    int32_t integrator_q30 = state->integrator_q30 + gains->integral_q15 * error;
+    const int32_t missing = realised - wanted;
+    if (missing != 0) {
+        integrator_q30 += gains->anti_windup_q15 * q_saturate18(missing);
+    }
     /* 2^30 + 2^29 + 2^29, each less a little. */
-    state->integrator_q30 =
-        q_saturate31(state->integrator_q30 + gains->integral_q15 * error + gains->anti_windup_q15 * missing);
+    state->integrator_q30 = q_saturate31(integrator_q30);
 }
 
 #endif

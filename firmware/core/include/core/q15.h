@@ -54,12 +54,13 @@ static inline int32_t q_abs(int32_t x)
     return x >= 0 ? x : (x == INT32_MIN ? INT32_MAX : -x);
 }
 
-/* x clamped to what a signed number of `bits` bits can hold, 1 <= bits <= 31. Asks once whether x is outside, which is
- * rare, and only then which end it is: the largest number with the bits of x's sign flipped. */
+/* x clamped to what a signed number of `bits` bits can hold, 1 <= bits <= 31. Asks once whether x survives being cut to
+ * that many bits (for 16 a single instruction everywhere), which is the common case, and only then which end it is: the
+ * largest number with the bits of x's sign flipped. */
 Q_TARGET_INLINE int32_t q_saturate_bits(int32_t x, unsigned bits)
 {
-    const uint32_t half = (uint32_t)1 << (bits - 1U);
-    return (((uint32_t)x + half) >> bits) == 0U ? x : (x >> 31) ^ (int32_t)(half - 1U);
+    const int32_t cut = bits == 16U ? (int16_t)x : (int32_t)((uint32_t)x << (32U - bits)) >> (32U - bits);
+    return cut == x ? x : (x >> 31) ^ (int32_t)(((uint32_t)1 << (bits - 1U)) - 1U);
 }
 
 /* A port may supply Q_TARGET_SATURATE as one instruction with the same meaning; `bits` must be a literal for that. */

@@ -29,8 +29,8 @@
 /* From the slow reach: gains for the present bus voltage, feed-forward for the present speed. */
 typedef struct {
     pi_gains_t d, q;
-    int32_t w_l_d_q11, w_l_q_q11; /* w L I_base in modulation units, sign of speed, |.| < 16 */
-    int32_t w_psi_q15;            /* back-EMF in modulation units, sign of speed; may exceed 1 */
+    int32_t w_l_d_q10, w_l_q_q10; /* w L I_base in modulation units, sign of speed, |.| < 16 */
+    int32_t w_psi_q25;            /* back-EMF in modulation units, sign of speed, up to 8 */
     sincos_t advance;             /* the electrical angle of 1.5 periods */
 } current_loop_tuning_t;
 
@@ -61,18 +61,17 @@ Q_TARGET_INLINE current_loop_out_t current_loop_step(current_loop_state_t *state
                                                      dq_t reference, dq_t i)
 {
     const int32_t error_d = q_saturate16(reference.d - i.d);
-    const int32_t error_q = q_saturate16(reference.q - i.q);
-    const int32_t cross_d = (tuning->w_l_q_q11 * i.q) >> 11;
-    const int32_t cross_q = (tuning->w_l_d_q11 * i.d) >> 11;
-    const int32_t u_d = pi_output(&state->d, &tuning->d, error_d) - cross_d;
-    const int32_t u_q = pi_output(&state->q, &tuning->q, error_q) + cross_q + tuning->w_psi_q15;
-
+    const int32_t forward_d_q25 = -(tuning->w_l_q_q10 * i.q);
+    const int32_t u_d = pi_output_q25(&state->d, &tuning->d, error_d, forward_d_q25) >> 10;
     const int32_t real_d = q_saturate16(u_d);
-    const int32_t most_q = circle_other_q15(real_d);
-    const int32_t real_q = q_limit(u_q, most_q);
-
     pi_update(&state->d, &tuning->d, error_d, u_d, real_d);
+
+    const int32_t error_q = q_saturate16(reference.q - i.q);
+    const int32_t forward_q_q25 = tuning->w_l_d_q10 * i.d + tuning->w_psi_q25;
+    const int32_t u_q = pi_output_q25(&state->q, &tuning->q, error_q, forward_q_q25) >> 10;
+    const int32_t real_q = q_limit(u_q, circle_other_q15(real_d));
     pi_update(&state->q, &tuning->q, error_q, u_q, real_q);
+
     const current_loop_out_t out = {
         .wanted_d = u_d,
         .wanted_q = u_q,

@@ -21,7 +21,7 @@
 
 typedef struct {
     int32_t full_counts;                   /* correction outside the zone, 0 .. 2048 */
-    int32_t slope_alpha_q8, slope_beta_q8; /* 1/2 and sqrt(3)/2 over the zone */
+    int32_t slope_alpha_q8, slope_beta_q8; /* 1 and sqrt(3)/2 over the zone */
 } dead_time_t;
 
 /* Divides. */
@@ -29,16 +29,17 @@ dead_time_t dead_time_init(const config_t *config);
 
 /*
  * i: the expected current, |i| <= 1. For each phase the share of the full correction to add, Q15, -1 .. 1.
- * With alpha/2 and sqrt(3)/2 beta, both over the zone, the phases are twice the first, and plus or minus the second less it.
+ * With alpha and sqrt(3)/2 beta, both over the zone, the phases are the first, and plus or minus the second less its half.
  */
-static inline abc_t dead_time_shares(const dead_time_t *dead_time, ab_t i)
+Q_TARGET_INLINE abc_t dead_time_shares(const dead_time_t *dead_time, ab_t i)
 {
     const int32_t alpha_q23 = i.alpha * dead_time->slope_alpha_q8;
     const int32_t beta_q23 = i.beta * dead_time->slope_beta_q8;
+    const int32_t half_alpha_q23 = alpha_q23 >> 1;
     const abc_t out = {
-        .a = q_saturate16(alpha_q23 >> 7),
-        .b = q_saturate16((beta_q23 - alpha_q23) >> 8),
-        .c = q_saturate16((-beta_q23 - alpha_q23) >> 8),
+        .a = q_saturate16(alpha_q23 >> 8),
+        .b = q_saturate16((beta_q23 - half_alpha_q23) >> 8),
+        .c = -q_saturate16((beta_q23 + half_alpha_q23) >> 8),
     };
     return out;
 }

@@ -40,12 +40,14 @@ typedef struct {
     bool power_stage_fault; /* gate driver or timer break input active; the monitor's, not read in this room */
 } foc_input_t;
 
-/* What the current loop saw and did in this period. */
+/* One period of the current loop: what it is given, what it saw and what it did. */
 typedef struct {
+    dq_t i_reference_pu;        /* given: inside the current circle */
     dq_t i_pu;                  /* Q15 of the current base */
-    int32_t current_sum_pu;     /* of the three readings */
     current_loop_out_t voltage; /* modulation units */
-} foc_current_out_t;
+    int32_t current_sum_pu;     /* of the three readings */
+    uint16_t theta_turn;        /* given: electrical angle of the rotor at the moment of the sample */
+} foc_period_t;
 
 /* Running sums since the start, wrapping. Whoever takes the difference over n periods has their exact mean (summary.h). */
 typedef struct {
@@ -57,15 +59,14 @@ typedef struct {
 /* To the slow reach. One structure that lives as long as the controller: it holds the sums, and what seldom changes is only
  * written when it does. */
 typedef struct {
-    foc_current_out_t current; /* this period */
+    foc_period_t current; /* this period */
     foc_sums_t sums;
     int32_t v_dc_pu;          /* this period */
     int32_t speed_q32;        /* electrical turns per period */
     int32_t i_d_weakening_pu; /* demagnetising current that is added to the reference, Q15, <= 0 */
     int32_t offset_q4[SENSE_PHASES];
     int32_t rotor_age_periods; /* since the last hall edge or encoder count */
-    uint16_t theta_turn;
-    uint16_t rotor_faults; /* wrapping count of what a healthy rotor sensor does not do */
+    uint16_t rotor_faults;     /* wrapping count of what a healthy rotor sensor does not do */
     bool rotor_valid;
     bool offsets_done;
 } foc_report_t;
@@ -76,7 +77,8 @@ typedef struct {
     current_loop_state_t loop;
     svpwm_t svpwm;
     dead_time_t dead_time;
-    uint16_t on_counts[SENSE_PHASES]; /* high-side on-times, effective from the next update */
+    int32_t on_q16[SENSE_PHASES]; /* high-side on-times, timer counts with 16 fraction bits; their whole parts are the
+                                   * compare values, effective from the next update */
 } foc_current_state_t;
 
 typedef struct {
@@ -93,15 +95,13 @@ void foc_init(foc_state_t *state, const config_t *config);
 foc_command_t foc_initial_command(const foc_state_t *state, const config_t *config);
 
 /*
- * The current loop proper: from codes and angle to state->on_counts. reference is limited by the caller; theta_turn is
- * the rotor's angle at the moment of the sample. Cost on a Cortex-M4: see README.md.
+ * The current loop proper: from codes, angle and reference (both in `period`) to state->on_q16. Cost: see README.md.
  */
 void foc_current_step(foc_current_state_t *restrict state, const current_loop_tuning_t *restrict tuning,
-                      const uint16_t *restrict codes, uint16_t theta_turn, dq_t reference,
-                      foc_current_out_t *restrict out);
+                      const uint16_t *restrict codes, foc_period_t *restrict period);
 
 /* One PWM period. run: regulate and modulate; otherwise the regulators are held reset and the compares centred. The
- * compare values are in state->current.on_counts. report: always the same structure; zero at first. */
+ * compare values are in state->current.on_q16. report: always the same structure; zero at first. */
 void foc_step(foc_state_t *state, const config_t *config, const foc_command_t *command, bool run, const foc_input_t *in,
               foc_report_t *report);
 

@@ -18,8 +18,8 @@ enum {
     SENSE_PHASES = 3,
     SENSE_CODE_MID = 2048,
     SENSE_CODE_MAX = 4095,
-    SENSE_INV_SQRT3_Q15 = 18919, /* round(32768 / sqrt 3) */
-    SENSE_CALIBRATION_LOG2 = 10  /* samples averaged for the offsets: 51 ms at 20 kHz */
+    SENSE_TWO_INV_SQRT3_LESS_ONE_Q17 = 20277, /* round(131072 (2 / sqrt 3 - 1)) */
+    SENSE_CALIBRATION_LOG2 = 10               /* samples averaged for the offsets: 51 ms at 20 kHz */
 };
 
 typedef struct {
@@ -37,14 +37,15 @@ typedef struct {
 void sense_init(sense_state_t *state);
 
 /*
- * codes: right-aligned 12 bit. on_counts: high-side on-times of the legs around this sample (the set that becomes active
- * with it; two legs swap places only where their windows are equal). On a tie the earlier phase is reconstructed.
+ * codes: right-aligned 12 bit. on_q16: high-side on-times of the legs around this sample (the set that becomes active
+ * with it), timer counts with 16 fraction bits. On a tie the earlier phase is reconstructed.
  *
  * Clarke in the same breath: alpha = a, beta = (b - c)/sqrt 3. Minus the sum of the other two is a phase less the sum of all
- * three, so the sum goes where the reconstructed phase stands. Rounded down.
+ * three, so the sum goes where the reconstructed phase stands. 1/sqrt 3 is written 1/2 + 0.077, which keeps two more bits
+ * of it in 32.
  */
 Q_TARGET_INLINE sense_out_t sense_step(const sense_state_t *state, const uint16_t codes[SENSE_PHASES],
-                                       const uint16_t on_counts[SENSE_PHASES])
+                                       const int32_t on_q16[SENSE_PHASES])
 {
     const int32_t a = codes[0] * 16 - state->offset_q4[0];
     const int32_t b = codes[1] * 16 - state->offset_q4[1];
@@ -52,15 +53,17 @@ Q_TARGET_INLINE sense_out_t sense_step(const sense_state_t *state, const uint16_
     const int32_t sum = a + b + c;
     int32_t alpha = a;
     int32_t b_less_c = b - c;
-    if (on_counts[0] >= on_counts[1] && on_counts[0] >= on_counts[2]) {
+    if (on_q16[0] >= on_q16[1] && on_q16[0] >= on_q16[2]) {
         alpha -= sum;
-    } else if (on_counts[1] >= on_counts[2]) {
+    } else if (on_q16[1] >= on_q16[2]) {
         b_less_c -= sum;
     } else {
         b_less_c += sum;
     }
+    const int32_t difference = q_saturate17(b_less_c);
+    const int32_t doubled_beta = difference + ((difference * SENSE_TWO_INV_SQRT3_LESS_ONE_Q17) >> 17);
     const sense_out_t out = {
-        .i = {.alpha = q_saturate16(alpha), .beta = (q_saturate17(b_less_c) * SENSE_INV_SQRT3_Q15) >> 15},
+        .i = {.alpha = q_saturate16(alpha), .beta = (doubled_beta + 1) >> 1},
         .sum_pu = sum,
     };
     return out;

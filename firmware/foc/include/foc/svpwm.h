@@ -19,10 +19,10 @@
 #include "foc/transforms.h"
 
 typedef struct {
-    int32_t centre_q16;           /* half the period in counts, and half a count for rounding */
-    int32_t trim_doubled_counts;  /* twice the full dead-time correction, 0 .. 4096 */
-    int32_t scale_counts;         /* counts of one modulation unit: limit * period / sqrt 3 */
-    int32_t modulation_limit_q15; /* radius of the circle that was chosen, share of u_dc/sqrt 3 */
+    int32_t centre_q16;                /* half the period in counts, and half a count for rounding */
+    int32_t trim_doubled_counts;       /* twice the full dead-time correction, 0 .. 4096 */
+    int32_t alpha_counts, beta_counts; /* sqrt(3) * limit * period and limit * period, of one modulation unit */
+    int32_t modulation_limit_q15;      /* radius of the circle that was chosen, share of u_dc/sqrt 3 */
 } svpwm_t;
 
 /* wanted_limit_q15: from the configuration; made smaller if the shortest pulse and the trim need it, never below a
@@ -32,22 +32,25 @@ svpwm_t svpwm_init(int32_t period_counts, int32_t min_pulse_counts, int32_t trim
 /*
  * u: modulation units, within the unit circle. trim_q15: share of trim_counts added to each phase, for dead time.
  *
- * With B = sqrt(3)/2 beta and h = alpha/2 the phases are 2h, B - h and -B - h. Counted from -h they are 3h, B and -B, and the
- * middle one is 3h clamped to +-|B|; half of it, less the 3h that make all sum to zero, centres them. All of them are kept
- * doubled, so that halving loses nothing.
+ * Counted from -alpha/2, the phases are a = 3/2 alpha, b = sqrt(3)/2 beta and -b; in on-times, times limit * period /
+ * sqrt 3. Half of a lies above |b|, or below -|b|, by how much it is the outermost one; minus half of that centres the three.
  */
-Q_TARGET_INLINE void svpwm_step(const svpwm_t *svpwm, ab_t u, abc_t trim_q15, uint16_t compare_counts[3])
+Q_TARGET_INLINE void svpwm_step(const svpwm_t *svpwm, ab_t u, abc_t trim_q15, int32_t on_q16[3])
 {
-    const int32_t scale = svpwm->scale_counts;
     const int32_t trim = svpwm->trim_doubled_counts;
-    const int32_t b = (u.beta * TRANSFORMS_SQRT3_2_Q15) >> 14;
-    const int32_t b_size = b < 0 ? -b : b;
-    const int32_t a = 3 * u.alpha;
-    const int32_t middle = q_limit(a, b_size);
-    const int32_t centre_q16 = ((middle - a) >> 1) * scale + svpwm->centre_q16;
-    compare_counts[0] = (uint16_t)((a * scale + (trim_q15.a * trim + centre_q16)) >> 16);
-    compare_counts[1] = (uint16_t)((b * scale + (trim_q15.b * trim + centre_q16)) >> 16);
-    compare_counts[2] = (uint16_t)((trim_q15.c * trim + centre_q16 - b * scale) >> 16);
+    const int32_t a_q16 = u.alpha * svpwm->alpha_counts;
+    const int32_t b_q16 = u.beta * svpwm->beta_counts;
+    const int32_t b_size_q16 = b_q16 < 0 ? -b_q16 : b_q16;
+    const int32_t outside_q16 = q_max(a_q16 - b_size_q16, 0) + q_min(a_q16 + b_size_q16, 0);
+    const int32_t centre_q16 = svpwm->centre_q16 - (outside_q16 >> 1);
+    const int32_t on_a_q16 = trim_q15.a * trim + centre_q16 + a_q16;
+    /* What rounding does to one leg is done to the others too, as far as they can follow. */
+    const int32_t from_a_q16 = centre_q16 - (int32_t)((uint32_t)on_a_q16 & 0xFFFFU) + 0x8000;
+    const int32_t on_b_q16 = trim_q15.b * trim + from_a_q16 + b_q16;
+    const int32_t from_b_q16 = from_a_q16 - (int32_t)(((uint32_t)on_b_q16 & 0xFFFFU) >> 1) + 0x4000;
+    on_q16[0] = on_a_q16;
+    on_q16[1] = on_b_q16;
+    on_q16[2] = trim_q15.c * trim + from_b_q16 - b_q16;
 }
 
 #endif

@@ -11,59 +11,51 @@ void tearDown(void) {}
 
 static const long double TURN = 6.283185307179586476925286766559L;
 
-/* The value the format would hold for a real number in [-1, 1]: nearest, with +1.0 saturated. */
-static long nearest_q15(long double x)
-{
-    const long rounded = lroundl(32768.0L * x);
-    return rounded > 32767 ? 32767 : rounded;
-}
-
-void test_sine_and_cosine_are_within_one_lsb_of_the_correctly_rounded_value_at_every_angle(void)
+void test_sine_and_cosine_are_within_one_lsb_of_the_exact_value_at_every_angle(void)
 {
     for (uint32_t theta = 0; theta < 65536U; theta++) {
         const long double angle = TURN * (long double)theta / 65536.0L;
         const sincos_t out = angle_sincos((uint16_t)theta);
-        TEST_ASSERT_LESS_OR_EQUAL(1, labs(out.sin - nearest_q15(sinl(angle))));
-        TEST_ASSERT_LESS_OR_EQUAL(1, labs(out.cos - nearest_q15(cosl(angle))));
+        TEST_ASSERT_TRUE(fabsl((long double)out.sin - 32768.0L * sinl(angle)) <= 1.0L);
+        TEST_ASSERT_TRUE(fabsl((long double)out.cos - 32768.0L * cosl(angle)) <= 1.0L);
     }
 }
 
 void test_the_four_quarter_turns_are_exact(void)
 {
-    static const int16_t EXPECTED[4][2] = {{0, 32767}, {32767, 0}, {0, -32768}, {-32768, 0}}; /* sin, cos */
+    static const int32_t EXPECTED[4][2] = {{0, 32768}, {32768, 0}, {0, -32768}, {-32768, 0}}; /* sin, cos */
     for (uint16_t quarter = 0; quarter < 4; quarter++) {
         const sincos_t out = angle_sincos((uint16_t)(quarter * ANGLE_QUARTER_TURN));
-        TEST_ASSERT_EQUAL_INT16(EXPECTED[quarter][0], out.sin);
-        TEST_ASSERT_EQUAL_INT16(EXPECTED[quarter][1], out.cos);
+        TEST_ASSERT_EQUAL_INT32(EXPECTED[quarter][0], out.sin);
+        TEST_ASSERT_EQUAL_INT32(EXPECTED[quarter][1], out.cos);
     }
 }
 
 void test_sine_and_cosine_always_lie_on_the_unit_circle(void)
 {
-    /* Each component may be 1.5 LSB from the truth (1 from the rounded value), so the radius by sqrt(2) * 1.5 LSB. */
+    /* Each component may be 1 LSB from the truth, so the radius by sqrt 2. */
     for (uint32_t theta = 0; theta < 65536U; theta++) {
         const sincos_t out = angle_sincos((uint16_t)theta);
         const double radius = hypot(out.sin, out.cos);
-        TEST_ASSERT_DOUBLE_WITHIN(2.13, 32768.0, radius);
+        TEST_ASSERT_DOUBLE_WITHIN(1.4143, 32768.0, radius);
     }
 }
 
 void test_sine_and_cosine_are_never_large_together(void)
 {
-    /* |sin| + |cos| <= sqrt 2 and 1.5 LSB each: the proofs of the rotations (tests/proofs) rely on it. */
+    /* |sin| + |cos| <= sqrt 2 and 1 LSB each: the proofs of the rotations (tests/proofs) rely on it. */
     for (uint32_t theta = 0; theta < 65536U; theta++) {
         const sincos_t out = angle_sincos((uint16_t)theta);
         TEST_ASSERT_TRUE(abs(out.sin) <= 32768 && abs(out.cos) <= 32768);
-        TEST_ASSERT_LESS_OR_EQUAL(46343, abs(out.sin) + abs(out.cos));
+        TEST_ASSERT_LESS_OR_EQUAL(46342, abs(out.sin) + abs(out.cos));
     }
 }
 
 void test_the_table_holds_the_sine_rounded_down(void)
 {
     for (int k = 0; k < ANGLE_TABLE_LENGTH; k++) {
-        /* The sine of a whole or half turn is not exactly zero in any finite arithmetic. */
-        const long exact = (long)floorl(32768.0L * sinl(TURN * (long double)k / ANGLE_TABLE_POINTS) + 1e-6L);
-        TEST_ASSERT_EQUAL_INT(exact > 32767 ? 32767 : exact, ANGLE_SINE_TABLE[k]);
+        const long double point = (long double)k + 0.5L;
+        TEST_ASSERT_EQUAL_INT(floorl(32768.0L * sinl(TURN * point / ANGLE_TABLE_POINTS)), ANGLE_SINE_TABLE[k]);
     }
 }
 

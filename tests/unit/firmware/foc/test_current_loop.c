@@ -49,7 +49,7 @@ void test_gains_in_modulation_units_are_the_configured_volts_over_the_unit(void)
             const double proportional = config.current_loop.proportional_q_pu_q16 / 65536.0 * factor;
             const double integral = config.current_loop.integral_q_pu_q24 / 16777216.0 * factor;
             TEST_ASSERT_DOUBLE_WITHIN(1.0 / 2048.0 + proportional * 1e-3, proportional,
-                                      tuning.q.proportional_q11 / 2048.0);
+                                      tuning.q.proportional_q10 / 1024.0);
             TEST_ASSERT_DOUBLE_WITHIN(1.0 / 32768.0 + integral * 1e-3, integral, tuning.q.integral_q15 / 32768.0);
             TEST_ASSERT_DOUBLE_WITHIN(1.5 / 32768.0, integral / proportional, tuning.q.anti_windup_q15 / 32768.0);
         }
@@ -67,7 +67,7 @@ void test_the_integral_gain_follows_the_winding_as_copper_does_and_the_proportio
         TEST_ASSERT_DOUBLE_WITHIN(2.0, factor * before.d.integral_q15, tuning.d.integral_q15);
         TEST_ASSERT_DOUBLE_WITHIN(2.0, factor * before.q.integral_q15, tuning.q.integral_q15);
         TEST_ASSERT_DOUBLE_WITHIN(2.0, factor * before.q.anti_windup_q15, tuning.q.anti_windup_q15);
-        TEST_ASSERT_EQUAL_INT32(before.q.proportional_q11, tuning.q.proportional_q11);
+        TEST_ASSERT_EQUAL_INT32(before.q.proportional_q10, tuning.q.proportional_q10);
     }
     /* A broken thermistor moves it within a tenth and 1000 K up. */
     const current_loop_tuning_t lowest = current_loop_tuning(&config, 27493, 28102, 0, INT32_MIN);
@@ -88,9 +88,9 @@ void test_feed_forward_is_speed_times_flux_and_inductance(void)
             const double unit = unit_V(27493, BUS_PU[v]);
             const double emf = w * config.motor.flux_linkage_nWb * 1e-9 / unit;
             const double w_l = w * config.motor.q_inductance_nH * 1e-9 * current_base_A() / unit;
-            TEST_ASSERT_DOUBLE_WITHIN(fabs(emf) * 1e-3 + 1.0 / 32768.0, emf, tuning.w_psi_q15 / 32768.0);
-            TEST_ASSERT_DOUBLE_WITHIN(fabs(w_l) * 1e-3 + 1.0 / 2048.0, w_l, tuning.w_l_q_q11 / 2048.0);
-            TEST_ASSERT_DOUBLE_WITHIN(fabs(w_l) * 1e-3 + 1.0 / 2048.0, w_l, tuning.w_l_d_q11 / 2048.0);
+            TEST_ASSERT_DOUBLE_WITHIN(fabs(emf) * 1e-3 + 1.0 / 32768.0, emf, tuning.w_psi_q25 / 33554432.0);
+            TEST_ASSERT_DOUBLE_WITHIN(fabs(w_l) * 1e-3 + 1.0 / 2048.0, w_l, tuning.w_l_q_q10 / 1024.0);
+            TEST_ASSERT_DOUBLE_WITHIN(fabs(w_l) * 1e-3 + 1.0 / 2048.0, w_l, tuning.w_l_d_q10 / 1024.0);
         }
     }
 }
@@ -102,7 +102,7 @@ void test_the_angle_is_advanced_by_one_and_a_half_periods(void)
         const current_loop_tuning_t tuning =
             current_loop_tuning(&config, 27493, 28102, SPEEDS_Q32[s], config.motor.reference_temperature_cC);
         const double angle = 1.5 * SPEEDS_Q32[s] / 4294967296.0 * 2.0 * PI;
-        /* The advance is rounded down to three 65 536ths of a turn, 2.9e-4 rad or 9.4 LSB, and sine has its own 1.5. */
+        /* The advance is rounded down to three 65 536ths of a turn, 2.9e-4 rad or 9.4 LSB, and sine has its own 1. */
         TEST_ASSERT_DOUBLE_WITHIN(11.0, 32768.0 * sin(angle), tuning.advance.sin);
         TEST_ASSERT_DOUBLE_WITHIN(11.0, 32768.0 * cos(angle), tuning.advance.cos);
     }
@@ -116,8 +116,8 @@ void test_a_bus_voltage_below_a_sixteenth_counts_as_a_sixteenth(void)
     for (int i = 0; i < 5; i++) {
         const current_loop_tuning_t tuning =
             current_loop_tuning(&config, 27493, BELOW[i], 1000000, config.motor.reference_temperature_cC);
-        TEST_ASSERT_EQUAL_INT32(lowest.q.proportional_q11, tuning.q.proportional_q11);
-        TEST_ASSERT_EQUAL_INT32(lowest.w_psi_q15, tuning.w_psi_q15);
+        TEST_ASSERT_EQUAL_INT32(lowest.q.proportional_q10, tuning.q.proportional_q10);
+        TEST_ASSERT_EQUAL_INT32(lowest.w_psi_q25, tuning.w_psi_q25);
     }
 }
 
@@ -129,9 +129,10 @@ void test_gains_beyond_their_formats_are_clamped_and_never_zero(void)
     config.current_loop.integral_q_pu_q24 = 1;
     const current_loop_tuning_t tuning =
         current_loop_tuning(&config, 8192, 1, INT32_MAX, config.motor.reference_temperature_cC);
-    TEST_ASSERT_TRUE(tuning.d.proportional_q11 <= 32767 && tuning.d.integral_q15 <= PI_LARGEST_INTEGRAL_Q15);
+    TEST_ASSERT_TRUE(tuning.d.proportional_q10 <= PI_LARGEST_PROPORTIONAL_Q10 &&
+                     tuning.d.integral_q15 <= PI_LARGEST_INTEGRAL_Q15);
     TEST_ASSERT_TRUE(tuning.d.anti_windup_q15 <= PI_LARGEST_ANTI_WINDUP_Q15);
-    TEST_ASSERT_TRUE(tuning.q.proportional_q11 >= 1 && tuning.q.integral_q15 >= 1 && tuning.q.anti_windup_q15 >= 1);
+    TEST_ASSERT_TRUE(tuning.q.proportional_q10 >= 1 && tuning.q.integral_q15 >= 1 && tuning.q.anti_windup_q15 >= 1);
 }
 
 static current_loop_tuning_t plain_tuning(void)
@@ -162,7 +163,7 @@ void test_at_speed_without_current_the_voltage_is_the_back_emf(void)
         current_loop_tuning(&config, 27493, 28102, 20000000, config.motor.reference_temperature_cC);
     const current_loop_out_t out = step(&tuning, 0, 0, 0, 0);
     TEST_ASSERT_EQUAL_INT32(0, out.realised.d);
-    TEST_ASSERT_INT32_WITHIN(1, tuning.w_psi_q15, out.realised.q);
+    TEST_ASSERT_INT32_WITHIN(1, tuning.w_psi_q25 >> 10, out.realised.q);
 }
 
 void test_cross_coupling_has_the_sign_of_the_motor_equations(void)
@@ -170,8 +171,8 @@ void test_cross_coupling_has_the_sign_of_the_motor_equations(void)
     /* u_d holds -w L_q i_q, u_q holds +w L_d i_d. */
     const current_loop_tuning_t still = plain_tuning();
     current_loop_tuning_t tuning = still;
-    tuning.w_l_q_q11 = 1024; /* 0.5 */
-    tuning.w_l_d_q11 = 512;  /* 0.25 */
+    tuning.w_l_q_q10 = 512; /* 0.5 */
+    tuning.w_l_d_q10 = 256; /* 0.25 */
     const current_loop_out_t out = step(&tuning, 6000, 8000, 6000, 8000);
     TEST_ASSERT_INT32_WITHIN(1, -4000, out.realised.d);
     TEST_ASSERT_INT32_WITHIN(1, 1500, out.realised.q);
@@ -180,8 +181,8 @@ void test_cross_coupling_has_the_sign_of_the_motor_equations(void)
 void test_the_d_axis_takes_its_voltage_first_and_q_gets_what_the_circle_leaves(void)
 {
     current_loop_tuning_t tuning = plain_tuning();
-    tuning.d.proportional_q11 = 2048;
-    tuning.q.proportional_q11 = 2048;
+    tuning.d.proportional_q10 = 1024;
+    tuning.q.proportional_q10 = 1024;
     for (int32_t d = 0; d <= 32767; d += 111) {
         current_loop_reset(&state);
         const current_loop_out_t out = step(&tuning, d, -32768, 0, 0);
@@ -198,8 +199,8 @@ void test_the_d_axis_takes_its_voltage_first_and_q_gets_what_the_circle_leaves(v
 void test_what_is_wanted_is_reported_before_the_circle(void)
 {
     current_loop_tuning_t tuning = plain_tuning();
-    tuning.d.proportional_q11 = 4096;
-    tuning.q.proportional_q11 = 8192;
+    tuning.d.proportional_q10 = 2048;
+    tuning.q.proportional_q10 = 4096;
     const current_loop_out_t out = step(&tuning, 20000, -20000, 0, 0);
     TEST_ASSERT_EQUAL_INT32(40000, out.wanted_d);
     TEST_ASSERT_EQUAL_INT32(-80000, out.wanted_q);
@@ -223,12 +224,12 @@ void test_currents_at_the_ends_of_their_formats_do_not_overflow(void)
     /* Measured vectors may be 1.53 long (frames.h), references 1.0, cross coupling 16. */
     static const int32_t ENDS[] = {-50200, -32768, 0, 32767, 50200};
     current_loop_tuning_t tuning = plain_tuning();
-    tuning.d.proportional_q11 = 32767;
-    tuning.q.proportional_q11 = 32767;
+    tuning.d.proportional_q10 = PI_LARGEST_PROPORTIONAL_Q10;
+    tuning.q.proportional_q10 = PI_LARGEST_PROPORTIONAL_Q10;
     for (int sign = -1; sign <= 1; sign += 2) {
-        tuning.w_l_d_q11 = sign * 32767;
-        tuning.w_l_q_q11 = sign * 32767;
-        tuning.w_psi_q15 = sign * (1 << 18);
+        tuning.w_l_d_q10 = sign * 16383;
+        tuning.w_l_q_q10 = sign * 16383;
+        tuning.w_psi_q25 = sign * (1 << 28);
         for (int d = 0; d < 5; d++) {
             for (int q = 0; q < 5; q++) {
                 for (int r = -1; r <= 1; r += 2) {

@@ -71,7 +71,7 @@ static void set_current(double d_pu, double q_pu, uint16_t theta_turn)
 /* The stator voltage the compare values make, share of u_dc. */
 static void realised(double *alpha, double *beta)
 {
-    const uint16_t *on = foc.current.on_counts;
+    const double on[3] = {foc.current.on_q16[0] >> 16, foc.current.on_q16[1] >> 16, foc.current.on_q16[2] >> 16};
     *alpha = (2.0 * on[0] - on[1] - on[2]) / 3.0 / PERIOD_COUNTS;
     *beta = (on[1] - on[2]) / sqrt(3.0) / PERIOD_COUNTS;
 }
@@ -83,7 +83,7 @@ void test_without_run_the_legs_are_centred_and_nothing_is_integrated(void)
     for (int n = 0; n < 100; n++) {
         step(false);
         for (int x = 0; x < 3; x++) {
-            TEST_ASSERT_EQUAL_UINT16(PERIOD_COUNTS / 2, foc.current.on_counts[x]);
+            TEST_ASSERT_EQUAL_INT32(PERIOD_COUNTS / 2, foc.current.on_q16[x] >> 16);
         }
     }
     TEST_ASSERT_EQUAL_INT32(0, foc.current.loop.d.integrator_q30);
@@ -150,22 +150,22 @@ void test_a_start_after_a_rest_remembers_nothing(void)
 {
     command.i_reference_pu.q = 5000;
     step(true);
-    uint16_t first[3];
-    memcpy(first, foc.current.on_counts, sizeof(first));
+    int32_t first[3];
+    memcpy(first, foc.current.on_q16, sizeof(first));
     for (int n = 0; n < 200; n++) {
         step(true); /* a current that does not come: the integrator fills */
     }
-    TEST_ASSERT_TRUE(memcmp(first, foc.current.on_counts, sizeof(first)) != 0);
+    TEST_ASSERT_TRUE(memcmp(first, foc.current.on_q16, sizeof(first)) != 0);
     step(false);
     step(true);
-    TEST_ASSERT_EQUAL_UINT16_ARRAY(first, foc.current.on_counts, 3);
+    TEST_ASSERT_EQUAL_INT32_ARRAY(first, foc.current.on_q16, 3);
 }
 
 void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
 {
     /* Proportional action only, without saturation: the voltage shows the reference that was regulated. */
-    command.tuning.d.proportional_q11 = 2048;
-    command.tuning.q.proportional_q11 = 2048;
+    command.tuning.d.proportional_q10 = 1024;
+    command.tuning.q.proportional_q10 = 1024;
     const int32_t most = config.current_loop.max_current_pu_q15;
     static const int32_t WANTED[][2] = {{-32768, 32767}, {-10000, 32767}, {5000, -32768}, {0, 32767}, {-3000, 4000}};
     for (int k = 0; k < 5; k++) {
@@ -187,7 +187,7 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
     config.current_loop.field_weakening_gain_pu_q15 = 2000;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
     restart();
-    command.tuning.w_psi_q15 = 40000; /* more than the circle */
+    command.tuning.w_psi_q25 = 40000 * 1024; /* more than the circle */
     for (int n = 0; n < 2000; n++) {
         step(true);
         const int32_t weakening_pu = field_weakening_current_pu(&foc.weakening);
@@ -196,17 +196,17 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
     TEST_ASSERT_EQUAL_INT32(-6000, field_weakening_current_pu(&foc.weakening));
     TEST_ASSERT_TRUE(summed_up(1).voltage_limited);
     step(false);
-    command.tuning.w_psi_q15 = 0;
+    command.tuning.w_psi_q25 = 0;
     step(true);
     TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening)); /* a rest forgets it */
 }
 
 void test_the_limit_flag_says_whether_the_circle_bit_in_this_period(void)
 {
-    command.tuning.w_psi_q15 = 20000;
+    command.tuning.w_psi_q25 = 20000 * 1024;
     step(true);
     TEST_ASSERT_FALSE(summed_up(1).voltage_limited);
-    command.tuning.w_psi_q15 = 33000;
+    command.tuning.w_psi_q25 = 33000 * 1024;
     step(true);
     TEST_ASSERT_TRUE(summed_up(1).voltage_limited);
 }
@@ -240,7 +240,7 @@ void test_the_power_report_is_voltage_times_current(void)
     command.i_reference_pu.d = -3000;
     command.i_reference_pu.q = 6000;
     set_current(-3000.0 / 32768.0, 6000.0 / 32768.0, 0);
-    command.tuning.w_psi_q15 = 20000;
+    command.tuning.w_psi_q25 = 20000 * 1024;
     command.tuning.d.integral_q15 = 0; /* no drift from the half code of rounding */
     command.tuning.q.integral_q15 = 0;
     step(true);
@@ -293,7 +293,7 @@ void test_two_controllers_in_one_process_do_not_know_of_each_other(void)
         foc_step(&other, &config, &stir, true, &others_in, &report_other);
         step(true);
     }
-    TEST_ASSERT_EQUAL_UINT16_ARRAY(alone.current.on_counts, foc.current.on_counts, 3);
+    TEST_ASSERT_EQUAL_INT32_ARRAY(alone.current.on_q16, foc.current.on_q16, 3);
     TEST_ASSERT_EQUAL_UINT32(report_alone.sums.power_pu, report.sums.power_pu);
     TEST_ASSERT_EQUAL_INT32(report_alone.speed_q32, report.speed_q32);
 }

@@ -16,20 +16,20 @@ void tearDown(void) {}
 
 void test_the_constant_is_the_rounded_root(void)
 {
-    TEST_ASSERT_EQUAL_INT(lround(32768.0 / sqrt(3.0)), SENSE_INV_SQRT3_Q15);
+    TEST_ASSERT_EQUAL_INT(lround(131072.0 * (2.0 / sqrt(3.0) - 1.0)), SENSE_TWO_INV_SQRT3_LESS_ONE_Q17);
 }
 
-/* beta = (b - c)/sqrt 3: one rounding down, and the constant's 0.39 LSB on b - c of at most 2. */
+/* beta = (b - c)/sqrt 3, rounded; what is doubled is rounded down before, and the constant is off by 0.02 at most. */
 static void check_vector(double a, double b_less_c, ab_t i)
 {
     TEST_ASSERT_EQUAL_DOUBLE(a, i.alpha);
-    TEST_ASSERT_DOUBLE_WITHIN(1.8, b_less_c / sqrt(3.0), i.beta);
+    TEST_ASSERT_DOUBLE_WITHIN(0.53, b_less_c / sqrt(3.0), i.beta);
 }
 
 void test_mid_range_is_no_current_and_the_ends_are_full_scale(void)
 {
     /* 2048 codes = 1.0 = 32768: 16 a code. Phase c is longest on and worked out from a and b. */
-    const uint16_t on[3] = {100, 200, 300};
+    const int32_t on[3] = {100, 200, 300};
     const uint16_t middle[3] = {2048, 2048, 2048};
     const sense_out_t zero = sense_step(&state, middle, on);
     TEST_ASSERT_EQUAL_INT32(0, zero.i.alpha);
@@ -41,7 +41,7 @@ void test_mid_range_is_no_current_and_the_ends_are_full_scale(void)
 
 void test_the_phase_with_the_longest_on_time_is_worked_out_from_the_other_two(void)
 {
-    static const uint16_t ON[6][3] = {{9, 5, 1}, {9, 1, 5}, {5, 9, 1}, {1, 9, 5}, {5, 1, 9}, {1, 5, 9}};
+    static const int32_t ON[6][3] = {{9, 5, 1}, {9, 1, 5}, {5, 9, 1}, {1, 9, 5}, {5, 1, 9}, {1, 5, 9}};
     static const int LONGEST[6] = {0, 0, 1, 1, 2, 2};
     const uint16_t codes[3] = {2100, 2200, 1700}; /* 52, 152, -348 codes: the sum is -144 */
     for (int k = 0; k < 6; k++) {
@@ -55,7 +55,7 @@ void test_the_phase_with_the_longest_on_time_is_worked_out_from_the_other_two(vo
 
 void test_on_a_tie_the_earlier_phase_is_worked_out(void)
 {
-    static const uint16_t ON[4][3] = {{7, 7, 7}, {7, 7, 1}, {7, 1, 7}, {1, 7, 7}};
+    static const int32_t ON[4][3] = {{7, 7, 7}, {7, 7, 1}, {7, 1, 7}, {1, 7, 7}};
     static const int EARLIER[4] = {0, 0, 0, 1};
     const uint16_t codes[3] = {2100, 2200, 1700};
     for (int k = 0; k < 4; k++) {
@@ -67,7 +67,7 @@ void test_on_a_tie_the_earlier_phase_is_worked_out(void)
 
 void test_all_codes_give_the_vector_of_their_phases_unless_it_saturates(void)
 {
-    const uint16_t on[3] = {1, 2, 3};
+    const int32_t on[3] = {1, 2, 3};
     for (int32_t a = 0; a < 4096; a += 63) {
         for (int32_t b = 0; b < 4096; b += 65) {
             const uint16_t codes[3] = {(uint16_t)a, (uint16_t)b, 17};
@@ -112,7 +112,7 @@ static void calibrate(uint16_t a, uint16_t b, uint16_t c)
 
 void test_calibrated_offsets_make_the_resting_codes_zero(void)
 {
-    const uint16_t on[3] = {1, 2, 3};
+    const int32_t on[3] = {1, 2, 3};
     const uint16_t resting[3] = {2061, 2030, 2048};
     TEST_ASSERT_FALSE(state.calibrated);
     calibrate(resting[0], resting[1], resting[2]);

@@ -14,10 +14,19 @@ static const int32_t PERIODS[] = {256, 1000, 2100, 4200, 8400, 16384};
 enum { PERIOD_COUNT = 6 };
 static const abc_t NO_TRIM = {0, 0, 0};
 
-/* Phase voltages of a vector of length r at an angle, counts: one modulation unit is limit * period / sqrt 3. */
-static void ideal_counts(const svpwm_t *svpwm, int32_t period, ab_t u, double phase[3])
+/* The compare values: whole parts of the on-times. */
+static void step(const svpwm_t *svpwm, ab_t u, abc_t trim, int32_t compare[3])
 {
-    const double unit = svpwm->modulation_limit_q15 / 32768.0 * period / sqrt(3.0) / 32768.0;
+    svpwm_step(svpwm, u, trim, compare);
+    for (int x = 0; x < 3; x++) {
+        compare[x] >>= 16;
+    }
+}
+
+/* Phase voltages of a vector of length r at an angle, counts: one modulation unit is beta_counts = limit * period between two lines. */
+static void ideal_counts(const svpwm_t *svpwm, ab_t u, double phase[3])
+{
+    const double unit = svpwm->beta_counts / sqrt(3.0) / 32768.0;
     phase[0] = unit * u.alpha;
     phase[1] = unit * (-0.5 * u.alpha + sqrt(0.75) * u.beta);
     phase[2] = unit * (-0.5 * u.alpha - sqrt(0.75) * u.beta);
@@ -34,29 +43,28 @@ void test_no_voltage_is_half_a_period_on_every_leg(void)
     for (int p = 0; p < PERIOD_COUNT; p++) {
         const svpwm_t svpwm = svpwm_init(PERIODS[p], PERIODS[p] / 20, 0, 32767);
         const ab_t zero = {0, 0};
-        uint16_t on[3];
-        svpwm_step(&svpwm, zero, NO_TRIM, on);
+        int32_t on[3];
+        step(&svpwm, zero, NO_TRIM, on);
         for (int x = 0; x < 3; x++) {
-            TEST_ASSERT_EQUAL_UINT16((PERIODS[p] + 1) / 2, on[x]);
+            TEST_ASSERT_EQUAL_INT32((PERIODS[p] + 1) / 2, on[x]);
         }
     }
 }
 
 void test_line_voltages_are_within_one_count_of_the_ideal_ones(void)
 {
-    /* The nearest whole number of counts to the ideal line voltage, give or take one. */
     for (int p = 0; p < PERIOD_COUNT; p++) {
         const svpwm_t svpwm = svpwm_init(PERIODS[p], PERIODS[p] / 20, PERIODS[p] / 50, 32767);
         for (int r = 0; r <= 32; r++) {
             for (int k = 0; k < 3600; k++) {
                 const ab_t u = vector(1023.9 * r, k * PI / 1800.0);
                 double phase[3];
-                uint16_t on[3];
-                ideal_counts(&svpwm, PERIODS[p], u, phase);
-                svpwm_step(&svpwm, u, NO_TRIM, on);
+                int32_t on[3];
+                ideal_counts(&svpwm, u, phase);
+                step(&svpwm, u, NO_TRIM, on);
                 for (int x = 0; x < 3; x++) {
                     const int y = (x + 1) % 3;
-                    TEST_ASSERT_INT_WITHIN(1, lround(phase[x] - phase[y]), (int)on[x] - (int)on[y]);
+                    TEST_ASSERT_DOUBLE_WITHIN(1.0, phase[x] - phase[y], on[x] - on[y]);
                 }
             }
         }
@@ -68,8 +76,8 @@ void test_pulses_are_centred_so_both_margins_are_equal(void)
     for (int p = 0; p < PERIOD_COUNT; p++) {
         const svpwm_t svpwm = svpwm_init(PERIODS[p], PERIODS[p] / 20, 0, 32767);
         for (int k = 0; k < 360; k++) {
-            uint16_t on[3];
-            svpwm_step(&svpwm, vector(32767.0, k * PI / 180.0), NO_TRIM, on);
+            int32_t on[3];
+            step(&svpwm, vector(32767.0, k * PI / 180.0), NO_TRIM, on);
             const int32_t longest = on[0] > on[1] ? (on[0] > on[2] ? on[0] : on[2]) : (on[1] > on[2] ? on[1] : on[2]);
             const int32_t shortest = on[0] < on[1] ? (on[0] < on[2] ? on[0] : on[2]) : (on[1] < on[2] ? on[1] : on[2]);
             TEST_ASSERT_INT32_WITHIN(2, PERIODS[p] - longest, shortest);
@@ -86,8 +94,8 @@ void test_a_vector_on_the_circle_with_the_largest_trim_leaves_the_shortest_pulse
         for (int signs = 0; signs < 8; signs++) {
             const abc_t trims = {signs & 1 ? 32767 : -32768, signs & 2 ? 32767 : -32768, signs & 4 ? 32767 : -32768};
             for (int k = 0; k < 3600; k++) {
-                uint16_t on[3];
-                svpwm_step(&svpwm, vector(32768.0, k * PI / 1800.0), trims, on);
+                int32_t on[3];
+                step(&svpwm, vector(32768.0, k * PI / 1800.0), trims, on);
                 for (int x = 0; x < 3; x++) {
                     TEST_ASSERT_TRUE(on[x] >= min_pulse);
                     TEST_ASSERT_TRUE(on[x] <= PERIODS[p] - min_pulse);
@@ -119,13 +127,13 @@ void test_trim_adds_to_its_own_phase_only(void)
 {
     const svpwm_t svpwm = svpwm_init(4200, 100, 64, 32767);
     const ab_t u = vector(12000.0, 1.0);
-    uint16_t plain[3];
-    svpwm_step(&svpwm, u, NO_TRIM, plain);
+    int32_t plain[3];
+    step(&svpwm, u, NO_TRIM, plain);
     for (int x = 0; x < 3; x++) {
         const int32_t share_q15 = 37 * 32768 / 64;
         const abc_t trim = {x == 0 ? share_q15 : 0, x == 1 ? share_q15 : 0, x == 2 ? share_q15 : 0};
-        uint16_t on[3];
-        svpwm_step(&svpwm, u, trim, on);
+        int32_t on[3];
+        step(&svpwm, u, trim, on);
         for (int y = 0; y < 3; y++) {
             TEST_ASSERT_EQUAL_INT32(plain[y] + (x == y ? 37 : 0), on[y]);
         }
@@ -138,10 +146,10 @@ void test_opposite_vectors_have_mirrored_pulses(void)
     for (int k = 0; k < 3600; k++) {
         const ab_t u = vector(25000.0, k * PI / 1800.0);
         const ab_t opposite = {-u.alpha, -u.beta};
-        uint16_t on[3];
-        uint16_t mirrored[3];
-        svpwm_step(&svpwm, u, NO_TRIM, on);
-        svpwm_step(&svpwm, opposite, NO_TRIM, mirrored);
+        int32_t on[3];
+        int32_t mirrored[3];
+        step(&svpwm, u, NO_TRIM, on);
+        step(&svpwm, opposite, NO_TRIM, mirrored);
         for (int x = 0; x < 3; x++) {
             TEST_ASSERT_INT32_WITHIN(1, 4200, on[x] + mirrored[x]);
         }

@@ -189,8 +189,8 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(tmp_path: P
     subprocess.run(["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)], check=True)
     ffi = cffi.FFI()
     ffi.cdef("""
-        typedef struct { int32_t proportional_q11, integral_q15, anti_windup_q15; } pi_gains_t;
-        typedef struct { pi_gains_t d, q; int32_t w_l_d_q11, w_l_q_q11, w_psi_q15; int32_t rest[8]; } tuning_t;
+        typedef struct { int32_t proportional_q10, integral_q15, anti_windup_q15; } pi_gains_t;
+        typedef struct { pi_gains_t d, q; int32_t w_l_d_q10, w_l_q_q10, w_psi_q25; int32_t rest[8]; } tuning_t;
         tuning_t current_loop_tuning(const void *config, int32_t limit_q15, int32_t v_dc_pu, int32_t speed_q32,
                                      int32_t winding_temperature_cC);
     """)
@@ -208,13 +208,13 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(tmp_path: P
             turns = omega * base.period_s / (2.0 * math.pi)
             tuning = firmware.current_loop_tuning(raw, limit, round(bus / full_scale * 32768), round(turns * 2**32), round(winding_c * 100))
             values = {
-                "proportional_d": tuning.d.proportional_q11 / 2048,
-                "proportional_q": tuning.q.proportional_q11 / 2048,
+                "proportional_d": tuning.d.proportional_q10 / 1024,
+                "proportional_q": tuning.q.proportional_q10 / 1024,
                 "integral": tuning.q.integral_q15 / 32768,
                 "anti_windup_d": tuning.d.anti_windup_q15 / 32768,
-                "w_l_d": tuning.w_l_d_q11 / 2048,
-                "w_l_q": tuning.w_l_q_q11 / 2048,
-                "w_psi": tuning.w_psi_q15 / 32768,
+                "w_l_d": tuning.w_l_d_q10 / 1024,
+                "w_l_q": tuning.w_l_q_q10 / 1024,
+                "w_psi": tuning.w_psi_q25 / 2**25,
             }
             for name, value in values.items():
                 found = proved[f"current_loop.{name}"]
