@@ -21,6 +21,7 @@ HIDDEN = ("apt-get", "apt-cache", "sudo", "arm-none-eabi-gcc", "qemu-system-arm"
 # Writes down its arguments and, when told to install, puts the programs of known packages where PATH finds them.
 PRETENDED_APT_GET = """#!/bin/sh
 echo "$*" >> "$APT_CALLS"
+[ -z "$APT_OFFLINE" ] || echo "W: Failed to fetch x  Temporary failure resolving 'deb.example'" >&2
 case "$*" in *" install "*) ;; *) exit 0 ;; esac
 [ -z "$APT_BROKEN" ] || { echo "E: pretended failure" >&2; exit 100; }
 for package in "$@"; do

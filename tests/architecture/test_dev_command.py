@@ -112,6 +112,14 @@ class DevCommandTest(DevFixture):
         self.assertIn(".dev/log/", result.stderr)
         self.assertIn("qemu-system-arm", result.stderr.splitlines()[-1])
 
+    def test_without_a_network_one_line_says_so(self) -> None:
+        apt = self.pretend_apt()
+        write_program(self.bin / "apt-cache", "#!/bin/sh\nexit 1\n")
+        result = self.run_dev("setup", "arm", path=self.bare_path(), environment={**apt, "APT_OFFLINE": "1"})
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual([line for line in result.stderr.splitlines() if "apt-install" in line], [])
+        self.assertIn("the package archive cannot be reached; is there a network?", result.stderr.splitlines()[-1])
+
     def test_a_package_that_does_not_bring_its_tool_is_not_called_installed(self) -> None:
         result = self.run_dev("setup", "checks", path=self.bare_path(), environment=self.pretend_apt())
         self.assertEqual(result.returncode, 1, result.stderr)

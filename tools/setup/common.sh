@@ -46,7 +46,15 @@ report_progress() {
     done
 }
 
-# run_logged LABEL LOGNAME COMMAND...: the output goes to a log; its last lines are shown only if the command fails.
+# What apt, pip and git say when there is no way to the other side, as opposed to a file that is no longer there.
+speaks_of_no_network() {
+    grep -qE 'Could not (resolve|connect)|Temporary failure (resolving|in name resolution)|Name or service not known|Unable to connect|Connection (timed out|refused)|Network is unreachable|NewConnectionError|NameResolutionError' "$1"
+}
+
+fail_without_network() { fail "$1: the package archive cannot be reached; is there a network? (${2#"$ROOT"/} has the details)"; }
+
+# run_logged LABEL LOGNAME COMMAND...: the output goes to a log; its last lines are shown only if the command fails, and one
+# line instead if all there is to say is that there is no network.
 # The command stays in the foreground and the reporter goes to the background, because bash makes background commands
 # deaf to Ctrl-C, and it is the command that has to hear it.
 run_logged() {
@@ -63,6 +71,7 @@ run_logged() {
     wait "$reporter" 2>/dev/null || true
     trap 'exit 130' INT
     [[ -t 2 ]] && printf '\r\033[K' >&2
+    if ((status != 0)) && speaks_of_no_network "$log"; then fail_without_network "$label" "$log"; fi
     if ((status != 0)); then
         say "$label: failed after $((SECONDS - begin)) s; the end of ${log#"$ROOT"/}:"
         tail -n 20 "$log" | cut -c 1-200 | sed 's/^/    /' >&2

@@ -109,6 +109,10 @@ apt_install() {
     for package in "$@"; do
         apt_knows "$package" && continue
         run_logged "Updating the package lists" apt-update apt_get update || return
+        # Without a network apt-get calls an update a success all the same.
+        if ! apt_knows "$package" && speaks_of_no_network "$LOG_DIR/apt-update.log"; then
+            fail_without_network "Updating the package lists" "$LOG_DIR/apt-update.log"
+        fi
         break
     done
     run_logged "Installing with apt-get" apt-install apt_get install --no-install-recommends "$@" && return
