@@ -35,6 +35,35 @@ typedef struct {
 /* What grows with the torque and has a limit. */
 typedef enum { BURDEN_CURRENT_SQUARE, BURDEN_DRAWN_POWER, BURDEN_RETURNED_POWER } burden_t;
 
+/* Voltage of the axes' difference, mV. */
+static int64_t saliency_mV(const motor_model_t *model, int32_t current_mA)
+{
+    const int64_t difference_uOhm = (int64_t)model->reactance_d_uOhm - model->reactance_q_uOhm;
+    return q_saturate64(q_saturate64(difference_uOhm) * (int64_t)current_mA / 1000000);
+}
+
+/*
+ * Power that may come back on top of the model's because hall sensors leave the angle open: an edge is seen up to a period
+ * late and taken for half a period old, so the angle is uncertain by w T/2. Currents turned by a small angle d have
+ * i_d - i_q d and i_q + i_d d, and 3/2 w [psi i_q + (L_d - L_q) i_d i_q] changes by
+ *     3/2 w [psi i_d + (L_d - L_q) (i_d^2 - i_q^2)] d
+ * It matters where field weakening makes i_d large.
+ */
+static int64_t uncertain_mW(const side_t *side, motor_current_t i)
+{
+    const config_t *config = side->config;
+    const motor_model_t *model = side->model;
+    if (config->rotor.sensor != CONFIG_ROTOR_HALL) {
+        return 0;
+    }
+    const int64_t w_abs_mrad_s = q_abs(bases_electrical_mrad_s(config, model->speed_mrad_s));
+    const int64_t angle_urad = q_saturate64(w_abs_mrad_s * 500 / config->drive.pwm_frequency_Hz);
+    const int64_t across_uW =
+        (model->emf_mV + saliency_mV(model, i.d_mA)) * i.d_mA - saliency_mV(model, i.q_mA) * i.q_mA;
+    const int64_t across_mW = q_saturate64(across_uW / 1000 * 3 / 2);
+    return (across_mW < 0 ? -across_mW : across_mW) * angle_urad / 1000000;
+}
+
 static int64_t burden_of(const side_t *side, burden_t burden, int32_t torque_mNm)
 {
     const motor_current_t i =
@@ -43,7 +72,7 @@ static int64_t burden_of(const side_t *side, burden_t burden, int32_t torque_mNm
         return (int64_t)i.d_mA * i.d_mA + (int64_t)i.q_mA * i.q_mA;
     }
     const int64_t power_mW = motor_model_power_mW(side->model, i);
-    return burden == BURDEN_DRAWN_POWER ? power_mW : -power_mW;
+    return burden == BURDEN_DRAWN_POWER ? power_mW : uncertain_mW(side, i) - power_mW;
 }
 
 /* Where between two torques, one within the limit and one beyond it, a line through both burdens meets the limit. */

@@ -122,6 +122,27 @@ void test_the_configured_charge_current_bounds_what_the_battery_offers(void)
     assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -424.0)), REASON_CHARGE_CURRENT, out.regenerating);
 }
 
+void test_with_hall_sensors_the_charge_limit_keeps_back_what_the_open_angle_may_return(void)
+{
+    /* 640 r/min: w = 1541.5 rad/s, 31.45 V; at 20 kHz the angle is open by 1541.5/40000 = 38.5 mrad. With 40 A across,
+     * 3/2 * 31.45 V * 40 A * 0.0385 = 72.7 W less may be asked for: at 10 A of 53 V, a seventh. */
+    config.battery.max_charge_current_mA = 10000;
+    world.i_d_weakening_mA = -40000;
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    const int32_t with_hall_mNm = at_rpm(640.0).regenerating.torque_mNm;
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+    config.battery.max_charge_current_mA = (int32_t)lround(10000.0 * (1.0 - 72.7 / 530.0));
+    const int32_t smaller_limit_mNm = at_rpm(640.0).regenerating.torque_mNm;
+    TEST_ASSERT_INT32_WITHIN(30, smaller_limit_mNm, with_hall_mNm);
+    config.battery.max_charge_current_mA = 10000;
+    TEST_ASSERT_TRUE(at_rpm(640.0).regenerating.torque_mNm > with_hall_mNm + 1000);
+    /* Without demagnetising current nothing is across. */
+    world.i_d_weakening_mA = 0;
+    const int32_t known_mNm = at_rpm(300.0).regenerating.torque_mNm;
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    TEST_ASSERT_EQUAL_INT32(known_mNm, at_rpm(300.0).regenerating.torque_mNm);
+}
+
 void test_a_full_battery_leaves_only_the_drag_that_returns_nothing(void)
 {
     /* At 300 r/min iron drags with 1.778 Nm at no terminal current: it heats the motor, not the battery. */
