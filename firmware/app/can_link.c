@@ -9,15 +9,14 @@ bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t 
     uint16_t accepted[MESSAGES_HEARD];
     node_accepted(wheel, accepted);
     node_init(&link->node, wheel, pack, now_ms);
-    link->working = can_init(accepted, MESSAGES_HEARD);
-    return link->working;
+    return can_init(accepted, MESSAGES_HEARD);
 }
 
 bool can_link_receive(can_link_t *link, uint32_t now_ms)
 {
     bool changed = node_tick(&link->node, now_ms);
     can_frame_t received;
-    for (int i = 0; link->working && i < FRAMES_PER_PASS && can_receive(&received); i++) {
+    for (int i = 0; i < FRAMES_PER_PASS && can_receive(&received); i++) {
         messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
         for (uint32_t k = 0; k < sizeof frame.data; k++) {
             frame.data[k] = received.data[k];
@@ -39,7 +38,7 @@ static bool transmit(const messages_frame_t *frame)
 void can_link_transmit(can_link_t *link, uint32_t now_ms, const messages_output_t *output)
 {
     messages_frame_t frame;
-    while (link->working && node_next(&link->node, now_ms, output, &frame) && transmit(&frame)) {
+    while (node_next(&link->node, now_ms, output, &frame) && transmit(&frame)) {
         node_sent(&link->node, now_ms);
     }
 }

@@ -23,7 +23,13 @@ enum {
 _Static_assert(PRESCALER *QUANTA *BIT_RATE == CLOCK_CORE_Hz / CLOCK_APB1_DIVIDER, "the bit rate must be exact");
 _Static_assert(IDENTIFIERS_MAX <= BANKS_USED * IDENTIFIERS_PER_BANK, "filter banks");
 
-static bool working;
+static bool configured; /* filters and bit timing are in place */
+
+/* The controller joins by itself when it has seen the bus free for eleven bits, however late that is (32.4.2). */
+static bool is_on_bus(void)
+{
+    return configured && (CAN1->MSR & CAN_MSR_INAK) == 0;
+}
 
 /* One entry of a bank in 16-bit list mode (32.7.4): identifier in bits 5 .. 15, data frame, standard identifier. */
 static uint32_t filter_entry(const uint16_t *identifiers, uint32_t count, uint32_t index)
@@ -52,7 +58,7 @@ static void accept_only(const uint16_t *identifiers, uint32_t count)
 
 bool can_init(const uint16_t *accepted_identifiers, uint32_t count)
 {
-    working = false;
+    configured = false;
     if (count == 0 || count > IDENTIFIERS_MAX) {
         return false;
     }
@@ -72,8 +78,8 @@ bool can_init(const uint16_t *accepted_identifiers, uint32_t count)
                 ((uint32_t)(QUANTA_AFTER_SAMPLE - 1) << CAN_BTR_TS2_Pos); /* resynchronisation by one quantum */
     accept_only(accepted_identifiers, count);
     CAN1->MCR &= ~(uint32_t)CAN_MCR_INRQ;
-    working = wait_for(&CAN1->MSR, CAN_MSR_INAK, 0, LOOKS);
-    return working;
+    configured = true;
+    return wait_for(&CAN1->MSR, CAN_MSR_INAK, 0, LOOKS);
 }
 
 static uint8_t byte_of(uint32_t low, uint32_t high, uint32_t index)
@@ -83,7 +89,7 @@ static uint8_t byte_of(uint32_t low, uint32_t high, uint32_t index)
 
 bool can_receive(can_frame_t *frame)
 {
-    if (!working || (CAN1->RF0R & CAN_RF0R_FMP0) == 0) {
+    if (!is_on_bus() || (CAN1->RF0R & CAN_RF0R_FMP0) == 0) {
         return false;
     }
     const can_receive_mailbox_t *mailbox = &CAN1->receive[0];
@@ -104,7 +110,8 @@ bool can_transmit(const can_frame_t *frame)
 {
     static const uint32_t EMPTY[3] = {CAN_TSR_TME0, CAN_TSR_TME1, CAN_TSR_TME2};
     const uint32_t status = CAN1->TSR;
-    for (uint32_t i = 0; working && i < 3U; i++) {
+    const bool on_bus = is_on_bus();
+    for (uint32_t i = 0; on_bus && i < 3U; i++) {
         if ((status & EMPTY[i]) == 0) {
             continue;
         }
@@ -121,5 +128,5 @@ bool can_transmit(const can_frame_t *frame)
 
 bool can_bus_off(void)
 {
-    return working && (CAN1->ESR & CAN_ESR_BOFF) != 0;
+    return configured && (CAN1->ESR & CAN_ESR_BOFF) != 0;
 }

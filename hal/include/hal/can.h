@@ -14,8 +14,8 @@ typedef struct {
 } can_frame_t;
 
 /* 500 kbit/s. accepted_identifiers: the only ones that can_receive() will deliver, at most 14. False if the
- * controller did not leave its initialisation in time (no transceiver, bus held dominant); the other functions are
- * then harmless and deliver nothing. */
+ * controller has not joined the bus in time (no transceiver, bus held dominant). Where it can, it joins when the bus
+ * becomes free; until then the other functions are harmless and deliver nothing. */
 bool can_init(const uint16_t *accepted_identifiers, uint32_t count);
 
 /* The oldest frame not yet delivered; false if there is none. */

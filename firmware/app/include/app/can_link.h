@@ -15,10 +15,10 @@
 
 typedef struct {
     node_t node;
-    bool working;
 } can_link_t;
 
-/* pack: the configuration's limits, of the whole pack. False if the CAN controller did not start; the pump then rests. */
+/* pack: the configuration's limits, of the whole pack. False if the CAN controller is not on the bus yet: nothing
+ * comes and nothing goes until it is, however late. */
 bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t pack, uint32_t now_ms);
 
 /* Takes what has arrived; true if link->node.wish has changed. */
