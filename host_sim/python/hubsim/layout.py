@@ -7,6 +7,10 @@ torques and one for each wheel; curves of signals that were not recorded are lef
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Sequence
 from fnmatch import fnmatchcase
+from pathlib import Path
+
+# The layout for everything that the paper's vehicle can record: 'hubsim list --layout' prints it, a test keeps it up to date.
+PATH = Path(__file__).resolve().parent / "plotjuggler.xml"
 
 # A tab is a name and its plots from top to bottom; a plot is the patterns of its curves. "{k}" stands for a wheel.
 _VEHICLE = (

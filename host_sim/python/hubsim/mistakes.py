@@ -28,7 +28,7 @@ def _explain(details: ErrorDetails, model: type[BaseModel]) -> tuple[str, str]:
         near = difflib.get_close_matches(path[-1], owner.model_fields, n=1, cutoff=0.5)
         return key, "unknown key, " + (f"did you mean {near[0]}?" if near else f"known are {', '.join(owner.model_fields)}")
     takes = accepted(field) if field is not None else "a section"
-    if details["type"] == "missing":
+    if details["type"] == "missing" and len(details["loc"]) == len(path):
         return key, f"missing, accepted: {takes}"
     value = repr(details["input"])
     return key, f"{value if len(value) <= 40 else value[:37] + '...'} is not accepted, accepted: {takes}"

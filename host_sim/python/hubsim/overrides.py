@@ -41,16 +41,20 @@ def parse(settings: Iterable[str]) -> Overrides:
         key = key.strip()
         if not equals or not key:
             raise HubsimError(f"--set {setting!r}: accepted: key=value")
-        value = value_of(text.strip())
-        if key.startswith(PLANT):
-            name = key.removeprefix(PLANT)
-            out.plant[name] = _plant_value(name, value)
-        elif "." in key and not key.startswith(OF_THE_SCENARIO):
-            section, _, name = key.partition(".")
-            out.drive[section, name] = value
-        else:
-            out.scenario[key] = value
+        put(out, key, value_of(text.strip()))
     return out
+
+
+def put(overrides: Overrides, key: str, value: Any) -> None:  # noqa: ANN401, whatever TOML can say
+    """Give one key to the one it belongs to."""
+    if key.startswith(PLANT):
+        name = key.removeprefix(PLANT)
+        overrides.plant[name] = _plant_value(name, value)
+    elif "." in key and not key.startswith(OF_THE_SCENARIO):
+        section, _, name = key.partition(".")
+        overrides.drive[section, name] = value
+    else:
+        overrides.scenario[key] = value
 
 
 def value_of(text: str) -> Any:  # noqa: ANN401, whatever TOML can say

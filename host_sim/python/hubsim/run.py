@@ -4,7 +4,7 @@ import operator
 import time
 from collections.abc import Callable, Sequence
 from fnmatch import fnmatchcase
-from functools import reduce
+from functools import lru_cache, reduce
 from pathlib import Path
 
 import numpy as np
@@ -39,9 +39,15 @@ def prepare(drive: Drive, scenario: Scenario, beside: Path, plant_overrides: dic
     for name, value in reduce(operator.or_, sources).items():
         engine.set(name, value)
     engine.set_voltage_curve(*plant.voltage_curve(drive))
-    engine.load_config(image.build(drive))
+    engine.load_config(_image(drive.name, drive.model_dump_json()))
     duration = scenario.max_duration_s if trace is None else min(trace.duration_s, scenario.max_duration_s)
     return engine, duration
+
+
+@lru_cache(maxsize=16)
+def _image(name: str, drive_json: str) -> bytes:
+    """Return a drive's configuration as the controllers get it; a sweep asks for the same one a thousand times."""
+    return image.build(Drive.model_validate_json(drive_json).named(name))
 
 
 def followed(scenario: Scenario, beside: Path) -> cycles.Cycle | None:
@@ -106,6 +112,7 @@ def simulate(
     patterns: Sequence[str],
     plant_overrides: dict[str, float] | None = None,
     progress: Progress | None = None,
+    formulas: Sequence[str] = (),
 ) -> RunResult:
     """Run to the end.
 
@@ -119,6 +126,8 @@ def simulate(
         Signals to record besides those that the scenario's criteria look at; empty: none.
     progress : callable, optional
         Called with the simulated time and the planned end, both in s.
+    formulas : sequence of str
+        What will be worked out of the run besides the criteria: the signals in them are recorded too.
     """
     try:
         engine, planned_s = prepare(drive, scenario, beside, plant_overrides or {})
@@ -128,8 +137,9 @@ def simulate(
         engine.start()
         known = engine.signals()
         parameters = {parameter: engine.get(parameter) for parameter in engine_parameters()}
-        judged = verdicts.signals_of(scenario, drive, known, parameters)
-        names = [name for name in known if name in {*judged, *matching(known, patterns)}]
+        judged = verdicts.signals_of(scenario, drive, known, formulas)
+        wanted = {*judged, *matching(known, patterns)}
+        names = [name for name in known if name in wanted]
         engine.choose(names)
         happening = timeline(scenario)
         begun = time.thread_time()

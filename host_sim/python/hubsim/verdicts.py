@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from regen_table.schema import Drive
 
-from hubsim import expression, reasons
+from hubsim import engine, expression, reasons
 from hubsim.criteria import Criterion
 from hubsim.errors import HubsimError
 from hubsim.expression import ExpressionError, NothingSeen, Value
@@ -35,10 +35,8 @@ class Verdict:
     remark: str = ""
 
     def as_object(self) -> dict[str, Any]:
-        """Return it for a JSON file."""
-        value = self.value if math.isfinite(self.value) else None
-        return {"name": self.name, "passed": self.passed, "value": value, "at_least": self.at_least, "at_most": self.at_most,
-                "unit": self.unit, "text": self.text, "remark": self.remark}  # fmt: skip
+        """Return it for a JSON file, which knows neither NaN nor infinity."""
+        return {key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in vars(self).items()}
 
 
 # What formulas call run.*: figures of the run as a whole.
@@ -66,18 +64,22 @@ def constants(scenario: Scenario, drive: Drive) -> dict[str, float]:
     return out
 
 
-def signals_of(scenario: Scenario, drive: Drive, known: Sequence[str], parameters: Iterable[str]) -> list[str]:
-    """Return the signals that the criteria of a scenario look at, refusing a name that there is not."""
-    scalars = {*constants(scenario, drive), *(f"plant.{name}" for name in parameters), *(f"run.{name}" for name in RUN_FIGURES)}
-    scalars |= {name for name in known if name.startswith(_ACCOUNTS)}
+def scalars(scenario: Scenario, drive: Drive, known: Sequence[str]) -> set[str]:
+    """Return every name of a formula that is one number for a whole run; ``known`` are the signals."""
+    own = {*constants(scenario, drive), *(f"plant.{name}" for name in engine.parameters()), *(f"run.{name}" for name in RUN_FIGURES)}
+    return own | {name for name in known if name.startswith(_ACCOUNTS)}
+
+
+def signals_of(scenario: Scenario, drive: Drive, known: Sequence[str], formulas: Iterable[str] = ()) -> list[str]:
+    """Return the signals that the criteria of a scenario and further formulas look at, refusing a name that there is not."""
+    single = scalars(scenario, drive, known)
     wanted: set[str] = set()
-    for name, criterion in scenario.criteria.items():
-        for key, formula in criterion.formulas.items():
-            wanted.add("time_s")
-            try:
-                wanted |= signals_named(formula.names, known, scalars)
-            except ExpressionError as error:
-                raise HubsimError(f"{scenario.source}: criteria.{name}.{key}: {error}") from error
+    looked_at = [(f"criteria.{name}.{key}", f) for name, criterion in scenario.criteria.items() for key, f in criterion.formulas.items()]
+    for place, formula in [*looked_at, *((text, expression.read(text)) for text in formulas)]:
+        try:
+            wanted |= {"time_s", *signals_named(formula.names, known, single)}
+        except ExpressionError as error:
+            raise HubsimError(f"{scenario.source}: {place}: {error}") from error
     return [name for name in known if name in wanted]
 
 

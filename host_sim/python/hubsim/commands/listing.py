@@ -2,7 +2,7 @@
 
 import argparse
 
-from hubsim import arguments, cycles, engine, events, expression, overrides, reasons, run, scenario
+from hubsim import arguments, cycles, engine, events, expression, layout, overrides, reasons, run, scenario
 from hubsim.criteria import Criterion
 from hubsim.keys import Section
 from hubsim.mistakes import accepted
@@ -13,6 +13,7 @@ def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
     command = commands.add_parser("list", help="scenarios, cycles, drives, keys, signals", description="Show everything that has a name.")
     command.add_argument("--parameters", action="store_true", help="everything that events and --set plant.NAME=VALUE can change")
     command.add_argument("--signals", action="store_true", help="everything that can be recorded")
+    command.add_argument("--layout", action="store_true", help="a PlotJuggler layout for everything that can be recorded")
     command.add_argument("--criteria", action="store_true", help="keys of events and criteria, functions of formulas, reasons")
     command.set_defaults(run=_list)
 
@@ -26,6 +27,9 @@ def _list(options: argparse.Namespace) -> int:
     if options.signals:
         for name in signal_names():
             print(name)
+        return 0
+    if options.layout:
+        print(layout.layout(signal_names()), end="")
         return 0
     if options.criteria:
         _list_criteria()

@@ -88,3 +88,23 @@ def test_mistakes_are_one_line(config: hubsim.Configuration, tmp_path: Path) -> 
         with pytest.raises(hubsim.HubsimError) as caught:
             wrong()
         assert "\n" not in str(caught.value)
+
+
+def test_the_events_of_a_scenario_happen_here_too(config: hubsim.Configuration, tmp_path: Path) -> None:
+    path = tmp_path / "slope.toml"
+    path.write_text(
+        "initial_speed_kmh = 20\nmax_duration_s = 0.6\n[drive.brake]\nparallel_electric_share = 0.5\n"
+        "[events.hill]\nat_s = 0.2\nover_s = 0.1\nset.road.slope = 0.1\n", encoding="utf-8",
+    )  # fmt: skip
+    with hubsim.Bench(config, path) as bench:
+        bench.run(0.25)
+        assert bench.get("road.slope") == pytest.approx(0.05, abs=1.1e-3)
+        bench.step(0.1)
+        rest = bench.run()
+    assert bench_slope(rest) == pytest.approx(9.80665 * 0.1 / np.sqrt(1.01), rel=0.03)
+
+
+def bench_slope(recording: hubsim.Recording) -> float:
+    """Return the deceleration over the last part that a slope of 10 % makes, rolling and air taken off."""
+    late = recording["time_s"] > 0.4
+    return float(-np.mean(recording["vehicle.acceleration_m_per_s2"][late])) - 0.014 * 9.80665 - 0.336 * 5.4**2 / 660.0

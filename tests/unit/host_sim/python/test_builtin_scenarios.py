@@ -20,10 +20,12 @@ SABOTAGE = {
     "hill_hold": ("plant.brake.torque_loss=1", "stands"),
     "hot_derate": ("plant.brake.torque_loss=1", "torque"),
     "hydraulic_dead": ("events.dead.at_s=50", "dead"),
+    "mu_jump": ("plant.brake.hydraulic_time_constant_s=0.2", "surplus"),
+    "mu_split": ("plant.wheel2.road_friction=1", "deceleration"),
     "pedal_stab": ("plant.brake.hydraulic_time_constant_s=0.3", "goes"),
     "ramp150": ("plant.motor.phase_resistance_ohm=0.04", "best_power"),
     "reverse": ("plant.motor.flux_linkage_wb=0.015", "speeds_up"),
-    "stop": ("plant.motor.flux_linkage_wb=0.018", "torque"),
+    "stop": ("plant.motor.flux_linkage_wb=0.015", "torque"),
     "udds": ("plant.driver.demand_age_s=1", "follows"),
 }
 SHORTENED = {"udds": ("max_duration_s=60",), "ece15": ("max_duration_s=30",), "descent_full": ("max_duration_s=10", "initial_soc=1")}

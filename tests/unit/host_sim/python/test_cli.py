@@ -55,7 +55,7 @@ def test_list_shows_what_there_is(hubsim: Hubsim) -> None:
     assert "wheel3.current_q_a" in hubsim("list", "--signals").stdout.split()
 
 
-@pytest.mark.parametrize("command", [(), ("run",), ("list",), ("sim",)])
+@pytest.mark.parametrize("command", [(), ("run",), ("list",), ("sim",), ("sweep",), ("compare",)])
 def test_every_command_explains_itself(hubsim: Hubsim, command: tuple[str, ...]) -> None:
     done = hubsim(*command, "--help")
     assert done.returncode == 0
@@ -122,3 +122,60 @@ def test_a_vehicle_that_does_not_come_to_rest_is_reported(hubsim: Hubsim, tmp_pa
     assert done.returncode == 0
     assert "still moving after 0.5 s" in done.stderr
     assert json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["stop_distance_m"] is None
+
+
+CRITERIA = """
+initial_speed_kmh = 10.0
+demand_nm = 60.0
+stop_at_standstill = true
+[events.late]
+at_s = 90.0
+inject = "abs"
+[criteria.short]
+text = "short enough"
+unit = "m"
+value = "run.distance_m"
+at_most = 3.5
+[criteria.no_fault]
+reasons = "wheels.fault_reason"
+must_not_appear = ["ANY_FAULT"]
+"""
+
+
+def test_criteria_are_evaluated_printed_and_decide_the_exit_status(hubsim: Hubsim, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(CRITERIA, encoding="utf-8")
+    met = hubsim("run", "mine.toml", "--json", "met.json")
+    assert met.returncode == 0, met.stderr
+    assert "mine: 3 of 3 criteria met" in met.stdout
+    assert "hubsim: warning: mine: event late at 90 s never came" in met.stderr
+    missed = hubsim("run", "mine.toml", "--set", "criteria.short.at_most=2.0", "--json", "missed.json")
+    assert missed.returncode == 1
+    assert missed.stderr.splitlines()[-1] == "hubsim: mine: 1 of 3 criteria not met: short"
+    line = next(line for line in missed.stdout.splitlines() if line.strip().startswith("short"))
+    found = json.loads((tmp_path / "missed.json").read_text(encoding="utf-8"))
+    assert line.split() == ["short", f"{found['criteria'][0]['value']:.5g}", "2", "m", "FAIL"]
+    assert (found["passed"], json.loads((tmp_path / "met.json").read_text(encoding="utf-8"))["passed"]) == (False, True)
+    assert found["criteria"][0]["text"] == "short enough"
+
+
+def test_without_criteria_nothing_is_judged(hubsim: Hubsim, tmp_path: Path) -> None:
+    (tmp_path / "plain.toml").write_text(CRITERIA.partition("[events")[0], encoding="utf-8")
+    done = hubsim("run", "plain.toml", "--json", "out.json")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "criteria" not in done.stdout
+    assert "criteria" not in json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
+
+
+def test_a_criterion_about_nothing_is_refused_with_file_and_key(hubsim: Hubsim, tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(CRITERIA.replace("run.distance_m", "run.distanse_m"), encoding="utf-8")
+    done = hubsim("run", "mine.toml", "--json", "out.json")
+    assert done.returncode == 1
+    assert done.stderr == "hubsim: mine.toml: criteria.short.value: no quantity 'run.distanse_m', did you mean run.distance_m?\n"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_list_explains_events_and_criteria(hubsim: Hubsim) -> None:
+    text = hubsim("list", "--criteria").stdout
+    for word in ("at_s", "inject", "can_silence", "settles_to", "must_not_appear", "integral", "LOSS_OPTIMUM", "ANY_FAULT"):
+        assert word in text

@@ -1,0 +1,96 @@
+"""``hubsim compare``: two results, or two runs, side by side."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from hubsim import arguments, difference, files, outputs, overrides, run, scenario
+from hubsim.commands.run import DEFAULT_SIGNALS
+from hubsim.difference import Difference, Side, Tolerance
+from hubsim.errors import HubsimError
+
+
+def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
+    """Declare the command."""
+    command = commands.add_parser(
+        "compare", help="two results or two runs side by side",
+        description="Compare figures and signals of two results (JSON, CSV, Parquet) or of two scenarios that are run now. "
+        "Exit status 1 if anything that both have is further apart than the tolerances allow.",
+    )  # fmt: skip
+    command.add_argument("first", metavar="A", help="a file that 'hubsim run' wrote, or a scenario to run")
+    command.add_argument("second", metavar="B", help="another one")
+    arguments.add_common(command)
+    for side in ("a", "b"):
+        command.add_argument(
+            f"--set-{side}",
+            action="append",
+            default=[],
+            metavar="KEY=VALUE",
+            help=f"as --set, for the run of {side.upper()} alone; repeatable",
+        )
+    command.add_argument("--absolute", type=float, default=0.0, metavar="X", help="tolerated difference, in each one's unit; default: 0")
+    command.add_argument(
+        "--relative", type=float, default=0.0, metavar="X", help="tolerated share of the larger figure, or of a signal's peak; default: 0"
+    )
+    command.add_argument("--only", metavar="PATTERN,...", help="what to compare, '*' for anything; default: everything")
+    command.add_argument("--all", action="store_true", help="show also what is within the tolerances")
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the differences")
+    command.set_defaults(run=_compare)
+
+
+def _compare(options: argparse.Namespace) -> int:
+    for name in ("absolute", "relative"):
+        if not 0.0 <= getattr(options, name) < float("inf"):
+            raise HubsimError(f"--{name} {getattr(options, name)}: accepted: a number from 0")
+    if options.json:
+        files.check_writable(options.json)
+    first, second = (_side(options, name, extra) for name, extra in ((options.first, options.set_a), (options.second, options.set_b)))
+    found = difference.compare(first, second, Tolerance(options.absolute, options.relative))
+    if options.only:
+        found = [d for d in found if any(fnmatchcase(d.name, pattern) for pattern in options.only.split(","))]
+    if not found:
+        raise HubsimError(f"{options.first} and {options.second}: nothing in common to compare")
+    if options.json:
+        files.write_text(options.json, outputs.as_json([d.as_object() for d in found]))
+    apart = [d for d in found if not d.within]
+    _print(first.name, second.name, found if options.all else apart)
+    alone = difference.only_in_one(first, second)
+    if alone and not options.only:
+        print(f"hubsim: in one of them only: {', '.join(alone[:8])}{' ...' if len(alone) > 8 else ''}", file=sys.stderr)
+    print(f"{len(found) - len(apart)} of {len(found)} figures and signals within the tolerances")
+    return 1 if apart else 0
+
+
+def _side(options: argparse.Namespace, name: str, extra: Sequence[str]) -> Side:
+    if name not in scenario.builtin_names() and not name.endswith(".toml"):
+        if extra:
+            raise HubsimError(f"{name}: was run already, accepted: --set-a and --set-b with scenarios")
+        return difference.read(Path(name))
+    settings = overrides.parse([*options.settings, *extra])
+    title, chosen, beside = scenario.load(name, settings.scenario)
+    drive = arguments.drive_of(options.config, settings, None, chosen)
+    result = run.simulate(title, drive, chosen, beside, DEFAULT_SIGNALS, settings.plant)
+    arguments.warn_of(result)
+    signals = {signal: result.signal(signal) for signal in result.names}
+    label = " ".join([title, *extra]) if extra else title
+    return Side(label, difference.figures_of(outputs.run_object(result)), signals)
+
+
+def _print(first: str, second: str, found: Sequence[Difference]) -> None:
+    if not found:
+        return
+    table = Table(title=f"A: {first}\nB: {second}", title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD)
+    table.add_column("figure, or signal (means)")
+    for heading in ("A", "B", "largest difference", "at s", "rms"):
+        table.add_column(heading, justify="right")
+    table.add_column("")
+    for d in found:
+        table.add_row(d.name, f"{d.first:.6g}", f"{d.second:.6g}", f"{d.largest:.3g}", "" if d.at_s is None else f"{d.at_s:g}",
+                      "" if d.rms is None else f"{d.rms:.3g}", "" if d.within else "DIFFERS")  # fmt: skip
+    Console(highlight=False, width=None if Console().is_terminal else 140).print(table)

@@ -1,0 +1,153 @@
+"""Two results side by side: how far figures and signals lie apart, and whether that is within tolerances.
+
+A side is a result that was written (JSON of ``hubsim run``, a recording as CSV or Parquet), or a run that is done now (a
+built-in scenario or a TOML file). Signals are compared on the times of the first side within the second side's, along
+straight lines; figures one by one.
+"""
+
+import csv
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hubsim.engine import Rows
+from hubsim.errors import HubsimError
+
+TIME = "time_s"
+# How long the computer took is no property of what was computed, and the rounding that a residual is made of none of the vehicle.
+_NOT_COMPARED = ("realtime_factor", "residual_relative", "energy.residual_j", "braking.residual_j")
+
+
+@dataclass(frozen=True)
+class Side:
+    """One of two results: figures by name, and signals of equal length by name."""
+
+    name: str
+    figures: Mapping[str, float]
+    signals: Mapping[str, Rows]
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """What may lie between two values: ``absolute`` in their unit, and ``relative`` to the larger one (a signal: its peak)."""
+
+    absolute: float = 0.0
+    relative: float = 0.0
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One figure or signal of both sides. Of a signal: means of both, the largest distance, its time, and the rms distance."""
+
+    name: str
+    first: float
+    second: float
+    largest: float
+    at_s: float | None
+    rms: float | None
+    within: bool
+
+    def as_object(self) -> dict[str, Any]:
+        """Return it for a JSON file, which knows no NaN."""
+        return {key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in vars(self).items()}
+
+
+def read(path: Path) -> Side:
+    """Read a result that was written."""
+    readers = {".json": _read_json, ".csv": _read_csv, ".parquet": _read_parquet}
+    if path.suffix not in readers:
+        raise HubsimError(f"{path}: accepted: {', '.join(readers)}, or a scenario")
+    try:
+        return readers[path.suffix](path)
+    except FileNotFoundError:
+        raise HubsimError(f"{path}: file not found") from None
+    except OSError as error:
+        raise HubsimError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except ValueError as error:
+        raise HubsimError(f"{path}: no {path.suffix[1:]} file of a run: {' '.join(str(error).split())[:120]}") from error
+
+
+def _read_json(path: Path) -> Side:
+    found = json.loads(path.read_text(encoding="utf-8"))
+    if not isinstance(found, dict):
+        raise ValueError("an object is needed")
+    return Side(str(path), figures_of(found), {})
+
+
+def figures_of(found: Mapping[str, object]) -> dict[str, float]:
+    """Return every number of an object, inner ones by dotted names."""
+    out: dict[str, float] = {}
+    for key, value in found.items():
+        if isinstance(value, Mapping):
+            out |= {f"{key}.{name}": figure for name, figure in figures_of(value).items()}
+        elif isinstance(value, int | float) and not isinstance(value, bool) and key not in _NOT_COMPARED:
+            out[key] = float(value)
+    return out
+
+
+def _read_csv(path: Path) -> Side:
+    with path.open(encoding="utf-8", newline="") as file:
+        names = next(csv.reader(file), [])
+        rows = np.loadtxt(file, delimiter=",", ndmin=2) if names else np.empty((0, 0))
+    if rows.size and rows.shape[1] != len(names):
+        raise ValueError(f"{rows.shape[1]} columns under {len(names)} headings")
+    return _recorded(path, {name: rows[:, k] if rows.size else np.empty(0) for k, name in enumerate(names)})
+
+
+def _read_parquet(path: Path) -> Side:
+    import pyarrow.parquet as pq  # noqa: PLC0415, a big library that only this needs
+
+    table = pq.read_table(path)
+    return _recorded(path, {name: table[name].to_numpy() for name in table.column_names})
+
+
+def _recorded(path: Path, signals: dict[str, Rows]) -> Side:
+    if TIME not in signals:
+        raise ValueError(f"no column {TIME}")
+    return Side(str(path), {}, signals)
+
+
+def compare(first: Side, second: Side, tolerance: Tolerance) -> list[Difference]:
+    """Return every figure and signal that both sides have."""
+    found = [_of_figures(name, value, second.figures[name], tolerance) for name, value in first.figures.items() if name in second.figures]
+    common = [name for name in first.signals if name in second.signals and name != TIME]
+    if not common:
+        return found
+    time_s, other_s = first.signals[TIME], second.signals[TIME]
+    if not len(time_s) or not len(other_s):
+        raise HubsimError(f"{first.name if not len(time_s) else second.name}: no rows to compare")
+    shared = (time_s >= other_s[0]) & (time_s <= other_s[-1])
+    if not np.any(shared):
+        raise HubsimError(f"{first.name} and {second.name}: no time in common")
+    for name in common:
+        one = first.signals[name][shared]
+        other = np.interp(time_s[shared], other_s, second.signals[name])
+        found.append(_of_signals(name, time_s[shared], one, other, tolerance))
+    return found
+
+
+def only_in_one(first: Side, second: Side) -> list[str]:
+    """Return the figures and signals that cannot be compared because one side lacks them."""
+    return sorted((set(first.figures) ^ set(second.figures)) | (set(first.signals) ^ set(second.signals)))
+
+
+def _of_figures(name: str, one: float, other: float, tolerance: Tolerance) -> Difference:
+    apart = abs(one - other)
+    within = apart <= tolerance.absolute + tolerance.relative * max(abs(one), abs(other))
+    return Difference(name, one, other, apart, None, None, within)
+
+
+def _of_signals(name: str, time_s: Rows, one: Rows, other: Rows, tolerance: Tolerance) -> Difference:
+    apart = np.abs(one - other)
+    apart[np.isnan(one) & np.isnan(other)] = 0.0
+    worst = int(np.argmax(np.where(np.isnan(apart), math.inf, apart)))
+    peak = max((float(abs(x)) for x in (*one, *other) if not math.isnan(x)), default=0.0)
+    within = bool(apart[worst] <= tolerance.absolute + tolerance.relative * peak)
+    rms = float(np.sqrt(np.mean(apart**2)))
+    means = [float(np.mean(rows[~np.isnan(rows)])) if np.any(~np.isnan(rows)) else math.nan for rows in (one, other)]
+    return Difference(name, means[0], means[1], float(apart[worst]), float(time_s[worst]), rms, within)

@@ -1,0 +1,155 @@
+"""Sweeps as a user makes them: the same table however it came about, and runs that are the runs of ``hubsim run``."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from hubsim.cli import DEFAULT_CONFIG
+from hubsim.sweep import conduct, plan, store, work
+
+Hubsim = Callable[..., subprocess.CompletedProcess[str]]
+QUICK = ("--set", "initial_speed_kmh=5", "--set", "drag=false")
+JOB = work.Job("stop", DEFAULT_CONFIG, None, ("initial_speed_kmh=5", "drag=false"), (("peak_a", "max(-battery.current_a)"),))
+PLAN = plan.make(["demand_nm=20,40,60", "plant.motor.phase_resistance_ohm=normal(0.031,0.002)"], 3, 5)
+
+
+def fresh(directory: Path, name: str) -> store.Store:
+    return store.Store(directory / name, {"what": "test"}, "0123")
+
+
+def test_a_row_is_the_run_that_hubsim_run_makes(hubsim: Hubsim, tmp_path: Path) -> None:
+    done = hubsim("sweep", "stop", *QUICK, "--vary", "demand_nm=20,60", "--vary", "brake.strategy=series_optimal,parallel_ratio",
+                  "--collect", "peak_a=max(-battery.current_a)", "--output", "out.parquet", "--workers", "2")  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == ["4 runs over demand_nm, brake.strategy: out.parquet", "4 of 4 met every criterion"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out.parquet"]
+    row = pq.read_table(tmp_path / "out.parquet").to_pylist()[3]
+    assert (row["run"], row["demand_nm"], row["brake.strategy"], row["passed"]) == (3, 60, "parallel_ratio", True)
+    assert hubsim("run", "stop", *QUICK, "--set", "demand_nm=60", "--strategy", "parallel_ratio", "--json", "one.json").returncode == 0
+    one = json.loads((tmp_path / "one.json").read_text(encoding="utf-8"))
+    assert row["battery_returned_j"] == one["energy_j"]["battery_returned"]
+    assert row["distance_m"] == one["distance_m"]
+    assert row["criteria.distance"] == one["criteria"][0]["value"]
+    assert row["peak_a"] > 0.0
+    assert row["error"] is None
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """Return the bytes of a sweep that nobody interrupted, on one worker."""
+    directory = tmp_path_factory.mktemp("whole")
+    conduct.conduct(JOB, PLAN, fresh(directory, "a.parquet"), processes=1)
+    return (directory / "a.parquet").read_bytes()
+
+
+def test_the_same_sweep_gives_the_same_bytes_on_any_number_of_workers(tmp_path: Path, whole: bytes) -> None:
+    table = conduct.conduct(JOB, PLAN, fresh(tmp_path, "a.parquet"), processes=2)
+    assert table.num_rows == PLAN.runs == 9
+    assert table["run"].to_pylist() == list(range(9))
+    assert (tmp_path / "a.parquet").read_bytes() == whole
+
+
+def test_a_sweep_that_was_interrupted_goes_on_and_gives_the_same_bytes(
+    tmp_path: Path, whole: bytes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun = fresh(tmp_path, "a.parquet")
+    assert begun.open() == set()
+    parts = conduct.batches(PLAN)
+    begun.put(1, work.do(JOB, *parts[1]))
+    seen: list[int] = []
+    again = fresh(tmp_path, "a.parquet")
+    conduct.conduct(JOB, PLAN, again, processes=1, progress=lambda done, _: seen.append(done))
+    assert seen[0] == len(parts[1][0])  # what was done counts and is not done again
+    assert len(seen) == len(parts)
+    assert (tmp_path / "a.parquet").read_bytes() == whole
+    assert list(tmp_path.iterdir()) == [tmp_path / "a.parquet"]
+
+
+def test_a_scheduler_elsewhere_does_the_work(tmp_path: Path, whole: bytes) -> None:
+    with conduct.workers(None, 1) as client:
+        address = client.scheduler.address
+        conduct.conduct(JOB, PLAN, fresh(tmp_path, "a.parquet"), address=address)
+    assert (tmp_path / "a.parquet").read_bytes() == whole
+
+
+def test_control_c_leaves_what_is_needed_to_go_on(tmp_path: Path) -> None:
+    command = [
+        sys.executable,
+        "-m",
+        "hubsim",
+        "sweep",
+        "stop",
+        "--vary",
+        "demand_nm=range(2,3,400)",
+        "--workers",
+        "1",
+        "--output",
+        "out.parquet",
+    ]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        parts = tmp_path / "out.parquet.parts"
+        deadline = time.monotonic() + 100.0
+        while not list(parts.glob("0*.parquet")) and time.monotonic() < deadline and running.poll() is None:
+            time.sleep(0.2)
+        running.send_signal(signal.SIGINT)
+        _, said = running.communicate(timeout=60)
+    assert running.returncode == 130
+    assert "the same command goes on where it stopped" in said
+    assert list(parts.glob("0*.parquet"))
+    assert not (tmp_path / "out.parquet").exists()
+
+
+def test_a_run_that_cannot_be_done_says_why_and_the_others_go_on(hubsim: Hubsim, tmp_path: Path) -> None:
+    done = hubsim("sweep", "stop", *QUICK, "--vary", "motor.d_inductance_h=76e-6,2.0", "--vary", "demand_nm=40", "--output", "out.parquet",
+                  "--workers", "1")  # fmt: skip
+    assert done.returncode == 1
+    rows = pq.read_table(tmp_path / "out.parquet").to_pylist()
+    assert rows[0]["error"] is None
+    assert "inductance" in rows[1]["error"]
+    assert "1 could not be run, the first because" in done.stdout
+
+
+def test_parts_of_another_sweep_are_not_mixed_in(tmp_path: Path, hubsim: Hubsim) -> None:
+    fresh(tmp_path, "out.parquet").open()
+    arguments = ("sweep", "stop", *QUICK, "--vary", "demand_nm=40,50", "--output", "out.parquet", "--workers", "1")
+    refused = hubsim(*arguments)
+    assert refused.returncode == 1
+    assert "out.parquet.parts: holds parts of another sweep, accepted: the same command, another --output or --restart" in refused.stderr
+    assert hubsim(*arguments, "--restart").returncode == 0
+    assert (tmp_path / "out.parquet").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--vary", "demand_mn=1,2"), "hubsim: --set demand_mn: unknown key, did you mean demand_nm?"),
+        (("--vary", "plant.road.slop=0,1"), "--set plant.road.slop: unknown key, did you mean plant.road.slope?"),
+        (("--vary", "demand_nm=1,2", "--collect", "peak"), "--collect 'peak': accepted: COLUMN=FORMULA"),
+        (("--vary", "demand_nm=1,2", "--collect", "p=max(battery.amps)"), "--collect p: no quantity 'battery.amps'"),
+        (("--vary", "demand_nm=1,2", "--workers", "0"), "--workers 0: accepted: a whole number from 1"),
+        (("--vary", "demand_nm=1,2", "--output", "none/out.parquet"), "none/out.parquet: no directory none to write to"),
+        (("--vary", "demand_nm=1,2", "--scheduler", "tcp://127.0.0.1:1"), "--scheduler tcp://127.0.0.1:1: no Dask scheduler answers there"),
+    ],
+)
+def test_a_mistake_gets_one_line_before_any_work(hubsim: Hubsim, tmp_path: Path, arguments: tuple[str, ...], message: str) -> None:
+    output = () if "--output" in arguments else ("--output", "out.parquet")
+    done = hubsim("sweep", "stop", *QUICK, *arguments, *output)
+    assert done.returncode == 1
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_column_of_several_kinds_becomes_one() -> None:
+    table = store.as_table([{"run": 0, "a": 1, "b": True, "c": None}, {"run": 1, "a": 2.5, "b": "x", "d": 3}])
+    assert table.schema.field("a").type == pa.float64()
+    assert table.to_pylist() == [
+        {"run": 0, "a": 1.0, "b": "True", "c": None, "d": None}, {"run": 1, "a": 2.5, "b": "x", "c": None, "d": 3}
+    ]  # fmt: skip
