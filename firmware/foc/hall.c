@@ -208,7 +208,10 @@ static bool reckon(hall_t *hall, const config_t *config, uint8_t sector)
         enter_sector(hall, config, sector);
     }
     const bool standing = hall->periods_since_edge > hall->standstill_periods;
-    wait_for_edge(hall);
+    if (sector != NO_SECTOR ||
+        standing) { /* no edge can come out of an impossible state: that none does says nothing */
+        wait_for_edge(hall);
+    }
     if (hall->speed_q32 == 0) {
         hall->theta_q32 = (uint32_t)hall->middle_turn << 16;
     }

@@ -54,6 +54,22 @@ void test_an_impossible_state_that_lasts_is_believed_and_a_turn_in_order_heals_i
     }
 }
 
+/* 40 Nm leave at 400 Nm/s in 0.1 s, 2000 periods; the speed is known to a period in a turn of 200, so ten turns are known to
+ * 0.05. An angle that stood still meanwhile would turn what is left of the torque round, and a blind wheel would drive. */
+void test_with_all_sensors_gone_the_angle_goes_on_for_as_long_as_the_torque_needs_to_leave(void)
+{
+    for (int state = 0; state <= 7; state += 7) {
+        restart();
+        turn_for(4000, 0.005);
+        for (int n = 0; n < 2000; n++) {
+            theta_turns += 0.005;
+            hall_step(&hall, &config, (uint8_t)state);
+            TEST_ASSERT_DOUBLE_WITHIN(0.06, 0.0, angle_error_turns());
+        }
+        TEST_ASSERT_FALSE(hall.valid);
+    }
+}
+
 void test_a_standstill_with_a_possible_state_heals_a_doubt_and_one_with_an_impossible_state_does_not(void)
 {
     turn_for(4000, 0.005);
