@@ -24,7 +24,7 @@ CODE = re.compile(r"\.(?:c|h|cpp|hpp|py|sh|cmake|toml|ld)$|(?:^|/)CMakeLists\.tx
 KNOWN_HOSTS = re.compile(r"(?:^|\.)(?:apache|doi|fmi-standard|w3)\.org$")
 
 # Written so that this file does not hold what it looks for.
-MACHINE_PATH = re.compile(r"(?<![\w.~$}/-])/(?:home|root|work|Users|mnt|media)(?:/|\b(?![\w-]))|(?<![\w$}/.-])/tmp/\w")
+MACHINE_PATH = re.compile(r"(?<![\w.~$}/<-])/(?:home|root|work|Users|mnt|media)(?:/|\b(?![\w-]))|(?<![\w$}/.-])/tmp/\w")
 HOST = re.compile(r"(?<=://)[\w-]+(?:\.[\w-]+)+|\b(?:[a-z0-9-]+\.)+(?:com|org)\b(?!\()")
 UNFINISHED = re.compile(
     rf"\b(?:{'TO' + 'DO'}|{'FIX' + 'ME'}|{'XX' + 'X'}|(?i:{'ha' + 'ck'}|{'place' + 'holder'}|{'dum' + 'my'}|{'st' + 'ubs?'}))\b"
@@ -120,6 +120,7 @@ def test_the_search_finds_what_it_looks_for(pattern: re.Pattern[str], line: str)
     ("pattern", "line"),
     [
         (MACHINE_PATH, "${CMAKE_BINARY_DIR}/root/x, host_sim/work, $ROOT/home"),
+        (MACHINE_PATH, "<root></root>"),
         (MACHINE_PATH, "/usr/bin and /etc/os-release are the same everywhere"),
         (HOST, "flow.net, model.organ, scipy.io, x.com(1)"),
         (UNFINISHED, "a stubborn wheel; todo = [root]"),

@@ -14,9 +14,10 @@
  * electrical acceleration above 60 degrees / (7.5 ms)^2 = 18 600 rad/s^2, twice what 40 Nm and 23 pole pairs do to a wheel
  * of 0.1 kg m^2 in the air). Each counts in lost_edges and ends the validity. From the last edge in order the angle runs
  * on with the speed it had there, and from then on only edges are followed that come within 30 degrees of where they are
- * expected: with one dead sensor a third of all edges, with none at all it is dead reckoning. So there is an angle to let
- * the torque go with, in a ramp. The angle is valid again after six edges in order, a turn in which every sensor has come and
- * gone (a dead one leaves no more than two in order), or at a standstill with a state that can be.
+ * expected: with one dead sensor a third of all edges, with none at all it is dead reckoning until a quarter of a second
+ * has passed. So there is an angle to let the torque go with, in a ramp. The angle is valid again after six edges in
+ * order, a turn in which every sensor has come and gone (a dead one leaves no more than two in order), or at a standstill
+ * with a state that can be.
  */
 #ifndef FOC_HALL_H
 #define FOC_HALL_H

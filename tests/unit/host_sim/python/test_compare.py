@@ -41,8 +41,8 @@ def test_another_grid_of_times_is_met_along_straight_lines() -> None:
 def test_tolerances_are_absolute_and_of_the_peak(tolerance: Tolerance, within: bool) -> None:
     one, other = side(x=np.array([0.0, 1.0, 2.0, 10.0])), side(x=np.array([0.0, 1.5, 2.0, 10.0]))
     assert difference.compare(one, other, tolerance)[0].within is within
-    figures = [Side(str(v), {"x": v}, {}) for v in (10.0, 9.5)]
-    assert difference.compare(*figures, tolerance)[0].within is within
+    ten, less = (Side(str(v), {"x": v}, {}) for v in (10.0, 9.5))
+    assert difference.compare(ten, less, tolerance)[0].within is within
 
 
 def test_what_is_nowhere_a_number_in_one_of_them_only_differs() -> None:

@@ -64,8 +64,8 @@ def test_events_happen_in_the_order_of_their_times_however_they_are_written() ->
 def test_a_trace_is_followed_along_straight_lines_and_held_at_its_end() -> None:
     trace = [(0.0, 0.0), (0.004, 40.0), (0.006, 40.0), (0.008, 0.0)]
     notes = played(Timeline({}, {"driver.brake_demand_nm": trace}), Notebook(), 1.0)
-    times, values = zip(*[(t, v) for t, _, v in notes], strict=True)
-    assert values == pytest.approx(np.interp(times, *zip(*trace, strict=True)))
+    times, values = np.array([t for t, _, _ in notes]), np.array([v for _, _, v in notes])
+    assert values == pytest.approx(np.interp(times, [t for t, _ in trace], [v for _, v in trace]))
     assert values[-1] == 0.0
     assert times[-1] == pytest.approx(0.008)
 
