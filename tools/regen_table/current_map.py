@@ -46,15 +46,26 @@ class CurrentMap:
 
 
 def compute(drive: Drive, torque_points: int, speed_points: int) -> CurrentMap:
-    """Compute the table on one grid; the grid covers max_torque_nm either way and max_speed_rpm."""
+    """Compute the table on one grid; the grid covers max_torque_nm either way and max_speed_rpm.
+
+    A straight line between two points of a curve lies to one side of it, by an eighth of the second difference in the
+    middle. Moving every point by a sixteenth to the other side leaves half that error, at the points and between them
+    alike, and a quarter of the power it costs. At no torque the point stays where it is: a motor that idles takes least.
+    """
     torque_step = tables.step_log2(2.0 * drive.motor.max_torque_nm * 1000.0, torque_points, 0)
     speed_step = tables.step_log2(drive.motor.max_speed_rpm * np.pi / 30.0 * 1000.0, speed_points, 6)
     empty = CurrentMap(torque_step, speed_step, np.zeros((speed_points, torque_points), np.int32))
     motor = models.machine(drive, float(np.mean(drive.table.temperature_range_c)))
-    omega = empty.speeds_rad_s[:, np.newaxis] * drive.motor.pole_pairs
+    # One point more all around but at standstill, for the differences.
+    speeds = np.append(empty.speeds_rad_s, empty.speeds_rad_s[-1] + empty.speeds_rad_s[1])
+    torques = np.arange(-1, torque_points + 1) * (2.0**torque_step / 1000.0) + empty.torques_nm[0]
     limits = joint.Limits(RELAXED * drive.motor.max_phase_current_a)
-    best = joint.least_power(motor, models.bridge(drive), omega, empty.torques_nm, limits)
-    current = np.where(best.feasible, best.state.current_d_a, 0.0)
+    best = joint.least_power(motor, models.bridge(drive), speeds[:, np.newaxis] * drive.motor.pole_pairs, torques, limits)
+    exact = np.where(best.feasible, best.state.current_d_a, 0.0)
+    bent = exact[:-1, :-2] - 2.0 * exact[:-1, 1:-1] + exact[:-1, 2:]
+    bent[1:] += exact[:-2, 1:-1] - 2.0 * exact[1:-1, 1:-1] + exact[2:, 1:-1]
+    bent[:, torque_points // 2] = 0.0
+    current = exact[:-1, 1:-1] - bent / 16.0
     return CurrentMap(torque_step, speed_step, np.rint(current * 1000.0).astype(np.int32))
 
 

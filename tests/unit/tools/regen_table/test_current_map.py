@@ -1,5 +1,6 @@
 """The stored demagnetising current: exact torque, least loss on a few points, no need for the bus voltage."""
 
+import dataclasses
 import math
 import shutil
 import subprocess
@@ -10,6 +11,7 @@ import cffi
 import numpy as np
 import pytest
 from regen_table import audit, current_audit, current_map, image, joint, models, schema
+from regen_table.models import Array
 
 ROOT = Path(__file__).resolve().parents[4]
 MOTORS = sorted((ROOT / "tools" / "motors").glob("*.toml"))
@@ -53,17 +55,39 @@ def test_leaving_the_bus_voltage_out_costs_less_than_a_tenth_of_a_per_cent(drive
     assert current_audit.bus_voltage_loss(drive) < 1e-3
 
 
-def test_at_its_points_the_table_is_the_least_loss(drive: schema.Drive) -> None:
-    table = current_map.compute(drive, 5, 3)
+def power_of(drive: schema.Drive, speed: Array, torque: Array, current: Array) -> Array:
+    """DC power of torques made with an i_d, at the temperature the table is made for."""
     motor, inverter = models.machine(drive, float(np.mean(drive.table.temperature_range_c))), models.bridge(drive)
-    omega = table.speeds_rad_s[:, np.newaxis] * motor.pole_pairs
-    at = current_map.read(table, table.torques_nm, np.broadcast_to(table.speeds_rad_s[:, np.newaxis], (3, 5)))
-    assert np.allclose(at * 1000.0, table.current_d_mA, rtol=0.0, atol=1e-6)
-    power = current_map.state(motor, inverter, omega, table.torques_nm, at).dc_power_w
+    return current_map.state(motor, inverter, speed * motor.pole_pairs, torque, current).dc_power_w
+
+
+def test_a_motor_that_idles_takes_the_least_power(drive: schema.Drive) -> None:
+    table = current_map.compute(drive, 5, 3)
+    speed, torque = table.speeds_rad_s, np.zeros(3)
+    at = current_map.read(table, torque, speed)
+    assert np.allclose(at * 1000.0, table.current_d_mA[:, 2], rtol=0.0, atol=1e-6)
     # Neighbours half an ampere away cost more: the points are minima, found here without the search.
     for step in (-0.5, 0.5):
-        other = current_map.state(motor, inverter, omega, table.torques_nm, at + step).dc_power_w
-        assert np.all(other >= power - 1e-6 * drive.motor.max_power_w)
+        assert np.all(power_of(drive, speed, torque, at + step) >= power_of(drive, speed, torque, at) - 1e-6 * drive.motor.max_power_w)
+
+
+@pytest.mark.parametrize("path", [p for p in MOTORS if schema.load(p).motor.type == "ipmsm"], ids=lambda path: path.stem)
+def test_points_beside_the_curve_lose_less_than_points_on_it(path: Path) -> None:
+    drive = schema.load(path)
+    beside = current_map.compute(drive, 9, 5)
+    motor, inverter = models.machine(drive, float(np.mean(drive.table.temperature_range_c))), models.bridge(drive)
+
+    def least(torque: Array, speed: Array) -> joint.Point:
+        bounds = joint.Limits(current_map.RELAXED * drive.motor.max_phase_current_a)
+        return joint.least_power(motor, inverter, speed * motor.pole_pairs, torque, bounds)
+
+    on = least(beside.torques_nm, beside.speeds_rad_s[:, np.newaxis]).state.current_d_a
+    table = dataclasses.replace(beside, current_d_mA=np.rint(1000.0 * on).astype(np.int32))
+    speed, torque = np.meshgrid(np.linspace(0.0, 1.0, 41)[1:] * drive.motor.max_speed_rpm * math.pi / 30.0,
+                                np.linspace(-1.0, 1.0, 81) * drive.motor.max_torque_nm)  # fmt: skip
+    best = least(torque, speed).state.dc_power_w
+    lost = [float(np.mean(power_of(drive, speed, torque, current_map.read(t, torque, speed)) - best)) for t in (beside, table)]
+    assert 0.0 < lost[0] < 0.7 * lost[1]
 
 
 def test_reverse_reads_the_mirrored_torque(drive: schema.Drive) -> None:

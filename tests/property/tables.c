@@ -1,0 +1,20 @@
+#include "tables.h"
+
+#include "torque/current_reference.h"
+#include "torque/motor_model.h"
+#include "torque/regen_map.h"
+
+int32_t tables_best_braking_mNm(const config_t *config, int32_t speed_mrad_s, int32_t winding_temperature_cC)
+{
+    return regen_map_torque_mNm(config, speed_mrad_s, winding_temperature_cC);
+}
+
+tables_current_t tables_currents(const config_t *config, int32_t speed_mrad_s, int32_t winding_temperature_cC,
+                                 int32_t airgap_torque_mNm)
+{
+    const motor_model_t model = motor_model_at(config, speed_mrad_s, winding_temperature_cC);
+    const int32_t shaft_mNm = airgap_torque_mNm - model.friction_mNm;
+    const motor_current_t i = current_reference_unlimited(config, &model, shaft_mNm, 0);
+    const tables_current_t out = {.d_mA = i.d_mA, .q_mA = i.q_mA};
+    return out;
+}
