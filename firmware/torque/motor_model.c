@@ -37,9 +37,11 @@ motor_model_t motor_model_at(const config_t *config, int32_t speed_mrad_s, int32
     const config_motor_t *motor = &config->motor;
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, speed_mrad_s);
     const int64_t w_abs_mrad_s = w_mrad_s < 0 ? -w_mrad_s : w_mrad_s;
+    const int32_t flux_nWb = bases_flux_nWb(config, winding_temperature_cC);
     motor_model_t model = {
         .speed_mrad_s = speed_mrad_s,
-        .emf_mV = divide_saturated(w_mrad_s * motor->flux_linkage_nWb, 1000000000),
+        .flux_nWb = flux_nWb,
+        .emf_mV = divide_saturated(w_mrad_s * flux_nWb, 1000000000),
         .iron_current_mA = 0,
         .cross_d_ppm = 0,
         .cross_q_ppm = 0,
@@ -82,10 +84,10 @@ static torque_current_t torque_current(const motor_model_t *model, motor_current
 }
 
 /* The magnets' flux and what saliency adds to it. */
-static int64_t flux_nWb_at(const config_motor_t *motor, int64_t i_dt_mA)
+static int64_t flux_nWb_at(const motor_model_t *model, const config_motor_t *motor, int64_t i_dt_mA)
 {
     const int64_t saliency_nH = (int64_t)motor->d_inductance_nH - motor->q_inductance_nH;
-    return clamp64(motor->flux_linkage_nWb + saliency_nH * i_dt_mA / 1000, MOST_FLUX_nWb);
+    return clamp64(model->flux_nWb + saliency_nH * i_dt_mA / 1000, MOST_FLUX_nWb);
 }
 
 int32_t motor_model_torque_mNm(const motor_model_t *model, const config_t *config, motor_current_t i)
@@ -93,7 +95,7 @@ int32_t motor_model_torque_mNm(const motor_model_t *model, const config_t *confi
     const torque_current_t i_t = torque_current(model, i);
     /* p * nWb * mA = 1e-12 Nm */
     const int64_t torque_pNm =
-        INT64_C(3) * config->motor.pole_pairs * flux_nWb_at(&config->motor, i_t.d_mA) / 2 * i_t.q_mA;
+        INT64_C(3) * config->motor.pole_pairs * flux_nWb_at(model, &config->motor, i_t.d_mA) / 2 * i_t.q_mA;
     return (int32_t)clamp64(torque_pNm / 1000000000 - model->friction_mNm, MOST_TORQUE_mNm);
 }
 
@@ -101,13 +103,13 @@ int32_t motor_model_current_q_mA(const motor_model_t *model, const config_t *con
 {
     const config_motor_t *motor = &config->motor;
     const int64_t airgap_mNm = (int64_t)torque_mNm + model->friction_mNm;
-    const int64_t least_flux_nWb = motor->flux_linkage_nWb / 4;
+    const int64_t least_flux_nWb = model->flux_nWb / 4;
     /* Each pass leaves that share of the error which (w L_q / R_i) i_qt takes of the flux, below a tenth in any motor worth
      * its iron. */
     const int passes = motor->d_inductance_nH == motor->q_inductance_nH ? 1 : 4;
     int64_t i_qt_mA = 0;
     for (int pass = 0; pass < passes; pass++) {
-        const int64_t exact_nWb = flux_nWb_at(motor, direct_torque_current_mA(model, i_d_mA, i_qt_mA));
+        const int64_t exact_nWb = flux_nWb_at(model, motor, direct_torque_current_mA(model, i_d_mA, i_qt_mA));
         const int64_t flux_nWb = exact_nWb > least_flux_nWb ? exact_nWb : least_flux_nWb;
         i_qt_mA = clamp64(airgap_mNm * 1000000000 / (INT64_C(3) * motor->pole_pairs * flux_nWb / 2), MOST_CURRENT_mA);
     }

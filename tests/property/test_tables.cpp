@@ -32,6 +32,7 @@ constexpr int EVERY = 8;
 #else
 constexpr int EVERY = 1;
 #endif
+constexpr int STARTS = 16;
 
 const config_t &config_of(const Drive &drive)
 {
@@ -88,7 +89,8 @@ double least_braking_power_W(const Drive &drive, const Circuit &at, double stron
 double least_power_W(const Drive &drive, const Circuit &at, double torque_Nm)
 {
     const Form asked_for = 1.0 / drive.max_torque_Nm * at.torque_Nm + -torque_Nm / drive.max_torque_Nm;
-    const auto found = circuit::minimum(at.dc_power_W, {search_circle(drive, at)}, {asked_for}, search_A(drive), 6);
+    const auto found =
+        circuit::minimum(at.dc_power_W, {search_circle(drive, at)}, {asked_for}, search_A(drive), STARTS);
     REQUIRE(found);
     return found->value;
 }
@@ -135,16 +137,19 @@ TEST_CASE("as the firmware reads the tables, a thousandth of the power is lost a
 
 // The best i_d of magnets that weaken moves with their temperature, which is no axis of its table. It matters where copper
 // eats nearly all that the shaft gives, below the speed from which the torque limit decides.
-TEST_CASE("with magnets that weaken, half a per cent of the power is lost at most where little comes back")
+TEST_CASE("with magnets that weaken, a per cent or so of the power is lost where little comes back")
 {
     int found = 0;
     for (int k = 0; k < values::SHIPPED; k++) {
         const Drive &drive = values::DRIVES[k];
         if (drive.flux_per_K != 0.0) {
             const double limited_rad_s = 0.03 * drive.max_speed_rad_s;
-            const double temperature = drive.reference_temperature_C;
-            CHECK(worst_loss(drive, temperature, drive.handover_end_rad_s, limited_rad_s) <= 5.0 * POWER_LOSS);
-            CHECK(worst_loss(drive, temperature, limited_rad_s, drive.max_speed_rad_s) <= POWER_LOSS);
+            for (int n = 0; n <= 16; n++) {
+                const double temperature = drive.coldest_C + (drive.hottest_C - drive.coldest_C) * n / 16.0;
+                CAPTURE(temperature);
+                CHECK(worst_loss(drive, temperature, drive.handover_end_rad_s, limited_rad_s) <= 15.0 * POWER_LOSS);
+                CHECK(worst_loss(drive, temperature, limited_rad_s, drive.max_speed_rad_s) <= 1.5 * POWER_LOSS);
+            }
             found++;
         }
     }
@@ -230,11 +235,7 @@ TEST_CASE("over the urban cycle the tables lose a fiftieth of a per cent of the 
 {
     for (int k = 0; k < values::SHIPPED; k++) {
         const Drive &drive = values::DRIVES[k];
-        std::vector<double> temperatures = {drive.reference_temperature_C};
-        if (drive.flux_per_K == 0.0) { // the controller believes in constant magnets: elsewhere it makes another torque
-            temperatures.insert(temperatures.end(), {drive.coldest_C, drive.hottest_C});
-        }
-        for (const double temperature : temperatures) {
+        for (const double temperature : {drive.coldest_C, drive.reference_temperature_C, drive.hottest_C}) {
             const std::string name = drive.name;
             CAPTURE(name);
             CAPTURE(temperature);
@@ -242,7 +243,7 @@ TEST_CASE("over the urban cycle the tables lose a fiftieth of a per cent of the 
             CHECK(done.driving.least_J > 0.0);
             CHECK(done.braking.least_J < 0.0);
             for (const Energy &energy : {done.driving, done.braking}) {
-                CHECK(energy.lost_share() <= CYCLE_LOSS);
+                CHECK(energy.lost_share() <= (drive.flux_per_K == 0.0 ? 1.0 : 1.1) * CYCLE_LOSS);
                 CHECK(energy.lost_share() >= -0.05 * CYCLE_LOSS);
             }
         }

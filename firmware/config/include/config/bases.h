@@ -46,19 +46,36 @@ static inline int32_t bases_electrical_mrad_s(const config_t *config, int32_t sp
     return q_saturate64((int64_t)speed_mrad_s * config->motor.pole_pairs);
 }
 
-/* A winding's resistance, or a gain proportional to one, at a winding temperature, from its value at the reference
- * temperature: linear, as copper is. Between a tenth and the value 1000 K up, whatever a broken thermistor says. */
-static inline int32_t bases_at_winding_temperature(const config_t *config, int32_t at_reference,
-                                                   int32_t winding_temperature_cC)
+/* The share, in 1e-8, that a winding at a temperature leaves of what changes by a coefficient from the reference
+ * temperature on. Between a tenth and the value 1000 K up, whatever a broken thermistor says. */
+static inline int64_t bases_share_at_1e8(const config_t *config, int32_t coefficient_ppm_K,
+                                         int32_t winding_temperature_cC)
 {
-    const config_motor_t *motor = &config->motor;
-    const int64_t rise_cK = (int64_t)winding_temperature_cC - motor->reference_temperature_cC;
+    const int64_t rise_cK = (int64_t)winding_temperature_cC - config->motor.reference_temperature_cC;
     const int64_t most_cK = 100000;
     const int64_t within_cK = rise_cK > most_cK ? most_cK : (rise_cK < -most_cK ? -most_cK : rise_cK);
     /* ppm/K times hundredths of a kelvin is 1e-8; up to 11. */
-    const int64_t factor_1e8 = INT64_C(100000000) + within_cK * motor->resistance_coefficient_ppm_K;
+    const int64_t share_1e8 = INT64_C(100000000) + within_cK * coefficient_ppm_K;
     const int64_t floor_1e8 = INT64_C(10000000);
-    return q_saturate64(at_reference * (factor_1e8 > floor_1e8 ? factor_1e8 : floor_1e8) / INT64_C(100000000));
+    return share_1e8 > floor_1e8 ? share_1e8 : floor_1e8;
+}
+
+/* A winding's resistance, or a gain proportional to one, at a winding temperature, from its value at the reference
+ * temperature: linear, as copper is. */
+static inline int32_t bases_at_winding_temperature(const config_t *config, int32_t at_reference,
+                                                   int32_t winding_temperature_cC)
+{
+    const int32_t coefficient_ppm_K = config->motor.resistance_coefficient_ppm_K;
+    return q_saturate64(at_reference * bases_share_at_1e8(config, coefficient_ppm_K, winding_temperature_cC) /
+                        INT64_C(100000000));
+}
+
+/* The magnets' flux linkage, peak phase, with magnets as warm as the winding (as the stored tables have them). */
+static inline int32_t bases_flux_nWb(const config_t *config, int32_t winding_temperature_cC)
+{
+    const int32_t coefficient_ppm_K = config->motor.flux_coefficient_ppm_K;
+    return q_saturate64(config->motor.flux_linkage_nWb *
+                        bases_share_at_1e8(config, coefficient_ppm_K, winding_temperature_cC) / INT64_C(100000000));
 }
 
 #endif

@@ -32,7 +32,7 @@ static inline reference_motor_t reference_motor(const config_t *config, double s
         .resistance_ohm = m->phase_resistance_uOhm * 1e-6 * (1.0 + m->resistance_coefficient_ppm_K * 1e-6 * rise_k),
         .l_d_h = m->d_inductance_nH * 1e-9,
         .l_q_h = m->q_inductance_nH * 1e-9,
-        .psi_wb = m->flux_linkage_nWb * 1e-9,
+        .psi_wb = m->flux_linkage_nWb * 1e-9 * (1.0 + m->flux_coefficient_ppm_K * 1e-6 * rise_k),
         .w_rad_s = w,
         .iron_siemens = iron_ohm > 0.0 ? 1.0 / iron_ohm : 0.0,
     };

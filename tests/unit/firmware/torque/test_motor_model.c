@@ -232,9 +232,25 @@ void test_copper_gains_393_permille_over_100_kelvin(void)
     TEST_ASSERT_INT32_WITHIN(1, 25518, motor_model_at(&config, 0, -2000).resistance_uOhm);
 }
 
-void test_a_broken_thermistor_cannot_make_the_resistance_vanish(void)
+void test_magnets_lose_11_percent_over_100_kelvin_where_they_are_said_to(void)
 {
-    const config_t config = paper_vehicle();
+    config_t config = paper_vehicle(); /* 20.4 mWb at 25 degC */
+    TEST_ASSERT_EQUAL_INT32(20400000, motor_model_at(&config, 0, 12500).flux_nWb);
+    config.motor.flux_coefficient_ppm_K = -1100;
+    TEST_ASSERT_EQUAL_INT32(20400000, motor_model_at(&config, 0, 2500).flux_nWb);
+    TEST_ASSERT_INT32_WITHIN(1, 18156000, motor_model_at(&config, 0, 12500).flux_nWb);
+    TEST_ASSERT_INT32_WITHIN(1, 21409800, motor_model_at(&config, 0, -2000).flux_nWb);
+    /* 20 Nm take 20 / (1.5 * 23 * 0.018156) A, 30 A make 1.5 * 23 * 0.018156 * 30 Nm. */
+    const motor_model_t hot = motor_model_at(&config, 0, 12500);
+    TEST_ASSERT_INT32_WITHIN(2, 31929, motor_model_current_q_mA(&hot, &config, 20000, 0));
+    TEST_ASSERT_INT32_WITHIN(2, 18791, motor_model_torque_mNm(&hot, &config, currents(0, 30000)));
+}
+
+void test_a_broken_thermistor_cannot_make_resistance_or_flux_vanish(void)
+{
+    config_t config = paper_vehicle();
+    config.motor.flux_coefficient_ppm_K = -10000;
+    TEST_ASSERT_EQUAL_INT32(2040000, motor_model_at(&config, 0, INT32_MAX).flux_nWb);
     TEST_ASSERT_EQUAL_INT32(3100, motor_model_at(&config, 0, -100000).resistance_uOhm);
     TEST_ASSERT_EQUAL_INT32(3100, motor_model_at(&config, 0, INT32_MIN).resistance_uOhm);
     TEST_ASSERT_GREATER_THAN_INT32(31000, motor_model_at(&config, 0, INT32_MAX).resistance_uOhm);

@@ -143,7 +143,7 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(t
     subprocess.run(["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)], check=True)
     ffi = cffi.FFI()
     ffi.cdef("""
-        typedef struct { int32_t words[10]; } model_t;
+        typedef struct { int32_t words[11]; } model_t;
         typedef struct { int32_t d_mA, q_mA; } current_t;
         model_t motor_model_at(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC);
         current_t current_reference_unlimited(const void *config, const model_t *model, int32_t torque_mNm, int32_t i_d_weakening_mA);
@@ -151,7 +151,7 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(t
     firmware: Any = ffi.dlopen(str(library))
     raw = ffi.from_buffer(image.build(drive))
     table, inverter = current_audit.choose(drive), models.bridge(drive)
-    warm = drive.motor.reference_temperature_c
+    warm = drive.motor.reference_temperature_c + 60.0
     motor = models.machine(drive, warm)
     for speed in np.linspace(-1.0, 1.0, 9) * drive.motor.max_speed_rpm * math.pi / 30.0:
         model = ffi.new("model_t *", firmware.motor_model_at(raw, round(speed * 1000.0), round(warm * 100.0)))
