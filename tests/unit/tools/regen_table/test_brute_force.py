@@ -26,17 +26,28 @@ class Circuit:
     omega: float
     temperature: float
 
+    def conductance(self) -> float:
+        if self.drive.motor.iron_loss_resistance_ohm is None:
+            return 0.0
+        a0, a1 = self.drive.motor.iron_loss_resistance_ohm
+        return 1.0 / (a0 + a1 * abs(self.omega))
+
+    def flux(self) -> float:
+        return K * self.drive.motor.flux_linkage_wb
+
+    def terminal(self, i_dt: Array | float, i_qt: Array | float) -> tuple[Array, Array]:
+        """Add what the iron takes to torque currents."""
+        motor, w = self.drive.motor, self.omega
+        v_d, v_q = -w * motor.q_inductance_h * i_qt, w * (motor.d_inductance_h * i_dt + self.flux())
+        return np.asarray(i_dt + v_d * self.conductance()), np.asarray(i_qt + v_q * self.conductance())
+
     def powers(self, i_d: Array | float, i_q: Array | float) -> dict[str, Array]:
         motor, inverter = self.drive.motor, self.drive.inverter
         resistance = motor.phase_resistance_ohm * (
             1.0 + motor.resistance_temperature_coefficient_per_k * (self.temperature - motor.reference_temperature_c)
         )
-        psi, l_d, l_q, w = K * motor.flux_linkage_wb, motor.d_inductance_h, motor.q_inductance_h, self.omega
-        if motor.iron_loss_resistance_ohm is None:
-            conductance = 0.0
-        else:
-            a0, a1 = motor.iron_loss_resistance_ohm
-            conductance = 1.0 / (a0 + a1 * abs(w))
+        psi, l_d, l_q, w = self.flux(), motor.d_inductance_h, motor.q_inductance_h, self.omega
+        conductance = self.conductance()
         # i = i_t + v / R_i with v = w (-L_q i_qt, L_d i_dt + psi): two equations for i_t
         system = np.array([[1.0, -w * l_q * conductance], [w * l_d * conductance, 1.0]])
         inverse = np.linalg.inv(system)
@@ -53,6 +64,8 @@ class Circuit:
             + 3.0 * (inverter.turn_on_loss_j_per_a + inverter.turn_off_loss_j_per_a) * peak * inverter.pwm_frequency_hz / math.pi
         )
         return {
+            "i_d": np.asarray(i_d),
+            "i_q": np.asarray(i_q),
             "torque": np.asarray(motor.pole_pairs * (psi * i_qt + (l_d - l_q) * i_dt * i_qt)),
             "dc": u_d * i_d + u_q * i_q + bridge,
             "copper": resistance * square,
@@ -135,6 +148,10 @@ def check_point(drive: schema.Drive, record: points.Record, found: dict[str, Arr
     }
     for key, value in expected.items():
         assert close(record[key + suffix], value, scale), (drive.name, key + suffix, record[key + suffix], value)
+    # As a vector: where the current limit makes the strongest torque, i_d is next to nothing and moves nothing.
+    current = math.hypot(found["i_d"], found["i_q"]) / K
+    off = math.hypot(record["current_d_a" + suffix] - found["i_d"] / K, record["current_q_a" + suffix] - found["i_q"] / K)
+    assert off <= TOLERANCE * current + 1e-7 * drive.motor.max_phase_current_a, (drive.name, "current" + suffix)
 
 
 def check_zero_d_current(drive: schema.Drive, rng: np.random.Generator) -> bool:
@@ -194,8 +211,11 @@ def check_joint(drive: schema.Drive, rng: np.random.Generator) -> None:
         found = record["dc_power_w" + suffix]
         # The scan can only be worse than the truth: it never beats what was solved, and comes within 0.1 % of it.
         assert found <= float(best["dc"]) + 1e-6 * drive.motor.max_power_w, (drive.name, suffix)
-        assert close(found, float(best["dc"]), drive.motor.max_power_w), (drive.name, suffix)
+        check_point(drive, record, best, suffix)
         assert close(record["torque_optimal_limited_nm" if suffix else "torque_optimal_nm"], float(best["torque"]), torques), drive.name
+        if not suffix:
+            assert record["regeneration_possible"] == (float(best["dc"]) < 0.0)
+    assert close(record["torque_idle_nm"], float(circuit.powers(0.0, 0.0)["torque"]), torques)
     edge = circuit.powers(*zoom_2d(lambda a, b: cost(a, b, "torque", 1e9), K * most))
     assert close(record["torque_zero_nm"], float(edge["torque"]), torques), drive.name
 
@@ -205,3 +225,37 @@ def test_the_joint_optimum_agrees_with_a_scan_over_both_currents(random_drives: 
     rng = np.random.default_rng(2 + part)
     for drive in random_drives[part::4]:
         check_joint(drive, rng)
+
+
+def check_torque(drive: schema.Drive, rng: np.random.Generator) -> bool:
+    """Compare the least power of a random torque, driving or braking; returns whether any current inside the limits makes it."""
+    circuit, speed, temperature = circuit_of(drive, rng)
+    strongest = min(drive.motor.max_torque_nm, drive.motor.max_power_w / (speed * math.pi / 30.0))
+    torque = float(rng.uniform(-1.0, 1.0)) * strongest
+    record = points.evaluate(drive, speed, torque, temperature, points.setting(drive, free_d_current=True))
+    most, voltage = drive.motor.max_phase_current_a, open_circuit(drive) / math.sqrt(3.0)
+    flux, saliency = circuit.flux(), drive.motor.d_inductance_h - drive.motor.q_inductance_h
+
+    def powers(i_dt: Array | float) -> dict[str, Array]:
+        i_qt = torque / (drive.motor.pole_pairs * (flux + saliency * i_dt))
+        return circuit.powers(*circuit.terminal(i_dt, i_qt))
+
+    def cost(i_dt: Array) -> Array:
+        found = powers(i_dt)
+        outside = np.maximum(np.maximum(found["current"] / most, found["voltage"] / voltage) - 1.0, 0.0)
+        return np.where(outside > 1e-9, 1e30 * (1.0 + outside), found["dc"])
+
+    highest = 3.0 * K * most if saliency >= 0.0 else min(3.0 * K * most, -0.99 * flux / saliency)
+    best = zoom_1d(cost, -3.0 * K * most, highest)
+    inside = bool(cost(np.array([best]))[0] < 1e30)
+    assert inside == (not {"phase_current", "phase_voltage"} & set(record["limits_exceeded"])), drive.name
+    if inside:
+        assert record["dc_power_w"] <= float(powers(best)["dc"]) + 1e-6 * drive.motor.max_power_w, drive.name
+        check_point(drive, record, powers(best), "")
+    return inside
+
+
+def test_the_least_power_of_a_torque_agrees_with_a_scan_driving_and_braking(random_drives: list[schema.Drive]) -> None:
+    rng = np.random.default_rng(9)
+    inside = [check_torque(drive, rng) for drive in random_drives for _ in range(2)]
+    assert sum(inside) > 300
