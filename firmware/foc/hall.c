@@ -101,6 +101,35 @@ static void hold_inside(hall_t *hall)
     }
 }
 
+/* How far an edge moves angle and speed: 8 or 4 of them halve a quick rotor's error, one that of a slow one. An edge is seen
+ * up to a period late, which at high speed is degrees, and a turn's time known to a period: taken at their word they would
+ * shake the angle and the EMF that is fed forward. At low speed a period is nothing and the last turn long ago. */
+static int32_t smoothing(const hall_t *hall, int32_t sector_periods)
+{
+    if (hall->sectors_timed < SECTORS || sector_periods >= 2 * HALL_QUICK_PERIODS) {
+        return 1;
+    }
+    return sector_periods < HALL_QUICK_PERIODS ? 8 : 4;
+}
+
+/* The first edge after a standstill, or one that comes back. Of the latter nobody knows yet whether the rotor turned round
+ * or a sensor died: until a sector's time more has passed the angle stays at the edge, which is wrong by half of what the
+ * middle of the sector would be if it was the sensor. */
+static void turn_round(hall_t *hall, int8_t direction, uint16_t edge_turn)
+{
+    const bool moved = hall->sectors_timed > 0;
+    const int32_t overdue_periods = hall->overdue_periods;
+    const int32_t speed_q32 = hall->speed_q32;
+    settle(hall);
+    hall->direction = direction;
+    if (moved) {
+        hall->theta_q32 = (uint32_t)edge_turn << 16;
+        hall->overdue_periods = overdue_periods;
+        hall->edge_theta_q32 = hall->theta_q32; /* should it turn out to be a doubt: as if nothing had turned round */
+        hall->edge_speed_q32 = speed_q32;
+    }
+}
+
 static void cross_edge(hall_t *hall, const config_t *config, uint8_t sector, int8_t direction)
 {
     const uint8_t left = hall->sector;
@@ -110,14 +139,14 @@ static void cross_edge(hall_t *hall, const config_t *config, uint8_t sector, int
     hall->direction = direction;
     enter_sector(hall, config, sector);
     if (!crossed) {
-        settle(hall);
-        hall->direction = direction;
+        turn_round(hall, direction, edge_turn);
         return;
     }
     time_sector(hall, left, sector_width(config, left), (uint16_t)took_periods);
     hall->overdue_periods = q_min(took_periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
     hall->bounce_periods = took_periods / HALL_BOUNCE_DIVISOR;
-    hall->speed_q32 = measured_speed_q32(hall);
+    const int32_t edges = smoothing(hall, took_periods);
+    hall->speed_q32 = q_saturate64(hall->speed_q32 + ((int64_t)measured_speed_q32(hall) - hall->speed_q32) / edges);
     /* The edge lay on average half a period before this sample. */
     const uint32_t now_q32 = ((uint32_t)edge_turn << 16) + (uint32_t)(hall->speed_q32 / 2);
     if (hall->sectors_timed < SECTORS) {
@@ -125,7 +154,7 @@ static void cross_edge(hall_t *hall, const config_t *config, uint8_t sector, int
     } else {
         hall->theta_q32 += (uint32_t)hall->speed_q32; /* this period's movement, before the comparison */
         const int32_t wrong_turn = angle_difference((uint16_t)(now_q32 >> 16), (uint16_t)(hall->theta_q32 >> 16));
-        hall->theta_q32 += (uint32_t)(wrong_turn * 32768);
+        hall->theta_q32 += (uint32_t)(wrong_turn * (edges > 1 ? 65536 / edges : 32768));
         hold_inside(hall);
     }
     hall->edge_theta_q32 = hall->theta_q32;
@@ -137,6 +166,9 @@ static void wait_for_edge(hall_t *hall)
 {
     if (hall->periods_since_edge > hall->overdue_periods) {
         hall->speed_q32 -= hall->speed_q32 / (1 << HALL_DECAY_LOG2);
+        if (hall->speed_q32 == 0) {
+            hall->theta_q32 = (uint32_t)hall->middle_turn << 16;
+        }
         if (hall->periods_since_edge > hall->standstill_periods) {
             settle(hall);
         }
@@ -159,6 +191,7 @@ static void begin_doubt(hall_t *hall)
     hall->doubt = true;
     hall->edges_in_order = 0;
     hall->speed_q32 = hall->edge_speed_q32;
+    hall->direction = (int8_t)(hall->speed_q32 > 0 ? 1 : (hall->speed_q32 < 0 ? -1 : 0));
     hall->theta_q32 = hall->edge_theta_q32 + (uint32_t)hall->edge_speed_q32 * (uint32_t)hall->periods_since_edge;
     /* A dead sensor stretches sectors to twice their time. */
     hall->overdue_periods = q_min(hall->overdue_periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
@@ -182,7 +215,7 @@ static void follow_edge_in_doubt(hall_t *hall, const config_t *config, uint8_t s
         hall->speed_q32 = q_saturate64((INT64_C(3) * hall->speed_q32 + measured_speed_q32(hall)) / 4);
     }
     const int32_t wrong_turn = angle_difference(edge_turn, (uint16_t)(hall->theta_q32 >> 16));
-    if (q_abs(wrong_turn) < HALL_NEAR_EDGE_TURN) {
+    if (q_abs(wrong_turn) < HALL_NEAR_EDGE_TURN || hall->edges_in_order > 1) {
         hall->theta_q32 += (uint32_t)(wrong_turn * 32768);
     }
 }
@@ -212,9 +245,6 @@ static bool reckon(hall_t *hall, const config_t *config, uint8_t sector)
         standing) { /* no edge can come out of an impossible state: that none does says nothing */
         wait_for_edge(hall);
     }
-    if (hall->speed_q32 == 0) {
-        hall->theta_q32 = (uint32_t)hall->middle_turn << 16;
-    }
     return sector != NO_SECTOR && (standing || hall->edges_in_order >= HALL_TRUSTED_EDGES);
 }
 
@@ -243,6 +273,14 @@ static void step_to(hall_t *hall, const config_t *config, uint8_t sector, int8_t
     }
 }
 
+/* Half a sector beyond its end by dead reckoning, and no edge: no rotor can have slowed down so much since the last one. */
+static bool stopped_too_quickly(const hall_t *hall)
+{
+    const int32_t gone_turn = q_abs(hall->edge_speed_q32 / 65536) * hall->periods_since_edge;
+    return hall->sectors_timed > 0 && hall->overdue_periods < hall->turn_round_periods / 2 &&
+           gone_turn > hall->span_turn * 3 / 2;
+}
+
 static void look_in_order(hall_t *hall, const config_t *config, uint8_t sector)
 {
     hall->invalid_periods = sector == NO_SECTOR ? q_min(hall->invalid_periods + 1, UINT16_MAX) : 0;
@@ -252,7 +290,11 @@ static void look_in_order(hall_t *hall, const config_t *config, uint8_t sector)
             begin_doubt(hall);
         }
     } else if (sector == hall->sector) {
-        extrapolate(hall);
+        if (stopped_too_quickly(hall)) {
+            begin_doubt(hall);
+        } else {
+            extrapolate(hall);
+        }
     } else if (sector == next_sector(hall->sector)) {
         step_to(hall, config, sector, 1);
     } else if (sector == previous_sector(hall->sector)) {

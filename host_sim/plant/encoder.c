@@ -17,11 +17,10 @@ encoder_shaft_t encoder_begin(const encoder_params_t *params, double pole_pairs,
     return out;
 }
 
-/* What the counter shows this many counts and mechanical turns from an index. */
-static uint16_t counter(const encoder_params_t *params, double counts, double turns)
+/* What the counter shows this many counts from an index. */
+static uint16_t counter(const encoder_params_t *params, const encoder_shaft_t *shaft, double counts)
 {
-    const double lost = floor(turns + 0.5) * floor(params->lost_counts);
-    const int64_t shown = (int64_t)floor(counts - lost);
+    const int64_t shown = (int64_t)floor(counts - shaft->lost_counts);
     return (uint16_t)((uint64_t)(params->reversed > 0.5 ? -shown : shown) & 0xFFFFU);
 }
 
@@ -38,17 +37,18 @@ encoder_sample_t encoder_look(const encoder_params_t *params, double pole_pairs,
     const double before = shaft->shaft_turns;
     const double now = shaft_turns(params, pole_pairs, shaft);
     shaft->shaft_turns = now;
+    shaft->lost_counts += (floor(now + 0.5) - floor(before + 0.5)) * floor(params->lost_counts);
 
     const double width_turns = params->index_width_counts / params->counts;
     const double front = floor(now);
     const double end = floor(before - width_turns) + width_turns;
     if (front > before) {
         out.index = true;
-        out.index_count = counter(params, front * params->counts, front);
+        out.index_count = counter(params, shaft, front * params->counts);
     } else if (end > now) { /* turning back into the pulse */
         out.index = true;
-        out.index_count = counter(params, end * params->counts, end);
+        out.index_count = counter(params, shaft, end * params->counts);
     }
-    out.count = counter(params, now * params->counts, now);
+    out.count = counter(params, shaft, now * params->counts);
     return out;
 }

@@ -2,22 +2,24 @@
  * hall.h: angle and speed from three hall sensors, once per PWM period.
  *
  * The speed comes from the time the last sectors took, up to one electrical turn of them, so that misplaced sensors
- * cancel. Between edges the angle is extrapolated, at each edge half of the disagreement is corrected, and it never
- * leaves the sector the sensors report. When the next edge is overdue the speed dies away; without an edge for a
- * quarter of a second the rotor counts as standing and the middle of the sector is used (an error of at most 30
- * degrees electrical for evenly placed sensors: torque at least 87 % of the nominal).
+ * cancel; a quick rotor's is smoothed over some edges more. Between edges the angle is extrapolated, at each edge a half
+ * to an eighth of the disagreement is corrected, and it never leaves the sector the sensors report. When the next edge is
+ * overdue the speed dies away; without an edge for a quarter of a second the rotor counts as standing and the middle of
+ * the sector is used (an error of at most 30 degrees electrical for evenly placed sensors: torque at least 87 % of the
+ * nominal).
  *
  * An edge that comes back before an eighth of the last sector's time is a bounce and changes nothing.
  *
- * Three things a healthy set of sensors never does: it skips a sector, it shows a state that sensors 120 degrees apart
- * cannot have (000, 111) for 64 periods, it turns round within two sectors' time when these take less than 15 ms (an
- * electrical acceleration above 60 degrees / (7.5 ms)^2 = 18 600 rad/s^2, twice what 40 Nm and 23 pole pairs do to a wheel
- * of 0.1 kg m^2 in the air). Each counts in lost_edges and ends the validity. From the last edge in order the angle runs
- * on with the speed it had there, and from then on only edges are followed that come within 30 degrees of where they are
- * expected: with one dead sensor a third of all edges, with none at all it is dead reckoning until a quarter of a second
- * has passed. So there is an angle to let the torque go with, in a ramp. The angle is valid again after six edges in
- * order, a turn in which every sensor has come and gone (a dead one leaves no more than two in order), or at a standstill
- * with a state that can be.
+ * Four things a healthy set of sensors never does: it skips a sector; it shows a state that sensors 120 degrees apart
+ * cannot have (000, 111) for 64 periods; it turns round within two sectors' time when these take less than 15 ms (an
+ * electrical acceleration above 60 degrees / (7.5 ms)^2 = 18 600 rad/s^2, twice what 40 Nm and 23 pole pairs do to a
+ * wheel of 0.1 kg m^2 in the air); it loses a third of its speed within a sector when two take less than 7.5 ms (25 000
+ * rad/s^2, twice a wheel that locks). Each counts in lost_edges and ends the validity. From the last edge in order the
+ * angle runs on with the speed it had there, and from then on only edges are followed that come within 30 degrees of where
+ * they are expected, or after another one in order: with one dead sensor two a turn, both of them true; with none at all
+ * it is dead reckoning for a quarter of a second. So there is an angle to let the torque go with, in a ramp. The angle is
+ * valid again after six edges in order, a turn in which every sensor has come and gone (a dead one leaves no more than two
+ * in order), or at a standstill with a state that can be.
  */
 #ifndef FOC_HALL_H
 #define FOC_HALL_H
@@ -32,6 +34,7 @@ enum {
     HALL_INVALID_PERIODS = 64,    /* an impossible state must last this long to be believed */
     HALL_OVERDUE_FACTOR = 2,      /* an edge is overdue after this many times the last sector's time */
     HALL_BOUNCE_DIVISOR = 8,      /* of the last sector's time: a reversal sooner than this is a bounce */
+    HALL_QUICK_PERIODS = 32,      /* a sector that takes less: an edge corrects an eighth, below twice that a quarter */
     HALL_DECAY_LOG2 = 6,          /* an overdue edge takes 1/64 of the speed a period */
     HALL_TURN_ROUND_DIVISOR = 67, /* two sectors quicker than 1/67 s: no rotor turns round in their time */
     HALL_TRUSTED_EDGES = 6,       /* in order end a doubt */

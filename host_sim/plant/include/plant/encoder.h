@@ -30,6 +30,7 @@ typedef struct {
     double theta_turn;  /* electrical, of the last look, within one turn */
     int64_t turns;      /* electrical turns since the beginning */
     double shaft_turns; /* mechanical, from an index, of the last look */
+    double lost_counts; /* so far */
 } encoder_shaft_t;
 
 typedef struct {

@@ -126,7 +126,7 @@ void test_a_rotor_that_swings_about_an_edge_never_has_a_speed(void)
 
 void test_without_edges_the_speed_dies_away_and_a_quarter_of_a_second_is_standstill(void)
 {
-    turn_for(4000, 0.005);
+    turn_for(40000, 0.0005);
     double before = fabs(speed_turns());
     for (int n = 0; n < config.drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S + 2; n++) {
         turn(0.0);
@@ -141,10 +141,11 @@ void test_without_edges_the_speed_dies_away_and_a_quarter_of_a_second_is_standst
 
 void test_a_rotor_that_stops_is_not_believed_to_turn_for_longer_than_a_few_sectors(void)
 {
-    /* A sector took 33 periods. Twice that later the speed decays by 1/64 a period: 1 % is left after 64 ln 100 = 295. */
-    turn_for(4000, 0.005);
-    turn_for(2 * 34 + 34 + 300, 0.0);
-    TEST_ASSERT_TRUE(fabs(speed_turns()) < 0.01 * 0.005 + 1e-7);
+    /* A sector took 333 periods. Twice that later the speed decays by 1/64 a period: 1 % is left after 64 ln 100 = 295. */
+    turn_for(40000, 0.0005);
+    turn_for(2 * 334 + 334 + 300, 0.0);
+    TEST_ASSERT_TRUE(fabs(speed_turns()) < 0.01 * 0.0005 + 1e-7);
+    TEST_ASSERT_TRUE(hall.valid);
 }
 
 /* Sensor states of one edge that bounces `times` times before it stays, one state a period. */
