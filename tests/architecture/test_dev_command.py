@@ -55,6 +55,8 @@ class DevCommandTest(DevFixture):
         self.assert_refused(self.run_dev("table", "--wrong"), "--wrong")
         self.assert_refused(self.run_dev("flash", "--wrong"), "--wrong")
         self.assert_refused(self.run_dev("clean", "--wrong"), "--wrong")
+        self.assert_refused(self.run_dev("bench", "--wrong"), "--wrong")
+        self.assert_refused(self.run_dev("bench", "--config", "absent"), "absent", "tools/dev table")
         self.assert_refused(self.run_dev("setup", "wrong"), "wrong", "build", "arm", "qemu")
 
     def test_a_missing_configuration_file_is_named_before_anything_is_installed(self) -> None:
