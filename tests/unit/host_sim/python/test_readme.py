@@ -1,0 +1,48 @@
+"""The README's commands do what it says, in its order, in an empty directory."""
+
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pyarrow.parquet as pq
+from hubsim import scenario
+from hubsim.engine import ROOT
+
+README = ROOT / "host_sim" / "python" / "README.md"
+COMMAND = "    ./tools/dev hubsim "
+
+
+def block(name: str) -> str:
+    """Return the indented block that begins with a comment of its name."""
+    lines = README.read_text(encoding="utf-8").splitlines()
+    first = lines.index(f"    # {name}")
+    last = next(k for k in range(first, len(lines)) if lines[k] and not lines[k].startswith("    "))
+    return "\n".join(line[4:] for line in lines[first:last])
+
+
+def commands() -> list[list[str]]:
+    """Return the arguments of every command; what stands behind three spaces is explanation."""
+    lines = [line.removeprefix(COMMAND) for line in README.read_text(encoding="utf-8").splitlines() if line.startswith(COMMAND)]
+    return [shlex.split(line.partition("   ")[0]) for line in lines]
+
+
+def test_every_command_of_the_readme_works(tmp_path: Path) -> None:
+    (tmp_path / "my_scenario.toml").write_text(block("my_scenario.toml"), encoding="utf-8")
+    (tmp_path / "tools").symlink_to(ROOT / "tools")
+    found = commands()
+    assert {arguments[0] for arguments in found} == {"list", "run", "compare", "sweep", "sim"}
+    for arguments in found:
+        done = subprocess.run(
+            [sys.executable, "-m", "hubsim", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=280, check=False
+        )
+        assert done.returncode == 0, f"{arguments}\n{done.stdout}\n{done.stderr}"
+    for name in ("stop.json", "ece15.csv", "contactor.xml", "my.mf4", "my.parquet", "report/index.html"):
+        assert (tmp_path / name).is_file(), name
+    assert pq.read_table(tmp_path / "grid.parquet").num_rows == 8
+    assert pq.read_table(tmp_path / "draws.parquet").num_rows == 8
+
+
+def test_the_readme_names_every_built_in_scenario() -> None:
+    text = README.read_text(encoding="utf-8")
+    assert [name for name in scenario.builtin_names() if f"`{name}`" not in text] == []
