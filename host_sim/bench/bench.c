@@ -22,7 +22,7 @@ static motion_t moving(bench_t *bench)
 void bench_refresh(bench_t *bench)
 {
     bench->world = wheel_world(&bench->params, &bench->config);
-    bench->road = motion_world(&bench->params, bench->world.period_s);
+    bench->road = motion_world(&bench->params, bench->world.step_s);
     for (int k = 0; k < bench->wheels; k++) {
         wheel_refresh(&bench->wheel[k], &bench->world);
     }
@@ -32,6 +32,12 @@ const char *bench_objection(const bench_t *bench, const bench_params_t *changed)
 {
     if (changed->bus.capacitance_f != bench->params.bus.capacitance_f) {
         return "bus.capacitance_f: cannot be changed during a run";
+    }
+    if (changed->run.pieces != bench->params.run.pieces) {
+        return "run.pieces: cannot be changed during a run";
+    }
+    if (changed->inverter.switching > 0.5 && bench->pieces > 1) {
+        return "inverter.switching: accepted: 0 as long as run.pieces is more than 1";
     }
     if (changed->bus.contactor_open > 0.0 && changed->bus.capacitance_f <= 0.0) {
         return "bus.contactor_open: accepted: 0 as long as bus.capacitance_f is 0";
@@ -54,7 +60,7 @@ static void begin_accounts(bench_t *bench)
     bench->booked = empty;
     bench->braking = empty;
     bench->is_braking = false;
-    bench->battery = battery_init(&bench->params.battery, bench->world.period_s);
+    bench->battery = battery_init(&bench->params.battery, bench->world.step_s);
     bench->bus = bus_init(&bench->battery);
     bench->bus_before_j = bus_stored_j(&bench->params.bus, &bench->bus);
     bench->driver = driver_init();
@@ -85,6 +91,7 @@ void bench_init(bench_t *bench, const bench_params_t *params, const config_t *co
     bench->params = *params;
     bench->config = *config;
     bench->trace = *trace;
+    bench->pieces = (int)plant_max(floor(params->run.pieces), 1.0);
     bench->wheels = (int)plant_clamp(floor(params->vehicle.driven_wheels), 1.0, BENCH_WHEELS_MAX);
     bench_refresh(bench);
     for (int k = 0; k < bench->wheels; k++) {
@@ -172,20 +179,16 @@ static void book(ledger_t *ledger, const bus_flow_t *bus, const motion_flow_t *m
                              plant_max(-motion->road.climbed_j, 0.0);
 }
 
-void bench_period(bench_t *bench)
+/* The plant alone, world.step_s long. */
+static void advance(bench_t *bench)
 {
-    const double period_s = bench->world.period_s;
-    if (bench->time_s * CONTROLLER_SLOW_RATE_HZ + ROUNDING >= (double)bench->slow_steps) {
-        bench->slow_steps++;
-        slow_step(bench);
-    }
     motion_t motion = moving(bench);
     wheel_flow_t flow[BENCH_WHEELS_MAX];
     double dc_j = 0.0;
     for (int k = 0; k < bench->wheels; k++) {
-        const double speed_rad_s =
-            bench->held ? bench_wheel_speed_rad_s(bench) : motion_expected_rad_s(&bench->road, &motion, k, period_s);
-        flow[k] = wheel_period(&bench->wheel[k], &bench->world, speed_rad_s, bench->bus.voltage_v);
+        const double speed_rad_s = bench->held ? bench_wheel_speed_rad_s(bench)
+                                               : motion_expected_rad_s(&bench->road, &motion, k, bench->world.step_s);
+        flow[k] = wheel_step(&bench->wheel[k], &bench->world, speed_rad_s, bench->bus.voltage_v);
         dc_j += flow[k].dc_j;
     }
     const bus_flow_t bus = bus_step(&bench->params.bus, &bench->bus, &bench->params.battery, &bench->battery, dc_j);
@@ -193,8 +196,22 @@ void bench_period(bench_t *bench)
     const motion_flow_t moved =
         bench->held ? carry(bench, flow) : motion_step(&bench->road, &motion, &bench->world, flow);
     book(&bench->booked, &bus, &moved, kinetic_j - kinetic_energy_j(bench));
+}
+
+void bench_period(bench_t *bench)
+{
+    if (bench->time_s * CONTROLLER_SLOW_RATE_HZ + ROUNDING >= (double)bench->slow_steps) {
+        bench->slow_steps++;
+        slow_step(bench);
+    }
+    for (int k = 0; k < bench->wheels; k++) {
+        wheel_sample(&bench->wheel[k], &bench->world, bench->bus.voltage_v);
+    }
+    for (int k = 0; k < bench->pieces; k++) {
+        advance(bench);
+    }
     bench->period++;
-    bench->time_s = (double)bench->period * period_s;
+    bench->time_s = (double)bench->period * bench->world.step_s * bench->pieces;
 }
 
 static bool all_run(const bench_t *bench)
@@ -211,7 +228,7 @@ static void run_held(bench_t *bench, double acceleration_m_per_s2, double durati
     const double until_s = bench->time_s + duration_s;
     while (bench->time_s < until_s) {
         bench_period(bench);
-        bench->vehicle.speed_m_per_s += acceleration_m_per_s2 * bench->world.period_s;
+        bench->vehicle.speed_m_per_s += acceleration_m_per_s2 * bench->world.step_s * bench->pieces;
     }
 }
 
@@ -225,8 +242,7 @@ static double boot_speed_m_per_s(const bench_t *bench)
 bench_start_t bench_start(bench_t *bench)
 {
     const bench_params_t *params = &bench->params;
-    if (!pmsm_is_resolved(&bench->wheel[0].machine, bench->wheel[0].inverter.pwm_resistance_ohm,
-                          bench->world.period_s)) {
+    if (!pmsm_is_resolved(&bench->wheel[0].machine, bench->wheel[0].inverter.pwm_resistance_ohm, bench->world.step_s)) {
         return BENCH_UNRESOLVED;
     }
     bench->held = true;

@@ -75,7 +75,7 @@ static motion_flow_t roll(const motion_world_t *world, const motion_t *motion, c
         load.friction_capacity_nm += flow[k].friction_capacity_nm;
     }
     const motion_flow_t out = {
-        .road = vehicle_step(&world->vehicle, motion->vehicle, &load, wheel_world->period_s),
+        .road = vehicle_step(&world->vehicle, motion->vehicle, &load, wheel_world->step_s),
         .tyre_j = 0.0,
     };
     const double per_radius = 1.0 / world->vehicle.wheel_radius_m;
@@ -91,7 +91,7 @@ static motion_flow_t roll(const motion_world_t *world, const motion_t *motion, c
 static double turn_wheel(const motion_world_t *world, wheel_t *wheel, const wheel_world_t *wheel_world,
                          const wheel_flow_t *flow, double speed_m_per_s)
 {
-    const double h = wheel_world->period_s;
+    const double h = wheel_world->step_s;
     const double radius_m = world->vehicle.wheel_radius_m;
     const double inertia = world->wheel_inertia_kg_m2;
     wheel_motion_t *m = &wheel->motion;
@@ -117,7 +117,7 @@ static double turn_wheel(const motion_world_t *world, wheel_t *wheel, const whee
 static motion_flow_t slip(const motion_world_t *world, const motion_t *motion, const wheel_world_t *wheel_world,
                           const wheel_flow_t *flow)
 {
-    const double h = wheel_world->period_s;
+    const double h = wheel_world->step_s;
     vehicle_load_t load = {.torque_impulse_nms = 0.0, .friction_capacity_nm = 0.0};
     double at_rims_j = 0.0;
     double force_n = 0.0;

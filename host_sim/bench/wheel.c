@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "plant/numbers.h"
+
 enum { MILLI = 1000, CENTI = 100 };
 static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
 
@@ -12,7 +14,7 @@ wheel_world_t wheel_world(const bench_params_t *params, const config_t *config)
         .params = params,
         .config = config,
         .sensors = sensors_init(&params->sensors),
-        .period_s = 1.0 / params->inverter.pwm_frequency_hz,
+        .step_s = 1.0 / (params->inverter.pwm_frequency_hz * plant_max(floor(params->run.pieces), 1.0)),
         .duty_per_count = 1.0 / config->drive.pwm_period_counts,
     };
     return out;
@@ -50,7 +52,7 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
     wheel->heat_winding_j = 0.0;
     wheel->heat_iron_j = 0.0;
     wheel->heat_switches_j = 0.0;
-    wheel->brake = hydraulic_brake_init(&params->brake, world->period_s);
+    wheel->brake = hydraulic_brake_init(&params->brake, world->step_s);
     const bool active = thermal->active > 0.5;
     const thermal_row_t motor = {
         .inner_j_per_k = active ? thermal->winding_heat_capacity_j_per_k : 0.0,
@@ -89,7 +91,7 @@ void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
     }
     wheel->friction = own->road_friction > 0.0 ? own->road_friction : params->road.friction;
     at_temperature(wheel, world);
-    hydraulic_brake_refresh(&params->brake, &wheel->brake, own->brake_torque_loss, world->period_s);
+    hydraulic_brake_refresh(&params->brake, &wheel->brake, own->brake_torque_loss, world->step_s);
     wheel->fault.hall_stuck_low = (uint8_t)((unsigned)params->sensors.hall_stuck_low | (unsigned)own->hall_stuck_low);
     wheel->fault.hall_stuck_high =
         (uint8_t)((unsigned)params->sensors.hall_stuck_high | (unsigned)own->hall_stuck_high);
@@ -134,7 +136,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
                                                                  &wheel->to_slow, &in, &wheel->to_fast);
     hydraulic_brake_command(&world->params->brake, &wheel->brake, (double)wheel->slow.hydraulic_torque_mNm / MILLI);
     const pmsm_step_t step = {.omega_rad_s = wheel->motion.speed_rad_s * world->params->motor.pole_pairs,
-                              .duration_s = world->period_s,
+                              .duration_s = world->step_s,
                               .series_resistance_ohm = wheel->inverter.pwm_resistance_ohm};
     wheel->zone_a =
         inverter_zone_a(&wheel->inverter, order->bus_voltage_v, pmsm_amperes_per_volt(&wheel->machine, &step));
@@ -144,7 +146,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
     }
 }
 
-static void run_firmware(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v)
+void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v)
 {
     const sensors_sample_t seen =
         sensors_sample(&world->sensors, &wheel->fault, &wheel->random, plant_inverse_clarke(wheel->rotor.terminal),
@@ -218,7 +220,7 @@ static pmsm_flow_t feed_motor(wheel_t *wheel, const wheel_world_t *world, double
 {
     const inverter_t *inverter = &wheel->inverter;
     const plant_ab_t shorted = {0.0, 0.0};
-    pmsm_step_t step = {.omega_rad_s = speed_rad_s * world->params->motor.pole_pairs, .duration_s = world->period_s};
+    pmsm_step_t step = {.omega_rad_s = speed_rad_s * world->params->motor.pole_pairs, .duration_s = world->step_s};
     if (world->params->inverter.switching > 0.5) {
         return switch_legs(wheel, world, bus_voltage_v, &step, bridge);
     }
@@ -242,9 +244,8 @@ static pmsm_flow_t feed_motor(wheel_t *wheel, const wheel_world_t *world, double
     return flow;
 }
 
-wheel_flow_t wheel_period(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v)
+wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v)
 {
-    run_firmware(wheel, world, bus_voltage_v);
     inverter_flow_t bridge = {.dc_j = 0.0};
     const pmsm_flow_t flow = feed_motor(wheel, world, speed_rad_s, bus_voltage_v, &bridge);
     wheel->brake_capacity_nm = hydraulic_brake_step(&wheel->brake);
@@ -264,7 +265,7 @@ wheel_flow_t wheel_period(wheel_t *wheel, const wheel_world_t *world, double spe
     const wheel_flow_t out = {
         .dc_j = bridge.dc_j,
         .airgap_nms = flow.torque_nms,
-        .viscous_nms = world->params->motor.viscous_friction_nm_s * speed_rad_s * world->period_s,
+        .viscous_nms = world->params->motor.viscous_friction_nm_s * speed_rad_s * world->step_s,
         .friction_capacity_nm = wheel->brake_capacity_nm + world->params->motor.friction_torque_nm,
     };
     return out;
@@ -274,7 +275,7 @@ void wheel_settle(wheel_t *wheel, const wheel_world_t *world, const wheel_flow_t
                   double friction_used)
 {
     wheel_totals_t *totals = &wheel->totals;
-    const double used_s = friction_used * world->period_s;
+    const double used_s = friction_used * world->step_s;
     const double bearing_nms = flow->viscous_nms + world->params->motor.friction_torque_nm * used_s;
     const double hydraulic_nms = wheel->brake_capacity_nm * used_s;
     totals->shaft_j += (flow->airgap_nms - bearing_nms) * speed_rad_s;

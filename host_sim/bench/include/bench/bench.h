@@ -36,6 +36,7 @@ typedef struct {
     wheel_world_t world;
     motion_world_t road;
     int wheels;
+    int pieces; /* plant steps in a PWM period */
 
     wheel_t wheel[BENCH_WHEELS_MAX];
     battery_state_t battery;

@@ -30,6 +30,7 @@
     X(initial_speed_m_per_s,   -100.0,  100.0, "m/s", "the vehicle is brought to it before the run begins") \
     X(stop_at_standstill,         0.0,  1.0,   "",    "1: the run ends when the vehicle stands") \
     X(record_interval_s,          1e-5, 1e3,   "s",   "distance of recorded rows") \
+    X(pieces,                     0.0,  64.0,  "1",   "the plant takes every PWM period in so many steps; 0: in one") \
     X(rotor_turn,                 0.0,  1.0,   "1",   "electrical angle of the first wheel's rotor at the start") \
     X(rotor_spread_turn,          0.0,  1.0,   "1",   "electrical angle between the rotors of neighbouring wheels at the start")
 

@@ -5,7 +5,7 @@
  *
  *     sensors at t_n -> controller_fast_step() -> the bridge does it from t_{n+1} to t_{n+2}
  *
- * wheel_slow() is the millisecond, wheel_period() the PWM period; the bench calls them and closes the loop over the
+ * wheel_slow() is the millisecond, wheel_sample() the beginning of a PWM period, wheel_step() the plant in it; the bench calls them and closes the loop over the
  * battery and the vehicle. The exchange structs are carried by assignment, unless a wheel has a coupling of its own: then
  * something else that holds a controller stands there, the whole application on its simulated board (board.h).
  */
@@ -24,7 +24,7 @@ typedef struct {
     const bench_params_t *params;
     const config_t *config;
     sensors_t sensors;
-    double period_s;
+    double step_s; /* of the plant: a PWM period or an equal part of it */
     double duty_per_count;
 } wheel_world_t;
 
@@ -119,8 +119,11 @@ typedef struct {
 
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order);
 
-/* speed_rad_s: mechanical, expected in the middle of the period. */
-wheel_flow_t wheel_period(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v);
+/* A PWM period begins: sensors, the firmware's fast step, and the bridge does what it was told a period ago. */
+void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v);
+
+/* The plant for world->step_s. speed_rad_s: mechanical, expected in the middle of the step. */
+wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v);
 
 /* What the vehicle made of it: speed in the middle of the period and the share of friction at work, -1 .. 1. */
 void wheel_settle(wheel_t *wheel, const wheel_world_t *world, const wheel_flow_t *flow, double speed_rad_s,
