@@ -50,7 +50,7 @@ static ramp_t brake(const config_t *config, double demand_nm, double winding_c, 
     bench_refresh(bench);
 
     const wheel_t *wheel = &bench->wheel[0];
-    const double period_s = bench->world.period_s;
+    const double period_s = bench->world.step_s;
     ramp_t out = {.peak_a = 0.0};
     double beyond_s = 0.0;
     double dc_j = wheel->totals.dc_j;

@@ -5,9 +5,10 @@
  *
  *     sensors at t_n -> controller_fast_step() -> the bridge does it from t_{n+1} to t_{n+2}
  *
- * wheel_slow() is the millisecond, wheel_sample() the beginning of a PWM period, wheel_step() the plant in it; the bench calls them and closes the loop over the
- * battery and the vehicle. The exchange structs are carried by assignment, unless a wheel has a coupling of its own: then
- * something else that holds a controller stands there, the whole application on its simulated board (board.h).
+ * wheel_slow() is the millisecond, wheel_sample() the beginning of a PWM period, wheel_step() the plant in it; the bench
+ * calls them and closes the loop over battery and vehicle. The exchange structs are carried by assignment, unless a
+ * wheel has a coupling of its own: then something else that holds a controller stands there, the whole application on its
+ * simulated board (board.h).
  */
 #ifndef BENCH_WHEEL_H
 #define BENCH_WHEEL_H
