@@ -74,6 +74,8 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
                            (uint16_t)(loop->foc.current.on_q16[2] >> 16)},
         .i_d_pu = report->current.i_pu.d,
         .i_q_pu = report->current.i_pu.q,
+        .reference_d_pu = report->current.i_reference_pu.d,
+        .reference_q_pu = report->current.i_reference_pu.q,
         .u_d_pu = report->current.voltage.realised.d,
         .u_q_pu = report->current.voltage.realised.q,
         .weakening_pu = field_weakening_current_pu(&loop->foc.weakening),

@@ -30,7 +30,8 @@ typedef struct {
 typedef struct {
     uint16_t compare_counts[3]; /* effective from the next period on */
     int32_t i_d_pu, i_q_pu;
-    int32_t u_d_pu, u_q_pu; /* realised, 1.0 = modulation_limit * v_dc / sqrt 3 */
+    int32_t reference_d_pu, reference_q_pu; /* inside the current circle; only while regulating */
+    int32_t u_d_pu, u_q_pu;                 /* realised, 1.0 = modulation_limit * v_dc / sqrt 3 */
     int32_t weakening_pu;
     int32_t power_pu; /* mean of the latest millisecond */
     int32_t modulation_limit_q15;

@@ -169,3 +169,47 @@ TEST_CASE("compensation for a dead time and a zone that are 30 % wrong still cut
         }
     }
 }
+
+TEST_CASE(
+    "the power estimate is what the motor takes: copper and torque times speed, at any speed, sign and bus voltage")
+{
+    // From the realised voltage and the measured current, mean of a millisecond. Right to the voltage that reaches the motor
+    // (40 mV: codes of the bus, counts, the advance) times the current, and to the current's codes (a half) times the voltage.
+    for (const bool real_bridge : {false, true}) {
+        const config_t config = paper_config(real_bridge);
+        for (const double speed_rpm : {-300.0, 0.0, 50.0, 300.0, 450.0}) {
+            for (const double v_dc_V : {53.0, 58.0}) {
+                for (const Vector2d &reference : {Vector2d(0.0, 30.0), Vector2d(0.0, -40.0), Vector2d(-20.0, -10.0)}) {
+                    Plant plant = bench::plant_of(config, 80.0, v_dc_V, speed_rpm);
+                    plant = real_bridge ? bench::with_bridge(plant) : plant;
+                    Bench bench(config, plant, 0.4);
+                    bench.set_reference(reference.x(), reference.y());
+                    bench.run(SETTLE_PERIODS, Mode::off);
+                    bench.run(2000);
+                    loop_output_t out{};
+                    double estimate_W = 0.0;
+                    double torque_Nm = 0.0;
+                    double copper_W = 0.0;
+                    constexpr int PERIODS = 4000;
+                    for (int n = 0; n < PERIODS; n++) {
+                        out = bench.step();
+                        const double circle_V = out.modulation_limit_q15 / 32768.0 * v_dc_V / std::sqrt(3.0);
+                        estimate_W += 1.5 * circle_V * bench.current_base_A() * out.power_pu / 32768.0 / PERIODS;
+                        torque_Nm += bench.torque_Nm() / PERIODS;
+                        copper_W += 1.5 * (plant.resistance_ohm + plant.switch_resistance_ohm) *
+                                    bench.current().squaredNorm() / PERIODS;
+                    }
+                    const double shaft_W = torque_Nm * plant.speed_rad_s / config.motor.pole_pairs;
+                    const double voltage_V = std::abs(plant.speed_rad_s) * plant.flux_Wb + 0.05 * reference.norm();
+                    const double allowed_W = 1.5 * (0.04 * reference.norm() + 0.04 * voltage_V);
+                    CAPTURE(speed_rpm);
+                    CAPTURE(v_dc_V);
+                    CAPTURE(real_bridge);
+                    CAPTURE(reference.x());
+                    CAPTURE(reference.y());
+                    CHECK(std::abs(estimate_W - (copper_W + shaft_W)) <= allowed_W);
+                }
+            }
+        }
+    }
+}
