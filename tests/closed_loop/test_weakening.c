@@ -22,7 +22,9 @@ typedef struct {
     double peak_a; /* into the battery, mean of a PWM period */
     double longest_beyond_s;
     double least_i_d_a;
-    double largest_miss_nm; /* airgap torque less the command, means over the window; 0.3 is 1 % of rated */
+    double largest_miss_nm;    /* airgap torque less the command, means over the window; 0.3 is 1 % of rated */
+    double largest_misread_nm; /* airgap torque less the firmware's estimate, likewise */
+    double largest_misread_a;  /* bus current less the firmware's estimate and the losses it does not see, likewise */
     double lowest_command_nm;
     reason_t fault;
 } ramp_t;
@@ -56,6 +58,9 @@ static ramp_t brake(const config_t *config, double demand_nm, double winding_c, 
     double dc_j = wheel->totals.dc_j;
     double impulse_nms = wheel->totals.torque_impulse_nms;
     double commanded_nms = 0.0;
+    double estimated_nms = 0.0;
+    double unseen_as = 0.0;
+    double switching_j = wheel->totals.switching_j;
     double window_s = 0.0;
     const double ramped_s = bench->time_s + 2.0 * RIPPLE_WINDOW_s;
     while (bench_wheel_speed_rad_s(bench) > END_RAD_S) {
@@ -70,14 +75,24 @@ static ramp_t brake(const config_t *config, double demand_nm, double winding_c, 
         const double command_nm = wheel->slow.motor_torque_command_mNm * 1e-3;
         out.lowest_command_nm = fmin(out.lowest_command_nm, command_nm);
         commanded_nms += command_nm * period_s;
+        estimated_nms += wheel->slow.motor_torque_estimate_mNm * 1e-3 * period_s;
+        const double lost_j = wheel->totals.switching_j - switching_j;
+        switching_j = wheel->totals.switching_j;
+        unseen_as +=
+            (-into_battery_a - wheel->slow.bus_current_mA * 1e-3) * period_s - lost_j / bench->battery.terminal_v;
         window_s += period_s;
         if (window_s >= RIPPLE_WINDOW_s) {
             const double miss_nm = (wheel->totals.torque_impulse_nms - impulse_nms - commanded_nms) / window_s;
             if (bench->time_s > ramped_s) {
+                const double misread_nm = (wheel->totals.torque_impulse_nms - impulse_nms - estimated_nms) / window_s;
                 out.largest_miss_nm = fmax(out.largest_miss_nm, fabs(miss_nm));
+                out.largest_misread_nm = fmax(out.largest_misread_nm, fabs(misread_nm));
+                out.largest_misread_a = fmax(out.largest_misread_a, fabs(unseen_as / window_s));
             }
             impulse_nms = wheel->totals.torque_impulse_nms;
             commanded_nms = 0.0;
+            estimated_nms = 0.0;
+            unseen_as = 0.0;
             window_s = 0.0;
         }
     }
@@ -97,12 +112,16 @@ static void check_ramps(int32_t sensor)
                 const ramp_t ramp = brake(&config, DEMAND_NM[d], WINDING_C[t], LIMIT_A[l]);
                 char text[160];
                 snprintf(text, sizeof(text),
-                         "limit %g A, %g N m, %g degC: peak %.2f A, %.2f ms beyond, torque off by %.2f N m", LIMIT_A[l],
-                         DEMAND_NM[d], WINDING_C[t], ramp.peak_a, ramp.longest_beyond_s * 1e3, ramp.largest_miss_nm);
+                         "limit %g A, %g N m, %g degC: peak %.2f A, %.2f ms beyond, torque off by %.2f N m, misread "
+                         "%.2f N m %.2f A",
+                         LIMIT_A[l], DEMAND_NM[d], WINDING_C[t], ramp.peak_a, ramp.longest_beyond_s * 1e3,
+                         ramp.largest_miss_nm, ramp.largest_misread_nm, ramp.largest_misread_a);
                 TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, ramp.fault, text);
                 TEST_ASSERT_TRUE_MESSAGE(ramp.longest_beyond_s <= 1e-3 * LONGEST_BEYOND_ms, text);
                 TEST_ASSERT_TRUE_MESSAGE(ramp.least_i_d_a < -30.0, text);
                 TEST_ASSERT_TRUE_MESSAGE(ramp.largest_miss_nm < 0.3, text);
+                TEST_ASSERT_TRUE_MESSAGE(ramp.largest_misread_nm < 0.3, text);
+                TEST_ASSERT_TRUE_MESSAGE(ramp.largest_misread_a < 0.3, text);
                 if (LIMIT_A[l] < 20.0) { /* 20 N m at 636 r/min return 22 A */
                     TEST_ASSERT_TRUE_MESSAGE(ramp.peak_a > 0.95 * LIMIT_A[l], text);
                     TEST_ASSERT_TRUE_MESSAGE(ramp.lowest_command_nm > -DEMAND_NM[d] + 2.0, text);
