@@ -209,6 +209,14 @@ class DevCommandTest(DevFixture):
         self.assertEqual((result.returncode, len(result.stderr.splitlines())), (USAGE, 1), result.stderr)
         self.assertIn("absent", result.stderr)
 
+    def test_a_table_is_made_where_it_is_wanted_with_the_plots_that_are_wanted(self) -> None:
+        path, environment = self.pretend_everything_is_installed()
+        (self.base / "mine.toml").touch()
+        for arguments in ([], ["-o", "there"], ["--plots"], ["-o", "there", "--plots"]):
+            result = self.run_dev("table", "mine.toml", *arguments, path=path, environment=environment)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(self.calls("python")[-1], " ".join(["-m regen_table generate mine.toml", *arguments]))
+
     def test_hubsim_gets_its_arguments_unchanged_after_the_engine_is_up_to_date(self) -> None:
         path, environment = self.pretend_everything_is_installed()
         result = self.run_dev("hubsim", "run", "stop", "--set", "a b=1", path=path, environment=environment)

@@ -47,10 +47,11 @@ TEXT
 
 help_table() {
     cat <<'TEXT'
-Usage: tools/dev table CONFIG.toml [-o DIR]
+Usage: tools/dev table CONFIG.toml [-o DIR] [--plots]
 
 Turns one vehicle's TOML (see tools/motors) into the configuration that the firmware is built with: <name>.c and, with
-the same bytes, <name>.bin. Without -o they go to firmware/config/generated.
+the same bytes, <name>.bin. Without -o they go to firmware/config/generated. With --plots the figures of losses and optimum
+are drawn as well, into DIR or else build/report/figures.
 TEXT
 }
 
