@@ -3,6 +3,7 @@
 #include "config/bases.h"
 #include "core/q15.h"
 #include "torque/current_reference.h"
+#include "torque/foldback.h"
 #include "torque/regen_map.h"
 
 enum {
@@ -91,18 +92,18 @@ static int32_t on_the_line(const bracket_t *b, int64_t limit)
 
 /*
  * The torque up to which a burden stays within its limit, NO_LIMIT_mNm if that is all the way up to bound_mNm. For burdens
- * that grow from nothing to the bound. A line lies above a burden with growing slope, so the torque found is on the safe
- * side; at a kink the other way the next line mends what the last one missed.
+ * that grow from from_mNm, where they are smallest, to the bound. A line lies above a burden with growing slope, so the
+ * torque found is on the safe side; at a kink the other way the next line mends what the last one missed.
  */
-static int32_t torque_within(const side_t *side, burden_t burden, int64_t limit, int32_t bound_mNm)
+static int32_t torque_within(const side_t *side, burden_t burden, int64_t limit, int32_t from_mNm, int32_t bound_mNm)
 {
-    bracket_t b = {.low_mNm = 0, .high_mNm = bound_mNm, .low = 0, .high = burden_of(side, burden, bound_mNm)};
+    bracket_t b = {.low_mNm = from_mNm, .high_mNm = bound_mNm, .low = 0, .high = burden_of(side, burden, bound_mNm)};
     if (b.high <= limit) {
         return NO_LIMIT_mNm;
     }
-    b.low = burden_of(side, burden, 0);
+    b.low = burden_of(side, burden, from_mNm);
     if (b.low >= limit) {
-        return 0;
+        return from_mNm;
     }
     for (int n = 0; n < HALVINGS + LINES; n++) {
         const int32_t torque_mNm = n < HALVINGS ? b.low_mNm + (b.high_mNm - b.low_mNm) / 2 : on_the_line(&b, limit);
@@ -130,7 +131,7 @@ static void tighten_common(limit_t *limit, const side_t *side, const capability_
     const config_motor_t *motor = &side->config->motor;
     limit_tighten(limit, power_torque_mNm(side->config, side->model), REASON_MAX_POWER);
     const int64_t most_mA = motor->max_phase_current_mA;
-    limit_tighten(limit, torque_within(side, BURDEN_CURRENT_SQUARE, most_mA * most_mA, limit->torque_mNm),
+    limit_tighten(limit, torque_within(side, BURDEN_CURRENT_SQUARE, most_mA * most_mA, 0, limit->torque_mNm),
                   REASON_PHASE_CURRENT);
     limit_derate(limit,
                  limit_fade_q15(in->winding_temperature_cC, motor->derate_winding_temperature_cC,
@@ -151,19 +152,65 @@ static int32_t search_bound_mNm(const config_t *config, const motor_model_t *mod
     return q_min(config->motor.max_torque_mNm, power_torque_mNm(config, model));
 }
 
+/* What the motor is asked for now, as a torque of this side. */
+static int32_t asked_mNm(const side_t *side, const capability_input_t *in)
+{
+    return q_max(q_clamp(in->command_mNm, -INT32_MAX, INT32_MAX) * side->sign, 0);
+}
+
+/* Power that this motor may draw or return at the present voltage, with the end of that range in mind, and why no more. */
+typedef struct {
+    int32_t power_mW;
+    reason_t reason;
+} allowance_t;
+
+/* burden: of the power that is limited. Where the bus has no voltage there is no current in its power. */
+static allowance_t allowance(const side_t *side, burden_t burden, const capability_input_t *in, int32_t most_mA,
+                             int32_t bms_mA, bool near, int32_t inside_mV)
+{
+    const config_battery_t *battery = &side->config->battery;
+    const foldback_t foldback = {
+        .most_mA = most_mA,
+        .width_mV = battery->max_voltage_mV - battery->foldback_voltage_mV,
+        .span_mV = battery->max_voltage_mV - battery->min_voltage_mV,
+    };
+    const int64_t now_mW = burden_of(side, burden, asked_mNm(side, in));
+    const int32_t now_mA = in->bus_voltage_mV > 0 ? q_saturate64(now_mW * 1000 / in->bus_voltage_mV) : 0;
+    const int32_t by_voltage_mA = foldback_current_mA(&foldback, near, inside_mV, now_mA);
+    const int32_t by_bms_mA = own_share_mA(side->config, bms_mA, most_mA);
+    const bool drawn = burden == BURDEN_DRAWN_POWER;
+    const reason_t by_current = drawn ? REASON_DISCHARGE_CURRENT : REASON_CHARGE_CURRENT;
+    const allowance_t out = {
+        .power_mW = q_max(power_mW(q_min(by_voltage_mA, by_bms_mA), in->bus_voltage_mV), 0),
+        .reason = by_voltage_mA < by_bms_mA ? (drawn ? REASON_BUS_VOLTAGE_LOW : REASON_BUS_VOLTAGE_HIGH) : by_current,
+    };
+    return out;
+}
+
+static allowance_t drawn_allowance(const side_t *side, const capability_input_t *in)
+{
+    const config_battery_t *battery = &side->config->battery;
+    const int64_t inside_mV = (int64_t)in->bus_voltage_mV - battery->min_voltage_mV;
+    return allowance(side, BURDEN_DRAWN_POWER, in, battery->max_discharge_current_mA, in->bms_discharge_current_mA,
+                     in->voltage_low, q_saturate64(inside_mV));
+}
+
+static allowance_t returned_allowance(const side_t *side, const capability_input_t *in)
+{
+    const config_battery_t *battery = &side->config->battery;
+    const int64_t inside_mV = (int64_t)battery->max_voltage_mV - in->bus_voltage_mV;
+    return allowance(side, BURDEN_RETURNED_POWER, in, battery->max_charge_current_mA, in->bms_charge_current_mA,
+                     in->voltage_high, q_saturate64(inside_mV));
+}
+
 static limit_t driving_limit(const side_t *side, const capability_input_t *in)
 {
     const config_t *config = side->config;
-    const config_battery_t *battery = &config->battery;
     limit_t limit = limit_init(config->motor.max_torque_mNm, REASON_MAX_TORQUE);
-    const int32_t fade_width_mV = battery->max_voltage_mV - battery->foldback_voltage_mV;
-    const int32_t voltage_share_q15 =
-        limit_fade_q15(in->bus_voltage_mV, battery->min_voltage_mV + fade_width_mV, battery->min_voltage_mV);
-    const int32_t current_mA = own_share_mA(config, in->bms_discharge_current_mA, battery->max_discharge_current_mA);
-    const int32_t allowed_mA = q15_share_of(current_mA, (int16_t)voltage_share_q15);
-    const int32_t allowed_mW = q_max(power_mW(allowed_mA, in->bus_voltage_mV), 0);
-    limit_tighten(&limit, torque_within(side, BURDEN_DRAWN_POWER, allowed_mW, search_bound_mNm(config, side->model)),
-                  voltage_share_q15 < Q15_ONE ? REASON_BUS_VOLTAGE_LOW : REASON_DISCHARGE_CURRENT);
+    const allowance_t drawn = drawn_allowance(side, in);
+    limit_tighten(&limit,
+                  torque_within(side, BURDEN_DRAWN_POWER, drawn.power_mW, 0, search_bound_mNm(config, side->model)),
+                  drawn.reason);
     const int32_t top_mrad_s = config->motor.max_speed_mrad_s;
     limit_derate(
         &limit,
@@ -177,21 +224,22 @@ static limit_t driving_limit(const side_t *side, const capability_input_t *in)
 static limit_t regenerating_limit(const side_t *side, const capability_input_t *in, int32_t optimal_mNm)
 {
     const config_t *config = side->config;
-    const config_battery_t *battery = &config->battery;
     limit_t limit = limit_init(config->motor.max_torque_mNm, REASON_MAX_TORQUE);
-    const int32_t voltage_share_q15 =
-        limit_fade_q15(in->bus_voltage_mV, battery->foldback_voltage_mV, battery->max_voltage_mV);
-    const int32_t current_mA = own_share_mA(config, in->bms_charge_current_mA, battery->max_charge_current_mA);
-    const int32_t allowed_mA = q15_share_of(current_mA, (int16_t)voltage_share_q15);
-    const int32_t allowed_mW = q_max(power_mW(allowed_mA, in->bus_voltage_mV), 0);
+    const int32_t bound_mNm = search_bound_mNm(config, side->model);
+    const int32_t best_mNm = q_clamp(optimal_mNm, 0, bound_mNm);
+    const int32_t negligible_mW = config->motor.max_power_mW / NEGLIGIBLE_POWER_DIVISOR;
     /* Where even the best torque returns next to nothing the battery's limit has nothing to limit. Without this, a full
      * battery would forbid the torque that holds a vehicle which begins to roll back on a slope. */
-    const int32_t best_mNm = q_min(search_bound_mNm(config, side->model), optimal_mNm);
-    const int64_t negligible_mW = config->motor.max_power_mW / NEGLIGIBLE_POWER_DIVISOR;
     if (burden_of(side, BURDEN_RETURNED_POWER, best_mNm) > negligible_mW) {
-        limit_tighten(&limit, torque_within(side, BURDEN_RETURNED_POWER, allowed_mW, best_mNm),
-                      voltage_share_q15 < Q15_ONE ? REASON_BUS_VOLTAGE_HIGH : REASON_CHARGE_CURRENT);
+        const allowance_t returned = returned_allowance(side, in);
+        limit_tighten(&limit, torque_within(side, BURDEN_RETURNED_POWER, returned.power_mW, 0, best_mNm),
+                      returned.reason);
     }
+    /* Beyond the best torque less and less comes back, and in the end the battery pays for braking, too. */
+    const allowance_t drawn = drawn_allowance(side, in);
+    limit_tighten(&limit,
+                  torque_within(side, BURDEN_DRAWN_POWER, q_max(drawn.power_mW, negligible_mW), best_mNm, bound_mNm),
+                  drawn.reason);
     tighten_common(&limit, side, in);
     return limit;
 }

@@ -1,5 +1,7 @@
 #include "torque/torque.h"
 
+#include "core/q15.h"
+#include "torque/foldback.h"
 #include "torque/motor_model.h"
 
 void torque_init(torque_state_t *state)
@@ -8,6 +10,8 @@ void torque_init(torque_state_t *state)
     brake_arbiter_init(&state->arbiter);
     torque_limit_init(&state->limit);
     stop_lamp_init(&state->lamp);
+    state->voltage_low_steps = 0;
+    state->voltage_high_steps = 0;
 }
 
 /* The reason a person wants to read: the arbiter's while braking, the torque limit's while driving, and the phase
@@ -26,6 +30,20 @@ static reason_t visible_reason(const demand_t *demand, const brake_arbiter_out_t
     return reason == REASON_NONE && demand->timed_out ? REASON_DEMAND_TIMEOUT : reason;
 }
 
+/* What the limits depend on beside the measurements: where the motor is, and how near the voltage was to an end lately. */
+static capability_input_t limits_now(torque_state_t *state, const config_t *config, const capability_input_t *in)
+{
+    const config_battery_t *battery = &config->battery;
+    const int32_t width_mV = battery->max_voltage_mV - battery->foldback_voltage_mV;
+    const int32_t above_mV = q_saturate64((int64_t)in->bus_voltage_mV - battery->min_voltage_mV);
+    const int32_t below_mV = q_saturate64((int64_t)battery->max_voltage_mV - in->bus_voltage_mV);
+    capability_input_t out = *in;
+    out.command_mNm = state->limit.command_mNm;
+    out.voltage_low = foldback_near(&state->voltage_low_steps, above_mV, width_mV);
+    out.voltage_high = foldback_near(&state->voltage_high_steps, below_mV, width_mV);
+    return out;
+}
+
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
 {
     const motor_model_t model = motor_model_at(config, in->speed_mrad_s, in->capability.winding_temperature_cC);
@@ -33,7 +51,8 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
 
     const demand_t demand =
         demand_step(&state->demand, config, in->drive_torque_mNm, in->brake_torque_mNm, in->demand_age_ms);
-    const capability_t capability = capability_step(config, &model, &in->capability);
+    const capability_input_t limits = limits_now(state, config, &in->capability);
+    const capability_t capability = capability_step(config, &model, &limits);
     const brake_arbiter_input_t braking = {
         .demand_mNm = demand.brake_mNm,
         .speed_mrad_s = in->speed_mrad_s,

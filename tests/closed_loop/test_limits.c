@@ -48,6 +48,29 @@ void test_a_weak_battery_is_not_pulled_below_its_limit(void)
     TEST_ASSERT_FALSE(bench->battery.collapsed);
 }
 
+/* A pack of 1 ohm at 40 to 41 V: the law from voltage to current has a gain of 214 A/V, so that a millisecond of delay would
+ * make it swing by a step of the torque rate, 0.4 Nm, for ever. */
+void test_a_weak_battery_is_drawn_from_steadily(void)
+{
+    bench_params_t params = fixture_vehicle();
+    params.run.initial_speed_m_per_s = 3.0;
+    params.driver.drive_demand_nm = 40.0;
+    params.battery.series_resistance_ohm = 1.0;
+    const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 1.0);
+    double largest_nm = 0.0;
+    for (int k = 0; k < 500; k++) {
+        const int32_t before_mNm = bench->wheel[0].slow.motor_torque_command_mNm;
+        fixture_run(bench, 1e-3);
+        largest_nm = fmax(largest_nm, 1e-3 * fabs(bench->wheel[0].slow.motor_torque_command_mNm - (double)before_mNm));
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_LOW, bench->wheel[0].slow.torque_reason);
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, 40.3, bench->battery.terminal_v);
+    TEST_ASSERT_TRUE(largest_nm < 0.04); /* a tenth of what the rate allows; the rising speed takes some of it */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
+}
+
 void test_a_winding_at_its_limit_gives_no_torque_and_the_hydraulic_brake_takes_over(void)
 {
     bench_params_t params = fixture_quarter_vehicle();

@@ -6,6 +6,9 @@
  * shaft; the smallest wins and gives its reason. Temperature, speed and pedal never cut braking because of a
  * driving-side reason.
  *
+ * Torque against the rotation returns power up to the loss optimum; a little further on it draws some, and then the
+ * discharge limits bound it like driving. Near the ends of the battery's voltage the currents follow foldback.h.
+ *
  * Phase current and battery power of a torque are those of the currents that current_reference.h would ask for: the map's
  * i_d at that torque, field weakening as it is now, and the i_q that goes with them. So a torque found here is one the
  * current reference makes without giving way, and one at which the battery takes or gives what it may. Where a limit
@@ -27,7 +30,9 @@ typedef struct {
     int32_t bms_discharge_current_mA; /* whole pack, magnitude */
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
-    int32_t i_d_weakening_mA; /* what field weakening adds to i_d now, <= 0 */
+    bool voltage_low, voltage_high; /* near the end of the battery's voltage, or lately so (foldback_near) */
+    int32_t command_mNm;            /* torque the motor is asked for now, signed: where the voltage limits start from */
+    int32_t i_d_weakening_mA;       /* what field weakening adds to i_d now, <= 0 */
     bool rotor_valid;
 } capability_input_t;
 

@@ -51,6 +51,7 @@ typedef struct {
     brake_arbiter_state_t arbiter;
     torque_limit_state_t limit;
     stop_lamp_state_t lamp;
+    uint16_t voltage_low_steps, voltage_high_steps; /* left of having been near an end of the battery's voltage */
 } torque_state_t;
 
 void torque_init(torque_state_t *state);

@@ -4,6 +4,7 @@
 #include "random_values.h"
 #include "reference_motor.h"
 #include "torque/capability.h"
+#include "torque/current_reference.h"
 #include "torque/regen_map.h"
 #include "unity.h"
 
@@ -15,6 +16,9 @@ void setUp(void)
 {
     config = paper_vehicle_without_i_d();
     world.bus_voltage_mV = 53000;
+    world.command_mNm = 0;
+    world.voltage_low = false;
+    world.voltage_high = false;
     world.bms_charge_current_mA = 1000000;
     world.bms_discharge_current_mA = 1000000;
     world.winding_temperature_cC = 2500;
@@ -164,18 +168,21 @@ void test_a_full_battery_does_not_forbid_to_hold_a_vehicle_that_rolls_back(void)
 
 void test_a_bus_near_its_upper_voltage_folds_the_charge_current_back(void)
 {
-    /* Half-way between 57.232 V and 58.4 V: half of 50 A at 57.816 V is 1445.4 W. */
+    /* Half-way between 57.232 V and 58.4 V: half of 50 A at 57.816 V is 1445.4 W, once the motor is there. */
+    world.command_mNm = -(int32_t)lround(torque_at_power_mNm(450.0, -1445.4));
+    world.voltage_high = true;
     world.bus_voltage_mV = (config.battery.foldback_voltage_mV + config.battery.max_voltage_mV) / 2;
     const capability_t half = at_rpm(450.0);
     assert_limit((int32_t)lround(torque_at_power_mNm(450.0, -1445.4)), REASON_BUS_VOLTAGE_HIGH, half.regenerating);
     assert_limit(40000, REASON_MAX_TORQUE, half.driving);
     world.bus_voltage_mV = config.battery.max_voltage_mV;
+    world.command_mNm = 0;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, at_rpm(450.0).regenerating.reason);
     assert_limit((int32_t)lround(torque_at_power_mNm(450.0, -1e-9)), REASON_BUS_VOLTAGE_HIGH,
                  at_rpm(450.0).regenerating);
 }
 
-void test_the_discharge_current_of_the_pack_is_shared_and_bounds_only_driving(void)
+void test_the_discharge_current_of_the_pack_is_shared_and_bounds_driving(void)
 {
     world.bms_discharge_current_mA = 40000; /* 530 W each */
     const capability_t out = at_rpm(300.0);
@@ -186,12 +193,34 @@ void test_the_discharge_current_of_the_pack_is_shared_and_bounds_only_driving(vo
 void test_a_bus_near_its_lower_voltage_folds_the_discharge_current_back(void)
 {
     /* The fold-back is as wide as the upper one, 1.168 V above 40 V; half of 62.5 A at 40.584 V is 1268.3 W. */
+    world.command_mNm = (int32_t)lround(torque_at_power_mNm(300.0, 1268.25));
+    world.voltage_low = true;
     world.bus_voltage_mV = 40584;
     const capability_t half = at_rpm(300.0);
     assert_limit((int32_t)lround(torque_at_power_mNm(300.0, 1268.25)), REASON_BUS_VOLTAGE_LOW, half.driving);
     assert_limit(40000, REASON_MAX_TORQUE, half.regenerating);
     world.bus_voltage_mV = 40000;
+    world.command_mNm = 0;
     assert_limit(0, REASON_BUS_VOLTAGE_LOW, at_rpm(300.0).driving);
+    world.bus_voltage_mV = 38830; /* a width below the end, whatever the motor does now */
+    world.command_mNm = 40000;
+    assert_limit(0, REASON_BUS_VOLTAGE_LOW, at_rpm(300.0).driving);
+}
+
+/* Against the rotation the power returned grows to the optimum, falls, and beyond T_zero is drawn: at 5 r/min 40 Nm take
+ * 3/2 0.031 56.8^2 = 150 W of copper and give 21 W. */
+void test_braking_that_draws_power_obeys_the_discharge_limit(void)
+{
+    assert_limit(40000, REASON_MAX_TORQUE, at_rpm(5.0).regenerating);
+    world.bms_discharge_current_mA = 4000; /* 53 W each */
+    const capability_t out = at_rpm(5.0);
+    TEST_ASSERT_EQUAL_INT(REASON_DISCHARGE_CURRENT, out.regenerating.reason);
+    const motor_model_t model = motor_model_at(&config, mrad_s_of_rpm(5.0), 2500);
+    const motor_current_t i = current_reference_unlimited(&config, &model, -out.regenerating.torque_mNm, 0);
+    TEST_ASSERT_INT32_WITHIN(300, 53000, motor_model_power_mW(&model, i));
+    /* Where braking returns power it costs nothing to have no discharge current at all. */
+    world.bms_discharge_current_mA = 0;
+    assert_limit(40000, REASON_MAX_TORQUE, at_rpm(300.0).regenerating);
 }
 
 void test_a_hot_winding_derates_both_directions(void)
