@@ -9,8 +9,10 @@ void brake_arbiter_init(brake_arbiter_state_t *state)
     state->abs_hold_steps = 0;
 }
 
-/* The strategy's own bound on the electric part, before the hand-over. */
-static limit_t strategy_limit(const config_t *config, const capability_t *capability, int32_t demand_mNm)
+/* The strategy's own bound on the electric part, with the hand-over. A rating or a share fades out as a whole; the best torque is
+ * kept as long as what fades is larger: giving it up earlier would return less than a parallel strategy does. */
+static limit_t strategy_limit(const config_t *config, const capability_t *capability, int32_t demand_mNm,
+                              int32_t handover_q15)
 {
     const config_brake_t *brake = &config->brake;
     limit_t limit = capability->regenerating;
@@ -19,12 +21,15 @@ static limit_t strategy_limit(const config_t *config, const capability_t *capabi
         limit_tighten(&limit, brake->electric_rated_torque_mNm, REASON_ELECTRIC_RATED);
         limit_tighten(&limit, q15_share_of(demand_mNm, (int16_t)brake->parallel_electric_share_q15),
                       REASON_ELECTRIC_SHARE);
+        limit_derate(&limit, handover_q15, REASON_HANDOVER);
         break;
     case CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL:
         limit_tighten(&limit, brake->electric_rated_torque_mNm, REASON_ELECTRIC_RATED);
+        limit_derate(&limit, handover_q15, REASON_HANDOVER);
         break;
     default: /* CONFIG_STRATEGY_SERIES_OPTIMAL; config_validate() lets nothing else through */
-        limit = capability->optimal;
+        limit_derate(&limit, handover_q15, REASON_HANDOVER);
+        limit_tighten(&limit, capability->optimal.torque_mNm, capability->optimal.reason);
         break;
     }
     return limit;
@@ -59,8 +64,8 @@ brake_arbiter_out_t brake_arbiter_step(brake_arbiter_state_t *state, const confi
     const config_brake_t *brake = &config->brake;
     const int32_t demand_mNm = q_max(in->demand_mNm, 0);
 
-    limit_t available = strategy_limit(config, capability, demand_mNm);
-    limit_derate(&available, handover_share_q15(brake, in->speed_mrad_s), REASON_HANDOVER);
+    const int32_t handover_q15 = handover_share_q15(brake, in->speed_mrad_s);
+    limit_t available = strategy_limit(config, capability, demand_mNm, handover_q15);
     if (motor_must_yield(state, in->abs_active)) {
         limit_tighten(&available, 0, REASON_ABS);
     }

@@ -5,10 +5,11 @@
  *     parallel_free_travel   electric first, up to the rated electric braking torque
  *     series_optimal         electric up to the torque that returns the most energy at this speed and temperature
  *
- * Whatever the strategy, hard limits of the motor apply, the electric part fades out between the two hand-over speeds,
- * and the hydraulic brake gets the rest of the demand in the same step: electric + hydraulic = demand, unless the
- * hydraulic brake is at its own limit. Motor torque that was asked for and did not come (beyond a tolerance band) is
- * moved to the hydraulic brake at once. Electric braking never holds a standing vehicle.
+ * Whatever the strategy, hard limits of the motor apply, the electric part fades out between the two hand-over speeds
+ * (a parallel strategy's as a whole; the best torque is kept until the fading limit of the motor falls below it), and the
+ * hydraulic brake gets the rest of the demand in the same step: electric + hydraulic = demand, unless the hydraulic
+ * brake is at its own limit. Motor torque that was asked for and did not come (beyond a tolerance band) is moved to the
+ * hydraulic brake at once. Electric braking never holds a standing vehicle.
  *
  * Sources: Lu et al. 2013 section 3.2; for the optimum in region I of its Fig. 5 the motor keeps T_opt instead of
  * leaving everything to the friction brake, which never returns less.

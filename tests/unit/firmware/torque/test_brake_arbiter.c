@@ -241,13 +241,26 @@ void test_backwards_the_split_is_the_same(void)
 
 void test_between_the_hand_over_speeds_the_motor_fades_out_and_the_hydraulic_brake_in(void)
 {
-    in.demand_mNm = 24000;
+    config.brake.strategy = CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL;
+    in.demand_mNm = 40000;
     in.speed_mrad_s = 2618;
-    assert_split(24000, 0, REASON_NONE, step());
-    in.speed_mrad_s = 1728; /* half-way: 890 of 1780 mrad/s leave 16383/32768 of 24 Nm */
-    assert_split(11999, 12001, REASON_HANDOVER, step());
+    assert_split(40000, 0, REASON_NONE, step());
+    in.speed_mrad_s = 1728; /* half-way: 890 of 1780 mrad/s leave 16383/32768 of 40 Nm */
+    assert_split(19998, 20002, REASON_HANDOVER, step());
     in.speed_mrad_s = 838;
-    assert_split(0, 24000, REASON_HANDOVER, step());
+    assert_split(0, 40000, REASON_HANDOVER, step());
+}
+
+/* Where the best torque is small the parallel strategies would otherwise return more on the last metres. */
+void test_the_best_torque_is_kept_until_what_the_hand_over_leaves_is_smaller(void)
+{
+    in.demand_mNm = 30000;
+    in.speed_mrad_s = 1728; /* half of 50 Nm is more than the best 24 Nm */
+    assert_split(24000, 6000, REASON_LOSS_OPTIMUM, step());
+    in.speed_mrad_s = 927; /* 89 of 1780 mrad/s leave 1638/32768 of 50 Nm */
+    assert_split(2499, 27501, REASON_HANDOVER, step());
+    in.speed_mrad_s = 838;
+    assert_split(0, 30000, REASON_HANDOVER, step());
 }
 
 void test_electric_braking_never_holds_a_standing_vehicle(void)
