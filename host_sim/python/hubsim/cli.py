@@ -11,7 +11,7 @@ from regen_table.errors import ConfigurationError
 
 from hubsim import __version__
 from hubsim.arguments import DEFAULT_CONFIG, Parser
-from hubsim.commands import compare, listing, run, sim, sweep
+from hubsim.commands import compare, listing, report, run, sim, sweep
 from hubsim.errors import HubsimError
 
 __all__ = ["DEFAULT_CONFIG", "main"]
@@ -35,6 +35,6 @@ def _parser() -> Parser:
     parser = Parser(prog="hubsim", description="The simulated vehicle: complete controllers on a physical plant.")
     parser.add_argument("--version", action="version", version=f"hubsim {__version__}")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=Parser)
-    for command in (run, sim, sweep, compare, listing):
+    for command in (run, sim, sweep, compare, listing, report):
         command.add(commands)
     return parser

@@ -10,7 +10,7 @@ from pathlib import Path
 from regen_table.schema import Drive
 from rich.progress import Progress, TaskID
 
-from hubsim import cycles, files, outputs, report, run
+from hubsim import cycles, files, outputs, report, run, stops
 from hubsim.errors import HubsimError
 from hubsim.results import SIGNAL_POINTS_MAX, RunResult, realtime_factor
 from hubsim.scenario import Scenario
@@ -64,11 +64,18 @@ def simulate_all(
             raise
 
 
-def write(results: Sequence[RunResult], directory: Path) -> list[str]:
+def extras(drives: Sequence[Drive], bar: Progress) -> report.Extras:
+    """Simulate the stops and compute the map that the page shows besides the cycle."""
+    task = bar.add_task("stops", total=len(drives) * len(stops.DEMANDS_NM))
+    curves = stops.simulate(drives, progress=lambda: bar.advance(task))
+    return report.Extras({drives[0].name: stops.optimum_map(drives[0])}, curves)
+
+
+def write(results: Sequence[RunResult], directory: Path, beside: report.Extras | None = None) -> list[str]:
     """Write page and summary; return what to tell the user."""
     factor = realtime_factor(results)
     summary = {"runs": [result.run_object for result in results], "realtime_factor": factor}
-    report.write_report(list(results), directory)
+    report.write_report(list(results), directory, beside)
     files.write_text(directory / SUMMARY, outputs.as_json(summary))
     wheels = results[0].wheels
     return [

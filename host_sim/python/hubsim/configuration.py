@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from regen_table import image, schema
+from regen_table import schema
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
+from hubsim import images
 from hubsim.errors import HubsimError
 
 MAX_IMAGE_BYTES = 1 << 16
@@ -58,7 +59,7 @@ def load(path: str | Path, settings: Mapping[str, Any] | None = None) -> Configu
         drive = schema.load(path)
         if settings:
             drive = _changed(drive, path, settings)
-        return Configuration(drive.name, image.build(drive), drive)
+        return Configuration(drive.name, images.build(drive), drive)
     except ConfigurationError as error:
         raise HubsimError(str(error)) from error
 

@@ -149,6 +149,19 @@ class Engine:
         self.ended = status == self._lib.HUBSIM_ENDED
         return rows[: written[0], : len(self._chosen)]
 
+    def save(self) -> bytes:
+        """Return everything that changes while the vehicle runs; for ``restore`` into a started engine of the same library."""
+        state = self._ffi.new("char[]", self._lib.hubsim_state_bytes())
+        self._check(self._lib.hubsim_save(self._sim, state))
+        return bytes(self._ffi.buffer(state))
+
+    def restore(self, state: bytes) -> None:
+        """Go on from what ``save`` returned."""
+        if len(state) != self._lib.hubsim_state_bytes():
+            raise HubsimError(f"a vehicle's state has {self._lib.hubsim_state_bytes()} bytes, got {len(state)}")
+        self._check(self._lib.hubsim_restore(self._sim, self._ffi.from_buffer(state)))
+        self.ended = False
+
     def value(self, name: str) -> float:
         """Return a signal now; of a rate, the account it is the rate of."""
         out = self._ffi.new("double *")

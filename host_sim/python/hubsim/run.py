@@ -4,7 +4,7 @@ import operator
 import time
 from collections.abc import Callable, Sequence
 from fnmatch import fnmatchcase
-from functools import lru_cache, reduce
+from functools import reduce
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +12,7 @@ from regen_table import image
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import cycles, plant, verdicts
+from hubsim import cycles, images, plant, verdicts
 from hubsim.engine import Engine, Rows
 from hubsim.engine import parameters as engine_parameters
 from hubsim.errors import HubsimError
@@ -39,15 +39,9 @@ def prepare(drive: Drive, scenario: Scenario, beside: Path, plant_overrides: dic
     for name, value in reduce(operator.or_, sources).items():
         engine.set(name, value)
     engine.set_voltage_curve(*plant.voltage_curve(drive))
-    engine.load_config(_image(drive.name, drive.model_dump_json()))
+    engine.load_config(images.build(drive))
     duration = scenario.max_duration_s if trace is None else min(trace.duration_s, scenario.max_duration_s)
     return engine, duration
-
-
-@lru_cache(maxsize=16)
-def _image(name: str, drive_json: str) -> bytes:
-    """Return a drive's configuration as the controllers get it; a sweep asks for the same one a thousand times."""
-    return image.build(Drive.model_validate_json(drive_json).named(name))
 
 
 def followed(scenario: Scenario, beside: Path) -> cycles.Cycle | None:

@@ -28,9 +28,10 @@ def _sim(options: argparse.Namespace) -> int:
     comparison.check_output(options.output)
     with arguments.progress_bar() as bar:
         results = comparison.simulate_all(name, drives, chosen, beside, settings.plant, bar)
+        shown = comparison.extras(drives, bar)
     for result in results:
         arguments.warn_of(result)
     outputs.print_table(results)
-    for line in comparison.write(results, options.output):
+    for line in comparison.write(results, options.output, shown):
         print(line)
     return 0

@@ -10,14 +10,15 @@ from pathlib import Path
 
 from hubsim.errors import HubsimError
 from hubsim.report import page
+from hubsim.report.extras import CurveLike, Extras
 from hubsim.report.reading import SIGNALS, RunLike
 
-__all__ = ["SIGNALS", "RunLike", "write_report"]
+__all__ = ["SIGNALS", "CurveLike", "Extras", "RunLike", "write_page", "write_report"]
 
 NAME = "index.html"
 
 
-def write_report(runs: Sequence[RunLike], directory: Path) -> None:
+def write_report(runs: Sequence[RunLike], directory: Path, extras: Extras | None = None) -> None:
     """Write ``index.html`` into a directory, which is made if need be; a page that is already there is replaced at once.
 
     Raises
@@ -25,13 +26,20 @@ def write_report(runs: Sequence[RunLike], directory: Path) -> None:
     HubsimError
         Without any run, or when the file cannot be written; nothing half-written remains.
     """
-    if not runs:
-        raise HubsimError("report: no runs, accepted: at least one")
-    text = page.document(runs)
-    path = directory / NAME
-    beside = directory / f".{NAME}.{os.getpid()}"
     try:
         directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise HubsimError(f"{directory / NAME}: cannot be written: {error.strerror}") from error
+    write_page(runs, directory / NAME, extras)
+
+
+def write_page(runs: Sequence[RunLike], path: Path, extras: Extras | None = None) -> None:
+    """Write the page into a file; otherwise as ``write_report``."""
+    if not runs:
+        raise HubsimError("report: no runs, accepted: at least one")
+    text = page.document(runs, extras)
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
         try:
             beside.write_text(text, encoding="utf-8", newline="\n")
             beside.replace(path)

@@ -4,13 +4,13 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from hubsim.report import flows, lanes, reading, sankey, table, traces, words
+from hubsim.report import flows, lanes, points, quality, reading, sankey, stops, table, traces, words
+from hubsim.report.extras import Extras
 from hubsim.report.markup import Markup, data, element, join
 from hubsim.report.reading import RunLike
 
 _HERE = Path(__file__).parent
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
-COMMAND = "./tools/dev sim"
 
 HOW_TO_READ = (
     "The braking work at the wheels is what brakes and motors take from the motion; the flow picture shows what becomes of it.",
@@ -24,8 +24,9 @@ HOW_TO_READ = (
 )
 
 
-def document(runs: Sequence[RunLike]) -> str:
+def document(runs: Sequence[RunLike], extras: Extras | None = None) -> str:
     """Return the whole page."""
+    extras = extras or Extras()
     cycles = reading.by_cycle(runs)
     vehicles = ", ".join(dict.fromkeys(run.vehicle for run in runs))
     title = f"Energy of {vehicles} in {', '.join(reading.cycle(name) for name in cycles)}"
@@ -38,12 +39,12 @@ def document(runs: Sequence[RunLike]) -> str:
         element("title", title),
         element("style", Markup(_asset("page.css"))),
     )
-    sections = [_cycle(name, group, place) for place, (name, group) in enumerate(cycles.items())]
+    sections = [_cycle(name, group, place, extras) for place, (name, group) in enumerate(cycles.items())]
     body = element(
         "body",
         _header(runs, vehicles, list(cycles)),
-        element("main", *sections),
-        _footer(),
+        element("main", *sections, _stops(extras)),
+        _footer(extras.command),
         element("script", Markup(_asset("readout.js"))),
     )
     return f'<!DOCTYPE html>\n<html lang="en">{head}\n{body}</html>\n'
@@ -73,7 +74,7 @@ def _header(runs: Sequence[RunLike], vehicles: str, cycles: list[str]) -> Markup
     )
 
 
-def _cycle(name: str, runs: list[RunLike], place: int) -> Markup:
+def _cycle(name: str, runs: list[RunLike], place: int, extras: Extras) -> Markup:
     called = reading.cycle(name)
     identity = f"c{place}"
     heading = called[0].upper() + called[1:] if called else "Run"
@@ -83,6 +84,8 @@ def _cycle(name: str, runs: list[RunLike], place: int) -> Markup:
         element("div", *[_card(run) for run in runs], class_="columns"),
         table.draw(runs, f"Energies of the whole vehicle, {called}"),
         _flows(runs, identity, called),
+        _points(runs, identity, called, extras),
+        quality.draw(runs, f"How well it brakes, {called}"),
         _traces(runs, identity, called),
         id=f"cycle-{place}",
         data_cycle=name,
@@ -102,7 +105,7 @@ def _card(run: RunLike) -> Markup:
         _bar(run),
         element("p", called.sentence) if called.sentence else Markup(""),
     ]
-    return element("article", *parts, class_="card")
+    return element("article", *parts, class_=f"card {stops.accent(run.strategy)}")
 
 
 def _bar(run: RunLike) -> Markup:
@@ -158,6 +161,39 @@ def _flows(runs: list[RunLike], identity: str, called: str) -> Markup:
     return _block("Energy flow", " ".join(said), figures)
 
 
+def _points(runs: list[RunLike], identity: str, called: str, extras: Extras) -> Markup:
+    best = extras.maps.get(runs[0].vehicle)
+    if best is None:
+        return Markup("")
+    chart = points.layout(runs, best)
+    figures = []
+    for place, run in enumerate(runs):
+        title = reading.strategy(run).title
+        drawn = points.draw(run, best, chart, f"{identity}p{place}", f"Operating points while braking, {title}, {called}")
+        figures.append(element("figure", element("figcaption", element("h3", title)), drawn, class_=stops.accent(run.strategy)))
+    warm = words.significant(best.temperature_c)
+    note = (
+        "Every dot is a moment in which the driver brakes. Below the solid line more torque would return more energy, above it less; "
+        f"beyond the broken line braking takes energy out of the battery. Lines hold for a winding at {warm} °C."
+    )
+    return _block("Where the motor brakes", note, figures)
+
+
+def _stops(extras: Extras) -> Markup:
+    if not extras.stops:
+        return Markup("")
+    note = element(
+        "p",
+        "Stops from 40 km/h at constant demand, without air drag and rolling resistance. ",
+        stops.legend(),
+        " A stop stores a little more than the ideal where the battery's slow polarisation has no time to take its loss.",
+        class_="soft",
+    )
+    figure = element("figure", stops.draw(extras.stops, "stops"), class_="wide")
+    heading = element("h2", "Stops: how much of the kinetic energy comes back")
+    return element("section", heading, note, element("div", figure, stops.table(extras.stops), class_="beside"), id="stops")
+
+
 def _traces(runs: list[RunLike], identity: str, called: str) -> Markup:
     shared = traces.layout(runs)
     if shared is None:
@@ -186,10 +222,10 @@ def _block(title: str, note: str, figures: list[Markup]) -> Markup:
     )
 
 
-def _footer() -> Markup:
+def _footer(command: str) -> Markup:
     return element(
         "footer",
         element("h2", "How to read this page"),
         element("ul", *[element("li", point) for point in HOW_TO_READ], class_="how"),
-        element("p", "Made by ", element("code", COMMAND), ". The numbers are also in summary.json beside this file.", class_="soft"),
+        element("p", "Made by ", element("code", command), ".", class_="soft"),
     )

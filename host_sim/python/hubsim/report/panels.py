@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hubsim.report import reading
+from hubsim.report import quality, reading
 from hubsim.report.reading import Array, RunLike
 
 KMH = 3.6
@@ -85,7 +85,22 @@ PANELS = (
             Curve("demand", "demand", demand_nm),
         ),
     ),
+    Panel("Total torque error", "N·m", 50.0, 4.0, (Curve("motor and brake less the demand", "demand", quality.torque_error_nm),)),
+    Panel("Jerk", "m/s³", 50.0, 2.0, (Curve("of the vehicle", "vehicle", quality.jerk_m_per_s3),), 2),
+    Panel(
+        "Motor current", "A", 84.0, 10.0,
+        (
+            Curve("torque-making", "motor", _plain("wheel0.current_q_a")),
+            Curve("field", "field", _plain("wheel0.current_d_a")),
+        ),
+    ),
     Panel("Battery current", "A", 84.0, 10.0, (Curve("positive out of the battery", "battery", _plain("battery.current_a"), zero),)),
     Panel("Battery voltage", "V", 60.0, 2.0, (Curve("at the terminals", "battery", _plain("battery.voltage_v")),), 2),
-    Panel("Winding temperature", "°C", 60.0, 5.0, (Curve("of one motor", "losses", _plain("wheel0.winding_temperature_c")),)),
+    Panel(
+        "Temperature", "°C", 60.0, 5.0,
+        (
+            Curve("winding", "losses", _plain("wheel0.winding_temperature_c")),
+            Curve("inverter", "demand", _plain("wheel0.switch_temperature_c")),
+        ),
+    ),
 )  # fmt: skip

@@ -17,11 +17,15 @@ SIGNALS = (
     "driver.drive_nm",
     "driver.brake_nm",
     "vehicle.speed_m_per_s",
+    "vehicle.acceleration_m_per_s2",
     "battery.voltage_v",
     "battery.current_a",
     "wheel0.motor_torque_nm",
     "wheel0.hydraulic_torque_nm",
+    "wheel0.current_d_a",
+    "wheel0.current_q_a",
     "wheel0.winding_temperature_c",
+    "wheel0.switch_temperature_c",
     "wheel0.reason",
 )
 

@@ -118,6 +118,9 @@ def drive(strategy: str = "series_optimal", mass_kg: float = MASS_KG, cycle: str
         "battery.current_a": amperes,
         "wheel0.motor_torque_nm": motor,
         "wheel0.hydraulic_torque_nm": hydraulic,
+        "vehicle.acceleration_m_per_s2": acceleration,
+        "wheel0.current_q_a": current,
+        "wheel0.current_d_a": np.zeros(current.shape),
         "wheel0.winding_temperature_c": 25.0 + np.cumsum(copper) * STEP_S / 3000.0,
         "wheel0.reason": reason.astype(np.float64),
     }

@@ -1,0 +1,81 @@
+"""How well a vehicle brakes: how far motor and hydraulic brake together are from the demand, and how much it jerks."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from hubsim.report import reading, words
+from hubsim.report.markup import Markup, element
+from hubsim.report.reading import Array, RunLike
+
+STANDING_M_PER_S = 0.3  # a brake that holds a standing vehicle is not at work
+
+
+def torque_error_nm(run: RunLike) -> Array | None:
+    """Return the torque at one wheel beyond the demand, signed like the motor's, shape (samples,); NaN where the vehicle stands.
+
+    Positive: too much drive, or too little braking.
+    """
+    motor, hydraulic = reading.signal(run, "wheel0.motor_torque_nm"), reading.signal(run, "wheel0.hydraulic_torque_nm")
+    brake, speed = reading.signal(run, "driver.brake_nm"), reading.signal(run, "vehicle.speed_m_per_s")
+    drive = reading.signal(run, "driver.drive_nm")
+    if motor is None or hydraulic is None or brake is None or speed is None:
+        return None
+    wanted = np.where(brake > 0.0, -brake, drive if drive is not None else 0.0)
+    return np.where(np.abs(speed) > STANDING_M_PER_S, motor - hydraulic - wanted, np.nan)
+
+
+def jerk_m_per_s3(run: RunLike) -> Array | None:
+    """Return the change of acceleration in a second, shape (samples,), from means between samples."""
+    acceleration = reading.signal(run, "vehicle.acceleration_m_per_s2")
+    if acceleration is None:
+        return None
+    times = np.asarray(run.time_s, dtype=np.float64)
+    steps = np.diff(times)
+    found = np.full(times.shape, np.nan)
+    # The first sample has no time before it to be the mean of.
+    found[2:] = np.where(steps[1:] > 0.0, np.diff(acceleration[1:]) / np.where(steps[1:] > 0.0, steps[1:], 1.0), np.nan)
+    return found
+
+
+def while_braking(run: RunLike, values: Array | None) -> Array | None:
+    """Return those of the values at which the driver brakes and the vehicle moves; None without any."""
+    brake, speed = reading.signal(run, "driver.brake_nm"), reading.signal(run, "vehicle.speed_m_per_s")
+    if values is None or brake is None or speed is None:
+        return None
+    kept = values[(brake > 0.0) & (np.abs(speed) > STANDING_M_PER_S) & np.isfinite(values)]
+    return kept if kept.size else None
+
+
+def root_mean_square(values: Array | None) -> float:
+    """Return the root of the mean square, NaN of nothing."""
+    return math.nan if values is None else float(np.sqrt(np.mean(np.square(values))))
+
+
+def largest(values: Array | None) -> float:
+    """Return the largest magnitude, NaN of nothing."""
+    return math.nan if values is None else float(np.max(np.abs(values)))
+
+
+def draw(runs: Sequence[RunLike], caption: str) -> Markup:
+    """Make the table of braking quality; nothing where nothing is known of it."""
+    errors = [while_braking(run, torque_error_nm(run)) for run in runs]
+    jerks = [while_braking(run, jerk_m_per_s3(run)) for run in runs]
+    if all(values is None for values in (*errors, *jerks)):
+        return Markup("")
+    rows = (
+        ("Total torque error", "motor and hydraulic brake together less the demand, root mean square", "N·m", errors, root_mean_square),
+        ("Largest total torque error", "for a moment, where demand or hand-over change", "N·m", errors, largest),
+        ("Jerk", "change of deceleration in a second, root mean square", "m/s³", jerks, root_mean_square),
+        ("Largest jerk", "for a moment", "m/s³", jerks, largest),
+    )
+    body = []
+    for title, meaning, unit, found, figure in rows:
+        name = element("th", element("span", title, class_="name"), element("span", meaning, class_="meaning"), scope="row")
+        cells = [element("td", words.significant(value) if math.isfinite(value := figure(values)) else words.UNKNOWN) for values in found]
+        body.append(element("tr", name, element("td", unit, class_="unit"), *cells))
+    names = [element("th", reading.strategy(run).title, scope="col") for run in runs]
+    head = element("tr", element("th", "While the driver brakes", scope="col"), element("th", "Unit", scope="col"), *names)
+    table = element("table", element("caption", caption), element("thead", head), element("tbody", *body))
+    return element("div", table, class_="scroll", role="region", aria_label=caption, tabindex="0")

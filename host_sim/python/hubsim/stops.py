@@ -1,0 +1,110 @@
+"""Stops at constant demand (the paper's Fig. 14): what simulated controllers store, beside the ideal that bounds them.
+
+A stop of a vehicle whose wheels all do the same is that of one wheel with its share of mass and battery: currents,
+voltages and shares of energy are equal, at a fraction of the work.
+"""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from regen_table import braking, models, optimum
+from regen_table import stops as ideal
+from regen_table.schema import Drive
+
+from hubsim import images, run
+from hubsim.engine import Rows
+from hubsim.errors import HubsimError
+from hubsim.scenario import Scenario
+
+SPEED_KMH = 40.0
+TEMPERATURE_C = 25.0
+DEMANDS_NM = (5.0, 10.0, 20.0, 30.0, 40.0, 60.0, 80.0, 120.0)
+IDEAL_POINTS = 24
+MAP_POINTS = 120
+LONGEST_S = 1000.0
+
+# Of the whole vehicle, in proportion to the wheels, and against it.
+_SHARED = ("vehicle.mass_kg", "battery.polarisation_capacitance_f", "battery.capacity_ah", "battery.max_charge_current_a",
+           "battery.max_discharge_current_a", "vehicle.frontal_area_m2", "bus.capacitance_f")  # fmt: skip
+_AGAINST = ("battery.series_resistance_ohm", "battery.polarisation_resistance_ohm", "bus.cable_resistance_ohm")
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Share of the kinetic energy that is stored (1) over the demand at a wheel (N m), of one strategy."""
+
+    strategy: str
+    demand_nm: tuple[float, ...]
+    stored: tuple[float, ...]
+    ideal_demand_nm: tuple[float, ...]
+    ideal: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Map:
+    """The loss-optimal braking torque of a drive over wheel speed, arrays of shape (points,), magnitudes in N m.
+
+    ``zero_nm``: beyond it braking takes energy out of the battery. ``limit_nm``: torque and power limits.
+    """
+
+    temperature_c: float
+    wheel_radius_m: float
+    speed_rad_s: Rows
+    optimal_nm: Rows
+    zero_nm: Rows
+    limit_nm: Rows
+
+
+def optimum_map(drive: Drive, temperature_c: float = TEMPERATURE_C) -> Map:
+    """Compute the map up to the motor's largest speed."""
+    speed = np.linspace(0.0, drive.motor.max_speed_rpm * np.pi / 30.0, MAP_POINTS)
+    best = optimum.closed_form(models.machine(drive, temperature_c), models.bridge(drive), speed * drive.motor.pole_pairs)
+    optimal, zero = (np.where(best.possible, np.abs(torque), 0.0) for torque in (best.torque_optimal_nm, best.torque_zero_nm))
+    return Map(temperature_c, drive.vehicle.wheel_radius_m, speed, optimal, zero, braking.torque_limit_nm(drive, speed))
+
+
+def simulate(drives: Sequence[Drive], demands_nm: Sequence[float] = DEMANDS_NM, progress: Callable[[], None] | None = None) -> list[Curve]:
+    """Simulate stops from 40 km/h without drag, a strategy in each drive, all at the same time.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called after every stop.
+    """
+    with ThreadPoolExecutor() as pool:
+        stored = list(pool.map(lambda drive: _stored(drive, demands_nm, progress), drives))
+    curves = []
+    for drive, found in zip(drives, stored, strict=True):
+        strategy = drive.brake.strategy
+        grid = np.union1d(np.geomspace(min(demands_nm), max(demands_nm), IDEAL_POINTS), np.array(demands_nm))
+        over = [ideal.stop(drive, strategy, demand, SPEED_KMH, TEMPERATURE_C).stored_share_of_kinetic for demand in grid]
+        curves.append(Curve(strategy, tuple(demands_nm), tuple(found), tuple(grid.tolist()), tuple(over)))
+    return curves
+
+
+def _stored(drive: Drive, demands_nm: Sequence[float], progress: Callable[[], None] | None) -> list[float]:
+    """Return the stored share of the kinetic energy for every demand."""
+    wheels = drive.vehicle.driven_wheels
+    standing = Scenario(initial_speed_kmh=SPEED_KMH, drag=False, stop_at_standstill=True, winding_temperature_c=TEMPERATURE_C)
+    engine, _ = run.prepare(drive, standing, Path(), {})
+    with engine:
+        for names, factor in ((_SHARED, 1.0 / wheels), (_AGAINST, float(wheels))):
+            for name in names:
+                engine.set(name, factor * engine.get(name))
+        engine.set("vehicle.driven_wheels", 1.0)
+        engine.load_config(images.changed(images.build(drive), {("battery", "driven_wheels"): 1}))
+        engine.start()
+        begun, found = engine.save(), []
+        for demand in demands_nm:
+            engine.restore(begun)
+            engine.set("driver.brake_demand_nm", demand)
+            engine.run(LONGEST_S)
+            if not engine.ended:
+                raise HubsimError(f"{drive.name}: a stop at {demand:g} N m takes more than {LONGEST_S:g} s")
+            found.append(-engine.value("energy.chemical_j") / -engine.value("energy.kinetic_j"))
+            if progress is not None:
+                progress()
+    return found

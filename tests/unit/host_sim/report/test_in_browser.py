@@ -1,0 +1,94 @@
+"""The page in a headless browser, at the widths of a desk and of a telephone, and on paper.
+
+A browser is several hundred megabytes, so nothing installs it for this: where there is none the test is skipped and shown as
+such; what can be said without one, test_whole_page.py says everywhere.
+"""
+
+import html
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hubsim.report import Extras, page
+
+from tests.unit.host_sim.report.ideal_extras import best_map, curves
+from tests.unit.host_sim.report.ideal_vehicle import three
+
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+QUIET = (
+    "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync", "--disable-quic", "--hide-scrollbars",
+)  # fmt: skip
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium here")
+
+# What sticks out: of the page, of its picture. Tables may be wider than a telephone: they scroll in a box of their own.
+MEASURE = """
+addEventListener("load", () => {
+  const wide = document.documentElement.clientWidth;
+  const out = [];
+  for (const svg of document.querySelectorAll("svg")) {
+    const box = svg.getBoundingClientRect();
+    if (box.left < -0.5 || box.right > wide + 0.5) out.push("picture");
+    for (const text of svg.querySelectorAll("text")) {
+      const own = text.getBoundingClientRect();
+      if (own.left < box.left - 8 || own.right > box.right + 8) out.push(text.textContent);
+    }
+  }
+  parent.postMessage(JSON.stringify({ scroll: document.documentElement.scrollWidth, wide, out }), "*");
+});
+"""
+# A window cannot be as narrow as a telephone; a frame in it can.
+FRAME = """<!DOCTYPE html><title></title><script>addEventListener("message", (event) => { document.title = event.data; });</script>
+<iframe src="index.html" style="width: %dpx; height: 2000px; border: 0"></iframe>
+"""
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Path:
+    text = page.document(three(), Extras({"lu2013": best_map()}, curves()))
+    path = tmp_path / "index.html"
+    path.write_text(text.replace("</body>", f"<script>{MEASURE}</script></body>"), encoding="utf-8")
+    return path
+
+
+def browse(path: Path, *arguments: str) -> str:
+    profile = path.parent / "profile"
+    command = [str(BROWSER), *QUIET, f"--user-data-dir={profile}", *arguments, path.as_uri()]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_nothing_sticks_out_of_the_page_or_of_a_picture(written: Path, width: int) -> None:
+    frame = written.with_name("frame.html")
+    frame.write_text(FRAME % width, encoding="utf-8")
+    seen = browse(frame, "--window-size=1400,2100", "--virtual-time-budget=5000", "--dump-dom")
+    title = re.search(r"<title>(\{.*?\})</title>", seen)
+    assert title is not None, "the page did not load"
+    measured: dict[str, Any] = json.loads(html.unescape(title[1]))
+    assert measured["wide"] == width
+    assert measured["scroll"] <= width
+    assert measured["out"] == []
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_a_screenshot_shows_the_colours_of_what_it_is_about(written: Path, width: int) -> None:
+    from PIL import Image  # noqa: PLC0415, comes with the plotting package
+
+    shot = written.with_name("shot.png")
+    browse(written, f"--window-size={width},2400", f"--screenshot={shot}")
+    with Image.open(shot) as picture:
+        assert picture.size == (width, 2400)
+        seen = {colour for _, colour in picture.convert("RGB").getcolors(1 << 24) or []}
+    assert {(0, 135, 95), (213, 94, 0)} <= seen, "battery green and hydraulic orange"
+
+
+def test_on_paper_every_part_fits_its_sheet(written: Path) -> None:
+    """Five sheets: what does not fit is cut in two or printed over the next part, and makes more of them."""
+    sheets = written.with_name("sheets.pdf")
+    browse(written, "--no-pdf-header-footer", f"--print-to-pdf={sheets}")
+    found = re.findall(rb"/Type\s*/Page\b(?!s)", sheets.read_bytes())
+    assert 4 <= len(found) <= 5
