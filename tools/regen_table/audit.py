@@ -24,11 +24,13 @@ Whole = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class GridLoss:
-    """Relative energy lost to the grid in one manoeuvre at its worst temperature."""
+    """Energy lost to the grid in one manoeuvre at its worst temperature; J at the bus, all motors together."""
 
     manoeuvre: str
     winding_temperature_c: float
     relative: float
+    returned_j: float
+    lost_j: float
 
 
 def read(table: RegenMap, speed_mrad_s: ArrayLike, temperature_cc: ArrayLike) -> Whole:
@@ -77,10 +79,11 @@ def grid_losses(drive: Drive, table: RegenMap, made: Production = ZERO_D_CURRENT
     top = drive.motor.max_speed_rpm * np.pi / 30.0
     speed = (np.arange(_SPEEDS) + 0.5) * top / _SPEEDS
     hardest = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
-    # A stop at constant demand spends equal times at equal steps of speed.
+    # A stop at constant demand spends equal times at equal steps of speed: m r^2 step / (motors torque).
+    inertia_step = drive.vehicle.mass_kg * drive.vehicle.wheel_radius_m**2 * top / _SPEEDS / drive.vehicle.driven_wheels
     manoeuvres = {
-        "hard stop": (speed, np.ones(_SPEEDS), np.full(_SPEEDS, hardest)),
-        "stop at rated torque": (speed, np.ones(_SPEEDS), np.full(_SPEEDS, drive.motor.rated_torque_nm)),
+        name: (speed, np.full(_SPEEDS, inertia_step / torque), np.full(_SPEEDS, torque))
+        for name, torque in (("hard stop", hardest), ("stop at rated torque", drive.motor.rated_torque_nm))
     }
     for cycle in cycles.shipped(drive):
         asked = cycles.demand(drive, cycle)
@@ -107,7 +110,8 @@ def _loss(
     lost = np.sum((power[1] - power[0]) * seconds, axis=1)
     relative = np.divide(lost, returned, out=np.zeros_like(lost), where=returned > 0.0)
     worst = int(np.argmax(relative))
-    return GridLoss(name, float(temperatures[worst]), float(relative[worst]))
+    wheels = drive.vehicle.driven_wheels
+    return GridLoss(name, float(temperatures[worst]), float(relative[worst]), wheels * float(returned[worst]), wheels * float(lost[worst]))
 
 
 def worst_power_loss(drive: Drive, table: RegenMap, made: Production = ZERO_D_CURRENT) -> float:

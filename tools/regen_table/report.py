@@ -70,7 +70,8 @@ def as_text(report: Report) -> str:
         f"{report.name}: number formats: {len(report.formats)} quantities proved, fullest {tightest.quantity} at {_filled(tightest):.0%}",
     ]
     lines += [
-        f"{report.name}: grid: {loss.manoeuvre}: {loss.relative:.4%} of the energy lost at worst ({loss.winding_temperature_c:.0f} degC)"
+        f"{report.name}: grid: {loss.manoeuvre}: {loss.lost_j:.3g} J of {loss.returned_j:.4g} J lost, {loss.relative:.4%}, at worst "
+        f"({loss.winding_temperature_c:.0f} degC)"
         for loss in report.grid_losses
     ]
     lines.append(

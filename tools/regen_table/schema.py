@@ -121,6 +121,8 @@ def _read(path: Path) -> str:
             raw = file.read(MAX_FILE_BYTES + 1)
     except FileNotFoundError:
         raise ConfigurationError(f"{path}: file not found") from None
+    except ConfigurationError:
+        raise
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise ConfigurationError(f"{path}: cannot be read: {reason}") from error

@@ -1,6 +1,7 @@
 """The commands answer in the agreed keys, and everything wrong in one line with a non-zero exit."""
 
 import json
+import re
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -115,6 +116,49 @@ def test_what_is_wrong_is_said_in_one_line(capsys: pytest.CaptureFixture[str], a
     assert code != 0
     assert len(lines) == 1
     assert expected in lines[0]
+
+
+IMPOSSIBLE = {
+    "no regeneration": ("turn_on_loss_j_per_a", "0.01", "motor.max_speed_rpm: no regeneration at any speed up to 640 r/min"),
+    "EMF above the bus": (
+        "field_weakening_current_a",
+        "0.0",
+        "motor.max_speed_rpm: the back-EMF at 900 r/min is 76.59 V between lines, accepted",
+    ),
+    "zero inductance": ("d_inductance_h", "0.0", "motor.d_inductance_h: 0.0 is not accepted, accepted: a number from 1e-07 to 1 H"),
+    "negative resistance": (
+        "phase_resistance_ohm",
+        "-0.031",
+        "motor.phase_resistance_ohm: -0.031 is not accepted, accepted: a number from 1e-05 to 100 ohm",
+    ),
+    "torque beyond the current": ("max_phase_current_a", "42.0", "motor.rated_torque_nm: 30 N m, accepted: at most 29.56 N m"),
+    "not a number": ("flux_linkage_wb", "nan", "motor.flux_linkage_wb: nan is not accepted, accepted: a number from 1e-06 to 2 Wb"),
+}
+
+
+@pytest.mark.parametrize("command", ["generate", "check", "solve", "stop"])
+@pytest.mark.parametrize("what", IMPOSSIBLE)
+def test_an_impossible_drive_is_one_line_and_writes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, what: str
+) -> None:
+    key, value, expected = IMPOSSIBLE[what]
+    text = re.sub(rf"(?m)^{key} = \S+", f"{key} = {value}", PAPER.read_text(encoding="utf-8"))
+    if what == "EMF above the bus":
+        text = text.replace("max_speed_rpm = 640.0", "max_speed_rpm = 900.0")
+    path, out = tmp_path / "impossible.toml", tmp_path / "out"
+    path.write_text(text, encoding="utf-8")
+    arguments = {
+        "generate": ["-o", str(out), "--report", str(out / "report.json")],
+        "check": [],
+        "solve": ["--speed-rpm", "100", "--json"],
+        "stop": ["--initial-speed-kmh", "40", "--demand-nm", "20", "--json"],
+    }
+    assert cli.main([command, str(path), *arguments[command]]) == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    (line,) = captured.err.splitlines()
+    assert line.startswith(f"{path}: {expected}")
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_the_module_runs_as_a_command_and_explains_itself() -> None:

@@ -110,11 +110,14 @@ def test_a_drive_that_never_returns_energy_is_refused(change: Change) -> None:
     [
         (b'[motor]\nname = "cut', "not valid TOML: "),
         (b"[motor]\nname = '\xff\xfe'", "not UTF-8 text (byte 16)"),
+        (bytes(range(256)) * 64, "not UTF-8 text (byte 128)"),
+        (PAPER.read_bytes().partition(b"_torque_nm = ")[0], "not valid TOML: "),
+        (PAPER.read_bytes().partition(b"[battery]")[0], "battery: this section is missing"),
         (b"#" * (1 << 20) + b"\n", "larger than 1048576 bytes"),
         (b"", "motor: this section is missing"),
         (b"x = " + b"[" * 5000, "not valid TOML: "),
     ],
-    ids=["ends early", "not text", "too large", "empty", "nested"],
+    ids=["ends early", "not text", "binary", "cut in a line", "cut between sections", "too large", "empty", "nested"],
 )
 def test_a_file_that_is_no_configuration_is_refused_in_one_line(tmp_path: Path, content: bytes, expected: str) -> None:
     path = tmp_path / "broken.toml"
@@ -136,8 +139,9 @@ def test_a_huge_file_is_refused_without_being_read(tmp_path: Path) -> None:
 def test_a_missing_file_and_a_directory_are_named(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match=r"nowhere\.toml: file not found"):
         schema.load(tmp_path / "nowhere.toml")
-    with pytest.raises(ConfigurationError, match="is a directory"):
+    with pytest.raises(ConfigurationError) as caught:
         schema.load(tmp_path)
+    assert str(caught.value) == f"{tmp_path}: is a directory, a TOML file is needed"
 
 
 def test_a_name_that_is_no_c_identifier_is_refused(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import math
+import re
 import shutil
 import subprocess
 from collections.abc import Callable
@@ -15,6 +16,7 @@ import pytest
 from regen_table import (
     audit,
     braking,
+    cli,
     current_audit,
     current_map,
     envelope,
@@ -224,3 +226,54 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(tmp_path: P
     # And the proof gives nothing away: at the corners of the envelope its ends are reached, but for the reserve of speed.
     for name, value in largest.items():
         assert value >= 0.9 * proved[f"current_loop.{name}"].high, name
+
+
+# What each format holds is left by one change of the paper's vehicle, each beyond what a sensible drive has.
+FAST = {"motor.max_speed_rpm": 3200.0, "motor.flux_linkage_wb": 0.0035, "motor.rated_torque_nm": 5.0, "motor.max_torque_nm": 8.0}
+HEAVY_D = {"motor.type": "ipmsm", "motor.d_inductance_h": 3e-3}
+HEAVY_Q = {"motor.type": "ipmsm", "motor.q_inductance_h": 3e-3}
+BREAKS: dict[str, dict[str, Any]] = {
+    "svpwm.lowest_counts": {"inverter.min_pulse_s": 1e-5},
+    "svpwm.modulation_limit": {"inverter.dead_time_s": 1e-5},
+    "rotor.speed_pu": FAST,
+    "current_loop.w_psi": {"battery.min_voltage_v": 8.0},
+    "current_loop.integral": {"control.current_bandwidth_hz": 10.0},
+    "current_loop.proportional_d": HEAVY_D,
+    "current_loop.proportional_q": HEAVY_Q,
+    "current_loop.w_l_d": HEAVY_D,
+    "current_loop.w_l_q": HEAVY_Q,
+    "current_loop.pi_output_d": HEAVY_D,
+    "current_loop.pi_output_q": HEAVY_Q,
+    "current_loop.anti_windup_d": {"motor.phase_resistance_ohm": 5.0},
+    "current_loop.anti_windup_q": {"motor.phase_resistance_ohm": 5.0},
+    "dead_time.zone": {"control.dead_time_zone_a": 0.1},
+}
+
+
+def test_every_format_has_a_drive_that_leaves_it(paper: schema.Drive) -> None:
+    assert {proof.quantity for proof in envelope.proofs(paper)} == set(BREAKS)
+
+
+@pytest.mark.parametrize("quantity", BREAKS)
+def test_a_quantity_that_leaves_its_format_is_refused_by_its_name(change: Change, quantity: str) -> None:
+    proofs = {proof.quantity: proof for proof in envelope.proofs(change(BREAKS[quantity]))}
+    assert not proofs[quantity].holds
+    with pytest.raises(ConfigurationError, match=rf"^{quantity}: .* inside the operating envelope, accepted: .* \(.+\)$"):
+        envelope.refuse_overflow([proofs[quantity]])
+    with pytest.raises(ConfigurationError, match="inside the operating envelope, accepted: "):
+        image.build(change(BREAKS[quantity]))
+
+
+def test_a_grid_too_coarse_is_refused_before_anything_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    # T_opt of a motor whose copper dominates goes with 1 / R: over 150 K, R grows by 0.7, and a straight line between the
+    # ends is up to 7 % off the hyperbola, (sqrt(1.7) - 1)^2 / (2 sqrt(1.7)) of its value: the square of it is lost.
+    coarse = tmp_path / "coarse.toml"
+    text = (ROOT / "tools" / "motors" / "ebike36v.toml").read_text(encoding="utf-8")
+    coarse.write_text(re.sub(r"(?m)^temperature_points = \d+", "temperature_points = 2", text), encoding="utf-8")
+    with pytest.raises(ConfigurationError, match=r"^table\.speed_points, table\.temperature_points: the grid loses 0\.\d+% of the energy"):
+        report.collect(schema.load(coarse))
+    assert cli.main(["generate", str(coarse), "-o", str(tmp_path / "out")]) == 1
+    errors = [line for line in capsys.readouterr().err.splitlines() if "warning" not in line]
+    assert len(errors) == 1
+    assert errors[0].startswith(f"{coarse}: table.speed_points, table.temperature_points: the grid loses")
+    assert not (tmp_path / "out").exists()
