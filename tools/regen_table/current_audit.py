@@ -3,10 +3,11 @@
 A grid is judged by what it loses to interpolation: energy, over manoeuvres and cycles hot and cold, and power, at every
 speed and temperature at which the drive brakes. The measure is a map without a grid, the exact i_d of the mean
 temperature, because a finer grid cannot do better than that; what leaving the temperature out costs is told apart. Both
-are the same for all grids, so they are computed once.
+are the same for all grids, so they are computed once a drive, like the choice itself, which image and report both ask for.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -61,6 +62,7 @@ class _Reference:
     without_w: Array
 
 
+@lru_cache(maxsize=8)
 def choose(drive: Drive) -> CurrentMap:
     """Return the smallest grid that interpolation makes lose at most 0.005 % of any manoeuvre and 0.05 % of braking power anywhere.
 
@@ -95,6 +97,7 @@ def worst_power_loss(drive: Drive, table: CurrentMap) -> float:
     return _worst_share(drive, table, _braking_reference(drive))
 
 
+@lru_cache(maxsize=8)
 def _references(drive: Drive) -> list[_Reference]:
     """Collect the manoeuvres at both ends of the temperature range."""
     top = drive.motor.max_speed_rpm * np.pi / 30.0
@@ -140,6 +143,7 @@ def _losses(drive: Drive, table: CurrentMap, references: list[_Reference]) -> li
     return list(worst.values())
 
 
+@lru_cache(maxsize=8)
 def _braking_reference(drive: Drive) -> _Reference:
     """Find the best braking inside torque and power limits from where the motor begins to brake up to the top speed."""
     lowest, highest = drive.table.temperature_range_c
