@@ -158,3 +158,36 @@ void test_whether_wheels_slip_is_decided_before_the_run_and_needs_tyres(void)
     params.road.friction = 0.0;
     TEST_ASSERT_NULL(motion_objection(&params));
 }
+
+void test_with_every_effect_on_a_ten_thousandth_at_most_is_unaccounted_for(void)
+{
+    params.road.friction = 0.9;
+    params.wheel[0].road_friction = 0.3;
+    params.road.slope = -0.03;
+    params.road.wind_m_per_s = 5.0;
+    params.road.air_density_kg_per_m3 = 1.2;
+    params.vehicle.rolling_resistance = 0.014;
+    params.bus.capacitance_f = 4e-3;
+    params.bus.cable_resistance_ohm = 0.002;
+    params.bms.period_s = 0.1;
+    params.thermal.active = 1.0;
+    params.inverter.switch_resistance_temperature_coefficient_per_k = 0.005;
+    params.brake.knee_torque_nm = 10.0;
+    params.brake.knee_rate_nm_per_s = 200.0;
+    params.motor.friction_torque_nm = 0.3;
+    params.motor.viscous_friction_nm_s = 0.005;
+    params.sensors.current_drift_a_per_s = 0.2;
+    params.driver.brake_demand_nm = 80.0;
+    for (int k = 0; k < 2; k++) {
+        params.inverter.switching = k;
+        bench_t *bench = fixture_start(&params, &config);
+        fixture_run(bench, 0.5);
+        bench->params.bus.contactor_open = 1.0; /* and the bridge goes off on its diodes */
+        bench_refresh(bench);
+        fixture_run(bench, 0.2);
+        const ledger_t ledger = bench_ledger(bench);
+        TEST_ASSERT_TRUE(ledger.turned_over_j > 5000.0);
+        TEST_ASSERT_TRUE(ledger.tyre_j > 50.0 && ledger.cable_j > 5.0 && ledger.bearing_j > 5.0);
+        TEST_ASSERT_TRUE(residual(bench) < 1e-4);
+    }
+}
