@@ -179,7 +179,7 @@ void app_millisecond_isr(void)
     view->output = controller_slow_step(&app.controller.slow, config, from_fast, &in, to_fast);
     view->winding_temperature_cC = in.winding_temperature_cC;
     view->switch_temperature_cC = in.switch_temperature_cC;
-    view->counts.fast_steps = from_fast->fast_step_count;
+    view->counts.fast_steps = (uint16_t)from_fast->foc.step_count;
     view->counts.slow_steps = to_fast->slow_step_count;
     view->counts.verdicts = app.controller.slow.monitor.last_fast_step;
     if (to_fast->monitor.clear_trip) {

@@ -15,7 +15,6 @@ void controller_init(controller_t *controller, const config_t *config)
 {
     foc_init(&controller->fast.foc, config);
     monitor_fast_init(&controller->fast.monitor, config);
-    controller->fast.step_count = 0;
     foc_summary_init(&controller->slow.summary, nominal_v_dc_pu(config));
     controller->slow.modulation_limit_q15 = controller->fast.foc.current.svpwm.modulation_limit_q15;
     torque_init(&controller->slow.torque);
@@ -56,27 +55,32 @@ fast_to_slow_t controller_initial_fast_to_slow(const config_t *config)
     return out;
 }
 
+static uint16_t whole_counts(int32_t on_q16)
+{
+    return (uint16_t)((uint32_t)on_q16 >> 16);
+}
+
 fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config, const slow_to_fast_t *from_slow,
                                    const fast_input_t *in, fast_to_slow_t *to_slow)
 {
-    const bool run = from_slow->permission.bridge == BRIDGE_PWM && fast->monitor.trip == REASON_NONE;
-    foc_step(&fast->foc, config, &from_slow->foc, run, in, &to_slow->foc);
+    const bool permitted = from_slow->permission.bridge == BRIDGE_PWM;
+    const bool tripped = fast->monitor.trip != REASON_NONE;
+    foc_step(&fast->foc, config, &from_slow->foc, permitted, tripped, in, &to_slow->foc);
 
     const monitor_fast_input_t watched = {
         .i_pu = to_slow->foc.current.i_pu,
         .v_dc_pu = to_slow->foc.v_dc_pu,
         .power_stage_fault = in->power_stage_fault,
-        .switching = run,
+        .switching = permitted,
         .slow_step_count = from_slow->slow_step_count,
     };
-    to_slow->monitor = monitor_fast_step(&fast->monitor, &from_slow->monitor, &watched);
-    fast->step_count++;
-    to_slow->fast_step_count = fast->step_count;
+    const reason_t trip = monitor_fast_step(&fast->monitor, &from_slow->monitor, &watched);
+    to_slow->monitor.trip = trip;
 
     const int32_t *on_q16 = fast->foc.current.on_q16;
     const fast_output_t out = {
-        .compare_counts = {(uint16_t)(on_q16[0] >> 16), (uint16_t)(on_q16[1] >> 16), (uint16_t)(on_q16[2] >> 16)},
-        .bridge = to_slow->monitor.trip != REASON_NONE ? from_slow->monitor.safe_bridge : from_slow->permission.bridge,
+        .compare_counts = {whole_counts(on_q16[0]), whole_counts(on_q16[1]), whole_counts(on_q16[2])},
+        .bridge = trip != REASON_NONE ? from_slow->monitor.safe_bridge : from_slow->permission.bridge,
     };
     return out;
 }
@@ -103,9 +107,9 @@ static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow, co
         .current_sum_pu = from_fast->foc.current.current_sum_pu,
         .offsets_known = from_fast->foc.offsets_done,
         .current_saturated = slow->summary.latest.current_saturated,
-        .rotor_valid = from_fast->foc.rotor_valid,
-        .rotor_faults = from_fast->foc.rotor_faults,
-        .fast_step_count = from_fast->fast_step_count,
+        .rotor_valid = from_fast->foc.current.rotor.valid,
+        .rotor_faults = from_fast->foc.current.rotor.faults,
+        .fast_step_count = (uint16_t)from_fast->foc.step_count,
         .bus_voltage_mV = bus_mV,
         .speed_mrad_s = speed_mrad_s,
         .winding_temperature_cC = in->winding_temperature_cC,
@@ -131,7 +135,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         .selftest_passed = in->selftest_passed,
         .offsets_done = from_fast->foc.offsets_done,
         .offsets_plausible = verdict->offsets_plausible,
-        .rotor_valid = from_fast->foc.rotor_valid,
+        .rotor_valid = from_fast->foc.current.rotor.valid,
         .rolling = q_abs(speed_mrad_s) > config->brake.handover_end_mrad_s,
         .enable = in->enable,
         .drive_demanded = in->drive_torque_mNm != 0,
@@ -169,7 +173,7 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
                 .winding_temperature_cC = in->winding_temperature_cC,
                 .switch_temperature_cC = in->switch_temperature_cC,
                 .i_d_weakening_mA = bases_current_mA(config, from_fast->foc.i_d_weakening_pu),
-                .rotor_valid = from_fast->foc.rotor_valid,
+                .rotor_valid = from_fast->foc.current.rotor.valid,
             },
         .permission = *permission,
     };
@@ -179,8 +183,9 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
 slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config, const fast_to_slow_t *from_fast,
                                    const slow_input_t *in, slow_to_fast_t *to_fast)
 {
-    const int32_t speed_mrad_s = bases_speed_mrad_s(config, from_fast->foc.speed_q32);
-    const foc_summary_t summary = foc_summary_step(&slow->summary, &from_fast->foc, from_fast->fast_step_count);
+    const int32_t speed_mrad_s = bases_speed_mrad_s(config, from_fast->foc.current.rotor.speed_q32);
+    const foc_summary_t summary =
+        foc_summary_step(&slow->summary, &from_fast->foc, (uint16_t)from_fast->foc.step_count);
     const int32_t bus_mV = bases_bus_voltage_mV(config, summary.v_dc_pu);
 
     const monitor_slow_input_t watched = watched_by_monitor(slow, config, from_fast, in, speed_mrad_s, bus_mV);
@@ -195,7 +200,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     to_fast->foc.i_reference_pu.d = bases_current_pu_q15(config, torque.current.i_d_mA);
     to_fast->foc.i_reference_pu.q = bases_current_pu_q15(config, torque.current.i_q_mA);
     to_fast->foc.tuning = current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu,
-                                              from_fast->foc.speed_q32, in->winding_temperature_cC);
+                                              from_fast->foc.current.rotor.speed_q32, in->winding_temperature_cC);
     to_fast->foc.calibrate_offsets = modes.calibrate_offsets;
     to_fast->monitor.safe_bridge = verdict.safe_bridge;
     to_fast->monitor.clear_trip = modes.clear_trip;

@@ -20,7 +20,7 @@ static int32_t mean(uint32_t now, uint32_t before, int32_t steps)
 /* The period's phase currents, worked back from its dq vector. */
 static abc_t phases(const foc_report_t *report)
 {
-    const ab_t i = transforms_inverse_park(report->current.i_pu, angle_sincos(report->current.theta_turn));
+    const ab_t i = transforms_inverse_park(report->current.i_pu, angle_sincos(report->current.rotor.theta_turn));
     const int32_t beta_part = (i.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
     const int32_t half_alpha = i.alpha >> 1;
     const abc_t out = {.a = i.alpha, .b = beta_part - half_alpha, .c = -beta_part - half_alpha};

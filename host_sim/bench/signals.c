@@ -56,7 +56,7 @@ typedef enum { VALUE, RATE } kind_t;
     X("hydraulic_command_nm", VALUE, "N.m", "controller: command to the hydraulic brake, magnitude", 1e-3 * w->slow.hydraulic_torque_mNm) \
     X("available_nm", VALUE, "N.m", "controller: braking torque the motor could add", 1e-3 * w->slow.electric_brake_available_mNm) \
     X("speed_estimate_rad_per_s", VALUE, "rad/s", "controller: mechanical speed", 1e-3 * w->slow.speed_mrad_s) \
-    X("theta_estimate_turn", VALUE, "turn", "controller: electrical angle", (double)w->to_slow.foc.current.theta_turn / 65536.0) \
+    X("theta_estimate_turn", VALUE, "turn", "controller: electrical angle", (double)w->to_slow.foc.current.rotor.theta_turn / 65536.0) \
     X("current_d_estimate_a", VALUE, "A", "controller: direct-axis current, low-passed", 1e-3 * w->slow.i_d_mA) \
     X("current_q_estimate_a", VALUE, "A", "controller: quadrature-axis current, low-passed", 1e-3 * w->slow.i_q_mA) \
     X("voltage_estimate_v", VALUE, "V", "controller: bus voltage", 1e-3 * w->slow.bus_voltage_mV) \

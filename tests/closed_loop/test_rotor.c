@@ -85,7 +85,7 @@ typedef struct {
 
 static bool noticed(const bench_t *bench)
 {
-    return bench->wheel[0].to_slow.foc.rotor_faults != 0 || !bench->wheel[0].to_slow.foc.rotor_valid;
+    return bench->wheel[0].to_slow.foc.current.rotor.faults != 0 || !bench->wheel[0].to_slow.foc.current.rotor.valid;
 }
 
 static void watch_millisecond(bench_t *bench, double demand_nm, dying_t *out)
@@ -219,10 +219,10 @@ void test_an_encoder_that_loses_counts_lets_the_torque_go(void)
     bench_t *bench = with_encoder(300.0, 77.0, 77.0, false);
     bench->params.driver.drive_demand_nm = 20.0;
     fixture_run(bench, 0.5);
-    TEST_ASSERT_EQUAL_UINT16(0, bench->wheel[0].to_slow.foc.rotor_faults);
+    TEST_ASSERT_EQUAL_UINT16(0, bench->wheel[0].to_slow.foc.current.rotor.faults);
     bench->params.encoder.lost_counts = 15.0;
     fixture_run(bench, 0.45); /* two turns of 0.2 s at the least */
-    TEST_ASSERT_TRUE(bench->wheel[0].to_slow.foc.rotor_faults > 0);
+    TEST_ASSERT_TRUE(bench->wheel[0].to_slow.foc.current.rotor.faults > 0);
     fixture_run(bench, 0.5);
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_LOST, bench->wheel[0].first_fault);
 }

@@ -130,9 +130,10 @@ void prove_current_loop(void)
 void prove_field_weakening(void)
 {
     const int32_t most = any_within(0, 32767);
-    field_weakening_t state = {.current_q30 = nondet_int32()};
-    ASSUME(state.current_q30 <= 0 && state.current_q30 >= -most * 32768);
-    field_weakening_step(&state, nondet_int32(), nondet_int32(), any_within(0, 32767), most);
+    field_weakening_t state = {.current_q28 = nondet_int32()};
+    ASSUME(state.current_q28 <= 0 && state.current_q28 >= -most * 8192);
+    const int32_t margin_q15 = field_weakening_margin_q15(any_within(-32768, 32768), nondet_int32());
+    field_weakening_step(&state, margin_q15, any_within(0, 32767), most);
     PROMISE(field_weakening_current_pu(&state) <= 0);
     PROMISE(field_weakening_current_pu(&state) >= -most);
     PROOF_END();

@@ -108,7 +108,8 @@ void prove_tracking(void)
     state.tracking.speed_q32 = nondet_int32();
     state.tracking.started = nondet_bool();
     const encoder_input_t no_encoder = {.index = false};
-    const rotor_out_t out = rotor_step(&state, &config, nondet_uint16(), nondet_uint8(), &no_encoder);
+    rotor_out_t out;
+    rotor_step(&state, &config, nondet_uint16(), nondet_uint8(), &no_encoder, &out);
     PROMISE(out.valid && out.age_periods == 0);
     PROOF_END();
 }

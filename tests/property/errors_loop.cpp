@@ -144,7 +144,7 @@ Measured dead_time(int64_t count)
     return {"dead_time_shares", largest.value, bound, "counts"};
 }
 
-// One product of two rounded squares.
+// Four periods of one product of a squared voltage that was rounded once.
 Measured field_weakening(int64_t count)
 {
     Random random(13);
@@ -152,12 +152,13 @@ Measured field_weakening(int64_t count)
     for (int64_t n = 0; n < count; n++) {
         const int32_t gain = random.any(0, HIGHEST);
         const pair_t wanted = inside_circle(random);
-        const int32_t before = -random.any(0, 1 << 29);
+        const int32_t before_q28 = -random.any(0, 1 << 27);
         const double margin = 30760.0 - vector(wanted).squaredNorm() / ONE;
-        const double exact = std::clamp(before + gain * std::clamp(margin, -32768.0, 32767.0), -32767.0 * ONE, 0.0);
-        largest.see((kernel_field_weakening(before, wanted, gain, HIGHEST) - exact) / ONE);
+        const double exact =
+            std::clamp(4.0 * before_q28 + 4.0 * gain * std::clamp(margin, -32768.0, 32767.0), -32767.0 * ONE, 0.0);
+        largest.see((4.0 * kernel_field_weakening(before_q28, wanted, gain, HIGHEST) - exact) / ONE);
     }
-    return {"field_weakening_step", largest.value, 2.0, "LSB"};
+    return {"field_weakening_step", largest.value, 4.0, "LSB"};
 }
 
 // From codes and angle to line voltages with the tuning of the paper's vehicle between 45 and 58 V up to 640 r/min, where the

@@ -259,11 +259,11 @@ triple_t kernel_dead_time(kernel_dead_time_t dead_time, pair_t i)
     return triple_of(dead_time_shares(&state, ab_of(i)));
 }
 
-int32_t kernel_field_weakening(int32_t current_q30, pair_t wanted, int32_t gain_q15, int32_t most_q15)
+int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_q15, int32_t most_q15)
 {
-    field_weakening_t state = {.current_q30 = current_q30};
-    field_weakening_step(&state, wanted.x, wanted.y, gain_q15, most_q15);
-    return state.current_q30;
+    field_weakening_t state = {.current_q28 = current_q28};
+    field_weakening_step(&state, field_weakening_margin_q15(q_saturate16(wanted.x), wanted.y), gain_q15, most_q15);
+    return state.current_q28;
 }
 
 kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning, const uint16_t codes[3],
@@ -277,7 +277,7 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
         .on_q16 = {loop->on_q16[0], loop->on_q16[1], loop->on_q16[2]},
     };
     const current_loop_tuning_t loop_tuning = tuning_of(tuning);
-    foc_period_t period = {.i_reference_pu = dq_of(reference), .theta_turn = theta_turn};
+    foc_period_t period = {.i_reference_pu = dq_of(reference), .rotor = {.theta_turn = theta_turn}};
     foc_current_step(&state, &loop_tuning, codes, &period);
     for (int x = 0; x < 3; x++) {
         loop->on_q16[x] = state.on_q16[x];

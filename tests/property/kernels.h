@@ -78,7 +78,7 @@ typedef struct {
 kernel_dead_time_t kernel_dead_time_init(const config_t *config);
 triple_t kernel_dead_time(kernel_dead_time_t dead_time, pair_t i);
 
-int32_t kernel_field_weakening(int32_t current_q30, pair_t wanted, int32_t gain_q15, int32_t most_q15);
+int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_q15, int32_t most_q15);
 
 /* The current loop proper, from codes to on-times, with everything it keeps given and taken. */
 typedef struct {

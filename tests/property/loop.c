@@ -58,14 +58,14 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .rotor_angle_turn = in->rotor_angle_turn,
         .hall_state = in->hall_state,
     };
-    foc_step(&loop->foc, &loop->config, &loop->command, run, &sampled, &loop->report);
+    foc_step(&loop->foc, &loop->config, &loop->command, run, false, &sampled, &loop->report);
     loop->steps++;
     if (--loop->periods_to_slow_step <= 0) {
         loop->periods_to_slow_step = loop->config.drive.pwm_frequency_Hz / 1000;
         const foc_summary_t summary = foc_summary_step(&loop->summary, &loop->report, loop->steps);
         loop->command.tuning =
             current_loop_tuning(&loop->config, loop->foc.current.svpwm.modulation_limit_q15, summary.v_dc_pu,
-                                loop->report.speed_q32, loop->winding_temperature_cC);
+                                loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
     }
     const foc_report_t *report = &loop->report;
     const current_loop_out_t *voltage = &report->current.voltage;
@@ -81,10 +81,10 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .weakening_pu = field_weakening_current_pu(&loop->foc.weakening),
         .power_pu = loop->summary.latest.power_pu,
         .modulation_limit_q15 = loop->foc.current.svpwm.modulation_limit_q15,
-        .speed_q32 = report->speed_q32,
-        .theta_turn = report->current.theta_turn,
+        .speed_q32 = report->current.rotor.speed_q32,
+        .theta_turn = report->current.rotor.theta_turn,
         .limited = voltage->wanted_d != voltage->realised.d || voltage->wanted_q != voltage->realised.q,
-        .rotor_valid = report->rotor_valid,
+        .rotor_valid = report->current.rotor.valid,
     };
     return out;
 }

@@ -285,11 +285,11 @@ TEST_CASE("field weakening moves against the missing voltage and stays between i
     Random random(109);
     for (int n = 0; n < COUNT; n++) {
         const int32_t most = random.any(0, 32767);
-        const int32_t before = -random.even(0, most) * 32768;
+        const int32_t before = -random.even(0, most) * 8192;
         const pair_t wanted = {random.any(-600000, 600000), random.any(-600000, 600000)};
         const int32_t after = kernel_field_weakening(before, wanted, random.any(0, 32767), most);
         REQUIRE(after <= 0);
-        REQUIRE(after >= -most * 32768);
+        REQUIRE(after >= -most * 8192);
         if (vector(wanted).norm() > ONE) {
             REQUIRE(after <= before);
         }

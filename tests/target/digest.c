@@ -27,8 +27,8 @@ void digest_fast(digest_t *digest, const fast_output_t *out, const fast_to_slow_
     add(digest, report->foc.current.i_pu.d);
     add(digest, report->foc.current.i_pu.q);
     add(digest, (int32_t)(report->foc.sums.power_pu & INT32_MAX));
-    add(digest, report->foc.speed_q32);
-    add(digest, report->foc.current.theta_turn);
+    add(digest, report->foc.current.rotor.speed_q32);
+    add(digest, report->foc.current.rotor.theta_turn);
     add(digest, (int32_t)report->monitor.trip);
 }
 

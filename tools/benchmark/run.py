@@ -28,7 +28,7 @@ from benchmark import build, count, elf, stack_report
 CURRENT_LOOP = "foc_current_step"
 FAST_STEP = "controller_fast_step"
 SLOW_STEP = "controller_slow_step"
-FUNCTIONS = {CURRENT_LOOP: "current loop", "foc_step": "fast reach", FAST_STEP: "whole fast step", SLOW_STEP: "slow step"}
+FUNCTIONS = {CURRENT_LOOP: "current loop", FAST_STEP: "whole fast step", SLOW_STEP: "slow step"}
 BEGIN = "ride_measure"
 RAM_BEGINS = 0x20000000
 

@@ -90,13 +90,11 @@ typedef struct {
 typedef struct {
     foc_report_t foc;
     monitor_fast_report_t monitor;
-    uint16_t fast_step_count;
 } fast_to_slow_t;
 
 typedef struct {
     foc_state_t foc;
     monitor_fast_state_t monitor;
-    uint16_t step_count;
 } controller_fast_t;
 
 typedef struct {

@@ -68,6 +68,11 @@ Q_TARGET_INLINE int32_t q_saturate_bits(int32_t x, unsigned bits)
 #define Q_TARGET_SATURATE(x, bits) q_saturate_bits((x), (bits))
 #endif
 
+Q_TARGET_INLINE int32_t q_saturate13(int32_t x)
+{
+    return Q_TARGET_SATURATE(x, 13);
+}
+
 Q_TARGET_INLINE int32_t q_saturate16(int32_t x)
 {
     return Q_TARGET_SATURATE(x, 16);

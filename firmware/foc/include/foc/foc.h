@@ -23,7 +23,7 @@
 
 /* From the slow reach, every millisecond. */
 typedef struct {
-    dq_t i_reference_pu;          /* Q15 of the current base */
+    dq_t i_reference_pu;          /* Q15 of the current base, 16 bits */
     current_loop_tuning_t tuning; /* for the present bus voltage and speed */
     bool calibrate_offsets;       /* average the current sensors' zero; only with the bridge off */
 } foc_command_t;
@@ -42,11 +42,11 @@ typedef struct {
 
 /* One period of the current loop: what it is given, what it saw and what it did. */
 typedef struct {
+    rotor_out_t rotor;          /* given: at the moment of the sample */
     dq_t i_reference_pu;        /* given: inside the current circle */
     dq_t i_pu;                  /* Q15 of the current base */
     current_loop_out_t voltage; /* modulation units */
     int32_t current_sum_pu;     /* of the three readings */
-    uint16_t theta_turn;        /* given: electrical angle of the rotor at the moment of the sample */
 } foc_period_t;
 
 /* Running sums since the start, wrapping. Whoever takes the difference over n periods has their exact mean (summary.h). */
@@ -61,13 +61,10 @@ typedef struct {
 typedef struct {
     foc_period_t current; /* this period */
     foc_sums_t sums;
+    uint32_t step_count;      /* periods since the start, wrapping */
     int32_t v_dc_pu;          /* this period */
-    int32_t speed_q32;        /* electrical turns per period */
     int32_t i_d_weakening_pu; /* demagnetising current that is added to the reference, Q15, <= 0 */
     int32_t offset_q4[SENSE_PHASES];
-    int32_t rotor_age_periods; /* since the last hall edge or encoder count */
-    uint16_t rotor_faults;     /* wrapping count of what a healthy rotor sensor does not do */
-    bool rotor_valid;
     bool offsets_done;
 } foc_report_t;
 
@@ -86,6 +83,7 @@ typedef struct {
     rotor_state_t rotor;
     circle_t current_circle;
     field_weakening_t weakening;
+    dq_t wanted_pu; /* the command that is followed */
     bool calibrating;
 } foc_state_t;
 
@@ -100,9 +98,68 @@ foc_command_t foc_initial_command(const foc_state_t *state, const config_t *conf
 void foc_current_step(foc_current_state_t *restrict state, const current_loop_tuning_t *restrict tuning,
                       const uint16_t *restrict codes, foc_period_t *restrict period);
 
-/* One PWM period. run: regulate and modulate; otherwise the regulators are held reset and the compares centred. The
- * compare values are in state->current.on_q16. report: always the same structure; zero at first. */
-void foc_step(foc_state_t *state, const config_t *config, const foc_command_t *command, bool run, const foc_input_t *in,
-              foc_report_t *report);
+/* period->i_reference_pu: the commanded current and the demagnetising one, inside the current circle, the d axis first. */
+void foc_follow(foc_state_t *state, dq_t wanted, foc_period_t *period);
+
+/* The same measurements with the bridge not switching: nothing is regulated, the next start is bump-free. calibrate_offsets:
+ * one sample for the zeros of the current sensors. */
+void foc_rest(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[SENSE_PHASES], foc_report_t *report);
+
+/* The next period's demagnetising current. */
+static inline void foc_weaken(foc_state_t *state, const config_t *config, foc_report_t *report)
+{
+    const current_loop_out_t *voltage = &report->current.voltage;
+    const int32_t margin_q15 = field_weakening_margin_q15(voltage->realised.d, voltage->wanted_q);
+    if (margin_q15 < 0 || state->weakening.current_q28 != 0) {
+        field_weakening_step(&state->weakening, margin_q15, config->current_loop.field_weakening_gain_pu_q15,
+                             config->current_loop.field_weakening_current_pu_q15);
+        report->i_d_weakening_pu = field_weakening_current_pu(&state->weakening);
+    }
+}
+
+static inline void foc_add_up(foc_sums_t *sums, const foc_period_t *period, int32_t v_dc_pu)
+{
+    const dq_t i = period->i_pu;
+    const dq_t u = period->voltage.realised;
+    foc_sums_t sum = *sums;
+    sum.i_d_pu += (uint32_t)i.d;
+    sum.i_q_pu += (uint32_t)i.q;
+    /* |u| <= 1 and |i| <= 1.53, so the sum of products stays below 2^31. */
+    sum.power_pu += (uint32_t)((u.d * i.d + u.q * i.q) >> 15);
+    sum.v_dc_pu += (uint32_t)v_dc_pu;
+    *sums = sum;
+}
+
+/*
+ * One PWM period; inline, because it has one caller, and the call would cost a tenth of what is around the current loop. permitted
+ * and not tripped: regulate and modulate; otherwise the regulators are held reset and the compares
+ * centred. The on-times are in state->current.on_q16. report: always the same structure; zero at first.
+ *
+ * The reference is worked out when the command changes. The voltage margin moves slowly: field weakening looks at it every
+ * fourth period, and while it is at work the reference follows in these.
+ */
+static inline void foc_step(foc_state_t *state, const config_t *config, const foc_command_t *command, bool permitted,
+                            bool tripped, const foc_input_t *in, foc_report_t *report)
+{
+    foc_period_t *period = &report->current;
+    rotor_step(&state->rotor, config, in->rotor_angle_turn, in->hall_state, &in->encoder, &period->rotor);
+    report->v_dc_pu = q_saturate13(in->bus_voltage_code) * 8;
+    report->step_count++;
+    if (permitted && !tripped) {
+        const bool look = report->step_count % 4U == 0U;
+        const dq_t wanted = command->i_reference_pu;
+        if (wanted.d != state->wanted_pu.d || wanted.q != state->wanted_pu.q ||
+            (look && state->weakening.current_q28 != 0)) {
+            foc_follow(state, wanted, period);
+        }
+        foc_current_step(&state->current, &command->tuning, in->phase_current_code, period);
+        if (look) {
+            foc_weaken(state, config, report);
+        }
+    } else {
+        foc_rest(state, command->calibrate_offsets, in->phase_current_code, report);
+    }
+    foc_add_up(&report->sums, period, report->v_dc_pu);
+}
 
 #endif

@@ -76,18 +76,20 @@ void hall_init(hall_t *hall, const config_t *config);
 void hall_look(hall_t *hall, const config_t *config, uint8_t sensors);
 
 /* sensors: bit 0 A, bit 1 B, bit 2 C. Updates theta_q32, speed_q32 and valid. Nearly always the rotor just moves on inside
- * the same sector. */
-static inline void hall_step(hall_t *hall, const config_t *config, uint8_t sensors)
+ * the same sector: then theta_q32 and periods_since_edge are all that changes. Was there more? */
+static inline bool hall_step(hall_t *hall, const config_t *config, uint8_t sensors)
 {
-    const uint32_t theta_q32 = hall->theta_q32 + (uint32_t)hall->speed_q32;
-    const uint16_t inside_turn = (uint16_t)((theta_q32 >> 16) - hall->begin_turn);
-    if (sensors == hall->steady_sensors && hall->periods_since_edge < hall->overdue_periods &&
-        inside_turn <= hall->span_turn) {
-        hall->periods_since_edge++;
-        hall->theta_q32 = theta_q32;
-    } else {
-        hall_look(hall, config, sensors);
+    if (sensors == hall->steady_sensors && hall->periods_since_edge < hall->overdue_periods) {
+        const uint32_t theta_q32 = hall->theta_q32 + (uint32_t)hall->speed_q32;
+        const uint16_t inside_turn = (uint16_t)((theta_q32 >> 16) - hall->begin_turn);
+        if (inside_turn <= hall->span_turn) {
+            hall->periods_since_edge++;
+            hall->theta_q32 = theta_q32;
+            return false;
+        }
     }
+    hall_look(hall, config, sensors);
+    return true;
 }
 
 #endif

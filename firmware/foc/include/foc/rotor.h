@@ -37,22 +37,22 @@ rotor_out_t rotor_other_step(rotor_state_t *state, const config_t *config, uint1
                              const encoder_input_t *encoder);
 
 /* hall_state (bit 0 A, 1 B, 2 C) is read with CONFIG_ROTOR_HALL, encoder with CONFIG_ROTOR_ENCODER, angle_turn with
- * CONFIG_ROTOR_ANGLE. */
-static inline rotor_out_t rotor_step(rotor_state_t *state, const config_t *config, uint16_t angle_turn,
-                                     uint8_t hall_state, const encoder_input_t *encoder)
+ * CONFIG_ROTOR_ANGLE. out: always the same structure; what did not change is not written. */
+static inline void rotor_step(rotor_state_t *state, const config_t *config, uint16_t angle_turn, uint8_t hall_state,
+                              const encoder_input_t *encoder, rotor_out_t *out)
 {
     if (config->rotor.sensor != CONFIG_ROTOR_HALL) {
-        return rotor_other_step(state, config, angle_turn, encoder);
+        *out = rotor_other_step(state, config, angle_turn, encoder);
+        return;
     }
-    hall_step(&state->hall, config, hall_state);
-    const rotor_out_t out = {
-        .theta_turn = (uint16_t)(state->hall.theta_q32 >> 16),
-        .speed_q32 = state->hall.speed_q32,
-        .age_periods = state->hall.periods_since_edge,
-        .faults = state->hall.lost_edges,
-        .valid = state->hall.valid,
-    };
-    return out;
+    const hall_t *hall = &state->hall;
+    if (hall_step(&state->hall, config, hall_state)) {
+        out->speed_q32 = hall->speed_q32;
+        out->faults = hall->lost_edges;
+        out->valid = hall->valid;
+    }
+    out->theta_turn = (uint16_t)(hall->theta_q32 >> 16);
+    out->age_periods = hall->periods_since_edge;
 }
 
 #endif

@@ -38,7 +38,7 @@ typedef struct {
     /* State. */
     reason_t trip;
     int32_t overcurrent_periods;
-    int32_t stale_periods;
+    int32_t patience_periods; /* until the slow reach must have stepped */
     uint16_t last_slow_step;
 } monitor_fast_state_t;
 

@@ -47,7 +47,7 @@ void tearDown(void) {}
 
 static void step(bool run)
 {
-    foc_step(&foc, &config, &command, run, &in, &report);
+    foc_step(&foc, &config, &command, run, false, &in, &report);
 }
 
 /* What the slow reach makes of the report when it holds `steps` steps. */
@@ -285,15 +285,15 @@ void test_two_controllers_in_one_process_do_not_know_of_each_other(void)
         .phase_current_code = {1000, 3000, 2500}, .bus_voltage_code = 2000, .rotor_angle_turn = 30000, .hall_state = 3};
     for (int n = 0; n < 100; n++) {
         in.rotor_angle_turn = (uint16_t)(in.rotor_angle_turn + 500U);
-        foc_step(&alone, &config, &command, true, &in, &report_alone);
+        foc_step(&alone, &config, &command, true, false, &in, &report_alone);
     }
     in.rotor_angle_turn = 0;
     for (int n = 0; n < 100; n++) {
         in.rotor_angle_turn = (uint16_t)(in.rotor_angle_turn + 500U);
-        foc_step(&other, &config, &stir, true, &others_in, &report_other);
+        foc_step(&other, &config, &stir, true, false, &others_in, &report_other);
         step(true);
     }
     TEST_ASSERT_EQUAL_INT32_ARRAY(alone.current.on_q16, foc.current.on_q16, 3);
     TEST_ASSERT_EQUAL_UINT32(report_alone.sums.power_pu, report.sums.power_pu);
-    TEST_ASSERT_EQUAL_INT32(report_alone.speed_q32, report.speed_q32);
+    TEST_ASSERT_EQUAL_INT32(report_alone.current.rotor.speed_q32, report.current.rotor.speed_q32);
 }

@@ -28,17 +28,25 @@ void setUp(void)
 
 void tearDown(void) {}
 
+static rotor_out_t out;
+
+static rotor_out_t look(uint16_t angle_turn, uint8_t hall_state, const encoder_input_t *encoder)
+{
+    rotor_step(&rotor, &config, angle_turn, hall_state, encoder, &out);
+    return out;
+}
+
 static rotor_out_t step(double turns)
 {
-    return rotor_step(&rotor, &config, (uint16_t)((int64_t)floor(turns * 65536.0) & 0xFFFF), 0, &NO_ENCODER);
+    return look((uint16_t)((int64_t)floor(turns * 65536.0) & 0xFFFF), 0, &NO_ENCODER);
 }
 
 void test_the_first_angle_is_taken_as_it_is(void)
 {
-    const rotor_out_t out = step(0.7);
-    TEST_ASSERT_INT32_WITHIN(1, 0, angle_difference(out.theta_turn, (uint16_t)(0.7 * 65536.0)));
-    TEST_ASSERT_TRUE(out.valid);
-    TEST_ASSERT_EQUAL_INT32(0, out.age_periods);
+    const rotor_out_t seen = step(0.7);
+    TEST_ASSERT_INT32_WITHIN(1, 0, angle_difference(seen.theta_turn, (uint16_t)(0.7 * 65536.0)));
+    TEST_ASSERT_TRUE(seen.valid);
+    TEST_ASSERT_EQUAL_INT32(0, seen.age_periods);
 }
 
 void test_hall_sensors_are_read_only_when_the_configuration_says_so(void)
@@ -48,10 +56,10 @@ void test_hall_sensors_are_read_only_when_the_configuration_says_so(void)
         config.rotor.edge_turn[k] = (int32_t)lround(k * 65536.0 / 6.0);
     }
     rotor_init(&rotor, &config);
-    const rotor_out_t out = rotor_step(&rotor, &config, 12345, 2, &NO_ENCODER); /* 010: sector 3, 180 to 240 degrees */
-    TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(3.5 * 65536.0 / 6.0), out.theta_turn);
-    TEST_ASSERT_TRUE(out.valid);
-    TEST_ASSERT_FALSE(rotor_step(&rotor, &config, 12345, 2, &NO_ENCODER).age_periods == 0);
+    const rotor_out_t seen = look(12345, 2, &NO_ENCODER); /* 010: sector 3, 180 to 240 degrees */
+    TEST_ASSERT_INT32_WITHIN(2, (int32_t)lround(3.5 * 65536.0 / 6.0), seen.theta_turn);
+    TEST_ASSERT_TRUE(seen.valid);
+    TEST_ASSERT_FALSE(look(12345, 2, &NO_ENCODER).age_periods == 0);
 }
 
 void test_an_encoder_is_read_only_when_the_configuration_says_so(void)
@@ -61,10 +69,10 @@ void test_an_encoder_is_read_only_when_the_configuration_says_so(void)
     config.rotor.encoder_index_turn = 20000;
     rotor_init(&rotor, &config);
     const encoder_input_t at_index = {.count = 700, .index_count = 700, .index = true};
-    TEST_ASSERT_TRUE(rotor_step(&rotor, &config, 12345, 2, &at_index).valid);
+    TEST_ASSERT_TRUE(look(12345, 2, &at_index).valid);
     const encoder_input_t later = {.count = 710};
-    const rotor_out_t out = rotor_step(&rotor, &config, 12345, 2, &later);
+    const rotor_out_t seen = look(12345, 2, &later);
     /* Ten counts of 23 * 65 536 / 4096 = 368 and half of the one it is in; the loop may lag one count. */
-    TEST_ASSERT_INT32_WITHIN(369, 20000 + 10 * 368 + 184, out.theta_turn);
-    TEST_ASSERT_EQUAL_INT32(0, out.age_periods);
+    TEST_ASSERT_INT32_WITHIN(369, 20000 + 10 * 368 + 184, seen.theta_turn);
+    TEST_ASSERT_EQUAL_INT32(0, seen.age_periods);
 }

@@ -113,7 +113,7 @@ void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle
     sense_state_t sense;
     sense_init(&sense);
     for (uint32_t theta = 0; theta < 65536U; theta += 331U) {
-        report.current.theta_turn = (uint16_t)theta;
+        report.current.rotor.theta_turn = (uint16_t)theta;
         for (int phase = 0; phase < 3; phase++) {
             for (int unused = 0; unused < 3; unused++) {
                 const int32_t on[3] = {unused == 0, unused == 1, unused == 2};

@@ -39,7 +39,7 @@ void tearDown(void) {}
 
 static reason_t step(void)
 {
-    return monitor_fast_step(&state, &command, &in).trip;
+    return monitor_fast_step(&state, &command, &in);
 }
 
 /* The slow reach steps every 20 periods, as it should. */
