@@ -24,6 +24,22 @@ def test_a_run_is_the_one_of_the_command_to_the_last_bit(config: hubsim.Configur
     assert np.array_equal(recording.rows, expected.rows)
 
 
+def test_a_scenarios_events_happen_on_the_bench_as_in_the_command(config: hubsim.Configuration, tmp_path: Path) -> None:
+    path = tmp_path / "stab.toml"
+    path.write_text(
+        "initial_speed_kmh = 20.0\nmax_duration_s = 1.0\ndemand_trace_nm = [[0.0, 0.0], [0.2, 30.0], [0.6, 0.0]]\n"
+        '[events.slip]\nat_s = 0.4\ninject = "abs"\n',
+        encoding="utf-8",
+    )
+    with hubsim.Bench(config, path) as bench:
+        recording = bench.run()
+    name, chosen, beside = scenario.load(str(path), {})
+    expected = run.simulate(name, schema.load(LU2013), chosen, beside, ["*"])
+    assert np.array_equal(recording.rows, expected.rows)
+    assert np.max(recording["driver.brake_nm"]) == pytest.approx(30.0, rel=0.05)
+    assert recording["wheel0.command_nm"][-1] == 0.0
+
+
 def test_signals_are_arrays_with_units(config: hubsim.Configuration) -> None:
     with hubsim.Bench(config, record=("time_s", "vehicle.*", "wheel0.motor_torque_nm"), **STOP) as bench:
         recording = bench.run()
