@@ -101,15 +101,15 @@ static void hold_inside(hall_t *hall)
     }
 }
 
-/* How far an edge moves angle and speed: 8 or 4 of them halve a quick rotor's error, one that of a slow one. An edge is seen
+/* How far an edge moves angle and speed, as a power of two: 8 or 4 of them halve a quick rotor's error, one that of a slow one. An edge is seen
  * up to a period late, which at high speed is degrees, and a turn's time known to a period: taken at their word they would
  * shake the angle and the EMF that is fed forward. At low speed a period is nothing and the last turn long ago. */
-static int32_t smoothing(const hall_t *hall, int32_t sector_periods)
+static unsigned smoothing_log2(const hall_t *hall, int32_t sector_periods)
 {
     if (hall->sectors_timed < SECTORS || sector_periods >= 2 * HALL_QUICK_PERIODS) {
-        return 1;
+        return 0;
     }
-    return sector_periods < HALL_QUICK_PERIODS ? 8 : 4;
+    return sector_periods < HALL_QUICK_PERIODS ? 3 : 2;
 }
 
 /* The first edge after a standstill, or one that comes back. Of the latter nobody knows yet whether the rotor turned round
@@ -145,8 +145,9 @@ static void cross_edge(hall_t *hall, const config_t *config, uint8_t sector, int
     time_sector(hall, left, sector_width(config, left), (uint16_t)took_periods);
     hall->overdue_periods = q_min(took_periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
     hall->bounce_periods = took_periods / HALL_BOUNCE_DIVISOR;
-    const int32_t edges = smoothing(hall, took_periods);
-    hall->speed_q32 = q_saturate64(hall->speed_q32 + ((int64_t)measured_speed_q32(hall) - hall->speed_q32) / edges);
+    const unsigned edges_log2 = smoothing_log2(hall, took_periods);
+    const int64_t wrong_q32 = (int64_t)measured_speed_q32(hall) - hall->speed_q32;
+    hall->speed_q32 = q_saturate64(hall->speed_q32 + (wrong_q32 >> edges_log2));
     /* The edge lay on average half a period before this sample. */
     const uint32_t now_q32 = ((uint32_t)edge_turn << 16) + (uint32_t)(hall->speed_q32 / 2);
     if (hall->sectors_timed < SECTORS) {
@@ -154,7 +155,7 @@ static void cross_edge(hall_t *hall, const config_t *config, uint8_t sector, int
     } else {
         hall->theta_q32 += (uint32_t)hall->speed_q32; /* this period's movement, before the comparison */
         const int32_t wrong_turn = angle_difference((uint16_t)(now_q32 >> 16), (uint16_t)(hall->theta_q32 >> 16));
-        hall->theta_q32 += (uint32_t)(wrong_turn * (edges > 1 ? 65536 / edges : 32768));
+        hall->theta_q32 += (uint32_t)(wrong_turn * (edges_log2 > 0 ? 65536 >> edges_log2 : 32768));
         hold_inside(hall);
     }
     hall->edge_theta_q32 = hall->theta_q32;
