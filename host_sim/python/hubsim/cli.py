@@ -4,6 +4,7 @@ Mistakes are one line on stderr. Exit status 0: done and every criterion met; 1:
 2: wrong call.
 """
 
+import argparse
 import sys
 from collections.abc import Sequence
 
@@ -14,12 +15,21 @@ from hubsim.arguments import DEFAULT_CONFIG, Parser
 from hubsim.commands import compare, listing, report, run, sim, sweep
 from hubsim.errors import HubsimError
 
-__all__ = ["DEFAULT_CONFIG", "main"]
+__all__ = ["DEFAULT_CONFIG", "EXAMPLES", "main", "parser"]
+
+EXAMPLES = (
+    "hubsim list --criteria",
+    "hubsim run stop --set initial_speed_kmh=40 --set demand_nm=60 --json stop.json --mdf stop.mf4",
+    "hubsim run contactor --set plant.bus.capacitance_f=2e-3",
+    "hubsim compare stop stop --set-b plant.motor.phase_resistance_ohm=0.032 --relative 0.04",
+    "hubsim sweep stop --vary 'demand_nm=range(5,120,24)' --vary brake.strategy=series_optimal,parallel_ratio --output grid.parquet",
+    "hubsim sweep stop --vary 'plant.vehicle.mass_kg=normal(660,30)' --runs 1000 --output draws.parquet",
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the process's exit status."""
-    options = _parser().parse_args(arguments)
+    options = parser().parse_args(arguments)
     try:
         return int(options.run(options))
     except (HubsimError, ConfigurationError) as error:
@@ -31,10 +41,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 130
 
 
-def _parser() -> Parser:
-    parser = Parser(prog="hubsim", description="The simulated vehicle: complete controllers on a physical plant.")
-    parser.add_argument("--version", action="version", version=f"hubsim {__version__}")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=Parser)
+def parser() -> Parser:
+    """Return the parser of the whole command line."""
+    out = Parser(
+        prog="hubsim", description="The simulated vehicle: complete controllers on a physical plant.",
+        epilog="\n  ".join(["for example:", *EXAMPLES]), formatter_class=argparse.RawDescriptionHelpFormatter,
+    )  # fmt: skip
+    out.add_argument("--version", action="version", version=f"hubsim {__version__}")
+    commands = out.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=Parser)
     for command in (run, sim, sweep, compare, listing, report):
         command.add(commands)
-    return parser
+    return out

@@ -2,11 +2,13 @@
 
 import csv
 import json
+import shlex
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hubsim import cli
 from hubsim.cli import DEFAULT_CONFIG
 
 Hubsim = Callable[..., subprocess.CompletedProcess[str]]
@@ -173,6 +175,16 @@ def test_a_criterion_about_nothing_is_refused_with_file_and_key(hubsim: Hubsim, 
     assert done.returncode == 1
     assert done.stderr == "hubsim: mine.toml: criteria.short.value: no quantity 'run.distanse_m', did you mean run.distance_m?\n"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_the_examples_of_the_help_are_calls_that_the_command_takes(hubsim: Hubsim) -> None:
+    text = hubsim("--help").stdout
+    for example in cli.EXAMPLES:
+        assert example in text
+        program, *arguments = shlex.split(example)
+        assert program == "hubsim"
+        assert callable(cli.parser().parse_args(arguments).run)
+    assert hubsim("list", "--criteria").returncode == 0
 
 
 def test_list_explains_events_and_criteria(hubsim: Hubsim) -> None:
