@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from regen_table import __version__, cycles, generate, points, relations, report, schema, stops
+from regen_table import __version__, calibrate, cycles, generate, points, relations, report, schema, stops
 from regen_table.errors import CheckFailedError, ConfigurationError
 
 
@@ -137,7 +137,21 @@ def _parser() -> argparse.ArgumentParser:
 
     command = add("figures", "draw the figures of the paper for a configuration, SVG and PNG", _figures)
     command.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+
+    command = commands.add_parser(
+        "calibrate", help="hall edges and encoder index from a recording", description="Hall edges and encoder index from a recording."
+    )
+    columns = "v_ab_v, v_bc_v, hall_a, hall_b, hall_c and/or index, of a wheel spun by hand with the bridge off"
+    command.add_argument("recording", type=Path, metavar="FILE.csv", help=columns)
+    command.set_defaults(run=_calibrate)
     return parser
+
+
+def _calibrate(options: argparse.Namespace) -> int:
+    with _about(options.recording):
+        found = calibrate.calibrate(calibrate.load(options.recording))
+    print(calibrate.as_toml(found))
+    return 0
 
 
 def _generate(options: argparse.Namespace) -> int:

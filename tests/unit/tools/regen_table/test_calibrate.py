@@ -1,0 +1,97 @@
+"""A recording of a wheel spun by hand says where its halls and its index are."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from regen_table import calibrate, cli
+from regen_table.errors import ConfigurationError
+
+Array = npt.NDArray[np.float64]
+EDGES_DEG = (11.0, 64.5, 133.0, 186.0, 255.0, 304.0)
+POLE_PAIRS = 5
+INDEX_DEG = 201.0
+SAMPLE_S = 1e-4
+
+
+def spun(speed_turn_per_s: Array) -> dict[str, Array]:
+    """Return what the channels show of a wheel at electrical speeds in turns per second, one a sample."""
+    turns = 0.13 + np.cumsum(speed_turn_per_s) * SAMPLE_S
+    theta, emf = 2.0 * math.pi * turns, 0.02 * 2.0 * math.pi * speed_turn_per_s
+    a, b, c = (-emf * np.sin(theta - k * 2.0 * math.pi / 3.0) for k in range(3))
+    noise = np.random.default_rng(3).normal(0.0, 0.01, (2, len(turns)))
+    sector = np.searchsorted(EDGES_DEG, turns % 1.0 * 360.0, side="right") - 1
+    state = np.array(calibrate.STATES)[sector]
+    shaft = (turns - INDEX_DEG / 360.0) / POLE_PAIRS
+    return {
+        "v_ab_v": a - b + noise[0],
+        "v_bc_v": b - c + noise[1],
+        "hall_a": (state & 1).astype(float),
+        "hall_b": (state >> 1 & 1).astype(float),
+        "hall_c": (state >> 2 & 1).astype(float),
+        "index": (shaft % 1.0 < 0.02).astype(float),
+    }
+
+
+def slowing_down(seconds: float = 2.0) -> Array:
+    return 40.0 * np.exp(-np.arange(round(seconds / SAMPLE_S)) * SAMPLE_S / 1.5)
+
+
+def beside_deg(one: float, other: float) -> float:
+    return abs((one - other + 180.0) % 360.0 - 180.0)
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_edges_are_found_to_half_a_degree_in_either_direction_while_the_wheel_slows_down(direction: float) -> None:
+    """At 40 turns a second a sample is 1.4 deg, of which the middle is taken, and there are dozens of edges."""
+    found = calibrate.calibrate(spun(direction * slowing_down()))
+    for place, truth in zip(found.hall_edges, EDGES_DEG, strict=True):
+        assert beside_deg(place.angle_deg, truth) < 0.5
+        assert place.edges > 20
+
+
+def test_the_index_is_found_where_it_lies() -> None:
+    found = calibrate.calibrate(spun(slowing_down()))
+    assert found.index is not None
+    assert beside_deg(found.index.angle_deg, INDEX_DEG) < 1.0
+
+
+def test_a_wheel_that_turns_round_on_the_way_does_no_harm() -> None:
+    speed = 40.0 * np.cos(np.arange(40_000) * SAMPLE_S * 2.0)
+    table = spun(speed)
+    del table["index"]  # turning back its other end comes first
+    for place, truth in zip(calibrate.calibrate(table).hall_edges, EDGES_DEG, strict=True):
+        assert beside_deg(place.angle_deg, truth) < 0.5
+
+
+def test_swapped_lines_are_refused_not_averaged() -> None:
+    table = spun(slowing_down())
+    table["hall_a"], table["hall_b"] = table["hall_b"], table["hall_a"]
+    with pytest.raises(ConfigurationError, match=r"swap two|order of the inverter"):
+        calibrate.calibrate(table)
+
+
+def test_a_short_recording_is_refused() -> None:
+    with pytest.raises(ConfigurationError, match="accepted: at least"):
+        calibrate.calibrate(spun(slowing_down()[:400]))
+
+
+def test_the_command_prints_lines_for_the_drives_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    table = spun(slowing_down())
+    path = tmp_path / "spun.csv"
+    rows = [",".join(table), *(",".join(f"{value:.4f}" for value in row) for row in zip(*table.values(), strict=True))]
+    path.write_text("\n".join(rows), encoding="utf-8")
+    assert cli.main(["calibrate", str(path)]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("[rotor]\n")
+    assert "hall_edges_deg = [" in out
+    assert "encoder_index_deg = " in out
+
+
+def test_a_file_without_the_channels_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "other.csv"
+    path.write_text("time_s,x\n0,1\n", encoding="utf-8")
+    assert cli.main(["calibrate", str(path)]) != 0
+    assert "accepted: a table with the columns v_ab_v" in capsys.readouterr().err
