@@ -1,6 +1,7 @@
 /*
- * What dead time does to the phase currents at 50 r/min and the torque of 10 A (with the iron's share and i_d 11.1 A flow), with a bridge that switches every edge by itself: dead
- * intervals, diodes and the ripple of the PWM as they are, not as a mean over the period.
+ * What dead time does to the phase currents at 50 r/min and the torque of 10 A (with the iron's share and i_d 11.1 A
+ * flow), with a bridge that switches every edge by itself: dead intervals, diodes and the ripple of the PWM as they are,
+ * not as a mean over the period.
  */
 #include <complex.h>
 #include <math.h>
