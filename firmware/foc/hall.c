@@ -101,9 +101,10 @@ static void hold_inside(hall_t *hall)
     }
 }
 
-/* How far an edge moves angle and speed, as a power of two: 8 or 4 of them halve a quick rotor's error, one that of a slow one. An edge is seen
- * up to a period late, which at high speed is degrees, and a turn's time known to a period: taken at their word they would
- * shake the angle and the EMF that is fed forward. At low speed a period is nothing and the last turn long ago. */
+/* How far an edge moves angle and speed, as a power of two: 8 or 4 of them halve a quick rotor's error, one that of a
+ * slow one. An edge is seen up to a period late, which at high speed is degrees, and a turn's time known to a period:
+ * taken at their word they would shake the angle and the EMF that is fed forward. At low speed a period is nothing
+ * and the last turn long ago. */
 static unsigned smoothing_log2(const hall_t *hall, int32_t sector_periods)
 {
     if (hall->sectors_timed < SECTORS || sector_periods >= 2 * HALL_QUICK_PERIODS) {
