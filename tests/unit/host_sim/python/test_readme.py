@@ -31,13 +31,13 @@ def test_every_command_of_the_readme_works(tmp_path: Path) -> None:
     (tmp_path / "my_scenario.toml").write_text(block("my_scenario.toml"), encoding="utf-8")
     (tmp_path / "tools").symlink_to(ROOT / "tools")
     found = commands()
-    assert {arguments[0] for arguments in found} == {"list", "run", "compare", "sweep", "sim"}
+    assert {arguments[0] for arguments in found} == {"list", "run", "compare", "sweep", "sim", "report"}
     for arguments in found:
         done = subprocess.run(
             [sys.executable, "-m", "hubsim", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=280, check=False
         )
         assert done.returncode == 0, f"{arguments}\n{done.stdout}\n{done.stderr}"
-    for name in ("stop.json", "ece15.csv", "contactor.xml", "my.mf4", "my.parquet", "report/index.html"):
+    for name in ("stop.json", "ece15.csv", "contactor.xml", "my.mf4", "my.parquet", "report/index.html", "page.html"):
         assert (tmp_path / name).is_file(), name
     assert pq.read_table(tmp_path / "grid.parquet").num_rows == 8
     assert pq.read_table(tmp_path / "draws.parquet").num_rows == 8
