@@ -36,7 +36,8 @@ def spun(speed_turn_per_s: Array) -> dict[str, Array]:
 
 
 def slowing_down(seconds: float = 2.0) -> Array:
-    return 40.0 * np.exp(-np.arange(round(seconds / SAMPLE_S)) * SAMPLE_S / 1.5)
+    falling: Array = 40.0 * np.exp(-np.arange(round(seconds / SAMPLE_S)) * SAMPLE_S / 1.5)
+    return falling
 
 
 def beside_deg(one: float, other: float) -> float:
