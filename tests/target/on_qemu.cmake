@@ -89,6 +89,19 @@ set(HUBFOC_OTHER_CORE cortex-m0plus)
 set(HUBFOC_OTHER_CORE_OPTIONS -Os)
 add_subdirectory(other_core cortex_m0plus)
 
+# ---- counted instructions ----
+
+# Exact, so a test: the current loop and the fast step within their budgets on all three cores (tools/benchmark).
+find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin" NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
+  DOC "Python of the project's private environment (./tools/dev setup makes it)")
+if(HUBFOC_PYTHON)
+  add_test(NAME instruction_budgets COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/benchmark/run.py" --no-simulation
+    --output "${CMAKE_CURRENT_BINARY_DIR}/bench.json")
+else()
+  add_test(NAME instruction_budgets COMMAND "${CMAKE_COMMAND}" -DMISSING=python3 -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
+endif()
+set_tests_properties(instruction_budgets PROPERTIES TIMEOUT 300 LABELS target ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+
 # ---- the unit tests of the pure rooms ----
 
 if(HUBFOC_RUBY AND CMOCK_DIR)

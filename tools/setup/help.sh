@@ -108,10 +108,10 @@ TEXT
 
 help_bench() {
     cat <<'TEXT'
-Usage: tools/dev bench [--config NAME] [--no-simulation] [--check]
+Usage: tools/dev bench [--config NAME] [--no-simulation]
 
 Measures both step functions on emulated cores (instructions, code, stack), the firmware's size and the simulation's speed;
-prints them and writes build/bench.json. With --check a missed budget is a failure.
+prints them and writes build/bench.json. A missed budget is a failure.
 TEXT
 }
 
