@@ -3,8 +3,6 @@
 #include "core/angle.h"
 #include "foc/transforms.h"
 
-enum { NOTHING_WANTED = INT32_MIN /* no command is that: the next one is followed */ };
-
 static void centre_counts(foc_current_state_t *state)
 {
     for (int x = 0; x < SENSE_PHASES; x++) {
@@ -24,7 +22,7 @@ void foc_init(foc_state_t *state, const config_t *config)
     state->current_circle = circle_init(config->current_loop.max_current_pu_q15);
     sense_init(&state->current.sense);
     rotor_init(&state->rotor, config);
-    state->wanted_pu.d = NOTHING_WANTED;
+    state->wanted_pu.d = FOC_NOTHING_WANTED;
     centre_counts(&state->current);
 }
 
@@ -62,7 +60,8 @@ void foc_current_step(foc_current_state_t *restrict state, const current_loop_tu
 static void calibrate(foc_state_t *state, const uint16_t codes[SENSE_PHASES], foc_report_t *report)
 {
     sense_state_t *sense = &state->current.sense;
-    if (!state->calibrating || state->wanted_pu.d != NOTHING_WANTED) { /* the command is new, or came while running */
+    if (!state->calibrating ||
+        state->wanted_pu.d != FOC_NOTHING_WANTED) { /* the command is new, or came while running */
         sense_calibrate_restart(sense);
     }
     sense_calibrate_step(sense, codes);
@@ -90,7 +89,7 @@ void foc_rest(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[S
         calibrate(state, codes, report);
     }
     state->calibrating = calibrate_offsets;
-    state->wanted_pu.d = NOTHING_WANTED;
+    state->wanted_pu.d = FOC_NOTHING_WANTED;
 }
 
 void foc_follow(foc_state_t *state, dq_t wanted, foc_period_t *period)

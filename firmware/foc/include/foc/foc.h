@@ -87,6 +87,8 @@ typedef struct {
     bool calibrating;
 } foc_state_t;
 
+enum { FOC_NOTHING_WANTED = INT32_MIN /* no command is that: the next one is followed */ };
+
 void foc_init(foc_state_t *state, const config_t *config);
 
 /* A command that regulates nothing, with gains for the highest bus voltage; for use before the slow reach speaks. */
@@ -113,6 +115,8 @@ static inline void foc_weaken(foc_state_t *state, const config_t *config, foc_re
     if (margin_q15 < 0 || state->weakening.current_q28 != 0) {
         field_weakening_step(&state->weakening, margin_q15, config->current_loop.field_weakening_gain_pu_q15,
                              config->current_loop.field_weakening_current_pu_q15);
+        /* The next period works the reference out anew, also when the current has just come back to nothing. */
+        state->wanted_pu.q = FOC_NOTHING_WANTED;
         report->i_d_weakening_pu = field_weakening_current_pu(&state->weakening);
     }
 }
@@ -148,8 +152,7 @@ static inline void foc_step(foc_state_t *state, const config_t *config, const fo
     if (permitted && !tripped) {
         const bool look = report->step_count % 4U == 0U;
         const dq_t wanted = command->i_reference_pu;
-        if (wanted.d != state->wanted_pu.d || wanted.q != state->wanted_pu.q ||
-            (look && state->weakening.current_q28 != 0)) {
+        if (wanted.d != state->wanted_pu.d || wanted.q != state->wanted_pu.q) {
             foc_follow(state, wanted, period);
         }
         foc_current_step(&state->current, &command->tuning, in->phase_current_code, period);
