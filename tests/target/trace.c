@@ -34,6 +34,15 @@ static void with_angle_sensor(config_t *config)
     config->rotor.sensor = CONFIG_ROTOR_ANGLE;
 }
 
+static void with_an_encoder(config_t *config)
+{
+    config->rotor.sensor = CONFIG_ROTOR_ENCODER;
+    config->motor.pole_pairs = 23;
+    config->rotor.encoder_counts = 2048 * 23;
+    config->rotor.encoder_index_turn = 0;
+    config->rotor.encoder_index_tolerance_counts = 8;
+}
+
 static void with_halls_and_ratio(config_t *config)
 {
     config->rotor.sensor = CONFIG_ROTOR_HALL;
@@ -139,6 +148,9 @@ static void random_codes(wheel_t *wheel, fast_input_t *in)
     in->bus_voltage_code = (uint16_t)(wheel_random(wheel) & 0xFFFU);
     in->rotor_angle_turn = (uint16_t)wheel_random(wheel);
     in->hall_state = (uint8_t)(wheel_random(wheel) & 7U);
+    in->encoder.count = (uint16_t)(in->encoder.count + (wheel_random(wheel) & 15U));
+    in->encoder.index_count = (uint16_t)wheel_random(wheel);
+    in->encoder.index = wheel_random(wheel) % 61U == 0;
     in->power_stage_fault = wheel_random(wheel) % 997U == 0;
 }
 
@@ -158,6 +170,8 @@ static void bursts(wheel_t *wheel, fast_input_t *in)
 static const story_t STORIES[] = {
     {"as generated, drive and brake", as_generated, drive_and_brake, NULL, false},
     {"angle sensor, drive and brake", with_angle_sensor, drive_and_brake, NULL, false},
+    {"encoder, drive and brake", with_an_encoder, drive_and_brake, NULL, false},
+    {"encoder, through standstill", with_an_encoder, reverse, NULL, false},
     {"halls, ratio, through standstill", with_halls_and_ratio, reverse, NULL, false},
     {"field weakening, free travel, hot, full battery", with_field_weakening_and_free_travel, hot_and_full, NULL,
      false},
@@ -166,6 +180,8 @@ static const story_t STORIES[] = {
     {"bursts of noise", with_halls_and_ratio, drive_and_brake, bursts, false},
     {"chaos on halls", with_halls_and_ratio, chaos, random_codes, false},
     {"chaos on an angle sensor", with_interior_magnets, chaos, random_codes, false},
+    {"chaos on an encoder", with_an_encoder, chaos, random_codes, false},
+    {"forced through chaos on an encoder", with_an_encoder, chaos, random_codes, true},
     {"forced through chaos on halls", with_halls_and_ratio, chaos, random_codes, true},
     {"forced through chaos on an angle sensor", with_field_weakening_and_free_travel, chaos, random_codes, true},
 };

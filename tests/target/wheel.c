@@ -20,6 +20,18 @@ static uint16_t code(int32_t value)
     return (uint16_t)q_clamp(value, 0, CODE_MAX);
 }
 
+/* 2048 counts an electrical turn, an index eight counts long every 23 turns. */
+static encoder_input_t encoder(const wheel_t *wheel)
+{
+    const uint32_t count = (wheel->turns << 11) + (wheel->angle_q32 >> 21);
+    const encoder_input_t in = {
+        .count = (uint16_t)count,
+        .index_count = (uint16_t)(wheel->turns << 11),
+        .index = wheel->turns % 23U == 0 && (wheel->angle_q32 >> 21) < 8U,
+    };
+    return in;
+}
+
 fast_input_t wheel_sample(wheel_t *wheel)
 {
     static const uint8_t HALL_OF_SECTOR[6] = {5, 1, 3, 2, 6, 4};
@@ -31,6 +43,7 @@ fast_input_t wheel_sample(wheel_t *wheel)
         .bus_voltage_code = code(wheel->bus_code + noise(wheel)),
         .rotor_angle_turn = (uint16_t)(wheel->angle_q32 >> 16),
         .hall_state = HALL_OF_SECTOR[((uint64_t)wheel->angle_q32 * 6U) >> 32],
+        .encoder = encoder(wheel),
         .power_stage_fault = false,
     };
     return in;
@@ -54,5 +67,11 @@ void wheel_step(wheel_t *wheel, const config_t *config, const fast_output_t *out
         const int32_t pushed = out->bridge == BRIDGE_OFF ? 0 : drop * (1 << GAIN_LOG2);
         wheel->winding_code_q8[x] = q_clamp(now - now / (1 << DECAY_LOG2) + pushed, -1000 * 256, 1000 * 256);
     }
+    const uint32_t before_q32 = wheel->angle_q32;
     wheel->angle_q32 += (uint32_t)wheel->speed_q32;
+    if (wheel->speed_q32 > 0 && wheel->angle_q32 < before_q32) {
+        wheel->turns++;
+    } else if (wheel->speed_q32 < 0 && wheel->angle_q32 > before_q32) {
+        wheel->turns--;
+    }
 }

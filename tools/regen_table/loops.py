@@ -195,7 +195,7 @@ def current_loop(drive: Drive) -> dict[str, int]:
 
 
 def overcurrent_pu(drive: Drive) -> float:
-    """Per-unit phase current that trips: 30 % above the largest asked for, inside the converter's range."""
+    """Per-unit length of the current vector that trips: 30 % above the largest asked for, inside the converter's range."""
     return min(OVERCURRENT_SHARE_MAX, 1.3 * drive.motor.max_phase_current_a / drive.inverter.current_full_scale_a)
 
 

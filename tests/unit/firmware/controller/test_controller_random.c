@@ -34,6 +34,9 @@ static void randomise(random_t *random, slow_input_t *slow, fast_input_t *fast)
     fast->bus_voltage_code = (uint16_t)(wild ? random_between(random, 0, 4095) : random_between(random, 3000, 4000));
     fast->rotor_angle_turn = (uint16_t)(wild ? random_between(random, 0, 65535) : fast->rotor_angle_turn + 1);
     fast->hall_state = (uint8_t)(wild ? random_between(random, 0, 255) : fast->hall_state);
+    fast->encoder.count = (uint16_t)(wild ? random_between(random, 0, 65535) : fast->encoder.count + 1);
+    fast->encoder.index = random_chance(random, 0.01);
+    fast->encoder.index_count = (uint16_t)(wild ? random_between(random, 0, 65535) : fast->encoder.count / 4096 * 4096);
     fast->power_stage_fault = wild && random_chance(random, 0.1);
 }
 
@@ -48,11 +51,12 @@ static void acknowledge(slow_input_t *slow, int step)
 void test_whatever_happens_the_bridge_switches_only_in_run_and_the_compares_stay_in_range(void)
 {
     random_t random = random_seeded(1);
-    for (int sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_HALL; sensor++) {
+    for (int sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_ENCODER; sensor++) {
         int switched = 0;
         int faults = 0;
         rig_start(&rig);
         rig.config.rotor.sensor = sensor;
+        rig.config.rotor.encoder_counts = 4096;
         rig.fast_in.hall_state = 5;
         for (int n = 0; n < 30000; n++) {
             const modes_mode_t before = rig.out.mode;
@@ -109,13 +113,15 @@ static void assert_same_slow(const slow_output_t *a, const slow_output_t *b)
 void test_equal_inputs_give_equal_outputs_whatever_the_memory_held_before(void)
 {
     static rig_t other;
-    for (int sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_HALL; sensor++) {
+    for (int sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_ENCODER; sensor++) {
         rig_start(&rig);
         rig_start(&other);
         memset(&rig.controller, 0x00, sizeof rig.controller);
         memset(&other.controller, 0xA5, sizeof other.controller);
         rig.config.rotor.sensor = sensor;
+        rig.config.rotor.encoder_counts = 4096;
         other.config.rotor.sensor = sensor;
+        other.config.rotor.encoder_counts = 4096;
         controller_init(&rig.controller, &rig.config);
         controller_init(&other.controller, &other.config);
         random_t random = random_seeded(2);
