@@ -13,7 +13,7 @@
 typedef struct {
     uint32_t random;
     uint32_t angle_q32;
-    uint32_t turns; /* electrical, forward less backward, wrapping */
+    uint32_t turns;             /* electrical, forward less backward, wrapping */
     int32_t speed_q32;          /* electrical turns per PWM period */
     int32_t winding_code_q8[2]; /* currents a and b in converter codes */
     uint16_t bus_code;
