@@ -201,6 +201,29 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
     TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening)); /* a rest forgets it */
 }
 
+void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_without_a_new_command(void)
+{
+    config.current_loop.field_weakening_gain_pu_q15 = 2000;
+    config.current_loop.field_weakening_current_pu_q15 = 6000;
+    restart();
+    command.tuning.w_psi_q25 = 40000 * 1024;
+    for (int n = 0; n < 2000; n++) {
+        step(true);
+    }
+    TEST_ASSERT_EQUAL_INT32(-6000, report.current.i_reference_pu.d);
+    command.tuning.w_psi_q25 = 0;
+    command.tuning.d.proportional_q10 =
+        1; /* no current follows here, and the regulator must not ask for voltage because of it */
+    command.tuning.d.integral_q15 = 0;
+    step(false);
+    foc.weakening.current_q28 = -1000 * 8192;
+    for (int n = 0; n < 2000; n++) {
+        step(true);
+    }
+    TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening));
+    TEST_ASSERT_EQUAL_INT32(0, report.current.i_reference_pu.d);
+}
+
 void test_the_limit_flag_says_whether_the_circle_bit_in_this_period(void)
 {
     command.tuning.w_psi_q25 = 20000 * 1024;
