@@ -229,7 +229,7 @@ static bool reckon(hall_t *hall, const config_t *config, uint8_t sector)
     if (sector == NO_SECTOR) {
         hall->edges_in_order = 0;
     } else if (sector != hall->sector) {
-        const int8_t step =
+        const int32_t step =
             sector == next_sector(hall->sector) ? 1 : (sector == previous_sector(hall->sector) ? -1 : 0);
         if (step != 0 && step != hall->direction && hall->periods_since_edge <= hall->bounce_periods) {
             return false; /* a bounce */
@@ -238,13 +238,15 @@ static bool reckon(hall_t *hall, const config_t *config, uint8_t sector)
             follow_edge_in_doubt(hall, config, sector);
         } else {
             hall->edges_in_order = 0;
-            hall->direction = hall->direction == 0 ? step : hall->direction;
+            if (hall->direction == 0) {
+                hall->direction = (int8_t)step;
+            }
         }
         enter_sector(hall, config, sector);
     }
     const bool standing = hall->periods_since_edge > hall->standstill_periods;
-    if (sector != NO_SECTOR ||
-        standing) { /* no edge can come out of an impossible state: that none does says nothing */
+    /* No edge can come out of an impossible state: that none does says nothing. */
+    if (sector != NO_SECTOR || standing) {
         wait_for_edge(hall);
     }
     return sector != NO_SECTOR && (standing || hall->edges_in_order >= HALL_TRUSTED_EDGES);

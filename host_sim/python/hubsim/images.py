@@ -32,7 +32,7 @@ def build(drive: Drive) -> bytes:
     return changed(found, {("brake", "strategy"): image.STRATEGIES[strategy]})
 
 
-def changed(raw: bytes, values: Mapping[tuple[str, str], int]) -> bytes:
+def changed(raw: bytes, values: Mapping[tuple[str, str], int | list[int]]) -> bytes:
     """Return an image with other values in some of its fields, sealed anew."""
     header = layout.load()
     config = header.ffi.from_buffer("config_t *", bytearray(raw))

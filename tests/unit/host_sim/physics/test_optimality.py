@@ -1,14 +1,10 @@
 """The stored table is the optimum in simulation too: no other torque returns more on a stop."""
 
-import dataclasses
-
-import numpy as np
 import pytest
+from hubsim import images
 from one_wheel import quarter, started, stopped
-from regen_table import current_map
-from regen_table.current_map import CurrentMap
+from regen_table import image
 from regen_table.schema import Drive
-from regen_table.tables import RegenMap
 
 FACTORS = (0.8, 0.9, 1.1, 1.2)
 DEMAND_NM = 120.0  # the motor always gives what the table and its limits allow
@@ -16,14 +12,15 @@ DEMAND_NM = 120.0  # the motor always gives what the table and its limits allow
 
 def returned(monkeypatch: pytest.MonkeyPatch, factor: float, temperature_c: float) -> float:
     """Return the share of kinetic energy that comes back with the whole table multiplied."""
-    honest = current_map.regen_map
+    honest = images.build
 
-    def scaled(drive: Drive, currents: CurrentMap) -> RegenMap:
-        table = honest(drive, currents)
-        return dataclasses.replace(table, torque_mNm=np.rint(table.torque_mNm * factor).astype(np.int32))
+    def scaled(drive: Drive) -> bytes:
+        stored = image.fields(drive)["regen_map"]["torque_mNm"]
+        assert isinstance(stored, list)
+        return images.changed(honest(drive), {("regen_map", "torque_mNm"): [round(torque * factor) for torque in stored]})
 
     with monkeypatch.context() as patch:
-        patch.setattr(current_map, "regen_map", scaled)
+        patch.setattr(images, "build", scaled)
         keys = {"demand_nm": DEMAND_NM, "winding_temperature_c": temperature_c, "record_interval_s": 10.0}
         engine = started(quarter(), keys, {"battery.polarisation_capacitance_f": 1e-3})
     with engine:
