@@ -13,7 +13,7 @@
  * other half being compensated. It is judged only where w psi >= 4 U. There U turns e by 15 degrees at most, so that an
  * angle 60 degrees beside the truth is seen for certain; with 30 % less flux than configured by 21 degrees, so that one
  * up to 24 degrees beside the truth is never blamed. For the paper's motor this is above 57 r/min without current and
- * above 190 r/min with 60 A.
+ * above 172 r/min with 60 A.
  *
  * Nor is it judged while the voltage stands at its limit: a motor that is not connected drives it there, too.
  *

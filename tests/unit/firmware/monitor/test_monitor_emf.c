@@ -84,7 +84,7 @@ void test_an_angle_sixty_degrees_beside_the_truth_is_seen_in_20_ms_at_any_speed_
     }
 }
 
-/* The promises of the header: 57 r/min without current; 190 with 60 A of i_q. */
+/* The promises of the header: 57 r/min without current; 172 with 60 A of i_q. */
 void test_the_speed_from_which_an_angle_is_judged_is_the_derived_one(void)
 {
     /* U = 2/3 * 1 us * 20 kHz * 53 V = 0.707 V; 4 U / psi / 23 = 57.5 r/min. */
