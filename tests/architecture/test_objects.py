@@ -77,7 +77,7 @@ def host_objects(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 @pytest.fixture(scope="module", params=CORES)
 def arm_objects(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     if shutil.which("arm-none-eabi-gcc") is None:
-        pytest.skip("no arm-none-eabi-gcc here; tools/dev setup arm installs it")
+        pytest.fail("no arm-none-eabi-gcc here; tools/dev setup arm installs it")
     directory = tmp_path_factory.mktemp(request.param)
     return compile_rooms("arm-none-eabi-gcc", [*CORES[request.param], "-ffunction-sections"], directory)
 
@@ -231,7 +231,7 @@ def test_the_fast_reach_neither_divides_nor_calls_what_it_cannot_know(arm_object
 
 def test_the_search_finds_a_division_three_calls_away(tmp_path: Path) -> None:
     if shutil.which("arm-none-eabi-gcc") is None:
-        pytest.skip("no arm-none-eabi-gcc here; tools/dev setup arm installs it")
+        pytest.fail("no arm-none-eabi-gcc here; tools/dev setup arm installs it")
     source = tmp_path / "deep.c"
     source.write_text(
         "#define FAR __attribute__((noinline)) static\n"
