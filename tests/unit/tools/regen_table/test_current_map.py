@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-import shutil
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -114,7 +113,6 @@ def test_its_optimum_is_the_joint_optimum_of_both_currents(drive: schema.Drive) 
     assert np.all(made <= best.state.dc_power_w + 1e-3 * np.abs(best.state.dc_power_w))
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 def test_the_generator_reads_the_map_exactly_as_the_firmware_does(tmp_path: Path, drive: schema.Drive) -> None:
     library = tmp_path / "current_map.so"
     includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")]
@@ -133,7 +131,6 @@ def test_the_generator_reads_the_map_exactly_as_the_firmware_does(tmp_path: Path
     assert np.rint(found * 1000.0).astype(int).tolist() == expected
 
 
-@pytest.mark.skipif(shutil.which("cc") is None, reason="needs a C compiler")
 def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(tmp_path: Path, drive: schema.Drive) -> None:
     """The current reference, compiled, against the model: torque within 0.2 %, and the DC power of the stored map."""
     library = tmp_path / "reference.so"
