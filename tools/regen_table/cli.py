@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from regen_table import __version__, calibrate, cycles, generate, points, relations, report, schema, stops
+from regen_table import __version__, calibrate, cycles, generate, packs, points, relations, report, schema, stops
 from regen_table.errors import CheckFailedError, ConfigurationError
 
 
@@ -126,6 +126,12 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--strategy", choices=[*_STRATEGIES, "all"], help="default: the configuration's")
     command.add_argument("--winding-temperature-c", type=_number(-100.0, 300.0, "degC"), help="default: the reference temperature")
     command.add_argument("--soc", type=_number(0.0, 1.0, ""))
+    command.add_argument(
+        "--battery",
+        choices=packs.BATTERIES,
+        default=packs.SETTLED,
+        help="the battery's RC branch in steady state at every instant (default), or at rest before the stop and moving",
+    )
     command.add_argument("--json", action="store_true")
 
     command = add("cycle", "the ideal drive cycle under all strategies", _cycle)
@@ -215,7 +221,7 @@ def _stop(options: argparse.Namespace) -> int:
     warm = _one_temperature(drive, options.winding_temperature_c)
     with _about(options.config):
         found = [
-            stops.stop(drive, name, demand, options.initial_speed_kmh, warm, options.soc)
+            stops.stop(drive, name, demand, options.initial_speed_kmh, warm, options.soc, options.battery)
             for name in (_STRATEGIES if strategy == "all" else [strategy])
             for demand in options.demand_nm
         ]

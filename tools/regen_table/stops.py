@@ -1,14 +1,15 @@
 """The ideal stop: constant demand at every driven wheel from a speed to standstill, steady state at every speed.
 
 No delay, no hand-over, no drag: what is left is how the losses depend on the share that the motor takes. For a given
-speed trace the pointwise optimum is the best over time, so series_optimal bounds every real stop from above.
+speed trace the pointwise optimum is the best over time, so series_optimal bounds every real stop from above; with the
+battery's RC branch taken as settled it does not, because that branch has no time to take its loss (packs).
 """
 
 from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from regen_table import braking, models
+from regen_table import braking, models, packs
 from regen_table.models import Array
 from regen_table.schema import Drive
 
@@ -17,7 +18,10 @@ SPEED_STEPS = 4000
 
 @dataclass(frozen=True)
 class Energies:
-    """Where the energy of a stop or a cycle went, in J, all motors together; sinks are >= 0."""
+    """Where the energy of a stop went, in J, all motors together; sinks are >= 0.
+
+    ``polarisation`` is left in the battery's RC branch at the end, on its way to heat; 0 where that branch is settled.
+    """
 
     battery_returned: float
     hydraulic: float
@@ -25,6 +29,7 @@ class Energies:
     iron: float
     inverter: float
     battery: float
+    polarisation: float
     friction: float
 
 
@@ -33,6 +38,7 @@ class Stop:
     """Result of one stop; energies in J."""
 
     strategy: str
+    battery: str
     demand_nm: float
     initial_speed_kmh: float
     winding_temperature_c: float
@@ -48,7 +54,15 @@ class Stop:
         return asdict(self)
 
 
-def stop(drive: Drive, strategy: str, demand_nm: float, initial_speed_kmh: float, temperature_c: float, soc: float | None = None) -> Stop:
+def stop(
+    drive: Drive,
+    strategy: str,
+    demand_nm: float,
+    initial_speed_kmh: float,
+    temperature_c: float,
+    soc: float | None = None,
+    battery: str = packs.SETTLED,
+) -> Stop:
     """Integrate one ideal stop.
 
     Parameters
@@ -59,6 +73,8 @@ def stop(drive: Drive, strategy: str, demand_nm: float, initial_speed_kmh: float
         > 0.
     temperature_c : float
         Winding temperature, constant.
+    battery : str
+        "settled" or "dynamic", see packs; the speed trace and the torques are the same for both.
     """
     motor, inverter = models.machine(drive, temperature_c), models.bridge(drive)
     wheels, radius, mass = drive.vehicle.driven_wheels, drive.vehicle.wheel_radius_m, drive.vehicle.mass_kg
@@ -68,27 +84,29 @@ def stop(drive: Drive, strategy: str, demand_nm: float, initial_speed_kmh: float
     capability = braking.capability_nm(drive, motor, inverter, speed)
     electric = braking.electric_torque_nm(drive, strategy, demand_nm, speed, capability)
     state = braking.state_of_torque(motor, inverter, speed, -electric)
-    pack_resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
-    pack = models.battery_steady(models.open_circuit_voltage_v(drive, soc), pack_resistance, wheels * state.dc_power_w)
     wheel_torque = demand_nm + state.loss_friction_w / speed
     deceleration = wheels * wheel_torque / (radius * mass)
     seconds = initial / SPEED_STEPS / deceleration
+    # Time runs from the highest speed to the lowest.
+    pack = packs.flow(drive, battery, wheels * state.dc_power_w[::-1], seconds[::-1], soc)
 
     def total(power_w: Array) -> float:
         return float(np.sum(power_w * seconds))
 
     kinetic = 0.5 * mass * initial**2
     energies = Energies(
-        battery_returned=-total(pack.chemical_power_w),
+        battery_returned=-pack.chemical_j,
         hydraulic=total(wheels * (demand_nm - electric) * speed),
         copper=total(wheels * state.loss_copper_w),
         iron=total(wheels * state.loss_iron_w),
         inverter=total(wheels * state.loss_inverter_w),
-        battery=total(pack.loss_w),
+        battery=pack.heat_j,
+        polarisation=pack.left_in_branch_j,
         friction=total(wheels * state.loss_friction_w),
     )
     return Stop(
         strategy=strategy,
+        battery=battery,
         demand_nm=demand_nm,
         initial_speed_kmh=initial_speed_kmh,
         winding_temperature_c=temperature_c,
