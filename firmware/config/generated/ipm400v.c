@@ -14,7 +14,7 @@ extern const config_t CONFIG_IPM400V;
 
 CONFIG_SECTION const config_t CONFIG_IPM400V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 3,
+    .format_version = 4,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ipm400v",
@@ -91,6 +91,9 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .parallel_electric_share_q15 = 6554, /* electric part of the whole demand (parallel_ratio) */
         .electric_rated_torque_mNm   = 70000, /* [mNm] electric torque before the hydraulic brake adds (parallel) */
         .max_hydraulic_torque_mNm    = 700000, /* [mNm] 0: no hydraulic brake under this controller's command */
+        .hydraulic_dead_time_ms      = 30, /* [ms] from a changed command until the hydraulic brake begins to move */
+        .hydraulic_time_constant_ms  = 60, /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        .hydraulic_rate_mNm_s        = 3000000, /* [mNm/s] fastest change of hydraulic torque */
         .handover_start_mrad_s       = 24086, /* [mrad/s] electric braking starts to fade below this speed */
         .handover_end_mrad_s         = 9425, /* [mrad/s] no electric braking below this speed */
         .torque_rate_mNm_s           = 1500000, /* [mNm/s] fastest change of motor torque that is asked for */
@@ -233,5 +236,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -150996, -179135, -204658, -228001, -249577, -269707, -288634,
         },
     },
-    .crc32 = 0xB18BFED4,
+    .crc32 = 0x60EECEB0,
 };

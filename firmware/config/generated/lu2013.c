@@ -14,7 +14,7 @@ extern const config_t CONFIG_LU2013;
 
 CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .magic = CONFIG_MAGIC,
-    .format_version = 3,
+    .format_version = 4,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "lu2013",
@@ -91,6 +91,9 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .parallel_electric_share_q15 = 6554, /* electric part of the whole demand (parallel_ratio) */
         .electric_rated_torque_mNm   = 40000, /* [mNm] electric torque before the hydraulic brake adds (parallel) */
         .max_hydraulic_torque_mNm    = 300000, /* [mNm] 0: no hydraulic brake under this controller's command */
+        .hydraulic_dead_time_ms      = 40, /* [ms] from a changed command until the hydraulic brake begins to move */
+        .hydraulic_time_constant_ms  = 60, /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        .hydraulic_rate_mNm_s        = 2000000, /* [mNm/s] fastest change of hydraulic torque */
         .handover_start_mrad_s       = 2618, /* [mrad/s] electric braking starts to fade below this speed */
         .handover_end_mrad_s         = 838, /* [mrad/s] no electric braking below this speed */
         .torque_rate_mNm_s           = 400000, /* [mNm/s] fastest change of motor torque that is asked for */
@@ -171,5 +174,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -15980, -16135, -16190, -15912, -15451, -16679, -17354, -17807, -18182,
         },
     },
-    .crc32 = 0x230C3E13,
+    .crc32 = 0xB602F239,
 };

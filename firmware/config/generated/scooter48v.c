@@ -14,7 +14,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 3,
+    .format_version = 4,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -91,6 +91,9 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .parallel_electric_share_q15 = 9830, /* electric part of the whole demand (parallel_ratio) */
         .electric_rated_torque_mNm   = 10000, /* [mNm] electric torque before the hydraulic brake adds (parallel) */
         .max_hydraulic_torque_mNm    = 50000, /* [mNm] 0: no hydraulic brake under this controller's command */
+        .hydraulic_dead_time_ms      = 50, /* [ms] from a changed command until the hydraulic brake begins to move */
+        .hydraulic_time_constant_ms  = 80, /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        .hydraulic_rate_mNm_s        = 300000, /* [mNm/s] fastest change of hydraulic torque */
         .handover_start_mrad_s       = 4189, /* [mrad/s] electric braking starts to fade below this speed */
         .handover_end_mrad_s         = 1571, /* [mrad/s] no electric braking below this speed */
         .torque_rate_mNm_s           = 80000, /* [mNm/s] fastest change of motor torque that is asked for */
@@ -194,5 +197,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -8988, -11069, -13654, -16708, -20167, -23959, -28019,
         },
     },
-    .crc32 = 0xD189DF7F,
+    .crc32 = 0x3E285F5D,
 };

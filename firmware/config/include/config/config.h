@@ -21,7 +21,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 3
+#define CONFIG_FORMAT_VERSION 4
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_SPEED_POINTS_MAX 65
 #define CONFIG_REGEN_TEMPERATURE_POINTS_MAX 9
@@ -117,6 +117,9 @@
     X(parallel_electric_share_q15,           0,         32767,      "1",      "electric part of the whole demand (parallel_ratio)") \
     X(electric_rated_torque_mNm,             0,         20000000,   "mNm",    "electric torque before the hydraulic brake adds (parallel)") \
     X(max_hydraulic_torque_mNm,              0,         20000000,   "mNm",    "0: no hydraulic brake under this controller's command") \
+    X(hydraulic_dead_time_ms,                0,         250,        "ms",     "from a changed command until the hydraulic brake begins to move") \
+    X(hydraulic_time_constant_ms,            0,         2000,       "ms",     "first-order lag of the hydraulic torque after the dead time; 0: none") \
+    X(hydraulic_rate_mNm_s,                  100,       2000000000, "mNm/s",  "fastest change of hydraulic torque") \
     X(handover_start_mrad_s,                 0,         1000000,    "mrad/s", "electric braking starts to fade below this speed") \
     X(handover_end_mrad_s,                   0,         1000000,    "mrad/s", "no electric braking below this speed") \
     X(torque_rate_mNm_s,                     100,       2000000000, "mNm/s",  "fastest change of motor torque that is asked for") \
