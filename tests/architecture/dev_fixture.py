@@ -16,7 +16,10 @@ ROOT = Path(__file__).resolve().parents[2]
 USAGE = 2
 
 # What the set-up looks for, hidden from the command so that every machine looks equally bare to it.
-HIDDEN = ("apt-get", "apt-cache", "sudo", "arm-none-eabi-gcc", "qemu-system-arm", "clang-tidy", "shellcheck", "ninja", "openocd")
+HIDDEN = (
+    "apt-get", "apt-cache", "sudo", "arm-none-eabi-gcc", "qemu-system-arm", "clang-tidy", "shellcheck", "ninja", "openocd",
+    "chromium", "chromium-headless-shell", "google-chrome",
+)  # fmt: skip
 
 # Writes down its arguments and, when told to install, puts the programs of known packages where PATH finds them.
 PRETENDED_APT_GET = """#!/bin/sh
@@ -27,6 +30,7 @@ case "$*" in *" install "*) ;; *) exit 0 ;; esac
 for package in "$@"; do
     case $package in
         gcc-arm-none-eabi) printf '#!/bin/sh\\necho /pretended/nano.specs\\n' > "$APT_BIN/arm-none-eabi-gcc" ;;
+        chromium-headless-shell) printf '#!/bin/sh\\n' > "$APT_BIN/chromium-headless-shell" ;;
         qemu-system-arm) printf '#!/bin/sh\\n' > "$APT_BIN/qemu-system-arm" ;;
         *) continue ;;
     esac
@@ -147,6 +151,7 @@ class DevFixture(unittest.TestCase):
             "ruby",
             "clang",
             "cbmc",
+            "chromium",
             "gcc",
             "g++",
             "ninja",

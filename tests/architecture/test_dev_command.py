@@ -107,6 +107,21 @@ class DevCommandTest(DevFixture):
         self.assertEqual(third.returncode, 0, third.stderr)
         self.assertTrue(self.apt_installs()[-1].endswith("--no-install-recommends qemu-system-arm"), self.apt_installs())
 
+    def test_a_browser_is_installed_where_the_system_has_one(self) -> None:
+        path, apt = self.bare_path(), self.pretend_apt()
+        for _ in range(2):
+            result = self.run_dev("setup", "browser", path=path, environment=apt)
+            self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual([call.split()[-1] for call in self.apt_installs()], ["chromium-headless-shell"])
+
+    def test_where_the_system_has_no_browser_one_line_names_the_test_that_will_fail(self) -> None:
+        path, apt = self.bare_path(), self.pretend_apt()
+        write_program(self.bin / "apt-cache", "#!/bin/sh\nexit 1\n")
+        result = self.run_dev("setup", "browser", path=path, environment=apt)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("report_in_browser will fail until 'chromium' or 'google-chrome' is on PATH", result.stderr)
+        self.assertEqual(self.apt_installs(), [])
+
     def test_a_failing_installation_shows_the_end_of_its_log_and_fails(self) -> None:
         result = self.run_dev("setup", "qemu", path=self.bare_path(), environment={"APT_BROKEN": "1"} | self.pretend_apt())
         self.assertEqual(result.returncode, 1, result.stderr)

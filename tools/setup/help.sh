@@ -149,6 +149,7 @@ Installs what the other commands would install when they need it. Groups (all, i
   python   .dev/venv                        unit     ruby, CMock with Unity, Eigen, doctest
   arm      arm-none-eabi-gcc, newlib        qemu     qemu-system-arm
   checks   clang-tidy, shellcheck           proofs   CBMC, clang with its fuzzer
+  browser  Chromium without a window
 TEXT
 }
 

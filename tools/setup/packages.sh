@@ -8,7 +8,7 @@
 
 readonly CMAKE_MINIMUM=3.25
 # shellcheck disable=SC2034  # read by tools/dev
-readonly ALL_GROUPS=(build host python unit proofs arm qemu checks)
+readonly ALL_GROUPS=(build host python unit proofs arm qemu checks browser)
 
 # A group is what one kind of work needs; each prints the packages it misses. Adding a tool is adding a line.
 missing_build() {
@@ -99,6 +99,9 @@ as_root() {
 apt_get() {
     as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3 "$@"
 }
+
+# What a fresh image has not.
+apt_has_lists() { [[ -n "$(apt-get indextargets 'Identifier: Packages' 2>/dev/null)" ]]; }
 
 apt_knows() { apt-cache show --no-all-versions "$1" >/dev/null 2>&1; }
 

@@ -1,0 +1,29 @@
+# shellcheck shell=bash
+# A Chromium without a window, for the test that looks at the report as a reader does.
+#
+# Debian has it as a package of its own. Ubuntu 24.04 has not: its chromium-browser only fetches a snap,
+# which containers cannot run and which sees no temporary directory. There the test says what it misses, and fails.
+
+readonly BROWSER_PACKAGE=chromium-headless-shell
+
+browser_is_there() { have "$BROWSER_PACKAGE" || have chromium || have google-chrome; }
+
+# The system's packages are looked after here, because a system may not have this one.
+missing_browser() { :; }
+
+ensure_browser() {
+    browser_is_there && return
+    if have apt-get && ! apt_knows "$BROWSER_PACKAGE" && ! apt_has_lists && can_administer "$BROWSER_PACKAGE"; then
+        run_logged "Updating the package lists" apt-update apt_get update || fail "apt-get update failed"
+    fi
+    if ! have apt-get || ! apt_knows "$BROWSER_PACKAGE"; then
+        say "$(system_name) has no package $BROWSER_PACKAGE: the test report_in_browser will fail until 'chromium' or 'google-chrome' is on PATH"
+        return
+    fi
+    can_administer "$BROWSER_PACKAGE" ||
+        fail "neither root nor sudo here; let an administrator run: apt-get update && apt-get install -y --no-install-recommends $BROWSER_PACKAGE"
+    say "This machine ($(system_name)) misses: $BROWSER_PACKAGE"
+    apt_install "$BROWSER_PACKAGE" || fail "apt-get could not install $BROWSER_PACKAGE"
+    hash -r
+    browser_is_there || fail "$BROWSER_PACKAGE was installed but is not on PATH"
+}
