@@ -1,7 +1,8 @@
 """A PlotJuggler layout from a list of signals: which curves belong together, and in which colours.
 
-PlotJuggler (File, Data: the CSV or Parquet recording; File, Layout: this file) shows a page for the vehicle, one for the
-torques and one for each wheel; curves of signals that were not recorded are left out, and so are empty plots.
+PlotJuggler 3 (``plotjuggler --layout FILE.xml``, or Layout, Load) shows a page for the vehicle, one for the torques and one
+for each wheel; curves of signals that were not recorded are left out, and so are empty plots. A layout that was written with
+a CSV recording names it, and PlotJuggler loads it without a question.
 """
 
 import xml.etree.ElementTree as ET
@@ -36,8 +37,22 @@ _WHEEL = (
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999")
 
 
-def layout(signals: Sequence[str]) -> str:
-    """Return the layout for recorded signals as an XML document."""
+# What PlotJuggler's readers of files keep in a layout. CSV: now "parameters", "default" in older ones; comma is delimiter 0.
+# Parquet: the column of time, and that it is neither the rows' number nor a date (the misspelt name is PlotJuggler's).
+_CSV = ("DataLoad CSV", (("parameters", {"time_axis": "time_s", "delimiter": "0"}), ("default", {"time_axis": "time_s", "delimiter": "0"})))
+_PARQUET = (
+    "DataLoad Parquet", (("default", {"prevTimestamp": "time_s", "radioIndexChecked": "0", "parseDateTime": "0", "dateFromat": ""}),)
+)  # fmt: skip
+
+
+def layout(signals: Sequence[str], recording: str | None = None) -> str:
+    """Return the layout for recorded signals as an XML document.
+
+    Parameters
+    ----------
+    recording : str, optional
+        A CSV file that PlotJuggler loads with the layout, seen from the layout's directory.
+    """
     root = ET.Element("root")
     window = ET.SubElement(root, "tabbed_widget", {"name": "Main Window", "parent": "main_window"})
     for name, plots in _tabs(signals):
@@ -47,9 +62,11 @@ def layout(signals: Sequence[str]) -> str:
     ET.SubElement(window, "currentTabIndex", index="0")
     ET.SubElement(root, "use_relative_time_offset", enabled="0")
     plugins = ET.SubElement(root, "Plugins")
-    for loader in ("DataLoad CSV", "DataLoad Parquet"):
-        plugin = ET.SubElement(plugins, "plugin", ID=loader)
-        ET.SubElement(plugin, "parameters", time_axis="time_s")
+    for plugin in (_CSV, _PARQUET):
+        _add_plugin(plugins, *plugin)
+    if recording is not None:
+        loaded = ET.SubElement(ET.SubElement(root, "previouslyLoaded_Datafiles"), "fileInfo", filename=recording, prefix="")
+        _add_plugin(loaded, *_CSV)
     ET.indent(root, " ")
     return ET.tostring(root, encoding="unicode", xml_declaration=False).join(("<?xml version='1.0' encoding='UTF-8'?>\n", "\n"))
 
@@ -64,6 +81,12 @@ def _tabs(signals: Sequence[str]) -> Iterable[tuple[str, Sequence[Sequence[str]]
 
 def _matching(signals: Sequence[str], patterns: Sequence[str]) -> list[str]:
     return [name for pattern in patterns for name in signals if fnmatchcase(name, pattern)]
+
+
+def _add_plugin(parent: ET.Element, name: str, states: Sequence[tuple[str, dict[str, str]]]) -> None:
+    plugin = ET.SubElement(parent, "plugin", ID=name)
+    for element, attributes in states:
+        ET.SubElement(plugin, element, attributes)
 
 
 def _add_tab(window: ET.Element, name: str, plots: Sequence[Sequence[str]]) -> None:

@@ -3,19 +3,27 @@
 Columns are the engine's names, which end in the unit; Parquet and MDF4 carry unit and meaning of every column besides.
 """
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TextIO
+from xml.sax.saxutils import escape
 
 import numpy as np
 
-from hubsim import files, layout
+from hubsim import __version__, files, layout
 from hubsim.errors import HubsimError
 from hubsim.results import RunResult
 
 TIME = "time_s"
+START = datetime(2000, 1, 1, tzinfo=UTC)  # a simulated ride has no date; the same run gives the same file
+_MADE = (
+    "<FHcomment><TX>{about}</TX><tool_id>hubsim</tool_id><tool_vendor>hubfoc</tool_vendor><tool_version>"
+    + __version__
+    + "</tool_version></FHcomment>"
+)
 
 
 @dataclass(frozen=True)
@@ -55,6 +63,7 @@ def write_mdf(result: RunResult, path: Path) -> None:
     if TIME not in result.names:
         raise HubsimError(f"--mdf {path}: the signals do not include {TIME}, accepted: --signals with {TIME} or *")
     from asammdf import MDF, Signal  # noqa: PLC0415, a big library that only this needs
+    from asammdf.blocks.v4_blocks import FileHistory  # noqa: PLC0415
 
     time_s = result.signal(TIME)
     signals = []
@@ -63,14 +72,29 @@ def write_mdf(result: RunResult, path: Path) -> None:
             unit, text = result.meanings.get(name, ("", ""))
             signals.append(Signal(samples=result.signal(name), timestamps=time_s, name=name, unit=unit, comment=text))
     with MDF(version="4.10") as file:
-        file.start_time = datetime(2000, 1, 1, tzinfo=UTC)  # a simulated ride has no date; the same run gives the same file
-        file.append(signals, comment=f"hubsim: {result.cycle}, {result.strategy}, {result.vehicle}", common_timebase=True)
-        files.write_by_name(path, lambda temporary: file.save(temporary, overwrite=True), suffix=".mf4")
+        about = f"hubsim: {result.cycle}, {result.strategy}, {result.vehicle}"
+        file.start_time = START
+        file.append(signals, comment=about, common_timebase=True)
+        made = FileHistory()  # the library's own entry has the clock's time
+        made.time_stamp = START
+        made.comment = _MADE.format(about=escape(about))
+        file.file_history.append(made)
+        files.write_by_name(path, lambda temporary: file.save(temporary, overwrite=True, add_history_block=False), suffix=".mf4")
 
 
-def write_layout(result: RunResult, path: Path) -> None:
-    """Write a PlotJuggler layout for the recorded signals."""
-    files.write_text(path, layout.layout(result.names))
+def write_layout(result: RunResult, path: Path, csv: Path | None = None) -> None:
+    """Write a PlotJuggler layout for the recorded signals, which loads the CSV recording if there is one."""
+    recording = None if csv is None else os.path.relpath(csv.resolve(), path.resolve().parent)
+    files.write_text(path, layout.layout(result.names, recording))
+
+
+def write_all(result: RunResult, wanted: Mapping[str, Path]) -> None:
+    """Write every recording that is wanted, by the name of its kind."""
+    for name, path in wanted.items():
+        if name == "layout":
+            write_layout(result, path, wanted.get("csv"))
+        else:
+            KINDS[name].write(result, path)
 
 
 KINDS = {

@@ -52,8 +52,7 @@ def _run(options: argparse.Namespace) -> int:
     if result.stopped is False:
         print(f"hubsim: warning: {name}: still moving after {result.duration_s:g} s (max_duration_s)", file=sys.stderr)
     recorded = result.only(run.matching(result.names, patterns)) if wanted else result
-    for kind, path in wanted.items():
-        recordings.KINDS[kind].write(recorded, path)
+    recordings.write_all(recorded, wanted)
     if options.json:
         files.write_text(options.json, outputs.as_json(outputs.run_object(result, judged)))
     outputs.print_table([result])

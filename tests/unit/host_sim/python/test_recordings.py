@@ -1,7 +1,7 @@
 """Recordings read back by other people's libraries: the same numbers, with their units."""
 
-import itertools
 import subprocess
+import time
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from pathlib import Path
@@ -10,8 +10,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from asammdf import MDF
-from hubsim import cli, layout, recordings, run, scenario
-from hubsim.commands import listing
+from hubsim import cli, recordings, run, scenario
 from hubsim.errors import HubsimError
 from hubsim.results import RunResult
 from regen_table.schema import Drive
@@ -68,49 +67,28 @@ def test_a_measurement_without_time_is_refused(result: RunResult, tmp_path: Path
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("kind", ["csv", "parquet"])
-def test_the_same_run_writes_the_same_bytes(result: RunResult, tmp_path: Path, kind: str) -> None:
-    for name in "ab":
-        recordings.KINDS[kind].write(result, tmp_path / name)
+@pytest.mark.parametrize("kind", ["csv", "parquet", "mdf", "layout"])
+def test_the_same_run_writes_the_same_bytes_at_any_hour(
+    result: RunResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    clock_s = time.time
+    for name, later_s in (("a", 0.0), ("b", 100_000.0)):
+        with monkeypatch.context() as patch:
+            patch.setattr(time, "time", lambda later_s=later_s: clock_s() + later_s)
+            recordings.KINDS[kind].write(result, tmp_path / name)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
-def curves(text: str) -> list[str]:
-    return [curve.attrib["name"] for curve in ET.fromstring(text).iter("curve")]
-
-
-def test_the_layout_is_made_of_the_signals_that_there_are() -> None:
-    known = listing.signal_names()
-    text = layout.layout(known)
-    root = ET.fromstring(text)
-    assert set(curves(text)) <= set(known)
-    assert [tab.attrib["tab_name"] for tab in root.iter("Tab")] == ["vehicle", "torques", *(f"wheel {k}" for k in range(4))]
-    for splitter in root.iter("DockSplitter"):
-        plots = splitter.findall("DockArea/plot")
-        assert len(plots) == int(splitter.attrib["count"])
-        assert sum(map(float, splitter.attrib["sizes"].split(";"))) == pytest.approx(1.0, abs=1e-5)
-        for plot in plots:
-            found = [curve.attrib for curve in plot.iter("curve")]
-            assert found
-            assert len({curve["name"] for curve in found}) == len(found)
-            assert all(a["color"] != b["color"] for a, b in itertools.pairwise(found))
-
-
-def test_no_telling_signal_falls_out_of_the_layout() -> None:
-    shown = curves(layout.layout(listing.signal_names()))
-    for signal in ("driver.reference_m_per_s", "vehicle.speed_m_per_s", "battery.current_a", "bus.voltage_v", "wheel3.hydraulic_torque_nm",
-                   "wheel0.current_q_a", "wheel1.dc_w", "wheel2.winding_temperature_c", "wheel0.reason", "wheel0.mode"):  # fmt: skip
-        assert signal in shown
-
-
-def test_a_layout_leaves_out_what_was_not_recorded() -> None:
-    assert curves(layout.layout(["time_s", "vehicle.speed_m_per_s", "wheel10.mode", "wheel2.mode"])) == [
-        "vehicle.speed_m_per_s", "wheel2.mode", "wheel10.mode"
-    ]  # fmt: skip
-
-
-def test_the_layout_in_the_package_is_up_to_date() -> None:
-    assert layout.PATH.read_text(encoding="utf-8") == layout.layout(listing.signal_names())
+def test_the_same_seed_gives_the_same_recordings_and_another_one_does_not(hubsim: Hubsim, tmp_path: Path) -> None:
+    noisy = ("run", "stop", "--set", "initial_speed_kmh=3", "--set", "plant.sensors.current_noise_a=0.2", "--signals", "time_s,*_a")
+    for name, seed in (("a", 3), ("b", 3), ("c", 4)):
+        recorded = ("--csv", f"{name}.csv", "--parquet", f"{name}.parquet", "--mdf", f"{name}.mf4")
+        done = hubsim(*noisy, "--set", f"seed={seed}", *recorded)
+        assert done.returncode == 0, done.stderr
+    for ending in ("csv", "parquet", "mf4"):
+        first, again, other = ((tmp_path / f"{name}.{ending}").read_bytes() for name in "abc")
+        assert first == again, ending
+        assert first != other, ending
 
 
 def test_all_recordings_of_one_call_hold_the_same_signals(hubsim: Hubsim, tmp_path: Path) -> None:
@@ -123,7 +101,9 @@ def test_all_recordings_of_one_call_hold_the_same_signals(hubsim: Hubsim, tmp_pa
     assert pq.read_table(tmp_path / "a.parquet").column_names == names
     with MDF(tmp_path / "a.mf4") as file:
         assert set(names[1:]) <= set(file.channels_db)
-    assert curves((tmp_path / "a.xml").read_text(encoding="utf-8")) == ["vehicle.speed_m_per_s"]
+    drawn = ET.parse(tmp_path / "a.xml").getroot()
+    assert [curve.attrib["name"] for curve in drawn.iter("curve")] == ["vehicle.speed_m_per_s"]
+    assert [file.attrib["filename"] for file in drawn.iter("fileInfo")] == ["a.csv"]
 
 
 def test_signals_without_a_recording_are_a_mistake(hubsim: Hubsim) -> None:
