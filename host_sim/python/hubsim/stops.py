@@ -1,4 +1,4 @@
-"""Stops at constant demand (the paper's Fig. 14): what simulated controllers store, beside the ideal that bounds them.
+"""Stops at constant demand (the paper's Fig. 14): what simulated controllers store, beside the ideal ones.
 
 A stop of a vehicle whose wheels all do the same is that of one wheel with its share of mass and battery: currents,
 voltages and shares of energy are equal, at a fraction of the work.
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from regen_table import braking, models, optimum
+from regen_table import braking, models, optimum, packs
 from regen_table import stops as ideal
 from regen_table.schema import Drive
 
@@ -22,7 +22,7 @@ from hubsim.scenario import Scenario
 SPEED_KMH = 40.0
 TEMPERATURE_C = 25.0
 DEMANDS_NM = (5.0, 10.0, 20.0, 30.0, 40.0, 60.0, 80.0, 120.0)
-IDEAL_POINTS = 24
+IDEAL_POINTS = 16
 MAP_POINTS = 120
 LONGEST_S = 1000.0
 
@@ -34,11 +34,16 @@ _AGAINST = ("battery.series_resistance_ohm", "battery.polarisation_resistance_oh
 
 @dataclass(frozen=True)
 class Curve:
-    """Share of the kinetic energy that is stored (1) over the demand at a wheel (N m), of one strategy."""
+    """Share of the kinetic energy that is stored (1) over the demand at a wheel (N m), of one strategy.
+
+    ``ideal`` is with the battery's RC branch at rest before the stop, as in the simulation; ``settled``, at the simulated
+    demands, with that branch in steady state throughout.
+    """
 
     strategy: str
     demand_nm: tuple[float, ...]
     stored: tuple[float, ...]
+    settled: tuple[float, ...]
     ideal_demand_nm: tuple[float, ...]
     ideal: tuple[float, ...]
 
@@ -80,9 +85,14 @@ def simulate(drives: Sequence[Drive], demands_nm: Sequence[float] = DEMANDS_NM, 
     for drive, found in zip(drives, stored, strict=True):
         strategy = drive.brake.strategy
         grid = np.union1d(np.geomspace(min(demands_nm), max(demands_nm), IDEAL_POINTS), np.array(demands_nm))
-        over = [ideal.stop(drive, strategy, demand, SPEED_KMH, TEMPERATURE_C).stored_share_of_kinetic for demand in grid]
-        curves.append(Curve(strategy, tuple(demands_nm), tuple(found), tuple(grid.tolist()), tuple(over)))
+        over, settled = _ideal(drive, grid.tolist(), packs.DYNAMIC), _ideal(drive, demands_nm, packs.SETTLED)
+        curves.append(Curve(strategy, tuple(demands_nm), tuple(found), settled, tuple(grid.tolist()), over))
     return curves
+
+
+def _ideal(drive: Drive, demands_nm: Sequence[float], battery: str) -> tuple[float, ...]:
+    found = (ideal.stop(drive, drive.brake.strategy, demand, SPEED_KMH, TEMPERATURE_C, battery=battery) for demand in demands_nm)
+    return tuple(stop.stored_share_of_kinetic for stop in found)
 
 
 def _stored(drive: Drive, demands_nm: Sequence[float], progress: Callable[[], None] | None) -> list[float]:

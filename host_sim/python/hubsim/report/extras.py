@@ -51,12 +51,16 @@ class CurveLike(Protocol):
         """By the simulated stops."""
 
     @property
+    def settled(self) -> Sequence[float]:
+        """By ideal stops of the same demands whose battery is in steady state throughout."""
+
+    @property
     def ideal_demand_nm(self) -> Sequence[float]:
         """Of the ideal stops, rising."""
 
     @property
     def ideal(self) -> Sequence[float]:
-        """By the ideal stops."""
+        """By the ideal stops, whose battery is at rest before each."""
 
 
 @dataclass(frozen=True)

@@ -44,6 +44,15 @@ def differences(curve: CurveLike) -> list[float]:
     return [float(difference) for difference in np.array(curve.stored) - ideal]
 
 
+def unsettled(curves: Sequence[CurveLike]) -> float:
+    """Return by how much more of the kinetic energy (1) a stop stores at most because the battery has no time to settle."""
+    gaps = []
+    for curve in curves:
+        ideal = np.interp(np.array(curve.demand_nm), np.array(curve.ideal_demand_nm), np.array(curve.ideal))
+        gaps.append(float(np.max(ideal - np.array(curve.settled))))
+    return max(gaps)
+
+
 def describe(curves: Sequence[CurveLike]) -> str:
     """Say every simulated point in words."""
     said = []
@@ -64,7 +73,7 @@ def table(curves: Sequence[CurveLike]) -> Markup:
     for demand in demands:
         cells = [element("td", _cell(curve, demand)) for curve in curves]
         rows.append(element("tr", element("th", f"{demand:g}", scope="row"), *cells))
-    caption = "Simulated: stored share of the kinetic energy in %, in brackets how many points of a per cent above the ideal"
+    caption = "Simulated: stored share of the kinetic energy in %, in brackets by how many percentage points it lies above the ideal"
     drawn = element("table", element("caption", caption), element("thead", element("tr", *head)), element("tbody", *rows))
     return element("div", drawn, class_="scroll stops", role="region", aria_label=caption, tabindex="0")
 
@@ -106,4 +115,9 @@ def _labels(curves: Sequence[CurveLike], y: float) -> list[Markup]:
 
 def legend() -> Markup:
     """Say what lines and rings are."""
-    return join(element("strong", "Lines"), " are the ideal, ", element("strong", "rings"), " the simulated controllers.")
+    return join(
+        element("strong", "Lines"),
+        " are the ideal: steady state of the motor at every speed, no delay, no hand-over, a battery at rest before the stop; ",
+        element("strong", "rings"),
+        " the simulated controllers.",
+    )

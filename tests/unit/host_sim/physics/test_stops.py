@@ -1,15 +1,17 @@
 """The paper's Fig. 14 from simulation: stops from 40 km/h against the ideal steady-state figures."""
 
+from collections.abc import Callable
+
 import pytest
 from one_wheel import accounts, quarter, started, stopped
 from regen_table import stops
 from regen_table.schema import Drive
 
-DEMANDS_NM = (5.0, 10.0, 20.0, 40.0, 60.0, 90.0, 120.0)
+DEMANDS_NM = (5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 120.0)
 PER_CENT = 0.01
-# The ideal figures know a settled pack only: its RC branch, off by name, would give back 0.9 % of the kinetic energy at
-# 40 N m because it has not settled within a stop.
-SETTLED = {"battery.polarisation_capacitance_f": 1e-3}
+STRATEGIES = ("parallel_ratio", "parallel_free_travel", "series_optimal")
+SETTLES_AT_ONCE = {"battery.polarisation_capacitance_f": 1e-3}  # off by name: the pack's RC branch
+IMMEDIATE = {"brake.hydraulic_dead_time_s": 0.0, "brake.hydraulic_time_constant_s": 1e-3, "brake.hydraulic_rate_nm_per_s": 1e7}
 
 
 def without_hand_over(drive: Drive) -> Drive:
@@ -18,7 +20,7 @@ def without_hand_over(drive: Drive) -> Drive:
     return drive.model_copy(update={"control": control})
 
 
-def share(drive: Drive, demand_nm: float, plant: dict[str, float]) -> float:
+def share(drive: Drive, demand_nm: float, plant: dict[str, float] | None = None) -> float:
     with started(drive, {"demand_nm": demand_nm, "record_interval_s": 10.0}, plant) as engine:
         found = stopped(engine)
         ledger = accounts(engine)
@@ -26,36 +28,69 @@ def share(drive: Drive, demand_nm: float, plant: dict[str, float]) -> float:
         return found
 
 
+def ideal(drive: Drive, demand_nm: float, battery: str = "dynamic") -> float:
+    return stops.stop(drive, drive.brake.strategy, demand_nm, 40.0, 25.0, battery=battery).stored_share_of_kinetic
+
+
+def lead_and_error(series: Drive, other: Drive, demand_nm: float) -> tuple[float, float]:
+    """Return by how much series is ahead, and what the step may have put into that: twice the difference to half the step."""
+    whole, half = (share(series, demand_nm, plant) - share(other, demand_nm, plant) for plant in ({}, {"run.pieces": 2.0}))
+    return whole, 2.0 * abs(whole - half)
+
+
 @pytest.mark.parametrize("strategy", ["parallel_free_travel", "series_optimal"])
-def test_a_stop_returns_what_the_ideal_one_does_to_a_hundredth_of_the_kinetic_energy(strategy: str) -> None:
+@pytest.mark.parametrize(("plant", "battery"), [({}, "dynamic"), (SETTLES_AT_ONCE, "settled")])
+def test_a_stop_returns_what_the_ideal_one_does_to_a_hundredth_of_the_kinetic_energy(
+    strategy: str, plant: dict[str, float], battery: str
+) -> None:
+    """Everything else as it is: halls, the hand-over at low speed, a hydraulic brake that comes late."""
     drive = quarter(strategy, sensor="hall")
     for demand in DEMANDS_NM:
-        ideal = stops.stop(drive, strategy, demand, 40.0, 25.0).stored_share_of_kinetic
-        assert share(drive, demand, SETTLED) == pytest.approx(ideal, abs=PER_CENT), demand
+        assert share(drive, demand, plant) == pytest.approx(ideal(drive, demand, battery), abs=PER_CENT), demand
 
 
-def test_series_is_never_beaten_by_a_parallel_strategy() -> None:
+def with_halls(strategy: str) -> Drive:
+    return quarter(strategy, sensor="hall")
+
+
+def to_the_end(strategy: str) -> Drive:
+    return without_hand_over(quarter(strategy))
+
+
+@pytest.mark.parametrize("drive_of", [with_halls, quarter, to_the_end])
+def test_series_is_never_beaten_by_a_parallel_strategy(drive_of: Callable[[str], Drive]) -> None:
+    """With halls or a perfect angle, with the hand-over or without: by no more than the step's own error."""
     for demand in DEMANDS_NM:
-        found = {
-            strategy: share(without_hand_over(quarter(strategy)), demand, SETTLED)
-            for strategy in ("parallel_ratio", "parallel_free_travel", "series_optimal")
-        }
-        assert found["series_optimal"] > found["parallel_free_travel"] > found["parallel_ratio"], demand
+        for strategy in ("parallel_ratio", "parallel_free_travel"):
+            lead, error = lead_and_error(drive_of("series_optimal"), drive_of(strategy), demand)
+            assert lead > -error, (demand, strategy)
+            assert error < max(1e-5, 0.01 * lead), "an error that could hide anything"
 
 
-def test_with_the_hand_over_series_loses_no_more_than_it_hands_over_earlier() -> None:
-    """The fade scales what the motor could do: below T_opt = demand, series fades from less than free travel does."""
-    for demand in DEMANDS_NM:
-        series = share(quarter("series_optimal"), demand, {})
-        parallel = share(quarter("parallel_free_travel"), demand, {})
-        assert series > parallel - 0.0005, demand
-        assert demand < 10.0 or series > parallel, demand
+@pytest.mark.parametrize(
+    ("demand_nm", "strategy"), [(40.0, "parallel_free_travel"), (80.0, "series_optimal"), (120.0, "parallel_free_travel")]
+)
+def test_what_parts_a_stop_from_the_ideal_one_has_names(demand_nm: float, strategy: str) -> None:
+    """Each cause off by name takes its part away; what is left are the motor's own rise and the iron loss that a d current saves."""
+    drive = quarter(strategy)
+    with_all = share(drive, demand_nm)
+    to_standstill = share(without_hand_over(drive), demand_nm)
+    at_once = share(without_hand_over(drive), demand_nm, IMMEDIATE)
+    # Down to standstill free travel pays for its 40 N m below T_zero; series never does.
+    kept = with_all - to_standstill
+    assert kept > 0.5 * PER_CENT if (demand_nm, strategy) == (40.0, "parallel_free_travel") else abs(kept) < 0.3 * PER_CENT
+    # For dead time and lag the hydraulic part of the demand is missing: its work at that speed is done later, shared.
+    brake, speed = drive.brake, 40.0 / 3.6
+    late_s = brake.hydraulic_dead_time_s + brake.hydraulic_time_constant_s
+    missing_nm = demand_nm - brake.electric_rated_torque_nm
+    work = missing_nm * speed / drive.vehicle.wheel_radius_m * late_s / (0.5 * drive.vehicle.mass_kg * speed**2)
+    assert to_standstill - at_once == pytest.approx(work * ideal(drive, demand_nm), abs=0.1 * PER_CENT)
+    assert at_once == pytest.approx(ideal(drive, demand_nm), abs=0.5 * PER_CENT)
 
 
-def test_without_an_rc_branch_that_settles_a_stop_returns_more() -> None:
+def test_an_ideal_with_a_settled_battery_is_left_behind() -> None:
     drive = quarter("parallel_free_travel")
-    ideal = stops.stop(drive, "parallel_free_travel", 40.0, 40.0, 25.0).stored_share_of_kinetic
-    assert share(drive, 40.0, {}) > ideal + PER_CENT
+    assert share(drive, 40.0) > ideal(drive, 40.0, "settled") + PER_CENT
 
 
 @pytest.mark.parametrize(

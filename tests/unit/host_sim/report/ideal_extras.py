@@ -22,6 +22,7 @@ class Curve:
     strategy: str
     demand_nm: tuple[float, ...]
     stored: tuple[float, ...]
+    settled: tuple[float, ...]
     ideal_demand_nm: tuple[float, ...]
     ideal: tuple[float, ...]
 
@@ -37,5 +38,6 @@ def curves() -> list[Curve]:
     shares = {"parallel_ratio": (-0.14, 0.11, 0.15, 0.16, 0.16), "parallel_free_travel": (0.64, 0.81, 0.74, 0.37, 0.25)}
     shares["series_optimal"] = (0.64, 0.81, 0.76, 0.38, 0.25)
     return [
-        Curve(name, (5.0, 40.0, 120.0), (s[0], s[2] + 0.01, s[4]), ideal_nm, s) for name, s in zip(STRATEGIES, shares.values(), strict=True)
+        Curve(name, (5.0, 40.0, 120.0), (s[0], s[2] + 0.01, s[4]), (s[0], s[2] - 0.007, s[4]), ideal_nm, s)
+        for name, s in zip(STRATEGIES, shares.values(), strict=True)
     ]

@@ -24,7 +24,7 @@ def test_the_table_says_how_far_from_the_ideal() -> None:
 
 
 def test_a_strategy_of_another_name_and_a_missing_demand_are_no_obstacle() -> None:
-    odd = Curve("mine<b>", (5.0,), (0.5,), (5.0, 120.0), (0.5, 0.2))
+    odd = Curve("mine<b>", (5.0,), (0.5,), (0.5,), (5.0, 120.0), (0.5, 0.2))
     drawn = documents.read(stops.draw([*curves(), odd], "s"))
     assert "mine<b>" in drawn.words()
     assert not drawn.all("b")
@@ -33,5 +33,9 @@ def test_a_strategy_of_another_name_and_a_missing_demand_are_no_obstacle() -> No
 
 
 def test_differences_are_taken_at_the_simulated_demands() -> None:
-    curve = Curve("series_optimal", (10.0, 30.0), (0.5, 0.5), (0.0, 40.0), (0.0, 0.8))
+    curve = Curve("series_optimal", (10.0, 30.0), (0.5, 0.5), (0.2, 0.6), (0.0, 40.0), (0.0, 0.8))
     assert stops.differences(curve) == pytest.approx([0.3, -0.1])
+
+
+def test_a_battery_that_has_no_time_to_settle_is_said_in_numbers() -> None:
+    assert stops.unsettled(curves()) == pytest.approx(0.007)
