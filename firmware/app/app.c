@@ -19,7 +19,8 @@
 
 enum {
     FINISH_PASSES = 100000, /* of the console, more than the slowest line needs for its last words */
-    AT_REST_mrad_s = 300    /* a turn in 20 s */
+    AT_REST_mrad_s = 300,   /* a turn in 20 s */
+    FAST_SILENCE_ms = 3     /* without a fast step; at least four belong into every one of them */
 };
 
 /* What the background sees of the slow step. */
@@ -41,6 +42,7 @@ static struct {
     fast_to_slow_t fast_report; /* PWM period; the one the fast step keeps up to date */
     double_buffer_t from_fast;  /* low side millisecond, high side PWM period; copies of it */
     fast_to_slow_t fast_to_slow[2];
+    uint32_t fast_silent_ms; /* millisecond; in a row without a fast step */
     double_buffer_t to_slow; /* low side background, high side millisecond */
     node_wish_t wish[2];
     double_buffer_t from_slow; /* low side background, high side millisecond */
@@ -84,6 +86,7 @@ void app_boot(void)
     const view_t no_view = {.counts = {0}};
     app.config = NULL;
     app.fast_cycles_worst = 0;
+    app.fast_silent_ms = 0;
     app.restarting = false;
     app.view[0] = no_view;
     app.view[1] = no_view;
@@ -164,13 +167,28 @@ static slow_input_t slow_input(const node_wish_t *wish)
     return in;
 }
 
+/* A fast reach that has stopped carries out no verdict any more, and the timer goes on making what it was given last: a
+ * vector that stands still, against which the turning magnets drive nearly their short-circuit current, until the
+ * watchdog bites. Off, which is what that would bring, is brought here at once. */
+static void watch_fast_reach(bool has_stepped)
+{
+    if (has_stepped) {
+        app.fast_silent_ms = 0;
+    } else if (app.fast_silent_ms < FAST_SILENCE_ms) {
+        app.fast_silent_ms++;
+    }
+    if (app.fast_silent_ms >= FAST_SILENCE_ms) {
+        inverter_trip();
+    }
+}
+
 void app_millisecond_isr(void)
 {
     const config_t *config = app.config;
     if (config == NULL) {
         return;
     }
-    (void)double_buffer_take(&app.from_fast); /* nothing new: the monitor sees that the count stands still */
+    watch_fast_reach(double_buffer_take(&app.from_fast)); /* the monitor, too, sees the count stand still */
     const fast_to_slow_t *from_fast = &app.fast_to_slow[double_buffer_low(&app.from_fast)];
     slow_to_fast_t *to_fast = &app.slow_to_fast[double_buffer_low(&app.to_fast)];
     const slow_input_t in = slow_input(&app.wish[double_buffer_high(&app.to_slow)]);
@@ -181,8 +199,8 @@ void app_millisecond_isr(void)
     view->switch_temperature_cC = in.switch_temperature_cC;
     view->counts.fast_steps = (uint16_t)from_fast->foc.step_count;
     view->counts.slow_steps = to_fast->slow_step_count;
-    view->counts.verdicts = app.controller.slow.monitor.last_fast_step;
-    if (to_fast->monitor.clear_trip) {
+    view->counts.verdicts = app.controller.slow.monitor.verdicts;
+    if (to_fast->monitor.clear_trip && app.fast_silent_ms == 0) {
         inverter_clear_fault(); /* the hardware's latch is released with the monitor's, never on its own */
     }
     double_buffer_swap(&app.to_fast);

@@ -27,7 +27,7 @@ static struct {
     can_frame_t waiting;
     can_frame_t last_state;
     uint32_t now_ms, firmware_crc32;
-    int sets, feedings, clearings;
+    int sets, feedings, clearings, trips;
     bool fault, at_index, frame_waits, inverter_started;
 } board;
 
@@ -91,6 +91,13 @@ static void clear_fault(int calls)
     (void)calls;
     board.clearings++;
     board.fault = false;
+}
+
+static void trip(int calls)
+{
+    (void)calls;
+    board.trips++;
+    board.fault = true;
 }
 
 static rotor_sensor_encoder_t encoder(int calls)
@@ -165,6 +172,7 @@ void setUp(void)
     inverter_set_StubWithCallback(set);
     inverter_fault_StubWithCallback(fault);
     inverter_clear_fault_StubWithCallback(clear_fault);
+    inverter_trip_StubWithCallback(trip);
     analog_read_StubWithCallback(read_analog);
     analog_winding_temperature_cC_IgnoreAndReturn(2500);
     analog_switch_temperature_cC_IgnoreAndReturn(2500);
@@ -302,6 +310,38 @@ void test_the_watchdog_starves_when_either_reach_stops(void)
         app_background();
     }
     TEST_ASSERT_EQUAL_INT(0, board.feedings);
+}
+
+/* The timer would go on with the last compare values, and nobody else is left to switch it off before the watchdog. */
+void test_a_fast_reach_that_stops_is_switched_off_by_the_slow_one_within_four_milliseconds(void)
+{
+    app_boot();
+    milliseconds(300);
+    vehicle_says(true, false, 100);
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, board.mode);
+    TEST_ASSERT_EQUAL_INT(0, board.trips);
+    for (int ms = 0; ms < 4; ms++) {
+        app_millisecond_isr();
+    }
+    TEST_ASSERT_TRUE(board.fault);
+}
+
+/* Nor may an acknowledgement release the bridge while nothing could switch it off again. */
+void test_a_fast_reach_that_comes_back_finds_its_fault_latched(void)
+{
+    app_boot();
+    milliseconds(300);
+    vehicle_says(true, false, 100);
+    for (int ms = 0; ms < 10; ms++) {
+        app_millisecond_isr();
+    }
+    milliseconds(100);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
+    TEST_ASSERT_EQUAL_UINT8(REASON_PROGRAM_FLOW, board.last_state.data[2]);
+    TEST_ASSERT_TRUE(board.fault);
+    vehicle_says(false, true, 500);
+    TEST_ASSERT_FALSE(board.fault);
+    TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
 }
 
 void test_firmware_that_fails_its_crc_ends_in_fault_and_says_so_on_can(void)
