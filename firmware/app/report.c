@@ -65,7 +65,8 @@ static const char *inverter_words(inverter_status_t status)
     case INVERTER_FREQUENCY_UNREACHABLE:
         return "configuration refused: drive.pwm_period_counts do not make drive.pwm_frequency_Hz on this board";
     case INVERTER_DEAD_TIME_UNREACHABLE:
-        return "configuration refused: drive.dead_time_ns is longer than this board's timer can make";
+        return "configuration refused: drive.dead_time_ns is too long for this board's timer or too short for its "
+               "switches";
     case INVERTER_TIMER_UNREADY:
         return "self-test failed: the PWM timer does not update at the top of its count";
     case INVERTER_CONVERTER_UNREADY:

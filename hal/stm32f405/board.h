@@ -24,6 +24,9 @@
 
 enum {
     BOARD_CRYSTAL_Hz = 8000000,
+    /* Below it both switches of a leg could conduct together. Switches of this class are off within 200 ns of their gate
+     * driver's input; measure your own board's before you lower it. */
+    BOARD_DEAD_TIME_LEAST_ns = 300,
     BOARD_CURRENT_INVERTED = 1, /* the amplifiers' output falls with current into the motor */
     BOARD_CHANNEL_CURRENT_A = 10,
     BOARD_CHANNEL_CURRENT_B = 11,

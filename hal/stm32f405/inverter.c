@@ -116,7 +116,8 @@ inverter_status_t inverter_init(const inverter_settings_t *settings)
         return INVERTER_FREQUENCY_UNREACHABLE;
     }
     uint8_t dead_time_code;
-    if (!dead_time_encode(settings->dead_time_ns, CLOCK_TIMER1_Hz, &dead_time_code)) {
+    if (settings->dead_time_ns < BOARD_DEAD_TIME_LEAST_ns ||
+        !dead_time_encode(settings->dead_time_ns, CLOCK_TIMER1_Hz, &dead_time_code)) {
         return INVERTER_DEAD_TIME_UNREACHABLE;
     }
     RCC->APB2ENR |= RCC_APB2ENR_TIM1EN;
@@ -126,11 +127,12 @@ inverter_status_t inverter_init(const inverter_settings_t *settings)
     configure_timer(dead_time_code);
     connect_pins();
     start_gate_driver();
-    /* While the pins were being connected the break input may have been seen low. One that is still low sets it again. */
-    TIM1->SR = ~(uint32_t)TIM_SR_BIF;
     if (!start_with_update_at_top()) {
         return INVERTER_TIMER_UNREADY;
     }
+    /* While the pins were being connected and pulled up the break input was low. Some periods have passed since: one that
+     * is still low sets it again. */
+    TIM1->SR = ~(uint32_t)TIM_SR_BIF;
     return analog_init() ? INVERTER_OK : INVERTER_CONVERTER_UNREADY;
 }
 

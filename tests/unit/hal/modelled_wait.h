@@ -1,0 +1,20 @@
+/*
+ * modelled_wait.h: stands before every file of the port under test, in the place of its wait.h: while the port waits for
+ * hardware, the model's hardware goes on. The debugger's registers are not at the chip's address, which the address
+ * sanitizer needs for itself.
+ */
+#ifndef STM32F405_WAIT_H
+#define STM32F405_WAIT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "registers/iwdg.h"
+
+#undef DBGMCU
+#define DBGMCU (&modelled_debugger)
+extern dbgmcu_registers_t modelled_debugger;
+
+bool wait_for(const volatile uint32_t *reg, uint32_t mask, uint32_t value, uint32_t looks);
+
+#endif

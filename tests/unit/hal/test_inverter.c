@@ -1,0 +1,254 @@
+/* The flashable port's bridge, its code unchanged, on a model of the timer: what the gates see. */
+#include "analog_start.h"
+#include "board.h"
+#include "hal/inverter.h"
+#include "registers/gpio.h"
+#include "registers/tim.h"
+#include "timer1_model.h"
+#include "unity.h"
+
+enum { TOP = 4200, MIDDLE = TOP / 2 };
+
+static const uint16_t COMPARE[3] = {1000, 3000, 4200};
+static bool analog_started;
+
+bool analog_init(void)
+{
+    return true;
+}
+
+void analog_start(void)
+{
+    analog_started = true;
+}
+
+static inverter_status_t init_with_dead_time(uint32_t dead_time_ns)
+{
+    const inverter_settings_t settings = {
+        .pwm_frequency_Hz = 20000, .pwm_period_counts = TOP, .dead_time_ns = dead_time_ns};
+    const inverter_status_t status = inverter_init(&settings);
+    timer1_settle();
+    return status;
+}
+
+static void begin(void)
+{
+    TEST_ASSERT_EQUAL_INT(INVERTER_OK, init_with_dead_time(1000));
+    const uint16_t none[3] = {0, 0, 0};
+    inverter_set(INVERTER_MODE_OFF, none);
+    inverter_start();
+    while (!timer1_at_top()) {
+        timer1_half_period();
+    }
+}
+
+void setUp(void)
+{
+    timer1_break_rises_after(0);
+    timer1_reset();
+    inverter_clear_fault(); /* the port's own memory of the test before */
+    analog_started = false;
+}
+
+void tearDown(void) {}
+
+/* One period: the interrupt at the top says what is to be done, then the count goes down, up, and to the next top. */
+static void period(inverter_mode_t mode, const uint16_t compare_counts[3])
+{
+    inverter_set(mode, compare_counts);
+    timer1_half_period();
+    timer1_half_period();
+}
+
+static void assert_off(void)
+{
+    for (uint32_t count = 0; count <= TOP; count += 100) {
+        const gates_t gates = timer1_gates(count);
+        for (int x = 0; x < 3; x++) {
+            TEST_ASSERT_FALSE(gates.high[x]);
+            TEST_ASSERT_FALSE(gates.low[x]);
+        }
+    }
+}
+
+static void assert_short(void)
+{
+    for (uint32_t count = 0; count <= TOP; count += 100) {
+        const gates_t gates = timer1_gates(count);
+        for (int x = 0; x < 3; x++) {
+            TEST_ASSERT_FALSE(gates.high[x]);
+            TEST_ASSERT_TRUE(gates.low[x]);
+        }
+    }
+}
+
+static void assert_pwm(void)
+{
+    for (uint32_t count = 0; count <= TOP; count += 100) {
+        const gates_t gates = timer1_gates(count);
+        for (int x = 0; x < 3; x++) {
+            TEST_ASSERT_EQUAL(count < COMPARE[x] || COMPARE[x] == TOP, gates.high[x]);
+            TEST_ASSERT_EQUAL(!gates.high[x], gates.low[x]);
+        }
+    }
+}
+
+void test_started_it_updates_once_a_period_and_at_the_top(void)
+{
+    begin();
+    TEST_ASSERT_TRUE(analog_started);
+    for (int half = 0; half < 20; half++) {
+        timer1_half_period();
+        TEST_ASSERT_EQUAL(timer1_at_top(), timer1_updated());
+    }
+}
+
+void test_a_timer_without_its_clock_is_not_believed(void)
+{
+    timer1_stop_clock();
+    TEST_ASSERT_EQUAL_INT(INVERTER_TIMER_UNREADY, init_with_dead_time(1000));
+    TEST_ASSERT_FALSE(analog_started);
+}
+
+/* Push-pull outputs of the timer, pulled down for as long as they are not driven, and driven low from the first moment. */
+void test_after_start_up_every_gate_is_driven_low(void)
+{
+    static const pin_t GATES[6] = {{GPIOA, 8}, {GPIOA, 9}, {GPIOA, 10}, {GPIOB, 13}, {GPIOB, 14}, {GPIOB, 15}};
+    begin();
+    assert_off();
+    for (int i = 0; i < 6; i++) {
+        const pin_t pin = GATES[i];
+        TEST_ASSERT_EQUAL_HEX32(2, (pin.port->MODER >> 2U * pin.number) & 3U);
+        TEST_ASSERT_EQUAL_HEX32(2, (pin.port->PUPDR >> 2U * pin.number) & 3U);
+        TEST_ASSERT_EQUAL_HEX32(BOARD_AF_TIM1, (pin.port->AFRH >> 4U * (pin.number - 8U)) & 0xFU);
+        TEST_ASSERT_EQUAL_HEX32(0, (pin.port->OTYPER >> pin.number) & 1U);
+    }
+    TEST_ASSERT_EQUAL_HEX32(0, TIM1->CR2 & 0x3F00U); /* OIS1 .. OIS3N (17.4.2): idle is off */
+    TEST_ASSERT_EQUAL_HEX32(0, TIM1->CCER & 0xAAAU); /* CC1P .. CC3NP (17.4.9): active is high */
+}
+
+void test_switched_on_the_gates_follow_the_new_values_and_never_the_old_ones(void)
+{
+    begin();
+    inverter_set(INVERTER_MODE_PWM, COMPARE);
+    assert_off(); /* what is active now is from before */
+    timer1_half_period();
+    assert_off();
+    timer1_half_period();
+    assert_off(); /* active now, but the interrupt has not come yet */
+    inverter_set(INVERTER_MODE_PWM, COMPARE);
+    assert_pwm();
+}
+
+void test_switched_off_is_off_at_once(void)
+{
+    begin();
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    assert_pwm();
+    inverter_set(INVERTER_MODE_OFF, COMPARE);
+    assert_off();
+}
+
+void test_the_short_is_three_low_sides_from_the_next_top_on(void)
+{
+    begin();
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    inverter_set(INVERTER_MODE_SHORT, COMPARE);
+    assert_pwm();
+    timer1_half_period();
+    timer1_half_period();
+    assert_short();
+}
+
+void test_the_short_out_of_off_never_shows_a_high_side(void)
+{
+    begin();
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_OFF, COMPARE);
+    inverter_set(INVERTER_MODE_SHORT, COMPARE);
+    assert_off();
+    timer1_half_period();
+    timer1_half_period();
+    assert_off();
+    inverter_set(INVERTER_MODE_SHORT, COMPARE);
+    assert_short();
+}
+
+void test_a_break_switches_off_without_software_and_stays_until_it_is_released(void)
+{
+    begin();
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    timer1_set_break_pin(false);
+    assert_off();
+    TEST_ASSERT_TRUE(inverter_fault());
+    inverter_clear_fault(); /* the cause is still there */
+    timer1_settle();
+    TEST_ASSERT_TRUE(inverter_fault());
+    timer1_set_break_pin(true);
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    assert_off();
+    inverter_clear_fault();
+    timer1_settle();
+    TEST_ASSERT_FALSE(inverter_fault());
+    assert_off(); /* not by the release alone */
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    assert_pwm();
+}
+
+void test_the_gate_drivers_fault_switches_off_and_is_not_released_while_it_lasts(void)
+{
+    begin();
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    timer1_set_driver_fault_pin(false);
+    TEST_ASSERT_TRUE(inverter_fault());
+    inverter_set(INVERTER_MODE_SHORT, COMPARE);
+    assert_off();
+    inverter_clear_fault();
+    TEST_ASSERT_TRUE(inverter_fault());
+}
+
+void test_a_trip_is_off_at_once_and_latched(void)
+{
+    begin();
+    period(INVERTER_MODE_PWM, COMPARE);
+    period(INVERTER_MODE_PWM, COMPARE);
+    inverter_trip();
+    assert_off();
+    period(INVERTER_MODE_SHORT, COMPARE);
+    period(INVERTER_MODE_SHORT, COMPARE);
+    assert_off();
+    TEST_ASSERT_TRUE(inverter_fault());
+}
+
+/* Pull-up and wire make microseconds of it; the fault would be latched and nobody would know why. */
+void test_a_break_input_that_rises_slowly_at_start_up_is_no_fault(void)
+{
+    timer1_break_rises_after(3);
+    timer1_reset();
+    begin();
+    TEST_ASSERT_FALSE(inverter_fault());
+}
+
+void test_a_break_input_that_is_low_for_good_is_one(void)
+{
+    timer1_break_rises_after(1000);
+    timer1_reset();
+    TEST_ASSERT_EQUAL_INT(INVERTER_OK, init_with_dead_time(1000));
+    TEST_ASSERT_TRUE(inverter_fault());
+}
+
+/* A configuration may not make both switches of a leg conduct together. */
+void test_a_dead_time_too_short_for_the_boards_switches_is_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, init_with_dead_time(0));
+    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, init_with_dead_time(BOARD_DEAD_TIME_LEAST_ns - 1));
+    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, init_with_dead_time(6001));
+    TEST_ASSERT_EQUAL_HEX32(0, TIM1->CCER);
+    TEST_ASSERT_EQUAL_INT(INVERTER_OK, init_with_dead_time(BOARD_DEAD_TIME_LEAST_ns));
+}
