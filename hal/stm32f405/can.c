@@ -15,13 +15,18 @@ enum {
     QUANTA_AFTER_SAMPLE = 2,
     QUANTA = 1 + QUANTA_BEFORE_SAMPLE + QUANTA_AFTER_SAMPLE,
     PRESCALER = CLOCK_CORE_Hz / CLOCK_APB1_DIVIDER / QUANTA / BIT_RATE,
-    LOOKS = 200000, /* 6 ms: entering and leaving initialisation takes a frame and eleven bits, 0.3 ms */
+    LOOKS = 20000, /* 0.6 .. 2.4 ms: entering and leaving initialisation takes a frame and eleven bits, 0.3 ms */
+    START_MOST_ms = 3,
     IDENTIFIERS_PER_BANK = 4,
     BANKS_USED = 4,
     IDENTIFIERS_MAX = 14
 };
 _Static_assert(PRESCALER *QUANTA *BIT_RATE == CLOCK_CORE_Hz / CLOCK_APB1_DIVIDER, "the bit rate must be exact");
 _Static_assert(IDENTIFIERS_MAX <= BANKS_USED * IDENTIFIERS_PER_BANK, "filter banks");
+
+/* On a bus that is held dominant the last wait runs out, and the watchdog, which bites after 17 ms at the earliest, has
+ * been started before and is not fed until the control steps have run for 5 ms. */
+_Static_assert(LOOKS *WAIT_LOOK_CYCLES_MOST <= CLOCK_CORE_Hz / 1000 * START_MOST_ms, "no restart because of the bus");
 
 static bool configured; /* filters and bit timing are in place */
 
