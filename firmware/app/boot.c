@@ -42,9 +42,9 @@ boot_report_t boot_run(void)
 {
     boot_report_t report = {.inverter = INVERTER_OK};
     report.clock_good = time_init();
-    serial_init(BOOT_SERIAL_BIT_RATE);
     report.was_watchdog = watchdog_caused_reset();
     report.ram_good = ram_good();
+    serial_init(BOOT_SERIAL_BIT_RATE); /* may interrupt from here on, which nothing may while the RAM is tested */
     const flash_image_t firmware = flash_firmware();
     report.firmware_good = selftest_firmware(firmware.begin, firmware.size_bytes, flash_firmware_crc32());
 

@@ -7,7 +7,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* timeout_ms 1 .. 4000, made by an oscillator of its own, which may be off by -30 .. +45 %. */
+/* timeout_ms 1 .. 4000, made by an oscillator of its own, which may be 47 % fast or slow: between two thirds of that time
+ * and twice as long. */
 void watchdog_start(uint32_t timeout_ms);
 
 void watchdog_feed(void);

@@ -14,7 +14,7 @@
 
 enum {
     SUPERVISOR_WINDOW_STEPS = 5, /* slow steps between two feedings, 5 ms */
-    SUPERVISOR_TIMEOUT_ms = 25   /* of the watchdog: three windows even if its oscillator is 30 % too fast */
+    SUPERVISOR_TIMEOUT_ms = 25   /* of the watchdog: three windows even if its oscillator is 47 % too fast */
 };
 
 /* Counters as they stand now; they wrap. */

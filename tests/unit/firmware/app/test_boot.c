@@ -23,10 +23,10 @@ static void expect_board(bool clock_good, const void *configuration, uint32_t co
     const flash_image_t firmware = {"123456789", 9};
     const flash_image_t image = {configuration, configuration_bytes};
     time_init_ExpectAndReturn(clock_good);
-    serial_init_Expect(BOOT_SERIAL_BIT_RATE);
     watchdog_caused_reset_ExpectAndReturn(false);
     memory_unused_ExpectAndReturn(unused);
     memory_mark_stack_Expect();
+    serial_init_Expect(BOOT_SERIAL_BIT_RATE);
     flash_firmware_ExpectAndReturn(firmware);
     flash_firmware_crc32_ExpectAndReturn(firmware_crc32);
     flash_configuration_ExpectAndReturn(image);
@@ -66,6 +66,34 @@ void test_a_sound_board_with_a_good_configuration_may_control(void)
     TEST_ASSERT_TRUE(boot_selftest_passed(&report));
     TEST_ASSERT_TRUE(boot_may_control(&report));
     TEST_ASSERT_EQUAL_PTR(&config, report.config);
+}
+
+static bool line_may_interrupt;
+
+static void start_line(uint32_t bit_rate, int calls)
+{
+    (void)bit_rate;
+    (void)calls;
+    line_may_interrupt = true;
+}
+
+static memory_window_t give_away_memory(int calls)
+{
+    (void)calls;
+    TEST_ASSERT_FALSE(line_may_interrupt); /* hal/memory.h: only while no interrupt is enabled */
+    const memory_window_t unused = {window, 16};
+    return unused;
+}
+
+void test_the_memory_is_tested_before_anything_may_interrupt(void)
+{
+    line_may_interrupt = false;
+    expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
+    expect_ports(INVERTER_OK);
+    serial_init_AddCallback(start_line);
+    memory_unused_AddCallback(give_away_memory);
+    (void)boot_run();
+    TEST_ASSERT_TRUE(line_may_interrupt);
 }
 
 void test_a_board_without_the_sensor_that_the_configuration_names_may_not_control(void)
