@@ -55,6 +55,10 @@ IN_RAM static bool ram_wait(uint32_t looks)
 IN_RAM static flash_status_t ram_replace(volatile uint32_t *to, const uint32_t *from, uint32_t words)
 {
     flash_status_t status = FLASH_OK;
+    /* Without the caches, so that what is read back has been in the flash: a line that was read before the sector was erased
+     * would take the new words by itself (3.6.5). */
+    const uint32_t access = FLASH->ACR;
+    FLASH->ACR = access & ~(uint32_t)(FLASH_ACR_ICEN | FLASH_ACR_DCEN);
     (void)ram_wait(LOOKS_WORD); /* drops errors left behind by a debugger */
     FLASH->CR = FLASH_CR_SER | ((uint32_t)CONFIGURATION_SECTOR << FLASH_CR_SNB_Pos) |
                 ((uint32_t)PARALLELISM_32_BITS << FLASH_CR_PSIZE_Pos);
@@ -70,9 +74,7 @@ IN_RAM static flash_status_t ram_replace(volatile uint32_t *to, const uint32_t *
         }
     }
     FLASH->CR = FLASH_CR_LOCK;
-    /* The caches may hold what was there before: reset is allowed only while they are off (3.9.1). */
-    const uint32_t access = FLASH->ACR;
-    FLASH->ACR = access & ~(uint32_t)(FLASH_ACR_ICEN | FLASH_ACR_DCEN);
+    /* The caches still hold what was there before: reset is allowed only while they are off (3.9.1). */
     FLASH->ACR |= FLASH_ACR_ICRST | FLASH_ACR_DCRST;
     FLASH->ACR = access;
     return status;

@@ -60,6 +60,8 @@ bool time_init(void)
     on_crystal = wait_for(&RCC->CFGR, RCC_CFGR_SWS, (uint32_t)SWITCH_PLL << RCC_CFGR_SWS_Pos, LOOKS_PLL);
     if (on_crystal) {
         RCC->CR |= RCC_CR_CSSON; /* a crystal that stops later raises NMI, which switches the bridge off */
+    } else {
+        RCC->CFGR = 0; /* the buses undivided again, as clock_apb1_Hz() says and the serial line needs */
     }
     return on_crystal;
 }
