@@ -17,6 +17,7 @@
 #include "registers/iwdg.h"
 #include "registers/rcc.h"
 #include "registers/tim.h"
+#include "supply.h"
 #include "vectors.h"
 #include "wait.h"
 
@@ -138,6 +139,10 @@ inverter_status_t inverter_init(const inverter_settings_t *settings)
 
 void inverter_start(void)
 {
+    supply_watch();
+    if (supply_low()) {
+        inverter_trip();
+    }
     analog_start();
 }
 
@@ -190,7 +195,7 @@ bool inverter_fault(void)
 
 void inverter_clear_fault(void)
 {
-    if (gpio_read(BOARD_DRIVER_FAULT) && gpio_read(BOARD_BREAK)) {
+    if (gpio_read(BOARD_DRIVER_FAULT) && gpio_read(BOARD_BREAK) && !supply_low()) {
         TIM1->SR = ~(uint32_t)TIM_SR_BIF;
         tripped = false;
     }

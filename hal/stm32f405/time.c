@@ -30,7 +30,7 @@ static volatile uint32_t milliseconds;
 
 static bool start_crystal_and_pll(void)
 {
-    RCC->APB1ENR |= RCC_APB1ENR_PWREN; /* the regulator is in scale 1 after reset, as 168 MHz needs */
+    /* The regulator is in scale 1 after reset, as 168 MHz needs. */
     RCC->CR |= RCC_CR_HSEON;
     if (!wait_for(&RCC->CR, RCC_CR_HSERDY, RCC_CR_HSERDY, LOOKS_CRYSTAL)) {
         return false;
