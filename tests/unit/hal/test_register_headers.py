@@ -27,14 +27,7 @@ REQUIREMENTS = Path(__file__).with_name("requirements-svd.txt")
 # Name in our headers -> name in the SVD, where they differ.
 PERIPHERALS = {"ADC_COMMON": "C_ADC", "DBGMCU": "DBG"}
 # Prefix of our field macros -> an SVD peripheral that has these registers.
-PREFIXES = {
-    "ADC_COMMON": "C_ADC",
-    "ADC": "ADC1",
-    "TIM": "TIM1",
-    "USART": "USART3",
-    "CAN": "CAN1",
-    "DBGMCU": "DBG",
-}
+PREFIXES = {"ADC_COMMON": "C_ADC", "ADC": "ADC1", "TIM": "TIM1", "USART": "USART3", "CAN": "CAN1", "DBGMCU": "DBG"}
 # Our register name -> the SVD's, where they differ (arrays become the first element, capture/compare has two views).
 REGISTERS_RENAMED = {
     ("CAN1", "TIR"): ["TI0R"],
@@ -56,14 +49,8 @@ FIELDS_RENAMED = {
 }
 # Members that are structures of registers, with the SVD's name of every register in them.
 NESTED = {
-    "transmit": (
-        3,
-        {"TIR": "TI{}R", "TDTR": "TDT{}R", "TDLR": "TDL{}R", "TDHR": "TDH{}R"},
-    ),
-    "receive": (
-        2,
-        {"RIR": "RI{}R", "RDTR": "RDT{}R", "RDLR": "RDL{}R", "RDHR": "RDH{}R"},
-    ),
+    "transmit": (3, {"TIR": "TI{}R", "TDTR": "TDT{}R", "TDLR": "TDL{}R", "TDHR": "TDH{}R"}),
+    "receive": (2, {"RIR": "RI{}R", "RDTR": "RDT{}R", "RDLR": "RDL{}R", "RDHR": "RDH{}R"}),
     "filter": (28, {"FR1": "F{}R1", "FR2": "F{}R2"}),
 }
 # Not in any SVD: keys that are written to a register, and the core's own registers (core.h).
@@ -84,27 +71,10 @@ def svd_text() -> bytes:
     wheels = sorted(CACHE.glob("pyocd-*.whl"))
     if not wheels:
         CACHE.mkdir(parents=True, exist_ok=True)
-        command = [
-            sys.executable,
-            "-m",
-            "pip",
-            "download",
-            "--disable-pip-version-check",
-            "--no-input",
-            "--quiet",
-        ]
-        command += [
-            "--no-deps",
-            "--require-hashes",
-            "-r",
-            str(REQUIREMENTS),
-            "-d",
-            str(CACHE),
-        ]
+        command = [sys.executable, "-m", "pip", "download", "--disable-pip-version-check", "--no-input", "--quiet"]
+        command += ["--no-deps", "--require-hashes", "-r", str(REQUIREMENTS), "-d", str(CACHE)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, (
-            f"the SVD could not be fetched: {done.stderr.strip().splitlines()[-1:]}"
-        )
+        assert done.returncode == 0, f"the SVD could not be fetched: {done.stderr.strip().splitlines()[-1:]}"
         wheels = sorted(CACHE.glob("pyocd-*.whl"))
     with zipfile.ZipFile(wheels[-1]) as wheel:
         inner = wheel.read("pyocd/debug/svd/svd_data.zip")
@@ -138,24 +108,15 @@ def device() -> ET.Element:
 
 @pytest.fixture(scope="module")
 def svd(device: ET.Element) -> dict[str, Peripheral]:
-    elements = {
-        e.findtext("name") or "": e for e in device.iterfind("peripherals/peripheral")
-    }
-    return {
-        name: parse(e, elements[e.get("derivedFrom", name)])
-        for name, e in elements.items()
-    }
+    elements = {e.findtext("name") or "": e for e in device.iterfind("peripherals/peripheral")}
+    return {name: parse(e, elements[e.get("derivedFrom", name)]) for name, e in elements.items()}
 
 
 def field_mask(register: dict[str, int], name: str) -> int | None:
     """Mask of a field; the SVD splits some fields into bits, NAME0, NAME1 and so on, which are put together."""
     if name in register:
         return register[name]
-    bits = [
-        mask
-        for other, mask in register.items()
-        if re.fullmatch(re.escape(name) + r"\d+", other)
-    ]
+    bits = [mask for other, mask in register.items() if re.fullmatch(re.escape(name) + r"\d+", other)]
     return sum(bits) if bits else None
 
 
@@ -172,32 +133,20 @@ def evaluate(expressions: dict[str, str], tmp_path: Path) -> dict[str, int]:
     """
     lines = [f'#include "{path}"' for path in headers()]
     lines += ["#include <stddef.h>", "#include <stdio.h>", "int main(void) {"]
-    lines += [
-        f'printf("{key} %llu\\n", (unsigned long long)({text}));'
-        for key, text in expressions.items()
-    ]
+    lines += [f'printf("{key} %llu\\n", (unsigned long long)({text}));' for key, text in expressions.items()]
     lines += ["return 0; }"]
     source = tmp_path / "values.c"
     source.write_text("\n".join(lines))
     program = tmp_path / "values"
-    subprocess.run(
-        ["cc", "-std=c11", "-Wno-int-to-pointer-cast", "-o", program, source],
-        check=True,
-    )
-    output = subprocess.run(
-        [program], check=True, capture_output=True, text=True
-    ).stdout
-    return {
-        key: int(value) for key, value in (line.split() for line in output.splitlines())
-    }
+    subprocess.run(["cc", "-std=c11", "-Wno-int-to-pointer-cast", "-o", program, source], check=True)
+    output = subprocess.run([program], check=True, capture_output=True, text=True).stdout
+    return {key: int(value) for key, value in (line.split() for line in output.splitlines())}
 
 
 def macros() -> list[str]:
     names = []
     for path in headers():
-        names += re.findall(
-            r"^#define ([A-Z]\w+) \(?[\dx(]", path.read_text(), re.MULTILINE
-        )
+        names += re.findall(r"^#define ([A-Z]\w+) \(?[\dx(]", path.read_text(), re.MULTILINE)
     return names
 
 
@@ -205,13 +154,7 @@ def instances() -> dict[str, str]:
     """Peripheral macro -> structure type."""
     found: dict[str, str] = {}
     for path in headers():
-        found.update(
-            re.findall(
-                r"^#define (\w+) \(\((\w+_registers_t) \*\)0x",
-                path.read_text(),
-                re.MULTILINE,
-            )
-        )
+        found.update(re.findall(r"^#define (\w+) \(\((\w+_registers_t) \*\)0x", path.read_text(), re.MULTILINE))
     return found
 
 
@@ -220,26 +163,16 @@ def members(structure: str) -> list[str]:
     match = re.search(r"typedef struct \{([^}]*)\} " + structure + ";", text)
     assert match, structure
     body = re.sub(r"/\*.*?\*/", "", match.group(1))
-    return [
-        name
-        for name in re.findall(r"\b(\w+)(?:\[\d+\])?;", body)
-        if not name.startswith("reserved")
-    ]
+    return [name for name in re.findall(r"\b(\w+)(?:\[\d+\])?;", body) if not name.startswith("reserved")]
 
 
-def test_every_peripheral_is_where_the_chip_has_it(
-    svd: dict[str, Peripheral], tmp_path: Path
-) -> None:
+def test_every_peripheral_is_where_the_chip_has_it(svd: dict[str, Peripheral], tmp_path: Path) -> None:
     found = evaluate({name: f"(size_t){name}" for name in instances()}, tmp_path)
     assert len(found) >= 14
-    assert {n: hex(v) for n, v in found.items()} == {
-        n: hex(svd[PERIPHERALS.get(n, n)].base) for n in found
-    }
+    assert {n: hex(v) for n, v in found.items()} == {n: hex(svd[PERIPHERALS.get(n, n)].base) for n in found}
 
 
-def test_every_register_has_its_offset(
-    svd: dict[str, Peripheral], tmp_path: Path
-) -> None:
+def test_every_register_has_its_offset(svd: dict[str, Peripheral], tmp_path: Path) -> None:
     expressions: dict[str, str] = {}
     expected: dict[str, int] = {}
     for instance, structure in instances().items():
@@ -250,16 +183,12 @@ def test_every_register_has_its_offset(
                 for index in range(count):
                     for ours, theirs in names.items():
                         key = f"{instance}.{member}[{index}].{ours}"
-                        expressions[key] = (
-                            f"offsetof({structure}, {member}[{index}].{ours})"
-                        )
+                        expressions[key] = f"offsetof({structure}, {member}[{index}].{ours})"
                         expected[key] = svd[peripheral].offsets[theirs.format(index)]
                 continue
             if peripheral == "TIM3" and member in ("RCR", "BDTR"):
                 continue  # the advanced timer's layout, of which the simple one lacks these two
-            theirs = REGISTERS_RENAMED.get(
-                (peripheral.replace("TIM3", "TIM1"), member), [member]
-            )[0]
+            theirs = REGISTERS_RENAMED.get((peripheral.replace("TIM3", "TIM1"), member), [member])[0]
             expressions[f"{instance}.{member}"] = f"offsetof({structure}, {member})"
             expected[f"{instance}.{member}"] = svd[peripheral].offsets[theirs]
     found = evaluate(expressions, tmp_path)
@@ -269,10 +198,7 @@ def test_every_register_has_its_offset(
 
 def split(name: str) -> tuple[str, str, str]:
     """TIM_CR1_CEN -> (TIM1, CR1, CEN)."""
-    prefix = next(
-        (p for p in PREFIXES if name.startswith(p + "_")),
-        name.split("_", maxsplit=1)[0],
-    )
+    prefix = next((p for p in PREFIXES if name.startswith(p + "_")), name.split("_", maxsplit=1)[0])
     rest = name[len(prefix) + 1 :]
     peripheral = PREFIXES.get(prefix, prefix)
     if peripheral == "DBG":
@@ -282,9 +208,7 @@ def split(name: str) -> tuple[str, str, str]:
     return peripheral, register, field
 
 
-def test_every_field_has_its_mask_and_its_position(
-    svd: dict[str, Peripheral], tmp_path: Path
-) -> None:
+def test_every_field_has_its_mask_and_its_position(svd: dict[str, Peripheral], tmp_path: Path) -> None:
     names = [n for n in macros() if not NOT_FIELDS.match(n) and n not in instances()]
     found = evaluate({name: name for name in names}, tmp_path)
     assert len(found) >= 120
@@ -293,34 +217,19 @@ def test_every_field_has_its_mask_and_its_position(
         peripheral, register, field = split(name.removesuffix("_Pos"))
         field = FIELDS_RENAMED.get((peripheral, register, field), field)
         views = REGISTERS_RENAMED.get((peripheral, register), [register])
-        masks = [
-            m
-            for m in (field_mask(svd[peripheral].masks[view], field) for view in views)
-            if m is not None
-        ]
+        masks = [m for m in (field_mask(svd[peripheral].masks[view], field) for view in views) if m is not None]
         if not masks:
             wrong.append(f"{name}: no field {field} in {peripheral}.{register}")
         elif name.endswith("_Pos"):
             if any((mask & -mask).bit_length() - 1 != value for mask in masks):
-                wrong.append(
-                    f"{name} is {value}, the chip's mask is {[hex(m) for m in masks]}"
-                )
+                wrong.append(f"{name} is {value}, the chip's mask is {[hex(m) for m in masks]}")
         elif any(mask != value for mask in masks):
-            wrong.append(
-                f"{name} is {value:#x}, the chip's is {[hex(m) for m in masks]}"
-            )
+            wrong.append(f"{name} is {value:#x}, the chip's is {[hex(m) for m in masks]}")
     assert not wrong, "\n".join(wrong)
 
 
 def test_the_interrupts_have_the_chips_numbers(device: ET.Element) -> None:
     numbers = {i.findtext("name"): number(i, "value") for i in device.iter("interrupt")}
     text = (REGISTERS.parent / "interrupts.h").read_text()
-    ours = {
-        name: int(value)
-        for name, value in re.findall(r"INTERRUPT_(ADC|USART3|SUPPLY) = (\d+)", text)
-    }
-    assert ours == {
-        "ADC": numbers["ADC_IRQ"],
-        "USART3": numbers["USART3_IRQ"],
-        "SUPPLY": numbers["PVD_IRQ"],
-    }
+    ours = {name: int(value) for name, value in re.findall(r"INTERRUPT_(ADC|USART3|SUPPLY) = (\d+)", text)}
+    assert ours == {"ADC": numbers["ADC_IRQ"], "USART3": numbers["USART3_IRQ"], "SUPPLY": numbers["PVD_IRQ"]}
