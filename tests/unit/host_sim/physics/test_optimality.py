@@ -1,16 +1,17 @@
 """The stored table is the optimum in simulation too: no other torque returns more on a stop."""
 
+import numpy as np
 import pytest
-from hubsim import images
+from hubsim import images, stops
 from one_wheel import quarter, started, stopped
 from regen_table import image
 from regen_table.schema import Drive
 
 FACTORS = (0.8, 0.9, 1.1, 1.2)
-DEMAND_NM = 120.0  # the motor always gives what the table and its limits allow
+SPEED_KMH = 40.0
 
 
-def returned(monkeypatch: pytest.MonkeyPatch, factor: float, temperature_c: float) -> float:
+def returned(monkeypatch: pytest.MonkeyPatch, demand_nm: float, factor: float, temperature_c: float) -> float:
     """Return the share of kinetic energy that comes back with the whole table multiplied."""
     honest = images.build
 
@@ -21,15 +22,33 @@ def returned(monkeypatch: pytest.MonkeyPatch, factor: float, temperature_c: floa
 
     with monkeypatch.context() as patch:
         patch.setattr(images, "build", scaled)
-        keys = {"demand_nm": DEMAND_NM, "winding_temperature_c": temperature_c, "record_interval_s": 10.0}
-        engine = started(quarter(), keys, {"battery.polarisation_capacitance_f": 1e-3})
+        keys = {
+            "initial_speed_kmh": SPEED_KMH, "demand_nm": demand_nm, "winding_temperature_c": temperature_c, "record_interval_s": 10.0
+        }  # fmt: skip
+        engine = started(quarter(), keys)
     with engine:
         return stopped(engine)
 
 
+def share_where_the_table_matters(demand_nm: float, factor: float, temperature_c: float) -> float:
+    """Return the kinetic energy (1) below the speed at which the table allows as much as the demand or the motor does."""
+    best = stops.optimum_map(quarter(), temperature_c)
+    bound = factor * best.optimal_nm < np.minimum(demand_nm, best.limit_nm)
+    fastest = float(np.max(best.speed_rad_s[bound])) * best.wheel_radius_m
+    return (fastest / (SPEED_KMH / 3.6)) ** 2
+
+
 @pytest.mark.parametrize("temperature_c", [25.0, 120.0])
-def test_no_multiple_of_the_table_returns_more(monkeypatch: pytest.MonkeyPatch, temperature_c: float) -> None:
-    best = returned(monkeypatch, 1.0, temperature_c)
-    found = {factor: returned(monkeypatch, factor, temperature_c) for factor in FACTORS}
+@pytest.mark.parametrize("demand_nm", [20.0, 40.0, 60.0, 120.0])
+def test_no_multiple_of_the_table_returns_more(monkeypatch: pytest.MonkeyPatch, demand_nm: float, temperature_c: float) -> None:
+    """From 120 N m, where the table or the motor's limit always decides, to 20, where the table does so below 40 r/min only."""
+    best = returned(monkeypatch, demand_nm, 1.0, temperature_c)
+    found = {factor: returned(monkeypatch, demand_nm, factor, temperature_c) for factor in FACTORS}
     assert max(found.values()) <= best * 1.001
-    assert len({best, *found.values()}) == 1 + len(FACTORS)  # the factor arrives at the motor
+    # The factor arrives at the motor, and nowhere but where the table decides.
+    assert len({best, *found.values()}) == 1 + len(FACTORS)
+    for factor, share in found.items():
+        assert abs(share - best) < share_where_the_table_matters(demand_nm, min(factor, 1.0), temperature_c)
+    # A parabola has its top in the middle: twice as far from it costs more.
+    assert found[0.8] < found[0.9]
+    assert found[1.2] < found[1.1]
