@@ -1,5 +1,6 @@
 #include "fmu/instance.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -8,6 +9,7 @@
 
 enum { MESSAGE_LENGTH = 500 };
 static const double CLOCK_ROUNDING_S = 1e-9;
+static const double CLOCK_ROUNDING = 4.0 * DBL_EPSILON; /* of the time: importers add up or multiply their steps */
 
 typedef enum { STAGE_FRESH, STAGE_INITIALIZING, STAGE_RUNNING, STAGE_ENDED } stage_t;
 
@@ -200,7 +202,8 @@ bool instance_step(instance_t *instance, double from_s, double step_s)
     if (progress->stage != STAGE_RUNNING) {
         return complain(instance, "a step comes after initialization");
     }
-    if (!(fabs(from_s - progress->time_s) < CLOCK_ROUNDING_S) || !(step_s > 0.0) || !isfinite(step_s)) {
+    const double rounding_s = CLOCK_ROUNDING_S + CLOCK_ROUNDING * fabs(progress->time_s);
+    if (!(fabs(from_s - progress->time_s) < rounding_s) || !(step_s > 0.0) || !isfinite(step_s)) {
         return complain(instance, "a step of %g s from %g s: the last one ended at %g s", step_s, from_s,
                         progress->time_s);
     }
@@ -212,9 +215,28 @@ bool instance_step(instance_t *instance, double from_s, double step_s)
     return true;
 }
 
-size_t instance_state_bytes(void)
+static size_t state_bytes(void)
 {
     return sizeof(instance_state_t) + values_bytes() + model_state_bytes();
+}
+
+/* FNV-1a, 64 bits, over the unit's token and the bytes: a state is good for the unit it was taken from, and for no other. */
+static uint64_t fingerprint(const unsigned char *bytes, size_t count)
+{
+    const uint64_t prime = 1099511628211U;
+    uint64_t out = 14695981039346656037U;
+    for (const char *token = MODEL_TOKEN; *token != '\0'; token++) {
+        out = (out ^ (unsigned char)*token) * prime;
+    }
+    for (size_t k = 0; k < count; k++) {
+        out = (out ^ bytes[k]) * prime;
+    }
+    return out;
+}
+
+size_t instance_state_bytes(void)
+{
+    return sizeof(uint64_t) + state_bytes();
 }
 
 static unsigned char *model_part(instance_state_t *state)
@@ -225,7 +247,7 @@ static unsigned char *model_part(instance_state_t *state)
 bool instance_get_state(instance_t *instance, instance_state_t **state)
 {
     if (*state == NULL) {
-        *state = calloc(1, instance_state_bytes());
+        *state = calloc(1, state_bytes());
     }
     if (*state == NULL) {
         return complain(instance, "no memory for a state");
@@ -263,7 +285,10 @@ void instance_free_state(instance_state_t *state)
 
 void instance_state_to_bytes(const instance_state_t *state, void *bytes)
 {
-    memcpy(bytes, state, instance_state_bytes());
+    unsigned char *const rest = (unsigned char *)bytes + sizeof(uint64_t);
+    memcpy(rest, state, state_bytes());
+    const uint64_t found = fingerprint(rest, state_bytes());
+    memcpy(bytes, &found, sizeof(found));
 }
 
 bool instance_state_from_bytes(instance_t *instance, const void *bytes, size_t size, instance_state_t **state)
@@ -272,12 +297,18 @@ bool instance_state_from_bytes(instance_t *instance, const void *bytes, size_t s
         return complain(instance, "a state has %lu bytes, not %lu", (unsigned long)instance_state_bytes(),
                         (unsigned long)size);
     }
+    const unsigned char *const rest = (const unsigned char *)bytes + sizeof(uint64_t);
+    uint64_t kept = 0;
+    memcpy(&kept, bytes, sizeof(kept));
+    if (kept != fingerprint(rest, state_bytes())) {
+        return complain(instance, "a state that is damaged, or another unit's");
+    }
     if (*state == NULL) {
-        *state = malloc(size);
+        *state = malloc(state_bytes());
     }
     if (*state == NULL) {
         return complain(instance, "no memory for a state");
     }
-    memcpy(*state, bytes, size);
+    memcpy(*state, rest, state_bytes());
     return true;
 }

@@ -35,6 +35,7 @@ bool instance_step(instance_t *instance, double from_s, double step_s);
 /* What the standard knows and this unit cannot: says so and returns false. */
 bool instance_refuse(instance_t *instance, const char *what);
 
+/* A state in bytes carries a check: bytes that are damaged or another unit's are refused. */
 bool instance_get_state(instance_t *instance, instance_state_t **state); /* makes one if *state is NULL */
 bool instance_set_state(instance_t *instance, const instance_state_t *state);
 void instance_free_state(instance_state_t *state);

@@ -157,6 +157,17 @@ void test_a_step_that_does_not_begin_where_the_last_one_ended_is_refused(void)
     TEST_ASSERT_EQUAL_DOUBLE(7.0, get(AT_X));
 }
 
+void test_a_clock_of_today_may_be_added_up_or_multiplied(void)
+{
+    const double today_s = 1.8e9;
+    begin(today_s);
+    for (int k = 0; k < 1000; k++) {
+        TEST_ASSERT_TRUE(instance_step(instance, today_s + 1e-3 * k, 1e-3));
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, 1.0 + 3.0 * 2.0 * 1.0, get(AT_X));
+    TEST_ASSERT_FALSE(instance_step(instance, today_s + 0.999, 1e-3));
+}
+
 void test_outputs_during_initialization_are_those_of_the_present_inputs(void)
 {
     TEST_ASSERT_TRUE(instance_enter_initialization(instance, 0.0));
@@ -242,6 +253,12 @@ void test_a_state_in_bytes_goes_on_in_another_instance(void)
     instance_delete(instance);
     instance = instance_new("{adder}", listen, last_message);
     TEST_ASSERT_FALSE(instance_state_from_bytes(instance, bytes, 3, &back));
+    unsigned char *const last = (unsigned char *)bytes + instance_state_bytes() - 1;
+    *last ^= 1;
+    TEST_ASSERT_FALSE(instance_state_from_bytes(instance, bytes, instance_state_bytes(), &back));
+    TEST_ASSERT_EQUAL_STRING("a state that is damaged, or another unit's", last_message);
+    TEST_ASSERT_NULL(back);
+    *last ^= 1;
     TEST_ASSERT_TRUE(instance_state_from_bytes(instance, bytes, instance_state_bytes(), &back));
     free(bytes);
     TEST_ASSERT_TRUE(instance_set_state(instance, back));
