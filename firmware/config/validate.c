@@ -39,8 +39,6 @@ static const field_range_t FIELDS[] = {
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
 _Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t), "the checksum is the last word");
-_Static_assert(CONFIG_REGEN_POINTS_MAX == CONFIG_REGEN_SPEED_POINTS_MAX * CONFIG_REGEN_TEMPERATURE_POINTS_MAX,
-               "the map holds every point of the largest grid");
 
 uint32_t config_crc32(const void *data, uint32_t size_bytes)
 {
@@ -219,8 +217,9 @@ static config_verdict_t check_relations(const config_t *c)
         {c->regen_map.speed_points * c->regen_map.temperature_points <= CONFIG_REGEN_POINTS_MAX,
          "regen_map.speed_points * regen_map.temperature_points within the table"},
         {c->current_map.torque_points % 2 == 1, "current_map.torque_points odd, so that the middle one is no torque"},
-        {c->current_map.torque_points * c->current_map.speed_points <= CONFIG_CURRENT_MAP_POINTS_MAX,
-         "current_map.torque_points * current_map.speed_points within the table"},
+        {c->current_map.torque_points * c->current_map.speed_points * c->current_map.temperature_points <=
+             CONFIG_CURRENT_MAP_POINTS_MAX,
+         "current_map.torque_points * speed_points * temperature_points within the table"},
         {flux_left_everywhere(c), "current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb"},
     };
     for (size_t r = 0; r < sizeof(relations) / sizeof(relations[0]); r++) {

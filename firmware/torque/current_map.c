@@ -3,18 +3,34 @@
 #include "core/grid.h"
 #include "core/q15.h"
 
-int32_t current_map_d_mA(const config_t *config, int32_t speed_mrad_s, int32_t airgap_torque_mNm)
+/* One layer of equal temperature, read between four of its points. */
+static int32_t layer_d_mA(const config_current_map_t *map, const int32_t *layer, grid_position_t s, grid_position_t t)
 {
-    const config_current_map_t *map = &config->current_map;
-    const int64_t along_mNm = speed_mrad_s >= 0 ? airgap_torque_mNm : -(int64_t)airgap_torque_mNm;
-    /* The middle point is zero torque; at most 8 points of 2^24 mNm before it. */
-    const int32_t zero_mNm = (map->torque_points / 2) * (int32_t)(UINT32_C(1) << map->torque_step_log2);
-    const grid_position_t t =
-        grid_locate(q_saturate64(along_mNm + zero_mNm), map->torque_points, map->torque_step_log2);
-    const grid_position_t s = grid_locate(q_abs(speed_mrad_s), map->speed_points, map->speed_step_log2);
-    const int32_t *slow = &map->current_d_mA[s.index * map->torque_points + t.index];
+    const int32_t *slow = &layer[s.index * map->torque_points + t.index];
     const int32_t *fast = slow + map->torque_points;
     const int32_t at_slow_mA = grid_interpolate(slow[0], slow[1], t.fraction, map->torque_step_log2);
     const int32_t at_fast_mA = grid_interpolate(fast[0], fast[1], t.fraction, map->torque_step_log2);
     return grid_interpolate(at_slow_mA, at_fast_mA, s.fraction, map->speed_step_log2);
+}
+
+int32_t current_map_d_mA(const config_t *config, int32_t speed_mrad_s, int32_t winding_temperature_cC,
+                         int32_t airgap_torque_mNm)
+{
+    const config_current_map_t *map = &config->current_map;
+    const int64_t along_mNm = speed_mrad_s >= 0 ? airgap_torque_mNm : -(int64_t)airgap_torque_mNm;
+    /* The middle point is zero torque; at most 16 points of 2^24 mNm before it. */
+    const int32_t zero_mNm = (map->torque_points / 2) * (int32_t)(UINT32_C(1) << map->torque_step_log2);
+    const grid_position_t t =
+        grid_locate(q_saturate64(along_mNm + zero_mNm), map->torque_points, map->torque_step_log2);
+    const grid_position_t s = grid_locate(q_abs(speed_mrad_s), map->speed_points, map->speed_step_log2);
+    if (map->temperature_points == 1) {
+        return layer_d_mA(map, map->current_d_mA, s, t);
+    }
+    const int32_t above_origin_cC = q_saturate64((int64_t)winding_temperature_cC - map->temperature_origin_cC);
+    const grid_position_t w = grid_locate(above_origin_cC, map->temperature_points, map->temperature_step_log2);
+    const int32_t layer_points = map->speed_points * map->torque_points;
+    const int32_t *cold = &map->current_d_mA[w.index * layer_points];
+    const int32_t at_cold_mA = layer_d_mA(map, cold, s, t);
+    const int32_t at_hot_mA = layer_d_mA(map, cold + layer_points, s, t);
+    return grid_interpolate(at_cold_mA, at_hot_mA, w.fraction, map->temperature_step_log2);
 }

@@ -22,7 +22,7 @@ static int32_t direct_current_mA(const config_t *config, int32_t map_mA, int32_t
 static int32_t map_d_mA(const config_t *config, const motor_model_t *model, int32_t torque_mNm)
 {
     const int64_t airgap_mNm = (int64_t)torque_mNm + model->friction_mNm;
-    return current_map_d_mA(config, model->speed_mrad_s, q_saturate64(airgap_mNm));
+    return current_map_d_mA(config, model->speed_mrad_s, model->winding_temperature_cC, q_saturate64(airgap_mNm));
 }
 
 motor_current_t current_reference_unlimited(const config_t *config, const motor_model_t *model, int32_t torque_mNm,

@@ -40,6 +40,7 @@ motor_model_t motor_model_at(const config_t *config, int32_t speed_mrad_s, int32
     const int32_t flux_nWb = bases_flux_nWb(config, winding_temperature_cC);
     motor_model_t model = {
         .speed_mrad_s = speed_mrad_s,
+        .winding_temperature_cC = winding_temperature_cC,
         .flux_nWb = flux_nWb,
         .emf_mV = divide_saturated(w_mrad_s * flux_nWb, 1000000000),
         .iron_current_mA = 0,

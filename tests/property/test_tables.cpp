@@ -122,9 +122,6 @@ TEST_CASE("as the firmware reads the tables, a thousandth of the power is lost a
         const Drive &drive = values::DRIVES[k];
         const std::string name = drive.name;
         CAPTURE(name);
-        if (drive.flux_per_K != 0.0) {
-            continue; // below
-        }
         for (int n = 0; n <= 16; n++) {
             const double temperature = drive.coldest_C + (drive.hottest_C - drive.coldest_C) * n / 16.0;
             CAPTURE(temperature);
@@ -133,27 +130,6 @@ TEST_CASE("as the firmware reads the tables, a thousandth of the power is lost a
             CHECK(worst >= -0.1 * POWER_LOSS); // currents that beat the optimum would be a wrong optimum
         }
     }
-}
-
-// The best i_d of magnets that weaken moves with their temperature, which is no axis of its table. It matters where copper
-// eats nearly all that the shaft gives, below the speed from which the torque limit decides.
-TEST_CASE("with magnets that weaken, a per cent or so of the power is lost where little comes back")
-{
-    int found = 0;
-    for (int k = 0; k < values::SHIPPED; k++) {
-        const Drive &drive = values::DRIVES[k];
-        if (drive.flux_per_K != 0.0) {
-            const double limited_rad_s = 0.03 * drive.max_speed_rad_s;
-            for (int n = 0; n <= 16; n++) {
-                const double temperature = drive.coldest_C + (drive.hottest_C - drive.coldest_C) * n / 16.0;
-                CAPTURE(temperature);
-                CHECK(worst_loss(drive, temperature, drive.handover_end_rad_s, limited_rad_s) <= 15.0 * POWER_LOSS);
-                CHECK(worst_loss(drive, temperature, limited_rad_s, drive.max_speed_rad_s) <= 1.5 * POWER_LOSS);
-            }
-            found++;
-        }
-    }
-    CHECK(found == 1);
 }
 
 namespace {
@@ -243,7 +219,7 @@ TEST_CASE("over the urban cycle the tables lose a fiftieth of a per cent of the 
             CHECK(done.driving.least_J > 0.0);
             CHECK(done.braking.least_J < 0.0);
             for (const Energy &energy : {done.driving, done.braking}) {
-                CHECK(energy.lost_share() <= (drive.flux_per_K == 0.0 ? 1.0 : 1.1) * CYCLE_LOSS);
+                CHECK(energy.lost_share() <= CYCLE_LOSS);
                 CHECK(energy.lost_share() >= -0.05 * CYCLE_LOSS);
             }
         }

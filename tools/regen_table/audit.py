@@ -53,7 +53,7 @@ def locate(x: ArrayLike, points: int, step_log2: int) -> tuple[Whole, Whole]:
 
 def between(a: Whole, b: Whole, fraction: Whole, step_log2: int) -> Whole:
     """Mirror grid_interpolate(): rounded to nearest."""
-    return np.asarray(a + (((b - a) * fraction + (1 << (step_log2 - 1))) >> step_log2))
+    return np.asarray(a + (((b - a) * fraction + ((1 << step_log2) >> 1)) >> step_log2))
 
 
 def table_capability_nm(drive: Drive, table: RegenMap, speed_rad_s: ArrayLike, temperature_c: ArrayLike) -> Array:

@@ -1,56 +1,57 @@
 """What the stored i_d costs against the best one, and the grid chosen by it.
 
-A grid is judged by what it loses to interpolation: energy, over manoeuvres and cycles hot and cold, and power, at every
-speed and temperature at which the drive brakes. The measure is a map without a grid, the exact i_d of the mean
-temperature, because a finer grid cannot do better than that; what leaving the temperature out costs is told apart. Both
-are the same for all grids, so they are computed once a drive, like the choice itself, which image and report both ask for.
+A grid is judged by what it loses to interpolation and quantisation: energy, over manoeuvres and cycles, and power, at
+every speed at which the drive brakes, cold, hot and in between. First come as few temperatures as keep within a share of
+that, with torque and speed taken exactly; then the fewest points of torque and speed. What does not depend on the grid is
+computed once a drive, like the choice itself, which image and report both ask for.
 """
 
+import itertools
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from regen_table import audit, braking, current_map, cycles, joint, models
+from regen_table import audit, braking, current_map, cycles, joint, layout, models
 from regen_table.current_map import CurrentMap
 from regen_table.errors import ConfigurationError
 from regen_table.models import Array
 from regen_table.schema import Drive
 
-GRIDS = tuple((torque, speed) for torque in (5, 9, 17) for speed in (2, 3, 5, 9, 17))
-REFUSED = 1e-3
-# Shares of what may be lost. The rest is the braking table's and that of the temperature, which is no axis here.
-ENERGY_SHARE, POWER_SHARE = 0.25, 0.5
+# Of what may be lost, half is the braking table's; of the rest, half is what temperature may take.
+STORED_SHARE, TEMPERATURE_SHARE = 0.5, 0.25
+LAYERS = (1, 2, 3, 5)
+_TORQUE_INTERVALS = 16  # each way
+_SPEED_INTERVALS = 32
 _SPEEDS = 200
-_POWER_SPEEDS = 48
+_POWER_SPEEDS, _POWER_TEMPERATURES = 64, 5
 
 
 @dataclass(frozen=True)
 class CurrentLoss:
-    """What a table costs in one manoeuvre at the worse end of the temperatures, relative to the energy at the bus.
+    """What a table costs in one manoeuvre at the worst temperature, relative to the energy at the bus, against least loss.
 
     Attributes
     ----------
-    interpolation : float
-        Against the exact i_d of the mean temperature.
+    temperature : float
+        What the few temperatures leave, with torque and speed exact.
     stored : float
-        Against the least loss at the temperature that is.
+        What the table costs.
     without_d_current : float
-        What i_d = 0 would cost against the least loss.
+        What i_d = 0 would cost.
     """
 
     manoeuvre: str
-    interpolation: float
+    temperature: float
     stored: float
     without_d_current: float
 
 
 @dataclass(frozen=True)
 class _Reference:
-    """Points of a manoeuvre at one winding temperature.
-
-    With the power in W of each at the least loss, at the i_d that is best at the mean temperature, and at i_d = 0.
-    """
+    """Points of a manoeuvre, shape (points,) or (temperatures, points), and the least power of each, shape of the latter."""
 
     manoeuvre: str
     motor: models.Machine
@@ -58,119 +59,153 @@ class _Reference:
     torque_nm: Array
     seconds: Array
     least_w: Array
-    gridless_w: Array
-    without_w: Array
 
 
 @lru_cache(maxsize=8)
 def choose(drive: Drive) -> CurrentMap:
-    """Return the smallest grid that interpolation makes lose at most 0.005 % of any manoeuvre and 0.05 % of braking power anywhere.
+    """Return the smallest grid that loses at most 0.01 % of any manoeuvre's energy and 0.05 % of braking power anywhere.
 
-    Should it take more than 17 x 17 points, the grid that exceeds these least. More than 0.1 % of a manoeuvre is refused.
+    Should it take more points than the firmware has room for, the grid that exceeds these least. More than 0.02 % of a
+    manoeuvre is refused.
     """
     references, braked = _references(drive), _braking_reference(drive)
-    found = []
-    for torque_points, speed_points in sorted(GRIDS, key=lambda grid: grid[0] * grid[1]):
-        table = current_map.compute(drive, torque_points, speed_points)
-        energy = max(loss.interpolation for loss in _losses(drive, table, references))
-        power = _worst_share(drive, table, braked)
-        used = max(energy / (ENERGY_SHARE * audit.ENERGY_LOSS_MAX), power / (POWER_SHARE * audit.POWER_LOSS_MAX))
-        if used <= 1.0:
+    layers = _layers(drive, references, braked)
+    best: tuple[float, float, CurrentMap] | None = None
+    for torque_step, speed_step in _grids(drive, layers):
+        table = current_map.compute(drive, torque_step, speed_step, layers)
+        energy, power = _worst(references, braked, lambda at, table=table: _stored_power(drive, table, at))  # type: ignore[misc]
+        used = max(energy / audit.ENERGY_LOSS_MAX, power / audit.POWER_LOSS_MAX)
+        if used <= STORED_SHARE:
             return table
-        found.append((used, energy, table))
-    _, energy, table = min(found, key=lambda triple: triple[0])
-    if energy > REFUSED:
+        if best is None or used < best[0]:
+            best = (used, energy, table)
+    assert best is not None
+    if best[1] > audit.ENERGY_LOSS_MAX:
         raise ConfigurationError(
-            f"current_map: {GRIDS[-1][0]} x {GRIDS[-1][1]} points lose {energy:.2%} of the energy to interpolation, "
-            f"accepted: at most {REFUSED:.1%} (a less salient motor)"
+            f"current_map: the largest grid of i_d loses {best[1]:.3%} of the energy of a manoeuvre to interpolation, "
+            f"accepted: at most {audit.ENERGY_LOSS_MAX:.2%} (a less salient motor, or a lower max_torque_nm)"
         )
-    return table
+    return best[2]
 
 
 def losses(drive: Drive, table: CurrentMap) -> list[CurrentLoss]:
-    """Energy lost to the table over a hard stop, a full acceleration and the shipped cycles, hot and cold, at worst."""
-    return _losses(drive, table, _references(drive))
+    """Energy lost to the table over a hard stop, a full acceleration and the shipped cycles."""
+    layers = table.current_d_mA.shape[0]
+
+    def of(at: _Reference) -> CurrentLoss:
+        without = _made_power(drive, at, np.zeros(1))
+        without = np.where(np.isfinite(without), without, at.least_w)  # a torque that i_d = 0 cannot make is no loss
+        made = (_gridless_power(drive, layers, at), _stored_power(drive, table, at), without)
+        return CurrentLoss(at.manoeuvre, *(_energy_share(at, power) for power in made))
+
+    return [of(at) for at in _references(drive)]
 
 
 def worst_power_loss(drive: Drive, table: CurrentMap) -> float:
-    """Largest relative loss of braking power to interpolation at any speed and temperature, at the best torque there."""
-    return _worst_share(drive, table, _braking_reference(drive))
+    """Largest relative loss of braking power at any speed and temperature, at the best torque there."""
+    at = _braking_reference(drive)
+    return _power_share(at, _stored_power(drive, table, at))
+
+
+def _layers(drive: Drive, references: list[_Reference], braked: _Reference) -> int:
+    """Return how many temperatures are worth it."""
+    for layers in LAYERS:
+        energy, power = _worst(references, braked, lambda at, layers=layers: _gridless_power(drive, layers, at))  # type: ignore[misc]
+        if energy <= TEMPERATURE_SHARE * audit.ENERGY_LOSS_MAX and power <= TEMPERATURE_SHARE * audit.POWER_LOSS_MAX:
+            return layers
+    return LAYERS[-1]
+
+
+def _grids(drive: Drive, layers: int) -> Iterator[tuple[int, int]]:
+    """Step exponents of torque and speed of every grid that fits the firmware, smallest first."""
+    constants = layout.load().constants
+    torque, speed = 1000.0 * drive.motor.max_torque_nm, 1000.0 * drive.motor.max_speed_rpm * math.pi / 30.0
+    torque_steps = range(max(0, math.ceil(math.log2(torque / _TORQUE_INTERVALS))), max(1, math.ceil(math.log2(torque))))
+    speed_steps = range(max(6, math.ceil(math.log2(speed / _SPEED_INTERVALS))), max(7, math.ceil(math.log2(speed)) + 1))
+    found = [(math.prod(current_map.points_over(drive, *steps)), steps) for steps in itertools.product(torque_steps, speed_steps)]
+    return (steps for points, steps in sorted(found) if points * layers <= constants["CONFIG_CURRENT_MAP_POINTS_MAX"])
 
 
 @lru_cache(maxsize=8)
 def _references(drive: Drive) -> list[_Reference]:
-    """Collect the manoeuvres at both ends of the temperature range."""
+    """Collect the manoeuvres, at both ends of the temperature range and in its middle."""
     top = drive.motor.max_speed_rpm * np.pi / 30.0
     speed = (np.arange(_SPEEDS, dtype=np.float64) + 0.5) * top / _SPEEDS
     strongest = braking.torque_limit_nm(drive, speed)
     manoeuvres = {"hard stop": (speed, np.ones(_SPEEDS), -strongest), "full acceleration": (speed, np.ones(_SPEEDS), strongest)}
     for cycle in cycles.shipped(drive):
         asked = cycles.demand(drive, cycle)
-        moving = asked.speed_rad_s > 0.0
-        limit = braking.torque_limit_nm(drive, asked.speed_rad_s[moving])
-        manoeuvres[cycle.name] = (asked.speed_rad_s[moving], asked.seconds[moving], np.clip(asked.torque_nm[moving], -limit, limit))
+        moving, brakes = asked.speed_rad_s > 0.0, asked.torque_nm < 0.0
+        for name, part in ((f"{cycle.name} driving", moving & ~brakes), (f"{cycle.name} braking", moving & brakes)):
+            limit = braking.torque_limit_nm(drive, asked.speed_rad_s[part])
+            manoeuvres[name] = (asked.speed_rad_s[part], asked.seconds[part], np.clip(asked.torque_nm[part], -limit, limit))
+    motor = models.machine(drive, np.linspace(*drive.table.temperature_range_c, 3)[:, np.newaxis])
     found = []
     for name, (speed, seconds, torque) in manoeuvres.items():
-        exact = _exact_current(drive, speed, torque)
-        for temperature in drive.table.temperature_range_c:
-            motor, inverter = models.machine(drive, temperature), models.bridge(drive)
-            omega = speed * motor.pole_pairs
-            best = joint.least_power(motor, inverter, omega, torque, _relaxed(drive))
-            gridless, zero = (current_map.state(motor, inverter, omega, torque, i_d).dc_power_w for i_d in (exact, 0.0))
-            known = best.feasible & np.isfinite(zero) & np.isfinite(gridless)
-            points = (speed, torque, seconds, best.state.dc_power_w, gridless, zero)
-            found.append(_Reference(name, motor, *(values[known] for values in points)))
+        best = _least(drive, motor, speed, np.broadcast_to(torque, (3, len(torque))))
+        found.append(_Reference(name, motor, speed, torque, seconds, np.where(best.feasible, best.state.dc_power_w, np.nan)))
     return found
-
-
-def _exact_current(drive: Drive, speed: Array, torque: Array) -> Array:
-    """i_d in A of least loss at the temperature the table is made for."""
-    motor = models.machine(drive, float(np.mean(drive.table.temperature_range_c)))
-    return joint.least_power(motor, models.bridge(drive), speed * motor.pole_pairs, torque, _relaxed(drive)).state.current_d_a
-
-
-def _losses(drive: Drive, table: CurrentMap, references: list[_Reference]) -> list[CurrentLoss]:
-    worst: dict[str, CurrentLoss] = {}
-    for at in references:
-        made = _power(drive, table, at.motor, at.speed_rad_s, at.torque_nm)
-        energy = float(np.sum(np.abs(at.least_w) * at.seconds))
-        pairs = ((made, at.gridless_w), (made, at.least_w), (at.without_w, at.least_w))
-        here = [float(np.sum((a - b) * at.seconds)) / energy for a, b in pairs]
-        before = worst.get(at.manoeuvre)
-        if before is not None:
-            here = list(map(max, here, (before.interpolation, before.stored, before.without_d_current)))
-        worst[at.manoeuvre] = CurrentLoss(at.manoeuvre, *here)
-    return list(worst.values())
 
 
 @lru_cache(maxsize=8)
 def _braking_reference(drive: Drive) -> _Reference:
     """Find the best braking inside torque and power limits from where the motor begins to brake up to the top speed."""
-    lowest, highest = drive.table.temperature_range_c
-    motor, inverter = models.machine(drive, np.array([lowest, 0.5 * (lowest + highest), highest])[:, np.newaxis]), models.bridge(drive)
+    motor = models.machine(drive, np.linspace(*drive.table.temperature_range_c, _POWER_TEMPERATURES)[:, np.newaxis])
     speed = np.geomspace(max(drive.control.handover_end_rpm, 1e-3 * drive.motor.max_speed_rpm), drive.motor.max_speed_rpm, _POWER_SPEEDS)
-    speed = np.broadcast_to(speed * (np.pi / 30.0), (3, _POWER_SPEEDS))
-    omega, limit = speed * motor.pole_pairs, braking.torque_limit_nm(drive, speed)
-    best = joint.best_braking(motor, inverter, omega, _relaxed(drive), limit)
-    exact = _exact_current(drive, speed, best.torque_nm)
-    gridless, zero = (current_map.state(motor, inverter, omega, best.torque_nm, i_d).dc_power_w for i_d in (exact, 0.0))
-    return _Reference("braking", motor, speed, best.torque_nm, np.ones_like(speed), best.state.dc_power_w, gridless, zero)
+    speed = np.broadcast_to(speed * (np.pi / 30.0), (_POWER_TEMPERATURES, _POWER_SPEEDS))
+    limit = braking.torque_limit_nm(drive, speed)
+    best = joint.best_braking(motor, models.bridge(drive), speed * motor.pole_pairs, relaxed(drive), limit)
+    return _Reference("braking", motor, speed, best.torque_nm, np.ones_like(speed), best.state.dc_power_w)
 
 
-def _worst_share(drive: Drive, table: CurrentMap, at: _Reference) -> float:
-    """Loss to interpolation relative to the power that comes back, where any does."""
-    lost = _power(drive, table, at.motor, at.speed_rad_s, at.torque_nm) - at.gridless_w
+def _least(drive: Drive, motor: models.Machine, speed: Array, torque: Array) -> joint.Point:
+    return joint.least_power(motor, models.bridge(drive), speed * motor.pole_pairs, torque, relaxed(drive))
+
+
+def relaxed(drive: Drive) -> joint.Limits:
+    """Bounds of the search that a table is made and judged with: the drive's own current limit acts at run time."""
+    return joint.Limits(current_map.RELAXED * drive.motor.max_phase_current_a)
+
+
+def _made_power(drive: Drive, at: _Reference, i_d: Array) -> Array:
+    """DC power in W of a reference's torques made with some i_d."""
+    return current_map.state(at.motor, models.bridge(drive), at.speed_rad_s * at.motor.pole_pairs, at.torque_nm, i_d).dc_power_w
+
+
+def _stored_power(drive: Drive, table: CurrentMap, at: _Reference) -> Array:
+    return _made_power(drive, at, current_map.read(table, at.torque_nm, at.speed_rad_s, at.motor.winding_temperature_c))
+
+
+def _gridless_power(drive: Drive, layers: int, at: _Reference) -> Array:
+    """DC power in W with i_d exact over torque and speed, and linear between so many temperatures."""
+    warm = current_map.temperatures_c(*current_map.temperature_axis(drive, layers), layers)
+    exact = [_least(drive, models.machine(drive, float(t)), at.speed_rad_s, at.torque_nm).state.current_d_a for t in warm]
+    place = np.clip(np.interp(at.motor.winding_temperature_c, warm, np.arange(layers)), 0.0, layers - 1.0)
+    i_d = sum((np.maximum(0.0, 1.0 - np.abs(place - k)) * exact[k] for k in range(layers)), start=np.zeros(1))
+    return _made_power(drive, at, i_d)
+
+
+def _worst(references: list[_Reference], braked: _Reference, made: Callable[[_Reference], Array]) -> tuple[float, float]:
+    """Return the largest shares of energy, of any manoeuvre, and of braking power that a way to make torque loses."""
+    return max(_energy_share(at, made(at)) for at in references), _power_share(braked, made(braked))
+
+
+def _energy_share(at: _Reference, made: Array) -> float:
+    """Energy lost relative to the energy at the bus, at the worst temperature; what no current makes does not count."""
+    lost = np.sum(_lost_w(at, made) * at.seconds, axis=1)
+    return float(np.max(lost / np.nansum(np.abs(at.least_w) * at.seconds, axis=1)))
+
+
+def _power_share(at: _Reference, made: Array) -> float:
+    """Loss relative to the power that comes back, where any does."""
+    lost = _lost_w(at, made)
     return float(np.max(np.divide(lost, -at.least_w, out=np.zeros_like(lost), where=at.least_w < 0.0)))
 
 
-def _power(drive: Drive, table: CurrentMap, motor: models.Machine, speed: Array, torque: Array) -> Array:
-    """DC power in W of torques made with the stored i_d."""
-    i_d = current_map.read(table, torque, speed)
-    return current_map.state(motor, models.bridge(drive), speed * motor.pole_pairs, torque, i_d).dc_power_w
-
-
-def _relaxed(drive: Drive) -> joint.Limits:
-    return joint.Limits(current_map.RELAXED * drive.motor.max_phase_current_a)
+def _lost_w(at: _Reference, made: Array) -> Array:
+    """Power lost in W; without bound where a torque that some current makes is not made."""
+    lost = np.where(np.isfinite(at.least_w), made - at.least_w, 0.0)
+    return np.where(np.isnan(lost), np.inf, lost)
 
 
 def bus_voltage_loss(drive: Drive) -> float:

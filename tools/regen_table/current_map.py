@@ -1,4 +1,4 @@
-"""The demagnetising current of least loss over torque and speed, on grids of powers of two.
+"""The demagnetising current of least loss over torque, speed and winding temperature, on grids of powers of two.
 
 Only i_d is stored. The controller computes i_q from the torque, the speed and the i_d that really flows (this table's
 plus what field weakening adds), so the torque is exact whatever the interpolation did to i_d, whose error costs power
@@ -6,11 +6,11 @@ only in second order. For the same reason bus voltage is no axis: at a given tor
 i_d, so under a voltage limit the best point is the limit itself, which is where field weakening at constant torque
 goes (current_audit measures what that leaves).
 
-The torque axis counts in the direction of rotation, driving positive; its middle point is zero. Winding temperature
-moves the optimum little and is left out: the table is made for the middle of the range, and the audit is made at both
-ends.
+The torque axis counts in the direction of rotation, driving positive; its middle point is zero. Along winding
+temperature there are as few layers as the loss allows; a single one is made for the middle of the range.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,59 +27,97 @@ RELAXED = 3.0  # nodes beyond the current limit continue the curve, so that it d
 
 @dataclass(frozen=True)
 class CurrentMap:
-    """``current_d_mA`` has the shape (speed points, torque points); the middle torque point is zero."""
+    """``current_d_mA`` has the shape (temperature, speed, torque points); the middle torque point is zero."""
 
     torque_step_log2: int
     speed_step_log2: int
-    current_d_mA: npt.NDArray[np.int32]  # noqa: N815, units keep their letters
+    temperature_step_log2: int
+    temperature_origin_cC: int  # noqa: N815, units keep their letters
+    current_d_mA: npt.NDArray[np.int32]  # noqa: N815
 
     @property
     def torques_nm(self) -> Array:
         """Torque of each column in N m, in the direction of rotation."""
-        count = self.current_d_mA.shape[1]
+        count = self.current_d_mA.shape[2]
         return np.asarray((np.arange(count, dtype=np.float64) - count // 2) * (2.0**self.torque_step_log2 / 1000.0))
 
     @property
     def speeds_rad_s(self) -> Array:
         """Mechanical speed of each row in rad/s."""
-        return np.arange(self.current_d_mA.shape[0], dtype=np.float64) * (2.0**self.speed_step_log2 / 1000.0)
+        return np.arange(self.current_d_mA.shape[1], dtype=np.float64) * (2.0**self.speed_step_log2 / 1000.0)
+
+    @property
+    def temperatures_c(self) -> Array:
+        """Winding temperature of each layer in degC."""
+        return temperatures_c(self.temperature_origin_cC, self.temperature_step_log2, self.current_d_mA.shape[0])
 
 
-def compute(drive: Drive, torque_points: int, speed_points: int) -> CurrentMap:
-    """Compute the table on one grid; the grid covers max_torque_nm either way and max_speed_rpm.
+def temperatures_c(origin_cc: int, step_log2: int, points: int) -> Array:
+    """Winding temperatures in degC of an axis."""
+    return np.asarray((origin_cc + np.arange(points, dtype=np.float64) * 2.0**step_log2) / 100.0)
+
+
+def temperature_axis(drive: Drive, points: int) -> tuple[int, int]:
+    """Origin in hundredths of a degree and step exponent of so many layers: over the range, or one in its middle."""
+    lowest, highest = drive.table.temperature_range_c
+    if points == 1:
+        return round(50.0 * (lowest + highest)), tables.TEMPERATURE_STEP_LOG2[0]
+    return round(100.0 * lowest), tables.step_log2(100.0 * (highest - lowest), points, tables.TEMPERATURE_STEP_LOG2[0])
+
+
+def points_over(drive: Drive, torque_step_log2: int, speed_step_log2: int) -> tuple[int, int]:
+    """Points along torque and speed that cover max_torque_nm either way and max_speed_rpm."""
+    torque, speed = 1000.0 * drive.motor.max_torque_nm, 1000.0 * drive.motor.max_speed_rpm * math.pi / 30.0
+    return 2 * math.ceil(torque / 2.0**torque_step_log2 - 1e-12) + 1, math.ceil(speed / 2.0**speed_step_log2 - 1e-12) + 1
+
+
+def compute(drive: Drive, torque_step_log2: int, speed_step_log2: int, layers: int) -> CurrentMap:
+    """Compute the table on one grid.
 
     A straight line between two points of a curve lies to one side of it, by an eighth of the second difference in the
     middle. Moving every point by a sixteenth to the other side leaves half that error, at the points and between them
     alike, and a quarter of the power it costs. At no torque the point stays where it is: a motor that idles takes least.
+    Along temperature, where the curve is nearly straight, the points lie on it.
     """
-    torque_step = tables.step_log2(2.0 * drive.motor.max_torque_nm * 1000.0, torque_points, 0)
-    speed_step = tables.step_log2(drive.motor.max_speed_rpm * np.pi / 30.0 * 1000.0, speed_points, 6)
-    empty = CurrentMap(torque_step, speed_step, np.zeros((speed_points, torque_points), np.int32))
-    motor = models.machine(drive, float(np.mean(drive.table.temperature_range_c)))
+    torque_points, speed_points = points_over(drive, torque_step_log2, speed_step_log2)
+    origin, temperature_step = temperature_axis(drive, layers)
+    empty = CurrentMap(
+        torque_step_log2, speed_step_log2, temperature_step, origin, np.zeros((layers, speed_points, torque_points), np.int32)
+    )
+    motor = models.machine(drive, empty.temperatures_c[:, np.newaxis, np.newaxis])
     # One point more all around but at standstill, for the differences.
     speeds = np.append(empty.speeds_rad_s, empty.speeds_rad_s[-1] + empty.speeds_rad_s[1])
-    torques = np.arange(-1, torque_points + 1) * (2.0**torque_step / 1000.0) + empty.torques_nm[0]
+    torques = np.arange(-1, torque_points + 1) * (2.0**torque_step_log2 / 1000.0) + empty.torques_nm[0]
     limits = joint.Limits(RELAXED * drive.motor.max_phase_current_a)
+    torques = np.broadcast_to(torques, (layers, len(speeds), len(torques)))
     best = joint.least_power(motor, models.bridge(drive), speeds[:, np.newaxis] * drive.motor.pole_pairs, torques, limits)
     exact = np.where(best.feasible, best.state.current_d_a, 0.0)
-    bent = exact[:-1, :-2] - 2.0 * exact[:-1, 1:-1] + exact[:-1, 2:]
-    bent[1:] += exact[:-2, 1:-1] - 2.0 * exact[1:-1, 1:-1] + exact[2:, 1:-1]
-    bent[:, torque_points // 2] = 0.0
-    current = exact[:-1, 1:-1] - bent / 16.0
-    return CurrentMap(torque_step, speed_step, np.rint(current * 1000.0).astype(np.int32))
+    bent = exact[:, :-1, :-2] - 2.0 * exact[:, :-1, 1:-1] + exact[:, :-1, 2:]
+    bent[:, 1:] += exact[:, :-2, 1:-1] - 2.0 * exact[:, 1:-1, 1:-1] + exact[:, 2:, 1:-1]
+    bent[:, :, torque_points // 2] = 0.0
+    current = exact[:, :-1, 1:-1] - bent / 16.0
+    return CurrentMap(torque_step_log2, speed_step_log2, temperature_step, origin, np.rint(current * 1000.0).astype(np.int32))
 
 
-def read(table: CurrentMap, torque_nm: ArrayLike, speed_rad_s: ArrayLike) -> Array:
-    """Read i_d in A in whole numbers, as the controller would: bilinear, rounded, the edges counting beyond the grid."""
-    rows, columns = table.current_d_mA.shape
+def read(table: CurrentMap, torque_nm: ArrayLike, speed_rad_s: ArrayLike, winding_temperature_c: ArrayLike) -> Array:
+    """Read i_d in A in whole numbers, as the controller would: linear, rounded, the edges counting beyond the grid."""
+    layers, rows, columns = table.current_d_mA.shape
     turning = np.where(np.asarray(speed_rad_s) < 0.0, -1.0, 1.0)
     from_edge = np.asarray(torque_nm) * turning * 1000.0 + (columns // 2) * 2.0**table.torque_step_log2
     s, s_part = audit.locate(np.abs(speed_rad_s) * 1000.0, rows, table.speed_step_log2)
     t, t_part = audit.locate(from_edge, columns, table.torque_step_log2)
     entries = table.current_d_mA.astype(np.int64)
-    slow = audit.between(entries[s, t], entries[s, t + 1], t_part, table.torque_step_log2)
-    fast = audit.between(entries[s + 1, t], entries[s + 1, t + 1], t_part, table.torque_step_log2)
-    return np.asarray(audit.between(slow, fast, s_part, table.speed_step_log2) / 1000.0)
+
+    def layer(w: audit.Whole) -> audit.Whole:
+        slow = audit.between(entries[w, s, t], entries[w, s, t + 1], t_part, table.torque_step_log2)
+        fast = audit.between(entries[w, s + 1, t], entries[w, s + 1, t + 1], t_part, table.torque_step_log2)
+        return audit.between(slow, fast, s_part, table.speed_step_log2)
+
+    if layers == 1:
+        return np.asarray(layer(np.zeros(np.broadcast_shapes(s.shape, t.shape), np.int64)) / 1000.0)
+    above = np.asarray(winding_temperature_c) * 100.0 - table.temperature_origin_cC
+    w, w_part = audit.locate(above, layers, table.temperature_step_log2)
+    return np.asarray(audit.between(layer(w), layer(w + 1), w_part, table.temperature_step_log2) / 1000.0)
 
 
 def state(motor: models.Machine, inverter: models.Bridge, omega: ArrayLike, torque_nm: ArrayLike, i_d: ArrayLike) -> models.State:
@@ -105,7 +143,7 @@ def best_torque_nm(
 
     def power(torque: Array) -> Array:
         at = np.broadcast_to(speed[..., np.newaxis], torque.shape)
-        return state(wide, inverter, at * motor.pole_pairs, torque, read(table, torque, at)).dc_power_w
+        return state(wide, inverter, at * motor.pole_pairs, torque, read(table, torque, at, wide.winding_temperature_c)).dc_power_w
 
     return np.asarray(-joint.shrink(power, -strongest.astype(np.float64), np.zeros(speed.shape), first=65)[0])
 
@@ -117,7 +155,8 @@ def production(table: CurrentMap) -> audit.Production:
         return best_torque_nm(motor, inverter, table, speed, braking.torque_limit_nm(drive, speed))
 
     def made(motor: models.Machine, inverter: models.Bridge, speed: ArrayLike, torque: ArrayLike) -> models.State:
-        return state(motor, inverter, np.asarray(speed) * motor.pole_pairs, torque, read(table, torque, speed))
+        i_d = read(table, torque, speed, motor.winding_temperature_c)
+        return state(motor, inverter, np.asarray(speed) * motor.pole_pairs, torque, i_d)
 
     return audit.Production(capability, made)
 

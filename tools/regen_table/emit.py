@@ -76,10 +76,10 @@ def _array(name: str, values: list[int], packed: Any) -> list[str]:  # noqa: ANN
     if name == "current_d_mA":
         grid = packed.current_map
         speeds = [(row << grid.speed_step_log2) / 1000 for row in range(grid.speed_points)]
+        layers = [(grid.temperature_origin_cC + (row << grid.temperature_step_log2)) / 100 for row in range(grid.temperature_points)]
         first, step = -(grid.torque_points // 2 << grid.torque_step_log2) / 1000, (1 << grid.torque_step_log2) / 1000
-        return _rows(
-            name, values, grid.torque_points, f"a column every {step:g} N m from {first:g} N m on", [f"{w:g} rad/s" for w in speeds]
-        )
+        head = f"a column every {step:g} N m from {first:g} N m on"
+        return _rows(name, values, grid.torque_points, head, [f"{w:g} rad/s, {t:g} degC" for t in layers for w in speeds])
     return [f"        .{name} = {{{', '.join(str(value) for value in values)}}},\n"]
 
 

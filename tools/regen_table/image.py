@@ -95,10 +95,13 @@ def fields(drive: Drive) -> Values:
             "torque_mNm": [int(value) for value in table.torque_mNm.ravel()],
         },
         "current_map": {
-            "torque_points": currents.current_d_mA.shape[1],
+            "torque_points": currents.current_d_mA.shape[2],
             "torque_step_log2": currents.torque_step_log2,
-            "speed_points": currents.current_d_mA.shape[0],
+            "speed_points": currents.current_d_mA.shape[1],
             "speed_step_log2": currents.speed_step_log2,
+            "temperature_points": currents.current_d_mA.shape[0],
+            "temperature_step_log2": currents.temperature_step_log2,
+            "temperature_origin_cC": currents.temperature_origin_cC,
             "current_d_mA": [int(value) for value in currents.current_d_mA.ravel()],
         },
     }

@@ -27,6 +27,8 @@ class Machine:
 
     Attributes
     ----------
+    winding_temperature_c : float or array
+        Where the next two hold.
     resistance_ohm, flux_wb : float or array
         Phase resistance and magnet flux linkage at the winding temperature, shape of that temperature.
     iron_ohm, iron_ohm_s : float
@@ -34,6 +36,7 @@ class Machine:
     """
 
     pole_pairs: int
+    winding_temperature_c: ArrayLike
     resistance_ohm: ArrayLike
     d_inductance_h: float
     q_inductance_h: float
@@ -102,6 +105,7 @@ def machine(drive: Drive, winding_temperature_c: ArrayLike) -> Machine:
     a0, a1 = motor.iron_loss_resistance_ohm or (np.inf, 0.0)
     return Machine(
         pole_pairs=motor.pole_pairs,
+        winding_temperature_c=winding_temperature_c,
         resistance_ohm=motor.phase_resistance_ohm * (1.0 + motor.resistance_temperature_coefficient_per_k * rise),
         d_inductance_h=motor.d_inductance_h,
         q_inductance_h=motor.q_inductance_h,
@@ -115,9 +119,10 @@ def machine(drive: Drive, winding_temperature_c: ArrayLike) -> Machine:
 
 def widened(motor: Machine) -> Machine:
     """Return a motor whose temperature arrays have one more trailing axis, for candidates of a search."""
-    return replace(
-        motor, resistance_ohm=np.asarray(motor.resistance_ohm)[..., np.newaxis], flux_wb=np.asarray(motor.flux_wb)[..., np.newaxis]
+    temperature, resistance, flux = (
+        np.asarray(values)[..., np.newaxis] for values in (motor.winding_temperature_c, motor.resistance_ohm, motor.flux_wb)
     )
+    return replace(motor, winding_temperature_c=temperature, resistance_ohm=resistance, flux_wb=flux)
 
 
 def bridge(drive: Drive) -> Bridge:

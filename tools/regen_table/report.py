@@ -19,7 +19,7 @@ class Report:
     grid_losses: list[audit.GridLoss]
     power_loss_worst: float
     power_loss_from_rpm: float
-    d_current_points: tuple[int, int]  # torque, speed
+    d_current_points: tuple[int, int, int]  # torque, speed, temperature
     d_current_losses: list[current_audit.CurrentLoss]
     d_current_power_loss_worst: float
     bus_voltage_loss: float
@@ -36,7 +36,7 @@ def collect(drive: Drive) -> Report:
     table = current_map.regen_map(drive, currents)
     losses = audit.grid_losses(drive, table, made)
     audit.refuse_lossy_grid(losses)
-    rows, columns = currents.current_d_mA.shape
+    layers, rows, columns = currents.current_d_mA.shape
     return Report(
         name=drive.name,
         generator_version=__version__,
@@ -46,7 +46,7 @@ def collect(drive: Drive) -> Report:
         grid_losses=losses,
         power_loss_worst=audit.worst_power_loss(drive, table, made),
         power_loss_from_rpm=drive.control.handover_end_rpm,
-        d_current_points=(columns, rows),
+        d_current_points=(columns, rows, layers),
         d_current_losses=current_audit.losses(drive, currents),
         d_current_power_loss_worst=current_audit.worst_power_loss(drive, currents),
         bus_voltage_loss=current_audit.bus_voltage_loss(drive),
@@ -78,14 +78,15 @@ def as_text(report: Report) -> str:
         f"{report.name}: grid: {report.power_loss_worst:.3%} of the power lost at worst above {report.power_loss_from_rpm:g} r/min"
     )
     dear = max(report.d_current_losses, key=lambda loss: loss.without_d_current)
-    columns, rows = report.d_current_points
-    interpolation, stored = (max(getattr(loss, name) for loss in report.d_current_losses) for name in ("interpolation", "stored"))
+    columns, rows, layers = report.d_current_points
+    temperature, stored = (max(getattr(loss, name) for loss in report.d_current_losses) for name in ("temperature", "stored"))
     lines.append(
-        f"{report.name}: i_d: {columns} x {rows} points over torque and speed lose {interpolation:.4%} of the energy of any manoeuvre, "
-        f"{report.d_current_power_loss_worst:.3%} of the braking power anywhere; with temperature left out {stored:.3%} of the energy"
+        f"{report.name}: i_d: {columns} x {rows} x {layers} points over torque, speed and temperature lose {stored:.4%} of the energy of "
+        f"any manoeuvre, {temperature:.4%} of it to the few temperatures, and {report.d_current_power_loss_worst:.3%} of the braking power "
+        f"anywhere"
     )
     lines.append(
-        f"{report.name}: i_d: i_d = 0 would lose {dear.without_d_current:.2%} ({dear.manoeuvre}), bus voltage as a third axis would save "
+        f"{report.name}: i_d: i_d = 0 would lose {dear.without_d_current:.2%} ({dear.manoeuvre}), bus voltage as an axis would save "
         f"{report.bus_voltage_loss:.3%}"
     )
     return "\n".join(lines)

@@ -203,7 +203,7 @@ class Table(Section):
     """The grid of the stored optimum."""
 
     speed_points: Annotated[int, _number(2, 65, "1", "from standstill")]
-    temperature_points: Annotated[int, _number(2, 9, "1", "")]
+    temperature_points: Annotated[int, _number(2, 17, "1", "")]
     temperature_range_c: Annotated[tuple[Temperature, Temperature], Field(strict=False, description="winding [lowest, highest]")]
 
 

@@ -14,7 +14,7 @@ extern const config_t CONFIG_EBIKE36V;
 
 CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 4,
+    .format_version = 5,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ebike36v",
@@ -138,17 +138,20 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         },
     },
     .current_map = {
-        .torque_points    = 5, /* odd: points along torque in the direction of rotation, braking first; the middle one is no torque */
-        .torque_step_log2 = 13, /* distance of the points is 2^this mNm at the airgap */
-        .speed_points     = 2, /* points along speed, from standstill */
-        .speed_step_log2  = 16, /* distance of the points is 2^this mrad/s, mechanical */
+        .torque_points         = 5, /* odd: points along torque in the direction of rotation, braking first; the middle one is no torque */
+        .torque_step_log2      = 13, /* distance of the points is 2^this mNm at the airgap */
+        .speed_points          = 2, /* points along speed, from standstill */
+        .speed_step_log2       = 16, /* distance of the points is 2^this mrad/s, mechanical */
+        .temperature_points    = 1, /* points along winding temperature; 1: the map is the same at any */
+        .temperature_step_log2 = 6, /* distance of the points is 2^this hundredths of a degree */
+        .temperature_origin_cC = 5500, /* [cC] winding temperature of the first point */
         .current_d_mA = {
             /* a column every 8.192 N m from -16.384 N m on */
-            /* 0 rad/s */
+            /* 0 rad/s, 55 degC */
             0, 0, 0, 0, 0,
-            /* 65.536 rad/s */
+            /* 65.536 rad/s, 55 degC */
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x6B74DBE2,
+    .crc32 = 0x0231AEA0,
 };

@@ -21,12 +21,10 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 4
+#define CONFIG_FORMAT_VERSION 5
 #define CONFIG_NAME_LENGTH 32
-#define CONFIG_REGEN_SPEED_POINTS_MAX 65
-#define CONFIG_REGEN_TEMPERATURE_POINTS_MAX 9
-#define CONFIG_REGEN_POINTS_MAX 585       /* SPEED_POINTS_MAX * TEMPERATURE_POINTS_MAX, a literal for parsers */
-#define CONFIG_CURRENT_MAP_POINTS_MAX 289 /* 17 points of torque times 17 of speed */
+#define CONFIG_REGEN_POINTS_MAX 833        /* such as 49 speeds at 17 temperatures, or 65 at 12 */
+#define CONFIG_CURRENT_MAP_POINTS_MAX 1280 /* such as 33 torques and 19 speeds at 2 temperatures */
 #define CONFIG_HALL_EDGES 6
 
 #define CONFIG_MOTOR_SPMSM 0
@@ -141,7 +139,7 @@
 #define CONFIG_REGEN_MAP_FIELDS(X) \
     X(speed_points,                          2,         65,         "1",      "points along speed, from standstill") \
     X(speed_step_log2,                       6,         20,         "",       "distance of the points is 2^this mrad/s, mechanical") \
-    X(temperature_points,                    2,         9,          "1",      "points along winding temperature") \
+    X(temperature_points,                    2,         17,         "1",      "points along winding temperature") \
     X(temperature_step_log2,                 6,         15,         "",       "distance of the points is 2^this hundredths of a degree") \
     X(temperature_origin_cC,                 -10000,    20000,      "cC",     "winding temperature of the first point")
 
@@ -150,12 +148,16 @@
     Y(torque_mNm, CONFIG_REGEN_POINTS_MAX,   -100000000, 100000000, "mNm",    "unclamped braking torque that returns the most energy with the i_d of current_map, magnitude; near standstill its line goes on below zero, which counts as 0")
 
 #define CONFIG_CURRENT_MAP_FIELDS(X) \
-    X(torque_points,                         3,         17,         "1",      "odd: points along torque in the direction of rotation, braking first; the middle one is no torque") \
+    X(torque_points,                         3,         33,         "1",      "odd: points along torque in the direction of rotation, braking first; the middle one is no torque") \
     X(torque_step_log2,                      0,         24,         "",       "distance of the points is 2^this mNm at the airgap") \
-    X(speed_points,                          2,         17,         "1",      "points along speed, from standstill") \
-    X(speed_step_log2,                       6,         20,         "",       "distance of the points is 2^this mrad/s, mechanical")
+    X(speed_points,                          2,         33,         "1",      "points along speed, from standstill") \
+    X(speed_step_log2,                       6,         20,         "",       "distance of the points is 2^this mrad/s, mechanical") \
+    X(temperature_points,                    1,         5,          "1",      "points along winding temperature; 1: the map is the same at any") \
+    X(temperature_step_log2,                 6,         15,         "",       "distance of the points is 2^this hundredths of a degree") \
+    X(temperature_origin_cC,                 -10000,    20000,      "cC",     "winding temperature of the first point")
 
-/* Row after row of equal speed: current_d[s * torque_points + t]; unused entries at the end are 0. */
+/* Layer after layer of equal temperature, row after row of equal speed: current_d[(w * speed_points + s) * torque_points + t];
+ * unused entries at the end are 0. */
 #define CONFIG_CURRENT_MAP_ARRAY(Y) \
     Y(current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000, 3000000, "mA",   "terminal i_d of least loss, before field weakening; all 0: i_d = 0")
 

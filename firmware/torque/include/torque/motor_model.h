@@ -20,7 +20,8 @@
 
 /* The motor at one speed and temperature. */
 typedef struct {
-    int32_t speed_mrad_s;     /* mechanical, signed */
+    int32_t speed_mrad_s; /* mechanical, signed */
+    int32_t winding_temperature_cC;
     int32_t flux_nWb;         /* psi at the winding temperature, peak phase */
     int32_t emf_mV;           /* w psi, peak phase, sign of speed */
     int32_t iron_current_mA;  /* w psi / R_i, sign of speed; 0 without iron loss */

@@ -320,13 +320,29 @@ void test_the_map_of_i_d_has_a_point_of_no_torque(void)
     assert_relation("current_map.torque_points odd");
 }
 
+void test_the_maps_fit_into_the_room_there_is(void)
+{
+    config.current_map.torque_points = 33;
+    config.current_map.speed_points = 19;
+    config.current_map.temperature_points = 2;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    config.current_map.temperature_points = 3;
+    assert_relation("current_map.torque_points * speed_points * temperature_points within the table");
+    config.current_map.temperature_points = 2;
+    config.regen_map.speed_points = 49;
+    config.regen_map.temperature_points = 17;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    config.regen_map.speed_points = 50;
+    assert_relation("regen_map.speed_points * regen_map.temperature_points within the table");
+}
+
 void test_no_stored_i_d_may_eat_the_flux_that_makes_the_torque(void)
 {
     /* psi = 20.4 mWb; with L_q - L_d = 0.1 mH three quarters of it are gone at 153 A. */
     config.motor.type = CONFIG_MOTOR_IPMSM;
     config.motor.q_inductance_nH = config.motor.d_inductance_nH + 100000;
-    config.current_map.current_d_mA[288] = 152999;
+    config.current_map.current_d_mA[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 152999;
     TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
-    config.current_map.current_d_mA[288] = 153001;
+    config.current_map.current_d_mA[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 153001;
     assert_relation("current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb");
 }

@@ -54,6 +54,8 @@ static inline void fill_with_best_angle(config_t *config)
     map->torque_step_log2 = 15;
     map->speed_points = 5;
     map->speed_step_log2 = 18;
+    map->temperature_points = 1;
+    map->temperature_step_log2 = 6;
     for (int t = 0; t < 17; t++) {
         const double i_d_a = best_angle_d_a(&config->motor, (t - 8) * 32.768);
         for (int s = 0; s < 5; s++) {

@@ -54,9 +54,9 @@ void test_i_d_is_the_map_s_at_the_torque_of_the_airgap(void)
         5000; /* 5 Nm more at the airgap driving, 5 Nm less braking, besides the viscous part */
     config.motor.viscous_friction_uNm_s = 0;
     for (int32_t torque_mNm = -200000; torque_mNm <= 200000; torque_mNm += 7777) {
-        TEST_ASSERT_EQUAL_INT32(current_map_d_mA(&config, 100000, torque_mNm + 5000),
+        TEST_ASSERT_EQUAL_INT32(current_map_d_mA(&config, 100000, 2500, torque_mNm + 5000),
                                 reference(100000, torque_mNm).i_d_mA);
-        TEST_ASSERT_EQUAL_INT32(current_map_d_mA(&config, -100000, torque_mNm - 5000),
+        TEST_ASSERT_EQUAL_INT32(current_map_d_mA(&config, -100000, 2500, torque_mNm - 5000),
                                 reference(-100000, torque_mNm).i_d_mA);
     }
 }
