@@ -28,6 +28,21 @@ void bench_refresh(bench_t *bench)
     }
 }
 
+const char *bench_world_objection(const bench_params_t *params)
+{
+    if (params->sensors.sampling_delay_s * params->inverter.pwm_frequency_hz >= 0.5) {
+        return "sensors.sampling_delay_s: accepted: less than half a period of inverter.pwm_frequency_hz";
+    }
+    const char *const objections[] = {pmsm_objection(&params->motor), anti_lock_objection(&params->anti_lock),
+                                      motion_objection(params)};
+    for (size_t k = 0; k < sizeof(objections) / sizeof(objections[0]); k++) {
+        if (objections[k] != NULL) {
+            return objections[k];
+        }
+    }
+    return NULL;
+}
+
 const char *bench_objection(const bench_t *bench, const bench_params_t *changed)
 {
     if (changed->bus.capacitance_f != bench->params.bus.capacitance_f) {
@@ -46,7 +61,7 @@ const char *bench_objection(const bench_t *bench, const bench_params_t *changed)
         return "road.friction: whether wheels slip is decided before the run, accepted: another value above 0, or 0 as "
                "it was";
     }
-    return motion_objection(changed);
+    return bench_world_objection(changed);
 }
 
 static double kinetic_energy_j(const bench_t *bench)
@@ -74,6 +89,7 @@ static void begin_accounts(bench_t *bench)
     bench->chassis = level;
     const motion_t motion = moving(bench);
     motion_roll(&bench->road, &motion);
+    aids_begin(&bench->aids, &bench->params, bench->wheel, bench->wheels);
     const bms_state_t none_sent = {.next_s = 0.0};
     bench->limits = none_sent;
     bench->kinetic_before_j = kinetic_energy_j(bench);
@@ -135,6 +151,8 @@ static void slow_step(bench_t *bench)
                                     bench->vehicle.speed_m_per_s, bench->time_s, SLOW_STEP_S);
     }
     note_braking(bench);
+    aids_step(&bench->aids, &bench->world, bench->wheel, bench->wheels, &bench->vehicle, bench->demand.brake_nm,
+              bench->time_s, SLOW_STEP_S);
     const bms_limits_t limits =
         bms_step(&params->bms, &bench->limits, &params->battery, &bench->battery, bench->time_s);
     const wheel_order_t order = {
@@ -147,7 +165,7 @@ static void slow_step(bench_t *bench)
         .bus_voltage_v = bench->bus.voltage_v,
         .time_s = bench->time_s,
         .enable = bench->held || params->driver.enable > 0.5,
-        .abs_active = !bench->held && params->driver.abs_active > 0.5,
+        .abs_active = !bench->held && (params->driver.abs_active > 0.5 || bench->aids.anti_lock.at_work),
     };
     for (int k = 0; k < bench->wheels; k++) {
         wheel_slow(&bench->wheel[k], &bench->world, &order);

@@ -191,7 +191,7 @@ static int check_params(hubsim_t *sim)
     if (sim->params.inverter.switching > 0.5 && sim->params.run.pieces > 1.0) {
         return fail(sim, HUBSIM_BAD_ORDER, "run.pieces: accepted: 0 or 1 while inverter.switching is 1");
     }
-    const char *objection = motion_objection(&sim->params);
+    const char *objection = bench_world_objection(&sim->params);
     if (objection != NULL) {
         return fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
     }

@@ -24,6 +24,9 @@ typedef enum { VALUE, RATE } kind_t;
     X("driver.message_age_s", VALUE, "s", "age of the demand the controllers have", b->demand_age_s) \
     X("bms.charge_a", VALUE, "A", "charge limit sent to the controllers", b->limits.sent.charge_a) \
     X("bms.discharge_a", VALUE, "A", "discharge limit sent to the controllers", b->limits.sent.discharge_a) \
+    X("anti_lock.at_work", VALUE, "", "1: the anti-lock system has raised its flag", b->aids.anti_lock.at_work ? 1.0 : 0.0) \
+    X("anti_lock.failed", VALUE, "", "1: switched itself off, a wheel's sensor shows nothing", b->aids.anti_lock.failed ? 1.0 : 0.0) \
+    X("anti_lock.reference_m_per_s", VALUE, "m/s", "of the vehicle, as the system takes it", b->aids.anti_lock.reference_m_per_s) \
     X("battery.chemical_w", RATE, "W", "power drawn from the cells, mean over the row", accounts->run.chemical_j) \
     X("battery.loss_w", RATE, "W", "heat in the battery, mean over the row", accounts->run.battery_j)
 
@@ -41,6 +44,12 @@ typedef enum { VALUE, RATE } kind_t;
     X("phase_c_a", VALUE, "A", "current into phase c", plant_inverse_clarke(w->rotor.terminal).c) \
     X("current_d_a", VALUE, "A", "direct-axis current, peak phase value", plant_park(w->rotor.terminal, w->rotor.axis).d) \
     X("current_q_a", VALUE, "A", "quadrature-axis current, peak phase value", plant_park(w->rotor.terminal, w->rotor.axis).q) \
+    X("phase_a_seen_a", VALUE, "A", "current of phase a as the converter had it in front at its last sample", w->seen_a.a) \
+    X("phase_b_seen_a", VALUE, "A", "likewise, phase b", w->seen_a.b) \
+    X("phase_c_seen_a", VALUE, "A", "likewise, phase c", w->seen_a.c) \
+    X("speed_seen_rad_per_s", VALUE, "rad/s", "of the wheel as its speed sensor tells it, magnitude", w->ring.speed_rad_s) \
+    X("valve", VALUE, "", "anti-lock system: 0 open, 1 pressure rises, 2 is kept, 3 is let go", (double)w->brake.valve) \
+    X("winding_sensor_c", VALUE, "degC", "of the winding as its sensor tells it", w->winding_sensor.reported_c) \
     X("speed_rad_per_s", VALUE, "rad/s", "of the wheel", w->motion.speed_rad_s) \
     X("load_n", VALUE, "N", "of the wheel on the road", w->motion.load_n) \
     X("tyre_n", VALUE, "N", "force of the tyre, positive forward; 0 where wheels cannot slip", w->motion.force_n) \

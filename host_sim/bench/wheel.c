@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "bench/feed.h"
 #include "plant/numbers.h"
 
 enum { MILLI = 1000, CENTI = 100 };
@@ -37,6 +38,7 @@ void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index)
     wheel->active = bridge_off();
     wheel->next = bridge_off();
     wheel->rotor = pmsm_at_rest(params->run.rotor_turn + index * params->run.rotor_spread_turn);
+    wheel->rotor.shaft_turn = wheel->rotor.theta_turn / params->motor.pole_pairs;
     wheel->shaft = encoder_begin(&params->encoder, params->motor.pole_pairs, wheel->rotor.theta_turn, 0);
     wheel->random = random_init((uint64_t)params->run.seed, (uint64_t)index);
     wheel->index = index;
@@ -68,6 +70,7 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
     };
     const double winding_c = thermal->winding_temperature_c + params->wheel[wheel->index].winding_rise_k;
     wheel->winding = thermal_init(&motor, winding_c, SLOW_STEP_S);
+    wheel->winding_sensor = temperature_sensor_at(winding_c);
     wheel->switches = thermal_init(&bridge, thermal->switch_temperature_c, SLOW_STEP_S);
     wheel_refresh(wheel, world);
 }
@@ -110,7 +113,18 @@ static void warm(wheel_t *wheel, const wheel_world_t *world)
     wheel->heat_winding_j = 0.0;
     wheel->heat_iron_j = 0.0;
     wheel->heat_switches_j = 0.0;
-    at_temperature(wheel, world);
+    if (!wheel->winding.held || !wheel->switches.held) {
+        at_temperature(wheel, world);
+    }
+}
+
+/* The winding's temperature as its sensor tells it. */
+static double felt(wheel_t *wheel, const bench_params_t *params)
+{
+    const one_wheel_params_t *own = &params->wheel[wheel->index];
+    const bool broken = own->winding_sensor_open > 0.5 || own->winding_sensor_shorted > 0.5;
+    return temperature_sensor_step(&params->winding_sensor, &wheel->winding_sensor, wheel->winding.temperature_c,
+                                   broken, SLOW_STEP_S);
 }
 
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order)
@@ -123,7 +137,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
         .demand_age_ms = (uint32_t)rounded(order->demand_age_s, MILLI),
         .bms_charge_current_mA = rounded(order->charge_limit_a, MILLI),
         .bms_discharge_current_mA = rounded(order->discharge_limit_a, MILLI),
-        .winding_temperature_cC = rounded(wheel->winding.temperature_c, CENTI),
+        .winding_temperature_cC = rounded(felt(wheel, world->params), CENTI),
         .switch_temperature_cC = rounded(wheel->switches.temperature_c, CENTI),
         .enable = order->enable,
         .abs_active = order->abs_active,
@@ -138,8 +152,8 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
     const pmsm_step_t step = {.omega_rad_s = wheel->motion.speed_rad_s * world->params->motor.pole_pairs,
                               .duration_s = world->step_s,
                               .series_resistance_ohm = wheel->inverter.pwm_resistance_ohm};
-    wheel->zone_a =
-        inverter_zone_a(&wheel->inverter, order->bus_voltage_v, pmsm_amperes_per_volt(&wheel->machine, &step));
+    wheel->zone_a = inverter_zone_a(&wheel->inverter, order->bus_voltage_v,
+                                    pmsm_amperes_per_volt(&wheel->machine, &wheel->rotor, &step));
     if (wheel->first_fault == REASON_NONE && wheel->slow.fault_reason != REASON_NONE) {
         wheel->first_fault = wheel->slow.fault_reason;
         wheel->first_fault_s = order->time_s;
@@ -148,10 +162,14 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
 
 void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v)
 {
-    const sensors_sample_t seen =
-        sensors_sample(&world->sensors, &wheel->fault, &wheel->random, plant_inverse_clarke(wheel->rotor.terminal),
-                       bus_voltage_v, wheel->rotor.theta_turn);
     const bench_params_t *params = world->params;
+    feed_end_period(wheel, world);
+    if (wheel->coupling == NULL) {
+        wheel->active = wheel->next;
+    }
+    wheel->seen_a = feed_seen(wheel, world, bus_voltage_v);
+    const sensors_sample_t seen = sensors_sample(&world->sensors, &wheel->fault, &wheel->random, wheel->seen_a,
+                                                 bus_voltage_v, wheel->rotor.theta_turn);
     const encoder_sample_t counted =
         encoder_look(&params->encoder, params->motor.pole_pairs, &wheel->shaft, wheel->rotor.theta_turn);
     const fast_input_t in = {
@@ -166,82 +184,7 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
         wheel->active = wheel->coupling->period(wheel->coupling->context, &in);
         return;
     }
-    wheel->active = wheel->next;
     wheel->next = controller_fast_step(&wheel->controller.fast, world->config, &wheel->to_fast, &in, &wheel->to_slow);
-}
-
-static plant_abc_t duties(const wheel_t *wheel, const wheel_world_t *world)
-{
-    const plant_abc_t out = {.a = wheel->active.compare_counts[0] * world->duty_per_count,
-                             .b = wheel->active.compare_counts[1] * world->duty_per_count,
-                             .c = wheel->active.compare_counts[2] * world->duty_per_count};
-    return out;
-}
-
-/* Edge by edge. */
-static pmsm_flow_t switch_legs(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v,
-                               const pmsm_step_t *step, inverter_flow_t *bridge)
-{
-    switching_flow_t flow = {.bridge = {.dc_j = 0.0}};
-    switch (wheel->active.bridge) {
-    case BRIDGE_PWM:
-        flow =
-            switching_pwm(&wheel->switching, &wheel->machine, &wheel->rotor, duties(wheel, world), bus_voltage_v, step);
-        break;
-    case BRIDGE_SHORT:
-        flow = switching_short(&wheel->switching, &wheel->machine, &wheel->rotor, bus_voltage_v, step);
-        break;
-    case BRIDGE_OFF:
-        flow = switching_off(&wheel->switching, &wheel->machine, &wheel->rotor, bus_voltage_v, step);
-        break;
-    }
-    *bridge = flow.bridge;
-    return flow.machine;
-}
-
-static pmsm_flow_t switch_bridge(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v, pmsm_step_t *step,
-                                 inverter_flow_t *bridge)
-{
-    const inverter_t *inverter = &wheel->inverter;
-    const plant_phasor_t half_turn = plant_small_phasor(0.5 * step->omega_rad_s * step->duration_s);
-    const plant_ab_t now = wheel->rotor.terminal;
-    const plant_ab_t middle = {.alpha = now.alpha * half_turn.cos - now.beta * half_turn.sin,
-                               .beta = now.beta * half_turn.cos + now.alpha * half_turn.sin};
-    step->series_resistance_ohm = inverter->pwm_resistance_ohm;
-    const inverter_drive_t drive =
-        inverter_drive(inverter, duties(wheel, world), bus_voltage_v, plant_inverse_clarke(middle), wheel->zone_a);
-    const pmsm_flow_t flow = pmsm_step(&wheel->machine, &wheel->rotor, drive.source, step);
-    *bridge = inverter_pwm_flow(inverter, &drive, &flow);
-    return flow;
-}
-
-static pmsm_flow_t feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v,
-                              inverter_flow_t *bridge)
-{
-    const inverter_t *inverter = &wheel->inverter;
-    const plant_ab_t shorted = {0.0, 0.0};
-    pmsm_step_t step = {.omega_rad_s = speed_rad_s * world->params->motor.pole_pairs, .duration_s = world->step_s};
-    if (world->params->inverter.switching > 0.5) {
-        return switch_legs(wheel, world, bus_voltage_v, &step, bridge);
-    }
-    pmsm_flow_t flow = {.source_j = 0.0};
-    switch (wheel->active.bridge) {
-    case BRIDGE_PWM:
-        flow = switch_bridge(wheel, world, bus_voltage_v, &step, bridge);
-        break;
-    case BRIDGE_SHORT:
-        step.series_resistance_ohm = inverter->short_resistance_ohm;
-        flow = pmsm_step(&wheel->machine, &wheel->rotor, shorted, &step);
-        *bridge = inverter_short_flow(&flow);
-        break;
-    case BRIDGE_OFF:
-        step.series_resistance_ohm = inverter->diode_resistance_ohm;
-        flow = pmsm_step_rectified(&wheel->machine, &wheel->rotor,
-                                   inverter_rectifier_ceiling_v(inverter, bus_voltage_v), &step);
-        *bridge = inverter_rectifier_flow(inverter, bus_voltage_v, &flow);
-        break;
-    }
-    return flow;
 }
 
 wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v)

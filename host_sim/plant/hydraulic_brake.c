@@ -33,10 +33,34 @@ void hydraulic_brake_command(const hydraulic_brake_params_t *params, hydraulic_b
     state->target_nm = state->commands_nm[state->next];
 }
 
+void hydraulic_brake_valve(hydraulic_brake_state_t *state, hydraulic_valve_t valve, double build_nm_per_s,
+                           double dump_nm_per_s, double step_s)
+{
+    state->valve = valve;
+    state->build_nm = build_nm_per_s * step_s;
+    state->dump_nm = dump_nm_per_s * step_s;
+}
+
+static double behind_valve(const hydraulic_brake_state_t *state, double change_nm)
+{
+    switch (state->valve) {
+    case HYDRAULIC_VALVE_OPEN:
+        break;
+    case HYDRAULIC_VALVE_BUILD:
+        return plant_min(change_nm, state->build_nm);
+    case HYDRAULIC_VALVE_HOLD:
+        return plant_min(change_nm, 0.0);
+    case HYDRAULIC_VALVE_DUMP:
+        return plant_min(change_nm, -plant_min(state->dump_nm, state->torque_nm));
+    }
+    return change_nm;
+}
+
 double hydraulic_brake_step(hydraulic_brake_state_t *state)
 {
     const double wanted_nm = (state->target_nm - state->torque_nm) * state->approach;
     const double largest_rise_nm = state->torque_nm < state->knee_nm ? state->knee_rise_nm : state->largest_change_nm;
-    state->torque_nm += plant_clamp(wanted_nm, -state->largest_change_nm, largest_rise_nm);
+    const double change_nm = plant_clamp(wanted_nm, -state->largest_change_nm, largest_rise_nm);
+    state->torque_nm += state->valve == HYDRAULIC_VALVE_OPEN ? change_nm : behind_valve(state, change_nm);
     return state->torque_nm * state->gain;
 }

@@ -42,9 +42,8 @@ static plant_ab_t from_phases(const double x[PHASES])
 
 phases_state_t phases_from(const phases_t *phases, const pmsm_state_t *rotor)
 {
-    const pmsm_params_t *p = &phases->machine->params;
-    const plant_dq_t flux = {.d = p->d_inductance_h * rotor->i_t.d + phases->machine->flux_wb,
-                             .q = p->q_inductance_h * rotor->i_t.q};
+    plant_dq_t flux = magnetics_flux(&phases->machine->magnetics, rotor->i_t);
+    flux.d += phases->machine->flux_wb;
     phases_state_t out = {.axis = rotor->axis};
     to_phases(plant_inverse_park(flux, rotor->axis), out.flux_wb);
     to_phases(rotor->terminal, out.current_a);
@@ -54,9 +53,14 @@ phases_state_t phases_from(const phases_t *phases, const pmsm_state_t *rotor)
 void phases_to(const phases_t *phases, const phases_state_t *state, pmsm_state_t *rotor)
 {
     const pmsm_params_t *p = &phases->machine->params;
-    const plant_dq_t flux = plant_park(from_phases(state->flux_wb), state->axis);
-    rotor->i_t.d = (flux.d - phases->machine->flux_wb) / p->d_inductance_h;
-    rotor->i_t.q = flux.q / p->q_inductance_h;
+    plant_dq_t flux = plant_park(from_phases(state->flux_wb), state->axis);
+    flux.d -= phases->machine->flux_wb;
+    if (phases->machine->magnetics.saturates) {
+        rotor->i_t = magnetics_current(&phases->machine->magnetics, flux);
+    } else {
+        rotor->i_t.d = flux.d / p->d_inductance_h;
+        rotor->i_t.q = flux.q / p->q_inductance_h;
+    }
     rotor->terminal = from_phases(state->current_a);
     rotor->axis = state->axis;
 }
@@ -65,6 +69,11 @@ void phases_to(const phases_t *phases, const phases_state_t *state, pmsm_state_t
 static plant_ab_t behind_iron(const phases_t *phases, plant_ab_t flux, plant_phasor_t axis)
 {
     const double psi = phases->machine->flux_wb;
+    if (phases->machine->magnetics.saturates) {
+        plant_dq_t of_rotor = plant_park(flux, axis);
+        of_rotor.d -= psi;
+        return plant_inverse_park(magnetics_current(&phases->machine->magnetics, of_rotor), axis);
+    }
     const double x = flux.alpha - psi * axis.cos;
     const double y = flux.beta - psi * axis.sin;
     const double cos2 = axis.cos * axis.cos - axis.sin * axis.sin;
@@ -74,6 +83,19 @@ static plant_ab_t behind_iron(const phases_t *phases, plant_ab_t flux, plant_pha
         .beta = phases->per_l_sum * y + phases->per_l_difference * (sin2 * x - cos2 * y),
     };
     return out;
+}
+
+/* Saturated iron lets a current die the quicker, which no step would follow: the resistance falls with the inductance. */
+static double open_ohm(const phases_t *phases, plant_ab_t flux, plant_phasor_t axis)
+{
+    const magnetics_t *m = &phases->machine->magnetics;
+    if (!m->saturates) {
+        return phases->open_ohm;
+    }
+    plant_dq_t of_rotor = plant_park(flux, axis);
+    of_rotor.d -= phases->machine->flux_wb;
+    const magnetics_slope_t s = magnetics_slope(m, of_rotor);
+    return plant_min(phases->open_ohm, 1.0 / (FADE_S * (plant_max(s.dd, s.qq) + fabs(s.dq))));
 }
 
 /* Everything at one instant. */
@@ -104,7 +126,7 @@ static instant_t instant_at(const phases_t *phases, const phases_leg_t legs[PHAS
         out.current[x] = i_t[x] + iron_now_s * out.iron_v[x];
         if (legs[x].open) {
             share[x] = 0.0;
-            out.volts[x] = out.iron_v[x] - phases->open_ohm * out.current[x];
+            out.volts[x] = out.iron_v[x] - open_ohm(phases, flux, axis) * out.current[x];
         } else {
             const double ohms = phases->machine->resistance_ohm + legs[x].ohms;
             share[x] = 1.0 / (1.0 + ohms * iron_late_s);

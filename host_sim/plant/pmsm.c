@@ -1,21 +1,57 @@
 #include "plant/pmsm.h"
 
+#include <stddef.h>
+
 #include "plant/numbers.h"
+#include "pmsm_stages.h"
 
 /* Largest turn of the rotor in one stage set, rad: the scheme's error is then below 1e-8 of the current per period. */
 static const double LARGEST_TURN_RAD = 0.1;
 /* Coldest and hottest windings of a broken scenario still have copper in them. */
 static const double LEAST_SHARE = 0.05;
 
+static magnetics_data_t iron_of(const pmsm_params_t *params)
+{
+    const magnetics_data_t out = {
+        .d_inductance_h = params->d_inductance_h,
+        .q_inductance_h = params->q_inductance_h,
+        .d_saturation_a = params->d_saturation_current_a,
+        .q_saturation_a = params->q_saturation_current_a,
+        .cross_share = params->cross_saturation,
+        .bias_a = params->magnet_bias_current_a,
+    };
+    return out;
+}
+
+const char *pmsm_objection(const pmsm_params_t *params)
+{
+    const magnetics_data_t iron = iron_of(params);
+    if (!magnetics_is_possible(&iron)) {
+        return "motor.magnet_bias_current_a: accepted: less than 0.28 motor.d_saturation_current_a, and so little that "
+               "4 motor.cross_saturation sqrt(d_inductance_h / q_inductance_h) bias^2 is less than the product of both "
+               "saturation currents";
+    }
+    if (params->cogging_torque_nm > 0.0 &&
+        (params->cogging_per_turn < 1.0 || params->cogging_per_turn != floor(params->cogging_per_turn))) {
+        return "motor.cogging_per_turn: accepted: a whole number from 1 where motor.cogging_torque_nm is above 0";
+    }
+    return NULL;
+}
+
 pmsm_t pmsm_at_temperature(const pmsm_params_t *params, double winding_temperature_c)
 {
     const double rise_k = winding_temperature_c - params->reference_temperature_c;
     const double resistance_share = 1.0 + params->resistance_temperature_coefficient_per_k * rise_k;
     const double flux_share = 1.0 + params->flux_temperature_coefficient_per_k * rise_k;
+    const magnetics_data_t iron = iron_of(params);
     const pmsm_t out = {
         .params = *params,
         .resistance_ohm = params->phase_resistance_ohm * plant_max(resistance_share, LEAST_SHARE),
         .flux_wb = params->flux_linkage_wb * plant_max(flux_share, LEAST_SHARE),
+        .magnetics = magnetics_of(&iron),
+        .cogging = {.amplitude_nm = params->cogging_torque_nm,
+                    .per_turn = params->cogging_per_turn,
+                    .phase_turn = params->cogging_deg / 360.0},
     };
     return out;
 }
@@ -27,16 +63,6 @@ pmsm_state_t pmsm_at_rest(double theta_turn)
         .i_t = {0.0, 0.0}, .terminal = {0.0, 0.0}, .theta_turn = within, .axis = plant_phasor_of_turn(within)};
     return out;
 }
-
-/* The equations at one speed, ready to be evaluated: with e = u - R i_t, v = share e and i = i_t + conductance e. */
-typedef struct {
-    double resistance_ohm; /* winding and series */
-    double share;          /* R_i / (R_i + R), 1 without iron loss */
-    double conductance_s;  /* 1 / (R_i + R), 0 without iron loss */
-    double w, w_l_d, w_l_q, w_psi;
-    double per_l_d, per_l_q;
-    double flux_wb, saliency_h;
-} equations_t;
 
 static equations_t equations_at(const pmsm_t *machine, const pmsm_step_t *step)
 {
@@ -63,19 +89,6 @@ static equations_t equations_at(const pmsm_t *machine, const pmsm_step_t *step)
     return out;
 }
 
-static inline plant_dq_t along(plant_dq_t x, double factor, plant_dq_t y)
-{
-    const plant_dq_t out = {.d = x.d + factor * y.d, .q = x.q + factor * y.q};
-    return out;
-}
-
-/* What one stage of the scheme sees. */
-typedef struct {
-    plant_dq_t slope;    /* di_t/dt */
-    plant_dq_t terminal; /* i */
-    double terminal_square, drop_square, torque_per_3_2_p;
-} stage_t;
-
 static inline stage_t stage_at(const equations_t *eq, plant_dq_t u, plant_dq_t i_t)
 {
     const plant_dq_t e = along(u, -eq->resistance_ohm, i_t);
@@ -91,11 +104,6 @@ static inline stage_t stage_at(const equations_t *eq, plant_dq_t u, plant_dq_t i
     return out;
 }
 
-static inline double simpson(double first, double second, double third, double fourth)
-{
-    return first + 2.0 * (second + third) + fourth;
-}
-
 bool pmsm_is_resolved(const pmsm_t *machine, double series_resistance_ohm, double step_s)
 {
     const pmsm_params_t *p = &machine->params;
@@ -106,13 +114,10 @@ bool pmsm_is_resolved(const pmsm_t *machine, double series_resistance_ohm, doubl
 /* One set of four stages. */
 static void advance(const equations_t *eq, pmsm_state_t *state, plant_ab_t u_ab, double h, pmsm_flow_t *flow)
 {
-    const plant_phasor_t half_turn = plant_small_phasor(0.5 * eq->w * h);
-    const plant_phasor_t start = state->axis;
-    const plant_phasor_t middle = plant_turned(start, half_turn);
-    const plant_phasor_t end = plant_turned(middle, half_turn);
-    const plant_dq_t u_start = plant_park(u_ab, start);
-    const plant_dq_t u_middle = plant_park(u_ab, middle);
-    const plant_dq_t u_end = plant_park(u_ab, end);
+    const stage_axes_t axes = stage_axes(state->axis, eq->w, h);
+    const plant_dq_t u_start = plant_park(u_ab, axes.start);
+    const plant_dq_t u_middle = plant_park(u_ab, axes.middle);
+    const plant_dq_t u_end = plant_park(u_ab, axes.end);
 
     const plant_dq_t i_t = state->i_t;
     const stage_t s1 = stage_at(eq, u_start, i_t);
@@ -122,22 +127,8 @@ static void advance(const equations_t *eq, pmsm_state_t *state, plant_ab_t u_ab,
     const double sixth = h / 6.0;
     state->i_t.d = i_t.d + sixth * simpson(s1.slope.d, s2.slope.d, s3.slope.d, s4.slope.d);
     state->i_t.q = i_t.q + sixth * simpson(s1.slope.q, s2.slope.q, s3.slope.q, s4.slope.q);
-    state->axis = end;
-
-    const plant_dq_t mean = {.d = 0.5 * (s2.terminal.d + s3.terminal.d), .q = 0.5 * (s2.terminal.q + s3.terminal.q)};
-    const plant_ab_t at_start = plant_inverse_park(s1.terminal, start);
-    const plant_ab_t at_middle = plant_inverse_park(mean, middle);
-    const plant_ab_t at_end = plant_inverse_park(s4.terminal, end);
-    state->terminal = at_end;
-    flow->charge_as.alpha += sixth * (at_start.alpha + 4.0 * at_middle.alpha + at_end.alpha);
-    flow->charge_as.beta += sixth * (at_start.beta + 4.0 * at_middle.beta + at_end.beta);
-    flow->rectified_as +=
-        sixth * (plant_rectified_sum(at_start) + 4.0 * plant_rectified_sum(at_middle) + plant_rectified_sum(at_end));
-    /* Copper and series heat are told apart by the caller; here both are integral of |i|^2, iron of |e|^2. */
-    flow->copper_j += sixth * simpson(s1.terminal_square, s2.terminal_square, s3.terminal_square, s4.terminal_square);
-    flow->iron_j += sixth * simpson(s1.drop_square, s2.drop_square, s3.drop_square, s4.drop_square);
-    flow->torque_nms +=
-        sixth * simpson(s1.torque_per_3_2_p, s2.torque_per_3_2_p, s3.torque_per_3_2_p, s4.torque_per_3_2_p);
+    const stage_t *const stages[] = {&s1, &s2, &s3, &s4};
+    pmsm_book_stages(stages, &axes, h, state, flow);
 }
 
 /* A rotor that turned more than once within a PWM period could not be controlled, but must not leave its range. */
@@ -156,10 +147,23 @@ static void straighten(pmsm_state_t *state)
     state->axis.sin *= stretch;
 }
 
-void pmsm_turn(pmsm_state_t *state, const pmsm_step_t *step)
+static double cog(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step)
+{
+    if (machine->cogging.amplitude_nm <= 0.0) {
+        return 0.0;
+    }
+    const double turns = step->omega_rad_s * step->duration_s / (PLANT_TWO_PI * machine->params.pole_pairs);
+    const double out_nms = cogging_impulse_nms(&machine->cogging, state->shaft_turn, turns, step->duration_s);
+    const double after = state->shaft_turn + turns;
+    state->shaft_turn = after - floor(after);
+    return out_nms;
+}
+
+double pmsm_turn(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step)
 {
     turn_rotor(state, step);
     straighten(state);
+    return cog(machine, state, step);
 }
 
 pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, const pmsm_step_t *step)
@@ -170,22 +174,31 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, 
     const int sets = turn_rad <= LARGEST_TURN_RAD ? 1 : (int)ceil(turn_rad / LARGEST_TURN_RAD);
     const double h = step->duration_s / sets;
     for (int k = 0; k < sets; k++) {
-        advance(&eq, state, u, h, &flow);
+        if (machine->magnetics.saturates) {
+            pmsm_saturated_advance(machine, &eq, state, u, h, &flow);
+        } else {
+            advance(&eq, state, u, h, &flow);
+        }
     }
-    pmsm_turn(state, step);
+    const double cogging_nms = pmsm_turn(machine, state, step);
 
     const double square_a2s = flow.copper_j;
     flow.copper_j = 1.5 * machine->resistance_ohm * square_a2s;
     flow.series_j = 1.5 * step->series_resistance_ohm * square_a2s;
     flow.iron_j *= 1.5 * eq.share * eq.conductance_s;
     flow.torque_nms *= 1.5 * machine->params.pole_pairs;
+    flow.torque_nms += cogging_nms;
     flow.source_j = 1.5 * (u.alpha * flow.charge_as.alpha + u.beta * flow.charge_as.beta);
     return flow;
 }
 
 /* i_t after an implicit step of  L di/dt = drive - r i - j w L i,  drive holding everything else. */
-static plant_dq_t implicit_step(const equations_t *eq, plant_dq_t before, double h, double r, plant_dq_t drive)
+static plant_dq_t implicit_step(const pmsm_t *machine, const equations_t *eq, plant_dq_t before, double h, double r,
+                                plant_dq_t drive)
 {
+    if (machine->magnetics.saturates) {
+        return pmsm_saturated_implicit(machine, eq->w, before, h, r, drive);
+    }
     const double a = 1.0 + h * r * eq->per_l_d;
     const double d = 1.0 + h * r * eq->per_l_q;
     const double b = -h * eq->w_l_q * eq->per_l_d;
@@ -199,17 +212,19 @@ static plant_dq_t implicit_step(const equations_t *eq, plant_dq_t before, double
 }
 
 /* The terminal voltage that lets no current through the wires, and the i_t that belongs to it. */
-static plant_dq_t blocking_voltage(const equations_t *eq, plant_dq_t before, double h, plant_dq_t *i_t)
+static plant_dq_t blocking_voltage(const pmsm_t *machine, const equations_t *eq, plant_dq_t before, double h,
+                                   plant_dq_t *i_t)
 {
     if (eq->conductance_s == 0.0) {
         i_t->d = 0.0;
         i_t->q = 0.0;
-        const plant_dq_t out = {.d = -before.d / (h * eq->per_l_d), .q = eq->w_psi - before.q / (h * eq->per_l_q)};
+        const plant_dq_t flux = magnetics_flux(&machine->magnetics, before);
+        const plant_dq_t out = {.d = -flux.d / h, .q = eq->w_psi - flux.q / h};
         return out;
     }
     const double iron_ohm = eq->share / eq->conductance_s;
     const plant_dq_t emf = {.d = 0.0, .q = -eq->w_psi};
-    *i_t = implicit_step(eq, before, h, iron_ohm, emf);
+    *i_t = implicit_step(machine, eq, before, h, iron_ohm, emf);
     const plant_dq_t out = {.d = -iron_ohm * i_t->d, .q = -iron_ohm * i_t->q};
     return out;
 }
@@ -220,7 +235,7 @@ pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, doub
     const double h = step->duration_s;
     const double magnetic_before_j = pmsm_magnetic_energy_j(machine, state);
     plant_dq_t i_t;
-    plant_dq_t u = blocking_voltage(&eq, state->i_t, h, &i_t);
+    plant_dq_t u = blocking_voltage(machine, &eq, state->i_t, h, &i_t);
     plant_dq_t terminal = {0.0, 0.0};
     double drop_square = 0.0; /* of v, the voltage across the iron branch */
     const double wanted_v = hypot(u.d, u.q);
@@ -228,7 +243,7 @@ pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, doub
         u.d *= ceiling_v / wanted_v;
         u.q *= ceiling_v / wanted_v;
         const plant_dq_t drive = {.d = eq.share * u.d, .q = eq.share * u.q - eq.w_psi};
-        i_t = implicit_step(&eq, state->i_t, h, eq.share * eq.resistance_ohm, drive);
+        i_t = implicit_step(machine, &eq, state->i_t, h, eq.share * eq.resistance_ohm, drive);
         const stage_t end = stage_at(&eq, u, i_t);
         terminal = end.terminal;
         drop_square = eq.share * eq.share * end.drop_square;
@@ -237,6 +252,7 @@ pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, doub
     }
     state->i_t = i_t;
     turn_rotor(state, step);
+    const double cogging_nms = cog(machine, state, step);
     state->axis = plant_phasor_of_turn(state->theta_turn);
     state->terminal = plant_inverse_park(terminal, state->axis);
 
@@ -247,7 +263,7 @@ pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, doub
         .copper_j = 1.5 * machine->resistance_ohm * square_a2s,
         .series_j = 1.5 * step->series_resistance_ohm * square_a2s,
         .iron_j = 1.5 * h * drop_square * per_iron_ohm,
-        .torque_nms = h * pmsm_torque_nm(machine, i_t),
+        .torque_nms = h * pmsm_torque_nm(machine, i_t) + cogging_nms,
         .rectified_as = h * plant_rectified_sum(state->terminal),
     };
     const double work_j = flow.torque_nms * step->omega_rad_s / machine->params.pole_pairs;
@@ -256,21 +272,38 @@ pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, doub
     return flow;
 }
 
-double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_step_t *step)
+double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_state_t *state, const pmsm_step_t *step)
 {
     const equations_t eq = equations_at(machine, step);
-    return step->duration_s * plant_max(eq.per_l_d, eq.per_l_q) + eq.conductance_s;
+    double per_l = plant_max(eq.per_l_d, eq.per_l_q);
+    if (machine->magnetics.saturates) {
+        const magnetics_slope_t s =
+            magnetics_slope(&machine->magnetics, magnetics_flux(&machine->magnetics, state->i_t));
+        per_l = 0.5 * (s.dd + s.qq) + hypot(0.5 * (s.dd - s.qq), s.dq); /* the larger eigenvalue */
+    }
+    return step->duration_s * per_l + eq.conductance_s;
 }
 
 double pmsm_magnetic_energy_j(const pmsm_t *machine, const pmsm_state_t *state)
 {
     const pmsm_params_t *p = &machine->params;
-    return 0.75 * (p->d_inductance_h * state->i_t.d * state->i_t.d + p->q_inductance_h * state->i_t.q * state->i_t.q);
+    const double cogging_j =
+        machine->cogging.amplitude_nm > 0.0 ? cogging_energy_j(&machine->cogging, state->shaft_turn) : 0.0;
+    if (machine->magnetics.saturates) {
+        return magnetics_energy_j(&machine->magnetics, magnetics_flux(&machine->magnetics, state->i_t)) + cogging_j;
+    }
+    const double of_currents_j =
+        0.75 * (p->d_inductance_h * state->i_t.d * state->i_t.d + p->q_inductance_h * state->i_t.q * state->i_t.q);
+    return of_currents_j + cogging_j;
 }
 
 double pmsm_torque_nm(const pmsm_t *machine, plant_dq_t i_t)
 {
     const pmsm_params_t *p = &machine->params;
+    if (machine->magnetics.saturates) {
+        const plant_dq_t flux = magnetics_flux(&machine->magnetics, i_t);
+        return 1.5 * p->pole_pairs * ((machine->flux_wb + flux.d) * i_t.q - flux.q * i_t.d);
+    }
     const double flux_wb = machine->flux_wb + (p->d_inductance_h - p->q_inductance_h) * i_t.d;
     return 1.5 * p->pole_pairs * flux_wb * i_t.q;
 }

@@ -1,6 +1,7 @@
 #include "plant/switching.h"
 
 #include <math.h>
+#include <stddef.h>
 
 #include "plant/numbers.h"
 
@@ -22,6 +23,7 @@ typedef struct {
     double bus_v;
     gate_t gate[PHASES];
     path_t path[PHASES];
+    const switching_watch_t *watch; /* may be NULL */
     switching_flow_t flow;
 } period_t;
 
@@ -147,6 +149,19 @@ static double first_end(const period_t *p, const double after_a[PHASES], int *wh
     return out;
 }
 
+/* The shunt of a leg carries what its low side conducts, as a mean of the time. */
+static void show(const period_t *p, const double before_a[PHASES], double passed_s)
+{
+    if (p->watch == NULL || p->watch->shunts == NULL) {
+        return;
+    }
+    for (int x = 0; x < PHASES; x++) {
+        const bool low = p->path[x] == SWITCH_LOW || p->path[x] == DIODE_LOW;
+        const double mean_a = low ? 0.5 * (before_a[x] + p->state.current_a[x]) : 0.0;
+        shunts_follow(p->watch->shunts, x, mean_a, passed_s, p->watch->settling_s);
+    }
+}
+
 /* A time without edges; diodes may stop and begin to conduct. */
 static void pass(period_t *p, double duration_s)
 {
@@ -171,8 +186,10 @@ static void pass(period_t *p, double duration_s)
             trial = p->state;
             phases_advance(&p->phases, &trial, legs, passed_s, &part);
         }
+        const double before_a[PHASES] = {p->state.current_a[0], p->state.current_a[1], p->state.current_a[2]};
         p->state = trial;
         book(p, legs, &part);
+        show(p, before_a, passed_s);
         if (share < 1.0) {
             p->path[ended] = FLOATS;
             p->state.current_a[ended] = 0.0;
@@ -242,7 +259,8 @@ static int sorted_edges(const leg_times_t times[PHASES], double dead_s, double p
 static period_t begin(const switching_t *bridge, const pmsm_t *machine, const pmsm_state_t *rotor, double bus_voltage_v,
                       const pmsm_step_t *step, gate_t gate)
 {
-    period_t p = {.bridge = bridge, .phases = phases_at(machine, step->omega_rad_s), .bus_v = bus_voltage_v};
+    period_t p = {
+        .bridge = bridge, .phases = phases_at(machine, step->omega_rad_s), .bus_v = bus_voltage_v, .watch = NULL};
     p.state = phases_from(&p.phases, rotor);
     for (int x = 0; x < PHASES; x++) {
         p.gate[x] = gate;
@@ -251,21 +269,28 @@ static period_t begin(const switching_t *bridge, const pmsm_t *machine, const pm
     return p;
 }
 
+static double duration_of(const switching_watch_t *watch, const pmsm_step_t *step)
+{
+    return watch != NULL && watch->until_s > 0.0 ? plant_min(watch->until_s, step->duration_s) : step->duration_s;
+}
+
 static switching_flow_t end(period_t *p, pmsm_state_t *rotor, const pmsm_step_t *step)
 {
     phases_to(&p->phases, &p->state, rotor);
-    pmsm_turn(rotor, step);
+    p->flow.machine.torque_nms += pmsm_turn(p->phases.machine, rotor, step);
     p->flow.bridge.conduction_j = p->flow.machine.series_j;
     p->flow.machine.source_j = p->flow.bridge.dc_j - p->flow.bridge.switching_j - p->flow.bridge.diode_j;
     return p->flow;
 }
 
 switching_flow_t switching_pwm(const switching_t *bridge, const pmsm_t *machine, pmsm_state_t *rotor, plant_abc_t duty,
-                               double bus_voltage_v, const pmsm_step_t *step)
+                               double bus_voltage_v, const pmsm_step_t *step, const switching_watch_t *watch)
 {
     const double period_s = step->duration_s;
     const double duties[PHASES] = {duty.a, duty.b, duty.c};
     period_t p = begin(bridge, machine, rotor, bus_voltage_v, step, LOW);
+    p.watch = watch;
+    const double until_s = duration_of(watch, step);
     leg_times_t times[PHASES];
     for (int x = 0; x < PHASES; x++) {
         const double d = plant_clamp(duties[x], 0.0, 1.0);
@@ -282,32 +307,34 @@ switching_flow_t switching_pwm(const switching_t *bridge, const pmsm_t *machine,
     const int count = sorted_edges(times, bridge->dead_s, period_s, edges_s);
     edges_s[count] = period_s;
     double from_s = 0.0;
-    for (int k = 0; k <= count; k++) {
+    for (int k = 0; k <= count && from_s < until_s; k++) {
         const double middle_s = 0.5 * (from_s + edges_s[k]);
         for (int x = 0; x < PHASES; x++) {
             operate(&p, x, gate_at(&times[x], bridge->dead_s, middle_s));
         }
-        pass(&p, edges_s[k] - from_s);
+        pass(&p, plant_min(edges_s[k], until_s) - from_s);
         from_s = edges_s[k];
     }
     return end(&p, rotor, step);
 }
 
 switching_flow_t switching_off(const switching_t *bridge, const pmsm_t *machine, pmsm_state_t *rotor,
-                               double bus_voltage_v, const pmsm_step_t *step)
+                               double bus_voltage_v, const pmsm_step_t *step, const switching_watch_t *watch)
 {
     period_t p = begin(bridge, machine, rotor, bus_voltage_v, step, DEAD);
+    p.watch = watch;
     for (int k = 0; k < PIECES_OFF; k++) {
-        pass(&p, step->duration_s / PIECES_OFF);
+        pass(&p, duration_of(watch, step) / PIECES_OFF);
     }
     return end(&p, rotor, step);
 }
 
 switching_flow_t switching_short(const switching_t *bridge, const pmsm_t *machine, pmsm_state_t *rotor,
-                                 double bus_voltage_v, const pmsm_step_t *step)
+                                 double bus_voltage_v, const pmsm_step_t *step, const switching_watch_t *watch)
 {
     period_t p = begin(bridge, machine, rotor, bus_voltage_v, step, LOW);
-    const double half_s = 0.5 * step->duration_s;
+    p.watch = watch;
+    const double half_s = 0.5 * duration_of(watch, step);
     pass(&p, half_s);
     pass(&p, half_s);
     return end(&p, rotor, step);

@@ -14,8 +14,39 @@ EVENTS = (
     "sensors.hall_stuck_low",
     "sensors.hall_stuck_high",
     "sensors.current_drift_a_per_s",
+    "winding_sensor.open",
+    "winding_sensor.shorted",
+    "wheel_speed.dead",
     *(f"wheel{k}." for k in range(16)),
 )
+# Effects that a drive's file says nothing of; a scenario or --set plant.… switches them on. All are off as they stand here,
+# and what else a model needs has the value it will have then.
+EFFECTS = {
+    "motor.d_saturation_current_a": 0.0,
+    "motor.q_saturation_current_a": 0.0,
+    "motor.cross_saturation": 0.0,
+    "motor.magnet_bias_current_a": 0.0,
+    "motor.cogging_torque_nm": 0.0,
+    "motor.cogging_per_turn": 0.0,
+    "motor.cogging_deg": 0.0,
+    "sensors.sampling_delay_s": 0.0,
+    "sensors.shunt_settling_s": 0.0,
+    "winding_sensor.lag_s": 0.0,
+    "winding_sensor.offset_k": 0.0,
+    "winding_sensor.gain_error": 0.0,
+    "wheel_speed.teeth": 0.0,
+    "wheel_speed.clock_s": 0.0,
+    "wheel_speed.lowest_rad_per_s": 0.0,
+    "anti_lock.active": 0.0,
+    "anti_lock.slip_hold": 0.06,  # about half and about all of the slip of greatest force on ice; see scenarios/mu_split.toml
+    "anti_lock.slip_dump": 0.12,
+    "anti_lock.rim_deceleration_m_per_s2": 15.0,  # half as much again as dry road allows
+    "anti_lock.build_rate_nm_per_s": 500.0,
+    "anti_lock.dump_rate_nm_per_s": 800.0,
+    "anti_lock.margin_m_per_s2": 0.1,
+    "anti_lock.lowest_speed_m_per_s": 1.5,
+    "anti_lock.release_s": 0.2,
+}
 
 
 def parameters(drive: Drive) -> dict[str, float]:
@@ -88,6 +119,7 @@ def parameters(drive: Drive) -> dict[str, float]:
         found |= {f"{name}.{key}": getattr(section, key) for key in type(section).model_fields}
     found["inverter.switch_resistance_temperature_coefficient_per_k"] = found.pop("thermal.switch_resistance_temperature_coefficient_per_k")
     found["inverter.switch_reference_temperature_c"] = SWITCH_REFERENCE_C
+    found |= EFFECTS
     found |= {f"sensors.hall_edge_{k}_deg": edge for k, edge in enumerate(drive.rotor.hall_edges_deg)}
     return {name: float(value) for name, value in found.items()}
 

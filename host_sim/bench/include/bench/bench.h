@@ -16,6 +16,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "bench/aids.h"
 #include "bench/ledger.h"
 #include "bench/motion.h"
 #include "bench/parameters.h"
@@ -44,6 +45,7 @@ typedef struct {
     bms_state_t limits;
     vehicle_state_t vehicle;
     chassis_state_t chassis;
+    aids_t aids;
     driver_state_t driver;
     driver_demand_t demand;
     double demand_age_s;     /* of the message the controllers have */
@@ -69,6 +71,9 @@ void bench_period(bench_t *bench);
 
 /* The run came to the end that its parameters ask for (stop_at_standstill). */
 bool bench_has_ended(const bench_t *bench);
+
+/* Why there is no vehicle with these parameters, in one line; NULL: there is. */
+const char *bench_world_objection(const bench_params_t *params);
 
 /* Why these parameters cannot take the place of the running bench's, in one line; NULL: they can. */
 const char *bench_objection(const bench_t *bench, const bench_params_t *changed);

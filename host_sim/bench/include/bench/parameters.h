@@ -11,6 +11,7 @@
 #include <stdbool.h>
 
 #include "bench/driver.h"
+#include "plant/anti_lock.h"
 #include "plant/battery.h"
 #include "plant/bms.h"
 #include "plant/bus.h"
@@ -20,9 +21,11 @@
 #include "plant/inverter.h"
 #include "plant/pmsm.h"
 #include "plant/sensors.h"
+#include "plant/temperature_sensor.h"
 #include "plant/thermal.h"
 #include "plant/tyre.h"
 #include "plant/vehicle.h"
+#include "plant/wheel_speed.h"
 
 /* clang-format off */
 #define RUN_PARAMETERS(X) \
@@ -41,7 +44,10 @@
     X(wheel, current_offset_a,    -1e4,   1e4,   "A",   "added to sensors.current_offset_a") \
     X(wheel, brake_torque_loss,   -0.5,   1.0,   "1",   "as brake.torque_loss, this wheel") \
     X(wheel, road_friction,        0.0,   3.0,   "1",   "as road.friction, this wheel; 0: no other") \
-    X(wheel, winding_rise_k,      -100.0, 300.0, "K",   "winding warmer than thermal.winding_temperature_c")
+    X(wheel, winding_rise_k,      -100.0, 300.0, "K",   "winding warmer than thermal.winding_temperature_c") \
+    X(wheel, winding_sensor_open,    0.0,   1.0,   "",    "as winding_sensor.open, this wheel") \
+    X(wheel, winding_sensor_shorted, 0.0,   1.0,   "",    "as winding_sensor.shorted, this wheel") \
+    X(wheel, speed_sensor_dead,      0.0,   1.0,   "",    "as wheel_speed.dead, this wheel")
 /* clang-format on */
 
 enum { PARAMETERS_WHEELS_MAX = 16 };
@@ -70,6 +76,9 @@ typedef struct {
     sensors_params_t sensors;
     encoder_params_t encoder;
     thermal_params_t thermal;
+    winding_sensor_params_t winding_sensor;
+    wheel_speed_params_t wheel_speed;
+    anti_lock_params_t anti_lock;
     driver_params_t driver;
     run_params_t run;
     one_wheel_params_t wheel[PARAMETERS_WHEELS_MAX];

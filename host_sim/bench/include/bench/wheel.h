@@ -19,6 +19,8 @@
 #include "controller/controller.h"
 #include "plant/random.h"
 #include "plant/switching.h"
+#include "plant/temperature_sensor.h"
+#include "plant/wheel_speed.h"
 
 /* What all wheels of a bench have in common, worked out from the parameters. */
 typedef struct {
@@ -78,6 +80,11 @@ typedef struct {
     double friction; /* of tyre and road */
     random_t random;
     sensors_fault_t fault;
+    plant_abc_t seen_a; /* what stood in front of the current converters at the last sample */
+    shunts_t shunts;
+    plant_ab_t at_top; /* A, at the last top of the count */
+    temperature_sensor_t winding_sensor;
+    wheel_speed_t ring;
     double zone_a;
     int index;
     /* The accounts. */

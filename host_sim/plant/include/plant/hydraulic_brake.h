@@ -5,6 +5,9 @@
  * Below the knee the torque rises only at the knee's rate: the fluid first closes the gap between pads and disc. The torque
  * is a capacity: it opposes rotation, holds a standing wheel up to its magnitude, and never drives (vehicle_step() decides
  * how much of it is used). Commands arrive at 1 kHz, so the dead time is rounded to whole milliseconds.
+ *
+ * An anti-lock system (anti_lock.h) has valves at the wheel, behind dead time and lag: they make the torque rise slowly, keep
+ * it from rising, or let it go at once. A command that falls below the torque always gets through.
  */
 #ifndef PLANT_HYDRAULIC_BRAKE_H
 #define PLANT_HYDRAULIC_BRAKE_H
@@ -28,6 +31,13 @@ typedef struct {
 
 enum { HYDRAULIC_BRAKE_DELAY_MS_MAX = 1000 };
 
+typedef enum {
+    HYDRAULIC_VALVE_OPEN,  /* as if there were none */
+    HYDRAULIC_VALVE_BUILD, /* rises at the system's rate */
+    HYDRAULIC_VALVE_HOLD,  /* does not rise */
+    HYDRAULIC_VALVE_DUMP   /* falls at the system's rate */
+} hydraulic_valve_t;
+
 typedef struct {
     double torque_nm; /* that the pressure stands for, >= 0 */
     double target_nm; /* the command whose time has come */
@@ -39,6 +49,8 @@ typedef struct {
     double largest_change_nm, knee_rise_nm;
     double knee_nm;
     double gain; /* capacity over torque_nm */
+    hydraulic_valve_t valve;
+    double build_nm, dump_nm; /* of the valve, a step */
 } hydraulic_brake_state_t;
 
 /* step_s: length of hydraulic_brake_step(). */
@@ -50,6 +62,10 @@ void hydraulic_brake_refresh(const hydraulic_brake_params_t *params, hydraulic_b
 
 /* Once per millisecond: command_nm >= 0, clamped to the largest torque. */
 void hydraulic_brake_command(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state, double command_nm);
+
+/* From now on; rates of the system's own. */
+void hydraulic_brake_valve(hydraulic_brake_state_t *state, hydraulic_valve_t valve, double build_nm_per_s,
+                           double dump_nm_per_s, double step_s);
 
 /* Advance one step; returns the torque capacity during it. */
 double hydraulic_brake_step(hydraulic_brake_state_t *state);

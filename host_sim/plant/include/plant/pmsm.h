@@ -17,12 +17,18 @@
  * closes to the scheme's own order (1e-9 of the energy turned over at 1 kHz electrical and 20 kHz PWM). Speed and
  * temperature are constant during a step. Valid for R * step < L (pmsm_is_resolved()), any speed: fast rotors are
  * integrated in more than one stage set.
+ *
+ * Iron that saturates (magnetics.h) takes the place of L i_t where a saturation current is given; the torque then is
+ * 3/2 p [(psi + x) i_qt - y i_dt], and the same stages integrate the fluxes. Cogging (cogging.h) adds its torque to the
+ * airgap's; its energy is counted with the magnetic one, so the balance stays what it is.
  */
 #ifndef PLANT_PMSM_H
 #define PLANT_PMSM_H
 
 #include <stdbool.h>
 
+#include "plant/cogging.h"
+#include "plant/magnetics.h"
 #include "plant/parameter.h"
 #include "plant/vectors.h"
 
@@ -39,7 +45,14 @@
     X(iron_loss_resistance_ohm,                  0.0,   1e9,   "ohm",   "a0 of R_i = a0 + a1 |omega_e|") \
     X(iron_loss_resistance_slope_ohm_s,          0.0,   1e6,   "ohm s", "a1 of R_i = a0 + a1 |omega_e|") \
     X(friction_torque_nm,                        0.0,   1e4,   "N m",   "Coulomb friction of bearings and seals") \
-    X(viscous_friction_nm_s,                     0.0,   1e4,   "N m s", "friction proportional to mechanical speed")
+    X(viscous_friction_nm_s,                     0.0,   1e4,   "N m s", "friction proportional to mechanical speed") \
+    X(d_saturation_current_a,                    0.0,   1e5,   "A",     "d current with half the flux of L_d i_d; 0: never saturates") \
+    X(q_saturation_current_a,                    0.0,   1e5,   "A",     "q current, likewise") \
+    X(cross_saturation,                          0.0,   1.0,   "1",     "1: both axes share their iron, 0: each has its own") \
+    X(magnet_bias_current_a,                     0.0,   1e5,   "A",     "d current that fills the iron as the magnets do") \
+    X(cogging_torque_nm,                         0.0,   1e4,   "N m",   "amplitude; 0: no cogging") \
+    X(cogging_per_turn,                          0.0,   1e4,   "1",     "whole periods of it in a mechanical turn") \
+    X(cogging_deg,                               0.0,   360.0, "deg",   "of a period, phase where the shaft's angle is 0")
 /* clang-format on */
 
 typedef struct {
@@ -51,6 +64,8 @@ typedef struct {
     pmsm_params_t params;
     double resistance_ohm;
     double flux_wb;
+    magnetics_t magnetics;
+    cogging_t cogging;
 } pmsm_t;
 
 typedef struct {
@@ -58,6 +73,7 @@ typedef struct {
     plant_ab_t terminal; /* A, in the wires: what a current sensor sees at this instant */
     double theta_turn;   /* electrical, 0 <= theta < 1 */
     plant_phasor_t axis; /* exp(j theta) */
+    double shaft_turn;   /* mechanical, 0 <= angle < 1; kept up where there is cogging */
 } pmsm_state_t;
 
 typedef struct {
@@ -77,6 +93,9 @@ typedef struct {
     double rectified_as; /* integral of |i_a| + |i_b| + |i_c| */
 } pmsm_flow_t;
 
+/* Why there is no such machine, in one line; NULL: there is. */
+const char *pmsm_objection(const pmsm_params_t *params);
+
 pmsm_t pmsm_at_temperature(const pmsm_params_t *params, double winding_temperature_c);
 
 pmsm_state_t pmsm_at_rest(double theta_turn);
@@ -94,14 +113,18 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, 
  */
 pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, double ceiling_v, const pmsm_step_t *step);
 
-/* Terminal current that a volt moves within a step: through the smaller inductance, and at once through the iron branch. */
-double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_step_t *step);
+/* Terminal current that a volt moves within a step: through the smaller inductance of this state, and at once through the
+ * iron branch. */
+double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_state_t *state, const pmsm_step_t *step);
 
-/* The rotor's angle after a step; whoever integrates the currents himself turns it with this. */
-void pmsm_turn(pmsm_state_t *state, const pmsm_step_t *step);
+/* The rotor's angle after a step; whoever integrates the currents himself turns it with this. Returns the impulse of the
+ * cogging torque on the way, N m s, which belongs to the airgap's. */
+double pmsm_turn(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step);
 
+/* Of currents and cogging. */
 double pmsm_magnetic_energy_j(const pmsm_t *machine, const pmsm_state_t *state);
 
+/* Without cogging. */
 double pmsm_torque_nm(const pmsm_t *machine, plant_dq_t i_t);
 
 #endif

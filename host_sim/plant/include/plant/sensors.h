@@ -3,8 +3,8 @@
  *
  * Converter codes are right-aligned 12 bit, as the firmware's port delivers them (controller.h): phase currents around
  * 2048, rising with current into the motor; bus voltage from 0. A coarser converter leaves the low bits zero. All
- * samples are taken at one instant, the boundary of two PWM periods; where the controller chooses two of three phases,
- * all three are offered.
+ * samples are taken at one instant, the boundary of two PWM periods or sampling_delay_s later; where the controller chooses two
+ * of three phases, all three are offered. What the shunts show at that instant is the caller's to say (shunts.h).
  *
  * Halls: sector k = 0 .. 5 begins at edge k and shows 5, 1, 3, 2, 6, 4 (bit 0 = A, 1 = B, 2 = C), sensors 120 degrees
  * apart. Misplacement is the plant's alone: the controller is told hall_edges, not the error.
@@ -34,6 +34,8 @@
     X(hall_edge_4_deg,        0.0,   360.0, "deg", "sector 4") \
     X(hall_edge_5_deg,        0.0,   360.0, "deg", "sector 5") \
     X(current_drift_a_per_s, -1e3,   1e3,   "A/s", "growth of the offset of phases a and c, and of the opposite in b") \
+    X(sampling_delay_s,       0.0,   1e-4,  "s",   "converters sample so long after the middle of the low sides' time; 0: in it") \
+    X(shunt_settling_s,       0.0,   1e-4,  "s",   "of the shunts' amplifiers (shunts.h); 0: currents are seen at all times") \
     X(hall_stuck_low,         0.0,   7.0,   "",    "sensors whose line is shorted to ground: 1 = A, 2 = B, 4 = C, sums") \
     X(hall_stuck_high,        0.0,   7.0,   "",    "sensors whose line is broken and pulled up, likewise; 7: plug off")
 /* clang-format on */
@@ -70,7 +72,8 @@ typedef struct {
 
 sensors_t sensors_init(const sensors_params_t *params);
 
-/* current: in the wires; theta_turn: electrical, 0 <= theta < 1. Draws from `random` only where there is noise. */
+/* current: in the wires, or as the shunts show it; theta_turn: electrical, 0 <= theta < 1. Draws from `random` only where
+ * there is noise. */
 sensors_sample_t sensors_sample(const sensors_t *sensors, const sensors_fault_t *fault, random_t *random,
                                 plant_abc_t current_a, double bus_voltage_v, double theta_turn);
 

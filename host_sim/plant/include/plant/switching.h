@@ -15,6 +15,7 @@
 
 #include "plant/inverter.h"
 #include "plant/phases.h"
+#include "plant/shunts.h"
 
 typedef struct {
     double switch_ohm, diode_ohm, forward_v;
@@ -28,14 +29,21 @@ typedef struct {
     inverter_flow_t bridge;
 } switching_flow_t;
 
+/* Somebody who looks on. */
+typedef struct {
+    shunts_t *shunts; /* amplifiers that follow the low sides' currents; NULL: none */
+    double settling_s;
+    double until_s; /* only the first part of the period is done; 0: all of it. The angle goes to the period's end. */
+} switching_watch_t;
+
 switching_t switching_model(const inverter_params_t *params, double switch_temperature_c);
 
-/* One period of PWM, of all switches open (diodes alone), of all low sides closed. */
+/* One period of PWM, of all switches open (diodes alone), of all low sides closed. watch: may be NULL. */
 switching_flow_t switching_pwm(const switching_t *bridge, const pmsm_t *machine, pmsm_state_t *rotor, plant_abc_t duty,
-                               double bus_voltage_v, const pmsm_step_t *step);
+                               double bus_voltage_v, const pmsm_step_t *step, const switching_watch_t *watch);
 switching_flow_t switching_off(const switching_t *bridge, const pmsm_t *machine, pmsm_state_t *rotor,
-                               double bus_voltage_v, const pmsm_step_t *step);
+                               double bus_voltage_v, const pmsm_step_t *step, const switching_watch_t *watch);
 switching_flow_t switching_short(const switching_t *bridge, const pmsm_t *machine, pmsm_state_t *rotor,
-                                 double bus_voltage_v, const pmsm_step_t *step);
+                                 double bus_voltage_v, const pmsm_step_t *step, const switching_watch_t *watch);
 
 #endif

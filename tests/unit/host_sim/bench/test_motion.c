@@ -177,6 +177,17 @@ void test_with_every_effect_on_a_ten_thousandth_at_most_is_unaccounted_for(void)
     params.motor.friction_torque_nm = 0.3;
     params.motor.viscous_friction_nm_s = 0.005;
     params.sensors.current_drift_a_per_s = 0.2;
+    params.motor.d_saturation_current_a = 120.0;
+    params.motor.q_saturation_current_a = 100.0;
+    params.motor.cross_saturation = 0.5;
+    params.motor.magnet_bias_current_a = 20.0;
+    params.motor.cogging_torque_nm = 0.6;
+    params.motor.cogging_per_turn = 276.0;
+    params.sensors.sampling_delay_s = 0.5e-6;
+    params.sensors.shunt_settling_s = 0.3e-6;
+    params.winding_sensor.lag_s = 2.0;
+    params.wheel_speed.teeth = 96.0;
+    params.anti_lock.active = 1.0;
     params.driver.brake_demand_nm = 80.0;
     for (int k = 0; k < 2; k++) {
         params.inverter.switching = k;

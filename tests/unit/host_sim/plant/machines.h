@@ -31,4 +31,18 @@ static inline pmsm_params_t plain_machine(void)
     return out;
 }
 
+/* The salient one with iron that saturates, of both axes together and filled by the magnets, and with cogging. */
+static inline pmsm_params_t saturating_machine(void)
+{
+    pmsm_params_t out = salient_machine();
+    out.d_saturation_current_a = 90.0;
+    out.q_saturation_current_a = 70.0;
+    out.cross_saturation = 0.7;
+    out.magnet_bias_current_a = 18.0;
+    out.cogging_torque_nm = 0.6;
+    out.cogging_per_turn = 84.0;
+    out.cogging_deg = 30.0;
+    return out;
+}
+
 #endif

@@ -112,3 +112,37 @@ void test_lost_friction_scales_the_torque_and_not_what_the_pressure_does(void)
     hydraulic_brake_refresh(&params, &brake, 0.0, STEP_S);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, hydraulic_brake_step(&brake));
 }
+
+/* At 100 N m with 200 N m commanded, through a valve for ten milliseconds: the torque then. */
+static double through_valve(hydraulic_valve_t valve, double command_nm)
+{
+    hydraulic_brake_params_t quick = params;
+    quick.hydraulic_dead_time_s = 0.0;
+    quick.hydraulic_time_constant_s = 0.0;
+    quick.hydraulic_rate_nm_per_s = 1e5;
+    quick.knee_torque_nm = 0.0;
+    quick.torque_loss = 0.0;
+    brake = hydraulic_brake_init(&quick, STEP_S);
+    hydraulic_brake_command(&quick, &brake, 100.0);
+    for (int k = 0; k < 200; k++) {
+        hydraulic_brake_step(&brake);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0, brake.torque_nm);
+    hydraulic_brake_command(&quick, &brake, command_nm);
+    hydraulic_brake_valve(&brake, valve, 300.0, 2000.0, STEP_S);
+    for (int k = 0; k < 200; k++) {
+        hydraulic_brake_step(&brake);
+    }
+    return brake.torque_nm;
+}
+
+void test_an_anti_lock_valve_builds_slowly_holds_and_lets_go_but_never_keeps_a_command_from_falling(void)
+{
+    const double passed_s = 200.0 * STEP_S;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 200.0, through_valve(HYDRAULIC_VALVE_OPEN, 200.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0 + 300.0 * passed_s, through_valve(HYDRAULIC_VALVE_BUILD, 200.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0, through_valve(HYDRAULIC_VALVE_HOLD, 200.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, fmax(100.0 - 2000.0 * passed_s, 0.0), through_valve(HYDRAULIC_VALVE_DUMP, 200.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 30.0, through_valve(HYDRAULIC_VALVE_HOLD, 30.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 30.0, through_valve(HYDRAULIC_VALVE_BUILD, 30.0));
+}

@@ -122,7 +122,7 @@ void test_a_leg_at_rest_is_clamped_and_does_not_hunt(void)
         state.terminal.alpha = 2.0;
         const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
         const pmsm_step_t step = {.omega_rad_s = 0.0, .duration_s = inverter.period_s, .series_resistance_ohm = 0.0};
-        const double zone_a = inverter_zone_a(&inverter, BUS_V, pmsm_amperes_per_volt(&machine, &step));
+        const double zone_a = inverter_zone_a(&inverter, BUS_V, pmsm_amperes_per_volt(&machine, &state, &step));
         double largest_a = 2.0;
         for (int k = 0; k < 60; k++) {
             const inverter_drive_t drive =

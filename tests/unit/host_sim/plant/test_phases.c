@@ -51,7 +51,7 @@ static void compare(const pmsm_params_t *params, double omega_rad_s)
             phases_state_t state = phases_from(&phases, &abc);
             phases_advance(&phases, &state, legs, STEP_S / PIECES, &sum_abc);
             phases_to(&phases, &state, &abc);
-            pmsm_turn(&abc, &step);
+            sum_abc.torque_nms += pmsm_turn(&machine, &abc, &step);
         }
         largest_a = fmax(largest_a, hypot(dq.i_t.d, dq.i_t.q));
         apart_a = fmax(apart_a, hypot(dq.i_t.d - abc.i_t.d, dq.i_t.q - abc.i_t.q));
@@ -73,6 +73,13 @@ void test_three_phases_and_the_rotors_frame_are_the_same_machine_to_a_millionth(
     compare(&salient, 300.0);
     compare(&salient, 900.0);
     compare(&plain, 600.0);
+}
+
+void test_saturated_iron_and_cogging_are_the_same_in_three_phases_to_a_millionth(void)
+{
+    const pmsm_params_t saturating = saturating_machine();
+    compare(&saturating, 300.0);
+    compare(&saturating, 900.0);
 }
 
 void test_iron_that_follows_the_turning_flux_heats_as_the_steady_circuit_does(void)

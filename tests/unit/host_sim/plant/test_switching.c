@@ -67,7 +67,7 @@ void test_every_period_balances_at_any_current_and_dead_time(void)
             for (int k = 0; k < 2000; k++) {
                 const double field_j = pmsm_magnetic_energy_j(&machine, &rotor);
                 const plant_abc_t duty = duty_at(10.0 + 1.5 * level, TWO_PI * rotor.theta_turn + 1.65 + 0.02 * level);
-                const switching_flow_t flow = switching_pwm(&bridge, &machine, &rotor, duty, BUS_V, &step);
+                const switching_flow_t flow = switching_pwm(&bridge, &machine, &rotor, duty, BUS_V, &step, NULL);
                 turned_j += fabs(flow.bridge.dc_j);
                 lost_j += fabs(residual_j(&flow, field_j));
                 TEST_ASSERT_TRUE(flow.bridge.diode_j >= -1e-9 && flow.bridge.switching_j >= 0.0);
@@ -88,8 +88,8 @@ static means_t steady(bool edges, double amplitude_v, double lead)
     const switching_t bridge = switching_model(&params, 25.0);
     const inverter_t averaged = inverter_model(&params, 25.0);
     step.series_resistance_ohm = averaged.pwm_resistance_ohm;
-    const double zone_a = inverter_zone_a(&averaged, BUS_V, pmsm_amperes_per_volt(&machine, &step));
     rotor = pmsm_at_rest(0.0);
+    const double zone_a = inverter_zone_a(&averaged, BUS_V, pmsm_amperes_per_volt(&machine, &rotor, &step));
     means_t out = {.torque_nm = 0.0};
     const int settle = 4000;
     const int count = 2513; /* ten turns of 500 rad/s: 0.12566 s */
@@ -98,7 +98,7 @@ static means_t steady(bool edges, double amplitude_v, double lead)
         const plant_abc_t duty = duty_at(amplitude_v, middle + lead);
         switching_flow_t flow = {.bridge = {.dc_j = 0.0}};
         if (edges) {
-            flow = switching_pwm(&bridge, &machine, &rotor, duty, BUS_V, &step);
+            flow = switching_pwm(&bridge, &machine, &rotor, duty, BUS_V, &step, NULL);
         } else {
             const double turn = 0.5 * step.omega_rad_s * step.duration_s;
             const plant_ab_t now = rotor.terminal;
@@ -147,9 +147,9 @@ void test_averaged_and_switching_bridge_agree_on_torque_and_every_loss_within_a_
 void test_open_switches_on_a_slow_rotor_let_nothing_through(void)
 {
     const switching_t bridge = switching_model(&params, 25.0);
-    switching_off(&bridge, &machine, &rotor, BUS_V, &step); /* the iron's part of the current comes up */
+    switching_off(&bridge, &machine, &rotor, BUS_V, &step, NULL); /* the iron's part of the current comes up */
     for (int k = 0; k < 400; k++) {
-        const switching_flow_t flow = switching_off(&bridge, &machine, &rotor, BUS_V, &step);
+        const switching_flow_t flow = switching_off(&bridge, &machine, &rotor, BUS_V, &step, NULL);
         TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.bridge.dc_j);
     }
 }
@@ -163,7 +163,7 @@ void test_open_switches_on_a_fast_rotor_rectify_into_the_bus_and_balance(void)
     double lost_j = 0.0;
     for (int k = 0; k < 4000; k++) {
         const double field_j = pmsm_magnetic_energy_j(&machine, &rotor);
-        const switching_flow_t flow = switching_off(&bridge, &machine, &rotor, BUS_V, &step);
+        const switching_flow_t flow = switching_off(&bridge, &machine, &rotor, BUS_V, &step, NULL);
         lost_j += fabs(residual_j(&flow, field_j));
         into_bus_j -= flow.bridge.dc_j;
         work += work_j(&flow.machine);
@@ -179,7 +179,7 @@ void test_closed_low_sides_brake_as_a_short_circuit_does(void)
     const switching_t bridge = switching_model(&params, 25.0);
     pmsm_flow_t last = {.torque_nms = 0.0};
     for (int k = 0; k < 20000; k++) {
-        last = switching_short(&bridge, &machine, &rotor, BUS_V, &step).machine;
+        last = switching_short(&bridge, &machine, &rotor, BUS_V, &step, NULL).machine;
     }
     /* T = -3/2 p psi^2 R w / (R^2 + (w L)^2) */
     const double r = motor.phase_resistance_ohm + 0.004;
@@ -195,7 +195,7 @@ void test_a_leg_without_current_ends_in_the_dead_time_and_does_not_hunt(void)
     const switching_t bridge = switching_model(&params, 25.0);
     const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
     for (int k = 0; k < 100; k++) {
-        switching_pwm(&bridge, &machine, &rotor, half, BUS_V, &step);
+        switching_pwm(&bridge, &machine, &rotor, half, BUS_V, &step, NULL);
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, hypot(rotor.terminal.alpha, rotor.terminal.beta));
     }
 }

@@ -20,6 +20,7 @@ SABOTAGE = {
     "hill_hold": ("plant.brake.torque_loss=1", "stands"),
     "hot_derate": ("plant.brake.torque_loss=1", "torque"),
     "hydraulic_dead": ("events.dead.at_s=50", "dead"),
+    "ice_stop": ("plant.anti_lock.active=0", "distance"),
     "mu_jump": ("plant.brake.hydraulic_time_constant_s=0.2", "surplus"),
     "mu_split": ("plant.wheel2.road_friction=1", "deceleration"),
     "pedal_stab": ("plant.brake.hydraulic_time_constant_s=0.3", "goes"),

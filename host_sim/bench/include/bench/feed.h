@@ -1,0 +1,24 @@
+/*
+ * feed.h: between bridge and motor of one wheel: what a period does to the motor, and what the converters see of it.
+ *
+ * Currents are sampled at the top of the count or sensors.sampling_delay_s after it. What the bridge does from the top on is
+ * known there, so a late sample is a look ahead on a copy of the motor, with the averaged bridge or with every edge. With
+ * sensors.shunt_settling_s the converters see the shunts' amplifiers (shunts.h) and not the wires. A wheel with a coupling of its
+ * own looks ahead with what its bridge did in the period before.
+ */
+#ifndef BENCH_FEED_H
+#define BENCH_FEED_H
+
+#include "bench/wheel.h"
+
+/* The bridge feeds the motor for world->step_s; speed_rad_s mechanical. */
+pmsm_flow_t feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v,
+                       inverter_flow_t *bridge);
+
+/* A PWM period is over: before the bridge is told what to do in the next one. */
+void feed_end_period(wheel_t *wheel, const wheel_world_t *world);
+
+/* What stands in front of the converters when they sample in the period that begins, A. */
+plant_abc_t feed_seen(const wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v);
+
+#endif

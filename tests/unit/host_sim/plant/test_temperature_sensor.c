@@ -1,0 +1,58 @@
+/* A thermistor that is late, wrong or broken. */
+#include "plant/temperature_sensor.h"
+
+#include <math.h>
+
+#include "unity.h"
+
+static winding_sensor_params_t params;
+
+void setUp(void)
+{
+    const winding_sensor_params_t ideal = {.lag_s = 0.0};
+    params = ideal;
+}
+
+void tearDown(void) {}
+
+void test_without_faults_it_tells_the_temperature_to_the_bit(void)
+{
+    temperature_sensor_t sensor = temperature_sensor_at(25.0);
+    TEST_ASSERT_EQUAL_DOUBLE(83.123456789, temperature_sensor_step(&params, &sensor, 83.123456789, false, 1e-3));
+}
+
+void test_a_step_of_temperature_arrives_exponentially_whatever_the_step_of_time(void)
+{
+    params.lag_s = 2.0;
+    const double steps_s[] = {1e-3, 0.1};
+    for (int n = 0; n < 2; n++) {
+        temperature_sensor_t sensor = temperature_sensor_at(20.0);
+        const int count = (int)lround(3.0 / steps_s[n]);
+        double seen_c = 0.0;
+        for (int k = 0; k < count; k++) {
+            seen_c = temperature_sensor_step(&params, &sensor, 120.0, false, steps_s[n]);
+        }
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 120.0 - 100.0 * exp(-1.5), seen_c);
+    }
+}
+
+void test_offset_and_gain_are_of_what_is_reported(void)
+{
+    params.offset_k = -3.0;
+    params.gain_error = 0.1;
+    temperature_sensor_t sensor = temperature_sensor_at(25.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 107.0, temperature_sensor_step(&params, &sensor, 100.0, false, 1e-3));
+}
+
+void test_an_open_or_shorted_line_is_hotter_than_any_limit_and_heals(void)
+{
+    temperature_sensor_t sensor = temperature_sensor_at(25.0);
+    params.open = 1.0;
+    TEST_ASSERT_EQUAL_DOUBLE(299.99, temperature_sensor_step(&params, &sensor, 60.0, false, 1e-3));
+    params.open = 0.0;
+    params.shorted = 1.0;
+    TEST_ASSERT_EQUAL_DOUBLE(299.99, temperature_sensor_step(&params, &sensor, 60.0, false, 1e-3));
+    params.shorted = 0.0;
+    TEST_ASSERT_EQUAL_DOUBLE(299.99, temperature_sensor_step(&params, &sensor, 60.0, true, 1e-3));
+    TEST_ASSERT_EQUAL_DOUBLE(60.0, temperature_sensor_step(&params, &sensor, 60.0, false, 1e-3));
+}
