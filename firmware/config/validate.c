@@ -162,6 +162,20 @@ static bool time_constants_long_enough(const config_current_loop_t *loop)
            loop->integral_q_pu_q24 / 64 < loop->proportional_q_pu_q16;
 }
 
+/* The speed base is a sixteenth of an electrical turn in a PWM period: 2 pi f / 16. Beyond it the rotor's angle is a guess. */
+static bool speed_within_base(const config_t *c)
+{
+    return (int64_t)c->motor.max_speed_mrad_s * c->motor.pole_pairs * 1600 <=
+           INT64_C(628319) * c->drive.pwm_frequency_Hz;
+}
+
+/* A sensor whose zero is as far beside the middle as is tolerated still has this many codes of 16 to the converter's end. A
+ * trip beyond them would wait for a sample that cannot come. */
+static bool overcurrent_can_be_seen(const config_monitor_t *monitor)
+{
+    return monitor->overcurrent_pu_q15 <= (2047 - monitor->offset_tolerance_codes) * 16;
+}
+
 /* At every stored i_d a quarter of the magnets' flux is left to make torque with, see motor_model.h. */
 static bool flux_left_everywhere(const config_t *c)
 {
@@ -193,6 +207,9 @@ static config_verdict_t check_relations(const config_t *c)
          "motor.max_phase_current_mA within current_loop.max_current_pu_q15"},
         {c->current_loop.max_current_pu_q15 < c->monitor.overcurrent_pu_q15,
          "current_loop.max_current_pu_q15 < monitor.overcurrent_pu_q15"},
+        {overcurrent_can_be_seen(&c->monitor),
+         "monitor.overcurrent_pu_q15 within the converter's range less monitor.offset_tolerance_codes"},
+        {speed_within_base(c), "motor.max_speed_mrad_s within a sixteenth of an electrical turn a PWM period"},
         {gains_fit(c), "current_loop gains fit their formats at battery.undervoltage_trip_mV"},
         {cross_coupling_fits(c), "current_loop inductances fit their formats at motor.max_speed_mrad_s"},
         {time_constants_long_enough(&c->current_loop), "L / R longer than four PWM periods"},
@@ -210,8 +227,9 @@ static config_verdict_t check_relations(const config_t *c)
          "battery.foldback_voltage_mV < battery.max_voltage_mV"},
         {c->battery.max_voltage_mV < c->battery.overvoltage_trip_mV,
          "battery.max_voltage_mV < battery.overvoltage_trip_mV"},
-        {c->battery.overvoltage_trip_mV < c->drive.voltage_full_scale_mV,
-         "battery.overvoltage_trip_mV < drive.voltage_full_scale_mV"},
+        /* The converter's last code is 4095 of 4096. */
+        {(int64_t)c->battery.overvoltage_trip_mV * 4096 < (int64_t)c->drive.voltage_full_scale_mV * 4095,
+         "battery.overvoltage_trip_mV < drive.voltage_full_scale_mV less one code"},
         {c->brake.handover_end_mrad_s <= c->brake.handover_start_mrad_s,
          "brake.handover_end_mrad_s <= brake.handover_start_mrad_s"},
         {c->regen_map.speed_points * c->regen_map.temperature_points <= CONFIG_REGEN_POINTS_MAX,

@@ -206,7 +206,7 @@ def _monitor(drive: Drive) -> dict[str, Any]:
     return {
         "overcurrent_pu_q15": loops.fixed(loops.overcurrent_pu(drive), 15),
         "current_sum_pu_q15": loops.fixed(0.05 + noise, 15),
-        "offset_tolerance_codes": 200,
+        "offset_tolerance_codes": loops.OFFSET_TOLERANCE_CODES,
         "torque_tolerance_mNm": nearest(max(0.1 * drive.motor.max_torque_nm, 0.5) * 1e3),
         "torque_fault_time_ms": 50,
     }

@@ -18,7 +18,9 @@ FIELD_WEAKENING_AIM = 0.97  # of the voltage circle, as in foc/field_weakening.h
 ROUNDING_COUNTS = 2  # as in foc/svpwm.c
 SETTLING_S = 0.5e-6  # of a shunt amplifier after its low side begins to conduct
 DEAD_TIME_ZONE_MIN = 128.0 / 32768.0  # as in config.h
-OVERCURRENT_SHARE_MAX = 0.97  # of the converter's range: above it, a clipped sample hides the real current
+OFFSET_TOLERANCE_CODES = 200  # by which a current sensor's zero may lie beside the middle of the converter's range
+# Of half the converter's range, 2047 codes: what a sensor with the worst zero still tells. A clipped sample hides the real current.
+OVERCURRENT_SHARE_MAX = (2047 - OFFSET_TOLERANCE_CODES) / 2048
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,7 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .wheel_position  = 0, /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
     },
     .monitor = {
-        .overcurrent_pu_q15     = 30427, /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
+        .overcurrent_pu_q15     = 29552, /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
         .current_sum_pu_q15     = 1638, /* [pu] largest |i_a + i_b + i_c| */
         .offset_tolerance_codes = 200, /* distance of a current sensor's zero from mid-range */
         .torque_tolerance_mNm   = 11500, /* [mNm] estimate against permitted torque */
@@ -426,5 +426,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -243312,
         },
     },
-    .crc32 = 0x274A4F1D,
+    .crc32 = 0xBB754812,
 };

@@ -193,6 +193,35 @@ void test_current_limits_must_leave_the_trip_its_room(void)
     assert_relation("current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15");
 }
 
+/* 12 bits, 2048 in the middle: a zero 200 codes beside it leaves 1847 codes of 16 to the end, an over-current beyond which
+ * the converter cannot show. */
+void test_the_overcurrent_trip_must_lie_where_a_sample_can_reach_it(void)
+{
+    config.monitor.offset_tolerance_codes = 200;
+    config.monitor.overcurrent_pu_q15 = 1847 * 16;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    config.monitor.overcurrent_pu_q15++;
+    assert_relation("monitor.overcurrent_pu_q15 within the converter's range");
+}
+
+/* And so must the over-voltage's, whose last code is 4095 of 4096. */
+void test_the_overvoltage_trip_must_lie_where_a_sample_can_reach_it(void)
+{
+    config.battery.overvoltage_trip_mV = config.drive.voltage_full_scale_mV - config.drive.voltage_full_scale_mV / 4096;
+    assert_relation("battery.overvoltage_trip_mV < drive.voltage_full_scale_mV");
+}
+
+/* 2 pi 20 kHz / 16 = 7854 rad/s electrical, for 23 pole pairs 341.477 rad/s; the winding is made small enough to allow it. */
+void test_the_largest_speed_must_lie_within_its_base(void)
+{
+    config.current_loop.inductance_d_pu_q16 = 1;
+    config.current_loop.inductance_q_pu_q16 = 1;
+    config.motor.max_speed_mrad_s = 341477;
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    config.motor.max_speed_mrad_s = 341478;
+    assert_relation("motor.max_speed_mrad_s within a sixteenth");
+}
+
 void test_voltages_must_be_in_order(void)
 {
     config.battery.undervoltage_trip_mV = config.battery.min_voltage_mV;

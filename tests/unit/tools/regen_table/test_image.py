@@ -113,7 +113,7 @@ def test_the_largest_modulation_leaves_the_shortest_pulse_and_two_sampled_legs(p
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ({"motor.max_phase_current_a": 155.0}, "motor.max_phase_current_a: 155 A, accepted: at most 152.4 A"),
+        ({"motor.max_phase_current_a": 155.0}, "motor.max_phase_current_a: 155 A, accepted: at most 141.7 A"),
         ({"control.current_bandwidth_hz": 2000.0}, "control.current_bandwidth_hz: 2000 Hz, accepted: at most 1591 Hz"),
         ({"inverter.voltage_full_scale_v": 59.0}, "inverter.voltage_full_scale_v: 59 V, accepted: more than 59.59 V"),
         ({"inverter.min_pulse_s": 1e-5}, "svpwm.lowest_counts: "),
