@@ -149,11 +149,11 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
                                           : controller_slow_step(&wheel->controller.slow, world->config,
                                                                  &wheel->to_slow, &in, &wheel->to_fast);
     hydraulic_brake_command(&world->params->brake, &wheel->brake, (double)wheel->slow.hydraulic_torque_mNm / MILLI);
-    const pmsm_step_t step = {.omega_rad_s = wheel->motion.speed_rad_s * world->params->motor.pole_pairs,
-                              .duration_s = world->step_s,
-                              .series_resistance_ohm = wheel->inverter.pwm_resistance_ohm};
+    const pmsm_step_t period = {.omega_rad_s = wheel->motion.speed_rad_s * world->params->motor.pole_pairs,
+                                .duration_s = wheel->inverter.period_s,
+                                .series_resistance_ohm = wheel->inverter.pwm_resistance_ohm};
     wheel->zone_a = inverter_zone_a(&wheel->inverter, order->bus_voltage_v,
-                                    pmsm_amperes_per_volt(&wheel->machine, &wheel->rotor, &step));
+                                    pmsm_amperes_per_volt(&wheel->machine, &wheel->rotor, &period));
     if (wheel->first_fault == REASON_NONE && wheel->slow.fault_reason != REASON_NONE) {
         wheel->first_fault = wheel->slow.fault_reason;
         wheel->first_fault_s = order->time_s;
