@@ -197,6 +197,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     slow->last_command_mNm = torque.command_mNm;
     slow->last_estimate_mNm = torque.estimate_mNm;
     slow->switching = modes.permission.bridge == BRIDGE_PWM;
+    to_fast->foc.number = slow->step_count;
     to_fast->foc.i_reference_pu.d = bases_current_pu_q15(config, torque.current.i_d_mA);
     to_fast->foc.i_reference_pu.q = bases_current_pu_q15(config, torque.current.i_q_mA);
     to_fast->foc.tuning = current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu,

@@ -22,7 +22,7 @@ void foc_init(foc_state_t *state, const config_t *config)
     state->current_circle = circle_init(config->current_loop.max_current_pu_q15);
     sense_init(&state->current.sense);
     rotor_init(&state->rotor, config);
-    state->wanted_pu.d = FOC_NOTHING_WANTED;
+    state->followed = FOC_NOTHING_FOLLOWED;
     centre_counts(&state->current);
 }
 
@@ -38,22 +38,22 @@ foc_command_t foc_initial_command(const foc_state_t *state, const config_t *conf
     return command;
 }
 
-void foc_current_step(foc_current_state_t *restrict state, const current_loop_tuning_t *restrict tuning,
-                      const uint16_t *restrict codes, foc_period_t *restrict period)
+void foc_current_step(foc_current_state_t *restrict state, const uint16_t *restrict codes,
+                      foc_period_t *restrict period)
 {
+    const current_loop_tuning_t *tuning = &state->tuning;
     const sense_out_t sensed = sense_step(&state->sense, codes, state->on_q16);
     period->current_sum_pu = sensed.sum_pu;
     const sincos_t angle = angle_sincos(period->rotor.theta_turn);
     const dq_t i = transforms_park(sensed.i, angle);
     period->i_pu = i;
     const dq_t reference = period->i_reference_pu;
-    const current_loop_out_t voltage = current_loop_step(&state->loop, tuning, reference, i);
-    period->voltage = voltage;
+    current_loop_step(&state->loop, tuning, reference, i, &period->voltage);
 
     /* The voltage acts from the next update for one period: on average 1.5 periods after the sample. */
     const sincos_t angle_applied = transforms_advance(angle, tuning->advance);
-    const ab_t u = transforms_inverse_park(voltage.realised, angle_applied);
-    const ab_t i_applied = transforms_inverse_park(reference, angle_applied);
+    const ab_t u = transforms_inverse_park(period->voltage.realised, angle_applied);
+    const ab_t i_applied = transforms_inverse_park(dead_time_expect(&state->dead_time), angle_applied);
     svpwm_step(&state->svpwm, u, dead_time_shares(&state->dead_time, i_applied), state->on_q16);
 }
 
@@ -61,7 +61,7 @@ static void calibrate(foc_state_t *state, const uint16_t codes[SENSE_PHASES], fo
 {
     sense_state_t *sense = &state->current.sense;
     if (!state->calibrating ||
-        state->wanted_pu.d != FOC_NOTHING_WANTED) { /* the command is new, or came while running */
+        state->followed != FOC_NOTHING_FOLLOWED) { /* the command is new, or came while running */
         sense_calibrate_restart(sense);
     }
     sense_calibrate_step(sense, codes);
@@ -82,6 +82,7 @@ void foc_rest(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[S
     period->voltage = no_voltage;
     period->current_sum_pu = sensed.sum_pu;
     current_loop_reset(&state->current.loop);
+    dead_time_rest(&state->current.dead_time);
     state->weakening.current_q28 = 0;
     report->i_d_weakening_pu = 0;
     centre_counts(&state->current);
@@ -89,14 +90,17 @@ void foc_rest(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[S
         calibrate(state, codes, report);
     }
     state->calibrating = calibrate_offsets;
-    state->wanted_pu.d = FOC_NOTHING_WANTED;
+    state->followed = FOC_NOTHING_FOLLOWED;
 }
 
-void foc_follow(foc_state_t *state, dq_t wanted, foc_period_t *period)
+void foc_follow(foc_state_t *state, const foc_command_t *command, foc_period_t *period)
 {
     const circle_t *circle = &state->current_circle;
+    const dq_t wanted = command->i_reference_pu;
     const int32_t d = q_limit(wanted.d + field_weakening_current_pu(&state->weakening), circle->radius_q15);
-    period->i_reference_pu.d = d;
-    period->i_reference_pu.q = q_limit(wanted.q, circle_other(circle, d));
-    state->wanted_pu = wanted;
+    const dq_t reference = {.d = d, .q = q_limit(wanted.q, circle_other(circle, d))};
+    period->i_reference_pu = reference;
+    dead_time_follow(&state->current.dead_time, reference);
+    state->current.tuning = command->tuning;
+    state->followed = command->number;
 }

@@ -113,7 +113,8 @@ void prove_current_loop(void)
     };
     const dq_t reference = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
     const dq_t i = {.d = any_within(-50200, 50200), .q = any_within(-50200, 50200)};
-    const current_loop_out_t out = current_loop_step(&state, &tuning, reference, i);
+    current_loop_out_t out;
+    current_loop_step(&state, &tuning, reference, i, &out);
     PROMISE(out.realised.d >= -32768 && out.realised.d <= 32767);
     PROMISE(out.realised.q >= -32767 && out.realised.q <= 32767);
     /* The limiter: never longer and never of the other sign. That circle_other_q15() leaves q what is inside the circle
@@ -151,14 +152,44 @@ static ab_t any_vector_in_circle(void)
     return x;
 }
 
+/* The same with the 24 LSB by which the expected current may leave the circle (tests/unit). */
+static ab_t any_expected_current(void)
+{
+    const ab_t x = {.alpha = any_within(-32794, 32794), .beta = any_within(-32794, 32794)};
+    const int32_t across = (x.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
+    const int32_t along = x.alpha >> 1;
+    ASSUME(across - along <= 32795 && across - along >= -32795);
+    ASSUME(-across - along <= 32795 && -across - along >= -32795);
+    return x;
+}
+
 void prove_dead_time(void)
 {
     /* The steepest slopes dead_time_init() makes: any flatter ones overflow less. */
     const dead_time_t steepest = {.full_counts = 2048, .slope_alpha_q8 = 65000, .slope_beta_q8 = 56292};
-    const abc_t shares = dead_time_shares(&steepest, any_vector_in_circle());
+    const abc_t shares = dead_time_shares(&steepest, any_expected_current());
     PROMISE(shares.a >= -32768 && shares.a <= 32767);
     PROMISE(shares.b >= -32768 && shares.b <= 32767);
     PROMISE(shares.c >= -32767 && shares.c <= 32768);
+    PROOF_END();
+}
+
+static bool shrinks(int32_t before, int32_t after)
+{
+    return before >= 0 ? after >= 0 && after <= before : after <= 0 && after >= before;
+}
+
+void prove_expected_current(void)
+{
+    dead_time_t dead_time = {
+        .lag_q15 = any_within(2048, 32767),
+        .reference_pu = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)},
+        .behind_pu = {.d = any_within(-65536, 65536), .q = any_within(-65536, 65536)},
+    };
+    const dq_t behind = dead_time.behind_pu;
+    const dq_t expected = dead_time_expect(&dead_time);
+    PROMISE(expected.d + behind.d == dead_time.reference_pu.d && expected.q + behind.q == dead_time.reference_pu.q);
+    PROMISE(shrinks(behind.d, dead_time.behind_pu.d) && shrinks(behind.q, dead_time.behind_pu.q));
     PROOF_END();
 }
 

@@ -157,6 +157,7 @@ static void take_command(slow_to_fast_t *command, const config_t *config, int32_
     command->monitor.safe_bridge = (take8(bytes) & 1U) != 0 ? BRIDGE_SHORT : BRIDGE_OFF;
     command->monitor.clear_trip = (take8(bytes) & 7U) == 0;
     command->slow_step_count++;
+    command->foc.number++;
 }
 
 static fast_input_t take_fast_input(bytes_t *bytes)

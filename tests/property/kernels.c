@@ -205,7 +205,8 @@ kernel_voltage_t kernel_current_loop(pair_t integrator_q30, const kernel_tuning_
 {
     current_loop_state_t state = integrators_of(integrator_q30);
     const current_loop_tuning_t loop_tuning = tuning_of(tuning);
-    const current_loop_out_t out = current_loop_step(&state, &loop_tuning, dq_of(reference), dq_of(i));
+    current_loop_out_t out;
+    current_loop_step(&state, &loop_tuning, dq_of(reference), dq_of(i), &out);
     return voltage_of(out, &state);
 }
 
@@ -270,15 +271,16 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
                               uint16_t theta_turn, pair_t reference)
 {
     foc_current_state_t state = {
+        .tuning = tuning_of(tuning),
         .sense = sense_of(loop->offset_q4),
         .loop = integrators_of(loop->integrator_q30),
         .svpwm = svpwm_of(&loop->svpwm),
         .dead_time = dead_time_of(loop->dead_time),
         .on_q16 = {loop->on_q16[0], loop->on_q16[1], loop->on_q16[2]},
     };
-    const current_loop_tuning_t loop_tuning = tuning_of(tuning);
+    state.dead_time.reference_pu = dq_of(reference); /* long since */
     foc_period_t period = {.i_reference_pu = dq_of(reference), .rotor = {.theta_turn = theta_turn}};
-    foc_current_step(&state, &loop_tuning, codes, &period);
+    foc_current_step(&state, codes, &period);
     for (int x = 0; x < 3; x++) {
         loop->on_q16[x] = state.on_q16[x];
     }

@@ -38,6 +38,7 @@ void loop_set_reference(loop_t *loop, int32_t i_d_pu, int32_t i_q_pu)
 {
     loop->command.i_reference_pu.d = i_d_pu;
     loop->command.i_reference_pu.q = i_q_pu;
+    loop->command.number++;
 }
 
 void loop_set_winding_temperature(loop_t *loop, int32_t winding_temperature_cC)
@@ -66,6 +67,7 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         loop->command.tuning =
             current_loop_tuning(&loop->config, loop->foc.current.svpwm.modulation_limit_q15, summary.v_dc_pu,
                                 loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
+        loop->command.number++;
     }
     const foc_report_t *report = &loop->report;
     const current_loop_out_t *voltage = &report->current.voltage;

@@ -10,7 +10,12 @@
 
 enum { CIRCLE_TABLE_SEGMENTS = 64 };
 
-extern const int16_t CIRCLE_TABLE[CIRCLE_TABLE_SEGMENTS + 2]; /* sqrt(1 - k / 64), Q15; the last one twice */
+/* sqrt(1 - k / 64) in Q15, and how much the next point lies above it. */
+typedef struct {
+    int16_t at, rise;
+} circle_point_t;
+
+extern const circle_point_t CIRCLE_TABLE[CIRCLE_TABLE_SEGMENTS + 1];
 
 /* sqrt(1 - x^2) in Q15 for |x| <= 32768, by linear interpolation over x^2. The chord of a concave curve
  * lies below it: the result never exceeds the true value (except by table rounding, 1 LSB), so a vector limited
@@ -18,9 +23,9 @@ extern const int16_t CIRCLE_TABLE[CIRCLE_TABLE_SEGMENTS + 2]; /* sqrt(1 - k / 64
 Q_TARGET_INLINE int32_t circle_other_q15(int32_t x)
 {
     const uint32_t square_q30 = (uint32_t)(x * x);
-    const int16_t *segment = &CIRCLE_TABLE[square_q30 >> 24];
+    const circle_point_t *point = &CIRCLE_TABLE[square_q30 >> 24];
     const int32_t fraction = (int32_t)((square_q30 >> 15) & 511U);
-    return segment[0] + (((segment[1] - segment[0]) * fraction) >> 9);
+    return point->at + ((point->rise * fraction) >> 9);
 }
 
 /* A circle of any radius up to 1: the radius and its reciprocal. */

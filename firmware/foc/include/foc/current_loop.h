@@ -57,27 +57,27 @@ static inline void current_loop_reset(current_loop_state_t *state)
     state->q.integrator_q30 = 0;
 }
 
-Q_TARGET_INLINE current_loop_out_t current_loop_step(current_loop_state_t *state, const current_loop_tuning_t *tuning,
-                                                     dq_t reference, dq_t i)
+/* One period. reference: inside the unit circle; i: up to 1.53 long. */
+Q_TARGET_INLINE void current_loop_step(current_loop_state_t *restrict state,
+                                       const current_loop_tuning_t *restrict tuning, dq_t reference, dq_t i,
+                                       current_loop_out_t *restrict out)
 {
     const int32_t error_d = q_saturate16(reference.d - i.d);
     const int32_t forward_d_q25 = -(tuning->w_l_q_q10 * i.q);
     const int32_t u_d = pi_output_q25(&state->d, &tuning->d, error_d, forward_d_q25) >> 10;
     const int32_t real_d = q_saturate16(u_d);
+    out->wanted_d = u_d;
     pi_update(&state->d, &tuning->d, error_d, u_d, real_d);
 
     const int32_t error_q = q_saturate16(reference.q - i.q);
     const int32_t forward_q_q25 = tuning->w_l_d_q10 * i.d + tuning->w_psi_q25;
     const int32_t u_q = pi_output_q25(&state->q, &tuning->q, error_q, forward_q_q25) >> 10;
     const int32_t real_q = q_limit(u_q, circle_other_q15(real_d));
+    out->wanted_q = u_q;
     pi_update(&state->q, &tuning->q, error_q, u_q, real_q);
 
-    const current_loop_out_t out = {
-        .wanted_d = u_d,
-        .wanted_q = u_q,
-        .realised = {.d = real_d, .q = real_q},
-    };
-    return out;
+    out->realised.d = real_d;
+    out->realised.q = real_q;
 }
 
 #endif

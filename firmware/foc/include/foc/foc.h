@@ -23,6 +23,7 @@
 
 /* From the slow reach, every millisecond. */
 typedef struct {
+    uint16_t number; /* another one for another command: the fast reach looks at what follows only when it changes */
     dq_t i_reference_pu;          /* Q15 of the current base, 16 bits */
     current_loop_tuning_t tuning; /* for the present bus voltage and speed */
     bool calibrate_offsets;       /* average the current sensors' zero; only with the bridge off */
@@ -70,24 +71,25 @@ typedef struct {
 
 /* What the current loop proper keeps. */
 typedef struct {
-    sense_state_t sense;
+    current_loop_tuning_t tuning; /* of the command that is followed */
     current_loop_state_t loop;
     svpwm_t svpwm;
     dead_time_t dead_time;
     int32_t on_q16[SENSE_PHASES]; /* high-side on-times, timer counts with 16 fraction bits; their whole parts are the
                                    * compare values, effective from the next update */
+    sense_state_t sense;
 } foc_current_state_t;
 
 typedef struct {
-    foc_current_state_t current;
     rotor_state_t rotor;
+    foc_current_state_t current;
     circle_t current_circle;
     field_weakening_t weakening;
-    dq_t wanted_pu; /* the command that is followed */
+    int32_t followed; /* number of the command, or none */
     bool calibrating;
 } foc_state_t;
 
-enum { FOC_NOTHING_WANTED = INT32_MIN /* no command is that: the next one is followed */ };
+enum { FOC_NOTHING_FOLLOWED = -1 /* no command is that: the next one is followed */ };
 
 void foc_init(foc_state_t *state, const config_t *config);
 
@@ -97,11 +99,12 @@ foc_command_t foc_initial_command(const foc_state_t *state, const config_t *conf
 /*
  * The current loop proper: from codes, angle and reference (both in `period`) to state->on_q16. Cost: see README.md.
  */
-void foc_current_step(foc_current_state_t *restrict state, const current_loop_tuning_t *restrict tuning,
-                      const uint16_t *restrict codes, foc_period_t *restrict period);
+void foc_current_step(foc_current_state_t *restrict state, const uint16_t *restrict codes,
+                      foc_period_t *restrict period);
 
-/* period->i_reference_pu: the commanded current and the demagnetising one, inside the current circle, the d axis first. */
-void foc_follow(foc_state_t *state, dq_t wanted, foc_period_t *period);
+/* A new command, or new field weakening. period->i_reference_pu: the commanded current and the demagnetising one, inside the
+ * current circle, the d axis first. */
+void foc_follow(foc_state_t *state, const foc_command_t *command, foc_period_t *period);
 
 /* The same measurements with the bridge not switching: nothing is regulated, the next start is bump-free. calibrate_offsets:
  * one sample for the zeros of the current sensors. */
@@ -116,7 +119,7 @@ static inline void foc_weaken(foc_state_t *state, const config_t *config, foc_re
         field_weakening_step(&state->weakening, margin_q15, config->current_loop.field_weakening_gain_pu_q15,
                              config->current_loop.field_weakening_current_pu_q15);
         /* The next period works the reference out anew, also when the current has just come back to nothing. */
-        state->wanted_pu.q = FOC_NOTHING_WANTED;
+        state->followed = FOC_NOTHING_FOLLOWED;
         report->i_d_weakening_pu = field_weakening_current_pu(&state->weakening);
     }
 }
@@ -139,7 +142,7 @@ static inline void foc_add_up(foc_sums_t *sums, const foc_period_t *period, int3
  * and not tripped: regulate and modulate; otherwise the regulators are held reset and the compares
  * centred. The on-times are in state->current.on_q16. report: always the same structure; zero at first.
  *
- * The reference is worked out when the command changes. The voltage margin moves slowly: field weakening looks at it every
+ * The reference is worked out when a command with another number comes. The voltage margin moves slowly: field weakening looks at it every
  * fourth period, and while it is at work the reference follows in these.
  */
 static inline void foc_step(foc_state_t *state, const config_t *config, const foc_command_t *command, bool permitted,
@@ -151,11 +154,10 @@ static inline void foc_step(foc_state_t *state, const config_t *config, const fo
     report->step_count++;
     if (permitted && !tripped) {
         const bool look = report->step_count % 4U == 0U;
-        const dq_t wanted = command->i_reference_pu;
-        if (wanted.d != state->wanted_pu.d || wanted.q != state->wanted_pu.q) {
-            foc_follow(state, wanted, period);
+        if (state->followed != command->number) {
+            foc_follow(state, command, period);
         }
-        foc_current_step(&state->current, &command->tuning, in->phase_current_code, period);
+        foc_current_step(&state->current, in->phase_current_code, period);
         if (look) {
             foc_weaken(state, config, report);
         }

@@ -50,7 +50,9 @@ void test_the_table_holds_the_square_root_rounded_down(void)
 {
     for (int k = 0; k <= CIRCLE_TABLE_SEGMENTS; k++) {
         const long exact = (long)floorl(32768.0L * sqrtl(1.0L - (long double)k / CIRCLE_TABLE_SEGMENTS));
-        TEST_ASSERT_EQUAL_INT(exact > 32767 ? 32767 : exact, CIRCLE_TABLE[k]);
+        TEST_ASSERT_EQUAL_INT(exact > 32767 ? 32767 : exact, CIRCLE_TABLE[k].at);
+        const int next = k < CIRCLE_TABLE_SEGMENTS ? CIRCLE_TABLE[k + 1].at : CIRCLE_TABLE[k].at;
+        TEST_ASSERT_EQUAL_INT(next - CIRCLE_TABLE[k].at, CIRCLE_TABLE[k].rise);
     }
 }
 

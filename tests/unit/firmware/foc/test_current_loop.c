@@ -144,7 +144,9 @@ static current_loop_out_t step(const current_loop_tuning_t *tuning, int32_t d, i
 {
     const dq_t reference = {.d = d, .q = q};
     const dq_t i = {.d = i_d, .q = i_q};
-    return current_loop_step(&state, tuning, reference, i);
+    current_loop_out_t out;
+    current_loop_step(&state, tuning, reference, i, &out);
+    return out;
 }
 
 void test_without_error_and_speed_there_is_no_voltage(void)

@@ -3,10 +3,10 @@
 #include <stdlib.h>
 
 #include "foc/dead_time.h"
+#include "random_values.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;
-
 static config_t config;
 
 void setUp(void)
@@ -114,5 +114,77 @@ void test_no_dead_time_needs_no_correction(void)
     const dead_time_t dead_time = dead_time_init(&config);
     for (int32_t i = -32768; i <= 32767; i += 5) {
         TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(&dead_time, i));
+    }
+}
+
+void test_the_lag_is_that_of_the_designed_current_loop(void)
+{
+    /* One minus what a first-order system leaves after a period; its approximation is 2 % too large at w T = 1/2. */
+    static const int32_t BANDWIDTHS_Hz[] = {250, 500, 1000, 1500};
+    for (int k = 0; k < 4; k++) {
+        config.current_loop.bandwidth_Hz = BANDWIDTHS_Hz[k];
+        const double exact = 1.0 - exp(-2.0 * 3.14159265358979323846 * BANDWIDTHS_Hz[k] / 20000.0);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02 * exact, exact, dead_time_init(&config).lag_q15 / 32768.0);
+    }
+    config.current_loop.bandwidth_Hz = 10;
+    TEST_ASSERT_EQUAL_INT32(32768 / 16, dead_time_init(&config).lag_q15);
+    config.current_loop.bandwidth_Hz = 10000;
+    config.drive.pwm_frequency_Hz = 4000;
+    TEST_ASSERT_EQUAL_INT32(32767, dead_time_init(&config).lag_q15);
+}
+
+void test_the_expected_current_begins_a_sixteenth_of_a_step_and_then_follows_with_the_lag(void)
+{
+    config.current_loop.bandwidth_Hz = 1000;
+    dead_time_t dead_time = dead_time_init(&config);
+    const dq_t before = {.d = -3000, .q = 7000};
+    const dq_t after = {.d = 1000, .q = -9000};
+    dead_time_follow(&dead_time, before);
+    for (int n = 0; n < 100; n++) {
+        (void)dead_time_expect(&dead_time);
+    }
+    dead_time_follow(&dead_time, after);
+    double left = 15.0 / 16.0;
+    for (int n = 0; n < 30; n++) {
+        const dq_t expected = dead_time_expect(&dead_time);
+        /* What rounding leaves undone: below 1/lag, 4 LSB, of each change. */
+        TEST_ASSERT_DOUBLE_WITHIN(8.0, after.d - left * (after.d - before.d), expected.d);
+        TEST_ASSERT_DOUBLE_WITHIN(8.0, after.q - left * (after.q - before.q), expected.q);
+        left *= 1.0 - dead_time.lag_q15 / 32768.0;
+    }
+}
+
+void test_after_a_rest_nothing_is_expected(void)
+{
+    dead_time_t dead_time = dead_time_init(&config);
+    const dq_t reference = {.d = -3000, .q = 7000};
+    dead_time_follow(&dead_time, reference);
+    (void)dead_time_expect(&dead_time);
+    dead_time_rest(&dead_time);
+    for (int n = 0; n < 3; n++) {
+        const dq_t expected = dead_time_expect(&dead_time);
+        TEST_ASSERT_EQUAL_INT32(0, expected.d);
+        TEST_ASSERT_EQUAL_INT32(0, expected.q);
+    }
+    dead_time_follow(&dead_time, reference);
+    TEST_ASSERT_EQUAL_INT32(7000 / 16, dead_time_expect(&dead_time).q);
+}
+
+void test_the_expected_current_stays_in_the_unit_circle_whatever_the_references_inside_it_do(void)
+{
+    static const int32_t BANDWIDTHS_Hz[] = {10, 1000, 10000};
+    for (int k = 0; k < 3; k++) {
+        config.current_loop.bandwidth_Hz = BANDWIDTHS_Hz[k];
+        dead_time_t dead_time = dead_time_init(&config);
+        random_t random = random_seeded(2013);
+        for (int n = 0; n < 20000; n++) {
+            if (random_chance(&random, 0.75)) { /* opposite ends of the circle, or anywhere on it */
+                const double angle = n % 3 == 0 ? n * 3.14159265358979323846 : random_real(&random, 0.0, 6.3);
+                const dq_t reference = {.d = (int32_t)(32767.0 * cos(angle)), .q = (int32_t)(32767.0 * sin(angle))};
+                dead_time_follow(&dead_time, reference);
+            }
+            const dq_t expected = dead_time_expect(&dead_time);
+            TEST_ASSERT_TRUE(hypot(expected.d, expected.q) <= 32768.0 + 24.0);
+        }
     }
 }

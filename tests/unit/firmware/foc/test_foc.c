@@ -45,8 +45,15 @@ void setUp(void)
 
 void tearDown(void) {}
 
+/* A slow reach numbers its commands. */
 static void step(bool run)
 {
+    static foc_command_t told;
+    if (memcmp(&told.tuning, &command.tuning, sizeof(told.tuning)) != 0 ||
+        memcmp(&told.i_reference_pu, &command.i_reference_pu, sizeof(told.i_reference_pu)) != 0) {
+        command.number++;
+        told = command;
+    }
     foc_step(&foc, &config, &command, run, false, &in, &report);
 }
 
@@ -159,6 +166,48 @@ void test_a_start_after_a_rest_remembers_nothing(void)
     step(false);
     step(true);
     TEST_ASSERT_EQUAL_INT32_ARRAY(first, foc.current.on_q16, 3);
+}
+
+void test_a_command_is_looked_at_when_its_number_changes(void)
+{
+    command.number = 7;
+    command.i_reference_pu.q = 5000;
+    foc_step(&foc, &config, &command, true, false, &in, &report);
+    TEST_ASSERT_EQUAL_INT32(5000, report.current.i_reference_pu.q);
+    command.i_reference_pu.q = 6000;
+    command.tuning.q.proportional_q10 = 1;
+    foc_step(&foc, &config, &command, true, false, &in, &report);
+    TEST_ASSERT_EQUAL_INT32(5000, report.current.i_reference_pu.q);
+    TEST_ASSERT_NOT_EQUAL(1, foc.current.tuning.q.proportional_q10);
+    command.number = 8;
+    foc_step(&foc, &config, &command, true, false, &in, &report);
+    TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
+    TEST_ASSERT_EQUAL_MEMORY(&command.tuning, &foc.current.tuning, sizeof(command.tuning));
+    foc_step(&foc, &config, &command, false, false, &in, &report);
+    TEST_ASSERT_EQUAL_INT32(0, report.current.i_reference_pu.q);
+    foc_step(&foc, &config, &command, true, false, &in, &report); /* the same one again, after a rest */
+    TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
+}
+
+void test_dead_time_is_compensated_for_the_current_that_has_had_time_to_come(void)
+{
+    config.drive.dead_time_ns = 1000;
+    restart();
+    const double step_pu = 6.0 * config.current_loop.dead_time_zone_pu_q15;
+    command.i_reference_pu.q = (int32_t)step_pu;
+    in.rotor_angle_turn = 16384;           /* q along -a: the whole current flows in phase a */
+    command.tuning.q.proportional_q10 = 1; /* no voltage but the compensation */
+    command.tuning.q.integral_q15 = 0;
+    const double lag = foc.current.dead_time.lag_q15 / 32768.0;
+    double left = 15.0 / 16.0;
+    for (int n = 0; n < 20; n++) {
+        step(true);
+        const double expected = fmin(step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
+        const double others = fmin(0.5 * step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
+        const double line = ((foc.current.on_q16[1] >> 16) - (foc.current.on_q16[0] >> 16)) / 84.0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, expected + others, line);
+        left *= 1.0 - lag;
+    }
 }
 
 void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
