@@ -79,6 +79,11 @@ static void advance(modes_state_t *state, const modes_input_t *in, bool acknowle
         }
         break;
     case MODE_OFFSET_CAL:
+        if (in->safe_bridge != BRIDGE_OFF) {
+            state->steps =
+                0; /* the EMF drives a current, through the short or else through diodes: no zero to be seen */
+            break;
+        }
         if (state->steps < MODES_CALIBRATION_SETTLE_STEPS) {
             break; /* the fast reach has not seen the order yet: its answer would be of the last calibration */
         }
@@ -142,12 +147,13 @@ static permission_t permission_of(const modes_state_t *state, const modes_input_
     case MODE_BOOT:
         out.reason = REASON_CONFIG_INVALID;
         break;
+    case MODE_SELFTEST:
+    case MODE_OFFSET_CAL:
+        out.bridge = in->safe_bridge;
+        break;
     case MODE_READY:
         out.bridge = in->safe_bridge;
         out.reason = in->rotor_valid ? REASON_PERMISSION : REASON_ROTOR_UNCERTAIN;
-        break;
-    case MODE_SELFTEST:
-    case MODE_OFFSET_CAL:
         break;
     }
     return out;
@@ -166,7 +172,7 @@ modes_output_t modes_step(modes_state_t *state, const modes_input_t *in)
         .mode = state->mode,
         .fault = state->fault,
         .permission = permission_of(state, in),
-        .calibrate_offsets = state->mode == MODE_OFFSET_CAL,
+        .calibrate_offsets = state->mode == MODE_OFFSET_CAL && in->safe_bridge == BRIDGE_OFF,
         .clear_trip = acknowledged,
     };
     return out;

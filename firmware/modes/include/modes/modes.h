@@ -21,7 +21,8 @@ typedef enum {
     MODE_BOOT = 0,
     MODE_SELFTEST = 1,
     MODE_OFFSET_CAL = 2,
-    MODE_READY = 3, /* bridge off, waiting to be enabled with the drive pedal released and the rotor's angle known */
+    MODE_READY =
+        3, /* bridge in its safe state, waiting to be enabled with the drive pedal released and the rotor's angle known */
     MODE_RUN = 4,
     MODE_LIMP = 5, /* reduced driving torque after a warning; braking stays whole */
     MODE_FAULT = 6
@@ -48,8 +49,9 @@ typedef struct {
     bool fault_reset;
     bool warning; /* monitor: something is wrong that does not forbid braking */
     reason_t warning_reason;
-    reason_t fault;            /* monitor: REASON_NONE or a fault code */
-    bridge_mode_t safe_bridge; /* what the monitor's safe-state chooser wants the bridge to do in a fault */
+    reason_t fault; /* monitor: REASON_NONE or a fault code */
+    bridge_mode_t
+        safe_bridge; /* what the monitor's safe-state chooser wants the bridge to do where it may not switch */
 } modes_input_t;
 
 typedef struct {

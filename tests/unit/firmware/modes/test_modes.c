@@ -200,11 +200,38 @@ void test_where_the_bridge_rests_it_rests_in_the_safe_state(void)
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().permission.bridge);
 }
 
-void test_while_current_sensors_are_calibrated_no_current_may_flow_through_a_short(void)
+/* A controller that restarts in a fast vehicle: off, its diodes would rectify the EMF, and what flows through them would
+ * be taken for the sensors' zero. */
+void test_while_the_emf_would_drive_a_current_the_sensors_are_not_calibrated_and_the_bridge_is_safe(void)
+{
+    reach(MODE_SELFTEST);
+    in.safe_bridge = BRIDGE_SHORT;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().permission.bridge);
+    in.selftest_passed = true;
+    in.offsets_done = false;
+    for (int k = 0; k < 2 * MODES_CALIBRATION_TIMEOUT_STEPS; k++) {
+        const modes_output_t out = step();
+        assert_mode(MODE_OFFSET_CAL, out); /* no fault: it waits */
+        TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, out.permission.bridge);
+        TEST_ASSERT_FALSE(out.calibrate_offsets);
+    }
+    in.safe_bridge = BRIDGE_OFF;
+    const modes_output_t out = step();
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.permission.bridge);
+    TEST_ASSERT_TRUE(out.calibrate_offsets);
+}
+
+void test_a_calibration_that_is_interrupted_by_the_emf_begins_anew(void)
 {
     reach(MODE_OFFSET_CAL);
+    in.offsets_done = false;
+    (void)run(MODES_CALIBRATION_TIMEOUT_STEPS - 10);
     in.safe_bridge = BRIDGE_SHORT;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().permission.bridge);
+    TEST_ASSERT_FALSE(step().calibrate_offsets);
+    in.safe_bridge = BRIDGE_OFF;
+    assert_mode(MODE_OFFSET_CAL, run(MODES_CALIBRATION_TIMEOUT_STEPS - 10));
+    in.offsets_done = true;
+    assert_mode(MODE_READY, step());
 }
 
 void test_every_mode_has_a_name(void)
