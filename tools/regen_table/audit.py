@@ -3,13 +3,13 @@
 A grid is refused by the energy it loses to interpolation and quantisation over stops and cycles, not by its looks.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from regen_table import braking, cycles, models
+from regen_table.braking import Production
 from regen_table.errors import ConfigurationError
 from regen_table.models import Array, ArrayLike
 from regen_table.schema import Drive
@@ -62,18 +62,7 @@ def table_capability_nm(drive: Drive, table: RegenMap, speed_rad_s: ArrayLike, t
     return np.minimum(stored, braking.torque_limit_nm(drive, speed_rad_s))
 
 
-@dataclass(frozen=True)
-class Production:
-    """How a torque is made: the best one inside the limits (magnitude), and the steady state of any (signed)."""
-
-    capability_nm: Callable[[Drive, models.Machine, models.Bridge, ArrayLike], Array]
-    state: Callable[[models.Machine, models.Bridge, ArrayLike, ArrayLike], models.State]
-
-
-ZERO_D_CURRENT = Production(braking.capability_nm, braking.state_of_torque)
-
-
-def grid_losses(drive: Drive, table: RegenMap, made: Production = ZERO_D_CURRENT) -> list[GridLoss]:
+def grid_losses(drive: Drive, table: RegenMap, made: Production = braking.ZERO_D_CURRENT) -> list[GridLoss]:
     """Energy lost to the grid over a hard stop from top speed, a stop at rated torque, and every shipped cycle."""
     temperatures = np.linspace(table.temperatures_c[0], min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c), _TEMPERATURES)
     top = drive.motor.max_speed_rpm * np.pi / 30.0
@@ -114,7 +103,7 @@ def _loss(
     return GridLoss(name, float(temperatures[worst]), float(relative[worst]), wheels * float(returned[worst]), wheels * float(lost[worst]))
 
 
-def worst_power_loss(drive: Drive, table: RegenMap, made: Production = ZERO_D_CURRENT) -> float:
+def worst_power_loss(drive: Drive, table: RegenMap, made: Production = braking.ZERO_D_CURRENT) -> float:
     """Largest relative loss of regenerated power, inside torque and power limits, at any temperature and any speed.
 
     From the speed at which electric braking has faded out; where no torque returns energy there is nothing to lose.

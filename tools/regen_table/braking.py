@@ -4,6 +4,8 @@ Braking torques here are magnitudes >= 0 of electromagnetic torque, speeds mecha
 """
 
 import enum
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -79,3 +81,14 @@ def state_of_torque(motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike, to
     """Steady state at a mechanical speed of a signed electromagnetic torque made with i_d = 0."""
     omega = np.asarray(speed_rad_s) * motor.pole_pairs
     return models.evaluate(motor, inverter, omega, 0.0, optimum.current_at_zero_d_current(motor, omega, torque_nm))
+
+
+@dataclass(frozen=True)
+class Production:
+    """How a torque is made: the best one inside the limits (magnitude), and the steady state of any (signed)."""
+
+    capability_nm: Callable[[Drive, Machine, Bridge, ArrayLike], Array]
+    state: Callable[[Machine, Bridge, ArrayLike, ArrayLike], models.State]
+
+
+ZERO_D_CURRENT = Production(capability_nm, state_of_torque)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from regen_table import __version__, calibrate, cycles, generate, packs, points, relations, report, schema, stops
+from regen_table import __version__, calibrate, cycles, generate, ideal, packs, points, relations, report, schema, stops
 from regen_table.errors import CheckFailedError, ConfigurationError
 
 
@@ -162,18 +162,18 @@ def _calibrate(options: argparse.Namespace) -> int:
 
 def _generate(options: argparse.Namespace) -> int:
     drive = schema.load(options.config)
-    for warning in relations.warnings(drive):
-        print(f"{options.config}: warning: {warning}", file=sys.stderr)
     with _about(options.config):
         found = report.collect(drive)
-        files = generate.artefacts(drive).files
-        paths = generate.write_all(files, options.output or generate.GENERATED)
+        files = {(options.output or generate.GENERATED) / name: content for name, content in generate.artefacts(drive).files.items()}
         if options.report:
-            paths += generate.write_all({options.report.name: report.as_json(found)}, options.report.parent)
+            files[options.report] = report.as_json(found)
+        paths = generate.write_files(files)
         if options.plots:
             from regen_table import figures  # noqa: PLC0415, Matplotlib takes longer to load than all else takes to run
 
             paths += figures.draw_all(drive, options.output or generate.FIGURES)
+    for warning in relations.warnings(drive):  # last: what fails says one line
+        print(f"{options.config}: warning: {warning}", file=sys.stderr)
     print(report.as_text(found))
     for path in paths:
         print(path)
@@ -235,7 +235,7 @@ def _cycle(options: argparse.Namespace) -> int:
     warm = _one_temperature(drive, options.winding_temperature_c)
     trace = cycles.load(options.trace, options.top_speed_kmh)
     with _about(options.config):
-        found = [cycles.run(drive, trace, strategy, warm, options.soc) for strategy in _STRATEGIES]
+        found = [cycles.run(drive, trace, strategy, warm, options.soc, ideal.production(drive)) for strategy in _STRATEGIES]
     _show([result.as_dict() for result in found], options.json, ["cycle", "strategy", "braking_share_stored", "residual_relative"])
     return 0
 

@@ -148,7 +148,7 @@ def best_torque_nm(
     return np.asarray(-joint.shrink(power, -strongest.astype(np.float64), np.zeros(speed.shape), first=65)[0])
 
 
-def production(table: CurrentMap) -> audit.Production:
+def production(table: CurrentMap) -> braking.Production:
     """Return how torque is made with the stored i_d, for the audit of the braking table."""
 
     def capability(drive: Drive, motor: models.Machine, inverter: models.Bridge, speed: ArrayLike) -> Array:
@@ -158,7 +158,7 @@ def production(table: CurrentMap) -> audit.Production:
         i_d = read(table, torque, speed, motor.winding_temperature_c)
         return state(motor, inverter, np.asarray(speed) * motor.pole_pairs, torque, i_d)
 
-    return audit.Production(capability, made)
+    return braking.Production(capability, made)
 
 
 def regen_map(drive: Drive, currents: CurrentMap) -> tables.RegenMap:

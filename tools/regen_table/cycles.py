@@ -119,17 +119,24 @@ def demand(drive: Drive, cycle: Cycle) -> Demand:
     return Demand(seconds, middle / vehicle.wheel_radius_m, force * vehicle.wheel_radius_m / vehicle.driven_wheels, drag * middle)
 
 
-def run(drive: Drive, cycle: Cycle, strategy: str, temperature_c: float, soc: float | None = None) -> CycleResult:
-    """Drive one cycle; the battery's state of charge stays where it is."""
+def run(
+    drive: Drive,
+    cycle: Cycle,
+    strategy: str,
+    temperature_c: float,
+    soc: float | None = None,
+    made: braking.Production = braking.ZERO_D_CURRENT,
+) -> CycleResult:
+    """Drive one cycle, making torque as ``made`` says (ideal.production); the battery's state of charge stays where it is."""
     motor, inverter, wheels = models.machine(drive, temperature_c), models.bridge(drive), drive.vehicle.driven_wheels
     asked = demand(drive, cycle)
     speed = asked.speed_rad_s
     friction = np.where(speed > 0.0, motor.friction_nm + motor.viscous_nm_s * speed, 0.0)
     braking_demand = np.maximum(-asked.torque_nm - friction, 0.0)
-    electric = braking.electric_torque_nm(drive, strategy, braking_demand, speed, braking.capability_nm(drive, motor, inverter, speed))
+    electric = braking.electric_torque_nm(drive, strategy, braking_demand, speed, made.capability_nm(drive, motor, inverter, speed))
     driving = np.maximum(asked.torque_nm + friction, 0.0)
     moving = speed > 0.0
-    state = braking.state_of_torque(motor, inverter, speed, np.where(moving, driving - electric, 0.0))
+    state = made.state(motor, inverter, speed, np.where(moving, driving - electric, 0.0))
     resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
     pack = models.battery_steady(models.open_circuit_voltage_v(drive, soc), resistance, wheels * state.dc_power_w)
 

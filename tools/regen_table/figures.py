@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from regen_table import braking, figures_vehicle, models, optimum, plotting
+from regen_table import braking, figures_vehicle, ideal, models, plotting
 from regen_table.models import Array
 from regen_table.plotting import BLUE, GREEN, GREY, ORANGE, PURPLE, RED
 from regen_table.schema import Drive
 
 POINTS = 400
+SHARES = ((1.0, PURPLE), (2.0, GREEN), (3.5, BLUE), (5.0, RED))  # of a tenth of the top speed
 
 
 def draw_all(drive: Drive, directory: Path) -> list[Path]:
@@ -42,22 +43,28 @@ def rpm(speed_rad_s: Array) -> Array:
 
 
 def power_over_current(drive: Drive) -> Figure:
-    """Fig. 3: input power over braking current at fixed speeds."""
+    """Fig. 3: input power over braking current at fixed speeds, for a salient motor along the angle of least loss."""
     motor, inverter, top = reference(drive)
     made, (axes,) = plotting.figure("Fig. 3   Power over braking current at constant speed", width=8.4)
-    scale, unit = power_unit(drive)
-    for share, colour in ((0.1, PURPLE), (0.2, GREEN), (0.35, BLUE), (0.5, RED)):
-        omega = share * top * motor.pole_pairs
-        best = optimum.closed_form(motor, inverter, omega)
-        current = np.linspace(2.15 * float(best.current_q_a), 0.0, POINTS)
-        state = models.evaluate(motor, inverter, omega, 0.0, current)
-        axes.plot(current, state.dc_power_w / scale, color=colour, label=f"{share * drive.motor.max_speed_rpm:.0f} r/min")
-        axes.plot(current, state.motor_power_w / scale, color=colour, linestyle=":", linewidth=1.0)
-        lowest = models.evaluate(motor, inverter, omega, 0.0, best.current_q_a)
-        axes.plot(float(best.current_q_a), float(lowest.dc_power_w) / scale, "o", color=colour, markersize=5)
-        axes.plot(2.0 * float(best.current_q_a), 0.0, "s", color=colour, markersize=4)
+    scale, unit = (1.0, "W") if ideal.salient(drive) else power_unit(drive)
+    most = 0.35 * ideal.meeting_rad_s(drive, motor, inverter) if ideal.salient(drive) else 0.1 * top
+    for factor, colour in ((1.0, PURPLE), (1.6, GREEN), (2.2, BLUE), (2.8, RED)) if ideal.salient(drive) else SHARES:
+        speed = factor * most
+        line = ideal.lines(drive, motor, inverter, speed)
+        strongest = float(np.nanmin([1.1 * line.zero_nm, 1.5 * drive.motor.max_torque_nm])) if ideal.salient(drive) else 1.07 * line.zero_nm
+        state = ideal.state(drive, motor, inverter, speed, np.linspace(-strongest, 0.0, _points(drive)))
+        current = -state.current_a if ideal.salient(drive) else state.current_q_a
+        braked = current <= 0.0  # no torque takes a little current, the iron's
+        axes.plot(current[braked], state.dc_power_w[braked] / scale, color=colour, label=f"{float(rpm(np.array(speed))):.0f} r/min")
+        axes.plot(current[braked], state.motor_power_w[braked] / scale, color=colour, linestyle=":", linewidth=1.0)
+        if np.isfinite(line.optimal_nm):
+            lowest = ideal.state(drive, motor, inverter, speed, -line.optimal_nm)
+            axes.plot(-float(line.optimal_a), float(lowest.dc_power_w) / scale, "o", color=colour, markersize=5)
+        if line.zero_nm <= strongest:
+            axes.plot(-float(line.zero_a), 0.0, "s", color=colour, markersize=4)
     axes.axhline(0.0, color="black", linewidth=0.8)
-    axes.set(xlabel="q-axis current (peak phase), A", ylabel=f"power taken from the bus, {unit}")
+    what = "phase current (peak) at the angle of least loss, braking, A" if ideal.salient(drive) else "q-axis current (peak phase), A"
+    axes.set(xlabel=what, ylabel=f"power taken from the bus, {unit}")
     axes.plot([], [], color="black", label="motor and inverter")
     axes.plot([], [], color="black", linestyle=":", linewidth=1.0, label="motor alone")
     axes.plot([], [], "o", color="black", markersize=5, label="most power returned")
@@ -71,64 +78,74 @@ def power_unit(drive: Drive) -> tuple[float, str]:
     return (1000.0, "kW") if drive.motor.max_power_w >= 10e3 else (1.0, "W")
 
 
+def shown_speeds(drive: Drive) -> Array:
+    """Mechanical speeds in rad/s for lines without limits: a salient motor's optimum runs away at a fraction of its top speed."""
+    motor, inverter, top = reference(drive)
+    last = min(top, 2.5 * ideal.meeting_rad_s(drive, motor, inverter)) if ideal.salient(drive) else top
+    return np.linspace(1e-3 * last, last, _points(drive))
+
+
+def _points(drive: Drive) -> int:
+    """Fewer where every point is a search."""
+    return 160 if ideal.salient(drive) else POINTS
+
+
 def current_over_speed(drive: Drive) -> Figure:
     """Fig. 4: current of most returned power and of the boundary to plugging, with and without the paper's neglects."""
-    motor, inverter, top = reference(drive)
-    speed = np.linspace(0.0, top, POINTS)
+    motor, inverter, _ = reference(drive)
+    speed = shown_speeds(drive)
     omega = speed * motor.pole_pairs
-    best = optimum.closed_form(motor, inverter, omega)
+    line = ideal.lines(drive, motor, inverter, speed)
     neglecting = -omega * motor.flux_wb / (2.0 * motor.resistance_ohm)
-    made, (axes,) = plotting.figure("Fig. 4   Braking current over speed")
-    axes.plot(rpm(speed), best.current_q_a, color=BLUE, label="most power returned")
-    axes.plot(rpm(speed), 2.0 * best.current_q_a, color=RED, label="boundary to plugging")
-    axes.plot(
-        rpm(speed),
-        neglecting,
-        color=BLUE,
-        linestyle="--",
-        linewidth=1.0,
-        label="the same without iron and inverter loss,\nthe paper's −ωψ/2R and −ωψ/R",
-    )
+    made, (axes,) = plotting.figure("Fig. 4   Braking current over speed", height=5.2)
+    axes.plot(rpm(speed), -line.optimal_a, color=BLUE, label="most power returned")
+    axes.plot(rpm(speed), -line.zero_a, color=RED, label="boundary to plugging")
+    text = "the same with i_d = 0, without iron and inverter loss," if ideal.salient(drive) else "the same without iron and inverter loss,"
+    axes.plot(rpm(speed), neglecting, color=BLUE, linestyle="--", linewidth=1.0, label=f"{text}\nthe paper's −ωψ/2R and −ωψ/R")
     axes.plot(rpm(speed), 2.0 * neglecting, color=RED, linestyle="--", linewidth=1.0)
     axes.axhline(-drive.motor.max_phase_current_a, color="black", linewidth=1.0, linestyle="-.", label="largest phase current of the drive")
-    axes.set(xlabel="speed, r/min", ylabel="q-axis current (peak phase), A", xlim=(0.0, rpm(np.array(top))))
-    axes.legend(loc="lower left")
+    what = "phase current (peak) at the angle of least loss, A" if ideal.salient(drive) else "q-axis current (peak phase), A"
+    axes.set(xlabel="speed, r/min", ylabel=what, xlim=(0.0, float(rpm(speed[-1:])[0])))
+    if ideal.salient(drive):
+        axes.set_ylim(-2.0 * drive.motor.max_phase_current_a, 0.05 * drive.motor.max_phase_current_a)
+    plotting.legend_below(made, axes, columns=2)
     return made
 
 
 def regions(drive: Drive) -> Figure:
     """Fig. 5: best braking torque over speed, and the four regions of a braking demand."""
-    motor, inverter, top = reference(drive)
-    speed = np.linspace(1e-3 * top, top, POINTS)
-    best = optimum.closed_form(motor, inverter, speed * motor.pole_pairs)
-    optimal, zero = np.abs(best.torque_optimal_nm), np.abs(best.torque_zero_nm)
+    motor, inverter, _ = reference(drive)
+    speed = shown_speeds(drive)
+    top = float(speed[-1])
+    line = ideal.lines(drive, motor, inverter, speed)
     limit = braking.torque_limit_nm(drive, speed)
     ceiling = 2.5 * drive.motor.max_torque_nm
+    # Beyond all that is drawn where it is beyond the search.
+    optimal, zero = (np.nan_to_num(torque, nan=1.01 * ceiling) for torque in (line.optimal_nm, line.zero_nm))
     capability = np.minimum(optimal, limit)
     free = optimal <= limit
     also = free | np.roll(free, 1)  # areas are drawn between samples: both neighbours of the meeting point belong to both
     x = rpm(speed)
-    made, (axes,) = plotting.figure("Fig. 5   Best braking torque and the regions of a demand")
+    made, (axes,) = plotting.figure("Fig. 5   Best braking torque and the regions of a demand", height=5.2)
     axes.fill_between(x, 0.0, capability, color=GREEN, alpha=0.18, linewidth=0)
     axes.fill_between(x, limit, ceiling, where=~free | np.roll(~free, -1), color=PURPLE, alpha=0.15, linewidth=0)
     axes.fill_between(x, optimal, np.minimum(zero, ceiling), where=also, color=ORANGE, alpha=0.20, linewidth=0)
     axes.fill_between(x, np.minimum(zero, ceiling), ceiling, where=also, color=RED, alpha=0.18, linewidth=0)
     axes.plot(x, np.minimum(zero, 1.01 * ceiling), color=RED, linewidth=1.2, label="T_zero: no power flows")
-    axes.plot(x, optimal, color=BLUE, linewidth=1.2, linestyle="--", label="T_opt without limits")
+    axes.plot(x, np.minimum(optimal, 1.01 * ceiling), color=BLUE, linewidth=1.2, linestyle="--", label="T_opt without limits")
     axes.plot(x, capability, color=BLUE, linewidth=2.2, label="T_opt inside torque and power limits")
     meeting = float(speed[int(np.argmax(~free))]) if np.any(~free) else top
     labels = [("III", 0.55 * top, 0.5 * float(np.interp(0.55 * top, speed, capability)))]
     if meeting < 0.95 * top:
         middle = 0.5 * (meeting + top)
         labels.append(("IV", middle, 0.5 * (float(np.interp(middle, speed, limit)) + ceiling)))
-    for name, at, height in labels:
-        axes.text(float(rpm(np.array(at))), height, name, fontsize=15, ha="center", va="center")
     at = 0.72 * meeting
     middle = 0.5 * float(np.interp(at, speed, optimal) + min(float(np.interp(at, speed, zero)), ceiling))
-    axes.annotate("II", (float(rpm(np.array(at))), middle), fontsize=13, ha="center", va="center")
-    axes.annotate("I", (float(rpm(np.array(0.35 * meeting))), 0.75 * ceiling), fontsize=13, ha="center", va="center")
+    labels += [("II", at, middle), ("I", 0.35 * meeting, 0.75 * ceiling)]
+    for name, where, height in labels:
+        axes.text(float(rpm(np.array(where))), height, name, fontsize=14, ha="center", va="center")
     axes.set(xlabel="speed, r/min", ylabel="braking torque, N·m", xlim=(0.0, x[-1]), ylim=(0.0, ceiling))
-    axes.legend(loc="upper right", fontsize=9, facecolor="white", framealpha=0.9, frameon=True, edgecolor="none")
+    plotting.legend_below(made, axes, columns=2)
     axes.text(0.99, 0.02, "III motor alone · II, I motor gives T_opt, brake the rest · IV limited motor and brake",
               transform=axes.transAxes, ha="right", fontsize=8)  # fmt: skip
     return made
@@ -139,7 +156,8 @@ def efficiency_map(drive: Drive) -> Figure:
     motor, inverter, top = reference(drive)
     speed = np.linspace(0.01 * top, top, 240)
     torque = np.linspace(0.01, 1.0, 200)[:, np.newaxis] * drive.motor.max_torque_nm
-    state = braking.state_of_torque(motor, inverter, speed, -torque)
+    ways = ideal.production(drive)
+    state = ways.state(motor, inverter, speed, -torque)
     friction = state.loss_friction_w
     efficiency = -state.dc_power_w / (torque * speed + friction)
     shown = np.ma.masked_where(torque > 1.02 * braking.torque_limit_nm(drive, speed), 100.0 * efficiency)
@@ -149,14 +167,8 @@ def efficiency_map(drive: Drive) -> Figure:
     filled = axes.contourf(x, y, shown, levels=np.arange(0.0, 101.0, 5.0), cmap="viridis")
     lines = axes.contour(x, y, shown, levels=[30.0, 50.0, 60.0, 70.0, 80.0, 85.0, 90.0, 93.0, 95.0], colors="white", linewidths=0.8)
     axes.clabel(lines, fmt="%g", fontsize=8)
-    best = np.abs(optimum.closed_form(motor, inverter, speed * motor.pole_pairs).torque_optimal_nm)
-    axes.plot(
-        rpm(speed),
-        np.minimum(best, braking.torque_limit_nm(drive, speed)),
-        color=RED,
-        linewidth=2.0,
-        label="best torque, inside the limits",
-    )
+    best = ways.capability_nm(drive, motor, inverter, speed)
+    axes.plot(rpm(speed), best, color=RED, linewidth=2.0, label="best torque, inside the limits")
     axes.set(xlabel="speed, r/min", ylabel="braking torque, N·m", ylim=(0.0, float(torque[-1, 0])), xlim=(0.0, float(rpm(np.array(top)))))
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=9)
     made.colorbar(filled, ax=axes, label="efficiency, %", ticks=np.arange(0.0, 101.0, 20.0))
@@ -166,12 +178,13 @@ def efficiency_map(drive: Drive) -> Figure:
 def torque_ramp(drive: Drive) -> Figure:
     """Fig. 12: a slow ramp of braking torque at constant speed; the bus current returns to zero and turns positive."""
     motor, inverter, top = reference(drive)
-    # The paper ran it at 150 of 640 r/min.
-    speed = top * 150.0 / 640.0
-    best = optimum.closed_form(motor, inverter, speed * motor.pole_pairs)
-    time = np.linspace(0.0, 10.0, POINTS)
-    torque = 1.15 * float(best.torque_zero_nm) * time / time[-1]
-    state = braking.state_of_torque(motor, inverter, speed, torque)
+    # The paper ran it at 150 of 640 r/min; a salient motor returns power at any torque there.
+    speed = 0.7 * ideal.meeting_rad_s(drive, motor, inverter) if ideal.salient(drive) else top * 150.0 / 640.0
+    line = ideal.lines(drive, motor, inverter, speed)
+    optimal, zero = -float(line.optimal_nm), -float(line.zero_nm)
+    time = np.linspace(0.0, 10.0, _points(drive))
+    torque = 1.15 * zero * time / time[-1]
+    state = ideal.state(drive, motor, inverter, speed, torque)
     resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
     pack = models.battery_steady(_any_voltage(drive), resistance, state.dc_power_w)
     made, (upper, lower) = plotting.figure(
@@ -181,13 +194,13 @@ def torque_ramp(drive: Drive) -> Figure:
     upper.set(ylabel="torque, N·m")
     lower.plot(time, pack.current_a, color=BLUE)
     lower.axhline(0.0, color="black", linewidth=0.8)
-    for value, text in ((float(best.torque_optimal_nm), "T_opt"), (float(best.torque_zero_nm), "T_zero")):
+    for value, text in ((optimal, "T_opt"), (zero, "T_zero")):
         at = time[-1] * value / torque[-1]
         upper.plot(at, value, "o", color=RED)
         upper.annotate(f"{text} = −{abs(value):.4g} N·m", (at, value), textcoords="offset points", xytext=(-8, -14), ha="right")
         lower.axvline(at, color=GREY, linestyle=":", linewidth=1.0)
     lower.set(xlabel="time, s", ylabel="battery current of one motor, A")
-    lower.text(0.45, 0.85, "below zero, current flows into the battery", transform=lower.transAxes, fontsize=9, ha="center")
+    lower.set_title("below zero, current flows into the battery", fontsize=9)
     return made
 
 
@@ -198,21 +211,22 @@ def _any_voltage(drive: Drive) -> float:
 
 def boundary_lines(drive: Drive) -> Figure:
     """Fig. 13: T_zero and T_opt over speed at three winding temperatures, with the paper's (20) and (21)."""
-    _, inverter, top = reference(drive)
-    speed = np.linspace(0.0, top, POINTS)
+    _, inverter, _ = reference(drive)
+    speed = shown_speeds(drive)
     made, axes_pair = plotting.figure("Fig. 13   Lines of most power and of no power", columns=2, width=9.5)
     temperatures = (drive.motor.reference_temperature_c, 75.0, 120.0)
     for axes, title in zip(axes_pair, ("T_opt: most power returned", "T_zero: no power flows"), strict=True):
         for temperature, colour in zip(temperatures, (BLUE, ORANGE, RED), strict=True):
             motor = models.machine(drive, temperature)
-            best = optimum.closed_form(motor, inverter, speed * motor.pole_pairs)
-            exact = best.torque_optimal_nm if "T_opt" in title else best.torque_zero_nm
-            axes.plot(rpm(speed), np.abs(exact), color=colour, label=f"winding at {temperature:g} °C")
+            line = ideal.lines(drive, motor, inverter, speed)
+            exact = line.optimal_nm if "T_opt" in title else line.zero_nm
+            axes.plot(rpm(speed), exact, color=colour, label=f"winding at {temperature:g} °C")
         motor = models.machine(drive, temperatures[0])
         paper = braking.paper_optimum_nm(motor, speed) if "T_opt" in title else braking.paper_zero_nm(motor, speed)
         axes.plot(rpm(speed), paper, color="black", linestyle="--", linewidth=1.2,
-                  label=f"paper's ({'21' if 'T_opt' in title else '20'}), {temperatures[0]:g} °C")  # fmt: skip
-        axes.set(title=title, xlabel="speed, r/min", ylabel="braking torque, N·m", xlim=(0.0, float(rpm(np.array(top)))))
-        axes.set_ylim(bottom=0.0)
-        axes.legend(loc="upper left", fontsize=9)
+                  label=f"paper's (21) and (20), {temperatures[0]:g} °C")  # fmt: skip
+        axes.set(title=title, xlabel="speed, r/min", xlim=(0.0, float(rpm(speed[-1:])[0])))
+        axes.set_ylim(0.0, 3.0 * drive.motor.max_torque_nm if ideal.salient(drive) else None)
+    axes_pair[0].set_ylabel("braking torque, N·m")
+    plotting.legend_below(made, axes_pair[0], columns=4)
     return made

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path as Outline
 
-from regen_table import braking, cycles, models, plotting, stops
+from regen_table import braking, cycles, ideal, models, plotting, stops
 from regen_table.plotting import BLUE, GREEN, GREY, ORANGE, RED, STRATEGY_COLOURS, STRATEGY_NAMES
 from regen_table.schema import Drive
 
@@ -28,7 +28,7 @@ def electric_share(drive: Drive) -> Figure:
     motor, inverter, top = _reference(drive)
     speed = np.linspace(1e-3 * top, top, 200)
     demand = np.linspace(0.0, 3.0 * drive.motor.max_torque_nm, 150)[:, np.newaxis]
-    capability = braking.capability_nm(drive, motor, inverter, speed)
+    capability = ideal.production(drive).capability_nm(drive, motor, inverter, speed)
     made, panels = plotting.figure("Fig. 7   Electric braking torque, N·m", columns=3, width=11.0, height=4.2)
     levels = np.linspace(0.0, drive.motor.max_torque_nm, 11)
     drawn = []
@@ -48,15 +48,17 @@ def pedal(drive: Drive) -> Figure:
     """Fig. 8: how the pedal is shared; for the series strategy it depends on speed."""
     motor, inverter, top = _reference(drive)
     full = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
+    meeting = ideal.meeting_rad_s(drive, motor, inverter)
     travel = np.linspace(0.0, 1.0, 301)
     demand = travel * full
     made, panels = plotting.figure("Fig. 8   What the brake pedal means for motor and mechanical brake", columns=3, width=11.0, height=4.2)
     for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
-        shares = (0.05, 0.1, 0.9) if strategy == "series_optimal" else (0.5,)
-        for share, style in zip(shares, ("-", "--", ":"), strict=False):
-            speed = share * top
-            electric = braking.electric_torque_nm(drive, strategy, demand, speed, braking.capability_nm(drive, motor, inverter, speed))
-            at = f" at {share * drive.motor.max_speed_rpm:.0f} r/min" if len(shares) > 1 else ""
+        # Twice where the optimum decides, and once where the limits do.
+        speeds = (0.4 * meeting, 0.8 * meeting, 0.9 * top) if strategy == "series_optimal" else (0.5 * top,)
+        for speed, style in zip(speeds, ("-", "--", ":"), strict=False):
+            capability = ideal.production(drive).capability_nm(drive, motor, inverter, np.array([speed]))
+            electric = braking.electric_torque_nm(drive, strategy, demand, speed, capability)
+            at = f" at {speed * 30.0 / math.pi:.0f} r/min" if len(speeds) > 1 else ""
             axes.plot(100.0 * travel, electric, color=BLUE, linestyle=style, label=f"motor{at}")
             axes.plot(100.0 * travel, demand - electric, color=RED, linestyle=style, label="mechanical" if style == "-" else None)
         axes.plot(100.0 * travel, demand, color="black", linewidth=0.9, label="demand")
@@ -99,7 +101,7 @@ def energy_flow(drive: Drive) -> Figure:
     title = f"Fig. 10   Energy flow over the urban cycle (ECE-15, speeds × {factor:.2f})"
     made, panels = plotting.figure(title, rows=3, width=10.5, height=9.5)
     for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
-        result = cycles.run(drive, trace, strategy, drive.motor.reference_temperature_c, _soc(drive))
+        result = cycles.run(drive, trace, strategy, drive.motor.reference_temperature_c, _soc(drive), ideal.production(drive))
         axes.set_title(f"{STRATEGY_NAMES[strategy]}: {result.braking_share_stored:.1%} of the braking work stored", loc="left")
         _flow(axes, result)
     return made

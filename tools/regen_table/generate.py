@@ -34,10 +34,16 @@ def write(drive: Drive, directory: Path) -> list[Path]:
 
 
 def write_all(files: dict[str, bytes], directory: Path) -> list[Path]:
-    """Put files into a directory all together or not at all; a file that is already right is left untouched."""
+    """Put files into a directory all together or not at all."""
+    return write_files({directory / name: content for name, content in files.items()})
+
+
+def write_files(wanted: dict[Path, bytes]) -> list[Path]:
+    """Write files all together or not at all; a file that is already right is left untouched."""
+    directory = next(iter(wanted), Path()).parent
     try:
-        directory.mkdir(parents=True, exist_ok=True)
-        wanted = {directory / name: content for name, content in files.items()}
+        for directory in {path.parent: None for path in wanted}:
+            directory.mkdir(parents=True, exist_ok=True)
         before = {path: path.read_bytes() if path.exists() else None for path in wanted}
         _replace({path: content for path, content in wanted.items() if before[path] != content}, before)
     except OSError as error:
@@ -85,7 +91,10 @@ def _replace(wanted: dict[Path, bytes], before: dict[Path, bytes | None]) -> Non
 
 def _stage(path: Path, content: bytes) -> Path:
     """Write a temporary file in the same directory, with the rights a new file has."""
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from error  # not the temporary's name
     temporary = Path(name)
     try:
         with os.fdopen(handle, "wb") as file:

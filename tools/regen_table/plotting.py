@@ -37,6 +37,12 @@ def figure(title: str, columns: int = 1, rows: int = 1, width: float = 7.0, heig
     return made, [axes for row in grid for axes in row]
 
 
+def legend_below(made: Figure, axes: Axes, columns: int) -> None:
+    """Put the legend of some axes under the picture, where no line can be."""
+    with mpl.rc_context(_STYLE):
+        made.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=columns, fontsize=9)
+
+
 def save(figures: dict[str, Figure], directory: Path) -> list[Path]:
     """Write every figure as SVG and PNG, all of them or none; returns the paths."""
     files: dict[str, bytes] = {}

@@ -1,18 +1,14 @@
 """Relations between the keys of a drive: what no single range can express.
 
 A mistake refuses the drive (nobody could build or brake with it); a warning describes a drive that works, but not as
-its numbers promise. Plain scalar arithmetic, so that this module needs nothing but the standard library.
+its numbers promise. Plain scalar arithmetic, so that the simulator, which reads the same files, loads nothing more for it.
 """
-
-from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from regen_table.schema import Drive
+from regen_table.drive import Drive
 
 
 def first_mistake(drive: Drive) -> str | None:

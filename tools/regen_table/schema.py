@@ -1,77 +1,26 @@
-"""A drive: one motor with its inverter, battery, vehicle, brake and limits, read from TOML and checked.
+"""Reading a drive from TOML, and everything wrong with it as one line.
 
 Light to import (pydantic and the standard library): the simulator reads the same files through this module.
 """
 
 import difflib
-import re
 import tomllib
 import types
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from regen_table import relations
+from regen_table.drive import Drive
 from regen_table.errors import ConfigurationError
-from regen_table.sections import (
-    Battery,
-    Bms,
-    Brake,
-    Bus,
-    Chassis,
-    Control,
-    Inverter,
-    Motor,
-    Rotor,
-    Section,
-    Sensors,
-    Table,
-    Thermal,
-    Tyre,
-    Vehicle,
-)
 
 __all__ = ["ConfigurationError", "Drive", "load", "parse"]
 
 MAX_FILE_BYTES = 1 << 20
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
-
-
-class Drive(Section):
-    """Everything known about one drive, SI units, keys as in the TOML file."""
-
-    motor: Motor
-    inverter: Inverter
-    battery: Battery
-    vehicle: Vehicle
-    brake: Brake
-    control: Control
-    table: Table
-    rotor: Rotor = Rotor()
-    sensors: Sensors = Sensors()
-    bus: Bus = Bus()
-    bms: Bms = Bms()
-    thermal: Thermal = Thermal()
-    chassis: Chassis = Chassis()
-    tyre: Tyre = Tyre()
-    _name: str = "unnamed"
-
-    @property
-    def name(self) -> str:
-        """Name of the configuration: the file's name without its ending."""
-        return self._name
-
-    def named(self, name: str) -> Self:
-        """Return the same drive under another name (letter first; letters, digits, - and _; at most 31)."""
-        if not _NAME.fullmatch(name):
-            raise ConfigurationError(f"configuration name {name!r}: must be a letter followed by at most 30 letters, digits, '-' or '_'")
-        copy = self.model_copy()
-        copy._name = name
-        return copy
 
 
 def load(path: str | Path) -> Drive:

@@ -2,14 +2,16 @@
 
 No delay, no hand-over, no drag: what is left is how the losses depend on the share that the motor takes. For a given
 speed trace the pointwise optimum is the best over time, so series_optimal bounds every real stop from above; with the
-battery's RC branch taken as settled it does not, because that branch has no time to take its loss (packs).
+battery's RC branch taken as settled it does not, because that branch has no time to take its loss (packs). Surface magnets
+brake with i_d = 0, as in the paper, salient motors with the i_d of least loss (ideal).
 """
 
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from regen_table import braking, models, packs
+from regen_table import braking, ideal, models, packs
 from regen_table.models import Array
 from regen_table.schema import Drive
 
@@ -79,11 +81,12 @@ def stop(
     motor, inverter = models.machine(drive, temperature_c), models.bridge(drive)
     wheels, radius, mass = drive.vehicle.driven_wheels, drive.vehicle.wheel_radius_m, drive.vehicle.mass_kg
     initial = initial_speed_kmh / 3.6
-    # The midpoint rule over speed: the integrands have kinks at the limits and none at standstill.
-    speed = (np.arange(SPEED_STEPS, dtype=np.float64) + 0.5) * (initial / SPEED_STEPS / radius)
-    capability = braking.capability_nm(drive, motor, inverter, speed)
+    speed = _speeds_rad_s(drive, initial_speed_kmh)
+    made = ideal.production(drive)
+    needed = strategy == "series_optimal"
+    capability = _capability(drive, temperature_c, initial_speed_kmh) if needed else np.zeros_like(speed)
     electric = braking.electric_torque_nm(drive, strategy, demand_nm, speed, capability)
-    state = braking.state_of_torque(motor, inverter, speed, -electric)
+    state = made.state(motor, inverter, speed, -electric)
     wheel_torque = demand_nm + state.loss_friction_w / speed
     deceleration = wheels * wheel_torque / (radius * mass)
     seconds = initial / SPEED_STEPS / deceleration
@@ -117,3 +120,16 @@ def stop(
         stored_share_of_kinetic=energies.battery_returned / kinetic,
         residual_relative=(kinetic - sum(asdict(energies).values())) / kinetic,
     )
+
+
+def _speeds_rad_s(drive: Drive, initial_speed_kmh: float) -> Array:
+    """Mechanical speeds of the midpoint rule over speed: the integrands have kinks at the limits and none at standstill."""
+    step = initial_speed_kmh / 3.6 / SPEED_STEPS / drive.vehicle.wheel_radius_m
+    return (np.arange(SPEED_STEPS, dtype=np.float64) + 0.5) * step
+
+
+@lru_cache(maxsize=8)
+def _capability(drive: Drive, temperature_c: float, initial_speed_kmh: float) -> Array:
+    """Capability in N m at those speeds; kept because a sweep of demands asks for it again and again."""
+    motor, inverter = models.machine(drive, temperature_c), models.bridge(drive)
+    return ideal.production(drive).capability_nm(drive, motor, inverter, _speeds_rad_s(drive, initial_speed_kmh))

@@ -148,9 +148,9 @@
     Y(torque_mNm, CONFIG_REGEN_POINTS_MAX,   -100000000, 100000000, "mNm",    "unclamped braking torque that returns the most energy with the i_d of current_map, magnitude; near standstill its line goes on below zero, which counts as 0")
 
 #define CONFIG_CURRENT_MAP_FIELDS(X) \
-    X(torque_points,                         3,         33,         "1",      "odd: points along torque in the direction of rotation, braking first; the middle one is no torque") \
+    X(torque_points,                         3,         65,         "1",      "odd: points along torque in the direction of rotation, braking first; the middle one is no torque") \
     X(torque_step_log2,                      0,         24,         "",       "distance of the points is 2^this mNm at the airgap") \
-    X(speed_points,                          2,         33,         "1",      "points along speed, from standstill") \
+    X(speed_points,                          2,         65,         "1",      "points along speed, from standstill") \
     X(speed_step_log2,                       6,         20,         "",       "distance of the points is 2^this mrad/s, mechanical") \
     X(temperature_points,                    1,         5,          "1",      "points along winding temperature; 1: the map is the same at any") \
     X(temperature_step_log2,                 6,         15,         "",       "distance of the points is 2^this hundredths of a degree") \

@@ -112,7 +112,7 @@ def test_what_is_wrong_is_said_in_one_line(capsys: pytest.CaptureFixture[str], a
     except SystemExit as stopped:
         code = int(str(stopped.code))
     captured = capsys.readouterr()
-    lines = [line for line in captured.err.splitlines() if "warning" not in line]
+    lines = captured.err.splitlines()
     assert code != 0
     assert len(lines) == 1
     assert expected in lines[0]
