@@ -108,9 +108,37 @@ static bool accepted(config_t *config)
     return config_validate(config, sizeof(*config)).code == CONFIG_VERDICT_OK;
 }
 
+/* One entry of a stored map, or all of them, with alternating signs or not. */
+static void change_map(int32_t *values, uint32_t count, int32_t lowest, int32_t highest, bytes_t *bytes)
+{
+    const uint8_t how = take8(bytes);
+    const uint32_t first = take16(bytes) % count;
+    const int32_t value = take_within(bytes, lowest, highest);
+    const uint32_t changed = (how & 1U) != 0 ? count : 1U;
+    for (uint32_t i = 0; i < changed; i++) {
+        values[(first + i) % count] = (how & i & 2U) != 0 ? -value : value;
+    }
+}
+
+static void change_maps(config_t *config, bytes_t *bytes)
+{
+    static config_t before;
+    for (int changes = take8(bytes) % 4; changes > 0; changes--) {
+        before = *config;
+        if ((take8(bytes) & 1U) != 0) {
+            change_map(config->regen_map.torque_mNm, CONFIG_REGEN_POINTS_MAX, -100000000, 100000000, bytes);
+        } else {
+            change_map(config->current_map.current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000, 3000000, bytes);
+        }
+        if (!accepted(config)) {
+            *config = before;
+        }
+    }
+}
+
 static void change_configuration(config_t *config, bytes_t *bytes)
 {
-    for (int changes = take8(bytes) % 6; changes > 0; changes--) {
+    for (int changes = take8(bytes) % 12; changes > 0; changes--) {
         const field_t *field = &FIELDS[take8(bytes) % FIELD_COUNT];
         int32_t *value = (int32_t *)(void *)((char *)config + field->offset);
         const int32_t before = *value;
@@ -119,6 +147,7 @@ static void change_configuration(config_t *config, bytes_t *bytes)
             *value = before;
         }
     }
+    change_maps(config, bytes);
     (void)accepted(config);
 }
 
@@ -129,12 +158,12 @@ static slow_input_t take_slow_input(bytes_t *bytes)
     const uint8_t flags = take8(bytes);
     const slow_input_t in = {
         .drive_torque_mNm = (flags & 1U) != 0 ? take_within(bytes, INT32_MIN, INT32_MAX) : 0,
-        .brake_torque_mNm = (flags & 2U) != 0 ? take_within(bytes, 0, INT32_MAX) : 0,
+        .brake_torque_mNm = (flags & 2U) != 0 ? take_within(bytes, INT32_MIN, INT32_MAX) : 0,
         .demand_age_ms = (flags & 4U) != 0 ? take32(bytes) : 0,
-        .bms_charge_current_mA = take_within(bytes, 0, INT32_MAX),
-        .bms_discharge_current_mA = take_within(bytes, 0, INT32_MAX),
-        .winding_temperature_cC = (int16_t)take16(bytes),
-        .switch_temperature_cC = (int16_t)take16(bytes),
+        .bms_charge_current_mA = take_within(bytes, INT32_MIN, INT32_MAX),
+        .bms_discharge_current_mA = take_within(bytes, INT32_MIN, INT32_MAX),
+        .winding_temperature_cC = take_within(bytes, INT32_MIN, INT32_MAX),
+        .switch_temperature_cC = take_within(bytes, INT32_MIN, INT32_MAX),
         .enable = (flags & 8U) == 0,
         .abs_active = (flags & 16U) != 0,
         .fault_reset = (flags & 32U) != 0,
@@ -167,6 +196,7 @@ static fast_input_t take_fast_input(bytes_t *bytes)
         .rotor_angle_turn = take16(bytes),
         .bus_voltage_code = (flags & 1U) != 0 ? take16(bytes) : 3500,
         .hall_state = take8(bytes),
+        .encoder = {.count = take16(bytes), .index_count = take16(bytes), .index = (flags & 4U) != 0},
         .power_stage_fault = (flags & 0xF0U) == 0xF0U,
     };
     for (int x = 0; x < 3; x++) {
