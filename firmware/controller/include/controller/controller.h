@@ -63,7 +63,7 @@ typedef struct {
 
 typedef struct {
     int32_t motor_torque_command_mNm;     /* signed: what the current loop is asked for now */
-    int32_t motor_torque_estimate_mNm;    /* signed: from measured currents, airgap torque */
+    int32_t motor_torque_estimate_mNm;    /* signed: from measured currents, at the shaft */
     int32_t hydraulic_torque_mNm;         /* command to the hydraulic brake, magnitude >= 0 */
     int32_t electric_brake_available_mNm; /* what the motor could take over now, magnitude >= 0 */
     int32_t speed_mrad_s;                 /* mechanical, signed */
