@@ -15,6 +15,19 @@ void aids_begin(aids_t *aids, const bench_params_t *params, wheel_t *wheels, int
         wheels[k].ring = known;
         aids->last_rad_s[k] = speed_rad_s;
         aids->anti_lock.wheel[k].rim_m_per_s = fabs(speed_rad_s) * params->vehicle.wheel_radius_m;
+        aids->anti_lock.reference_m_per_s = aids->anti_lock.wheel[k].rim_m_per_s;
+    }
+}
+
+static void look(aids_t *aids, const wheel_world_t *world, wheel_t *wheels, int count, double time_s, double step_s)
+{
+    const bench_params_t *params = world->params;
+    for (int k = 0; k < count; k++) {
+        const double now_rad_s = wheels[k].motion.speed_rad_s;
+        const double turned_rad = 0.5 * (aids->last_rad_s[k] + now_rad_s) * step_s;
+        aids->last_rad_s[k] = now_rad_s;
+        wheel_speed_look(&params->wheel_speed, &wheels[k].ring, turned_rad, now_rad_s, time_s, step_s,
+                         params->wheel[k].speed_sensor_dead > 0.5);
     }
 }
 
@@ -33,15 +46,16 @@ void aids_step(aids_t *aids, const wheel_world_t *world, wheel_t *wheels, int co
                double brake_nm, double time_s, double step_s)
 {
     const bench_params_t *params = world->params;
+    if (params->anti_lock.active < 0.5 && !aids->busy) {
+        look(aids, world, wheels, count, time_s, step_s);
+        return;
+    }
+    aids->busy = params->anti_lock.active > 0.5; /* once more after it was switched off: the valves open */
     double rim_m_per_s[ANTI_LOCK_WHEELS_MAX];
     bool wanting[ANTI_LOCK_WHEELS_MAX];
+    look(aids, world, wheels, count, time_s, step_s);
     for (int k = 0; k < count; k++) {
-        const double now_rad_s = wheels[k].motion.speed_rad_s;
-        const double turned_rad = 0.5 * (aids->last_rad_s[k] + now_rad_s) * step_s;
-        aids->last_rad_s[k] = now_rad_s;
-        const double seen_rad_s = wheel_speed_look(&params->wheel_speed, &wheels[k].ring, turned_rad, now_rad_s, time_s,
-                                                   step_s, params->wheel[k].speed_sensor_dead > 0.5);
-        rim_m_per_s[k] = seen_rad_s * params->vehicle.wheel_radius_m;
+        rim_m_per_s[k] = wheels[k].ring.speed_rad_s * params->vehicle.wheel_radius_m;
         wanting[k] = wheels[k].brake.torque_nm < wheels[k].brake.target_nm - ENOUGH_NM;
     }
     const double ahead = vehicle->speed_m_per_s >= 0.0 ? 1.0 : -1.0;

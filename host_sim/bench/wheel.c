@@ -189,25 +189,27 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
 
 wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v)
 {
-    inverter_flow_t bridge = {.dc_j = 0.0};
-    const pmsm_flow_t flow = feed_motor(wheel, world, speed_rad_s, bus_voltage_v, &bridge);
+    feed_flow_t fed;
+    feed_motor(wheel, world, speed_rad_s, bus_voltage_v, &fed);
+    const pmsm_flow_t *flow = &fed.motor;
+    const inverter_flow_t *bridge = &fed.bridge;
     wheel->brake_capacity_nm = hydraulic_brake_step(&wheel->brake);
 
     wheel_totals_t *totals = &wheel->totals;
-    const double bridge_heat_j = bridge.conduction_j + bridge.diode_j + bridge.switching_j;
-    totals->copper_j += flow.copper_j;
-    totals->iron_j += flow.iron_j;
-    totals->conduction_j += bridge.conduction_j;
-    totals->diode_j += bridge.diode_j;
-    totals->switching_j += bridge.switching_j;
-    totals->dc_j += bridge.dc_j;
-    totals->torque_impulse_nms += flow.torque_nms;
-    wheel->heat_winding_j += flow.copper_j;
-    wheel->heat_iron_j += flow.iron_j;
+    const double bridge_heat_j = bridge->conduction_j + bridge->diode_j + bridge->switching_j;
+    totals->copper_j += flow->copper_j;
+    totals->iron_j += flow->iron_j;
+    totals->conduction_j += bridge->conduction_j;
+    totals->diode_j += bridge->diode_j;
+    totals->switching_j += bridge->switching_j;
+    totals->dc_j += bridge->dc_j;
+    totals->torque_impulse_nms += flow->torque_nms;
+    wheel->heat_winding_j += flow->copper_j;
+    wheel->heat_iron_j += flow->iron_j;
     wheel->heat_switches_j += bridge_heat_j;
     const wheel_flow_t out = {
-        .dc_j = bridge.dc_j,
-        .airgap_nms = flow.torque_nms,
+        .dc_j = bridge->dc_j,
+        .airgap_nms = flow->torque_nms,
         .viscous_nms = world->params->motor.viscous_friction_nm_s * speed_rad_s * world->step_s,
         .friction_capacity_nm = wheel->brake_capacity_nm + world->params->motor.friction_torque_nm,
     };

@@ -50,6 +50,18 @@ phases_state_t phases_from(const phases_t *phases, const pmsm_state_t *rotor)
     return out;
 }
 
+double phases_open_ohm(const phases_t *phases, const phases_state_t *state)
+{
+    const magnetics_t *m = &phases->machine->magnetics;
+    if (!m->saturates) {
+        return phases->open_ohm;
+    }
+    plant_dq_t flux = plant_park(from_phases(state->flux_wb), state->axis);
+    flux.d -= phases->machine->flux_wb;
+    const magnetics_slope_t slope = magnetics_slope(m, flux);
+    return plant_min(phases->open_ohm, 1.0 / (FADE_S * (plant_max(slope.dd, slope.qq) + fabs(slope.dq))));
+}
+
 void phases_to(const phases_t *phases, const phases_state_t *state, pmsm_state_t *rotor)
 {
     const pmsm_params_t *p = &phases->machine->params;
@@ -85,19 +97,6 @@ static plant_ab_t behind_iron(const phases_t *phases, plant_ab_t flux, plant_pha
     return out;
 }
 
-/* Saturated iron lets a current die the quicker, which no step would follow: the resistance falls with the inductance. */
-static double open_ohm(const phases_t *phases, plant_ab_t flux, plant_phasor_t axis)
-{
-    const magnetics_t *m = &phases->machine->magnetics;
-    if (!m->saturates) {
-        return phases->open_ohm;
-    }
-    plant_dq_t of_rotor = plant_park(flux, axis);
-    of_rotor.d -= phases->machine->flux_wb;
-    const magnetics_slope_t s = magnetics_slope(m, of_rotor);
-    return plant_min(phases->open_ohm, 1.0 / (FADE_S * (plant_max(s.dd, s.qq) + fabs(s.dq))));
-}
-
 /* Everything at one instant. */
 typedef struct {
     double volts[PHASES];   /* v_x */
@@ -126,7 +125,7 @@ static instant_t instant_at(const phases_t *phases, const phases_leg_t legs[PHAS
         out.current[x] = i_t[x] + iron_now_s * out.iron_v[x];
         if (legs[x].open) {
             share[x] = 0.0;
-            out.volts[x] = out.iron_v[x] - open_ohm(phases, flux, axis) * out.current[x];
+            out.volts[x] = out.iron_v[x] - phases->open_ohm * out.current[x];
         } else {
             const double ohms = phases->machine->resistance_ohm + legs[x].ohms;
             share[x] = 1.0 / (1.0 + ohms * iron_late_s);

@@ -76,8 +76,8 @@ static equations_t equations_at(const pmsm_t *machine, const pmsm_step_t *step)
         .w_l_d = w * p->d_inductance_h,
         .w_l_q = w * p->q_inductance_h,
         .w_psi = w * machine->flux_wb,
-        .per_l_d = 1.0 / p->d_inductance_h,
-        .per_l_q = 1.0 / p->q_inductance_h,
+        .per_l_d = machine->magnetics.per_l_d,
+        .per_l_q = machine->magnetics.per_l_q,
         .flux_wb = machine->flux_wb,
         .saliency_h = p->d_inductance_h - p->q_inductance_h,
     };
@@ -112,9 +112,10 @@ bool pmsm_is_resolved(const pmsm_t *machine, double series_resistance_ohm, doubl
 }
 
 /* One set of four stages. */
-static void advance(const equations_t *eq, pmsm_state_t *state, plant_ab_t u_ab, double h, pmsm_flow_t *flow)
+static void advance(const equations_t *eq, pmsm_state_t *state, plant_ab_t u_ab, double h, plant_phasor_t half_turn,
+                    pmsm_flow_t *flow)
 {
-    const stage_axes_t axes = stage_axes(state->axis, eq->w, h);
+    const stage_axes_t axes = stage_axes(state->axis, half_turn);
     const plant_dq_t u_start = plant_park(u_ab, axes.start);
     const plant_dq_t u_middle = plant_park(u_ab, axes.middle);
     const plant_dq_t u_end = plant_park(u_ab, axes.end);
@@ -127,8 +128,8 @@ static void advance(const equations_t *eq, pmsm_state_t *state, plant_ab_t u_ab,
     const double sixth = h / 6.0;
     state->i_t.d = i_t.d + sixth * simpson(s1.slope.d, s2.slope.d, s3.slope.d, s4.slope.d);
     state->i_t.q = i_t.q + sixth * simpson(s1.slope.q, s2.slope.q, s3.slope.q, s4.slope.q);
-    const stage_t *const stages[] = {&s1, &s2, &s3, &s4};
-    pmsm_book_stages(stages, &axes, h, state, flow);
+    book_currents(&s1, between(s2.terminal, s3.terminal), &s4, &axes, sixth, state, flow);
+    book_heat_and_torque(&s1, &s2, &s3, &s4, sixth, flow);
 }
 
 /* A rotor that turned more than once within a PWM period could not be controlled, but must not leave its range. */
@@ -173,11 +174,13 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, 
     const double turn_rad = fabs(eq.w) * step->duration_s;
     const int sets = turn_rad <= LARGEST_TURN_RAD ? 1 : (int)ceil(turn_rad / LARGEST_TURN_RAD);
     const double h = step->duration_s / sets;
+    const bool is_known = sets == 1 && step->half_turn != NULL;
+    const plant_phasor_t half_turn = is_known ? *step->half_turn : plant_small_phasor(0.5 * eq.w * h);
     for (int k = 0; k < sets; k++) {
         if (machine->magnetics.saturates) {
-            pmsm_saturated_advance(machine, &eq, state, u, h, &flow);
+            pmsm_saturated_advance(machine, &eq, state, u, h, half_turn, &flow);
         } else {
-            advance(&eq, state, u, h, &flow);
+            advance(&eq, state, u, h, half_turn, &flow);
         }
     }
     const double cogging_nms = pmsm_turn(machine, state, step);

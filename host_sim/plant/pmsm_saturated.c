@@ -18,9 +18,9 @@ static inline stage_t stage_at(const pmsm_t *machine, const equations_t *eq, pla
 }
 
 void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, pmsm_state_t *state, plant_ab_t u, double h,
-                            pmsm_flow_t *flow)
+                            plant_phasor_t half_turn, pmsm_flow_t *flow)
 {
-    const stage_axes_t axes = stage_axes(state->axis, eq->w, h);
+    const stage_axes_t axes = stage_axes(state->axis, half_turn);
     const plant_dq_t u_middle = plant_park(u, axes.middle);
     plant_dq_t flux = magnetics_flux(&machine->magnetics, state->i_t);
     const stage_t s1 = stage_at(machine, eq, plant_park(u, axes.start), flux);
@@ -30,8 +30,8 @@ void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, pmsm_s
     flux.d += h / 6.0 * simpson(s1.slope.d, s2.slope.d, s3.slope.d, s4.slope.d);
     flux.q += h / 6.0 * simpson(s1.slope.q, s2.slope.q, s3.slope.q, s4.slope.q);
     state->i_t = magnetics_current(&machine->magnetics, flux);
-    const stage_t *const stages[] = {&s1, &s2, &s3, &s4};
-    pmsm_book_stages(stages, &axes, h, state, flow);
+    book_currents(&s1, between(s2.terminal, s3.terminal), &s4, &axes, h / 6.0, state, flow);
+    book_heat_and_torque(&s1, &s2, &s3, &s4, h / 6.0, flow);
 }
 
 plant_dq_t pmsm_saturated_implicit(const pmsm_t *machine, double omega_rad_s, plant_dq_t before, double h, double r,

@@ -262,6 +262,7 @@ static period_t begin(const switching_t *bridge, const pmsm_t *machine, const pm
     period_t p = {
         .bridge = bridge, .phases = phases_at(machine, step->omega_rad_s), .bus_v = bus_voltage_v, .watch = NULL};
     p.state = phases_from(&p.phases, rotor);
+    p.phases.open_ohm = phases_open_ohm(&p.phases, &p.state);
     for (int x = 0; x < PHASES; x++) {
         p.gate[x] = gate;
         p.path[x] = gate == DEAD ? FLOATS : SWITCH_LOW;

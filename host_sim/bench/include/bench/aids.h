@@ -13,6 +13,7 @@
 typedef struct {
     anti_lock_t anti_lock;
     double last_rad_s[ANTI_LOCK_WHEELS_MAX];
+    bool busy; /* the system had a say in the last millisecond */
 } aids_t;
 
 /* A run begins: sensors and system know the wheels' speeds. */

@@ -11,9 +11,14 @@
 
 #include "bench/wheel.h"
 
+/* What flowed in a step. */
+typedef struct {
+    pmsm_flow_t motor;
+    inverter_flow_t bridge;
+} feed_flow_t;
+
 /* The bridge feeds the motor for world->step_s; speed_rad_s mechanical. */
-pmsm_flow_t feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v,
-                       inverter_flow_t *bridge);
+void feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v, feed_flow_t *out);
 
 /* A PWM period is over: before the bridge is told what to do in the next one. */
 void feed_end_period(wheel_t *wheel, const wheel_world_t *world);

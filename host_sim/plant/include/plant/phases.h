@@ -57,6 +57,9 @@ phases_t phases_at(const pmsm_t *machine, double omega_rad_s);
 
 phases_state_t phases_from(const phases_t *phases, const pmsm_state_t *rotor);
 
+/* open_ohm for this state: a current dies the quicker the more the iron is saturated, and no step would follow it. */
+double phases_open_ohm(const phases_t *phases, const phases_state_t *state);
+
 /* Back to the rotor's frame; the angle is the caller's to advance. */
 void phases_to(const phases_t *phases, const phases_state_t *state, pmsm_state_t *rotor);
 

@@ -79,7 +79,8 @@ typedef struct {
 typedef struct {
     double omega_rad_s; /* electrical, constant during the step */
     double duration_s;
-    double series_resistance_ohm; /* a phase, of what feeds the machine */
+    double series_resistance_ohm;    /* a phase, of what feeds the machine */
+    const plant_phasor_t *half_turn; /* exp(j omega duration / 2) where the caller has it already; NULL: not */
 } pmsm_step_t;
 
 /* What flowed during a step. */
