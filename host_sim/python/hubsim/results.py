@@ -10,6 +10,7 @@ from hubsim.engine import Rows
 
 INVERTER = ("conduction", "diode", "switching")
 SIGNAL_POINTS_MAX = 4000
+LEAST_CPU_S = 1e-9  # the step of a thread's clock
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ class RunResult:
     @property
     def realtime_factor(self) -> float:
         """Simulated time over processor time, whole vehicle on one core."""
-        return self.duration_s / self.cpu_s if self.cpu_s > 0.0 else 0.0
+        return _times_real_time(self.duration_s, self.cpu_s)
 
     @property
     def run_object(self) -> dict[str, Any]:
@@ -171,4 +172,9 @@ class RunResult:
 def realtime_factor(results: Sequence[RunResult]) -> float:
     """Return simulated time over processor time of all runs together: whole vehicles on one core."""
     cpu_s = sum(result.cpu_s for result in results)
-    return sum(result.duration_s for result in results) / cpu_s if cpu_s > 0.0 else 0.0
+    return _times_real_time(sum(result.duration_s for result in results), cpu_s)
+
+
+def _times_real_time(simulated_s: float, cpu_s: float) -> float:
+    """Return a finite factor; 0 where the thread's clock has not moved, which its steps allow."""
+    return simulated_s / cpu_s if cpu_s > LEAST_CPU_S else 0.0

@@ -214,3 +214,52 @@ void test_a_contactor_is_not_opened_without_a_capacitor_or_before_the_run(void)
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_get(sim, "bus.contactor_open", &value));
     TEST_ASSERT_EQUAL_DOUBLE(0.0, value);
 }
+
+void test_every_edge_and_parts_of_a_period_exclude_each_other_before_a_run_and_in_it(void)
+{
+    load_vehicle();
+    set("inverter.switching", 1.0);
+    set("run.pieces", 2.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_start(sim));
+    TEST_ASSERT_EQUAL_STRING("run.pieces: accepted: 0 or 1 while inverter.switching is 1", hubsim_error(sim));
+    set("inverter.switching", 0.0);
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set(sim, "inverter.switching", 1.0));
+    TEST_ASSERT_EQUAL_STRING("inverter.switching: accepted: 0 as long as run.pieces is more than 1", hubsim_error(sim));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set(sim, "run.pieces", 1.0));
+    double value = 1.0;
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_get(sim, "inverter.switching", &value));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, value);
+}
+
+void test_effects_that_cannot_be_are_refused_in_words_before_a_run_and_in_it(void)
+{
+    static const struct {
+        const char *name;
+        double value;
+        const char *words;
+    } BAD[] = {{"sensors.sampling_delay_s", 30e-6, "sensors.sampling_delay_s: accepted: less than half a period"},
+               {"motor.magnet_bias_current_a", 90.0, "motor.magnet_bias_current_a: accepted: less than 0.28"},
+               {"motor.cogging_per_turn", 2.5, "motor.cogging_per_turn: accepted: a whole number from 1"},
+               {"anti_lock.slip_dump", 0.01, "anti_lock.slip_dump: accepted: from anti_lock.slip_hold"}};
+    load_vehicle();
+    set("motor.d_saturation_current_a", 100.0);
+    set("motor.cogging_torque_nm", 0.5);
+    set("motor.cogging_per_turn", 276.0);
+    set("anti_lock.active", 1.0);
+    for (int k = 0; k < 4; k++) {
+        double good = 0.0;
+        TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_get(sim, BAD[k].name, &good));
+        set(BAD[k].name, BAD[k].value);
+        TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_start(sim));
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(hubsim_error(sim), BAD[k].words), hubsim_error(sim));
+        set(BAD[k].name, good);
+    }
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
+    for (int k = 0; k < 4; k++) {
+        TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set(sim, BAD[k].name, BAD[k].value));
+        TEST_ASSERT_NOT_NULL_MESSAGE(strstr(hubsim_error(sim), BAD[k].words), hubsim_error(sim));
+    }
+    TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_VALUE, hubsim_set(sim, "motor.cross_saturation", 1.5));
+    TEST_ASSERT_EQUAL_STRING("motor.cross_saturation: 1.5 1, accepted: 0 to 1", hubsim_error(sim));
+}

@@ -106,6 +106,15 @@ def test_an_ideal_with_a_settled_battery_is_left_behind() -> None:
             "bms.period_s": 0.1,
             "bms.max_voltage_v": 58.4,
         },
+        {
+            "motor.d_saturation_current_a": 150.0,
+            "motor.q_saturation_current_a": 120.0,
+            "motor.cross_saturation": 0.6,
+            "motor.magnet_bias_current_a": 25.0,
+            "motor.cogging_torque_nm": 0.5,
+            "motor.cogging_per_turn": 276.0,
+            "sensors.shunt_settling_s": 0.3e-6,
+        },
     ],
 )
 def test_half_the_step_changes_the_energy_of_a_stop_by_less_than_a_ten_thousandth(effects: dict[str, float]) -> None:

@@ -199,3 +199,33 @@ void test_a_leg_without_current_ends_in_the_dead_time_and_does_not_hunt(void)
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, hypot(rotor.terminal.alpha, rotor.terminal.beta));
     }
 }
+
+/* Until the first edge all low sides conduct: the machine in short circuit behind the switches' resistance. */
+void test_a_look_at_a_part_of_the_period_sees_the_currents_of_that_instant_and_the_shunts_follow(void)
+{
+    const switching_t bridge = switching_model(&params, 25.0);
+    const pmsm_params_t plain = plain_machine(); /* what edges do to the iron is another matter (phases.h) */
+    machine = pmsm_at_temperature(&plain, 25.0);
+    const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5}; /* up from 12.5 us on */
+    const double until_s = 8e-6;
+    rotor = pmsm_at_rest(0.1);
+    rotor.i_t.q = 40.0;
+    pmsm_step(&machine, &rotor, (plant_ab_t){0.0, 0.0}, &step); /* the terminal current belongs to the state */
+    pmsm_state_t looked = rotor;
+    pmsm_state_t reference = rotor;
+    shunts_t shunts = {.seen_a = {5.0, 0.0, 0.0}};
+    const switching_watch_t watch = {.shunts = &shunts, .settling_s = 1e-6, .until_s = until_s};
+    switching_pwm(&bridge, &machine, &looked, half, BUS_V, &step, &watch);
+    pmsm_step_t part = step;
+    part.duration_s = until_s;
+    part.series_resistance_ohm = bridge.switch_ohm;
+    pmsm_step(&machine, &reference, (plant_ab_t){0.0, 0.0}, &part);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, reference.terminal.alpha, looked.terminal.alpha);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-5, reference.terminal.beta, looked.terminal.beta);
+    const plant_abc_t begin = plant_inverse_clarke(rotor.terminal);
+    const plant_abc_t end = plant_inverse_clarke(looked.terminal);
+    /* Eight time constants on, the amplifier lags a ramp by its time constant at most. */
+    TEST_ASSERT_DOUBLE_WITHIN(fabs(end.a - begin.a) + 5.0 * exp(-8.0) + 0.05, end.a, shunts.seen_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(fabs(end.b - begin.b) + 0.05, end.b, shunts.seen_a[1]);
+    TEST_ASSERT_TRUE(fabs(end.a) + fabs(end.b) > 20.0);
+}

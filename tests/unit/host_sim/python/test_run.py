@@ -1,11 +1,15 @@
 """Whole runs through the package, against figures that do not come from the simulation."""
 
+import dataclasses
+import json
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hubsim import cycles, run, scenario
+from hubsim import cycles, outputs, overrides, run, scenario
 from hubsim.results import RunResult
+from hubsim.results import realtime_factor as run_together
 from regen_table import models, optimum, schema
 from regen_table.schema import Drive
 
@@ -150,3 +154,69 @@ def test_a_cycle_beside_the_scenario_file_is_driven(drive: Drive, tmp_path: Path
     result = run.simulate(name, drive, loaded, beside, SIGNALS)
     assert result.cycle == "hop"
     assert result.distance_m == pytest.approx((4 * 6 + 3 * 12 + 4 * 6) / 3.6, rel=0.01)
+
+
+@pytest.mark.parametrize("cpu_s", [0.0, 5e-324, 1e-300, -1e-6])
+def test_a_clock_that_has_not_moved_leaves_no_infinity_in_the_json(drive: Drive, cpu_s: float) -> None:
+    """A busy machine may run a thread so shortly that its processor time does not count."""
+    honest = simulate(drive, "stop", "series_optimal", max_duration_s=0.1)
+    result = dataclasses.replace(honest, cpu_s=cpu_s)
+    found = json.loads(outputs.as_json(outputs.run_object(result)))
+    assert found["realtime_factor"] == 0.0
+    assert math.isfinite(run_together([honest, result])) and run_together([result]) == 0.0
+
+
+EFFECTS = {
+    "motor.d_saturation_current_a": 150.0,
+    "motor.q_saturation_current_a": 120.0,
+    "motor.cross_saturation": 0.6,
+    "motor.magnet_bias_current_a": 25.0,
+    "motor.cogging_torque_nm": 0.5,
+    "motor.cogging_per_turn": 276.0,
+    "sensors.sampling_delay_s": 0.5e-6,
+    "sensors.shunt_settling_s": 0.3e-6,
+    "winding_sensor.lag_s": 3.0,
+    "winding_sensor.offset_k": 2.0,
+    "wheel_speed.teeth": 96.0,
+    "wheel_speed.clock_s": 1e-5,
+    "wheel_speed.lowest_rad_per_s": 2.0,
+    "anti_lock.active": 1.0,
+}
+SHORTER = {
+    "udds": {"max_duration_s": 60.0},
+    "ece15": {"max_duration_s": 30.0},
+    "descent_full": {"max_duration_s": 20.0},
+}
+
+
+@pytest.mark.parametrize("name", scenario.builtin_names())
+def test_energy_is_conserved_in_every_scenario_with_every_effect_on(drive: Drive, name: str) -> None:
+    _, loaded, beside = scenario.load(name, SHORTER.get(name, {}))
+    changed = overrides.changed(drive, loaded.drive_changes, name)
+    with_effects = run.simulate(name, changed, loaded, beside, (), EFFECTS)
+    assert with_effects.residual_relative <= 1e-4
+    assert with_effects.parameters["motor.cogging_torque_nm"] == EFFECTS["motor.cogging_torque_nm"]
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [name for name in EFFECTS if name.startswith(("motor.q_sat", "motor.cogging_t", "sensors."))],
+)
+def test_each_effect_is_switched_on_by_name(drive: Drive, effect: str) -> None:
+    """One at a time it moves the run, and with the others at their values but itself off, it does not."""
+    name, loaded, beside = scenario.load("stop", {"max_duration_s": 1.0, "noise": False})
+    other = {"motor.cogging_per_turn": 276.0} if "cogging" in effect else {}
+    off, on = (
+        run.simulate(
+            name,
+            drive,
+            loaded,
+            beside,
+            ("wheel0.current_q_a", "vehicle.speed_m_per_s"),
+            {**other, **more},
+        )
+        for more in ({}, {effect: EFFECTS[effect]})
+    )
+    assert not np.array_equal(off.rows, on.rows)
+    plain = run.simulate(name, drive, loaded, beside, ("wheel0.current_q_a", "vehicle.speed_m_per_s"))
+    assert np.array_equal(off.rows, plain.rows)
