@@ -38,6 +38,9 @@ INJECTIONS: Mapping[str, Injection] = {
     "contactor_opens": Injection({"bus.contactor_open": 1.0}, "the battery is cut off the bus (which needs bus.capacitance_f)"),
     "hall_unplugged": Injection({"sensors.hall_stuck_high": 7.0}, "the hall sensors' plugs are off: all lines at their pull-ups"),
     "hydraulic_dead": Injection({"brake.torque_loss": 1.0}, "the hydraulic brakes give nothing, whatever they are told"),
+    "winding_sensor_open": Injection({"winding_sensor.open": 1.0}, "the lines of the windings' temperature sensors are broken"),
+    "winding_sensor_shorted": Injection({"winding_sensor.shorted": 1.0}, "they are shorted"),
+    "wheel_speed_lost": Injection({"wheel_speed.dead": 1.0}, "the anti-lock system sees no wheel turn any more"),
     "no_charging": Injection({"battery.max_charge_current_a": 0.0}, "the battery management allows no charging"),
     "no_discharging": Injection({"battery.max_discharge_current_a": 0.0}, "the battery management allows no discharging"),
 }
