@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from regen_table import audit, braking, current_map, cycles, joint, layout, models
+from regen_table import audit, braking, current_map, cycles, joint, layout, models, tables
 from regen_table.current_map import CurrentMap
 from regen_table.errors import ConfigurationError
 from regen_table.models import Array
@@ -26,7 +26,7 @@ LAYERS = (1, 2, 3, 5)
 _TORQUE_INTERVALS = 32  # each way
 _SPEED_INTERVALS = 64
 _SPEEDS = 200
-_POWER_SPEEDS, _POWER_TEMPERATURES = 64, 5
+_POWER_SPEEDS, _POWER_TEMPERATURES = 36, 5
 
 
 @dataclass(frozen=True)
@@ -87,6 +87,12 @@ def choose(drive: Drive) -> CurrentMap:
             f"accepted: at most {audit.ENERGY_LOSS_MAX:.2%} (a less salient motor, or a lower max_torque_nm)"
         )
     return best[1]
+
+
+@lru_cache(maxsize=8)
+def braking_table(drive: Drive) -> tables.RegenMap:
+    """Return the table of T_opt that belongs to the chosen i_d."""
+    return current_map.regen_map(drive, choose(drive))
 
 
 def losses(drive: Drive, table: CurrentMap) -> list[CurrentLoss]:

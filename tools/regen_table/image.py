@@ -7,7 +7,7 @@ the ranges config.h accepts, and seals them with the CRC-32 that the firmware ch
 import zlib
 from typing import Any
 
-from regen_table import __version__, current_audit, current_map, envelope, layout, loops, margins, relations
+from regen_table import __version__, current_audit, envelope, layout, loops, margins, relations
 from regen_table.errors import ConfigurationError
 from regen_table.loops import nearest
 from regen_table.schema import Drive
@@ -76,7 +76,7 @@ def fields(drive: Drive) -> Values:
     margins.refuse_thin_margins(drive, margins.current_loop(drive))
     envelope.refuse_overflow(envelope.proofs(drive))
     currents = current_audit.choose(drive)
-    table = current_map.regen_map(drive, currents)
+    table = current_audit.braking_table(drive)
     return {
         "motor": _motor(drive),
         "drive": _drive(drive),

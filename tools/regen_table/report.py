@@ -33,7 +33,7 @@ def collect(drive: Drive) -> Report:
     envelope.refuse_overflow(formats)
     currents = current_audit.choose(drive)
     made = current_map.production(currents)
-    table = current_map.regen_map(drive, currents)
+    table = current_audit.braking_table(drive)
     losses = audit.grid_losses(drive, table, made)
     audit.refuse_lossy_grid(losses)
     layers, rows, columns = currents.current_d_mA.shape
