@@ -9,7 +9,23 @@ from pathlib import Path
 
 from dev_fixture import ROOT, USAGE, DevFixture, write_program
 
-COMMANDS = ("sim", "test", "table", "firmware", "flash", "hubsim", "python", "fmu", "bench", "report", "format", "lint", "setup", "clean")
+COMMANDS = (
+    "sim",
+    "test",
+    "table",
+    "firmware",
+    "flash",
+    "hubsim",
+    "python",
+    "fmu",
+    "bench",
+    "coverage",
+    "report",
+    "format",
+    "lint",
+    "setup",
+    "clean",
+)
 NOBODY = 65534
 
 # The headers are looked for where distributions put them, so they cannot be pretended.

@@ -17,6 +17,7 @@ From a bare Debian 12, Debian 13 or Ubuntu 24.04, every command first installs w
   python ARGUMENT...            the project's Python, with hubsim and regen_table importable
   fmu [--config CONFIG.toml]    units for co-simulation (FMI 2.0 and 3.0): one controller, and the whole vehicle
   bench                         instructions, stack, code size, simulation speed
+  coverage                      which lines and branches of the firmware the C tests reach
   report                        show the page that sim wrote
   format                        rewrite all sources in the project's format
   lint                          format, types and static checks
@@ -112,6 +113,15 @@ Usage: tools/dev bench [--config NAME] [--no-simulation]
 
 Measures both step functions on emulated cores (instructions, code, stack), the firmware's size and the simulation's speed;
 prints them and writes build/bench.json. A missed budget is a failure.
+TEXT
+}
+
+help_coverage() {
+    cat <<'TEXT'
+Usage: tools/dev coverage
+
+Builds the host-coverage preset, runs the unit and closed-loop tests in C and prints lines and branches reached in each file of the
+firmware; build/coverage/index.html shows them line by line, build/coverage/summary.json is for machines.
 TEXT
 }
 

@@ -49,6 +49,26 @@ void test_the_well_known_record_is_read(void)
     TEST_ASSERT_EQUAL_HEX8(0xEE, image[16]);
 }
 
+/* 0x00FF, then 0x0010 * 16 + 0: the byte after it. */
+void test_a_segment_counts_in_sixteens(void)
+{
+    TEST_ASSERT_TRUE(hear(":0100FF0041BF\n:020000020010EC\n:0100000042BD\n" END_RECORD) > 0);
+    TEST_ASSERT_EQUAL_INT(INTEL_HEX_GOOD, hex.problem);
+    TEST_ASSERT_EQUAL_UINT32(2, hex.size_bytes);
+    TEST_ASSERT_EQUAL_HEX8(0x41, image[0]);
+    TEST_ASSERT_EQUAL_HEX8(0x42, image[1]);
+}
+
+void test_every_problem_has_words_of_its_own(void)
+{
+    for (int one = INTEL_HEX_GOOD; one <= INTEL_HEX_TOO_LARGE; one++) {
+        for (int other = INTEL_HEX_GOOD; other < one; other++) {
+            TEST_ASSERT_NOT_EQUAL(
+                0, strcmp(intel_hex_text((intel_hex_problem_t)one), intel_hex_text((intel_hex_problem_t)other)));
+        }
+    }
+}
+
 void test_small_letters_blank_lines_and_comments_between_records_do_not_matter(void)
 {
     TEST_ASSERT_TRUE(hear("; hello\n\n:02000000aB0152\r\r\n\n:01000200 EE0F") == 0);

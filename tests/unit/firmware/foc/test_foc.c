@@ -307,6 +307,18 @@ void test_offsets_are_averaged_on_command_and_taken_over_once(void)
     TEST_ASSERT_FALSE(report.offsets_done);
 }
 
+void test_offsets_that_are_asked_for_again_after_a_drive_are_measured_again(void)
+{
+    command.calibrate_offsets = true;
+    for (int n = 0; n < (1 << SENSE_CALIBRATION_LOG2); n++) {
+        step(false);
+    }
+    TEST_ASSERT_TRUE(report.offsets_done);
+    step(true); /* the command stands all the while */
+    step(false);
+    TEST_ASSERT_FALSE(report.offsets_done);
+}
+
 void test_the_power_report_is_voltage_times_current(void)
 {
     command.i_reference_pu.d = -3000;

@@ -179,6 +179,20 @@ void test_a_bounce_between_two_good_states_changes_nothing(void)
     }
 }
 
+/* At 50 kHz a turn whose sectors take just less than the quarter of a second that is standing has more periods than 16 bits. */
+void test_a_turn_of_more_periods_than_sixteen_bits_has_its_speed(void)
+{
+    const int sector_periods = 11500;
+    config.drive.pwm_frequency_Hz = 50000;
+    restart();
+    const double speed = 1.0 / (6.0 * sector_periods);
+    for (double sign = -1.0; sign <= 1.0; sign += 2.0) {
+        restart();
+        turn_for(15 * sector_periods, sign * speed);
+        TEST_ASSERT_DOUBLE_WITHIN(0.005 * speed, sign * speed, speed_turns());
+    }
+}
+
 void test_only_the_three_sensor_bits_are_read(void)
 {
     turn(0.0);

@@ -54,6 +54,28 @@ void test_an_impossible_state_that_lasts_is_believed_and_a_turn_in_order_heals_i
     }
 }
 
+void test_an_edge_that_bounces_in_doubt_counts_once(void)
+{
+    turn_for(4000, 0.005);
+    for (int n = 0; n < HALL_INVALID_PERIODS; n++) {
+        theta_turns += 0.005;
+        hall_step(&hall, &config, 7);
+    }
+    TEST_ASSERT_FALSE(hall.valid);
+    int edges = 0;
+    while (!hall.valid && edges < 20) {
+        const int left = true_sector();
+        turn(0.005);
+        if (true_sector() != left && !hall.valid) {
+            edges++;
+            theta_turns += 0.005; /* back for one period, of the four that are an eighth of a sector's time */
+            hall_step(&hall, &config, STATE_OF_SECTOR[left]);
+        }
+    }
+    TEST_ASSERT_INT_WITHIN(1, 6, edges + 1); /* the last one ends the doubt before it can bounce */
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.0, angle_error_turns());
+}
+
 /* 40 Nm leave at 400 Nm/s in 0.1 s, 2000 periods; the speed is known to a period in a turn of 200, so ten turns are known to
  * 0.05. An angle that stood still meanwhile would turn what is left of the torque round, and a blind wheel would drive. */
 void test_with_all_sensors_gone_the_angle_goes_on_for_as_long_as_the_torque_needs_to_leave(void)
