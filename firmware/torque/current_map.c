@@ -1,5 +1,7 @@
 #include "torque/current_map.h"
 
+#include <stddef.h>
+
 #include "core/grid.h"
 #include "core/q15.h"
 
@@ -28,8 +30,8 @@ int32_t current_map_d_mA(const config_t *config, int32_t speed_mrad_s, int32_t w
     }
     const int32_t above_origin_cC = q_saturate64((int64_t)winding_temperature_cC - map->temperature_origin_cC);
     const grid_position_t w = grid_locate(above_origin_cC, map->temperature_points, map->temperature_step_log2);
-    const int32_t layer_points = map->speed_points * map->torque_points;
-    const int32_t *cold = &map->current_d_mA[w.index * layer_points];
+    const size_t layer_points = (size_t)map->speed_points * (size_t)map->torque_points;
+    const int32_t *cold = &map->current_d_mA[(size_t)w.index * layer_points];
     const int32_t at_cold_mA = layer_d_mA(map, cold, s, t);
     const int32_t at_hot_mA = layer_d_mA(map, cold + layer_points, s, t);
     return grid_interpolate(at_cold_mA, at_hot_mA, w.fraction, map->temperature_step_log2);
