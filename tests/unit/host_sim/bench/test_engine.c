@@ -31,8 +31,8 @@ static void set(const char *name, double value)
 
 static void load_vehicle(void)
 {
-    for (int k = 0; k < PLANT_VALUES_COUNT; k++) {
-        set(PLANT_VALUES[k].name, PLANT_VALUES[k].value);
+    for (int k = 0; k < PLANT_DRIVES[0].count; k++) {
+        set(PLANT_DRIVES[0].values[k].name, PLANT_DRIVES[0].values[k].value);
     }
     set("road.gravity_m_per_s2", 9.81);
     set("driver.bandwidth_rad_per_s", 1.0);
@@ -40,7 +40,8 @@ static void load_vehicle(void)
     set("driver.enable", 1.0);
     set("run.record_interval_s", 0.01);
     set("run.initial_speed_m_per_s", 3.0);
-    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_set_voltage_curve(sim, PLANT_SOC, PLANT_VOLTAGE_V, PLANT_VOLTAGE_POINTS));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_set_voltage_curve(sim, PLANT_DRIVES[0].soc, PLANT_DRIVES[0].voltage_v,
+                                                              PLANT_DRIVES[0].voltage_points));
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_load_config(sim, &config, sizeof(config)));
 }
 

@@ -1,4 +1,4 @@
-/* The table that plant_values.py writes from a drive's TOML file. */
+/* The tables that plant_values.py writes from the drives' TOML files. */
 #ifndef TEST_PLANT_VALUES_H
 #define TEST_PLANT_VALUES_H
 
@@ -7,10 +7,16 @@ typedef struct {
     double value;
 } plant_value_t;
 
-extern const plant_value_t PLANT_VALUES[];
-extern const int PLANT_VALUES_COUNT;
-extern const double PLANT_SOC[];
-extern const double PLANT_VOLTAGE_V[];
-extern const int PLANT_VOLTAGE_POINTS;
+typedef struct {
+    const char *name; /* of the TOML file */
+    const plant_value_t *values;
+    int count;
+    const double *soc, *voltage_v; /* open-circuit voltage over state of charge */
+    int voltage_points;
+} plant_drive_t;
+
+/* In the order of the command line; the paper's vehicle comes first. */
+extern const plant_drive_t PLANT_DRIVES[];
+extern const int PLANT_DRIVES_COUNT;
 
 #endif

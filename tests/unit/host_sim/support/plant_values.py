@@ -1,4 +1,4 @@
-"""Write a drive's plant parameters as a C table, for tests that run without Python: ``plant_values.py DRIVE.toml OUT.c``."""
+"""Write drives' plant parameters as C tables, for tests that run without Python: ``plant_values.py OUT.c DRIVE.toml...``."""
 
 import sys
 from pathlib import Path
@@ -7,16 +7,34 @@ from hubsim import plant
 from regen_table import schema
 
 
-def main() -> int:
-    """Read the drive, write the table."""
-    source, target = Path(sys.argv[1]), Path(sys.argv[2])
+def tables(source: Path) -> list[str]:
+    """Lines of C with one drive's parameters and voltage curve."""
     drive = schema.load(source)
     soc, volts = plant.voltage_curve(drive)
-    lines = [f"/* Plant parameters of {source.name}. */", '#include "plant_values.h"', "", "const plant_value_t PLANT_VALUES[] = {"]
-    lines += [f'    {{"{name}", {value!r}}},' for name, value in plant.parameters(drive).items()]
-    lines += ["};", f"const int PLANT_VALUES_COUNT = {len(plant.parameters(drive))};"]
-    lines += [f"const double PLANT_SOC[] = {{{', '.join(map(repr, soc))}}};"]
-    lines += [f"const double PLANT_VOLTAGE_V[] = {{{', '.join(map(repr, volts))}}};", f"const int PLANT_VOLTAGE_POINTS = {len(soc)};", ""]
+    values = plant.parameters(drive)
+    lines = [f"static const plant_value_t VALUES_{source.stem}[] = {{"]
+    lines += [f'    {{"{name}", {value!r}}},' for name, value in values.items()]
+    lines += ["};", f"static const double SOC_{source.stem}[] = {{{', '.join(map(repr, soc))}}};"]
+    lines += [f"static const double VOLTAGE_V_{source.stem}[] = {{{', '.join(map(repr, volts))}}};"]
+    return lines
+
+
+def entry(source: Path) -> str:
+    """One drive's line in the table of drives."""
+    name = source.stem
+    count = f"(int)(sizeof VALUES_{name} / sizeof VALUES_{name}[0])"
+    points = f"(int)(sizeof SOC_{name} / sizeof SOC_{name}[0])"
+    return f'    {{"{name}", VALUES_{name}, {count}, SOC_{name}, VOLTAGE_V_{name}, {points}}},'
+
+
+def main() -> int:
+    """Read the drives, write the tables."""
+    target, *sources = (Path(argument) for argument in sys.argv[1:])
+    lines = ["/* Plant parameters of the drives. */", '#include "plant_values.h"', ""]
+    for source in sources:
+        lines += tables(source)
+    lines += ["const plant_drive_t PLANT_DRIVES[] = {", *map(entry, sources), "};"]
+    lines += [f"const int PLANT_DRIVES_COUNT = {len(sources)};", ""]
     target.write_text("\n".join(lines), encoding="utf-8")
     return 0
 

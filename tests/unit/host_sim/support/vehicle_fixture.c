@@ -1,12 +1,13 @@
 #include "vehicle_fixture.h"
 
 #include <stddef.h>
+#include <string.h>
 
 #include "config/validate.h"
 #include "plant_values.h"
 #include "unity.h"
 
-extern const config_t CONFIG_LU2013;
+extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;
 
 static bench_t bench;
 
@@ -17,14 +18,26 @@ static void set(bench_params_t *params, const char *name, double value)
     TEST_ASSERT_TRUE_MESSAGE(parameters_set(params, index, value), name);
 }
 
-bench_params_t fixture_vehicle(void)
+static const plant_drive_t *drive_named(const char *name)
+{
+    for (int k = 0; k < PLANT_DRIVES_COUNT; k++) {
+        if (strcmp(PLANT_DRIVES[k].name, name) == 0) {
+            return &PLANT_DRIVES[k];
+        }
+    }
+    TEST_FAIL_MESSAGE(name);
+    return NULL;
+}
+
+bench_params_t fixture_drive(const char *name)
 {
     bench_params_t params = {.run = {.seed = 1.0}};
-    for (int k = 0; k < PLANT_VALUES_COUNT; k++) {
-        set(&params, PLANT_VALUES[k].name, PLANT_VALUES[k].value);
+    const plant_drive_t *drive = drive_named(name);
+    for (int k = 0; k < drive->count; k++) {
+        set(&params, drive->values[k].name, drive->values[k].value);
     }
     TEST_ASSERT_TRUE(
-        curve_set(&params.battery.open_circuit_voltage_v, PLANT_SOC, PLANT_VOLTAGE_V, PLANT_VOLTAGE_POINTS));
+        curve_set(&params.battery.open_circuit_voltage_v, drive->soc, drive->voltage_v, drive->voltage_points));
     set(&params, "vehicle.rolling_resistance", 0.0);
     set(&params, "road.gravity_m_per_s2", 9.81);
     set(&params, "driver.bandwidth_rad_per_s", 1.0);
@@ -40,9 +53,25 @@ bench_params_t fixture_vehicle(void)
     return params;
 }
 
-bench_params_t fixture_quarter_vehicle(void)
+config_t fixture_drive_config(const char *name)
 {
-    bench_params_t params = fixture_vehicle();
+    static const config_t *const IMAGES[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V, &CONFIG_IPM400V};
+    for (int k = 0; k < (int)(sizeof IMAGES / sizeof IMAGES[0]); k++) {
+        if (strcmp(IMAGES[k]->name, name) == 0) {
+            return *IMAGES[k];
+        }
+    }
+    TEST_FAIL_MESSAGE(name);
+    return CONFIG_LU2013;
+}
+
+bench_params_t fixture_vehicle(void)
+{
+    return fixture_drive("lu2013");
+}
+
+bench_params_t fixture_one_wheel(bench_params_t params)
+{
     const double wheels = params.vehicle.driven_wheels;
     params.vehicle.driven_wheels = 1.0;
     params.vehicle.mass_kg /= wheels;
@@ -53,6 +82,11 @@ bench_params_t fixture_quarter_vehicle(void)
     params.battery.capacity_ah /= wheels;
     /* The current limits stay the whole pack's: the controller divides by the wheels its configuration names. */
     return params;
+}
+
+bench_params_t fixture_quarter_vehicle(void)
+{
+    return fixture_one_wheel(fixture_vehicle());
 }
 
 config_t fixture_config_with_sensor(int32_t strategy, int32_t sensor)

@@ -8,10 +8,15 @@
 
 #include "bench/bench.h"
 
+/* The vehicle of tools/motors/NAME.toml as fixture_vehicle() has the paper's, and the image made of that file. */
+bench_params_t fixture_drive(const char *name);
+config_t fixture_drive_config(const char *name);
+
 /* Four driven wheels, flat road, no air drag or rolling resistance, 25 degrees everywhere, pedals at rest. */
 bench_params_t fixture_vehicle(void);
 
-/* One wheel with a quarter of everything: the same motion and shares, four times as quick to simulate. */
+/* One driven wheel with its share of everything: the same motion and shares, quicker to simulate. */
+bench_params_t fixture_one_wheel(bench_params_t params);
 bench_params_t fixture_quarter_vehicle(void);
 
 /* The checked-in configuration with another strategy (CONFIG_STRATEGY_...) or rotor sensor, sealed anew. */
