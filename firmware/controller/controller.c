@@ -151,8 +151,10 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
 
 static torque_output_t flow_torque(controller_slow_t *slow, const config_t *config, const fast_to_slow_t *from_fast,
                                    const slow_input_t *in, const permission_t *permission, int32_t speed_mrad_s,
-                                   int32_t bus_mV)
+                                   int32_t bus_mV, const sampled_current_t *sampling)
 {
+    const dq_t mean_pu = sampled_current_to_mean(sampling, slow->summary.latest.i_pu);
+    const int32_t told_mV = phase_mV(FIELD_WEAKENING_AIM_VOLTAGE_Q15, slow->modulation_limit_q15, bus_mV);
     const torque_input_t torque_in = {
         .drive_torque_mNm = in->drive_torque_mNm,
         .brake_torque_mNm = in->brake_torque_mNm,
@@ -161,13 +163,15 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
         .speed_mrad_s = speed_mrad_s,
         .current =
             {
-                .d_mA = bases_current_mA(config, slow->summary.latest.i_pu.d),
-                .q_mA = bases_current_mA(config, slow->summary.latest.i_pu.q),
+                .d_mA = bases_current_mA(config, mean_pu.d),
+                .q_mA = bases_current_mA(config, mean_pu.q),
             },
         .voltage_limited = slow->summary.latest.voltage_limited,
+        .voltage_use_q15 = slow->summary.latest.voltage_use_q15,
         .capability =
             {
                 .bus_voltage_mV = bus_mV,
+                .phase_voltage_mV = sampled_current_voltage_mean(sampling, told_mV),
                 .bms_charge_current_mA = in->bms_charge_current_mA,
                 .bms_discharge_current_mA = in->bms_discharge_current_mA,
                 .winding_temperature_cC = in->winding_temperature_cC,
@@ -178,6 +182,20 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
         .permission = *permission,
     };
     return torque_step(&slow->torque, config, &torque_in);
+}
+
+/* The reference that the fast reach compares its samples with. It adds what it weakens the field by, of which the slow reach has
+ * taken account as of a mean. */
+static dq_t sampled_reference_pu(const config_t *config, const current_reference_t *current, int32_t i_d_weakening_pu,
+                                 const sampled_current_t *sampling)
+{
+    const dq_t mean_pu = {
+        .d = bases_current_pu_q15(config, current->i_d_mA) + i_d_weakening_pu,
+        .q = bases_current_pu_q15(config, current->i_q_mA),
+    };
+    const dq_t sampled_pu = sampled_current_of_mean(sampling, mean_pu);
+    const dq_t out = {.d = q_saturate16(sampled_pu.d - i_d_weakening_pu), .q = q_saturate16(sampled_pu.q)};
+    return out;
 }
 
 slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config, const fast_to_slow_t *from_fast,
@@ -191,17 +209,20 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     const monitor_slow_input_t watched = watched_by_monitor(slow, config, from_fast, in, speed_mrad_s, bus_mV);
     const monitor_verdict_t verdict = monitor_slow_step(&slow->monitor, config, &watched);
     const modes_output_t modes = decide_mode(slow, config, from_fast, in, &verdict, speed_mrad_s);
-    const torque_output_t torque = flow_torque(slow, config, from_fast, in, &modes.permission, speed_mrad_s, bus_mV);
+    const int32_t speed_q32 = from_fast->foc.current.rotor.speed_q32;
+    const sampled_current_t sampling = sampled_current_at(config, speed_q32, in->winding_temperature_cC);
+    const torque_output_t torque =
+        flow_torque(slow, config, from_fast, in, &modes.permission, speed_mrad_s, bus_mV, &sampling);
 
     slow->step_count++;
     slow->last_command_mNm = torque.command_mNm;
     slow->last_estimate_mNm = torque.estimate_mNm;
     slow->switching = modes.permission.bridge == BRIDGE_PWM;
     to_fast->foc.number = slow->step_count;
-    to_fast->foc.i_reference_pu.d = bases_current_pu_q15(config, torque.current.i_d_mA);
-    to_fast->foc.i_reference_pu.q = bases_current_pu_q15(config, torque.current.i_q_mA);
-    to_fast->foc.tuning = current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu,
-                                              from_fast->foc.current.rotor.speed_q32, in->winding_temperature_cC);
+    to_fast->foc.i_reference_pu =
+        sampled_reference_pu(config, &torque.current, from_fast->foc.i_d_weakening_pu, &sampling);
+    to_fast->foc.tuning =
+        current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu, speed_q32, in->winding_temperature_cC);
     to_fast->foc.calibrate_offsets = modes.calibrate_offsets;
     to_fast->monitor.safe_bridge = verdict.safe_bridge;
     to_fast->monitor.clear_trip = modes.clear_trip;

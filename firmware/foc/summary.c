@@ -38,6 +38,8 @@ foc_summary_t foc_summary_step(foc_summary_state_t *state, const foc_report_t *r
             .i_pu = {.d = mean(now->i_d_pu, before->i_d_pu, steps), .q = mean(now->i_q_pu, before->i_q_pu, steps)},
             .power_pu = mean(now->power_pu, before->power_pu, steps),
             .v_dc_pu = mean(now->v_dc_pu, before->v_dc_pu, steps),
+            .voltage_use_q15 =
+                FIELD_WEAKENING_AIM_Q15 - field_weakening_margin_q15(voltage->realised.d, voltage->wanted_q),
             .voltage_limited = voltage->wanted_q != voltage->realised.q || voltage->wanted_d != voltage->realised.d,
             .current_saturated = sense_at_end(report->offset_q4, phases(report)),
         };

@@ -5,6 +5,7 @@
 #include "torque/current_reference.h"
 #include "torque/foldback.h"
 #include "torque/regen_map.h"
+#include "torque/voltage_limit.h"
 
 enum {
     SPEED_FADE_DIVISOR = 32,         /* driving torque fades out over this last part of the speed range */
@@ -31,6 +32,7 @@ typedef struct {
     const motor_model_t *model;
     int32_t i_d_weakening_mA;
     int32_t sign; /* of the torque: forward driving 1, forward braking -1 */
+    voltage_limit_t by_voltage;
 } side_t;
 
 /* What grows with the torque and has a limit. */
@@ -126,6 +128,12 @@ static int32_t power_torque_mNm(const config_t *config, const motor_model_t *mod
     return speed_abs_mrad_s > 0 ? q_scale(config->motor.max_power_mW, 1000, speed_abs_mrad_s) : NO_LIMIT_mNm;
 }
 
+/* The torque of this side up to which the voltage suffices; 0 where it does not even for nothing. */
+static int32_t voltage_torque_mNm(const side_t *side)
+{
+    return side->sign > 0 ? side->by_voltage.highest_mNm : -side->by_voltage.lowest_mNm;
+}
+
 static void tighten_common(limit_t *limit, const side_t *side, const capability_input_t *in)
 {
     const config_motor_t *motor = &side->config->motor;
@@ -133,6 +141,7 @@ static void tighten_common(limit_t *limit, const side_t *side, const capability_
     const int64_t most_mA = motor->max_phase_current_mA;
     limit_tighten(limit, torque_within(side, BURDEN_CURRENT_SQUARE, most_mA * most_mA, 0, limit->torque_mNm),
                   REASON_PHASE_CURRENT);
+    limit_tighten(limit, voltage_torque_mNm(side), REASON_VOLTAGE);
     limit_derate(limit,
                  limit_fade_q15(in->winding_temperature_cC, motor->derate_winding_temperature_cC,
                                 motor->max_winding_temperature_cC),
@@ -247,8 +256,9 @@ static limit_t regenerating_limit(const side_t *side, const capability_input_t *
 capability_t capability_step(const config_t *config, const motor_model_t *model, const capability_input_t *in)
 {
     const int32_t forward = model->speed_mrad_s >= 0 ? 1 : -1;
-    const side_t driving = {config, model, in->i_d_weakening_mA, forward};
-    const side_t braking = {config, model, in->i_d_weakening_mA, -forward};
+    const voltage_limit_t by_voltage = voltage_limit_at(config, model, in->phase_voltage_mV);
+    const side_t driving = {config, model, in->i_d_weakening_mA, forward, by_voltage};
+    const side_t braking = {config, model, in->i_d_weakening_mA, -forward, by_voltage};
     const int32_t airgap_mNm = regen_map_torque_mNm(config, model->speed_mrad_s, in->winding_temperature_cC);
     const int32_t optimal_mNm = airgap_mNm + q_abs(model->friction_mNm);
     capability_t out = {

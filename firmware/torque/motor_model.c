@@ -91,13 +91,25 @@ static int64_t flux_nWb_at(const motor_model_t *model, const config_motor_t *mot
     return clamp64(model->flux_nWb + saliency_nH * i_dt_mA / 1000, MOST_FLUX_nWb);
 }
 
-int32_t motor_model_torque_mNm(const motor_model_t *model, const config_t *config, motor_current_t i)
+static int32_t shaft_torque_mNm(const motor_model_t *model, const config_t *config, torque_current_t i_t)
 {
-    const torque_current_t i_t = torque_current(model, i);
     /* p * nWb * mA = 1e-12 Nm */
     const int64_t torque_pNm =
         INT64_C(3) * config->motor.pole_pairs * flux_nWb_at(model, &config->motor, i_t.d_mA) / 2 * i_t.q_mA;
     return (int32_t)clamp64(torque_pNm / 1000000000 - model->friction_mNm, MOST_TORQUE_mNm);
+}
+
+int32_t motor_model_torque_mNm(const motor_model_t *model, const config_t *config, motor_current_t i)
+{
+    return shaft_torque_mNm(model, config, torque_current(model, i));
+}
+
+int32_t motor_model_torque_of_i_qt_mNm(const motor_model_t *model, const config_t *config, int32_t i_d_mA,
+                                       int32_t i_qt_mA)
+{
+    const int64_t within_mA = clamp64(i_qt_mA, MOST_CURRENT_mA);
+    const torque_current_t i_t = {.d_mA = direct_torque_current_mA(model, i_d_mA, within_mA), .q_mA = within_mA};
+    return shaft_torque_mNm(model, config, i_t);
 }
 
 int32_t motor_model_current_q_mA(const motor_model_t *model, const config_t *config, int32_t torque_mNm, int32_t i_d_mA)

@@ -57,13 +57,20 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .demand_mNm = demand.brake_mNm,
         .speed_mrad_s = in->speed_mrad_s,
         .motor_command_mNm = state->limit.command_mNm,
+        .motor_growth_mNm = torque_limit_growth_mNm(config, in->voltage_use_q15),
         .motor_achieved_mNm = achieved_mNm,
         .abs_active = in->abs_active,
         .permission = in->permission,
     };
     const brake_arbiter_out_t split = brake_arbiter_step(&state->arbiter, config, &capability, &braking);
-    const torque_limit_out_t limited = torque_limit_step(&state->limit, config, &capability, &in->permission,
-                                                         in->speed_mrad_s, demand.drive_mNm, split.electric_mNm);
+    const torque_limit_input_t wanted = {
+        .permission = in->permission,
+        .speed_mrad_s = in->speed_mrad_s,
+        .voltage_use_q15 = in->voltage_use_q15,
+        .drive_mNm = demand.drive_mNm,
+        .electric_mNm = split.electric_mNm,
+    };
+    const torque_limit_out_t limited = torque_limit_step(&state->limit, config, &capability, &wanted);
     const current_reference_t current =
         current_reference_step(config, &model, limited.command_mNm, in->capability.i_d_weakening_mA);
 

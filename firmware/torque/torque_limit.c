@@ -1,8 +1,15 @@
 #include "torque/torque_limit.h"
 
+#include <stdbool.h>
+
 #include "core/q15.h"
 #include "core/ramp.h"
 #include "torque/demand.h"
+
+enum {
+    NO_GROWTH_Q15 = 31457, /* 0.96 */
+    FULL_GROWTH_Q15 = 2294 /* 0.07 below that */
+};
 
 void torque_limit_init(torque_limit_state_t *state)
 {
@@ -20,25 +27,37 @@ static limit_t drive_limit(const capability_t *capability, const permission_t *p
     return limit;
 }
 
+int32_t torque_limit_growth_mNm(const config_t *config, int32_t voltage_use_q15)
+{
+    const int32_t left_q15 = NO_GROWTH_Q15 - q_clamp(voltage_use_q15, 0, 2 * NO_GROWTH_Q15);
+    return q_scale(demand_rate_mNm_per_step(config), q_clamp(left_q15, -FULL_GROWTH_Q15, FULL_GROWTH_Q15),
+                   FULL_GROWTH_Q15);
+}
+
 torque_limit_out_t torque_limit_step(torque_limit_state_t *state, const config_t *config,
-                                     const capability_t *capability, const permission_t *permission,
-                                     int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
+                                     const capability_t *capability, const torque_limit_input_t *in)
 {
     torque_limit_out_t out = {.command_mNm = 0, .reason = REASON_NONE};
-    if (permission->bridge != BRIDGE_PWM) {
-        out.reason = drive_mNm != 0 || electric_mNm != 0 ? permission->reason : REASON_NONE;
+    if (in->permission.bridge != BRIDGE_PWM) {
+        out.reason = in->drive_mNm != 0 || in->electric_mNm != 0 ? in->permission.reason : REASON_NONE;
         state->command_mNm = 0;
         return out;
     }
-    const limit_t bound = drive_limit(capability, permission, speed_mrad_s, drive_mNm);
-    limit_t driving = limit_init(q_abs(drive_mNm), REASON_NONE);
+    const limit_t bound = drive_limit(capability, &in->permission, in->speed_mrad_s, in->drive_mNm);
+    limit_t driving = limit_init(q_abs(in->drive_mNm), REASON_NONE);
     limit_tighten(&driving, bound.torque_mNm, bound.reason);
-    const int32_t drive_part_mNm = drive_mNm >= 0 ? driving.torque_mNm : -driving.torque_mNm;
-    const int32_t brake_part_mNm = speed_mrad_s >= 0 ? -electric_mNm : electric_mNm;
+    const int32_t drive_part_mNm = in->drive_mNm >= 0 ? driving.torque_mNm : -driving.torque_mNm;
+    const int32_t brake_part_mNm = in->speed_mrad_s >= 0 ? -in->electric_mNm : in->electric_mNm;
     const int32_t target_mNm = drive_part_mNm + brake_part_mNm;
 
-    state->command_mNm = ramp_step(state->command_mNm, target_mNm, demand_rate_mNm_per_step(config));
+    const int32_t rate_mNm = demand_rate_mNm_per_step(config);
+    const int32_t growth_mNm = torque_limit_growth_mNm(config, in->voltage_use_q15);
+    const int32_t most_mNm = q_max(q_abs(state->command_mNm) + growth_mNm, 0);
+    const int32_t within_mNm = q_clamp(target_mNm, -most_mNm, most_mNm);
+    state->command_mNm = ramp_step(state->command_mNm, within_mNm, rate_mNm);
     out.command_mNm = state->command_mNm;
-    out.reason = out.command_mNm != target_mNm ? REASON_TORQUE_RATE : driving.reason;
+    const bool by_voltage = within_mNm != target_mNm && growth_mNm <= 0;
+    const reason_t on_the_way = by_voltage ? REASON_VOLTAGE : REASON_TORQUE_RATE;
+    out.reason = out.command_mNm != target_mNm ? on_the_way : driving.reason;
     return out;
 }

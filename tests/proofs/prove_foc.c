@@ -128,6 +128,22 @@ void prove_current_loop(void)
     PROOF_END();
 }
 
+/* wanted_d as far as current_loop_step() makes it, see README.md: below 50 units. */
+void prove_current_loop_give_back_d(void)
+{
+    current_loop_state_t state = {
+        .d = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
+        .q = {.integrator_q30 = 0},
+    };
+    const int32_t before_q30 = state.d.integrator_q30;
+    const current_loop_out_t last = {
+        .wanted_d = any_within(-50 * 32768, 50 * 32768), .wanted_q = 0, .realised = {.d = 0, .q = 0}};
+    current_loop_give_back_d(&state, &last);
+    PROMISE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
+    PROMISE(last.wanted_d >= 0 ? state.d.integrator_q30 <= before_q30 : state.d.integrator_q30 >= before_q30);
+    PROOF_END();
+}
+
 void prove_field_weakening(void)
 {
     const int32_t most = any_within(0, 32767);

@@ -28,6 +28,15 @@ int32_t tables_best_braking_mNm(const config_t *config, int32_t speed_mrad_s, in
 tables_current_t tables_currents(const config_t *config, int32_t speed_mrad_s, int32_t winding_temperature_cC,
                                  int32_t airgap_torque_mNm);
 
+typedef struct {
+    int32_t lowest_mNm, highest_mNm; /* airgap, signed */
+    int32_t weakest_d_mA;            /* the least i_d that field weakening reaches */
+} tables_voltage_t;
+
+/* Between which airgap torques the controller stays with a largest phase voltage. */
+tables_voltage_t tables_voltage_limit(const config_t *config, int32_t speed_mrad_s, int32_t winding_temperature_cC,
+                                      int32_t phase_voltage_mV);
+
 #ifdef __cplusplus
 }
 #endif

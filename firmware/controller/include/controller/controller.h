@@ -28,6 +28,7 @@
 #include "core/permission.h"
 #include "core/reason.h"
 #include "foc/foc.h"
+#include "foc/sampled_current.h"
 #include "foc/summary.h"
 #include "modes/modes.h"
 #include "monitor/monitor.h"

@@ -80,4 +80,19 @@ Q_TARGET_INLINE void current_loop_step(current_loop_state_t *restrict state,
     out->realised.q = real_q;
 }
 
+/*
+ * Every few periods, while the voltage is short: the d axis gives back what it takes beyond 98 % of the circle, so that q always
+ * keeps 18 %. Braking, a u_d that takes all of it leaves i_q to itself: i_q grows, w L_q i_q asks for still more u_d, and nothing
+ * leads back; there would be more braking torque than commanded for as long as the speed lasts. With that rest for u_q, i_q
+ * comes back as soon as i_d has gone down far enough, which it then does by itself, because w L_q i_q is more than u_d can hold.
+ */
+enum { CURRENT_LOOP_MOST_D_Q15 = 32256 };
+
+static inline void current_loop_give_back_d(current_loop_state_t *state, const current_loop_out_t *last)
+{
+    const int32_t beyond = last->wanted_d - q_limit(last->wanted_d, CURRENT_LOOP_MOST_D_Q15);
+    /* Both within 31 bits. */
+    state->d.integrator_q30 = q_saturate31(state->d.integrator_q30 - q_saturate16(beyond) * 32768);
+}
+
 #endif

@@ -12,7 +12,10 @@
 
 #include "core/q15.h"
 
-enum { FIELD_WEAKENING_AIM_Q15 = 30760 /* of |u|^2: the loop keeps 3 % of the voltage for its dynamics */ };
+enum {
+    FIELD_WEAKENING_AIM_Q15 = 30760,        /* of |u|^2: the loop keeps 3 % of the voltage for its dynamics */
+    FIELD_WEAKENING_AIM_VOLTAGE_Q15 = 31748 /* the same of |u| */
+};
 
 typedef struct {
     int32_t current_q28; /* -most .. 0 */

@@ -115,6 +115,9 @@ static inline void foc_weaken(foc_state_t *state, const config_t *config, foc_re
 {
     const current_loop_out_t *voltage = &report->current.voltage;
     const int32_t margin_q15 = field_weakening_margin_q15(voltage->realised.d, voltage->wanted_q);
+    if (margin_q15 < 0) {
+        current_loop_give_back_d(&state->current.loop, voltage);
+    }
     if (margin_q15 < 0 || state->weakening.current_q28 != 0) {
         field_weakening_step(&state->weakening, margin_q15, config->current_loop.field_weakening_gain_pu_q15,
                              config->current_loop.field_weakening_current_pu_q15);

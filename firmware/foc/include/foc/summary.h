@@ -14,11 +14,12 @@
 #include "foc/foc.h"
 
 typedef struct {
-    dq_t i_pu;              /* mean, Q15 of the current base */
-    int32_t power_pu;       /* mean of u_d i_d + u_q i_q, Q15: DC current = sqrt(3)/2 * limit * I_base * power */
-    int32_t v_dc_pu;        /* mean, Q15 of the voltage base */
-    bool voltage_limited;   /* the circle bit in the latest period */
-    bool current_saturated; /* a converter that was used stands at an end of its range, in the latest period */
+    dq_t i_pu;               /* mean, Q15 of the current base */
+    int32_t power_pu;        /* mean of u_d i_d + u_q i_q, Q15: DC current = sqrt(3)/2 * limit * I_base * power */
+    int32_t v_dc_pu;         /* mean, Q15 of the voltage base */
+    int32_t voltage_use_q15; /* |u|^2 of the latest period, 0 .. 65534; q as wanted, so more than 1 means too little */
+    bool voltage_limited;    /* the circle bit in the latest period */
+    bool current_saturated;  /* a converter that was used stands at an end of its range, in the latest period */
 } foc_summary_t;
 
 typedef struct {

@@ -26,6 +26,7 @@
 
 typedef struct {
     int32_t bus_voltage_mV;
+    int32_t phase_voltage_mV;         /* peak phase: what the current loop may ask for and still has a reserve; >= 0 */
     int32_t bms_charge_current_mA;    /* whole pack, magnitude; negative counts as 0 */
     int32_t bms_discharge_current_mA; /* whole pack, magnitude */
     int32_t winding_temperature_cC;

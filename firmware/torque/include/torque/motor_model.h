@@ -49,6 +49,10 @@ motor_model_t motor_model_at(const config_t *config, int32_t speed_mrad_s, int32
 /* Shaft torque of terminal currents; within 1 MNm either way, so its negative is a torque, too. */
 int32_t motor_model_torque_mNm(const motor_model_t *model, const config_t *config, motor_current_t i);
 
+/* The same of a terminal i_d and the torque current i_qt. */
+int32_t motor_model_torque_of_i_qt_mNm(const motor_model_t *model, const config_t *config, int32_t i_d_mA,
+                                       int32_t i_qt_mA);
+
 /*
  * Terminal i_q that makes a shaft torque together with a terminal i_d. Saturates.
  *

@@ -29,6 +29,7 @@ typedef struct {
     int32_t speed_mrad_s; /* mechanical, signed */
     motor_current_t current;
     bool voltage_limited;
+    int32_t voltage_use_q15; /* square of the wanted phase voltage over that of the largest one */
     /* Limits and temperatures */
     capability_input_t capability;
     permission_t permission;

@@ -242,3 +242,33 @@ void test_currents_at_the_ends_of_their_formats_do_not_overflow(void)
         }
     }
 }
+
+/* ---- what d gives back ---- */
+
+void test_d_gives_back_what_it_wants_beyond_98_per_cent_of_the_circle_and_nothing_else(void)
+{
+    static const int32_t WANTED[] = {-40000, -33000, -32257, -32256, -1000, 0, 5000, 32256, 32257, 33000, 60000};
+    static const int32_t BEYOND[] = {-7744, -744, -1, 0, 0, 0, 0, 0, 1, 744, 27744};
+    for (int n = 0; n < 11; n++) {
+        const current_loop_out_t last = {.wanted_d = WANTED[n], .wanted_q = 0, .realised = {.d = 0, .q = 0}};
+        state.d.integrator_q30 = 12345;
+        state.q.integrator_q30 = -777;
+        current_loop_give_back_d(&state, &last);
+        TEST_ASSERT_EQUAL_INT32(12345 - BEYOND[n] * 32768, state.d.integrator_q30);
+        TEST_ASSERT_EQUAL_INT32(-777, state.q.integrator_q30);
+    }
+}
+
+void test_the_next_voltage_leaves_q_at_least_17_per_cent(void)
+{
+    const current_loop_tuning_t tuning = plain_tuning();
+    state.d.integrator_q30 = 1 << 29;
+    current_loop_out_t out = step(&tuning, 30000, 20000, 0, 0); /* far more than there is */
+    TEST_ASSERT_EQUAL_INT32(32767, out.realised.d);
+    TEST_ASSERT_LESS_THAN_INT32(300, out.realised.q);
+    for (int n = 0; n < 10 && out.wanted_d > CURRENT_LOOP_MOST_D_Q15; n++) {
+        current_loop_give_back_d(&state, &out);
+        out = step(&tuning, 1000, 20000, 0, 0);
+    }
+    TEST_ASSERT_GREATER_OR_EQUAL_INT32((int32_t)(0.17 * 32768), out.realised.q);
+}

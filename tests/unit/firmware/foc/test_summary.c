@@ -145,3 +145,19 @@ void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle
         }
     }
 }
+
+void test_the_use_of_the_voltage_is_its_square_with_q_as_wanted(void)
+{
+    add(0, 0, 0, 20000);
+    report.current.voltage.realised.d = 16384; /* a half */
+    report.current.voltage.realised.q = 28377;
+    report.current.voltage.wanted_q = 28377; /* sqrt 3 / 2 */
+    TEST_ASSERT_INT32_WITHIN(2, 32768, foc_summary_step(&state, &report, steps).voltage_use_q15);
+    add(0, 0, 0, 20000);
+    report.current.voltage.wanted_q = 100000; /* counts as one */
+    TEST_ASSERT_INT32_WITHIN(4, 8192 + 32766, foc_summary_step(&state, &report, steps).voltage_use_q15);
+    add(0, 0, 0, 20000);
+    report.current.voltage.realised.d = 0;
+    report.current.voltage.wanted_q = 0;
+    TEST_ASSERT_EQUAL_INT32(0, foc_summary_step(&state, &report, steps).voltage_use_q15);
+}

@@ -1,8 +1,8 @@
 /*
  * controller_rig.h: a controller with somebody who calls its two steps on time and carries the exchange across.
  *
- * There is no motor: codes are what the test says they are, and only the rotor's angle moves on. Whether a motor then
- * does what it should is asked in tests/closed_loop.
+ * There is no motor: codes are what the test says they are, or, if it says so, those of the current that is asked for, and
+ * only the rotor's angle moves on. Whether a motor then does what it should is asked in tests/closed_loop.
  */
 #ifndef CONTROLLER_RIG_H
 #define CONTROLLER_RIG_H
@@ -26,6 +26,8 @@ typedef struct {
     fast_output_t pwm;
     double angle_turn;
     double turn_per_period;
+    bool follows;        /* the phase currents are the reference's */
+    double dither_codes; /* what the converter rounds, evenly over the code */
 } rig_t;
 
 static inline uint16_t rig_bus_code(const rig_t *rig, double volts)
@@ -64,11 +66,26 @@ static inline void rig_slow(rig_t *rig)
     rig->out = controller_slow_step(&rig->controller.slow, &rig->config, &rig->to_slow, &rig->slow_in, &rig->to_fast);
 }
 
+static inline void rig_follow(rig_t *rig)
+{
+    const dq_t i = rig->to_fast.foc.i_reference_pu;
+    rig->dither_codes += 0.618;
+    rig->dither_codes -= floor(rig->dither_codes);
+    for (int x = 0; x < 3; x++) {
+        const double angle = 2.0 * 3.14159265358979 * (rig->angle_turn - x / 3.0);
+        const double codes = (i.d * cos(angle) - i.q * sin(angle)) / 16.0;
+        rig->fast_in.phase_current_code[x] = (uint16_t)(2048.0 + floor(codes + rig->dither_codes));
+    }
+}
+
 static inline void rig_fast(rig_t *rig)
 {
     rig->angle_turn += rig->turn_per_period;
     rig->angle_turn -= floor(rig->angle_turn);
     rig->fast_in.rotor_angle_turn = (uint16_t)(uint32_t)(rig->angle_turn * 65536.0);
+    if (rig->follows) {
+        rig_follow(rig);
+    }
     rig->pwm = controller_fast_step(&rig->controller.fast, &rig->config, &rig->to_fast, &rig->fast_in, &rig->to_slow);
 }
 

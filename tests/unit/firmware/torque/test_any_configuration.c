@@ -78,6 +78,8 @@ static void random_input(random_t *random, torque_input_t *in)
     in->current.d_mA = random_wild(random);
     in->current.q_mA = random_wild(random);
     in->capability.bus_voltage_mV = random_wild(random);
+    in->capability.phase_voltage_mV = random_wild(random);
+    in->voltage_use_q15 = random_wild(random);
     in->capability.bms_charge_current_mA = random_wild(random);
     in->capability.bms_discharge_current_mA = random_wild(random);
     in->capability.winding_temperature_cC = random_wild(random);

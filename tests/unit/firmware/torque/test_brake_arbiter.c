@@ -20,6 +20,9 @@ void setUp(void)
     config.brake.shortfall_band_mNm = 2000;
     config.brake.handover_start_mrad_s = 2618;
     config.brake.handover_end_mrad_s = 838;
+    config.brake.hydraulic_dead_time_ms = 0; /* the split itself: the hydraulic brake is where it is told to be */
+    config.brake.hydraulic_time_constant_ms = 0;
+    config.brake.hydraulic_rate_mNm_s = 2000000000;
     brake_arbiter_init(&state);
     capability.driving = limit_init(40000, REASON_MAX_TORQUE);
     capability.regenerating = limit_init(50000, REASON_MAX_TORQUE);
@@ -27,6 +30,7 @@ void setUp(void)
     in.demand_mNm = 0;
     in.speed_mrad_s = FAST_mrad_s;
     in.motor_command_mNm = 0;
+    in.motor_growth_mNm = 1000000; /* as far as it is asked for, soon enough */
     in.motor_achieved_mNm = 0;
     in.abs_active = false;
     in.permission.bridge = BRIDGE_PWM;

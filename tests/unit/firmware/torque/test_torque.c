@@ -19,6 +19,7 @@ void setUp(void)
     memset(&in, 0, sizeof in);
     in.speed_mrad_s = mrad_s_of_rpm(150.0);
     in.capability.bus_voltage_mV = 53000;
+    in.capability.phase_voltage_mV = 1000000;
     in.capability.bms_charge_current_mA = 1000000;
     in.capability.bms_discharge_current_mA = 1000000;
     in.capability.winding_temperature_cC = 2500;
@@ -97,7 +98,8 @@ void test_while_the_motor_follows_its_rate_the_sum_of_both_brakes_never_exceeds_
         in.speed_mrad_s -= 50; /* through the optimum and the hand-over down to standstill */
         in.speed_mrad_s = in.speed_mrad_s < 0 ? 0 : in.speed_mrad_s;
         const torque_output_t out = step();
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(60000, out.hydraulic_mNm - out.command_mNm);
+        /* What the hydraulic brake is told comes later: what counts is what it has made of it. */
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(60000, hydraulic_model_torque_mNm(&state.arbiter.hydraulic) - out.command_mNm);
     }
 }
 
@@ -244,7 +246,10 @@ void test_a_braking_demand_is_met_by_the_two_brakes_together_once_the_motor_has_
         in.capability.winding_temperature_cC = random_between(&random, -2000, 16000);
         config.brake.strategy = random_between(&random, 0, 2);
         const torque_output_t out = run(110);
-        TEST_ASSERT_EQUAL_INT32(in.brake_torque_mNm, out.hydraulic_mNm - out.command_mNm);
+        /* At the very beginning the hydraulic brake may be asked for what the motor is still on its way to. */
+        const torque_output_t settled = run(600);
+        TEST_ASSERT_EQUAL_INT32(in.brake_torque_mNm, settled.hydraulic_mNm - settled.command_mNm);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(in.brake_torque_mNm, out.hydraulic_mNm - out.command_mNm);
     }
 }
 
@@ -260,6 +265,8 @@ void test_no_number_from_outside_leads_to_undefined_behaviour(void)
         in.current.d_mA = random_wild(&random);
         in.current.q_mA = random_wild(&random);
         in.capability.bus_voltage_mV = random_wild(&random);
+        in.capability.phase_voltage_mV = random_wild(&random);
+        in.voltage_use_q15 = random_wild(&random);
         in.capability.bms_charge_current_mA = random_wild(&random);
         in.capability.bms_discharge_current_mA = random_wild(&random);
         in.capability.winding_temperature_cC = random_wild(&random);

@@ -9,11 +9,13 @@ static config_t config;
 static torque_limit_state_t state;
 static capability_t capability;
 static permission_t permission;
+static int32_t voltage_use_q15;
 
 void setUp(void)
 {
     config = paper_vehicle();
     config.brake.torque_rate_mNm_s = RATE * 1000;
+    voltage_use_q15 = 0;
     torque_limit_init(&state);
     capability.driving = limit_init(40000, REASON_MAX_TORQUE);
     capability.regenerating = limit_init(25000, REASON_CHARGE_CURRENT);
@@ -28,7 +30,14 @@ void tearDown(void) {}
 
 static torque_limit_out_t step(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
 {
-    return torque_limit_step(&state, &config, &capability, &permission, speed_mrad_s, drive_mNm, electric_mNm);
+    const torque_limit_input_t in = {
+        .permission = permission,
+        .speed_mrad_s = speed_mrad_s,
+        .voltage_use_q15 = voltage_use_q15,
+        .drive_mNm = drive_mNm,
+        .electric_mNm = electric_mNm,
+    };
+    return torque_limit_step(&state, &config, &capability, &in);
 }
 
 static torque_limit_out_t settle(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
@@ -153,4 +162,41 @@ void test_the_command_never_changes_faster_than_the_rate_while_the_bridge_switch
         TEST_ASSERT_INT32_WITHIN(RATE, before_mNm, command_mNm);
         before_mNm = command_mNm;
     }
+}
+
+/* ---- the voltage that is left ---- */
+
+/* 0.96 and 0.89 of the circle's square in Q15 are 31457 and 29163. */
+void test_a_torque_grows_at_its_full_rate_as_long_as_there_is_voltage(void)
+{
+    voltage_use_q15 = 29163;
+    assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 10000, 0));
+    assert_command(800, REASON_TORQUE_RATE, step(FORWARD, 10000, 0));
+}
+
+void test_it_grows_the_slower_the_less_voltage_is_left(void)
+{
+    voltage_use_q15 = 30310; /* half-way */
+    assert_command(200, REASON_TORQUE_RATE, step(FORWARD, 10000, 0));
+    assert_command(-200, REASON_TORQUE_RATE, (settle(FORWARD, 0, 0), step(FORWARD, 0, 10000)));
+}
+
+void test_without_voltage_it_is_given_back_and_the_reason_is_named(void)
+{
+    settle(FORWARD, 0, 10000);
+    voltage_use_q15 = 31457;
+    assert_command(-10000, REASON_NONE, step(FORWARD, 0, 10000));
+    voltage_use_q15 = 32768; /* 1311 beyond, of 2294: 400 * 1311/2294 = 228 */
+    assert_command(-9772, REASON_VOLTAGE, step(FORWARD, 0, 10000));
+    voltage_use_q15 = INT32_MAX;
+    assert_command(-9372, REASON_VOLTAGE, step(FORWARD, 0, 10000));
+    assert_command(0, REASON_VOLTAGE, settle(FORWARD, 0, 10000));
+}
+
+void test_a_torque_falls_at_its_full_rate_whatever_the_voltage(void)
+{
+    settle(FORWARD, 10000, 0);
+    voltage_use_q15 = 31457;
+    assert_command(9600, REASON_TORQUE_RATE, step(FORWARD, 0, 0));
+    assert_command(9200, REASON_TORQUE_RATE, step(FORWARD, 0, 0));
 }

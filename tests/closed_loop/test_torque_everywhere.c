@@ -1,0 +1,186 @@
+/*
+ * The torque that is commanded is the torque that is made: every drive, both directions of rotation, driving and braking, cold,
+ * warm and hot, at speeds up to the largest and torques up and down again, so that an operating point which only the way to it
+ * reaches is found, too. Torque is the mean of the airgap torque, friction taken off, over whole turns and many PWM periods.
+ *
+ * More braking than asked for, or less than promised, is what nobody must get: 1 % of the rated torque. That includes the
+ * iron branch's own current, which a bridge that holds its voltage for a period T shows turned by w T/2: at 11 000 r/min
+ * w L_q i_q w T/2 / R_i, 0.75 % of i_q.
+ */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "unity.h"
+#include "vehicle_fixture.h"
+
+enum { SPEEDS = 12, TORQUES = 6 };
+static const double HEAVY_KG = 1e6; /* the speed stays */
+static const double SETTLED_s = 0.35;
+static const double MEAN_s = 0.2;
+static const double SHARE_OF_RATED = 0.01;
+
+typedef struct {
+    bench_t *bench;
+    double speed_rad_s;
+    double rated_nm, most_nm;
+    double friction_nm; /* sign of rotation */
+} stand_t;
+
+typedef struct {
+    double torque_nm, command_nm; /* shaft, signed */
+} mean_t;
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static stand_t turning(const char *name, double share_of_speed, double winding_c)
+{
+    const config_t config = fixture_drive_config(name);
+    bench_params_t params = fixture_one_wheel(fixture_drive(name));
+    params.vehicle.mass_kg = HEAVY_KG;
+    params.thermal.winding_temperature_c = winding_c;
+    const double w = share_of_speed * config.motor.max_speed_mrad_s * 1e-3;
+    params.run.initial_speed_m_per_s = w * params.vehicle.wheel_radius_m;
+    const double friction_nm = params.motor.friction_torque_nm + params.motor.viscous_friction_nm_s * fabs(w);
+    const stand_t out = {
+        .bench = fixture_start(&params, &config),
+        .speed_rad_s = w,
+        .rated_nm = config.motor.rated_torque_mNm * 1e-3,
+        .most_nm = config.motor.max_torque_mNm * 1e-3,
+        .friction_nm = w >= 0.0 ? friction_nm : -friction_nm,
+    };
+    return out;
+}
+
+/* demand_nm: in the direction of rotation, negative brakes. */
+static mean_t settled(const stand_t *stand, double demand_nm)
+{
+    bench_t *bench = stand->bench;
+    const wheel_t *wheel = &bench->wheel[0];
+    bench->params.driver.brake_demand_nm = demand_nm < 0.0 ? -demand_nm : 0.0;
+    bench->params.driver.drive_demand_nm = demand_nm > 0.0 ? copysign(demand_nm, stand->speed_rad_s) : 0.0;
+    bench_refresh(bench);
+    fixture_run(bench, SETTLED_s);
+    const double before_nms = wheel->totals.torque_impulse_nms;
+    const double from_s = bench->time_s;
+    mean_t out = {.command_nm = 0.0};
+    int periods = 0;
+    while (bench->time_s < from_s + MEAN_s) {
+        bench_period(bench);
+        out.command_nm += wheel->slow.motor_torque_command_mNm * 1e-3;
+        periods++;
+    }
+    out.command_nm /= periods;
+    out.torque_nm = (wheel->totals.torque_impulse_nms - before_nms) / (bench->time_s - from_s) - stand->friction_nm;
+    return out;
+}
+
+static void check(const char *name, double winding_c, double direction)
+{
+    for (int n = 1; n <= SPEEDS; n++) {
+        const stand_t stand = turning(name, direction * n / SPEEDS, winding_c);
+        for (int k = -2 * TORQUES; k <= 2 * TORQUES; k++) {
+            /* none, most braking, none, most driving, none */
+            const double size = 1.0 - fabs((double)abs(k) - TORQUES) / TORQUES;
+            const double share = k < 0 ? -size : size;
+            const mean_t mean = settled(&stand, share * stand.most_nm);
+            char text[160];
+            snprintf(text, sizeof(text),
+                     "%s, %g degC, %.1f rad/s, demand %.1f N m, command %.2f, torque %.2f, reason %d", name, winding_c,
+                     stand.speed_rad_s, share * stand.most_nm, mean.command_nm, mean.torque_nm,
+                     stand.bench->wheel[0].slow.torque_reason);
+            TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, stand.bench->wheel[0].first_fault, text);
+            TEST_ASSERT_TRUE_MESSAGE(fabs(mean.torque_nm - mean.command_nm) <= SHARE_OF_RATED * stand.rated_nm, text);
+        }
+    }
+}
+
+static void check_drive(const char *name)
+{
+    static const double WINDING_C[] = {-20.0, 25.0, 120.0};
+    for (int t = 0; t < 3; t++) {
+        check(name, WINDING_C[t], 1.0);
+        check(name, WINDING_C[t], -1.0);
+    }
+}
+
+void test_the_papers_wheel_motor_gives_the_commanded_torque_at_every_speed_and_temperature(void)
+{
+    check_drive("lu2013");
+}
+
+void test_the_scooters_motor_gives_the_commanded_torque_at_every_speed_and_temperature(void)
+{
+    check_drive("scooter48v");
+}
+
+void test_the_bicycles_motor_gives_the_commanded_torque_at_every_speed_and_temperature(void)
+{
+    check_drive("ebike36v");
+}
+
+void test_the_interior_magnet_motor_gives_the_commanded_torque_at_every_speed_and_temperature(void)
+{
+    check_drive("ipm400v");
+}
+
+/* The voltage that the present torque needs goes away at once: the reserve of 3 %, and with it the regulation of i_q. What
+ * is too much must be gone within 0.1 s, and the torque be regulated again: at the end it is what is commanded. Without the
+ * d axis giving back what it takes beyond 98 % of the circle, 60 N m at 7800 r/min become more than 110 meanwhile. */
+void test_a_bus_that_sags_while_the_interior_magnet_motor_brakes_leaves_no_torque_behind(void)
+{
+    static const double SPEED_RAD_S[] = {628.0, 733.0, 816.0, 890.0, 995.0, 1100.0};
+    static const double LEFT[] = {0.97, 0.94, 0.9};
+    for (int s = 0; s < 6; s++) {
+        for (int f = 0; f < 3; f++) {
+            const config_t config = fixture_drive_config("ipm400v");
+            const stand_t stand = turning("ipm400v", SPEED_RAD_S[s] / (config.motor.max_speed_mrad_s * 1e-3), 25.0);
+            bench_t *bench = stand.bench;
+            const wheel_t *wheel = &bench->wheel[0];
+            (void)settled(&stand, -60.0);
+            curve_t *open_v = &bench->params.battery.open_circuit_voltage_v;
+            for (int k = 0; k < open_v->points; k++) {
+                open_v->y[k] *= LEFT[f];
+            }
+            bench_refresh(bench);
+            const double until_s = bench->time_s + 0.1;
+            double most_nm = 0.0;
+            while (bench->time_s < until_s) {
+                const double before_nms = wheel->totals.torque_impulse_nms;
+                bench_period(bench);
+                const double torque_nm = (wheel->totals.torque_impulse_nms - before_nms) / bench->world.step_s;
+                most_nm = fmax(most_nm, wheel->slow.motor_torque_command_mNm * 1e-3 - torque_nm);
+            }
+            const mean_t mean = settled(&stand, -60.0);
+            char text[160];
+            snprintf(text, sizeof(text), "%.0f rad/s, %g of the voltage: up to %.1f N m more, then %.2f for %.2f N m",
+                     SPEED_RAD_S[s], LEFT[f], most_nm, mean.torque_nm, mean.command_nm);
+            TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, wheel->first_fault, text);
+            TEST_ASSERT_TRUE_MESSAGE(most_nm < 0.25 * stand.rated_nm, text);
+            TEST_ASSERT_TRUE_MESSAGE(fabs(mean.torque_nm - mean.command_nm) <= SHARE_OF_RATED * stand.rated_nm, text);
+        }
+    }
+}
+
+/* More inductance than the configuration knows takes more voltage than the bound allows for: then the torque stops growing by
+ * the measured voltage. Less torque than commanded is the arbiter's to fill; more must stay what the wrong number itself makes. */
+void test_an_inductance_a_tenth_larger_than_configured_makes_no_runaway(void)
+{
+    static const double SPEED_SHARE[] = {0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
+    for (int s = 0; s < 6; s++) {
+        const config_t config = fixture_drive_config("ipm400v");
+        stand_t stand = turning("ipm400v", SPEED_SHARE[s], 25.0);
+        bench_params_t params = stand.bench->params;
+        params.motor.q_inductance_h *= 1.1;
+        stand.bench = fixture_start(&params, &config);
+        const mean_t mean = settled(&stand, -stand.most_nm);
+        char text[160];
+        snprintf(text, sizeof(text), "%.0f rad/s: %.2f for %.2f N m", stand.speed_rad_s, mean.torque_nm,
+                 mean.command_nm);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, stand.bench->wheel[0].first_fault, text);
+        /* 3/2 p (psi i_q + (L_d - L_q) i_d i_q): a tenth of L_q is at most a tenth of that. */
+        TEST_ASSERT_TRUE_MESSAGE(mean.torque_nm >= 1.11 * mean.command_nm, text);
+    }
+}

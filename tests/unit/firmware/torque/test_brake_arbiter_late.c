@@ -1,0 +1,193 @@
+/* The arbiter with a hydraulic brake that is late (hydraulic_model.h); the split itself: test_brake_arbiter.c. */
+#include "paper_vehicle.h"
+#include "random_values.h"
+#include "torque/brake_arbiter.h"
+#include "unity.h"
+
+enum { FAST_mrad_s = 30000 }; /* well above the hand-over speeds, 2.618 and 0.838 rad/s */
+
+static config_t config;
+static brake_arbiter_state_t state;
+static capability_t capability;
+static brake_arbiter_input_t in;
+
+void setUp(void)
+{
+    config = paper_vehicle();
+    config.brake.strategy = CONFIG_STRATEGY_SERIES_OPTIMAL;
+    config.brake.parallel_electric_share_q15 = 6554; /* 0.2 */
+    config.brake.electric_rated_torque_mNm = 40000;
+    config.brake.max_hydraulic_torque_mNm = 300000;
+    config.brake.shortfall_band_mNm = 2000;
+    config.brake.handover_start_mrad_s = 2618;
+    config.brake.handover_end_mrad_s = 838;
+    config.brake.hydraulic_dead_time_ms = 0; /* the split itself: the hydraulic brake is where it is told to be */
+    config.brake.hydraulic_time_constant_ms = 0;
+    config.brake.hydraulic_rate_mNm_s = 2000000000;
+    brake_arbiter_init(&state);
+    capability.driving = limit_init(40000, REASON_MAX_TORQUE);
+    capability.regenerating = limit_init(50000, REASON_MAX_TORQUE);
+    capability.optimal = limit_init(24000, REASON_LOSS_OPTIMUM);
+    in.demand_mNm = 0;
+    in.speed_mrad_s = FAST_mrad_s;
+    in.motor_command_mNm = 0;
+    in.motor_growth_mNm = 1000000; /* as far as it is asked for, soon enough */
+    in.motor_achieved_mNm = 0;
+    in.abs_active = false;
+    in.permission.bridge = BRIDGE_PWM;
+    in.permission.drive_q15 = Q15_ONE;
+    in.permission.brake_q15 = Q15_ONE;
+    in.permission.reason = REASON_NONE;
+}
+
+void tearDown(void) {}
+
+static brake_arbiter_out_t step(void)
+{
+    return brake_arbiter_step(&state, &config, &capability, &in);
+}
+
+static void assert_split(int32_t electric_mNm, int32_t hydraulic_mNm, reason_t reason, brake_arbiter_out_t out)
+{
+    TEST_ASSERT_EQUAL_INT32(electric_mNm, out.electric_mNm);
+    TEST_ASSERT_EQUAL_INT32(hydraulic_mNm, out.hydraulic_mNm);
+    TEST_ASSERT_EQUAL_INT(reason, out.reason);
+}
+
+/* The motor does what it is asked for, braking at the present direction of rotation. */
+static void motor_follows(int32_t electric_mNm)
+{
+    in.motor_command_mNm = in.speed_mrad_s >= 0 ? -electric_mNm : electric_mNm;
+    in.motor_achieved_mNm = in.motor_command_mNm;
+}
+
+static void random_situation(random_t *random)
+{
+    config.brake.strategy = random_between(random, 0, 2);
+    config.brake.max_hydraulic_torque_mNm = 1000000;
+    capability.regenerating = limit_init(random_between(random, 0, 60000), REASON_MAX_POWER);
+    capability.optimal = capability.regenerating;
+    limit_tighten(&capability.optimal, random_between(random, 0, 80000), REASON_LOSS_OPTIMUM);
+    in.demand_mNm = random_between(random, 0, 300000);
+    in.speed_mrad_s = random_between(random, -70000, 70000);
+    in.abs_active = random_chance(random, 0.05);
+    in.permission.brake_q15 = (int16_t)(random_chance(random, 0.2) ? random_between(random, 0, Q15_ONE) : Q15_ONE);
+    in.permission.reason = REASON_PERMISSION;
+}
+
+/* 40 ms, then 60 ms of lag, as the paper's vehicle has it. */
+static void late_hydraulic_brake(void)
+{
+    config.brake.hydraulic_dead_time_ms = 40;
+    config.brake.hydraulic_time_constant_ms = 60;
+    config.brake.hydraulic_rate_mNm_s = 2000000;
+    config.brake.torque_rate_mNm_s = 400000;
+}
+
+/* One step of a motor that follows at its rate; its torque. */
+static int32_t driven_mNm;
+static brake_arbiter_out_t step_with_motor(void)
+{
+    motor_follows(driven_mNm);
+    const brake_arbiter_out_t out = step();
+    driven_mNm = q_clamp(out.electric_mNm, driven_mNm - 400, driven_mNm + 400);
+    return out;
+}
+
+void test_a_motor_that_may_return_takes_what_the_hydraulic_brake_has_left_and_no_more(void)
+{
+    late_hydraulic_brake();
+    driven_mNm = 0;
+    in.demand_mNm = 60000;
+    in.abs_active = true;
+    for (int n = 0; n < 1000; n++) {
+        step_with_motor();
+    }
+    TEST_ASSERT_INT32_WITHIN(1, 60000, hydraulic_model_torque_mNm(&state.hydraulic));
+    in.abs_active = false;
+    for (int n = 0; n < 2000; n++) {
+        const brake_arbiter_out_t out = step_with_motor();
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(60000, out.electric_mNm + hydraulic_model_torque_mNm(&state.hydraulic));
+    }
+    TEST_ASSERT_INT32_WITHIN(2, 24000, driven_mNm);
+    assert_split(24000, 36000, REASON_LOSS_OPTIMUM, step());
+}
+
+void test_whatever_happens_motor_and_estimated_hydraulic_brake_end_at_the_demand(void)
+{
+    random_t random = random_seeded(9);
+    for (int n = 0; n < 300; n++) {
+        late_hydraulic_brake();
+        random_situation(&random);
+        in.abs_active = false;
+        config.brake.hydraulic_dead_time_ms = random_between(&random, 0, 250);
+        config.brake.hydraulic_time_constant_ms = random_between(&random, 0, 300);
+        brake_arbiter_init(&state);
+        driven_mNm = random_between(&random, 0, 60000);
+        brake_arbiter_out_t out = {0};
+        for (int k = 0; k < 5000; k++) {
+            out = step_with_motor();
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.hydraulic_mNm);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(out.available.torque_mNm, out.electric_mNm);
+        }
+        /* The estimate rests where a 64th of a mN m is less than the lag has steps: 301/64. */
+        TEST_ASSERT_INT32_WITHIN(5, in.demand_mNm, driven_mNm + out.hydraulic_mNm);
+        TEST_ASSERT_INT32_WITHIN(5, in.demand_mNm, driven_mNm + hydraulic_model_torque_mNm(&state.hydraulic));
+    }
+}
+
+void test_the_hydraulic_command_goes_ahead_of_a_falling_limit_by_dead_time_and_lag(void)
+{
+    late_hydraulic_brake();
+    in.demand_mNm = 30000;
+    driven_mNm = 30000;
+    brake_arbiter_out_t out = {0};
+    for (int n = 0; n <= 1500; n++) { /* 20 N m/s */
+        capability.optimal = limit_init(50000 - 20 * n, REASON_LOSS_OPTIMUM);
+        out = step_with_motor();
+        if (n > 500) { /* the limit's low-pass has come to its lag of 64 ms; the estimate's to its own */
+            TEST_ASSERT_INT32_WITHIN(150, 30000, driven_mNm + hydraulic_model_torque_mNm(&state.hydraulic));
+        }
+    }
+    /* 20 N m are left: 10 of 30, and 2 N m for the 100 ms. */
+    TEST_ASSERT_INT32_WITHIN(60, 10000 + 2000, out.hydraulic_mNm);
+}
+
+void test_a_motor_that_must_leave_is_counted_on_for_what_it_still_gives_after_the_dead_time(void)
+{
+    late_hydraulic_brake();
+    in.demand_mNm = 24000;
+    motor_follows(24000);
+    TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
+    in.abs_active = true; /* 400 mN m a step for 40 steps */
+    TEST_ASSERT_EQUAL_INT32(16000, step().hydraulic_mNm);
+}
+
+void test_a_motor_whose_torque_cannot_grow_is_not_waited_for(void)
+{
+    in.demand_mNm = 20000;
+    motor_follows(5000);
+    in.motor_growth_mNm = 0;
+    assert_split(20000 - 15000, 15000, REASON_TORQUE_RATE, step());
+    in.motor_growth_mNm = -400; /* on its way down */
+    TEST_ASSERT_EQUAL_INT32(15000, step().hydraulic_mNm);
+    in.motor_growth_mNm = 10; /* a newton-metre in the 100 ms that it has */
+    TEST_ASSERT_EQUAL_INT32(14000, step().hydraulic_mNm);
+}
+
+/* The hydraulic brake stands in for half of the motor; that must not become a reason to ask the motor for less. */
+void test_a_lasting_shortfall_is_filled_and_stays_filled(void)
+{
+    late_hydraulic_brake();
+    in.demand_mNm = 20000;
+    driven_mNm = 20000;
+    brake_arbiter_out_t out = {0};
+    for (int n = 0; n < 3000; n++) {
+        in.motor_command_mNm = -driven_mNm;
+        in.motor_achieved_mNm = -driven_mNm / 2;
+        out = step();
+        driven_mNm = q_clamp(out.electric_mNm, driven_mNm - 400, driven_mNm + 400);
+    }
+    TEST_ASSERT_EQUAL_INT32(20000, driven_mNm);
+    TEST_ASSERT_EQUAL_INT32(8000, out.hydraulic_mNm); /* 10 N m are missing, 2 are tolerated */
+}

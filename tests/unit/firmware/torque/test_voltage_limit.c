@@ -1,0 +1,157 @@
+#include <math.h>
+
+#include "config/bases.h"
+#include "paper_vehicle.h"
+#include "random_values.h"
+#include "reference_motor.h"
+#include "torque/current_reference.h"
+#include "torque/voltage_limit.h"
+#include "unity.h"
+
+static config_t config;
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static double weakest_d_a(const reference_motor_t *m)
+{
+    const double most_a = bases_current_mA(&config, config.current_loop.field_weakening_current_pu_q15) * 1e-3;
+    return -fmin(most_a, m->psi_wb / m->l_d_h);
+}
+
+/* The voltage of a torque current with the weakest field. */
+static double volts(const reference_motor_t *m, double i_qt_a)
+{
+    const double i_dt_a = weakest_d_a(m) + m->w_rad_s * m->l_q_h * m->iron_siemens * i_qt_a;
+    const reference_point_t at = reference_point(m, i_dt_a, i_qt_a);
+    return hypot(m->resistance_ohm * at.i_d_a - m->w_rad_s * m->l_q_h * i_qt_a,
+                 m->resistance_ohm * at.i_q_a + m->w_rad_s * (m->l_d_h * i_dt_a + m->psi_wb));
+}
+
+static double shaft_mNm(const reference_motor_t *m, const motor_model_t *model, double i_qt_a)
+{
+    const double i_dt_a = weakest_d_a(m) + m->w_rad_s * m->l_q_h * m->iron_siemens * i_qt_a;
+    return reference_point(m, i_dt_a, i_qt_a).torque_nm * 1e3 - model->friction_mNm;
+}
+
+/* The end of the voltage on one side, by marching and halving over the torque current, from where the voltage is least. */
+static double end_a(const reference_motor_t *m, double from_a, double most_v, double sign)
+{
+    double inside_a = from_a;
+    double beyond_a = from_a;
+    while (volts(m, beyond_a) <= most_v) {
+        inside_a = beyond_a;
+        beyond_a += sign;
+    }
+    for (int n = 0; n < 50; n++) {
+        const double middle_a = 0.5 * (inside_a + beyond_a);
+        if (volts(m, middle_a) <= most_v) {
+            inside_a = middle_a;
+        } else {
+            beyond_a = middle_a;
+        }
+    }
+    return inside_a;
+}
+
+static double least_volts_at_a(const reference_motor_t *m)
+{
+    double low_a = -3000.0;
+    double high_a = 3000.0;
+    for (int n = 0; n < 200; n++) { /* the square is convex */
+        const double a = low_a + (high_a - low_a) / 3.0;
+        const double b = high_a - (high_a - low_a) / 3.0;
+        if (volts(m, a) <= volts(m, b)) {
+            high_a = b;
+        } else {
+            low_a = a;
+        }
+    }
+    return 0.5 * (low_a + high_a);
+}
+
+/* Between the ends of a circle that is 15 mV smaller and one as much larger (the model's roundings are below 3 mV each), and
+ * the rounding of a torque, 0.1 % of rated. */
+static void assert_end(const reference_motor_t *m, const motor_model_t *model, double middle_a, double most_v,
+                       double sign, int32_t found_mNm)
+{
+    const double inner_mNm = shaft_mNm(m, model, end_a(m, middle_a, most_v - 0.015, sign)) * sign;
+    const double outer_mNm = shaft_mNm(m, model, end_a(m, middle_a, most_v + 0.015, sign)) * sign;
+    TEST_ASSERT_TRUE(found_mNm * sign >= inner_mNm - 30.0);
+    TEST_ASSERT_TRUE(found_mNm * sign <= outer_mNm + 30.0);
+}
+
+static void compare(double least_speed_mrad_s, double most_speed_mrad_s, int cases)
+{
+    random_t random = random_seeded(3);
+    int biting = 0;
+    int nothing = 0;
+    for (int n = 0; n < cases; n++) {
+        const int32_t sign = random_chance(&random, 0.5) ? 1 : -1;
+        const int32_t speed_mrad_s = sign * (int32_t)random_real(&random, least_speed_mrad_s, most_speed_mrad_s);
+        const int32_t temperature_cC = random_between(&random, -2000, 14000);
+        const int32_t phase_mV = random_between(&random, 15000, 40000);
+        const motor_model_t model = motor_model_at(&config, speed_mrad_s, temperature_cC);
+        const reference_motor_t m = reference_motor(&config, speed_mrad_s, temperature_cC);
+        const voltage_limit_t limit = voltage_limit_at(&config, &model, phase_mV);
+        const double middle_a = least_volts_at_a(&m);
+        if (volts(&m, middle_a) > phase_mV * 1e-3) {
+            nothing++;
+            TEST_ASSERT_TRUE((limit.lowest_mNm == 0 && limit.highest_mNm == 0) ||
+                             volts(&m, middle_a) < phase_mV * 1e-3 + 0.02);
+            continue;
+        }
+        biting++;
+        assert_end(&m, &model, middle_a, phase_mV * 1e-3, -1.0, limit.lowest_mNm);
+        assert_end(&m, &model, middle_a, phase_mV * 1e-3, 1.0, limit.highest_mNm);
+    }
+    TEST_ASSERT_GREATER_THAN_INT(cases / 3, biting);
+    TEST_ASSERT_GREATER_THAN_INT(cases / 50, nothing);
+}
+
+void test_a_round_motor_s_limits_are_where_the_circuit_in_double_precision_reaches_the_circle(void)
+{
+    config = paper_vehicle();
+    compare(30000.0, 90000.0, 3000);
+}
+
+void test_a_salient_motor_s_limits_are_where_the_circuit_in_double_precision_reaches_the_circle(void)
+{
+    config = salient_vehicle();
+    compare(40000.0, 140000.0, 3000);
+}
+
+void test_at_standstill_the_voltage_limits_no_torque_the_current_circle_allows(void)
+{
+    config = paper_vehicle();
+    const motor_model_t model = motor_model_at(&config, 0, 2500);
+    const voltage_limit_t limit = voltage_limit_at(&config, &model, 25000);
+    TEST_ASSERT_LESS_THAN_INT32(-config.motor.max_torque_mNm, limit.lowest_mNm);
+    TEST_ASSERT_GREATER_THAN_INT32(config.motor.max_torque_mNm, limit.highest_mNm);
+}
+
+void test_the_other_way_round_the_limits_change_places(void)
+{
+    config = salient_vehicle();
+    const motor_model_t forward = motor_model_at(&config, 70000, 2500);
+    const motor_model_t backward = motor_model_at(&config, -70000, 2500);
+    const voltage_limit_t a = voltage_limit_at(&config, &forward, 28000);
+    const voltage_limit_t b = voltage_limit_at(&config, &backward, 28000);
+    TEST_ASSERT_INT32_WITHIN(30, a.highest_mNm, -b.lowest_mNm);
+    TEST_ASSERT_INT32_WITHIN(30, a.lowest_mNm, -b.highest_mNm);
+    TEST_ASSERT_LESS_THAN_INT32(0, a.lowest_mNm);
+    TEST_ASSERT_GREATER_THAN_INT32(0, a.highest_mNm);
+}
+
+void test_without_voltage_there_is_no_torque_at_speed(void)
+{
+    config = paper_vehicle();
+    const motor_model_t model = motor_model_at(&config, 60000, 2500);
+    const int32_t NONE_mV[] = {0, -1, INT32_MIN};
+    for (int k = 0; k < 3; k++) {
+        const voltage_limit_t limit = voltage_limit_at(&config, &model, NONE_mV[k]);
+        TEST_ASSERT_EQUAL_INT32(0, limit.lowest_mNm);
+        TEST_ASSERT_EQUAL_INT32(0, limit.highest_mNm);
+    }
+}
