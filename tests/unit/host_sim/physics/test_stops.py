@@ -122,3 +122,10 @@ def test_half_the_step_changes_the_energy_of_a_stop_by_less_than_a_ten_thousandt
     whole, half = (share(drive, 40.0, {**effects, "run.pieces": pieces}) for pieces in (1.0, 2.0))
     assert half == pytest.approx(whole, rel=1e-4)
     assert half != whole
+
+
+def test_half_the_step_moves_a_stop_at_any_demand_by_less_than_a_ten_thousandth_of_the_kinetic_energy() -> None:
+    """At 5 N m it is most: the dead time counts most where the current is least."""
+    for demand in DEMANDS_NM:
+        whole, half = (share(quarter(), demand, {"run.pieces": pieces}) for pieces in (1.0, 2.0))
+        assert half == pytest.approx(whole, abs=1e-4), demand
