@@ -209,6 +209,46 @@ void test_what_is_wanted_is_reported_before_the_circle(void)
     TEST_ASSERT_EQUAL_INT32(32767, out.realised.d);
 }
 
+void test_each_axis_is_told_what_it_realised_and_has_its_own_gains(void)
+{
+    /* In one step an integrator advances by k_i e + k_i/k_p (1 - k_p e) where k_p e is too much by a half, by k_i e where not. */
+    current_loop_tuning_t tuning = plain_tuning();
+    tuning.d.proportional_q10 = 3 * 1024;
+    tuning.d.integral_q15 = 300;
+    tuning.d.anti_windup_q15 = 100;
+    tuning.q.proportional_q10 = 2 * 1024;
+    tuning.q.integral_q15 = 400;
+    tuning.q.anti_windup_q15 = 200;
+    step(&tuning, 16384, 0, 0, 0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 300.0 * 0.5 + 100.0 * (1.0 - 1.5), state.d.integrator_q30 / 32768.0);
+    current_loop_reset(&state);
+    step(&tuning, 0, -24576, 0, 0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 400.0 * -0.75 + 200.0 * (1.5 - 1.0), state.q.integrator_q30 / 32768.0);
+    current_loop_reset(&state);
+    step(&tuning, 100, 100, 0, 0);
+    TEST_ASSERT_EQUAL_INT32(300 * 100, state.d.integrator_q30);
+    TEST_ASSERT_EQUAL_INT32(400 * 100, state.q.integrator_q30);
+}
+
+void test_each_axis_is_decoupled_with_the_inductance_of_the_other_current(void)
+{
+    config.current_loop.inductance_d_pu_q16 *= 2;
+    const current_loop_tuning_t salient =
+        current_loop_tuning(&config, 27493, 28102, 30000000, config.motor.reference_temperature_cC);
+    TEST_ASSERT_INT_WITHIN(1, 2 * salient.w_l_q_q10, salient.w_l_d_q10);
+    TEST_ASSERT_TRUE(salient.w_l_q_q10 > 10);
+}
+
+void test_a_back_emf_of_more_than_eight_units_counts_as_eight(void)
+{
+    config.current_loop.flux_pu_q16 = 1048576;
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const current_loop_tuning_t tuning =
+            current_loop_tuning(&config, 27493, 28102, sign * 1000000000, config.motor.reference_temperature_cC);
+        TEST_ASSERT_EQUAL_INT32(sign * 8 * (1 << 25), tuning.w_psi_q25);
+    }
+}
+
 void test_a_reset_forgets_the_integrators(void)
 {
     const current_loop_tuning_t tuning = plain_tuning();

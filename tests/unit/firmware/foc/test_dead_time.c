@@ -35,6 +35,10 @@ void test_the_full_correction_is_the_share_of_the_period_that_dead_time_takes(vo
     config.drive.pwm_frequency_Hz = 16000;
     config.drive.pwm_period_counts = 5250;
     TEST_ASSERT_EQUAL_INT32(42, dead_time_init(&config).full_counts); /* 0.8 % of 5250 */
+    config.drive.dead_time_ns = 495;
+    TEST_ASSERT_EQUAL_INT32(42, dead_time_init(&config).full_counts); /* 41.58, to the nearest */
+    config.drive.dead_time_ns = 493;
+    TEST_ASSERT_EQUAL_INT32(41, dead_time_init(&config).full_counts); /* 41.41 */
 }
 
 void test_positive_current_lengthens_the_high_side_pulse(void)

@@ -98,6 +98,17 @@ void test_without_run_the_legs_are_centred_and_nothing_is_integrated(void)
     TEST_ASSERT_EQUAL_INT32(0, report.current.voltage.realised.q);
 }
 
+void test_a_trip_rests_as_a_closed_valve_does(void)
+{
+    command.i_reference_pu.q = 9000;
+    step(true);
+    TEST_ASSERT_NOT_EQUAL(0, report.current.voltage.realised.q);
+    foc_step(&foc, &config, &command, true, true, &in, &report);
+    TEST_ASSERT_EQUAL_INT32(0, report.current.voltage.realised.q);
+    TEST_ASSERT_EQUAL_INT32(0, foc.current.loop.q.integrator_q30);
+    TEST_ASSERT_EQUAL_INT32(PERIOD_COUNTS / 2, foc.current.on_q16[1] >> 16);
+}
+
 void test_currents_are_measured_with_and_without_run_in_the_rotor_frame(void)
 {
     for (int run = 0; run <= 1; run++) {
@@ -164,6 +175,9 @@ void test_a_start_after_a_rest_remembers_nothing(void)
     }
     TEST_ASSERT_TRUE(memcmp(first, foc.current.on_q16, sizeof(first)) != 0);
     step(false);
+    for (int x = 0; x < 3; x++) {
+        TEST_ASSERT_EQUAL_INT32(PERIOD_COUNTS / 2, foc.current.on_q16[x] >> 16);
+    }
     step(true);
     TEST_ASSERT_EQUAL_INT32_ARRAY(first, foc.current.on_q16, 3);
 }
@@ -210,6 +224,22 @@ void test_dead_time_is_compensated_for_the_current_that_has_had_time_to_come(voi
     }
 }
 
+void test_a_start_after_a_rest_expects_no_current_yet(void)
+{
+    config.drive.dead_time_ns = 1000;
+    restart();
+    command.i_reference_pu.q = 7000;
+    for (int n = 0; n < 50; n++) {
+        step(true);
+    }
+    step(false);
+    TEST_ASSERT_EQUAL_INT32(0, dead_time_expect(&foc.current.dead_time).q);
+    step(true);
+    /* A sixteenth has begun; what is behind has gone on by a lag since. */
+    const double left = 7000.0 * 15.0 / 16.0 * (1.0 - foc.current.dead_time.lag_q15 / 32768.0);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, 7000.0 - left, dead_time_expect(&foc.current.dead_time).q);
+}
+
 void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
 {
     /* Proportional action only, without saturation: the voltage shows the reference that was regulated. */
@@ -244,10 +274,28 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
     }
     TEST_ASSERT_EQUAL_INT32(-6000, field_weakening_current_pu(&foc.weakening));
     TEST_ASSERT_TRUE(summed_up(1).voltage_limited);
+    TEST_ASSERT_EQUAL_INT32(-6000, report.i_d_weakening_pu);
     step(false);
+    TEST_ASSERT_EQUAL_INT32(0, report.i_d_weakening_pu);
     command.tuning.w_psi_q25 = 0;
     step(true);
     TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening)); /* a rest forgets it */
+}
+
+void test_demagnetising_current_grows_by_gain_times_missing_square_in_every_period(void)
+{
+    config.current_loop.field_weakening_gain_pu_q15 = 20;
+    config.current_loop.field_weakening_current_pu_q15 = 6000;
+    restart();
+    command.tuning.w_psi_q25 = 40000 * 1024;
+    command.tuning.d.proportional_q10 = 1; /* the d axis asks for nothing */
+    command.tuning.d.integral_q15 = 0;
+    for (int n = 0; n < 400; n++) {
+        step(true);
+    }
+    /* The whole circle, 1 - 30760/32768 beyond the aim: 400 * 20/32768 * 0.0613. */
+    const double exact_pu = -32768.0 * 400.0 * 20.0 / 32768.0 * (1.0 - 30760.0 / 32768.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.005 * 490.0, exact_pu, field_weakening_current_pu(&foc.weakening));
 }
 
 void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_without_a_new_command(void)
