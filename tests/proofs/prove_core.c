@@ -20,6 +20,10 @@ void prove_q15(void)
     PROMISE(x <= Q15_ONE || saturated == Q15_ONE);
     PROMISE(q_saturate31(x) >= -1073741824 && q_saturate31(x) <= 1073741823);
     PROMISE(q_abs(x) >= 0);
+    const int32_t most = any_within(0, INT32_MAX);
+    const int32_t limited = q_limit(x, most);
+    PROMISE(limited >= -most && limited <= most);
+    PROMISE(limited == x || (x > most && limited == most) || (x < -most && limited == -most));
     const int32_t sum = a + b;
     PROMISE(q15_add(a, b) == sum || sum < Q15_MIN || sum > Q15_ONE);
     const int32_t difference = a - b;
