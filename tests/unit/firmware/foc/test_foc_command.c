@@ -1,0 +1,106 @@
+/* What the fast reach makes of a command: the reference, its limits, and the current that dead time is compensated for. */
+#include <math.h>
+
+#include "foc_rig.h"
+
+void setUp(void)
+{
+    rig_up();
+}
+
+void tearDown(void) {}
+
+void test_a_command_is_looked_at_when_its_number_changes(void)
+{
+    command.number = 7;
+    command.i_reference_pu.q = 5000;
+    foc_step(&foc, &config, &command, true, false, &in, &report);
+    TEST_ASSERT_EQUAL_INT32(5000, report.current.i_reference_pu.q);
+    command.i_reference_pu.q = 6000;
+    command.tuning.q.proportional_q10 = 1;
+    foc_step(&foc, &config, &command, true, false, &in, &report);
+    TEST_ASSERT_EQUAL_INT32(5000, report.current.i_reference_pu.q);
+    TEST_ASSERT_NOT_EQUAL(1, foc.current.tuning.q.proportional_q10);
+    command.number = 8;
+    foc_step(&foc, &config, &command, true, false, &in, &report);
+    TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
+    TEST_ASSERT_EQUAL_MEMORY(&command.tuning, &foc.current.tuning, sizeof(command.tuning));
+    foc_step(&foc, &config, &command, false, false, &in, &report);
+    TEST_ASSERT_EQUAL_INT32(0, report.current.i_reference_pu.q);
+    foc_step(&foc, &config, &command, true, false, &in, &report); /* the same one again, after a rest */
+    TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
+}
+
+void test_dead_time_is_compensated_for_the_current_that_has_had_time_to_come(void)
+{
+    config.drive.dead_time_ns = 1000;
+    restart();
+    const double step_pu = 6.0 * config.current_loop.dead_time_zone_pu_q15;
+    command.i_reference_pu.q = (int32_t)step_pu;
+    in.rotor_angle_turn = 16384;           /* q along -a: the whole current flows in phase a */
+    command.tuning.q.proportional_q10 = 1; /* no voltage but the compensation */
+    command.tuning.q.integral_q15 = 0;
+    const double lag = foc.current.dead_time.lag_q15 / 32768.0;
+    double left = 15.0 / 16.0;
+    for (int n = 0; n < 20; n++) {
+        step(true);
+        const double expected = fmin(step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
+        const double others = fmin(0.5 * step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
+        const double line = ((foc.current.on_q16[1] >> 16) - (foc.current.on_q16[0] >> 16)) / 84.0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, expected + others, line);
+        left *= 1.0 - lag;
+    }
+}
+
+void test_a_start_after_a_rest_expects_no_current_yet(void)
+{
+    config.drive.dead_time_ns = 1000;
+    restart();
+    command.i_reference_pu.q = 7000;
+    for (int n = 0; n < 50; n++) {
+        step(true);
+    }
+    step(false);
+    TEST_ASSERT_EQUAL_INT32(0, dead_time_expect(&foc.current.dead_time).q);
+    step(true);
+    /* A sixteenth has begun; what is behind has gone on by a lag since. */
+    const double left = 7000.0 * 15.0 / 16.0 * (1.0 - foc.current.dead_time.lag_q15 / 32768.0);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, 7000.0 - left, dead_time_expect(&foc.current.dead_time).q);
+}
+
+void test_demagnetising_current_grows_by_gain_times_missing_square_in_every_period(void)
+{
+    config.current_loop.field_weakening_gain_pu_q15 = 20;
+    config.current_loop.field_weakening_current_pu_q15 = 6000;
+    restart();
+    command.tuning.w_psi_q25 = 40000 * 1024;
+    command.tuning.d.proportional_q10 = 1; /* the d axis asks for nothing */
+    command.tuning.d.integral_q15 = 0;
+    for (int n = 0; n < 400; n++) {
+        step(true);
+    }
+    /* The whole circle, 1 - 30760/32768 beyond the aim: 400 * 20/32768 * 0.0613. */
+    const double exact_pu = -32768.0 * 400.0 * 20.0 / 32768.0 * (1.0 - 30760.0 / 32768.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.005 * 490.0, exact_pu, field_weakening_current_pu(&foc.weakening));
+}
+
+void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
+{
+    /* Proportional action only, without saturation: the voltage shows the reference that was regulated. */
+    command.tuning.d.proportional_q10 = 1024;
+    command.tuning.q.proportional_q10 = 1024;
+    const int32_t most = config.current_loop.max_current_pu_q15;
+    static const int32_t WANTED[][2] = {{-32768, 32767}, {-10000, 32767}, {5000, -32768}, {0, 32767}, {-3000, 4000}};
+    for (int k = 0; k < 5; k++) {
+        step(false);
+        command.i_reference_pu.d = WANTED[k][0];
+        command.i_reference_pu.q = WANTED[k][1];
+        step(true);
+        const double d = report.current.voltage.wanted_d;
+        const double q = report.current.voltage.wanted_q;
+        TEST_ASSERT_TRUE(hypot(d, q) <= most + 2.0);
+        TEST_ASSERT_EQUAL_INT32(q_clamp(WANTED[k][0], -most, most), report.current.voltage.wanted_d);
+        TEST_ASSERT_TRUE(q * WANTED[k][1] >= 0.0); /* a limit never turns the torque round */
+    }
+    TEST_ASSERT_EQUAL_INT32(4000, report.current.voltage.wanted_q); /* the last one was inside */
+}
