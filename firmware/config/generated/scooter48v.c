@@ -51,7 +51,7 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .max_switch_temperature_cC    = 30000, /* [cC] torque limit reaches zero */
     },
     .current_loop = {
-        .bandwidth_Hz                   = 1000, /* [Hz] closed loop, first order after 1.5 periods of delay; for the record, the gains below realise it */
+        .bandwidth_Hz                   = 1000, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below realise it, dead-time compensation expects the current by it */
         .proportional_d_pu_q16          = 26323, /* [pu] L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
         .proportional_q_pu_q16          = 46452, /* [pu] L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
         .integral_d_pu_q24              = 82581, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */

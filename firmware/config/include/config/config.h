@@ -73,7 +73,7 @@
     X(max_switch_temperature_cC,             1000,      30000,      "cC",     "torque limit reaches zero")
 
 #define CONFIG_CURRENT_LOOP_FIELDS(X) \
-    X(bandwidth_Hz,                          10,        10000,      "Hz",     "closed loop, first order after 1.5 periods of delay; for the record, the gains below realise it") \
+    X(bandwidth_Hz,                          10,        10000,      "Hz",     "closed loop, first order after 1.5 periods of delay; the gains below realise it, dead-time compensation expects the current by it") \
     X(proportional_d_pu_q16,                 1,         1048576,    "pu",     "L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped") \
     X(proportional_q_pu_q16,                 1,         1048576,    "pu",     "L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped") \
     X(integral_d_pu_q24,                     1,         16777216,   "pu",     "k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole") \
