@@ -21,8 +21,7 @@ typedef enum {
     MODE_BOOT = 0,
     MODE_SELFTEST = 1,
     MODE_OFFSET_CAL = 2,
-    MODE_READY =
-        3, /* bridge in its safe state, waiting to be enabled with the drive pedal released and the rotor's angle known */
+    MODE_READY = 3, /* bridge at rest, waiting to be enabled with the drive pedal released and the angle known */
     MODE_RUN = 4,
     MODE_LIMP = 5, /* reduced driving torque after a warning; braking stays whole */
     MODE_FAULT = 6
