@@ -39,11 +39,11 @@ def workers(address: str | None, processes: int | None) -> Iterator[Client]:
         with client:
             yield client
         return
-    # Nobody looks at a dashboard of a sweep that has a progress bar; the workers listen to this machine alone.
+    # The workers listen to this machine alone; Dask's own page takes any free port, so that a second sweep is not told off.
     with (
         dask_config.set({"distributed.worker.daemon": True}),
-        LocalCluster(n_workers=processes or os.cpu_count() or 1, threads_per_worker=1, host="127.0.0.1", dashboard_address=None,
-                     silence_logs=50) as cluster,
+        LocalCluster(n_workers=processes or os.cpu_count() or 1, threads_per_worker=1, host="127.0.0.1",
+                     dashboard_address="127.0.0.1:0", silence_logs=50) as cluster,
         Client(cluster) as client,
     ):  # fmt: skip
         yield client

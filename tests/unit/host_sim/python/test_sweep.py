@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -77,6 +78,13 @@ def test_a_scheduler_elsewhere_does_the_work(tmp_path: Path, whole: bytes) -> No
         address = str(client.scheduler_info()["address"])
         conduct.conduct(JOB, PLAN, fresh(tmp_path, "a.parquet"), address=address)
     assert (tmp_path / "a.parquet").read_bytes() == whole
+
+
+def test_two_sweeps_at_a_time_do_not_mind_each_other() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with conduct.workers(None, 1) as one, conduct.workers(None, 1) as other:
+            assert one.submit(int, "1").result() + other.submit(int, "2").result() == 3
 
 
 def test_control_c_leaves_what_is_needed_to_go_on(tmp_path: Path) -> None:
