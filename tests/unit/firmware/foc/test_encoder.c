@@ -96,6 +96,33 @@ void test_before_the_index_nothing_may_be_driven_and_the_first_index_makes_the_a
     }
 }
 
+void test_a_shaft_at_rest_is_in_the_middle_of_its_count(void)
+{
+    configure(1000, 0); /* 23 pole pairs: a count is 8 degrees electrical */
+    turn_for(0.5, 1e-4);
+    for (int n = 0; n < 4000; n++) {
+        turn(0.0);
+    }
+    const double middle = (floor(shaft_turns * 1000.0) + 0.5) / 1000.0 * config.motor.pole_pairs;
+    const double error = encoder.theta_turn / 65536.0 - config.rotor.encoder_index_turn / 65536.0 - middle;
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * count_turns(), 0.0, error - floor(error + 0.5));
+}
+
+void test_the_first_index_moves_the_angle_and_leaves_the_speed(void)
+{
+    configure(65536, 0);
+    shaft_turns = -0.38; /* the index moves the angle by 23 * 0.38 turns: a quarter short of whole ones */
+    turn_for(0.37, 5e-4);
+    while (!encoder.valid) {
+        turn(5e-4);
+    }
+    for (int n = 0; n < 50; n++) {
+        const double speed = encoder.tracking.speed_q32 / 4294967296.0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.02 * 5e-4 * config.motor.pole_pairs, 5e-4 * config.motor.pole_pairs, speed);
+        turn(5e-4);
+    }
+}
+
 /* Counts that are no power of two, counters that wrap inside a turn, both directions of counting. */
 void test_the_angle_never_drifts_and_is_wrong_by_a_count_and_a_half_at_most(void)
 {

@@ -243,6 +243,7 @@ void test_the_power_report_is_voltage_times_current(void)
     /* One period, from nothing: its sum is its mean. */
     TEST_ASSERT_DOUBLE_WITHIN(1.0, (u.d * (double)i.d + u.q * (double)i.q) / 32768.0, summed_up(1).power_pu);
     TEST_ASSERT_EQUAL_INT32(i.q, summed_up(1).i_pu.q);
+    TEST_ASSERT_EQUAL_INT32(in.bus_voltage_code * 8, summed_up(1).v_dc_pu);
 }
 
 void test_the_bus_voltage_is_eight_a_code_and_codes_beyond_twelve_bits_are_clamped(void)

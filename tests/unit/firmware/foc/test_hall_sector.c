@@ -107,3 +107,23 @@ void test_an_overdue_edge_takes_a_sixty_fourth_of_the_speed_and_a_quarter_of_a_s
     TEST_ASSERT_EQUAL_INT(0, hall.direction);
     TEST_ASSERT_EQUAL_UINT16(hall.middle_turn, hall.theta_q32 >> 16);
 }
+
+void test_a_standstill_forgets_the_movement(void)
+{
+    hall_enter_sector(&hall, &config, 4);
+    hall_time_sector(&hall, 3, hall_sector_width(&config, 3), 100);
+    hall.speed_q32 = hall.edge_speed_q32 = 1000000;
+    hall.direction = -1;
+    hall.overdue_periods = 200;
+    hall.bounce_periods = 12;
+    hall_settle(&hall);
+    TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);
+    TEST_ASSERT_EQUAL_INT32(0, hall.edge_speed_q32);
+    TEST_ASSERT_EQUAL_INT(0, hall.direction);
+    TEST_ASSERT_EQUAL_INT32(0, hall.bounce_periods); /* the next edge may come at any time */
+    TEST_ASSERT_EQUAL_INT32(hall.standstill_periods, hall.overdue_periods);
+    TEST_ASSERT_EQUAL_UINT8(0, hall.sectors_timed);
+    TEST_ASSERT_EQUAL_UINT32(0, hall.timed_turn + hall.timed_periods);
+    TEST_ASSERT_EQUAL_UINT16(hall.middle_turn, hall.theta_q32 >> 16);
+    TEST_ASSERT_EQUAL_UINT32(hall.theta_q32, hall.edge_theta_q32);
+}

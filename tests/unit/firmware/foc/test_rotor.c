@@ -68,6 +68,8 @@ void test_an_encoder_is_read_only_when_the_configuration_says_so(void)
     config.rotor.encoder_counts = 4096;
     config.rotor.encoder_index_turn = 20000;
     rotor_init(&rotor, &config);
+    const encoder_input_t before_index = {.count = 690};
+    TEST_ASSERT_FALSE(look(12345, 2, &before_index).valid);
     const encoder_input_t at_index = {.count = 700, .index_count = 700, .index = true};
     TEST_ASSERT_TRUE(look(12345, 2, &at_index).valid);
     const encoder_input_t later = {.count = 710};
