@@ -26,7 +26,7 @@ void tearDown(void) {}
 static seen_t period(const machine_t *m, double turn, double u_d, double u_q, double begin_d, double begin_q,
                      double *end_d, double *end_q)
 {
-    enum { STEPS = 4000 };
+    enum { STEPS = 64 }; /* wrong by the square of 1/64 of w: below an LSB */
     const double h = 1.0 / STEPS;
     const double w = 2.0 * PI * turn;
     double d = begin_d;

@@ -238,7 +238,7 @@ void test_no_limit_ever_turns_a_torque_round_or_lets_it_grow_beyond_the_demand(v
 void test_a_braking_demand_is_met_by_the_two_brakes_together_once_the_motor_has_arrived(void)
 {
     random_t random = random_seeded(2);
-    for (int n = 0; n < 2000; n++) {
+    for (int n = 0; n < 300; n++) {
         torque_init(&state);
         in.speed_mrad_s = random_between(&random, 0, 67000);
         in.brake_torque_mNm = random_between(&random, 1, 300000);
