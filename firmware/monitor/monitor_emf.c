@@ -1,9 +1,10 @@
 #include "monitor/monitor_emf.h"
 
 #include "config/bases.h"
+#include "core/divide.h"
 #include "core/q15.h"
 
-enum { PPM = 1000000, MARGIN = 4, MOST_CURRENT_mA = 10000000 };
+enum { MARGIN = 4, MOST_CURRENT_mA = 10000000 };
 
 static int64_t larger(int64_t a, int64_t b)
 {
@@ -18,28 +19,28 @@ static int64_t magnitude(int64_t x)
 /* mrad/s * nH = 1e-6 uOhm, with the sign of the speed. */
 static int64_t reactance_uOhm(int64_t w_mrad_s, int32_t inductance_nH)
 {
-    return q_saturate64(w_mrad_s * inductance_nH / PPM);
+    return q_saturate64(divide_by_million(w_mrad_s * inductance_nH));
 }
 
 static bool contradicted(const config_t *config, const monitor_emf_input_t *in, bool *judged)
 {
     const config_motor_t *motor = &config->motor;
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->speed_mrad_s);
-    const int64_t emf_mV = w_mrad_s * motor->flux_linkage_nWb / 1000000000;
+    const int64_t emf_mV = divide_by_billion(w_mrad_s * motor->flux_linkage_nWb);
     const int64_t x_d_uOhm = reactance_uOhm(w_mrad_s, motor->d_inductance_nH);
     const int64_t x_q_uOhm = reactance_uOhm(w_mrad_s, motor->q_inductance_nH);
     const int64_t i_d_mA = q_clamp(in->i_d_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA);
     const int64_t i_q_mA = q_clamp(in->i_q_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA);
 
     /* uOhm * mA = 1e-6 mV. |i_d| + |i_q| is never less than |i|. */
-    const int64_t e_d_mV = in->u_d_mV - (motor->phase_resistance_uOhm * i_d_mA - x_q_uOhm * i_q_mA) / PPM;
-    const int64_t e_q_mV = in->u_q_mV - (motor->phase_resistance_uOhm * i_q_mA + x_d_uOhm * i_d_mA) / PPM;
+    const int64_t e_d_mV = in->u_d_mV - divide_by_million(motor->phase_resistance_uOhm * i_d_mA - x_q_uOhm * i_q_mA);
+    const int64_t e_q_mV = in->u_q_mV - divide_by_million(motor->phase_resistance_uOhm * i_q_mA + x_d_uOhm * i_d_mA);
     const int64_t x_uOhm = larger(magnitude(x_d_uOhm), magnitude(x_q_uOhm));
     const int64_t i_mA = magnitude(i_d_mA) + magnitude(i_q_mA);
     /* ns * Hz = 1e-9 of the bus voltage. */
-    const int64_t dead_ppm = (int64_t)config->drive.dead_time_ns * config->drive.pwm_frequency_Hz / 1000;
-    const int64_t uncertain_mV =
-        (motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA / PPM + dead_ppm * in->bus_voltage_mV / PPM * 2 / 3;
+    const int64_t dead_ppm = divide_by_thousand((int64_t)config->drive.dead_time_ns * config->drive.pwm_frequency_Hz);
+    const int64_t uncertain_mV = divide_by_million((motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA) +
+                                 divide_by_million(dead_ppm * in->bus_voltage_mV) * 2 / 3;
 
     *judged = magnitude(emf_mV) >= MARGIN * larger(uncertain_mV, 1);
     const int64_t along_mV = emf_mV >= 0 ? e_q_mV : -e_q_mV;

@@ -1,6 +1,7 @@
 #include "torque/capability.h"
 
 #include "config/bases.h"
+#include "core/divide.h"
 #include "core/q15.h"
 #include "torque/current_reference.h"
 #include "torque/foldback.h"
@@ -23,7 +24,7 @@ static int32_t own_share_mA(const config_t *config, int32_t pack_limit_mA, int32
 /* Power that |current| of this motor's share means at the present bus voltage, mW. */
 static int32_t power_mW(int32_t current_mA, int32_t voltage_mV)
 {
-    return q_saturate64((int64_t)current_mA * voltage_mV / 1000);
+    return q_saturate64(divide_by_thousand((int64_t)current_mA * voltage_mV));
 }
 
 /* One motor in one direction of power. */
@@ -42,7 +43,7 @@ typedef enum { BURDEN_CURRENT_SQUARE, BURDEN_DRAWN_POWER, BURDEN_RETURNED_POWER 
 static int64_t saliency_mV(const motor_model_t *model, int32_t current_mA)
 {
     const int64_t difference_uOhm = (int64_t)model->reactance_d_uOhm - model->reactance_q_uOhm;
-    return q_saturate64(q_saturate64(difference_uOhm) * (int64_t)current_mA / 1000000);
+    return q_saturate64(divide_by_million(q_saturate64(difference_uOhm) * (int64_t)current_mA));
 }
 
 /*
@@ -63,8 +64,8 @@ static int64_t uncertain_mW(const side_t *side, motor_current_t i)
     const int64_t angle_urad = q_saturate64(w_abs_mrad_s * 500 / config->drive.pwm_frequency_Hz);
     const int64_t across_uW =
         (model->emf_mV + saliency_mV(model, i.d_mA)) * i.d_mA - saliency_mV(model, i.q_mA) * i.q_mA;
-    const int64_t across_mW = q_saturate64(across_uW / 1000 * 3 / 2);
-    return (across_mW < 0 ? -across_mW : across_mW) * angle_urad / 1000000;
+    const int64_t across_mW = q_saturate64(divide_by_thousand(across_uW) * 3 / 2);
+    return divide_by_million((across_mW < 0 ? -across_mW : across_mW) * angle_urad);
 }
 
 static int64_t burden_of(const side_t *side, burden_t burden, int32_t torque_mNm)

@@ -10,9 +10,9 @@ static int32_t layer_d_mA(const config_current_map_t *map, const int32_t *layer,
 {
     const int32_t *slow = &layer[s.index * map->torque_points + t.index];
     const int32_t *fast = slow + map->torque_points;
-    const int32_t at_slow_mA = grid_interpolate(slow[0], slow[1], t.fraction, map->torque_step_log2);
-    const int32_t at_fast_mA = grid_interpolate(fast[0], fast[1], t.fraction, map->torque_step_log2);
-    return grid_interpolate(at_slow_mA, at_fast_mA, s.fraction, map->speed_step_log2);
+    const int32_t at_slow_mA = grid_interpolate(slow[0], slow[1], t.fraction_q20);
+    const int32_t at_fast_mA = grid_interpolate(fast[0], fast[1], t.fraction_q20);
+    return grid_interpolate(at_slow_mA, at_fast_mA, s.fraction_q20);
 }
 
 int32_t current_map_d_mA(const config_t *config, int32_t speed_mrad_s, int32_t winding_temperature_cC,
@@ -34,5 +34,5 @@ int32_t current_map_d_mA(const config_t *config, int32_t speed_mrad_s, int32_t w
     const int32_t *cold = &map->current_d_mA[(size_t)w.index * layer_points];
     const int32_t at_cold_mA = layer_d_mA(map, cold, s, t);
     const int32_t at_hot_mA = layer_d_mA(map, cold + layer_points, s, t);
-    return grid_interpolate(at_cold_mA, at_hot_mA, w.fraction, map->temperature_step_log2);
+    return grid_interpolate(at_cold_mA, at_hot_mA, w.fraction_q20);
 }

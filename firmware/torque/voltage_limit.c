@@ -1,6 +1,7 @@
 #include "torque/voltage_limit.h"
 
 #include "config/bases.h"
+#include "core/divide.h"
 #include "core/isqrt.h"
 #include "core/q15.h"
 
@@ -26,11 +27,11 @@ static line_t line_at(const motor_model_t *model, int32_t i_d_mA)
     const int64_t r_uOhm = model->resistance_uOhm;
     const int64_t x_d_uOhm = model->reactance_d_uOhm;
     /* uOhm * mA = 1e-6 mV */
-    const int64_t iron_mA = model->iron_current_mA + (int64_t)model->cross_d_ppm * i_d_mA / PPM;
-    const int64_t q_mV = model->emf_mV + (x_d_uOhm * i_d_mA + r_uOhm * q_saturate64(iron_mA)) / PPM;
-    const int64_t q_uOhm = (r_uOhm * model->one_plus_a2_ppm + x_d_uOhm * model->cross_q_ppm) / PPM;
+    const int64_t iron_mA = model->iron_current_mA + divide_by_million((int64_t)model->cross_d_ppm * i_d_mA);
+    const int64_t q_mV = model->emf_mV + divide_by_million(x_d_uOhm * i_d_mA + r_uOhm * q_saturate64(iron_mA));
+    const int64_t q_uOhm = divide_by_million(r_uOhm * model->one_plus_a2_ppm + x_d_uOhm * model->cross_q_ppm);
     line_t line = {
-        .d_mV = q_clamp(q_saturate64(r_uOhm * i_d_mA / PPM), -MOST_VOLTAGE_mV, MOST_VOLTAGE_mV),
+        .d_mV = q_clamp(q_saturate64(divide_by_million(r_uOhm * i_d_mA)), -MOST_VOLTAGE_mV, MOST_VOLTAGE_mV),
         .q_mV = q_clamp(q_saturate64(q_mV), -MOST_VOLTAGE_mV, MOST_VOLTAGE_mV),
         .d_uOhm = model->reactance_q_uOhm,
         .q_uOhm = q_saturate64(q_uOhm),

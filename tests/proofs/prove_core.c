@@ -124,7 +124,10 @@ void prove_grid(void)
     const int32_t step_log2 = any_within(0, 20);
     const grid_position_t at = grid_locate(nondet_int32(), points, step_log2);
     PROMISE(at.index >= 0 && at.index <= points - 2);
-    PROMISE(at.fraction >= 0 && at.fraction <= (1 << step_log2));
+    PROMISE(at.fraction_q20 >= 0 && at.fraction_q20 <= GRID_WHOLE_Q20);
+    const int32_t a = nondet_int32();
+    const int32_t b = nondet_int32();
+    PROMISE(grid_interpolate(a, b, 0) == a && grid_interpolate(a, b, GRID_WHOLE_Q20) == b);
     PROOF_END();
 }
 

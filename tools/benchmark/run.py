@@ -47,6 +47,7 @@ class Budget:
 BUDGETS = (
     Budget("cortex-m4", CURRENT_LOOP, 180, 1.05),
     Budget("cortex-m4", FAST_STEP, 300),
+    Budget("cortex-m4", SLOW_STEP, 20000),
     Budget("cortex-m3", CURRENT_LOOP, 190),
     Budget("cortex-m0plus", CURRENT_LOOP, 320),
 )

@@ -1,5 +1,5 @@
 /*
- * isqrt.h: integer square root for the slow reach. 32 iterations, no division; not for the PWM-rate path.
+ * isqrt.h: integer square root for the slow reach. One iteration for each two bits of the argument, no division; not for the PWM-rate path.
  */
 #ifndef CORE_ISQRT_H
 #define CORE_ISQRT_H

@@ -14,8 +14,9 @@ void test_every_place_of_the_axis_is_index_and_fraction(void)
         const int32_t step = 1 << step_log2;
         for (int32_t x = 0; x < 5 * step; x++) {
             const grid_position_t p = grid_locate(x, 6, step_log2);
-            TEST_ASSERT_EQUAL_INT32(x, p.index * step + p.fraction);
-            TEST_ASSERT_TRUE(p.index >= 0 && p.index <= 4 && p.fraction >= 0 && p.fraction <= step);
+            TEST_ASSERT_EQUAL_INT32(x, p.index * step + p.fraction_q20 * step / GRID_WHOLE_Q20);
+            TEST_ASSERT_EQUAL_INT32(0, p.fraction_q20 * step % GRID_WHOLE_Q20); /* nothing was rounded */
+            TEST_ASSERT_TRUE(p.index >= 0 && p.index <= 4 && p.fraction_q20 >= 0 && p.fraction_q20 <= GRID_WHOLE_Q20);
         }
     }
 }
@@ -27,10 +28,10 @@ void test_outside_the_axis_the_nearest_end_counts(void)
     for (unsigned i = 0; i < 4; i++) {
         const grid_position_t low = grid_locate(BELOW[i], 8, 8);
         TEST_ASSERT_EQUAL_INT32(0, low.index);
-        TEST_ASSERT_EQUAL_INT32(0, low.fraction);
+        TEST_ASSERT_EQUAL_INT32(0, low.fraction_q20);
         const grid_position_t high = grid_locate(ABOVE[i], 8, 8);
         TEST_ASSERT_EQUAL_INT32(6, high.index); /* the last interval, at its far end */
-        TEST_ASSERT_EQUAL_INT32(256, high.fraction);
+        TEST_ASSERT_EQUAL_INT32(GRID_WHOLE_Q20, high.fraction_q20);
     }
 }
 
@@ -38,30 +39,27 @@ void test_the_widest_grid_locates_the_largest_argument(void)
 {
     const grid_position_t p = grid_locate(INT32_MAX, 65, 20);
     TEST_ASSERT_EQUAL_INT32(63, p.index);
-    TEST_ASSERT_EQUAL_INT32(1 << 20, p.fraction);
+    TEST_ASSERT_EQUAL_INT32(GRID_WHOLE_Q20, p.fraction_q20);
 }
 
 void test_interpolation_is_the_straight_line_rounded_to_nearest(void)
 {
     static const int32_t PAIRS[][2] = {{0, 1000}, {1000, 0}, {-7, 9}, {-1000000, -999}, {INT32_MIN, INT32_MAX}, {5, 5}};
     for (unsigned i = 0; i < sizeof(PAIRS) / sizeof(PAIRS[0]); i++) {
-        for (int32_t step_log2 = 0; step_log2 <= 20; step_log2 += 5) {
-            const int32_t step = 1 << step_log2;
-            for (int32_t k = 0; k <= 64; k++) {
-                const int32_t fraction = (int32_t)((int64_t)step * k / 64);
-                const double a = PAIRS[i][0];
-                const double b = PAIRS[i][1];
-                const double exact = a + (b - a) * fraction / step;
-                const int32_t got = grid_interpolate(PAIRS[i][0], PAIRS[i][1], fraction, step_log2);
-                TEST_ASSERT_DOUBLE_WITHIN(0.5, exact, got);
-                TEST_ASSERT_TRUE(got >= fmin(a, b) && got <= fmax(a, b)); /* never leaves its neighbours */
-            }
+        /* 2^20 - 1 is a multiple of 75: the last fraction is the whole. */
+        for (int32_t fraction_q20 = 1; fraction_q20 <= GRID_WHOLE_Q20; fraction_q20 += 75) {
+            const double a = PAIRS[i][0];
+            const double b = PAIRS[i][1];
+            const double exact = a + (b - a) * fraction_q20 / GRID_WHOLE_Q20; /* 53 bits: nothing is rounded */
+            const int32_t got = grid_interpolate(PAIRS[i][0], PAIRS[i][1], fraction_q20);
+            TEST_ASSERT_TRUE(fabs(got - exact) <= 0.5);
+            TEST_ASSERT_TRUE(got >= fmin(a, b) && got <= fmax(a, b)); /* never leaves its neighbours */
         }
     }
 }
 
 void test_the_ends_of_an_interval_are_exact(void)
 {
-    TEST_ASSERT_EQUAL_INT32(-77, grid_interpolate(-77, 1234567, 0, 13));
-    TEST_ASSERT_EQUAL_INT32(1234567, grid_interpolate(-77, 1234567, 8192, 13));
+    TEST_ASSERT_EQUAL_INT32(-77, grid_interpolate(-77, 1234567, 0));
+    TEST_ASSERT_EQUAL_INT32(1234567, grid_interpolate(-77, 1234567, GRID_WHOLE_Q20));
 }

@@ -164,7 +164,7 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(t
     """The current reference, compiled, against the model: torque within 0.2 %, and the DC power of the stored map."""
     library = tmp_path / "reference.so"
     includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")]
-    names = ("torque/current_map.c", "torque/current_reference.c", "torque/motor_model.c", "core/grid.c", "core/isqrt.c")
+    names = ("torque/current_map.c", "torque/current_reference.c", "torque/motor_model.c", "core/divide.c", "core/grid.c", "core/isqrt.c")
     sources = [str(ROOT / "firmware" / name) for name in names]
     subprocess.run(["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)], check=True)
     ffi = cffi.FFI()
