@@ -3,6 +3,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "config/bases.h"
+
 typedef struct {
     const char *field;
     uint16_t offset;
@@ -201,8 +203,8 @@ static config_verdict_t check_relations(const config_t *c)
          "drive.derate_switch_temperature_cC <= drive.max_switch_temperature_cC"},
         {c->drive.min_pulse_counts * 5 <= c->drive.pwm_period_counts,
          "drive.min_pulse_counts <= drive.pwm_period_counts / 5"},
-        {(int64_t)c->drive.dead_time_ns * c->drive.pwm_frequency_Hz <= 125000000,
-         "drive.dead_time_ns within an eighth of the PWM period"},
+        {bases_dead_time_share_1e9(c) <= 125000000,
+         "drive.dead_time_ns, with drive.diode_drop_mV, within an eighth of the PWM period"},
         {max_current_pu_q15 <= c->current_loop.max_current_pu_q15 + 1,
          "motor.max_phase_current_mA within current_loop.max_current_pu_q15"},
         {c->current_loop.max_current_pu_q15 < c->monitor.overcurrent_pu_q15,

@@ -1,5 +1,7 @@
 #include "foc/dead_time.h"
 
+#include "config/bases.h"
+
 enum {
     LARGEST_SLOPE_Q8 = 65000, /* times a vector of length one, and its rounding, stays below 2^31 */
     SLOWEST_LAG_Q15 = 2048    /* 1/16: less would leave more than 16 LSB undone, an eighth of the narrowest zone */
@@ -17,9 +19,8 @@ static int32_t lag_q15(const config_t *config)
 dead_time_t dead_time_init(const config_t *config)
 {
     const config_drive_t *drive = &config->drive;
-    /* t_d as a share of the PWM period, times the counts of the full swing. */
-    const int64_t share_1e9 = (int64_t)drive->dead_time_ns * drive->pwm_frequency_Hz;
-    const int64_t counts = (share_1e9 * drive->pwm_period_counts + 500000000) / 1000000000;
+    /* What is lost as a share of the bus voltage, times the counts of the full swing: t_d f (1 + 2 V_f/v_dc) period. */
+    const int64_t counts = (bases_dead_time_share_1e9(config) * drive->pwm_period_counts + 500000000) / 1000000000;
     const int32_t slope_q8 = q_min(8388608 / config->current_loop.dead_time_zone_pu_q15, LARGEST_SLOPE_Q8);
     const dead_time_t out = {
         .full_counts = q_saturate64(counts),

@@ -111,6 +111,7 @@ config_t papers_vehicle()
     config.drive.pwm_period_counts = 4200;
     config.drive.min_pulse_counts = 252;
     config.drive.dead_time_ns = 1000;
+    config.drive.diode_drop_mV = 0;
     config.current_loop.proportional_d_pu_q16 = 51313;
     config.current_loop.proportional_q_pu_q16 = 51313;
     config.current_loop.integral_d_pu_q24 = 267909;

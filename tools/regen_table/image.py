@@ -143,6 +143,7 @@ def _drive(drive: Drive) -> dict[str, Any]:
         "pwm_frequency_Hz": nearest(inverter.pwm_frequency_hz),
         "pwm_period_counts": loops.pwm_period_counts(drive),
         "dead_time_ns": nearest(inverter.dead_time_s * 1e9),
+        "diode_drop_mV": nearest(inverter.diode_forward_voltage_v * 1e3),
         "min_pulse_counts": loops.min_pulse_counts(drive),
         "derate_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC if hottest is None else nearest((hottest - 20.0) * 1e2),
         "max_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC if hottest is None else nearest(hottest * 1e2),

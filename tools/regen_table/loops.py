@@ -66,8 +66,14 @@ def min_pulse_counts(drive: Drive) -> int:
 
 
 def dead_time_counts(drive: Drive) -> int:
-    """Timer counts by which the dead-time compensation may move a compare value."""
-    return nearest(drive.inverter.dead_time_s * drive.inverter.pwm_frequency_hz * pwm_period_counts(drive))
+    """Timer counts by which the dead-time compensation may move a compare value: dead_time_init().
+
+    A leg loses t_d f (v_dc + 2 V_f): in the one dead interval a diode lies where the switch was to be, in the other one it
+    adds its drop. As a share of the bus voltage that is t_d f (1 + 2 V_f / v_dc), here at the middle of the battery's range.
+    """
+    inverter, middle_v = drive.inverter, (drive.battery.min_voltage_v + drive.battery.max_voltage_v) / 2.0
+    lost = inverter.dead_time_s * inverter.pwm_frequency_hz * (1.0 + 2.0 * inverter.diode_forward_voltage_v / middle_v)
+    return nearest(lost * pwm_period_counts(drive))
 
 
 def modulation_limit(drive: Drive) -> float:
@@ -155,7 +161,7 @@ def dead_time_zone_pu(drive: Drive) -> float:
     """Per-unit current below which the dead-time compensation is proportional.
 
     During a dead interval the leg takes the voltage that the current's sign gives it, until the current has gone. Over
-    a period the error is at most t_d f v_dc, which moves the current by t_d f v_dc T / L = t_d v_dc / L: whatever is
+    a period the error is at most t_d f (v_dc + 2 V_f), which moves the current by t_d (v_dc + 2 V_f) / L: whatever is
     smaller may end inside the interval. The smaller inductance lets it end soonest. Not below 128 LSB, the noise of a
     12-bit converter.
     """
@@ -163,8 +169,8 @@ def dead_time_zone_pu(drive: Drive) -> float:
     if zone is not None:
         return zone / drive.inverter.current_full_scale_a
     inductance = min(drive.motor.d_inductance_h, drive.motor.q_inductance_h)
-    volts_lost = drive.inverter.dead_time_s * drive.inverter.pwm_frequency_hz * relations.nominal_open_circuit_v(drive)
-    extinguished_a = volts_lost * bases(drive).period_s / inductance
+    against_v = relations.nominal_open_circuit_v(drive) + 2.0 * drive.inverter.diode_forward_voltage_v
+    extinguished_a = drive.inverter.dead_time_s * against_v / inductance
     return min(max(extinguished_a / drive.inverter.current_full_scale_a, DEAD_TIME_ZONE_MIN), 1.0)
 
 

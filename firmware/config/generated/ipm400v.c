@@ -14,7 +14,7 @@ extern const config_t CONFIG_IPM400V;
 
 CONFIG_SECTION const config_t CONFIG_IPM400V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 5,
+    .format_version = 6,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ipm400v",
@@ -46,6 +46,7 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .pwm_frequency_Hz             = 10000, /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
         .pwm_period_counts            = 8400, /* timer counts from 0 to the top of the centre-aligned count */
         .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
+        .diode_drop_mV                = 1200, /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of the current */
         .min_pulse_counts             = 168, /* shortest low-side pulse: sampling window of the shunts */
         .derate_switch_temperature_cC = 13000, /* [cC] torque limit starts to shrink */
         .max_switch_temperature_cC    = 15000, /* [cC] torque limit reaches zero */
@@ -426,5 +427,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -243312,
         },
     },
-    .crc32 = 0xBB754812,
+    .crc32 = 0x4C079EF0,
 };

@@ -14,7 +14,7 @@ extern const config_t CONFIG_LU2013;
 
 CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .magic = CONFIG_MAGIC,
-    .format_version = 5,
+    .format_version = 6,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "lu2013",
@@ -46,6 +46,7 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .pwm_frequency_Hz             = 20000, /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
         .pwm_period_counts            = 4200, /* timer counts from 0 to the top of the centre-aligned count */
         .dead_time_ns                 = 1000, /* [ns] between the two switches of a leg */
+        .diode_drop_mV                = 800, /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of the current */
         .min_pulse_counts             = 84, /* shortest low-side pulse: sampling window of the shunts */
         .derate_switch_temperature_cC = 30000, /* [cC] torque limit starts to shrink */
         .max_switch_temperature_cC    = 30000, /* [cC] torque limit reaches zero */
@@ -59,11 +60,11 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .inductance_d_pu_q16            = 104443, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
         .inductance_q_pu_q16            = 104443, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
         .flux_pu_q16                    = 169907, /* [pu] omega_base psi / V_base, back-EMF */
-        .modulation_limit_pu_q15        = 30115, /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        .modulation_limit_pu_q15        = 30068, /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
         .max_current_pu_q15             = 14895, /* [pu] largest |i| the loop is asked for */
         .field_weakening_gain_pu_q15    = 175, /* [pu] current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped */
         .field_weakening_current_pu_q15 = 7944, /* [pu] largest demagnetising current */
-        .dead_time_zone_pu_q15          = 138, /* [pu] current below which the dead-time compensation is proportional */
+        .dead_time_zone_pu_q15          = 143, /* [pu] current below which the dead-time compensation is proportional */
     },
     .rotor = {
         .sensor                         = 1, /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
@@ -167,5 +168,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x2848640F,
+    .crc32 = 0xC358E520,
 };

@@ -14,7 +14,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 5,
+    .format_version = 6,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -46,6 +46,7 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .pwm_frequency_Hz             = 24000, /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
         .pwm_period_counts            = 3500, /* timer counts from 0 to the top of the centre-aligned count */
         .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
+        .diode_drop_mV                = 800, /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of the current */
         .min_pulse_counts             = 168, /* shortest low-side pulse: sampling window of the shunts */
         .derate_switch_temperature_cC = 30000, /* [cC] torque limit starts to shrink */
         .max_switch_temperature_cC    = 30000, /* [cC] torque limit reaches zero */
@@ -59,7 +60,7 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .inductance_d_pu_q16            = 60158, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
         .inductance_q_pu_q16            = 106161, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
         .flux_pu_q16                    = 154416, /* [pu] omega_base psi / V_base, back-EMF */
-        .modulation_limit_pu_q15        = 28798, /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        .modulation_limit_pu_q15        = 28779, /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
         .max_current_pu_q15             = 19859, /* [pu] largest |i| the loop is asked for */
         .field_weakening_gain_pu_q15    = 0, /* [pu] current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped */
         .field_weakening_current_pu_q15 = 0, /* [pu] largest demagnetising current */
@@ -165,5 +166,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -14396,
         },
     },
-    .crc32 = 0xA5422837,
+    .crc32 = 0x59FE905F,
 };

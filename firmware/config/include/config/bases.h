@@ -46,6 +46,22 @@ static inline int32_t bases_electrical_mrad_s(const config_t *config, int32_t sp
     return q_saturate64((int64_t)speed_mrad_s * config->motor.pole_pairs);
 }
 
+/*
+ * The voltage that dead time takes out of every phase, as a share of the bus voltage in 1e-9.
+ *
+ * With i > 0 the leg lies at -V_f in both dead intervals of a period. In one of them the high side was to conduct, which
+ * loses v_dc + V_f, in the other one the low side, which loses V_f; with i < 0 the same the other way round:
+ *     t_d f_pwm (v_dc + 2 V_f)        over v_dc        t_d f_pwm (1 + 2 V_f / v_dc)
+ * v_dc is (battery.min_voltage_mV + battery.max_voltage_mV) / 2 here: with 0.8 V at 45 to 58 V instead of 49.2 V, 0.5 % beside.
+ */
+static inline int64_t bases_dead_time_share_1e9(const config_t *config)
+{
+    const int64_t dead_1e9 = (int64_t)config->drive.dead_time_ns * config->drive.pwm_frequency_Hz;
+    const int64_t twice_v_dc_mV = (int64_t)config->battery.min_voltage_mV + config->battery.max_voltage_mV;
+    const int64_t drops_mV = INT64_C(4) * config->drive.diode_drop_mV;
+    return dead_1e9 + (dead_1e9 * drops_mV + twice_v_dc_mV / 2) / twice_v_dc_mV;
+}
+
 /* The share, in 1e-8, that a winding at a temperature leaves of what changes by a coefficient from the reference
  * temperature on. Between a tenth and the value 1000 K up, whatever a broken thermistor says. */
 static inline int64_t bases_share_at_1e8(const config_t *config, int32_t coefficient_ppm_K,

@@ -2,9 +2,10 @@
  * dead_time.h: giving back the voltage that dead time takes.
  *
  * During both dead intervals of a period the sign of the phase current decides which diode conducts: the leg's mean
- * voltage is wrong by -sign(i) t_d f_pwm v_dc. The compensation lengthens or shortens the high-side pulse by half the
- * dead time in each half period; within a zone around zero current, where the dead interval may end without current, it
- * is proportional to the current.
+ * voltage is wrong by -sign(i) t_d f_pwm (v_dc + 2 V_f). The compensation lengthens or shortens the high-side pulse by half of
+ * that, in time, in each half period, with the diodes' drop as a share of the battery's middle voltage
+ * (bases_dead_time_share_1e9()); within a zone around zero current, where the dead interval may end without current, it is
+ * proportional to the current.
  *
  * The current that counts is the one that will flow while the voltage acts, in the middle of that 1.5 periods after the
  * sample. It is worked out from the reference, which has no noise, and not from a measurement, which lags: from then on the

@@ -242,6 +242,12 @@ void test_pulses_and_dead_time_must_fit_into_the_period(void)
     assert_relation("drive.min_pulse_counts");
     config.drive.dead_time_ns = 10000; /* 20 % of the period at 20 kHz */
     assert_relation("drive.dead_time_ns");
+    /* 12 % at 20 kHz, and twice 0.8 V over 24 V: 12.8 %. */
+    config.drive.dead_time_ns = 6000;
+    config.drive.diode_drop_mV = 800;
+    config.battery.min_voltage_mV = 20000;
+    config.battery.max_voltage_mV = 28000;
+    assert_relation("drive.dead_time_ns, with drive.diode_drop_mV");
 }
 
 void test_the_handover_ends_below_where_it_starts(void)

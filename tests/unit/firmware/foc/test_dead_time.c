@@ -15,6 +15,7 @@ void setUp(void)
     config.drive.pwm_frequency_Hz = 20000;
     config.drive.pwm_period_counts = 4200;
     config.drive.dead_time_ns = 1000;
+    config.drive.diode_drop_mV = 0;
     config.current_loop.dead_time_zone_pu_q15 = 655;
 }
 
@@ -39,6 +40,35 @@ void test_the_full_correction_is_the_share_of_the_period_that_dead_time_takes(vo
     TEST_ASSERT_EQUAL_INT32(42, dead_time_init(&config).full_counts); /* 41.58, to the nearest */
     config.drive.dead_time_ns = 493;
     TEST_ASSERT_EQUAL_INT32(41, dead_time_init(&config).full_counts); /* 41.41 */
+}
+
+void test_the_diodes_drop_is_given_back_as_a_share_of_the_batterys_middle_voltage(void)
+{
+    /* The leg misses 2 % of v_dc + 2 V_f. At 40 V that is 0.8 V + 4 % of V_f; a count is worth 40 V / 4200. */
+    config.battery.min_voltage_mV = 30000;
+    config.battery.max_voltage_mV = 50000;
+    config.drive.diode_drop_mV = 1000;
+    TEST_ASSERT_EQUAL_INT32(88, dead_time_init(&config).full_counts); /* 84 * 42/40 = 88.2 */
+    config.drive.diode_drop_mV = 5000;
+    TEST_ASSERT_EQUAL_INT32(105, dead_time_init(&config).full_counts); /* 84 * 50/40 */
+    config.battery.max_voltage_mV = 90000;                             /* 60 V */
+    TEST_ASSERT_EQUAL_INT32(98, dead_time_init(&config).full_counts);  /* 84 * 70/60 */
+    for (int32_t drop_mV = 0; drop_mV <= 5000; drop_mV += 7) {
+        config.drive.diode_drop_mV = drop_mV;
+        const double lost_V = 1e-6 * 20000.0 * (60.0 + 2e-3 * drop_mV);
+        TEST_ASSERT_DOUBLE_WITHIN(0.5001, lost_V / 60.0 * 4200.0, dead_time_init(&config).full_counts);
+    }
+}
+
+void test_the_largest_dead_time_and_drop_there_may_be_give_an_eighth_of_the_longest_period(void)
+{
+    config.battery.min_voltage_mV = 1000;
+    config.battery.max_voltage_mV = 3000;
+    config.drive.diode_drop_mV = 4000; /* 1 + 2 * 4 V / 2 V = 5 */
+    config.drive.pwm_frequency_Hz = 100000;
+    config.drive.dead_time_ns = 250; /* 2.5 % */
+    config.drive.pwm_period_counts = 16384;
+    TEST_ASSERT_EQUAL_INT32(2048, dead_time_init(&config).full_counts);
 }
 
 void test_positive_current_lengthens_the_high_side_pulse(void)

@@ -34,6 +34,7 @@ void test_a_command_is_looked_at_when_its_number_changes(void)
 void test_dead_time_is_compensated_for_the_current_that_has_had_time_to_come(void)
 {
     config.drive.dead_time_ns = 1000;
+    config.drive.diode_drop_mV = 0;
     restart();
     const double step_pu = 6.0 * config.current_loop.dead_time_zone_pu_q15;
     command.i_reference_pu.q = (int32_t)step_pu;

@@ -1,16 +1,18 @@
 """The image holds what the TOML says, in the header's layout and ranges; the C file and the binary are the same bytes."""
 
+import math
 import re
 import subprocess
 import zlib
 from collections.abc import Callable
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import cffi
 import numpy as np
 import pytest
-from regen_table import cli, generate, image, layout, schema
+from regen_table import cli, generate, image, layout, loops, schema
 from regen_table.errors import CheckFailedError, ConfigurationError
 
 ROOT = Path(__file__).resolve().parents[4]
@@ -81,13 +83,25 @@ def test_the_dead_time_zone_is_what_the_dead_time_can_extinguish(change: Change)
     def zone_a(changes: dict[str, Any]) -> float:
         return float(unpack(image.build(change(changes))).current_loop.dead_time_zone_pu_q15) / 32768.0 * 165.0
 
-    # 1 us of 53 V on 76 uH
-    assert zone_a({}) == pytest.approx(0.697, abs=0.003)
-    # The curve at half charge, 54 V, and 70 uH
+    # 1 us of 53 V and twice 0.8 V on 76 uH
+    assert zone_a({}) == pytest.approx(0.718, abs=0.003)
+    assert zone_a({"inverter.diode_forward_voltage_v": 0.0}) == pytest.approx(0.697, abs=0.003)
+    # The curve at half charge, 54 V, and the diodes' 1.6 V on 70 uH
     curve = {"battery.open_circuit_voltage_v": [[0.0, 44.0], [0.4, 53.0], [0.6, 55.0], [1.0, 57.0]], "motor.d_inductance_h": 70e-6}
-    assert zone_a(curve | {"motor.type": "ipmsm"}) == pytest.approx(0.771, abs=0.003)
+    assert zone_a(curve | {"motor.type": "ipmsm"}) == pytest.approx(0.794, abs=0.003)
     assert zone_a({"inverter.dead_time_s": 0.0}) == pytest.approx(128.0 / 32768.0 * 165.0)
     assert zone_a({"control.dead_time_zone_a": 2.0}) == pytest.approx(2.0, abs=0.003)
+
+
+@pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
+def test_the_modulation_limit_counts_on_the_dead_time_that_the_image_gives_back(path: Path) -> None:
+    # dead_time_init() from the image's integers: t_d f (1 + 2 V_f / ((v_min + v_max) / 2)) of the period, to the nearest count.
+    drive = schema.load(path)
+    packed = unpack(image.build(drive))
+    share = Fraction(packed.drive.dead_time_ns * packed.drive.pwm_frequency_Hz, 10**9)
+    drops = Fraction(4 * packed.drive.diode_drop_mV, packed.battery.min_voltage_mV + packed.battery.max_voltage_mV)
+    assert drops > 0
+    assert math.floor(share * (1 + drops) * packed.drive.pwm_period_counts + Fraction(1, 2)) == loops.dead_time_counts(drive)
 
 
 @pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
@@ -97,7 +111,9 @@ def test_the_largest_modulation_leaves_the_shortest_pulse_and_two_sampled_legs(p
     packed = unpack(image.build(drive))
     period = packed.drive.pwm_period_counts
     modulation = packed.current_loop.modulation_limit_pu_q15 / 32768
-    trim = drive.inverter.dead_time_s * drive.inverter.pwm_frequency_hz * period
+    middle_v = (drive.battery.min_voltage_v + drive.battery.max_voltage_v) / 2.0
+    lost_v = middle_v + 2.0 * drive.inverter.diode_forward_voltage_v
+    trim = drive.inverter.dead_time_s * drive.inverter.pwm_frequency_hz * lost_v / middle_v * period
     angle = np.linspace(0.0, 2.0 * np.pi, 3601)
     phases = modulation / np.sqrt(3.0) * np.cos(angle - np.array([[0.0], [2.0], [4.0]]) * np.pi / 3.0)  # of v_dc
     centred = phases - (phases.max(axis=0) + phases.min(axis=0)) / 2.0
