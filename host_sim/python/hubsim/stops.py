@@ -10,8 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from regen_table import braking, models, optimum, packs
+from regen_table import braking, models, packs
 from regen_table import stops as ideal
+from regen_table.ideal import lines
 from regen_table.schema import Drive
 
 from hubsim import images, run
@@ -24,6 +25,7 @@ TEMPERATURE_C = 25.0
 DEMANDS_NM = (5.0, 10.0, 20.0, 30.0, 40.0, 60.0, 80.0, 120.0)
 IDEAL_POINTS = 16
 MAP_POINTS = 120
+BEYOND = 10.0
 LONGEST_S = 1000.0
 
 # Of the whole vehicle, in proportion to the wheels, and against it.
@@ -52,7 +54,9 @@ class Curve:
 class Map:
     """The loss-optimal braking torque of a drive over wheel speed, arrays of shape (points,), magnitudes in N m.
 
-    ``zero_nm``: beyond it braking takes energy out of the battery. ``limit_nm``: torque and power limits.
+    ``zero_nm``: beyond it braking takes energy out of the battery. ``limit_nm``: torque and power limits. With the i_d of least
+    loss where the magnets are buried; there, ``BEYOND`` times the largest limit stands for what more than three times the
+    drive's current would take.
     """
 
     temperature_c: float
@@ -66,9 +70,9 @@ class Map:
 def optimum_map(drive: Drive, temperature_c: float = TEMPERATURE_C) -> Map:
     """Compute the map up to the motor's largest speed."""
     speed = np.linspace(0.0, drive.motor.max_speed_rpm * np.pi / 30.0, MAP_POINTS)
-    best = optimum.closed_form(models.machine(drive, temperature_c), models.bridge(drive), speed * drive.motor.pole_pairs)
-    optimal, zero = (np.where(best.possible, np.abs(torque), 0.0) for torque in (best.torque_optimal_nm, best.torque_zero_nm))
-    return Map(temperature_c, drive.vehicle.wheel_radius_m, speed, optimal, zero, braking.torque_limit_nm(drive, speed))
+    best, limit = lines(drive, models.machine(drive, temperature_c), models.bridge(drive), speed), braking.torque_limit_nm(drive, speed)
+    optimal, zero = (np.nan_to_num(torque, nan=BEYOND * np.max(limit)) for torque in (best.optimal_nm, best.zero_nm))
+    return Map(temperature_c, drive.vehicle.wheel_radius_m, speed, optimal, zero, limit)
 
 
 def simulate(drives: Sequence[Drive], demands_nm: Sequence[float] = DEMANDS_NM, progress: Callable[[], None] | None = None) -> list[Curve]:

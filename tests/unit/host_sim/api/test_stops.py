@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hubsim import images, run, scenario, stops
 from hubsim.engine import ROOT
-from regen_table import image
+from regen_table import image, joint, models, schema
 from regen_table import stops as ideal
 from regen_table.schema import Drive
 
@@ -60,3 +60,17 @@ def test_the_map_is_the_optimum_of_the_table(drives: list[Drive]) -> None:
     assert np.interp(100.0, rpm, found.zero_nm) == pytest.approx(98.02, rel=2e-3)
     assert np.max(found.limit_nm) == 40.0
     assert found.wheel_radius_m == 0.25
+
+
+def test_the_map_of_buried_magnets_is_made_with_the_i_d_of_least_loss() -> None:
+    """The scooter near 60 r/min, by brute force over torque; where too much current would be needed the line is off the map."""
+    drive = schema.load(ROOT / "tools" / "motors" / "scooter48v.toml")
+    found = stops.optimum_map(drive)
+    motor, inverter = models.machine(drive, found.temperature_c), models.bridge(drive)
+    row = int(np.searchsorted(found.speed_rad_s, 60.0 * np.pi / 30.0))
+    omega = found.speed_rad_s[row] * drive.motor.pole_pairs
+    torques = np.linspace(0.9, 1.1, 41) * found.optimal_nm[row]
+    limits = joint.Limits(3.0 * drive.motor.max_phase_current_a)
+    power = [float(joint.least_power(motor, inverter, omega, -torque, limits).state.dc_power_w) for torque in torques]
+    assert abs(int(np.argmin(power)) - 20) <= 1
+    assert np.all(np.isfinite(found.optimal_nm)) and found.optimal_nm[-1] > found.limit_nm.max()
