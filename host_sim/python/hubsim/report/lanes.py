@@ -5,7 +5,7 @@ straight; what leaves the upper lane is sliced off its upper edge, what leaves t
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from hubsim.report.flows import Flow, Part, total
@@ -18,6 +18,7 @@ STEM = 14.0  # shortest straight piece of what leaves
 FADE = 16.0  # over this length it takes on its own colour
 LABEL = 30.0  # height of two lines
 PITCH = 57.0  # between the middles of neighbouring labels
+NARROW = 47.0  # where they begin to touch
 TIP = 13.0  # length of the arrow into the battery
 WIDEST_UPPER, WIDEST_ROAD, WIDEST_LOWER = 168.0, 92.0, 100.0
 
@@ -29,6 +30,7 @@ class Frame:
     per_j: float
     upper: float  # width of the widest upper lane, 0: none has one
     lower: float
+    rows: int = 1  # of labels below; 2: by turns, where one row is too narrow for them
 
     @property
     def lane_y(self) -> float:
@@ -43,7 +45,12 @@ class Frame:
     @property
     def height(self) -> float:
         """Of the whole picture."""
-        return self.back_y + self.lower + TURN + STEM + LABEL + 6.0
+        return self.back_y + self.lower + TURN + STEM + self.rows * LABEL + 6.0
+
+    @property
+    def end_y(self) -> float:
+        """Points of what leaves the lower lane."""
+        return self.height - self.rows * LABEL - 5.0
 
 
 @dataclass(frozen=True)
@@ -91,7 +98,13 @@ def frame(flows: Sequence[Flow]) -> Frame:
         (WIDEST_LOWER, max(max(flow.slowing_j, -flow.returned_j) for flow in flows)),
     ]
     per_j = min(room / energy for room, energy in bounds if energy > 0.0)
-    return Frame(per_j, per_j * bounds[0][1], per_j * bounds[2][1])
+    one_row = Frame(per_j, per_j * bounds[0][1], per_j * bounds[2][1])
+    return replace(one_row, rows=2) if any(_crowded(lay(flow, one_row).lower) for flow in flows) else one_row
+
+
+def _crowded(leaving: Sequence[Exit]) -> bool:
+    """Whether a label would reach into the next one."""
+    return any(abs(after.middle - before.middle) < NARROW for before, after in pairwise(leaving))
 
 
 def lay(flow: Flow, shared: Frame) -> Lanes:

@@ -139,7 +139,7 @@ def _rising(leaving: Exit, top: float, flow: Flow, fade: str) -> Markup:
 
 def _falling_all(laid: Lanes, identity: str) -> list[Markup]:
     """Draw every exit of the lower lane, each from the side or sides it is fed from."""
-    end = laid.frame.height - LABEL - 5.0
+    end = laid.frame.end_y
     drawn = []
     bottom = laid.frame.back_y + laid.slowing
     for place, leaving in enumerate(laid.lower):
@@ -154,7 +154,12 @@ def _falling_all(laid: Lanes, identity: str) -> list[Markup]:
             low = leaving.middle - 0.5 * leaving.width
             drawn.append(_falling(leaving, laid.flow, (low, low + leaving.from_battery), bottom, end, f"{identity}-{place}-feed"))
             bottom -= leaving.from_battery
-    return [*drawn, *[_label(leaving, end + 12.0) for leaving in laid.lower]]
+    for place, leaving in enumerate(laid.lower):
+        lower_row = place % laid.frame.rows * LABEL
+        if lower_row > 0.0:
+            drawn.append(element("line", x1=leaving.middle, x2=leaving.middle, y1=end + 3.0, y2=end + lower_row + 1.0, class_="leader"))
+        drawn.append(_label(leaving, end + 12.0 + lower_row))
+    return drawn
 
 
 def _falling(leaving: Exit, flow: Flow, sides: tuple[float, float], bottom: float, end: float, fade: str) -> Markup:
@@ -219,7 +224,7 @@ def _labels(laid: Lanes) -> list[Markup]:
         drawn.append(_lines(nearest - 4.0, y, "at the wheels", words.kilojoules(flow.wheels_j), "end", 14.0, "on"))
     if flow.joining:
         names = " and ".join(dict.fromkeys(part.name for part in flow.joining))
-        y = gap_y if flow.net else laid.frame.height - LABEL + 7.0
+        y = gap_y if flow.net else laid.frame.end_y + 12.0
         drawn.append(_lines(RIGHT, y, f"from {names}", words.kilojoules(total(flow.joining)), "end", 14.0 if flow.net else 12.0))
     if flow.split and not flow.net:
         drawn.append(_lines(laid.bend_x - 2.0, gap_y, "braking work", words.kilojoules(flow.work_j), "end", 14.0))

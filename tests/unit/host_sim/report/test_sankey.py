@@ -158,6 +158,23 @@ def test_labels_and_stems_stay_inside_and_stems_do_not_touch(strategy: str, bear
             assert left - right > 2.0
 
 
+def test_labels_below_take_turns_in_two_rows_where_one_is_too_narrow() -> None:
+    parts = tuple(flows.Part(f"part {place}", 100.0, "loss") for place in range(8))
+    for lower, rows in ((parts, 2), (parts[:4], 1)):
+        work = 1000.0 + flows.total(lower)
+        motion = (flows.Part("motion", work, "motion"),)
+        flow = flows.Flow(0.0, (), (), motion, 0.0, lower, 1000.0, work, split=True, net=True)
+        node = documents.read(sankey.draw(flow, lanes.frame([flow]), "picture", "Energy flow"))
+        places: dict[str, list[float]] = {}
+        for label in node.all("text"):
+            if label.words().startswith("part"):
+                places.setdefault(label.attributes["y"], []).append(float(label.attributes["x"]))
+        assert len(places) == rows
+        for row in places.values():
+            assert len(row) == 4
+            assert all(after - before >= lanes.NARROW for before, after in pairwise(sorted(row)))
+
+
 def test_the_picture_says_its_content_in_words() -> None:
     picture = measured(drive("series_optimal"))
     svg = picture.node.all("svg")[0]
