@@ -150,7 +150,7 @@
 
 #define CONFIG_CURRENT_MAP_FIELDS(X) \
     X(torque_points,                         3,         65,         "1",      "odd: points along torque in the direction of rotation, braking first; the middle one is no torque") \
-    X(torque_step_log2,                      0,         24,         "",       "distance of the points is 2^this mNm at the airgap") \
+    X(torque_step_log2,                      0,         20,         "",       "distance of the points is 2^this mNm at the airgap") \
     X(speed_points,                          2,         65,         "1",      "points along speed, from standstill") \
     X(speed_step_log2,                       6,         20,         "",       "distance of the points is 2^this mrad/s, mechanical") \
     X(temperature_points,                    1,         5,          "1",      "points along winding temperature; 1: the map is the same at any") \

@@ -128,7 +128,7 @@ void test_the_widest_grid_the_validator_accepts_is_read_to_its_last_point(void)
 {
     /* 16 torques each way, 19 speeds, 2 temperatures: 1254 of the 1280 points there are. */
     config.current_map.torque_points = 33;
-    config.current_map.torque_step_log2 = 24;
+    config.current_map.torque_step_log2 = 20;
     config.current_map.speed_points = 19;
     config.current_map.speed_step_log2 = 20;
     config.current_map.temperature_points = 2;
@@ -139,7 +139,7 @@ void test_the_widest_grid_the_validator_accepts_is_read_to_its_last_point(void)
     }
     const int32_t hot_cC = -10000 + (1 << 15);
     const int32_t top_mrad_s = 18 * (1 << 20);
-    const int32_t most_mNm = 16 * (1 << 24);
+    const int32_t most_mNm = 16 * (1 << 20);
     TEST_ASSERT_EQUAL_INT32(1253, current_map_d_mA(&config, top_mrad_s, hot_cC, most_mNm));
     TEST_ASSERT_EQUAL_INT32(1253 - 32, current_map_d_mA(&config, top_mrad_s, hot_cC, -most_mNm));
     TEST_ASSERT_EQUAL_INT32(626, current_map_d_mA(&config, top_mrad_s, -10000, most_mNm));
