@@ -19,7 +19,6 @@
 
 enum {
     FINISH_PASSES = 100000, /* of the console, more than the slowest line needs for its last words */
-    AT_REST_mrad_s = 300,   /* a turn in 20 s */
     FAST_SILENCE_ms = 3     /* without a fast step; at least four belong into every one of them */
 };
 
@@ -226,12 +225,13 @@ static report_status_t status_of(const view_t *view)
     return status;
 }
 
-/* Nothing turns and nothing is switched on: the configuration may go. Without control the bridge is off anyway. */
+/* Nothing is switched on, nothing turns, and nothing turned when it was last seen (monitor_speed.h): the configuration may go. A
+ * board on which no sensor and no current ever showed a movement counts as standing, so that it can be set up on a bench.
+ * Without control the bridge is off anyway. */
 static bool is_at_rest(const slow_output_t *said)
 {
     const bool switched_on = said->mode == MODE_RUN || said->mode == MODE_LIMP;
-    return app.config == NULL ||
-           (!switched_on && said->speed_mrad_s > -AT_REST_mrad_s && said->speed_mrad_s < AT_REST_mrad_s);
+    return app.config == NULL || (!switched_on && said->standing);
 }
 
 /* The configuration in use is about to be erased, so control ends here, whatever becomes of the new one. */
@@ -244,7 +244,8 @@ static void replace_configuration(const view_t *view)
         app.restarting = true;
         (void)installer_write(&app.console.installer, &line);
     } else {
-        text_add(&line, "refused: only with the wheel at rest and switched off; the configuration is as it was");
+        text_add(&line,
+                 "refused: only with the wheel known to be at rest and switched off; the configuration is as it was");
     }
     console_say(&app.console, &line);
 }

@@ -22,7 +22,7 @@ void controller_init(controller_t *controller, const config_t *config)
     modes_init(&controller->slow.modes);
     controller->slow.last_command_mNm = 0;
     controller->slow.last_estimate_mNm = 0;
-    controller->slow.switching = false;
+    controller->slow.bridge = BRIDGE_OFF;
     controller->slow.step_count = 0;
 }
 
@@ -122,7 +122,10 @@ static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow, co
         .torque_command_mNm = slow->last_command_mNm,
         .torque_estimate_mNm = slow->last_estimate_mNm,
         .offset_q4 = {from_fast->foc.offset_q4[0], from_fast->foc.offset_q4[1], from_fast->foc.offset_q4[2]},
-        .switching = slow->switching,
+        .current_quarters = from_fast->foc.current_quarters,
+        .quarter_step = from_fast->foc.quarter_step,
+        .bridge = from_fast->monitor.trip != REASON_NONE ? slow->monitor.safe_bridge : slow->bridge,
+        .switching = slow->bridge == BRIDGE_PWM,
     };
     return out;
 }
@@ -217,7 +220,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     slow->step_count++;
     slow->last_command_mNm = torque.command_mNm;
     slow->last_estimate_mNm = torque.estimate_mNm;
-    slow->switching = modes.permission.bridge == BRIDGE_PWM;
+    slow->bridge = modes.permission.bridge;
     to_fast->foc.number = slow->step_count;
     to_fast->foc.i_reference_pu =
         sampled_reference_pu(config, &torque.current, from_fast->foc.i_d_weakening_pu, &sampling);
@@ -245,6 +248,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         .fault_reason = modes.fault,
         .mode = modes.mode,
         .stop_lamp = torque.stop_lamp,
+        .standing = verdict.standing,
     };
     return out;
 }

@@ -118,6 +118,23 @@ static monitor_emf_input_t emf_input(const monitor_slow_input_t *in)
     return out;
 }
 
+static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
+{
+    const monitor_speed_input_t out = {
+        .speed_mrad_s = in->speed_mrad_s,
+        .rotor_valid = in->rotor_valid,
+        .bridge = in->bridge,
+        .i_d_mA = in->i_d_mA,
+        .i_q_mA = in->i_q_mA,
+        .offsets_known = in->offsets_known,
+        .current_quarters = in->current_quarters,
+        .quarter_step = in->quarter_step,
+        .fast_step_count = in->fast_step_count,
+        .bus_voltage_mV = in->bus_voltage_mV,
+    };
+    return out;
+}
+
 monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config, const monitor_slow_input_t *in)
 {
     const bool sum_wrong =
@@ -136,11 +153,15 @@ monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t 
     const reason_t temperature = temperature_fault(config, in);
     const bool temperature_wrong = held(&state->temperature_steps, temperature != REASON_NONE, MONITOR_CONFIRM_STEPS);
 
+    const monitor_speed_input_t turning = speed_input(in);
+    const int32_t speed_mrad_s = monitor_speed_step(&state->speed, config, &turning);
+
     monitor_verdict_t out = {
         .fault = REASON_NONE,
         .warning = rotor_doubtful(state, in->rotor_faults) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
-        .safe_bridge = monitor_safe_bridge(config, in->speed_mrad_s, in->bus_voltage_mV, state->safe_bridge),
+        .safe_bridge = monitor_safe_bridge(config, speed_mrad_s, in->bus_voltage_mV, state->safe_bridge),
         .offsets_plausible = offsets_plausible(config, in->offset_q4),
+        .standing = speed_mrad_s < MONITOR_SPEED_STANDING_mrad_s,
     };
     state->safe_bridge = out.safe_bridge;
     state->verdicts++;

@@ -48,6 +48,7 @@ void digest_slow(digest_t *digest, const slow_output_t *out, const slow_to_fast_
     add(digest, (int32_t)out->fault_reason);
     add(digest, (int32_t)out->mode);
     add(digest, out->stop_lamp ? 1 : 0);
+    add(digest, out->standing ? 1 : 0);
     add(digest, command->foc.number);
     add(digest, command->foc.i_reference_pu.d);
     add(digest, command->foc.i_reference_pu.q);

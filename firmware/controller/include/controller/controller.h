@@ -77,6 +77,7 @@ typedef struct {
     reason_t fault_reason;     /* the latched fault, REASON_NONE when healthy */
     modes_mode_t mode;
     bool stop_lamp;
+    bool standing; /* nothing says that the wheel turns, and no speed that was seen is unaccounted for */
 } slow_output_t;
 
 /* Slow to fast: the wish, the valve, and everything that would cost the fast reach a division. */
@@ -106,7 +107,7 @@ typedef struct {
     modes_state_t modes;
     int32_t last_command_mNm;
     int32_t last_estimate_mNm;
-    bool switching;
+    bridge_mode_t bridge; /* permitted in the last step */
     uint16_t step_count;
 } controller_slow_t;
 

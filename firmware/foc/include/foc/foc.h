@@ -66,6 +66,9 @@ typedef struct {
     int32_t v_dc_pu;          /* this period */
     int32_t i_d_weakening_pu; /* demagnetising current that is added to the reference, Q15, <= 0 */
     int32_t offset_q4[SENSE_PHASES];
+    uint16_t
+        current_quarters;  /* quarter turns of the phase current's vector while the bridge does not switch, wrapping */
+    uint16_t quarter_step; /* step_count at the latest of them */
     bool offsets_done;
 } foc_report_t;
 
@@ -86,6 +89,7 @@ typedef struct {
     circle_t current_circle;
     field_weakening_t weakening;
     int32_t followed; /* number of the command, or none */
+    uint32_t quarter; /* in which the current vector was last seen at rest, 0 .. 3 */
     bool calibrating;
 } foc_state_t;
 

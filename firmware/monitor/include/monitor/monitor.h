@@ -5,7 +5,8 @@
  * Fast part (every PWM period): length of the current vector, bus over-voltage, the power stage's own fault line. A trip is
  * latched, and the bridge goes to the safe state in the same period, whatever the slow reach says.
  * Slow part (1 kHz): sum of currents, saturated sensors, bus voltage, temperatures, rotor, its angle against the back-EMF
- * (monitor_emf.h), torque against what was permitted, and program flow (each reach counts the other's steps).
+ * (monitor_emf.h), torque against what was permitted, program flow (each reach counts the other's steps), and how fast the
+ * wheel may be turning (monitor_speed.h), which decides what is safe.
  */
 #ifndef MONITOR_MONITOR_H
 #define MONITOR_MONITOR_H
@@ -18,6 +19,7 @@
 #include "core/permission.h"
 #include "core/reason.h"
 #include "monitor/monitor_emf.h"
+#include "monitor/monitor_speed.h"
 
 enum {
     MONITOR_CONFIRM_STEPS = 20,       /* ms a slow condition must hold before it counts */
@@ -73,6 +75,7 @@ typedef struct {
     uint16_t verdicts;    /* counts the steps, wrapping: the watchdog is fed only while it moves */
     bridge_mode_t safe_bridge;
     monitor_emf_state_t emf;
+    monitor_speed_state_t speed;
     bool started;
 } monitor_slow_state_t;
 
@@ -94,7 +97,10 @@ typedef struct {
     int32_t torque_command_mNm;  /* of the last step, signed */
     int32_t torque_estimate_mNm; /* signed */
     int32_t offset_q4[3];        /* zero-current codes * 16 */
-    bool switching;
+    uint16_t current_quarters;   /* quarter turns of the current's vector while not switching, wrapping */
+    uint16_t quarter_step;       /* fast_step_count at the latest of them */
+    bridge_mode_t bridge;        /* what it did since the last step */
+    bool switching;              /* it was permitted to */
 } monitor_slow_input_t;
 
 typedef struct {
@@ -102,6 +108,7 @@ typedef struct {
     reason_t warning; /* REASON_NONE, or what calls for reduced driving torque */
     bridge_mode_t safe_bridge;
     bool offsets_plausible;
+    bool standing; /* no sign of a wheel that turns, and none unexplained of one that did (monitor_speed.h) */
 } monitor_verdict_t;
 
 void monitor_slow_init(monitor_slow_state_t *state);
@@ -112,7 +119,8 @@ monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t 
 /*
  * What the bridge should do when it may not switch. Off is harmless while the rectified back-EMF stays below the bus,
  * sqrt(3) psi w_e < v_dc; above, the diodes would charge the bus uncontrolled, and the low-side short keeps the energy
- * in the motor. `now` gives the hysteresis: a short is left only 10 % below the limit.
+ * in the motor. `now` gives the hysteresis: a short is left only 10 % below the limit. speed_mrad_s: what no wheel turns
+ * faster than, monitor_speed_step().
  */
 bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s, int32_t bus_voltage_mV,
                                   bridge_mode_t now);

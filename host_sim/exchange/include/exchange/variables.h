@@ -69,7 +69,8 @@
     X(hydraulic_reason,            hydraulic_reason,             CODE, PLAIN, 0,         255,       "",      "not 0: motor and hydraulic brake together cannot meet the demand") \
     X(fault_reason,                fault_reason,                 CODE, PLAIN, 0,         255,       "",      "the latched fault; 0: healthy") \
     X(mode,                        mode,                         CODE, PLAIN, 0,         6,         "",      "0 boot, 1 self-test, 2 offset calibration, 3 ready, 4 run, 5 limp, 6 fault") \
-    X(stop_lamp,                   stop_lamp,                    FLAG, PLAIN, 0,         1,         "",      "the stop lamp is to be lit")
+    X(stop_lamp,                   stop_lamp,                    FLAG, PLAIN, 0,         1,         "",      "the stop lamp is to be lit") \
+    X(standing,                    standing,                     FLAG, PLAIN, 0,         1,         "",      "nothing says that the wheel turns, and no speed that was seen is unaccounted for")
 /* clang-format on */
 
 #define EXCHANGE_COUNT_LINE(name, raw, type, scale, lowest, highest, unit, text) +1

@@ -15,73 +15,10 @@
 #include "hal/time.h"
 #include "hal/upcall.h"
 #include "host/port.h"
+#include "story.h"
 #include "unity.h"
 
-enum { PERIODS = 40000, MESSAGE_PERIOD_ms = 10 };
-
-/* A motor seen through its sensors only: halls that turn, currents that wander. Equal seeds, equal stories. */
-typedef struct {
-    uint32_t random;
-    uint32_t angle_q32;
-    int32_t speed_q32;
-    uint16_t bus_code;
-} story_t;
-
-typedef struct {
-    inverter_mode_t mode;
-    uint16_t compare_counts[3];
-} seen_t;
-
-static story_t story;
-static seen_t seen[PERIODS];
-static int seen_count;
-
-static uint32_t next_random(story_t *s)
-{
-    s->random = s->random * 1664525U + 1013904223U; /* Numerical Recipes' generator */
-    return s->random >> 16;
-}
-
-static host_sample_t tell(story_t *s)
-{
-    static const uint8_t HALL_OF_SECTOR[6] = {5, 1, 3, 2, 6, 4};
-    host_sample_t out = {
-        .winding_temperature_cC = 2500, .switch_temperature_cC = 3000, .bus_voltage_code = s->bus_code};
-    const int32_t a = (int32_t)(next_random(s) % 101U) - 50;
-    const int32_t b = (int32_t)(next_random(s) % 101U) - 50;
-    out.phase_current_code[0] = (uint16_t)(2048 + a);
-    out.phase_current_code[1] = (uint16_t)(2048 + b);
-    out.phase_current_code[2] = (uint16_t)(2048 - a - b);
-    s->speed_q32 += (int32_t)(next_random(s) % 2001U) - 1000;
-    s->angle_q32 += (uint32_t)s->speed_q32;
-    out.rotor_angle_turn = (uint16_t)(s->angle_q32 >> 16);
-    out.hall_state = HALL_OF_SECTOR[((uint64_t)s->angle_q32 * 6U) >> 32];
-    return out;
-}
-
-static host_sample_t sample(void *context)
-{
-    return tell(context);
-}
-
-static void drive(void *context, inverter_mode_t mode, const uint16_t compare_counts[3])
-{
-    (void)context;
-    if (seen_count < PERIODS) {
-        seen[seen_count].mode = mode;
-        memcpy(seen[seen_count].compare_counts, compare_counts, sizeof seen[0].compare_counts);
-        seen_count++;
-    }
-}
-
-static void begin_story(void)
-{
-    const config_t *c = &CONFIG_IMAGE;
-    const int32_t v_dc_mV = (c->battery.min_voltage_mV + c->battery.foldback_voltage_mV) / 2;
-    story = (story_t){.random = 12345,
-                      .speed_q32 = 8000000,
-                      .bus_code = (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};
-}
+enum { MESSAGE_PERIOD_ms = 10 };
 
 /* Enabled after 0.5 s; then drive, brake and let go in turn. */
 static messages_demand_t wish(uint32_t now_ms)
@@ -103,15 +40,6 @@ static can_frame_t message(uint32_t now_ms)
     can_frame_t frame = {.identifier = said.identifier, .length = said.length};
     memcpy(frame.data, said.data, sizeof frame.data);
     return frame;
-}
-
-static void connect(const config_t *config)
-{
-    const host_plant_t plant = {.context = &story, .sample = sample, .drive = drive};
-    begin_story();
-    seen_count = 0;
-    memset(seen, 0, sizeof seen);
-    host_connect(&plant, config, sizeof *config);
 }
 
 static void run_application(void)
@@ -263,119 +191,6 @@ void test_the_shell_answers_while_the_wheel_turns(void)
     }
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "self-test RAM: good"));
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), " rad/s, "));
-}
-
-static void run_for(uint32_t periods)
-{
-    host_run_for(periods);
-    while (time_running()) {
-        app_background();
-    }
-}
-
-/* Types a configuration as objcopy writes one: sixteen bytes a record. */
-static void send_configuration(const config_t *config)
-{
-    const uint8_t *bytes = (const uint8_t *)config;
-    for (uint32_t at = 0; at < sizeof *config; at += 16) {
-        const uint32_t length = sizeof *config - at < 16 ? (uint32_t)sizeof *config - at : 16U;
-        uint32_t sum = length + (at >> 8) + (at & 0xFFU);
-        char record[64];
-        int written = snprintf(record, sizeof record, ":%02X%04X00", (unsigned)length, (unsigned)at);
-        for (uint32_t i = 0; i < length; i++) {
-            written += snprintf(&record[written], sizeof record - (size_t)written, "%02X", bytes[at + i]);
-            sum += bytes[at + i];
-        }
-        (void)snprintf(&record[written], sizeof record - (size_t)written, "%02X\r\n",
-                       (unsigned)(0x100U - (sum & 0xFFU)) & 0xFFU);
-        host_serial_type(record);
-    }
-    host_serial_type(":00000001FF\r\n");
-}
-
-static config_t another_configuration(void)
-{
-    config_t config = CONFIG_IMAGE;
-    memcpy(config.name, "another", sizeof "another");
-    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
-    return config;
-}
-
-void test_a_configuration_sent_over_the_serial_line_at_rest_is_the_one_of_the_next_start(void)
-{
-    const config_t another = another_configuration();
-    connect(&CONFIG_IMAGE);
-    story.speed_q32 = 0;
-    app_boot();
-    run_for(10000);
-    TEST_ASSERT_FALSE(host_watchdog_bit());
-    host_serial_type("install\r");
-    run_for(100);
-    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "send the configuration as Intel HEX"));
-    send_configuration(&another);
-    run_for(2000);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "accepted: configuration another"), host_serial_output());
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"), host_serial_output());
-    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, seen[seen_count - 1].mode);
-    TEST_ASSERT_TRUE_MESSAGE(host_watchdog_bit(), "it is the watchdog that restarts the core");
-
-    static config_t kept;
-    memcpy(&kept, flash_configuration().begin, sizeof kept);
-    connect(&kept);
-    app_boot();
-    run_for(2000);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), ", configuration another "), host_serial_output());
-    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "configuration accepted"));
-}
-
-void test_a_board_without_a_configuration_takes_one(void)
-{
-    config_t erased;
-    memset(&erased, 0xFF, sizeof erased);
-    connect(&erased);
-    app_boot();
-    host_serial_type("install\r");
-    run_for(100);
-    send_configuration(&CONFIG_IMAGE);
-    run_for(2000);
-    TEST_ASSERT_EQUAL_MEMORY(&CONFIG_IMAGE, flash_configuration().begin, sizeof CONFIG_IMAGE);
-}
-
-static bool is_as_it_was(void)
-{
-    return memcmp(&CONFIG_IMAGE, flash_configuration().begin, sizeof CONFIG_IMAGE) == 0;
-}
-
-void test_a_refused_configuration_changes_nothing_and_the_wheel_goes_on(void)
-{
-    config_t damaged = another_configuration();
-    damaged.motor.pole_pairs++;
-    connect(&CONFIG_IMAGE);
-    app_boot();
-    host_serial_type("install\r");
-    run_for(100);
-    send_configuration(&damaged);
-    run_for(2000);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "configuration refused: crc32"), host_serial_output());
-    TEST_ASSERT_TRUE(is_as_it_was());
-    TEST_ASSERT_FALSE(host_watchdog_bit());
-    TEST_ASSERT_TRUE(app_finish());
-}
-
-void test_a_wheel_that_turns_takes_no_configuration(void)
-{
-    const config_t another = another_configuration();
-    connect(&CONFIG_IMAGE); /* the story's wheel turns */
-    app_boot();
-    run_for(10000);
-    host_serial_type("install\r");
-    run_for(100);
-    send_configuration(&another);
-    run_for(2000);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "refused: only with the wheel at rest"),
-                                 host_serial_output());
-    TEST_ASSERT_TRUE(is_as_it_was());
-    TEST_ASSERT_FALSE(host_watchdog_bit());
 }
 
 /* One firmware for four wheels: the address is the configuration's. */

@@ -81,6 +81,53 @@ void test_currents_are_measured_with_and_without_run_in_the_rotor_frame(void)
     }
 }
 
+/* A vector of 0.3 that turns by an eighth of a turn a period, from the middle of the first quarter's first half on. */
+static void turn_current(int periods, int direction, bool permitted)
+{
+    static uint16_t theta_turn;
+    for (int n = 0; n < periods; n++) {
+        theta_turn = (uint16_t)(theta_turn + direction * 8192);
+        set_current(0.3 * cos(PI / 8.0), 0.3 * sin(PI / 8.0), theta_turn);
+        step(permitted);
+    }
+}
+
+void test_quarter_turns_of_the_current_are_counted_while_the_bridge_rests(void)
+{
+    turn_current(8, 1, false); /* wherever it was before */
+    const uint16_t before = report.current_quarters;
+    turn_current(8 * 5, 1, false);
+    TEST_ASSERT_EQUAL_UINT16(before + 20, report.current_quarters);
+    /* The vector has just come into the first quarter, or one period ago. */
+    TEST_ASSERT_UINT32_WITHIN(1, report.step_count, report.quarter_step);
+    turn_current(8 * 7, -1, false);
+    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.current_quarters);
+    const uint16_t step_before = report.quarter_step;
+    turn_current(1, 1, false);
+    turn_current(1, -1, false); /* to and fro: nothing in sum */
+    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.current_quarters);
+    for (int n = 0; n < 100; n++) {
+        turn_current(0, 1, false);
+        step(false); /* stands */
+    }
+    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.current_quarters);
+    TEST_ASSERT_TRUE((uint16_t)(report.quarter_step - step_before) <= 2);
+    turn_current(100, 1, true);
+    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.current_quarters);
+}
+
+void test_a_current_that_leaps_across_the_middle_counts_as_no_turn(void)
+{
+    set_current(0.3, 0.1, 0);
+    step(false);
+    const uint16_t before = report.current_quarters;
+    for (int n = 0; n < 9; n++) {
+        set_current(n % 2 == 0 ? -0.3 : 0.3, n % 2 == 0 ? -0.1 : 0.1, 0);
+        step(false);
+        TEST_ASSERT_EQUAL_UINT16(before, report.current_quarters);
+    }
+}
+
 void test_the_back_emf_is_put_where_the_rotor_will_be_one_and_a_half_periods_later(void)
 {
     const double speed_turns = 0.0123; /* 641 r/min of 23 pole pairs */

@@ -31,6 +31,7 @@ static const monitor_slow_input_t HEALTHY = {
     .torque_command_mNm = 10000,
     .torque_estimate_mNm = 10000,
     .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
+    .bridge = BRIDGE_PWM,
     .switching = true,
 };
 
@@ -367,20 +368,6 @@ void test_a_cause_is_named_before_its_consequences(void)
     TEST_ASSERT_EQUAL_INT(order[7], step().fault);
 }
 
-/* ---- the safe state ---- */
-
-void test_the_choice_is_remembered_from_step_to_step(void)
-{
-    in.speed_mrad_s = mrad_s_of_rpm(640.0);
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
-    in.speed_mrad_s = mrad_s_of_rpm(600.0); /* 0.963 of the limit */
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
-    in.speed_mrad_s = mrad_s_of_rpm(550.0); /* 0.883 */
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().safe_bridge);
-    in.speed_mrad_s = mrad_s_of_rpm(600.0);
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().safe_bridge);
-}
-
 void test_no_number_from_outside_leads_to_undefined_behaviour(void)
 {
     /* The assertion is the sanitizer's. */
@@ -389,6 +376,11 @@ void test_no_number_from_outside_leads_to_undefined_behaviour(void)
         in.current_sum_pu = random_wild(&random);
         in.fast_step_count = (uint16_t)random_u64(&random);
         in.bus_voltage_mV = random_wild(&random);
+        in.i_d_mA = random_wild(&random);
+        in.i_q_mA = random_wild(&random);
+        in.current_quarters = (uint16_t)random_u64(&random);
+        in.quarter_step = (uint16_t)random_u64(&random);
+        in.bridge = (bridge_mode_t)random_between(&random, 0, 2);
         in.speed_mrad_s = random_wild(&random);
         in.winding_temperature_cC = random_wild(&random);
         in.switch_temperature_cC = random_wild(&random);

@@ -137,7 +137,8 @@ void test_by_name_and_by_structure_are_the_same_controller(void)
                                          (int32_t)slow.hydraulic_reason,
                                          (int32_t)slow.fault_reason,
                                          (int32_t)slow.mode,
-                                         slow.stop_lamp};
+                                         slow.stop_lamp,
+                                         slow.standing};
         TEST_ASSERT_EQUAL_INT32_ARRAY(fast_expected, fast_out, EXCHANGE_FAST_OUTPUT_COUNT);
         TEST_ASSERT_EQUAL_INT32_ARRAY(slow_expected, slow_out, EXCHANGE_SLOW_OUTPUT_COUNT);
         has_switched = has_switched || fast.bridge == BRIDGE_PWM;

@@ -1,0 +1,157 @@
+/* A configuration that comes over the serial line into the whole application on the simulated board. */
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "config/validate.h"
+#include "hal/flash.h"
+#include "hal/inverter.h"
+#include "story.h"
+#include "unity.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+/* Types a configuration as objcopy writes one: sixteen bytes a record. */
+static void send_configuration(const config_t *config)
+{
+    const uint8_t *bytes = (const uint8_t *)config;
+    for (uint32_t at = 0; at < sizeof *config; at += 16) {
+        const uint32_t length = sizeof *config - at < 16 ? (uint32_t)sizeof *config - at : 16U;
+        uint32_t sum = length + (at >> 8) + (at & 0xFFU);
+        char record[64];
+        int written = snprintf(record, sizeof record, ":%02X%04X00", (unsigned)length, (unsigned)at);
+        for (uint32_t i = 0; i < length; i++) {
+            written += snprintf(&record[written], sizeof record - (size_t)written, "%02X", bytes[at + i]);
+            sum += bytes[at + i];
+        }
+        (void)snprintf(&record[written], sizeof record - (size_t)written, "%02X\r\n",
+                       (unsigned)(0x100U - (sum & 0xFFU)) & 0xFFU);
+        host_serial_type(record);
+    }
+    host_serial_type(":00000001FF\r\n");
+}
+
+static config_t another_configuration(void)
+{
+    config_t config = CONFIG_IMAGE;
+    memcpy(config.name, "another", sizeof "another");
+    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
+    return config;
+}
+
+void test_a_configuration_sent_over_the_serial_line_at_rest_is_the_one_of_the_next_start(void)
+{
+    const config_t another = another_configuration();
+    connect(&CONFIG_IMAGE);
+    story.speed_q32 = 0;
+    app_boot();
+    run_for(10000);
+    TEST_ASSERT_FALSE(host_watchdog_bit());
+    host_serial_type("install\r");
+    run_for(100);
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "send the configuration as Intel HEX"));
+    send_configuration(&another);
+    run_for(2000);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "accepted: configuration another"), host_serial_output());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"), host_serial_output());
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, seen[seen_count - 1].mode);
+    TEST_ASSERT_TRUE_MESSAGE(host_watchdog_bit(), "it is the watchdog that restarts the core");
+
+    static config_t kept;
+    memcpy(&kept, flash_configuration().begin, sizeof kept);
+    connect(&kept);
+    app_boot();
+    run_for(2000);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), ", configuration another "), host_serial_output());
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "configuration accepted"));
+}
+
+void test_a_board_without_a_configuration_takes_one(void)
+{
+    config_t erased;
+    memset(&erased, 0xFF, sizeof erased);
+    connect(&erased);
+    app_boot();
+    host_serial_type("install\r");
+    run_for(100);
+    send_configuration(&CONFIG_IMAGE);
+    run_for(2000);
+    TEST_ASSERT_EQUAL_MEMORY(&CONFIG_IMAGE, flash_configuration().begin, sizeof CONFIG_IMAGE);
+}
+
+static bool is_as_it_was(void)
+{
+    return memcmp(&CONFIG_IMAGE, flash_configuration().begin, sizeof CONFIG_IMAGE) == 0;
+}
+
+void test_a_refused_configuration_changes_nothing_and_the_wheel_goes_on(void)
+{
+    config_t damaged = another_configuration();
+    damaged.motor.pole_pairs++;
+    connect(&CONFIG_IMAGE);
+    app_boot();
+    host_serial_type("install\r");
+    run_for(100);
+    send_configuration(&damaged);
+    run_for(2000);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "configuration refused: crc32"), host_serial_output());
+    TEST_ASSERT_TRUE(is_as_it_was());
+    TEST_ASSERT_FALSE(host_watchdog_bit());
+    TEST_ASSERT_TRUE(app_finish());
+}
+
+void test_a_wheel_that_turns_takes_no_configuration(void)
+{
+    const config_t another = another_configuration();
+    connect(&CONFIG_IMAGE); /* the story's wheel turns */
+    app_boot();
+    run_for(10000);
+    host_serial_type("install\r");
+    run_for(100);
+    send_configuration(&another);
+    run_for(2000);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "refused: only with the wheel known to be at rest"),
+                                 host_serial_output());
+    TEST_ASSERT_TRUE(is_as_it_was());
+    TEST_ASSERT_FALSE(host_watchdog_bit());
+}
+
+/* The speed that is shown then is nothing, after a quarter of a second of dead reckoning; but nobody has seen it stop. */
+void test_a_wheel_that_turned_when_its_halls_were_lost_takes_no_configuration(void)
+{
+    const config_t another = another_configuration();
+    connect(&CONFIG_IMAGE);
+    app_boot();
+    run_for(10000);
+    story.halls_off = true;
+    run_for(20000);
+    host_serial_type("status\r");
+    run_for(200);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), ", 0.000 rad/s, "), host_serial_output());
+    host_serial_type("install\r");
+    run_for(100);
+    send_configuration(&another);
+    run_for(2000);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "refused: only with the wheel known to be at rest"),
+                                 host_serial_output());
+    TEST_ASSERT_TRUE(is_as_it_was());
+    TEST_ASSERT_FALSE(host_watchdog_bit());
+}
+
+/* A new board on a bench: halls at their pull-ups, no motor, no current. Nothing was ever seen to turn. */
+void test_a_board_with_no_motor_and_no_sensor_takes_a_configuration(void)
+{
+    const config_t another = another_configuration();
+    connect(&CONFIG_IMAGE);
+    story.halls_off = true;
+    app_boot();
+    run_for(10000);
+    host_serial_type("install\r");
+    run_for(100);
+    send_configuration(&another);
+    run_for(2000);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"), host_serial_output());
+    TEST_ASSERT_FALSE(is_as_it_was());
+}
