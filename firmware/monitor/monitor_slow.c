@@ -69,14 +69,25 @@ static reason_t voltage_fault(const config_t *config, const monitor_slow_input_t
                                                                                       : REASON_NONE;
 }
 
+static reason_t one_temperature_fault(int32_t temperature_cC, int32_t limit_cC, reason_t broken, reason_t hot)
+{
+    if (limit_cC >= MONITOR_TEMPERATURE_OFF_cC) {
+        return REASON_NONE;
+    }
+    if (temperature_cC > MONITOR_HOTTEST_cC || temperature_cC < MONITOR_COLDEST_cC) {
+        return broken;
+    }
+    return temperature_cC > limit_cC + MONITOR_OVERTEMPERATURE_cC ? hot : REASON_NONE;
+}
+
 static reason_t temperature_fault(const config_t *config, const monitor_slow_input_t *in)
 {
-    if (in->winding_temperature_cC > config->motor.max_winding_temperature_cC + MONITOR_OVERTEMPERATURE_cC) {
-        return REASON_WINDING_OVERTEMPERATURE;
-    }
-    return in->switch_temperature_cC > config->drive.max_switch_temperature_cC + MONITOR_OVERTEMPERATURE_cC
-               ? REASON_SWITCH_OVERTEMPERATURE
-               : REASON_NONE;
+    const reason_t winding = one_temperature_fault(in->winding_temperature_cC, config->motor.max_winding_temperature_cC,
+                                                   REASON_WINDING_SENSOR, REASON_WINDING_OVERTEMPERATURE);
+    return winding != REASON_NONE
+               ? winding
+               : one_temperature_fault(in->switch_temperature_cC, config->drive.max_switch_temperature_cC,
+                                       REASON_SWITCH_SENSOR, REASON_SWITCH_OVERTEMPERATURE);
 }
 
 /* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every electrical turn. */

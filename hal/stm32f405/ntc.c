@@ -3,8 +3,8 @@
 enum {
     STEP_LOG2 = 6,
     POINTS = 63,
-    CODE_150_C = 139, /* 4096 R / (R + 10 kOhm) at 150 C and at -40 C */
-    CODE_MINUS_40_C = 3929
+    CODE_HOTTEST = 64,     /* the table's first point, 196.7 C */
+    CODE_MINUS_40_C = 3929 /* 4096 R / (R + 10 kOhm) */
 };
 
 /* Hundredths of a degree at code 64, 128 .. 4032, from the formula in ntc.h. */
@@ -22,7 +22,7 @@ static const int16_t TEMPERATURE_cC[POINTS] = {
 
 int32_t ntc_temperature_cC(int32_t code, int32_t broken_cC)
 {
-    if (code < CODE_150_C || code > CODE_MINUS_40_C) {
+    if (code < CODE_HOTTEST || code > CODE_MINUS_40_C) {
         return broken_cC;
     }
     const int32_t interval = (code >> STEP_LOG2) - 1;

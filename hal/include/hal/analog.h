@@ -22,7 +22,7 @@ typedef struct {
 /* The sample of this PWM period. Only from app_pwm_period_isr(). */
 analog_sample_t analog_read(void);
 
-/* Hundredths of a degree Celsius, -4000 .. 15000 or ANALOG_TEMPERATURE_BROKEN_cC, from the latest sample, unfiltered.
+/* Hundredths of a degree Celsius, -4000 .. 20000 or ANALOG_TEMPERATURE_BROKEN_cC, from the latest sample, unfiltered.
  * Any context. */
 int32_t analog_winding_temperature_cC(void);
 int32_t analog_switch_temperature_cC(void);

@@ -48,7 +48,9 @@
     X(76, DEMAND_TIMEOUT, "torque demand timed out")                                                                   \
     X(77, HARDWARE_BREAK, "power stage reported a fault")                                                              \
     X(78, CURRENT_SENSOR, "current sensor saturated or stuck")                                                         \
-    X(79, ROTOR_IMPLAUSIBLE, "rotor angle contradicts the back-EMF")
+    X(79, ROTOR_IMPLAUSIBLE, "rotor angle contradicts the back-EMF")                                                   \
+    X(80, WINDING_SENSOR, "winding temperature sensor broken")                                                         \
+    X(81, SWITCH_SENSOR, "inverter temperature sensor broken")
 
 #define REASON_ENUM_LINE(number, identifier, text) REASON_##identifier = (number),
 typedef enum { REASON_LIST(REASON_ENUM_LINE) } reason_t;

@@ -22,12 +22,16 @@
 #include "monitor/monitor_speed.h"
 
 enum {
-    MONITOR_CONFIRM_STEPS = 20,       /* ms a slow condition must hold before it counts */
-    MONITOR_ROTOR_STEPS = 250,        /* ms that an angle which is not valid may heal, once the torque has left */
-    MONITOR_TRIP_PERIODS = 2,         /* PWM periods an over-current must hold: one sample may be a spike */
-    MONITOR_DOUBT_STEPS = 10000,      /* ms a doubt about the rotor sensor keeps the warning up */
-    MONITOR_STALE_STEPS = 4,          /* slow steps that may be missing before the fast reach acts */
-    MONITOR_OVERTEMPERATURE_cC = 1000 /* above the temperature at which no torque is left */
+    MONITOR_CONFIRM_STEPS = 20,        /* ms a slow condition must hold before it counts */
+    MONITOR_ROTOR_STEPS = 250,         /* ms that an angle which is not valid may heal, once the torque has left */
+    MONITOR_TRIP_PERIODS = 2,          /* PWM periods an over-current must hold: one sample may be a spike */
+    MONITOR_DOUBT_STEPS = 10000,       /* ms a doubt about the rotor sensor keeps the warning up */
+    MONITOR_STALE_STEPS = 4,           /* slow steps that may be missing before the fast reach acts */
+    MONITOR_OVERTEMPERATURE_cC = 1000, /* above the temperature at which no torque is left */
+    MONITOR_HOTTEST_cC =
+        29000, /* what lies beyond these two no winding and no switch can be: the sensor's line is open */
+    MONITOR_COLDEST_cC = -6000, /* or shorted (hal/analog.h reports 29999 for either), or a number has been invented */
+    MONITOR_TEMPERATURE_OFF_cC = 30000 /* a limit of the configuration that is none: there may be no sensor */
 };
 
 /* ---- fast ---- */

@@ -52,6 +52,8 @@ static const frozen_t FROZEN[] = {
     {77, REASON_HARDWARE_BREAK},
     {78, REASON_CURRENT_SENSOR},
     {79, REASON_ROTOR_IMPLAUSIBLE},
+    {80, REASON_WINDING_SENSOR},
+    {81, REASON_SWITCH_SENSOR},
 };
 enum { FROZEN_COUNT = sizeof(FROZEN) / sizeof(FROZEN[0]) };
 

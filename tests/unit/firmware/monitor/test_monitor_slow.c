@@ -212,24 +212,6 @@ void test_under_voltage_is_a_fault_only_while_the_bridge_switches(void)
     assert_never_a_fault();
 }
 
-/* ---- temperatures: 10 K above where no torque is left ---- */
-
-void test_an_overheated_winding_is_a_fault(void)
-{
-    in.winding_temperature_cC = 16001;
-    assert_fault_after(20, REASON_WINDING_OVERTEMPERATURE);
-    in.winding_temperature_cC = 16000;
-    assert_never_a_fault();
-}
-
-void test_overheated_switches_are_a_fault(void)
-{
-    in.switch_temperature_cC = 11001;
-    assert_fault_after(20, REASON_SWITCH_OVERTEMPERATURE);
-    in.switch_temperature_cC = 11000;
-    assert_never_a_fault();
-}
-
 /* ---- torque ---- */
 
 static void torque(int32_t command_mNm, int32_t estimate_mNm)

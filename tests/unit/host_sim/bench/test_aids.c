@@ -45,7 +45,7 @@ void test_a_broken_winding_sensor_takes_that_motor_away_and_the_hydraulic_brake_
         bench->params.wheel[1].winding_sensor_shorted = way == 0 ? 0.0 : 1.0;
         bench_refresh(bench);
         fixture_run(bench, 0.6);
-        TEST_ASSERT_EQUAL_INT(REASON_WINDING_OVERTEMPERATURE, bench->wheel[1].first_fault);
+        TEST_ASSERT_EQUAL_INT(REASON_WINDING_SENSOR, bench->wheel[1].first_fault);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
         TEST_ASSERT_TRUE(bench->wheel[1].active.bridge != BRIDGE_PWM);
         TEST_ASSERT_DOUBLE_WITHIN(1.0, 40.0, bench->wheel[1].brake_capacity_nm);
