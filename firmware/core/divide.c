@@ -3,12 +3,17 @@
 /*
  * With s = floor(log2 n) and m = ceil(2^(64 + s) / n), which needs 64 bits, floor(x m / 2^(64 + s)) = floor(x / n) for all
  * 0 <= x <= 2^63 (Granlund and Montgomery 1994, theorem 4.2): m n exceeds 2^(64 + s) by e < n < 2^(s + 1), so
- * x m / 2^(64 + s) exceeds x / n by x e / (n 2^(64 + s)), less than 1/n, and x / n lies at least 1/n below the next integer.
+ * x m / 2^(64 + s) exceeds x / n by x e / (n 2^(64 + s)), less than 1/n, and x / n lies at least 1/n below the next integer. That
+ * the constants are such is proved in tests/proofs.
  */
 typedef struct {
     uint64_t multiplier;
     unsigned shift;
 } reciprocal64_t;
+
+static const reciprocal64_t BY_THOUSAND = {.multiplier = UINT64_C(0x83126E978D4FDF3C), .shift = 9};
+static const reciprocal64_t BY_MILLION = {.multiplier = UINT64_C(0x8637BD05AF6C69B6), .shift = 19};
+static const reciprocal64_t BY_BILLION = {.multiplier = UINT64_C(0x89705F4136B4A598), .shift = 29};
 
 /* Upper half of the 128-bit product. */
 static inline uint64_t upper_product(uint64_t a, uint64_t b)
@@ -32,18 +37,15 @@ static inline int64_t divide(int64_t x, reciprocal64_t reciprocal)
 
 int64_t divide_by_thousand(int64_t x)
 {
-    const reciprocal64_t reciprocal = {.multiplier = UINT64_C(0x83126E978D4FDF3C), .shift = 9};
-    return divide(x, reciprocal);
+    return divide(x, BY_THOUSAND);
 }
 
 int64_t divide_by_million(int64_t x)
 {
-    const reciprocal64_t reciprocal = {.multiplier = UINT64_C(0x8637BD05AF6C69B6), .shift = 19};
-    return divide(x, reciprocal);
+    return divide(x, BY_MILLION);
 }
 
 int64_t divide_by_billion(int64_t x)
 {
-    const reciprocal64_t reciprocal = {.multiplier = UINT64_C(0x89705F4136B4A598), .shift = 29};
-    return divide(x, reciprocal);
+    return divide(x, BY_BILLION);
 }

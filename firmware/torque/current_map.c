@@ -20,7 +20,7 @@ int32_t current_map_d_mA(const config_t *config, int32_t speed_mrad_s, int32_t w
 {
     const config_current_map_t *map = &config->current_map;
     const int64_t along_mNm = speed_mrad_s >= 0 ? airgap_torque_mNm : -(int64_t)airgap_torque_mNm;
-    /* The middle point is zero torque; at most 32 points of 2^24 mNm before it. */
+    /* The middle point is zero torque; at most 32 steps of 2^20 mNm before it. */
     const int32_t zero_mNm = (map->torque_points / 2) * (int32_t)(UINT32_C(1) << map->torque_step_log2);
     const grid_position_t t =
         grid_locate(q_saturate64(along_mNm + zero_mNm), map->torque_points, map->torque_step_log2);

@@ -11,7 +11,7 @@
 #include "foc/sense.h"
 #include "foc/svpwm.h"
 #include "foc/transforms.h"
-#include "proof.h"
+#include "vectors.h"
 
 void prove_sense(void)
 {
@@ -58,14 +58,6 @@ static ab_t any_measured(void)
 {
     const ab_t i = {.alpha = any_within(-32768, 32767), .beta = any_within(-37838, 37838)};
     return i;
-}
-
-/* What tests/unit shows of sine and cosine at every angle: their magnitudes add up to sqrt 2 and 1 LSB each. */
-static sincos_t any_angle(void)
-{
-    const sincos_t angle = {.sin = any_within(-32768, 32768), .cos = any_within(-32768, 32768)};
-    ASSUME(q_abs(angle.sin) + q_abs(angle.cos) <= 46342);
-    return angle;
 }
 
 void prove_park(void)

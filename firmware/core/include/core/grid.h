@@ -21,7 +21,8 @@ typedef struct {
  * points >= 2; 0 <= step_log2 <= 20. */
 grid_position_t grid_locate(int32_t x, int32_t points, int32_t step_log2);
 
-/* a + (b - a) fraction_q20 / 2^20, rounded to nearest (halves upwards). Two products of below 2^52 each. */
+/* a + (b - a) fraction_q20 / 2^20, rounded to nearest (halves upwards). Two products of up to 2^51 each. Both shares are >= 0, so
+ * the sum lies between 2^20 a and 2^20 b, and rounding to integers does not leave two integers. */
 static inline int32_t grid_interpolate(int32_t a, int32_t b, int32_t fraction_q20)
 {
     const int64_t weighed_q20 = (int64_t)a * (GRID_WHOLE_Q20 - fraction_q20) + (int64_t)b * fraction_q20;

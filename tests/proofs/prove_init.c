@@ -1,0 +1,90 @@
+/*
+ * Where the fast reach gets its numbers from: initialisation, and the tuning that the slow reach makes every millisecond. With
+ * every field anywhere in the validator's range nothing overflows, and what comes out is in the ranges that the proofs of the
+ * boxes assume.
+ */
+#include "config/config.h"
+#include "foc/current_loop.h"
+#include "foc/dead_time.h"
+#include "foc/encoder.h"
+#include "foc/svpwm.h"
+#include "proof.h"
+
+static bool usable(const pi_gains_t *gains)
+{
+    return gains->proportional_q10 >= 1 && gains->proportional_q10 <= PI_LARGEST_PROPORTIONAL_Q10 &&
+           gains->integral_q15 >= 1 && gains->integral_q15 <= PI_LARGEST_INTEGRAL_Q15 && gains->anti_windup_q15 >= 1 &&
+           gains->anti_windup_q15 <= PI_LARGEST_ANTI_WINDUP_Q15;
+}
+
+void prove_tuning(void)
+{
+    config_t config;
+    config_current_loop_t *loop = &config.current_loop;
+    loop->proportional_d_pu_q16 = any_within(1, 1048576);
+    loop->proportional_q_pu_q16 = any_within(1, 1048576);
+    loop->integral_d_pu_q24 = any_within(1, 16777216);
+    loop->integral_q_pu_q24 = any_within(1, 16777216);
+    loop->inductance_d_pu_q16 = any_within(1, 1048576);
+    loop->inductance_q_pu_q16 = any_within(1, 1048576);
+    loop->flux_pu_q16 = any_within(1, 1048576);
+    config.motor.resistance_coefficient_ppm_K = any_within(0, 10000);
+    config.motor.reference_temperature_cC = any_within(-5000, 15000);
+    const current_loop_tuning_t out =
+        current_loop_tuning(&config, any_within(8192, 32767), nondet_int32(), nondet_int32(), nondet_int32());
+    PROMISE(usable(&out.d) && usable(&out.q));
+    PROMISE(out.w_l_d_q10 >= -16383 && out.w_l_d_q10 <= 16383);
+    PROMISE(out.w_l_q_q10 >= -16383 && out.w_l_q_q10 <= 16383);
+    PROMISE(out.w_psi_q25 >= -(1 << 28) && out.w_psi_q25 <= 1 << 28);
+    PROOF_END();
+}
+
+void prove_dead_time_init(void)
+{
+    config_t config;
+    config.drive.pwm_frequency_Hz = any_within(4000, 100000);
+    config.drive.pwm_period_counts = any_within(256, 16384);
+    config.drive.dead_time_ns = any_within(0, 10000);
+    config.drive.diode_drop_mV = any_within(0, 5000);
+    config.battery.min_voltage_mV = any_within(1000, 2000000);
+    config.battery.max_voltage_mV = any_within(1000, 2000000);
+    config.current_loop.bandwidth_Hz = any_within(10, 10000);
+    config.current_loop.dead_time_zone_pu_q15 = any_within(128, 32767);
+    const dead_time_t out = dead_time_init(&config);
+    PROMISE(out.full_counts >= 0); /* and an eighth of the longest period at most, 2048: the validator's relation */
+    PROMISE(out.slope_alpha_q8 >= 256 && out.slope_alpha_q8 <= 65000);
+    PROMISE(out.slope_beta_q8 >= 0 && out.slope_beta_q8 <= 56292);
+    PROMISE(out.lag_q15 >= 2048 && out.lag_q15 <= 32767);
+    PROOF_END();
+}
+
+void prove_svpwm_init(void)
+{
+    const int32_t period = any_within(256, 16384);
+    const int32_t min_pulse = any_within(0, 4096);
+    const int32_t trim = any_within(0, 2048);
+    ASSUME(min_pulse * 5 <= period && trim * 8 <= period);
+    const svpwm_t out = svpwm_init(period, min_pulse, trim, any_within(8192, 32767));
+    PROMISE(out.trim_doubled_counts >= 0 && out.trim_doubled_counts <= 4096);
+    PROMISE(out.beta_counts >= 61 && out.beta_counts <= 16384);
+    PROMISE(out.alpha_counts >= 106 && out.alpha_counts <= 28378);
+    PROMISE(out.modulation_limit_q15 <= 32767);
+    PROOF_END();
+}
+
+void prove_encoder_init(void)
+{
+    config_t config;
+    config.rotor.encoder_counts = any_within(0, 65536);
+    config.rotor.encoder_index_turn = any_within(0, 65535);
+    config.rotor.encoder_index_tolerance_counts = any_within(0, 1024);
+    config.rotor.encoder_reversed = any_within(0, 1);
+    config.motor.pole_pairs = any_within(1, 60);
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    ASSUME(config.rotor.encoder_counts >= 32 * config.motor.pole_pairs);
+    encoder_t out;
+    encoder_init(&out, &config);
+    PROMISE(out.most_counts >= 16 && out.most_counts <= out.counts / 2);
+    PROMISE(out.count_turn >= 1 && out.count_turn <= 2049);
+    PROOF_END();
+}

@@ -1,0 +1,53 @@
+/* The fast part of the watcher: whatever it sees, it trips when a promise is broken, and a trip stays until it is cleared. */
+#include "monitor/monitor_fast.h"
+#include "vectors.h"
+
+/* With as many periods of overcurrent as it takes there is a trip. */
+static bool invariant(const monitor_fast_state_t *state)
+{
+    return state->overcurrent_periods >= 0 && state->overcurrent_periods <= MONITOR_TRIP_PERIODS &&
+           (state->trip != REASON_NONE || state->overcurrent_periods < MONITOR_TRIP_PERIODS) &&
+           state->patience_periods >= 0 && state->patience_periods <= state->stale_limit_periods;
+}
+
+static monitor_fast_state_t any_state(void)
+{
+    const monitor_fast_state_t out = {
+        .overcurrent_square = nondet_uint32(),
+        .overvoltage_pu = any_within(0, 32768),
+        .stale_limit_periods = any_within(0, 100000 / 1000 * MONITOR_STALE_STEPS),
+        .trip = (reason_t)nondet_uint8(),
+        .overcurrent_periods = any_within(0, MONITOR_TRIP_PERIODS),
+        .patience_periods = any_within(0, 100000 / 1000 * MONITOR_STALE_STEPS),
+        .last_slow_step = nondet_uint16(),
+    };
+    ASSUME(invariant(&out));
+    return out;
+}
+
+static monitor_fast_input_t any_input(void)
+{
+    const monitor_fast_input_t out = {
+        .i_pu = any_vector(50200),
+        .v_dc_pu = any_within(0, 32760),
+        .power_stage_fault = nondet_bool(),
+        .switching = nondet_bool(),
+        .slow_step_count = nondet_uint16(),
+    };
+    return out;
+}
+
+void prove_monitor_fast(void)
+{
+    monitor_fast_state_t state = any_state();
+    const monitor_fast_state_t before = state;
+    const monitor_fast_input_t in = any_input();
+    const monitor_command_t command = {.safe_bridge = BRIDGE_OFF, .clear_trip = nondet_bool()};
+    const reason_t wrong = monitor_fast_step(&state, &command, &in);
+    PROMISE(wrong == state.trip);
+    PROMISE(before.trip == REASON_NONE || command.clear_trip || wrong == before.trip);
+    PROMISE(!in.power_stage_fault || wrong != REASON_NONE);
+    PROMISE(in.v_dc_pu <= state.overvoltage_pu || wrong != REASON_NONE);
+    PROMISE(invariant(&state));
+    PROOF_END();
+}

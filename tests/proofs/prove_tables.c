@@ -1,0 +1,107 @@
+/*
+ * The slow reach's tables: with any grid that the validator accepts every read lies inside the part of the table that is in
+ * use. Of core/grid.h's functions only their promises are taken, which prove_grid() proves: a position is any on its axis, and what
+ * is interpolated is anything.
+ */
+#include "config/config.h"
+#include "core/grid.h"
+#include "proof.h"
+
+static const int32_t *table;
+static int32_t used;
+
+/* Interpolations between what has been interpolated are not reads. */
+static void check_read(const int32_t *at)
+{
+    if (__CPROVER_same_object(at, table)) {
+        const int32_t beyond_bytes = (int32_t)(__CPROVER_POINTER_OFFSET(at) - __CPROVER_POINTER_OFFSET(table));
+        PROMISE(beyond_bytes >= 0 && beyond_bytes < used * (int32_t)sizeof(int32_t));
+    }
+}
+
+static int32_t any_interpolation(const int32_t *a, const int32_t *b)
+{
+    check_read(a);
+    check_read(b);
+    return nondet_int32();
+}
+
+static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2)
+{
+    (void)x;
+    PROMISE(points >= 2 && step_log2 >= 0 && step_log2 <= 20);
+    const grid_position_t out = {.index = any_within(0, points - 2), .fraction_q20 = any_within(0, GRID_WHOLE_Q20)};
+    return out;
+}
+
+#define grid_locate any_position
+#define grid_interpolate(a, b, fraction_q20) any_interpolation(&(a), &(b))
+#include "current_map.c"
+#include "regen_map.c"
+#undef grid_interpolate
+#undef grid_locate
+
+static void check_current_map(int32_t layers)
+{
+    config_t config;
+    config_current_map_t *map = &config.current_map;
+    map->torque_points = any_within(3, 65);
+    map->torque_step_log2 = any_within(0, 20);
+    map->speed_points = any_within(2, 65);
+    map->speed_step_log2 = any_within(6, 20);
+    map->temperature_points = layers;
+    map->temperature_step_log2 = any_within(6, 15);
+    map->temperature_origin_cC = any_within(-10000, 20000);
+    ASSUME(map->torque_points % 2 == 1);
+    table = map->current_d_mA;
+    used = map->torque_points * map->speed_points * map->temperature_points;
+    ASSUME(used <= CONFIG_CURRENT_MAP_POINTS_MAX);
+    (void)current_map_d_mA(&config, nondet_int32(), nondet_int32(), nondet_int32());
+}
+
+/* As many as the validator accepts; a product of three unknowns would take the checker a minute. */
+void prove_current_map_of_one_layer(void)
+{
+    check_current_map(1);
+    PROOF_END();
+}
+
+void prove_current_map_of_two_layers(void)
+{
+    check_current_map(2);
+    PROOF_END();
+}
+
+void prove_current_map_of_three_layers(void)
+{
+    check_current_map(3);
+    PROOF_END();
+}
+
+void prove_current_map_of_four_layers(void)
+{
+    check_current_map(4);
+    PROOF_END();
+}
+
+void prove_current_map_of_five_layers(void)
+{
+    check_current_map(5);
+    PROOF_END();
+}
+
+void prove_regen_map(void)
+{
+    config_t config;
+    config_regen_map_t *map = &config.regen_map;
+    map->speed_points = any_within(2, 65);
+    map->speed_step_log2 = any_within(6, 20);
+    map->temperature_points = any_within(2, 17);
+    map->temperature_step_log2 = any_within(6, 15);
+    map->temperature_origin_cC = any_within(-10000, 20000);
+    table = map->torque_mNm;
+    used = map->speed_points * map->temperature_points;
+    ASSUME(used <= CONFIG_REGEN_POINTS_MAX);
+    PROMISE(regen_map_torque_mNm(&config, nondet_int32(), nondet_int32()) >= 0);
+    PROOF_END();
+}
