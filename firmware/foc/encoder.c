@@ -18,6 +18,7 @@ void encoder_init(encoder_t *encoder, const config_t *config)
     /* The counter changes at the edges of the lines, whichever way it counts: the count that the index captures begins
      * there and goes on forward. */
     encoder->origin_q32 = ((uint32_t)config->rotor.encoder_index_turn << 16) + encoder->turn_per_count_q32 / 2U;
+    encoder->base_q32 = encoder->origin_q32;
 }
 
 /* b - a of a wrapping counter, -32 768 .. 32 767. */
@@ -45,6 +46,8 @@ static void meet_index(encoder_t *encoder, int32_t at_counts)
     if (!encoder->referenced) {
         encoder->referenced = true;
         encoder->valid = true;
+        encoder->tracking.theta_q32 += encoder->origin_q32 - encoder->base_q32;
+        encoder->base_q32 = encoder->origin_q32;
         refer(encoder, at_counts);
     } else if (within(encoder, at_counts)) {
         encoder->valid = true;
@@ -68,17 +71,19 @@ static void miss_index(encoder_t *encoder)
     refer(encoder, encoder->position_counts > 0 ? encoder->counts : -encoder->counts);
 }
 
-/* The first period, or a jump that no rotor makes. */
+/* The first period, or a jump that no rotor makes. Whatever made the counter jump, the rotor went on: so does its angle, from
+ * where it was expected in this period, until an index says better. */
 static void start(encoder_t *encoder, uint16_t count)
 {
-    encoder->faults = (uint16_t)(encoder->faults + (encoder->started ? 1U : 0U));
+    if (encoder->started) {
+        encoder->faults++;
+        encoder->base_q32 = encoder->tracking.theta_q32 + (uint32_t)encoder->tracking.speed_q32;
+    }
     encoder->started = true;
     encoder->referenced = false;
     encoder->valid = false;
     encoder->last_count = count;
     encoder->position_counts = 0;
-    encoder->tracking.started = false;
-    encoder->tracking.speed_q32 = 0;
 }
 
 void encoder_step(encoder_t *encoder, const config_t *config, const encoder_input_t *in)
@@ -97,8 +102,7 @@ void encoder_step(encoder_t *encoder, const config_t *config, const encoder_inpu
     if (q_abs(encoder->position_counts) > encoder->overdue_counts) {
         miss_index(encoder);
     }
-    const uint32_t measured_q32 =
-        encoder->origin_q32 + (uint32_t)encoder->position_counts * encoder->turn_per_count_q32;
+    const uint32_t measured_q32 = encoder->base_q32 + (uint32_t)encoder->position_counts * encoder->turn_per_count_q32;
     const uint16_t measured_turn = (uint16_t)(measured_q32 >> 16);
     tracking_step(&encoder->tracking, config, measured_turn);
     const int32_t ahead_turn = angle_difference((uint16_t)(encoder->tracking.theta_q32 >> 16), measured_turn);

@@ -227,6 +227,42 @@ void test_an_encoder_that_loses_counts_lets_the_torque_go(void)
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_LOST, bench->wheel[0].first_fault);
 }
 
+/* A disturbance on the lines: far more counts at once than a rotor makes. It goes on counting as if nothing had been. */
+static void an_encoder_that_jumps_lets_the_torque_go(double rpm, double demand_nm, double lost_counts)
+{
+    bench_t *bench = with_encoder(rpm, 77.0, 77.0, false);
+    if (demand_nm > 0.0) {
+        bench->params.driver.drive_demand_nm = demand_nm;
+    } else {
+        bench->params.driver.brake_demand_nm = -demand_nm;
+    }
+    fixture_run(bench, 0.3);
+    bench->wheel[0].shaft.lost_counts += lost_counts;
+    dying_t seen = {.fault_periods = 0};
+    for (int ms = 0; ms < 100; ms++) {
+        watch_millisecond(bench, demand_nm, &seen);
+    }
+    char text[120];
+    snprintf(text, sizeof(text), "%g counts at %g r/min and %g Nm: %.2f Nm against, %.2f Nm beyond, %.2f Nm/ms",
+             lost_counts, rpm, demand_nm, seen.against_nm, seen.beyond_nm, seen.steepest_nm_per_ms);
+    /* As with a dead hall: the iron's drag at most, and a ramp of 0.4 Nm/ms. */
+    TEST_ASSERT_TRUE_MESSAGE(seen.against_nm < 2.5 && seen.beyond_nm < 4.0, text);
+    TEST_ASSERT_TRUE_MESSAGE(seen.steepest_nm_per_ms <= 0.401, text);
+    TEST_ASSERT_TRUE_MESSAGE(bench->wheel[0].to_slow.foc.current.rotor.faults > 0, text);
+}
+
+void test_an_encoder_that_jumps_lets_the_torque_go_with_the_angle_that_it_had(void)
+{
+    const double speeds_rpm[] = {60.0, 300.0, 450.0};
+    for (int s = 0; s < 3; s++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            /* 89 counts are half an electrical turn. */
+            an_encoder_that_jumps_lets_the_torque_go(speeds_rpm[s], sign * 20.0, 120.0);
+            an_encoder_that_jumps_lets_the_torque_go(speeds_rpm[s], sign * 20.0, -1000.0);
+        }
+    }
+}
+
 /* ---- an angle that is wrong ---- */
 
 /* Seconds from the demand of a torque to the fault, or -1. */
@@ -266,7 +302,7 @@ void test_an_index_that_moves_under_way_is_a_fault_within_the_promised_time(void
     bench->params.driver.drive_demand_nm = 20.0;
     fixture_run(bench, 0.5);
     /* The whole encoder slips on its shaft: what the controller believes of the index is 60 degrees wrong at once. */
-    bench->wheel[0].controller.fast.foc.rotor.encoder.origin_q32 += UINT32_C(0x2AAAAAAA);
+    bench->wheel[0].controller.fast.foc.rotor.encoder.base_q32 += UINT32_C(0x2AAAAAAA);
     reason_t fault = REASON_NONE;
     const double before_s = bench->time_s;
     const double at_s = time_to_fault_s(bench, 20.0, &fault);

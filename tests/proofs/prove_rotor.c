@@ -133,6 +133,7 @@ void prove_encoder(void)
     encoder_t encoder;
     encoder.turn_per_count_q32 = nondet_uint32();
     encoder.origin_q32 = nondet_uint32();
+    encoder.base_q32 = nondet_uint32();
     encoder.counts = config.rotor.encoder_counts;
     encoder.tolerance_counts = config.rotor.encoder_index_tolerance_counts;
     encoder.overdue_counts = encoder.counts + encoder.counts / ENCODER_OVERDUE_DIVISOR;

@@ -14,7 +14,8 @@
  * (rocking), within encoder_index_tolerance_counts. One that does not says that counts were lost or came from nowhere, or
  * that the pulse itself is false. Which of the two cannot be known: the angle stops being valid, the new pulse becomes the
  * reference, and the next one must confirm it. No index over a turn and an eighth is noticed, too, but leaves the angle valid.
- * More than half an electrical turn in one period is no movement: everything starts again. All three count in faults.
+ * More than half an electrical turn in one period is no movement: the angle stops being valid and goes on from where it was
+ * expected, to let the torque go with, and the index is looked for again. All three count in faults.
  *
  * The speed is that of the tracking loop. Its angle interpolates between counts and is held within one count of what the
  * encoder says: however fast the speed changes, the angle is wrong by one count at most.
@@ -50,6 +51,7 @@ typedef struct {
     /* State. */
     tracking_t tracking;
     uint16_t theta_turn;
+    uint32_t base_q32;       /* angle of position 0: origin_q32, or after a jump what was expected */
     int32_t position_counts; /* forward from the last index, or from anywhere before the first */
     int32_t age_periods;     /* since a count, at most 65 535 */
     uint16_t last_count;
