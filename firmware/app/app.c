@@ -38,11 +38,11 @@ static struct {
 
     double_buffer_t to_fast; /* low side millisecond, high side PWM period */
     slow_to_fast_t slow_to_fast[2];
-    fast_to_slow_t fast_report; /* PWM period; the one the fast step keeps up to date */
-    double_buffer_t from_fast;  /* low side millisecond, high side PWM period; copies of it */
+    double_buffer_t from_fast; /* low side millisecond, high side PWM period */
     fast_to_slow_t fast_to_slow[2];
-    uint32_t fast_silent_ms; /* millisecond; in a row without a fast step */
-    double_buffer_t to_slow; /* low side background, high side millisecond */
+    unsigned fast_reports_in; /* PWM period; which of the two it kept up to date last */
+    uint32_t fast_silent_ms;  /* millisecond; in a row without a fast step */
+    double_buffer_t to_slow;  /* low side background, high side millisecond */
     node_wish_t wish[2];
     double_buffer_t from_slow; /* low side background, high side millisecond */
     view_t view[2];
@@ -70,7 +70,7 @@ static void start_control(const config_t *config)
         app.slow_to_fast[i] = controller_initial_slow_to_fast(config);
         app.fast_to_slow[i] = controller_initial_fast_to_slow(config);
     }
-    app.fast_report = controller_initial_fast_to_slow(config);
+    app.fast_reports_in = double_buffer_high(&app.from_fast);
     supervisor_init(&app.supervisor, (uint32_t)config->drive.pwm_frequency_Hz, CONTROLLER_SLOW_RATE_HZ);
     /* Without CAN the demand counts as lost, which is safe. */
     (void)can_link_init(&app.can, (messages_wheel_t)config->vehicle.wheel_position, pack_limits(config), time_ms());
@@ -117,6 +117,18 @@ static inverter_mode_t inverter_mode(bridge_mode_t bridge)
     return INVERTER_MODE_OFF; /* also for a number that is none of them */
 }
 
+/* The report goes on in the same structure until the slow side has taken it, and then in the other one: a copy a millisecond
+ * instead of one a period. What is copied belongs to the slow side now, which only reads it. */
+static fast_to_slow_t *fast_report(void)
+{
+    const unsigned high = double_buffer_high(&app.from_fast);
+    if (high != app.fast_reports_in) {
+        app.fast_to_slow[high] = app.fast_to_slow[app.fast_reports_in];
+        app.fast_reports_in = high;
+    }
+    return &app.fast_to_slow[high];
+}
+
 void app_pwm_period_isr(void)
 {
     const config_t *config = app.config;
@@ -136,9 +148,8 @@ void app_pwm_period_isr(void)
         .power_stage_fault = inverter_fault(),
     };
     const slow_to_fast_t *from_slow = &app.slow_to_fast[double_buffer_high(&app.to_fast)];
-    const fast_output_t out = controller_fast_step(&app.controller.fast, config, from_slow, &in, &app.fast_report);
+    const fast_output_t out = controller_fast_step(&app.controller.fast, config, from_slow, &in, fast_report());
     inverter_set(inverter_mode(out.bridge), out.compare_counts);
-    app.fast_to_slow[double_buffer_high(&app.from_fast)] = app.fast_report;
     double_buffer_mark(&app.from_fast);
 
     const uint32_t cycles = time_cycles() - begin_cycles;
