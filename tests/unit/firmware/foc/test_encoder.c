@@ -245,6 +245,61 @@ void test_an_index_that_stops_coming_is_counted_every_turn_and_leaves_the_angle_
     TEST_ASSERT_EQUAL_UINT16(3, encoder.faults);
 }
 
+/* Half an electrical turn in a period is the border between forwards and backwards: 4096 counts and 23 pole pairs, 89 counts. */
+void test_a_jump_of_more_than_half_an_electrical_turn_is_one_that_no_rotor_makes(void)
+{
+    for (int beyond = 0; beyond <= 1; beyond++) {
+        restart();
+        turn_for(1.5, 1e-4);
+        encoder_input_t in = {.count = (uint16_t)(counter_at(shaft_turns) + 89 + beyond)};
+        encoder_step(&encoder, &config, &in);
+        TEST_ASSERT_EQUAL_INT(beyond == 0, encoder.valid);
+        TEST_ASSERT_EQUAL_UINT16(beyond, encoder.faults);
+    }
+}
+
+/* After an index that contradicted the counts one that agrees makes the angle good again, from whichever side it is met: at
+ * the same place, a turn forwards, or a turn backwards. */
+void test_an_index_that_agrees_makes_a_contradicted_angle_valid_again(void)
+{
+    static const int32_t AWAY[] = {0, 4096, -4096};
+    for (int a = 0; a < 3; a++) {
+        restart();
+        turn_for(1.5, 1e-4);
+        const uint16_t here = counter_at(shaft_turns);
+        encoder_input_t in = {.count = here, .index_count = here, .index = true};
+        encoder_step(&encoder, &config, &in);
+        TEST_ASSERT_FALSE(encoder.valid);
+        in.index = false;
+        for (int n = 1; n <= 128; n++) {
+            in.count = (uint16_t)(here + AWAY[a] * n / 128);
+            encoder_step(&encoder, &config, &in);
+            TEST_ASSERT_FALSE(encoder.valid);
+        }
+        in.index_count = in.count;
+        in.index = true;
+        encoder_step(&encoder, &config, &in);
+        TEST_ASSERT_TRUE(encoder.valid);
+        TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
+        TEST_ASSERT_EQUAL_INT32(0, encoder.position_counts);
+    }
+}
+
+/* Between two counts the tracked angle goes on: the raw count is wrong by 1/sqrt 12 of a count (root of the mean square). The
+ * loop leaves a beat of at most a tenth of that; half as much is asked for. */
+void test_between_two_counts_the_angle_is_better_than_the_count(void)
+{
+    configure(1000, 0);
+    turn_for(2.0, 7.3e-5);
+    double sum = 0.0;
+    enum { LOOKS = 20000 };
+    for (int n = 0; n < LOOKS; n++) {
+        turn(7.3e-5);
+        sum += angle_error_turns() * angle_error_turns();
+    }
+    TEST_ASSERT_TRUE(sqrt(sum / LOOKS) < 0.5 / sqrt(12.0) * count_turns());
+}
+
 /* An angle to let the torque go with, and a speed that does not vanish: the counts go on from where the rotor is. */
 void test_a_jump_that_no_rotor_makes_is_not_followed_and_the_angle_goes_on_until_the_index_is_seen(void)
 {

@@ -1,5 +1,6 @@
 /* Which sensor is read, and what is made of it. */
 #include <math.h>
+#include <string.h>
 
 #include "core/angle.h"
 #include "foc/rotor.h"
@@ -77,4 +78,50 @@ void test_an_encoder_is_read_only_when_the_configuration_says_so(void)
     /* Ten counts of 23 * 65 536 / 4096 = 368 and half of the one it is in; the loop may lag one count. */
     TEST_ASSERT_INT32_WITHIN(369, 20000 + 10 * 368 + 184, seen.theta_turn);
     TEST_ASSERT_EQUAL_INT32(0, seen.age_periods);
+}
+
+/* An encoder at constant speed, one count of 4096 a period, for 30 time constants of the loop, and then a spark for an index. */
+void test_an_encoder_s_speed_age_and_faults_are_told(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_ENCODER;
+    config.rotor.encoder_counts = 4096;
+    config.rotor.encoder_index_tolerance_counts = 4;
+    rotor_init(&rotor, &config);
+    encoder_input_t in = {.index = true};
+    (void)look(0, 0, &in);
+    in.index = false;
+    for (int n = 0; n < 2000; n++) {
+        in.count++;
+        (void)look(0, 0, &in);
+    }
+    const double turns = 1.0 / 4096.0 * config.motor.pole_pairs;
+    TEST_ASSERT_DOUBLE_WITHIN(0.01 * turns, turns, out.speed_q32 / 4294967296.0);
+    TEST_ASSERT_EQUAL_INT32(0, out.age_periods);
+    TEST_ASSERT_EQUAL_UINT16(0, out.faults);
+    in.index = true; /* 2000 counts after the last one */
+    in.index_count = in.count;
+    (void)look(0, 0, &in);
+    TEST_ASSERT_EQUAL_UINT16(1, out.faults);
+    TEST_ASSERT_FALSE(out.valid);
+    TEST_ASSERT_EQUAL_INT32(1, out.age_periods);
+}
+
+/* A fiftieth of a turn a period, 400 turns a second, for 30 time constants of the loop. */
+void test_an_absolute_angle_has_a_speed_and_no_faults(void)
+{
+    for (int n = 0; n < 2000; n++) {
+        (void)step(0.02 * n);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(2e-5, 0.02, out.speed_q32 / 4294967296.0);
+    TEST_ASSERT_EQUAL_UINT16(0, out.faults);
+}
+
+void test_a_new_start_of_the_halls_knows_nothing_of_the_last_one(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    memset(&rotor, 0xA5, sizeof rotor);
+    rotor_init(&rotor, &config);
+    TEST_ASSERT_FALSE(rotor.hall.started);
+    TEST_ASSERT_FALSE(look(0, 7, &NO_ENCODER).valid); /* an impossible state says nothing of the angle */
+    TEST_ASSERT_EQUAL_UINT16(0, out.faults);
 }

@@ -1,3 +1,5 @@
+#include <string.h>
+
 #include "modes_rig.h"
 #include "random_values.h"
 
@@ -201,4 +203,15 @@ void test_whatever_happens_fault_is_left_only_at_rest_without_demand_soon_after_
         }
     }
     TEST_ASSERT_GREATER_THAN_INT(100, left);
+}
+
+void test_a_new_start_knows_nothing_of_the_last_one(void)
+{
+    memset(&state, 0xFF, sizeof state);
+    modes_init(&state);
+    TEST_ASSERT_EQUAL_INT(MODE_BOOT, state.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, state.fault);
+    TEST_ASSERT_EQUAL_UINT16(0, state.steps);
+    TEST_ASSERT_EQUAL_UINT16(0, state.acknowledge_steps);
+    TEST_ASSERT_FALSE(state.reset_before);
 }

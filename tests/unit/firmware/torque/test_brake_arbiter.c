@@ -281,13 +281,27 @@ void test_a_hand_over_without_width_is_a_step_with_the_motor_above_it(void)
 {
     config.brake.handover_start_mrad_s = 1000;
     config.brake.handover_end_mrad_s = 1000;
-    in.demand_mNm = 20000;
+    capability.optimal = limit_init(50000, REASON_LOSS_OPTIMUM);
+    in.demand_mNm = 40000;
     in.speed_mrad_s = 1001;
-    assert_split(20000, 0, REASON_NONE, step());
+    assert_split(40000, 0, REASON_NONE, step());
     in.speed_mrad_s = 1000;
-    assert_split(0, 20000, REASON_HANDOVER, step());
+    assert_split(0, 40000, REASON_HANDOVER, step());
     in.speed_mrad_s = 0;
-    assert_split(0, 20000, REASON_HANDOVER, step());
+    assert_split(0, 40000, REASON_HANDOVER, step());
+}
+
+/* Coming to rest forwards, the torque that is still commanded is a backward one, as the torque limit would command it. */
+void test_at_standstill_a_backward_torque_is_what_is_left_of_braking(void)
+{
+    in.demand_mNm = 30000;
+    in.speed_mrad_s = 0;
+    in.motor_command_mNm = -24000;
+    in.motor_achieved_mNm = -24000;
+    TEST_ASSERT_EQUAL_INT32(6000, step().hydraulic_mNm);
+    in.motor_command_mNm = 24000;
+    in.motor_achieved_mNm = 24000;
+    TEST_ASSERT_EQUAL_INT32(30000, step().hydraulic_mNm);
 }
 
 void test_even_a_hand_over_at_no_speed_leaves_standstill_to_the_hydraulic_brake(void)

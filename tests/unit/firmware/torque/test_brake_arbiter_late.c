@@ -1,4 +1,6 @@
 /* The arbiter with a hydraulic brake that is late (hydraulic_model.h); the split itself: test_brake_arbiter.c. */
+#include <math.h>
+
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "torque/brake_arbiter.h"
@@ -151,6 +153,27 @@ void test_the_hydraulic_command_goes_ahead_of_a_falling_limit_by_dead_time_and_l
     }
     /* 20 N m are left: 10 of 30, and 2 N m for the 100 ms. */
     TEST_ASSERT_INT32_WITHIN(60, 10000 + 2000, out.hydraulic_mNm);
+}
+
+/* A low-pass is behind a ramp by slope * tau (1 - exp(-t/tau)): one time constant of 64 ms after a limit has begun to fall the
+ * command leads by 63 % of dead time and lag, after two by 86 %. */
+void test_how_a_limit_falls_is_known_after_64_ms(void)
+{
+    late_hydraulic_brake();
+    in.demand_mNm = 50000;
+    driven_mNm = 50000;
+    capability.optimal = limit_init(50000, REASON_LOSS_OPTIMUM);
+    for (int n = 0; n < 1000; n++) {
+        step_with_motor();
+    }
+    for (int n = 1; n <= 128; n++) { /* 20 N m/s: 2 N m in 100 ms */
+        capability.optimal = limit_init(50000 - 20 * n, REASON_LOSS_OPTIMUM);
+        const brake_arbiter_out_t out = step_with_motor();
+        if (n == 64 || n == 128) {
+            const double lead_mNm = 2000.0 * (1.0 - exp(-n / 64.0));
+            TEST_ASSERT_INT32_WITHIN(40, 20 * n + (int32_t)lround(lead_mNm), out.hydraulic_mNm);
+        }
+    }
 }
 
 void test_a_motor_that_must_leave_is_counted_on_for_what_it_still_gives_after_the_dead_time(void)

@@ -1,7 +1,9 @@
+#include <math.h>
 #include <string.h>
 
 #include "paper_vehicle.h"
 #include "random_values.h"
+#include "reference_motor.h"
 #include "torque/torque.h"
 #include "unity.h"
 
@@ -278,4 +280,57 @@ void test_no_number_from_outside_leads_to_undefined_behaviour(void)
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.hydraulic_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(config.brake.max_hydraulic_torque_mNm, out.hydraulic_mNm);
     }
+}
+
+/* What the motor takes from the battery with the measured current, W, by circuit laws: i = i_t + v(i_t) / R_i, by iteration, which
+ * shrinks an error by w L / R_i, a hundredth, every time. */
+static double drawn_w(void)
+{
+    const reference_motor_t m = reference_motor(&config, in.speed_mrad_s, in.capability.winding_temperature_cC);
+    double i_dt = in.current.d_mA * 1e-3;
+    double i_qt = in.current.q_mA * 1e-3;
+    for (int n = 0; n < 10; n++) {
+        const double v_d = -m.w_rad_s * m.l_q_h * i_qt;
+        const double v_q = m.w_rad_s * (m.l_d_h * i_dt + m.psi_wb);
+        i_dt = in.current.d_mA * 1e-3 - v_d * m.iron_siemens;
+        i_qt = in.current.q_mA * 1e-3 - v_q * m.iron_siemens;
+    }
+    return reference_point(&m, i_dt, i_qt).power_w;
+}
+
+/* Half of the fold-back's width inside the end of the voltage half of the current flows, and it is found from the torque of now.
+ * Without a hydraulic brake, for which the motor would have to wait. Steps below a milliampere are none: 8 * 18.4 V * 1 mA/32 A =
+ * 4.6 mV, 0.8 % of the half width; and the inverse of a power is as good as a millinewtonmetre. */
+void test_half_way_to_the_end_of_the_battery_s_voltage_half_of_its_current_flows(void)
+{
+    config.brake.max_hydraulic_torque_mNm = 0;
+    const int32_t half_width_mV = (config.battery.max_voltage_mV - config.battery.foldback_voltage_mV) / 2;
+
+    in.speed_mrad_s = mrad_s_of_rpm(450.0);
+    in.brake_torque_mNm = 40000;
+    (void)run(200);
+    in.capability.bus_voltage_mV = config.battery.max_voltage_mV - half_width_mV;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, run(4000).available.reason);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1445.4, -25.0 * 1e-3 * in.capability.bus_voltage_mV, drawn_w());
+
+    torque_init(&state);
+    in.brake_torque_mNm = 0;
+    in.drive_torque_mNm = 40000;
+    in.capability.bus_voltage_mV = 53000;
+    (void)run(200);
+    in.capability.bus_voltage_mV = config.battery.min_voltage_mV + half_width_mV;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_LOW, run(4000).reason);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1268.3, 31.25 * 1e-3 * in.capability.bus_voltage_mV, drawn_w());
+}
+
+void test_a_new_start_knows_nothing_of_the_last_one(void)
+{
+    memset(&state, 0xFF, sizeof state);
+    torque_init(&state);
+    TEST_ASSERT_EQUAL_UINT16(0, state.voltage_low_steps);
+    TEST_ASSERT_EQUAL_UINT16(0, state.voltage_high_steps);
+    const torque_output_t out = step();
+    TEST_ASSERT_EQUAL_INT32(0, out.command_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, out.hydraulic_mNm);
+    TEST_ASSERT_FALSE(out.stop_lamp);
 }

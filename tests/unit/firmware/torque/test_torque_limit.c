@@ -91,6 +91,19 @@ void test_braking_with_the_drive_pedal_obeys_the_limit_of_braking(void)
     assert_command(-25000, REASON_CHARGE_CURRENT, settle(FORWARD, -60000, 0));
 }
 
+/* However slow the wheel turns: against the rotation means power out of the motor. */
+void test_a_drive_demand_against_the_slowest_rotation_obeys_the_limit_of_braking(void)
+{
+    assert_command(-25000, REASON_CHARGE_CURRENT, settle(1, -100000, 0));
+    assert_command(25000, REASON_CHARGE_CURRENT, settle(-1, 100000, 0));
+}
+
+/* The arbiter counts a backward torque as braking at standstill (test_brake_arbiter.c), so it must be one. */
+void test_at_standstill_braking_is_torque_backwards(void)
+{
+    assert_command(-5000, REASON_NONE, settle(0, 0, 5000));
+}
+
 void test_each_direction_of_power_has_its_own_permission(void)
 {
     permission.drive_q15 = 8192; /* a quarter of 40 Nm */
@@ -186,7 +199,8 @@ void test_without_voltage_it_is_given_back_and_the_reason_is_named(void)
     settle(FORWARD, 0, 10000);
     voltage_use_q15 = 31457;
     assert_command(-10000, REASON_NONE, step(FORWARD, 0, 10000));
-    voltage_use_q15 = 32768; /* 1311 beyond, of 2294: 400 * 1311/2294 = 228 */
+    assert_command(-10000, REASON_VOLTAGE, step(FORWARD, 0, 20000)); /* not given back yet, but no more */
+    voltage_use_q15 = 32768;                                         /* 1311 beyond, of 2294: 400 * 1311/2294 = 228 */
     assert_command(-9772, REASON_VOLTAGE, step(FORWARD, 0, 10000));
     voltage_use_q15 = INT32_MAX;
     assert_command(-9372, REASON_VOLTAGE, step(FORWARD, 0, 10000));
