@@ -38,11 +38,13 @@ void test_a_limit_is_the_clamp_between_a_number_and_its_negative(void)
     }
 }
 
-void test_wider_saturations_keep_their_bits(void)
+void test_other_saturations_keep_their_bits(void)
 {
-    static const int64_t X[] = {INT32_MIN, -1073741825, -1073741824, -131073, -131072,    -65537,     -65536,   0,
-                                65535,     65536,       131071,      131072,  1073741823, 1073741824, INT32_MAX};
+    static const int64_t X[] = {INT32_MIN, -1073741825, -1073741824, -131073,    -131072,  -65537, -65536,
+                                -4097,     -4096,       0,           4095,       4096,     65535,  65536,
+                                131071,    131072,      1073741823,  1073741824, INT32_MAX};
     for (unsigned k = 0; k < sizeof(X) / sizeof(X[0]); k++) {
+        TEST_ASSERT_EQUAL_INT64(clamped(X[k], -4096, 4095), q_saturate13((int32_t)X[k]));
         TEST_ASSERT_EQUAL_INT64(clamped(X[k], -65536, 65535), q_saturate17((int32_t)X[k]));
         TEST_ASSERT_EQUAL_INT64(clamped(X[k], -131072, 131071), q_saturate18((int32_t)X[k]));
         TEST_ASSERT_EQUAL_INT64(clamped(X[k], -1073741824, 1073741823), q_saturate31((int32_t)X[k]));

@@ -54,6 +54,23 @@ void test_an_impossible_state_that_lasts_is_believed_and_a_turn_in_order_heals_i
     }
 }
 
+/* Edges in order around a state that no rotor makes are not a turn in order. */
+void test_an_impossible_state_in_a_doubt_begins_the_count_of_edges_anew(void)
+{
+    turn_for(4000, 0.005);
+    for (int n = 0; n < HALL_INVALID_PERIODS; n++) {
+        theta_turns += 0.005;
+        hall_step(&hall, &config, 7);
+    }
+    while (hall.edges_in_order < HALL_TRUSTED_EDGES - 1) {
+        turn(0.005);
+        TEST_ASSERT_FALSE(hall.valid);
+    }
+    theta_turns += 0.005;
+    hall_step(&hall, &config, 7);
+    heals_after_six_edges(0.005);
+}
+
 void test_an_edge_that_bounces_in_doubt_counts_once(void)
 {
     turn_for(4000, 0.005);
@@ -202,6 +219,19 @@ void test_a_stuck_sensor_is_noticed_within_one_electrical_turn(void)
             }
         }
     }
+}
+
+/* The speed that was, for as long as it takes through one and a half sectors of 1/6 turn, and no edge: 50 periods of 0.005 turns. */
+void test_a_stop_that_no_rotor_can_make_is_noticed_half_a_sector_beyond_its_end(void)
+{
+    turn_for(4000, 0.005);
+    int32_t since_edge = hall.periods_since_edge;
+    for (int n = 0; n < 200 && hall.valid; n++) {
+        turn(0.0);
+        since_edge = hall.periods_since_edge;
+    }
+    TEST_ASSERT_FALSE(hall.valid);
+    TEST_ASSERT_INT32_WITHIN(1, 51, since_edge);
 }
 
 /* From 100 turns a second to nothing within two sectors: a dead set of sensors, not a rotor. */
