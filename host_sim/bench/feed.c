@@ -38,16 +38,10 @@ static void switch_bridge(const wheel_t *wheel, pmsm_state_t *rotor, const wheel
                           pmsm_step_t *step, feed_flow_t *out)
 {
     const inverter_t *inverter = &wheel->inverter;
-    const plant_phasor_t half_turn = plant_small_phasor(0.5 * step->omega_rad_s * step->duration_s);
-    const plant_ab_t now = rotor->terminal;
-    const plant_ab_t middle = {.alpha = now.alpha * half_turn.cos - now.beta * half_turn.sin,
-                               .beta = now.beta * half_turn.cos + now.alpha * half_turn.sin};
+    const inverter_drive_t drive = inverter_drive(inverter, duties(wheel, world), bus_voltage_v, wheel->zone_a);
     step->series_resistance_ohm = inverter->pwm_resistance_ohm;
-    step->half_turn = &half_turn;
-    const inverter_drive_t drive =
-        inverter_drive(inverter, duties(wheel, world), bus_voltage_v, plant_inverse_clarke(middle), wheel->zone_a);
-    out->motor = pmsm_step(&wheel->machine, rotor, drive.source, step);
-    step->half_turn = NULL;
+    step->opposition = drive.opposition;
+    out->motor = pmsm_step(&wheel->machine, rotor, drive.legs, step);
     out->bridge = inverter_pwm_flow(inverter, &drive, &out->motor);
 }
 

@@ -24,36 +24,25 @@ inverter_t inverter_model(const inverter_params_t *params, double switch_tempera
     return out;
 }
 
+static double error_v(const inverter_t *inverter, double bus_voltage_v)
+{
+    return inverter->dead_share * (0.5 * bus_voltage_v + inverter->forward_voltage_v);
+}
+
 double inverter_zone_a(const inverter_t *inverter, double bus_voltage_v, double amperes_per_volt)
 {
-    const double error_v = inverter->dead_share * (0.5 * bus_voltage_v + inverter->forward_voltage_v);
-    return error_v * amperes_per_volt;
+    return error_v(inverter, bus_voltage_v) * amperes_per_volt;
 }
 
-static inline double sign_within(double x, double per_zone)
+inverter_drive_t inverter_drive(const inverter_t *inverter, plant_abc_t duty, double bus_voltage_v, double zone_a)
 {
-    return plant_clamp(x * per_zone, -1.0, 1.0);
-}
-
-inverter_drive_t inverter_drive(const inverter_t *inverter, plant_abc_t duty, double bus_voltage_v, plant_abc_t middle,
-                                double zone_a)
-{
-    /* Without any error voltage the zone is empty and the sign of no consequence. */
-    const double per_zone = zone_a > 0.0 ? 1.0 / zone_a : 0.0;
-    const plant_abc_t sign = {.a = sign_within(middle.a, per_zone),
-                              .b = sign_within(middle.b, per_zone),
-                              .c = sign_within(middle.c, per_zone)};
-    const plant_ab_t signs = plant_clarke(sign);
     const plant_ab_t duties = plant_clarke(duty);
-    const double dead_duty = 0.5 * inverter->dead_share;
-    const double drop_v = inverter->dead_share * inverter->forward_voltage_v;
-    inverter_drive_t out;
-    out.bus_part.alpha = bus_voltage_v * (duties.alpha - dead_duty * signs.alpha);
-    out.bus_part.beta = bus_voltage_v * (duties.beta - dead_duty * signs.beta);
-    out.diode_part.alpha = drop_v * signs.alpha;
-    out.diode_part.beta = drop_v * signs.beta;
-    out.source.alpha = out.bus_part.alpha - out.diode_part.alpha;
-    out.source.beta = out.bus_part.beta - out.diode_part.beta;
+    const inverter_drive_t out = {
+        .legs = {.alpha = bus_voltage_v * duties.alpha, .beta = bus_voltage_v * duties.beta},
+        .opposition = {.volts = error_v(inverter, bus_voltage_v), .zone_a = zone_a},
+        .shifted_v = inverter->dead_share * 0.5 * bus_voltage_v,
+        .drop_v = inverter->dead_share * inverter->forward_voltage_v,
+    };
     return out;
 }
 
@@ -66,9 +55,9 @@ inverter_flow_t inverter_pwm_flow(const inverter_t *inverter, const inverter_dri
 {
     const double switching_j = inverter->switching_loss_j_per_as * flow->rectified_as;
     const inverter_flow_t out = {
-        .dc_j = energy_j(drive->bus_part, flow->charge_as) + switching_j,
+        .dc_j = energy_j(drive->legs, flow->charge_as) - drive->shifted_v * flow->opposed_as + switching_j,
         .conduction_j = flow->series_j,
-        .diode_j = energy_j(drive->diode_part, flow->charge_as),
+        .diode_j = drive->drop_v * flow->opposed_as,
         .switching_j = switching_j,
     };
     return out;

@@ -111,10 +111,40 @@ bool pmsm_is_resolved(const pmsm_t *machine, double series_resistance_ohm, doubl
     return resistance_ohm * step_s < plant_min(p->d_inductance_h, p->q_inductance_h);
 }
 
-/* One set of four stages. */
-static void advance(const equations_t *eq, pmsm_state_t *state, plant_ab_t u_ab, double h, plant_phasor_t half_turn,
-                    pmsm_flow_t *flow)
+/* Signs of the phases' currents. */
+static inline plant_abc_t signs_of(plant_abc_t i)
 {
+    const plant_abc_t out = {.a = copysign(1.0, i.a), .b = copysign(1.0, i.b), .c = copysign(1.0, i.c)};
+    return out;
+}
+
+/* By how much the phase that is nearest to it is still on the side of its sign. */
+static inline double distance_a(plant_abc_t sign, plant_abc_t i)
+{
+    return plant_min(plant_min(sign.a * i.a, sign.b * i.b), sign.c * i.c);
+}
+
+/* The current in the wires with the i_t that a set has come to: its last stage's is one order less exact, but
+ * belongs to the balance. */
+static inline plant_dq_t terminal_at(const equations_t *eq, plant_dq_t u, plant_dq_t i_t)
+{
+    return along(i_t, eq->conductance_s, along(u, -eq->resistance_ohm, i_t));
+}
+
+/* One set of four stages, in which the opposition's voltage stands still: all phases are and stay outside its zone, on the
+ * sides where they were. If they do not stay there nothing is done, and the answer is false. */
+static bool advance(const equations_t *eq, const pmsm_opposition_t *opposition, pmsm_state_t *state, plant_ab_t u,
+                    double h, plant_phasor_t half_turn, pmsm_flow_t *flow)
+{
+    const plant_abc_t before = plant_inverse_clarke(state->terminal);
+    const plant_abc_t sign = signs_of(before);
+    const bool is_opposed = opposition->volts != 0.0;
+    if (is_opposed && distance_a(sign, before) <= opposition->zone_a) {
+        return false;
+    }
+    const plant_ab_t share = plant_clarke(sign);
+    const plant_ab_t u_ab = {.alpha = u.alpha - opposition->volts * share.alpha,
+                             .beta = u.beta - opposition->volts * share.beta};
     const stage_axes_t axes = stage_axes(state->axis, half_turn);
     const plant_dq_t u_start = plant_park(u_ab, axes.start);
     const plant_dq_t u_middle = plant_park(u_ab, axes.middle);
@@ -125,11 +155,61 @@ static void advance(const equations_t *eq, pmsm_state_t *state, plant_ab_t u_ab,
     const stage_t s2 = stage_at(eq, u_middle, along(i_t, 0.5 * h, s1.slope));
     const stage_t s3 = stage_at(eq, u_middle, along(i_t, 0.5 * h, s2.slope));
     const stage_t s4 = stage_at(eq, u_end, along(i_t, h, s3.slope));
+    const wires_t wires = wires_of(&s1, &s2, &s3, &s4, &axes);
+    const double nearest_a = plant_min(distance_a(sign, plant_inverse_clarke(wires.start)),
+                                       distance_a(sign, plant_inverse_clarke(wires.end)));
+    if (is_opposed && nearest_a <= opposition->zone_a) {
+        return false;
+    }
     const double sixth = h / 6.0;
-    state->i_t.d = i_t.d + sixth * simpson(s1.slope.d, s2.slope.d, s3.slope.d, s4.slope.d);
-    state->i_t.q = i_t.q + sixth * simpson(s1.slope.q, s2.slope.q, s3.slope.q, s4.slope.q);
-    book_currents(&s1, between(s2.terminal, s3.terminal), &s4, &axes, sixth, state, flow);
+    const plant_dq_t end = after(i_t, sixth, &s1, &s2, &s3, &s4);
+    state->i_t = end;
+    flow->opposed_as += book_currents(&wires, sixth, flow);
+    state->axis = axes.end;
+    state->terminal = plant_inverse_park(terminal_at(eq, u_end, end), axes.end);
     book_heat_and_torque(&s1, &s2, &s3, &s4, sixth, flow);
+    return true;
+}
+
+/* What a stage sees of an opposition that follows the current. */
+typedef struct {
+    plant_ab_t u;
+    double volts, per_zone;
+} feed_t;
+
+static inline opposed_stage_t opposed_stage_at(const equations_t *eq, const feed_t *feed, plant_dq_t i_t,
+                                               plant_phasor_t axis)
+{
+    const plant_dq_t u = plant_park(feed->u, axis);
+    const plant_dq_t share = opposed_share(feed->per_zone, eq, u, i_t, axis);
+    opposed_stage_t out = {.stage = stage_at(eq, along(u, -feed->volts, share), i_t)};
+    out.opposed_a = opposed_a(share, out.stage.terminal);
+    return out;
+}
+
+/* A set where a phase's current is in the opposition's zone or passes through it. */
+static void advance_in_zone(const equations_t *eq, const pmsm_opposition_t *opposition, pmsm_state_t *state,
+                            plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow)
+{
+    const feed_t feed = {.u = u, .volts = opposition->volts, .per_zone = 1.0 / opposition->zone_a};
+    const stage_axes_t axes = stage_axes(state->axis, half_turn);
+    const plant_dq_t i_t = state->i_t;
+    const opposed_stage_t o1 = opposed_stage_at(eq, &feed, i_t, axes.start);
+    const opposed_stage_t o2 = opposed_stage_at(eq, &feed, along(i_t, 0.5 * h, o1.stage.slope), axes.middle);
+    const opposed_stage_t o3 = opposed_stage_at(eq, &feed, along(i_t, 0.5 * h, o2.stage.slope), axes.middle);
+    const opposed_stage_t o4 = opposed_stage_at(eq, &feed, along(i_t, h, o3.stage.slope), axes.end);
+    const stage_t *s1 = &o1.stage;
+    const stage_t *s2 = &o2.stage;
+    const stage_t *s3 = &o3.stage;
+    const stage_t *s4 = &o4.stage;
+    const double sixth = h / 6.0;
+    state->i_t = after(i_t, sixth, s1, s2, s3, s4);
+    const wires_t wires = wires_of(s1, s2, s3, s4, &axes);
+    book_currents(&wires, sixth, flow);
+    book_heat_and_torque(s1, s2, s3, s4, sixth, flow);
+    flow->opposed_as += sixth * simpson(o1.opposed_a, o2.opposed_a, o3.opposed_a, o4.opposed_a);
+    state->axis = axes.end;
+    state->terminal = plant_inverse_park(opposed_stage_at(eq, &feed, state->i_t, axes.end).stage.terminal, axes.end);
 }
 
 /* A rotor that turned more than once within a PWM period could not be controlled, but must not leave its range. */
@@ -170,17 +250,17 @@ double pmsm_turn(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *
 pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, const pmsm_step_t *step)
 {
     const equations_t eq = equations_at(machine, step);
+    const pmsm_opposition_t *opposition = &step->opposition;
     pmsm_flow_t flow = {.charge_as = {0.0, 0.0}};
     const double turn_rad = fabs(eq.w) * step->duration_s;
     const int sets = turn_rad <= LARGEST_TURN_RAD ? 1 : (int)ceil(turn_rad / LARGEST_TURN_RAD);
     const double h = step->duration_s / sets;
-    const bool is_known = sets == 1 && step->half_turn != NULL;
-    const plant_phasor_t half_turn = is_known ? *step->half_turn : plant_small_phasor(0.5 * eq.w * h);
+    const plant_phasor_t half_turn = plant_small_phasor(0.5 * eq.w * h);
     for (int k = 0; k < sets; k++) {
         if (machine->magnetics.saturates) {
-            pmsm_saturated_advance(machine, &eq, state, u, h, half_turn, &flow);
-        } else {
-            advance(&eq, state, u, h, half_turn, &flow);
+            pmsm_saturated_advance(machine, &eq, opposition, state, u, h, half_turn, &flow);
+        } else if (!advance(&eq, opposition, state, u, h, half_turn, &flow)) {
+            advance_in_zone(&eq, opposition, state, u, h, half_turn, &flow);
         }
     }
     const double cogging_nms = pmsm_turn(machine, state, step);
@@ -191,7 +271,8 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, 
     flow.iron_j *= 1.5 * eq.share * eq.conductance_s;
     flow.torque_nms *= 1.5 * machine->params.pole_pairs;
     flow.torque_nms += cogging_nms;
-    flow.source_j = 1.5 * (u.alpha * flow.charge_as.alpha + u.beta * flow.charge_as.beta);
+    flow.source_j =
+        1.5 * (u.alpha * flow.charge_as.alpha + u.beta * flow.charge_as.beta) - opposition->volts * flow.opposed_as;
     return flow;
 }
 

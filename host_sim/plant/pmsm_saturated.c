@@ -1,37 +1,52 @@
 /* The machine of pmsm.h where its iron saturates: the same circuit and stages, integrated in the fluxes. */
 #include "pmsm_stages.h"
 
-static inline stage_t stage_at(const pmsm_t *machine, const equations_t *eq, plant_dq_t u, plant_dq_t flux)
+static inline opposed_stage_t stage_at(const pmsm_t *machine, const equations_t *eq,
+                                       const pmsm_opposition_t *opposition, plant_ab_t u_ab, plant_phasor_t axis,
+                                       plant_dq_t flux)
 {
     const plant_dq_t i_t = magnetics_current(&machine->magnetics, flux);
+    plant_dq_t u = plant_park(u_ab, axis);
+    plant_dq_t share = {0.0, 0.0};
+    if (opposition->volts != 0.0) {
+        share = opposed_share(1.0 / opposition->zone_a, eq, u, i_t, axis);
+        u = along(u, -opposition->volts, share);
+    }
     const plant_dq_t e = along(u, -eq->resistance_ohm, i_t);
     const plant_dq_t i = along(i_t, eq->conductance_s, e);
     const double flux_d = flux.d + eq->flux_wb;
-    const stage_t out = {
-        .slope = {.d = eq->share * e.d + eq->w * flux.q, .q = eq->share * e.q - eq->w * flux_d},
-        .terminal = i,
-        .terminal_square = i.d * i.d + i.q * i.q,
-        .drop_square = e.d * e.d + e.q * e.q,
-        .torque_per_3_2_p = flux_d * i_t.q - flux.q * i_t.d,
+    const opposed_stage_t out = {
+        .stage = {.slope = {.d = eq->share * e.d + eq->w * flux.q, .q = eq->share * e.q - eq->w * flux_d},
+                  .terminal = i,
+                  .terminal_square = i.d * i.d + i.q * i.q,
+                  .drop_square = e.d * e.d + e.q * e.q,
+                  .torque_per_3_2_p = flux_d * i_t.q - flux.q * i_t.d},
+        .opposed_a = opposed_a(share, i),
     };
     return out;
 }
 
-void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, pmsm_state_t *state, plant_ab_t u, double h,
-                            plant_phasor_t half_turn, pmsm_flow_t *flow)
+void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, const pmsm_opposition_t *opposition,
+                            pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow)
 {
     const stage_axes_t axes = stage_axes(state->axis, half_turn);
-    const plant_dq_t u_middle = plant_park(u, axes.middle);
     plant_dq_t flux = magnetics_flux(&machine->magnetics, state->i_t);
-    const stage_t s1 = stage_at(machine, eq, plant_park(u, axes.start), flux);
-    const stage_t s2 = stage_at(machine, eq, u_middle, along(flux, 0.5 * h, s1.slope));
-    const stage_t s3 = stage_at(machine, eq, u_middle, along(flux, 0.5 * h, s2.slope));
-    const stage_t s4 = stage_at(machine, eq, plant_park(u, axes.end), along(flux, h, s3.slope));
-    flux.d += h / 6.0 * simpson(s1.slope.d, s2.slope.d, s3.slope.d, s4.slope.d);
-    flux.q += h / 6.0 * simpson(s1.slope.q, s2.slope.q, s3.slope.q, s4.slope.q);
+    const opposed_stage_t o1 = stage_at(machine, eq, opposition, u, axes.start, flux);
+    const stage_t *s1 = &o1.stage;
+    const opposed_stage_t o2 = stage_at(machine, eq, opposition, u, axes.middle, along(flux, 0.5 * h, s1->slope));
+    const stage_t *s2 = &o2.stage;
+    const opposed_stage_t o3 = stage_at(machine, eq, opposition, u, axes.middle, along(flux, 0.5 * h, s2->slope));
+    const stage_t *s3 = &o3.stage;
+    const opposed_stage_t o4 = stage_at(machine, eq, opposition, u, axes.end, along(flux, h, s3->slope));
+    const stage_t *s4 = &o4.stage;
+    flux = after(flux, h / 6.0, s1, s2, s3, s4);
     state->i_t = magnetics_current(&machine->magnetics, flux);
-    book_currents(&s1, between(s2.terminal, s3.terminal), &s4, &axes, h / 6.0, state, flow);
-    book_heat_and_torque(&s1, &s2, &s3, &s4, h / 6.0, flow);
+    const wires_t wires = wires_of(s1, s2, s3, s4, &axes);
+    book_currents(&wires, h / 6.0, flow);
+    state->axis = axes.end;
+    state->terminal = plant_inverse_park(stage_at(machine, eq, opposition, u, axes.end, flux).stage.terminal, axes.end);
+    book_heat_and_torque(s1, s2, s3, s4, h / 6.0, flow);
+    flow->opposed_as += h / 6.0 * simpson(o1.opposed_a, o2.opposed_a, o3.opposed_a, o4.opposed_a);
 }
 
 plant_dq_t pmsm_saturated_implicit(const pmsm_t *machine, double omega_rad_s, plant_dq_t before, double h, double r,

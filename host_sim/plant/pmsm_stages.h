@@ -5,6 +5,7 @@
 #ifndef PMSM_STAGES_H
 #define PMSM_STAGES_H
 
+#include "plant/numbers.h"
 #include "plant/pmsm.h"
 
 /* The equations at one speed, ready to be evaluated: with e = u - R i_t, v = share e and i = i_t + conductance e. */
@@ -47,24 +48,43 @@ static inline double simpson(double first, double second, double third, double f
     return first + 2.0 * (second + third) + fourth;
 }
 
-/* What is booked from four stages, in parts small enough to be inlined: here they cost a fifth of what they do as calls. */
-static inline void book_currents(const stage_t *s1, plant_dq_t mean, const stage_t *s4, const stage_axes_t *axes,
-                                 double sixth, pmsm_state_t *state, pmsm_flow_t *flow)
+/* What the wires carry at the ends and, as the mean of both of its stages, in the middle of a step. */
+typedef struct {
+    plant_ab_t start, middle, end;
+} wires_t;
+
+static inline wires_t wires_of(const stage_t *s1, const stage_t *s2, const stage_t *s3, const stage_t *s4,
+                               const stage_axes_t *axes)
 {
-    const plant_ab_t at_start = plant_inverse_park(s1->terminal, axes->start);
-    const plant_ab_t at_middle = plant_inverse_park(mean, axes->middle);
-    const plant_ab_t at_end = plant_inverse_park(s4->terminal, axes->end);
-    state->axis = axes->end;
-    state->terminal = at_end;
-    flow->charge_as.alpha += sixth * (at_start.alpha + 4.0 * at_middle.alpha + at_end.alpha);
-    flow->charge_as.beta += sixth * (at_start.beta + 4.0 * at_middle.beta + at_end.beta);
-    flow->rectified_as +=
-        sixth * (plant_rectified_sum(at_start) + 4.0 * plant_rectified_sum(at_middle) + plant_rectified_sum(at_end));
+    const plant_dq_t middle = {.d = 0.5 * (s2->terminal.d + s3->terminal.d),
+                               .q = 0.5 * (s2->terminal.q + s3->terminal.q)};
+    const wires_t out = {.start = plant_inverse_park(s1->terminal, axes->start),
+                         .middle = plant_inverse_park(middle, axes->middle),
+                         .end = plant_inverse_park(s4->terminal, axes->end)};
+    return out;
 }
 
-static inline plant_dq_t between(plant_dq_t x, plant_dq_t y)
+/* What is integrated, after four stages. */
+static inline plant_dq_t after(plant_dq_t before, double sixth, const stage_t *s1, const stage_t *s2, const stage_t *s3,
+                               const stage_t *s4)
 {
-    const plant_dq_t out = {.d = 0.5 * (x.d + y.d), .q = 0.5 * (x.q + y.q)};
+    const plant_dq_t out = {.d = before.d + sixth * simpson(s1->slope.d, s2->slope.d, s3->slope.d, s4->slope.d),
+                            .q = before.q + sixth * simpson(s1->slope.q, s2->slope.q, s3->slope.q, s4->slope.q)};
+    return out;
+}
+
+/* What is booked from four stages, in parts small enough to be inlined: here they cost a fifth of what they do as calls.
+ * Returns the integral of |i_a| + |i_b| + |i_c|. */
+static inline double book_currents(const wires_t *wires, double sixth, pmsm_flow_t *flow)
+{
+    const plant_ab_t *start = &wires->start;
+    const plant_ab_t *middle = &wires->middle;
+    const plant_ab_t *end = &wires->end;
+    flow->charge_as.alpha += sixth * (start->alpha + 4.0 * middle->alpha + end->alpha);
+    flow->charge_as.beta += sixth * (start->beta + 4.0 * middle->beta + end->beta);
+    const double out =
+        sixth * (plant_rectified_sum(*start) + 4.0 * plant_rectified_sum(*middle) + plant_rectified_sum(*end));
+    flow->rectified_as += out;
     return out;
 }
 
@@ -79,9 +99,33 @@ static inline void book_heat_and_torque(const stage_t *s1, const stage_t *s2, co
         sixth * simpson(s1->torque_per_3_2_p, s2->torque_per_3_2_p, s3->torque_per_3_2_p, s4->torque_per_3_2_p);
 }
 
+/* A stage with an opposition that follows the current. */
+typedef struct {
+    stage_t stage;
+    double opposed_a; /* current against which it stands: the sum of share times current of all phases */
+} opposed_stage_t;
+
+/* The opposition's voltage as a share of its whole, decided by the current that would flow without it: what the opposition
+ * itself takes out of the iron branch at once is part of its zone (inverter.h). */
+static inline plant_dq_t opposed_share(double per_zone, const equations_t *eq, plant_dq_t u, plant_dq_t i_t,
+                                       plant_phasor_t axis)
+{
+    const plant_dq_t i = along(i_t, eq->conductance_s, along(u, -eq->resistance_ohm, i_t));
+    const plant_abc_t phase = plant_inverse_clarke(plant_inverse_park(i, axis));
+    const plant_abc_t share = {.a = plant_clamp(phase.a * per_zone, -1.0, 1.0),
+                               .b = plant_clamp(phase.b * per_zone, -1.0, 1.0),
+                               .c = plant_clamp(phase.c * per_zone, -1.0, 1.0)};
+    return plant_park(plant_clarke(share), axis);
+}
+
+static inline double opposed_a(plant_dq_t share, plant_dq_t terminal)
+{
+    return 1.5 * (share.d * terminal.d + share.q * terminal.q);
+}
+
 /* pmsm_saturated.c: one set of four stages; an implicit step of  d(flux)/dt = drive - r i - j w flux  from i_t = before. */
-void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, pmsm_state_t *state, plant_ab_t u, double h,
-                            plant_phasor_t half_turn, pmsm_flow_t *flow);
+void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, const pmsm_opposition_t *opposition,
+                            pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow);
 plant_dq_t pmsm_saturated_implicit(const pmsm_t *machine, double omega_rad_s, plant_dq_t before, double h, double r,
                                    plant_dq_t drive);
 

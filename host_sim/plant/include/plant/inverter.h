@@ -5,15 +5,18 @@
  *
  *     v_x = d_x v_dc - s_x t_d f_s v_dc  -  s_x V_f delta  -  [R_ds (1 - delta) + R_ak delta] i_x      delta = 2 t_d f_s
  *
- * s_x is the sign of the phase current in the middle of the period. The second term is a shift of the switching
- * instant (it moves energy on neither side), the third and fourth are heat. Hard switching adds (k_on + k_off) f_s |i_x|/2
- * a phase on the DC side only. Over a sinusoid these are the paper's eqs (8) to (14):
+ * s_x is the sign of the phase current. The second term is a shift of the switching instant (it moves energy on neither
+ * side), the third and fourth are heat. Hard switching adds (k_on + k_off) f_s |i_x|/2 a phase on the DC side only. Over a
+ * sinusoid these are the paper's eqs (8) to (14):
  * 3/2 I^2 R + 6/pi V_f delta I + 3 (k_on + k_off) f_s I/pi. So with what flowed through the machine during a period
  *
  *     DC energy = terminal energy + conduction + diode + switching
  *
- * exactly. Where the current is so small that the held error voltage would reverse it within the period, the sign is
- * not decided and s_x is proportional to the current (zone_a): a leg at rest clamps its current, it does not hunt.
+ * exactly. A current that ends within the dead time, which moves it by t_d (v_dc + 2 V_f)/L and a share in the iron branch,
+ * loses its diode on the way: within that zone (inverter_zone_a()) s_x is proportional to the current, so it is continuous,
+ * the integration sees it in every stage, and a leg at rest clamps its current and does not hunt. Ripple that changes a
+ * current's sign between the two edges of a period, and so undoes the loss, is left to switching.h: it is worth a hundredth
+ * of a per cent of a stop's kinetic energy at 1 A and nothing at 10 A.
  *
  * Off: the diodes rectify. Terminal current flows only where the line EMF exceeds v_dc + 2 V_f; the fundamental of the
  * bridge's voltage is then (v_dc + 2 V_f)/sqrt 3 against the current: exact at the threshold, 10 % low in the
@@ -56,11 +59,12 @@ typedef struct {
     double switching_loss_j_per_as; /* (k_on + k_off) f_s / 2 */
 } inverter_t;
 
-/* What the bridge puts in front of the machine in one period. */
+/* What the bridge puts in front of the machine in one period: legs, less the opposition, behind the series resistance. */
 typedef struct {
-    plant_ab_t bus_part;   /* V, legs as the bus sees them, dead time included */
-    plant_ab_t diode_part; /* V, drop of the diodes during dead time, held */
-    plant_ab_t source;     /* V, bus_part - diode_part: the source in front of the series resistance */
+    plant_ab_t legs;              /* V, duties times bus voltage */
+    pmsm_opposition_t opposition; /* dead time and diodes: the sum of the next two */
+    double shifted_v;             /* V a phase, what the dead time shifts, which stays on the bus */
+    double drop_v;                /* V a phase, what the diodes take, which is heat */
 } inverter_drive_t;
 
 /* Energy of one period. DC energy is positive out of the battery. */
@@ -73,13 +77,12 @@ typedef struct {
 
 inverter_t inverter_model(const inverter_params_t *params, double switch_temperature_c);
 
-/* Current that the held dead-time and diode voltages can move within a period: zone_a of inverter_drive().
+/* Current that the whole error voltage of dead time and diodes moves within a PWM period: the opposition's zone.
  * amperes_per_volt: of what the bridge feeds, see pmsm_amperes_per_volt(). */
 double inverter_zone_a(const inverter_t *inverter, double bus_voltage_v, double amperes_per_volt);
 
-/* duty: high-side share of each leg, 0 .. 1. middle: phase currents expected in the middle of the period, A. */
-inverter_drive_t inverter_drive(const inverter_t *inverter, plant_abc_t duty, double bus_voltage_v, plant_abc_t middle,
-                                double zone_a);
+/* duty: high-side share of each leg, 0 .. 1. */
+inverter_drive_t inverter_drive(const inverter_t *inverter, plant_abc_t duty, double bus_voltage_v, double zone_a);
 
 inverter_flow_t inverter_pwm_flow(const inverter_t *inverter, const inverter_drive_t *drive, const pmsm_flow_t *flow);
 

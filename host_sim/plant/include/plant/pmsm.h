@@ -14,7 +14,8 @@
  *
  *     source = copper + series + iron + torque * speed + change of magnetic energy
  *
- * closes to the scheme's own order (1e-9 of the energy turned over at 1 kHz electrical and 20 kHz PWM). Speed and
+ * closes to the scheme's own order (1e-9 of the energy turned over at 1 kHz electrical and 20 kHz PWM; where an opposition
+ * turns with a phase's current, 1e-5 of what flows then). Speed and
  * temperature are constant during a step. Valid for R * step < L (pmsm_is_resolved()), any speed: fast rotors are
  * integrated in more than one stage set.
  *
@@ -76,17 +77,25 @@ typedef struct {
     double shaft_turn;   /* mechanical, 0 <= angle < 1; kept up where there is cogging */
 } pmsm_state_t;
 
+/* Something that takes a voltage of each phase against its current: all of it from zone_a on, proportionally less below. */
+typedef struct {
+    double volts;  /* 0: nothing does */
+    double zone_a; /* above 0 */
+} pmsm_opposition_t;
+
 typedef struct {
     double omega_rad_s; /* electrical, constant during the step */
     double duration_s;
-    double series_resistance_ohm;    /* a phase, of what feeds the machine */
-    const plant_phasor_t *half_turn; /* exp(j omega duration / 2) where the caller has it already; NULL: not */
+    double series_resistance_ohm; /* a phase, of what feeds the machine */
+    pmsm_opposition_t opposition; /* in front of that resistance */
 } pmsm_step_t;
 
 /* What flowed during a step. */
 typedef struct {
     plant_ab_t charge_as; /* integral of the terminal current */
-    double source_j;      /* delivered by the source, in front of its series resistance */
+    double source_j;      /* delivered by the source, in front of its series resistance, the opposition taken off */
+    double
+        opposed_as; /* integral of the currents that the opposition stood against, all phases, as shares of its volts */
     double copper_j;
     double series_j; /* heat in the series resistance */
     double iron_j;
@@ -104,7 +113,9 @@ pmsm_state_t pmsm_at_rest(double theta_turn);
 /* One stage set resolves R/L up to this step; a drive that fails is refused by the bench. */
 bool pmsm_is_resolved(const pmsm_t *machine, double series_resistance_ohm, double step_s);
 
-/* Stator voltage u (ab, V) behind the series resistance, constant over the step. Advances currents and angle. */
+/* Stator voltage u (ab, V) in front of opposition and series resistance, constant over the step. Advances currents and
+ * angle. The opposition stands still over a step in which all phases stay outside its zone, and follows their currents in
+ * every stage where one does not; such a step costs half as much again. */
 pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, const pmsm_step_t *step);
 
 /*

@@ -1,7 +1,8 @@
 /*
  * switching.h: the bridge of inverter.h edge by edge, on the machine of phases.h.
  *
- * A period T begins in the middle of the low sides' time, where the firmware's converter samples. Leg x is told to rise at
+ * A period T begins at the top of the count, where the firmware's converter samples: in the middle of the low sides' time but
+ * for half a dead time, by which the pulses come late. Leg x is told to rise at
  * T (1 - d_x) / 2 and to fall at T (1 + d_x) / 2; the switch that opens opens at once, the one that closes closes a dead
  * time later. In between the diode carries the current, V_f + R_ak i, and when the current ends there the leg floats until
  * its switch closes or its voltage leaves the rails. Closing and opening a switch that carries or takes over the current

@@ -7,7 +7,7 @@
 #include "unity.h"
 
 static const double BUS_V = 53.0;
-static const double NO_ZONE_A = 1e-6;
+static const double NARROW_A = 1e-6;
 static inverter_params_t params;
 static inverter_t inverter;
 
@@ -35,6 +35,7 @@ static pmsm_flow_t sinusoid(double amplitude_a, double angle)
         .charge_as = {.alpha = i.alpha * h, .beta = i.beta * h},
         .series_j = 1.5 * inverter.pwm_resistance_ohm * amplitude_a * amplitude_a * h,
         .rectified_as = h * plant_rectified_sum(i),
+        .opposed_as = h * plant_rectified_sum(i), /* no phase in the zone */
     };
     return out;
 }
@@ -51,9 +52,8 @@ void test_losses_over_a_turn_are_the_papers_integrals(void)
     for (int k = 0; k < steps; k++) {
         const double angle = PLANT_TWO_PI * (k + 0.5) / steps;
         const pmsm_flow_t flow = sinusoid(amplitude, angle);
-        const plant_ab_t i = {.alpha = amplitude * cos(angle), .beta = amplitude * sin(angle)};
         const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
-        const inverter_drive_t drive = inverter_drive(&inverter, half, BUS_V, plant_inverse_clarke(i), NO_ZONE_A);
+        const inverter_drive_t drive = inverter_drive(&inverter, half, BUS_V, NARROW_A);
         const inverter_flow_t bridge = inverter_pwm_flow(&inverter, &drive, &flow);
         conduction_w += bridge.conduction_j / inverter.period_s / steps;
         diode_w += bridge.diode_j / inverter.period_s / steps;
@@ -76,11 +76,11 @@ void test_dc_energy_is_terminal_energy_and_all_losses(void)
     for (int k = 0; k < 12; k++) {
         const double angle = PLANT_TWO_PI * k / 12.0 + 0.1;
         const pmsm_flow_t flow = sinusoid(25.0, angle);
-        const plant_ab_t i = {.alpha = 25.0 * cos(angle), .beta = 25.0 * sin(angle)};
-        const inverter_drive_t drive = inverter_drive(&inverter, duty, BUS_V, plant_inverse_clarke(i), NO_ZONE_A);
+        const inverter_drive_t drive = inverter_drive(&inverter, duty, BUS_V, NARROW_A);
         const inverter_flow_t bridge = inverter_pwm_flow(&inverter, &drive, &flow);
         const double source_j =
-            1.5 * (drive.source.alpha * flow.charge_as.alpha + drive.source.beta * flow.charge_as.beta);
+            1.5 * (drive.legs.alpha * flow.charge_as.alpha + drive.legs.beta * flow.charge_as.beta) -
+            drive.opposition.volts * flow.opposed_as;
         const double terminal_j = source_j - flow.series_j;
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, terminal_j + bridge.conduction_j + bridge.diode_j + bridge.switching_j,
                                   bridge.dc_j);
@@ -92,22 +92,24 @@ void test_an_ideal_bridge_gives_bus_voltage_times_duty(void)
     const inverter_params_t ideal = {.pwm_frequency_hz = 16000.0};
     const inverter_t bridge = inverter_model(&ideal, 25.0);
     const plant_abc_t duty = {.a = 0.7, .b = 0.2, .c = 0.4};
-    const plant_abc_t middle = {.a = 3.0, .b = -1.0, .c = -2.0};
-    const inverter_drive_t drive = inverter_drive(&bridge, duty, BUS_V, middle, inverter_zone_a(&bridge, BUS_V, 0.5));
-    const plant_abc_t legs = plant_inverse_clarke(drive.source);
+    const inverter_drive_t drive = inverter_drive(&bridge, duty, BUS_V, inverter_zone_a(&bridge, BUS_V, 0.5));
+    const plant_abc_t legs = plant_inverse_clarke(drive.legs);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, drive.opposition.volts);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, BUS_V * 0.5, legs.a - legs.b);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, BUS_V * -0.2, legs.b - legs.c);
 }
 
+/* Each of a period's two dead times is lost to the bus, or won from it, as a whole: t_d f v_dc of the mean voltage. */
 void test_dead_time_takes_its_share_of_the_bus_against_the_current_of_each_leg(void)
 {
     const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
-    const plant_abc_t middle = {.a = 30.0, .b = -20.0, .c = -10.0};
-    const inverter_drive_t drive = inverter_drive(&inverter, half, BUS_V, middle, NO_ZONE_A);
-    const plant_abc_t bus = plant_inverse_clarke(drive.bus_part);
+    const inverter_drive_t drive = inverter_drive(&inverter, half, BUS_V, NARROW_A);
     const double lost_v = BUS_V * params.dead_time_s * params.pwm_frequency_hz;
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -2.0 * lost_v, bus.a - bus.b);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, bus.b - bus.c);
+    const double drop_v = 2.0 * params.diode_forward_voltage_v * params.dead_time_s * params.pwm_frequency_hz;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, lost_v, drive.shifted_v);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, drop_v, drive.drop_v);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, lost_v + drop_v, drive.opposition.volts);
+    TEST_ASSERT_EQUAL_DOUBLE(NARROW_A, drive.opposition.zone_a);
 }
 
 /* 2 A in phase a, no other voltage: the error voltage must take the current to zero and leave it there, whether the
@@ -121,13 +123,13 @@ void test_a_leg_at_rest_is_clamped_and_does_not_hunt(void)
         state.i_t.d = 2.0;
         state.terminal.alpha = 2.0;
         const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
-        const pmsm_step_t step = {.omega_rad_s = 0.0, .duration_s = inverter.period_s, .series_resistance_ohm = 0.0};
+        pmsm_step_t step = {.omega_rad_s = 0.0, .duration_s = inverter.period_s, .series_resistance_ohm = 0.0};
         const double zone_a = inverter_zone_a(&inverter, BUS_V, pmsm_amperes_per_volt(&machine, &state, &step));
         double largest_a = 2.0;
         for (int k = 0; k < 60; k++) {
-            const inverter_drive_t drive =
-                inverter_drive(&inverter, half, BUS_V, plant_inverse_clarke(state.terminal), zone_a);
-            pmsm_step(&machine, &state, drive.source, &step);
+            const inverter_drive_t drive = inverter_drive(&inverter, half, BUS_V, zone_a);
+            step.opposition = drive.opposition;
+            pmsm_step(&machine, &state, drive.legs, &step);
             TEST_ASSERT_TRUE(fabs(state.i_t.d) <= largest_a);
             largest_a = fabs(state.i_t.d);
         }

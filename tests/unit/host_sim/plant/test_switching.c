@@ -100,12 +100,10 @@ static means_t steady(bool edges, double amplitude_v, double lead)
         if (edges) {
             flow = switching_pwm(&bridge, &machine, &rotor, duty, BUS_V, &step, NULL);
         } else {
-            const double turn = 0.5 * step.omega_rad_s * step.duration_s;
-            const plant_ab_t now = rotor.terminal;
-            const plant_ab_t half = {.alpha = now.alpha * cos(turn) - now.beta * sin(turn),
-                                     .beta = now.beta * cos(turn) + now.alpha * sin(turn)};
-            const inverter_drive_t drive = inverter_drive(&averaged, duty, BUS_V, plant_inverse_clarke(half), zone_a);
-            flow.machine = pmsm_step(&machine, &rotor, drive.source, &step);
+            const inverter_drive_t drive = inverter_drive(&averaged, duty, BUS_V, zone_a);
+            pmsm_step_t opposed = step;
+            opposed.opposition = drive.opposition;
+            flow.machine = pmsm_step(&machine, &rotor, drive.legs, &opposed);
             flow.bridge = inverter_pwm_flow(&averaged, &drive, &flow.machine);
         }
         if (k >= settle) {
