@@ -323,12 +323,21 @@ void test_half_way_to_the_end_of_the_battery_s_voltage_half_of_its_current_flows
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1268.3, 31.25 * 1e-3 * in.capability.bus_voltage_mV, drawn_w());
 }
 
+/* Started again in the middle of a stop, at 2.6 m/s^2 and near the end of the battery's voltage: without a message nobody brakes. */
 void test_a_new_start_knows_nothing_of_the_last_one(void)
 {
-    memset(&state, 0xFF, sizeof state);
+    in.brake_torque_mNm = 30000;
+    in.capability.bus_voltage_mV = config.battery.max_voltage_mV;
+    for (int n = 0; n < 400; n++) {
+        in.speed_mrad_s -= 10;
+        (void)step();
+    }
+    state.voltage_low_steps = 1;
     torque_init(&state);
     TEST_ASSERT_EQUAL_UINT16(0, state.voltage_low_steps);
     TEST_ASSERT_EQUAL_UINT16(0, state.voltage_high_steps);
+    in.brake_torque_mNm = 0;
+    in.demand_age_ms = 1000000;
     const torque_output_t out = step();
     TEST_ASSERT_EQUAL_INT32(0, out.command_mNm);
     TEST_ASSERT_EQUAL_INT32(0, out.hydraulic_mNm);
