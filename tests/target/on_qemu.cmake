@@ -77,7 +77,7 @@ function(trace name)
     SOURCES ${trace_files} "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/print_target.c" ${room_sources} "${config_image}")
   target_include_directories(${name} PRIVATE ${room_includes} "${PROJECT_SOURCE_DIR}/tests/unit/firmware/support")
   target_compile_definitions(${name} PRIVATE ${trace_definitions})
-  hubfoc_add_qemu_test(NAME ${name}_is_the_hosts_bit_for_bit ELF ${name} SECONDS 110 SAME_AS "${trace_on_host}")
+  hubfoc_add_qemu_test(NAME ${name}_is_the_hosts_bit_for_bit ELF ${name} SECONDS 300 SAME_AS "${trace_on_host}")
 endfunction()
 trace(trace_cortex_m4)
 trace(trace_cortex_m4_portable -U__ARM_FEATURE_SAT) # q15.h's own clamps instead of SSAT
@@ -100,7 +100,7 @@ if(HUBFOC_PYTHON)
 else()
   add_test(NAME instruction_budgets COMMAND "${CMAKE_COMMAND}" -DMISSING=python3 -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
 endif()
-set_tests_properties(instruction_budgets PROPERTIES TIMEOUT 300 LABELS target ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+set_tests_properties(instruction_budgets PROPERTIES TIMEOUT 900 LABELS target ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 
 # ---- the unit tests of the pure rooms ----
 

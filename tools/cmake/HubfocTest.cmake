@@ -70,7 +70,7 @@ endfunction()
 
 function(hubfoc_test_properties name labels timeout)
   if(timeout STREQUAL "")
-    set(timeout 120)
+    set(timeout 300)
   endif()
   list(REMOVE_ITEM labels "")
   set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT "${timeout}")
