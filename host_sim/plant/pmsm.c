@@ -171,6 +171,45 @@ static bool advance(const equations_t *eq, const pmsm_opposition_t *opposition, 
     return true;
 }
 
+static inline double largest_a(plant_ab_t current)
+{
+    const plant_abc_t i = plant_inverse_clarke(current);
+    return plant_max(plant_max(fabs(i.a), fabs(i.b)), fabs(i.c));
+}
+
+/*
+ * A set in which all phases are and stay inside the zone, as they do at standstill: the opposition is k = volts/zone a phase
+ * times the current i0 = share i_t + G u that would flow without it, so the circuit is the same with other numbers,
+ *
+ *     e = u - k i0 - R i_t = (1 - k G) u - (R + k share) i_t         i = i_t + G e = (1 - k G) i0
+ *
+ * False: they do not stay there, nothing is done.
+ */
+static bool advance_inside(const equations_t *eq, const pmsm_opposition_t *opposition, pmsm_state_t *state,
+                           plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow)
+{
+    const double k_ohm = opposition->volts / opposition->zone_a;
+    const double left = 1.0 - k_ohm * eq->conductance_s;
+    const double limit_a = left * opposition->zone_a;
+    if (largest_a(state->terminal) > 0.5 * limit_a) {
+        return false;
+    }
+    const pmsm_opposition_t none = {.volts = 0.0};
+    const plant_ab_t u_left = {.alpha = left * u.alpha, .beta = left * u.beta};
+    equations_t inside = *eq;
+    inside.resistance_ohm += k_ohm * eq->share;
+    pmsm_state_t trial = *state;
+    pmsm_flow_t part = *flow;
+    advance(&inside, &none, &trial, u_left, h, half_turn, &part);
+    if (largest_a(trial.terminal) > limit_a) {
+        return false;
+    }
+    part.opposed_as = flow->opposed_as + 1.5 * (part.copper_j - flow->copper_j) / limit_a; /* share . i = i^2 / limit */
+    *state = trial;
+    *flow = part;
+    return true;
+}
+
 /* What a stage sees of an opposition that follows the current. */
 typedef struct {
     plant_ab_t u;
@@ -259,7 +298,8 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, 
     for (int k = 0; k < sets; k++) {
         if (machine->magnetics.saturates) {
             pmsm_saturated_advance(machine, &eq, opposition, state, u, h, half_turn, &flow);
-        } else if (!advance(&eq, opposition, state, u, h, half_turn, &flow)) {
+        } else if (!advance(&eq, opposition, state, u, h, half_turn, &flow) &&
+                   !advance_inside(&eq, opposition, state, u, h, half_turn, &flow)) {
             advance_in_zone(&eq, opposition, state, u, h, half_turn, &flow);
         }
     }
