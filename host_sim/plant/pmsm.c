@@ -156,15 +156,19 @@ static bool advance(const equations_t *eq, const pmsm_opposition_t *opposition, 
     const stage_t s3 = stage_at(eq, u_middle, along(i_t, 0.5 * h, s2.slope));
     const stage_t s4 = stage_at(eq, u_end, along(i_t, h, s3.slope));
     const wires_t wires = wires_of(&s1, &s2, &s3, &s4, &axes);
-    const double nearest_a = plant_min(distance_a(sign, plant_inverse_clarke(wires.start)),
-                                       distance_a(sign, plant_inverse_clarke(wires.end)));
-    if (is_opposed && nearest_a <= opposition->zone_a) {
+    if (is_opposed && distance_a(sign, plant_inverse_clarke(wires.end)) <= opposition->zone_a) {
         return false;
     }
     const double sixth = h / 6.0;
     const plant_dq_t end = after(i_t, sixth, &s1, &s2, &s3, &s4);
     state->i_t = end;
-    flow->opposed_as += book_currents(&wires, sixth, flow);
+    const plant_ab_t charge_as = charge_of(&wires, sixth);
+    /* No phase changes its sign: share . i is |i_a| + |i_b| + |i_c|. */
+    const double rectified_as =
+        is_opposed ? 1.5 * (share.alpha * charge_as.alpha + share.beta * charge_as.beta) : rectified_of(&wires, sixth);
+    book_charge(charge_as, flow);
+    flow->rectified_as += rectified_as;
+    flow->opposed_as += rectified_as;
     state->axis = axes.end;
     state->terminal = plant_inverse_park(terminal_at(eq, u_end, end), axes.end);
     book_heat_and_torque(&s1, &s2, &s3, &s4, sixth, flow);
@@ -210,45 +214,48 @@ static bool advance_inside(const equations_t *eq, const pmsm_opposition_t *oppos
     return true;
 }
 
-/* What a stage sees of an opposition that follows the current. */
-typedef struct {
-    plant_ab_t u;
-    double volts, per_zone;
-} feed_t;
-
-static inline opposed_stage_t opposed_stage_at(const equations_t *eq, const feed_t *feed, plant_dq_t i_t,
-                                               plant_phasor_t axis)
+/* opposed_share() as one function: structs of two numbers travel in registers, inlined five times it would not be. */
+static plant_dq_t share_at(double per_zone, plant_dq_t current, plant_phasor_t axis)
 {
-    const plant_dq_t u = plant_park(feed->u, axis);
-    const plant_dq_t share = opposed_share(feed->per_zone, eq, u, i_t, axis);
-    opposed_stage_t out = {.stage = stage_at(eq, along(u, -feed->volts, share), i_t)};
-    out.opposed_a = opposed_a(share, out.stage.terminal);
-    return out;
+    return opposed_share(per_zone, current, axis);
 }
 
-/* A set where a phase's current is in the opposition's zone or passes through it. */
+/* A set where a phase's current passes through the opposition's zone. */
 static void advance_in_zone(const equations_t *eq, const pmsm_opposition_t *opposition, pmsm_state_t *state,
                             plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow)
 {
-    const feed_t feed = {.u = u, .volts = opposition->volts, .per_zone = 1.0 / opposition->zone_a};
+    const double per_zone = 1.0 / opposition->zone_a;
+    const double against_v = -opposition->volts;
     const stage_axes_t axes = stage_axes(state->axis, half_turn);
-    const plant_dq_t i_t = state->i_t;
-    const opposed_stage_t o1 = opposed_stage_at(eq, &feed, i_t, axes.start);
-    const opposed_stage_t o2 = opposed_stage_at(eq, &feed, along(i_t, 0.5 * h, o1.stage.slope), axes.middle);
-    const opposed_stage_t o3 = opposed_stage_at(eq, &feed, along(i_t, 0.5 * h, o2.stage.slope), axes.middle);
-    const opposed_stage_t o4 = opposed_stage_at(eq, &feed, along(i_t, h, o3.stage.slope), axes.end);
-    const stage_t *s1 = &o1.stage;
-    const stage_t *s2 = &o2.stage;
-    const stage_t *s3 = &o3.stage;
-    const stage_t *s4 = &o4.stage;
+    const plant_dq_t u_start = plant_park(u, axes.start);
+    const plant_dq_t u_middle = plant_park(u, axes.middle);
+    const plant_dq_t u_end = plant_park(u, axes.end);
+
+    const plant_dq_t i1 = state->i_t;
+    const plant_dq_t share1 = share_at(per_zone, terminal_at(eq, u_start, i1), axes.start);
+    const stage_t s1 = stage_at(eq, along(u_start, against_v, share1), i1);
+    const plant_dq_t i2 = along(i1, 0.5 * h, s1.slope);
+    const plant_dq_t share2 = share_at(per_zone, terminal_at(eq, u_middle, i2), axes.middle);
+    const stage_t s2 = stage_at(eq, along(u_middle, against_v, share2), i2);
+    const plant_dq_t i3 = along(i1, 0.5 * h, s2.slope);
+    const plant_dq_t share3 = share_at(per_zone, terminal_at(eq, u_middle, i3), axes.middle);
+    const stage_t s3 = stage_at(eq, along(u_middle, against_v, share3), i3);
+    const plant_dq_t i4 = along(i1, h, s3.slope);
+    const plant_dq_t share4 = share_at(per_zone, terminal_at(eq, u_end, i4), axes.end);
+    const stage_t s4 = stage_at(eq, along(u_end, against_v, share4), i4);
+
     const double sixth = h / 6.0;
-    state->i_t = after(i_t, sixth, s1, s2, s3, s4);
-    const wires_t wires = wires_of(s1, s2, s3, s4, &axes);
-    book_currents(&wires, sixth, flow);
-    book_heat_and_torque(s1, s2, s3, s4, sixth, flow);
-    flow->opposed_as += sixth * simpson(o1.opposed_a, o2.opposed_a, o3.opposed_a, o4.opposed_a);
+    const plant_dq_t end = after(i1, sixth, &s1, &s2, &s3, &s4);
+    const plant_dq_t share = share_at(per_zone, terminal_at(eq, u_end, end), axes.end);
+    const wires_t wires = wires_of(&s1, &s2, &s3, &s4, &axes);
+    state->i_t = end;
     state->axis = axes.end;
-    state->terminal = plant_inverse_park(opposed_stage_at(eq, &feed, state->i_t, axes.end).stage.terminal, axes.end);
+    state->terminal = plant_inverse_park(terminal_at(eq, along(u_end, against_v, share), end), axes.end);
+    book_charge(charge_of(&wires, sixth), flow);
+    flow->rectified_as += rectified_of(&wires, sixth);
+    flow->opposed_as += sixth * simpson(opposed_a(share1, s1.terminal), opposed_a(share2, s2.terminal),
+                                        opposed_a(share3, s3.terminal), opposed_a(share4, s4.terminal));
+    book_heat_and_torque(&s1, &s2, &s3, &s4, sixth, flow);
 }
 
 /* A rotor that turned more than once within a PWM period could not be controlled, but must not leave its range. */

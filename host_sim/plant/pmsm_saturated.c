@@ -1,6 +1,11 @@
 /* The machine of pmsm.h where its iron saturates: the same circuit and stages, integrated in the fluxes. */
 #include "pmsm_stages.h"
 
+typedef struct {
+    stage_t stage;
+    double opposed_a;
+} opposed_stage_t;
+
 static inline opposed_stage_t stage_at(const pmsm_t *machine, const equations_t *eq,
                                        const pmsm_opposition_t *opposition, plant_ab_t u_ab, plant_phasor_t axis,
                                        plant_dq_t flux)
@@ -9,7 +14,8 @@ static inline opposed_stage_t stage_at(const pmsm_t *machine, const equations_t 
     plant_dq_t u = plant_park(u_ab, axis);
     plant_dq_t share = {0.0, 0.0};
     if (opposition->volts != 0.0) {
-        share = opposed_share(1.0 / opposition->zone_a, eq, u, i_t, axis);
+        const plant_dq_t unopposed = along(i_t, eq->conductance_s, along(u, -eq->resistance_ohm, i_t));
+        share = opposed_share(1.0 / opposition->zone_a, unopposed, axis);
         u = along(u, -opposition->volts, share);
     }
     const plant_dq_t e = along(u, -eq->resistance_ohm, i_t);
@@ -42,7 +48,8 @@ void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, const 
     flux = after(flux, h / 6.0, s1, s2, s3, s4);
     state->i_t = magnetics_current(&machine->magnetics, flux);
     const wires_t wires = wires_of(s1, s2, s3, s4, &axes);
-    book_currents(&wires, h / 6.0, flow);
+    book_charge(charge_of(&wires, h / 6.0), flow);
+    flow->rectified_as += rectified_of(&wires, h / 6.0);
     state->axis = axes.end;
     state->terminal = plant_inverse_park(stage_at(machine, eq, opposition, u, axes.end, flux).stage.terminal, axes.end);
     book_heat_and_torque(s1, s2, s3, s4, h / 6.0, flow);

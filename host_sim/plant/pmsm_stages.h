@@ -73,19 +73,25 @@ static inline plant_dq_t after(plant_dq_t before, double sixth, const stage_t *s
     return out;
 }
 
-/* What is booked from four stages, in parts small enough to be inlined: here they cost a fifth of what they do as calls.
- * Returns the integral of |i_a| + |i_b| + |i_c|. */
-static inline double book_currents(const wires_t *wires, double sixth, pmsm_flow_t *flow)
+/* What is booked from four stages, in parts small enough to be inlined: here they cost a fifth of what they do as calls. */
+static inline plant_ab_t charge_of(const wires_t *wires, double sixth)
 {
-    const plant_ab_t *start = &wires->start;
-    const plant_ab_t *middle = &wires->middle;
-    const plant_ab_t *end = &wires->end;
-    flow->charge_as.alpha += sixth * (start->alpha + 4.0 * middle->alpha + end->alpha);
-    flow->charge_as.beta += sixth * (start->beta + 4.0 * middle->beta + end->beta);
-    const double out =
-        sixth * (plant_rectified_sum(*start) + 4.0 * plant_rectified_sum(*middle) + plant_rectified_sum(*end));
-    flow->rectified_as += out;
+    const plant_ab_t out = {.alpha = sixth * (wires->start.alpha + 4.0 * wires->middle.alpha + wires->end.alpha),
+                            .beta = sixth * (wires->start.beta + 4.0 * wires->middle.beta + wires->end.beta)};
     return out;
+}
+
+/* Integral of |i_a| + |i_b| + |i_c|. */
+static inline double rectified_of(const wires_t *wires, double sixth)
+{
+    return sixth * (plant_rectified_sum(wires->start) + 4.0 * plant_rectified_sum(wires->middle) +
+                    plant_rectified_sum(wires->end));
+}
+
+static inline void book_charge(plant_ab_t charge_as, pmsm_flow_t *flow)
+{
+    flow->charge_as.alpha += charge_as.alpha;
+    flow->charge_as.beta += charge_as.beta;
 }
 
 /* Copper and series heat are told apart by the caller; here both are integral of |i|^2, iron of |e|^2. */
@@ -99,25 +105,18 @@ static inline void book_heat_and_torque(const stage_t *s1, const stage_t *s2, co
         sixth * simpson(s1->torque_per_3_2_p, s2->torque_per_3_2_p, s3->torque_per_3_2_p, s4->torque_per_3_2_p);
 }
 
-/* A stage with an opposition that follows the current. */
-typedef struct {
-    stage_t stage;
-    double opposed_a; /* current against which it stands: the sum of share times current of all phases */
-} opposed_stage_t;
-
 /* The opposition's voltage as a share of its whole, decided by the current that would flow without it: what the opposition
  * itself takes out of the iron branch at once is part of its zone (inverter.h). */
-static inline plant_dq_t opposed_share(double per_zone, const equations_t *eq, plant_dq_t u, plant_dq_t i_t,
-                                       plant_phasor_t axis)
+static inline plant_dq_t opposed_share(double per_zone, plant_dq_t current, plant_phasor_t axis)
 {
-    const plant_dq_t i = along(i_t, eq->conductance_s, along(u, -eq->resistance_ohm, i_t));
-    const plant_abc_t phase = plant_inverse_clarke(plant_inverse_park(i, axis));
+    const plant_abc_t phase = plant_inverse_clarke(plant_inverse_park(current, axis));
     const plant_abc_t share = {.a = plant_clamp(phase.a * per_zone, -1.0, 1.0),
                                .b = plant_clamp(phase.b * per_zone, -1.0, 1.0),
                                .c = plant_clamp(phase.c * per_zone, -1.0, 1.0)};
     return plant_park(plant_clarke(share), axis);
 }
 
+/* Current against which it stands: the sum of share times current of all phases. */
 static inline double opposed_a(plant_dq_t share, plant_dq_t terminal)
 {
     return 1.5 * (share.d * terminal.d + share.q * terminal.q);
