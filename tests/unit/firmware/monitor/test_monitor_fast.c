@@ -223,3 +223,24 @@ void test_a_new_start_forgets_everything(void)
     in = HEALTHY;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100));
 }
+
+/* A trip that is acknowledged leaves nothing behind: the next over-current, too, is one in its second period. */
+void test_after_an_acknowledgement_an_over_current_trips_in_its_second_period_again(void)
+{
+    in.i_pu.d = LIMIT + 5;
+    in.i_pu.q = 0;
+    (void)step();
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
+    command.clear_trip = true;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    command.clear_trip = false;
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
+}
+
+void test_the_trip_voltage_itself_is_still_allowed(void)
+{
+    in.v_dc_pu = state.overvoltage_pu;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
+    in.v_dc_pu++;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
+}
