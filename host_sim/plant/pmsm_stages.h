@@ -31,6 +31,22 @@ typedef struct {
     double terminal_square, drop_square, torque_per_3_2_p;
 } stage_t;
 
+/* Of the machine whose iron does not saturate. */
+static inline stage_t straight_stage_at(const equations_t *eq, plant_dq_t u, plant_dq_t i_t)
+{
+    const plant_dq_t e = along(u, -eq->resistance_ohm, i_t);
+    const plant_dq_t i = along(i_t, eq->conductance_s, e);
+    const stage_t out = {
+        .slope = {.d = (eq->share * e.d + eq->w_l_q * i_t.q) * eq->per_l_d,
+                  .q = (eq->share * e.q - eq->w_l_d * i_t.d - eq->w_psi) * eq->per_l_q},
+        .terminal = i,
+        .terminal_square = i.d * i.d + i.q * i.q,
+        .drop_square = e.d * e.d + e.q * e.q,
+        .torque_per_3_2_p = (eq->flux_wb + eq->saliency_h * i_t.d) * i_t.q,
+    };
+    return out;
+}
+
 /* The rotor's axis at the ends and in the middle of a step. */
 typedef struct {
     plant_phasor_t start, middle, end;
@@ -121,6 +137,10 @@ static inline double opposed_a(plant_dq_t share, plant_dq_t terminal)
 {
     return 1.5 * (share.d * terminal.d + share.q * terminal.q);
 }
+
+/* pmsm_straight.c: one set of four stages. */
+void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *opposition, pmsm_state_t *state,
+                           plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow);
 
 /* pmsm_saturated.c: one set of four stages; an implicit step of  d(flux)/dt = drive - r i - j w flux  from i_t = before. */
 void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, const pmsm_opposition_t *opposition,
