@@ -1,38 +1,15 @@
 /* What the slow watcher holds for safe where the bridge may not switch, and whether the wheel stands. */
-#include "monitor/monitor.h"
-#include "paper_vehicle.h"
-#include "unity.h"
+#include "watched.h"
 
-enum { FAST_PER_SLOW = 20 };
-
-static config_t config;
-static monitor_slow_state_t state;
-static monitor_slow_input_t in;
+static const monitor_slow_input_t HEALTHY = {
+    .offsets_known = true, .rotor_valid = true, .bus_voltage_mV = 53000, .switching = true, .bridge = BRIDGE_PWM};
 
 void setUp(void)
 {
-    static const monitor_slow_input_t HEALTHY = {
-        .offsets_known = true, .rotor_valid = true, .bus_voltage_mV = 53000, .switching = true, .bridge = BRIDGE_PWM};
-    config = paper_vehicle();
-    monitor_slow_init(&state);
-    in = HEALTHY;
+    watch(&HEALTHY);
 }
 
 void tearDown(void) {}
-
-static monitor_verdict_t step(void)
-{
-    in.fast_step_count = (uint16_t)(in.fast_step_count + FAST_PER_SLOW);
-    return monitor_slow_step(&state, &config, &in);
-}
-
-static monitor_verdict_t run(int milliseconds)
-{
-    for (int n = 1; n < milliseconds; n++) {
-        step();
-    }
-    return step();
-}
 
 void test_the_choice_is_remembered_from_step_to_step(void)
 {

@@ -1,19 +1,12 @@
-#include "monitor/monitor.h"
-#include "paper_vehicle.h"
 #include "random_values.h"
-#include "unity.h"
+#include "watched.h"
 
 enum {
-    FAST_PER_SLOW = 20, /* 20 kHz over 1 kHz */
     TOLERANCE_mNm = 4000,
     TORQUE_TIME_ms = 50,
     MID_OFFSET_Q4 = 2048 * 16,
     OFFSET_TOLERANCE_Q4 = 200 * 16
 };
-
-static config_t config;
-static monitor_slow_state_t state;
-static monitor_slow_input_t in;
 
 static const monitor_slow_input_t HEALTHY = {
     .fast_trip = REASON_NONE,
@@ -37,7 +30,7 @@ static const monitor_slow_input_t HEALTHY = {
 
 void setUp(void)
 {
-    config = paper_vehicle();
+    watch(&HEALTHY);
     config.monitor.torque_tolerance_mNm = TOLERANCE_mNm;
     config.monitor.torque_fault_time_ms = TORQUE_TIME_ms;
     config.monitor.offset_tolerance_codes = 200;
@@ -45,49 +38,9 @@ void setUp(void)
     config.drive.max_switch_temperature_cC = 10000;
     config.battery.overvoltage_trip_mV = 60564;
     config.battery.undervoltage_trip_mV = 36000;
-    monitor_slow_init(&state);
-    in = HEALTHY;
 }
 
 void tearDown(void) {}
-
-static uint16_t fast_steps_per_slow = FAST_PER_SLOW;
-
-static monitor_verdict_t step(void)
-{
-    in.fast_step_count = (uint16_t)(in.fast_step_count + fast_steps_per_slow);
-    return monitor_slow_step(&state, &config, &in);
-}
-
-static monitor_verdict_t run(int milliseconds)
-{
-    for (int n = 1; n < milliseconds; n++) {
-        step();
-    }
-    return step();
-}
-
-/* The condition that `in` describes now is a fault after exactly `milliseconds`, and none once it has gone. */
-static void assert_fault_after(int milliseconds, reason_t fault)
-{
-    for (int n = 1; n < milliseconds; n++) {
-        TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault);
-    }
-    TEST_ASSERT_EQUAL_INT(fault, step().fault);
-    TEST_ASSERT_EQUAL_INT(fault, run(100).fault);
-    const uint16_t count = in.fast_step_count;
-    in = HEALTHY;
-    in.fast_step_count = count;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault); /* remembering a fault is the business of modes */
-}
-
-static void assert_never_a_fault(void)
-{
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000).fault);
-    const uint16_t count = in.fast_step_count;
-    in = HEALTHY;
-    in.fast_step_count = count;
-}
 
 void test_a_healthy_drive_has_neither_fault_nor_warning(void)
 {

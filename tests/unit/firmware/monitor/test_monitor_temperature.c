@@ -1,13 +1,5 @@
 /* Temperatures: 10 K above where no torque is left is a fault, and so is one that none can be. */
-#include "monitor/monitor.h"
-#include "paper_vehicle.h"
-#include "unity.h"
-
-enum { FAST_PER_SLOW = 20 };
-
-static config_t config;
-static monitor_slow_state_t state;
-static monitor_slow_input_t in;
+#include "watched.h"
 
 static const monitor_slow_input_t HEALTHY = {
     .rotor_valid = true,
@@ -18,50 +10,12 @@ static const monitor_slow_input_t HEALTHY = {
 
 void setUp(void)
 {
-    config = paper_vehicle();
+    watch(&HEALTHY);
     config.motor.max_winding_temperature_cC = 15000;
     config.drive.max_switch_temperature_cC = 10000;
-    monitor_slow_init(&state);
-    in = HEALTHY;
 }
 
 void tearDown(void) {}
-
-static monitor_verdict_t step(void)
-{
-    in.fast_step_count = (uint16_t)(in.fast_step_count + FAST_PER_SLOW);
-    return monitor_slow_step(&state, &config, &in);
-}
-
-static monitor_verdict_t run(int milliseconds)
-{
-    for (int n = 1; n < milliseconds; n++) {
-        step();
-    }
-    return step();
-}
-
-/* The condition that `in` describes now is a fault after exactly `milliseconds`, and none once it has gone. */
-static void assert_fault_after(int milliseconds, reason_t fault)
-{
-    for (int n = 1; n < milliseconds; n++) {
-        TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault);
-    }
-    TEST_ASSERT_EQUAL_INT(fault, step().fault);
-    TEST_ASSERT_EQUAL_INT(fault, run(100).fault);
-    const uint16_t count = in.fast_step_count;
-    in = HEALTHY;
-    in.fast_step_count = count;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault); /* remembering a fault is the business of modes */
-}
-
-static void assert_never_a_fault(void)
-{
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000).fault);
-    const uint16_t count = in.fast_step_count;
-    in = HEALTHY;
-    in.fast_step_count = count;
-}
 
 void test_an_overheated_winding_is_a_fault(void)
 {
