@@ -1,12 +1,7 @@
 #include "random_values.h"
 #include "watched.h"
 
-enum {
-    TOLERANCE_mNm = 4000,
-    TORQUE_TIME_ms = 50,
-    MID_OFFSET_Q4 = 2048 * 16,
-    OFFSET_TOLERANCE_Q4 = 200 * 16
-};
+enum { TOLERANCE_mNm = 4000, TORQUE_TIME_ms = 50, MID_OFFSET_Q4 = 2048 * 16, OFFSET_TOLERANCE_Q4 = 200 * 16 };
 
 static const monitor_slow_input_t HEALTHY = {
     .fast_trip = REASON_NONE,
