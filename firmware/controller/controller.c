@@ -224,8 +224,10 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     to_fast->foc.number = slow->step_count;
     to_fast->foc.i_reference_pu =
         sampled_reference_pu(config, &torque.current, from_fast->foc.i_d_weakening_pu, &sampling);
+    to_fast->foc.i_d_mean_less_sample_pu = sampled_current_offset_pu(&sampling);
     to_fast->foc.tuning =
         current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu, speed_q32, in->winding_temperature_cC);
+    to_fast->foc.dead_time_slope = dead_time_slope_at(config, summary.v_dc_pu);
     to_fast->foc.calibrate_offsets = modes.calibrate_offsets;
     to_fast->monitor.safe_bridge = verdict.safe_bridge;
     to_fast->monitor.clear_trip = modes.clear_trip;

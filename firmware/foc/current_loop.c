@@ -61,7 +61,7 @@ current_loop_tuning_t current_loop_tuning(const config_t *config, int32_t modula
         .q = axis_gains(loop->proportional_q_pu_q16, integral_q_q24, factor_q12),
         .w_l_d_q10 = coupling_q10(l_d_q16 * speed_q24),
         .w_l_q_q10 = coupling_q10(l_q_q16 * speed_q24),
-        .w_psi_q25 = q_clamp(q_saturate64((psi_q16 * speed_q24) >> 15), -(1 << 28), 1 << 28),
+        .forward_q_q25 = q_clamp(q_saturate64((psi_q16 * speed_q24) >> 15), -(1 << 28), 1 << 28),
         .advance = angle_sincos(advance_turn),
     };
     return tuning;

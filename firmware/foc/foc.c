@@ -16,6 +16,7 @@ void foc_init(foc_state_t *state, const config_t *config)
     *state = zero;
     const config_drive_t *drive = &config->drive;
     state->current.dead_time = dead_time_init(config);
+    response_init(&state->response, &state->current.expected, config);
     state->current.svpwm =
         svpwm_init(drive->pwm_period_counts, drive->min_pulse_counts, state->current.dead_time.full_counts,
                    config->current_loop.modulation_limit_pu_q15);
@@ -33,6 +34,7 @@ foc_command_t foc_initial_command(const foc_state_t *state, const config_t *conf
         .i_reference_pu = {.d = 0, .q = 0},
         .tuning = current_loop_tuning(config, state->current.svpwm.modulation_limit_q15, highest_pu, 0,
                                       config->motor.reference_temperature_cC),
+        .dead_time_slope = dead_time_slope_at(config, highest_pu),
         .calibrate_offsets = false,
     };
     return command;
@@ -53,15 +55,14 @@ void foc_current_step(foc_current_state_t *restrict state, const uint16_t *restr
     /* The voltage acts from the next update for one period: on average 1.5 periods after the sample. */
     const sincos_t angle_applied = transforms_advance(angle, tuning->advance);
     const ab_t u = transforms_inverse_park(period->voltage.realised, angle_applied);
-    const ab_t i_applied = transforms_inverse_park(dead_time_expect(&state->dead_time), angle_applied);
+    const ab_t i_applied = transforms_inverse_park(response_expect(&state->expected), angle_applied);
     svpwm_step(&state->svpwm, u, dead_time_shares(&state->dead_time, i_applied), state->on_q16);
 }
 
 static void calibrate(foc_state_t *state, const uint16_t codes[SENSE_PHASES], foc_report_t *report)
 {
     sense_state_t *sense = &state->current.sense;
-    if (!state->calibrating ||
-        state->followed != FOC_NOTHING_FOLLOWED) { /* the command is new, or came while running */
+    if (!state->calibrating) { /* the command is new, or came while running */
         sense_calibrate_restart(sense);
     }
     sense_calibrate_step(sense, codes);
@@ -97,7 +98,7 @@ void foc_rest(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[S
     period->voltage = no_voltage;
     period->current_sum_pu = sensed.sum_pu;
     current_loop_reset(&state->current.loop);
-    dead_time_rest(&state->current.dead_time);
+    response_rest(&state->response, &state->current.expected);
     state->weakening.current_q28 = 0;
     report->i_d_weakening_pu = 0;
     centre_counts(&state->current);
@@ -108,14 +109,27 @@ void foc_rest(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[S
     state->followed = FOC_NOTHING_FOLLOWED;
 }
 
+static dq_t inside(const circle_t *circle, int32_t d, int32_t q)
+{
+    const int32_t real_d = q_limit(d, circle->radius_q15);
+    const dq_t out = {.d = real_d, .q = q_limit(q, circle_other(circle, real_d))};
+    return out;
+}
+
 void foc_follow(foc_state_t *state, const foc_command_t *command, foc_period_t *period)
 {
     const circle_t *circle = &state->current_circle;
-    const dq_t wanted = command->i_reference_pu;
-    const int32_t d = q_limit(wanted.d + field_weakening_current_pu(&state->weakening), circle->radius_q15);
-    const dq_t reference = {.d = d, .q = q_limit(wanted.q, circle_other(circle, d))};
-    period->i_reference_pu = reference;
-    dead_time_follow(&state->current.dead_time, reference);
-    state->current.tuning = command->tuning;
-    state->followed = command->number;
+    foc_current_state_t *current = &state->current;
+    const int32_t d = command->i_reference_pu.d + field_weakening_current_pu(&state->weakening);
+    const int32_t q = command->i_reference_pu.q;
+    const int32_t mean_d = d + q_limit(command->i_d_mean_less_sample_pu, FOC_MEAN_LESS_SAMPLE_MOST_PU);
+    const dq_t mean = inside(circle, mean_d, q);
+    const response_given_t given = response_follow(&state->response, inside(circle, d, q), &current->expected, mean);
+    period->i_reference_pu =
+        state->response.settled ? given.reference_pu : inside(circle, given.reference_pu.d, given.reference_pu.q);
+    current->dead_time.slope = command->dead_time_slope;
+    current->tuning = command->tuning;
+    current_loop_bring_forward(&current->tuning, state->response.nearer_q15, given.aim_pu);
+    state->calibrating = false;
+    state->followed = state->response.settled ? command->number : FOC_NOTHING_FOLLOWED;
 }

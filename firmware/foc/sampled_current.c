@@ -50,6 +50,11 @@ dq_t sampled_current_of_mean(const sampled_current_t *at, dq_t mean)
     return out;
 }
 
+int32_t sampled_current_offset_pu(const sampled_current_t *at)
+{
+    return -q_saturate16(share_of(at->inverse_q24, at->magnets_pu));
+}
+
 int32_t sampled_current_voltage_mean(const sampled_current_t *at, int32_t told)
 {
     return told - share_of(at->gain_q24, told) / 2;

@@ -105,6 +105,8 @@ void prove_sampled_current(void)
     PROMISE(x.q >= 0 ? mean.q >= 0 && mean.q <= x.q : mean.q <= 0 && mean.q >= x.q);
     PROMISE(x.q >= 0 ? sampled.q >= x.q : sampled.q <= x.q);
     PROMISE(mean.d >= -163841 && mean.d <= 163841 && sampled.d >= -163841 && sampled.d <= 172033);
+    const int32_t offset = sampled_current_offset_pu(&at);
+    PROMISE(offset <= 0 && offset >= -32767);
     const int32_t told = any_within(0, INT32_MAX);
     const int32_t voltage = sampled_current_voltage_mean(&at, told);
     PROMISE(voltage >= 0 && voltage <= told);

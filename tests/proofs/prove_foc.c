@@ -8,6 +8,7 @@
 #include "foc/current_loop.h"
 #include "foc/dead_time.h"
 #include "foc/field_weakening.h"
+#include "foc/response.h"
 #include "foc/sense.h"
 #include "foc/svpwm.h"
 #include "foc/transforms.h"
@@ -90,15 +91,21 @@ static pi_gains_t any_gains(void)
     return gains;
 }
 
+/* What current_loop_bring_forward() takes from the measured current it gives to the aim, see prove_bring_forward(). */
 void prove_current_loop(void)
 {
+    const int32_t ahead_d_q10 = any_within(-16384, 16384);
+    const int32_t ahead_q_q10 = any_within(-16384, 16384);
     const current_loop_tuning_t tuning = {
         .d = any_gains(),
         .q = any_gains(),
         .w_l_d_q10 = any_within(-16383, 16383),
         .w_l_q_q10 = any_within(-16383, 16383),
-        .w_psi_q25 = any_within(-(1 << 28), 1 << 28),
+        .forward_d_q25 = -(ahead_q_q10 * any_within(-32768, 32768)),
+        .forward_q_q25 = any_within(-(1 << 28), 1 << 28) + ahead_d_q10 * any_within(-32768, 32768),
     };
+    ASSUME(q_abs(tuning.w_l_d_q10) + q_abs(ahead_d_q10) <= 16384);
+    ASSUME(q_abs(tuning.w_l_q_q10) + q_abs(ahead_q_q10) <= 16384);
     current_loop_state_t state = {
         .d = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
         .q = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
@@ -117,6 +124,19 @@ void prove_current_loop(void)
                               : out.realised.q <= 0 && out.realised.q >= out.wanted_q);
     PROMISE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
     PROMISE(state.q.integrator_q30 >= -(1 << 30) && state.q.integrator_q30 <= (1 << 30) - 1);
+    PROOF_END();
+}
+
+/* One axis; an aim at the end of the current is where the product is largest. */
+void prove_bring_forward(void)
+{
+    current_loop_tuning_t tuning = {.w_l_d_q10 = 0, .w_l_q_q10 = any_within(-16383, 16383), .forward_d_q25 = 0};
+    const int32_t before_q10 = tuning.w_l_q_q10;
+    const dq_t aim = {.d = 0, .q = nondet_bool() ? 32768 : -32768};
+    current_loop_bring_forward(&tuning, any_within(0, 32767), aim);
+    const int32_t ahead_q10 = before_q10 - tuning.w_l_q_q10;
+    PROMISE(q_abs(tuning.w_l_q_q10) + q_abs(ahead_q10) <= 16384);
+    PROMISE(tuning.forward_d_q25 >= -16384 * 32768 && tuning.forward_d_q25 <= 16384 * 32768);
     PROOF_END();
 }
 
@@ -160,21 +180,21 @@ static ab_t any_vector_in_circle(void)
     return x;
 }
 
-/* The same with the 24 LSB by which the expected current may leave the circle (tests/unit). */
+/* The same with the 24 LSB by which the expected current may leave the circle (tests/unit), and the 200 by which its mean may. */
 static ab_t any_expected_current(void)
 {
-    const ab_t x = {.alpha = any_within(-32794, 32794), .beta = any_within(-32794, 32794)};
+    const ab_t x = {.alpha = any_within(-32994, 32994), .beta = any_within(-32994, 32994)};
     const int32_t across = (x.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
     const int32_t along = x.alpha >> 1;
-    ASSUME(across - along <= 32795 && across - along >= -32795);
-    ASSUME(-across - along <= 32795 && -across - along >= -32795);
+    ASSUME(across - along <= 32995 && across - along >= -32995);
+    ASSUME(-across - along <= 32995 && -across - along >= -32995);
     return x;
 }
 
 void prove_dead_time(void)
 {
     /* The steepest slopes dead_time_init() makes: any flatter ones overflow less. */
-    const dead_time_t steepest = {.full_counts = 2048, .slope_alpha_q8 = 65000, .slope_beta_q8 = 56292};
+    const dead_time_t steepest = {.full_counts = 2048, .slope = {.alpha_q8 = 65000, .beta_q8 = 56292}};
     const abc_t shares = dead_time_shares(&steepest, any_expected_current());
     PROMISE(shares.a >= -32768 && shares.a <= 32767);
     PROMISE(shares.b >= -32768 && shares.b <= 32767);
@@ -189,15 +209,15 @@ static bool shrinks(int32_t before, int32_t after)
 
 void prove_expected_current(void)
 {
-    dead_time_t dead_time = {
+    response_expected_t state = {
         .lag_q15 = any_within(2048, 32767),
-        .reference_pu = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)},
+        .settled_pu = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)},
         .behind_pu = {.d = any_within(-65536, 65536), .q = any_within(-65536, 65536)},
     };
-    const dq_t behind = dead_time.behind_pu;
-    const dq_t expected = dead_time_expect(&dead_time);
-    PROMISE(expected.d + behind.d == dead_time.reference_pu.d && expected.q + behind.q == dead_time.reference_pu.q);
-    PROMISE(shrinks(behind.d, dead_time.behind_pu.d) && shrinks(behind.q, dead_time.behind_pu.q));
+    const dq_t behind = state.behind_pu;
+    const dq_t expected = response_expect(&state);
+    PROMISE(expected.d + behind.d == state.settled_pu.d && expected.q + behind.q == state.settled_pu.q);
+    PROMISE(shrinks(behind.d, state.behind_pu.d) && shrinks(behind.q, state.behind_pu.q));
     PROOF_END();
 }
 

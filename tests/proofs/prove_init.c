@@ -35,7 +35,7 @@ void prove_tuning(void)
     PROMISE(usable(&out.d) && usable(&out.q));
     PROMISE(out.w_l_d_q10 >= -16383 && out.w_l_d_q10 <= 16383);
     PROMISE(out.w_l_q_q10 >= -16383 && out.w_l_q_q10 <= 16383);
-    PROMISE(out.w_psi_q25 >= -(1 << 28) && out.w_psi_q25 <= 1 << 28);
+    PROMISE(out.forward_d_q25 == 0 && out.forward_q_q25 >= -(1 << 28) && out.forward_q_q25 <= 1 << 28);
     PROOF_END();
 }
 
@@ -48,13 +48,25 @@ void prove_dead_time_init(void)
     config.drive.diode_drop_mV = any_within(0, 5000);
     config.battery.min_voltage_mV = any_within(1000, 2000000);
     config.battery.max_voltage_mV = any_within(1000, 2000000);
-    config.current_loop.bandwidth_Hz = any_within(10, 10000);
     config.current_loop.dead_time_zone_pu_q15 = any_within(128, 32767);
     const dead_time_t out = dead_time_init(&config);
     PROMISE(out.full_counts >= 0); /* and an eighth of the longest period at most, 2048: the validator's relation */
-    PROMISE(out.slope_alpha_q8 >= 256 && out.slope_alpha_q8 <= 65000);
-    PROMISE(out.slope_beta_q8 >= 0 && out.slope_beta_q8 <= 56292);
-    PROMISE(out.lag_q15 >= 2048 && out.lag_q15 <= 32767);
+    PROMISE(out.slope.alpha_q8 >= 0 && out.slope.alpha_q8 <= 65000);
+    PROMISE(out.slope.beta_q8 >= 0 && out.slope.beta_q8 <= 56292);
+    PROOF_END();
+}
+
+void prove_dead_time_slope(void)
+{
+    config_t config;
+    config.drive.voltage_full_scale_mV = any_within(5000, 2000000);
+    config.drive.diode_drop_mV = any_within(0, 5000);
+    config.battery.min_voltage_mV = any_within(1000, 2000000);
+    config.battery.max_voltage_mV = any_within(1000, 2000000);
+    config.current_loop.dead_time_zone_pu_q15 = any_within(128, 32767);
+    const dead_time_slope_t out = dead_time_slope_at(&config, nondet_int32());
+    PROMISE(out.alpha_q8 >= 0 && out.alpha_q8 <= 65000);
+    PROMISE(out.beta_q8 >= 0 && out.beta_q8 <= 56292);
     PROOF_END();
 }
 

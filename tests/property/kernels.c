@@ -163,7 +163,8 @@ static current_loop_tuning_t tuning_of(const kernel_tuning_t *tuning)
         .q = gains_of(tuning->q),
         .w_l_d_q10 = tuning->w_l_d_q10,
         .w_l_q_q10 = tuning->w_l_q_q10,
-        .w_psi_q25 = tuning->w_psi_q25,
+        .forward_d_q25 = tuning->forward_d_q25,
+        .forward_q_q25 = tuning->forward_q_q25,
         .advance = angle_of(tuning->advance),
     };
     return out;
@@ -178,7 +179,8 @@ kernel_tuning_t kernel_tuning(const config_t *config, int32_t modulation_limit_q
         .q = plain_gains(tuning.q),
         .w_l_d_q10 = tuning.w_l_d_q10,
         .w_l_q_q10 = tuning.w_l_q_q10,
-        .w_psi_q25 = tuning.w_psi_q25,
+        .forward_d_q25 = tuning.forward_d_q25,
+        .forward_q_q25 = tuning.forward_q_q25,
         .advance = pair_of_angle(tuning.advance),
     };
     return out;
@@ -242,15 +244,14 @@ triple_t kernel_svpwm(const kernel_svpwm_t *svpwm, pair_t u, triple_t trim_q15)
 kernel_dead_time_t kernel_dead_time_init(const config_t *config)
 {
     const dead_time_t dead_time = dead_time_init(config);
-    const kernel_dead_time_t out = {dead_time.full_counts, dead_time.slope_alpha_q8, dead_time.slope_beta_q8};
+    const kernel_dead_time_t out = {dead_time.full_counts, dead_time.slope.alpha_q8, dead_time.slope.beta_q8};
     return out;
 }
 
 static dead_time_t dead_time_of(kernel_dead_time_t dead_time)
 {
     const dead_time_t out = {.full_counts = dead_time.full_counts,
-                             .slope_alpha_q8 = dead_time.slope_alpha_q8,
-                             .slope_beta_q8 = dead_time.slope_beta_q8};
+                             .slope = {.alpha_q8 = dead_time.slope_alpha_q8, .beta_q8 = dead_time.slope_beta_q8}};
     return out;
 }
 
@@ -278,7 +279,7 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
         .dead_time = dead_time_of(loop->dead_time),
         .on_q16 = {loop->on_q16[0], loop->on_q16[1], loop->on_q16[2]},
     };
-    state.dead_time.reference_pu = dq_of(reference); /* long since */
+    state.expected.settled_pu = dq_of(reference); /* long since */
     foc_period_t period = {.i_reference_pu = dq_of(reference), .rotor = {.theta_turn = theta_turn}};
     foc_current_step(&state, codes, &period);
     for (int x = 0; x < 3; x++) {

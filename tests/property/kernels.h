@@ -50,7 +50,7 @@ int32_t kernel_pi_largest_anti_windup_q15(void);
 
 typedef struct {
     kernel_pi_gains_t d, q;
-    int32_t w_l_d_q10, w_l_q_q10, w_psi_q25;
+    int32_t w_l_d_q10, w_l_q_q10, forward_d_q25, forward_q_q25;
     pair_t advance; /* cos sin */
 } kernel_tuning_t;
 

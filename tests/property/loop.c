@@ -3,6 +3,7 @@
 #include <stdlib.h>
 
 #include "foc/foc.h"
+#include "foc/sampled_current.h"
 #include "foc/summary.h"
 
 struct loop_s {
@@ -67,6 +68,10 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         loop->command.tuning =
             current_loop_tuning(&loop->config, loop->foc.current.svpwm.modulation_limit_q15, summary.v_dc_pu,
                                 loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
+        loop->command.dead_time_slope = dead_time_slope_at(&loop->config, summary.v_dc_pu);
+        const sampled_current_t sampling =
+            sampled_current_at(&loop->config, loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
+        loop->command.i_d_mean_less_sample_pu = sampled_current_offset_pu(&sampling);
         loop->command.number++;
     }
     const foc_report_t *report = &loop->report;

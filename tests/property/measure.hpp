@@ -74,7 +74,8 @@ inline kernel_tuning_t any_tuning(Random &random)
     tuning.q = any_gains(random);
     tuning.w_l_d_q10 = random.any(-16383, 16383);
     tuning.w_l_q_q10 = random.any(-16383, 16383);
-    tuning.w_psi_q25 = random.any(-(1 << 28), 1 << 28);
+    tuning.forward_d_q25 = random.any(-(1 << 28), 1 << 28);
+    tuning.forward_q_q25 = random.any(-(1 << 28), 1 << 28);
     tuning.advance = kernel_cos_sin(static_cast<uint16_t>(random.any(-8192, 8192)));
     return tuning;
 }

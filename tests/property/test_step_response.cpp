@@ -78,7 +78,7 @@ struct Answer {
     }
 };
 
-Answer step(Bench &bench, const config_t &config, double i_d_A, double from_A, double to_A)
+Answer step(Bench &bench, const config_t &design, double i_d_A, double from_A, double to_A)
 {
     bench.set_reference(i_d_A, from_A);
     bench.run(SETTLE_PERIODS, Mode::off);
@@ -88,7 +88,7 @@ Answer step(Bench &bench, const config_t &config, double i_d_A, double from_A, d
     for (int n = 0; n < SAMPLES; n++) {
         const loop_output_t out = bench.step();
         const double share = (bench.i_q() - from_A) / (to_A - from_A);
-        answer.beside = std::max(answer.beside, std::abs(share - designed(config, n)));
+        answer.beside = std::max(answer.beside, std::abs(share - designed(design, n)));
         answer.beyond = std::max(answer.beyond, share - 1.0);
         answer.i_d = std::max(answer.i_d, std::abs((bench.i_d() - i_d_A) / (to_A - from_A)));
         answer.limited = answer.limited || out.limited;
@@ -99,17 +99,22 @@ Answer step(Bench &bench, const config_t &config, double i_d_A, double from_A, d
     return answer;
 }
 
-// From several positions of the rotor, in both directions.
-Answer steps_from(double from_A, const config_t &config, const Point &point)
+// From several positions of the rotor, in both directions. The firmware may believe in another design than it is held against.
+Answer steps_from(double from_A, const config_t &config, const Point &point, const config_t &design)
 {
     Answer worst;
     for (int position = 0; position < 5; position++) {
         for (const double direction : {-1.0, 1.0}) {
             Bench bench(config, plant_at(config, point), 0.1 + 0.83 * position);
-            worst.see(step(bench, config, demagnetising_A(point), from_A, from_A + direction * STEP_A));
+            worst.see(step(bench, design, demagnetising_A(point), from_A, from_A + direction * STEP_A));
         }
     }
     return worst;
+}
+
+Answer steps_from(double from_A, const config_t &config, const Point &point)
+{
+    return steps_from(from_A, config, point, config);
 }
 
 // Gain and phase from reference to current at one frequency, from 20 periods of a sine around a braking current.
@@ -153,23 +158,26 @@ double bandwidth_Hz(const config_t &config, const Point &point)
 
 TEST_CASE("a step of 5 A is followed within 5 % at every sample, as designed, with little overshoot and no i_d")
 {
-    // Converters of a sixth of the range: what their rounding adds is the next case. With dead time the step goes along
-    // the current's own direction, so that no phase changes its sign; the case after is about those that do.
+    // Converters of a sixth of the range: what their rounding adds is the next case. The designed loop with the designed reference is
+    // exact, so half of the bar is enough: the winding's heat in k_p, the gains' rounding, and with dead time half a count
+    // of 58 V / 4200, 7 mV of the 7.6 V that 5 A take, on two phases, and the diodes' drop as a share of 49.2 V, 6 mV too much
+    // at 58 V. From 0, -1, -2.5 and -5 A phase currents turn over or end at none: compensation goes with the current.
     for (const Point &point : operating_points()) {
+        if (demagnetising_A(point) != 0.0) {
+            continue; // 40 A are more than this converter has
+        }
         const config_t config = bench::with_finer_converter(paper_config(point.real_bridge), 6);
         CAPTURE(point.winding_C);
         CAPTURE(point.speed_rpm);
         CAPTURE(point.v_dc_V);
         CAPTURE(point.real_bridge);
-        for (const double from_A : {0.0, -20.0}) {
-            if (demagnetising_A(point) != 0.0 || (point.real_bridge && from_A == 0.0)) {
-                continue; // 40 A are more than this converter has
-            }
+        for (const double from_A : {0.0, -1.0, -2.5, -5.0, -20.0}) {
             CAPTURE(from_A);
             const Answer answer = steps_from(from_A, config, point);
-            CHECK(answer.beside <= 0.05);
-            CHECK(answer.beyond <= 0.10);
-            CHECK(answer.i_d <= 0.05);
+            CHECK(answer.beside <= 0.025);
+            CHECK(answer.beyond <= 0.025);
+            CHECK(answer.i_d <= 0.025);
+            CHECK(answer.arrived <= 0.01);
             CHECK_FALSE(answer.limited);
         }
     }
@@ -177,73 +185,47 @@ TEST_CASE("a step of 5 A is followed within 5 % at every sample, as designed, wi
 
 TEST_CASE("the board's 12-bit converters add their rounding to the step response and nothing else")
 {
-    // Each code is right to half of one; of the phase that is worked out from the other two, to one: 165 A / 2048. The loop's
-    // poles are real, so its answer to what is added to a measurement never changes sign and adds up to one: whatever the codes
-    // do, before and during the step, the current is beside the response without them by one code at most.
+    // Each code is right to half of one; of the phase that is worked out from the other two, to one: 165 A / 2048, 1.6 % of the
+    // step. The loop's poles are real, so its answer to what is added to a measurement never changes sign and adds up to one:
+    // whatever the codes do, before and during the step, the current is beside the response without them by one code at most.
+    const double code = 165.0 / 2048.0 / STEP_A;
     for (const Point &point : operating_points()) {
-        const config_t config = paper_config(point.real_bridge);
-        const double code = 165.0 / 2048.0 / STEP_A;
-        for (const double from_A : {0.0, -20.0}) {
-            if (point.real_bridge && (from_A == 0.0 || demagnetising_A(point) != 0.0)) {
-                continue;
-            }
-            const Answer answer = steps_from(from_A, config, point);
-            CAPTURE(point.speed_rpm);
-            CHECK(answer.beside <= 0.05 + code);
-            CHECK(answer.i_d <= 0.05 + code);
-            CHECK(answer.arrived <= 0.005 + code);
-        }
-    }
-}
-
-TEST_CASE(
-    "a step that turns phase currents over is followed as any other: dead-time compensation goes with the current")
-{
-    // From nothing, through zero and to it. The compensation gives back t_d f (v_dc + 2 V_f), with the drop as a share of
-    // 49.2 V: up to 58 V that is 6 mV too much, and half a count of 58 V / 4200 is 7 mV. When a phase turns over, 4/3 of it are
-    // wrong for a period, 17 mV of the 7.6 V that 5 A take: 0.2 % of the step, within what the design leaves of 5 %.
-    for (const Point &point : operating_points()) {
-        if (!point.real_bridge || demagnetising_A(point) != 0.0) {
+        if (point.real_bridge && demagnetising_A(point) != 0.0) {
             continue;
         }
-        for (const int32_t finer : {6, 1}) {
-            const config_t config = bench::with_finer_converter(paper_config(true), finer);
-            const Plant plant = plant_at(config, point);
-            const double code = 165.0 / finer / 2048.0 / STEP_A;
-            // At rest with a turning rotor the voltage stands still in the stator while the EMF turns: over each period a
-            // d current comes and goes, on average omega^2 psi T^2/(12 L), to which the idle bridge is a resistance of L/T. That
-            // voltage is in the integrator, and out of place when the bridge conducts.
-            const double rest_V = plant.speed_rad_s * plant.speed_rad_s * plant.flux_Wb * 50e-6 / 12.0;
-            const double wT = 2.0 * bench::PI * config.current_loop.bandwidth_Hz * 50e-6;
-            const double stiffness = plant.d_inductance_H / 50e-6 * wT / (1.0 + 2.0 * wT); // k_p, V/A
-            CAPTURE(point.winding_C);
-            CAPTURE(point.speed_rpm);
-            CAPTURE(point.v_dc_V);
-            CAPTURE(finer);
-            for (const double from_A : {0.0, -2.5, -5.0}) {
-                CAPTURE(from_A);
-                const Answer answer = steps_from(from_A, config, point);
-                const double code_too = finer == 1 ? code : 0.0;
-                CHECK(answer.beside <= 0.05 + code_too);
-                CHECK(answer.beyond <= 0.10);
-                CHECK(answer.i_d <= 0.05 + code_too + (from_A > -5.0 ? rest_V / stiffness / STEP_A : 0.0));
-                CHECK(answer.arrived <= 0.02 + code_too);
-            }
+        const config_t config = paper_config(point.real_bridge);
+        CAPTURE(point.winding_C);
+        CAPTURE(point.speed_rpm);
+        CAPTURE(point.v_dc_V);
+        CAPTURE(point.real_bridge);
+        for (const double from_A : {0.0, -1.0, -2.5, -5.0, -20.0}) {
+            CAPTURE(from_A);
+            const Answer answer = steps_from(from_A, config, point);
+            CHECK(answer.beside <= 0.025 + code);
+            CHECK(answer.beyond <= 0.025 + code);
+            CHECK(answer.i_d <= 0.025 + code);
+            CHECK(answer.arrived <= 0.01 + code);
         }
     }
 }
 
-TEST_CASE(
-    "compensation by the sign of the reference, as if the current were there at once, is a fifth of the step wrong")
+TEST_CASE("compensation that expects the current later than it comes is a third of the step wrong")
 {
-    const Point point{25.0, 0.0, 53.0, true};
-    config_t config = bench::with_finer_converter(paper_config(true), 6);
-    config.current_loop.bandwidth_Hz = 10000;
-    CHECK(steps_from(-2.5, config, point).beside > 0.2);
+    // Told that it is five times as slow as it is, the firmware shapes the reference for that, which alone is 7 % off.
+    const Point real{25.0, 0.0, 53.0, true};
+    const Point ideal{25.0, 0.0, 53.0, false};
+    const auto told = [](bool real_bridge) {
+        config_t config = bench::with_finer_converter(paper_config(real_bridge), 6);
+        config.current_loop.bandwidth_Hz /= 5;
+        return config;
+    };
+    const double shape = steps_from(-2.5, told(false), ideal, paper_config(false)).beside;
+    CHECK(shape < 0.08);
+    CHECK(steps_from(-2.5, told(true), real, paper_config(true)).beside > shape + 0.33);
 }
 
 TEST_CASE(
-    "the closed loop has the designed bandwidth within a tenth, at any speed, bus voltage and winding temperature")
+    "the closed loop has the designed bandwidth within a twentieth, at any speed, bus voltage and winding temperature")
 {
     for (const Point &point : operating_points()) {
         const config_t config = paper_config(point.real_bridge);
@@ -251,7 +233,7 @@ TEST_CASE(
         CAPTURE(point.speed_rpm);
         CAPTURE(point.v_dc_V);
         CAPTURE(point.real_bridge);
-        CHECK(bandwidth_Hz(config, point) == doctest::Approx(config.current_loop.bandwidth_Hz).epsilon(0.10));
+        CHECK(bandwidth_Hz(config, point) == doctest::Approx(config.current_loop.bandwidth_Hz).epsilon(0.05));
     }
 }
 
@@ -259,21 +241,25 @@ TEST_CASE("gains for a loop without delay, or a winding that is hotter than the 
 {
     const Point point{120.0, 300.0, 53.0, false};
     const double wT = 2.0 * bench::PI * 1000.0 * 50e-6;
+    const double left = std::exp(-wT);
     config_t textbook = paper_config(false); // k_p = L omega_c
     for (int32_t *gain : {&textbook.current_loop.proportional_q_pu_q16, &textbook.current_loop.integral_q_pu_q24}) {
-        *gain = static_cast<int32_t>(*gain * (1.0 + 2.0 * wT));
+        *gain = static_cast<int32_t>(*gain * wT / (left * (1.0 - left)));
     }
     CHECK(steps_from(-20.0, textbook, point).beside > 0.25);
     CHECK(bandwidth_Hz(textbook, point) > 1800.0);
 
+    // Without heat and switches the integral is too weak for the winding: the current creeps the rest of the way.
     config_t cold = paper_config(false);
     cold.motor.resistance_coefficient_ppm_K = 0;
-    cold.motor.phase_resistance_uOhm = CONFIG_LU2013.motor.phase_resistance_uOhm;
+    cold.current_loop.integral_q_pu_q24 =
+        static_cast<int32_t>(cold.current_loop.integral_q_pu_q24 * 31.0 / (31.0 + 3.3));
     Plant hot = bench::plant_of(paper_config(false), 120.0, 53.0, 300.0);
+    hot.switch_resistance_ohm = 3.3e-3;
     Bench bench(cold, hot, 0.3);
     bench.set_reference(0.0, -20.0);
     bench.run(SETTLE_PERIODS, Mode::off);
-    CHECK(std::abs(response(bench, -20.0, 0.0, 900.0)) < std::sqrt(0.5));
+    CHECK(std::abs(response(bench, -20.0, 0.0, 960.0)) < std::sqrt(0.5));
 }
 
 TEST_CASE("with resistance and flux wrong by 30 % and inductance by half in any combination the error dies away")

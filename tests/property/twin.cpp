@@ -51,7 +51,8 @@ Vector2d sense(const uint16_t codes[3], const int32_t offset_q4[3], const int32_
 
 Tuning::Tuning(const kernel_tuning_t &tuning)
     : d(tuning.d), q(tuning.q), w_l_d(tuning.w_l_d_q10 / 1024.0), w_l_q(tuning.w_l_q_q10 / 1024.0),
-      w_psi(tuning.w_psi_q25 / 1024.0), advance(std::atan2(tuning.advance.y, tuning.advance.x))
+      forward_d(tuning.forward_d_q25 / 1024.0), forward_q(tuning.forward_q_q25 / 1024.0),
+      advance(std::atan2(tuning.advance.y, tuning.advance.x))
 {
 }
 
@@ -59,8 +60,8 @@ Voltage current_loop(const Vector2d &integrator, const Tuning &tuning, const Vec
 {
     const Vector2d error = (reference - i).unaryExpr([](double x) { return saturated16(x); });
     Voltage out;
-    out.wanted.x() = tuning.d.proportional * error.x() + integrator.x() - tuning.w_l_q * i.y();
-    out.wanted.y() = tuning.q.proportional * error.y() + integrator.y() + tuning.w_l_d * i.x() + tuning.w_psi;
+    out.wanted.x() = tuning.d.proportional * error.x() + integrator.x() - tuning.w_l_q * i.y() + tuning.forward_d;
+    out.wanted.y() = tuning.q.proportional * error.y() + integrator.y() + tuning.w_l_d * i.x() + tuning.forward_q;
     out.realised.x() = saturated16(out.wanted.x());
     const double most_q = std::sqrt(std::max(ONE * ONE - out.realised.x() * out.realised.x(), 0.0));
     out.realised.y() = std::clamp(out.wanted.y(), -most_q, most_q);

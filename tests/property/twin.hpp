@@ -55,8 +55,9 @@ struct Gains {
 
 struct Tuning {
     Gains d, q;
-    double w_l_d, w_l_q, w_psi; // modulation units (w_psi in LSB)
-    double advance;             // rad
+    double w_l_d, w_l_q;         // modulation units
+    double forward_d, forward_q; // LSB
+    double advance;              // rad
     explicit Tuning(const kernel_tuning_t &tuning);
 };
 

@@ -52,6 +52,8 @@ void digest_slow(digest_t *digest, const slow_output_t *out, const slow_to_fast_
     add(digest, command->foc.number);
     add(digest, command->foc.i_reference_pu.d);
     add(digest, command->foc.i_reference_pu.q);
+    add(digest, command->foc.i_d_mean_less_sample_pu);
+    add(digest, command->foc.dead_time_slope.alpha_q8);
     add(digest, (int32_t)command->permission.bridge);
 }
 

@@ -109,22 +109,21 @@ class AxisGains:
 def axis_gains(drive: Drive, inductance_h: float) -> AxisGains:
     """Return the gains that make one axis follow like a first-order pole at omega_c behind a delay of 1.5 periods.
 
-    With k_i = k_p R T / L the regulator's zero lies on the winding's pole (R with one switch, at the reference temperature;
-    the firmware scales k_i to the winding's: resistance_ratio()), and what is left is the loop K / (z (z - 1)),
-    K = k_p T / L: one period until the voltage acts, one until a sample shows what it did. Its control error after a
-    step adds up to 1/K samples. That of the design, 1 - exp(-omega_c (t - 1.5 T)) from the second sample on, adds up to
-    2 + 1 / (2 sinh(omega_c T / 2)), which is 2 + 1 / (omega_c T) within one per cent. Equal sums need
-    K = omega_c T / (1 + 2 omega_c T), so
+    The winding under a held voltage is (1 - p) / (R (z - p)), p = exp(-R T / L) (R with one switch, at the reference
+    temperature). With k_i / k_p = 1 - p the regulator's zero lies on that pole, and what is left is the loop
+    K / (z (z - 1)), K = k_i / R: one period until the voltage acts, one until a sample shows what it did. Its closed loop
+    has poles that add up to one and whose product is K: one of them is a = exp(-omega_c T), as designed, when
 
-        k_p = L omega_c / (1 + 2 omega_c T)        k_i = R T omega_c / (1 + 2 omega_c T)
+        K = a (1 - a)        k_i = K R        k_p = K R / (1 - p), which is K L / T (1 + R T / (2 L))
 
-    K = omega_c T would leave out that the delay is inside the loop: at omega_c T = 0.31 it answers a step up to 30 %
-    away from the design, with 2.2 times its bandwidth.
+    The firmware scales k_i to the winding's resistance (resistance_ratio()). The other pole and where in a period the answer
+    begins are left to the shape of the reference (margins.reference_shape()).
     """
-    period, wanted = 1.0 / drive.inverter.pwm_frequency_hz, 2.0 * math.pi * drive.control.current_bandwidth_hz
-    crossover = wanted / (1.0 + 2.0 * wanted * period)
+    period = 1.0 / drive.inverter.pwm_frequency_hz
+    pole = math.exp(-2.0 * math.pi * drive.control.current_bandwidth_hz * period)
+    gain = pole * (1.0 - pole)
     resistance = drive.motor.phase_resistance_ohm + drive.inverter.switch_resistance_ohm
-    return AxisGains(inductance_h * crossover, resistance * period * crossover)
+    return AxisGains(gain * resistance / -math.expm1(-resistance * period / inductance_h), gain * resistance)
 
 
 def resistance_ratio(drive: Drive, winding_temperature_c: float) -> float:
@@ -163,13 +162,13 @@ def dead_time_zone_pu(drive: Drive) -> float:
     During a dead interval the leg takes the voltage that the current's sign gives it, until the current has gone. Over
     a period the error is at most t_d f (v_dc + 2 V_f), which moves the current by t_d (v_dc + 2 V_f) / L: whatever is
     smaller may end inside the interval. The smaller inductance lets it end soonest. Not below 128 LSB, the noise of a
-    12-bit converter.
+    12-bit converter. This is for the middle of the battery's range; the firmware moves it with the bus voltage.
     """
     zone = drive.control.dead_time_zone_a
     if zone is not None:
         return zone / drive.inverter.current_full_scale_a
     inductance = min(drive.motor.d_inductance_h, drive.motor.q_inductance_h)
-    against_v = relations.nominal_open_circuit_v(drive) + 2.0 * drive.inverter.diode_forward_voltage_v
+    against_v = (drive.battery.min_voltage_v + drive.battery.max_voltage_v) / 2.0 + 2.0 * drive.inverter.diode_forward_voltage_v
     extinguished_a = drive.inverter.dead_time_s * against_v / inductance
     return min(max(extinguished_a / drive.inverter.current_full_scale_a, DEAD_TIME_ZONE_MIN), 1.0)
 

@@ -52,11 +52,11 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .max_switch_temperature_cC    = 30000, /* [cC] torque limit reaches zero */
     },
     .current_loop = {
-        .bandwidth_Hz                   = 500, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below realise it, dead-time compensation expects the current by it */
-        .proportional_d_pu_q16          = 41393, /* [pu] L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
-        .proportional_q_pu_q16          = 41393, /* [pu] L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
-        .integral_d_pu_q24              = 365247, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .integral_q_pu_q24              = 365247, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .bandwidth_Hz                   = 500, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the shape of the reference realise it, dead-time compensation expects the current by it */
+        .proportional_d_pu_q16          = 43756, /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
+        .proportional_q_pu_q16          = 43756, /* [pu] k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped */
+        .integral_d_pu_q24              = 379517, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 379517, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
         .inductance_d_pu_q16            = 115297, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
         .inductance_q_pu_q16            = 115297, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
         .flux_pu_q16                    = 157641, /* [pu] omega_base psi / V_base, back-EMF */
@@ -64,7 +64,7 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .max_current_pu_q15             = 22938, /* [pu] largest |i| the loop is asked for */
         .field_weakening_gain_pu_q15    = 0, /* [pu] current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped */
         .field_weakening_current_pu_q15 = 0, /* [pu] largest demagnetising current */
-        .dead_time_zone_pu_q15          = 128, /* [pu] current below which the dead-time compensation is proportional */
+        .dead_time_zone_pu_q15          = 128, /* [pu] current below which the dead-time compensation is proportional, at the middle of the battery's range; goes with the bus voltage */
     },
     .rotor = {
         .sensor                         = 1, /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
@@ -154,5 +154,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0xB70C66FE,
+    .crc32 = 0x91B7A839,
 };

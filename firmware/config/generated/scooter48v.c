@@ -52,11 +52,11 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .max_switch_temperature_cC    = 30000, /* [cC] torque limit reaches zero */
     },
     .current_loop = {
-        .bandwidth_Hz                   = 1000, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below realise it, dead-time compensation expects the current by it */
-        .proportional_d_pu_q16          = 26323, /* [pu] L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
-        .proportional_q_pu_q16          = 46452, /* [pu] L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped */
-        .integral_d_pu_q24              = 82581, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .integral_q_pu_q24              = 82581, /* [pu] k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .bandwidth_Hz                   = 1000, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the shape of the reference realise it, dead-time compensation expects the current by it */
+        .proportional_d_pu_q16          = 27324, /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
+        .proportional_q_pu_q16          = 48092, /* [pu] k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped */
+        .integral_d_pu_q24              = 85201, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 85201, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
         .inductance_d_pu_q16            = 60158, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
         .inductance_q_pu_q16            = 106161, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
         .flux_pu_q16                    = 154416, /* [pu] omega_base psi / V_base, back-EMF */
@@ -64,7 +64,7 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .max_current_pu_q15             = 19859, /* [pu] largest |i| the loop is asked for */
         .field_weakening_gain_pu_q15    = 0, /* [pu] current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped */
         .field_weakening_current_pu_q15 = 0, /* [pu] largest demagnetising current */
-        .dead_time_zone_pu_q15          = 128, /* [pu] current below which the dead-time compensation is proportional */
+        .dead_time_zone_pu_q15          = 128, /* [pu] current below which the dead-time compensation is proportional, at the middle of the battery's range; goes with the bus voltage */
     },
     .rotor = {
         .sensor                         = 1, /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
@@ -166,5 +166,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -14396,
         },
     },
-    .crc32 = 0x59FE905F,
+    .crc32 = 0xA4256A38,
 };

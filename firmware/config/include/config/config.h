@@ -74,11 +74,11 @@
     X(max_switch_temperature_cC,             1000,      30000,      "cC",     "torque limit reaches zero")
 
 #define CONFIG_CURRENT_LOOP_FIELDS(X) \
-    X(bandwidth_Hz,                          10,        10000,      "Hz",     "closed loop, first order after 1.5 periods of delay; the gains below realise it, dead-time compensation expects the current by it") \
-    X(proportional_d_pu_q16,                 1,         1048576,    "pu",     "L_d omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped") \
-    X(proportional_q_pu_q16,                 1,         1048576,    "pu",     "L_q omega_c / (1 + 2 omega_c T), volts per ampere; raising: faster, less damped") \
-    X(integral_d_pu_q24,                     1,         16777216,   "pu",     "k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole") \
-    X(integral_q_pu_q24,                     1,         16777216,   "pu",     "k_p R T / L, volts per ampere and PWM period: the regulator's zero on the winding's pole") \
+    X(bandwidth_Hz,                          10,        10000,      "Hz",     "closed loop, first order after 1.5 periods of delay; the gains below and the shape of the reference realise it, dead-time compensation expects the current by it") \
+    X(proportional_d_pu_q16,                 1,         1048576,    "pu",     "k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped") \
+    X(proportional_q_pu_q16,                 1,         1048576,    "pu",     "k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped") \
+    X(integral_d_pu_q24,                     1,         16777216,   "pu",     "a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole") \
+    X(integral_q_pu_q24,                     1,         16777216,   "pu",     "a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole") \
     X(inductance_d_pu_q16,                   1,         1048576,    "pu",     "omega_base L_d I_base / V_base, cross-coupling") \
     X(inductance_q_pu_q16,                   1,         1048576,    "pu",     "omega_base L_q I_base / V_base, cross-coupling") \
     X(flux_pu_q16,                           1,         1048576,    "pu",     "omega_base psi / V_base, back-EMF") \
@@ -86,7 +86,7 @@
     X(max_current_pu_q15,                    164,       32767,      "pu",     "largest |i| the loop is asked for") \
     X(field_weakening_gain_pu_q15,           0,         32767,      "pu",     "current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped") \
     X(field_weakening_current_pu_q15,        0,         32767,      "pu",     "largest demagnetising current") \
-    X(dead_time_zone_pu_q15,                 128,       32767,        "pu",     "current below which the dead-time compensation is proportional")
+    X(dead_time_zone_pu_q15,                 128,       32767,        "pu",     "current below which the dead-time compensation is proportional, at the middle of the battery's range; goes with the bus voltage")
 
 #define CONFIG_ROTOR_FIELDS(X) \
     X(sensor,                                0,         2,          "",       "0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index") \

@@ -17,6 +17,7 @@
 #include "foc/current_loop.h"
 #include "foc/dead_time.h"
 #include "foc/field_weakening.h"
+#include "foc/response.h"
 #include "foc/rotor.h"
 #include "foc/sense.h"
 #include "foc/svpwm.h"
@@ -24,9 +25,12 @@
 /* From the slow reach, every millisecond. */
 typedef struct {
     uint16_t number; /* another one for another command: the fast reach looks at what follows only when it changes */
-    dq_t i_reference_pu;          /* Q15 of the current base, 16 bits */
+    dq_t i_reference_pu; /* Q15 of the current base, 16 bits */
+    int32_t
+        i_d_mean_less_sample_pu;  /* of no mean current: sampled_current.h. Q15, 16 bits; dead time goes by the mean */
     current_loop_tuning_t tuning; /* for the present bus voltage and speed */
-    bool calibrate_offsets;       /* average the current sensors' zero; only with the bridge off */
+    dead_time_slope_t dead_time_slope; /* for the present bus voltage */
+    bool calibrate_offsets;            /* average the current sensors' zero; only with the bridge off */
 } foc_command_t;
 
 /* What the port measured in this PWM period. */
@@ -78,6 +82,7 @@ typedef struct {
     current_loop_state_t loop;
     svpwm_t svpwm;
     dead_time_t dead_time;
+    response_expected_t expected;
     int32_t on_q16[SENSE_PHASES]; /* high-side on-times, timer counts with 16 fraction bits; their whole parts are the
                                    * compare values, effective from the next update */
     sense_state_t sense;
@@ -87,13 +92,17 @@ typedef struct {
     rotor_state_t rotor;
     foc_current_state_t current;
     circle_t current_circle;
+    response_t response;
     field_weakening_t weakening;
     int32_t followed; /* number of the command, or none */
     uint32_t quarter; /* in which the current vector was last seen at rest, 0 .. 3 */
     bool calibrating;
 } foc_state_t;
 
-enum { FOC_NOTHING_FOLLOWED = -1 /* no command is that: the next one is followed */ };
+enum {
+    FOC_NOTHING_FOLLOWED = -1,         /* no command is that: the next one is followed */
+    FOC_MEAN_LESS_SAMPLE_MOST_PU = 200 /* by which an expected current may leave the circle: dead_time_shares() */
+};
 
 void foc_init(foc_state_t *state, const config_t *config);
 
@@ -106,8 +115,8 @@ foc_command_t foc_initial_command(const foc_state_t *state, const config_t *conf
 void foc_current_step(foc_current_state_t *restrict state, const uint16_t *restrict codes,
                       foc_period_t *restrict period);
 
-/* A new command, or new field weakening. period->i_reference_pu: the commanded current and the demagnetising one, inside the
- * current circle, the d axis first. */
+/* A new command, new field weakening, or a reference that is not given as it is yet. period->i_reference_pu: the commanded
+ * current and the demagnetising one, shaped (response.h) and inside the current circle, the d axis first. */
 void foc_follow(foc_state_t *state, const foc_command_t *command, foc_period_t *period);
 
 /* The same measurements with the bridge not switching: nothing is regulated, the next start is bump-free. calibrate_offsets:
@@ -149,8 +158,8 @@ static inline void foc_add_up(foc_sums_t *sums, const foc_period_t *period, int3
  * and not tripped: regulate and modulate; otherwise the regulators are held reset and the compares
  * centred. The on-times are in state->current.on_q16. report: always the same structure; zero at first.
  *
- * The reference is worked out when a command with another number comes. The voltage margin moves slowly: field weakening looks at it every
- * fourth period, and while it is at work the reference follows in these.
+ * The reference is worked out when a command with another number comes, and in the two periods after it has changed. The voltage margin
+ * moves slowly: field weakening looks at it every fourth period, and while it is at work the reference follows in these.
  */
 static inline void foc_step(foc_state_t *state, const config_t *config, const foc_command_t *command, bool permitted,
                             bool tripped, const foc_input_t *in, foc_report_t *report)

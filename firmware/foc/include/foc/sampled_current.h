@@ -33,6 +33,9 @@ sampled_current_t sampled_current_at(const config_t *config, int32_t speed_q32, 
 dq_t sampled_current_to_mean(const sampled_current_t *at, dq_t sampled);
 dq_t sampled_current_of_mean(const sampled_current_t *at, dq_t mean);
 
+/* The mean of i_d less its sample, when one of them is nothing: -g psi/L_d; Q15, 16 bits. */
+int32_t sampled_current_offset_pu(const sampled_current_t *at);
+
 /* The mean of a voltage of which the bridge is told `told`, any unit >= 0. */
 int32_t sampled_current_voltage_mean(const sampled_current_t *at, int32_t told);
 

@@ -88,7 +88,7 @@ void test_feed_forward_is_speed_times_flux_and_inductance(void)
             const double unit = unit_V(27493, BUS_PU[v]);
             const double emf = w * config.motor.flux_linkage_nWb * 1e-9 / unit;
             const double w_l = w * config.motor.q_inductance_nH * 1e-9 * current_base_A() / unit;
-            TEST_ASSERT_DOUBLE_WITHIN(fabs(emf) * 1e-3 + 1.0 / 32768.0, emf, tuning.w_psi_q25 / 33554432.0);
+            TEST_ASSERT_DOUBLE_WITHIN(fabs(emf) * 1e-3 + 1.0 / 32768.0, emf, tuning.forward_q_q25 / 33554432.0);
             TEST_ASSERT_DOUBLE_WITHIN(fabs(w_l) * 1e-3 + 1.0 / 2048.0, w_l, tuning.w_l_q_q10 / 1024.0);
             TEST_ASSERT_DOUBLE_WITHIN(fabs(w_l) * 1e-3 + 1.0 / 2048.0, w_l, tuning.w_l_d_q10 / 1024.0);
         }
@@ -117,7 +117,7 @@ void test_a_bus_voltage_below_a_sixteenth_counts_as_a_sixteenth(void)
         const current_loop_tuning_t tuning =
             current_loop_tuning(&config, 27493, BELOW[i], 1000000, config.motor.reference_temperature_cC);
         TEST_ASSERT_EQUAL_INT32(lowest.q.proportional_q10, tuning.q.proportional_q10);
-        TEST_ASSERT_EQUAL_INT32(lowest.w_psi_q25, tuning.w_psi_q25);
+        TEST_ASSERT_EQUAL_INT32(lowest.forward_q_q25, tuning.forward_q_q25);
     }
 }
 
@@ -165,7 +165,7 @@ void test_at_speed_without_current_the_voltage_is_the_back_emf(void)
         current_loop_tuning(&config, 27493, 28102, 20000000, config.motor.reference_temperature_cC);
     const current_loop_out_t out = step(&tuning, 0, 0, 0, 0);
     TEST_ASSERT_EQUAL_INT32(0, out.realised.d);
-    TEST_ASSERT_INT32_WITHIN(1, tuning.w_psi_q25 >> 10, out.realised.q);
+    TEST_ASSERT_INT32_WITHIN(1, tuning.forward_q_q25 >> 10, out.realised.q);
 }
 
 void test_cross_coupling_has_the_sign_of_the_motor_equations(void)
@@ -245,7 +245,7 @@ void test_a_back_emf_of_more_than_eight_units_counts_as_eight(void)
     for (int sign = -1; sign <= 1; sign += 2) {
         const current_loop_tuning_t tuning =
             current_loop_tuning(&config, 27493, 28102, sign * 1000000000, config.motor.reference_temperature_cC);
-        TEST_ASSERT_EQUAL_INT32(sign * 8 * (1 << 25), tuning.w_psi_q25);
+        TEST_ASSERT_EQUAL_INT32(sign * 8 * (1 << 25), tuning.forward_q_q25);
     }
 }
 
@@ -271,7 +271,7 @@ void test_currents_at_the_ends_of_their_formats_do_not_overflow(void)
     for (int sign = -1; sign <= 1; sign += 2) {
         tuning.w_l_d_q10 = sign * 16383;
         tuning.w_l_q_q10 = sign * 16383;
-        tuning.w_psi_q25 = sign * (1 << 28);
+        tuning.forward_q_q25 = sign * (1 << 28);
         for (int d = 0; d < 5; d++) {
             for (int q = 0; q < 5; q++) {
                 for (int r = -1; r <= 1; r += 2) {

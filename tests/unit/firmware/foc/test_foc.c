@@ -191,7 +191,7 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
     config.current_loop.field_weakening_gain_pu_q15 = 2000;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
     restart();
-    command.tuning.w_psi_q25 = 40000 * 1024; /* more than the circle */
+    command.tuning.forward_q_q25 = 40000 * 1024; /* more than the circle */
     for (int n = 0; n < 2000; n++) {
         step(true);
         const int32_t weakening_pu = field_weakening_current_pu(&foc.weakening);
@@ -202,7 +202,7 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
     TEST_ASSERT_EQUAL_INT32(-6000, report.i_d_weakening_pu);
     step(false);
     TEST_ASSERT_EQUAL_INT32(0, report.i_d_weakening_pu);
-    command.tuning.w_psi_q25 = 0;
+    command.tuning.forward_q_q25 = 0;
     step(true);
     TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening)); /* a rest forgets it */
 }
@@ -212,12 +212,12 @@ void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_wi
     config.current_loop.field_weakening_gain_pu_q15 = 2000;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
     restart();
-    command.tuning.w_psi_q25 = 40000 * 1024;
+    command.tuning.forward_q_q25 = 40000 * 1024;
     for (int n = 0; n < 2000; n++) {
         step(true);
     }
     TEST_ASSERT_EQUAL_INT32(-6000, report.current.i_reference_pu.d);
-    command.tuning.w_psi_q25 = 0;
+    command.tuning.forward_q_q25 = 0;
     command.tuning.d.proportional_q10 =
         1; /* no current follows here, and the regulator must not ask for voltage because of it */
     command.tuning.d.integral_q15 = 0;
@@ -232,10 +232,10 @@ void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_wi
 
 void test_the_limit_flag_says_whether_the_circle_bit_in_this_period(void)
 {
-    command.tuning.w_psi_q25 = 20000 * 1024;
+    command.tuning.forward_q_q25 = 20000 * 1024;
     step(true);
     TEST_ASSERT_FALSE(summed_up(1).voltage_limited);
-    command.tuning.w_psi_q25 = 33000 * 1024;
+    command.tuning.forward_q_q25 = 33000 * 1024;
     step(true);
     TEST_ASSERT_TRUE(summed_up(1).voltage_limited);
 }
@@ -281,7 +281,7 @@ void test_the_power_report_is_voltage_times_current(void)
     command.i_reference_pu.d = -3000;
     command.i_reference_pu.q = 6000;
     set_current(-3000.0 / 32768.0, 6000.0 / 32768.0, 0);
-    command.tuning.w_psi_q25 = 20000 * 1024;
+    command.tuning.forward_q_q25 = 20000 * 1024;
     command.tuning.d.integral_q15 = 0; /* no drift from the half code of rounding */
     command.tuning.q.integral_q15 = 0;
     step(true);

@@ -10,25 +10,54 @@ void setUp(void)
 
 void tearDown(void) {}
 
+/* exp(-w T/2) */
+static double half_period(void)
+{
+    return exp(-3.14159265358979323846 * config.current_loop.bandwidth_Hz / config.drive.pwm_frequency_Hz);
+}
+
+static void run_periods(int periods)
+{
+    for (int n = 0; n < periods; n++) {
+        foc_step(&foc, &config, &command, true, false, &in, &report);
+    }
+}
+
 void test_a_command_is_looked_at_when_its_number_changes(void)
 {
     command.number = 7;
     command.i_reference_pu.q = 5000;
-    foc_step(&foc, &config, &command, true, false, &in, &report);
+    run_periods(3);
     TEST_ASSERT_EQUAL_INT32(5000, report.current.i_reference_pu.q);
     command.i_reference_pu.q = 6000;
     command.tuning.q.proportional_q10 = 1;
-    foc_step(&foc, &config, &command, true, false, &in, &report);
+    run_periods(3);
     TEST_ASSERT_EQUAL_INT32(5000, report.current.i_reference_pu.q);
     TEST_ASSERT_NOT_EQUAL(1, foc.current.tuning.q.proportional_q10);
     command.number = 8;
-    foc_step(&foc, &config, &command, true, false, &in, &report);
+    run_periods(3);
     TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
     TEST_ASSERT_EQUAL_MEMORY(&command.tuning, &foc.current.tuning, sizeof(command.tuning));
     foc_step(&foc, &config, &command, false, false, &in, &report);
     TEST_ASSERT_EQUAL_INT32(0, report.current.i_reference_pu.q);
-    foc_step(&foc, &config, &command, true, false, &in, &report); /* the same one again, after a rest */
+    run_periods(3); /* the same one again, after a rest */
     TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
+}
+
+void test_a_change_of_reference_is_held_back_in_its_first_period_exceeded_in_the_second_and_itself_from_the_third_on(
+    void)
+{
+    const double b = half_period();
+    command.number = 7;
+    command.i_reference_pu.d = -2000;
+    command.i_reference_pu.q = 5000;
+    const double share[4] = {1.0 / (b * b * (1.0 + b)), 1.0 / b, 1.0, 1.0};
+    for (int n = 0; n < 4; n++) {
+        run_periods(1);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, -2000.0 * share[n], report.current.i_reference_pu.d);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, 5000.0 * share[n], report.current.i_reference_pu.q);
+        TEST_ASSERT_EQUAL_INT32(n >= 2 ? 7 : FOC_NOTHING_FOLLOWED, foc.followed);
+    }
 }
 
 void test_dead_time_is_compensated_for_the_current_that_has_had_time_to_come(void)
@@ -40,16 +69,17 @@ void test_dead_time_is_compensated_for_the_current_that_has_had_time_to_come(voi
     command.i_reference_pu.q = (int32_t)step_pu;
     in.rotor_angle_turn = 16384;           /* q along -a: the whole current flows in phase a */
     command.tuning.q.proportional_q10 = 1; /* no voltage but the compensation */
+    command.dead_time_slope = dead_time_init(&config).slope;
     command.tuning.q.integral_q15 = 0;
-    const double lag = foc.current.dead_time.lag_q15 / 32768.0;
-    double left = 15.0 / 16.0;
+    const double b = half_period();
+    double left = 0.5 * (1.0 + b);
     for (int n = 0; n < 20; n++) {
         step(true);
         const double expected = fmin(step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
         const double others = fmin(0.5 * step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
         const double line = ((foc.current.on_q16[1] >> 16) - (foc.current.on_q16[0] >> 16)) / 84.0;
         TEST_ASSERT_DOUBLE_WITHIN(0.05, expected + others, line);
-        left *= 1.0 - lag;
+        left = n == 0 ? 0.5 * (b + b * b * b) : left * b * b;
     }
 }
 
@@ -62,11 +92,12 @@ void test_a_start_after_a_rest_expects_no_current_yet(void)
         step(true);
     }
     step(false);
-    TEST_ASSERT_EQUAL_INT32(0, dead_time_expect(&foc.current.dead_time).q);
+    TEST_ASSERT_EQUAL_INT32(0, response_expect(&foc.current.expected).q);
     step(true);
-    /* A sixteenth has begun; what is behind has gone on by a lag since. */
-    const double left = 7000.0 * 15.0 / 16.0 * (1.0 - foc.current.dead_time.lag_q15 / 32768.0);
-    TEST_ASSERT_DOUBLE_WITHIN(2.0, 7000.0 - left, dead_time_expect(&foc.current.dead_time).q);
+    /* (1 - b)/2 has come in the middle of the first period; what is missing has shrunk to a share a = b^2 since. */
+    const double b = half_period();
+    const double left = 7000.0 * 0.5 * (1.0 + b) * b * b;
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, 7000.0 - left, response_expect(&foc.current.expected).q);
 }
 
 void test_demagnetising_current_grows_by_gain_times_missing_square_in_every_period(void)
@@ -74,7 +105,7 @@ void test_demagnetising_current_grows_by_gain_times_missing_square_in_every_peri
     config.current_loop.field_weakening_gain_pu_q15 = 20;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
     restart();
-    command.tuning.w_psi_q25 = 40000 * 1024;
+    command.tuning.forward_q_q25 = 40000 * 1024;
     command.tuning.d.proportional_q10 = 1; /* the d axis asks for nothing */
     command.tuning.d.integral_q15 = 0;
     for (int n = 0; n < 400; n++) {
@@ -90,18 +121,22 @@ void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
     /* Proportional action only, without saturation: the voltage shows the reference that was regulated. */
     command.tuning.d.proportional_q10 = 1024;
     command.tuning.q.proportional_q10 = 1024;
+    command.tuning.d.integral_q15 = 0;
+    command.tuning.q.integral_q15 = 0;
     const int32_t most = config.current_loop.max_current_pu_q15;
     static const int32_t WANTED[][2] = {{-32768, 32767}, {-10000, 32767}, {5000, -32768}, {0, 32767}, {-3000, 4000}};
     for (int k = 0; k < 5; k++) {
         step(false);
         command.i_reference_pu.d = WANTED[k][0];
         command.i_reference_pu.q = WANTED[k][1];
-        step(true);
-        const double d = report.current.voltage.wanted_d;
-        const double q = report.current.voltage.wanted_q;
-        TEST_ASSERT_TRUE(hypot(d, q) <= most + 2.0);
+        for (int n = 0; n < 3; n++) { /* what exceeds a change in its second period does not exceed the circle */
+            step(true);
+            const double d = report.current.voltage.wanted_d;
+            const double q = report.current.voltage.wanted_q;
+            TEST_ASSERT_TRUE(hypot(d, q) <= most + 2.0);
+            TEST_ASSERT_TRUE(q * WANTED[k][1] >= 0.0); /* a limit never turns the torque round */
+        }
         TEST_ASSERT_EQUAL_INT32(q_clamp(WANTED[k][0], -most, most), report.current.voltage.wanted_d);
-        TEST_ASSERT_TRUE(q * WANTED[k][1] >= 0.0); /* a limit never turns the torque round */
     }
     TEST_ASSERT_EQUAL_INT32(4000, report.current.voltage.wanted_q); /* the last one was inside */
 }

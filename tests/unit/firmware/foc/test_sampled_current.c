@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "core/q15.h"
 #include "paper_vehicle.h"
 #include "unity.h"
 
@@ -93,6 +94,9 @@ static void check(const config_t *config, double turn, double i_d, double i_q)
     const dq_t back = sampled_current_to_mean(&at, found);
     TEST_ASSERT_INT32_WITHIN(2, mean.d, back.d);
     TEST_ASSERT_INT32_WITHIN(2, mean.q, back.q);
+    const dq_t no_sample = {.d = 0, .q = 0};
+    TEST_ASSERT_EQUAL_INT32(q_clamp(sampled_current_to_mean(&at, no_sample).d, -32767, 0),
+                            sampled_current_offset_pu(&at));
 }
 
 void test_a_current_is_sampled_where_a_motor_fed_in_steps_has_it(void)
