@@ -10,12 +10,11 @@ static current_loop_tuning_t no_tuning(void)
     return out;
 }
 
-/* The limiter of the current vector: any command and any field weakening in the paper's circle and the largest. What the circle
- * leaves of q beside any d is proved of circle_other(). */
-void prove_reference(void)
+/* The limiter of the current vector: any command and any field weakening. What the circle leaves of q beside any d is proved
+ * of circle_other(). */
+static void follow_any_command(int32_t radius)
 {
     static foc_state_t state;
-    const int32_t radius = nondet_bool() ? 14895 : Q15_ONE;
     state.current_circle = circle_init(radius);
     state.weakening.current_q28 = any_within(-32767 * 8192, 0);
     response_t *response = &state.response; /* without shares: what they make of a change is the next proof */
@@ -44,6 +43,17 @@ void prove_reference(void)
     } else {
         PROMISE(state.followed == command.number && given.d == reference.d && given.q == reference.q);
     }
+}
+
+void prove_reference_in_the_papers_circle(void)
+{
+    follow_any_command(14895);
+    PROOF_END();
+}
+
+void prove_reference_in_the_largest_circle(void)
+{
+    follow_any_command(Q15_ONE);
     PROOF_END();
 }
 
