@@ -63,7 +63,7 @@ double motion_expected_rad_s(const motion_world_t *world, const motion_t *motion
         const wheel_motion_t *rim = &motion->wheels[wheel].motion;
         return rim->speed_rad_s + 0.5 * step_s * rim->acceleration_rad_s2;
     }
-    return vehicle_expected_speed_m_per_s(motion->vehicle, step_s) / world->vehicle.wheel_radius_m;
+    return vehicle_expected_speed_m_per_s(motion->vehicle, step_s) * (1.0 / world->vehicle.wheel_radius_m);
 }
 
 static motion_flow_t roll(const motion_world_t *world, const motion_t *motion, const wheel_world_t *wheel_world,

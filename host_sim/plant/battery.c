@@ -64,7 +64,7 @@ battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *st
 battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state, double terminal_j)
 {
     const battery_source_t source = battery_source(params, state);
-    const double power_w = terminal_j / state->step_s;
+    const double power_w = terminal_j * (1.0 / state->step_s);
     return battery_carry(params, state,
                          battery_current_a(source.open_v, source.resistance_ohm, power_w, &state->collapsed));
 }

@@ -22,7 +22,7 @@ static bus_flow_t without_capacitor(const bus_params_t *params, bus_state_t *sta
 {
     const battery_source_t source = battery_source(battery_params, battery);
     const double cable_ohm = params->cable_resistance_ohm;
-    const double i = battery_current_a(source.open_v, source.resistance_ohm + cable_ohm, dc_j / battery->step_s,
+    const double i = battery_current_a(source.open_v, source.resistance_ohm + cable_ohm, dc_j * (1.0 / battery->step_s),
                                        &battery->collapsed);
     const bus_flow_t out = {
         .battery = battery_carry(battery_params, battery, i),
