@@ -324,6 +324,32 @@ void test_a_current_while_switching_says_nothing(void)
     }
 }
 
+/* A reach that stands still counts no quarters: that is no wheel that stands. */
+void test_windows_in_which_the_fast_reach_made_no_step_measure_nothing(void)
+{
+    in.speed_mrad_s = 30000;
+    TEST_ASSERT_EQUAL_INT32(30000, run(1));
+    in.speed_mrad_s = 0;
+    in.rotor_valid = false;
+    in.bridge = BRIDGE_SHORT;
+    for (int n = 0; n < 250; n++) {
+        held_mrad_s = monitor_speed_step(&state, &config, &in);
+    }
+    const double coasted_mrad_s = 0.0981 / radius_m() * 250.0;
+    TEST_ASSERT_TRUE(held_mrad_s >= 30000 - lround(coasted_mrad_s) - 1);
+}
+
+/* 16 quarters of 23 pole pairs take 27.3 ms at 40 rad/s and 54.6 ms at 20. The third window begins after 54.6 ms and has seen
+ * 5.4 ms of the faster turning: it ends 48.9 ms later with 22.3 rad/s, more than an eighth below 40. */
+void test_a_speed_that_falls_within_a_window_is_believed_when_the_next_one_confirms_it(void)
+{
+    in.speed_mrad_s = 0;
+    in.rotor_valid = false;
+    TEST_ASSERT_INT32_WITHIN(400, 40000, run_short(60, 40.0));
+    TEST_ASSERT_INT32_WITHIN(400, 40000, run_short(54, 20.0));
+    TEST_ASSERT_INT32_WITHIN(200, 20000, run_short(60, 20.0));
+}
+
 /* ---- whatever comes ---- */
 
 void test_no_input_makes_it_negative_or_slower_than_a_valid_sensor(void)
