@@ -102,20 +102,30 @@ void test_a_refused_configuration_changes_nothing_and_the_wheel_goes_on(void)
     TEST_ASSERT_TRUE(app_finish());
 }
 
+static void install(const config_t *another)
+{
+    host_serial_type("install\r");
+    run_for(100);
+    send_configuration(another);
+    run_for(2000);
+}
+
+static void assert_refused(void)
+{
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "refused: only with the wheel known to be at rest"),
+                                 host_serial_output());
+    TEST_ASSERT_TRUE(is_as_it_was());
+    TEST_ASSERT_FALSE(host_watchdog_bit());
+}
+
 void test_a_wheel_that_turns_takes_no_configuration(void)
 {
     const config_t another = another_configuration();
     connect(&CONFIG_IMAGE); /* the story's wheel turns */
     app_boot();
     run_for(10000);
-    host_serial_type("install\r");
-    run_for(100);
-    send_configuration(&another);
-    run_for(2000);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "refused: only with the wheel known to be at rest"),
-                                 host_serial_output());
-    TEST_ASSERT_TRUE(is_as_it_was());
-    TEST_ASSERT_FALSE(host_watchdog_bit());
+    install(&another);
+    assert_refused();
 }
 
 /* The speed that is shown then is nothing, after a quarter of a second of dead reckoning; but nobody has seen it stop. */
@@ -130,14 +140,8 @@ void test_a_wheel_that_turned_when_its_halls_were_lost_takes_no_configuration(vo
     host_serial_type("status\r");
     run_for(200);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), ", 0.000 rad/s, "), host_serial_output());
-    host_serial_type("install\r");
-    run_for(100);
-    send_configuration(&another);
-    run_for(2000);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "refused: only with the wheel known to be at rest"),
-                                 host_serial_output());
-    TEST_ASSERT_TRUE(is_as_it_was());
-    TEST_ASSERT_FALSE(host_watchdog_bit());
+    install(&another);
+    assert_refused();
 }
 
 /* A new board on a bench: halls at their pull-ups, no motor, no current. Nothing was ever seen to turn. */
@@ -148,10 +152,7 @@ void test_a_board_with_no_motor_and_no_sensor_takes_a_configuration(void)
     story.halls_off = true;
     app_boot();
     run_for(10000);
-    host_serial_type("install\r");
-    run_for(100);
-    send_configuration(&another);
-    run_for(2000);
+    install(&another);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"), host_serial_output());
     TEST_ASSERT_FALSE(is_as_it_was());
 }

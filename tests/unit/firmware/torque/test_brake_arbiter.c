@@ -1,70 +1,18 @@
-#include "paper_vehicle.h"
 #include "random_values.h"
-#include "torque/brake_arbiter.h"
-#include "unity.h"
-
-enum { FAST_mrad_s = 30000 }; /* well above the hand-over speeds, 2.618 and 0.838 rad/s */
-
-static config_t config;
-static brake_arbiter_state_t state;
-static capability_t capability;
-static brake_arbiter_input_t in;
+#include "split.h"
 
 void setUp(void)
 {
-    config = paper_vehicle();
-    config.brake.strategy = CONFIG_STRATEGY_SERIES_OPTIMAL;
-    config.brake.parallel_electric_share_q15 = 6554; /* 0.2 */
-    config.brake.electric_rated_torque_mNm = 40000;
-    config.brake.max_hydraulic_torque_mNm = 300000;
-    config.brake.shortfall_band_mNm = 2000;
-    config.brake.handover_start_mrad_s = 2618;
-    config.brake.handover_end_mrad_s = 838;
-    config.brake.hydraulic_dead_time_ms = 0; /* the split itself: the hydraulic brake is where it is told to be */
-    config.brake.hydraulic_time_constant_ms = 0;
-    config.brake.hydraulic_rate_mNm_s = 2000000000;
-    brake_arbiter_init(&state);
-    capability.driving = limit_init(40000, REASON_MAX_TORQUE);
-    capability.regenerating = limit_init(50000, REASON_MAX_TORQUE);
-    capability.optimal = limit_init(24000, REASON_LOSS_OPTIMUM);
-    in.demand_mNm = 0;
-    in.speed_mrad_s = FAST_mrad_s;
-    in.motor_command_mNm = 0;
-    in.motor_growth_mNm = 1000000; /* as far as it is asked for, soon enough */
-    in.motor_achieved_mNm = 0;
-    in.abs_active = false;
-    in.permission.bridge = BRIDGE_PWM;
-    in.permission.drive_q15 = Q15_ONE;
-    in.permission.brake_q15 = Q15_ONE;
-    in.permission.reason = REASON_NONE;
+    before_the_arbiter();
 }
 
 void tearDown(void) {}
-
-static brake_arbiter_out_t step(void)
-{
-    return brake_arbiter_step(&state, &config, &capability, &in);
-}
 
 static brake_arbiter_out_t split(int32_t strategy, int32_t demand_mNm)
 {
     config.brake.strategy = strategy;
     in.demand_mNm = demand_mNm;
     return step();
-}
-
-static void assert_split(int32_t electric_mNm, int32_t hydraulic_mNm, reason_t reason, brake_arbiter_out_t out)
-{
-    TEST_ASSERT_EQUAL_INT32(electric_mNm, out.electric_mNm);
-    TEST_ASSERT_EQUAL_INT32(hydraulic_mNm, out.hydraulic_mNm);
-    TEST_ASSERT_EQUAL_INT(reason, out.reason);
-}
-
-/* The motor does what it is asked for, braking at the present direction of rotation. */
-static void motor_follows(int32_t electric_mNm)
-{
-    in.motor_command_mNm = in.speed_mrad_s >= 0 ? -electric_mNm : electric_mNm;
-    in.motor_achieved_mNm = in.motor_command_mNm;
 }
 
 /* ---- the three strategies ---- */
