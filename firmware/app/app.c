@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "app/app.h"
 
 #include <stddef.h>
@@ -18,8 +19,9 @@
 #include "hal/watchdog.h"
 
 enum {
-    FINISH_PASSES = 100000, /* of the console, more than the slowest line needs for its last words */
-    FAST_SILENCE_ms = 3     /* without a fast step; at least four belong into every one of them */
+    FINISH_PASSES =
+        100000,         /* of the console, more than the slowest line needs for its last words */
+    FAST_SILENCE_ms = 3 /* without a fast step; at least four belong into every one of them */
 };
 
 /* What the background sees of the slow step. */
@@ -30,11 +32,13 @@ typedef struct {
     int32_t switch_temperature_cC;
 } view_t;
 
-/* The one instance: interrupts have no other way to find their data. Each member has one writer, named on the right. */
+/* The one instance: interrupts have no other way to find their data. Each member has one writer,
+ * named on the right. */
 static struct {
-    boot_report_t boot;              /* boot */
-    const config_t *volatile config; /* boot, background; NULL when the control steps must not run */
-    controller_t controller;         /* .fast: PWM period, .slow: millisecond */
+    boot_report_t boot; /* boot */
+    const config_t
+        *volatile config;    /* boot, background; NULL when the control steps must not run */
+    controller_t controller; /* .fast: PWM period, .slow: millisecond */
 
     double_buffer_t to_fast; /* low side millisecond, high side PWM period */
     slow_to_fast_t slow_to_fast[2];
@@ -57,8 +61,10 @@ static struct {
 static messages_battery_t pack_limits(const config_t *config)
 {
     const messages_battery_t limits = {
-        .charge_current_mA = q_scale(config->battery.max_charge_current_mA, config->battery.driven_wheels, 1),
-        .discharge_current_mA = q_scale(config->battery.max_discharge_current_mA, config->battery.driven_wheels, 1),
+        .charge_current_mA =
+            q_scale(config->battery.max_charge_current_mA, config->battery.driven_wheels, 1),
+        .discharge_current_mA =
+            q_scale(config->battery.max_discharge_current_mA, config->battery.driven_wheels, 1),
     };
     return limits;
 }
@@ -71,9 +77,11 @@ static void start_control(const config_t *config)
         app.fast_to_slow[i] = controller_initial_fast_to_slow(config);
     }
     app.fast_reports_in = double_buffer_high(&app.from_fast);
-    supervisor_init(&app.supervisor, (uint32_t)config->drive.pwm_frequency_Hz, CONTROLLER_SLOW_RATE_HZ);
+    supervisor_init(&app.supervisor, (uint32_t)config->drive.pwm_frequency_Hz,
+                    CONTROLLER_SLOW_RATE_HZ);
     /* Without CAN the demand counts as lost, which is safe. */
-    (void)can_link_init(&app.can, (messages_wheel_t)config->vehicle.wheel_position, pack_limits(config), time_ms());
+    (void)can_link_init(&app.can, (messages_wheel_t)config->vehicle.wheel_position,
+                        pack_limits(config), time_ms());
     app.wish[0] = app.can.node.wish;
     app.wish[1] = app.can.node.wish;
     app.config = config;
@@ -117,8 +125,9 @@ static inverter_mode_t inverter_mode(bridge_mode_t bridge)
     return INVERTER_MODE_OFF; /* also for a number that is none of them */
 }
 
-/* The report goes on in the same structure until the slow side has taken it, and then in the other one: a copy a millisecond
- * instead of one a period. What is copied belongs to the slow side now, which only reads it. */
+/* The report goes on in the same structure until the slow side has taken it, and then in the other
+ * one: a copy a millisecond instead of one a period. What is copied belongs to the slow side now,
+ * which only reads it. */
 static fast_to_slow_t *fast_report(void)
 {
     const unsigned high = double_buffer_high(&app.from_fast);
@@ -143,12 +152,15 @@ void app_pwm_period_isr(void)
                                sample.phase_current_code[2]},
         .bus_voltage_code = sample.bus_voltage_code,
         .rotor_angle_turn = rotor_sensor_angle_turn(),
-        .encoder = {.count = encoder.count, .index_count = encoder.index_count, .index = encoder.index},
+        .encoder = {.count = encoder.count,
+                    .index_count = encoder.index_count,
+                    .index = encoder.index},
         .hall_state = rotor_sensor_hall_state(),
         .power_stage_fault = inverter_fault(),
     };
     const slow_to_fast_t *from_slow = &app.slow_to_fast[double_buffer_high(&app.to_fast)];
-    const fast_output_t out = controller_fast_step(&app.controller.fast, config, from_slow, &in, fast_report());
+    const fast_output_t out =
+        controller_fast_step(&app.controller.fast, config, from_slow, &in, fast_report());
     inverter_set(inverter_mode(out.bridge), out.compare_counts);
     double_buffer_mark(&app.from_fast);
 
@@ -177,9 +189,10 @@ static slow_input_t slow_input(const node_wish_t *wish)
     return in;
 }
 
-/* A fast reach that has stopped carries out no verdict any more, and the timer goes on making what it was given last: a
- * vector that stands still, against which the turning magnets drive nearly their short-circuit current, until the
- * watchdog bites. Off, which is what that would bring, is brought here at once. */
+/* A fast reach that has stopped carries out no verdict any more, and the timer goes on making what
+ * it was given last: a vector that stands still, against which the turning magnets drive nearly
+ * their short-circuit current, until the watchdog bites. Off, which is what that would bring, is
+ * brought here at once. */
 static void watch_fast_reach(bool has_stepped)
 {
     if (has_stepped) {
@@ -198,7 +211,8 @@ void app_millisecond_isr(void)
     if (config == NULL) {
         return;
     }
-    watch_fast_reach(double_buffer_take(&app.from_fast)); /* the monitor, too, sees the count stand still */
+    watch_fast_reach(
+        double_buffer_take(&app.from_fast)); /* the monitor, too, sees the count stand still */
     const fast_to_slow_t *from_fast = &app.fast_to_slow[double_buffer_low(&app.from_fast)];
     slow_to_fast_t *to_fast = &app.slow_to_fast[double_buffer_low(&app.to_fast)];
     const slow_input_t in = slow_input(&app.wish[double_buffer_high(&app.to_slow)]);
@@ -211,7 +225,8 @@ void app_millisecond_isr(void)
     view->counts.slow_steps = to_fast->slow_step_count;
     view->counts.verdicts = app.controller.slow.monitor.verdicts;
     if (to_fast->monitor.clear_trip && app.fast_silent_ms == 0) {
-        inverter_clear_fault(); /* the hardware's latch is released with the monitor's, never on its own */
+        inverter_clear_fault(); /* the hardware's latch is released with the monitor's, never on its
+                                   own */
     }
     double_buffer_swap(&app.to_fast);
     double_buffer_mark(&app.from_slow);
@@ -236,16 +251,18 @@ static report_status_t status_of(const view_t *view)
     return status;
 }
 
-/* Nothing is switched on, nothing turns, and nothing turned when it was last seen (monitor_speed.h): the configuration may go. A
- * board on which no sensor and no current ever showed a movement counts as standing, so that it can be set up on a bench.
- * Without control the bridge is off anyway. */
+/* Nothing is switched on, nothing turns, and nothing turned when it was last seen
+ * (monitor_speed.h): the configuration may go. A board on which no sensor and no current ever
+ * showed a movement counts as standing, so that it can be set up on a bench. Without control the
+ * bridge is off anyway. */
 static bool is_at_rest(const slow_output_t *said)
 {
     const bool switched_on = said->mode == MODE_RUN || said->mode == MODE_LIMP;
     return app.config == NULL || (!switched_on && said->standing);
 }
 
-/* The configuration in use is about to be erased, so control ends here, whatever becomes of the new one. */
+/* The configuration in use is about to be erased, so control ends here, whatever becomes of the new
+ * one. */
 static void replace_configuration(const view_t *view)
 {
     text_t line;
@@ -255,8 +272,8 @@ static void replace_configuration(const view_t *view)
         app.restarting = true;
         (void)installer_write(&app.console.installer, &line);
     } else {
-        text_add(&line,
-                 "refused: only with the wheel known to be at rest and switched off; the configuration is as it was");
+        text_add(&line, "refused: only with the wheel known to be at rest and switched off; the "
+                        "configuration is as it was");
     }
     console_say(&app.console, &line);
 }
@@ -268,7 +285,8 @@ void app_background(void)
     if (app.restarting) {
         /* nothing feeds the watchdog; the console still says why */
     } else if (app.config == NULL) {
-        watchdog_feed(); /* bridge off, nothing to supervise; a restart would only hide the reason */
+        watchdog_feed(); /* bridge off, nothing to supervise; a restart would only hide the reason
+                          */
     } else {
         if (supervisor_may_feed(&app.supervisor, view->counts)) {
             watchdog_feed();
@@ -277,8 +295,8 @@ void app_background(void)
             app.wish[double_buffer_low(&app.to_slow)] = app.can.node.wish;
             double_buffer_swap(&app.to_slow);
         }
-        const messages_output_t said =
-            can_link_output(&view->output, view->winding_temperature_cC, view->switch_temperature_cC);
+        const messages_output_t said = can_link_output(&view->output, view->winding_temperature_cC,
+                                                       view->switch_temperature_cC);
         can_link_transmit(&app.can, now_ms, &said);
     }
     const report_status_t status = status_of(view);

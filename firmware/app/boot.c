@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "app/boot.h"
 
 #include "app/selftest.h"
@@ -44,15 +45,18 @@ boot_report_t boot_run(void)
     report.clock_good = time_init();
     report.was_watchdog = watchdog_caused_reset();
     report.ram_good = ram_good();
-    serial_init(BOOT_SERIAL_BIT_RATE); /* may interrupt from here on, which nothing may while the RAM is tested */
+    serial_init(BOOT_SERIAL_BIT_RATE); /* may interrupt from here on, which nothing may while the
+                                          RAM is tested */
     const flash_image_t firmware = flash_firmware();
-    report.firmware_good = selftest_firmware(firmware.begin, firmware.size_bytes, flash_firmware_crc32());
+    report.firmware_good =
+        selftest_firmware(firmware.begin, firmware.size_bytes, flash_firmware_crc32());
 
     const flash_image_t image = flash_configuration();
     report.config = (const config_t *)image.begin;
     report.verdict = config_validate(report.config, image.size_bytes);
     if (report.clock_good && report.verdict.code == CONFIG_VERDICT_OK) {
-        report.rotor_sensor_missing = !rotor_sensor_init(rotor_sensor_kind(report.config->rotor.sensor));
+        report.rotor_sensor_missing =
+            !rotor_sensor_init(rotor_sensor_kind(report.config->rotor.sensor));
         report.inverter = start_inverter(report.config);
     }
     return report;

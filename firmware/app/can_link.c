@@ -1,10 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "app/can_link.h"
 
 #include "hal/can.h"
 
 enum { FRAMES_PER_PASS = 8 /* a flooded bus must not hold up the background */ };
 
-bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t pack, uint32_t now_ms)
+bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t pack,
+                   uint32_t now_ms)
 {
     uint16_t accepted[MESSAGES_HEARD];
     node_accepted(wheel, accepted);

@@ -1,4 +1,6 @@
-/* Where every CHECK() of every room ends: a programming error or a broken memory cell, so nothing may be trusted. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Where every CHECK() of every room ends: a programming error or a broken memory cell, so nothing
+ * may be trusted. */
 #include "core/check.h"
 #include "hal/inverter.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "app/installer.h"
 
 #include "app/report.h"
@@ -12,7 +13,8 @@ void installer_init(installer_t *installer)
 
 void installer_open(installer_t *installer, uint32_t now_ms)
 {
-    intel_hex_init(&installer->hex, installer->image.bytes, (uint32_t)sizeof installer->image.bytes);
+    intel_hex_init(&installer->hex, installer->image.bytes,
+                   (uint32_t)sizeof installer->image.bytes);
     installer->heard_ms = now_ms;
     installer->state = INSTALLER_RECEIVING;
 }
@@ -40,7 +42,8 @@ void installer_hear(installer_t *installer, uint8_t byte, uint32_t now_ms)
 
 void installer_tick(installer_t *installer, uint32_t now_ms)
 {
-    if (installer->state == INSTALLER_RECEIVING && now_ms - installer->heard_ms >= INSTALLER_SILENCE_ms) {
+    if (installer->state == INSTALLER_RECEIVING &&
+        now_ms - installer->heard_ms >= INSTALLER_SILENCE_ms) {
         installer->state = INSTALLER_GIVEN_UP;
     }
 }
@@ -82,7 +85,8 @@ bool installer_write(const installer_t *installer, text_t *line)
         break;
     case FLASH_ERASE_FAILED:
     case FLASH_WRITE_FAILED:
-        text_add(line, "FAILED: the memory did not take it, so the next start refuses it; restarting");
+        text_add(line,
+                 "FAILED: the memory did not take it, so the next start refuses it; restarting");
         break;
     }
     return false;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "app/report.h"
 
 #include <stddef.h>
@@ -63,9 +64,11 @@ static const char *inverter_words(inverter_status_t status)
 {
     switch (status) {
     case INVERTER_FREQUENCY_UNREACHABLE:
-        return "configuration refused: drive.pwm_period_counts do not make drive.pwm_frequency_Hz on this board";
+        return "configuration refused: drive.pwm_period_counts do not make drive.pwm_frequency_Hz "
+               "on this board";
     case INVERTER_DEAD_TIME_UNREACHABLE:
-        return "configuration refused: drive.dead_time_ns is too long for this board's timer or too short for its "
+        return "configuration refused: drive.dead_time_ns is too long for this board's timer or "
+               "too short for its "
                "switches";
     case INVERTER_TIMER_UNREADY:
         return "self-test failed: the PWM timer does not update at the top of its count";
@@ -116,7 +119,8 @@ bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line)
     return true;
 }
 
-static const char NO_CONTROL[] = "BOOT, bridge off: no control without an accepted configuration and a good clock";
+static const char NO_CONTROL[] =
+    "BOOT, bridge off: no control without an accepted configuration and a good clock";
 
 void report_status(const report_status_t *status, text_t *line)
 {
@@ -127,7 +131,8 @@ void report_status(const report_status_t *status, text_t *line)
     const slow_output_t *o = status->output;
     text_add(line, modes_text(o->mode));
     text_add(line, ", ");
-    text_add(line, reason_text(o->fault_reason != REASON_NONE ? o->fault_reason : o->torque_reason));
+    text_add(line,
+             reason_text(o->fault_reason != REASON_NONE ? o->fault_reason : o->torque_reason));
     text_add(line, "; ");
     text_add_decimal(line, o->motor_torque_estimate_mNm, 3);
     text_add(line, " N m of ");

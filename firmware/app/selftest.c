@@ -1,8 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "app/selftest.h"
 
 #include "config/validate.h"
 
-/* Differs in many bits between neighbours and between addresses a power of two apart: golden-ratio multiples. */
+/* Differs in many bits between neighbours and between addresses a power of two apart: golden-ratio
+ * multiples. */
 static uint32_t pattern(uint32_t index)
 {
     return (index + 1U) * 0x9E3779B9U;
@@ -41,6 +43,7 @@ bool selftest_ram(volatile uint32_t *begin, uint32_t words)
 
 bool selftest_firmware(const void *image, uint32_t size_bytes, uint32_t crc32)
 {
-    static const char CHECK_TEXT[] = "123456789"; /* the published check value of this CRC is 0xCBF43926 */
+    static const char CHECK_TEXT[] =
+        "123456789"; /* the published check value of this CRC is 0xCBF43926 */
     return config_crc32(CHECK_TEXT, 9) == 0xCBF43926U && config_crc32(image, size_bytes) == crc32;
 }

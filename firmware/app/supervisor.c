@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "app/supervisor.h"
 
 void supervisor_init(supervisor_t *supervisor, uint32_t fast_rate_Hz, uint32_t slow_rate_Hz)

@@ -1,15 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/e2e.h"
 
 enum { POLYNOMIAL = 0x2F, CRC_INITIAL = 0xFF, CRC_FINAL = 0xFF };
 
 /*
- * The list of data ids. It is linear over exclusive-or (entry [a ^ b] = entry [a] ^ entry [b]) and every entry has an even
- * number of bits, so the code stays a linear one in which, as in the CRC alone, words differ in an even number of
- * places; 0x90, 0xAA, 0xC0 and 0x60 at 1, 2, 4 and 8 were found by search to leave no two equal syndromes (distance 4)
- * and no burst of eight or fewer undetected.
+ * The list of data ids. It is linear over exclusive-or (entry [a ^ b] = entry [a] ^ entry [b]) and
+ * every entry has an even number of bits, so the code stays a linear one in which, as in the CRC
+ * alone, words differ in an even number of places; 0x90, 0xAA, 0xC0 and 0x60 at 1, 2, 4 and 8 were
+ * found by search to leave no two equal syndromes (distance 4) and no burst of eight or fewer
+ * undetected.
  */
-static const uint8_t DATA_ID[E2E_COUNTER_MASK + 1] = {0x00, 0x90, 0xAA, 0x3A, 0xC0, 0x50, 0x6A, 0xFA,
-                                                      0x60, 0xF0, 0xCA, 0x5A, 0xA0, 0x30, 0x0A, 0x9A};
+static const uint8_t DATA_ID[E2E_COUNTER_MASK + 1] = {
+    0x00, 0x90, 0xAA, 0x3A, 0xC0, 0x50, 0x6A, 0xFA, 0x60, 0xF0, 0xCA, 0x5A, 0xA0, 0x30, 0x0A, 0x9A};
 
 static uint8_t crc8_add(uint8_t crc, uint8_t byte)
 {
@@ -32,7 +34,8 @@ static uint8_t crc_of(const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier)
 
 void e2e_protect(uint8_t data[E2E_FRAME_BYTES], uint16_t identifier, uint8_t counter)
 {
-    data[1] = (uint8_t)((data[1] & ~(uint32_t)E2E_COUNTER_MASK) | (counter & (uint32_t)E2E_COUNTER_MASK));
+    data[1] =
+        (uint8_t)((data[1] & ~(uint32_t)E2E_COUNTER_MASK) | (counter & (uint32_t)E2E_COUNTER_MASK));
     data[0] = crc_of(data, identifier);
 }
 
@@ -86,8 +89,8 @@ static e2e_verdict_t continues(e2e_receiver_t *receiver, uint32_t step, uint32_t
     return step == 1U ? E2E_OK : E2E_SOME_LOST;
 }
 
-e2e_verdict_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier,
-                          bool plausible, uint32_t now_ms)
+e2e_verdict_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_BYTES],
+                          uint16_t identifier, bool plausible, uint32_t now_ms)
 {
     (void)e2e_timed_out(receiver, now_ms);
     if (!e2e_intact(data, identifier)) {
@@ -120,7 +123,8 @@ e2e_verdict_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME
 
 uint32_t e2e_errors(const e2e_counts_t *counts)
 {
-    return counts->repeated + counts->wrong_sequence + counts->implausible + counts->damaged + counts->timeouts;
+    return counts->repeated + counts->wrong_sequence + counts->implausible + counts->damaged +
+           counts->timeouts;
 }
 
 const char *e2e_link_text(e2e_link_t link)

@@ -1,7 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/intel_hex.h"
 
 enum { LENGTH = 0, ADDRESS_HIGH = 1, ADDRESS_LOW = 2, TYPE = 3 };
-enum { DATA_RECORD = 0, END_OF_FILE = 1, EXTENDED_SEGMENT = 2, EXTENDED_LINEAR = 4, START_LINEAR = 5 };
+enum {
+    DATA_RECORD = 0,
+    END_OF_FILE = 1,
+    EXTENDED_SEGMENT = 2,
+    EXTENDED_LINEAR = 4,
+    START_LINEAR = 5
+};
 enum { NOT_A_DIGIT = 16 };
 
 void intel_hex_init(intel_hex_t *hex, uint8_t *to, uint32_t capacity_bytes)
@@ -30,7 +37,8 @@ static void object(intel_hex_t *hex, intel_hex_problem_t problem)
 static void take_data(intel_hex_t *hex)
 {
     const uint32_t length = hex->head[LENGTH];
-    const uint32_t address = hex->segment + ((uint32_t)hex->head[ADDRESS_HIGH] << 8) + hex->head[ADDRESS_LOW];
+    const uint32_t address =
+        hex->segment + ((uint32_t)hex->head[ADDRESS_HIGH] << 8) + hex->head[ADDRESS_LOW];
     if (hex->problem != INTEL_HEX_GOOD) {
         return;
     }

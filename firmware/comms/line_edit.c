@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/line_edit.h"
 
 enum { BELL = 0x07, BACKSPACE = 0x08, CANCEL = 0x03, KILL = 0x15, ESCAPE = 0x1B, DELETE = 0x7F };

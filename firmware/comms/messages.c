@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/messages.h"
 
 #include "comms/generated/hubfoc.h"
@@ -28,12 +29,14 @@ typedef struct {
 
 static const kind_t KINDS[MESSAGES_KINDS] = {
     [MESSAGES_DEMAND] = {HUBFOC_DEMAND_FRAME_ID, HUBFOC_DEMAND_CYCLE_TIME_MS, true},
-    [MESSAGES_BATTERY_LIMITS] = {HUBFOC_BATTERY_LIMITS_FRAME_ID, HUBFOC_BATTERY_LIMITS_CYCLE_TIME_MS, false},
+    [MESSAGES_BATTERY_LIMITS] = {HUBFOC_BATTERY_LIMITS_FRAME_ID,
+                                 HUBFOC_BATTERY_LIMITS_CYCLE_TIME_MS, false},
     [MESSAGES_WHEEL_STATE] = {HUBFOC_WHEEL_STATE_FRAME_ID, HUBFOC_WHEEL_STATE_CYCLE_TIME_MS, true},
     [MESSAGES_WHEEL_BRAKE] = {HUBFOC_WHEEL_BRAKE_FRAME_ID, HUBFOC_WHEEL_BRAKE_CYCLE_TIME_MS, true},
     [MESSAGES_WHEEL_DRIVE] = {HUBFOC_WHEEL_DRIVE_FRAME_ID, HUBFOC_WHEEL_DRIVE_CYCLE_TIME_MS, true},
     [MESSAGES_WHEEL_POWER] = {HUBFOC_WHEEL_POWER_FRAME_ID, HUBFOC_WHEEL_POWER_CYCLE_TIME_MS, true},
-    [MESSAGES_WHEEL_HEALTH] = {HUBFOC_WHEEL_HEALTH_FRAME_ID, HUBFOC_WHEEL_HEALTH_CYCLE_TIME_MS, true},
+    [MESSAGES_WHEEL_HEALTH] = {HUBFOC_WHEEL_HEALTH_FRAME_ID, HUBFOC_WHEEL_HEALTH_CYCLE_TIME_MS,
+                               true},
 };
 
 const char *messages_wheel_text(messages_wheel_t wheel)
@@ -65,7 +68,8 @@ uint32_t messages_cycle_ms(messages_kind_t kind)
 /* Nearest step, halves away from zero, between the ends. */
 static int32_t steps(int32_t milli, int32_t step, int32_t lowest, int32_t highest)
 {
-    const int32_t within = q_clamp(milli, lowest * step, highest * step); /* so that half a step more is no overflow */
+    const int32_t within =
+        q_clamp(milli, lowest * step, highest * step); /* so that half a step more is no overflow */
     return (within + (within < 0 ? -step : step) / 2) / step;
 }
 
@@ -82,7 +86,8 @@ static uint32_t magnitude_steps(int32_t milli, int32_t step, int32_t highest)
 bool messages_read_demand(const messages_frame_t *frame, messages_demand_t *demand)
 {
     struct hubfoc_demand_t raw;
-    if (frame->length != E2E_FRAME_BYTES || hubfoc_demand_unpack(&raw, frame->data, frame->length) != 0 ||
+    if (frame->length != E2E_FRAME_BYTES ||
+        hubfoc_demand_unpack(&raw, frame->data, frame->length) != 0 ||
         !hubfoc_demand_drive_torque_nm_is_in_range(raw.drive_torque_nm) ||
         !hubfoc_demand_brake_torque_nm_is_in_range(raw.brake_torque_nm)) {
         return false;
@@ -98,7 +103,8 @@ bool messages_read_demand(const messages_frame_t *frame, messages_demand_t *dema
 bool messages_read_battery(const messages_frame_t *frame, messages_battery_t *battery)
 {
     struct hubfoc_battery_limits_t raw;
-    if (frame->length != E2E_FRAME_BYTES || hubfoc_battery_limits_unpack(&raw, frame->data, frame->length) != 0 ||
+    if (frame->length != E2E_FRAME_BYTES ||
+        hubfoc_battery_limits_unpack(&raw, frame->data, frame->length) != 0 ||
         !hubfoc_battery_limits_charge_current_a_is_in_range(raw.charge_current_a) ||
         !hubfoc_battery_limits_discharge_current_a_is_in_range(raw.discharge_current_a)) {
         return false;
@@ -135,7 +141,8 @@ static bool read_brake(const messages_frame_t *frame, messages_output_t *o)
     return true;
 }
 
-bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel, messages_output_t *output)
+bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel,
+                          messages_output_t *output)
 {
     if (frame->length != E2E_FRAME_BYTES) {
         return false;
@@ -143,16 +150,19 @@ bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel,
     if (frame->identifier == messages_identifier(MESSAGES_WHEEL_STATE, wheel)) {
         return read_state(frame, output);
     }
-    return frame->identifier == messages_identifier(MESSAGES_WHEEL_BRAKE, wheel) && read_brake(frame, output);
+    return frame->identifier == messages_identifier(MESSAGES_WHEEL_BRAKE, wheel) &&
+           read_brake(frame, output);
 }
 
 static messages_frame_t new_frame(messages_kind_t kind, messages_wheel_t wheel)
 {
-    const messages_frame_t frame = {.identifier = messages_identifier(kind, wheel), .length = E2E_FRAME_BYTES};
+    const messages_frame_t frame = {.identifier = messages_identifier(kind, wheel),
+                                    .length = E2E_FRAME_BYTES};
     return frame;
 }
 
-messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel_t wheel, uint8_t counter)
+messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel_t wheel,
+                                 uint8_t counter)
 {
     const struct hubfoc_demand_t raw = {
         .enable = demand->enable ? 1 : 0,
@@ -170,8 +180,10 @@ messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel
 messages_frame_t messages_battery(const messages_battery_t *battery, uint8_t counter)
 {
     const struct hubfoc_battery_limits_t raw = {
-        .charge_current_a = magnitude_steps(battery->charge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
-        .discharge_current_a = magnitude_steps(battery->discharge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
+        .charge_current_a =
+            magnitude_steps(battery->charge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
+        .discharge_current_a =
+            magnitude_steps(battery->discharge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
     };
     messages_frame_t frame = new_frame(MESSAGES_BATTERY_LIMITS, MESSAGES_FRONT_LEFT);
     (void)hubfoc_battery_limits_pack(frame.data, &raw, sizeof frame.data);
@@ -184,7 +196,8 @@ static void put_state(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
     const struct hubfoc_wheel_state_t raw = {
         .mode = o->mode & MODE_MASK,
         .fault_reason = (uint8_t)o->fault_reason,
-        .motor_torque_estimate_nm = signed_steps(o->motor_torque_estimate_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+        .motor_torque_estimate_nm =
+            signed_steps(o->motor_torque_estimate_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
         .stop_lamp = o->stop_lamp ? 1 : 0,
         .speed_rad_s = signed_steps(o->speed_mrad_s, SPEED_STEP_mrad_s, SPEED_MAX),
     };
@@ -194,7 +207,8 @@ static void put_state(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
 static void put_brake(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
 {
     const struct hubfoc_wheel_brake_t raw = {
-        .hydraulic_torque_nm = magnitude_steps(o->hydraulic_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+        .hydraulic_torque_nm =
+            magnitude_steps(o->hydraulic_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
         .electric_brake_available_nm =
             (uint32_t)q_clamp(o->electric_brake_available_mNm / TORQUE_STEP_mNm, 0, TORQUE_MAX),
         .hydraulic_reason = (uint8_t)o->hydraulic_reason,
@@ -207,7 +221,8 @@ static void put_drive(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
 {
     const struct hubfoc_wheel_drive_t raw = {
         .torque_reason = (uint8_t)o->torque_reason,
-        .motor_torque_command_nm = signed_steps(o->motor_torque_command_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+        .motor_torque_command_nm =
+            signed_steps(o->motor_torque_command_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
         .current_q_a = signed_steps(o->i_q_mA, CURRENT_STEP_mA, CURRENT_MAX),
     };
     (void)hubfoc_wheel_drive_pack(data, &raw, E2E_FRAME_BYTES);
@@ -240,8 +255,8 @@ static void put_health(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o
     (void)hubfoc_wheel_health_pack(data, &raw, E2E_FRAME_BYTES);
 }
 
-messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output, messages_wheel_t wheel,
-                                 uint8_t counter)
+messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output,
+                                 messages_wheel_t wheel, uint8_t counter)
 {
     if ((uint32_t)kind < MESSAGES_HEARD || (uint32_t)kind >= MESSAGES_KINDS) {
         const messages_frame_t nothing = {.length = 0};

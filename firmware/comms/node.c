@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/node.h"
 
 void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_HEARD])
@@ -13,10 +14,12 @@ static messages_kind_t sent_kind(uint32_t index)
 
 void node_init(node_t *node, messages_wheel_t wheel, messages_battery_t pack, uint32_t now_ms)
 {
-    const node_t zero = {.wheel = wheel, .pack = pack, .wish = {.battery = pack}, .offered = MESSAGES_KINDS};
+    const node_t zero = {
+        .wheel = wheel, .pack = pack, .wish = {.battery = pack}, .offered = MESSAGES_KINDS};
     *node = zero;
     e2e_receiver_init(&node->demand, NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_DEMAND));
-    e2e_receiver_init(&node->battery, NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_BATTERY_LIMITS));
+    e2e_receiver_init(&node->battery,
+                      NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_BATTERY_LIMITS));
     for (uint32_t i = 0; i < MESSAGES_SENT; i++) {
         node->due_ms[i] = now_ms + messages_cycle_ms(sent_kind(i));
     }
@@ -52,7 +55,8 @@ static bool hear_demand(node_t *node, const messages_frame_t *frame, uint32_t no
 {
     messages_demand_t demand;
     const bool plausible = messages_read_demand(frame, &demand);
-    if (!is_at_hand(e2e_receive(&node->demand, frame->data, frame->identifier, plausible, now_ms))) {
+    if (!is_at_hand(
+            e2e_receive(&node->demand, frame->data, frame->identifier, plausible, now_ms))) {
         return false;
     }
     node->wish.demand = demand;
@@ -65,7 +69,8 @@ static bool hear_battery(node_t *node, const messages_frame_t *frame, uint32_t n
 {
     messages_battery_t battery;
     const bool plausible = messages_read_battery(frame, &battery);
-    if (!is_at_hand(e2e_receive(&node->battery, frame->data, frame->identifier, plausible, now_ms))) {
+    if (!is_at_hand(
+            e2e_receive(&node->battery, frame->data, frame->identifier, plausible, now_ms))) {
         return false;
     }
     node->wish.battery = battery;
@@ -87,10 +92,12 @@ bool node_hear(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
 
 static bool is_due(uint32_t due_ms, uint32_t now_ms)
 {
-    return now_ms - due_ms < UINT32_MAX / 2U; /* not in the future, also when the clock has wrapped in between */
+    return now_ms - due_ms <
+           UINT32_MAX / 2U; /* not in the future, also when the clock has wrapped in between */
 }
 
-bool node_next(node_t *node, uint32_t now_ms, const messages_output_t *output, messages_frame_t *frame)
+bool node_next(node_t *node, uint32_t now_ms, const messages_output_t *output,
+               messages_frame_t *frame)
 {
     for (uint32_t i = 0; i < MESSAGES_SENT; i++) {
         if (!is_due(node->due_ms[i], now_ms)) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/shell.h"
 
 #include "core/reason.h"
@@ -17,7 +18,8 @@ static const shell_command_t OWN[OWN_COUNT] = {
 
 void shell_init(shell_t *shell, const shell_command_t *commands, uint32_t command_count)
 {
-    /* Field by field: a whole one on the stack, only to be copied, would be the deepest point of the firmware. */
+    /* Field by field: a whole one on the stack, only to be copied, would be the deepest point of
+     * the firmware. */
     shell->commands = commands;
     shell->command_count = command_count;
     line_edit_init(&shell->edit);
@@ -38,7 +40,8 @@ static uint32_t room(const shell_t *shell)
     return SHELL_WAITING_BYTES - shell->waiting_bytes;
 }
 
-/* Moves what is still to be sent to the front. Only when room is needed: the line takes a few bytes at a time. */
+/* Moves what is still to be sent to the front. Only when room is needed: the line takes a few bytes
+ * at a time. */
 static void make_room(shell_t *shell)
 {
     for (uint32_t i = shell->taken_bytes; i < shell->waiting_bytes; i++) {
@@ -72,8 +75,8 @@ static bool put(shell_t *shell, const char *chars, uint32_t count)
 static bool put_line(shell_t *shell, const text_t *line)
 {
     static const char END[] = {'\r', '\n'};
-    return has_room(shell, line->length + (uint32_t)sizeof END) && put(shell, line->chars, line->length) &&
-           put(shell, END, sizeof END);
+    return has_room(shell, line->length + (uint32_t)sizeof END) &&
+           put(shell, line->chars, line->length) && put(shell, END, sizeof END);
 }
 
 /* As with an echo: one that finds no room is missed by nobody. */
@@ -98,7 +101,8 @@ void shell_taken(shell_t *shell, uint32_t count)
 
 bool shell_idle(const shell_t *shell)
 {
-    return shell->running == NOTHING && shell->ahead_bytes == 0 && shell->taken_bytes == shell->waiting_bytes;
+    return shell->running == NOTHING && shell->ahead_bytes == 0 &&
+           shell->taken_bytes == shell->waiting_bytes;
 }
 
 /* ---- what it knows by itself ---- */
@@ -275,7 +279,8 @@ bool shell_asks(shell_t *shell, shell_question_t *question)
     understand_what_waited(shell);
     while (shell->running != NOTHING && has_room(shell, LONGEST_LINE)) {
         if (is_owners(shell)) {
-            const shell_question_t asked = {shell->running - OWN_COUNT, shell->argument, shell->next_line};
+            const shell_question_t asked = {shell->running - OWN_COUNT, shell->argument,
+                                            shell->next_line};
             *question = asked;
             return true;
         }

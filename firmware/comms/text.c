@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/text.h"
 
 static void add_char(text_t *text, char c)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "config/validate.h"
 
 #include <stdbool.h>
@@ -13,9 +14,9 @@ typedef struct {
     int32_t highest;
 } field_range_t;
 
-#define SCALAR(section, name, lowest, highest)                                                                         \
+#define SCALAR(section, name, lowest, highest)                                                     \
     {#section "." #name, (uint16_t)offsetof(config_t, section.name), 1, (lowest), (highest)},
-#define ARRAY(section, name, count, lowest, highest)                                                                   \
+#define ARRAY(section, name, count, lowest, highest)                                               \
     {#section "." #name, (uint16_t)offsetof(config_t, section.name), (count), (lowest), (highest)},
 
 #define MOTOR(name, lowest, highest, unit, text) SCALAR(motor, name, lowest, highest)
@@ -28,19 +29,23 @@ typedef struct {
 #define VEHICLE(name, lowest, highest, unit, text) SCALAR(vehicle, name, lowest, highest)
 #define MONITOR(name, lowest, highest, unit, text) SCALAR(monitor, name, lowest, highest)
 #define REGEN_MAP(name, lowest, highest, unit, text) SCALAR(regen_map, name, lowest, highest)
-#define REGEN_ARRAY(name, count, lowest, highest, unit, text) ARRAY(regen_map, name, count, lowest, highest)
+#define REGEN_ARRAY(name, count, lowest, highest, unit, text)                                      \
+    ARRAY(regen_map, name, count, lowest, highest)
 #define CURRENT_MAP(name, lowest, highest, unit, text) SCALAR(current_map, name, lowest, highest)
-#define CURRENT_MAP_POINTS(name, count, lowest, highest, unit, text) ARRAY(current_map, name, count, lowest, highest)
+#define CURRENT_MAP_POINTS(name, count, lowest, highest, unit, text)                               \
+    ARRAY(current_map, name, count, lowest, highest)
 
 static const field_range_t FIELDS[] = {
     CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE) CONFIG_CURRENT_LOOP_FIELDS(CURRENT_LOOP)
-        CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL) CONFIG_BATTERY_FIELDS(BATTERY) CONFIG_BRAKE_FIELDS(BRAKE)
-            CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_MONITOR_FIELDS(MONITOR) CONFIG_REGEN_MAP_FIELDS(REGEN_MAP)
-                CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY) CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
-                    CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
+        CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL) CONFIG_BATTERY_FIELDS(BATTERY)
+            CONFIG_BRAKE_FIELDS(BRAKE) CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_MONITOR_FIELDS(MONITOR)
+                CONFIG_REGEN_MAP_FIELDS(REGEN_MAP) CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY)
+                    CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
+                        CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
-_Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t), "the checksum is the last word");
+_Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t),
+               "the checksum is the last word");
 
 uint32_t config_crc32(const void *data, uint32_t size_bytes)
 {
@@ -57,7 +62,8 @@ uint32_t config_crc32(const void *data, uint32_t size_bytes)
 
 static config_verdict_t verdict(config_verdict_code_t code, const char *field)
 {
-    const config_verdict_t out = {.code = code, .field = field, .value = 0, .lowest = 0, .highest = 0};
+    const config_verdict_t out = {
+        .code = code, .field = field, .value = 0, .lowest = 0, .highest = 0};
     return out;
 }
 
@@ -65,8 +71,10 @@ static config_verdict_t check_ranges(const config_t *config)
 {
     for (size_t f = 0; f < sizeof(FIELDS) / sizeof(FIELDS[0]); f++) {
         const field_range_t *range = &FIELDS[f];
-        /* Every field is an int32_t at a multiple of four bytes, so the image may be read as an array of words. */
-        const int32_t *value = (const int32_t *)(const void *)config + range->offset / sizeof(int32_t);
+        /* Every field is an int32_t at a multiple of four bytes, so the image may be read as an
+         * array of words. */
+        const int32_t *value =
+            (const int32_t *)(const void *)config + range->offset / sizeof(int32_t);
         for (uint16_t i = 0; i < range->count; i++) {
             if (value[i] < range->lowest || value[i] > range->highest) {
                 config_verdict_t out = verdict(CONFIG_VERDICT_RANGE, range->field);
@@ -85,8 +93,8 @@ typedef struct {
     const char *relation;
 } relation_t;
 
-/* Every sector wide enough to be seen and narrow enough to be interpolated, 30 to 90 degrees; then the six make up
- * exactly one turn in forward order. */
+/* Every sector wide enough to be seen and narrow enough to be interpolated, 30 to 90 degrees; then
+ * the six make up exactly one turn in forward order. */
 static bool hall_sectors_in_order(const config_rotor_t *rotor)
 {
     bool good = true;
@@ -100,29 +108,35 @@ static bool hall_sectors_in_order(const config_rotor_t *rotor)
 
 enum { ENCODER_COUNTS_A_POLE_PAIR = 32, INDEX_TOLERANCE_DIVISOR = 12 };
 
-/* Fine enough for a torque within 0.5 % (half a count is at most 5.6 degrees electrical) and for the tracking loop. */
+/* Fine enough for a torque within 0.5 % (half a count is at most 5.6 degrees electrical) and for
+ * the tracking loop. */
 static bool encoder_fine_enough(const config_t *c)
 {
     return c->rotor.sensor != CONFIG_ROTOR_ENCODER ||
            c->rotor.encoder_counts >= ENCODER_COUNTS_A_POLE_PAIR * c->motor.pole_pairs;
 }
 
-/* An angle that is accepted may be wrong by the tolerance: 30 degrees electrical leave 87 % of the torque. */
+/* An angle that is accepted may be wrong by the tolerance: 30 degrees electrical leave 87 % of the
+ * torque. */
 static bool encoder_index_sharp_enough(const config_t *c)
 {
-    return c->rotor.sensor != CONFIG_ROTOR_ENCODER ||
-           c->rotor.encoder_index_tolerance_counts * INDEX_TOLERANCE_DIVISOR * c->motor.pole_pairs <=
-               c->rotor.encoder_counts;
+    return c->rotor.sensor != CONFIG_ROTOR_ENCODER || c->rotor.encoder_index_tolerance_counts *
+                                                              INDEX_TOLERANCE_DIVISOR *
+                                                              c->motor.pole_pairs <=
+                                                          c->rotor.encoder_counts;
 }
 
-/* Halls lose the speed when no edge comes for a quarter of a second. A sector may be a quarter turn wide, so above one
- * electrical turn a second, 2 pi rad/s, there is always an edge in time. Below it nobody may brake electrically. */
+/* Halls lose the speed when no edge comes for a quarter of a second. A sector may be a quarter turn
+ * wide, so above one electrical turn a second, 2 pi rad/s, there is always an edge in time. Below
+ * it nobody may brake electrically. */
 static bool halls_know_the_hand_over(const config_t *c)
 {
-    return c->rotor.sensor != CONFIG_ROTOR_HALL || (int64_t)c->brake.handover_end_mrad_s * c->motor.pole_pairs >= 6284;
+    return c->rotor.sensor != CONFIG_ROTOR_HALL ||
+           (int64_t)c->brake.handover_end_mrad_s * c->motor.pole_pairs >= 6284;
 }
 
-/* One modulation unit at the lowest bus voltage, limit * v_dc / sqrt 3, per unit of voltage in Q15, times 10^4 sqrt 3. */
+/* One modulation unit at the lowest bus voltage, limit * v_dc / sqrt 3, per unit of voltage in Q15,
+ * times 10^4 sqrt 3. */
 static int64_t lowest_unit(const config_t *c)
 {
     return (int64_t)c->current_loop.modulation_limit_pu_q15 * c->battery.undervoltage_trip_mV /
@@ -136,11 +150,13 @@ static int64_t larger(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
-/* In the current loop's modulation units the proportional gain must stay below 16 and the integral gain below 1/2. */
+/* In the current loop's modulation units the proportional gain must stay below 16 and the integral
+ * gain below 1/2. */
 static bool gains_fit(const config_t *c)
 {
     const config_current_loop_t *loop = &c->current_loop;
-    const int64_t proportional_q16 = larger(loop->proportional_d_pu_q16, loop->proportional_q_pu_q16);
+    const int64_t proportional_q16 =
+        larger(loop->proportional_d_pu_q16, loop->proportional_q_pu_q16);
     const int64_t integral_q24 = larger(loop->integral_d_pu_q24, loop->integral_q_pu_q24);
     return proportional_q16 * SQRT3_1E4 / 2 < 16 * lowest_unit(c) &&
            integral_q24 * SQRT3_1E4 / 512 < lowest_unit(c) / 2;
@@ -157,34 +173,38 @@ static bool cross_coupling_fits(const config_t *c)
     return inductance_q16 * speed_1e6 / 1000000 * SQRT3_1E4 / 2 < 16 * lowest_unit(c);
 }
 
-/* k_i / k_p = R T / L of either axis below 1/4: the electrical time constant is longer than four PWM periods. */
+/* k_i / k_p = R T / L of either axis below 1/4: the electrical time constant is longer than four
+ * PWM periods. */
 static bool time_constants_long_enough(const config_current_loop_t *loop)
 {
     return loop->integral_d_pu_q24 / 64 < loop->proportional_d_pu_q16 &&
            loop->integral_q_pu_q24 / 64 < loop->proportional_q_pu_q16;
 }
 
-/* The speed base is a sixteenth of an electrical turn in a PWM period: 2 pi f / 16. Beyond it the rotor's angle is a guess. */
+/* The speed base is a sixteenth of an electrical turn in a PWM period: 2 pi f / 16. Beyond it the
+ * rotor's angle is a guess. */
 static bool speed_within_base(const config_t *c)
 {
     return (int64_t)c->motor.max_speed_mrad_s * c->motor.pole_pairs * 1600 <=
            INT64_C(628319) * c->drive.pwm_frequency_Hz;
 }
 
-/* A sensor whose zero is as far beside the middle as is tolerated still has this many codes of 16 to the converter's end. A
- * trip beyond them would wait for a sample that cannot come. */
+/* A sensor whose zero is as far beside the middle as is tolerated still has this many codes of 16
+ * to the converter's end. A trip beyond them would wait for a sample that cannot come. */
 static bool overcurrent_can_be_seen(const config_monitor_t *monitor)
 {
     return monitor->overcurrent_pu_q15 <= (2047 - monitor->offset_tolerance_codes) * 16;
 }
 
-/* At every stored i_d a quarter of the magnets' flux is left to make torque with, see motor_model.h. */
+/* At every stored i_d a quarter of the magnets' flux is left to make torque with, see
+ * motor_model.h. */
 static bool flux_left_everywhere(const config_t *c)
 {
     const int64_t saliency_nH = (int64_t)c->motor.d_inductance_nH - c->motor.q_inductance_nH;
     bool good = true;
     for (int i = 0; i < CONFIG_CURRENT_MAP_POINTS_MAX; i++) {
-        const int64_t flux_nWb = c->motor.flux_linkage_nWb + saliency_nH * c->current_map.current_d_mA[i] / 1000;
+        const int64_t flux_nWb =
+            c->motor.flux_linkage_nWb + saliency_nH * c->current_map.current_d_mA[i] / 1000;
         good = good && flux_nWb >= c->motor.flux_linkage_nWb / 4;
     }
     return good;
@@ -192,12 +212,15 @@ static bool flux_left_everywhere(const config_t *c)
 
 static config_verdict_t check_relations(const config_t *c)
 {
-    const int64_t max_current_pu_q15 = (int64_t)c->motor.max_phase_current_mA * 32768 / c->drive.current_full_scale_mA;
+    const int64_t max_current_pu_q15 =
+        (int64_t)c->motor.max_phase_current_mA * 32768 / c->drive.current_full_scale_mA;
     const relation_t relations[] = {
-        {c->motor.rated_torque_mNm <= c->motor.max_torque_mNm, "motor.rated_torque_mNm <= motor.max_torque_mNm"},
+        {c->motor.rated_torque_mNm <= c->motor.max_torque_mNm,
+         "motor.rated_torque_mNm <= motor.max_torque_mNm"},
         {c->motor.derate_winding_temperature_cC < c->motor.max_winding_temperature_cC,
          "motor.derate_winding_temperature_cC < motor.max_winding_temperature_cC"},
-        {c->motor.type == CONFIG_MOTOR_IPMSM || c->motor.d_inductance_nH == c->motor.q_inductance_nH,
+        {c->motor.type == CONFIG_MOTOR_IPMSM ||
+             c->motor.d_inductance_nH == c->motor.q_inductance_nH,
          "motor.d_inductance_nH = motor.q_inductance_nH for surface magnets"},
         {c->drive.derate_switch_temperature_cC <= c->drive.max_switch_temperature_cC,
          "drive.derate_switch_temperature_cC <= drive.max_switch_temperature_cC"},
@@ -209,16 +232,21 @@ static config_verdict_t check_relations(const config_t *c)
          "motor.max_phase_current_mA within current_loop.max_current_pu_q15"},
         {c->current_loop.max_current_pu_q15 < c->monitor.overcurrent_pu_q15,
          "current_loop.max_current_pu_q15 < monitor.overcurrent_pu_q15"},
-        {overcurrent_can_be_seen(&c->monitor),
-         "monitor.overcurrent_pu_q15 within the converter's range less monitor.offset_tolerance_codes"},
-        {speed_within_base(c), "motor.max_speed_mrad_s within a sixteenth of an electrical turn a PWM period"},
+        {overcurrent_can_be_seen(&c->monitor), "monitor.overcurrent_pu_q15 within the converter's "
+                                               "range less monitor.offset_tolerance_codes"},
+        {speed_within_base(c),
+         "motor.max_speed_mrad_s within a sixteenth of an electrical turn a PWM period"},
         {gains_fit(c), "current_loop gains fit their formats at battery.undervoltage_trip_mV"},
-        {cross_coupling_fits(c), "current_loop inductances fit their formats at motor.max_speed_mrad_s"},
+        {cross_coupling_fits(c),
+         "current_loop inductances fit their formats at motor.max_speed_mrad_s"},
         {time_constants_long_enough(&c->current_loop), "L / R longer than four PWM periods"},
-        {hall_sectors_in_order(&c->rotor), "rotor.edge_turn in forward order, 30 to 90 degrees apart"},
+        {hall_sectors_in_order(&c->rotor),
+         "rotor.edge_turn in forward order, 30 to 90 degrees apart"},
         {encoder_fine_enough(c), "rotor.encoder_counts at least 32 for each of motor.pole_pairs"},
-        {encoder_index_sharp_enough(c), "rotor.encoder_index_tolerance_counts within 30 degrees electrical"},
-        {halls_know_the_hand_over(c), "brake.handover_end_mrad_s at least one electrical turn a second with halls"},
+        {encoder_index_sharp_enough(c),
+         "rotor.encoder_index_tolerance_counts within 30 degrees electrical"},
+        {halls_know_the_hand_over(c),
+         "brake.handover_end_mrad_s at least one electrical turn a second with halls"},
         {c->current_loop.field_weakening_current_pu_q15 <= c->current_loop.max_current_pu_q15,
          "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15"},
         {c->battery.undervoltage_trip_mV < c->battery.min_voltage_mV,
@@ -230,17 +258,21 @@ static config_verdict_t check_relations(const config_t *c)
         {c->battery.max_voltage_mV < c->battery.overvoltage_trip_mV,
          "battery.max_voltage_mV < battery.overvoltage_trip_mV"},
         /* The converter's last code is 4095 of 4096. */
-        {(int64_t)c->battery.overvoltage_trip_mV * 4096 < (int64_t)c->drive.voltage_full_scale_mV * 4095,
+        {(int64_t)c->battery.overvoltage_trip_mV * 4096 <
+             (int64_t)c->drive.voltage_full_scale_mV * 4095,
          "battery.overvoltage_trip_mV < drive.voltage_full_scale_mV less one code"},
         {c->brake.handover_end_mrad_s <= c->brake.handover_start_mrad_s,
          "brake.handover_end_mrad_s <= brake.handover_start_mrad_s"},
         {c->regen_map.speed_points * c->regen_map.temperature_points <= CONFIG_REGEN_POINTS_MAX,
          "regen_map.speed_points * regen_map.temperature_points within the table"},
-        {c->current_map.torque_points % 2 == 1, "current_map.torque_points odd, so that the middle one is no torque"},
-        {c->current_map.torque_points * c->current_map.speed_points * c->current_map.temperature_points <=
+        {c->current_map.torque_points % 2 == 1,
+         "current_map.torque_points odd, so that the middle one is no torque"},
+        {c->current_map.torque_points * c->current_map.speed_points *
+                 c->current_map.temperature_points <=
              CONFIG_CURRENT_MAP_POINTS_MAX,
          "current_map.torque_points * speed_points * temperature_points within the table"},
-        {flux_left_everywhere(c), "current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb"},
+        {flux_left_everywhere(c),
+         "current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb"},
     };
     for (size_t r = 0; r < sizeof(relations) / sizeof(relations[0]); r++) {
         if (!relations[r].holds) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "controller/controller.h"
 
 #include "config/bases.h"
@@ -7,7 +8,8 @@
 /* Until the first sample nothing is known: the middle of the battery's range. */
 static int32_t nominal_v_dc_pu(const config_t *config)
 {
-    const int32_t nominal_mV = (config->battery.min_voltage_mV + config->battery.max_voltage_mV) / 2;
+    const int32_t nominal_mV =
+        (config->battery.min_voltage_mV + config->battery.max_voltage_mV) / 2;
     return q_scale(nominal_mV, 32768, config->drive.voltage_full_scale_mV);
 }
 
@@ -28,7 +30,8 @@ void controller_init(controller_t *controller, const config_t *config)
 
 static permission_t closed_valve(void)
 {
-    const permission_t out = {.bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_PERMISSION};
+    const permission_t out = {
+        .bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_PERMISSION};
     return out;
 }
 
@@ -60,8 +63,9 @@ static uint16_t whole_counts(int32_t on_q16)
     return (uint16_t)((uint32_t)on_q16 >> 16);
 }
 
-fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config, const slow_to_fast_t *from_slow,
-                                   const fast_input_t *in, fast_to_slow_t *to_slow)
+fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config,
+                                   const slow_to_fast_t *from_slow, const fast_input_t *in,
+                                   fast_to_slow_t *to_slow)
 {
     const bool permitted = from_slow->permission.bridge == BRIDGE_PWM;
     const bool tripped = fast->monitor.trip != REASON_NONE;
@@ -79,16 +83,21 @@ fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *conf
 
     const int32_t *on_q16 = fast->foc.current.on_q16;
     const fast_output_t out = {
-        .compare_counts = {whole_counts(on_q16[0]), whole_counts(on_q16[1]), whole_counts(on_q16[2])},
-        .bridge = trip != REASON_NONE ? from_slow->monitor.safe_bridge : from_slow->permission.bridge,
+        .compare_counts = {whole_counts(on_q16[0]), whole_counts(on_q16[1]),
+                           whole_counts(on_q16[2])},
+        .bridge =
+            trip != REASON_NONE ? from_slow->monitor.safe_bridge : from_slow->permission.bridge,
     };
     return out;
 }
 
-/* Bus current from the mean power: P = 3/2 u i, u = m limit v_dc/sqrt 3, so i_dc = sqrt(3)/2 limit I_base (m i). */
-static int32_t bus_current_mA(const config_t *config, int32_t power_pu, int32_t modulation_limit_q15)
+/* Bus current from the mean power: P = 3/2 u i, u = m limit v_dc/sqrt 3, so i_dc = sqrt(3)/2 limit
+ * I_base (m i). */
+static int32_t bus_current_mA(const config_t *config, int32_t power_pu,
+                              int32_t modulation_limit_q15)
 {
-    const int32_t in_circle_mA = q_scale(bases_current_mA(config, power_pu), modulation_limit_q15, 32768);
+    const int32_t in_circle_mA =
+        q_scale(bases_current_mA(config, power_pu), modulation_limit_q15, 32768);
     return q_scale(in_circle_mA, 866025, 1000000);
 }
 
@@ -98,9 +107,11 @@ static int32_t phase_mV(int32_t share_q15, int32_t modulation_limit_q15, int32_t
     return q_scale(q_scale(share_q15, modulation_limit_q15, 32768), bus_mV, 56756);
 }
 
-static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow, const config_t *config,
-                                               const fast_to_slow_t *from_fast, const slow_input_t *in,
-                                               int32_t speed_mrad_s, int32_t bus_mV)
+static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow,
+                                               const config_t *config,
+                                               const fast_to_slow_t *from_fast,
+                                               const slow_input_t *in, int32_t speed_mrad_s,
+                                               int32_t bus_mV)
 {
     const monitor_slow_input_t out = {
         .fast_trip = from_fast->monitor.trip,
@@ -116,12 +127,15 @@ static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow, co
         .switch_temperature_cC = in->switch_temperature_cC,
         .i_d_mA = bases_current_mA(config, from_fast->foc.current.i_pu.d),
         .i_q_mA = bases_current_mA(config, from_fast->foc.current.i_pu.q),
-        .u_d_mV = phase_mV(from_fast->foc.current.voltage.realised.d, slow->modulation_limit_q15, bus_mV),
-        .u_q_mV = phase_mV(from_fast->foc.current.voltage.realised.q, slow->modulation_limit_q15, bus_mV),
+        .u_d_mV =
+            phase_mV(from_fast->foc.current.voltage.realised.d, slow->modulation_limit_q15, bus_mV),
+        .u_q_mV =
+            phase_mV(from_fast->foc.current.voltage.realised.q, slow->modulation_limit_q15, bus_mV),
         .voltage_limited = slow->summary.latest.voltage_limited,
         .torque_command_mNm = slow->last_command_mNm,
         .torque_estimate_mNm = slow->last_estimate_mNm,
-        .offset_q4 = {from_fast->foc.offset_q4[0], from_fast->foc.offset_q4[1], from_fast->foc.offset_q4[2]},
+        .offset_q4 = {from_fast->foc.offset_q4[0], from_fast->foc.offset_q4[1],
+                      from_fast->foc.offset_q4[2]},
         .current_quarters = from_fast->foc.current_quarters,
         .quarter_step = from_fast->foc.quarter_step,
         .bridge = from_fast->monitor.trip != REASON_NONE ? slow->monitor.safe_bridge : slow->bridge,
@@ -130,8 +144,9 @@ static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow, co
     return out;
 }
 
-static modes_output_t decide_mode(controller_slow_t *slow, const config_t *config, const fast_to_slow_t *from_fast,
-                                  const slow_input_t *in, const monitor_verdict_t *verdict, int32_t speed_mrad_s)
+static modes_output_t decide_mode(controller_slow_t *slow, const config_t *config,
+                                  const fast_to_slow_t *from_fast, const slow_input_t *in,
+                                  const monitor_verdict_t *verdict, int32_t speed_mrad_s)
 {
     const modes_input_t modes_in = {
         .config_accepted = in->config_accepted,
@@ -152,12 +167,14 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
     return modes_step(&slow->modes, &modes_in);
 }
 
-static torque_output_t flow_torque(controller_slow_t *slow, const config_t *config, const fast_to_slow_t *from_fast,
-                                   const slow_input_t *in, const permission_t *permission, int32_t speed_mrad_s,
+static torque_output_t flow_torque(controller_slow_t *slow, const config_t *config,
+                                   const fast_to_slow_t *from_fast, const slow_input_t *in,
+                                   const permission_t *permission, int32_t speed_mrad_s,
                                    int32_t bus_mV, const sampled_current_t *sampling)
 {
     const dq_t mean_pu = sampled_current_to_mean(sampling, slow->summary.latest.i_pu);
-    const int32_t told_mV = phase_mV(FIELD_WEAKENING_AIM_VOLTAGE_Q15, slow->modulation_limit_q15, bus_mV);
+    const int32_t told_mV =
+        phase_mV(FIELD_WEAKENING_AIM_VOLTAGE_Q15, slow->modulation_limit_q15, bus_mV);
     const torque_input_t torque_in = {
         .drive_torque_mNm = in->drive_torque_mNm,
         .brake_torque_mNm = in->brake_torque_mNm,
@@ -187,35 +204,39 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
     return torque_step(&slow->torque, config, &torque_in);
 }
 
-/* The reference that the fast reach compares its samples with. It adds what it weakens the field by, of which the slow reach has
- * taken account as of a mean. */
-static dq_t sampled_reference_pu(const config_t *config, const current_reference_t *current, int32_t i_d_weakening_pu,
-                                 const sampled_current_t *sampling)
+/* The reference that the fast reach compares its samples with. It adds what it weakens the field
+ * by, of which the slow reach has taken account as of a mean. */
+static dq_t sampled_reference_pu(const config_t *config, const current_reference_t *current,
+                                 int32_t i_d_weakening_pu, const sampled_current_t *sampling)
 {
     const dq_t mean_pu = {
         .d = bases_current_pu_q15(config, current->i_d_mA) + i_d_weakening_pu,
         .q = bases_current_pu_q15(config, current->i_q_mA),
     };
     const dq_t sampled_pu = sampled_current_of_mean(sampling, mean_pu);
-    const dq_t out = {.d = q_saturate16(sampled_pu.d - i_d_weakening_pu), .q = q_saturate16(sampled_pu.q)};
+    const dq_t out = {.d = q_saturate16(sampled_pu.d - i_d_weakening_pu),
+                      .q = q_saturate16(sampled_pu.q)};
     return out;
 }
 
-slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config, const fast_to_slow_t *from_fast,
-                                   const slow_input_t *in, slow_to_fast_t *to_fast)
+slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config,
+                                   const fast_to_slow_t *from_fast, const slow_input_t *in,
+                                   slow_to_fast_t *to_fast)
 {
     const int32_t speed_mrad_s = bases_speed_mrad_s(config, from_fast->foc.current.rotor.speed_q32);
     const foc_summary_t summary =
         foc_summary_step(&slow->summary, &from_fast->foc, (uint16_t)from_fast->foc.step_count);
     const int32_t bus_mV = bases_bus_voltage_mV(config, summary.v_dc_pu);
 
-    const monitor_slow_input_t watched = watched_by_monitor(slow, config, from_fast, in, speed_mrad_s, bus_mV);
+    const monitor_slow_input_t watched =
+        watched_by_monitor(slow, config, from_fast, in, speed_mrad_s, bus_mV);
     const monitor_verdict_t verdict = monitor_slow_step(&slow->monitor, config, &watched);
     const modes_output_t modes = decide_mode(slow, config, from_fast, in, &verdict, speed_mrad_s);
     const int32_t speed_q32 = from_fast->foc.current.rotor.speed_q32;
-    const sampled_current_t sampling = sampled_current_at(config, speed_q32, in->winding_temperature_cC);
-    const torque_output_t torque =
-        flow_torque(slow, config, from_fast, in, &modes.permission, speed_mrad_s, bus_mV, &sampling);
+    const sampled_current_t sampling =
+        sampled_current_at(config, speed_q32, in->winding_temperature_cC);
+    const torque_output_t torque = flow_torque(slow, config, from_fast, in, &modes.permission,
+                                               speed_mrad_s, bus_mV, &sampling);
 
     slow->step_count++;
     slow->last_command_mNm = torque.command_mNm;
@@ -225,8 +246,8 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     to_fast->foc.i_reference_pu =
         sampled_reference_pu(config, &torque.current, from_fast->foc.i_d_weakening_pu, &sampling);
     to_fast->foc.i_d_mean_less_sample_pu = sampled_current_offset_pu(&sampling);
-    to_fast->foc.tuning =
-        current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu, speed_q32, in->winding_temperature_cC);
+    to_fast->foc.tuning = current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu,
+                                              speed_q32, in->winding_temperature_cC);
     to_fast->foc.dead_time_slope = dead_time_slope_at(config, summary.v_dc_pu);
     to_fast->foc.calibrate_offsets = modes.calibrate_offsets;
     to_fast->monitor.safe_bridge = verdict.safe_bridge;

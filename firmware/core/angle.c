@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "core/angle.h"
 
 /* floor(32768 sin(2 pi (k + 1/2) / 256)); tests/unit recompute every entry. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "core/circle.h"
 
 /* floor(32768 sqrt(1 - k / 64)), saturated, and its step; tests recompute every entry. */

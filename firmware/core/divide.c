@@ -1,10 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "core/divide.h"
 
 /*
- * With s = floor(log2 n) and m = ceil(2^(64 + s) / n), which needs 64 bits, floor(x m / 2^(64 + s)) = floor(x / n) for all
- * 0 <= x <= 2^63 (Granlund and Montgomery 1994, theorem 4.2): m n exceeds 2^(64 + s) by e < n < 2^(s + 1), so
- * x m / 2^(64 + s) exceeds x / n by x e / (n 2^(64 + s)), less than 1/n, and x / n lies at least 1/n below the next integer. That
- * the constants are such is proved in tests/proofs.
+ * With s = floor(log2 n) and m = ceil(2^(64 + s) / n), which needs 64 bits, floor(x m / 2^(64 + s))
+ * = floor(x / n) for all 0 <= x <= 2^63 (Granlund and Montgomery 1994, theorem 4.2): m n exceeds
+ * 2^(64 + s) by e < n < 2^(s + 1), so x m / 2^(64 + s) exceeds x / n by x e / (n 2^(64 + s)), less
+ * than 1/n, and x / n lies at least 1/n below the next integer. That the constants are such is
+ * proved in tests/proofs.
  */
 typedef struct {
     uint64_t multiplier;
@@ -31,7 +33,8 @@ static inline uint64_t upper_product(uint64_t a, uint64_t b)
 static inline int64_t divide(int64_t x, reciprocal64_t reciprocal)
 {
     const uint64_t magnitude = x < 0 ? 0U - (uint64_t)x : (uint64_t)x;
-    const int64_t quotient = (int64_t)(upper_product(magnitude, reciprocal.multiplier) >> reciprocal.shift);
+    const int64_t quotient =
+        (int64_t)(upper_product(magnitude, reciprocal.multiplier) >> reciprocal.shift);
     return x < 0 ? -quotient : quotient;
 }
 

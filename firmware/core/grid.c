@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "core/grid.h"
 
 grid_position_t grid_locate(int32_t x, int32_t points, int32_t step_log2)

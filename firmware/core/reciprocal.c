@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "core/reciprocal.h"
 
-/* round(2^30 / (2^15 + 512 k)): the reciprocal of [1, 2] in 64 steps, Q15; tests recompute every entry. */
+/* round(2^30 / (2^15 + 512 k)): the reciprocal of [1, 2] in 64 steps, Q15; tests recompute every
+ * entry. */
 /* clang-format off */
 static const uint16_t RECIPROCAL_TABLE[65] = {
     32768, 32264, 31775, 31301, 30840, 30394, 29959, 29537, 29127, 28728,

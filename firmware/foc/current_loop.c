@@ -1,8 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "foc/current_loop.h"
 
 #include "config/bases.h"
 
-enum { LOWEST_BUS_PU = 2048 /* 1/16 */, ADVANCE_HALF_PERIODS = 3, COUPLING_LARGEST_Q10 = 16383 /* 16 */ };
+enum {
+    LOWEST_BUS_PU = 2048 /* 1/16 */,
+    ADVANCE_HALF_PERIODS = 3,
+    COUPLING_LARGEST_Q10 = 16383 /* 16 */
+};
 
 /* sqrt(3) in Q15 */
 static const int32_t SQRT3_Q15 = 56756;
@@ -39,8 +44,9 @@ static pi_gains_t axis_gains(int32_t proportional_q16, int32_t integral_q24, int
     return gains;
 }
 
-current_loop_tuning_t current_loop_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu,
-                                          int32_t speed_q32, int32_t winding_temperature_cC)
+current_loop_tuning_t current_loop_tuning(const config_t *config, int32_t modulation_limit_q15,
+                                          int32_t v_dc_pu, int32_t speed_q32,
+                                          int32_t winding_temperature_cC)
 {
     /* Volts per unit to modulation: V_base / (limit u_dc / sqrt 3) = sqrt 3 / (limit v_dc_pu). */
     const int64_t circle_q30 = (int64_t)q_max(v_dc_pu, LOWEST_BUS_PU) * modulation_limit_q15;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "foc/encoder.h"
 
 #include "core/angle.h"
@@ -15,9 +16,10 @@ void encoder_init(encoder_t *encoder, const config_t *config)
     encoder->most_counts = (int32_t)(counts / (2U * pole_pairs));
     encoder->turn_per_count_q32 = (uint32_t)(((pole_pairs << 32) + counts / 2U) / counts);
     encoder->count_turn = (int32_t)(encoder->turn_per_count_q32 >> 16) + 1;
-    /* The counter changes at the edges of the lines, whichever way it counts: the count that the index captures begins
-     * there and goes on forward. */
-    encoder->origin_q32 = ((uint32_t)config->rotor.encoder_index_turn << 16) + encoder->turn_per_count_q32 / 2U;
+    /* The counter changes at the edges of the lines, whichever way it counts: the count that the
+     * index captures begins there and goes on forward. */
+    encoder->origin_q32 =
+        ((uint32_t)config->rotor.encoder_index_turn << 16) + encoder->turn_per_count_q32 / 2U;
     encoder->base_q32 = encoder->origin_q32;
 }
 
@@ -27,8 +29,8 @@ static int32_t difference(uint16_t b, uint16_t a)
     return angle_difference(b, a);
 }
 
-/* The place that was at_counts is where the index is from now on. The tracked angle makes the same jump, so that the loop
- * keeps its speed. */
+/* The place that was at_counts is where the index is from now on. The tracked angle makes the same
+ * jump, so that the loop keeps its speed. */
 static void refer(encoder_t *encoder, int32_t at_counts)
 {
     encoder->position_counts -= at_counts;
@@ -40,7 +42,8 @@ static bool within(const encoder_t *encoder, int32_t beside_counts)
     return q_abs(beside_counts) <= encoder->tolerance_counts;
 }
 
-/* An index pulse at a position: the expected one, the first one, or one that contradicts the counts. */
+/* An index pulse at a position: the expected one, the first one, or one that contradicts the
+ * counts. */
 static void meet_index(encoder_t *encoder, int32_t at_counts)
 {
     if (!encoder->referenced) {
@@ -71,8 +74,8 @@ static void miss_index(encoder_t *encoder)
     refer(encoder, encoder->position_counts > 0 ? encoder->counts : -encoder->counts);
 }
 
-/* The first period, or a jump that no rotor makes. Whatever made the counter jump, the rotor went on: so does its angle, from
- * where it was expected in this period, until an index says better. */
+/* The first period, or a jump that no rotor makes. Whatever made the counter jump, the rotor went
+ * on: so does its angle, from where it was expected in this period, until an index says better. */
 static void start(encoder_t *encoder, uint16_t count)
 {
     if (encoder->started) {
@@ -97,14 +100,18 @@ void encoder_step(encoder_t *encoder, const config_t *config, const encoder_inpu
     encoder->position_counts += moved_counts;
     encoder->age_periods = moved_counts != 0 ? 0 : q_min(encoder->age_periods + 1, UINT16_MAX);
     if (in->index) {
-        meet_index(encoder, encoder->position_counts + encoder->sign * difference(in->index_count, in->count));
+        meet_index(encoder, encoder->position_counts +
+                                encoder->sign * difference(in->index_count, in->count));
     }
     if (q_abs(encoder->position_counts) > encoder->overdue_counts) {
         miss_index(encoder);
     }
-    const uint32_t measured_q32 = encoder->base_q32 + (uint32_t)encoder->position_counts * encoder->turn_per_count_q32;
+    const uint32_t measured_q32 =
+        encoder->base_q32 + (uint32_t)encoder->position_counts * encoder->turn_per_count_q32;
     const uint16_t measured_turn = (uint16_t)(measured_q32 >> 16);
     tracking_step(&encoder->tracking, config, measured_turn);
-    const int32_t ahead_turn = angle_difference((uint16_t)(encoder->tracking.theta_q32 >> 16), measured_turn);
-    encoder->theta_turn = (uint16_t)(measured_turn + (uint32_t)q_limit(ahead_turn, encoder->count_turn));
+    const int32_t ahead_turn =
+        angle_difference((uint16_t)(encoder->tracking.theta_q32 >> 16), measured_turn);
+    encoder->theta_turn =
+        (uint16_t)(measured_turn + (uint32_t)q_limit(ahead_turn, encoder->count_turn));
 }

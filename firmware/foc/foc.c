@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "foc/foc.h"
 
 #include "core/angle.h"
@@ -17,9 +18,9 @@ void foc_init(foc_state_t *state, const config_t *config)
     const config_drive_t *drive = &config->drive;
     state->current.dead_time = dead_time_init(config);
     response_init(&state->response, &state->current.expected, config);
-    state->current.svpwm =
-        svpwm_init(drive->pwm_period_counts, drive->min_pulse_counts, state->current.dead_time.full_counts,
-                   config->current_loop.modulation_limit_pu_q15);
+    state->current.svpwm = svpwm_init(drive->pwm_period_counts, drive->min_pulse_counts,
+                                      state->current.dead_time.full_counts,
+                                      config->current_loop.modulation_limit_pu_q15);
     state->current_circle = circle_init(config->current_loop.max_current_pu_q15);
     sense_init(&state->current.sense);
     rotor_init(&state->rotor, config);
@@ -29,11 +30,12 @@ void foc_init(foc_state_t *state, const config_t *config)
 
 foc_command_t foc_initial_command(const foc_state_t *state, const config_t *config)
 {
-    const int32_t highest_pu = q_scale(config->battery.max_voltage_mV, 32768, config->drive.voltage_full_scale_mV);
+    const int32_t highest_pu =
+        q_scale(config->battery.max_voltage_mV, 32768, config->drive.voltage_full_scale_mV);
     const foc_command_t command = {
         .i_reference_pu = {.d = 0, .q = 0},
-        .tuning = current_loop_tuning(config, state->current.svpwm.modulation_limit_q15, highest_pu, 0,
-                                      config->motor.reference_temperature_cC),
+        .tuning = current_loop_tuning(config, state->current.svpwm.modulation_limit_q15, highest_pu,
+                                      0, config->motor.reference_temperature_cC),
         .dead_time_slope = dead_time_slope_at(config, highest_pu),
         .calibrate_offsets = false,
     };
@@ -52,10 +54,12 @@ void foc_current_step(foc_current_state_t *restrict state, const uint16_t *restr
     const dq_t reference = period->i_reference_pu;
     current_loop_step(&state->loop, tuning, reference, i, &period->voltage);
 
-    /* The voltage acts from the next update for one period: on average 1.5 periods after the sample. */
+    /* The voltage acts from the next update for one period: on average 1.5 periods after the
+     * sample. */
     const sincos_t angle_applied = transforms_advance(angle, tuning->advance);
     const ab_t u = transforms_inverse_park(period->voltage.realised, angle_applied);
-    const ab_t i_applied = transforms_inverse_park(response_expect(&state->expected), angle_applied);
+    const ab_t i_applied =
+        transforms_inverse_park(response_expect(&state->expected), angle_applied);
     svpwm_step(&state->svpwm, u, dead_time_shares(&state->dead_time, i_applied), state->on_q16);
 }
 
@@ -72,8 +76,9 @@ static void calibrate(foc_state_t *state, const uint16_t codes[SENSE_PHASES], fo
     report->offsets_done = sense->calibrated;
 }
 
-/* In the short the currents turn as the magnets do: forward counted up, back down. A vector that leaps across the middle
- * says nothing. At the speed base, a sixteenth of a turn in a period, it is seen four times in a quarter. */
+/* In the short the currents turn as the magnets do: forward counted up, back down. A vector that
+ * leaps across the middle says nothing. At the speed base, a sixteenth of a turn in a period, it is
+ * seen four times in a quarter. */
 static void count_quarters(foc_state_t *state, ab_t i, foc_report_t *report)
 {
     const uint32_t upper = i.alpha >= 0 ? 0 : 1;
@@ -81,16 +86,19 @@ static void count_quarters(foc_state_t *state, ab_t i, foc_report_t *report)
     const uint32_t gone = (quarter - state->quarter) & 3U;
     state->quarter = quarter;
     if ((gone & 1U) != 0) {
-        report->current_quarters = (uint16_t)(report->current_quarters + (gone == 1U ? 1U : UINT16_MAX));
+        report->current_quarters =
+            (uint16_t)(report->current_quarters + (gone == 1U ? 1U : UINT16_MAX));
         report->quarter_step = (uint16_t)report->step_count;
     }
 }
 
-void foc_rest(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[SENSE_PHASES], foc_report_t *report)
+void foc_rest(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[SENSE_PHASES],
+              foc_report_t *report)
 {
     foc_period_t *period = &report->current;
     const sense_out_t sensed = sense_step(&state->current.sense, codes, state->current.on_q16);
-    const current_loop_out_t no_voltage = {.wanted_d = 0, .wanted_q = 0, .realised = {.d = 0, .q = 0}};
+    const current_loop_out_t no_voltage = {
+        .wanted_d = 0, .wanted_q = 0, .realised = {.d = 0, .q = 0}};
     const dq_t no_current = {.d = 0, .q = 0};
     period->i_reference_pu = no_current;
     period->i_pu = transforms_park(sensed.i, angle_sincos(period->rotor.theta_turn));
@@ -122,11 +130,14 @@ void foc_follow(foc_state_t *state, const foc_command_t *command, foc_period_t *
     foc_current_state_t *current = &state->current;
     const int32_t d = command->i_reference_pu.d + field_weakening_current_pu(&state->weakening);
     const int32_t q = command->i_reference_pu.q;
-    const int32_t mean_d = d + q_limit(command->i_d_mean_less_sample_pu, FOC_MEAN_LESS_SAMPLE_MOST_PU);
+    const int32_t mean_d =
+        d + q_limit(command->i_d_mean_less_sample_pu, FOC_MEAN_LESS_SAMPLE_MOST_PU);
     const dq_t mean = inside(circle, mean_d, q);
-    const response_given_t given = response_follow(&state->response, inside(circle, d, q), &current->expected, mean);
-    period->i_reference_pu =
-        state->response.settled ? given.reference_pu : inside(circle, given.reference_pu.d, given.reference_pu.q);
+    const response_given_t given =
+        response_follow(&state->response, inside(circle, d, q), &current->expected, mean);
+    period->i_reference_pu = state->response.settled
+                                 ? given.reference_pu
+                                 : inside(circle, given.reference_pu.d, given.reference_pu.q);
     current->dead_time.slope = command->dead_time_slope;
     current->tuning = command->tuning;
     current_loop_bring_forward(&current->tuning, state->response.nearer_q15, given.aim_pu);

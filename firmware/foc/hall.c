@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "foc/hall.h"
 
 #include "foc/hall_doubt.h"
@@ -15,10 +16,10 @@ void hall_init(hall_t *hall, const config_t *config)
     hall->steady_sensors = HALL_NEVER;
 }
 
-/* How far an edge moves angle and speed, as a power of two: 8 or 4 of them halve a quick rotor's error, one that of a
- * slow one. An edge is seen up to a period late, which at high speed is degrees, and a turn's time known to a period:
- * taken at their word they would shake the angle and the EMF that is fed forward. At low speed a period is nothing
- * and the last turn long ago. */
+/* How far an edge moves angle and speed, as a power of two: 8 or 4 of them halve a quick rotor's
+ * error, one that of a slow one. An edge is seen up to a period late, which at high speed is
+ * degrees, and a turn's time known to a period: taken at their word they would shake the angle and
+ * the EMF that is fed forward. At low speed a period is nothing and the last turn long ago. */
 static unsigned smoothing_log2(const hall_t *hall, int32_t sector_periods)
 {
     if (hall->sectors_timed < HALL_SECTORS || sector_periods >= 2 * HALL_QUICK_PERIODS) {
@@ -27,9 +28,10 @@ static unsigned smoothing_log2(const hall_t *hall, int32_t sector_periods)
     return sector_periods < HALL_QUICK_PERIODS ? 3 : 2;
 }
 
-/* The first edge after a standstill, or one that comes back. Of the latter nobody knows yet whether the rotor turned round
- * or a sensor died: until a sector's time more has passed the angle stays at the edge, which is wrong by half of what the
- * middle of the sector would be if it was the sensor. */
+/* The first edge after a standstill, or one that comes back. Of the latter nobody knows yet whether
+ * the rotor turned round or a sensor died: until a sector's time more has passed the angle stays at
+ * the edge, which is wrong by half of what the middle of the sector would be if it was the sensor.
+ */
 static void turn_round(hall_t *hall, int8_t direction, uint16_t edge_turn)
 {
     const bool moved = hall->sectors_timed > 0;
@@ -40,7 +42,8 @@ static void turn_round(hall_t *hall, int8_t direction, uint16_t edge_turn)
     if (moved) {
         hall->theta_q32 = (uint32_t)edge_turn << 16;
         hall->overdue_periods = overdue_periods;
-        hall->edge_theta_q32 = hall->theta_q32; /* should it turn out to be a doubt: as if nothing had turned round */
+        hall->edge_theta_q32 =
+            hall->theta_q32; /* should it turn out to be a doubt: as if nothing had turned round */
         hall->edge_speed_q32 = speed_q32;
     }
 }
@@ -50,7 +53,8 @@ static void cross_edge(hall_t *hall, const config_t *config, uint8_t sector, int
     const uint8_t left = hall->sector;
     const int32_t took_periods = hall->periods_since_edge;
     const uint16_t edge_turn = hall_sector_start(config, direction > 0 ? sector : left);
-    const bool crossed = direction == hall->direction; /* the sector just left was crossed from end to end */
+    const bool crossed =
+        direction == hall->direction; /* the sector just left was crossed from end to end */
     hall->direction = direction;
     hall_enter_sector(hall, config, sector);
     if (!crossed) {
@@ -68,8 +72,10 @@ static void cross_edge(hall_t *hall, const config_t *config, uint8_t sector, int
     if (hall->sectors_timed < HALL_SECTORS) {
         hall->theta_q32 = now_q32;
     } else {
-        hall->theta_q32 += (uint32_t)hall->speed_q32; /* this period's movement, before the comparison */
-        const int32_t wrong_turn = angle_difference((uint16_t)(now_q32 >> 16), (uint16_t)(hall->theta_q32 >> 16));
+        hall->theta_q32 +=
+            (uint32_t)hall->speed_q32; /* this period's movement, before the comparison */
+        const int32_t wrong_turn =
+            angle_difference((uint16_t)(now_q32 >> 16), (uint16_t)(hall->theta_q32 >> 16));
         hall->theta_q32 += (uint32_t)(wrong_turn * (edges_log2 > 0 ? 65536 >> edges_log2 : 32768));
         hall_hold_inside(hall);
     }
@@ -85,11 +91,13 @@ static void extrapolate(hall_t *hall)
     hall_wait_for_edge(hall);
 }
 
-/* The sensors say a neighbouring sector: an edge, the bounce of the last one, or a reversal that cannot be. */
+/* The sensors say a neighbouring sector: an edge, the bounce of the last one, or a reversal that
+ * cannot be. */
 static void step_to(hall_t *hall, const config_t *config, uint8_t sector, int8_t direction)
 {
     const bool back = direction == -hall->direction;
-    const bool too_quick = hall->sectors_timed > 0 && hall->overdue_periods < hall->turn_round_periods &&
+    const bool too_quick = hall->sectors_timed > 0 &&
+                           hall->overdue_periods < hall->turn_round_periods &&
                            hall->periods_since_edge <= hall->overdue_periods;
     if (direction != hall->direction && hall->periods_since_edge <= hall->bounce_periods) {
         extrapolate(hall);
@@ -101,7 +109,8 @@ static void step_to(hall_t *hall, const config_t *config, uint8_t sector, int8_t
     }
 }
 
-/* Half a sector beyond its end by dead reckoning, and no edge: no rotor can have slowed down so much since the last one. */
+/* Half a sector beyond its end by dead reckoning, and no edge: no rotor can have slowed down so
+ * much since the last one. */
 static bool stopped_too_quickly(const hall_t *hall)
 {
     const int32_t gone_turn = q_abs(hall->edge_speed_q32 / 65536) * hall->periods_since_edge;
@@ -111,7 +120,8 @@ static bool stopped_too_quickly(const hall_t *hall)
 
 static void look_in_order(hall_t *hall, const config_t *config, uint8_t sector)
 {
-    hall->invalid_periods = sector == HALL_NO_SECTOR ? q_min(hall->invalid_periods + 1, UINT16_MAX) : 0;
+    hall->invalid_periods =
+        sector == HALL_NO_SECTOR ? q_min(hall->invalid_periods + 1, UINT16_MAX) : 0;
     if (sector == HALL_NO_SECTOR) {
         hall->theta_q32 += (uint32_t)hall->speed_q32;
         if (hall->invalid_periods >= HALL_INVALID_PERIODS) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "foc/hall_doubt.h"
 
 #include "foc/hall_sector.h"
@@ -11,9 +12,11 @@ void hall_begin_doubt(hall_t *hall)
     hall->edges_in_order = 0;
     hall->speed_q32 = hall->edge_speed_q32;
     hall->direction = (int8_t)(hall->speed_q32 > 0 ? 1 : (hall->speed_q32 < 0 ? -1 : 0));
-    hall->theta_q32 = hall->edge_theta_q32 + (uint32_t)hall->edge_speed_q32 * (uint32_t)hall->periods_since_edge;
+    hall->theta_q32 =
+        hall->edge_theta_q32 + (uint32_t)hall->edge_speed_q32 * (uint32_t)hall->periods_since_edge;
     /* A dead sensor stretches sectors to twice their time. */
-    hall->overdue_periods = q_min(hall->overdue_periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
+    hall->overdue_periods =
+        q_min(hall->overdue_periods * HALL_OVERDUE_FACTOR, hall->standstill_periods);
 }
 
 /* A neighbouring sector in the direction of the rotation, while in doubt. */
@@ -23,15 +26,19 @@ static void follow_edge_in_doubt(hall_t *hall, const config_t *config, uint8_t s
     const uint16_t edge_turn = hall_sector_start(config, hall->direction > 0 ? sector : left);
     hall->edges_in_order++;
     if (hall->edges_in_order > 1) {
-        hall->sectors_timed = 0; /* both ends of the sector just left were edges in order: its time alone counts */
+        hall->sectors_timed =
+            0; /* both ends of the sector just left were edges in order: its time alone counts */
         hall->timed_turn = 0;
         hall->timed_periods = 0;
-        hall_time_sector(hall, left, hall_sector_width(config, left), (uint16_t)hall->periods_since_edge);
+        hall_time_sector(hall, left, hall_sector_width(config, left),
+                         (uint16_t)hall->periods_since_edge);
         hall->bounce_periods = hall->periods_since_edge / HALL_BOUNCE_DIVISOR;
         hall->overdue_periods =
-            q_min(hall->periods_since_edge * HALL_OVERDUE_FACTOR * HALL_OVERDUE_FACTOR, hall->standstill_periods);
+            q_min(hall->periods_since_edge * HALL_OVERDUE_FACTOR * HALL_OVERDUE_FACTOR,
+                  hall->standstill_periods);
         /* One sector is known to a period of its time only, so it counts for a quarter. */
-        hall->speed_q32 = q_saturate64((INT64_C(3) * hall->speed_q32 + hall_measured_speed_q32(hall)) / 4);
+        hall->speed_q32 =
+            q_saturate64((INT64_C(3) * hall->speed_q32 + hall_measured_speed_q32(hall)) / 4);
     }
     const int32_t wrong_turn = angle_difference(edge_turn, (uint16_t)(hall->theta_q32 >> 16));
     if (q_abs(wrong_turn) < HALL_NEAR_EDGE_TURN || hall->edges_in_order > 1) {
@@ -45,9 +52,11 @@ bool hall_reckon(hall_t *hall, const config_t *config, uint8_t sector)
     if (sector == HALL_NO_SECTOR) {
         hall->edges_in_order = 0;
     } else if (sector != hall->sector) {
-        const int32_t step =
-            sector == hall_next_sector(hall->sector) ? 1 : (sector == hall_previous_sector(hall->sector) ? -1 : 0);
-        if (step != 0 && step != hall->direction && hall->periods_since_edge <= hall->bounce_periods) {
+        const int32_t step = sector == hall_next_sector(hall->sector)
+                                 ? 1
+                                 : (sector == hall_previous_sector(hall->sector) ? -1 : 0);
+        if (step != 0 && step != hall->direction &&
+            hall->periods_since_edge <= hall->bounce_periods) {
             return false; /* a bounce */
         }
         if (step != 0 && step == hall->direction) {

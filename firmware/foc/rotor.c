@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "foc/rotor.h"
 
 void rotor_init(rotor_state_t *state, const config_t *config)

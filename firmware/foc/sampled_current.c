@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "foc/sampled_current.h"
 
 #include "config/bases.h"
@@ -8,14 +9,16 @@ enum { LARGEST_GAIN_Q24 = 1 << 20, LARGEST_MAGNETS_PU = 16 * 32768 };
 /* (2 pi)^2 / 12 = 3.28987 in Q20 */
 static const int64_t TURN_SQUARED_TWELFTH_Q20 = 3449675;
 
-sampled_current_t sampled_current_at(const config_t *config, int32_t speed_q32, int32_t winding_temperature_cC)
+sampled_current_t sampled_current_at(const config_t *config, int32_t speed_q32,
+                                     int32_t winding_temperature_cC)
 {
     const config_current_loop_t *loop = &config->current_loop;
     const int64_t turn_q20 = speed_q32 / 4096;
     /* At most half a turn: 2^38 times 2^22, and Q60 to Q24. */
     const int64_t gain_q24 = (turn_q20 * turn_q20 * TURN_SQUARED_TWELFTH_Q20) >> 36;
     const int32_t within_q24 = gain_q24 < LARGEST_GAIN_Q24 ? (int32_t)gain_q24 : LARGEST_GAIN_Q24;
-    const int64_t share_1e8 = bases_share_at_1e8(config, config->motor.flux_coefficient_ppm_K, winding_temperature_cC);
+    const int64_t share_1e8 =
+        bases_share_at_1e8(config, config->motor.flux_coefficient_ppm_K, winding_temperature_cC);
     /* Flux and inductance have the same format. */
     const int32_t cold_pu = q_scale(loop->flux_pu_q16, 32768, loop->inductance_d_pu_q16);
     const sampled_current_t out = {

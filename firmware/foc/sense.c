@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "foc/sense.h"
 
 enum { HALF_A_CODE = 8 };
@@ -47,5 +48,6 @@ static bool at_end(int32_t offset_q4, int32_t i_pu)
 
 bool sense_at_end(const int32_t offset_q4[SENSE_PHASES], abc_t i_pu)
 {
-    return at_end(offset_q4[0], i_pu.a) || at_end(offset_q4[1], i_pu.b) || at_end(offset_q4[2], i_pu.c);
+    return at_end(offset_q4[0], i_pu.a) || at_end(offset_q4[1], i_pu.b) ||
+           at_end(offset_q4[2], i_pu.c);
 }

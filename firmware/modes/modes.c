@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "modes/modes.h"
 
 #include "core/q15.h"
@@ -46,8 +47,9 @@ static void fail(modes_state_t *state, reason_t fault)
     enter(state, MODE_FAULT);
 }
 
-/* A rising edge of fault_reset counts only at rest and without a torque demand. It stays pending for a moment, because
- * the fast reach must forget its trip and look again before the monitor can be content. */
+/* A rising edge of fault_reset counts only at rest and without a torque demand. It stays pending
+ * for a moment, because the fast reach must forget its trip and look again before the monitor can
+ * be content. */
 static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *in)
 {
     const bool edge = in->fault_reset && !state->reset_before;
@@ -80,12 +82,13 @@ static void advance(modes_state_t *state, const modes_input_t *in, bool acknowle
         break;
     case MODE_OFFSET_CAL:
         if (in->safe_bridge != BRIDGE_OFF) {
-            state->steps =
-                0; /* the EMF drives a current, through the short or else through diodes: no zero to be seen */
+            state->steps = 0; /* the EMF drives a current, through the short or else through diodes:
+                                 no zero to be seen */
             break;
         }
         if (state->steps < MODES_CALIBRATION_SETTLE_STEPS) {
-            break; /* the fast reach has not seen the order yet: its answer would be of the last calibration */
+            break; /* the fast reach has not seen the order yet: its answer would be of the last
+                      calibration */
         }
         if (in->offsets_done) {
             if (in->offsets_plausible) {
@@ -105,7 +108,8 @@ static void advance(modes_state_t *state, const modes_input_t *in, bool acknowle
     case MODE_RUN:
     case MODE_LIMP:
         if (!in->enable && !in->rolling) {
-            enter(state, MODE_READY); /* never while rolling: switching off must not take the electric brake away */
+            enter(state, MODE_READY); /* never while rolling: switching off must not take the
+                                         electric brake away */
         } else if (in->warning != (state->mode == MODE_LIMP)) {
             enter(state, in->warning ? MODE_LIMP : MODE_RUN);
         }
@@ -122,7 +126,8 @@ static void advance(modes_state_t *state, const modes_input_t *in, bool acknowle
 
 static permission_t permission_of(const modes_state_t *state, const modes_input_t *in)
 {
-    permission_t out = {.bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_PERMISSION};
+    permission_t out = {
+        .bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_PERMISSION};
     switch (state->mode) {
     case MODE_RUN:
         out.bridge = BRIDGE_PWM;

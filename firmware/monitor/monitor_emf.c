@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "monitor/monitor_emf.h"
 
 #include "config/bases.h"
@@ -33,21 +34,26 @@ static bool contradicted(const config_t *config, const monitor_emf_input_t *in, 
     const int64_t i_q_mA = q_clamp(in->i_q_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA);
 
     /* uOhm * mA = 1e-6 mV. |i_d| + |i_q| is never less than |i|. */
-    const int64_t e_d_mV = in->u_d_mV - divide_by_million(motor->phase_resistance_uOhm * i_d_mA - x_q_uOhm * i_q_mA);
-    const int64_t e_q_mV = in->u_q_mV - divide_by_million(motor->phase_resistance_uOhm * i_q_mA + x_d_uOhm * i_d_mA);
+    const int64_t e_d_mV =
+        in->u_d_mV - divide_by_million(motor->phase_resistance_uOhm * i_d_mA - x_q_uOhm * i_q_mA);
+    const int64_t e_q_mV =
+        in->u_q_mV - divide_by_million(motor->phase_resistance_uOhm * i_q_mA + x_d_uOhm * i_d_mA);
     const int64_t x_uOhm = larger(magnitude(x_d_uOhm), magnitude(x_q_uOhm));
     const int64_t i_mA = magnitude(i_d_mA) + magnitude(i_q_mA);
     /* ns * Hz = 1e-9 of the bus voltage. */
-    const int64_t dead_ppm = divide_by_thousand((int64_t)config->drive.dead_time_ns * config->drive.pwm_frequency_Hz);
-    const int64_t uncertain_mV = divide_by_million((motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA) +
-                                 divide_by_million(dead_ppm * in->bus_voltage_mV) * 2 / 3;
+    const int64_t dead_ppm =
+        divide_by_thousand((int64_t)config->drive.dead_time_ns * config->drive.pwm_frequency_Hz);
+    const int64_t uncertain_mV =
+        divide_by_million((motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA) +
+        divide_by_million(dead_ppm * in->bus_voltage_mV) * 2 / 3;
 
     *judged = magnitude(emf_mV) >= MARGIN * larger(uncertain_mV, 1);
     const int64_t along_mV = emf_mV >= 0 ? e_q_mV : -e_q_mV;
     return magnitude(e_d_mV) >= along_mV;
 }
 
-bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config, const monitor_emf_input_t *in)
+bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,
+                      const monitor_emf_input_t *in)
 {
     bool judged = false;
     const bool wrong = contradicted(config, in, &judged);

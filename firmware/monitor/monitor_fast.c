@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "monitor/monitor_fast.h"
 
 #include "core/q15.h"
@@ -6,11 +7,14 @@ enum { SLOW_RATE_HZ = 1000 };
 
 void monitor_fast_init(monitor_fast_state_t *state, const config_t *config)
 {
-    const int32_t stale_limit_periods = config->drive.pwm_frequency_Hz / SLOW_RATE_HZ * MONITOR_STALE_STEPS;
+    const int32_t stale_limit_periods =
+        config->drive.pwm_frequency_Hz / SLOW_RATE_HZ * MONITOR_STALE_STEPS;
     const monitor_fast_state_t fresh = {
         .trip = REASON_NONE,
-        .overcurrent_square = (uint32_t)(config->monitor.overcurrent_pu_q15 * config->monitor.overcurrent_pu_q15),
-        .overvoltage_pu = q_scale(config->battery.overvoltage_trip_mV, 32768, config->drive.voltage_full_scale_mV),
+        .overcurrent_square =
+            (uint32_t)(config->monitor.overcurrent_pu_q15 * config->monitor.overcurrent_pu_q15),
+        .overvoltage_pu = q_scale(config->battery.overvoltage_trip_mV, 32768,
+                                  config->drive.voltage_full_scale_mV),
         .stale_limit_periods = stale_limit_periods,
         .patience_periods = stale_limit_periods,
     };

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "config/bases.h"
 #include "core/q15.h"
 #include "monitor/monitor.h"
@@ -14,13 +15,14 @@ void monitor_slow_init(monitor_slow_state_t *state)
     *state = zero;
 }
 
-bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s, int32_t bus_voltage_mV,
-                                  bridge_mode_t now)
+bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s,
+                                  int32_t bus_voltage_mV, bridge_mode_t now)
 {
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(speed_mrad_s));
     const int64_t emf_peak_mV = w_mrad_s * config->motor.flux_linkage_nWb / 1000000000;
     const int64_t line_mV = emf_peak_mV * 1732 / 1000;
-    const int64_t limit_mV = now == BRIDGE_SHORT ? (int64_t)bus_voltage_mV * 9 / 10 : bus_voltage_mV;
+    const int64_t limit_mV =
+        now == BRIDGE_SHORT ? (int64_t)bus_voltage_mV * 9 / 10 : bus_voltage_mV;
     return line_mV >= limit_mV ? BRIDGE_SHORT : BRIDGE_OFF;
 }
 
@@ -31,24 +33,27 @@ static bool held(uint16_t *steps, bool condition, int32_t limit)
     return *steps >= limit;
 }
 
-/* Torque that nobody asked for: more than the command in its direction, or any in the other. Less torque than asked is
- * not dangerous here: the arbiter moves it to the hydraulic brake. */
+/* Torque that nobody asked for: more than the command in its direction, or any in the other. Less
+ * torque than asked is not dangerous here: the arbiter moves it to the hydraulic brake. */
 static bool torque_unwanted(const config_t *config, const monitor_slow_input_t *in)
 {
-    const int64_t tolerance_mNm = config->monitor.torque_tolerance_mNm; /* 64 bits: a watcher trusts no number */
+    const int64_t tolerance_mNm =
+        config->monitor.torque_tolerance_mNm; /* 64 bits: a watcher trusts no number */
     const int64_t high_mNm = q_max(in->torque_command_mNm, 0) + tolerance_mNm;
     const int64_t low_mNm = q_min(in->torque_command_mNm, 0) - tolerance_mNm;
     return in->torque_estimate_mNm > high_mNm || in->torque_estimate_mNm < low_mNm;
 }
 
-/* Without a valid angle the torque leaves in its ramp; the valve must not close in the middle of it, for that would be
- * the step that the ramp is there to avoid. */
+/* Without a valid angle the torque leaves in its ramp; the valve must not close in the middle of
+ * it, for that would be the step that the ramp is there to avoid. */
 static int32_t rotor_confirm_steps(const config_t *config)
 {
-    return q_scale(config->motor.max_torque_mNm, 1000, config->brake.torque_rate_mNm_s) + MONITOR_ROTOR_STEPS;
+    return q_scale(config->motor.max_torque_mNm, 1000, config->brake.torque_rate_mNm_s) +
+           MONITOR_ROTOR_STEPS;
 }
 
-static bool flow_broken(monitor_slow_state_t *state, const config_t *config, uint16_t fast_step_count)
+static bool flow_broken(monitor_slow_state_t *state, const config_t *config,
+                        uint16_t fast_step_count)
 {
     const int32_t expected = config->drive.pwm_frequency_Hz / 1000;
     const int32_t counted = (uint16_t)(fast_step_count - state->last_fast_step);
@@ -65,11 +70,13 @@ static reason_t voltage_fault(const config_t *config, const monitor_slow_input_t
     if (in->bus_voltage_mV > config->battery.overvoltage_trip_mV) {
         return REASON_BUS_OVERVOLTAGE;
     }
-    return in->switching && in->bus_voltage_mV < config->battery.undervoltage_trip_mV ? REASON_BUS_UNDERVOLTAGE
-                                                                                      : REASON_NONE;
+    return in->switching && in->bus_voltage_mV < config->battery.undervoltage_trip_mV
+               ? REASON_BUS_UNDERVOLTAGE
+               : REASON_NONE;
 }
 
-static reason_t one_temperature_fault(int32_t temperature_cC, int32_t limit_cC, reason_t broken, reason_t hot)
+static reason_t one_temperature_fault(int32_t temperature_cC, int32_t limit_cC, reason_t broken,
+                                      reason_t hot)
 {
     if (limit_cC >= MONITOR_TEMPERATURE_OFF_cC) {
         return REASON_NONE;
@@ -82,15 +89,18 @@ static reason_t one_temperature_fault(int32_t temperature_cC, int32_t limit_cC, 
 
 static reason_t temperature_fault(const config_t *config, const monitor_slow_input_t *in)
 {
-    const reason_t winding = one_temperature_fault(in->winding_temperature_cC, config->motor.max_winding_temperature_cC,
-                                                   REASON_WINDING_SENSOR, REASON_WINDING_OVERTEMPERATURE);
+    const reason_t winding =
+        one_temperature_fault(in->winding_temperature_cC, config->motor.max_winding_temperature_cC,
+                              REASON_WINDING_SENSOR, REASON_WINDING_OVERTEMPERATURE);
     return winding != REASON_NONE
                ? winding
-               : one_temperature_fault(in->switch_temperature_cC, config->drive.max_switch_temperature_cC,
+               : one_temperature_fault(in->switch_temperature_cC,
+                                       config->drive.max_switch_temperature_cC,
                                        REASON_SWITCH_SENSOR, REASON_SWITCH_OVERTEMPERATURE);
 }
 
-/* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every electrical turn. */
+/* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every
+ * electrical turn. */
 static bool rotor_doubtful(monitor_slow_state_t *state, uint16_t rotor_faults)
 {
     if (rotor_faults != state->last_rotor_faults) {
@@ -146,23 +156,31 @@ static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
     return out;
 }
 
-monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config, const monitor_slow_input_t *in)
+monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
+                                    const monitor_slow_input_t *in)
 {
     const bool sum_wrong =
-        held(&state->sum_steps, in->offsets_known && q_abs(in->current_sum_pu) > config->monitor.current_sum_pu_q15,
+        held(&state->sum_steps,
+             in->offsets_known && q_abs(in->current_sum_pu) > config->monitor.current_sum_pu_q15,
              MONITOR_CONFIRM_STEPS);
-    const bool sensor_wrong = held(&state->sensor_steps, in->switching && in->current_saturated, MONITOR_CONFIRM_STEPS);
-    const bool rotor_wrong = held(&state->rotor_steps, in->switching && !in->rotor_valid, rotor_confirm_steps(config));
+    const bool sensor_wrong =
+        held(&state->sensor_steps, in->switching && in->current_saturated, MONITOR_CONFIRM_STEPS);
+    const bool rotor_wrong =
+        held(&state->rotor_steps, in->switching && !in->rotor_valid, rotor_confirm_steps(config));
     const monitor_emf_input_t emf = emf_input(in);
     const bool angle_wrong = monitor_emf_step(&state->emf, config, &emf);
     const bool torque_wrong =
-        held(&state->torque_steps, in->switching && torque_unwanted(config, in), config->monitor.torque_fault_time_ms);
+        held(&state->torque_steps, in->switching && torque_unwanted(config, in),
+             config->monitor.torque_fault_time_ms);
     const bool flow_wrong =
-        held(&state->flow_steps, flow_broken(state, config, in->fast_step_count), MONITOR_CONFIRM_STEPS / 4);
+        held(&state->flow_steps, flow_broken(state, config, in->fast_step_count),
+             MONITOR_CONFIRM_STEPS / 4);
     const reason_t voltage = voltage_fault(config, in);
-    const bool voltage_wrong = held(&state->voltage_steps, voltage != REASON_NONE, MONITOR_CONFIRM_STEPS / 4);
+    const bool voltage_wrong =
+        held(&state->voltage_steps, voltage != REASON_NONE, MONITOR_CONFIRM_STEPS / 4);
     const reason_t temperature = temperature_fault(config, in);
-    const bool temperature_wrong = held(&state->temperature_steps, temperature != REASON_NONE, MONITOR_CONFIRM_STEPS);
+    const bool temperature_wrong =
+        held(&state->temperature_steps, temperature != REASON_NONE, MONITOR_CONFIRM_STEPS);
 
     const monitor_speed_input_t turning = speed_input(in);
     const int32_t speed_mrad_s = monitor_speed_step(&state->speed, config, &turning);
@@ -170,7 +188,8 @@ monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t 
     monitor_verdict_t out = {
         .fault = REASON_NONE,
         .warning = rotor_doubtful(state, in->rotor_faults) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
-        .safe_bridge = monitor_safe_bridge(config, speed_mrad_s, in->bus_voltage_mV, state->safe_bridge),
+        .safe_bridge =
+            monitor_safe_bridge(config, speed_mrad_s, in->bus_voltage_mV, state->safe_bridge),
         .offsets_plausible = offsets_plausible(config, in->offset_q4),
         .standing = speed_mrad_s < MONITOR_SPEED_STANDING_mrad_s,
     };

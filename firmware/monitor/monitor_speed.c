@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "monitor/monitor_speed.h"
 
 #include "config/bases.h"
@@ -22,7 +23,8 @@ static int64_t fall_urad_s(const config_t *config, int32_t deceleration_mm_s2)
 static bool flows(const config_t *config, bool offsets_known, int64_t square_mA2)
 {
     const int32_t unknown_pu = offsets_known ? 0 : 2 * 16 * config->monitor.offset_tolerance_codes;
-    const int64_t silence_mA = bases_current_mA(config, config->monitor.current_sum_pu_q15 + unknown_pu);
+    const int64_t silence_mA =
+        bases_current_mA(config, config->monitor.current_sum_pu_q15 + unknown_pu);
     return square_mA2 > silence_mA * silence_mA;
 }
 
@@ -33,7 +35,8 @@ static int64_t square_mA2(const monitor_speed_input_t *in)
     return d_mA * d_mA + q_mA * q_mA;
 }
 
-/* A quarter turn each so many periods, electrical, is 2 pi / 4 * 1000 f / (pole pairs * periods) mrad/s. */
+/* A quarter turn each so many periods, electrical, is 2 pi / 4 * 1000 f / (pole pairs * periods)
+ * mrad/s. */
 static int32_t speed_of_mrad_s(const config_t *config, int32_t quarters, int32_t periods)
 {
     const int64_t turned = INT64_C(15708) * quarters * config->drive.pwm_frequency_Hz;
@@ -45,7 +48,8 @@ static bool fits(const config_t *config, int32_t speed_mrad_s, int32_t peak_mA)
 {
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, speed_mrad_s);
     const int64_t emf_mV = divide_by_billion(w_mrad_s * config->motor.flux_linkage_nWb);
-    const int64_t x_uOhm = q_saturate64(divide_by_million(w_mrad_s * config->motor.d_inductance_nH));
+    const int64_t x_uOhm =
+        q_saturate64(divide_by_million(w_mrad_s * config->motor.d_inductance_nH));
     const int64_t r_uOhm = config->motor.phase_resistance_uOhm;
     return divide_by_million((x_uOhm > r_uOhm ? x_uOhm : r_uOhm) * peak_mA) <= 2 * emf_mV;
 }
@@ -67,7 +71,8 @@ static int32_t window_result_mrad_s(const monitor_speed_state_t *state, const co
     return fits(config, speed_mrad_s, peak_mA) ? speed_mrad_s : MONITOR_SPEED_UNKNOWN;
 }
 
-static void begin_window(monitor_speed_state_t *state, const monitor_speed_input_t *in, uint16_t at_step)
+static void begin_window(monitor_speed_state_t *state, const monitor_speed_input_t *in,
+                         uint16_t at_step)
 {
     state->window_steps = 0;
     state->peak_square_mA2 = 0;
@@ -76,18 +81,22 @@ static void begin_window(monitor_speed_state_t *state, const monitor_speed_input
 }
 
 /* What the currents of a short say. */
-static void look_at_short(monitor_speed_state_t *state, const config_t *config, const monitor_speed_input_t *in)
+static void look_at_short(monitor_speed_state_t *state, const config_t *config,
+                          const monitor_speed_input_t *in)
 {
     state->peak_square_mA2 = larger(state->peak_square_mA2, square_mA2(in));
     state->window_steps++;
     const int32_t turned = (int16_t)(uint16_t)(in->current_quarters - state->window_quarters);
-    if (q_abs(turned) < MONITOR_SPEED_WINDOW_QUARTERS && state->window_steps < MONITOR_SPEED_WINDOW_STEPS) {
+    if (q_abs(turned) < MONITOR_SPEED_WINDOW_QUARTERS &&
+        state->window_steps < MONITOR_SPEED_WINDOW_STEPS) {
         return;
     }
     state->window_mrad_s[1] = state->window_mrad_s[0];
     state->window_mrad_s[0] = window_result_mrad_s(state, config, in, q_abs(turned));
     state->windows = q_min(state->windows + 1, 2);
-    begin_window(state, in, q_abs(turned) >= MONITOR_SPEED_WINDOW_QUARTERS ? in->quarter_step : in->fast_step_count);
+    begin_window(state, in,
+                 q_abs(turned) >= MONITOR_SPEED_WINDOW_QUARTERS ? in->quarter_step
+                                                                : in->fast_step_count);
 }
 
 /* The latest window, unless it is more than an eighth below the one before: then that one. */
@@ -109,12 +118,15 @@ static void leave_short(monitor_speed_state_t *state, const monitor_speed_input_
     begin_window(state, in, in->fast_step_count);
 }
 
-/* The rectified EMF's current, or the bus beyond its trip: with a bridge that is off, at least the bus is reached. */
-static bool emf_shows(monitor_speed_state_t *state, const config_t *config, const monitor_speed_input_t *in)
+/* The rectified EMF's current, or the bus beyond its trip: with a bridge that is off, at least the
+ * bus is reached. */
+static bool emf_shows(monitor_speed_state_t *state, const config_t *config,
+                      const monitor_speed_input_t *in)
 {
     const bool over = in->bus_voltage_mV > config->battery.overvoltage_trip_mV;
     const bool off = in->bridge == BRIDGE_OFF;
-    const bool blind = !in->rotor_valid || q_abs(in->speed_mrad_s) < config->brake.handover_end_mrad_s;
+    const bool blind =
+        !in->rotor_valid || q_abs(in->speed_mrad_s) < config->brake.handover_end_mrad_s;
     if (off && blind) {
         const int32_t up = flows(config, in->offsets_known, square_mA2(in)) ? 1 : -1;
         state->diode_steps = q_clamp(state->diode_steps + up, 0, MONITOR_SPEED_DIODE_STEPS);
@@ -126,14 +138,16 @@ static bool emf_shows(monitor_speed_state_t *state, const config_t *config, cons
     return first_over || state->diode_steps == MONITOR_SPEED_DIODE_STEPS;
 }
 
-/* w = v / (sqrt(3) psi), mechanical, and 2 % more, so that it is beyond the limit after all roundings. */
+/* w = v / (sqrt(3) psi), mechanical, and 2 % more, so that it is beyond the limit after all
+ * roundings. */
 static int64_t speed_of_bus_urad_s(const config_t *config, int32_t bus_voltage_mV)
 {
     const int64_t w_mrad_s = INT64_C(588897275) * bus_voltage_mV / config->motor.flux_linkage_nWb;
     return w_mrad_s * 1000 / config->motor.pole_pairs;
 }
 
-int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config, const monitor_speed_input_t *in)
+int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
+                           const monitor_speed_input_t *in)
 {
     const int64_t said_urad_s = INT64_C(1000) * q_abs(in->speed_mrad_s);
     if (in->bridge == BRIDGE_SHORT) {
@@ -143,7 +157,8 @@ int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
     }
     const int32_t measured_mrad_s = measured(state);
     if (measured_mrad_s != MONITOR_SPEED_UNKNOWN) {
-        state->held_urad_s = larger(INT64_C(1000) * measured_mrad_s, in->rotor_valid ? said_urad_s : 0);
+        state->held_urad_s =
+            larger(INT64_C(1000) * measured_mrad_s, in->rotor_valid ? said_urad_s : 0);
     } else {
         const bool too_early = in->bridge == BRIDGE_SHORT && state->windows < 2;
         const int32_t deceleration_mm_s2 =
@@ -152,7 +167,8 @@ int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
         state->held_urad_s = larger(state->held_urad_s - fall, said_urad_s);
     }
     if (emf_shows(state, config, in)) {
-        state->held_urad_s = larger(state->held_urad_s, speed_of_bus_urad_s(config, in->bus_voltage_mV));
+        state->held_urad_s =
+            larger(state->held_urad_s, speed_of_bus_urad_s(config, in->bus_voltage_mV));
     }
     return q_saturate64(divide_by_thousand(state->held_urad_s));
 }

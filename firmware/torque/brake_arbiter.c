@@ -1,13 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/brake_arbiter.h"
 
 #include "core/q15.h"
 #include "torque/demand.h"
 
 enum {
-    ABS_HOLD_STEPS = 300,      /* ms without anti-lock intervention before the motor brakes again */
-    REACH_STEPS = 100,         /* ms within which the motor must come to what it is counted on for */
-    LIMIT_FILTER_LOG2 = 6,     /* 64 ms */
-    MOST_LIMIT_mNm = 8388608,  /* of what is filtered */
+    ABS_HOLD_STEPS = 300,     /* ms without anti-lock intervention before the motor brakes again */
+    REACH_STEPS = 100,        /* ms within which the motor must come to what it is counted on for */
+    LIMIT_FILTER_LOG2 = 6,    /* 64 ms */
+    MOST_LIMIT_mNm = 8388608, /* of what is filtered */
     ANY_DEMAND_mNm = 100000000 /* no share of it is below a motor's torque */
 };
 
@@ -18,10 +19,11 @@ void brake_arbiter_init(brake_arbiter_state_t *state)
     filter_reset(&state->limit_lp_mNm, 0, LIMIT_FILTER_LOG2);
 }
 
-/* The strategy's own bound on the electric part, with the hand-over. A rating or a share fades out as a whole; the best torque is
- * kept as long as what fades is larger: giving it up earlier would return less than a parallel strategy does. */
-static limit_t strategy_limit(const config_t *config, const capability_t *capability, int32_t demand_mNm,
-                              int32_t handover_q15)
+/* The strategy's own bound on the electric part, with the hand-over. A rating or a share fades out
+ * as a whole; the best torque is kept as long as what fades is larger: giving it up earlier would
+ * return less than a parallel strategy does. */
+static limit_t strategy_limit(const config_t *config, const capability_t *capability,
+                              int32_t demand_mNm, int32_t handover_q15)
 {
     const config_brake_t *brake = &config->brake;
     limit_t limit = capability->regenerating;
@@ -54,11 +56,13 @@ static bool motor_must_yield(brake_arbiter_state_t *state, bool abs_active)
     return state->abs_hold_steps > 0;
 }
 
-/* What the hand-over leaves: nothing at and below its end, even where it has no width or ends at standstill. */
+/* What the hand-over leaves: nothing at and below its end, even where it has no width or ends at
+ * standstill. */
 static int32_t handover_share_q15(const config_brake_t *brake, int32_t speed_mrad_s)
 {
     const int32_t end_mrad_s = brake->handover_end_mrad_s;
-    return limit_fade_q15(q_abs(speed_mrad_s), q_max(brake->handover_start_mrad_s, end_mrad_s + 1), end_mrad_s);
+    return limit_fade_q15(q_abs(speed_mrad_s), q_max(brake->handover_start_mrad_s, end_mrad_s + 1),
+                          end_mrad_s);
 }
 
 /* Electric braking as a magnitude: torque against the rotation, 0 when it drives. */
@@ -68,21 +72,25 @@ static int32_t braking_part(int32_t torque_mNm, int32_t speed_mrad_s)
 }
 
 /* By how much a limit will have fallen until the hydraulic brake has answered; 0 while it rises. */
-static int32_t coming_fall_mNm(brake_arbiter_state_t *state, const config_brake_t *brake, int32_t limit_mNm)
+static int32_t coming_fall_mNm(brake_arbiter_state_t *state, const config_brake_t *brake,
+                               int32_t limit_mNm)
 {
     const int32_t within_mNm = q_min(limit_mNm, MOST_LIMIT_mNm);
     /* A ramp's low-pass is behind it by the slope times the time constant. */
-    const int32_t behind_mNm = filter_step(&state->limit_lp_mNm, within_mNm, LIMIT_FILTER_LOG2) - within_mNm;
+    const int32_t behind_mNm =
+        filter_step(&state->limit_lp_mNm, within_mNm, LIMIT_FILTER_LOG2) - within_mNm;
     const int32_t ahead_ms = brake->hydraulic_dead_time_ms + brake->hydraulic_time_constant_ms;
     return q_scale(q_max(behind_mNm, 0), ahead_ms, 1 << LIMIT_FILTER_LOG2);
 }
 
-/* What the motor is counted on for when the hydraulic brake will have begun to answer, and what of its command does not come. */
+/* What the motor is counted on for when the hydraulic brake will have begun to answer, and what of
+ * its command does not come. */
 typedef struct {
     int32_t expected_mNm, shortfall_mNm;
 } motor_share_t;
 
-static motor_share_t motor_share(const config_t *config, const brake_arbiter_input_t *in, int32_t electric_mNm)
+static motor_share_t motor_share(const config_t *config, const brake_arbiter_input_t *in,
+                                 int32_t electric_mNm)
 {
     motor_share_t out = {.expected_mNm = 0, .shortfall_mNm = 0};
     if (in->permission.bridge != BRIDGE_PWM) {
@@ -90,17 +98,21 @@ static motor_share_t motor_share(const config_t *config, const brake_arbiter_inp
     }
     const int32_t commanded_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
     const int32_t achieved_mNm = braking_part(in->motor_achieved_mNm, in->speed_mrad_s);
-    const int32_t reached_mNm = q_saturate64((int64_t)commanded_mNm + (int64_t)in->motor_growth_mNm * REACH_STEPS);
-    const int32_t left_mNm = q_scale(demand_rate_mNm_per_step(config), config->brake.hydraulic_dead_time_ms, 1);
+    const int32_t reached_mNm =
+        q_saturate64((int64_t)commanded_mNm + (int64_t)in->motor_growth_mNm * REACH_STEPS);
+    const int32_t left_mNm =
+        q_scale(demand_rate_mNm_per_step(config), config->brake.hydraulic_dead_time_ms, 1);
     out.expected_mNm = q_max(q_min(electric_mNm, reached_mNm), q_max(commanded_mNm - left_mNm, 0));
     if (out.expected_mNm > 0) {
-        out.shortfall_mNm = q_max(commanded_mNm - achieved_mNm - config->brake.shortfall_band_mNm, 0);
+        out.shortfall_mNm =
+            q_max(commanded_mNm - achieved_mNm - config->brake.shortfall_band_mNm, 0);
     }
     return out;
 }
 
 brake_arbiter_out_t brake_arbiter_step(brake_arbiter_state_t *state, const config_t *config,
-                                       const capability_t *capability, const brake_arbiter_input_t *in)
+                                       const capability_t *capability,
+                                       const brake_arbiter_input_t *in)
 {
     const config_brake_t *brake = &config->brake;
     const int32_t demand_mNm = q_max(in->demand_mNm, 0);
@@ -120,11 +132,13 @@ brake_arbiter_out_t brake_arbiter_step(brake_arbiter_state_t *state, const confi
 
     const int32_t coming_mNm = q_min(electric.torque_mNm, q_max(moving.torque_mNm - fall_mNm, 0));
     const motor_share_t motor = motor_share(config, in, coming_mNm);
-    const int32_t wanted_mNm = q_min(q_max(demand_mNm - motor.expected_mNm + motor.shortfall_mNm, 0), demand_mNm);
+    const int32_t wanted_mNm =
+        q_min(q_max(demand_mNm - motor.expected_mNm + motor.shortfall_mNm, 0), demand_mNm);
     const int32_t hydraulic_mNm = q_min(wanted_mNm, brake->max_hydraulic_torque_mNm);
     /* What stands in for a motor that does not give its torque is not the motor's to take back. */
     hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm);
-    const int32_t there_mNm = q_max(hydraulic_model_torque_mNm(&state->hydraulic) - motor.shortfall_mNm, 0);
+    const int32_t there_mNm =
+        q_max(hydraulic_model_torque_mNm(&state->hydraulic) - motor.shortfall_mNm, 0);
     limit_tighten(&electric, demand_mNm - there_mNm, REASON_TORQUE_RATE);
 
     const brake_arbiter_out_t out = {
@@ -132,7 +146,8 @@ brake_arbiter_out_t brake_arbiter_step(brake_arbiter_state_t *state, const confi
         .hydraulic_mNm = hydraulic_mNm,
         .available = available,
         .reason = electric.reason,
-        .hydraulic_reason = wanted_mNm > brake->max_hydraulic_torque_mNm ? REASON_HYDRAULIC_LIMIT : REASON_NONE,
+        .hydraulic_reason =
+            wanted_mNm > brake->max_hydraulic_torque_mNm ? REASON_HYDRAULIC_LIMIT : REASON_NONE,
     };
     return out;
 }

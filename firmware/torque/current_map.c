@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/current_map.h"
 
 #include <stddef.h>
@@ -6,7 +7,8 @@
 #include "core/q15.h"
 
 /* One layer of equal temperature, read between four of its points. */
-static int32_t layer_d_mA(const config_current_map_t *map, const int32_t *layer, grid_position_t s, grid_position_t t)
+static int32_t layer_d_mA(const config_current_map_t *map, const int32_t *layer, grid_position_t s,
+                          grid_position_t t)
 {
     const int32_t *slow = &layer[s.index * map->torque_points + t.index];
     const int32_t *fast = slow + map->torque_points;
@@ -15,21 +17,25 @@ static int32_t layer_d_mA(const config_current_map_t *map, const int32_t *layer,
     return grid_interpolate(at_slow_mA, at_fast_mA, s.fraction_q20);
 }
 
-int32_t current_map_d_mA(const config_t *config, int32_t speed_mrad_s, int32_t winding_temperature_cC,
-                         int32_t airgap_torque_mNm)
+int32_t current_map_d_mA(const config_t *config, int32_t speed_mrad_s,
+                         int32_t winding_temperature_cC, int32_t airgap_torque_mNm)
 {
     const config_current_map_t *map = &config->current_map;
     const int64_t along_mNm = speed_mrad_s >= 0 ? airgap_torque_mNm : -(int64_t)airgap_torque_mNm;
     /* The middle point is zero torque; at most 32 steps of 2^20 mNm before it. */
-    const int32_t zero_mNm = (map->torque_points / 2) * (int32_t)(UINT32_C(1) << map->torque_step_log2);
+    const int32_t zero_mNm =
+        (map->torque_points / 2) * (int32_t)(UINT32_C(1) << map->torque_step_log2);
     const grid_position_t t =
         grid_locate(q_saturate64(along_mNm + zero_mNm), map->torque_points, map->torque_step_log2);
-    const grid_position_t s = grid_locate(q_abs(speed_mrad_s), map->speed_points, map->speed_step_log2);
+    const grid_position_t s =
+        grid_locate(q_abs(speed_mrad_s), map->speed_points, map->speed_step_log2);
     if (map->temperature_points == 1) {
         return layer_d_mA(map, map->current_d_mA, s, t);
     }
-    const int32_t above_origin_cC = q_saturate64((int64_t)winding_temperature_cC - map->temperature_origin_cC);
-    const grid_position_t w = grid_locate(above_origin_cC, map->temperature_points, map->temperature_step_log2);
+    const int32_t above_origin_cC =
+        q_saturate64((int64_t)winding_temperature_cC - map->temperature_origin_cC);
+    const grid_position_t w =
+        grid_locate(above_origin_cC, map->temperature_points, map->temperature_step_log2);
     const size_t layer_points = (size_t)map->speed_points * (size_t)map->torque_points;
     const int32_t *cold = &map->current_d_mA[(size_t)w.index * layer_points];
     const int32_t at_cold_mA = layer_d_mA(map, cold, s, t);

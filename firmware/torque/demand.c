@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/demand.h"
 
 #include "core/q15.h"
@@ -16,8 +17,8 @@ int32_t demand_rate_mNm_per_step(const config_t *config)
     return q_max(config->brake.torque_rate_mNm_s / SLOW_STEPS_PER_S, 1);
 }
 
-demand_t demand_step(demand_state_t *state, const config_t *config, int32_t drive_mNm, int32_t brake_mNm,
-                     uint32_t age_ms)
+demand_t demand_step(demand_state_t *state, const config_t *config, int32_t drive_mNm,
+                     int32_t brake_mNm, uint32_t age_ms)
 {
     const bool timed_out = age_ms > (uint32_t)config->brake.demand_timeout_ms;
     if (timed_out) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/foldback.h"
 
 #include "core/q15.h"
@@ -14,7 +15,8 @@ bool foldback_near(uint16_t *steps, int32_t inside_mV, int32_t width_mV)
     return *steps > 0;
 }
 
-int32_t foldback_current_mA(const foldback_t *foldback, bool near, int32_t inside_mV, int32_t now_mA)
+int32_t foldback_current_mA(const foldback_t *foldback, bool near, int32_t inside_mV,
+                            int32_t now_mA)
 {
     const int32_t most_mA = foldback->most_mA;
     const int64_t width_mV = foldback->width_mV;
@@ -27,5 +29,6 @@ int32_t foldback_current_mA(const foldback_t *foldback, bool near, int32_t insid
     const int32_t now = q_clamp(now_mA, 0, most_mA);
     const int64_t beside_mV = inside_mV - width_mV * now / most_mA;
     const int64_t moving_mA = (int64_t)now + most_mA / LEAVE_ZERO_DIVISOR;
-    return q_clamp(q_saturate64(now + moving_mA * beside_mV / ((int64_t)STEPS * foldback->span_mV)), 0, most_mA);
+    return q_clamp(q_saturate64(now + moving_mA * beside_mV / ((int64_t)STEPS * foldback->span_mV)),
+                   0, most_mA);
 }

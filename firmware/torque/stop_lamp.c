@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/stop_lamp.h"
 
 #include "core/q15.h"
@@ -17,7 +18,8 @@ void stop_lamp_init(stop_lamp_state_t *state)
     *state = zero;
 }
 
-bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t speed_mrad_s, int32_t brake_demand_mNm)
+bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t speed_mrad_s,
+                    int32_t brake_demand_mNm)
 {
     const int32_t speed_q8 = q_saturate64((int64_t)q_abs(speed_mrad_s) * 256);
     if (!state->started) {
@@ -25,11 +27,13 @@ bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t sp
         state->speed_lp_q8_mrad_s = speed_q8;
     }
     const int32_t before_q8 = state->speed_lp_q8_mrad_s;
-    state->speed_lp_q8_mrad_s += (int32_t)(((int64_t)speed_q8 - before_q8) / (1 << SPEED_FILTER_LOG2));
+    state->speed_lp_q8_mrad_s +=
+        (int32_t)(((int64_t)speed_q8 - before_q8) / (1 << SPEED_FILTER_LOG2));
     /* mrad/s per step * steps/s * um = nm/s^2 */
-    const int64_t decel_nm_s2 =
-        ((int64_t)before_q8 - state->speed_lp_q8_mrad_s) * STEPS_PER_S / 256 * config->vehicle.wheel_radius_um;
-    const int32_t raw_mm_s2 = q_clamp(q_saturate64(decel_nm_s2 / 1000000), -DECEL_MOST_MM_S2, DECEL_MOST_MM_S2);
+    const int64_t decel_nm_s2 = ((int64_t)before_q8 - state->speed_lp_q8_mrad_s) * STEPS_PER_S /
+                                256 * config->vehicle.wheel_radius_um;
+    const int32_t raw_mm_s2 =
+        q_clamp(q_saturate64(decel_nm_s2 / 1000000), -DECEL_MOST_MM_S2, DECEL_MOST_MM_S2);
     const int32_t decel_mm_s2 = filter_step(&state->decel_lp_mm_s2, raw_mm_s2, DECEL_FILTER_LOG2);
 
     if (brake_demand_mNm > 0 || decel_mm_s2 > ON_MM_S2) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/torque.h"
 
 #include "core/q15.h"
@@ -14,24 +15,27 @@ void torque_init(torque_state_t *state)
     state->voltage_high_steps = 0;
 }
 
-/* The reason a person wants to read: the arbiter's while braking, the torque limit's while driving, and the phase
- * limits when those are what stands in the way in the end. */
+/* The reason a person wants to read: the arbiter's while braking, the torque limit's while driving,
+ * and the phase limits when those are what stands in the way in the end. */
 static reason_t visible_reason(const demand_t *demand, const brake_arbiter_out_t *split,
-                               const torque_limit_out_t *limited, const current_reference_t *current,
-                               bool voltage_limited)
+                               const torque_limit_out_t *limited,
+                               const current_reference_t *current, bool voltage_limited)
 {
     if (current->limited) {
         return REASON_PHASE_CURRENT;
     }
-    const reason_t reason = demand->brake_mNm > 0 && split->reason != REASON_NONE ? split->reason : limited->reason;
+    const reason_t reason =
+        demand->brake_mNm > 0 && split->reason != REASON_NONE ? split->reason : limited->reason;
     if (reason == REASON_NONE && voltage_limited) {
         return REASON_VOLTAGE;
     }
     return reason == REASON_NONE && demand->timed_out ? REASON_DEMAND_TIMEOUT : reason;
 }
 
-/* What the limits depend on beside the measurements: where the motor is, and how near the voltage was to an end lately. */
-static capability_input_t limits_now(torque_state_t *state, const config_t *config, const capability_input_t *in)
+/* What the limits depend on beside the measurements: where the motor is, and how near the voltage
+ * was to an end lately. */
+static capability_input_t limits_now(torque_state_t *state, const config_t *config,
+                                     const capability_input_t *in)
 {
     const config_battery_t *battery = &config->battery;
     const int32_t width_mV = battery->max_voltage_mV - battery->foldback_voltage_mV;
@@ -46,11 +50,12 @@ static capability_input_t limits_now(torque_state_t *state, const config_t *conf
 
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
 {
-    const motor_model_t model = motor_model_at(config, in->speed_mrad_s, in->capability.winding_temperature_cC);
+    const motor_model_t model =
+        motor_model_at(config, in->speed_mrad_s, in->capability.winding_temperature_cC);
     const int32_t achieved_mNm = motor_model_torque_mNm(&model, config, in->current);
 
-    const demand_t demand =
-        demand_step(&state->demand, config, in->drive_torque_mNm, in->brake_torque_mNm, in->demand_age_ms);
+    const demand_t demand = demand_step(&state->demand, config, in->drive_torque_mNm,
+                                        in->brake_torque_mNm, in->demand_age_ms);
     const capability_input_t limits = limits_now(state, config, &in->capability);
     const capability_t capability = capability_step(config, &model, &limits);
     const brake_arbiter_input_t braking = {
@@ -62,7 +67,8 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .abs_active = in->abs_active,
         .permission = in->permission,
     };
-    const brake_arbiter_out_t split = brake_arbiter_step(&state->arbiter, config, &capability, &braking);
+    const brake_arbiter_out_t split =
+        brake_arbiter_step(&state->arbiter, config, &capability, &braking);
     const torque_limit_input_t wanted = {
         .permission = in->permission,
         .speed_mrad_s = in->speed_mrad_s,
@@ -70,9 +76,10 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .drive_mNm = demand.drive_mNm,
         .electric_mNm = split.electric_mNm,
     };
-    const torque_limit_out_t limited = torque_limit_step(&state->limit, config, &capability, &wanted);
-    const current_reference_t current =
-        current_reference_step(config, &model, limited.command_mNm, in->capability.i_d_weakening_mA);
+    const torque_limit_out_t limited =
+        torque_limit_step(&state->limit, config, &capability, &wanted);
+    const current_reference_t current = current_reference_step(config, &model, limited.command_mNm,
+                                                               in->capability.i_d_weakening_mA);
 
     const torque_output_t out = {
         .current = current,

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/torque_limit.h"
 
 #include <stdbool.h>
@@ -16,22 +17,23 @@ void torque_limit_init(torque_limit_state_t *state)
     state->command_mNm = 0;
 }
 
-/* A driving demand against the rotation is braking by the drive pedal: it feeds the battery and obeys that side's
- * limits; one along the rotation, or at standstill, obeys the driving side's. */
-static limit_t drive_limit(const capability_t *capability, const permission_t *permission, int32_t speed_mrad_s,
-                           int32_t drive_mNm)
+/* A driving demand against the rotation is braking by the drive pedal: it feeds the battery and
+ * obeys that side's limits; one along the rotation, or at standstill, obeys the driving side's. */
+static limit_t drive_limit(const capability_t *capability, const permission_t *permission,
+                           int32_t speed_mrad_s, int32_t drive_mNm)
 {
     const bool against = (speed_mrad_s > 0 && drive_mNm < 0) || (speed_mrad_s < 0 && drive_mNm > 0);
     limit_t limit = against ? capability->regenerating : capability->driving;
-    limit_derate(&limit, against ? permission->brake_q15 : permission->drive_q15, permission->reason);
+    limit_derate(&limit, against ? permission->brake_q15 : permission->drive_q15,
+                 permission->reason);
     return limit;
 }
 
 int32_t torque_limit_growth_mNm(const config_t *config, int32_t voltage_use_q15)
 {
     const int32_t left_q15 = NO_GROWTH_Q15 - q_clamp(voltage_use_q15, 0, 2 * NO_GROWTH_Q15);
-    return q_scale(demand_rate_mNm_per_step(config), q_clamp(left_q15, -FULL_GROWTH_Q15, FULL_GROWTH_Q15),
-                   FULL_GROWTH_Q15);
+    return q_scale(demand_rate_mNm_per_step(config),
+                   q_clamp(left_q15, -FULL_GROWTH_Q15, FULL_GROWTH_Q15), FULL_GROWTH_Q15);
 }
 
 torque_limit_out_t torque_limit_step(torque_limit_state_t *state, const config_t *config,
@@ -39,7 +41,8 @@ torque_limit_out_t torque_limit_step(torque_limit_state_t *state, const config_t
 {
     torque_limit_out_t out = {.command_mNm = 0, .reason = REASON_NONE};
     if (in->permission.bridge != BRIDGE_PWM) {
-        out.reason = in->drive_mNm != 0 || in->electric_mNm != 0 ? in->permission.reason : REASON_NONE;
+        out.reason =
+            in->drive_mNm != 0 || in->electric_mNm != 0 ? in->permission.reason : REASON_NONE;
         state->command_mNm = 0;
         return out;
     }

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # hubfoc_add_firmware(NAME hubfoc_stm32f405 LINKER_SCRIPT link.ld PORT hubfoc_port_stm32f405 STACK_BYTES 4096
 #                     INTERRUPTS lowest_handler ... highest_handler)
 #

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DELF=firmware.elf -DOBJCOPY=arm-none-eabi-objcopy -P seal_image.cmake
 #
 # Fills the section .image_crc with the CRC-32 (IEEE 802.3, as zlib's) of everything between link_image_begin and

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # write_bytes(OBJCOPY FILE HEX): a file of exactly the bytes in the string of hexadecimal digits.
 #
 # CMake's own file(WRITE) cannot write a zero byte; objcopy can, from Intel HEX (records of sixteen bytes, each with

@@ -1,20 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * saturate.h: the one instruction that core/q15.h would like for its clamps, where the core has it, and its inlining.
+ * saturate.h: the one instruction that core/q15.h would like for its clamps, where the core has it,
+ * and its inlining.
  *
- * The toolchain file puts this header in front of every translation unit of the Arm ports. The meaning is exactly that
- * of the portable definition in q15.h; tests/target runs the same traces with both and compares every bit. Cores
- * without SSAT (Cortex-M0+) fall back to the portable form.
+ * The toolchain file puts this header in front of every translation unit of the Arm ports. The
+ * meaning is exactly that of the portable definition in q15.h; tests/target runs the same traces
+ * with both and compares every bit. Cores without SSAT (Cortex-M0+) fall back to the portable form.
  */
 #ifndef HAL_CORTEX_M_SATURATE_H
 #define HAL_CORTEX_M_SATURATE_H
 
 #if defined(__ARM_FEATURE_SAT)
-/* x clamped to a signed number of `bits` bits. The built-in behind __ssat of <arm_acle.h>, whose macro does not survive
- * -Wconversion; GCC and Clang both have it. */
+/* x clamped to a signed number of `bits` bits. The built-in behind __ssat of <arm_acle.h>, whose
+ * macro does not survive -Wconversion; GCC and Clang both have it. */
 #define Q_TARGET_SATURATE(x, bits) ((int32_t)__builtin_arm_ssat((x), (bits)))
 #endif
 
-/* -Os on a Cortex-M0+ would make calls of the saturations: twelve in a current step, at four to five times their work. */
+/* -Os on a Cortex-M0+ would make calls of the saturations: twelve in a current step, at four to
+ * five times their work. */
 #define Q_TARGET_INLINE static inline __attribute__((always_inline))
 
 #endif

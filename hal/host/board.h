@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* board.h: what the two halves of the simulated board ask of each other. */
 #ifndef HOST_BOARD_H
 #define HOST_BOARD_H
@@ -6,6 +7,6 @@
 
 void board_reset_memory(const void *configuration, uint32_t size_bytes); /* memory.c */
 void board_reset_lines(void);                                            /* lines.c */
-void board_watchdog_tick(void);                                          /* lines.c: one millisecond has passed */
+void board_watchdog_tick(void); /* lines.c: one millisecond has passed */
 
 #endif

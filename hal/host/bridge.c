@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The simulated board's bridge, sensors and passing time. */
 #include <string.h>
 
@@ -76,7 +77,8 @@ void host_pwm_period(void)
 void host_step(void)
 {
     host_pwm_period();
-    const uint32_t frequency_Hz = board.frequency_Hz != 0 ? board.frequency_Hz : MILLISECONDS_PER_SECOND;
+    const uint32_t frequency_Hz =
+        board.frequency_Hz != 0 ? board.frequency_Hz : MILLISECONDS_PER_SECOND;
     board.share_of_millisecond += MILLISECONDS_PER_SECOND;
     if (board.share_of_millisecond >= frequency_Hz) {
         board.share_of_millisecond -= frequency_Hz;
@@ -127,7 +129,8 @@ void inverter_clear_fault(void)
 analog_sample_t analog_read(void)
 {
     analog_sample_t sample = {.bus_voltage_code = board.sample.bus_voltage_code};
-    memcpy(sample.phase_current_code, board.sample.phase_current_code, sizeof sample.phase_current_code);
+    memcpy(sample.phase_current_code, board.sample.phase_current_code,
+           sizeof sample.phase_current_code);
     return sample;
 }
 

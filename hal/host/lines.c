@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The simulated board's CAN, serial line and watchdog. */
 #include <string.h>
 

@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * mailbox.h: the board this port does not have: a structure at a fixed place in RAM, where whoever stands outside the
- * emulator (a file-backed RAM, a plugin, a debugger) puts measurements and reads what the bridge should do.
+ * mailbox.h: the board this port does not have: a structure at a fixed place in RAM, where whoever
+ * stands outside the emulator (a file-backed RAM, a plugin, a debugger) puts measurements and reads
+ * what the bridge should do.
  *
  * Filled with a motor at rest by inverter_init(), unless MAILBOX_MAGIC already stands there.
  */

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * memory_map.h: what QEMU's mps2-an386 has where. Arm AN386 (MPS2 Cortex-M4), CMSDK peripherals: Arm DDI 0479.
+ * memory_map.h: what QEMU's mps2-an386 has where. Arm AN386 (MPS2 Cortex-M4), CMSDK peripherals:
+ * Arm DDI 0479.
  */
 #ifndef QEMU_MPS2_MEMORY_MAP_H
 #define QEMU_MPS2_MEMORY_MAP_H

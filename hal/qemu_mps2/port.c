@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bridge, the sensors and CAN of a board at rest, through the mailbox. SysTick is the PWM period, with the highest
- * priority, as on a real board; it interrupts the millisecond.
+ * The bridge, the sensors and CAN of a board at rest, through the mailbox. SysTick is the PWM
+ * period, with the highest priority, as on a real board; it interrupts the millisecond.
  */
 #include "hal/analog.h"
 #include "hal/can.h"
@@ -44,7 +45,8 @@ static void put_motor_at_rest(void)
 
 inverter_status_t inverter_init(const inverter_settings_t *settings)
 {
-    /* There is no timer whose clock could miss the frequency; what is impossible on every port is refused here too. */
+    /* There is no timer whose clock could miss the frequency; what is impossible on every port is
+     * refused here too. */
     if (settings->pwm_frequency_Hz == 0 || settings->pwm_period_counts > COUNTS_MAX) {
         return INVERTER_FREQUENCY_UNREACHABLE;
     }
@@ -148,7 +150,8 @@ rotor_sensor_encoder_t rotor_sensor_encoder(void)
     return seen;
 }
 
-/* The machine has no CAN controller: it reports itself missing, which the application must cope with anyway. */
+/* The machine has no CAN controller: it reports itself missing, which the application must cope
+ * with anyway. */
 bool can_init(const uint16_t *accepted_identifiers, uint32_t count)
 {
     (void)accepted_identifiers;

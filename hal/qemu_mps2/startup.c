@@ -1,5 +1,7 @@
-/* Vector table and the way from reset to main() and out of it. Shared by the firmware and by every program of
- * tests/target and tools/benchmark that runs on the emulated core, so handlers that a program lacks are faults. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Vector table and the way from reset to main() and out of it. Shared by the firmware and by every
+ * program of tests/target and tools/benchmark that runs on the emulated core, so handlers that a
+ * program lacks are faults. */
 #include <stdint.h>
 
 #include "memory_map.h"
@@ -32,7 +34,8 @@ __attribute__((section(".vectors"), used)) const vector_t vectors[EXCEPTIONS + I
     [15] = {.handler = systick_handler},
     [EXCEPTIONS... EXCEPTIONS + INTERRUPT_TIMER0 - 1] = {.handler = fault_handler},
     [EXCEPTIONS + INTERRUPT_TIMER0] = {.handler = timer0_handler},
-    [EXCEPTIONS + INTERRUPT_TIMER0 + 1 ... EXCEPTIONS + INTERRUPT_COUNT - 1] = {.handler = fault_handler},
+    [EXCEPTIONS + INTERRUPT_TIMER0 + 1 ... EXCEPTIONS + INTERRUPT_COUNT - 1] = {.handler =
+                                                                                    fault_handler},
 };
 
 void fault_handler(void)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Time, serial line, watchdog and memory of the emulated board. */
 #include "hal/flash.h"
 #include "hal/memory.h"
@@ -39,7 +40,8 @@ void time_start_tick(void)
 {
     CMSDK_TIMER0->RELOAD = PROCESSOR_CLOCK_Hz / 1000 - 1;
     CMSDK_TIMER0->VALUE = PROCESSOR_CLOCK_Hz / 1000 - 1;
-    CMSDK_TIMER0->CTRL = semihost_option("tick_fault", 0) == 0 ? TIMER_RUN : 0; /* tick_fault=1: a dead timer */
+    CMSDK_TIMER0->CTRL =
+        semihost_option("tick_fault", 0) == 0 ? TIMER_RUN : 0; /* tick_fault=1: a dead timer */
     NVIC_IPR[INTERRUPT_TIMER0] = MILLISECOND_PRIORITY;
     NVIC_ISER[0] = 1U << INTERRUPT_TIMER0;
 }
@@ -92,7 +94,8 @@ bool serial_read(uint8_t *byte)
     return true;
 }
 
-/* The watchdog's interrupt is the NMI. A board would start anew; here a starved watchdog fails the run. */
+/* The watchdog's interrupt is the NMI. A board would start anew; here a starved watchdog fails the
+ * run. */
 void watchdog_start(uint32_t timeout_ms)
 {
     *CMSDK_WATCHDOG_LOCK = CMSDK_WATCHDOG_UNLOCK;
@@ -154,8 +157,9 @@ static uint32_t stack_pointer(void)
 memory_window_t memory_unused(void)
 {
     const uint32_t free_bytes = stack_pointer() - (uint32_t)(uintptr_t)link_stack_begin;
-    const memory_window_t window = {link_stack_begin,
-                                    free_bytes > STACK_MARGIN_BYTES ? (free_bytes - STACK_MARGIN_BYTES) / 4U : 0U};
+    const memory_window_t window = {link_stack_begin, free_bytes > STACK_MARGIN_BYTES
+                                                          ? (free_bytes - STACK_MARGIN_BYTES) / 4U
+                                                          : 0U};
     return window;
 }
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* vectors.h: the handlers that the vector table (startup.c) names. */
 #ifndef QEMU_MPS2_VECTORS_H
 #define QEMU_MPS2_VECTORS_H

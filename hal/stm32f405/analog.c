@@ -1,10 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Triple injected simultaneous conversion (RM0090 section 13.9.1), started by TIM1 at the top of its count:
+ * Triple injected simultaneous conversion (RM0090 section 13.9.1), started by TIM1 at the top of
+ * its count:
  *
- *     ADC1: current a, bus voltage     ADC2: current b, winding temperature     ADC3: current c, switch temperature
+ *     ADC1: current a, bus voltage     ADC2: current b, winding temperature     ADC3: current c,
+ * switch temperature
  *
- * 21 MHz: 3 cycles of sampling, 12 of conversion for the currents (0.7 us, sampled 0.14 us), 15 + 12 for the slow
- * quantities, whose dividers are stiffened by capacitors. The interrupt comes 2 us after the top.
+ * 21 MHz: 3 cycles of sampling, 12 of conversion for the currents (0.7 us, sampled 0.14 us), 15 +
+ * 12 for the slow quantities, whose dividers are stiffened by capacitors. The interrupt comes 2 us
+ * after the top.
  */
 #include "hal/analog.h"
 
@@ -35,8 +39,8 @@ static void configure(adc_registers_t *adc, uint32_t first_channel, uint32_t sec
     adc->SMPR1 = ((uint32_t)SAMPLE_15_CYCLES << 3 * (BOARD_CHANNEL_BUS_VOLTAGE - 10)) |
                  ((uint32_t)SAMPLE_15_CYCLES << 3 * (BOARD_CHANNEL_WINDING_TEMPERATURE - 10));
     adc->SMPR2 = (uint32_t)SAMPLE_15_CYCLES << 3 * BOARD_CHANNEL_SWITCH_TEMPERATURE;
-    adc->JSQR = ((uint32_t)TWO_CONVERSIONS << ADC_JSQR_JL_Pos) | (first_channel << ADC_JSQR_JSQ3_Pos) |
-                (second_channel << ADC_JSQR_JSQ4_Pos);
+    adc->JSQR = ((uint32_t)TWO_CONVERSIONS << ADC_JSQR_JL_Pos) |
+                (first_channel << ADC_JSQR_JSQ3_Pos) | (second_channel << ADC_JSQR_JSQ4_Pos);
     adc->CR2 = ADC_CR2_ADON;
 }
 
@@ -55,10 +59,10 @@ bool analog_init(void)
     configure(ADC1, BOARD_CHANNEL_CURRENT_A, BOARD_CHANNEL_BUS_VOLTAGE);
     configure(ADC2, BOARD_CHANNEL_CURRENT_B, BOARD_CHANNEL_WINDING_TEMPERATURE);
     configure(ADC3, BOARD_CHANNEL_CURRENT_C, BOARD_CHANNEL_SWITCH_TEMPERATURE);
-    /* The converters need 3 us from ADON to the first start (data sheet t_STAB): what they convert before that is only
-     * looked at after analog_start(), much later. */
-    ADC1->CR2 |=
-        ((uint32_t)TRIGGER_TIM1_TRGO << ADC_CR2_JEXTSEL_Pos) | ((uint32_t)TRIGGER_RISING_EDGE << ADC_CR2_JEXTEN_Pos);
+    /* The converters need 3 us from ADON to the first start (data sheet t_STAB): what they convert
+     * before that is only looked at after analog_start(), much later. */
+    ADC1->CR2 |= ((uint32_t)TRIGGER_TIM1_TRGO << ADC_CR2_JEXTSEL_Pos) |
+                 ((uint32_t)TRIGGER_RISING_EDGE << ADC_CR2_JEXTEN_Pos);
     return (ADC1->CR2 & ADC2->CR2 & ADC3->CR2 & ADC_CR2_ADON) != 0;
 }
 
@@ -71,7 +75,8 @@ void analog_start(void)
 
 void adc_handler(void)
 {
-    ADC1->SR = ~(uint32_t)(ADC_SR_JEOC | ADC_SR_JSTRT); /* flags are cleared by writing 0, the others are left */
+    ADC1->SR = ~(uint32_t)(ADC_SR_JEOC |
+                           ADC_SR_JSTRT); /* flags are cleared by writing 0, the others are left */
     app_pwm_period_isr();
 }
 
@@ -83,7 +88,8 @@ static uint16_t current_code(uint32_t raw)
 analog_sample_t analog_read(void)
 {
     const analog_sample_t sample = {
-        .phase_current_code = {current_code(ADC1->JDR1), current_code(ADC2->JDR1), current_code(ADC3->JDR1)},
+        .phase_current_code = {current_code(ADC1->JDR1), current_code(ADC2->JDR1),
+                               current_code(ADC3->JDR1)},
         .bus_voltage_code = (uint16_t)ADC1->JDR2,
     };
     return sample;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* analog_start.h: what inverter.c asks of analog.c. */
 #ifndef STM32F405_ANALOG_START_H
 #define STM32F405_ANALOG_START_H

@@ -1,17 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * board.h: the wiring of a 60 V, three-shunt board of the VESC 6 class: the one place to change for another board.
+ * board.h: the wiring of a 60 V, three-shunt board of the VESC 6 class: the one place to change for
+ * another board.
  *
  *     PA8 PA9 PA10      TIM1_CH1..3      high-side gates a, b, c          AF1
  *     PB13 PB14 PB15    TIM1_CH1N..3N    low-side gates a, b, c           AF1
- *     PB12              TIM1_BKIN        fault, low = switch off; pulled up, so unconnected means healthy   AF1
- *     PB5, PB7          gate driver enable (high), gate driver fault (low = fault, pulled up)
- *     PC0 PC1 PC2       ADC123_IN10..12  shunt amplifiers a, b, c, 0.5 V_ref at no current
- *     PC3               ADC123_IN13      bus voltage through a divider
- *     PA3               ADC123_IN3       switch temperature: NTC to supply, 10 kOhm to ground
- *     PC4               ADC12_IN14       winding temperature: NTC to ground, 10 kOhm to supply
- *     PC6 PC7 PC8       halls A, B, C, or TIM3_CH1, CH2 (encoder A, B) and TIM3_CH3 (index)   AF2
- *     PB10 PB11         USART3 transmit, receive   AF7
- *     PB8 PB9           CAN1 receive, transmit     AF9
+ *     PB12              TIM1_BKIN        fault, low = switch off; pulled up, so unconnected means
+ * healthy   AF1 PB5, PB7          gate driver enable (high), gate driver fault (low = fault, pulled
+ * up) PC0 PC1 PC2       ADC123_IN10..12  shunt amplifiers a, b, c, 0.5 V_ref at no current PC3
+ * ADC123_IN13      bus voltage through a divider PA3               ADC123_IN3       switch
+ * temperature: NTC to supply, 10 kOhm to ground PC4               ADC12_IN14       winding
+ * temperature: NTC to ground, 10 kOhm to supply PC6 PC7 PC8       halls A, B, C, or TIM3_CH1, CH2
+ * (encoder A, B) and TIM3_CH3 (index)   AF2 PB10 PB11         USART3 transmit, receive   AF7 PB8
+ * PB9           CAN1 receive, transmit     AF9
  *
  * Alternate functions: STM32F405 data sheet (DocID022152), table 9.
  */
@@ -24,8 +25,8 @@
 
 enum {
     BOARD_CRYSTAL_Hz = 8000000,
-    /* Below it both switches of a leg could conduct together. Switches of this class are off within 200 ns of their gate
-     * driver's input; measure your own board's before you lower it. */
+    /* Below it both switches of a leg could conduct together. Switches of this class are off within
+     * 200 ns of their gate driver's input; measure your own board's before you lower it. */
     BOARD_DEAD_TIME_LEAST_ns = 300,
     BOARD_CURRENT_INVERTED = 1, /* the amplifiers' output falls with current into the motor */
     BOARD_CHANNEL_CURRENT_A = 10,

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * bxCAN 1 at 500 kbit/s (RM0090 section 32): 42 MHz / 6 = 7 MHz, 14 quanta a bit = 1 + 11 + 2, sample point 86 %.
+ * bxCAN 1 at 500 kbit/s (RM0090 section 32): 42 MHz / 6 = 7 MHz, 14 quanta a bit = 1 + 11 + 2,
+ * sample point 86 %.
  */
 #include "hal/can.h"
 
@@ -15,31 +17,38 @@ enum {
     QUANTA_AFTER_SAMPLE = 2,
     QUANTA = 1 + QUANTA_BEFORE_SAMPLE + QUANTA_AFTER_SAMPLE,
     PRESCALER = CLOCK_CORE_Hz / CLOCK_APB1_DIVIDER / QUANTA / BIT_RATE,
-    LOOKS = 20000, /* 0.6 .. 2.4 ms: entering and leaving initialisation takes a frame and eleven bits, 0.3 ms */
+    LOOKS = 20000, /* 0.6 .. 2.4 ms: entering and leaving initialisation takes a frame and eleven
+                      bits, 0.3 ms */
     START_MOST_ms = 3,
     IDENTIFIERS_PER_BANK = 4,
     BANKS_USED = 4,
     IDENTIFIERS_MAX = 14
 };
-_Static_assert(PRESCALER *QUANTA *BIT_RATE == CLOCK_CORE_Hz / CLOCK_APB1_DIVIDER, "the bit rate must be exact");
+_Static_assert(PRESCALER *QUANTA *BIT_RATE == CLOCK_CORE_Hz / CLOCK_APB1_DIVIDER,
+               "the bit rate must be exact");
 _Static_assert(IDENTIFIERS_MAX <= BANKS_USED * IDENTIFIERS_PER_BANK, "filter banks");
 
-/* On a bus that is held dominant the last wait runs out, and the watchdog, which bites after 17 ms at the earliest, has
- * been started before and is not fed until the control steps have run for 5 ms. */
-_Static_assert(LOOKS *WAIT_LOOK_CYCLES_MOST <= CLOCK_CORE_Hz / 1000 * START_MOST_ms, "no restart because of the bus");
+/* On a bus that is held dominant the last wait runs out, and the watchdog, which bites after 17 ms
+ * at the earliest, has been started before and is not fed until the control steps have run for 5
+ * ms. */
+_Static_assert(LOOKS *WAIT_LOOK_CYCLES_MOST <= CLOCK_CORE_Hz / 1000 * START_MOST_ms,
+               "no restart because of the bus");
 
 static bool configured; /* filters and bit timing are in place */
 
-/* The controller joins by itself when it has seen the bus free for eleven bits, however late that is (32.4.2). */
+/* The controller joins by itself when it has seen the bus free for eleven bits, however late that
+ * is (32.4.2). */
 static bool is_on_bus(void)
 {
     return configured && (CAN1->MSR & CAN_MSR_INAK) == 0;
 }
 
-/* One entry of a bank in 16-bit list mode (32.7.4): identifier in bits 5 .. 15, data frame, standard identifier. */
+/* One entry of a bank in 16-bit list mode (32.7.4): identifier in bits 5 .. 15, data frame,
+ * standard identifier. */
 static uint32_t filter_entry(const uint16_t *identifiers, uint32_t count, uint32_t index)
 {
-    return (uint32_t)identifiers[index < count ? index : count - 1U] << 5; /* spare entries repeat the last one */
+    return (uint32_t)identifiers[index < count ? index : count - 1U]
+           << 5; /* spare entries repeat the last one */
 }
 
 static void accept_only(const uint16_t *identifiers, uint32_t count)
@@ -52,10 +61,10 @@ static void accept_only(const uint16_t *identifiers, uint32_t count)
     CAN1->FFA1R &= ~(uint32_t)banks; /* into FIFO 0 */
     for (uint32_t bank = 0; bank < BANKS_USED; bank++) {
         const uint32_t first = bank * IDENTIFIERS_PER_BANK;
-        CAN1->filter[bank].FR1 = filter_entry(identifiers, count, first) | filter_entry(identifiers, count, first + 1U)
-                                                                               << 16;
-        CAN1->filter[bank].FR2 =
-            filter_entry(identifiers, count, first + 2U) | filter_entry(identifiers, count, first + 3U) << 16;
+        CAN1->filter[bank].FR1 = filter_entry(identifiers, count, first) |
+                                 filter_entry(identifiers, count, first + 1U) << 16;
+        CAN1->filter[bank].FR2 = filter_entry(identifiers, count, first + 2U) |
+                                 filter_entry(identifiers, count, first + 3U) << 16;
     }
     CAN1->FA1R = banks;
     CAN1->FMR &= ~(uint32_t)CAN_FMR_FINIT;
@@ -80,7 +89,8 @@ bool can_init(const uint16_t *accepted_identifiers, uint32_t count)
     CAN1->MCR = CAN_MCR_INRQ | CAN_MCR_ABOM | CAN_MCR_TXFP;
     CAN1->BTR = ((uint32_t)(PRESCALER - 1) << CAN_BTR_BRP_Pos) |
                 ((uint32_t)(QUANTA_BEFORE_SAMPLE - 1) << CAN_BTR_TS1_Pos) |
-                ((uint32_t)(QUANTA_AFTER_SAMPLE - 1) << CAN_BTR_TS2_Pos); /* resynchronisation by one quantum */
+                ((uint32_t)(QUANTA_AFTER_SAMPLE - 1)
+                 << CAN_BTR_TS2_Pos); /* resynchronisation by one quantum */
     accept_only(accepted_identifiers, count);
     CAN1->MCR &= ~(uint32_t)CAN_MCR_INRQ;
     configured = true;
@@ -102,12 +112,14 @@ bool can_receive(can_frame_t *frame)
     const uint32_t high = mailbox->RDHR;
     const uint32_t length = mailbox->RDTR & CAN_RDTR_DLC;
     frame->identifier = (uint16_t)(mailbox->RIR >> CAN_RIR_STID_Pos);
-    frame->length = (uint8_t)(length > 8U ? 8U : length); /* 9 .. 15 on the wire also mean eight bytes */
+    frame->length =
+        (uint8_t)(length > 8U ? 8U : length); /* 9 .. 15 on the wire also mean eight bytes */
     for (uint32_t i = 0; i < 8U; i++) {
         frame->data[i] = i < frame->length ? byte_of(low, high, i) : 0;
     }
     CAN1->RF0R = CAN_RF0R_RFOM0;
-    (void)wait_for(&CAN1->RF0R, CAN_RF0R_RFOM0, 0, LOOKS); /* a few cycles, until the next frame is in the mailbox */
+    (void)wait_for(&CAN1->RF0R, CAN_RF0R_RFOM0, 0,
+                   LOOKS); /* a few cycles, until the next frame is in the mailbox */
     return true;
 }
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "dead_time.h"
 
 static uint32_t divide_up(uint32_t a, uint32_t b)

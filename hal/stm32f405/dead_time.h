@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * dead_time.h: the dead-time generator's code (DTG of TIM1_BDTR, RM0090 section 17.4.18).
  *
@@ -16,8 +17,8 @@
 
 enum { DEAD_TIME_MAX_CLOCKS = 1008 };
 
-/* The shortest dead time that is not shorter than dead_time_ns at a timer clock of clock_Hz. False, and *code
- * untouched, if the generator cannot make one so long. */
+/* The shortest dead time that is not shorter than dead_time_ns at a timer clock of clock_Hz. False,
+ * and *code untouched, if the generator cannot make one so long. */
 bool dead_time_encode(uint32_t dead_time_ns, uint32_t clock_Hz, uint8_t *code);
 
 /* What a code means, in timer clocks. */

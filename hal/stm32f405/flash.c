@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The two images, and programming of the configuration's sector (RM0090 section 3.6). */
 #include "hal/flash.h"
 
@@ -19,14 +20,16 @@ extern const uint32_t link_configuration_end[];
 
 flash_image_t flash_configuration(void)
 {
-    const flash_image_t image = {link_configuration_begin,
-                                 (uint32_t)((uintptr_t)link_configuration_end - (uintptr_t)link_configuration_begin)};
+    const flash_image_t image = {
+        link_configuration_begin,
+        (uint32_t)((uintptr_t)link_configuration_end - (uintptr_t)link_configuration_begin)};
     return image;
 }
 
 flash_image_t flash_firmware(void)
 {
-    const flash_image_t image = {link_image_begin, (uint32_t)((uintptr_t)link_image_end - (uintptr_t)link_image_begin)};
+    const flash_image_t image = {
+        link_image_begin, (uint32_t)((uintptr_t)link_image_end - (uintptr_t)link_image_begin)};
     return image;
 }
 
@@ -36,7 +39,8 @@ uint32_t flash_firmware_crc32(void)
 }
 
 /* From here on code runs in RAM: the flash cannot be read while it is erased or written. */
-#define IN_RAM __attribute__((section(".ram_code"), noinline)) /* the linker adds the long jump there */
+/* the linker adds the long jump there */
+#define IN_RAM __attribute__((section(".ram_code"), noinline))
 
 IN_RAM static bool ram_wait(uint32_t looks)
 {
@@ -46,17 +50,19 @@ IN_RAM static bool ram_wait(uint32_t looks)
             return false;
         }
     }
-    const uint32_t errors = FLASH_SR_OPERR | FLASH_SR_WRPERR | FLASH_SR_PGAERR | FLASH_SR_PGPERR | FLASH_SR_PGSERR;
+    const uint32_t errors =
+        FLASH_SR_OPERR | FLASH_SR_WRPERR | FLASH_SR_PGAERR | FLASH_SR_PGPERR | FLASH_SR_PGSERR;
     const bool good = (FLASH->SR & errors) == 0;
     FLASH->SR = errors | FLASH_SR_EOP; /* cleared by writing 1 */
     return good;
 }
 
-IN_RAM static flash_status_t ram_replace(volatile uint32_t *to, const uint32_t *from, uint32_t words)
+IN_RAM static flash_status_t ram_replace(volatile uint32_t *to, const uint32_t *from,
+                                         uint32_t words)
 {
     flash_status_t status = FLASH_OK;
-    /* Without the caches, so that what is read back has been in the flash: a line that was read before the sector was erased
-     * would take the new words by itself (3.6.5). */
+    /* Without the caches, so that what is read back has been in the flash: a line that was read
+     * before the sector was erased would take the new words by itself (3.6.5). */
     const uint32_t access = FLASH->ACR;
     FLASH->ACR = access & ~(uint32_t)(FLASH_ACR_ICEN | FLASH_ACR_DCEN);
     (void)ram_wait(LOOKS_WORD); /* drops errors left behind by a debugger */
@@ -74,7 +80,8 @@ IN_RAM static flash_status_t ram_replace(volatile uint32_t *to, const uint32_t *
         }
     }
     FLASH->CR = FLASH_CR_LOCK;
-    /* The caches still hold what was there before: reset is allowed only while they are off (3.9.1). */
+    /* The caches still hold what was there before: reset is allowed only while they are off
+     * (3.9.1). */
     FLASH->ACR |= FLASH_ACR_ICRST | FLASH_ACR_DCRST;
     FLASH->ACR = access;
     return status;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * gpio.h: pins as values. Background context; gpio_read() and gpio_write() from any.
  */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * interrupts.h: who may interrupt whom. Smaller numbers win; the core implements sixteen levels.
  *
@@ -6,18 +7,31 @@
  *     4   the serial line: only takes a byte out of the receiver
  *     8   the millisecond: SysTick
  *
- * The core's own faults have priority 0, too; the hard fault and the non-maskable interrupt stand above all of them.
+ * The core's own faults have priority 0, too; the hard fault and the non-maskable interrupt stand
+ * above all of them.
  */
 #ifndef STM32F405_INTERRUPTS_H
 #define STM32F405_INTERRUPTS_H
 
 #include <stdint.h>
 
-enum { INTERRUPT_SUPPLY = 1, INTERRUPT_ADC = 18, INTERRUPT_USART3 = 39, INTERRUPT_COUNT = 82 }; /* RM0090 table 62 */
-enum { PRIORITY_SUPPLY = 0, PRIORITY_PWM_PERIOD = 1, PRIORITY_SERIAL = 4, PRIORITY_MILLISECOND = 8 };
-/* The receiver holds one byte while the next arrives, 87 us at 115200 baud. The slow step alone takes 21 000 instructions,
- * 126 us at the very least: behind it a stream of bytes, as a configuration is, loses some in every millisecond. */
-_Static_assert(PRIORITY_PWM_PERIOD < PRIORITY_SERIAL && PRIORITY_SERIAL < PRIORITY_MILLISECOND, "no byte is lost");
+enum {
+    INTERRUPT_SUPPLY = 1,
+    INTERRUPT_ADC = 18,
+    INTERRUPT_USART3 = 39,
+    INTERRUPT_COUNT = 82
+}; /* RM0090 table 62 */
+enum {
+    PRIORITY_SUPPLY = 0,
+    PRIORITY_PWM_PERIOD = 1,
+    PRIORITY_SERIAL = 4,
+    PRIORITY_MILLISECOND = 8
+};
+/* The receiver holds one byte while the next arrives, 87 us at 115200 baud. The slow step alone
+ * takes 21 000 instructions, 126 us at the very least: behind it a stream of bytes, as a
+ * configuration is, loses some in every millisecond. */
+_Static_assert(PRIORITY_PWM_PERIOD < PRIORITY_SERIAL && PRIORITY_SERIAL < PRIORITY_MILLISECOND,
+               "no byte is lost");
 
 void interrupts_enable(uint32_t number, uint32_t priority);
 

@@ -1,12 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * TIM1, centre-aligned, complementary outputs with dead time and break (RM0090 section 17.3).
  *
- * One update event a period, at the overflow, that is at the top (17.3.3): the counter starts with repetition counter
- * 0, which gives an event at both ends, and the 1 that is written while it counts up is taken over at the next top, so
- * that from there on every second event is left out. Editions of the manual disagree about which end it is, so
- * inverter_init() looks. Channel 4 has no pin: its reference rises one count before the top and starts the converters
- * (17.4.2, MMS = OC4REF). In the interrupt, 2 us later, the compare values written one period ago are active and those
- * written now become active at the next top.
+ * One update event a period, at the overflow, that is at the top (17.3.3): the counter starts with
+ * repetition counter 0, which gives an event at both ends, and the 1 that is written while it
+ * counts up is taken over at the next top, so that from there on every second event is left out.
+ * Editions of the manual disagree about which end it is, so inverter_init() looks. Channel 4 has no
+ * pin: its reference rises one count before the top and starts the converters (17.4.2, MMS =
+ * OC4REF). In the interrupt, 2 us later, the compare values written one period ago are active and
+ * those written now become active at the next top.
  */
 #include "hal/inverter.h"
 
@@ -26,9 +28,10 @@ enum {
     PWM_MODE_1 = 6, /* active while count < compare */
     PWM_MODE_2 = 7, /* active while count >= compare */
     TRIGGER_OUTPUT_OC4REF = 7,
-    LOCK_LEVEL_1 = 1,          /* dead time, break and idle states cannot be changed until the next reset */
-    LOOKS_PERIOD = 20000,      /* 0.6 ms, more than a period of 4 kHz */
-    LOOKS_GATE_DRIVER = 600000 /* 20 ms: the driver holds its fault line down while it starts, 10 ms at most */
+    LOCK_LEVEL_1 = 1, /* dead time, break and idle states cannot be changed until the next reset */
+    LOOKS_PERIOD = 20000, /* 0.6 ms, more than a period of 4 kHz */
+    LOOKS_GATE_DRIVER =
+        600000 /* 20 ms: the driver holds its fault line down while it starts, 10 ms at most */
 };
 
 static uint16_t top_counts;
@@ -47,9 +50,10 @@ static void start_gate_driver(void)
 {
     gpio_make_input(BOARD_DRIVER_FAULT, GPIO_PULL_UP);
     gpio_make_output(BOARD_DRIVER_ENABLE, true);
-    /* A driver that stays in fault is not an error here: inverter_fault() reports it for as long as it lasts. */
-    (void)wait_for(&BOARD_DRIVER_FAULT.port->IDR, 1U << BOARD_DRIVER_FAULT.number, 1U << BOARD_DRIVER_FAULT.number,
-                   LOOKS_GATE_DRIVER);
+    /* A driver that stays in fault is not an error here: inverter_fault() reports it for as long as
+     * it lasts. */
+    (void)wait_for(&BOARD_DRIVER_FAULT.port->IDR, 1U << BOARD_DRIVER_FAULT.number,
+                   1U << BOARD_DRIVER_FAULT.number, LOOKS_GATE_DRIVER);
 }
 
 static void connect_pins(void)
@@ -67,7 +71,8 @@ static void connect_pins(void)
 static void configure_timer(uint32_t dead_time_code)
 {
     TIM1->CR1 = ((uint32_t)CENTRE_ALIGNED_1 << TIM_CR1_CMS_Pos) | TIM_CR1_ARPE;
-    TIM1->CR2 = (uint32_t)TRIGGER_OUTPUT_OC4REF << TIM_CR2_MMS_Pos; /* idle states all 0: both switches of a leg off */
+    TIM1->CR2 = (uint32_t)TRIGGER_OUTPUT_OC4REF
+                << TIM_CR2_MMS_Pos; /* idle states all 0: both switches of a leg off */
     TIM1->PSC = 0;
     TIM1->ARR = top_counts;
     TIM1->RCR = 0;
@@ -79,13 +84,16 @@ static void configure_timer(uint32_t dead_time_code)
     TIM1->CCR2 = 0;
     TIM1->CCR3 = 0;
     TIM1->CCR4 = top_counts - 1U;
-    TIM1->CCER = TIM_CCER_CC1E | TIM_CCER_CC1NE | TIM_CCER_CC2E | TIM_CCER_CC2NE | TIM_CCER_CC3E | TIM_CCER_CC3NE;
-    /* Break active low (BKP = 0) and never released by itself (AOE = 0); OSSI and OSSR keep the pins driven to "off". */
-    TIM1->BDTR = (dead_time_code << TIM_BDTR_DTG_Pos) | TIM_BDTR_BKE | TIM_BDTR_OSSI | TIM_BDTR_OSSR |
-                 ((uint32_t)LOCK_LEVEL_1 << TIM_BDTR_LOCK_Pos);
+    TIM1->CCER = TIM_CCER_CC1E | TIM_CCER_CC1NE | TIM_CCER_CC2E | TIM_CCER_CC2NE | TIM_CCER_CC3E |
+                 TIM_CCER_CC3NE;
+    /* Break active low (BKP = 0) and never released by itself (AOE = 0); OSSI and OSSR keep the
+     * pins driven to "off". */
+    TIM1->BDTR = (dead_time_code << TIM_BDTR_DTG_Pos) | TIM_BDTR_BKE | TIM_BDTR_OSSI |
+                 TIM_BDTR_OSSR | ((uint32_t)LOCK_LEVEL_1 << TIM_BDTR_LOCK_Pos);
     TIM1->EGR = TIM_EGR_UG; /* loads every preload register */
     TIM1->SR = 0;
-    DBGMCU->APB2_FZ |= DBGMCU_APB2_FZ_TIM1_STOP; /* a halted core gets a switched-off bridge (17.3.21) */
+    DBGMCU->APB2_FZ |=
+        DBGMCU_APB2_FZ_TIM1_STOP; /* a halted core gets a switched-off bridge (17.3.21) */
 }
 
 static bool wait_for_update(void)
@@ -94,8 +102,8 @@ static bool wait_for_update(void)
     return wait_for(&TIM1->SR, TIM_SR_UIF, TIM_SR_UIF, LOOKS_PERIOD);
 }
 
-/* Starts the counter with its update at the top, and looks whether that is where it is: right after an update at the
- * top the counter counts down. False if not. The bridge is off all the while. */
+/* Starts the counter with its update at the top, and looks whether that is where it is: right after
+ * an update at the top the counter counts down. False if not. The bridge is off all the while. */
 static bool start_with_update_at_top(void)
 {
     TIM1->CR1 |= TIM_CR1_CEN;
@@ -131,8 +139,8 @@ inverter_status_t inverter_init(const inverter_settings_t *settings)
     if (!start_with_update_at_top()) {
         return INVERTER_TIMER_UNREADY;
     }
-    /* While the pins were being connected and pulled up the break input was low. Some periods have passed since: one that
-     * is still low sets it again. */
+    /* While the pins were being connected and pulled up the break input was low. Some periods have
+     * passed since: one that is still low sets it again. */
     TIM1->SR = ~(uint32_t)TIM_SR_BIF;
     return analog_init() ? INVERTER_OK : INVERTER_CONVERTER_UNREADY;
 }
@@ -151,7 +159,8 @@ static void switch_off(void)
     TIM1->BDTR &= ~(uint32_t)TIM_BDTR_MOE;
 }
 
-/* Compare beyond the top holds the high side on; equal to the top would switch it off for one count and two dead times. */
+/* Compare beyond the top holds the high side on; equal to the top would switch it off for one count
+ * and two dead times. */
 static uint32_t register_value(uint16_t compare_counts)
 {
     return compare_counts >= top_counts ? top_counts + 1U : compare_counts;
@@ -169,12 +178,13 @@ void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
     TIM1->CCR1 = follow ? register_value(compare_counts[0]) : 0U;
     TIM1->CCR2 = follow ? register_value(compare_counts[1]) : 0U;
     TIM1->CCR3 = follow ? register_value(compare_counts[2]) : 0U;
-    /* The outputs are enabled when the first compare values have become active, one period after they were written:
-     * the old ones, from before the bridge was switched off, must never be seen. */
+    /* The outputs are enabled when the first compare values have become active, one period after
+     * they were written: the old ones, from before the bridge was switched off, must never be seen.
+     */
     if (armed) {
         TIM1->BDTR |= TIM_BDTR_MOE;
-        /* A break between the look at the top and this must not be undone by it: the timer takes an enable as soon as
-         * the input is inactive again. */
+        /* A break between the look at the top and this must not be undone by it: the timer takes an
+         * enable as soon as the input is inactive again. */
         if (inverter_fault()) {
             switch_off();
         }
@@ -201,7 +211,8 @@ void inverter_clear_fault(void)
     }
 }
 
-/* Nothing can be trusted any more: the bridge goes off and the watchdog, no longer fed, restarts the core. */
+/* Nothing can be trusted any more: the bridge goes off and the watchdog, no longer fed, restarts
+ * the core. */
 void fault_handler(void)
 {
     inverter_trip();

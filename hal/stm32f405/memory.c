@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "hal/memory.h"
 
 #include "stack.h"
@@ -10,8 +11,9 @@ memory_window_t memory_unused(void)
 {
     const uint32_t pointer = stack_pointer();
     const uint32_t begin = (uint32_t)(uintptr_t)link_stack_begin;
-    const memory_window_t window = {link_stack_begin,
-                                    pointer > begin + MARGIN_BYTES ? (pointer - begin - MARGIN_BYTES) / 4U : 0U};
+    const memory_window_t window = {link_stack_begin, pointer > begin + MARGIN_BYTES
+                                                          ? (pointer - begin - MARGIN_BYTES) / 4U
+                                                          : 0U};
     return window;
 }
 

@@ -1,8 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * ring.h: bytes between one writing and one reading context of a single core, without locks.
  *
- * Each index is written by one side only and as one aligned word. The compiler keeps the order of the volatile
- * accesses; a single core sees its own writes in order, so a byte is in place before the index says so.
+ * Each index is written by one side only and as one aligned word. The compiler keeps the order of
+ * the volatile accesses; a single core sees its own writes in order, so a byte is in place before
+ * the index says so.
  */
 #ifndef STM32F405_RING_H
 #define STM32F405_RING_H

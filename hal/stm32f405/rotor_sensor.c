@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Halls on three inputs, or an incremental encoder on TIM3 (RM0090 section 18.3.12): CH1 and CH2 count quadrature
- * edges, CH3 captures the count at the index pulse, so that the index is found at any speed without an interrupt.
+ * Halls on three inputs, or an incremental encoder on TIM3 (RM0090 section 18.3.12): CH1 and CH2
+ * count quadrature edges, CH3 captures the count at the index pulse, so that the index is found at
+ * any speed without an interrupt.
  */
 #include "hal/rotor_sensor.h"
 
@@ -30,9 +32,12 @@ static void init_encoder(void)
     gpio_make_alternate(BOARD_ROTOR_A, BOARD_AF_TIM3, GPIO_PULL_UP);
     gpio_make_alternate(BOARD_ROTOR_B, BOARD_AF_TIM3, GPIO_PULL_UP);
     gpio_make_alternate(BOARD_ROTOR_C, BOARD_AF_TIM3, GPIO_PULL_UP);
-    TIM3->CCMR1 = ((uint32_t)INPUT_DIRECT << TIM_CCMR1_CC1S_Pos) | ((uint32_t)FILTER_8_SAMPLES << TIM_CCMR1_IC1F_Pos) |
-                  ((uint32_t)INPUT_DIRECT << TIM_CCMR1_CC2S_Pos) | ((uint32_t)FILTER_8_SAMPLES << TIM_CCMR1_IC2F_Pos);
-    TIM3->CCMR2 = ((uint32_t)INPUT_DIRECT << TIM_CCMR2_CC3S_Pos) | ((uint32_t)FILTER_8_SAMPLES << TIM_CCMR2_IC3F_Pos);
+    TIM3->CCMR1 = ((uint32_t)INPUT_DIRECT << TIM_CCMR1_CC1S_Pos) |
+                  ((uint32_t)FILTER_8_SAMPLES << TIM_CCMR1_IC1F_Pos) |
+                  ((uint32_t)INPUT_DIRECT << TIM_CCMR1_CC2S_Pos) |
+                  ((uint32_t)FILTER_8_SAMPLES << TIM_CCMR1_IC2F_Pos);
+    TIM3->CCMR2 = ((uint32_t)INPUT_DIRECT << TIM_CCMR2_CC3S_Pos) |
+                  ((uint32_t)FILTER_8_SAMPLES << TIM_CCMR2_IC3F_Pos);
     TIM3->CCER = TIM_CCER_CC3E;
     TIM3->SMCR = (uint32_t)ENCODER_MODE_3 << TIM_SMCR_SMS_Pos;
     TIM3->ARR = 0xFFFF;
@@ -74,8 +79,8 @@ rotor_sensor_encoder_t rotor_sensor_encoder(void)
 {
     rotor_sensor_encoder_t seen = {.index = false};
     if (sensor == ROTOR_SENSOR_ENCODER) {
-        /* The flag before the count: an index pulse between the two is found in the next period. Reading the capture
-         * register clears the flag (section 18.4.5). */
+        /* The flag before the count: an index pulse between the two is found in the next period.
+         * Reading the capture register clears the flag (section 18.4.5). */
         seen.index = (TIM3->SR & TIM_SR_CC3IF) != 0;
         if (seen.index) {
             seen.index_count = (uint16_t)TIM3->CCR3;

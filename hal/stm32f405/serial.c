@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * USART3 (RM0090 section 30.3). Received bytes come by interrupt into a ring; bytes to send are handed over one at a
- * time as the line takes them, because their source is the background's own buffer.
+ * USART3 (RM0090 section 30.3). Received bytes come by interrupt into a ring; bytes to send are
+ * handed over one at a time as the line takes them, because their source is the background's own
+ * buffer.
  */
 #include "hal/serial.h"
 
@@ -21,7 +23,8 @@ void serial_init(uint32_t bit_rate)
     gpio_make_alternate(BOARD_SERIAL_RECEIVE, BOARD_AF_USART3, GPIO_PULL_UP);
     RCC->APB1ENR |= RCC_APB1ENR_USART3EN;
     (void)RCC->APB1ENR;
-    /* 16 samples a bit: the register holds the divider in sixteenths, which is clock / rate (30.3.4). */
+    /* 16 samples a bit: the register holds the divider in sixteenths, which is clock / rate
+     * (30.3.4). */
     USART3->BRR = (clock_apb1_Hz() + bit_rate / 2U) / bit_rate;
     USART3->CR1 = USART_CR1_UE | USART_CR1_TE | USART_CR1_RE | USART_CR1_RXNEIE;
     interrupts_enable(INTERRUPT_USART3, PRIORITY_SERIAL);

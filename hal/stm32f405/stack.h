@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* stack.h: the stack pointer, which C has no name for. */
 #ifndef STM32F405_STACK_H
 #define STM32F405_STACK_H

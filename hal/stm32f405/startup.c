@@ -1,4 +1,6 @@
-/* Vector table (RM0090 table 62, only what is used; everything else is a fault) and the way from reset to main(). */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Vector table (RM0090 table 62, only what is used; everything else is a fault) and the way from
+ * reset to main(). */
 #include <stdint.h>
 
 #include "interrupts.h"
@@ -19,32 +21,37 @@ typedef union {
 
 enum { EXCEPTIONS = 16 };
 
-/* What the core reads after reset, alone in the first sector: stack and entry. The faults are here too, because the
- * real table is not in force yet while reset_handler() runs. */
+/* What the core reads after reset, alone in the first sector: stack and entry. The faults are here
+ * too, because the real table is not in force yet while reset_handler() runs. */
 __attribute__((section(".boot_vectors"), used)) const vector_t boot_vectors[EXCEPTIONS] = {
     [0] = {.stack = link_stack_end},
     [1] = {.handler = reset_handler},
     [2 ... EXCEPTIONS - 1] = {.handler = fault_handler},
 };
 
-/* In the checked image; VTOR wants it aligned to its size rounded up to a power of two: 98 words, 512 bytes. */
-__attribute__((section(".vectors"), used, aligned(512))) const vector_t vectors[EXCEPTIONS + INTERRUPT_COUNT] = {
+/* In the checked image; VTOR wants it aligned to its size rounded up to a power of two: 98 words,
+ * 512 bytes. */
+__attribute__((section(".vectors"), used, aligned(512)))
+const vector_t vectors[EXCEPTIONS + INTERRUPT_COUNT] = {
     [0] = {.stack = link_stack_end},
     [1] = {.handler = reset_handler},
     [2 ... 14] = {.handler = fault_handler},
     [15] = {.handler = systick_handler},
     [EXCEPTIONS... EXCEPTIONS + INTERRUPT_ADC - 1] = {.handler = fault_handler},
     [EXCEPTIONS + INTERRUPT_ADC] = {.handler = adc_handler},
-    [EXCEPTIONS + INTERRUPT_ADC + 1 ... EXCEPTIONS + INTERRUPT_USART3 - 1] = {.handler = fault_handler},
+    [EXCEPTIONS + INTERRUPT_ADC + 1 ... EXCEPTIONS + INTERRUPT_USART3 - 1] = {.handler =
+                                                                                  fault_handler},
     [EXCEPTIONS + INTERRUPT_USART3] = {.handler = usart3_handler},
-    [EXCEPTIONS + INTERRUPT_USART3 + 1 ... EXCEPTIONS + INTERRUPT_COUNT - 1] = {.handler = fault_handler},
+    [EXCEPTIONS + INTERRUPT_USART3 + 1 ... EXCEPTIONS + INTERRUPT_COUNT - 1] = {.handler =
+                                                                                    fault_handler},
 };
 
 void reset_handler(void)
 {
     *SCB_VTOR = (uint32_t)(uintptr_t)vectors;
     *SCB_SHCSR |= SCB_SHCSR_FAULTS_ENABLED;
-    /* The firmware computes nothing in floating point, but a compiler may keep integers in the unit's registers. */
+    /* The firmware computes nothing in floating point, but a compiler may keep integers in the
+     * unit's registers. */
     *SCB_CPACR |= SCB_CPACR_FLOATING_POINT;
     const uint32_t *from = link_data_load;
     for (uint32_t *to = link_data_begin; to < link_data_end; to++) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "supply.h"
 
 #include "interrupts.h"
@@ -14,13 +15,16 @@ void supply_watch(void)
 {
     RCC->APB1ENR |= RCC_APB1ENR_PWREN;
     (void)RCC->APB1ENR;
-    PWR->CR = (PWR->CR & ~(uint32_t)PWR_CR_PLS) | (uint32_t)DETECTOR_2V8 << PWR_CR_PLS_Pos | PWR_CR_PVDE;
-    /* What the detector says while it starts is not an event. A supply that stays low is reported by supply_low(). */
+    PWR->CR =
+        (PWR->CR & ~(uint32_t)PWR_CR_PLS) | (uint32_t)DETECTOR_2V8 << PWR_CR_PLS_Pos | PWR_CR_PVDE;
+    /* What the detector says while it starts is not an event. A supply that stays low is reported
+     * by supply_low(). */
     (void)wait_for(&PWR->CSR, PWR_CSR_PVDO, 0, LOOKS_SUPPLY);
     EXTI->RTSR |= EXTI_RTSR_TR16; /* the detector's output rises when the supply falls */
     EXTI->PR = EXTI_PR_PR16;
     EXTI->IMR |= EXTI_IMR_MR16;
-    interrupts_enable(INTERRUPT_SUPPLY, PRIORITY_SUPPLY); /* no handler of its own in startup.c: a fault */
+    interrupts_enable(INTERRUPT_SUPPLY,
+                      PRIORITY_SUPPLY); /* no handler of its own in startup.c: a fault */
 }
 
 bool supply_low(void)

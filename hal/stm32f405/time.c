@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Clock tree (RM0090 section 7.2), SysTick, cycle counter. */
 #include "hal/time.h"
 
@@ -35,7 +36,8 @@ static bool start_crystal_and_pll(void)
     if (!wait_for(&RCC->CR, RCC_CR_HSERDY, RCC_CR_HSERDY, LOOKS_CRYSTAL)) {
         return false;
     }
-    RCC->PLLCFGR = ((uint32_t)PLL_M << RCC_PLLCFGR_PLLM_Pos) | ((uint32_t)PLL_N << RCC_PLLCFGR_PLLN_Pos) |
+    RCC->PLLCFGR = ((uint32_t)PLL_M << RCC_PLLCFGR_PLLM_Pos) |
+                   ((uint32_t)PLL_N << RCC_PLLCFGR_PLLN_Pos) |
                    ((uint32_t)PLL_P_HALF_LESS_ONE << RCC_PLLCFGR_PLLP_Pos) | RCC_PLLCFGR_PLLSRC |
                    ((uint32_t)PLL_Q << RCC_PLLCFGR_PLLQ_Pos);
     RCC->CR |= RCC_CR_PLLON;
@@ -50,18 +52,22 @@ bool time_init(void)
         return false;
     }
     /* Wait states before the frequency, and only believed when read back (RM0090 section 3.5.1). */
-    FLASH->ACR =
-        FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN | ((uint32_t)FLASH_WAIT_STATES << FLASH_ACR_LATENCY_Pos);
+    FLASH->ACR = FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN |
+                 ((uint32_t)FLASH_WAIT_STATES << FLASH_ACR_LATENCY_Pos);
     if ((FLASH->ACR & FLASH_ACR_LATENCY) != (uint32_t)FLASH_WAIT_STATES << FLASH_ACR_LATENCY_Pos) {
         return false;
     }
-    RCC->CFGR = ((uint32_t)PRESCALER_BY_4 << RCC_CFGR_PPRE1_Pos) | ((uint32_t)PRESCALER_BY_2 << RCC_CFGR_PPRE2_Pos);
+    RCC->CFGR = ((uint32_t)PRESCALER_BY_4 << RCC_CFGR_PPRE1_Pos) |
+                ((uint32_t)PRESCALER_BY_2 << RCC_CFGR_PPRE2_Pos);
     RCC->CFGR |= (uint32_t)SWITCH_PLL << RCC_CFGR_SW_Pos;
-    on_crystal = wait_for(&RCC->CFGR, RCC_CFGR_SWS, (uint32_t)SWITCH_PLL << RCC_CFGR_SWS_Pos, LOOKS_PLL);
+    on_crystal =
+        wait_for(&RCC->CFGR, RCC_CFGR_SWS, (uint32_t)SWITCH_PLL << RCC_CFGR_SWS_Pos, LOOKS_PLL);
     if (on_crystal) {
-        RCC->CR |= RCC_CR_CSSON; /* a crystal that stops later raises NMI, which switches the bridge off */
+        RCC->CR |=
+            RCC_CR_CSSON; /* a crystal that stops later raises NMI, which switches the bridge off */
     } else {
-        RCC->CFGR = 0; /* the buses undivided again, as clock_apb1_Hz() says and the serial line needs */
+        RCC->CFGR =
+            0; /* the buses undivided again, as clock_apb1_Hz() says and the serial line needs */
     }
     return on_crystal;
 }

@@ -1,9 +1,12 @@
-/* vectors.h: the handlers that the vector table (startup.c) names; each is defined by the module it belongs to. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* vectors.h: the handlers that the vector table (startup.c) names; each is defined by the module it
+ * belongs to. */
 #ifndef STM32F405_VECTORS_H
 #define STM32F405_VECTORS_H
 
-void reset_handler(void);   /* startup.c */
-void fault_handler(void);   /* inverter.c: NMI, hard, memory, bus and usage fault, and every unexpected interrupt */
+void reset_handler(void); /* startup.c */
+void fault_handler(
+    void); /* inverter.c: NMI, hard, memory, bus and usage fault, and every unexpected interrupt */
 void systick_handler(void); /* time.c */
 void adc_handler(void);     /* analog.c */
 void usart3_handler(void);  /* serial.c */

@@ -1,4 +1,6 @@
-/* Independent watchdog on the internal 32 kHz oscillator, 17 .. 47 kHz (RM0090 section 21, data sheet table 35). */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Independent watchdog on the internal 32 kHz oscillator, 17 .. 47 kHz (RM0090 section 21, data
+ * sheet table 35). */
 #include "hal/watchdog.h"
 
 #include "registers/iwdg.h"
@@ -10,7 +12,8 @@ enum {
     DIVIDER_LOG2_SMALLEST = 2, /* code 0 divides by 4 */
     DIVIDER_CODE_LARGEST = 6,
     RELOAD_MAX = 4095,
-    LOOKS = 1000000 /* 30 ms: a register is taken over within five slow cycles of the slow oscillator */
+    LOOKS =
+        1000000 /* 30 ms: a register is taken over within five slow cycles of the slow oscillator */
 };
 
 void watchdog_start(uint32_t timeout_ms)
@@ -37,7 +40,8 @@ void watchdog_feed(void)
 
 bool watchdog_caused_reset(void)
 {
-    /* Read and forgotten at the first call, so that a later reset by the button is not blamed on the watchdog. */
+    /* Read and forgotten at the first call, so that a later reset by the button is not blamed on
+     * the watchdog. */
     static bool known;
     static bool by_watchdog;
     if (!known) {

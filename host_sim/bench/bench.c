@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/bench.h"
 
 #include <math.h>
@@ -6,16 +7,20 @@
 #include "plant/numbers.h"
 
 static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
-static const double ROUNDING = 1e-6; /* of a slow step: periods and milliseconds are counted, not added up */
-/* The run-up: long enough for self-test and offset calibration, gentle enough for the rotor estimate to follow. */
+static const double ROUNDING =
+    1e-6; /* of a slow step: periods and milliseconds are counted, not added up */
+/* The run-up: long enough for self-test and offset calibration, gentle enough for the rotor
+ * estimate to follow. */
 static const double BOOT_LIMIT_S = 3.0;
 static const double RUN_UP_M_PER_S2 = 15.0;
 static const double SETTLE_S = 0.5;
 
 static motion_t moving(bench_t *bench)
 {
-    const motion_t out = {
-        .vehicle = &bench->vehicle, .chassis = &bench->chassis, .wheels = bench->wheel, .count = bench->wheels};
+    const motion_t out = {.vehicle = &bench->vehicle,
+                          .chassis = &bench->chassis,
+                          .wheels = bench->wheel,
+                          .count = bench->wheels};
     return out;
 }
 
@@ -31,9 +36,11 @@ void bench_refresh(bench_t *bench)
 const char *bench_world_objection(const bench_params_t *params)
 {
     if (params->sensors.sampling_delay_s * params->inverter.pwm_frequency_hz >= 0.5) {
-        return "sensors.sampling_delay_s: accepted: less than half a period of inverter.pwm_frequency_hz";
+        return "sensors.sampling_delay_s: accepted: less than half a period of "
+               "inverter.pwm_frequency_hz";
     }
-    const char *const objections[] = {pmsm_objection(&params->motor), anti_lock_objection(&params->anti_lock),
+    const char *const objections[] = {pmsm_objection(&params->motor),
+                                      anti_lock_objection(&params->anti_lock),
                                       motion_objection(params)};
     for (size_t k = 0; k < sizeof(objections) / sizeof(objections[0]); k++) {
         if (objections[k] != NULL) {
@@ -58,7 +65,8 @@ const char *bench_objection(const bench_t *bench, const bench_params_t *changed)
         return "bus.contactor_open: accepted: 0 as long as bus.capacitance_f is 0";
     }
     if ((changed->road.friction > 0.0) != bench->road.slips) {
-        return "road.friction: whether wheels slip is decided before the run, accepted: another value above 0, or 0 as "
+        return "road.friction: whether wheels slip is decided before the run, accepted: another "
+               "value above 0, or 0 as "
                "it was";
     }
     return bench_world_objection(changed);
@@ -96,11 +104,13 @@ static void begin_accounts(bench_t *bench)
     bench->magnetic_before_j = 0.0;
     for (int k = 0; k < bench->wheels; k++) {
         wheel_begin(&bench->wheel[k], &bench->world);
-        bench->magnetic_before_j += pmsm_magnetic_energy_j(&bench->wheel[k].machine, &bench->wheel[k].rotor);
+        bench->magnetic_before_j +=
+            pmsm_magnetic_energy_j(&bench->wheel[k].machine, &bench->wheel[k].rotor);
     }
 }
 
-void bench_init(bench_t *bench, const bench_params_t *params, const config_t *config, const driver_trace_t *trace)
+void bench_init(bench_t *bench, const bench_params_t *params, const config_t *config,
+                const driver_trace_t *trace)
 {
     const bench_t empty = {.wheels = 0};
     *bench = empty;
@@ -121,7 +131,8 @@ double bench_wheel_speed_rad_s(const bench_t *bench)
     return bench->vehicle.speed_m_per_s / bench->params.vehicle.wheel_radius_m;
 }
 
-/* The demand changes with the slow step only, so the accounts need a look only when braking begins or ends. */
+/* The demand changes with the slow step only, so the accounts need a look only when braking begins
+ * or ends. */
 static void note_braking(bench_t *bench)
 {
     const bool brakes = bench->demand.brake_nm > 0.0;
@@ -147,12 +158,13 @@ static void slow_step(bench_t *bench)
         bench->demand_age_s += SLOW_STEP_S;
     } else {
         bench->demand_age_s = params->driver.demand_age_s;
-        bench->demand = driver_step(&params->driver, &bench->driver, &bench->trace, &bench->road.vehicle, bench->wheels,
-                                    bench->vehicle.speed_m_per_s, bench->time_s, SLOW_STEP_S);
+        bench->demand =
+            driver_step(&params->driver, &bench->driver, &bench->trace, &bench->road.vehicle,
+                        bench->wheels, bench->vehicle.speed_m_per_s, bench->time_s, SLOW_STEP_S);
     }
     note_braking(bench);
-    aids_step(&bench->aids, &bench->world, bench->wheel, bench->wheels, &bench->vehicle, bench->demand.brake_nm,
-              bench->time_s, SLOW_STEP_S);
+    aids_step(&bench->aids, &bench->world, bench->wheel, bench->wheels, &bench->vehicle,
+              bench->demand.brake_nm, bench->time_s, SLOW_STEP_S);
     const bms_limits_t limits =
         bms_step(&params->bms, &bench->limits, &params->battery, &bench->battery, bench->time_s);
     const wheel_order_t order = {
@@ -161,11 +173,13 @@ static void slow_step(bench_t *bench)
         .charge_limit_a = limits.charge_a,
         .discharge_limit_a = limits.discharge_a,
         .demand_age_s = bench->demand_age_s,
-        .current_drift_a = bench->held ? 0.0 : params->sensors.current_drift_a_per_s * bench->time_s,
+        .current_drift_a =
+            bench->held ? 0.0 : params->sensors.current_drift_a_per_s * bench->time_s,
         .bus_voltage_v = bench->bus.voltage_v,
         .time_s = bench->time_s,
         .enable = bench->held || params->driver.enable > 0.5,
-        .abs_active = !bench->held && (params->driver.abs_active > 0.5 || bench->aids.anti_lock.at_work),
+        .abs_active =
+            !bench->held && (params->driver.abs_active > 0.5 || bench->aids.anti_lock.at_work),
     };
     for (int k = 0; k < bench->wheels; k++) {
         wheel_slow(&bench->wheel[k], &bench->world, &order);
@@ -184,7 +198,8 @@ static motion_flow_t carry(bench_t *bench, const wheel_flow_t *flow)
     return out;
 }
 
-static void book(ledger_t *ledger, const bus_flow_t *bus, const motion_flow_t *motion, double kinetic_loss_j)
+static void book(ledger_t *ledger, const bus_flow_t *bus, const motion_flow_t *motion,
+                 double kinetic_loss_j)
 {
     ledger->chemical_j += bus->battery.chemical_j;
     ledger->battery_j += bus->battery.heat_j;
@@ -193,7 +208,8 @@ static void book(ledger_t *ledger, const bus_flow_t *bus, const motion_flow_t *m
     ledger->drag_j += motion->road.drag_j;
     ledger->rolling_j += motion->road.rolling_j;
     ledger->climbed_j += motion->road.climbed_j;
-    ledger->turned_over_j += plant_max(bus->battery.chemical_j, 0.0) + plant_max(kinetic_loss_j, 0.0) +
+    ledger->turned_over_j += plant_max(bus->battery.chemical_j, 0.0) +
+                             plant_max(kinetic_loss_j, 0.0) +
                              plant_max(-motion->road.climbed_j, 0.0);
 }
 
@@ -204,12 +220,14 @@ static void advance(bench_t *bench)
     wheel_flow_t flow[BENCH_WHEELS_MAX];
     double dc_j = 0.0;
     for (int k = 0; k < bench->wheels; k++) {
-        const double speed_rad_s = bench->held ? bench_wheel_speed_rad_s(bench)
-                                               : motion_expected_rad_s(&bench->road, &motion, k, bench->world.step_s);
+        const double speed_rad_s =
+            bench->held ? bench_wheel_speed_rad_s(bench)
+                        : motion_expected_rad_s(&bench->road, &motion, k, bench->world.step_s);
         flow[k] = wheel_step(&bench->wheel[k], &bench->world, speed_rad_s, bench->bus.voltage_v);
         dc_j += flow[k].dc_j;
     }
-    const bus_flow_t bus = bus_step(&bench->params.bus, &bench->bus, &bench->params.battery, &bench->battery, dc_j);
+    const bus_flow_t bus =
+        bus_step(&bench->params.bus, &bench->bus, &bench->params.battery, &bench->battery, dc_j);
     const double kinetic_j = kinetic_energy_j(bench);
     const motion_flow_t moved =
         bench->held ? carry(bench, flow) : motion_step(&bench->road, &motion, &bench->world, flow);
@@ -253,14 +271,16 @@ static void run_held(bench_t *bench, double acceleration_m_per_s2, double durati
 /* Standing, unless the controllers wait for the index of an encoder: then a turn a second. */
 static double boot_speed_m_per_s(const bench_t *bench)
 {
-    return bench->config.rotor.sensor == CONFIG_ROTOR_ENCODER ? PLANT_TWO_PI * bench->params.vehicle.wheel_radius_m
-                                                              : 0.0;
+    return bench->config.rotor.sensor == CONFIG_ROTOR_ENCODER
+               ? PLANT_TWO_PI * bench->params.vehicle.wheel_radius_m
+               : 0.0;
 }
 
 bench_start_t bench_start(bench_t *bench)
 {
     const bench_params_t *params = &bench->params;
-    if (!pmsm_is_resolved(&bench->wheel[0].machine, bench->wheel[0].inverter.pwm_resistance_ohm, bench->world.step_s)) {
+    if (!pmsm_is_resolved(&bench->wheel[0].machine, bench->wheel[0].inverter.pwm_resistance_ohm,
+                          bench->world.step_s)) {
         return BENCH_UNRESOLVED;
     }
     bench->held = true;
@@ -274,7 +294,8 @@ bench_start_t bench_start(bench_t *bench)
     const double speed = params->run.initial_speed_m_per_s;
     const double run_up = speed - bench->vehicle.speed_m_per_s;
     if (run_up != 0.0) {
-        run_held(bench, run_up > 0.0 ? RUN_UP_M_PER_S2 : -RUN_UP_M_PER_S2, fabs(run_up) / RUN_UP_M_PER_S2);
+        run_held(bench, run_up > 0.0 ? RUN_UP_M_PER_S2 : -RUN_UP_M_PER_S2,
+                 fabs(run_up) / RUN_UP_M_PER_S2);
         bench->vehicle.speed_m_per_s = speed;
         run_held(bench, 0.0, SETTLE_S);
     }
@@ -289,7 +310,8 @@ bench_start_t bench_start(bench_t *bench)
 bool bench_has_ended(const bench_t *bench)
 {
     const double initial = bench->params.run.initial_speed_m_per_s;
-    const double speed = initial >= 0.0 ? bench->vehicle.speed_m_per_s : -bench->vehicle.speed_m_per_s;
+    const double speed =
+        initial >= 0.0 ? bench->vehicle.speed_m_per_s : -bench->vehicle.speed_m_per_s;
     return bench->params.run.stop_at_standstill > 0.5 && bench->period > 0 && speed <= 0.0;
 }
 

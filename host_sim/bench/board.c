@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/board.h"
 
 #include <string.h>
@@ -41,7 +42,8 @@ void board_start(board_t *board, const config_t *config)
 static fast_output_t period(void *context, const fast_input_t *in)
 {
     board_t *board = context;
-    memcpy(board->sample.phase_current_code, in->phase_current_code, sizeof board->sample.phase_current_code);
+    memcpy(board->sample.phase_current_code, in->phase_current_code,
+           sizeof board->sample.phase_current_code);
     board->sample.bus_voltage_code = in->bus_voltage_code;
     board->sample.rotor_angle_turn = in->rotor_angle_turn;
     board->sample.hall_state = in->hall_state;
@@ -76,11 +78,13 @@ static void say(board_t *board, const slow_input_t *in)
             .abs_active = in->abs_active,
             .fault_reset = in->fault_reset,
         };
-        const messages_frame_t frame = messages_demand(&demand, board->wheel, board->demand_counter++);
+        const messages_frame_t frame =
+            messages_demand(&demand, board->wheel, board->demand_counter++);
         send(board, &frame);
     }
     if (board->now_ms % messages_cycle_ms(MESSAGES_BATTERY_LIMITS) == 0) {
-        const messages_battery_t battery = {in->bms_charge_current_mA, in->bms_discharge_current_mA};
+        const messages_battery_t battery = {in->bms_charge_current_mA,
+                                            in->bms_discharge_current_mA};
         const messages_frame_t frame = messages_battery(&battery, board->battery_counter++);
         send(board, &frame);
     }
@@ -88,8 +92,9 @@ static void say(board_t *board, const slow_input_t *in)
 
 static e2e_receiver_t *link_of(board_t *board, uint16_t identifier)
 {
-    return identifier == messages_identifier(MESSAGES_WHEEL_STATE, board->wheel) ? &board->state_link
-                                                                                 : &board->brake_link;
+    return identifier == messages_identifier(MESSAGES_WHEEL_STATE, board->wheel)
+               ? &board->state_link
+               : &board->brake_link;
 }
 
 static void hear(board_t *board)
@@ -102,8 +107,8 @@ static void hear(board_t *board)
         if (!messages_read_output(&frame, board->wheel, &said)) {
             continue; /* of no interest to the plant */
         }
-        const e2e_verdict_t verdict =
-            e2e_receive(link_of(board, frame.identifier), frame.data, frame.identifier, true, board->now_ms);
+        const e2e_verdict_t verdict = e2e_receive(link_of(board, frame.identifier), frame.data,
+                                                  frame.identifier, true, board->now_ms);
         if (verdict == E2E_OK || verdict == E2E_SOME_LOST) {
             board->heard = said;
         }
@@ -126,7 +131,8 @@ static slow_output_t as_known(const messages_output_t *heard)
     return out;
 }
 
-/* The main loop runs before the interrupt, so that what was said now is acted upon now, and after it. */
+/* The main loop runs before the interrupt, so that what was said now is acted upon now, and after
+ * it. */
 static slow_output_t millisecond(void *context, const slow_input_t *in)
 {
     board_t *board = context;
@@ -143,6 +149,7 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
 
 wheel_coupling_t board_coupling(board_t *board)
 {
-    const wheel_coupling_t coupling = {.context = board, .period = period, .millisecond = millisecond};
+    const wheel_coupling_t coupling = {
+        .context = board, .period = period, .millisecond = millisecond};
     return coupling;
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/driver.h"
 
 #include <math.h>
@@ -25,7 +26,8 @@ double driver_trace_at(const driver_trace_t *trace, int *cursor, double time_s)
         return trace->speed_m_per_s[k];
     }
     const double share = (time_s - trace->time_s[k]) / (trace->time_s[k + 1] - trace->time_s[k]);
-    return trace->speed_m_per_s[k] + share * (trace->speed_m_per_s[k + 1] - trace->speed_m_per_s[k]);
+    return trace->speed_m_per_s[k] +
+           share * (trace->speed_m_per_s[k + 1] - trace->speed_m_per_s[k]);
 }
 
 static driver_demand_t held_pedals(const driver_params_t *params, double reference_m_per_s)
@@ -38,18 +40,21 @@ static driver_demand_t held_pedals(const driver_params_t *params, double referen
     return out;
 }
 
-/* A standing vehicle that is to stay so: the brake pedal holds the slope, with half as much again to be sure. */
-static driver_demand_t standing(const driver_params_t *params, const vehicle_t *vehicle, int driven_wheels)
+/* A standing vehicle that is to stay so: the brake pedal holds the slope, with half as much again
+ * to be sure. */
+static driver_demand_t standing(const driver_params_t *params, const vehicle_t *vehicle,
+                                int driven_wheels)
 {
     const double hold_nm = 1.5 * fabs(vehicle->slope_n) * vehicle->wheel_radius_m / driven_wheels;
-    const driver_demand_t out = {
-        .drive_nm = 0.0, .brake_nm = plant_min(hold_nm, params->most_brake_nm), .reference_m_per_s = 0.0};
+    const driver_demand_t out = {.drive_nm = 0.0,
+                                 .brake_nm = plant_min(hold_nm, params->most_brake_nm),
+                                 .reference_m_per_s = 0.0};
     return out;
 }
 
-driver_demand_t driver_step(const driver_params_t *params, driver_state_t *state, const driver_trace_t *trace,
-                            const vehicle_t *vehicle, int driven_wheels, double speed_m_per_s, double time_s,
-                            double step_s)
+driver_demand_t driver_step(const driver_params_t *params, driver_state_t *state,
+                            const driver_trace_t *trace, const vehicle_t *vehicle,
+                            int driven_wheels, double speed_m_per_s, double time_s, double step_s)
 {
     const double reference = driver_trace_at(trace, &state->cursor, time_s);
     if (params->follow_trace < 0.5) {
@@ -69,13 +74,16 @@ driver_demand_t driver_step(const driver_params_t *params, driver_state_t *state
     const double known_n = vehicle->mass_kg * (ahead - reference) / params->preview_s +
                            vehicle_drag_n(vehicle, reference) + rolling_n + vehicle->slope_n;
     const double wanted_n =
-        known_n + vehicle->mass_kg * w_b * (2.0 * error + w_b * (state->integral_m + error * step_s));
+        known_n +
+        vehicle->mass_kg * w_b * (2.0 * error + w_b * (state->integral_m + error * step_s));
     const double torque_per_n = vehicle->wheel_radius_m / driven_wheels;
-    const double torque_nm = plant_clamp(wanted_n * torque_per_n, -params->most_brake_nm, params->most_drive_nm);
+    const double torque_nm =
+        plant_clamp(wanted_n * torque_per_n, -params->most_brake_nm, params->most_drive_nm);
     if (torque_nm == wanted_n * torque_per_n) {
         state->integral_m += error * step_s;
     }
-    const driver_demand_t out = {
-        .drive_nm = plant_max(torque_nm, 0.0), .brake_nm = plant_max(-torque_nm, 0.0), .reference_m_per_s = reference};
+    const driver_demand_t out = {.drive_nm = plant_max(torque_nm, 0.0),
+                                 .brake_nm = plant_max(-torque_nm, 0.0),
+                                 .reference_m_per_s = reference};
     return out;
 }

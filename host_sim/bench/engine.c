@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/engine.h"
 
 #include <stdarg.h>
@@ -66,8 +67,8 @@ int hubsim_set(hubsim_t *sim, const char *name, double value)
     bench_params_t changed = sim->has_started ? sim->bench.params : sim->params;
     if (!parameters_set(&changed, index, value)) {
         const parameter_info_t info = parameters_info(index);
-        return fail(sim, HUBSIM_BAD_VALUE, "%s: %g %s, accepted: %g to %g", name, value, info.unit, info.lowest,
-                    info.highest);
+        return fail(sim, HUBSIM_BAD_VALUE, "%s: %g %s, accepted: %g to %g", name, value, info.unit,
+                    info.lowest, info.highest);
     }
     if (!sim->has_started) {
         sim->params = changed;
@@ -96,12 +97,14 @@ int hubsim_set_voltage_curve(hubsim_t *sim, const double *soc, const double *vol
 {
     curve_t curve = curve_constant(0.0);
     if (!curve_set(&curve, soc, voltage_v, points)) {
-        return fail(sim, HUBSIM_BAD_VALUE, "open-circuit voltage: %d points, accepted: 1 to %d with rising soc", points,
+        return fail(sim, HUBSIM_BAD_VALUE,
+                    "open-circuit voltage: %d points, accepted: 1 to %d with rising soc", points,
                     CURVE_POINTS_MAX);
     }
     for (int k = 0; k < points; k++) {
         if (!(voltage_v[k] > 0.0)) {
-            return fail(sim, HUBSIM_BAD_VALUE, "open-circuit voltage: %g V, accepted: more than 0 V", voltage_v[k]);
+            return fail(sim, HUBSIM_BAD_VALUE,
+                        "open-circuit voltage: %g V, accepted: more than 0 V", voltage_v[k]);
         }
     }
     sim->params.battery.open_circuit_voltage_v = curve;
@@ -130,7 +133,8 @@ int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_
         return fail(sim, HUBSIM_BAD_ORDER, "the speed trace cannot be changed during a run");
     }
     if (!is_rising_from_zero(time_s, points)) {
-        return fail(sim, HUBSIM_BAD_VALUE, "speed trace: accepted: at least one point, times rising from 0");
+        return fail(sim, HUBSIM_BAD_VALUE,
+                    "speed trace: accepted: at least one point, times rising from 0");
     }
     double *memory = malloc(2U * sizeof(double) * (size_t)points);
     if (memory == NULL) {
@@ -149,8 +153,9 @@ int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_
 static int refused(hubsim_t *sim, const config_verdict_t *verdict)
 {
     if (verdict->code == CONFIG_VERDICT_RANGE) {
-        return fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s: %ld, accepted: %ld to %ld", verdict->field,
-                    (long)verdict->value, (long)verdict->lowest, (long)verdict->highest);
+        return fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s: %ld, accepted: %ld to %ld",
+                    verdict->field, (long)verdict->value, (long)verdict->lowest,
+                    (long)verdict->highest);
     }
     return fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s", verdict->field);
 }
@@ -178,8 +183,8 @@ static int check_params(hubsim_t *sim)
         const parameter_info_t info = parameters_info(k);
         const double value = parameters_get(&sim->params, k);
         if (!(value >= info.lowest && value <= info.highest)) {
-            return fail(sim, HUBSIM_BAD_ORDER, "%s: never set, accepted: %g to %g %s", info.name, info.lowest,
-                        info.highest, info.unit);
+            return fail(sim, HUBSIM_BAD_ORDER, "%s: never set, accepted: %g to %g %s", info.name,
+                        info.lowest, info.highest, info.unit);
         }
     }
     if (sim->params.battery.open_circuit_voltage_v.y[0] <= 0.0) {
@@ -189,7 +194,8 @@ static int check_params(hubsim_t *sim)
         return fail(sim, HUBSIM_BAD_ORDER, "bus.contactor_open: accepted: 0 when a run begins");
     }
     if (sim->params.inverter.switching > 0.5 && sim->params.run.pieces > 1.0) {
-        return fail(sim, HUBSIM_BAD_ORDER, "run.pieces: accepted: 0 or 1 while inverter.switching is 1");
+        return fail(sim, HUBSIM_BAD_ORDER,
+                    "run.pieces: accepted: 0 or 1 while inverter.switching is 1");
     }
     const char *objection = bench_world_objection(&sim->params);
     if (objection != NULL) {
@@ -203,7 +209,8 @@ static int not_run(hubsim_t *sim)
     for (int k = 0; k < sim->bench.wheels; k++) {
         const wheel_t *wheel = &sim->bench.wheel[k];
         if (wheel->slow.mode != MODE_RUN) {
-            return fail(sim, HUBSIM_FAILED, "the controller of wheel %d stays in %s before the run begins: %s", k,
+            return fail(sim, HUBSIM_FAILED,
+                        "the controller of wheel %d stays in %s before the run begins: %s", k,
                         modes_text(wheel->slow.mode), reason_text(wheel->slow.fault_reason));
         }
     }
@@ -227,9 +234,9 @@ int hubsim_start(hubsim_t *sim)
     case BENCH_NOT_RUN:
         return not_run(sim);
     case BENCH_UNRESOLVED:
-        return fail(
-            sim, HUBSIM_FAILED,
-            "the windings' time constant L/R is shorter than a PWM period: raise the inductance or the frequency");
+        return fail(sim, HUBSIM_FAILED,
+                    "the windings' time constant L/R is shorter than a PWM period: raise the "
+                    "inductance or the frequency");
     }
     recorder_begin(&sim->recorder, &sim->bench);
     return HUBSIM_OK;
@@ -270,8 +277,8 @@ int hubsim_choose(hubsim_t *sim, const int *indices, int count)
         return fail(sim, HUBSIM_BAD_ORDER, "signals are known after hubsim_start");
     }
     if (!recorder_choose(&sim->recorder, &sim->bench, indices, count)) {
-        return fail(sim, HUBSIM_BAD_NAME, "%d signals: accepted: up to %d, each from 0 to %d", count,
-                    RECORDER_SIGNALS_MAX, signals_count(&sim->bench) - 1);
+        return fail(sim, HUBSIM_BAD_NAME, "%d signals: accepted: up to %d, each from 0 to %d",
+                    count, RECORDER_SIGNALS_MAX, signals_count(&sim->bench) - 1);
     }
     recorder_begin(&sim->recorder, &sim->bench);
     return HUBSIM_OK;
@@ -282,13 +289,15 @@ static int one_period(hubsim_t *sim)
     bench_t *bench = &sim->bench;
     bench_period(bench);
     if (bench->battery.collapsed || bench->bus.collapsed) {
-        return fail(sim, HUBSIM_FAILED, "the %s cannot give the power that was drawn at %.3f s: its voltage collapsed",
+        return fail(sim, HUBSIM_FAILED,
+                    "the %s cannot give the power that was drawn at %.3f s: its voltage collapsed",
                     bench->battery.collapsed ? "battery" : "bus", bench->time_s);
     }
     return HUBSIM_OK;
 }
 
-int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written, double *remaining_s)
+int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written,
+               double *remaining_s)
 {
     *written = 0;
     *remaining_s = duration_s;
@@ -366,7 +375,8 @@ int hubsim_restore(hubsim_t *sim, const void *state)
         return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
     }
     memcpy(&sim->recorder, state, sizeof(sim->recorder));
-    memcpy(&sim->bench, (const unsigned char *)state + offsetof(snapshot_t, bench), sizeof(sim->bench));
+    memcpy(&sim->bench, (const unsigned char *)state + offsetof(snapshot_t, bench),
+           sizeof(sim->bench));
     sim->bench.trace = sim->trace;
     bench_refresh(&sim->bench);
     return HUBSIM_OK;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/feed.h"
 
 #include <math.h>
@@ -14,17 +15,19 @@ static plant_abc_t duties(const wheel_t *wheel, const wheel_world_t *world)
 }
 
 /* Edge by edge. */
-static void switch_legs(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_world_t *world, double bus_voltage_v,
-                        const pmsm_step_t *step, const switching_watch_t *watch, feed_flow_t *out)
+static void switch_legs(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_world_t *world,
+                        double bus_voltage_v, const pmsm_step_t *step,
+                        const switching_watch_t *watch, feed_flow_t *out)
 {
     switching_flow_t flow = {.bridge = {.dc_j = 0.0}};
     switch (wheel->active.bridge) {
     case BRIDGE_PWM:
-        flow =
-            switching_pwm(&wheel->switching, &wheel->machine, rotor, duties(wheel, world), bus_voltage_v, step, watch);
+        flow = switching_pwm(&wheel->switching, &wheel->machine, rotor, duties(wheel, world),
+                             bus_voltage_v, step, watch);
         break;
     case BRIDGE_SHORT:
-        flow = switching_short(&wheel->switching, &wheel->machine, rotor, bus_voltage_v, step, watch);
+        flow =
+            switching_short(&wheel->switching, &wheel->machine, rotor, bus_voltage_v, step, watch);
         break;
     case BRIDGE_OFF:
         flow = switching_off(&wheel->switching, &wheel->machine, rotor, bus_voltage_v, step, watch);
@@ -34,11 +37,12 @@ static void switch_legs(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_w
     out->bridge = flow.bridge;
 }
 
-static void switch_bridge(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_world_t *world, double bus_voltage_v,
-                          pmsm_step_t *step, feed_flow_t *out)
+static void switch_bridge(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_world_t *world,
+                          double bus_voltage_v, pmsm_step_t *step, feed_flow_t *out)
 {
     const inverter_t *inverter = &wheel->inverter;
-    const inverter_drive_t drive = inverter_drive(inverter, duties(wheel, world), bus_voltage_v, wheel->zone_a);
+    const inverter_drive_t drive =
+        inverter_drive(inverter, duties(wheel, world), bus_voltage_v, wheel->zone_a);
     step->series_resistance_ohm = inverter->pwm_resistance_ohm;
     step->opposition = drive.opposition;
     out->motor = pmsm_step(&wheel->machine, rotor, drive.legs, step);
@@ -46,8 +50,8 @@ static void switch_bridge(const wheel_t *wheel, pmsm_state_t *rotor, const wheel
 }
 
 /* The averaged bridge. */
-static void average_legs(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_world_t *world, double bus_voltage_v,
-                         pmsm_step_t *step, feed_flow_t *out)
+static void average_legs(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_world_t *world,
+                         double bus_voltage_v, pmsm_step_t *step, feed_flow_t *out)
 {
     const inverter_t *inverter = &wheel->inverter;
     const plant_ab_t shorted = {0.0, 0.0};
@@ -62,28 +66,31 @@ static void average_legs(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_
         break;
     case BRIDGE_OFF:
         step->series_resistance_ohm = inverter->diode_resistance_ohm;
-        out->motor =
-            pmsm_step_rectified(&wheel->machine, rotor, inverter_rectifier_ceiling_v(inverter, bus_voltage_v), step);
+        out->motor = pmsm_step_rectified(
+            &wheel->machine, rotor, inverter_rectifier_ceiling_v(inverter, bus_voltage_v), step);
         out->bridge = inverter_rectifier_flow(inverter, bus_voltage_v, &out->motor);
         break;
     }
 }
 
-void feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v, feed_flow_t *out)
+void feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s,
+                double bus_voltage_v, feed_flow_t *out)
 {
-    pmsm_step_t step = {.omega_rad_s = speed_rad_s * world->params->motor.pole_pairs, .duration_s = world->step_s};
+    pmsm_step_t step = {.omega_rad_s = speed_rad_s * world->params->motor.pole_pairs,
+                        .duration_s = world->step_s};
     if (world->params->inverter.switching > 0.5) {
         const switching_watch_t watch = {.shunts = &wheel->shunts,
                                          .settling_s = world->params->sensors.shunt_settling_s};
-        switch_legs(wheel, &wheel->rotor, world, bus_voltage_v, &step, watch.settling_s > 0.0 ? &watch : NULL, out);
+        switch_legs(wheel, &wheel->rotor, world, bus_voltage_v, &step,
+                    watch.settling_s > 0.0 ? &watch : NULL, out);
     } else {
         average_legs(wheel, &wheel->rotor, world, bus_voltage_v, &step, out);
     }
 }
 
 /* The shunts' amplifiers over a time in which the averaged bridge did `active`. */
-static void follow(const wheel_t *wheel, const wheel_world_t *world, shunts_t *shunts, plant_ab_t begin, plant_ab_t end,
-                   double until_s)
+static void follow(const wheel_t *wheel, const wheel_world_t *world, shunts_t *shunts,
+                   plant_ab_t begin, plant_ab_t end, double until_s)
 {
     const bench_params_t *params = world->params;
     const shunts_period_t period = {
@@ -121,7 +128,8 @@ plant_abc_t feed_seen(const wheel_t *wheel, const wheel_world_t *world, double b
     const sensors_params_t *sensors = &world->params->sensors;
     const bool through_shunts = sensors->shunt_settling_s > 0.0;
     if (sensors->sampling_delay_s <= 0.0) {
-        return through_shunts ? shunts_seen(&wheel->shunts) : plant_inverse_clarke(wheel->rotor.terminal);
+        return through_shunts ? shunts_seen(&wheel->shunts)
+                              : plant_inverse_clarke(wheel->rotor.terminal);
     }
     pmsm_state_t rotor = wheel->rotor;
     shunts_t shunts = wheel->shunts;
@@ -130,8 +138,9 @@ plant_abc_t feed_seen(const wheel_t *wheel, const wheel_world_t *world, double b
     feed_flow_t nowhere;
     if (world->params->inverter.switching > 0.5) {
         step.duration_s = world->step_s;
-        const switching_watch_t watch = {
-            .shunts = through_shunts ? &shunts : NULL, .settling_s = sensors->shunt_settling_s, .until_s = delay_s};
+        const switching_watch_t watch = {.shunts = through_shunts ? &shunts : NULL,
+                                         .settling_s = sensors->shunt_settling_s,
+                                         .until_s = delay_s};
         switch_legs(wheel, &rotor, world, bus_voltage_v, &step, &watch, &nowhere);
     } else {
         step.duration_s = delay_s;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/motion.h"
 
 #include <math.h>
@@ -13,12 +14,12 @@ motion_world_t motion_world(const bench_params_t *params, double step_s)
         .slips = params->road.friction > 0.0,
     };
     const double radius_m = out.vehicle.wheel_radius_m;
-    const double rotating_kg =
-        floor(params->vehicle.driven_wheels) * params->chassis.wheel_inertia_kg_m2 / (radius_m * radius_m);
+    const double rotating_kg = floor(params->vehicle.driven_wheels) *
+                               params->chassis.wheel_inertia_kg_m2 / (radius_m * radius_m);
     out.body = out.vehicle;
     out.body.mass_kg -= rotating_kg;
-    out.chassis =
-        chassis_on_road(&params->chassis, out.vehicle.mass_kg, out.vehicle.weight_n, out.vehicle.slope_n, step_s);
+    out.chassis = chassis_on_road(&params->chassis, out.vehicle.mass_kg, out.vehicle.weight_n,
+                                  out.vehicle.slope_n, step_s);
     return out;
 }
 
@@ -30,11 +31,13 @@ const char *motion_objection(const bench_params_t *params)
         return NULL;
     }
     if (chassis->wheel_inertia_kg_m2 <= 0.0 || chassis->wheels_per_axle < 1.0) {
-        return "road.friction: wheels that slip need chassis.wheel_inertia_kg_m2 and chassis.wheels_per_axle above 0";
+        return "road.friction: wheels that slip need chassis.wheel_inertia_kg_m2 and "
+               "chassis.wheels_per_axle above 0";
     }
-    if (tyre->bristle_stiffness_per_m <= 0.0 || tyre->contact_length_m <= 0.0 || tyre->sliding_share <= 0.0 ||
-        tyre->stribeck_speed_m_per_s <= 0.0) {
-        return "road.friction: wheels that slip need tyre.bristle_stiffness_per_m, contact_length_m, sliding_share and "
+    if (tyre->bristle_stiffness_per_m <= 0.0 || tyre->contact_length_m <= 0.0 ||
+        tyre->sliding_share <= 0.0 || tyre->stribeck_speed_m_per_s <= 0.0) {
+        return "road.friction: wheels that slip need tyre.bristle_stiffness_per_m, "
+               "contact_length_m, sliding_share and "
                "stribeck_speed_m_per_s above 0";
     }
     if (floor(params->vehicle.driven_wheels) > 2.0 * floor(chassis->wheels_per_axle)) {
@@ -57,17 +60,19 @@ void motion_roll(const motion_world_t *world, const motion_t *motion)
     }
 }
 
-double motion_expected_rad_s(const motion_world_t *world, const motion_t *motion, int wheel, double step_s)
+double motion_expected_rad_s(const motion_world_t *world, const motion_t *motion, int wheel,
+                             double step_s)
 {
     if (world->slips) {
         const wheel_motion_t *rim = &motion->wheels[wheel].motion;
         return rim->speed_rad_s + 0.5 * step_s * rim->acceleration_rad_s2;
     }
-    return vehicle_expected_speed_m_per_s(motion->vehicle, step_s) * (1.0 / world->vehicle.wheel_radius_m);
+    return vehicle_expected_speed_m_per_s(motion->vehicle, step_s) *
+           (1.0 / world->vehicle.wheel_radius_m);
 }
 
-static motion_flow_t roll(const motion_world_t *world, const motion_t *motion, const wheel_world_t *wheel_world,
-                          const wheel_flow_t *flow)
+static motion_flow_t roll(const motion_world_t *world, const motion_t *motion,
+                          const wheel_world_t *wheel_world, const wheel_flow_t *flow)
 {
     vehicle_load_t load = {.torque_impulse_nms = 0.0, .friction_capacity_nm = 0.0};
     for (int k = 0; k < motion->count; k++) {
@@ -81,15 +86,17 @@ static motion_flow_t roll(const motion_world_t *world, const motion_t *motion, c
     const double per_radius = 1.0 / world->vehicle.wheel_radius_m;
     for (int k = 0; k < motion->count; k++) {
         motion->wheels[k].motion.speed_rad_s = motion->vehicle->speed_m_per_s * per_radius;
-        wheel_settle(&motion->wheels[k], wheel_world, &flow[k], out.road.mean_speed_m_per_s * per_radius,
-                     out.road.friction_used);
+        wheel_settle(&motion->wheels[k], wheel_world, &flow[k],
+                     out.road.mean_speed_m_per_s * per_radius, out.road.friction_used);
     }
     return out;
 }
 
-/* Force of the tyre, and the wheel turned by what is left of its torques. Returns the mean speed of the rim. */
-static double turn_wheel(const motion_world_t *world, wheel_t *wheel, const wheel_world_t *wheel_world,
-                         const wheel_flow_t *flow, double speed_m_per_s)
+/* Force of the tyre, and the wheel turned by what is left of its torques. Returns the mean speed of
+ * the rim. */
+static double turn_wheel(const motion_world_t *world, wheel_t *wheel,
+                         const wheel_world_t *wheel_world, const wheel_flow_t *flow,
+                         double speed_m_per_s)
 {
     const double h = wheel_world->step_s;
     const double radius_m = world->vehicle.wheel_radius_m;
@@ -104,7 +111,8 @@ static double turn_wheel(const motion_world_t *world, wheel_t *wheel, const whee
     };
     m->force_n = tyre_step(&wheel_world->params->tyre, &m->tyre, &contact, h);
 
-    const double unhindered = before + (flow->airgap_nms - flow->viscous_nms - m->force_n * radius_m * h) / inertia;
+    const double unhindered =
+        before + (flow->airgap_nms - flow->viscous_nms - m->force_n * radius_m * h) / inertia;
     const double most_nms = flow->friction_capacity_nm * h;
     const double friction_nms = plant_clamp(-unhindered * inertia, -most_nms, most_nms);
     m->speed_rad_s = unhindered + friction_nms / inertia;
@@ -114,8 +122,8 @@ static double turn_wheel(const motion_world_t *world, wheel_t *wheel, const whee
     return mean * radius_m;
 }
 
-static motion_flow_t slip(const motion_world_t *world, const motion_t *motion, const wheel_world_t *wheel_world,
-                          const wheel_flow_t *flow)
+static motion_flow_t slip(const motion_world_t *world, const motion_t *motion,
+                          const wheel_world_t *wheel_world, const wheel_flow_t *flow)
 {
     const double h = wheel_world->step_s;
     vehicle_load_t load = {.torque_impulse_nms = 0.0, .friction_capacity_nm = 0.0};
@@ -124,7 +132,8 @@ static motion_flow_t slip(const motion_world_t *world, const motion_t *motion, c
     for (int k = 0; k < motion->count; k++) {
         wheel_t *wheel = &motion->wheels[k];
         wheel->motion.load_n = chassis_load_n(&world->chassis, motion->chassis, k);
-        const double rim_m_per_s = turn_wheel(world, wheel, wheel_world, &flow[k], motion->vehicle->speed_m_per_s);
+        const double rim_m_per_s =
+            turn_wheel(world, wheel, wheel_world, &flow[k], motion->vehicle->speed_m_per_s);
         at_rims_j += wheel->motion.force_n * rim_m_per_s * h;
         force_n += wheel->motion.force_n;
     }
@@ -135,14 +144,15 @@ static motion_flow_t slip(const motion_world_t *world, const motion_t *motion, c
     return out;
 }
 
-motion_flow_t motion_step(const motion_world_t *world, const motion_t *motion, const wheel_world_t *wheel_world,
-                          const wheel_flow_t *flow)
+motion_flow_t motion_step(const motion_world_t *world, const motion_t *motion,
+                          const wheel_world_t *wheel_world, const wheel_flow_t *flow)
 {
-    return world->slips ? slip(world, motion, wheel_world, flow) : roll(world, motion, wheel_world, flow);
+    return world->slips ? slip(world, motion, wheel_world, flow)
+                        : roll(world, motion, wheel_world, flow);
 }
 
-double motion_kinetic_energy_j(const motion_world_t *world, const vehicle_state_t *vehicle, const wheel_t *wheels,
-                               int count)
+double motion_kinetic_energy_j(const motion_world_t *world, const vehicle_state_t *vehicle,
+                               const wheel_t *wheels, int count)
 {
     if (!world->slips) {
         return vehicle_kinetic_energy_j(&world->vehicle, vehicle);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/parameters.h"
 
 #include <stddef.h>
@@ -8,12 +9,17 @@ typedef struct {
     size_t offset;
 } line_t;
 
-#define LINE(section, field, least, most, what, meaning)                                                               \
-    {.info = {.name = #section "." #field, .unit = (what), .text = (meaning), .lowest = (least), .highest = (most)},   \
+#define LINE(section, field, least, most, what, meaning)                                           \
+    {.info = {.name = #section "." #field,                                                         \
+              .unit = (what),                                                                      \
+              .text = (meaning),                                                                   \
+              .lowest = (least),                                                                   \
+              .highest = (most)},                                                                  \
      .offset = offsetof(bench_params_t, section.field)},
 
 #define MOTOR(name, lowest, highest, unit, text) LINE(motor, name, lowest, highest, unit, text)
-#define INVERTER(name, lowest, highest, unit, text) LINE(inverter, name, lowest, highest, unit, text)
+#define INVERTER(name, lowest, highest, unit, text)                                                \
+    LINE(inverter, name, lowest, highest, unit, text)
 #define BATTERY(name, lowest, highest, unit, text) LINE(battery, name, lowest, highest, unit, text)
 #define VEHICLE(name, lowest, highest, unit, text) LINE(vehicle, name, lowest, highest, unit, text)
 #define ROAD(name, lowest, highest, unit, text) LINE(road, name, lowest, highest, unit, text)
@@ -26,24 +32,34 @@ typedef struct {
 #define BMS(name, lowest, highest, unit, text) LINE(bms, name, lowest, highest, unit, text)
 #define CHASSIS(name, lowest, highest, unit, text) LINE(chassis, name, lowest, highest, unit, text)
 #define TYRE(name, lowest, highest, unit, text) LINE(tyre, name, lowest, highest, unit, text)
-#define WINDING_SENSOR(name, lowest, highest, unit, text) LINE(winding_sensor, name, lowest, highest, unit, text)
-#define WHEEL_SPEED(name, lowest, highest, unit, text) LINE(wheel_speed, name, lowest, highest, unit, text)
-#define ANTI_LOCK(name, lowest, highest, unit, text) LINE(anti_lock, name, lowest, highest, unit, text)
+#define WINDING_SENSOR(name, lowest, highest, unit, text)                                          \
+    LINE(winding_sensor, name, lowest, highest, unit, text)
+#define WHEEL_SPEED(name, lowest, highest, unit, text)                                             \
+    LINE(wheel_speed, name, lowest, highest, unit, text)
+#define ANTI_LOCK(name, lowest, highest, unit, text)                                               \
+    LINE(anti_lock, name, lowest, highest, unit, text)
 #define BUS(name, lowest, highest, unit, text) LINE(bus, name, lowest, highest, unit, text)
 
-#define ONE_WHEEL(k, field, least, most, what, meaning)                                                                \
-    {.info = {.name = "wheel" #k "." #field, .unit = (what), .text = (meaning), .lowest = (least), .highest = (most)}, \
+#define ONE_WHEEL(k, field, least, most, what, meaning)                                            \
+    {.info = {.name = "wheel" #k "." #field,                                                       \
+              .unit = (what),                                                                      \
+              .text = (meaning),                                                                   \
+              .lowest = (least),                                                                   \
+              .highest = (most)},                                                                  \
      .offset = offsetof(bench_params_t, wheel[k].field)},
 #define WHEEL(k) ONE_WHEEL_PARAMETERS(ONE_WHEEL, k)
 
 static const line_t LINES[] = {
-    PMSM_PARAMETERS(MOTOR) INVERTER_PARAMETERS(INVERTER) BATTERY_PARAMETERS(BATTERY) VEHICLE_PARAMETERS(VEHICLE)
-        ROAD_PARAMETERS(ROAD) HYDRAULIC_BRAKE_PARAMETERS(BRAKE) SENSORS_PARAMETERS(SENSORS) ENCODER_PARAMETERS(ENCODER)
-            THERMAL_PARAMETERS(THERMAL) DRIVER_PARAMETERS(DRIVER) RUN_PARAMETERS(RUN) BUS_PARAMETERS(BUS)
-                BMS_PARAMETERS(BMS) CHASSIS_PARAMETERS(CHASSIS) TYRE_PARAMETERS(TYRE)
-                    WINDING_SENSOR_PARAMETERS(WINDING_SENSOR) WHEEL_SPEED_PARAMETERS(WHEEL_SPEED)
-                        ANTI_LOCK_PARAMETERS(ANTI_LOCK) WHEEL(0) WHEEL(1) WHEEL(2) WHEEL(3) WHEEL(4) WHEEL(5) WHEEL(6)
-                            WHEEL(7) WHEEL(8) WHEEL(9) WHEEL(10) WHEEL(11) WHEEL(12) WHEEL(13) WHEEL(14) WHEEL(15)};
+    PMSM_PARAMETERS(MOTOR) INVERTER_PARAMETERS(INVERTER) BATTERY_PARAMETERS(BATTERY)
+        VEHICLE_PARAMETERS(VEHICLE) ROAD_PARAMETERS(ROAD) HYDRAULIC_BRAKE_PARAMETERS(BRAKE)
+            SENSORS_PARAMETERS(SENSORS) ENCODER_PARAMETERS(ENCODER) THERMAL_PARAMETERS(THERMAL)
+                DRIVER_PARAMETERS(DRIVER) RUN_PARAMETERS(RUN) BUS_PARAMETERS(BUS)
+                    BMS_PARAMETERS(BMS) CHASSIS_PARAMETERS(CHASSIS) TYRE_PARAMETERS(TYRE)
+                        WINDING_SENSOR_PARAMETERS(WINDING_SENSOR)
+                            WHEEL_SPEED_PARAMETERS(WHEEL_SPEED) ANTI_LOCK_PARAMETERS(ANTI_LOCK)
+                                WHEEL(0) WHEEL(1) WHEEL(2) WHEEL(3) WHEEL(4) WHEEL(5) WHEEL(6)
+                                    WHEEL(7) WHEEL(8) WHEEL(9) WHEEL(10) WHEEL(11) WHEEL(12)
+                                        WHEEL(13) WHEEL(14) WHEEL(15)};
 
 int parameters_count(void)
 {

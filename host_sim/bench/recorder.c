@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/recorder.h"
 
 #include "bench/signals.h"
@@ -35,7 +36,8 @@ void recorder_begin(recorder_t *recorder, const bench_t *bench)
 
 bool recorder_is_due(const recorder_t *recorder, const bench_t *bench)
 {
-    const double intervals = (bench->time_s - recorder->begin_s) / bench->params.run.record_interval_s;
+    const double intervals =
+        (bench->time_s - recorder->begin_s) / bench->params.run.record_interval_s;
     return recorder->signals > 0 && intervals + ROUNDING >= (double)recorder->rows;
 }
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/signals.h"
 
 #include <stdio.h>
@@ -8,74 +9,125 @@ typedef enum { VALUE, RATE } kind_t;
 /* X(name, kind, unit, meaning, expression of the bench b and its accounts) */
 #define BENCH_SIGNALS(X)                                                                                               \
     X("time_s", VALUE, "s", "since the run began", b->time_s) \
-    X("driver.reference_m_per_s", VALUE, "m/s", "speed the driver is to follow", b->demand.reference_m_per_s) \
-    X("driver.drive_nm", VALUE, "N.m", "drive pedal, at each driven wheel, positive forward", b->demand.drive_nm) \
-    X("driver.brake_nm", VALUE, "N.m", "brake pedal, at each driven wheel, magnitude", b->demand.brake_nm) \
-    X("vehicle.speed_m_per_s", VALUE, "m/s", "over ground, positive forward", b->vehicle.speed_m_per_s) \
-    X("vehicle.acceleration_m_per_s2", RATE, "m/s2", "mean over the row", b->vehicle.speed_m_per_s) \
+    X("driver.reference_m_per_s", VALUE, "m/s", \
+      "speed the driver is to follow", b->demand.reference_m_per_s) \
+    X("driver.drive_nm", VALUE, "N.m", \
+      "drive pedal, at each driven wheel, positive forward", b->demand.drive_nm) \
+    X("driver.brake_nm", VALUE, "N.m", \
+      "brake pedal, at each driven wheel, magnitude", b->demand.brake_nm) \
+    X("vehicle.speed_m_per_s", VALUE, "m/s", \
+      "over ground, positive forward", b->vehicle.speed_m_per_s) \
+    X("vehicle.acceleration_m_per_s2", RATE, "m/s2", \
+      "mean over the row", b->vehicle.speed_m_per_s) \
     X("vehicle.distance_m", VALUE, "m", "since the run began", b->vehicle.distance_m) \
     X("vehicle.height_m", VALUE, "m", "climbed since the run began", b->vehicle.height_m) \
     X("battery.voltage_v", VALUE, "V", "at the terminals", b->battery.terminal_v) \
     X("battery.current_a", VALUE, "A", "positive out of the battery", b->battery.current_a) \
     X("battery.soc", VALUE, "1", "state of charge", b->battery.soc) \
     X("battery.polarisation_v", VALUE, "V", "over the RC branch", b->battery.polarisation_v) \
-    X("battery.collapsed", VALUE, "", "1: more power was drawn than the battery can give", b->battery.collapsed ? 1.0 : 0.0) \
+    X("battery.collapsed", VALUE, "", \
+      "1: more power was drawn than the battery can give", b->battery.collapsed ? 1.0 : 0.0) \
     X("bus.voltage_v", VALUE, "V", "at the bridges", b->bus.voltage_v) \
-    X("driver.message_age_s", VALUE, "s", "age of the demand the controllers have", b->demand_age_s) \
+    X("driver.message_age_s", VALUE, "s", \
+      "age of the demand the controllers have", b->demand_age_s) \
     X("bms.charge_a", VALUE, "A", "charge limit sent to the controllers", b->limits.sent.charge_a) \
-    X("bms.discharge_a", VALUE, "A", "discharge limit sent to the controllers", b->limits.sent.discharge_a) \
-    X("anti_lock.at_work", VALUE, "", "1: the anti-lock system has raised its flag", b->aids.anti_lock.at_work ? 1.0 : 0.0) \
-    X("anti_lock.failed", VALUE, "", "1: switched itself off, a wheel's sensor shows nothing", b->aids.anti_lock.failed ? 1.0 : 0.0) \
-    X("anti_lock.reference_m_per_s", VALUE, "m/s", "of the vehicle, as the system takes it", b->aids.anti_lock.reference_m_per_s) \
-    X("battery.chemical_w", RATE, "W", "power drawn from the cells, mean over the row", accounts->run.chemical_j) \
-    X("battery.loss_w", RATE, "W", "heat in the battery, mean over the row", accounts->run.battery_j)
+    X("bms.discharge_a", VALUE, "A", \
+      "discharge limit sent to the controllers", b->limits.sent.discharge_a) \
+    X("anti_lock.at_work", VALUE, "", \
+      "1: the anti-lock system has raised its flag", b->aids.anti_lock.at_work ? 1.0 : 0.0) \
+    X("anti_lock.failed", VALUE, "", \
+      "1: switched itself off, a wheel's sensor shows nothing", \
+      b->aids.anti_lock.failed ? 1.0 : 0.0) \
+    X("anti_lock.reference_m_per_s", VALUE, "m/s", \
+      "of the vehicle, as the system takes it", b->aids.anti_lock.reference_m_per_s) \
+    X("battery.chemical_w", RATE, "W", \
+      "power drawn from the cells, mean over the row", accounts->run.chemical_j) \
+    X("battery.loss_w", RATE, "W", \
+      "heat in the battery, mean over the row", accounts->run.battery_j)
 
 /* X(name, kind, unit, meaning, expression of the wheel w) */
 #define WHEEL_SIGNALS(X)                                                                                               \
-    X("motor_torque_nm", RATE, "N.m", "airgap torque, positive driving forward, mean over the row", w->totals.torque_impulse_nms) \
-    X("hydraulic_torque_nm", RATE, "N.m", "positive against forward motion, mean over the row", w->totals.hydraulic_impulse_nms) \
+    X("motor_torque_nm", RATE, "N.m", \
+      "airgap torque, positive driving forward, mean over the row", \
+      w->totals.torque_impulse_nms) \
+    X("hydraulic_torque_nm", RATE, "N.m", \
+      "positive against forward motion, mean over the row", w->totals.hydraulic_impulse_nms) \
     X("dc_w", RATE, "W", "power taken from the bus, mean over the row", w->totals.dc_j) \
-    X("shaft_w", RATE, "W", "power of the motor at the wheel, positive driving, mean over the row", w->totals.shaft_j) \
+    X("shaft_w", RATE, "W", \
+      "power of the motor at the wheel, positive driving, mean over the row", w->totals.shaft_j) \
     X("copper_w", RATE, "W", "heat in the winding, mean over the row", w->totals.copper_j) \
     X("iron_w", RATE, "W", "heat in the iron, mean over the row", w->totals.iron_j) \
-    X("inverter_w", RATE, "W", "heat, mean over the row", w->totals.conduction_j + w->totals.diode_j + w->totals.switching_j) \
+    X("inverter_w", RATE, "W", \
+      "heat, mean over the row", \
+      w->totals.conduction_j + w->totals.diode_j + w->totals.switching_j) \
     X("phase_a_a", VALUE, "A", "current into phase a", plant_inverse_clarke(w->rotor.terminal).a) \
     X("phase_b_a", VALUE, "A", "current into phase b", plant_inverse_clarke(w->rotor.terminal).b) \
     X("phase_c_a", VALUE, "A", "current into phase c", plant_inverse_clarke(w->rotor.terminal).c) \
-    X("current_d_a", VALUE, "A", "direct-axis current, peak phase value", plant_park(w->rotor.terminal, w->rotor.axis).d) \
-    X("current_q_a", VALUE, "A", "quadrature-axis current, peak phase value", plant_park(w->rotor.terminal, w->rotor.axis).q) \
-    X("phase_a_seen_a", VALUE, "A", "current of phase a as the converter had it in front at its last sample", w->seen_a.a) \
+    X("current_d_a", VALUE, "A", \
+      "direct-axis current, peak phase value", plant_park(w->rotor.terminal, w->rotor.axis).d) \
+    X("current_q_a", VALUE, "A", \
+      "quadrature-axis current, peak phase value", \
+      plant_park(w->rotor.terminal, w->rotor.axis).q) \
+    X("phase_a_seen_a", VALUE, "A", \
+      "current of phase a as the converter had it in front at its last sample", w->seen_a.a) \
     X("phase_b_seen_a", VALUE, "A", "likewise, phase b", w->seen_a.b) \
     X("phase_c_seen_a", VALUE, "A", "likewise, phase c", w->seen_a.c) \
-    X("speed_seen_rad_per_s", VALUE, "rad/s", "of the wheel as its speed sensor tells it, magnitude", w->ring.speed_rad_s) \
-    X("valve", VALUE, "", "anti-lock system: 0 open, 1 pressure rises, 2 is kept, 3 is let go", (double)w->brake.valve) \
-    X("winding_sensor_c", VALUE, "degC", "of the winding as its sensor tells it", w->winding_sensor.reported_c) \
+    X("speed_seen_rad_per_s", VALUE, "rad/s", \
+      "of the wheel as its speed sensor tells it, magnitude", w->ring.speed_rad_s) \
+    X("valve", VALUE, "", \
+      "anti-lock system: 0 open, 1 pressure rises, 2 is kept, 3 is let go", \
+      (double)w->brake.valve) \
+    X("winding_sensor_c", VALUE, "degC", \
+      "of the winding as its sensor tells it", w->winding_sensor.reported_c) \
     X("speed_rad_per_s", VALUE, "rad/s", "of the wheel", w->motion.speed_rad_s) \
     X("load_n", VALUE, "N", "of the wheel on the road", w->motion.load_n) \
-    X("tyre_n", VALUE, "N", "force of the tyre, positive forward; 0 where wheels cannot slip", w->motion.force_n) \
-    X("hydraulic_reason", VALUE, "", "why motor and hydraulic brake cannot meet the demand", (double)w->slow.hydraulic_reason) \
+    X("tyre_n", VALUE, "N", \
+      "force of the tyre, positive forward; 0 where wheels cannot slip", w->motion.force_n) \
+    X("hydraulic_reason", VALUE, "", \
+      "why motor and hydraulic brake cannot meet the demand", (double)w->slow.hydraulic_reason) \
     X("housing_temperature_c", VALUE, "degC", "of the motor's housing", w->winding.outer_c) \
     X("heatsink_temperature_c", VALUE, "degC", "of the inverter's heat sink", w->switches.outer_c) \
     X("theta_turn", VALUE, "turn", "electrical angle of the rotor", w->rotor.theta_turn) \
     X("winding_temperature_c", VALUE, "degC", "of the winding", w->winding.temperature_c) \
     X("switch_temperature_c", VALUE, "degC", "of the switches", w->switches.temperature_c) \
-    X("bridge", VALUE, "", "what the bridge does: 0 off, 1 pulse-width modulation, 2 short circuit", (double)w->active.bridge) \
-    X("command_nm", VALUE, "N.m", "controller: torque the current loop is asked for", 1e-3 * w->slow.motor_torque_command_mNm) \
-    X("estimate_nm", VALUE, "N.m", "controller: torque worked out from measured currents", 1e-3 * w->slow.motor_torque_estimate_mNm) \
-    X("hydraulic_command_nm", VALUE, "N.m", "controller: command to the hydraulic brake, magnitude", 1e-3 * w->slow.hydraulic_torque_mNm) \
-    X("available_nm", VALUE, "N.m", "controller: braking torque the motor could add", 1e-3 * w->slow.electric_brake_available_mNm) \
-    X("speed_estimate_rad_per_s", VALUE, "rad/s", "controller: mechanical speed", 1e-3 * w->slow.speed_mrad_s) \
-    X("theta_estimate_turn", VALUE, "turn", "controller: electrical angle", (double)w->to_slow.foc.current.rotor.theta_turn / 65536.0) \
-    X("current_d_estimate_a", VALUE, "A", "controller: direct-axis current, low-passed", 1e-3 * w->slow.i_d_mA) \
-    X("current_q_estimate_a", VALUE, "A", "controller: quadrature-axis current, low-passed", 1e-3 * w->slow.i_q_mA) \
+    X("bridge", VALUE, "", \
+      "what the bridge does: 0 off, 1 pulse-width modulation, 2 short circuit", \
+      (double)w->active.bridge) \
+    X("command_nm", VALUE, "N.m", \
+      "controller: torque the current loop is asked for", \
+      1e-3 * w->slow.motor_torque_command_mNm) \
+    X("estimate_nm", VALUE, "N.m", \
+      "controller: torque worked out from measured currents", \
+      1e-3 * w->slow.motor_torque_estimate_mNm) \
+    X("hydraulic_command_nm", VALUE, "N.m", \
+      "controller: command to the hydraulic brake, magnitude", \
+      1e-3 * w->slow.hydraulic_torque_mNm) \
+    X("available_nm", VALUE, "N.m", \
+      "controller: braking torque the motor could add", \
+      1e-3 * w->slow.electric_brake_available_mNm) \
+    X("speed_estimate_rad_per_s", VALUE, "rad/s", \
+      "controller: mechanical speed", 1e-3 * w->slow.speed_mrad_s) \
+    X("theta_estimate_turn", VALUE, "turn", \
+      "controller: electrical angle", (double)w->to_slow.foc.current.rotor.theta_turn / 65536.0) \
+    X("current_d_estimate_a", VALUE, "A", \
+      "controller: direct-axis current, low-passed", 1e-3 * w->slow.i_d_mA) \
+    X("current_q_estimate_a", VALUE, "A", \
+      "controller: quadrature-axis current, low-passed", 1e-3 * w->slow.i_q_mA) \
     X("voltage_estimate_v", VALUE, "V", "controller: bus voltage", 1e-3 * w->slow.bus_voltage_mV) \
-    X("bus_current_estimate_a", VALUE, "A", "controller: bus current, positive out of the battery", 1e-3 * w->slow.bus_current_mA) \
-    X("reason", VALUE, "", "controller: what bounds the motor torque, 0 nothing", (double)w->slow.torque_reason) \
-    X("available_reason", VALUE, "", "controller: what bounds the braking torque available", (double)w->slow.available_reason) \
-    X("fault_reason", VALUE, "", "controller: the latched fault, 0 healthy", (double)w->slow.fault_reason) \
-    X("first_fault_reason", VALUE, "", "the first fault of the run, 0 none", (double)w->first_fault) \
+    X("bus_current_estimate_a", VALUE, "A", \
+      "controller: bus current, positive out of the battery", 1e-3 * w->slow.bus_current_mA) \
+    X("reason", VALUE, "", \
+      "controller: what bounds the motor torque, 0 nothing", (double)w->slow.torque_reason) \
+    X("available_reason", VALUE, "", \
+      "controller: what bounds the braking torque available", (double)w->slow.available_reason) \
+    X("fault_reason", VALUE, "", \
+      "controller: the latched fault, 0 healthy", (double)w->slow.fault_reason) \
+    X("first_fault_reason", VALUE, "", \
+      "the first fault of the run, 0 none", (double)w->first_fault) \
     X("first_fault_s", VALUE, "s", "when it came", w->first_fault_s) \
-    X("mode", VALUE, "", "controller: 0 boot, 1 self-test, 2 offset calibration, 3 ready, 4 run, 5 limp, 6 fault", (double)w->slow.mode) \
+    X("mode", VALUE, "", \
+      "controller: 0 boot, 1 self-test, 2 offset calibration, 3 ready, 4 run, 5 limp, 6 " \
+      "fault", (double)w->slow.mode) \
     X("stop_lamp", VALUE, "", "controller: 1 the stop lamp is lit", w->slow.stop_lamp ? 1.0 : 0.0)
 
 /* clang-format on */
@@ -89,7 +141,8 @@ typedef struct {
 #define LINE(name, kind, unit, text, expression) {name, kind, unit, text},
 #define LEDGER_LINE(name, text) {"energy." #name, VALUE, "J", text},
 #define BRAKING_LINE(name, text) {"braking." #name, VALUE, "J", "while the driver brakes: " text},
-static const line_t BENCH_LINES[] = {BENCH_SIGNALS(LINE) LEDGER_LIST(LEDGER_LINE) LEDGER_LIST(BRAKING_LINE)};
+static const line_t BENCH_LINES[] = {BENCH_SIGNALS(LINE) LEDGER_LIST(LEDGER_LINE)
+                                         LEDGER_LIST(BRAKING_LINE)};
 static const line_t WHEEL_LINES[] = {WHEEL_SIGNALS(LINE)};
 
 enum {
@@ -104,7 +157,8 @@ int signals_count(const bench_t *bench)
 
 static const line_t *line_at(int index)
 {
-    return index < (int)BENCH_COUNT ? &BENCH_LINES[index] : &WHEEL_LINES[(index - (int)BENCH_COUNT) % (int)WHEEL_COUNT];
+    return index < (int)BENCH_COUNT ? &BENCH_LINES[index]
+                                    : &WHEEL_LINES[(index - (int)BENCH_COUNT) % (int)WHEEL_COUNT];
 }
 
 void signals_name(const bench_t *bench, int index, char *name, size_t size)
@@ -113,7 +167,8 @@ void signals_name(const bench_t *bench, int index, char *name, size_t size)
     if (index < (int)BENCH_COUNT) {
         snprintf(name, size, "%s", line_at(index)->name);
     } else {
-        snprintf(name, size, "wheel%d.%s", (index - (int)BENCH_COUNT) / (int)WHEEL_COUNT, line_at(index)->name);
+        snprintf(name, size, "wheel%d.%s", (index - (int)BENCH_COUNT) / (int)WHEEL_COUNT,
+                 line_at(index)->name);
     }
 }
 
@@ -155,7 +210,8 @@ static double read_wheel(const wheel_t *w, int index)
 
 signals_accounts_t signals_accounts(const bench_t *bench)
 {
-    const signals_accounts_t out = {.run = bench_ledger(bench), .braking = bench_braking_ledger(bench)};
+    const signals_accounts_t out = {.run = bench_ledger(bench),
+                                    .braking = bench_braking_ledger(bench)};
     return out;
 }
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/wheel.h"
 
 #include <math.h>
@@ -15,7 +16,8 @@ wheel_world_t wheel_world(const bench_params_t *params, const config_t *config)
         .params = params,
         .config = config,
         .sensors = sensors_init(&params->sensors),
-        .step_s = 1.0 / (params->inverter.pwm_frequency_hz * plant_max(floor(params->run.pieces), 1.0)),
+        .step_s =
+            1.0 / (params->inverter.pwm_frequency_hz * plant_max(floor(params->run.pieces), 1.0)),
         .duty_per_count = 1.0 / config->drive.pwm_period_counts,
     };
     return out;
@@ -39,7 +41,8 @@ void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index)
     wheel->next = bridge_off();
     wheel->rotor = pmsm_at_rest(params->run.rotor_turn + index * params->run.rotor_spread_turn);
     wheel->rotor.shaft_turn = wheel->rotor.theta_turn / params->motor.pole_pairs;
-    wheel->shaft = encoder_begin(&params->encoder, params->motor.pole_pairs, wheel->rotor.theta_turn, 0);
+    wheel->shaft =
+        encoder_begin(&params->encoder, params->motor.pole_pairs, wheel->rotor.theta_turn, 0);
     wheel->random = random_init((uint64_t)params->run.seed, (uint64_t)index);
     wheel->index = index;
     wheel_begin(wheel, world);
@@ -68,7 +71,8 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
         .outer_j_per_k = thermal->heatsink_heat_capacity_j_per_k,
         .outer_k_per_w = thermal->heatsink_thermal_resistance_k_per_w,
     };
-    const double winding_c = thermal->winding_temperature_c + params->wheel[wheel->index].winding_rise_k;
+    const double winding_c =
+        thermal->winding_temperature_c + params->wheel[wheel->index].winding_rise_k;
     wheel->winding = thermal_init(&motor, winding_c, SLOW_STEP_S);
     wheel->winding_sensor = temperature_sensor_at(winding_c);
     wheel->switches = thermal_init(&bridge, thermal->switch_temperature_c, SLOW_STEP_S);
@@ -95,7 +99,8 @@ void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
     wheel->friction = own->road_friction > 0.0 ? own->road_friction : params->road.friction;
     at_temperature(wheel, world);
     hydraulic_brake_refresh(&params->brake, &wheel->brake, own->brake_torque_loss, world->step_s);
-    wheel->fault.hall_stuck_low = (uint8_t)((unsigned)params->sensors.hall_stuck_low | (unsigned)own->hall_stuck_low);
+    wheel->fault.hall_stuck_low =
+        (uint8_t)((unsigned)params->sensors.hall_stuck_low | (unsigned)own->hall_stuck_low);
     wheel->fault.hall_stuck_high =
         (uint8_t)((unsigned)params->sensors.hall_stuck_high | (unsigned)own->hall_stuck_high);
 }
@@ -123,14 +128,15 @@ static double felt(wheel_t *wheel, const bench_params_t *params)
 {
     const one_wheel_params_t *own = &params->wheel[wheel->index];
     const bool broken = own->winding_sensor_open > 0.5 || own->winding_sensor_shorted > 0.5;
-    return temperature_sensor_step(&params->winding_sensor, &wheel->winding_sensor, wheel->winding.temperature_c,
-                                   broken, SLOW_STEP_S);
+    return temperature_sensor_step(&params->winding_sensor, &wheel->winding_sensor,
+                                   wheel->winding.temperature_c, broken, SLOW_STEP_S);
 }
 
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order)
 {
     warm(wheel, world);
-    wheel->fault.offset_a = world->params->wheel[wheel->index].current_offset_a + order->current_drift_a;
+    wheel->fault.offset_a =
+        world->params->wheel[wheel->index].current_offset_a + order->current_drift_a;
     const slow_input_t in = {
         .drive_torque_mNm = rounded(order->drive_nm, MILLI),
         .brake_torque_mNm = rounded(order->brake_nm, MILLI),
@@ -145,11 +151,14 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
         .selftest_passed = true,
         .config_accepted = true,
     };
-    wheel->slow = wheel->coupling != NULL ? wheel->coupling->millisecond(wheel->coupling->context, &in)
-                                          : controller_slow_step(&wheel->controller.slow, world->config,
-                                                                 &wheel->to_slow, &in, &wheel->to_fast);
-    hydraulic_brake_command(&world->params->brake, &wheel->brake, (double)wheel->slow.hydraulic_torque_mNm / MILLI);
-    const pmsm_step_t period = {.omega_rad_s = wheel->motion.speed_rad_s * world->params->motor.pole_pairs,
+    wheel->slow = wheel->coupling != NULL
+                      ? wheel->coupling->millisecond(wheel->coupling->context, &in)
+                      : controller_slow_step(&wheel->controller.slow, world->config,
+                                             &wheel->to_slow, &in, &wheel->to_fast);
+    hydraulic_brake_command(&world->params->brake, &wheel->brake,
+                            (double)wheel->slow.hydraulic_torque_mNm / MILLI);
+    const pmsm_step_t period = {.omega_rad_s =
+                                    wheel->motion.speed_rad_s * world->params->motor.pole_pairs,
                                 .duration_s = wheel->inverter.period_s,
                                 .series_resistance_ohm = wheel->inverter.pwm_resistance_ohm};
     wheel->zone_a = inverter_zone_a(&wheel->inverter, order->bus_voltage_v,
@@ -168,15 +177,19 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
         wheel->active = wheel->next;
     }
     wheel->seen_a = feed_seen(wheel, world, bus_voltage_v);
-    const sensors_sample_t seen = sensors_sample(&world->sensors, &wheel->fault, &wheel->random, wheel->seen_a,
-                                                 bus_voltage_v, wheel->rotor.theta_turn);
-    const encoder_sample_t counted =
-        encoder_look(&params->encoder, params->motor.pole_pairs, &wheel->shaft, wheel->rotor.theta_turn);
+    const sensors_sample_t seen =
+        sensors_sample(&world->sensors, &wheel->fault, &wheel->random, wheel->seen_a, bus_voltage_v,
+                       wheel->rotor.theta_turn);
+    const encoder_sample_t counted = encoder_look(&params->encoder, params->motor.pole_pairs,
+                                                  &wheel->shaft, wheel->rotor.theta_turn);
     const fast_input_t in = {
-        .phase_current_code = {seen.phase_current_code[0], seen.phase_current_code[1], seen.phase_current_code[2]},
+        .phase_current_code = {seen.phase_current_code[0], seen.phase_current_code[1],
+                               seen.phase_current_code[2]},
         .bus_voltage_code = seen.bus_voltage_code,
         .rotor_angle_turn = seen.rotor_angle_turn,
-        .encoder = {.count = counted.count, .index_count = counted.index_count, .index = counted.index},
+        .encoder = {.count = counted.count,
+                    .index_count = counted.index_count,
+                    .index = counted.index},
         .hall_state = seen.hall_state,
         .power_stage_fault = false,
     };
@@ -184,10 +197,12 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
         wheel->active = wheel->coupling->period(wheel->coupling->context, &in);
         return;
     }
-    wheel->next = controller_fast_step(&wheel->controller.fast, world->config, &wheel->to_fast, &in, &wheel->to_slow);
+    wheel->next = controller_fast_step(&wheel->controller.fast, world->config, &wheel->to_fast, &in,
+                                       &wheel->to_slow);
 }
 
-wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v)
+wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s,
+                        double bus_voltage_v)
 {
     feed_flow_t fed;
     feed_motor(wheel, world, speed_rad_s, bus_voltage_v, &fed);
@@ -216,8 +231,8 @@ wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed
     return out;
 }
 
-void wheel_settle(wheel_t *wheel, const wheel_world_t *world, const wheel_flow_t *flow, double speed_rad_s,
-                  double friction_used)
+void wheel_settle(wheel_t *wheel, const wheel_world_t *world, const wheel_flow_t *flow,
+                  double speed_rad_s, double friction_used)
 {
     wheel_totals_t *totals = &wheel->totals;
     const double used_s = friction_used * world->step_s;

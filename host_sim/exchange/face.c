@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "exchange/face.h"
 
 #include <math.h>
@@ -15,8 +16,10 @@ enum { FACE_OK = 0, FACE_REFUSED = -1, ERROR_LENGTH = 300 };
 
 /* No port has more variables than this. */
 enum { PORT_MAX = 32 };
-_Static_assert((int)EXCHANGE_FAST_INPUT_COUNT <= (int)PORT_MAX && (int)EXCHANGE_SLOW_INPUT_COUNT <= (int)PORT_MAX &&
-                   (int)EXCHANGE_FAST_OUTPUT_COUNT <= (int)PORT_MAX && (int)EXCHANGE_SLOW_OUTPUT_COUNT <= (int)PORT_MAX,
+_Static_assert((int)EXCHANGE_FAST_INPUT_COUNT <= (int)PORT_MAX &&
+                   (int)EXCHANGE_SLOW_INPUT_COUNT <= (int)PORT_MAX &&
+                   (int)EXCHANGE_FAST_OUTPUT_COUNT <= (int)PORT_MAX &&
+                   (int)EXCHANGE_SLOW_OUTPUT_COUNT <= (int)PORT_MAX,
                "arrays of a port are too short");
 
 struct hubsim_controller {
@@ -27,7 +30,8 @@ struct hubsim_controller {
 
 static bool is_variable(int port, int index)
 {
-    return port >= 0 && port < EXCHANGE_PORTS && index >= 0 && index < variables_count((exchange_port_t)port);
+    return port >= 0 && port < EXCHANGE_PORTS && index >= 0 &&
+           index < variables_count((exchange_port_t)port);
 }
 
 int hubsim_variable_count(int port)
@@ -94,15 +98,17 @@ static int refuse(hubsim_controller_t *controller, const char *format, ...)
     return FACE_REFUSED;
 }
 
-int hubsim_controller_load_config(hubsim_controller_t *controller, const void *image, uint32_t size_bytes)
+int hubsim_controller_load_config(hubsim_controller_t *controller, const void *image,
+                                  uint32_t size_bytes)
 {
     config_t config;
     memset(&config, 0, sizeof(config));
     memcpy(&config, image, size_bytes < sizeof(config) ? size_bytes : sizeof(config));
     const config_verdict_t verdict = config_validate(&config, size_bytes);
     if (verdict.code == CONFIG_VERDICT_RANGE) {
-        return refuse(controller, "configuration refused: %s: %ld, accepted: %ld to %ld", verdict.field,
-                      (long)verdict.value, (long)verdict.lowest, (long)verdict.highest);
+        return refuse(controller, "configuration refused: %s: %ld, accepted: %ld to %ld",
+                      verdict.field, (long)verdict.value, (long)verdict.lowest,
+                      (long)verdict.highest);
     }
     if (verdict.code != CONFIG_VERDICT_OK) {
         return refuse(controller, "configuration refused: %s", verdict.field);
@@ -112,7 +118,8 @@ int hubsim_controller_load_config(hubsim_controller_t *controller, const void *i
     return FACE_OK;
 }
 
-int hubsim_controller_scale(const hubsim_controller_t *controller, int port, int index, double *zero, double *per_unit)
+int hubsim_controller_scale(const hubsim_controller_t *controller, int port, int index,
+                            double *zero, double *per_unit)
 {
     if (!controller->has_config || !is_variable(port, index)) {
         return FACE_REFUSED;
@@ -144,7 +151,8 @@ static int check_raw(hubsim_controller_t *controller, exchange_port_t port, cons
     return FACE_OK;
 }
 
-static int to_raw(hubsim_controller_t *controller, exchange_port_t port, const double *in, int32_t *raw)
+static int to_raw(hubsim_controller_t *controller, exchange_port_t port, const double *in,
+                  int32_t *raw)
 {
     if (!controller->has_config) {
         return refuse(controller, "no configuration was loaded");
@@ -154,12 +162,14 @@ static int to_raw(hubsim_controller_t *controller, exchange_port_t port, const d
         if (!isfinite(in[k])) {
             return refuse(controller, "%s: not a finite number", info.name);
         }
-        raw[k] = variables_to_raw(&info, variables_affine(info.scale, &controller->joined.config), in[k]);
+        raw[k] = variables_to_raw(&info, variables_affine(info.scale, &controller->joined.config),
+                                  in[k]);
     }
     return FACE_OK;
 }
 
-static void from_raw(const hubsim_controller_t *controller, exchange_port_t port, const int32_t *raw, double *out)
+static void from_raw(const hubsim_controller_t *controller, exchange_port_t port,
+                     const int32_t *raw, double *out)
 {
     for (int k = 0; k < variables_count(port); k++) {
         const exchange_scale_t scale = variables_info(port, k).scale;
@@ -167,7 +177,8 @@ static void from_raw(const hubsim_controller_t *controller, exchange_port_t port
     }
 }
 
-int hubsim_controller_fast_step_raw(hubsim_controller_t *controller, const int32_t *in, int32_t *out)
+int hubsim_controller_fast_step_raw(hubsim_controller_t *controller, const int32_t *in,
+                                    int32_t *out)
 {
     const int status = check_raw(controller, EXCHANGE_PORT_FAST_INPUT, in);
     if (status == FACE_OK) {
@@ -176,7 +187,8 @@ int hubsim_controller_fast_step_raw(hubsim_controller_t *controller, const int32
     return status;
 }
 
-int hubsim_controller_slow_step_raw(hubsim_controller_t *controller, const int32_t *in, int32_t *out)
+int hubsim_controller_slow_step_raw(hubsim_controller_t *controller, const int32_t *in,
+                                    int32_t *out)
 {
     const int status = check_raw(controller, EXCHANGE_PORT_SLOW_INPUT, in);
     if (status == FACE_OK) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "exchange/joined.h"
 
 #include <string.h>
@@ -22,7 +23,8 @@ void joined_init(joined_t *joined, const config_t *config)
 void joined_fast(joined_t *joined, const int32_t *in, int32_t *out)
 {
     const fast_input_t seen = {
-        .phase_current_code = {(uint16_t)in[IN_phase_current_code_a], (uint16_t)in[IN_phase_current_code_b],
+        .phase_current_code = {(uint16_t)in[IN_phase_current_code_a],
+                               (uint16_t)in[IN_phase_current_code_b],
                                (uint16_t)in[IN_phase_current_code_c]},
         .bus_voltage_code = (uint16_t)in[IN_bus_voltage_code],
         .rotor_angle_turn = (uint16_t)in[IN_rotor_angle_turn],
@@ -32,15 +34,16 @@ void joined_fast(joined_t *joined, const int32_t *in, int32_t *out)
         .hall_state = (uint8_t)in[IN_hall_state],
         .power_stage_fault = in[IN_power_stage_fault] != 0,
     };
-    const fast_output_t done =
-        controller_fast_step(&joined->controller.fast, &joined->config, &joined->to_fast, &seen, &joined->to_slow);
+    const fast_output_t done = controller_fast_step(&joined->controller.fast, &joined->config,
+                                                    &joined->to_fast, &seen, &joined->to_slow);
     out[OUT_compare_counts_a] = done.compare_counts[0];
     out[OUT_compare_counts_b] = done.compare_counts[1];
     out[OUT_compare_counts_c] = done.compare_counts[2];
     out[OUT_bridge] = (int32_t)done.bridge;
 }
 
-#define GIVE(name, raw, type, scale, lowest, highest, unit, text) out[OUT_##raw] = (int32_t)done.raw;
+#define GIVE(name, raw, type, scale, lowest, highest, unit, text)                                  \
+    out[OUT_##raw] = (int32_t)done.raw;
 
 void joined_slow(joined_t *joined, const int32_t *in, int32_t *out)
 {
@@ -58,7 +61,7 @@ void joined_slow(joined_t *joined, const int32_t *in, int32_t *out)
         .selftest_passed = in[IN_selftest_passed] != 0,
         .config_accepted = in[IN_config_accepted] != 0,
     };
-    const slow_output_t done =
-        controller_slow_step(&joined->controller.slow, &joined->config, &joined->to_slow, &world, &joined->to_fast);
+    const slow_output_t done = controller_slow_step(&joined->controller.slow, &joined->config,
+                                                    &joined->to_slow, &world, &joined->to_fast);
     EXCHANGE_SLOW_OUTPUTS(GIVE)
 }

@@ -1,17 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "exchange/variables.h"
 
 #include <math.h>
 
 enum { CODE_MID = 2048, CODES = 4096, TURN_STEPS = 65536 };
 
-#define LINE(label, member, kind, conversion, lowest, highest, what, meaning)                                          \
-    {.name = #label,                                                                                                   \
-     .raw_name = #member,                                                                                              \
-     .unit = (what),                                                                                                   \
-     .text = (meaning),                                                                                                \
-     .type = EXCHANGE_##kind,                                                                                          \
-     .scale = EXCHANGE_##conversion,                                                                                   \
-     .lowest_raw = (lowest),                                                                                           \
+#define LINE(label, member, kind, conversion, lowest, highest, what, meaning)                      \
+    {.name = #label,                                                                               \
+     .raw_name = #member,                                                                          \
+     .unit = (what),                                                                               \
+     .text = (meaning),                                                                            \
+     .type = EXCHANGE_##kind,                                                                      \
+     .scale = EXCHANGE_##conversion,                                                               \
+     .lowest_raw = (lowest),                                                                       \
      .highest_raw = (highest)},
 static const variable_info_t FAST_INPUTS[] = {EXCHANGE_FAST_INPUTS(LINE)};
 static const variable_info_t FAST_OUTPUTS[] = {EXCHANGE_FAST_OUTPUTS(LINE)};
@@ -35,7 +36,8 @@ int variables_count(exchange_port_t port)
 
 variable_info_t variables_info(exchange_port_t port, int index)
 {
-    static const variable_info_t *const LISTS[EXCHANGE_PORTS] = {FAST_INPUTS, FAST_OUTPUTS, SLOW_INPUTS, SLOW_OUTPUTS};
+    static const variable_info_t *const LISTS[EXCHANGE_PORTS] = {FAST_INPUTS, FAST_OUTPUTS,
+                                                                 SLOW_INPUTS, SLOW_OUTPUTS};
     return LISTS[port][index];
 }
 

@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The functions of FMI 2.0 for co-simulation around an instance. The headers are the standard's own; whoever builds the
- * unit from source has them. What only model exchange or derivatives of inputs need is not offered and says so.
+ * The functions of FMI 2.0 for co-simulation around an instance. The headers are the standard's
+ * own; whoever builds the unit from source has them. What only model exchange or derivatives of
+ * inputs need is not offered and says so.
  */
 #include "fmi2Functions.h"
 #include "fmu/instance.h"
@@ -19,7 +21,8 @@ static void say(void *context, const char *message)
     const component_t *component = context;
     const fmi2CallbackFunctions *callbacks = component->callbacks;
     if (callbacks != NULL && callbacks->logger != NULL) {
-        callbacks->logger(callbacks->componentEnvironment, component->name, fmi2Error, "logStatusError", "%s", message);
+        callbacks->logger(callbacks->componentEnvironment, component->name, fmi2Error,
+                          "logStatusError", "%s", message);
     }
 }
 
@@ -53,8 +56,9 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean loggingOn, size_t nC
     return fmi2OK;
 }
 
-fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID, fmi2String resources,
-                              const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean loggingOn)
+fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2String fmuGUID,
+                              fmi2String resources, const fmi2CallbackFunctions *functions,
+                              fmi2Boolean visible, fmi2Boolean loggingOn)
 {
     (void)resources;
     (void)visible;
@@ -88,8 +92,8 @@ void fmi2FreeInstance(fmi2Component c)
     }
 }
 
-fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance, fmi2Real startTime,
-                               fmi2Boolean stopTimeDefined, fmi2Real stopTime)
+fmi2Status fmi2SetupExperiment(fmi2Component c, fmi2Boolean toleranceDefined, fmi2Real tolerance,
+                               fmi2Real startTime, fmi2Boolean stopTimeDefined, fmi2Real stopTime)
 {
     (void)toleranceDefined;
     (void)tolerance;
@@ -120,27 +124,29 @@ fmi2Status fmi2Reset(fmi2Component c)
 }
 
 /* GETTER(name, type of the standard, type of the model) */
-#define GETTER(name, ctype, kind)                                                                                      \
-    fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, ctype value[])                \
-    {                                                                                                                  \
-        for (size_t k = 0; k < nvr; k++) {                                                                             \
-            double found = 0.0;                                                                                        \
-            if (!instance_get(in(c), vr[k], kind, &found)) {                                                           \
-                return fmi2Error;                                                                                      \
-            }                                                                                                          \
-            value[k] = (ctype)found;                                                                                   \
-        }                                                                                                              \
-        return fmi2OK;                                                                                                 \
+#define GETTER(name, ctype, kind)                                                                  \
+    fmi2Status fmi2Get##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,           \
+                             ctype value[])                                                        \
+    {                                                                                              \
+        for (size_t k = 0; k < nvr; k++) {                                                         \
+            double found = 0.0;                                                                    \
+            if (!instance_get(in(c), vr[k], kind, &found)) {                                       \
+                return fmi2Error;                                                                  \
+            }                                                                                      \
+            value[k] = (ctype)found;                                                               \
+        }                                                                                          \
+        return fmi2OK;                                                                             \
     }
-#define SETTER(name, ctype, kind)                                                                                      \
-    fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const ctype value[])          \
-    {                                                                                                                  \
-        for (size_t k = 0; k < nvr; k++) {                                                                             \
-            if (!instance_set(in(c), vr[k], kind, (double)value[k])) {                                                 \
-                return fmi2Error;                                                                                      \
-            }                                                                                                          \
-        }                                                                                                              \
-        return fmi2OK;                                                                                                 \
+#define SETTER(name, ctype, kind)                                                                  \
+    fmi2Status fmi2Set##name(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,           \
+                             const ctype value[])                                                  \
+    {                                                                                              \
+        for (size_t k = 0; k < nvr; k++) {                                                         \
+            if (!instance_set(in(c), vr[k], kind, (double)value[k])) {                             \
+                return fmi2Error;                                                                  \
+            }                                                                                      \
+        }                                                                                          \
+        return fmi2OK;                                                                             \
     }
 GETTER(Real, fmi2Real, MODEL_REAL)
 GETTER(Integer, fmi2Integer, MODEL_CODE)
@@ -155,14 +161,16 @@ static fmi2Status unless_empty(fmi2Component c, size_t count, const char *what)
     return count == 0 ? fmi2OK : status_of(instance_refuse(in(c), what));
 }
 
-fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, fmi2String value[])
+fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                         fmi2String value[])
 {
     (void)vr;
     (void)value;
     return unless_empty(c, nvr, "strings");
 }
 
-fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr, const fmi2String value[])
+fmi2Status fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t nvr,
+                         const fmi2String value[])
 {
     (void)vr;
     (void)value;
@@ -195,7 +203,8 @@ fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate FMUstate, si
     return fmi2OK;
 }
 
-fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[], size_t size)
+fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byte serializedState[],
+                                 size_t size)
 {
     if (size < instance_state_bytes()) {
         return status_of(instance_refuse(in(c), "a state in so few bytes"));
@@ -207,11 +216,13 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate FMUstate, fmi2Byt
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte serializedState[], size_t size,
                                    fmi2FMUstate *FMUstate)
 {
-    return status_of(instance_state_from_bytes(in(c), serializedState, size, (instance_state_t **)FMUstate));
+    return status_of(
+        instance_state_from_bytes(in(c), serializedState, size, (instance_state_t **)FMUstate));
 }
 
-fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[], size_t nUnknown,
-                                        const fmi2ValueReference vKnown_ref[], size_t nKnown, const fmi2Real dvKnown[],
+fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference vUnknown_ref[],
+                                        size_t nUnknown, const fmi2ValueReference vKnown_ref[],
+                                        size_t nKnown, const fmi2Real dvKnown[],
                                         fmi2Real dvUnknown[])
 {
     (void)vUnknown_ref;
@@ -241,8 +252,8 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     return unless_empty(c, nvr, "derivatives of outputs");
 }
 
-fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2Real communicationStepSize,
-                      fmi2Boolean noSetFMUStatePriorToCurrentPoint)
+fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint,
+                      fmi2Real communicationStepSize, fmi2Boolean noSetFMUStatePriorToCurrentPoint)
 {
     (void)noSetFMUStatePriorToCurrentPoint;
     return status_of(instance_step(in(c), currentCommunicationPoint, communicationStepSize));
@@ -254,13 +265,13 @@ fmi2Status fmi2CancelStep(fmi2Component c)
 }
 
 /* Steps are done when fmi2DoStep returns, so none of these has anything to tell. */
-#define STATUS(name, ctype)                                                                                            \
-    fmi2Status fmi2Get##name(fmi2Component c, const fmi2StatusKind s, ctype *value)                                    \
-    {                                                                                                                  \
-        (void)c;                                                                                                       \
-        (void)s;                                                                                                       \
-        (void)value;                                                                                                   \
-        return fmi2Discard;                                                                                            \
+#define STATUS(name, ctype)                                                                        \
+    fmi2Status fmi2Get##name(fmi2Component c, const fmi2StatusKind s, ctype *value)                \
+    {                                                                                              \
+        (void)c;                                                                                   \
+        (void)s;                                                                                   \
+        (void)value;                                                                               \
+        return fmi2Discard;                                                                        \
     }
 STATUS(Status, fmi2Status)
 STATUS(RealStatus, fmi2Real)

@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The functions of FMI 3.0 for co-simulation around an instance; those that this unit has no use for are in
- * fmi3_absent.c. The headers are the standard's own; whoever builds the unit from source has them.
+ * The functions of FMI 3.0 for co-simulation around an instance; those that this unit has no use
+ * for are in fmi3_absent.c. The headers are the standard's own; whoever builds the unit from source
+ * has them.
  */
 #include "fmi3Functions.h"
 #include "fmu/fmi3_instance.h"
@@ -52,13 +54,12 @@ fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, siz
     return fmi3OK;
 }
 
-fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
-                                         fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
-                                         fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
-                                         const fmi3ValueReference requiredIntermediateVariables[],
-                                         size_t nRequiredIntermediateVariables,
-                                         fmi3InstanceEnvironment instanceEnvironment, fmi3LogMessageCallback logMessage,
-                                         fmi3IntermediateUpdateCallback intermediateUpdate)
+fmi3Instance fmi3InstantiateCoSimulation(
+    fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+    fmi3Boolean visible, fmi3Boolean loggingOn, fmi3Boolean eventModeUsed,
+    fmi3Boolean earlyReturnAllowed, const fmi3ValueReference requiredIntermediateVariables[],
+    size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment instanceEnvironment,
+    fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     (void)instanceName;
     (void)resourcePath;
@@ -84,7 +85,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
 }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
-                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                          fmi3String resourcePath, fmi3Boolean visible,
+                                          fmi3Boolean loggingOn,
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage)
 {
@@ -98,12 +100,11 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
     return NULL;
 }
 
-fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
-                                               fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
-                                               fmi3InstanceEnvironment instanceEnvironment,
-                                               fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
-                                               fmi3LockPreemptionCallback lockPreemption,
-                                               fmi3UnlockPreemptionCallback unlockPreemption)
+fmi3Instance fmi3InstantiateScheduledExecution(
+    fmi3String instanceName, fmi3String instantiationToken, fmi3String resourcePath,
+    fmi3Boolean visible, fmi3Boolean loggingOn, fmi3InstanceEnvironment instanceEnvironment,
+    fmi3LogMessageCallback logMessage, fmi3ClockUpdateCallback clockUpdate,
+    fmi3LockPreemptionCallback lockPreemption, fmi3UnlockPreemptionCallback unlockPreemption)
 {
     (void)instanceName;
     (void)instantiationToken;
@@ -127,8 +128,9 @@ void fmi3FreeInstance(fmi3Instance instance)
     }
 }
 
-fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
-                                       fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
+fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined,
+                                       fmi3Float64 tolerance, fmi3Float64 startTime,
+                                       fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
 {
     (void)toleranceDefined;
     (void)tolerance;
@@ -153,35 +155,35 @@ fmi3Status fmi3Reset(fmi3Instance instance)
 }
 
 /* All variables are scalars: as many values as references. */
-#define GETTER(name, ctype, kind)                                                                                      \
-    fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
-                             size_t nValueReferences, ctype values[], size_t nValues)                                  \
-    {                                                                                                                  \
-        if (nValues != nValueReferences) {                                                                             \
-            return fmi3_refuse(instance, "arrays");                                                                    \
-        }                                                                                                              \
-        for (size_t k = 0; k < nValues; k++) {                                                                         \
-            double found = 0.0;                                                                                        \
-            if (!instance_get(in(instance), valueReferences[k], kind, &found)) {                                       \
-                return fmi3Error;                                                                                      \
-            }                                                                                                          \
-            values[k] = (ctype)found;                                                                                  \
-        }                                                                                                              \
-        return fmi3OK;                                                                                                 \
+#define GETTER(name, ctype, kind)                                                                  \
+    fmi3Status fmi3Get##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],    \
+                             size_t nValueReferences, ctype values[], size_t nValues)              \
+    {                                                                                              \
+        if (nValues != nValueReferences) {                                                         \
+            return fmi3_refuse(instance, "arrays");                                                \
+        }                                                                                          \
+        for (size_t k = 0; k < nValues; k++) {                                                     \
+            double found = 0.0;                                                                    \
+            if (!instance_get(in(instance), valueReferences[k], kind, &found)) {                   \
+                return fmi3Error;                                                                  \
+            }                                                                                      \
+            values[k] = (ctype)found;                                                              \
+        }                                                                                          \
+        return fmi3OK;                                                                             \
     }
-#define SETTER(name, ctype, kind)                                                                                      \
-    fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],                        \
-                             size_t nValueReferences, const ctype values[], size_t nValues)                            \
-    {                                                                                                                  \
-        if (nValues != nValueReferences) {                                                                             \
-            return fmi3_refuse(instance, "arrays");                                                                    \
-        }                                                                                                              \
-        for (size_t k = 0; k < nValues; k++) {                                                                         \
-            if (!instance_set(in(instance), valueReferences[k], kind, (double)values[k])) {                            \
-                return fmi3Error;                                                                                      \
-            }                                                                                                          \
-        }                                                                                                              \
-        return fmi3OK;                                                                                                 \
+#define SETTER(name, ctype, kind)                                                                  \
+    fmi3Status fmi3Set##name(fmi3Instance instance, const fmi3ValueReference valueReferences[],    \
+                             size_t nValueReferences, const ctype values[], size_t nValues)        \
+    {                                                                                              \
+        if (nValues != nValueReferences) {                                                         \
+            return fmi3_refuse(instance, "arrays");                                                \
+        }                                                                                          \
+        for (size_t k = 0; k < nValues; k++) {                                                     \
+            if (!instance_set(in(instance), valueReferences[k], kind, (double)values[k])) {        \
+                return fmi3Error;                                                                  \
+            }                                                                                      \
+        }                                                                                          \
+        return fmi3OK;                                                                             \
     }
 GETTER(Float64, fmi3Float64, MODEL_REAL)
 GETTER(Int32, fmi3Int32, MODEL_CODE)
@@ -216,7 +218,8 @@ fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUSta
     return fmi3OK;
 }
 
-fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[], size_t size)
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState,
+                                 fmi3Byte serializedState[], size_t size)
 {
     if (size < instance_state_bytes()) {
         return fmi3_refuse(instance, "a state in so few bytes");
@@ -225,21 +228,25 @@ fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, f
     return fmi3OK;
 }
 
-fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,
-                                   fmi3FMUState *FMUState)
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[],
+                                   size_t size, fmi3FMUState *FMUState)
 {
-    return status_of(instance_state_from_bytes(in(instance), serializedState, size, (instance_state_t **)FMUState));
+    return status_of(instance_state_from_bytes(in(instance), serializedState, size,
+                                               (instance_state_t **)FMUState));
 }
 
-fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint, fmi3Float64 communicationStepSize,
-                      fmi3Boolean noSetFMUStatePriorToCurrentPoint, fmi3Boolean *eventHandlingNeeded,
-                      fmi3Boolean *terminateSimulation, fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint,
+                      fmi3Float64 communicationStepSize,
+                      fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                      fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
+                      fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
     (void)noSetFMUStatePriorToCurrentPoint;
     const bool done = instance_step(in(instance), currentCommunicationPoint, communicationStepSize);
     *eventHandlingNeeded = fmi3False;
     *terminateSimulation = fmi3False;
     *earlyReturn = fmi3False;
-    *lastSuccessfulTime = done ? currentCommunicationPoint + communicationStepSize : currentCommunicationPoint;
+    *lastSuccessfulTime =
+        done ? currentCommunicationPoint + communicationStepSize : currentCommunicationPoint;
     return status_of(done);
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "fmu/instance.h"
 
 #include <float.h>
@@ -9,7 +10,8 @@
 
 enum { MESSAGE_LENGTH = 500 };
 static const double CLOCK_ROUNDING_S = 1e-9;
-static const double CLOCK_ROUNDING = 4.0 * DBL_EPSILON; /* of the time: importers add up or multiply their steps */
+static const double CLOCK_ROUNDING =
+    4.0 * DBL_EPSILON; /* of the time: importers add up or multiply their steps */
 
 typedef enum { STAGE_FRESH, STAGE_INITIALIZING, STAGE_RUNNING, STAGE_ENDED } stage_t;
 
@@ -60,7 +62,8 @@ instance_t *instance_new(const char *token, instance_log_t *log, void *context)
 {
     if (token == NULL || strcmp(token, MODEL_TOKEN) != 0) {
         if (log != NULL) {
-            log(context, "the token is not this unit's: model description and binary do not belong together");
+            log(context, "the token is not this unit's: model description and binary do not belong "
+                         "together");
         }
         return NULL;
     }
@@ -117,7 +120,9 @@ static bool begin(instance_t *instance)
 bool instance_enter_initialization(instance_t *instance, double start_s)
 {
     if (instance->progress.stage != STAGE_FRESH || !isfinite(start_s)) {
-        return complain(instance, "initialization: once after instantiation or reset, with a finite start time");
+        return complain(
+            instance,
+            "initialization: once after instantiation or reset, with a finite start time");
     }
     instance->progress.stage = STAGE_INITIALIZING;
     instance->progress.start_s = start_s;
@@ -146,10 +151,13 @@ bool instance_terminate(instance_t *instance)
     return true;
 }
 
-static const model_variable_t *variable(const instance_t *instance, uint32_t reference, model_type_t type)
+static const model_variable_t *variable(const instance_t *instance, uint32_t reference,
+                                        model_type_t type)
 {
-    if (reference < 1 || reference > (uint32_t)MODEL_VARIABLE_COUNT || MODEL_VARIABLES[reference - 1].type != type) {
-        complain(instance, "value reference %lu: no variable of this type", (unsigned long)reference);
+    if (reference < 1 || reference > (uint32_t)MODEL_VARIABLE_COUNT ||
+        MODEL_VARIABLES[reference - 1].type != type) {
+        complain(instance, "value reference %lu: no variable of this type",
+                 (unsigned long)reference);
         return NULL;
     }
     return &MODEL_VARIABLES[reference - 1];
@@ -165,7 +173,8 @@ bool instance_get(instance_t *instance, uint32_t reference, model_type_t type, d
     if (found == NULL) {
         return false;
     }
-    if (found->role == MODEL_OUTPUT && instance->progress.stage == STAGE_INITIALIZING && !begin(instance)) {
+    if (found->role == MODEL_OUTPUT && instance->progress.stage == STAGE_INITIALIZING &&
+        !begin(instance)) {
         return false;
     }
     *value = instance->values[reference - 1];
@@ -181,12 +190,14 @@ bool instance_set(instance_t *instance, uint32_t reference, model_type_t type, d
     const bool running = instance->progress.stage == STAGE_RUNNING;
     if (found->role == MODEL_OUTPUT || instance->progress.stage == STAGE_ENDED ||
         (running && found->role == MODEL_FIXED)) {
-        return complain(instance, "%s: cannot be set%s", found->name, running ? " during a run" : "");
+        return complain(instance, "%s: cannot be set%s", found->name,
+                        running ? " during a run" : "");
     }
     if (!isfinite(value)) {
         return complain(instance, "%s: not a finite number", found->name);
     }
-    if (running && value != instance->values[reference - 1] && !model_set(instance->model, (int)reference - 1, value)) {
+    if (running && value != instance->values[reference - 1] &&
+        !model_set(instance->model, (int)reference - 1, value)) {
         return complain(instance, "%s", model_error(instance->model));
     }
     instance->values[reference - 1] = value;
@@ -204,8 +215,8 @@ bool instance_step(instance_t *instance, double from_s, double step_s)
     }
     const double rounding_s = CLOCK_ROUNDING_S + CLOCK_ROUNDING * fabs(progress->time_s);
     if (!(fabs(from_s - progress->time_s) < rounding_s) || !(step_s > 0.0) || !isfinite(step_s)) {
-        return complain(instance, "a step of %g s from %g s: the last one ended at %g s", step_s, from_s,
-                        progress->time_s);
+        return complain(instance, "a step of %g s from %g s: the last one ended at %g s", step_s,
+                        from_s, progress->time_s);
     }
     const double until_s = from_s + step_s;
     if (!model_advance(instance->model, until_s - progress->start_s, instance->values)) {
@@ -220,7 +231,8 @@ static size_t state_bytes(void)
     return sizeof(instance_state_t) + values_bytes() + model_state_bytes();
 }
 
-/* FNV-1a, 64 bits, over the unit's token and the bytes: a state is good for the unit it was taken from, and for no other. */
+/* FNV-1a, 64 bits, over the unit's token and the bytes: a state is good for the unit it was taken
+ * from, and for no other. */
 static uint64_t fingerprint(const unsigned char *bytes, size_t count)
 {
     const uint64_t prime = 1099511628211U;
@@ -266,10 +278,12 @@ bool instance_set_state(instance_t *instance, const instance_state_t *state)
         return complain(instance, "no state was given");
     }
     if (state->progress.has_begun) {
-        /* A model that has not begun does so with the state's values; then it takes on what it had become. */
+        /* A model that has not begun does so with the state's values; then it takes on what it had
+         * become. */
         const double *values = state->rest;
         memcpy(instance->values, values, values_bytes());
-        if (!begin(instance) || !model_restore(instance->model, (const unsigned char *)values + values_bytes())) {
+        if (!begin(instance) ||
+            !model_restore(instance->model, (const unsigned char *)values + values_bytes())) {
             return complain(instance, "%s", model_error(instance->model));
         }
     }
@@ -291,11 +305,12 @@ void instance_state_to_bytes(const instance_state_t *state, void *bytes)
     memcpy(bytes, &found, sizeof(found));
 }
 
-bool instance_state_from_bytes(instance_t *instance, const void *bytes, size_t size, instance_state_t **state)
+bool instance_state_from_bytes(instance_t *instance, const void *bytes, size_t size,
+                               instance_state_t **state)
 {
     if (size != instance_state_bytes()) {
-        return complain(instance, "a state has %lu bytes, not %lu", (unsigned long)instance_state_bytes(),
-                        (unsigned long)size);
+        return complain(instance, "a state has %lu bytes, not %lu",
+                        (unsigned long)instance_state_bytes(), (unsigned long)size);
     }
     const unsigned char *const rest = (const unsigned char *)bytes + sizeof(uint64_t);
     uint64_t kept = 0;

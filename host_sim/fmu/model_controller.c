@@ -1,4 +1,6 @@
-/* A unit that is one controller: both steps at their own rates, inputs held between communication points. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A unit that is one controller: both steps at their own rates, inputs held between communication
+ * points. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +14,8 @@
 enum { PORT_MAX = 32, NAME_LENGTH = 80 };
 static const double ROUNDING = 1e-6; /* of a period: periods are counted, not added up */
 
-static const char *const PORT_NAME[EXCHANGE_PORTS] = {"fast_input", "fast_output", "slow_input", "slow_output"};
+static const char *const PORT_NAME[EXCHANGE_PORTS] = {"fast_input", "fast_output", "slow_input",
+                                                      "slow_output"};
 
 /* What changes while it runs. */
 typedef struct {
@@ -89,7 +92,8 @@ static void give(const model_t *model, exchange_port_t port, double *values)
     for (int k = 0; k < variables_count(port); k++) {
         const variable_info_t info = variables_info(port, k);
         if (model->place[port][k] >= 0) {
-            values[model->place[port][k]] = variables_from_raw(affine_of(model, &info), model->run.raw[port][k]);
+            values[model->place[port][k]] =
+                variables_from_raw(affine_of(model, &info), model->run.raw[port][k]);
         }
     }
 }
@@ -98,7 +102,8 @@ bool model_begin(model_t *model, double *values)
 {
     config_t config;
     memset(&config, 0, sizeof(config));
-    memcpy(&config, MODEL_CONFIG, MODEL_CONFIG_BYTES < sizeof(config) ? MODEL_CONFIG_BYTES : sizeof(config));
+    memcpy(&config, MODEL_CONFIG,
+           MODEL_CONFIG_BYTES < sizeof(config) ? MODEL_CONFIG_BYTES : sizeof(config));
     if (config_validate(&config, MODEL_CONFIG_BYTES).code != CONFIG_VERDICT_OK) {
         model->error = "the unit's configuration is refused by the firmware: the unit is damaged";
         return false;
@@ -106,7 +111,8 @@ bool model_begin(model_t *model, double *values)
     joined_init(&model->run.joined, &config);
     for (int port = 0; port < EXCHANGE_PORTS; port++) {
         for (int k = 0; k < variables_count((exchange_port_t)port); k++) {
-            model->place[port][k] = place_of(PORT_NAME[port], variables_info((exchange_port_t)port, k).name);
+            model->place[port][k] =
+                place_of(PORT_NAME[port], variables_info((exchange_port_t)port, k).name);
         }
     }
     give(model, EXCHANGE_PORT_FAST_OUTPUT, values);
@@ -132,9 +138,11 @@ bool model_advance(model_t *model, double until_s, double *values)
     while ((double)run->periods + ROUNDING < until_s * rate_hz) {
         if ((double)run->periods + ROUNDING >= (double)run->slow_steps * per_slow) {
             run->slow_steps++;
-            joined_slow(&run->joined, run->raw[EXCHANGE_PORT_SLOW_INPUT], run->raw[EXCHANGE_PORT_SLOW_OUTPUT]);
+            joined_slow(&run->joined, run->raw[EXCHANGE_PORT_SLOW_INPUT],
+                        run->raw[EXCHANGE_PORT_SLOW_OUTPUT]);
         }
-        joined_fast(&run->joined, run->raw[EXCHANGE_PORT_FAST_INPUT], run->raw[EXCHANGE_PORT_FAST_OUTPUT]);
+        joined_fast(&run->joined, run->raw[EXCHANGE_PORT_FAST_INPUT],
+                    run->raw[EXCHANGE_PORT_FAST_OUTPUT]);
         run->periods++;
     }
     give(model, EXCHANGE_PORT_FAST_OUTPUT, values);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* A unit that is the whole simulated vehicle: the bench behind the same face that Python uses. */
 #include <stdlib.h>
 #include <string.h>
@@ -57,7 +58,8 @@ static bool judge(model_t *model, int status)
 
 static bool set_everything(model_t *model, const double *values)
 {
-    bool out = judge(model, hubsim_set_voltage_curve(model->sim, MODEL_CURVE_SOC, MODEL_CURVE_V, MODEL_CURVE_POINTS)) &&
+    bool out = judge(model, hubsim_set_voltage_curve(model->sim, MODEL_CURVE_SOC, MODEL_CURVE_V,
+                                                     MODEL_CURVE_POINTS)) &&
                judge(model, hubsim_load_config(model->sim, MODEL_CONFIG, MODEL_CONFIG_BYTES));
     for (int k = 0; out && k < MODEL_SETTING_COUNT; k++) {
         out = judge(model, hubsim_set(model->sim, MODEL_SETTINGS[k].name, MODEL_SETTINGS[k].value));
@@ -111,8 +113,8 @@ static bool sample(model_t *model, double *values)
 
 bool model_begin(model_t *model, double *values)
 {
-    return set_everything(model, values) && judge(model, hubsim_start(model->sim)) && choose_outputs(model) &&
-           sample(model, values);
+    return set_everything(model, values) && judge(model, hubsim_start(model->sim)) &&
+           choose_outputs(model) && sample(model, values);
 }
 
 bool model_set(model_t *model, int index, double value)

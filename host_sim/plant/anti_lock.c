@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/anti_lock.h"
 
 #include <stddef.h>
@@ -5,7 +6,8 @@
 #include "plant/numbers.h"
 
 static const double RIM_FILTER_S = 0.015; /* teeth make steps of a rim's speed */
-/* From locked on ice (mu 0.05) a wheel of any vehicle is back within this; a silence that lasts longer is the sensor's. */
+/* From locked on ice (mu 0.05) a wheel of any vehicle is back within this; a silence that lasts
+ * longer is the sensor's. */
 static const double SILENCE_S = 2.0;
 /* A rim that gains less does not come back soon: its brake is let go on. */
 static const double RECOVERING_M_PER_S2 = 2.0;
@@ -16,8 +18,10 @@ const char *anti_lock_objection(const anti_lock_params_t *params)
     if (params->active < 0.5) {
         return NULL;
     }
-    if (!(params->slip_hold > 0.0 && params->slip_dump >= params->slip_hold && params->slip_dump < 1.0)) {
-        return "anti_lock.slip_dump: accepted: from anti_lock.slip_hold, itself above 0, to less than 1";
+    if (!(params->slip_hold > 0.0 && params->slip_dump >= params->slip_hold &&
+          params->slip_dump < 1.0)) {
+        return "anti_lock.slip_dump: accepted: from anti_lock.slip_hold, itself above 0, to less "
+               "than 1";
     }
     return NULL;
 }
@@ -41,13 +45,15 @@ static double slowest(const anti_lock_sight_t *sight)
     return out;
 }
 
-static void refer(const anti_lock_params_t *params, anti_lock_t *state, const anti_lock_sight_t *sight, double step_s)
+static void refer(const anti_lock_params_t *params, anti_lock_t *state,
+                  const anti_lock_sight_t *sight, double step_s)
 {
     if (!sight->brakes) {
         state->reference_m_per_s = slowest(sight);
         return;
     }
-    const double fallen = state->reference_m_per_s + (sight->acceleration_m_per_s2 - params->margin_m_per_s2) * step_s;
+    const double fallen = state->reference_m_per_s +
+                          (sight->acceleration_m_per_s2 - params->margin_m_per_s2) * step_s;
     state->reference_m_per_s = plant_max(plant_max(fastest(sight), fallen), 0.0);
 }
 
@@ -64,7 +70,8 @@ static void look(anti_lock_t *state, const anti_lock_sight_t *sight, double step
     }
 }
 
-static hydraulic_valve_t decide(const anti_lock_params_t *params, const anti_lock_t *state, const anti_lock_wheel_t *w)
+static hydraulic_valve_t decide(const anti_lock_params_t *params, const anti_lock_t *state,
+                                const anti_lock_wheel_t *w)
 {
     const double slip = 1.0 - w->rim_m_per_s / state->reference_m_per_s;
     if (slip > params->slip_dump && w->rim_m_per_s2 < RECOVERING_M_PER_S2) {
@@ -83,7 +90,8 @@ static void leave_alone(anti_lock_t *state, int wheels)
     }
 }
 
-void anti_lock_step(const anti_lock_params_t *params, anti_lock_t *state, const anti_lock_sight_t *sight, double step_s)
+void anti_lock_step(const anti_lock_params_t *params, anti_lock_t *state,
+                    const anti_lock_sight_t *sight, double step_s)
 {
     look(state, sight, step_s);
     refer(params, state, sight, step_s);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/battery.h"
 
 #include <math.h>
@@ -25,9 +26,10 @@ battery_source_t battery_source(const battery_params_t *params, const battery_st
 {
     /* Mean of u_c over the step: i R_t (1 - mean_decay) + u_c mean_decay. */
     const battery_source_t out = {
-        .open_v = curve_at(&params->open_circuit_voltage_v, state->soc) - state->polarisation_v * state->mean_decay,
-        .resistance_ohm =
-            params->series_resistance_ohm + params->polarisation_resistance_ohm * (1.0 - state->mean_decay),
+        .open_v = curve_at(&params->open_circuit_voltage_v, state->soc) -
+                  state->polarisation_v * state->mean_decay,
+        .resistance_ohm = params->series_resistance_ohm +
+                          params->polarisation_resistance_ohm * (1.0 - state->mean_decay),
     };
     return out;
 }
@@ -36,10 +38,12 @@ double battery_current_a(double open_v, double resistance_ohm, double power_w, b
 {
     const double square = open_v * open_v - 4.0 * resistance_ohm * power_w;
     *collapsed = *collapsed || square < 0.0;
-    return square >= 0.0 ? 2.0 * power_w / (open_v + sqrt(square)) : open_v / (2.0 * resistance_ohm);
+    return square >= 0.0 ? 2.0 * power_w / (open_v + sqrt(square))
+                         : open_v / (2.0 * resistance_ohm);
 }
 
-battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *state, double current_a)
+battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *state,
+                             double current_a)
 {
     const double h = state->step_s;
     const double i = current_a;
@@ -47,7 +51,8 @@ battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *st
     const double u_oc = curve_at(&params->open_circuit_voltage_v, state->soc);
     const battery_source_t source = battery_source(params, state);
     const double stored_before_j = battery_stored_j(params, state);
-    const double mean_polarisation_v = i * r_t * (1.0 - state->mean_decay) + state->polarisation_v * state->mean_decay;
+    const double mean_polarisation_v =
+        i * r_t * (1.0 - state->mean_decay) + state->polarisation_v * state->mean_decay;
     state->polarisation_v = i * r_t * (1.0 - state->decay) + state->polarisation_v * state->decay;
     state->soc -= i * h / (params->capacity_ah * AS_PER_AH);
     state->current_a = i;
@@ -61,12 +66,14 @@ battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *st
     return out;
 }
 
-battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state, double terminal_j)
+battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state,
+                            double terminal_j)
 {
     const battery_source_t source = battery_source(params, state);
     const double power_w = terminal_j * (1.0 / state->step_s);
-    return battery_carry(params, state,
-                         battery_current_a(source.open_v, source.resistance_ohm, power_w, &state->collapsed));
+    return battery_carry(
+        params, state,
+        battery_current_a(source.open_v, source.resistance_ohm, power_w, &state->collapsed));
 }
 
 double battery_stored_j(const battery_params_t *params, const battery_state_t *state)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/bms.h"
 
 #include <math.h>
@@ -17,7 +18,9 @@ static double faded(double left_soc, double fade_soc)
 static double warm_share(const bms_params_t *params)
 {
     const double range_k = params->full_charge_c - params->coldest_charge_c;
-    return range_k > 0.0 ? plant_clamp((params->temperature_c - params->coldest_charge_c) / range_k, 0.0, 1.0) : 1.0;
+    return range_k > 0.0
+               ? plant_clamp((params->temperature_c - params->coldest_charge_c) / range_k, 0.0, 1.0)
+               : 1.0;
 }
 
 /* Current that takes the settled terminal voltage to its end. */
@@ -34,15 +37,19 @@ static double in_steps(double current_a, double step_a)
     return step_a > 0.0 ? step_a * floor(current_a / step_a) : current_a;
 }
 
-bms_limits_t bms_limits(const bms_params_t *params, const battery_params_t *pack, const battery_state_t *battery)
+bms_limits_t bms_limits(const bms_params_t *params, const battery_params_t *pack,
+                        const battery_state_t *battery)
 {
     const double open_v = curve_at(&pack->open_circuit_voltage_v, battery->soc);
     const double settled_ohm = pack->series_resistance_ohm + pack->polarisation_resistance_ohm;
-    const double charge_a =
-        pack->max_charge_current_a * faded(1.0 - battery->soc, params->fade_soc) * warm_share(params);
-    const double discharge_a = pack->max_discharge_current_a * faded(battery->soc, params->fade_soc);
-    const double full_a = to_voltage(params->max_voltage_v, params->max_voltage_v - open_v, settled_ohm);
-    const double empty_a = to_voltage(params->min_voltage_v, open_v - params->min_voltage_v, settled_ohm);
+    const double charge_a = pack->max_charge_current_a *
+                            faded(1.0 - battery->soc, params->fade_soc) * warm_share(params);
+    const double discharge_a =
+        pack->max_discharge_current_a * faded(battery->soc, params->fade_soc);
+    const double full_a =
+        to_voltage(params->max_voltage_v, params->max_voltage_v - open_v, settled_ohm);
+    const double empty_a =
+        to_voltage(params->min_voltage_v, open_v - params->min_voltage_v, settled_ohm);
     const bms_limits_t out = {
         .charge_a = in_steps(plant_min(charge_a, full_a), params->current_step_a),
         .discharge_a = in_steps(plant_min(discharge_a, empty_a), params->current_step_a),

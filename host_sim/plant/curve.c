@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/curve.h"
 
 curve_t curve_constant(double y)

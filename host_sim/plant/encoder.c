@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/encoder.h"
 
 #include <math.h>
@@ -5,12 +6,14 @@
 static const double TURN_DEG = 360.0;
 
 /* Mechanical turns from an index. */
-static double shaft_turns(const encoder_params_t *params, double pole_pairs, const encoder_shaft_t *shaft)
+static double shaft_turns(const encoder_params_t *params, double pole_pairs,
+                          const encoder_shaft_t *shaft)
 {
     return ((double)shaft->turns + shaft->theta_turn - params->index_deg / TURN_DEG) / pole_pairs;
 }
 
-encoder_shaft_t encoder_begin(const encoder_params_t *params, double pole_pairs, double theta_turn, int64_t first_turn)
+encoder_shaft_t encoder_begin(const encoder_params_t *params, double pole_pairs, double theta_turn,
+                              int64_t first_turn)
 {
     encoder_shaft_t out = {.theta_turn = theta_turn, .turns = first_turn};
     out.shaft_turns = shaft_turns(params, pole_pairs, &out);
@@ -24,8 +27,8 @@ static uint16_t counter(const encoder_params_t *params, const encoder_shaft_t *s
     return (uint16_t)((uint64_t)(params->reversed > 0.5 ? -shown : shown) & 0xFFFFU);
 }
 
-encoder_sample_t encoder_look(const encoder_params_t *params, double pole_pairs, encoder_shaft_t *shaft,
-                              double theta_turn)
+encoder_sample_t encoder_look(const encoder_params_t *params, double pole_pairs,
+                              encoder_shaft_t *shaft, double theta_turn)
 {
     encoder_sample_t out = {.index = false};
     if (params->counts < 1.0) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/hydraulic_brake.h"
 
 #include <math.h>
@@ -8,14 +9,15 @@ hydraulic_brake_state_t hydraulic_brake_init(const hydraulic_brake_params_t *par
 {
     hydraulic_brake_state_t out = {
         .torque_nm = 0.0,
-        .delay_ms = (int)lround(plant_min(params->hydraulic_dead_time_s * 1e3, HYDRAULIC_BRAKE_DELAY_MS_MAX)),
+        .delay_ms = (int)lround(
+            plant_min(params->hydraulic_dead_time_s * 1e3, HYDRAULIC_BRAKE_DELAY_MS_MAX)),
     };
     hydraulic_brake_refresh(params, &out, 0.0, step_s);
     return out;
 }
 
-void hydraulic_brake_refresh(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state, double torque_loss,
-                             double step_s)
+void hydraulic_brake_refresh(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state,
+                             double torque_loss, double step_s)
 {
     const double tau_s = params->hydraulic_time_constant_s;
     state->approach = tau_s > 0.0 ? -expm1(-step_s / tau_s) : 1.0;
@@ -25,7 +27,8 @@ void hydraulic_brake_refresh(const hydraulic_brake_params_t *params, hydraulic_b
     state->gain = (1.0 - params->torque_loss) * (1.0 - torque_loss);
 }
 
-void hydraulic_brake_command(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state, double command_nm)
+void hydraulic_brake_command(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state,
+                             double command_nm)
 {
     const int length = state->delay_ms + 1;
     state->commands_nm[state->next] = plant_clamp(command_nm, 0.0, params->max_hydraulic_torque_nm);
@@ -33,8 +36,8 @@ void hydraulic_brake_command(const hydraulic_brake_params_t *params, hydraulic_b
     state->target_nm = state->commands_nm[state->next];
 }
 
-void hydraulic_brake_valve(hydraulic_brake_state_t *state, hydraulic_valve_t valve, double build_nm_per_s,
-                           double dump_nm_per_s, double step_s)
+void hydraulic_brake_valve(hydraulic_brake_state_t *state, hydraulic_valve_t valve,
+                           double build_nm_per_s, double dump_nm_per_s, double step_s)
 {
     state->valve = valve;
     state->build_nm = build_nm_per_s * step_s;
@@ -59,8 +62,10 @@ static double behind_valve(const hydraulic_brake_state_t *state, double change_n
 double hydraulic_brake_step(hydraulic_brake_state_t *state)
 {
     const double wanted_nm = (state->target_nm - state->torque_nm) * state->approach;
-    const double largest_rise_nm = state->torque_nm < state->knee_nm ? state->knee_rise_nm : state->largest_change_nm;
+    const double largest_rise_nm =
+        state->torque_nm < state->knee_nm ? state->knee_rise_nm : state->largest_change_nm;
     const double change_nm = plant_clamp(wanted_nm, -state->largest_change_nm, largest_rise_nm);
-    state->torque_nm += state->valve == HYDRAULIC_VALVE_OPEN ? change_nm : behind_valve(state, change_nm);
+    state->torque_nm +=
+        state->valve == HYDRAULIC_VALVE_OPEN ? change_nm : behind_valve(state, change_nm);
     return state->torque_nm * state->gain;
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/inverter.h"
 
 #include "plant/numbers.h"
@@ -18,8 +19,9 @@ inverter_t inverter_model(const inverter_params_t *params, double switch_tempera
         .short_resistance_ohm = switch_ohm,
         .diode_resistance_ohm = params->diode_resistance_ohm,
         .forward_voltage_v = params->diode_forward_voltage_v,
-        .switching_loss_j_per_as =
-            0.5 * (params->turn_on_loss_j_per_a + params->turn_off_loss_j_per_a) * params->pwm_frequency_hz,
+        .switching_loss_j_per_as = 0.5 *
+                                   (params->turn_on_loss_j_per_a + params->turn_off_loss_j_per_a) *
+                                   params->pwm_frequency_hz,
     };
     return out;
 }
@@ -34,7 +36,8 @@ double inverter_zone_a(const inverter_t *inverter, double bus_voltage_v, double 
     return error_v(inverter, bus_voltage_v) * amperes_per_volt;
 }
 
-inverter_drive_t inverter_drive(const inverter_t *inverter, plant_abc_t duty, double bus_voltage_v, double zone_a)
+inverter_drive_t inverter_drive(const inverter_t *inverter, plant_abc_t duty, double bus_voltage_v,
+                                double zone_a)
 {
     const plant_ab_t duties = plant_clarke(duty);
     const inverter_drive_t out = {
@@ -51,11 +54,13 @@ static inline double energy_j(plant_ab_t u, plant_ab_t charge_as)
     return 1.5 * (u.alpha * charge_as.alpha + u.beta * charge_as.beta);
 }
 
-inverter_flow_t inverter_pwm_flow(const inverter_t *inverter, const inverter_drive_t *drive, const pmsm_flow_t *flow)
+inverter_flow_t inverter_pwm_flow(const inverter_t *inverter, const inverter_drive_t *drive,
+                                  const pmsm_flow_t *flow)
 {
     const double switching_j = inverter->switching_loss_j_per_as * flow->rectified_as;
     const inverter_flow_t out = {
-        .dc_j = energy_j(drive->legs, flow->charge_as) - drive->shifted_v * flow->opposed_as + switching_j,
+        .dc_j = energy_j(drive->legs, flow->charge_as) - drive->shifted_v * flow->opposed_as +
+                switching_j,
         .conduction_j = flow->series_j,
         .diode_j = drive->drop_v * flow->opposed_as,
         .switching_j = switching_j,
@@ -68,7 +73,8 @@ double inverter_rectifier_ceiling_v(const inverter_t *inverter, double bus_volta
     return (bus_voltage_v + 2.0 * inverter->forward_voltage_v) * PLANT_INV_SQRT3;
 }
 
-inverter_flow_t inverter_rectifier_flow(const inverter_t *inverter, double bus_voltage_v, const pmsm_flow_t *flow)
+inverter_flow_t inverter_rectifier_flow(const inverter_t *inverter, double bus_voltage_v,
+                                        const pmsm_flow_t *flow)
 {
     const double dc_share = bus_voltage_v / (bus_voltage_v + 2.0 * inverter->forward_voltage_v);
     const inverter_flow_t out = {
@@ -82,6 +88,7 @@ inverter_flow_t inverter_rectifier_flow(const inverter_t *inverter, double bus_v
 
 inverter_flow_t inverter_short_flow(const pmsm_flow_t *flow)
 {
-    const inverter_flow_t out = {.dc_j = 0.0, .conduction_j = flow->series_j, .diode_j = 0.0, .switching_j = 0.0};
+    const inverter_flow_t out = {
+        .dc_j = 0.0, .conduction_j = flow->series_j, .diode_j = 0.0, .switching_j = 0.0};
     return out;
 }

@@ -1,12 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/magnetics.h"
 
-/* Newton's steps: from the straight line's flux every one at least takes a third off; near the end they double the digits. */
+/* Newton's steps: from the straight line's flux every one at least takes a third off; near the end
+ * they double the digits. */
 enum { STEPS_MAX = 60 };
 static const double SMALL_ENOUGH = 1e-15; /* of the currents */
 
 static double quartic(double inductance_h, double saturation_a)
 {
-    return saturation_a > 0.0 ? 4.0 / (inductance_h * inductance_h * inductance_h * saturation_a * saturation_a) : 0.0;
+    return saturation_a > 0.0
+               ? 4.0 / (inductance_h * inductance_h * inductance_h * saturation_a * saturation_a)
+               : 0.0;
 }
 
 magnetics_t magnetics_of(const magnetics_data_t *data)
@@ -31,7 +35,8 @@ magnetics_t magnetics_of(const magnetics_data_t *data)
 bool magnetics_is_possible(const magnetics_data_t *data)
 {
     const magnetics_t m = magnetics_of(data);
-    /* y^2/2 (g_q - a_c z_0^2) must not fall below a parabola either: the iron of both axes is the same. */
+    /* y^2/2 (g_q - a_c z_0^2) must not fall below a parabola either: the iron of both axes is the
+     * same. */
     return m.per_l_d > 0.0 && m.per_l_q > m.a_c * m.bias_wb * m.bias_wb;
 }
 
@@ -83,5 +88,6 @@ double magnetics_energy_j(const magnetics_t *m, plant_dq_t flux)
     const double of_d = 0.25 * m->a_d * x_square * (x_square + 4.0 * x * z0 + 6.0 * z0 * z0);
     const double of_q = 0.25 * m->a_q * y_square * y_square;
     const double of_both = 0.5 * m->a_c * x * (x + 2.0 * z0) * y_square;
-    return 1.5 * (0.5 * m->per_l_d * x_square + 0.5 * m->per_l_q * y_square + of_d + of_q + of_both);
+    return 1.5 *
+           (0.5 * m->per_l_d * x_square + 0.5 * m->per_l_q * y_square + of_d + of_q + of_both);
 }

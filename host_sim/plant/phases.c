@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/phases.h"
 
 #include <math.h>
@@ -13,7 +14,8 @@ phases_t phases_at(const pmsm_t *machine, double omega_rad_s)
     const pmsm_params_t *p = &machine->params;
     const double per_l_d = 1.0 / p->d_inductance_h;
     const double per_l_q = 1.0 / p->q_inductance_h;
-    const double iron_ohm = p->iron_loss_resistance_ohm + p->iron_loss_resistance_slope_ohm_s * fabs(omega_rad_s);
+    const double iron_ohm =
+        p->iron_loss_resistance_ohm + p->iron_loss_resistance_slope_ohm_s * fabs(omega_rad_s);
     const phases_t out = {
         .machine = machine,
         .omega_rad_s = omega_rad_s,
@@ -59,7 +61,8 @@ double phases_open_ohm(const phases_t *phases, const phases_state_t *state)
     plant_dq_t flux = plant_park(from_phases(state->flux_wb), state->axis);
     flux.d -= phases->machine->flux_wb;
     const magnetics_slope_t slope = magnetics_slope(m, flux);
-    return plant_min(phases->open_ohm, 1.0 / (FADE_S * (plant_max(slope.dd, slope.qq) + fabs(slope.dq))));
+    return plant_min(phases->open_ohm,
+                     1.0 / (FADE_S * (plant_max(slope.dd, slope.qq) + fabs(slope.dq))));
 }
 
 void phases_to(const phases_t *phases, const phases_state_t *state, pmsm_state_t *rotor)
@@ -77,7 +80,8 @@ void phases_to(const phases_t *phases, const phases_state_t *state, pmsm_state_t
     rotor->axis = state->axis;
 }
 
-/* i_t of three windings: L^-1 in the stator is a circle plus a part that turns at twice the rotor's angle. */
+/* i_t of three windings: L^-1 in the stator is a circle plus a part that turns at twice the rotor's
+ * angle. */
 static plant_ab_t behind_iron(const phases_t *phases, plant_ab_t flux, plant_phasor_t axis)
 {
     const double psi = phases->machine->flux_wb;
@@ -100,19 +104,22 @@ static plant_ab_t behind_iron(const phases_t *phases, plant_ab_t flux, plant_pha
 /* Everything at one instant. */
 typedef struct {
     double volts[PHASES];   /* v_x */
-    double current[PHASES]; /* i_x of the winding and its iron; the wire's too unless the leg is open */
+    double current[PHASES]; /* i_x of the winding and its iron; the wire's too unless the leg is
+                               open */
     double iron_v[PHASES];  /* w_x */
     double star_v;
     double torque_per_p;
 } instant_t;
 
-static instant_t instant_at(const phases_t *phases, const phases_leg_t legs[PHASES], const double flux_wb[PHASES],
-                            plant_phasor_t axis)
+static instant_t instant_at(const phases_t *phases, const phases_leg_t legs[PHASES],
+                            const double flux_wb[PHASES], plant_phasor_t axis)
 {
     const plant_ab_t flux = from_phases(flux_wb);
     const plant_ab_t behind = behind_iron(phases, flux, axis);
-    const plant_ab_t turning = {.alpha = -phases->omega_rad_s * flux.beta, .beta = phases->omega_rad_s * flux.alpha};
-    const double iron_now_s = phases->iron_sees_ripple ? 0.0 : phases->iron_s; /* known before v is */
+    const plant_ab_t turning = {.alpha = -phases->omega_rad_s * flux.beta,
+                                .beta = phases->omega_rad_s * flux.alpha};
+    const double iron_now_s =
+        phases->iron_sees_ripple ? 0.0 : phases->iron_s; /* known before v is */
     const double iron_late_s = phases->iron_s - iron_now_s;
     double i_t[PHASES];
     instant_t out = {.torque_per_p = 1.5 * (flux.alpha * behind.beta - flux.beta * behind.alpha)};
@@ -145,15 +152,16 @@ static instant_t instant_at(const phases_t *phases, const phases_leg_t legs[PHAS
     return out;
 }
 
-static void along(const double from[PHASES], double h, const double slope[PHASES], double out[PHASES])
+static void along(const double from[PHASES], double h, const double slope[PHASES],
+                  double out[PHASES])
 {
     for (int x = 0; x < PHASES; x++) {
         out[x] = from[x] + h * slope[x];
     }
 }
 
-static void add(const phases_t *phases, const phases_leg_t legs[PHASES], const instant_t *at, double weight_s,
-                phases_flow_t *flow)
+static void add(const phases_t *phases, const phases_leg_t legs[PHASES], const instant_t *at,
+                double weight_s, phases_flow_t *flow)
 {
     for (int x = 0; x < PHASES; x++) {
         flow->iron_j += weight_s * at->volts[x] * at->iron_v[x] * phases->iron_s;
@@ -167,8 +175,8 @@ static void add(const phases_t *phases, const phases_leg_t legs[PHASES], const i
     flow->torque_nms += weight_s * phases->machine->params.pole_pairs * at->torque_per_p;
 }
 
-void phases_advance(const phases_t *phases, phases_state_t *state, const phases_leg_t legs[PHASES], double h,
-                    phases_flow_t *flow)
+void phases_advance(const phases_t *phases, phases_state_t *state, const phases_leg_t legs[PHASES],
+                    double h, phases_flow_t *flow)
 {
     const plant_phasor_t half_turn = plant_small_phasor(0.5 * phases->omega_rad_s * h);
     const plant_phasor_t middle = plant_turned(state->axis, half_turn);
@@ -186,7 +194,8 @@ void phases_advance(const phases_t *phases, phases_state_t *state, const phases_
     add(phases, legs, &s3, h / 3.0, flow);
     add(phases, legs, &s4, h / 6.0, flow);
     for (int x = 0; x < PHASES; x++) {
-        state->flux_wb[x] += h / 6.0 * (s1.volts[x] + 2.0 * (s2.volts[x] + s3.volts[x]) + s4.volts[x]);
+        state->flux_wb[x] +=
+            h / 6.0 * (s1.volts[x] + 2.0 * (s2.volts[x] + s3.volts[x]) + s4.volts[x]);
     }
     state->axis = end;
     const instant_t now = instant_at(phases, legs, state->flux_wb, end);
@@ -195,12 +204,13 @@ void phases_advance(const phases_t *phases, phases_state_t *state, const phases_
     }
 }
 
-void phases_look(const phases_t *phases, const phases_state_t *state, const phases_leg_t legs[PHASES],
-                 double current_a[PHASES], double end_v[PHASES])
+void phases_look(const phases_t *phases, const phases_state_t *state,
+                 const phases_leg_t legs[PHASES], double current_a[PHASES], double end_v[PHASES])
 {
     const instant_t now = instant_at(phases, legs, state->flux_wb, state->axis);
     for (int x = 0; x < PHASES; x++) {
         current_a[x] = legs[x].open ? 0.0 : now.current[x];
-        end_v[x] = legs[x].open ? now.volts[x] + now.star_v : legs[x].volts - legs[x].ohms * now.current[x];
+        end_v[x] = legs[x].open ? now.volts[x] + now.star_v
+                                : legs[x].volts - legs[x].ohms * now.current[x];
     }
 }

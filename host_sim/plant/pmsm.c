@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/pmsm.h"
 
 #include <stddef.h>
@@ -5,7 +6,8 @@
 #include "plant/numbers.h"
 #include "pmsm_stages.h"
 
-/* Largest turn of the rotor in one stage set, rad: the scheme's error is then below 1e-8 of the current per period. */
+/* Largest turn of the rotor in one stage set, rad: the scheme's error is then below 1e-8 of the
+ * current per period. */
 static const double LARGEST_TURN_RAD = 0.1;
 /* Coldest and hottest windings of a broken scenario still have copper in them. */
 static const double LEAST_SHARE = 0.05;
@@ -27,13 +29,17 @@ const char *pmsm_objection(const pmsm_params_t *params)
 {
     const magnetics_data_t iron = iron_of(params);
     if (!magnetics_is_possible(&iron)) {
-        return "motor.magnet_bias_current_a: accepted: less than 0.28 motor.d_saturation_current_a, and so little that "
-               "4 motor.cross_saturation sqrt(d_inductance_h / q_inductance_h) bias^2 is less than the product of both "
+        return "motor.magnet_bias_current_a: accepted: less than 0.28 "
+               "motor.d_saturation_current_a, and so little that "
+               "4 motor.cross_saturation sqrt(d_inductance_h / q_inductance_h) bias^2 is less than "
+               "the product of both "
                "saturation currents";
     }
     if (params->cogging_torque_nm > 0.0 &&
-        (params->cogging_per_turn < 1.0 || params->cogging_per_turn != floor(params->cogging_per_turn))) {
-        return "motor.cogging_per_turn: accepted: a whole number from 1 where motor.cogging_torque_nm is above 0";
+        (params->cogging_per_turn < 1.0 ||
+         params->cogging_per_turn != floor(params->cogging_per_turn))) {
+        return "motor.cogging_per_turn: accepted: a whole number from 1 where "
+               "motor.cogging_torque_nm is above 0";
     }
     return NULL;
 }
@@ -59,8 +65,10 @@ pmsm_t pmsm_at_temperature(const pmsm_params_t *params, double winding_temperatu
 pmsm_state_t pmsm_at_rest(double theta_turn)
 {
     const double within = theta_turn - floor(theta_turn);
-    const pmsm_state_t out = {
-        .i_t = {0.0, 0.0}, .terminal = {0.0, 0.0}, .theta_turn = within, .axis = plant_phasor_of_turn(within)};
+    const pmsm_state_t out = {.i_t = {0.0, 0.0},
+                              .terminal = {0.0, 0.0},
+                              .theta_turn = within,
+                              .axis = plant_phasor_of_turn(within)};
     return out;
 }
 
@@ -82,7 +90,8 @@ static equations_t equations_at(const pmsm_t *machine, const pmsm_step_t *step)
         .saliency_h = p->d_inductance_h - p->q_inductance_h,
     };
     if (p->iron_loss_resistance_ohm + p->iron_loss_resistance_slope_ohm_s > 0.0) {
-        const double iron_ohm = p->iron_loss_resistance_ohm + p->iron_loss_resistance_slope_ohm_s * fabs(w);
+        const double iron_ohm =
+            p->iron_loss_resistance_ohm + p->iron_loss_resistance_slope_ohm_s * fabs(w);
         out.conductance_s = 1.0 / (iron_ohm + out.resistance_ohm);
         out.share = iron_ohm * out.conductance_s;
     }
@@ -96,7 +105,8 @@ bool pmsm_is_resolved(const pmsm_t *machine, double series_resistance_ohm, doubl
     return resistance_ohm * step_s < plant_min(p->d_inductance_h, p->q_inductance_h);
 }
 
-/* A rotor that turned more than once within a PWM period could not be controlled, but must not leave its range. */
+/* A rotor that turned more than once within a PWM period could not be controlled, but must not
+ * leave its range. */
 static void turn_rotor(pmsm_state_t *state, const pmsm_step_t *step)
 {
     const double turns = step->omega_rad_s * step->duration_s * (1.0 / PLANT_TWO_PI);
@@ -107,7 +117,8 @@ static void turn_rotor(pmsm_state_t *state, const pmsm_step_t *step)
 /* The phasor is carried along by products; this takes their rounding off before it can grow. */
 static void straighten(pmsm_state_t *state)
 {
-    const double stretch = 1.5 - 0.5 * (state->axis.cos * state->axis.cos + state->axis.sin * state->axis.sin);
+    const double stretch =
+        1.5 - 0.5 * (state->axis.cos * state->axis.cos + state->axis.sin * state->axis.sin);
     state->axis.cos *= stretch;
     state->axis.sin *= stretch;
 }
@@ -117,8 +128,10 @@ static double cog(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t 
     if (machine->cogging.amplitude_nm <= 0.0) {
         return 0.0;
     }
-    const double turns = step->omega_rad_s * step->duration_s / (PLANT_TWO_PI * machine->params.pole_pairs);
-    const double out_nms = cogging_impulse_nms(&machine->cogging, state->shaft_turn, turns, step->duration_s);
+    const double turns =
+        step->omega_rad_s * step->duration_s / (PLANT_TWO_PI * machine->params.pole_pairs);
+    const double out_nms =
+        cogging_impulse_nms(&machine->cogging, state->shaft_turn, turns, step->duration_s);
     const double after = state->shaft_turn + turns;
     state->shaft_turn = after - floor(after);
     return out_nms;
@@ -131,7 +144,8 @@ double pmsm_turn(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *
     return cog(machine, state, step);
 }
 
-pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, const pmsm_step_t *step)
+pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u,
+                      const pmsm_step_t *step)
 {
     const equations_t eq = equations_at(machine, step);
     const pmsm_opposition_t *opposition = &step->opposition;
@@ -155,14 +169,15 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, 
     flow.iron_j *= 1.5 * eq.share * eq.conductance_s;
     flow.torque_nms *= 1.5 * machine->params.pole_pairs;
     flow.torque_nms += cogging_nms;
-    flow.source_j =
-        1.5 * (u.alpha * flow.charge_as.alpha + u.beta * flow.charge_as.beta) - opposition->volts * flow.opposed_as;
+    flow.source_j = 1.5 * (u.alpha * flow.charge_as.alpha + u.beta * flow.charge_as.beta) -
+                    opposition->volts * flow.opposed_as;
     return flow;
 }
 
-/* i_t after an implicit step of  L di/dt = drive - r i - j w L i,  drive holding everything else. */
-static plant_dq_t implicit_step(const pmsm_t *machine, const equations_t *eq, plant_dq_t before, double h, double r,
-                                plant_dq_t drive)
+/* i_t after an implicit step of  L di/dt = drive - r i - j w L i,  drive holding everything else.
+ */
+static plant_dq_t implicit_step(const pmsm_t *machine, const equations_t *eq, plant_dq_t before,
+                                double h, double r, plant_dq_t drive)
 {
     if (machine->magnetics.saturates) {
         return pmsm_saturated_implicit(machine, eq->w, before, h, r, drive);
@@ -180,8 +195,8 @@ static plant_dq_t implicit_step(const pmsm_t *machine, const equations_t *eq, pl
 }
 
 /* The terminal voltage that lets no current through the wires, and the i_t that belongs to it. */
-static plant_dq_t blocking_voltage(const pmsm_t *machine, const equations_t *eq, plant_dq_t before, double h,
-                                   plant_dq_t *i_t)
+static plant_dq_t blocking_voltage(const pmsm_t *machine, const equations_t *eq, plant_dq_t before,
+                                   double h, plant_dq_t *i_t)
 {
     if (eq->conductance_s == 0.0) {
         i_t->d = 0.0;
@@ -197,7 +212,8 @@ static plant_dq_t blocking_voltage(const pmsm_t *machine, const equations_t *eq,
     return out;
 }
 
-pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, double ceiling_v, const pmsm_step_t *step)
+pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, double ceiling_v,
+                                const pmsm_step_t *step)
 {
     const equations_t eq = equations_at(machine, step);
     const double h = step->duration_s;
@@ -235,12 +251,13 @@ pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, doub
         .rectified_as = h * plant_rectified_sum(state->terminal),
     };
     const double work_j = flow.torque_nms * step->omega_rad_s / machine->params.pole_pairs;
-    flow.source_j = flow.copper_j + flow.series_j + flow.iron_j + work_j + pmsm_magnetic_energy_j(machine, state) -
-                    magnetic_before_j;
+    flow.source_j = flow.copper_j + flow.series_j + flow.iron_j + work_j +
+                    pmsm_magnetic_energy_j(machine, state) - magnetic_before_j;
     return flow;
 }
 
-double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_state_t *state, const pmsm_step_t *step)
+double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_state_t *state,
+                             const pmsm_step_t *step)
 {
     const equations_t eq = equations_at(machine, step);
     double per_l = plant_max(eq.per_l_d, eq.per_l_q);
@@ -255,13 +272,16 @@ double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_state_t *state, c
 double pmsm_magnetic_energy_j(const pmsm_t *machine, const pmsm_state_t *state)
 {
     const pmsm_params_t *p = &machine->params;
-    const double cogging_j =
-        machine->cogging.amplitude_nm > 0.0 ? cogging_energy_j(&machine->cogging, state->shaft_turn) : 0.0;
+    const double cogging_j = machine->cogging.amplitude_nm > 0.0
+                                 ? cogging_energy_j(&machine->cogging, state->shaft_turn)
+                                 : 0.0;
     if (machine->magnetics.saturates) {
-        return magnetics_energy_j(&machine->magnetics, magnetics_flux(&machine->magnetics, state->i_t)) + cogging_j;
+        return magnetics_energy_j(&machine->magnetics,
+                                  magnetics_flux(&machine->magnetics, state->i_t)) +
+               cogging_j;
     }
-    const double of_currents_j =
-        0.75 * (p->d_inductance_h * state->i_t.d * state->i_t.d + p->q_inductance_h * state->i_t.q * state->i_t.q);
+    const double of_currents_j = 0.75 * (p->d_inductance_h * state->i_t.d * state->i_t.d +
+                                         p->q_inductance_h * state->i_t.q * state->i_t.q);
     return of_currents_j + cogging_j;
 }
 

@@ -1,4 +1,6 @@
-/* The machine of pmsm.h where its iron saturates: the same circuit and stages, integrated in the fluxes. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The machine of pmsm.h where its iron saturates: the same circuit and stages, integrated in the
+ * fluxes. */
 #include "pmsm_stages.h"
 
 typedef struct {
@@ -7,14 +9,15 @@ typedef struct {
 } opposed_stage_t;
 
 static inline opposed_stage_t stage_at(const pmsm_t *machine, const equations_t *eq,
-                                       const pmsm_opposition_t *opposition, plant_ab_t u_ab, plant_phasor_t axis,
-                                       plant_dq_t flux)
+                                       const pmsm_opposition_t *opposition, plant_ab_t u_ab,
+                                       plant_phasor_t axis, plant_dq_t flux)
 {
     const plant_dq_t i_t = magnetics_current(&machine->magnetics, flux);
     plant_dq_t u = plant_park(u_ab, axis);
     plant_dq_t share = {0.0, 0.0};
     if (opposition->volts != 0.0) {
-        const plant_dq_t unopposed = along(i_t, eq->conductance_s, along(u, -eq->resistance_ohm, i_t));
+        const plant_dq_t unopposed =
+            along(i_t, eq->conductance_s, along(u, -eq->resistance_ohm, i_t));
         share = opposed_share(1.0 / opposition->zone_a, unopposed, axis);
         u = along(u, -opposition->volts, share);
     }
@@ -22,7 +25,8 @@ static inline opposed_stage_t stage_at(const pmsm_t *machine, const equations_t 
     const plant_dq_t i = along(i_t, eq->conductance_s, e);
     const double flux_d = flux.d + eq->flux_wb;
     const opposed_stage_t out = {
-        .stage = {.slope = {.d = eq->share * e.d + eq->w * flux.q, .q = eq->share * e.q - eq->w * flux_d},
+        .stage = {.slope = {.d = eq->share * e.d + eq->w * flux.q,
+                            .q = eq->share * e.q - eq->w * flux_d},
                   .terminal = i,
                   .terminal_square = i.d * i.d + i.q * i.q,
                   .drop_square = e.d * e.d + e.q * e.q,
@@ -32,18 +36,22 @@ static inline opposed_stage_t stage_at(const pmsm_t *machine, const equations_t 
     return out;
 }
 
-void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, const pmsm_opposition_t *opposition,
-                            pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow)
+void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq,
+                            const pmsm_opposition_t *opposition, pmsm_state_t *state, plant_ab_t u,
+                            double h, plant_phasor_t half_turn, pmsm_flow_t *flow)
 {
     const stage_axes_t axes = stage_axes(state->axis, half_turn);
     plant_dq_t flux = magnetics_flux(&machine->magnetics, state->i_t);
     const opposed_stage_t o1 = stage_at(machine, eq, opposition, u, axes.start, flux);
     const stage_t *s1 = &o1.stage;
-    const opposed_stage_t o2 = stage_at(machine, eq, opposition, u, axes.middle, along(flux, 0.5 * h, s1->slope));
+    const opposed_stage_t o2 =
+        stage_at(machine, eq, opposition, u, axes.middle, along(flux, 0.5 * h, s1->slope));
     const stage_t *s2 = &o2.stage;
-    const opposed_stage_t o3 = stage_at(machine, eq, opposition, u, axes.middle, along(flux, 0.5 * h, s2->slope));
+    const opposed_stage_t o3 =
+        stage_at(machine, eq, opposition, u, axes.middle, along(flux, 0.5 * h, s2->slope));
     const stage_t *s3 = &o3.stage;
-    const opposed_stage_t o4 = stage_at(machine, eq, opposition, u, axes.end, along(flux, h, s3->slope));
+    const opposed_stage_t o4 =
+        stage_at(machine, eq, opposition, u, axes.end, along(flux, h, s3->slope));
     const stage_t *s4 = &o4.stage;
     flux = after(flux, h / 6.0, s1, s2, s3, s4);
     state->i_t = magnetics_current(&machine->magnetics, flux);
@@ -51,15 +59,17 @@ void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, const 
     book_charge(charge_of(&wires, h / 6.0), flow);
     flow->rectified_as += rectified_of(&wires, h / 6.0);
     state->axis = axes.end;
-    state->terminal = plant_inverse_park(stage_at(machine, eq, opposition, u, axes.end, flux).stage.terminal, axes.end);
+    state->terminal = plant_inverse_park(
+        stage_at(machine, eq, opposition, u, axes.end, flux).stage.terminal, axes.end);
     book_heat_and_torque(s1, s2, s3, s4, h / 6.0, flow);
     flow->opposed_as += h / 6.0 * simpson(o1.opposed_a, o2.opposed_a, o3.opposed_a, o4.opposed_a);
 }
 
-plant_dq_t pmsm_saturated_implicit(const pmsm_t *machine, double omega_rad_s, plant_dq_t before, double h, double r,
-                                   plant_dq_t drive)
+plant_dq_t pmsm_saturated_implicit(const pmsm_t *machine, double omega_rad_s, plant_dq_t before,
+                                   double h, double r, plant_dq_t drive)
 {
-    /* Straight lines from where the step begins: (1/h + r S + j w) change = drive - r i - j w flux, S the slope of i. */
+    /* Straight lines from where the step begins: (1/h + r S + j w) change = drive - r i - j w flux,
+     * S the slope of i. */
     const magnetics_t *m = &machine->magnetics;
     const plant_dq_t flux = magnetics_flux(m, before);
     const magnetics_slope_t s = magnetics_slope(m, flux);

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * pmsm_stages.h: what the straight and the saturating machine share: the circuit at one speed, the four stages of a step, and
- * what is booked from them. For pmsm.c and pmsm_saturated.c alone.
+ * pmsm_stages.h: what the straight and the saturating machine share: the circuit at one speed, the
+ * four stages of a step, and what is booked from them. For pmsm.c and pmsm_saturated.c alone.
  */
 #ifndef PMSM_STAGES_H
 #define PMSM_STAGES_H
@@ -8,7 +9,8 @@
 #include "plant/numbers.h"
 #include "plant/pmsm.h"
 
-/* The equations at one speed, ready to be evaluated: with e = u - R i_t, v = share e and i = i_t + conductance e. */
+/* The equations at one speed, ready to be evaluated: with e = u - R i_t, v = share e and i = i_t +
+ * conductance e. */
 typedef struct {
     double resistance_ohm; /* winding and series */
     double share;          /* R_i / (R_i + R), 1 without iron loss */
@@ -55,7 +57,8 @@ typedef struct {
 static inline stage_axes_t stage_axes(plant_phasor_t start, plant_phasor_t half_turn)
 {
     const plant_phasor_t middle = plant_turned(start, half_turn);
-    const stage_axes_t out = {.start = start, .middle = middle, .end = plant_turned(middle, half_turn)};
+    const stage_axes_t out = {
+        .start = start, .middle = middle, .end = plant_turned(middle, half_turn)};
     return out;
 }
 
@@ -64,13 +67,14 @@ static inline double simpson(double first, double second, double third, double f
     return first + 2.0 * (second + third) + fourth;
 }
 
-/* What the wires carry at the ends and, as the mean of both of its stages, in the middle of a step. */
+/* What the wires carry at the ends and, as the mean of both of its stages, in the middle of a step.
+ */
 typedef struct {
     plant_ab_t start, middle, end;
 } wires_t;
 
-static inline wires_t wires_of(const stage_t *s1, const stage_t *s2, const stage_t *s3, const stage_t *s4,
-                               const stage_axes_t *axes)
+static inline wires_t wires_of(const stage_t *s1, const stage_t *s2, const stage_t *s3,
+                               const stage_t *s4, const stage_axes_t *axes)
 {
     const plant_dq_t middle = {.d = 0.5 * (s2->terminal.d + s3->terminal.d),
                                .q = 0.5 * (s2->terminal.q + s3->terminal.q)};
@@ -81,19 +85,22 @@ static inline wires_t wires_of(const stage_t *s1, const stage_t *s2, const stage
 }
 
 /* What is integrated, after four stages. */
-static inline plant_dq_t after(plant_dq_t before, double sixth, const stage_t *s1, const stage_t *s2, const stage_t *s3,
-                               const stage_t *s4)
+static inline plant_dq_t after(plant_dq_t before, double sixth, const stage_t *s1,
+                               const stage_t *s2, const stage_t *s3, const stage_t *s4)
 {
-    const plant_dq_t out = {.d = before.d + sixth * simpson(s1->slope.d, s2->slope.d, s3->slope.d, s4->slope.d),
-                            .q = before.q + sixth * simpson(s1->slope.q, s2->slope.q, s3->slope.q, s4->slope.q)};
+    const plant_dq_t out = {
+        .d = before.d + sixth * simpson(s1->slope.d, s2->slope.d, s3->slope.d, s4->slope.d),
+        .q = before.q + sixth * simpson(s1->slope.q, s2->slope.q, s3->slope.q, s4->slope.q)};
     return out;
 }
 
-/* What is booked from four stages, in parts small enough to be inlined: here they cost a fifth of what they do as calls. */
+/* What is booked from four stages, in parts small enough to be inlined: here they cost a fifth of
+ * what they do as calls. */
 static inline plant_ab_t charge_of(const wires_t *wires, double sixth)
 {
-    const plant_ab_t out = {.alpha = sixth * (wires->start.alpha + 4.0 * wires->middle.alpha + wires->end.alpha),
-                            .beta = sixth * (wires->start.beta + 4.0 * wires->middle.beta + wires->end.beta)};
+    const plant_ab_t out = {
+        .alpha = sixth * (wires->start.alpha + 4.0 * wires->middle.alpha + wires->end.alpha),
+        .beta = sixth * (wires->start.beta + 4.0 * wires->middle.beta + wires->end.beta)};
     return out;
 }
 
@@ -110,19 +117,22 @@ static inline void book_charge(plant_ab_t charge_as, pmsm_flow_t *flow)
     flow->charge_as.beta += charge_as.beta;
 }
 
-/* Copper and series heat are told apart by the caller; here both are integral of |i|^2, iron of |e|^2. */
-static inline void book_heat_and_torque(const stage_t *s1, const stage_t *s2, const stage_t *s3, const stage_t *s4,
-                                        double sixth, pmsm_flow_t *flow)
+/* Copper and series heat are told apart by the caller; here both are integral of |i|^2, iron of
+ * |e|^2. */
+static inline void book_heat_and_torque(const stage_t *s1, const stage_t *s2, const stage_t *s3,
+                                        const stage_t *s4, double sixth, pmsm_flow_t *flow)
 {
-    flow->copper_j +=
-        sixth * simpson(s1->terminal_square, s2->terminal_square, s3->terminal_square, s4->terminal_square);
-    flow->iron_j += sixth * simpson(s1->drop_square, s2->drop_square, s3->drop_square, s4->drop_square);
-    flow->torque_nms +=
-        sixth * simpson(s1->torque_per_3_2_p, s2->torque_per_3_2_p, s3->torque_per_3_2_p, s4->torque_per_3_2_p);
+    flow->copper_j += sixth * simpson(s1->terminal_square, s2->terminal_square, s3->terminal_square,
+                                      s4->terminal_square);
+    flow->iron_j +=
+        sixth * simpson(s1->drop_square, s2->drop_square, s3->drop_square, s4->drop_square);
+    flow->torque_nms += sixth * simpson(s1->torque_per_3_2_p, s2->torque_per_3_2_p,
+                                        s3->torque_per_3_2_p, s4->torque_per_3_2_p);
 }
 
-/* The opposition's voltage as a share of its whole, decided by the current that would flow without it: what the opposition
- * itself takes out of the iron branch at once is part of its zone (inverter.h). */
+/* The opposition's voltage as a share of its whole, decided by the current that would flow without
+ * it: what the opposition itself takes out of the iron branch at once is part of its zone
+ * (inverter.h). */
 static inline plant_dq_t opposed_share(double per_zone, plant_dq_t current, plant_phasor_t axis)
 {
     const plant_abc_t phase = plant_inverse_clarke(plant_inverse_park(current, axis));
@@ -139,13 +149,16 @@ static inline double opposed_a(plant_dq_t share, plant_dq_t terminal)
 }
 
 /* pmsm_straight.c: one set of four stages. */
-void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *opposition, pmsm_state_t *state,
-                           plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow);
+void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *opposition,
+                           pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn,
+                           pmsm_flow_t *flow);
 
-/* pmsm_saturated.c: one set of four stages; an implicit step of  d(flux)/dt = drive - r i - j w flux  from i_t = before. */
-void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq, const pmsm_opposition_t *opposition,
-                            pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow);
-plant_dq_t pmsm_saturated_implicit(const pmsm_t *machine, double omega_rad_s, plant_dq_t before, double h, double r,
-                                   plant_dq_t drive);
+/* pmsm_saturated.c: one set of four stages; an implicit step of  d(flux)/dt = drive - r i - j w
+ * flux  from i_t = before. */
+void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq,
+                            const pmsm_opposition_t *opposition, pmsm_state_t *state, plant_ab_t u,
+                            double h, plant_phasor_t half_turn, pmsm_flow_t *flow);
+plant_dq_t pmsm_saturated_implicit(const pmsm_t *machine, double omega_rad_s, plant_dq_t before,
+                                   double h, double r, plant_dq_t drive);
 
 #endif

@@ -1,4 +1,6 @@
-/* The machine of pmsm.h where its iron does not saturate: a set of four stages, and what an opposition makes of it. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The machine of pmsm.h where its iron does not saturate: a set of four stages, and what an
+ * opposition makes of it. */
 #include <math.h>
 #include <stdbool.h>
 
@@ -7,7 +9,8 @@
 /* Signs of the phases' currents. */
 static inline plant_abc_t signs_of(plant_abc_t i)
 {
-    const plant_abc_t out = {.a = copysign(1.0, i.a), .b = copysign(1.0, i.b), .c = copysign(1.0, i.c)};
+    const plant_abc_t out = {
+        .a = copysign(1.0, i.a), .b = copysign(1.0, i.b), .c = copysign(1.0, i.c)};
     return out;
 }
 
@@ -17,14 +20,15 @@ static inline double distance_a(plant_abc_t sign, plant_abc_t i)
     return plant_min(plant_min(sign.a * i.a, sign.b * i.b), sign.c * i.c);
 }
 
-/* The current in the wires with the i_t that a set has come to: its last stage's is one order less exact, but
- * belongs to the balance. */
+/* The current in the wires with the i_t that a set has come to: its last stage's is one order less
+ * exact, but belongs to the balance. */
 static inline plant_dq_t terminal_at(const equations_t *eq, plant_dq_t u, plant_dq_t i_t)
 {
     return along(i_t, eq->conductance_s, along(u, -eq->resistance_ohm, i_t));
 }
 
-/* The circuit that a set without a turning opposition is integrated in, and where its phases must stay. */
+/* The circuit that a set without a turning opposition is integrated in, and where its phases must
+ * stay. */
 typedef struct {
     const equations_t *eq;
     plant_ab_t u;        /* V */
@@ -32,10 +36,10 @@ typedef struct {
     double beyond_a;     /* all phases stay beyond it, on the sides where they were */
 } held_t;
 
-/* One set of four stages in which the opposition's voltage stands still. If the phases do not stay where they must,
- * nothing is done, and the answer is false. */
-static inline bool advance(const held_t *held, pmsm_state_t *state, double h, plant_phasor_t half_turn,
-                           pmsm_flow_t *flow)
+/* One set of four stages in which the opposition's voltage stands still. If the phases do not stay
+ * where they must, nothing is done, and the answer is false. */
+static inline bool advance(const held_t *held, pmsm_state_t *state, double h,
+                           plant_phasor_t half_turn, pmsm_flow_t *flow)
 {
     const equations_t *eq = held->eq;
     const plant_abc_t before = plant_inverse_clarke(state->terminal);
@@ -67,7 +71,8 @@ static inline bool advance(const held_t *held, pmsm_state_t *state, double h, pl
     const plant_ab_t charge_as = charge_of(&wires, sixth);
     /* No phase changes its sign: share . i is |i_a| + |i_b| + |i_c|. */
     const double rectified_as =
-        is_opposed ? 1.5 * (share.alpha * charge_as.alpha + share.beta * charge_as.beta) : rectified_of(&wires, sixth);
+        is_opposed ? 1.5 * (share.alpha * charge_as.alpha + share.beta * charge_as.beta)
+                   : rectified_of(&wires, sixth);
     book_charge(charge_as, flow);
     flow->rectified_as += rectified_as;
     flow->opposed_as += rectified_as;
@@ -84,8 +89,9 @@ static inline double largest_a(plant_ab_t current)
 }
 
 /*
- * Where all phases are and stay inside the zone, as they do at standstill, the opposition is k = volts/zone a phase
- * times the current i0 = share i_t + G u that would flow without it, so the circuit is the same with other numbers,
+ * Where all phases are and stay inside the zone, as they do at standstill, the opposition is k =
+ * volts/zone a phase times the current i0 = share i_t + G u that would flow without it, so the
+ * circuit is the same with other numbers,
  *
  *     e = u - k i0 - R i_t = (1 - k G) u - (R + k share) i_t         i = i_t + G e = (1 - k G) i0
  */
@@ -104,15 +110,17 @@ static inside_t inside_of(const equations_t *eq, const pmsm_opposition_t *opposi
     return out;
 }
 
-/* opposed_share() as one function: structs of two numbers travel in registers, inlined five times it would not be. */
+/* opposed_share() as one function: structs of two numbers travel in registers, inlined five times
+ * it would not be. */
 static plant_dq_t share_at(double per_zone, plant_dq_t current, plant_phasor_t axis)
 {
     return opposed_share(per_zone, current, axis);
 }
 
 /* A set where a phase's current passes through the opposition's zone. */
-static void advance_in_zone(const equations_t *eq, const pmsm_opposition_t *opposition, pmsm_state_t *state,
-                            plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow)
+static void advance_in_zone(const equations_t *eq, const pmsm_opposition_t *opposition,
+                            pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn,
+                            pmsm_flow_t *flow)
 {
     const double per_zone = 1.0 / opposition->zone_a;
     const double against_v = -opposition->volts;
@@ -140,18 +148,22 @@ static void advance_in_zone(const equations_t *eq, const pmsm_opposition_t *oppo
     const wires_t wires = wires_of(&s1, &s2, &s3, &s4, &axes);
     state->i_t = end;
     state->axis = axes.end;
-    state->terminal = plant_inverse_park(terminal_at(eq, along(u_end, against_v, share), end), axes.end);
+    state->terminal =
+        plant_inverse_park(terminal_at(eq, along(u_end, against_v, share), end), axes.end);
     book_charge(charge_of(&wires, sixth), flow);
     flow->rectified_as += rectified_of(&wires, sixth);
-    flow->opposed_as += sixth * simpson(opposed_a(share1, s1.terminal), opposed_a(share2, s2.terminal),
-                                        opposed_a(share3, s3.terminal), opposed_a(share4, s4.terminal));
+    flow->opposed_as +=
+        sixth * simpson(opposed_a(share1, s1.terminal), opposed_a(share2, s2.terminal),
+                        opposed_a(share3, s3.terminal), opposed_a(share4, s4.terminal));
     book_heat_and_torque(&s1, &s2, &s3, &s4, sixth, flow);
 }
 
-void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *opposition, pmsm_state_t *state,
-                           plant_ab_t u, double h, plant_phasor_t half_turn, pmsm_flow_t *flow)
+void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *opposition,
+                           pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn,
+                           pmsm_flow_t *flow)
 {
-    held_t held = {.eq = eq, .u = u, .opposition_v = opposition->volts, .beyond_a = opposition->zone_a};
+    held_t held = {
+        .eq = eq, .u = u, .opposition_v = opposition->volts, .beyond_a = opposition->zone_a};
     inside_t inside;
     pmsm_state_t state_before;
     pmsm_flow_t flow_before;
@@ -173,7 +185,8 @@ void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *oppos
     if (is_inside) {
         is_done = largest_a(state->terminal) <= inside.limit_a;
         if (is_done) { /* share . i = i^2 / limit */
-            flow->opposed_as = flow_before.opposed_as + 1.5 * (flow->copper_j - flow_before.copper_j) / inside.limit_a;
+            flow->opposed_as = flow_before.opposed_as +
+                               1.5 * (flow->copper_j - flow_before.copper_j) / inside.limit_a;
         } else {
             *state = state_before;
             *flow = flow_before;

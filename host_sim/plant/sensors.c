@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/sensors.h"
 
 #include <math.h>
@@ -44,11 +45,12 @@ sensors_t sensors_init(const sensors_params_t *params)
         .current_noise_a = params->current_noise_a,
         .bus_voltage_noise_v = params->bus_voltage_noise_v,
     };
-    const double edges_deg[SENSORS_HALL_SECTORS] = {params->hall_edge_0_deg, params->hall_edge_1_deg,
-                                                    params->hall_edge_2_deg, params->hall_edge_3_deg,
-                                                    params->hall_edge_4_deg, params->hall_edge_5_deg};
+    const double edges_deg[SENSORS_HALL_SECTORS] = {
+        params->hall_edge_0_deg, params->hall_edge_1_deg, params->hall_edge_2_deg,
+        params->hall_edge_3_deg, params->hall_edge_4_deg, params->hall_edge_5_deg};
     for (int k = 0; k < SENSORS_HALL_SECTORS; k++) {
-        const double error_deg = k % 2 == 0 ? params->hall_edge_error_deg : -params->hall_edge_error_deg;
+        const double error_deg =
+            k % 2 == 0 ? params->hall_edge_error_deg : -params->hall_edge_error_deg;
         out.edge_turn[k] = within_turn((edges_deg[k] + error_deg) / 360.0);
         out.state_from[k] = HALL_STATE[k];
     }
@@ -72,8 +74,9 @@ static inline uint16_t code_of(const sensors_t *sensors, double steps)
     return (uint16_t)((uint32_t)level * sensors->codes_per_step);
 }
 
-sensors_sample_t sensors_sample(const sensors_t *sensors, const sensors_fault_t *fault, random_t *random,
-                                plant_abc_t current_a, double bus_voltage_v, double theta_turn)
+sensors_sample_t sensors_sample(const sensors_t *sensors, const sensors_fault_t *fault,
+                                random_t *random, plant_abc_t current_a, double bus_voltage_v,
+                                double theta_turn)
 {
     double i_a[3] = {current_a.a + sensors->offset_a[0] + fault->offset_a,
                      current_a.b + sensors->offset_a[1] - fault->offset_a,
@@ -89,11 +92,13 @@ sensors_sample_t sensors_sample(const sensors_t *sensors, const sensors_fault_t 
     }
     sensors_sample_t out;
     for (int x = 0; x < 3; x++) {
-        out.phase_current_code[x] = code_of(sensors, sensors->middle_steps + i_a[x] * sensors->steps_per_a);
+        out.phase_current_code[x] =
+            code_of(sensors, sensors->middle_steps + i_a[x] * sensors->steps_per_a);
     }
     out.bus_voltage_code = code_of(sensors, v_dc * sensors->steps_per_v);
     out.rotor_angle_turn = (uint16_t)((uint32_t)(theta_turn * ANGLE_TURN + 0.5) % ANGLE_TURN);
-    const unsigned lines = sensors_hall_state(sensors, theta_turn) & ~(unsigned)fault->hall_stuck_low;
+    const unsigned lines =
+        sensors_hall_state(sensors, theta_turn) & ~(unsigned)fault->hall_stuck_low;
     out.hall_state = (uint8_t)(lines | fault->hall_stuck_high);
     return out;
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/shunts.h"
 
 #include <math.h>
@@ -51,11 +52,13 @@ void shunts_pwm(shunts_t *shunts, const shunts_period_t *period, double until_s,
         down_s = plant_min(down_s, until_s);
         shunts_follow(shunts, x, current_a(&legs, x, 0.0, up_s, until_s), up_s, settling_s);
         shunts_follow(shunts, x, 0.0, down_s - up_s, settling_s);
-        shunts_follow(shunts, x, current_a(&legs, x, down_s, until_s, until_s), until_s - down_s, settling_s);
+        shunts_follow(shunts, x, current_a(&legs, x, down_s, until_s, until_s), until_s - down_s,
+                      settling_s);
     }
 }
 
-void shunts_short(shunts_t *shunts, const shunts_period_t *period, double until_s, double settling_s)
+void shunts_short(shunts_t *shunts, const shunts_period_t *period, double until_s,
+                  double settling_s)
 {
     const legs_t legs = legs_of(period);
     for (int x = 0; x < LEGS; x++) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/switching.h"
 
 #include <math.h>
@@ -73,7 +74,8 @@ static void connect(const period_t *p, phases_leg_t legs[PHASES])
     }
 }
 
-/* Legs without a closed switch: the current's direction says which diode, without current the voltage does. */
+/* Legs without a closed switch: the current's direction says which diode, without current the
+ * voltage does. */
 static void choose_diodes(period_t *p)
 {
     phases_leg_t legs[PHASES];
@@ -87,8 +89,9 @@ static void choose_diodes(period_t *p)
     }
     connect(p, legs);
     phases_look(&p->phases, &p->state, legs, current_a, end_v);
-    /* Where nothing conducts, the star point settles so that the span of the windings' voltages lies between the rails,
-     * as long as it fits: only then does a pair of diodes begin to conduct. */
+    /* Where nothing conducts, the star point settles so that the span of the windings' voltages
+     * lies between the rails, as long as it fits: only then does a pair of diodes begin to conduct.
+     */
     const bool all_float = legs[0].open && legs[1].open && legs[2].open;
     const double lowest_v = plant_min(end_v[0], plant_min(end_v[1], end_v[2]));
     const double highest_v = plant_max(end_v[0], plant_max(end_v[1], end_v[2]));
@@ -109,7 +112,8 @@ static void book(period_t *p, const phases_leg_t legs[PHASES], const phases_flow
 {
     pmsm_flow_t *m = &p->flow.machine;
     inverter_flow_t *b = &p->flow.bridge;
-    const plant_abc_t charge = {.a = part->charge_as[0], .b = part->charge_as[1], .c = part->charge_as[2]};
+    const plant_abc_t charge = {
+        .a = part->charge_as[0], .b = part->charge_as[1], .c = part->charge_as[2]};
     const plant_ab_t charge_ab = plant_clarke(charge);
     m->charge_as.alpha += charge_ab.alpha;
     m->charge_as.beta += charge_ab.beta;
@@ -129,14 +133,15 @@ static void book(period_t *p, const phases_leg_t legs[PHASES], const phases_flow
     }
 }
 
-/* Share of the step after which the first diode's current has ended, 1 when none has; *which: its leg. */
+/* Share of the step after which the first diode's current has ended, 1 when none has; *which: its
+ * leg. */
 static double first_end(const period_t *p, const double after_a[PHASES], int *which)
 {
     const double *before_a = p->state.current_a;
     double out = 1.0;
     for (int x = 0; x < PHASES; x++) {
-        const bool ended =
-            (p->path[x] == DIODE_LOW && after_a[x] < 0.0) || (p->path[x] == DIODE_HIGH && after_a[x] > 0.0);
+        const bool ended = (p->path[x] == DIODE_LOW && after_a[x] < 0.0) ||
+                           (p->path[x] == DIODE_HIGH && after_a[x] > 0.0);
         if (ended) {
             const double span = before_a[x] - after_a[x];
             const double share = span != 0.0 ? plant_clamp(before_a[x] / span, 0.0, 1.0) : 0.0;
@@ -186,7 +191,8 @@ static void pass(period_t *p, double duration_s)
             trial = p->state;
             phases_advance(&p->phases, &trial, legs, passed_s, &part);
         }
-        const double before_a[PHASES] = {p->state.current_a[0], p->state.current_a[1], p->state.current_a[2]};
+        const double before_a[PHASES] = {p->state.current_a[0], p->state.current_a[1],
+                                         p->state.current_a[2]};
         p->state = trial;
         book(p, legs, &part);
         show(p, before_a, passed_s);
@@ -236,11 +242,13 @@ static gate_t gate_at(const leg_times_t *t, double dead_s, double time_s)
     return time_s >= t->rise_s + dead_s && time_s < t->fall_s ? HIGH : DEAD;
 }
 
-static int sorted_edges(const leg_times_t times[PHASES], double dead_s, double period_s, double edges_s[EDGES])
+static int sorted_edges(const leg_times_t times[PHASES], double dead_s, double period_s,
+                        double edges_s[EDGES])
 {
     int count = 0;
     for (int x = 0; x < PHASES; x++) {
-        const double own[] = {times[x].rise_s, times[x].rise_s + dead_s, times[x].fall_s, times[x].fall_s + dead_s};
+        const double own[] = {times[x].rise_s, times[x].rise_s + dead_s, times[x].fall_s,
+                              times[x].fall_s + dead_s};
         for (int k = 0; k < 4; k++) {
             if (own[k] <= 0.0 || own[k] >= period_s) {
                 continue;
@@ -256,11 +264,13 @@ static int sorted_edges(const leg_times_t times[PHASES], double dead_s, double p
     return count;
 }
 
-static period_t begin(const switching_t *bridge, const pmsm_t *machine, const pmsm_state_t *rotor, double bus_voltage_v,
-                      const pmsm_step_t *step, gate_t gate)
+static period_t begin(const switching_t *bridge, const pmsm_t *machine, const pmsm_state_t *rotor,
+                      double bus_voltage_v, const pmsm_step_t *step, gate_t gate)
 {
-    period_t p = {
-        .bridge = bridge, .phases = phases_at(machine, step->omega_rad_s), .bus_v = bus_voltage_v, .watch = NULL};
+    period_t p = {.bridge = bridge,
+                  .phases = phases_at(machine, step->omega_rad_s),
+                  .bus_v = bus_voltage_v,
+                  .watch = NULL};
     p.state = phases_from(&p.phases, rotor);
     p.phases.open_ohm = phases_open_ohm(&p.phases, &p.state);
     for (int x = 0; x < PHASES; x++) {
@@ -272,7 +282,8 @@ static period_t begin(const switching_t *bridge, const pmsm_t *machine, const pm
 
 static double duration_of(const switching_watch_t *watch, const pmsm_step_t *step)
 {
-    return watch != NULL && watch->until_s > 0.0 ? plant_min(watch->until_s, step->duration_s) : step->duration_s;
+    return watch != NULL && watch->until_s > 0.0 ? plant_min(watch->until_s, step->duration_s)
+                                                 : step->duration_s;
 }
 
 static switching_flow_t end(period_t *p, pmsm_state_t *rotor, const pmsm_step_t *step)
@@ -280,12 +291,14 @@ static switching_flow_t end(period_t *p, pmsm_state_t *rotor, const pmsm_step_t 
     phases_to(&p->phases, &p->state, rotor);
     p->flow.machine.torque_nms += pmsm_turn(p->phases.machine, rotor, step);
     p->flow.bridge.conduction_j = p->flow.machine.series_j;
-    p->flow.machine.source_j = p->flow.bridge.dc_j - p->flow.bridge.switching_j - p->flow.bridge.diode_j;
+    p->flow.machine.source_j =
+        p->flow.bridge.dc_j - p->flow.bridge.switching_j - p->flow.bridge.diode_j;
     return p->flow;
 }
 
-switching_flow_t switching_pwm(const switching_t *bridge, const pmsm_t *machine, pmsm_state_t *rotor, plant_abc_t duty,
-                               double bus_voltage_v, const pmsm_step_t *step, const switching_watch_t *watch)
+switching_flow_t switching_pwm(const switching_t *bridge, const pmsm_t *machine,
+                               pmsm_state_t *rotor, plant_abc_t duty, double bus_voltage_v,
+                               const pmsm_step_t *step, const switching_watch_t *watch)
 {
     const double period_s = step->duration_s;
     const double duties[PHASES] = {duty.a, duty.b, duty.c};
@@ -319,8 +332,9 @@ switching_flow_t switching_pwm(const switching_t *bridge, const pmsm_t *machine,
     return end(&p, rotor, step);
 }
 
-switching_flow_t switching_off(const switching_t *bridge, const pmsm_t *machine, pmsm_state_t *rotor,
-                               double bus_voltage_v, const pmsm_step_t *step, const switching_watch_t *watch)
+switching_flow_t switching_off(const switching_t *bridge, const pmsm_t *machine,
+                               pmsm_state_t *rotor, double bus_voltage_v, const pmsm_step_t *step,
+                               const switching_watch_t *watch)
 {
     period_t p = begin(bridge, machine, rotor, bus_voltage_v, step, DEAD);
     p.watch = watch;
@@ -330,8 +344,9 @@ switching_flow_t switching_off(const switching_t *bridge, const pmsm_t *machine,
     return end(&p, rotor, step);
 }
 
-switching_flow_t switching_short(const switching_t *bridge, const pmsm_t *machine, pmsm_state_t *rotor,
-                                 double bus_voltage_v, const pmsm_step_t *step, const switching_watch_t *watch)
+switching_flow_t switching_short(const switching_t *bridge, const pmsm_t *machine,
+                                 pmsm_state_t *rotor, double bus_voltage_v, const pmsm_step_t *step,
+                                 const switching_watch_t *watch)
 {
     period_t p = begin(bridge, machine, rotor, bus_voltage_v, step, LOW);
     p.watch = watch;

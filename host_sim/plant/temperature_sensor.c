@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/temperature_sensor.h"
 
 #include <math.h>
@@ -19,7 +20,7 @@ double temperature_sensor_step(const winding_sensor_params_t *params, temperatur
         sensor->sensor_c = temperature_c;
     }
     const bool lost = broken || params->open > 0.5 || params->shorted > 0.5;
-    sensor->reported_c =
-        lost ? TEMPERATURE_SENSOR_BROKEN_C : sensor->sensor_c * (1.0 + params->gain_error) + params->offset_k;
+    sensor->reported_c = lost ? TEMPERATURE_SENSOR_BROKEN_C
+                              : sensor->sensor_c * (1.0 + params->gain_error) + params->offset_k;
     return sensor->reported_c;
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/thermal.h"
 
 #include <math.h>
@@ -58,12 +59,15 @@ static double conductance(double k_per_w)
 
 thermal_t thermal_init(const thermal_row_t *row, double temperature_c, double step_s)
 {
-    thermal_t out = {.temperature_c = temperature_c, .outer_c = temperature_c, .held = row->inner_j_per_k <= 0.0};
+    thermal_t out = {.temperature_c = temperature_c,
+                     .outer_c = temperature_c,
+                     .held = row->inner_j_per_k <= 0.0};
     if (out.held) {
         return out;
     }
     const bool has_outer = row->outer_j_per_k > 0.0;
-    const double inner_w_per_k = conductance(row->inner_k_per_w + (has_outer ? 0.0 : row->outer_k_per_w));
+    const double inner_w_per_k =
+        conductance(row->inner_k_per_w + (has_outer ? 0.0 : row->outer_k_per_w));
     const double outer_w_per_k = conductance(row->outer_k_per_w);
     const double per_inner = 1.0 / row->inner_j_per_k;
     const double per_outer = has_outer ? 1.0 / row->outer_j_per_k : 0.0;
@@ -102,8 +106,10 @@ void thermal_step(thermal_t *thermal, double inner_j, double outer_j, double amb
     }
     const double inner_k = thermal->temperature_c - ambient_c;
     const double outer_k = thermal->outer_c - ambient_c;
-    thermal->temperature_c = ambient_c + thermal->keep[0][0] * inner_k + thermal->keep[0][1] * outer_k +
-                             thermal->gain_k_per_j[0][0] * inner_j + thermal->gain_k_per_j[0][1] * outer_j;
+    thermal->temperature_c = ambient_c + thermal->keep[0][0] * inner_k +
+                             thermal->keep[0][1] * outer_k + thermal->gain_k_per_j[0][0] * inner_j +
+                             thermal->gain_k_per_j[0][1] * outer_j;
     thermal->outer_c = ambient_c + thermal->keep[1][0] * inner_k + thermal->keep[1][1] * outer_k +
-                       thermal->gain_k_per_j[1][0] * inner_j + thermal->gain_k_per_j[1][1] * outer_j;
+                       thermal->gain_k_per_j[1][0] * inner_j +
+                       thermal->gain_k_per_j[1][1] * outer_j;
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/vehicle.h"
 
 #include <math.h>
@@ -12,7 +13,8 @@ vehicle_t vehicle_on_road(const vehicle_params_t *params, const road_params_t *r
     const vehicle_t out = {
         .mass_kg = params->mass_kg,
         .wheel_radius_m = params->wheel_radius_m,
-        .drag_n_s2_per_m2 = 0.5 * road->air_density_kg_per_m3 * params->drag_coefficient * params->frontal_area_m2,
+        .drag_n_s2_per_m2 =
+            0.5 * road->air_density_kg_per_m3 * params->drag_coefficient * params->frontal_area_m2,
         .wind_m_per_s = road->wind_m_per_s,
         .rolling_n = params->rolling_resistance * weight_n * cosine,
         .weight_n = weight_n * cosine,
@@ -28,7 +30,8 @@ double vehicle_drag_n(const vehicle_t *vehicle, double speed_m_per_s)
     return vehicle->drag_n_s2_per_m2 * against_air * fabs(against_air);
 }
 
-vehicle_flow_t vehicle_step(const vehicle_t *vehicle, vehicle_state_t *state, const vehicle_load_t *load, double step_s)
+vehicle_flow_t vehicle_step(const vehicle_t *vehicle, vehicle_state_t *state,
+                            const vehicle_load_t *load, double step_s)
 {
     /* Divided first, so that nothing that waits for the torque waits for a division as well. */
     const double per_mass_1_per_kg = 1.0 / vehicle->mass_kg;
@@ -38,12 +41,14 @@ vehicle_flow_t vehicle_step(const vehicle_t *vehicle, vehicle_state_t *state, co
     const double drag_n = vehicle_drag_n(vehicle, vehicle_expected_speed_m_per_s(state, step_s));
     const double capacity_n = vehicle->rolling_n + load->friction_capacity_nm * per_radius_1_per_m;
 
-    const double impulse_ns = load->torque_impulse_nms * per_radius_1_per_m - (drag_n + vehicle->slope_n) * step_s;
+    const double impulse_ns =
+        load->torque_impulse_nms * per_radius_1_per_m - (drag_n + vehicle->slope_n) * step_s;
     const double unhindered = before + impulse_ns * per_mass_1_per_kg;
     const double most_ns = capacity_n * step_s;
     const double to_stand_ns = -unhindered * vehicle->mass_kg;
     const double friction_ns = plant_clamp(to_stand_ns, -most_ns, most_ns);
-    const double after = friction_ns == to_stand_ns ? 0.0 : unhindered + friction_ns * per_mass_1_per_kg;
+    const double after =
+        friction_ns == to_stand_ns ? 0.0 : unhindered + friction_ns * per_mass_1_per_kg;
     const double mean = 0.5 * (before + after);
     const double way_m = mean * step_s;
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "plant/wheel_speed.h"
 
 #include <math.h>
@@ -12,8 +13,10 @@ static double edge_s(double before, double after, double time_s, double step_s)
     return time_s - step_s * (1.0 - (last - before) / (after - before));
 }
 
-/* No edge: the wheel cannot be faster than a tooth in the time since the last one, and at last it counts as standing. */
-static void wait(const wheel_speed_params_t *params, wheel_speed_t *ring, double pitch_rad, double time_s)
+/* No edge: the wheel cannot be faster than a tooth in the time since the last one, and at last it
+ * counts as standing. */
+static void wait(const wheel_speed_params_t *params, wheel_speed_t *ring, double pitch_rad,
+                 double time_s)
 {
     const double passed_s = time_s - ring->stamp_s;
     const double most = passed_s > 0.0 ? pitch_rad / passed_s : ring->speed_rad_s;
@@ -24,8 +27,8 @@ static void wait(const wheel_speed_params_t *params, wheel_speed_t *ring, double
     }
 }
 
-double wheel_speed_look(const wheel_speed_params_t *params, wheel_speed_t *ring, double turned_rad, double speed_rad_s,
-                        double time_s, double step_s, bool dead)
+double wheel_speed_look(const wheel_speed_params_t *params, wheel_speed_t *ring, double turned_rad,
+                        double speed_rad_s, double time_s, double step_s, bool dead)
 {
     const double teeth = floor(params->teeth);
     if (dead || params->dead > 0.5) {
@@ -44,7 +47,8 @@ double wheel_speed_look(const wheel_speed_params_t *params, wheel_speed_t *ring,
     ring->tooth = after - floor(after);
     if (edges > 0.0) {
         const double exact_s = edge_s(before, after, time_s, step_s);
-        const double stamp_s = params->clock_s > 0.0 ? floor(exact_s / params->clock_s) * params->clock_s : exact_s;
+        const double stamp_s =
+            params->clock_s > 0.0 ? floor(exact_s / params->clock_s) * params->clock_s : exact_s;
         const double between_s = stamp_s - ring->stamp_s;
         if (ring->has_stamp && between_s > 0.0) {
             const double speed = edges * pitch_rad / between_s;

@@ -1,7 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """A copy of tools/dev in an empty directory, on a machine that is as bare, or as complete, as a test pretends.
 
-What it would install comes from a pretended apt-get that only writes down how it was called, so nothing outside the
-temporary directory is touched.
+What it would install comes from a pretended apt-get that only writes down how it was called, so
+nothing outside the temporary directory is touched.
 """
 
 import os
@@ -21,7 +22,8 @@ HIDDEN = (
     "chromium", "chromium-headless-shell", "google-chrome",
 )  # fmt: skip
 
-# Writes down its arguments and, when told to install, puts the programs of known packages where PATH finds them.
+# Writes down its arguments and, when told to install, puts the programs of known packages where
+# PATH finds them.
 PRETENDED_APT_GET = """#!/bin/sh
 echo "$*" >> "$APT_CALLS"
 [ -z "$APT_OFFLINE" ] || echo "W: Failed to fetch x  Temporary failure resolving 'deb.example'" >&2
@@ -107,7 +109,11 @@ class DevFixture(unittest.TestCase):
         return set(self.home.rglob("*"))
 
     def run_dev(
-        self, *arguments: str, path: str | None = None, user: int | None = None, environment: dict[str, str] | None = None
+        self,
+        *arguments: str,
+        path: str | None = None,
+        user: int | None = None,
+        environment: dict[str, str] | None = None,
     ) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
             [str(self.home / "tools/dev"), *arguments],
@@ -156,7 +162,10 @@ class DevFixture(unittest.TestCase):
             "g++",
             "ninja",
         ):
-            write_program(self.bin / name, f'#!/bin/sh\necho "{name} $*" >> "$CALLS"\necho /pretended/nano.specs\n')
+            write_program(
+                self.bin / name,
+                f'#!/bin/sh\necho "{name} $*" >> "$CALLS"\necho /pretended/nano.specs\n',
+            )
         write_program(self.bin / "cmake", PRETENDED_CMAKE)
         write_program(self.bin / "ctest", PRETENDED_CTEST)
         write_program(self.bin / "apt-get", "#!/bin/sh\necho apt-get $* >> $CALLS\nexit 1\n")
@@ -164,7 +173,11 @@ class DevFixture(unittest.TestCase):
         python.parent.mkdir(parents=True)
         write_program(python, '#!/bin/sh\necho "python $*" >> "$CALLS"\n')
         cmock = self.home / ".dev/cmock/usr/share/cmock"
-        for file in (cmock / "lib/cmock.rb", cmock / "vendor/unity/src/unity.c", self.home / "CMakePresets.json"):
+        for file in (
+            cmock / "lib/cmock.rb",
+            cmock / "vendor/unity/src/unity.c",
+            self.home / "CMakePresets.json",
+        ):
             file.parent.mkdir(parents=True, exist_ok=True)
             file.touch()
         return path, {"CALLS": str(self.base / "calls")}
@@ -177,4 +190,8 @@ class DevFixture(unittest.TestCase):
 
     def apt_installs(self) -> list[str]:
         calls = self.base / "calls"
-        return [line for line in calls.read_text().splitlines() if " install " in line] if calls.exists() else []
+        return (
+            [line for line in calls.read_text().splitlines() if " install " in line]
+            if calls.exists()
+            else []
+        )

@@ -1,4 +1,8 @@
-"""The rooms of the firmware: who may include whom, where their files are, and C text without comments and strings."""
+# SPDX-License-Identifier: Apache-2.0
+"""The rooms of the firmware.
+
+Who may include whom, where their files are, and C text without comments and strings.
+"""
 
 import re
 from pathlib import Path
@@ -6,7 +10,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "firmware"
 
-# What a room may include besides itself: core <- config <- foc, torque, monitor, modes <- controller <- app -> hal.
+# What a room may include besides itself: core <- config <- foc, torque, monitor, modes <-
+# controller <- app -> hal.
 MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "core": (),
     "config": ("core",),
@@ -19,11 +24,21 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "app": ("core", "config", "foc", "torque", "monitor", "modes", "comms", "controller", "hal"),
 }
 
-# State, configuration and inputs in, outputs out: nothing of the machine or the C library reaches these.
+# State, configuration and inputs in, outputs out: nothing of the machine or the C library reaches
+# these.
 PURE = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
 
 WARNINGS = [
-    *("-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wshadow", "-Wundef", "-Wswitch-enum", "-Wmissing-prototypes"),
+    *(
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-Wconversion",
+        "-Wshadow",
+        "-Wundef",
+        "-Wswitch-enum",
+        "-Wmissing-prototypes",
+    ),
     *("-Wstrict-prototypes", "-Wcast-align"),
 ]
 # ISO C and nothing else, which is what "no compiler extensions" means to a compiler.
@@ -41,9 +56,15 @@ def sources_of(room: str) -> list[Path]:
 
 
 def include_options(room: str) -> list[str]:
-    """Return the -I options a room is compiled with: its own headers and those of the rooms it may include."""
+    """Return the -I options a room is compiled with.
+
+    Its own headers and those of the rooms it may include.
+    """
     visible = (room, *MAY_INCLUDE[room])
-    return [f"-I{ROOT / 'hal/include' if name == 'hal' else FIRMWARE / name / 'include'}" for name in visible]
+    return [
+        f"-I{ROOT / 'hal/include' if name == 'hal' else FIRMWARE / name / 'include'}"
+        for name in visible
+    ]
 
 
 def includes_in(text: str) -> list[tuple[str, str]]:
@@ -53,5 +74,7 @@ def includes_in(text: str) -> list[tuple[str, str]]:
 
 def code_only(text: str) -> str:
     """Return C text with comments, strings and characters blanked, so that only code can be found in it."""
-    pattern = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.DOTALL)
+    pattern = re.compile(
+        r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.DOTALL
+    )
     return pattern.sub(lambda match: re.sub(r"[^\n]", " ", match.group()), text)

@@ -1,4 +1,8 @@
-"""tools/dev at its edges: help, wrong usage, and what it asks of a machine that misses something; offline, in seconds."""
+# SPDX-License-Identifier: Apache-2.0
+"""tools/dev at its edges.
+
+Help, wrong usage, and what it asks of a machine that misses something; offline, in seconds.
+"""
 
 import os
 import re
@@ -30,7 +34,11 @@ NOBODY = 65534
 
 # The headers are looked for where distributions put them, so they cannot be pretended.
 needs_headers = unittest.skipUnless(
-    all(any(Path(p, "include", h).exists() for p in ("/usr", "/usr/local")) for h in ("eigen3", "doctest")), "needs Eigen and doctest"
+    all(
+        any(Path(p, "include", h).exists() for p in ("/usr", "/usr/local"))
+        for h in ("eigen3", "doctest")
+    ),
+    "needs Eigen and doctest",
 )
 
 
@@ -50,10 +58,14 @@ class DevCommandTest(DevFixture):
             for arguments in ([command, "--help"], ["help", command]):
                 result = self.run_dev(*arguments)
                 self.assertEqual((result.returncode, result.stderr), (0, ""), arguments)
-                self.assertTrue(result.stdout.startswith(f"Usage: tools/dev {command}"), result.stdout)
+                self.assertTrue(
+                    result.stdout.startswith(f"Usage: tools/dev {command}"), result.stdout
+                )
         self.assertEqual(self.contents(), self.before)
 
-    def test_without_a_command_the_help_goes_to_stderr_and_the_status_says_wrong_usage(self) -> None:
+    def test_without_a_command_the_help_goes_to_stderr_and_the_status_says_wrong_usage(
+        self,
+    ) -> None:
         result = self.run_dev()
         self.assertEqual((result.returncode, result.stdout), (USAGE, ""))
         self.assertIn("Usage:", result.stderr)
@@ -72,7 +84,9 @@ class DevCommandTest(DevFixture):
         self.assert_refused(self.run_dev("flash", "--wrong"), "--wrong")
         self.assert_refused(self.run_dev("clean", "--wrong"), "--wrong")
         self.assert_refused(self.run_dev("bench", "--wrong"), "--wrong")
-        self.assert_refused(self.run_dev("bench", "--config", "absent"), "absent", "tools/dev table")
+        self.assert_refused(
+            self.run_dev("bench", "--config", "absent"), "absent", "tools/dev table"
+        )
         self.assert_refused(self.run_dev("setup", "wrong"), "wrong", "build", "arm", "qemu")
 
     def test_a_missing_configuration_file_is_named_before_anything_is_installed(self) -> None:
@@ -85,23 +99,46 @@ class DevCommandTest(DevFixture):
         self.assert_refused(self.run_dev("flash", "avr"), "avr", "stm32f405")
         self.assert_refused(self.run_dev("flash", "qemu"), "qemu", "emulator")
         self.assert_refused(self.run_dev("flash", "--probe", "wand"), "wand", "stlink")
-        self.assert_refused(self.run_dev("flash", "--with", "wand"), "wand", "openocd", "pyocd", "serial")
+        self.assert_refused(
+            self.run_dev("flash", "--with", "wand"), "wand", "openocd", "pyocd", "serial"
+        )
         self.assert_refused(self.run_dev("flash", "--with", "serial"), "--only-config")
-        self.assert_refused(self.run_dev("flash", "--with", "serial", "--only-config", "--line", "absent"), "absent", "no such serial line")
+        self.assert_refused(
+            self.run_dev("flash", "--with", "serial", "--only-config", "--line", "absent"),
+            "absent",
+            "no such serial line",
+        )
 
-    @unittest.skipUnless(shutil.which("shellcheck"), "no shellcheck here; tools/dev setup checks installs it")
+    @unittest.skipUnless(
+        shutil.which("shellcheck"), "no shellcheck here; tools/dev setup checks installs it"
+    )
     def test_the_shell_scripts_have_no_known_defects(self) -> None:
-        scripts = ["tools/dev", ".ci/run", *sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("tools/setup/*.sh"))]
-        result = subprocess.run(["shellcheck", "-x", *scripts], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False)
+        scripts = [
+            "tools/dev",
+            ".ci/run",
+            *sorted(str(path.relative_to(ROOT)) for path in ROOT.glob("tools/setup/*.sh")),
+        ]
+        result = subprocess.run(
+            ["shellcheck", "-x", *scripts],
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
         self.assertEqual(result.returncode, 0, result.stdout)
 
     def test_it_finds_its_home_through_a_link_and_from_another_directory(self) -> None:
         link = self.base / "hubfoc"
         link.symlink_to(self.home / "tools/dev")
-        result = subprocess.run([str(link), "--help"], cwd="/", capture_output=True, text=True, timeout=60, check=False)
+        result = subprocess.run(
+            [str(link), "--help"], cwd="/", capture_output=True, text=True, timeout=60, check=False
+        )
         self.assertEqual((result.returncode, result.stderr), (0, ""))
 
-    def test_setup_asks_apt_for_exactly_what_is_missing_and_the_second_run_for_nothing(self) -> None:
+    def test_setup_asks_apt_for_exactly_what_is_missing_and_the_second_run_for_nothing(
+        self,
+    ) -> None:
         path, apt = self.bare_path(), self.pretend_apt()
         first = self.run_dev("setup", "arm", "qemu", path=path, environment=apt)
         self.assertEqual(first.returncode, 0, first.stderr)
@@ -109,37 +146,56 @@ class DevCommandTest(DevFixture):
         installs = self.apt_installs()
         self.assertEqual(len(installs), 1, installs)
         self.assertIn("--no-install-recommends", installs[0])
-        self.assertEqual(re.findall(r"\S*(?:arm)\S*", installs[0]), ["gcc-arm-none-eabi", "libnewlib-arm-none-eabi", "qemu-system-arm"])
+        self.assertEqual(
+            re.findall(r"\S*(?:arm)\S*", installs[0]),
+            ["gcc-arm-none-eabi", "libnewlib-arm-none-eabi", "qemu-system-arm"],
+        )
         # What is going to be installed is announced.
-        self.assertRegex(first.stderr, r"misses: gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm")
+        self.assertRegex(
+            first.stderr, r"misses: gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"
+        )
 
         second = self.run_dev("setup", "arm", "qemu", path=path, environment=apt)
         self.assertEqual(second.returncode, 0, second.stderr)
         self.assertEqual(self.apt_installs(), installs)
 
-        # A tool that vanished since is noticed: nothing is remembered that the machine itself can tell.
+        # A tool that vanished since is noticed: nothing is remembered that the machine itself can
+        # tell.
         (self.bin / "qemu-system-arm").unlink()
         third = self.run_dev("setup", "arm", "qemu", path=path, environment=apt)
         self.assertEqual(third.returncode, 0, third.stderr)
-        self.assertTrue(self.apt_installs()[-1].endswith("--no-install-recommends qemu-system-arm"), self.apt_installs())
+        self.assertTrue(
+            self.apt_installs()[-1].endswith("--no-install-recommends qemu-system-arm"),
+            self.apt_installs(),
+        )
 
     def test_a_browser_is_installed_where_the_system_has_one(self) -> None:
         path, apt = self.bare_path(), self.pretend_apt()
         for _ in range(2):
             result = self.run_dev("setup", "browser", path=path, environment=apt)
             self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertEqual([call.split()[-1] for call in self.apt_installs()], ["chromium-headless-shell"])
+        self.assertEqual(
+            [call.split()[-1] for call in self.apt_installs()], ["chromium-headless-shell"]
+        )
 
     def test_where_the_system_has_no_browser_one_line_names_the_test_that_will_fail(self) -> None:
         path, apt = self.bare_path(), self.pretend_apt()
         write_program(self.bin / "apt-cache", "#!/bin/sh\nexit 1\n")
         result = self.run_dev("setup", "browser", path=path, environment=apt)
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn("report_in_browser will fail until 'chromium' or 'google-chrome' is on PATH", result.stderr)
+        self.assertIn(
+            "report_in_browser will fail until 'chromium' or 'google-chrome' is on PATH",
+            result.stderr,
+        )
         self.assertEqual(self.apt_installs(), [])
 
     def test_a_failing_installation_shows_the_end_of_its_log_and_fails(self) -> None:
-        result = self.run_dev("setup", "qemu", path=self.bare_path(), environment={"APT_BROKEN": "1"} | self.pretend_apt())
+        result = self.run_dev(
+            "setup",
+            "qemu",
+            path=self.bare_path(),
+            environment={"APT_BROKEN": "1"} | self.pretend_apt(),
+        )
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertIn("E: pretended failure", result.stderr)
         self.assertIn(".dev/log/", result.stderr)
@@ -148,15 +204,25 @@ class DevCommandTest(DevFixture):
     def test_without_a_network_one_line_says_so(self) -> None:
         apt = self.pretend_apt()
         write_program(self.bin / "apt-cache", "#!/bin/sh\nexit 1\n")
-        result = self.run_dev("setup", "arm", path=self.bare_path(), environment={**apt, "APT_OFFLINE": "1"})
+        result = self.run_dev(
+            "setup", "arm", path=self.bare_path(), environment={**apt, "APT_OFFLINE": "1"}
+        )
         self.assertEqual(result.returncode, 1)
         self.assertEqual([line for line in result.stderr.splitlines() if "apt-install" in line], [])
-        self.assertIn("the package archive cannot be reached; is there a network?", result.stderr.splitlines()[-1])
+        self.assertIn(
+            "the package archive cannot be reached; is there a network?",
+            result.stderr.splitlines()[-1],
+        )
 
     def test_a_package_that_does_not_bring_its_tool_is_not_called_installed(self) -> None:
-        result = self.run_dev("setup", "checks", path=self.bare_path(), environment=self.pretend_apt())
+        result = self.run_dev(
+            "setup", "checks", path=self.bare_path(), environment=self.pretend_apt()
+        )
         self.assertEqual(result.returncode, 1, result.stderr)
-        self.assertIn("still missing after installation: clang-tidy shellcheck", result.stderr.splitlines()[-1])
+        self.assertIn(
+            "still missing after installation: clang-tidy shellcheck",
+            result.stderr.splitlines()[-1],
+        )
 
     def test_without_root_and_sudo_one_line_says_what_an_administrator_has_to_type(self) -> None:
         path, apt = self.bare_path(), self.pretend_apt()
@@ -169,7 +235,10 @@ class DevCommandTest(DevFixture):
         result = self.run_dev("setup", "arm", path=path, user=user, environment=apt)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
-        self.assertIn("apt-get install -y --no-install-recommends gcc-arm-none-eabi libnewlib-arm-none-eabi", result.stderr)
+        self.assertIn(
+            "apt-get install -y --no-install-recommends gcc-arm-none-eabi libnewlib-arm-none-eabi",
+            result.stderr,
+        )
         self.assertEqual(self.apt_installs(), [])
 
     def test_on_a_system_without_apt_one_line_names_what_is_missing(self) -> None:
@@ -198,7 +267,9 @@ class DevCommandTest(DevFixture):
         # The second run configures nothing again.
         before = self.calls("cmake")
         self.assertEqual(self.run_dev("test", path=path, environment=environment).returncode, 0)
-        self.assertFalse([call for call in self.calls("cmake")[len(before) :] if call.startswith("--preset")])
+        self.assertFalse(
+            [call for call in self.calls("cmake")[len(before) :] if call.startswith("--preset")]
+        )
 
     @needs_headers
     def test_a_failing_preset_fails_the_command_and_the_others_run_all_the_same(self) -> None:
@@ -206,12 +277,20 @@ class DevCommandTest(DevFixture):
         broken = environment | {"BROKEN_BUILD": "--build --preset stm32f405", "BROKEN_TEST": "host"}
         result = self.run_dev("test", path=path, environment=broken)
         self.assertEqual(result.returncode, 1)
-        self.assertEqual([call.split()[1] for call in self.calls("ctest")], ["host", "host-asan", "qemu"])
-        self.assertIn("host_physics (Failed)", result.stdout.split("host-asan:")[0].rpartition("host:")[2])
+        self.assertEqual(
+            [call.split()[1] for call in self.calls("ctest")], ["host", "host-asan", "qemu"]
+        )
+        self.assertIn(
+            "host_physics (Failed)", result.stdout.split("host-asan:")[0].rpartition("host:")[2]
+        )
         self.assertIn("main.c:1: error: pretended", result.stderr)
-        self.assertEqual(result.stderr.splitlines()[-1], "tools/dev: failed: host stm32f405 (build)")
+        self.assertEqual(
+            result.stderr.splitlines()[-1], "tools/dev: failed: host stm32f405 (build)"
+        )
 
-    def test_firmware_is_built_for_the_vehicle_that_was_named_and_for_the_paper_s_otherwise(self) -> None:
+    def test_firmware_is_built_for_the_vehicle_that_was_named_and_for_the_paper_s_otherwise(
+        self,
+    ) -> None:
         path, environment = self.pretend_everything_is_installed()
         generated = self.home / "firmware/config/generated"
         generated.mkdir(parents=True)
@@ -228,7 +307,9 @@ class DevCommandTest(DevFixture):
             ([], ["--preset qemu -DHUBFOC_CONFIG=lu2013"]),
         ):
             before = len(self.calls("cmake")) if (self.base / "calls").exists() else 0
-            result = self.run_dev("firmware", "qemu", *arguments, path=path, environment=environment)
+            result = self.run_dev(
+                "firmware", "qemu", *arguments, path=path, environment=environment
+            )
             self.assertEqual(result.returncode, 0, result.stderr)
             calls = self.calls("cmake")[before:]
             self.assertEqual([call for call in calls if call.startswith("--preset")], configured)
@@ -237,20 +318,29 @@ class DevCommandTest(DevFixture):
             self.assertIn("build/qemu/hubfoc_qemu.hex", result.stdout)
 
         result = self.run_dev("firmware", "--config", "absent", path=path, environment=environment)
-        self.assertEqual((result.returncode, len(result.stderr.splitlines())), (USAGE, 1), result.stderr)
+        self.assertEqual(
+            (result.returncode, len(result.stderr.splitlines())), (USAGE, 1), result.stderr
+        )
         self.assertIn("absent", result.stderr)
 
     def test_a_table_is_made_where_it_is_wanted_with_the_plots_that_are_wanted(self) -> None:
         path, environment = self.pretend_everything_is_installed()
         (self.base / "mine.toml").touch()
         for arguments in ([], ["-o", "there"], ["--plots"], ["-o", "there", "--plots"]):
-            result = self.run_dev("table", "mine.toml", *arguments, path=path, environment=environment)
+            result = self.run_dev(
+                "table", "mine.toml", *arguments, path=path, environment=environment
+            )
             self.assertEqual(result.returncode, 0, result.stderr)
-            self.assertEqual(self.calls("python")[-1], " ".join(["-m regen_table generate mine.toml", *arguments]))
+            self.assertEqual(
+                self.calls("python")[-1],
+                " ".join(["-m regen_table generate mine.toml", *arguments]),
+            )
 
     def test_hubsim_gets_its_arguments_unchanged_after_the_engine_is_up_to_date(self) -> None:
         path, environment = self.pretend_everything_is_installed()
-        result = self.run_dev("hubsim", "run", "stop", "--set", "a b=1", path=path, environment=environment)
+        result = self.run_dev(
+            "hubsim", "run", "stop", "--set", "a b=1", path=path, environment=environment
+        )
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn("--build --preset host --target hubsim_engine", self.calls("cmake"))
         self.assertEqual(self.calls("python")[-1], "-m hubsim run stop --set a b=1")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """tools/dev flash over a serial line, against a pseudo terminal that answers as the firmware's shell does."""
 
 import os
@@ -20,7 +21,9 @@ class DevSerialTest(DevFixture):
         (self.home / "build/stm32f405").mkdir(parents=True)
         for name in ("hubfoc_stm32f405.bin", "hubfoc_stm32f405.hex"):
             (self.home / "build/stm32f405" / name).touch()
-        (self.home / "build/stm32f405/hubfoc_stm32f405_config.hex").write_text(":0100000011EE\n:00000001FF\n")
+        (self.home / "build/stm32f405/hubfoc_stm32f405_config.hex").write_text(
+            ":0100000011EE\n:00000001FF\n"
+        )
         board, line = pty.openpty()
         self.addCleanup(os.close, board)
         self.addCleanup(os.close, line)
@@ -36,7 +39,9 @@ class DevSerialTest(DevFixture):
         listener = threading.Thread(target=answer, daemon=True)
         listener.start()
         result = self.run_dev(
-            *("flash", "--only-config", "--with", "serial", "--line", os.ttyname(line)), path=path, environment=environment
+            *("flash", "--only-config", "--with", "serial", "--line", os.ttyname(line)),
+            path=path,
+            environment=environment,
         )
         listener.join(timeout=10)
         return result, heard
@@ -44,18 +49,26 @@ class DevSerialTest(DevFixture):
     PROMPT = b"> install\r\nsend the configuration as Intel HEX; ^C gives up\r\n> "
 
     def test_a_configuration_goes_over_the_serial_line_as_it_was_built(self) -> None:
-        result, heard = self.send_over_serial(self.PROMPT, b"accepted: configuration x\r\nwritten, restarting\r\n")
+        result, heard = self.send_over_serial(
+            self.PROMPT, b"accepted: configuration x\r\nwritten, restarting\r\n"
+        )
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn(":0100000011EE\n:00000001FF", heard.decode().replace("\r", ""))
         self.assertEqual(result.stderr.splitlines()[-1], "Written; the board restarts with it")
 
     def test_what_the_board_says_against_a_configuration_is_passed_on(self) -> None:
-        result, _ = self.send_over_serial(self.PROMPT, b"refused: record 1: wrong checksum; the configuration is as it was\r\n")
+        result, _ = self.send_over_serial(
+            self.PROMPT, b"refused: record 1: wrong checksum; the configuration is as it was\r\n"
+        )
         self.assertEqual(result.returncode, 1)
-        self.assertIn("tools/dev: flash: refused: record 1: wrong checksum", result.stderr.splitlines()[-1])
+        self.assertIn(
+            "tools/dev: flash: refused: record 1: wrong checksum", result.stderr.splitlines()[-1]
+        )
 
     def test_a_wheel_that_is_not_at_rest_is_passed_on_too(self) -> None:
-        result, _ = self.send_over_serial(self.PROMPT, b"accepted: configuration x\r\nrefused: only with the wheel at rest\r\n")
+        result, _ = self.send_over_serial(
+            self.PROMPT, b"accepted: configuration x\r\nrefused: only with the wheel at rest\r\n"
+        )
         self.assertEqual(result.returncode, 1)
         self.assertIn("refused: only with the wheel at rest", result.stderr.splitlines()[-1])
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Formatting and static checks, each as a test; the same tools and settings as tools/dev lint."""
 
 import json
@@ -15,12 +16,18 @@ VENV = Path(sys.executable).parent
 
 
 def run(*command: str | Path) -> None:
-    result = subprocess.run([str(part) for part in command], cwd=ROOT, capture_output=True, text=True, check=False)
+    result = subprocess.run(
+        [str(part) for part in command], cwd=ROOT, capture_output=True, text=True, check=False
+    )
     assert result.returncode == 0, f"{result.stdout}\n{result.stderr}"
 
 
 def tracked(*suffixes: str) -> list[str]:
-    return [name for name in map(name_of, git_files()) if name.endswith(suffixes) and "/generated/" not in name]
+    return [
+        name
+        for name in map(name_of, git_files())
+        if name.endswith(suffixes) and "/generated/" not in name
+    ]
 
 
 def test_c_is_formatted() -> None:
@@ -45,11 +52,19 @@ def test_the_pure_rooms_have_no_known_defects() -> None:
     if clang_tidy is None:
         pytest.fail("no clang-tidy here; tools/dev setup checks installs it")
     build = Path(os.environ["HUBFOC_BUILD_DIR"])
-    compiled = {entry["file"] for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))}
+    compiled = {
+        entry["file"]
+        for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
+    }
     sources = [str(path) for room in PURE for path in sources_of(room)]
     assert set(sources) <= compiled
     jobs = [
-        subprocess.Popen([clang_tidy, "--quiet", "-p", build, *part], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        subprocess.Popen(
+            [clang_tidy, "--quiet", "-p", build, *part],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
         for part in halves(sources)
     ]
     said = [job.communicate()[0] for job in jobs]

@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the compiler made of the pure rooms: no state of their own, no recursion, nothing dear in the fast reach.
 
-The source can hide a division in a macro, recursion behind three functions and a global behind a static; object files
-cannot. The rooms are compiled here, each file by itself, with the host's compiler and for three Cortex-M cores.
+The source can hide a division in a macro, recursion behind three functions and a global behind a
+static; object files cannot. The rooms are compiled here, each file by itself, with the host's
+compiler and for three Cortex-M cores.
 """
 
 import re
@@ -14,20 +16,40 @@ from pathlib import Path
 import pytest
 from rooms import PURE, STRICT_C, include_options, sources_of
 
-# Called by the compiler on its own account: every C implementation, also a freestanding one, provides these four for
-# copying and clearing structures (GCC manual, "Standards"). They have no state and cannot fail. Rooms cannot call them
-# by name, because no room may include <string.h>.
+# Called by the compiler on its own account: every C implementation, also a freestanding one,
+# provides these four for copying and clearing structures (GCC manual, "Standards"). They have no
+# state and cannot fail. Rooms cannot call them by name, because no room may include <string.h>.
 COMPILER_SUPPORT = {"memcpy", "memset", "memmove", "memcmp"}
 
 # Supplied by app/ or a test: the end of a failed assertion (core/check.h).
 CHECK_HANDLER = {"check_failed"}
 
-# 64-bit integer arithmetic of the slow reach (ARM IHI 0043, "Run-time ABI"), and the table jumps of Cortex-M0+.
-# No __aeabi_d* or __aeabi_f*: there is no floating point to emulate.
+# 64-bit integer arithmetic of the slow reach (ARM IHI 0043, "Run-time ABI"), and the table jumps of
+# Cortex-M0+. No __aeabi_d* or __aeabi_f*: there is no floating point to emulate.
 ARM_INTEGER_HELPERS = {
-    *("__aeabi_idiv", "__aeabi_idivmod", "__aeabi_uidiv", "__aeabi_uidivmod", "__aeabi_ldivmod", "__aeabi_uldivmod"),
-    *("__aeabi_lmul", "__aeabi_llsl", "__aeabi_llsr", "__aeabi_lasr", "__aeabi_lcmp", "__aeabi_ulcmp"),
-    *("__gnu_thumb1_case_sqi", "__gnu_thumb1_case_uqi", "__gnu_thumb1_case_shi", "__gnu_thumb1_case_uhi", "__gnu_thumb1_case_si"),
+    *(
+        "__aeabi_idiv",
+        "__aeabi_idivmod",
+        "__aeabi_uidiv",
+        "__aeabi_uidivmod",
+        "__aeabi_ldivmod",
+        "__aeabi_uldivmod",
+    ),
+    *(
+        "__aeabi_lmul",
+        "__aeabi_llsl",
+        "__aeabi_llsr",
+        "__aeabi_lasr",
+        "__aeabi_lcmp",
+        "__aeabi_ulcmp",
+    ),
+    *(
+        "__gnu_thumb1_case_sqi",
+        "__gnu_thumb1_case_uqi",
+        "__gnu_thumb1_case_shi",
+        "__gnu_thumb1_case_uhi",
+        "__gnu_thumb1_case_si",
+    ),
 }
 # What a fast step may call of them: no division.
 FAST_HELPERS = {name for name in ARM_INTEGER_HELPERS if "div" not in name} | COMPILER_SUPPORT
@@ -43,7 +65,9 @@ Calls = dict[str, set[str]]
 
 
 def run(*command: str | Path) -> str:
-    result = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+    result = subprocess.run(
+        [str(part) for part in command], capture_output=True, text=True, check=False
+    )
     assert result.returncode == 0, result.stderr
     return result.stdout
 
@@ -53,7 +77,16 @@ def compile_rooms(compiler: str, options: list[str], directory: Path) -> list[Pa
     for room in PURE:
         for source in sources_of(room):
             objects.append(directory / f"{room}_{source.stem}.o")
-            run(compiler, *STRICT_C, *options, *include_options(room), "-c", source, "-o", objects[-1])
+            run(
+                compiler,
+                *STRICT_C,
+                *options,
+                *include_options(room),
+                "-c",
+                source,
+                "-o",
+                objects[-1],
+            )
     return objects
 
 
@@ -75,15 +108,22 @@ def host_objects(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
 
 
 @pytest.fixture(scope="module", params=CORES)
-def arm_objects(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+def arm_objects(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> list[Path]:
     if shutil.which("arm-none-eabi-gcc") is None:
         pytest.fail("no arm-none-eabi-gcc here; tools/dev setup arm installs it")
     directory = tmp_path_factory.mktemp(request.param)
-    return compile_rooms("arm-none-eabi-gcc", [*CORES[request.param], "-ffunction-sections"], directory)
+    return compile_rooms(
+        "arm-none-eabi-gcc", [*CORES[request.param], "-ffunction-sections"], directory
+    )
 
 
 def writable(symbols: list[tuple[Path, str, str]]) -> list[str]:
-    """Return the symbols in memory that can be written: initialised, zeroed, common or small data."""
+    """Return the symbols in memory that can be written.
+
+    Initialised, zeroed, common or small data.
+    """
     return [f"{path.name}: {name}" for path, letter, name in symbols if letter in "bBdDcCgGsS"]
 
 
@@ -96,7 +136,9 @@ def test_no_pure_room_keeps_anything_in_memory_of_its_own(host_objects: list[Pat
     assert writable(symbols_of("nm", host_objects)) == []
 
 
-def test_no_pure_room_keeps_anything_in_memory_of_its_own_on_the_target(arm_objects: list[Path]) -> None:
+def test_no_pure_room_keeps_anything_in_memory_of_its_own_on_the_target(
+    arm_objects: list[Path],
+) -> None:
     assert writable(symbols_of("arm-none-eabi-nm", arm_objects)) == []
 
 
@@ -104,7 +146,9 @@ def test_pure_rooms_call_nothing_but_each_other(host_objects: list[Path]) -> Non
     assert undefined(symbols_of("nm", host_objects)) <= COMPILER_SUPPORT | CHECK_HANDLER
 
 
-def test_pure_rooms_call_nothing_but_each_other_and_integer_arithmetic_on_the_target(arm_objects: list[Path]) -> None:
+def test_pure_rooms_call_nothing_but_each_other_and_integer_arithmetic_on_the_target(
+    arm_objects: list[Path],
+) -> None:
     outside = undefined(symbols_of("arm-none-eabi-nm", arm_objects))
     assert outside <= COMPILER_SUPPORT | CHECK_HANDLER | ARM_INTEGER_HELPERS
 
@@ -115,7 +159,9 @@ def test_pure_rooms_call_nothing_but_each_other_and_integer_arithmetic_on_the_ta
 def calls_in(callgraph: str) -> Calls:
     """Return who calls whom according to -fcallgraph-info (VCG text)."""
     calls: Calls = {}
-    for source, target in re.findall(r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"', callgraph):
+    for source, target in re.findall(
+        r'edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"', callgraph
+    ):
         calls.setdefault(source, set()).add(target)
     return calls
 
@@ -136,13 +182,17 @@ def cycle_in(calls: Calls) -> list[str]:
         finished.add(function)
         return []
 
-    return next((cycle for cycle in (search(function, []) for function in sorted(calls)) if cycle), [])
+    return next(
+        (cycle for cycle in (search(function, []) for function in sorted(calls)) if cycle), []
+    )
 
 
 def test_no_function_calls_itself_not_even_through_others(host_objects: list[Path]) -> None:
     calls: Calls = {}
     for path in host_objects:
-        for source, targets in calls_in(path.with_suffix(".ci").read_text(encoding="utf-8")).items():
+        for source, targets in calls_in(
+            path.with_suffix(".ci").read_text(encoding="utf-8")
+        ).items():
             calls.setdefault(source, set()).update(targets)
     assert "controller_fast_step" in calls
     assert cycle_in(calls) == []
@@ -150,7 +200,11 @@ def test_no_function_calls_itself_not_even_through_others(host_objects: list[Pat
 
 def test_no_function_is_called_through_a_pointer(host_objects: list[Path]) -> None:
     """Through a pointer anything may be called: the search above would see nothing."""
-    assert not [path.name for path in host_objects if "__indirect_call" in path.with_suffix(".ci").read_text(encoding="utf-8")]
+    assert not [
+        path.name
+        for path in host_objects
+        if "__indirect_call" in path.with_suffix(".ci").read_text(encoding="utf-8")
+    ]
 
 
 def test_the_search_finds_recursion(tmp_path: Path) -> None:
@@ -162,7 +216,10 @@ def test_the_search_finds_recursion(tmp_path: Path) -> None:
         "int a(int x) { return b(x); }\n"
     )
     run("gcc", "-O0", "-fcallgraph-info", "-c", source, "-o", tmp_path / "loop.o")
-    names = [name.rpartition(":")[2] for name in cycle_in(calls_in((tmp_path / "loop.ci").read_text(encoding="utf-8")))]
+    names = [
+        name.rpartition(":")[2]
+        for name in cycle_in(calls_in((tmp_path / "loop.ci").read_text(encoding="utf-8")))
+    ]
     assert sorted(set(names)) == ["a", "b", "c"]
     assert names[0] == names[-1]
     assert cycle_in({"a": {"b", "c"}, "b": {"c"}}) == []
@@ -198,7 +255,11 @@ def disassemble(path: Path) -> dict[str, Function]:
 def call_tree(objects: list[Path], root: str) -> tuple[dict[str, Function], set[str]]:
     """Return every function that `root` can reach, and the names that are in none of the objects."""
     by_object = {path: disassemble(path) for path in objects}
-    exported = {name: path for path, letter, name in symbols_of("arm-none-eabi-nm", objects) if letter == "T"}
+    exported = {
+        name: path
+        for path, letter, name in symbols_of("arm-none-eabi-nm", objects)
+        if letter == "T"
+    }
     reached: dict[str, Function] = {}
     outside: set[str] = set()
     waiting = [(exported[root], root)]
@@ -218,13 +279,24 @@ def call_tree(objects: list[Path], root: str) -> tuple[dict[str, Function], set[
 
 
 def dear(function: Function) -> list[str]:
-    """Return the instructions no fast step may hold: hardware division, floating point, calls through a pointer."""
-    return [text for text in function.instructions if re.match(r"(?:[su]div|v[a-z]\w*|blx r\d+|bx r\d+)\b", text)]
+    """Return the instructions no fast step may hold.
+
+    Hardware division, floating point, calls through a pointer.
+    """
+    return [
+        text
+        for text in function.instructions
+        if re.match(r"(?:[su]div|v[a-z]\w*|blx r\d+|bx r\d+)\b", text)
+    ]
 
 
-def test_the_fast_reach_neither_divides_nor_calls_what_it_cannot_know(arm_objects: list[Path]) -> None:
+def test_the_fast_reach_neither_divides_nor_calls_what_it_cannot_know(
+    arm_objects: list[Path],
+) -> None:
     reached, outside = call_tree(arm_objects, FAST_ROOT)
-    assert {"foc_current_step", "foc_rest", "hall_look"} <= set(reached)  # it has looked where it should
+    assert {"foc_current_step", "foc_rest", "hall_look"} <= set(
+        reached
+    )  # it has looked where it should
     assert not {name: dear(function) for name, function in reached.items() if dear(function)}
     assert outside <= FAST_HELPERS
 
@@ -244,4 +316,8 @@ def test_the_search_finds_a_division_three_calls_away(tmp_path: Path) -> None:
         run("arm-none-eabi-gcc", *options, "-ffunction-sections", "-c", source, "-o", path)
         reached, outside = call_tree([path], FAST_ROOT)
         assert len(reached) == 3
-        assert outside & {"__aeabi_idiv", "__aeabi_idivmod"} if core == "cortex-m0plus" else dear(reached[f"{path.name}:c"])
+        assert (
+            outside & {"__aeabi_idiv", "__aeabi_idivmod"}
+            if core == "cortex-m0plus"
+            else dear(reached[f"{path.name}:c"])
+        )

@@ -1,4 +1,8 @@
-"""The rooms keep their walls: includes run one way, the pure rooms stay pure, every header stands alone."""
+# SPDX-License-Identifier: Apache-2.0
+"""The rooms keep their walls.
+
+Includes run one way, the pure rooms stay pure, every header stands alone.
+"""
 
 import re
 import shutil
@@ -6,7 +10,17 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from rooms import FIRMWARE, MAY_INCLUDE, PURE, ROOT, STRICT_C, code_only, files_of, include_options, includes_in
+from rooms import (
+    FIRMWARE,
+    MAY_INCLUDE,
+    PURE,
+    ROOT,
+    STRICT_C,
+    code_only,
+    files_of,
+    include_options,
+    includes_in,
+)
 
 PURE_LIBRARY_HEADERS = {"stdint.h", "stdbool.h", "stddef.h"}
 
@@ -30,7 +44,10 @@ HEADERS = [
     for path in files_of(room)
     if path.suffix == ".h"
 ]
-HAL_HEADERS = sorted(path.relative_to(ROOT / "hal/include").as_posix() for path in (ROOT / "hal/include").rglob("*.h"))
+HAL_HEADERS = sorted(
+    path.relative_to(ROOT / "hal/include").as_posix()
+    for path in (ROOT / "hal/include").rglob("*.h")
+)
 
 
 def compile_text(text: str, options: list[str]) -> subprocess.CompletedProcess[str]:
@@ -51,8 +68,15 @@ def test_a_room_includes_only_the_rooms_before_it(room: str) -> None:
     wrong = []
     for path in files_of(room):
         for kind, name in includes_in(path.read_text(encoding="utf-8")):
-            # A private header beside its source has no room in its name; it must then really be there.
-            of_room = name.split("/")[0] if "/" in name else room if (path.parent / name).exists() else name
+            # A private header beside its source has no room in its name; it must then really be
+            # there.
+            of_room = (
+                name.split("/")[0]
+                if "/" in name
+                else room
+                if (path.parent / name).exists()
+                else name
+            )
             if kind == '"' and of_room not in allowed:
                 wrong.append(f"{path.relative_to(ROOT)}: {name}")
     assert not wrong
@@ -61,7 +85,11 @@ def test_a_room_includes_only_the_rooms_before_it(room: str) -> None:
 def test_only_app_sees_the_hardware_interface_and_no_port_sees_the_firmware() -> None:
     assert [room for room in MAY_INCLUDE if "hal" in MAY_INCLUDE[room]] == ["app"]
     for path in sorted((ROOT / "hal").rglob("*.[ch]")):
-        names = {name.split("/")[0] for kind, name in includes_in(path.read_text(encoding="utf-8")) if kind == '"' and "/" in name}
+        names = {
+            name.split("/")[0]
+            for kind, name in includes_in(path.read_text(encoding="utf-8"))
+            if kind == '"' and "/" in name
+        }
         assert not names & set(MAY_INCLUDE), path.relative_to(ROOT)
 
 
@@ -90,7 +118,9 @@ def test_a_pure_room_has_no(reason: str) -> None:
     wrong = []
     for room in PURE:
         for path in files_of(room):
-            for number, line in enumerate(code_only(path.read_text(encoding="utf-8")).splitlines(), start=1):
+            for number, line in enumerate(
+                code_only(path.read_text(encoding="utf-8")).splitlines(), start=1
+            ):
                 found = re.search(FORBIDDEN[reason], line)
                 if found:
                     wrong.append(f"{path.relative_to(ROOT)}:{number}: {found.group()}")
@@ -129,7 +159,9 @@ def test_a_header_stands_alone_and_may_be_included_twice(room: str, header: str)
 
 @pytest.mark.parametrize("header", HAL_HEADERS)
 def test_a_header_of_the_hardware_interface_stands_alone(header: str) -> None:
-    result = compile_text(f'#include "{header}"\n#include "{header}"\n', [f"-I{ROOT / 'hal/include'}"])
+    result = compile_text(
+        f'#include "{header}"\n#include "{header}"\n', [f"-I{ROOT / 'hal/include'}"]
+    )
     assert result.returncode == 0, result.stderr
 
 
@@ -137,16 +169,28 @@ def test_a_vector_of_one_frame_is_no_argument_for_another() -> None:
     text = '#include "foc/transforms.h"\ndq_t f({0} x, sincos_t a);\ndq_t f({0} x, sincos_t a) {{ return transforms_park(x, a); }}\n'
     assert compile_text(text.format("ab_t"), include_options("foc")).returncode == 0
     for wrong in ("dq_t", "abc_t"):
-        assert "incompatible type" in compile_text(text.format(wrong), include_options("foc")).stderr
+        assert (
+            "incompatible type" in compile_text(text.format(wrong), include_options("foc")).stderr
+        )
 
 
 def test_a_room_cannot_be_compiled_with_an_include_it_must_not_have() -> None:
-    """The same wall in the build itself: each target sees only the headers of the rooms before it."""
-    for target, forbidden in (("torque", "foc/foc.h"), ("core", "config/config.h"), ("monitor", "modes/modes.h")):
+    """The same wall in the build itself.
+
+    Each target sees only the headers of the rooms before it.
+    """
+    for target, forbidden in (
+        ("torque", "foc/foc.h"),
+        ("core", "config/config.h"),
+        ("monitor", "modes/modes.h"),
+    ):
         assert compile_text(f'#include "{forbidden}"\n', include_options(target)).returncode != 0
     for room in ROOMS_HERE:
         text = (FIRMWARE / room / "CMakeLists.txt").read_text(encoding="utf-8")
-        named = set(re.findall(r"\bhubfoc_(\w+)\b", re.sub(r"#.*", "", text))) & {*MAY_INCLUDE, "hal"}
+        named = set(re.findall(r"\bhubfoc_(\w+)\b", re.sub(r"#.*", "", text))) & {
+            *MAY_INCLUDE,
+            "hal",
+        }
         assert named <= {room, *MAY_INCLUDE[room]}, room
 
 
@@ -158,7 +202,9 @@ def test_every_room_says_what_it_is_for() -> None:
 def modules_of(room: str) -> set[str]:
     """Return the modules of a room: its sources, and headers that hold code of their own."""
     headers = {
-        path.stem for path in files_of(room) if path.suffix == ".h" and "static inline" in code_only(path.read_text(encoding="utf-8"))
+        path.stem
+        for path in files_of(room)
+        if path.suffix == ".h" and "static inline" in code_only(path.read_text(encoding="utf-8"))
     }
     return headers | {path.stem for path in files_of(room) if path.suffix == ".c"}
 
@@ -166,7 +212,9 @@ def modules_of(room: str) -> set[str]:
 @pytest.mark.parametrize("room", PURE)
 def test_every_module_has_a_test_of_its_own(room: str) -> None:
     here = ROOT / "tests/unit/firmware" / room
-    missing = [module for module in sorted(modules_of(room)) if not (here / f"test_{module}.c").is_file()]
+    missing = [
+        module for module in sorted(modules_of(room)) if not (here / f"test_{module}.c").is_file()
+    ]
     assert not missing, f"{here.relative_to(ROOT)} has no test of these modules"
 
 

@@ -1,10 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stops from 40 km/h with constant demand, without drag: the paper's Fig. 14, from simulated firmware.
+ * Stops from 40 km/h with constant demand, without drag: the paper's Fig. 14, from simulated
+ * firmware.
  *
- * The expected shares are the ideal ones: steady states of the loss equations integrated over the stop (the table in
- * IDEAL below; tools/regen_table computes the same). The simulation differs from them for physical reasons: the
- * battery's RC branch has not settled within a stop (its 10 mohm cost less), the hydraulic brake comes 0.1 s late while
- * the motor already brakes, and electric braking hands over below 25 r/min.
+ * The expected shares are the ideal ones: steady states of the loss equations integrated over the
+ * stop (the table in IDEAL below; tools/regen_table computes the same). The simulation differs from
+ * them for physical reasons: the battery's RC branch has not settled within a stop (its 10 mohm
+ * cost less), the hydraulic brake comes 0.1 s late while the motor already brakes, and electric
+ * braking hands over below 25 r/min.
  */
 #include <math.h>
 #include <stdio.h>
@@ -13,11 +16,13 @@
 #include "vehicle_fixture.h"
 
 enum { STRATEGIES = 3, DEMANDS = 5 };
-static const char *const STRATEGY_NAME[STRATEGIES] = {"parallel_ratio", "parallel_free_travel", "series_optimal"};
+static const char *const STRATEGY_NAME[STRATEGIES] = {"parallel_ratio", "parallel_free_travel",
+                                                      "series_optimal"};
 static const double DEMAND_NM[DEMANDS] = {5.0, 20.0, 40.0, 60.0, 120.0};
 /* Energy stored over the stop, per cent of kinetic energy. */
-static const double IDEAL[STRATEGIES][DEMANDS] = {
-    {-14.0, 11.2, 14.9, 15.9, 16.0}, {63.7, 80.6, 74.3, 49.5, 24.8}, {63.7, 81.0, 75.6, 50.4, 25.2}};
+static const double IDEAL[STRATEGIES][DEMANDS] = {{-14.0, 11.2, 14.9, 15.9, 16.0},
+                                                  {63.7, 80.6, 74.3, 49.5, 24.8},
+                                                  {63.7, 81.0, 75.6, 50.4, 25.2}};
 static const double WITHIN_PER_CENT = 2.0;
 static const double SPEED = 40.0 / 3.6;
 
@@ -64,7 +69,8 @@ static void stores_what_the_steady_states_promise(int32_t strategy)
         const stop_t stop = quarter_stop(strategy, DEMAND_NM[d]);
         char text[96];
         snprintf(text, sizeof(text), "%s at %g N m", STRATEGY_NAME[strategy], DEMAND_NM[d]);
-        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(WITHIN_PER_CENT, IDEAL[strategy][d], stop.stored_per_cent, text);
+        TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(WITHIN_PER_CENT, IDEAL[strategy][d], stop.stored_per_cent,
+                                          text);
         TEST_ASSERT_TRUE_MESSAGE(stop.residual < 1e-4, text);
         TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, stop.fault, text);
     }
@@ -89,9 +95,12 @@ void test_series_optimal_is_never_beaten(void)
 {
     const double demands_nm[] = {10.0, 30.0, 50.0, 90.0};
     for (int d = 0; d < 4; d++) {
-        const double series = quarter_stop(CONFIG_STRATEGY_SERIES_OPTIMAL, demands_nm[d]).stored_per_cent;
-        const double free_travel = quarter_stop(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, demands_nm[d]).stored_per_cent;
-        const double ratio = quarter_stop(CONFIG_STRATEGY_PARALLEL_RATIO, demands_nm[d]).stored_per_cent;
+        const double series =
+            quarter_stop(CONFIG_STRATEGY_SERIES_OPTIMAL, demands_nm[d]).stored_per_cent;
+        const double free_travel =
+            quarter_stop(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, demands_nm[d]).stored_per_cent;
+        const double ratio =
+            quarter_stop(CONFIG_STRATEGY_PARALLEL_RATIO, demands_nm[d]).stored_per_cent;
         TEST_ASSERT_TRUE(series >= free_travel - 0.05);
         TEST_ASSERT_TRUE(series >= ratio - 0.05);
     }
@@ -124,7 +133,8 @@ void test_a_hot_winding_gets_less_and_series_knows_it(void)
     const double cold = stop_with(&params, CONFIG_STRATEGY_SERIES_OPTIMAL, 40.0).stored_per_cent;
     params.thermal.winding_temperature_c = 120.0;
     const double hot = stop_with(&params, CONFIG_STRATEGY_SERIES_OPTIMAL, 40.0).stored_per_cent;
-    const double hot_free = stop_with(&params, CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, 40.0).stored_per_cent;
+    const double hot_free =
+        stop_with(&params, CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, 40.0).stored_per_cent;
     TEST_ASSERT_TRUE(hot < cold - 2.0);
     TEST_ASSERT_TRUE(hot > hot_free);
 }
@@ -163,5 +173,6 @@ void test_a_standing_vehicle_stays_and_takes_nothing_from_the_battery(void)
     fixture_run(bench, 2.0);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, bench->vehicle.speed_m_per_s);
     TEST_ASSERT_EQUAL_DOUBLE(distance_m, bench->vehicle.distance_m);
-    TEST_ASSERT_DOUBLE_WITHIN(0.5, 0.0, bench_ledger(bench).chemical_j - chemical_j); /* W s over 2 s, one wheel */
+    TEST_ASSERT_DOUBLE_WITHIN(
+        0.5, 0.0, bench_ledger(bench).chemical_j - chemical_j); /* W s over 2 s, one wheel */
 }

@@ -1,7 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What dead time does to the phase currents at 50 r/min and the torque of 10 A (with the iron's share and i_d 11.1 A
- * flow), with a bridge that switches every edge by itself: dead intervals, diodes and the ripple of the PWM as they are,
- * not as a mean over the period.
+ * What dead time does to the phase currents at 50 r/min and the torque of 10 A (with the iron's
+ * share and i_d 11.1 A flow), with a bridge that switches every edge by itself: dead intervals,
+ * diodes and the ripple of the PWM as they are, not as a mean over the period.
  */
 #include <complex.h>
 #include <math.h>
@@ -25,7 +26,8 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-/* Amplitudes in phase a and the mean airgap torque, over one mechanical turn: 23 electrical ones. */
+/* Amplitudes in phase a and the mean airgap torque, over one mechanical turn: 23 electrical ones.
+ */
 static harmonics_t harmonics(bool compensated)
 {
     bench_params_t params = fixture_quarter_vehicle();
@@ -33,7 +35,8 @@ static harmonics_t harmonics(bool compensated)
     params.run.initial_speed_m_per_s = SPEED_RAD_S * 0.25;
     params.inverter.switching = 1.0;
     params.driver.drive_demand_nm = TORQUE_NM;
-    config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    config_t config =
+        fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
     if (!compensated) {
         config.drive.dead_time_ns = 0;
         config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
@@ -48,8 +51,8 @@ static harmonics_t harmonics(bool compensated)
     double complex sum[3] = {0.0};
     for (int n = 0; n < periods; n++) {
         for (int k = 0; k < 3; k++) {
-            sum[k] +=
-                2.0 / periods * wheel->rotor.terminal.alpha * cexp(-I * TURN * ORDER[k] * wheel->rotor.theta_turn);
+            sum[k] += 2.0 / periods * wheel->rotor.terminal.alpha *
+                      cexp(-I * TURN * ORDER[k] * wheel->rotor.theta_turn);
         }
         bench_period(bench);
     }
@@ -63,15 +66,18 @@ static harmonics_t harmonics(bool compensated)
     return out;
 }
 
-void test_compensation_cuts_the_fifth_and_seventh_harmonic_at_least_by_half_and_leaves_the_torque(void)
+void test_compensation_cuts_the_fifth_and_seventh_harmonic_at_least_by_half_and_leaves_the_torque(
+    void)
 {
     const harmonics_t without = harmonics(false);
     const harmonics_t with = harmonics(true);
     char text[160];
-    snprintf(text, sizeof(text), "first %.3f %.3f A, fifth %.4f %.4f A, seventh %.4f %.4f A, torque %.3f %.3f N m",
-             without.first_a, with.first_a, without.fifth_a, with.fifth_a, without.seventh_a, with.seventh_a,
-             without.torque_nm, with.torque_nm);
-    /* 4/pi of 1.09 V over the order against 0.35 Ohm of winding and regulator: 0.79 A and 0.57 A for a square wave. */
+    snprintf(text, sizeof(text),
+             "first %.3f %.3f A, fifth %.4f %.4f A, seventh %.4f %.4f A, torque %.3f %.3f N m",
+             without.first_a, with.first_a, without.fifth_a, with.fifth_a, without.seventh_a,
+             with.seventh_a, without.torque_nm, with.torque_nm);
+    /* 4/pi of 1.09 V over the order against 0.35 Ohm of winding and regulator: 0.79 A and 0.57 A
+     * for a square wave. */
     TEST_ASSERT_TRUE_MESSAGE(without.fifth_a > 0.4 && without.fifth_a < 0.8, text);
     TEST_ASSERT_TRUE_MESSAGE(without.seventh_a > 0.25 && without.seventh_a < 0.6, text);
     TEST_ASSERT_TRUE_MESSAGE(with.fifth_a <= 0.5 * without.fifth_a, text);

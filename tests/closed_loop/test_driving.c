@@ -1,4 +1,6 @@
-/* Torque that is asked for is torque at the wheel: both directions, all speeds, either rotor sensor. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Torque that is asked for is torque at the wheel: both directions, all speeds, either rotor
+ * sensor. */
 #include <math.h>
 #include <stdio.h>
 
@@ -46,7 +48,8 @@ static void follows(int32_t sensor, double tolerance_nm)
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(tolerance_nm, torques_nm[t], torque_nm, text);
             /* What the controller believes it makes is what the plant says it makes. */
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(tolerance_nm, torque_nm,
-                                              1e-3 * bench->wheel[0].slow.motor_torque_estimate_mNm, text);
+                                              1e-3 * bench->wheel[0].slow.motor_torque_estimate_mNm,
+                                              text);
         }
     }
 }
@@ -79,8 +82,10 @@ void test_the_bus_current_estimate_is_the_battery_current(void)
         bench_t *bench = at_speed(350.0, CONFIG_ROTOR_ANGLE);
         bench->params.driver.drive_demand_nm = torques_nm[t];
         held_torque_nm(bench, 0.3);
-        /* The estimate knows the motor's terminals, not the bridge's own loss (some 40 W on 53 V). */
-        TEST_ASSERT_DOUBLE_WITHIN(1.5, bench->battery.current_a, 1e-3 * bench->wheel[0].slow.bus_current_mA);
+        /* The estimate knows the motor's terminals, not the bridge's own loss (some 40 W on 53 V).
+         */
+        TEST_ASSERT_DOUBLE_WITHIN(1.5, bench->battery.current_a,
+                                  1e-3 * bench->wheel[0].slow.bus_current_mA);
     }
 }
 
@@ -90,10 +95,12 @@ void test_a_vehicle_starts_from_rest_with_hall_sensors_at_any_rotor_position(voi
         bench_params_t params = fixture_quarter_vehicle();
         params.driver.drive_demand_nm = 15.0;
         params.run.rotor_turn = k / 12.0;
-        const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
+        const config_t config =
+            fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
         bench_t *bench = fixture_start(&params, &config);
         fixture_run(bench, 1.5);
-        /* 15 N m on a quarter of 660 kg at 0.25 m: 0.364 m/s^2, less what the sectors' middle costs at first */
+        /* 15 N m on a quarter of 660 kg at 0.25 m: 0.364 m/s^2, less what the sectors' middle costs
+         * at first */
         TEST_ASSERT_TRUE(bench->vehicle.speed_m_per_s > 0.45);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
     }
@@ -111,7 +118,8 @@ void test_noise_and_misplaced_halls_cost_little_energy_and_no_fault(void)
             params.sensors.bus_voltage_noise_v = 0.1;
             params.sensors.hall_edge_error_deg = 3.0;
         }
-        const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
+        const config_t config =
+            fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
         bench_t *bench = fixture_start(&params, &config);
         fixture_run_to_standstill(bench, 30.0);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);

@@ -1,4 +1,6 @@
-/* Limits in closed loop: a full pack, a weak pack, a hot winding, above base speed, a fault at speed. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Limits in closed loop: a full pack, a weak pack, a hot winding, above base speed, a fault at
+ * speed. */
 #include <math.h>
 
 #include "unity.h"
@@ -20,7 +22,8 @@ void test_a_full_battery_is_braked_hydraulically_and_says_why(void)
     TEST_ASSERT_EQUAL_INT(REASON_CHARGE_CURRENT, bench->wheel[0].slow.available_reason);
     fixture_run_to_standstill(bench, 30.0);
     const ledger_t ledger = bench_ledger(bench);
-    /* The iron drags, whatever anybody wants; all else is the hydraulic brake's, and the cells get nothing. */
+    /* The iron drags, whatever anybody wants; all else is the hydraulic brake's, and the cells get
+     * nothing. */
     TEST_ASSERT_TRUE(ledger.hydraulic_j + ledger.iron_j > 0.99 * bench->kinetic_before_j);
     TEST_ASSERT_TRUE(ledger.hydraulic_j > 0.9 * bench->kinetic_before_j);
     TEST_ASSERT_TRUE(-ledger.chemical_j < 0.001 * bench->kinetic_before_j);
@@ -48,8 +51,8 @@ void test_a_weak_battery_is_not_pulled_below_its_limit(void)
     TEST_ASSERT_FALSE(bench->battery.collapsed);
 }
 
-/* A pack of 1 ohm at 40 to 41 V: the law from voltage to current has a gain of 214 A/V, so that a millisecond of delay would
- * make it swing by a step of the torque rate, 0.4 Nm, for ever. */
+/* A pack of 1 ohm at 40 to 41 V: the law from voltage to current has a gain of 214 A/V, so that a
+ * millisecond of delay would make it swing by a step of the torque rate, 0.4 Nm, for ever. */
 void test_a_weak_battery_is_drawn_from_steadily(void)
 {
     bench_params_t params = fixture_vehicle();
@@ -63,11 +66,13 @@ void test_a_weak_battery_is_drawn_from_steadily(void)
     for (int k = 0; k < 500; k++) {
         const int32_t before_mNm = bench->wheel[0].slow.motor_torque_command_mNm;
         fixture_run(bench, 1e-3);
-        largest_nm = fmax(largest_nm, 1e-3 * fabs(bench->wheel[0].slow.motor_torque_command_mNm - (double)before_mNm));
+        largest_nm = fmax(largest_nm, 1e-3 * fabs(bench->wheel[0].slow.motor_torque_command_mNm -
+                                                  (double)before_mNm));
     }
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_LOW, bench->wheel[0].slow.torque_reason);
     TEST_ASSERT_DOUBLE_WITHIN(0.5, 40.3, bench->battery.terminal_v);
-    TEST_ASSERT_TRUE(largest_nm < 0.04); /* a tenth of what the rate allows; the rising speed takes some of it */
+    TEST_ASSERT_TRUE(largest_nm <
+                     0.04); /* a tenth of what the rate allows; the rising speed takes some of it */
     TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
 }
 
@@ -96,7 +101,8 @@ void test_braking_above_base_speed_stays_controlled(void)
     fixture_run(bench, 0.5);
     const double before_nms = bench->wheel[0].totals.torque_impulse_nms;
     fixture_run(bench, 0.5);
-    TEST_ASSERT_DOUBLE_WITHIN(0.6, -20.0, (bench->wheel[0].totals.torque_impulse_nms - before_nms) / 0.5);
+    TEST_ASSERT_DOUBLE_WITHIN(0.6, -20.0,
+                              (bench->wheel[0].totals.torque_impulse_nms - before_nms) / 0.5);
     fixture_run_to_standstill(bench, 60.0);
     const ledger_t ledger = bench_ledger(bench);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
@@ -120,7 +126,8 @@ void test_a_power_stage_that_goes_off_below_base_speed_leaves_a_freely_rolling_w
     const ledger_t after = bench_ledger(bench);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, after.copper_j - before.copper_j);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, after.chemical_j - before.chemical_j);
-    /* Only the iron drags: 1.5 (w psi)^2 / R_i, a little less for the iron branch's own inductance drop. */
+    /* Only the iron drags: 1.5 (w psi)^2 / R_i, a little less for the iron branch's own inductance
+     * drop. */
     const double w = bench_wheel_speed_rad_s(bench) * 23.0;
     const double r_i = 1.5 + 0.006 * w;
     const double iron_w = 1.5 * w * w * 0.0204 * 0.0204 / r_i;

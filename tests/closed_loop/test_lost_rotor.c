@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The rotor sensor goes where the magnets' EMF exceeds the bus: the bridge must not open before the wheel is slow enough, and
- * must open then, because the short brakes the harder the slower the wheel is.
+ * The rotor sensor goes where the magnets' EMF exceeds the bus: the bridge must not open before the
+ * wheel is slow enough, and must open then, because the short brakes the harder the slower the
+ * wheel is.
  */
 #include <math.h>
 #include <stdio.h>
@@ -40,7 +42,8 @@ static bench_t *with_encoder(const char *name, double rad_s)
 
 static void lose_encoder(bench_t *bench, loss_t loss)
 {
-    bench->wheel[0].shaft.lost_counts += 1100.0; /* more than half an electrical turn of 3 pole pairs, 683 */
+    bench->wheel[0].shaft.lost_counts +=
+        1100.0; /* more than half an electrical turn of 3 pole pairs, 683 */
     if (loss == FALLS_QUIET) {
         bench->params.encoder.counts = 0.0;
         bench_refresh(bench);
@@ -55,8 +58,8 @@ static double limit_rad_s(const char *name)
     return bench->battery.terminal_v / (sqrt(3.0) * motor->flux_linkage_wb * motor->pole_pairs);
 }
 
-/* What the diodes give back of the short's current, psi / L_d, when the bridge opens: 3/4 L_d i^2, and half as much again that the
- * EMF adds while the current falls. */
+/* What the diodes give back of the short's current, psi / L_d, when the bridge opens: 3/4 L_d i^2,
+ * and half as much again that the EMF adds while the current falls. */
 static double field_j(const bench_t *bench)
 {
     const pmsm_params_t *motor = &bench->params.motor;
@@ -105,7 +108,8 @@ static void watch_period(bench_t *bench, double rad_s, outcome_t *out)
 }
 
 /* From one speed to another one at a constant rate. */
-static void change_speed(bench_t *bench, double from_rad_s, double to_rad_s, double m_per_s2, outcome_t *out)
+static void change_speed(bench_t *bench, double from_rad_s, double to_rad_s, double m_per_s2,
+                         outcome_t *out)
 {
     const double rate_rad_s2 = m_per_s2 / bench->params.vehicle.wheel_radius_m;
     const int periods = (int)(fabs(to_rad_s - from_rad_s) / (rate_rad_s2 * bench->world.step_s));
@@ -117,25 +121,30 @@ static void change_speed(bench_t *bench, double from_rad_s, double to_rad_s, dou
 static void say(const char *name, const outcome_t *out, char text[static 200])
 {
     snprintf(text, 200,
-             "%s: %.3f J charged; opened %d times, first at %.3f; shorted %d times, first at %.3f of the limit", name,
-             out->charged_j, out->times_opened, out->opened_at_share, out->times_shorted, out->shorted_at_share);
+             "%s: %.3f J charged; opened %d times, first at %.3f; shorted %d times, first at %.3f "
+             "of the limit",
+             name, out->charged_j, out->times_opened, out->opened_at_share, out->times_shorted,
+             out->shorted_at_share);
 }
 
 /* ---- a sensor is lost above the limit ---- */
 
 /*
- * The bridge opens at 0.9 of the limit. The speed is measured over four turns to a PWM period at each end; and it grows old: half a
- * window when it ends, as much as the next one takes, and two milliseconds for exchange and rounding. lu2013 turns 215 times a
- * second there: 30 ms, in which 1 g takes 0.29 m/s of the limit's 16.3, 1.8 %, and 0.3 % of rounding. ipm400v turns 464 times: 15 ms,
- * 0.15 m/s of 62, 0.2 %, and 1.2 %.
+ * The bridge opens at 0.9 of the limit. The speed is measured over four turns to a PWM period at
+ * each end; and it grows old: half a window when it ends, as much as the next one takes, and two
+ * milliseconds for exchange and rounding. lu2013 turns 215 times a second there: 30 ms, in which 1
+ * g takes 0.29 m/s of the limit's 16.3, 1.8 %, and 0.3 % of rounding. ipm400v turns 464 times: 15
+ * ms, 0.15 m/s of 62, 0.2 %, and 1.2 %.
  */
 static void assert_opens_in_time(const char *name)
 {
     const double limit = limit_rad_s(name);
     bench_t *bench = with_encoder(name, 1.05 * limit);
-    const double four_turns_s = 4.0 * PLANT_TWO_PI / (LEFT_AT_SHARE * limit * bench->params.motor.pole_pairs);
+    const double four_turns_s =
+        4.0 * PLANT_TWO_PI / (LEFT_AT_SHARE * limit * bench->params.motor.pole_pairs);
     const double rounding = bench->world.step_s / four_turns_s;
-    const double ageing = (1.5 * four_turns_s + 2e-3) * G_M_PER_S2 / (limit * bench->params.vehicle.wheel_radius_m);
+    const double ageing =
+        (1.5 * four_turns_s + 2e-3) * G_M_PER_S2 / (limit * bench->params.vehicle.wheel_radius_m);
     lose_encoder(bench, FALLS_QUIET);
     outcome_t out = begin(bench, limit);
     change_speed(bench, 1.05 * limit, 0.1 * limit, G_M_PER_S2, &out);
@@ -167,7 +176,8 @@ void test_an_encoder_that_starts_anew_does_not_open_the_bridge_above_the_limit(v
         bench_t *bench = with_encoder(names[k], 1.05 * limit);
         lose_encoder(bench, JUMPS);
         outcome_t out = begin(bench, limit);
-        change_speed(bench, 1.05 * limit, 1.05 * limit + 0.01, 0.01 * bench->params.vehicle.wheel_radius_m, &out);
+        change_speed(bench, 1.05 * limit, 1.05 * limit + 0.01,
+                     0.01 * bench->params.vehicle.wheel_radius_m, &out);
         char text[200];
         say(names[k], &out, text);
         TEST_ASSERT_EQUAL_INT_MESSAGE(0, out.times_opened, text);
@@ -177,8 +187,9 @@ void test_an_encoder_that_starts_anew_does_not_open_the_bridge_above_the_limit(v
 /* ---- a wheel without a sensor is driven beyond the limit by the others, or by a hill ---- */
 
 /*
- * Its last speed is half the limit, so the bridge is open, and nothing but the diodes' current tells. It becomes 8 A (5 % of the
- * converter's range) a few per cent beyond the limit, and has to show in most looks of 20 ms.
+ * Its last speed is half the limit, so the bridge is open, and nothing but the diodes' current
+ * tells. It becomes 8 A (5 % of the converter's range) a few per cent beyond the limit, and has to
+ * show in most looks of 20 ms.
  */
 static void assert_shorts_when_the_diodes_conduct(const char *name)
 {

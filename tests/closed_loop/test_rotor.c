@@ -1,4 +1,6 @@
-/* The rotor's angle in closed loop: misplaced halls, a dead hall, an encoder, an angle that is wrong. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The rotor's angle in closed loop: misplaced halls, a dead hall, an encoder, an angle that is
+ * wrong. */
 #include <math.h>
 #include <stdio.h>
 
@@ -31,7 +33,8 @@ static double held_period_nm(bench_t *bench)
 
 /* ---- halls where they are ---- */
 
-/* Edges 5 degrees late and early in turn; the configuration knows them where they are, or thinks them evenly placed. */
+/* Edges 5 degrees late and early in turn; the configuration knows them where they are, or thinks
+ * them evenly placed. */
 static double hall_ripple(double rpm, double torque_nm, bool calibrated)
 {
     bench_params_t params = at_speed(rpm);
@@ -40,7 +43,8 @@ static double hall_ripple(double rpm, double torque_nm, bool calibrated)
     for (int k = 0; k < CONFIG_HALL_EDGES; k++) {
         const double even_deg = 60.0 * k + 10.0;
         edge_deg[k] = even_deg + (k % 2 == 0 ? 5.0 : -5.0);
-        config.rotor.edge_turn[k] = (int32_t)lround((calibrated ? edge_deg[k] : even_deg) / 360.0 * 65536.0);
+        config.rotor.edge_turn[k] =
+            (int32_t)lround((calibrated ? edge_deg[k] : even_deg) / 360.0 * 65536.0);
     }
     bench_t *bench = fixture_start(&params, &config);
     bench->params.driver.drive_demand_nm = torque_nm;
@@ -69,7 +73,8 @@ void test_misplaced_and_calibrated_halls_ripple_the_torque_by_two_per_cent_at_mo
             TEST_ASSERT_TRUE_MESSAGE(ripple < 0.02, text);
         }
     }
-    TEST_ASSERT_TRUE(hall_ripple(450.0, 20.0, false) > 0.02); /* it is the calibration that does it */
+    TEST_ASSERT_TRUE(hall_ripple(450.0, 20.0, false) >
+                     0.02); /* it is the calibration that does it */
 }
 
 /* ---- a dead hall ---- */
@@ -85,7 +90,8 @@ typedef struct {
 
 static bool noticed(const bench_t *bench)
 {
-    return bench->wheel[0].to_slow.foc.current.rotor.faults != 0 || !bench->wheel[0].to_slow.foc.current.rotor.valid;
+    return bench->wheel[0].to_slow.foc.current.rotor.faults != 0 ||
+           !bench->wheel[0].to_slow.foc.current.rotor.valid;
 }
 
 static void watch_millisecond(bench_t *bench, double demand_nm, dying_t *out)
@@ -102,10 +108,12 @@ static void watch_millisecond(bench_t *bench, double demand_nm, dying_t *out)
 }
 
 /* sensor: mask of the one that dies. */
-static dying_t kill_hall(double rpm, double demand_nm, double sensor, bool high, double share_of_turn)
+static dying_t kill_hall(double rpm, double demand_nm, double sensor, bool high,
+                         double share_of_turn)
 {
     bench_params_t params = at_speed(rpm);
-    const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
+    const config_t config =
+        fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
     bench_t *bench = fixture_start(&params, &config);
     if (demand_nm > 0.0) {
         bench->params.driver.drive_demand_nm = demand_nm;
@@ -116,11 +124,12 @@ static dying_t kill_hall(double rpm, double demand_nm, double sensor, bool high,
     while (fabs(bench->wheel[0].rotor.theta_turn - share_of_turn) > 0.02) {
         bench_period(bench);
     }
-    *(high ? &bench->params.sensors.hall_stuck_high : &bench->params.sensors.hall_stuck_low) = sensor;
+    *(high ? &bench->params.sensors.hall_stuck_high : &bench->params.sensors.hall_stuck_low) =
+        sensor;
     bench_refresh(bench);
     dying_t out = {.fault_periods = 0};
-    const bench_t before =
-        *bench; /* the report is looked for period by period, the torque millisecond by millisecond */
+    const bench_t before = *bench; /* the report is looked for period by period, the torque
+                                      millisecond by millisecond */
     while (!noticed(bench) && out.fault_periods < 100000) {
         bench_period(bench);
         out.fault_periods++;
@@ -144,21 +153,24 @@ static void a_dead_hall_lets_the_torque_go(double demand_nm)
     for (int s = 0; s < 4; s++) {
         for (int sensor = 0; sensor < 3; sensor++) {
             for (int high = 0; high <= 1; high++) {
-                const dying_t seen = kill_hall(speeds_rpm[s], demand_nm, 1 << sensor, high != 0, 0.1 + 0.3 * sensor);
+                const dying_t seen =
+                    kill_hall(speeds_rpm[s], demand_nm, 1 << sensor, high != 0, 0.1 + 0.3 * sensor);
                 char text[160];
                 snprintf(text, sizeof(text),
-                         "hall %c stuck %s at %g r/min: seen after %d periods, gone %.3f s later, %.2f Nm/ms, %.2f Nm "
+                         "hall %c stuck %s at %g r/min: seen after %d periods, gone %.3f s later, "
+                         "%.2f Nm/ms, %.2f Nm "
                          "against, %.2f Nm beyond",
-                         'A' + sensor, high != 0 ? "high" : "low", speeds_rpm[s], seen.fault_periods, seen.gone_s,
-                         seen.steepest_nm_per_ms, seen.against_nm, seen.beyond_nm);
+                         'A' + sensor, high != 0 ? "high" : "low", speeds_rpm[s],
+                         seen.fault_periods, seen.gone_s, seen.steepest_nm_per_ms, seen.against_nm,
+                         seen.beyond_nm);
                 /* One electrical turn of 23 pole pairs, and the period in which it is seen. */
                 const double turn_periods = PERIODS_PER_S / (speeds_rpm[s] / 60.0 * 23.0);
                 TEST_ASSERT_TRUE_MESSAGE(seen.fault_periods <= turn_periods + 1.0, text);
                 /* 400 Nm/s: never more than 0.4 Nm in a millisecond, and 20 Nm gone in 50 ms. */
                 TEST_ASSERT_TRUE_MESSAGE(seen.steepest_nm_per_ms <= 0.401, text);
                 TEST_ASSERT_TRUE_MESSAGE(seen.gone_s > 0.02 && seen.gone_s <= 0.06, text);
-                /* Never the other way round, but for the iron's drag (1.9 Nm at 450 r/min), and never more
-                 * than a fifth beyond the demand. */
+                /* Never the other way round, but for the iron's drag (1.9 Nm at 450 r/min), and
+                 * never more than a fifth beyond the demand. */
                 TEST_ASSERT_TRUE_MESSAGE(seen.against_nm < 2.5 && seen.beyond_nm < 4.0, text);
                 TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_ROTOR_LOST, seen.fault, text);
             }
@@ -171,7 +183,8 @@ void test_a_dead_hall_lets_the_driving_torque_go_in_a_ramp(void)
     a_dead_hall_lets_the_torque_go(20.0);
 }
 
-void test_a_dead_hall_lets_the_braking_torque_go_in_a_ramp_while_the_hydraulic_brake_takes_over(void)
+void test_a_dead_hall_lets_the_braking_torque_go_in_a_ramp_while_the_hydraulic_brake_takes_over(
+    void)
 {
     a_dead_hall_lets_the_torque_go(-20.0);
 }
@@ -207,13 +220,15 @@ void test_with_an_encoder_the_torque_is_what_is_asked_for_from_rest_to_base_spee
             for (int n = 0; n < 6000; n++) {
                 mean_nm += held_period_nm(bench) / 6000.0;
             }
-            TEST_ASSERT_DOUBLE_WITHIN(0.3, sign * 20.0, mean_nm); /* one per cent of the rated 30 Nm */
+            TEST_ASSERT_DOUBLE_WITHIN(0.3, sign * 20.0,
+                                      mean_nm); /* one per cent of the rated 30 Nm */
             TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
         }
     }
 }
 
-/* Fifteen counts a turn are 30 degrees electrical: beyond the tolerance with the first index after they went missing. */
+/* Fifteen counts a turn are 30 degrees electrical: beyond the tolerance with the first index after
+ * they went missing. */
 void test_an_encoder_that_loses_counts_lets_the_torque_go(void)
 {
     bench_t *bench = with_encoder(300.0, 77.0, 77.0, false);
@@ -227,8 +242,10 @@ void test_an_encoder_that_loses_counts_lets_the_torque_go(void)
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_LOST, bench->wheel[0].first_fault);
 }
 
-/* A disturbance on the lines: far more counts at once than a rotor makes. It goes on counting as if nothing had been. */
-static void an_encoder_that_jumps_lets_the_torque_go(double rpm, double demand_nm, double lost_counts)
+/* A disturbance on the lines: far more counts at once than a rotor makes. It goes on counting as if
+ * nothing had been. */
+static void an_encoder_that_jumps_lets_the_torque_go(double rpm, double demand_nm,
+                                                     double lost_counts)
 {
     bench_t *bench = with_encoder(rpm, 77.0, 77.0, false);
     if (demand_nm > 0.0) {
@@ -243,7 +260,8 @@ static void an_encoder_that_jumps_lets_the_torque_go(double rpm, double demand_n
         watch_millisecond(bench, demand_nm, &seen);
     }
     char text[120];
-    snprintf(text, sizeof(text), "%g counts at %g r/min and %g Nm: %.2f Nm against, %.2f Nm beyond, %.2f Nm/ms",
+    snprintf(text, sizeof(text),
+             "%g counts at %g r/min and %g Nm: %.2f Nm against, %.2f Nm beyond, %.2f Nm/ms",
              lost_counts, rpm, demand_nm, seen.against_nm, seen.beyond_nm, seen.steepest_nm_per_ms);
     /* As with a dead hall: the iron's drag at most, and a ramp of 0.4 Nm/ms. */
     TEST_ASSERT_TRUE_MESSAGE(seen.against_nm < 2.5 && seen.beyond_nm < 4.0, text);
@@ -283,7 +301,8 @@ void test_an_index_that_lies_sixty_degrees_elsewhere_is_a_fault_before_the_first
         bench_params_t params = at_speed(200.0);
         params.encoder.counts = 4096.0;
         params.encoder.index_deg = 180.0 + offsets_deg[o];
-        config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
+        config_t config =
+            fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
         config.rotor.sensor = CONFIG_ROTOR_ENCODER;
         config.rotor.encoder_counts = 4096;
         config.rotor.encoder_index_turn = 32768;
@@ -301,13 +320,15 @@ void test_an_index_that_moves_under_way_is_a_fault_within_the_promised_time(void
     bench_t *bench = with_encoder(300.0, 77.0, 77.0, false);
     bench->params.driver.drive_demand_nm = 20.0;
     fixture_run(bench, 0.5);
-    /* The whole encoder slips on its shaft: what the controller believes of the index is 60 degrees wrong at once. */
+    /* The whole encoder slips on its shaft: what the controller believes of the index is 60 degrees
+     * wrong at once. */
     bench->wheel[0].controller.fast.foc.rotor.encoder.base_q32 += UINT32_C(0x2AAAAAAA);
     reason_t fault = REASON_NONE;
     const double before_s = bench->time_s;
     const double at_s = time_to_fault_s(bench, 20.0, &fault);
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_IMPLAUSIBLE, fault);
-    TEST_ASSERT_TRUE(at_s - before_s < 0.030); /* 20 looks, the loop's transient and two milliseconds of exchange */
+    TEST_ASSERT_TRUE(at_s - before_s <
+                     0.030); /* 20 looks, the loop's transient and two milliseconds of exchange */
 }
 
 void test_a_reversed_encoder_is_a_fault_and_no_runaway(void)
@@ -325,13 +346,15 @@ void test_a_reversed_encoder_is_a_fault_and_no_runaway(void)
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_IMPLAUSIBLE, bench.wheel[0].first_fault);
 }
 
-/* Hot winding, weak magnets, an inductance a quarter off, R a third off, noise: from field weakening through regeneration to
- * rest, and driven up again. */
+/* Hot winding, weak magnets, an inductance a quarter off, R a third off, noise: from field
+ * weakening through regeneration to rest, and driven up again. */
 void test_a_healthy_angle_is_never_blamed_whatever_the_motor_differs_in(void)
 {
-    const double factors[][3] = {{1.3, 1.25, 0.7}, {0.7, 0.75, 1.3}, {1.5, 0.75, 0.75}, {1.0, 1.0, 1.0}};
+    const double factors[][3] = {
+        {1.3, 1.25, 0.7}, {0.7, 0.75, 1.3}, {1.5, 0.75, 0.75}, {1.0, 1.0, 1.0}};
     for (int f = 0; f < 4; f++) {
-        bench_params_t params = at_speed(factors[f][2] > 1.0 ? 450.0 : 620.0); /* stronger magnets end at the bus */
+        bench_params_t params =
+            at_speed(factors[f][2] > 1.0 ? 450.0 : 620.0); /* stronger magnets end at the bus */
         params.motor.phase_resistance_ohm *= factors[f][0];
         params.motor.d_inductance_h *= factors[f][1];
         params.motor.q_inductance_h *= factors[f][1];
@@ -340,7 +363,8 @@ void test_a_healthy_angle_is_never_blamed_whatever_the_motor_differs_in(void)
         params.sensors.bus_voltage_noise_v = 0.1;
         params.sensors.hall_edge_error_deg = 3.0;
         params.driver.brake_demand_nm = 40.0;
-        const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
+        const config_t config =
+            fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
         bench_t *bench = fixture_start(&params, &config);
         fixture_run_to_standstill(bench, 60.0);
         bench->params.run.stop_at_standstill = 0.0;

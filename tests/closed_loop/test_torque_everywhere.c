@@ -1,11 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The torque that is commanded is the torque that is made: every drive, both directions of rotation, driving and braking, cold,
- * warm and hot, at speeds up to the largest and torques up and down again, so that an operating point which only the way to it
- * reaches is found, too. Torque is the mean of the airgap torque, friction taken off, over whole turns and many PWM periods.
+ * The torque that is commanded is the torque that is made: every drive, both directions of
+ * rotation, driving and braking, cold, warm and hot, at speeds up to the largest and torques up and
+ * down again, so that an operating point which only the way to it reaches is found, too. Torque is
+ * the mean of the airgap torque, friction taken off, over whole turns and many PWM periods.
  *
- * More braking than asked for, or less than promised, is what nobody must get: 1 % of the rated torque. That includes the
- * iron branch's own current, which a bridge that holds its voltage for a period T shows turned by w T/2: at 11 000 r/min
- * w L_q i_q w T/2 / R_i, 0.75 % of i_q.
+ * More braking than asked for, or less than promised, is what nobody must get: 1 % of the rated
+ * torque. That includes the iron branch's own current, which a bridge that holds its voltage for a
+ * period T shows turned by w T/2: at 11 000 r/min w L_q i_q w T/2 / R_i, 0.75 % of i_q.
  */
 #include <math.h>
 #include <stdio.h>
@@ -43,7 +45,8 @@ static stand_t turning(const char *name, double share_of_speed, double winding_c
     params.thermal.winding_temperature_c = winding_c;
     const double w = share_of_speed * config.motor.max_speed_mrad_s * 1e-3;
     params.run.initial_speed_m_per_s = w * params.vehicle.wheel_radius_m;
-    const double friction_nm = params.motor.friction_torque_nm + params.motor.viscous_friction_nm_s * fabs(w);
+    const double friction_nm =
+        params.motor.friction_torque_nm + params.motor.viscous_friction_nm_s * fabs(w);
     const stand_t out = {
         .bench = fixture_start(&params, &config),
         .speed_rad_s = w,
@@ -60,7 +63,8 @@ static mean_t settled(const stand_t *stand, double demand_nm)
     bench_t *bench = stand->bench;
     const wheel_t *wheel = &bench->wheel[0];
     bench->params.driver.brake_demand_nm = demand_nm < 0.0 ? -demand_nm : 0.0;
-    bench->params.driver.drive_demand_nm = demand_nm > 0.0 ? copysign(demand_nm, stand->speed_rad_s) : 0.0;
+    bench->params.driver.drive_demand_nm =
+        demand_nm > 0.0 ? copysign(demand_nm, stand->speed_rad_s) : 0.0;
     bench_refresh(bench);
     fixture_run(bench, SETTLED_s);
     const double before_nms = wheel->totals.torque_impulse_nms;
@@ -73,7 +77,8 @@ static mean_t settled(const stand_t *stand, double demand_nm)
         periods++;
     }
     out.command_nm /= periods;
-    out.torque_nm = (wheel->totals.torque_impulse_nms - before_nms) / (bench->time_s - from_s) - stand->friction_nm;
+    out.torque_nm = (wheel->totals.torque_impulse_nms - before_nms) / (bench->time_s - from_s) -
+                    stand->friction_nm;
     return out;
 }
 
@@ -87,12 +92,14 @@ static void check(const char *name, double winding_c, double direction)
             const double share = k < 0 ? -size : size;
             const mean_t mean = settled(&stand, share * stand.most_nm);
             char text[160];
-            snprintf(text, sizeof(text),
-                     "%s, %g degC, %.1f rad/s, demand %.1f N m, command %.2f, torque %.2f, reason %d", name, winding_c,
-                     stand.speed_rad_s, share * stand.most_nm, mean.command_nm, mean.torque_nm,
-                     stand.bench->wheel[0].slow.torque_reason);
+            snprintf(
+                text, sizeof(text),
+                "%s, %g degC, %.1f rad/s, demand %.1f N m, command %.2f, torque %.2f, reason %d",
+                name, winding_c, stand.speed_rad_s, share * stand.most_nm, mean.command_nm,
+                mean.torque_nm, stand.bench->wheel[0].slow.torque_reason);
             TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, stand.bench->wheel[0].first_fault, text);
-            TEST_ASSERT_TRUE_MESSAGE(fabs(mean.torque_nm - mean.command_nm) <= SHARE_OF_RATED * stand.rated_nm, text);
+            TEST_ASSERT_TRUE_MESSAGE(
+                fabs(mean.torque_nm - mean.command_nm) <= SHARE_OF_RATED * stand.rated_nm, text);
         }
     }
 }
@@ -126,9 +133,10 @@ void test_the_interior_magnet_motor_gives_the_commanded_torque_at_every_speed_an
     check_drive("ipm400v");
 }
 
-/* The voltage that the present torque needs goes away at once: the reserve of 3 %, and with it the regulation of i_q. What
- * is too much must be gone within 0.1 s, and the torque be regulated again: at the end it is what is commanded. Without the
- * d axis giving back what it takes beyond 98 % of the circle, 60 N m at 7800 r/min become more than 110 meanwhile. */
+/* The voltage that the present torque needs goes away at once: the reserve of 3 %, and with it the
+ * regulation of i_q. What is too much must be gone within 0.1 s, and the torque be regulated again:
+ * at the end it is what is commanded. Without the d axis giving back what it takes beyond 98 % of
+ * the circle, 60 N m at 7800 r/min become more than 110 meanwhile. */
 void test_a_bus_that_sags_while_the_interior_magnet_motor_brakes_leaves_no_torque_behind(void)
 {
     static const double SPEED_RAD_S[] = {628.0, 733.0, 816.0, 890.0, 995.0, 1100.0};
@@ -136,7 +144,8 @@ void test_a_bus_that_sags_while_the_interior_magnet_motor_brakes_leaves_no_torqu
     for (int s = 0; s < 6; s++) {
         for (int f = 0; f < 3; f++) {
             const config_t config = fixture_drive_config("ipm400v");
-            const stand_t stand = turning("ipm400v", SPEED_RAD_S[s] / (config.motor.max_speed_mrad_s * 1e-3), 25.0);
+            const stand_t stand =
+                turning("ipm400v", SPEED_RAD_S[s] / (config.motor.max_speed_mrad_s * 1e-3), 25.0);
             bench_t *bench = stand.bench;
             const wheel_t *wheel = &bench->wheel[0];
             (void)settled(&stand, -60.0);
@@ -150,22 +159,26 @@ void test_a_bus_that_sags_while_the_interior_magnet_motor_brakes_leaves_no_torqu
             while (bench->time_s < until_s) {
                 const double before_nms = wheel->totals.torque_impulse_nms;
                 bench_period(bench);
-                const double torque_nm = (wheel->totals.torque_impulse_nms - before_nms) / bench->world.step_s;
+                const double torque_nm =
+                    (wheel->totals.torque_impulse_nms - before_nms) / bench->world.step_s;
                 most_nm = fmax(most_nm, wheel->slow.motor_torque_command_mNm * 1e-3 - torque_nm);
             }
             const mean_t mean = settled(&stand, -60.0);
             char text[160];
-            snprintf(text, sizeof(text), "%.0f rad/s, %g of the voltage: up to %.1f N m more, then %.2f for %.2f N m",
+            snprintf(text, sizeof(text),
+                     "%.0f rad/s, %g of the voltage: up to %.1f N m more, then %.2f for %.2f N m",
                      SPEED_RAD_S[s], LEFT[f], most_nm, mean.torque_nm, mean.command_nm);
             TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, wheel->first_fault, text);
             TEST_ASSERT_TRUE_MESSAGE(most_nm < 0.25 * stand.rated_nm, text);
-            TEST_ASSERT_TRUE_MESSAGE(fabs(mean.torque_nm - mean.command_nm) <= SHARE_OF_RATED * stand.rated_nm, text);
+            TEST_ASSERT_TRUE_MESSAGE(
+                fabs(mean.torque_nm - mean.command_nm) <= SHARE_OF_RATED * stand.rated_nm, text);
         }
     }
 }
 
-/* More inductance than the configuration knows takes more voltage than the bound allows for: then the torque stops growing by
- * the measured voltage. Less torque than commanded is the arbiter's to fill; more must stay what the wrong number itself makes. */
+/* More inductance than the configuration knows takes more voltage than the bound allows for: then
+ * the torque stops growing by the measured voltage. Less torque than commanded is the arbiter's to
+ * fill; more must stay what the wrong number itself makes. */
 void test_an_inductance_a_tenth_larger_than_configured_makes_no_runaway(void)
 {
     static const double SPEED_SHARE[] = {0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
@@ -177,8 +190,8 @@ void test_an_inductance_a_tenth_larger_than_configured_makes_no_runaway(void)
         stand.bench = fixture_start(&params, &config);
         const mean_t mean = settled(&stand, -stand.most_nm);
         char text[160];
-        snprintf(text, sizeof(text), "%.0f rad/s: %.2f for %.2f N m", stand.speed_rad_s, mean.torque_nm,
-                 mean.command_nm);
+        snprintf(text, sizeof(text), "%.0f rad/s: %.2f for %.2f N m", stand.speed_rad_s,
+                 mean.torque_nm, mean.command_nm);
         TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, stand.bench->wheel[0].first_fault, text);
         /* 3/2 p (psi i_q + (L_d - L_q) i_d i_q): a tenth of L_q is at most a tenth of that. */
         TEST_ASSERT_TRUE_MESSAGE(mean.torque_nm >= 1.11 * mean.command_nm, text);

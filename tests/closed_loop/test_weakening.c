@@ -1,7 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Braking down through 636 r/min, 60 km/h: up there the back-EMF of 31.3 V is longer than the voltage circle (0.92 * 53 V/sqrt 3 =
- * 28.1 V), so only demagnetising current keeps the bridge in charge of the motor. All the while the pack's charge limit is
- * small enough to bite.
+ * Braking down through 636 r/min, 60 km/h: up there the back-EMF of 31.3 V is longer than the
+ * voltage circle (0.92 * 53 V/sqrt 3 = 28.1 V), so only demagnetising current keeps the bridge in
+ * charge of the motor. All the while the pack's charge limit is small enough to bite.
  */
 #include <math.h>
 #include <stddef.h>
@@ -22,9 +23,11 @@ typedef struct {
     double peak_a; /* into the battery, mean of a PWM period */
     double longest_beyond_s;
     double least_i_d_a;
-    double largest_miss_nm;    /* airgap torque less the command, means over the window; 0.3 is 1 % of rated */
+    double largest_miss_nm; /* airgap torque less the command, means over the window; 0.3 is 1 % of
+                               rated */
     double largest_misread_nm; /* airgap torque less the firmware's estimate, likewise */
-    double largest_misread_a;  /* bus current less the firmware's estimate and the losses it does not see, likewise */
+    double largest_misread_a; /* bus current less the firmware's estimate and the losses it does not
+                                 see, likewise */
     double lowest_command_nm;
     reason_t fault;
 } ramp_t;
@@ -41,7 +44,8 @@ static config_t configuration(int32_t sensor, double charge_limit_a)
     return config;
 }
 
-static ramp_t brake(const config_t *config, double demand_nm, double winding_c, double charge_limit_a)
+static ramp_t brake(const config_t *config, double demand_nm, double winding_c,
+                    double charge_limit_a)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = START_KM_H / 3.6;
@@ -65,7 +69,8 @@ static ramp_t brake(const config_t *config, double demand_nm, double winding_c, 
     const double ramped_s = bench->time_s + 2.0 * RIPPLE_WINDOW_s;
     while (bench_wheel_speed_rad_s(bench) > END_RAD_S) {
         bench_period(bench);
-        const double into_battery_a = (dc_j - wheel->totals.dc_j) / period_s / bench->battery.terminal_v;
+        const double into_battery_a =
+            (dc_j - wheel->totals.dc_j) / period_s / bench->battery.terminal_v;
         dc_j = wheel->totals.dc_j;
         beyond_s = into_battery_a > BEYOND * charge_limit_a ? beyond_s + period_s : 0.0;
         out.longest_beyond_s = fmax(out.longest_beyond_s, beyond_s);
@@ -78,13 +83,15 @@ static ramp_t brake(const config_t *config, double demand_nm, double winding_c, 
         estimated_nms += wheel->slow.motor_torque_estimate_mNm * 1e-3 * period_s;
         const double lost_j = wheel->totals.switching_j - switching_j;
         switching_j = wheel->totals.switching_j;
-        unseen_as +=
-            (-into_battery_a - wheel->slow.bus_current_mA * 1e-3) * period_s - lost_j / bench->battery.terminal_v;
+        unseen_as += (-into_battery_a - wheel->slow.bus_current_mA * 1e-3) * period_s -
+                     lost_j / bench->battery.terminal_v;
         window_s += period_s;
         if (window_s >= RIPPLE_WINDOW_s) {
-            const double miss_nm = (wheel->totals.torque_impulse_nms - impulse_nms - commanded_nms) / window_s;
+            const double miss_nm =
+                (wheel->totals.torque_impulse_nms - impulse_nms - commanded_nms) / window_s;
             if (bench->time_s > ramped_s) {
-                const double misread_nm = (wheel->totals.torque_impulse_nms - impulse_nms - estimated_nms) / window_s;
+                const double misread_nm =
+                    (wheel->totals.torque_impulse_nms - impulse_nms - estimated_nms) / window_s;
                 out.largest_miss_nm = fmax(out.largest_miss_nm, fabs(miss_nm));
                 out.largest_misread_nm = fmax(out.largest_misread_nm, fabs(misread_nm));
                 out.largest_misread_a = fmax(out.largest_misread_a, fabs(unseen_as / window_s));
@@ -112,10 +119,12 @@ static void check_ramps(int32_t sensor)
                 const ramp_t ramp = brake(&config, DEMAND_NM[d], WINDING_C[t], LIMIT_A[l]);
                 char text[160];
                 snprintf(text, sizeof(text),
-                         "limit %g A, %g N m, %g degC: peak %.2f A, %.2f ms beyond, torque off by %.2f N m, misread "
+                         "limit %g A, %g N m, %g degC: peak %.2f A, %.2f ms beyond, torque off by "
+                         "%.2f N m, misread "
                          "%.2f N m %.2f A",
-                         LIMIT_A[l], DEMAND_NM[d], WINDING_C[t], ramp.peak_a, ramp.longest_beyond_s * 1e3,
-                         ramp.largest_miss_nm, ramp.largest_misread_nm, ramp.largest_misread_a);
+                         LIMIT_A[l], DEMAND_NM[d], WINDING_C[t], ramp.peak_a,
+                         ramp.longest_beyond_s * 1e3, ramp.largest_miss_nm, ramp.largest_misread_nm,
+                         ramp.largest_misread_a);
                 TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, ramp.fault, text);
                 TEST_ASSERT_TRUE_MESSAGE(ramp.longest_beyond_s <= 1e-3 * LONGEST_BEYOND_ms, text);
                 TEST_ASSERT_TRUE_MESSAGE(ramp.least_i_d_a < -30.0, text);
@@ -147,8 +156,10 @@ void test_a_controller_that_believes_in_a_larger_limit_is_seen_to_exceed_the_rea
     TEST_ASSERT_TRUE(brake(&config, 40.0, 25.0, 15.0).longest_beyond_s > 0.1);
 }
 
-/* 10 A take 1.2 V off 32.8 V: a bridge without enough voltage cannot hold the current, and the watcher does not let it run. */
-void test_with_too_little_field_weakening_the_motor_cannot_be_held_and_the_controller_does_not_stay_in_run(void)
+/* 10 A take 1.2 V off 32.8 V: a bridge without enough voltage cannot hold the current, and the
+ * watcher does not let it run. */
+void test_with_too_little_field_weakening_the_motor_cannot_be_held_and_the_controller_does_not_stay_in_run(
+    void)
 {
     static bench_t bench;
     bench_params_t params = fixture_quarter_vehicle();

@@ -1,10 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * proof.h: what every proof uses. A proof is a function without arguments; its inputs are nondet_*() values, which the model
- * checker (CBMC) takes to be every value of the type at once. ASSUME says what the header under proof demands of
- * its caller, PROMISE what it promises; that nothing overflows, shifts too far or leaves an array is checked besides.
+ * proof.h: what every proof uses. A proof is a function without arguments; its inputs are
+ * nondet_*() values, which the model checker (CBMC) takes to be every value of the type at once.
+ * ASSUME says what the header under proof demands of its caller, PROMISE what it promises; that
+ * nothing overflows, shifts too far or leaves an array is checked besides.
  *
- * With PROOF_EXPECT_REACHED only one thing is claimed: that the end of the proof is never reached. The checker must find a
- * way there. A proof whose assumptions contradict each other proves nothing, and that is how it is found out.
+ * With PROOF_EXPECT_REACHED only one thing is claimed: that the end of the proof is never reached.
+ * The checker must find a way there. A proof whose assumptions contradict each other proves
+ * nothing, and that is how it is found out.
  */
 #ifndef PROOF_H
 #define PROOF_H

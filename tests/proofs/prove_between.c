@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Between the reaches: what the fast one adds up and what the slow one makes of it. Vectors within a circle are taken as
- * within its octagon, the larger set.
+ * Between the reaches: what the fast one adds up and what the slow one makes of it. Vectors within
+ * a circle are taken as within its octagon, the larger set.
  */
 #include "core/angle.h"
 #include "foc/foc.h"
@@ -8,7 +9,8 @@
 #include "foc/summary.h"
 #include "vectors.h"
 
-/* The summary asks for one sine and cosine; it gets those of any angle, without the checker having to read their table. */
+/* The summary asks for one sine and cosine; it gets those of any angle, without the checker having
+ * to read their table. */
 #define angle_sincos(theta_turn) ((void)(theta_turn), any_angle())
 #include "summary.c"
 #undef angle_sincos
@@ -23,8 +25,10 @@ void prove_add_up(void)
 {
     const foc_period_t period = {.i_pu = any_vector(LONGEST_CURRENT_PU),
                                  .voltage = {.realised = any_vector(LONGEST_VOLTAGE)}};
-    const foc_sums_t before = {
-        .i_d_pu = nondet_uint32(), .i_q_pu = nondet_uint32(), .power_pu = nondet_uint32(), .v_dc_pu = nondet_uint32()};
+    const foc_sums_t before = {.i_d_pu = nondet_uint32(),
+                               .i_q_pu = nondet_uint32(),
+                               .power_pu = nondet_uint32(),
+                               .v_dc_pu = nondet_uint32()};
     foc_sums_t sums = before;
     const int32_t v_dc_pu = any_within(0, 32760);
     foc_add_up(&sums, &period, v_dc_pu);
@@ -40,7 +44,8 @@ void prove_summary(void)
                     .i_pu = any_vector(LONGEST_CURRENT_PU),
                     .voltage = {.wanted_d = nondet_int32(),
                                 .wanted_q = nondet_int32(),
-                                .realised = {.d = any_within(-32768, 32767), .q = any_within(-32767, 32767)}}},
+                                .realised = {.d = any_within(-32768, 32767),
+                                             .q = any_within(-32767, 32767)}}},
         .sums = {.i_d_pu = nondet_uint32(),
                  .i_q_pu = nondet_uint32(),
                  .power_pu = nondet_uint32(),
@@ -65,7 +70,8 @@ void prove_summary(void)
     PROOF_END();
 }
 
-/* One step: the mean is what was added, whichever way the sum has wrapped. With more it is that divided. */
+/* One step: the mean is what was added, whichever way the sum has wrapped. With more it is that
+ * divided. */
 void prove_difference_of_wrapping_sums(void)
 {
     const int32_t added = nondet_int32();
@@ -97,8 +103,9 @@ void prove_sampled_current_at(void)
 void prove_sampled_current(void)
 {
     const int32_t gain_q24 = any_within(0, 1 << 20);
-    const sampled_current_t at = {
-        .gain_q24 = gain_q24, .inverse_q24 = any_within(0, gain_q24), .magnets_pu = any_within(0, 16 * 32768)};
+    const sampled_current_t at = {.gain_q24 = gain_q24,
+                                  .inverse_q24 = any_within(0, gain_q24),
+                                  .magnets_pu = any_within(0, 16 * 32768)};
     const dq_t x = {.d = any_within(-131072, 131072), .q = any_within(-131072, 131072)};
     const dq_t mean = sampled_current_to_mean(&at, x);
     const dq_t sampled = sampled_current_of_mean(&at, x);

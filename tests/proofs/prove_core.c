@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The kernels of core: results inside their ranges for every argument their headers allow. */
 #include "core/angle.h"
 #include "core/circle.h"
@@ -28,7 +29,8 @@ void prove_q15(void)
     PROMISE(q15_add(a, b) == sum || sum < Q15_MIN || sum > Q15_ONE);
     const int32_t difference = a - b;
     PROMISE(q15_subtract(a, b) == difference || difference < Q15_MIN || difference > Q15_ONE);
-    const int16_t product = q15_multiply(a, b); /* nothing overflows; its value is tested in tests/unit */
+    const int16_t product =
+        q15_multiply(a, b); /* nothing overflows; its value is tested in tests/unit */
     PROMISE(a != 0 || product == 0);
     PROOF_END();
 }
@@ -78,7 +80,8 @@ void prove_circle_of_any_radius(void)
     circle_t circle;
     circle.radius_q15 = radius;
     circle.inverse_q14 = any_within((1 << 29) / Q15_ONE, (1 << 29) / 164 + 1);
-    ASSUME((int64_t)circle.inverse_q14 * radius > (1 << 29) && (int64_t)(circle.inverse_q14 - 1) * radius <= (1 << 29));
+    ASSUME((int64_t)circle.inverse_q14 * radius > (1 << 29) &&
+           (int64_t)(circle.inverse_q14 - 1) * radius <= (1 << 29));
     const int32_t x = any_within(-Q15_ONE, Q15_ONE);
     ASSUME(x >= -radius && x <= radius);
     const int32_t y = circle_other(&circle, x);
@@ -98,7 +101,8 @@ void prove_pi(void)
     const int32_t forward_q25 = any_within(-46 * (1 << 25), 46 * (1 << 25));
     const int32_t u_q25 = pi_output_q25(&state, &gains, error, forward_q25);
     PROMISE(u_q25 - forward_q25 >= -17 * (1 << 25) && u_q25 - forward_q25 <= 17 * (1 << 25));
-    /* Whatever the actuator could do, and cross-coupling and back-EMF on top of what the regulator wants. */
+    /* Whatever the actuator could do, and cross-coupling and back-EMF on top of what the regulator
+     * wants. */
     const int32_t wanted = any_within(-64 * 32768, 64 * 32768);
     const int32_t realised = any_within(-32768, 32768);
     pi_update(&state, &gains, error, wanted, realised);
@@ -147,7 +151,8 @@ void prove_filter_and_ramp(void)
     const int32_t target = nondet_int32();
     const int32_t step = any_within(0, INT32_MAX);
     const int32_t next = ramp_step(value, target, step);
-    PROMISE(target >= value ? (next >= value && next <= target) : (next <= value && next >= target));
+    PROMISE(target >= value ? (next >= value && next <= target)
+                            : (next <= value && next >= target));
     PROMISE((int64_t)next - value <= step && (int64_t)value - next <= step);
     PROOF_END();
 }

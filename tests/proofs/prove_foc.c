@@ -1,7 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The boxes of the fast reach: nothing overflows for any input their headers allow, every limiter stays inside its limits,
- * every pulse inside the period. Where a vector is bounded by a circle, the proof uses the tangents of the circle that
- * matter: they bound a larger set.
+ * The boxes of the fast reach: nothing overflows for any input their headers allow, every limiter
+ * stays inside its limits, every pulse inside the period. Where a vector is bounded by a circle,
+ * the proof uses the tangents of the circle that matter: they bound a larger set.
  */
 #include "config/config.h"
 #include "core/angle.h"
@@ -27,8 +28,9 @@ void prove_sense(void)
     const sense_out_t out = sense_step(&state, codes, on);
     PROMISE(out.i.alpha >= -32768 && out.i.alpha <= 32767);
     PROMISE(out.i.beta >= -37838 && out.i.beta <= 37838); /* 65 536 / sqrt 3 */
-    const abc_t phases = {
-        .a = any_within(-65536, 65535), .b = any_within(-65536, 65535), .c = any_within(-65536, 65535)};
+    const abc_t phases = {.a = any_within(-65536, 65535),
+                          .b = any_within(-65536, 65535),
+                          .c = any_within(-65536, 65535)};
     (void)sense_at_end(state.offset_q4, phases);
     PROOF_END();
 }
@@ -64,7 +66,8 @@ static ab_t any_measured(void)
 void prove_park(void)
 {
     const ab_t x = {.alpha = any_within(-32768, 32767), .beta = any_within(-37838, 37838)};
-    (void)transforms_park(x, any_angle()); /* the length of the result is tested at every angle in tests/unit */
+    (void)transforms_park(
+        x, any_angle()); /* the length of the result is tested at every angle in tests/unit */
     PROOF_END();
 }
 
@@ -91,7 +94,8 @@ static pi_gains_t any_gains(void)
     return gains;
 }
 
-/* What current_loop_bring_forward() takes from the measured current it gives to the aim, see prove_bring_forward(). */
+/* What current_loop_bring_forward() takes from the measured current it gives to the aim, see
+ * prove_bring_forward(). */
 void prove_current_loop(void)
 {
     const int32_t ahead_d_q10 = any_within(-16384, 16384);
@@ -116,8 +120,8 @@ void prove_current_loop(void)
     current_loop_step(&state, &tuning, reference, i, &out);
     PROMISE(out.realised.d >= -32768 && out.realised.d <= 32767);
     PROMISE(out.realised.q >= -32767 && out.realised.q <= 32767);
-    /* The limiter: never longer and never of the other sign. That circle_other_q15() leaves q what is inside the circle
-     * is tested for every d in tests/unit. */
+    /* The limiter: never longer and never of the other sign. That circle_other_q15() leaves q what
+     * is inside the circle is tested for every d in tests/unit. */
     PROMISE(out.wanted_d >= 0 ? out.realised.d >= 0 && out.realised.d <= out.wanted_d
                               : out.realised.d <= 0 && out.realised.d >= out.wanted_d);
     PROMISE(out.wanted_q >= 0 ? out.realised.q >= 0 && out.realised.q <= out.wanted_q
@@ -130,7 +134,8 @@ void prove_current_loop(void)
 /* One axis; an aim at the end of the current is where the product is largest. */
 void prove_bring_forward(void)
 {
-    current_loop_tuning_t tuning = {.w_l_d_q10 = 0, .w_l_q_q10 = any_within(-16383, 16383), .forward_d_q25 = 0};
+    current_loop_tuning_t tuning = {
+        .w_l_d_q10 = 0, .w_l_q_q10 = any_within(-16383, 16383), .forward_d_q25 = 0};
     const int32_t before_q10 = tuning.w_l_q_q10;
     const dq_t aim = {.d = 0, .q = nondet_bool() ? 32768 : -32768};
     current_loop_bring_forward(&tuning, any_within(0, 32767), aim);
@@ -148,11 +153,13 @@ void prove_current_loop_give_back_d(void)
         .q = {.integrator_q30 = 0},
     };
     const int32_t before_q30 = state.d.integrator_q30;
-    const current_loop_out_t last = {
-        .wanted_d = any_within(-50 * 32768, 50 * 32768), .wanted_q = 0, .realised = {.d = 0, .q = 0}};
+    const current_loop_out_t last = {.wanted_d = any_within(-50 * 32768, 50 * 32768),
+                                     .wanted_q = 0,
+                                     .realised = {.d = 0, .q = 0}};
     current_loop_give_back_d(&state, &last);
     PROMISE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
-    PROMISE(last.wanted_d >= 0 ? state.d.integrator_q30 <= before_q30 : state.d.integrator_q30 >= before_q30);
+    PROMISE(last.wanted_d >= 0 ? state.d.integrator_q30 <= before_q30
+                               : state.d.integrator_q30 >= before_q30);
     PROOF_END();
 }
 
@@ -161,15 +168,17 @@ void prove_field_weakening(void)
     const int32_t most = any_within(0, 32767);
     field_weakening_t state = {.current_q28 = nondet_int32()};
     ASSUME(state.current_q28 <= 0 && state.current_q28 >= -most * 8192);
-    const int32_t margin_q15 = field_weakening_margin_q15(any_within(-32768, 32768), nondet_int32());
+    const int32_t margin_q15 =
+        field_weakening_margin_q15(any_within(-32768, 32768), nondet_int32());
     field_weakening_step(&state, margin_q15, any_within(0, 32767), most);
     PROMISE(field_weakening_current_pu(&state) <= 0);
     PROMISE(field_weakening_current_pu(&state) >= -most);
     PROOF_END();
 }
 
-/* Two of the three phase voltages of a vector within the unit circle (and 2 LSB for the rotation that made it) are bounded
- * by the circle's tangents across the phases' axes, sqrt 3/2 in Q15; the first is alpha itself. */
+/* Two of the three phase voltages of a vector within the unit circle (and 2 LSB for the rotation
+ * that made it) are bounded by the circle's tangents across the phases' axes, sqrt 3/2 in Q15; the
+ * first is alpha itself. */
 static ab_t any_vector_in_circle(void)
 {
     const ab_t x = {.alpha = any_within(-32770, 32770), .beta = any_within(-32770, 32770)};
@@ -180,7 +189,8 @@ static ab_t any_vector_in_circle(void)
     return x;
 }
 
-/* The same with the 24 LSB by which the expected current may leave the circle (tests/unit), and the 200 by which its mean may. */
+/* The same with the 24 LSB by which the expected current may leave the circle (tests/unit), and the
+ * 200 by which its mean may. */
 static ab_t any_expected_current(void)
 {
     const ab_t x = {.alpha = any_within(-32994, 32994), .beta = any_within(-32994, 32994)};
@@ -194,7 +204,8 @@ static ab_t any_expected_current(void)
 void prove_dead_time(void)
 {
     /* The steepest slopes dead_time_init() makes: any flatter ones overflow less. */
-    const dead_time_t steepest = {.full_counts = 2048, .slope = {.alpha_q8 = 65000, .beta_q8 = 56292}};
+    const dead_time_t steepest = {.full_counts = 2048,
+                                  .slope = {.alpha_q8 = 65000, .beta_q8 = 56292}};
     const abc_t shares = dead_time_shares(&steepest, any_expected_current());
     PROMISE(shares.a >= -32768 && shares.a <= 32767);
     PROMISE(shares.b >= -32768 && shares.b <= 32767);
@@ -216,12 +227,14 @@ void prove_expected_current(void)
     };
     const dq_t behind = state.behind_pu;
     const dq_t expected = response_expect(&state);
-    PROMISE(expected.d + behind.d == state.settled_pu.d && expected.q + behind.q == state.settled_pu.q);
+    PROMISE(expected.d + behind.d == state.settled_pu.d &&
+            expected.q + behind.q == state.settled_pu.q);
     PROMISE(shrinks(behind.d, state.behind_pu.d) && shrinks(behind.q, state.behind_pu.q));
     PROOF_END();
 }
 
-/* No overflow with the largest period, scale and trim that svpwm_init() and the validator let through. */
+/* No overflow with the largest period, scale and trim that svpwm_init() and the validator let
+ * through. */
 void prove_svpwm(void)
 {
     const int32_t period = any_within(256, 16384);
@@ -232,7 +245,9 @@ void prove_svpwm(void)
         .beta_counts = any_within(61, 16384),
         .modulation_limit_q15 = 32767,
     };
-    const abc_t trim = {.a = any_within(-32768, 32767), .b = any_within(-32768, 32767), .c = any_within(-32767, 32768)};
+    const abc_t trim = {.a = any_within(-32768, 32767),
+                        .b = any_within(-32768, 32767),
+                        .c = any_within(-32767, 32768)};
     int32_t on[3];
     svpwm_step(&svpwm, any_vector_in_circle(), trim, on);
     PROOF_END();

@@ -1,7 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where the fast reach gets its numbers from: initialisation, and the tuning that the slow reach makes every millisecond. With
- * every field anywhere in the validator's range nothing overflows, and what comes out is in the ranges that the proofs of the
- * boxes assume.
+ * Where the fast reach gets its numbers from: initialisation, and the tuning that the slow reach
+ * makes every millisecond. With every field anywhere in the validator's range nothing overflows,
+ * and what comes out is in the ranges that the proofs of the boxes assume.
  */
 #include "config/config.h"
 #include "foc/current_loop.h"
@@ -13,8 +14,8 @@
 static bool usable(const pi_gains_t *gains)
 {
     return gains->proportional_q10 >= 1 && gains->proportional_q10 <= PI_LARGEST_PROPORTIONAL_Q10 &&
-           gains->integral_q15 >= 1 && gains->integral_q15 <= PI_LARGEST_INTEGRAL_Q15 && gains->anti_windup_q15 >= 1 &&
-           gains->anti_windup_q15 <= PI_LARGEST_ANTI_WINDUP_Q15;
+           gains->integral_q15 >= 1 && gains->integral_q15 <= PI_LARGEST_INTEGRAL_Q15 &&
+           gains->anti_windup_q15 >= 1 && gains->anti_windup_q15 <= PI_LARGEST_ANTI_WINDUP_Q15;
 }
 
 void prove_tuning(void)
@@ -30,12 +31,13 @@ void prove_tuning(void)
     loop->flux_pu_q16 = any_within(1, 1048576);
     config.motor.resistance_coefficient_ppm_K = any_within(0, 10000);
     config.motor.reference_temperature_cC = any_within(-5000, 15000);
-    const current_loop_tuning_t out =
-        current_loop_tuning(&config, any_within(8192, 32767), nondet_int32(), nondet_int32(), nondet_int32());
+    const current_loop_tuning_t out = current_loop_tuning(
+        &config, any_within(8192, 32767), nondet_int32(), nondet_int32(), nondet_int32());
     PROMISE(usable(&out.d) && usable(&out.q));
     PROMISE(out.w_l_d_q10 >= -16383 && out.w_l_d_q10 <= 16383);
     PROMISE(out.w_l_q_q10 >= -16383 && out.w_l_q_q10 <= 16383);
-    PROMISE(out.forward_d_q25 == 0 && out.forward_q_q25 >= -(1 << 28) && out.forward_q_q25 <= 1 << 28);
+    PROMISE(out.forward_d_q25 == 0 && out.forward_q_q25 >= -(1 << 28) &&
+            out.forward_q_q25 <= 1 << 28);
     PROOF_END();
 }
 
@@ -50,7 +52,8 @@ void prove_dead_time_init(void)
     config.battery.max_voltage_mV = any_within(1000, 2000000);
     config.current_loop.dead_time_zone_pu_q15 = any_within(128, 32767);
     const dead_time_t out = dead_time_init(&config);
-    PROMISE(out.full_counts >= 0); /* and an eighth of the longest period at most, 2048: the validator's relation */
+    PROMISE(out.full_counts >=
+            0); /* and an eighth of the longest period at most, 2048: the validator's relation */
     PROMISE(out.slope.alpha_q8 >= 0 && out.slope.alpha_q8 <= 65000);
     PROMISE(out.slope.beta_q8 >= 0 && out.slope.beta_q8 <= 56292);
     PROOF_END();

@@ -1,4 +1,6 @@
-/* The fast part of the watcher: whatever it sees, it trips when a promise is broken, and a trip stays until it is cleared. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The fast part of the watcher: whatever it sees, it trips when a promise is broken, and a trip
+ * stays until it is cleared. */
 #include "monitor/monitor_fast.h"
 #include "vectors.h"
 

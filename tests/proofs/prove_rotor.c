@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rotor estimates: whatever the sensors say, in whatever order, nothing overflows and no index leaves its array. The hall
- * estimate is proved by induction: from any state that its invariant allows one step leads to another such state.
+ * Rotor estimates: whatever the sensors say, in whatever order, nothing overflows and no index
+ * leaves its array. The hall estimate is proved by induction: from any state that its invariant
+ * allows one step leads to another such state.
  */
 #include "config/config.h"
 #include "foc/hall.h"
@@ -24,18 +26,21 @@ static void any_rotor_configuration(config_t *config)
         ASSUME(width >= 5461U && width <= 16384U);
         turn += width;
     }
-    /* A sum of differences round the circle is a whole number of turns, and these lie between 1/2 and 3/2: it is one. */
+    /* A sum of differences round the circle is a whole number of turns, and these lie between 1/2
+     * and 3/2: it is one. */
     ASSUME(turn == 65536U);
 }
 
 static bool hall_invariant(const hall_t *hall, const config_t *config)
 {
-    return hall->sector <= 5 && hall->sectors_timed <= 6 && hall->direction >= -1 && hall->direction <= 1 &&
-           hall->half_width_turn >= 2730 && hall->half_width_turn <= 8192 && hall->periods_since_edge >= 0 &&
-           hall->periods_since_edge <= 65535 && hall->invalid_periods >= 0 && hall->invalid_periods <= 65535 &&
+    return hall->sector <= 5 && hall->sectors_timed <= 6 && hall->direction >= -1 &&
+           hall->direction <= 1 && hall->half_width_turn >= 2730 && hall->half_width_turn <= 8192 &&
+           hall->periods_since_edge >= 0 && hall->periods_since_edge <= 65535 &&
+           hall->invalid_periods >= 0 && hall->invalid_periods <= 65535 &&
            hall->overdue_periods >= 0 && hall->overdue_periods <= hall->standstill_periods &&
-           hall->bounce_periods >= 0 && hall->bounce_periods <= 65535 && hall->speed_q32 >= -INT32_MAX &&
-           hall->edges_in_order <= 6 && (!hall->doubt || hall->edges_in_order < 6) && (!hall->doubt || !hall->valid) &&
+           hall->bounce_periods >= 0 && hall->bounce_periods <= 65535 &&
+           hall->speed_q32 >= -INT32_MAX && hall->edges_in_order <= 6 &&
+           (!hall->doubt || hall->edges_in_order < 6) && (!hall->doubt || !hall->valid) &&
            hall->edge_speed_q32 >= -INT32_MAX &&
            hall->turn_round_periods == config->drive.pwm_frequency_Hz / HALL_TURN_ROUND_DIVISOR &&
            hall->standstill_periods == config->drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S;
@@ -114,11 +119,13 @@ void prove_tracking(void)
     PROOF_END();
 }
 
-/* From any state with a bounded position, whatever counter and index say: nothing overflows, and the position stays bounded. */
+/* From any state with a bounded position, whatever counter and index say: nothing overflows, and
+ * the position stays bounded. */
 static bool encoder_invariant(const encoder_t *encoder)
 {
-    return encoder->position_counts >= -INT32_C(200000) && encoder->position_counts <= INT32_C(200000) &&
-           encoder->age_periods >= 0 && encoder->age_periods <= 65535;
+    return encoder->position_counts >= -INT32_C(200000) &&
+           encoder->position_counts <= INT32_C(200000) && encoder->age_periods >= 0 &&
+           encoder->age_periods <= 65535;
 }
 
 void prove_encoder(void)
@@ -129,7 +136,8 @@ void prove_encoder(void)
     config.rotor.encoder_index_tolerance_counts = any_within(0, 1024);
     config.motor.pole_pairs = any_within(1, 60);
     ASSUME(config.rotor.encoder_counts >= 32 * config.motor.pole_pairs);
-    ASSUME(config.rotor.encoder_index_tolerance_counts * 12 * config.motor.pole_pairs <= config.rotor.encoder_counts);
+    ASSUME(config.rotor.encoder_index_tolerance_counts * 12 * config.motor.pole_pairs <=
+           config.rotor.encoder_counts);
     encoder_t encoder;
     encoder.turn_per_count_q32 = nondet_uint32();
     encoder.origin_q32 = nondet_uint32();
@@ -153,7 +161,8 @@ void prove_encoder(void)
     encoder.referenced = nondet_bool();
     encoder.valid = nondet_bool();
     ASSUME(encoder_invariant(&encoder));
-    const encoder_input_t in = {.count = nondet_uint16(), .index_count = nondet_uint16(), .index = nondet_bool()};
+    const encoder_input_t in = {
+        .count = nondet_uint16(), .index_count = nondet_uint16(), .index = nondet_bool()};
     encoder_step(&encoder, &config, &in);
     PROMISE(encoder_invariant(&encoder));
     PROOF_END();

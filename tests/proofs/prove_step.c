@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Between the boxes of the fast reach: what becomes of a command.
  */
@@ -10,14 +11,15 @@ static current_loop_tuning_t no_tuning(void)
     return out;
 }
 
-/* The limiter of the current vector: any command and any field weakening. What the circle leaves of q beside any d is proved
- * of circle_other(). */
+/* The limiter of the current vector: any command and any field weakening. What the circle leaves of
+ * q beside any d is proved of circle_other(). */
 static void follow_any_command(int32_t radius)
 {
     static foc_state_t state;
     state.current_circle = circle_init(radius);
     state.weakening.current_q28 = any_within(-32767 * 8192, 0);
-    response_t *response = &state.response; /* without shares: what they make of a change is the next proof */
+    response_t *response =
+        &state.response; /* without shares: what they make of a change is the next proof */
     response->reference_pu.d = any_within(-32768, 32768);
     response->reference_pu.q = any_within(-32768, 32768);
     response->change_pu.d = any_within(-65536, 65536);
@@ -34,14 +36,16 @@ static void follow_any_command(int32_t radius)
     foc_follow(&state, &command, &period);
     const dq_t reference = response->reference_pu;
     PROMISE(reference.d >= -radius && reference.d <= radius);
-    PROMISE(command.i_reference_pu.q >= 0 ? reference.q >= 0 && reference.q <= command.i_reference_pu.q
-                                          : reference.q <= 0 && reference.q >= command.i_reference_pu.q);
+    PROMISE(command.i_reference_pu.q >= 0
+                ? reference.q >= 0 && reference.q <= command.i_reference_pu.q
+                : reference.q <= 0 && reference.q >= command.i_reference_pu.q);
     const dq_t given = period.i_reference_pu;
     PROMISE(given.d >= -radius && given.d <= radius && given.q >= -radius && given.q <= radius);
     if (state.followed == FOC_NOTHING_FOLLOWED) {
         PROMISE(!response->settled); /* the next period looks again */
     } else {
-        PROMISE(state.followed == command.number && given.d == reference.d && given.q == reference.q);
+        PROMISE(state.followed == command.number && given.d == reference.d &&
+                given.q == reference.q);
     }
 }
 
@@ -79,6 +83,7 @@ void prove_shape(void)
     PROMISE(response.reference_pu.d == reference.d && response.reference_pu.q == reference.q);
     PROMISE(given.reference_pu.d >= -131072 && given.reference_pu.d <= 131072);
     PROMISE(given.reference_pu.q >= -131072 && given.reference_pu.q <= 131072);
-    PROMISE(!response.settled || (given.reference_pu.d == reference.d && given.reference_pu.q == reference.q));
+    PROMISE(!response.settled ||
+            (given.reference_pu.d == reference.d && given.reference_pu.q == reference.q));
     PROOF_END();
 }

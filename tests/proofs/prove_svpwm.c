@@ -1,4 +1,6 @@
-/* The modulator as svpwm_init() sets it up: every vector in the circle, with every trim, keeps the shortest pulse. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The modulator as svpwm_init() sets it up: every vector in the circle, with every trim, keeps the
+ * shortest pulse. */
 #include "foc/svpwm.h"
 #include "proof.h"
 
@@ -17,8 +19,9 @@ static void prove_pulses_of(int32_t period, int32_t min_pulse, int32_t trim_coun
 {
     const svpwm_t svpwm = svpwm_init(period, min_pulse, trim_counts, 32767);
     /* A pulse is linear in its trim: it is shortest or longest at an end of it. */
-    const abc_t trim = {
-        .a = nondet_bool() ? 32767 : -32768, .b = nondet_bool() ? 32767 : -32768, .c = nondet_bool() ? 32768 : -32767};
+    const abc_t trim = {.a = nondet_bool() ? 32767 : -32768,
+                        .b = nondet_bool() ? 32767 : -32768,
+                        .c = nondet_bool() ? 32768 : -32767};
     int32_t on_q16[3];
     svpwm_step(&svpwm, any_vector_in_circle(), trim, on_q16);
     for (int x = 0; x < 3; x++) {
@@ -34,8 +37,8 @@ void prove_pulses(void)
     PROOF_END();
 }
 
-/* The coarsest timer with the longest pulse and trim the validator accepts. Other combinations are drawn at random in
- * tests/property. */
+/* The coarsest timer with the longest pulse and trim the validator accepts. Other combinations are
+ * drawn at random in tests/property. */
 void prove_pulses_of_the_shortest_period(void)
 {
     prove_pulses_of(256, 51, 32);

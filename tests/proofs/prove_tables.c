@@ -1,7 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The slow reach's tables: with any grid that the validator accepts every read lies inside the part of the table that is in
- * use. Of core/grid.h's functions only their promises are taken, which prove_grid() proves: a position is any on its axis, and what
- * is interpolated is anything.
+ * The slow reach's tables: with any grid that the validator accepts every read lies inside the part
+ * of the table that is in use. Of core/grid.h's functions only their promises are taken, which
+ * prove_grid() proves: a position is any on its axis, and what is interpolated is anything.
  */
 #include "config/config.h"
 #include "core/grid.h"
@@ -14,7 +15,8 @@ static int32_t used;
 static void check_read(const int32_t *at)
 {
     if (__CPROVER_same_object(at, table)) {
-        const int32_t beyond_bytes = (int32_t)(__CPROVER_POINTER_OFFSET(at) - __CPROVER_POINTER_OFFSET(table));
+        const int32_t beyond_bytes =
+            (int32_t)(__CPROVER_POINTER_OFFSET(at) - __CPROVER_POINTER_OFFSET(table));
         PROMISE(beyond_bytes >= 0 && beyond_bytes < used * (int32_t)sizeof(int32_t));
     }
 }
@@ -30,7 +32,8 @@ static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2
 {
     (void)x;
     PROMISE(points >= 2 && step_log2 >= 0 && step_log2 <= 20);
-    const grid_position_t out = {.index = any_within(0, points - 2), .fraction_q20 = any_within(0, GRID_WHOLE_Q20)};
+    const grid_position_t out = {.index = any_within(0, points - 2),
+                                 .fraction_q20 = any_within(0, GRID_WHOLE_Q20)};
     return out;
 }
 

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * vectors.h: what a proof takes for a vector inside a circle, and for a sine and cosine: larger sets with straight borders.
+ * vectors.h: what a proof takes for a vector inside a circle, and for a sine and cosine: larger
+ * sets with straight borders.
  */
 #ifndef VECTORS_H
 #define VECTORS_H
@@ -9,7 +11,8 @@
 #include "core/q15.h"
 #include "proof.h"
 
-/* What tests/unit shows of sine and cosine at every angle: their magnitudes add up to sqrt 2 and 1 LSB each. */
+/* What tests/unit shows of sine and cosine at every angle: their magnitudes add up to sqrt 2 and 1
+ * LSB each. */
 static inline sincos_t any_angle(void)
 {
     const sincos_t angle = {.sin = any_within(-32768, 32768), .cos = any_within(-32768, 32768)};

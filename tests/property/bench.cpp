@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "bench.hpp"
 
 #include <algorithm>
@@ -37,13 +38,14 @@ uint16_t code_of(double x)
 
 } // namespace
 
-Plant plant_of(const config_t &config, double winding_temperature_C, double v_dc_V, double speed_rpm)
+Plant plant_of(const config_t &config, double winding_temperature_C, double v_dc_V,
+               double speed_rpm)
 {
     const config_motor_t &motor = config.motor;
     const double rise_K = winding_temperature_C - motor.reference_temperature_cC / 100.0;
     Plant plant{};
-    plant.resistance_ohm =
-        motor.phase_resistance_uOhm * 1e-6 * (1.0 + motor.resistance_coefficient_ppm_K * 1e-6 * rise_K);
+    plant.resistance_ohm = motor.phase_resistance_uOhm * 1e-6 *
+                           (1.0 + motor.resistance_coefficient_ppm_K * 1e-6 * rise_K);
     plant.winding_C = winding_temperature_C;
     plant.d_inductance_H = motor.d_inductance_nH * 1e-9;
     plant.q_inductance_H = motor.q_inductance_nH * 1e-9;
@@ -75,8 +77,9 @@ config_t with_finer_converter(config_t config, int32_t factor)
 {
     config_current_loop_t &loop = config.current_loop;
     config.drive.current_full_scale_mA /= factor;
-    for (int32_t *per_ampere : {&loop.proportional_d_pu_q16, &loop.proportional_q_pu_q16, &loop.integral_d_pu_q24,
-                                &loop.integral_q_pu_q24, &loop.inductance_d_pu_q16, &loop.inductance_q_pu_q16}) {
+    for (int32_t *per_ampere :
+         {&loop.proportional_d_pu_q16, &loop.proportional_q_pu_q16, &loop.integral_d_pu_q24,
+          &loop.integral_q_pu_q24, &loop.inductance_d_pu_q16, &loop.inductance_q_pu_q16}) {
         *per_ampere /= factor;
     }
     for (int32_t *ampere : {&loop.max_current_pu_q15, &loop.field_weakening_gain_pu_q15,
@@ -88,15 +91,17 @@ config_t with_finer_converter(config_t config, int32_t factor)
 
 Bench::Bench(const config_t &config, const Plant &plant_parameters, double theta_rad)
     : plant(plant_parameters), config_(config), loop_(loop_new(&config), &loop_free),
-      period_s_(1.0 / config.drive.pwm_frequency_Hz), current_base_A_(config.drive.current_full_scale_mA * 1e-3),
-      theta_(theta_rad)
+      period_s_(1.0 / config.drive.pwm_frequency_Hz),
+      current_base_A_(config.drive.current_full_scale_mA * 1e-3), theta_(theta_rad)
 {
-    loop_set_winding_temperature(loop_.get(), static_cast<int32_t>(std::lround(plant.winding_C * 100.0)));
+    loop_set_winding_temperature(loop_.get(),
+                                 static_cast<int32_t>(std::lround(plant.winding_C * 100.0)));
 }
 
 void Bench::set_reference(double i_d_A, double i_q_A)
 {
-    loop_set_reference(loop_.get(), static_cast<int32_t>(std::lround(i_d_A / current_base_A_ * 32768.0)),
+    loop_set_reference(loop_.get(),
+                       static_cast<int32_t>(std::lround(i_d_A / current_base_A_ * 32768.0)),
                        static_cast<int32_t>(std::lround(i_q_A / current_base_A_ * 32768.0)));
 }
 
@@ -115,17 +120,21 @@ Vector3d Bench::phase_currents() const
 double Bench::torque_Nm() const
 {
     return 1.5 * config_.motor.pole_pairs *
-           (plant.flux_Wb + (plant.d_inductance_H - plant.q_inductance_H) * sampled_.x()) * sampled_.y();
+           (plant.flux_Wb + (plant.d_inductance_H - plant.q_inductance_H) * sampled_.x()) *
+           sampled_.y();
 }
 
-Vector2d Bench::derivative(const Vector2d &i, const Vector2d &u_stator, double cos, double sin) const
+Vector2d Bench::derivative(const Vector2d &i, const Vector2d &u_stator, double cos,
+                           double sin) const
 {
     Vector2d u = to_rotor(u_stator, cos, sin);
     const double dead_share = plant.dead_time_s / period_s_;
     if (mode_ == Mode::pwm && dead_share > 0.0) {
-        // In both dead intervals of a period a diode conducts: the leg misses half of them at the bus, and the diode's drop.
+        // In both dead intervals of a period a diode conducts: the leg misses half of them at the
+        // bus, and the diode's drop.
         const double lost_V = dead_share * (plant.v_dc_V + 2.0 * plant.diode_forward_voltage_V);
-        // The lost voltage cannot carry a current beyond zero: within one period it takes away this much.
+        // The lost voltage cannot carry a current beyond zero: within one period it takes away this
+        // much.
         const double zone_A = lost_V * period_s_ / plant.q_inductance_H;
         Vector3d lost = phases(to_stator(i, cos, sin));
         for (int x = 0; x < 3; x++) {
@@ -136,7 +145,8 @@ Vector2d Bench::derivative(const Vector2d &i, const Vector2d &u_stator, double c
     const double w = plant.speed_rad_s;
     const double resistance = plant.resistance_ohm + plant.switch_resistance_ohm;
     return {(u.x() - resistance * i.x() + w * plant.q_inductance_H * i.y()) / plant.d_inductance_H,
-            (u.y() - resistance * i.y() - w * (plant.d_inductance_H * i.x() + plant.flux_Wb)) / plant.q_inductance_H};
+            (u.y() - resistance * i.y() - w * (plant.d_inductance_H * i.x() + plant.flux_Wb)) /
+                plant.q_inductance_H};
 }
 
 void Bench::integrate()
@@ -148,10 +158,13 @@ void Bench::integrate()
         theta_ = std::fmod(theta_ + plant.speed_rad_s * period_s_, 2.0 * PI);
         return;
     }
-    const Vector2d u = mode_ == Mode::pwm ? Vector2d(plant.v_dc_V * clarke(duty_)) : Vector2d::Zero();
+    const Vector2d u =
+        mode_ == Mode::pwm ? Vector2d(plant.v_dc_V * clarke(duty_)) : Vector2d::Zero();
     for (int n = 0; n < SUBSTEPS; n++) {
-        const double c[3] = {std::cos(theta_), std::cos(theta_ + half), std::cos(theta_ + 2.0 * half)};
-        const double s[3] = {std::sin(theta_), std::sin(theta_ + half), std::sin(theta_ + 2.0 * half)};
+        const double c[3] = {std::cos(theta_), std::cos(theta_ + half),
+                             std::cos(theta_ + 2.0 * half)};
+        const double s[3] = {std::sin(theta_), std::sin(theta_ + half),
+                             std::sin(theta_ + 2.0 * half)};
         const Vector2d k1 = derivative(i_, u, c[0], s[0]);
         const Vector2d k2 = derivative(i_ + h / 2.0 * k1, u, c[1], s[1]);
         const Vector2d k3 = derivative(i_ + h / 2.0 * k2, u, c[1], s[1]);
@@ -167,11 +180,13 @@ loop_output_t Bench::step(Mode mode)
     const Vector3d phase = phase_currents();
     loop_input_t in{};
     for (int x = 0; x < 3; x++) {
-        in.phase_code[x] = code_of(2048.0 + (phase[x] / current_base_A_ + plant.sensor_offset[x]) * 2048.0);
+        in.phase_code[x] =
+            code_of(2048.0 + (phase[x] / current_base_A_ + plant.sensor_offset[x]) * 2048.0);
     }
     in.bus_code = code_of(plant.v_dc_V / (config_.drive.voltage_full_scale_mV * 1e-3) * 4096.0);
     const double turns = theta_ / (2.0 * PI);
-    in.rotor_angle_turn = static_cast<uint16_t>(std::lround((turns - std::floor(turns)) * 65536.0) & 0xFFFF);
+    in.rotor_angle_turn =
+        static_cast<uint16_t>(std::lround((turns - std::floor(turns)) * 65536.0) & 0xFFFF);
     const int sector = static_cast<int>(std::floor((turns - std::floor(turns)) * 6.0)) % 6;
     static const uint8_t HALL[6] = {5, 1, 3, 2, 6, 4};
     in.hall_state = HALL[sector];
@@ -180,7 +195,8 @@ loop_output_t Bench::step(Mode mode)
     duty_ = next_duty_;
     mode_ = next_mode_;
     for (int x = 0; x < 3; x++) {
-        next_duty_[x] = static_cast<double>(out.compare_counts[x]) / config_.drive.pwm_period_counts;
+        next_duty_[x] =
+            static_cast<double>(out.compare_counts[x]) / config_.drive.pwm_period_counts;
     }
     next_mode_ = mode;
     integrate();

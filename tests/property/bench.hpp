@@ -1,10 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * bench.hpp: a permanent-magnet motor, a bridge and sensors in double precision around the fast reach under test.
+ * bench.hpp: a permanent-magnet motor, a bridge and sensors in double precision around the fast
+ * reach under test.
  *
- * Timing as on the board: currents are sampled at the beginning of a period, the compare values worked out from them act
- * during the next one, and so does the bridge mode. The bridge is averaged over a period; its voltage stands still in the
- * stator frame while the rotor turns. Converters have 12 bits. The motor is integrated by fourth-order Runge-Kutta steps of
- * a tenth of a period, whose error is far below an LSB. Every effect that is not named by a parameter is absent.
+ * Timing as on the board: currents are sampled at the beginning of a period, the compare values
+ * worked out from them act during the next one, and so does the bridge mode. The bridge is averaged
+ * over a period; its voltage stands still in the stator frame while the rotor turns. Converters
+ * have 12 bits. The motor is integrated by fourth-order Runge-Kutta steps of a tenth of a period,
+ * whose error is far below an LSB. Every effect that is not named by a parameter is absent.
  */
 #pragma once
 
@@ -34,22 +37,26 @@ struct Plant {
     Vector3d sensor_offset = Vector3d::Zero(); // of the three current sensors, share of full scale
 };
 
-// The motor of a configuration at a winding temperature, as the plant: what the controller believes is true. Ideal switches.
-Plant plant_of(const config_t &config, double winding_temperature_C, double v_dc_V, double speed_rpm);
-// The same with the paper's bridge (tools/motors/lu2013.toml): 1 us of dead time, 0.8 V diodes, 3.3 mOhm switches.
+// The motor of a configuration at a winding temperature, as the plant: what the controller believes
+// is true. Ideal switches.
+Plant plant_of(const config_t &config, double winding_temperature_C, double v_dc_V,
+               double speed_rpm);
+// The same with the paper's bridge (tools/motors/lu2013.toml): 1 us of dead time, 0.8 V diodes, 3.3
+// mOhm switches.
 Plant with_bridge(Plant plant);
 
-// The paper's configuration with an absolute angle, so that only the current loop is in question; without compensation the
-// firmware believes in ideal switches.
+// The paper's configuration with an absolute angle, so that only the current loop is in question;
+// without compensation the firmware believes in ideal switches.
 config_t paper_config(bool dead_time_compensation);
 
-// The same firmware behind a current converter of a `factor` times smaller range: its gains in volts per ampere stay, the
-// rounding of the converter shrinks.
+// The same firmware behind a current converter of a `factor` times smaller range: its gains in
+// volts per ampere stay, the rounding of the converter shrinks.
 config_t with_finer_converter(config_t config, int32_t factor);
 
 enum class Mode { off, pwm, shorted };
 
-constexpr int SETTLE_PERIODS = 2000; // 100 ms: the angle's tracking loop (50 Hz, damping 1) forgets where it started
+constexpr int SETTLE_PERIODS =
+    2000; // 100 ms: the angle's tracking loop (50 Hz, damping 1) forgets where it started
 
 class Bench {
   public:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "circuit.hpp"
 
 #include <algorithm>
@@ -34,7 +35,8 @@ std::optional<Vector2d> stationary(const Form &objective, const std::vector<cons
     const auto count = static_cast<Eigen::Index>(active.size());
     Vector2d x = start;
     Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(count);
-    const double size = std::abs(objective(start)) + objective.gradient(start).norm() * scale + 1e-300;
+    const double size =
+        std::abs(objective(start)) + objective.gradient(start).norm() * scale + 1e-300;
     for (int step = 0; step < STEPS; step++) {
         Eigen::MatrixXd system = Eigen::MatrixXd::Zero(2 + count, 2 + count);
         Eigen::VectorXd rest = Eigen::VectorXd::Zero(2 + count);
@@ -160,11 +162,12 @@ Circuit::Circuit(const values::Drive &drive, double speed_rad_s, double winding_
     current_square_A2 = square_of_length(1.0);
     voltage_square_V2 = substituted(square_of_length(1.0), voltage_slope_, voltage_offset_);
 
-    // Conduction by switches and, during the dead time, by diodes; switching loss in proportion to current.
+    // Conduction by switches and, during the dead time, by diodes; switching loss in proportion to
+    // current.
     const double dead = 2.0 * drive.dead_time_s * drive.pwm_Hz;
     inverter_W = square_of_length(1.5 * (drive.switch_ohm * (1.0 - dead) + drive.diode_ohm * dead));
-    inverter_W.length =
-        6.0 / PI * drive.diode_V * dead + 3.0 / PI * drive.pwm_Hz * (drive.turn_on_J_per_A + drive.turn_off_J_per_A);
+    inverter_W.length = 6.0 / PI * drive.diode_V * dead +
+                        3.0 / PI * drive.pwm_Hz * (drive.turn_on_J_per_A + drive.turn_off_J_per_A);
 
     Form terminal; // 1.5 u' i
     terminal.square = 0.75 * (voltage_slope_ + voltage_slope_.transpose());
@@ -206,16 +209,16 @@ Pack pack(const values::Drive &drive, double power_W)
     return {current_A, drive.open_circuit_V * current_A, drive.pack_ohm * current_A * current_A};
 }
 
-std::optional<Minimum> minimum(const Form &objective, const std::vector<Form> &atMost, const std::vector<Form> &zero,
-                               double scale, int starts)
+std::optional<Minimum> minimum(const Form &objective, const std::vector<Form> &atMost,
+                               const std::vector<Form> &zero, double scale, int starts)
 {
     std::optional<Minimum> best;
     const auto consider = [&](const Vector2d &x) {
         const auto broken = [&](const Form &form) { return form(x) > FEASIBLE; };
         const auto off = [&](const Form &form) { return std::abs(form(x)) > FEASIBLE; };
         const double value = objective(x);
-        if (std::none_of(atMost.begin(), atMost.end(), broken) && std::none_of(zero.begin(), zero.end(), off) &&
-            (!best || value < best->value)) {
+        if (std::none_of(atMost.begin(), atMost.end(), broken) &&
+            std::none_of(zero.begin(), zero.end(), off) && (!best || value < best->value)) {
             best = Minimum{x, value};
         }
     };
@@ -232,8 +235,8 @@ std::optional<Minimum> minimum(const Form &objective, const std::vector<Form> &a
             // A spiral of starting points over the circle of that size, no two in one direction.
             const double angle = 2.399963 * k + 0.1;
             const double length = scale * std::sqrt((k + 0.5) / starts);
-            const auto found =
-                stationary(objective, active, length * Vector2d(std::cos(angle), std::sin(angle)), scale);
+            const auto found = stationary(
+                objective, active, length * Vector2d(std::cos(angle), std::sin(angle)), scale);
             if (found) {
                 consider(*found);
             }

@@ -1,15 +1,19 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * circuit.hpp: a drive's steady state as quadratic forms of its two terminal currents, and their constrained minima.
+ * circuit.hpp: a drive's steady state as quadratic forms of its two terminal currents, and their
+ * constrained minima.
  *
- * Written from the circuit laws alone, as a measure for the closed forms and searches of tools/regen_table and for the
- * tables that the firmware reads. Peak phase quantities (A, V, Wb), mechanical rad/s, N m, W; motor signs. With i_t the
- * current that the iron-loss branch leaves,
+ * Written from the circuit laws alone, as a measure for the closed forms and searches of
+ * tools/regen_table and for the tables that the firmware reads. Peak phase quantities (A, V, Wb),
+ * mechanical rad/s, N m, W; motor signs. With i_t the current that the iron-loss branch leaves,
  *
- *     i = i_t + v / R_i      v = X i_t + e      u = R i + v      X = omega [0 -L_q; L_d 0]      e = omega (0, psi)
+ *     i = i_t + v / R_i      v = X i_t + e      u = R i + v      X = omega [0 -L_q; L_d 0]      e =
+ * omega (0, psi)
  *
- * is a linear system, solved as one; torque, powers, |i|^2 and |u|^2 are then quadratic in i, but for the bridge's loss that
- * goes with |i|. What is smallest under limits is found by Newton's method on the conditions of Karush, Kuhn and Tucker of
- * every set of limits that can be met exactly, from many starting points.
+ * is a linear system, solved as one; torque, powers, |i|^2 and |u|^2 are then quadratic in i, but
+ * for the bridge's loss that goes with |i|. What is smallest under limits is found by Newton's
+ * method on the conditions of Karush, Kuhn and Tucker of every set of limits that can be met
+ * exactly, from many starting points.
  */
 #pragma once
 
@@ -42,7 +46,8 @@ Form operator*(double factor, const Form &form);
 Form operator+(const Form &a, const Form &b);
 Form operator+(const Form &form, double constant);
 
-// A drive at a mechanical speed and a winding temperature. The argument of every form is (i_d, i_q).
+// A drive at a mechanical speed and a winding temperature. The argument of every form is (i_d,
+// i_q).
 class Circuit {
   public:
     Circuit(const values::Drive &drive, double speed_rad_s, double winding_temperature_C);
@@ -77,13 +82,14 @@ struct Pack {
 };
 Pack pack(const values::Drive &drive, double power_W);
 
-// Smallest value of `objective` where every `atMost` is <= 0 and every `zero` is 0; nothing if there is no such point.
-// scale: size of the currents. Constraints are of order one where they are broken by as much as they allow.
+// Smallest value of `objective` where every `atMost` is <= 0 and every `zero` is 0; nothing if
+// there is no such point. scale: size of the currents. Constraints are of order one where they are
+// broken by as much as they allow.
 struct Minimum {
     Vector2d at;
     double value;
 };
-std::optional<Minimum> minimum(const Form &objective, const std::vector<Form> &atMost, const std::vector<Form> &zero,
-                               double scale, int starts);
+std::optional<Minimum> minimum(const Form &objective, const std::vector<Form> &atMost,
+                               const std::vector<Form> &zero, double scale, int starts);
 
 } // namespace circuit

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * errors.hpp: the largest error of every kernel of the fast reach against its double-precision twin.
+ * errors.hpp: the largest error of every kernel of the fast reach against its double-precision
+ * twin.
  */
 #pragma once
 

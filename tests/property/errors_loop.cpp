@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "errors.hpp"
 
 #include <algorithm>
@@ -13,7 +14,8 @@ using twin::vector;
 using twin::Vector2d;
 using twin::Vector3d;
 
-// Alpha is exact. Twice beta is rounded down, then beta to the nearest; the constant is off by 0.09 of 2^-17, 0.03 LSB of beta.
+// Alpha is exact. Twice beta is rounded down, then beta to the nearest; the constant is off by 0.09
+// of 2^-17, 0.03 LSB of beta.
 Measured sense(int64_t count)
 {
     Random random(7);
@@ -42,13 +44,15 @@ Measured pi_output(int64_t count)
         const int32_t integrator = random.any(INTEGRATOR_LOWEST, INTEGRATOR_HIGHEST);
         const int32_t error = random.any(LOWEST, HIGHEST);
         const int32_t forward_q25 = random.any(-(1 << 30), 1 << 30);
-        const double exact = twin::Gains(gains).proportional * error + integrator / ONE + forward_q25 / 1024.0;
+        const double exact =
+            twin::Gains(gains).proportional * error + integrator / ONE + forward_q25 / 1024.0;
         largest.see((kernel_pi_output_q25(integrator, gains, error, forward_q25) >> 10) - exact);
     }
     return {"pi_output_q25", largest.value, 1.0, "LSB"};
 }
 
-// Exact, as long as neither the error by itself fills the integrator nor more than four units are missing.
+// Exact, as long as neither the error by itself fills the integrator nor more than four units are
+// missing.
 Measured pi_update(int64_t count)
 {
     Random random(9);
@@ -79,15 +83,16 @@ Measured wanted_voltage(int64_t count)
         const pair_t reference = inside_circle(random);
         const pair_t i = measured_dq(random);
         const kernel_voltage_t out = kernel_current_loop(integrator, &plain, reference, i);
-        const twin::Voltage exact =
-            twin::current_loop(vector(integrator) / ONE, twin::Tuning(plain), vector(reference), vector(i));
+        const twin::Voltage exact = twin::current_loop(
+            vector(integrator) / ONE, twin::Tuning(plain), vector(reference), vector(i));
         largest.see(vector(out.wanted) - exact.wanted);
     }
     return {"current_loop_step", largest.value, 1.0, "LSB"};
 }
 
-// The first leg is rounded by half a count at most, the second follows it within a half, the third the mean of both within a half:
-// three quarters between the last two. alpha_counts is rounded: half a unit of it is a quarter of a count at full length.
+// The first leg is rounded by half a count at most, the second follows it within a half, the third
+// the mean of both within a half: three quarters between the last two. alpha_counts is rounded:
+// half a unit of it is a quarter of a count at full length.
 Measured line_voltages(int64_t count, int32_t period, const char *name, double bound)
 {
     Random random(11);
@@ -101,7 +106,8 @@ Measured line_voltages(int64_t count, int32_t period, const char *name, double b
     return {name, largest.value, bound, "counts"};
 }
 
-// The paper's vehicle with its numbers as they were when the table was written, so that a new configuration does not move it.
+// The paper's vehicle with its numbers as they were when the table was written, so that a new
+// configuration does not move it.
 config_t papers_vehicle()
 {
     config_t config = CONFIG_LU2013;
@@ -125,7 +131,8 @@ config_t papers_vehicle()
     return config;
 }
 
-// The paper's vehicle: 84 counts, and the two slopes of its zone in 1/256 LSB per LSB, rounded down.
+// The paper's vehicle: 84 counts, and the two slopes of its zone in 1/256 LSB per LSB, rounded
+// down.
 Measured dead_time(int64_t count)
 {
     Random random(12);
@@ -138,10 +145,11 @@ Measured dead_time(int64_t count)
         largest.see(vector(kernel_dead_time(dead_time, i)) / ONE * dead_time.full_counts -
                     twin::dead_time(vector(i), dead_time.full_counts, zone));
     }
-    /* The share is rounded once. Each slope is kept to half a unit, which moves the zero of a phase in a long vector; and their
-     * common factor, the slope of the zone, is rounded down. */
+    /* The share is rounded once. Each slope is kept to half a unit, which moves the zero of a phase
+     * in a long vector; and their common factor, the slope of the zone, is rounded down. */
     const double slope = 1.0 * dead_time.slope_alpha_q8;
-    const double bound = dead_time.full_counts * (1.0 / ONE + 0.71 * ONE / (slope * zone) + 1.0 / slope);
+    const double bound =
+        dead_time.full_counts * (1.0 / ONE + 0.71 * ONE / (slope * zone) + 1.0 / slope);
     return {"dead_time_shares", largest.value, bound, "counts"};
 }
 
@@ -156,15 +164,18 @@ Measured field_weakening(int64_t count)
         const int32_t before_q28 = -random.any(0, 1 << 27);
         const double margin = 30760.0 - vector(wanted).squaredNorm() / ONE;
         const double exact =
-            std::clamp(4.0 * before_q28 + 4.0 * gain * std::clamp(margin, -32768.0, 32767.0), -32767.0 * ONE, 0.0);
-        largest.see((4.0 * kernel_field_weakening(before_q28, wanted, gain, HIGHEST) - exact) / ONE);
+            std::clamp(4.0 * before_q28 + 4.0 * gain * std::clamp(margin, -32768.0, 32767.0),
+                       -32767.0 * ONE, 0.0);
+        largest.see((4.0 * kernel_field_weakening(before_q28, wanted, gain, HIGHEST) - exact) /
+                    ONE);
     }
     return {"field_weakening_step", largest.value, 4.0, "LSB"};
 }
 
-// From codes and angle to line voltages with the tuning of the paper's vehicle between 45 and 58 V up to 640 r/min, where the
-// circle does not bite. The angle's error reaches the current as in "phases to dq"; the proportional gain, up to
-// 3 here, multiplies it, the way back adds that of the voltage; the modulator adds its own.
+// From codes and angle to line voltages with the tuning of the paper's vehicle between 45 and 58 V
+// up to 640 r/min, where the circle does not bite. The angle's error reaches the current as in
+// "phases to dq"; the proportional gain, up to 3 here, multiplies it, the way back adds that of the
+// voltage; the modulator adds its own.
 Measured whole_loop(int64_t count)
 {
     Random random(14);
@@ -172,30 +183,35 @@ Measured whole_loop(int64_t count)
     const config_t config = papers_vehicle();
     kernel_loop_t loop{};
     loop.dead_time = kernel_dead_time_init(&config);
-    loop.svpwm = kernel_svpwm_init(config.drive.pwm_period_counts, config.drive.min_pulse_counts,
-                                   loop.dead_time.full_counts, config.current_loop.modulation_limit_pu_q15);
+    loop.svpwm =
+        kernel_svpwm_init(config.drive.pwm_period_counts, config.drive.min_pulse_counts,
+                          loop.dead_time.full_counts, config.current_loop.modulation_limit_pu_q15);
     for (int64_t n = 0; n < count; n++) {
         const int32_t v_dc = random.even(23860, 30754); // 45 to 58 V
-        const kernel_tuning_t tuning =
-            kernel_tuning(&config, loop.svpwm.modulation_limit_q15, v_dc, random.even(-52700000, 52700000));
+        const kernel_tuning_t tuning = kernel_tuning(&config, loop.svpwm.modulation_limit_q15, v_dc,
+                                                     random.even(-52700000, 52700000));
         const uint16_t theta = any_angle(random);
         const pair_t reference = inside_circle(random, config.current_loop.max_current_pu_q15);
         uint16_t codes[3];
-        const Vector3d i = twin::phases(
-            twin::inverse_park(vector(reference) + vector(inside_circle(random, 3000.0)), twin::radians(theta)));
+        const Vector3d i = twin::phases(twin::inverse_park(
+            vector(reference) + vector(inside_circle(random, 3000.0)), twin::radians(theta)));
         for (int x = 0; x < 3; x++) {
             loop.offset_q4[x] = random.even(2000 * 16, 2100 * 16);
-            codes[x] = static_cast<uint16_t>(std::clamp(std::lround((i[x] + loop.offset_q4[x]) / 16.0), 1L, 4094L));
+            codes[x] = static_cast<uint16_t>(
+                std::clamp(std::lround((i[x] + loop.offset_q4[x]) / 16.0), 1L, 4094L));
             loop.on_q16[x] = random.even(0, config.drive.pwm_period_counts) * 65536;
         }
         loop.integrator_q30 = {random.even(-(1 << 28), 1 << 28), random.even(-(1 << 28), 1 << 28)};
         kernel_loop_t after = loop;
-        const twin::Loop exact = twin::loop(loop, twin::Tuning(tuning), codes, theta, vector(reference),
-                                            config.current_loop.dead_time_zone_pu_q15);
+        const twin::Loop exact =
+            twin::loop(loop, twin::Tuning(tuning), codes, theta, vector(reference),
+                       config.current_loop.dead_time_zone_pu_q15);
         const kernel_loop_out_t out = kernel_loop(&after, &tuning, codes, theta, reference);
-        if (out.voltage.wanted.x == out.voltage.realised.x && out.voltage.wanted.y == out.voltage.realised.y &&
+        if (out.voltage.wanted.x == out.voltage.realised.x &&
+            out.voltage.wanted.y == out.voltage.realised.y &&
             exact.voltage.wanted == exact.voltage.realised) {
-            const triple_t on = {after.on_q16[0] >> 16, after.on_q16[1] >> 16, after.on_q16[2] >> 16};
+            const triple_t on = {after.on_q16[0] >> 16, after.on_q16[1] >> 16,
+                                 after.on_q16[2] >> 16};
             largest.see(twin::lines(vector(on)) - exact.line_counts);
         }
     }

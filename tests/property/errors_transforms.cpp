@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "errors.hpp"
 
 #include <algorithm>
@@ -18,8 +19,8 @@ Vector2d exact_cos_sin(double theta_turn)
     return ONE * Vector2d(std::cos(twin::radians(theta_turn)), std::sin(twin::radians(theta_turn)));
 }
 
-// Every angle. Table and correction are each rounded down by less than 1, one against the other; what else is neglected is below
-// 0.02, and nowhere do the ends of all three meet.
+// Every angle. Table and correction are each rounded down by less than 1, one against the other;
+// what else is neglected is below 0.02, and nowhere do the ends of all three meet.
 Measured sine_cosine()
 {
     Largest largest;
@@ -72,8 +73,8 @@ Measured inverse_park(int64_t count)
     return {"transforms_inverse_park", largest.value, 1.0, "LSB"};
 }
 
-// From phases and angle to dq against an exact rotation: sine and cosine are up to 1 LSB off, which a vector of length 1.15
-// turns into at most 1.15 sqrt 2; one for the rounding of each box.
+// From phases and angle to dq against an exact rotation: sine and cosine are up to 1 LSB off, which
+// a vector of length 1.15 turns into at most 1.15 sqrt 2; one for the rounding of each box.
 Measured phases_to_dq(int64_t count)
 {
     Random random(4);
@@ -93,8 +94,8 @@ Measured advance(int64_t count)
     Largest largest;
     for (int64_t n = 0; n < count; n++) {
         const auto theta = any_angle(random);
-        const auto by =
-            static_cast<uint16_t>(random.any(-8192, 8192)); // an eighth of a turn: 1.5 periods at 1.3 times the base
+        const auto by = static_cast<uint16_t>(
+            random.any(-8192, 8192)); // an eighth of a turn: 1.5 periods at 1.3 times the base
         const pair_t out = kernel_advance(kernel_cos_sin(theta), kernel_cos_sin(by));
         largest.see(vector(out) - exact_cos_sin(static_cast<uint16_t>(theta + by)));
     }
@@ -111,7 +112,8 @@ Measured circle_excess()
     return {"circle_other_q15, too long", largest, 1.0, "LSB"};
 }
 
-// The chord of the square root over a segment of 1/64 lies at most h^2/8 |f''| below it: 0.8 % where |x| < 0.97.
+// The chord of the square root over a segment of 1/64 lies at most h^2/8 |f''| below it: 0.8 %
+// where |x| < 0.97.
 Measured circle_shortfall()
 {
     double largest = 0.0;
@@ -147,6 +149,8 @@ Measured reciprocal()
 
 std::vector<Measured> measure_transforms(int64_t count)
 {
-    return {sine_cosine(),  clarke(count),   park(count),        inverse_park(count),         phases_to_dq(count),
-            advance(count), circle_excess(), circle_shortfall(), circle_of_any_radius(count), reciprocal()};
+    return {sine_cosine(),       clarke(count),       park(count),
+            inverse_park(count), phases_to_dq(count), advance(count),
+            circle_excess(),     circle_shortfall(),  circle_of_any_radius(count),
+            reciprocal()};
 }

@@ -1,12 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The whole controller under a coverage-guided fuzzer: any configuration the validator accepts, any codes, any order of fast
- * and slow steps. Address and undefined-behaviour sanitizers watch the arithmetic; the promises checked here are those
- * that must hold whatever happens: on-times the timer can make, a sampling window on every leg while switching, a
- * valve that never opens a tripped bridge.
+ * The whole controller under a coverage-guided fuzzer: any configuration the validator accepts, any
+ * codes, any order of fast and slow steps. Address and undefined-behaviour sanitizers watch the
+ * arithmetic; the promises checked here are those that must hold whatever happens: on-times the
+ * timer can make, a sampling window on every leg while switching, a valve that never opens a
+ * tripped bridge.
  *
- * The input is read as a string of bytes. The first ones choose one of the configurations that come with the project and change
- * its fields, each to any value of its range, and a change that breaks a relation between fields is taken back, so every input
- * means a valid configuration.
+ * The input is read as a string of bytes. The first ones choose one of the configurations that come
+ * with the project and change its fields, each to any value of its range, and a change that breaks
+ * a relation between fields is taken back, so every input means a valid configuration.
  */
 #include <stddef.h>
 #include <stdio.h>
@@ -72,8 +74,9 @@ static void promise(bool holds, const char *what)
 
 /* ---- configuration ----
  *
- * The ones that come with the project are valid and every change stays inside its field's range, so only relations can break. Checksum and
- * ranges of the whole image would take 99 % of an execution; they are asked for once in a while, to see that this holds.
+ * The ones that come with the project are valid and every change stays inside its field's range, so
+ * only relations can break. Checksum and ranges of the whole image would take 99 % of an execution;
+ * they are asked for once in a while, to see that this holds.
  */
 
 static bool accepted(const config_t *config)
@@ -89,7 +92,8 @@ static void check_configuration(config_t *config)
 }
 
 /* One entry of a stored map, or all of them, with alternating signs or not. */
-static void change_map(int32_t *values, uint32_t count, int32_t lowest, int32_t highest, bytes_t *bytes)
+static void change_map(int32_t *values, uint32_t count, int32_t lowest, int32_t highest,
+                       bytes_t *bytes)
 {
     const uint8_t how = take8(bytes);
     const uint32_t first = take16(bytes) % count;
@@ -106,9 +110,11 @@ static void change_maps(config_t *config, bytes_t *bytes)
     for (int changes = take8(bytes) % 4; changes > 0; changes--) {
         before = *config;
         if ((take8(bytes) & 1U) != 0) {
-            change_map(config->regen_map.torque_mNm, CONFIG_REGEN_POINTS_MAX, -100000000, 100000000, bytes);
+            change_map(config->regen_map.torque_mNm, CONFIG_REGEN_POINTS_MAX, -100000000, 100000000,
+                       bytes);
         } else {
-            change_map(config->current_map.current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000, 3000000, bytes);
+            change_map(config->current_map.current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000,
+                       3000000, bytes);
         }
         if (!accepted(config)) {
             *config = before;
@@ -133,9 +139,10 @@ static void change_configuration(config_t *config, bytes_t *bytes)
 
 static config_t take_configuration(bytes_t *bytes)
 {
-    static const config_t *const WITH_THE_PROJECT[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V,
-                                                       &CONFIG_IPM400V};
-    config_t config = *WITH_THE_PROJECT[take8(bytes) % (sizeof(WITH_THE_PROJECT) / sizeof(WITH_THE_PROJECT[0]))];
+    static const config_t *const WITH_THE_PROJECT[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V,
+                                                       &CONFIG_SCOOTER48V, &CONFIG_IPM400V};
+    config_t config =
+        *WITH_THE_PROJECT[take8(bytes) % (sizeof(WITH_THE_PROJECT) / sizeof(WITH_THE_PROJECT[0]))];
     change_configuration(&config, bytes);
     return config;
 }
@@ -144,7 +151,8 @@ static config_t take_configuration(bytes_t *bytes)
 
 enum { MOST_STEPS = 4096 };
 
-/* How often a fast input is given: up to 15 times, and now and then long enough for a timer to run out. */
+/* How often a fast input is given: up to 15 times, and now and then long enough for a timer to run
+ * out. */
 static int take_repeats(uint8_t what, bytes_t *bytes)
 {
     const int few = what % 16;
@@ -171,14 +179,16 @@ static slow_input_t take_slow_input(bytes_t *bytes)
     return in;
 }
 
-/* What a slow reach may say without having been asked: any reference, any speed and bus voltage to be tuned for. */
-static void take_command(slow_to_fast_t *command, const config_t *config, int32_t modulation_limit_q15, bytes_t *bytes)
+/* What a slow reach may say without having been asked: any reference, any speed and bus voltage to
+ * be tuned for. */
+static void take_command(slow_to_fast_t *command, const config_t *config,
+                         int32_t modulation_limit_q15, bytes_t *bytes)
 {
     command->foc.i_reference_pu.d = (int16_t)take16(bytes);
     command->foc.i_reference_pu.q = (int16_t)take16(bytes);
-    command->foc.tuning =
-        current_loop_tuning(config, modulation_limit_q15, take_within(bytes, -32768, 32767),
-                            take_within(bytes, INT32_MIN, INT32_MAX), take_within(bytes, INT32_MIN, INT32_MAX));
+    command->foc.tuning = current_loop_tuning(
+        config, modulation_limit_q15, take_within(bytes, -32768, 32767),
+        take_within(bytes, INT32_MIN, INT32_MAX), take_within(bytes, INT32_MIN, INT32_MAX));
     command->foc.calibrate_offsets = (take8(bytes) & 7U) == 0;
     command->permission.bridge = (bridge_mode_t)(take8(bytes) % 3U);
     command->monitor.safe_bridge = (take8(bytes) & 1U) != 0 ? BRIDGE_SHORT : BRIDGE_OFF;
@@ -194,29 +204,34 @@ static fast_input_t take_fast_input(bytes_t *bytes)
         .rotor_angle_turn = take16(bytes),
         .bus_voltage_code = (flags & 1U) != 0 ? take16(bytes) : 3500,
         .hall_state = take8(bytes),
-        .encoder = {.count = take16(bytes), .index_count = take16(bytes), .index = (flags & 4U) != 0},
+        .encoder = {.count = take16(bytes),
+                    .index_count = take16(bytes),
+                    .index = (flags & 4U) != 0},
         .power_stage_fault = (flags & 0xF0U) == 0xF0U,
     };
     for (int x = 0; x < 3; x++) {
-        in.phase_current_code[x] =
-            (flags & 2U) != 0 ? (uint16_t)(take16(bytes) & 4095U) : (uint16_t)(2048U + take8(bytes));
+        in.phase_current_code[x] = (flags & 2U) != 0 ? (uint16_t)(take16(bytes) & 4095U)
+                                                     : (uint16_t)(2048U + take8(bytes));
     }
     return in;
 }
 
-static void check_fast(const config_t *config, const slow_to_fast_t *command, const fast_to_slow_t *report,
-                       const fast_output_t *out)
+static void check_fast(const config_t *config, const slow_to_fast_t *command,
+                       const fast_to_slow_t *report, const fast_output_t *out)
 {
     const bool tripped = report->monitor.trip != REASON_NONE;
     promise(!tripped || out->bridge != BRIDGE_PWM, "a tripped bridge does not switch");
-    promise(tripped || out->bridge == command->permission.bridge, "without a trip the bridge does what it is told");
+    promise(tripped || out->bridge == command->permission.bridge,
+            "without a trip the bridge does what it is told");
     for (int x = 0; x < 3; x++) {
         const int32_t on = out->compare_counts[x];
         promise(on >= config->drive.min_pulse_counts, "the low side keeps its shortest pulse");
-        promise(on <= config->drive.pwm_period_counts - config->drive.min_pulse_counts, "so does the high side");
+        promise(on <= config->drive.pwm_period_counts - config->drive.min_pulse_counts,
+                "so does the high side");
     }
     promise(report->foc.i_d_weakening_pu <= 0, "field weakening only takes flux away");
-    promise(report->foc.i_d_weakening_pu >= -config->current_loop.field_weakening_current_pu_q15, "up to its limit");
+    promise(report->foc.i_d_weakening_pu >= -config->current_loop.field_weakening_current_pu_q15,
+            "up to its limit");
 }
 
 static void check_slow(const config_t *config, const slow_output_t *out)
@@ -246,9 +261,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         const uint8_t what = take8(&bytes);
         if (what < 64 && with_slow_reach) {
             const slow_input_t in = take_slow_input(&bytes);
-            report.foc.offsets_done = true; /* a thousand samples are more than an input has to spare */
+            report.foc.offsets_done =
+                true; /* a thousand samples are more than an input has to spare */
             for (int repeat = what % 8; repeat >= 0; repeat--) {
-                const slow_output_t out = controller_slow_step(&controller.slow, &config, &report, &in, &command);
+                const slow_output_t out =
+                    controller_slow_step(&controller.slow, &config, &report, &in, &command);
                 check_slow(&config, &out);
             }
         } else if (what < 64) {
@@ -256,7 +273,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         }
         const fast_input_t in = take_fast_input(&bytes);
         for (int repeat = take_repeats(what, &bytes); repeat >= 0; repeat--) {
-            const fast_output_t out = controller_fast_step(&controller.fast, &config, &command, &in, &report);
+            const fast_output_t out =
+                controller_fast_step(&controller.fast, &config, &command, &in, &report);
             check_fast(&config, &command, &report, &out);
             steps++;
         }

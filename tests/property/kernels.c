@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "kernels.h"
 
 #include "core/angle.h"
@@ -55,7 +56,8 @@ pair_t kernel_cos_sin(uint16_t theta_turn)
 
 pair_t kernel_clarke(triple_t phases)
 {
-    /* Readings of mid-range whose zeros lie apart by the currents wanted; c is worked out, which changes nothing when they add up. */
+    /* Readings of mid-range whose zeros lie apart by the currents wanted; c is worked out, which
+     * changes nothing when they add up. */
     const int32_t middle_q4 = SENSE_CODE_MID * 16;
     const uint16_t codes[3] = {SENSE_CODE_MID, SENSE_CODE_MID, SENSE_CODE_MID};
     const int32_t on_q16[3] = {0, 0, 1};
@@ -121,19 +123,21 @@ static pi_gains_t gains_of(kernel_pi_gains_t gains)
 
 static kernel_pi_gains_t plain_gains(pi_gains_t gains)
 {
-    const kernel_pi_gains_t out = {gains.proportional_q10, gains.integral_q15, gains.anti_windup_q15};
+    const kernel_pi_gains_t out = {gains.proportional_q10, gains.integral_q15,
+                                   gains.anti_windup_q15};
     return out;
 }
 
-int32_t kernel_pi_output_q25(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error, int32_t forward_q25)
+int32_t kernel_pi_output_q25(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error,
+                             int32_t forward_q25)
 {
     const pi_state_t state = {.integrator_q30 = integrator_q30};
     const pi_gains_t pi_gains = gains_of(gains);
     return pi_output_q25(&state, &pi_gains, error, forward_q25);
 }
 
-int32_t kernel_pi_update(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error, int32_t wanted,
-                         int32_t realised)
+int32_t kernel_pi_update(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error,
+                         int32_t wanted, int32_t realised)
 {
     pi_state_t state = {.integrator_q30 = integrator_q30};
     const pi_gains_t pi_gains = gains_of(gains);
@@ -170,10 +174,11 @@ static current_loop_tuning_t tuning_of(const kernel_tuning_t *tuning)
     return out;
 }
 
-kernel_tuning_t kernel_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu, int32_t speed_q32)
+kernel_tuning_t kernel_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu,
+                              int32_t speed_q32)
 {
-    const current_loop_tuning_t tuning =
-        current_loop_tuning(config, modulation_limit_q15, v_dc_pu, speed_q32, config->motor.reference_temperature_cC);
+    const current_loop_tuning_t tuning = current_loop_tuning(
+        config, modulation_limit_q15, v_dc_pu, speed_q32, config->motor.reference_temperature_cC);
     const kernel_tuning_t out = {
         .d = plain_gains(tuning.d),
         .q = plain_gains(tuning.q),
@@ -203,7 +208,8 @@ static kernel_voltage_t voltage_of(current_loop_out_t out, const current_loop_st
     return voltage;
 }
 
-kernel_voltage_t kernel_current_loop(pair_t integrator_q30, const kernel_tuning_t *tuning, pair_t reference, pair_t i)
+kernel_voltage_t kernel_current_loop(pair_t integrator_q30, const kernel_tuning_t *tuning,
+                                     pair_t reference, pair_t i)
 {
     current_loop_state_t state = integrators_of(integrator_q30);
     const current_loop_tuning_t loop_tuning = tuning_of(tuning);
@@ -222,12 +228,12 @@ static svpwm_t svpwm_of(const kernel_svpwm_t *svpwm)
     return out;
 }
 
-kernel_svpwm_t kernel_svpwm_init(int32_t period_counts, int32_t min_pulse_counts, int32_t trim_counts,
-                                 int32_t limit_q15)
+kernel_svpwm_t kernel_svpwm_init(int32_t period_counts, int32_t min_pulse_counts,
+                                 int32_t trim_counts, int32_t limit_q15)
 {
     const svpwm_t svpwm = svpwm_init(period_counts, min_pulse_counts, trim_counts, limit_q15);
-    const kernel_svpwm_t out = {svpwm.centre_q16, svpwm.trim_doubled_counts, svpwm.alpha_counts, svpwm.beta_counts,
-                                svpwm.modulation_limit_q15};
+    const kernel_svpwm_t out = {svpwm.centre_q16, svpwm.trim_doubled_counts, svpwm.alpha_counts,
+                                svpwm.beta_counts, svpwm.modulation_limit_q15};
     return out;
 }
 
@@ -244,14 +250,16 @@ triple_t kernel_svpwm(const kernel_svpwm_t *svpwm, pair_t u, triple_t trim_q15)
 kernel_dead_time_t kernel_dead_time_init(const config_t *config)
 {
     const dead_time_t dead_time = dead_time_init(config);
-    const kernel_dead_time_t out = {dead_time.full_counts, dead_time.slope.alpha_q8, dead_time.slope.beta_q8};
+    const kernel_dead_time_t out = {dead_time.full_counts, dead_time.slope.alpha_q8,
+                                    dead_time.slope.beta_q8};
     return out;
 }
 
 static dead_time_t dead_time_of(kernel_dead_time_t dead_time)
 {
-    const dead_time_t out = {.full_counts = dead_time.full_counts,
-                             .slope = {.alpha_q8 = dead_time.slope_alpha_q8, .beta_q8 = dead_time.slope_beta_q8}};
+    const dead_time_t out = {
+        .full_counts = dead_time.full_counts,
+        .slope = {.alpha_q8 = dead_time.slope_alpha_q8, .beta_q8 = dead_time.slope_beta_q8}};
     return out;
 }
 
@@ -261,15 +269,17 @@ triple_t kernel_dead_time(kernel_dead_time_t dead_time, pair_t i)
     return triple_of(dead_time_shares(&state, ab_of(i)));
 }
 
-int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_q15, int32_t most_q15)
+int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_q15,
+                               int32_t most_q15)
 {
     field_weakening_t state = {.current_q28 = current_q28};
-    field_weakening_step(&state, field_weakening_margin_q15(q_saturate16(wanted.x), wanted.y), gain_q15, most_q15);
+    field_weakening_step(&state, field_weakening_margin_q15(q_saturate16(wanted.x), wanted.y),
+                         gain_q15, most_q15);
     return state.current_q28;
 }
 
-kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning, const uint16_t codes[3],
-                              uint16_t theta_turn, pair_t reference)
+kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning,
+                              const uint16_t codes[3], uint16_t theta_turn, pair_t reference)
 {
     foc_current_state_t state = {
         .tuning = tuning_of(tuning),

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * kernels.h: every box of the fast reach by itself, in plain C types that C++ may include. The twin (twin.hpp) has a
- * function of the same name for each.
+ * kernels.h: every box of the fast reach by itself, in plain C types that C++ may include. The twin
+ * (twin.hpp) has a function of the same name for each.
  */
 #ifndef PROPERTY_KERNELS_H
 #define PROPERTY_KERNELS_H
@@ -41,9 +42,10 @@ typedef struct {
     int32_t proportional_q10, integral_q15, anti_windup_q15;
 } kernel_pi_gains_t;
 
-int32_t kernel_pi_output_q25(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error, int32_t forward_q25);
-int32_t kernel_pi_update(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error, int32_t wanted,
-                         int32_t realised);
+int32_t kernel_pi_output_q25(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error,
+                             int32_t forward_q25);
+int32_t kernel_pi_update(int32_t integrator_q30, kernel_pi_gains_t gains, int32_t error,
+                         int32_t wanted, int32_t realised);
 int32_t kernel_pi_largest_proportional_q10(void);
 int32_t kernel_pi_largest_integral_q15(void);
 int32_t kernel_pi_largest_anti_windup_q15(void);
@@ -54,21 +56,23 @@ typedef struct {
     pair_t advance; /* cos sin */
 } kernel_tuning_t;
 
-kernel_tuning_t kernel_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu, int32_t speed_q32);
+kernel_tuning_t kernel_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu,
+                              int32_t speed_q32);
 
 typedef struct {
     pair_t wanted, realised; /* dq, modulation units Q15 */
     pair_t integrator_q30;   /* afterwards */
 } kernel_voltage_t;
 
-kernel_voltage_t kernel_current_loop(pair_t integrator_q30, const kernel_tuning_t *tuning, pair_t reference, pair_t i);
+kernel_voltage_t kernel_current_loop(pair_t integrator_q30, const kernel_tuning_t *tuning,
+                                     pair_t reference, pair_t i);
 
 typedef struct {
     int32_t centre_q16, trim_doubled_counts, alpha_counts, beta_counts, modulation_limit_q15;
 } kernel_svpwm_t;
 
-kernel_svpwm_t kernel_svpwm_init(int32_t period_counts, int32_t min_pulse_counts, int32_t trim_counts,
-                                 int32_t limit_q15);
+kernel_svpwm_t kernel_svpwm_init(int32_t period_counts, int32_t min_pulse_counts,
+                                 int32_t trim_counts, int32_t limit_q15);
 triple_t kernel_svpwm(const kernel_svpwm_t *svpwm, pair_t u, triple_t trim_q15);
 
 typedef struct {
@@ -78,7 +82,8 @@ typedef struct {
 kernel_dead_time_t kernel_dead_time_init(const config_t *config);
 triple_t kernel_dead_time(kernel_dead_time_t dead_time, pair_t i);
 
-int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_q15, int32_t most_q15);
+int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_q15,
+                               int32_t most_q15);
 
 /* The current loop proper, from codes to on-times, with everything it keeps given and taken. */
 typedef struct {
@@ -94,8 +99,8 @@ typedef struct {
     kernel_voltage_t voltage;
 } kernel_loop_out_t;
 
-kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning, const uint16_t codes[3],
-                              uint16_t theta_turn, pair_t reference);
+kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning,
+                              const uint16_t codes[3], uint16_t theta_turn, pair_t reference);
 
 #ifdef __cplusplus
 }

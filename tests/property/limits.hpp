@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * limits.hpp: what bounds braking besides the circuit, as constraints for circuit::minimum.
  */
@@ -20,7 +21,8 @@ inline double torque_limit_Nm(const Drive &drive, double speed_rad_s)
     return std::min(drive.max_torque_Nm, drive.max_power_W / std::max(std::abs(speed_rad_s), 1e-9));
 }
 
-// Braking torque at most as strong as a limit, and no driving torque; the sign is that of the rotation.
+// Braking torque at most as strong as a limit, and no driving torque; the sign is that of the
+// rotation.
 inline std::vector<Form> braking_limits(const Drive &drive, const Circuit &at, double strongest_Nm)
 {
     const Form forward = at.direction() / drive.max_torque_Nm * at.torque_Nm;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "loop.h"
 
 #include <stdlib.h>
@@ -65,19 +66,20 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
     if (--loop->periods_to_slow_step <= 0) {
         loop->periods_to_slow_step = loop->config.drive.pwm_frequency_Hz / 1000;
         const foc_summary_t summary = foc_summary_step(&loop->summary, &loop->report, loop->steps);
-        loop->command.tuning =
-            current_loop_tuning(&loop->config, loop->foc.current.svpwm.modulation_limit_q15, summary.v_dc_pu,
-                                loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
+        loop->command.tuning = current_loop_tuning(
+            &loop->config, loop->foc.current.svpwm.modulation_limit_q15, summary.v_dc_pu,
+            loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
         loop->command.dead_time_slope = dead_time_slope_at(&loop->config, summary.v_dc_pu);
-        const sampled_current_t sampling =
-            sampled_current_at(&loop->config, loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
+        const sampled_current_t sampling = sampled_current_at(
+            &loop->config, loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
         loop->command.i_d_mean_less_sample_pu = sampled_current_offset_pu(&sampling);
         loop->command.number++;
     }
     const foc_report_t *report = &loop->report;
     const current_loop_out_t *voltage = &report->current.voltage;
     const loop_output_t out = {
-        .compare_counts = {(uint16_t)(loop->foc.current.on_q16[0] >> 16), (uint16_t)(loop->foc.current.on_q16[1] >> 16),
+        .compare_counts = {(uint16_t)(loop->foc.current.on_q16[0] >> 16),
+                           (uint16_t)(loop->foc.current.on_q16[1] >> 16),
                            (uint16_t)(loop->foc.current.on_q16[2] >> 16)},
         .i_d_pu = report->current.i_pu.d,
         .i_q_pu = report->current.i_pu.q,
@@ -90,7 +92,8 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .modulation_limit_q15 = loop->foc.current.svpwm.modulation_limit_q15,
         .speed_q32 = report->current.rotor.speed_q32,
         .theta_turn = report->current.rotor.theta_turn,
-        .limited = voltage->wanted_d != voltage->realised.d || voltage->wanted_q != voltage->realised.q,
+        .limited =
+            voltage->wanted_d != voltage->realised.d || voltage->wanted_q != voltage->realised.q,
         .rotor_valid = report->current.rotor.valid,
     };
     return out;

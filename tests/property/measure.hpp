@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * measure.hpp: what the measurements of errors share.
  */
@@ -33,7 +34,8 @@ inline pair_t inside_circle(Random &random, double most = twin::ONE - 1.0)
 {
     const double length = random.bits() % 4U == 0U ? most : most * std::sqrt(random.real(0.0, 1.0));
     const double angle = random.real(0.0, 2.0 * twin::PI);
-    return {static_cast<int32_t>(length * std::cos(angle)), static_cast<int32_t>(length * std::sin(angle))};
+    return {static_cast<int32_t>(length * std::cos(angle)),
+            static_cast<int32_t>(length * std::sin(angle))};
 }
 
 // Phases within 16 bits that add up to zero.
@@ -57,16 +59,19 @@ inline pair_t measured_dq(Random &random)
 
 inline kernel_pi_gains_t any_gains(Random &random)
 {
-    return {random.any(1, kernel_pi_largest_proportional_q10()), random.any(1, kernel_pi_largest_integral_q15()),
+    return {random.any(1, kernel_pi_largest_proportional_q10()),
+            random.any(1, kernel_pi_largest_integral_q15()),
             random.any(1, kernel_pi_largest_anti_windup_q15())};
 }
 
 inline pair_t any_integrators(Random &random)
 {
-    return {random.any(INTEGRATOR_LOWEST, INTEGRATOR_HIGHEST), random.any(INTEGRATOR_LOWEST, INTEGRATOR_HIGHEST)};
+    return {random.any(INTEGRATOR_LOWEST, INTEGRATOR_HIGHEST),
+            random.any(INTEGRATOR_LOWEST, INTEGRATOR_HIGHEST)};
 }
 
-// Any tuning that fits its formats; an eighth of a turn of advance is 1.5 periods at 1.3 times the base of speed.
+// Any tuning that fits its formats; an eighth of a turn of advance is 1.5 periods at 1.3 times the
+// base of speed.
 inline kernel_tuning_t any_tuning(Random &random)
 {
     kernel_tuning_t tuning{};

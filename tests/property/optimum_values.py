@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """Write drives and what ``regen_table`` answers about them as a C++ header: ``optimum_values.py OUT.hpp``.
 
-The drives' numbers come straight from the TOML files and the random drives of the Python tests, the answers from ``solve``
-and ``evaluate``. Torques and speeds of either sign; NaN where an answer is null.
+The drives' numbers come straight from the TOML files and the random drives of the Python tests, the
+answers from ``solve`` and ``evaluate``. Torques and speeds of either sign; NaN where an answer is
+null.
 """
 
 import math
@@ -70,13 +72,21 @@ def answers(drives: list[schema.Drive]) -> tuple[list[Row], list[Row]]:
     for index, drive in enumerate(drives):
         for free in (False, True):
             how = points.setting(drive, free)
-            speed = float(drive.motor.max_speed_rpm * rng.uniform(0.03, 1.0) * rng.choice([-1.0, 1.0]))
+            speed = float(
+                drive.motor.max_speed_rpm * rng.uniform(0.03, 1.0) * rng.choice([-1.0, 1.0])
+            )
             warm = float(rng.uniform(-20.0, 150.0))
             asked: Row = {"drive": index, "free_d_current": free}
             solved.append(asked | points.solve(drive, speed, warm, how))
-            strongest = min(drive.motor.max_torque_nm, drive.motor.max_power_w / abs(speed * math.pi / 30.0))
-            record = points.evaluate(drive, speed, float(rng.uniform(-1.0, 1.0)) * strongest, warm, how)
-            record["inside_limits"] = not {"phase_current", "phase_voltage"} & set(record.pop("limits_exceeded"))
+            strongest = min(
+                drive.motor.max_torque_nm, drive.motor.max_power_w / abs(speed * math.pi / 30.0)
+            )
+            record = points.evaluate(
+                drive, speed, float(rng.uniform(-1.0, 1.0)) * strongest, warm, how
+            )
+            record["inside_limits"] = not {"phase_current", "phase_voltage"} & set(
+                record.pop("limits_exceeded")
+            )
             evaluated.append(asked | record)
     return solved, evaluated
 
@@ -107,10 +117,28 @@ def main() -> int:
     shipped = [schema.load(path) for path in sorted((ROOT / "tools" / "motors").glob("*.toml"))]
     random = plausible.drives()
     solved, evaluated = answers(random)
-    lines = ["// Drives, and what regen_table says about them.", "#pragma once", "#include <cmath>", "", "namespace values {", ""]
+    lines = [
+        "// Drives, and what regen_table says about them.",
+        "#pragma once",
+        "#include <cmath>",
+        "",
+        "namespace values {",
+        "",
+    ]
     rows = [drive_row(drive) for drive in [*shipped, *random]]
-    lines += [*table("Drive", "DRIVES", rows), f"constexpr int SHIPPED = {len(shipped)}; // the random ones follow", ""]
-    lines += [*table("Solved", "SOLVED", solved), "", *table("Evaluated", "EVALUATED", evaluated), "", "} // namespace values", ""]
+    lines += [
+        *table("Drive", "DRIVES", rows),
+        f"constexpr int SHIPPED = {len(shipped)}; // the random ones follow",
+        "",
+    ]
+    lines += [
+        *table("Solved", "SOLVED", solved),
+        "",
+        *table("Evaluated", "EVALUATED", evaluated),
+        "",
+        "} // namespace values",
+        "",
+    ]
     Path(sys.argv[1]).write_text("\n".join(lines), encoding="utf-8")
     return 0
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Plausible drives of either type at random, always the same ones, for the tests in Python and in C++."""
 
 from typing import Any
@@ -16,8 +17,14 @@ def drives() -> list[schema.Drive]:
 
 
 def random_tree(rng: np.random.Generator) -> Tree:
-    """Return a plausible drive of 100 W to 100 kW: per-unit losses and reactances of real machines, scaled."""
-    power, speed = 10 ** rng.uniform(2.0, 5.0), 10 ** rng.uniform(2.3, 3.9)  # W, r/min at rated torque
+    """Return a plausible drive of 100 W to 100 kW.
+
+    Per-unit losses and reactances of real machines, scaled.
+    """
+    power, speed = (
+        10 ** rng.uniform(2.0, 5.0),
+        10 ** rng.uniform(2.3, 3.9),
+    )  # W, r/min at rated torque
     bus = float(np.clip(24.0 * (power / 100.0) ** 0.45 * rng.uniform(0.7, 1.5), 20.0, 900.0))
     pole_pairs, interior = int(rng.integers(2, 31)), bool(rng.integers(2))
     shaft = speed * np.pi / 30.0
@@ -26,7 +33,11 @@ def random_tree(rng: np.random.Generator) -> Tree:
     current = torque / (1.5 * pole_pairs * flux)
     impedance = flux * omega / current
     inductance = impedance / omega * rng.uniform(0.1, 0.6)
-    iron = [impedance * rng.uniform(8.0, 40.0), impedance / omega * rng.uniform(0.0, 30.0)] if rng.random() < 0.85 else None
+    iron = (
+        [impedance * rng.uniform(8.0, 40.0), impedance / omega * rng.uniform(0.0, 30.0)]
+        if rng.random() < 0.85
+        else None
+    )
     drop = bus * rng.uniform(0.001, 0.02)
     frequency = float(rng.choice([8e3, 10e3, 16e3, 20e3]))
     tree: Tree = {
@@ -95,7 +106,11 @@ def random_tree(rng: np.random.Generator) -> Tree:
             "handover_start_rpm": 0.04 * speed,
             "handover_end_rpm": 0.015 * speed,
         },
-        "table": {"speed_points": 33, "temperature_points": 3, "temperature_range_c": [-20.0, 150.0]},
+        "table": {
+            "speed_points": 33,
+            "temperature_points": 3,
+            "temperature_range_c": [-20.0, 150.0],
+        },
     }
     if iron is None:
         del tree["motor"]["iron_loss_resistance_ohm"]

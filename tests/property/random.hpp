@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * random.hpp: inputs that are the same on every machine, one in four of them where arithmetic breaks first: the ends of the
- * range, zero, powers of two, and the neighbours of these.
+ * random.hpp: inputs that are the same on every machine, one in four of them where arithmetic
+ * breaks first: the ends of the range, zero, powers of two, and the neighbours of these.
  */
 #pragma once
 
@@ -53,7 +54,8 @@ class Random {
             break;
         }
         corner += near;
-        return static_cast<int32_t>(corner < lowest ? lowest : (corner > highest ? highest : corner));
+        return static_cast<int32_t>(corner < lowest ? lowest
+                                                    : (corner > highest ? highest : corner));
     }
 
     double real(double lowest, double highest)

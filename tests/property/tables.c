@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "tables.h"
 
 #include "config/bases.h"
@@ -6,13 +7,14 @@
 #include "torque/regen_map.h"
 #include "torque/voltage_limit.h"
 
-int32_t tables_best_braking_mNm(const config_t *config, int32_t speed_mrad_s, int32_t winding_temperature_cC)
+int32_t tables_best_braking_mNm(const config_t *config, int32_t speed_mrad_s,
+                                int32_t winding_temperature_cC)
 {
     return regen_map_torque_mNm(config, speed_mrad_s, winding_temperature_cC);
 }
 
-tables_current_t tables_currents(const config_t *config, int32_t speed_mrad_s, int32_t winding_temperature_cC,
-                                 int32_t airgap_torque_mNm)
+tables_current_t tables_currents(const config_t *config, int32_t speed_mrad_s,
+                                 int32_t winding_temperature_cC, int32_t airgap_torque_mNm)
 {
     const motor_model_t model = motor_model_at(config, speed_mrad_s, winding_temperature_cC);
     const int32_t shaft_mNm = airgap_torque_mNm - model.friction_mNm;
@@ -21,15 +23,16 @@ tables_current_t tables_currents(const config_t *config, int32_t speed_mrad_s, i
     return out;
 }
 
-tables_voltage_t tables_voltage_limit(const config_t *config, int32_t speed_mrad_s, int32_t winding_temperature_cC,
-                                      int32_t phase_voltage_mV)
+tables_voltage_t tables_voltage_limit(const config_t *config, int32_t speed_mrad_s,
+                                      int32_t winding_temperature_cC, int32_t phase_voltage_mV)
 {
     const motor_model_t model = motor_model_at(config, speed_mrad_s, winding_temperature_cC);
     const voltage_limit_t limit = voltage_limit_at(config, &model, phase_voltage_mV);
     const tables_voltage_t out = {
         .lowest_mNm = limit.lowest_mNm + model.friction_mNm,
         .highest_mNm = limit.highest_mNm + model.friction_mNm,
-        .weakest_d_mA = -bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15),
+        .weakest_d_mA =
+            -bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15),
     };
     return out;
 }

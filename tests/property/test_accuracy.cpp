@@ -1,4 +1,6 @@
-// What the current and the torque are in the steady state: offsets, dead time, and what is left of them.
+/* SPDX-License-Identifier: Apache-2.0 */
+// What the current and the torque are in the steady state: offsets, dead time, and what is left of
+// them.
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
@@ -50,8 +52,8 @@ Harmonics harmonics(const config_t &config, const Plant &plant, double i_q_A)
     bench.set_reference(0.0, i_q_A);
     bench.run(3000);
     // 50 r/min: 23 electrical turns in 24 000 periods.
-    const int periods = static_cast<int>(
-        std::lround(config.motor.pole_pairs * 2.0 * bench::PI / (plant.speed_rad_s * bench.period_s())));
+    const int periods = static_cast<int>(std::lround(config.motor.pole_pairs * 2.0 * bench::PI /
+                                                     (plant.speed_rad_s * bench.period_s())));
     std::complex<double> sum[3] = {};
     double torque = 0.0;
     for (int n = 0; n < periods; n++) {
@@ -70,15 +72,17 @@ Harmonics harmonics(const config_t &config, const Plant &plant, double i_q_A)
 constexpr double SPEED_RPM = 50.0;
 constexpr double CURRENT_A = 10.0;
 
-// The regulator alone against the square wave of one phase's lost voltage, 4/pi of it over the order. In the rotor frame both
-// orders are the sixth, where the regulator and the winding oppose (R + jwL)(1 + k_p/(jwL)).
+// The regulator alone against the square wave of one phase's lost voltage, 4/pi of it over the
+// order. In the rotor frame both orders are the sixth, where the regulator and the winding oppose
+// (R + jwL)(1 + k_p/(jwL)).
 double expected_without_compensation_A(const config_t &config, const Plant &plant, int order)
 {
-    const double lost_V = plant.dead_time_s * 20e3 * (plant.v_dc_V + 2.0 * plant.diode_forward_voltage_V);
+    const double lost_V =
+        plant.dead_time_s * 20e3 * (plant.v_dc_V + 2.0 * plant.diode_forward_voltage_V);
     const double sixth = 6.0 * plant.speed_rad_s;
     const std::complex<double> reactance(0.0, sixth * plant.q_inductance_H);
-    const double base_ohm =
-        config.drive.voltage_full_scale_mV / static_cast<double>(config.drive.current_full_scale_mA);
+    const double base_ohm = config.drive.voltage_full_scale_mV /
+                            static_cast<double>(config.drive.current_full_scale_mA);
     const double k_p = config.current_loop.proportional_q_pu_q16 / 65536.0 * base_ohm;
     const std::complex<double> opposes =
         (plant.resistance_ohm + plant.switch_resistance_ohm + reactance) * (1.0 + k_p / reactance);
@@ -87,13 +91,15 @@ double expected_without_compensation_A(const config_t &config, const Plant &plan
 
 } // namespace
 
-TEST_CASE(
-    "with calibrated sensors the current is right to half a per cent of full scale, mean and ripple, at any speed")
+TEST_CASE("with calibrated sensors the current is right to half a per cent of full scale, mean and "
+          "ripple, at any speed")
 {
-    // Each sensor up to 2 % of 165 A beside its zero. Without calibration that is what the current is wrong by.
+    // Each sensor up to 2 % of 165 A beside its zero. Without calibration that is what the current
+    // is wrong by.
     const config_t config = paper_config(true);
     const double allowed_A = 0.005 * config.drive.current_full_scale_mA * 1e-3;
-    const Vector3d offsets[] = {{0.02, -0.015, 0.0173}, {-0.02, -0.02, 0.02}, {0.0007, 0.02, -0.01}};
+    const Vector3d offsets[] = {
+        {0.02, -0.015, 0.0173}, {-0.02, -0.02, 0.02}, {0.0007, 0.02, -0.01}};
     for (const Vector3d &offset : offsets) {
         for (const double speed_rpm : {0.0, 50.0, 300.0, 450.0}) {
             for (const double i_q_A : {0.0, 10.0, -40.0}) {
@@ -120,8 +126,8 @@ TEST_CASE(
     }
 }
 
-TEST_CASE(
-    "compensation cuts the fifth and seventh harmonic of dead time at least by half, the torque stays right to 1 %")
+TEST_CASE("compensation cuts the fifth and seventh harmonic of dead time at least by half, the "
+          "torque stays right to 1 %")
 {
     const config_t without = paper_config(false);
     const config_t with = paper_config(true);
@@ -129,16 +135,21 @@ TEST_CASE(
     for (const double v_dc_V : {45.0, 53.0, 58.0}) {
         for (const double winding_C : {25.0, 120.0}) {
             for (const double i_q_A : {CURRENT_A, -CURRENT_A}) {
-                const Plant plant = bench::with_bridge(bench::plant_of(with, winding_C, v_dc_V, SPEED_RPM));
+                const Plant plant =
+                    bench::with_bridge(bench::plant_of(with, winding_C, v_dc_V, SPEED_RPM));
                 const Harmonics off = harmonics(without, plant, i_q_A);
                 const Harmonics on = harmonics(with, plant, i_q_A);
                 CAPTURE(v_dc_V);
                 CAPTURE(winding_C);
                 CAPTURE(i_q_A);
-                // The wave is no square: within its zone around zero the lost voltage follows the current.
-                CHECK(off.fifth_A == doctest::Approx(expected_without_compensation_A(without, plant, 5)).epsilon(0.35));
+                // The wave is no square: within its zone around zero the lost voltage follows the
+                // current.
+                CHECK(off.fifth_A ==
+                      doctest::Approx(expected_without_compensation_A(without, plant, 5))
+                          .epsilon(0.35));
                 CHECK(off.seventh_A ==
-                      doctest::Approx(expected_without_compensation_A(without, plant, 7)).epsilon(0.35));
+                      doctest::Approx(expected_without_compensation_A(without, plant, 7))
+                          .epsilon(0.35));
                 CHECK(on.fifth_A <= 0.5 * off.fifth_A);
                 CHECK(on.seventh_A <= 0.5 * off.seventh_A);
                 CHECK(on.first_A == doctest::Approx(CURRENT_A).epsilon(0.01));
@@ -150,7 +161,8 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("compensation for a dead time and a zone that are 30 % wrong still cuts the harmonics by half")
+TEST_CASE(
+    "compensation for a dead time and a zone that are 30 % wrong still cuts the harmonics by half")
 {
     // Switching times differ from the timer's dead time, and the ripple of the PWM moves the zone.
     for (const double dead_time_s : {0.7e-6, 1.3e-6}) {
@@ -170,16 +182,18 @@ TEST_CASE("compensation for a dead time and a zone that are 30 % wrong still cut
     }
 }
 
-TEST_CASE(
-    "the power estimate is what the motor takes: copper and torque times speed, at any speed, sign and bus voltage")
+TEST_CASE("the power estimate is what the motor takes: copper and torque times speed, at any "
+          "speed, sign and bus voltage")
 {
-    // From the realised voltage and the measured current, mean of a millisecond. Right to the voltage that reaches the motor
-    // (40 mV: codes of the bus, counts, the advance) times the current, and to the current's codes (a half) times the voltage.
+    // From the realised voltage and the measured current, mean of a millisecond. Right to the
+    // voltage that reaches the motor (40 mV: codes of the bus, counts, the advance) times the
+    // current, and to the current's codes (a half) times the voltage.
     for (const bool real_bridge : {false, true}) {
         const config_t config = paper_config(real_bridge);
         for (const double speed_rpm : {-300.0, 0.0, 50.0, 300.0, 450.0}) {
             for (const double v_dc_V : {53.0, 58.0}) {
-                for (const Vector2d &reference : {Vector2d(0.0, 30.0), Vector2d(0.0, -40.0), Vector2d(-20.0, -10.0)}) {
+                for (const Vector2d &reference :
+                     {Vector2d(0.0, 30.0), Vector2d(0.0, -40.0), Vector2d(-20.0, -10.0)}) {
                     Plant plant = bench::plant_of(config, 80.0, v_dc_V, speed_rpm);
                     plant = real_bridge ? bench::with_bridge(plant) : plant;
                     Bench bench(config, plant, 0.4);
@@ -193,14 +207,17 @@ TEST_CASE(
                     constexpr int PERIODS = 4000;
                     for (int n = 0; n < PERIODS; n++) {
                         out = bench.step();
-                        const double circle_V = out.modulation_limit_q15 / 32768.0 * v_dc_V / std::sqrt(3.0);
-                        estimate_W += 1.5 * circle_V * bench.current_base_A() * out.power_pu / 32768.0 / PERIODS;
+                        const double circle_V =
+                            out.modulation_limit_q15 / 32768.0 * v_dc_V / std::sqrt(3.0);
+                        estimate_W += 1.5 * circle_V * bench.current_base_A() * out.power_pu /
+                                      32768.0 / PERIODS;
                         torque_Nm += bench.torque_Nm() / PERIODS;
                         copper_W += 1.5 * (plant.resistance_ohm + plant.switch_resistance_ohm) *
                                     bench.current().squaredNorm() / PERIODS;
                     }
                     const double shaft_W = torque_Nm * plant.speed_rad_s / config.motor.pole_pairs;
-                    const double voltage_V = std::abs(plant.speed_rad_s) * plant.flux_Wb + 0.05 * reference.norm();
+                    const double voltage_V =
+                        std::abs(plant.speed_rad_s) * plant.flux_Wb + 0.05 * reference.norm();
                     const double allowed_W = 1.5 * (0.04 * reference.norm() + 0.04 * voltage_V);
                     CAPTURE(speed_rpm);
                     CAPTURE(v_dc_V);

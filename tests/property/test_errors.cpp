@@ -1,4 +1,6 @@
-// Every kernel of the fast reach against its double-precision twin; the numbers in firmware/foc/README.md are these.
+/* SPDX-License-Identifier: Apache-2.0 */
+// Every kernel of the fast reach against its double-precision twin; the numbers in
+// firmware/foc/README.md are these.
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
@@ -40,8 +42,9 @@ std::map<std::string, std::pair<double, std::string>> stated_errors()
             }
             const auto trimmed = [](const std::string &s) {
                 const auto first = s.find_first_not_of(" `");
-                return first == std::string::npos ? std::string()
-                                                  : s.substr(first, s.find_last_not_of(" `") - first + 1);
+                return first == std::string::npos
+                           ? std::string()
+                           : s.substr(first, s.find_last_not_of(" `") - first + 1);
             };
             rows[trimmed(kernel)] = {std::stod(error), trimmed(unit)};
         }
@@ -59,7 +62,8 @@ std::vector<Measured> all_measured()
 
 } // namespace
 
-TEST_CASE("every kernel stays within the error its design allows, and the README states the largest one found")
+TEST_CASE("every kernel stays within the error its design allows, and the README states the "
+          "largest one found")
 {
     const auto stated = stated_errors();
     const auto measured = all_measured();

@@ -1,4 +1,6 @@
-// Starting, stopping and shorting a motor that turns: the regulators start where the back-EMF already is.
+/* SPDX-License-Identifier: Apache-2.0 */
+// Starting, stopping and shorting a motor that turns: the regulators start where the back-EMF
+// already is.
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
@@ -22,13 +24,14 @@ constexpr double PERIOD_s = 50e-6;
 
 double k_p_ohm(const config_t &config)
 {
-    const double base_ohm =
-        config.drive.voltage_full_scale_mV / static_cast<double>(config.drive.current_full_scale_mA);
+    const double base_ohm = config.drive.voltage_full_scale_mV /
+                            static_cast<double>(config.drive.current_full_scale_mA);
     return config.current_loop.proportional_q_pu_q16 / 65536.0 * base_ohm;
 }
 
 // Largest distance of the current from a reference.
-double largest_A(Bench &bench, int periods, const Vector2d &reference = Vector2d::Zero(), Mode mode = Mode::pwm)
+double largest_A(Bench &bench, int periods, const Vector2d &reference = Vector2d::Zero(),
+                 Mode mode = Mode::pwm)
 {
     double largest = 0.0;
     for (int n = 0; n < periods; n++) {
@@ -46,22 +49,27 @@ Bench rolling(const config_t &config, const Plant &plant, double theta)
     return bench;
 }
 
-// What the short drives after a time, from a current at its beginning: i' = -(R/L + jw) i - j w psi/L.
+// What the short drives after a time, from a current at its beginning: i' = -(R/L + jw) i - j w
+// psi/L.
 Complex shorted(const Plant &plant, Complex before, double time_s)
 {
-    const Complex a((plant.resistance_ohm + plant.switch_resistance_ohm) / plant.q_inductance_H, plant.speed_rad_s);
-    const Complex settled = -Complex(0.0, plant.speed_rad_s * plant.flux_Wb / plant.q_inductance_H) / a;
+    const Complex a((plant.resistance_ohm + plant.switch_resistance_ohm) / plant.q_inductance_H,
+                    plant.speed_rad_s);
+    const Complex settled =
+        -Complex(0.0, plant.speed_rad_s * plant.flux_Wb / plant.q_inductance_H) / a;
     return settled + (before - settled) * std::exp(-a * time_s);
 }
 
 } // namespace
 
-TEST_CASE("a bridge that starts to switch at any speed meets the back-EMF with its own voltage: less than half an "
+TEST_CASE("a bridge that starts to switch at any speed meets the back-EMF with its own voltage: "
+          "less than half an "
           "ampere flows")
 {
-    // What is wrong with the first voltages: a code of the bus (15 mV of 53 V, 6 mV of 22 V of back-EMF), the advance to 3/65 536 of
-    // a turn (6 mV), a count of each compare value (13 mV), a Q11 step of the gains. 40 mV over k_p = 0.29 Ohm are
-    // 0.14 A, and the converters' codes 0.08 A each.
+    // What is wrong with the first voltages: a code of the bus (15 mV of 53 V, 6 mV of 22 V of
+    // back-EMF), the advance to 3/65 536 of a turn (6 mV), a count of each compare value (13 mV), a
+    // Q11 step of the gains. 40 mV over k_p = 0.29 Ohm are 0.14 A, and the converters' codes 0.08 A
+    // each.
     for (const bool real_bridge : {false, true}) {
         const config_t config = paper_config(real_bridge);
         for (const double speed_rpm : {-450.0, -50.0, 0.0, 50.0, 300.0, 450.0}) {
@@ -81,10 +89,11 @@ TEST_CASE("a bridge that starts to switch at any speed meets the back-EMF with i
     }
 }
 
-TEST_CASE(
-    "with a flux that is wrong by 30 % the start draws what that voltage drives against the regulator, and no more")
+TEST_CASE("with a flux that is wrong by 30 % the start draws what that voltage drives against the "
+          "regulator, and no more")
 {
-    // Before the integrator has taken over, k_p alone opposes the missing 0.3 w psi; K / (z (z - 1)) does not overshoot.
+    // Before the integrator has taken over, k_p alone opposes the missing 0.3 w psi; K / (z (z -
+    // 1)) does not overshoot.
     const config_t config = paper_config(false);
     for (const double flux : {0.7, 1.3}) {
         for (const double speed_rpm : {50.0, 300.0, 400.0}) {
@@ -96,13 +105,15 @@ TEST_CASE(
             CAPTURE(flux);
             CAPTURE(speed_rpm);
             CHECK(largest < missing_V / k_p_ohm(config) + 0.5);
-            CHECK(largest > 0.5 * missing_V / k_p_ohm(config)); // without it there would be nothing to bound
+            CHECK(largest >
+                  0.5 * missing_V / k_p_ohm(config)); // without it there would be nothing to bound
             CHECK(largest_A(bench, 400) < 0.25);
         }
     }
 }
 
-TEST_CASE("from a short the current is taken over without growing and is gone in the time the design takes")
+TEST_CASE("from a short the current is taken over without growing and is gone in the time the "
+          "design takes")
 {
     const config_t config = paper_config(true);
     const double pole = 2.0 * bench::PI * config.current_loop.bandwidth_Hz * PERIOD_s;
@@ -120,7 +131,8 @@ TEST_CASE("from a short the current is taken over without growing and is gone in
             CAPTURE(speed_rpm);
             CAPTURE(periods);
             CHECK(std::abs(expected - Complex(at_change.x(), at_change.y())) < 0.3);
-            // One more period of the short until the first voltage acts; from then on it only shrinks.
+            // One more period of the short until the first voltage acts; from then on it only
+            // shrinks.
             const double one_more = std::abs(shorted(plant, expected, PERIOD_s));
             CHECK(largest_A(bench, 1000) < std::max(at_change.norm(), one_more) + 0.5);
 
@@ -133,26 +145,31 @@ TEST_CASE("from a short the current is taken over without growing and is gone in
     }
 }
 
-TEST_CASE("off, switching, short, switching, off: every change under load keeps the current within what was there and "
+TEST_CASE("off, switching, short, switching, off: every change under load keeps the current within "
+          "what was there and "
           "what is asked")
 {
     const config_t config = paper_config(true);
     for (const double i_q_A : {-40.0, 20.0}) {
         for (const double speed_rpm : {50.0, 100.0}) {
             const Plant plant = bench::with_bridge(bench::plant_of(config, 60.0, 53.0, speed_rpm));
-            const double short_A = std::abs(
-                Complex(0.0, plant.speed_rad_s * plant.flux_Wb) /
-                Complex(plant.resistance_ohm + plant.switch_resistance_ohm, plant.speed_rad_s * plant.q_inductance_H));
+            const double short_A =
+                std::abs(Complex(0.0, plant.speed_rad_s * plant.flux_Wb) /
+                         Complex(plant.resistance_ohm + plant.switch_resistance_ohm,
+                                 plant.speed_rad_s * plant.q_inductance_H));
             Bench bench = rolling(config, plant, 0.5);
             const Vector2d reference(0.0, i_q_A);
             bench.set_reference(0.0, i_q_A);
             CAPTURE(i_q_A);
             CAPTURE(speed_rpm);
             CHECK(largest_A(bench, 400, Vector2d::Zero()) < 1.1 * std::abs(i_q_A));
-            // |i| <= |settled| (1 - e^...) + what was there: never more than twice the one and once the other.
-            CHECK(largest_A(bench, 400, Vector2d::Zero(), Mode::shorted) < 2.0 * short_A + 1.1 * std::abs(i_q_A));
+            // |i| <= |settled| (1 - e^...) + what was there: never more than twice the one and once
+            // the other.
+            CHECK(largest_A(bench, 400, Vector2d::Zero(), Mode::shorted) <
+                  2.0 * short_A + 1.1 * std::abs(i_q_A));
             const double at_change = bench.current().norm();
-            CHECK(largest_A(bench, 400, Vector2d::Zero()) < std::max(at_change, std::abs(i_q_A)) * 1.05 + 0.5);
+            CHECK(largest_A(bench, 400, Vector2d::Zero()) <
+                  std::max(at_change, std::abs(i_q_A)) * 1.05 + 0.5);
             CHECK((bench.current() - reference).norm() < 0.5);
             bench.run(2, Mode::off);
             CHECK(largest_A(bench, 50, Vector2d::Zero(), Mode::off) == 0.0);

@@ -1,5 +1,6 @@
-// What regen_table says about the best braking torque and the currents of any torque, against the circuit laws solved a
-// second time (circuit.hpp), for two hundred random drives.
+/* SPDX-License-Identifier: Apache-2.0 */
+// What regen_table says about the best braking torque and the currents of any torque, against the
+// circuit laws solved a second time (circuit.hpp), for two hundred random drives.
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
@@ -21,8 +22,8 @@ using limits::joined;
 using limits::torque_limit_Nm;
 using values::Drive;
 
-// A thousandth is promised. What is a formula holds to rounding; a search places an optimum worse than its power, which is
-// flat there.
+// A thousandth is promised. What is a formula holds to rounding; a search places an optimum worse
+// than its power, which is flat there.
 constexpr double EXACT = 1e-7;
 constexpr double SEARCHED = 1e-3;
 constexpr double SEARCHED_POWER = 1e-6;
@@ -52,12 +53,14 @@ std::vector<Form> electrical_limits(const Drive &drive, const Circuit &at)
 {
     const double voltage_square = drive.open_circuit_V * drive.open_circuit_V / 3.0;
     const double current_square = drive.max_current_A * drive.max_current_A;
-    return {1.0 / current_square * at.current_square_A2 + -1.0, 1.0 / voltage_square * at.voltage_square_V2 + -1.0};
+    return {1.0 / current_square * at.current_square_A2 + -1.0,
+            1.0 / voltage_square * at.voltage_square_V2 + -1.0};
 }
 
 template <typename Record> Circuit circuit_of(const Record &record)
 {
-    return {values::DRIVES[values::SHIPPED + record.drive], record.speed_rpm * PI / 30.0, record.winding_temperature_c};
+    return {values::DRIVES[values::SHIPPED + record.drive], record.speed_rpm * PI / 30.0,
+            record.winding_temperature_c};
 }
 
 template <typename Record> const Drive &drive_of(const Record &record)
@@ -69,13 +72,14 @@ struct Breakdown {
     double d_A, q_A, dc_W, battery_W, copper_W, iron_W, inverter_W, loss_battery_W;
 };
 
-void check_breakdown(const Drive &drive, const Circuit &at, const Vector2d &i, const Breakdown &said, double share,
-                     double power_share)
+void check_breakdown(const Drive &drive, const Circuit &at, const Vector2d &i,
+                     const Breakdown &said, double share, double power_share)
 {
     const double power = at.dc_power_W(i);
     const circuit::Pack pack = circuit::pack(drive, drive.driven_wheels * power);
     const double all_W = drive.max_power_W;
-    // Where the current limit is the strongest torque, the torque does not tell i_d from a little more or less of it.
+    // Where the current limit is the strongest torque, the torque does not tell i_d from a little
+    // more or less of it.
     CHECK(close((Vector2d(said.d_A, said.q_A) - i).norm(), 0.0, 1.0,
                 1e3 * share * i.norm() + EXACT * drive.max_current_A));
     CHECK(close(said.dc_W, power, power_share, all_W));
@@ -94,8 +98,9 @@ Breakdown breakdown(const values::Solved &s)
 
 Breakdown limited(const values::Solved &s)
 {
-    return {s.current_d_a_limited,   s.current_q_a_limited, s.dc_power_w_limited,      s.battery_power_w_limited,
-            s.loss_copper_w_limited, s.loss_iron_w_limited, s.loss_inverter_w_limited, s.loss_battery_w_limited};
+    return {s.current_d_a_limited,     s.current_q_a_limited,   s.dc_power_w_limited,
+            s.battery_power_w_limited, s.loss_copper_w_limited, s.loss_iron_w_limited,
+            s.loss_inverter_w_limited, s.loss_battery_w_limited};
 }
 
 Breakdown breakdown(const values::Evaluated &e)
@@ -117,9 +122,9 @@ void check_closed_form(const values::Solved &said)
     CHECK(close(said.torque_idle_nm, at.torque_Nm(Vector2d::Zero()), EXACT, drive.max_torque_Nm));
     check_breakdown(drive, at, i, breakdown(said), EXACT, EXACT);
     if (best) {
-        const auto zero =
-            circuit::minimum(at.direction() * at.torque_Nm, {},
-                             {no_d_current(drive), 1.0 / drive.max_power_W * at.dc_power_W}, 3.0 * i.norm(), STARTS);
+        const auto zero = circuit::minimum(
+            at.direction() * at.torque_Nm, {},
+            {no_d_current(drive), 1.0 / drive.max_power_W * at.dc_power_W}, 3.0 * i.norm(), STARTS);
         REQUIRE(zero);
         CHECK(close(said.torque_zero_nm, at.torque_Nm(zero->at), EXACT, drive.max_torque_Nm));
     }
@@ -139,29 +144,32 @@ void check_joint(const values::Solved &said)
     CAPTURE(name);
     const std::vector<Form> electrical = electrical_limits(drive, at);
     const double speed = said.speed_rpm * PI / 30.0;
-    const auto best =
-        circuit::minimum(at.dc_power_W, joined(electrical, braking_limits(drive, at, 1e3 * drive.max_torque_Nm)), {},
-                         drive.max_current_A, STARTS);
+    const auto best = circuit::minimum(
+        at.dc_power_W, joined(electrical, braking_limits(drive, at, 1e3 * drive.max_torque_Nm)), {},
+        drive.max_current_A, STARTS);
     REQUIRE(best);
     CHECK(said.regeneration_possible == (best->value < 0.0));
     CHECK(close(said.torque_optimal_nm, at.torque_Nm(best->at), SEARCHED, drive.max_torque_Nm));
     check_breakdown(drive, at, best->at, breakdown(said), SEARCHED, SEARCHED_POWER);
-    const auto clamped =
-        circuit::minimum(at.dc_power_W, joined(electrical, braking_limits(drive, at, torque_limit_Nm(drive, speed))),
-                         {}, drive.max_current_A, STARTS);
+    const auto clamped = circuit::minimum(
+        at.dc_power_W, joined(electrical, braking_limits(drive, at, torque_limit_Nm(drive, speed))),
+        {}, drive.max_current_A, STARTS);
     REQUIRE(clamped);
-    CHECK(close(said.torque_optimal_limited_nm, at.torque_Nm(clamped->at), SEARCHED, drive.max_torque_Nm));
+    CHECK(close(said.torque_optimal_limited_nm, at.torque_Nm(clamped->at), SEARCHED,
+                drive.max_torque_Nm));
     check_breakdown(drive, at, clamped->at, limited(said), SEARCHED, SEARCHED_POWER);
-    const auto edge = circuit::minimum(at.direction() / drive.max_torque_Nm * at.torque_Nm,
-                                       joined(electrical, {1.0 / drive.max_power_W * at.dc_power_W}), {},
-                                       drive.max_current_A, STARTS);
+    const auto edge =
+        circuit::minimum(at.direction() / drive.max_torque_Nm * at.torque_Nm,
+                         joined(electrical, {1.0 / drive.max_power_W * at.dc_power_W}), {},
+                         drive.max_current_A, STARTS);
     REQUIRE(edge);
     CHECK(close(said.torque_zero_nm, at.torque_Nm(edge->at), SEARCHED, drive.max_torque_Nm));
 }
 
 } // namespace
 
-TEST_CASE("what solve says with i_d = 0 are the stationary points of the circuit, for every random drive")
+TEST_CASE(
+    "what solve says with i_d = 0 are the stationary points of the circuit, for every random drive")
 {
     int possible = 0, asked = 0;
     for (const values::Solved &said : values::SOLVED) {
@@ -175,7 +183,8 @@ TEST_CASE("what solve says with i_d = 0 are the stationary points of the circuit
     CHECK(possible > 180);
 }
 
-TEST_CASE("what solve says with both currents free is the least power inside all limits, for every random drive")
+TEST_CASE("what solve says with both currents free is the least power inside all limits, for every "
+          "random drive")
 {
     int asked = 0;
     for (const values::Solved &said : values::SOLVED) {
@@ -191,7 +200,8 @@ TEST_CASE("what evaluate says of a torque, braking or driving, is the least powe
     int asked = 0, driving = 0;
     for (const values::Evaluated &said : values::EVALUATED) {
         if (said.free_d_current && !said.inside_limits) {
-            continue; // no currents inside the limits make it: nothing is promised but that it is said
+            continue; // no currents inside the limits make it: nothing is promised but that it is
+                      // said
         }
         if (asked++ % EVERY != 0) {
             continue;
@@ -202,16 +212,18 @@ TEST_CASE("what evaluate says of a torque, braking or driving, is the least powe
         CAPTURE(name);
         std::optional<Vector2d> i = at.of_torque_without_d_current(said.torque_nm);
         if (said.free_d_current) {
-            const Form asked_for = 1.0 / drive.max_torque_Nm * at.torque_Nm + -said.torque_nm / drive.max_torque_Nm;
-            const auto best =
-                circuit::minimum(at.dc_power_W, electrical_limits(drive, at), {asked_for}, drive.max_current_A, STARTS);
+            const Form asked_for =
+                1.0 / drive.max_torque_Nm * at.torque_Nm + -said.torque_nm / drive.max_torque_Nm;
+            const auto best = circuit::minimum(at.dc_power_W, electrical_limits(drive, at),
+                                               {asked_for}, drive.max_current_A, STARTS);
             REQUIRE(best);
             i = best->at;
         }
         REQUIRE(i);
         driving += said.torque_nm * said.speed_rpm > 0.0 ? 1 : 0;
         const double share = said.free_d_current ? SEARCHED : EXACT;
-        check_breakdown(drive, at, *i, breakdown(said), share, said.free_d_current ? SEARCHED_POWER : EXACT);
+        check_breakdown(drive, at, *i, breakdown(said), share,
+                        said.free_d_current ? SEARCHED_POWER : EXACT);
         CHECK(close(said.voltage_d_v, at.voltage_V(*i)[0], share, drive.open_circuit_V));
         CHECK(close(said.voltage_q_v, at.voltage_V(*i)[1], share, drive.open_circuit_V));
     }

@@ -1,5 +1,6 @@
-// The current loop's answer to small changes of its reference, against the answer it is designed for: a first-order pole at
-// the configured bandwidth that starts 1.5 periods after the sample.
+/* SPDX-License-Identifier: Apache-2.0 */
+// The current loop's answer to small changes of its reference, against the answer it is designed
+// for: a first-order pole at the configured bandwidth that starts 1.5 periods after the sample.
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
@@ -47,8 +48,9 @@ Plant plant_at(const config_t &config, const Point &point)
     return point.real_bridge ? bench::with_bridge(plant) : plant;
 }
 
-// At 450 r/min and 45 V the back-EMF of 22.1 V is longer than the circle of 0.84 * 45/sqrt 3 = 21.8 V. Only with
-// demagnetising current is there a voltage to step with: 40 A take 1084 rad/s * 76 uH * 40 A = 3.3 V away.
+// At 450 r/min and 45 V the back-EMF of 22.1 V is longer than the circle of 0.84 * 45/sqrt 3 = 21.8
+// V. Only with demagnetising current is there a voltage to step with: 40 A take 1084 rad/s * 76 uH
+// * 40 A = 3.3 V away.
 double demagnetising_A(const Point &point)
 {
     return point.speed_rpm > 400.0 && point.v_dc_V < 50.0 ? -40.0 : 0.0;
@@ -56,7 +58,8 @@ double demagnetising_A(const Point &point)
 
 double designed(const config_t &config, int sample)
 {
-    const double pole = 2.0 * bench::PI * config.current_loop.bandwidth_Hz / config.drive.pwm_frequency_Hz;
+    const double pole =
+        2.0 * bench::PI * config.current_loop.bandwidth_Hz / config.drive.pwm_frequency_Hz;
     return 1.0 - std::exp(-pole * std::max(sample - 1.5, 0.0));
 }
 
@@ -99,14 +102,16 @@ Answer step(Bench &bench, const config_t &design, double i_d_A, double from_A, d
     return answer;
 }
 
-// From several positions of the rotor, in both directions. The firmware may believe in another design than it is held against.
+// From several positions of the rotor, in both directions. The firmware may believe in another
+// design than it is held against.
 Answer steps_from(double from_A, const config_t &config, const Point &point, const config_t &design)
 {
     Answer worst;
     for (int position = 0; position < 5; position++) {
         for (const double direction : {-1.0, 1.0}) {
             Bench bench(config, plant_at(config, point), 0.1 + 0.83 * position);
-            worst.see(step(bench, design, demagnetising_A(point), from_A, from_A + direction * STEP_A));
+            worst.see(
+                step(bench, design, demagnetising_A(point), from_A, from_A + direction * STEP_A));
         }
     }
     return worst;
@@ -117,7 +122,8 @@ Answer steps_from(double from_A, const config_t &config, const Point &point)
     return steps_from(from_A, config, point, config);
 }
 
-// Gain and phase from reference to current at one frequency, from 20 periods of a sine around a braking current.
+// Gain and phase from reference to current at one frequency, from 20 periods of a sine around a
+// braking current.
 std::complex<double> response(Bench &bench, double around_A, double i_d_A, double frequency_Hz)
 {
     const double turn = 2.0 * bench::PI * frequency_Hz * bench.period_s();
@@ -149,19 +155,23 @@ double bandwidth_Hz(const config_t &config, const Point &point)
     double highest = 3000.0;
     while (highest - lowest > 2.0) {
         const double middle = 0.5 * (lowest + highest);
-        (std::abs(response(bench, -20.0, i_d_A, middle)) > std::sqrt(0.5) ? lowest : highest) = middle;
+        (std::abs(response(bench, -20.0, i_d_A, middle)) > std::sqrt(0.5) ? lowest : highest) =
+            middle;
     }
     return 0.5 * (lowest + highest);
 }
 
 } // namespace
 
-TEST_CASE("a step of 5 A is followed within 5 % at every sample, as designed, with little overshoot and no i_d")
+TEST_CASE("a step of 5 A is followed within 5 % at every sample, as designed, with little "
+          "overshoot and no i_d")
 {
-    // Converters of a sixth of the range: what their rounding adds is the next case. The designed loop with the designed reference is
-    // exact, so half of the bar is enough: the winding's heat in k_p, the gains' rounding, and with dead time half a count
-    // of 58 V / 4200, 7 mV of the 7.6 V that 5 A take, on two phases, and the diodes' drop as a share of 49.2 V, 6 mV too much
-    // at 58 V. From 0, -1, -2.5 and -5 A phase currents turn over or end at none: compensation goes with the current.
+    // Converters of a sixth of the range: what their rounding adds is the next case. The designed
+    // loop with the designed reference is exact, so half of the bar is enough: the winding's heat
+    // in k_p, the gains' rounding, and with dead time half a count of 58 V / 4200, 7 mV of the 7.6
+    // V that 5 A take, on two phases, and the diodes' drop as a share of 49.2 V, 6 mV too much at
+    // 58 V. From 0, -1, -2.5 and -5 A phase currents turn over or end at none: compensation goes
+    // with the current.
     for (const Point &point : operating_points()) {
         if (demagnetising_A(point) != 0.0) {
             continue; // 40 A are more than this converter has
@@ -185,9 +195,10 @@ TEST_CASE("a step of 5 A is followed within 5 % at every sample, as designed, wi
 
 TEST_CASE("the board's 12-bit converters add their rounding to the step response and nothing else")
 {
-    // Each code is right to half of one; of the phase that is worked out from the other two, to one: 165 A / 2048, 1.6 % of the
-    // step. The loop's poles are real, so its answer to what is added to a measurement never changes sign and adds up to one:
-    // whatever the codes do, before and during the step, the current is beside the response without them by one code at most.
+    // Each code is right to half of one; of the phase that is worked out from the other two, to
+    // one: 165 A / 2048, 1.6 % of the step. The loop's poles are real, so its answer to what is
+    // added to a measurement never changes sign and adds up to one: whatever the codes do, before
+    // and during the step, the current is beside the response without them by one code at most.
     const double code = 165.0 / 2048.0 / STEP_A;
     for (const Point &point : operating_points()) {
         if (point.real_bridge && demagnetising_A(point) != 0.0) {
@@ -211,7 +222,8 @@ TEST_CASE("the board's 12-bit converters add their rounding to the step response
 
 TEST_CASE("compensation that expects the current later than it comes is a third of the step wrong")
 {
-    // Told that it is five times as slow as it is, the firmware shapes the reference for that, which alone is 7 % off.
+    // Told that it is five times as slow as it is, the firmware shapes the reference for that,
+    // which alone is 7 % off.
     const Point real{25.0, 0.0, 53.0, true};
     const Point ideal{25.0, 0.0, 53.0, false};
     const auto told = [](bool real_bridge) {
@@ -224,8 +236,8 @@ TEST_CASE("compensation that expects the current later than it comes is a third 
     CHECK(steps_from(-2.5, told(true), real, paper_config(true)).beside > shape + 0.33);
 }
 
-TEST_CASE(
-    "the closed loop has the designed bandwidth within a twentieth, at any speed, bus voltage and winding temperature")
+TEST_CASE("the closed loop has the designed bandwidth within a twentieth, at any speed, bus "
+          "voltage and winding temperature")
 {
     for (const Point &point : operating_points()) {
         const config_t config = paper_config(point.real_bridge);
@@ -233,23 +245,27 @@ TEST_CASE(
         CAPTURE(point.speed_rpm);
         CAPTURE(point.v_dc_V);
         CAPTURE(point.real_bridge);
-        CHECK(bandwidth_Hz(config, point) == doctest::Approx(config.current_loop.bandwidth_Hz).epsilon(0.05));
+        CHECK(bandwidth_Hz(config, point) ==
+              doctest::Approx(config.current_loop.bandwidth_Hz).epsilon(0.05));
     }
 }
 
-TEST_CASE("gains for a loop without delay, or a winding that is hotter than the thermistor says, miss the design")
+TEST_CASE("gains for a loop without delay, or a winding that is hotter than the thermistor says, "
+          "miss the design")
 {
     const Point point{120.0, 300.0, 53.0, false};
     const double wT = 2.0 * bench::PI * 1000.0 * 50e-6;
     const double left = std::exp(-wT);
     config_t textbook = paper_config(false); // k_p = L omega_c
-    for (int32_t *gain : {&textbook.current_loop.proportional_q_pu_q16, &textbook.current_loop.integral_q_pu_q24}) {
+    for (int32_t *gain :
+         {&textbook.current_loop.proportional_q_pu_q16, &textbook.current_loop.integral_q_pu_q24}) {
         *gain = static_cast<int32_t>(*gain * wT / (left * (1.0 - left)));
     }
     CHECK(steps_from(-20.0, textbook, point).beside > 0.25);
     CHECK(bandwidth_Hz(textbook, point) > 1800.0);
 
-    // Without heat and switches the integral is too weak for the winding: the current creeps the rest of the way.
+    // Without heat and switches the integral is too weak for the winding: the current creeps the
+    // rest of the way.
     config_t cold = paper_config(false);
     cold.motor.resistance_coefficient_ppm_K = 0;
     cold.current_loop.integral_q_pu_q24 =
@@ -262,7 +278,8 @@ TEST_CASE("gains for a loop without delay, or a winding that is hotter than the 
     CHECK(std::abs(response(bench, -20.0, 0.0, 960.0)) < std::sqrt(0.5));
 }
 
-TEST_CASE("with resistance and flux wrong by 30 % and inductance by half in any combination the error dies away")
+TEST_CASE("with resistance and flux wrong by 30 % and inductance by half in any combination the "
+          "error dies away")
 {
     for (const double resistance : {0.7, 1.3}) {
         for (const double flux : {0.7, 1.3}) {
@@ -286,7 +303,8 @@ TEST_CASE("with resistance and flux wrong by 30 % and inductance by half in any 
                         double error_A = 0.0;
                         for (int n = 0; n < periods; n++) {
                             bench.step();
-                            error_A = std::max(error_A, (bench.current() - bench::Vector2d(0.0, -10.0)).norm());
+                            error_A = std::max(
+                                error_A, (bench.current() - bench::Vector2d(0.0, -10.0)).norm());
                         }
                         return error_A;
                     };
@@ -302,7 +320,8 @@ TEST_CASE("with resistance and flux wrong by 30 % and inductance by half in any 
                     CAPTURE(point.real_bridge);
                     CHECK(first_A < 1.5 * 10.0);
                     CHECK(later_A < 0.25 * 10.0);
-                    // What stays are the converters' codes and, with dead time, its six pulses a turn.
+                    // What stays are the converters' codes and, with dead time, its six pulses a
+                    // turn.
                     CHECK(last_A < (point.real_bridge ? 0.6 : 0.2));
                 }
             }
@@ -313,7 +332,8 @@ TEST_CASE("with resistance and flux wrong by 30 % and inductance by half in any 
 TEST_CASE("a loop that is unstable is seen to be: five and a half times the gain oscillates")
 {
     config_t config = paper_config(false);
-    config.current_loop.proportional_q_pu_q16 = static_cast<int32_t>(config.current_loop.proportional_q_pu_q16 * 5.5);
+    config.current_loop.proportional_q_pu_q16 =
+        static_cast<int32_t>(config.current_loop.proportional_q_pu_q16 * 5.5);
     Bench bench(config, bench::plant_of(config, 25.0, 53.0, 50.0), 0.3);
     bench.set_reference(0.0, 0.0);
     bench.run(SETTLE_PERIODS, Mode::off);

@@ -1,5 +1,6 @@
-// The tables in the shipped configurations as the firmware reads them, with the currents it makes of a torque, against the
-// least power the circuit laws allow (circuit.hpp).
+/* SPDX-License-Identifier: Apache-2.0 */
+// The tables in the shipped configurations as the firmware reads them, with the currents it makes
+// of a torque, against the least power the circuit laws allow (circuit.hpp).
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
@@ -48,25 +49,30 @@ struct Made {
 };
 
 // What the currents mean with which the firmware makes an airgap torque.
-Made made_by_firmware(const Drive &drive, const Circuit &at, double speed_rad_s, double temperature_C, double torque_Nm)
+Made made_by_firmware(const Drive &drive, const Circuit &at, double speed_rad_s,
+                      double temperature_C, double torque_Nm)
 {
-    const tables_current_t i = tables_currents(&config_of(drive), static_cast<int32_t>(std::lround(1e3 * speed_rad_s)),
-                                               static_cast<int32_t>(std::lround(1e2 * temperature_C)),
-                                               static_cast<int32_t>(std::lround(1e3 * torque_Nm)));
+    const tables_current_t i =
+        tables_currents(&config_of(drive), static_cast<int32_t>(std::lround(1e3 * speed_rad_s)),
+                        static_cast<int32_t>(std::lround(1e2 * temperature_C)),
+                        static_cast<int32_t>(std::lround(1e3 * torque_Nm)));
     const Vector2d current(1e-3 * i.d_mA, 1e-3 * i.q_mA);
     return {at.dc_power_W(current), at.torque_Nm(current)};
 }
 
-// Braking torque, magnitude, that the firmware gives at most: the table's, or what is demanded or allowed if that is less.
-double firmware_torque_Nm(const Drive &drive, double speed_rad_s, double temperature_C, double strongest_Nm)
+// Braking torque, magnitude, that the firmware gives at most: the table's, or what is demanded or
+// allowed if that is less.
+double firmware_torque_Nm(const Drive &drive, double speed_rad_s, double temperature_C,
+                          double strongest_Nm)
 {
-    const int32_t best_mNm =
-        tables_best_braking_mNm(&config_of(drive), static_cast<int32_t>(std::lround(1e3 * speed_rad_s)),
-                                static_cast<int32_t>(std::lround(1e2 * temperature_C)));
+    const int32_t best_mNm = tables_best_braking_mNm(
+        &config_of(drive), static_cast<int32_t>(std::lround(1e3 * speed_rad_s)),
+        static_cast<int32_t>(std::lround(1e2 * temperature_C)));
     return std::min(1e-3 * best_mNm, strongest_Nm);
 }
 
-// Phase current clamps the torque at run time; here it only keeps a salient motor's search in bounds.
+// Phase current clamps the torque at run time; here it only keeps a salient motor's search in
+// bounds.
 double search_A(const Drive &drive)
 {
     return 3.0 * drive.max_current_A;
@@ -79,29 +85,32 @@ Form search_circle(const Drive &drive, const Circuit &at)
 
 double least_braking_power_W(const Drive &drive, const Circuit &at, double strongest_Nm)
 {
-    const auto found =
-        circuit::minimum(at.dc_power_W, joined({search_circle(drive, at)}, braking_limits(drive, at, strongest_Nm)), {},
-                         search_A(drive), 6);
+    const auto found = circuit::minimum(
+        at.dc_power_W, joined({search_circle(drive, at)}, braking_limits(drive, at, strongest_Nm)),
+        {}, search_A(drive), 6);
     REQUIRE(found);
     return found->value;
 }
 
 double least_power_W(const Drive &drive, const Circuit &at, double torque_Nm)
 {
-    const Form asked_for = 1.0 / drive.max_torque_Nm * at.torque_Nm + -torque_Nm / drive.max_torque_Nm;
-    const auto found =
-        circuit::minimum(at.dc_power_W, {search_circle(drive, at)}, {asked_for}, search_A(drive), STARTS);
+    const Form asked_for =
+        1.0 / drive.max_torque_Nm * at.torque_Nm + -torque_Nm / drive.max_torque_Nm;
+    const auto found = circuit::minimum(at.dc_power_W, {search_circle(drive, at)}, {asked_for},
+                                        search_A(drive), STARTS);
     REQUIRE(found);
     return found->value;
 }
 
 // Largest share of the power that could come back and does not, from one speed to another.
-double worst_loss(const Drive &drive, double temperature_C, double slowest_rad_s, double fastest_rad_s)
+double worst_loss(const Drive &drive, double temperature_C, double slowest_rad_s,
+                  double fastest_rad_s)
 {
     constexpr int SPEEDS = 160;
     double worst = -1.0;
     for (int n = 0; n < SPEEDS; n += EVERY) {
-        const double speed = slowest_rad_s * std::pow(fastest_rad_s / slowest_rad_s, n / (SPEEDS - 1.0));
+        const double speed =
+            slowest_rad_s * std::pow(fastest_rad_s / slowest_rad_s, n / (SPEEDS - 1.0));
         const Circuit at(drive, speed, temperature_C);
         const double limit = torque_limit_Nm(drive, speed);
         const double least = least_braking_power_W(drive, at, limit);
@@ -116,18 +125,22 @@ double worst_loss(const Drive &drive, double temperature_C, double slowest_rad_s
 
 } // namespace
 
-TEST_CASE("as the firmware reads the tables, a thousandth of the power is lost at most wherever it brakes")
+TEST_CASE("as the firmware reads the tables, a thousandth of the power is lost at most wherever it "
+          "brakes")
 {
     for (int k = 0; k < values::SHIPPED; k++) {
         const Drive &drive = values::DRIVES[k];
         const std::string name = drive.name;
         CAPTURE(name);
         for (int n = 0; n <= 16; n++) {
-            const double temperature = drive.coldest_C + (drive.hottest_C - drive.coldest_C) * n / 16.0;
+            const double temperature =
+                drive.coldest_C + (drive.hottest_C - drive.coldest_C) * n / 16.0;
             CAPTURE(temperature);
-            const double worst = worst_loss(drive, temperature, drive.handover_end_rad_s, drive.max_speed_rad_s);
+            const double worst =
+                worst_loss(drive, temperature, drive.handover_end_rad_s, drive.max_speed_rad_s);
             CHECK(worst <= POWER_LOSS);
-            CHECK(worst >= -0.1 * POWER_LOSS); // currents that beat the optimum would be a wrong optimum
+            CHECK(worst >=
+                  -0.1 * POWER_LOSS); // currents that beat the optimum would be a wrong optimum
         }
     }
 }
@@ -138,7 +151,8 @@ struct Sample {
     double time_s, speed_m_s;
 };
 
-// A trace of host_sim/cycles, slowed down so that a vehicle of 80 km/h would drive it as it is (the paper's 60/80).
+// A trace of host_sim/cycles, slowed down so that a vehicle of 80 km/h would drive it as it is (the
+// paper's 60/80).
 std::vector<Sample> cycle(const Drive &drive, const char *name)
 {
     std::ifstream file(std::string(HUBFOC_CYCLES) + "/" + name);
@@ -159,8 +173,9 @@ std::vector<Sample> cycle(const Drive &drive, const char *name)
 // Shaft torque of one wheel at the middle of a step: inertia, rolling resistance, air at 20 degC.
 double demand_Nm(const Drive &drive, double speed_m_s, double acceleration_m_s2)
 {
-    const double drag = 0.5 * 1.2041 * drive.drag_coefficient * drive.frontal_area_m2 * speed_m_s * speed_m_s +
-                        drive.rolling_resistance * drive.mass_kg * 9.80665;
+    const double drag =
+        0.5 * 1.2041 * drive.drag_coefficient * drive.frontal_area_m2 * speed_m_s * speed_m_s +
+        drive.rolling_resistance * drive.mass_kg * 9.80665;
     return (drive.mass_kg * acceleration_m_s2 + drag) * drive.wheel_radius_m / drive.driven_wheels;
 }
 
@@ -190,14 +205,17 @@ Cycle drive_cycle(const Drive &drive, double temperature_C)
             }
             const Circuit at(drive, speed, temperature_C);
             const double limit = torque_limit_Nm(drive, speed);
-            const double torque = demand_Nm(drive, v, acceleration) + drive.friction_Nm + drive.viscous_Nm_s * speed;
+            const double torque =
+                demand_Nm(drive, v, acceleration) + drive.friction_Nm + drive.viscous_Nm_s * speed;
             Energy &energy = torque > 0.0 ? out.driving : out.braking;
             const double asked = std::min(std::abs(torque), limit);
-            const double given = torque > 0.0 ? asked : -firmware_torque_Nm(drive, speed, temperature_C, asked);
+            const double given =
+                torque > 0.0 ? asked : -firmware_torque_Nm(drive, speed, temperature_C, asked);
             const Made made = made_by_firmware(drive, at, speed, temperature_C, given);
             CHECK(std::abs(made.torque_Nm - given) <= TORQUE * drive.max_torque_Nm);
-            const double least = torque > 0.0 ? least_power_W(drive, at, made.torque_Nm)
-                                              : least_braking_power_W(drive, at, std::max(asked, -made.torque_Nm));
+            const double least =
+                torque > 0.0 ? least_power_W(drive, at, made.torque_Nm)
+                             : least_braking_power_W(drive, at, std::max(asked, -made.torque_Nm));
             energy.least_J += least * seconds / PARTS;
             energy.made_J += made.power_W * seconds / PARTS;
         }
@@ -211,7 +229,8 @@ TEST_CASE("over the urban cycle the tables lose a fiftieth of a per cent of the 
 {
     for (int k = 0; k < values::SHIPPED; k++) {
         const Drive &drive = values::DRIVES[k];
-        for (const double temperature : {drive.coldest_C, drive.reference_temperature_C, drive.hottest_C}) {
+        for (const double temperature :
+             {drive.coldest_C, drive.reference_temperature_C, drive.hottest_C}) {
             const std::string name = drive.name;
             CAPTURE(name);
             CAPTURE(temperature);

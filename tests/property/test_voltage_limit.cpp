@@ -1,9 +1,12 @@
-// Large steps, which the bus voltage limits: against the least time in which any regulator could make them.
+/* SPDX-License-Identifier: Apache-2.0 */
+// Large steps, which the bus voltage limits: against the least time in which any regulator could
+// make them.
 //
-// With i_d held at zero the least time follows from i_q' = (u_q - R i_q - w psi)/L with u_q at the end of what the circle
-// leaves beside u_d = -w L i_q. Without that condition the equations are linear and the circle is a disc, so what can be
-// reached within t is a disc too: around e^(-at) i_0 - (j w psi/L)(1 - e^(-at))/a, a = R/L + jw, with the radius
-// (U/R)(1 - e^(-Rt/L)). Its radius reaches the target at the time that no controller can beat, whatever it does with i_d.
+// With i_d held at zero the least time follows from i_q' = (u_q - R i_q - w psi)/L with u_q at the
+// end of what the circle leaves beside u_d = -w L i_q. Without that condition the equations are
+// linear and the circle is a disc, so what can be reached within t is a disc too: around e^(-at)
+// i_0 - (j w psi/L)(1 - e^(-at))/a, a = R/L + jw, with the radius (U/R)(1 - e^(-Rt/L)). Its radius
+// reaches the target at the time that no controller can beat, whatever it does with i_d.
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
@@ -40,8 +43,8 @@ double least_time_s(const Plant &plant, double circle_V)
     const double rate = resistance_ohm(plant) / inductance;
     const Complex a(rate, plant.speed_rad_s);
     for (double t = 0.0; t < FOREVER_s; t += DT_s) {
-        const Complex centre =
-            -Complex(0.0, plant.speed_rad_s * plant.flux_Wb / inductance) * (1.0 - std::exp(-a * t)) / a;
+        const Complex centre = -Complex(0.0, plant.speed_rad_s * plant.flux_Wb / inductance) *
+                               (1.0 - std::exp(-a * t)) / a;
         const double radius = circle_V / resistance_ohm(plant) * (1.0 - std::exp(-rate * t));
         if (std::abs(Complex(0.0, TO_A) - centre) <= radius + BAND_A) {
             return t;
@@ -60,7 +63,8 @@ double least_time_along_q_s(const Plant &plant, double circle_V)
         }
         const double u_d = plant.speed_rad_s * plant.q_inductance_H * i_q;
         const double u_q = -std::sqrt(std::max(circle_V * circle_V - u_d * u_d, 0.0));
-        i_q += DT_s / plant.q_inductance_H * (u_q - resistance_ohm(plant) * i_q - plant.speed_rad_s * plant.flux_Wb);
+        i_q += DT_s / plant.q_inductance_H *
+               (u_q - resistance_ohm(plant) * i_q - plant.speed_rad_s * plant.flux_Wb);
     }
     return FOREVER_s;
 }
@@ -92,7 +96,8 @@ Arrival step(const config_t &config, const Plant &plant)
     return out;
 }
 
-// The sample at which a current has arrived that was free to from the first voltage on, one period after the sample.
+// The sample at which a current has arrived that was free to from the first voltage on, one period
+// after the sample.
 int sample_after(double seconds, double period_s)
 {
     return static_cast<int>(std::ceil(1.0 + seconds / period_s));
@@ -101,11 +106,13 @@ int sample_after(double seconds, double period_s)
 // 1 - exp(-w (n - 1.5) T) is within a tenth of the step from here on.
 int designed_sample(const config_t &config)
 {
-    const double pole = 2.0 * bench::PI * config.current_loop.bandwidth_Hz / config.drive.pwm_frequency_Hz;
+    const double pole =
+        2.0 * bench::PI * config.current_loop.bandwidth_Hz / config.drive.pwm_frequency_Hz;
     return static_cast<int>(std::ceil(1.5 + std::log(std::abs(TO_A) / BAND_A) / pole));
 }
 
-Plant plant_at(const config_t &config, double winding_C, double speed_rpm, double v_dc_V, bool real_bridge)
+Plant plant_at(const config_t &config, double winding_C, double speed_rpm, double v_dc_V,
+               bool real_bridge)
 {
     const Plant plant = bench::plant_of(config, winding_C, v_dc_V, speed_rpm);
     return real_bridge ? bench::with_bridge(plant) : plant;
@@ -113,10 +120,12 @@ Plant plant_at(const config_t &config, double winding_C, double speed_rpm, doubl
 
 } // namespace
 
-TEST_CASE("a step of -60 A that the voltage limits arrives within two periods of the least time and does not overshoot")
+TEST_CASE("a step of -60 A that the voltage limits arrives within two periods of the least time "
+          "and does not overshoot")
 {
-    // Turning backwards, so that the back-EMF stands against the step: the regulator asks for up to 22.1 V + 17.6 V, the
-    // circle has 23.9 V to 30.8 V. What the voltage would allow sooner than the design answers, the design decides.
+    // Turning backwards, so that the back-EMF stands against the step: the regulator asks for up
+    // to 22.1 V + 17.6 V, the circle has 23.9 V to 30.8 V. What the voltage would allow sooner than
+    // the design answers, the design decides.
     int limited = 0;
     for (const bool real_bridge : {false, true}) {
         for (const double winding_C : {25.0, 120.0}) {
@@ -136,7 +145,8 @@ TEST_CASE("a step of -60 A that the voltage limits arrives within two periods of
                     CAPTURE(real_bridge);
                     CHECK(arrival.limited > 0);
                     CHECK(arrival.sample <= std::max(least, designed_sample(config)) + 2);
-                    CHECK(arrival.sample >= sample_after(least_time_s(plant, arrival.circle_V), 50e-6));
+                    CHECK(arrival.sample >=
+                          sample_after(least_time_s(plant, arrival.circle_V), 50e-6));
                     CHECK(arrival.beyond <= 0.05);
                     limited += least > designed_sample(config) ? 1 : 0;
                 }
@@ -146,7 +156,8 @@ TEST_CASE("a step of -60 A that the voltage limits arrives within two periods of
     CHECK(limited >= 20); // most of these really were a matter of voltage
 }
 
-TEST_CASE("a braking step of -60 A is not limited at any speed and takes the time it is designed for")
+TEST_CASE(
+    "a braking step of -60 A is not limited at any speed and takes the time it is designed for")
 {
     // The back-EMF helps: 0.293 Ohm * 60 A = 17.6 V less up to 22.1 V.
     for (const double speed_rpm : {0.0, 50.0, 300.0, 450.0}) {

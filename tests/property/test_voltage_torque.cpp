@@ -1,9 +1,10 @@
-// The torques between which the voltage suffices (torque/voltage_limit.h) of the shipped configurations, against the largest and
-// least torque that the circuit laws (circuit.hpp) allow inside the voltage circle with i_d anywhere down to what field
-// weakening reaches.
+/* SPDX-License-Identifier: Apache-2.0 */
+// The torques between which the voltage suffices (torque/voltage_limit.h) of the shipped
+// configurations, against the largest and least torque that the circuit laws (circuit.hpp) allow
+// inside the voltage circle with i_d anywhere down to what field weakening reaches.
 //
-// With the iron branch torque and |u|^2 are quadratic forms of (i_d, i_q). For each i_d on a fine grid the circle leaves an
-// interval of i_q, whose ends are the roots of a quadratic equation.
+// With the iron branch torque and |u|^2 are quadratic forms of (i_d, i_q). For each i_d on a fine
+// grid the circle leaves an interval of i_q, whose ends are the roots of a quadratic equation.
 #define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
 #include <doctest/doctest.h>
 
@@ -79,16 +80,20 @@ Range reachable(const Circuit &at, double weakest_d_A, double phase_V)
 void compare(const Drive &drive, double temperature_C, double bus_V, double direction)
 {
     const config_t &config = config_of(drive);
-    const double phase_V = 0.97 * config.current_loop.modulation_limit_pu_q15 / 32768.0 * bus_V / std::sqrt(3.0);
+    const double phase_V =
+        0.97 * config.current_loop.modulation_limit_pu_q15 / 32768.0 * bus_V / std::sqrt(3.0);
     for (int n = 1; n <= SPEEDS; n++) {
         const double speed = direction * 1.2 * drive.max_speed_rad_s * n / SPEEDS;
         const Circuit at(drive, speed, temperature_C);
-        const tables_voltage_t limit = tables_voltage_limit(&config, static_cast<int32_t>(std::lround(1e3 * speed)),
-                                                            static_cast<int32_t>(std::lround(1e2 * temperature_C)),
-                                                            static_cast<int32_t>(std::lround(1e3 * phase_V)));
+        const tables_voltage_t limit =
+            tables_voltage_limit(&config, static_cast<int32_t>(std::lround(1e3 * speed)),
+                                 static_cast<int32_t>(std::lround(1e2 * temperature_C)),
+                                 static_cast<int32_t>(std::lround(1e3 * phase_V)));
         const double flux_Wb =
-            drive.flux_Wb * (1.0 + drive.flux_per_K * (temperature_C - drive.reference_temperature_C));
-        const double weakest_A = std::max(1e-3 * limit.weakest_d_mA, -flux_Wb / drive.d_inductance_H);
+            drive.flux_Wb *
+            (1.0 + drive.flux_per_K * (temperature_C - drive.reference_temperature_C));
+        const double weakest_A =
+            std::max(1e-3 * limit.weakest_d_mA, -flux_Wb / drive.d_inductance_H);
         CAPTURE(drive.name);
         CAPTURE(temperature_C);
         CAPTURE(bus_V);
@@ -98,7 +103,8 @@ void compare(const Drive &drive, double temperature_C, double bus_V, double dire
         const Range own = beside(at, weakest_A, phase_V);
         if (!own.exists()) {
             const double friction_Nm =
-                direction * (drive.friction_Nm + drive.viscous_Nm_s * std::abs(speed)); // no torque at the shaft
+                direction * (drive.friction_Nm +
+                             drive.viscous_Nm_s * std::abs(speed)); // no torque at the shaft
             CHECK(std::abs(1e-3 * limit.highest_mNm - friction_Nm) < 2e-2);
             CHECK(std::abs(1e-3 * limit.lowest_mNm - friction_Nm) < 2e-2);
             continue;
@@ -114,14 +120,17 @@ void compare(const Drive &drive, double temperature_C, double bus_V, double dire
         // ... and where it matters no other i_d lets more through than 1 % of the largest torque.
         const Range any = reachable(at, weakest_A, phase_V);
         const double most_Nm = drive.max_torque_Nm;
-        CHECK(std::min(1e-3 * limit.highest_mNm, most_Nm) >= std::min(any.highest, most_Nm) - 0.01 * most_Nm);
-        CHECK(std::max(1e-3 * limit.lowest_mNm, -most_Nm) <= std::max(any.lowest, -most_Nm) + 0.01 * most_Nm);
+        CHECK(std::min(1e-3 * limit.highest_mNm, most_Nm) >=
+              std::min(any.highest, most_Nm) - 0.01 * most_Nm);
+        CHECK(std::max(1e-3 * limit.lowest_mNm, -most_Nm) <=
+              std::max(any.lowest, -most_Nm) + 0.01 * most_Nm);
     }
 }
 
 } // namespace
 
-TEST_CASE("the voltage limit of every shipped drive is what the circuit laws leave, cold, warm and hot, full and empty")
+TEST_CASE("the voltage limit of every shipped drive is what the circuit laws leave, cold, warm and "
+          "hot, full and empty")
 {
     for (int d = 0; d < values::SHIPPED; d++) {
         const Drive &drive = values::DRIVES[d];
@@ -129,7 +138,8 @@ TEST_CASE("the voltage limit of every shipped drive is what the circuit laws lea
         for (const double temperature_C : {-20.0, 25.0, 120.0}) {
             for (const double share : {0.0, 0.5, 1.0}) {
                 const double bus_V =
-                    1e-3 * (battery.min_voltage_mV + share * (battery.max_voltage_mV - battery.min_voltage_mV));
+                    1e-3 * (battery.min_voltage_mV +
+                            share * (battery.max_voltage_mV - battery.min_voltage_mV));
                 compare(drive, temperature_C, bus_V, 1.0);
                 compare(drive, temperature_C, bus_V, -1.0);
             }

@@ -1,7 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * twin.hpp: the fast reach in double precision, from the equations and not from the code: what every kernel would give
- * with real numbers. Quantities keep the units of the fixed-point side (LSB of Q15, counts), so that a difference is an
- * error in LSB.
+ * twin.hpp: the fast reach in double precision, from the equations and not from the code: what
+ * every kernel would give with real numbers. Quantities keep the units of the fixed-point side (LSB
+ * of Q15, counts), so that a difference is an error in LSB.
  */
 #pragma once
 
@@ -40,8 +41,8 @@ Vector2d clarke(const Vector3d &phases);
 Vector2d park(const Vector2d &ab, double angle);
 Vector2d inverse_park(const Vector2d &dq, double angle);
 
-// Two phases measured, the one with the longest on-time worked out from them; a tie goes to the earlier phase. Stator frame;
-// alpha holds 16 bits, b - c 17.
+// Two phases measured, the one with the longest on-time worked out from them; a tie goes to the
+// earlier phase. Stator frame; alpha holds 16 bits, b - c 17.
 Vector2d sense(const uint16_t codes[3], const int32_t offset_q4[3], const int32_t on_q16[3]);
 
 struct Gains {
@@ -67,7 +68,8 @@ struct Voltage {
 };
 
 // Regulators, decoupling, circle with d first, self-conditioning with what was realised.
-Voltage current_loop(const Vector2d &integrator, const Tuning &tuning, const Vector2d &reference, const Vector2d &i);
+Voltage current_loop(const Vector2d &integrator, const Tuning &tuning, const Vector2d &reference,
+                     const Vector2d &i);
 
 // Line voltages ab, bc, ca in counts: one modulation unit is unit_counts between two lines.
 Vector3d lines(const Vector3d &phase_counts);
@@ -83,7 +85,7 @@ struct Loop {
 };
 
 // From codes to line voltages.
-Loop loop(const kernel_loop_t &before, const Tuning &tuning, const uint16_t codes[3], double theta_turn,
-          const Vector2d &reference, double zone);
+Loop loop(const kernel_loop_t &before, const Tuning &tuning, const uint16_t codes[3],
+          double theta_turn, const Vector2d &reference, double zone);
 
 } // namespace twin

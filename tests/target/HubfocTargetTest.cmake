@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Tests on the emulated core.
 #
 #   hubfoc_add_target_program(NAME x SOURCES ... LIBRARIES ... [OPTIONS ...])   an ELF for mps2-an386, no firmware in it

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DNM=arm-none-eabi-nm -DELF=hubfoc_stm32f405.elf -DCONFIG=CONFIG_LU2013 -P check_layout.cmake
 #
 # Facts about the flashable image that no compiler checks: what has to be where (hal/stm32f405/link.ld and board.h).

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DELF=good.elf -DBAD=bad.elf -DSECTION=.hubfoc_config -DOFFSET=100 -DOBJCOPY=... -DHAL_CMAKE=hal/cmake -P damage.cmake
 #
 # A copy of an ELF in which one byte of a section has all its bits turned over.

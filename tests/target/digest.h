@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * digest.h: one number for a long story. CRC-32 (IEEE 802.3) over the fields of the controller's outputs, each as four
- * bytes, low byte first: not over the structures, whose padding and enumeration sizes are each compiler's own.
+ * digest.h: one number for a long story. CRC-32 (IEEE 802.3) over the fields of the controller's
+ * outputs, each as four bytes, low byte first: not over the structures, whose padding and
+ * enumeration sizes are each compiler's own.
  */
 #ifndef TARGET_DIGEST_H
 #define TARGET_DIGEST_H

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What runs on mps2-an386.
 
 find_program(HUBFOC_HOST_CC NAMES cc gcc clang)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # The flashable image itself, on QEMU's netduinoplus2: the same chip, of which the emulator has core, memories and serial
 # lines, but no clock control. So it shows what a board with a dead crystal does: report and stay in BOOT.
 add_test(NAME target_prerequisites

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # cmake -DELF=x.elf -DQEMU=qemu-system-arm [-DMACHINE=mps2-an386] [-DARGUMENTS="a=1 b=2"] [-DSERIAL=3] [-DSECONDS=60]
 #       [-DEXPECT_EXIT=0|1|timeout] [-DEXPECT="regex1|||regex2"] [-DSAME_AS=program] -P run_on_qemu.cmake
 #

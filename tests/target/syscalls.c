@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What newlib asks of an operating system, for test programs that use malloc or printf. Output goes to semihosting;
- * there are no files and no other processes.
+ * What newlib asks of an operating system, for test programs that use malloc or printf. Output goes
+ * to semihosting; there are no files and no other processes.
  */
 #include <errno.h>
 #include <stddef.h>

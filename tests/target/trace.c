@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The same long stories for both step functions, told on the host and on the emulated core: prints one CRC-32 a story
- * over every output of every step, and a count of the modes that were reached, so that a story that goes nowhere is seen.
+ * The same long stories for both step functions, told on the host and on the emulated core: prints
+ * one CRC-32 a story over every output of every step, and a count of the modes that were reached,
+ * so that a story that goes nowhere is seen.
  */
 #include <stddef.h>
 #include <string.h>
@@ -16,10 +18,11 @@ typedef struct story story_t;
 struct story {
     const char *name;
     void (*configure)(config_t *config);
-    void (*world)(wheel_t *wheel, slow_input_t *in, int32_t ms); /* 1 kHz: demands, temperatures, speed */
-    void (*disturb)(wheel_t *wheel, fast_input_t *in);           /* every period, may be NULL */
-    bool
-        forced; /* the bridge is ordered to switch whatever the modes say, trips are forgotten, references are random */
+    void (*world)(wheel_t *wheel, slow_input_t *in,
+                  int32_t ms);                         /* 1 kHz: demands, temperatures, speed */
+    void (*disturb)(wheel_t *wheel, fast_input_t *in); /* every period, may be NULL */
+    bool forced; /* the bridge is ordered to switch whatever the modes say, trips are forgotten,
+                    references are random */
 };
 
 /* ---- configurations ---- */
@@ -54,7 +57,8 @@ static void with_field_weakening_and_free_travel(config_t *config)
     config->rotor.sensor = CONFIG_ROTOR_ANGLE;
     config->brake.strategy = CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL;
     config->current_loop.field_weakening_gain_pu_q15 = 400;
-    config->current_loop.field_weakening_current_pu_q15 = config->current_loop.max_current_pu_q15 / 2;
+    config->current_loop.field_weakening_current_pu_q15 =
+        config->current_loop.max_current_pu_q15 / 2;
 }
 
 static void with_interior_magnets(config_t *config)
@@ -154,7 +158,8 @@ static void random_codes(wheel_t *wheel, fast_input_t *in)
     in->power_stage_fault = wheel_random(wheel) % 997U == 0;
 }
 
-/* Calm enough to keep running, wild enough to reach every clamp: bursts of random codes, trips acknowledged. */
+/* Calm enough to keep running, wild enough to reach every clamp: bursts of random codes, trips
+ * acknowledged. */
 static void bursts(wheel_t *wheel, fast_input_t *in)
 {
     if (wheel_random(wheel) % 50U == 0) {
@@ -173,8 +178,8 @@ static const story_t STORIES[] = {
     {"encoder, drive and brake", with_an_encoder, drive_and_brake, NULL, false},
     {"encoder, through standstill", with_an_encoder, reverse, NULL, false},
     {"halls, ratio, through standstill", with_halls_and_ratio, reverse, NULL, false},
-    {"field weakening, free travel, hot, full battery", with_field_weakening_and_free_travel, hot_and_full, NULL,
-     false},
+    {"field weakening, free travel, hot, full battery", with_field_weakening_and_free_travel,
+     hot_and_full, NULL, false},
     {"interior magnets, reverse", with_interior_magnets, reverse, NULL, false},
     {"faults and recoveries", with_angle_sensor, faults_and_recoveries, break_now_and_then, false},
     {"bursts of noise", with_halls_and_ratio, drive_and_brake, bursts, false},
@@ -183,7 +188,8 @@ static const story_t STORIES[] = {
     {"chaos on an encoder", with_an_encoder, chaos, random_codes, false},
     {"forced through chaos on an encoder", with_an_encoder, chaos, random_codes, true},
     {"forced through chaos on halls", with_halls_and_ratio, chaos, random_codes, true},
-    {"forced through chaos on an angle sensor", with_field_weakening_and_free_travel, chaos, random_codes, true},
+    {"forced through chaos on an angle sensor", with_field_weakening_and_free_travel, chaos,
+     random_codes, true},
 };
 
 static void print_number(uint32_t value, uint32_t base)
@@ -223,13 +229,14 @@ static uint32_t tell(const story_t *story, uint32_t mode_steps[MODES])
         if (story->disturb != NULL && step > 4000) {
             story->disturb(&wheel, &in);
         }
-        const fast_output_t out = controller_fast_step(&controller.fast, &config, &slow_to_fast, &in, &fast_to_slow);
+        const fast_output_t out =
+            controller_fast_step(&controller.fast, &config, &slow_to_fast, &in, &fast_to_slow);
         digest_fast(&digest, &out, &fast_to_slow);
         wheel_step(&wheel, &config, &out);
         if (step % FAST_A_SLOW_STEP == 0) {
             story->world(&wheel, &slow_in, step / FAST_A_SLOW_STEP);
-            const slow_output_t slow =
-                controller_slow_step(&controller.slow, &config, &fast_to_slow, &slow_in, &slow_to_fast);
+            const slow_output_t slow = controller_slow_step(&controller.slow, &config,
+                                                            &fast_to_slow, &slow_in, &slow_to_fast);
             digest_slow(&digest, &slow, &slow_to_fast);
             if (story->forced) {
                 force(&wheel, &slow_to_fast);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "wheel.h"
 
 #include "core/angle.h"
@@ -49,23 +50,27 @@ fast_input_t wheel_sample(wheel_t *wheel)
     return in;
 }
 
-/* EMF of a phase in compare counts: grows with speed, a quarter of the period at one 128th of a turn per PWM period. */
+/* EMF of a phase in compare counts: grows with speed, a quarter of the period at one 128th of a
+ * turn per PWM period. */
 static int32_t emf_counts(const wheel_t *wheel, const config_t *config, uint16_t phase_turn)
 {
     const uint16_t theta = (uint16_t)((wheel->angle_q32 >> 16) - phase_turn);
-    const int32_t peak = q_clamp(wheel->speed_q32 / (1 << 15), -2000, 2000) * config->drive.pwm_period_counts / 4096;
+    const int32_t peak =
+        q_clamp(wheel->speed_q32 / (1 << 15), -2000, 2000) * config->drive.pwm_period_counts / 4096;
     return -(int32_t)angle_sincos(theta).sin * peak / 32768;
 }
 
 void wheel_step(wheel_t *wheel, const config_t *config, const fast_output_t *out)
 {
-    const int32_t star = (out->compare_counts[0] + out->compare_counts[1] + out->compare_counts[2]) / 3;
+    const int32_t star =
+        (out->compare_counts[0] + out->compare_counts[1] + out->compare_counts[2]) / 3;
     for (int x = 0; x < 2; x++) {
         const int32_t applied = out->bridge == BRIDGE_PWM ? out->compare_counts[x] - star : 0;
         const int32_t drop = applied - emf_counts(wheel, config, (uint16_t)(x * 21845));
         const int32_t now = wheel->winding_code_q8[x];
         const int32_t pushed = out->bridge == BRIDGE_OFF ? 0 : drop * (1 << GAIN_LOG2);
-        wheel->winding_code_q8[x] = q_clamp(now - now / (1 << DECAY_LOG2) + pushed, -1000 * 256, 1000 * 256);
+        wheel->winding_code_q8[x] =
+            q_clamp(now - now / (1 << DECAY_LOG2) + pushed, -1000 * 256, 1000 * 256);
     }
     const uint32_t before_q32 = wheel->angle_q32;
     wheel->angle_q32 += (uint32_t)wheel->speed_q32;

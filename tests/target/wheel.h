@@ -1,7 +1,9 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * wheel.h: a wheel for comparing machines, not for believing in: three windings that follow the compare values like a
- * resistance with an inductance, a back-EMF that turns with the rotor, all in integers, so that host and emulated core
- * compute the same. It closes the loop, so that the controller goes through its regulators and limits as on a vehicle.
+ * wheel.h: a wheel for comparing machines, not for believing in: three windings that follow the
+ * compare values like a resistance with an inductance, a back-EMF that turns with the rotor, all in
+ * integers, so that host and emulated core compute the same. It closes the loop, so that the
+ * controller goes through its regulators and limits as on a vehicle.
  */
 #ifndef TARGET_WHEEL_H
 #define TARGET_WHEEL_H

@@ -1,4 +1,8 @@
-"""The programs that are measured: the firmware's rooms with a closed loop around them, for each core, and the plugin."""
+# SPDX-License-Identifier: Apache-2.0
+"""The programs that are measured.
+
+The firmware's rooms with a closed loop around them, for each core, and the plugin.
+"""
 
 from __future__ import annotations
 
@@ -31,9 +35,15 @@ class Core:
 
 
 CORES = (
-    Core("cortex-m4", ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"), "-O2", "mps2-an386"),
+    Core(
+        "cortex-m4",
+        ("-mcpu=cortex-m4", "-mthumb", "-mfpu=fpv4-sp-d16", "-mfloat-abi=hard"),
+        "-O2",
+        "mps2-an386",
+    ),
     Core("cortex-m3", ("-mcpu=cortex-m3", "-mthumb"), "-O2", "mps2-an385"),
-    # No emulated board has a Cortex-M0+ with enough memory; its instruction set is a subset of the M4's.
+    # No emulated board has a Cortex-M0+ with enough memory; its instruction set is a subset of the
+    # M4's.
     Core("cortex-m0plus", ("-mcpu=cortex-m0plus", "-mthumb"), "-Os", "mps2-an386"),
 )
 
@@ -49,7 +59,13 @@ def tool(name: str, package: str) -> str:
 def run(command: list[str], what: str, **options: float) -> str:
     """Run a program and return its output; an error with its last line otherwise."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=options.get("timeout_s", 300.0))
+        done = subprocess.run(
+            command,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=options.get("timeout_s", 300.0),
+        )
     except subprocess.TimeoutExpired as error:
         raise BenchError(f"{what}: no end after {error.timeout:.0f} s") from error
     if done.returncode != 0:
@@ -62,33 +78,64 @@ def sources(config: str) -> list[Path]:
     """Everything that goes into the measured program."""
     image = ROOT / "firmware" / "config" / "generated" / f"{config}.c"
     if not image.is_file():
-        raise BenchError(f"no configuration firmware/config/generated/{config}.c; ./tools/dev table makes it")
+        raise BenchError(
+            f"no configuration firmware/config/generated/{config}.c; ./tools/dev table makes it"
+        )
     rooms = [path for room in ROOMS for path in sorted((ROOT / "firmware" / room).glob("*.c"))]
     port = ROOT / "hal" / "qemu_mps2"
-    return [*rooms, image, port / "semihost.c", port / "startup.c", *sorted((HERE / "target").glob("*.c"))]
+    return [
+        *rooms,
+        image,
+        port / "semihost.c",
+        port / "startup.c",
+        *sorted((HERE / "target").glob("*.c")),
+    ]
 
 
 def compile_program(core: Core, config: str, directory: Path) -> Path:
-    """Compile and link for one core; returns the ELF. The compiler leaves its stack figures in the same directory."""
+    """Compile and link for one core.
+
+    Returns the ELF. The compiler leaves its stack figures in the same directory.
+    """
     compiler = tool(PREFIX + "gcc", "gcc-arm-none-eabi")
     shutil.rmtree(directory, ignore_errors=True)
     directory.mkdir(parents=True)
     port = ROOT / "hal" / "qemu_mps2"
     symbol = "".join(c if c.isalnum() else "_" for c in config).upper()
-    includes = [ROOT / "firmware" / room / "include" for room in ROOMS] + [port, ROOT / "tests" / "unit" / "firmware" / "support"]
-    common = [*core.flags, core.optimise, "-g", "-std=c11", "-ffunction-sections", "-fdata-sections", "-fno-common"]
+    includes = [ROOT / "firmware" / room / "include" for room in ROOMS] + [
+        port,
+        ROOT / "tests" / "unit" / "firmware" / "support",
+    ]
+    common = [
+        *core.flags,
+        core.optimise,
+        "-g",
+        "-std=c11",
+        "-ffunction-sections",
+        "-fdata-sections",
+        "-fno-common",
+    ]
     common += ["-fcallgraph-info=su", "-include", str(ROOT / "hal" / "cortex_m" / "saturate.h")]
     common += [f"-I{path}" for path in includes] + [f"-DCONFIG_{symbol}=CONFIG_IMAGE"]
 
     def compile_one(source: Path) -> str:
         target = directory / f"{source.parent.name}_{source.stem}.o"
-        run([compiler, *common, "-c", str(source), "-o", str(target)], f"compiling {source.relative_to(ROOT)} for {core.name}")
+        run(
+            [compiler, *common, "-c", str(source), "-o", str(target)],
+            f"compiling {source.relative_to(ROOT)} for {core.name}",
+        )
         return str(target)
 
     with ThreadPoolExecutor(max_workers=2) as pool:
         objects = list(pool.map(compile_one, sources(config)))
     elf = directory / "ride.elf"
-    link = ["-nostartfiles", "--specs=nano.specs", f"-T{port / 'link.ld'}", "-Wl,--gc-sections", "-Wl,--defsym=link_stack_size=0x4000"]
+    link = [
+        "-nostartfiles",
+        "--specs=nano.specs",
+        f"-T{port / 'link.ld'}",
+        "-Wl,--gc-sections",
+        "-Wl,--defsym=link_stack_size=0x4000",
+    ]
     run([compiler, *core.flags, *link, *objects, "-lm", "-o", str(elf)], f"linking for {core.name}")
     return elf
 
@@ -97,6 +144,19 @@ def compile_plugin(interface: int, directory: Path) -> Path:
     """Compile the counting plugin for one version of the emulator's interface."""
     compiler = shutil.which("cc") or tool("gcc", "gcc")
     plugin = directory / f"count_api{interface}.so"
-    flags = ["-std=c11", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared", "-fvisibility=hidden", f"-DQEMU_PLUGIN_API={interface}"]
-    run([compiler, *flags, str(HERE / "plugin.c"), "-o", str(plugin)], "compiling the counting plugin")
+    flags = [
+        "-std=c11",
+        "-O2",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-fPIC",
+        "-shared",
+        "-fvisibility=hidden",
+        f"-DQEMU_PLUGIN_API={interface}",
+    ]
+    run(
+        [compiler, *flags, str(HERE / "plugin.c"), "-o", str(plugin)],
+        "compiling the counting plugin",
+    )
     return plugin

@@ -1,6 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the linker produced, read back through binutils: functions, calls, data they refer to, stack they push.
 
-Standard library only: the stack report runs after every link, also on machines without the project's environment.
+Standard library only: the stack report runs after every link, also on machines without the
+project's environment.
 """
 
 from __future__ import annotations
@@ -92,7 +94,12 @@ def _note_jump_or_call(function: Function, mnemonic: str, operands: str, behind:
         function.return_sites.setdefault(target.group(2), []).append(behind)
     elif name == "blx" and not target:
         function.indirect = True
-    elif target and not target.group(3) and target.group(2) != function.name and (name.startswith("b") or name.startswith("cb")):
+    elif (
+        target
+        and not target.group(3)
+        and target.group(2) != function.name
+        and (name.startswith("b") or name.startswith("cb"))
+    ):
         function.calls.add(target.group(2))
         function.jumps.add(target.group(2))
 

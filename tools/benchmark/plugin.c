@@ -1,14 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * plugin.c: counts the instructions that the emulated core executes in a call of a function. For QEMU's TCG.
+ * plugin.c: counts the instructions that the emulated core executes in a call of a function. For
+ * QEMU's TCG.
  *
  *     -plugin count.so,out=FILE,from=ADDRESS,fn=NAME:START:END[:END...][,fn=...]
  *
- * START is a function's first instruction, the ENDs are the instructions behind every call of it. A call's count is
- * what is executed from START up to, and without, the END reached first: the whole function, its return included, the
- * call itself not. Counting begins when FROM is executed. FILE gets one line a call: name and count.
+ * START is a function's first instruction, the ENDs are the instructions behind every call of it. A
+ * call's count is what is executed from START up to, and without, the END reached first: the whole
+ * function, its return included, the call itself not. Counting begins when FROM is executed. FILE
+ * gets one line a call: name and count.
  *
- * The packages of QEMU carry no header for plugins; the few declarations below are the documented interface. Its
- * version (QEMU_PLUGIN_API) must be one that the emulator accepts; the in-line counter changed its name with version 2.
+ * The packages of QEMU carry no header for plugins; the few declarations below are the documented
+ * interface. Its version (QEMU_PLUGIN_API) must be one that the emulator accepts; the in-line
+ * counter changed its name with version 2.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -34,7 +38,8 @@ void qemu_plugin_register_vcpu_insn_exec_cb(struct qemu_plugin_insn *, execute_c
 void qemu_plugin_register_atexit_cb(qemu_plugin_id_t, exit_cb_t, void *);
 
 EXPORT int qemu_plugin_version = QEMU_PLUGIN_API;
-EXPORT int qemu_plugin_install(qemu_plugin_id_t id, const struct qemu_info_t *info, int argc, char **argv);
+EXPORT int qemu_plugin_install(qemu_plugin_id_t id, const struct qemu_info_t *info, int argc,
+                               char **argv);
 
 #if QEMU_PLUGIN_API == 1
 void qemu_plugin_register_vcpu_insn_exec_inline(struct qemu_plugin_insn *, int, void *, uint64_t);
@@ -55,12 +60,14 @@ typedef struct {
     size_t offset;
 } qemu_plugin_u64;
 struct qemu_plugin_scoreboard *qemu_plugin_scoreboard_new(size_t);
-void qemu_plugin_register_vcpu_insn_exec_inline_per_vcpu(struct qemu_plugin_insn *, int, qemu_plugin_u64, uint64_t);
+void qemu_plugin_register_vcpu_insn_exec_inline_per_vcpu(struct qemu_plugin_insn *, int,
+                                                         qemu_plugin_u64, uint64_t);
 uint64_t qemu_plugin_u64_get(qemu_plugin_u64, unsigned);
 static qemu_plugin_u64 executed;
 static void count_this(struct qemu_plugin_insn *insn)
 {
-    qemu_plugin_register_vcpu_insn_exec_inline_per_vcpu(insn, QEMU_PLUGIN_INLINE_ADD_U64, executed, 1);
+    qemu_plugin_register_vcpu_insn_exec_inline_per_vcpu(insn, QEMU_PLUGIN_INLINE_ADD_U64, executed,
+                                                        1);
 }
 static void prepare_counter(void)
 {
@@ -115,7 +122,8 @@ static void on_end(unsigned cpu, void *user)
     }
 }
 
-/* The callbacks come before the in-line counter of the same instruction, so both ends see the count before it. */
+/* The callbacks come before the in-line counter of the same instruction, so both ends see the count
+ * before it. */
 static void on_translation(qemu_plugin_id_t id, struct qemu_plugin_tb *tb)
 {
     (void)id;

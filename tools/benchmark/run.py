@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """Measure the firmware's two steps on emulated cores; write build/bench.json and print a table.
 
-Instructions are exact and repeatable: a closed loop of firmware and motor runs on the emulator, and a plugin counts what
-every call executes. They are instructions, not cycles: the emulator has no pipeline, no flash and no bus. The exit status
-is 1 if a budget is missed.
+Instructions are exact and repeatable: a closed loop of firmware and motor runs on the emulator, and
+a plugin counts what every call executes. They are instructions, not cycles: the emulator has no
+pipeline, no flash and no bus. The exit status is 1 if a budget is missed.
 """
 
 from __future__ import annotations
@@ -61,16 +62,23 @@ SALIENT_BUDGET = Budget("cortex-m4", SLOW_STEP, 40000, 1.65)
 """At most 66 000: at two cycles each 132 000 of the 168 000 in a millisecond; twenty PWM interrupts of 431 instructions take 17 000."""
 
 
-def size_of(start: str, functions: dict[str, elf.Function], symbols: dict[str, elf.Symbol]) -> dict[str, int]:
+def size_of(
+    start: str, functions: dict[str, elf.Function], symbols: dict[str, elf.Symbol]
+) -> dict[str, int]:
     """Bytes of everything a call of ``start`` can execute, and of the constant tables that this code refers to."""
     names = elf.reachable(start, functions)
     words = {word for name in names for word in functions[name].words}
     constants = [s for s in symbols.values() if not s.is_code and s.address < RAM_BEGINS]
     tables = [s for s in constants if any(s.address <= word < s.address + s.size for word in words)]
-    return {"code": sum(symbols[n].size for n in names if n in symbols), "tables": sum(s.size for s in tables)}
+    return {
+        "code": sum(symbols[n].size for n in names if n in symbols),
+        "tables": sum(s.size for s in tables),
+    }
 
 
-def measure(core: build.Core, config: str, directory: Path, plugin: Path | None) -> tuple[dict[str, Any], Path]:
+def measure(
+    core: build.Core, config: str, directory: Path, plugin: Path | None
+) -> tuple[dict[str, Any], Path]:
     """Everything about one core; returns also the plugin, which the next core can use."""
     program = build.compile_program(core, config, directory / core.name)
     functions = elf.functions(program)
@@ -83,7 +91,9 @@ def measure(core: build.Core, config: str, directory: Path, plugin: Path | None)
         "machine": core.machine,
         "instructions": {name: asdict(value) for name, value in counts.items()},
         "size_bytes": {name: size_of(name, functions, symbols) for name in FUNCTIONS},
-        "stack_bytes": {name: stack_report.worst_path(name, functions, frames).bytes for name in FUNCTIONS},
+        "stack_bytes": {
+            name: stack_report.worst_path(name, functions, frames).bytes for name in FUNCTIONS
+        },
     }
     return result, plugin
 
@@ -99,14 +109,26 @@ def goal_with(compiler: str, budget: Budget) -> Budget:
 def verdict_of(budget: Budget, config: str, value: dict[str, Any]) -> dict[str, Any]:
     """Compare one function's counts with its budget."""
     spread = value["max"] / value["median"]
-    met = value["median"] <= budget.median_at_most and (budget.spread_at_most is None or spread <= budget.spread_at_most)
-    return {**asdict(budget), "config": config, "median": value["median"], "spread": round(spread, 3), "met": met}
+    met = value["median"] <= budget.median_at_most and (
+        budget.spread_at_most is None or spread <= budget.spread_at_most
+    )
+    return {
+        **asdict(budget),
+        "config": config,
+        "median": value["median"],
+        "spread": round(spread, 3),
+        "met": met,
+    }
 
 
-def judge(config: str, cores: dict[str, Any], salient: dict[str, Any], compiler: str) -> list[dict[str, Any]]:
+def judge(
+    config: str, cores: dict[str, Any], salient: dict[str, Any], compiler: str
+) -> list[dict[str, Any]]:
     """Compare with the budgets. salient: what the first core needs with SALIENT_CONFIG."""
     goals = [goal_with(compiler, budget) for budget in BUDGETS]
-    verdicts = [verdict_of(goal, config, cores[goal.core]["instructions"][goal.function]) for goal in goals]
+    verdicts = [
+        verdict_of(goal, config, cores[goal.core]["instructions"][goal.function]) for goal in goals
+    ]
     goal = goal_with(compiler, SALIENT_BUDGET)
     verdicts.append(verdict_of(goal, SALIENT_CONFIG, salient["instructions"][goal.function]))
     size = sum(cores["cortex-m4"]["size_bytes"][CURRENT_LOOP].values())
@@ -127,18 +149,33 @@ def firmware_size(image: Path) -> dict[str, int] | None:
     """Sections of a linked firmware, if it has been built."""
     if not image.is_file():
         return None
-    text, data, bss = build.run([build.PREFIX + "size", str(image)], "size").splitlines()[1].split()[:3]
+    text, data, bss = (
+        build.run([build.PREFIX + "size", str(image)], "size").splitlines()[1].split()[:3]
+    )
     return {"text": int(text), "data": int(data), "bss": int(bss)}
 
 
 def simulation_speed(config: str) -> dict[str, float]:
-    """Measure simulated seconds a second of processor time, four wheels on one core: the best of three stops."""
+    """Measure simulated seconds a second of processor time, four wheels on one core.
+
+    The best of three stops.
+    """
     toml = build.ROOT / "tools" / "motors" / f"{config}.toml"
     best = 0.0
     for _ in range(3):
         with tempfile.TemporaryDirectory() as scratch:
             result = Path(scratch) / "stop.json"
-            command = [sys.executable, "-m", "hubsim", "run", "stop", "--config", str(toml), "--json", str(result)]
+            command = [
+                sys.executable,
+                "-m",
+                "hubsim",
+                "run",
+                "stop",
+                "--config",
+                str(toml),
+                "--json",
+                str(result),
+            ]
             build.run(command, "the simulated stop")
             best = max(best, float(json.loads(result.read_text())["realtime_factor"]))
     return {"realtime_factor_four_wheels": round(best, 1)}
@@ -146,19 +183,34 @@ def simulation_speed(config: str) -> dict[str, float]:
 
 def first_line(command: list[str]) -> str:
     """Version line of a tool."""
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()[0]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()[
+        0
+    ]
 
 
 def show(console: Console, report: dict[str, Any]) -> None:
     """Print what was measured."""
-    table = Table(title=f"Instructions a call, closed loop, configuration {report['config']}", title_justify="left")
+    table = Table(
+        title=f"Instructions a call, closed loop, configuration {report['config']}",
+        title_justify="left",
+    )
     for heading in ("core", "function", "calls", "min", "median", "max", "code", "tables", "stack"):
         table.add_column(heading, justify="left" if heading in ("core", "function") else "right")
     for core, result in report["cores"].items():
         for name, text in FUNCTIONS.items():
             value, size = result["instructions"][name], result["size_bytes"][name]
-            cells = [value["calls"], value["min"], value["median"], value["max"], size["code"], size["tables"], result["stack_bytes"][name]]
-            table.add_row(core if name == CURRENT_LOOP else "", f"{text} ({name})", *map(str, cells))
+            cells = [
+                value["calls"],
+                value["min"],
+                value["median"],
+                value["max"],
+                size["code"],
+                size["tables"],
+                result["stack_bytes"][name],
+            ]
+            table.add_row(
+                core if name == CURRENT_LOOP else "", f"{text} ({name})", *map(str, cells)
+            )
         table.add_section()
     console.print(table)
     for verdict in report["budgets"]:
@@ -175,7 +227,9 @@ def show(console: Console, report: dict[str, Any]) -> None:
                 f"Firmware {port}: {size['text']} bytes of code and constants, {size['data'] + size['bss']} of RAM with the stack"
             )
     if report["simulation"]:
-        console.print(f"Simulation: {report['simulation']['realtime_factor_four_wheels']} times real time, four wheels on one core")
+        console.print(
+            f"Simulation: {report['simulation']['realtime_factor_four_wheels']} times real time, four wheels on one core"
+        )
 
 
 def write_json(path: Path, report: dict[str, Any]) -> None:
@@ -197,7 +251,9 @@ def bench(options: argparse.Namespace) -> int:
         cores[core.name], plugin = measure(core, options.config, directory, plugin)
     console.print(f"{build.CORES[0].name}, {SALIENT_CONFIG} ...", style="dim")
     salient, _ = measure(build.CORES[0], SALIENT_CONFIG, directory / SALIENT_CONFIG, plugin)
-    images = {port: build.ROOT / "build" / port / f"hubfoc_{port}.elf" for port in ("stm32f405", "qemu")}
+    images = {
+        port: build.ROOT / "build" / port / f"hubfoc_{port}.elf" for port in ("stm32f405", "qemu")
+    }
     compiler = first_line([build.PREFIX + "gcc", "--version"])
     report = {
         "config": options.config,
@@ -217,10 +273,23 @@ def bench(options: argparse.Namespace) -> int:
 
 def main(arguments: list[str] | None = None) -> int:
     """Entry point; mistakes are answered with one line on stderr."""
-    parser = argparse.ArgumentParser(prog="bench", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--config", default="lu2013", help="a configuration in firmware/config/generated (default: %(default)s)")
-    parser.add_argument("--output", type=Path, default=build.ROOT / "build" / "bench.json", help="default: build/bench.json")
-    parser.add_argument("--no-simulation", action="store_true", help="leave out the speed of the simulation")
+    parser = argparse.ArgumentParser(
+        prog="bench", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--config",
+        default="lu2013",
+        help="a configuration in firmware/config/generated (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--output",
+        type=Path,
+        default=build.ROOT / "build" / "bench.json",
+        help="default: build/bench.json",
+    )
+    parser.add_argument(
+        "--no-simulation", action="store_true", help="leave out the speed of the simulation"
+    )
     options = parser.parse_args(arguments)
     if not re.fullmatch(r"[A-Za-z0-9_-]+", options.config):
         parser.error(f"--config {options.config}: a name of letters, digits, - and _, not a path")

@@ -1,10 +1,13 @@
+# SPDX-License-Identifier: Apache-2.0
 """Worst-case depth of the stack, from the compiler's own figures and the call graph of the linked program.
 
-``python3 stack_report.py --elf firmware.elf --objects DIR --limit BYTES --root main --interrupt adc_handler ...``
+``python3 stack_report.py --elf firmware.elf --objects DIR --limit BYTES --root main --interrupt
+adc_handler ...``
 
-The compiler writes for every file it compiles (``-fcallgraph-info=su``) what each function puts on the stack; functions
-of the run-time library, which come compiled, are measured by the instructions that move the stack pointer. Each
-interrupt that can preempt the ones before it adds its own worst path and the frame that the core pushes.
+The compiler writes for every file it compiles (``-fcallgraph-info=su``) what each function puts on
+the stack; functions of the run-time library, which come compiled, are measured by the instructions
+that move the stack pointer. Each interrupt that can preempt the ones before it adds its own worst
+path and the frame that the core pushes.
 
 Standard library only, because it runs after every link of the firmware.
 """
@@ -38,11 +41,17 @@ class CallPath:
 
 
 class StackError(Exception):
-    """The depth cannot be bounded: recursion, a call through a pointer, or stack of variable size."""
+    """The depth cannot be bounded.
+
+    Recursion, a call through a pointer, or stack of variable size.
+    """
 
 
 def compiled_frames(objects: list[Path]) -> dict[str, int]:
-    """Stack of every function the compiler reported, in bytes; of several with one name, the largest."""
+    """Stack of every function the compiler reported, in bytes.
+
+    Of several with one name, the largest.
+    """
     frames: dict[str, int] = {}
     for path in sorted(found for directory in objects for found in directory.rglob("*.ci")):
         for title, label in _NODE.findall(path.read_text(errors="replace")):
@@ -61,7 +70,9 @@ def _base_name(name: str) -> str:
     return name.split(".", maxsplit=1)[0]
 
 
-def worst_path(start: str, functions: dict[str, elf_reader.Function], frames: dict[str, int]) -> CallPath:
+def worst_path(
+    start: str, functions: dict[str, elf_reader.Function], frames: dict[str, int]
+) -> CallPath:
     """Deepest chain of calls from a function."""
     if start not in functions:
         raise StackError(f"{start}: no such function in the program")
@@ -74,7 +85,8 @@ def worst_path(start: str, functions: dict[str, elf_reader.Function], frames: di
             function = functions[name]
             if function.indirect:
                 raise StackError(f"{name}: calls through a pointer")
-            # The compiler's figure covers what it inlined; a clone or a library function is measured by its instructions.
+            # The compiler's figure covers what it inlined; a clone or a library function is
+            # measured by its instructions.
             own = max(frames.get(_base_name(name), 0), function.pushed_bytes)
             deepest = CallPath(0, ())
             for called in sorted(function.calls):
@@ -87,12 +99,16 @@ def worst_path(start: str, functions: dict[str, elf_reader.Function], frames: di
     return visit(start, ())
 
 
-def report(elf: Path, objects: list[Path], root: str, interrupts: list[str]) -> list[tuple[str, CallPath]]:
+def report(
+    elf: Path, objects: list[Path], root: str, interrupts: list[str]
+) -> list[tuple[str, CallPath]]:
     """Worst path of the root and of each interrupt, the core's frame included in the latter."""
     functions = elf_reader.functions(elf)
     frames = compiled_frames(objects)
     if not frames:
-        raise StackError(f"no .ci files in {', '.join(map(str, objects))}; compile with -fcallgraph-info=su")
+        raise StackError(
+            f"no .ci files in {', '.join(map(str, objects))}; compile with -fcallgraph-info=su"
+        )
     rows = [(root, worst_path(root, functions, frames))]
     for name in interrupts:
         path = worst_path(name, functions, frames)
@@ -104,9 +120,17 @@ def main(arguments: list[str] | None = None) -> int:
     """Print the table; exit status 1 if the sum exceeds the limit or cannot be bounded."""
     parser = argparse.ArgumentParser(description="Worst-case stack depth of a linked firmware.")
     parser.add_argument("--elf", type=Path, required=True)
-    parser.add_argument("--objects", type=Path, required=True, action="append", help="where the compiler left its .ci files")
+    parser.add_argument(
+        "--objects",
+        type=Path,
+        required=True,
+        action="append",
+        help="where the compiler left its .ci files",
+    )
     parser.add_argument("--root", default="main")
-    parser.add_argument("--interrupt", action="append", default=[], help="from the lowest priority to the highest")
+    parser.add_argument(
+        "--interrupt", action="append", default=[], help="from the lowest priority to the highest"
+    )
     parser.add_argument("--limit", type=int, required=True, help="bytes the linker script reserves")
     options = parser.parse_args(arguments)
     try:
@@ -119,7 +143,10 @@ def main(arguments: list[str] | None = None) -> int:
     for name, path in rows:
         print(f"{path.bytes:7d}  {name}: {' > '.join(path.functions[1:])}")
     if total > options.limit:
-        print(f"stack_report: {options.elf.name}: {total} bytes may be needed, {options.limit} are there", file=sys.stderr)
+        print(
+            f"stack_report: {options.elf.name}: {total} bytes may be needed, {options.limit} are there",
+            file=sys.stderr,
+        )
         return 1
     return 0
 

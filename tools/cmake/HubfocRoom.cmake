@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # hubfoc_add_room(NAME core SOURCES a.c b.c DEPENDS hubfoc_config)
 #
 # One static library per room. Only <room>/include is visible to others, and only through a link dependency, so an

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Unity and CMock (Debian/Ubuntu package "cmock", which carries Unity) wired into CTest.
 #
 #   hubfoc_add_unit_test(NAME q15 SOURCES test_q15.c LIBRARIES hubfoc_core [MOCKS hal/include/hal/inverter.h ...]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # hubfoc_warnings: what every C target of this project is compiled with. Generated third-party-shaped code
 # (mocks, runners) does not link it.
 add_library(hubfoc_warnings INTERFACE)

@@ -1,8 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
 """Loss models, optimum, and the configuration and table generator of hubfoc.
 
-Conventions of the whole package, stated once: motor signs (torque < 0 and power < 0 brake and feed the battery),
-speeds in ELECTRICAL rad/s unless the name says mechanical, currents, voltages and flux linkage in PEAK PHASE,
-amplitude-invariant quantities, so that P = 1.5 (u_d i_d + u_q i_q) and T = 1.5 p (psi_d i_q - psi_q i_d).
+Conventions of the whole package, stated once: motor signs (torque < 0 and power < 0 brake and feed
+the battery), speeds in ELECTRICAL rad/s unless the name says mechanical, currents, voltages and
+flux linkage in PEAK PHASE, amplitude-invariant quantities, so that P = 1.5 (u_d i_d + u_q i_q) and
+T = 1.5 p (psi_d i_q - psi_q i_d).
 """
 
 __version__ = "0.1.0"

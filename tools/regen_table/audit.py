@@ -1,6 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the stored optimum loses: the table read exactly as the firmware reads it, against the optimum itself.
 
-A grid is refused by the energy it loses to interpolation and quantisation over stops and cycles, not by its looks.
+A grid is refused by the energy it loses to interpolation and quantisation over stops and cycles,
+not by its looks.
 """
 
 from dataclasses import dataclass
@@ -24,7 +26,10 @@ Whole = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class GridLoss:
-    """Energy lost to the grid in one manoeuvre at its worst temperature; J at the bus, all motors together."""
+    """Energy lost to the grid in one manoeuvre at its worst temperature.
+
+    J at the bus, all motors together.
+    """
 
     manoeuvre: str
     winding_temperature_c: float
@@ -34,7 +39,10 @@ class GridLoss:
 
 
 def read(table: RegenMap, speed_mrad_s: ArrayLike, temperature_cc: ArrayLike) -> Whole:
-    """Read the table in whole numbers, as regen_map_torque_mNm() does: bilinear, rounded, no extrapolation, not below 0; mN m."""
+    """Read the table in whole numbers, as regen_map_torque_mNm() does.
+
+    Bilinear, rounded, no extrapolation, not below 0; mN m.
+    """
     s, s_part = locate(np.abs(speed_mrad_s), table.torque_mNm.shape[1], table.speed_step_log2)
     origin = np.asarray(temperature_cc) - table.temperature_origin_cC
     t, t_part = locate(origin, table.torque_mNm.shape[0], table.temperature_step_log2)
@@ -56,33 +64,66 @@ def between(a: Whole, b: Whole, fraction: Whole, step_log2: int) -> Whole:
     return np.asarray(a + (((b - a) * fraction + ((1 << step_log2) >> 1)) >> step_log2))
 
 
-def table_capability_nm(drive: Drive, table: RegenMap, speed_rad_s: ArrayLike, temperature_c: ArrayLike) -> Array:
+def table_capability_nm(
+    drive: Drive, table: RegenMap, speed_rad_s: ArrayLike, temperature_c: ArrayLike
+) -> Array:
     """Capability in N m as the firmware has it: the table's entry clamped by torque and power."""
-    stored = read(table, np.asarray(speed_rad_s) * 1000.0, np.asarray(temperature_c) * 100.0) / 1000.0
+    stored = (
+        read(table, np.asarray(speed_rad_s) * 1000.0, np.asarray(temperature_c) * 100.0) / 1000.0
+    )
     return np.minimum(stored, braking.torque_limit_nm(drive, speed_rad_s))
 
 
-def grid_losses(drive: Drive, table: RegenMap, made: Production = braking.ZERO_D_CURRENT) -> list[GridLoss]:
+def grid_losses(
+    drive: Drive, table: RegenMap, made: Production = braking.ZERO_D_CURRENT
+) -> list[GridLoss]:
     """Energy lost to the grid over a hard stop from top speed, a stop at rated torque, and every shipped cycle."""
-    temperatures = np.linspace(table.temperatures_c[0], min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c), _TEMPERATURES)
+    temperatures = np.linspace(
+        table.temperatures_c[0],
+        min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c),
+        _TEMPERATURES,
+    )
     top = drive.motor.max_speed_rpm * np.pi / 30.0
     speed = (np.arange(_SPEEDS) + 0.5) * top / _SPEEDS
     hardest = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
-    # A stop at constant demand spends equal times at equal steps of speed: m r^2 step / (motors torque).
-    inertia_step = drive.vehicle.mass_kg * drive.vehicle.wheel_radius_m**2 * top / _SPEEDS / drive.vehicle.driven_wheels
+    # A stop at constant demand spends equal times at equal steps of speed: m r^2 step / (motors
+    # torque).
+    inertia_step = (
+        drive.vehicle.mass_kg
+        * drive.vehicle.wheel_radius_m**2
+        * top
+        / _SPEEDS
+        / drive.vehicle.driven_wheels
+    )
     manoeuvres = {
         name: (speed, np.full(_SPEEDS, inertia_step / torque), np.full(_SPEEDS, torque))
-        for name, torque in (("hard stop", hardest), ("stop at rated torque", drive.motor.rated_torque_nm))
+        for name, torque in (
+            ("hard stop", hardest),
+            ("stop at rated torque", drive.motor.rated_torque_nm),
+        )
     }
     for cycle in cycles.shipped(drive):
         asked = cycles.demand(drive, cycle)
         brakes = (asked.torque_nm < 0.0) & (asked.speed_rad_s > 0.0)
-        manoeuvres[cycle.name] = (asked.speed_rad_s[brakes], asked.seconds[brakes], -asked.torque_nm[brakes])
-    return [_loss(drive, table, made, name, temperatures, *parts) for name, parts in manoeuvres.items()]
+        manoeuvres[cycle.name] = (
+            asked.speed_rad_s[brakes],
+            asked.seconds[brakes],
+            -asked.torque_nm[brakes],
+        )
+    return [
+        _loss(drive, table, made, name, temperatures, *parts) for name, parts in manoeuvres.items()
+    ]
 
 
 def _loss(
-    drive: Drive, table: RegenMap, made: Production, name: str, temperatures: Array, speed: Array, seconds: Array, demand: Array
+    drive: Drive,
+    table: RegenMap,
+    made: Production,
+    name: str,
+    temperatures: Array,
+    speed: Array,
+    seconds: Array,
+    demand: Array,
 ) -> GridLoss:
     """Energy lost in one manoeuvre at its worst temperature, relative to what the exact optimum returns.
 
@@ -100,21 +141,45 @@ def _loss(
     relative = np.divide(lost, returned, out=np.zeros_like(lost), where=returned > 0.0)
     worst = int(np.argmax(relative))
     wheels = drive.vehicle.driven_wheels
-    return GridLoss(name, float(temperatures[worst]), float(relative[worst]), wheels * float(returned[worst]), wheels * float(lost[worst]))
+    return GridLoss(
+        name,
+        float(temperatures[worst]),
+        float(relative[worst]),
+        wheels * float(returned[worst]),
+        wheels * float(lost[worst]),
+    )
 
 
-def worst_power_loss(drive: Drive, table: RegenMap, made: Production = braking.ZERO_D_CURRENT) -> float:
+def worst_power_loss(
+    drive: Drive, table: RegenMap, made: Production = braking.ZERO_D_CURRENT
+) -> float:
     """Largest relative loss of regenerated power, inside torque and power limits, at any temperature and any speed.
 
-    From the speed at which electric braking has faded out; where no torque returns energy there is nothing to lose.
+    From the speed at which electric braking has faded out; where no torque returns energy there is
+    nothing to lose.
     """
-    winding = np.linspace(table.temperatures_c[0], min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c), 17)[:, np.newaxis]
-    lowest, top = drive.control.handover_end_rpm * np.pi / 30.0, drive.motor.max_speed_rpm * np.pi / 30.0
-    speed = np.concatenate([np.geomspace(max(lowest, 1e-3 * top), top, 100), np.linspace(lowest, top, 100)])
+    winding = np.linspace(
+        table.temperatures_c[0],
+        min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c),
+        17,
+    )[:, np.newaxis]
+    lowest, top = (
+        drive.control.handover_end_rpm * np.pi / 30.0,
+        drive.motor.max_speed_rpm * np.pi / 30.0,
+    )
+    speed = np.concatenate(
+        [np.geomspace(max(lowest, 1e-3 * top), top, 100), np.linspace(lowest, top, 100)]
+    )
     motor, inverter = models.machine(drive, winding), models.bridge(drive)
-    exact = made.state(motor, inverter, speed, -made.capability_nm(drive, motor, inverter, speed)).dc_power_w
-    power = made.state(motor, inverter, speed, -table_capability_nm(drive, table, speed, winding)).dc_power_w
-    return float(np.max(np.divide(power - exact, -exact, out=np.zeros_like(exact), where=exact < 0.0)))
+    exact = made.state(
+        motor, inverter, speed, -made.capability_nm(drive, motor, inverter, speed)
+    ).dc_power_w
+    power = made.state(
+        motor, inverter, speed, -table_capability_nm(drive, table, speed, winding)
+    ).dc_power_w
+    return float(
+        np.max(np.divide(power - exact, -exact, out=np.zeros_like(exact), where=exact < 0.0))
+    )
 
 
 def refuse_lossy_grid(losses: list[GridLoss]) -> None:

@@ -1,6 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """Limits, regions and strategies: how much of a braking demand the motor takes.
 
-Braking torques here are magnitudes >= 0 of electromagnetic torque, speeds mechanical rad/s and >= 0.
+Braking torques here are magnitudes >= 0 of electromagnetic torque, speeds mechanical rad/s and >=
+0.
 """
 
 import enum
@@ -28,7 +30,9 @@ class Region(enum.StrEnum):
 def torque_limit_nm(drive: Drive, speed_rad_s: ArrayLike) -> Array:
     """Largest torque magnitude in N m that max_torque_nm and max_power_w allow at a mechanical speed."""
     speed = np.abs(np.asarray(speed_rad_s, dtype=np.float64))
-    by_power = np.divide(drive.motor.max_power_w, speed, out=np.full_like(speed, np.inf), where=speed > 0.0)
+    by_power = np.divide(
+        drive.motor.max_power_w, speed, out=np.full_like(speed, np.inf), where=speed > 0.0
+    )
     return np.minimum(drive.motor.max_torque_nm, by_power)
 
 
@@ -38,11 +42,14 @@ def capability_nm(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: A
     return np.minimum(np.abs(best.torque_optimal_nm), torque_limit_nm(drive, speed_rad_s))
 
 
-def electric_torque_nm(drive: Drive, strategy: str, demand_nm: ArrayLike, speed_rad_s: ArrayLike, capability: ArrayLike) -> Array:
+def electric_torque_nm(
+    drive: Drive, strategy: str, demand_nm: ArrayLike, speed_rad_s: ArrayLike, capability: ArrayLike
+) -> Array:
     """Share the braking demand of one wheel: what the motor is asked for, magnitude in N m.
 
-    parallel_ratio (the paper's scheme 1): a fixed share of the demand. parallel_free_travel (scheme 2): all of it up
-    to the rated electric torque. series_optimal: all of it up to the capability. The first two ignore the optimum.
+    parallel_ratio (the paper's scheme 1): a fixed share of the demand. parallel_free_travel (scheme
+    2): all of it up to the rated electric torque. series_optimal: all of it up to the capability.
+    The first two ignore the optimum.
     """
     demand = np.asarray(demand_nm, dtype=np.float64)
     limit = torque_limit_nm(drive, speed_rad_s)
@@ -53,8 +60,13 @@ def electric_torque_nm(drive: Drive, strategy: str, demand_nm: ArrayLike, speed_
     return np.minimum(demand, capability)
 
 
-def region(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike, demand_nm: ArrayLike) -> np.typing.NDArray[np.str_]:
-    """Classify braking demands (magnitudes, N m) by the regions of Fig. 5; an array of "I", "II", "III" or "IV"."""
+def region(
+    drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike, demand_nm: ArrayLike
+) -> np.typing.NDArray[np.str_]:
+    """Classify braking demands (magnitudes, N m) by the regions of Fig.
+
+    5; an array of "I", "II", "III" or "IV".
+    """
     best = optimum.closed_form(motor, inverter, np.asarray(speed_rad_s) * motor.pole_pairs)
     demand, limit = np.asarray(demand_nm), torque_limit_nm(drive, speed_rad_s)
     optimal, zero = np.abs(best.torque_optimal_nm), np.abs(best.torque_zero_nm)
@@ -69,23 +81,35 @@ def paper_optimum_nm(motor: Machine, speed_rad_s: ArrayLike) -> Array:
     1.5 because psi is the peak phase flux; the printed equation needs sqrt(3/2) of it.
     """
     omega = np.abs(np.asarray(speed_rad_s)) * motor.pole_pairs
-    return np.asarray(1.5 * motor.pole_pairs * omega * np.square(motor.flux_wb) / (2.0 * motor.resistance_ohm))
+    return np.asarray(
+        1.5 * motor.pole_pairs * omega * np.square(motor.flux_wb) / (2.0 * motor.resistance_ohm)
+    )
 
 
 def paper_zero_nm(motor: Machine, speed_rad_s: ArrayLike) -> Array:
-    """Boundary to plugging of the paper's (20) without its limits: twice the torque of (21), N m, magnitude."""
+    """Boundary to plugging of the paper's (20) without its limits.
+
+    Twice the torque of (21), N m, magnitude.
+    """
     return 2.0 * paper_optimum_nm(motor, speed_rad_s)
 
 
-def state_of_torque(motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike, torque_nm: ArrayLike) -> models.State:
+def state_of_torque(
+    motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike, torque_nm: ArrayLike
+) -> models.State:
     """Steady state at a mechanical speed of a signed electromagnetic torque made with i_d = 0."""
     omega = np.asarray(speed_rad_s) * motor.pole_pairs
-    return models.evaluate(motor, inverter, omega, 0.0, optimum.current_at_zero_d_current(motor, omega, torque_nm))
+    return models.evaluate(
+        motor, inverter, omega, 0.0, optimum.current_at_zero_d_current(motor, omega, torque_nm)
+    )
 
 
 @dataclass(frozen=True)
 class Production:
-    """How a torque is made: the best one inside the limits (magnitude), and the steady state of any (signed)."""
+    """How a torque is made.
+
+    The best one inside the limits (magnitude), and the steady state of any (signed).
+    """
 
     capability_nm: Callable[[Drive, Machine, Bridge, ArrayLike], Array]
     state: Callable[[Machine, Bridge, ArrayLike, ArrayLike], models.State]

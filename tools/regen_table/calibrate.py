@@ -1,11 +1,14 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where a motor's hall edges and an encoder's index lie, from a recording of a wheel that was spun by hand.
 
-The bridge is off, so that what is seen between the motor's wires is its back-EMF, and that says where the rotor is: no
-motion is commanded and no torque made. Two differential channels on the wires, three logic channels on the halls (or one on
-the index), some turns of the wheel, in either direction.
+The bridge is off, so that what is seen between the motor's wires is its back-EMF, and that says
+where the rotor is: no motion is commanded and no torque made. Two differential channels on the
+wires, three logic channels on the halls (or one on the index), some turns of the wheel, in either
+direction.
 
-    e_a = -w psi sin(theta),  e_b, e_c a third of a turn behind:  alpha = (2 v_ab + v_bc) / 3,  beta = v_bc / sqrt(3)
-    theta = atan2(-alpha, beta) forward, half a turn more backward (the EMF has the speed's sign)
+    e_a = -w psi sin(theta),  e_b, e_c a third of a turn behind:  alpha = (2 v_ab + v_bc) / 3,  beta
+    = v_bc / sqrt(3) theta = atan2(-alpha, beta) forward, half a turn more backward (the EMF has the
+    speed's sign)
 """
 
 import csv
@@ -20,7 +23,14 @@ import numpy.typing as npt
 from regen_table.errors import ConfigurationError
 
 Array = npt.NDArray[np.float64]
-STATES = (5, 1, 3, 2, 6, 4)  # of sectors 0 to 5 turning forward, bits C B A, as in firmware/foc/hall.c
+STATES = (
+    5,
+    1,
+    3,
+    2,
+    6,
+    4,
+)  # of sectors 0 to 5 turning forward, bits C B A, as in firmware/foc/hall.c
 VOLTAGES = ("v_ab_v", "v_bc_v")
 HALLS = ("hall_a", "hall_b", "hall_c")
 INDEX = "index"
@@ -76,7 +86,8 @@ def rotor_angle_turn(v_ab_v: Array, v_bc_v: Array) -> Array:
     alpha, beta = (2.0 * v_ab_v + v_bc_v) / 3.0, v_bc_v / math.sqrt(3.0)
     strength = np.hypot(alpha, beta)
     angle = np.unwrap(np.arctan2(-alpha, beta)) / (2.0 * math.pi)
-    # The direction, from the angle's rise over some samples either side; the phase of the EMF turns with the rotor.
+    # The direction, from the angle's rise over some samples either side; the phase of the EMF turns
+    # with the rotor.
     reach = max(1, min(len(angle) // 100, 50))
     rise = np.convolve(np.gradient(angle), np.ones(2 * reach + 1), mode="same")
     angle = np.where(rise >= 0.0, angle, angle + 0.5)
@@ -85,7 +96,9 @@ def rotor_angle_turn(v_ab_v: Array, v_bc_v: Array) -> Array:
 
 def _place(angles_turn: Sequence[float], what: str) -> Place:
     if len(angles_turn) < LEAST_EDGES:
-        raise ConfigurationError(f"{what}: {len(angles_turn)} times in the recording, accepted: at least {LEAST_EDGES}")
+        raise ConfigurationError(
+            f"{what}: {len(angles_turn)} times in the recording, accepted: at least {LEAST_EDGES}"
+        )
     turn = np.array(angles_turn)
     mean = float(np.angle(np.mean(np.exp(2j * np.pi * turn)))) / (2.0 * math.pi)
     beside = float(np.max(np.abs((turn - mean + 0.5) % 1.0 - 0.5))) * 360.0
@@ -107,16 +120,25 @@ def hall_edges(angle_turn: Array, state: npt.NDArray[np.int64]) -> tuple[Place, 
     for k in np.flatnonzero(np.diff(state)).tolist():
         here, there = int(state[k]), int(state[k + 1])
         if here not in STATES or there not in STATES:
-            raise ConfigurationError(f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a time")
+            raise ConfigurationError(
+                f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a time"
+            )
         left, entered = STATES.index(here), STATES.index(there)
         if (entered - left) % 6 not in {1, 5}:
-            raise ConfigurationError(f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a time")
+            raise ConfigurationError(
+                f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a time"
+            )
         if math.isfinite(_between(angle_turn, k)):
             found[entered if (entered - left) % 6 == 1 else left].append(_between(angle_turn, k))
     places = tuple(_place(angles, f"hall edge {k}") for k, angles in enumerate(found))
-    widths = [(b.angle_deg - a.angle_deg) % 360.0 for a, b in zip(places, (*places[1:], places[0]), strict=True)]
+    widths = [
+        (b.angle_deg - a.angle_deg) % 360.0
+        for a, b in zip(places, (*places[1:], places[0]), strict=True)
+    ]
     if not math.isclose(sum(widths), 360.0) or not all(30.0 <= width <= 90.0 for width in widths):
-        raise ConfigurationError("halls: not in forward order, 30 to 90 deg apart; swap two hall lines or two motor wires")
+        raise ConfigurationError(
+            "halls: not in forward order, 30 to 90 deg apart; swap two hall lines or two motor wires"
+        )
     return places
 
 
@@ -130,7 +152,9 @@ def calibrate(table: dict[str, Array]) -> Calibration:
     index = None
     if INDEX in table:
         rising = np.flatnonzero(np.diff((table[INDEX] > 0.5).astype(np.int64)) > 0).tolist()
-        index = _place([_between(angle, k) for k in rising if math.isfinite(_between(angle, k))], "index")
+        index = _place(
+            [_between(angle, k) for k in rising if math.isfinite(_between(angle, k))], "index"
+        )
     return Calibration(edges, index)
 
 
@@ -141,7 +165,10 @@ def as_toml(found: Calibration) -> str:
         edges = ", ".join(f"{place.angle_deg:.1f}" for place in found.hall_edges)
         worst = max(place.spread_deg for place in found.hall_edges)
         count = min(place.edges for place in found.hall_edges)
-        lines += ['sensor = "hall"', f"hall_edges_deg = [{edges}]  # at least {count} each, within {worst:.1f} deg"]
+        lines += [
+            'sensor = "hall"',
+            f"hall_edges_deg = [{edges}]  # at least {count} each, within {worst:.1f} deg",
+        ]
     if found.index is not None:
         lines += ['sensor = "encoder"'] if not found.hall_edges else []
         lines.append(

@@ -1,4 +1,8 @@
-"""The command line: ``python -m regen_table COMMAND CONFIG.toml ...``; errors are one line on stderr and exit code 1."""
+# SPDX-License-Identifier: Apache-2.0
+"""The command line: ``python -m regen_table COMMAND CONFIG.toml ...``.
+
+Errors are one line on stderr and exit code 1.
+"""
 
 import argparse
 import json
@@ -10,7 +14,19 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from regen_table import __version__, calibrate, cycles, generate, ideal, packs, points, relations, report, schema, stops
+from regen_table import (
+    __version__,
+    calibrate,
+    cycles,
+    generate,
+    ideal,
+    packs,
+    points,
+    relations,
+    report,
+    schema,
+    stops,
+)
 from regen_table.errors import CheckFailedError, ConfigurationError
 
 
@@ -23,24 +39,36 @@ class _Parser(argparse.ArgumentParser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the process's exit code."""
-    options = _parser().parse_args(_with_negative_lists(sys.argv[1:] if arguments is None else arguments))
+    options = _parser().parse_args(
+        _with_negative_lists(sys.argv[1:] if arguments is None else arguments)
+    )
     try:
         return int(options.run(options))
     except (ConfigurationError, CheckFailedError) as error:
         print(error, file=sys.stderr)
         return 1
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # the reader has gone: nothing more to say
+        os.dup2(
+            os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno()
+        )  # the reader has gone: nothing more to say
         return 1
     except KeyboardInterrupt:
         return 130
 
 
 def _with_negative_lists(arguments: Sequence[str]) -> list[str]:
-    """Join "--option" "-1,2" into "--option=-1,2": a list that begins with a minus sign is no option."""
+    """Join "--option" "-1,2" into "--option=-1,2".
+
+    A list that begins with a minus sign is no option.
+    """
     joined: list[str] = []
     for argument in arguments:
-        if re.match(r"-[\d.]", argument) and joined and joined[-1].startswith("--") and "=" not in joined[-1]:
+        if (
+            re.match(r"-[\d.]", argument)
+            and joined
+            and joined[-1].startswith("--")
+            and "=" not in joined[-1]
+        ):
             joined[-1] += "=" + argument
         else:
             joined.append(argument)
@@ -56,7 +84,9 @@ def _numbers(lowest: float, highest: float, unit: str) -> Callable[[str], list[f
         except ValueError:
             values = [math.nan]
         if not all(lowest <= value <= highest for value in values):
-            raise argparse.ArgumentTypeError(f"{text!r}, accepted: numbers from {lowest:g} to {highest:g} {unit}, separated by commas")
+            raise argparse.ArgumentTypeError(
+                f"{text!r}, accepted: numbers from {lowest:g} to {highest:g} {unit}, separated by commas"
+            )
         return values
 
     return parse
@@ -71,7 +101,9 @@ def _number(lowest: float, highest: float, unit: str) -> Callable[[str], float]:
         except ValueError:
             value = math.nan
         if not lowest <= value <= highest:
-            raise argparse.ArgumentTypeError(f"{text!r}, accepted: a number from {lowest:g} to {highest:g} {unit}")
+            raise argparse.ArgumentTypeError(
+                f"{text!r}, accepted: a number from {lowest:g} to {highest:g} {unit}"
+            )
         return value
 
     return parse
@@ -85,11 +117,18 @@ _STRATEGIES = ("parallel_ratio", "parallel_free_travel", "series_optimal")
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(prog="regen_table", description="Loss models, optimum, configuration and table generator of hubfoc.")
+    parser = _Parser(
+        prog="regen_table",
+        description="Loss models, optimum, configuration and table generator of hubfoc.",
+    )
     parser.add_argument("--version", action="version", version=f"regen_table {__version__}")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=_Parser)
+    commands = parser.add_subparsers(
+        title="commands", required=True, metavar="COMMAND", parser_class=_Parser
+    )
 
-    def add(name: str, text: str, run: Callable[[argparse.Namespace], int], several: bool = False) -> argparse.ArgumentParser:
+    def add(
+        name: str, text: str, run: Callable[[argparse.Namespace], int], several: bool = False
+    ) -> argparse.ArgumentParser:
         command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
         if several:
             command.add_argument("configs", type=Path, nargs="+", metavar="CONFIG.toml")
@@ -99,32 +138,88 @@ def _parser() -> argparse.ArgumentParser:
         return command
 
     def add_point(command: argparse.ArgumentParser) -> None:
-        command.add_argument("--speed-rpm", type=_SPEEDS, required=True, metavar="LIST", help="mechanical")
-        command.add_argument("--winding-temperature-c", type=_TEMPERATURES, metavar="LIST", help="default: the reference temperature")
-        command.add_argument("--joint", action="store_true", help="both currents free, inside phase current and voltage (default: i_d = 0)")
-        command.add_argument("--soc", type=_number(0.0, 1.0, ""), help="state of charge, where the battery's voltage depends on it")
-        command.add_argument("--json", action="store_true", help="an array of objects instead of text")
+        command.add_argument(
+            "--speed-rpm", type=_SPEEDS, required=True, metavar="LIST", help="mechanical"
+        )
+        command.add_argument(
+            "--winding-temperature-c",
+            type=_TEMPERATURES,
+            metavar="LIST",
+            help="default: the reference temperature",
+        )
+        command.add_argument(
+            "--joint",
+            action="store_true",
+            help="both currents free, inside phase current and voltage (default: i_d = 0)",
+        )
+        command.add_argument(
+            "--soc",
+            type=_number(0.0, 1.0, ""),
+            help="state of charge, where the battery's voltage depends on it",
+        )
+        command.add_argument(
+            "--json", action="store_true", help="an array of objects instead of text"
+        )
 
     command = add("generate", "write the configuration as C source and as binary image", _generate)
-    command.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: firmware/config/generated")
-    command.add_argument("--report", type=Path, metavar="FILE.json", help="also write margins, number formats and grid losses as JSON")
-    command.add_argument("--plots", action="store_true", help="also draw the figures, into DIR or else build/report/figures")
+    command.add_argument(
+        "-o", "--output", type=Path, metavar="DIR", help="default: firmware/config/generated"
+    )
+    command.add_argument(
+        "--report",
+        type=Path,
+        metavar="FILE.json",
+        help="also write margins, number formats and grid losses as JSON",
+    )
+    command.add_argument(
+        "--plots",
+        action="store_true",
+        help="also draw the figures, into DIR or else build/report/figures",
+    )
 
-    command = add("check", "compare checked-in files with what their TOML files generate", _check, several=True)
-    command.add_argument("-o", "--output", type=Path, default=generate.GENERATED, metavar="DIR", help="default: firmware/config/generated")
+    command = add(
+        "check",
+        "compare checked-in files with what their TOML files generate",
+        _check,
+        several=True,
+    )
+    command.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=generate.GENERATED,
+        metavar="DIR",
+        help="default: firmware/config/generated",
+    )
 
     add_point(add("solve", "best braking torque at speeds and winding temperatures", _solve))
     command = add("evaluate", "currents, powers and losses at any operating points", _evaluate)
     command.add_argument(
-        "--torque-nm", type=_TORQUES, required=True, metavar="LIST", help="electromagnetic, negative brakes forward motion"
+        "--torque-nm",
+        type=_TORQUES,
+        required=True,
+        metavar="LIST",
+        help="electromagnetic, negative brakes forward motion",
     )
     add_point(command)
 
     command = add("stop", "the ideal stop at constant braking demand, down to standstill", _stop)
     command.add_argument("--initial-speed-kmh", type=_number(0.1, 1000.0, "km/h"), required=True)
-    command.add_argument("--demand-nm", type=_DEMANDS, required=True, metavar="LIST", help="at each driven wheel, magnitude")
-    command.add_argument("--strategy", choices=[*_STRATEGIES, "all"], help="default: the configuration's")
-    command.add_argument("--winding-temperature-c", type=_number(-100.0, 300.0, "degC"), help="default: the reference temperature")
+    command.add_argument(
+        "--demand-nm",
+        type=_DEMANDS,
+        required=True,
+        metavar="LIST",
+        help="at each driven wheel, magnitude",
+    )
+    command.add_argument(
+        "--strategy", choices=[*_STRATEGIES, "all"], help="default: the configuration's"
+    )
+    command.add_argument(
+        "--winding-temperature-c",
+        type=_number(-100.0, 300.0, "degC"),
+        help="default: the reference temperature",
+    )
     command.add_argument("--soc", type=_number(0.0, 1.0, ""))
     command.add_argument(
         "--battery",
@@ -135,17 +230,35 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--json", action="store_true")
 
     command = add("cycle", "the ideal drive cycle under all strategies", _cycle)
-    command.add_argument("--trace", type=Path, required=True, metavar="FILE.csv", help="columns time_s and speed_km_h")
-    command.add_argument("--top-speed-kmh", type=_number(0.1, 1000.0, "km/h"), help="scale the trace so that this is its fastest speed")
-    command.add_argument("--winding-temperature-c", type=_number(-100.0, 300.0, "degC"), help="default: the reference temperature")
+    command.add_argument(
+        "--trace",
+        type=Path,
+        required=True,
+        metavar="FILE.csv",
+        help="columns time_s and speed_km_h",
+    )
+    command.add_argument(
+        "--top-speed-kmh",
+        type=_number(0.1, 1000.0, "km/h"),
+        help="scale the trace so that this is its fastest speed",
+    )
+    command.add_argument(
+        "--winding-temperature-c",
+        type=_number(-100.0, 300.0, "degC"),
+        help="default: the reference temperature",
+    )
     command.add_argument("--soc", type=_number(0.0, 1.0, ""))
     command.add_argument("--json", action="store_true")
 
-    command = add("figures", "draw the figures of the paper for a configuration, SVG and PNG", _figures)
+    command = add(
+        "figures", "draw the figures of the paper for a configuration, SVG and PNG", _figures
+    )
     command.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
 
     command = commands.add_parser(
-        "calibrate", help="hall edges and encoder index from a recording", description="Hall edges and encoder index from a recording."
+        "calibrate",
+        help="hall edges and encoder index from a recording",
+        description="Hall edges and encoder index from a recording.",
     )
     columns = "v_ab_v, v_bc_v, hall_a, hall_b, hall_c and/or index, of a wheel spun by hand with the bridge off"
     command.add_argument("recording", type=Path, metavar="FILE.csv", help=columns)
@@ -164,7 +277,10 @@ def _generate(options: argparse.Namespace) -> int:
     drive = schema.load(options.config)
     with _about(options.config):
         found = report.collect(drive)
-        files = {(options.output or generate.GENERATED) / name: content for name, content in generate.artefacts(drive).files.items()}
+        files = {
+            (options.output or generate.GENERATED) / name: content
+            for name, content in generate.artefacts(drive).files.items()
+        }
         if options.report:
             files[options.report] = report.as_json(found)
         paths = generate.write_files(files)
@@ -193,9 +309,26 @@ def _solve(options: argparse.Namespace) -> int:
     with _about(options.config):
         how = points.setting(drive, options.joint, options.soc)
         temperatures = _temperatures(drive, options.winding_temperature_c)
-        records = [points.solve(drive, speed, warm, how) for warm in temperatures for speed in options.speed_rpm]
-    _show(records, options.json, ["speed_rpm", "winding_temperature_c", "torque_optimal_nm", "torque_zero_nm", "torque_idle_nm",
-                                  "torque_optimal_limited_nm", "current_d_a", "current_q_a", "dc_power_w"])  # fmt: skip
+        records = [
+            points.solve(drive, speed, warm, how)
+            for warm in temperatures
+            for speed in options.speed_rpm
+        ]
+    _show(
+        records,
+        options.json,
+        [
+            "speed_rpm",
+            "winding_temperature_c",
+            "torque_optimal_nm",
+            "torque_zero_nm",
+            "torque_idle_nm",
+            "torque_optimal_limited_nm",
+            "current_d_a",
+            "current_q_a",
+            "dc_power_w",
+        ],
+    )
     return 0
 
 
@@ -210,8 +343,23 @@ def _evaluate(options: argparse.Namespace) -> int:
             for speed in options.speed_rpm
             for torque in options.torque_nm
         ]
-    _show(records, options.json, ["speed_rpm", "torque_nm", "winding_temperature_c", "current_d_a", "current_q_a", "dc_power_w",
-                                  "loss_copper_w", "loss_iron_w", "loss_inverter_w", "loss_battery_w", "region"])  # fmt: skip
+    _show(
+        records,
+        options.json,
+        [
+            "speed_rpm",
+            "torque_nm",
+            "winding_temperature_c",
+            "current_d_a",
+            "current_q_a",
+            "dc_power_w",
+            "loss_copper_w",
+            "loss_iron_w",
+            "loss_inverter_w",
+            "loss_battery_w",
+            "region",
+        ],
+    )
     return 0
 
 
@@ -221,12 +369,24 @@ def _stop(options: argparse.Namespace) -> int:
     warm = _one_temperature(drive, options.winding_temperature_c)
     with _about(options.config):
         found = [
-            stops.stop(drive, name, demand, options.initial_speed_kmh, warm, options.soc, options.battery)
+            stops.stop(
+                drive, name, demand, options.initial_speed_kmh, warm, options.soc, options.battery
+            )
             for name in (_STRATEGIES if strategy == "all" else [strategy])
             for demand in options.demand_nm
         ]
-    _show([result.as_dict() for result in found], options.json, ["strategy", "demand_nm", "stop_distance_m", "stop_time_s",
-                                                                 "kinetic_energy_j", "stored_share_of_kinetic"])  # fmt: skip
+    _show(
+        [result.as_dict() for result in found],
+        options.json,
+        [
+            "strategy",
+            "demand_nm",
+            "stop_distance_m",
+            "stop_time_s",
+            "kinetic_energy_j",
+            "stored_share_of_kinetic",
+        ],
+    )
     return 0
 
 
@@ -235,8 +395,15 @@ def _cycle(options: argparse.Namespace) -> int:
     warm = _one_temperature(drive, options.winding_temperature_c)
     trace = cycles.load(options.trace, options.top_speed_kmh)
     with _about(options.config):
-        found = [cycles.run(drive, trace, strategy, warm, options.soc, ideal.production(drive)) for strategy in _STRATEGIES]
-    _show([result.as_dict() for result in found], options.json, ["cycle", "strategy", "braking_share_stored", "residual_relative"])
+        found = [
+            cycles.run(drive, trace, strategy, warm, options.soc, ideal.production(drive))
+            for strategy in _STRATEGIES
+        ]
+    _show(
+        [result.as_dict() for result in found],
+        options.json,
+        ["cycle", "strategy", "braking_share_stored", "residual_relative"],
+    )
     return 0
 
 
@@ -258,9 +425,13 @@ def _temperatures(drive: schema.Drive, given: list[float] | None) -> list[float]
 
 def _one_temperature(drive: schema.Drive, given: float | None) -> float:
     value = drive.motor.reference_temperature_c if given is None else given
-    share = 1.0 + drive.motor.resistance_temperature_coefficient_per_k * (value - drive.motor.reference_temperature_c)
+    share = 1.0 + drive.motor.resistance_temperature_coefficient_per_k * (
+        value - drive.motor.reference_temperature_c
+    )
     if share <= 0.0:
-        raise ConfigurationError(f"--winding-temperature-c: {value:g} degC leaves no resistance, accepted: temperatures that leave some")
+        raise ConfigurationError(
+            f"--winding-temperature-c: {value:g} degC leaves no resistance, accepted: temperatures that leave some"
+        )
     return value
 
 

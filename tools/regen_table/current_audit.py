@@ -1,16 +1,18 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the stored i_d costs against the best one, and the grid chosen by it.
 
-A grid is judged by what it loses to interpolation and quantisation: energy, over manoeuvres and cycles, and power, at
-every speed at which the drive brakes, cold, hot and in between. First come as few temperatures as keep within a share of
-that, with torque and speed taken exactly; then the fewest points of torque and speed. What does not depend on the grid is
-computed once a drive, like the choice itself, which image and report both ask for.
+A grid is judged by what it loses to interpolation and quantisation: energy, over manoeuvres and
+cycles, and power, at every speed at which the drive brakes, cold, hot and in between. First come as
+few temperatures as keep within a share of that, with torque and speed taken exactly; then the
+fewest points of torque and speed. What does not depend on the grid is computed once a drive, like
+the choice itself, which image and report both ask for.
 """
 
 import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -65,15 +67,15 @@ class _Reference:
 def choose(drive: Drive) -> CurrentMap:
     """Return the smallest grid that loses at most 0.01 % of any manoeuvre's energy and 0.05 % of braking power anywhere.
 
-    Driving and braking count apart. Should it take more points than the firmware has room for, the grid that exceeds these
-    least. More than 0.02 % of a whole manoeuvre is refused.
+    Driving and braking count apart. Should it take more points than the firmware has room for, the
+    grid that exceeds these least. More than 0.02 % of a whole manoeuvre is refused.
     """
     references, braked = _references(drive), _braking_reference(drive)
     layers = _layers(drive, references, braked)
     best: tuple[float, CurrentMap] | None = None
     for torque_step, speed_step in _grids(drive, layers):
         table = current_map.compute(drive, torque_step, speed_step, layers)
-        energy, power = _worst(references, braked, lambda at, table=table: _stored_power(drive, table, at))  # type: ignore[misc]
+        energy, power = _worst(references, braked, partial(_stored_power, drive, table))
         used = max(energy / audit.ENERGY_LOSS_MAX, power / audit.POWER_LOSS_MAX)
         if used <= STORED_SHARE:
             return table
@@ -101,7 +103,9 @@ def losses(drive: Drive, table: CurrentMap) -> list[CurrentLoss]:
 
     def of(at: _Reference) -> CurrentLoss:
         without = _made_power(drive, at, np.zeros(1))
-        without = np.where(np.isfinite(without), without, at.least_w)  # a torque that i_d = 0 cannot make is no loss
+        without = np.where(
+            np.isfinite(without), without, at.least_w
+        )  # a torque that i_d = 0 cannot make is no loss
         made = (_gridless_power(drive, layers, at), _stored_power(drive, table, at), without)
         return CurrentLoss(at.manoeuvre, *(_energy_share(at, power) for power in made))
 
@@ -117,8 +121,11 @@ def worst_power_loss(drive: Drive, table: CurrentMap) -> float:
 def _layers(drive: Drive, references: list[_Reference], braked: _Reference) -> int:
     """Return how many temperatures are worth it."""
     for layers in LAYERS:
-        energy, power = _worst(references, braked, lambda at, layers=layers: _gridless_power(drive, layers, at))  # type: ignore[misc]
-        if energy <= TEMPERATURE_SHARE * audit.ENERGY_LOSS_MAX and power <= TEMPERATURE_SHARE * audit.POWER_LOSS_MAX:
+        energy, power = _worst(references, braked, partial(_gridless_power, drive, layers))
+        if (
+            energy <= TEMPERATURE_SHARE * audit.ENERGY_LOSS_MAX
+            and power <= TEMPERATURE_SHARE * audit.POWER_LOSS_MAX
+        ):
             return layers
     return LAYERS[-1]
 
@@ -126,11 +133,27 @@ def _layers(drive: Drive, references: list[_Reference], braked: _Reference) -> i
 def _grids(drive: Drive, layers: int) -> Iterator[tuple[int, int]]:
     """Step exponents of torque and speed of every grid that fits the firmware, smallest first."""
     constants = layout.load().constants
-    torque, speed = 1000.0 * drive.motor.max_torque_nm, 1000.0 * drive.motor.max_speed_rpm * math.pi / 30.0
-    torque_steps = range(max(0, math.ceil(math.log2(torque / _TORQUE_INTERVALS))), max(1, math.ceil(math.log2(torque))))
-    speed_steps = range(max(6, math.ceil(math.log2(speed / _SPEED_INTERVALS))), max(7, math.ceil(math.log2(speed)) + 1))
-    found = [(math.prod(current_map.points_over(drive, *steps)), steps) for steps in itertools.product(torque_steps, speed_steps)]
-    return (steps for points, steps in sorted(found) if points * layers <= constants["CONFIG_CURRENT_MAP_POINTS_MAX"])
+    torque, speed = (
+        1000.0 * drive.motor.max_torque_nm,
+        1000.0 * drive.motor.max_speed_rpm * math.pi / 30.0,
+    )
+    torque_steps = range(
+        max(0, math.ceil(math.log2(torque / _TORQUE_INTERVALS))),
+        max(1, math.ceil(math.log2(torque))),
+    )
+    speed_steps = range(
+        max(6, math.ceil(math.log2(speed / _SPEED_INTERVALS))),
+        max(7, math.ceil(math.log2(speed)) + 1),
+    )
+    found = [
+        (math.prod(current_map.points_over(drive, *steps)), steps)
+        for steps in itertools.product(torque_steps, speed_steps)
+    ]
+    return (
+        steps
+        for points, steps in sorted(found)
+        if points * layers <= constants["CONFIG_CURRENT_MAP_POINTS_MAX"]
+    )
 
 
 @lru_cache(maxsize=8)
@@ -139,61 +162,115 @@ def _references(drive: Drive) -> list[_Reference]:
     top = drive.motor.max_speed_rpm * np.pi / 30.0
     speed = (np.arange(_SPEEDS, dtype=np.float64) + 0.5) * top / _SPEEDS
     strongest = braking.torque_limit_nm(drive, speed)
-    manoeuvres = {"hard stop": (speed, np.ones(_SPEEDS), -strongest), "full acceleration": (speed, np.ones(_SPEEDS), strongest)}
+    manoeuvres = {
+        "hard stop": (speed, np.ones(_SPEEDS), -strongest),
+        "full acceleration": (speed, np.ones(_SPEEDS), strongest),
+    }
     for cycle in cycles.shipped(drive):
         asked = cycles.demand(drive, cycle)
         moving, brakes = asked.speed_rad_s > 0.0, asked.torque_nm < 0.0
-        brakes_on = asked.speed_rad_s >= drive.control.handover_end_rpm * np.pi / 30.0  # below, the motor does not brake
-        for name, part in ((f"{cycle.name} driving", moving & ~brakes), (f"{cycle.name} braking", brakes & brakes_on)):
+        brakes_on = (
+            asked.speed_rad_s >= drive.control.handover_end_rpm * np.pi / 30.0
+        )  # below, the motor does not brake
+        for name, part in (
+            (f"{cycle.name} driving", moving & ~brakes),
+            (f"{cycle.name} braking", brakes & brakes_on),
+        ):
             limit = braking.torque_limit_nm(drive, asked.speed_rad_s[part])
-            manoeuvres[name] = (asked.speed_rad_s[part], asked.seconds[part], np.clip(asked.torque_nm[part], -limit, limit))
+            manoeuvres[name] = (
+                asked.speed_rad_s[part],
+                asked.seconds[part],
+                np.clip(asked.torque_nm[part], -limit, limit),
+            )
     motor = models.machine(drive, np.linspace(*drive.table.temperature_range_c, 3)[:, np.newaxis])
     found = []
     for name, (speed, seconds, torque) in manoeuvres.items():
         best = _least(drive, motor, speed, np.broadcast_to(torque, (3, len(torque))))
-        found.append(_Reference(name, motor, speed, torque, seconds, np.where(best.feasible, best.state.dc_power_w, np.nan)))
+        found.append(
+            _Reference(
+                name,
+                motor,
+                speed,
+                torque,
+                seconds,
+                np.where(best.feasible, best.state.dc_power_w, np.nan),
+            )
+        )
     return found
 
 
 @lru_cache(maxsize=8)
 def _braking_reference(drive: Drive) -> _Reference:
     """Find the best braking inside torque and power limits from where the motor begins to brake up to the top speed."""
-    motor = models.machine(drive, np.linspace(*drive.table.temperature_range_c, _POWER_TEMPERATURES)[:, np.newaxis])
-    speed = np.geomspace(max(drive.control.handover_end_rpm, 1e-3 * drive.motor.max_speed_rpm), drive.motor.max_speed_rpm, _POWER_SPEEDS)
+    motor = models.machine(
+        drive, np.linspace(*drive.table.temperature_range_c, _POWER_TEMPERATURES)[:, np.newaxis]
+    )
+    speed = np.geomspace(
+        max(drive.control.handover_end_rpm, 1e-3 * drive.motor.max_speed_rpm),
+        drive.motor.max_speed_rpm,
+        _POWER_SPEEDS,
+    )
     speed = np.broadcast_to(speed * (np.pi / 30.0), (_POWER_TEMPERATURES, _POWER_SPEEDS))
     limit = braking.torque_limit_nm(drive, speed)
-    best = joint.best_braking(motor, models.bridge(drive), speed * motor.pole_pairs, relaxed(drive), limit)
-    return _Reference("braking", motor, speed, best.torque_nm, np.ones_like(speed), best.state.dc_power_w)
+    best = joint.best_braking(
+        motor, models.bridge(drive), speed * motor.pole_pairs, relaxed(drive), limit
+    )
+    return _Reference(
+        "braking", motor, speed, best.torque_nm, np.ones_like(speed), best.state.dc_power_w
+    )
 
 
 def _least(drive: Drive, motor: models.Machine, speed: Array, torque: Array) -> joint.Point:
-    return joint.least_power(motor, models.bridge(drive), speed * motor.pole_pairs, torque, relaxed(drive))
+    return joint.least_power(
+        motor, models.bridge(drive), speed * motor.pole_pairs, torque, relaxed(drive)
+    )
 
 
 def relaxed(drive: Drive) -> joint.Limits:
-    """Bounds of the search that a table is made and judged with: the drive's own current limit acts at run time."""
+    """Bounds of the search that a table is made and judged with.
+
+    The drive's own current limit acts at run time.
+    """
     return joint.Limits(current_map.RELAXED * drive.motor.max_phase_current_a)
 
 
 def _made_power(drive: Drive, at: _Reference, i_d: Array) -> Array:
     """DC power in W of a reference's torques made with some i_d."""
-    return current_map.state(at.motor, models.bridge(drive), at.speed_rad_s * at.motor.pole_pairs, at.torque_nm, i_d).dc_power_w
+    return current_map.state(
+        at.motor, models.bridge(drive), at.speed_rad_s * at.motor.pole_pairs, at.torque_nm, i_d
+    ).dc_power_w
 
 
 def _stored_power(drive: Drive, table: CurrentMap, at: _Reference) -> Array:
-    return _made_power(drive, at, current_map.read(table, at.torque_nm, at.speed_rad_s, at.motor.winding_temperature_c))
+    return _made_power(
+        drive,
+        at,
+        current_map.read(table, at.torque_nm, at.speed_rad_s, at.motor.winding_temperature_c),
+    )
 
 
 def _gridless_power(drive: Drive, layers: int, at: _Reference) -> Array:
     """DC power in W with i_d exact over torque and speed, and linear between so many temperatures."""
     warm = current_map.temperatures_c(*current_map.temperature_axis(drive, layers), layers)
-    exact = [_least(drive, models.machine(drive, float(t)), at.speed_rad_s, at.torque_nm).state.current_d_a for t in warm]
-    place = np.clip(np.interp(at.motor.winding_temperature_c, warm, np.arange(layers)), 0.0, layers - 1.0)
-    i_d = sum((np.maximum(0.0, 1.0 - np.abs(place - k)) * exact[k] for k in range(layers)), start=np.zeros(1))
+    exact = [
+        _least(
+            drive, models.machine(drive, float(t)), at.speed_rad_s, at.torque_nm
+        ).state.current_d_a
+        for t in warm
+    ]
+    place = np.clip(
+        np.interp(at.motor.winding_temperature_c, warm, np.arange(layers)), 0.0, layers - 1.0
+    )
+    i_d = sum(
+        (np.maximum(0.0, 1.0 - np.abs(place - k)) * exact[k] for k in range(layers)),
+        start=np.zeros(1),
+    )
     return _made_power(drive, at, i_d)
 
 
-def _worst(references: list[_Reference], braked: _Reference, made: Callable[[_Reference], Array]) -> tuple[float, float]:
+def _worst(
+    references: list[_Reference], braked: _Reference, made: Callable[[_Reference], Array]
+) -> tuple[float, float]:
     """Return the largest shares of energy, of any manoeuvre, and of braking power that a way to make torque loses."""
     return max(_energy_share(at, made(at)) for at in references), _power_share(braked, made(braked))
 
@@ -204,12 +281,17 @@ def _whole_loss(drive: Drive, table: CurrentMap, references: list[_Reference]) -
     for at in references:
         lost = np.sum(_lost_w(at, _stored_power(drive, table, at)) * at.seconds, axis=1)
         turned_over = np.nansum(np.abs(at.least_w) * at.seconds, axis=1)
-        parts.setdefault(at.manoeuvre.removesuffix(" driving").removesuffix(" braking"), []).append(np.array([lost, turned_over]))
+        parts.setdefault(at.manoeuvre.removesuffix(" driving").removesuffix(" braking"), []).append(
+            np.array([lost, turned_over])
+        )
     return max(float(np.max(np.divide(*np.sum(found, axis=0)))) for found in parts.values())
 
 
 def _energy_share(at: _Reference, made: Array) -> float:
-    """Energy lost relative to the energy at the bus, at the worst temperature; what no current makes does not count."""
+    """Energy lost relative to the energy at the bus, at the worst temperature.
+
+    What no current makes does not count.
+    """
     lost = np.sum(_lost_w(at, made) * at.seconds, axis=1)
     return float(np.max(lost / np.nansum(np.abs(at.least_w) * at.seconds, axis=1)))
 
@@ -217,7 +299,9 @@ def _energy_share(at: _Reference, made: Array) -> float:
 def _power_share(at: _Reference, made: Array) -> float:
     """Loss relative to the power that comes back, where any does."""
     lost = _lost_w(at, made)
-    return float(np.max(np.divide(lost, -at.least_w, out=np.zeros_like(lost), where=at.least_w < 0.0)))
+    return float(
+        np.max(np.divide(lost, -at.least_w, out=np.zeros_like(lost), where=at.least_w < 0.0))
+    )
 
 
 def _lost_w(at: _Reference, made: Array) -> Array:
@@ -229,16 +313,21 @@ def _lost_w(at: _Reference, made: Array) -> Array:
 def bus_voltage_loss(drive: Drive) -> float:
     """Largest relative power lost by leaving the bus voltage out: all speeds, both directions, lowest bus voltage.
 
-    Compared are the least power under the voltage limit, and the least power without it from which field weakening
-    lowers i_d at constant torque until the voltage suffices.
+    Compared are the least power under the voltage limit, and the least power without it from which
+    field weakening lowers i_d at constant torque until the voltage suffices.
     """
     speed = np.linspace(0.02, 1.0, 40)[:, np.newaxis] * (drive.motor.max_speed_rpm * np.pi / 30.0)
     torque = np.linspace(-1.0, 1.0, 24) * braking.torque_limit_nm(drive, speed)
-    motor, inverter = models.machine(drive, float(np.mean(drive.table.temperature_range_c))), models.bridge(drive)
+    motor, inverter = (
+        models.machine(drive, float(np.mean(drive.table.temperature_range_c))),
+        models.bridge(drive),
+    )
     omega, voltage = speed * motor.pole_pairs, drive.battery.min_voltage_v / np.sqrt(3.0)
     current = drive.motor.max_phase_current_a
     best = joint.least_power(motor, inverter, omega, torque, joint.Limits(current, voltage))
-    free = joint.least_power(motor, inverter, omega, torque, joint.Limits(current)).state.current_d_a
+    free = joint.least_power(
+        motor, inverter, omega, torque, joint.Limits(current)
+    ).state.current_d_a
     low, high = np.full_like(free, -current), free
     for _ in range(50):
         middle = 0.5 * (low + high)

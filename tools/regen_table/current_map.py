@@ -1,13 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
 """The demagnetising current of least loss over torque, speed and winding temperature, on grids of powers of two.
 
-Only i_d is stored. The controller computes i_q from the torque, the speed and the i_d that really flows (this table's
-plus what field weakening adds), so the torque is exact whatever the interpolation did to i_d, whose error costs power
-only in second order. For the same reason bus voltage is no axis: at a given torque the power has one minimum along
-i_d, so under a voltage limit the best point is the limit itself, which is where field weakening at constant torque
-goes (current_audit measures what that leaves).
+Only i_d is stored. The controller computes i_q from the torque, the speed and the i_d that really
+flows (this table's plus what field weakening adds), so the torque is exact whatever the
+interpolation did to i_d, whose error costs power only in second order. For the same reason bus
+voltage is no axis: at a given torque the power has one minimum along i_d, so under a voltage limit
+the best point is the limit itself, which is where field weakening at constant torque goes
+(current_audit measures what that leaves).
 
-The torque axis counts in the direction of rotation, driving positive; its middle point is zero. Along winding
-temperature there are as few layers as the loss allows; a single one is made for the middle of the range.
+The torque axis counts in the direction of rotation, driving positive; its middle point is zero.
+Along winding temperature there are as few layers as the loss allows; a single one is made for the
+middle of the range.
 """
 
 import math
@@ -22,12 +25,16 @@ from regen_table.schema import Drive
 
 REACH = 4.0  # the braking table holds at least torques up to so many times the largest one
 BEYOND_CLOSED_FORM = 1.25  # and up to so many times the optimum with i_d = 0, where that is more
-RELAXED = 3.0  # nodes beyond the current limit continue the curve, so that it does not bend inside the last cell
+# nodes beyond the current limit continue the curve, so that it does not bend inside the last cell
+RELAXED = 3.0
 
 
 @dataclass(frozen=True)
 class CurrentMap:
-    """``current_d_mA`` has the shape (temperature, speed, torque points); the middle torque point is zero."""
+    """``current_d_mA`` has the shape (temperature, speed, torque points).
+
+    The middle torque point is zero.
+    """
 
     torque_step_log2: int
     speed_step_log2: int
@@ -39,17 +46,24 @@ class CurrentMap:
     def torques_nm(self) -> Array:
         """Torque of each column in N m, in the direction of rotation."""
         count = self.current_d_mA.shape[2]
-        return np.asarray((np.arange(count, dtype=np.float64) - count // 2) * (2.0**self.torque_step_log2 / 1000.0))
+        return np.asarray(
+            (np.arange(count, dtype=np.float64) - count // 2)
+            * (2.0**self.torque_step_log2 / 1000.0)
+        )
 
     @property
     def speeds_rad_s(self) -> Array:
         """Mechanical speed of each row in rad/s."""
-        return np.arange(self.current_d_mA.shape[1], dtype=np.float64) * (2.0**self.speed_step_log2 / 1000.0)
+        return np.arange(self.current_d_mA.shape[1], dtype=np.float64) * (
+            2.0**self.speed_step_log2 / 1000.0
+        )
 
     @property
     def temperatures_c(self) -> Array:
         """Winding temperature of each layer in degC."""
-        return temperatures_c(self.temperature_origin_cC, self.temperature_step_log2, self.current_d_mA.shape[0])
+        return temperatures_c(
+            self.temperature_origin_cC, self.temperature_step_log2, self.current_d_mA.shape[0]
+        )
 
 
 def temperatures_c(origin_cc: int, step_log2: int, points: int) -> Array:
@@ -58,72 +72,118 @@ def temperatures_c(origin_cc: int, step_log2: int, points: int) -> Array:
 
 
 def temperature_axis(drive: Drive, points: int) -> tuple[int, int]:
-    """Origin in hundredths of a degree and step exponent of so many layers: over the range, or one in its middle."""
+    """Origin in hundredths of a degree and step exponent of so many layers.
+
+    Over the range, or one in its middle.
+    """
     lowest, highest = drive.table.temperature_range_c
     if points == 1:
         return round(50.0 * (lowest + highest)), tables.TEMPERATURE_STEP_LOG2[0]
-    return round(100.0 * lowest), tables.step_log2(100.0 * (highest - lowest), points, tables.TEMPERATURE_STEP_LOG2[0])
+    return round(100.0 * lowest), tables.step_log2(
+        100.0 * (highest - lowest), points, tables.TEMPERATURE_STEP_LOG2[0]
+    )
 
 
 def points_over(drive: Drive, torque_step_log2: int, speed_step_log2: int) -> tuple[int, int]:
     """Points along torque and speed that cover max_torque_nm either way and max_speed_rpm."""
-    torque, speed = 1000.0 * drive.motor.max_torque_nm, 1000.0 * drive.motor.max_speed_rpm * math.pi / 30.0
-    return 2 * math.ceil(torque / 2.0**torque_step_log2 - 1e-12) + 1, math.ceil(speed / 2.0**speed_step_log2 - 1e-12) + 1
+    torque, speed = (
+        1000.0 * drive.motor.max_torque_nm,
+        1000.0 * drive.motor.max_speed_rpm * math.pi / 30.0,
+    )
+    return 2 * math.ceil(torque / 2.0**torque_step_log2 - 1e-12) + 1, math.ceil(
+        speed / 2.0**speed_step_log2 - 1e-12
+    ) + 1
 
 
 def compute(drive: Drive, torque_step_log2: int, speed_step_log2: int, layers: int) -> CurrentMap:
     """Compute the table on one grid.
 
-    A straight line between two points of a curve lies to one side of it, by an eighth of the second difference in the
-    middle. Moving every point by a sixteenth to the other side leaves half that error, at the points and between them
-    alike, and a quarter of the power it costs. At no torque the point stays where it is: a motor that idles takes least.
-    Along temperature, where the curve is nearly straight, the points lie on it.
+    A straight line between two points of a curve lies to one side of it, by an eighth of the second
+    difference in the middle. Moving every point by a sixteenth to the other side leaves half that
+    error, at the points and between them alike, and a quarter of the power it costs. At no torque
+    the point stays where it is: a motor that idles takes least. Along temperature, where the curve
+    is nearly straight, the points lie on it.
     """
     torque_points, speed_points = points_over(drive, torque_step_log2, speed_step_log2)
     origin, temperature_step = temperature_axis(drive, layers)
     empty = CurrentMap(
-        torque_step_log2, speed_step_log2, temperature_step, origin, np.zeros((layers, speed_points, torque_points), np.int32)
+        torque_step_log2,
+        speed_step_log2,
+        temperature_step,
+        origin,
+        np.zeros((layers, speed_points, torque_points), np.int32),
     )
     motor = models.machine(drive, empty.temperatures_c[:, np.newaxis, np.newaxis])
     # One point more all around but at standstill, for the differences.
     speeds = np.append(empty.speeds_rad_s, empty.speeds_rad_s[-1] + empty.speeds_rad_s[1])
-    torques = np.arange(-1, torque_points + 1) * (2.0**torque_step_log2 / 1000.0) + empty.torques_nm[0]
+    torques = (
+        np.arange(-1, torque_points + 1) * (2.0**torque_step_log2 / 1000.0) + empty.torques_nm[0]
+    )
     limits = joint.Limits(RELAXED * drive.motor.max_phase_current_a)
     torques = np.broadcast_to(torques, (layers, len(speeds), len(torques)))
-    best = joint.least_power(motor, models.bridge(drive), speeds[:, np.newaxis] * drive.motor.pole_pairs, torques, limits)
+    best = joint.least_power(
+        motor, models.bridge(drive), speeds[:, np.newaxis] * drive.motor.pole_pairs, torques, limits
+    )
     exact = np.where(best.feasible, best.state.current_d_a, 0.0)
     bent = exact[:, :-1, :-2] - 2.0 * exact[:, :-1, 1:-1] + exact[:, :-1, 2:]
     bent[:, 1:] += exact[:, :-2, 1:-1] - 2.0 * exact[:, 1:-1, 1:-1] + exact[:, 2:, 1:-1]
     bent[:, :, torque_points // 2] = 0.0
     current = exact[:, :-1, 1:-1] - bent / 16.0
-    return CurrentMap(torque_step_log2, speed_step_log2, temperature_step, origin, np.rint(current * 1000.0).astype(np.int32))
+    return CurrentMap(
+        torque_step_log2,
+        speed_step_log2,
+        temperature_step,
+        origin,
+        np.rint(current * 1000.0).astype(np.int32),
+    )
 
 
-def read(table: CurrentMap, torque_nm: ArrayLike, speed_rad_s: ArrayLike, winding_temperature_c: ArrayLike) -> Array:
-    """Read i_d in A in whole numbers, as the controller would: linear, rounded, the edges counting beyond the grid."""
+def read(
+    table: CurrentMap,
+    torque_nm: ArrayLike,
+    speed_rad_s: ArrayLike,
+    winding_temperature_c: ArrayLike,
+) -> Array:
+    """Read i_d in A in whole numbers, as the controller would.
+
+    Linear, rounded, the edges counting beyond the grid.
+    """
     layers, rows, columns = table.current_d_mA.shape
     turning = np.where(np.asarray(speed_rad_s) < 0.0, -1.0, 1.0)
-    from_edge = np.asarray(torque_nm) * turning * 1000.0 + (columns // 2) * 2.0**table.torque_step_log2
+    from_edge = (
+        np.asarray(torque_nm) * turning * 1000.0 + (columns // 2) * 2.0**table.torque_step_log2
+    )
     s, s_part = audit.locate(np.abs(speed_rad_s) * 1000.0, rows, table.speed_step_log2)
     t, t_part = audit.locate(from_edge, columns, table.torque_step_log2)
     entries = table.current_d_mA.astype(np.int64)
 
     def layer(w: audit.Whole) -> audit.Whole:
         slow = audit.between(entries[w, s, t], entries[w, s, t + 1], t_part, table.torque_step_log2)
-        fast = audit.between(entries[w, s + 1, t], entries[w, s + 1, t + 1], t_part, table.torque_step_log2)
+        fast = audit.between(
+            entries[w, s + 1, t], entries[w, s + 1, t + 1], t_part, table.torque_step_log2
+        )
         return audit.between(slow, fast, s_part, table.speed_step_log2)
 
     if layers == 1:
         return np.asarray(layer(np.zeros(np.broadcast_shapes(s.shape, t.shape), np.int64)) / 1000.0)
     above = np.asarray(winding_temperature_c) * 100.0 - table.temperature_origin_cC
     w, w_part = audit.locate(above, layers, table.temperature_step_log2)
-    return np.asarray(audit.between(layer(w), layer(w + 1), w_part, table.temperature_step_log2) / 1000.0)
+    return np.asarray(
+        audit.between(layer(w), layer(w + 1), w_part, table.temperature_step_log2) / 1000.0
+    )
 
 
-def state(motor: models.Machine, inverter: models.Bridge, omega: ArrayLike, torque_nm: ArrayLike, i_d: ArrayLike) -> models.State:
+def state(
+    motor: models.Machine,
+    inverter: models.Bridge,
+    omega: ArrayLike,
+    torque_nm: ArrayLike,
+    i_d: ArrayLike,
+) -> models.State:
     """Steady state of a torque with a given terminal i_d: i_q from the quadratic that the iron branch leaves.
 
-    With i_dt = i_d + g L_q i_qt the torque is 1.5 p i_qt (psi - s i_d - s g L_q i_qt), s = L_q - L_d.
+    With i_dt = i_d + g L_q i_qt the torque is 1.5 p i_qt (psi - s i_d - s g L_q i_qt), s = L_q -
+    L_d.
     """
     g, saliency = motor.iron_ratio(omega), motor.q_inductance_h - motor.d_inductance_h
     per_flux = np.asarray(torque_nm) / (1.5 * motor.pole_pairs)
@@ -131,11 +191,17 @@ def state(motor: models.Machine, inverter: models.Bridge, omega: ArrayLike, torq
     square = np.square(flux) - 4.0 * saliency * g * motor.q_inductance_h * per_flux
     i_qt = 2.0 * per_flux / (flux + np.sqrt(np.where(square >= 0.0, square, np.nan)))
     i_dt = i_d + g * motor.q_inductance_h * i_qt
-    return models.evaluate(motor, inverter, omega, i_d, i_qt + g * (motor.d_inductance_h * i_dt + motor.flux_wb))
+    return models.evaluate(
+        motor, inverter, omega, i_d, i_qt + g * (motor.d_inductance_h * i_dt + motor.flux_wb)
+    )
 
 
 def best_torque_nm(
-    motor: models.Machine, inverter: models.Bridge, table: CurrentMap, speed_rad_s: ArrayLike, strongest_nm: ArrayLike
+    motor: models.Machine,
+    inverter: models.Bridge,
+    table: CurrentMap,
+    speed_rad_s: ArrayLike,
+    strongest_nm: ArrayLike,
 ) -> Array:
     """Braking torque magnitude in N m, at most ``strongest_nm``, that returns the most power with the stored i_d."""
     speed, strongest, _ = np.broadcast_arrays(speed_rad_s, strongest_nm, motor.resistance_ohm)
@@ -143,18 +209,30 @@ def best_torque_nm(
 
     def power(torque: Array) -> Array:
         at = np.broadcast_to(speed[..., np.newaxis], torque.shape)
-        return state(wide, inverter, at * motor.pole_pairs, torque, read(table, torque, at, wide.winding_temperature_c)).dc_power_w
+        return state(
+            wide,
+            inverter,
+            at * motor.pole_pairs,
+            torque,
+            read(table, torque, at, wide.winding_temperature_c),
+        ).dc_power_w
 
-    return np.asarray(-joint.shrink(power, -strongest.astype(np.float64), np.zeros(speed.shape), first=65)[0])
+    return np.asarray(
+        -joint.shrink(power, -strongest.astype(np.float64), np.zeros(speed.shape), first=65)[0]
+    )
 
 
 def production(table: CurrentMap) -> braking.Production:
     """Return how torque is made with the stored i_d, for the audit of the braking table."""
 
-    def capability(drive: Drive, motor: models.Machine, inverter: models.Bridge, speed: ArrayLike) -> Array:
+    def capability(
+        drive: Drive, motor: models.Machine, inverter: models.Bridge, speed: ArrayLike
+    ) -> Array:
         return best_torque_nm(motor, inverter, table, speed, braking.torque_limit_nm(drive, speed))
 
-    def made(motor: models.Machine, inverter: models.Bridge, speed: ArrayLike, torque: ArrayLike) -> models.State:
+    def made(
+        motor: models.Machine, inverter: models.Bridge, speed: ArrayLike, torque: ArrayLike
+    ) -> models.State:
         i_d = read(table, torque, speed, motor.winding_temperature_c)
         return state(motor, inverter, np.asarray(speed) * motor.pole_pairs, torque, i_d)
 
@@ -164,10 +242,11 @@ def production(table: CurrentMap) -> braking.Production:
 def regen_map(drive: Drive, currents: CurrentMap) -> tables.RegenMap:
     """Return the braking table that belongs to the stored i_d: its optimum at every point, unclamped.
 
-    The grid reaches up to the top speed, as without i_d, unless it loses too much power somewhere. It does for a salient
-    motor, whose optimum runs away at the speed where the power loses its minimum (it is stored up to a bound then): a
-    finer grid that ends where every optimum is beyond max_torque_nm is better, because from there on the limits decide,
-    and the firmware takes the nearest edge.
+    The grid reaches up to the top speed, as without i_d, unless it loses too much power somewhere.
+    It does for a salient motor, whose optimum runs away at the speed where the power loses its
+    minimum (it is stored up to a bound then): a finer grid that ends where every optimum is beyond
+    max_torque_nm is better, because from there on the limits decide, and the firmware takes the
+    nearest edge.
     """
     plain = tables.regen_map(drive)
     made = production(currents)
@@ -181,12 +260,26 @@ def regen_map(drive: Drive, currents: CurrentMap) -> tables.RegenMap:
     return whole
 
 
-def _filled(drive: Drive, currents: CurrentMap, plain: tables.RegenMap, step_log2: int) -> tables.RegenMap:
-    """Fill a braking table with another distance of its speeds; at standstill the closed form's continuation below zero."""
-    motor, inverter = models.machine(drive, plain.temperatures_c[:, np.newaxis]), models.bridge(drive)
+def _filled(
+    drive: Drive, currents: CurrentMap, plain: tables.RegenMap, step_log2: int
+) -> tables.RegenMap:
+    """Fill a braking table with another distance of its speeds.
+
+    At standstill the closed form's continuation below zero.
+    """
+    motor, inverter = (
+        models.machine(drive, plain.temperatures_c[:, np.newaxis]),
+        models.bridge(drive),
+    )
     speeds = np.arange(drive.table.speed_points, dtype=np.float64) * (2.0**step_log2 / 1000.0)
-    without = np.abs(optimum.closed_form(motor, inverter, speeds * motor.pole_pairs).torque_optimal_nm)
+    without = np.abs(
+        optimum.closed_form(motor, inverter, speeds * motor.pole_pairs).torque_optimal_nm
+    )
     strongest = np.maximum(REACH * drive.motor.max_torque_nm, BEYOND_CLOSED_FORM * without)
-    torque = np.rint(best_torque_nm(motor, inverter, currents, speeds, strongest) * 1000.0).astype(np.int32)
+    torque = np.rint(best_torque_nm(motor, inverter, currents, speeds, strongest) * 1000.0).astype(
+        np.int32
+    )
     torque[:, 0] = plain.torque_mNm[:, 0]
-    return tables.RegenMap(step_log2, plain.temperature_step_log2, plain.temperature_origin_cC, torque)
+    return tables.RegenMap(
+        step_log2, plain.temperature_step_log2, plain.temperature_origin_cC, torque
+    )

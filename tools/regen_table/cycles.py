@@ -1,4 +1,8 @@
-"""The ideal drive cycle: every instant in steady state, the speed trace followed exactly as far as the limits allow."""
+# SPDX-License-Identifier: Apache-2.0
+"""The ideal drive cycle.
+
+Every instant in steady state, the speed trace followed exactly as far as the limits allow.
+"""
 
 import csv
 from dataclasses import asdict, dataclass
@@ -29,7 +33,10 @@ class Cycle:
 
 @dataclass(frozen=True)
 class CycleEnergies:
-    """Energy of a cycle in J, all motors together, positive; ``traction`` is what the battery's cells gave."""
+    """Energy of a cycle in J, all motors together, positive.
+
+    ``traction`` is what the battery's cells gave.
+    """
 
     traction: float
     braking_at_wheels: float
@@ -80,9 +87,18 @@ def load(path: Path, top_speed_kmh: float | None = None) -> Cycle:
     except FileNotFoundError:
         raise ConfigurationError(f"{path}: file not found") from None
     except (OSError, KeyError, TypeError, ValueError) as error:
-        raise ConfigurationError(f"{path}: accepted: columns time_s and speed_km_h with a number each ({error})") from error
-    if len(time) < 2 or not np.all(np.isfinite(time) & np.isfinite(speed)) or np.any(np.diff(time) <= 0.0) or np.any(speed < 0.0):
-        raise ConfigurationError(f"{path}: accepted: at least two samples, rising time_s, speed_km_h >= 0")
+        raise ConfigurationError(
+            f"{path}: accepted: columns time_s and speed_km_h with a number each ({error})"
+        ) from error
+    if (
+        len(time) < 2
+        or not np.all(np.isfinite(time) & np.isfinite(speed))
+        or np.any(np.diff(time) <= 0.0)
+        or np.any(speed < 0.0)
+    ):
+        raise ConfigurationError(
+            f"{path}: accepted: at least two samples, rising time_s, speed_km_h >= 0"
+        )
     factor = 1.0 if top_speed_kmh is None else top_speed_kmh / 3.6 / float(np.max(speed))
     return Cycle(path.stem, time, speed * factor)
 
@@ -91,7 +107,10 @@ def shipped(drive: Drive) -> list[Cycle]:
     """Return the cycles that come with the simulator, slowed down where they exceed the drive's own top speed."""
     top = drive.motor.max_speed_rpm * np.pi / 30.0 * drive.vehicle.wheel_radius_m
     found = [load(path) for path in sorted(DIRECTORY.glob("*.csv"))]
-    return [Cycle(c.name, c.time_s, c.speed_m_s * min(1.0, top / float(np.max(c.speed_m_s)))) for c in found]
+    return [
+        Cycle(c.name, c.time_s, c.speed_m_s * min(1.0, top / float(np.max(c.speed_m_s))))
+        for c in found
+    ]
 
 
 @dataclass(frozen=True)
@@ -114,9 +133,17 @@ def demand(drive: Drive, cycle: Cycle) -> Demand:
     middle = (0.5 * (speed[:, 1:] + speed[:, :-1])).ravel()
     acceleration = np.diff(speed, axis=1).ravel() / seconds
     rolling = vehicle.rolling_resistance * vehicle.mass_kg * GRAVITY_M_S2 * (middle > 0.0)
-    drag = rolling + 0.5 * AIR_DENSITY_KG_M3 * vehicle.drag_coefficient * vehicle.frontal_area_m2 * middle**2
+    drag = (
+        rolling
+        + 0.5 * AIR_DENSITY_KG_M3 * vehicle.drag_coefficient * vehicle.frontal_area_m2 * middle**2
+    )
     force = vehicle.mass_kg * acceleration + drag
-    return Demand(seconds, middle / vehicle.wheel_radius_m, force * vehicle.wheel_radius_m / vehicle.driven_wheels, drag * middle)
+    return Demand(
+        seconds,
+        middle / vehicle.wheel_radius_m,
+        force * vehicle.wheel_radius_m / vehicle.driven_wheels,
+        drag * middle,
+    )
 
 
 def run(
@@ -127,18 +154,29 @@ def run(
     soc: float | None = None,
     made: braking.Production = braking.ZERO_D_CURRENT,
 ) -> CycleResult:
-    """Drive one cycle, making torque as ``made`` says (ideal.production); the battery's state of charge stays where it is."""
-    motor, inverter, wheels = models.machine(drive, temperature_c), models.bridge(drive), drive.vehicle.driven_wheels
+    """Drive one cycle, making torque as ``made`` says (ideal.production).
+
+    The battery's state of charge stays where it is.
+    """
+    motor, inverter, wheels = (
+        models.machine(drive, temperature_c),
+        models.bridge(drive),
+        drive.vehicle.driven_wheels,
+    )
     asked = demand(drive, cycle)
     speed = asked.speed_rad_s
     friction = np.where(speed > 0.0, motor.friction_nm + motor.viscous_nm_s * speed, 0.0)
     braking_demand = np.maximum(-asked.torque_nm - friction, 0.0)
-    electric = braking.electric_torque_nm(drive, strategy, braking_demand, speed, made.capability_nm(drive, motor, inverter, speed))
+    electric = braking.electric_torque_nm(
+        drive, strategy, braking_demand, speed, made.capability_nm(drive, motor, inverter, speed)
+    )
     driving = np.maximum(asked.torque_nm + friction, 0.0)
     moving = speed > 0.0
     state = made.state(motor, inverter, speed, np.where(moving, driving - electric, 0.0))
     resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
-    pack = models.battery_steady(models.open_circuit_voltage_v(drive, soc), resistance, wheels * state.dc_power_w)
+    pack = models.battery_steady(
+        models.open_circuit_voltage_v(drive, soc), resistance, wheels * state.dc_power_w
+    )
 
     brakes = asked.torque_nm < -friction
 
@@ -162,8 +200,16 @@ def run(
         )
 
     energies = part(np.ones_like(brakes))
-    kinetic = 0.5 * drive.vehicle.mass_kg * float(cycle.speed_m_s[-1] ** 2 - cycle.speed_m_s[0] ** 2)
-    residual = energies.traction - energies.battery_returned - sum(energies.losses.values()) - energies.drag - kinetic
+    kinetic = (
+        0.5 * drive.vehicle.mass_kg * float(cycle.speed_m_s[-1] ** 2 - cycle.speed_m_s[0] ** 2)
+    )
+    residual = (
+        energies.traction
+        - energies.battery_returned
+        - sum(energies.losses.values())
+        - energies.drag
+        - kinetic
+    )
     return CycleResult(
         cycle=cycle.name,
         strategy=strategy,
@@ -171,6 +217,8 @@ def run(
         energy_j=energies,
         while_driving_j=part(~brakes),
         while_braking_j=part(brakes),
-        braking_share_stored=energies.battery_returned / energies.braking_at_wheels if energies.braking_at_wheels > 0.0 else 0.0,
+        braking_share_stored=energies.battery_returned / energies.braking_at_wheels
+        if energies.braking_at_wheels > 0.0
+        else 0.0,
         residual_relative=residual / max(energies.traction, 1e-9),
     )

@@ -1,4 +1,8 @@
-"""A drive: one motor with its inverter, battery, vehicle, brake and limits; its sections are checked one by one."""
+# SPDX-License-Identifier: Apache-2.0
+"""A drive: one motor with its inverter, battery, vehicle, brake and limits.
+
+Its sections are checked one by one.
+"""
 
 import re
 from typing import Self
@@ -50,9 +54,14 @@ class Drive(Section):
         return self._name
 
     def named(self, name: str) -> Self:
-        """Return the same drive under another name (letter first; letters, digits, - and _; at most 31)."""
+        """Return the same drive under another name (letter first.
+
+        Letters, digits, - and _; at most 31).
+        """
         if not _NAME.fullmatch(name):
-            raise ConfigurationError(f"configuration name {name!r}: must be a letter followed by at most 30 letters, digits, '-' or '_'")
+            raise ConfigurationError(
+                f"configuration name {name!r}: must be a letter followed by at most 30 letters, digits, '-' or '_'"
+            )
         copy = self.model_copy()
         copy._name = name
         return copy

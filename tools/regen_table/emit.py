@@ -1,4 +1,8 @@
-"""The configuration as C source: one constant with designated initialisers, the same bytes as the binary image."""
+# SPDX-License-Identifier: Apache-2.0
+"""The configuration as C source.
+
+One constant with designated initialisers, the same bytes as the binary image.
+"""
 
 import re
 import zlib
@@ -37,7 +41,10 @@ def symbol(drive: Drive) -> str:
 
 
 def source(drive: Drive, raw: bytes) -> str:
-    """Return the C file of a drive whose image is ``raw``; depends on nothing else, so its bytes repeat."""
+    """Return the C file of a drive whose image is ``raw``.
+
+    Depends on nothing else, so its bytes repeat.
+    """
     header = layout.load()
     lines = [
         _HEAD.format(
@@ -58,8 +65,15 @@ def source(drive: Drive, raw: bytes) -> str:
             if info.count:
                 lines += _array(name, [int(item) for item in value], packed)
             else:
-                meaning = " ".join(part for part in (f"[{info.unit}]" if info.unit not in {"", "1"} else "", info.text) if part)
-                lines.append(f"        .{name:<{width}} = {int(value)}," + (f" /* {meaning} */\n" if meaning else "\n"))
+                meaning = " ".join(
+                    part
+                    for part in (f"[{info.unit}]" if info.unit not in {"", "1"} else "", info.text)
+                    if part
+                )
+                lines.append(
+                    f"        .{name:<{width}} = {int(value)},"
+                    + (f" /* {meaning} */\n" if meaning else "\n")
+                )
         lines.append("    },\n")
     body = raw[: header.ffi.offsetof("config_t", "crc32")]
     lines.append(f"    .crc32 = 0x{zlib.crc32(body):08X},\n}};\n")
@@ -67,19 +81,43 @@ def source(drive: Drive, raw: bytes) -> str:
 
 
 def _array(name: str, values: list[int], packed: Any) -> list[str]:  # noqa: ANN401, a cffi pointer
-    """Write an array: a map row by row with what each row stands for, anything else in one line; trailing zeros are implied."""
+    """Write an array: a map row by row with what each row stands for, anything else in one line.
+
+    Trailing zeros are implied.
+    """
     if name == "torque_mNm":
         grid = packed.regen_map
-        temperatures = [(grid.temperature_origin_cC + (row << grid.temperature_step_log2)) / 100 for row in range(grid.temperature_points)]
+        temperatures = [
+            (grid.temperature_origin_cC + (row << grid.temperature_step_log2)) / 100
+            for row in range(grid.temperature_points)
+        ]
         step = (1 << grid.speed_step_log2) / 1000
-        return _rows(name, values, grid.speed_points, f"a column every {step:g} rad/s, mechanical", [f"{t:g} degC" for t in temperatures])
+        return _rows(
+            name,
+            values,
+            grid.speed_points,
+            f"a column every {step:g} rad/s, mechanical",
+            [f"{t:g} degC" for t in temperatures],
+        )
     if name == "current_d_mA":
         grid = packed.current_map
         speeds = [(row << grid.speed_step_log2) / 1000 for row in range(grid.speed_points)]
-        layers = [(grid.temperature_origin_cC + (row << grid.temperature_step_log2)) / 100 for row in range(grid.temperature_points)]
-        first, step = -(grid.torque_points // 2 << grid.torque_step_log2) / 1000, (1 << grid.torque_step_log2) / 1000
+        layers = [
+            (grid.temperature_origin_cC + (row << grid.temperature_step_log2)) / 100
+            for row in range(grid.temperature_points)
+        ]
+        first, step = (
+            -(grid.torque_points // 2 << grid.torque_step_log2) / 1000,
+            (1 << grid.torque_step_log2) / 1000,
+        )
         head = f"a column every {step:g} N m from {first:g} N m on"
-        return _rows(name, values, grid.torque_points, head, [f"{w:g} rad/s, {t:g} degC" for t in layers for w in speeds])
+        return _rows(
+            name,
+            values,
+            grid.torque_points,
+            head,
+            [f"{w:g} rad/s, {t:g} degC" for t in layers for w in speeds],
+        )
     return [f"        .{name} = {{{', '.join(str(value) for value in values)}}},\n"]
 
 
@@ -89,5 +127,8 @@ def _rows(name: str, values: list[int], columns: int, head: str, labels: list[st
     for row, label in enumerate(labels):
         entries = values[row * columns : (row + 1) * columns]
         lines.append(f"            /* {label} */\n")
-        lines += [f"            {', '.join(str(value) for value in entries[start : start + 10])},\n" for start in range(0, columns, 10)]
+        lines += [
+            f"            {', '.join(str(value) for value in entries[start : start + 10])},\n"
+            for start in range(0, columns, 10)
+        ]
     return [*lines, "        },\n"]

@@ -1,4 +1,8 @@
-"""The figures of Lu et al. 2013, drawn for any configuration: 3, 4, 5, 11, 12 and 13 here, the vehicle's in figures_vehicle."""
+# SPDX-License-Identifier: Apache-2.0
+"""The figures of Lu et al.
+
+2013, drawn for any configuration: 3, 4, 5, 11, 12 and 13 here, the vehicle's in figures_vehicle.
+"""
 
 import math
 from pathlib import Path
@@ -29,12 +33,18 @@ def draw_all(drive: Drive, directory: Path) -> list[Path]:
         13: boundary_lines(drive),
         14: figures_vehicle.stored_share(drive),
     }
-    return plotting.save({f"{drive.name}_fig{number:02d}": made for number, made in drawn.items()}, directory)
+    return plotting.save(
+        {f"{drive.name}_fig{number:02d}": made for number, made in drawn.items()}, directory
+    )
 
 
 def reference(drive: Drive) -> tuple[models.Machine, models.Bridge, float]:
     """Return motor and bridge at the reference temperature, and the top speed in mechanical rad/s."""
-    return models.machine(drive, drive.motor.reference_temperature_c), models.bridge(drive), drive.motor.max_speed_rpm * math.pi / 30.0
+    return (
+        models.machine(drive, drive.motor.reference_temperature_c),
+        models.bridge(drive),
+        drive.motor.max_speed_rpm * math.pi / 30.0,
+    )
 
 
 def rpm(speed_rad_s: Array) -> Array:
@@ -45,25 +55,56 @@ def rpm(speed_rad_s: Array) -> Array:
 def power_over_current(drive: Drive) -> Figure:
     """Fig. 3: input power over braking current at fixed speeds, for a salient motor along the angle of least loss."""
     motor, inverter, top = reference(drive)
-    made, (axes,) = plotting.figure("Fig. 3   Power over braking current at constant speed", width=8.4)
+    made, (axes,) = plotting.figure(
+        "Fig. 3   Power over braking current at constant speed", width=8.4
+    )
     scale, unit = (1.0, "W") if ideal.salient(drive) else power_unit(drive)
     most = 0.35 * ideal.meeting_rad_s(drive, motor, inverter) if ideal.salient(drive) else 0.1 * top
-    for factor, colour in ((1.0, PURPLE), (1.6, GREEN), (2.2, BLUE), (2.8, RED)) if ideal.salient(drive) else SHARES:
+    for factor, colour in (
+        ((1.0, PURPLE), (1.6, GREEN), (2.2, BLUE), (2.8, RED)) if ideal.salient(drive) else SHARES
+    ):
         speed = factor * most
         line = ideal.lines(drive, motor, inverter, speed)
-        strongest = float(np.nanmin([1.1 * line.zero_nm, 1.5 * drive.motor.max_torque_nm])) if ideal.salient(drive) else 1.07 * line.zero_nm
-        state = ideal.state(drive, motor, inverter, speed, np.linspace(-strongest, 0.0, _points(drive)))
+        strongest = (
+            float(np.nanmin([1.1 * line.zero_nm, 1.5 * drive.motor.max_torque_nm]))
+            if ideal.salient(drive)
+            else 1.07 * line.zero_nm
+        )
+        state = ideal.state(
+            drive, motor, inverter, speed, np.linspace(-strongest, 0.0, _points(drive))
+        )
         current = -state.current_a if ideal.salient(drive) else state.current_q_a
         braked = current <= 0.0  # no torque takes a little current, the iron's
-        axes.plot(current[braked], state.dc_power_w[braked] / scale, color=colour, label=f"{float(rpm(np.array(speed))):.0f} r/min")
-        axes.plot(current[braked], state.motor_power_w[braked] / scale, color=colour, linestyle=":", linewidth=1.0)
+        axes.plot(
+            current[braked],
+            state.dc_power_w[braked] / scale,
+            color=colour,
+            label=f"{float(rpm(np.array(speed))):.0f} r/min",
+        )
+        axes.plot(
+            current[braked],
+            state.motor_power_w[braked] / scale,
+            color=colour,
+            linestyle=":",
+            linewidth=1.0,
+        )
         if np.isfinite(line.optimal_nm):
             lowest = ideal.state(drive, motor, inverter, speed, -line.optimal_nm)
-            axes.plot(-float(line.optimal_a), float(lowest.dc_power_w) / scale, "o", color=colour, markersize=5)
+            axes.plot(
+                -float(line.optimal_a),
+                float(lowest.dc_power_w) / scale,
+                "o",
+                color=colour,
+                markersize=5,
+            )
         if line.zero_nm <= strongest:
             axes.plot(-float(line.zero_a), 0.0, "s", color=colour, markersize=4)
     axes.axhline(0.0, color="black", linewidth=0.8)
-    what = "phase current (peak) at the angle of least loss, braking, A" if ideal.salient(drive) else "q-axis current (peak phase), A"
+    what = (
+        "phase current (peak) at the angle of least loss, braking, A"
+        if ideal.salient(drive)
+        else "q-axis current (peak phase), A"
+    )
     axes.set(xlabel=what, ylabel=f"power taken from the bus, {unit}")
     axes.plot([], [], color="black", label="motor and inverter")
     axes.plot([], [], color="black", linestyle=":", linewidth=1.0, label="motor alone")
@@ -79,9 +120,14 @@ def power_unit(drive: Drive) -> tuple[float, str]:
 
 
 def shown_speeds(drive: Drive) -> Array:
-    """Mechanical speeds in rad/s for lines without limits: a salient motor's optimum runs away at a fraction of its top speed."""
+    """Mechanical speeds in rad/s for lines without limits.
+
+    A salient motor's optimum runs away at a fraction of its top speed.
+    """
     motor, inverter, top = reference(drive)
-    last = min(top, 2.5 * ideal.meeting_rad_s(drive, motor, inverter)) if ideal.salient(drive) else top
+    last = (
+        min(top, 2.5 * ideal.meeting_rad_s(drive, motor, inverter)) if ideal.salient(drive) else top
+    )
     return np.linspace(1e-3 * last, last, _points(drive))
 
 
@@ -100,14 +146,37 @@ def current_over_speed(drive: Drive) -> Figure:
     made, (axes,) = plotting.figure("Fig. 4   Braking current over speed", height=5.2)
     axes.plot(rpm(speed), -line.optimal_a, color=BLUE, label="most power returned")
     axes.plot(rpm(speed), -line.zero_a, color=RED, label="boundary to plugging")
-    text = "the same with i_d = 0, without iron and inverter loss," if ideal.salient(drive) else "the same without iron and inverter loss,"
-    axes.plot(rpm(speed), neglecting, color=BLUE, linestyle="--", linewidth=1.0, label=f"{text}\nthe paper's −ωψ/2R and −ωψ/R")
+    text = (
+        "the same with i_d = 0, without iron and inverter loss,"
+        if ideal.salient(drive)
+        else "the same without iron and inverter loss,"
+    )
+    axes.plot(
+        rpm(speed),
+        neglecting,
+        color=BLUE,
+        linestyle="--",
+        linewidth=1.0,
+        label=f"{text}\nthe paper's −ωψ/2R and −ωψ/R",
+    )
     axes.plot(rpm(speed), 2.0 * neglecting, color=RED, linestyle="--", linewidth=1.0)
-    axes.axhline(-drive.motor.max_phase_current_a, color="black", linewidth=1.0, linestyle="-.", label="largest phase current of the drive")
-    what = "phase current (peak) at the angle of least loss, A" if ideal.salient(drive) else "q-axis current (peak phase), A"
+    axes.axhline(
+        -drive.motor.max_phase_current_a,
+        color="black",
+        linewidth=1.0,
+        linestyle="-.",
+        label="largest phase current of the drive",
+    )
+    what = (
+        "phase current (peak) at the angle of least loss, A"
+        if ideal.salient(drive)
+        else "q-axis current (peak phase), A"
+    )
     axes.set(xlabel="speed, r/min", ylabel=what, xlim=(0.0, float(rpm(speed[-1:])[0])))
     if ideal.salient(drive):
-        axes.set_ylim(-2.0 * drive.motor.max_phase_current_a, 0.05 * drive.motor.max_phase_current_a)
+        axes.set_ylim(
+            -2.0 * drive.motor.max_phase_current_a, 0.05 * drive.motor.max_phase_current_a
+        )
     plotting.legend_below(made, axes, columns=2)
     return made
 
@@ -121,30 +190,61 @@ def regions(drive: Drive) -> Figure:
     limit = braking.torque_limit_nm(drive, speed)
     ceiling = 2.5 * drive.motor.max_torque_nm
     # Beyond all that is drawn where it is beyond the search.
-    optimal, zero = (np.nan_to_num(torque, nan=1.01 * ceiling) for torque in (line.optimal_nm, line.zero_nm))
+    optimal, zero = (
+        np.nan_to_num(torque, nan=1.01 * ceiling) for torque in (line.optimal_nm, line.zero_nm)
+    )
     capability = np.minimum(optimal, limit)
     free = optimal <= limit
-    also = free | np.roll(free, 1)  # areas are drawn between samples: both neighbours of the meeting point belong to both
+    also = free | np.roll(
+        free, 1
+    )  # areas are drawn between samples: both neighbours of the meeting point belong to both
     x = rpm(speed)
-    made, (axes,) = plotting.figure("Fig. 5   Best braking torque and the regions of a demand", height=5.2)
+    made, (axes,) = plotting.figure(
+        "Fig. 5   Best braking torque and the regions of a demand", height=5.2
+    )
     axes.fill_between(x, 0.0, capability, color=GREEN, alpha=0.18, linewidth=0)
-    axes.fill_between(x, limit, ceiling, where=~free | np.roll(~free, -1), color=PURPLE, alpha=0.15, linewidth=0)
-    axes.fill_between(x, optimal, np.minimum(zero, ceiling), where=also, color=ORANGE, alpha=0.20, linewidth=0)
-    axes.fill_between(x, np.minimum(zero, ceiling), ceiling, where=also, color=RED, alpha=0.18, linewidth=0)
-    axes.plot(x, np.minimum(zero, 1.01 * ceiling), color=RED, linewidth=1.2, label="T_zero: no power flows")
-    axes.plot(x, np.minimum(optimal, 1.01 * ceiling), color=BLUE, linewidth=1.2, linestyle="--", label="T_opt without limits")
-    axes.plot(x, capability, color=BLUE, linewidth=2.2, label="T_opt inside torque and power limits")
+    axes.fill_between(
+        x, limit, ceiling, where=~free | np.roll(~free, -1), color=PURPLE, alpha=0.15, linewidth=0
+    )
+    axes.fill_between(
+        x, optimal, np.minimum(zero, ceiling), where=also, color=ORANGE, alpha=0.20, linewidth=0
+    )
+    axes.fill_between(
+        x, np.minimum(zero, ceiling), ceiling, where=also, color=RED, alpha=0.18, linewidth=0
+    )
+    axes.plot(
+        x,
+        np.minimum(zero, 1.01 * ceiling),
+        color=RED,
+        linewidth=1.2,
+        label="T_zero: no power flows",
+    )
+    axes.plot(
+        x,
+        np.minimum(optimal, 1.01 * ceiling),
+        color=BLUE,
+        linewidth=1.2,
+        linestyle="--",
+        label="T_opt without limits",
+    )
+    axes.plot(
+        x, capability, color=BLUE, linewidth=2.2, label="T_opt inside torque and power limits"
+    )
     meeting = float(speed[int(np.argmax(~free))]) if np.any(~free) else top
     labels = [("III", 0.55 * top, 0.5 * float(np.interp(0.55 * top, speed, capability)))]
     if meeting < 0.95 * top:
         middle = 0.5 * (meeting + top)
         labels.append(("IV", middle, 0.5 * (float(np.interp(middle, speed, limit)) + ceiling)))
     at = 0.72 * meeting
-    middle = 0.5 * float(np.interp(at, speed, optimal) + min(float(np.interp(at, speed, zero)), ceiling))
+    middle = 0.5 * float(
+        np.interp(at, speed, optimal) + min(float(np.interp(at, speed, zero)), ceiling)
+    )
     labels += [("II", at, middle), ("I", 0.35 * meeting, 0.75 * ceiling)]
     for name, where, height in labels:
         axes.text(float(rpm(np.array(where))), height, name, fontsize=14, ha="center", va="center")
-    axes.set(xlabel="speed, r/min", ylabel="braking torque, N·m", xlim=(0.0, x[-1]), ylim=(0.0, ceiling))
+    axes.set(
+        xlabel="speed, r/min", ylabel="braking torque, N·m", xlim=(0.0, x[-1]), ylim=(0.0, ceiling)
+    )
     plotting.legend_below(made, axes, columns=2)
     axes.text(0.99, 0.02, "III motor alone · II, I motor gives T_opt, brake the rest · IV limited motor and brake",
               transform=axes.transAxes, ha="right", fontsize=8)  # fmt: skip
@@ -160,26 +260,49 @@ def efficiency_map(drive: Drive) -> Figure:
     state = ways.state(motor, inverter, speed, -torque)
     friction = state.loss_friction_w
     efficiency = -state.dc_power_w / (torque * speed + friction)
-    shown = np.ma.masked_where(torque > 1.02 * braking.torque_limit_nm(drive, speed), 100.0 * efficiency)
-    made, (axes,) = plotting.figure("Fig. 11   Efficiency of regenerative braking, motor and inverter, per cent")
+    shown = np.ma.masked_where(
+        torque > 1.02 * braking.torque_limit_nm(drive, speed), 100.0 * efficiency
+    )
+    made, (axes,) = plotting.figure(
+        "Fig. 11   Efficiency of regenerative braking, motor and inverter, per cent"
+    )
     axes.grid(visible=False)
     x, y = np.broadcast_arrays(rpm(speed), torque)
     filled = axes.contourf(x, y, shown, levels=np.arange(0.0, 101.0, 5.0), cmap="viridis")
-    lines = axes.contour(x, y, shown, levels=[30.0, 50.0, 60.0, 70.0, 80.0, 85.0, 90.0, 93.0, 95.0], colors="white", linewidths=0.8)
+    lines = axes.contour(
+        x,
+        y,
+        shown,
+        levels=[30.0, 50.0, 60.0, 70.0, 80.0, 85.0, 90.0, 93.0, 95.0],
+        colors="white",
+        linewidths=0.8,
+    )
     axes.clabel(lines, fmt="%g", fontsize=8)
     best = ways.capability_nm(drive, motor, inverter, speed)
     axes.plot(rpm(speed), best, color=RED, linewidth=2.0, label="best torque, inside the limits")
-    axes.set(xlabel="speed, r/min", ylabel="braking torque, N·m", ylim=(0.0, float(torque[-1, 0])), xlim=(0.0, float(rpm(np.array(top)))))
+    axes.set(
+        xlabel="speed, r/min",
+        ylabel="braking torque, N·m",
+        ylim=(0.0, float(torque[-1, 0])),
+        xlim=(0.0, float(rpm(np.array(top)))),
+    )
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=9)
     made.colorbar(filled, ax=axes, label="efficiency, %", ticks=np.arange(0.0, 101.0, 20.0))
     return made
 
 
 def torque_ramp(drive: Drive) -> Figure:
-    """Fig. 12: a slow ramp of braking torque at constant speed; the bus current returns to zero and turns positive."""
+    """Fig. 12: a slow ramp of braking torque at constant speed.
+
+    The bus current returns to zero and turns positive.
+    """
     motor, inverter, top = reference(drive)
     # The paper ran it at 150 of 640 r/min; a salient motor returns power at any torque there.
-    speed = 0.7 * ideal.meeting_rad_s(drive, motor, inverter) if ideal.salient(drive) else top * 150.0 / 640.0
+    speed = (
+        0.7 * ideal.meeting_rad_s(drive, motor, inverter)
+        if ideal.salient(drive)
+        else top * 150.0 / 640.0
+    )
     line = ideal.lines(drive, motor, inverter, speed)
     optimal, zero = -float(line.optimal_nm), -float(line.zero_nm)
     time = np.linspace(0.0, 10.0, _points(drive))
@@ -188,7 +311,9 @@ def torque_ramp(drive: Drive) -> Figure:
     resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
     pack = models.battery_steady(_any_voltage(drive), resistance, state.dc_power_w)
     made, (upper, lower) = plotting.figure(
-        f"Fig. 12   Ramp of braking torque at {float(rpm(np.array(speed))):.0f} r/min, limits left out", rows=2, height=5.2
+        f"Fig. 12   Ramp of braking torque at {float(rpm(np.array(speed))):.0f} r/min, limits left out",
+        rows=2,
+        height=5.2,
     )
     upper.plot(time, torque, color=RED)
     upper.set(ylabel="torque, N·m")
@@ -197,7 +322,13 @@ def torque_ramp(drive: Drive) -> Figure:
     for value, text in ((optimal, "T_opt"), (zero, "T_zero")):
         at = time[-1] * value / torque[-1]
         upper.plot(at, value, "o", color=RED)
-        upper.annotate(f"{text} = −{abs(value):.4g} N·m", (at, value), textcoords="offset points", xytext=(-8, -14), ha="right")
+        upper.annotate(
+            f"{text} = −{abs(value):.4g} N·m",
+            (at, value),
+            textcoords="offset points",
+            xytext=(-8, -14),
+            ha="right",
+        )
         lower.axvline(at, color=GREY, linestyle=":", linewidth=1.0)
     lower.set(xlabel="time, s", ylabel="battery current of one motor, A")
     lower.set_title("below zero, current flows into the battery", fontsize=9)
@@ -206,23 +337,33 @@ def torque_ramp(drive: Drive) -> Figure:
 
 def _any_voltage(drive: Drive) -> float:
     """Open-circuit voltage in V, at half charge where it depends on charge and none is configured."""
-    return models.open_circuit_voltage_v(drive, drive.battery.initial_soc if drive.battery.initial_soc is not None else 0.5)
+    return models.open_circuit_voltage_v(
+        drive, drive.battery.initial_soc if drive.battery.initial_soc is not None else 0.5
+    )
 
 
 def boundary_lines(drive: Drive) -> Figure:
     """Fig. 13: T_zero and T_opt over speed at three winding temperatures, with the paper's (20) and (21)."""
     _, inverter, _ = reference(drive)
     speed = shown_speeds(drive)
-    made, axes_pair = plotting.figure("Fig. 13   Lines of most power and of no power", columns=2, width=9.5)
+    made, axes_pair = plotting.figure(
+        "Fig. 13   Lines of most power and of no power", columns=2, width=9.5
+    )
     temperatures = (drive.motor.reference_temperature_c, 75.0, 120.0)
-    for axes, title in zip(axes_pair, ("T_opt: most power returned", "T_zero: no power flows"), strict=True):
+    for axes, title in zip(
+        axes_pair, ("T_opt: most power returned", "T_zero: no power flows"), strict=True
+    ):
         for temperature, colour in zip(temperatures, (BLUE, ORANGE, RED), strict=True):
             motor = models.machine(drive, temperature)
             line = ideal.lines(drive, motor, inverter, speed)
             exact = line.optimal_nm if "T_opt" in title else line.zero_nm
             axes.plot(rpm(speed), exact, color=colour, label=f"winding at {temperature:g} °C")
         motor = models.machine(drive, temperatures[0])
-        paper = braking.paper_optimum_nm(motor, speed) if "T_opt" in title else braking.paper_zero_nm(motor, speed)
+        paper = (
+            braking.paper_optimum_nm(motor, speed)
+            if "T_opt" in title
+            else braking.paper_zero_nm(motor, speed)
+        )
         axes.plot(rpm(speed), paper, color="black", linestyle="--", linewidth=1.2,
                   label=f"paper's (21) and (20), {temperatures[0]:g} °C")  # fmt: skip
         axes.set(title=title, xlabel="speed, r/min", xlim=(0.0, float(rpm(speed[-1:])[0])))

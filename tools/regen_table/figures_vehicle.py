@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The figures of Lu et al. 2013 that need the whole vehicle: 7, 8, 10 and 14."""
 
 import math
@@ -12,11 +13,16 @@ from regen_table import braking, cycles, ideal, models, plotting, stops
 from regen_table.plotting import BLUE, GREEN, GREY, ORANGE, RED, STRATEGY_COLOURS, STRATEGY_NAMES
 from regen_table.schema import Drive
 
-URBAN_CYCLE_TOP_KMH = 80.0  # the paper drives the urban cycle slowed by 60/80: a car of 80 km/h would drive it as it is
+# the paper drives the urban cycle slowed by 60/80: a car of 80 km/h would drive it as it is
+URBAN_CYCLE_TOP_KMH = 80.0
 
 
 def _reference(drive: Drive) -> tuple[models.Machine, models.Bridge, float]:
-    return models.machine(drive, drive.motor.reference_temperature_c), models.bridge(drive), drive.motor.max_speed_rpm * math.pi / 30.0
+    return (
+        models.machine(drive, drive.motor.reference_temperature_c),
+        models.bridge(drive),
+        drive.motor.max_speed_rpm * math.pi / 30.0,
+    )
 
 
 def _soc(drive: Drive) -> float:
@@ -29,7 +35,9 @@ def electric_share(drive: Drive) -> Figure:
     speed = np.linspace(1e-3 * top, top, 200)
     demand = np.linspace(0.0, 3.0 * drive.motor.max_torque_nm, 150)[:, np.newaxis]
     capability = ideal.production(drive).capability_nm(drive, motor, inverter, speed)
-    made, panels = plotting.figure("Fig. 7   Electric braking torque, N·m", columns=3, width=11.0, height=4.2)
+    made, panels = plotting.figure(
+        "Fig. 7   Electric braking torque, N·m", columns=3, width=11.0, height=4.2
+    )
     levels = np.linspace(0.0, drive.motor.max_torque_nm, 11)
     drawn = []
     for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
@@ -51,18 +59,40 @@ def pedal(drive: Drive) -> Figure:
     meeting = ideal.meeting_rad_s(drive, motor, inverter)
     travel = np.linspace(0.0, 1.0, 301)
     demand = travel * full
-    made, panels = plotting.figure("Fig. 8   What the brake pedal means for motor and mechanical brake", columns=3, width=11.0, height=4.2)
+    made, panels = plotting.figure(
+        "Fig. 8   What the brake pedal means for motor and mechanical brake",
+        columns=3,
+        width=11.0,
+        height=4.2,
+    )
     for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
         # Twice where the optimum decides, and once where the limits do.
-        speeds = (0.4 * meeting, 0.8 * meeting, 0.9 * top) if strategy == "series_optimal" else (0.5 * top,)
+        speeds = (
+            (0.4 * meeting, 0.8 * meeting, 0.9 * top)
+            if strategy == "series_optimal"
+            else (0.5 * top,)
+        )
         for speed, style in zip(speeds, ("-", "--", ":"), strict=False):
-            capability = ideal.production(drive).capability_nm(drive, motor, inverter, np.array([speed]))
+            capability = ideal.production(drive).capability_nm(
+                drive, motor, inverter, np.array([speed])
+            )
             electric = braking.electric_torque_nm(drive, strategy, demand, speed, capability)
             at = f" at {speed * 30.0 / math.pi:.0f} r/min" if len(speeds) > 1 else ""
             axes.plot(100.0 * travel, electric, color=BLUE, linestyle=style, label=f"motor{at}")
-            axes.plot(100.0 * travel, demand - electric, color=RED, linestyle=style, label="mechanical" if style == "-" else None)
+            axes.plot(
+                100.0 * travel,
+                demand - electric,
+                color=RED,
+                linestyle=style,
+                label="mechanical" if style == "-" else None,
+            )
         axes.plot(100.0 * travel, demand, color="black", linewidth=0.9, label="demand")
-        axes.set(title=STRATEGY_NAMES[strategy], xlabel="brake pedal, %", xlim=(0.0, 100.0), ylim=(0.0, full))
+        axes.set(
+            title=STRATEGY_NAMES[strategy],
+            xlabel="brake pedal, %",
+            xlim=(0.0, 100.0),
+            ylim=(0.0, full),
+        )
         axes.legend(loc="upper left", fontsize=9)
     panels[0].set_ylabel("braking torque at one wheel, N·m")
     return made
@@ -73,14 +103,29 @@ def stored_share(drive: Drive) -> Figure:
     top_kmh = drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
     initial = min(40.0, 2.0 / 3.0 * top_kmh)
     demands = np.geomspace(0.05, 5.0, 60) * drive.motor.max_torque_nm
-    made, (axes,) = plotting.figure(f"Fig. 14   Kinetic energy stored by a stop from {initial:.3g} km/h")
+    made, (axes,) = plotting.figure(
+        f"Fig. 14   Kinetic energy stored by a stop from {initial:.3g} km/h"
+    )
     for strategy in braking.STRATEGIES:
         stored = [
             100.0
-            * stops.stop(drive, strategy, float(demand), initial, drive.motor.reference_temperature_c, _soc(drive)).stored_share_of_kinetic
+            * stops.stop(
+                drive,
+                strategy,
+                float(demand),
+                initial,
+                drive.motor.reference_temperature_c,
+                _soc(drive),
+            ).stored_share_of_kinetic
             for demand in demands
         ]
-        axes.plot(demands, stored, color=STRATEGY_COLOURS[strategy], linewidth=2.0, label=STRATEGY_NAMES[strategy])
+        axes.plot(
+            demands,
+            stored,
+            color=STRATEGY_COLOURS[strategy],
+            linewidth=2.0,
+            label=STRATEGY_NAMES[strategy],
+        )
     axes.axhline(0.0, color="black", linewidth=0.8)
     axes.set(
         xlabel="braking demand at each driven wheel, N·m",
@@ -101,8 +146,18 @@ def energy_flow(drive: Drive) -> Figure:
     title = f"Fig. 10   Energy flow over the urban cycle (ECE-15, speeds × {factor:.2f})"
     made, panels = plotting.figure(title, rows=3, width=10.5, height=9.5)
     for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
-        result = cycles.run(drive, trace, strategy, drive.motor.reference_temperature_c, _soc(drive), ideal.production(drive))
-        axes.set_title(f"{STRATEGY_NAMES[strategy]}: {result.braking_share_stored:.1%} of the braking work stored", loc="left")
+        result = cycles.run(
+            drive,
+            trace,
+            strategy,
+            drive.motor.reference_temperature_c,
+            _soc(drive),
+            ideal.production(drive),
+        )
+        axes.set_title(
+            f"{STRATEGY_NAMES[strategy]}: {result.braking_share_stored:.1%} of the braking work stored",
+            loc="left",
+        )
         _flow(axes, result)
     return made
 
@@ -110,7 +165,12 @@ def energy_flow(drive: Drive) -> Figure:
 def _flow(axes: Axes, result: cycles.CycleResult) -> None:
     """Draw one flow from left to right: the band is what is left, what leaves it bends up."""
     out, back = result.while_driving_j, result.while_braking_j
-    exits = [("battery", out.battery, GREY), ("inverter", out.inverter, GREY), ("copper", out.copper, ORANGE), ("iron", out.iron, ORANGE)]
+    exits = [
+        ("battery", out.battery, GREY),
+        ("inverter", out.inverter, GREY),
+        ("copper", out.copper, ORANGE),
+        ("iron", out.iron, ORANGE),
+    ]
     exits += [
         ("bearings", out.friction + back.friction, GREY),
         ("drag", result.energy_j.drag, GREEN),
@@ -130,15 +190,31 @@ def _flow(axes: Axes, result: cycles.CycleResult) -> None:
         below = level - energy
         axes.add_patch(Rectangle((x, 0.0), 1.0, below, facecolor=BLUE, edgecolor="none"))
         axes.add_patch(_leaving(x, below, energy, total, colour))
-        axes.text(x + 0.75, 1.25 * total, f"{name}\n{energy / total:.1%}", ha="center", va="bottom", fontsize=8.5)
+        axes.text(
+            x + 0.75,
+            1.25 * total,
+            f"{name}\n{energy / total:.1%}",
+            ha="center",
+            va="bottom",
+            fontsize=8.5,
+        )
         level, x = below, x + 1.0
     axes.add_patch(Rectangle((x, 0.0), 0.6, max(level, 0.0), facecolor=BLUE, edgecolor="none"))
-    axes.text(x + 0.75, level / 2.0, f"back into the cells\n{returned / 1e3:.3g} kJ, {returned / total:.1%}", ha="left", va="center")
+    axes.text(
+        x + 0.75,
+        level / 2.0,
+        f"back into the cells\n{returned / 1e3:.3g} kJ, {returned / total:.1%}",
+        ha="left",
+        va="center",
+    )
     axes.set(xlim=(-1.8, 13.5), ylim=(-0.02 * total, 1.62 * total))
 
 
 def _leaving(x: float, below: float, energy: float, total: float, colour: str) -> PathPatch:
-    """Make the top slice of the band at x bend up and out at the top; its width there shows its share."""
+    """Make the top slice of the band at x bend up and out at the top.
+
+    Its width there shows its share.
+    """
     half = 0.45 * max(energy / total, 0.01)
     end, top, middle = x + 0.75, 1.2 * total, 0.5 * (below + 1.2 * total)
     curve = [

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Writing a configuration: <name>.c and <name>.bin together, or neither."""
 
 import contextlib
@@ -25,7 +26,9 @@ class Artefacts:
 def artefacts(drive: Drive) -> Artefacts:
     """Compute both files of a drive."""
     raw = image.build(drive)
-    return Artefacts({f"{drive.name}.c": emit.source(drive, raw).encode("ascii"), f"{drive.name}.bin": raw})
+    return Artefacts(
+        {f"{drive.name}.c": emit.source(drive, raw).encode("ascii"), f"{drive.name}.bin": raw}
+    )
 
 
 def write(drive: Drive, directory: Path) -> list[Path]:
@@ -45,14 +48,21 @@ def write_files(wanted: dict[Path, bytes]) -> list[Path]:
         for directory in {path.parent: None for path in wanted}:
             directory.mkdir(parents=True, exist_ok=True)
         before = {path: path.read_bytes() if path.exists() else None for path in wanted}
-        _replace({path: content for path, content in wanted.items() if before[path] != content}, before)
+        _replace(
+            {path: content for path, content in wanted.items() if before[path] != content}, before
+        )
     except OSError as error:
-        raise ConfigurationError(f"{error.filename or directory}: cannot be written: {error.strerror}") from error
+        raise ConfigurationError(
+            f"{error.filename or directory}: cannot be written: {error.strerror}"
+        ) from error
     return list(wanted)
 
 
 def check(drive: Drive, directory: Path) -> None:
-    """Compare both files of a drive with what a directory holds; raises CheckFailedError with one line."""
+    """Compare both files of a drive with what a directory holds.
+
+    Raises CheckFailedError with one line.
+    """
     for name, content in artefacts(drive).files.items():
         path = directory / name
         try:
@@ -62,11 +72,16 @@ def check(drive: Drive, directory: Path) -> None:
         except OSError as error:
             raise CheckFailedError(f"{path}: cannot be read: {error.strerror}") from error
         if not same:
-            raise CheckFailedError(f"{path}: differs from what its TOML file generates; renew it with ./tools/dev table")
+            raise CheckFailedError(
+                f"{path}: differs from what its TOML file generates; renew it with ./tools/dev table"
+            )
 
 
 def _replace(wanted: dict[Path, bytes], before: dict[Path, bytes | None]) -> None:
-    """Write every file beside its place, then move all; if a move fails, those already moved are put back."""
+    """Write every file beside its place, then move all.
+
+    If a move fails, those already moved are put back.
+    """
     staged: dict[Path, Path] = {}
     moved: list[Path] = []
     try:

@@ -1,8 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
 """How an ideal controller makes torque: with i_d = 0 as in the paper, or with the i_d of least loss.
 
-Surface magnets: i_d = 0, the paper's closed form. Salient motors: both currents, because i_d = 0 would waste most of what
-the motor can do. Points inside the drive's limits then take the i_d that the firmware has stored (current_map), which is
-within a fiftieth of a per cent of the least loss; the lines without limits are searched for.
+Surface magnets: i_d = 0, the paper's closed form. Salient motors: both currents, because i_d = 0
+would waste most of what the motor can do. Points inside the drive's limits then take the i_d that
+the firmware has stored (current_map), which is within a fiftieth of a per cent of the least loss;
+the lines without limits are searched for.
 """
 
 from dataclasses import dataclass
@@ -21,7 +23,11 @@ def salient(drive: Drive) -> bool:
 
 def production(drive: Drive) -> braking.Production:
     """Return how the drive makes torque inside its limits."""
-    return current_map.production(current_audit.choose(drive)) if salient(drive) else braking.ZERO_D_CURRENT
+    return (
+        current_map.production(current_audit.choose(drive))
+        if salient(drive)
+        else braking.ZERO_D_CURRENT
+    )
 
 
 @dataclass(frozen=True)
@@ -43,7 +49,9 @@ def lines(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike
     if not salient(drive):
         best = optimum.closed_form(motor, inverter, omega)
         current = np.abs(best.current_q_a)
-        return Lines(np.abs(best.torque_optimal_nm), np.abs(best.torque_zero_nm), current, 2.0 * current)
+        return Lines(
+            np.abs(best.torque_optimal_nm), np.abs(best.torque_zero_nm), current, 2.0 * current
+        )
     bounds = current_audit.relaxed(drive)
     best_point = joint.best_braking(motor, inverter, omega, bounds)
     returns = best_point.state.dc_power_w < 0.0  # else no torque returns anything: both are nothing
@@ -59,12 +67,16 @@ def lines(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike
     )
 
 
-def state(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike, torque_nm: ArrayLike) -> models.State:
+def state(
+    drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike, torque_nm: ArrayLike
+) -> models.State:
     """Steady state of a signed torque at a mechanical speed, also beyond the drive's limits."""
     if not salient(drive):
         return braking.state_of_torque(motor, inverter, speed_rad_s, torque_nm)
     omega = np.asarray(speed_rad_s) * motor.pole_pairs
-    return joint.least_power(motor, inverter, omega, torque_nm, joint.Limits(10.0 * drive.motor.max_phase_current_a)).state
+    return joint.least_power(
+        motor, inverter, omega, torque_nm, joint.Limits(10.0 * drive.motor.max_phase_current_a)
+    ).state
 
 
 def meeting_rad_s(drive: Drive, motor: Machine, inverter: Bridge) -> float:
@@ -74,6 +86,8 @@ def meeting_rad_s(drive: Drive, motor: Machine, inverter: Bridge) -> float:
     low, high = 0.0, top
     for _ in range(30):
         middle = 0.5 * (low + high)
-        limited = made.capability_nm(drive, motor, inverter, np.array([middle]))[0] >= 0.999 * braking.torque_limit_nm(drive, middle)
+        limited = made.capability_nm(drive, motor, inverter, np.array([middle]))[
+            0
+        ] >= 0.999 * braking.torque_limit_nm(drive, middle)
         low, high = (low, middle) if limited else (middle, high)
     return high

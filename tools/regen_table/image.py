@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """The binary image of config_t: from a checked drive to the bytes the firmware reads.
 
-``fields(drive)`` computes every value, ``build(drive)`` packs them by field name into the layout of config.h, within
-the ranges config.h accepts, and seals them with the CRC-32 that the firmware checks in BOOT.
+``fields(drive)`` computes every value, ``build(drive)`` packs them by field name into the layout of
+config.h, within the ranges config.h accepts, and seals them with the CRC-32 that the firmware
+checks in BOOT.
 """
 
 import zlib
@@ -21,7 +23,8 @@ RPM_TO_MRAD_S = 1000.0 * 3.141592653589793 / 30.0
 def build(drive: Drive) -> bytes:
     """Return the image of a drive: what the firmware, the simulator and config_validate() accept.
 
-    A drive whose loop has too little phase margin or whose quantities leave their number formats is refused.
+    A drive whose loop has too little phase margin or whose quantities leave their number formats is
+    refused.
 
     Raises
     ------
@@ -59,7 +62,9 @@ def checked_fields(drive: Drive) -> Values:
     for section, known in header.sections.items():
         odd = set(known) ^ set(values.get(section, {}))
         if odd:
-            raise ConfigurationError(f"config.h and this generator disagree about {section}.{min(odd)}: one of them is newer")
+            raise ConfigurationError(
+                f"config.h and this generator disagree about {section}.{min(odd)}: one of them is newer"
+            )
         for name, info in known.items():
             value = values[section][name]
             for item in value if isinstance(value, list) else [value]:
@@ -68,7 +73,10 @@ def checked_fields(drive: Drive) -> Values:
                     raise ConfigurationError(
                         f"{section}.{name}: {item}{unit} does not fit the controller, accepted: {info.lowest} to {info.highest}{unit}"
                     )
-    return {section: {name: values[section][name] for name in known} for section, known in header.sections.items()}
+    return {
+        section: {name: values[section][name] for name in known}
+        for section, known in header.sections.items()
+    }
 
 
 def fields(drive: Drive) -> Values:
@@ -115,7 +123,9 @@ def _motor(drive: Drive) -> dict[str, Any]:
         "pole_pairs": motor.pole_pairs,
         "phase_resistance_uOhm": nearest(motor.phase_resistance_ohm * 1e6),
         "reference_temperature_cC": nearest(motor.reference_temperature_c * 1e2),
-        "resistance_coefficient_ppm_K": nearest(motor.resistance_temperature_coefficient_per_k * 1e6),
+        "resistance_coefficient_ppm_K": nearest(
+            motor.resistance_temperature_coefficient_per_k * 1e6
+        ),
         "d_inductance_nH": nearest(motor.d_inductance_h * 1e9),
         "q_inductance_nH": nearest(motor.q_inductance_h * 1e9),
         "flux_linkage_nWb": nearest(motor.flux_linkage_wb * 1e9),
@@ -145,13 +155,21 @@ def _drive(drive: Drive) -> dict[str, Any]:
         "dead_time_ns": nearest(inverter.dead_time_s * 1e9),
         "diode_drop_mV": nearest(inverter.diode_forward_voltage_v * 1e3),
         "min_pulse_counts": loops.min_pulse_counts(drive),
-        "derate_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC if hottest is None else nearest((hottest - 20.0) * 1e2),
-        "max_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC if hottest is None else nearest(hottest * 1e2),
+        "derate_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC
+        if hottest is None
+        else nearest((hottest - 20.0) * 1e2),
+        "max_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC
+        if hottest is None
+        else nearest(hottest * 1e2),
     }
 
 
 def _battery(drive: Drive) -> dict[str, Any]:
-    battery, motors, trip = drive.battery, drive.vehicle.driven_wheels, relations.overvoltage_trip_v(drive)
+    battery, motors, trip = (
+        drive.battery,
+        drive.vehicle.driven_wheels,
+        relations.overvoltage_trip_v(drive),
+    )
     if trip <= battery.max_voltage_v:
         raise ConfigurationError(
             f"inverter.voltage_full_scale_v: {drive.inverter.voltage_full_scale_v:g} V, accepted: more than "
@@ -197,7 +215,9 @@ def _vehicle(drive: Drive) -> dict[str, Any]:
     return {
         "wheel_radius_um": nearest(vehicle.wheel_radius_m * 1e6),
         "mass_g": nearest(vehicle.mass_kg * 1e3),
-        "wheel_position": {"front_left": 0, "front_right": 1, "rear_left": 2, "rear_right": 3}[vehicle.wheel_position],
+        "wheel_position": {"front_left": 0, "front_right": 1, "rear_left": 2, "rear_right": 3}[
+            vehicle.wheel_position
+        ],
     }
 
 

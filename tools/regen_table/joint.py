@@ -1,10 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
 """Least DC power for a torque, and the best braking torque, over both currents at once.
 
-For a torque T the currents that make it lie on one curve: with i_dt free, i_qt = T / (1.5 p (psi + (L_d - L_q) i_dt)).
-Along it the DC power is minimised inside the current circle |i| <= I_max and the voltage circle |u| <= U. The best
-braking torque then minimises that least power over T. Both searches are nested scans that shrink around the best
-point: no derivative is trusted, because the power is a quadratic form that turns indefinite at about
-omega |L_d - L_q| > 2 (R_a + k2 / 1.5), where the limits decide.
+For a torque T the currents that make it lie on one curve: with i_dt free, i_qt = T / (1.5 p (psi +
+(L_d - L_q) i_dt)). Along it the DC power is minimised inside the current circle |i| <= I_max and
+the voltage circle |u| <= U. The best braking torque then minimises that least power over T. Both
+searches are nested scans that shrink around the best point: no derivative is trusted, because the
+power is a quadratic form that turns indefinite at about omega |L_d - L_q| > 2 (R_a + k2 / 1.5),
+where the limits decide.
 
 All arrays broadcast; a negative speed is the mirror image (i_d kept, i_q and torque negated).
 """
@@ -18,13 +20,17 @@ import numpy.typing as npt
 from regen_table import models
 from regen_table.models import Array, ArrayLike, Bridge, Machine, State
 
-_INFEASIBLE = 1e30  # a power nothing real reaches; the violation is added, so that searches walk towards the limits
+# a power nothing real reaches; the violation is added, so that searches walk towards the limits
+_INFEASIBLE = 1e30
 _TOLERANCE = 1e-9  # of a limit: rounding must not turn a point on a limit into one outside
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What bounds the search: peak phase current in A and peak phase voltage in V (infinite: no limit)."""
+    """What bounds the search.
+
+    Peak phase current in A and peak phase voltage in V (infinite: no limit).
+    """
 
     current_a: ArrayLike
     voltage_v: ArrayLike = np.inf
@@ -39,33 +45,48 @@ class Point:
     feasible: npt.NDArray[np.bool_]
 
 
-def least_power(motor: Machine, inverter: Bridge, omega: ArrayLike, torque_nm: ArrayLike, limits: Limits) -> Point:
+def least_power(
+    motor: Machine, inverter: Bridge, omega: ArrayLike, torque_nm: ArrayLike, limits: Limits
+) -> Point:
     """Find the currents of least DC power that make a torque at an electrical speed.
 
-    Where no currents inside the limits make the torque, ``feasible`` is false and the point is the one that violates
-    the limits least.
+    Where no currents inside the limits make the torque, ``feasible`` is false and the point is the
+    one that violates the limits least.
     """
     sign = _sign(omega)
     forward = _Problem(motor, inverter, omega, limits, np.shape(torque_nm))
     torque = np.broadcast_to(sign * np.asarray(torque_nm, dtype=np.float64), forward.shape)
     i_dt, cost = forward.best_direct_current(torque)
-    i_d, i_q = models.terminal_currents(motor, forward.omega, i_dt, forward.quadrature(torque, i_dt))
+    i_d, i_q = models.terminal_currents(
+        motor, forward.omega, i_dt, forward.quadrature(torque, i_dt)
+    )
     state = models.evaluate(motor, inverter, omega, i_d, sign * i_q)
     return Point(state, state.torque_nm, np.asarray(cost < _INFEASIBLE))
 
 
-def best_braking(motor: Machine, inverter: Bridge, omega: ArrayLike, limits: Limits, max_torque_nm: ArrayLike = np.inf) -> Point:
+def best_braking(
+    motor: Machine,
+    inverter: Bridge,
+    omega: ArrayLike,
+    limits: Limits,
+    max_torque_nm: ArrayLike = np.inf,
+) -> Point:
     """Find the braking torque, at most ``max_torque_nm`` strong, and the currents that return the most DC power.
 
-    Where no torque returns energy this is the torque that wastes least (no current, if the voltage limit allows it).
+    Where no torque returns energy this is the torque that wastes least (no current, if the voltage
+    limit allows it).
     """
     forward = _Problem(motor, inverter, omega, limits, np.shape(max_torque_nm))
     strongest = np.minimum(forward.torque_bound(), max_torque_nm)
-    torque, _ = shrink(lambda t: forward.best_direct_current(t)[1], -strongest, np.zeros(forward.shape), first=49)
+    torque, _ = shrink(
+        lambda t: forward.best_direct_current(t)[1], -strongest, np.zeros(forward.shape), first=49
+    )
     return least_power(motor, inverter, omega, _sign(omega) * torque, limits)
 
 
-def zero_power_torque(motor: Machine, inverter: Bridge, omega: ArrayLike, limits: Limits, best: Point) -> Array:
+def zero_power_torque(
+    motor: Machine, inverter: Bridge, omega: ArrayLike, limits: Limits, best: Point
+) -> Array:
     """Return the torque in N m beyond the best one at which the least DC power is back at zero.
 
     Where the limits end before that, this is the strongest braking torque inside them.
@@ -82,12 +103,36 @@ def zero_power_torque(motor: Machine, inverter: Bridge, omega: ArrayLike, limits
 
 
 class _Problem:
-    """The search at one or many forward speeds, all of one shape; candidates stand on trailing axes."""
+    """The search at one or many forward speeds, all of one shape.
 
-    def __init__(self, motor: Machine, inverter: Bridge, omega: ArrayLike, limits: Limits, shape: tuple[int, ...]) -> None:
-        inputs = (np.abs(omega), motor.iron_ratio(np.abs(omega)), motor.resistance_ohm, motor.flux_wb, limits.current_a, limits.voltage_v)
+    Candidates stand on trailing axes.
+    """
+
+    def __init__(
+        self,
+        motor: Machine,
+        inverter: Bridge,
+        omega: ArrayLike,
+        limits: Limits,
+        shape: tuple[int, ...],
+    ) -> None:
+        inputs = (
+            np.abs(omega),
+            motor.iron_ratio(np.abs(omega)),
+            motor.resistance_ohm,
+            motor.flux_wb,
+            limits.current_a,
+            limits.voltage_v,
+        )
         arrays = np.broadcast_arrays(*inputs, np.zeros(shape))
-        self.omega, self.iron, self.resistance, self.flux, self.current_limit, self.voltage_limit = (np.asarray(a) for a in arrays[:6])
+        (
+            self.omega,
+            self.iron,
+            self.resistance,
+            self.flux,
+            self.current_limit,
+            self.voltage_limit,
+        ) = (np.asarray(a) for a in arrays[:6])
         self.shape = self.omega.shape
         self.motor, self.inverter = motor, inverter
         self.saliency = motor.q_inductance_h - motor.d_inductance_h
@@ -99,7 +144,9 @@ class _Problem:
 
     def quadrature(self, torque: Array, i_dt: Array) -> Array:
         """Return i_qt in A that makes a torque together with i_dt."""
-        return torque / (1.5 * self.motor.pole_pairs * (_like(self.flux, i_dt) - self.saliency * i_dt))
+        return torque / (
+            1.5 * self.motor.pole_pairs * (_like(self.flux, i_dt) - self.saliency * i_dt)
+        )
 
     def best_direct_current(self, torque: Array) -> tuple[Array, Array]:
         """Return i_dt in A of least DC power for each torque, and that power (or the violation above _INFEASIBLE)."""
@@ -115,14 +162,23 @@ class _Problem:
 
     def cost(self, torque: Array, i_dt: Array) -> Array:
         """DC power in W of candidates, or how far outside the limits they are."""
-        omega, iron, resistance, flux = (_like(a, i_dt) for a in (self.omega, self.iron, self.resistance, self.flux))
+        omega, iron, resistance, flux = (
+            _like(a, i_dt) for a in (self.omega, self.iron, self.resistance, self.flux)
+        )
         i_qt = self.quadrature(torque, i_dt)
-        linked_d, linked_q = self.motor.d_inductance_h * i_dt + flux, self.motor.q_inductance_h * i_qt
+        linked_d, linked_q = (
+            self.motor.d_inductance_h * i_dt + flux,
+            self.motor.q_inductance_h * i_qt,
+        )
         i_d, i_q = i_dt - iron * linked_q, i_qt + iron * linked_d
         square = i_d * i_d + i_q * i_q
         current = np.sqrt(square)
         u_d, u_q = resistance * i_d - omega * linked_q, resistance * i_q + omega * linked_d
-        power = 1.5 * (u_d * i_d + u_q * i_q) + self.inverter.linear_w_per_a * current + self.inverter.square_w_per_a2 * square
+        power = (
+            1.5 * (u_d * i_d + u_q * i_q)
+            + self.inverter.linear_w_per_a * current
+            + self.inverter.square_w_per_a2 * square
+        )
         over_current = current / _like(self.current_limit, i_dt) - 1.0
         over_voltage = np.sqrt(u_d * u_d + u_q * u_q) / _like(self.voltage_limit, i_dt) - 1.0
         violation = np.maximum(over_current, over_voltage)
@@ -144,11 +200,13 @@ def _like(value: Array, candidates: Array) -> Array:
     return value.reshape(value.shape + (1,) * (candidates.ndim - value.ndim))
 
 
-def shrink(cost: Callable[[Array], Array], low: Array, high: Array, first: int) -> tuple[Array, Array]:
+def shrink(
+    cost: Callable[[Array], Array], low: Array, high: Array, first: int
+) -> tuple[Array, Array]:
     """Minimise a function of one variable inside [low, high], elementwise; returns (argument, value).
 
-    A scan with ``first`` points, then scans of 9 points between the neighbours of the best one so far, each four
-    times finer, until the interval is below a few parts in 1e8 of the first one.
+    A scan with ``first`` points, then scans of 9 points between the neighbours of the best one so
+    far, each four times finer, until the interval is below a few parts in 1e8 of the first one.
     """
     points, best, value = first, low, low
     for _ in range(12):

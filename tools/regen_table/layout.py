@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """The memory layout and the accepted ranges of config_t, read from firmware/config/include/config/config.h.
 
-That header is the only place that knows them. It is run through the C preprocessor of whatever compiler is at hand
-(``$CC``, cc, gcc, clang or arm-none-eabi-gcc), and cffi computes the layout from the result, so a field added
-there appears here without a change.
+That header is the only place that knows them. It is run through the C preprocessor of whatever
+compiler is at hand (``$CC``, cc, gcc, clang or arm-none-eabi-gcc), and cffi computes the layout
+from the result, so a field added there appears here without a change.
 """
 
 import os
@@ -20,7 +21,9 @@ import cffi
 
 from regen_table.errors import ConfigurationError
 
-HEADER = Path(__file__).resolve().parents[2] / "firmware" / "config" / "include" / "config" / "config.h"
+HEADER = (
+    Path(__file__).resolve().parents[2] / "firmware" / "config" / "include" / "config" / "config.h"
+)
 _COMPILERS = ("cc", "gcc", "clang", "arm-none-eabi-gcc")
 
 
@@ -64,12 +67,16 @@ class Layout:
 def load(header: Path = HEADER) -> Layout:
     """Read the header; one compiler run, cached for the life of the process."""
     if sys.byteorder != "little":
-        raise ConfigurationError("configuration images are little endian, as the microcontroller is; so must this machine be")
+        raise ConfigurationError(
+            "configuration images are little endian, as the microcontroller is; so must this machine be"
+        )
     try:
         text = header.read_text(encoding="utf-8")
     except OSError as error:
         raise ConfigurationError(f"{header}: cannot be read: {error.strerror}") from error
-    lists = re.findall(r"^#define\s+(CONFIG_\w+_(?:FIELDS|ARRAY))\((\w)\)", text, flags=re.MULTILINE)
+    lists = re.findall(
+        r"^#define\s+(CONFIG_\w+_(?:FIELDS|ARRAY))\((\w)\)", text, flags=re.MULTILINE
+    )
     constants = [
         name
         for name in re.findall(r"^#define\s+(CONFIG_\w+)[ \t]+\S", text, flags=re.MULTILINE)
@@ -78,19 +85,28 @@ def load(header: Path = HEADER) -> Layout:
     # Standard headers say nothing about the layout, and cffi knows the fixed-width types by itself.
     bare = re.sub(r"^\s*#\s*include\s*<[^>]*>", "", text, flags=re.MULTILINE)
     source = [bare, "regen_lists_begin"]
-    source.append("#define REGEN_SCALAR(name, lowest, highest, unit, text) regen_field(name, 0, lowest, highest, unit, text) regen_end")
+    source.append(
+        "#define REGEN_SCALAR(name, lowest, highest, unit, text) regen_field(name, 0, lowest, highest, unit, text) regen_end"
+    )
     source.append(
         "#define REGEN_ARRAY(name, count, lowest, highest, unit, text) regen_field(name, count, lowest, highest, unit, text) regen_end"
     )
-    source += [f'regen_list("{name}"); {name}({"REGEN_SCALAR" if letter == "X" else "REGEN_ARRAY"})' for name, letter in lists]
+    source += [
+        f'regen_list("{name}"); {name}({"REGEN_SCALAR" if letter == "X" else "REGEN_ARRAY"})'
+        for name, letter in lists
+    ]
     source += [f'regen_constant("{name}", {name});' for name in constants]
-    declarations, _, expanded = _preprocess("\n".join(source) + "\n", header).partition("regen_lists_begin")
+    declarations, _, expanded = _preprocess("\n".join(source) + "\n", header).partition(
+        "regen_lists_begin"
+    )
     ffi = cffi.FFI()
     try:
         ffi.cdef(re.sub(r"_Static_assert\s*\(.*?\)\s*;", "", declarations, flags=re.DOTALL))
         sections = _sections(ffi, expanded)
     except (cffi.CDefError, cffi.FFIError, KeyError) as error:
-        raise ConfigurationError(f"{header}: not understood: {' '.join(str(error).split())}") from error
+        raise ConfigurationError(
+            f"{header}: not understood: {' '.join(str(error).split())}"
+        ) from error
     pairs = re.findall(r'regen_constant\("(\w+)",\s*(0[xX][0-9a-fA-F]+|\d+)[uUlL]*\);', expanded)
     return Layout(ffi, sections, {name: int(value, 0) for name, value in pairs})
 
@@ -102,7 +118,9 @@ def _preprocess(source: str, header: Path) -> str:
     candidates += [[name] for name in _COMPILERS]
     command = next((c for c in candidates if shutil.which(c[0])), None)
     if command is None:
-        raise ConfigurationError(f"no C preprocessor found to read {header.name}: install one of {', '.join(_COMPILERS)} or set CC")
+        raise ConfigurationError(
+            f"no C preprocessor found to read {header.name}: install one of {', '.join(_COMPILERS)} or set CC"
+        )
     arguments = [*command, "-E", "-P", "-x", "c", "-I", str(header.parents[1]), "-"]
     done = subprocess.run(arguments, input=source, capture_output=True, text=True, check=False)
     if done.returncode != 0:
@@ -113,16 +131,30 @@ def _preprocess(source: str, header: Path) -> str:
 
 def _sections(ffi: cffi.FFI, expanded: str) -> dict[str, dict[str, FieldInfo]]:
     """Order the expanded field lists into the sections of config_t."""
-    members = {name: _struct_fields(info.type) for name, info in _struct_fields(ffi.typeof("config_t")).items()}
-    sections: dict[str, dict[str, FieldInfo]] = {name: {} for name, fields in members.items() if fields}
+    members = {
+        name: _struct_fields(info.type)
+        for name, info in _struct_fields(ffi.typeof("config_t")).items()
+    }
+    sections: dict[str, dict[str, FieldInfo]] = {
+        name: {} for name, fields in members.items() if fields
+    }
     for part in expanded.split("regen_list(")[1:]:
         macro = part[1 : part.index('"', 1)]
         for field_text in re.findall(r"regen_field\((.*?)\) regen_end", part, flags=re.DOTALL):
             name, count, lowest, highest, unit, text = _split(field_text)
             own = macro.removeprefix("CONFIG_").removesuffix("_FIELDS").lower()
-            section = own if own in sections else next(s for s, fields in members.items() if name in fields)
+            section = (
+                own
+                if own in sections
+                else next(s for s, fields in members.items() if name in fields)
+            )
             sections[section][name] = FieldInfo(
-                name, _integer(count), _integer(lowest), _integer(highest), unit.strip('"'), text.strip('"')
+                name,
+                _integer(count),
+                _integer(lowest),
+                _integer(highest),
+                unit.strip('"'),
+                text.strip('"'),
             )
     for section, fields in sections.items():
         missing = set(members[section]) - set(fields)
@@ -136,9 +168,21 @@ def _struct_fields(ctype: Any) -> dict[str, Any]:  # noqa: ANN401, cffi's types 
     return dict(ctype.fields) if ctype.kind == "struct" else {}
 
 
+_QUOTED = r'"((?:[^"\\]|\\.)*)"'
+
+
+def _joined(text: str) -> str:
+    """Join adjacent string literals, as a C compiler does."""
+    return re.sub(
+        rf"{_QUOTED}(?:\s+{_QUOTED})+",
+        lambda literals: '"' + "".join(re.findall(_QUOTED, literals[0])) + '"',
+        text,
+    )
+
+
 def _split(text: str) -> list[str]:
     """Split the six arguments of a field line at the commas outside its quoted texts."""
-    return [part.strip() for part in re.findall(r'"(?:[^"\\]|\\.)*"|[^,"\s][^,"]*', text)]
+    return [part.strip() for part in re.findall(r'"(?:[^"\\]|\\.)*"|[^,"\s][^,"]*', _joined(text))]
 
 
 def _integer(text: str) -> int:

@@ -1,8 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
 """Gains and per-unit constants of the fast reach (margins.py judges their stability, envelope.py their formats).
 
-Bases: current I_base = current_full_scale, bus voltage V_base = voltage_full_scale, electrical speed
-omega_base = 2 pi f_pwm / 16. The configuration stores gains relative to V_base; once a millisecond the firmware
-multiplies them by V_base sqrt(3) / (limit v_dc), which turns volts into shares of the voltage circle's radius.
+Bases: current I_base = current_full_scale, bus voltage V_base = voltage_full_scale, electrical
+speed omega_base = 2 pi f_pwm / 16. The configuration stores gains relative to V_base; once a
+millisecond the firmware multiplies them by V_base sqrt(3) / (limit v_dc), which turns volts into
+shares of the voltage circle's radius.
 """
 
 import math
@@ -18,8 +20,11 @@ FIELD_WEAKENING_AIM = 0.97  # of the voltage circle, as in foc/field_weakening.h
 ROUNDING_COUNTS = 2  # as in foc/svpwm.c
 SETTLING_S = 0.5e-6  # of a shunt amplifier after its low side begins to conduct
 DEAD_TIME_ZONE_MIN = 128.0 / 32768.0  # as in config.h
-OFFSET_TOLERANCE_CODES = 200  # by which a current sensor's zero may lie beside the middle of the converter's range
-# Of half the converter's range, 2047 codes: what a sensor with the worst zero still tells. A clipped sample hides the real current.
+OFFSET_TOLERANCE_CODES = (
+    200  # by which a current sensor's zero may lie beside the middle of the converter's range
+)
+# Of half the converter's range, 2047 codes: what a sensor with the worst zero still tells. A
+# clipped sample hides the real current.
 OVERCURRENT_SHARE_MAX = (2047 - OFFSET_TOLERANCE_CODES) / 2048
 
 
@@ -45,7 +50,10 @@ def bases(drive: Drive) -> Bases:
 
 
 def undervoltage_trip_v(drive: Drive) -> float:
-    """Bus voltage in V below which the bridge does not run: the lowest one the gains are scaled for."""
+    """Bus voltage in V below which the bridge does not run.
+
+    The lowest one the gains are scaled for.
+    """
     return 0.9 * drive.battery.min_voltage_v
 
 
@@ -57,34 +65,48 @@ def pwm_period_counts(drive: Drive) -> int:
 def min_pulse_counts(drive: Drive) -> int:
     """Return the timer counts that the low side of every leg conducts at least before and after the top of the count.
 
-    What the gate driver and its bootstrap supply need. Without a word from the configuration, twice the dead time,
-    and at least a microsecond.
+    What the gate driver and its bootstrap supply need. Without a word from the configuration, twice
+    the dead time, and at least a microsecond.
     """
     inverter = drive.inverter
-    seconds = inverter.min_pulse_s if inverter.min_pulse_s is not None else max(1e-6, 2.0 * inverter.dead_time_s)
+    seconds = (
+        inverter.min_pulse_s
+        if inverter.min_pulse_s is not None
+        else max(1e-6, 2.0 * inverter.dead_time_s)
+    )
     return math.ceil(seconds * inverter.pwm_timer_clock_hz - 1e-9)
 
 
 def dead_time_counts(drive: Drive) -> int:
     """Timer counts by which the dead-time compensation may move a compare value: dead_time_init().
 
-    A leg loses t_d f (v_dc + 2 V_f): in the one dead interval a diode lies where the switch was to be, in the other one it
-    adds its drop. As a share of the bus voltage that is t_d f (1 + 2 V_f / v_dc), here at the middle of the battery's range.
+    A leg loses t_d f (v_dc + 2 V_f): in the one dead interval a diode lies where the switch was to
+    be, in the other one it adds its drop. As a share of the bus voltage that is t_d f (1 + 2 V_f /
+    v_dc), here at the middle of the battery's range.
     """
-    inverter, middle_v = drive.inverter, (drive.battery.min_voltage_v + drive.battery.max_voltage_v) / 2.0
-    lost = inverter.dead_time_s * inverter.pwm_frequency_hz * (1.0 + 2.0 * inverter.diode_forward_voltage_v / middle_v)
+    inverter, middle_v = (
+        drive.inverter,
+        (drive.battery.min_voltage_v + drive.battery.max_voltage_v) / 2.0,
+    )
+    lost = (
+        inverter.dead_time_s
+        * inverter.pwm_frequency_hz
+        * (1.0 + 2.0 * inverter.diode_forward_voltage_v / middle_v)
+    )
     return nearest(lost * pwm_period_counts(drive))
 
 
 def modulation_limit(drive: Drive) -> float:
     """Largest modulation |u| / (v_dc / sqrt(3)) that leaves the shortest pulse and the shunts' sampling window.
 
-    Min/max injection centres the three phases: the largest compare value is period/2 (1 + span / v_dc), and the
-    line-to-line span of a voltage vector is at most sqrt(3) |u|, which is the modulation m times v_dc. Dead-time
-    compensation and rounding take their part, so period/2 (1 + m) + trim + 2 <= period - min_pulse.
+    Min/max injection centres the three phases: the largest compare value is period/2 (1 + span /
+    v_dc), and the line-to-line span of a voltage vector is at most sqrt(3) |u|, which is the
+    modulation m times v_dc. Dead-time compensation and rounding take their part, so period/2 (1 +
+    m) + trim + 2 <= period - min_pulse.
 
-    Only two currents are sampled, those of the legs whose low sides conduct longest. The shorter of these two has at
-    most period/2 (1 + cos(30 deg) m), where two phases are equal; it must leave the dead time and the settling time.
+    Only two currents are sampled, those of the legs whose low sides conduct longest. The shorter of
+    these two has at most period/2 (1 + cos(30 deg) m), where two phases are equal; it must leave
+    the dead time and the settling time.
     """
     period, taken = pwm_period_counts(drive), dead_time_counts(drive) + ROUNDING_COUNTS
     window = (drive.inverter.dead_time_s + SETTLING_S) * drive.inverter.pwm_timer_clock_hz
@@ -109,21 +131,26 @@ class AxisGains:
 def axis_gains(drive: Drive, inductance_h: float) -> AxisGains:
     """Return the gains that make one axis follow like a first-order pole at omega_c behind a delay of 1.5 periods.
 
-    The winding under a held voltage is (1 - p) / (R (z - p)), p = exp(-R T / L) (R with one switch, at the reference
-    temperature). With k_i / k_p = 1 - p the regulator's zero lies on that pole, and what is left is the loop
-    K / (z (z - 1)), K = k_i / R: one period until the voltage acts, one until a sample shows what it did. Its closed loop
-    has poles that add up to one and whose product is K: one of them is a = exp(-omega_c T), as designed, when
+    The winding under a held voltage is (1 - p) / (R (z - p)), p = exp(-R T / L) (R with one switch,
+    at the reference temperature). With k_i / k_p = 1 - p the regulator's zero lies on that pole,
+    and what is left is the loop K / (z (z - 1)), K = k_i / R: one period until the voltage acts,
+    one until a sample shows what it did. Its closed loop has poles that add up to one and whose
+    product is K: one of them is a = exp(-omega_c T), as designed, when
 
-        K = a (1 - a)        k_i = K R        k_p = K R / (1 - p), which is K L / T (1 + R T / (2 L))
+        K = a (1 - a)        k_i = K R        k_p = K R / (1 - p), which is K L / T (1 + R T / (2
+        L))
 
-    The firmware scales k_i to the winding's resistance (resistance_ratio()). The other pole and where in a period the answer
-    begins are left to the shape of the reference (margins.reference_shape()).
+    The firmware scales k_i to the winding's resistance (resistance_ratio()). The other pole and
+    where in a period the answer begins are left to the shape of the reference
+    (margins.reference_shape()).
     """
     period = 1.0 / drive.inverter.pwm_frequency_hz
     pole = math.exp(-2.0 * math.pi * drive.control.current_bandwidth_hz * period)
     gain = pole * (1.0 - pole)
     resistance = drive.motor.phase_resistance_ohm + drive.inverter.switch_resistance_ohm
-    return AxisGains(gain * resistance / -math.expm1(-resistance * period / inductance_h), gain * resistance)
+    return AxisGains(
+        gain * resistance / -math.expm1(-resistance * period / inductance_h), gain * resistance
+    )
 
 
 def resistance_ratio(drive: Drive, winding_temperature_c: float) -> float:
@@ -134,7 +161,10 @@ def resistance_ratio(drive: Drive, winding_temperature_c: float) -> float:
 
 @dataclass(frozen=True)
 class PerUnitGains:
-    """Gains of the current loop relative to V_base: volts per ampere, per ampere and speed, per speed."""
+    """Gains of the current loop relative to V_base.
+
+    Volts per ampere, per ampere and speed, per speed.
+    """
 
     proportional: dict[str, float]
     integral: float
@@ -159,16 +189,19 @@ def per_unit_gains(drive: Drive) -> PerUnitGains:
 def dead_time_zone_pu(drive: Drive) -> float:
     """Per-unit current below which the dead-time compensation is proportional.
 
-    During a dead interval the leg takes the voltage that the current's sign gives it, until the current has gone. Over
-    a period the error is at most t_d f (v_dc + 2 V_f), which moves the current by t_d (v_dc + 2 V_f) / L: whatever is
-    smaller may end inside the interval. The smaller inductance lets it end soonest. Not below 128 LSB, the noise of a
-    12-bit converter. This is for the middle of the battery's range; the firmware moves it with the bus voltage.
+    During a dead interval the leg takes the voltage that the current's sign gives it, until the
+    current has gone. Over a period the error is at most t_d f (v_dc + 2 V_f), which moves the
+    current by t_d (v_dc + 2 V_f) / L: whatever is smaller may end inside the interval. The smaller
+    inductance lets it end soonest. Not below 128 LSB, the noise of a 12-bit converter. This is for
+    the middle of the battery's range; the firmware moves it with the bus voltage.
     """
     zone = drive.control.dead_time_zone_a
     if zone is not None:
         return zone / drive.inverter.current_full_scale_a
     inductance = min(drive.motor.d_inductance_h, drive.motor.q_inductance_h)
-    against_v = (drive.battery.min_voltage_v + drive.battery.max_voltage_v) / 2.0 + 2.0 * drive.inverter.diode_forward_voltage_v
+    against_v = (
+        drive.battery.min_voltage_v + drive.battery.max_voltage_v
+    ) / 2.0 + 2.0 * drive.inverter.diode_forward_voltage_v
     extinguished_a = drive.inverter.dead_time_s * against_v / inductance
     return min(max(extinguished_a / drive.inverter.current_full_scale_a, DEAD_TIME_ZONE_MIN), 1.0)
 
@@ -196,30 +229,45 @@ def current_loop(drive: Drive) -> dict[str, int]:
         "modulation_limit_pu_q15": math.floor(limit * 32768),
         "max_current_pu_q15": fixed(largest, 15),
         "field_weakening_gain_pu_q15": fixed(field_weakening_gain(drive), 15),
-        "field_weakening_current_pu_q15": fixed((control.field_weakening_current_a or 0.0) / base.current_a, 15),
+        "field_weakening_current_pu_q15": fixed(
+            (control.field_weakening_current_a or 0.0) / base.current_a, 15
+        ),
         "dead_time_zone_pu_q15": fixed(dead_time_zone_pu(drive), 15),
     }
 
 
 def overcurrent_pu(drive: Drive) -> float:
-    """Per-unit length of the current vector that trips: 30 % above the largest asked for, inside the converter's range."""
-    return min(OVERCURRENT_SHARE_MAX, 1.3 * drive.motor.max_phase_current_a / drive.inverter.current_full_scale_a)
+    """Per-unit length of the current vector that trips.
+
+    30 % above the largest asked for, inside the converter's range.
+    """
+    return min(
+        OVERCURRENT_SHARE_MAX,
+        1.3 * drive.motor.max_phase_current_a / drive.inverter.current_full_scale_a,
+    )
 
 
 def field_weakening_gain(drive: Drive) -> float:
     """Per-unit demagnetising current added per PWM period and unit of missing squared voltage.
 
-    Voltages u are shares of the circle's radius, limit v_dc / sqrt(3). The regulator integrates aim^2 - u^2. In the
-    steady state one ampere of i_d moves u by up to omega L_d sqrt(3) / (limit v_dc) and its square by 2 aim times
-    that, so the loop's bandwidth is the gain times f_pwm 2 aim omega L_d I_base sqrt(3) / (limit v_dc). It is set to
-    30 Hz at the largest speed and the lowest bus voltage, where it is fastest, well below the current loop's. Zero
-    when field weakening is off.
+    Voltages u are shares of the circle's radius, limit v_dc / sqrt(3). The regulator integrates
+    aim^2 - u^2. In the steady state one ampere of i_d moves u by up to omega L_d sqrt(3) / (limit
+    v_dc) and its square by 2 aim times that, so the loop's bandwidth is the gain times f_pwm 2 aim
+    omega L_d I_base sqrt(3) / (limit v_dc). It is set to 30 Hz at the largest speed and the lowest
+    bus voltage, where it is fastest, well below the current loop's. Zero when field weakening is
+    off.
     """
     if not drive.control.field_weakening_current_a:
         return 0.0
     base = bases(drive)
     reactance = relations.omega_max(drive) * drive.motor.d_inductance_h
-    slope = 2.0 * FIELD_WEAKENING_AIM * reactance * base.current_a / phase_voltage_limit_v(drive, drive.battery.min_voltage_v)
+    slope = (
+        2.0
+        * FIELD_WEAKENING_AIM
+        * reactance
+        * base.current_a
+        / phase_voltage_limit_v(drive, drive.battery.min_voltage_v)
+    )
     bandwidth = min(FIELD_WEAKENING_BANDWIDTH_HZ, drive.control.current_bandwidth_hz / 10.0)
     return min(2.0 * math.pi * bandwidth * base.period_s / slope, 32767.0 / 32768.0)
 
@@ -251,6 +299,9 @@ def nearest(value: float) -> int:
 
 
 def fixed(value: float, fraction_bits: int) -> int:
-    """Nearest fixed-point number with so many fraction bits; 1.0 in Q15 becomes the largest int16."""
+    """Nearest fixed-point number with so many fraction bits.
+
+    1.0 in Q15 becomes the largest int16.
+    """
     scaled = nearest(value * (1 << fraction_bits))
     return min(scaled, 32767) if fraction_bits == 15 and scaled == 32768 else scaled

@@ -1,13 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
 """The current loop as it really runs: sampled, delayed, with a cold and a hot winding. Margins, bandwidth, step response.
 
-The currents are sampled once per PWM period T; the voltage computed from them takes effect one period later and is
-held for one: on average 1.5 periods of delay. In the z domain, per axis and volt per volt,
+The currents are sampled once per PWM period T; the voltage computed from them takes effect one
+period later and is held for one: on average 1.5 periods of delay. In the z domain, per axis and
+volt per volt,
 
     C(z) = k_p + k_i / (z - 1)        G(z) = z^-1 (1 - a) / (R (z - a)),   a = exp(-R T / L)
 
-With the gains of loops.axis_gains() the winding's pole is cancelled and about K / (z (z - 1)) is left,
-K = a (1 - a), a = exp(-omega_c T): a crossover near K / T, a phase margin of 90 deg - 1.5 omega T there, a gain margin of 1 / K.
-The reference is shaped before it (reference_shape()), which no margin sees.
+With the gains of loops.axis_gains() the winding's pole is cancelled and about K / (z (z - 1)) is
+left, K = a (1 - a), a = exp(-omega_c T): a crossover near K / T, a phase margin of 90 deg - 1.5
+omega T there, a gain margin of 1 / K. The reference is shaped before it (reference_shape()), which
+no margin sees.
 """
 
 import math
@@ -21,7 +24,9 @@ from regen_table.schema import Drive
 
 PHASE_MARGIN_MIN_DEG = 45.0
 GAIN_MARGIN_MIN = 2.0
-FASTEST_POLE = 0.5  # omega_c T: up to here a = exp(-omega_c T) is well apart from the loop's other pole, 1 - a
+FASTEST_POLE = (
+    0.5  # omega_c T: up to here a = exp(-omega_c T) is well apart from the loop's other pole, 1 - a
+)
 DELAY_PERIODS = 1.5
 
 
@@ -40,14 +45,21 @@ class Margins:
 
 @dataclass(frozen=True)
 class Loop:
-    """One axis of the sampled loop: winding, gains in V/A and V/A per period, and the period in s."""
+    """One axis of the sampled loop.
+
+    Winding, gains in V/A and V/A per period, and the period in s.
+    """
 
     resistance_ohm: float
     inductance_h: float
     proportional: float
     integral: float
     period_s: float
-    shape: tuple[float, float, float] = (1.0, 0.0, 0.0)  # of the reference: shares of it, of the one before and of the one before that
+    shape: tuple[float, float, float] = (
+        1.0,
+        0.0,
+        0.0,
+    )  # of the reference: shares of it, of the one before and of the one before that
 
     @property
     def pole(self) -> float:
@@ -58,8 +70,9 @@ class Loop:
 def reference_shape(bandwidth_hz: float, period_s: float) -> tuple[float, float, float]:
     """Return the shares of a reference and of the two before it that the regulator is given, as in foc/response.h.
 
-    Design over loop, in the z domain: with b = exp(-omega_c T / 2), a = b^2 the design 1 - b, 1 - a b, 1 - a^2 b .. is
-    z^-2 (1 - b + (b - a) / z) / (1 - a / z) of a step, the loop K z^-2 / ((1 - a / z) (1 - (1 - a) / z)).
+    Design over loop, in the z domain: with b = exp(-omega_c T / 2), a = b^2 the design 1 - b, 1 - a
+    b, 1 - a^2 b .. is z^-2 (1 - b + (b - a) / z) / (1 - a / z) of a step, the loop K z^-2 / ((1 - a
+    / z) (1 - (1 - a) / z)).
     """
     b = math.exp(-math.pi * bandwidth_hz * period_s)
     a = b * b
@@ -74,10 +87,14 @@ def frequency_response(loop: Loop) -> dict[str, float]:
     winding = (1.0 - loop.pole) / (loop.resistance_ohm * z * (z - loop.pole))
     open_loop = (loop.proportional + loop.integral / (z - 1.0)) * winding
     gain, phase = np.abs(open_loop), np.unwrap(np.angle(open_loop))
-    phase -= 2.0 * np.pi * np.round((phase[0] + 0.5 * np.pi) / (2.0 * np.pi))  # starts between 0 and -180 deg
+    phase -= (
+        2.0 * np.pi * np.round((phase[0] + 0.5 * np.pi) / (2.0 * np.pi))
+    )  # starts between 0 and -180 deg
     crossover = _first_crossing(frequency, np.log(gain))
     reversal = _first_crossing(frequency, phase + np.pi)
-    closed = np.abs(open_loop / (1.0 + open_loop) * (loop.shape[0] + loop.shape[1] / z + loop.shape[2] / z**2))
+    closed = np.abs(
+        open_loop / (1.0 + open_loop) * (loop.shape[0] + loop.shape[1] / z + loop.shape[2] / z**2)
+    )
     return {
         "crossover_hz": crossover,
         "phase_margin_deg": 180.0 + math.degrees(float(np.interp(crossover, frequency, phase))),
@@ -102,14 +119,19 @@ def step_response(loop: Loop, samples: int) -> models.Array:
     applied, integrator, gain = 0.0, 0.0, (1.0 - loop.pole) / loop.resistance_ohm
     for k in range(samples - 1):
         error = sum(loop.shape[: k + 1]) - current[k]
-        current[k + 1] = loop.pole * current[k] + gain * applied  # of the voltage worked out one sample before
+        current[k + 1] = (
+            loop.pole * current[k] + gain * applied
+        )  # of the voltage worked out one sample before
         applied = loop.proportional * error + integrator
         integrator += loop.integral * error
     return current
 
 
 def designed_step(bandwidth_hz: float, period_s: float, samples: int) -> models.Array:
-    """Return what the gains are designed for: a first-order pole at the bandwidth after 1.5 periods; A at each sample."""
+    """Return what the gains are designed for.
+
+    A first-order pole at the bandwidth after 1.5 periods; A at each sample.
+    """
     late = np.maximum(np.arange(samples) - DELAY_PERIODS, 0.0)
     return np.asarray(1.0 - np.exp(-2.0 * np.pi * bandwidth_hz * period_s * late))
 
@@ -117,33 +139,56 @@ def designed_step(bandwidth_hz: float, period_s: float, samples: int) -> models.
 def current_loop(drive: Drive) -> list[Margins]:
     """Margins of both axes with a cold, a reference and a hot winding, whose temperature the integral gain knows."""
     period, bandwidth = 1.0 / drive.inverter.pwm_frequency_hz, drive.control.current_bandwidth_hz
-    temperatures = (drive.table.temperature_range_c[0], drive.motor.reference_temperature_c, drive.motor.max_winding_temperature_c)
+    temperatures = (
+        drive.table.temperature_range_c[0],
+        drive.motor.reference_temperature_c,
+        drive.motor.max_winding_temperature_c,
+    )
     samples = min(4000, 10 + math.ceil(1.0 / (bandwidth * period)))  # six time constants
     shape, found = reference_shape(bandwidth, period), []
     for axis, inductance in (("d", drive.motor.d_inductance_h), ("q", drive.motor.q_inductance_h)):
         gains = loops.axis_gains(drive, inductance)
         for temperature in temperatures:
-            resistance = float(np.asarray(models.machine(drive, temperature).resistance_ohm)) + drive.inverter.switch_resistance_ohm
+            resistance = (
+                float(np.asarray(models.machine(drive, temperature).resistance_ohm))
+                + drive.inverter.switch_resistance_ohm
+            )
             integral = gains.integral * loops.resistance_ratio(drive, temperature)
             loop = Loop(resistance, inductance, gains.proportional, integral, period, shape)
-            deviation = np.abs(step_response(loop, samples) - designed_step(bandwidth, period, samples))
-            found.append(Margins(axis, temperature, **frequency_response(loop), step_deviation=float(np.max(deviation))))
+            deviation = np.abs(
+                step_response(loop, samples) - designed_step(bandwidth, period, samples)
+            )
+            found.append(
+                Margins(
+                    axis,
+                    temperature,
+                    **frequency_response(loop),
+                    step_deviation=float(np.max(deviation)),
+                )
+            )
     return found
 
 
 def refuse_thin_margins(drive: Drive, found: list[Margins]) -> None:
     """Raise ConfigurationError when no gain makes the loop what was asked for, or when it is too near to instability.
 
-    The first bites first: K = a (1 - a) is at most a quarter, at omega_c T = 0.69, and the loop answers no faster than that.
+    The first bites first: K = a (1 - a) is at most a quarter, at omega_c T = 0.69, and the loop
+    answers no faster than that.
     """
-    wanted, largest = drive.control.current_bandwidth_hz, FASTEST_POLE / (2.0 * math.pi) * drive.inverter.pwm_frequency_hz
+    wanted, largest = (
+        drive.control.current_bandwidth_hz,
+        FASTEST_POLE / (2.0 * math.pi) * drive.inverter.pwm_frequency_hz,
+    )
     if wanted > largest:
         raise ConfigurationError(
             f"control.current_bandwidth_hz: {wanted:g} Hz, accepted: at most {math.floor(largest)} Hz, a twelfth "
             f"of inverter.pwm_frequency_hz: faster poles meet those that the delay of 1.5 periods makes"
         )
     worst = min(found, key=lambda m: m.phase_margin_deg)
-    if worst.phase_margin_deg < PHASE_MARGIN_MIN_DEG or min(m.gain_margin for m in found) < GAIN_MARGIN_MIN:
+    if (
+        worst.phase_margin_deg < PHASE_MARGIN_MIN_DEG
+        or min(m.gain_margin for m in found) < GAIN_MARGIN_MIN
+    ):
         raise ConfigurationError(
             f"control.current_bandwidth_hz: leaves a phase margin of {worst.phase_margin_deg:.1f} deg and a gain margin of "
             f"{min(m.gain_margin for m in found):.2f}, accepted: at least {PHASE_MARGIN_MIN_DEG:g} deg and {GAIN_MARGIN_MIN:g}"

@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """Steady-state losses of motor, inverter and battery as pure functions over NumPy arrays.
 
-Peak phase quantities, electrical rad/s, motor signs (see the package). The motor is the dq circuit with an iron-loss
-resistance R_i across the EMF v: only the current i_t left over from v / R_i makes torque.
+Peak phase quantities, electrical rad/s, motor signs (see the package). The motor is the dq circuit
+with an iron-loss resistance R_i across the EMF v: only the current i_t left over from v / R_i makes
+torque.
 
     v_d = -omega L_q i_qt            v_q = omega (L_d i_dt + psi)           u = R_a i + v
     i   = i_t + v / R_i              T   = 1.5 p [psi i_qt + (L_d - L_q) i_dt i_qt]
@@ -30,7 +32,8 @@ class Machine:
     winding_temperature_c : float or array
         Where the next two hold.
     resistance_ohm, flux_wb : float or array
-        Phase resistance and magnet flux linkage at the winding temperature, shape of that temperature.
+        Phase resistance and magnet flux linkage at the winding temperature, shape of that
+        temperature.
     iron_ohm, iron_ohm_s : float
         a0 and a1 of R_i = a0 + a1 |omega|; infinite a0 means no iron loss.
     """
@@ -50,7 +53,12 @@ class Machine:
         """Return g = omega / R_i in 1/H, signed like omega and zero at standstill."""
         omega = np.asarray(omega, dtype=np.float64)
         resistance = self.iron_ohm + self.iron_ohm_s * np.abs(omega)
-        return np.divide(omega, resistance, out=np.zeros_like(omega), where=(omega != 0.0) & np.isfinite(resistance))
+        return np.divide(
+            omega,
+            resistance,
+            out=np.zeros_like(omega),
+            where=(omega != 0.0) & np.isfinite(resistance),
+        )
 
 
 @dataclass(frozen=True)
@@ -70,7 +78,8 @@ class Bridge:
 class State:
     """A steady state; every attribute is an array of the broadcast shape of speed, currents and temperature.
 
-    Powers in W are positive out of the battery; ``torque_nm`` is the electromagnetic torque, before friction.
+    Powers in W are positive out of the battery; ``torque_nm`` is the electromagnetic torque, before
+    friction.
     """
 
     omega_rad_s: Array
@@ -106,10 +115,12 @@ def machine(drive: Drive, winding_temperature_c: ArrayLike) -> Machine:
     return Machine(
         pole_pairs=motor.pole_pairs,
         winding_temperature_c=winding_temperature_c,
-        resistance_ohm=motor.phase_resistance_ohm * (1.0 + motor.resistance_temperature_coefficient_per_k * rise),
+        resistance_ohm=motor.phase_resistance_ohm
+        * (1.0 + motor.resistance_temperature_coefficient_per_k * rise),
         d_inductance_h=motor.d_inductance_h,
         q_inductance_h=motor.q_inductance_h,
-        flux_wb=motor.flux_linkage_wb * (1.0 + (motor.flux_temperature_coefficient_per_k or 0.0) * rise),
+        flux_wb=motor.flux_linkage_wb
+        * (1.0 + (motor.flux_temperature_coefficient_per_k or 0.0) * rise),
         iron_ohm=a0,
         iron_ohm_s=a1,
         friction_nm=motor.friction_torque_nm,
@@ -120,48 +131,77 @@ def machine(drive: Drive, winding_temperature_c: ArrayLike) -> Machine:
 def widened(motor: Machine) -> Machine:
     """Return a motor whose temperature arrays have one more trailing axis, for candidates of a search."""
     temperature, resistance, flux = (
-        np.asarray(values)[..., np.newaxis] for values in (motor.winding_temperature_c, motor.resistance_ohm, motor.flux_wb)
+        np.asarray(values)[..., np.newaxis]
+        for values in (motor.winding_temperature_c, motor.resistance_ohm, motor.flux_wb)
     )
-    return replace(motor, winding_temperature_c=temperature, resistance_ohm=resistance, flux_wb=flux)
+    return replace(
+        motor, winding_temperature_c=temperature, resistance_ohm=resistance, flux_wb=flux
+    )
 
 
 def bridge(drive: Drive) -> Bridge:
     """Return the inverter's loss coefficients, the paper's (10) to (14) with delta = 2 t_d f_s.
 
-    The paper's text counts three switching events where six devices switch; its printed factor is kept, and
-    turn_on/turn_off_loss_j_per_a are the k_on and k_off that belong to that factor.
+    The paper's text counts three switching events where six devices switch; its printed factor is
+    kept, and turn_on/turn_off_loss_j_per_a are the k_on and k_off that belong to that factor.
     """
     inverter = drive.inverter
     dead_share = 2.0 * inverter.dead_time_s * inverter.pwm_frequency_hz
-    switching = 3.0 * (inverter.turn_on_loss_j_per_a + inverter.turn_off_loss_j_per_a) * inverter.pwm_frequency_hz / np.pi
+    switching = (
+        3.0
+        * (inverter.turn_on_loss_j_per_a + inverter.turn_off_loss_j_per_a)
+        * inverter.pwm_frequency_hz
+        / np.pi
+    )
     return Bridge(
         linear_w_per_a=6.0 / np.pi * inverter.diode_forward_voltage_v * dead_share + switching,
-        square_w_per_a2=1.5 * (inverter.switch_resistance_ohm * (1.0 - dead_share) + inverter.diode_resistance_ohm * dead_share),
+        square_w_per_a2=1.5
+        * (
+            inverter.switch_resistance_ohm * (1.0 - dead_share)
+            + inverter.diode_resistance_ohm * dead_share
+        ),
     )
 
 
-def torque_currents(motor: Machine, omega: ArrayLike, i_d: ArrayLike, i_q: ArrayLike) -> tuple[Array, Array]:
+def torque_currents(
+    motor: Machine, omega: ArrayLike, i_d: ArrayLike, i_q: ArrayLike
+) -> tuple[Array, Array]:
     """Return (i_dt, i_qt) in A, what terminal currents leave for torque after the iron-loss branch."""
     g = motor.iron_ratio(omega)
-    i_qt = (i_q - g * motor.flux_wb - g * motor.d_inductance_h * i_d) / (1.0 + g * g * motor.d_inductance_h * motor.q_inductance_h)
+    i_qt = (i_q - g * motor.flux_wb - g * motor.d_inductance_h * i_d) / (
+        1.0 + g * g * motor.d_inductance_h * motor.q_inductance_h
+    )
     return np.asarray(i_d + g * motor.q_inductance_h * i_qt), np.asarray(i_qt)
 
 
-def terminal_currents(motor: Machine, omega: ArrayLike, i_dt: ArrayLike, i_qt: ArrayLike) -> tuple[Array, Array]:
+def terminal_currents(
+    motor: Machine, omega: ArrayLike, i_dt: ArrayLike, i_qt: ArrayLike
+) -> tuple[Array, Array]:
     """Return (i_d, i_q) in A, torque currents plus what the iron-loss branch takes."""
     g = motor.iron_ratio(omega)
-    return np.asarray(i_dt - g * motor.q_inductance_h * i_qt), np.asarray(i_qt + g * (motor.d_inductance_h * i_dt + motor.flux_wb))
+    return np.asarray(i_dt - g * motor.q_inductance_h * i_qt), np.asarray(
+        i_qt + g * (motor.d_inductance_h * i_dt + motor.flux_wb)
+    )
 
 
-def evaluate(motor: Machine, inverter: Bridge, omega: ArrayLike, i_d: ArrayLike, i_q: ArrayLike) -> State:
+def evaluate(
+    motor: Machine, inverter: Bridge, omega: ArrayLike, i_d: ArrayLike, i_q: ArrayLike
+) -> State:
     """Evaluate the steady state of terminal currents (A, peak phase) at an electrical speed (rad/s)."""
     i_dt, i_qt = torque_currents(motor, omega, i_d, i_q)
-    omega, i_d, i_q, i_dt, i_qt, *_ = np.broadcast_arrays(omega, i_d, i_q, i_dt, i_qt, motor.resistance_ohm)
+    omega, i_d, i_q, i_dt, i_qt, *_ = np.broadcast_arrays(
+        omega, i_d, i_q, i_dt, i_qt, motor.resistance_ohm
+    )
     v_d = -omega * motor.q_inductance_h * i_qt
     v_q = omega * (motor.d_inductance_h * i_dt + motor.flux_wb)
     u_d = motor.resistance_ohm * i_d + v_d
     u_q = motor.resistance_ohm * i_q + v_q
-    torque = 1.5 * motor.pole_pairs * i_qt * (motor.flux_wb + (motor.d_inductance_h - motor.q_inductance_h) * i_dt)
+    torque = (
+        1.5
+        * motor.pole_pairs
+        * i_qt
+        * (motor.flux_wb + (motor.d_inductance_h - motor.q_inductance_h) * i_dt)
+    )
     motor_power = 1.5 * (u_d * i_d + u_q * i_q)
     inverter_loss = inverter.loss_w(np.hypot(i_d, i_q))
     shaft_speed = omega / motor.pole_pairs
@@ -185,7 +225,10 @@ def evaluate(motor: Machine, inverter: Bridge, omega: ArrayLike, i_d: ArrayLike,
 
 @dataclass(frozen=True)
 class BatteryState:
-    """Steady state of the pack; current and powers positive when discharging, arrays of the power's shape."""
+    """Steady state of the pack.
+
+    Current and powers positive when discharging, arrays of the power's shape.
+    """
 
     current_a: Array
     terminal_voltage_v: Array
@@ -193,7 +236,9 @@ class BatteryState:
     chemical_power_w: Array
 
 
-def battery_steady(open_circuit_v: float, resistance_ohm: float, power_w: ArrayLike) -> BatteryState:
+def battery_steady(
+    open_circuit_v: float, resistance_ohm: float, power_w: ArrayLike
+) -> BatteryState:
     """Solve u_b i_b = power for a battery behind R = R_s + R_t; NaN beyond the largest power u_oc^2 / (4 R).
 
     i_b = 2 P / (u_oc + sqrt(u_oc^2 - 4 R P)) is the root without cancellation, right for R = 0 too.
@@ -216,5 +261,7 @@ def open_circuit_voltage_v(drive: Drive, soc: float | None = None) -> float:
         return float(curve)
     soc = drive.battery.initial_soc if soc is None else soc
     if soc is None:
-        raise ConfigurationError("battery.initial_soc: missing, needed where open_circuit_voltage_v depends on the state of charge")
+        raise ConfigurationError(
+            "battery.initial_soc: missing, needed where open_circuit_voltage_v depends on the state of charge"
+        )
     return float(np.interp(soc, [point[0] for point in curve], [point[1] for point in curve]))

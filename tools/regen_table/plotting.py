@@ -1,4 +1,8 @@
-"""How figures look and how they are saved: one style, SVG and PNG of the same picture, the same bytes every time."""
+# SPDX-License-Identifier: Apache-2.0
+"""How figures look and how they are saved.
+
+One style, SVG and PNG of the same picture, the same bytes every time.
+"""
 
 import io
 from pathlib import Path
@@ -10,9 +14,20 @@ from matplotlib.figure import Figure
 
 from regen_table import generate
 
-BLUE, ORANGE, GREEN, RED, PURPLE, GREY = "#1f5fa8", "#d9730d", "#2e8540", "#b3262a", "#6b4ea0", "#6e6e6e"
+BLUE, ORANGE, GREEN, RED, PURPLE, GREY = (
+    "#1f5fa8",
+    "#d9730d",
+    "#2e8540",
+    "#b3262a",
+    "#6b4ea0",
+    "#6e6e6e",
+)
 STRATEGY_COLOURS = {"parallel_ratio": GREY, "parallel_free_travel": ORANGE, "series_optimal": BLUE}
-STRATEGY_NAMES = {"parallel_ratio": "parallel, fixed ratio", "parallel_free_travel": "parallel, free travel", "series_optimal": "series"}
+STRATEGY_NAMES = {
+    "parallel_ratio": "parallel, fixed ratio",
+    "parallel_free_travel": "parallel, free travel",
+    "series_optimal": "series",
+}
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 10.0,
@@ -28,8 +43,13 @@ _STYLE: dict[Any, Any] = {
 }
 
 
-def figure(title: str, columns: int = 1, rows: int = 1, width: float = 7.0, height: float = 4.6) -> tuple[Figure, list[Axes]]:
-    """Make a figure of ``rows`` x ``columns`` axes (inches); returns it and its axes in reading order."""
+def figure(
+    title: str, columns: int = 1, rows: int = 1, width: float = 7.0, height: float = 4.6
+) -> tuple[Figure, list[Axes]]:
+    """Make a figure of ``rows`` x ``columns`` axes (inches).
+
+    Returns it and its axes in reading order.
+    """
     with mpl.rc_context(_STYLE):
         made = Figure(figsize=(width, height))
         grid = made.subplots(rows, columns, squeeze=False)
@@ -40,7 +60,9 @@ def figure(title: str, columns: int = 1, rows: int = 1, width: float = 7.0, heig
 def legend_below(made: Figure, axes: Axes, columns: int) -> None:
     """Put the legend of some axes under the picture, where no line can be."""
     with mpl.rc_context(_STYLE):
-        made.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=columns, fontsize=9)
+        made.legend(
+            *axes.get_legend_handles_labels(), loc="outside lower center", ncols=columns, fontsize=9
+        )
 
 
 def save(figures: dict[str, Figure], directory: Path) -> list[Path]:

@@ -1,4 +1,8 @@
-"""Answers of ``solve`` and ``evaluate``: operating points as flat records, the keys being names with units."""
+# SPDX-License-Identifier: Apache-2.0
+"""Answers of ``solve`` and ``evaluate``.
+
+Operating points as flat records, the keys being names with units.
+"""
 
 import math
 from dataclasses import dataclass
@@ -15,7 +19,10 @@ Record = dict[str, Any]
 
 @dataclass(frozen=True)
 class Setting:
-    """What both commands share: open-circuit voltage and resistance of the pack, and whether i_d is free."""
+    """What both commands share.
+
+    Open-circuit voltage and resistance of the pack, and whether i_d is free.
+    """
 
     open_circuit_v: float
     pack_resistance_ohm: float
@@ -28,7 +35,10 @@ class Setting:
 
 
 def setting(drive: Drive, free_d_current: bool = False, soc: float | None = None) -> Setting:
-    """Collect the battery's side of a drive; ``soc`` matters only where the voltage depends on it."""
+    """Collect the battery's side of a drive.
+
+    ``soc`` matters only where the voltage depends on it.
+    """
     resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
     return Setting(models.open_circuit_voltage_v(drive, soc), resistance, free_d_current)
 
@@ -36,10 +46,11 @@ def setting(drive: Drive, free_d_current: bool = False, soc: float | None = None
 def solve(drive: Drive, speed_rpm: float, winding_temperature_c: float, how: Setting) -> Record:
     """Best braking at one speed and winding temperature.
 
-    The unsuffixed point is bounded by nothing when i_d = 0, and by phase current and voltage when i_d is free (the
-    power has no minimum of its own then). The point with ``_limited`` is also clamped by max_torque_nm and
-    max_power_w. Currents are peak phase; powers and losses are one motor's, but the battery's are those of all
-    driven_wheels motors at the same point on one battery.
+    The unsuffixed point is bounded by nothing when i_d = 0, and by phase current and voltage when
+    i_d is free (the power has no minimum of its own then). The point with ``_limited`` is also
+    clamped by max_torque_nm and max_power_w. Currents are peak phase; powers and losses are one
+    motor's, but the battery's are those of all driven_wheels motors at the same point on one
+    battery.
     """
     motor, inverter = models.machine(drive, winding_temperature_c), models.bridge(drive)
     omega = speed_rpm * math.pi / 30.0 * drive.motor.pole_pairs
@@ -55,7 +66,9 @@ def solve(drive: Drive, speed_rpm: float, winding_temperature_c: float, how: Set
     else:
         free = models.evaluate(motor, inverter, omega, 0.0, closed.current_q_a)
         magnitude = min(abs(float(closed.torque_optimal_nm)), limit)
-        clamped = _at_torque(motor, inverter, omega, math.copysign(magnitude, float(closed.torque_optimal_nm)))
+        clamped = _at_torque(
+            motor, inverter, omega, math.copysign(magnitude, float(closed.torque_optimal_nm))
+        )
     record: Record = {
         "speed_rpm": speed_rpm,
         "winding_temperature_c": winding_temperature_c,
@@ -66,14 +79,19 @@ def solve(drive: Drive, speed_rpm: float, winding_temperature_c: float, how: Set
         "torque_optimal_limited_nm": float(clamped.torque_nm),
     }
     record |= _breakdown(drive, free, how)
-    return record | {f"{key}_limited": value for key, value in _breakdown(drive, clamped, how).items()}
+    return record | {
+        f"{key}_limited": value for key, value in _breakdown(drive, clamped, how).items()
+    }
 
 
-def evaluate(drive: Drive, speed_rpm: float, torque_nm: float, winding_temperature_c: float, how: Setting) -> Record:
+def evaluate(
+    drive: Drive, speed_rpm: float, torque_nm: float, winding_temperature_c: float, how: Setting
+) -> Record:
     """Break down one operating point of either sign; null where no current makes the torque.
 
-    ``torque_nm`` is electromagnetic; ``torque_shaft_nm`` is what friction leaves of it. ``limits_exceeded`` names the
-    limits of the drive that the point lies outside of; nothing is clamped.
+    ``torque_nm`` is electromagnetic; ``torque_shaft_nm`` is what friction leaves of it.
+    ``limits_exceeded`` names the limits of the drive that the point lies outside of; nothing is
+    clamped.
     """
     motor, inverter = models.machine(drive, winding_temperature_c), models.bridge(drive)
     omega = speed_rpm * math.pi / 30.0 * drive.motor.pole_pairs
@@ -83,14 +101,18 @@ def evaluate(drive: Drive, speed_rpm: float, torque_nm: float, winding_temperatu
         state = joint.least_power(motor, inverter, omega, torque_nm, bounds).state
     else:
         state = _at_torque(motor, inverter, omega, torque_nm)
-    pack = models.battery_steady(how.open_circuit_v, how.pack_resistance_ohm, drive.vehicle.driven_wheels * state.dc_power_w)
+    pack = models.battery_steady(
+        how.open_circuit_v, how.pack_resistance_ohm, drive.vehicle.driven_wheels * state.dc_power_w
+    )
     losses = state.loss_copper_w + state.loss_iron_w
     turning = math.copysign(1.0, shaft_speed) if shaft_speed else 0.0
     record: Record = {
         "speed_rpm": speed_rpm,
         "torque_nm": torque_nm,
         "winding_temperature_c": winding_temperature_c,
-        "torque_shaft_nm": _finite(state.torque_nm - turning * motor.friction_nm - motor.viscous_nm_s * shaft_speed),
+        "torque_shaft_nm": _finite(
+            state.torque_nm - turning * motor.friction_nm - motor.viscous_nm_s * shaft_speed
+        ),
         "voltage_d_v": _finite(state.voltage_d_v),
         "voltage_q_v": _finite(state.voltage_q_v),
         "motor_power_w": _finite(state.motor_power_w),
@@ -101,7 +123,9 @@ def evaluate(drive: Drive, speed_rpm: float, torque_nm: float, winding_temperatu
     record |= {
         "battery_current_a": _finite(pack.current_a),
         "battery_voltage_v": _finite(pack.terminal_voltage_v),
-        "residual_w": _finite(state.dc_power_w - state.loss_inverter_w - losses - state.torque_nm * shaft_speed),
+        "residual_w": _finite(
+            state.dc_power_w - state.loss_inverter_w - losses - state.torque_nm * shaft_speed
+        ),
         "region": _region(drive, motor, inverter, shaft_speed, torque_nm),
         "limits_exceeded": _exceeded(drive, state, pack, how, torque_nm, shaft_speed),
     }
@@ -110,12 +134,16 @@ def evaluate(drive: Drive, speed_rpm: float, torque_nm: float, winding_temperatu
 
 def _at_torque(motor: Machine, inverter: Bridge, omega: float, torque_nm: float) -> State:
     """Steady state of a torque with i_d = 0."""
-    return models.evaluate(motor, inverter, omega, 0.0, optimum.current_at_zero_d_current(motor, omega, torque_nm))
+    return models.evaluate(
+        motor, inverter, omega, 0.0, optimum.current_at_zero_d_current(motor, omega, torque_nm)
+    )
 
 
 def _breakdown(drive: Drive, state: State, how: Setting) -> Record:
     """Currents, powers and losses of a point."""
-    pack = models.battery_steady(how.open_circuit_v, how.pack_resistance_ohm, drive.vehicle.driven_wheels * state.dc_power_w)
+    pack = models.battery_steady(
+        how.open_circuit_v, how.pack_resistance_ohm, drive.vehicle.driven_wheels * state.dc_power_w
+    )
     return {
         "current_d_a": _finite(state.current_d_a),
         "current_q_a": _finite(state.current_q_a),
@@ -128,15 +156,27 @@ def _breakdown(drive: Drive, state: State, how: Setting) -> Record:
     }
 
 
-def _region(drive: Drive, motor: Machine, inverter: Bridge, shaft_speed: float, torque_nm: float) -> str:
+def _region(
+    drive: Drive, motor: Machine, inverter: Bridge, shaft_speed: float, torque_nm: float
+) -> str:
     """Name what the motor does: a region of the paper's Fig. 5, or driving."""
     if torque_nm * shaft_speed >= 0.0:
         return "driving"
     return str(braking.region(drive, motor, inverter, abs(shaft_speed), abs(torque_nm)))
 
 
-def _exceeded(drive: Drive, state: State, pack: models.BatteryState, how: Setting, torque_nm: float, shaft_speed: float) -> list[str]:
-    """List the limits that a point does not respect; a point that does not exist exceeds all that are unknown."""
+def _exceeded(
+    drive: Drive,
+    state: State,
+    pack: models.BatteryState,
+    how: Setting,
+    torque_nm: float,
+    shaft_speed: float,
+) -> list[str]:
+    """List the limits that a point does not respect.
+
+    A point that does not exist exceeds all that are unknown.
+    """
     within = {
         "torque": abs(torque_nm) <= drive.motor.max_torque_nm,
         "power": abs(torque_nm * shaft_speed) <= drive.motor.max_power_w * (1.0 + 1e-9),

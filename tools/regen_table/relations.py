@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """Relations between the keys of a drive: what no single range can express.
 
-A mistake refuses the drive (nobody could build or brake with it); a warning describes a drive that works, but not as
-its numbers promise. Plain scalar arithmetic, so that the simulator, which reads the same files, loads nothing more for it.
+A mistake refuses the drive (nobody could build or brake with it); a warning describes a drive that
+works, but not as its numbers promise. Plain scalar arithmetic, so that the simulator, which reads
+the same files, loads nothing more for it.
 """
 
 import itertools
@@ -51,12 +53,18 @@ def omega_max(drive: Drive) -> float:
 
 
 def line_emf_v(drive: Drive) -> float:
-    """Peak line-to-line back-EMF at the largest speed in V: what a bridge that is off rectifies onto the bus."""
+    """Peak line-to-line back-EMF at the largest speed in V.
+
+    What a bridge that is off rectifies onto the bus.
+    """
     return math.sqrt(3.0) * drive.motor.flux_linkage_wb * omega_max(drive)
 
 
 def overvoltage_trip_v(drive: Drive) -> float:
-    """Bus voltage in V at which the bridge must leave: what battery and board stand, and the board can still see."""
+    """Bus voltage in V at which the bridge must leave.
+
+    What battery and board stand, and the board can still see.
+    """
     return min(1.05 * drive.battery.max_voltage_v, 0.98 * drive.inverter.voltage_full_scale_v)
 
 
@@ -80,8 +88,9 @@ def nominal_open_circuit_v(drive: Drive) -> float:
 def largest_torque_nm(drive: Drive, current_a: float) -> float:
     """Largest torque in N m of a peak phase current at standstill, where no iron-loss current flows.
 
-    T = 1.5 p (psi + (L_d - L_q) i_d) i_q on the circle i_d^2 + i_q^2 = I^2. With d = L_q - L_d the best i_d solves
-    2 d i_d^2 - psi i_d - d I^2 = 0; the root below is the one with the larger torque for either sign of d.
+    T = 1.5 p (psi + (L_d - L_q) i_d) i_q on the circle i_d^2 + i_q^2 = I^2. With d = L_q - L_d the
+    best i_d solves 2 d i_d^2 - psi i_d - d I^2 = 0; the root below is the one with the larger
+    torque for either sign of d.
     """
     motor = drive.motor
     saliency = motor.q_inductance_h - motor.d_inductance_h
@@ -96,7 +105,9 @@ def largest_torque_nm(drive: Drive, current_a: float) -> float:
 
 def _inductances(drive: Drive) -> Iterator[str]:
     motor = drive.motor
-    if motor.type == "spmsm" and not math.isclose(motor.d_inductance_h, motor.q_inductance_h, rel_tol=1e-9):
+    if motor.type == "spmsm" and not math.isclose(
+        motor.d_inductance_h, motor.q_inductance_h, rel_tol=1e-9
+    ):
         yield (
             f"motor.q_inductance_h: {motor.q_inductance_h:g} H, accepted: equal to d_inductance_h "
             f'({motor.d_inductance_h:g} H) when type = "spmsm"'
@@ -104,7 +115,10 @@ def _inductances(drive: Drive) -> Iterator[str]:
 
 
 def _iron(drive: Drive) -> Iterator[str]:
-    if drive.motor.iron_loss_resistance_ohm is not None and sum(drive.motor.iron_loss_resistance_ohm) == 0.0:
+    if (
+        drive.motor.iron_loss_resistance_ohm is not None
+        and sum(drive.motor.iron_loss_resistance_ohm) == 0.0
+    ):
         yield "motor.iron_loss_resistance_ohm: [0, 0] would short-circuit the motor, accepted: a0 + a1 > 0, or no such key for no iron loss"
 
 
@@ -128,7 +142,11 @@ def _currents(drive: Drive) -> Iterator[str]:
 
 def _battery(drive: Drive) -> Iterator[str]:
     battery = drive.battery
-    lowest, highest, voltage = battery.min_voltage_v, battery.max_voltage_v, battery.open_circuit_voltage_v
+    lowest, highest, voltage = (
+        battery.min_voltage_v,
+        battery.max_voltage_v,
+        battery.open_circuit_voltage_v,
+    )
     if lowest >= highest:
         yield f"battery.min_voltage_v: {lowest:g} V, accepted: less than max_voltage_v = {highest:g} V"
     if isinstance(voltage, float | int):
@@ -156,8 +174,12 @@ def _grid(drive: Drive) -> Iterator[str]:
 
 def _temperatures(drive: Drive) -> Iterator[str]:
     motor, (lowest, highest) = drive.motor, drive.table.temperature_range_c
-    resistance = 1.0 + motor.resistance_temperature_coefficient_per_k * (lowest - motor.reference_temperature_c)
-    flux = 1.0 + (motor.flux_temperature_coefficient_per_k or 0.0) * (highest - motor.reference_temperature_c)
+    resistance = 1.0 + motor.resistance_temperature_coefficient_per_k * (
+        lowest - motor.reference_temperature_c
+    )
+    flux = 1.0 + (motor.flux_temperature_coefficient_per_k or 0.0) * (
+        highest - motor.reference_temperature_c
+    )
     if resistance < 0.1:
         yield f"table.temperature_range_c: {lowest:g} degC leave {resistance:.2g} of the resistance, accepted: a lowest that leaves 0.1"
     if flux < 0.1:
@@ -221,7 +243,9 @@ def _emf(drive: Drive) -> Iterator[str]:
         allowed = drive.motor.max_speed_rpm * trip / emf
         yield f"{where}, accepted: at most the bus limit of {trip:.4g} V ({allowed:.4g} r/min), or control.field_weakening_current_a > 0"
         return
-    weakened = per_volt * max(drive.motor.flux_linkage_wb - drive.motor.d_inductance_h * weakening, 0.0)
+    weakened = per_volt * max(
+        drive.motor.flux_linkage_wb - drive.motor.d_inductance_h * weakening, 0.0
+    )
     lowest = drive.battery.min_voltage_v
     if weakened > lowest:
         needed = (drive.motor.flux_linkage_wb - lowest / per_volt) / drive.motor.d_inductance_h
@@ -232,17 +256,32 @@ def _emf(drive: Drive) -> Iterator[str]:
 
 
 def _regeneration(drive: Drive) -> Iterator[str]:
-    """B > 2 c1 / 3 must hold somewhere (peak quantities): else braking costs battery energy at any torque."""
+    """B > 2 c1 / 3 must hold somewhere (peak quantities).
+
+    Else braking costs battery energy at any torque.
+    """
     motor, inverter = drive.motor, drive.inverter
     dead_share = 2.0 * inverter.dead_time_s * inverter.pwm_frequency_hz
-    switching = 3.0 * (inverter.turn_on_loss_j_per_a + inverter.turn_off_loss_j_per_a) * inverter.pwm_frequency_hz / math.pi
-    threshold = (2.0 / 3.0) * (6.0 / math.pi * inverter.diode_forward_voltage_v * dead_share + switching)
+    switching = (
+        3.0
+        * (inverter.turn_on_loss_j_per_a + inverter.turn_off_loss_j_per_a)
+        * inverter.pwm_frequency_hz
+        / math.pi
+    )
+    threshold = (2.0 / 3.0) * (
+        6.0 / math.pi * inverter.diode_forward_voltage_v * dead_share + switching
+    )
     a0, a1 = motor.iron_loss_resistance_ohm or (math.inf, 0.0)
     best = 0.0
     for step in range(1, 257):
         omega = omega_max(drive) * step / 256
         iron = omega / (a0 + a1 * omega)
-        best = max(best, omega * motor.flux_linkage_wb / (1.0 + iron * iron * motor.d_inductance_h * motor.q_inductance_h))
+        best = max(
+            best,
+            omega
+            * motor.flux_linkage_wb
+            / (1.0 + iron * iron * motor.d_inductance_h * motor.q_inductance_h),
+        )
     if best <= threshold:
         yield (
             f"motor.max_speed_rpm: no regeneration at any speed up to {motor.max_speed_rpm:g} r/min: the back-EMF stays below "

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a generation found out besides the tables: margins, number formats, what the grid loses."""
 
 import json
@@ -79,7 +80,10 @@ def as_text(report: Report) -> str:
     )
     dear = max(report.d_current_losses, key=lambda loss: loss.without_d_current)
     columns, rows, layers = report.d_current_points
-    temperature, stored = (max(getattr(loss, name) for loss in report.d_current_losses) for name in ("temperature", "stored"))
+    temperature, stored = (
+        max(getattr(loss, name) for loss in report.d_current_losses)
+        for name in ("temperature", "stored")
+    )
     lines.append(
         f"{report.name}: i_d: {columns} x {rows} x {layers} points over torque, speed and temperature lose {stored:.4%} of the energy of "
         f"any manoeuvre, {temperature:.4%} of it to the few temperatures, and {report.d_current_power_loss_worst:.3%} of the braking power "
@@ -93,4 +97,7 @@ def as_text(report: Report) -> str:
 
 
 def _filled(proof: envelope.Proof) -> float:
-    return max(proof.found.high / proof.allowed.high, proof.found.low / proof.allowed.low if proof.allowed.low < 0.0 else 0.0)
+    return max(
+        proof.found.high / proof.allowed.high,
+        proof.found.low / proof.allowed.low if proof.allowed.low < 0.0 else 0.0,
+    )

@@ -1,6 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """Reading a drive from TOML, and everything wrong with it as one line.
 
-Light to import (pydantic and the standard library): the simulator reads the same files through this module.
+Light to import (pydantic and the standard library): the simulator reads the same files through this
+module.
 """
 
 import difflib
@@ -41,14 +43,19 @@ def load(path: str | Path) -> Drive:
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise ConfigurationError(f"{path}: not valid TOML: {' '.join(str(error).split())}") from error
+        raise ConfigurationError(
+            f"{path}: not valid TOML: {' '.join(str(error).split())}"
+        ) from error
     except RecursionError as error:
         raise ConfigurationError(f"{path}: not valid TOML: nested too deeply") from error
     return parse(data, name=path.stem, source=str(path))
 
 
 def parse(data: Mapping[str, Any], name: str, source: str) -> Drive:
-    """Check a drive that is already in memory as nested mappings; ``source`` begins every error line."""
+    """Check a drive that is already in memory as nested mappings.
+
+    ``source`` begins every error line.
+    """
     try:
         drive = Drive.model_validate(dict(data)).named(name)
     except ValidationError as error:
@@ -76,14 +83,17 @@ def _read(path: Path) -> str:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         raise ConfigurationError(f"{path}: cannot be read: {reason}") from error
     if len(raw) > MAX_FILE_BYTES:
-        raise ConfigurationError(f"{path}: larger than {MAX_FILE_BYTES} bytes, a drive takes a few thousand")
+        raise ConfigurationError(
+            f"{path}: larger than {MAX_FILE_BYTES} bytes, a drive takes a few thousand"
+        )
     try:
         return raw.decode("utf-8")
     except UnicodeDecodeError as error:
         raise ConfigurationError(f"{path}: not UTF-8 text (byte {error.start})") from error
 
 
-# A misspelt key shows up twice, as an unknown one and as a missing one: the first of these says more.
+# A misspelt key shows up twice, as an unknown one and as a missing one: the first of these says
+# more.
 _ORDER = {"extra_forbidden": 0, "missing": 1}
 
 
@@ -102,12 +112,24 @@ def _explain(details: ErrorDetails, keys: list[str]) -> str:
         what = "section" if parent is Drive and isinstance(value, Mapping) else "key"
         known = list(parent.model_fields)
         near = difflib.get_close_matches(keys[-1], known, n=1, cutoff=0.5)
-        return f"unknown {what}, did you mean {near[0]}?" if near else f"unknown {what}, known are {', '.join(known)}"
+        return (
+            f"unknown {what}, did you mean {near[0]}?"
+            if near
+            else f"unknown {what}, known are {', '.join(known)}"
+        )
     if parent is Drive:
-        return "this section is missing" if kind == "missing" else f"must be a section, found {_show(value)}"
+        return (
+            "this section is missing"
+            if kind == "missing"
+            else f"must be a section, found {_show(value)}"
+        )
     accepted = _accepted(parent.model_fields[keys[1]])
     absent = kind == "missing" and len(details["loc"]) == 2
-    return f"missing, accepted: {accepted}" if absent else f"{_show(value)} is not accepted, accepted: {accepted}"
+    return (
+        f"missing, accepted: {accepted}"
+        if absent
+        else f"{_show(value)} is not accepted, accepted: {accepted}"
+    )
 
 
 def _show(value: object) -> str:
@@ -126,7 +148,11 @@ def _accepted(info: FieldInfo) -> str:
     """Describe what a key takes: kind, range and unit."""
     extra = info.json_schema_extra if isinstance(info.json_schema_extra, dict) else {}
     unit = str(extra.get("unit", "1"))
-    kinds = [kind for kind in get_args(info.annotation) if kind is not type(None)] if _is_union(info.annotation) else [info.annotation]
+    kinds = (
+        [kind for kind in get_args(info.annotation) if kind is not type(None)]
+        if _is_union(info.annotation)
+        else [info.annotation]
+    )
     return " or ".join(_accepted_kind(kind, info.metadata, unit) for kind in kinds)
 
 
@@ -135,8 +161,12 @@ def _accepted_kind(kind: object, metadata: list[Any], unit: str) -> str:
     if get_origin(kind) is Annotated:
         bare, *notes = get_args(kind)
         fields = [note for note in notes if isinstance(note, FieldInfo)]
-        extra = next((f.json_schema_extra for f in fields if isinstance(f.json_schema_extra, dict)), {})
-        return _accepted_kind(bare, [m for f in fields for m in f.metadata], str(extra.get("unit", "1")))
+        extra = next(
+            (f.json_schema_extra for f in fields if isinstance(f.json_schema_extra, dict)), {}
+        )
+        return _accepted_kind(
+            bare, [m for f in fields for m in f.metadata], str(extra.get("unit", "1"))
+        )
     if get_origin(kind) is Literal:
         return " or ".join(f'"{choice}"' for choice in get_args(kind))
     if get_origin(kind) is tuple:
@@ -144,11 +174,15 @@ def _accepted_kind(kind: object, metadata: list[Any], unit: str) -> str:
         if elements[-1] is Ellipsis:
             return f"a list of ({_accepted_kind(elements[0], [], unit)})"
         texts = [_accepted_kind(element, [], unit) for element in elements]
-        return f"a list of {len(texts)}: " + (f"{texts[0]} each" if len(set(texts)) == 1 else ", ".join(texts))
+        return f"a list of {len(texts)}: " + (
+            f"{texts[0]} each" if len(set(texts)) == 1 else ", ".join(texts)
+        )
     lowest, highest = _bounds(metadata)
     if kind is str:
         return f"text of {lowest} to {highest} characters"
-    return f"{'a whole number' if kind is int else 'a number'} from {lowest:g} to {highest:g}" + (f" {unit}" if unit != "1" else "")
+    return f"{'a whole number' if kind is int else 'a number'} from {lowest:g} to {highest:g}" + (
+        f" {unit}" if unit != "1" else ""
+    )
 
 
 def _is_union(annotation: object) -> bool:
@@ -156,6 +190,22 @@ def _is_union(annotation: object) -> bool:
 
 
 def _bounds(metadata: list[Any]) -> tuple[Any, Any]:
-    lowest = next((v for m in metadata for n in ("ge", "min_length") if (v := getattr(m, n, None)) is not None), None)
-    highest = next((v for m in metadata for n in ("le", "max_length") if (v := getattr(m, n, None)) is not None), None)
+    lowest = next(
+        (
+            v
+            for m in metadata
+            for n in ("ge", "min_length")
+            if (v := getattr(m, n, None)) is not None
+        ),
+        None,
+    )
+    highest = next(
+        (
+            v
+            for m in metadata
+            for n in ("le", "max_length")
+            if (v := getattr(m, n, None)) is not None
+        ),
+        None,
+    )
     return lowest, highest

@@ -1,9 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
 """The ideal stop: constant demand at every driven wheel from a speed to standstill, steady state at every speed.
 
-No delay, no hand-over, no drag: what is left is how the losses depend on the share that the motor takes. For a given
-speed trace the pointwise optimum is the best over time, so series_optimal bounds every real stop from above; with the
-battery's RC branch taken as settled it does not, because that branch has no time to take its loss (packs). Surface magnets
-brake with i_d = 0, as in the paper, salient motors with the i_d of least loss (ideal).
+No delay, no hand-over, no drag: what is left is how the losses depend on the share that the motor
+takes. For a given speed trace the pointwise optimum is the best over time, so series_optimal bounds
+every real stop from above; with the battery's RC branch taken as settled it does not, because that
+branch has no time to take its loss (packs). Surface magnets brake with i_d = 0, as in the paper,
+salient motors with the i_d of least loss (ideal).
 """
 
 from dataclasses import asdict, dataclass
@@ -22,7 +24,8 @@ SPEED_STEPS = 4000
 class Energies:
     """Where the energy of a stop went, in J, all motors together; sinks are >= 0.
 
-    ``polarisation`` is left in the battery's RC branch at the end, on its way to heat; 0 where that branch is settled.
+    ``polarisation`` is left in the battery's RC branch at the end, on its way to heat; 0 where that
+    branch is settled.
     """
 
     battery_returned: float
@@ -70,7 +73,8 @@ def stop(
     Parameters
     ----------
     demand_nm : float
-        Braking torque at each driven wheel, magnitude, > 0; the motor's friction brakes on top of it.
+        Braking torque at each driven wheel, magnitude, > 0; the motor's friction brakes on top of
+        it.
     initial_speed_kmh : float
         > 0.
     temperature_c : float
@@ -79,12 +83,18 @@ def stop(
         "settled" or "dynamic", see packs; the speed trace and the torques are the same for both.
     """
     motor, inverter = models.machine(drive, temperature_c), models.bridge(drive)
-    wheels, radius, mass = drive.vehicle.driven_wheels, drive.vehicle.wheel_radius_m, drive.vehicle.mass_kg
+    wheels, radius, mass = (
+        drive.vehicle.driven_wheels,
+        drive.vehicle.wheel_radius_m,
+        drive.vehicle.mass_kg,
+    )
     initial = initial_speed_kmh / 3.6
     speed = _speeds_rad_s(drive, initial_speed_kmh)
     made = ideal.production(drive)
     needed = strategy == "series_optimal"
-    capability = _capability(drive, temperature_c, initial_speed_kmh) if needed else np.zeros_like(speed)
+    capability = (
+        _capability(drive, temperature_c, initial_speed_kmh) if needed else np.zeros_like(speed)
+    )
     electric = braking.electric_torque_nm(drive, strategy, demand_nm, speed, capability)
     state = made.state(motor, inverter, speed, -electric)
     wheel_torque = demand_nm + state.loss_friction_w / speed
@@ -123,13 +133,21 @@ def stop(
 
 
 def _speeds_rad_s(drive: Drive, initial_speed_kmh: float) -> Array:
-    """Mechanical speeds of the midpoint rule over speed: the integrands have kinks at the limits and none at standstill."""
+    """Mechanical speeds of the midpoint rule over speed.
+
+    The integrands have kinks at the limits and none at standstill.
+    """
     step = initial_speed_kmh / 3.6 / SPEED_STEPS / drive.vehicle.wheel_radius_m
     return (np.arange(SPEED_STEPS, dtype=np.float64) + 0.5) * step
 
 
 @lru_cache(maxsize=8)
 def _capability(drive: Drive, temperature_c: float, initial_speed_kmh: float) -> Array:
-    """Capability in N m at those speeds; kept because a sweep of demands asks for it again and again."""
+    """Capability in N m at those speeds.
+
+    Kept because a sweep of demands asks for it again and again.
+    """
     motor, inverter = models.machine(drive, temperature_c), models.bridge(drive)
-    return ideal.production(drive).capability_nm(drive, motor, inverter, _speeds_rad_s(drive, initial_speed_kmh))
+    return ideal.production(drive).capability_nm(
+        drive, motor, inverter, _speeds_rad_s(drive, initial_speed_kmh)
+    )

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # A Chromium without a window, for the test that looks at the report as a reader does.
 #

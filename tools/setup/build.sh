@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # The build, through the presets of CMakePresets.json and nothing else, so that `cmake --preset host` typed by hand and
 # the commands of tools/dev meet in the same directories and never undo each other's work.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # CBMC, the bounded model checker of tests/proofs.
 #

@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """Judge whether the running interpreter's environment is the project's, complete and at home here.
 
-Usage: ``check_venv.py [--place] ROOT [REQUIREMENTS]``; exit status 0 if so, else one line on stderr and 1. With
-``--place`` only the place is judged, not the packages. It runs before every command, so it imports little.
+Usage: ``check_venv.py [--place] ROOT [REQUIREMENTS]``; exit status 0 if so, else one line on stderr
+and 1. With ``--place`` only the place is judged, not the packages. It runs before every command, so
+it imports little.
 """
 
 import re
@@ -23,7 +25,10 @@ def misplaced(root: str) -> str | None:
 
 
 def normalised(name: str) -> str:
-    """Return a package name as Python packaging compares names: case and the kind of separator do not count."""
+    """Return a package name as Python packaging compares names.
+
+    Case and the kind of separator do not count.
+    """
     return re.sub(r"[-_.]+", "-", name).lower()
 
 

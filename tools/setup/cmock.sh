@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # CMock, which carries Unity: test runner and mock generators of the unit tests.
 #

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # Talking to people and running noisy commands. Sourced by tools/dev, which sets ROOT.
 # Everything said here goes to stderr: stdout belongs to the command that was asked for, so that

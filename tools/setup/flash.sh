@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # Writing a firmware image through a debug probe. OpenOCD is taken where there is a choice, because it knows the whole
 # STM32F4 family by itself; pyOCD, if it is asked for, fetches a device pack for this part on first use.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # Formatting, and the static checks that the tests labelled "lint" are.
 

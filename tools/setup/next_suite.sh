@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # Packages that this Debian does not have yet but the next one has, without touching the system.
 #

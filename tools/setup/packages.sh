@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # The system's share of the tools: which are missing, and how they are had from apt.
 #

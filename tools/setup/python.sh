@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # The private Python environment, .dev/venv: pinned packages, and the project's own ones through a .pth file.
 

@@ -1,29 +1,33 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * analog.h: what the converters measured.
  *
- * The three phase currents are sampled at the same instant, at the top of the centre-aligned count, when the low-side
- * switches carry them. Codes are right-aligned 12-bit. Full scales are properties of the board and stand in the
- * configuration (drive.current_full_scale_mA, drive.voltage_full_scale_mV); ports do not scale.
+ * The three phase currents are sampled at the same instant, at the top of the centre-aligned count,
+ * when the low-side switches carry them. Codes are right-aligned 12-bit. Full scales are properties
+ * of the board and stand in the configuration (drive.current_full_scale_mA,
+ * drive.voltage_full_scale_mV); ports do not scale.
  */
 #ifndef HAL_ANALOG_H
 #define HAL_ANALOG_H
 
 #include <stdint.h>
 
-/* Reported for a temperature sensor that is broken or not connected: hotter than any limit that is in force, so the
- * torque goes to zero, but below 300 C, which in the configuration means that the limit is off. */
+/* Reported for a temperature sensor that is broken or not connected: hotter than any limit that is
+ * in force, so the torque goes to zero, but below 300 C, which in the configuration means that the
+ * limit is off. */
 enum { ANALOG_TEMPERATURE_BROKEN_cC = 29999 };
 
 typedef struct {
-    uint16_t phase_current_code[3]; /* 2048 = no current, rising with current into the motor; a, b, c */
-    uint16_t bus_voltage_code;      /* 4096 = full scale */
+    uint16_t
+        phase_current_code[3]; /* 2048 = no current, rising with current into the motor; a, b, c */
+    uint16_t bus_voltage_code; /* 4096 = full scale */
 } analog_sample_t;
 
 /* The sample of this PWM period. Only from app_pwm_period_isr(). */
 analog_sample_t analog_read(void);
 
-/* Hundredths of a degree Celsius, -4000 .. 20000 or ANALOG_TEMPERATURE_BROKEN_cC, from the latest sample, unfiltered.
- * Any context. */
+/* Hundredths of a degree Celsius, -4000 .. 20000 or ANALOG_TEMPERATURE_BROKEN_cC, from the latest
+ * sample, unfiltered. Any context. */
 int32_t analog_winding_temperature_cC(void);
 int32_t analog_switch_temperature_cC(void);
 

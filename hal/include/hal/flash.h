@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * flash.h: the two images in non-volatile memory: the firmware, and the configuration in an erase sector of its own.
+ * flash.h: the two images in non-volatile memory: the firmware, and the configuration in an erase
+ * sector of its own.
  */
 #ifndef HAL_FLASH_H
 #define HAL_FLASH_H
@@ -15,7 +17,8 @@ typedef struct {
 typedef enum {
     FLASH_OK = 0,
     FLASH_TOO_LARGE,    /* more bytes than the sector holds; nothing was erased */
-    FLASH_ERASE_FAILED, /* the sector's content is undefined: the configuration will be refused at the next boot */
+    FLASH_ERASE_FAILED, /* the sector's content is undefined: the configuration will be refused at
+                           the next boot */
     FLASH_WRITE_FAILED, /* likewise */
     FLASH_UNSUPPORTED   /* this port has no programmable memory */
 } flash_status_t;
@@ -23,12 +26,14 @@ typedef enum {
 /* The whole sector that holds the configuration; an erased one reads as 0xFF. */
 flash_image_t flash_configuration(void);
 
-/* Everything of the firmware that must never change at run time, and the CRC-32 (IEEE 802.3) that the build found. */
+/* Everything of the firmware that must never change at run time, and the CRC-32 (IEEE 802.3) that
+ * the build found. */
 flash_image_t flash_firmware(void);
 uint32_t flash_firmware_crc32(void);
 
-/* Replaces the configuration. The core stands still or cares for nothing but the watchdog for up to a second, without
- * interrupts: only with the bridge off and the motor at rest, and followed by a restart. Background context. */
+/* Replaces the configuration. The core stands still or cares for nothing but the watchdog for up to
+ * a second, without interrupts: only with the bridge off and the motor at rest, and followed by a
+ * restart. Background context. */
 flash_status_t flash_write_configuration(const void *bytes, uint32_t size_bytes);
 
 #endif

@@ -1,12 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * inverter.h: three half bridges, driven by one centre-aligned timer.
  *
- * The count runs 0 -> top -> 0 once per PWM period. A leg's high side conducts while count < compare, its low side
- * otherwise, with the dead time in between; so 0 is "low side always", `pwm_period_counts` (= top) is "high side
- * always", and the low sides conduct around the top, which is where analog.h samples. Compare values and bridge mode
- * given to inverter_set() take effect together at the next top.
+ * The count runs 0 -> top -> 0 once per PWM period. A leg's high side conducts while count <
+ * compare, its low side otherwise, with the dead time in between; so 0 is "low side always",
+ * `pwm_period_counts` (= top) is "high side always", and the low sides conduct around the top,
+ * which is where analog.h samples. Compare values and bridge mode given to inverter_set() take
+ * effect together at the next top.
  *
- * The hardware break input switches all six switches off by itself, without software, and keeps them off.
+ * The hardware break input switches all six switches off by itself, without software, and keeps
+ * them off.
  */
 #ifndef HAL_INVERTER_H
 #define HAL_INVERTER_H
@@ -15,45 +18,51 @@
 #include <stdint.h>
 
 typedef enum {
-    INVERTER_MODE_OFF = 0,  /* all six switches off; takes effect at once */
-    INVERTER_MODE_PWM = 1,  /* legs follow the compare values */
-    INVERTER_MODE_SHORT = 2 /* three low sides on, three high sides off; compare values are ignored */
+    INVERTER_MODE_OFF = 0, /* all six switches off; takes effect at once */
+    INVERTER_MODE_PWM = 1, /* legs follow the compare values */
+    INVERTER_MODE_SHORT =
+        2 /* three low sides on, three high sides off; compare values are ignored */
 } inverter_mode_t;
 
 typedef struct {
-    uint32_t pwm_frequency_Hz;  /* rate of the period; the port checks that its timer clock makes it from the counts */
+    uint32_t pwm_frequency_Hz;  /* rate of the period; the port checks that its timer clock makes it
+                                   from the counts */
     uint32_t pwm_period_counts; /* counts from 0 to the top, 256 .. 16384 */
     uint32_t dead_time_ns;      /* rounded up to what the timer can make, never down */
 } inverter_settings_t;
 
 typedef enum {
     INVERTER_OK = 0,
-    INVERTER_FREQUENCY_UNREACHABLE, /* the counts at this port's timer clock miss the frequency by more than 0.1 % */
-    INVERTER_DEAD_TIME_UNREACHABLE, /* longer than the timer can make, or shorter than the board's switches need */
+    INVERTER_FREQUENCY_UNREACHABLE, /* the counts at this port's timer clock miss the frequency by
+                                       more than 0.1 % */
+    INVERTER_DEAD_TIME_UNREACHABLE, /* longer than the timer can make, or shorter than the board's
+                                       switches need */
     INVERTER_TIMER_UNREADY,         /* the timer does not update where it should, or not at all */
     INVERTER_CONVERTER_UNREADY      /* the analog converters did not start */
 } inverter_status_t;
 
-/* Pins, timer, converters and their trigger; the bridge is off and nothing calls upwards yet. Background context, once.
- * On anything but INVERTER_OK inverter_start() must not be called. */
+/* Pins, timer, converters and their trigger; the bridge is off and nothing calls upwards yet.
+ * Background context, once. On anything but INVERTER_OK inverter_start() must not be called. */
 inverter_status_t inverter_init(const inverter_settings_t *settings);
 
-/* From here on app_pwm_period_isr() is called; the bridge stays off until inverter_set() says otherwise. */
+/* From here on app_pwm_period_isr() is called; the bridge stays off until inverter_set() says
+ * otherwise. */
 void inverter_start(void);
 
-/* What the bridge does from the next top on. Only from app_pwm_period_isr(). compare_counts are 0 .. top; larger ones
- * act as top. Ignored while a fault is latched. */
+/* What the bridge does from the next top on. Only from app_pwm_period_isr(). compare_counts are 0
+ * .. top; larger ones act as top. Ignored while a fault is latched. */
 void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3]);
 
-/* All six switches off now, whatever else is going on, and latched as a fault. Any context, also from fault handlers
- * and before inverter_init(). */
+/* All six switches off now, whatever else is going on, and latched as a fault. Any context, also
+ * from fault handlers and before inverter_init(). */
 void inverter_trip(void);
 
-/* True from the moment the break input acted or inverter_trip() was called until inverter_clear_fault() succeeds, and
- * while the gate driver reports a fault. Any context. */
+/* True from the moment the break input acted or inverter_trip() was called until
+ * inverter_clear_fault() succeeds, and while the gate driver reports a fault. Any context. */
 bool inverter_fault(void);
 
-/* Releases the latch, if the cause is gone; the bridge stays off until the next inverter_set(). Any context. */
+/* Releases the latch, if the cause is gone; the bridge stays off until the next inverter_set(). Any
+ * context. */
 void inverter_clear_fault(void);
 
 #endif

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * memory.h: facts about RAM for self-test and supervision.
  */
@@ -11,15 +12,18 @@ typedef struct {
     uint32_t words;
 } memory_window_t;
 
-/* The part of the stack that has not been reached yet, a margin below the caller's frame left out. The self-test may
- * overwrite it as long as no interrupt is enabled. The stack lies at the lower end of RAM on every port, so that an
- * overflow leaves RAM and faults instead of overwriting variables. */
+/* The part of the stack that has not been reached yet, a margin below the caller's frame left out.
+ * The self-test may overwrite it as long as no interrupt is enabled. The stack lies at the lower
+ * end of RAM on every port, so that an overflow leaves RAM and faults instead of overwriting
+ * variables. */
 memory_window_t memory_unused(void);
 
-/* Fills memory_unused() with the pattern that memory_stack_free_bytes() looks for. Once, before interrupts start. */
+/* Fills memory_unused() with the pattern that memory_stack_free_bytes() looks for. Once, before
+ * interrupts start. */
 void memory_mark_stack(void);
 
-/* Bytes that the stack has never reached since; 0 if it was never marked. Takes longer the more is free: background. */
+/* Bytes that the stack has never reached since; 0 if it was never marked. Takes longer the more is
+ * free: background. */
 uint32_t memory_stack_free_bytes(void);
 
 #endif

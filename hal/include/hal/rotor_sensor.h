@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * rotor_sensor.h: where the rotor is. One of three sensors, chosen at start-up.
  */
@@ -16,21 +17,24 @@ typedef enum {
 /* What an encoder counted. Where the index lies, and what a count means, is not known here. */
 typedef struct {
     uint16_t count;       /* free running, both edges of both tracks: four to a line */
-    uint16_t index_count; /* the count at the latest index pulse, captured by hardware; holds for `index` only */
+    uint16_t index_count; /* the count at the latest index pulse, captured by hardware; holds for
+                             `index` only */
     bool index;           /* an index pulse came since the last look */
 } rotor_sensor_encoder_t;
 
 /* Background context, once, before inverter_start(). False: this board has no such sensor. */
 bool rotor_sensor_init(rotor_sensor_kind_t kind);
 
-/* Electrical angle now, 65 536 = one turn, 0 = magnet flux along phase a, rising when driving forward; 0 with another
- * sensor. Only from app_pwm_period_isr(). */
+/* Electrical angle now, 65 536 = one turn, 0 = magnet flux along phase a, rising when driving
+ * forward; 0 with another sensor. Only from app_pwm_period_isr(). */
 uint16_t rotor_sensor_angle_turn(void);
 
-/* Levels now: bit 0 = hall A, bit 1 = hall B, bit 2 = hall C; 0 with another sensor. Only from app_pwm_period_isr(). */
+/* Levels now: bit 0 = hall A, bit 1 = hall B, bit 2 = hall C; 0 with another sensor. Only from
+ * app_pwm_period_isr(). */
 uint8_t rotor_sensor_hall_state(void);
 
-/* All zero with another sensor. Only from app_pwm_period_isr(), once a period: a look takes the index pulse. */
+/* All zero with another sensor. Only from app_pwm_period_isr(), once a period: a look takes the
+ * index pulse. */
 rotor_sensor_encoder_t rotor_sensor_encoder(void);
 
 #endif

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * serial.h: one asynchronous serial line, 8 data bits, no parity, for people: banner, status, shell.
+ * serial.h: one asynchronous serial line, 8 data bits, no parity, for people: banner, status,
+ * shell.
  *
  * Never blocks. Background context only.
  */
@@ -12,10 +14,12 @@
 /* Works also after time_init() failed: the bit rate is made from the clock that really runs. */
 void serial_init(uint32_t bit_rate);
 
-/* Queues up to `size` bytes and returns how many found room; the rest is the caller's to offer again or to drop. */
+/* Queues up to `size` bytes and returns how many found room; the rest is the caller's to offer
+ * again or to drop. */
 uint32_t serial_write(const char *bytes, uint32_t size);
 
-/* The oldest received byte not yet delivered; false if there is none. Bytes that found no room are lost. */
+/* The oldest received byte not yet delivered; false if there is none. Bytes that found no room are
+ * lost. */
 bool serial_read(uint8_t *byte);
 
 #endif

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * time.h: clocks and the millisecond.
  */
@@ -7,21 +8,24 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Brings the core to its full clock. False if a clock did not start in time: the core then runs on its internal
- * oscillator, the serial line works, and nothing that depends on exact timing may be started. Background, first of all. */
+/* Brings the core to its full clock. False if a clock did not start in time: the core then runs on
+ * its internal oscillator, the serial line works, and nothing that depends on exact timing may be
+ * started. Background, first of all. */
 bool time_init(void);
 
 /* Starts app_millisecond_isr(). */
 void time_start_tick(void);
 
-/* Milliseconds since time_start_tick(); wraps after 49 days, so only differences mean anything. Any context. */
+/* Milliseconds since time_start_tick(); wraps after 49 days, so only differences mean anything. Any
+ * context. */
 uint32_t time_ms(void);
 
-/* Core clock cycles, free running, wraps; constantly 0 where the core cannot count them. Any context. */
+/* Core clock cycles, free running, wraps; constantly 0 where the core cannot count them. Any
+ * context. */
 uint32_t time_cycles(void);
 
-/* False once the port wants the program to end: never on a board; on the emulator and on the host after the time that
- * whoever started it asked for. */
+/* False once the port wants the program to end: never on a board; on the emulator and on the host
+ * after the time that whoever started it asked for. */
 bool time_running(void);
 
 #endif

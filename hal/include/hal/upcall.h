@@ -1,18 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * upcall.h: the two functions every port calls and the application supplies. Nothing else goes upwards.
+ * upcall.h: the two functions every port calls and the application supplies. Nothing else goes
+ * upwards.
  *
- * Both are called from interrupt context of a single core. app_pwm_period_isr() has the higher priority: it may
- * interrupt app_millisecond_isr() and the background loop, and nothing that calls into the application interrupts it.
- * app_millisecond_isr() may interrupt the background loop only. Neither is re-entered. The exchange between the
- * three contexts (firmware/app double_buffer.h) is built on exactly this order.
+ * Both are called from interrupt context of a single core. app_pwm_period_isr() has the higher
+ * priority: it may interrupt app_millisecond_isr() and the background loop, and nothing that calls
+ * into the application interrupts it. app_millisecond_isr() may interrupt the background loop only.
+ * Neither is re-entered. The exchange between the three contexts (firmware/app double_buffer.h) is
+ * built on exactly this order.
  *
  * Neither is called before inverter_start() respectively time_start_tick() has been.
  */
 #ifndef HAL_UPCALL_H
 #define HAL_UPCALL_H
 
-/* Once per PWM period, as soon as the samples taken at the top of the centre-aligned count are converted. Whatever it
- * hands to inverter_set() before the next top takes effect there. */
+/* Once per PWM period, as soon as the samples taken at the top of the centre-aligned count are
+ * converted. Whatever it hands to inverter_set() before the next top takes effect there. */
 void app_pwm_period_isr(void);
 
 /* Once per millisecond. */

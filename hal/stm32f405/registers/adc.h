@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* adc.h: analog-to-digital converters; RM0090 section 13.13. */
 #ifndef STM32F405_REGISTERS_ADC_H
 #define STM32F405_REGISTERS_ADC_H

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* can.h: bxCAN; RM0090 section 32.9. */
 #ifndef STM32F405_REGISTERS_CAN_H
 #define STM32F405_REGISTERS_CAN_H

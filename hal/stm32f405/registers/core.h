@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * core.h: the registers of the Cortex-M4 core that the port uses.
- * Arm DDI 0403 (ARMv7-M architecture): B3.2 system control block, B3.3 SysTick, B3.4 NVIC, C1.6 and C1.8 debug and DWT.
+ * Arm DDI 0403 (ARMv7-M architecture): B3.2 system control block, B3.3 SysTick, B3.4 NVIC, C1.6 and
+ * C1.8 debug and DWT.
  */
 #ifndef STM32F405_REGISTERS_CORE_H
 #define STM32F405_REGISTERS_CORE_H
@@ -20,7 +22,9 @@ typedef struct {
 #define SYSTICK_CSR_CLKSOURCE (1U << 2) /* the core's own clock */
 
 #define NVIC_ISER ((volatile uint32_t *)0xE000E100U) /* one bit an interrupt: enable */
-#define NVIC_IPR ((volatile uint8_t *)0xE000E400U)   /* one byte an interrupt: priority, upper four bits on this core */
+#define NVIC_IPR                                                                                   \
+    ((volatile uint8_t                                                                             \
+          *)0xE000E400U) /* one byte an interrupt: priority, upper four bits on this core */
 
 #define SCB_VTOR ((volatile uint32_t *)0xE000ED08U)
 #define SCB_AIRCR ((volatile uint32_t *)0xE000ED0CU)

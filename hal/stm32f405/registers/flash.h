@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* flash.h: flash interface; RM0090 section 3.9 (STM32F405xx). */
 #ifndef STM32F405_REGISTERS_FLASH_H
 #define STM32F405_REGISTERS_FLASH_H

@@ -1,4 +1,6 @@
-/* gpio.h: general-purpose input and output; RM0090 section 8.4. Two bits a pin in MODER, OSPEEDR and PUPDR, four in AFR. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* gpio.h: general-purpose input and output; RM0090 section 8.4. Two bits a pin in MODER, OSPEEDR
+ * and PUPDR, four in AFR. */
 #ifndef STM32F405_REGISTERS_GPIO_H
 #define STM32F405_REGISTERS_GPIO_H
 

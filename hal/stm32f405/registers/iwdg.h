@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* iwdg.h: independent watchdog, RM0090 section 21.4; and the debug freeze bits, section 38.16. */
 #ifndef STM32F405_REGISTERS_IWDG_H
 #define STM32F405_REGISTERS_IWDG_H

@@ -1,4 +1,6 @@
-/* power.h: power control, RM0090 section 5.4 (STM32F405xx), and external interrupts, section 12.3. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* power.h: power control, RM0090 section 5.4 (STM32F405xx), and external interrupts, section 12.3.
+ */
 #ifndef STM32F405_REGISTERS_POWER_H
 #define STM32F405_REGISTERS_POWER_H
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* rcc.h: reset and clock control; RM0090 section 7.3 (STM32F405xx). */
 #ifndef STM32F405_REGISTERS_RCC_H
 #define STM32F405_REGISTERS_RCC_H

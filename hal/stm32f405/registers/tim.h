@@ -1,4 +1,6 @@
-/* tim.h: timers; RM0090 sections 17.4 (advanced, TIM1) and 18.4 (general purpose, TIM3: no RCR, no BDTR). */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* tim.h: timers; RM0090 sections 17.4 (advanced, TIM1) and 18.4 (general purpose, TIM3: no RCR, no
+ * BDTR). */
 #ifndef STM32F405_REGISTERS_TIM_H
 #define STM32F405_REGISTERS_TIM_H
 

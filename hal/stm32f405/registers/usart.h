@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* usart.h: serial line; RM0090 section 30.6. */
 #ifndef STM32F405_REGISTERS_USART_H
 #define STM32F405_REGISTERS_USART_H

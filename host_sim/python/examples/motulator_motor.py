@@ -1,11 +1,12 @@
+# SPDX-License-Identifier: Apache-2.0
 """The firmware on somebody else's motor: motulator's synchronous machine and solver, hubfoc's controller.
 
     ./tools/dev python host_sim/python/examples/motulator_motor.py
 
-motulator (PyPI) simulates a drive as a continuous-time model and a discrete-time control system that is called once per
-sampling period. The firmware takes the place of that control system. Held at one speed, the torque that the controller
-is asked for, the torque it believes to make, the torque of motulator's machine and that of hubfoc's own plant have to be
-the same.
+motulator (PyPI) simulates a drive as a continuous-time model and a discrete-time control system
+that is called once per sampling period. The firmware takes the place of that control system. Held
+at one speed, the torque that the controller is asked for, the torque it believes to make, the
+torque of motulator's machine and that of hubfoc's own plant have to be the same.
 """
 
 from types import SimpleNamespace
@@ -18,7 +19,8 @@ from motulator.drive.utils import SynchronousMachinePars
 
 DRIVE = ROOT / "tools" / "motors" / "lu2013.toml"
 BUS_V = 53.0
-# motulator's machine has no iron loss and its converter neither dead time nor resistance. So that plant and belief agree:
+# motulator's machine has no iron loss and its converter neither dead time nor resistance. So that
+# plant and belief agree:
 IDEAL = {
     "motor.iron_loss_resistance_ohm": None,
     "inverter.dead_time_s": 0.0,
@@ -34,9 +36,14 @@ SETTLE_S = 0.15
 
 
 class Firmware:
-    """motulator's idea of a control system: called with the model, it returns the sampling period and three duties."""
+    """motulator's idea of a control system.
 
-    def __init__(self, config: hubsim.Configuration, pole_pairs: int, speed_rad_s: float, brake_nm: float) -> None:
+    Called with the model, it returns the sampling period and three duties.
+    """
+
+    def __init__(
+        self, config: hubsim.Configuration, pole_pairs: int, speed_rad_s: float, brake_nm: float
+    ) -> None:
         self.controller = hubsim.Controller(config)
         self.period_s, self.brake_nm, self.calls = self.controller.period_s, brake_nm, 0
         self.per_ms = round(1e-3 / self.period_s)
@@ -54,7 +61,10 @@ class Firmware:
             self.controller.fast_step(bus_voltage_v=BUS_V, rotor_angle_turn=n * turns_per_period)
 
     def __call__(self, mdl: model.Drive) -> tuple[float, list[float]]:
-        """Sample, step, and hand over the duties; motulator delays them by one period, as the timer does."""
+        """Sample, step, and hand over the duties.
+
+        Motulator delays them by one period, as the timer does.
+        """
         if self.calls % self.per_ms == 0:
             self.slow = self.controller.slow_step(enable=True, brake_torque_nm=self.brake_nm)
             self.data.torque_nm.append(mdl.machine.tau_M)
@@ -62,7 +72,11 @@ class Firmware:
         a, b, c = mdl.machine.meas_currents()
         turn = float(np.angle(mdl.machine.state.exp_j_theta_m)) / (2.0 * np.pi)
         fast = self.controller.fast_step(
-            phase_a_a=a, phase_b_a=b, phase_c_a=c, bus_voltage_v=mdl.converter.meas_dc_voltage(), rotor_angle_turn=turn
+            phase_a_a=a,
+            phase_b_a=b,
+            phase_c_a=c,
+            bus_voltage_v=mdl.converter.meas_dc_voltage(),
+            rotor_angle_turn=turn,
         )
         return self.period_s, [fast.duty_a, fast.duty_b, fast.duty_c]
 
@@ -70,12 +84,21 @@ class Firmware:
         """Do nothing more: what a control system is asked at the end."""
 
 
-def on_motulator(config: hubsim.Configuration, speed_rad_s: float, brake_nm: float) -> dict[str, float]:
-    """Return the torques in N m that remain at a speed and demand: ``command``, ``estimate``, ``motulator``."""
+def on_motulator(
+    config: hubsim.Configuration, speed_rad_s: float, brake_nm: float
+) -> dict[str, float]:
+    """Return the torques in N m that remain at a speed and demand.
+
+    ``command``, ``estimate``, ``motulator``.
+    """
     assert config.drive is not None
     m = config.drive.motor
     parameters = SynchronousMachinePars(
-        n_p=m.pole_pairs, R_s=m.phase_resistance_ohm, L_d=m.d_inductance_h, L_q=m.q_inductance_h, psi_f=m.flux_linkage_wb
+        n_p=m.pole_pairs,
+        R_s=m.phase_resistance_ohm,
+        L_d=m.d_inductance_h,
+        L_q=m.q_inductance_h,
+        psi_f=m.flux_linkage_wb,
     )
     mdl = model.Drive(
         converter=model.VoltageSourceConverter(u_dc=BUS_V),
@@ -94,7 +117,10 @@ def on_motulator(config: hubsim.Configuration, speed_rad_s: float, brake_nm: flo
 
 
 def on_bench(config: hubsim.Configuration, speed_rad_s: float, brake_nm: float) -> float:
-    """Return the torque in N m of hubfoc's own plant there; a vehicle this heavy keeps its speed."""
+    """Return the torque in N m of hubfoc's own plant there.
+
+    A vehicle this heavy keeps its speed.
+    """
     assert config.drive is not None
     speed_kmh = 3.6 * speed_rad_s * config.drive.vehicle.wheel_radius_m
     with hubsim.Bench(
@@ -113,7 +139,9 @@ def main(points: tuple[tuple[float, float], ...] = POINTS) -> list[dict[str, flo
     config = hubsim.load_configuration(DRIVE, IDEAL)
     found = []
     for speed_rad_s, brake_nm in points:
-        torques = on_motulator(config, speed_rad_s, brake_nm) | {"bench": on_bench(config, speed_rad_s, brake_nm)}
+        torques = on_motulator(config, speed_rad_s, brake_nm) | {
+            "bench": on_bench(config, speed_rad_s, brake_nm)
+        }
         said = ", ".join(f"{name} {torque:.3f}" for name, torque in torques.items())
         print(f"{speed_rad_s:g} rad/s, brake {brake_nm:g} N m: {said} N m")
         found.append(torques)

@@ -1,9 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
 """One stop under three braking strategies: where the kinetic energy of the vehicle goes.
 
     ./tools/dev python host_sim/python/examples/strategies.py
 
-The bench is the vehicle: four controllers, four motors, one battery. A drive's TOML file makes both, and a setting on top
-of it changes both; here it is the strategy of the braking arbiter.
+The bench is the vehicle: four controllers, four motors, one battery. A drive's TOML file makes
+both, and a setting on top of it changes both; here it is the strategy of the braking arbiter.
 """
 
 import hubsim
@@ -19,7 +20,13 @@ SPEED_KMH = 40.0
 def stop(strategy: str) -> tuple[float, hubsim.Recording]:
     """Stop the vehicle and return the share of its kinetic energy that the cells got (1), and what was recorded."""
     config = hubsim.load_configuration(DRIVE, {"brake.strategy": strategy})
-    with hubsim.Bench(config, initial_speed_kmh=SPEED_KMH, demand_nm=DEMAND_NM, drag=False, stop_at_standstill=True) as bench:
+    with hubsim.Bench(
+        config,
+        initial_speed_kmh=SPEED_KMH,
+        demand_nm=DEMAND_NM,
+        drag=False,
+        stop_at_standstill=True,
+    ) as bench:
         recording = bench.run()
         kinetic_j = -bench["energy.kinetic_j"]
         return -bench["energy.chemical_j"] / kinetic_j, recording

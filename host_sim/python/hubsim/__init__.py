@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """The simulated vehicle: scenarios, runs and reports in front of the C engine that holds firmware and plant.
 
-Units are part of every name. Torques are per driven wheel; motor torque is signed, positive driving forward; braking
-demands and hydraulic torques are magnitudes. Energies are those of the whole vehicle.
+Units are part of every name. Torques are per driven wheel; motor torque is signed, positive driving
+forward; braking demands and hydraulic torques are magnitudes. Energies are those of the whole
+vehicle.
 
     hubsim.load_configuration(path)   what a controller believes and a plant is made of
     hubsim.Bench(...)                 the vehicle, driven from Python

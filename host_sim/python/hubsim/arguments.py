@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the commands share: arguments, the drive they mean, progress, and where to put a warning."""
 
 import argparse
@@ -27,7 +28,13 @@ class Parser(argparse.ArgumentParser):
 
 def add_common(command: argparse.ArgumentParser) -> None:
     """Add what every command that runs something takes."""
-    command.add_argument("--config", type=Path, default=DEFAULT_CONFIG, metavar="TOML", help="the drive; default: tools/motors/lu2013.toml")
+    command.add_argument(
+        "--config",
+        type=Path,
+        default=DEFAULT_CONFIG,
+        metavar="TOML",
+        help="the drive; default: tools/motors/lu2013.toml",
+    )
     command.add_argument(
         "--set", dest="settings", action="append", default=[], metavar="KEY=VALUE",
         help="a key of the scenario (also events.NAME.key, criteria.NAME.key), section.key of the drive, or plant.section.key of the "
@@ -38,11 +45,16 @@ def add_common(command: argparse.ArgumentParser) -> None:
 def add_strategy(command: argparse.ArgumentParser) -> None:
     """Add the choice of one braking strategy."""
     command.add_argument(
-        "--strategy", choices=run.STRATEGIES, metavar="NAME", help=f"{', '.join(run.STRATEGIES)}; default: the drive's own"
+        "--strategy",
+        choices=run.STRATEGIES,
+        metavar="NAME",
+        help=f"{', '.join(run.STRATEGIES)}; default: the drive's own",
     )
 
 
-def drive_of(config: Path, settings: overrides.Overrides, strategy: str | None, chosen: Scenario) -> Drive:
+def drive_of(
+    config: Path, settings: overrides.Overrides, strategy: str | None, chosen: Scenario
+) -> Drive:
     """Read the drive that a command is to use."""
     if strategy is not None:
         settings.drive["brake", "strategy"] = strategy
@@ -59,7 +71,10 @@ def progress_bar(unit: str = "s") -> Progress:
 
 
 def warn_of(result: RunResult) -> None:
-    """Say on stderr what a reader of figures alone would not notice: faults, events that never came."""
+    """Say on stderr what a reader of figures alone would not notice.
+
+    Faults, events that never came.
+    """
     for fault in result.faults:
         print(
             f"hubsim: warning: {result.cycle}, {result.strategy}: wheel {fault.wheel} faulted at {fault.time_s:.3f} s: {fault.reason}",

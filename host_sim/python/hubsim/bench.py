@@ -1,11 +1,13 @@
+# SPDX-License-Identifier: Apache-2.0
 """The simulated vehicle to be driven from Python: a complete controller in every driven wheel, a battery, a road.
 
-    with hubsim.Bench("tools/motors/lu2013.toml", initial_speed_kmh=40.0, demand_nm=40.0, stop_at_standstill=True) as bench:
+    with hubsim.Bench("tools/motors/lu2013.toml", initial_speed_kmh=40.0, demand_nm=40.0,
+    stop_at_standstill=True) as bench:
         recording = bench.run()
     recording["vehicle.speed_m_per_s"], recording.units["vehicle.speed_m_per_s"]
 
-What can be set is a scenario's keys when the bench is made, and any parameter of the simulated world (``parameters()``)
-then and at any later time: that is how a pedal moves or a fault happens.
+What can be set is a scenario's keys when the bench is made, and any parameter of the simulated
+world (``parameters()``) then and at any later time: that is how a pedal moves or a fault happens.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -34,7 +36,8 @@ class Recording(Mapping[str, Rows]):
     rows : array, shape (rows, signals)
         All of them, in the order of the names.
     units : dict
-        Unit of each signal: "N.m", "m/s2", "degC" and so on, "1" for a share, "" for a code or a flag.
+        Unit of each signal: "N.m", "m/s2", "degC" and so on, "1" for a share, "" for a code or a
+        flag.
     texts : dict
         What each signal is.
     """
@@ -66,11 +69,14 @@ class Bench:
     Parameters
     ----------
     drive : Configuration, str or Path
-        What the simulated world is made of, and, unless ``controller`` says otherwise, what the controllers believe.
+        What the simulated world is made of, and, unless ``controller`` says otherwise, what the
+        controllers believe.
     scenario : str or Path
-        A built-in scenario (``hubsim list``) or a TOML file; by default nothing happens that is not set.
+        A built-in scenario (``hubsim list``) or a TOML file; by default nothing happens that is not
+        set.
     controller : Configuration, str or Path, optional
-        Another configuration for the controllers: a drive that believes something wrong, or an image.
+        Another configuration for the controllers: a drive that believes something wrong, or an
+        image.
     plant : mapping, optional
         Parameters of the simulated world alone, by name, as ``set`` takes them.
     record : sequence of str
@@ -91,13 +97,19 @@ class Bench:
     ) -> None:
         config = drive if isinstance(drive, Configuration) else configuration.load(drive)
         if config.drive is None:
-            raise HubsimError(f"{config.name}: an image does not say what the plant is, accepted: a drive's .toml file")
+            raise HubsimError(
+                f"{config.name}: an image does not say what the plant is, accepted: a drive's .toml file"
+            )
         chosen, beside = _scenario(scenario, settings)
         vehicle = overrides.changed(config.drive, chosen.drive_changes, f"{chosen.source}: drive")
         self._engine, self.planned_s = run.prepare(vehicle, chosen, beside, dict(plant or {}))
         self._happening = run.timeline(chosen)
         if controller is not None:
-            other = controller if isinstance(controller, Configuration) else configuration.load(controller)
+            other = (
+                controller
+                if isinstance(controller, Configuration)
+                else configuration.load(controller)
+            )
             self._engine.load_config(other.image)
         self._engine.start()
         names = run.matching(self._engine.signals(), list(record)) if record else []
@@ -138,7 +150,10 @@ class Bench:
         return self._engine.meanings()
 
     def set(self, name: str, value: float) -> None:
-        """Set a parameter of the simulated world from now on; ``hubsim.parameters()`` lists names, units and ranges."""
+        """Set a parameter of the simulated world from now on.
+
+        ``hubsim.parameters()`` lists names, units and ranges.
+        """
         self._engine.set(name, value)
 
     def get(self, name: str) -> float:
@@ -146,7 +161,10 @@ class Bench:
         return self._engine.get(name)
 
     def step(self, duration_s: float | None = None) -> None:
-        """Go on for a time, by default one PWM period; the scenario's events happen. Rows that fall due come with the next ``run``."""
+        """Go on for a time, by default one PWM period.
+
+        The scenario's events happen. Rows that fall due come with the next ``run``.
+        """
         now_s = self.time_s
         until_s = now_s + (self.period_s if duration_s is None else duration_s)
         while not self.ended and now_s < until_s - 1e-3 * self.period_s:
@@ -184,4 +202,6 @@ def _scenario(name: str | Path | None, settings: dict[str, Any]) -> tuple[scenar
     except ValidationError as error:
         details = error.errors(include_url=False)[0]
         key = str(details["loc"][0]) if details["loc"] else "scenario"
-        raise HubsimError(f"{key}: {details['msg']}; 'hubsim list' shows the keys and what they take") from error
+        raise HubsimError(
+            f"{key}: {details['msg']}; 'hubsim list' shows the keys and what they take"
+        ) from error

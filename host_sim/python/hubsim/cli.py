@@ -1,7 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command line: ``python -m hubsim COMMAND ...``.
 
-Mistakes are one line on stderr. Exit status 0: done and every criterion met; 1: refused, failed or a criterion not met;
-2: wrong call.
+Mistakes are one line on stderr. Exit status 0: done and every criterion met; 1: refused, failed or
+a criterion not met; 2: wrong call.
 """
 
 import argparse
@@ -48,7 +49,9 @@ def parser() -> Parser:
         epilog="\n  ".join(["for example:", *EXAMPLES]), formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     out.add_argument("--version", action="version", version=f"hubsim {__version__}")
-    commands = out.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=Parser)
+    commands = out.add_subparsers(
+        title="commands", required=True, metavar="COMMAND", parser_class=Parser
+    )
     for command in (run, sim, sweep, compare, listing, report):
         command.add(commands)
     return out

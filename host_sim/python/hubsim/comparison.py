@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The three strategies on one cycle, side by side: runs in parallel, page and summary."""
 
 import os
@@ -33,15 +34,25 @@ def recorded(scenario: Scenario, beside: Path) -> Scenario:
     """Return the scenario with the finest whole number of milliseconds between rows that the page can show."""
     duration_s = scenario.max_duration_s
     if scenario.cycle is not None:
-        duration_s = min(duration_s, cycles.load(scenario.cycle, beside).duration_s * scenario.repeats)
+        duration_s = min(
+            duration_s, cycles.load(scenario.cycle, beside).duration_s * scenario.repeats
+        )
     interval_ms = duration_s * 1e3 // (SIGNAL_POINTS_MAX - 1) + 1
     return scenario.model_copy(update={"record_interval_s": interval_ms * 1e-3})
 
 
 def simulate_all(
-    name: str, drives: Sequence[Drive], scenario: Scenario, beside: Path, plant: dict[str, float], bar: Progress
+    name: str,
+    drives: Sequence[Drive],
+    scenario: Scenario,
+    beside: Path,
+    plant: dict[str, float],
+    bar: Progress,
 ) -> list[RunResult]:
-    """Run all drives at the same time, as many as there are cores; results in the order of the drives."""
+    """Run all drives at the same time, as many as there are cores.
+
+    Results in the order of the drives.
+    """
     shown = recorded(scenario, beside)
 
     stop = threading.Event()
@@ -55,10 +66,15 @@ def simulate_all(
         return run.simulate(name, drive, shown, beside, SIGNALS, plant, progress)
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-        waiting = [pool.submit(partial(one, drive, bar.add_task(drive.brake.strategy, total=None))) for drive in drives]
+        waiting = [
+            pool.submit(partial(one, drive, bar.add_task(drive.brake.strategy, total=None)))
+            for drive in drives
+        ]
         try:
             return [future.result() for future in waiting]
-        except BaseException:  # one run failed, or somebody has seen enough: the others need not go on
+        except (
+            BaseException
+        ):  # one run failed, or somebody has seen enough: the others need not go on
             stop.set()
             pool.shutdown(cancel_futures=True)
             raise
@@ -71,7 +87,9 @@ def extras(drives: Sequence[Drive], bar: Progress) -> report.Extras:
     return report.Extras({drives[0].name: stops.optimum_map(drives[0])}, curves)
 
 
-def write(results: Sequence[RunResult], directory: Path, beside: report.Extras | None = None) -> list[str]:
+def write(
+    results: Sequence[RunResult], directory: Path, beside: report.Extras | None = None
+) -> list[str]:
     """Write page and summary; return what to tell the user."""
     factor = realtime_factor(results)
     summary = {"runs": [result.run_object for result in results], "realtime_factor": factor}

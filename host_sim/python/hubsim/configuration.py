@@ -1,4 +1,8 @@
-"""What a controller believes and what a plant is made of: a drive's TOML file, or the image a controller is flashed with."""
+# SPDX-License-Identifier: Apache-2.0
+"""What a controller believes and what a plant is made of.
+
+A drive's TOML file, or the image a controller is flashed with.
+"""
 
 import tomllib
 from collections.abc import Mapping
@@ -25,9 +29,11 @@ class Configuration:
     name : str
         Of the file, without its ending.
     image : bytes
-        ``config_t`` as the firmware reads it. Whether the firmware accepts it is said where it is loaded.
+        ``config_t`` as the firmware reads it. Whether the firmware accepts it is said where it is
+        loaded.
     drive : Drive or None
-        What the TOML file says; None where only an image is known. A plant can only be made of a drive.
+        What the TOML file says; None where only an image is known. A plant can only be made of a
+        drive.
     """
 
     name: str
@@ -43,7 +49,8 @@ def load(path: str | Path, settings: Mapping[str, Any] | None = None) -> Configu
     path : str or Path
         A drive's ``.toml`` file, or a ``.bin`` image made from one (``./tools/dev table``).
     settings : mapping, optional
-        ``"section.key"`` to value, in the file's units, on top of a TOML file; None takes an optional key away.
+        ``"section.key"`` to value, in the file's units, on top of a TOML file; None takes an
+        optional key away.
 
     Raises
     ------
@@ -53,7 +60,9 @@ def load(path: str | Path, settings: Mapping[str, Any] | None = None) -> Configu
     path = Path(path)
     if path.suffix == ".bin":
         if settings:
-            raise HubsimError(f"{path}: an image cannot be changed, accepted: settings on top of a .toml file")
+            raise HubsimError(
+                f"{path}: an image cannot be changed, accepted: settings on top of a .toml file"
+            )
         return Configuration(path.stem, _bytes(path))
     try:
         drive = schema.load(path)
@@ -81,7 +90,9 @@ def _changed(drive: Drive, path: Path, settings: Mapping[str, Any]) -> Drive:
 def _bytes(path: Path) -> bytes:
     try:
         if path.stat().st_size > MAX_IMAGE_BYTES:
-            raise HubsimError(f"{path}: larger than {MAX_IMAGE_BYTES} bytes, an image takes some thousand")
+            raise HubsimError(
+                f"{path}: larger than {MAX_IMAGE_BYTES} bytes, an image takes some thousand"
+            )
         return path.read_bytes()
     except FileNotFoundError:
         raise HubsimError(f"{path}: file not found") from None

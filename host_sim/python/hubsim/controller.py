@@ -1,14 +1,17 @@
+# SPDX-License-Identifier: Apache-2.0
 """One controller alone, for whoever brings a plant of their own: the two steps of the firmware, by name.
 
     controller = hubsim.Controller("tools/motors/lu2013.toml")
     for n in range(...):
         if n % periods_of_a_millisecond == 0:
             slow = controller.slow_step(brake_torque_nm=20.0, enable=True)
-        fast = controller.fast_step(phase_a_a=..., phase_b_a=..., phase_c_a=..., bus_voltage_v=..., rotor_angle_turn=...)
-        # the bridge does fast.duty_a, fast.duty_b, fast.duty_c from the next period on
+        fast = controller.fast_step(phase_a_a=..., phase_b_a=..., phase_c_a=..., bus_voltage_v=...,
+        rotor_angle_turn=...) # the bridge does fast.duty_a, fast.duty_b, fast.duty_c from the next
+        period on
 
-The code is the microcontroller's, so timing is the caller's: ``fast_step`` once per ``period_s`` with what was sampled at
-its beginning, ``slow_step`` once per millisecond and before the fast step of the same instant.
+The code is the microcontroller's, so timing is the caller's: ``fast_step`` once per ``period_s``
+with what was sampled at its beginning, ``slow_step`` once per millisecond and before the fast step
+of the same instant.
 """
 
 from pathlib import Path
@@ -21,7 +24,8 @@ from hubsim.errors import HubsimError
 from hubsim.variables import Values, Variable
 
 SLOW_RATE_HZ = 1000
-# What nobody has set yet: a healthy board at room temperature, and a battery that leaves the limits to the configuration.
+# What nobody has set yet: a healthy board at room temperature, and a battery that leaves the limits
+# to the configuration.
 FIRST_VALUES = {
     "selftest_passed": 1.0,
     "config_accepted": 1.0,
@@ -35,9 +39,10 @@ FIRST_VALUES = {
 class Controller:
     """The whole controller of one wheel. Not for two threads at the same time.
 
-    Inputs that a step does not name keep the value they had; before that they are zero, except that the self-test has
-    passed, the configuration is accepted, temperatures are 25 degC and the battery's limits are the configuration's own.
-    Currents and voltages go through the converter codes of the firmware: what lies beyond the full scale saturates.
+    Inputs that a step does not name keep the value they had; before that they are zero, except that
+    the self-test has passed, the configuration is accepted, temperatures are 25 degC and the
+    battery's limits are the configuration's own. Currents and voltages go through the converter
+    codes of the firmware: what lies beyond the full scale saturates.
 
     Parameters
     ----------
@@ -46,7 +51,9 @@ class Controller:
     """
 
     def __init__(self, config: Configuration | str | Path) -> None:
-        self.configuration = config if isinstance(config, Configuration) else configuration.load(config)
+        self.configuration = (
+            config if isinstance(config, Configuration) else configuration.load(config)
+        )
         self._ffi, self._lib = library()
         handle = self._lib.hubsim_controller_new()
         if handle == self._ffi.NULL:
@@ -62,9 +69,16 @@ class Controller:
         return 1.0 / float(self._lib.hubsim_controller_fast_rate_hz(self._handle))
 
     def reset(self) -> None:
-        """Begin as after power-up, with the same configuration; inputs go back to their first values."""
+        """Begin as after power-up, with the same configuration.
+
+        Inputs go back to their first values.
+        """
         image = self.configuration.image
-        self._check(self._lib.hubsim_controller_load_config(self._handle, self._ffi.from_buffer(image), len(image)))
+        self._check(
+            self._lib.hubsim_controller_load_config(
+                self._handle, self._ffi.from_buffer(image), len(image)
+            )
+        )
         self._fast.reset()
         self._slow.reset()
 
@@ -95,14 +109,20 @@ class Controller:
         }
 
     def scale(self, port: int, index: int) -> tuple[float, float]:
-        """Return how raw and engineering values of a variable belong together: raw = zero + engineering * per_unit."""
+        """Return how raw and engineering values of a variable belong together.
+
+        Raw = zero + engineering * per_unit.
+        """
         zero, per_unit = self._ffi.new("double *"), self._ffi.new("double *")
         if self._lib.hubsim_controller_scale(self._handle, port, index, zero, per_unit) != 0:
             raise HubsimError(f"variable {index} of port {port}: there is none")
         return float(zero[0]), float(per_unit[0])
 
     def save(self) -> bytes:
-        """Return everything the controller remembers; for ``restore`` under the same build of the library."""
+        """Return everything the controller remembers.
+
+        For ``restore`` under the same build of the library.
+        """
         state = self._ffi.new("char[]", self._lib.hubsim_controller_state_bytes())
         self._check(self._lib.hubsim_controller_save(self._handle, state))
         return bytes(self._ffi.buffer(state))
@@ -124,7 +144,9 @@ class Controller:
 
     def _check(self, status: int) -> None:
         if status != 0:
-            raise HubsimError(f"{self.configuration.name}: {text_of(self._lib.hubsim_controller_error(self._handle))}")
+            raise HubsimError(
+                f"{self.configuration.name}: {text_of(self._lib.hubsim_controller_error(self._handle))}"
+            )
 
 
 class _Step:
@@ -151,7 +173,9 @@ class _Step:
             first = FIRST_VALUES.get(variable.name, 0.0)
             zero, per_unit = self._owner.scale(self._port, k)
             self._values[k] = first
-            self._raw_values[k] = min(max(round(zero + first * per_unit), variable.lowest_raw), variable.highest_raw)
+            self._raw_values[k] = min(
+                max(round(zero + first * per_unit), variable.lowest_raw), variable.highest_raw
+            )
 
     def engineering(self, inputs: dict[str, float]) -> Values:
         for name, value in inputs.items():
@@ -164,6 +188,8 @@ class _Step:
             try:
                 self._raw_values[variables.place(self._raw_names, name)] = value
             except (OverflowError, TypeError):
-                raise HubsimError(f"{name}: {value!r} is not accepted, accepted: a whole number of 32 bits") from None
+                raise HubsimError(
+                    f"{name}: {value!r} is not accepted, accepted: a whole number of 32 bits"
+                ) from None
         self._owner._check(self._call_raw(self._owner._handle, self._raw_values, self._raw_results))
         return Values(self._out_raw_names, list(self._raw_results))

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Drive cycles: speed over time from CSV files with a comment about their source."""
 
 import csv
@@ -17,7 +18,10 @@ MAX_FILE_BYTES = 16 << 20
 
 @dataclass(frozen=True)
 class Cycle:
-    """Points of a speed trace, straight lines between: times in s rising from 0, speeds in km/h, >= 0."""
+    """Points of a speed trace, straight lines between.
+
+    Times in s rising from 0, speeds in km/h, >= 0.
+    """
 
     name: str
     time_s: tuple[float, ...]
@@ -36,7 +40,10 @@ class Cycle:
         return sum((b[0] - a[0]) * (a[1] + b[1]) / 2.0 for a, b in pairs) / KMH_PER_M_PER_S
 
     def repeated(self, times: int) -> "Cycle":
-        """Return the cycle several times in a row; one that does not end as it begins gets no steeper than a millisecond."""
+        """Return the cycle several times in a row.
+
+        One that does not end as it begins gets no steeper than a millisecond.
+        """
         joint = 1e-3 if self.speed_kmh[0] != self.speed_kmh[-1] else 0.0
         time_s, speed_kmh = list(self.time_s), list(self.speed_kmh)
         for _ in range(times - 1):
@@ -57,7 +64,9 @@ def load(name: str, beside: Path | None = None) -> Cycle:
     if name in names():
         return read(DIRECTORY / f"{name}.csv")
     if not name.endswith(".csv"):
-        raise HubsimError(f"cycle: no cycle {name!r}, accepted: {', '.join(names())} or a .csv file")
+        raise HubsimError(
+            f"cycle: no cycle {name!r}, accepted: {', '.join(names())} or a .csv file"
+        )
     return read((beside or Path()) / name)
 
 
@@ -72,12 +81,16 @@ def read(path: Path) -> Cycle:
         cells = next(csv.reader([line]))
         if expect_header:
             if cells != HEADER:
-                raise HubsimError(f"{path}:{number}: header {line.strip()[:40]!r}, accepted: {','.join(HEADER)}")
+                raise HubsimError(
+                    f"{path}:{number}: header {line.strip()[:40]!r}, accepted: {','.join(HEADER)}"
+                )
             expect_header = False
             continue
         t, v = _point(path, number, cells)
         if (time_s and t <= time_s[-1]) or (not time_s and t != 0.0):
-            raise HubsimError(f"{path}:{number}: time_s {t:g}, accepted: 0 in the first line, then rising")
+            raise HubsimError(
+                f"{path}:{number}: time_s {t:g}, accepted: 0 in the first line, then rising"
+            )
         time_s.append(t)
         speed_kmh.append(v)
     if len(time_s) < 2:
@@ -88,7 +101,9 @@ def read(path: Path) -> Cycle:
 def _lines(path: Path) -> list[str]:
     try:
         if path.stat().st_size > MAX_FILE_BYTES:
-            raise HubsimError(f"{path}: larger than {MAX_FILE_BYTES} bytes, a cycle takes a few thousand")
+            raise HubsimError(
+                f"{path}: larger than {MAX_FILE_BYTES} bytes, a cycle takes a few thousand"
+            )
         return path.read_text(encoding="utf-8-sig").splitlines()
     except FileNotFoundError:
         raise HubsimError(f"{path}: file not found") from None
@@ -102,7 +117,9 @@ def _point(path: Path, number: int, cells: list[str]) -> tuple[float, float]:
     try:
         t, v = (float(cell) for cell in cells)
     except ValueError:
-        raise HubsimError(f"{path}:{number}: {','.join(cells)[:40]!r}, accepted: two numbers, time_s and speed_km_h") from None
+        raise HubsimError(
+            f"{path}:{number}: {','.join(cells)[:40]!r}, accepted: two numbers, time_s and speed_km_h"
+        ) from None
     if not (math.isfinite(t) and 0.0 <= v <= 400.0):
         raise HubsimError(f"{path}:{number}: speed_km_h {v:g} at {t:g} s, accepted: 0 to 400 km/h")
     return t, v

@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """Two results side by side: how far figures and signals lie apart, and whether that is within tolerances.
 
-A side is a result that was written (JSON of ``hubsim run``, a recording as CSV or Parquet), or a run that is done now (a
-built-in scenario or a TOML file). Signals are compared on the times of the first side within the second side's, along
-straight lines; figures one by one.
+A side is a result that was written (JSON of ``hubsim run``, a recording as CSV or Parquet), or a
+run that is done now (a built-in scenario or a TOML file). Signals are compared on the times of the
+first side within the second side's, along straight lines; figures one by one.
 """
 
 import csv
@@ -19,7 +20,8 @@ from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 
 TIME = "time_s"
-# How long the computer took is no property of what was computed, and the rounding that a residual is made of none of the vehicle.
+# How long the computer took is no property of what was computed, and the rounding that a residual
+# is made of none of the vehicle.
 _NOT_COMPARED = ("realtime_factor", "residual_relative", "energy.residual_j", "braking.residual_j")
 
 
@@ -34,7 +36,10 @@ class Side:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What may lie between two values: ``absolute`` in their unit, and ``relative`` to the larger one (a signal: its peak)."""
+    """What may lie between two values.
+
+    ``absolute`` in their unit, and ``relative`` to the larger one (a signal: its peak).
+    """
 
     absolute: float = 0.0
     relative: float = 0.0
@@ -42,7 +47,10 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Difference:
-    """One figure or signal of both sides. Of a signal: means of both, the largest distance, its time, and the rms distance."""
+    """One figure or signal of both sides.
+
+    Of a signal: means of both, the largest distance, its time, and the rms distance.
+    """
 
     name: str
     first: float
@@ -54,7 +62,10 @@ class Difference:
 
     def as_object(self) -> dict[str, Any]:
         """Return it for a JSON file, which knows no NaN."""
-        return {key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in vars(self).items()}
+        return {
+            key: None if isinstance(value, float) and not math.isfinite(value) else value
+            for key, value in vars(self).items()
+        }
 
 
 def read(path: Path) -> Side:
@@ -69,7 +80,9 @@ def read(path: Path) -> Side:
     except OSError as error:
         raise HubsimError(f"{path}: cannot be read: {error.strerror or error}") from error
     except ValueError as error:
-        raise HubsimError(f"{path}: no {path.suffix[1:]} file of a run: {' '.join(str(error).split())[:120]}") from error
+        raise HubsimError(
+            f"{path}: no {path.suffix[1:]} file of a run: {' '.join(str(error).split())[:120]}"
+        ) from error
 
 
 def _read_json(path: Path) -> Side:
@@ -85,7 +98,11 @@ def figures_of(found: Mapping[str, object]) -> dict[str, float]:
     for key, value in found.items():
         if isinstance(value, Mapping):
             out |= {f"{key}.{name}": figure for name, figure in figures_of(value).items()}
-        elif isinstance(value, int | float) and not isinstance(value, bool) and key not in _NOT_COMPARED:
+        elif (
+            isinstance(value, int | float)
+            and not isinstance(value, bool)
+            and key not in _NOT_COMPARED
+        ):
             out[key] = float(value)
     return out
 
@@ -96,7 +113,9 @@ def _read_csv(path: Path) -> Side:
         rows = np.loadtxt(file, delimiter=",", ndmin=2) if names else np.empty((0, 0))
     if rows.size and rows.shape[1] != len(names):
         raise ValueError(f"{rows.shape[1]} columns under {len(names)} headings")
-    return _recorded(path, {name: rows[:, k] if rows.size else np.empty(0) for k, name in enumerate(names)})
+    return _recorded(
+        path, {name: rows[:, k] if rows.size else np.empty(0) for k, name in enumerate(names)}
+    )
 
 
 def _read_parquet(path: Path) -> Side:
@@ -114,7 +133,11 @@ def _recorded(path: Path, signals: dict[str, Rows]) -> Side:
 
 def compare(first: Side, second: Side, tolerance: Tolerance) -> list[Difference]:
     """Return every figure and signal that both sides have."""
-    found = [_of_figures(name, value, second.figures[name], tolerance) for name, value in first.figures.items() if name in second.figures]
+    found = [
+        _of_figures(name, value, second.figures[name], tolerance)
+        for name, value in first.figures.items()
+        if name in second.figures
+    ]
     common = [name for name in first.signals if name in second.signals and name != TIME]
     if not common:
         return found
@@ -133,7 +156,9 @@ def compare(first: Side, second: Side, tolerance: Tolerance) -> list[Difference]
 
 def only_in_one(first: Side, second: Side) -> list[str]:
     """Return the figures and signals that cannot be compared because one side lacks them."""
-    return sorted((set(first.figures) ^ set(second.figures)) | (set(first.signals) ^ set(second.signals)))
+    return sorted(
+        (set(first.figures) ^ set(second.figures)) | (set(first.signals) ^ set(second.signals))
+    )
 
 
 def _of_figures(name: str, one: float, other: float, tolerance: Tolerance) -> Difference:
@@ -142,12 +167,19 @@ def _of_figures(name: str, one: float, other: float, tolerance: Tolerance) -> Di
     return Difference(name, one, other, apart, None, None, within)
 
 
-def _of_signals(name: str, time_s: Rows, one: Rows, other: Rows, tolerance: Tolerance) -> Difference:
+def _of_signals(
+    name: str, time_s: Rows, one: Rows, other: Rows, tolerance: Tolerance
+) -> Difference:
     apart = np.abs(one - other)
     apart[np.isnan(one) & np.isnan(other)] = 0.0
     worst = int(np.argmax(np.where(np.isnan(apart), math.inf, apart)))
     peak = max((float(abs(x)) for x in (*one, *other) if not math.isnan(x)), default=0.0)
     within = bool(apart[worst] <= tolerance.absolute + tolerance.relative * peak)
     rms = float(np.sqrt(np.mean(apart**2)))
-    means = [float(np.mean(rows[~np.isnan(rows)])) if np.any(~np.isnan(rows)) else math.nan for rows in (one, other)]
-    return Difference(name, means[0], means[1], float(apart[worst]), float(time_s[worst]), rms, within)
+    means = [
+        float(np.mean(rows[~np.isnan(rows)])) if np.any(~np.isnan(rows)) else math.nan
+        for rows in (one, other)
+    ]
+    return Difference(
+        name, means[0], means[1], float(apart[worst]), float(time_s[worst]), rms, within
+    )

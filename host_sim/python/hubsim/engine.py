@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """The C engine as a Python object: parameters, configuration and signals by name, rows as NumPy arrays.
 
-The declarations are read from the library's own headers (bench/engine.h, exchange/face.h), so this module cannot disagree
-with them.
-Calls into the engine release the interpreter's lock: runs in several threads use several cores.
+The declarations are read from the library's own headers (bench/engine.h, exchange/face.h), so this
+module cannot disagree with them. Calls into the engine release the interpreter's lock: runs in
+several threads use several cores.
 """
 
 import os
@@ -30,11 +31,16 @@ Rows = npt.NDArray[np.float64]
 
 
 def library_path() -> Path:
-    """Return where the engine was built: under ``HUBFOC_BUILD_DIR`` if that is set, else under build/host."""
+    """Return where the engine was built.
+
+    Under ``HUBFOC_BUILD_DIR`` if that is set, else under build/host.
+    """
     named = os.environ.get("HUBFOC_BUILD_DIR")
     path = Path(named) / LIBRARY if named else ROOT / "build" / "host" / LIBRARY
     if not path.is_file():
-        raise HubsimError(f"{path}: the simulation engine is not built, accepted: after 'cmake --build --preset host'")
+        raise HubsimError(
+            f"{path}: the simulation engine is not built, accepted: after 'cmake --build --preset host'"
+        )
     return path
 
 
@@ -90,7 +96,10 @@ class Engine:
         return float(out[0])
 
     def set_voltage_curve(self, soc: Sequence[float], voltage_v: Sequence[float]) -> None:
-        """Set the battery's open-circuit voltage (V) over state of charge (0 to 1, rising); one point: constant."""
+        """Set the battery's open-circuit voltage (V) over state of charge (0 to 1, rising).
+
+        One point: constant.
+        """
         self._check(self._lib.hubsim_set_voltage_curve(self._sim, *self._points(soc, voltage_v)))
 
     def set_trace(self, time_s: Sequence[float], speed_m_per_s: Sequence[float]) -> None:
@@ -99,7 +108,9 @@ class Engine:
 
     def load_config(self, image: bytes) -> None:
         """Give all controllers a configuration; the firmware's own validator may refuse it."""
-        self._check(self._lib.hubsim_load_config(self._sim, self._ffi.from_buffer(image), len(image)))
+        self._check(
+            self._lib.hubsim_load_config(self._sim, self._ffi.from_buffer(image), len(image))
+        )
 
     def start(self) -> None:
         """Boot the controllers and bring the vehicle to its initial speed; time is 0 afterwards."""
@@ -112,7 +123,9 @@ class Engine:
         for name in signals:
             if name not in known:
                 raise HubsimError(f"{name}: no such signal")
-        self._check(self._lib.hubsim_choose(self._sim, [known[name] for name in signals], len(signals)))
+        self._check(
+            self._lib.hubsim_choose(self._sim, [known[name] for name in signals], len(signals))
+        )
         self._chosen = list(signals)
 
     def signals(self) -> list[str]:
@@ -125,9 +138,15 @@ class Engine:
         return names
 
     def meanings(self) -> dict[str, tuple[str, str]]:
-        """Return unit and meaning of all signals by name; the unit is "1" for a share, "" for a code or a flag."""
+        """Return unit and meaning of all signals by name.
+
+        The unit is "1" for a share, "" for a code or a flag.
+        """
         unit, text = self._lib.hubsim_signal_unit, self._lib.hubsim_signal_text
-        return {name: (text_of(unit(self._sim, k)), text_of(text(self._sim, k))) for k, name in enumerate(self.signals())}
+        return {
+            name: (text_of(unit(self._sim, k)), text_of(text(self._sim, k)))
+            for k, name in enumerate(self.signals())
+        }
 
     def run(self, duration_s: float) -> Rows:
         """Run for a time or to the end of the run, and return what was recorded.
@@ -150,7 +169,10 @@ class Engine:
         return rows[: written[0], : len(self._chosen)]
 
     def save(self) -> bytes:
-        """Return everything that changes while the vehicle runs; for ``restore`` into a started engine of the same library."""
+        """Return everything that changes while the vehicle runs.
+
+        For ``restore`` into a started engine of the same library.
+        """
         state = self._ffi.new("char[]", self._lib.hubsim_state_bytes())
         self._check(self._lib.hubsim_save(self._sim, state))
         return bytes(self._ffi.buffer(state))
@@ -158,7 +180,9 @@ class Engine:
     def restore(self, state: bytes) -> None:
         """Go on from what ``save`` returned."""
         if len(state) != self._lib.hubsim_state_bytes():
-            raise HubsimError(f"a vehicle's state has {self._lib.hubsim_state_bytes()} bytes, got {len(state)}")
+            raise HubsimError(
+                f"a vehicle's state has {self._lib.hubsim_state_bytes()} bytes, got {len(state)}"
+            )
         self._check(self._lib.hubsim_restore(self._sim, self._ffi.from_buffer(state)))
         self.ended = False
 
@@ -189,7 +213,13 @@ class Parameter:
     """One line of the engine's list of parameters."""
 
     def __init__(self, name: str, unit: str, text: str, lowest: float, highest: float) -> None:
-        self.name, self.unit, self.text, self.lowest, self.highest = name, unit, text, lowest, highest
+        self.name, self.unit, self.text, self.lowest, self.highest = (
+            name,
+            unit,
+            text,
+            lowest,
+            highest,
+        )
 
 
 @cache

@@ -1,5 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """The one exception a user of this package has to expect."""
 
 
 class HubsimError(ValueError):
-    """Something about the input or the run is wrong; ``str()`` is one line that says what, where and what is accepted."""
+    """Something about the input or the run is wrong.
+
+    ``str()`` is one line that says what, where and what is accepted.
+    """

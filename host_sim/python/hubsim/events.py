@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """What happens to the simulated world during a run: parameters set or led along straight lines at their times.
 
-An event sets parameters by name, or starts an injection, a disturbance that has a name of its own. Changes reach the
-controllers at the millisecond in which they happen; a ramp moves once a millisecond.
+An event sets parameters by name, or starts an injection, a disturbance that has a name of its own.
+Changes reach the controllers at the millisecond in which they happen; a ramp moves once a
+millisecond.
 """
 
 import difflib
@@ -34,15 +36,33 @@ class Injection:
 INJECTIONS: Mapping[str, Injection] = {
     "abs": Injection({"driver.abs_active": 1.0}, "the anti-lock system is at work"),
     "vehicle_off": Injection({"driver.enable": 0.0}, "the driver switches the vehicle off"),
-    "can_silence": Injection({"driver.silent": 1.0}, "no demand arrives any more; the last one stays and grows old"),
-    "contactor_opens": Injection({"bus.contactor_open": 1.0}, "the battery is cut off the bus (which needs bus.capacitance_f)"),
-    "hall_unplugged": Injection({"sensors.hall_stuck_high": 7.0}, "the hall sensors' plugs are off: all lines at their pull-ups"),
-    "hydraulic_dead": Injection({"brake.torque_loss": 1.0}, "the hydraulic brakes give nothing, whatever they are told"),
-    "winding_sensor_open": Injection({"winding_sensor.open": 1.0}, "the lines of the windings' temperature sensors are broken"),
+    "can_silence": Injection(
+        {"driver.silent": 1.0}, "no demand arrives any more; the last one stays and grows old"
+    ),
+    "contactor_opens": Injection(
+        {"bus.contactor_open": 1.0},
+        "the battery is cut off the bus (which needs bus.capacitance_f)",
+    ),
+    "hall_unplugged": Injection(
+        {"sensors.hall_stuck_high": 7.0},
+        "the hall sensors' plugs are off: all lines at their pull-ups",
+    ),
+    "hydraulic_dead": Injection(
+        {"brake.torque_loss": 1.0}, "the hydraulic brakes give nothing, whatever they are told"
+    ),
+    "winding_sensor_open": Injection(
+        {"winding_sensor.open": 1.0}, "the lines of the windings' temperature sensors are broken"
+    ),
     "winding_sensor_shorted": Injection({"winding_sensor.shorted": 1.0}, "they are shorted"),
-    "wheel_speed_lost": Injection({"wheel_speed.dead": 1.0}, "the anti-lock system sees no wheel turn any more"),
-    "no_charging": Injection({"battery.max_charge_current_a": 0.0}, "the battery management allows no charging"),
-    "no_discharging": Injection({"battery.max_discharge_current_a": 0.0}, "the battery management allows no discharging"),
+    "wheel_speed_lost": Injection(
+        {"wheel_speed.dead": 1.0}, "the anti-lock system sees no wheel turn any more"
+    ),
+    "no_charging": Injection(
+        {"battery.max_charge_current_a": 0.0}, "the battery management allows no charging"
+    ),
+    "no_discharging": Injection(
+        {"battery.max_discharge_current_a": 0.0}, "the battery management allows no discharging"
+    ),
 }
 
 
@@ -51,20 +71,32 @@ class Event(Section):
 
     at_s: Annotated[float, number(0.0, 1e6, "when, s after the run began")]
     set: Annotated[
-        dict[str, float], listed("parameters of the simulated world and their new values", "a section of parameters and numbers")
+        dict[str, float],
+        listed(
+            "parameters of the simulated world and their new values",
+            "a section of parameters and numbers",
+        ),
     ] = Field(default_factory=dict)
     inject: Annotated[str | None, listed("a disturbance by name", " or ".join(INJECTIONS))] = None
-    over_s: Annotated[float, number(0.0, 1e6, "parameters move to their values in a straight line for so long, s")] = 0.0
-    until_s: Annotated[float | None, number(0.0, 1e6, "when everything is again as it was before, s")] = None
+    over_s: Annotated[
+        float, number(0.0, 1e6, "parameters move to their values in a straight line for so long, s")
+    ] = 0.0
+    until_s: Annotated[
+        float | None, number(0.0, 1e6, "when everything is again as it was before, s")
+    ] = None
 
     @model_validator(mode="after")
     def _says_something(self) -> "Event":
         if bool(self.set) == (self.inject is not None):
             raise ValueError("accepted: either set or inject")
         if self.inject is not None and self.inject not in INJECTIONS:
-            raise ValueError(f"inject: {self.inject!r} is not accepted, accepted: {', '.join(INJECTIONS)}")
+            raise ValueError(
+                f"inject: {self.inject!r} is not accepted, accepted: {', '.join(INJECTIONS)}"
+            )
         if self.until_s is not None and self.until_s < self.at_s + self.over_s:
-            raise ValueError(f"until_s: {self.until_s:g} is not accepted, accepted: not before {self.at_s + self.over_s:g}")
+            raise ValueError(
+                f"until_s: {self.until_s:g} is not accepted, accepted: not before {self.at_s + self.over_s:g}"
+            )
         for name, value in self.values.items():
             check_parameter(name, value)
         return self
@@ -86,7 +118,10 @@ def check_parameter(name: str, value: float) -> None:
     known = engine.parameters()
     if name not in known:
         near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
-        raise ValueError(f"{name}: unknown key, " + (f"did you mean {near[0]}?" if near else "'hubsim list --parameters' shows all"))
+        raise ValueError(
+            f"{name}: unknown key, "
+            + (f"did you mean {near[0]}?" if near else "'hubsim list --parameters' shows all")
+        )
     parameter = known[name]
     if not parameter.lowest <= value <= parameter.highest:
         raise ValueError(f"{name}: {value:g} is not accepted, accepted: {range_of(parameter)}")
@@ -94,7 +129,10 @@ def check_parameter(name: str, value: float) -> None:
 
 @dataclass
 class _Line:
-    """A parameter led through points (time in s, value); a first value of NaN is wherever the parameter is then."""
+    """A parameter led through points (time in s, value).
+
+    A first value of NaN is wherever the parameter is then.
+    """
 
     name: str
     points: list[Point]
@@ -111,7 +149,11 @@ class Timeline:
         self._first_s = {name: event.at_s for name, event in events.items()}
         for event_name, event in events.items():
             for name, value in event.values.items():
-                points = [(event.at_s, math.nan), (event.at_s + event.over_s, value)] if event.over_s > 0.0 else [(event.at_s, value)]
+                points = (
+                    [(event.at_s, math.nan), (event.at_s + event.over_s, value)]
+                    if event.over_s > 0.0
+                    else [(event.at_s, value)]
+                )
                 self._lines.append(_Line(name, points, event.at_s))
                 if event.until_s is not None:
                     self._undo[event_name, name] = event.at_s
@@ -121,7 +163,11 @@ class Timeline:
 
     def next_s(self, now_s: float) -> float:
         """Return when something has to be done next; infinity if never."""
-        times = [line.due_s for line in self._lines] + [time for time, _, _ in self._returns] + list(self._undo.values())
+        times = (
+            [line.due_s for line in self._lines]
+            + [time for time, _, _ in self._returns]
+            + list(self._undo.values())
+        )
         return min((time for time in times if time > now_s + _EARLY_S), default=math.inf)
 
     def apply(self, vehicle: Engine, now_s: float) -> None:
@@ -164,5 +210,7 @@ def rising(points: Iterable[Point], what: str) -> tuple[Point, ...]:
     out = tuple(points)
     times = [t for t, _ in out]
     if not out or times[0] != 0.0 or any(b <= a for a, b in itertools.pairwise(times)):
-        raise ValueError(f"{what}: {str(times)[:40]} s, accepted: at least one point, 0 first, then rising")
+        raise ValueError(
+            f"{what}: {str(times)[:40]} s, accepted: at least one point, 0 first, then rising"
+        )
     return out

@@ -1,12 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
 """Formulas over signals, parameters and energies, as criteria and sweeps use them.
 
-The grammar is Python's own (its parser reads them), with dotted names for quantities and a handful of functions::
+The grammar is Python's own (its parser reads them), with dotted names for quantities and a handful
+of functions::
 
     max(abs(total(wheels.motor_torque_nm) + total(wheels.hydraulic_torque_nm)))
     0.5 * plant.vehicle.mass_kg * plant.run.initial_speed_m_per_s ** 2
 
-A value is a number, a row over time of shape (times,), or one row for each wheel of shape (wheels, times). Rows hold NaN
-outside the window somebody looks through; the reductions ignore it. Nothing else of Python can be reached from here.
+A value is a number, a row over time of shape (times,), or one row for each wheel of shape (wheels,
+times). Rows hold NaN outside the window somebody looks through; the reductions ignore it. Nothing
+else of Python can be reached from here.
 """
 
 import ast
@@ -40,7 +43,9 @@ def _seen(x: Value) -> Value:
     return flat
 
 
-def _extreme(pick: Callable[[Value], Any], pairwise: Callable[[Value, Value], Value]) -> Callable[..., Value]:
+def _extreme(
+    pick: Callable[[Value], Any], pairwise: Callable[[Value, Value], Value]
+) -> Callable[..., Value]:
     def function(*rows: Value) -> Value:
         return np.asarray(pick(_seen(rows[0]))) if len(rows) == 1 else reduce(pairwise, rows)
 
@@ -75,7 +80,10 @@ def _at(pick: Callable[[Value], Any]) -> Callable[[Value, Value], Value]:
 
 @dataclass(frozen=True)
 class Function:
-    """A function of formulas: its largest number of arguments, what it computes, and the words for people."""
+    """A function of formulas.
+
+    Its largest number of arguments, what it computes, and the words for people.
+    """
 
     arguments: int
     compute: Callable[..., Value]
@@ -86,18 +94,32 @@ FUNCTIONS: dict[str, Function] = {
     "abs": Function(1, np.abs, "magnitude"),
     "sqrt": Function(1, np.sqrt, "square root"),
     "exp": Function(1, np.exp, "exponential"),
-    "min": Function(9, _extreme(np.min, np.minimum), "smallest in the window; of several values the smaller, instant by instant"),
-    "max": Function(9, _extreme(np.max, np.maximum), "largest in the window; of several values the larger, instant by instant"),
+    "min": Function(
+        9,
+        _extreme(np.min, np.minimum),
+        "smallest in the window; of several values the smaller, instant by instant",
+    ),
+    "max": Function(
+        9,
+        _extreme(np.max, np.maximum),
+        "largest in the window; of several values the larger, instant by instant",
+    ),
     "mean": Function(1, lambda x: np.asarray(np.mean(_seen(x))), "mean of the window's rows"),
-    "rms": Function(1, lambda x: np.asarray(np.sqrt(np.mean(_seen(x) ** 2))), "root of the mean square"),
+    "rms": Function(
+        1, lambda x: np.asarray(np.sqrt(np.mean(_seen(x) ** 2))), "root of the mean square"
+    ),
     "span": Function(1, lambda x: np.asarray(np.ptp(_seen(x))), "largest less smallest"),
     "initial": Function(1, _end(0), "at the window's first row, mean of the wheels"),
     "final": Function(1, _end(-1), "at the window's last row, mean of the wheels"),
-    "total": Function(1, lambda x: np.sum(np.atleast_2d(x), axis=0), "sum over the wheels, instant by instant"),
+    "total": Function(
+        1, lambda x: np.sum(np.atleast_2d(x), axis=0), "sum over the wheels, instant by instant"
+    ),
     "at_min": Function(2, _at(np.argmin), "at_min(x, y): x where y is smallest"),
     "at_max": Function(2, _at(np.argmax), "at_max(x, y): x where y is largest"),
     "change": Function(1, lambda x: np.diff(x, axis=-1, prepend=np.nan), "from row to row"),
-    "integral": Function(1, lambda x: np.asarray(np.nan), "over time, of the window's rows; a rate's is exact"),
+    "integral": Function(
+        1, lambda x: np.asarray(np.nan), "over time, of the window's rows; a rate's is exact"
+    ),
 }
 _ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv, ast.Pow: operator.pow,
@@ -128,7 +150,9 @@ def read(text: str) -> Formula:
     try:
         tree = ast.parse(f"({text.strip()})", mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise ExpressionError(f"{_short(text)} cannot be read, accepted: a formula like max(abs(vehicle.speed_m_per_s)) / 2") from None
+        raise ExpressionError(
+            f"{_short(text)} cannot be read, accepted: a formula like max(abs(vehicle.speed_m_per_s)) / 2"
+        ) from None
     names: dict[str, None] = {}
     _check(tree, names)
     return Formula(text, tree, tuple(names))
@@ -155,7 +179,9 @@ def _check(node: ast.expr, names: dict[str, None]) -> None:
         return
     children: list[ast.expr]
     match node:
-        case ast.Constant(value=value) if isinstance(value, int | float) and not isinstance(value, bool):
+        case ast.Constant(value=value) if isinstance(value, int | float) and not isinstance(
+            value, bool
+        ):
             children = []
         case ast.UnaryOp(op=ast.UAdd() | ast.USub() | ast.Not(), operand=operand):
             children = [operand]
@@ -170,7 +196,9 @@ def _check(node: ast.expr, names: dict[str, None]) -> None:
             children = arguments
         case _:
             known = f"numbers, names, + - * / **, comparisons, and, or, not, {', '.join(FUNCTIONS)}"
-            raise ExpressionError(f"{_short(ast.unparse(node))} is no part of a formula, accepted: {known}")
+            raise ExpressionError(
+                f"{_short(ast.unparse(node))} is no part of a formula, accepted: {known}"
+            )
     for child in children:
         _check(child, names)
 
@@ -181,7 +209,10 @@ def _check_call(function: str, arguments: int) -> None:
     most = FUNCTIONS[function].arguments
     least = most if most == 2 else 1
     if not least <= arguments <= most:
-        raise ExpressionError(f"{function} with {arguments} arguments, accepted: {least}" + (f" to {most}" if most > least else ""))
+        raise ExpressionError(
+            f"{function} with {arguments} arguments, accepted: {least}"
+            + (f" to {most}" if most > least else "")
+        )
 
 
 def _evaluate(node: ast.expr, lookup: Lookup) -> Value:
@@ -193,7 +224,13 @@ def _evaluate(node: ast.expr, lookup: Lookup) -> Value:
             out: Any = value
         case ast.UnaryOp(op=op, operand=operand):
             inner = _evaluate(operand, lookup)
-            out = -inner if isinstance(op, ast.USub) else ~inner.astype(bool) if isinstance(op, ast.Not) else inner
+            out = (
+                -inner
+                if isinstance(op, ast.USub)
+                else ~inner.astype(bool)
+                if isinstance(op, ast.Not)
+                else inner
+            )
         case ast.BinOp(op=op, left=left, right=right):
             out = _ARITHMETIC[type(op)](_evaluate(left, lookup), _evaluate(right, lookup))
         case ast.BoolOp(op=op, values=parts):
@@ -203,12 +240,19 @@ def _evaluate(node: ast.expr, lookup: Lookup) -> Value:
             out = _COMPARISONS[type(comparison)](_evaluate(left, lookup), _evaluate(right, lookup))
         case ast.Call(func=ast.Name(id=function), args=arguments):
             rows = [_evaluate(argument, lookup) for argument in arguments]
-            out = _integral(rows[0], lookup("")) if function == "integral" else FUNCTIONS[function].compute(*rows)
+            out = (
+                _integral(rows[0], lookup(""))
+                if function == "integral"
+                else FUNCTIONS[function].compute(*rows)
+            )
         case _:
             raise AssertionError("read() lets nothing else through")
     return np.asarray(out)
 
 
 def _integral(x: Value, steps_s: Value) -> Value:
-    """Sum of value times the time since the row before: the account of a recorded rate. Over all wheels."""
+    """Sum of value times the time since the row before.
+
+    The account of a recorded rate. Over all wheels.
+    """
     return np.asarray(np.sum(_seen(x * steps_s)))

@@ -1,4 +1,8 @@
-"""Images of ``config_t`` for runs side by side: computed once for a drive, whatever its braking strategy, however often asked."""
+# SPDX-License-Identifier: Apache-2.0
+"""Images of ``config_t`` for runs side by side.
+
+Computed once for a drive, whatever its braking strategy, however often asked.
+"""
 
 import threading
 import zlib

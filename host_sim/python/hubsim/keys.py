@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What the sections of a scenario's file share: strictness, and how a number states its range."""
 
 from typing import Any

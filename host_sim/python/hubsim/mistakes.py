@@ -1,4 +1,8 @@
-"""What a validator found wrong in nested keys, as one line: which key, what it holds, what would be accepted."""
+# SPDX-License-Identifier: Apache-2.0
+"""What a validator found wrong in nested keys, as one line.
+
+Which key, what it holds, what would be accepted.
+"""
 
 import difflib
 import types
@@ -9,12 +13,16 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-# A misspelt key shows up twice, as an unknown one and as a missing one: the first of these says more.
+# A misspelt key shows up twice, as an unknown one and as a missing one: the first of these says
+# more.
 _ORDER = {"extra_forbidden": 0, "missing": 1}
 
 
 def first(error: ValidationError, model: type[BaseModel]) -> tuple[str, str]:
-    """Return the key (dotted; empty for the whole) of the most telling mistake and what to say about it."""
+    """Return the key (dotted.
+
+    Empty for the whole) of the most telling mistake and what to say about it.
+    """
     details = min(error.errors(include_url=False), key=lambda d: _ORDER.get(d["type"], 2))
     return _explain(details, model)
 
@@ -26,16 +34,26 @@ def _explain(details: ErrorDetails, model: type[BaseModel]) -> tuple[str, str]:
         return key, str(details["msg"]).removeprefix("Value error, ")
     if details["type"] == "extra_forbidden":
         near = difflib.get_close_matches(path[-1], owner.model_fields, n=1, cutoff=0.5)
-        return key, "unknown key, " + (f"did you mean {near[0]}?" if near else f"known are {', '.join(owner.model_fields)}")
+        return key, "unknown key, " + (
+            f"did you mean {near[0]}?" if near else f"known are {', '.join(owner.model_fields)}"
+        )
     takes = accepted(field) if field is not None else "a section"
     if details["type"] == "missing" and len(details["loc"]) == len(path):
         return key, f"missing, accepted: {takes}"
     value = repr(details["input"])
-    return key, f"{value if len(value) <= 40 else value[:37] + '...'} is not accepted, accepted: {takes}"
+    return (
+        key,
+        f"{value if len(value) <= 40 else value[:37] + '...'} is not accepted, accepted: {takes}",
+    )
 
 
-def _place(loc: Sequence[int | str], model: type[BaseModel]) -> tuple[list[str], type[BaseModel], FieldInfo | None]:
-    """Follow a validator's path as far as it goes through keys of files; what follows is its own bookkeeping."""
+def _place(
+    loc: Sequence[int | str], model: type[BaseModel]
+) -> tuple[list[str], type[BaseModel], FieldInfo | None]:
+    """Follow a validator's path as far as it goes through keys of files.
+
+    What follows is its own bookkeeping.
+    """
     path: list[str] = []
     owner, field = model, None
     parts = list(loc)

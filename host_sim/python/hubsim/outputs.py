@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a run is written to: the summary object as JSON, tables for people."""
 
 import json
@@ -16,9 +17,21 @@ PERCENT = 100.0
 
 # Key in the summary, heading, what it is.
 ENERGIES = (
-    ("traction", "traction", "chemical energy drawn from the battery while the driver does not brake"),
-    ("braking_at_wheels", "braking work", "work of motors and hydraulic brakes at the wheels while the driver brakes"),
-    ("battery_returned", "returned", "net chemical energy into the battery while the driver brakes"),
+    (
+        "traction",
+        "traction",
+        "chemical energy drawn from the battery while the driver does not brake",
+    ),
+    (
+        "braking_at_wheels",
+        "braking work",
+        "work of motors and hydraulic brakes at the wheels while the driver brakes",
+    ),
+    (
+        "battery_returned",
+        "returned",
+        "net chemical energy into the battery while the driver brakes",
+    ),
     ("hydraulic", "hydraulic", "heat in the hydraulic brakes, whole run"),
     ("copper", "copper", "heat in the windings, whole run"),
     ("iron", "iron", "heat in the iron, whole run"),
@@ -28,12 +41,18 @@ ENERGIES = (
 
 
 def run_object(result: RunResult, judged: Sequence[Verdict] = ()) -> dict[str, Any]:
-    """Return a run as ``hubsim run --json`` writes it: the summary's object and what a single run knows besides."""
+    """Return a run as ``hubsim run --json`` writes it.
+
+    The summary's object and what a single run knows besides.
+    """
     out = result.run_object | {"kinetic_energy_j": result.kinetic_energy_j}
     if result.stopped is not None:
         out["stop_distance_m"] = result.distance_m if result.stopped else None
     if judged:
-        out |= {"passed": all(verdict.passed for verdict in judged), "criteria": [verdict.as_object() for verdict in judged]}
+        out |= {
+            "passed": all(verdict.passed for verdict in judged),
+            "criteria": [verdict.as_object() for verdict in judged],
+        }
     return out | {
         "config": result.vehicle,
         "duration_s": result.duration_s,
@@ -41,7 +60,9 @@ def run_object(result: RunResult, judged: Sequence[Verdict] = ()) -> dict[str, A
         "soc_initial": result.soc[0],
         "soc_final": result.soc[1],
         "realtime_factor": result.realtime_factor,
-        "faults": [{"wheel": f.wheel, "time_s": f.time_s, "reason": f.reason} for f in result.faults],
+        "faults": [
+            {"wheel": f.wheel, "time_s": f.time_s, "reason": f.reason} for f in result.faults
+        ],
         "accounts_j": result.account_j,
     }
 
@@ -52,7 +73,10 @@ def as_json(value: object) -> str:
 
 
 def energy_table(results: Sequence[RunResult]) -> Table:
-    """Return the energy table, a column for each run; share of the series optimum where that is among them."""
+    """Return the energy table, a column for each run.
+
+    Share of the series optimum where that is among them.
+    """
     best = next((r.returned_j for r in results if r.strategy == "series_optimal"), None)
     title = f"{results[0].cycle}: energies of the whole vehicle in kJ"
     table = Table(title=title, title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD)
@@ -63,9 +87,15 @@ def energy_table(results: Sequence[RunResult]) -> Table:
     for key, heading, _ in ENERGIES:
         table.add_row(heading, *(f"{column[key] / KILO:.2f}" for column in columns))
     table.add_section()
-    table.add_row("share of braking work stored", *(f"{PERCENT * r.braking_share_stored:.1f} %" for r in results))
+    table.add_row(
+        "share of braking work stored",
+        *(f"{PERCENT * r.braking_share_stored:.1f} %" for r in results),
+    )
     if best is not None and best > 0.0:
-        table.add_row("share of the series optimum", *(f"{PERCENT * r.returned_j / best:.1f} %" for r in results))
+        table.add_row(
+            "share of the series optimum",
+            *(f"{PERCENT * r.returned_j / best:.1f} %" for r in results),
+        )
     table.add_row("energy residual", *(f"{r.residual_relative:.1e}" for r in results))
     return table
 
@@ -79,14 +109,27 @@ def definitions() -> list[str]:
 def verdict_table(name: str, judged: Sequence[Verdict]) -> Table:
     """Return the criteria of a run with what they came to."""
     met = sum(verdict.passed for verdict in judged)
-    table = Table(title=f"{name}: {met} of {len(judged)} criteria met", title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD)
-    for heading, justify in (("criterion", "left"), ("value", "right"), ("at least", "right"), ("at most", "right"), ("unit", "left")):
+    table = Table(
+        title=f"{name}: {met} of {len(judged)} criteria met",
+        title_justify="left",
+        pad_edge=False,
+        box=box.SIMPLE_HEAD,
+    )
+    for heading, justify in (
+        ("criterion", "left"),
+        ("value", "right"),
+        ("at least", "right"),
+        ("at most", "right"),
+        ("unit", "left"),
+    ):
         table.add_column(heading, justify=cast(JustifyMethod, justify))
     table.add_column("")
     table.add_column("", overflow="fold")
     for v in judged:
         limits = ["" if limit is None else f"{limit:.5g}" for limit in (v.at_least, v.at_most)]
-        table.add_row(v.name, f"{v.value:.5g}", *limits, v.unit, "pass" if v.passed else "FAIL", v.remark)
+        table.add_row(
+            v.name, f"{v.value:.5g}", *limits, v.unit, "pass" if v.passed else "FAIL", v.remark
+        )
     return table
 
 

@@ -1,9 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
 """``--set key=value``: whose key it is, and what the value says.
 
-Without a dot it is a key of the scenario (``demand_nm=60``); ``events.NAME.key`` and ``criteria.NAME.key`` are the
-scenario's too. ``section.key`` changes the drive's file before anything is made of it, for plant and controller alike
-(``battery.initial_soc=0.5``). ``plant.section.key`` changes the simulated world alone and leaves the controller's belief
-as it is (``plant.motor.phase_resistance_ohm=0.04``).
+Without a dot it is a key of the scenario (``demand_nm=60``); ``events.NAME.key`` and
+``criteria.NAME.key`` are the scenario's too. ``section.key`` changes the drive's file before
+anything is made of it, for plant and controller alike (``battery.initial_soc=0.5``).
+``plant.section.key`` changes the simulated world alone and leaves the controller's belief as it is
+(``plant.motor.phase_resistance_ohm=0.04``).
 """
 
 import tomllib
@@ -70,19 +72,25 @@ def _plant_value(name: str, value: object) -> float:
         try:
             check_parameter(name, float(value))
         except ValueError as error:
-            raise HubsimError(f"--set {PLANT}{str(error).replace('did you mean ', f'did you mean {PLANT}')}") from error
+            raise HubsimError(
+                f"--set {PLANT}{str(error).replace('did you mean ', f'did you mean {PLANT}')}"
+            ) from error
         return float(value)
     known = engine.parameters()
     if name not in known:
         return _plant_value(name, 0.0)  # which refuses the name
-    raise HubsimError(f"--set {PLANT}{name}: {value!r} is not accepted, accepted: {range_of(known[name])}")
+    raise HubsimError(
+        f"--set {PLANT}{name}: {value!r} is not accepted, accepted: {range_of(known[name])}"
+    )
 
 
 def load_drive(path: Path, overrides: Overrides, scenario: Scenario | None = None) -> Drive:
     """Read a drive's file with what the scenario has differently, and with the settings that are meant for it."""
     drive = schema.load(path)
     changes = {**(scenario.drive_changes if scenario else {}), **overrides.drive}
-    source = f"{path} with --set" if overrides.drive or scenario is None else f"{scenario.source}: drive"
+    source = (
+        f"{path} with --set" if overrides.drive or scenario is None else f"{scenario.source}: drive"
+    )
     return changed(drive, changes, source)
 
 

@@ -1,4 +1,8 @@
-"""From a drive's TOML file to the parameters of the simulated world: the plant's truth, not the controller's belief."""
+# SPDX-License-Identifier: Apache-2.0
+"""From a drive's TOML file to the parameters of the simulated world.
+
+The plant's truth, not the controller's belief.
+"""
 
 from regen_table.schema import Drive
 
@@ -19,8 +23,8 @@ EVENTS = (
     "wheel_speed.dead",
     *(f"wheel{k}." for k in range(16)),
 )
-# Effects that a drive's file says nothing of; a scenario or --set plant.… switches them on. All are off as they stand here,
-# and what else a model needs has the value it will have then.
+# Effects that a drive's file says nothing of; a scenario or --set plant.… switches them on. All are
+# off as they stand here, and what else a model needs has the value it will have then.
 EFFECTS = {
     "motor.d_saturation_current_a": 0.0,
     "motor.q_saturation_current_a": 0.0,
@@ -38,7 +42,8 @@ EFFECTS = {
     "wheel_speed.clock_s": 0.0,
     "wheel_speed.lowest_rad_per_s": 0.0,
     "anti_lock.active": 0.0,
-    "anti_lock.slip_hold": 0.06,  # about half and about all of the slip of greatest force on ice; see scenarios/mu_split.toml
+    # about half and about all of the slip of greatest force on ice; see scenarios/mu_split.toml
+    "anti_lock.slip_hold": 0.06,
     "anti_lock.slip_dump": 0.12,
     "anti_lock.rim_deceleration_m_per_s2": 15.0,  # half as much again as dry road allows
     "anti_lock.build_rate_nm_per_s": 500.0,
@@ -52,10 +57,16 @@ EFFECTS = {
 def parameters(drive: Drive) -> dict[str, float]:
     """Return every parameter that a drive's file decides, by the engine's names.
 
-    What belongs to one run (temperatures, road, driver, seed) is the scenario's and comes on top; so do the EVENTS, which
-    are 0 in a healthy vehicle.
+    What belongs to one run (temperatures, road, driver, seed) is the scenario's and comes on top;
+    so do the EVENTS, which are 0 in a healthy vehicle.
     """
-    motor, inverter, battery, vehicle, brake = (drive.motor, drive.inverter, drive.battery, drive.vehicle, drive.brake)
+    motor, inverter, battery, vehicle, brake = (
+        drive.motor,
+        drive.inverter,
+        drive.battery,
+        drive.vehicle,
+        drive.brake,
+    )
     a0, a1 = motor.iron_loss_resistance_ohm or (0.0, 0.0)
     found = {
         "motor.pole_pairs": motor.pole_pairs,
@@ -117,10 +128,14 @@ def parameters(drive: Drive) -> dict[str, float]:
     for name in ("thermal", "chassis", "tyre"):
         section = getattr(drive, name)
         found |= {f"{name}.{key}": getattr(section, key) for key in type(section).model_fields}
-    found["inverter.switch_resistance_temperature_coefficient_per_k"] = found.pop("thermal.switch_resistance_temperature_coefficient_per_k")
+    found["inverter.switch_resistance_temperature_coefficient_per_k"] = found.pop(
+        "thermal.switch_resistance_temperature_coefficient_per_k"
+    )
     found["inverter.switch_reference_temperature_c"] = SWITCH_REFERENCE_C
     found |= EFFECTS
-    found |= {f"sensors.hall_edge_{k}_deg": edge for k, edge in enumerate(drive.rotor.hall_edges_deg)}
+    found |= {
+        f"sensors.hall_edge_{k}_deg": edge for k, edge in enumerate(drive.rotor.hall_edges_deg)
+    }
     return {name: float(value) for name, value in found.items()}
 
 

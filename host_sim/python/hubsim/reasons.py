@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The firmware's reasons by their identifiers, read from firmware/core/include/core/reason.h itself."""
 
 import difflib
@@ -14,7 +15,10 @@ ANY_FAULT = "ANY_FAULT"
 def codes() -> dict[str, int]:
     """Return identifier to code, without the prefix REASON_."""
     text = HEADER.read_text(encoding="utf-8")
-    return {name: int(number) for number, name in re.findall(r"^\s*X\((\d+), (\w+),", text, flags=re.MULTILINE)}
+    return {
+        name: int(number)
+        for number, name in re.findall(r"^\s*X\((\d+), (\w+),", text, flags=re.MULTILINE)
+    }
 
 
 @cache
@@ -27,11 +31,16 @@ def first_fault() -> int:
 
 def identifier(code: float) -> str:
     """Return the identifier of a code."""
-    return next((name for name, number in codes().items() if number == int(code)), f"unknown {int(code)}")
+    return next(
+        (name for name, number in codes().items() if number == int(code)), f"unknown {int(code)}"
+    )
 
 
 def meant(name: str) -> frozenset[int]:
-    """Return the codes that a name in a criterion stands for; ValueError says what would be accepted."""
+    """Return the codes that a name in a criterion stands for.
+
+    ValueError says what would be accepted.
+    """
     if name == ANY_FAULT:
         return frozenset(code for code in codes().values() if code >= first_fault())
     if name in codes():

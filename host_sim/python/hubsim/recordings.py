@@ -1,6 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """Recorded signals as files: CSV, Parquet and MDF4, and the layout with which PlotJuggler shows them.
 
-Columns are the engine's names, which end in the unit; Parquet and MDF4 carry unit and meaning of every column besides.
+Columns are the engine's names, which end in the unit; Parquet and MDF4 carry unit and meaning of
+every column besides.
 """
 
 import os
@@ -18,7 +20,9 @@ from hubsim.errors import HubsimError
 from hubsim.results import RunResult
 
 TIME = "time_s"
-START = datetime(2000, 1, 1, tzinfo=UTC)  # a simulated ride has no date; the same run gives the same file
+START = datetime(
+    2000, 1, 1, tzinfo=UTC
+)  # a simulated ride has no date; the same run gives the same file
 _MADE = (
     "<FHcomment><TX>{about}</TX><tool_id>hubsim</tool_id><tool_vendor>hubfoc</tool_vendor><tool_version>"
     + __version__
@@ -39,29 +43,43 @@ def write_csv(result: RunResult, path: Path) -> None:
     """Write the recorded signals, one column each, headings with units, nine digits."""
 
     def fill(file: TextIO) -> None:
-        np.savetxt(file, result.rows, fmt="%.9g", delimiter=",", header=",".join(result.names), comments="")
+        np.savetxt(
+            file, result.rows, fmt="%.9g", delimiter=",", header=",".join(result.names), comments=""
+        )
 
     files.write_with(path, fill)
 
 
 def write_parquet(result: RunResult, path: Path) -> None:
-    """Write the recorded signals as an Arrow table of doubles; field metadata: ``unit`` and ``text``."""
+    """Write the recorded signals as an Arrow table of doubles.
+
+    Field metadata: ``unit`` and ``text``.
+    """
     import pyarrow as pa  # noqa: PLC0415, a big library that only this needs
     import pyarrow.parquet as pq  # noqa: PLC0415
 
     fields = []
     for name in result.names:
         unit, text = result.meanings.get(name, ("", ""))
-        fields.append(pa.field(name, pa.float64(), nullable=False, metadata={"unit": unit, "text": text}))
+        fields.append(
+            pa.field(name, pa.float64(), nullable=False, metadata={"unit": unit, "text": text})
+        )
     about = {"scenario": result.cycle, "strategy": result.strategy, "config": result.vehicle}
-    table = pa.table([pa.array(result.signal(name)) for name in result.names], schema=pa.schema(fields, metadata=about))
-    files.write_by_name(path, lambda temporary: pq.write_table(table, temporary, compression="zstd"))
+    table = pa.table(
+        [pa.array(result.signal(name)) for name in result.names],
+        schema=pa.schema(fields, metadata=about),
+    )
+    files.write_by_name(
+        path, lambda temporary: pq.write_table(table, temporary, compression="zstd")
+    )
 
 
 def write_mdf(result: RunResult, path: Path) -> None:
     """Write the recorded signals as an ASAM MDF 4.10 measurement, a channel each with its unit, on one time axis."""
     if TIME not in result.names:
-        raise HubsimError(f"--mdf {path}: the signals do not include {TIME}, accepted: --signals with {TIME} or *")
+        raise HubsimError(
+            f"--mdf {path}: the signals do not include {TIME}, accepted: --signals with {TIME} or *"
+        )
     from asammdf import MDF, Signal  # noqa: PLC0415, a big library that only this needs
     from asammdf.blocks.v4_blocks import FileHistory  # noqa: PLC0415
 
@@ -70,7 +88,15 @@ def write_mdf(result: RunResult, path: Path) -> None:
     for name in result.names:
         if name != TIME:
             unit, text = result.meanings.get(name, ("", ""))
-            signals.append(Signal(samples=result.signal(name), timestamps=time_s, name=name, unit=unit, comment=text))
+            signals.append(
+                Signal(
+                    samples=result.signal(name),
+                    timestamps=time_s,
+                    name=name,
+                    unit=unit,
+                    comment=text,
+                )
+            )
     with MDF(version="4.10") as file:
         about = f"hubsim: {result.cycle}, {result.strategy}, {result.vehicle}"
         file.start_time = START
@@ -79,7 +105,11 @@ def write_mdf(result: RunResult, path: Path) -> None:
         made.time_stamp = START
         made.comment = _MADE.format(about=escape(about))
         file.file_history.append(made)
-        files.write_by_name(path, lambda temporary: file.save(temporary, overwrite=True, add_history_block=False), suffix=".mf4")
+        files.write_by_name(
+            path,
+            lambda temporary: file.save(temporary, overwrite=True, add_history_block=False),
+            suffix=".mf4",
+        )
 
 
 def write_layout(result: RunResult, path: Path, csv: Path | None = None) -> None:

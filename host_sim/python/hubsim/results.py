@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a run leaves behind: accounts, recorded signals, and the summary object made of them."""
 
 from collections.abc import Sequence
@@ -31,9 +32,11 @@ class RunResult:
     cycle, strategy, vehicle : str
         Names of the scenario, of the braking strategy and of the configuration.
     names, rows
-        Recorded signals; ``rows`` has the shape (times, signals) and the units of the signals' names.
+        Recorded signals; ``rows`` has the shape (times, signals) and the units of the signals'
+        names.
     account_j : dict
-        "energy.<account>_j" of the whole run and "braking.<account>_j" of the times in which the driver braked, J.
+        "energy.<account>_j" of the whole run and "braking.<account>_j" of the times in which the
+        driver braked, J.
     kinetic_energy_j : float
         Of the vehicle when the run began.
     stopped : bool or None
@@ -120,7 +123,10 @@ class RunResult:
 
     @property
     def braking_share_stored(self) -> float:
-        """Share of the braking work at the wheels that came to rest in the battery; 0 without braking."""
+        """Share of the braking work at the wheels that came to rest in the battery.
+
+        0 without braking.
+        """
         return self.returned_j / self.braking_work_j if self.braking_work_j > 0.0 else 0.0
 
     @property
@@ -150,7 +156,10 @@ class RunResult:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The run object and what a report says besides: other sinks and storage, losses by what the driver does."""
+        """The run object and what a report says besides.
+
+        Other sinks and storage, losses by what the driver does.
+        """
         out = self.run_object
         out["energy_j"] |= {
             "bearing": self.energy_j("bearing"),
@@ -160,17 +169,29 @@ class RunResult:
             "stored_kinetic": self.energy_j("kinetic"),
             "stored_battery": self.energy_j("polarisation"),
         }
-        # What a field or the polarisation took in is on its way to heat: with it, the losses of a phase balance.
-        parts = {"battery": ("battery", "polarisation"), "inverter": INVERTER, "copper": ("copper", "magnetic")}
+        # What a field or the polarisation took in is on its way to heat: with it, the losses of a
+        # phase balance.
+        parts = {
+            "battery": ("battery", "polarisation"),
+            "inverter": INVERTER,
+            "copper": ("copper", "magnetic"),
+        }
         parts |= {name: (name,) for name in ("iron", "bearing", "hydraulic")}
-        out["while_driving_j"] = {name: self.driving_j(*accounts) for name, accounts in parts.items()}
-        out["while_braking_j"] = {name: self.braking_j(*accounts) for name, accounts in parts.items()}
+        out["while_driving_j"] = {
+            name: self.driving_j(*accounts) for name, accounts in parts.items()
+        }
+        out["while_braking_j"] = {
+            name: self.braking_j(*accounts) for name, accounts in parts.items()
+        }
         out["reason_texts"] = self.reason_texts
         return out
 
 
 def realtime_factor(results: Sequence[RunResult]) -> float:
-    """Return simulated time over processor time of all runs together: whole vehicles on one core."""
+    """Return simulated time over processor time of all runs together.
+
+    Whole vehicles on one core.
+    """
     cpu_s = sum(result.cpu_s for result in results)
     return _times_real_time(sum(result.duration_s for result in results), cpu_s)
 

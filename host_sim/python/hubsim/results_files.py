@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Results of runs read back: what ``hubsim run --json`` wrote, and what was recorded beside it."""
 
 import csv
@@ -20,10 +21,14 @@ def load(path: Path) -> RunResult:
     Raises
     ------
     HubsimError
-        For a file that is not what ``hubsim run --json`` writes, or a recording that cannot be read.
+        For a file that is not what ``hubsim run --json`` writes, or a recording that cannot be
+        read.
     """
     data = _read(path)
-    recording = next((path.with_suffix(suffix) for suffix in RECORDINGS if path.with_suffix(suffix).is_file()), None)
+    recording = next(
+        (path.with_suffix(suffix) for suffix in RECORDINGS if path.with_suffix(suffix).is_file()),
+        None,
+    )
     names, rows = _recorded(recording) if recording is not None else (["time_s"], np.empty((0, 1)))
     try:
         duration_s = float(data["duration_s"])
@@ -46,7 +51,9 @@ def load(path: Path) -> RunResult:
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         what = f"{error} is missing" if isinstance(error, KeyError) else str(error)
-        raise HubsimError(f"{path}: not a result of a run: {what}, accepted: what 'hubsim run --json' writes") from error
+        raise HubsimError(
+            f"{path}: not a result of a run: {what}, accepted: what 'hubsim run --json' writes"
+        ) from error
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -55,9 +62,13 @@ def _read(path: Path) -> dict[str, Any]:
     except OSError as error:
         raise HubsimError(f"{path}: cannot be read: {error.strerror}") from error
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
-        raise HubsimError(f"{path}: not JSON: {' '.join(str(error).split())}, accepted: what 'hubsim run --json' writes") from error
+        raise HubsimError(
+            f"{path}: not JSON: {' '.join(str(error).split())}, accepted: what 'hubsim run --json' writes"
+        ) from error
     if not isinstance(data, dict):
-        raise HubsimError(f"{path}: not a result of a run, accepted: what 'hubsim run --json' writes")
+        raise HubsimError(
+            f"{path}: not a result of a run, accepted: what 'hubsim run --json' writes"
+        )
     return data
 
 
@@ -74,7 +85,9 @@ def _parquet(path: Path) -> tuple[list[str], Rows]:
 
     try:
         table = pq.read_table(path)
-        return list(table.column_names), np.column_stack([np.asarray(column, dtype=np.float64) for column in table.columns])
+        return list(table.column_names), np.column_stack(
+            [np.asarray(column, dtype=np.float64) for column in table.columns]
+        )
     except (pa.ArrowException, ValueError, OSError) as error:
         raise HubsimError(f"{path}: cannot be read: {' '.join(str(error).split())}") from error
 
@@ -96,4 +109,8 @@ def _reasons(names: list[str], rows: Rows) -> dict[str, str]:
     columns = [k for k, name in enumerate(names) if name.endswith("reason")]
     codes = np.unique(rows[:, columns]) if columns else np.empty(0)
     _, lib = library()
-    return {str(int(code)): text_of(lib.hubsim_reason_text(int(code))) for code in codes if np.isfinite(code)}
+    return {
+        str(int(code)): text_of(lib.hubsim_reason_text(int(code)))
+        for code in codes
+        if np.isfinite(code)
+    }

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """One run: a drive, a scenario and a strategy in, recorded signals and accounts out."""
 
 import operator
@@ -28,19 +29,30 @@ PERCENT = 100.0
 Progress = Callable[[float, float], None]  # simulated s, planned s
 
 
-def prepare(drive: Drive, scenario: Scenario, beside: Path, plant_overrides: dict[str, float]) -> tuple[Engine, float]:
+def prepare(
+    drive: Drive, scenario: Scenario, beside: Path, plant_overrides: dict[str, float]
+) -> tuple[Engine, float]:
     """Build the vehicle of a run that has not begun, and say how long the run is planned to be (s)."""
     engine = Engine()
     trace = followed(scenario, beside)
     if trace is not None:
-        speeds = [speed * scenario.speed_scale / cycles.KMH_PER_M_PER_S for speed in trace.speed_kmh]
+        speeds = [
+            speed * scenario.speed_scale / cycles.KMH_PER_M_PER_S for speed in trace.speed_kmh
+        ]
         engine.set_trace(trace.time_s, speeds)
-    sources = (plant.parameters(drive), _scenario_parameters(drive, scenario), scenario.plant, plant_overrides)
+    sources = (
+        plant.parameters(drive),
+        _scenario_parameters(drive, scenario),
+        scenario.plant,
+        plant_overrides,
+    )
     for name, value in reduce(operator.or_, sources).items():
         engine.set(name, value)
     engine.set_voltage_curve(*plant.voltage_curve(drive))
     engine.load_config(images.build(drive))
-    duration = scenario.max_duration_s if trace is None else min(trace.duration_s, scenario.max_duration_s)
+    duration = (
+        scenario.max_duration_s if trace is None else min(trace.duration_s, scenario.max_duration_s)
+    )
     return engine, duration
 
 
@@ -49,13 +61,22 @@ def followed(scenario: Scenario, beside: Path) -> cycles.Cycle | None:
     if scenario.speed_trace_kmh is not None:
         time_s, speed_kmh = zip(*scenario.speed_trace_kmh, strict=True)
         return cycles.Cycle("speed_trace_kmh", time_s, speed_kmh).repeated(scenario.repeats)
-    return cycles.load(scenario.cycle, beside).repeated(scenario.repeats) if scenario.cycle is not None else None
+    return (
+        cycles.load(scenario.cycle, beside).repeated(scenario.repeats)
+        if scenario.cycle is not None
+        else None
+    )
 
 
 def timeline(scenario: Scenario) -> Timeline:
     """Return what is changed during a run: the pedals' traces and the events."""
-    pedals = {"driver.brake_demand_nm": scenario.demand_trace_nm, "driver.drive_demand_nm": scenario.drive_trace_nm}
-    return Timeline(scenario.events, {name: points for name, points in pedals.items() if points is not None})
+    pedals = {
+        "driver.brake_demand_nm": scenario.demand_trace_nm,
+        "driver.drive_demand_nm": scenario.drive_trace_nm,
+    }
+    return Timeline(
+        scenario.events, {name: points for name, points in pedals.items() if points is not None}
+    )
 
 
 def _scenario_parameters(drive: Drive, scenario: Scenario) -> dict[str, float]:
@@ -94,7 +115,9 @@ def matching(known: Sequence[str], patterns: Sequence[str]) -> list[str]:
     """Return the known signals that any pattern (``*`` for anything) names, in the order known."""
     for pattern in patterns:
         if not any(fnmatchcase(name, pattern) for name in known):
-            raise HubsimError(f"--signals {pattern}: no such signal, 'hubsim list --signals' shows all")
+            raise HubsimError(
+                f"--signals {pattern}: no such signal, 'hubsim list --signals' shows all"
+            )
     return [name for name in known if any(fnmatchcase(name, pattern) for pattern in patterns)]
 
 
@@ -121,7 +144,8 @@ def simulate(
     progress : callable, optional
         Called with the simulated time and the planned end, both in s.
     formulas : sequence of str
-        What will be worked out of the run besides the criteria: the signals in them are recorded too.
+        What will be worked out of the run besides the criteria: the signals in them are recorded
+        too.
     """
     try:
         engine, planned_s = prepare(drive, scenario, beside, plant_overrides or {})
@@ -143,7 +167,9 @@ def simulate(
         now_s = shown_s = 0.0
         while not engine.ended and now_s < planned_s - 1e-6:
             happening.apply(engine, now_s)
-            parts.append(engine.run(min(shown_s + CHUNK_S, planned_s, happening.next_s(now_s)) - now_s))
+            parts.append(
+                engine.run(min(shown_s + CHUNK_S, planned_s, happening.next_s(now_s)) - now_s)
+            )
             now_s = engine.value("time_s")
             if now_s >= shown_s + CHUNK_S - 1e-6:
                 shown_s = now_s
@@ -169,7 +195,9 @@ def simulate(
             reason_texts=_reason_texts(engine, names, rows),
             parameters=parameters,
             missed=happening.missed(now_s),
-            meanings={name: meaning for name, meaning in engine.meanings().items() if name in names},
+            meanings={
+                name: meaning for name, meaning in engine.meanings().items() if name in names
+            },
         )
 
 
@@ -178,7 +206,9 @@ def _faults(engine: Engine, wheels: int) -> list[Fault]:
     for k in range(wheels):
         reason = engine.value(f"wheel{k}.first_fault_reason")
         if reason:
-            found.append(Fault(k, engine.value(f"wheel{k}.first_fault_s"), engine.reason_text(reason)))
+            found.append(
+                Fault(k, engine.value(f"wheel{k}.first_fault_s"), engine.reason_text(reason))
+            )
     return found
 
 

@@ -1,8 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
 """Scenarios: what a simulated vehicle is made to do and must show, from TOML, with every key overridable on the command line.
 
-The keys at the top are state, driver and road. Sections: ``[plant.SECTION]`` is the simulated world where it is to differ
-from the drive's file, ``[drive.SECTION]`` the drive's file itself for plant and controllers alike, ``[events.NAME]`` something
-that happens (events.py), ``[criteria.NAME]`` something that must be shown (criteria.py).
+The keys at the top are state, driver and road. Sections: ``[plant.SECTION]`` is the simulated world
+where it is to differ from the drive's file, ``[drive.SECTION]`` the drive's file itself for plant
+and controllers alike, ``[events.NAME]`` something that happens (events.py), ``[criteria.NAME]``
+something that must be shown (criteria.py).
 """
 
 import difflib
@@ -28,48 +30,92 @@ Named = dict[str, dict[str, Any]]
 
 
 class Scenario(Section):
-    """One scenario; keys as in the TOML file and after ``--set``. Torques are at each driven wheel."""
+    """One scenario; keys as in the TOML file and after ``--set``.
+
+    Torques are at each driven wheel.
+    """
 
     description: Annotated[str, Field(max_length=200, description="one line for people")] = ""
-    cycle: Annotated[str | None, Field(description="a built-in cycle or a .csv file: the driver follows it")] = None
-    speed_scale: Annotated[float, number(0.01, 10.0, "the cycle's speeds are multiplied with it")] = 1.0
-    speed_trace_kmh: Annotated[Points | None, listing("instead of a cycle: speeds to follow over time, km/h", _POINTS)] = None
+    cycle: Annotated[
+        str | None, Field(description="a built-in cycle or a .csv file: the driver follows it")
+    ] = None
+    speed_scale: Annotated[
+        float, number(0.01, 10.0, "the cycle's speeds are multiplied with it")
+    ] = 1.0
+    speed_trace_kmh: Annotated[
+        Points | None, listing("instead of a cycle: speeds to follow over time, km/h", _POINTS)
+    ] = None
     repeats: Annotated[int, number(1, 1000, "how many times the cycle is driven")] = 1
-    initial_speed_kmh: Annotated[float, number(-300.0, 300.0, "speed at which the run begins, km/h, negative backwards")] = 0.0
+    initial_speed_kmh: Annotated[
+        float, number(-300.0, 300.0, "speed at which the run begins, km/h, negative backwards")
+    ] = 0.0
     demand_nm: Annotated[float, number(0.0, 1e5, "without a cycle: held braking demand, N m")] = 0.0
-    drive_nm: Annotated[float, number(-1e5, 1e5, "without a cycle or braking demand: held drive demand, N m")] = 0.0
-    demand_trace_nm: Annotated[Points | None, listing("instead of demand_nm: brake pedal over time, N m", _POINTS)] = None
-    drive_trace_nm: Annotated[Points | None, listing("instead of drive_nm: drive pedal over time, N m", _POINTS)] = None
-    stop_at_standstill: Annotated[bool, Field(description="the run ends when the vehicle stands")] = False
-    max_duration_s: Annotated[float, number(0.001, 1e6, "the run ends at the latest; a cycle ends by itself")] = 1e5
+    drive_nm: Annotated[
+        float, number(-1e5, 1e5, "without a cycle or braking demand: held drive demand, N m")
+    ] = 0.0
+    demand_trace_nm: Annotated[
+        Points | None, listing("instead of demand_nm: brake pedal over time, N m", _POINTS)
+    ] = None
+    drive_trace_nm: Annotated[
+        Points | None, listing("instead of drive_nm: drive pedal over time, N m", _POINTS)
+    ] = None
+    stop_at_standstill: Annotated[
+        bool, Field(description="the run ends when the vehicle stands")
+    ] = False
+    max_duration_s: Annotated[
+        float, number(0.001, 1e6, "the run ends at the latest; a cycle ends by itself")
+    ] = 1e5
     drag: Annotated[bool, Field(description="false: no air drag and no rolling resistance")] = True
     slope_percent: Annotated[float, number(-50.0, 50.0, "of the road, positive uphill, %")] = 0.0
-    winding_temperature_c: Annotated[float, number(-40.0, 250.0, "of all windings at the start, degC")] = 25.0
-    switch_temperature_c: Annotated[float, number(-40.0, 250.0, "of all inverters at the start, degC")] = 25.0
+    winding_temperature_c: Annotated[
+        float, number(-40.0, 250.0, "of all windings at the start, degC")
+    ] = 25.0
+    switch_temperature_c: Annotated[
+        float, number(-40.0, 250.0, "of all inverters at the start, degC")
+    ] = 25.0
     ambient_temperature_c: Annotated[float, number(-40.0, 60.0, "of the air, degC")] = 25.0
-    initial_soc: Annotated[float | None, number(0.0, 1.0, "state of charge at the start; absent: the drive's own")] = None
-    noise: Annotated[bool, Field(description="false: sensors without the noise that the drive's file gives them")] = True
+    initial_soc: Annotated[
+        float | None, number(0.0, 1.0, "state of charge at the start; absent: the drive's own")
+    ] = None
+    noise: Annotated[
+        bool, Field(description="false: sensors without the noise that the drive's file gives them")
+    ] = True
     seed: Annotated[int, number(0, 1 << 53, "of all noise: same seed, same bytes")] = 1
     record_interval_s: Annotated[float, number(1e-5, 1e3, "distance of recorded rows, s")] = 0.01
-    driver_bandwidth_rad_per_s: Annotated[float, number(1e-3, 100.0, "of the driver's speed regulator, rad/s")] = 2.0
-    driver_preview_s: Annotated[float, number(1e-3, 10.0, "how far ahead the driver looks, s")] = 0.1
-    drive: Annotated[Named, listed("sections of the drive's file that differ in this scenario", "sections of keys")] = Field(
-        default_factory=dict
+    driver_bandwidth_rad_per_s: Annotated[
+        float, number(1e-3, 100.0, "of the driver's speed regulator, rad/s")
+    ] = 2.0
+    driver_preview_s: Annotated[float, number(1e-3, 10.0, "how far ahead the driver looks, s")] = (
+        0.1
     )
-    plant: Annotated[dict[str, float], listed("parameters that the simulated world alone has differently", "sections of numbers")] = Field(
-        default_factory=dict
-    )
-    events: Annotated[dict[str, Event], listed("what happens during the run, by name", "sections of events")] = Field(default_factory=dict)
-    criteria: Annotated[dict[str, Criterion], listed("what the run must show, by name", "sections of criteria")] = Field(
-        default_factory=dict
-    )
+    drive: Annotated[
+        Named,
+        listed("sections of the drive's file that differ in this scenario", "sections of keys"),
+    ] = Field(default_factory=dict)
+    plant: Annotated[
+        dict[str, float],
+        listed("parameters that the simulated world alone has differently", "sections of numbers"),
+    ] = Field(default_factory=dict)
+    events: Annotated[
+        dict[str, Event], listed("what happens during the run, by name", "sections of events")
+    ] = Field(default_factory=dict)
+    criteria: Annotated[
+        dict[str, Criterion], listed("what the run must show, by name", "sections of criteria")
+    ] = Field(default_factory=dict)
 
     _source: str = PrivateAttr(default="scenario")
 
     @model_validator(mode="after")
     def _fits_together(self) -> "Scenario":
-        if self.cycle is None and self.speed_trace_kmh is None and self.max_duration_s >= 1e5 and not self.stop_at_standstill:
-            raise ValueError("cycle: missing, accepted: a cycle, or max_duration_s, or stop_at_standstill = true")
+        if (
+            self.cycle is None
+            and self.speed_trace_kmh is None
+            and self.max_duration_s >= 1e5
+            and not self.stop_at_standstill
+        ):
+            raise ValueError(
+                "cycle: missing, accepted: a cycle, or max_duration_s, or stop_at_standstill = true"
+            )
         if self.cycle is not None and self.speed_trace_kmh is not None:
             raise ValueError("speed_trace_kmh: accepted: either cycle or speed_trace_kmh")
         for key in ("speed_trace_kmh", "demand_trace_nm", "drive_trace_nm"):
@@ -90,7 +136,11 @@ class Scenario(Section):
     @property
     def drive_changes(self) -> dict[tuple[str, str], Any]:
         """What the drive's file is to say differently, by (section, key)."""
-        return {(section, key): value for section, keys in self.drive.items() for key, value in keys.items()}
+        return {
+            (section, key): value
+            for section, keys in self.drive.items()
+            for key, value in keys.items()
+        }
 
     @property
     def follows(self) -> bool:
@@ -99,8 +149,15 @@ class Scenario(Section):
 
     @property
     def constants(self) -> dict[str, float]:
-        """What formulas may name besides signals: the scenario's own numbers and the times of its events."""
-        own = {f"scenario.{key}": value for key, value in self if isinstance(value, int | float) and not isinstance(value, bool)}
+        """What formulas may name besides signals.
+
+        The scenario's own numbers and the times of its events.
+        """
+        own = {
+            f"scenario.{key}": value
+            for key, value in self
+            if isinstance(value, int | float) and not isinstance(value, bool)
+        }
         for name, event in self.events.items():
             own[f"events.{name}.at_s"] = event.at_s
             own[f"events.{name}.over_s"] = event.over_s
@@ -132,7 +189,9 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
     """
     path = DIRECTORY / f"{name}.toml" if name in builtin_names() else Path(name)
     if path.suffix != ".toml":
-        raise HubsimError(f"no scenario {name!r}, accepted: {', '.join(builtin_names())} or a .toml file")
+        raise HubsimError(
+            f"no scenario {name!r}, accepted: {', '.join(builtin_names())} or a .toml file"
+        )
     data = _flattened(_read(path))
     for key, value in overrides.items():
         _put(data, key, value)
@@ -142,7 +201,13 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
         key, what = mistakes.first(error, Scenario)
         guilty = next((given for given in overrides if _concerns(given, key)), None)
         if guilty is not None:
-            rest = "" if key == guilty else f"{key}: " if key and not guilty.startswith(f"{key}.") else ""
+            rest = (
+                ""
+                if key == guilty
+                else f"{key}: "
+                if key and not guilty.startswith(f"{key}.")
+                else ""
+            )
             raise HubsimError(f"--set {guilty}: {rest}{what}") from error
         raise HubsimError(f"{path}: {key}: {what}" if key else f"{path}: {what}") from error
     found._source = str(path)
@@ -150,7 +215,9 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
 
 
 def _concerns(given: str, key: str) -> bool:
-    return bool(key) and (given == key or given.startswith(f"{key}.") or key.startswith(f"{given}."))
+    return bool(key) and (
+        given == key or given.startswith(f"{key}.") or key.startswith(f"{given}.")
+    )
 
 
 def _flattened(data: dict[str, Any]) -> dict[str, Any]:
@@ -175,7 +242,10 @@ def _dotted(data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _put(data: dict[str, Any], key: str, value: object) -> None:
-    """Set a key; one of an event or criterion that the file has is dotted: ``events.NAME.KEY``, ``events.NAME.set.PARAMETER``."""
+    """Set a key; one of an event or criterion that the file has is dotted.
+
+    ``events.NAME.KEY``, ``events.NAME.set.PARAMETER``.
+    """
     head, _, rest = key.partition(".")
     if head not in {"events", "criteria"}:
         data[key] = value
@@ -186,7 +256,9 @@ def _put(data: dict[str, Any], key: str, value: object) -> None:
     if not isinstance(section, dict) or not inner:
         near = difflib.get_close_matches(name, known, n=1, cutoff=0.5)
         hint = (
-            f"did you mean {head}.{near[0]}?" if near else f"accepted: {head}.NAME.KEY with NAME one of {', '.join(known) or 'none here'}"
+            f"did you mean {head}.{near[0]}?"
+            if near
+            else f"accepted: {head}.NAME.KEY with NAME one of {', '.join(known) or 'none here'}"
         )
         raise HubsimError(f"--set {key}: {hint}")
     if inner.startswith("set."):
@@ -198,7 +270,9 @@ def _put(data: dict[str, Any], key: str, value: object) -> None:
 def _read(path: Path) -> dict[str, Any]:
     try:
         if path.stat().st_size > MAX_FILE_BYTES:
-            raise HubsimError(f"{path}: larger than {MAX_FILE_BYTES} bytes, a scenario takes a few hundred")
+            raise HubsimError(
+                f"{path}: larger than {MAX_FILE_BYTES} bytes, a scenario takes a few hundred"
+            )
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise HubsimError(f"{path}: file not found") from None

@@ -1,7 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """Stops at constant demand (the paper's Fig. 14): what simulated controllers store, beside the ideal ones.
 
-A stop of a vehicle whose wheels all do the same is that of one wheel with its share of mass and battery: currents,
-voltages and shares of energy are equal, at a fraction of the work.
+A stop of a vehicle whose wheels all do the same is that of one wheel with its share of mass and
+battery: currents, voltages and shares of energy are equal, at a fraction of the work.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,17 +30,28 @@ BEYOND = 10.0
 LONGEST_S = 1000.0
 
 # Of the whole vehicle, in proportion to the wheels, and against it.
-_SHARED = ("vehicle.mass_kg", "battery.polarisation_capacitance_f", "battery.capacity_ah", "battery.max_charge_current_a",
-           "battery.max_discharge_current_a", "vehicle.frontal_area_m2", "bus.capacitance_f")  # fmt: skip
-_AGAINST = ("battery.series_resistance_ohm", "battery.polarisation_resistance_ohm", "bus.cable_resistance_ohm")
+_SHARED = (
+    "vehicle.mass_kg",
+    "battery.polarisation_capacitance_f",
+    "battery.capacity_ah",
+    "battery.max_charge_current_a",
+    "battery.max_discharge_current_a",
+    "vehicle.frontal_area_m2",
+    "bus.capacitance_f",
+)
+_AGAINST = (
+    "battery.series_resistance_ohm",
+    "battery.polarisation_resistance_ohm",
+    "bus.cable_resistance_ohm",
+)
 
 
 @dataclass(frozen=True)
 class Curve:
     """Share of the kinetic energy that is stored (1) over the demand at a wheel (N m), of one strategy.
 
-    ``ideal`` is with the battery's RC branch at rest before the stop, as in the simulation; ``settled``, at the simulated
-    demands, with that branch in steady state throughout.
+    ``ideal`` is with the battery's RC branch at rest before the stop, as in the simulation;
+    ``settled``, at the simulated demands, with that branch in steady state throughout.
     """
 
     strategy: str
@@ -54,9 +66,9 @@ class Curve:
 class Map:
     """The loss-optimal braking torque of a drive over wheel speed, arrays of shape (points,), magnitudes in N m.
 
-    ``zero_nm``: beyond it braking takes energy out of the battery. ``limit_nm``: torque and power limits. With the i_d of least
-    loss where the magnets are buried; there, ``BEYOND`` times the largest limit stands for what more than three times the
-    drive's current would take.
+    ``zero_nm``: beyond it braking takes energy out of the battery. ``limit_nm``: torque and power
+    limits. With the i_d of least loss where the magnets are buried; there, ``BEYOND`` times the
+    largest limit stands for what more than three times the drive's current would take.
     """
 
     temperature_c: float
@@ -70,12 +82,22 @@ class Map:
 def optimum_map(drive: Drive, temperature_c: float = TEMPERATURE_C) -> Map:
     """Compute the map up to the motor's largest speed."""
     speed = np.linspace(0.0, drive.motor.max_speed_rpm * np.pi / 30.0, MAP_POINTS)
-    best, limit = lines(drive, models.machine(drive, temperature_c), models.bridge(drive), speed), braking.torque_limit_nm(drive, speed)
-    optimal, zero = (np.nan_to_num(torque, nan=BEYOND * np.max(limit)) for torque in (best.optimal_nm, best.zero_nm))
+    best, limit = (
+        lines(drive, models.machine(drive, temperature_c), models.bridge(drive), speed),
+        braking.torque_limit_nm(drive, speed),
+    )
+    optimal, zero = (
+        np.nan_to_num(torque, nan=BEYOND * np.max(limit))
+        for torque in (best.optimal_nm, best.zero_nm)
+    )
     return Map(temperature_c, drive.vehicle.wheel_radius_m, speed, optimal, zero, limit)
 
 
-def simulate(drives: Sequence[Drive], demands_nm: Sequence[float] = DEMANDS_NM, progress: Callable[[], None] | None = None) -> list[Curve]:
+def simulate(
+    drives: Sequence[Drive],
+    demands_nm: Sequence[float] = DEMANDS_NM,
+    progress: Callable[[], None] | None = None,
+) -> list[Curve]:
     """Simulate stops from 40 km/h without drag, a strategy in each drive, all at the same time.
 
     Parameters
@@ -88,21 +110,38 @@ def simulate(drives: Sequence[Drive], demands_nm: Sequence[float] = DEMANDS_NM, 
     curves = []
     for drive, found in zip(drives, stored, strict=True):
         strategy = drive.brake.strategy
-        grid = np.union1d(np.geomspace(min(demands_nm), max(demands_nm), IDEAL_POINTS), np.array(demands_nm))
-        over, settled = _ideal(drive, grid.tolist(), packs.DYNAMIC), _ideal(drive, demands_nm, packs.SETTLED)
-        curves.append(Curve(strategy, tuple(demands_nm), tuple(found), settled, tuple(grid.tolist()), over))
+        grid = np.union1d(
+            np.geomspace(min(demands_nm), max(demands_nm), IDEAL_POINTS), np.array(demands_nm)
+        )
+        over, settled = (
+            _ideal(drive, grid.tolist(), packs.DYNAMIC),
+            _ideal(drive, demands_nm, packs.SETTLED),
+        )
+        curves.append(
+            Curve(strategy, tuple(demands_nm), tuple(found), settled, tuple(grid.tolist()), over)
+        )
     return curves
 
 
 def _ideal(drive: Drive, demands_nm: Sequence[float], battery: str) -> tuple[float, ...]:
-    found = (ideal.stop(drive, drive.brake.strategy, demand, SPEED_KMH, TEMPERATURE_C, battery=battery) for demand in demands_nm)
+    found = (
+        ideal.stop(drive, drive.brake.strategy, demand, SPEED_KMH, TEMPERATURE_C, battery=battery)
+        for demand in demands_nm
+    )
     return tuple(stop.stored_share_of_kinetic for stop in found)
 
 
-def _stored(drive: Drive, demands_nm: Sequence[float], progress: Callable[[], None] | None) -> list[float]:
+def _stored(
+    drive: Drive, demands_nm: Sequence[float], progress: Callable[[], None] | None
+) -> list[float]:
     """Return the stored share of the kinetic energy for every demand."""
     wheels = drive.vehicle.driven_wheels
-    standing = Scenario(initial_speed_kmh=SPEED_KMH, drag=False, stop_at_standstill=True, winding_temperature_c=TEMPERATURE_C)
+    standing = Scenario(
+        initial_speed_kmh=SPEED_KMH,
+        drag=False,
+        stop_at_standstill=True,
+        winding_temperature_c=TEMPERATURE_C,
+    )
     engine, _ = run.prepare(drive, standing, Path(), {})
     with engine:
         for names, factor in ((_SHARED, 1.0 / wheels), (_AGAINST, float(wheels))):
@@ -117,7 +156,9 @@ def _stored(drive: Drive, demands_nm: Sequence[float], progress: Callable[[], No
             engine.set("driver.brake_demand_nm", demand)
             engine.run(LONGEST_S)
             if not engine.ended:
-                raise HubsimError(f"{drive.name}: a stop at {demand:g} N m takes more than {LONGEST_S:g} s")
+                raise HubsimError(
+                    f"{drive.name}: a stop at {demand:g} N m takes more than {LONGEST_S:g} s"
+                )
             found.append(-engine.value("energy.chemical_j") / -engine.value("energy.kinetic_j"))
             if progress is not None:
                 progress()

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The controller's inputs and outputs by name, read from the library's own lists."""
 
 from collections.abc import Iterator, Mapping
@@ -15,8 +16,9 @@ REAL, FLAG, CODE = range(3)
 class Variable:
     """One input or output of a step.
 
-    ``unit`` is spelt as the FMI standard spells units, "1" for a share, "" for a flag or a code. ``kind`` is REAL, FLAG
-    (0 or 1) or CODE. The raw value is the firmware's own integer, from ``lowest_raw`` to ``highest_raw``.
+    ``unit`` is spelt as the FMI standard spells units, "1" for a share, "" for a flag or a code.
+    ``kind`` is REAL, FLAG (0 or 1) or CODE. The raw value is the firmware's own integer, from
+    ``lowest_raw`` to ``highest_raw``.
     """
 
     name: str
@@ -63,7 +65,9 @@ class Values(Mapping[str, float]):
         try:
             return self._numbers[self._names[name]]
         except KeyError:
-            raise AttributeError(f"{name}: no such output, there are: {', '.join(self._names)}") from None
+            raise AttributeError(
+                f"{name}: no such output, there are: {', '.join(self._names)}"
+            ) from None
 
     def __iter__(self) -> Iterator[str]:
         """Go through the names."""

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A finished run judged by the criteria of its scenario."""
 
 import difflib
@@ -16,7 +17,9 @@ from hubsim.expression import ExpressionError, NothingSeen, Value
 from hubsim.results import RunResult
 from hubsim.scenario import Scenario
 
-RESIDUAL_MOST = 1e-4  # of the energy turned over: more would be the simulation's own mistake, not the vehicle's
+RESIDUAL_MOST = (
+    1e-4  # of the energy turned over: more would be the simulation's own mistake, not the vehicle's
+)
 _ACCOUNTS = ("energy.", "braking.")
 _WHEELS = "wheels."
 
@@ -36,7 +39,10 @@ class Verdict:
 
     def as_object(self) -> dict[str, Any]:
         """Return it for a JSON file, which knows neither NaN nor infinity."""
-        return {key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in vars(self).items()}
+        return {
+            key: None if isinstance(value, float) and not math.isfinite(value) else value
+            for key, value in vars(self).items()
+        }
 
 
 # What formulas call run.*: figures of the run as a whole.
@@ -57,24 +63,44 @@ RUN_FIGURES: Mapping[str, Callable[[RunResult], float]] = {
 
 
 def constants(scenario: Scenario, drive: Drive) -> dict[str, float]:
-    """Return what formulas may name that is known before the run: numbers of the scenario and of the drive's file."""
+    """Return what formulas may name that is known before the run.
+
+    Numbers of the scenario and of the drive's file.
+    """
     out = scenario.constants
     for section, keys in drive.model_dump().items():
-        out |= {f"drive.{section}.{key}": float(v) for key, v in keys.items() if isinstance(v, int | float) and not isinstance(v, bool)}
+        out |= {
+            f"drive.{section}.{key}": float(v)
+            for key, v in keys.items()
+            if isinstance(v, int | float) and not isinstance(v, bool)
+        }
     return out
 
 
 def scalars(scenario: Scenario, drive: Drive, known: Sequence[str]) -> set[str]:
-    """Return every name of a formula that is one number for a whole run; ``known`` are the signals."""
-    own = {*constants(scenario, drive), *(f"plant.{name}" for name in engine.parameters()), *(f"run.{name}" for name in RUN_FIGURES)}
+    """Return every name of a formula that is one number for a whole run.
+
+    ``known`` are the signals.
+    """
+    own = {
+        *constants(scenario, drive),
+        *(f"plant.{name}" for name in engine.parameters()),
+        *(f"run.{name}" for name in RUN_FIGURES),
+    }
     return own | {name for name in known if name.startswith(_ACCOUNTS)}
 
 
-def signals_of(scenario: Scenario, drive: Drive, known: Sequence[str], formulas: Iterable[str] = ()) -> list[str]:
+def signals_of(
+    scenario: Scenario, drive: Drive, known: Sequence[str], formulas: Iterable[str] = ()
+) -> list[str]:
     """Return the signals that the criteria of a scenario and further formulas look at, refusing a name that there is not."""
     single = scalars(scenario, drive, known)
     wanted: set[str] = set()
-    looked_at = [(f"criteria.{name}.{key}", f) for name, criterion in scenario.criteria.items() for key, f in criterion.formulas.items()]
+    looked_at = [
+        (f"criteria.{name}.{key}", f)
+        for name, criterion in scenario.criteria.items()
+        for key, f in criterion.formulas.items()
+    ]
     for place, formula in [*looked_at, *((text, expression.read(text)) for text in formulas)]:
         try:
             wanted |= {"time_s", *signals_named(formula.names, known, single)}
@@ -98,7 +124,11 @@ def signals_named(names: Iterable[str], known: Sequence[str], scalars: Iterable[
             wanted.add(name)
         elif name not in scalars:
             near = difflib.get_close_matches(name, [*known, *wheels, *scalars], n=1, cutoff=0.6)
-            hint = f"did you mean {near[0]}?" if near else "'hubsim list --signals' and '--parameters' show what there is"
+            hint = (
+                f"did you mean {near[0]}?"
+                if near
+                else "'hubsim list --signals' and '--parameters' show what there is"
+            )
             raise ExpressionError(f"no quantity {name!r}, {hint}")
     return wanted
 
@@ -127,7 +157,11 @@ class Judge:
 
     def number(self, text: float | str) -> float:
         """Work out a limit or a time: a number, or a formula that comes to one."""
-        return float(text) if isinstance(text, float | int) else self._single(expression.read(text).value(self._lookup), text)
+        return (
+            float(text)
+            if isinstance(text, float | int)
+            else self._single(expression.read(text).value(self._lookup), text)
+        )
 
     def value(self, text: str) -> Value:
         """Work out a formula in the present window."""
@@ -140,7 +174,9 @@ class Judge:
     @staticmethod
     def _single(value: Value, text: str) -> float:
         if value.ndim != 0:
-            raise ExpressionError(f"{text!r} changes over time, accepted: one number, as of max(), min(), mean(), final(), ...")
+            raise ExpressionError(
+                f"{text!r} changes over time, accepted: one number, as of max(), min(), mean(), final(), ..."
+            )
         return float(value)
 
     def look_through(self, criterion: Criterion) -> None:
@@ -177,7 +213,8 @@ def judge(scenario: Scenario, drive: Drive, result: RunResult) -> list[Verdict]:
     Raises
     ------
     HubsimError
-        For a formula that names what there is not, or comes to no number; one line with source and key.
+        For a formula that names what there is not, or comes to no number; one line with source and
+        key.
     """
     judge = Judge(result, constants(scenario, drive))
     out = []
@@ -186,13 +223,31 @@ def judge(scenario: Scenario, drive: Drive, result: RunResult) -> list[Verdict]:
             judge.look_through(criterion)
             out.append(_verdict(name, criterion, judge))
         except NothingSeen:
-            out.append(Verdict(name, False, math.nan, unit=criterion.unit, text=criterion.text, remark="no row in the window"))
+            out.append(
+                Verdict(
+                    name,
+                    False,
+                    math.nan,
+                    unit=criterion.unit,
+                    text=criterion.text,
+                    remark="no row in the window",
+                )
+            )
         except ExpressionError as error:
             raise HubsimError(f"{scenario.source}: criteria.{name}: {error}") from error
     if out:
         residual = result.residual_relative
         text = "energy: sources less sinks less storage, over the energy turned over"
-        out.append(Verdict("residual", residual <= RESIDUAL_MOST, residual, at_most=RESIDUAL_MOST, unit="1", text=text))
+        out.append(
+            Verdict(
+                "residual",
+                residual <= RESIDUAL_MOST,
+                residual,
+                at_most=RESIDUAL_MOST,
+                unit="1",
+                text=text,
+            )
+        )
     return out
 
 
@@ -205,14 +260,19 @@ def _verdict(name: str, criterion: Criterion, judge: Judge) -> Verdict:
     value = judge.single(criterion.value)
     low = None if criterion.at_least is None else judge.number(criterion.at_least)
     high = None if criterion.at_most is None else judge.number(criterion.at_most)
-    passed = math.isfinite(value) and (low is None or value >= low) and (high is None or value <= high)
+    passed = (
+        math.isfinite(value) and (low is None or value >= low) and (high is None or value <= high)
+    )
     return Verdict(name, passed, value, low, high, criterion.unit, criterion.text)
 
 
 def _judge_settling(name: str, criterion: Criterion, judge: Judge) -> Verdict:
     """Time from the window's beginning to the first row after which the value stays in the band to the window's end."""
     assert (
-        criterion.value is not None and criterion.settles_to is not None and criterion.band is not None and criterion.within_s is not None
+        criterion.value is not None
+        and criterion.settles_to is not None
+        and criterion.band is not None
+        and criterion.within_s is not None
     )
     rows = np.atleast_2d(judge.value(criterion.value))
     time_s = judge.value("time_s")
@@ -226,7 +286,9 @@ def _judge_settling(name: str, criterion: Criterion, judge: Judge) -> Verdict:
     if outside.size and outside[-1] == seen[-1]:
         last = rows[:, outside[-1]]
         remark = f"never settles: {last[np.argmax(np.abs(last))]:.4g} at the end"
-        return Verdict(name, False, math.nan, at_most=most, unit="s", text=criterion.text, remark=remark)
+        return Verdict(
+            name, False, math.nan, at_most=most, unit="s", text=criterion.text, remark=remark
+        )
     after = seen[seen > outside[-1]][0] if outside.size else seen[0]
     settled_s = float(time_s[after]) - judge.number(criterion.from_s)
     return Verdict(name, settled_s <= most, settled_s, at_most=most, unit="s", text=criterion.text)
@@ -238,9 +300,18 @@ def _judge_reasons(name: str, criterion: Criterion, codes: Value) -> Verdict:
     if rows.shape[1] == 0:
         raise NothingSeen
     present = {int(code) for code in rows[~np.isnan(rows)]}
-    shown = {wanted: float(np.mean(np.any(np.isin(rows, list(reasons.meant(wanted))), axis=0))) for wanted in criterion.must_appear}
+    shown = {
+        wanted: float(np.mean(np.any(np.isin(rows, list(reasons.meant(wanted))), axis=0)))
+        for wanted in criterion.must_appear
+    }
     absent = [wanted for wanted, share in shown.items() if share <= 0.0 or share < criterion.share]
-    unwanted = sorted({reasons.identifier(code) for bad in criterion.must_not_appear for code in reasons.meant(bad) & present})
+    unwanted = sorted(
+        {
+            reasons.identifier(code)
+            for bad in criterion.must_not_appear
+            for code in reasons.meant(bad) & present
+        }
+    )
     remarks = [f"missing: {', '.join(absent)}"] if absent else []
     remarks += [f"appeared: {', '.join(unwanted)}"] if unwanted else []
     found = ", ".join(reasons.identifier(code) for code in sorted(present))

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "dead_time.h"
 #include "unity.h"
 
@@ -40,7 +41,8 @@ void test_the_dead_time_is_never_shorter_than_asked_and_no_code_would_be_closer(
 void test_a_dead_time_beyond_the_generator_is_refused_and_leaves_the_code_alone(void)
 {
     uint8_t code = 0x5A;
-    TEST_ASSERT_TRUE(dead_time_encode(6000, CLOCK_Hz, &code)); /* 1008 clocks: the longest there is */
+    TEST_ASSERT_TRUE(
+        dead_time_encode(6000, CLOCK_Hz, &code)); /* 1008 clocks: the longest there is */
     TEST_ASSERT_EQUAL_UINT32(DEAD_TIME_MAX_CLOCKS, dead_time_clocks(code));
     code = 0x5A;
     TEST_ASSERT_FALSE(dead_time_encode(6001, CLOCK_Hz, &code));

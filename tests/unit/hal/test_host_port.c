@@ -1,4 +1,6 @@
-/* The simulated board keeps the order and the timing of a real one; the application's two up-calls are played here. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The simulated board keeps the order and the timing of a real one; the application's two up-calls
+ * are played here. */
 #include <string.h>
 
 #include "hal/analog.h"
@@ -85,7 +87,8 @@ void test_nothing_is_called_before_it_was_started(void)
     TEST_ASSERT_EQUAL_INT(0, slow_calls);
 }
 
-void test_the_millisecond_comes_a_thousand_times_a_second_also_when_the_frequency_is_no_multiple(void)
+void test_the_millisecond_comes_a_thousand_times_a_second_also_when_the_frequency_is_no_multiple(
+    void)
 {
     (void)start(17500);
     for (int i = 0; i < 17500; i++) {
@@ -160,7 +163,8 @@ void test_a_fault_keeps_the_bridge_off_until_its_cause_is_gone_and_it_was_cleare
 
 void test_settings_that_no_port_could_realise_are_refused(void)
 {
-    inverter_settings_t settings = {.pwm_frequency_Hz = 20000, .pwm_period_counts = 4200, .dead_time_ns = 6001};
+    inverter_settings_t settings = {
+        .pwm_frequency_Hz = 20000, .pwm_period_counts = 4200, .dead_time_ns = 6001};
     TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, inverter_init(&settings));
     settings.dead_time_ns = 1000;
     settings.pwm_period_counts = 16385;
@@ -203,7 +207,8 @@ void test_the_configurations_memory_holds_the_image_and_is_erased_behind_it(void
     TEST_ASSERT_EQUAL_UINT8(4, bytes[3]);
     TEST_ASSERT_EQUAL_UINT8(0xFF, bytes[4]);
     TEST_ASSERT_EQUAL_UINT8(0xFF, bytes[image.size_bytes - 1]);
-    TEST_ASSERT_EQUAL_INT(FLASH_OK, flash_write_configuration("\x09\x08\x07\x06\x05\x04\x03\x02", 8));
+    TEST_ASSERT_EQUAL_INT(FLASH_OK,
+                          flash_write_configuration("\x09\x08\x07\x06\x05\x04\x03\x02", 8));
     TEST_ASSERT_EQUAL_UINT8(9, bytes[0]);
     TEST_ASSERT_EQUAL_INT(FLASH_TOO_LARGE, flash_write_configuration(bytes, HOST_FLASH_BYTES + 4));
 }

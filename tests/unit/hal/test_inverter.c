@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The flashable port's bridge, its code unchanged, on a model of the timer: what the gates see. */
 #include "analog_start.h"
 #include "board.h"
@@ -61,7 +62,8 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* One period: the interrupt at the top says what is to be done, then the count goes down, up, and to the next top. */
+/* One period: the interrupt at the top says what is to be done, then the count goes down, up, and
+ * to the next top. */
 static void period(inverter_mode_t mode, const uint16_t compare_counts[3])
 {
     inverter_set(mode, compare_counts);
@@ -119,10 +121,12 @@ void test_a_timer_without_its_clock_is_not_believed(void)
     TEST_ASSERT_FALSE(analog_started);
 }
 
-/* Push-pull outputs of the timer, pulled down for as long as they are not driven, and driven low from the first moment. */
+/* Push-pull outputs of the timer, pulled down for as long as they are not driven, and driven low
+ * from the first moment. */
 void test_after_start_up_every_gate_is_driven_low(void)
 {
-    static const pin_t GATES[6] = {{GPIOA, 8}, {GPIOA, 9}, {GPIOA, 10}, {GPIOB, 13}, {GPIOB, 14}, {GPIOB, 15}};
+    static const pin_t GATES[6] = {{GPIOA, 8},  {GPIOA, 9},  {GPIOA, 10},
+                                   {GPIOB, 13}, {GPIOB, 14}, {GPIOB, 15}};
     begin();
     assert_off();
     for (int i = 0; i < 6; i++) {
@@ -261,7 +265,8 @@ void test_a_supply_that_is_low_from_the_start_is_a_fault_until_it_is_not(void)
     TEST_ASSERT_FALSE(inverter_fault());
 }
 
-/* Pull-up and wire make microseconds of it; the fault would be latched and nobody would know why. */
+/* Pull-up and wire make microseconds of it; the fault would be latched and nobody would know why.
+ */
 void test_a_break_input_that_rises_slowly_at_start_up_is_no_fault(void)
 {
     timer1_break_rises_after(3);
@@ -282,7 +287,8 @@ void test_a_break_input_that_is_low_for_good_is_one(void)
 void test_a_dead_time_too_short_for_the_boards_switches_is_refused(void)
 {
     TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, init_with_dead_time(0));
-    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, init_with_dead_time(BOARD_DEAD_TIME_LEAST_ns - 1));
+    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE,
+                          init_with_dead_time(BOARD_DEAD_TIME_LEAST_ns - 1));
     TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, init_with_dead_time(6001));
     TEST_ASSERT_EQUAL_HEX32(0, TIM1->CCER);
     TEST_ASSERT_EQUAL_INT(INVERTER_OK, init_with_dead_time(BOARD_DEAD_TIME_LEAST_ns));

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
 #include "ntc.h"
@@ -35,7 +36,8 @@ void test_every_code_gives_the_formulas_temperature_within_the_stated_error(void
     }
 }
 
-/* The thermistor's curve hangs through between the table's points: what is read is never too cold. */
+/* The thermistor's curve hangs through between the table's points: what is read is never too cold.
+ */
 void test_a_winding_beyond_its_limit_is_hot_and_not_broken(void)
 {
     for (int32_t code = 64; code <= (int32_t)code_at(150.0); code++) {

@@ -1,8 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """The hand-written register headers against the vendor's description of the chip.
 
-Every base address, register offset and field mask of ``hal/stm32f405/registers`` is evaluated by a C compiler and
-compared with the System View Description (SVD) of the STM32F4x1/F4x5 family. The two have different authors, so an
-address that is wrong in both is not to be expected.
+Every base address, register offset and field mask of ``hal/stm32f405/registers`` is evaluated by a
+C compiler and compared with the System View Description (SVD) of the STM32F4x1/F4x5 family. The two
+have different authors, so an address that is wrong in both is not to be expected.
 """
 
 from __future__ import annotations
@@ -27,8 +28,16 @@ REQUIREMENTS = Path(__file__).with_name("requirements-svd.txt")
 # Name in our headers -> name in the SVD, where they differ.
 PERIPHERALS = {"ADC_COMMON": "C_ADC", "DBGMCU": "DBG"}
 # Prefix of our field macros -> an SVD peripheral that has these registers.
-PREFIXES = {"ADC_COMMON": "C_ADC", "ADC": "ADC1", "TIM": "TIM1", "USART": "USART3", "CAN": "CAN1", "DBGMCU": "DBG"}
-# Our register name -> the SVD's, where they differ (arrays become the first element, capture/compare has two views).
+PREFIXES = {
+    "ADC_COMMON": "C_ADC",
+    "ADC": "ADC1",
+    "TIM": "TIM1",
+    "USART": "USART3",
+    "CAN": "CAN1",
+    "DBGMCU": "DBG",
+}
+# Our register name -> the SVD's, where they differ (arrays become the first element,
+# capture/compare has two views).
 REGISTERS_RENAMED = {
     ("CAN1", "TIR"): ["TI0R"],
     ("CAN1", "TDTR"): ["TDT0R"],
@@ -71,10 +80,20 @@ def svd_text() -> bytes:
     wheels = sorted(CACHE.glob("pyocd-*.whl"))
     if not wheels:
         CACHE.mkdir(parents=True, exist_ok=True)
-        command = [sys.executable, "-m", "pip", "download", "--disable-pip-version-check", "--no-input", "--quiet"]
+        command = [
+            sys.executable,
+            "-m",
+            "pip",
+            "download",
+            "--disable-pip-version-check",
+            "--no-input",
+            "--quiet",
+        ]
         command += ["--no-deps", "--require-hashes", "-r", str(REQUIREMENTS), "-d", str(CACHE)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, f"the SVD could not be fetched: {done.stderr.strip().splitlines()[-1:]}"
+        assert done.returncode == 0, (
+            f"the SVD could not be fetched: {done.stderr.strip().splitlines()[-1:]}"
+        )
         wheels = sorted(CACHE.glob("pyocd-*.whl"))
     with zipfile.ZipFile(wheels[-1]) as wheel:
         inner = wheel.read("pyocd/debug/svd/svd_data.zip")
@@ -116,7 +135,9 @@ def field_mask(register: dict[str, int], name: str) -> int | None:
     """Mask of a field; the SVD splits some fields into bits, NAME0, NAME1 and so on, which are put together."""
     if name in register:
         return register[name]
-    bits = [mask for other, mask in register.items() if re.fullmatch(re.escape(name) + r"\d+", other)]
+    bits = [
+        mask for other, mask in register.items() if re.fullmatch(re.escape(name) + r"\d+", other)
+    ]
     return sum(bits) if bits else None
 
 
@@ -129,16 +150,22 @@ def headers() -> list[Path]:
 def evaluate(expressions: dict[str, str], tmp_path: Path) -> dict[str, int]:
     """Values of C expressions in the context of all register headers, found by the compiler.
 
-    On a 64-bit host the peripheral pointers are wider than on the chip; nothing here dereferences them.
+    On a 64-bit host the peripheral pointers are wider than on the chip; nothing here dereferences
+    them.
     """
     lines = [f'#include "{path}"' for path in headers()]
     lines += ["#include <stddef.h>", "#include <stdio.h>", "int main(void) {"]
-    lines += [f'printf("{key} %llu\\n", (unsigned long long)({text}));' for key, text in expressions.items()]
+    lines += [
+        f'printf("{key} %llu\\n", (unsigned long long)({text}));'
+        for key, text in expressions.items()
+    ]
     lines += ["return 0; }"]
     source = tmp_path / "values.c"
     source.write_text("\n".join(lines))
     program = tmp_path / "values"
-    subprocess.run(["cc", "-std=c11", "-Wno-int-to-pointer-cast", "-o", program, source], check=True)
+    subprocess.run(
+        ["cc", "-std=c11", "-Wno-int-to-pointer-cast", "-o", program, source], check=True
+    )
     output = subprocess.run([program], check=True, capture_output=True, text=True).stdout
     return {key: int(value) for key, value in (line.split() for line in output.splitlines())}
 
@@ -154,7 +181,11 @@ def instances() -> dict[str, str]:
     """Peripheral macro -> structure type."""
     found: dict[str, str] = {}
     for path in headers():
-        found.update(re.findall(r"^#define (\w+) \(\((\w+_registers_t) \*\)0x", path.read_text(), re.MULTILINE))
+        found.update(
+            re.findall(
+                r"^#define (\w+) \(\((\w+_registers_t) \*\)0x", path.read_text(), re.MULTILINE
+            )
+        )
     return found
 
 
@@ -163,13 +194,21 @@ def members(structure: str) -> list[str]:
     match = re.search(r"typedef struct \{([^}]*)\} " + structure + ";", text)
     assert match, structure
     body = re.sub(r"/\*.*?\*/", "", match.group(1))
-    return [name for name in re.findall(r"\b(\w+)(?:\[\d+\])?;", body) if not name.startswith("reserved")]
+    return [
+        name
+        for name in re.findall(r"\b(\w+)(?:\[\d+\])?;", body)
+        if not name.startswith("reserved")
+    ]
 
 
-def test_every_peripheral_is_where_the_chip_has_it(svd: dict[str, Peripheral], tmp_path: Path) -> None:
+def test_every_peripheral_is_where_the_chip_has_it(
+    svd: dict[str, Peripheral], tmp_path: Path
+) -> None:
     found = evaluate({name: f"(size_t){name}" for name in instances()}, tmp_path)
     assert len(found) >= 14
-    assert {n: hex(v) for n, v in found.items()} == {n: hex(svd[PERIPHERALS.get(n, n)].base) for n in found}
+    assert {n: hex(v) for n, v in found.items()} == {
+        n: hex(svd[PERIPHERALS.get(n, n)].base) for n in found
+    }
 
 
 def test_every_register_has_its_offset(svd: dict[str, Peripheral], tmp_path: Path) -> None:
@@ -188,7 +227,9 @@ def test_every_register_has_its_offset(svd: dict[str, Peripheral], tmp_path: Pat
                 continue
             if peripheral == "TIM3" and member in ("RCR", "BDTR"):
                 continue  # the advanced timer's layout, of which the simple one lacks these two
-            theirs = REGISTERS_RENAMED.get((peripheral.replace("TIM3", "TIM1"), member), [member])[0]
+            theirs = REGISTERS_RENAMED.get((peripheral.replace("TIM3", "TIM1"), member), [member])[
+                0
+            ]
             expressions[f"{instance}.{member}"] = f"offsetof({structure}, {member})"
             expected[f"{instance}.{member}"] = svd[peripheral].offsets[theirs]
     found = evaluate(expressions, tmp_path)
@@ -208,7 +249,9 @@ def split(name: str) -> tuple[str, str, str]:
     return peripheral, register, field
 
 
-def test_every_field_has_its_mask_and_its_position(svd: dict[str, Peripheral], tmp_path: Path) -> None:
+def test_every_field_has_its_mask_and_its_position(
+    svd: dict[str, Peripheral], tmp_path: Path
+) -> None:
     names = [n for n in macros() if not NOT_FIELDS.match(n) and n not in instances()]
     found = evaluate({name: name for name in names}, tmp_path)
     assert len(found) >= 120
@@ -217,7 +260,11 @@ def test_every_field_has_its_mask_and_its_position(svd: dict[str, Peripheral], t
         peripheral, register, field = split(name.removesuffix("_Pos"))
         field = FIELDS_RENAMED.get((peripheral, register, field), field)
         views = REGISTERS_RENAMED.get((peripheral, register), [register])
-        masks = [m for m in (field_mask(svd[peripheral].masks[view], field) for view in views) if m is not None]
+        masks = [
+            m
+            for m in (field_mask(svd[peripheral].masks[view], field) for view in views)
+            if m is not None
+        ]
         if not masks:
             wrong.append(f"{name}: no field {field} in {peripheral}.{register}")
         elif name.endswith("_Pos"):
@@ -231,5 +278,12 @@ def test_every_field_has_its_mask_and_its_position(svd: dict[str, Peripheral], t
 def test_the_interrupts_have_the_chips_numbers(device: ET.Element) -> None:
     numbers = {i.findtext("name"): number(i, "value") for i in device.iter("interrupt")}
     text = (REGISTERS.parent / "interrupts.h").read_text()
-    ours = {name: int(value) for name, value in re.findall(r"INTERRUPT_(ADC|USART3|SUPPLY) = (\d+)", text)}
-    assert ours == {"ADC": numbers["ADC_IRQ"], "USART3": numbers["USART3_IRQ"], "SUPPLY": numbers["PVD_IRQ"]}
+    ours = {
+        name: int(value)
+        for name, value in re.findall(r"INTERRUPT_(ADC|USART3|SUPPLY) = (\d+)", text)
+    }
+    assert ours == {
+        "ADC": numbers["ADC_IRQ"],
+        "USART3": numbers["USART3_IRQ"],
+        "SUPPLY": numbers["PVD_IRQ"],
+    }

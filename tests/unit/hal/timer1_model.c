@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "timer1_model.h"
 
 #include <stdlib.h>
@@ -23,8 +24,8 @@ static struct {
 
 static void map_peripherals(void)
 {
-    void *const got = mmap((void *)(uintptr_t)PERIPHERALS, PERIPHERALS_BYTES, PROT_READ | PROT_WRITE,
-                           MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
+    void *const got = mmap((void *)(uintptr_t)PERIPHERALS, PERIPHERALS_BYTES,
+                           PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0);
     if (got == MAP_FAILED) {
         abort();
     }
@@ -129,8 +130,8 @@ gates_t timer1_gates(uint32_t count)
     gates_t gates = {.high = {false}};
     timer1_settle();
     for (int x = 0; x < 3; x++) {
-        /* Only the line of the table that the port means to be in is known here: both outputs enabled, active high, idle
-         * states low. In any other one nothing is promised. */
+        /* Only the line of the table that the port means to be in is known here: both outputs
+         * enabled, active high, idle states low. In any other one nothing is promised. */
         if ((TIM1->CCER & BOTH[x]) != BOTH[x] || (TIM1->BDTR & TIM_BDTR_OSSI) == 0) {
             abort();
         }
@@ -142,7 +143,8 @@ gates_t timer1_gates(uint32_t count)
     return gates;
 }
 
-/* Every look lets half a period pass, which is far more than in truth: nothing may depend on fewer. */
+/* Every look lets half a period pass, which is far more than in truth: nothing may depend on fewer.
+ */
 bool wait_for(const volatile uint32_t *reg, uint32_t mask, uint32_t value, uint32_t looks)
 {
     enum { LOOKS_MAX = 64 };

@@ -1,14 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * timer1_model.h: TIM1 of the STM32F405 and what hangs on it, as far as hal/stm32f405/inverter.c uses it, on a host: memory
- * at the chip's addresses, and the rules of RM0090 section 17 by which it changes.
+ * timer1_model.h: TIM1 of the STM32F405 and what hangs on it, as far as hal/stm32f405/inverter.c
+ * uses it, on a host: memory at the chip's addresses, and the rules of RM0090 section 17 by which
+ * it changes.
  *
- *     update     the repetition counter counts ends of the count; at 0 it is loaded from RCR, the preloaded compare values
- *                become active and UIF is set (17.3.2, 17.3.3)
- *     outputs    table "Output control bits for complementary OCx and OCxN channels with break feature" (17.4.9)
- *     break      BKIN low with BKE = 1, BKP = 0 sets BIF and clears MOE for as long as it lasts (17.3.12)
- *     SR         a flag is cleared by writing 0; writing 1 leaves it
+ *     update     the repetition counter counts ends of the count; at 0 it is loaded from RCR, the
+ * preloaded compare values become active and UIF is set (17.3.2, 17.3.3) outputs    table "Output
+ * control bits for complementary OCx and OCxN channels with break feature" (17.4.9) break      BKIN
+ * low with BKE = 1, BKP = 0 sets BIF and clears MOE for as long as it lasts (17.3.12) SR         a
+ * flag is cleared by writing 0; writing 1 leaves it
  *
- * Steps are half periods. Memory cannot see a write, so timer1_settle() works out what one did to SR and MOE.
+ * Steps are half periods. Memory cannot see a write, so timer1_settle() works out what one did to
+ * SR and MOE.
  */
 #ifndef TIMER1_MODEL_H
 #define TIMER1_MODEL_H
@@ -28,7 +31,8 @@ void timer1_reset(void);
 void timer1_set_break_pin(bool high);
 void timer1_set_driver_fault_pin(bool high);
 
-/* The break input rises only so many half periods after the next reset, as one with a slow pull-up does. */
+/* The break input rises only so many half periods after the next reset, as one with a slow pull-up
+ * does. */
 void timer1_break_rises_after(uint32_t half_periods);
 
 /* The counter stands still whatever CEN says: a timer without its clock. */

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "motor.h"
 
 #include <math.h>
@@ -36,7 +37,8 @@ fast_input_t motor_sample(motor_t *motor, const config_t *config, double bus_V)
     return in;
 }
 
-static void integrate(motor_t *motor, const config_t *config, double u_d, double u_q, double w, double dt)
+static void integrate(motor_t *motor, const config_t *config, double u_d, double u_q, double w,
+                      double dt)
 {
     const double r = 1e-6 * config->motor.phase_resistance_uOhm;
     const double l_d = 1e-9 * config->motor.d_inductance_nH;
@@ -48,7 +50,8 @@ static void integrate(motor_t *motor, const config_t *config, double u_d, double
     motor->i_q_A += dt * (u_q - r * i_q - w * l_d * i_d - w * psi) / l_q;
 }
 
-void motor_step(motor_t *motor, const config_t *config, const fast_output_t *out, double bus_V, double w_rad_s)
+void motor_step(motor_t *motor, const config_t *config, const fast_output_t *out, double bus_V,
+                double w_rad_s)
 {
     const double dt = 1.0 / config->drive.pwm_frequency_Hz / SUBSTEPS;
     const double volts_per_count = bus_V / config->drive.pwm_period_counts;

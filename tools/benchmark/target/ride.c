@@ -1,7 +1,9 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * ride.c: the program whose steps are counted. The firmware's two steps in a closed loop with motor.h: started up,
- * enabled, then a ride through standstill, both directions and into the voltage limit, with demands for driving and
- * braking that change every 50 ms. ride_measure() marks where counting begins; the last line says where the ride went.
+ * ride.c: the program whose steps are counted. The firmware's two steps in a closed loop with
+ * motor.h: started up, enabled, then a ride through standstill, both directions and into the
+ * voltage limit, with demands for driving and braking that change every 50 ms. ride_measure() marks
+ * where counting begins; the last line says where the ride went.
  */
 #include <stddef.h>
 
@@ -47,8 +49,10 @@ static slow_input_t wish_at(const config_t *config, int ms, uint32_t *random)
     const slow_input_t in = {
         .drive_torque_mNm = share_of_256 > 0 ? most / 256 * share_of_256 : 0,
         .brake_torque_mNm = share_of_256 < 0 ? most / 256 * -share_of_256 * 2 : 0,
-        .bms_charge_current_mA = config->battery.max_charge_current_mA * config->battery.driven_wheels,
-        .bms_discharge_current_mA = config->battery.max_discharge_current_mA * config->battery.driven_wheels,
+        .bms_charge_current_mA =
+            config->battery.max_charge_current_mA * config->battery.driven_wheels,
+        .bms_discharge_current_mA =
+            config->battery.max_discharge_current_mA * config->battery.driven_wheels,
         .winding_temperature_cC = 2500 + 4 * ms,
         .switch_temperature_cC = 2500 + 2 * ms,
         .enable = ms > START_ms / 2,
@@ -84,7 +88,8 @@ int main(void)
             active = next;
         }
         const slow_input_t wish = wish_at(config, ms, &random);
-        const slow_output_t out = controller_slow_step(&controller.slow, config, &fast_to_slow, &wish, &slow_to_fast);
+        const slow_output_t out =
+            controller_slow_step(&controller.slow, config, &fast_to_slow, &wish, &slow_to_fast);
         if (ms >= START_ms && (out.mode == MODE_RUN || out.mode == MODE_LIMP)) {
             running_ms++;
         }
@@ -95,6 +100,7 @@ int main(void)
             return 1;
         }
     }
-    semihost_print(running_ms == RIDE_ms ? "ride: running all the way\n" : "ride: not running all the way\n");
+    semihost_print(running_ms == RIDE_ms ? "ride: running all the way\n"
+                                         : "ride: not running all the way\n");
     return running_ms == RIDE_ms ? 0 : 1;
 }

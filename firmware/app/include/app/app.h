@@ -1,9 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * app.h: the controller on a core: who calls what, when, and how the parts exchange data.
  *
- *     high   app_pwm_period_isr    hal samples -> controller_fast_step -> bridge           once per PWM period
- *     low    app_millisecond_isr   temperatures, wish -> controller_slow_step              1 kHz
- *     none   app_background        CAN, serial line, watchdog                              as often as it can
+ *     high   app_pwm_period_isr    hal samples -> controller_fast_step -> bridge           once per
+ * PWM period low    app_millisecond_isr   temperatures, wish -> controller_slow_step              1
+ * kHz none   app_background        CAN, serial line, watchdog                              as often
+ * as it can
  *
  *                 wish               slow_to_fast
  *     background ------> millisecond -------------> PWM period
@@ -17,14 +19,15 @@
 
 #include <stdbool.h>
 
-/* From reset to running interrupts, or to a refusal that says why. May be called again by tests: everything starts anew. */
+/* From reset to running interrupts, or to a refusal that says why. May be called again by tests:
+ * everything starts anew. */
 void app_boot(void);
 
 /* One pass of the background. */
 void app_background(void);
 
-/* Writes the closing line, "result: READY, no limit" or what went wrong, and pushes it out. True if the control steps
- * run and no fault is latched. For ports whose time_running() ends. */
+/* Writes the closing line, "result: READY, no limit" or what went wrong, and pushes it out. True if
+ * the control steps run and no fault is latched. For ports whose time_running() ends. */
 bool app_finish(void);
 
 #endif

@@ -1,8 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * boot.h: everything between reset and the first control step, once, with no interrupt of the application running.
+ * boot.h: everything between reset and the first control step, once, with no interrupt of the
+ * application running.
  *
- * Order: clocks, serial line, RAM window, CRC of the firmware, configuration, then the ports with the numbers of the
- * accepted configuration. Nothing stops at the first failure that does not have to: the report names all of them.
+ * Order: clocks, serial line, RAM window, CRC of the firmware, configuration, then the ports with
+ * the numbers of the accepted configuration. Nothing stops at the first failure that does not have
+ * to: the report names all of them.
  */
 #ifndef APP_BOOT_H
 #define APP_BOOT_H
@@ -22,7 +25,8 @@ typedef struct {
     bool was_watchdog;  /* the watchdog caused this start */
     config_verdict_t verdict;
     inverter_status_t inverter; /* looked at only with an accepted configuration and a good clock */
-    bool rotor_sensor_missing;  /* the board has none of the kind that the configuration names; looked at likewise */
+    bool rotor_sensor_missing;  /* the board has none of the kind that the configuration names;
+                                   looked at likewise */
     const config_t *config;     /* the image in flash; only to be used if `verdict` is good */
 } boot_report_t;
 
@@ -34,7 +38,8 @@ bool boot_config_accepted(const boot_report_t *report);
 /* RAM and firmware. */
 bool boot_selftest_passed(const boot_report_t *report);
 
-/* May the control steps run at all? They need a configuration and a clock; a failed self-test they report themselves. */
+/* May the control steps run at all? They need a configuration and a clock; a failed self-test they
+ * report themselves. */
 bool boot_may_control(const boot_report_t *report);
 
 #endif

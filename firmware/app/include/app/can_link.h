@@ -1,8 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * can_link.h: the pump between the CAN controller and this wheel's place on the bus. Background context.
+ * can_link.h: the pump between the CAN controller and this wheel's place on the bus. Background
+ * context.
  *
- * What a frame means, whether it is to be trusted and when what is to be said is comms/node.h's business; here frames are
- * only carried, and the controller's outputs handed over.
+ * What a frame means, whether it is to be trusted and when what is to be said is comms/node.h's
+ * business; here frames are only carried, and the controller's outputs handed over.
  */
 #ifndef APP_CAN_LINK_H
 #define APP_CAN_LINK_H
@@ -17,9 +19,10 @@ typedef struct {
     node_t node;
 } can_link_t;
 
-/* pack: the configuration's limits, of the whole pack. False if the CAN controller is not on the bus yet: nothing
- * comes and nothing goes until it is, however late. */
-bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t pack, uint32_t now_ms);
+/* pack: the configuration's limits, of the whole pack. False if the CAN controller is not on the
+ * bus yet: nothing comes and nothing goes until it is, however late. */
+bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t pack,
+                   uint32_t now_ms);
 
 /* Takes what has arrived; true if link->node.wish has changed. */
 bool can_link_receive(can_link_t *link, uint32_t now_ms);

@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * config_lines.h: the fields of a configuration as lines of text, "motor.pole_pairs 4", named as in the TOML's image and in
- * the validator's refusals; the unit is in the name. The maps themselves are left out: hundreds of numbers help nobody.
+ * config_lines.h: the fields of a configuration as lines of text, "motor.pole_pairs 4", named as in
+ * the TOML's image and in the validator's refusals; the unit is in the name. The maps themselves
+ * are left out: hundreds of numbers help nobody.
  */
 #ifndef APP_CONFIG_LINES_H
 #define APP_CONFIG_LINES_H
@@ -11,7 +13,8 @@
 #include "comms/text.h"
 #include "config/config.h"
 
-/* Adds the `number`-th (from 0) of the fields whose name begins with `prefix`; false if there are not that many. */
+/* Adds the `number`-th (from 0) of the fields whose name begins with `prefix`; false if there are
+ * not that many. */
 bool config_lines_get(const config_t *config, const char *prefix, uint32_t number, text_t *line);
 
 #endif

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * console.h: the pump between the serial line and the shell, and the shell's commands.
  *
@@ -10,7 +11,8 @@
  *     install           another configuration, as Intel HEX (installer.h)
  *     help, reasons     the shell's own
  *
- * Background context. Lines nobody asked for are dropped whole and counted when there is no room, never waited for.
+ * Background context. Lines nobody asked for are dropped whole and counted when there is no room,
+ * never waited for.
  */
 #ifndef APP_CONSOLE_H
 #define APP_CONSOLE_H

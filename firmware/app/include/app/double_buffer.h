@@ -1,23 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * double_buffer.h: which of two buffers belongs to which of two contexts, without locks and without waiting.
+ * double_buffer.h: which of two buffers belongs to which of two contexts, without locks and without
+ * waiting.
  *
- * For two contexts of one core, of which one (the high side: an interrupt) may interrupt the other (the low side: a
- * lower interrupt or the background) at any instruction, and never the other way round. At any time each side owns
- * one of the two buffers. Only the low side exchanges them, by one store of one byte. So:
+ * For two contexts of one core, of which one (the high side: an interrupt) may interrupt the other
+ * (the low side: a lower interrupt or the background) at any instruction, and never the other way
+ * round. At any time each side owns one of the two buffers. Only the low side exchanges them, by
+ * one store of one byte. So:
  *
- *   - The high side reads the index at its start and it cannot change before its end, because the low side does not
- *     run meanwhile. Its buffer is its own for the whole run.
- *   - The low side's buffer is its own until it exchanges them itself; the high side, running in between any number
- *     of times, uses only the other one. Nothing is ever read half written, in either direction.
+ *   - The high side reads the index at its start and it cannot change before its end, because the
+ * low side does not run meanwhile. Its buffer is its own for the whole run.
+ *   - The low side's buffer is its own until it exchanges them itself; the high side, running in
+ * between any number of times, uses only the other one. Nothing is ever read half written, in
+ * either direction.
  *
- * Low to high: the low side fills its buffer completely, then double_buffer_swap(). High to low: the high side fills
- * its buffer completely at every run and says double_buffer_mark(); the low side calls double_buffer_take() and then
- * reads its buffer. If the high side runs between the two stores of take(), its mark is lost and that value is seen one
- * run later; a value is never seen twice as new, and the values seen never go backwards in time.
+ * Low to high: the low side fills its buffer completely, then double_buffer_swap(). High to low:
+ * the high side fills its buffer completely at every run and says double_buffer_mark(); the low
+ * side calls double_buffer_take() and then reads its buffer. If the high side runs between the two
+ * stores of take(), its mark is lost and that value is seen one run later; a value is never seen
+ * twice as new, and the values seen never go backwards in time.
  *
- * Memory order: a core observes its own accesses in program order, also across interrupt entry and return, so no
- * barrier instruction is needed; only the compiler must not move buffer accesses across the index. That is what the
- * signal fences do (C11 7.17.4.2), and they cost nothing. The byte is atomic so that it is read and written whole and once.
+ * Memory order: a core observes its own accesses in program order, also across interrupt entry and
+ * return, so no barrier instruction is needed; only the compiler must not move buffer accesses
+ * across the index. That is what the signal fences do (C11 7.17.4.2), and they cost nothing. The
+ * byte is atomic so that it is read and written whole and once.
  */
 #ifndef APP_DOUBLE_BUFFER_H
 #define APP_DOUBLE_BUFFER_H
@@ -54,7 +60,8 @@ static inline unsigned double_buffer_high(const double_buffer_t *pair)
 static inline void double_buffer_swap(double_buffer_t *pair)
 {
     atomic_signal_fence(memory_order_release);
-    const unsigned char low = (unsigned char)(1U - atomic_load_explicit(&pair->low, memory_order_relaxed));
+    const unsigned char low =
+        (unsigned char)(1U - atomic_load_explicit(&pair->low, memory_order_relaxed));
     atomic_store_explicit(&pair->low, low, memory_order_relaxed);
     atomic_signal_fence(memory_order_acquire);
 }

@@ -1,12 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * installer.h: another configuration over the serial line: receive, check, replace.
  *
  *     installer_open()    from here on every byte of the line is the installer's
  *     installer_hear()    Intel HEX (comms/intel_hex.h) of one whole config_t
- *     installer_write()   bridge off for good, the sector is written; the caller then lets the watchdog restart the core
+ *     installer_write()   bridge off for good, the sector is written; the caller then lets the
+ * watchdog restart the core
  *
- * Nothing is touched before the last record is there and the firmware's own validator has accepted the whole image. What
- * has been running until then knows nothing of it. Background context.
+ * Nothing is touched before the last record is there and the firmware's own validator has accepted
+ * the whole image. What has been running until then knows nothing of it. Background context.
  */
 #ifndef APP_INSTALLER_H
 #define APP_INSTALLER_H
@@ -54,8 +56,9 @@ void installer_tick(installer_t *installer, uint32_t now_ms);
 /* What became of it, one line; for all states but CLOSED and RECEIVING. */
 void installer_words(const installer_t *installer, text_t *line);
 
-/* Only with INSTALLER_ACCEPTED and the wheel at rest; no control step may run any more, because the configuration that
- * it reads is erased. False, and `line` says why, if the memory could not be written. */
+/* Only with INSTALLER_ACCEPTED and the wheel at rest; no control step may run any more, because the
+ * configuration that it reads is erased. False, and `line` says why, if the memory could not be
+ * written. */
 bool installer_write(const installer_t *installer, text_t *line);
 
 #endif

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * report.h: what this controller knows about itself, in words, one line at a time. The console shows the lines.
+ * report.h: what this controller knows about itself, in words, one line at a time. The console
+ * shows the lines.
  */
 #ifndef APP_REPORT_H
 #define APP_REPORT_H
@@ -16,7 +18,8 @@
 typedef struct {
     const slow_output_t *output;
     const node_t *node;
-    uint32_t fast_cycles_worst; /* of app_pwm_period_isr() since the start; 0 if the core cannot count */
+    uint32_t
+        fast_cycles_worst; /* of app_pwm_period_isr() since the start; 0 if the core cannot count */
     uint32_t stack_free_bytes;
     bool bus_off;
     bool control; /* the control steps run; otherwise `output` and `node` are meaningless */
@@ -29,16 +32,19 @@ void report_version(text_t *line);
 void report_identity(const config_t *config, text_t *line);
 void report_refusal(const config_verdict_t *verdict, text_t *line);
 
-/* Program, version and port, and which configuration, if it was accepted: a refused one may have garbage for a name. */
+/* Program, version and port, and which configuration, if it was accepted: a refused one may have
+ * garbage for a name. */
 void report_banner(const boot_report_t *boot, text_t *line);
 
-/* What the self-tests found, and the field for which a configuration was refused. `number` counts from 0; false: no more. */
+/* What the self-tests found, and the field for which a configuration was refused. `number` counts
+ * from 0; false: no more. */
 bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line);
 
 /* Mode, reason, torque, speed, bus, and how much of the core is used, in one line. */
 void report_status(const report_status_t *status, text_t *line);
 
-/* One line for each sender this wheel listens to, with everything that went wrong since the start. */
+/* One line for each sender this wheel listens to, with everything that went wrong since the start.
+ */
 bool report_can(const report_status_t *status, uint32_t number, text_t *line);
 
 /* Name, checksum and versions; then the fields whose names begin with `prefix`. */

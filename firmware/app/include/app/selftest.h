@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * selftest.h: what the controller checks about its own hardware before it lets anything move.
  */
@@ -7,12 +8,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* March C- (van de Goor 1991) over a window of RAM, with a pattern that differs from word to word: finds stuck,
- * coupled and wrongly addressed cells. The window's content is lost. No interrupt may use it meanwhile. */
+/* March C- (van de Goor 1991) over a window of RAM, with a pattern that differs from word to word:
+ * finds stuck, coupled and wrongly addressed cells. The window's content is lost. No interrupt may
+ * use it meanwhile. */
 bool selftest_ram(volatile uint32_t *begin, uint32_t words);
 
-/* CRC-32 of the firmware in flash against the figure the build left there; also checks the CRC routine itself against
- * a published value, since it is what accepts the configuration. */
+/* CRC-32 of the firmware in flash against the figure the build left there; also checks the CRC
+ * routine itself against a published value, since it is what accepts the configuration. */
 bool selftest_firmware(const void *image, uint32_t size_bytes, uint32_t crc32);
 
 #endif

@@ -1,13 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * e2e.h: end-to-end protection of eight-byte frames, in the manner of AUTOSAR E2E profile 2.
  *
- *     byte 0           CRC-8, polynomial 0x2F (x^8+x^5+x^3+x^2+x+1), initial and final 0xFF, of bytes 1 .. 7 and one data id
- *     byte 1, bit 0-3  counter, one more with every frame, 15 is followed by 0
+ *     byte 0           CRC-8, polynomial 0x2F (x^8+x^5+x^3+x^2+x+1), initial and final 0xFF, of
+ * bytes 1 .. 7 and one data id byte 1, bit 0-3  counter, one more with every frame, 15 is followed
+ * by 0
  *
- * The data id is never sent. It is entry [counter] of a list of sixteen, exclusive-or the low byte of the identifier, so
- * that a frame under another message's or another wheel's identifier is refused. The list was chosen so that, a wrong
- * counter and therefore a wrong data id included, every one, two or three wrong bits of the 64 and every burst of up to
- * eight wrong bits are found, which profile 2 by itself does not promise; the tests try them all.
+ * The data id is never sent. It is entry [counter] of a list of sixteen, exclusive-or the low byte
+ * of the identifier, so that a frame under another message's or another wheel's identifier is
+ * refused. The list was chosen so that, a wrong counter and therefore a wrong data id included,
+ * every one, two or three wrong bits of the 64 and every burst of up to eight wrong bits are found,
+ * which profile 2 by itself does not promise; the tests try them all.
  *
  * The receiver, one for each message it hears:
  *
@@ -16,9 +19,10 @@
  *     QUALIFYING, VALID -> TIMED_OUT          no frame to be used for timeout_ms
  *     TIMED_OUT -> QUALIFYING                 the next frame that is intact
  *
- * Only what arrives in VALID may be used. A repeated counter changes nothing and is no sign of life, so a sender that is
- * stuck times out like one that is silent. Time comes from the caller, wraps, and only differences count. The
- * specification is AUTOSAR FO "E2E Protocol Specification" (PRS_E2EProtocol), profile 2; the numbers of frames are ours.
+ * Only what arrives in VALID may be used. A repeated counter changes nothing and is no sign of
+ * life, so a sender that is stuck times out like one that is silent. Time comes from the caller,
+ * wraps, and only differences count. The specification is AUTOSAR FO "E2E Protocol Specification"
+ * (PRS_E2EProtocol), profile 2; the numbers of frames are ours.
  */
 #ifndef COMMS_E2E_H
 #define COMMS_E2E_H
@@ -34,7 +38,12 @@ enum {
 };
 
 /* On CAN and in the shell; the numbers are part of the protocol. */
-typedef enum { E2E_NEVER_HEARD = 0, E2E_QUALIFYING = 1, E2E_VALID = 2, E2E_TIMED_OUT = 3 } e2e_link_t;
+typedef enum {
+    E2E_NEVER_HEARD = 0,
+    E2E_QUALIFYING = 1,
+    E2E_VALID = 2,
+    E2E_TIMED_OUT = 3
+} e2e_link_t;
 
 typedef enum {
     E2E_OK,             /* use it */
@@ -72,12 +81,14 @@ void e2e_protect(uint8_t data[E2E_FRAME_BYTES], uint16_t identifier, uint8_t cou
 /* Is the CRC right for this content under this identifier? */
 bool e2e_intact(const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier);
 
-/* timeout_ms: at most ten cycle times: after sixteen the counter has come full circle and shows no gap. */
+/* timeout_ms: at most ten cycle times: after sixteen the counter has come full circle and shows no
+ * gap. */
 void e2e_receiver_init(e2e_receiver_t *receiver, uint32_t timeout_ms);
 
-/* One received frame. plausible: the caller's verdict on length and content, as far as it has one. */
-e2e_verdict_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier,
-                          bool plausible, uint32_t now_ms);
+/* One received frame. plausible: the caller's verdict on length and content, as far as it has one.
+ */
+e2e_verdict_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_BYTES],
+                          uint16_t identifier, bool plausible, uint32_t now_ms);
 
 /* Often, also when nothing arrives. True once, when the sender has just timed out. */
 bool e2e_timed_out(e2e_receiver_t *receiver, uint32_t now_ms);

@@ -1,13 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * intel_hex.h: an image that arrives as Intel HEX text, one character at a time, into a buffer of the owner's.
+ * intel_hex.h: an image that arrives as Intel HEX text, one character at a time, into a buffer of
+ * the owner's.
  *
- * What is read is what objcopy and every programmer write: records ":", length, address, type, data and a checksum that makes
- * the sum of all bytes zero, in hexadecimal digits. Data records must follow each other without a gap, wherever the
- * first one begins; an extended address may lie between them, a start address means nothing here. Characters between
- * records, line ends above all, are skipped. The first thing that is wrong is kept, with the number of its record, and nothing
- * is taken after it; the end-of-file record ends the text in any case, so that the rest of a damaged one is swallowed
- * instead of being taken for something else. Pure; any context. Format: Intel, Hexadecimal Object File Format
- * Specification, revision A.
+ * What is read is what objcopy and every programmer write: records ":", length, address, type, data
+ * and a checksum that makes the sum of all bytes zero, in hexadecimal digits. Data records must
+ * follow each other without a gap, wherever the first one begins; an extended address may lie
+ * between them, a start address means nothing here. Characters between records, line ends above
+ * all, are skipped. The first thing that is wrong is kept, with the number of its record, and
+ * nothing is taken after it; the end-of-file record ends the text in any case, so that the rest of
+ * a damaged one is swallowed instead of being taken for something else. Pure; any context. Format:
+ * Intel, Hexadecimal Object File Format Specification, revision A.
  */
 #ifndef COMMS_INTEL_HEX_H
 #define COMMS_INTEL_HEX_H
@@ -31,7 +34,8 @@ typedef struct {
     uint32_t capacity_bytes;
     uint32_t size_bytes; /* in place so far */
     intel_hex_problem_t problem;
-    uint32_t record; /* number of the record that is being read, of the first bad one after a problem; from 1 */
+    uint32_t record; /* number of the record that is being read, of the first bad one after a
+                        problem; from 1 */
 
     bool in_record;
     bool half;      /* the first digit of a byte is known */

@@ -1,9 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * line_edit.h: from the keys of a terminal to lines of words.
  *
- * Printable characters are echoed; backspace and delete take one back; ^U takes all back; ^C gives up; the arrow up brings
- * the last line back; CR, LF or CR LF end a line. Other keys do nothing; a line that is full rings the bell. What the
- * terminal has to show comes back as text, so nothing here knows how it gets there.
+ * Printable characters are echoed; backspace and delete take one back; ^U takes all back; ^C gives
+ * up; the arrow up brings the last line back; CR, LF or CR LF end a line. Other keys do nothing; a
+ * line that is full rings the bell. What the terminal has to show comes back as text, so nothing
+ * here knows how it gets there.
  */
 #ifndef COMMS_LINE_EDIT_H
 #define COMMS_LINE_EDIT_H
@@ -22,8 +24,8 @@ typedef enum { LINE_EDIT_GOES_ON, LINE_EDIT_ENDED, LINE_EDIT_CANCELLED } line_ed
 typedef enum { LINE_EDIT_PLAIN = 0, LINE_EDIT_ESCAPE = 1, LINE_EDIT_SEQUENCE = 2 } line_edit_key_t;
 
 typedef struct {
-    char line[LINE_EDIT_CHARS +
-              1]; /* after LINE_EDIT_ENDED and until the next key: what was typed, without blanks around it */
+    char line[LINE_EDIT_CHARS + 1]; /* after LINE_EDIT_ENDED and until the next key: what was typed,
+                                       without blanks around it */
     uint32_t length;
     char last[LINE_EDIT_CHARS + 1]; /* the last line that was not empty */
     line_edit_key_t key;
@@ -32,7 +34,8 @@ typedef struct {
 
 void line_edit_init(line_edit_t *edit);
 
-/* One byte that was typed. Adds to `echo` what the terminal has to show; a text of its usual size always suffices. */
+/* One byte that was typed. Adds to `echo` what the terminal has to show; a text of its usual size
+ * always suffices. */
 line_edit_event_t line_edit_hear(line_edit_t *edit, uint8_t byte, text_t *echo);
 
 #endif

@@ -1,13 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * messages.h: from physical quantities to frames and back. The layout is hubfoc.dbc's; the C that knows it is generated.
+ * messages.h: from physical quantities to frames and back. The layout is hubfoc.dbc's; the C that
+ * knows it is generated.
  *
- * One wheel's messages differ from another's in two bits of the identifier (and in the data id, e2e.h), so one DBC is
- * for all of them. Structures hold SI milli-units, named as in the controller; a frame holds whole steps of 0.1 N m, 0.1 A,
- * 0.1 V, 0.1 degrees and 0.01 rad/s. What is sent is rounded to the nearest step and kept within the DBC's range, except
- * that a braking torque on offer is rounded down: a promise must not be larger than what is there.
+ * One wheel's messages differ from another's in two bits of the identifier (and in the data id,
+ * e2e.h), so one DBC is for all of them. Structures hold SI milli-units, named as in the
+ * controller; a frame holds whole steps of 0.1 N m, 0.1 A, 0.1 V, 0.1 degrees and 0.01 rad/s. What
+ * is sent is rounded to the nearest step and kept within the DBC's range, except that a braking
+ * torque on offer is rounded down: a promise must not be larger than what is there.
  *
- * Signs: torque, speed and current are positive when they drive forward; braking torques are magnitudes >= 0; the bus
- * current is positive out of the battery. Pure; any context.
+ * Signs: torque, speed and current are positive when they drive forward; braking torques are
+ * magnitudes >= 0; the bus current is positive out of the battery. Pure; any context.
  */
 #ifndef COMMS_MESSAGES_H
 #define COMMS_MESSAGES_H
@@ -18,8 +21,8 @@
 #include "comms/e2e.h"
 #include "core/reason.h"
 
-/* The numbers are part of the protocol: the lowest two bits of the identifier, so that on a crowded bus what is urgent for
- * one wheel goes before what can wait for any other. */
+/* The numbers are part of the protocol: the lowest two bits of the identifier, so that on a crowded
+ * bus what is urgent for one wheel goes before what can wait for any other. */
 typedef enum {
     MESSAGES_FRONT_LEFT = 0,
     MESSAGES_FRONT_RIGHT = 1,
@@ -50,7 +53,8 @@ typedef struct {
 
 typedef struct {
     int32_t drive_torque_mNm; /* signed, -20 000 000 .. 20 000 000, at this wheel */
-    int32_t brake_torque_mNm; /* 0 .. 20 000 000, at this wheel, motor and hydraulic brake together */
+    int32_t
+        brake_torque_mNm; /* 0 .. 20 000 000, at this wheel, motor and hydraulic brake together */
     bool enable;
     bool abs_active;
     bool fault_reset;
@@ -93,21 +97,24 @@ uint16_t messages_identifier(messages_kind_t kind, messages_wheel_t wheel);
 /* The DBC's GenMsgCycleTime. */
 uint32_t messages_cycle_ms(messages_kind_t kind);
 
-/* Contents of a frame whose protection is somebody else's to check. False, and the structure untouched, if the length is
- * wrong or a value is outside the DBC's range. */
+/* Contents of a frame whose protection is somebody else's to check. False, and the structure
+ * untouched, if the length is wrong or a value is outside the DBC's range. */
 bool messages_read_demand(const messages_frame_t *frame, messages_demand_t *demand);
 bool messages_read_battery(const messages_frame_t *frame, messages_battery_t *battery);
 
 /* For whoever plays the vehicle or the battery: a complete, protected frame. */
-messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel_t wheel, uint8_t counter);
+messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel_t wheel,
+                                 uint8_t counter);
 messages_frame_t messages_battery(const messages_battery_t *battery, uint8_t counter);
 
-/* The other way, for the vehicle's side: the fields that this kind of frame carries, in whole steps; the others are left
- * as they are. False, and the structure untouched, if it is neither WHEEL_STATE nor WHEEL_BRAKE of that wheel. */
-bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel, messages_output_t *output);
+/* The other way, for the vehicle's side: the fields that this kind of frame carries, in whole
+ * steps; the others are left as they are. False, and the structure untouched, if it is neither
+ * WHEEL_STATE nor WHEEL_BRAKE of that wheel. */
+bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel,
+                          messages_output_t *output);
 
 /* One of the sent kinds, complete and protected; an empty frame for the heard ones. */
-messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output, messages_wheel_t wheel,
-                                 uint8_t counter);
+messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output,
+                                 messages_wheel_t wheel, uint8_t counter);
 
 #endif

@@ -1,12 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * shell.h: a line of typing in, lines of answer out; for people on a serial line.
  *
- * The owner passes received bytes to shell_hear(), answers what shell_asks(), and carries the bytes of shell_waiting() away
- * with shell_taken(), as fast or as slowly as its line is. Pure: no clock, no hardware, nothing allocated, no pointers
- * to functions (the depth of the stack stays countable). What can be typed is the owner's list of commands and two of
- * the shell's own: help, made from that list, and reasons, made from core/reason.h. A command is answered line by line, and
- * the next line is asked for only when there is room, so an answer may be far longer than the buffer and nothing of
- * it is lost. What is typed meanwhile waits; ^C ends the answer. The keys are line_edit.h's.
+ * The owner passes received bytes to shell_hear(), answers what shell_asks(), and carries the bytes
+ * of shell_waiting() away with shell_taken(), as fast or as slowly as its line is. Pure: no clock,
+ * no hardware, nothing allocated, no pointers to functions (the depth of the stack stays
+ * countable). What can be typed is the owner's list of commands and two of the shell's own: help,
+ * made from that list, and reasons, made from core/reason.h. A command is answered line by line,
+ * and the next line is asked for only when there is room, so an answer may be far longer than the
+ * buffer and nothing of it is lost. What is typed meanwhile waits; ^C ends the answer. The keys are
+ * line_edit.h's.
  *
  * The shell by itself only shows: it has no way to move the wheel or to change a limit.
  */
@@ -57,11 +60,13 @@ void shell_init(shell_t *shell, const shell_command_t *commands, uint32_t comman
 /* One byte that was typed. */
 void shell_hear(shell_t *shell, uint8_t byte);
 
-/* A line nobody asked for; its end of line is added. Dropped whole and counted if there is no room. */
+/* A line nobody asked for; its end of line is added. Dropped whole and counted if there is no room.
+ */
 void shell_say(shell_t *shell, const text_t *line);
 
-/* True if one of the owner's commands has been typed and there is room for the next line of its answer. To be answered
- * with shell_answer(), or with shell_answered() when there is no such line. */
+/* True if one of the owner's commands has been typed and there is room for the next line of its
+ * answer. To be answered with shell_answer(), or with shell_answered() when there is no such line.
+ */
 bool shell_asks(shell_t *shell, shell_question_t *question);
 void shell_answer(shell_t *shell, const text_t *line);
 void shell_answered(shell_t *shell);

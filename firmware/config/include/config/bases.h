@@ -1,13 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * bases.h: the per-unit bases, and every conversion between the fast reach's per-unit and the slow reach's SI units.
+ * bases.h: the per-unit bases, and every conversion between the fast reach's per-unit and the slow
+ * reach's SI units.
  *
  *     current   1.0 pu = drive.current_full_scale_mA          peak phase current
  *     bus       1.0 pu = drive.voltage_full_scale_mV          bus voltage
- *     phase     1.0 pu = v_dc / sqrt(3)                       "modulation": the largest phase voltage SVPWM can make now
- *     speed     1.0 pu = 1/16 electrical turn per PWM period  (1250 Hz electrical at 20 kHz)
- *     angle     65 536 = one electrical turn
+ *     phase     1.0 pu = v_dc / sqrt(3)                       "modulation": the largest phase
+ * voltage SVPWM can make now speed     1.0 pu = 1/16 electrical turn per PWM period  (1250 Hz
+ * electrical at 20 kHz) angle     65 536 = one electrical turn
  *
- * Q15 stands for 32 768 = 1.0. All functions divide or multiply in 64 bits: for the slow reach only. They saturate.
+ * Q15 stands for 32 768 = 1.0. All functions divide or multiply in 64 bits: for the slow reach
+ * only. They saturate.
  */
 #ifndef CONFIG_BASES_H
 #define CONFIG_BASES_H
@@ -36,7 +39,8 @@ static inline int32_t bases_bus_voltage_mV(const config_t *config, int32_t volta
  *     omega_m = turns/period * f_pwm * 2 pi / pole_pairs;   2 pi * 1000 = 6283.19 mrad a turn */
 static inline int32_t bases_speed_mrad_s(const config_t *config, int32_t speed_turn_q32)
 {
-    const int64_t turns_per_s_q16 = ((int64_t)speed_turn_q32 * config->drive.pwm_frequency_Hz) / 65536;
+    const int64_t turns_per_s_q16 =
+        ((int64_t)speed_turn_q32 * config->drive.pwm_frequency_Hz) / 65536;
     return q_saturate64(turns_per_s_q16 * 628319 / (INT64_C(6553600) * config->motor.pole_pairs));
 }
 
@@ -49,49 +53,57 @@ static inline int32_t bases_electrical_mrad_s(const config_t *config, int32_t sp
 /*
  * The voltage that dead time takes out of every phase, as a share of the bus voltage in 1e-9.
  *
- * With i > 0 the leg lies at -V_f in both dead intervals of a period. In one of them the high side was to conduct, which
- * loses v_dc + V_f, in the other one the low side, which loses V_f; with i < 0 the same the other way round:
- *     t_d f_pwm (v_dc + 2 V_f)        over v_dc        t_d f_pwm (1 + 2 V_f / v_dc)
- * v_dc is (battery.min_voltage_mV + battery.max_voltage_mV) / 2 here: with 0.8 V at 45 to 58 V instead of 49.2 V, 0.5 % beside.
+ * With i > 0 the leg lies at -V_f in both dead intervals of a period. In one of them the high side
+ * was to conduct, which loses v_dc + V_f, in the other one the low side, which loses V_f; with i <
+ * 0 the same the other way round: t_d f_pwm (v_dc + 2 V_f)        over v_dc        t_d f_pwm (1 + 2
+ * V_f / v_dc) v_dc is (battery.min_voltage_mV + battery.max_voltage_mV) / 2 here: with 0.8 V at 45
+ * to 58 V instead of 49.2 V, 0.5 % beside.
  */
 static inline int64_t bases_dead_time_share_1e9(const config_t *config)
 {
     const int64_t dead_1e9 = (int64_t)config->drive.dead_time_ns * config->drive.pwm_frequency_Hz;
-    const int64_t twice_v_dc_mV = (int64_t)config->battery.min_voltage_mV + config->battery.max_voltage_mV;
+    const int64_t twice_v_dc_mV =
+        (int64_t)config->battery.min_voltage_mV + config->battery.max_voltage_mV;
     const int64_t drops_mV = INT64_C(4) * config->drive.diode_drop_mV;
     return dead_1e9 + (dead_1e9 * drops_mV + twice_v_dc_mV / 2) / twice_v_dc_mV;
 }
 
-/* The share, in 1e-8, that a winding at a temperature leaves of what changes by a coefficient from the reference
- * temperature on. Between a tenth and the value 1000 K up, whatever a broken thermistor says. */
+/* The share, in 1e-8, that a winding at a temperature leaves of what changes by a coefficient from
+ * the reference temperature on. Between a tenth and the value 1000 K up, whatever a broken
+ * thermistor says. */
 static inline int64_t bases_share_at_1e8(const config_t *config, int32_t coefficient_ppm_K,
                                          int32_t winding_temperature_cC)
 {
-    const int64_t rise_cK = (int64_t)winding_temperature_cC - config->motor.reference_temperature_cC;
+    const int64_t rise_cK =
+        (int64_t)winding_temperature_cC - config->motor.reference_temperature_cC;
     const int64_t most_cK = 100000;
-    const int64_t within_cK = rise_cK > most_cK ? most_cK : (rise_cK < -most_cK ? -most_cK : rise_cK);
+    const int64_t within_cK =
+        rise_cK > most_cK ? most_cK : (rise_cK < -most_cK ? -most_cK : rise_cK);
     /* ppm/K times hundredths of a kelvin is 1e-8; up to 11. */
     const int64_t share_1e8 = INT64_C(100000000) + within_cK * coefficient_ppm_K;
     const int64_t floor_1e8 = INT64_C(10000000);
     return share_1e8 > floor_1e8 ? share_1e8 : floor_1e8;
 }
 
-/* A winding's resistance, or a gain proportional to one, at a winding temperature, from its value at the reference
- * temperature: linear, as copper is. */
+/* A winding's resistance, or a gain proportional to one, at a winding temperature, from its value
+ * at the reference temperature: linear, as copper is. */
 static inline int32_t bases_at_winding_temperature(const config_t *config, int32_t at_reference,
                                                    int32_t winding_temperature_cC)
 {
     const int32_t coefficient_ppm_K = config->motor.resistance_coefficient_ppm_K;
-    return q_saturate64(at_reference * bases_share_at_1e8(config, coefficient_ppm_K, winding_temperature_cC) /
+    return q_saturate64(at_reference *
+                        bases_share_at_1e8(config, coefficient_ppm_K, winding_temperature_cC) /
                         INT64_C(100000000));
 }
 
-/* The magnets' flux linkage, peak phase, with magnets as warm as the winding (as the stored tables have them). */
+/* The magnets' flux linkage, peak phase, with magnets as warm as the winding (as the stored tables
+ * have them). */
 static inline int32_t bases_flux_nWb(const config_t *config, int32_t winding_temperature_cC)
 {
     const int32_t coefficient_ppm_K = config->motor.flux_coefficient_ppm_K;
     return q_saturate64(config->motor.flux_linkage_nWb *
-                        bases_share_at_1e8(config, coefficient_ppm_K, winding_temperature_cC) / INT64_C(100000000));
+                        bases_share_at_1e8(config, coefficient_ppm_K, winding_temperature_cC) /
+                        INT64_C(100000000));
 }
 
 #endif

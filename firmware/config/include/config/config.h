@@ -1,19 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * config.h: config_t, everything one controller must know about its board, motor, battery and vehicle.
+ * config.h: config_t, everything one controller must know about its board, motor, battery and
+ * vehicle.
  *
- * One constant image: written by tools/regen_table from a TOML file, linked into its own flash section, replaceable
- * without rebuilding the firmware, refused in BOOT unless config_validate() accepts it. This header is the only
- * place that knows its layout: the C structures, the validator's ranges and the Python generator all come from the
- * lists below, one line a field:
+ * One constant image: written by tools/regen_table from a TOML file, linked into its own flash
+ * section, replaceable without rebuilding the firmware, refused in BOOT unless config_validate()
+ * accepts it. This header is the only place that knows its layout: the C structures, the
+ * validator's ranges and the Python generator all come from the lists below, one line a field:
  *
- *     X(name, smallest accepted value, largest accepted value, "unit", "meaning, meaning of zero, effect of raising")
+ *     X(name, smallest accepted value, largest accepted value, "unit", "meaning, meaning of zero,
+ * effect of raising")
  *
- * Every scalar is an int32_t, so there is no padding on any machine. The unit is part of the name: _mNm, _mA, _mV,
- * _mW, _uOhm, _nH, _nWb, _cC (hundredths of a degree Celsius), _mrad_s (mechanical), _turn (65 536 = one electrical
- * turn), _pu_qN (per unit, fixed point with N fraction bits). Per-unit bases: firmware/config/include/config/bases.h.
+ * Every scalar is an int32_t, so there is no padding on any machine. The unit is part of the name:
+ * _mNm, _mA, _mV, _mW, _uOhm, _nH, _nWb, _cC (hundredths of a degree Celsius), _mrad_s
+ * (mechanical), _turn (65 536 = one electrical turn), _pu_qN (per unit, fixed point with N fraction
+ * bits). Per-unit bases: firmware/config/include/config/bases.h.
  *
- * Limits are those of ONE motor and its share of the battery (the pack's current divided by the driven wheels).
- * Braking torques are magnitudes >= 0; signed torques drive forward when positive.
+ * Limits are those of ONE motor and its share of the battery (the pack's current divided by the
+ * driven wheels). Braking torques are magnitudes >= 0; signed torques drive forward when positive.
  */
 #ifndef CONFIG_CONFIG_H
 #define CONFIG_CONFIG_H
@@ -23,8 +27,9 @@
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
 #define CONFIG_FORMAT_VERSION 6
 #define CONFIG_NAME_LENGTH 32
-#define CONFIG_REGEN_POINTS_MAX 833        /* such as 49 speeds at 17 temperatures, or 65 at 12 */
-#define CONFIG_CURRENT_MAP_POINTS_MAX 1280 /* such as 33 torques and 19 speeds at 2 temperatures */
+#define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
+/* such as 33 torques and 19 speeds at 2 temperatures */
+#define CONFIG_CURRENT_MAP_POINTS_MAX 1280
 #define CONFIG_HALL_EDGES 6
 
 #define CONFIG_MOTOR_SPMSM 0
@@ -34,133 +39,231 @@
 #define CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL 1
 #define CONFIG_STRATEGY_SERIES_OPTIMAL 2
 
-#define CONFIG_ROTOR_ANGLE 0   /* an absolute electrical angle from the port: resolver, or ideal in simulation */
+/* an absolute electrical angle from the port: resolver, or ideal in simulation */
+#define CONFIG_ROTOR_ANGLE 0
 #define CONFIG_ROTOR_HALL 1    /* three hall sensors */
 #define CONFIG_ROTOR_ENCODER 2 /* incremental encoder with index */
 
 /* clang-format off */
 
 #define CONFIG_MOTOR_FIELDS(X) \
-    X(type,                                  0,         1,          "",       "0 surface magnets (L_d = L_q), 1 interior magnets") \
-    X(pole_pairs,                            1,         60,         "1",      "electrical turns in a mechanical turn") \
-    X(phase_resistance_uOhm,                 10,        100000000,  "uOhm",   "one phase, at reference_temperature_cC") \
-    X(reference_temperature_cC,              -5000,     15000,      "cC",     "winding temperature at which the resistance holds") \
-    X(resistance_coefficient_ppm_K,          0,         10000,      "ppm/K",  "rise of resistance with temperature; copper 3930") \
+    X(type,                                  0,         1,          "", \
+      "0 surface magnets (L_d = L_q), 1 interior magnets") \
+    X(pole_pairs,                            1,         60,         "1", \
+      "electrical turns in a mechanical turn") \
+    X(phase_resistance_uOhm,                 10,        100000000,  "uOhm", \
+      "one phase, at reference_temperature_cC") \
+    X(reference_temperature_cC,              -5000,     15000,      "cC", \
+      "winding temperature at which the resistance holds") \
+    X(resistance_coefficient_ppm_K,          0,         10000,      "ppm/K", \
+      "rise of resistance with temperature; copper 3930") \
     X(d_inductance_nH,                       100,       1000000000, "nH",     "direct axis") \
     X(q_inductance_nH,                       100,       1000000000, "nH",     "quadrature axis") \
-    X(flux_linkage_nWb,                      1000,      2000000000, "nWb",    "peak phase flux linkage of the magnets (amplitude-invariant)") \
-    X(flux_coefficient_ppm_K,                -10000,    0,          "ppm/K",  "fall of the flux with temperature, magnets at winding temperature; NdFeB -1100; 0: constant") \
-    X(iron_loss_resistance_mOhm,             0,         2000000000, "mOhm",   "constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss") \
-    X(iron_loss_resistance_slope_nOhm_s,     0,         2000000000, "nOhm s", "part of R_i proportional to electrical speed") \
-    X(friction_torque_mNm,                   0,         1000000,    "mNm",    "Coulomb friction of bearings and seals") \
-    X(viscous_friction_uNm_s,                0,         1000000000, "uNm s",  "friction proportional to mechanical speed") \
+    X(flux_linkage_nWb,                      1000,      2000000000, "nWb", \
+      "peak phase flux linkage of the magnets (amplitude-invariant)") \
+    X(flux_coefficient_ppm_K,                -10000,    0,          "ppm/K", \
+      "fall of the flux with temperature, magnets at winding temperature; NdFeB -1100; 0: " \
+      "constant") \
+    X(iron_loss_resistance_mOhm,             0,         2000000000, "mOhm", \
+      "constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss") \
+    X(iron_loss_resistance_slope_nOhm_s,     0,         2000000000, "nOhm s", \
+      "part of R_i proportional to electrical speed") \
+    X(friction_torque_mNm,                   0,         1000000,    "mNm", \
+      "Coulomb friction of bearings and seals") \
+    X(viscous_friction_uNm_s,                0,         1000000000, "uNm s", \
+      "friction proportional to mechanical speed") \
     X(rated_torque_mNm,                      10,        20000000,   "mNm",    "continuous torque") \
-    X(max_torque_mNm,                        10,        20000000,   "mNm",    "largest torque in either direction") \
-    X(max_power_mW,                          1000,      1000000000, "mW",     "largest electromagnetic power in either direction") \
+    X(max_torque_mNm,                        10,        20000000,   "mNm", \
+      "largest torque in either direction") \
+    X(max_power_mW,                          1000,      1000000000, "mW", \
+      "largest electromagnetic power in either direction") \
     X(max_phase_current_mA,                  100,       3000000,    "mA",     "peak") \
-    X(max_speed_mrad_s,                      1000,      5000000,    "mrad/s", "driving torque fades out here; braking torque does not") \
-    X(derate_winding_temperature_cC,         0,         30000,      "cC",     "torque limit starts to shrink") \
-    X(max_winding_temperature_cC,            1000,      30000,      "cC",     "torque limit reaches zero")
+    X(max_speed_mrad_s,                      1000,      5000000,    "mrad/s", \
+      "driving torque fades out here; braking torque does not") \
+    X(derate_winding_temperature_cC,         0,         30000,      "cC", \
+      "torque limit starts to shrink") \
+    X(max_winding_temperature_cC,            1000,      30000,      "cC", \
+      "torque limit reaches zero")
 
 #define CONFIG_DRIVE_FIELDS(X) \
-    X(current_full_scale_mA,                 1000,      4000000,    "mA",     "base of current: what half the converter's range stands for") \
-    X(voltage_full_scale_mV,                 5000,      2000000,    "mV",     "base of voltage: what the converter's whole range stands for") \
-    X(pwm_frequency_Hz,                      4000,      100000,     "Hz",     "rate of the fast reach; base of speed is a sixteenth of it") \
-    X(pwm_period_counts,                     256,       16384,      "1",      "timer counts from 0 to the top of the centre-aligned count") \
-    X(dead_time_ns,                          0,         10000,      "ns",     "between the two switches of a leg") \
-    X(diode_drop_mV,                         0,         5000,       "mV",     "forward voltage of the freewheeling diodes, which dead time puts in the way of the current") \
-    X(min_pulse_counts,                      0,         4096,       "1",      "shortest low-side pulse: sampling window of the shunts") \
-    X(derate_switch_temperature_cC,          0,         30000,      "cC",     "torque limit starts to shrink") \
-    X(max_switch_temperature_cC,             1000,      30000,      "cC",     "torque limit reaches zero")
+    X(current_full_scale_mA,                 1000,      4000000,    "mA", \
+      "base of current: what half the converter's range stands for") \
+    X(voltage_full_scale_mV,                 5000,      2000000,    "mV", \
+      "base of voltage: what the converter's whole range stands for") \
+    X(pwm_frequency_Hz,                      4000,      100000,     "Hz", \
+      "rate of the fast reach; base of speed is a sixteenth of it") \
+    X(pwm_period_counts,                     256,       16384,      "1", \
+      "timer counts from 0 to the top of the centre-aligned count") \
+    X(dead_time_ns,                          0,         10000,      "ns", \
+      "between the two switches of a leg") \
+    X(diode_drop_mV,                         0,         5000,       "mV", \
+      "forward voltage of the freewheeling diodes, which dead time puts in the way of the " \
+      "current") \
+    X(min_pulse_counts,                      0,         4096,       "1", \
+      "shortest low-side pulse: sampling window of the shunts") \
+    X(derate_switch_temperature_cC,          0,         30000,      "cC", \
+      "torque limit starts to shrink") \
+    X(max_switch_temperature_cC,             1000,      30000,      "cC", \
+      "torque limit reaches zero")
 
 #define CONFIG_CURRENT_LOOP_FIELDS(X) \
-    X(bandwidth_Hz,                          10,        10000,      "Hz",     "closed loop, first order after 1.5 periods of delay; the gains below and the shape of the reference realise it, dead-time compensation expects the current by it") \
-    X(proportional_d_pu_q16,                 1,         1048576,    "pu",     "k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped") \
-    X(proportional_q_pu_q16,                 1,         1048576,    "pu",     "k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped") \
-    X(integral_d_pu_q24,                     1,         16777216,   "pu",     "a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole") \
-    X(integral_q_pu_q24,                     1,         16777216,   "pu",     "a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole") \
-    X(inductance_d_pu_q16,                   1,         1048576,    "pu",     "omega_base L_d I_base / V_base, cross-coupling") \
-    X(inductance_q_pu_q16,                   1,         1048576,    "pu",     "omega_base L_q I_base / V_base, cross-coupling") \
-    X(flux_pu_q16,                           1,         1048576,    "pu",     "omega_base psi / V_base, back-EMF") \
-    X(modulation_limit_pu_q15,               8192,      32767,      "pu",     "largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window") \
-    X(max_current_pu_q15,                    164,       32767,      "pu",     "largest |i| the loop is asked for") \
-    X(field_weakening_gain_pu_q15,           0,         32767,      "pu",     "current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped") \
-    X(field_weakening_current_pu_q15,        0,         32767,      "pu",     "largest demagnetising current") \
-    X(dead_time_zone_pu_q15,                 128,       32767,        "pu",     "current below which the dead-time compensation is proportional, at the middle of the battery's range; goes with the bus voltage")
+    X(bandwidth_Hz,                          10,        10000,      "Hz", \
+      "closed loop, first order after 1.5 periods of delay; the gains below and the shape " \
+      "of the reference realise it, dead-time compensation expects the current by it") \
+    X(proportional_d_pu_q16,                 1,         1048576,    "pu", \
+      "k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped") \
+    X(proportional_q_pu_q16,                 1,         1048576,    "pu", \
+      "k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped") \
+    X(integral_d_pu_q24,                     1,         16777216,   "pu", \
+      "a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the " \
+      "regulator's zero on the winding's pole") \
+    X(integral_q_pu_q24,                     1,         16777216,   "pu", \
+      "a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the " \
+      "regulator's zero on the winding's pole") \
+    X(inductance_d_pu_q16,                   1,         1048576,    "pu", \
+      "omega_base L_d I_base / V_base, cross-coupling") \
+    X(inductance_q_pu_q16,                   1,         1048576,    "pu", \
+      "omega_base L_q I_base / V_base, cross-coupling") \
+    X(flux_pu_q16,                           1,         1048576,    "pu", \
+      "omega_base psi / V_base, back-EMF") \
+    X(modulation_limit_pu_q15,               8192,      32767,      "pu", \
+      "largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window") \
+    X(max_current_pu_q15,                    164,       32767,      "pu", \
+      "largest |i| the loop is asked for") \
+    X(field_weakening_gain_pu_q15,           0,         32767,      "pu", \
+      "current per unit of missing squared voltage and period; 0: no field weakening; " \
+      "raising: faster, less damped") \
+    X(field_weakening_current_pu_q15,        0,         32767,      "pu", \
+      "largest demagnetising current") \
+    X(dead_time_zone_pu_q15,                 128,       32767,        "pu", \
+      "current below which the dead-time compensation is proportional, at the middle of " \
+      "the battery's range; goes with the bus voltage")
 
 #define CONFIG_ROTOR_FIELDS(X) \
-    X(sensor,                                0,         2,          "",       "0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index") \
-    X(pll_bandwidth_Hz,                      1,         1000,       "Hz",     "tracking of the angle, for the record") \
-    X(pll_proportional_q16,                  1,         65536,      "1",      "share of the angle error corrected in one PWM period") \
-    X(pll_integral_q24,                      1,         16777216,   "1",      "share of the angle error added to the speed in one PWM period") \
-    X(encoder_counts,                        0,         65536,      "1",      "counts in a mechanical turn, four to a line; 0: no encoder") \
-    X(encoder_index_turn,                    0,         65535,      "turn",   "electrical angle at the index pulse") \
-    X(encoder_index_tolerance_counts,        0,         1024,       "1",      "how far beside its place an index pulse is still the expected one: the width of the pulse") \
-    X(encoder_reversed,                      0,         1,          "",       "1: the count falls when turning forward")
+    X(sensor,                                0,         2,          "", \
+      "0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index") \
+    X(pll_bandwidth_Hz,                      1,         1000,       "Hz", \
+      "tracking of the angle, for the record") \
+    X(pll_proportional_q16,                  1,         65536,      "1", \
+      "share of the angle error corrected in one PWM period") \
+    X(pll_integral_q24,                      1,         16777216,   "1", \
+      "share of the angle error added to the speed in one PWM period") \
+    X(encoder_counts,                        0,         65536,      "1", \
+      "counts in a mechanical turn, four to a line; 0: no encoder") \
+    X(encoder_index_turn,                    0,         65535,      "turn", \
+      "electrical angle at the index pulse") \
+    X(encoder_index_tolerance_counts,        0,         1024,       "1", \
+      "how far beside its place an index pulse is still the expected one: the width of the " \
+      "pulse") \
+    X(encoder_reversed,                      0,         1,          "", \
+      "1: the count falls when turning forward")
 
 #define CONFIG_HALL_ARRAY(Y) \
-    Y(edge_turn, CONFIG_HALL_EDGES,          0,         65535,      "turn",   "electrical angle at which sector k begins when turning forward")
+    Y(edge_turn, CONFIG_HALL_EDGES,          0,         65535,      "turn", \
+      "electrical angle at which sector k begins when turning forward")
 
 #define CONFIG_BATTERY_FIELDS(X) \
-    X(driven_wheels,                         1,         16,         "1",      "motors that share the pack; limits below are one motor's share") \
-    X(max_charge_current_mA,                 0,         2000000,    "mA",     "0: no regeneration into the battery") \
+    X(driven_wheels,                         1,         16,         "1", \
+      "motors that share the pack; limits below are one motor's share") \
+    X(max_charge_current_mA,                 0,         2000000,    "mA", \
+      "0: no regeneration into the battery") \
     X(max_discharge_current_mA,              100,       2000000,    "mA",     "") \
-    X(foldback_voltage_mV,                   1000,      2000000,    "mV",     "charge limit starts to shrink") \
-    X(max_voltage_mV,                        1000,      2000000,    "mV",     "charge limit reaches zero") \
-    X(min_voltage_mV,                        1000,      2000000,    "mV",     "discharge limit reaches zero") \
-    X(overvoltage_trip_mV,                   1000,      2000000,    "mV",     "bridge goes to its safe state") \
-    X(undervoltage_trip_mV,                  500,       2000000,    "mV",     "bridge goes to its safe state")
+    X(foldback_voltage_mV,                   1000,      2000000,    "mV", \
+      "charge limit starts to shrink") \
+    X(max_voltage_mV,                        1000,      2000000,    "mV", \
+      "charge limit reaches zero") \
+    X(min_voltage_mV,                        1000,      2000000,    "mV", \
+      "discharge limit reaches zero") \
+    X(overvoltage_trip_mV,                   1000,      2000000,    "mV", \
+      "bridge goes to its safe state") \
+    X(undervoltage_trip_mV,                  500,       2000000,    "mV", \
+      "bridge goes to its safe state")
 
 #define CONFIG_BRAKE_FIELDS(X) \
-    X(strategy,                              0,         2,          "",       "0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal") \
-    X(parallel_electric_share_q15,           0,         32767,      "1",      "electric part of the whole demand (parallel_ratio)") \
-    X(electric_rated_torque_mNm,             0,         20000000,   "mNm",    "electric torque before the hydraulic brake adds (parallel)") \
-    X(max_hydraulic_torque_mNm,              0,         20000000,   "mNm",    "0: no hydraulic brake under this controller's command") \
-    X(hydraulic_dead_time_ms,                0,         250,        "ms",     "from a changed command until the hydraulic brake begins to move") \
-    X(hydraulic_time_constant_ms,            0,         2000,       "ms",     "first-order lag of the hydraulic torque after the dead time; 0: none") \
-    X(hydraulic_rate_mNm_s,                  100,       2000000000, "mNm/s",  "fastest change of hydraulic torque") \
-    X(handover_start_mrad_s,                 0,         1000000,    "mrad/s", "electric braking starts to fade below this speed") \
-    X(handover_end_mrad_s,                   0,         1000000,    "mrad/s", "no electric braking below this speed") \
-    X(torque_rate_mNm_s,                     100,       2000000000, "mNm/s",  "fastest change of motor torque that is asked for") \
-    X(shortfall_band_mNm,                    1,         1000000,    "mNm",    "missing motor torque tolerated before the hydraulic brake fills it") \
-    X(demand_timeout_ms,                     5,         1000,       "ms",     "older demands count as lost")
+    X(strategy,                              0,         2,          "", \
+      "0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal") \
+    X(parallel_electric_share_q15,           0,         32767,      "1", \
+      "electric part of the whole demand (parallel_ratio)") \
+    X(electric_rated_torque_mNm,             0,         20000000,   "mNm", \
+      "electric torque before the hydraulic brake adds (parallel)") \
+    X(max_hydraulic_torque_mNm,              0,         20000000,   "mNm", \
+      "0: no hydraulic brake under this controller's command") \
+    X(hydraulic_dead_time_ms,                0,         250,        "ms", \
+      "from a changed command until the hydraulic brake begins to move") \
+    X(hydraulic_time_constant_ms,            0,         2000,       "ms", \
+      "first-order lag of the hydraulic torque after the dead time; 0: none") \
+    X(hydraulic_rate_mNm_s,                  100,       2000000000, "mNm/s", \
+      "fastest change of hydraulic torque") \
+    X(handover_start_mrad_s,                 0,         1000000,    "mrad/s", \
+      "electric braking starts to fade below this speed") \
+    X(handover_end_mrad_s,                   0,         1000000,    "mrad/s", \
+      "no electric braking below this speed") \
+    X(torque_rate_mNm_s,                     100,       2000000000, "mNm/s", \
+      "fastest change of motor torque that is asked for") \
+    X(shortfall_band_mNm,                    1,         1000000,    "mNm", \
+      "missing motor torque tolerated before the hydraulic brake fills it") \
+    X(demand_timeout_ms,                     5,         1000,       "ms", \
+      "older demands count as lost")
 
 #define CONFIG_VEHICLE_FIELDS(X) \
     X(wheel_radius_um,                       10000,     2000000,    "um",     "rolling radius") \
-    X(mass_g,                                1000,      100000000,  "g",      "for plausibility only") \
-    X(wheel_position,                        0,         3,          "",       "address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right")
+    X(mass_g,                                1000,      100000000,  "g", \
+      "for plausibility only") \
+    X(wheel_position,                        0,         3,          "", \
+      "address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right")
 
 #define CONFIG_MONITOR_FIELDS(X) \
-    X(overcurrent_pu_q15,                    164,       32767,      "pu",     "length of the current vector that trips, the peak of three sinusoidal phases") \
-    X(current_sum_pu_q15,                    16,        32767,      "pu",     "largest |i_a + i_b + i_c|") \
-    X(offset_tolerance_codes,                1,         1024,       "1",      "distance of a current sensor's zero from mid-range") \
-    X(torque_tolerance_mNm,                  1,         1000000,    "mNm",    "estimate against permitted torque") \
-    X(torque_fault_time_ms,                  1,         1000,       "ms",     "how long the torque may be wrong")
+    X(overcurrent_pu_q15,                    164,       32767,      "pu", \
+      "length of the current vector that trips, the peak of three sinusoidal phases") \
+    X(current_sum_pu_q15,                    16,        32767,      "pu", \
+      "largest |i_a + i_b + i_c|") \
+    X(offset_tolerance_codes,                1,         1024,       "1", \
+      "distance of a current sensor's zero from mid-range") \
+    X(torque_tolerance_mNm,                  1,         1000000,    "mNm", \
+      "estimate against permitted torque") \
+    X(torque_fault_time_ms,                  1,         1000,       "ms", \
+      "how long the torque may be wrong")
 
 #define CONFIG_REGEN_MAP_FIELDS(X) \
-    X(speed_points,                          2,         65,         "1",      "points along speed, from standstill") \
-    X(speed_step_log2,                       6,         20,         "",       "distance of the points is 2^this mrad/s, mechanical") \
-    X(temperature_points,                    2,         17,         "1",      "points along winding temperature") \
-    X(temperature_step_log2,                 6,         15,         "",       "distance of the points is 2^this hundredths of a degree") \
-    X(temperature_origin_cC,                 -10000,    20000,      "cC",     "winding temperature of the first point")
+    X(speed_points,                          2,         65,         "1", \
+      "points along speed, from standstill") \
+    X(speed_step_log2,                       6,         20,         "", \
+      "distance of the points is 2^this mrad/s, mechanical") \
+    X(temperature_points,                    2,         17,         "1", \
+      "points along winding temperature") \
+    X(temperature_step_log2,                 6,         15,         "", \
+      "distance of the points is 2^this hundredths of a degree") \
+    X(temperature_origin_cC,                 -10000,    20000,      "cC", \
+      "winding temperature of the first point")
 
 /* Row after row of equal temperature: torque[t * speed_points + s]; unused entries at the end are 0. */
 #define CONFIG_REGEN_MAP_ARRAY(Y) \
-    Y(torque_mNm, CONFIG_REGEN_POINTS_MAX,   -100000000, 100000000, "mNm",    "unclamped braking torque that returns the most energy with the i_d of current_map, magnitude; near standstill its line goes on below zero, which counts as 0")
+    Y(torque_mNm, CONFIG_REGEN_POINTS_MAX,   -100000000, 100000000, "mNm", \
+      "unclamped braking torque that returns the most energy with the i_d of current_map, " \
+      "magnitude; near standstill its line goes on below zero, which counts as 0")
 
 #define CONFIG_CURRENT_MAP_FIELDS(X) \
-    X(torque_points,                         3,         65,         "1",      "odd: points along torque in the direction of rotation, braking first; the middle one is no torque") \
-    X(torque_step_log2,                      0,         20,         "",       "distance of the points is 2^this mNm at the airgap") \
-    X(speed_points,                          2,         65,         "1",      "points along speed, from standstill") \
-    X(speed_step_log2,                       6,         20,         "",       "distance of the points is 2^this mrad/s, mechanical") \
-    X(temperature_points,                    1,         5,          "1",      "points along winding temperature; 1: the map is the same at any") \
-    X(temperature_step_log2,                 6,         15,         "",       "distance of the points is 2^this hundredths of a degree") \
-    X(temperature_origin_cC,                 -10000,    20000,      "cC",     "winding temperature of the first point")
+    X(torque_points,                         3,         65,         "1", \
+      "odd: points along torque in the direction of rotation, braking first; the middle " \
+      "one is no torque") \
+    X(torque_step_log2,                      0,         20,         "", \
+      "distance of the points is 2^this mNm at the airgap") \
+    X(speed_points,                          2,         65,         "1", \
+      "points along speed, from standstill") \
+    X(speed_step_log2,                       6,         20,         "", \
+      "distance of the points is 2^this mrad/s, mechanical") \
+    X(temperature_points,                    1,         5,          "1", \
+      "points along winding temperature; 1: the map is the same at any") \
+    X(temperature_step_log2,                 6,         15,         "", \
+      "distance of the points is 2^this hundredths of a degree") \
+    X(temperature_origin_cC,                 -10000,    20000,      "cC", \
+      "winding temperature of the first point")
 
 /* Layer after layer of equal temperature, row after row of equal speed: current_d[(w * speed_points + s) * torque_points + t];
  * unused entries at the end are 0. */
 #define CONFIG_CURRENT_MAP_ARRAY(Y) \
-    Y(current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000, 3000000, "mA",   "terminal i_d of least loss, before field weakening; all 0: i_d = 0")
+    Y(current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000, 3000000, "mA", \
+      "terminal i_d of least loss, before field weakening; all 0: i_d = 0")
 
 /* clang-format on */
 
@@ -211,9 +314,10 @@ typedef struct {
 } config_current_map_t;
 
 typedef struct {
-    uint32_t magic;                /* CONFIG_MAGIC */
-    uint32_t format_version;       /* CONFIG_FORMAT_VERSION: changes whenever this header's layout changes */
-    uint32_t size_bytes;           /* sizeof(config_t) */
+    uint32_t magic; /* CONFIG_MAGIC */
+    uint32_t
+        format_version;  /* CONFIG_FORMAT_VERSION: changes whenever this header's layout changes */
+    uint32_t size_bytes; /* sizeof(config_t) */
     uint32_t generator_version;    /* 0x00MMmmpp of tools/regen_table */
     char name[CONFIG_NAME_LENGTH]; /* of the TOML file, zero padded, always zero terminated */
     config_motor_t motor;
@@ -226,7 +330,8 @@ typedef struct {
     config_monitor_t monitor;
     config_regen_map_t regen_map;
     config_current_map_t current_map;
-    uint32_t crc32; /* CRC-32 (IEEE 802.3, reflected, initial and final 0xFFFFFFFF) of all bytes before this field */
+    uint32_t crc32; /* CRC-32 (IEEE 802.3, reflected, initial and final 0xFFFFFFFF) of all bytes
+                       before this field */
 } config_t;
 
 #endif

@@ -1,9 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * validate.h: may the firmware run with this configuration?
  *
- * Called once in BOOT and by every host tool that loads an image; never in a control step. Checks, in this order:
- * magic, format version, size, CRC-32, name termination, the range of every field (the ranges of config.h), then the
- * relations between fields that no single range can express. The first failure is reported.
+ * Called once in BOOT and by every host tool that loads an image; never in a control step. Checks,
+ * in this order: magic, format version, size, CRC-32, name termination, the range of every field
+ * (the ranges of config.h), then the relations between fields that no single range can express. The
+ * first failure is reported.
  */
 #ifndef CONFIG_VALIDATE_H
 #define CONFIG_VALIDATE_H
@@ -30,10 +32,12 @@ typedef struct {
     int32_t highest;   /* RANGE: largest accepted value */
 } config_verdict_t;
 
-/* size_bytes: how many bytes lie behind `config`; fewer than sizeof(config_t) is refused without being read. */
+/* size_bytes: how many bytes lie behind `config`; fewer than sizeof(config_t) is refused without
+ * being read. */
 config_verdict_t config_validate(const config_t *config, uint32_t size_bytes);
 
-/* CRC-32 (IEEE 802.3) of size bytes; crc32("123456789") = 0xCBF43926. Bitwise: small, for boot time only. */
+/* CRC-32 (IEEE 802.3) of size bytes; crc32("123456789") = 0xCBF43926. Bitwise: small, for boot time
+ * only. */
 uint32_t config_crc32(const void *data, uint32_t size_bytes);
 
 #endif

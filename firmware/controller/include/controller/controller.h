@@ -1,22 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * controller.h: one wheel's whole controller as one value and two steps.
  *
  * The microcontroller, the bench, the FMU and the Python API all drive this and nothing below it:
  *
- *     controller_init(&c, config)                       once, with a configuration config_validate() accepted
- *     controller_fast_step(&c.fast, config, ...)        once per PWM period, from the ADC interrupt
- *     controller_slow_step(&c.slow, config, ...)        once per millisecond, from a lower-priority context
+ *     controller_init(&c, config)                       once, with a configuration
+ * config_validate() accepted controller_fast_step(&c.fast, config, ...)        once per PWM period,
+ * from the ADC interrupt controller_slow_step(&c.slow, config, ...)        once per millisecond,
+ * from a lower-priority context
  *
- * Between the two reaches lies exactly one structure each way, slow_to_fast_t and fast_to_slow_t. Whoever calls the
- * steps carries them across (app/ through double buffers, the bench by assignment). Nothing here reads a clock,
- * touches hardware or allocates; equal inputs give equal outputs, bit for bit, on every machine.
+ * Between the two reaches lies exactly one structure each way, slow_to_fast_t and fast_to_slow_t.
+ * Whoever calls the steps carries them across (app/ through double buffers, the bench by
+ * assignment). Nothing here reads a clock, touches hardware or allocates; equal inputs give equal
+ * outputs, bit for bit, on every machine.
  *
- * Timing the caller must provide: the ADC samples in the middle of the low-side interval (top of the centre-aligned
- * count); compare values returned by a step become effective at the next update, that is one period later, so the
- * voltage acts on average 1.5 periods after the sample. The step compensates this delay.
+ * Timing the caller must provide: the ADC samples in the middle of the low-side interval (top of
+ * the centre-aligned count); compare values returned by a step become effective at the next update,
+ * that is one period later, so the voltage acts on average 1.5 periods after the sample. The step
+ * compensates this delay.
  *
- * Signs: motor torque, current and speed are positive when they drive forward; braking torque demands and the
- * hydraulic command are magnitudes >= 0. Phase current is positive into the motor.
+ * Signs: motor torque, current and speed are positive when they drive forward; braking torque
+ * demands and the hydraulic command are magnitudes >= 0. Phase current is positive into the motor.
  */
 #ifndef CONTROLLER_CONTROLLER_H
 #define CONTROLLER_CONTROLLER_H
@@ -41,25 +45,31 @@ typedef foc_input_t fast_input_t;
 
 /* What the port must do with the bridge from the next update on. */
 typedef struct {
-    uint16_t compare_counts[3]; /* high-side on-time of each leg, 0 .. config.drive.pwm_period_counts (= always on) */
+    uint16_t compare_counts[3]; /* high-side on-time of each leg, 0 ..
+                                   config.drive.pwm_period_counts (= always on) */
     bridge_mode_t bridge;
 } fast_output_t;
 
-/* The world at 1 kHz. Demands come from CAN or the pedal and are already unpacked; limits come from the BMS. */
+/* The world at 1 kHz. Demands come from CAN or the pedal and are already unpacked; limits come from
+ * the BMS. */
 typedef struct {
     int32_t drive_torque_mNm; /* signed, positive forward; torque at this wheel */
-    int32_t brake_torque_mNm; /* magnitude >= 0, at this wheel: motor and hydraulic brake together */
-    uint32_t demand_age_ms;   /* since the last valid demand; beyond config.brake.demand_timeout_ms it counts as lost */
+    int32_t
+        brake_torque_mNm;   /* magnitude >= 0, at this wheel: motor and hydraulic brake together */
+    uint32_t demand_age_ms; /* since the last valid demand; beyond config.brake.demand_timeout_ms it
+                               counts as lost */
     int32_t bms_charge_current_mA;    /* what the pack takes now, whole pack, magnitude >= 0 */
     int32_t bms_discharge_current_mA; /* what the pack gives now, whole pack, magnitude >= 0 */
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
     bool enable;          /* the driver has switched the vehicle on */
     bool abs_active;      /* anti-lock system at work: the motor must get out of the way */
-    bool fault_reset;     /* rising edge acknowledges a latched fault; honoured only without torque demand */
+    bool fault_reset;     /* rising edge acknowledges a latched fault; honoured only without torque
+                             demand */
     bool selftest_passed; /* the port's own power-up checks; stays true afterwards */
-    bool config_accepted; /* verdict of config_validate() at boot; with a refused configuration no step may be
-                                           * called at all, this keeps the mode in BOOT when the verdict comes late */
+    bool config_accepted; /* verdict of config_validate() at boot; with a refused configuration no
+                           * step may be called at all, this keeps the mode in BOOT when the verdict
+                           * comes late */
 } slow_input_t;
 
 typedef struct {
@@ -70,14 +80,17 @@ typedef struct {
     int32_t speed_mrad_s;                 /* mechanical, signed */
     int32_t i_d_mA, i_q_mA;               /* measured, peak phase values, low-passed */
     int32_t bus_voltage_mV;
-    int32_t bus_current_mA;    /* estimate from realised voltage and measured current, positive out of the battery */
-    reason_t torque_reason;    /* what bounds the motor torque in the demanded direction */
+    int32_t bus_current_mA; /* estimate from realised voltage and measured current, positive out of
+                               the battery */
+    reason_t torque_reason; /* what bounds the motor torque in the demanded direction */
     reason_t available_reason; /* what bounds electric_brake_available_mNm */
-    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT: motor and hydraulic brake together cannot meet the demand */
+    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT: motor and hydraulic brake together cannot
+                                  meet the demand */
     reason_t fault_reason;     /* the latched fault, REASON_NONE when healthy */
     modes_mode_t mode;
     bool stop_lamp;
-    bool standing; /* nothing says that the wheel turns, and no speed that was seen is unaccounted for */
+    bool standing; /* nothing says that the wheel turns, and no speed that was seen is unaccounted
+                      for */
 } slow_output_t;
 
 /* Slow to fast: the wish, the valve, and everything that would cost the fast reach a division. */
@@ -118,16 +131,20 @@ typedef struct {
 
 void controller_init(controller_t *controller, const config_t *config);
 
-/* The structures a side may act on before the other side has stepped for the first time: bridge off, no torque. */
+/* The structures a side may act on before the other side has stepped for the first time: bridge
+ * off, no torque. */
 slow_to_fast_t controller_initial_slow_to_fast(const config_t *config);
 fast_to_slow_t controller_initial_fast_to_slow(const config_t *config);
 
-/* to_slow: one structure for the whole life of the controller, from controller_initial_fast_to_slow(). It carries running
- * sums, and fields that seldom change are only written when they do; the other side may be given a copy. */
-fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config, const slow_to_fast_t *from_slow,
-                                   const fast_input_t *in, fast_to_slow_t *to_slow);
+/* to_slow: one structure for the whole life of the controller, from
+ * controller_initial_fast_to_slow(). It carries running sums, and fields that seldom change are
+ * only written when they do; the other side may be given a copy. */
+fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config,
+                                   const slow_to_fast_t *from_slow, const fast_input_t *in,
+                                   fast_to_slow_t *to_slow);
 
-slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config, const fast_to_slow_t *from_fast,
-                                   const slow_input_t *in, slow_to_fast_t *to_fast);
+slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config,
+                                   const fast_to_slow_t *from_fast, const slow_input_t *in,
+                                   slow_to_fast_t *to_fast);
 
 #endif

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * circle.h: how much of one component a circle leaves when the other is given, without a square root.
+ * circle.h: how much of one component a circle leaves when the other is given, without a square
+ * root.
  */
 #ifndef CORE_CIRCLE_H
 #define CORE_CIRCLE_H
@@ -17,9 +19,10 @@ typedef struct {
 
 extern const circle_point_t CIRCLE_TABLE[CIRCLE_TABLE_SEGMENTS + 1];
 
-/* sqrt(1 - x^2) in Q15 for |x| <= 32768, by linear interpolation over x^2. The chord of a concave curve
- * lies below it: the result never exceeds the true value (except by table rounding, 1 LSB), so a vector limited
- * with it never leaves the unit circle. Falls short by at most 0.8 % for |x| < 0.97. */
+/* sqrt(1 - x^2) in Q15 for |x| <= 32768, by linear interpolation over x^2. The chord of a concave
+ * curve lies below it: the result never exceeds the true value (except by table rounding, 1 LSB),
+ * so a vector limited with it never leaves the unit circle. Falls short by at most 0.8 % for |x| <
+ * 0.97. */
 Q_TARGET_INLINE int32_t circle_other_q15(int32_t x)
 {
     const uint32_t square_q30 = (uint32_t)(x * x);
@@ -31,10 +34,12 @@ Q_TARGET_INLINE int32_t circle_other_q15(int32_t x)
 /* A circle of any radius up to 1: the radius and its reciprocal. */
 typedef struct {
     int32_t radius_q15;
-    int32_t inverse_q14; /* 2^29 / radius_q15, rounded up: what is left is then too little, not too much */
+    int32_t inverse_q14; /* 2^29 / radius_q15, rounded up: what is left is then too little, not too
+                            much */
 } circle_t;
 
-/* radius_q15 >= 164 (half a per cent, the least of config.h), smaller values count as that. Divides: for initialisation. */
+/* radius_q15 >= 164 (half a per cent, the least of config.h), smaller values count as that.
+ * Divides: for initialisation. */
 static inline circle_t circle_init(int32_t radius_q15)
 {
     const int32_t radius = q_clamp(radius_q15, 164, Q15_ONE);
@@ -42,7 +47,8 @@ static inline circle_t circle_init(int32_t radius_q15)
     return out;
 }
 
-/* The largest |y| with x^2 + y^2 <= radius^2, for |x| <= radius. Rounding lengthens the vector by less than 1 LSB. */
+/* The largest |y| with x^2 + y^2 <= radius^2, for |x| <= radius. Rounding lengthens the vector by
+ * less than 1 LSB. */
 static inline int32_t circle_other(const circle_t *circle, int32_t x)
 {
     const int32_t share = q_saturate16((x * circle->inverse_q14) >> 14);

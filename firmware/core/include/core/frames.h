@@ -1,9 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * frames.h: the three frames a three-phase quantity is looked at in, as three types that do not convert by accident.
+ * frames.h: the three frames a three-phase quantity is looked at in, as three types that do not
+ * convert by accident.
  *
- * Amplitude-invariant everywhere: a balanced set of peak value X has |alpha-beta| = |dq| = X. Components are per-unit
- * Q15, 1.0 = 32768. They are the 32-bit intermediates of the fast reach, so a register holds one without narrowing:
- * phases stay within 16 bits, alpha-beta and dq vectors of such phases within 1.53 (50 200).
+ * Amplitude-invariant everywhere: a balanced set of peak value X has |alpha-beta| = |dq| = X.
+ * Components are per-unit Q15, 1.0 = 32768. They are the 32-bit intermediates of the fast reach, so
+ * a register holds one without narrowing: phases stay within 16 bits, alpha-beta and dq vectors of
+ * such phases within 1.53 (50 200).
  */
 #ifndef CORE_FRAMES_H
 #define CORE_FRAMES_H

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * isqrt.h: integer square root for the slow reach. One iteration for each two bits of the argument, no division; not for the PWM-rate path.
+ * isqrt.h: integer square root for the slow reach. One iteration for each two bits of the argument,
+ * no division; not for the PWM-rate path.
  */
 #ifndef CORE_ISQRT_H
 #define CORE_ISQRT_H

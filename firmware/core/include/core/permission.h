@@ -1,16 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * permission.h: the valve. Modes and monitor never compute torque; they only open and close this.
  *
- * It enters the river at two places: the torque limit (how much torque may be asked for, each direction of power
- * on its own) and the bridge mode (whether and how the switches may be driven).
+ * It enters the river at two places: the torque limit (how much torque may be asked for, each
+ * direction of power on its own) and the bridge mode (whether and how the switches may be driven).
  */
 #ifndef CORE_PERMISSION_H
 #define CORE_PERMISSION_H
 
 #include "core/reason.h"
 
-/* What the six switches do. OFF freewheels through the diodes and is harmless only while the rectified back-EMF
- * stays below the bus; SHORT closes the three low-side switches: no bus current, braking torque of the short. */
+/* What the six switches do. OFF freewheels through the diodes and is harmless only while the
+ * rectified back-EMF stays below the bus; SHORT closes the three low-side switches: no bus current,
+ * braking torque of the short. */
 typedef enum { BRIDGE_OFF = 0, BRIDGE_PWM = 1, BRIDGE_SHORT = 2 } bridge_mode_t;
 
 typedef struct {

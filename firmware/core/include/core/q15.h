@@ -1,10 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * q15.h: saturating fixed point.
  *
- * Q15 is an int16_t that stands for value/32768, so it spans [-1, 1 - 2^-15]. Products and sums live in int32_t.
- * Nothing here overflows, wraps or divides; whatever leaves the range is clamped to its nearest end.
- * All functions are straight-line code without data-dependent branches after compilation (clamps become saturating or
- * conditional instructions), cost 1 to 4 instructions each, and are safe in any context.
+ * Q15 is an int16_t that stands for value/32768, so it spans [-1, 1 - 2^-15]. Products and sums
+ * live in int32_t. Nothing here overflows, wraps or divides; whatever leaves the range is clamped
+ * to its nearest end. All functions are straight-line code without data-dependent branches after
+ * compilation (clamps become saturating or conditional instructions), cost 1 to 4 instructions
+ * each, and are safe in any context.
  */
 #ifndef CORE_Q15_H
 #define CORE_Q15_H
@@ -17,8 +19,8 @@
 /* The shifts below rely on it; the language leaves it to the compiler. */
 _Static_assert((-3 >> 1) == -2, "right shift of a negative number must be arithmetic");
 
-/* How a kernel of the fast reach is declared. A port may supply one that inlines even where the compiler is told to save
- * space: for such short functions the call costs more of both. */
+/* How a kernel of the fast reach is declared. A port may supply one that inlines even where the
+ * compiler is told to save space: for such short functions the call costs more of both. */
 #ifndef Q_TARGET_INLINE
 #define Q_TARGET_INLINE static inline
 #endif
@@ -54,16 +56,19 @@ static inline int32_t q_abs(int32_t x)
     return x >= 0 ? x : (x == INT32_MIN ? INT32_MAX : -x);
 }
 
-/* x clamped to what a signed number of `bits` bits can hold, 1 <= bits <= 31. Asks once whether x survives being cut to
- * that many bits (for 16 a single instruction everywhere), which is the common case, and only then which end it is: the
- * largest number with the bits of x's sign flipped. */
+/* x clamped to what a signed number of `bits` bits can hold, 1 <= bits <= 31. Asks once whether x
+ * survives being cut to that many bits (for 16 a single instruction everywhere), which is the
+ * common case, and only then which end it is: the largest number with the bits of x's sign flipped.
+ */
 Q_TARGET_INLINE int32_t q_saturate_bits(int32_t x, unsigned bits)
 {
-    const int32_t cut = bits == 16U ? (int16_t)x : (int32_t)((uint32_t)x << (32U - bits)) >> (32U - bits);
+    const int32_t cut =
+        bits == 16U ? (int16_t)x : (int32_t)((uint32_t)x << (32U - bits)) >> (32U - bits);
     return cut == x ? x : (x >> 31) ^ (int32_t)(((uint32_t)1 << (bits - 1U)) - 1U);
 }
 
-/* A port may supply Q_TARGET_SATURATE as one instruction with the same meaning; `bits` must be a literal for that. */
+/* A port may supply Q_TARGET_SATURATE as one instruction with the same meaning; `bits` must be a
+ * literal for that. */
 #ifndef Q_TARGET_SATURATE
 #define Q_TARGET_SATURATE(x, bits) q_saturate_bits((x), (bits))
 #endif
@@ -126,14 +131,15 @@ static inline int32_t q_saturate64(int64_t x)
     return x > INT32_MAX ? INT32_MAX : (x < INT32_MIN ? INT32_MIN : (int32_t)x);
 }
 
-/* value * share, share in Q15, for physical quantities of the slow reach; rounded towards zero, never grows. */
+/* value * share, share in Q15, for physical quantities of the slow reach; rounded towards zero,
+ * never grows. */
 static inline int32_t q15_share_of(int32_t value, int16_t share_q15)
 {
     return q_saturate64((int64_t)value * share_q15 / 32768);
 }
 
-/* (a * b) / c with a 64-bit product, rounded towards zero and saturated to int32_t. c must not be 0.
- * For the slow reach only: it divides. */
+/* (a * b) / c with a 64-bit product, rounded towards zero and saturated to int32_t. c must not be
+ * 0. For the slow reach only: it divides. */
 static inline int32_t q_scale(int32_t a, int32_t b, int32_t c)
 {
     return q_saturate64((int64_t)a * b / c);

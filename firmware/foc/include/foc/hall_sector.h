@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * hall_sector.h: what both halves of the hall estimate know of sectors (hall.c: sensors in order; hall_doubt.c: sensors that
- * contradict themselves). Their geometry from the configured edges, the time they took, and the angle inside them.
+ * hall_sector.h: what both halves of the hall estimate know of sectors (hall.c: sensors in order;
+ * hall_doubt.c: sensors that contradict themselves). Their geometry from the configured edges, the
+ * time they took, and the angle inside them.
  */
 #ifndef FOC_HALL_SECTOR_H
 #define FOC_HALL_SECTOR_H
@@ -29,7 +31,8 @@ static inline uint16_t hall_sector_start(const config_t *config, uint8_t sector)
 
 static inline uint16_t hall_sector_width(const config_t *config, uint8_t sector)
 {
-    return (uint16_t)(hall_sector_start(config, hall_next_sector(sector)) - hall_sector_start(config, sector));
+    return (uint16_t)(hall_sector_start(config, hall_next_sector(sector)) -
+                      hall_sector_start(config, sector));
 }
 
 /* The sensors say another sector than before. */
@@ -59,8 +62,10 @@ static inline void hall_settle(hall_t *hall)
     hall->edge_speed_q32 = 0;
 }
 
-/* A sector was crossed from end to end. A full turn of them is kept: the sixth before this one was the same sector. */
-static inline void hall_time_sector(hall_t *hall, uint8_t sector, uint16_t width_turn, uint16_t periods)
+/* A sector was crossed from end to end. A full turn of them is kept: the sixth before this one was
+ * the same sector. */
+static inline void hall_time_sector(hall_t *hall, uint8_t sector, uint16_t width_turn,
+                                    uint16_t periods)
 {
     if (hall->sectors_timed < HALL_SECTORS) {
         hall->sectors_timed++;
@@ -77,11 +82,13 @@ static inline int32_t hall_measured_speed_q32(const hall_t *hall)
 {
     const uint32_t turn = hall->timed_turn;
     const uint32_t periods = hall->timed_periods;
-    /* turn <= 65 536. Six sectors of up to a quarter of a second may exceed the reciprocal's 16 bits: quarter both then. */
+    /* turn <= 65 536. Six sectors of up to a quarter of a second may exceed the reciprocal's 16
+     * bits: quarter both then. */
     const bool slow = periods > UINT16_MAX;
     const uint32_t divisor = slow ? periods / 4U : periods;
     const uint32_t dividend_q15 = slow ? turn << 13 : turn << 15;
-    const uint32_t speed_q31 = reciprocal_scale(dividend_q15, (uint16_t)q_min((int32_t)divisor, UINT16_MAX));
+    const uint32_t speed_q31 =
+        reciprocal_scale(dividend_q15, (uint16_t)q_min((int32_t)divisor, UINT16_MAX));
     const int32_t speed_q32 = q_min((int32_t)(speed_q31 & INT32_MAX), INT32_MAX / 2) * 2;
     return hall->direction > 0 ? speed_q32 : -speed_q32;
 }
@@ -97,7 +104,8 @@ static inline void hall_hold_inside(hall_t *hall)
     }
 }
 
-/* When the next edge is overdue the speed dies away, and in the end the rotor counts as standing. */
+/* When the next edge is overdue the speed dies away, and in the end the rotor counts as standing.
+ */
 static inline void hall_wait_for_edge(hall_t *hall)
 {
     if (hall->periods_since_edge > hall->overdue_periods) {

@@ -1,15 +1,19 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * sampled_current.h: what a current that is looked at once a period is beside its mean over the period. Slow reach.
+ * sampled_current.h: what a current that is looked at once a period is beside its mean over the
+ * period. Slow reach.
  *
- * In the stator's frame the bridge's voltage stands still for a period T while the rotor turns by w T. Seen from the rotor it
- * is u (1 - j w t) for t = -T/2 .. T/2 beside its mean u, so the current has a ripple with the slope -j w t u/L. Its mean over
- * the period is nothing, at the sample, in the corner between two periods, it is -j w T^2 u / (12 L): with u = u_d + j u_q,
+ * In the stator's frame the bridge's voltage stands still for a period T while the rotor turns by w
+ * T. Seen from the rotor it is u (1 - j w t) for t = -T/2 .. T/2 beside its mean u, so the current
+ * has a ripple with the slope -j w t u/L. Its mean over the period is nothing, at the sample, in
+ * the corner between two periods, it is -j w T^2 u / (12 L): with u = u_d + j u_q,
  *
  *     i_sampled - i_mean = w T^2/12 (u_q/L_d, -u_d/L_q) = g (i_d + psi/L_d, i_q),    g = (w T)^2/12
  *
- * where u is what the inductances and the magnets take: u_d = -w L_q i_q, u_q = w (L_d i_d + psi). Resistance adds g R/(w L)
- * of the other current, below 0.1 % of it. Torque and power go with the mean, the regulator sees the sample: at 18 periods in an
- * electrical turn g is 1 %. The mean of the voltage itself is shorter than what the bridge is told, by (w T)^2/24.
+ * where u is what the inductances and the magnets take: u_d = -w L_q i_q, u_q = w (L_d i_d + psi).
+ * Resistance adds g R/(w L) of the other current, below 0.1 % of it. Torque and power go with the
+ * mean, the regulator sees the sample: at 18 periods in an electrical turn g is 1 %. The mean of
+ * the voltage itself is shorter than what the bridge is told, by (w T)^2/24.
  */
 #ifndef FOC_SAMPLED_CURRENT_H
 #define FOC_SAMPLED_CURRENT_H
@@ -27,7 +31,8 @@ typedef struct {
 } sampled_current_t;
 
 /* speed_q32: electrical turns per period. Divides. */
-sampled_current_t sampled_current_at(const config_t *config, int32_t speed_q32, int32_t winding_temperature_cC);
+sampled_current_t sampled_current_at(const config_t *config, int32_t speed_q32,
+                                     int32_t winding_temperature_cC);
 
 /* Q15 of the current base, |.| <= 4. */
 dq_t sampled_current_to_mean(const sampled_current_t *at, dq_t sampled);

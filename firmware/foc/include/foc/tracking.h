@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * tracking.h: a second-order tracking loop for a measured angle. Follows a constant speed without a steady error, and its
- * speed is that of the angle seen through the loop's bandwidth (config.rotor.pll_*, both poles at the same place).
+ * tracking.h: a second-order tracking loop for a measured angle. Follows a constant speed without a
+ * steady error, and its speed is that of the angle seen through the loop's bandwidth
+ * (config.rotor.pll_*, both poles at the same place).
  *
  *     theta += speed;   e = angle - theta;   theta += k_p e;   speed += k_i e
  */

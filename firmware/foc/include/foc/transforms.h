@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * transforms.h: Park and back, amplitude-invariant, on per-unit Q15 (Clarke is part of sense.h). Straight-line code for the fast reach.
+ * transforms.h: Park and back, amplitude-invariant, on per-unit Q15 (Clarke is part of sense.h).
+ * Straight-line code for the fast reach.
  */
 #ifndef FOC_TRANSFORMS_H
 #define FOC_TRANSFORMS_H
@@ -12,8 +14,8 @@ enum {
     TRANSFORMS_SQRT3_2_Q15 = 28378 /* round(32768 sqrt(3) / 2) */
 };
 
-/* d = alpha cos + beta sin, q = beta cos - alpha sin. Rounded down: error at most 1 LSB plus that of sin and cos. A
- * vector of up to 1.9 cannot overflow: the sum is the product of two lengths. */
+/* d = alpha cos + beta sin, q = beta cos - alpha sin. Rounded down: error at most 1 LSB plus that
+ * of sin and cos. A vector of up to 1.9 cannot overflow: the sum is the product of two lengths. */
 static inline dq_t transforms_park(ab_t x, sincos_t angle)
 {
     const dq_t out = {
@@ -33,7 +35,8 @@ static inline ab_t transforms_inverse_park(dq_t x, sincos_t angle)
     return out;
 }
 
-/* Sine and cosine of the sum of two angles, from those of each; at most 2 LSB from the exact values; rounded down. */
+/* Sine and cosine of the sum of two angles, from those of each; at most 2 LSB from the exact
+ * values; rounded down. */
 static inline sincos_t transforms_advance(sincos_t angle, sincos_t by)
 {
     const sincos_t out = {

@@ -1,12 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * modes.h: the state machine of one controller. It never computes torque; it opens and closes the valve.
+ * modes.h: the state machine of one controller. It never computes torque; it opens and closes the
+ * valve.
  *
  *     BOOT -> SELFTEST -> OFFSET_CAL -> READY <-> RUN <-> LIMP
  *       any of them but BOOT -> FAULT (latched) -> SELFTEST after an acknowledgement
  *
- * BOOT is left only with an accepted configuration, READY only with a known rotor angle, FAULT only on a rising edge of
- * `fault_reset` while no torque is demanded, the monitor is content and the wheel is below the hand-over speed. A fault
- * never clears itself.
+ * BOOT is left only with an accepted configuration, READY only with a known rotor angle, FAULT only
+ * on a rising edge of `fault_reset` while no torque is demanded, the monitor is content and the
+ * wheel is below the hand-over speed. A fault never clears itself.
  */
 #ifndef MODES_MODES_H
 #define MODES_MODES_H
@@ -21,7 +23,8 @@ typedef enum {
     MODE_BOOT = 0,
     MODE_SELFTEST = 1,
     MODE_OFFSET_CAL = 2,
-    MODE_READY = 3, /* bridge at rest, waiting to be enabled with the drive pedal released and the angle known */
+    MODE_READY = 3, /* bridge at rest, waiting to be enabled with the drive pedal released and the
+                       angle known */
     MODE_RUN = 4,
     MODE_LIMP = 5, /* reduced driving torque after a warning; braking stays whole */
     MODE_FAULT = 6
@@ -31,8 +34,9 @@ enum {
     MODES_SELFTEST_TIMEOUT_STEPS = 1000,   /* 1 s */
     MODES_CALIBRATION_TIMEOUT_STEPS = 500, /* 0.5 s; the average itself takes about 50 ms */
     MODES_CALIBRATION_SETTLE_STEPS = 5,
-    MODES_ACKNOWLEDGE_STEPS = 50, /* how long an acknowledgement waits for the monitor to be content */
-    MODES_LIMP_DRIVE_Q15 = 9830   /* 30 % of the driving torque */
+    MODES_ACKNOWLEDGE_STEPS =
+        50, /* how long an acknowledgement waits for the monitor to be content */
+    MODES_LIMP_DRIVE_Q15 = 9830 /* 30 % of the driving torque */
 };
 
 typedef struct {
@@ -48,9 +52,9 @@ typedef struct {
     bool fault_reset;
     bool warning; /* monitor: something is wrong that does not forbid braking */
     reason_t warning_reason;
-    reason_t fault; /* monitor: REASON_NONE or a fault code */
-    bridge_mode_t
-        safe_bridge; /* what the monitor's safe-state chooser wants the bridge to do where it may not switch */
+    reason_t fault;            /* monitor: REASON_NONE or a fault code */
+    bridge_mode_t safe_bridge; /* what the monitor's safe-state chooser wants the bridge to do where
+                                  it may not switch */
 } modes_input_t;
 
 typedef struct {
@@ -66,7 +70,8 @@ typedef struct {
     reason_t fault; /* latched, REASON_NONE when healthy */
     permission_t permission;
     bool calibrate_offsets;
-    bool clear_trip; /* an acknowledgement is pending: the fast reach forgets its latched trip and looks again */
+    bool clear_trip; /* an acknowledgement is pending: the fast reach forgets its latched trip and
+                        looks again */
 } modes_output_t;
 
 void modes_init(modes_state_t *state);

@@ -1,12 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * monitor.h: the independent watcher. It looks at what the others do with its own eyes and its own arithmetic, names
- * what is wrong, and says what the bridge should do then. It never computes torque.
+ * monitor.h: the independent watcher. It looks at what the others do with its own eyes and its own
+ * arithmetic, names what is wrong, and says what the bridge should do then. It never computes
+ * torque.
  *
- * Fast part (every PWM period): length of the current vector, bus over-voltage, the power stage's own fault line. A trip is
- * latched, and the bridge goes to the safe state in the same period, whatever the slow reach says.
- * Slow part (1 kHz): sum of currents, saturated sensors, bus voltage, temperatures, rotor, its angle against the back-EMF
- * (monitor_emf.h), torque against what was permitted, program flow (each reach counts the other's steps), and how fast the
- * wheel may be turning (monitor_speed.h), which decides what is safe.
+ * Fast part (every PWM period): length of the current vector, bus over-voltage, the power stage's
+ * own fault line. A trip is latched, and the bridge goes to the safe state in the same period,
+ * whatever the slow reach says. Slow part (1 kHz): sum of currents, saturated sensors, bus voltage,
+ * temperatures, rotor, its angle against the back-EMF (monitor_emf.h), torque against what was
+ * permitted, program flow (each reach counts the other's steps), and how fast the wheel may be
+ * turning (monitor_speed.h), which decides what is safe.
  */
 #ifndef MONITOR_MONITOR_H
 #define MONITOR_MONITOR_H
@@ -22,16 +25,19 @@
 #include "monitor/monitor_speed.h"
 
 enum {
-    MONITOR_CONFIRM_STEPS = 20,        /* ms a slow condition must hold before it counts */
-    MONITOR_ROTOR_STEPS = 250,         /* ms that an angle which is not valid may heal, once the torque has left */
-    MONITOR_TRIP_PERIODS = 2,          /* PWM periods an over-current must hold: one sample may be a spike */
-    MONITOR_DOUBT_STEPS = 10000,       /* ms a doubt about the rotor sensor keeps the warning up */
-    MONITOR_STALE_STEPS = 4,           /* slow steps that may be missing before the fast reach acts */
+    MONITOR_CONFIRM_STEPS = 20, /* ms a slow condition must hold before it counts */
+    MONITOR_ROTOR_STEPS =
+        250, /* ms that an angle which is not valid may heal, once the torque has left */
+    MONITOR_TRIP_PERIODS = 2, /* PWM periods an over-current must hold: one sample may be a spike */
+    MONITOR_DOUBT_STEPS = 10000, /* ms a doubt about the rotor sensor keeps the warning up */
+    MONITOR_STALE_STEPS = 4,     /* slow steps that may be missing before the fast reach acts */
     MONITOR_OVERTEMPERATURE_cC = 1000, /* above the temperature at which no torque is left */
-    MONITOR_HOTTEST_cC =
-        29000, /* what lies beyond these two no winding and no switch can be: the sensor's line is open */
-    MONITOR_COLDEST_cC = -6000, /* or shorted (hal/analog.h reports 29999 for either), or a number has been invented */
-    MONITOR_TEMPERATURE_OFF_cC = 30000 /* a limit of the configuration that is none: there may be no sensor */
+    MONITOR_HOTTEST_cC = 29000, /* what lies beyond these two no winding and no switch can be: the
+                                   sensor's line is open */
+    MONITOR_COLDEST_cC = -6000, /* or shorted (hal/analog.h reports 29999 for either), or a number
+                                   has been invented */
+    MONITOR_TEMPERATURE_OFF_cC =
+        30000 /* a limit of the configuration that is none: there may be no sensor */
 };
 
 /* ---- fast ---- */
@@ -49,8 +55,9 @@ typedef struct {
 } monitor_fast_state_t;
 
 typedef struct {
-    bridge_mode_t safe_bridge; /* the choice of monitor_safe_bridge() for the present speed and voltage */
-    bool clear_trip;           /* the fault has been acknowledged */
+    bridge_mode_t
+        safe_bridge; /* the choice of monitor_safe_bridge() for the present speed and voltage */
+    bool clear_trip; /* the fault has been acknowledged */
 } monitor_command_t;
 
 typedef struct {
@@ -72,7 +79,8 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config);
 /* ---- slow ---- */
 
 typedef struct {
-    uint16_t sum_steps, sensor_steps, rotor_steps, torque_steps, flow_steps, voltage_steps, temperature_steps;
+    uint16_t sum_steps, sensor_steps, rotor_steps, torque_steps, flow_steps, voltage_steps,
+        temperature_steps;
     uint16_t last_fast_step;
     uint16_t last_rotor_faults;
     uint16_t doubt_steps; /* left of the warning */
@@ -101,10 +109,11 @@ typedef struct {
     int32_t torque_command_mNm;  /* of the last step, signed */
     int32_t torque_estimate_mNm; /* signed */
     int32_t offset_q4[3];        /* zero-current codes * 16 */
-    uint16_t current_quarters;   /* quarter turns of the current's vector while not switching, wrapping */
-    uint16_t quarter_step;       /* fast_step_count at the latest of them */
-    bridge_mode_t bridge;        /* what it did since the last step */
-    bool switching;              /* it was permitted to */
+    uint16_t
+        current_quarters;  /* quarter turns of the current's vector while not switching, wrapping */
+    uint16_t quarter_step; /* fast_step_count at the latest of them */
+    bridge_mode_t bridge;  /* what it did since the last step */
+    bool switching;        /* it was permitted to */
 } monitor_slow_input_t;
 
 typedef struct {
@@ -112,7 +121,8 @@ typedef struct {
     reason_t warning; /* REASON_NONE, or what calls for reduced driving torque */
     bridge_mode_t safe_bridge;
     bool offsets_plausible;
-    bool standing; /* no sign of a wheel that turns, and none unexplained of one that did (monitor_speed.h) */
+    bool standing; /* no sign of a wheel that turns, and none unexplained of one that did
+                      (monitor_speed.h) */
 } monitor_verdict_t;
 
 void monitor_slow_init(monitor_slow_state_t *state);
@@ -121,12 +131,12 @@ monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t 
                                     const monitor_slow_input_t *in);
 
 /*
- * What the bridge should do when it may not switch. Off is harmless while the rectified back-EMF stays below the bus,
- * sqrt(3) psi w_e < v_dc; above, the diodes would charge the bus uncontrolled, and the low-side short keeps the energy
- * in the motor. `now` gives the hysteresis: a short is left only 10 % below the limit. speed_mrad_s: what no wheel turns
- * faster than, monitor_speed_step().
+ * What the bridge should do when it may not switch. Off is harmless while the rectified back-EMF
+ * stays below the bus, sqrt(3) psi w_e < v_dc; above, the diodes would charge the bus uncontrolled,
+ * and the low-side short keeps the energy in the motor. `now` gives the hysteresis: a short is left
+ * only 10 % below the limit. speed_mrad_s: what no wheel turns faster than, monitor_speed_step().
  */
-bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s, int32_t bus_voltage_mV,
-                                  bridge_mode_t now);
+bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s,
+                                  int32_t bus_voltage_mV, bridge_mode_t now);
 
 #endif

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * monitor_fast.h: the fast part of the watcher (monitor.h), once per PWM period from the fast step.
  */
@@ -7,13 +8,16 @@
 #include "monitor/monitor.h"
 
 /* What is wrong now. What is right is asked for in as few words as possible. */
-static inline reason_t monitor_fast_look(monitor_fast_state_t *state, const monitor_fast_input_t *in)
+static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
+                                         const monitor_fast_input_t *in)
 {
     if (in->power_stage_fault) {
         return REASON_HARDWARE_BREAK;
     }
-    /* The vector's length is the peak of the three phases; below 2, so its square in Q30 fits 32 bits unsigned. */
-    const uint32_t square = (uint32_t)in->i_pu.d * (uint32_t)in->i_pu.d + (uint32_t)in->i_pu.q * (uint32_t)in->i_pu.q;
+    /* The vector's length is the peak of the three phases; below 2, so its square in Q30 fits 32
+     * bits unsigned. */
+    const uint32_t square =
+        (uint32_t)in->i_pu.d * (uint32_t)in->i_pu.d + (uint32_t)in->i_pu.q * (uint32_t)in->i_pu.q;
     if (square > state->overcurrent_square) {
         state->overcurrent_periods++;
         if (state->overcurrent_periods >= MONITOR_TRIP_PERIODS) {
@@ -38,7 +42,8 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state, const moni
 }
 
 /* The trip, latched; REASON_NONE when healthy. */
-static inline reason_t monitor_fast_step(monitor_fast_state_t *state, const monitor_command_t *command,
+static inline reason_t monitor_fast_step(monitor_fast_state_t *state,
+                                         const monitor_command_t *command,
                                          const monitor_fast_input_t *in)
 {
     /* Without a trip the counters advance; with one they rest, so they cannot run over. */

@@ -1,11 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * current_reference.h: the currents that make a torque with the least loss, inside the current circle.
+ * current_reference.h: the currents that make a torque with the least loss, inside the current
+ * circle.
  *
- *     i_d  from the map of least loss (current_map.h), plus what field weakening adds to it in the fast reach
- *     i_q  from the torque and that i_d (motor_model.h), iron-loss current included
+ *     i_d  from the map of least loss (current_map.h), plus what field weakening adds to it in the
+ * fast reach i_q  from the torque and that i_d (motor_model.h), iron-loss current included
  *
- * The torque of a salient motor depends on i_d: computing i_q from the i_d that really flows keeps the torque while field
- * weakening lowers i_d, and takes i_q back where reluctance torque comes in.
+ * The torque of a salient motor depends on i_d: computing i_q from the i_d that really flows keeps
+ * the torque while field weakening lowers i_d, and takes i_q back where reluctance torque comes in.
  */
 #ifndef TORQUE_CURRENT_REFERENCE_H
 #define TORQUE_CURRENT_REFERENCE_H
@@ -17,27 +19,31 @@
 #include "torque/motor_model.h"
 
 typedef struct {
-    int32_t i_d_mA; /* peak phase, terminal; without the part that field weakening adds in the fast reach */
+    int32_t i_d_mA; /* peak phase, terminal; without the part that field weakening adds in the fast
+                       reach */
     int32_t i_q_mA; /* peak phase, terminal; for the i_d with that part */
     bool limited;   /* the phase current limit bit */
 } current_reference_t;
 
 /*
- * What a torque takes, whatever the current limit: terminal currents, field weakening's part included.
+ * What a torque takes, whatever the current limit: terminal currents, field weakening's part
+ * included.
  *
- * torque_mNm: signed shaft torque. i_d_weakening_mA: reported by the fast reach, <= 0 (values above count as 0). The sum
- * of map and weakening stays above minus current_loop.field_weakening_current, or above the map's own current where that
- * is lower: beyond it a motor can lose more torque than it gains voltage.
+ * torque_mNm: signed shaft torque. i_d_weakening_mA: reported by the fast reach, <= 0 (values above
+ * count as 0). The sum of map and weakening stays above minus current_loop.field_weakening_current,
+ * or above the map's own current where that is lower: beyond it a motor can lose more torque than
+ * it gains voltage.
  */
-motor_current_t current_reference_unlimited(const config_t *config, const motor_model_t *model, int32_t torque_mNm,
-                                            int32_t i_d_weakening_mA);
+motor_current_t current_reference_unlimited(const config_t *config, const motor_model_t *model,
+                                            int32_t torque_mNm, int32_t i_d_weakening_mA);
 
 /*
- * The same inside the circle of motor.max_phase_current. Where the two do not fit together, i_q gives way to field
- * weakening (without it there is no voltage to drive i_q), and the map's i_d shrinks with the torque: |torque| gets
- * smaller, i_q keeps its sign. capability.h keeps the command where nothing has to give way.
+ * The same inside the circle of motor.max_phase_current. Where the two do not fit together, i_q
+ * gives way to field weakening (without it there is no voltage to drive i_q), and the map's i_d
+ * shrinks with the torque: |torque| gets smaller, i_q keeps its sign. capability.h keeps the
+ * command where nothing has to give way.
  */
-current_reference_t current_reference_step(const config_t *config, const motor_model_t *model, int32_t torque_mNm,
-                                           int32_t i_d_weakening_mA);
+current_reference_t current_reference_step(const config_t *config, const motor_model_t *model,
+                                           int32_t torque_mNm, int32_t i_d_weakening_mA);
 
 #endif

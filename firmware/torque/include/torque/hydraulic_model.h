@@ -1,10 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * hydraulic_model.h: what the hydraulic brake has made of its commands, estimated. 1 kHz.
  *
  *     command -> dead time -> first-order lag, no faster than a rate in either direction
  *
- * with brake.hydraulic_dead_time_ms, hydraulic_time_constant_ms and hydraulic_rate_mNm_s. Nobody measures the brake's torque here: the
- * model knows no pads, no temperature and no air. Whoever uses it must be right with 30 % more or less.
+ * with brake.hydraulic_dead_time_ms, hydraulic_time_constant_ms and hydraulic_rate_mNm_s. Nobody
+ * measures the brake's torque here: the model knows no pads, no temperature and no air. Whoever
+ * uses it must be right with 30 % more or less.
  */
 #ifndef TORQUE_HYDRAULIC_MODEL_H
 #define TORQUE_HYDRAULIC_MODEL_H

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * limit.h: a bound that remembers who set it. Magnitudes >= 0: a limit can shrink a torque to nothing, never flip it.
+ * limit.h: a bound that remembers who set it. Magnitudes >= 0: a limit can shrink a torque to
+ * nothing, never flip it.
  */
 #ifndef TORQUE_LIMIT_H
 #define TORQUE_LIMIT_H
@@ -38,8 +40,8 @@ static inline void limit_derate(limit_t *limit, int32_t share_q15, reason_t reas
     }
 }
 
-/* Share in Q15 that falls linearly from one at `full` to nothing at `none`; works in either direction of x.
- * full = none is a step: one up to and including it. */
+/* Share in Q15 that falls linearly from one at `full` to nothing at `none`; works in either
+ * direction of x. full = none is a step: one up to and including it. */
 static inline int32_t limit_fade_q15(int32_t x, int32_t full, int32_t none)
 {
     if (full <= none) {

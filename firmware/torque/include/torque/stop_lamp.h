@@ -1,8 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * stop_lamp.h: when electric braking must light the stop lamp.
  *
- * Any braking demand lights it. Deceleration without one (drive pedal released) lights it from 1.3 m/s^2 and clears it
- * below 0.7 m/s^2: the thresholds that UN R13-H sets for passenger cars with lift-off regeneration. Not legal advice.
+ * Any braking demand lights it. Deceleration without one (drive pedal released) lights it from 1.3
+ * m/s^2 and clears it below 0.7 m/s^2: the thresholds that UN R13-H sets for passenger cars with
+ * lift-off regeneration. Not legal advice.
  */
 #ifndef TORQUE_STOP_LAMP_H
 #define TORQUE_STOP_LAMP_H
@@ -23,6 +25,7 @@ typedef struct {
 void stop_lamp_init(stop_lamp_state_t *state);
 
 /* 1 kHz. speed_mrad_s: wheel, signed. Returns whether the lamp must be lit. */
-bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t speed_mrad_s, int32_t brake_demand_mNm);
+bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t speed_mrad_s,
+                    int32_t brake_demand_mNm);
 
 #endif

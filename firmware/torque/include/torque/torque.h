@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * torque.h: the slow reach. 1 kHz, newton-metres and wheel speed, SI milli-units in int32_t.
  *
@@ -52,11 +53,13 @@ typedef struct {
     brake_arbiter_state_t arbiter;
     torque_limit_state_t limit;
     stop_lamp_state_t lamp;
-    uint16_t voltage_low_steps, voltage_high_steps; /* left of having been near an end of the battery's voltage */
+    uint16_t voltage_low_steps,
+        voltage_high_steps; /* left of having been near an end of the battery's voltage */
 } torque_state_t;
 
 void torque_init(torque_state_t *state);
 
-torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in);
+torque_output_t torque_step(torque_state_t *state, const config_t *config,
+                            const torque_input_t *in);
 
 #endif

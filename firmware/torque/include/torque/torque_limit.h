@@ -1,13 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * torque_limit.h: one signed motor torque from the driving demand and the electric part of braking, permitted,
- * bounded and no faster than the torque rate. The valve enters the slow reach here.
+ * torque_limit.h: one signed motor torque from the driving demand and the electric part of braking,
+ * permitted, bounded and no faster than the torque rate. The valve enters the slow reach here.
  *
- * A torque that grows takes voltage, and where there is little left field weakening must make room first, which takes it
- * some milliseconds. So a torque grows the slower the nearer the voltage |u| is to its circle U: at the full rate up to
- * u^2 = 0.89 U^2, not at all at 0.96 U^2, where field weakening has not kept up; beyond, it shrinks in the same proportion. At the
- * 0.94 U^2 that field weakening holds, a third of the rate is left. It goes by the measured voltage, so it also holds where the
- * motor is not as configured: what the voltage cannot carry is given back, before i_q is no longer regulated and before the d
- * axis runs into its own bound (current_loop_give_back_d(), 0.97 U^2). Falling is never slowed down.
+ * A torque that grows takes voltage, and where there is little left field weakening must make room
+ * first, which takes it some milliseconds. So a torque grows the slower the nearer the voltage |u|
+ * is to its circle U: at the full rate up to u^2 = 0.89 U^2, not at all at 0.96 U^2, where field
+ * weakening has not kept up; beyond, it shrinks in the same proportion. At the 0.94 U^2 that field
+ * weakening holds, a third of the rate is left. It goes by the measured voltage, so it also holds
+ * where the motor is not as configured: what the voltage cannot carry is given back, before i_q is
+ * no longer regulated and before the d axis runs into its own bound (current_loop_give_back_d(),
+ * 0.97 U^2). Falling is never slowed down.
  */
 #ifndef TORQUE_TORQUE_LIMIT_H
 #define TORQUE_TORQUE_LIMIT_H
@@ -35,13 +38,15 @@ typedef struct {
     reason_t reason;     /* why it is not what was asked for; REASON_NONE when it is */
 } torque_limit_out_t;
 
-/* By how much a torque's magnitude may change in one step at that voltage; negative: it must shrink. */
+/* By how much a torque's magnitude may change in one step at that voltage; negative: it must
+ * shrink. */
 int32_t torque_limit_growth_mNm(const config_t *config, int32_t voltage_use_q15);
 
 void torque_limit_init(torque_limit_state_t *state);
 
 /* With the bridge not switching, the command is 0 at once: there is nothing left to ramp. */
 torque_limit_out_t torque_limit_step(torque_limit_state_t *state, const config_t *config,
-                                     const capability_t *capability, const torque_limit_input_t *in);
+                                     const capability_t *capability,
+                                     const torque_limit_input_t *in);
 
 #endif

@@ -1,16 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * port.h: the host's board. Implements hal/ on a plant that a test or the bench supplies, so that the application,
- * up to main(), runs on a host exactly as on a board.
+ * port.h: the host's board. Implements hal/ on a plant that a test or the bench supplies, so that
+ * the application, up to main(), runs on a host exactly as on a board.
  *
- * One thread; interrupts are calls. A PWM period passes in host_step(), in this order, which is that of a real board:
+ * One thread; interrupts are calls. A PWM period passes in host_step(), in this order, which is
+ * that of a real board:
  *
  *     top of the count    the compare values of the period before become active     plant.drive
  *                         currents, bus voltage and rotor are sampled               plant.sample
  *                         app_pwm_period_isr()
  *     when one is due     app_millisecond_isr()
  *
- * main() needs no change: every look at time_running() lets one period pass. Whoever has a clock of its own, as the
- * bench has, calls the two parts of a step itself instead.
+ * main() needs no change: every look at time_running() lets one period pass. Whoever has a clock of
+ * its own, as the bench has, calls the two parts of a step itself instead.
  */
 #ifndef HOST_PORT_H
 #define HOST_PORT_H
@@ -44,11 +46,12 @@ typedef struct {
 
 enum { HOST_FLASH_BYTES = 16384, HOST_CAN_FRAMES = 32, HOST_SERIAL_BYTES = 65536 };
 
-/* Forgets everything, connects a plant and puts an image (of at most HOST_FLASH_BYTES) where the configuration is
- * looked for; the rest of that memory is erased. Before app_boot(). */
+/* Forgets everything, connects a plant and puts an image (of at most HOST_FLASH_BYTES) where the
+ * configuration is looked for; the rest of that memory is erased. Before app_boot(). */
 void host_connect(const host_plant_t *plant, const void *configuration, uint32_t size_bytes);
 
-/* How many PWM periods time_running() lets pass before it says no; 0 (also after host_connect()): for ever. */
+/* How many PWM periods time_running() lets pass before it says no; 0 (also after host_connect()):
+ * for ever. */
 void host_run_for(uint32_t periods);
 
 /* Makes time_init() report a failed clock, as on a board without its crystal. */
@@ -60,11 +63,13 @@ void host_take_rotor_sensor_away(bool missing);
 /* Lets one PWM period pass. Interrupts that were not started are not called. */
 void host_step(void);
 
-/* The two parts of it: the top of the count, and a millisecond of the clock, in whatever phase they are to each other. */
+/* The two parts of it: the top of the count, and a millisecond of the clock, in whatever phase they
+ * are to each other. */
 void host_pwm_period(void);
 void host_millisecond(void);
 
-/* The vehicle's side of CAN. A frame whose identifier is not accepted, or that finds no room, is lost. */
+/* The vehicle's side of CAN. A frame whose identifier is not accepted, or that finds no room, is
+ * lost. */
 void host_can_send(const can_frame_t *frame);
 bool host_can_receive(can_frame_t *frame);
 

@@ -1,14 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * bench.h: a vehicle with a controller in every driven wheel, one battery, one driver, a road.
  *
- * A run: bench_init() with parameters and the controllers' configuration; bench_start() boots the controllers at
- * standstill (with encoders at a turn a second, so that they meet their index) and brings the vehicle to its initial
- * speed from outside, as on a roller, so that the run begins with currents, filters and rotor estimates as they are in a
- * moving vehicle; bench_period() is one PWM period. The slow step comes first in the period in which a millisecond
- * begins. Accounts, way and time start at zero after the start, the battery and all temperatures as the parameters say.
+ * A run: bench_init() with parameters and the controllers' configuration; bench_start() boots the
+ * controllers at standstill (with encoders at a turn a second, so that they meet their index) and
+ * brings the vehicle to its initial speed from outside, as on a roller, so that the run begins with
+ * currents, filters and rotor estimates as they are in a moving vehicle; bench_period() is one PWM
+ * period. The slow step comes first in the period in which a millisecond begins. Accounts, way and
+ * time start at zero after the start, the battery and all temperatures as the parameters say.
  *
- * Nothing here allocates or does I/O; equal parameters give equal bytes. A bench points into itself: after copying one,
- * call bench_refresh() on the copy.
+ * Nothing here allocates or does I/O; equal parameters give equal bytes. A bench points into
+ * itself: after copying one, call bench_refresh() on the copy.
  */
 #ifndef BENCH_BENCH_H
 #define BENCH_BENCH_H
@@ -63,7 +65,8 @@ typedef struct {
 } bench_t;
 
 /* trace: see driver_trace_t; its arrays must outlive the bench. */
-void bench_init(bench_t *bench, const bench_params_t *params, const config_t *config, const driver_trace_t *trace);
+void bench_init(bench_t *bench, const bench_params_t *params, const config_t *config,
+                const driver_trace_t *trace);
 
 bench_start_t bench_start(bench_t *bench);
 
@@ -75,13 +78,15 @@ bool bench_has_ended(const bench_t *bench);
 /* Why there is no vehicle with these parameters, in one line; NULL: there is. */
 const char *bench_world_objection(const bench_params_t *params);
 
-/* Why these parameters cannot take the place of the running bench's, in one line; NULL: they can. */
+/* Why these parameters cannot take the place of the running bench's, in one line; NULL: they can.
+ */
 const char *bench_objection(const bench_t *bench, const bench_params_t *changed);
 
 /* After a change of bench->params: everything worked out from them, states untouched. */
 void bench_refresh(bench_t *bench);
 
-/* The accounts of the run so far, and of those times in it in which the driver pressed the brake pedal. */
+/* The accounts of the run so far, and of those times in it in which the driver pressed the brake
+ * pedal. */
 ledger_t bench_ledger(const bench_t *bench);
 ledger_t bench_braking_ledger(const bench_t *bench);
 

@@ -1,14 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * board.h: the whole application on its simulated board (hal/host) as the controller of one wheel.
  *
- *     wheel's plant -> host_sample_t -> hal/ -> interrupts, double buffers -> controller -> hal/ -> wheel's bridge
- *     demand, battery limits -> CAN frames in -> main loop -> CAN frames out -> hydraulic brake, mode, reasons
+ *     wheel's plant -> host_sample_t -> hal/ -> interrupts, double buffers -> controller -> hal/ ->
+ * wheel's bridge demand, battery limits -> CAN frames in -> main loop -> CAN frames out ->
+ * hydraulic brake, mode, reasons
  *
- * Bridge and sensors are connected as the two steps are: sampled at the top, acting from the next one on. What comes by
- * CAN is what a vehicle has: whole steps of hubfoc.dbc, in the messages' cycles, end-to-end protected. A demand older than
- * its message's cycle is not sent. Of slow_output_t only what is on CAN is known; the rest stays zero.
+ * Bridge and sensors are connected as the two steps are: sampled at the top, acting from the next
+ * one on. What comes by CAN is what a vehicle has: whole steps of hubfoc.dbc, in the messages'
+ * cycles, end-to-end protected. A demand older than its message's cycle is not sent. Of
+ * slow_output_t only what is on CAN is known; the rest stays zero.
  *
- * The application is one a process (interrupts have no other way to find their data), so is the board.
+ * The application is one a process (interrupts have no other way to find their data), so is the
+ * board.
  */
 #ifndef BENCH_BOARD_H
 #define BENCH_BOARD_H

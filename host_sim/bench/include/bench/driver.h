@@ -1,13 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * driver.h: who presses the pedals. One driver for the vehicle; the demand is the same at every driven wheel.
+ * driver.h: who presses the pedals. One driver for the vehicle; the demand is the same at every
+ * driven wheel.
  *
- * Following a speed trace, the driver knows the vehicle: feed-forward of inertia (from the trace a moment ahead), air
- * drag, rolling resistance and slope, and a PI regulator on the speed error for the rest,
+ * Following a speed trace, the driver knows the vehicle: feed-forward of inertia (from the trace a
+ * moment ahead), air drag, rolling resistance and slope, and a PI regulator on the speed error for
+ * the rest,
  *
- *     F = m a_ref + F_road(v_ref) + 2 m w_b e + m w_b^2 integral(e),        torque = F r / driven wheels
+ *     F = m a_ref + F_road(v_ref) + 2 m w_b e + m w_b^2 integral(e),        torque = F r / driven
+ * wheels
  *
- * whose integrator is told what the pedals' range left of the force. Positive force is the drive pedal, negative the
- * brake pedal. Or the pedals are simply held where the scenario puts them.
+ * whose integrator is told what the pedals' range left of the force. Positive force is the drive
+ * pedal, negative the brake pedal. Or the pedals are simply held where the scenario puts them.
  */
 #ifndef BENCH_DRIVER_H
 #define BENCH_DRIVER_H
@@ -19,15 +23,20 @@
 
 /* clang-format off */
 #define DRIVER_PARAMETERS(X) \
-    X(follow_trace,         0.0,  1.0,   "",      "1: follows the speed trace, 0: holds the pedals as below") \
-    X(brake_demand_nm,      0.0,  1e5,   "N m",   "at each driven wheel, magnitude; cuts the drive demand") \
+    X(follow_trace,         0.0,  1.0,   "", \
+      "1: follows the speed trace, 0: holds the pedals as below") \
+    X(brake_demand_nm,      0.0,  1e5,   "N m", \
+      "at each driven wheel, magnitude; cuts the drive demand") \
     X(drive_demand_nm,     -1e5,  1e5,   "N m",   "at each driven wheel") \
     X(bandwidth_rad_per_s,  1e-3, 100.0, "rad/s", "w_b of the speed regulator") \
-    X(preview_s,            1e-3, 10.0,  "s",     "how far ahead the driver looks for the acceleration") \
+    X(preview_s,            1e-3, 10.0,  "s", \
+      "how far ahead the driver looks for the acceleration") \
     X(most_drive_nm,        0.0,  1e5,   "N m",   "end of the drive pedal, at each driven wheel") \
     X(most_brake_nm,        0.0,  1e5,   "N m",   "end of the brake pedal, at each driven wheel") \
-    X(demand_age_s,         0.0,  1e6,   "s",     "age of the demands when they reach the controllers") \
-    X(silent,               0.0,  1.0,   "",      "1: no more messages, the controllers see the last demand grow old") \
+    X(demand_age_s,         0.0,  1e6,   "s", \
+      "age of the demands when they reach the controllers") \
+    X(silent,               0.0,  1.0,   "", \
+      "1: no more messages, the controllers see the last demand grow old") \
     X(enable,               0.0,  1.0,   "",      "1: the vehicle is switched on") \
     X(abs_active,           0.0,  1.0,   "",      "1: the anti-lock system is at work")
 /* clang-format on */
@@ -36,7 +45,8 @@ typedef struct {
     DRIVER_PARAMETERS(PLANT_PARAMETER_MEMBER)
 } driver_params_t;
 
-/* Points of a speed over time, times rising from 0; before and after, the nearest point counts. Not owned. */
+/* Points of a speed over time, times rising from 0; before and after, the nearest point counts. Not
+ * owned. */
 typedef struct {
     const double *time_s;
     const double *speed_m_per_s;
@@ -60,8 +70,8 @@ driver_state_t driver_init(void);
 double driver_trace_at(const driver_trace_t *trace, int *cursor, double time_s);
 
 /* 1 kHz; step_s is the distance of calls. */
-driver_demand_t driver_step(const driver_params_t *params, driver_state_t *state, const driver_trace_t *trace,
-                            const vehicle_t *vehicle, int driven_wheels, double speed_m_per_s, double time_s,
-                            double step_s);
+driver_demand_t driver_step(const driver_params_t *params, driver_state_t *state,
+                            const driver_trace_t *trace, const vehicle_t *vehicle,
+                            int driven_wheels, double speed_m_per_s, double time_s, double step_s);
 
 #endif

@@ -1,15 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * engine.h: the bench as a library for other languages: create, set by name, load a configuration, run, read by name.
+ * engine.h: the bench as a library for other languages: create, set by name, load a configuration,
+ * run, read by name.
  *
- * Plain declarations only, so that a foreign-function reader (cffi and the like) can take this file as it is, less the
- * lines that begin with '#'. Functions that can fail return HUBSIM_OK or another code of the enumeration below;
- * hubsim_error() then says in one line what is wrong and what would be accepted. No function prints, exits or keeps
- * anything outside the handle, so any number of handles may run at the same time, one thread each.
+ * Plain declarations only, so that a foreign-function reader (cffi and the like) can take this file
+ * as it is, less the lines that begin with '#'. Functions that can fail return HUBSIM_OK or another
+ * code of the enumeration below; hubsim_error() then says in one line what is wrong and what would
+ * be accepted. No function prints, exits or keeps anything outside the handle, so any number of
+ * handles may run at the same time, one thread each.
  *
- * Order of a run: hubsim_new, hubsim_set for every parameter, hubsim_set_voltage_curve, hubsim_set_trace if there is
- * one, hubsim_load_config, hubsim_start, hubsim_choose, hubsim_run until it says HUBSIM_ENDED or enough time has
- * passed, hubsim_value for the accounts, hubsim_delete. hubsim_set also works between calls of hubsim_run: that is how
- * events happen.
+ * Order of a run: hubsim_new, hubsim_set for every parameter, hubsim_set_voltage_curve,
+ * hubsim_set_trace if there is one, hubsim_load_config, hubsim_start, hubsim_choose, hubsim_run
+ * until it says HUBSIM_ENDED or enough time has passed, hubsim_value for the accounts,
+ * hubsim_delete. hubsim_set also works between calls of hubsim_run: that is how events happen.
  */
 #ifndef BENCH_ENGINE_H
 #define BENCH_ENGINE_H
@@ -63,7 +66,8 @@ int hubsim_start(hubsim_t *sim);
 int hubsim_signal_count(const hubsim_t *sim);
 int hubsim_signal_name(const hubsim_t *sim, int index, char *name, int size);
 
-/* Unit ("N.m", "m/s2", "1" for a share, "" for a code or a flag) and meaning; NULL outside 0 <= index < count. */
+/* Unit ("N.m", "m/s2", "1" for a share, "" for a code or a flag) and meaning; NULL outside 0 <=
+ * index < count. */
 const char *hubsim_signal_unit(const hubsim_t *sim, int index);
 const char *hubsim_signal_text(const hubsim_t *sim, int index);
 
@@ -71,21 +75,25 @@ const char *hubsim_signal_text(const hubsim_t *sim, int index);
 int hubsim_choose(hubsim_t *sim, const int *indices, int count);
 
 /*
- * Run for duration_s or until the run ends, and write rows of the chosen signals at every run.record_interval_s.
- * rows: room for `capacity` rows of as many doubles as signals were chosen; *written: rows written. With HUBSIM_FULL
- * the clock stands at the row there was no room for; *remaining_s is what is left of duration_s.
+ * Run for duration_s or until the run ends, and write rows of the chosen signals at every
+ * run.record_interval_s. rows: room for `capacity` rows of as many doubles as signals were chosen;
+ * *written: rows written. With HUBSIM_FULL the clock stands at the row there was no room for;
+ * *remaining_s is what is left of duration_s.
  */
-int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written, double *remaining_s);
+int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written,
+               double *remaining_s);
 
 /*
- * The same for whoever keeps the clock: run to a time, at most to the end of the run, and record nothing; one row of the
- * chosen signals now, rates as means since the row before. At equal times rows are those of hubsim_run.
+ * The same for whoever keeps the clock: run to a time, at most to the end of the run, and record
+ * nothing; one row of the chosen signals now, rates as means since the row before. At equal times
+ * rows are those of hubsim_run.
  */
 int hubsim_advance(hubsim_t *sim, double until_s);
 int hubsim_sample(hubsim_t *sim, double *row);
 
-/* A running vehicle with parameters, recorder and all, as bytes that mean something to this very library only; a speed
- * trace is not part of them. Restored into a started handle it goes on exactly where it was. */
+/* A running vehicle with parameters, recorder and all, as bytes that mean something to this very
+ * library only; a speed trace is not part of them. Restored into a started handle it goes on
+ * exactly where it was. */
 uint32_t hubsim_state_bytes(void);
 int hubsim_save(hubsim_t *sim, void *state);
 int hubsim_restore(hubsim_t *sim, const void *state);

@@ -1,10 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * feed.h: between bridge and motor of one wheel: what a period does to the motor, and what the converters see of it.
+ * feed.h: between bridge and motor of one wheel: what a period does to the motor, and what the
+ * converters see of it.
  *
- * Currents are sampled at the top of the count or sensors.sampling_delay_s after it. What the bridge does from the top on is
- * known there, so a late sample is a look ahead on a copy of the motor, with the averaged bridge or with every edge. With
- * sensors.shunt_settling_s the converters see the shunts' amplifiers (shunts.h) and not the wires. A wheel with a coupling of its
- * own looks ahead with what its bridge did in the period before.
+ * Currents are sampled at the top of the count or sensors.sampling_delay_s after it. What the
+ * bridge does from the top on is known there, so a late sample is a look ahead on a copy of the
+ * motor, with the averaged bridge or with every edge. With sensors.shunt_settling_s the converters
+ * see the shunts' amplifiers (shunts.h) and not the wires. A wheel with a coupling of its own looks
+ * ahead with what its bridge did in the period before.
  */
 #ifndef BENCH_FEED_H
 #define BENCH_FEED_H
@@ -18,7 +21,8 @@ typedef struct {
 } feed_flow_t;
 
 /* The bridge feeds the motor for world->step_s; speed_rad_s mechanical. */
-void feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v, feed_flow_t *out);
+void feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s,
+                double bus_voltage_v, feed_flow_t *out);
 
 /* A PWM period is over: before the bridge is told what to do in the next one. */
 void feed_end_period(wheel_t *wheel, const wheel_world_t *world);

@@ -1,39 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * ledger.h: where every joule went.
  *
- *     chemical = heat (copper, iron, conduction, diode, switching, bearing, hydraulic, battery, cable) + tyre
- *                + drag + rolling + climbed + gained (kinetic, magnetic, polarisation, bus) + residual
+ *     chemical = heat (copper, iron, conduction, diode, switching, bearing, hydraulic, battery,
+ * cable) + tyre
+ *                + drag + rolling + climbed + gained (kinetic, magnetic, polarisation, bus) +
+ * residual
  *
- * Sums over all wheels since the start of the run; "gained" may be negative. The residual is what the equation leaves
- * over: the simulation's own error. shaft_j is what the motors did to the wheels on the way (bearings taken off) and
- * part of no balance; turned_over_j is what cells, moving mass and height gave, each whenever it gave, the measure
- * for the residual.
+ * Sums over all wheels since the start of the run; "gained" may be negative. The residual is what
+ * the equation leaves over: the simulation's own error. shaft_j is what the motors did to the
+ * wheels on the way (bearings taken off) and part of no balance; turned_over_j is what cells,
+ * moving mass and height gave, each whenever it gave, the measure for the residual.
  */
 #ifndef BENCH_LEDGER_H
 #define BENCH_LEDGER_H
 
 /* X(name, "meaning") */
-#define LEDGER_LIST(X)                                                                                                 \
-    X(chemical_j, "net energy drawn from the battery's cells")                                                         \
-    X(shaft_j, "work of the motors at the wheels, positive driving")                                                   \
-    X(copper_j, "heat in the windings")                                                                                \
-    X(iron_j, "heat in the iron")                                                                                      \
-    X(conduction_j, "heat in the inverters: resistances of switches and diodes")                                       \
-    X(diode_j, "heat in the inverters: forward voltage of the diodes")                                                 \
-    X(switching_j, "heat in the inverters: switching")                                                                 \
-    X(bearing_j, "heat in bearings and seals")                                                                         \
-    X(hydraulic_j, "heat in the hydraulic brakes")                                                                     \
-    X(battery_j, "heat in the battery")                                                                                \
-    X(drag_j, "work against the air")                                                                                  \
-    X(rolling_j, "work against rolling resistance")                                                                    \
-    X(climbed_j, "potential energy gained")                                                                            \
-    X(kinetic_j, "kinetic energy gained")                                                                              \
-    X(magnetic_j, "energy gained by the motors' magnetic fields")                                                      \
-    X(polarisation_j, "energy gained by the battery's polarisation")                                                   \
-    X(tyre_j, "heat of slipping tyres, and what their deflection holds")                                               \
-    X(cable_j, "heat in the cable between battery and bus")                                                            \
-    X(bus_j, "energy gained by the bus capacitors")                                                                    \
-    X(turned_over_j, "what cells, moving mass and height gave, each whenever it gave")                                 \
+#define LEDGER_LIST(X)                                                                             \
+    X(chemical_j, "net energy drawn from the battery's cells")                                     \
+    X(shaft_j, "work of the motors at the wheels, positive driving")                               \
+    X(copper_j, "heat in the windings")                                                            \
+    X(iron_j, "heat in the iron")                                                                  \
+    X(conduction_j, "heat in the inverters: resistances of switches and diodes")                   \
+    X(diode_j, "heat in the inverters: forward voltage of the diodes")                             \
+    X(switching_j, "heat in the inverters: switching")                                             \
+    X(bearing_j, "heat in bearings and seals")                                                     \
+    X(hydraulic_j, "heat in the hydraulic brakes")                                                 \
+    X(battery_j, "heat in the battery")                                                            \
+    X(drag_j, "work against the air")                                                              \
+    X(rolling_j, "work against rolling resistance")                                                \
+    X(climbed_j, "potential energy gained")                                                        \
+    X(kinetic_j, "kinetic energy gained")                                                          \
+    X(magnetic_j, "energy gained by the motors' magnetic fields")                                  \
+    X(polarisation_j, "energy gained by the battery's polarisation")                               \
+    X(tyre_j, "heat of slipping tyres, and what their deflection holds")                           \
+    X(cable_j, "heat in the cable between battery and bus")                                        \
+    X(bus_j, "energy gained by the bus capacitors")                                                \
+    X(turned_over_j, "what cells, moving mass and height gave, each whenever it gave")             \
     X(residual_j, "the simulation's own error")
 
 #define LEDGER_MEMBER(name, text) double name;

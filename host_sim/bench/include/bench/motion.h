@@ -1,14 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * motion.h: from torques to motion: a vehicle whose wheels roll, or one whose wheels can slip.
  *
- * Without a friction coefficient (road.friction = 0) the wheels roll with the road and vehicle_step() moves everything at
- * once. With one, every driven wheel is a flywheel of its own between motor, brake and tyre,
+ * Without a friction coefficient (road.friction = 0) the wheels roll with the road and
+ * vehicle_step() moves everything at once. With one, every driven wheel is a flywheel of its own
+ * between motor, brake and tyre,
  *
  *     J dw/dt = T - brake - F r          (m - n J / r^2) dv/dt = sum F - road
  *
- * loads from chassis.h, forces from tyre.h; brakes are an implicit impulse on the wheel, so a wheel locks without chatter.
- * Energies use mean speeds of the step, for which kinetic energies change by impulse times way exactly; what wheel and
- * vehicle do not agree about is the tyre's: heat of the slip and the change of its deflection.
+ * loads from chassis.h, forces from tyre.h; brakes are an implicit impulse on the wheel, so a wheel
+ * locks without chatter. Energies use mean speeds of the step, for which kinetic energies change by
+ * impulse times way exactly; what wheel and vehicle do not agree about is the tyre's: heat of the
+ * slip and the change of its deflection.
  */
 #ifndef BENCH_MOTION_H
 #define BENCH_MOTION_H
@@ -42,20 +45,22 @@ typedef struct {
 
 motion_world_t motion_world(const bench_params_t *params, double step_s);
 
-/* Why these parameters cannot carry a slipping wheel, in one line; NULL: they can, or no wheel slips. */
+/* Why these parameters cannot carry a slipping wheel, in one line; NULL: they can, or no wheel
+ * slips. */
 const char *motion_objection(const bench_params_t *params);
 
 /* All wheels roll with the vehicle. */
 void motion_roll(const motion_world_t *world, const motion_t *motion);
 
 /* Speed of a wheel expected in the middle of the next step, rad/s. */
-double motion_expected_rad_s(const motion_world_t *world, const motion_t *motion, int wheel, double step_s);
+double motion_expected_rad_s(const motion_world_t *world, const motion_t *motion, int wheel,
+                             double step_s);
 
 /* One step; tells every wheel what became of it (wheel_settle()). */
-motion_flow_t motion_step(const motion_world_t *world, const motion_t *motion, const wheel_world_t *wheel_world,
-                          const wheel_flow_t *flow);
+motion_flow_t motion_step(const motion_world_t *world, const motion_t *motion,
+                          const wheel_world_t *wheel_world, const wheel_flow_t *flow);
 
-double motion_kinetic_energy_j(const motion_world_t *world, const vehicle_state_t *vehicle, const wheel_t *wheels,
-                               int count);
+double motion_kinetic_energy_j(const motion_world_t *world, const vehicle_state_t *vehicle,
+                               const wheel_t *wheels, int count);
 
 #endif

@@ -1,9 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * parameters.h: everything about the simulated world that can be set, by name "section.name_unit"; what one wheel has of
- * its own is "wheel0.name_unit" and so on.
+ * parameters.h: everything about the simulated world that can be set, by name "section.name_unit";
+ * what one wheel has of its own is "wheel0.name_unit" and so on.
  *
- * The members come from the models' own lists (plant/parameter.h), so a name here is the name there. This is plant
- * truth; what a controller believes is its config_t. They are made from the same TOML file, and a test may detune one.
+ * The members come from the models' own lists (plant/parameter.h), so a name here is the name
+ * there. This is plant truth; what a controller believes is its config_t. They are made from the
+ * same TOML file, and a test may detune one.
  */
 #ifndef BENCH_PARAMETERS_H
 #define BENCH_PARAMETERS_H
@@ -30,12 +32,16 @@
 /* clang-format off */
 #define RUN_PARAMETERS(X) \
     X(seed,                       0.0,  9007199254740992.0, "1", "of the sensors' noise") \
-    X(initial_speed_m_per_s,   -100.0,  100.0, "m/s", "the vehicle is brought to it before the run begins") \
+    X(initial_speed_m_per_s,   -100.0,  100.0, "m/s", \
+      "the vehicle is brought to it before the run begins") \
     X(stop_at_standstill,         0.0,  1.0,   "",    "1: the run ends when the vehicle stands") \
     X(record_interval_s,          1e-5, 1e3,   "s",   "distance of recorded rows") \
-    X(pieces,                     0.0,  64.0,  "1",   "the plant takes every PWM period in so many steps; 0: in one") \
-    X(rotor_turn,                 0.0,  1.0,   "1",   "electrical angle of the first wheel's rotor at the start") \
-    X(rotor_spread_turn,          0.0,  1.0,   "1",   "electrical angle between the rotors of neighbouring wheels at the start")
+    X(pieces,                     0.0,  64.0,  "1", \
+      "the plant takes every PWM period in so many steps; 0: in one") \
+    X(rotor_turn,                 0.0,  1.0,   "1", \
+      "electrical angle of the first wheel's rotor at the start") \
+    X(rotor_spread_turn,          0.0,  1.0,   "1", \
+      "electrical angle between the rotors of neighbouring wheels at the start")
 
 /* Of one wheel alone, on top of what holds for all: X(wheel, name, lowest, highest, unit, text). */
 #define ONE_WHEEL_PARAMETERS(X, wheel) \
@@ -43,8 +49,10 @@
     X(wheel, hall_stuck_high,      0.0,   7.0,   "",    "as sensors.hall_stuck_high, this wheel") \
     X(wheel, current_offset_a,    -1e4,   1e4,   "A",   "added to sensors.current_offset_a") \
     X(wheel, brake_torque_loss,   -0.5,   1.0,   "1",   "as brake.torque_loss, this wheel") \
-    X(wheel, road_friction,        0.0,   3.0,   "1",   "as road.friction, this wheel; 0: no other") \
-    X(wheel, winding_rise_k,      -100.0, 300.0, "K",   "winding warmer than thermal.winding_temperature_c") \
+    X(wheel, road_friction,        0.0,   3.0,   "1", \
+      "as road.friction, this wheel; 0: no other") \
+    X(wheel, winding_rise_k,      -100.0, 300.0, "K", \
+      "winding warmer than thermal.winding_temperature_c") \
     X(wheel, winding_sensor_open,    0.0,   1.0,   "",    "as winding_sensor.open, this wheel") \
     X(wheel, winding_sensor_shorted, 0.0,   1.0,   "",    "as winding_sensor.shorted, this wheel") \
     X(wheel, speed_sensor_dead,      0.0,   1.0,   "",    "as wheel_speed.dead, this wheel")

@@ -1,8 +1,9 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * recorder.h: chosen signals at regular times into rows that the caller owns.
  *
- * A row is one double for each chosen signal, in the order chosen. The first row is the start of the run, where rates
- * are zero because no time has passed.
+ * A row is one double for each chosen signal, in the order chosen. The first row is the start of
+ * the run, where rates are zero because no time has passed.
  */
 #ifndef BENCH_RECORDER_H
 #define BENCH_RECORDER_H

@@ -1,8 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * signals.h: everything that can be watched, by name "part.signal_unit"; a wheel's are "wheel0." and so on.
+ * signals.h: everything that can be watched, by name "part.signal_unit"; a wheel's are "wheel0."
+ * and so on.
  *
- * A signal is a value of this instant, or a rate: the mean of a power, force or torque since it was last recorded,
- * taken from the run's accounts, so that adding up a recorded power gives the account's energy exactly.
+ * A signal is a value of this instant, or a rate: the mean of a power, force or torque since it was
+ * last recorded, taken from the run's accounts, so that adding up a recorded power gives the
+ * account's energy exactly.
  */
 #ifndef BENCH_SIGNALS_H
 #define BENCH_SIGNALS_H
@@ -17,7 +20,8 @@ int signals_count(const bench_t *bench);
 /* 0 <= index < signals_count(bench). Writes at most `size` characters, terminated. */
 void signals_name(const bench_t *bench, int index, char *name, size_t size);
 
-/* The unit as the FMI standard spells units ("N.m", "m/s2", "degC"), "1" for a share, "" for a code or a flag; what it is. */
+/* The unit as the FMI standard spells units ("N.m", "m/s2", "degC"), "1" for a share, "" for a code
+ * or a flag; what it is. */
 const char *signals_unit(const bench_t *bench, int index);
 const char *signals_text(const bench_t *bench, int index);
 

@@ -1,14 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * wheel.h: one in-wheel drive: a complete controller and the motor, bridge, brake and sensors it works with.
+ * wheel.h: one in-wheel drive: a complete controller and the motor, bridge, brake and sensors it
+ * works with.
  *
- * Everything between the firmware's two step functions and the plant's models is here, the timing above all:
+ * Everything between the firmware's two step functions and the plant's models is here, the timing
+ * above all:
  *
  *     sensors at t_n -> controller_fast_step() -> the bridge does it from t_{n+1} to t_{n+2}
  *
- * wheel_slow() is the millisecond, wheel_sample() the beginning of a PWM period, wheel_step() the plant in it; the bench
- * calls them and closes the loop over battery and vehicle. The exchange structs are carried by assignment, unless a
- * wheel has a coupling of its own: then something else that holds a controller stands there, the whole application on its
- * simulated board (board.h).
+ * wheel_slow() is the millisecond, wheel_sample() the beginning of a PWM period, wheel_step() the
+ * plant in it; the bench calls them and closes the loop over battery and vehicle. The exchange
+ * structs are carried by assignment, unless a wheel has a coupling of its own: then something else
+ * that holds a controller stands there, the whole application on its simulated board (board.h).
  */
 #ifndef BENCH_WHEEL_H
 #define BENCH_WHEEL_H
@@ -34,7 +37,8 @@ typedef struct {
 /* Somebody else's controller in place of the two steps. */
 typedef struct {
     void *context;
-    /* The top of the count: what the sensors see; returns what the bridge does from now to the next top. */
+    /* The top of the count: what the sensors see; returns what the bridge does from now to the next
+     * top. */
     fast_output_t (*period)(void *context, const fast_input_t *in);
     slow_output_t (*millisecond)(void *context, const slow_input_t *in);
 } wheel_coupling_t;
@@ -45,7 +49,8 @@ typedef struct {
     double dc_j;                  /* taken from the bus */
     double torque_impulse_nms;    /* airgap torque */
     double hydraulic_impulse_nms; /* torque of the brake, positive against forward motion */
-    double shaft_j;               /* work of the motor at the wheel, bearing friction taken off, positive driving */
+    double
+        shaft_j; /* work of the motor at the wheel, bearing friction taken off, positive driving */
     double hydraulic_j, bearing_j;
 } wheel_totals_t;
 
@@ -106,11 +111,12 @@ wheel_world_t wheel_world(const bench_params_t *params, const config_t *config);
 
 void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index);
 
-/* A run begins: temperatures, brake and accounts as the parameters say; controller and rotor go on as they are. */
+/* A run begins: temperatures, brake and accounts as the parameters say; controller and rotor go on
+ * as they are. */
 void wheel_begin(wheel_t *wheel, const wheel_world_t *world);
 
-/* After a change of parameters: everything of the wheel that was worked out from them, states untouched. A temperature
- * without heat capacity is no state but follows its parameter. */
+/* After a change of parameters: everything of the wheel that was worked out from them, states
+ * untouched. A temperature without heat capacity is no state but follows its parameter. */
 void wheel_refresh(wheel_t *wheel, const wheel_world_t *world);
 
 /* What the millisecond brings to every wheel alike. */
@@ -127,14 +133,17 @@ typedef struct {
 
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order);
 
-/* A PWM period begins: sensors, the firmware's fast step, and the bridge does what it was told a period ago. */
+/* A PWM period begins: sensors, the firmware's fast step, and the bridge does what it was told a
+ * period ago. */
 void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v);
 
 /* The plant for world->step_s. speed_rad_s: mechanical, expected in the middle of the step. */
-wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s, double bus_voltage_v);
+wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s,
+                        double bus_voltage_v);
 
-/* What the vehicle made of it: speed in the middle of the period and the share of friction at work, -1 .. 1. */
-void wheel_settle(wheel_t *wheel, const wheel_world_t *world, const wheel_flow_t *flow, double speed_rad_s,
-                  double friction_used);
+/* What the vehicle made of it: speed in the middle of the period and the share of friction at work,
+ * -1 .. 1. */
+void wheel_settle(wheel_t *wheel, const wheel_world_t *world, const wheel_flow_t *flow,
+                  double speed_rad_s, double friction_used);
 
 #endif

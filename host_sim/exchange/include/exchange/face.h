@@ -1,14 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * face.h: one controller alone as a library for other languages, for whoever brings a plant of their own.
+ * face.h: one controller alone as a library for other languages, for whoever brings a plant of
+ * their own.
  *
- * Plain declarations only, so that a foreign-function reader (cffi and the like) can take this file as it is, less the
- * lines that begin with '#'. Part of the same library as bench/engine.h. Nothing prints, exits or keeps anything outside
- * the handle; any number of handles may be at work at the same time, one thread each.
+ * Plain declarations only, so that a foreign-function reader (cffi and the like) can take this file
+ * as it is, less the lines that begin with '#'. Part of the same library as bench/engine.h. Nothing
+ * prints, exits or keeps anything outside the handle; any number of handles may be at work at the
+ * same time, one thread each.
  *
- * Inputs and outputs are arrays in the order of hubsim_variable_name(port, 0 ...), in engineering units (double) or raw
- * (int32_t, what the firmware works with). An engineering value beyond its range saturates, as a converter does; a value
- * that is no number, or a raw value out of range, is refused and no step is made. Functions that can fail return 0 or a
- * negative number; hubsim_controller_error() then says why in one line.
+ * Inputs and outputs are arrays in the order of hubsim_variable_name(port, 0 ...), in engineering
+ * units (double) or raw (int32_t, what the firmware works with). An engineering value beyond its
+ * range saturates, as a converter does; a value that is no number, or a raw value out of range, is
+ * refused and no step is made. Functions that can fail return 0 or a negative number;
+ * hubsim_controller_error() then says why in one line.
  */
 #ifndef EXCHANGE_FACE_H
 #define EXCHANGE_FACE_H
@@ -44,18 +48,22 @@ void hubsim_controller_delete(hubsim_controller_t *controller);
 const char *hubsim_controller_error(const hubsim_controller_t *controller);
 
 /* Begin anew with an image of config_t, which the firmware's own validator may refuse. */
-int hubsim_controller_load_config(hubsim_controller_t *controller, const void *image, uint32_t size_bytes);
+int hubsim_controller_load_config(hubsim_controller_t *controller, const void *image,
+                                  uint32_t size_bytes);
 
 /* raw = zero + engineering * per_unit, after a configuration was loaded. */
-int hubsim_controller_scale(const hubsim_controller_t *controller, int port, int index, double *zero, double *per_unit);
+int hubsim_controller_scale(const hubsim_controller_t *controller, int port, int index,
+                            double *zero, double *per_unit);
 
 /* The PWM rate the configuration asks for; 0 without one. */
 int32_t hubsim_controller_fast_rate_hz(const hubsim_controller_t *controller);
 
 int hubsim_controller_fast_step(hubsim_controller_t *controller, const double *in, double *out);
 int hubsim_controller_slow_step(hubsim_controller_t *controller, const double *in, double *out);
-int hubsim_controller_fast_step_raw(hubsim_controller_t *controller, const int32_t *in, int32_t *out);
-int hubsim_controller_slow_step_raw(hubsim_controller_t *controller, const int32_t *in, int32_t *out);
+int hubsim_controller_fast_step_raw(hubsim_controller_t *controller, const int32_t *in,
+                                    int32_t *out);
+int hubsim_controller_slow_step_raw(hubsim_controller_t *controller, const int32_t *in,
+                                    int32_t *out);
 
 /* Everything the controller remembers, as bytes that mean something to this very library only. */
 uint32_t hubsim_controller_state_bytes(void);

@@ -1,9 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * model.h: what is inside a unit for co-simulation, whatever the version of the standard around it.
  *
- * A unit is one model (model_controller.c or model_vehicle.c) and one table of its variables, written when the unit is
- * built (hubsim.fmu). instance.h keeps the variables' values and knows the rules of the standard; a model sees arrays of
- * all values in the order of the table, reads the inputs in them and writes the outputs.
+ * A unit is one model (model_controller.c or model_vehicle.c) and one table of its variables,
+ * written when the unit is built (hubsim.fmu). instance.h keeps the variables' values and knows the
+ * rules of the standard; a model sees arrays of all values in the order of the table, reads the
+ * inputs in them and writes the outputs.
  */
 #ifndef FMU_MODEL_H
 #define FMU_MODEL_H
@@ -21,7 +23,8 @@ typedef enum {
     MODEL_OUTPUT
 } model_role_t;
 
-/* The value reference of the standard is the place in the table plus one; 0 is the independent variable, time. */
+/* The value reference of the standard is the place in the table plus one; 0 is the independent
+ * variable, time. */
 typedef struct {
     const char *name;
     model_type_t type;
@@ -29,7 +32,8 @@ typedef struct {
     double start;
 } model_variable_t;
 
-/* Written when the unit is built. MODEL_SETTINGS are what the model needs and nobody may change: names and values. */
+/* Written when the unit is built. MODEL_SETTINGS are what the model needs and nobody may change:
+ * names and values. */
 typedef struct {
     const char *name;
     double value;
@@ -42,7 +46,8 @@ extern const int MODEL_SETTING_COUNT;
 extern const model_setting_t MODEL_SETTINGS[];
 extern const uint32_t MODEL_CONFIG_BYTES;
 extern const unsigned char MODEL_CONFIG[]; /* the image of config_t */
-extern const int MODEL_CURVE_POINTS;       /* open-circuit voltage over state of charge; 0 without a battery */
+extern const int
+    MODEL_CURVE_POINTS; /* open-circuit voltage over state of charge; 0 without a battery */
 extern const double MODEL_CURVE_SOC[];
 extern const double MODEL_CURVE_V[];
 
@@ -55,7 +60,8 @@ void model_delete(model_t *model);
 /* The last failure in one line; never NULL. */
 const char *model_error(const model_t *model);
 
-/* Begin a run at time 0 with these values, and write the outputs of that moment. False: model_error() says why. */
+/* Begin a run at time 0 with these values, and write the outputs of that moment. False:
+ * model_error() says why. */
 bool model_begin(model_t *model, double *values);
 
 /* A tunable parameter or an input has a new value. */
@@ -64,7 +70,8 @@ bool model_set(model_t *model, int index, double value);
 /* Run until a time since the beginning, and write the outputs of that moment. */
 bool model_advance(model_t *model, double until_s, double *values);
 
-/* A model that runs, as bytes; restored into one that has begun with any values it goes on where it was. */
+/* A model that runs, as bytes; restored into one that has begun with any values it goes on where it
+ * was. */
 size_t model_state_bytes(void);
 bool model_save(model_t *model, void *state);
 bool model_restore(model_t *model, const void *state);

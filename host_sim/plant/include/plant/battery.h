@@ -1,15 +1,19 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * battery.h: a pack as open-circuit voltage over state of charge, series resistance and one RC branch.
+ * battery.h: a pack as open-circuit voltage over state of charge, series resistance and one RC
+ * branch.
  *
  *     u_b = u_oc(SOC) - u_c - R_s i        C_t du_c/dt = i - u_c / R_t        i > 0 discharges
  *
- * battery_step() is told the power the wheels take at the terminals (P > 0 discharges) and finds the current that is
- * constant over the step and makes exactly that power, with the exponential of the RC branch solved exactly:
+ * battery_step() is told the power the wheels take at the terminals (P > 0 discharges) and finds
+ * the current that is constant over the step and makes exactly that power, with the exponential of
+ * the RC branch solved exactly:
  *
- *     i = 2 P / (E + sqrt(E^2 - 4 R P)),  E and R of the step's mean,  so chemical = terminal + heat + stored, to rounding.
+ *     i = 2 P / (E + sqrt(E^2 - 4 R P)),  E and R of the step's mean,  so chemical = terminal +
+ * heat + stored, to rounding.
  *
- * Source: Lu et al. 2013 eqs (15) to (19), (24) corrected. Beyond the largest power E^2/(4 R) the voltage collapses: the
- * current of largest power flows and `collapsed` says so.
+ * Source: Lu et al. 2013 eqs (15) to (19), (24) corrected. Beyond the largest power E^2/(4 R) the
+ * voltage collapses: the current of largest power flows and `collapsed` says so.
  */
 #ifndef PLANT_BATTERY_H
 #define PLANT_BATTERY_H
@@ -26,8 +30,10 @@
     X(polarisation_capacitance_f,   1e-6, 1e9,  "F",   "C_t") \
     X(capacity_ah,                  1e-3, 1e6,  "A h", "") \
     X(initial_soc,                  0.0,  1.0,  "1",   "state of charge where work begins") \
-    X(max_charge_current_a,         0.0,  1e5,  "A",   "what the battery management allows into the pack") \
-    X(max_discharge_current_a,      0.0,  1e5,  "A",   "what the battery management allows out of the pack")
+    X(max_charge_current_a,         0.0,  1e5,  "A", \
+      "what the battery management allows into the pack") \
+    X(max_discharge_current_a,      0.0,  1e5,  "A", \
+      "what the battery management allows out of the pack")
 /* clang-format on */
 
 typedef struct {
@@ -55,7 +61,8 @@ typedef struct {
 
 battery_state_t battery_init(const battery_params_t *params, double step_s);
 
-/* What the pack is to the outside during one step: an open-circuit voltage and a resistance, means over the step. */
+/* What the pack is to the outside during one step: an open-circuit voltage and a resistance, means
+ * over the step. */
 typedef struct {
     double open_v;
     double resistance_ohm;
@@ -63,14 +70,17 @@ typedef struct {
 
 battery_source_t battery_source(const battery_params_t *params, const battery_state_t *state);
 
-/* The constant current with which a source gives power_w behind resistance_ohm; *collapsed is set when it cannot. */
+/* The constant current with which a source gives power_w behind resistance_ohm; *collapsed is set
+ * when it cannot. */
 double battery_current_a(double open_v, double resistance_ohm, double power_w, bool *collapsed);
 
 /* Advance one step in which current_a flowed out of the pack. */
-battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *state, double current_a);
+battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *state,
+                             double current_a);
 
 /* terminal_j: energy drawn at the terminals during this step. */
-battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state, double terminal_j);
+battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state,
+                            double terminal_j);
 
 /* Energy in the polarisation capacitance. */
 double battery_stored_j(const battery_params_t *params, const battery_state_t *state);

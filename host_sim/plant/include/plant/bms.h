@@ -1,10 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * bms.h: what the battery management tells the controllers: how much current the pack takes and gives now.
+ * bms.h: what the battery management tells the controllers: how much current the pack takes and
+ * gives now.
  *
- * The smallest of what the pack is built for (battery.max_..._current_a), what its charge leaves (fading over the last
- * fade_soc to nothing into a full pack and out of an empty one), what keeps the settled terminal voltage within its ends,
- * (U_end - u_oc) / (R_s + R_t), and what its temperature allows (charging cold cells plates lithium: nothing below
- * coldest_charge_c, everything from full_charge_c on). The message comes every period_s and counts in whole steps of
+ * The smallest of what the pack is built for (battery.max_..._current_a), what its charge leaves
+ * (fading over the last fade_soc to nothing into a full pack and out of an empty one), what keeps
+ * the settled terminal voltage within its ends, (U_end - u_oc) / (R_s + R_t), and what its
+ * temperature allows (charging cold cells plates lithium: nothing below coldest_charge_c,
+ * everything from full_charge_c on). The message comes every period_s and counts in whole steps of
  * current, rounded towards caution. Every limit is off where its parameter is 0.
  */
 #ifndef PLANT_BMS_H
@@ -16,10 +19,13 @@
 /* clang-format off */
 #define BMS_PARAMETERS(X) \
     X(fade_soc,          0.0,   1.0,   "1",    "charge over which the limits fade at both ends") \
-    X(max_voltage_v,     0.0,   1e5,   "V",    "end of charge that the limit keeps; 0: not watched") \
-    X(min_voltage_v,     0.0,   1e5,   "V",    "end of discharge that the limit keeps; 0: not watched") \
+    X(max_voltage_v,     0.0,   1e5,   "V", \
+      "end of charge that the limit keeps; 0: not watched") \
+    X(min_voltage_v,     0.0,   1e5,   "V", \
+      "end of discharge that the limit keeps; 0: not watched") \
     X(temperature_c,    -60.0,  100.0, "degC", "of the cells") \
-    X(coldest_charge_c, -60.0,  100.0, "degC", "no charge below; not watched unless below full_charge_c") \
+    X(coldest_charge_c, -60.0,  100.0, "degC", \
+      "no charge below; not watched unless below full_charge_c") \
     X(full_charge_c,    -60.0,  100.0, "degC", "all charge from here on") \
     X(period_s,          0.0,   10.0,  "s",    "of the message; 0: every millisecond") \
     X(current_step_a,    0.0,   1e3,   "A",    "resolution of the message; 0: none")
@@ -39,7 +45,8 @@ typedef struct {
     double next_s; /* time of the next message */
 } bms_state_t;
 
-bms_limits_t bms_limits(const bms_params_t *params, const battery_params_t *pack, const battery_state_t *battery);
+bms_limits_t bms_limits(const bms_params_t *params, const battery_params_t *pack,
+                        const battery_state_t *battery);
 
 /* Once a millisecond: the limits as the last message has them. time_s must not go back. */
 bms_limits_t bms_step(const bms_params_t *params, bms_state_t *state, const battery_params_t *pack,

@@ -1,18 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * bus.h: what lies between the pack's terminals and the bridges: a cable, a contactor and the capacitors.
+ * bus.h: what lies between the pack's terminals and the bridges: a cable, a contactor and the
+ * capacitors.
  *
- *     i_b = (E - v) / R    (0 with the contactor open)        C dv/dt = i_b - i        R = pack + cable
+ *     i_b = (E - v) / R    (0 with the contactor open)        C dv/dt = i_b - i        R = pack +
+ * cable
  *
- * bus_step() is told the energy the bridges took during a step and finds the current i that is constant over it and makes
- * exactly that energy. v(t) then runs exponentially towards E - R i, so means and end are exact for any R C, and
+ * bus_step() is told the energy the bridges took during a step and finds the current i that is
+ * constant over it and makes exactly that energy. v(t) then runs exponentially towards E - R i, so
+ * means and end are exact for any R C, and
  *
- *     chemical = terminal heat + cable heat + bridges + change of polarisation + change of capacitor
+ *     chemical = terminal heat + cable heat + bridges + change of polarisation + change of
+ * capacitor
  *
- * holds to rounding: the heat of the resistances is what the exact integral of v i_b leaves over, never negative.
+ * holds to rounding: the heat of the resistances is what the exact integral of v i_b leaves over,
+ * never negative.
  *
- * Capacitance 0: no capacitor, the bridges sit on the cable's end; the contactor must then be closed. With the contactor
- * open the bridges' energy comes out of the capacitor and goes into it, v^2 = v0^2 - 2 W / C; a capacitor that is asked
- * for more than it holds is empty and `collapsed` says so.
+ * Capacitance 0: no capacitor, the bridges sit on the cable's end; the contactor must then be
+ * closed. With the contactor open the bridges' energy comes out of the capacitor and goes into it,
+ * v^2 = v0^2 - 2 W / C; a capacitor that is asked for more than it holds is empty and `collapsed`
+ * says so.
  */
 #ifndef PLANT_BUS_H
 #define PLANT_BUS_H
@@ -34,8 +41,9 @@ typedef struct {
 } bus_params_t;
 
 typedef struct {
-    double voltage_v; /* at the bridges: at the end of the last step; without a capacitor its mean */
-    bool collapsed;   /* more energy was asked for than capacitor and pack could give, at some time */
+    double
+        voltage_v;  /* at the bridges: at the end of the last step; without a capacitor its mean */
+    bool collapsed; /* more energy was asked for than capacitor and pack could give, at some time */
 } bus_state_t;
 
 typedef struct {
@@ -47,8 +55,8 @@ typedef struct {
 bus_state_t bus_init(const battery_state_t *battery);
 
 /* dc_j: energy drawn by the bridges during this step, whose length is the battery's. */
-bus_flow_t bus_step(const bus_params_t *params, bus_state_t *state, const battery_params_t *battery_params,
-                    battery_state_t *battery, double dc_j);
+bus_flow_t bus_step(const bus_params_t *params, bus_state_t *state,
+                    const battery_params_t *battery_params, battery_state_t *battery, double dc_j);
 
 /* Energy in the capacitor. */
 double bus_stored_j(const bus_params_t *params, const bus_state_t *state);

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * curve.h: a quantity over another as straight lines between points; outside the points the nearest one counts.
+ * curve.h: a quantity over another as straight lines between points; outside the points the nearest
+ * one counts.
  */
 #ifndef PLANT_CURVE_H
 #define PLANT_CURVE_H

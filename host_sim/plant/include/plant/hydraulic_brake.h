@@ -1,13 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * hydraulic_brake.h: a wheel brake that is told a torque and gives it late.
  *
- * command -> dead time -> first-order lag, no faster than a rate in either direction -> what is left of the friction.
- * Below the knee the torque rises only at the knee's rate: the fluid first closes the gap between pads and disc. The torque
- * is a capacity: it opposes rotation, holds a standing wheel up to its magnitude, and never drives (vehicle_step() decides
- * how much of it is used). Commands arrive at 1 kHz, so the dead time is rounded to whole milliseconds.
+ * command -> dead time -> first-order lag, no faster than a rate in either direction -> what is
+ * left of the friction. Below the knee the torque rises only at the knee's rate: the fluid first
+ * closes the gap between pads and disc. The torque is a capacity: it opposes rotation, holds a
+ * standing wheel up to its magnitude, and never drives (vehicle_step() decides how much of it is
+ * used). Commands arrive at 1 kHz, so the dead time is rounded to whole milliseconds.
  *
- * An anti-lock system (anti_lock.h) has valves at the wheel, behind dead time and lag: they make the torque rise slowly, keep
- * it from rising, or let it go at once. A command that falls below the torque always gets through.
+ * An anti-lock system (anti_lock.h) has valves at the wheel, behind dead time and lag: they make
+ * the torque rise slowly, keep it from rising, or let it go at once. A command that falls below the
+ * torque always gets through.
  */
 #ifndef PLANT_HYDRAULIC_BRAKE_H
 #define PLANT_HYDRAULIC_BRAKE_H
@@ -16,13 +19,16 @@
 
 /* clang-format off */
 #define HYDRAULIC_BRAKE_PARAMETERS(X) \
-    X(hydraulic_dead_time_s,       0.0,  1.0, "s",     "from command to the first change of torque") \
+    X(hydraulic_dead_time_s,       0.0,  1.0, "s", \
+      "from command to the first change of torque") \
     X(hydraulic_time_constant_s,   0.0,  10.0, "s",    "first-order lag; 0: none") \
     X(hydraulic_rate_nm_per_s,     0.1,  1e7, "N m/s", "fastest change of torque") \
     X(max_hydraulic_torque_nm,     0.0,  1e5, "N m",   "at one wheel; 0: no such brake") \
-    X(knee_torque_nm,              0.0,  1e5, "N m",   "torque rises slowly up to here; 0: no knee") \
+    X(knee_torque_nm,              0.0,  1e5, "N m", \
+      "torque rises slowly up to here; 0: no knee") \
     X(knee_rate_nm_per_s,          0.0,  1e7, "N m/s", "of the rise below the knee") \
-    X(torque_loss,                -0.5,  1.0, "1",     "share of the torque lost; 1: dead, negative: bites harder")
+    X(torque_loss,                -0.5,  1.0, "1", \
+      "share of the torque lost; 1: dead, negative: bites harder")
 /* clang-format on */
 
 typedef struct {
@@ -56,16 +62,18 @@ typedef struct {
 /* step_s: length of hydraulic_brake_step(). */
 hydraulic_brake_state_t hydraulic_brake_init(const hydraulic_brake_params_t *params, double step_s);
 
-/* After a change of parameters other than the dead time. torque_loss: this wheel's own, on top of the parameters'. */
-void hydraulic_brake_refresh(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state, double torque_loss,
-                             double step_s);
+/* After a change of parameters other than the dead time. torque_loss: this wheel's own, on top of
+ * the parameters'. */
+void hydraulic_brake_refresh(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state,
+                             double torque_loss, double step_s);
 
 /* Once per millisecond: command_nm >= 0, clamped to the largest torque. */
-void hydraulic_brake_command(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state, double command_nm);
+void hydraulic_brake_command(const hydraulic_brake_params_t *params, hydraulic_brake_state_t *state,
+                             double command_nm);
 
 /* From now on; rates of the system's own. */
-void hydraulic_brake_valve(hydraulic_brake_state_t *state, hydraulic_valve_t valve, double build_nm_per_s,
-                           double dump_nm_per_s, double step_s);
+void hydraulic_brake_valve(hydraulic_brake_state_t *state, hydraulic_valve_t valve,
+                           double build_nm_per_s, double dump_nm_per_s, double step_s);
 
 /* Advance one step; returns the torque capacity during it. */
 double hydraulic_brake_step(hydraulic_brake_state_t *state);

@@ -1,23 +1,29 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * magnetics.h: the iron of a machine: which current magnetises it how far, and what energy that takes.
+ * magnetics.h: the iron of a machine: which current magnetises it how far, and what energy that
+ * takes.
  *
- * Without saturation psi_d = psi + L_d i_d and psi_q = L_q i_q. With it, x = psi_d - psi and y = psi_q follow from one energy
- * of the field (per 3/2 of three phases), z = x + L_d I_b being the flux that d current and magnets make in the iron:
+ * Without saturation psi_d = psi + L_d i_d and psi_q = L_q i_q. With it, x = psi_d - psi and y =
+ * psi_q follow from one energy of the field (per 3/2 of three phases), z = x + L_d I_b being the
+ * flux that d current and magnets make in the iron:
  *
- *     W(x, y) = g_d x^2/2 + g_q y^2/2 + a_d (z^4 - z_0^4)/4 + a_q y^4/4 + a_c (z^2 - z_0^2) y^2/2 - a_d z_0^3 x
- *     i_d = dW/dx = g_d x + a_d (z^3 - z_0^3) + a_c z y^2        i_q = dW/dy = (g_q + a_q y^2 + a_c (z^2 - z_0^2)) y
- *     a_d = 4 / (L_d^3 I_sd^2)        a_q = 4 / (L_q^3 I_sq^2)        a_c = share sqrt(a_d a_q)        z_0 = L_d I_b
+ *     W(x, y) = g_d x^2/2 + g_q y^2/2 + a_d (z^4 - z_0^4)/4 + a_q y^4/4 + a_c (z^2 - z_0^2) y^2/2 -
+ * a_d z_0^3 x i_d = dW/dx = g_d x + a_d (z^3 - z_0^3) + a_c z y^2        i_q = dW/dy = (g_q + a_q
+ * y^2 + a_c (z^2 - z_0^2)) y a_d = 4 / (L_d^3 I_sd^2)        a_q = 4 / (L_q^3 I_sq^2)        a_c =
+ * share sqrt(a_d a_q)        z_0 = L_d I_b
  *
- * and g_d = 1/L_d - 3 a_d z_0^2, g_q = 1/L_q: without current the machine has its inductances L_d and L_q, whatever the iron
- * does later. Both currents are slopes of one energy, so di_d/dpsi_q = di_q/dpsi_d, the inductances are reciprocal and no
- * cycle of currents gains anything; the co-energy psi . i - W has the fluxes as its slopes. W is convex for 0 <= share <= 1,
- * g_d > 0 and g_q > a_c z_0^2, and then has one flux for every current. Without bias I_s is the current whose flux is half of
- * L I_s. With bias, current in q also takes flux out of d: the torque for an ampere falls with load, as it does in machines whose
- * teeth are full.
+ * and g_d = 1/L_d - 3 a_d z_0^2, g_q = 1/L_q: without current the machine has its inductances L_d
+ * and L_q, whatever the iron does later. Both currents are slopes of one energy, so di_d/dpsi_q =
+ * di_q/dpsi_d, the inductances are reciprocal and no cycle of currents gains anything; the
+ * co-energy psi . i - W has the fluxes as its slopes. W is convex for 0 <= share <= 1, g_d > 0 and
+ * g_q > a_c z_0^2, and then has one flux for every current. Without bias I_s is the current whose
+ * flux is half of L I_s. With bias, current in q also takes flux out of d: the torque for an ampere
+ * falls with load, as it does in machines whose teeth are full.
  *
- * Sources: M. Hinkkanen et al., "Sensorless self-commissioning of synchronous reluctance motors at standstill without rotor
- * locking", IEEE Trans. Ind. Appl. 53 (2017): currents as such functions of flux, reciprocity; here with fixed exponents, which are
- * right for steel that bends softly, and about the magnets' working point.
+ * Sources: M. Hinkkanen et al., "Sensorless self-commissioning of synchronous reluctance motors at
+ * standstill without rotor locking", IEEE Trans. Ind. Appl. 53 (2017): currents as such functions
+ * of flux, reciprocity; here with fixed exponents, which are right for steel that bends softly, and
+ * about the magnets' working point.
  */
 #ifndef PLANT_MAGNETICS_H
 #define PLANT_MAGNETICS_H
@@ -50,7 +56,8 @@ typedef struct {
 
 magnetics_t magnetics_of(const magnetics_data_t *data);
 
-/* False where the magnets alone would need more iron than these data have, and W would not be convex. */
+/* False where the magnets alone would need more iron than these data have, and W would not be
+ * convex. */
 bool magnetics_is_possible(const magnetics_data_t *data);
 
 /* flux: of the currents, the magnets' taken off. */

@@ -1,16 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * phases.h: the machine of pmsm.h as three windings on three legs, each leg with its own voltage and resistance, or open.
+ * phases.h: the machine of pmsm.h as three windings on three legs, each leg with its own voltage
+ * and resistance, or open.
  *
- *     v_x = d(lambda_x)/dt           i_x = i_tx + w_x / R_i          e_x - (r_x + R) i_x - v_n = v_x,  sum v_x = 0
- *     i_t = L(theta)^-1 (lambda - psi),  psi_x = psi cos(theta - 0, 120, 240 deg)              T = p (lambda x i_t)
+ *     v_x = d(lambda_x)/dt           i_x = i_tx + w_x / R_i          e_x - (r_x + R) i_x - v_n =
+ * v_x,  sum v_x = 0 i_t = L(theta)^-1 (lambda - psi),  psi_x = psi cos(theta - 0, 120, 240 deg) T =
+ * p (lambda x i_t)
  *
- * The flux linkages of the three windings are the state, in the stator; the star point v_n floats. R_i is known for the
- * flux that turns with the rotor, so its voltage is that of the turning flux, w = j omega lambda: in the steady state that
- * is v, and what edges of the bridge do to v in between is not iron loss of this kind. With iron_sees_ripple it is v at
- * every instant, the circuit of pmsm.h to the letter; both then agree wherever all legs have the same resistance.
+ * The flux linkages of the three windings are the state, in the stator; the star point v_n floats.
+ * R_i is known for the flux that turns with the rotor, so its voltage is that of the turning flux,
+ * w = j omega lambda: in the steady state that is v, and what edges of the bridge do to v in
+ * between is not iron loss of this kind. With iron_sees_ripple it is v at every instant, the
+ * circuit of pmsm.h to the letter; both then agree wherever all legs have the same resistance.
  *
- * A leg that does not conduct carries no current: its winding follows the turning flux while what current it still has
- * dies within microseconds; the energy of that little is open_j. Four-stage Runge-Kutta, energies by the same stages.
+ * A leg that does not conduct carries no current: its winding follows the turning flux while what
+ * current it still has dies within microseconds; the energy of that little is open_j. Four-stage
+ * Runge-Kutta, energies by the same stages.
  */
 #ifndef PLANT_PHASES_H
 #define PLANT_PHASES_H
@@ -57,18 +62,20 @@ phases_t phases_at(const pmsm_t *machine, double omega_rad_s);
 
 phases_state_t phases_from(const phases_t *phases, const pmsm_state_t *rotor);
 
-/* open_ohm for this state: a current dies the quicker the more the iron is saturated, and no step would follow it. */
+/* open_ohm for this state: a current dies the quicker the more the iron is saturated, and no step
+ * would follow it. */
 double phases_open_ohm(const phases_t *phases, const phases_state_t *state);
 
 /* Back to the rotor's frame; the angle is the caller's to advance. */
 void phases_to(const phases_t *phases, const phases_state_t *state, pmsm_state_t *rotor);
 
 /* Advance by h with the legs as they are and add to flow. */
-void phases_advance(const phases_t *phases, phases_state_t *state, const phases_leg_t legs[PHASES], double h,
-                    phases_flow_t *flow);
+void phases_advance(const phases_t *phases, phases_state_t *state, const phases_leg_t legs[PHASES],
+                    double h, phases_flow_t *flow);
 
-/* Wire currents and the voltages of the legs' ends against the negative rail, now, with the legs as they are. */
-void phases_look(const phases_t *phases, const phases_state_t *state, const phases_leg_t legs[PHASES],
-                 double current_a[PHASES], double end_v[PHASES]);
+/* Wire currents and the voltages of the legs' ends against the negative rail, now, with the legs as
+ * they are. */
+void phases_look(const phases_t *phases, const phases_state_t *state,
+                 const phases_leg_t legs[PHASES], double current_a[PHASES], double end_v[PHASES]);
 
 #endif

@@ -1,27 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * pmsm.h: a permanent-magnet synchronous machine with an iron-loss branch, in the rotor frame.
  *
- *     i = i_t + v / R_i        v = u - R i        R = winding resistance + series resistance of whatever feeds it
- *     L_d di_dt/dt = v_d + w L_q i_qt             L_q di_qt/dt = v_q - w (L_d i_dt + psi)
- *     T = 3/2 p [psi + (L_d - L_q) i_dt] i_qt     R_i = a0 + a1 |w|, across the voltage v behind the resistance
+ *     i = i_t + v / R_i        v = u - R i        R = winding resistance + series resistance of
+ * whatever feeds it L_d di_dt/dt = v_d + w L_q i_qt             L_q di_qt/dt = v_q - w (L_d i_dt +
+ * psi) T = 3/2 p [psi + (L_d - L_q) i_dt] i_qt     R_i = a0 + a1 |w|, across the voltage v behind
+ * the resistance
  *
- * i is what the wires carry; only i_t, left over from the iron-loss branch, is flux and torque. Peak phase quantities,
- * w electrical, motor signs (T > 0 drives forward, u . i > 0 flows into the machine). Sources: Urasaki et al. 2000;
- * Lu et al. 2013 eqs (1) to (7). Both iron-loss parameters zero: no iron loss.
+ * i is what the wires carry; only i_t, left over from the iron-loss branch, is flux and torque.
+ * Peak phase quantities, w electrical, motor signs (T > 0 drives forward, u . i > 0 flows into the
+ * machine). Sources: Urasaki et al. 2000; Lu et al. 2013 eqs (1) to (7). Both iron-loss parameters
+ * zero: no iron loss.
  *
- * pmsm_step() integrates over one PWM period by the fourth-order Runge-Kutta scheme while the stator voltage stands
- * still and the rotor turns; the energies are integrated by the same stages, so the balance
+ * pmsm_step() integrates over one PWM period by the fourth-order Runge-Kutta scheme while the
+ * stator voltage stands still and the rotor turns; the energies are integrated by the same stages,
+ * so the balance
  *
  *     source = copper + series + iron + torque * speed + change of magnetic energy
  *
- * closes to the scheme's own order (1e-9 of the energy turned over at 1 kHz electrical and 20 kHz PWM; where an opposition
- * turns with a phase's current, 1e-5 of what flows then). Speed and
- * temperature are constant during a step. Valid for R * step < L (pmsm_is_resolved()), any speed: fast rotors are
- * integrated in more than one stage set.
+ * closes to the scheme's own order (1e-9 of the energy turned over at 1 kHz electrical and 20 kHz
+ * PWM; where an opposition turns with a phase's current, 1e-5 of what flows then). Speed and
+ * temperature are constant during a step. Valid for R * step < L (pmsm_is_resolved()), any speed:
+ * fast rotors are integrated in more than one stage set.
  *
- * Iron that saturates (magnetics.h) takes the place of L i_t where a saturation current is given; the torque then is
- * 3/2 p [(psi + x) i_qt - y i_dt], and the same stages integrate the fluxes. Cogging (cogging.h) adds its torque to the
- * airgap's; its energy is counted with the magnetic one, so the balance stays what it is.
+ * Iron that saturates (magnetics.h) takes the place of L i_t where a saturation current is given;
+ * the torque then is 3/2 p [(psi + x) i_qt - y i_dt], and the same stages integrate the fluxes.
+ * Cogging (cogging.h) adds its torque to the airgap's; its energy is counted with the magnetic one,
+ * so the balance stays what it is.
  */
 #ifndef PLANT_PMSM_H
 #define PLANT_PMSM_H
@@ -35,25 +40,40 @@
 
 /* clang-format off */
 #define PMSM_PARAMETERS(X) \
-    X(pole_pairs,                                1.0,   200.0, "1",     "electrical turns in a mechanical turn") \
-    X(phase_resistance_ohm,                      1e-6,  1e3,   "ohm",   "one phase, at reference_temperature_c") \
-    X(reference_temperature_c,                  -100.0, 300.0, "degC",  "where resistance and flux hold") \
+    X(pole_pairs,                                1.0,   200.0, "1", \
+      "electrical turns in a mechanical turn") \
+    X(phase_resistance_ohm,                      1e-6,  1e3,   "ohm", \
+      "one phase, at reference_temperature_c") \
+    X(reference_temperature_c,                  -100.0, 300.0, "degC", \
+      "where resistance and flux hold") \
     X(resistance_temperature_coefficient_per_k,  0.0,   0.1,   "1/K",   "copper 0.00393") \
     X(d_inductance_h,                            1e-8,  10.0,  "H",     "direct axis") \
     X(q_inductance_h,                            1e-8,  10.0,  "H",     "quadrature axis") \
-    X(flux_linkage_wb,                           0.0,   100.0, "Wb",    "peak phase flux linkage of the magnets") \
-    X(flux_temperature_coefficient_per_k,       -0.1,   0.1,   "1/K",   "NdFeB -0.0011; 0: constant flux") \
-    X(iron_loss_resistance_ohm,                  0.0,   1e9,   "ohm",   "a0 of R_i = a0 + a1 |omega_e|") \
-    X(iron_loss_resistance_slope_ohm_s,          0.0,   1e6,   "ohm s", "a1 of R_i = a0 + a1 |omega_e|") \
-    X(friction_torque_nm,                        0.0,   1e4,   "N m",   "Coulomb friction of bearings and seals") \
-    X(viscous_friction_nm_s,                     0.0,   1e4,   "N m s", "friction proportional to mechanical speed") \
-    X(d_saturation_current_a,                    0.0,   1e5,   "A",     "d current with half the flux of L_d i_d; 0: never saturates") \
+    X(flux_linkage_wb,                           0.0,   100.0, "Wb", \
+      "peak phase flux linkage of the magnets") \
+    X(flux_temperature_coefficient_per_k,       -0.1,   0.1,   "1/K", \
+      "NdFeB -0.0011; 0: constant flux") \
+    X(iron_loss_resistance_ohm,                  0.0,   1e9,   "ohm", \
+      "a0 of R_i = a0 + a1 |omega_e|") \
+    X(iron_loss_resistance_slope_ohm_s,          0.0,   1e6,   "ohm s", \
+      "a1 of R_i = a0 + a1 |omega_e|") \
+    X(friction_torque_nm,                        0.0,   1e4,   "N m", \
+      "Coulomb friction of bearings and seals") \
+    X(viscous_friction_nm_s,                     0.0,   1e4,   "N m s", \
+      "friction proportional to mechanical speed") \
+    X(d_saturation_current_a,                    0.0,   1e5,   "A", \
+      "d current with half the flux of L_d i_d; 0: never saturates") \
     X(q_saturation_current_a,                    0.0,   1e5,   "A",     "q current, likewise") \
-    X(cross_saturation,                          0.0,   1.0,   "1",     "1: both axes share their iron, 0: each has its own") \
-    X(magnet_bias_current_a,                     0.0,   1e5,   "A",     "d current that fills the iron as the magnets do") \
-    X(cogging_torque_nm,                         0.0,   1e4,   "N m",   "amplitude; 0: no cogging") \
-    X(cogging_per_turn,                          0.0,   1e4,   "1",     "whole periods of it in a mechanical turn") \
-    X(cogging_deg,                               0.0,   360.0, "deg",   "of a period, phase where the shaft's angle is 0")
+    X(cross_saturation,                          0.0,   1.0,   "1", \
+      "1: both axes share their iron, 0: each has its own") \
+    X(magnet_bias_current_a,                     0.0,   1e5,   "A", \
+      "d current that fills the iron as the magnets do") \
+    X(cogging_torque_nm,                         0.0,   1e4,   "N m", \
+      "amplitude; 0: no cogging") \
+    X(cogging_per_turn,                          0.0,   1e4,   "1", \
+      "whole periods of it in a mechanical turn") \
+    X(cogging_deg,                               0.0,   360.0, "deg", \
+      "of a period, phase where the shaft's angle is 0")
 /* clang-format on */
 
 typedef struct {
@@ -77,7 +97,8 @@ typedef struct {
     double shaft_turn;   /* mechanical, 0 <= angle < 1; kept up where there is cogging */
 } pmsm_state_t;
 
-/* Something that takes a voltage of each phase against its current: all of it from zone_a on, proportionally less below. */
+/* Something that takes a voltage of each phase against its current: all of it from zone_a on,
+ * proportionally less below. */
 typedef struct {
     double volts;  /* 0: nothing does */
     double zone_a; /* above 0 */
@@ -93,9 +114,10 @@ typedef struct {
 /* What flowed during a step. */
 typedef struct {
     plant_ab_t charge_as; /* integral of the terminal current */
-    double source_j;      /* delivered by the source, in front of its series resistance, the opposition taken off */
-    double
-        opposed_as; /* integral of the currents that the opposition stood against, all phases, as shares of its volts */
+    double source_j;   /* delivered by the source, in front of its series resistance, the opposition
+                          taken off */
+    double opposed_as; /* integral of the currents that the opposition stood against, all phases, as
+                          shares of its volts */
     double copper_j;
     double series_j; /* heat in the series resistance */
     double iron_j;
@@ -113,24 +135,29 @@ pmsm_state_t pmsm_at_rest(double theta_turn);
 /* One stage set resolves R/L up to this step; a drive that fails is refused by the bench. */
 bool pmsm_is_resolved(const pmsm_t *machine, double series_resistance_ohm, double step_s);
 
-/* Stator voltage u (ab, V) in front of opposition and series resistance, constant over the step. Advances currents and
- * angle. The opposition stands still over a step in which all phases stay outside its zone, and follows their currents in
- * every stage where one does not; such a step costs half as much again. */
-pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u, const pmsm_step_t *step);
+/* Stator voltage u (ab, V) in front of opposition and series resistance, constant over the step.
+ * Advances currents and angle. The opposition stands still over a step in which all phases stay
+ * outside its zone, and follows their currents in every stage where one does not; such a step costs
+ * half as much again. */
+pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u,
+                      const pmsm_step_t *step);
 
 /*
- * Fed by diodes: the source takes whatever voltage opposes the current, up to the magnitude `ceiling_v` (peak phase),
- * and as long as that is enough, no terminal current flows. First-order implicit, unconditionally stable; energy the
- * scheme would lose is credited to the source, where the diodes would have carried it.
+ * Fed by diodes: the source takes whatever voltage opposes the current, up to the magnitude
+ * `ceiling_v` (peak phase), and as long as that is enough, no terminal current flows. First-order
+ * implicit, unconditionally stable; energy the scheme would lose is credited to the source, where
+ * the diodes would have carried it.
  */
-pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, double ceiling_v, const pmsm_step_t *step);
+pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, double ceiling_v,
+                                const pmsm_step_t *step);
 
-/* Terminal current that a volt moves within a step: through the smaller inductance of this state, and at once through the
- * iron branch. */
-double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_state_t *state, const pmsm_step_t *step);
+/* Terminal current that a volt moves within a step: through the smaller inductance of this state,
+ * and at once through the iron branch. */
+double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_state_t *state,
+                             const pmsm_step_t *step);
 
-/* The rotor's angle after a step; whoever integrates the currents himself turns it with this. Returns the impulse of the
- * cogging torque on the way, N m s, which belongs to the airgap's. */
+/* The rotor's angle after a step; whoever integrates the currents himself turns it with this.
+ * Returns the impulse of the cogging torque on the way, N m s, which belongs to the airgap's. */
 double pmsm_turn(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step);
 
 /* Of currents and cogging. */

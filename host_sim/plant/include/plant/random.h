@@ -1,7 +1,10 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * random.h: repeatable noise. Same seed and stream, same numbers, on every machine with IEEE 754 arithmetic.
+ * random.h: repeatable noise. Same seed and stream, same numbers, on every machine with IEEE 754
+ * arithmetic.
  *
- * xoshiro256++ (Blackman and Vigna 2019) started by splitmix64; Gaussian by the polar method (Marsaglia and Bray 1964).
+ * xoshiro256++ (Blackman and Vigna 2019) started by splitmix64; Gaussian by the polar method
+ * (Marsaglia and Bray 1964).
  */
 #ifndef PLANT_RANDOM_H
 #define PLANT_RANDOM_H

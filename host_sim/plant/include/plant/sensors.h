@@ -1,13 +1,16 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * sensors.h: what a controller gets to see of one wheel, with the faults of real sensors.
  *
- * Converter codes are right-aligned 12 bit, as the firmware's port delivers them (controller.h): phase currents around
- * 2048, rising with current into the motor; bus voltage from 0. A coarser converter leaves the low bits zero. All
- * samples are taken at one instant, the boundary of two PWM periods or sampling_delay_s later; where the controller chooses two
- * of three phases, all three are offered. What the shunts show at that instant is the caller's to say (shunts.h).
+ * Converter codes are right-aligned 12 bit, as the firmware's port delivers them (controller.h):
+ * phase currents around 2048, rising with current into the motor; bus voltage from 0. A coarser
+ * converter leaves the low bits zero. All samples are taken at one instant, the boundary of two PWM
+ * periods or sampling_delay_s later; where the controller chooses two of three phases, all three
+ * are offered. What the shunts show at that instant is the caller's to say (shunts.h).
  *
- * Halls: sector k = 0 .. 5 begins at edge k and shows 5, 1, 3, 2, 6, 4 (bit 0 = A, 1 = B, 2 = C), sensors 120 degrees
- * apart. Misplacement is the plant's alone: the controller is told hall_edges, not the error.
+ * Halls: sector k = 0 .. 5 begins at edge k and shows 5, 1, 3, 2, 6, 4 (bit 0 = A, 1 = B, 2 = C),
+ * sensors 120 degrees apart. Misplacement is the plant's alone: the controller is told hall_edges,
+ * not the error.
  */
 #ifndef PLANT_SENSORS_H
 #define PLANT_SENSORS_H
@@ -20,24 +23,32 @@
 
 /* clang-format off */
 #define SENSORS_PARAMETERS(X) \
-    X(current_full_scale_a,   0.1,   1e5,   "A",   "current that half the converter's range stands for") \
+    X(current_full_scale_a,   0.1,   1e5,   "A", \
+      "current that half the converter's range stands for") \
     X(voltage_full_scale_v,   1.0,   1e5,   "V",   "voltage that the whole range stands for") \
     X(current_noise_a,        0.0,   1e4,   "A",   "standard deviation") \
     X(bus_voltage_noise_v,    0.0,   1e4,   "V",   "standard deviation") \
     X(current_offset_a,      -1e4,   1e4,   "A",   "of phases a and c; the opposite in b") \
-    X(hall_edge_error_deg,    0.0,   30.0,  "deg", "misplacement of the hall edges, electrical, late and early in turn") \
+    X(hall_edge_error_deg,    0.0,   30.0,  "deg", \
+      "misplacement of the hall edges, electrical, late and early in turn") \
     X(adc_bits,               4.0,   16.0,  "1",   "resolution of every converter") \
-    X(hall_edge_0_deg,        0.0,   360.0, "deg", "electrical angle at which sector 0 begins, turning forward") \
+    X(hall_edge_0_deg,        0.0,   360.0, "deg", \
+      "electrical angle at which sector 0 begins, turning forward") \
     X(hall_edge_1_deg,        0.0,   360.0, "deg", "sector 1") \
     X(hall_edge_2_deg,        0.0,   360.0, "deg", "sector 2") \
     X(hall_edge_3_deg,        0.0,   360.0, "deg", "sector 3") \
     X(hall_edge_4_deg,        0.0,   360.0, "deg", "sector 4") \
     X(hall_edge_5_deg,        0.0,   360.0, "deg", "sector 5") \
-    X(current_drift_a_per_s, -1e3,   1e3,   "A/s", "growth of the offset of phases a and c, and of the opposite in b") \
-    X(sampling_delay_s,       0.0,   1e-4,  "s",   "converters sample so long after the middle of the low sides' time; 0: in it") \
-    X(shunt_settling_s,       0.0,   1e-4,  "s",   "of the shunts' amplifiers (shunts.h); 0: currents are seen at all times") \
-    X(hall_stuck_low,         0.0,   7.0,   "",    "sensors whose line is shorted to ground: 1 = A, 2 = B, 4 = C, sums") \
-    X(hall_stuck_high,        0.0,   7.0,   "",    "sensors whose line is broken and pulled up, likewise; 7: plug off")
+    X(current_drift_a_per_s, -1e3,   1e3,   "A/s", \
+      "growth of the offset of phases a and c, and of the opposite in b") \
+    X(sampling_delay_s,       0.0,   1e-4,  "s", \
+      "converters sample so long after the middle of the low sides' time; 0: in it") \
+    X(shunt_settling_s,       0.0,   1e-4,  "s", \
+      "of the shunts' amplifiers (shunts.h); 0: currents are seen at all times") \
+    X(hall_stuck_low,         0.0,   7.0,   "", \
+      "sensors whose line is shorted to ground: 1 = A, 2 = B, 4 = C, sums") \
+    X(hall_stuck_high,        0.0,   7.0,   "", \
+      "sensors whose line is broken and pulled up, likewise; 7: plug off")
 /* clang-format on */
 
 typedef struct {
@@ -59,7 +70,7 @@ typedef struct {
 
 /* What has gone wrong at one wheel since. */
 typedef struct {
-    double offset_a;                         /* of the current sensors: phases a and c, the opposite in b */
+    double offset_a; /* of the current sensors: phases a and c, the opposite in b */
     uint8_t hall_stuck_low, hall_stuck_high; /* bit 0 = A, 1 = B, 2 = C; broken wins */
 } sensors_fault_t;
 
@@ -72,10 +83,11 @@ typedef struct {
 
 sensors_t sensors_init(const sensors_params_t *params);
 
-/* current: in the wires, or as the shunts show it; theta_turn: electrical, 0 <= theta < 1. Draws from `random` only where
- * there is noise. */
-sensors_sample_t sensors_sample(const sensors_t *sensors, const sensors_fault_t *fault, random_t *random,
-                                plant_abc_t current_a, double bus_voltage_v, double theta_turn);
+/* current: in the wires, or as the shunts show it; theta_turn: electrical, 0 <= theta < 1. Draws
+ * from `random` only where there is noise. */
+sensors_sample_t sensors_sample(const sensors_t *sensors, const sensors_fault_t *fault,
+                                random_t *random, plant_abc_t current_a, double bus_voltage_v,
+                                double theta_turn);
 
 /* Hall state alone. */
 uint8_t sensors_hall_state(const sensors_t *sensors, double theta_turn);

@@ -1,14 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * shunts.h: low-side shunts and their amplifiers: what a converter has in front of it when it samples.
+ * shunts.h: low-side shunts and their amplifiers: what a converter has in front of it when it
+ * samples.
  *
- * The shunt lies between low-side switch and ground, so it carries a phase's current only while the low side conducts, switch or
- * diode, and nothing while the high side does. The amplifier follows with one time constant,
+ * The shunt lies between low-side switch and ground, so it carries a phase's current only while the
+ * low side conducts, switch or diode, and nothing while the high side does. The amplifier follows
+ * with one time constant,
  *
  *     tau d(seen)/dt = driven - seen,        driven = i while the low side conducts, 0 otherwise,
  *
- * which is solved exactly for a driven current that is constant over an interval. A leg whose low side conducts for less than
- * some time constants before the sample shows too little; one that never does shows nothing. Which legs those are
- * decides the modulation, and the firmware's choice of two shunts out of three lives on it.
+ * which is solved exactly for a driven current that is constant over an interval. A leg whose low
+ * side conducts for less than some time constants before the sample shows too little; one that
+ * never does shows nothing. Which legs those are decides the modulation, and the firmware's choice
+ * of two shunts out of three lives on it.
  */
 #ifndef PLANT_SHUNTS_H
 #define PLANT_SHUNTS_H
@@ -20,10 +24,11 @@ typedef struct {
 } shunts_t;
 
 /* One leg's amplifier over an interval. */
-void shunts_follow(shunts_t *shunts, int leg, double driven_a, double duration_s, double settling_s);
+void shunts_follow(shunts_t *shunts, int leg, double driven_a, double duration_s,
+                   double settling_s);
 
-/* What the averaged bridge does in a period: legs rise at T (1 - d) / 2 and fall at T (1 + d) / 2, as switching.h says, and
- * currents run straight from one end to the other. */
+/* What the averaged bridge does in a period: legs rise at T (1 - d) / 2 and fall at T (1 + d) / 2,
+ * as switching.h says, and currents run straight from one end to the other. */
 typedef struct {
     plant_abc_t duty;
     plant_abc_t begin_a, end_a; /* phase currents at both ends of the time looked at */
@@ -33,13 +38,16 @@ typedef struct {
 /* The first until_s of a PWM period. */
 void shunts_pwm(shunts_t *shunts, const shunts_period_t *period, double until_s, double settling_s);
 
-/* All low sides closed; or all switches open, where only what flows into the motor comes through a low diode. */
-void shunts_short(shunts_t *shunts, const shunts_period_t *period, double until_s, double settling_s);
+/* All low sides closed; or all switches open, where only what flows into the motor comes through a
+ * low diode. */
+void shunts_short(shunts_t *shunts, const shunts_period_t *period, double until_s,
+                  double settling_s);
 void shunts_off(shunts_t *shunts, const shunts_period_t *period, double until_s, double settling_s);
 
 static inline plant_abc_t shunts_seen(const shunts_t *shunts)
 {
-    const plant_abc_t out = {.a = shunts->seen_a[0], .b = shunts->seen_a[1], .c = shunts->seen_a[2]};
+    const plant_abc_t out = {
+        .a = shunts->seen_a[0], .b = shunts->seen_a[1], .c = shunts->seen_a[2]};
     return out;
 }
 

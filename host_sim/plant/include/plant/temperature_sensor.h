@@ -1,10 +1,12 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * temperature_sensor.h: a thermistor on the winding: late, a little wrong, or broken.
  *
  *     tau dT_s/dt = T - T_s          reported = T_s (1 + gain error) + offset,  degrees Celsius
  *
- * A line that is open or shorted lies outside the thermistor's range, and what a port reports then is
- * TEMPERATURE_SENSOR_BROKEN_C, hotter than any limit (hal/analog.h says the same). All parameters 0: the temperature itself.
+ * A line that is open or shorted lies outside the thermistor's range, and what a port reports then
+ * is TEMPERATURE_SENSOR_BROKEN_C, hotter than any limit (hal/analog.h says the same). All
+ * parameters 0: the temperature itself.
  */
 #ifndef PLANT_TEMPERATURE_SENSOR_H
 #define PLANT_TEMPERATURE_SENSOR_H
@@ -17,7 +19,8 @@
 #define WINDING_SENSOR_PARAMETERS(X) \
     X(lag_s,       0.0,   1e3,   "s", "time constant of the sensor behind the winding; 0: none") \
     X(offset_k,   -100.0, 100.0, "K", "reported over true") \
-    X(gain_error, -0.5,   0.5,   "1", "share of the temperature in degrees Celsius reported too much") \
+    X(gain_error, -0.5,   0.5,   "1", \
+      "share of the temperature in degrees Celsius reported too much") \
     X(open,        0.0,   1.0,   "",  "1: the sensor's line is broken") \
     X(shorted,     0.0,   1.0,   "",  "1: the sensor's line is shorted")
 /* clang-format on */

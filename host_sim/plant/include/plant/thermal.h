@@ -1,11 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * thermal.h: two lumps of heat capacity in a row, for winding and housing, for switches and heat sink.
+ * thermal.h: two lumps of heat capacity in a row, for winding and housing, for switches and heat
+ * sink.
  *
- *     C1 dT1/dt = P1 - (T1 - T2) / R1            C2 dT2/dt = P2 + (T1 - T2) / R1 - (T2 - T_ambient) / R2
+ *     C1 dT1/dt = P1 - (T1 - T2) / R1            C2 dT2/dt = P2 + (T1 - T2) / R1 - (T2 - T_ambient)
+ * / R2
  *
- * Solved exactly for powers that are constant over the step (matrix exponential, worked out once). R 0: no heat passes.
- * C2 0: the outer lump is not there, the inner one is joined to the ambient by R1 + R2, and P2 leaves unseen. C1 0: the
- * temperatures are held, they stay whatever the scenario set.
+ * Solved exactly for powers that are constant over the step (matrix exponential, worked out once).
+ * R 0: no heat passes. C2 0: the outer lump is not there, the inner one is joined to the ambient by
+ * R1 + R2, and P2 leaves unseen. C1 0: the temperatures are held, they stay whatever the scenario
+ * set.
  */
 #ifndef PLANT_THERMAL_H
 #define PLANT_THERMAL_H
@@ -16,18 +20,27 @@
 
 /* clang-format off */
 #define THERMAL_PARAMETERS(X) \
-    X(winding_heat_capacity_j_per_k,      0.0, 1e7,   "J/K",  "of one motor's winding; 0: its temperature stays") \
+    X(winding_heat_capacity_j_per_k,      0.0, 1e7,   "J/K", \
+      "of one motor's winding; 0: its temperature stays") \
     X(winding_thermal_resistance_k_per_w, 0.0, 1e3,   "K/W",  "winding to housing; 0: insulated") \
-    X(housing_heat_capacity_j_per_k,      0.0, 1e7,   "J/K",  "of one motor's iron and housing; 0: none between winding and ambient") \
+    X(housing_heat_capacity_j_per_k,      0.0, 1e7,   "J/K", \
+      "of one motor's iron and housing; 0: none between winding and ambient") \
     X(housing_thermal_resistance_k_per_w, 0.0, 1e3,   "K/W",  "housing to ambient; 0: insulated") \
-    X(switch_heat_capacity_j_per_k,       0.0, 1e7,   "J/K",  "of one inverter's switches; 0: their temperature stays") \
-    X(switch_thermal_resistance_k_per_w,  0.0, 1e3,   "K/W",  "switches to heat sink; 0: insulated") \
-    X(heatsink_heat_capacity_j_per_k,     0.0, 1e7,   "J/K",  "of one inverter's heat sink; 0: none between switches and ambient") \
-    X(heatsink_thermal_resistance_k_per_w, 0.0, 1e3,  "K/W",  "heat sink to ambient; 0: insulated") \
-    X(winding_temperature_c,             -60.0, 300.0, "degC", "where work begins, housing included") \
-    X(switch_temperature_c,              -60.0, 300.0, "degC", "where work begins, heat sink included") \
+    X(switch_heat_capacity_j_per_k,       0.0, 1e7,   "J/K", \
+      "of one inverter's switches; 0: their temperature stays") \
+    X(switch_thermal_resistance_k_per_w,  0.0, 1e3,   "K/W", \
+      "switches to heat sink; 0: insulated") \
+    X(heatsink_heat_capacity_j_per_k,     0.0, 1e7,   "J/K", \
+      "of one inverter's heat sink; 0: none between switches and ambient") \
+    X(heatsink_thermal_resistance_k_per_w, 0.0, 1e3,  "K/W", \
+      "heat sink to ambient; 0: insulated") \
+    X(winding_temperature_c,             -60.0, 300.0, "degC", \
+      "where work begins, housing included") \
+    X(switch_temperature_c,              -60.0, 300.0, "degC", \
+      "where work begins, heat sink included") \
     X(ambient_temperature_c,             -60.0, 100.0, "degC", "") \
-    X(active,                              0.0, 1.0,   "",     "1: heat warms what has a heat capacity; 0: temperatures stay")
+    X(active,                              0.0, 1.0,   "", \
+      "1: heat warms what has a heat capacity; 0: temperatures stay")
 /* clang-format on */
 
 typedef struct {
@@ -44,7 +57,8 @@ typedef struct {
     double temperature_c; /* of the inner lump */
     double outer_c;
     bool held;
-    /* Of the step length: what is left of both temperatures over ambient, and what a joule of the step adds. */
+    /* Of the step length: what is left of both temperatures over ambient, and what a joule of the
+     * step adds. */
     double keep[2][2];
     double gain_k_per_j[2][2];
 } thermal_t;

@@ -1,8 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * vectors.h: the frames of a three-phase machine as types, double precision, SI, amplitude-invariant.
+ * vectors.h: the frames of a three-phase machine as types, double precision, SI,
+ * amplitude-invariant.
  *
- * abc is the wires, ab (alpha, beta) the stator, dq the rotor. A vector of one frame is not a vector of another, and
- * the compiler knows it. The d axis lies on phase a at electrical angle 0; power is P = 3/2 (u . i).
+ * abc is the wires, ab (alpha, beta) the stator, dq the rotor. A vector of one frame is not a
+ * vector of another, and the compiler knows it. The d axis lies on phase a at electrical angle 0;
+ * power is P = 3/2 (u . i).
  */
 #ifndef PLANT_VECTORS_H
 #define PLANT_VECTORS_H
@@ -32,7 +35,8 @@ static const double PLANT_TWO_PI = 6.2831853071795865;
 
 static inline plant_ab_t plant_clarke(plant_abc_t x)
 {
-    const plant_ab_t out = {.alpha = (2.0 * x.a - x.b - x.c) / 3.0, .beta = (x.b - x.c) * PLANT_INV_SQRT3};
+    const plant_ab_t out = {.alpha = (2.0 * x.a - x.b - x.c) / 3.0,
+                            .beta = (x.b - x.c) * PLANT_INV_SQRT3};
     return out;
 }
 
@@ -46,19 +50,22 @@ static inline plant_abc_t plant_inverse_clarke(plant_ab_t x)
 
 static inline plant_dq_t plant_park(plant_ab_t x, plant_phasor_t axis)
 {
-    const plant_dq_t out = {.d = x.alpha * axis.cos + x.beta * axis.sin, .q = x.beta * axis.cos - x.alpha * axis.sin};
+    const plant_dq_t out = {.d = x.alpha * axis.cos + x.beta * axis.sin,
+                            .q = x.beta * axis.cos - x.alpha * axis.sin};
     return out;
 }
 
 static inline plant_ab_t plant_inverse_park(plant_dq_t x, plant_phasor_t axis)
 {
-    const plant_ab_t out = {.alpha = x.d * axis.cos - x.q * axis.sin, .beta = x.q * axis.cos + x.d * axis.sin};
+    const plant_ab_t out = {.alpha = x.d * axis.cos - x.q * axis.sin,
+                            .beta = x.q * axis.cos + x.d * axis.sin};
     return out;
 }
 
 static inline plant_phasor_t plant_turned(plant_phasor_t x, plant_phasor_t by)
 {
-    const plant_phasor_t out = {.cos = x.cos * by.cos - x.sin * by.sin, .sin = x.sin * by.cos + x.cos * by.sin};
+    const plant_phasor_t out = {.cos = x.cos * by.cos - x.sin * by.sin,
+                                .sin = x.sin * by.cos + x.cos * by.sin};
     return out;
 }
 
@@ -66,9 +73,11 @@ static inline plant_phasor_t plant_turned(plant_phasor_t x, plant_phasor_t by)
 static inline plant_phasor_t plant_small_phasor(double x)
 {
     const double s = x * x;
-    const double sin_part = 1.0 + s * (-1.0 / 6 + s * (1.0 / 120 + s * (-1.0 / 5040 + s * (1.0 / 362880))));
+    const double sin_part =
+        1.0 + s * (-1.0 / 6 + s * (1.0 / 120 + s * (-1.0 / 5040 + s * (1.0 / 362880))));
     const double cos_part =
-        1.0 + s * (-1.0 / 2 + s * (1.0 / 24 + s * (-1.0 / 720 + s * (1.0 / 40320 - s * (1.0 / 3628800)))));
+        1.0 + s * (-1.0 / 2 +
+                   s * (1.0 / 24 + s * (-1.0 / 720 + s * (1.0 / 40320 - s * (1.0 / 3628800)))));
     const plant_phasor_t out = {.cos = cos_part, .sin = x * sin_part};
     return out;
 }

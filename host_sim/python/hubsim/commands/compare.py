@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """``hubsim compare``: two results, or two runs, side by side."""
 
 import argparse
@@ -19,11 +20,14 @@ from hubsim.errors import HubsimError
 def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
     """Declare the command."""
     command = commands.add_parser(
-        "compare", help="two results or two runs side by side",
+        "compare",
+        help="two results or two runs side by side",
         description="Compare figures and signals of two results (JSON, CSV, Parquet) or of two scenarios that are run now. "
         "Exit status 1 if anything that both have is further apart than the tolerances allow.",
-    )  # fmt: skip
-    command.add_argument("first", metavar="A", help="a file that 'hubsim run' wrote, or a scenario to run")
+    )
+    command.add_argument(
+        "first", metavar="A", help="a file that 'hubsim run' wrote, or a scenario to run"
+    )
     command.add_argument("second", metavar="B", help="another one")
     arguments.add_common(command)
     for side in ("a", "b"):
@@ -34,12 +38,28 @@ def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
             metavar="KEY=VALUE",
             help=f"as --set, for the run of {side.upper()} alone; repeatable",
         )
-    command.add_argument("--absolute", type=float, default=0.0, metavar="X", help="tolerated difference, in each one's unit; default: 0")
     command.add_argument(
-        "--relative", type=float, default=0.0, metavar="X", help="tolerated share of the larger figure, or of a signal's peak; default: 0"
+        "--absolute",
+        type=float,
+        default=0.0,
+        metavar="X",
+        help="tolerated difference, in each one's unit; default: 0",
     )
-    command.add_argument("--only", metavar="PATTERN,...", help="what to compare, '*' for anything; default: everything")
-    command.add_argument("--all", action="store_true", help="show also what is within the tolerances")
+    command.add_argument(
+        "--relative",
+        type=float,
+        default=0.0,
+        metavar="X",
+        help="tolerated share of the larger figure, or of a signal's peak; default: 0",
+    )
+    command.add_argument(
+        "--only",
+        metavar="PATTERN,...",
+        help="what to compare, '*' for anything; default: everything",
+    )
+    command.add_argument(
+        "--all", action="store_true", help="show also what is within the tolerances"
+    )
     command.add_argument("--json", type=Path, metavar="FILE", help="write the differences")
     command.set_defaults(run=_compare)
 
@@ -50,10 +70,17 @@ def _compare(options: argparse.Namespace) -> int:
             raise HubsimError(f"--{name} {getattr(options, name)}: accepted: a number from 0")
     if options.json:
         files.check_writable(options.json)
-    first, second = (_side(options, name, extra) for name, extra in ((options.first, options.set_a), (options.second, options.set_b)))
+    first, second = (
+        _side(options, name, extra)
+        for name, extra in ((options.first, options.set_a), (options.second, options.set_b))
+    )
     found = difference.compare(first, second, Tolerance(options.absolute, options.relative))
     if options.only:
-        found = [d for d in found if any(fnmatchcase(d.name, pattern) for pattern in options.only.split(","))]
+        found = [
+            d
+            for d in found
+            if any(fnmatchcase(d.name, pattern) for pattern in options.only.split(","))
+        ]
     if not found:
         raise HubsimError(f"{options.first} and {options.second}: nothing in common to compare")
     if options.json:
@@ -62,7 +89,10 @@ def _compare(options: argparse.Namespace) -> int:
     _print(first.name, second.name, found if options.all else apart)
     alone = difference.only_in_one(first, second)
     if alone and not options.only:
-        print(f"hubsim: in one of them only: {', '.join(alone[:8])}{' ...' if len(alone) > 8 else ''}", file=sys.stderr)
+        print(
+            f"hubsim: in one of them only: {', '.join(alone[:8])}{' ...' if len(alone) > 8 else ''}",
+            file=sys.stderr,
+        )
     print(f"{len(found) - len(apart)} of {len(found)} figures and signals within the tolerances")
     return 1 if apart else 0
 
@@ -70,7 +100,9 @@ def _compare(options: argparse.Namespace) -> int:
 def _side(options: argparse.Namespace, name: str, extra: Sequence[str]) -> Side:
     if name not in scenario.builtin_names() and not name.endswith(".toml"):
         if extra:
-            raise HubsimError(f"{name}: was run already, accepted: --set-a and --set-b with scenarios")
+            raise HubsimError(
+                f"{name}: was run already, accepted: --set-a and --set-b with scenarios"
+            )
         return difference.read(Path(name))
     settings = overrides.parse([*options.settings, *extra])
     title, chosen, beside = scenario.load(name, settings.scenario)
@@ -85,12 +117,21 @@ def _side(options: argparse.Namespace, name: str, extra: Sequence[str]) -> Side:
 def _print(first: str, second: str, found: Sequence[Difference]) -> None:
     if not found:
         return
-    table = Table(title=f"A: {first}\nB: {second}", title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD)
+    table = Table(
+        title=f"A: {first}\nB: {second}", title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD
+    )
     table.add_column("figure, or signal (means)")
     for heading in ("A", "B", "largest difference", "at s", "rms"):
         table.add_column(heading, justify="right")
     table.add_column("")
     for d in found:
-        table.add_row(d.name, f"{d.first:.6g}", f"{d.second:.6g}", f"{d.largest:.3g}", "" if d.at_s is None else f"{d.at_s:g}",
-                      "" if d.rms is None else f"{d.rms:.3g}", "" if d.within else "DIFFERS")  # fmt: skip
+        table.add_row(
+            d.name,
+            f"{d.first:.6g}",
+            f"{d.second:.6g}",
+            f"{d.largest:.3g}",
+            "" if d.at_s is None else f"{d.at_s:g}",
+            "" if d.rms is None else f"{d.rms:.3g}",
+            "" if d.within else "DIFFERS",
+        )
     Console(highlight=False, width=None if Console().is_terminal else 140).print(table)

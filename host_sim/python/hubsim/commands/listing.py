@@ -1,8 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
 """``hubsim list``: everything that has a name."""
 
 import argparse
 
-from hubsim import arguments, cycles, engine, events, expression, layout, overrides, reasons, run, scenario
+from hubsim import (
+    arguments,
+    cycles,
+    engine,
+    events,
+    expression,
+    layout,
+    overrides,
+    reasons,
+    run,
+    scenario,
+)
 from hubsim.criteria import Criterion
 from hubsim.keys import Section
 from hubsim.mistakes import accepted
@@ -10,11 +22,27 @@ from hubsim.mistakes import accepted
 
 def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
     """Declare the command."""
-    command = commands.add_parser("list", help="scenarios, cycles, drives, keys, signals", description="Show everything that has a name.")
-    command.add_argument("--parameters", action="store_true", help="everything that events and --set plant.NAME=VALUE can change")
+    command = commands.add_parser(
+        "list",
+        help="scenarios, cycles, drives, keys, signals",
+        description="Show everything that has a name.",
+    )
+    command.add_argument(
+        "--parameters",
+        action="store_true",
+        help="everything that events and --set plant.NAME=VALUE can change",
+    )
     command.add_argument("--signals", action="store_true", help="everything that can be recorded")
-    command.add_argument("--layout", action="store_true", help="a PlotJuggler layout for everything that can be recorded")
-    command.add_argument("--criteria", action="store_true", help="keys of events and criteria, functions of formulas, reasons")
+    command.add_argument(
+        "--layout",
+        action="store_true",
+        help="a PlotJuggler layout for everything that can be recorded",
+    )
+    command.add_argument(
+        "--criteria",
+        action="store_true",
+        help="keys of events and criteria, functions of formulas, reasons",
+    )
     command.set_defaults(run=_list)
 
 
@@ -22,7 +50,9 @@ def _list(options: argparse.Namespace) -> int:
     if options.parameters:
         for name, parameter in engine.parameters().items():
             unit = "" if parameter.unit in {"", "1"} else f" {parameter.unit}"
-            print(f"plant.{name:45} {parameter.lowest:g} to {parameter.highest:g}{unit}  {parameter.text}")
+            print(
+                f"plant.{name:45} {parameter.lowest:g} to {parameter.highest:g}{unit}  {parameter.text}"
+            )
         return 0
     if options.signals:
         for name in signal_names():
@@ -40,14 +70,18 @@ def _list(options: argparse.Namespace) -> int:
     print('cycles (cycle = "NAME" in a scenario):')
     for name in cycles.names():
         cycle = cycles.load(name)
-        print(f"  {name:28} {cycle.duration_s:g} s, {cycle.distance_m / 1e3:.3f} km, up to {max(cycle.speed_kmh):g} km/h")
+        print(
+            f"  {name:28} {cycle.duration_s:g} s, {cycle.distance_m / 1e3:.3f} km, up to {max(cycle.speed_kmh):g} km/h"
+        )
     print(f"drives (--config {arguments.MOTORS.relative_to(engine.ROOT)}/NAME.toml):")
     for path in sorted(arguments.MOTORS.glob("*.toml")):
         print(f"  {path.stem}")
     print(f"strategies (--strategy NAME):\n  {', '.join(run.STRATEGIES)}")
     print("keys of a scenario (--set KEY=VALUE):")
     _list_keys(scenario.Scenario)
-    print("also --set SECTION.KEY=VALUE of the drive, and --set plant.SECTION.KEY=VALUE (hubsim list --parameters)")
+    print(
+        "also --set SECTION.KEY=VALUE of the drive, and --set plant.SECTION.KEY=VALUE (hubsim list --parameters)"
+    )
     return 0
 
 

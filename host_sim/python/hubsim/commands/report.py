@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """``hubsim report``: one page from results that runs left behind."""
 
 import argparse
@@ -14,10 +15,27 @@ def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
         description="Make one self-contained page from results written by 'hubsim run --json RUN.json', each with what was recorded "
         "beside it ('--parquet RUN.parquet' or '--csv RUN.csv', the same name).",
     )  # fmt: skip
-    command.add_argument("results", metavar="RESULT.json", type=Path, nargs="+", help="what 'hubsim run --json' wrote")
-    command.add_argument("-o", "--output", type=Path, required=True, metavar="FILE", help="the page to write")
-    command.add_argument("--config", type=Path, metavar="TOML", help="the drive; default: tools/motors/NAME.toml with the result's name")
-    command.add_argument("--stops", action="store_true", help="also simulate stops at constant demand under all strategies")
+    command.add_argument(
+        "results",
+        metavar="RESULT.json",
+        type=Path,
+        nargs="+",
+        help="what 'hubsim run --json' wrote",
+    )
+    command.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="FILE", help="the page to write"
+    )
+    command.add_argument(
+        "--config",
+        type=Path,
+        metavar="TOML",
+        help="the drive; default: tools/motors/NAME.toml with the result's name",
+    )
+    command.add_argument(
+        "--stops",
+        action="store_true",
+        help="also simulate stops at constant demand under all strategies",
+    )
     command.set_defaults(run=_report)
 
 
@@ -27,16 +45,25 @@ def _report(options: argparse.Namespace) -> int:
     files.check_writable(options.output)
     found = [results_files.load(path) for path in options.results]
     names = list(dict.fromkeys(result.vehicle for result in found))
-    configs = {name: options.config or engine.ROOT / "tools" / "motors" / f"{name}.toml" for name in names}
+    configs = {
+        name: options.config or engine.ROOT / "tools" / "motors" / f"{name}.toml" for name in names
+    }
     known = {name: path for name, path in configs.items() if options.config or path.is_file()}
     nothing = overrides.Overrides()
-    maps = {name: stops.optimum_map(overrides.load_drive(path, nothing)) for name, path in known.items()}
+    maps = {
+        name: stops.optimum_map(overrides.load_drive(path, nothing)) for name, path in known.items()
+    }
     curves: list[report.CurveLike] = []
     if options.stops:
         if names[0] not in known:
-            raise HubsimError(f"--stops: {configs[names[0]]}: file not found, accepted: with --config TOML")
+            raise HubsimError(
+                f"--stops: {configs[names[0]]}: file not found, accepted: with --config TOML"
+            )
         standing = scenario.Scenario(max_duration_s=1.0)
-        drives = [arguments.drive_of(known[names[0]], overrides.Overrides(), strategy, standing) for strategy in run.STRATEGIES]
+        drives = [
+            arguments.drive_of(known[names[0]], overrides.Overrides(), strategy, standing)
+            for strategy in run.STRATEGIES
+        ]
         with arguments.progress_bar("stops") as bar:
             curves = list(comparison.extras(drives, bar).stops)
     report.write_page(found, options.output, report.Extras(maps, curves, "hubsim report"))

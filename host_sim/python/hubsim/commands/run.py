@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """``hubsim run``: one run of a scenario, its energies, its verdicts, its recordings."""
 
 import argparse
@@ -22,18 +23,28 @@ def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
         "run", help="one run of a scenario",
         description="Run a scenario, say where the energy went and whether the scenario's criteria are met. Exit status 1 if not.",
     )  # fmt: skip
-    command.add_argument("scenario", metavar="SCENARIO", help="a built-in scenario ('hubsim list') or a TOML file")
+    command.add_argument(
+        "scenario", metavar="SCENARIO", help="a built-in scenario ('hubsim list') or a TOML file"
+    )
     arguments.add_common(command)
     arguments.add_strategy(command)
-    command.add_argument("--signals", metavar="PATTERN,...", help="what recordings hold, '*' for anything; default: the most telling ones")
+    command.add_argument(
+        "--signals",
+        metavar="PATTERN,...",
+        help="what recordings hold, '*' for anything; default: the most telling ones",
+    )
     for kind in recordings.KINDS.values():
         command.add_argument(f"--{kind.name}", type=Path, metavar="FILE", help=kind.help)
-    command.add_argument("--json", type=Path, metavar="FILE", help="write energies, shares and verdicts")
+    command.add_argument(
+        "--json", type=Path, metavar="FILE", help="write energies, shares and verdicts"
+    )
     command.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> int:
-    wanted = {name: path for name in recordings.KINDS if (path := getattr(options, name)) is not None}
+    wanted = {
+        name: path for name in recordings.KINDS if (path := getattr(options, name)) is not None
+    }
     for path in (*wanted.values(), *filter(None, [options.json])):
         files.check_writable(path)
     settings = overrides.parse(options.settings)
@@ -41,7 +52,9 @@ def _run(options: argparse.Namespace) -> int:
     drive = arguments.drive_of(options.config, settings, options.strategy, chosen)
     patterns = tuple(options.signals.split(",")) if options.signals else DEFAULT_SIGNALS
     if options.signals and not wanted:
-        raise HubsimError(f"--signals: accepted: with {' or '.join(f'--{kind}' for kind in recordings.KINDS)}")
+        raise HubsimError(
+            f"--signals: accepted: with {' or '.join(f'--{kind}' for kind in recordings.KINDS)}"
+        )
     with arguments.progress_bar() as bar:
         task = bar.add_task(f"{name}, {drive.brake.strategy}", total=None)
         result = run.simulate(
@@ -51,7 +64,10 @@ def _run(options: argparse.Namespace) -> int:
     judged = verdicts.judge(chosen, drive, result)
     arguments.warn_of(result)
     if result.stopped is False:
-        print(f"hubsim: warning: {name}: still moving after {result.duration_s:g} s (max_duration_s)", file=sys.stderr)
+        print(
+            f"hubsim: warning: {name}: still moving after {result.duration_s:g} s (max_duration_s)",
+            file=sys.stderr,
+        )
     recorded = result.only(run.matching(result.names, patterns)) if wanted else result
     recordings.write_all(recorded, wanted)
     if options.json:
@@ -61,5 +77,8 @@ def _run(options: argparse.Namespace) -> int:
     if judged:
         outputs.print_verdicts(name, judged)
     if failed:
-        print(f"hubsim: {name}: {len(failed)} of {len(judged)} criteria not met: {', '.join(failed)}", file=sys.stderr)
+        print(
+            f"hubsim: {name}: {len(failed)} of {len(judged)} criteria not met: {', '.join(failed)}",
+            file=sys.stderr,
+        )
     return 1 if failed else 0

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """``hubsim sim``: the three strategies side by side, with a page."""
 
 import argparse
@@ -12,8 +13,19 @@ def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
     text = "the urban cycle under the three strategies, table and report"
     command = commands.add_parser("sim", help=text, description=f"{text[0].upper()}{text[1:]}.")
     arguments.add_common(command)
-    command.add_argument("--scenario", default="ece15", metavar="NAME", help="a scenario with a cycle; default: ece15")
-    command.add_argument("--output", type=Path, default=engine.ROOT / "build" / "report", metavar="DIR", help="default: build/report")
+    command.add_argument(
+        "--scenario",
+        default="ece15",
+        metavar="NAME",
+        help="a scenario with a cycle; default: ece15",
+    )
+    command.add_argument(
+        "--output",
+        type=Path,
+        default=engine.ROOT / "build" / "report",
+        metavar="DIR",
+        help="default: build/report",
+    )
     command.set_defaults(run=_sim)
 
 
@@ -24,7 +36,10 @@ def _sim(options: argparse.Namespace) -> int:
     name, chosen, beside = scenario.load(options.scenario, settings.scenario)
     if not chosen.follows:
         raise HubsimError(f"sim: scenario {name} has no cycle, accepted: one that has")
-    drives = [arguments.drive_of(options.config, settings, strategy, chosen) for strategy in run.STRATEGIES]
+    drives = [
+        arguments.drive_of(options.config, settings, strategy, chosen)
+        for strategy in run.STRATEGIES
+    ]
     comparison.check_output(options.output)
     with arguments.progress_bar() as bar:
         results = comparison.simulate_all(name, drives, chosen, beside, settings.plant, bar)

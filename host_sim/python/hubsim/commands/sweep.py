@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """``hubsim sweep``: many runs of a scenario with keys that vary, into one Parquet table."""
 
 import argparse
@@ -16,7 +17,9 @@ def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
         description="Run a scenario over a grid of keys, over random draws, or both. An interrupted sweep goes on with the same command. "
         "Exit status 1 if a run could not be done or did not meet the scenario's criteria.",
     )  # fmt: skip
-    command.add_argument("scenario", metavar="SCENARIO", help="a built-in scenario ('hubsim list') or a TOML file")
+    command.add_argument(
+        "scenario", metavar="SCENARIO", help="a built-in scenario ('hubsim list') or a TOML file"
+    )
     arguments.add_common(command)
     arguments.add_strategy(command)
     command.add_argument(
@@ -25,16 +28,39 @@ def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
         "uniform(lowest,highest) or choice(a,b,...) for draws; repeatable",
     )  # fmt: skip
     command.add_argument("--runs", type=int, metavar="N", help="draws, for each point of the grid")
-    command.add_argument("--seed", type=int, default=1, metavar="N", help="of the draws; default: 1")
     command.add_argument(
-        "--collect", action="append", default=[], metavar="COLUMN=FORMULA", help="another column: a formula as in criteria; repeatable"
+        "--seed", type=int, default=1, metavar="N", help="of the draws; default: 1"
     )
     command.add_argument(
-        "--output", type=Path, required=True, metavar="FILE.parquet", help="the table; until it is there, FILE.parquet.parts/"
+        "--collect",
+        action="append",
+        default=[],
+        metavar="COLUMN=FORMULA",
+        help="another column: a formula as in criteria; repeatable",
     )
-    command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler (tcp://host:port); default: workers on this machine")
-    command.add_argument("--workers", type=int, metavar="N", help="processes on this machine; default: one for each core")
-    command.add_argument("--restart", action="store_true", help="begin anew instead of going on with what an interrupted sweep left")
+    command.add_argument(
+        "--output",
+        type=Path,
+        required=True,
+        metavar="FILE.parquet",
+        help="the table; until it is there, FILE.parquet.parts/",
+    )
+    command.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="of a Dask scheduler (tcp://host:port); default: workers on this machine",
+    )
+    command.add_argument(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes on this machine; default: one for each core",
+    )
+    command.add_argument(
+        "--restart",
+        action="store_true",
+        help="begin anew instead of going on with what an interrupted sweep left",
+    )
     command.set_defaults(run=_sweep)
 
 
@@ -42,27 +68,42 @@ def _sweep(options: argparse.Namespace) -> int:
     # Dask and Arrow are big; no other command needs them.
     from hubsim.sweep import conduct, plan, store, work  # noqa: PLC0415
 
-    for name, value, least in (("--runs", options.runs, 1), ("--workers", options.workers, 1), ("--seed", options.seed, 0)):
+    for name, value, least in (
+        ("--runs", options.runs, 1),
+        ("--workers", options.workers, 1),
+        ("--seed", options.seed, 0),
+    ):
         if value is not None and value < least:
             raise HubsimError(f"{name} {value}: accepted: a whole number from {least}")
     files.check_writable(options.output)
     found = plan.make(options.vary, options.runs, options.seed)
     job = work.Job(
-        _place(options.scenario), options.config.resolve(), options.strategy, tuple(options.settings), _collected(options.collect)
+        _place(options.scenario),
+        options.config.resolve(),
+        options.strategy,
+        tuple(options.settings),
+        _collected(options.collect),
     )
     work.check(job, next(found.points()))
     described = {
         "hubsim": __version__, "scenario": options.scenario, "config": options.config.name, "strategy": options.strategy,
         "set": options.settings, "vary": options.vary, "runs": found.runs, "seed": options.seed, "collect": options.collect,
     }  # fmt: skip
-    kept = store.Store(options.output, described, plan.fingerprint(described | {"content": _content(options)}))
+    kept = store.Store(
+        options.output, described, plan.fingerprint(described | {"content": _content(options)})
+    )
     if options.restart:
         kept.forget()
     with arguments.progress_bar("runs") as bar:
         task = bar.add_task(f"{options.scenario}", total=found.runs)
         try:
             table = conduct.conduct(
-                job, found, kept, options.scheduler, options.workers, lambda done, planned: bar.update(task, completed=done, total=planned)
+                job,
+                found,
+                kept,
+                options.scheduler,
+                options.workers,
+                lambda done, planned: bar.update(task, completed=done, total=planned),
             )
         except KeyboardInterrupt:
             print("hubsim: interrupted; the same command goes on where it stopped", file=sys.stderr)
@@ -89,5 +130,12 @@ def _collected(texts: list[str]) -> tuple[tuple[str, str], ...]:
 
 def _content(options: argparse.Namespace) -> list[str]:
     """Return what a sweep's result depends on besides its command: files, and the engine itself."""
-    path = scenario.DIRECTORY / f"{options.scenario}.toml" if options.scenario in scenario.builtin_names() else Path(options.scenario)
-    return [hashlib.sha256(file.read_bytes()).hexdigest() for file in (path, options.config, engine.library_path())]
+    path = (
+        scenario.DIRECTORY / f"{options.scenario}.toml"
+        if options.scenario in scenario.builtin_names()
+        else Path(options.scenario)
+    )
+    return [
+        hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in (path, options.config, engine.library_path())
+    ]

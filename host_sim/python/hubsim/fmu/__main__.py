@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """``python -m hubsim.fmu``: called by the build."""
 
 import argparse
@@ -14,17 +15,26 @@ from hubsim.fmu.table import c_table
 
 def main() -> int:
     """Write a table or a package."""
-    parser = argparse.ArgumentParser(prog="hubsim.fmu", description="Tables and packages of the co-simulation units.")
+    parser = argparse.ArgumentParser(
+        prog="hubsim.fmu", description="Tables and packages of the co-simulation units."
+    )
     commands = parser.add_subparsers(title="commands", required=True, dest="command")
-    for name, text in (("table", "the C table a unit is compiled with"), ("pack", "the finished unit")):
+    for name, text in (
+        ("table", "the C table a unit is compiled with"),
+        ("pack", "the finished unit"),
+    ):
         command = commands.add_parser(name, help=text)
         command.add_argument("--kind", choices=KINDS, required=True)
         command.add_argument("--config", type=Path, required=True, metavar="TOML")
         command.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
         if name == "pack":
-            command.add_argument("--fmi", type=int, choices=(2, 3), required=True, help="version of the standard")
+            command.add_argument(
+                "--fmi", type=int, choices=(2, 3), required=True, help="version of the standard"
+            )
             command.add_argument("--binary", type=Path, required=True)
-            command.add_argument("--sources", type=Path, required=True, help="a file with one C file a line")
+            command.add_argument(
+                "--sources", type=Path, required=True, help="a file with one C file a line"
+            )
             command.add_argument("--table", type=Path, required=True)
     options = parser.parse_args()
     try:
@@ -32,8 +42,20 @@ def main() -> int:
         if options.command == "table":
             files.write_text(options.output, c_table(unit))
         else:
-            listed = [Path(line) for line in options.sources.read_text(encoding="utf-8").splitlines() if line]
-            pack.write(unit, options.fmi, options.binary, listed, options.table, ROOT / "LICENSE", options.output)
+            listed = [
+                Path(line)
+                for line in options.sources.read_text(encoding="utf-8").splitlines()
+                if line
+            ]
+            pack.write(
+                unit,
+                options.fmi,
+                options.binary,
+                listed,
+                options.table,
+                ROOT / "LICENSE",
+                options.output,
+            )
     except HubsimError as error:
         print(f"hubsim.fmu: {error}", file=sys.stderr)
         return 1

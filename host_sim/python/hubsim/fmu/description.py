@@ -1,4 +1,8 @@
-"""What a unit has inside and outside: its variables with role, type, unit and start value, for both kinds of unit."""
+# SPDX-License-Identifier: Apache-2.0
+"""What a unit has inside and outside.
+
+Its variables with role, type, unit and start value, for both kinds of unit.
+"""
 
 import hashlib
 from collections.abc import Sequence
@@ -18,14 +22,24 @@ KINDS = ("controller", "vehicle")
 REAL, FLAG, CODE = "REAL", "FLAG", "CODE"
 FIXED, TUNABLE, INPUT, OUTPUT = "FIXED", "TUNABLE", "INPUT", "OUTPUT"
 
-# What others in a co-simulation want to drive; everything else about the simulated world is a parameter.
+# What others in a co-simulation want to drive; everything else about the simulated world is a
+# parameter.
 VEHICLE_INPUTS = frozenset({
     "driver.brake_demand_nm", "driver.drive_demand_nm", "driver.demand_age_s", "driver.silent", "driver.enable",
     "driver.abs_active", "road.slope", "road.wind_m_per_s", "bus.contactor_open",
 })  # fmt: skip
 # Read once, when the run begins.
-VEHICLE_FIXED = frozenset({"battery.initial_soc", "run.seed", "run.initial_speed_m_per_s", "run.rotor_turn", "run.rotor_spread_turn"})
-# Of no use here, or not to be changed without the configuration: there is no speed trace, and the importer ends the run.
+VEHICLE_FIXED = frozenset(
+    {
+        "battery.initial_soc",
+        "run.seed",
+        "run.initial_speed_m_per_s",
+        "run.rotor_turn",
+        "run.rotor_spread_turn",
+    }
+)
+# Of no use here, or not to be changed without the configuration: there is no speed trace, and the
+# importer ends the run.
 VEHICLE_SETTINGS = frozenset({
     "driver.follow_trace", "driver.bandwidth_rad_per_s", "driver.preview_s", "driver.most_drive_nm", "driver.most_brake_nm",
     "run.stop_at_standstill", "run.record_interval_s", "vehicle.driven_wheels", "inverter.pwm_frequency_hz",
@@ -48,7 +62,10 @@ class Variable:
 
 @dataclass(frozen=True)
 class Description:
-    """A unit. ``settings`` are values its model needs and nobody can change; ``curve`` is soc (1) and voltage (V)."""
+    """A unit. ``settings`` are values its model needs and nobody can change.
+
+    ``curve`` is soc (1) and voltage (V).
+    """
 
     kind: str
     config: Configuration
@@ -67,7 +84,10 @@ class Description:
     @property
     def token(self) -> str:
         """What tells whether a description and a binary belong together."""
-        said = repr((self.kind, self.variables, sorted(self.settings.items()), self.curve)).encode() + self.config.image
+        said = (
+            repr((self.kind, self.variables, sorted(self.settings.items()), self.curve)).encode()
+            + self.config.image
+        )
         return "{" + hashlib.sha256(said).hexdigest()[:32] + "}"
 
 
@@ -89,16 +109,40 @@ def _controller(config: Configuration) -> Description:
         for k, v in enumerate(ports.of_port(port)):
             zero, per_unit = controller.scale(port, k)
             start = FIRST_VALUES.get(v.name, 0.0)
-            edges = () if v.unit in {"turn", ""} else ((v.lowest_raw - zero) / per_unit, (v.highest_raw - zero) / per_unit)
-            lowest, highest = (float(v.lowest_raw), float(v.highest_raw)) if v.kind == ports.CODE else edges or (None, None)
-            found.append(Variable(f"{name}.{v.name}", kinds[v.kind], INPUT, units.known(v.unit), v.text, start, lowest, highest))
+            edges = (
+                ()
+                if v.unit in {"turn", ""}
+                else ((v.lowest_raw - zero) / per_unit, (v.highest_raw - zero) / per_unit)
+            )
+            lowest, highest = (
+                (float(v.lowest_raw), float(v.highest_raw))
+                if v.kind == ports.CODE
+                else edges or (None, None)
+            )
+            found.append(
+                Variable(
+                    f"{name}.{v.name}",
+                    kinds[v.kind],
+                    INPUT,
+                    units.known(v.unit),
+                    v.text,
+                    start,
+                    lowest,
+                    highest,
+                )
+            )
     for name, port in (("fast_output", ports.FAST_OUTPUT), ("slow_output", ports.SLOW_OUTPUT)):
-        found += [Variable(f"{name}.{v.name}", kinds[v.kind], OUTPUT, units.known(v.unit), v.text) for v in ports.of_port(port)]
+        found += [
+            Variable(f"{name}.{v.name}", kinds[v.kind], OUTPUT, units.known(v.unit), v.text)
+            for v in ports.of_port(port)
+        ]
     text = (
         f"hubfoc: the controller of one wheel with the configuration {config.name}. Inputs are sampled when a step begins; what the "
         f"bridge is told acts one step later. One step is {1e6 * controller.period_s:g} us or a multiple of it."
     )
-    return Description("controller", config, text, controller.period_s, controller.period_s, tuple(found))
+    return Description(
+        "controller", config, text, controller.period_s, controller.period_s, tuple(found)
+    )
 
 
 def _vehicle(config: Configuration) -> Description:
@@ -116,7 +160,18 @@ def _vehicle(config: Configuration) -> Description:
             continue
         role = INPUT if name in VEHICLE_INPUTS else FIXED if name in VEHICLE_FIXED else TUNABLE
         kind = REAL if p.unit else FLAG if (p.lowest, p.highest) == (0.0, 1.0) else CODE
-        found.append(Variable(name, kind, role, units.known(p.unit), p.text or _words(name), starts[name], p.lowest, p.highest))
+        found.append(
+            Variable(
+                name,
+                kind,
+                role,
+                units.known(p.unit),
+                p.text or _words(name),
+                starts[name],
+                p.lowest,
+                p.highest,
+            )
+        )
     for name, (unit, text) in meanings.items():
         found.append(Variable(name, REAL if unit else CODE, OUTPUT, units.known(unit), text))
     text = (
@@ -124,7 +179,16 @@ def _vehicle(config: Configuration) -> Description:
         "It boots standing and is brought to its initial speed before time 0. Powers and forces are means over the last step."
     )
     period_s = 1.0 / starts["inverter.pwm_frequency_hz"]
-    return Description("vehicle", config, text, period_s, 0.01, tuple(found), settings, plant.voltage_curve(config.drive))
+    return Description(
+        "vehicle",
+        config,
+        text,
+        period_s,
+        0.01,
+        tuple(found),
+        settings,
+        plant.voltage_curve(config.drive),
+    )
 
 
 def _words(name: str) -> str:

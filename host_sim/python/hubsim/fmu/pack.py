@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The package: model description, binary, sources that need nothing else, documentation."""
 
 import platform
@@ -19,7 +20,9 @@ def platform_folder(fmi: int) -> str:
     """Return the folder below binaries/ that this machine's importers look into."""
     machine = _MACHINE.get(platform.machine())
     if machine is None or platform.system() != "Linux":
-        raise HubsimError(f"{platform.system()} on {platform.machine()}: units are built on Linux, x86_64 or aarch64")
+        raise HubsimError(
+            f"{platform.system()} on {platform.machine()}: units are built on Linux, x86_64 or aarch64"
+        )
     return _FMI2_FOLDER[machine] if fmi == 2 else f"{machine}-linux"
 
 
@@ -39,11 +42,21 @@ def source_files(listed: Iterable[Path], table: Path) -> dict[str, Path]:
     return found
 
 
-def write(unit: Description, fmi: int, binary: Path, listed: Iterable[Path], table: Path, licence: Path, out: Path) -> None:
+def write(
+    unit: Description,
+    fmi: int,
+    binary: Path,
+    listed: Iterable[Path],
+    table: Path,
+    licence: Path,
+    out: Path,
+) -> None:
     """Write a unit; an old one is replaced only by a complete new one."""
     sources = source_files(listed, table)
     compiled = sorted(name for name in sources if name.endswith(".c"))
-    entries: dict[str, bytes] = {"modelDescription.xml": xml.model_description(unit, fmi, compiled).encode()}
+    entries: dict[str, bytes] = {
+        "modelDescription.xml": xml.model_description(unit, fmi, compiled).encode()
+    }
     entries[f"binaries/{platform_folder(fmi)}/{unit.identifier}.so"] = binary.read_bytes()
     entries |= {f"sources/{name}": path.read_bytes() for name, path in sources.items()}
     if fmi == 3:
@@ -65,7 +78,9 @@ def write(unit: Description, fmi: int, binary: Path, listed: Iterable[Path], tab
 
 
 def _page(unit: Description) -> str:
-    rows = "\n".join(f"<tr><td>{v.name}<td>{v.role.lower()}<td>{v.unit}<td>{v.text}" for v in unit.variables)
+    rows = "\n".join(
+        f"<tr><td>{v.name}<td>{v.role.lower()}<td>{v.unit}<td>{v.text}" for v in unit.variables
+    )
     return (
         f'<!DOCTYPE html>\n<html lang="en"><meta charset="utf-8"><title>{unit.identifier}</title>\n<h1>{unit.identifier}</h1>\n'
         f"<p>{unit.text}\n<table><tr><th>variable<th>role<th>unit<th>meaning\n{rows}\n</table></html>\n"

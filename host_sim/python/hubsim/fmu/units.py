@@ -1,7 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """Units as the standard wants them: powers of SI base units, with factor and offset.
 
-A unit is written as in the engine's lists: names with powers, multiplied with a dot or a blank, divided with a slash;
-every slash divides by what follows up to the next one.
+A unit is written as in the engine's lists: names with powers, multiplied with a dot or a blank,
+divided with a slash; every slash divides by what follows up to the next one.
 """
 
 import math
@@ -31,7 +32,10 @@ _TOKEN = re.compile(r"([A-Za-z]+)(\d*)")
 
 
 def known(unit: str) -> str:
-    """Return a unit of the engine's lists as the standard spells it: "" for a share, a code or a flag."""
+    """Return a unit of the engine's lists as the standard spells it.
+
+    "" for a share, a code or a flag.
+    """
     spelt = unit.replace(" ", ".")
     if spelt in {"", "1"}:
         return ""
@@ -40,7 +44,10 @@ def known(unit: str) -> str:
 
 
 def base_powers(unit: str) -> dict[str, float]:
-    """Return the powers of base units, with ``factor`` and ``offset``: value in SI = factor * value + offset."""
+    """Return the powers of base units, with ``factor`` and ``offset``.
+
+    Value in SI = factor * value + offset.
+    """
     if unit in _DEGREE:
         return _DEGREE[unit]
     above, *below = unit.split("/")
@@ -50,13 +57,17 @@ def base_powers(unit: str) -> dict[str, float]:
         for name in part.split("."):
             if name != "1":
                 _multiply(found, name, sign, unit)
-    return {key: power for key, power in found.items() if power != (1.0 if key == "factor" else 0.0)}
+    return {
+        key: power for key, power in found.items() if power != (1.0 if key == "factor" else 0.0)
+    }
 
 
 def _multiply(found: dict[str, float], name: str, sign: int, unit: str) -> None:
     token = _TOKEN.fullmatch(name)
     if token is None or (token[1] not in _DERIVED and token[1] not in _BASE):
-        raise HubsimError(f"unit {unit!r}: {name!r} is no unit of model descriptions, accepted: {', '.join([*_BASE, *_DERIVED, *_DEGREE])}")
+        raise HubsimError(
+            f"unit {unit!r}: {name!r} is no unit of model descriptions, accepted: {', '.join([*_BASE, *_DERIVED, *_DEGREE])}"
+        )
     power = sign * int(token[2] or "1")
     for key, value in _DERIVED.get(token[1], {token[1]: 1.0}).items():
         if key == "factor":

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Model descriptions of a unit in both versions of the standard, and the build description of the newer one."""
 
 import xml.etree.ElementTree as ET
@@ -8,7 +9,10 @@ from hubsim.fmu.description import CODE, FIXED, FLAG, INPUT, OUTPUT, REAL, Descr
 from hubsim.fmu.units import base_powers
 
 STOP_S = 10.0
-_TYPE = {2: {REAL: "Real", FLAG: "Boolean", CODE: "Integer"}, 3: {REAL: "Float64", FLAG: "Boolean", CODE: "Int32"}}
+_TYPE = {
+    2: {REAL: "Real", FLAG: "Boolean", CODE: "Integer"},
+    3: {REAL: "Float64", FLAG: "Boolean", CODE: "Int32"},
+}
 
 
 def model_description(unit: Description, fmi: int, sources: Sequence[str]) -> str:
@@ -28,10 +32,19 @@ def model_description(unit: Description, fmi: int, sources: Sequence[str]) -> st
     )
     _co_simulation(root, unit, fmi, sources)
     _units(root, unit, fmi)
-    ET.SubElement(root, "DefaultExperiment", {"startTime": "0", "stopTime": _number(STOP_S), "stepSize": _number(unit.step_s)})
+    ET.SubElement(
+        root,
+        "DefaultExperiment",
+        {"startTime": "0", "stopTime": _number(STOP_S), "stepSize": _number(unit.step_s)},
+    )
     listed = ET.SubElement(root, "ModelVariables")
     if fmi == 3:
-        time = {"name": "time", "valueReference": "0", "causality": "independent", "variability": "continuous"}
+        time = {
+            "name": "time",
+            "valueReference": "0",
+            "causality": "independent",
+            "variability": "continuous",
+        }
         ET.SubElement(listed, "Float64", time | {"description": "since the run began", "unit": "s"})
     for reference, variable in enumerate(unit.variables, start=1):
         _variable(listed, variable, reference, fmi)
@@ -93,7 +106,9 @@ def _variable(listed: ET.Element, v: Variable, reference: int, fmi: int) -> None
         whole = v.kind == CODE
         own |= {"min": _value(v.lowest, whole), "max": _value(v.highest, whole)}
     if v.role != OUTPUT:
-        own["start"] = ("true" if v.start else "false") if v.kind == FLAG else _value(v.start, v.kind == CODE)
+        own["start"] = (
+            ("true" if v.start else "false") if v.kind == FLAG else _value(v.start, v.kind == CODE)
+        )
     if fmi == 2:
         ET.SubElement(ET.SubElement(listed, "ScalarVariable", common), _TYPE[2][v.kind], own)
     else:

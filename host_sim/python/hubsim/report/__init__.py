@@ -1,7 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """The report: one HTML page that opens anywhere, with the energies and traces of runs.
 
-The page needs nothing but itself: styles, pictures and the small script for reading values are inside. Pictures are
-SVG made here, in colours that follow the page's light or dark scheme.
+The page needs nothing but itself: styles, pictures and the small script for reading values are
+inside. Pictures are SVG made here, in colours that follow the page's light or dark scheme.
 """
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a page can show beside runs: the map of the best torque, and stops at constant demand."""
 
 from collections.abc import Mapping, Sequence
@@ -8,7 +9,10 @@ from hubsim.report.reading import Array
 
 
 class MapLike(Protocol):
-    """The loss-optimal braking torque over wheel speed; arrays of shape (points,), torques as magnitudes in N m."""
+    """The loss-optimal braking torque over wheel speed.
+
+    Arrays of shape (points,), torques as magnitudes in N m.
+    """
 
     @property
     def temperature_c(self) -> float:

@@ -1,10 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
 """The energy of a run as one flow that balances: cells, losses, wheels, road, braking work, losses, cells.
 
     drawn            = upper + road + turned          from the cells to the wheels
     turned + joining = lower + returned               from the wheels back to the cells
 
-A flow never holds a negative part: what would be one comes in instead of going out (``joining``). Only ``returned_j`` has
-a sign: negative when braking costs energy from the battery.
+A flow never holds a negative part: what would be one comes in instead of going out (``joining``).
+Only ``returned_j`` has a sign: negative when braking costs energy from the battery.
 """
 
 import math
@@ -21,7 +22,8 @@ UNUSUAL = 1e-3  # the same for what hardly ever leaves a lane and would only tak
 class Part:
     """An energy with a name.
 
-    ``kind`` chooses its colour: loss, hydraulic, road or motion. It is left out below ``least``, relative to the largest.
+    ``kind`` chooses its colour: loss, hydraulic, road or motion. It is left out below ``least``,
+    relative to the largest.
     """
 
     name: str
@@ -34,8 +36,9 @@ class Part:
 class Flow:
     """One run.
 
-    ``work_j`` is the braking work at the wheels. ``split``: losses are known apart for driving and braking; without it all
-    are in ``upper``. ``net``: the cells gave nothing for driving, so there is no upper lane and ``lower`` has everything.
+    ``work_j`` is the braking work at the wheels. ``split``: losses are known apart for driving and
+    braking; without it all are in ``upper``. ``net``: the cells gave nothing for driving, so there
+    is no upper lane and ``lower`` has everything.
     """
 
     drawn_j: float
@@ -68,11 +71,15 @@ def total(parts: tuple[Part, ...] | list[Part]) -> float:
 def flow_of(run: RunLike) -> Flow | None:
     """Return the flow of a run, None when its main energies are not known or nothing flows."""
     drawn, work, returned, hydraulic = (
-        reading.energy_j(run, name) for name in ("traction", "braking_at_wheels", "battery_returned", "hydraulic")
+        reading.energy_j(run, name)
+        for name in ("traction", "braking_at_wheels", "battery_returned", "hydraulic")
     )
     if not all(map(math.isfinite, (drawn, work, returned, hydraulic))):
         return None
-    driving, braking = reading.phase_j(run, "while_driving_j"), reading.phase_j(run, "while_braking_j")
+    driving, braking = (
+        reading.phase_j(run, "while_driving_j"),
+        reading.phase_j(run, "while_braking_j"),
+    )
     if driving is None or braking is None:
         return _whole(run, drawn, returned, hydraulic, work)
     lower = [
@@ -107,7 +114,9 @@ def _known(entries: dict[str, float], name: str, otherwise: float = 0.0) -> floa
 
 def _road(run: RunLike) -> list[Part] | None:
     """Return what motion cost and kept, if all of it is known; negative where it gave."""
-    drag, rolling, climbed, kinetic = (reading.energy_j(run, name) for name in ("drag", "rolling", "climbed", "stored_kinetic"))
+    drag, rolling, climbed, kinetic = (
+        reading.energy_j(run, name) for name in ("drag", "rolling", "climbed", "stored_kinetic")
+    )
     if not all(map(math.isfinite, (drag, rolling, kinetic))):
         return None
     return [
@@ -118,9 +127,14 @@ def _road(run: RunLike) -> list[Part] | None:
     ]
 
 
-def _whole(run: RunLike, drawn: float, returned: float, hydraulic: float, work: float) -> Flow | None:
+def _whole(
+    run: RunLike, drawn: float, returned: float, hydraulic: float, work: float
+) -> Flow | None:
     """Without the split all losses are drawn on the way to the wheels, and what goes round is brake heat and return."""
-    losses = [Part(name, reading.energy_j(run, name), "loss") for name in ("battery", "inverter", "copper", "iron")]
+    losses = [
+        Part(name, reading.energy_j(run, name), "loss")
+        for name in ("battery", "inverter", "copper", "iron")
+    ]
     upper = [part for part in losses if math.isfinite(part.energy_j)]
     drawn, returned = drawn + max(-returned, 0.0), max(returned, 0.0)
     lower = [Part("hydraulic", hydraulic, "hydraulic")]
@@ -129,14 +143,28 @@ def _whole(run: RunLike, drawn: float, returned: float, hydraulic: float, work: 
 
 
 def _balanced(
-    drawn: float, upper: list[Part], road: list[Part], lower: list[Part], returned: float, work: float, *, split: bool
+    drawn: float,
+    upper: list[Part],
+    road: list[Part],
+    lower: list[Part],
+    returned: float,
+    work: float,
+    *,
+    split: bool,
 ) -> Flow | None:
     """Turn negative parts round, and let the lower lane carry what the upper one cannot."""
     every = [*upper, *road, *lower]
     largest = max(abs(drawn), abs(returned), *(abs(part.energy_j) for part in every))
     least = NOTHING * largest
-    joining = [Part(_source(part), -part.energy_j, "motion") for part in every if part.energy_j < -UNUSUAL * largest]
-    upper, road, lower = ([part for part in parts if part.energy_j > part.least * largest] for parts in (upper, road, lower))
+    joining = [
+        Part(_source(part), -part.energy_j, "motion")
+        for part in every
+        if part.energy_j < -UNUSUAL * largest
+    ]
+    upper, road, lower = (
+        [part for part in parts if part.energy_j > part.least * largest]
+        for parts in (upper, road, lower)
+    )
     net = drawn - total(upper) <= least
     if net:
         lower, upper, returned, drawn = _merged([*road, *lower, *upper]), [], returned - drawn, 0.0
@@ -147,20 +175,43 @@ def _balanced(
     for part in road:
         room = max(wheels - total(taken), 0.0)
         taken += [Part(part.name, min(part.energy_j, room), part.kind)] if room > least else []
-        later += [Part(part.name, part.energy_j - room, part.kind)] if part.energy_j - room > least else []
+        later += (
+            [Part(part.name, part.energy_j - room, part.kind)]
+            if part.energy_j - room > least
+            else []
+        )
     lower = [*later, *lower]
     turned = max(wheels - total(taken), 0.0)
     if max(drawn, turned + total(joining), abs(returned)) <= 0.0:
         return None
-    return Flow(drawn, tuple(upper), tuple(taken), tuple(joining), turned, tuple(lower), returned, work, split, net)
+    return Flow(
+        drawn,
+        tuple(upper),
+        tuple(taken),
+        tuple(joining),
+        turned,
+        tuple(lower),
+        returned,
+        work,
+        split,
+        net,
+    )
 
 
 def _source(part: Part) -> str:
     """Name a part that gives instead of taking."""
-    return {"road": "motion", "speed": "motion", "height": "descent", "battery": "polarisation"}.get(part.name, part.name)
+    return {
+        "road": "motion",
+        "speed": "motion",
+        "height": "descent",
+        "battery": "polarisation",
+    }.get(part.name, part.name)
 
 
 def _merged(parts: list[Part]) -> list[Part]:
     """Add parts of the same name."""
     names = dict.fromkeys((part.name, part.kind) for part in parts)
-    return [Part(name, total([part for part in parts if (part.name, part.kind) == (name, kind)]), kind) for name, kind in names]
+    return [
+        Part(name, total([part for part in parts if (part.name, part.kind) == (name, kind)]), kind)
+        for name, kind in names
+    ]

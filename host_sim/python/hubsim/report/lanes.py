@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """Where the lanes of the flow picture run and where what leaves them goes; lengths in user units of the SVG.
 
-Two lanes lie above each other, the battery at their left ends, a half turn joins their right ends. Their inner edges are
-straight; what leaves the upper lane is sliced off its upper edge, what leaves the lower lane off its lower edge.
+Two lanes lie above each other, the battery at their left ends, a half turn joins their right ends.
+Their inner edges are straight; what leaves the upper lane is sliced off its upper edge, what leaves
+the lower lane off its lower edge.
 """
 
 from collections.abc import Sequence
@@ -55,7 +57,10 @@ class Frame:
 
 @dataclass(frozen=True)
 class Exit:
-    """A part that leaves a lane, and where: middle of its stem, its width, how much of that comes from the wheels."""
+    """A part that leaves a lane, and where.
+
+    Middle of its stem, its width, how much of that comes from the wheels.
+    """
 
     part: Part
     middle: float
@@ -99,7 +104,11 @@ def frame(flows: Sequence[Flow]) -> Frame:
     ]
     per_j = min(room / energy for room, energy in bounds if energy > 0.0)
     one_row = Frame(per_j, per_j * bounds[0][1], per_j * bounds[2][1])
-    return replace(one_row, rows=2) if any(_crowded(lay(flow, one_row).lower) for flow in flows) else one_row
+    return (
+        replace(one_row, rows=2)
+        if any(_crowded(lay(flow, one_row).lower) for flow in flows)
+        else one_row
+    )
 
 
 def _crowded(leaving: Sequence[Exit]) -> bool:
@@ -110,7 +119,11 @@ def _crowded(leaving: Sequence[Exit]) -> bool:
 def lay(flow: Flow, shared: Frame) -> Lanes:
     """Place a flow in a frame."""
     per_j = shared.per_j
-    turned, slowing, returned = flow.turned_j * per_j, flow.slowing_j * per_j, flow.returned_j * per_j
+    turned, slowing, returned = (
+        flow.turned_j * per_j,
+        flow.slowing_j * per_j,
+        flow.returned_j * per_j,
+    )
     if flow.net:
         upper, road, bend_x = [], [], RIGHT - 24.0
     else:
@@ -121,8 +134,23 @@ def lay(flow: Flow, shared: Frame) -> Lanes:
         bend_x = min(max(last, 0.7 * WIDTH), RIGHT - 0.5 * GAP - turned)
     first = bend_x - FADE - TURN
     mirrored = _placed(flow.lower, per_j, WIDTH - first, first - LEFT - TIP - 16.0)
-    lower = _fed([Exit(one.part, WIDTH - one.middle, one.width, one.width) for one in mirrored], slowing if returned < 0.0 else None)
-    return Lanes(flow, shared, flow.drawn_j * per_j, flow.wheels_j * per_j, turned, slowing, returned, upper, road, lower, bend_x)
+    lower = _fed(
+        [Exit(one.part, WIDTH - one.middle, one.width, one.width) for one in mirrored],
+        slowing if returned < 0.0 else None,
+    )
+    return Lanes(
+        flow,
+        shared,
+        flow.drawn_j * per_j,
+        flow.wheels_j * per_j,
+        turned,
+        slowing,
+        returned,
+        upper,
+        road,
+        lower,
+        bend_x,
+    )
 
 
 def _placed(parts: Sequence[Part], per_j: float, first: float, room: float) -> list[Exit]:
@@ -151,7 +179,10 @@ def _pressed(wanted: list[float], room: float) -> list[float]:
 
 
 def _fed(lower: list[Exit], slowing: float | None) -> list[Exit]:
-    """Let what the wheels give feed the exits nearest to them; the battery feeds the rest. None: the wheels feed all."""
+    """Let what the wheels give feed the exits nearest to them.
+
+    The battery feeds the rest. None: the wheels feed all.
+    """
     if slowing is None:
         return lower
     found = []

@@ -1,4 +1,8 @@
-"""Elements of HTML and SVG as text that is escaped exactly once: a plain ``str`` is text, a ``Markup`` is an element."""
+# SPDX-License-Identifier: Apache-2.0
+"""Elements of HTML and SVG as text that is escaped exactly once.
+
+A plain ``str`` is text, a ``Markup`` is an element.
+"""
 
 import html
 import json
@@ -22,7 +26,10 @@ def number(value: float) -> str:
 
 
 def element(tag: str, *children: str, **attributes: Attribute) -> Markup:
-    """Make an element. ``class_`` is class, ``data_x`` is data-x; an attribute of None is left out."""
+    """Make an element. ``class_`` is class, ``data_x`` is data-x.
+
+    An attribute of None is left out.
+    """
     written = []
     for key, value in attributes.items():
         if value is not None:
@@ -34,16 +41,34 @@ def element(tag: str, *children: str, **attributes: Attribute) -> Markup:
 
 def join(*children: str) -> Markup:
     """Put children behind each other."""
-    return Markup("".join(child if isinstance(child, Markup) else html.escape(child, quote=False) for child in children))
+    return Markup(
+        "".join(
+            child if isinstance(child, Markup) else html.escape(child, quote=False)
+            for child in children
+        )
+    )
 
 
 def data(value: object) -> Markup:
-    """Make an element that holds a value as JSON for a script; nothing in it can end the element."""
-    text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    """Make an element that holds a value as JSON for a script.
+
+    Nothing in it can end the element.
+    """
+    text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace(
+        "<", "\\u003c"
+    )
     return element("script", Markup(text), type="application/json")
 
 
-def picture(identity: str, title: str, description: str, width: float, height: float, *children: str, class_: str) -> Markup:
+def picture(
+    identity: str,
+    title: str,
+    description: str,
+    width: float,
+    height: float,
+    *children: str,
+    class_: str,
+) -> Markup:
     """Make an SVG that a screen reader announces by its title and description."""
     return element(
         "svg",

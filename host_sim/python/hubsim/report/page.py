@@ -1,10 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
 """The page: one section for each cycle, in each of them one column for each strategy, all in one file."""
 
 import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from hubsim.report import flows, lanes, points, quality, reading, sankey, stops, table, traces, words
+from hubsim.report import (
+    flows,
+    lanes,
+    points,
+    quality,
+    reading,
+    sankey,
+    stops,
+    table,
+    traces,
+    words,
+)
 from hubsim.report.extras import Extras
 from hubsim.report.markup import Markup, data, element, join
 from hubsim.report.reading import RunLike
@@ -39,7 +51,9 @@ def document(runs: Sequence[RunLike], extras: Extras | None = None) -> str:
         element("title", title),
         element("style", Markup(_asset("page.css"))),
     )
-    sections = [_cycle(name, group, place, extras) for place, (name, group) in enumerate(cycles.items())]
+    sections = [
+        _cycle(name, group, place, extras) for place, (name, group) in enumerate(cycles.items())
+    ]
     body = element(
         "body",
         _header(runs, vehicles, list(cycles)),
@@ -55,11 +69,18 @@ def _asset(name: str) -> str:
 
 
 def _header(runs: Sequence[RunLike], vehicles: str, cycles: list[str]) -> Markup:
-    counted = {1: "One braking strategy", 2: "Two braking strategies", 3: "Three braking strategies"}
+    counted = {
+        1: "One braking strategy",
+        2: "Two braking strategies",
+        3: "Three braking strategies",
+    }
     strategies = len({run.strategy for run in runs})
     how_many = counted.get(strategies, f"{strategies} braking strategies")
     driven = " and ".join(reading.cycle(name) for name in cycles)
-    links = [element("li", element("a", reading.cycle(name), href=f"#cycle-{place}")) for place, name in enumerate(cycles)]
+    links = [
+        element("li", element("a", reading.cycle(name), href=f"#cycle-{place}"))
+        for place, name in enumerate(cycles)
+    ]
     return element(
         "header",
         element("p", f"Vehicle {vehicles} · hubfoc, simulated", class_="kicker"),
@@ -98,7 +119,9 @@ def _card(run: RunLike) -> Markup:
     share = table.stored_share(run)
     known = math.isfinite(share)
     number = words.percent(share).removesuffix(" %") if known else ""
-    meaning = " % of the braking work stored" if known else "share of the braking work stored: not known"
+    meaning = (
+        " % of the braking work stored" if known else "share of the braking work stored: not known"
+    )
     parts: list[Markup] = [
         element("h3", called.title),
         element("p", number, element("small", meaning), class_="share"),
@@ -110,7 +133,10 @@ def _card(run: RunLike) -> Markup:
 
 def _bar(run: RunLike) -> Markup:
     """Show what became of the braking work, to scale; left of zero what the battery had to add."""
-    work, returned = reading.energy_j(run, "braking_at_wheels"), reading.energy_j(run, "battery_returned")
+    work, returned = (
+        reading.energy_j(run, "braking_at_wheels"),
+        reading.energy_j(run, "battery_returned"),
+    )
     braking = reading.phase_j(run, "while_braking_j") or {}
     hydraulic = braking.get("hydraulic", reading.energy_j(run, "hydraulic"))
     if not (math.isfinite(returned) and math.isfinite(hydraulic) and work > 0.0):
@@ -126,12 +152,29 @@ def _bar(run: RunLike) -> Markup:
     for style, _, share in shares:
         width = abs(share)
         bars.append(
-            element("rect", x=100.0 * (right if share >= 0.0 else left), y=0.0, width=100.0 * width, height=10.0, class_=f"share-{style}")
+            element(
+                "rect",
+                x=100.0 * (right if share >= 0.0 else left),
+                y=0.0,
+                width=100.0 * width,
+                height=10.0,
+                class_=f"share-{style}",
+            )
         )
         right, left = (right + width, left) if share >= 0.0 else (right, left + width)
-    listed = [element("li", element("span", f"{name} {words.percent(share)}"), class_=style) for style, name, share in shares]
+    listed = [
+        element("li", element("span", f"{name} {words.percent(share)}"), class_=style)
+        for style, name, share in shares
+    ]
     view = f"0 0 {100.0 * max(right, low + 1.0):.2f} 10"
-    drawn = element("svg", *bars, viewBox=view, preserveAspectRatio="none", aria_hidden="true", focusable="false")
+    drawn = element(
+        "svg",
+        *bars,
+        viewBox=view,
+        preserveAspectRatio="none",
+        aria_hidden="true",
+        focusable="false",
+    )
     return join(drawn, element("ul", *listed))
 
 
@@ -139,7 +182,9 @@ def _flows(runs: list[RunLike], identity: str, called: str) -> Markup:
     found = [flows.flow_of(run) for run in runs]
     known = [flow for flow in found if flow is not None]
     if not known:
-        return element("p", "The energies that the flow picture needs are not known.", class_="soft")
+        return element(
+            "p", "The energies that the flow picture needs are not known.", class_="soft"
+        )
     shared = lanes.frame(known)
     figures = []
     for place, (run, flow) in enumerate(zip(runs, found, strict=True)):
@@ -150,11 +195,17 @@ def _flows(runs: list[RunLike], identity: str, called: str) -> Markup:
             else element("p", "not known", class_="soft")
         )
         figures.append(element("figure", element("figcaption", element("h3", title)), drawn))
-    said = ["Along the upper lane energy goes from the battery to the wheels, along the lower lane it comes back. Widths are to one scale."]
+    said = [
+        "Along the upper lane energy goes from the battery to the wheels, along the lower lane it comes back. Widths are to one scale."
+    ]
     if any(flow.net for flow in known):
-        said.append("Where there is no upper lane, the battery gave nothing for driving: the vehicle's own motion is the source.")
+        said.append(
+            "Where there is no upper lane, the battery gave nothing for driving: the vehicle's own motion is the source."
+        )
     if any(flow.split for flow in known):
-        said.append("Losses are booked by what the driver does at that moment; the battery's part includes what its polarisation keeps.")
+        said.append(
+            "Losses are booked by what the driver does at that moment; the battery's part includes what its polarisation keeps."
+        )
     if not all(flow.split for flow in known):
         where = " where no work at the wheels is named" if any(flow.split for flow in known) else ""
         said.append(f"Losses are those of the whole run, driving and braking together{where}.")
@@ -169,8 +220,21 @@ def _points(runs: list[RunLike], identity: str, called: str, extras: Extras) -> 
     figures = []
     for place, run in enumerate(runs):
         title = reading.strategy(run).title
-        drawn = points.draw(run, best, chart, f"{identity}p{place}", f"Operating points while braking, {title}, {called}")
-        figures.append(element("figure", element("figcaption", element("h3", title)), drawn, class_=stops.accent(run.strategy)))
+        drawn = points.draw(
+            run,
+            best,
+            chart,
+            f"{identity}p{place}",
+            f"Operating points while braking, {title}, {called}",
+        )
+        figures.append(
+            element(
+                "figure",
+                element("figcaption", element("h3", title)),
+                drawn,
+                class_=stops.accent(run.strategy),
+            )
+        )
     warm = words.significant(best.temperature_c)
     note = (
         "Every dot is a moment in which the driver brakes. Below the solid line more torque would return more energy, above it less; "
@@ -193,7 +257,13 @@ def _stops(extras: Extras) -> Markup:
     )
     figure = element("figure", stops.draw(extras.stops, "stops"), class_="wide")
     heading = element("h2", "Stops: how much of the kinetic energy comes back")
-    return element("section", heading, note, element("div", figure, stops.table(extras.stops), class_="beside"), id="stops")
+    return element(
+        "section",
+        heading,
+        note,
+        element("div", figure, stops.table(extras.stops), class_="beside"),
+        id="stops",
+    )
 
 
 def _traces(runs: list[RunLike], identity: str, called: str) -> Markup:
@@ -208,7 +278,9 @@ def _traces(runs: list[RunLike], identity: str, called: str) -> Markup:
             element(
                 "figure",
                 element("figcaption", element("h3", title)),
-                traces.draw(run, shared, f"{identity}t{place}", f"Signals over time, {title}, {called}"),
+                traces.draw(
+                    run, shared, f"{identity}t{place}", f"Signals over time, {title}, {called}"
+                ),
                 data(values) if values is not None else "",
                 class_="trace",
             )
@@ -219,7 +291,13 @@ def _traces(runs: list[RunLike], identity: str, called: str) -> Markup:
 
 def _block(title: str, note: str, figures: list[Markup], kind: str = "block") -> Markup:
     """Put figures side by side under a heading, on paper never apart from it."""
-    return element("div", element("h2", title), element("p", note, class_="soft"), element("div", *figures, class_="columns"), class_=kind)
+    return element(
+        "div",
+        element("h2", title),
+        element("p", note, class_="soft"),
+        element("div", *figures, class_="columns"),
+        class_=kind,
+    )
 
 
 def _footer(command: str) -> Markup:

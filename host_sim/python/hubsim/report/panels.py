@@ -1,4 +1,8 @@
-"""What is drawn over time: which quantities share a panel, and how each comes from the recorded signals."""
+# SPDX-License-Identifier: Apache-2.0
+"""What is drawn over time.
+
+Which quantities share a panel, and how each comes from the recorded signals.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,13 +17,18 @@ KMH = 3.6
 
 @dataclass(frozen=True)
 class Curve:
-    """One quantity. ``of`` returns it with shape (samples,); ``style`` is its CSS class; an area reaches to ``base``."""
+    """One quantity. ``of`` returns it with shape (samples,).
+
+    ``style`` is its CSS class; an area reaches to ``base``.
+    """
 
     name: str
     style: str
     of: Callable[[RunLike], Array | None]
     base: Callable[[RunLike], Array | None] | None = None
-    value: Callable[[RunLike], Array | None] | None = None  # for the read-out, where it is not what is drawn
+    value: Callable[[RunLike], Array | None] | None = (
+        None  # for the read-out, where it is not what is drawn
+    )
 
 
 @dataclass(frozen=True)
@@ -43,7 +52,10 @@ def _plain(name: str, factor: float = 1.0) -> Callable[[RunLike], Array | None]:
 
 
 def demand_nm(run: RunLike) -> Array | None:
-    """Torque the driver asks of one wheel, shape (samples,): the drive pedal, or less than nothing for the brake pedal."""
+    """Torque the driver asks of one wheel, shape (samples,).
+
+    The drive pedal, or less than nothing for the brake pedal.
+    """
     drive, brake = reading.signal(run, "driver.drive_nm"), reading.signal(run, "driver.brake_nm")
     if brake is None:
         return drive

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Operating points of one motor while the driver brakes, on the map of the torque that returns the most energy."""
 
 from collections.abc import Sequence
@@ -21,9 +22,13 @@ _KEYS = (("— most energy", "best-line"), ("┄ no energy", "zero-line"), ("—
 def operating_points(run: RunLike, wheel_radius_m: float) -> tuple[Array, Array] | None:
     """Return wheel speed in r/min and braking torque of the motor in N m (magnitude) while the driver brakes.
 
-    Thinned out evenly to what a picture can show; None where something was not recorded or nobody brakes.
+    Thinned out evenly to what a picture can show; None where something was not recorded or nobody
+    brakes.
     """
-    speed, torque = reading.signal(run, "vehicle.speed_m_per_s"), reading.signal(run, "wheel0.motor_torque_nm")
+    speed, torque = (
+        reading.signal(run, "vehicle.speed_m_per_s"),
+        reading.signal(run, "wheel0.motor_torque_nm"),
+    )
     brake = reading.signal(run, "driver.brake_nm")
     if speed is None or torque is None or brake is None:
         return None
@@ -36,11 +41,22 @@ def operating_points(run: RunLike, wheel_radius_m: float) -> tuple[Array, Array]
 
 def layout(runs: Sequence[RunLike], best: MapLike) -> Chart:
     """Fit one chart for all runs: the motor's torque and the speeds that were driven."""
-    found = [points for run in runs for points in (operating_points(run, best.wheel_radius_m),) if points is not None]
-    fastest = max((float(np.max(speed)) for speed, _ in found), default=RPM * float(best.speed_rad_s[-1]))
-    strongest = max(float(np.max(best.limit_nm)), *(float(np.max(torque)) for _, torque in found), 1.0)
+    found = [
+        points
+        for run in runs
+        for points in (operating_points(run, best.wheel_radius_m),)
+        if points is not None
+    ]
+    fastest = max(
+        (float(np.max(speed)) for speed, _ in found), default=RPM * float(best.speed_rad_s[-1])
+    )
+    strongest = max(
+        float(np.max(best.limit_nm)), *(float(np.max(torque)) for _, torque in found), 1.0
+    )
     weakest = min(0.0, *(float(np.min(torque)) for _, torque in found), 0.0)
-    x = scale.fitted(0.0, min(1.1 * fastest, RPM * float(best.speed_rad_s[-1])), 10.0, 6.0, LEFT, RIGHT)
+    x = scale.fitted(
+        0.0, min(1.1 * fastest, RPM * float(best.speed_rad_s[-1])), 10.0, 6.0, LEFT, RIGHT
+    )
     return Chart(x, scale.fitted(weakest, HEADROOM * strongest, 10.0, 6.0, BOTTOM, TOP))
 
 
@@ -50,11 +66,18 @@ def draw(run: RunLike, best: MapLike, chart: Chart, identity: str, title: str) -
     rpm = RPM * best.speed_rad_s
     x = chart.x.px(rpm)
     inside = element(
-        "clipPath", element("rect", x=LEFT, y=TOP, width=RIGHT - LEFT, height=BOTTOM - TOP), id=clip, clipPathUnits="userSpaceOnUse"
+        "clipPath",
+        element("rect", x=LEFT, y=TOP, width=RIGHT - LEFT, height=BOTTOM - TOP),
+        id=clip,
+        clipPathUnits="userSpaceOnUse",
     )
     ceiling = np.full(x.shape, chart.y.px(np.array(chart.y.high)))
     curves = [
-        element("path", d=scale.band(x, ceiling, chart.y.px(np.minimum(best.zero_nm, best.limit_nm))), class_="region"),
+        element(
+            "path",
+            d=scale.band(x, ceiling, chart.y.px(np.minimum(best.zero_nm, best.limit_nm))),
+            class_="region",
+        ),
         element("path", d=scale.line(x, chart.y.px(best.limit_nm)), class_="curve limit-line"),
         element("path", d=scale.line(x, chart.y.px(best.zero_nm)), class_="curve zero-line"),
         element("path", d=scale.line(x, chart.y.px(best.optimal_nm)), class_="curve best-line"),
@@ -62,9 +85,19 @@ def draw(run: RunLike, best: MapLike, chart: Chart, identity: str, title: str) -
     found = operating_points(run, best.wheel_radius_m)
     marks = Markup("")
     if found is not None:
-        dots = " ".join(f"M{number(px)} {number(py)}h0" for px, py in zip(chart.x.px(found[0]), chart.y.px(found[1]), strict=True))
+        dots = " ".join(
+            f"M{number(px)} {number(py)}h0"
+            for px, py in zip(chart.x.px(found[0]), chart.y.px(found[1]), strict=True)
+        )
         marks = element("path", d=dots, class_="dots")
-    said = element("text", "nobody brakes", x=0.5 * (LEFT + RIGHT), y=0.5 * (TOP + BOTTOM), text_anchor="middle", class_="tick")
+    said = element(
+        "text",
+        "nobody brakes",
+        x=0.5 * (LEFT + RIGHT),
+        y=0.5 * (TOP + BOTTOM),
+        text_anchor="middle",
+        class_="tick",
+    )
     return picture(
         identity, title, describe(run, best), WIDTH, HEIGHT,
         element("defs", inside),

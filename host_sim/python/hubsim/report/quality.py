@@ -1,4 +1,8 @@
-"""How well a vehicle brakes: how far motor and hydraulic brake together are from the demand, and how much it jerks."""
+# SPDX-License-Identifier: Apache-2.0
+"""How well a vehicle brakes.
+
+How far motor and hydraulic brake together are from the demand, and how much it jerks.
+"""
 
 import math
 from collections.abc import Sequence
@@ -17,8 +21,14 @@ def torque_error_nm(run: RunLike) -> Array | None:
 
     Positive: too much drive, or too little braking.
     """
-    motor, hydraulic = reading.signal(run, "wheel0.motor_torque_nm"), reading.signal(run, "wheel0.hydraulic_torque_nm")
-    brake, speed = reading.signal(run, "driver.brake_nm"), reading.signal(run, "vehicle.speed_m_per_s")
+    motor, hydraulic = (
+        reading.signal(run, "wheel0.motor_torque_nm"),
+        reading.signal(run, "wheel0.hydraulic_torque_nm"),
+    )
+    brake, speed = (
+        reading.signal(run, "driver.brake_nm"),
+        reading.signal(run, "vehicle.speed_m_per_s"),
+    )
     drive = reading.signal(run, "driver.drive_nm")
     if motor is None or hydraulic is None or brake is None or speed is None:
         return None
@@ -35,13 +45,23 @@ def jerk_m_per_s3(run: RunLike) -> Array | None:
     steps = np.diff(times)
     found = np.full(times.shape, np.nan)
     # The first sample has no time before it to be the mean of.
-    found[2:] = np.where(steps[1:] > 0.0, np.diff(acceleration[1:]) / np.where(steps[1:] > 0.0, steps[1:], 1.0), np.nan)
+    found[2:] = np.where(
+        steps[1:] > 0.0,
+        np.diff(acceleration[1:]) / np.where(steps[1:] > 0.0, steps[1:], 1.0),
+        np.nan,
+    )
     return found
 
 
 def while_braking(run: RunLike, values: Array | None) -> Array | None:
-    """Return those of the values at which the driver brakes and the vehicle moves; None without any."""
-    brake, speed = reading.signal(run, "driver.brake_nm"), reading.signal(run, "vehicle.speed_m_per_s")
+    """Return those of the values at which the driver brakes and the vehicle moves.
+
+    None without any.
+    """
+    brake, speed = (
+        reading.signal(run, "driver.brake_nm"),
+        reading.signal(run, "vehicle.speed_m_per_s"),
+    )
     if values is None or brake is None or speed is None:
         return None
     kept = values[(brake > 0.0) & (np.abs(speed) > STANDING_M_PER_S) & np.isfinite(values)]
@@ -65,17 +85,55 @@ def draw(runs: Sequence[RunLike], caption: str) -> Markup:
     if all(values is None for values in (*errors, *jerks)):
         return Markup("")
     rows = (
-        ("Total torque error", "motor and hydraulic brake together less the demand, root mean square", "N·m", errors, root_mean_square),
-        ("Largest total torque error", "for a moment, where demand or hand-over change", "N·m", errors, largest),
-        ("Jerk", "change of deceleration in a second, root mean square", "m/s³", jerks, root_mean_square),
+        (
+            "Total torque error",
+            "motor and hydraulic brake together less the demand, root mean square",
+            "N·m",
+            errors,
+            root_mean_square,
+        ),
+        (
+            "Largest total torque error",
+            "for a moment, where demand or hand-over change",
+            "N·m",
+            errors,
+            largest,
+        ),
+        (
+            "Jerk",
+            "change of deceleration in a second, root mean square",
+            "m/s³",
+            jerks,
+            root_mean_square,
+        ),
         ("Largest jerk", "for a moment", "m/s³", jerks, largest),
     )
     body = []
     for title, meaning, unit, found, figure in rows:
-        name = element("th", element("span", title, class_="name"), element("span", meaning, class_="meaning"), scope="row")
-        cells = [element("td", words.significant(value) if math.isfinite(value := figure(values)) else words.UNKNOWN) for values in found]
+        name = element(
+            "th",
+            element("span", title, class_="name"),
+            element("span", meaning, class_="meaning"),
+            scope="row",
+        )
+        cells = [
+            element(
+                "td",
+                words.significant(value)
+                if math.isfinite(value := figure(values))
+                else words.UNKNOWN,
+            )
+            for values in found
+        ]
         body.append(element("tr", name, element("td", unit, class_="unit"), *cells))
     names = [element("th", reading.strategy(run).title, scope="col") for run in runs]
-    head = element("tr", element("th", "While the driver brakes", scope="col"), element("th", "Unit", scope="col"), *names)
-    table = element("table", element("caption", caption), element("thead", head), element("tbody", *body))
+    head = element(
+        "tr",
+        element("th", "While the driver brakes", scope="col"),
+        element("th", "Unit", scope="col"),
+        *names,
+    )
+    table = element(
+        "table", element("caption", caption), element("thead", head), element("tbody", *body)
+    )
     return element("div", table, class_="scroll", role="region", aria_label=caption, tabindex="0")

@@ -1,4 +1,8 @@
-"""What the report reads of a run, and what it calls things. Everything may be missing; nothing here raises for that."""
+# SPDX-License-Identifier: Apache-2.0
+"""What the report reads of a run, and what it calls things.
+
+Everything may be missing; nothing here raises for that.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -33,12 +37,14 @@ SIGNALS = (
 class RunLike(Protocol):
     """A finished run.
 
-    ``summary`` is the run object of summary.json. Beyond its fixed keys the report uses, where they are there,
-    ``while_driving_j`` and ``while_braking_j`` (the losses split by what the driver does: battery, inverter, copper,
-    iron, bearing, hydraulic), ``drag``, ``rolling``, ``climbed`` and ``stored_kinetic`` in ``energy_j``, and
-    ``reason_texts`` (words for the codes in the signal ``reason``).
+    ``summary`` is the run object of summary.json. Beyond its fixed keys the report uses, where they
+    are there, ``while_driving_j`` and ``while_braking_j`` (the losses split by what the driver
+    does: battery, inverter, copper, iron, bearing, hydraulic), ``drag``, ``rolling``, ``climbed``
+    and ``stored_kinetic`` in ``energy_j``, and ``reason_texts`` (words for the codes in the signal
+    ``reason``).
 
-    ``signals`` holds arrays of shape (samples,) like ``time_s``, each in the unit at the end of its name.
+    ``signals`` holds arrays of shape (samples,) like ``time_s``, each in the unit at the end of its
+    name.
     """
 
     @property
@@ -76,7 +82,8 @@ class Strategy:
 
 STRATEGIES = {
     "parallel_ratio": Strategy(
-        "Parallel, fixed ratio", "The motor takes a fixed share of every braking demand, the hydraulic brake takes the rest."
+        "Parallel, fixed ratio",
+        "The motor takes a fixed share of every braking demand, the hydraulic brake takes the rest.",
     ),
     "parallel_free_travel": Strategy(
         "Parallel, free travel",
@@ -112,12 +119,19 @@ def by_cycle(runs: Sequence[RunLike]) -> dict[str, list[RunLike]]:
     found: dict[str, list[RunLike]] = {}
     for run in runs:
         found.setdefault(run.cycle, []).append(run)
-    return {name: sorted(group, key=lambda run: order.get(run.strategy, len(order))) for name, group in found.items()}
+    return {
+        name: sorted(group, key=lambda run: order.get(run.strategy, len(order)))
+        for name, group in found.items()
+    }
 
 
 def as_number(value: object) -> float:
     """Return a number, or NaN for anything that is none."""
-    return float(value) if isinstance(value, int | float | np.number) and not isinstance(value, bool) else math.nan
+    return (
+        float(value)
+        if isinstance(value, int | float | np.number) and not isinstance(value, bool)
+        else math.nan
+    )
 
 
 def energy_j(run: RunLike, name: str) -> float:
@@ -127,18 +141,29 @@ def energy_j(run: RunLike, name: str) -> float:
 
 
 def phase_j(run: RunLike, phase: str) -> dict[str, float] | None:
-    """Return the losses in J ``while_driving_j`` or ``while_braking_j``; None unless the four electric ones are known."""
+    """Return the losses in J ``while_driving_j`` or ``while_braking_j``.
+
+    None unless the four electric ones are known.
+    """
     entries = run.summary.get(phase)
     if not isinstance(entries, Mapping):
         return None
     found = {str(name): as_number(value) for name, value in entries.items()}
-    return found if all(math.isfinite(found.get(name, math.nan)) for name in ("battery", "inverter", "copper", "iron")) else None
+    return (
+        found
+        if all(
+            math.isfinite(found.get(name, math.nan))
+            for name in ("battery", "inverter", "copper", "iron")
+        )
+        else None
+    )
 
 
 def signal(run: RunLike, name: str) -> Array | None:
     """Return a signal of shape (samples,) by the engine's name ``group.name_unit`` or a shorter spelling of it.
 
-    NaN stands for every value that is none; None where it was not recorded, does not fit the times or never has a value.
+    NaN stands for every value that is none; None where it was not recorded, does not fit the times
+    or never has a value.
     """
     for spelling in (name, name.replace(".", "_"), name.rpartition(".")[2]):
         values = run.signals.get(spelling)

@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """The flow picture: from the battery along the upper lane to the wheels, and round and back along the lower lane.
 
-All widths are to one scale for all pictures drawn together. A lane's colour changes from the battery's to the motor's
-with the place, whatever flows there; what leaves takes on its own colour while it turns.
+All widths are to one scale for all pictures drawn together. A lane's colour changes from the
+battery's to the motor's with the place, whatever flows there; what leaves takes on its own colour
+while it turns.
 """
 
 from collections.abc import Sequence
@@ -21,7 +23,11 @@ def draw(flow: Flow, shared: Frame, identity: str, title: str) -> Markup:
     """Draw one flow. ``identity`` is unique in the page."""
     laid = lanes.lay(flow, shared)
     fill = f"{identity}-lane"
-    parts = [_gradient(fill, (LEFT, RIGHT), ("0.08", "stop-battery"), ("0.8", "stop-motor")), _battery(laid), _trunk(laid, fill)]
+    parts = [
+        _gradient(fill, (LEFT, RIGHT), ("0.08", "stop-battery"), ("0.8", "stop-motor")),
+        _battery(laid),
+        _trunk(laid, fill),
+    ]
     if laid.returned < 0.0:
         parts.append(_feed(laid, fill))
     parts += [*_rising_all(laid, identity), *_falling_all(laid, identity), *_labels(laid)]
@@ -32,11 +38,16 @@ def describe(flow: Flow) -> str:
     """Say the picture in words, for those who cannot see it."""
 
     def listed(parts: Sequence[Part]) -> str:
-        return ", ".join(f"{part.name} {words.kilojoules(part.energy_j)}" for part in parts) or "nothing"
+        return (
+            ", ".join(f"{part.name} {words.kilojoules(part.energy_j)}" for part in parts)
+            or "nothing"
+        )
 
     said = []
     if not flow.net:
-        said.append(f"{words.kilojoules(flow.drawn_j)} from the battery's cells lose on the way to the wheels: {listed(flow.upper)}.")
+        said.append(
+            f"{words.kilojoules(flow.drawn_j)} from the battery's cells lose on the way to the wheels: {listed(flow.upper)}."
+        )
         said.append(f"The road takes: {listed(flow.road)}.")
     if flow.joining:
         said.append(f"The vehicle gives: {listed(flow.joining)}.")
@@ -47,16 +58,34 @@ def describe(flow: Flow) -> str:
 
 
 def _path(*commands: str | float) -> str:
-    return " ".join(number(command) if isinstance(command, float) else command for command in commands)
+    return " ".join(
+        number(command) if isinstance(command, float) else command for command in commands
+    )
 
 
-def _gradient(identity: str, ends: tuple[float, float], *stops: tuple[str, str], clear_first: bool = False) -> Markup:
+def _gradient(
+    identity: str, ends: tuple[float, float], *stops: tuple[str, str], clear_first: bool = False
+) -> Markup:
     """Change colour from one x to another."""
     made = [
-        element("stop", offset=offset, class_=style, stop_opacity="0" if clear_first and place == 0 else None)
+        element(
+            "stop",
+            offset=offset,
+            class_=style,
+            stop_opacity="0" if clear_first and place == 0 else None,
+        )
         for place, (offset, style) in enumerate(stops)
     ]
-    return element("linearGradient", *made, id=identity, gradientUnits="userSpaceOnUse", x1=ends[0], x2=ends[1], y1=0.0, y2=0.0)
+    return element(
+        "linearGradient",
+        *made,
+        id=identity,
+        gradientUnits="userSpaceOnUse",
+        x1=ends[0],
+        x2=ends[1],
+        y1=0.0,
+        y2=0.0,
+    )
 
 
 def _battery(laid: Lanes) -> Markup:
@@ -66,8 +95,18 @@ def _battery(laid: Lanes) -> Markup:
     x, middle = 0.5 * (BATTERY + LEFT) - 1.0, 0.5 * (top + bottom)
     turned = f"rotate(-90 {number(x)} {number(middle)}) translate(0 3.5)"
     return join(
-        element("rect", x=BATTERY, y=top, width=LEFT - BATTERY - 2.0, height=bottom - top, rx=3.0, class_="battery"),
-        element("text", "battery", x=x, y=middle, class_="on", text_anchor="middle", transform=turned),
+        element(
+            "rect",
+            x=BATTERY,
+            y=top,
+            width=LEFT - BATTERY - 2.0,
+            height=bottom - top,
+            rx=3.0,
+            class_="battery",
+        ),
+        element(
+            "text", "battery", x=x, y=middle, class_="on", text_anchor="middle", transform=turned
+        ),
     )
 
 
@@ -92,9 +131,24 @@ def _trunk(laid: Lanes, fill: str) -> Markup:
             commands += ["H", leaving.middle + 0.5 * leaving.width + TURN, "V", bottom]
     if laid.returned > 0.0:
         shoulder = LEFT + TIP
-        commands += ["H", shoulder, "v", 3.0, "L", LEFT, 0.5 * (back + bottom), "L", shoulder, back - 3.0]
+        commands += [
+            "H",
+            shoulder,
+            "v",
+            3.0,
+            "L",
+            LEFT,
+            0.5 * (back + bottom),
+            "L",
+            shoulder,
+            back - 3.0,
+        ]
     commands += ["V", back]
-    commands += ["Z"] if laid.flow.net else ["H", laid.bend_x, "A", inner, inner, "0 0 0", laid.bend_x, lane, "Z"]
+    commands += (
+        ["Z"]
+        if laid.flow.net
+        else ["H", laid.bend_x, "A", inner, inner, "0 0 0", laid.bend_x, lane, "Z"]
+    )
     return element("path", d=_path(*commands), fill=f"url(#{fill})", class_="trunk")
 
 
@@ -123,7 +177,12 @@ def _rising_all(laid: Lanes, identity: str) -> list[Markup]:
 def _rising(leaving: Exit, top: float, flow: Flow, fade: str) -> Markup:
     """Draw a fading straight piece, a quarter turn up and a stem with a point."""
     low, high = leaving.middle - 0.5 * leaving.width, leaving.middle + 0.5 * leaving.width
-    start, end, point, outer = low - TURN, LABEL + 1.0, min(0.4 * leaving.width, POINT), TURN + leaving.width
+    start, end, point, outer = (
+        low - TURN,
+        LABEL + 1.0,
+        min(0.4 * leaving.width, POINT),
+        TURN + leaving.width,
+    )
     outline = _path(
         "M", start - FADE, top, "H", start, "A", TURN, TURN, "0 0 0", low, top - TURN, "V", end + point, "L", leaving.middle, end,
         "L", high, end + point, "V", top - TURN, "A", outer, outer, "0 0 1", start, top + leaving.width, "H", start - FADE, "Z",
@@ -132,7 +191,11 @@ def _rising(leaving: Exit, top: float, flow: Flow, fade: str) -> Markup:
     return join(
         _fading(fade, start - FADE, start, leaving.part.kind),
         element(
-            "path", _tooltip(leaving.part, flow, when, flow.drawn_j, "of what was drawn"), d=outline, fill=f"url(#{fade})", class_="exit"
+            "path",
+            _tooltip(leaving.part, flow, when, flow.drawn_j, "of what was drawn"),
+            d=outline,
+            fill=f"url(#{fade})",
+            class_="exit",
         ),
     )
 
@@ -146,24 +209,56 @@ def _falling_all(laid: Lanes, identity: str) -> list[Markup]:
         drawn.append(_leader(leaving, bottom + TURN, end))
         if leaving.from_wheels > 0.0:
             high = leaving.middle + 0.5 * leaving.width
-            drawn.append(_falling(leaving, laid.flow, (high, high - leaving.from_wheels), bottom, end, f"{identity}-{place}-down"))
+            drawn.append(
+                _falling(
+                    leaving,
+                    laid.flow,
+                    (high, high - leaving.from_wheels),
+                    bottom,
+                    end,
+                    f"{identity}-{place}-down",
+                )
+            )
             bottom -= leaving.from_wheels
     bottom = laid.frame.back_y - laid.returned
     for place, leaving in enumerate(reversed(laid.lower)):
         if leaving.from_battery > 0.0:
             low = leaving.middle - 0.5 * leaving.width
-            drawn.append(_falling(leaving, laid.flow, (low, low + leaving.from_battery), bottom, end, f"{identity}-{place}-feed"))
+            drawn.append(
+                _falling(
+                    leaving,
+                    laid.flow,
+                    (low, low + leaving.from_battery),
+                    bottom,
+                    end,
+                    f"{identity}-{place}-feed",
+                )
+            )
             bottom -= leaving.from_battery
     for place, leaving in enumerate(laid.lower):
         lower_row = place % laid.frame.rows * LABEL
         if lower_row > 0.0:
-            drawn.append(element("line", x1=leaving.middle, x2=leaving.middle, y1=end + 3.0, y2=end + lower_row + 1.0, class_="leader"))
+            drawn.append(
+                element(
+                    "line",
+                    x1=leaving.middle,
+                    x2=leaving.middle,
+                    y1=end + 3.0,
+                    y2=end + lower_row + 1.0,
+                    class_="leader",
+                )
+            )
         drawn.append(_label(leaving, end + 12.0 + lower_row))
     return drawn
 
 
-def _falling(leaving: Exit, flow: Flow, sides: tuple[float, float], bottom: float, end: float, fade: str) -> Markup:
-    """Draw a quarter turn down. ``sides``: near and far edge of the stem, as seen from where the flow comes from."""
+def _falling(
+    leaving: Exit, flow: Flow, sides: tuple[float, float], bottom: float, end: float, fade: str
+) -> Markup:
+    """Draw a quarter turn down.
+
+    ``sides``: near and far edge of the stem, as seen from where the flow comes from.
+    """
     near, far = sides
     sign = 1.0 if near > far else -1.0
     width = abs(near - far)
@@ -178,18 +273,28 @@ def _falling(leaving: Exit, flow: Flow, sides: tuple[float, float], bottom: floa
     return join(
         _fading(fade, start + sign * FADE, start, leaving.part.kind),
         element(
-            "path", _tooltip(leaving.part, flow, when, flow.work_j, "of the braking work"), d=outline, fill=f"url(#{fade})", class_="exit"
+            "path",
+            _tooltip(leaving.part, flow, when, flow.work_j, "of the braking work"),
+            d=outline,
+            fill=f"url(#{fade})",
+            class_="exit",
         ),
     )
 
 
 def _fading(identity: str, clear: float, full: float, kind: str) -> Markup:
     """Let a colour come up between two places, from whichever side."""
-    return _gradient(identity, (clear, full), ("0", f"stop-{kind}"), ("1", f"stop-{kind}"), clear_first=True)
+    return _gradient(
+        identity, (clear, full), ("0", f"stop-{kind}"), ("1", f"stop-{kind}"), clear_first=True
+    )
 
 
 def _tooltip(part: Part, flow: Flow, when: str, whole_j: float, of: str) -> Markup:
-    share = f", {words.percent(part.energy_j / whole_j)} {of}" if whole_j > 0.0 and flow.split and not flow.net else ""
+    share = (
+        f", {words.percent(part.energy_j / whole_j)} {of}"
+        if whole_j > 0.0 and flow.split and not flow.net
+        else ""
+    )
     return element("title", f"{part.name} {when}: {words.kilojoules(part.energy_j)}{share}")
 
 
@@ -197,17 +302,31 @@ def _leader(leaving: Exit, label_y: float, lane_y: float) -> Markup:
     """Draw a dotted line where the stem itself is hardly to be seen."""
     if leaving.width >= HAIR:
         return Markup("")
-    return element("line", x1=leaving.middle, x2=leaving.middle, y1=label_y, y2=lane_y, class_="leader")
+    return element(
+        "line", x1=leaving.middle, x2=leaving.middle, y1=label_y, y2=lane_y, class_="leader"
+    )
 
 
-def _lines(x: float, y: float, first: str, second: str, anchor: str, step: float, class_: str | None = None) -> Markup:
+def _lines(
+    x: float, y: float, first: str, second: str, anchor: str, step: float, class_: str | None = None
+) -> Markup:
     """Write a name and below it what it is worth."""
-    name, value = element("tspan", first, x=x), element("tspan", second, x=x, dy=step, class_="value")
+    name, value = (
+        element("tspan", first, x=x),
+        element("tspan", second, x=x, dy=step, class_="value"),
+    )
     return element("text", name, value, x=x, y=y, text_anchor=anchor, class_=class_)
 
 
 def _label(leaving: Exit, y: float) -> Markup:
-    return _lines(leaving.middle, y, leaving.part.name, words.kilojoules(leaving.part.energy_j), "middle", 12.0)
+    return _lines(
+        leaving.middle,
+        y,
+        leaving.part.name,
+        words.kilojoules(leaving.part.energy_j),
+        "middle",
+        12.0,
+    )
 
 
 def _labels(laid: Lanes) -> list[Markup]:
@@ -217,18 +336,68 @@ def _labels(laid: Lanes) -> list[Markup]:
     drawn = []
     if laid.drawn >= LETTERS:
         y = lane - 0.5 * min(laid.drawn, max(laid.wheels, LETTERS)) - 3.0
-        drawn.append(_lines(LEFT + 10.0, y, "from the cells", words.kilojoules(flow.drawn_j), "start", 14.0, "on"))
+        drawn.append(
+            _lines(
+                LEFT + 10.0,
+                y,
+                "from the cells",
+                words.kilojoules(flow.drawn_j),
+                "start",
+                14.0,
+                "on",
+            )
+        )
     if flow.split and laid.wheels >= LETTERS:
-        nearest = laid.road[-1].middle - 0.5 * laid.road[-1].width - TURN - FADE if laid.road else laid.bend_x
+        nearest = (
+            laid.road[-1].middle - 0.5 * laid.road[-1].width - TURN - FADE
+            if laid.road
+            else laid.bend_x
+        )
         y = lane - 0.5 * laid.wheels - 3.0
-        drawn.append(_lines(nearest - 4.0, y, "at the wheels", words.kilojoules(flow.wheels_j), "end", 14.0, "on"))
+        drawn.append(
+            _lines(
+                nearest - 4.0,
+                y,
+                "at the wheels",
+                words.kilojoules(flow.wheels_j),
+                "end",
+                14.0,
+                "on",
+            )
+        )
     if flow.joining:
         names = " and ".join(dict.fromkeys(part.name for part in flow.joining))
         y = gap_y if flow.net else laid.frame.end_y + 12.0
-        drawn.append(_lines(RIGHT, y, f"from {names}", words.kilojoules(total(flow.joining)), "end", 14.0 if flow.net else 12.0))
+        drawn.append(
+            _lines(
+                RIGHT,
+                y,
+                f"from {names}",
+                words.kilojoules(total(flow.joining)),
+                "end",
+                14.0 if flow.net else 12.0,
+            )
+        )
     if flow.split and not flow.net:
-        drawn.append(_lines(laid.bend_x - 2.0, gap_y, "braking work", words.kilojoules(flow.work_j), "end", 14.0))
-    share = f" = {words.percent(flow.returned_j / flow.work_j)}" if flow.work_j > 0.0 and not flow.net else ""
+        drawn.append(
+            _lines(
+                laid.bend_x - 2.0, gap_y, "braking work", words.kilojoules(flow.work_j), "end", 14.0
+            )
+        )
+    share = (
+        f" = {words.percent(flow.returned_j / flow.work_j)}"
+        if flow.work_j > 0.0 and not flow.net
+        else ""
+    )
     first = "back into the cells" if flow.returned_j >= 0.0 else "taken from the cells"
-    drawn.append(_lines(LEFT + 10.0, gap_y, first, f"{words.kilojoules(abs(flow.returned_j))}{share}", "start", 14.0))
+    drawn.append(
+        _lines(
+            LEFT + 10.0,
+            gap_y,
+            first,
+            f"{words.kilojoules(abs(flow.returned_j))}{share}",
+            "start",
+            14.0,
+        )
+    )
     return drawn

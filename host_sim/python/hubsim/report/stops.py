@@ -1,4 +1,8 @@
-"""Stops at constant demand: the stored share of the kinetic energy over the demand, simulated over ideal."""
+# SPDX-License-Identifier: Apache-2.0
+"""Stops at constant demand.
+
+The stored share of the kinetic energy over the demand, simulated over ideal.
+"""
 
 from collections.abc import Sequence
 
@@ -20,12 +24,25 @@ def draw(curves: Sequence[CurveLike], identity: str) -> Markup:
     chart = _fit(curves)
     parts: list[Markup] = [chart.frame("demand at each wheel, N·m", "Kinetic energy stored, %")]
     for curve in curves:
-        x, y = chart.x.px(np.array(curve.ideal_demand_nm)), chart.y.px(PERCENT * np.array(curve.ideal))
-        outline = "M" + " ".join(f"{number(px)} {number(py)}" for px, py in zip(x.tolist(), y.tolist(), strict=True))
+        x, y = (
+            chart.x.px(np.array(curve.ideal_demand_nm)),
+            chart.y.px(PERCENT * np.array(curve.ideal)),
+        )
+        outline = "M" + " ".join(
+            f"{number(px)} {number(py)}" for px, py in zip(x.tolist(), y.tolist(), strict=True)
+        )
         parts.append(element("path", d=outline, class_=f"curve {accent(curve.strategy)}"))
         rings = [
-            element("circle", _tooltip(curve, place), cx=chart.x.at(demand), cy=chart.y.at(PERCENT * stored), r=3.4)
-            for place, (demand, stored) in enumerate(zip(curve.demand_nm, curve.stored, strict=True))
+            element(
+                "circle",
+                _tooltip(curve, place),
+                cx=chart.x.at(demand),
+                cy=chart.y.at(PERCENT * stored),
+                r=3.4,
+            )
+            for place, (demand, stored) in enumerate(
+                zip(curve.demand_nm, curve.stored, strict=True)
+            )
         ]
         parts.append(element("g", *rings, class_=f"rings {accent(curve.strategy)}"))
     parts += _labels(curves, TOP + 16.0)
@@ -40,7 +57,9 @@ def accent(strategy: str) -> str:
 
 def differences(curve: CurveLike) -> list[float]:
     """Return simulated less ideal share for every simulated demand (1), the ideal read off its curve."""
-    ideal = np.interp(np.array(curve.demand_nm), np.array(curve.ideal_demand_nm), np.array(curve.ideal))
+    ideal = np.interp(
+        np.array(curve.demand_nm), np.array(curve.ideal_demand_nm), np.array(curve.ideal)
+    )
     return [float(difference) for difference in np.array(curve.stored) - ideal]
 
 
@@ -48,7 +67,9 @@ def unsettled(curves: Sequence[CurveLike]) -> float:
     """Return by how much more of the kinetic energy (1) a stop stores at most because the battery has no time to settle."""
     gaps = []
     for curve in curves:
-        ideal = np.interp(np.array(curve.demand_nm), np.array(curve.ideal_demand_nm), np.array(curve.ideal))
+        ideal = np.interp(
+            np.array(curve.demand_nm), np.array(curve.ideal_demand_nm), np.array(curve.ideal)
+        )
         gaps.append(float(np.max(ideal - np.array(curve.settled))))
     return max(gaps)
 
@@ -58,9 +79,12 @@ def describe(curves: Sequence[CurveLike]) -> str:
     said = []
     for curve in curves:
         points = ", ".join(
-            f"{words.significant(demand)} N·m {words.percent(stored)}" for demand, stored in zip(curve.demand_nm, curve.stored, strict=True)
+            f"{words.significant(demand)} N·m {words.percent(stored)}"
+            for demand, stored in zip(curve.demand_nm, curve.stored, strict=True)
         )
-        said.append(f"{reading.STRATEGIES[curve.strategy].title if curve.strategy in reading.STRATEGIES else curve.strategy}: {points}.")
+        said.append(
+            f"{reading.STRATEGIES[curve.strategy].title if curve.strategy in reading.STRATEGIES else curve.strategy}: {points}."
+        )
     return " ".join(said)
 
 
@@ -74,8 +98,15 @@ def table(curves: Sequence[CurveLike]) -> Markup:
         cells = [element("td", _cell(curve, demand)) for curve in curves]
         rows.append(element("tr", element("th", f"{demand:g}", scope="row"), *cells))
     caption = "Simulated: stored share of the kinetic energy in %, in brackets by how many percentage points it lies above the ideal"
-    drawn = element("table", element("caption", caption), element("thead", element("tr", *head)), element("tbody", *rows))
-    return element("div", drawn, class_="scroll stops", role="region", aria_label=caption, tabindex="0")
+    drawn = element(
+        "table",
+        element("caption", caption),
+        element("thead", element("tr", *head)),
+        element("tbody", *rows),
+    )
+    return element(
+        "div", drawn, class_="scroll stops", role="region", aria_label=caption, tabindex="0"
+    )
 
 
 def _cell(curve: CurveLike, demand: float) -> str:

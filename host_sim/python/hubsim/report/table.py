@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The energy table: one row for each account with its meaning, one column for each strategy."""
 
 import math
@@ -11,7 +12,10 @@ from hubsim.report.reading import OPTIMUM, RunLike
 
 @dataclass(frozen=True)
 class Row:
-    """One account. ``energy`` names an entry of ``energy_j``; other rows have a function of their own."""
+    """One account. ``energy`` names an entry of ``energy_j``.
+
+    Other rows have a function of their own.
+    """
 
     title: str
     meaning: str
@@ -21,8 +25,17 @@ class Row:
 
 ROWS = (
     Row("Traction", "drawn from the battery's cells while the driver does not brake", "traction"),
-    Row("Braking work at the wheels", "what motors and hydraulic brakes take from the motion while the driver brakes", "braking_at_wheels"),
-    Row("Returned to the battery", "into the cells while the driver brakes", "battery_returned", "battery"),
+    Row(
+        "Braking work at the wheels",
+        "what motors and hydraulic brakes take from the motion while the driver brakes",
+        "braking_at_wheels",
+    ),
+    Row(
+        "Returned to the battery",
+        "into the cells while the driver brakes",
+        "battery_returned",
+        "battery",
+    ),
     Row("Hydraulic heat", "in the friction brakes", "hydraulic", "hydraulic"),
     Row("Copper loss", "heat in the windings", "copper", "losses"),
     Row("Iron loss", "heat in the motors' iron", "iron", "losses"),
@@ -40,15 +53,29 @@ def decimals_of(runs: Sequence[RunLike]) -> int:
 
 
 def stored_share(run: RunLike) -> float:
-    """Return the share of the braking work that the battery got back; worked out where the run does not say."""
+    """Return the share of the braking work that the battery got back.
+
+    Worked out where the run does not say.
+    """
     said = reading.as_number(run.summary.get("braking_share_stored"))
     work = reading.energy_j(run, "braking_at_wheels")
-    return said if math.isfinite(said) or not work > 0.0 else reading.energy_j(run, "battery_returned") / work
+    return (
+        said
+        if math.isfinite(said) or not work > 0.0
+        else reading.energy_j(run, "battery_returned") / work
+    )
 
 
 def optimum_share(run: RunLike, runs: Sequence[RunLike]) -> float:
     """Return what this run returned relative to the series optimum of the same cycle, NaN without one."""
-    best = next((reading.energy_j(other, "battery_returned") for other in runs if other.strategy == OPTIMUM), math.nan)
+    best = next(
+        (
+            reading.energy_j(other, "battery_returned")
+            for other in runs
+            if other.strategy == OPTIMUM
+        ),
+        math.nan,
+    )
     return reading.energy_j(run, "battery_returned") / best if best > 0.0 else math.nan
 
 
@@ -57,24 +84,58 @@ def draw(runs: Sequence[RunLike], caption: str) -> Markup:
     decimals = decimals_of(runs)
     names = [element("th", reading.strategy(run).title, scope="col") for run in runs]
     head = element(
-        "thead", element("tr", element("th", "Energy over the whole run", scope="col"), element("th", "Unit", scope="col"), *names)
+        "thead",
+        element(
+            "tr",
+            element("th", "Energy over the whole run", scope="col"),
+            element("th", "Unit", scope="col"),
+            *names,
+        ),
     )
     body = [
-        _row(row.title, row.meaning, "kJ", [words.fixed(reading.energy_j(run, row.energy) / 1e3, decimals) for run in runs], row.style)
+        _row(
+            row.title,
+            row.meaning,
+            "kJ",
+            [words.fixed(reading.energy_j(run, row.energy) / 1e3, decimals) for run in runs],
+            row.style,
+        )
         for row in ROWS
     ]
     rates: tuple[tuple[str, str, Callable[[RunLike], float]], ...] = (
         ("Share stored", "returned over braking work", stored_share),
-        ("Share of the series optimum", "returned over what the series strategy returns", lambda run: optimum_share(run, runs)),
+        (
+            "Share of the series optimum",
+            "returned over what the series strategy returns",
+            lambda run: optimum_share(run, runs),
+        ),
     )
-    shares = [_row(title, meaning, "%", [_percent(of(run)) for run in runs], "share") for title, meaning, of in rates]
-    residuals = [words.small_percent(reading.as_number(run.summary.get("residual_relative"))).removesuffix(" %") for run in runs]
+    shares = [
+        _row(title, meaning, "%", [_percent(of(run)) for run in runs], "share")
+        for title, meaning, of in rates
+    ]
+    residuals = [
+        words.small_percent(reading.as_number(run.summary.get("residual_relative"))).removesuffix(
+            " %"
+        )
+        for run in runs
+    ]
     shares.append(
         _row(
-            "Residual", "sources less sinks less storage, over the energy turned over: the simulation's own error", "%", residuals, "quiet"
+            "Residual",
+            "sources less sinks less storage, over the energy turned over: the simulation's own error",
+            "%",
+            residuals,
+            "quiet",
         )
     )
-    table = element("table", element("caption", caption), head, element("tbody", *body), element("tbody", *shares))
+    table = element(
+        "table",
+        element("caption", caption),
+        head,
+        element("tbody", *body),
+        element("tbody", *shares),
+    )
     return element("div", table, class_="scroll", role="region", aria_label=caption, tabindex="0")
 
 
@@ -83,6 +144,11 @@ def _percent(share: float) -> str:
 
 
 def _row(title: str, meaning: str, unit: str, values: list[str], style: str) -> Markup:
-    name = element("th", element("span", title, class_="name"), element("span", meaning, class_="meaning"), scope="row")
+    name = element(
+        "th",
+        element("span", title, class_="name"),
+        element("span", meaning, class_="meaning"),
+        scope="row",
+    )
     cells = [element("td", value) for value in values]
     return element("tr", name, element("td", unit, class_="unit"), *cells, class_=style or None)

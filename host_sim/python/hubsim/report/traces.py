@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Signals over time: one column per run, panels below each other with a shared time axis, equal scales in all columns."""
 
 from collections.abc import Sequence
@@ -36,24 +37,46 @@ class Layout:
 
 def layout(runs: Sequence[RunLike]) -> Layout | None:
     """Fit scales over all runs of a cycle; None when nothing was recorded."""
-    longest = [float(run.time_s[-1]) for run in runs if np.size(run.time_s) > 1 and np.isfinite(run.time_s[-1])]
+    longest = [
+        float(run.time_s[-1])
+        for run in runs
+        if np.size(run.time_s) > 1 and np.isfinite(run.time_s[-1])
+    ]
     if not longest:
         return None
     time = scale.tight(0.0, max(longest), 5.0, LEFT, RIGHT)
     placed: list[tuple[Panel, Scale, float]] = []
     y = 0.0
     for panel in PANELS:
-        drawn = [values for run in runs for curve in panel.curves for values in (curve.of(run),) if values is not None]
+        drawn = [
+            values
+            for run in runs
+            for curve in panel.curves
+            for values in (curve.of(run),)
+            if values is not None
+        ]
         if drawn:
             y += HEADING
-            low, high = min(float(np.nanmin(values)) for values in drawn), max(float(np.nanmax(values)) for values in drawn)
+            low, high = (
+                min(float(np.nanmin(values)) for values in drawn),
+                max(float(np.nanmax(values)) for values in drawn),
+            )
             based = any(curve.base is zero for curve in panel.curves)
             low, high = (min(low, 0.0), max(high, 0.0)) if based else (low, high)
             height = panel.height if high - low > CONSTANT * max(abs(low), abs(high)) else 0.0
-            placed.append((panel, scale.fitted(low, high, panel.least_span, panel.height / 26.0, y + height, y), y))
+            placed.append(
+                (
+                    panel,
+                    scale.fitted(low, high, panel.least_span, panel.height / 26.0, y + height, y),
+                    y,
+                )
+            )
             y += height + SPACE
     codes = sorted({code for run in runs for code in _codes(run)})
-    texts = {code: next(reading.reason_text(run, code) for run in runs if code in _codes(run)) for code in codes}
+    texts = {
+        code: next(reading.reason_text(run, code) for run in runs if code in _codes(run))
+        for code in codes
+    }
     reasons = []
     y += HEADING if codes else 0.0
     for code in codes:
@@ -72,10 +95,14 @@ def draw(run: RunLike, shared: Layout, identity: str, title: str) -> Markup:
         parts.append(_panel(run, panel, axis, top, x))
     if shared.reasons:
         first = shared.reasons[0][2] - (LANE_PITCH - LANE - 6.0)
-        parts.append(element("text", "What limited the torque", x=0.0, y=first - 10.0, class_="heading"))
+        parts.append(
+            element("text", "What limited the torque", x=0.0, y=first - 10.0, class_="heading")
+        )
         parts += [_lane(run, shared, code, text, top) for code, text, top in shared.reasons]
     style = "traces dense" if shared.time.high > DENSE_S else "traces"
-    return picture(identity, title, describe(run, shared), WIDTH, shared.height, *parts, class_=style)
+    return picture(
+        identity, title, describe(run, shared), WIDTH, shared.height, *parts, class_=style
+    )
 
 
 def describe(run: RunLike, shared: Layout) -> str:
@@ -87,14 +114,19 @@ def describe(run: RunLike, shared: Layout) -> str:
             if values is not None:
                 low, high = float(np.nanmin(values)), float(np.nanmax(values))
                 name = f"{panel.title}, {curve.name}" if len(panel.curves) > 1 else panel.title
-                said.append(f"{name}: {words.significant(low)} to {words.significant(high)} {panel.unit}.")
+                said.append(
+                    f"{name}: {words.significant(low)} to {words.significant(high)} {panel.unit}."
+                )
     for code, text, _ in shared.reasons:
         said.append(f"Torque limited by: {text}, for {words.significant(_lasting(run, code))} s.")
     return " ".join(said)
 
 
 def readout(run: RunLike, shared: Layout, samples: int = 400) -> dict[str, object] | None:
-    """Return what the pointer reads: rounded values at equally spaced times, and where in the picture these are."""
+    """Return what the pointer reads.
+
+    Rounded values at equally spaced times, and where in the picture these are.
+    """
     times = np.asarray(run.time_s, dtype=np.float64)
     if times.size < 2 or not np.all(np.isfinite(times)):
         return None
@@ -107,14 +139,31 @@ def readout(run: RunLike, shared: Layout, samples: int = 400) -> dict[str, objec
         for place, curve in enumerate(panel.curves):
             values = (curve.value or curve.of)(run)
             if values is not None:
-                listed = [round(value, panel.decimals) + 0.0 if np.isfinite(value) else None for value in values[nearest].tolist()]
+                listed = [
+                    round(value, panel.decimals) + 0.0 if np.isfinite(value) else None
+                    for value in values[nearest].tolist()
+                ]
                 name = curve.name if len(panel.curves) > 1 else ""
                 y = top + 10.0 + 12.0 * place
                 series.append(
-                    {"name": name, "unit": panel.unit, "decimals": panel.decimals, "style": curve.style, "y": y, "values": listed}
+                    {
+                        "name": name,
+                        "unit": panel.unit,
+                        "decimals": panel.decimals,
+                        "style": curve.style,
+                        "y": y,
+                        "values": listed,
+                    }
                 )
     left, right = shared.time.at(float(grid[0])), shared.time.at(float(grid[-1]))
-    return {"from": float(grid[0]), "to": float(grid[-1]), "left": left, "right": right, "bottom": shared.bottom, "series": series}
+    return {
+        "from": float(grid[0]),
+        "to": float(grid[-1]),
+        "left": left,
+        "right": right,
+        "bottom": shared.bottom,
+        "series": series,
+    }
 
 
 def _time_axis(shared: Layout) -> Markup:
@@ -124,15 +173,33 @@ def _time_axis(shared: Layout) -> Markup:
         x = shared.time.at(tick)
         parts.append(element("line", x1=x, x2=x, y1=HEADING, y2=shared.bottom, class_="grid"))
         parts.append(
-            element("text", words.fixed(tick, shared.time.decimals), x=x, y=shared.bottom + 13.0, text_anchor="middle", class_="tick")
+            element(
+                "text",
+                words.fixed(tick, shared.time.decimals),
+                x=x,
+                y=shared.bottom + 13.0,
+                text_anchor="middle",
+                class_="tick",
+            )
         )
-    parts.append(element("text", "time, s", x=RIGHT, y=shared.bottom + 27.0, text_anchor="end", class_="tick"))
+    parts.append(
+        element(
+            "text", "time, s", x=RIGHT, y=shared.bottom + 27.0, text_anchor="end", class_="tick"
+        )
+    )
     return join(*parts)
 
 
-def _spans(active: np.ndarray[tuple[int], np.dtype[np.bool_]], times: Array) -> list[tuple[float, float]]:
-    """Return begin and end in s of every stretch in which a flag of shape (samples,) is true; a sample lasts to the next."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], active, [False])).astype(np.int8))).reshape(-1, 2)
+def _spans(
+    active: np.ndarray[tuple[int], np.dtype[np.bool_]], times: Array
+) -> list[tuple[float, float]]:
+    """Return begin and end in s of every stretch in which a flag of shape (samples,) is true.
+
+    A sample lasts to the next.
+    """
+    edges = np.flatnonzero(
+        np.diff(np.concatenate(([False], active, [False])).astype(np.int8))
+    ).reshape(-1, 2)
     last = times.size - 1
     return [(float(times[begin]), float(times[min(int(end), last)])) for begin, end in edges]
 
@@ -142,8 +209,15 @@ def _braking(run: RunLike, shared: Layout) -> Markup:
     brake = reading.signal(run, "driver.brake_nm")
     if brake is None:
         return Markup("")
-    spans = [(shared.time.at(begin), shared.time.at(end)) for begin, end in _spans(brake > 0.0, run.time_s)]
-    outline = " ".join(f"M{number(a)} {number(HEADING)}H{number(b)}V{number(shared.bottom)}H{number(a)}Z" for a, b in spans if b > a)
+    spans = [
+        (shared.time.at(begin), shared.time.at(end))
+        for begin, end in _spans(brake > 0.0, run.time_s)
+    ]
+    outline = " ".join(
+        f"M{number(a)} {number(HEADING)}H{number(b)}V{number(shared.bottom)}H{number(a)}Z"
+        for a, b in spans
+        if b > a
+    )
     return element("path", d=outline, class_="braking") if outline else Markup("")
 
 
@@ -153,8 +227,19 @@ def _panel(run: RunLike, panel: Panel, axis: Scale, top: float, x: Array) -> Mar
     parts: list[Markup] = [_heading(panel, top)]
     for tick in axis.ticks():
         y = axis.at(tick)
-        parts.append(element("line", x1=LEFT, x2=RIGHT, y1=y, y2=y, class_="zero" if tick == 0.0 else "grid"))
-        parts.append(element("text", words.fixed(tick, axis.decimals), x=LEFT - 5.0, y=y + 3.5, text_anchor="end", class_="tick"))
+        parts.append(
+            element("line", x1=LEFT, x2=RIGHT, y1=y, y2=y, class_="zero" if tick == 0.0 else "grid")
+        )
+        parts.append(
+            element(
+                "text",
+                words.fixed(tick, axis.decimals),
+                x=LEFT - 5.0,
+                y=y + 3.5,
+                text_anchor="end",
+                class_="tick",
+            )
+        )
     recorded = False
     for curve in panel.curves:
         values = curve.of(run)
@@ -163,12 +248,23 @@ def _panel(run: RunLike, panel: Panel, axis: Scale, top: float, x: Array) -> Mar
             recorded = True
             y_px = axis.px(values)
             if base is not None:
-                parts.append(element("path", d=scale.band(x, y_px, axis.px(base)), class_=f"area {curve.style}"))
+                parts.append(
+                    element(
+                        "path", d=scale.band(x, y_px, axis.px(base)), class_=f"area {curve.style}"
+                    )
+                )
             if base is None or len(panel.curves) == 1:
                 parts.append(element("path", d=scale.line(x, y_px), class_=f"curve {curve.style}"))
     if not recorded:
         parts.append(
-            element("text", "not recorded", x=0.5 * (LEFT + RIGHT), y=top + 0.5 * panel.height, text_anchor="middle", class_="tick")
+            element(
+                "text",
+                "not recorded",
+                x=0.5 * (LEFT + RIGHT),
+                y=top + 0.5 * panel.height,
+                text_anchor="middle",
+                class_="tick",
+            )
         )
     return join(*parts)
 
@@ -180,7 +276,11 @@ def _constant(run: RunLike, panel: Panel, top: float) -> Markup:
     for curve in panel.curves:
         values = curve.of(run)
         name = f"{curve.name} " if len(panel.curves) > 1 else ""
-        level = "not recorded" if values is None else f"{words.significant(float(np.nanmean(values)))} {panel.unit} throughout"
+        level = (
+            "not recorded"
+            if values is None
+            else f"{words.significant(float(np.nanmean(values)))} {panel.unit} throughout"
+        )
         said.append(element("tspan", name + level, class_=f"key {curve.style}", dx="10"))
     return element("text", title, *said, x=0.0, y=top - 10.0)
 
@@ -196,26 +296,48 @@ def _heading(panel: Panel, top: float) -> Markup:
 
 def _codes(run: RunLike) -> set[int]:
     reason = reading.signal(run, "wheel0.reason")
-    return set() if reason is None else {int(code) for code in reason[np.isfinite(reason)].tolist() if code >= 1.0}
+    return (
+        set()
+        if reason is None
+        else {int(code) for code in reason[np.isfinite(reason)].tolist() if code >= 1.0}
+    )
 
 
 def _lasting(run: RunLike, code: int) -> float:
     reason = reading.signal(run, "wheel0.reason")
-    return 0.0 if reason is None else sum(end - begin for begin, end in _spans(reason == float(code), run.time_s))
+    return (
+        0.0
+        if reason is None
+        else sum(end - begin for begin, end in _spans(reason == float(code), run.time_s))
+    )
 
 
 def _lane(run: RunLike, shared: Layout, code: int, text: str, top: float) -> Markup:
     """One reason: its words, how long it held in this run, and a strip of when."""
     reason = reading.signal(run, "wheel0.reason")
     spans = [] if reason is None else _spans(reason == float(code), run.time_s)
-    drawn = [(shared.time.at(begin), max(shared.time.at(end), shared.time.at(begin) + 0.4)) for begin, end in spans]
-    outline = " ".join(f"M{number(a)} {number(top)}H{number(b)}V{number(top + LANE)}H{number(a)}Z" for a, b in drawn)
+    drawn = [
+        (shared.time.at(begin), max(shared.time.at(end), shared.time.at(begin) + 0.4))
+        for begin, end in spans
+    ]
+    outline = " ".join(
+        f"M{number(a)} {number(top)}H{number(b)}V{number(top + LANE)}H{number(a)}Z"
+        for a, b in drawn
+    )
     seconds = sum(end - begin for begin, end in spans)
-    lasting = "not recorded" if reason is None else f"{words.significant(seconds, 2)} s" if spans else "never"
+    lasting = (
+        "not recorded"
+        if reason is None
+        else f"{words.significant(seconds, 2)} s"
+        if spans
+        else "never"
+    )
     kind = "fault" if code >= FIRST_FAULT else "limit"
     return join(
         element("rect", x=LEFT, y=top, width=RIGHT - LEFT, height=LANE, class_="lane"),
-        element("path", element("title", f"{text}: {lasting}"), d=outline, class_=kind) if outline else "",
+        element("path", element("title", f"{text}: {lasting}"), d=outline, class_=kind)
+        if outline
+        else "",
         element("text", text, x=LEFT, y=top - 4.0, class_=f"key {kind}" if spans else "key never"),
         element("text", lasting, x=RIGHT, y=top - 4.0, text_anchor="end", class_="tick"),
     )

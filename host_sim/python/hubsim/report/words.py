@@ -1,4 +1,8 @@
-"""Numbers as a reader wants them: a real minus sign, a dash for what is not known, as many digits as mean something."""
+# SPDX-License-Identifier: Apache-2.0
+"""Numbers as a reader wants them.
+
+A real minus sign, a dash for what is not known, as many digits as mean something.
+"""
 
 import math
 
@@ -27,7 +31,10 @@ def significant(value: float, digits: int = 3) -> str:
 
 
 def kilojoules(energy_j: float) -> str:
-    """Return an energy as a label of a figure, e.g. ``15.0 kJ``; what would be two zeros is in joules."""
+    """Return an energy as a label of a figure, e.g.
+
+    ``15.0 kJ``; what would be two zeros is in joules.
+    """
     if not math.isfinite(energy_j):
         return UNKNOWN
     if abs(energy_j) < 10.0:

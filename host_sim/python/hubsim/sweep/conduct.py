@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """A sweep from beginning to end: batches handed to Dask's workers, kept as they come back, joined when all are there.
 
-Without an address the workers are processes of this machine, one for each core; with one they are whatever the scheduler
-has, which must be able to import hubsim and to find the built engine (HUBFOC_BUILD_DIR).
+Without an address the workers are processes of this machine, one for each core; with one they are
+whatever the scheduler has, which must be able to import hubsim and to find the built engine
+(HUBFOC_BUILD_DIR).
 """
 
 import math
@@ -22,7 +24,9 @@ from hubsim.sweep.store import Store
 from hubsim.sweep.work import Job
 
 BATCHES_MAX = 1000
-BATCH_RUNS = 4  # a second or so: little is lost when somebody interrupts, little time goes into handing out
+BATCH_RUNS = (
+    4  # a second or so: little is lost when somebody interrupts, little time goes into handing out
+)
 CONNECT_S = 5
 
 Progress = Callable[[int, int], None]  # runs done, runs planned
@@ -35,11 +39,14 @@ def workers(address: str | None, processes: int | None) -> Iterator[Client]:
         try:
             client = Client(address, timeout=CONNECT_S)
         except (OSError, ValueError, TimeoutError) as error:
-            raise HubsimError(f"--scheduler {address}: no Dask scheduler answers there ({type(error).__name__})") from error
+            raise HubsimError(
+                f"--scheduler {address}: no Dask scheduler answers there ({type(error).__name__})"
+            ) from error
         with client:
             yield client
         return
-    # The workers listen to this machine alone; Dask's own page takes any free port, so that a second sweep is not told off.
+    # The workers listen to this machine alone; Dask's own page takes any free port, so that a
+    # second sweep is not told off.
     with (
         dask_config.set({"distributed.worker.daemon": True}),
         LocalCluster(n_workers=processes or os.cpu_count() or 1, threads_per_worker=1, host="127.0.0.1",
@@ -53,11 +60,19 @@ def batches(plan: Plan) -> list[tuple[list[int], list[dict[str, Any]]]]:
     """Return the runs in batches; the same plan always makes the same ones."""
     points = list(plan.points())
     size = max(BATCH_RUNS, math.ceil(len(points) / BATCHES_MAX))
-    return [(list(range(k, min(k + size, len(points)))), points[k : k + size]) for k in range(0, len(points), size)]
+    return [
+        (list(range(k, min(k + size, len(points)))), points[k : k + size])
+        for k in range(0, len(points), size)
+    ]
 
 
 def conduct(
-    job: Job, plan: Plan, store: Store, address: str | None = None, processes: int | None = None, progress: Progress | None = None
+    job: Job,
+    plan: Plan,
+    store: Store,
+    address: str | None = None,
+    processes: int | None = None,
+    progress: Progress | None = None,
 ) -> pa.Table:
     """Do every run that is not done yet and return the table of all.
 
@@ -88,7 +103,10 @@ def conduct(
 
 
 def _worked_off(
-    job: Job, parts: Sequence[tuple[list[int], list[dict[str, Any]]]], waiting: Sequence[int], where: tuple[str | None, int | None]
+    job: Job,
+    parts: Sequence[tuple[list[int], list[dict[str, Any]]]],
+    waiting: Sequence[int],
+    where: tuple[str | None, int | None],
 ) -> Iterator[tuple[int, list[work.Row]]]:
     """Hand the waiting batches out and give them back in the order in which they are done."""
     if not waiting:
@@ -102,7 +120,9 @@ def _worked_off(
 
 def is_clean(table: pa.Table) -> bool:
     """Return whether every run was done and met its criteria."""
-    rows = table.select([name for name in ("error", "passed") if name in table.column_names]).to_pylist()
+    rows = table.select(
+        [name for name in ("error", "passed") if name in table.column_names]
+    ).to_pylist()
     return all(row.get("error") is None and row.get("passed") is not False for row in rows)
 
 

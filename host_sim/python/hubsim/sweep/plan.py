@@ -1,8 +1,10 @@
+# SPDX-License-Identifier: Apache-2.0
 """Which runs a sweep consists of.
 
-What varies is a key as ``--set`` takes it and a specification: a list (``5,20,40``) or ``range(first,last,count)`` makes a
-grid, ``normal(mean,deviation)``, ``uniform(lowest,highest)`` and ``choice(a,b,...)`` are drawn anew for every run. Every
-draw depends on the sweep's seed, the run's number and the key alone, so a plan is the same however it is worked off.
+What varies is a key as ``--set`` takes it and a specification: a list (``5,20,40``) or
+``range(first,last,count)`` makes a grid, ``normal(mean,deviation)``, ``uniform(lowest,highest)``
+and ``choice(a,b,...)`` are drawn anew for every run. Every draw depends on the sweep's seed, the
+run's number and the key alone, so a plan is the same however it is worked off.
 """
 
 import hashlib
@@ -22,7 +24,11 @@ from hubsim.overrides import value_of
 
 RUNS_MAX = 1_000_000
 _CALL = re.compile(r"(range|normal|uniform|choice)\((.*)\)", re.DOTALL)
-_ARGUMENTS = {"range": "range(first,last,count)", "normal": "normal(mean,deviation)", "uniform": "uniform(lowest,highest)"}
+_ARGUMENTS = {
+    "range": "range(first,last,count)",
+    "normal": "normal(mean,deviation)",
+    "uniform": "uniform(lowest,highest)",
+}
 ACCEPTED = "a,b,... or range(first,last,count) or normal(mean,deviation) or uniform(lowest,highest) or choice(a,b,...)"
 
 
@@ -45,7 +51,9 @@ class Varied:
         if self.kind == "choice":
             return self.values[int(source.integers(len(self.values)))]
         first, second = self.values
-        return float(source.normal(first, second) if self.kind == "normal" else source.uniform(first, second))
+        return float(
+            source.normal(first, second) if self.kind == "normal" else source.uniform(first, second)
+        )
 
 
 def read(text: str) -> Varied:
@@ -60,16 +68,24 @@ def read(text: str) -> Varied:
     items = _items(key, inner)
     if kind == "choice":
         return Varied(key, kind, items)
-    figures = [float(item) for item in items if isinstance(item, int | float) and not isinstance(item, bool) and math.isfinite(item)]
+    figures = [
+        float(item)
+        for item in items
+        if isinstance(item, int | float) and not isinstance(item, bool) and math.isfinite(item)
+    ]
     wrong = len(figures) != len(items) or len(figures) != (3 if kind == "range" else 2)
     if not wrong and kind == "range":
         wrong = figures[2] < 2 or figures[2] > RUNS_MAX or figures[2] != int(figures[2])
     elif not wrong:
         wrong = figures[1] < 0.0 if kind == "normal" else figures[1] <= figures[0]
     if wrong:
-        raise HubsimError(f"--vary {key}: {specification!r} is not accepted, accepted: {_ARGUMENTS[kind]} with numbers")
+        raise HubsimError(
+            f"--vary {key}: {specification!r} is not accepted, accepted: {_ARGUMENTS[kind]} with numbers"
+        )
     if kind == "range":
-        return Varied(key, "grid", tuple(np.linspace(figures[0], figures[1], int(figures[2])).tolist()))
+        return Varied(
+            key, "grid", tuple(np.linspace(figures[0], figures[1], int(figures[2])).tolist())
+        )
     return Varied(key, kind, tuple(figures))
 
 
@@ -115,15 +131,21 @@ def make(specifications: Sequence[str], draws: int | None, seed: int) -> Plan:
         raise HubsimError(f"--vary {twice}: accepted: once")
     random = any(v.is_drawn for v in varied)
     if draws is not None and not random:
-        raise HubsimError(f"--runs {draws}: accepted: with a normal, uniform or choice among --vary")
+        raise HubsimError(
+            f"--runs {draws}: accepted: with a normal, uniform or choice among --vary"
+        )
     if random and draws is None:
         raise HubsimError("--runs: missing, accepted: how many draws to make")
     plan = Plan(varied, draws or 1, seed)
     if not varied or plan.runs > RUNS_MAX:
-        raise HubsimError(f"--vary: {plan.runs if varied else 'no'} runs, accepted: 1 to {RUNS_MAX}")
+        raise HubsimError(
+            f"--vary: {plan.runs if varied else 'no'} runs, accepted: 1 to {RUNS_MAX}"
+        )
     return plan
 
 
 def fingerprint(described: Mapping[str, Any]) -> str:
     """Return what tells one sweep from another."""
-    return hashlib.sha256(json.dumps(described, sort_keys=True, default=str).encode()).hexdigest()[:16]
+    return hashlib.sha256(json.dumps(described, sort_keys=True, default=str).encode()).hexdigest()[
+        :16
+    ]

@@ -1,7 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """What a sweep has done so far, and the table it becomes: parts beside the output until all runs are there.
 
-``OUTPUT.parts/`` holds ``sweep.json``, which says whose parts these are, and a Parquet file for every finished batch. The
-last act joins them in the order of the runs and removes the directory.
+``OUTPUT.parts/`` holds ``sweep.json``, which says whose parts these are, and a Parquet file for
+every finished batch. The last act joins them in the order of the runs and removes the directory.
 """
 
 import json
@@ -49,19 +50,31 @@ class Store:
 
     def put(self, batch: int, rows: Sequence[Row]) -> None:
         """Keep a finished batch; it is there completely or not at all."""
-        table = pa.Table.from_pylist([{"row": json.dumps(row, default=str)} for row in rows], schema=pa.schema([("row", pa.string())]))
-        files.write_by_name(self._directory / f"{batch:06}.parquet", lambda temporary: pq.write_table(table, temporary))
+        table = pa.Table.from_pylist(
+            [{"row": json.dumps(row, default=str)} for row in rows],
+            schema=pa.schema([("row", pa.string())]),
+        )
+        files.write_by_name(
+            self._directory / f"{batch:06}.parquet",
+            lambda temporary: pq.write_table(table, temporary),
+        )
 
     def rows(self) -> list[Row]:
         """Return all rows that there are, by the numbers of their runs."""
         paths = sorted(self._directory.glob("[0-9]*.parquet"))
-        found = [json.loads(text) for path in paths for text in pq.read_table(path)["row"].to_pylist()]
+        found = [
+            json.loads(text) for path in paths for text in pq.read_table(path)["row"].to_pylist()
+        ]
         return sorted(found, key=lambda row: int(row["run"]))
 
     def finish(self) -> pa.Table:
         """Write the one table and remove the parts."""
-        table = as_table(self.rows()).replace_schema_metadata({"sweep": json.dumps(self._described, default=str)})
-        files.write_by_name(self._output, lambda temporary: pq.write_table(table, temporary, compression="zstd"))
+        table = as_table(self.rows()).replace_schema_metadata(
+            {"sweep": json.dumps(self._described, default=str)}
+        )
+        files.write_by_name(
+            self._output, lambda temporary: pq.write_table(table, temporary, compression="zstd")
+        )
         self.forget()
         return table
 

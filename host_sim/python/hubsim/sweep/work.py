@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Some runs of a sweep, done in whatever process this is called in, and the row that each leaves."""
 
 import math
@@ -16,7 +17,16 @@ from hubsim.results import RunResult
 from hubsim.scenario import Scenario
 
 Row = dict[str, Any]
-ENERGIES = ("traction", "braking_at_wheels", "battery_returned", "hydraulic", "copper", "iron", "inverter", "battery")
+ENERGIES = (
+    "traction",
+    "braking_at_wheels",
+    "battery_returned",
+    "hydraulic",
+    "copper",
+    "iron",
+    "inverter",
+    "battery",
+)
 
 
 @dataclass(frozen=True)
@@ -29,7 +39,9 @@ class Job:
     settings: tuple[str, ...]
     collect: tuple[tuple[str, str], ...]  # column, formula
 
-    def prepared(self, point: Mapping[str, Any]) -> tuple[str, Scenario, Path, Drive, dict[str, float]]:
+    def prepared(
+        self, point: Mapping[str, Any]
+    ) -> tuple[str, Scenario, Path, Drive, dict[str, float]]:
         """Read and check everything that one run needs."""
         settings = overrides.parse(self.settings)
         for key, value in point.items():
@@ -61,28 +73,46 @@ def check(job: Job, point: Mapping[str, Any]) -> None:
         known = vehicle.signals()
     for column, text in job.collect:
         try:
-            verdicts.signals_named(expression.read(text).names, known, verdicts.scalars(chosen, drive, known))
+            verdicts.signals_named(
+                expression.read(text).names, known, verdicts.scalars(chosen, drive, known)
+            )
         except expression.ExpressionError as error:
             raise HubsimError(f"--collect {column}: {error}") from error
     verdicts.signals_of(chosen, drive, known)
 
 
 def do(job: Job, numbers: Sequence[int], points: Sequence[Mapping[str, Any]]) -> list[Row]:
-    """Do some runs and return a row for each; a run that cannot be done leaves its reason in the row."""
+    """Do some runs and return a row for each.
+
+    A run that cannot be done leaves its reason in the row.
+    """
     return [_row(job, number, point) for number, point in zip(numbers, points, strict=True)]
 
 
 def _row(job: Job, number: int, point: Mapping[str, Any]) -> Row:
     row: Row = {
         "run": number,
-        **{key: value if isinstance(value, bool | int | float | str) else str(value) for key, value in point.items()},
+        **{
+            key: value if isinstance(value, bool | int | float | str) else str(value)
+            for key, value in point.items()
+        },
     }
     try:
         name, chosen, beside, drive, plant = job.prepared(point)
-        result = run.simulate(name, drive, chosen, beside, (), plant, formulas=[text for _, text in job.collect])
+        result = run.simulate(
+            name, drive, chosen, beside, (), plant, formulas=[text for _, text in job.collect]
+        )
         judged = verdicts.judge(chosen, drive, result)
-        row |= {column: verdicts.Judge(result, verdicts.constants(chosen, drive)).single(text) for column, text in job.collect}
-    except (HubsimError, ConfigurationError, expression.ExpressionError, expression.NothingSeen) as error:
+        row |= {
+            column: verdicts.Judge(result, verdicts.constants(chosen, drive)).single(text)
+            for column, text in job.collect
+        }
+    except (
+        HubsimError,
+        ConfigurationError,
+        expression.ExpressionError,
+        expression.NothingSeen,
+    ) as error:
         return row | {"error": str(error) or "nothing recorded"}
     return row | _figures(result) | _verdicts(judged)
 
@@ -92,11 +122,22 @@ def _figures(result: RunResult) -> Row:
     out: Row = {"error": None, "strategy": result.strategy}
     out |= {f"{name}_j": found["energy_j"][name] for name in ENERGIES}
     out |= {name: found[name] for name in ("braking_share_stored", "residual_relative")}
-    out |= {"kinetic_energy_j": result.kinetic_energy_j, "duration_s": result.duration_s, "distance_m": result.distance_m}
+    out |= {
+        "kinetic_energy_j": result.kinetic_energy_j,
+        "duration_s": result.duration_s,
+        "distance_m": result.distance_m,
+    }
     out |= {"soc_final": result.soc[1], "stopped": result.stopped, "faults": len(result.faults)}
     return out | {"first_fault": result.faults[0].reason if result.faults else None}
 
 
 def _verdicts(judged: Sequence[verdicts.Verdict]) -> Row:
     out: Row = {f"criteria.{v.name}": v.value if math.isfinite(v.value) else None for v in judged}
-    return out | ({"passed": all(v.passed for v in judged), "failed": ",".join(v.name for v in judged if not v.passed)} if judged else {})
+    return out | (
+        {
+            "passed": all(v.passed for v in judged),
+            "failed": ",".join(v.name for v in judged if not v.passed),
+        }
+        if judged
+        else {}
+    )

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
 #include "app/boot.h"
@@ -161,8 +162,9 @@ void test_firmware_that_is_not_what_was_built_fails_the_self_test_but_may_report
 
 void test_a_configuration_that_this_boards_timer_cannot_realise_is_refused(void)
 {
-    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNREACHABLE, INVERTER_DEAD_TIME_UNREACHABLE,
-                                            INVERTER_TIMER_UNREADY, INVERTER_CONVERTER_UNREADY};
+    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNREACHABLE,
+                                            INVERTER_DEAD_TIME_UNREACHABLE, INVERTER_TIMER_UNREADY,
+                                            INVERTER_CONVERTER_UNREADY};
     for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; i++) {
         expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
         expect_ports(BAD[i]);

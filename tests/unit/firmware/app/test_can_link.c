@@ -1,4 +1,6 @@
-/* Frames through the pump as through a pipe: what they mean is tested with the node (firmware/comms). */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Frames through the pump as through a pipe: what they mean is tested with the node
+ * (firmware/comms). */
 #include "app/can_link.h"
 #include "mock_can.h"
 #include "unity.h"
@@ -71,7 +73,8 @@ static void arrive(uint8_t counter, int32_t drive_torque_mNm)
     }
 }
 
-/* Identifiers from the DBC: Demand 0x100, the rear left wheel +2; BatteryLimits 0x140 for every wheel. */
+/* Identifiers from the DBC: Demand 0x100, the rear left wheel +2; BatteryLimits 0x140 for every
+ * wheel. */
 void test_only_what_is_meant_for_this_wheel_is_let_through(void)
 {
     TEST_ASSERT_EQUAL_HEX16(0x102, accepted[0]);
@@ -135,7 +138,8 @@ void test_everything_leaves_in_its_cycle_when_there_is_room(void)
     TEST_ASSERT_EQUAL_INT(10, count[4]);
 }
 
-/* Three mailboxes, five messages due at once: the most urgent first, the others when the mailboxes are empty again. */
+/* Three mailboxes, five messages due at once: the most urgent first, the others when the mailboxes
+ * are empty again. */
 void test_what_finds_no_room_leaves_with_the_next_pass(void)
 {
     const messages_output_t output = {.mode = 3};
@@ -152,7 +156,8 @@ void test_what_finds_no_room_leaves_with_the_next_pass(void)
     TEST_ASSERT_EQUAL_HEX16(0x192, sent[4].identifier);
 }
 
-/* The transceiver may get its supply after the controller; the port joins by itself and until then takes nothing. */
+/* The transceiver may get its supply after the controller; the port joins by itself and until then
+ * takes nothing. */
 void test_a_controller_that_is_on_the_bus_late_hears_and_speaks_from_then_on(void)
 {
     starts = false;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
 #include "app/config_lines.h"
@@ -71,8 +72,8 @@ void test_a_field_that_is_not_there_has_no_line(void)
     TEST_ASSERT_NULL(field("motor.pole_pairs", 1));
 }
 
-/* Every number after each space of each line, plus what is left out on purpose, makes the whole structure: a section that
- * is added to it and forgotten here is noticed. */
+/* Every number after each space of each line, plus what is left out on purpose, makes the whole
+ * structure: a section that is added to it and forgotten here is noticed. */
 void test_nothing_but_the_maps_and_the_head_is_left_out(void)
 {
     size_t numbers = 0;
@@ -82,6 +83,8 @@ void test_nothing_but_the_maps_and_the_head_is_left_out(void)
         }
     }
     const size_t head = offsetof(config_t, motor);
-    const size_t maps = sizeof CONFIG_IMAGE.regen_map.torque_mNm + sizeof CONFIG_IMAGE.current_map.current_d_mA;
-    TEST_ASSERT_EQUAL_size_t(sizeof(config_t), head + maps + sizeof(int32_t) * numbers + sizeof CONFIG_IMAGE.crc32);
+    const size_t maps =
+        sizeof CONFIG_IMAGE.regen_map.torque_mNm + sizeof CONFIG_IMAGE.current_map.current_d_mA;
+    TEST_ASSERT_EQUAL_size_t(sizeof(config_t),
+                             head + maps + sizeof(int32_t) * numbers + sizeof CONFIG_IMAGE.crc32);
 }

@@ -1,4 +1,6 @@
-/* The pump between shell and serial line. What the words say is tested with app/report, typing with comms/shell. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The pump between shell and serial line. What the words say is tested with app/report, typing with
+ * comms/shell. */
 #include <string.h>
 
 #include "app/console.h"
@@ -39,10 +41,14 @@ static bool type(uint8_t *byte, int calls)
 
 void setUp(void)
 {
-    const boot_report_t good = {
-        .clock_good = true, .ram_good = true, .firmware_good = true, .verdict = {.field = ""}, .config = &CONFIG_IMAGE};
+    const boot_report_t good = {.clock_good = true,
+                                .ram_good = true,
+                                .firmware_good = true,
+                                .verdict = {.field = ""},
+                                .config = &CONFIG_IMAGE};
     boot = good;
-    const slow_output_t idle = {.mode = MODE_READY, .torque_reason = REASON_PERMISSION, .bus_voltage_mV = 53012};
+    const slow_output_t idle = {
+        .mode = MODE_READY, .torque_reason = REASON_PERMISSION, .bus_voltage_mV = 53012};
     output = idle;
     const report_status_t running = {.output = &output, .node = &node, .control = true};
     status = running;

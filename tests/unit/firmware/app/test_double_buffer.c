@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The claims of double_buffer.h, over every interleaving that one core can make of them: the low side's work is cut
- * into steps, and before each the high side runs 0, 1 or 2 times, to its end, as an interrupt does.
+ * The claims of double_buffer.h, over every interleaving that one core can make of them: the low
+ * side's work is cut into steps, and before each the high side runs 0, 1 or 2 times, to its end, as
+ * an interrupt does.
  */
 #include "app/double_buffer.h"
 #include "unity.h"

@@ -1,4 +1,6 @@
-/* A configuration that comes over the serial line into the whole application on the simulated board. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A configuration that comes over the serial line into the whole application on the simulated
+ * board. */
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -21,9 +23,11 @@ static void send_configuration(const config_t *config)
         const uint32_t length = sizeof *config - at < 16 ? (uint32_t)sizeof *config - at : 16U;
         uint32_t sum = length + (at >> 8) + (at & 0xFFU);
         char record[64];
-        int written = snprintf(record, sizeof record, ":%02X%04X00", (unsigned)length, (unsigned)at);
+        int written =
+            snprintf(record, sizeof record, ":%02X%04X00", (unsigned)length, (unsigned)at);
         for (uint32_t i = 0; i < length; i++) {
-            written += snprintf(&record[written], sizeof record - (size_t)written, "%02X", bytes[at + i]);
+            written +=
+                snprintf(&record[written], sizeof record - (size_t)written, "%02X", bytes[at + i]);
             sum += bytes[at + i];
         }
         (void)snprintf(&record[written], sizeof record - (size_t)written, "%02X\r\n",
@@ -54,8 +58,10 @@ void test_a_configuration_sent_over_the_serial_line_at_rest_is_the_one_of_the_ne
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "send the configuration as Intel HEX"));
     send_configuration(&another);
     run_for(2000);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "accepted: configuration another"), host_serial_output());
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"), host_serial_output());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "accepted: configuration another"),
+                                 host_serial_output());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"),
+                                 host_serial_output());
     TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, seen[seen_count - 1].mode);
     TEST_ASSERT_TRUE_MESSAGE(host_watchdog_bit(), "it is the watchdog that restarts the core");
 
@@ -64,7 +70,8 @@ void test_a_configuration_sent_over_the_serial_line_at_rest_is_the_one_of_the_ne
     connect(&kept);
     app_boot();
     run_for(2000);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), ", configuration another "), host_serial_output());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), ", configuration another "),
+                                 host_serial_output());
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "configuration accepted"));
 }
 
@@ -96,7 +103,8 @@ void test_a_refused_configuration_changes_nothing_and_the_wheel_goes_on(void)
     run_for(100);
     send_configuration(&damaged);
     run_for(2000);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "configuration refused: crc32"), host_serial_output());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "configuration refused: crc32"),
+                                 host_serial_output());
     TEST_ASSERT_TRUE(is_as_it_was());
     TEST_ASSERT_FALSE(host_watchdog_bit());
     TEST_ASSERT_TRUE(app_finish());
@@ -112,8 +120,9 @@ static void install(const config_t *another)
 
 static void assert_refused(void)
 {
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "refused: only with the wheel known to be at rest"),
-                                 host_serial_output());
+    TEST_ASSERT_NOT_NULL_MESSAGE(
+        strstr(host_serial_output(), "refused: only with the wheel known to be at rest"),
+        host_serial_output());
     TEST_ASSERT_TRUE(is_as_it_was());
     TEST_ASSERT_FALSE(host_watchdog_bit());
 }
@@ -128,7 +137,8 @@ void test_a_wheel_that_turns_takes_no_configuration(void)
     assert_refused();
 }
 
-/* The speed that is shown then is nothing, after a quarter of a second of dead reckoning; but nobody has seen it stop. */
+/* The speed that is shown then is nothing, after a quarter of a second of dead reckoning; but
+ * nobody has seen it stop. */
 void test_a_wheel_that_turned_when_its_halls_were_lost_takes_no_configuration(void)
 {
     const config_t another = another_configuration();
@@ -139,12 +149,14 @@ void test_a_wheel_that_turned_when_its_halls_were_lost_takes_no_configuration(vo
     run_for(20000);
     host_serial_type("status\r");
     run_for(200);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), ", 0.000 rad/s, "), host_serial_output());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), ", 0.000 rad/s, "),
+                                 host_serial_output());
     install(&another);
     assert_refused();
 }
 
-/* A new board on a bench: halls at their pull-ups, no motor, no current. Nothing was ever seen to turn. */
+/* A new board on a bench: halls at their pull-ups, no motor, no current. Nothing was ever seen to
+ * turn. */
 void test_a_board_with_no_motor_and_no_sensor_takes_a_configuration(void)
 {
     const config_t another = another_configuration();
@@ -153,6 +165,7 @@ void test_a_board_with_no_motor_and_no_sensor_takes_a_configuration(void)
     app_boot();
     run_for(10000);
     install(&another);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"), host_serial_output());
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"),
+                                 host_serial_output());
     TEST_ASSERT_FALSE(is_as_it_was());
 }

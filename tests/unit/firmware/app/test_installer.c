@@ -1,4 +1,6 @@
-/* Receiving and judging a configuration; the memory and the bridge are mocks. The whole way is in test_on_host.c. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Receiving and judging a configuration; the memory and the bridge are mocks. The whole way is in
+ * test_on_host.c. */
 #include <string.h>
 
 #include "app/installer.h"
@@ -147,12 +149,13 @@ void test_the_bridge_goes_off_before_the_memory_is_touched(void)
 
 void test_a_memory_that_fails_is_said(void)
 {
-    static const flash_status_t FAILURES[] = {FLASH_TOO_LARGE, FLASH_ERASE_FAILED, FLASH_WRITE_FAILED,
-                                              FLASH_UNSUPPORTED};
+    static const flash_status_t FAILURES[] = {FLASH_TOO_LARGE, FLASH_ERASE_FAILED,
+                                              FLASH_WRITE_FAILED, FLASH_UNSUPPORTED};
     send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
     for (size_t i = 0; i < sizeof FAILURES / sizeof FAILURES[0]; i++) {
         inverter_trip_Expect();
-        flash_write_configuration_ExpectAndReturn(installer.image.bytes, sizeof CONFIG_IMAGE, FAILURES[i]);
+        flash_write_configuration_ExpectAndReturn(installer.image.bytes, sizeof CONFIG_IMAGE,
+                                                  FAILURES[i]);
         text_clear(&line);
         TEST_ASSERT_FALSE(installer_write(&installer, &line));
         assert_says("FAILED: ");

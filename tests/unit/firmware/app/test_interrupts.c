@@ -1,4 +1,6 @@
-/* The application's two up-calls and its background, one call at a time, with every function of hal/ replaced. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The application's two up-calls and its background, one call at a time, with every function of
+ * hal/ replaced. */
 #include <string.h>
 
 #include "app/app.h"
@@ -103,7 +105,8 @@ static void trip(int calls)
 static rotor_sensor_encoder_t encoder(int calls)
 {
     (void)calls;
-    const rotor_sensor_encoder_t seen = {.count = 40000, .index_count = 40000, .index = board.at_index};
+    const rotor_sensor_encoder_t seen = {
+        .count = 40000, .index_count = 40000, .index = board.at_index};
     return seen;
 }
 
@@ -132,7 +135,8 @@ static bool transmit(const can_frame_t *frame, int calls)
 {
     (void)calls;
     if (frame->identifier ==
-        messages_identifier(MESSAGES_WHEEL_STATE, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position)) {
+        messages_identifier(MESSAGES_WHEEL_STATE,
+                            (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position)) {
         board.last_state = *frame;
     }
     return true;
@@ -145,8 +149,8 @@ void setUp(void)
     board.firmware_crc32 = 0xCBF43926U; /* of "123456789", published */
     const config_t *c = &board.config;
     const int32_t v_dc_mV = (c->battery.min_voltage_mV + c->battery.foldback_voltage_mV) / 2;
-    board.sample =
-        (analog_sample_t){{2048, 2048, 2048}, (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};
+    board.sample = (analog_sample_t){
+        {2048, 2048, 2048}, (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};
     time_init_IgnoreAndReturn(true);
     time_start_tick_Ignore();
     time_ms_StubWithCallback(now);
@@ -197,14 +201,15 @@ static void milliseconds(int count)
     }
 }
 
-/* The vehicle's message, ten times a second is enough for no timeout; counter and CRC as they must be. */
+/* The vehicle's message, ten times a second is enough for no timeout; counter and CRC as they must
+ * be. */
 static void vehicle_says(bool enable, bool fault_reset, int duration_ms)
 {
     static uint8_t counter;
     for (int ms = 0; ms < duration_ms; ms += 10) {
         const messages_demand_t demand = {.enable = enable, .fault_reset = fault_reset};
-        const messages_frame_t said =
-            messages_demand(&demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position, counter++);
+        const messages_frame_t said = messages_demand(
+            &demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position, counter++);
         can_frame_t frame = {.identifier = said.identifier, .length = said.length};
         memcpy(frame.data, said.data, sizeof frame.data);
         board.waiting = frame;
@@ -215,7 +220,8 @@ static void vehicle_says(bool enable, bool fault_reset, int duration_ms)
 
 static modes_mode_t mode_on_can(void)
 {
-    return (modes_mode_t)(board.last_state.data[1] >> 4); /* hubfoc.dbc: WheelState.mode, bits 12 .. 15 */
+    return (modes_mode_t)(board.last_state.data[1] >>
+                          4); /* hubfoc.dbc: WheelState.mode, bits 12 .. 15 */
 }
 
 void test_from_boot_to_ready_with_the_bridge_off_all_the_way(void)
@@ -312,7 +318,8 @@ void test_the_watchdog_starves_when_either_reach_stops(void)
     TEST_ASSERT_EQUAL_INT(0, board.feedings);
 }
 
-/* The timer would go on with the last compare values, and nobody else is left to switch it off before the watchdog. */
+/* The timer would go on with the last compare values, and nobody else is left to switch it off
+ * before the watchdog. */
 void test_a_fast_reach_that_stops_is_switched_off_by_the_slow_one_within_four_milliseconds(void)
 {
     app_boot();

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The whole application, main loop included, on the simulated board, against the controller driven directly with the
- * same inputs: the exchange between the contexts must not change a single number.
+ * The whole application, main loop included, on the simulated board, against the controller driven
+ * directly with the same inputs: the exchange between the contexts must not change a single number.
  */
 #include <stddef.h>
 #include <stdio.h>
@@ -35,8 +36,9 @@ static messages_demand_t wish(uint32_t now_ms)
 static can_frame_t message(uint32_t now_ms)
 {
     const messages_demand_t demand = wish(now_ms);
-    const messages_frame_t said = messages_demand(&demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position,
-                                                  (uint8_t)(now_ms / MESSAGE_PERIOD_ms));
+    const messages_frame_t said =
+        messages_demand(&demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position,
+                        (uint8_t)(now_ms / MESSAGE_PERIOD_ms));
     can_frame_t frame = {.identifier = said.identifier, .length = said.length};
     memcpy(frame.data, said.data, sizeof frame.data);
     return frame;
@@ -60,7 +62,9 @@ static void run_application(void)
 
 static inverter_mode_t expected_mode(bridge_mode_t bridge)
 {
-    return bridge == BRIDGE_PWM ? INVERTER_MODE_PWM : bridge == BRIDGE_SHORT ? INVERTER_MODE_SHORT : INVERTER_MODE_OFF;
+    return bridge == BRIDGE_PWM     ? INVERTER_MODE_PWM
+           : bridge == BRIDGE_SHORT ? INVERTER_MODE_SHORT
+                                    : INVERTER_MODE_OFF;
 }
 
 /* The two steps by hand, data carried across by assignment, as the bench does it. */
@@ -81,13 +85,16 @@ static void assert_same_as_driven_directly(void)
     int running = 0;
     for (int period = 0; period < PERIODS; period++) {
         TEST_ASSERT_EQUAL_INT(expected_mode(out.bridge), seen[period].mode);
-        TEST_ASSERT_EQUAL_MEMORY(out.compare_counts, seen[period].compare_counts, sizeof out.compare_counts);
+        TEST_ASSERT_EQUAL_MEMORY(out.compare_counts, seen[period].compare_counts,
+                                 sizeof out.compare_counts);
         running += out.bridge == BRIDGE_PWM ? 1 : 0;
         const host_sample_t s = tell(&story);
         const fast_input_t in = {
-            .phase_current_code = {s.phase_current_code[0], s.phase_current_code[1], s.phase_current_code[2]},
+            .phase_current_code = {s.phase_current_code[0], s.phase_current_code[1],
+                                   s.phase_current_code[2]},
             .bus_voltage_code = s.bus_voltage_code,
-            .rotor_angle_turn = config->rotor.sensor == CONFIG_ROTOR_HALL ? (uint16_t)0 : s.rotor_angle_turn,
+            .rotor_angle_turn =
+                config->rotor.sensor == CONFIG_ROTOR_HALL ? (uint16_t)0 : s.rotor_angle_turn,
             .hall_state = config->rotor.sensor == CONFIG_ROTOR_HALL ? s.hall_state : (uint8_t)0,
         };
         out = controller_fast_step(&controller.fast, config, &slow_to_fast, &in, &fast_to_slow);
@@ -97,15 +104,18 @@ static void assert_same_as_driven_directly(void)
                 .drive_torque_mNm = demand.drive_torque_mNm,
                 .brake_torque_mNm = demand.brake_torque_mNm,
                 .demand_age_ms = heard ? now_ms - demand_ms : UINT32_MAX,
-                .bms_charge_current_mA = config->battery.max_charge_current_mA * config->battery.driven_wheels,
-                .bms_discharge_current_mA = config->battery.max_discharge_current_mA * config->battery.driven_wheels,
+                .bms_charge_current_mA =
+                    config->battery.max_charge_current_mA * config->battery.driven_wheels,
+                .bms_discharge_current_mA =
+                    config->battery.max_discharge_current_mA * config->battery.driven_wheels,
                 .winding_temperature_cC = s.winding_temperature_cC,
                 .switch_temperature_cC = s.switch_temperature_cC,
                 .enable = demand.enable,
                 .selftest_passed = true,
                 .config_accepted = true,
             };
-            (void)controller_slow_step(&controller.slow, config, &fast_to_slow, &slow_in, &slow_to_fast);
+            (void)controller_slow_step(&controller.slow, config, &fast_to_slow, &slow_in,
+                                       &slow_to_fast);
         }
         if (now_ms - said_ms >= MESSAGE_PERIOD_ms) {
             said_ms = now_ms;
@@ -149,7 +159,8 @@ void test_a_run_can_be_repeated_from_boot_and_repeats_itself(void)
     TEST_ASSERT_EQUAL_MEMORY(first, seen, sizeof first);
 }
 
-void test_a_corrupt_configuration_boots_to_a_refusal_that_names_the_field_and_the_bridge_never_moves(void)
+void test_a_corrupt_configuration_boots_to_a_refusal_that_names_the_field_and_the_bridge_never_moves(
+    void)
 {
     config_t config = CONFIG_IMAGE;
     config.battery.max_voltage_mV++;
@@ -207,9 +218,13 @@ void test_a_wheel_listens_and_speaks_under_the_address_in_its_configuration(void
         int states = 0;
         while (host_can_receive(&frame)) {
             TEST_ASSERT_EQUAL_UINT16(wheel, frame.identifier & 3U);
-            states += frame.identifier == messages_identifier(MESSAGES_WHEEL_STATE, (messages_wheel_t)wheel) ? 1 : 0;
+            states += frame.identifier ==
+                              messages_identifier(MESSAGES_WHEEL_STATE, (messages_wheel_t)wheel)
+                          ? 1
+                          : 0;
         }
         TEST_ASSERT_TRUE(states > 0);
-        TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), messages_wheel_text((messages_wheel_t)wheel)));
+        TEST_ASSERT_NOT_NULL(
+            strstr(host_serial_output(), messages_wheel_text((messages_wheel_t)wheel)));
     }
 }

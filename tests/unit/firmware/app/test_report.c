@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
 #include "app/report.h"
@@ -14,15 +15,22 @@ static size_t page_length;
 
 void setUp(void)
 {
-    const boot_report_t good = {
-        .clock_good = true, .ram_good = true, .firmware_good = true, .verdict = {.field = ""}, .config = &CONFIG_IMAGE};
+    const boot_report_t good = {.clock_good = true,
+                                .ram_good = true,
+                                .firmware_good = true,
+                                .verdict = {.field = ""},
+                                .config = &CONFIG_IMAGE};
     boot = good;
-    const slow_output_t idle = {.mode = MODE_READY, .torque_reason = REASON_PERMISSION, .bus_voltage_mV = 53012};
+    const slow_output_t idle = {
+        .mode = MODE_READY, .torque_reason = REASON_PERMISSION, .bus_voltage_mV = 53012};
     output = idle;
     const messages_battery_t pack = {.charge_current_mA = 1000, .discharge_current_mA = 1000};
     node_init(&node, MESSAGES_FRONT_LEFT, pack, 0);
-    const report_status_t running = {
-        .output = &output, .node = &node, .fast_cycles_worst = 321, .stack_free_bytes = 2048, .control = true};
+    const report_status_t running = {.output = &output,
+                                     .node = &node,
+                                     .fast_cycles_worst = 321,
+                                     .stack_free_bytes = 2048,
+                                     .control = true};
     status = running;
     text_clear(&line);
     page_length = 0;
@@ -88,13 +96,17 @@ void test_a_refused_configuration_is_not_named_in_the_banner_since_its_name_may_
 void test_after_a_good_start_three_lines_say_so(void)
 {
     read_boot();
-    TEST_ASSERT_EQUAL_STRING("self-test RAM: good\nself-test firmware CRC: good\nconfiguration accepted\n", page);
+    TEST_ASSERT_EQUAL_STRING(
+        "self-test RAM: good\nself-test firmware CRC: good\nconfiguration accepted\n", page);
 }
 
 void test_a_refused_field_is_named_with_its_value_and_what_would_be_accepted(void)
 {
-    const config_verdict_t verdict = {
-        .code = CONFIG_VERDICT_RANGE, .field = "motor.pole_pairs", .value = 0, .lowest = 1, .highest = 60};
+    const config_verdict_t verdict = {.code = CONFIG_VERDICT_RANGE,
+                                      .field = "motor.pole_pairs",
+                                      .value = 0,
+                                      .lowest = 1,
+                                      .highest = 60};
     boot.verdict = verdict;
     read_boot();
     assert_on_page("configuration refused: motor.pole_pairs is 0, accepted 1 .. 60\n");
@@ -127,9 +139,11 @@ void test_failed_self_tests_and_clocks_are_said(void)
 
 void test_each_way_in_which_the_ports_can_refuse_has_words_of_its_own(void)
 {
-    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNREACHABLE, INVERTER_DEAD_TIME_UNREACHABLE,
-                                            INVERTER_TIMER_UNREADY, INVERTER_CONVERTER_UNREADY};
-    static const char *const WORDS[] = {"drive.pwm_period_counts", "drive.dead_time_ns", "PWM timer", "converters"};
+    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNREACHABLE,
+                                            INVERTER_DEAD_TIME_UNREACHABLE, INVERTER_TIMER_UNREADY,
+                                            INVERTER_CONVERTER_UNREADY};
+    static const char *const WORDS[] = {"drive.pwm_period_counts", "drive.dead_time_ns",
+                                        "PWM timer", "converters"};
     for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; i++) {
         boot.inverter = BAD[i];
         turn_page();
@@ -201,8 +215,8 @@ void test_every_way_in_which_a_frame_can_be_wrong_has_its_count(void)
     for (uint32_t i = 0; report_can(&status, i, &line); i++) {
         keep();
     }
-    assert_on_page(
-        "demand VALID; used 1, lost 0, repeated 3, out of sequence 0, damaged 0, implausible 0, timeouts 0\n");
+    assert_on_page("demand VALID; used 1, lost 0, repeated 3, out of sequence 0, damaged 0, "
+                   "implausible 0, timeouts 0\n");
     assert_on_page("battery NEVER_HEARD; used 0, ");
     assert_on_page("bus on, foreign frames 0\n");
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <stdio.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -32,7 +33,8 @@ void test_nothing_outside_the_window_is_touched(void)
     TEST_ASSERT_EQUAL_HEX32(0x5A5A5A5AU, window[WORDS - 1]);
 }
 
-/* A broken address line, for real: the host's own address translation shows one page at two places. */
+/* A broken address line, for real: the host's own address translation shows one page at two places.
+ */
 void test_memory_in_which_two_addresses_reach_the_same_cell_fails(void)
 {
     const size_t page = (size_t)sysconf(_SC_PAGESIZE);
@@ -41,12 +43,14 @@ void test_memory_in_which_two_addresses_reach_the_same_cell_fails(void)
     TEST_ASSERT_EQUAL_INT(0, ftruncate(fileno(file), (off_t)page));
     char *base = mmap(NULL, 2 * page, PROT_READ | PROT_WRITE, MAP_SHARED, fileno(file), 0);
     TEST_ASSERT_TRUE(base != MAP_FAILED);
-    void *again = mmap(base + page, page, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, fileno(file), 0);
+    void *again =
+        mmap(base + page, page, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_FIXED, fileno(file), 0);
     TEST_ASSERT_EQUAL_PTR(base + page, again);
     volatile uint32_t *words = (volatile uint32_t *)(void *)base;
     TEST_ASSERT_TRUE(selftest_ram(words, (uint32_t)(page / 4)));
     TEST_ASSERT_FALSE(selftest_ram(words, (uint32_t)(2 * page / 4)));
-    TEST_ASSERT_FALSE(selftest_ram(&words[page / 4 - 1], (uint32_t)(page / 4 + 1))); /* only the ends coincide */
+    TEST_ASSERT_FALSE(
+        selftest_ram(&words[page / 4 - 1], (uint32_t)(page / 4 + 1))); /* only the ends coincide */
     (void)munmap(base, 2 * page);
     (void)fclose(file);
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "app/supervisor.h"
 #include "unity.h"
 
@@ -36,7 +37,8 @@ static int feedings(int milliseconds, int fast, int slow, int verdicts)
 void test_a_healthy_controller_is_fed_once_a_window_also_when_the_counters_wrap(void)
 {
     const int milliseconds = 10000; /* the fast count wraps three times */
-    TEST_ASSERT_EQUAL_INT(milliseconds / SUPERVISOR_WINDOW_STEPS, feedings(milliseconds, FAST_A_SLOW_STEP, 1, 1));
+    TEST_ASSERT_EQUAL_INT(milliseconds / SUPERVISOR_WINDOW_STEPS,
+                          feedings(milliseconds, FAST_A_SLOW_STEP, 1, 1));
 }
 
 /* 32 kHz are at most 47 kHz (STM32F405 data sheet, LSI oscillator). */

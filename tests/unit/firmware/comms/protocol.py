@@ -1,4 +1,8 @@
-"""The protocol as its users see it: the DBC through cantools, and the firmware's C through its own headers."""
+# SPDX-License-Identifier: Apache-2.0
+"""The protocol as its users see it.
+
+The DBC through cantools, and the firmware's C through its own headers.
+"""
 
 import re
 import shutil
@@ -18,7 +22,8 @@ DBC = ROOM / "hubfoc.dbc"
 WHEELS = {"FRONT_LEFT": 0, "FRONT_RIGHT": 1, "REAR_LEFT": 2, "REAR_RIGHT": 3}
 WHEEL_MASK = 0x7FC  # what of an identifier says which message it is
 
-# A structure, an enumerator's or a function's value of the C, which has the types that the headers give it.
+# A structure, an enumerator's or a function's value of the C, which has the types that the headers
+# give it.
 CValue: TypeAlias = Any
 
 
@@ -38,10 +43,15 @@ class Comms:
             (bare / name).write_text("", encoding="utf-8")
         compiler = shutil.which("cc") or shutil.which("gcc")
         assert compiler is not None
-        includes = [f"-I{directory}" for directory in (bare, ROOM / "include", FIRMWARE / "core" / "include")]
+        includes = [
+            f"-I{directory}"
+            for directory in (bare, ROOM / "include", FIRMWARE / "core" / "include")
+        ]
         command = [compiler, "-E", "-P", "-nostdinc", *includes, "-"]
         text = '#include "comms/messages.h"\n'
-        declarations = subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
+        declarations = subprocess.run(
+            command, input=text, capture_output=True, text=True, check=True
+        ).stdout
         self.ffi = cffi.FFI()
         self.ffi.cdef(declarations)
         self.lib: CValue = self.ffi.dlopen(str(library))
@@ -61,7 +71,10 @@ class Comms:
 def reasons() -> dict[int, str]:
     """Return number and name of every reason of core/reason.h."""
     text = (FIRMWARE / "core/include/core/reason.h").read_text(encoding="utf-8")
-    found = {int(number): name for number, name in re.findall(r"^\s*X\((\d+), (\w+), \"", text, re.MULTILINE)}
+    found = {
+        int(number): name
+        for number, name in re.findall(r"^\s*X\((\d+), (\w+), \"", text, re.MULTILINE)
+    }
     assert found[0] == "NONE"
     assert len(found) > 20
     return found

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """hubfoc.dbc by itself: what a tool that has never heard of this project needs to find in it."""
 
 import re
@@ -36,13 +37,33 @@ def test_everything_a_brake_system_looks_for_is_there(database: Database) -> Non
     assert names >= {
         *("drive_torque_nm", "brake_torque_nm", "abs_active", "enable", "fault_reset"),
         *("charge_current_a", "discharge_current_a"),
-        *("motor_torque_command_nm", "motor_torque_estimate_nm", "electric_brake_available_nm", "hydraulic_torque_nm"),
-        *("speed_rad_s", "bus_voltage_v", "bus_current_a", "winding_temperature_c", "switch_temperature_c"),
-        *("mode", "torque_reason", "available_reason", "hydraulic_reason", "fault_reason", "stop_lamp"),
+        *(
+            "motor_torque_command_nm",
+            "motor_torque_estimate_nm",
+            "electric_brake_available_nm",
+            "hydraulic_torque_nm",
+        ),
+        *(
+            "speed_rad_s",
+            "bus_voltage_v",
+            "bus_current_a",
+            "winding_temperature_c",
+            "switch_temperature_c",
+        ),
+        *(
+            "mode",
+            "torque_reason",
+            "available_reason",
+            "hydraulic_reason",
+            "fault_reason",
+            "stop_lamp",
+        ),
     }
 
 
-def test_every_message_is_a_classic_frame_of_eight_bytes_with_a_comment_a_cycle_and_a_sender(database: Database) -> None:
+def test_every_message_is_a_classic_frame_of_eight_bytes_with_a_comment_a_cycle_and_a_sender(
+    database: Database,
+) -> None:
     for message in database.messages:
         assert message.length == 8, message.name
         assert not message.is_extended_frame and not message.is_fd, message.name
@@ -71,10 +92,14 @@ def test_every_signal_has_a_comment_a_range_and_a_receiver(database: Database) -
         assert signal.minimum < signal.maximum, where
 
 
-def test_every_physical_signal_has_the_unit_that_its_name_says_and_numbers_have_none(database: Database) -> None:
+def test_every_physical_signal_has_the_unit_that_its_name_says_and_numbers_have_none(
+    database: Database,
+) -> None:
     for message, signal in signals(database):
         promised = [unit for suffix, unit in UNITS.items() if signal.name.endswith(suffix)]
-        assert (signal.unit or "") == (promised[0] if promised else ""), f"{message.name}.{signal.name}"
+        assert (signal.unit or "") == (promised[0] if promised else ""), (
+            f"{message.name}.{signal.name}"
+        )
 
 
 def test_every_range_fits_its_field_and_ends_on_a_whole_step(database: Database) -> None:
@@ -108,8 +133,13 @@ def test_checksum_and_counter_are_where_profile_2_has_them(database: Database) -
         assert (counter.start, counter.length) == (8, 4), message.name
 
 
-def test_limits_and_demands_leave_room_for_the_largest_drive_the_configuration_accepts(database: Database) -> None:
-    """20 kN m and 5000 rad/s are the ends of config.h's ranges; 16 wheels of 2000 A share a pack."""
+def test_limits_and_demands_leave_room_for_the_largest_drive_the_configuration_accepts(
+    database: Database,
+) -> None:
+    """20 kN m and 5000 rad/s are the ends of config.h's ranges.
+
+    16 wheels of 2000 A share a pack.
+    """
     demand = database.get_message_by_name("Demand")
     for name, needed in (("drive_torque_nm", 20_000), ("brake_torque_nm", 20_000)):
         assert (demand.get_signal_by_name(name).maximum or 0) >= needed
@@ -135,13 +165,17 @@ def choices(message: str, signal: str, database: Database) -> dict[int, str]:
         ("WheelDrive", "torque_reason"),
     ],
 )
-def test_reasons_have_the_firmware_s_numbers_and_names(message: str, signal: str, database: Database) -> None:
+def test_reasons_have_the_firmware_s_numbers_and_names(
+    message: str, signal: str, database: Database
+) -> None:
     assert choices(message, signal, database) == reasons()
 
 
 def test_no_reason_is_left_without_a_value_table(database: Database) -> None:
     for message, signal in signals(database):
-        assert signal.name.endswith("_reason") == (signal.choices is not None and 64 in signal.choices), f"{message.name}.{signal.name}"
+        assert signal.name.endswith("_reason") == (
+            signal.choices is not None and 64 in signal.choices
+        ), f"{message.name}.{signal.name}"
 
 
 def test_modes_have_the_firmware_s_numbers_and_names(database: Database) -> None:
@@ -153,7 +187,11 @@ def test_modes_have_the_firmware_s_numbers_and_names(database: Database) -> None
 @pytest.mark.parametrize("signal", ["demand_link", "battery_link"])
 def test_links_have_the_firmware_s_numbers_and_names(signal: str, database: Database) -> None:
     links = enumerators("comms/include/comms/e2e.h", "E2E")
-    expected = {number: name for number, name in links.items() if name in ("NEVER_HEARD", "QUALIFYING", "VALID", "TIMED_OUT")}
+    expected = {
+        number: name
+        for number, name in links.items()
+        if name in ("NEVER_HEARD", "QUALIFYING", "VALID", "TIMED_OUT")
+    }
     assert len(expected) == 4
     assert choices("WheelHealth", signal, database) == expected
 
@@ -162,7 +200,11 @@ def test_the_file_keeps_to_what_every_tool_reads() -> None:
     text = DBC.read_bytes().decode("ascii")
     assert "\r" not in text
     after_names = text.partition("BS_:")[2]
-    keywords = {line.split(" ")[0].rstrip(":") for line in after_names.splitlines() if line and not line.startswith(" SG_")}
+    keywords = {
+        line.split(" ")[0].rstrip(":")
+        for line in after_names.splitlines()
+        if line and not line.startswith(" SG_")
+    }
     assert keywords <= SECTIONS
     attributes = re.findall(r'^BA_DEF_ \w+ "(\w+)"', text, re.MULTILINE)
     assert attributes == ["GenMsgCycleTime"]

@@ -1,5 +1,6 @@
-/* That the CRC is AUTOSAR's is shown against another implementation in test_frames.py; here is what it finds, and the
- * receiver. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* That the CRC is AUTOSAR's is shown against another implementation in test_frames.py; here is what
+ * it finds, and the receiver. */
 #include <string.h>
 
 #include "comms/e2e.h"
@@ -56,7 +57,8 @@ void test_only_the_low_half_of_the_counter_is_sent(void)
     TEST_ASSERT_EQUAL_HEX8(0x53, data[1]);
 }
 
-/* 64 + 2 016 + 41 664 patterns, the ones that change the counter and with it the data id among them. */
+/* 64 + 2 016 + 41 664 patterns, the ones that change the counter and with it the data id among
+ * them. */
 void test_every_one_two_or_three_wrong_bits_are_found(void)
 {
     uint8_t data[E2E_FRAME_BYTES];
@@ -174,7 +176,8 @@ void test_the_counter_runs_on_from_fifteen_to_zero(void)
     TEST_ASSERT_EQUAL_UINT32(0, receiver.counts.lost);
 }
 
-/* Each of the sixteen steps, against what the header says: 0 repeats, 1 goes on, 2 and 3 have lost, the rest jumps. */
+/* Each of the sixteen steps, against what the header says: 0 repeats, 1 goes on, 2 and 3 have lost,
+ * the rest jumps. */
 void test_every_step_of_the_counter_has_its_verdict(void)
 {
     for (uint32_t step = 0; step < 16; step++) {
@@ -187,7 +190,8 @@ void test_every_step_of_the_counter_has_its_verdict(void)
                                                    : E2E_WRONG_SEQUENCE;
         TEST_ASSERT_EQUAL_INT(expected, verdict);
         TEST_ASSERT_EQUAL_UINT32(expected == E2E_SOME_LOST ? step - 1U : 0U, receiver.counts.lost);
-        TEST_ASSERT_EQUAL_INT(expected == E2E_WRONG_SEQUENCE ? E2E_QUALIFYING : E2E_VALID, receiver.link);
+        TEST_ASSERT_EQUAL_INT(expected == E2E_WRONG_SEQUENCE ? E2E_QUALIFYING : E2E_VALID,
+                              receiver.link);
     }
 }
 
@@ -269,7 +273,8 @@ void test_a_stuck_sender_times_out_and_is_never_believed_again_while_it_is_stuck
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.used);
 }
 
-/* Two in order, a jump, two in order, a jump: never three, so nothing of it may be used and the silence must show. */
+/* Two in order, a jump, two in order, a jump: never three, so nothing of it may be used and the
+ * silence must show. */
 void test_a_sender_that_keeps_jumping_times_out_however_much_it_talks(void)
 {
     qualify();

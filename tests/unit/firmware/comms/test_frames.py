@@ -1,6 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """Frames made by the firmware's C, read by cantools through the DBC, and the other way round.
 
-cantools computes CRC-8 AUTOSAR and profile 2 by itself, so checksum and layout have two independent implementations.
+cantools computes CRC-8 AUTOSAR and profile 2 by itself, so checksum and layout have two independent
+implementations.
 """
 
 import random
@@ -25,7 +27,8 @@ KINDS = {
     "WheelHealth": "MESSAGES_WHEEL_HEALTH",
 }
 
-# Member of messages_output_t, and the signal it becomes: message, name, milli-units (or hundredths) of one unit.
+# Member of messages_output_t, and the signal it becomes: message, name, milli-units (or hundredths)
+# of one unit.
 PHYSICAL = {
     "motor_torque_command_mNm": ("WheelDrive", "motor_torque_command_nm", 1000),
     "motor_torque_estimate_mNm": ("WheelState", "motor_torque_estimate_nm", 1000),
@@ -91,14 +94,24 @@ def signal_of(database: Database, message: str, signal: str) -> Signal:
 
 def frames(comms: Comms) -> Iterator[tuple[str, int, int, CValue]]:
     """Yield one frame of every message, wheel and counter: name, wheel, counter, frame."""
-    demand = comms.struct("messages_demand_t", drive_torque_mNm=-12300, brake_torque_mNm=456700, enable=True)
-    battery = comms.struct("messages_battery_t", charge_current_mA=123400, discharge_current_mA=567800)
+    demand = comms.struct(
+        "messages_demand_t", drive_torque_mNm=-12300, brake_torque_mNm=456700, enable=True
+    )
+    battery = comms.struct(
+        "messages_battery_t", charge_current_mA=123400, discharge_current_mA=567800
+    )
     for counter in range(16):
         yield "BatteryLimits", 0, counter, comms.lib.messages_battery(battery, counter)
         for wheel in WHEELS.values():
             yield "Demand", wheel, counter, comms.lib.messages_demand(demand, wheel, counter)
             for name in SENT:
-                values = {"speed_mrad_s": 123450, "bus_current_mA": -4300, "mode": 4, "i_q_mA": -77700, "hydraulic_torque_mNm": 900}
+                values = {
+                    "speed_mrad_s": 123450,
+                    "bus_current_mA": -4300,
+                    "mode": 4,
+                    "i_q_mA": -77700,
+                    "hydraulic_torque_mNm": 900,
+                }
                 yield name, wheel, counter, output_frame(comms, name, wheel, counter, **values)
 
 
@@ -125,7 +138,9 @@ def test_the_checksum_of_random_content_is_the_independent_one(comms: Comms) -> 
         assert made[0] == compute_profile2_crc(made, data_id(identifier, counter))
 
 
-def test_frames_protected_by_the_independent_implementation_are_accepted_and_no_others(comms: Comms) -> None:
+def test_frames_protected_by_the_independent_implementation_are_accepted_and_no_others(
+    comms: Comms,
+) -> None:
     dice = random.Random(2)
     for _ in range(500):
         identifier, counter = dice.randrange(0x800), dice.randrange(16)
@@ -139,13 +154,20 @@ def test_frames_protected_by_the_independent_implementation_are_accepted_and_no_
 
 
 def test_the_sixteen_data_ids_of_a_message_differ(comms: Comms) -> None:
-    """Seen from outside: one content under sixteen counters; without the counter's own share, the ids are left."""
+    """Seen from outside: one content under sixteen counters.
+
+    Without the counter's own share, the ids are left.
+    """
     for name, wheel in (("WheelState", 0), ("WheelHealth", 3)):
         found = set()
         for counter in range(16):
             frame = output_frame(comms, name, wheel, counter)
             data = content(frame)
-            matching = [candidate for candidate in range(256) if compute_profile2_crc(data, candidate) == data[0]]
+            matching = [
+                candidate
+                for candidate in range(256)
+                if compute_profile2_crc(data, candidate) == data[0]
+            ]
             assert len(matching) == 1
             found.update(matching)
         assert len(found) == 16
@@ -164,7 +186,10 @@ def test_identifiers_and_cycles_are_the_dbc_s(name: str, comms: Comms, database:
     message: Message = database.get_message_by_name(name)
     for wheel in WHEELS.values():
         offset = 0 if name == "BatteryLimits" else wheel
-        assert comms.lib.messages_identifier(comms.number(KINDS[name]), wheel) == message.frame_id + offset
+        assert (
+            comms.lib.messages_identifier(comms.number(KINDS[name]), wheel)
+            == message.frame_id + offset
+        )
     assert comms.lib.messages_cycle_ms(comms.number(KINDS[name])) == message.cycle_time
 
 
@@ -187,7 +212,9 @@ def test_one_dbc_decodes_every_wheel(name: str, comms: Comms, all_wheels: Databa
 
 
 @pytest.mark.parametrize("member", PHYSICAL)
-def test_a_quantity_arrives_within_half_a_step_and_alone(member: str, comms: Comms, database: Database) -> None:
+def test_a_quantity_arrives_within_half_a_step_and_alone(
+    member: str, comms: Comms, database: Database
+) -> None:
     """Random values over the whole range; every other quantity of the message must stay zero."""
     message, name, per_unit = PHYSICAL[member]
     signal = signal_of(database, message, name)
@@ -204,11 +231,15 @@ def test_a_quantity_arrives_within_half_a_step_and_alone(member: str, comms: Com
             assert -step - 1e-9 < error <= 1e-9, "a promise may not be larger than what is there"
         else:
             assert abs(error) <= step / 2 + 1e-9
-        assert {k: v for k, v in got.items() if k not in (name, "crc")} == {k: v for k, v in zero.items() if k not in (name, "crc")}
+        assert {k: v for k, v in got.items() if k not in (name, "crc")} == {
+            k: v for k, v in zero.items() if k not in (name, "crc")
+        }
 
 
 @pytest.mark.parametrize("member", PHYSICAL)
-def test_a_quantity_beyond_its_range_is_sent_as_the_end_of_the_dbc_s_range(member: str, comms: Comms, database: Database) -> None:
+def test_a_quantity_beyond_its_range_is_sent_as_the_end_of_the_dbc_s_range(
+    member: str, comms: Comms, database: Database
+) -> None:
     message, name, per_unit = PHYSICAL[member]
     signal = signal_of(database, message, name)
     lowest, highest = signal.minimum, signal.maximum
@@ -219,25 +250,36 @@ def test_a_quantity_beyond_its_range_is_sent_as_the_end_of_the_dbc_s_range(membe
         assert decoded(comms, database, message, **{member: value})[name] == pytest.approx(lowest)
 
 
-@pytest.mark.parametrize("member", ["motor_torque_command_mNm", "speed_mrad_s", "bus_current_mA", "winding_temperature_cC"])
-def test_rounding_is_symmetric_so_that_forward_and_reverse_are_the_same(member: str, comms: Comms, database: Database) -> None:
+@pytest.mark.parametrize(
+    "member",
+    ["motor_torque_command_mNm", "speed_mrad_s", "bus_current_mA", "winding_temperature_cC"],
+)
+def test_rounding_is_symmetric_so_that_forward_and_reverse_are_the_same(
+    member: str, comms: Comms, database: Database
+) -> None:
     message, name, per_unit = PHYSICAL[member]
     for value in (*range(1, 120), 4999, 9876):
         plus = decoded(comms, database, message, **{member: value})[name]
         minus = decoded(comms, database, message, **{member: -value})[name]
         assert plus == pytest.approx(-minus), value
-        assert plus == pytest.approx(value / per_unit, abs=float(signal_of(database, message, name).conversion.scale))
+        assert plus == pytest.approx(
+            value / per_unit, abs=float(signal_of(database, message, name).conversion.scale)
+        )
 
 
 @pytest.mark.parametrize("member", NUMBERS)
-def test_a_number_arrives_as_it_is_in_the_width_of_its_field(member: str, comms: Comms, database: Database) -> None:
+def test_a_number_arrives_as_it_is_in_the_width_of_its_field(
+    member: str, comms: Comms, database: Database
+) -> None:
     message, name = NUMBERS[member]
     width = signal_of(database, message, name).length
     zero = decoded(comms, database, message)
     for value in range(2**width):
         got = decoded(comms, database, message, **{member: value})
         assert got[name] == value
-        assert {k: v for k, v in got.items() if k not in (name, "crc")} == {k: v for k, v in zero.items() if k not in (name, "crc")}
+        assert {k: v for k, v in got.items() if k not in (name, "crc")} == {
+            k: v for k, v in zero.items() if k not in (name, "crc")
+        }
 
 
 def test_counts_of_errors_wrap_and_do_not_stop(comms: Comms, database: Database) -> None:
@@ -247,7 +289,9 @@ def test_counts_of_errors_wrap_and_do_not_stop(comms: Comms, database: Database)
 
 def test_a_broken_temperature_sensor_is_300_degrees(comms: Comms, database: Database) -> None:
     """hal/analog.h reports 29 999 hundredths for a sensor that is broken or not there."""
-    got = decoded(comms, database, "WheelHealth", winding_temperature_cC=29999, switch_temperature_cC=29999)
+    got = decoded(
+        comms, database, "WheelHealth", winding_temperature_cC=29999, switch_temperature_cC=29999
+    )
     assert (got["winding_temperature_c"], got["switch_temperature_c"]) == (300.0, 300.0)
 
 
@@ -257,7 +301,9 @@ def test_a_broken_temperature_sensor_is_300_degrees(comms: Comms, database: Data
 def received(comms: Comms, database: Database, message: str, values: dict[str, float]) -> CValue:
     """Return the frame cantools makes, as the C sees it."""
     encoded = database.encode_message(message, {"crc": 0, "counter": 0, **values}, strict=False)
-    frame = comms.struct("messages_frame_t", identifier=database.get_message_by_name(message).frame_id, length=8)
+    frame = comms.struct(
+        "messages_frame_t", identifier=database.get_message_by_name(message).frame_id, length=8
+    )
     frame.data[0:8] = list(encoded)
     return frame
 
@@ -267,21 +313,36 @@ def test_a_demand_made_by_another_tool_is_read_exactly(comms: Comms, database: D
     for _ in range(1000):
         drive, brake = dice.randint(-200_000, 200_000), dice.randint(0, 200_000)
         flags = {name: dice.randint(0, 1) for name in ("enable", "abs_active", "fault_reset")}
-        frame = received(comms, database, "Demand", {"drive_torque_nm": drive / 10, "brake_torque_nm": brake / 10, **flags})
+        frame = received(
+            comms,
+            database,
+            "Demand",
+            {"drive_torque_nm": drive / 10, "brake_torque_nm": brake / 10, **flags},
+        )
         demand = comms.struct("messages_demand_t")
         assert comms.lib.messages_read_demand(frame, demand)
         assert (demand.drive_torque_mNm, demand.brake_torque_mNm) == (100 * drive, 100 * brake)
         assert {name: int(getattr(demand, name)) for name in flags} == flags
 
 
-def test_battery_limits_made_by_another_tool_are_read_exactly(comms: Comms, database: Database) -> None:
+def test_battery_limits_made_by_another_tool_are_read_exactly(
+    comms: Comms, database: Database
+) -> None:
     dice = random.Random(4)
     for _ in range(1000):
         charge, discharge = dice.randint(0, 320_000), dice.randint(0, 320_000)
-        frame = received(comms, database, "BatteryLimits", {"charge_current_a": charge / 10, "discharge_current_a": discharge / 10})
+        frame = received(
+            comms,
+            database,
+            "BatteryLimits",
+            {"charge_current_a": charge / 10, "discharge_current_a": discharge / 10},
+        )
         battery = comms.struct("messages_battery_t")
         assert comms.lib.messages_read_battery(frame, battery)
-        assert (battery.charge_current_mA, battery.discharge_current_mA) == (100 * charge, 100 * discharge)
+        assert (battery.charge_current_mA, battery.discharge_current_mA) == (
+            100 * charge,
+            100 * discharge,
+        )
 
 
 @pytest.mark.parametrize(
@@ -293,9 +354,15 @@ def test_battery_limits_made_by_another_tool_are_read_exactly(comms: Comms, data
         ("BatteryLimits", "discharge_current_a"),
     ],
 )
-def test_the_range_that_is_accepted_is_the_dbc_s(message: str, signal: str, comms: Comms, database: Database) -> None:
+def test_the_range_that_is_accepted_is_the_dbc_s(
+    message: str, signal: str, comms: Comms, database: Database
+) -> None:
     described = signal_of(database, message, signal)
-    others = {other.name: 0.0 for other in database.get_message_by_name(message).signals if other.name not in (signal, "crc", "counter")}
+    others = {
+        other.name: 0.0
+        for other in database.get_message_by_name(message).signals
+        if other.name not in (signal, "crc", "counter")
+    }
     read, kind = {
         "Demand": (comms.lib.messages_read_demand, "messages_demand_t"),
         "BatteryLimits": (comms.lib.messages_read_battery, "messages_battery_t"),
@@ -303,7 +370,12 @@ def test_the_range_that_is_accepted_is_the_dbc_s(message: str, signal: str, comm
     step = float(described.conversion.scale)
     lowest, highest = described.minimum, described.maximum
     assert lowest is not None and highest is not None
-    for value, accepted in ((lowest, True), (highest, True), (highest + step, False), (lowest - step, not described.is_signed)):
+    for value, accepted in (
+        (lowest, True),
+        (highest, True),
+        (highest + step, False),
+        (lowest - step, not described.is_signed),
+    ):
         if value < 0 and not described.is_signed:
             continue  # cannot be sent at all
         frame = received(comms, database, message, {**others, signal: value})

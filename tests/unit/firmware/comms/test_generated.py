@@ -1,4 +1,8 @@
-"""What is made from hubfoc.dbc is up to date, compiles cleanly and has no floating point; the README says what is so."""
+# SPDX-License-Identifier: Apache-2.0
+"""What is made from hubfoc.dbc is up to date, compiles cleanly and has no floating point.
+
+The README says what is so.
+"""
 
 import re
 import shutil
@@ -12,13 +16,27 @@ from protocol import DBC, ROOM
 
 GENERATOR = ROOM / "generate.py"
 WARNINGS = [
-    *("-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wshadow", "-Wundef", "-Wswitch-enum", "-Wmissing-prototypes"),
+    *(
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-Wconversion",
+        "-Wshadow",
+        "-Wundef",
+        "-Wswitch-enum",
+        "-Wmissing-prototypes",
+    ),
     *("-Wstrict-prototypes", "-Wcast-align", "-std=c11", "-pedantic-errors"),
 ]
 
 
 def run_generator(room: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, str(room / "generate.py"), *arguments], capture_output=True, text=True, check=False)
+    return subprocess.run(
+        [sys.executable, str(room / "generate.py"), *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
 
 
 def test_code_and_tables_are_what_the_dbc_makes() -> None:
@@ -31,17 +49,29 @@ def copy(tmp_path: Path) -> Path:
     """Return a copy of the room in which things may be changed."""
     room = tmp_path / "comms"
     (room / "generated").mkdir(parents=True)
-    for name in ("generate.py", "hubfoc.dbc", "README.md", "generated/hubfoc.h", "generated/hubfoc.c"):
+    for name in (
+        "generate.py",
+        "hubfoc.dbc",
+        "README.md",
+        "generated/hubfoc.h",
+        "generated/hubfoc.c",
+    ):
         shutil.copy(ROOM / name, room / name)
     return room
 
 
 def test_a_changed_message_is_noticed_in_code_and_tables_and_mended_by_one_run(copy: Path) -> None:
     dbc = copy / "hubfoc.dbc"
-    dbc.write_text(dbc.read_text(encoding="utf-8").replace("16|19@1- (0.1,0)", "17|19@1- (0.1,0)", 1), encoding="utf-8")
+    dbc.write_text(
+        dbc.read_text(encoding="utf-8").replace("16|19@1- (0.1,0)", "17|19@1- (0.1,0)", 1),
+        encoding="utf-8",
+    )
     stale = run_generator(copy, "--check")
     assert stale.returncode == 1
-    assert [line.split(" ")[0] for line in stale.stderr.splitlines()] == ["generated/hubfoc.c", "README.md"]
+    assert [line.split(" ")[0] for line in stale.stderr.splitlines()] == [
+        "generated/hubfoc.c",
+        "README.md",
+    ]
     assert run_generator(copy).returncode == 0
     assert run_generator(copy, "--check").returncode == 0
 
@@ -49,7 +79,9 @@ def test_a_changed_message_is_noticed_in_code_and_tables_and_mended_by_one_run(c
 def test_signals_that_overlap_are_refused_in_one_line_and_nothing_is_written(copy: Path) -> None:
     before = {path: path.read_bytes() for path in copy.rglob("*.[ch]")}
     dbc = copy / "hubfoc.dbc"
-    dbc.write_text(dbc.read_text(encoding="utf-8").replace("40|18@1+", "30|18@1+", 1), encoding="utf-8")
+    dbc.write_text(
+        dbc.read_text(encoding="utf-8").replace("40|18@1+", "30|18@1+", 1), encoding="utf-8"
+    )
     refused = run_generator(copy)
     assert refused.returncode == 1
     assert len(refused.stderr.splitlines()) == 1
@@ -66,7 +98,9 @@ def test_a_missing_dbc_is_named_in_one_line(copy: Path) -> None:
     assert missing.stderr.startswith("hubfoc.dbc: ")
 
 
-def test_the_generated_code_compiles_without_a_warning_and_without_floating_point(tmp_path: Path) -> None:
+def test_the_generated_code_compiles_without_a_warning_and_without_floating_point(
+    tmp_path: Path,
+) -> None:
     compiler = shutil.which("cc") or shutil.which("gcc")
     assert compiler is not None
     source = ROOM / "generated/hubfoc.c"
@@ -79,15 +113,18 @@ def test_the_generated_code_compiles_without_a_warning_and_without_floating_poin
 
 def test_the_generated_code_does_not_change_from_day_to_day() -> None:
     for path in (ROOM / "generated").iterdir():
-        assert not re.search(r"\b(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun) \w{3} +\d", path.read_text(encoding="utf-8")), path.name
+        assert not re.search(
+            r"\b(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun) \w{3} +\d", path.read_text(encoding="utf-8")
+        ), path.name
 
 
 def longest_frame(length_bytes: int) -> int:
     """Return the bits of the longest standard frame, by stuffing the worst pattern bit by bit.
 
-    After five equal bits comes one of the opposite kind; the worst content continues with that one, so that four more
-    suffice for the next. ISO 11898-1: 1 start, 11 identifier, RTR, IDE, reserved, 4 length, content, 15 CRC are
-    stuffed; CRC delimiter, acknowledge, its delimiter, 7 end of frame and 3 intermission are not.
+    After five equal bits comes one of the opposite kind; the worst content continues with that one,
+    so that four more suffice for the next. ISO 11898-1: 1 start, 11 identifier, RTR, IDE, reserved,
+    4 length, content, 15 CRC are stuffed; CRC delimiter, acknowledge, its delimiter, 7 end of frame
+    and 3 intermission are not.
     """
     content = 1 + 11 + 3 + 4 + 8 * length_bytes + 15
     sent: list[int] = []
@@ -99,13 +136,17 @@ def longest_frame(length_bytes: int) -> int:
             level = 1 - level
             sent.append(level)
             run = 1
-    assert all(0 < sum(six) < 6 for six in zip(*(sent[k:] for k in range(6)), strict=False))  # never six equal bits
+    assert all(
+        0 < sum(six) < 6 for six in zip(*(sent[k:] for k in range(6)), strict=False)
+    )  # never six equal bits
     return len(sent) + 1 + 2 + 7 + 3
 
 
 def test_the_load_of_the_bus_is_what_the_readme_says(database: Database) -> None:
     bits = longest_frame(8)
-    assert bits == 135  # Davis, Burns, Bril, Lukkien: "Controller Area Network (CAN) schedulability analysis", 55 + 10 s
+    assert (
+        bits == 135
+    )  # Davis, Burns, Bril, Lukkien: "Controller Area Network (CAN) schedulability analysis", 55 + 10 s
     one = 0.0
     four = 0.0
     for message in database.messages:
@@ -113,14 +154,19 @@ def test_the_load_of_the_bus_is_what_the_readme_says(database: Database) -> None
         one += share
         four += share * (1 if message.senders == ["battery"] else 4)
     readme = (ROOM / "README.md").read_text(encoding="utf-8")
-    assert f"one wheel takes {100 * one:.1f} % of a bus of 500 kbit/s, four wheels {100 * four:.1f} %" in readme
+    assert (
+        f"one wheel takes {100 * one:.1f} % of a bus of 500 kbit/s, four wheels {100 * four:.1f} %"
+        in readme
+    )
     assert four < 0.5
 
 
 def test_the_readme_names_every_message_and_signal(database: Database) -> None:
     readme = (ROOM / "README.md").read_text(encoding="utf-8")
     for message in database.messages:
-        assert re.search(rf"^\| `0x{message.frame_id:03X}`[^|]*\| {message.name} \|", readme, re.MULTILINE)
+        assert re.search(
+            rf"^\| `0x{message.frame_id:03X}`[^|]*\| {message.name} \|", readme, re.MULTILINE
+        )
         for signal in message.signals:
             assert f"`{signal.name}`" in readme, signal.name
 
@@ -128,12 +174,17 @@ def test_the_readme_names_every_message_and_signal(database: Database) -> None:
 def test_the_readme_s_line_decodes_every_wheel(tmp_path: Path) -> None:
     """The command is run as it stands there, with a recorded line in the place of the bus."""
     readme = (ROOM / "README.md").read_text(encoding="utf-8")
-    line = re.search(r"^ +candump can0 \| \./tools/dev python (-m cantools decode .*)$", readme, re.MULTILINE)
+    line = re.search(
+        r"^ +candump can0 \| \./tools/dev python (-m cantools decode .*)$", readme, re.MULTILINE
+    )
     assert line is not None
     arguments = line.group(1).replace("firmware/comms/hubfoc.dbc", str(DBC)).split()
     for wheel in range(4):
-        recorded = f"  can0  {0x180 + wheel:03X}   [8]  00 40 00 00 00 00 00 00\n"  # mode 4 in bits 12 .. 15
+        # mode 4 in bits 12 .. 15
+        recorded = f"  can0  {0x180 + wheel:03X}   [8]  00 40 00 00 00 00 00 00\n"
         command = [sys.executable, *arguments]
-        decoded = subprocess.run(command, input=recorded, capture_output=True, text=True, check=True, cwd=tmp_path).stdout
+        decoded = subprocess.run(
+            command, input=recorded, capture_output=True, text=True, check=True, cwd=tmp_path
+        ).stdout
         assert "WheelState(" in decoded
         assert "mode: RUN" in decoded

@@ -1,4 +1,6 @@
-/* Intel HEX as the specification and objcopy write it; checksums in the literals were worked out by hand. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Intel HEX as the specification and objcopy write it; checksums in the literals were worked out by
+ * hand. */
 #include <string.h>
 
 #include "comms/intel_hex.h"
@@ -63,8 +65,8 @@ void test_every_problem_has_words_of_its_own(void)
 {
     for (int one = INTEL_HEX_GOOD; one <= INTEL_HEX_TOO_LARGE; one++) {
         for (int other = INTEL_HEX_GOOD; other < one; other++) {
-            TEST_ASSERT_NOT_EQUAL(
-                0, strcmp(intel_hex_text((intel_hex_problem_t)one), intel_hex_text((intel_hex_problem_t)other)));
+            TEST_ASSERT_NOT_EQUAL(0, strcmp(intel_hex_text((intel_hex_problem_t)one),
+                                            intel_hex_text((intel_hex_problem_t)other)));
         }
     }
 }
@@ -79,7 +81,8 @@ void test_small_letters_blank_lines_and_comments_between_records_do_not_matter(v
     TEST_ASSERT_EQUAL_UINT32(3, hex.size_bytes);
 }
 
-/* 0x0800 4000, where the configuration lies, as objcopy writes it from an ELF file: linear address and start address. */
+/* 0x0800 4000, where the configuration lies, as objcopy writes it from an ELF file: linear address
+ * and start address. */
 void test_data_may_begin_anywhere_and_cross_an_extended_address(void)
 {
     TEST_ASSERT_TRUE(hear(":020000040800F2\n:02FFFE001122CE\n:020000040801F1\n:020000003344"
@@ -120,7 +123,8 @@ void test_what_is_wrong_is_named_with_its_record_and_the_rest_is_swallowed_to_th
     assert_refused(":0100000011EE\n:01000200"
                    "22DB\n" END_RECORD,
                    INTEL_HEX_GAP, 2);
-    assert_refused(":0100000011EE\n:0100zz0022DD\n:0100020033CA\n" END_RECORD, INTEL_HEX_CHARACTER, 2);
+    assert_refused(":0100000011EE\n:0100zz0022DD\n:0100020033CA\n" END_RECORD, INTEL_HEX_CHARACTER,
+                   2);
     assert_refused(":0100000011EE\n:010001002\n" END_RECORD, INTEL_HEX_CHARACTER, 2);
     assert_refused(":01000000:0100000011EE\n" END_RECORD, INTEL_HEX_CHARACTER, 1);
     assert_refused(":00000006FA\n" END_RECORD, INTEL_HEX_TYPE, 1);

@@ -1,4 +1,6 @@
-/* The layout is compared with the DBC in test_frames.py, by decoding; here is what the C promises by itself. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The layout is compared with the DBC in test_frames.py, by decoding; here is what the C promises
+ * by itself. */
 #include "comms/generated/hubfoc.h"
 #include "comms/messages.h"
 #include "unity.h"
@@ -7,8 +9,8 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-static const messages_wheel_t WHEELS[] = {MESSAGES_FRONT_LEFT, MESSAGES_FRONT_RIGHT, MESSAGES_REAR_LEFT,
-                                          MESSAGES_REAR_RIGHT};
+static const messages_wheel_t WHEELS[] = {MESSAGES_FRONT_LEFT, MESSAGES_FRONT_RIGHT,
+                                          MESSAGES_REAR_LEFT, MESSAGES_REAR_RIGHT};
 
 void test_identifiers_fit_eleven_bits_and_no_two_share_their_low_byte(void)
 {
@@ -18,7 +20,8 @@ void test_identifiers_fit_eleven_bits_and_no_two_share_their_low_byte(void)
             const uint16_t identifier = messages_identifier((messages_kind_t)kind, WHEELS[w]);
             TEST_ASSERT_TRUE(identifier < 0x800);
             if (kind == MESSAGES_BATTERY_LIMITS && w > 0) {
-                TEST_ASSERT_EQUAL_HEX16(messages_identifier(MESSAGES_BATTERY_LIMITS, MESSAGES_FRONT_LEFT), identifier);
+                TEST_ASSERT_EQUAL_HEX16(
+                    messages_identifier(MESSAGES_BATTERY_LIMITS, MESSAGES_FRONT_LEFT), identifier);
                 continue;
             }
             TEST_ASSERT_FALSE_MESSAGE(seen[identifier & 0xFF], "two data ids would be equal");
@@ -44,7 +47,8 @@ void test_a_wheel_is_the_lowest_two_bits_of_the_identifier(void)
     }
 }
 
-/* On CAN the lower identifier wins, and the last wheel's urgent message goes before the first one's less urgent. */
+/* On CAN the lower identifier wins, and the last wheel's urgent message goes before the first one's
+ * less urgent. */
 void test_what_is_more_urgent_has_the_lower_identifier_whatever_the_wheel(void)
 {
     for (int kind = 1; kind < MESSAGES_KINDS; kind++) {
@@ -53,7 +57,8 @@ void test_what_is_more_urgent_has_the_lower_identifier_whatever_the_wheel(void)
     }
 }
 
-/* Values of whole steps, so that nothing is rounded; 200 is a reason that this version need not know. */
+/* Values of whole steps, so that nothing is rounded; 200 is a reason that this version need not
+ * know. */
 void test_what_a_wheel_says_about_state_and_brake_comes_back_on_the_vehicles_side(void)
 {
     const messages_output_t meant = {
@@ -76,7 +81,8 @@ void test_what_a_wheel_says_about_state_and_brake_comes_back_on_the_vehicles_sid
         TEST_ASSERT_TRUE(messages_read_output(&brake, WHEELS[w], &back));
         TEST_ASSERT_EQUAL_INT(meant.motor_torque_estimate_mNm, back.motor_torque_estimate_mNm);
         TEST_ASSERT_EQUAL_INT(meant.hydraulic_torque_mNm, back.hydraulic_torque_mNm);
-        TEST_ASSERT_EQUAL_INT(meant.electric_brake_available_mNm, back.electric_brake_available_mNm);
+        TEST_ASSERT_EQUAL_INT(meant.electric_brake_available_mNm,
+                              back.electric_brake_available_mNm);
         TEST_ASSERT_EQUAL_INT(meant.speed_mrad_s, back.speed_mrad_s);
         TEST_ASSERT_EQUAL_INT(meant.available_reason, back.available_reason);
         TEST_ASSERT_EQUAL_INT(meant.hydraulic_reason, back.hydraulic_reason);
@@ -95,7 +101,8 @@ void test_what_is_not_that_wheels_state_or_brake_is_not_read(void)
     TEST_ASSERT_FALSE(messages_read_output(&frame, MESSAGES_REAR_RIGHT, &back));
     frame.length = 7;
     TEST_ASSERT_FALSE(messages_read_output(&frame, MESSAGES_REAR_LEFT, &back));
-    const messages_frame_t drive = messages_output(MESSAGES_WHEEL_DRIVE, &meant, MESSAGES_REAR_LEFT, 0);
+    const messages_frame_t drive =
+        messages_output(MESSAGES_WHEEL_DRIVE, &meant, MESSAGES_REAR_LEFT, 0);
     TEST_ASSERT_FALSE(messages_read_output(&drive, MESSAGES_REAR_LEFT, &back));
     TEST_ASSERT_EQUAL_INT(0, back.hydraulic_torque_mNm);
     TEST_ASSERT_EQUAL_UINT8(1, back.mode);
@@ -147,12 +154,14 @@ void test_the_batterys_limits_come_back_as_they_were_meant(void)
 
 static bool demand_is_read(int32_t drive_steps, uint32_t brake_steps)
 {
-    const struct hubfoc_demand_t raw = {.drive_torque_nm = drive_steps, .brake_torque_nm = brake_steps};
+    const struct hubfoc_demand_t raw = {.drive_torque_nm = drive_steps,
+                                        .brake_torque_nm = brake_steps};
     messages_frame_t frame = {.length = 8};
     (void)hubfoc_demand_pack(frame.data, &raw, sizeof frame.data);
     messages_demand_t demand = {.drive_torque_mNm = 7};
     const bool read = messages_read_demand(&frame, &demand);
-    TEST_ASSERT_TRUE_MESSAGE(read || demand.drive_torque_mNm == 7, "a refused frame must leave everything as it was");
+    TEST_ASSERT_TRUE_MESSAGE(read || demand.drive_torque_mNm == 7,
+                             "a refused frame must leave everything as it was");
     return read;
 }
 
@@ -208,7 +217,10 @@ void test_a_frame_of_another_length_is_refused(void)
 void test_what_the_wheel_only_hears_it_cannot_be_made_to_say(void)
 {
     const messages_output_t output = {.mode = 4};
-    TEST_ASSERT_EQUAL_UINT8(0, messages_output(MESSAGES_DEMAND, &output, MESSAGES_FRONT_LEFT, 0).length);
-    TEST_ASSERT_EQUAL_UINT8(0, messages_output(MESSAGES_BATTERY_LIMITS, &output, MESSAGES_FRONT_LEFT, 0).length);
-    TEST_ASSERT_EQUAL_UINT8(0, messages_output(MESSAGES_KINDS, &output, MESSAGES_FRONT_LEFT, 0).length);
+    TEST_ASSERT_EQUAL_UINT8(
+        0, messages_output(MESSAGES_DEMAND, &output, MESSAGES_FRONT_LEFT, 0).length);
+    TEST_ASSERT_EQUAL_UINT8(
+        0, messages_output(MESSAGES_BATTERY_LIMITS, &output, MESSAGES_FRONT_LEFT, 0).length);
+    TEST_ASSERT_EQUAL_UINT8(
+        0, messages_output(MESSAGES_KINDS, &output, MESSAGES_FRONT_LEFT, 0).length);
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
 #include "comms/node.h"
@@ -125,7 +126,8 @@ void test_a_demand_beyond_the_range_is_counted_and_does_not_make_the_demand_youn
 {
     qualify_demand();
     messages_frame_t frame = demand_frame(3, 0);
-    frame.data[2] = 0xFF; /* drive torque 0x3FFFF = 26 214.3 N m, more than the 20 000 N m of the DBC */
+    frame.data[2] =
+        0xFF; /* drive torque 0x3FFFF = 26 214.3 N m, more than the 20 000 N m of the DBC */
     frame.data[3] = 0xFF;
     frame.data[4] = 0x03;
     e2e_protect(frame.data, frame.identifier, 3);
@@ -141,7 +143,8 @@ void test_the_demand_for_another_wheel_is_not_for_this_one(void)
     messages_frame_t frame = messages_demand(&demand, MESSAGES_REAR_LEFT, 3);
     TEST_ASSERT_FALSE(node_hear(&node, &frame, 30));
     TEST_ASSERT_EQUAL_UINT32(1, node.foreign);
-    frame.identifier = messages_identifier(MESSAGES_DEMAND, MESSAGES_REAR_RIGHT); /* a gateway that mixes wheels up */
+    frame.identifier = messages_identifier(
+        MESSAGES_DEMAND, MESSAGES_REAR_RIGHT); /* a gateway that mixes wheels up */
     TEST_ASSERT_FALSE(node_hear(&node, &frame, 30));
     TEST_ASSERT_EQUAL_UINT32(1, node.demand.counts.damaged);
     assert_demand_is_still_of(20, 30);
@@ -187,7 +190,8 @@ void test_a_battery_that_falls_silent_takes_no_charge_until_it_has_qualified_aga
     TEST_ASSERT_EQUAL_INT32(8000, node.wish.battery.charge_current_mA);
 }
 
-/* The silence ends with a frame, and nothing was called in between: it has to be noticed all the same. */
+/* The silence ends with a frame, and nothing was called in between: it has to be noticed all the
+ * same. */
 void test_a_silence_that_nobody_looked_at_still_takes_the_charge_away(void)
 {
     for (uint8_t i = 0; i < 3; i++) {
@@ -217,12 +221,14 @@ void test_a_battery_that_sends_nonsense_is_as_good_as_silent(void)
 
 /* ---- what is said ---- */
 
-static bool next_is(messages_kind_t kind, uint8_t counter, uint32_t now_ms, const messages_output_t *output)
+static bool next_is(messages_kind_t kind, uint8_t counter, uint32_t now_ms,
+                    const messages_output_t *output)
 {
     messages_frame_t frame;
     return node_next(&node, now_ms, output, &frame) &&
            frame.identifier == messages_identifier(kind, MESSAGES_REAR_RIGHT) &&
-           (frame.data[1] & E2E_COUNTER_MASK) == counter && e2e_intact(frame.data, frame.identifier);
+           (frame.data[1] & E2E_COUNTER_MASK) == counter &&
+           e2e_intact(frame.data, frame.identifier);
 }
 
 void test_nothing_is_said_before_its_time_and_the_urgent_comes_first(void)
@@ -267,7 +273,8 @@ void test_after_a_gap_nothing_is_caught_up(void)
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 1, 1010, &output));
 }
 
-/* Called every 3 ms, a message of 10 ms leaves 100 times a second all the same: its time does not drift. */
+/* Called every 3 ms, a message of 10 ms leaves 100 times a second all the same: its time does not
+ * drift. */
 void test_a_pump_that_is_not_on_time_does_not_slow_the_cycle_down(void)
 {
     const messages_output_t output = {.mode = 3};

@@ -1,4 +1,6 @@
-/* Conversions between per-unit and SI, against double arithmetic from the definitions of the bases. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Conversions between per-unit and SI, against double arithmetic from the definitions of the bases.
+ */
 #include <math.h>
 
 #include "config/bases.h"
@@ -39,7 +41,8 @@ void test_current_there_and_back_is_within_one_lsb(void)
     const double lsb_mA = 165000.0 / 32768.0;
     config.drive.current_full_scale_mA = 165000;
     for (int32_t mA = -164000; mA <= 164000; mA += 37) {
-        TEST_ASSERT_DOUBLE_WITHIN(lsb_mA + 1.0, mA, bases_current_mA(&config, bases_current_pu_q15(&config, mA)));
+        TEST_ASSERT_DOUBLE_WITHIN(lsb_mA + 1.0, mA,
+                                  bases_current_mA(&config, bases_current_pu_q15(&config, mA)));
     }
 }
 
@@ -54,8 +57,8 @@ void test_bus_voltage_one_per_unit_is_the_voltage_base(void)
 /* omega = turns per period * f_pwm * 2 pi / pole pairs */
 static double mechanical_mrad_s(double turns_per_period)
 {
-    return turns_per_period * config.drive.pwm_frequency_Hz * 2.0 * 3.14159265358979323846 / config.motor.pole_pairs *
-           1000.0;
+    return turns_per_period * config.drive.pwm_frequency_Hz * 2.0 * 3.14159265358979323846 /
+           config.motor.pole_pairs * 1000.0;
 }
 
 void test_speed_is_turns_per_period_times_pwm_frequency_over_pole_pairs(void)
@@ -68,9 +71,12 @@ void test_speed_is_turns_per_period_times_pwm_frequency_over_pole_pairs(void)
             config.drive.pwm_frequency_Hz = FREQUENCY_HZ[f];
             for (double turns = -0.1; turns < 0.1; turns += 0.00317) {
                 const int32_t speed_q32 = (int32_t)lround(ldexp(turns, 32));
-                const double exact = fmax(fmin(mechanical_mrad_s(ldexp(speed_q32, -32)), INT32_MAX), INT32_MIN);
-                /* 2 pi has seven digits, turns per second 16 fraction bits: 96 mrad/s over 65 536 a pole pair. */
-                TEST_ASSERT_DOUBLE_WITHIN(fabs(exact) * 1e-6 + 1.1, exact, bases_speed_mrad_s(&config, speed_q32));
+                const double exact =
+                    fmax(fmin(mechanical_mrad_s(ldexp(speed_q32, -32)), INT32_MAX), INT32_MIN);
+                /* 2 pi has seven digits, turns per second 16 fraction bits: 96 mrad/s over 65 536 a
+                 * pole pair. */
+                TEST_ASSERT_DOUBLE_WITHIN(fabs(exact) * 1e-6 + 1.1, exact,
+                                          bases_speed_mrad_s(&config, speed_q32));
             }
         }
     }

@@ -1,4 +1,6 @@
-/* The checksum of the configuration image: the published check value and an independent, table-driven implementation. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The checksum of the configuration image: the published check value and an independent,
+ * table-driven implementation. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,7 +21,8 @@ void test_no_bytes_give_zero(void)
     TEST_ASSERT_EQUAL_HEX32(0, config_crc32("", 0));
 }
 
-/* Most significant bit first over reflected bytes: the same code word by the other of the two usual algorithms. */
+/* Most significant bit first over reflected bytes: the same code word by the other of the two usual
+ * algorithms. */
 static uint32_t reflected(uint32_t x, unsigned bits)
 {
     uint32_t out = 0;

@@ -1,4 +1,6 @@
-/* The validator: every field at both ends of its range and one beyond, every relation, every way an image can be damaged. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The validator: every field at both ends of its range and one beyond, every relation, every way an
+ * image can be damaged. */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -93,12 +95,13 @@ void test_a_name_must_be_there_and_end(void)
     TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_NAME, sealed_verdict().code);
 }
 
-/* One beyond an end must be refused with field, value and range; the end itself must not be refused as out of range (a
- * relation with other fields may still object). */
+/* One beyond an end must be refused with field, value and range; the end itself must not be refused
+ * as out of range (a relation with other fields may still object). */
 static void assert_range(const char *field, int32_t *value, int32_t lowest, int32_t highest)
 {
     const int32_t good = *value;
-    const int32_t beyond[] = {lowest == INT32_MIN ? lowest : lowest - 1, highest == INT32_MAX ? highest : highest + 1};
+    const int32_t beyond[] = {lowest == INT32_MIN ? lowest : lowest - 1,
+                              highest == INT32_MAX ? highest : highest + 1};
     for (int i = 0; i < 2; i++) {
         *value = beyond[i];
         const config_verdict_t verdict = sealed_verdict();
@@ -116,25 +119,32 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
     *value = good;
 }
 
-#define CHECK_SCALAR(section, name, lowest, highest)                                                                   \
+#define CHECK_SCALAR(section, name, lowest, highest)                                               \
     assert_range(#section "." #name, &config.section.name, lowest, highest);
-#define CHECK_ARRAY(section, name, count, lowest, highest)                                                             \
-    for (int i = 0; i < (count); i++) {                                                                                \
-        assert_range(#section "." #name, &config.section.name[i], lowest, highest);                                    \
+#define CHECK_ARRAY(section, name, count, lowest, highest)                                         \
+    for (int i = 0; i < (count); i++) {                                                            \
+        assert_range(#section "." #name, &config.section.name[i], lowest, highest);                \
     }
 #define CHECK_MOTOR(name, lowest, highest, unit, text) CHECK_SCALAR(motor, name, lowest, highest)
 #define CHECK_DRIVE(name, lowest, highest, unit, text) CHECK_SCALAR(drive, name, lowest, highest)
-#define CHECK_CURRENT_LOOP(name, lowest, highest, unit, text) CHECK_SCALAR(current_loop, name, lowest, highest)
+#define CHECK_CURRENT_LOOP(name, lowest, highest, unit, text)                                      \
+    CHECK_SCALAR(current_loop, name, lowest, highest)
 #define CHECK_ROTOR(name, lowest, highest, unit, text) CHECK_SCALAR(rotor, name, lowest, highest)
-#define CHECK_HALL(name, count, lowest, highest, unit, text) CHECK_ARRAY(rotor, name, count, lowest, highest)
-#define CHECK_BATTERY(name, lowest, highest, unit, text) CHECK_SCALAR(battery, name, lowest, highest)
+#define CHECK_HALL(name, count, lowest, highest, unit, text)                                       \
+    CHECK_ARRAY(rotor, name, count, lowest, highest)
+#define CHECK_BATTERY(name, lowest, highest, unit, text)                                           \
+    CHECK_SCALAR(battery, name, lowest, highest)
 #define CHECK_BRAKE(name, lowest, highest, unit, text) CHECK_SCALAR(brake, name, lowest, highest)
-#define CHECK_VEHICLE(name, lowest, highest, unit, text) CHECK_SCALAR(vehicle, name, lowest, highest)
-#define CHECK_MONITOR(name, lowest, highest, unit, text) CHECK_SCALAR(monitor, name, lowest, highest)
+#define CHECK_VEHICLE(name, lowest, highest, unit, text)                                           \
+    CHECK_SCALAR(vehicle, name, lowest, highest)
+#define CHECK_MONITOR(name, lowest, highest, unit, text)                                           \
+    CHECK_SCALAR(monitor, name, lowest, highest)
 #define CHECK_MAP(name, lowest, highest, unit, text) CHECK_SCALAR(regen_map, name, lowest, highest)
-#define CHECK_MAP_ARRAY(name, count, lowest, highest, unit, text) CHECK_ARRAY(regen_map, name, count, lowest, highest)
-#define CHECK_CURRENT(name, lowest, highest, unit, text) CHECK_SCALAR(current_map, name, lowest, highest)
-#define CHECK_CURRENT_ARRAY(name, count, lowest, highest, unit, text)                                                  \
+#define CHECK_MAP_ARRAY(name, count, lowest, highest, unit, text)                                  \
+    CHECK_ARRAY(regen_map, name, count, lowest, highest)
+#define CHECK_CURRENT(name, lowest, highest, unit, text)                                           \
+    CHECK_SCALAR(current_map, name, lowest, highest)
+#define CHECK_CURRENT_ARRAY(name, count, lowest, highest, unit, text)                              \
     CHECK_ARRAY(current_map, name, count, lowest, highest)
 
 void test_every_field_is_held_to_the_range_of_the_header(void)
@@ -190,11 +200,12 @@ void test_current_limits_must_leave_the_trip_its_room(void)
     config.monitor.overcurrent_pu_q15 = config.current_loop.max_current_pu_q15;
     assert_relation("current_loop.max_current_pu_q15 < monitor.overcurrent_pu_q15");
     config.current_loop.field_weakening_current_pu_q15 = config.current_loop.max_current_pu_q15 + 1;
-    assert_relation("current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15");
+    assert_relation(
+        "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15");
 }
 
-/* 12 bits, 2048 in the middle: a zero 200 codes beside it leaves 1847 codes of 16 to the end, an over-current beyond which
- * the converter cannot show. */
+/* 12 bits, 2048 in the middle: a zero 200 codes beside it leaves 1847 codes of 16 to the end, an
+ * over-current beyond which the converter cannot show. */
 void test_the_overcurrent_trip_must_lie_where_a_sample_can_reach_it(void)
 {
     config.monitor.offset_tolerance_codes = 200;
@@ -207,11 +218,13 @@ void test_the_overcurrent_trip_must_lie_where_a_sample_can_reach_it(void)
 /* And so must the over-voltage's, whose last code is 4095 of 4096. */
 void test_the_overvoltage_trip_must_lie_where_a_sample_can_reach_it(void)
 {
-    config.battery.overvoltage_trip_mV = config.drive.voltage_full_scale_mV - config.drive.voltage_full_scale_mV / 4096;
+    config.battery.overvoltage_trip_mV =
+        config.drive.voltage_full_scale_mV - config.drive.voltage_full_scale_mV / 4096;
     assert_relation("battery.overvoltage_trip_mV < drive.voltage_full_scale_mV");
 }
 
-/* 2 pi 20 kHz / 16 = 7854 rad/s electrical, for 23 pole pairs 341.477 rad/s; the winding is made small enough to allow it. */
+/* 2 pi 20 kHz / 16 = 7854 rad/s electrical, for 23 pole pairs 341.477 rad/s; the winding is made
+ * small enough to allow it. */
 void test_the_largest_speed_must_lie_within_its_base(void)
 {
     config.current_loop.inductance_d_pu_q16 = 1;
@@ -256,12 +269,12 @@ void test_the_handover_ends_below_where_it_starts(void)
     assert_relation("brake.handover_end_mrad_s <= brake.handover_start_mrad_s");
 }
 
-/* The lowest bus voltage, 36 V of 61.8 V full scale, and a circle of 0.919 of it over sqrt 3: one modulation unit is 0.3091
- * of the voltage base. */
+/* The lowest bus voltage, 36 V of 61.8 V full scale, and a circle of 0.919 of it over sqrt 3: one
+ * modulation unit is 0.3091 of the voltage base. */
 static double lowest_unit(void)
 {
-    return config.current_loop.modulation_limit_pu_q15 / 32768.0 * config.battery.undervoltage_trip_mV /
-           config.drive.voltage_full_scale_mV / sqrt(3.0);
+    return config.current_loop.modulation_limit_pu_q15 / 32768.0 *
+           config.battery.undervoltage_trip_mV / config.drive.voltage_full_scale_mV / sqrt(3.0);
 }
 
 /* A value a thousandth below the limit is accepted, one a thousandth above it is not. */
@@ -279,20 +292,26 @@ static void assert_edge(int32_t *value, double limit, const char *fields)
 
 void test_gains_must_fit_the_current_loop_s_formats_at_the_lowest_bus_voltage(void)
 {
-    /* Proportional below 16 and integral below 1/2 in modulation units, with k_i / k_p below 1/4. */
-    assert_edge(&config.current_loop.proportional_d_pu_q16, 16.0 * lowest_unit() * 65536.0, "gains fit");
-    assert_edge(&config.current_loop.proportional_q_pu_q16, 16.0 * lowest_unit() * 65536.0, "gains fit");
+    /* Proportional below 16 and integral below 1/2 in modulation units, with k_i / k_p below 1/4.
+     */
+    assert_edge(&config.current_loop.proportional_d_pu_q16, 16.0 * lowest_unit() * 65536.0,
+                "gains fit");
+    assert_edge(&config.current_loop.proportional_q_pu_q16, 16.0 * lowest_unit() * 65536.0,
+                "gains fit");
     config.current_loop.proportional_d_pu_q16 = (int32_t)(15.0 * lowest_unit() * 65536.0);
     config.current_loop.proportional_q_pu_q16 = config.current_loop.proportional_d_pu_q16;
-    assert_edge(&config.current_loop.integral_d_pu_q24, 0.5 * lowest_unit() * 16777216.0, "gains fit");
-    assert_edge(&config.current_loop.integral_q_pu_q24, 0.5 * lowest_unit() * 16777216.0, "gains fit");
+    assert_edge(&config.current_loop.integral_d_pu_q24, 0.5 * lowest_unit() * 16777216.0,
+                "gains fit");
+    assert_edge(&config.current_loop.integral_q_pu_q24, 0.5 * lowest_unit() * 16777216.0,
+                "gains fit");
 }
 
 void test_cross_coupling_must_fit_its_format_at_the_highest_speed(void)
 {
     /* w L I_base below 16 modulation units; w over its base of 2 pi 20 kHz / 16. */
     config.motor.max_speed_mrad_s *= 2; /* so that the limit lies inside the range of the field */
-    const double speed = config.motor.max_speed_mrad_s * 1e-3 * config.motor.pole_pairs / (2.0 * 3.14159265 * 1250.0);
+    const double speed = config.motor.max_speed_mrad_s * 1e-3 * config.motor.pole_pairs /
+                         (2.0 * 3.14159265 * 1250.0);
     const double limit = 16.0 * lowest_unit() / speed * 65536.0;
     assert_edge(&config.current_loop.inductance_d_pu_q16, limit, "inductances fit");
     assert_edge(&config.current_loop.inductance_q_pu_q16, limit, "inductances fit");
@@ -303,8 +322,10 @@ void test_the_winding_s_time_constant_must_be_longer_than_four_periods(void)
     /* k_i / k_p = R T / L below 1/4: Q24 over Q16 */
     config.current_loop.proportional_d_pu_q16 /= 2; /* so that k_i itself still fits */
     config.current_loop.proportional_q_pu_q16 /= 2;
-    assert_edge(&config.current_loop.integral_d_pu_q24, config.current_loop.proportional_d_pu_q16 * 64.0, "L / R");
-    assert_edge(&config.current_loop.integral_q_pu_q24, config.current_loop.proportional_q_pu_q16 * 64.0, "L / R");
+    assert_edge(&config.current_loop.integral_d_pu_q24,
+                config.current_loop.proportional_d_pu_q16 * 64.0, "L / R");
+    assert_edge(&config.current_loop.integral_q_pu_q24,
+                config.current_loop.proportional_q_pu_q16 * 64.0, "L / R");
 }
 
 void test_hall_sectors_must_be_in_order_and_thirty_to_ninety_degrees_wide(void)
@@ -322,7 +343,8 @@ void test_hall_sectors_must_be_in_order_and_thirty_to_ninety_degrees_wide(void)
 void test_an_encoder_must_be_fine_enough_and_its_index_sharp_enough(void)
 {
     config.rotor.encoder_counts = 0;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code); /* no encoder, no demand on it */
+    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK,
+                          sealed_verdict().code); /* no encoder, no demand on it */
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     config.rotor.encoder_index_tolerance_counts = 2;
     config.rotor.encoder_counts = 32 * 23;
@@ -362,7 +384,8 @@ void test_the_maps_fit_into_the_room_there_is(void)
     config.current_map.temperature_points = 2;
     TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
     config.current_map.temperature_points = 3;
-    assert_relation("current_map.torque_points * speed_points * temperature_points within the table");
+    assert_relation(
+        "current_map.torque_points * speed_points * temperature_points within the table");
     config.current_map.temperature_points = 2;
     config.regen_map.speed_points = 49;
     config.regen_map.temperature_points = 17;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "controller_rig.h"
 #include "unity.h"
 
@@ -66,7 +67,8 @@ void test_calibration_averages_1024_samples_which_take_51_2_ms(void)
         milliseconds++;
         TEST_ASSERT_LESS_THAN_INT(100, milliseconds);
     }
-    /* two steps to get there, 51.2 ms, and up to two steps until the order and the answer have crossed */
+    /* two steps to get there, 51.2 ms, and up to two steps until the order and the answer have
+     * crossed */
     TEST_ASSERT_INT_WITHIN(2, 55, milliseconds);
 }
 
@@ -143,14 +145,15 @@ void test_codes_become_volts_amperes_and_radians_per_second(void)
     rig_set_speed_rpm(&rig, 300.0);
     rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 48.0);
     rig_run(&rig, 500);
-    TEST_ASSERT_INT32_WITHIN(mrad_s_of_rpm(300.0) / 200, mrad_s_of_rpm(300.0), rig.out.speed_mrad_s); /* 0.5 % */
+    TEST_ASSERT_INT32_WITHIN(mrad_s_of_rpm(300.0) / 200, mrad_s_of_rpm(300.0),
+                             rig.out.speed_mrad_s);              /* 0.5 % */
     TEST_ASSERT_INT32_WITHIN(30, 48000, rig.out.bus_voltage_mV); /* two converter codes */
 }
 
 void test_phase_currents_become_d_and_q_in_the_frame_of_the_rotor(void)
 {
-    /* The rotor stands at 90 electrical degrees, where d is the beta axis and q is minus alpha. i_a = -40 A and
-     * i_b = i_c = 20 A are alpha = -40 A: i_d = 0, i_q = 40 A. */
+    /* The rotor stands at 90 electrical degrees, where d is the beta axis and q is minus alpha. i_a
+     * = -40 A and i_b = i_c = 20 A are alpha = -40 A: i_d = 0, i_q = 40 A. */
     rig_start_running(&rig);
     rig.angle_turn = 0.25;
     rig_run(&rig, 300); /* the tracking loop gets there */
@@ -164,7 +167,8 @@ void test_phase_currents_become_d_and_q_in_the_frame_of_the_rotor(void)
     TEST_ASSERT_INT32_WITHIN(100, 28152, rig.out.motor_torque_estimate_mNm);
 }
 
-/* Running, without field weakening: where no current answers the voltage it would turn all of it into the d axis. */
+/* Running, without field weakening: where no current answers the voltage it would turn all of it
+ * into the d axis. */
 static void start_running_at(double angle_turn)
 {
     rig_start(&rig);
@@ -177,15 +181,17 @@ static void start_running_at(double angle_turn)
 
 void test_the_bus_current_is_that_of_the_voltage_made_and_the_current_measured(void)
 {
-    /* 40 A of i_q against a reference of none: the loop answers with all the voltage there is, u_q = -limit v_dc/sqrt 3.
-     * P = 3/2 u_q i_q, so i_dc = -sqrt(3)/2 * limit * 40 A, into the battery. */
+    /* 40 A of i_q against a reference of none: the loop answers with all the voltage there is, u_q
+     * = -limit v_dc/sqrt 3. P = 3/2 u_q i_q, so i_dc = -sqrt(3)/2 * limit * 40 A, into the battery.
+     */
     start_running_at(0.25);
     const double codes_per_a = 2048e3 / rig.config.drive.current_full_scale_mA;
     put_codes((uint16_t)lround(2048 - 40 * codes_per_a), (uint16_t)lround(2048 + 20 * codes_per_a),
               (uint16_t)lround(2048 + 20 * codes_per_a));
     rig_run(&rig, 20);
     const double limit = rig.config.current_loop.modulation_limit_pu_q15 / 32768.0;
-    TEST_ASSERT_INT32_WITHIN(600, (int32_t)lround(-0.5 * sqrt(3.0) * limit * 40e3), rig.out.bus_current_mA);
+    TEST_ASSERT_INT32_WITHIN(600, (int32_t)lround(-0.5 * sqrt(3.0) * limit * 40e3),
+                             rig.out.bus_current_mA);
 }
 
 void test_before_the_first_sample_the_middle_of_the_battery_s_range_is_assumed(void)
@@ -199,8 +205,9 @@ void test_before_the_first_sample_the_middle_of_the_battery_s_range_is_assumed(v
 
 void test_each_phase_gets_its_own_compare_value(void)
 {
-    /* q lies a quarter turn before d. With d at a quarter turn beyond phase a, a positive i_q points against a: the
-     * loop, which sees no current, gives a the least on-time and b and c the same. So with the others in turn. */
+    /* q lies a quarter turn before d. With d at a quarter turn beyond phase a, a positive i_q
+     * points against a: the loop, which sees no current, gives a the least on-time and b and c the
+     * same. So with the others in turn. */
     for (int phase = 0; phase < 3; phase++) {
         start_running_at(0.25 + phase / 3.0);
         rig.slow_in.drive_torque_mNm = 20000;
@@ -233,7 +240,8 @@ void test_braking_torque_the_motor_does_not_make_is_moved_to_the_hydraulic_brake
     rig_set_speed_rpm(&rig, 300.0);
     rig_run(&rig, 300);
     rig.slow_in.brake_torque_mNm = 30000;
-    rig_run(&rig, 300); /* the currents stay at zero, whatever the compare values: the voltage runs to its limit */
+    rig_run(&rig, 300); /* the currents stay at zero, whatever the compare values: the voltage runs
+                           to its limit */
     TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
     TEST_ASSERT_EQUAL_INT32(30000, rig.out.hydraulic_torque_mNm);
 }

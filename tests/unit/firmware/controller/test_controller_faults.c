@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "controller_rig.h"
 #include "unity.h"
 
@@ -113,7 +114,8 @@ void test_above_the_speed_whose_emf_exceeds_the_bus_a_trip_shorts_the_motor_inst
 
 void test_a_slow_reach_that_falls_silent_lets_the_fast_reach_stop_the_bridge(void)
 {
-    /* four of its steps, 80 periods, may be missing; the step before the first of them is still on its way */
+    /* four of its steps, 80 periods, may be missing; the step before the first of them is still on
+     * its way */
     for (int n = 0; n < 80; n++) {
         rig_fast(&rig);
         TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
@@ -210,7 +212,8 @@ void test_a_fault_stays_until_it_is_acknowledged_however_long_all_has_been_well(
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, rig.out.fault_reason);
 }
 
-void test_an_acknowledged_trip_is_forgotten_by_both_reaches_and_the_sensors_are_calibrated_anew(void)
+void test_an_acknowledged_trip_is_forgotten_by_both_reaches_and_the_sensors_are_calibrated_anew(
+    void)
 {
     trip();
     come_to_rest();

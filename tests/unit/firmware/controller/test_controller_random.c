@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "controller_rig.h"
 #include "random_values.h"
 #include "unity.h"
@@ -11,7 +12,8 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* Numbers from the whole range now and then, ordinary ones in between, so that the controller gets to run, too. */
+/* Numbers from the whole range now and then, ordinary ones in between, so that the controller gets
+ * to run, too. */
 static void randomise(random_t *random, slow_input_t *slow, fast_input_t *fast)
 {
     const bool wild = random_chance(random, 2e-4);
@@ -19,11 +21,13 @@ static void randomise(random_t *random, slow_input_t *slow, fast_input_t *fast)
     if (random_chance(random, 0.1)) {
         slow->drive_torque_mNm = 0; /* the pedal must be released once before RUN */
     }
-    slow->brake_torque_mNm = wild ? random_wild(random) : q_max(random_between(random, -40000, 40000), 0);
+    slow->brake_torque_mNm =
+        wild ? random_wild(random) : q_max(random_between(random, -40000, 40000), 0);
     slow->demand_age_ms = (uint32_t)random_between(random, 0, 150);
     slow->bms_charge_current_mA = random_wild(random);
     slow->bms_discharge_current_mA = random_wild(random);
-    slow->winding_temperature_cC = wild ? random_wild(random) : random_between(random, -4000, 15000);
+    slow->winding_temperature_cC =
+        wild ? random_wild(random) : random_between(random, -4000, 15000);
     slow->switch_temperature_cC = wild ? random_wild(random) : random_between(random, -4000, 15000);
     slow->enable = random_chance(random, 0.99);
     slow->abs_active = random_chance(random, 0.01);
@@ -31,12 +35,16 @@ static void randomise(random_t *random, slow_input_t *slow, fast_input_t *fast)
         fast->phase_current_code[x] =
             (uint16_t)(wild ? random_between(random, 0, 4095) : random_between(random, 2040, 2056));
     }
-    fast->bus_voltage_code = (uint16_t)(wild ? random_between(random, 0, 4095) : random_between(random, 3000, 4000));
-    fast->rotor_angle_turn = (uint16_t)(wild ? random_between(random, 0, 65535) : fast->rotor_angle_turn + 1);
+    fast->bus_voltage_code =
+        (uint16_t)(wild ? random_between(random, 0, 4095) : random_between(random, 3000, 4000));
+    fast->rotor_angle_turn =
+        (uint16_t)(wild ? random_between(random, 0, 65535) : fast->rotor_angle_turn + 1);
     fast->hall_state = (uint8_t)(wild ? random_between(random, 0, 255) : fast->hall_state);
-    fast->encoder.count = (uint16_t)(wild ? random_between(random, 0, 65535) : fast->encoder.count + 1);
+    fast->encoder.count =
+        (uint16_t)(wild ? random_between(random, 0, 65535) : fast->encoder.count + 1);
     fast->encoder.index = random_chance(random, 0.01);
-    fast->encoder.index_count = (uint16_t)(wild ? random_between(random, 0, 65535) : fast->encoder.count / 4096 * 4096);
+    fast->encoder.index_count =
+        (uint16_t)(wild ? random_between(random, 0, 65535) : fast->encoder.count / 4096 * 4096);
     fast->power_stage_fault = wild && random_chance(random, 0.1);
 }
 
@@ -62,15 +70,16 @@ void test_whatever_happens_the_bridge_switches_only_in_run_and_the_compares_stay
             const modes_mode_t before = rig.out.mode;
             for (int k = 0; k < RIG_FAST_PER_SLOW; k++) {
                 randomise(&random, &rig.slow_in, &rig.fast_in);
-                rig.pwm =
-                    controller_fast_step(&rig.controller.fast, &rig.config, &rig.to_fast, &rig.fast_in, &rig.to_slow);
+                rig.pwm = controller_fast_step(&rig.controller.fast, &rig.config, &rig.to_fast,
+                                               &rig.fast_in, &rig.to_slow);
                 if (rig.pwm.bridge == BRIDGE_PWM) {
                     switched++;
                     TEST_ASSERT_TRUE(rig.out.mode == MODE_RUN || rig.out.mode == MODE_LIMP);
                     TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.to_slow.monitor.trip);
                 }
                 for (int x = 0; x < 3; x++) {
-                    TEST_ASSERT_LESS_OR_EQUAL_INT32(rig.config.drive.pwm_period_counts, rig.pwm.compare_counts[x]);
+                    TEST_ASSERT_LESS_OR_EQUAL_INT32(rig.config.drive.pwm_period_counts,
+                                                    rig.pwm.compare_counts[x]);
                 }
             }
             if (before == MODE_FAULT) {
@@ -79,8 +88,10 @@ void test_whatever_happens_the_bridge_switches_only_in_run_and_the_compares_stay
             rig_slow(&rig);
             faults += rig.out.mode == MODE_FAULT && before != MODE_FAULT ? 1 : 0;
             TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, rig.out.hydraulic_torque_mNm);
-            TEST_ASSERT_LESS_OR_EQUAL_INT32(rig.config.brake.max_hydraulic_torque_mNm, rig.out.hydraulic_torque_mNm);
-            TEST_ASSERT_INT32_WITHIN(rig.config.motor.max_torque_mNm, 0, rig.out.motor_torque_command_mNm);
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(rig.config.brake.max_hydraulic_torque_mNm,
+                                            rig.out.hydraulic_torque_mNm);
+            TEST_ASSERT_INT32_WITHIN(rig.config.motor.max_torque_mNm, 0,
+                                     rig.out.motor_torque_command_mNm);
             if (rig.out.mode != MODE_RUN && rig.out.mode != MODE_LIMP) {
                 TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
             }
@@ -130,10 +141,11 @@ void test_equal_inputs_give_equal_outputs_whatever_the_memory_held_before(void)
                 randomise(&random, &rig.slow_in, &rig.fast_in);
                 other.slow_in = rig.slow_in;
                 other.fast_in = rig.fast_in;
-                const fast_output_t a =
-                    controller_fast_step(&rig.controller.fast, &rig.config, &rig.to_fast, &rig.fast_in, &rig.to_slow);
-                const fast_output_t b = controller_fast_step(&other.controller.fast, &other.config, &other.to_fast,
-                                                             &other.fast_in, &other.to_slow);
+                const fast_output_t a = controller_fast_step(
+                    &rig.controller.fast, &rig.config, &rig.to_fast, &rig.fast_in, &rig.to_slow);
+                const fast_output_t b =
+                    controller_fast_step(&other.controller.fast, &other.config, &other.to_fast,
+                                         &other.fast_in, &other.to_slow);
                 TEST_ASSERT_EQUAL_UINT16_ARRAY(a.compare_counts, b.compare_counts, 3);
                 TEST_ASSERT_EQUAL_INT(a.bridge, b.bridge);
             }

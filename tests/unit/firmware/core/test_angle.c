@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Angles: every one of the 65 536. */
 #include <math.h>
 #include <stdlib.h>
@@ -23,7 +24,8 @@ void test_sine_and_cosine_are_within_one_lsb_of_the_exact_value_at_every_angle(v
 
 void test_the_four_quarter_turns_are_exact(void)
 {
-    static const int32_t EXPECTED[4][2] = {{0, 32768}, {32768, 0}, {0, -32768}, {-32768, 0}}; /* sin, cos */
+    static const int32_t EXPECTED[4][2] = {
+        {0, 32768}, {32768, 0}, {0, -32768}, {-32768, 0}}; /* sin, cos */
     for (uint16_t quarter = 0; quarter < 4; quarter++) {
         const sincos_t out = angle_sincos((uint16_t)(quarter * ANGLE_QUARTER_TURN));
         TEST_ASSERT_EQUAL_INT32(EXPECTED[quarter][0], out.sin);
@@ -43,7 +45,8 @@ void test_sine_and_cosine_always_lie_on_the_unit_circle(void)
 
 void test_sine_and_cosine_are_never_large_together(void)
 {
-    /* |sin| + |cos| <= sqrt 2 and 1 LSB each: the proofs of the rotations (tests/proofs) rely on it. */
+    /* |sin| + |cos| <= sqrt 2 and 1 LSB each: the proofs of the rotations (tests/proofs) rely on
+     * it. */
     for (uint32_t theta = 0; theta < 65536U; theta++) {
         const sincos_t out = angle_sincos((uint16_t)theta);
         TEST_ASSERT_TRUE(abs(out.sin) <= 32768 && abs(out.cos) <= 32768);
@@ -55,7 +58,8 @@ void test_the_table_holds_the_sine_rounded_down(void)
 {
     for (int k = 0; k < ANGLE_TABLE_LENGTH; k++) {
         const long double point = (long double)k + 0.5L;
-        TEST_ASSERT_EQUAL_INT(floorl(32768.0L * sinl(TURN * point / ANGLE_TABLE_POINTS)), ANGLE_SINE_TABLE[k]);
+        TEST_ASSERT_EQUAL_INT(floorl(32768.0L * sinl(TURN * point / ANGLE_TABLE_POINTS)),
+                              ANGLE_SINE_TABLE[k]);
     }
 }
 
@@ -65,7 +69,8 @@ void test_the_difference_of_two_angles_goes_the_short_way_round(void)
     TEST_ASSERT_EQUAL_INT16(2, angle_difference(1, 65535)); /* forward across zero */
     TEST_ASSERT_EQUAL_INT16(-2, angle_difference(65535, 1));
     TEST_ASSERT_EQUAL_INT16(32767, angle_difference(32767, 0));
-    TEST_ASSERT_EQUAL_INT16(-32768, angle_difference(32768, 0)); /* half a turn has no short way: the negative one */
+    TEST_ASSERT_EQUAL_INT16(
+        -32768, angle_difference(32768, 0)); /* half a turn has no short way: the negative one */
 }
 
 void test_adding_a_difference_to_the_start_arrives_for_every_pair_on_a_grid(void)

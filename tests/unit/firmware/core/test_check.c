@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Assertions: silent when they hold, one call with module and number when they do not. */
 #include "core/check.h"
 #include "unity.h"

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The circle without a square root: every component, and circles of many radii. */
 #include <math.h>
 #include <stdlib.h>
@@ -49,7 +50,8 @@ void test_nothing_is_left_at_the_ends_and_everything_at_zero(void)
 void test_the_table_holds_the_square_root_rounded_down(void)
 {
     for (int k = 0; k <= CIRCLE_TABLE_SEGMENTS; k++) {
-        const long exact = (long)floorl(32768.0L * sqrtl(1.0L - (long double)k / CIRCLE_TABLE_SEGMENTS));
+        const long exact =
+            (long)floorl(32768.0L * sqrtl(1.0L - (long double)k / CIRCLE_TABLE_SEGMENTS));
         TEST_ASSERT_EQUAL_INT(exact > 32767 ? 32767 : exact, CIRCLE_TABLE[k].at);
         const int next = k < CIRCLE_TABLE_SEGMENTS ? CIRCLE_TABLE[k + 1].at : CIRCLE_TABLE[k].at;
         TEST_ASSERT_EQUAL_INT(next - CIRCLE_TABLE[k].at, CIRCLE_TABLE[k].rise);
@@ -71,8 +73,8 @@ void test_a_vector_limited_to_a_circle_of_any_radius_stays_inside_for_every_comp
 
 void test_a_circle_of_any_radius_is_used_well(void)
 {
-    /* 0.8 % of the interpolation, 4 LSB of the share (its reciprocal and its rounding), which the slope of the circle
-     * x/y turns into y, and 2 LSB of the product. */
+    /* 0.8 % of the interpolation, 4 LSB of the share (its reciprocal and its rounding), which the
+     * slope of the circle x/y turns into y, and 2 LSB of the product. */
     for (int32_t radius = 164; radius <= Q15_ONE; radius += 331) {
         const circle_t circle = circle_init(radius);
         for (int32_t x = -radius * 97 / 100; x <= radius * 97 / 100; x++) {

@@ -1,4 +1,6 @@
-/* Quotients by constants: equal to the language's division everywhere they could differ, and at random. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Quotients by constants: equal to the language's division everywhere they could differ, and at
+ * random. */
 #include "core/divide.h"
 #include "unity.h"
 
@@ -11,7 +13,8 @@ typedef int64_t (*division_t)(int64_t);
 static const struct {
     division_t division;
     int64_t n;
-} CASES[] = {{divide_by_thousand, 1000}, {divide_by_million, 1000000}, {divide_by_billion, 1000000000}};
+} CASES[] = {
+    {divide_by_thousand, 1000}, {divide_by_million, 1000000}, {divide_by_billion, 1000000000}};
 
 enum { CASE_COUNT = sizeof(CASES) / sizeof(CASES[0]) };
 
@@ -20,7 +23,8 @@ static void assert_is_quotient(unsigned k, int64_t x)
     TEST_ASSERT_EQUAL_INT64(x / CASES[k].n, CASES[k].division(x));
 }
 
-/* x / n jumps at the multiples of n: there an error of the reciprocal shows first, and the larger x is the sooner. */
+/* x / n jumps at the multiples of n: there an error of the reciprocal shows first, and the larger x
+ * is the sooner. */
 static void assert_around(unsigned k, int64_t multiple)
 {
     for (int64_t beside = -2; beside <= 2; beside++) {

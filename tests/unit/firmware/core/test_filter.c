@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The low-pass against the exponential it stands for. */
 #include <math.h>
 

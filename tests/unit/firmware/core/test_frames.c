@@ -1,13 +1,19 @@
-/* The three frames are three types: mistaking one for another must not compile, and that is decided at compile time. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The three frames are three types: mistaking one for another must not compile, and that is decided
+ * at compile time. */
 #include "core/frames.h"
 #include "unity.h"
 
 #define IS(type, expression) _Generic((expression), type : 1, default : 0)
 
-_Static_assert(IS(ab_t, (ab_t){0}) && !IS(ab_t, (dq_t){0}) && !IS(ab_t, (abc_t){0}), "alpha-beta is its own type");
-_Static_assert(IS(dq_t, (dq_t){0}) && !IS(dq_t, (ab_t){0}) && !IS(dq_t, (abc_t){0}), "dq is its own type");
-_Static_assert(IS(abc_t, (abc_t){0}) && !IS(abc_t, (ab_t){0}) && !IS(abc_t, (dq_t){0}), "abc is its own type");
-_Static_assert(IS(int32_t, ((abc_t){0}).a) && IS(int32_t, ((ab_t){0}).alpha) && IS(int32_t, ((dq_t){0}).q),
+_Static_assert(IS(ab_t, (ab_t){0}) && !IS(ab_t, (dq_t){0}) && !IS(ab_t, (abc_t){0}),
+               "alpha-beta is its own type");
+_Static_assert(IS(dq_t, (dq_t){0}) && !IS(dq_t, (ab_t){0}) && !IS(dq_t, (abc_t){0}),
+               "dq is its own type");
+_Static_assert(IS(abc_t, (abc_t){0}) && !IS(abc_t, (ab_t){0}) && !IS(abc_t, (dq_t){0}),
+               "abc is its own type");
+_Static_assert(IS(int32_t, ((abc_t){0}).a) && IS(int32_t, ((ab_t){0}).alpha) &&
+                   IS(int32_t, ((dq_t){0}).q),
                "components are the 32-bit intermediates of the fast reach");
 
 void setUp(void) {}

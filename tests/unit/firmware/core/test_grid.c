@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Reading a table: position on the axis and interpolation. */
 #include <math.h>
 
@@ -15,8 +16,10 @@ void test_every_place_of_the_axis_is_index_and_fraction(void)
         for (int32_t x = 0; x < 5 * step; x++) {
             const grid_position_t p = grid_locate(x, 6, step_log2);
             TEST_ASSERT_EQUAL_INT32(x, p.index * step + p.fraction_q20 * step / GRID_WHOLE_Q20);
-            TEST_ASSERT_EQUAL_INT32(0, p.fraction_q20 * step % GRID_WHOLE_Q20); /* nothing was rounded */
-            TEST_ASSERT_TRUE(p.index >= 0 && p.index <= 4 && p.fraction_q20 >= 0 && p.fraction_q20 <= GRID_WHOLE_Q20);
+            TEST_ASSERT_EQUAL_INT32(0, p.fraction_q20 * step %
+                                           GRID_WHOLE_Q20); /* nothing was rounded */
+            TEST_ASSERT_TRUE(p.index >= 0 && p.index <= 4 && p.fraction_q20 >= 0 &&
+                             p.fraction_q20 <= GRID_WHOLE_Q20);
         }
     }
 }
@@ -44,16 +47,19 @@ void test_the_widest_grid_locates_the_largest_argument(void)
 
 void test_interpolation_is_the_straight_line_rounded_to_nearest(void)
 {
-    static const int32_t PAIRS[][2] = {{0, 1000}, {1000, 0}, {-7, 9}, {-1000000, -999}, {INT32_MIN, INT32_MAX}, {5, 5}};
+    static const int32_t PAIRS[][2] = {
+        {0, 1000}, {1000, 0}, {-7, 9}, {-1000000, -999}, {INT32_MIN, INT32_MAX}, {5, 5}};
     for (unsigned i = 0; i < sizeof(PAIRS) / sizeof(PAIRS[0]); i++) {
         /* 2^20 - 1 is a multiple of 75: the last fraction is the whole. */
         for (int32_t fraction_q20 = 1; fraction_q20 <= GRID_WHOLE_Q20; fraction_q20 += 75) {
             const double a = PAIRS[i][0];
             const double b = PAIRS[i][1];
-            const double exact = a + (b - a) * fraction_q20 / GRID_WHOLE_Q20; /* 53 bits: nothing is rounded */
+            const double exact =
+                a + (b - a) * fraction_q20 / GRID_WHOLE_Q20; /* 53 bits: nothing is rounded */
             const int32_t got = grid_interpolate(PAIRS[i][0], PAIRS[i][1], fraction_q20);
             TEST_ASSERT_TRUE(fabs(got - exact) <= 0.5);
-            TEST_ASSERT_TRUE(got >= fmin(a, b) && got <= fmax(a, b)); /* never leaves its neighbours */
+            TEST_ASSERT_TRUE(got >= fmin(a, b) &&
+                             got <= fmax(a, b)); /* never leaves its neighbours */
         }
     }
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Integer square root: the defining inequality around every square and at the ends. */
 #include "core/isqrt.h"
 #include "unity.h"

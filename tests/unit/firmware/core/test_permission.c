@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The valve: its zero value is the closed one, so memory that was never written opens nothing. */
 #include "core/permission.h"
 #include "unity.h"

@@ -1,4 +1,6 @@
-/* The regulator: gains in their formats, and what the integrator does when it is told what was realised. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The regulator: gains in their formats, and what the integrator does when it is told what was
+ * realised. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -53,7 +55,8 @@ void test_output_is_gain_times_error_plus_the_integral(void)
 
 void test_the_output_before_the_limit_may_exceed_one_and_does_not_wrap(void)
 {
-    const pi_gains_t gains = {.proportional_q10 = PI_LARGEST_PROPORTIONAL_Q10, .integral_q15 = 1, .anti_windup_q15 = 1};
+    const pi_gains_t gains = {
+        .proportional_q10 = PI_LARGEST_PROPORTIONAL_Q10, .integral_q15 = 1, .anti_windup_q15 = 1};
     const pi_state_t high = {.integrator_q30 = INTEGRATOR_FULL_Q30};
     const pi_state_t low = {.integrator_q30 = -INTEGRATOR_FULL_Q30};
     /* 16 * 1 + 1 = 17 */
@@ -83,9 +86,10 @@ void test_an_error_of_one_lsb_is_never_lost(void)
     TEST_ASSERT_EQUAL_INT32(-1000, state.integrator_q30);
 }
 
-/* With the actuator at its limit, u_real = k_p e_r + I defines the error e_r that would just have produced it. The
- * integrator follows I' = I + k_i e_r = I + k_i (u_real - I) / k_p: it tends to u_real with the regulator's own time
- * constant k_p / k_i, whatever the error is and however long the limit lasts. */
+/* With the actuator at its limit, u_real = k_p e_r + I defines the error e_r that would just have
+ * produced it. The integrator follows I' = I + k_i e_r = I + k_i (u_real - I) / k_p: it tends to
+ * u_real with the regulator's own time constant k_p / k_i, whatever the error is and however long
+ * the limit lasts. */
 void test_at_the_limit_the_integrator_tends_to_the_limit_and_stays_there(void)
 {
     const pi_gains_t gains = gains_of(2.0, 0.05);
@@ -103,7 +107,8 @@ void test_at_the_limit_the_integrator_tends_to_the_limit_and_stays_there(void)
 
 void test_the_conditioned_error_holds_when_four_times_the_limit_is_asked_for(void)
 {
-    /* k_p = 4 and a full-scale error ask for 3.1 more than there is: still I tends to the limit, not beyond. */
+    /* k_p = 4 and a full-scale error ask for 3.1 more than there is: still I tends to the limit,
+     * not beyond. */
     const pi_gains_t gains = gains_of(4.0, 0.05);
     pi_state_t state = {0};
     double expected = 0.0;
@@ -124,14 +129,16 @@ void test_the_limit_is_left_at_once_when_the_error_changes_its_sign(void)
         const int32_t u = output(&state, &gains, 20000);
         pi_update(&state, &gains, 20000, u, q_clamp(u, -16384, 16384));
     }
-    /* The integrator stands at the limit, 0.5; -0.05 of error takes 0.1 off it in the very next step. */
+    /* The integrator stands at the limit, 0.5; -0.05 of error takes 0.1 off it in the very next
+     * step. */
     TEST_ASSERT_INT32_WITHIN(70, 16384 - 3277, output(&state, &gains, -1638));
 }
 
 void test_the_integrator_saturates_at_full_scale_and_does_not_wrap(void)
 {
-    const pi_gains_t gains = {
-        .proportional_q10 = 1, .integral_q15 = PI_LARGEST_INTEGRAL_Q15, .anti_windup_q15 = PI_LARGEST_ANTI_WINDUP_Q15};
+    const pi_gains_t gains = {.proportional_q10 = 1,
+                              .integral_q15 = PI_LARGEST_INTEGRAL_Q15,
+                              .anti_windup_q15 = PI_LARGEST_ANTI_WINDUP_Q15};
     static const int16_t ERRORS[] = {32767, -32768};
     for (int i = 0; i < 2; i++) {
         pi_state_t state = {0};
@@ -140,6 +147,7 @@ void test_the_integrator_saturates_at_full_scale_and_does_not_wrap(void)
             pi_update(&state, &gains, ERRORS[i], u, u);
             TEST_ASSERT_TRUE(abs(state.integrator_q30) <= INTEGRATOR_FULL_Q30 + 1);
         }
-        TEST_ASSERT_INT32_WITHIN(1, i == 0 ? INTEGRATOR_FULL_Q30 : -INTEGRATOR_FULL_Q30, state.integrator_q30);
+        TEST_ASSERT_INT32_WITHIN(1, i == 0 ? INTEGRATOR_FULL_Q30 : -INTEGRATOR_FULL_Q30,
+                                 state.integrator_q30);
     }
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Saturating fixed point against arithmetic in a wider type. */
 #include "core/q15.h"
 #include "unity.h"
@@ -7,8 +8,9 @@ void setUp(void) {}
 void tearDown(void) {}
 
 /* The ends, their neighbours, zero, halves and a few of no special kind. */
-static const int16_t CORNERS[] = {-32768, -32767, -32766, -16385, -16384, -16383, -12345, -257,  -2,    -1,    0,
-                                  1,      2,      3,      255,    9999,   16383,  16384,  16385, 32765, 32766, 32767};
+static const int16_t CORNERS[] = {-32768, -32767, -32766, -16385, -16384, -16383, -12345, -257,
+                                  -2,     -1,     0,      1,      2,      3,      255,    9999,
+                                  16383,  16384,  16385,  32765,  32766,  32767};
 enum { CORNER_COUNT = sizeof(CORNERS) / sizeof(CORNERS[0]) };
 
 static int64_t clamped(int64_t x, int64_t lowest, int64_t highest)
@@ -33,21 +35,24 @@ void test_a_limit_is_the_clamp_between_a_number_and_its_negative(void)
         2,         255,           256,        32767,  32768,  32769, 1 << 30, INT32_MAX};
     for (unsigned m = 0; m < sizeof(MOST) / sizeof(MOST[0]); m++) {
         for (unsigned k = 0; k < sizeof(X) / sizeof(X[0]); k++) {
-            TEST_ASSERT_EQUAL_INT64(clamped(X[k], -(int64_t)MOST[m], MOST[m]), q_limit(X[k], MOST[m]));
+            TEST_ASSERT_EQUAL_INT64(clamped(X[k], -(int64_t)MOST[m], MOST[m]),
+                                    q_limit(X[k], MOST[m]));
         }
     }
 }
 
 void test_other_saturations_keep_their_bits(void)
 {
-    static const int64_t X[] = {INT32_MIN, -1073741825, -1073741824, -131073,    -131072,  -65537, -65536,
-                                -4097,     -4096,       0,           4095,       4096,     65535,  65536,
-                                131071,    131072,      1073741823,  1073741824, INT32_MAX};
+    static const int64_t X[] = {INT32_MIN, -1073741825, -1073741824, -131073,  -131072,
+                                -65537,    -65536,      -4097,       -4096,    0,
+                                4095,      4096,        65535,       65536,    131071,
+                                131072,    1073741823,  1073741824,  INT32_MAX};
     for (unsigned k = 0; k < sizeof(X) / sizeof(X[0]); k++) {
         TEST_ASSERT_EQUAL_INT64(clamped(X[k], -4096, 4095), q_saturate13((int32_t)X[k]));
         TEST_ASSERT_EQUAL_INT64(clamped(X[k], -65536, 65535), q_saturate17((int32_t)X[k]));
         TEST_ASSERT_EQUAL_INT64(clamped(X[k], -131072, 131071), q_saturate18((int32_t)X[k]));
-        TEST_ASSERT_EQUAL_INT64(clamped(X[k], -1073741824, 1073741823), q_saturate31((int32_t)X[k]));
+        TEST_ASSERT_EQUAL_INT64(clamped(X[k], -1073741824, 1073741823),
+                                q_saturate31((int32_t)X[k]));
     }
 }
 
@@ -77,7 +82,8 @@ void test_a_right_shift_rounds_towards_minus_infinity(void)
     for (unsigned bits = 0; bits <= 31; bits++) {
         TEST_ASSERT_EQUAL_INT32(-1, q_shift_right(-1, bits));
         TEST_ASSERT_EQUAL_INT32(bits == 0 ? 1 : 0, q_shift_right(1, bits));
-        TEST_ASSERT_EQUAL_INT32(bits == 31 ? -1 : INT32_MIN / (1 << bits), q_shift_right(INT32_MIN, bits));
+        TEST_ASSERT_EQUAL_INT32(bits == 31 ? -1 : INT32_MIN / (1 << bits),
+                                q_shift_right(INT32_MIN, bits));
     }
 }
 
@@ -85,10 +91,13 @@ void test_a_product_is_the_exact_one_rounded_to_nearest_with_halves_upwards(void
 {
     for (int i = 0; i < CORNER_COUNT; i++) {
         for (int32_t b = INT16_MIN; b <= INT16_MAX; b++) {
-            /* floor(x / 2^15 + 1/2) without relying on the shift under test: make the dividend positive first. */
+            /* floor(x / 2^15 + 1/2) without relying on the shift under test: make the dividend
+             * positive first. */
             const int64_t exact = (int64_t)CORNERS[i] * b;
-            const int64_t rounded = (exact + (INT64_C(1) << 14) + (INT64_C(1) << 40)) / 32768 - (INT64_C(1) << 25);
-            TEST_ASSERT_EQUAL_INT64(clamped(rounded, -32768, 32767), q15_multiply(CORNERS[i], (int16_t)b));
+            const int64_t rounded =
+                (exact + (INT64_C(1) << 14) + (INT64_C(1) << 40)) / 32768 - (INT64_C(1) << 25);
+            TEST_ASSERT_EQUAL_INT64(clamped(rounded, -32768, 32767),
+                                    q15_multiply(CORNERS[i], (int16_t)b));
         }
     }
 }
@@ -98,26 +107,31 @@ void test_minus_one_times_minus_one_saturates_and_is_the_only_product_that_does(
     TEST_ASSERT_EQUAL_INT16(32767, q15_multiply(-32768, -32768));
     TEST_ASSERT_EQUAL_INT16(32767, q15_multiply(-32768, -32767));
     TEST_ASSERT_EQUAL_INT16(-32767, q15_multiply(-32768, 32767));
-    TEST_ASSERT_EQUAL_INT16(32766, q15_multiply(32767, 32767)); /* (1 - 2^-15)^2 = 1 - 2^-14 + 2^-30 */
+    TEST_ASSERT_EQUAL_INT16(32766,
+                            q15_multiply(32767, 32767)); /* (1 - 2^-15)^2 = 1 - 2^-14 + 2^-30 */
 }
 
 void test_sums_and_differences_saturate_and_never_wrap(void)
 {
     for (int i = 0; i < CORNER_COUNT; i++) {
         for (int32_t b = INT16_MIN; b <= INT16_MAX; b++) {
-            TEST_ASSERT_EQUAL_INT64(clamped(CORNERS[i] + b, -32768, 32767), q15_add(CORNERS[i], (int16_t)b));
-            TEST_ASSERT_EQUAL_INT64(clamped(CORNERS[i] - b, -32768, 32767), q15_subtract(CORNERS[i], (int16_t)b));
+            TEST_ASSERT_EQUAL_INT64(clamped(CORNERS[i] + b, -32768, 32767),
+                                    q15_add(CORNERS[i], (int16_t)b));
+            TEST_ASSERT_EQUAL_INT64(clamped(CORNERS[i] - b, -32768, 32767),
+                                    q15_subtract(CORNERS[i], (int16_t)b));
         }
     }
 }
 
 void test_a_share_of_a_quantity_is_rounded_towards_zero_and_never_grows(void)
 {
-    static const int32_t VALUES[] = {INT32_MIN, -1000000, -32769, -3, -1, 0, 1, 2, 40000, 16777217, INT32_MAX};
+    static const int32_t VALUES[] = {INT32_MIN, -1000000, -32769, -3,       -1,       0,
+                                     1,         2,        40000,  16777217, INT32_MAX};
     for (unsigned v = 0; v < sizeof(VALUES) / sizeof(VALUES[0]); v++) {
         for (int i = 0; i < CORNER_COUNT; i++) {
             const int64_t exact = (int64_t)VALUES[v] * CORNERS[i];
-            const int64_t expected = clamped(exact / 32768, INT32_MIN, INT32_MAX); /* C division rounds towards zero */
+            const int64_t expected =
+                clamped(exact / 32768, INT32_MIN, INT32_MAX); /* C division rounds towards zero */
             const int32_t share = q15_share_of(VALUES[v], CORNERS[i]);
             TEST_ASSERT_EQUAL_INT64(expected, share);
             TEST_ASSERT_TRUE(q_abs(share) <= q_abs(VALUES[v]));

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The ramp at the ends of int32 and on the way. */
 #include "core/ramp.h"
 #include "unity.h"

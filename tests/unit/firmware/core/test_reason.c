@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Reasons are part of the protocol: the numbers are frozen here. */
 #include <string.h>
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* 1/n by table: every n. */
 #include <math.h>
 
@@ -8,8 +9,9 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-/* Over a step h = 1/64 the chord of 1/x lies at most h^2/8 * 2/x^3 above it, 6.1e-5 of 1/x at x = 1. The table entries and the
- * interpolation are each rounded to 2^-15, half of which is 1.5e-5; the first entry is exact. */
+/* Over a step h = 1/64 the chord of 1/x lies at most h^2/8 * 2/x^3 above it, 6.1e-5 of 1/x at x
+ * = 1. The table entries and the interpolation are each rounded to 2^-15, half of which is 1.5e-5;
+ * the first entry is exact. */
 static const double LARGEST_ERROR = 8e-5;
 
 static double value_of(reciprocal_t r)
@@ -38,11 +40,13 @@ void test_powers_of_two_are_exact(void)
 {
     for (unsigned bit = 0; bit < 16; bit++) {
         const reciprocal_t r = reciprocal_of((uint16_t)(1U << bit));
-        TEST_ASSERT_TRUE(value_of(r) * (double)(1U << bit) == 1.0); /* both sides are exact in binary */
+        TEST_ASSERT_TRUE(value_of(r) * (double)(1U << bit) ==
+                         1.0); /* both sides are exact in binary */
     }
 }
 
-/* Table points, n = 2^15 + 512 k, are where the interpolation weighs only one entry: the entry itself must be the nearest. */
+/* Table points, n = 2^15 + 512 k, are where the interpolation weighs only one entry: the entry
+ * itself must be the nearest. */
 void test_the_table_holds_the_correctly_rounded_reciprocal(void)
 {
     for (uint32_t k = 0; k < 64U; k++) {
@@ -54,7 +58,8 @@ void test_the_table_holds_the_correctly_rounded_reciprocal(void)
 void test_a_larger_n_never_has_a_larger_reciprocal(void)
 {
     for (uint32_t n = 1; n < 65535U; n++) {
-        TEST_ASSERT_TRUE(value_of(reciprocal_of((uint16_t)(n + 1U))) <= value_of(reciprocal_of((uint16_t)n)));
+        TEST_ASSERT_TRUE(value_of(reciprocal_of((uint16_t)(n + 1U))) <=
+                         value_of(reciprocal_of((uint16_t)n)));
     }
 }
 
@@ -66,11 +71,13 @@ void test_zero_counts_as_one(void)
 
 void test_scaling_agrees_with_division_for_every_n(void)
 {
-    static const uint32_t NUMERATORS[] = {0U, 1U, 65535U, 65536U, 1000003U, 0x80000000U, 0xFFFFFFFFU};
+    static const uint32_t NUMERATORS[] = {0U,       1U,          65535U,     65536U,
+                                          1000003U, 0x80000000U, 0xFFFFFFFFU};
     for (unsigned i = 0; i < sizeof(NUMERATORS) / sizeof(NUMERATORS[0]); i++) {
         for (uint32_t n = 1; n <= 65535U; n++) {
             const double exact = (double)NUMERATORS[i] / n;
-            TEST_ASSERT_DOUBLE_WITHIN(exact * LARGEST_ERROR + 1.0, exact, reciprocal_scale(NUMERATORS[i], (uint16_t)n));
+            TEST_ASSERT_DOUBLE_WITHIN(exact * LARGEST_ERROR + 1.0, exact,
+                                      reciprocal_scale(NUMERATORS[i], (uint16_t)n));
         }
     }
 }

@@ -1,4 +1,6 @@
-/* Dead-time compensation: size from the configuration, sign from the current, proportional near zero. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Dead-time compensation: size from the configuration, sign from the current, proportional near
+ * zero. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -44,7 +46,8 @@ void test_the_full_correction_is_the_share_of_the_period_that_dead_time_takes(vo
 
 void test_the_diodes_drop_is_given_back_as_a_share_of_the_batterys_middle_voltage(void)
 {
-    /* The leg misses 2 % of v_dc + 2 V_f. At 40 V that is 0.8 V + 4 % of V_f; a count is worth 40 V / 4200. */
+    /* The leg misses 2 % of v_dc + 2 V_f. At 40 V that is 0.8 V + 4 % of V_f; a count is worth 40 V
+     * / 4200. */
     config.battery.min_voltage_mV = 30000;
     config.battery.max_voltage_mV = 50000;
     config.drive.diode_drop_mV = 1000;
@@ -56,7 +59,8 @@ void test_the_diodes_drop_is_given_back_as_a_share_of_the_batterys_middle_voltag
     for (int32_t drop_mV = 0; drop_mV <= 5000; drop_mV += 7) {
         config.drive.diode_drop_mV = drop_mV;
         const double lost_V = 1e-6 * 20000.0 * (60.0 + 2e-3 * drop_mV);
-        TEST_ASSERT_DOUBLE_WITHIN(0.5001, lost_V / 60.0 * 4200.0, dead_time_init(&config).full_counts);
+        TEST_ASSERT_DOUBLE_WITHIN(0.5001, lost_V / 60.0 * 4200.0,
+                                  dead_time_init(&config).full_counts);
     }
 }
 
@@ -83,7 +87,8 @@ void test_inside_the_zone_it_is_proportional(void)
 {
     const dead_time_t dead_time = dead_time_init(&config);
     for (int32_t i = -655; i <= 655; i++) {
-        /* The slope 1/zone is kept to 1/2^16 of one unit per LSB: 0.3 % here, and one LSB of Q15 is rounded away. */
+        /* The slope 1/zone is kept to 1/2^16 of one unit per LSB: 0.3 % here, and one LSB of Q15 is
+         * rounded away. */
         TEST_ASSERT_DOUBLE_WITHIN(84.0 * 0.004, 84.0 * i / 655.0, trim_counts(&dead_time, i));
     }
 }
@@ -109,15 +114,18 @@ void test_each_phase_is_trimmed_by_the_sign_of_its_own_current(void)
     const dead_time_t dead_time = dead_time_init(&config);
     for (int k = 0; k < 3600; k++) {
         const double angle = k * 3.14159265358979323846 / 1800.0;
-        const ab_t i = {(int32_t)lround(20000.0 * cos(angle)), (int32_t)lround(20000.0 * sin(angle))};
+        const ab_t i = {(int32_t)lround(20000.0 * cos(angle)),
+                        (int32_t)lround(20000.0 * sin(angle))};
         const abc_t trim = dead_time_shares(&dead_time, i);
         const int32_t got[3] = {trim.a, trim.b, trim.c};
         for (int x = 0; x < 3; x++) {
             const double phase = 20000.0 * cos(angle - x * 2.0 * 3.14159265358979323846 / 3.0);
             if (fabs(phase) > 660.0) {
-                TEST_ASSERT_DOUBLE_WITHIN(0.01, phase > 0.0 ? 84.0 : -84.0, 84.0 * got[x] / 32768.0);
+                TEST_ASSERT_DOUBLE_WITHIN(0.01, phase > 0.0 ? 84.0 : -84.0,
+                                          84.0 * got[x] / 32768.0);
             } else {
-                TEST_ASSERT_DOUBLE_WITHIN(84.0 * 0.01, 84.0 * phase / 655.0, 84.0 * got[x] / 32768.0);
+                TEST_ASSERT_DOUBLE_WITHIN(84.0 * 0.01, 84.0 * phase / 655.0,
+                                          84.0 * got[x] / 32768.0);
             }
         }
     }
@@ -129,7 +137,8 @@ void test_the_longest_current_vector_does_not_overflow_in_any_direction(void)
     const dead_time_t dead_time = dead_time_init(&config);
     for (int k = 0; k < 36000; k++) {
         const double angle = k * 3.14159265358979323846 / 18000.0;
-        const ab_t i = {(int32_t)lround(32768.0 * cos(angle)), (int32_t)lround(32768.0 * sin(angle))};
+        const ab_t i = {(int32_t)lround(32768.0 * cos(angle)),
+                        (int32_t)lround(32768.0 * sin(angle))};
         const abc_t trim = dead_time_shares(&dead_time, i);
         TEST_ASSERT_TRUE(abs(trim.a) <= 32768 && abs(trim.b) <= 32768 && abs(trim.c) <= 32768);
         /* With a zone this narrow only a wrap could turn a sign round. */

@@ -1,4 +1,6 @@
-/* Incremental encoder: a shaft that turns as told, its counts and its index, and what the estimate makes of them. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Incremental encoder: a shaft that turns as told, its counts and its index, and what the estimate
+ * makes of them. */
 #include <math.h>
 
 #include "foc/encoder.h"
@@ -69,7 +71,8 @@ static void turn_for(double turns, double turns_a_period)
 /* How far the estimate lies ahead of the truth, electrical turns. */
 static double angle_error_turns(void)
 {
-    const double truth = shaft_turns * config.motor.pole_pairs + config.rotor.encoder_index_turn / 65536.0;
+    const double truth =
+        shaft_turns * config.motor.pole_pairs + config.rotor.encoder_index_turn / 65536.0;
     const double error = encoder.theta_turn / 65536.0 - truth;
     return error - floor(error + 0.5);
 }
@@ -104,26 +107,30 @@ void test_a_shaft_at_rest_is_in_the_middle_of_its_count(void)
         turn(0.0);
     }
     const double middle = (floor(shaft_turns * 1000.0) + 0.5) / 1000.0 * config.motor.pole_pairs;
-    const double error = encoder.theta_turn / 65536.0 - config.rotor.encoder_index_turn / 65536.0 - middle;
+    const double error =
+        encoder.theta_turn / 65536.0 - config.rotor.encoder_index_turn / 65536.0 - middle;
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * count_turns(), 0.0, error - floor(error + 0.5));
 }
 
 void test_the_first_index_moves_the_angle_and_leaves_the_speed(void)
 {
     configure(65536, 0);
-    shaft_turns = -0.38; /* the index moves the angle by 23 * 0.38 turns: a quarter short of whole ones */
+    shaft_turns =
+        -0.38; /* the index moves the angle by 23 * 0.38 turns: a quarter short of whole ones */
     turn_for(0.37, 5e-4);
     while (!encoder.valid) {
         turn(5e-4);
     }
     for (int n = 0; n < 50; n++) {
         const double speed = encoder.tracking.speed_q32 / 4294967296.0;
-        TEST_ASSERT_DOUBLE_WITHIN(0.02 * 5e-4 * config.motor.pole_pairs, 5e-4 * config.motor.pole_pairs, speed);
+        TEST_ASSERT_DOUBLE_WITHIN(0.02 * 5e-4 * config.motor.pole_pairs,
+                                  5e-4 * config.motor.pole_pairs, speed);
         turn(5e-4);
     }
 }
 
-/* Counts that are no power of two, counters that wrap inside a turn, both directions of counting. */
+/* Counts that are no power of two, counters that wrap inside a turn, both directions of counting.
+ */
 void test_the_angle_never_drifts_and_is_wrong_by_a_count_and_a_half_at_most(void)
 {
     static const int32_t COUNTS[] = {1000, 4096, 10000, 65536};
@@ -135,8 +142,10 @@ void test_the_angle_never_drifts_and_is_wrong_by_a_count_and_a_half_at_most(void
                 for (int n = 0; n < 60000; n++) {
                     turn(SPEEDS[s]);
                     TEST_ASSERT_TRUE(encoder.valid);
-                    /* One count beside the middle of the one that is shown, half a count either side of that middle. */
-                    TEST_ASSERT_DOUBLE_WITHIN(1.5 * count_turns() + 3.0 / 65536.0, 0.0, angle_error_turns());
+                    /* One count beside the middle of the one that is shown, half a count either
+                     * side of that middle. */
+                    TEST_ASSERT_DOUBLE_WITHIN(1.5 * count_turns() + 3.0 / 65536.0, 0.0,
+                                              angle_error_turns());
                 }
                 TEST_ASSERT_EQUAL_UINT16(0, encoder.faults);
             }
@@ -153,11 +162,14 @@ void test_at_constant_speed_the_tracking_loop_finds_the_speed_and_the_angle_betw
         for (int n = 0; n < 20000; n++) {
             turn(SPEEDS[s]);
             worst = fmax(worst, fabs(angle_error_turns()));
-            /* The error is a saw-tooth of one count, at these speeds 25 periods long at most (the beat of counts and
-             * samples at 2.048 counts a period takes 21). Added up in the integrator: k_i * 25 / 8 of a count. */
-            const double speed = encoder.tracking.speed_q32 / 4294967296.0 / config.motor.pole_pairs;
+            /* The error is a saw-tooth of one count, at these speeds 25 periods long at most (the
+             * beat of counts and samples at 2.048 counts a period takes 21). Added up in the
+             * integrator: k_i * 25 / 8 of a count. */
+            const double speed =
+                encoder.tracking.speed_q32 / 4294967296.0 / config.motor.pole_pairs;
             const double k_i = config.rotor.pll_integral_q24 / 16777216.0;
-            TEST_ASSERT_DOUBLE_WITHIN(k_i * 25.0 / 8.0 / config.rotor.encoder_counts + 1e-9, SPEEDS[s], speed);
+            TEST_ASSERT_DOUBLE_WITHIN(k_i * 25.0 / 8.0 / config.rotor.encoder_counts + 1e-9,
+                                      SPEEDS[s], speed);
         }
         TEST_ASSERT_TRUE(worst < 1.5 * count_turns());
     }
@@ -166,8 +178,9 @@ void test_at_constant_speed_the_tracking_loop_finds_the_speed_and_the_angle_betw
 void test_however_fast_the_speed_changes_the_angle_is_wrong_by_counts_not_by_the_loops_lag(void)
 {
     turn_for(2.0, 2e-4);
-    /* A locking wheel: 240 r/min to nothing in 25 ms. The loop of 50 Hz alone would lie a / w^2 = 0.37 electrical turns
-     * beside the truth: 0.0046 turns a period in 500 of them is 9.2e-6, over (2 pi 50 / 20 000)^2 = 2.47e-4. */
+    /* A locking wheel: 240 r/min to nothing in 25 ms. The loop of 50 Hz alone would lie a / w^2 =
+     * 0.37 electrical turns beside the truth: 0.0046 turns a period in 500 of them is 9.2e-6, over
+     * (2 pi 50 / 20 000)^2 = 2.47e-4. */
     for (double speed = 2e-4; speed > 0.0; speed -= 4e-7) {
         turn(speed);
         TEST_ASSERT_DOUBLE_WITHIN(1.6 * count_turns(), 0.0, angle_error_turns());
@@ -220,7 +233,8 @@ void test_a_false_index_pulse_takes_the_validity_away_and_the_true_ones_bring_it
 {
     turn_for(1.5, 1e-4);
     const uint16_t here = counter_at(shaft_turns);
-    const encoder_input_t spark = {.count = here, .index_count = (uint16_t)(here - 100U), .index = true};
+    const encoder_input_t spark = {
+        .count = here, .index_count = (uint16_t)(here - 100U), .index = true};
     encoder_step(&encoder, &config, &spark);
     TEST_ASSERT_FALSE(encoder.valid);
     TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
@@ -245,7 +259,8 @@ void test_an_index_that_stops_coming_is_counted_every_turn_and_leaves_the_angle_
     TEST_ASSERT_EQUAL_UINT16(3, encoder.faults);
 }
 
-/* Half an electrical turn in a period is the border between forwards and backwards: 4096 counts and 23 pole pairs, 89 counts. */
+/* Half an electrical turn in a period is the border between forwards and backwards: 4096 counts and
+ * 23 pole pairs, 89 counts. */
 void test_a_jump_of_more_than_half_an_electrical_turn_is_one_that_no_rotor_makes(void)
 {
     for (int beyond = 0; beyond <= 1; beyond++) {
@@ -258,8 +273,8 @@ void test_a_jump_of_more_than_half_an_electrical_turn_is_one_that_no_rotor_makes
     }
 }
 
-/* After an index that contradicted the counts one that agrees makes the angle good again, from whichever side it is met: at
- * the same place, a turn forwards, or a turn backwards. */
+/* After an index that contradicted the counts one that agrees makes the angle good again, from
+ * whichever side it is met: at the same place, a turn forwards, or a turn backwards. */
 void test_an_index_that_agrees_makes_a_contradicted_angle_valid_again(void)
 {
     static const int32_t AWAY[] = {0, 4096, -4096};
@@ -285,8 +300,9 @@ void test_an_index_that_agrees_makes_a_contradicted_angle_valid_again(void)
     }
 }
 
-/* Between two counts the tracked angle goes on: the raw count is wrong by 1/sqrt 12 of a count (root of the mean square). The
- * loop leaves a beat of at most a tenth of that; half as much is asked for. */
+/* Between two counts the tracked angle goes on: the raw count is wrong by 1/sqrt 12 of a count
+ * (root of the mean square). The loop leaves a beat of at most a tenth of that; half as much is
+ * asked for. */
 void test_between_two_counts_the_angle_is_better_than_the_count(void)
 {
     configure(1000, 0);
@@ -300,8 +316,10 @@ void test_between_two_counts_the_angle_is_better_than_the_count(void)
     TEST_ASSERT_TRUE(sqrt(sum / LOOKS) < 0.5 / sqrt(12.0) * count_turns());
 }
 
-/* An angle to let the torque go with, and a speed that does not vanish: the counts go on from where the rotor is. */
-void test_a_jump_that_no_rotor_makes_is_not_followed_and_the_angle_goes_on_until_the_index_is_seen(void)
+/* An angle to let the torque go with, and a speed that does not vanish: the counts go on from where
+ * the rotor is. */
+void test_a_jump_that_no_rotor_makes_is_not_followed_and_the_angle_goes_on_until_the_index_is_seen(
+    void)
 {
     turn_for(1.5, 1e-4);
     const int32_t speed_q32 = encoder.tracking.speed_q32;
@@ -344,7 +362,8 @@ void test_standing_between_two_counts_with_a_trembling_track_makes_no_speed_wort
         encoder_step(&encoder, &config, &in);
         largest = n > 10000 ? fmax(largest, fabs((double)encoder.tracking.speed_q32)) : 0.0;
     }
-    /* One count to and fro in 14 periods: k_i * 7 periods * half a count, 1e-3 counts a period, is 0.3 r/min. */
+    /* One count to and fro in 14 periods: k_i * 7 periods * half a count, 1e-3 counts a period, is
+     * 0.3 r/min. */
     TEST_ASSERT_TRUE(largest / 4294967296.0 < 1e-3 * count_turns());
     TEST_ASSERT_TRUE(encoder.valid);
 }

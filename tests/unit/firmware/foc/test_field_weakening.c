@@ -1,4 +1,6 @@
-/* The demagnetising current: comes when the voltage runs out, goes when it is back, never beyond its limits. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The demagnetising current: comes when the voltage runs out, goes when it is back, never beyond
+ * its limits. */
 #include "foc/field_weakening.h"
 #include "unity.h"
 
@@ -12,7 +14,8 @@ static void step(field_weakening_t *state, int32_t d, int32_t q, int32_t gain, i
     field_weakening_step(state, field_weakening_margin_q15(q_saturate16(d), q), gain, most);
 }
 
-static int32_t after(field_weakening_t *state, int steps, int32_t d, int32_t q, int32_t gain, int32_t most)
+static int32_t after(field_weakening_t *state, int steps, int32_t d, int32_t q, int32_t gain,
+                     int32_t most)
 {
     for (int n = 0; n < steps; n++) {
         step(state, d, q, gain, most);
@@ -47,11 +50,13 @@ void test_it_returns_to_exactly_zero(void)
 
 void test_one_step_is_four_periods_of_gain_times_missing_squared_voltage(void)
 {
-    /* |u|^2 = 1 in either axis is the circle; the aim leaves 3 % of the voltage, 30760/32768 of its square. */
+    /* |u|^2 = 1 in either axis is the circle; the aim leaves 3 % of the voltage, 30760/32768 of its
+     * square. */
     field_weakening_t state = {0};
     step(&state, 32767, 0, 1000, 32767);
     const double missing = 32767.0 * 32767.0 / 32768.0 - FIELD_WEAKENING_AIM_Q15;
-    TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2.0 * 1000.0, 4.0 * -missing * 1000.0, 4.0 * state.current_q28); /* Q30 */
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2.0 * 1000.0, 4.0 * -missing * 1000.0,
+                              4.0 * state.current_q28); /* Q30 */
 }
 
 void test_driving_and_braking_are_treated_alike(void)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The fast reach as a whole: codes in, compare values out, and what it reports. */
 #include <math.h>
 #include <stdlib.h>
@@ -35,7 +36,8 @@ static void set_current(double d_pu, double q_pu, uint16_t theta_turn)
 /* The stator voltage the compare values make, share of u_dc. */
 static void realised(double *alpha, double *beta)
 {
-    const double on[3] = {foc.current.on_q16[0] >> 16, foc.current.on_q16[1] >> 16, foc.current.on_q16[2] >> 16};
+    const double on[3] = {foc.current.on_q16[0] >> 16, foc.current.on_q16[1] >> 16,
+                          foc.current.on_q16[2] >> 16};
     *alpha = (2.0 * on[0] - on[1] - on[2]) / 3.0 / PERIOD_COUNTS;
     *beta = (on[1] - on[2]) / sqrt(3.0) / PERIOD_COUNTS;
 }
@@ -74,14 +76,16 @@ void test_currents_are_measured_with_and_without_run_in_the_rotor_frame(void)
             in.rotor_angle_turn = (uint16_t)theta;
             set_current(-0.1, 0.25, (uint16_t)theta);
             step(run != 0);
-            /* Half a code of 16 LSB in each of two phases reaches dq amplified by at most 2/sqrt 3 * sqrt 3. */
+            /* Half a code of 16 LSB in each of two phases reaches dq amplified by at most 2/sqrt 3
+             * * sqrt 3. */
             TEST_ASSERT_DOUBLE_WITHIN(20.0, -0.1 * 32768.0, report.current.i_pu.d);
             TEST_ASSERT_DOUBLE_WITHIN(20.0, 0.25 * 32768.0, report.current.i_pu.q);
         }
     }
 }
 
-/* A vector of 0.3 that turns by an eighth of a turn a period, from the middle of the first quarter's first half on. */
+/* A vector of 0.3 that turns by an eighth of a turn a period, from the middle of the first
+ * quarter's first half on. */
 static void turn_current(int periods, int direction, bool permitted)
 {
     static uint16_t theta_turn;
@@ -134,14 +138,15 @@ void test_the_back_emf_is_put_where_the_rotor_will_be_one_and_a_half_periods_lat
     for (uint32_t theta = 0; theta < 65536U; theta += 1013U) {
         restart();
         in.rotor_angle_turn = (uint16_t)theta;
-        command.tuning =
-            current_loop_tuning(&config, foc.current.svpwm.modulation_limit_q15, 3513 * 8,
-                                (int32_t)lround(speed_turns * 0.5 * 4294967296.0), /* half: inside the circle */
-                                config.motor.reference_temperature_cC);
+        command.tuning = current_loop_tuning(
+            &config, foc.current.svpwm.modulation_limit_q15, 3513 * 8,
+            (int32_t)lround(speed_turns * 0.5 * 4294967296.0), /* half: inside the circle */
+            config.motor.reference_temperature_cC);
         step(true);
         const double angle = theta * 2.0 * PI / 65536.0 + 1.5 * 0.5 * speed_turns * 2.0 * PI;
         const double v_dc_V = 3513.0 / 4096.0 * config.drive.voltage_full_scale_mV * 1e-3;
-        const double emf = 0.5 * speed_turns * 20000.0 * 2.0 * PI * config.motor.flux_linkage_nWb * 1e-9 / v_dc_V;
+        const double emf =
+            0.5 * speed_turns * 20000.0 * 2.0 * PI * config.motor.flux_linkage_nWb * 1e-9 / v_dc_V;
         double alpha = 0.0;
         double beta = 0.0;
         realised(&alpha, &beta);
@@ -207,7 +212,8 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
     TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening)); /* a rest forgets it */
 }
 
-void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_without_a_new_command(void)
+void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_without_a_new_command(
+    void)
 {
     config.current_loop.field_weakening_gain_pu_q15 = 2000;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
@@ -288,7 +294,8 @@ void test_the_power_report_is_voltage_times_current(void)
     const dq_t u = report.current.voltage.realised;
     const dq_t i = report.current.i_pu;
     /* One period, from nothing: its sum is its mean. */
-    TEST_ASSERT_DOUBLE_WITHIN(1.0, (u.d * (double)i.d + u.q * (double)i.q) / 32768.0, summed_up(1).power_pu);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, (u.d * (double)i.d + u.q * (double)i.q) / 32768.0,
+                              summed_up(1).power_pu);
     TEST_ASSERT_EQUAL_INT32(i.q, summed_up(1).i_pu.q);
     TEST_ASSERT_EQUAL_INT32(in.bus_voltage_code * 8, summed_up(1).v_dc_pu);
 }
@@ -323,8 +330,10 @@ void test_two_controllers_in_one_process_do_not_know_of_each_other(void)
     foc_command_t stir = command;
     stir.i_reference_pu.q = -7000;
     command.i_reference_pu.q = 2000;
-    const foc_input_t others_in = {
-        .phase_current_code = {1000, 3000, 2500}, .bus_voltage_code = 2000, .rotor_angle_turn = 30000, .hall_state = 3};
+    const foc_input_t others_in = {.phase_current_code = {1000, 3000, 2500},
+                                   .bus_voltage_code = 2000,
+                                   .rotor_angle_turn = 30000,
+                                   .hall_state = 3};
     for (int n = 0; n < 100; n++) {
         in.rotor_angle_turn = (uint16_t)(in.rotor_angle_turn + 500U);
         foc_step(&alone, &config, &command, true, false, &in, &report_alone);

@@ -1,4 +1,6 @@
-/* What the fast reach makes of a command: the reference, its limits, and the current that dead time is compensated for. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the fast reach makes of a command: the reference, its limits, and the current that dead time
+ * is compensated for. */
 #include <math.h>
 
 #include "foc_rig.h"
@@ -13,7 +15,8 @@ void tearDown(void) {}
 /* exp(-w T/2) */
 static double half_period(void)
 {
-    return exp(-3.14159265358979323846 * config.current_loop.bandwidth_Hz / config.drive.pwm_frequency_Hz);
+    return exp(-3.14159265358979323846 * config.current_loop.bandwidth_Hz /
+               config.drive.pwm_frequency_Hz);
 }
 
 static void run_periods(int periods)
@@ -75,8 +78,10 @@ void test_dead_time_is_compensated_for_the_current_that_has_had_time_to_come(voi
     double left = 0.5 * (1.0 + b);
     for (int n = 0; n < 20; n++) {
         step(true);
-        const double expected = fmin(step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
-        const double others = fmin(0.5 * step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
+        const double expected =
+            fmin(step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
+        const double others =
+            fmin(0.5 * step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
         const double line = ((foc.current.on_q16[1] >> 16) - (foc.current.on_q16[0] >> 16)) / 84.0;
         TEST_ASSERT_DOUBLE_WITHIN(0.05, expected + others, line);
         left = n == 0 ? 0.5 * (b + b * b * b) : left * b * b;
@@ -94,7 +99,8 @@ void test_a_start_after_a_rest_expects_no_current_yet(void)
     step(false);
     TEST_ASSERT_EQUAL_INT32(0, response_expect(&foc.current.expected).q);
     step(true);
-    /* (1 - b)/2 has come in the middle of the first period; what is missing has shrunk to a share a = b^2 since. */
+    /* (1 - b)/2 has come in the middle of the first period; what is missing has shrunk to a share a
+     * = b^2 since. */
     const double b = half_period();
     const double left = 7000.0 * 0.5 * (1.0 + b) * b * b;
     TEST_ASSERT_DOUBLE_WITHIN(2.0, 7000.0 - left, response_expect(&foc.current.expected).q);
@@ -118,25 +124,29 @@ void test_demagnetising_current_grows_by_gain_times_missing_square_in_every_peri
 
 void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
 {
-    /* Proportional action only, without saturation: the voltage shows the reference that was regulated. */
+    /* Proportional action only, without saturation: the voltage shows the reference that was
+     * regulated. */
     command.tuning.d.proportional_q10 = 1024;
     command.tuning.q.proportional_q10 = 1024;
     command.tuning.d.integral_q15 = 0;
     command.tuning.q.integral_q15 = 0;
     const int32_t most = config.current_loop.max_current_pu_q15;
-    static const int32_t WANTED[][2] = {{-32768, 32767}, {-10000, 32767}, {5000, -32768}, {0, 32767}, {-3000, 4000}};
+    static const int32_t WANTED[][2] = {
+        {-32768, 32767}, {-10000, 32767}, {5000, -32768}, {0, 32767}, {-3000, 4000}};
     for (int k = 0; k < 5; k++) {
         step(false);
         command.i_reference_pu.d = WANTED[k][0];
         command.i_reference_pu.q = WANTED[k][1];
-        for (int n = 0; n < 3; n++) { /* what exceeds a change in its second period does not exceed the circle */
+        for (int n = 0; n < 3;
+             n++) { /* what exceeds a change in its second period does not exceed the circle */
             step(true);
             const double d = report.current.voltage.wanted_d;
             const double q = report.current.voltage.wanted_q;
             TEST_ASSERT_TRUE(hypot(d, q) <= most + 2.0);
             TEST_ASSERT_TRUE(q * WANTED[k][1] >= 0.0); /* a limit never turns the torque round */
         }
-        TEST_ASSERT_EQUAL_INT32(q_clamp(WANTED[k][0], -most, most), report.current.voltage.wanted_d);
+        TEST_ASSERT_EQUAL_INT32(q_clamp(WANTED[k][0], -most, most),
+                                report.current.voltage.wanted_d);
     }
     TEST_ASSERT_EQUAL_INT32(4000, report.current.voltage.wanted_q); /* the last one was inside */
 }

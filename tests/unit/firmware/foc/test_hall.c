@@ -1,4 +1,6 @@
-/* Healthy hall sensors: what the estimate makes of a rotor that turns, stops, turns round, and of sensors that bounce. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Healthy hall sensors: what the estimate makes of a rotor that turns, stops, turns round, and of
+ * sensors that bounce. */
 #include "hall_rig.h"
 
 void setUp(void)
@@ -22,7 +24,8 @@ void test_the_first_state_puts_the_angle_into_the_middle_of_its_sector(void)
 
 void test_at_constant_speed_the_speed_is_known_to_one_period_in_a_turn(void)
 {
-    /* N = 1/speed periods make a turn; counting them is off by at most one: relative error 1/N (and 8e-5 of the reciprocal). */
+    /* N = 1/speed periods make a turn; counting them is off by at most one: relative error 1/N (and
+     * 8e-5 of the reciprocal). */
     for (int s = 0; s < SPEED_COUNT; s++) {
         restart();
         turn_for((int)(2.5 / fabs(SPEEDS[s])), SPEEDS[s]);
@@ -36,8 +39,8 @@ void test_at_constant_speed_the_speed_is_known_to_one_period_in_a_turn(void)
 
 void test_at_constant_speed_the_angle_follows_within_two_periods_worth_of_movement(void)
 {
-    /* An edge is seen up to one period late; until the next edge, a sixth of a turn later, a speed that is wrong by 1/N
-     * adds a sixth of a period's movement. */
+    /* An edge is seen up to one period late; until the next edge, a sixth of a turn later, a speed
+     * that is wrong by 1/N adds a sixth of a period's movement. */
     for (int s = 0; s < SPEED_COUNT; s++) {
         restart();
         turn_for((int)(3.0 / fabs(SPEEDS[s])), SPEEDS[s]);
@@ -51,7 +54,8 @@ void test_at_constant_speed_the_angle_follows_within_two_periods_worth_of_moveme
 
 void test_at_constant_speed_the_angle_is_right_on_average(void)
 {
-    /* An edge lies half a period before the sample that shows it, on average; not to allow for it would be 0.5 here. */
+    /* An edge lies half a period before the sample that shows it, on average; not to allow for it
+     * would be 0.5 here. */
     for (int s = 0; s < SPEED_COUNT; s++) {
         restart();
         const double speed = SPEEDS[s] * 1.00137; /* edges at ever other places between samples */
@@ -71,7 +75,8 @@ static void misplace_sensors(void)
     /* Up to 5 degrees electrical, different for each edge. */
     static const double WRONG_DEG[6] = {5.0, -3.0, 4.0, -5.0, 2.0, -4.0};
     for (int k = 0; k < 6; k++) {
-        edge_turns[k] = k / 6.0 + (k == 0 ? 1.0 : WRONG_DEG[k]) / 360.0; /* edge 0 stays above zero */
+        edge_turns[k] =
+            k / 6.0 + (k == 0 ? 1.0 : WRONG_DEG[k]) / 360.0; /* edge 0 stays above zero */
     }
 }
 
@@ -100,7 +105,8 @@ void test_misplaced_sensors_that_nobody_calibrated_do_not_disturb_the_speed(void
         for (int n = 0; n < 3000; n++) {
             turn(SPEEDS[s]);
             /* Six sectors make a turn wherever the sensors sit. */
-            TEST_ASSERT_DOUBLE_WITHIN(fabs(SPEEDS[s]) * (fabs(SPEEDS[s]) * 1.01 + 1e-4), SPEEDS[s], speed_turns());
+            TEST_ASSERT_DOUBLE_WITHIN(fabs(SPEEDS[s]) * (fabs(SPEEDS[s]) * 1.01 + 1e-4), SPEEDS[s],
+                                      speed_turns());
         }
     }
 }
@@ -115,7 +121,8 @@ void test_the_estimate_never_leaves_the_reported_sector_while_the_speed_changes(
     }
 }
 
-/* At a speed at which a rotor can turn round within a sector: 0.0005 turns a period are 10 electrical turns a second. */
+/* At a speed at which a rotor can turn round within a sector: 0.0005 turns a period are 10
+ * electrical turns a second. */
 void test_after_a_reversal_the_speed_has_the_new_sign_after_two_edges(void)
 {
     turn_for(40000, 0.0005);
@@ -158,7 +165,8 @@ void test_without_edges_the_speed_dies_away_and_a_quarter_of_a_second_is_standst
 
 void test_a_rotor_that_stops_is_not_believed_to_turn_for_longer_than_a_few_sectors(void)
 {
-    /* A sector took 333 periods. Twice that later the speed decays by 1/64 a period: 1 % is left after 64 ln 100 = 295. */
+    /* A sector took 333 periods. Twice that later the speed decays by 1/64 a period: 1 % is left
+     * after 64 ln 100 = 295. */
     turn_for(40000, 0.0005);
     turn_for(2 * 334 + 334 + 300, 0.0);
     TEST_ASSERT_TRUE(fabs(speed_turns()) < 0.01 * 0.0005 + 1e-7);
@@ -184,11 +192,13 @@ void test_a_bounce_between_two_good_states_changes_nothing(void)
     for (int s = 0; s < SPEED_COUNT; s++) {
         restart();
         turn_for((int)(3.0 / fabs(SPEEDS[s])), SPEEDS[s]);
-        /* An eighth of a sector's time is 1/48 turn; a bounce takes two periods each time it comes back. */
+        /* An eighth of a sector's time is 1/48 turn; a bounce takes two periods each time it comes
+         * back. */
         const int times = (int)(1.0 / 48.0 / fabs(SPEEDS[s]) / 2.0) - 1;
         for (int edge = 0; edge < 12; edge++) {
             bounce(times > 3 ? 3 : (times > 0 ? times : 0), SPEEDS[s]);
-            TEST_ASSERT_DOUBLE_WITHIN(fabs(SPEEDS[s]) * (fabs(SPEEDS[s]) * 1.01 + 1e-4), SPEEDS[s], speed_turns());
+            TEST_ASSERT_DOUBLE_WITHIN(fabs(SPEEDS[s]) * (fabs(SPEEDS[s]) * 1.01 + 1e-4), SPEEDS[s],
+                                      speed_turns());
             TEST_ASSERT_DOUBLE_WITHIN(2.0 * fabs(SPEEDS[s]) + 1e-4, 0.0, angle_error_turns());
             TEST_ASSERT_TRUE(hall.valid);
             TEST_ASSERT_EQUAL_UINT16(0, hall.lost_edges);
@@ -196,7 +206,8 @@ void test_a_bounce_between_two_good_states_changes_nothing(void)
     }
 }
 
-/* At 50 kHz a turn whose sectors take just less than the quarter of a second that is standing has more periods than 16 bits. */
+/* At 50 kHz a turn whose sectors take just less than the quarter of a second that is standing has
+ * more periods than 16 bits. */
 void test_a_turn_of_more_periods_than_sixteen_bits_has_its_speed(void)
 {
     const int sector_periods = 11500;

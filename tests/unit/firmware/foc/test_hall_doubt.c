@@ -1,4 +1,6 @@
-/* Hall sensors that contradict themselves: noticed, not believed, and the angle goes on so that the torque can leave. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Hall sensors that contradict themselves: noticed, not believed, and the angle goes on so that the
+ * torque can leave. */
 #include "hall_rig.h"
 
 void setUp(void)
@@ -15,11 +17,13 @@ void test_an_impossible_state_is_ridden_through_like_a_bounce(void)
         theta_turns += 0.005;
         hall_step(&hall, &config, n % 2 == 0 ? 0 : 7);
         TEST_ASSERT_TRUE(hall.valid);
-        TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, angle_error_turns()); /* extrapolated with a speed known to 0.5 % */
+        TEST_ASSERT_DOUBLE_WITHIN(
+            0.02, 0.0, angle_error_turns()); /* extrapolated with a speed known to 0.5 % */
     }
 }
 
-/* Whatever a doubt began with: six edges in order end it, not fewer, and the angle has not got lost meanwhile. */
+/* Whatever a doubt began with: six edges in order end it, not fewer, and the angle has not got lost
+ * meanwhile. */
 static void heals_after_six_edges(double speed)
 {
     TEST_ASSERT_FALSE(hall.valid);
@@ -85,7 +89,8 @@ void test_an_edge_that_bounces_in_doubt_counts_once(void)
         turn(0.005);
         if (true_sector() != left && !hall.valid) {
             edges++;
-            theta_turns += 0.005; /* back for one period, of the four that are an eighth of a sector's time */
+            theta_turns +=
+                0.005; /* back for one period, of the four that are an eighth of a sector's time */
             hall_step(&hall, &config, STATE_OF_SECTOR[left]);
         }
     }
@@ -93,8 +98,9 @@ void test_an_edge_that_bounces_in_doubt_counts_once(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.0, angle_error_turns());
 }
 
-/* 40 Nm leave at 400 Nm/s in 0.1 s, 2000 periods; the speed is known to a period in a turn of 200, so ten turns are known to
- * 0.05. An angle that stood still meanwhile would turn what is left of the torque round, and a blind wheel would drive. */
+/* 40 Nm leave at 400 Nm/s in 0.1 s, 2000 periods; the speed is known to a period in a turn of 200,
+ * so ten turns are known to 0.05. An angle that stood still meanwhile would turn what is left of
+ * the torque round, and a blind wheel would drive. */
 void test_with_all_sensors_gone_the_angle_goes_on_for_as_long_as_the_torque_needs_to_leave(void)
 {
     for (int state = 0; state <= 7; state += 7) {
@@ -109,7 +115,8 @@ void test_with_all_sensors_gone_the_angle_goes_on_for_as_long_as_the_torque_need
     }
 }
 
-void test_a_standstill_with_a_possible_state_heals_a_doubt_and_one_with_an_impossible_state_does_not(void)
+void test_a_standstill_with_a_possible_state_heals_a_doubt_and_one_with_an_impossible_state_does_not(
+    void)
 {
     turn_for(4000, 0.005);
     for (int n = 0; n < 20000; n++) {
@@ -138,7 +145,8 @@ void test_a_skipped_sector_is_counted_and_a_turn_in_order_heals_it(void)
         for (int jump = 2; jump <= 4; jump++) {
             restart();
             turn_for(4000, back * 0.005);
-            hall_step(&hall, &config, STATE_OF_SECTOR[(true_sector() + jump) % 6]); /* a spark, one period long */
+            hall_step(&hall, &config,
+                      STATE_OF_SECTOR[(true_sector() + jump) % 6]); /* a spark, one period long */
             TEST_ASSERT_EQUAL_UINT16(1, hall.lost_edges);
             theta_turns += back * 0.005;
             TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, angle_error_turns());
@@ -163,7 +171,8 @@ void test_a_reversal_that_no_rotor_can_make_is_a_doubt_and_not_followed(void)
     heals_after_six_edges(0.005);
 }
 
-/* From when it fails until half a second later: the angle never gets lost, so that the torque can leave in its ramp. */
+/* From when it fails until half a second later: the angle never gets lost, so that the torque can
+ * leave in its ramp. */
 void test_with_a_stuck_sensor_the_angle_goes_on_and_is_never_believed_again(void)
 {
     for (int sensor = 0; sensor < 3; sensor++) {
@@ -178,15 +187,18 @@ void test_with_a_stuck_sensor_the_angle_goes_on_and_is_never_believed_again(void
                         theta_turns += SPEEDS[s];
                         const unsigned healthy = STATE_OF_SECTOR[true_sector()];
                         const unsigned bit = 1U << sensor;
-                        hall_step(&hall, &config, (uint8_t)(stuck != 0 ? (healthy | bit) : (healthy & ~bit)));
+                        hall_step(&hall, &config,
+                                  (uint8_t)(stuck != 0 ? (healthy | bit) : (healthy & ~bit)));
                         const bool late = n * fabs(SPEEDS[s]) > 1.0;
                         TEST_ASSERT_FALSE(late && hall.valid);
                         worst = fmax(worst, fabs(angle_error_turns()));
                         if (late) {
-                            /* At first the edge that the failure made may have been believed: a sector. Eight turns later, a
-                             * sector's time is known to a period, 6 v of it, which counts for a quarter and adds up
-                             * over four dark sectors, v; a period for each edge, halves of both from turns before. */
-                            const double most = n * fabs(SPEEDS[s]) < 8.0 ? 0.18 : 6.0 * fabs(SPEEDS[s]) + 0.006;
+                            /* At first the edge that the failure made may have been believed: a
+                             * sector. Eight turns later, a sector's time is known to a period, 6 v
+                             * of it, which counts for a quarter and adds up over four dark sectors,
+                             * v; a period for each edge, halves of both from turns before. */
+                            const double most =
+                                n * fabs(SPEEDS[s]) < 8.0 ? 0.18 : 6.0 * fabs(SPEEDS[s]) + 0.006;
                             TEST_ASSERT_DOUBLE_WITHIN(most, 0.0, angle_error_turns());
                         }
                     }
@@ -211,7 +223,8 @@ void test_a_stuck_sensor_is_noticed_within_one_electrical_turn(void)
                         theta_turns += SPEEDS[s];
                         const unsigned healthy = STATE_OF_SECTOR[true_sector()];
                         const unsigned bit = 1U << sensor;
-                        hall_step(&hall, &config, (uint8_t)(stuck != 0 ? (healthy | bit) : (healthy & ~bit)));
+                        hall_step(&hall, &config,
+                                  (uint8_t)(stuck != 0 ? (healthy | bit) : (healthy & ~bit)));
                         noticed = hall.lost_edges > 0 || !hall.valid;
                     }
                     TEST_ASSERT_TRUE(noticed);
@@ -221,7 +234,8 @@ void test_a_stuck_sensor_is_noticed_within_one_electrical_turn(void)
     }
 }
 
-/* The speed that was, for as long as it takes through one and a half sectors of 1/6 turn, and no edge: 50 periods of 0.005 turns. */
+/* The speed that was, for as long as it takes through one and a half sectors of 1/6 turn, and no
+ * edge: 50 periods of 0.005 turns. */
 void test_a_stop_that_no_rotor_can_make_is_noticed_half_a_sector_beyond_its_end(void)
 {
     turn_for(4000, 0.005);

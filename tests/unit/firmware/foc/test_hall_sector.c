@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Sectors of the hall sensors: geometry, the time they took, the angle inside them. */
 #include <math.h>
 
@@ -29,8 +30,9 @@ void test_six_steps_on_are_a_turn_and_a_step_back_undoes_one(void)
     uint32_t turn = 0;
     for (int k = 0; k < 6; k++) {
         TEST_ASSERT_EQUAL_UINT8(sector, hall_previous_sector(hall_next_sector(sector)));
-        TEST_ASSERT_EQUAL_UINT16((uint16_t)(hall_sector_start(&config, sector) + hall_sector_width(&config, sector)),
-                                 hall_sector_start(&config, hall_next_sector(sector)));
+        TEST_ASSERT_EQUAL_UINT16(
+            (uint16_t)(hall_sector_start(&config, sector) + hall_sector_width(&config, sector)),
+            hall_sector_start(&config, hall_next_sector(sector)));
         turn += hall_sector_width(&config, sector);
         sector = hall_next_sector(sector);
     }
@@ -66,7 +68,8 @@ void test_the_speed_is_the_turn_of_the_last_six_sectors_over_their_time(void)
     for (int trial = 0; trial < 200; trial++) {
         hall_init(&hall, &config);
         hall.direction = random_chance(&random, 0.5) ? 1 : -1;
-        const int32_t longest = random_chance(&random, 0.5) ? 25000 : 60; /* a quarter of a second at most, or quick */
+        const int32_t longest =
+            random_chance(&random, 0.5) ? 25000 : 60; /* a quarter of a second at most, or quick */
         double took[40];
         double width[40];
         uint8_t sector = (uint8_t)random_between(&random, 0, 5);
@@ -80,16 +83,19 @@ void test_the_speed_is_the_turn_of_the_last_six_sectors_over_their_time(void)
                 turn += width[k] / 65536.0;
                 periods += took[k];
             }
-            /* The reciprocal's 8e-5, a quarter of the periods' rounding when they exceed 16 bits, and one LSB. */
+            /* The reciprocal's 8e-5, a quarter of the periods' rounding when they exceed 16 bits,
+             * and one LSB. */
             const double exact = hall.direction * turn / periods * 4294967296.0;
-            TEST_ASSERT_DOUBLE_WITHIN(fabs(exact) * (8e-5 + (periods > 65535.0 ? 4.0 / 65536.0 : 0.0)) + 2.0, exact,
-                                      hall_measured_speed_q32(&hall));
+            TEST_ASSERT_DOUBLE_WITHIN(
+                fabs(exact) * (8e-5 + (periods > 65535.0 ? 4.0 / 65536.0 : 0.0)) + 2.0, exact,
+                hall_measured_speed_q32(&hall));
             sector = hall.direction > 0 ? hall_next_sector(sector) : hall_previous_sector(sector);
         }
     }
 }
 
-void test_an_overdue_edge_takes_a_sixty_fourth_of_the_speed_and_a_quarter_of_a_second_all_of_it(void)
+void test_an_overdue_edge_takes_a_sixty_fourth_of_the_speed_and_a_quarter_of_a_second_all_of_it(
+    void)
 {
     hall_enter_sector(&hall, &config, 2);
     hall.speed_q32 = 6400000;

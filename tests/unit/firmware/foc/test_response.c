@@ -1,4 +1,6 @@
-/* The shape of the reference and the current that is expected, against the design they are made from. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The shape of the reference and the current that is expected, against the design they are made
+ * from. */
 #include "foc/response.h"
 
 #include <math.h>
@@ -35,7 +37,8 @@ static double half_period(int32_t bandwidth_Hz)
     return exp(-PI * bandwidth_Hz / FREQUENCY_Hz);
 }
 
-/* Share of a change that has come n samples after the one that met it first, n not necessarily whole. */
+/* Share of a change that has come n samples after the one that met it first, n not necessarily
+ * whole. */
 static double designed(double b, double n)
 {
     return n > 1.5 ? 1.0 - pow(b, 2.0 * (n - 1.5)) : 0.0;
@@ -54,7 +57,8 @@ void test_the_designed_loop_answers_a_shaped_change_as_designed_at_every_sample(
         for (int n = 0; n < 100; n++) {
             TEST_ASSERT_DOUBLE_WITHIN(3.0, reference.d * designed(b, n), now_d);
             TEST_ASSERT_DOUBLE_WITHIN(3.0, reference.q * designed(b, n), now_q);
-            const dq_t given = response_follow(&response, reference, &expecting, reference).reference_pu;
+            const dq_t given =
+                response_follow(&response, reference, &expecting, reference).reference_pu;
             const double after_d = next_d + gain * (given.d - now_d);
             const double after_q = next_q + gain * (given.q - now_q);
             now_d = next_d;
@@ -81,7 +85,8 @@ void test_every_sequence_of_references_is_answered_as_the_sum_of_its_changes(voi
     double reference[200], now = 0.0, next = 0.0;
     int32_t wanted = 0;
     for (int n = 0; n < 200; n++) {
-        wanted = random_chance(&random, 0.4) ? (int32_t)random_real(&random, -32000.0, 32000.0) : wanted;
+        wanted =
+            random_chance(&random, 0.4) ? (int32_t)random_real(&random, -32000.0, 32000.0) : wanted;
         reference[n] = wanted;
         double exact = 0.0;
         for (int k = 0; k <= n; k++) {
@@ -90,7 +95,8 @@ void test_every_sequence_of_references_is_answered_as_the_sum_of_its_changes(voi
         TEST_ASSERT_DOUBLE_WITHIN(10.0, exact, now);
         const dq_t target = {.d = 0, .q = wanted};
         const double after =
-            next + gain * (response_follow(&response, target, &expecting, target).reference_pu.q - now);
+            next +
+            gain * (response_follow(&response, target, &expecting, target).reference_pu.q - now);
         now = next;
         next = after;
     }
@@ -101,7 +107,8 @@ void test_it_settles_in_the_third_period_after_a_change_and_not_before(void)
     start();
     const dq_t reference = {.d = 100, .q = -7000};
     for (int n = 0; n < 6; n++) {
-        const dq_t given = response_follow(&response, reference, &expecting, reference).reference_pu;
+        const dq_t given =
+            response_follow(&response, reference, &expecting, reference).reference_pu;
         TEST_ASSERT_EQUAL_INT(n >= 2, response.settled);
         if (n >= 2) {
             TEST_ASSERT_EQUAL_MEMORY(&reference, &given, sizeof(given));
@@ -113,7 +120,8 @@ void test_it_settles_in_the_third_period_after_a_change_and_not_before(void)
 
 void test_the_current_is_expected_in_the_middle_of_each_period_between_the_designed_samples(void)
 {
-    for (int k = 1; k < BANDWIDTHS; k++) { /* the first is slower than rounding lets it be expected */
+    for (int k = 1; k < BANDWIDTHS;
+         k++) { /* the first is slower than rounding lets it be expected */
         config.current_loop.bandwidth_Hz = BANDWIDTHS_Hz[k];
         start();
         const double b = half_period(BANDWIDTHS_Hz[k]);
@@ -148,9 +156,11 @@ void test_a_sampled_current_is_brought_forward_to_the_middle_of_the_period_its_v
             const dq_t aim = response_follow(&response, reference, &expecting, reference).aim_pu;
             const double then = 0.5 * (designed(b, n + 1) + designed(b, n + 2));
             TEST_ASSERT_DOUBLE_WITHIN(3.0, reference.d * then,
-                                      nearer * aim.d + (1.0 - nearer) * reference.d * designed(b, n));
+                                      nearer * aim.d +
+                                          (1.0 - nearer) * reference.d * designed(b, n));
             TEST_ASSERT_DOUBLE_WITHIN(3.0, reference.q * then,
-                                      nearer * aim.q + (1.0 - nearer) * reference.q * designed(b, n));
+                                      nearer * aim.q +
+                                          (1.0 - nearer) * reference.q * designed(b, n));
         }
     }
 }
@@ -169,7 +179,8 @@ void test_another_current_may_be_expected_than_the_reference(void)
     TEST_ASSERT_INT_WITHIN(4, 3000, response_expect(&expecting).q);
 }
 
-void test_a_slow_loop_is_expected_to_lag_by_a_sixteenth_and_too_fast_a_one_counts_as_the_fastest(void)
+void test_a_slow_loop_is_expected_to_lag_by_a_sixteenth_and_too_fast_a_one_counts_as_the_fastest(
+    void)
 {
     config.current_loop.bandwidth_Hz = 10;
     start();

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Which sensor is read, and what is made of it. */
 #include <math.h>
 #include <string.h>
@@ -75,12 +76,14 @@ void test_an_encoder_is_read_only_when_the_configuration_says_so(void)
     TEST_ASSERT_TRUE(look(12345, 2, &at_index).valid);
     const encoder_input_t later = {.count = 710};
     const rotor_out_t seen = look(12345, 2, &later);
-    /* Ten counts of 23 * 65 536 / 4096 = 368 and half of the one it is in; the loop may lag one count. */
+    /* Ten counts of 23 * 65 536 / 4096 = 368 and half of the one it is in; the loop may lag one
+     * count. */
     TEST_ASSERT_INT32_WITHIN(369, 20000 + 10 * 368 + 184, seen.theta_turn);
     TEST_ASSERT_EQUAL_INT32(0, seen.age_periods);
 }
 
-/* An encoder at constant speed, one count of 4096 a period, for 30 time constants of the loop, and then a spark for an index. */
+/* An encoder at constant speed, one count of 4096 a period, for 30 time constants of the loop, and
+ * then a spark for an index. */
 void test_an_encoder_s_speed_age_and_faults_are_told(void)
 {
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
@@ -122,6 +125,7 @@ void test_a_new_start_of_the_halls_knows_nothing_of_the_last_one(void)
     memset(&rotor, 0xA5, sizeof rotor);
     rotor_init(&rotor, &config);
     TEST_ASSERT_FALSE(rotor.hall.started);
-    TEST_ASSERT_FALSE(look(0, 7, &NO_ENCODER).valid); /* an impossible state says nothing of the angle */
+    TEST_ASSERT_FALSE(
+        look(0, 7, &NO_ENCODER).valid); /* an impossible state says nothing of the angle */
     TEST_ASSERT_EQUAL_UINT16(0, out.faults);
 }

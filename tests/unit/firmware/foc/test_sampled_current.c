@@ -1,4 +1,6 @@
-/* What is sampled beside what is meant, against a motor fed in steps, integrated in double precision. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What is sampled beside what is meant, against a motor fed in steps, integrated in double
+ * precision. */
 #include "foc/sampled_current.h"
 
 #include <math.h>
@@ -23,9 +25,10 @@ void setUp(void) {}
 void tearDown(void) {}
 
 /* One period of a voltage that stands still, without resistance. In the rotor's frame
- * d i_d/dt = (u_d + w l_q i_q)/l_d, d i_q/dt = (u_q - w l_d i_d - w psi)/l_q, u turning backwards by w. Midpoint rule. */
-static seen_t period(const machine_t *m, double turn, double u_d, double u_q, double begin_d, double begin_q,
-                     double *end_d, double *end_q)
+ * d i_d/dt = (u_d + w l_q i_q)/l_d, d i_q/dt = (u_q - w l_d i_d - w psi)/l_q, u turning backwards
+ * by w. Midpoint rule. */
+static seen_t period(const machine_t *m, double turn, double u_d, double u_q, double begin_d,
+                     double begin_q, double *end_d, double *end_q)
 {
     enum { STEPS = 64 }; /* wrong by the square of 1/64 of w: below an LSB */
     const double h = 1.0 / STEPS;
@@ -49,11 +52,13 @@ static seen_t period(const machine_t *m, double turn, double u_d, double u_q, do
     return out;
 }
 
-/* The steady state with about this mean current. Where a period ends is linear in where it begins; it must be the same. */
+/* The steady state with about this mean current. Where a period ends is linear in where it begins;
+ * it must be the same. */
 static seen_t fed(const machine_t *m, double turn, double i_d, double i_q)
 {
     const double w = 2.0 * PI * turn;
-    const double longer = w / 2.0 / sin(w / 2.0); /* what standing still takes from the mean voltage */
+    const double longer =
+        w / 2.0 / sin(w / 2.0); /* what standing still takes from the mean voltage */
     const double u_d = -w * m->l_q * i_q * longer;
     const double u_q = w * (m->l_d * i_d + m->psi) * longer;
     double o_d;
@@ -70,25 +75,29 @@ static seen_t fed(const machine_t *m, double turn, double i_d, double i_q)
     const double c = -(d_q - o_q);
     const double e = 1.0 - (q_q - o_q);
     const double determinant = a * e - b * c;
-    return period(m, turn, u_d, u_q, (o_d * e - b * o_q) / determinant, (a * o_q - c * o_d) / determinant, &o_d, &o_q);
+    return period(m, turn, u_d, u_q, (o_d * e - b * o_q) / determinant,
+                  (a * o_q - c * o_d) / determinant, &o_d, &o_q);
 }
 
 static void check(const config_t *config, double turn, double i_d, double i_q)
 {
-    const double per_w = 16.0 / (2.0 * PI) / 65536.0; /* reactances at the base of speed, 1/16 turn a period */
+    const double per_w =
+        16.0 / (2.0 * PI) / 65536.0; /* reactances at the base of speed, 1/16 turn a period */
     const machine_t machine = {
         .l_d = config->current_loop.inductance_d_pu_q16 * per_w,
         .l_q = config->current_loop.inductance_q_pu_q16 * per_w,
         .psi = config->current_loop.flux_pu_q16 * per_w,
     };
     const seen_t seen = fed(&machine, turn, i_d, i_q);
-    const sampled_current_t at =
-        sampled_current_at(config, (int32_t)lround(turn * 4294967296.0), config->motor.reference_temperature_cC);
-    const dq_t mean = {.d = (int32_t)lround(seen.mean_d * 32768.0), .q = (int32_t)lround(seen.mean_q * 32768.0)};
+    const sampled_current_t at = sampled_current_at(config, (int32_t)lround(turn * 4294967296.0),
+                                                    config->motor.reference_temperature_cC);
+    const dq_t mean = {.d = (int32_t)lround(seen.mean_d * 32768.0),
+                       .q = (int32_t)lround(seen.mean_q * 32768.0)};
     const dq_t found = sampled_current_of_mean(&at, mean);
     /* What the approximation leaves out is of the fourth power of w T. */
     const double w = 2.0 * PI * turn;
-    const double tolerance = 2.0 + 32768.0 * pow(w, 4.0) / 100.0 * (fabs(i_d) + fabs(i_q) + machine.psi / machine.l_d);
+    const double tolerance =
+        2.0 + 32768.0 * pow(w, 4.0) / 100.0 * (fabs(i_d) + fabs(i_q) + machine.psi / machine.l_d);
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, seen.sampled_d * 32768.0, found.d);
     TEST_ASSERT_DOUBLE_WITHIN(tolerance, seen.sampled_q * 32768.0, found.q);
     const dq_t back = sampled_current_to_mean(&at, found);
@@ -125,7 +134,8 @@ void test_a_voltage_that_stands_still_while_the_rotor_turns_is_shorter_by_its_si
 {
     const config_t config = paper_vehicle();
     for (double turn = -0.05; turn <= 0.05; turn += 0.005) {
-        const sampled_current_t at = sampled_current_at(&config, (int32_t)lround(turn * 4294967296.0), 2500);
+        const sampled_current_t at =
+            sampled_current_at(&config, (int32_t)lround(turn * 4294967296.0), 2500);
         const double half = PI * turn;
         const double share = fabs(half) < 1e-9 ? 1.0 : sin(half) / half;
         TEST_ASSERT_DOUBLE_WITHIN(4.0, 20000.0 * share, sampled_current_voltage_mean(&at, 20000));

@@ -1,4 +1,6 @@
-/* From codes to currents: which phase is reconstructed, what adds up, what counts as saturated, and the offsets. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* From codes to currents: which phase is reconstructed, what adds up, what counts as saturated, and
+ * the offsets. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -16,10 +18,12 @@ void tearDown(void) {}
 
 void test_the_constant_is_the_rounded_root(void)
 {
-    TEST_ASSERT_EQUAL_INT(lround(131072.0 * (2.0 / sqrt(3.0) - 1.0)), SENSE_TWO_INV_SQRT3_LESS_ONE_Q17);
+    TEST_ASSERT_EQUAL_INT(lround(131072.0 * (2.0 / sqrt(3.0) - 1.0)),
+                          SENSE_TWO_INV_SQRT3_LESS_ONE_Q17);
 }
 
-/* beta = (b - c)/sqrt 3, rounded; what is doubled is rounded down before, and the constant is off by 0.02 at most. */
+/* beta = (b - c)/sqrt 3, rounded; what is doubled is rounded down before, and the constant is off
+ * by 0.02 at most. */
 static void check_vector(double a, double b_less_c, ab_t i)
 {
     TEST_ASSERT_EQUAL_DOUBLE(a, i.alpha);
@@ -41,7 +45,8 @@ void test_mid_range_is_no_current_and_the_ends_are_full_scale(void)
 
 void test_the_phase_with_the_longest_on_time_is_worked_out_from_the_other_two(void)
 {
-    static const int32_t ON[6][3] = {{9, 5, 1}, {9, 1, 5}, {5, 9, 1}, {1, 9, 5}, {5, 1, 9}, {1, 5, 9}};
+    static const int32_t ON[6][3] = {{9, 5, 1}, {9, 1, 5}, {5, 9, 1},
+                                     {1, 9, 5}, {5, 1, 9}, {1, 5, 9}};
     static const int LONGEST[6] = {0, 0, 1, 1, 2, 2};
     const uint16_t codes[3] = {2100, 2200, 1700}; /* 52, 152, -348 codes: the sum is -144 */
     for (int k = 0; k < 6; k++) {
@@ -72,7 +77,8 @@ void test_all_codes_give_the_vector_of_their_phases_unless_it_saturates(void)
         for (int32_t b = 0; b < 4096; b += 65) {
             const uint16_t codes[3] = {(uint16_t)a, (uint16_t)b, 17};
             const int32_t b_less_c = 16 * ((a - 2048) + 2 * (b - 2048)); /* c = -a - b */
-            const double held = b_less_c > 65535 ? 65535.0 : (b_less_c < -65536 ? -65536.0 : b_less_c);
+            const double held =
+                b_less_c > 65535 ? 65535.0 : (b_less_c < -65536 ? -65536.0 : b_less_c);
             check_vector(16.0 * (a - 2048), held, sense_step(&state, codes, on).i);
         }
     }
@@ -81,7 +87,8 @@ void test_all_codes_give_the_vector_of_their_phases_unless_it_saturates(void)
 void test_a_current_at_an_end_of_its_converter_s_range_is_seen_and_one_code_inside_is_not(void)
 {
     /* Zeros away from mid-range: what code 0 and code 4095 stand for moves with them. */
-    static const int32_t OFFSETS[3][3] = {{2048, 2048, 2048}, {2010, 2048, 2090}, {2148, 1948, 2040}};
+    static const int32_t OFFSETS[3][3] = {
+        {2048, 2048, 2048}, {2010, 2048, 2090}, {2148, 1948, 2040}};
     for (int k = 0; k < 3; k++) {
         const int32_t offset_q4[3] = {OFFSETS[k][0] * 16, OFFSETS[k][1] * 16, OFFSETS[k][2] * 16};
         for (int phase = 0; phase < 3; phase++) {
@@ -93,7 +100,8 @@ void test_a_current_at_an_end_of_its_converter_s_range_is_seen_and_one_code_insi
                 const abc_t at_end = {i[0], i[1], i[2]};
                 TEST_ASSERT_TRUE(sense_at_end(offset_q4, at_end));
                 i[phase] = (inside_code - OFFSETS[k][phase]) * 16;
-                if (i[phase] > -32768 && i[phase] < 32767) { /* beyond one, both are the end of the number */
+                if (i[phase] > -32768 &&
+                    i[phase] < 32767) { /* beyond one, both are the end of the number */
                     const abc_t inside = {i[0], i[1], i[2]};
                     TEST_ASSERT_FALSE(sense_at_end(offset_q4, inside));
                 }

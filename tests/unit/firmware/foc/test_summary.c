@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* What the slow reach makes of the fast reach's sums. */
 #include <string.h>
 
@@ -70,7 +71,8 @@ void test_sums_and_counter_may_wrap_in_either_direction(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         setUp();
-        for (int look = 0; look < 10000; look++) { /* 200 000 steps: the sums wrap twice, the counter three times */
+        for (int look = 0; look < 10000;
+             look++) { /* 200 000 steps: the sums wrap twice, the counter three times */
             for (int n = 0; n < 20; n++) {
                 add(sign * 50000, -sign * 50000, sign * 40000, 32760);
             }
@@ -105,8 +107,9 @@ void test_the_voltage_was_limited_when_either_axis_got_less_than_it_wanted(void)
     }
 }
 
-/* A converter at its end is found at every angle of the rotor, through sense_step() and Park as in the fast step; one code
- * inside its range is not, and neither is an end reading that was not used. */
+/* A converter at its end is found at every angle of the rotor, through sense_step() and Park as in
+ * the fast step; one code inside its range is not, and neither is an end reading that was not used.
+ */
 void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle(void)
 {
     static const uint16_t ENDS[2] = {0, SENSE_CODE_MAX};
@@ -121,16 +124,18 @@ void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle
                     for (int inside = 0; inside <= 1; inside++) {
                         uint16_t codes[3] = {2000, 2048, 2080};
                         codes[phase] = (uint16_t)(ENDS[e] + (e == 0 ? inside : -inside));
-                        /* The third one is worked out: halves, so that it stays inside its own range. */
+                        /* The third one is worked out: halves, so that it stays inside its own
+                         * range. */
                         for (int x = 0; x < 3; x++) {
                             if (x != phase) {
                                 codes[x] = (uint16_t)(2048 + (2048 - codes[phase]) / 2);
                             }
                         }
-                        report.current.i_pu =
-                            transforms_park(sense_step(&sense, codes, on).i, angle_sincos((uint16_t)theta));
+                        report.current.i_pu = transforms_park(sense_step(&sense, codes, on).i,
+                                                              angle_sincos((uint16_t)theta));
                         add(0, 0, 0, 0);
-                        const bool seen = foc_summary_step(&state, &report, steps).current_saturated;
+                        const bool seen =
+                            foc_summary_step(&state, &report, steps).current_saturated;
                         if (phase != unused) {
                             TEST_ASSERT_EQUAL_INT(inside == 0, seen);
                         }
@@ -138,7 +143,8 @@ void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle
                 }
                 uint16_t codes[3] = {2000, 2050, 2040};
                 codes[unused] = SENSE_CODE_MAX;
-                report.current.i_pu = transforms_park(sense_step(&sense, codes, on).i, angle_sincos((uint16_t)theta));
+                report.current.i_pu =
+                    transforms_park(sense_step(&sense, codes, on).i, angle_sincos((uint16_t)theta));
                 add(0, 0, 0, 0);
                 TEST_ASSERT_FALSE(foc_summary_step(&state, &report, steps).current_saturated);
             }
@@ -155,7 +161,8 @@ void test_the_use_of_the_voltage_is_its_square_with_q_as_wanted(void)
     TEST_ASSERT_INT32_WITHIN(2, 32768, foc_summary_step(&state, &report, steps).voltage_use_q15);
     add(0, 0, 0, 20000);
     report.current.voltage.wanted_q = 100000; /* counts as one */
-    TEST_ASSERT_INT32_WITHIN(4, 8192 + 32766, foc_summary_step(&state, &report, steps).voltage_use_q15);
+    TEST_ASSERT_INT32_WITHIN(4, 8192 + 32766,
+                             foc_summary_step(&state, &report, steps).voltage_use_q15);
     add(0, 0, 0, 20000);
     report.current.voltage.realised.d = 0;
     report.current.voltage.wanted_q = 0;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Modulation: line voltages, margins, and the limit that makes clamping superfluous. */
 #include <math.h>
 #include <stdlib.h>
@@ -23,7 +24,8 @@ static void step(const svpwm_t *svpwm, ab_t u, abc_t trim, int32_t compare[3])
     }
 }
 
-/* Phase voltages of a vector of length r at an angle, counts: one modulation unit is beta_counts = limit * period between two lines. */
+/* Phase voltages of a vector of length r at an angle, counts: one modulation unit is beta_counts =
+ * limit * period between two lines. */
 static void ideal_counts(const svpwm_t *svpwm, ab_t u, double phase[3])
 {
     const double unit = svpwm->beta_counts / sqrt(3.0) / 32768.0;
@@ -34,7 +36,8 @@ static void ideal_counts(const svpwm_t *svpwm, ab_t u, double phase[3])
 
 static ab_t vector(double length, double angle)
 {
-    const ab_t u = {.alpha = (int32_t)(length * cos(angle)), .beta = (int32_t)(length * sin(angle))};
+    const ab_t u = {.alpha = (int32_t)(length * cos(angle)),
+                    .beta = (int32_t)(length * sin(angle))};
     return u;
 }
 
@@ -78,21 +81,25 @@ void test_pulses_are_centred_so_both_margins_are_equal(void)
         for (int k = 0; k < 360; k++) {
             int32_t on[3];
             step(&svpwm, vector(32767.0, k * PI / 180.0), NO_TRIM, on);
-            const int32_t longest = on[0] > on[1] ? (on[0] > on[2] ? on[0] : on[2]) : (on[1] > on[2] ? on[1] : on[2]);
-            const int32_t shortest = on[0] < on[1] ? (on[0] < on[2] ? on[0] : on[2]) : (on[1] < on[2] ? on[1] : on[2]);
+            const int32_t longest =
+                on[0] > on[1] ? (on[0] > on[2] ? on[0] : on[2]) : (on[1] > on[2] ? on[1] : on[2]);
+            const int32_t shortest =
+                on[0] < on[1] ? (on[0] < on[2] ? on[0] : on[2]) : (on[1] < on[2] ? on[1] : on[2]);
             TEST_ASSERT_INT32_WITHIN(2, PERIODS[p] - longest, shortest);
         }
     }
 }
 
-void test_a_vector_on_the_circle_with_the_largest_trim_leaves_the_shortest_pulse_on_either_side(void)
+void test_a_vector_on_the_circle_with_the_largest_trim_leaves_the_shortest_pulse_on_either_side(
+    void)
 {
     for (int p = 0; p < PERIOD_COUNT; p++) {
         const int32_t min_pulse = PERIODS[p] / 16;
         const int32_t trim = PERIODS[p] / 40;
         const svpwm_t svpwm = svpwm_init(PERIODS[p], min_pulse, trim, 32767);
         for (int signs = 0; signs < 8; signs++) {
-            const abc_t trims = {signs & 1 ? 32767 : -32768, signs & 2 ? 32767 : -32768, signs & 4 ? 32767 : -32768};
+            const abc_t trims = {signs & 1 ? 32767 : -32768, signs & 2 ? 32767 : -32768,
+                                 signs & 4 ? 32767 : -32768};
             for (int k = 0; k < 3600; k++) {
                 int32_t on[3];
                 step(&svpwm, vector(32768.0, k * PI / 1800.0), trims, on);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The tracking loop: no steady error, the designed bandwidth. */
 #include <math.h>
 
@@ -47,19 +48,21 @@ void test_at_constant_speed_there_is_no_steady_error(void)
             turns += SPEEDS[s];
             theta_turn = step(turns);
             if (n >= 10000) {
-                const int32_t error =
-                    angle_difference(theta_turn, (uint16_t)((int64_t)floor(turns * 65536.0) & 0xFFFF));
+                const int32_t error = angle_difference(
+                    theta_turn, (uint16_t)((int64_t)floor(turns * 65536.0) & 0xFFFF));
                 TEST_ASSERT_INT32_WITHIN(2, 0, error);
                 sum += error;
             }
         }
         TEST_ASSERT_DOUBLE_WITHIN(1.0, 0.0, (double)sum / 2000.0);
-        /* Input steps of 1/65 536 turn, seen through a bandwidth of 50 Hz: 5e-3 LSB of angle a period are 8e-8 turns. */
+        /* Input steps of 1/65 536 turn, seen through a bandwidth of 50 Hz: 5e-3 LSB of angle a
+         * period are 8e-8 turns. */
         TEST_ASSERT_DOUBLE_WITHIN(4e-7, SPEEDS[s], tracking.speed_q32 / 4294967296.0);
     }
 }
 
-/* With e the angle error after the correction, the loop is z^2 - (2 - kp - ki) z + (1 - kp) = 0. Double-precision twin. */
+/* With e the angle error after the correction, the loop is z^2 - (2 - kp - ki) z + (1 - kp) = 0.
+ * Double-precision twin. */
 void test_a_step_of_the_angle_is_followed_as_designed(void)
 {
     const double kp = config.rotor.pll_proportional_q16 / 65536.0;
@@ -79,9 +82,11 @@ void test_a_step_of_the_angle_is_followed_as_designed(void)
 
 void test_the_bandwidth_is_the_designed_one(void)
 {
-    /* (2 w s + w^2)/(s + w)^2 at s = j w passes sqrt 5 / 2 = 1.118 of the amplitude; at 10 w, 0.2. */
+    /* (2 w s + w^2)/(s + w)^2 at s = j w passes sqrt 5 / 2 = 1.118 of the amplitude; at 10 w, 0.2.
+     */
     static const double FREQUENCY_HZ[] = {5.0, 50.0, 500.0};
-    static const double GAIN[] = {1.0098, 1.1180, 0.1985}; /* |1 + 2jx| / (1 + x^2), x = 0.1, 1, 10 */
+    static const double GAIN[] = {1.0098, 1.1180,
+                                  0.1985}; /* |1 + 2jx| / (1 + x^2), x = 0.1, 1, 10 */
     for (int f = 0; f < 3; f++) {
         tracking = FRESH;
         double cosine = 0.0;

@@ -1,5 +1,6 @@
-/* Park and back: known vectors, round trips and the largest inputs. Maximum errors over millions of inputs are
- * the property tests' business. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Park and back: known vectors, round trips and the largest inputs. Maximum errors over millions of
+ * inputs are the property tests' business. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,7 +21,8 @@ void test_the_constant_is_the_rounded_root(void)
 void test_park_at_the_quarter_turns_swaps_and_negates(void)
 {
     const ab_t x = {.alpha = 12000, .beta = -7000};
-    const int32_t expected[4][2] = {{12000, -7000}, {-7000, -12000}, {-12000, 7000}, {7000, 12000}}; /* d, q */
+    const int32_t expected[4][2] = {
+        {12000, -7000}, {-7000, -12000}, {-12000, 7000}, {7000, 12000}}; /* d, q */
     for (int k = 0; k < 4; k++) {
         const dq_t out = transforms_park(x, angle_sincos((uint16_t)(k * ANGLE_QUARTER_TURN)));
         TEST_ASSERT_INT32_WITHIN(1, expected[k][0], out.d);
@@ -42,9 +44,10 @@ void test_q_leads_d_by_a_quarter_turn(void)
 
 void test_park_and_back_returns_the_vector_at_every_angle(void)
 {
-    /* Each direction rounds down (1 LSB) and uses sine and cosine within 1.5 LSB of Q15, which at length 25 000 is 1.6 LSB of
-     * the result for two terms; twice that. */
-    static const int32_t VECTORS[][2] = {{25000, 0}, {0, 25000}, {-17677, 17677}, {3, -25000}, {-25000, -1}};
+    /* Each direction rounds down (1 LSB) and uses sine and cosine within 1.5 LSB of Q15, which at
+     * length 25 000 is 1.6 LSB of the result for two terms; twice that. */
+    static const int32_t VECTORS[][2] = {
+        {25000, 0}, {0, 25000}, {-17677, 17677}, {3, -25000}, {-25000, -1}};
     for (uint32_t theta = 0; theta < 65536U; theta++) {
         const sincos_t angle = angle_sincos((uint16_t)theta);
         for (unsigned i = 0; i < sizeof(VECTORS) / sizeof(VECTORS[0]); i++) {
@@ -59,7 +62,8 @@ void test_park_and_back_returns_the_vector_at_every_angle(void)
 void test_the_longest_measured_vector_does_not_overflow_at_any_angle(void)
 {
     /* alpha of 16 bits, beta of 17 over sqrt 3: up to 1.53 long. */
-    static const ab_t LONGEST[] = {{-32768, 37836}, {-32768, -37837}, {32767, -37837}, {32767, 37836}};
+    static const ab_t LONGEST[] = {
+        {-32768, 37836}, {-32768, -37837}, {32767, -37837}, {32767, 37836}};
     for (uint32_t theta = 0; theta < 65536U; theta++) {
         const sincos_t angle = angle_sincos((uint16_t)theta);
         for (int i = 0; i < 4; i++) {
@@ -72,10 +76,12 @@ void test_the_longest_measured_vector_does_not_overflow_at_any_angle(void)
 
 void test_advancing_an_angle_is_adding_the_angles(void)
 {
-    /* Two products of factors that are each 1.5 LSB off the truth, rounded down: 1.5 sqrt 2 * 2 + 1. */
+    /* Two products of factors that are each 1.5 LSB off the truth, rounded down: 1.5 sqrt 2 * 2
+     * + 1. */
     for (uint32_t theta = 0; theta < 65536U; theta += 7U) {
         for (uint32_t by = 0; by < 65536U; by += 4099U) {
-            const sincos_t out = transforms_advance(angle_sincos((uint16_t)theta), angle_sincos((uint16_t)by));
+            const sincos_t out =
+                transforms_advance(angle_sincos((uint16_t)theta), angle_sincos((uint16_t)by));
             const double exact = (theta + by) * 2.0 * PI / 65536.0;
             TEST_ASSERT_DOUBLE_WITHIN(5.3, 32768.0 * sin(exact), out.sin);
             TEST_ASSERT_DOUBLE_WITHIN(5.3, 32768.0 * cos(exact), out.cos);

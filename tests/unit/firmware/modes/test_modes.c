@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
 #include "modes_rig.h"
@@ -30,7 +31,8 @@ void test_ready_is_not_left_without_a_known_rotor_angle_and_says_so(void)
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().permission.reason);
     in.rotor_valid = true;
     assert_mode(MODE_RUN, step());
-    in.rotor_valid = false; /* what follows now is the monitor's business: the torque must leave in a ramp */
+    in.rotor_valid =
+        false; /* what follows now is the monitor's business: the torque must leave in a ramp */
     assert_mode(MODE_RUN, run(10));
 }
 
@@ -200,9 +202,10 @@ void test_where_the_bridge_rests_it_rests_in_the_safe_state(void)
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().permission.bridge);
 }
 
-/* A controller that restarts in a fast vehicle: off, its diodes would rectify the EMF, and what flows through them would
- * be taken for the sensors' zero. */
-void test_while_the_emf_would_drive_a_current_the_sensors_are_not_calibrated_and_the_bridge_is_safe(void)
+/* A controller that restarts in a fast vehicle: off, its diodes would rectify the EMF, and what
+ * flows through them would be taken for the sensors' zero. */
+void test_while_the_emf_would_drive_a_current_the_sensors_are_not_calibrated_and_the_bridge_is_safe(
+    void)
 {
     reach(MODE_SELFTEST);
     in.safe_bridge = BRIDGE_SHORT;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <string.h>
 
 #include "modes_rig.h"
@@ -176,11 +177,13 @@ void test_whatever_happens_the_bridge_switches_only_in_run_and_limp(void)
             TEST_ASSERT_EQUAL_INT16(0, out.permission.drive_q15);
             TEST_ASSERT_EQUAL_INT16(0, out.permission.brake_q15);
         }
-        const bool open = out.permission.drive_q15 == Q15_ONE && out.permission.brake_q15 == Q15_ONE;
+        const bool open =
+            out.permission.drive_q15 == Q15_ONE && out.permission.brake_q15 == Q15_ONE;
         TEST_ASSERT_EQUAL(open, out.permission.reason == REASON_NONE);
         TEST_ASSERT_EQUAL(out.mode == MODE_FAULT, out.fault != REASON_NONE);
     }
-    TEST_ASSERT_GREATER_THAN_INT(10000, running); /* the walk has been everywhere, not only in a corner */
+    TEST_ASSERT_GREATER_THAN_INT(10000,
+                                 running); /* the walk has been everywhere, not only in a corner */
 }
 
 void test_whatever_happens_fault_is_left_only_at_rest_without_demand_soon_after_a_rising_edge(void)

@@ -1,4 +1,6 @@
-/* The rotor's angle against the back-EMF: a motor in double precision, seen in a frame that is turned against it. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The rotor's angle against the back-EMF: a motor in double precision, seen in a frame that is
+ * turned against it. */
 #include "monitor/monitor.h"
 
 #include <math.h>
@@ -28,8 +30,10 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* Steady state at a mechanical speed with currents in the true frame; the estimated frame lies offset_deg ahead. */
-static monitor_emf_input_t seen(double rpm, double i_d_a, double i_q_a, double offset_deg, const truth_t *truth)
+/* Steady state at a mechanical speed with currents in the true frame; the estimated frame lies
+ * offset_deg ahead. */
+static monitor_emf_input_t seen(double rpm, double i_d_a, double i_q_a, double offset_deg,
+                                const truth_t *truth)
 {
     const config_motor_t *m = &config.motor;
     const double w = rpm * 2.0 * PI / 60.0 * m->pole_pairs;
@@ -37,8 +41,8 @@ static monitor_emf_input_t seen(double rpm, double i_d_a, double i_q_a, double o
     const double l_d = 1e-9 * m->d_inductance_nH * truth->inductance;
     const double l_q = 1e-9 * m->q_inductance_nH * truth->inductance;
     const double psi = 1e-9 * m->flux_linkage_nWb * truth->flux;
-    const double dead_v =
-        truth->dead_time_share * 4.0 / 3.0 * 1e-9 * config.drive.dead_time_ns * config.drive.pwm_frequency_Hz * 53.0;
+    const double dead_v = truth->dead_time_share * 4.0 / 3.0 * 1e-9 * config.drive.dead_time_ns *
+                          config.drive.pwm_frequency_Hz * 53.0;
     const double u_d = r * i_d_a - w * l_q * i_q_a + dead_v;
     const double u_q = r * i_q_a + w * (l_d * i_d_a + psi);
     const double c = cos(offset_deg * PI / 180.0);
@@ -68,14 +72,16 @@ static int time_to_fault(const monitor_emf_input_t *in)
     return -1;
 }
 
-void test_an_angle_sixty_degrees_beside_the_truth_is_seen_in_20_ms_at_any_speed_and_current_that_is_judged(void)
+void test_an_angle_sixty_degrees_beside_the_truth_is_seen_in_20_ms_at_any_speed_and_current_that_is_judged(
+    void)
 {
     static const double OFFSETS_DEG[] = {60.0, -60.0, 90.0, -120.0, 180.0};
     for (int o = 0; o < 5; o++) {
         for (double rpm = 200.0; rpm <= 640.0; rpm += 20.0) {
             for (double i_q = -60.0; i_q <= 60.0; i_q += 20.0) {
                 for (int back = -1; back <= 1; back += 2) {
-                    const monitor_emf_input_t in = seen(back * rpm, -20.0, i_q, OFFSETS_DEG[o], &AS_CONFIGURED);
+                    const monitor_emf_input_t in =
+                        seen(back * rpm, -20.0, i_q, OFFSETS_DEG[o], &AS_CONFIGURED);
                     const int expected = fabs(i_q) < 50.0 || rpm > 300.0 ? 20 : 0;
                     TEST_ASSERT_TRUE(expected == 0 || time_to_fault(&in) == 20);
                 }
@@ -92,15 +98,17 @@ void test_the_speed_from_which_an_angle_is_judged_is_the_derived_one(void)
     const monitor_emf_input_t fast = seen(59.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&slow));
     TEST_ASSERT_EQUAL_INT(20, time_to_fault(&fast));
-    /* 4 (0.707 + 0.0155 * 60 + w * 19 uH * 60) = w * 20.4 mWb: w = 6.548 / 0.01584 = 413 rad/s = 171.6 r/min. */
+    /* 4 (0.707 + 0.0155 * 60 + w * 19 uH * 60) = w * 20.4 mWb: w = 6.548 / 0.01584 = 413 rad/s =
+     * 171.6 r/min. */
     const monitor_emf_input_t slower = seen(169.0, 0.0, 60.0, 90.0, &AS_CONFIGURED);
     const monitor_emf_input_t faster = seen(174.0, 0.0, 60.0, 90.0, &AS_CONFIGURED);
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&slower));
     TEST_ASSERT_EQUAL_INT(20, time_to_fault(&faster));
 }
 
-/* 120 degC and a bridge, a saturated or badly measured inductance, warm or wrong magnets, half of the dead time's voltage,
- * and a rotor estimate 15 degrees beside: nothing that a healthy vehicle shows is blamed. */
+/* 120 degC and a bridge, a saturated or badly measured inductance, warm or wrong magnets, half of
+ * the dead time's voltage, and a rotor estimate 15 degrees beside: nothing that a healthy vehicle
+ * shows is blamed. */
 void test_parameters_that_are_wrong_are_not_blamed_on_the_rotor(void)
 {
     random_t random = random_seeded(3);
@@ -114,13 +122,15 @@ void test_parameters_that_are_wrong_are_not_blamed_on_the_rotor(void)
         const double rpm = random_real(&random, -640.0, 640.0);
         const double i_d = random_real(&random, -40.0, 10.0);
         const double i_q = random_real(&random, -75.0, 75.0);
-        const monitor_emf_input_t in = seen(rpm, i_d, i_q, random_real(&random, -15.0, 15.0), &truth);
+        const monitor_emf_input_t in =
+            seen(rpm, i_d, i_q, random_real(&random, -15.0, 15.0), &truth);
         state.level = MONITOR_EMF_STEPS - 1;
         TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, &in));
     }
 }
 
-/* A sense of rotation taken for the other one: the EMF turns in the estimated frame at twice the speed. */
+/* A sense of rotation taken for the other one: the EMF turns in the estimated frame at twice the
+ * speed. */
 void test_a_reversed_sense_of_rotation_is_seen_in_40_ms(void)
 {
     for (double rpm = 100.0; rpm <= 640.0; rpm += 13.0) {
@@ -130,11 +140,13 @@ void test_a_reversed_sense_of_rotation_is_seen_in_40_ms(void)
         bool fault = false;
         while (!fault && n < 1000) {
             n++;
-            monitor_emf_input_t in = seen(rpm, 0.0, 0.0, 2.0 * w * 1e-3 * n * 180.0 / PI, &AS_CONFIGURED);
+            monitor_emf_input_t in =
+                seen(rpm, 0.0, 0.0, 2.0 * w * 1e-3 * n * 180.0 / PI, &AS_CONFIGURED);
             in.speed_mrad_s = -in.speed_mrad_s;
             fault = monitor_emf_step(&state, &config, &in);
         }
-        /* Three of four on average; where two turns a look come close to a whole or a half number the phase creeps. */
+        /* Three of four on average; where two turns a look come close to a whole or a half number
+         * the phase creeps. */
         const double turns = 2.0 * w * 1e-3 / (2.0 * PI);
         const double creep = fabs(turns - floor(turns * 4.0 + 0.5) / 4.0);
         TEST_ASSERT_TRUE(fault);
@@ -163,9 +175,10 @@ void test_a_motor_without_any_emf_is_no_motor_with_a_good_angle(void)
     TEST_ASSERT_EQUAL_INT(20, time_to_fault(&in));
 }
 
-/* The demagnetising current shortens the voltage across by w L_d i_d, and that is part of the EMF again: with i_d at 0.6 psi/L_d,
- * 161 A, taken the wrong way round it would be two tenths of the EMF backwards. Judged from psi w >= 4 (R/2 + w L/4) i on: 26 V of
- * 40.8 at 2000 rad/s without dead time. */
+/* The demagnetising current shortens the voltage across by w L_d i_d, and that is part of the EMF
+ * again: with i_d at 0.6 psi/L_d, 161 A, taken the wrong way round it would be two tenths of the
+ * EMF backwards. Judged from psi w >= 4 (R/2 + w L/4) i on: 26 V of 40.8 at 2000 rad/s without dead
+ * time. */
 void test_a_demagnetising_current_of_more_than_half_the_flux_is_no_wrong_angle(void)
 {
     config.drive.dead_time_ns = 0;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "monitor/monitor_fast.h"
 #include "paper_vehicle.h"
 #include "unity.h"
@@ -57,16 +58,19 @@ static reason_t run(int periods)
 
 void test_a_healthy_drive_never_trips(void)
 {
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(200000)); /* ten seconds, the slow reach's counter wraps */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE,
+                          run(200000)); /* ten seconds, the slow reach's counter wraps */
 }
 
 /* LIMIT of length in any direction: the 3-4-5 triangle and the axes. */
 void test_an_over_current_in_any_direction_trips_in_its_second_period(void)
 {
-    static const int32_t DIRECTION[8][2] = {{5, 0}, {0, 5}, {-5, 0}, {0, -5}, {3, 4}, {-4, 3}, {-3, -4}, {4, -3}};
+    static const int32_t DIRECTION[8][2] = {{5, 0}, {0, 5},  {-5, 0},  {0, -5},
+                                            {3, 4}, {-4, 3}, {-3, -4}, {4, -3}};
     for (int k = 0; k < 8; k++) {
         setUp();
-        in.i_pu.d = (LIMIT + 5) * DIRECTION[k][0] / 5; /* rounded towards zero by less than 1 each, so still longer */
+        in.i_pu.d = (LIMIT + 5) * DIRECTION[k][0] /
+                    5; /* rounded towards zero by less than 1 each, so still longer */
         in.i_pu.q = (LIMIT + 5) * DIRECTION[k][1] / 5;
         TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
         TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
@@ -76,7 +80,8 @@ void test_an_over_current_in_any_direction_trips_in_its_second_period(void)
 void test_the_longest_vector_that_can_be_measured_counts_as_an_over_current(void)
 {
     /* alpha of -1 and beta of 2/sqrt 3: 1.53 long, in every direction. */
-    static const int32_t LONGEST[4][2] = {{-50197, 0}, {0, 50197}, {-32768, 37837}, {32767, -37837}};
+    static const int32_t LONGEST[4][2] = {
+        {-50197, 0}, {0, 50197}, {-32768, 37837}, {32767, -37837}};
     for (int k = 0; k < 4; k++) {
         setUp();
         in.i_pu.d = LONGEST[k][0];
@@ -224,7 +229,8 @@ void test_a_new_start_forgets_everything(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100));
 }
 
-/* A trip that is acknowledged leaves nothing behind: the next over-current, too, is one in its second period. */
+/* A trip that is acknowledged leaves nothing behind: the next over-current, too, is one in its
+ * second period. */
 void test_after_an_acknowledgement_an_over_current_trips_in_its_second_period_again(void)
 {
     in.i_pu.d = LIMIT + 5;

@@ -1,8 +1,13 @@
-/* What the slow watcher holds for safe where the bridge may not switch, and whether the wheel stands. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the slow watcher holds for safe where the bridge may not switch, and whether the wheel
+ * stands. */
 #include "watched.h"
 
-static const monitor_slow_input_t HEALTHY = {
-    .offsets_known = true, .rotor_valid = true, .bus_voltage_mV = 53000, .switching = true, .bridge = BRIDGE_PWM};
+static const monitor_slow_input_t HEALTHY = {.offsets_known = true,
+                                             .rotor_valid = true,
+                                             .bus_voltage_mV = 53000,
+                                             .switching = true,
+                                             .bridge = BRIDGE_PWM};
 
 void setUp(void)
 {
@@ -34,7 +39,8 @@ void test_a_rotor_that_is_lost_above_the_limit_leaves_the_short_as_what_is_safe(
     in.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(1000).safe_bridge);
     TEST_ASSERT_FALSE(step().standing);
-    /* Shorted, it shows no current: it stands, or there is no motor. Two windows of 100 ms, and a step to see the first. */
+    /* Shorted, it shows no current: it stands, or there is no motor. Two windows of 100 ms, and a
+     * step to see the first. */
     in.bridge = BRIDGE_SHORT;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(201).safe_bridge);
     TEST_ASSERT_TRUE(step().standing);

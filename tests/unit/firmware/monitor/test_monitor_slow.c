@@ -1,7 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "random_values.h"
 #include "watched.h"
 
-enum { TOLERANCE_mNm = 4000, TORQUE_TIME_ms = 50, MID_OFFSET_Q4 = 2048 * 16, OFFSET_TOLERANCE_Q4 = 200 * 16 };
+enum {
+    TOLERANCE_mNm = 4000,
+    TORQUE_TIME_ms = 50,
+    MID_OFFSET_Q4 = 2048 * 16,
+    OFFSET_TOLERANCE_Q4 = 200 * 16
+};
 
 static const monitor_slow_input_t HEALTHY = {
     .fast_trip = REASON_NONE,
@@ -270,8 +276,9 @@ void test_every_verdict_is_counted_so_that_a_watchdog_can_see_the_monitor_live(v
 
 void test_a_cause_is_named_before_its_consequences(void)
 {
-    const reason_t order[] = {REASON_OVERCURRENT,        REASON_PROGRAM_FLOW,           REASON_CURRENT_SENSOR,
-                              REASON_CURRENT_SUM,        REASON_BUS_OVERVOLTAGE,        REASON_ROTOR_LOST,
+    const reason_t order[] = {REASON_OVERCURRENT,        REASON_PROGRAM_FLOW,
+                              REASON_CURRENT_SENSOR,     REASON_CURRENT_SUM,
+                              REASON_BUS_OVERVOLTAGE,    REASON_ROTOR_LOST,
                               REASON_TORQUE_IMPLAUSIBLE, REASON_WINDING_OVERTEMPERATURE};
     in.fast_trip = REASON_OVERCURRENT;
     in.current_saturated = true;

@@ -1,4 +1,6 @@
-/* How fast the wheel may be turning: what a sensor says, what a vehicle can do, what the currents of a short and of an open bridge show. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How fast the wheel may be turning: what a sensor says, what a vehicle can do, what the currents
+ * of a short and of an open bridge show. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -70,12 +72,14 @@ static int32_t run(int milliseconds)
 static double impedance_ohm(double rad_s)
 {
     const double w = fabs(rad_s) * config.motor.pole_pairs;
-    return hypot(config.motor.phase_resistance_uOhm * 1e-6, w * config.motor.d_inductance_nH * 1e-9);
+    return hypot(config.motor.phase_resistance_uOhm * 1e-6,
+                 w * config.motor.d_inductance_nH * 1e-9);
 }
 
 static double short_a(double rad_s)
 {
-    return fabs(rad_s) * config.motor.pole_pairs * config.motor.flux_linkage_nWb * 1e-9 / impedance_ohm(rad_s);
+    return fabs(rad_s) * config.motor.pole_pairs * config.motor.flux_linkage_nWb * 1e-9 /
+           impedance_ohm(rad_s);
 }
 
 static int32_t run_short(int milliseconds, double rad_s)
@@ -97,7 +101,8 @@ void test_a_valid_sensor_is_believed_at_once_whatever_a_vehicle_can_do(void)
     for (int n = 0; n < 20000; n++) {
         /* Tyres do not hold 1.2 g; a wheel that loses its grip speeds up as it likes. */
         const double fall = 1.19 * 9.81 / radius_m() * 1e-3;
-        rad_s = fmin(rad_s + random_real(&random, -fall, random_chance(&random, 0.5) ? fall : 0.0), 80.0);
+        rad_s = fmin(rad_s + random_real(&random, -fall, random_chance(&random, 0.5) ? fall : 0.0),
+                     80.0);
         rad_s = fmax(rad_s, -80.0);
         in.speed_mrad_s = (int32_t)lround(rad_s * 1e3);
         const int32_t before = abs(in.speed_mrad_s);
@@ -134,18 +139,20 @@ void test_the_current_of_a_short_says_how_fast_the_wheel_turns_whatever_the_sens
     random_t random = random_seeded(2);
     for (int k = 0; k < 40; k++) {
         setUp();
-        const double rad_s = random_real(&random, 5.0, 100.0) * (random_chance(&random, 0.5) ? 1.0 : -1.0);
-        in.speed_mrad_s = (int32_t)lround(1e3 * random_real(&random, 1.0, 1.5) * fabs(rad_s)); /* before it is lost */
+        const double rad_s =
+            random_real(&random, 5.0, 100.0) * (random_chance(&random, 0.5) ? 1.0 : -1.0);
+        in.speed_mrad_s = (int32_t)lround(1e3 * random_real(&random, 1.0, 1.5) *
+                                          fabs(rad_s)); /* before it is lost */
         run(1);
         in.rotor_valid = false;
         in.speed_mrad_s = 0;
         const double measured = run_short(300, rad_s) * 1e-3;
-        /* Four turns, each end to a period; where they take longer than 100 ms, one quarter too much, and one more that
-         * had begun before. */
+        /* Four turns, each end to a period; where they take longer than 100 ms, one quarter too
+         * much, and one more that had begun before. */
         const double quarters_per_s = fabs(rad_s) * config.motor.pole_pairs / (PI / 2.0);
         const bool full = 16.0 / quarters_per_s < 0.098;
-        const double above =
-            full ? quarters_per_s / 16.0 / config.drive.pwm_frequency_Hz : 2.0 / (quarters_per_s * 0.1);
+        const double above = full ? quarters_per_s / 16.0 / config.drive.pwm_frequency_Hz
+                                  : 2.0 / (quarters_per_s * 0.1);
         const double below = quarters_per_s / 16.0 / config.drive.pwm_frequency_Hz;
         char text[100];
         snprintf(text, sizeof(text), "%.3f measured at %.3f rad/s", measured, rad_s);
@@ -184,7 +191,8 @@ void test_a_short_without_current_is_a_wheel_that_stands(void)
     TEST_ASSERT_EQUAL_INT32(0, run(2));
 }
 
-/* The direct current with which a short begins, up to three times the turning one, decays with 5 to 60 ms. */
+/* The direct current with which a short begins, up to three times the turning one, decays with 5 to
+ * 60 ms. */
 void test_a_direct_current_that_decays_never_makes_a_turning_wheel_look_slow(void)
 {
     random_t random = random_seeded(3);
@@ -203,8 +211,8 @@ void test_a_direct_current_that_decays_never_makes_a_turning_wheel_look_slow(voi
             turn(rad_s, short_a(rad_s), direct * exp(-ms / tau_ms), false);
             held_mrad_s = monitor_speed_step(&state, &config, &in);
             char text[120];
-            snprintf(text, sizeof(text), "%d at %.3f rad/s after %d ms, %.2f of it direct, %.1f ms", (int)held_mrad_s,
-                     rad_s, ms, direct / short_a(rad_s), tau_ms);
+            snprintf(text, sizeof(text), "%d at %.3f rad/s after %d ms, %.2f of it direct, %.1f ms",
+                     (int)held_mrad_s, rad_s, ms, direct / short_a(rad_s), tau_ms);
             TEST_ASSERT_TRUE_MESSAGE(held_mrad_s * 1e-3 > 0.98 * rad_s, text);
         }
     }
@@ -339,8 +347,9 @@ void test_windows_in_which_the_fast_reach_made_no_step_measure_nothing(void)
     TEST_ASSERT_TRUE(held_mrad_s >= 30000 - lround(coasted_mrad_s) - 1);
 }
 
-/* 16 quarters of 23 pole pairs take 27.3 ms at 40 rad/s and 54.6 ms at 20. The third window begins after 54.6 ms and has seen
- * 5.4 ms of the faster turning: it ends 48.9 ms later with 22.3 rad/s, more than an eighth below 40. */
+/* 16 quarters of 23 pole pairs take 27.3 ms at 40 rad/s and 54.6 ms at 20. The third window begins
+ * after 54.6 ms and has seen 5.4 ms of the faster turning: it ends 48.9 ms later with 22.3 rad/s,
+ * more than an eighth below 40. */
 void test_a_speed_that_falls_within_a_window_is_believed_when_the_next_one_confirms_it(void)
 {
     in.speed_mrad_s = 0;

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Temperatures: 10 K above where no torque is left is a fault, and so is one that none can be. */
 #include "watched.h"
 

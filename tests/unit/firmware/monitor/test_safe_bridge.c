@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
 #include "monitor/monitor.h"
@@ -14,11 +15,13 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static bridge_mode_t choose(double line_emf_over_bus, int32_t bus_mV, bridge_mode_t now, int32_t direction)
+static bridge_mode_t choose(double line_emf_over_bus, int32_t bus_mV, bridge_mode_t now,
+                            int32_t direction)
 {
     /* sqrt(3) psi p omega = share * v_dc */
     const double psi_wb = config.motor.flux_linkage_nWb * 1e-9;
-    const double omega = line_emf_over_bus * bus_mV * 1e-3 / (sqrt(3.0) * psi_wb * config.motor.pole_pairs);
+    const double omega =
+        line_emf_over_bus * bus_mV * 1e-3 / (sqrt(3.0) * psi_wb * config.motor.pole_pairs);
     return monitor_safe_bridge(&config, direction * (int32_t)lround(omega * 1e3), bus_mV, now);
 }
 
@@ -28,10 +31,14 @@ void test_off_is_chosen_while_the_rectified_emf_is_below_the_bus_and_short_above
     for (int n = 0; n < 10000; n++) {
         const int32_t bus_mV = random_between(&random, 20000, 60000);
         const int32_t direction = random_chance(&random, 0.5) ? 1 : -1;
-        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, choose(random_real(&random, 0.0, 0.999), bus_mV, BRIDGE_OFF, direction));
-        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, choose(random_real(&random, 0.0, 0.999), bus_mV, BRIDGE_PWM, direction));
-        TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, choose(random_real(&random, 1.001, 3.0), bus_mV, BRIDGE_OFF, direction));
-        TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, choose(random_real(&random, 1.001, 3.0), bus_mV, BRIDGE_PWM, direction));
+        TEST_ASSERT_EQUAL_INT(
+            BRIDGE_OFF, choose(random_real(&random, 0.0, 0.999), bus_mV, BRIDGE_OFF, direction));
+        TEST_ASSERT_EQUAL_INT(
+            BRIDGE_OFF, choose(random_real(&random, 0.0, 0.999), bus_mV, BRIDGE_PWM, direction));
+        TEST_ASSERT_EQUAL_INT(
+            BRIDGE_SHORT, choose(random_real(&random, 1.001, 3.0), bus_mV, BRIDGE_OFF, direction));
+        TEST_ASSERT_EQUAL_INT(
+            BRIDGE_SHORT, choose(random_real(&random, 1.001, 3.0), bus_mV, BRIDGE_PWM, direction));
     }
 }
 
@@ -46,8 +53,10 @@ void test_a_short_is_left_only_ten_per_cent_below_the_limit(void)
 void test_the_paper_s_vehicle_may_freewheel_below_622_rpm_at_its_nominal_voltage(void)
 {
     /* sqrt(3) * 0.0204 * 23 * omega = 53 V at omega = 65.217 rad/s = 622.8 r/min */
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, monitor_safe_bridge(&config, mrad_s_of_rpm(622.0), 53000, BRIDGE_OFF));
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, monitor_safe_bridge(&config, mrad_s_of_rpm(624.0), 53000, BRIDGE_OFF));
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF,
+                          monitor_safe_bridge(&config, mrad_s_of_rpm(622.0), 53000, BRIDGE_OFF));
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT,
+                          monitor_safe_bridge(&config, mrad_s_of_rpm(624.0), 53000, BRIDGE_OFF));
 }
 
 void test_a_standing_wheel_may_always_freewheel_unless_there_is_no_voltage_at_all(void)

@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * watched.h: the slow watcher of the paper's vehicle and what it is shown; `in` may be changed between steps, and a fault's
- * condition is taken back by showing a healthy drive again. Included once in a program.
+ * watched.h: the slow watcher of the paper's vehicle and what it is shown; `in` may be changed
+ * between steps, and a fault's condition is taken back by showing a healthy drive again. Included
+ * once in a program.
  */
 #ifndef TEST_MONITOR_WATCHED_H
 #define TEST_MONITOR_WATCHED_H
@@ -47,7 +49,8 @@ static inline void recover(void)
     in.fast_step_count = count;
 }
 
-/* The condition that `in` describes now is a fault after exactly `milliseconds`, and none once it has gone. */
+/* The condition that `in` describes now is a fault after exactly `milliseconds`, and none once it
+ * has gone. */
 static inline void assert_fault_after(int milliseconds, reason_t fault)
 {
     for (int n = 1; n < milliseconds; n++) {
@@ -56,7 +59,8 @@ static inline void assert_fault_after(int milliseconds, reason_t fault)
     TEST_ASSERT_EQUAL_INT(fault, step().fault);
     TEST_ASSERT_EQUAL_INT(fault, run(100).fault);
     recover();
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault); /* remembering a fault is the business of modes */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE,
+                          step().fault); /* remembering a fault is the business of modes */
 }
 
 static inline void assert_never_a_fault(void)

@@ -1,4 +1,6 @@
-/* config_image.h: the configuration that this build's firmware carries, under one name whatever it is called. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* config_image.h: the configuration that this build's firmware carries, under one name whatever it
+ * is called. */
 #ifndef TEST_CONFIG_IMAGE_H
 #define TEST_CONFIG_IMAGE_H
 

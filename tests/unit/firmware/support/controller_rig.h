@@ -1,8 +1,11 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * controller_rig.h: a controller with somebody who calls its two steps on time and carries the exchange across.
+ * controller_rig.h: a controller with somebody who calls its two steps on time and carries the
+ * exchange across.
  *
- * There is no motor: codes are what the test says they are, or, if it says so, those of the current that is asked for, and
- * only the rotor's angle moves on. Whether a motor then does what it should is asked in tests/closed_loop.
+ * There is no motor: codes are what the test says they are, or, if it says so, those of the current
+ * that is asked for, and only the rotor's angle moves on. Whether a motor then does what it should
+ * is asked in tests/closed_loop.
  */
 #ifndef CONTROLLER_RIG_H
 #define CONTROLLER_RIG_H
@@ -35,7 +38,8 @@ static inline uint16_t rig_bus_code(const rig_t *rig, double volts)
     return (uint16_t)lround(volts * 4096e3 / rig->config.drive.voltage_full_scale_mV);
 }
 
-/* A charged battery, cool, switched off, nothing demanded, a standing wheel with an absolute angle sensor. */
+/* A charged battery, cool, switched off, nothing demanded, a standing wheel with an absolute angle
+ * sensor. */
 static inline void rig_start(rig_t *rig)
 {
     memset(rig, 0, sizeof *rig);
@@ -58,12 +62,14 @@ static inline void rig_start(rig_t *rig)
 
 static inline void rig_set_speed_rpm(rig_t *rig, double rpm)
 {
-    rig->turn_per_period = rpm / 60.0 * rig->config.motor.pole_pairs / rig->config.drive.pwm_frequency_Hz;
+    rig->turn_per_period =
+        rpm / 60.0 * rig->config.motor.pole_pairs / rig->config.drive.pwm_frequency_Hz;
 }
 
 static inline void rig_slow(rig_t *rig)
 {
-    rig->out = controller_slow_step(&rig->controller.slow, &rig->config, &rig->to_slow, &rig->slow_in, &rig->to_fast);
+    rig->out = controller_slow_step(&rig->controller.slow, &rig->config, &rig->to_slow,
+                                    &rig->slow_in, &rig->to_fast);
 }
 
 static inline void rig_follow(rig_t *rig)
@@ -86,7 +92,8 @@ static inline void rig_fast(rig_t *rig)
     if (rig->follows) {
         rig_follow(rig);
     }
-    rig->pwm = controller_fast_step(&rig->controller.fast, &rig->config, &rig->to_fast, &rig->fast_in, &rig->to_slow);
+    rig->pwm = controller_fast_step(&rig->controller.fast, &rig->config, &rig->to_fast,
+                                    &rig->fast_in, &rig->to_slow);
 }
 
 static inline void rig_run(rig_t *rig, int milliseconds)

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * foc_rig.h: the fast reach on the paper's vehicle with an absolute angle and without dead time, its command and its codes.
+ * foc_rig.h: the fast reach on the paper's vehicle with an absolute angle and without dead time,
+ * its command and its codes.
  */
 #ifndef FOC_RIG_H
 #define FOC_RIG_H

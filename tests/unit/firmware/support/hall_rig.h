@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * hall_rig.h: a rotor that turns as told, three hall sensors on it, and the estimate that is made of them.
+ * hall_rig.h: a rotor that turns as told, three hall sensors on it, and the estimate that is made
+ * of them.
  */
 #ifndef HALL_RIG_H
 #define HALL_RIG_H
@@ -64,16 +66,19 @@ static inline void turn_for(int periods, double speed_turns_per_period)
     }
 }
 
-/* The estimate must lie inside the sector that the sensors report; half an LSB for the border itself. */
+/* The estimate must lie inside the sector that the sensors report; half an LSB for the border
+ * itself. */
 static inline void assert_inside_sector(void)
 {
     const uint16_t estimate = (uint16_t)(hall.theta_q32 >> 16);
     const uint16_t start = (uint16_t)config.rotor.edge_turn[true_sector()];
-    const uint16_t width = (uint16_t)((uint16_t)config.rotor.edge_turn[(true_sector() + 1) % 6] - start);
+    const uint16_t width =
+        (uint16_t)((uint16_t)config.rotor.edge_turn[(true_sector() + 1) % 6] - start);
     TEST_ASSERT_TRUE((uint16_t)(estimate - start) <= width);
 }
 
-/* Electrical speeds of the paper's motor (23 pole pairs) from 60 to 640 r/min at 20 kHz, both ways. */
+/* Electrical speeds of the paper's motor (23 pole pairs) from 60 to 640 r/min at 20 kHz, both ways.
+ */
 static const double SPEEDS[] = {0.00115,  0.0023,  0.005,  0.00863,  0.01227,
                                 -0.00115, -0.0023, -0.005, -0.00863, -0.01227};
 enum { SPEED_COUNT = sizeof(SPEEDS) / sizeof(SPEEDS[0]) };

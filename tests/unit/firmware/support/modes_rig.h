@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * modes_rig.h: a state machine at rest, and the ordinary way to each of its modes.
  */

@@ -1,5 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * paper_vehicle.h: the configuration the firmware is flashed with, as a value that a test may change.
+ * paper_vehicle.h: the configuration the firmware is flashed with, as a value that a test may
+ * change.
  *
  * Changed copies are not validated again: a test that steps outside config_validate() says so.
  */
@@ -20,7 +22,8 @@ static inline config_t paper_vehicle(void)
     return CONFIG_LU2013;
 }
 
-/* The same with i_d = 0, as the paper controls it: what torque takes can then be worked out on a line. */
+/* The same with i_d = 0, as the paper controls it: what torque takes can then be worked out on a
+ * line. */
 static inline config_t paper_vehicle_without_i_d(void)
 {
     config_t config = CONFIG_LU2013;
@@ -38,8 +41,10 @@ static inline double best_angle_d_a(const config_motor_t *m, double torque_nm)
     double i_d_a = 0.0;
     for (int n = 0; n < 100; n++) {
         const double i_q_a = 0.5 * (low_a + high_a);
-        i_d_a = (psi - sqrt(psi * psi + 4.0 * saliency * saliency * i_q_a * i_q_a)) / (2.0 * saliency);
-        const bool enough = 1.5 * m->pole_pairs * (psi - saliency * i_d_a) * i_q_a >= fabs(torque_nm);
+        i_d_a =
+            (psi - sqrt(psi * psi + 4.0 * saliency * saliency * i_q_a * i_q_a)) / (2.0 * saliency);
+        const bool enough =
+            1.5 * m->pole_pairs * (psi - saliency * i_d_a) * i_q_a >= fabs(torque_nm);
         high_a = enough ? i_q_a : high_a;
         low_a = enough ? low_a : i_q_a;
     }
@@ -64,9 +69,10 @@ static inline void fill_with_best_angle(config_t *config)
     }
 }
 
-/* A salient 400 V traction motor in the same vehicle, of the size of a small passenger car's: what surface magnets
- * cannot show. Only the motor differs, the range of currents, and the map of i_d, which is that of least current:
- * i_d = (psi - sqrt(psi^2 + 4 s^2 i_q^2)) / (2 s), s = L_q - L_d, on points of 32.768 Nm and of 262 rad/s. */
+/* A salient 400 V traction motor in the same vehicle, of the size of a small passenger car's: what
+ * surface magnets cannot show. Only the motor differs, the range of currents, and the map of i_d,
+ * which is that of least current: i_d = (psi - sqrt(psi^2 + 4 s^2 i_q^2)) / (2 s), s = L_q - L_d,
+ * on points of 32.768 Nm and of 262 rad/s. */
 static inline config_t salient_vehicle(void)
 {
     config_t config = CONFIG_LU2013;

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * random_values.h: repeatable random numbers for property tests (splitmix64, Steele, Lea and Flood 2014).
- * Equal seeds give equal sequences on every machine, so a failure is always found again.
+ * random_values.h: repeatable random numbers for property tests (splitmix64, Steele, Lea and Flood
+ * 2014). Equal seeds give equal sequences on every machine, so a failure is always found again.
  */
 #ifndef RANDOM_VALUES_H
 #define RANDOM_VALUES_H

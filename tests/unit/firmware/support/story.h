@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * story.h: a board that lives through the same story every time, for tests of the whole application on the simulated board.
- * One motor, seen through its sensors only; included once in a program.
+ * story.h: a board that lives through the same story every time, for tests of the whole application
+ * on the simulated board. One motor, seen through its sensors only; included once in a program.
  */
 #ifndef TEST_APP_STORY_H
 #define TEST_APP_STORY_H
@@ -16,7 +17,8 @@
 
 enum { PERIODS = 40000 };
 
-/* A motor seen through its sensors only: halls that turn, currents that wander. Equal seeds, equal stories. */
+/* A motor seen through its sensors only: halls that turn, currents that wander. Equal seeds, equal
+ * stories. */
 typedef struct {
     uint32_t random;
     uint32_t angle_q32;
@@ -43,8 +45,9 @@ static inline uint32_t next_random(story_t *s)
 static inline host_sample_t tell(story_t *s)
 {
     static const uint8_t HALL_OF_SECTOR[6] = {5, 1, 3, 2, 6, 4};
-    host_sample_t out = {
-        .winding_temperature_cC = 2500, .switch_temperature_cC = 3000, .bus_voltage_code = s->bus_code};
+    host_sample_t out = {.winding_temperature_cC = 2500,
+                         .switch_temperature_cC = 3000,
+                         .bus_voltage_code = s->bus_code};
     const int32_t a = (int32_t)(next_random(s) % 101U) - 50;
     const int32_t b = (int32_t)(next_random(s) % 101U) - 50;
     out.phase_current_code[0] = (uint16_t)(2048 + a);
@@ -76,9 +79,10 @@ static inline void begin_story(void)
 {
     const config_t *c = &CONFIG_IMAGE;
     const int32_t v_dc_mV = (c->battery.min_voltage_mV + c->battery.foldback_voltage_mV) / 2;
-    story = (story_t){.random = 12345,
-                      .speed_q32 = 8000000,
-                      .bus_code = (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};
+    story =
+        (story_t){.random = 12345,
+                  .speed_q32 = 8000000,
+                  .bus_code = (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};
 }
 
 static inline void connect(const config_t *config)

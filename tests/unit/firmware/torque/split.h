@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * split.h: the paper's vehicle before its arbiter, with round numbers: a motor that gives what it is asked for and may give 50 N m, of
- * which 24 are the best, a hydraulic brake that is where it is told to be. Included once in a program.
+ * split.h: the paper's vehicle before its arbiter, with round numbers: a motor that gives what it
+ * is asked for and may give 50 N m, of which 24 are the best, a hydraulic brake that is where it is
+ * told to be. Included once in a program.
  */
 #ifndef TEST_TORQUE_SPLIT_H
 #define TEST_TORQUE_SPLIT_H
@@ -26,7 +28,8 @@ static inline void before_the_arbiter(void)
     config.brake.shortfall_band_mNm = 2000;
     config.brake.handover_start_mrad_s = 2618;
     config.brake.handover_end_mrad_s = 838;
-    config.brake.hydraulic_dead_time_ms = 0; /* the split itself: the hydraulic brake is where it is told to be */
+    config.brake.hydraulic_dead_time_ms =
+        0; /* the split itself: the hydraulic brake is where it is told to be */
     config.brake.hydraulic_time_constant_ms = 0;
     config.brake.hydraulic_rate_mNm_s = 2000000000;
     brake_arbiter_init(&state);
@@ -50,7 +53,8 @@ static inline brake_arbiter_out_t step(void)
     return brake_arbiter_step(&state, &config, &capability, &in);
 }
 
-static inline void assert_split(int32_t electric_mNm, int32_t hydraulic_mNm, reason_t reason, brake_arbiter_out_t out)
+static inline void assert_split(int32_t electric_mNm, int32_t hydraulic_mNm, reason_t reason,
+                                brake_arbiter_out_t out)
 {
     TEST_ASSERT_EQUAL_INT32(electric_mNm, out.electric_mNm);
     TEST_ASSERT_EQUAL_INT32(hydraulic_mNm, out.hydraulic_mNm);

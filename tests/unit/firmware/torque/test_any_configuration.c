@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -9,8 +10,9 @@
 #include "unity.h"
 
 /*
- * Drives nobody has built, as far as the validator lets them pass: any number of fields at any place of their ranges.
- * What must hold even then is asserted; that no number overflows on the way is the sanitizer's assertion.
+ * Drives nobody has built, as far as the validator lets them pass: any number of fields at any
+ * place of their ranges. What must hold even then is asserted; that no number overflows on the way
+ * is the sanitizer's assertion.
  */
 
 typedef struct {
@@ -20,13 +22,18 @@ typedef struct {
 
 #define MOTOR(name, lowest, highest, unit, text) {offsetof(config_t, motor.name), lowest, highest},
 #define DRIVE(name, lowest, highest, unit, text) {offsetof(config_t, drive.name), lowest, highest},
-#define BATTERY(name, lowest, highest, unit, text) {offsetof(config_t, battery.name), lowest, highest},
+#define BATTERY(name, lowest, highest, unit, text)                                                 \
+    {offsetof(config_t, battery.name), lowest, highest},
 #define BRAKE(name, lowest, highest, unit, text) {offsetof(config_t, brake.name), lowest, highest},
-#define VEHICLE(name, lowest, highest, unit, text) {offsetof(config_t, vehicle.name), lowest, highest},
-#define CURRENT_MAP(name, lowest, highest, unit, text) {offsetof(config_t, current_map.name), lowest, highest},
+#define VEHICLE(name, lowest, highest, unit, text)                                                 \
+    {offsetof(config_t, vehicle.name), lowest, highest},
+#define CURRENT_MAP(name, lowest, highest, unit, text)                                             \
+    {offsetof(config_t, current_map.name), lowest, highest},
 
-static const field_t FIELDS[] = {CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE) CONFIG_BATTERY_FIELDS(
-    BATTERY) CONFIG_BRAKE_FIELDS(BRAKE) CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)};
+static const field_t FIELDS[] = {CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE)
+                                     CONFIG_BATTERY_FIELDS(BATTERY) CONFIG_BRAKE_FIELDS(BRAKE)
+                                         CONFIG_VEHICLE_FIELDS(VEHICLE)
+                                             CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)};
 
 enum { FIELD_COUNT = sizeof FIELDS / sizeof FIELDS[0] };
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "random_values.h"
 #include "split.h"
 
@@ -19,9 +20,11 @@ static brake_arbiter_out_t split(int32_t strategy, int32_t demand_mNm)
 
 void test_parallel_ratio_gives_the_motor_its_fixed_share_up_to_its_rating(void)
 {
-    /* floor(50000 * 6554 / 32768) = 10000; of 300 Nm a fifth would be 60 Nm, the rating is 40 Nm. */
+    /* floor(50000 * 6554 / 32768) = 10000; of 300 Nm a fifth would be 60 Nm, the rating is 40 Nm.
+     */
     assert_split(10000, 40000, REASON_ELECTRIC_SHARE, split(CONFIG_STRATEGY_PARALLEL_RATIO, 50000));
-    assert_split(40000, 260000, REASON_ELECTRIC_RATED, split(CONFIG_STRATEGY_PARALLEL_RATIO, 300000));
+    assert_split(40000, 260000, REASON_ELECTRIC_RATED,
+                 split(CONFIG_STRATEGY_PARALLEL_RATIO, 300000));
     capability.regenerating = limit_init(6000, REASON_CHARGE_CURRENT);
     assert_split(6000, 44000, REASON_CHARGE_CURRENT, split(CONFIG_STRATEGY_PARALLEL_RATIO, 50000));
 }
@@ -30,9 +33,11 @@ void test_parallel_free_travel_brakes_with_the_motor_alone_up_to_its_rating(void
 {
     assert_split(30000, 0, REASON_NONE, split(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, 30000));
     assert_split(40000, 0, REASON_NONE, split(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, 40000));
-    assert_split(40000, 20000, REASON_ELECTRIC_RATED, split(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, 60000));
+    assert_split(40000, 20000, REASON_ELECTRIC_RATED,
+                 split(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, 60000));
     capability.regenerating = limit_init(15000, REASON_BUS_VOLTAGE_HIGH);
-    assert_split(15000, 45000, REASON_BUS_VOLTAGE_HIGH, split(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, 60000));
+    assert_split(15000, 45000, REASON_BUS_VOLTAGE_HIGH,
+                 split(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, 60000));
 }
 
 void test_series_optimal_never_goes_beyond_the_torque_that_returns_the_most(void)
@@ -44,14 +49,17 @@ void test_series_optimal_never_goes_beyond_the_torque_that_returns_the_most(void
 void test_the_parallel_strategies_do_not_know_the_optimum(void)
 {
     capability.optimal = limit_init(1000, REASON_LOSS_OPTIMUM);
-    assert_split(40000, 20000, REASON_ELECTRIC_RATED, split(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, 60000));
+    assert_split(40000, 20000, REASON_ELECTRIC_RATED,
+                 split(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, 60000));
 }
 
 void test_what_is_available_does_not_depend_on_how_much_is_demanded_where_no_share_is_fixed(void)
 {
     for (int32_t demand_mNm = 0; demand_mNm <= 100000; demand_mNm += 10000) {
-        TEST_ASSERT_EQUAL_INT32(24000, split(CONFIG_STRATEGY_SERIES_OPTIMAL, demand_mNm).available.torque_mNm);
-        TEST_ASSERT_EQUAL_INT32(40000, split(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, demand_mNm).available.torque_mNm);
+        TEST_ASSERT_EQUAL_INT32(
+            24000, split(CONFIG_STRATEGY_SERIES_OPTIMAL, demand_mNm).available.torque_mNm);
+        TEST_ASSERT_EQUAL_INT32(
+            40000, split(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, demand_mNm).available.torque_mNm);
     }
 }
 
@@ -72,7 +80,8 @@ static void random_situation(random_t *random)
     in.demand_mNm = random_between(random, 0, 300000);
     in.speed_mrad_s = random_between(random, -70000, 70000);
     in.abs_active = random_chance(random, 0.05);
-    in.permission.brake_q15 = (int16_t)(random_chance(random, 0.2) ? random_between(random, 0, Q15_ONE) : Q15_ONE);
+    in.permission.brake_q15 =
+        (int16_t)(random_chance(random, 0.2) ? random_between(random, 0, Q15_ONE) : Q15_ONE);
     in.permission.reason = REASON_PERMISSION;
 }
 
@@ -97,7 +106,8 @@ void test_the_motor_never_gets_more_than_its_limit_under_any_strategy(void)
     for (int n = 0; n < 100000; n++) {
         random_situation(&random);
         const brake_arbiter_out_t out = step();
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(capability.regenerating.torque_mNm, out.available.torque_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(capability.regenerating.torque_mNm,
+                                        out.available.torque_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(capability.regenerating.torque_mNm, out.electric_mNm);
         if (config.brake.strategy == CONFIG_STRATEGY_SERIES_OPTIMAL) {
             TEST_ASSERT_LESS_OR_EQUAL_INT32(capability.optimal.torque_mNm, out.electric_mNm);
@@ -153,7 +163,8 @@ void test_what_the_motor_gives_and_the_hydraulic_brake_adds_is_never_more_than_t
         TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.electric_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.hydraulic_mNm);
         if (out.hydraulic_mNm > 0) {
-            /* The motor still gives more than it will be asked for while it leaves: only then may it exceed. */
+            /* The motor still gives more than it will be asked for while it leaves: only then may
+             * it exceed. */
             TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, achieved_mNm + out.hydraulic_mNm);
         }
     }
@@ -161,8 +172,8 @@ void test_what_the_motor_gives_and_the_hydraulic_brake_adds_is_never_more_than_t
 
 void test_easing_off_the_pedal_does_not_make_the_hydraulic_brake_bite(void)
 {
-    /* The pedal falls from 40 to 10 Nm while the motor, which only reached 20 Nm, is still on its way down: it gives
-     * more than is demanded already. */
+    /* The pedal falls from 40 to 10 Nm while the motor, which only reached 20 Nm, is still on its
+     * way down: it gives more than is demanded already. */
     in.demand_mNm = 10000;
     in.motor_command_mNm = -40000;
     in.motor_achieved_mNm = -20000;
@@ -203,7 +214,8 @@ void test_between_the_hand_over_speeds_the_motor_fades_out_and_the_hydraulic_bra
     assert_split(0, 40000, REASON_HANDOVER, step());
 }
 
-/* Where the best torque is small the parallel strategies would otherwise return more on the last metres. */
+/* Where the best torque is small the parallel strategies would otherwise return more on the last
+ * metres. */
 void test_the_best_torque_is_kept_until_what_the_hand_over_leaves_is_smaller(void)
 {
     in.demand_mNm = 30000;
@@ -239,7 +251,8 @@ void test_a_hand_over_without_width_is_a_step_with_the_motor_above_it(void)
     assert_split(0, 40000, REASON_HANDOVER, step());
 }
 
-/* Coming to rest forwards, the torque that is still commanded is a backward one, as the torque limit would command it. */
+/* Coming to rest forwards, the torque that is still commanded is a backward one, as the torque
+ * limit would command it. */
 void test_at_standstill_a_backward_torque_is_what_is_left_of_braking(void)
 {
     in.demand_mNm = 30000;
@@ -309,7 +322,8 @@ void test_a_partial_permission_leaves_that_share_of_what_is_available(void)
     assert_split(12000, 48000, REASON_TORQUE_IMPLAUSIBLE, step());
 }
 
-void test_the_hydraulic_brake_is_not_asked_for_more_than_it_can_and_a_demand_beyond_both_is_named(void)
+void test_the_hydraulic_brake_is_not_asked_for_more_than_it_can_and_a_demand_beyond_both_is_named(
+    void)
 {
     config.brake.max_hydraulic_torque_mNm = 30000;
     in.demand_mNm = 54000; /* 24 Nm electric leave just that */

@@ -1,4 +1,6 @@
-/* The arbiter with a hydraulic brake that is late (hydraulic_model.h); the split itself: test_brake_arbiter.c. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The arbiter with a hydraulic brake that is late (hydraulic_model.h); the split itself:
+ * test_brake_arbiter.c. */
 #include <math.h>
 
 #include "random_values.h"
@@ -21,7 +23,8 @@ static void random_situation(random_t *random)
     in.demand_mNm = random_between(random, 0, 300000);
     in.speed_mrad_s = random_between(random, -70000, 70000);
     in.abs_active = random_chance(random, 0.05);
-    in.permission.brake_q15 = (int16_t)(random_chance(random, 0.2) ? random_between(random, 0, Q15_ONE) : Q15_ONE);
+    in.permission.brake_q15 =
+        (int16_t)(random_chance(random, 0.2) ? random_between(random, 0, Q15_ONE) : Q15_ONE);
     in.permission.reason = REASON_PERMISSION;
 }
 
@@ -57,7 +60,8 @@ void test_a_motor_that_may_return_takes_what_the_hydraulic_brake_has_left_and_no
     in.abs_active = false;
     for (int n = 0; n < 2000; n++) {
         const brake_arbiter_out_t out = step_with_motor();
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(60000, out.electric_mNm + hydraulic_model_torque_mNm(&state.hydraulic));
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(60000, out.electric_mNm +
+                                                   hydraulic_model_torque_mNm(&state.hydraulic));
     }
     TEST_ASSERT_INT32_WITHIN(2, 24000, driven_mNm);
     assert_split(24000, 36000, REASON_LOSS_OPTIMUM, step());
@@ -82,7 +86,8 @@ void test_whatever_happens_motor_and_estimated_hydraulic_brake_end_at_the_demand
         }
         /* The estimate rests where a 64th of a mN m is less than the lag has steps: 301/64. */
         TEST_ASSERT_INT32_WITHIN(5, in.demand_mNm, driven_mNm + out.hydraulic_mNm);
-        TEST_ASSERT_INT32_WITHIN(5, in.demand_mNm, driven_mNm + hydraulic_model_torque_mNm(&state.hydraulic));
+        TEST_ASSERT_INT32_WITHIN(5, in.demand_mNm,
+                                 driven_mNm + hydraulic_model_torque_mNm(&state.hydraulic));
     }
 }
 
@@ -95,16 +100,18 @@ void test_the_hydraulic_command_goes_ahead_of_a_falling_limit_by_dead_time_and_l
     for (int n = 0; n <= 1500; n++) { /* 20 N m/s */
         capability.optimal = limit_init(50000 - 20 * n, REASON_LOSS_OPTIMUM);
         out = step_with_motor();
-        if (n > 500) { /* the limit's low-pass has come to its lag of 64 ms; the estimate's to its own */
-            TEST_ASSERT_INT32_WITHIN(150, 30000, driven_mNm + hydraulic_model_torque_mNm(&state.hydraulic));
+        if (n > 500) { /* the limit's low-pass has come to its lag of 64 ms; the estimate's to its
+                          own */
+            TEST_ASSERT_INT32_WITHIN(150, 30000,
+                                     driven_mNm + hydraulic_model_torque_mNm(&state.hydraulic));
         }
     }
     /* 20 N m are left: 10 of 30, and 2 N m for the 100 ms. */
     TEST_ASSERT_INT32_WITHIN(60, 10000 + 2000, out.hydraulic_mNm);
 }
 
-/* A low-pass is behind a ramp by slope * tau (1 - exp(-t/tau)): one time constant of 64 ms after a limit has begun to fall the
- * command leads by 63 % of dead time and lag, after two by 86 %. */
+/* A low-pass is behind a ramp by slope * tau (1 - exp(-t/tau)): one time constant of 64 ms after a
+ * limit has begun to fall the command leads by 63 % of dead time and lag, after two by 86 %. */
 void test_how_a_limit_falls_is_known_after_64_ms(void)
 {
     late_hydraulic_brake();
@@ -146,7 +153,8 @@ void test_a_motor_whose_torque_cannot_grow_is_not_waited_for(void)
     TEST_ASSERT_EQUAL_INT32(14000, step().hydraulic_mNm);
 }
 
-/* The hydraulic brake stands in for half of the motor; that must not become a reason to ask the motor for less. */
+/* The hydraulic brake stands in for half of the motor; that must not become a reason to ask the
+ * motor for less. */
 void test_a_lasting_shortfall_is_filled_and_stays_filled(void)
 {
     late_hydraulic_brake();

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
 #include "paper_vehicle.h"
@@ -11,7 +12,8 @@
 static config_t config;
 static capability_input_t world;
 
-/* 53 V, cool, a battery that takes and gives whatever it is asked for: what is left are the motor's own limits. */
+/* 53 V, cool, a battery that takes and gives whatever it is asked for: what is left are the motor's
+ * own limits. */
 void setUp(void)
 {
     config = paper_vehicle_without_i_d();
@@ -47,11 +49,13 @@ static void assert_limit(int32_t expected_mNm, reason_t reason, limit_t limit)
     TEST_ASSERT_EQUAL_INT(reason, limit.reason);
 }
 
-/* Airgap torque magnitude, mNm, at which the power at the terminals is power_w (negative: returned), smaller root of
- * 3/2 (A x^2 + B x) = P at i_d = 0; by bisection on the circuit, not by the formula. */
+/* Airgap torque magnitude, mNm, at which the power at the terminals is power_w (negative:
+ * returned), smaller root of 3/2 (A x^2 + B x) = P at i_d = 0; by bisection on the circuit, not by
+ * the formula. */
 static double torque_at_power_mNm(double rpm, double power_w)
 {
-    const reference_motor_t motor = reference_motor(&config, mrad_s_of_rpm(rpm), world.winding_temperature_cC);
+    const reference_motor_t motor =
+        reference_motor(&config, mrad_s_of_rpm(rpm), world.winding_temperature_cC);
     const double idle_qt = -motor.w_rad_s * motor.psi_wb * motor.iron_siemens;
     double near_a = idle_qt; /* about no terminal current */
     double far_a = power_w < 0.0 ? -200.0 : 200.0;
@@ -79,9 +83,10 @@ void test_below_its_speed_the_loss_optimum_bounds_only_the_optimal_limit(void)
     assert_limit(40000, REASON_MAX_TORQUE, out.driving);
     assert_limit(40000, REASON_MAX_TORQUE, out.regenerating);
     TEST_ASSERT_EQUAL_INT(REASON_LOSS_OPTIMUM, out.optimal.reason);
-    TEST_ASSERT_EQUAL_INT32(regen_map_torque_mNm(&config, mrad_s_of_rpm(50.0), 2500), out.optimal.torque_mNm);
-    /* 24.19 Nm at 25 degC (physics section 6). Three temperatures leave the interpolated torque up to 5 % off, which
-     * costs its square, a quarter of a per cent, of the returned power. */
+    TEST_ASSERT_EQUAL_INT32(regen_map_torque_mNm(&config, mrad_s_of_rpm(50.0), 2500),
+                            out.optimal.torque_mNm);
+    /* 24.19 Nm at 25 degC (physics section 6). Three temperatures leave the interpolated torque up
+     * to 5 % off, which costs its square, a quarter of a per cent, of the returned power. */
     TEST_ASSERT_INT32_WITHIN(24190 / 20, 24190, out.optimal.torque_mNm);
 }
 
@@ -116,7 +121,8 @@ void test_the_charge_current_of_the_pack_is_shared_and_bounds_only_braking(void)
 {
     world.bms_charge_current_mA = 40000; /* four wheels: 10 A * 53 V = 530 W each */
     const capability_t out = at_rpm(300.0);
-    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -530.0)), REASON_CHARGE_CURRENT, out.regenerating);
+    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -530.0)), REASON_CHARGE_CURRENT,
+                 out.regenerating);
     assert_limit(40000, REASON_MAX_TORQUE, out.driving);
 }
 
@@ -124,13 +130,15 @@ void test_the_configured_charge_current_bounds_what_the_battery_offers(void)
 {
     config.battery.max_charge_current_mA = 8000; /* 424 W */
     const capability_t out = at_rpm(300.0);
-    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -424.0)), REASON_CHARGE_CURRENT, out.regenerating);
+    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -424.0)), REASON_CHARGE_CURRENT,
+                 out.regenerating);
 }
 
 void test_with_hall_sensors_the_charge_limit_keeps_back_what_the_open_angle_may_return(void)
 {
-    /* 640 r/min: w = 1541.5 rad/s, 31.45 V; at 20 kHz the angle is open by 1541.5/40000 = 38.5 mrad. With 40 A across,
-     * 3/2 * 31.45 V * 40 A * 0.0385 = 72.7 W less may be asked for: at 10 A of 53 V, a seventh. */
+    /* 640 r/min: w = 1541.5 rad/s, 31.45 V; at 20 kHz the angle is open by 1541.5/40000 = 38.5
+     * mrad. With 40 A across, 3/2 * 31.45 V * 40 A * 0.0385 = 72.7 W less may be asked for: at 10 A
+     * of 53 V, a seventh. */
     config.battery.max_charge_current_mA = 10000;
     world.i_d_weakening_mA = -40000;
     config.rotor.sensor = CONFIG_ROTOR_HALL;
@@ -150,7 +158,8 @@ void test_with_hall_sensors_the_charge_limit_keeps_back_what_the_open_angle_may_
 
 void test_a_full_battery_leaves_only_the_drag_that_returns_nothing(void)
 {
-    /* At 300 r/min iron drags with 1.778 Nm at no terminal current: it heats the motor, not the battery. */
+    /* At 300 r/min iron drags with 1.778 Nm at no terminal current: it heats the motor, not the
+     * battery. */
     world.bms_charge_current_mA = 0;
     assert_limit(1778, REASON_CHARGE_CURRENT, at_rpm(300.0).regenerating);
     world.bms_charge_current_mA = INT32_MIN;
@@ -159,8 +168,9 @@ void test_a_full_battery_leaves_only_the_drag_that_returns_nothing(void)
 
 void test_a_full_battery_does_not_forbid_to_hold_a_vehicle_that_rolls_back(void)
 {
-    /* At 0.2 rad/s the EMF is 94 mV: 3/2 * 0.094^2/(4 * 0.031) = 0.11 W at the most, less than the inverter burns.
-     * Refusing torque for that would let a vehicle on a slope run away backwards. */
+    /* At 0.2 rad/s the EMF is 94 mV: 3/2 * 0.094^2/(4 * 0.031) = 0.11 W at the most, less than the
+     * inverter burns. Refusing torque for that would let a vehicle on a slope run away backwards.
+     */
     world.bms_charge_current_mA = 0;
     assert_limit(40000, REASON_MAX_TORQUE, at_speed(-200).regenerating);
     assert_limit(40000, REASON_MAX_TORQUE, at_speed(200).regenerating);
@@ -169,12 +179,14 @@ void test_a_full_battery_does_not_forbid_to_hold_a_vehicle_that_rolls_back(void)
 
 void test_a_bus_near_its_upper_voltage_folds_the_charge_current_back(void)
 {
-    /* Half-way between 57.232 V and 58.4 V: half of 50 A at 57.816 V is 1445.4 W, once the motor is there. */
+    /* Half-way between 57.232 V and 58.4 V: half of 50 A at 57.816 V is 1445.4 W, once the motor is
+     * there. */
     world.command_mNm = -(int32_t)lround(torque_at_power_mNm(450.0, -1445.4));
     world.voltage_high = true;
     world.bus_voltage_mV = (config.battery.foldback_voltage_mV + config.battery.max_voltage_mV) / 2;
     const capability_t half = at_rpm(450.0);
-    assert_limit((int32_t)lround(torque_at_power_mNm(450.0, -1445.4)), REASON_BUS_VOLTAGE_HIGH, half.regenerating);
+    assert_limit((int32_t)lround(torque_at_power_mNm(450.0, -1445.4)), REASON_BUS_VOLTAGE_HIGH,
+                 half.regenerating);
     assert_limit(40000, REASON_MAX_TORQUE, half.driving);
     world.bus_voltage_mV = config.battery.max_voltage_mV;
     world.command_mNm = 0;
@@ -187,18 +199,21 @@ void test_the_discharge_current_of_the_pack_is_shared_and_bounds_driving(void)
 {
     world.bms_discharge_current_mA = 40000; /* 530 W each */
     const capability_t out = at_rpm(300.0);
-    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, 530.0)), REASON_DISCHARGE_CURRENT, out.driving);
+    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, 530.0)), REASON_DISCHARGE_CURRENT,
+                 out.driving);
     assert_limit(40000, REASON_MAX_TORQUE, out.regenerating);
 }
 
 void test_a_bus_near_its_lower_voltage_folds_the_discharge_current_back(void)
 {
-    /* The fold-back is as wide as the upper one, 1.168 V above 40 V; half of 62.5 A at 40.584 V is 1268.3 W. */
+    /* The fold-back is as wide as the upper one, 1.168 V above 40 V; half of 62.5 A at 40.584 V is
+     * 1268.3 W. */
     world.command_mNm = (int32_t)lround(torque_at_power_mNm(300.0, 1268.25));
     world.voltage_low = true;
     world.bus_voltage_mV = 40584;
     const capability_t half = at_rpm(300.0);
-    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, 1268.25)), REASON_BUS_VOLTAGE_LOW, half.driving);
+    assert_limit((int32_t)lround(torque_at_power_mNm(300.0, 1268.25)), REASON_BUS_VOLTAGE_LOW,
+                 half.driving);
     assert_limit(40000, REASON_MAX_TORQUE, half.regenerating);
     world.bus_voltage_mV = 40000;
     world.command_mNm = 0;
@@ -208,8 +223,8 @@ void test_a_bus_near_its_lower_voltage_folds_the_discharge_current_back(void)
     assert_limit(0, REASON_BUS_VOLTAGE_LOW, at_rpm(300.0).driving);
 }
 
-/* Against the rotation the power returned grows to the optimum, falls, and beyond T_zero is drawn: at 5 r/min 40 Nm take
- * 3/2 0.031 56.8^2 = 150 W of copper and give 21 W. */
+/* Against the rotation the power returned grows to the optimum, falls, and beyond T_zero is drawn:
+ * at 5 r/min 40 Nm take 3/2 0.031 56.8^2 = 150 W of copper and give 21 W. */
 void test_braking_that_draws_power_obeys_the_discharge_limit(void)
 {
     assert_limit(40000, REASON_MAX_TORQUE, at_rpm(5.0).regenerating);
@@ -217,7 +232,8 @@ void test_braking_that_draws_power_obeys_the_discharge_limit(void)
     const capability_t out = at_rpm(5.0);
     TEST_ASSERT_EQUAL_INT(REASON_DISCHARGE_CURRENT, out.regenerating.reason);
     const motor_model_t model = motor_model_at(&config, mrad_s_of_rpm(5.0), 2500);
-    const motor_current_t i = current_reference_unlimited(&config, &model, -out.regenerating.torque_mNm, 0);
+    const motor_current_t i =
+        current_reference_unlimited(&config, &model, -out.regenerating.torque_mNm, 0);
     TEST_ASSERT_INT32_WITHIN(300, 53000, motor_model_power_mW(&model, i));
     /* Where braking returns power it costs nothing to have no discharge current at all. */
     world.bms_discharge_current_mA = 0;
@@ -245,8 +261,9 @@ void test_hot_switches_derate_both_directions(void)
 
 void test_the_speed_limit_cuts_the_drive_and_never_the_brake(void)
 {
-    /* The drive fades over the last 1/32 of 67.021 rad/s, from 64.927 on; half at 65.974, where 2094 W leave more than
-     * half of 40 Nm. The brake goes on at the power limit, 2094 W / 65.974 and, beyond the limit, / 80. */
+    /* The drive fades over the last 1/32 of 67.021 rad/s, from 64.927 on; half at 65.974, where
+     * 2094 W leave more than half of 40 Nm. The brake goes on at the power limit, 2094 W / 65.974
+     * and, beyond the limit, / 80. */
     const capability_t half = at_speed(65974);
     assert_limit(20000, REASON_MAX_SPEED, half.driving);
     assert_limit(31740, REASON_MAX_POWER, half.regenerating);
@@ -317,7 +334,8 @@ void test_a_worse_battery_never_allows_more(void)
         world.bms_discharge_current_mA -= random_between(&random, 0, 50000);
         const capability_t after = at_speed(speed_mrad_s);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.driving.torque_mNm, after.driving.torque_mNm);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(before.regenerating.torque_mNm, after.regenerating.torque_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(before.regenerating.torque_mNm,
+                                        after.regenerating.torque_mNm);
     }
 }
 
@@ -328,7 +346,8 @@ void test_hotter_switches_and_a_hotter_winding_never_allow_more_torque(void)
     random_t random = random_seeded(4);
     for (int n = 0; n < 20000; n++) {
         random_world(&random);
-        world.bms_charge_current_mA = 1000000; /* heat lowers the returned power, so the charge limit relaxes */
+        world.bms_charge_current_mA =
+            1000000; /* heat lowers the returned power, so the charge limit relaxes */
         world.bms_discharge_current_mA = 1000000;
         world.bus_voltage_mV = 53000;
         const int32_t speed_mrad_s = random_between(&random, -60000, 60000);
@@ -337,7 +356,8 @@ void test_hotter_switches_and_a_hotter_winding_never_allow_more_torque(void)
         world.switch_temperature_cC += random_between(&random, 0, 5000);
         const capability_t after = at_speed(speed_mrad_s);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.driving.torque_mNm, after.driving.torque_mNm);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(before.regenerating.torque_mNm, after.regenerating.torque_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(before.regenerating.torque_mNm,
+                                        after.regenerating.torque_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.optimal.torque_mNm, after.optimal.torque_mNm);
     }
 }
@@ -351,14 +371,17 @@ void test_no_permitted_braking_torque_charges_the_battery_beyond_its_limit(void)
         world.winding_temperature_cC = random_between(&random, -2000, 13000);
         const int32_t speed_mrad_s = random_between(&random, 900, 67000);
         const limit_t limit = at_speed(speed_mrad_s).regenerating;
-        const reference_motor_t motor = reference_motor(&config, speed_mrad_s, world.winding_temperature_cC);
+        const reference_motor_t motor =
+            reference_motor(&config, speed_mrad_s, world.winding_temperature_cC);
         const double torque_nm = random_fraction(&random) * limit.torque_mNm * 1e-3;
         const double i_qt = -torque_nm / (1.5 * motor.pole_pairs * motor.psi_wb);
         const double returned_w = -reference_point_without_i_d(&motor, i_qt).power_w;
-        const double share_ma = fmin(world.bms_charge_current_mA / 4.0, config.battery.max_charge_current_mA);
+        const double share_ma =
+            fmin(world.bms_charge_current_mA / 4.0, config.battery.max_charge_current_mA);
         const double allowed_w = share_ma * 1e-3 * world.bus_voltage_mV * 1e-3;
-        /* Currents in whole milliamperes and voltages in whole millivolts: half a watt of two thousand; and the speed
-         * below which charging is not worth limiting, 0.1 % of the largest power. */
+        /* Currents in whole milliamperes and voltages in whole millivolts: half a watt of two
+         * thousand; and the speed below which charging is not worth limiting, 0.1 % of the largest
+         * power. */
         TEST_ASSERT_TRUE(returned_w <= allowed_w + 0.5 + 2.1);
     }
 }

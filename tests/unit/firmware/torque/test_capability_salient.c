@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
 #include "paper_vehicle.h"
@@ -34,14 +35,17 @@ static capability_t at_speed(int32_t speed_mrad_s)
 
 /* ---- a salient motor, with the i_d of its map and whatever field weakening adds ---- */
 
-/* The power at the terminals, W, of a shaft torque as the current reference makes it: from the circuit, in double precision. */
+/* The power at the terminals, W, of a shaft torque as the current reference makes it: from the
+ * circuit, in double precision. */
 static double power_of_torque_w(const motor_model_t *model, int32_t torque_mNm)
 {
-    const motor_current_t i = current_reference_unlimited(&config, model, torque_mNm, world.i_d_weakening_mA);
-    const reference_motor_t m = reference_motor(&config, model->speed_mrad_s, world.winding_temperature_cC);
+    const motor_current_t i =
+        current_reference_unlimited(&config, model, torque_mNm, world.i_d_weakening_mA);
+    const reference_motor_t m =
+        reference_motor(&config, model->speed_mrad_s, world.winding_temperature_cC);
     const double g = m.w_rad_s * m.iron_siemens;
-    const double i_qt_a =
-        (i.q_mA * 1e-3 - g * (m.l_d_h * i.d_mA * 1e-3 + m.psi_wb)) / (1.0 + g * g * m.l_d_h * m.l_q_h);
+    const double i_qt_a = (i.q_mA * 1e-3 - g * (m.l_d_h * i.d_mA * 1e-3 + m.psi_wb)) /
+                          (1.0 + g * g * m.l_d_h * m.l_q_h);
     return reference_point(&m, i.d_mA * 1e-3 + g * m.l_q_h * i_qt_a, i_qt_a).power_w;
 }
 
@@ -59,12 +63,14 @@ static void random_salient_world(random_t *random)
 
 void test_a_salient_motor_is_allowed_what_its_best_angle_makes_of_the_phase_current(void)
 {
-    /* 250 A at standstill, by scanning the angle: the map's points are 32.8 Nm apart, which costs less than 0.5 %. */
+    /* 250 A at standstill, by scanning the angle: the map's points are 32.8 Nm apart, which costs
+     * less than 0.5 %. */
     config = salient_vehicle();
     config.motor.max_phase_current_mA = 250000;
     double best_nm = 0.0;
     for (double angle = 0.0; angle < 1.57; angle += 1e-4) {
-        best_nm = fmax(best_nm, 1.5 * 4.0 * (0.09 + 0.4e-3 * 250.0 * sin(angle)) * 250.0 * cos(angle));
+        best_nm =
+            fmax(best_nm, 1.5 * 4.0 * (0.09 + 0.4e-3 * 250.0 * sin(angle)) * 250.0 * cos(angle));
     }
     const limit_t limit = at_speed(0).driving;
     TEST_ASSERT_EQUAL_INT(REASON_PHASE_CURRENT, limit.reason);
@@ -80,8 +86,8 @@ void test_what_a_salient_motor_is_allowed_fits_into_the_current_circle(void)
     int bit = 0;
     for (int n = 0; n < 20000; n++) {
         random_salient_world(&random);
-        const motor_model_t model =
-            motor_model_at(&config, random_between(&random, -1200000, 1200000), world.winding_temperature_cC);
+        const motor_model_t model = motor_model_at(
+            &config, random_between(&random, -1200000, 1200000), world.winding_temperature_cC);
         const int32_t forward = model.speed_mrad_s >= 0 ? 1 : -1;
         const capability_t out = capability_step(&config, &model, &world);
         const limit_t limits[] = {out.driving, out.regenerating};
@@ -90,7 +96,8 @@ void test_what_a_salient_motor_is_allowed_fits_into_the_current_circle(void)
                 continue; /* field weakening alone may fill the circle */
             }
             const int32_t torque_mNm = limits[k].torque_mNm * forward * (k == 0 ? 1 : -1);
-            const motor_current_t i = current_reference_unlimited(&config, &model, torque_mNm, world.i_d_weakening_mA);
+            const motor_current_t i =
+                current_reference_unlimited(&config, &model, torque_mNm, world.i_d_weakening_mA);
             const double share = hypot(i.d_mA, i.q_mA) / config.motor.max_phase_current_mA;
             TEST_ASSERT_TRUE(share <= 1.001);
             if (limits[k].reason == REASON_PHASE_CURRENT) {
@@ -111,14 +118,16 @@ void test_no_torque_of_a_salient_motor_charges_or_drains_the_battery_beyond_its_
     int draining = 0;
     for (int n = 0; n < 20000; n++) {
         random_salient_world(&random);
-        const motor_model_t model =
-            motor_model_at(&config, random_between(&random, 60000, 1150000), world.winding_temperature_cC);
+        const motor_model_t model = motor_model_at(&config, random_between(&random, 60000, 1150000),
+                                                   world.winding_temperature_cC);
         const capability_t out = capability_step(&config, &model, &world);
         const double volts = world.bus_voltage_mV * 1e-3;
         const double returned_w = -power_of_torque_w(&model, -out.regenerating.torque_mNm);
         const double drawn_w = power_of_torque_w(&model, out.driving.torque_mNm);
-        const double most_returned_w = fmin(world.bms_charge_current_mA, 4.0 * 2000000) * 0.25e-3 * volts;
-        const double most_drawn_w = fmin(world.bms_discharge_current_mA, 4.0 * 2000000) * 0.25e-3 * volts;
+        const double most_returned_w =
+            fmin(world.bms_charge_current_mA, 4.0 * 2000000) * 0.25e-3 * volts;
+        const double most_drawn_w =
+            fmin(world.bms_discharge_current_mA, 4.0 * 2000000) * 0.25e-3 * volts;
         /* 0.1 % of the 80 kW the motor has: roundings, and what is not worth limiting. */
         TEST_ASSERT_TRUE(returned_w <= most_returned_w + 80.0);
         if (out.regenerating.reason == REASON_CHARGE_CURRENT && returned_w > 0.0) {

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
 #include "paper_vehicle.h"
@@ -35,8 +36,8 @@ void test_without_a_map_all_of_the_current_is_in_the_quadrature_axis(void)
 
 void test_the_iron_current_is_added_to_the_torque_current(void)
 {
-    /* 300 r/min: 30 Nm / 0.7038 = 42.626 A make the torque, times 1 + a^2 = 1.0000886, and 2.5260 A go through the iron:
-     * 45.156 A driving, -40.104 A braking. */
+    /* 300 r/min: 30 Nm / 0.7038 = 42.626 A make the torque, times 1 + a^2 = 1.0000886, and 2.5260 A
+     * go through the iron: 45.156 A driving, -40.104 A braking. */
     TEST_ASSERT_INT32_WITHIN(20, 45156, reference(mrad_s_of_rpm(300.0), 30000).i_q_mA);
     TEST_ASSERT_INT32_WITHIN(20, -40104, reference(mrad_s_of_rpm(300.0), -30000).i_q_mA);
 }
@@ -61,11 +62,13 @@ void test_i_d_is_the_map_s_at_the_torque_of_the_airgap(void)
     }
 }
 
-/* Airgap torque, mNm, of terminal currents: the circuit's two equations solved in double precision. */
+/* Airgap torque, mNm, of terminal currents: the circuit's two equations solved in double precision.
+ */
 static double torque_of(const reference_motor_t *m, double i_d_a, double i_q_a)
 {
     const double g = m->w_rad_s * m->iron_siemens;
-    const double i_qt_a = (i_q_a - g * (m->l_d_h * i_d_a + m->psi_wb)) / (1.0 + g * g * m->l_d_h * m->l_q_h);
+    const double i_qt_a =
+        (i_q_a - g * (m->l_d_h * i_d_a + m->psi_wb)) / (1.0 + g * g * m->l_d_h * m->l_q_h);
     return reference_point(m, i_d_a + g * m->l_q_h * i_qt_a, i_qt_a).torque_nm * 1e3;
 }
 
@@ -94,20 +97,24 @@ void test_the_torque_is_the_one_asked_for_whatever_field_weakening_adds(void)
 
 void test_a_motor_without_saliency_needs_the_same_i_q_for_any_i_d_but_for_the_iron(void)
 {
-    /* cross_d = w L / R_i = 9411 ppm at 300 r/min: 20 A of i_d take 0.188 A of the iron current away. */
+    /* cross_d = w L / R_i = 9411 ppm at 300 r/min: 20 A of i_d take 0.188 A of the iron current
+     * away. */
     TEST_ASSERT_INT32_WITHIN(20, 45156 - 188, weakened(mrad_s_of_rpm(300.0), 30000, -20000).i_q_mA);
 }
 
 void test_the_reference_leaves_to_the_fast_reach_what_it_adds_itself(void)
 {
     config = salient_vehicle();
-    TEST_ASSERT_EQUAL_INT32(reference(100000, 50000).i_d_mA, weakened(100000, 50000, -40000).i_d_mA);
-    TEST_ASSERT_EQUAL_INT32(reference(100000, 50000).i_d_mA, weakened(100000, 50000, 40000).i_d_mA); /* never adds */
+    TEST_ASSERT_EQUAL_INT32(reference(100000, 50000).i_d_mA,
+                            weakened(100000, 50000, -40000).i_d_mA);
+    TEST_ASSERT_EQUAL_INT32(reference(100000, 50000).i_d_mA,
+                            weakened(100000, 50000, 40000).i_d_mA); /* never adds */
 }
 
 void test_map_and_field_weakening_together_stay_above_the_larger_of_the_two(void)
 {
-    /* Field weakening may take 121.2 A of 500 A; the map wants less for 50 Nm and more for 200 Nm. */
+    /* Field weakening may take 121.2 A of 500 A; the map wants less for 50 Nm and more for 200 Nm.
+     */
     config = salient_vehicle();
     const int32_t most_mA = 121216;
     const int32_t little_mA = reference(100000, 50000).i_d_mA;
@@ -149,7 +156,8 @@ void test_where_the_current_limit_bites_the_torque_shrinks_and_keeps_its_sign(vo
         const int32_t weakening_mA = -random_between(&random, 0, 121000);
         const current_reference_t out = weakened(speed_mrad_s, torque_mNm, weakening_mA);
         const double flows_mA = (double)out.i_d_mA + weakening_mA;
-        TEST_ASSERT_TRUE(length_mA(flows_mA, out.i_q_mA) <= config.motor.max_phase_current_mA + 1.0);
+        TEST_ASSERT_TRUE(length_mA(flows_mA, out.i_q_mA) <=
+                         config.motor.max_phase_current_mA + 1.0);
         if (out.limited) {
             limited++;
             const reference_motor_t motor = reference_motor(&config, speed_mrad_s, 2500);
@@ -164,7 +172,8 @@ void test_where_the_current_limit_bites_the_torque_shrinks_and_keeps_its_sign(vo
 
 void test_an_impossible_torque_still_gets_most_of_what_the_circle_holds(void)
 {
-    /* Ten times the torque: the map's i_d of its last point alone would fill the circle, and leave a motor without i_q. */
+    /* Ten times the torque: the map's i_d of its last point alone would fill the circle, and leave
+     * a motor without i_q. */
     config = salient_vehicle();
     config.motor.max_phase_current_mA = 200000;
     const current_reference_t out = reference(0, 2200000);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "torque/demand.h"
@@ -94,10 +95,12 @@ void test_any_number_a_message_can_hold_gives_a_demand_in_range(void)
 {
     random_t random = random_seeded(3);
     for (int n = 0; n < 100000; n++) {
-        const demand_t out = demand_step(&state, &config, (int32_t)random_u64(&random), (int32_t)random_u64(&random),
-                                         (uint32_t)random_between(&random, 0, 200));
+        const demand_t out =
+            demand_step(&state, &config, (int32_t)random_u64(&random), (int32_t)random_u64(&random),
+                        (uint32_t)random_between(&random, 0, 200));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.brake_mNm);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(100000000, out.brake_mNm); /* 100 kNm, far above any wheel's */
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(100000000,
+                                        out.brake_mNm); /* 100 kNm, far above any wheel's */
         TEST_ASSERT_INT32_WITHIN(100000000, 0, out.drive_mNm);
         TEST_ASSERT_TRUE(out.brake_mNm == 0 || out.drive_mNm == 0);
     }
@@ -106,6 +109,7 @@ void test_any_number_a_message_can_hold_gives_a_demand_in_range(void)
 void test_the_rate_is_the_configured_one_and_never_nothing(void)
 {
     TEST_ASSERT_EQUAL_INT32(400, demand_rate_mNm_per_step(&config));
-    config.brake.torque_rate_mNm_s = 100; /* a tenth of a step's resolution: torque must still be able to change */
+    config.brake.torque_rate_mNm_s =
+        100; /* a tenth of a step's resolution: torque must still be able to change */
     TEST_ASSERT_EQUAL_INT32(1, demand_rate_mNm_per_step(&config));
 }

@@ -1,4 +1,6 @@
-/* Near the ends of the battery's voltage: the line in the steady state, and a calm way to it with any pack. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Near the ends of the battery's voltage: the line in the steady state, and a calm way to it with
+ * any pack. */
 #include "torque/foldback.h"
 
 #include <math.h>
@@ -37,8 +39,9 @@ void test_beside_the_line_it_moves_towards_it_without_crossing(void)
     }
 }
 
-/* A pack of any resistance behind it, torque that takes effect two steps later and no faster than 0.6 A a step, a driver who
- * wants all there is. No cycle: after a second and a half the current stands still, on the line. */
+/* A pack of any resistance behind it, torque that takes effect two steps later and no faster than
+ * 0.6 A a step, a driver who wants all there is. No cycle: after a second and a half the current
+ * stands still, on the line. */
 void test_with_any_pack_the_current_comes_to_rest_on_the_line(void)
 {
     for (double r_ohm = 0.02; r_ohm < 3.0; r_ohm *= 1.5) {
@@ -56,8 +59,9 @@ void test_with_any_pack_the_current_comes_to_rest_on_the_line(void)
             const int32_t inside_mV = (int32_t)lround(1e3 * (volts - 40.0));
             const bool near = foldback_near(&near_steps, inside_mV, LOW.width_mV);
             const int32_t allowed_mA = foldback_current_mA(&LOW, near, inside_mV, command_mA);
-            command_mA +=
-                allowed_mA > command_mA + 600 ? 600 : (allowed_mA < command_mA - 600 ? -600 : allowed_mA - command_mA);
+            command_mA += allowed_mA > command_mA + 600
+                              ? 600
+                              : (allowed_mA < command_mA - 600 ? -600 : allowed_mA - command_mA);
             if (n >= 2000) {
                 lowest_mA = fmin(lowest_mA, command_mA);
                 highest_mA = fmax(highest_mA, command_mA);

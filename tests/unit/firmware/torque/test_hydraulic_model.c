@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
 #include "paper_vehicle.h"
@@ -39,7 +40,8 @@ void test_then_the_torque_follows_like_a_first_order_lag_both_ways(void)
     for (int n = 1; n <= 600; n++) {
         const int32_t torque_mNm = after(1, 50000);
         const double expected = n <= 40 ? 0.0 : 50000.0 * (1.0 - exp(-(n - 40) / 60.0));
-        TEST_ASSERT_DOUBLE_WITHIN(500.0, expected, torque_mNm); /* the step of 1 ms: half of it of 60 */
+        TEST_ASSERT_DOUBLE_WITHIN(500.0, expected,
+                                  torque_mNm); /* the step of 1 ms: half of it of 60 */
     }
     for (int n = 1; n <= 600; n++) {
         const int32_t torque_mNm = after(1, 0);

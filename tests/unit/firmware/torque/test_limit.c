@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "random_values.h"
 #include "torque/limit.h"
 #include "unity.h"
@@ -81,8 +82,8 @@ void test_derating_never_lets_a_limit_grow(void)
 
 void test_a_fade_is_whole_on_one_side_nothing_on_the_other_and_linear_between(void)
 {
-    /* Falling with x, as for temperature: full at 100, nothing at 200. A quarter of the way leaves three quarters:
-     * 0.75 * 32767 = 24575.25, rounded towards zero. */
+    /* Falling with x, as for temperature: full at 100, nothing at 200. A quarter of the way leaves
+     * three quarters: 0.75 * 32767 = 24575.25, rounded towards zero. */
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(100, 100, 200));
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(INT32_MIN, 100, 200));
     TEST_ASSERT_EQUAL_INT32(24575, limit_fade_q15(125, 100, 200));
@@ -99,8 +100,10 @@ void test_a_fade_is_whole_on_one_side_nothing_on_the_other_and_linear_between(vo
 void test_a_fade_never_rises_on_the_way_to_nothing(void)
 {
     for (int32_t x = 90; x < 210; x++) {
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(limit_fade_q15(x + 1, 100, 200), limit_fade_q15(x, 100, 200));
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(limit_fade_q15(x, 200, 100), limit_fade_q15(x + 1, 200, 100));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(limit_fade_q15(x + 1, 100, 200),
+                                           limit_fade_q15(x, 100, 200));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(limit_fade_q15(x, 200, 100),
+                                           limit_fade_q15(x + 1, 200, 100));
     }
 }
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
 #include "paper_vehicle.h"
@@ -33,7 +34,8 @@ static motor_current_t currents_of(const reference_point_t *point)
 static double friction_mNm(const config_t *config, double speed_mrad_s)
 {
     const double share = fmax(-1.0, fmin(1.0, speed_mrad_s / 500.0));
-    return config->motor.friction_torque_mNm * share + config->motor.viscous_friction_uNm_s * speed_mrad_s * 1e-6;
+    return config->motor.friction_torque_mNm * share +
+           config->motor.viscous_friction_uNm_s * speed_mrad_s * 1e-6;
 }
 
 static void compare_torque_at_random_currents(const config_t *config, uint64_t seed)
@@ -45,13 +47,14 @@ static void compare_torque_at_random_currents(const config_t *config, uint64_t s
         const int32_t speed_mrad_s = random_between(&random, -top, top);
         const int32_t temperature_cC = random_between(&random, -2000, 15000);
         const reference_motor_t motor = reference_motor(config, speed_mrad_s, temperature_cC);
-        const reference_point_t point =
-            reference_point(&motor, random_real(&random, -most_a, most_a), random_real(&random, -most_a, most_a));
+        const reference_point_t point = reference_point(
+            &motor, random_real(&random, -most_a, most_a), random_real(&random, -most_a, most_a));
 
         const motor_model_t model = motor_model_at(config, speed_mrad_s, temperature_cC);
         const int32_t torque_mNm = motor_model_torque_mNm(&model, config, currents_of(&point));
         TEST_ASSERT_DOUBLE_WITHIN(torque_tolerance_mNm(config),
-                                  point.torque_nm * 1e3 - friction_mNm(config, speed_mrad_s), torque_mNm);
+                                  point.torque_nm * 1e3 - friction_mNm(config, speed_mrad_s),
+                                  torque_mNm);
     }
 }
 
@@ -85,12 +88,14 @@ static void compare_current_of_random_torques(const config_t *config, uint64_t s
         const int32_t speed_mrad_s = random_between(&random, -top, top);
         const int32_t temperature_cC = random_between(&random, -2000, 15000);
         const reference_motor_t motor = reference_motor(config, speed_mrad_s, temperature_cC);
-        const reference_point_t point = reference_point_without_i_d(&motor, random_real(&random, -most_a, most_a));
+        const reference_point_t point =
+            reference_point_without_i_d(&motor, random_real(&random, -most_a, most_a));
         TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, point.i_d_a);
 
         const motor_model_t model = motor_model_at(config, speed_mrad_s, temperature_cC);
         const double shaft_mNm = point.torque_nm * 1e3 - friction_mNm(config, speed_mrad_s);
-        const int32_t current_mA = motor_model_current_q_mA(&model, config, (int32_t)lround(shaft_mNm), 0);
+        const int32_t current_mA =
+            motor_model_current_q_mA(&model, config, (int32_t)lround(shaft_mNm), 0);
         TEST_ASSERT_DOUBLE_WITHIN(CURRENT_TOLERANCE_mA, point.i_q_a * 1e3, current_mA);
     }
 }
@@ -107,8 +112,8 @@ void test_the_current_of_any_torque_of_a_salient_motor_is_that_of_the_circuit(vo
     compare_current_of_random_torques(&config, 22);
 }
 
-/* With any i_d that leaves most of the flux: from random torque currents; the other way round there are two roots,
- * and the one meant is the one that goes to nothing with the torque. */
+/* With any i_d that leaves most of the flux: from random torque currents; the other way round there
+ * are two roots, and the one meant is the one that goes to nothing with the torque. */
 static void compare_current_at_any_i_d(const config_t *config, uint64_t seed)
 {
     random_t random = random_seeded(seed);
@@ -119,7 +124,8 @@ static void compare_current_at_any_i_d(const config_t *config, uint64_t seed)
         const int32_t speed_mrad_s = random_between(&random, -top, top);
         const reference_motor_t motor = reference_motor(config, speed_mrad_s, 2500);
         const double i_qt_a = random_real(&random, -most_a, most_a);
-        const reference_point_t point = reference_point(&motor, random_real(&random, -most_a, most_a), i_qt_a);
+        const reference_point_t point =
+            reference_point(&motor, random_real(&random, -most_a, most_a), i_qt_a);
         const double saliency_h = motor.l_d_h - motor.l_q_h;
         if (motor.psi_wb + saliency_h * point.i_d_a < 0.6 * motor.psi_wb) {
             continue;
@@ -128,12 +134,15 @@ static void compare_current_at_any_i_d(const config_t *config, uint64_t seed)
         const motor_model_t model = motor_model_at(config, speed_mrad_s, 2500);
         const double shaft_mNm = point.torque_nm * 1e3 - friction_mNm(config, speed_mrad_s);
         const int32_t i_d_mA = (int32_t)lround(point.i_d_a * 1e3);
-        /* What four passes leave over: the share of the flux that the iron branch moves, to the fourth. */
-        const double share = fabs(saliency_h * motor.w_rad_s * motor.l_q_h * motor.iron_siemens * i_qt_a) /
-                             (motor.psi_wb + saliency_h * point.i_d_a);
+        /* What four passes leave over: the share of the flux that the iron branch moves, to the
+         * fourth. */
+        const double share =
+            fabs(saliency_h * motor.w_rad_s * motor.l_q_h * motor.iron_siemens * i_qt_a) /
+            (motor.psi_wb + saliency_h * point.i_d_a);
         const double left_mA = 2.0 * pow(share, 4.0) * fabs(i_qt_a) * 1e3;
-        TEST_ASSERT_DOUBLE_WITHIN(CURRENT_TOLERANCE_mA + left_mA, point.i_q_a * 1e3,
-                                  motor_model_current_q_mA(&model, config, (int32_t)lround(shaft_mNm), i_d_mA));
+        TEST_ASSERT_DOUBLE_WITHIN(
+            CURRENT_TOLERANCE_mA + left_mA, point.i_q_a * 1e3,
+            motor_model_current_q_mA(&model, config, (int32_t)lround(shaft_mNm), i_d_mA));
     }
     TEST_ASSERT_GREATER_THAN_INT(ROUNDS / 2, compared);
 }
@@ -146,7 +155,8 @@ void test_the_current_of_any_torque_at_any_i_d_is_that_of_the_circuit(void)
     compare_current_at_any_i_d(&salient, 24);
 }
 
-void test_an_i_d_that_eats_the_flux_takes_much_current_of_the_right_sign_and_never_flips_the_torque(void)
+void test_an_i_d_that_eats_the_flux_takes_much_current_of_the_right_sign_and_never_flips_the_torque(
+    void)
 {
     /* psi + (L_d - L_q) i_d is nothing at 0.09 Wb / 0.4 mH = 225 A, and negative beyond. */
     const config_t config = salient_vehicle();
@@ -167,14 +177,15 @@ static void go_round(const config_t *config, uint64_t seed)
     random_t random = random_seeded(seed);
     for (int n = 0; n < ROUNDS; n++) {
         const int32_t top = config->motor.max_speed_mrad_s;
-        const motor_model_t model =
-            motor_model_at(config, random_between(&random, -top, top), random_between(&random, -2000, 15000));
+        const motor_model_t model = motor_model_at(config, random_between(&random, -top, top),
+                                                   random_between(&random, -2000, 15000));
         const int32_t most = config->motor.max_torque_mNm;
         const int32_t torque_mNm = random_between(&random, -most, most);
         const int32_t i_d_mA = random_between(&random, -config->motor.max_phase_current_mA / 2, 0);
         const int32_t current_mA = motor_model_current_q_mA(&model, config, torque_mNm, i_d_mA);
-        TEST_ASSERT_DOUBLE_WITHIN(torque_tolerance_mNm(config), torque_mNm,
-                                  motor_model_torque_mNm(&model, config, currents(i_d_mA, current_mA)));
+        TEST_ASSERT_DOUBLE_WITHIN(
+            torque_tolerance_mNm(config), torque_mNm,
+            motor_model_torque_mNm(&model, config, currents(i_d_mA, current_mA)));
     }
 }
 
@@ -188,8 +199,9 @@ void test_torque_to_current_to_torque_comes_back_to_where_it_started(void)
 
 void test_a_motor_whose_saliency_would_eat_its_flux_still_gets_a_current_of_the_right_sign(void)
 {
-    /* Iron so bad that i_dt is as large as i_qt: the linear model would run through zero flux. A quarter of the magnet's
-     * flux is counted on at least, so the current is at most four times that of the magnet alone, times 1 + a^2. */
+    /* Iron so bad that i_dt is as large as i_qt: the linear model would run through zero flux. A
+     * quarter of the magnet's flux is counted on at least, so the current is at most four times
+     * that of the magnet alone, times 1 + a^2. */
     config_t config = salient_vehicle();
     config.motor.friction_torque_mNm = 0;
     config.motor.viscous_friction_uNm_s = 0;
@@ -197,9 +209,11 @@ void test_a_motor_whose_saliency_would_eat_its_flux_still_gets_a_current_of_the_
     config.motor.iron_loss_resistance_slope_nOhm_s = 0;
     const motor_model_t model = motor_model_at(&config, 400000, 2500); /* w L_q / R_i = 1.04 */
     const double magnet_alone_mA = 200000.0 / (1.5 * 4 * 0.09);
-    const double net_mA = motor_model_current_q_mA(&model, &config, 200000, 0) - (double)model.iron_current_mA;
+    const double net_mA =
+        motor_model_current_q_mA(&model, &config, 200000, 0) - (double)model.iron_current_mA;
     TEST_ASSERT_TRUE(net_mA > 0.0);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * magnet_alone_mA, 4.0 * magnet_alone_mA * model.one_plus_a2_ppm * 1e-6, net_mA);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4 * magnet_alone_mA,
+                              4.0 * magnet_alone_mA * model.one_plus_a2_ppm * 1e-6, net_mA);
     TEST_ASSERT_TRUE(motor_model_current_q_mA(&model, &config, -200000, 0) < model.iron_current_mA);
 }
 
@@ -208,13 +222,14 @@ void test_at_standstill_the_paper_s_motor_makes_its_rated_torque_from_its_rated_
     /* 30 A rms, 42.426 A peak: 3/2 * 23 * 0.0204 * 42.426 = 29.860 Nm (physics section 1). */
     const config_t config = paper_vehicle();
     const motor_model_t model = motor_model_at(&config, 0, 2500);
-    TEST_ASSERT_INT32_WITHIN(30, 29860, motor_model_torque_mNm(&model, &config, currents(0, 42426)));
+    TEST_ASSERT_INT32_WITHIN(30, 29860,
+                             motor_model_torque_mNm(&model, &config, currents(0, 42426)));
 }
 
 void test_at_no_current_the_rotating_motor_drags_with_its_iron(void)
 {
-    /* At 300 r/min, w = 722.57: R_i = 5.8354 Ohm, w psi = 14.740 V, iron current 2.5260 A, a = w L / R_i = 0.009411;
-     * torque -3/2 * 23 * 0.0204 * 2.5260 / (1 + a^2) = -1.7776 Nm. */
+    /* At 300 r/min, w = 722.57: R_i = 5.8354 Ohm, w psi = 14.740 V, iron current 2.5260 A, a = w L
+     * / R_i = 0.009411; torque -3/2 * 23 * 0.0204 * 2.5260 / (1 + a^2) = -1.7776 Nm. */
     const config_t config = paper_vehicle();
     const motor_model_t forward = motor_model_at(&config, mrad_s_of_rpm(300.0), 2500);
     const motor_model_t backward = motor_model_at(&config, -mrad_s_of_rpm(300.0), 2500);
@@ -268,13 +283,16 @@ static void compare_voltage_and_power(const config_t *config, uint64_t seed)
         const double i_dt_a = random_real(&random, -most_a, most_a);
         const double i_qt_a = random_real(&random, -most_a, most_a);
         const reference_point_t point = reference_point(&motor, i_dt_a, i_qt_a);
-        const double u_d_v = motor.resistance_ohm * point.i_d_a - motor.w_rad_s * motor.l_q_h * i_qt_a;
-        const double u_q_v = motor.resistance_ohm * point.i_q_a + motor.w_rad_s * (motor.l_d_h * i_dt_a + motor.psi_wb);
+        const double u_d_v =
+            motor.resistance_ohm * point.i_d_a - motor.w_rad_s * motor.l_q_h * i_qt_a;
+        const double u_q_v = motor.resistance_ohm * point.i_q_a +
+                             motor.w_rad_s * (motor.l_d_h * i_dt_a + motor.psi_wb);
 
         const motor_model_t model = motor_model_at(config, speed_mrad_s, temperature_cC);
         const motor_current_t i = currents_of(&point);
         const motor_voltage_t u = motor_model_voltage(&model, i);
-        /* 3 mV, and what torque currents in whole milliamperes from ratios in whole ppm are worth in the reactance. */
+        /* 3 mV, and what torque currents in whole milliamperes from ratios in whole ppm are worth
+         * in the reactance. */
         const double volts = 3.0 + fabs(motor.w_rad_s) * motor.l_q_h * (3.0 + 3e-6 * most_a * 1e3);
         TEST_ASSERT_DOUBLE_WITHIN(volts, u_d_v * 1e3, u.d_mV);
         TEST_ASSERT_DOUBLE_WITHIN(volts, u_q_v * 1e3, u.q_mV);
@@ -293,9 +311,10 @@ void test_voltage_and_power_of_any_currents_are_those_of_the_circuit(void)
 
 void test_the_power_of_the_paper_s_motor_is_copper_iron_and_shaft(void)
 {
-    /* 300 r/min, -40.104 A: the currents of -30 Nm (see test_current_reference.c). Copper 3/2 * 0.031 * 40.104^2 = 74.79 W;
-     * iron: v = 14.740 V and i_d = 0, so 3/2 (14.740^2 + (w L i_qt)^2) / 5.8354 Ohm with w L = 54.92 mOhm, i_qt = -42.626 A,
-     * i_dt = a i_qt = -0.401 A: v_q = 14.740 - 0.022, v_d = 2.341: 57.09 W; shaft -30 Nm * 31.416 = -942.49 W. */
+    /* 300 r/min, -40.104 A: the currents of -30 Nm (see test_current_reference.c). Copper 3/2 *
+     * 0.031 * 40.104^2 = 74.79 W; iron: v = 14.740 V and i_d = 0, so 3/2 (14.740^2 + (w L i_qt)^2)
+     * / 5.8354 Ohm with w L = 54.92 mOhm, i_qt = -42.626 A, i_dt = a i_qt = -0.401 A: v_q = 14.740
+     * - 0.022, v_d = 2.341: 57.09 W; shaft -30 Nm * 31.416 = -942.49 W. */
     const config_t config = paper_vehicle();
     const motor_model_t model = motor_model_at(&config, mrad_s_of_rpm(300.0), 2500);
     TEST_ASSERT_INT32_WITHIN(100, -810610, motor_model_power_mW(&model, currents(0, -40104)));
@@ -330,8 +349,9 @@ void test_turning_speed_and_current_round_turns_the_torque_round(void)
         const int32_t i_q_mA = random_between(&random, -400000, 400000);
         const motor_model_t forward = motor_model_at(&config, speed_mrad_s, 2500);
         const motor_model_t backward = motor_model_at(&config, -speed_mrad_s, 2500);
-        TEST_ASSERT_EQUAL_INT32(motor_model_torque_mNm(&forward, &config, currents(i_d_mA, i_q_mA)),
-                                -motor_model_torque_mNm(&backward, &config, currents(i_d_mA, -i_q_mA)));
+        TEST_ASSERT_EQUAL_INT32(
+            motor_model_torque_mNm(&forward, &config, currents(i_d_mA, i_q_mA)),
+            -motor_model_torque_mNm(&backward, &config, currents(i_d_mA, -i_q_mA)));
     }
 }
 
@@ -341,7 +361,9 @@ void test_friction_opposes_either_direction_and_is_nothing_at_rest(void)
     config.motor.friction_torque_mNm = 500;
     config.motor.viscous_friction_uNm_s = 10000; /* 10 mNm at 1 rad/s */
     TEST_ASSERT_EQUAL_INT32(0, motor_model_at(&config, 0, 2500).friction_mNm);
-    TEST_ASSERT_EQUAL_INT32(700, motor_model_at(&config, 20000, 2500).friction_mNm); /* 500 + 20 * 10 */
+    TEST_ASSERT_EQUAL_INT32(700,
+                            motor_model_at(&config, 20000, 2500).friction_mNm); /* 500 + 20 * 10 */
     TEST_ASSERT_EQUAL_INT32(-700, motor_model_at(&config, -20000, 2500).friction_mNm);
-    TEST_ASSERT_EQUAL_INT32(252, motor_model_at(&config, 250, 2500).friction_mNm); /* half of 500 and 2.5 */
+    TEST_ASSERT_EQUAL_INT32(
+        252, motor_model_at(&config, 250, 2500).friction_mNm); /* half of 500 and 2.5 */
 }

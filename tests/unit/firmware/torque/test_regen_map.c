@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <stddef.h>
 
@@ -16,7 +17,8 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* A map of random heights on a grid of 5 by 4: steps of 2^10 mrad/s and 2^8 hundredths of a degree from -10 degC. */
+/* A map of random heights on a grid of 5 by 4: steps of 2^10 mrad/s and 2^8 hundredths of a degree
+ * from -10 degC. */
 static void random_map(uint64_t seed)
 {
     random_t random = random_seeded(seed);
@@ -34,13 +36,15 @@ static void random_map(uint64_t seed)
 static long double bilinear(double speed_mrad_s, double temperature_cC)
 {
     const long double s = fminl(fmaxl(fabsl((long double)speed_mrad_s) / 1024.0L, 0.0L), 4.0L);
-    const long double t = fminl(fmaxl(((long double)temperature_cC + 1000.0L) / 256.0L, 0.0L), 3.0L);
+    const long double t =
+        fminl(fmaxl(((long double)temperature_cC + 1000.0L) / 256.0L, 0.0L), 3.0L);
     const int column = s >= 4.0L ? 3 : (int)s;
     const int row = t >= 3.0L ? 2 : (int)t;
     const long double x = s - column;
     const long double y = t - row;
     const int32_t *map = config.regen_map.torque_mNm;
-    return (1.0L - x) * (1.0L - y) * map[row * 5 + column] + x * (1.0L - y) * map[row * 5 + column + 1] +
+    return (1.0L - x) * (1.0L - y) * map[row * 5 + column] +
+           x * (1.0L - y) * map[row * 5 + column + 1] +
            (1.0L - x) * y * map[(row + 1) * 5 + column] + x * y * map[(row + 1) * 5 + column + 1];
 }
 
@@ -82,7 +86,8 @@ void test_beyond_the_edges_the_nearest_edge_counts(void)
 
 void test_a_line_that_goes_on_below_zero_counts_as_no_torque(void)
 {
-    /* Regeneration begins in the middle of the first cell: -10 Nm at standstill, 10 Nm at the first point. */
+    /* Regeneration begins in the middle of the first cell: -10 Nm at standstill, 10 Nm at the first
+     * point. */
     random_map(9);
     for (int32_t t = 0; t < 4; t++) {
         int32_t *row = &config.regen_map.torque_mNm[(size_t)t * 5U];
@@ -116,7 +121,8 @@ void test_where_the_line_goes_on_below_zero_nothing_is_asked_for(void)
     }
     for (int32_t speed_mrad_s = 0; speed_mrad_s <= 1024; speed_mrad_s++) {
         const int32_t line_mNm = 2 * speed_mrad_s - 1024;
-        TEST_ASSERT_EQUAL_INT32(line_mNm > 0 ? line_mNm : 0, regen_map_torque_mNm(&config, speed_mrad_s, -1000));
+        TEST_ASSERT_EQUAL_INT32(line_mNm > 0 ? line_mNm : 0,
+                                regen_map_torque_mNm(&config, speed_mrad_s, -1000));
     }
 }
 
@@ -127,22 +133,24 @@ void test_the_map_never_leaves_the_range_of_its_points(void)
     int32_t highest = INT32_MIN;
     for (int k = 0; k < 20; k++) {
         lowest = config.regen_map.torque_mNm[k] < lowest ? config.regen_map.torque_mNm[k] : lowest;
-        highest = config.regen_map.torque_mNm[k] > highest ? config.regen_map.torque_mNm[k] : highest;
+        highest =
+            config.regen_map.torque_mNm[k] > highest ? config.regen_map.torque_mNm[k] : highest;
     }
     random_t random = random_seeded(8);
     for (int n = 0; n < 100000; n++) {
-        const int32_t torque_mNm =
-            regen_map_torque_mNm(&config, (int32_t)random_u64(&random), (int32_t)random_u64(&random));
+        const int32_t torque_mNm = regen_map_torque_mNm(&config, (int32_t)random_u64(&random),
+                                                        (int32_t)random_u64(&random));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(lowest, torque_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(highest, torque_mNm);
     }
 }
 
 /*
- * The stored points of the paper's vehicle against physics section 3, i_d = 0, in power-invariant quantities:
- *     c1 = sqrt(2/3) [(6/pi) V_f delta + 3 (k_on + k_off) f_s / pi],  c2 = R_ak delta + R_ds (1 - delta),
- *     delta = 2 t_d f_s;  A = R + R_i a^2/(1 + a^2) + c2,  B = w psi/(1 + a^2),  i_opt = -(B - c1)/(2 A).
- * Inverter of tools/motors/lu2013.toml: R_ds 3.3 mOhm, V_f 0.8 V, R_ak 5 mOhm, t_d 1 us, f_s 20 kHz, k 5 uJ/A each.
+ * The stored points of the paper's vehicle against physics section 3, i_d = 0, in power-invariant
+ * quantities: c1 = sqrt(2/3) [(6/pi) V_f delta + 3 (k_on + k_off) f_s / pi],  c2 = R_ak delta +
+ * R_ds (1 - delta), delta = 2 t_d f_s;  A = R + R_i a^2/(1 + a^2) + c2,  B = w psi/(1 + a^2), i_opt
+ * = -(B - c1)/(2 A). Inverter of tools/motors/lu2013.toml: R_ds 3.3 mOhm, V_f 0.8 V, R_ak 5 mOhm,
+ * t_d 1 us, f_s 20 kHz, k 5 uJ/A each.
  */
 static double optimal_torque_nm(const reference_motor_t *m)
 {
@@ -152,7 +160,8 @@ static double optimal_torque_nm(const reference_motor_t *m)
     const double c2 = 0.005 * dead + 0.0033 * (1.0 - dead);
     const double psi = sqrt(1.5) * m->psi_wb;
     const double iron_ohm = 1.0 / m->iron_siemens;
-    const double a2 = m->w_rad_s * m->w_rad_s * m->l_d_h * m->l_q_h * m->iron_siemens * m->iron_siemens;
+    const double a2 =
+        m->w_rad_s * m->w_rad_s * m->l_d_h * m->l_q_h * m->iron_siemens * m->iron_siemens;
     const double a = m->resistance_ohm + iron_ohm * a2 / (1.0 + a2) + c2;
     const double b = m->w_rad_s * psi / (1.0 + a2);
     const double i_qt = (-(b - c1) / (2.0 * a) - m->w_rad_s * psi * m->iron_siemens) / (1.0 + a2);
@@ -161,11 +170,12 @@ static double optimal_torque_nm(const reference_motor_t *m)
 
 void test_the_paper_s_vehicle_carries_the_optimum_at_every_point(void)
 {
-    /* The stored optimum goes with the i_d of least loss, the closed form with none. That i_d returns up to half a per cent
-     * more power, and moves the torque of the optimum, which takes far more i_q than i_d, by less than 0.03 %. */
+    /* The stored optimum goes with the i_d of least loss, the closed form with none. That i_d
+     * returns up to half a per cent more power, and moves the torque of the optimum, which takes
+     * far more i_q than i_d, by less than 0.03 %. */
     for (int32_t t = 0; t < config.regen_map.temperature_points; t++) {
-        const int32_t temperature_cC =
-            config.regen_map.temperature_origin_cC + t * (1 << config.regen_map.temperature_step_log2);
+        const int32_t temperature_cC = config.regen_map.temperature_origin_cC +
+                                       t * (1 << config.regen_map.temperature_step_log2);
         for (int32_t s = 1; s < config.regen_map.speed_points; s++) {
             const int32_t speed_mrad_s = s * (1 << config.regen_map.speed_step_log2);
             const reference_motor_t motor = reference_motor(&config, speed_mrad_s, temperature_cC);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
 #include "paper_vehicle.h"
@@ -79,8 +80,8 @@ void test_waking_up_at_speed_is_no_deceleration(void)
 
 void test_the_ripple_of_one_wheel_at_constant_speed_does_not_flash_the_lamp(void)
 {
-    /* 1 % of 60 rad/s at 30 Hz: the wheel's rim swings by 28 m/s^2. Two low-passes of 64 ms (2.5 Hz) leave 0.7 % of
-     * it, 0.2 m/s^2. */
+    /* 1 % of 60 rad/s at 30 Hz: the wheel's rim swings by 28 m/s^2. Two low-passes of 64 ms (2.5
+     * Hz) leave 0.7 % of it, 0.2 m/s^2. */
     for (int n = 0; n < 2000; n++) {
         const double ripple = 600.0 * sin(2.0 * 3.14159265358979323846 * 30.0 * n * 1e-3);
         TEST_ASSERT_FALSE(stop_lamp_step(&state, &config, (int32_t)lround(60000.0 + ripple), 0));

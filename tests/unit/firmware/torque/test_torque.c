@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 #include <string.h>
 
@@ -32,7 +33,8 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* One step of a motor whose current follows the reference: it is measured as it was last asked for. */
+/* One step of a motor whose current follows the reference: it is measured as it was last asked for.
+ */
 static torque_output_t step(void)
 {
     const torque_output_t out = torque_step(&state, &config, &in);
@@ -55,7 +57,8 @@ void test_a_driving_demand_ends_as_the_current_that_makes_it(void)
     const torque_output_t out = run(200);
     TEST_ASSERT_EQUAL_INT32(30000, out.command_mNm);
     TEST_ASSERT_INT32_WITHIN(30, 30000, out.estimate_mNm);
-    /* 42.626 A for the torque and the iron current at 150 r/min, w = 361.28: 7.3702 V / 3.6677 Ohm = 2.0095 A */
+    /* 42.626 A for the torque and the iron current at 150 r/min, w = 361.28: 7.3702 V / 3.6677 Ohm
+     * = 2.0095 A */
     TEST_ASSERT_INT32_WITHIN(20, 44636, out.current.i_q_mA);
     TEST_ASSERT_EQUAL_INT32(0, out.hydraulic_mNm);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, out.reason);
@@ -101,7 +104,8 @@ void test_while_the_motor_follows_its_rate_the_sum_of_both_brakes_never_exceeds_
         in.speed_mrad_s = in.speed_mrad_s < 0 ? 0 : in.speed_mrad_s;
         const torque_output_t out = step();
         /* What the hydraulic brake is told comes later: what counts is what it has made of it. */
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(60000, hydraulic_model_torque_mNm(&state.arbiter.hydraulic) - out.command_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(
+            60000, hydraulic_model_torque_mNm(&state.arbiter.hydraulic) - out.command_mNm);
     }
 }
 
@@ -123,7 +127,8 @@ void test_a_motor_without_current_is_replaced_by_the_hydraulic_brake(void)
     for (int n = 0; n < 200; n++) {
         out = torque_step(&state, &config, &in); /* the measured current stays nothing */
     }
-    /* Iron drags with 0.7038 Nm/A * 2.0095 A = 1.414 Nm; 2 Nm are tolerated: 30 - 1.414 - 2 = 26.586 Nm. */
+    /* Iron drags with 0.7038 Nm/A * 2.0095 A = 1.414 Nm; 2 Nm are tolerated: 30 - 1.414 - 2
+     * = 26.586 Nm. */
     TEST_ASSERT_INT32_WITHIN(20, -1414, out.estimate_mNm);
     TEST_ASSERT_INT32_WITHIN(20, 26586, out.hydraulic_mNm);
 }
@@ -194,11 +199,13 @@ void test_the_estimate_is_that_of_the_measured_current_and_not_of_the_command(vo
     TEST_ASSERT_INT32_WITHIN(30, -8452, torque_step(&state, &config, &in).estimate_mNm);
 }
 
-/* A driver, a battery and a motor of any kind, changing at random; the vehicle's mass keeps only the speed smooth. */
+/* A driver, a battery and a motor of any kind, changing at random; the vehicle's mass keeps only
+ * the speed smooth. */
 static void random_world(random_t *random)
 {
     if (random_chance(random, 0.02)) {
-        in.drive_torque_mNm = random_chance(random, 0.5) ? 0 : random_between(random, -60000, 60000);
+        in.drive_torque_mNm =
+            random_chance(random, 0.5) ? 0 : random_between(random, -60000, 60000);
         in.brake_torque_mNm = random_chance(random, 0.5) ? 0 : random_between(random, 0, 200000);
     }
     if (random_chance(random, 0.01)) {
@@ -225,8 +232,10 @@ void test_no_limit_ever_turns_a_torque_round_or_lets_it_grow_beyond_the_demand(v
     for (int n = 0; n < 200000; n++) {
         random_world(&random);
         const torque_output_t out = step();
-        const int32_t driver_mNm = in.brake_torque_mNm > 0 ? -in.brake_torque_mNm : in.drive_torque_mNm;
-        /* Forward only, so braking is negative. The command lies between where it was, nothing and the demand. */
+        const int32_t driver_mNm =
+            in.brake_torque_mNm > 0 ? -in.brake_torque_mNm : in.drive_torque_mNm;
+        /* Forward only, so braking is negative. The command lies between where it was, nothing and
+         * the demand. */
         const int32_t low = q_min(q_min(before_mNm, 0), driver_mNm);
         const int32_t high = q_max(q_max(before_mNm, 0), driver_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(low, out.command_mNm);
@@ -248,10 +257,12 @@ void test_a_braking_demand_is_met_by_the_two_brakes_together_once_the_motor_has_
         in.capability.winding_temperature_cC = random_between(&random, -2000, 16000);
         config.brake.strategy = random_between(&random, 0, 2);
         const torque_output_t out = run(110);
-        /* At the very beginning the hydraulic brake may be asked for what the motor is still on its way to. */
+        /* At the very beginning the hydraulic brake may be asked for what the motor is still on its
+         * way to. */
         const torque_output_t settled = run(600);
         TEST_ASSERT_EQUAL_INT32(in.brake_torque_mNm, settled.hydraulic_mNm - settled.command_mNm);
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(in.brake_torque_mNm, out.hydraulic_mNm - out.command_mNm);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(in.brake_torque_mNm,
+                                           out.hydraulic_mNm - out.command_mNm);
     }
 }
 
@@ -282,11 +293,12 @@ void test_no_number_from_outside_leads_to_undefined_behaviour(void)
     }
 }
 
-/* What the motor takes from the battery with the measured current, W, by circuit laws: i = i_t + v(i_t) / R_i, by iteration, which
- * shrinks an error by w L / R_i, a hundredth, every time. */
+/* What the motor takes from the battery with the measured current, W, by circuit laws: i = i_t +
+ * v(i_t) / R_i, by iteration, which shrinks an error by w L / R_i, a hundredth, every time. */
 static double drawn_w(void)
 {
-    const reference_motor_t m = reference_motor(&config, in.speed_mrad_s, in.capability.winding_temperature_cC);
+    const reference_motor_t m =
+        reference_motor(&config, in.speed_mrad_s, in.capability.winding_temperature_cC);
     double i_dt = in.current.d_mA * 1e-3;
     double i_qt = in.current.q_mA * 1e-3;
     for (int n = 0; n < 10; n++) {
@@ -298,20 +310,23 @@ static double drawn_w(void)
     return reference_point(&m, i_dt, i_qt).power_w;
 }
 
-/* Half of the fold-back's width inside the end of the voltage half of the current flows, and it is found from the torque of now.
- * Without a hydraulic brake, for which the motor would have to wait. Steps below a milliampere are none: 8 * 18.4 V * 1 mA/32 A =
- * 4.6 mV, 0.8 % of the half width; and the inverse of a power is as good as a millinewtonmetre. */
+/* Half of the fold-back's width inside the end of the voltage half of the current flows, and it is
+ * found from the torque of now. Without a hydraulic brake, for which the motor would have to wait.
+ * Steps below a milliampere are none: 8 * 18.4 V * 1 mA/32 A = 4.6 mV, 0.8 % of the half width; and
+ * the inverse of a power is as good as a millinewtonmetre. */
 void test_half_way_to_the_end_of_the_battery_s_voltage_half_of_its_current_flows(void)
 {
     config.brake.max_hydraulic_torque_mNm = 0;
-    const int32_t half_width_mV = (config.battery.max_voltage_mV - config.battery.foldback_voltage_mV) / 2;
+    const int32_t half_width_mV =
+        (config.battery.max_voltage_mV - config.battery.foldback_voltage_mV) / 2;
 
     in.speed_mrad_s = mrad_s_of_rpm(450.0);
     in.brake_torque_mNm = 40000;
     (void)run(200);
     in.capability.bus_voltage_mV = config.battery.max_voltage_mV - half_width_mV;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, run(4000).available.reason);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1445.4, -25.0 * 1e-3 * in.capability.bus_voltage_mV, drawn_w());
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1445.4, -25.0 * 1e-3 * in.capability.bus_voltage_mV,
+                              drawn_w());
 
     torque_init(&state);
     in.brake_torque_mNm = 0;
@@ -320,10 +335,12 @@ void test_half_way_to_the_end_of_the_battery_s_voltage_half_of_its_current_flows
     (void)run(200);
     in.capability.bus_voltage_mV = config.battery.min_voltage_mV + half_width_mV;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_LOW, run(4000).reason);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1268.3, 31.25 * 1e-3 * in.capability.bus_voltage_mV, drawn_w());
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1268.3, 31.25 * 1e-3 * in.capability.bus_voltage_mV,
+                              drawn_w());
 }
 
-/* Started again in the middle of a stop, at 2.6 m/s^2 and near the end of the battery's voltage: without a message nobody brakes. */
+/* Started again in the middle of a stop, at 2.6 m/s^2 and near the end of the battery's voltage:
+ * without a message nobody brakes. */
 void test_a_new_start_knows_nothing_of_the_last_one(void)
 {
     in.brake_torque_mNm = 30000;

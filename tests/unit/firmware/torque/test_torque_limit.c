@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "torque/torque_limit.h"
@@ -87,7 +88,8 @@ void test_braking_with_the_drive_pedal_obeys_the_limit_of_braking(void)
 {
     assert_command(-25000, REASON_CHARGE_CURRENT, settle(FORWARD, -60000, 0));
     assert_command(25000, REASON_CHARGE_CURRENT, settle(BACKWARD, 60000, 0));
-    capability.driving = limit_init(0, REASON_MAX_SPEED); /* a driving-side reason does not take the brake away */
+    capability.driving =
+        limit_init(0, REASON_MAX_SPEED); /* a driving-side reason does not take the brake away */
     assert_command(-25000, REASON_CHARGE_CURRENT, settle(FORWARD, -60000, 0));
 }
 
@@ -98,7 +100,8 @@ void test_a_drive_demand_against_the_slowest_rotation_obeys_the_limit_of_braking
     assert_command(25000, REASON_CHARGE_CURRENT, settle(-1, 100000, 0));
 }
 
-/* The arbiter counts a backward torque as braking at standstill (test_brake_arbiter.c), so it must be one. */
+/* The arbiter counts a backward torque as braking at standstill (test_brake_arbiter.c), so it must
+ * be one. */
 void test_at_standstill_braking_is_torque_backwards(void)
 {
     assert_command(-5000, REASON_NONE, settle(0, 0, 5000));
@@ -168,10 +171,10 @@ void test_the_command_never_changes_faster_than_the_rate_while_the_bridge_switch
     int32_t before_mNm = 0;
     for (int n = 0; n < 100000; n++) {
         const bool braking = random_chance(&random, 0.5);
-        const int32_t command_mNm =
-            step(random_between(&random, -70000, 70000), braking ? 0 : random_between(&random, -60000, 60000),
-                 braking ? random_between(&random, 0, 60000) : 0)
-                .command_mNm;
+        const int32_t command_mNm = step(random_between(&random, -70000, 70000),
+                                         braking ? 0 : random_between(&random, -60000, 60000),
+                                         braking ? random_between(&random, 0, 60000) : 0)
+                                        .command_mNm;
         TEST_ASSERT_INT32_WITHIN(RATE, before_mNm, command_mNm);
         before_mNm = command_mNm;
     }
@@ -199,8 +202,9 @@ void test_without_voltage_it_is_given_back_and_the_reason_is_named(void)
     settle(FORWARD, 0, 10000);
     voltage_use_q15 = 31457;
     assert_command(-10000, REASON_NONE, step(FORWARD, 0, 10000));
-    assert_command(-10000, REASON_VOLTAGE, step(FORWARD, 0, 20000)); /* not given back yet, but no more */
-    voltage_use_q15 = 32768;                                         /* 1311 beyond, of 2294: 400 * 1311/2294 = 228 */
+    assert_command(-10000, REASON_VOLTAGE,
+                   step(FORWARD, 0, 20000)); /* not given back yet, but no more */
+    voltage_use_q15 = 32768;                 /* 1311 beyond, of 2294: 400 * 1311/2294 = 228 */
     assert_command(-9772, REASON_VOLTAGE, step(FORWARD, 0, 10000));
     voltage_use_q15 = INT32_MAX;
     assert_command(-9372, REASON_VOLTAGE, step(FORWARD, 0, 10000));

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
 #include "config/bases.h"
@@ -16,7 +17,8 @@ void tearDown(void) {}
 
 static double weakest_d_a(const reference_motor_t *m)
 {
-    const double most_a = bases_current_mA(&config, config.current_loop.field_weakening_current_pu_q15) * 1e-3;
+    const double most_a =
+        bases_current_mA(&config, config.current_loop.field_weakening_current_pu_q15) * 1e-3;
     return -fmin(most_a, m->psi_wb / m->l_d_h);
 }
 
@@ -35,7 +37,8 @@ static double shaft_mNm(const reference_motor_t *m, const motor_model_t *model, 
     return reference_point(m, i_dt_a, i_qt_a).torque_nm * 1e3 - model->friction_mNm;
 }
 
-/* The end of the voltage on one side, by doubling and halving over the torque current, from where the voltage is least. */
+/* The end of the voltage on one side, by doubling and halving over the torque current, from where
+ * the voltage is least. */
 static double end_a(const reference_motor_t *m, double from_a, double most_v, double sign)
 {
     double inside_a = from_a;
@@ -71,10 +74,10 @@ static double least_volts_at_a(const reference_motor_t *m)
     return 0.5 * (low_a + high_a);
 }
 
-/* Between the ends of a circle that is 15 mV smaller and one as much larger (the model's roundings are below 3 mV each), and
- * the rounding of a torque, 0.1 % of rated. */
-static void assert_end(const reference_motor_t *m, const motor_model_t *model, double middle_a, double most_v,
-                       double sign, int32_t found_mNm)
+/* Between the ends of a circle that is 15 mV smaller and one as much larger (the model's roundings
+ * are below 3 mV each), and the rounding of a torque, 0.1 % of rated. */
+static void assert_end(const reference_motor_t *m, const motor_model_t *model, double middle_a,
+                       double most_v, double sign, int32_t found_mNm)
 {
     const double inner_mNm = shaft_mNm(m, model, end_a(m, middle_a, most_v - 0.015, sign)) * sign;
     const double outer_mNm = shaft_mNm(m, model, end_a(m, middle_a, most_v + 0.015, sign)) * sign;
@@ -89,7 +92,8 @@ static void compare(double least_speed_mrad_s, double most_speed_mrad_s, int cas
     int nothing = 0;
     for (int n = 0; n < cases; n++) {
         const int32_t sign = random_chance(&random, 0.5) ? 1 : -1;
-        const int32_t speed_mrad_s = sign * (int32_t)random_real(&random, least_speed_mrad_s, most_speed_mrad_s);
+        const int32_t speed_mrad_s =
+            sign * (int32_t)random_real(&random, least_speed_mrad_s, most_speed_mrad_s);
         const int32_t temperature_cC = random_between(&random, -2000, 14000);
         const int32_t phase_mV = random_between(&random, 15000, 40000);
         const motor_model_t model = motor_model_at(&config, speed_mrad_s, temperature_cC);
@@ -116,7 +120,8 @@ void test_a_round_motor_s_limits_are_where_the_circuit_in_double_precision_reach
     compare(30000.0, 90000.0, 150);
 }
 
-void test_a_salient_motor_s_limits_are_where_the_circuit_in_double_precision_reaches_the_circle(void)
+void test_a_salient_motor_s_limits_are_where_the_circuit_in_double_precision_reaches_the_circle(
+    void)
 {
     config = salient_vehicle();
     compare(40000.0, 140000.0, 150);

@@ -1,4 +1,8 @@
-"""The bench from Python is the bench of ``hubsim run``: same numbers, steps of any length, events between them."""
+# SPDX-License-Identifier: Apache-2.0
+"""The bench from Python is the bench of ``hubsim run``.
+
+Same numbers, steps of any length, events between them.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -24,7 +28,9 @@ def test_a_run_is_the_one_of_the_command_to_the_last_bit(config: hubsim.Configur
     assert np.array_equal(recording.rows, expected.rows)
 
 
-def test_a_scenarios_events_happen_on_the_bench_as_in_the_command(config: hubsim.Configuration, tmp_path: Path) -> None:
+def test_a_scenarios_events_happen_on_the_bench_as_in_the_command(
+    config: hubsim.Configuration, tmp_path: Path
+) -> None:
     path = tmp_path / "stab.toml"
     path.write_text(
         "initial_speed_kmh = 20.0\nmax_duration_s = 1.0\ndemand_trace_nm = [[0.0, 0.0], [0.2, 30.0], [0.6, 0.0]]\n"
@@ -41,7 +47,9 @@ def test_a_scenarios_events_happen_on_the_bench_as_in_the_command(config: hubsim
 
 
 def test_signals_are_arrays_with_units(config: hubsim.Configuration) -> None:
-    with hubsim.Bench(config, record=("time_s", "vehicle.*", "wheel0.motor_torque_nm"), **STOP) as bench:
+    with hubsim.Bench(
+        config, record=("time_s", "vehicle.*", "wheel0.motor_torque_nm"), **STOP
+    ) as bench:
         recording = bench.run()
         assert bench.ended
         assert abs(bench["vehicle.speed_m_per_s"]) < 1e-9
@@ -76,15 +84,23 @@ def test_a_pedal_can_move_during_the_run(config: hubsim.Configuration) -> None:
         braking = bench.run(0.5)
     # 4 wheels, 25 N m at 0.25 m on 660 kg; the demand takes 63 ms to come at 400 N m/s.
     assert np.ptp(coasting["vehicle.speed_m_per_s"]) < 0.02
-    assert braking["vehicle.acceleration_m_per_s2"][-1] == pytest.approx(-4 * 25.0 / 0.25 / 660.0, rel=0.01)
+    assert braking["vehicle.acceleration_m_per_s2"][-1] == pytest.approx(
+        -4 * 25.0 / 0.25 / 660.0, rel=0.01
+    )
 
 
-def test_plant_and_belief_can_differ(config: hubsim.Configuration, angle_config: hubsim.Configuration) -> None:
+def test_plant_and_belief_can_differ(
+    config: hubsim.Configuration, angle_config: hubsim.Configuration
+) -> None:
     with hubsim.Bench(config, plant={"motor.phase_resistance_ohm": 0.05}, **STOP) as bench:
         assert bench.get("motor.phase_resistance_ohm") == 0.05
-    timid = hubsim.load_configuration(LU2013, {"motor.max_torque_nm": 10.0, "motor.rated_torque_nm": 10.0})
+    timid = hubsim.load_configuration(
+        LU2013, {"motor.max_torque_nm": 10.0, "motor.rated_torque_nm": 10.0}
+    )
     settings = STOP | {"initial_speed_kmh": 20.0}
-    with hubsim.Bench(config, controller=timid, record=("wheel0.motor_torque_nm",), **settings) as bench:
+    with hubsim.Bench(
+        config, controller=timid, record=("wheel0.motor_torque_nm",), **settings
+    ) as bench:
         weak = bench.run(0.5)["wheel0.motor_torque_nm"]
     assert np.min(weak) == pytest.approx(-10.0, rel=0.03)
 
@@ -106,7 +122,9 @@ def test_mistakes_are_one_line(config: hubsim.Configuration, tmp_path: Path) -> 
         assert "\n" not in str(caught.value)
 
 
-def test_the_events_of_a_scenario_happen_here_too(config: hubsim.Configuration, tmp_path: Path) -> None:
+def test_the_events_of_a_scenario_happen_here_too(
+    config: hubsim.Configuration, tmp_path: Path
+) -> None:
     path = tmp_path / "slope.toml"
     path.write_text(
         "initial_speed_kmh = 20\nmax_duration_s = 0.6\n[drive.brake]\nparallel_electric_share = 0.5\n"
@@ -123,4 +141,8 @@ def test_the_events_of_a_scenario_happen_here_too(config: hubsim.Configuration, 
 def bench_slope(recording: hubsim.Recording) -> float:
     """Return the deceleration over the last part that a slope of 10 % makes, rolling and air taken off."""
     late = recording["time_s"] > 0.4
-    return float(-np.mean(recording["vehicle.acceleration_m_per_s2"][late])) - 0.014 * 9.80665 - 0.336 * 5.4**2 / 660.0
+    return (
+        float(-np.mean(recording["vehicle.acceleration_m_per_s2"][late]))
+        - 0.014 * 9.80665
+        - 0.336 * 5.4**2 / 660.0
+    )

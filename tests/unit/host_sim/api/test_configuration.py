@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A configuration comes from a TOML file or from an image, and what is wrong with either is said in one line."""
 
 from pathlib import Path
@@ -10,7 +11,9 @@ LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 IMAGE = ROOT / "firmware" / "config" / "generated" / "lu2013.bin"
 
 
-def test_a_drive_and_its_flashed_image_are_the_same_configuration(config: hubsim.Configuration) -> None:
+def test_a_drive_and_its_flashed_image_are_the_same_configuration(
+    config: hubsim.Configuration,
+) -> None:
     image = hubsim.load_configuration(IMAGE)
     assert image.image == config.image
     assert image.name == config.name == "lu2013"
@@ -19,7 +22,9 @@ def test_a_drive_and_its_flashed_image_are_the_same_configuration(config: hubsim
 
 
 def test_a_setting_changes_the_drive_and_the_image(config: hubsim.Configuration) -> None:
-    other = hubsim.load_configuration(LU2013, {"vehicle.mass_kg": 700.0, "motor.iron_loss_resistance_ohm": None})
+    other = hubsim.load_configuration(
+        LU2013, {"vehicle.mass_kg": 700.0, "motor.iron_loss_resistance_ohm": None}
+    )
     assert other.drive is not None
     assert other.drive.vehicle.mass_kg == 700.0
     assert other.drive.motor.iron_loss_resistance_ohm is None
@@ -37,14 +42,18 @@ def test_a_setting_changes_the_drive_and_the_image(config: hubsim.Configuration)
         (str(IMAGE), {"vehicle.mass_kg": 1.0}, "an image cannot be changed"),
     ],
 )
-def test_mistakes_are_one_line_that_names_them(path: str, settings: dict[str, float] | None, said: str) -> None:
+def test_mistakes_are_one_line_that_names_them(
+    path: str, settings: dict[str, float] | None, said: str
+) -> None:
     with pytest.raises(hubsim.HubsimError) as caught:
         hubsim.load_configuration(path, settings)
     assert said in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_an_image_the_firmware_refuses_is_refused_in_its_words(config: hubsim.Configuration, tmp_path: Path) -> None:
+def test_an_image_the_firmware_refuses_is_refused_in_its_words(
+    config: hubsim.Configuration, tmp_path: Path
+) -> None:
     damaged = bytearray(config.image)
     damaged[200] ^= 1
     path = tmp_path / "damaged.bin"

@@ -1,4 +1,8 @@
-"""The controller alone: every member of the exchange structs is there, and the steps are the firmware's."""
+# SPDX-License-Identifier: Apache-2.0
+"""The controller alone.
+
+Every member of the exchange structs is there, and the steps are the firmware's.
+"""
 
 import math
 import re
@@ -25,7 +29,10 @@ def bodies() -> dict[str, str]:
 
 
 def members(struct: str) -> set[str]:
-    """Return the members of a C structure; of an array of three phases one for each, of a structure its own."""
+    """Return the members of a C structure.
+
+    Of an array of three phases one for each, of a structure its own.
+    """
     known, found = bodies(), set()
     for line in known[struct].split(";"):
         inner = line.split()[0] if line.split() else ""
@@ -44,7 +51,15 @@ def test_every_member_of_the_exchange_structs_has_a_name_here(struct: str) -> No
 
 
 def test_names_carry_their_units() -> None:
-    endings = {"A": "_a", "V": "_v", "N.m": "_nm", "s": "_s", "degC": "_c", "turn": "_turn", "rad/s": "_rad_per_s"}
+    endings = {
+        "A": "_a",
+        "V": "_v",
+        "N.m": "_nm",
+        "s": "_s",
+        "degC": "_c",
+        "turn": "_turn",
+        "rad/s": "_rad_per_s",
+    }
     for port in hubsim.Controller.variables().values():
         for variable in port:
             if variable.unit in endings:
@@ -73,19 +88,33 @@ def test_a_controller_boots_calibrates_and_runs(angle_config: hubsim.Configurati
 
 
 def behaviour(controller: hubsim.Controller) -> list[hubsim.Values]:
-    """Return what a controller does next: whatever it remembers shows in what it answers to a moving rotor and a demand."""
+    """Return what a controller does next.
+
+    Whatever it remembers shows in what it answers to a moving rotor and a demand.
+    """
     found = []
     for n in range(400):
         if n % 20 == 0:
             found.append(controller.slow_step(drive_torque_nm=1.0, enable=True))
         found.append(
-            controller.fast_step(rotor_angle_turn=n / 300.0, phase_a_a=0.1 * (n % 5), phase_b_a=0.0, phase_c_a=0.0, bus_voltage_v=52.0)
+            controller.fast_step(
+                rotor_angle_turn=n / 300.0,
+                phase_a_a=0.1 * (n % 5),
+                phase_b_a=0.0,
+                phase_c_a=0.0,
+                bus_voltage_v=52.0,
+            )
         )
     return found
 
 
-def test_a_driving_demand_becomes_voltage_in_the_right_direction(angle_config: hubsim.Configuration) -> None:
-    """At angle 0 the q axis is at right angles to phase a: b has to be above c for current that drives forward."""
+def test_a_driving_demand_becomes_voltage_in_the_right_direction(
+    angle_config: hubsim.Configuration,
+) -> None:
+    """At angle 0 the q axis is at right angles to phase a.
+
+    B has to be above c for current that drives forward.
+    """
     controller = hubsim.Controller(angle_config)
     boot(controller)
     for n in range(400):
@@ -96,7 +125,9 @@ def test_a_driving_demand_becomes_voltage_in_the_right_direction(angle_config: h
     assert fast.duty_b > fast.duty_a > fast.duty_c
 
 
-def test_inputs_keep_their_value_until_they_are_named_again(angle_config: hubsim.Configuration) -> None:
+def test_inputs_keep_their_value_until_they_are_named_again(
+    angle_config: hubsim.Configuration,
+) -> None:
     one, other = hubsim.Controller(angle_config), hubsim.Controller(angle_config)
     for _ in range(50):
         a = one.fast_step(bus_voltage_v=50.0, phase_a_a=1.0, phase_b_a=-1.0)
@@ -109,7 +140,10 @@ def test_inputs_keep_their_value_until_they_are_named_again(angle_config: hubsim
 
 def test_raw_and_engineering_steps_are_the_same(angle_config: hubsim.Configuration) -> None:
     one, other = hubsim.Controller(angle_config), hubsim.Controller(angle_config)
-    scales = {v.name: (v, *one.scale(variables.FAST_INPUT, k)) for k, v in enumerate(one.variables()["fast_input"])}
+    scales = {
+        v.name: (v, *one.scale(variables.FAST_INPUT, k))
+        for k, v in enumerate(one.variables()["fast_input"])
+    }
     for n in range(200):
         raw = {
             "phase_current_code_a": 2048 + n,
@@ -119,7 +153,11 @@ def test_raw_and_engineering_steps_are_the_same(angle_config: hubsim.Configurati
             "rotor_angle_turn": 17 * n,
         }
         done = one.fast_step_raw(**raw)
-        named = {v.name: (raw[v.raw_name] - zero) / per_unit for v, zero, per_unit in scales.values() if v.raw_name in raw}
+        named = {
+            v.name: (raw[v.raw_name] - zero) / per_unit
+            for v, zero, per_unit in scales.values()
+            if v.raw_name in raw
+        }
         same = other.fast_step(**named)
         assert same.bridge == done.bridge
         assert same.duty_a * other.scale(variables.FAST_OUTPUT, 0)[1] == done.compare_counts_a
@@ -158,7 +196,11 @@ def test_reset_is_power_up(angle_config: hubsim.Configuration) -> None:
         ("fast_step", {"phase_a": 1.0}, "phase_a: no such input, accepted: phase_a_a"),
         ("fast_step", {"phase_a_a": math.nan}, "phase_a_a: not a finite number"),
         ("slow_step", {"brake_torque_nm": math.inf}, "brake_torque_nm: not a finite number"),
-        ("fast_step_raw", {"bus_voltage_code": 4096}, "bus_voltage_code: 4096, accepted: 0 to 4095"),
+        (
+            "fast_step_raw",
+            {"bus_voltage_code": 4096},
+            "bus_voltage_code: 4096, accepted: 0 to 4095",
+        ),
         ("slow_step_raw", {"drive_torque_mNm": 1 << 40}, "32 bits"),
         ("slow_step_raw", {"enable": 2}, "enable: 2, accepted: 0 to 1"),
     ],

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The examples run as a user starts them, and show what they say they show."""
 
 import importlib.util
@@ -31,13 +32,18 @@ def test_every_example_is_tested_here_and_named_in_the_readme() -> None:
 
 def test_an_example_runs_from_anywhere_as_a_program(tmp_path: Path) -> None:
     command = [sys.executable, str(EXAMPLES / "own_plant.py")]
-    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=200, check=False)
+    result = subprocess.run(
+        command, cwd=tmp_path, capture_output=True, text=True, timeout=200, check=False
+    )
     assert result.returncode == 0, result.stderr
     assert "mode RUN" in result.stdout
 
 
 def test_strategies_come_near_the_ideal_stop() -> None:
-    """Stored share of the kinetic energy at 40 N m: steady-state figures of regen_table, dynamics give up to 1.6 % more."""
+    """Stored share of the kinetic energy at 40 N m.
+
+    Steady-state figures of regen_table, dynamics give up to 1.6 % more.
+    """
     ideal = {"parallel_ratio": 0.149, "parallel_free_travel": 0.743, "series_optimal": 0.756}
     stored = example("strategies").main()
     assert stored.keys() == ideal.keys()
@@ -46,7 +52,9 @@ def test_strategies_come_near_the_ideal_stop() -> None:
 
 
 @pytest.mark.parametrize(("speed_rad_s", "brake_nm"), [(20.0, 20.0), (35.0, 5.0)])
-def test_the_page_long_motor_makes_the_torque_the_controller_means(speed_rad_s: float, brake_nm: float) -> None:
+def test_the_page_long_motor_makes_the_torque_the_controller_means(
+    speed_rad_s: float, brake_nm: float
+) -> None:
     motor_nm, estimate_nm = example("own_plant").main(speed_rad_s, brake_nm)
     assert motor_nm == pytest.approx(-brake_nm, rel=0.01)
     assert estimate_nm == pytest.approx(motor_nm, rel=0.01)

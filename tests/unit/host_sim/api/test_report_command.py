@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """``hubsim report``: one page from what runs left behind, and one line about what cannot be one."""
 
 import json
@@ -24,7 +25,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def call(folder: Path) -> Call:
     def run_it(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "hubsim", *map(str, arguments)]
-        return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=200, check=False)
+        return subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, timeout=200, check=False
+        )
 
     return run_it
 
@@ -47,21 +50,35 @@ def test_a_result_read_back_is_the_run(result: str, folder: Path) -> None:
     assert found.names == expected.names
     assert np.array_equal(found.rows, expected.rows)
     assert found.summary == expected.summary
-    (folder / "two.json").write_text((folder / result).read_text(encoding="utf-8"), encoding="utf-8")
-    assert np.allclose(results_files.load(folder / "two.json").rows, expected.rows, rtol=1e-8, atol=0.0)
+    (folder / "two.json").write_text(
+        (folder / result).read_text(encoding="utf-8"), encoding="utf-8"
+    )
+    assert np.allclose(
+        results_files.load(folder / "two.json").rows, expected.rows, rtol=1e-8, atol=0.0
+    )
 
 
 def test_a_page_is_made_of_results(result: str, call: Call, folder: Path) -> None:
     made = call("report", result, "-o", "page.html")
     assert made.returncode == 0, made.stderr
     text = (folder / "page.html").read_text(encoding="utf-8")
-    for wanted in ("A stop at constant demand", "Where the motor brakes", "Over time", "Total torque error", "hubsim report"):
+    for wanted in (
+        "A stop at constant demand",
+        "Where the motor brakes",
+        "Over time",
+        "Total torque error",
+        "hubsim report",
+    ):
         assert wanted in text
     assert "Stops: how much" not in text
 
 
-def test_a_result_without_a_recording_still_has_its_energies(result: str, call: Call, folder: Path) -> None:
-    (folder / "alone.json").write_text((folder / result).read_text(encoding="utf-8"), encoding="utf-8")
+def test_a_result_without_a_recording_still_has_its_energies(
+    result: str, call: Call, folder: Path
+) -> None:
+    (folder / "alone.json").write_text(
+        (folder / result).read_text(encoding="utf-8"), encoding="utf-8"
+    )
     made = call("report", "alone.json", "-o", "alone.html")
     assert made.returncode == 0, made.stderr
     assert "No signals were recorded" in (folder / "alone.html").read_text(encoding="utf-8")
@@ -77,7 +94,9 @@ def test_a_result_without_a_recording_still_has_its_energies(result: str, call: 
         ("odd.json", json.dumps({"duration_s": "long"}), "odd.json: not a result of a run"),
     ],
 )
-def test_what_is_no_result_is_named_and_no_page_is_left(name: str, content: str | None, said: str, call: Call, folder: Path) -> None:
+def test_what_is_no_result_is_named_and_no_page_is_left(
+    name: str, content: str | None, said: str, call: Call, folder: Path
+) -> None:
     if content is not None:
         (folder / name).write_text(content, encoding="utf-8")
     made = call("report", name, "-o", "none.html")
@@ -89,7 +108,9 @@ def test_what_is_no_result_is_named_and_no_page_is_left(name: str, content: str 
 
 def test_a_damaged_recording_is_named(result: str, call: Call, folder: Path) -> None:
     for suffix, content in ((".csv", "time_s,x\n1,2\nthree,4\n"), (".parquet", "no table")):
-        (folder / "bad.json").write_text((folder / result).read_text(encoding="utf-8"), encoding="utf-8")
+        (folder / "bad.json").write_text(
+            (folder / result).read_text(encoding="utf-8"), encoding="utf-8"
+        )
         recording = folder / f"bad{suffix}"
         recording.write_text(content, encoding="utf-8")
         made = call("report", "bad.json", "-o", "none.html")

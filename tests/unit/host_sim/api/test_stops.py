@@ -1,4 +1,8 @@
-"""Stops at constant demand: the one wheel that is simulated stands for the vehicle, and the ideal bounds what it stores."""
+# SPDX-License-Identifier: Apache-2.0
+"""Stops at constant demand.
+
+The one wheel that is simulated stands for the vehicle, and the ideal bounds what it stores.
+"""
 
 import hubsim
 import numpy as np
@@ -14,11 +18,16 @@ LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 
 @pytest.fixture(scope="module")
 def drives() -> list[Drive]:
-    found = [hubsim.load_configuration(LU2013, {"brake.strategy": strategy}).drive for strategy in run.STRATEGIES]
+    found = [
+        hubsim.load_configuration(LU2013, {"brake.strategy": strategy}).drive
+        for strategy in run.STRATEGIES
+    ]
     return [drive for drive in found if drive is not None]
 
 
-def test_images_of_drives_that_differ_in_strategy_are_those_of_the_generator(drives: list[Drive]) -> None:
+def test_images_of_drives_that_differ_in_strategy_are_those_of_the_generator(
+    drives: list[Drive],
+) -> None:
     assert len(drives) == 3
     assert [images.build(drive) for drive in drives] == [image.build(drive) for drive in drives]
     assert len({images.build(drive) for drive in drives}) == 3
@@ -39,13 +48,24 @@ def test_simulated_stops_lie_near_the_ideal_and_series_is_never_beaten(drives: l
     curves = {curve.strategy: curve for curve in stops.simulate(drives)}
     for drive in drives:
         curve = curves[drive.brake.strategy]
-        for demand, share, settled in zip(curve.demand_nm, curve.stored, curve.settled, strict=True):
+        for demand, share, settled in zip(
+            curve.demand_nm, curve.stored, curve.settled, strict=True
+        ):
             bounds = [
-                ideal.stop(drive, curve.strategy, demand, stops.SPEED_KMH, stops.TEMPERATURE_C, battery=battery).stored_share_of_kinetic
+                ideal.stop(
+                    drive,
+                    curve.strategy,
+                    demand,
+                    stops.SPEED_KMH,
+                    stops.TEMPERATURE_C,
+                    battery=battery,
+                ).stored_share_of_kinetic
                 for battery in ("dynamic", "settled")
             ]
             assert share == pytest.approx(bounds[0], abs=0.01)
-            assert np.interp(demand, curve.ideal_demand_nm, curve.ideal) == pytest.approx(bounds[0], abs=1e-12)
+            assert np.interp(demand, curve.ideal_demand_nm, curve.ideal) == pytest.approx(
+                bounds[0], abs=1e-12
+            )
             assert settled == bounds[1]
     for other in ("parallel_ratio", "parallel_free_travel"):
         for best, share in zip(curves["series_optimal"].stored, curves[other].stored, strict=True):
@@ -53,17 +73,25 @@ def test_simulated_stops_lie_near_the_ideal_and_series_is_never_beaten(drives: l
 
 
 def test_the_map_is_the_optimum_of_the_table(drives: list[Drive]) -> None:
-    """At 100 and 300 r/min: figures of the steady-state model, twice as much to get nothing, and the motor's own limits."""
+    """At 100 and 300 r/min.
+
+    Figures of the steady-state model, twice as much to get nothing, and the motor's own limits.
+    """
     found = stops.optimum_map(drives[2])
     rpm = found.speed_rad_s * 30.0 / np.pi
-    assert np.interp([100.0, 300.0], rpm, found.optimal_nm) == pytest.approx([49.60, 148.7], rel=2e-3)
+    assert np.interp([100.0, 300.0], rpm, found.optimal_nm) == pytest.approx(
+        [49.60, 148.7], rel=2e-3
+    )
     assert np.interp(100.0, rpm, found.zero_nm) == pytest.approx(98.02, rel=2e-3)
     assert np.max(found.limit_nm) == 40.0
     assert found.wheel_radius_m == 0.25
 
 
 def test_the_map_of_buried_magnets_is_made_with_the_i_d_of_least_loss() -> None:
-    """The scooter near 60 r/min, by brute force over torque; where too much current would be needed the line is off the map."""
+    """The scooter near 60 r/min, by brute force over torque.
+
+    Where too much current would be needed the line is off the map.
+    """
     drive = schema.load(ROOT / "tools" / "motors" / "scooter48v.toml")
     found = stops.optimum_map(drive)
     motor, inverter = models.machine(drive, found.temperature_c), models.bridge(drive)
@@ -71,6 +99,9 @@ def test_the_map_of_buried_magnets_is_made_with_the_i_d_of_least_loss() -> None:
     omega = found.speed_rad_s[row] * drive.motor.pole_pairs
     torques = np.linspace(0.9, 1.1, 41) * found.optimal_nm[row]
     limits = joint.Limits(3.0 * drive.motor.max_phase_current_a)
-    power = [float(joint.least_power(motor, inverter, omega, -torque, limits).state.dc_power_w) for torque in torques]
+    power = [
+        float(joint.least_power(motor, inverter, omega, -torque, limits).state.dc_power_w)
+        for torque in torques
+    ]
     assert abs(int(np.argmin(power)) - 20) <= 1
     assert np.all(np.isfinite(found.optimal_nm)) and found.optimal_nm[-1] > found.limit_nm.max()

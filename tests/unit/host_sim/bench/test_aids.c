@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Sensors that fail and the anti-lock system, on the vehicle with its controllers. */
 #include "bench/aids.h"
 
@@ -30,7 +31,8 @@ static double mean_brake_nm(const bench_t *bench)
 {
     double out = 0.0;
     for (int k = 0; k < 4; k++) {
-        out += 0.25 * (bench->wheel[k].brake_capacity_nm - 1e-3 * bench->wheel[k].slow.motor_torque_estimate_mNm);
+        out += 0.25 * (bench->wheel[k].brake_capacity_nm -
+                       1e-3 * bench->wheel[k].slow.motor_torque_estimate_mNm);
     }
     return out;
 }
@@ -57,8 +59,8 @@ void test_a_sensor_that_reads_too_hot_derates_a_cold_motor_and_the_demand_is_kep
 {
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 0.5);
-    const double middle_cC =
-        0.5 * (config.motor.derate_winding_temperature_cC + config.motor.max_winding_temperature_cC);
+    const double middle_cC = 0.5 * (config.motor.derate_winding_temperature_cC +
+                                    config.motor.max_winding_temperature_cC);
     bench->params.winding_sensor.offset_k = 0.01 * middle_cC - 25.0;
     fixture_run(bench, 0.6);
     for (int k = 0; k < 4; k++) {
@@ -80,7 +82,8 @@ void test_a_late_sensor_lets_a_winding_overshoot_by_its_lag(void)
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 2.0);
     const wheel_t *wheel = &bench->wheel[0];
-    /* Heat is steady, so the temperature is a ramp of P / C and the sensor lags behind by lag times that. */
+    /* Heat is steady, so the temperature is a ramp of P / C and the sensor lags behind by lag times
+     * that. */
     const double slope_k_per_s = wheel->totals.copper_j / bench->time_s / 20.0;
     TEST_ASSERT_TRUE(slope_k_per_s > 3.0);
     TEST_ASSERT_DOUBLE_WITHIN(0.3 * slope_k_per_s, 0.5 * slope_k_per_s,
@@ -112,11 +115,12 @@ void test_on_ice_the_anti_lock_system_keeps_wheels_turning_and_stops_shorter_tha
             bench_period(bench);
             steps++;
             for (int k = 0; k < 4 && bench->vehicle.speed_m_per_s > 2.5; k++) {
-                slowest_share =
-                    fmin(slowest_share, bench->wheel[k].motion.speed_rad_s * 0.25 / bench->vehicle.speed_m_per_s);
+                slowest_share = fmin(slowest_share, bench->wheel[k].motion.speed_rad_s * 0.25 /
+                                                        bench->vehicle.speed_m_per_s);
             }
             if (bench->time_s > 0.5 && bench->vehicle.speed_m_per_s > 2.0) {
-                torque_nm = fmax(torque_nm, fabs(1e-3 * bench->wheel[0].slow.motor_torque_estimate_mNm));
+                torque_nm =
+                    fmax(torque_nm, fabs(1e-3 * bench->wheel[0].slow.motor_torque_estimate_mNm));
             }
         }
         way_m[active] = bench->vehicle.distance_m;

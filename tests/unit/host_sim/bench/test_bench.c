@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The vehicle as a whole: how a run begins, that nothing is lost, that it repeats. */
 #include "bench/bench.h"
 
@@ -28,11 +29,13 @@ void test_a_run_begins_at_speed_with_running_controllers_and_empty_books(void)
     const ledger_t ledger = bench_ledger(bench);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, ledger.chemical_j);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, ledger.kinetic_j);
-    TEST_ASSERT_TRUE(pmsm_magnetic_energy_j(&bench->wheel[0].machine, &bench->wheel[0].rotor) > 1e-5);
+    TEST_ASSERT_TRUE(pmsm_magnetic_energy_j(&bench->wheel[0].machine, &bench->wheel[0].rotor) >
+                     1e-5);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, ledger.magnetic_j);
     for (int k = 0; k < 4; k++) {
         TEST_ASSERT_EQUAL_INT(MODE_RUN, bench->wheel[k].slow.mode);
-        TEST_ASSERT_DOUBLE_WITHIN(0.05 * 44.0, 44.0, 1e-3 * bench->wheel[k].slow.speed_mrad_s); /* 11 m/s on 0.25 m */
+        TEST_ASSERT_DOUBLE_WITHIN(0.05 * 44.0, 44.0,
+                                  1e-3 * bench->wheel[k].slow.speed_mrad_s); /* 11 m/s on 0.25 m */
     }
 }
 
@@ -64,7 +67,8 @@ void test_nothing_is_lost_while_driving_braking_and_climbing(void)
     fixture_run(bench, 0.5);
     const ledger_t ledger = bench_ledger(bench);
     TEST_ASSERT_TRUE(ledger.turned_over_j > 5000.0);
-    TEST_ASSERT_TRUE(ledger.bearing_j > 10.0 && ledger.hydraulic_j > 100.0 && ledger.climbed_j > 100.0);
+    TEST_ASSERT_TRUE(ledger.bearing_j > 10.0 && ledger.hydraulic_j > 100.0 &&
+                     ledger.climbed_j > 100.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, ledger.residual_j / ledger.turned_over_j);
     /* What the motors did at the wheels, bearings taken off, is what became of it there. */
     const double at_wheels_j =
@@ -72,7 +76,8 @@ void test_nothing_is_lost_while_driving_braking_and_climbing(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * ledger.turned_over_j, at_wheels_j, ledger.shaft_j);
 }
 
-/* 5 m/s down 10 % for a second: m g h = 660 * 9.81 * 5 * 0.0995 = 3221 J, and more as it gains speed. */
+/* 5 m/s down 10 % for a second: m g h = 660 * 9.81 * 5 * 0.0995 = 3221 J, and more as it gains
+ * speed. */
 void test_a_descent_turns_over_what_the_height_gives(void)
 {
     params.road.slope = -0.1;
@@ -131,7 +136,8 @@ void test_a_change_of_parameters_during_the_run_takes_effect_after_a_refresh(voi
     bench->params.road.slope = 0.10;
     bench_refresh(bench);
     fixture_run(bench, 0.1);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, flat - 9.81 * 0.10 / sqrt(1.01), bench->vehicle.acceleration_m_per_s2);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, flat - 9.81 * 0.10 / sqrt(1.01),
+                              bench->vehicle.acceleration_m_per_s2);
 }
 
 void test_a_controller_that_does_not_come_up_is_reported_and_not_run(void)

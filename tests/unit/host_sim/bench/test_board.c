@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The application on its simulated board against the two step functions called directly: in every period of a drive that
- * the application itself controls, the bridge must get the same numbers; and the drive must be the bench's.
+ * The application on its simulated board against the two step functions called directly: in every
+ * period of a drive that the application itself controls, the bridge must get the same numbers; and
+ * the drive must be the bench's.
  */
 #include "bench/board.h"
 
@@ -16,7 +18,8 @@
 /* Cycle of the demand and of the brake's command: what CAN makes older, each. */
 static const double CYCLE_S = 0.010;
 
-/* The twin: nothing but pure rooms, fed with what the sensors saw and with the frames the vehicle sent. */
+/* The twin: nothing but pure rooms, fed with what the sensors saw and with the frames the vehicle
+ * sent. */
 typedef struct {
     board_t board;
     wheel_coupling_t through_board;
@@ -84,7 +87,8 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     const slow_output_t expected =
         controller_slow_step(&t->controller.slow, t->config, &t->to_slow, &heard, &t->to_fast);
     if (t->board.brake_link.link == E2E_VALID && t->board.brake_link.trusted_ms == t->now_ms) {
-        TEST_ASSERT_INT_WITHIN(50, expected.hydraulic_torque_mNm, out.hydraulic_torque_mNm); /* half a step */
+        TEST_ASSERT_INT_WITHIN(50, expected.hydraulic_torque_mNm,
+                               out.hydraulic_torque_mNm); /* half a step */
         TEST_ASSERT_EQUAL_INT(expected.available_reason, out.available_reason);
         t->braking_commands += out.hydraulic_torque_mNm > 0 ? 1 : 0;
     }
@@ -121,7 +125,8 @@ static bench_params_t moving_vehicle(double speed_m_per_s)
 }
 
 /* A bench whose one wheel has this coupling; NULL: the bench's own way. */
-static bench_start_t start(const bench_params_t *params, const config_t *config, const wheel_coupling_t *coupling)
+static bench_start_t start(const bench_params_t *params, const config_t *config,
+                           const wheel_coupling_t *coupling)
 {
     const driver_trace_t none = {.points = 0};
     bench_init(&bench, params, config, &none);
@@ -150,24 +155,29 @@ void tearDown(void) {}
 static void assert_the_same_in_every_period(const config_t *config, const bench_params_t *params)
 {
     start_twin(config);
-    const wheel_coupling_t compared = {.context = &twin, .period = period, .millisecond = millisecond};
+    const wheel_coupling_t compared = {
+        .context = &twin, .period = period, .millisecond = millisecond};
     TEST_ASSERT_EQUAL_INT(BENCH_READY, start(params, config, &compared));
     drive_about();
-    TEST_ASSERT_TRUE_MESSAGE(twin.switching_periods > 20000, "the bridge must switch to prove anything");
-    TEST_ASSERT_TRUE_MESSAGE(twin.braking_commands > 20, "the hydraulic brake must have been asked");
+    TEST_ASSERT_TRUE_MESSAGE(twin.switching_periods > 20000,
+                             "the bridge must switch to prove anything");
+    TEST_ASSERT_TRUE_MESSAGE(twin.braking_commands > 20,
+                             "the hydraulic brake must have been asked");
     TEST_ASSERT_FALSE(host_watchdog_bit());
 }
 
 void test_with_an_angle_sensor_the_bridge_gets_the_same_numbers_through_the_board_as_directly(void)
 {
-    const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    const config_t config =
+        fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
     const bench_params_t params = moving_vehicle(5.0);
     assert_the_same_in_every_period(&config, &params);
 }
 
 void test_with_halls_the_bridge_gets_the_same_numbers_through_the_board_as_directly(void)
 {
-    const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, CONFIG_ROTOR_HALL);
+    const config_t config =
+        fixture_config_with_sensor(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, CONFIG_ROTOR_HALL);
     const bench_params_t params = moving_vehicle(5.0);
     assert_the_same_in_every_period(&config, &params);
 }
@@ -203,26 +213,32 @@ static stop_t stop_with(const wheel_coupling_t *coupling, const config_t *config
 }
 
 /*
- * CAN makes the demand older by a cycle and the brake's command by another, and rounds both to 0.1 N m, half of which is
- * 0.1 % of 50 N m. So the stop may be longer by twice the cycle at full speed and by a thousandth or two of itself, and
- * the battery may miss the power of a cycle at the start: T w <= 50 N m * 20 rad/s = 1 kW.
+ * CAN makes the demand older by a cycle and the brake's command by another, and rounds both to 0.1
+ * N m, half of which is 0.1 % of 50 N m. So the stop may be longer by twice the cycle at full speed
+ * and by a thousandth or two of itself, and the battery may miss the power of a cycle at the start:
+ * T w <= 50 N m * 20 rad/s = 1 kW.
  */
 void test_a_stop_through_the_board_is_the_stop_of_the_bench_but_for_the_time_that_can_takes(void)
 {
-    const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    const config_t config =
+        fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
     const stop_t direct = stop_with(NULL, &config, 50.0);
     static board_t board;
     board_start(&board, &config);
     const wheel_coupling_t coupling = board_coupling(&board);
     const stop_t through = stop_with(&coupling, &config, 50.0);
-    TEST_ASSERT_DOUBLE_WITHIN(2.0 * CYCLE_S * 5.0 + 0.002 * direct.distance_m, direct.distance_m, through.distance_m);
-    TEST_ASSERT_TRUE_MESSAGE(direct.chemical_j < -0.3 * direct.kinetic_j, "the battery must get something");
-    TEST_ASSERT_DOUBLE_WITHIN(1000.0 * CYCLE_S + 0.002 * direct.kinetic_j, direct.chemical_j, through.chemical_j);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0 * CYCLE_S * 5.0 + 0.002 * direct.distance_m, direct.distance_m,
+                              through.distance_m);
+    TEST_ASSERT_TRUE_MESSAGE(direct.chemical_j < -0.3 * direct.kinetic_j,
+                             "the battery must get something");
+    TEST_ASSERT_DOUBLE_WITHIN(1000.0 * CYCLE_S + 0.002 * direct.kinetic_j, direct.chemical_j,
+                              through.chemical_j);
 }
 
 void test_an_application_that_refuses_its_configuration_never_moves_the_vehicle(void)
 {
-    const config_t good = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    const config_t good =
+        fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
     config_t damaged = good;
     damaged.motor.pole_pairs++; /* the checksum now says so */
     static board_t board;

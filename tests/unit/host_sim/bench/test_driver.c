@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The driver: reads the trace, knows the road, corrects what is left, keeps within the pedals. */
 #include "bench/driver.h"
 
@@ -24,7 +25,8 @@ void setUp(void)
                                   .drag_coefficient = 0.4,
                                   .rolling_resistance = 0.014,
                                   .driven_wheels = WHEELS};
-    const road_params_t flat = {.air_density_kg_per_m3 = 1.2, .gravity_m_per_s2 = 9.81, .slope = 0.0};
+    const road_params_t flat = {
+        .air_density_kg_per_m3 = 1.2, .gravity_m_per_s2 = 9.81, .slope = 0.0};
     params = usual;
     vehicle = vehicle_on_road(&car, &flat);
     state = driver_init();

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The library's face: order of calls, names, ranges, refusals in words, rows. */
 #include "bench/engine.h"
 
@@ -40,7 +41,8 @@ static void load_vehicle(void)
     set("driver.enable", 1.0);
     set("run.record_interval_s", 0.01);
     set("run.initial_speed_m_per_s", 3.0);
-    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_set_voltage_curve(sim, PLANT_DRIVES[0].soc, PLANT_DRIVES[0].voltage_v,
+    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_set_voltage_curve(sim, PLANT_DRIVES[0].soc,
+                                                              PLANT_DRIVES[0].voltage_v,
                                                               PLANT_DRIVES[0].voltage_points));
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_load_config(sim, &config, sizeof(config)));
 }
@@ -76,7 +78,8 @@ void test_a_full_buffer_stops_the_clock_and_the_run_goes_on_from_there(void)
     TEST_ASSERT_EQUAL_INT(HUBSIM_FULL, hubsim_run(sim, 0.1, rows, 4, &written, &remaining_s));
     TEST_ASSERT_EQUAL_INT64(4, written);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.06, remaining_s);
-    TEST_ASSERT_EQUAL_INT(HUBSIM_FULL, hubsim_run(sim, remaining_s, rows, 4, &written, &remaining_s));
+    TEST_ASSERT_EQUAL_INT(HUBSIM_FULL,
+                          hubsim_run(sim, remaining_s, rows, 4, &written, &remaining_s));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.04, rows[0]);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.07, rows[3]);
 }
@@ -196,8 +199,9 @@ void test_a_pack_that_breaks_down_under_load_ends_the_run_in_words(void)
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
     int64_t written = 0;
     double remaining_s = 0.0;
-    TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_run(sim, 0.5, NULL, 0, &written, &remaining_s)); /* well over 1 kW */
-    set("battery.series_resistance_ohm", 10.0);                                              /* 70 W at most */
+    TEST_ASSERT_EQUAL_INT(
+        HUBSIM_OK, hubsim_run(sim, 0.5, NULL, 0, &written, &remaining_s)); /* well over 1 kW */
+    set("battery.series_resistance_ohm", 10.0);                            /* 70 W at most */
     TEST_ASSERT_EQUAL_INT(HUBSIM_FAILED, hubsim_run(sim, 1.0, NULL, 0, &written, &remaining_s));
     TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), "the battery cannot give the power"));
 }
@@ -222,11 +226,13 @@ void test_every_edge_and_parts_of_a_period_exclude_each_other_before_a_run_and_i
     set("inverter.switching", 1.0);
     set("run.pieces", 2.0);
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_start(sim));
-    TEST_ASSERT_EQUAL_STRING("run.pieces: accepted: 0 or 1 while inverter.switching is 1", hubsim_error(sim));
+    TEST_ASSERT_EQUAL_STRING("run.pieces: accepted: 0 or 1 while inverter.switching is 1",
+                             hubsim_error(sim));
     set("inverter.switching", 0.0);
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set(sim, "inverter.switching", 1.0));
-    TEST_ASSERT_EQUAL_STRING("inverter.switching: accepted: 0 as long as run.pieces is more than 1", hubsim_error(sim));
+    TEST_ASSERT_EQUAL_STRING("inverter.switching: accepted: 0 as long as run.pieces is more than 1",
+                             hubsim_error(sim));
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_ORDER, hubsim_set(sim, "run.pieces", 1.0));
     double value = 1.0;
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_get(sim, "inverter.switching", &value));
@@ -239,10 +245,13 @@ void test_effects_that_cannot_be_are_refused_in_words_before_a_run_and_in_it(voi
         const char *name;
         double value;
         const char *words;
-    } BAD[] = {{"sensors.sampling_delay_s", 30e-6, "sensors.sampling_delay_s: accepted: less than half a period"},
-               {"motor.magnet_bias_current_a", 90.0, "motor.magnet_bias_current_a: accepted: less than 0.28"},
-               {"motor.cogging_per_turn", 2.5, "motor.cogging_per_turn: accepted: a whole number from 1"},
-               {"anti_lock.slip_dump", 0.01, "anti_lock.slip_dump: accepted: from anti_lock.slip_hold"}};
+    } BAD[] = {
+        {"sensors.sampling_delay_s", 30e-6,
+         "sensors.sampling_delay_s: accepted: less than half a period"},
+        {"motor.magnet_bias_current_a", 90.0,
+         "motor.magnet_bias_current_a: accepted: less than 0.28"},
+        {"motor.cogging_per_turn", 2.5, "motor.cogging_per_turn: accepted: a whole number from 1"},
+        {"anti_lock.slip_dump", 0.01, "anti_lock.slip_dump: accepted: from anti_lock.slip_hold"}};
     load_vehicle();
     set("motor.d_saturation_current_a", 100.0);
     set("motor.cogging_torque_nm", 0.5);

@@ -1,4 +1,6 @@
-/* What can happen to a vehicle under way, each by the name of its parameter, and what the firmware makes of it. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What can happen to a vehicle under way, each by the name of its parameter, and what the firmware
+ * makes of it. */
 #include "bench/bench.h"
 
 #include <math.h>
@@ -38,7 +40,8 @@ void test_a_contactor_that_opens_at_full_regeneration_lifts_the_bus_until_the_fi
     bench_refresh(bench);
     bench_period(bench);
     /* C (v^2 - v0^2) / 2 = P t */
-    TEST_ASSERT_DOUBLE_WITHIN(0.1, sqrt(before_v * before_v + 2.0 * power_w * 50e-6 / 1e-3), bench->bus.voltage_v);
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, sqrt(before_v * before_v + 2.0 * power_w * 50e-6 / 1e-3),
+                              bench->bus.voltage_v);
     double highest_v = 0.0;
     for (int k = 0; k < 2000; k++) {
         bench_period(bench);
@@ -46,7 +49,8 @@ void test_a_contactor_that_opens_at_full_regeneration_lifts_the_bus_until_the_fi
     }
     TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, bench->wheel[0].first_fault);
     TEST_ASSERT_TRUE(bench->wheel[0].active.bridge != BRIDGE_PWM);
-    /* Two periods from the code to the bridge and the field's energy, below what 75 V switches stand. */
+    /* Two periods from the code to the bridge and the field's energy, below what 75 V switches
+     * stand. */
     TEST_ASSERT_TRUE(highest_v > 1e-3 * config.battery.overvoltage_trip_mV && highest_v < 70.0);
     /* The driver still brakes: the hydraulic brake has taken over. */
     fixture_run(bench, 0.5);
@@ -131,5 +135,6 @@ void test_a_held_temperature_follows_its_parameter_under_way(void)
     bench->params.wheel[0].winding_rise_k = 20.0;
     bench_refresh(bench);
     TEST_ASSERT_EQUAL_DOUBLE(120.0, bench->wheel[0].winding.temperature_c);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0 + 0.00393 * 95.0, bench->wheel[0].machine.resistance_ohm / cold_ohm);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.0 + 0.00393 * 95.0,
+                              bench->wheel[0].machine.resistance_ohm / cold_ohm);
 }

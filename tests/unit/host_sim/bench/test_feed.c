@@ -1,4 +1,6 @@
-/* What the converters see: late samples, shunts that have no time, and a firmware that chooses two of three. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the converters see: late samples, shunts that have no time, and a firmware that chooses two
+ * of three. */
 #include "bench/feed.h"
 
 #include <math.h>
@@ -13,7 +15,8 @@ static config_t config;
 void setUp(void)
 {
     params = fixture_quarter_vehicle();
-    params.run.initial_speed_m_per_s = 15.0; /* 573 r/min: 28 V of back-EMF, a peak phase voltage of 30.6 V at most */
+    params.run.initial_speed_m_per_s =
+        15.0; /* 573 r/min: 28 V of back-EMF, a peak phase voltage of 30.6 V at most */
     params.driver.drive_demand_nm = 15.0;
     params.sensors.current_noise_a = 0.0;
     params.sensors.bus_voltage_noise_v = 0.0;
@@ -30,7 +33,8 @@ static double length_a(plant_abc_t i)
 
 static double apart_a(plant_abc_t one, plant_abc_t other)
 {
-    const plant_abc_t difference = {.a = one.a - other.a, .b = one.b - other.b, .c = one.c - other.c};
+    const plant_abc_t difference = {
+        .a = one.a - other.a, .b = one.b - other.b, .c = one.c - other.c};
     return length_a(difference);
 }
 
@@ -67,7 +71,8 @@ static seen_t drive(void)
         bench_period(bench);
         const plant_abc_t truth = plant_inverse_clarke(wheel->at_top);
         out.chosen_a =
-            fmax(out.chosen_a, apart_a(without(wheel->seen_a, longest(wheel->active.compare_counts)), truth));
+            fmax(out.chosen_a,
+                 apart_a(without(wheel->seen_a, longest(wheel->active.compare_counts)), truth));
         out.fixed_a = fmax(out.fixed_a, apart_a(without(wheel->seen_a, 2), truth));
         out.all_a = fmax(out.all_a, apart_a(wheel->seen_a, truth));
         const dq_t measured = wheel->to_slow.foc.current.i_pu;
@@ -88,14 +93,16 @@ void test_ideal_shunts_show_the_current_whatever_is_chosen(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, seen.fixed_a);
 }
 
-void test_near_full_voltage_the_firmwares_choice_is_right_where_two_fixed_shunts_or_all_three_are_not(void)
+void test_near_full_voltage_the_firmwares_choice_is_right_where_two_fixed_shunts_or_all_three_are_not(
+    void)
 {
     params.sensors.shunt_settling_s = 0.3e-6;
     const seen_t seen = drive();
     TEST_ASSERT_EQUAL_INT(REASON_NONE, seen.fault);
-    /* At the full modulation of 0.919 the leg that is up longest is so for 0.96 of 50 us: 1 us at the bottom before the sample,
-     * and a dead time of 1 us off that where its current comes out of the motor. It shows next to nothing of what it carries
-     * there. The second longest, on a tie, is up for (1 + 0.919 sqrt(3)/2) / 2 = 0.898: 2.5 us less 1 us, 5 time constants, 1 %. */
+    /* At the full modulation of 0.919 the leg that is up longest is so for 0.96 of 50 us: 1 us at
+     * the bottom before the sample, and a dead time of 1 us off that where its current comes out of
+     * the motor. It shows next to nothing of what it carries there. The second longest, on a tie,
+     * is up for (1 + 0.919 sqrt(3)/2) / 2 = 0.898: 2.5 us less 1 us, 5 time constants, 1 %. */
     TEST_ASSERT_TRUE(seen.chosen_a < 0.02 * seen.current_a);
     TEST_ASSERT_TRUE(seen.fixed_a > 0.06 * seen.current_a);
     TEST_ASSERT_TRUE(seen.fixed_a > 4.0 * seen.chosen_a);
@@ -132,8 +139,9 @@ void test_a_late_sample_is_the_current_of_that_instant(void)
         wheel_step(&copy, &first_part, wheel->motion.speed_rad_s, bench->bus.voltage_v);
         const plant_abc_t then = plant_inverse_clarke(copy.rotor.terminal);
         same += apart_a(wheel->seen_a, then) < 1e-9 ? 1 : 0;
-        /* Where a current changes its sign the dead time's voltage, 0.02 * 54 V of a leg, is decided in the middle of the step. It
-         * drives the inductance for 10 us, and at once the iron branch, 1.5 + 0.006 * 1380 Ohm. */
+        /* Where a current changes its sign the dead time's voltage, 0.02 * 54 V of a leg, is
+         * decided in the middle of the step. It drives the inductance for 10 us, and at once the
+         * iron branch, 1.5 + 0.006 * 1380 Ohm. */
         const double amperes_per_volt = 10e-6 / 76e-6 + 1.0 / (1.5 + 0.006 * 1380.0);
         TEST_ASSERT_TRUE(apart_a(wheel->seen_a, then) < 4.0 / 3.0 * 0.02 * 54.0 * amperes_per_volt);
         bench_period(bench);
@@ -164,8 +172,8 @@ void test_a_late_sample_meets_the_ripple_of_the_switching_bridge_only(void)
     params.driver.drive_demand_nm = 30.0;
     const double averaged = late_share(0.0);
     const double ripple = late_share(1.0);
-    /* Eight microseconds turn the vector by 8e-6 * 1380 rad/s = 1.1 %; on the switching bridge the zero vector lets the back-EMF of
-     * 28 V at 76 uH have it for up to so long: 3 A of 41. */
+    /* Eight microseconds turn the vector by 8e-6 * 1380 rad/s = 1.1 %; on the switching bridge the
+     * zero vector lets the back-EMF of 28 V at 76 uH have it for up to so long: 3 A of 41. */
     TEST_ASSERT_TRUE(averaged < 0.03);
     TEST_ASSERT_TRUE(ripple > 0.04 && ripple < 0.15);
 }

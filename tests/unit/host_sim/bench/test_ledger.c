@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The books: what balances, and what a change adds. */
 #include "bench/ledger.h"
 
@@ -26,9 +27,10 @@ static ledger_t distinct(void)
 void test_the_residual_is_what_was_drawn_less_every_sink_and_every_gain(void)
 {
     ledger_t l = distinct();
-    const double sinks_j = l.copper_j + l.iron_j + l.conduction_j + l.diode_j + l.switching_j + l.bearing_j +
-                           l.hydraulic_j + l.battery_j + l.drag_j + l.rolling_j + l.climbed_j + l.kinetic_j +
-                           l.magnetic_j + l.polarisation_j + l.cable_j + l.bus_j + l.tyre_j;
+    const double sinks_j = l.copper_j + l.iron_j + l.conduction_j + l.diode_j + l.switching_j +
+                           l.bearing_j + l.hydraulic_j + l.battery_j + l.drag_j + l.rolling_j +
+                           l.climbed_j + l.kinetic_j + l.magnetic_j + l.polarisation_j + l.cable_j +
+                           l.bus_j + l.tyre_j;
     TEST_ASSERT_EQUAL_DOUBLE(l.chemical_j - sinks_j, ledger_residual_j(&l));
     l.chemical_j = sinks_j;
     TEST_ASSERT_EQUAL_DOUBLE(0.0, ledger_residual_j(&l));

@@ -1,4 +1,6 @@
-/* Wheels that can slip: momentum, energy, locking, split roads, and that much grip is as rolling. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Wheels that can slip: momentum, energy, locking, split roads, and that much grip is as rolling.
+ */
 #include "bench/bench.h"
 
 #include <math.h>
@@ -39,7 +41,8 @@ void test_the_momentum_of_body_and_wheels_changes_by_what_motors_brakes_and_road
     double torque_before_nms = 0.0;
     for (int k = 0; k < 4; k++) {
         rims -= inertia * bench->wheel[k].motion.speed_rad_s / radius_m;
-        torque_before_nms += bench->wheel[k].totals.torque_impulse_nms - bench->wheel[k].totals.hydraulic_impulse_nms;
+        torque_before_nms += bench->wheel[k].totals.torque_impulse_nms -
+                             bench->wheel[k].totals.hydraulic_impulse_nms;
     }
     /* Air and slope: independent of the bench's own accounts, from the speed alone (trapezoids). */
     double road_ns = 0.0;
@@ -47,12 +50,14 @@ void test_the_momentum_of_body_and_wheels_changes_by_what_motors_brakes_and_road
         const double v0 = bench->vehicle.speed_m_per_s;
         bench_period(bench);
         const double v1 = bench->vehicle.speed_m_per_s;
-        road_ns += 50e-6 * (0.5 * 1.2 * 0.4 * 1.4 * 0.5 * (v0 * v0 + v1 * v1) + 660.0 * 9.81 * 0.03 / sqrt(1.0009));
+        road_ns += 50e-6 * (0.5 * 1.2 * 0.4 * 1.4 * 0.5 * (v0 * v0 + v1 * v1) +
+                            660.0 * 9.81 * 0.03 / sqrt(1.0009));
     }
     double torque_nms = -torque_before_nms;
     for (int k = 0; k < 4; k++) {
         rims += inertia * bench->wheel[k].motion.speed_rad_s / radius_m;
-        torque_nms += bench->wheel[k].totals.torque_impulse_nms - bench->wheel[k].totals.hydraulic_impulse_nms;
+        torque_nms += bench->wheel[k].totals.torque_impulse_nms -
+                      bench->wheel[k].totals.hydraulic_impulse_nms;
     }
     const double change_ns = body_kg * (bench->vehicle.speed_m_per_s - before) + rims;
     TEST_ASSERT_TRUE(change_ns < -1000.0);
@@ -67,7 +72,8 @@ void test_the_momentum_of_rolling_wheels_balances_likewise(void)
     fixture_run(bench, 1.0);
     double torque_nms = 0.0;
     for (int k = 0; k < 4; k++) {
-        torque_nms += bench->wheel[k].totals.torque_impulse_nms - bench->wheel[k].totals.hydraulic_impulse_nms;
+        torque_nms += bench->wheel[k].totals.torque_impulse_nms -
+                      bench->wheel[k].totals.hydraulic_impulse_nms;
     }
     const double change_ns = 660.0 * (bench->vehicle.speed_m_per_s - before);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(change_ns), torque_nms / 0.25, change_ns);

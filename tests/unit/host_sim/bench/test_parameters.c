@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Names, ranges and places of all parameters. */
 #include "bench/parameters.h"
 
@@ -18,7 +19,8 @@ void tearDown(void) {}
 void test_every_name_is_there_once_and_is_found(void)
 {
     for (int k = 0; k < parameters_count(); k++) {
-        TEST_ASSERT_EQUAL_INT_MESSAGE(k, parameters_find(parameters_info(k).name), parameters_info(k).name);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(k, parameters_find(parameters_info(k).name),
+                                      parameters_info(k).name);
     }
     TEST_ASSERT_EQUAL_INT(-1, parameters_find("motor.no_such_thing"));
     TEST_ASSERT_EQUAL_INT(-1, parameters_find(""));
@@ -28,12 +30,14 @@ void test_every_parameter_has_a_place_of_its_own(void)
 {
     for (int k = 0; k < parameters_count(); k++) {
         const parameter_info_t info = parameters_info(k);
-        TEST_ASSERT_TRUE_MESSAGE(parameters_set(&params, k, info.lowest + (info.highest - info.lowest) * k / 1000.0),
-                                 info.name);
+        TEST_ASSERT_TRUE_MESSAGE(
+            parameters_set(&params, k, info.lowest + (info.highest - info.lowest) * k / 1000.0),
+            info.name);
     }
     for (int k = 0; k < parameters_count(); k++) {
         const parameter_info_t info = parameters_info(k);
-        TEST_ASSERT_EQUAL_DOUBLE(info.lowest + (info.highest - info.lowest) * k / 1000.0, parameters_get(&params, k));
+        TEST_ASSERT_EQUAL_DOUBLE(info.lowest + (info.highest - info.lowest) * k / 1000.0,
+                                 parameters_get(&params, k));
     }
 }
 
@@ -43,8 +47,10 @@ void test_both_ends_of_a_range_are_accepted_and_nothing_beyond(void)
         const parameter_info_t info = parameters_info(k);
         TEST_ASSERT_TRUE(parameters_set(&params, k, info.lowest));
         TEST_ASSERT_TRUE(parameters_set(&params, k, info.highest));
-        TEST_ASSERT_FALSE_MESSAGE(parameters_set(&params, k, nextafter(info.lowest, -INFINITY)), info.name);
-        TEST_ASSERT_FALSE_MESSAGE(parameters_set(&params, k, nextafter(info.highest, INFINITY)), info.name);
+        TEST_ASSERT_FALSE_MESSAGE(parameters_set(&params, k, nextafter(info.lowest, -INFINITY)),
+                                  info.name);
+        TEST_ASSERT_FALSE_MESSAGE(parameters_set(&params, k, nextafter(info.highest, INFINITY)),
+                                  info.name);
         TEST_ASSERT_FALSE_MESSAGE(parameters_set(&params, k, NAN), info.name);
         TEST_ASSERT_EQUAL_DOUBLE(info.highest, parameters_get(&params, k));
     }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Rows at regular times; powers that add up to the accounts. */
 #include "bench/recorder.h"
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Everything that can be watched has one name and one value. */
 #include "bench/signals.h"
 
@@ -116,7 +117,9 @@ void test_phase_currents_add_up_to_zero_and_turn_into_d_and_q(void)
 
 void test_the_wheels_are_told_apart(void)
 {
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, bench->wheel[0].rotor.theta_turn, value_of("wheel0.theta_turn"));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, bench->wheel[3].rotor.theta_turn, value_of("wheel3.theta_turn"));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, bench->wheel[0].rotor.theta_turn,
+                              value_of("wheel0.theta_turn"));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, bench->wheel[3].rotor.theta_turn,
+                              value_of("wheel3.theta_turn"));
     TEST_ASSERT_TRUE(fabs(value_of("wheel0.theta_turn") - value_of("wheel3.theta_turn")) > 0.1);
 }

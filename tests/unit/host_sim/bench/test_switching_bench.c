@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The firmware on a bridge that switches edge by edge, beside the same on the averaged one. */
 #include "bench/bench.h"
 
@@ -41,7 +42,8 @@ static braking_t brake(double demand_nm, double switching, double delay_s)
     params.sensors.current_noise_a = 0.0;
     params.sensors.bus_voltage_noise_v = 0.0;
     params.sensors.sampling_delay_s = delay_s;
-    const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    const config_t config =
+        fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 0.3);
     const wheel_totals_t before = bench->wheel[0].totals;
@@ -66,21 +68,24 @@ void test_the_firmware_brakes_alike_on_both_bridges(void)
 }
 
 /*
- * A dead time puts off one edge of every pulse, so the pulses come half a dead time late and the top of the count lies as much
- * before the middle of the time in which all low sides conduct. There the back-EMF E lets the current fall, E/L: a sample at
- * the top is E/L t_d/2 over the mean, and the braking torque too large by 3/2 p psi of that. Sampled half a dead
- * time later, the firmware does on this bridge what it does on the averaged one.
+ * A dead time puts off one edge of every pulse, so the pulses come half a dead time late and the
+ * top of the count lies as much before the middle of the time in which all low sides conduct. There
+ * the back-EMF E lets the current fall, E/L: a sample at the top is E/L t_d/2 over the mean, and
+ * the braking torque too large by 3/2 p psi of that. Sampled half a dead time later, the firmware
+ * does on this bridge what it does on the averaged one.
  */
 void test_a_sample_at_the_top_of_the_count_is_half_a_dead_time_early(void)
 {
     const bench_params_t params = fixture_quarter_vehicle();
     const double half_dead_s = 0.5 * params.inverter.dead_time_s;
     const double omega_rad_s = 7.9 / params.vehicle.wheel_radius_m * params.motor.pole_pairs;
-    const double slope_a_per_s = omega_rad_s * params.motor.flux_linkage_wb / params.motor.q_inductance_h;
+    const double slope_a_per_s =
+        omega_rad_s * params.motor.flux_linkage_wb / params.motor.q_inductance_h;
     const double too_much_nm =
         1.5 * params.motor.pole_pairs * params.motor.flux_linkage_wb * slope_a_per_s * half_dead_s;
-    /* At an edge a phase in line with its voltage E deviates by sqrt(3)/12 E T/L where it passes through zero; a triangle's
-     * square is a third of its amplitude's on average, and this is not the largest one. */
+    /* At an edge a phase in line with its voltage E deviates by sqrt(3)/12 E T/L where it passes
+     * through zero; a triangle's square is a third of its amplitude's on average, and this is not
+     * the largest one. */
     const double ripple_a = sqrt(3.0) / 12.0 * slope_a_per_s / params.inverter.pwm_frequency_hz;
     const double ripple_a2 = 0.5 * ripple_a * ripple_a;
     const double demands_nm[] = {2.0, 5.0, 10.0, 40.0};
@@ -88,18 +93,25 @@ void test_a_sample_at_the_top_of_the_count_is_half_a_dead_time_early(void)
         const braking_t averaged = brake(demands_nm[k], 0.0, 0.0);
         const braking_t at_top = brake(demands_nm[k], 1.0, 0.0);
         const braking_t later = brake(demands_nm[k], 1.0, half_dead_s);
-        TEST_ASSERT_DOUBLE_WITHIN(0.3 * too_much_nm, -too_much_nm, at_top.torque_nm - later.torque_nm);
-        /* Legs whose ripple takes them through zero at every edge are not late at all: a few hundredths of a newton-metre. */
-        TEST_ASSERT_DOUBLE_WITHIN(fmax(0.01 * demands_nm[k], 0.03), averaged.torque_nm, later.torque_nm);
+        TEST_ASSERT_DOUBLE_WITHIN(0.3 * too_much_nm, -too_much_nm,
+                                  at_top.torque_nm - later.torque_nm);
+        /* Legs whose ripple takes them through zero at every edge are not late at all: a few
+         * hundredths of a newton-metre. */
+        TEST_ASSERT_DOUBLE_WITHIN(fmax(0.01 * demands_nm[k], 0.03), averaged.torque_nm,
+                                  later.torque_nm);
         TEST_ASSERT_DOUBLE_WITHIN(0.002 * averaged.loss_w, averaged.loss_w, later.loss_w);
-        TEST_ASSERT_DOUBLE_WITHIN(0.01 * averaged.copper_w + 1.5 * params.motor.phase_resistance_ohm * ripple_a2,
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * averaged.copper_w +
+                                      1.5 * params.motor.phase_resistance_ohm * ripple_a2,
                                   averaged.copper_w, later.copper_w);
         TEST_ASSERT_DOUBLE_WITHIN(0.01 * averaged.iron_w, averaged.iron_w, later.iron_w);
-        TEST_ASSERT_DOUBLE_WITHIN(0.01 * averaged.conduction_w + 1.5 * params.inverter.diode_resistance_ohm * ripple_a2,
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * averaged.conduction_w +
+                                      1.5 * params.inverter.diode_resistance_ohm * ripple_a2,
                                   averaged.conduction_w, later.conduction_w);
-        const double share =
-            demands_nm[k] < 5.0 ? 0.1 : 0.01; /* |i| of a current that changes its sign twice a period */
+        const double share = demands_nm[k] < 5.0
+                                 ? 0.1
+                                 : 0.01; /* |i| of a current that changes its sign twice a period */
         TEST_ASSERT_DOUBLE_WITHIN(share * averaged.diode_w, averaged.diode_w, later.diode_w);
-        TEST_ASSERT_DOUBLE_WITHIN(share * averaged.switching_w, averaged.switching_w, later.switching_w);
+        TEST_ASSERT_DOUBLE_WITHIN(share * averaged.switching_w, averaged.switching_w,
+                                  later.switching_w);
     }
 }

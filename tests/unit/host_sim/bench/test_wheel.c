@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* One wheel: the timing of the loop, its accounts, its sensors' truth. */
 #include "bench/wheel.h"
 
@@ -13,7 +14,8 @@ void setUp(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 6.0;
-    const config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    const config_t config =
+        fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
     bench = fixture_start(&params, &config);
     wheel = &bench->wheel[0];
 }
@@ -34,14 +36,16 @@ void test_what_the_firmware_computes_acts_one_period_later(void)
 
 void test_a_changed_reference_reaches_the_current_after_the_delay_and_not_before(void)
 {
-    /* Between two slow steps the reference stands still: change it by hand, and compare with a twin that keeps it. */
+    /* Between two slow steps the reference stands still: change it by hand, and compare with a twin
+     * that keeps it. */
     while (bench->period % 20 != 2) {
         bench_period(bench);
     }
     static bench_t twin;
     twin = *bench;
     bench_refresh(&twin);
-    wheel->to_fast.foc.i_reference_pu.q = (int16_t)(wheel->to_fast.foc.i_reference_pu.q + 2000); /* 10 A */
+    wheel->to_fast.foc.i_reference_pu.q =
+        (int16_t)(wheel->to_fast.foc.i_reference_pu.q + 2000); /* 10 A */
     wheel->to_fast.foc.number++; /* a command is followed when its number is another one */
     bench_period(bench);         /* samples and computes */
     bench_period(&twin);
@@ -74,12 +78,14 @@ void test_what_the_bus_gave_is_heat_work_and_field(void)
     const double field_before_j = pmsm_magnetic_energy_j(&wheel->machine, &wheel->rotor);
     fixture_run(bench, 0.5);
     const wheel_totals_t *now = &wheel->totals;
-    const double heat_j = now->copper_j - before.copper_j + now->iron_j - before.iron_j + now->conduction_j -
-                          before.conduction_j + now->diode_j - before.diode_j + now->switching_j - before.switching_j;
+    const double heat_j = now->copper_j - before.copper_j + now->iron_j - before.iron_j +
+                          now->conduction_j - before.conduction_j + now->diode_j - before.diode_j +
+                          now->switching_j - before.switching_j;
     const double field_j = pmsm_magnetic_energy_j(&wheel->machine, &wheel->rotor) - field_before_j;
     const double dc_j = now->dc_j - before.dc_j;
     TEST_ASSERT_TRUE(dc_j > 100.0);
-    /* Where a current passes through the zone in which dead time is undecided, the balance closes to second order only. */
+    /* Where a current passes through the zone in which dead time is undecided, the balance closes
+     * to second order only. */
     TEST_ASSERT_DOUBLE_WITHIN(3e-6 * dc_j, dc_j, heat_j + now->shaft_j - before.shaft_j + field_j);
 }
 

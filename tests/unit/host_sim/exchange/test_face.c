@@ -1,4 +1,6 @@
-/* The face for other languages: what is refused, in which words, and that a refused call changes nothing. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The face for other languages: what is refused, in which words, and that a refused call changes
+ * nothing. */
 #include "exchange/face.h"
 
 #include <math.h>
@@ -34,7 +36,8 @@ void test_the_ports_have_the_sizes_the_tests_below_rely_on(void)
     TEST_ASSERT_EQUAL_INT(0, hubsim_variable_count(7));
     TEST_ASSERT_NULL(hubsim_variable_name(HUBSIM_PORT_FAST_INPUT, FAST_INPUTS));
     TEST_ASSERT_NULL(hubsim_variable_name(-1, 0));
-    TEST_ASSERT_EQUAL_INT32(config.drive.pwm_frequency_Hz, hubsim_controller_fast_rate_hz(controller));
+    TEST_ASSERT_EQUAL_INT32(config.drive.pwm_frequency_Hz,
+                            hubsim_controller_fast_rate_hz(controller));
 }
 
 void test_without_a_configuration_there_is_no_step(void)
@@ -55,7 +58,8 @@ void test_a_damaged_configuration_is_refused_and_the_old_one_stays(void)
     TEST_ASSERT_EQUAL_INT(-1, hubsim_controller_load_config(controller, &damaged, sizeof(damaged)));
     TEST_ASSERT_NOT_NULL(strstr(hubsim_controller_error(controller), "configuration refused"));
     TEST_ASSERT_EQUAL_INT(-1, hubsim_controller_load_config(controller, &config, 16));
-    TEST_ASSERT_EQUAL_INT32(config.drive.pwm_frequency_Hz, hubsim_controller_fast_rate_hz(controller));
+    TEST_ASSERT_EQUAL_INT32(config.drive.pwm_frequency_Hz,
+                            hubsim_controller_fast_rate_hz(controller));
 }
 
 void test_a_value_that_is_no_number_is_refused_by_name_and_no_step_is_made(void)
@@ -68,12 +72,14 @@ void test_a_value_that_is_no_number_is_refused_by_name_and_no_step_is_made(void)
     double out[FAST_OUTPUTS];
     in[3] = NAN;
     TEST_ASSERT_EQUAL_INT(-1, hubsim_controller_fast_step(controller, in, out));
-    TEST_ASSERT_EQUAL_STRING("bus_voltage_v: not a finite number", hubsim_controller_error(controller));
+    TEST_ASSERT_EQUAL_STRING("bus_voltage_v: not a finite number",
+                             hubsim_controller_error(controller));
     int32_t raw[FAST_INPUTS] = {0};
     int32_t raw_out[FAST_OUTPUTS];
     raw[0] = 4096;
     TEST_ASSERT_EQUAL_INT(-1, hubsim_controller_fast_step_raw(controller, raw, raw_out));
-    TEST_ASSERT_EQUAL_STRING("phase_current_code_a: 4096, accepted: 0 to 4095", hubsim_controller_error(controller));
+    TEST_ASSERT_EQUAL_STRING("phase_current_code_a: 4096, accepted: 0 to 4095",
+                             hubsim_controller_error(controller));
     TEST_ASSERT_EQUAL_INT(0, hubsim_controller_save(controller, after));
     TEST_ASSERT_EQUAL_INT(0, memcmp(before, after, size));
     free(before);
@@ -84,7 +90,8 @@ void test_bytes_that_are_no_state_are_refused(void)
 {
     void *state = calloc(1, hubsim_controller_state_bytes());
     TEST_ASSERT_EQUAL_INT(-1, hubsim_controller_restore(controller, state));
-    TEST_ASSERT_EQUAL_STRING("these bytes are no controller's state", hubsim_controller_error(controller));
+    TEST_ASSERT_EQUAL_STRING("these bytes are no controller's state",
+                             hubsim_controller_error(controller));
     free(state);
 }
 
@@ -101,7 +108,8 @@ void test_engineering_and_raw_steps_are_the_same_step(void)
         for (int k = 0; k < FAST_INPUTS; k++) {
             double zero = 0.0;
             double per_unit = 1.0;
-            TEST_ASSERT_EQUAL_INT(0, hubsim_controller_scale(controller, HUBSIM_PORT_FAST_INPUT, k, &zero, &per_unit));
+            TEST_ASSERT_EQUAL_INT(0, hubsim_controller_scale(controller, HUBSIM_PORT_FAST_INPUT, k,
+                                                             &zero, &per_unit));
             in[k] = (raw[k] - zero) / per_unit;
         }
         TEST_ASSERT_EQUAL_INT(0, hubsim_controller_fast_step_raw(controller, raw, raw_out));

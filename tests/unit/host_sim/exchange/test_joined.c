@@ -1,4 +1,6 @@
-/* Driven by name the controller does what it does driven through its structures, and it can be copied at any moment. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Driven by name the controller does what it does driven through its structures, and it can be
+ * copied at any moment. */
 #include "exchange/joined.h"
 
 #include <string.h>
@@ -64,10 +66,11 @@ static slow_input_t slow_input(uint32_t n)
 /* By hand, in the order of variables.h: a line in the wrong place shows as a wrong output. */
 static void fast_array(const fast_input_t *in, int32_t *out)
 {
-    const int32_t values[] = {in->phase_current_code[0], in->phase_current_code[1], in->phase_current_code[2],
-                              in->bus_voltage_code,      in->rotor_angle_turn,      in->encoder.count,
-                              in->encoder.index_count,   in->encoder.index,         in->hall_state,
-                              in->power_stage_fault};
+    const int32_t values[] = {
+        in->phase_current_code[0], in->phase_current_code[1], in->phase_current_code[2],
+        in->bus_voltage_code,      in->rotor_angle_turn,      in->encoder.count,
+        in->encoder.index_count,   in->encoder.index,         in->hall_state,
+        in->power_stage_fault};
     memcpy(out, values, sizeof(values));
 }
 
@@ -120,9 +123,10 @@ void test_by_name_and_by_structure_are_the_same_controller(void)
             slow = controller_slow_step(&direct.slow, &config, &to_slow, &in, &to_fast);
         }
         const fast_input_t in = fast_input(n);
-        const fast_output_t fast = controller_fast_step(&direct.fast, &config, &to_fast, &in, &to_slow);
-        const int32_t fast_expected[] = {fast.compare_counts[0], fast.compare_counts[1], fast.compare_counts[2],
-                                         (int32_t)fast.bridge};
+        const fast_output_t fast =
+            controller_fast_step(&direct.fast, &config, &to_fast, &in, &to_slow);
+        const int32_t fast_expected[] = {fast.compare_counts[0], fast.compare_counts[1],
+                                         fast.compare_counts[2], (int32_t)fast.bridge};
         const int32_t slow_expected[] = {slow.motor_torque_command_mNm,
                                          slow.motor_torque_estimate_mNm,
                                          slow.hydraulic_torque_mNm,

@@ -1,4 +1,6 @@
-/* Raw and engineering values say the same; a converter code is the one the simulated converter would give. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Raw and engineering values say the same; a converter code is the one the simulated converter
+ * would give. */
 #include "exchange/variables.h"
 
 #include <math.h>
@@ -68,18 +70,24 @@ void test_codes_are_those_of_a_faultless_converter_of_the_same_full_scale(void)
         const double volts = 0.11 * (k + 300);
         const double turn = (k + 300) / 601.0;
         const sensors_sample_t seen = sensors_sample(&sensors, &healthy, &random, i, volts, turn);
-        TEST_ASSERT_EQUAL_INT(seen.phase_current_code[0], raw_of(EXCHANGE_PORT_FAST_INPUT, "phase_a_a", i.a));
-        TEST_ASSERT_EQUAL_INT(seen.phase_current_code[1], raw_of(EXCHANGE_PORT_FAST_INPUT, "phase_b_a", i.b));
-        TEST_ASSERT_EQUAL_INT(seen.phase_current_code[2], raw_of(EXCHANGE_PORT_FAST_INPUT, "phase_c_a", i.c));
-        TEST_ASSERT_EQUAL_INT(seen.bus_voltage_code, raw_of(EXCHANGE_PORT_FAST_INPUT, "bus_voltage_v", volts));
-        TEST_ASSERT_EQUAL_INT(seen.rotor_angle_turn, raw_of(EXCHANGE_PORT_FAST_INPUT, "rotor_angle_turn", turn));
+        TEST_ASSERT_EQUAL_INT(seen.phase_current_code[0],
+                              raw_of(EXCHANGE_PORT_FAST_INPUT, "phase_a_a", i.a));
+        TEST_ASSERT_EQUAL_INT(seen.phase_current_code[1],
+                              raw_of(EXCHANGE_PORT_FAST_INPUT, "phase_b_a", i.b));
+        TEST_ASSERT_EQUAL_INT(seen.phase_current_code[2],
+                              raw_of(EXCHANGE_PORT_FAST_INPUT, "phase_c_a", i.c));
+        TEST_ASSERT_EQUAL_INT(seen.bus_voltage_code,
+                              raw_of(EXCHANGE_PORT_FAST_INPUT, "bus_voltage_v", volts));
+        TEST_ASSERT_EQUAL_INT(seen.rotor_angle_turn,
+                              raw_of(EXCHANGE_PORT_FAST_INPUT, "rotor_angle_turn", turn));
     }
 }
 
 void test_an_angle_may_have_any_number_of_turns(void)
 {
     for (int turns = -3; turns <= 3; turns++) {
-        TEST_ASSERT_EQUAL_INT(16384, raw_of(EXCHANGE_PORT_FAST_INPUT, "rotor_angle_turn", turns + 0.25));
+        TEST_ASSERT_EQUAL_INT(16384,
+                              raw_of(EXCHANGE_PORT_FAST_INPUT, "rotor_angle_turn", turns + 0.25));
     }
     TEST_ASSERT_EQUAL_INT(0, raw_of(EXCHANGE_PORT_FAST_INPUT, "rotor_angle_turn", -1e-9));
 }
@@ -110,7 +118,8 @@ void test_every_raw_value_survives_the_way_to_engineering_units_and_back(void)
             const int64_t step = ((int64_t)info.highest_raw - info.lowest_raw) / 997 + 1;
             for (int64_t raw = info.lowest_raw; raw <= info.highest_raw; raw += step) {
                 const double value = variables_from_raw(affine, (int32_t)raw);
-                TEST_ASSERT_EQUAL_INT32_MESSAGE((int32_t)raw, variables_to_raw(&info, affine, value), info.name);
+                TEST_ASSERT_EQUAL_INT32_MESSAGE((int32_t)raw,
+                                                variables_to_raw(&info, affine, value), info.name);
             }
         }
     }

@@ -1,6 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * face.h: a unit through the functions of the standard, FMI 2.0 (face_fmi2.c) or 3.0 (face_fmi3.c), so that the same
- * questions can be asked of both. True: the standard's OK.
+ * face.h: a unit through the functions of the standard, FMI 2.0 (face_fmi2.c) or 3.0 (face_fmi3.c),
+ * so that the same questions can be asked of both. True: the standard's OK.
  */
 #ifndef FACE_H
 #define FACE_H

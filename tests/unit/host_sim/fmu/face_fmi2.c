@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "face.h"
 
 #include <stdarg.h>
@@ -8,8 +9,8 @@
 
 char face_message[FACE_MESSAGE_LENGTH];
 
-static void listen(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status, fmi2String category,
-                   fmi2String message, ...)
+static void listen(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status,
+                   fmi2String category, fmi2String message, ...)
 {
     (void)environment;
     (void)name;
@@ -26,12 +27,14 @@ static const fmi2CallbackFunctions DEAF = {.logger = NULL};
 
 void *face_new(const char *token)
 {
-    return fmi2Instantiate("a unit", fmi2CoSimulation, token, "file:///nowhere", &LISTENING, fmi2False, fmi2True);
+    return fmi2Instantiate("a unit", fmi2CoSimulation, token, "file:///nowhere", &LISTENING,
+                           fmi2False, fmi2True);
 }
 
 void *face_new_of_another_kind(void)
 {
-    return fmi2Instantiate("a unit", fmi2ModelExchange, MODEL_TOKEN, NULL, &LISTENING, fmi2False, fmi2True);
+    return fmi2Instantiate("a unit", fmi2ModelExchange, MODEL_TOKEN, NULL, &LISTENING, fmi2False,
+                           fmi2True);
 }
 
 void *face_new_without_log(const char *token)
@@ -162,7 +165,8 @@ const char *face_offers_too_much(void *unit)
     if (fmi2SetString(unit, &reference, 1, &text) == fmi2OK) {
         return "fmi2SetString";
     }
-    if (fmi2GetDirectionalDerivative(unit, &reference, 1, &reference, 1, &value, &found) == fmi2OK) {
+    if (fmi2GetDirectionalDerivative(unit, &reference, 1, &reference, 1, &value, &found) ==
+        fmi2OK) {
         return "fmi2GetDirectionalDerivative";
     }
     if (fmi2SetRealInputDerivatives(unit, &reference, 1, &order, &value) == fmi2OK) {
@@ -180,6 +184,7 @@ const char *face_offers_too_much(void *unit)
     const bool nothing_asked = fmi2GetString(unit, NULL, 0, NULL) == fmi2OK &&
                                fmi2GetReal(unit, NULL, 0, NULL) == fmi2OK &&
                                fmi2SetDebugLogging(unit, fmi2True, 0, NULL) == fmi2OK;
-    const bool known = strcmp(fmi2GetVersion(), "2.0") == 0 && strcmp(fmi2GetTypesPlatform(), "default") == 0;
+    const bool known =
+        strcmp(fmi2GetVersion(), "2.0") == 0 && strcmp(fmi2GetTypesPlatform(), "default") == 0;
     return nothing_asked && known ? NULL : "nothing: it refuses what asks for nothing";
 }

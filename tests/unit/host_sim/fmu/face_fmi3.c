@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "face.h"
 
 #include <string.h>
@@ -6,7 +7,8 @@
 
 char face_message[FACE_MESSAGE_LENGTH];
 
-static void listen(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String message)
+static void listen(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
+                   fmi3String message)
 {
     (void)environment;
     (void)status;
@@ -16,8 +18,8 @@ static void listen(fmi3InstanceEnvironment environment, fmi3Status status, fmi3S
 
 static void *instantiate(const char *name, const char *token, fmi3LogMessageCallback log)
 {
-    return fmi3InstantiateCoSimulation(name, token, NULL, fmi3False, log != NULL, fmi3False, fmi3False, NULL, 0, NULL,
-                                       log, NULL);
+    return fmi3InstantiateCoSimulation(name, token, NULL, fmi3False, log != NULL, fmi3False,
+                                       fmi3False, NULL, 0, NULL, log, NULL);
 }
 
 void *face_new(const char *token)
@@ -27,11 +29,11 @@ void *face_new(const char *token)
 
 void *face_new_of_another_kind(void)
 {
-    void *const scheduled = fmi3InstantiateScheduledExecution("a unit", MODEL_TOKEN, NULL, fmi3False, fmi3True, NULL,
-                                                              listen, NULL, NULL, NULL);
-    return scheduled != NULL
-               ? scheduled
-               : fmi3InstantiateModelExchange("a unit", MODEL_TOKEN, NULL, fmi3False, fmi3True, NULL, listen);
+    void *const scheduled = fmi3InstantiateScheduledExecution(
+        "a unit", MODEL_TOKEN, NULL, fmi3False, fmi3True, NULL, listen, NULL, NULL, NULL);
+    return scheduled != NULL ? scheduled
+                             : fmi3InstantiateModelExchange("a unit", MODEL_TOKEN, NULL, fmi3False,
+                                                            fmi3True, NULL, listen);
 }
 
 void *face_new_without_log(const char *token)
@@ -65,7 +67,8 @@ bool face_step(void *unit, double from_s, double step_s)
     fmi3Boolean ends = fmi3True;
     fmi3Boolean early = fmi3True;
     fmi3Float64 reached_s = -1.0;
-    const bool out = fmi3DoStep(unit, from_s, step_s, fmi3True, &event, &ends, &early, &reached_s) == fmi3OK;
+    const bool out =
+        fmi3DoStep(unit, from_s, step_s, fmi3True, &event, &ends, &early, &reached_s) == fmi3OK;
     return out && !event && !ends && !early && reached_s == from_s + step_s;
 }
 
@@ -174,7 +177,8 @@ const char *face_offers_too_much(void *unit)
     if (fmi3GetNumberOfVariableDependencies(unit, reference, &count) == fmi3OK) {
         return "fmi3GetNumberOfVariableDependencies";
     }
-    if (fmi3GetDirectionalDerivative(unit, &reference, 1, &reference, 1, &value, 1, found, 1) == fmi3OK) {
+    if (fmi3GetDirectionalDerivative(unit, &reference, 1, &reference, 1, &value, 1, found, 1) ==
+        fmi3OK) {
         return "fmi3GetDirectionalDerivative";
     }
     if (fmi3GetOutputDerivatives(unit, &reference, 1, (const fmi3Int32[]){1}, found, 1) == fmi3OK) {
@@ -186,5 +190,7 @@ const char *face_offers_too_much(void *unit)
     const bool nothing_asked = fmi3GetString(unit, NULL, 0, NULL, 0) == fmi3OK &&
                                fmi3GetFloat64(unit, NULL, 0, NULL, 0) == fmi3OK &&
                                fmi3SetDebugLogging(unit, fmi3True, 0, NULL) == fmi3OK;
-    return nothing_asked && strcmp(fmi3GetVersion(), "3.0") == 0 ? NULL : "nothing: it refuses what asks for nothing";
+    return nothing_asked && strcmp(fmi3GetVersion(), "3.0") == 0
+               ? NULL
+               : "nothing: it refuses what asks for nothing";
 }

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A unit as an importer sees it, whichever version of the standard it is of."""
 
 import os
@@ -27,9 +28,15 @@ class Unit:
         self.fmi = 2 if self.description.fmiVersion == "2.0" else 3
         self.folder = fmpy.extract(str(path))
         self.messages: list[str] = []
-        names = {"modelIdentifier": self.description.coSimulation.modelIdentifier, "unzipDirectory": self.folder, "instanceName": "x"}
+        names = {
+            "modelIdentifier": self.description.coSimulation.modelIdentifier,
+            "unzipDirectory": self.folder,
+            "instanceName": "x",
+        }
         self.variables = {v.name: v for v in self.description.modelVariables}
-        self.slave: Any = (FMU2Slave if self.fmi == 2 else FMU3Slave)(guid=self.description.guid, **names)
+        self.slave: Any = (FMU2Slave if self.fmi == 2 else FMU3Slave)(
+            guid=self.description.guid, **names
+        )
         self.slave.instantiate()
         for name, value in (starts or {}).items():
             self.set(name, value)
@@ -42,7 +49,12 @@ class Unit:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         if error is None:
             self.slave.terminate()
         self.slave.freeInstance()

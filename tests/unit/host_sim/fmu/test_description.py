@@ -1,4 +1,8 @@
-"""What a unit says about its variables: roles, units and start values come from the lists of the simulation itself."""
+# SPDX-License-Identifier: Apache-2.0
+"""What a unit says about its variables.
+
+Roles, units and start values come from the lists of the simulation itself.
+"""
 
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -7,7 +11,16 @@ import hubsim
 import pytest
 from hubsim.engine import ROOT
 from hubsim.fmu import units, xml
-from hubsim.fmu.description import FIXED, INPUT, OUTPUT, VEHICLE_FIXED, VEHICLE_INPUTS, VEHICLE_SETTINGS, Description, describe
+from hubsim.fmu.description import (
+    FIXED,
+    INPUT,
+    OUTPUT,
+    VEHICLE_FIXED,
+    VEHICLE_INPUTS,
+    VEHICLE_SETTINGS,
+    Description,
+    describe,
+)
 from hubsim.fmu.table import c_table
 
 LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
@@ -26,7 +39,9 @@ def controller() -> Description:
 def test_everything_that_can_be_set_or_watched_is_in_the_vehicle(vehicle: Description) -> None:
     names = [v.name for v in vehicle.variables]
     assert len(names) == len(set(names))
-    assert set(hubsim.parameters()) == {v.name for v in vehicle.variables if v.role != OUTPUT} | set(vehicle.settings)
+    assert set(hubsim.parameters()) == {
+        v.name for v in vehicle.variables if v.role != OUTPUT
+    } | set(vehicle.settings)
     with hubsim.Bench(LU2013, record=()) as bench:
         assert set(bench.signals()) == {v.name for v in vehicle.variables if v.role == OUTPUT}
 
@@ -41,13 +56,19 @@ def test_the_names_with_a_role_exist(vehicle: Description) -> None:
 
 def test_inputs_and_outputs_of_both_steps_are_in_the_controller(controller: Description) -> None:
     ports = hubsim.Controller.variables()
-    expected = [f"{port}.{v.name}" for port in ("fast_input", "slow_input", "fast_output", "slow_output") for v in ports[port]]
+    expected = [
+        f"{port}.{v.name}"
+        for port in ("fast_input", "slow_input", "fast_output", "slow_output")
+        for v in ports[port]
+    ]
     assert [v.name for v in controller.variables] == expected
     assert controller.step_s == hubsim.Controller(LU2013).period_s
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_every_variable_says_what_it_is_in_its_unit(fmi: int, vehicle: Description, controller: Description) -> None:
+def test_every_variable_says_what_it_is_in_its_unit(
+    fmi: int, vehicle: Description, controller: Description
+) -> None:
     for unit in (vehicle, controller):
         root = ET.fromstring(xml.model_description(unit, fmi, ["table.c"]))
         defined = {element.get("name") for element in root.iter("Unit")}
@@ -85,7 +106,10 @@ def test_what_is_no_unit_is_named() -> None:
 
 def test_another_configuration_is_another_unit(vehicle: Description, tmp_path: Path) -> None:
     other = tmp_path / "heavy.toml"
-    other.write_text(LU2013.read_text(encoding="utf-8").replace("mass_kg = 660.0", "mass_kg = 700.0"), encoding="utf-8")
+    other.write_text(
+        LU2013.read_text(encoding="utf-8").replace("mass_kg = 660.0", "mass_kg = 700.0"),
+        encoding="utf-8",
+    )
     heavy = describe("vehicle", other)
     assert heavy.token != vehicle.token
     assert heavy.token in c_table(heavy)

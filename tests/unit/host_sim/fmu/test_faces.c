@@ -1,6 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A unit's own C files behind the functions of the standard, without an importer between: as a program has to call them,
- * and as one should not. With the sanitizers' preset every byte that is read and written is watched.
+ * A unit's own C files behind the functions of the standard, without an importer between: as a
+ * program has to call them, and as one should not. With the sanitizers' preset every byte that is
+ * read and written is watched.
  */
 #include <float.h>
 #include <math.h>
@@ -55,16 +57,19 @@ static void drive(void *driven, double now_s, double size)
         const char *name;
         double of_size;
     } SET[] = {
-        {"fast_input.bus_voltage_v", 50.0},   {"fast_input.phase_a_a", 10.0},   {"slow_input.enable", 1.0},
-        {"slow_input.brake_torque_nm", 20.0}, {"driver.brake_demand_nm", 20.0}, {"road.slope", 0.01},
+        {"fast_input.bus_voltage_v", 50.0}, {"fast_input.phase_a_a", 10.0},
+        {"slow_input.enable", 1.0},         {"slow_input.brake_torque_nm", 20.0},
+        {"driver.brake_demand_nm", 20.0},   {"road.slope", 0.01},
     };
     for (size_t k = 0; k < sizeof(SET) / sizeof(SET[0]); k++) {
         const int place = place_of(SET[k].name);
         if (place >= 0) {
-            const double value =
-                MODEL_VARIABLES[place].type == MODEL_REAL ? size * SET[k].of_size * (1.0 + now_s) : 1.0;
-            TEST_ASSERT_TRUE_MESSAGE(face_set(driven, (uint32_t)place + 1, MODEL_VARIABLES[place].type, value),
-                                     face_message);
+            const double value = MODEL_VARIABLES[place].type == MODEL_REAL
+                                     ? size * SET[k].of_size * (1.0 + now_s)
+                                     : 1.0;
+            TEST_ASSERT_TRUE_MESSAGE(
+                face_set(driven, (uint32_t)place + 1, MODEL_VARIABLES[place].type, value),
+                face_message);
         }
     }
 }
@@ -72,7 +77,8 @@ static void drive(void *driven, double now_s, double size)
 static void read_all(void *from, double *values)
 {
     for (int k = 0; k < MODEL_VARIABLE_COUNT; k++) {
-        TEST_ASSERT_TRUE_MESSAGE(face_get(from, (uint32_t)k + 1, MODEL_VARIABLES[k].type, &values[k]), face_message);
+        TEST_ASSERT_TRUE_MESSAGE(
+            face_get(from, (uint32_t)k + 1, MODEL_VARIABLES[k].type, &values[k]), face_message);
     }
 }
 
@@ -230,7 +236,8 @@ void test_calls_out_of_order_are_refused_and_do_no_harm(void)
 void test_references_and_types_that_are_not_there_are_refused(void)
 {
     TEST_ASSERT_TRUE(face_begin(unit, 0.0));
-    const uint32_t wrong[] = {(uint32_t)MODEL_VARIABLE_COUNT + 1, 0x7fffffffU, 0x80000000U, UINT32_MAX};
+    const uint32_t wrong[] = {(uint32_t)MODEL_VARIABLE_COUNT + 1, 0x7fffffffU, 0x80000000U,
+                              UINT32_MAX};
     for (size_t k = 0; k < sizeof(wrong) / sizeof(wrong[0]); k++) {
         for (model_type_t type = MODEL_REAL; type <= MODEL_CODE; type++) {
             double value = 0.0;
@@ -244,7 +251,8 @@ void test_references_and_types_that_are_not_there_are_refused(void)
         TEST_ASSERT_FALSE(face_get(unit, (uint32_t)k + 1, other, &value));
         TEST_ASSERT_FALSE(face_set(unit, (uint32_t)k + 1, other, 0.0));
         if (!changes_during_a_run(k)) {
-            TEST_ASSERT_FALSE(face_set(unit, (uint32_t)k + 1, MODEL_VARIABLES[k].type, MODEL_VARIABLES[k].start));
+            TEST_ASSERT_FALSE(
+                face_set(unit, (uint32_t)k + 1, MODEL_VARIABLES[k].type, MODEL_VARIABLES[k].start));
         }
     }
     double now_s = -1.0;
@@ -253,14 +261,18 @@ void test_references_and_types_that_are_not_there_are_refused(void)
 }
 
 /* Whatever number comes in, a unit takes it or says no, and what it does then is defined. */
-static const double REALS[] = {1e300, -1e300, DBL_MAX, 5e-324, -1.0, 1e9, 4294967296.0, -2147483649.0};
+static const double REALS[] = {1e300, -1e300, DBL_MAX,      5e-324,
+                               -1.0,  1e9,    4294967296.0, -2147483649.0};
 static const double CODES[] = {2147483647.0, -2147483648.0, -1.0, 255.0};
 static const double FLAGS[] = {0.0, 1.0, 7.0};
 
 static size_t extremes(model_type_t type, const double **values)
 {
     *values = type == MODEL_REAL ? REALS : type == MODEL_CODE ? CODES : FLAGS;
-    return (type == MODEL_REAL ? sizeof(REALS) : type == MODEL_CODE ? sizeof(CODES) : sizeof(FLAGS)) / sizeof(double);
+    return (type == MODEL_REAL   ? sizeof(REALS)
+            : type == MODEL_CODE ? sizeof(CODES)
+                                 : sizeof(FLAGS)) /
+           sizeof(double);
 }
 
 static void try_during_a_run(int k, double value)

@@ -1,4 +1,8 @@
-"""A unit can be built from the sources in it alone, and then gives the same numbers; its binary needs nothing but the C library."""
+# SPDX-License-Identifier: Apache-2.0
+"""A unit can be built from the sources in it alone, and then gives the same numbers.
+
+Its binary needs nothing but the C library.
+"""
 
 import itertools
 import shutil
@@ -18,23 +22,46 @@ KINDS = ("controller", "vehicle")
 def test_the_binary_needs_nothing_but_the_c_library(kind: str, fmi: int, tmp_path: Path) -> None:
     folder = Path(fmpy.extract(str(path_of(kind, fmi)), str(tmp_path)))
     (binary,) = folder.glob("binaries/*/*.so")
-    said = subprocess.run(["readelf", "-d", str(binary)], capture_output=True, text=True, check=True).stdout
+    said = subprocess.run(
+        ["readelf", "-d", str(binary)], capture_output=True, text=True, check=True
+    ).stdout
     needed = {line.split("[")[1].rstrip("]") for line in said.splitlines() if "(NEEDED)" in line}
     assert needed <= {"libc.so.6", "libm.so.6"}
-    names = subprocess.run(["nm", "-D", "--defined-only", str(binary)], capture_output=True, text=True, check=True).stdout
+    names = subprocess.run(
+        ["nm", "-D", "--defined-only", str(binary)], capture_output=True, text=True, check=True
+    ).stdout
     exported = {line.split()[2] for line in names.splitlines()}
-    assert all(name.startswith(f"fmi{fmi}") for name in exported), "more than the standard's functions can be seen from outside"
+    assert all(name.startswith(f"fmi{fmi}") for name in exported), (
+        "more than the standard's functions can be seen from outside"
+    )
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-def test_built_from_its_own_sources_a_unit_gives_the_same_numbers(fmi: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("CMAKE_GENERATOR", "Ninja")  # what the project builds with; a bare machine has no make
+def test_built_from_its_own_sources_a_unit_gives_the_same_numbers(
+    fmi: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(
+        "CMAKE_GENERATOR", "Ninja"
+    )  # what the project builds with; a bare machine has no make
     path = path_of("vehicle", fmi)
     starts = {"run.initial_speed_m_per_s": 5.0, "driver.brake_demand_nm": 20.0}
-    wanted = ["vehicle.speed_m_per_s", "wheel0.motor_torque_nm", "battery.current_a", "energy.chemical_j", "wheel3.mode"]
+    wanted = [
+        "vehicle.speed_m_per_s",
+        "wheel0.motor_torque_nm",
+        "battery.current_a",
+        "energy.chemical_j",
+        "wheel3.mode",
+    ]
 
     def run(unit: str) -> bytes:
-        found = simulate_fmu(unit, start_values=starts, stop_time=0.5, output_interval=0.05, step_size=0.05, output=wanted)
+        found = simulate_fmu(
+            unit,
+            start_values=starts,
+            stop_time=0.5,
+            output_interval=0.05,
+            step_size=0.05,
+            output=wanted,
+        )
         return bytes(found.tobytes())
 
     delivered = run(str(path))

@@ -1,4 +1,6 @@
-/* The rules of an instance, with a model that adds up what it is given: x grows by `rate` each second. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The rules of an instance, with a model that adds up what it is given: x grows by `rate` each
+ * second. */
 #include "fmu/instance.h"
 
 #include <math.h>

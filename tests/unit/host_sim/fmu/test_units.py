@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The units run in FMPy, and their numbers are those of the bench and of the controller, bit for bit."""
 
 import itertools
@@ -16,7 +17,11 @@ LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 KINDS = ("controller", "vehicle")
 SPEED_KMH = 30.0
 STARTS = {"run.initial_speed_m_per_s": SPEED_KMH / 3.6, "driver.brake_demand_nm": 35.0}
-EVENTS = ((0.3, "driver.brake_demand_nm", 12.0), (0.5, "motor.phase_resistance_ohm", 0.04), (0.7, "driver.abs_active", 1.0))
+EVENTS = (
+    (0.3, "driver.brake_demand_nm", 12.0),
+    (0.5, "motor.phase_resistance_ohm", 0.04),
+    (0.7, "driver.abs_active", 1.0),
+)
 
 
 @pytest.mark.parametrize(("kind", "fmi"), itertools.product(KINDS, VERSIONS))
@@ -26,22 +31,35 @@ def test_fmpy_finds_nothing_wrong_with_a_unit(kind: str, fmi: int) -> None:
 
 @pytest.fixture(scope="module")
 def bench_trace() -> hubsim.Recording:
-    with hubsim.Bench(LU2013, initial_speed_kmh=SPEED_KMH, demand_nm=35.0, max_duration_s=1.0) as bench:
+    with hubsim.Bench(
+        LU2013, initial_speed_kmh=SPEED_KMH, demand_nm=35.0, max_duration_s=1.0
+    ) as bench:
         return bench.run()
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-def test_a_vehicle_in_fmpy_reproduces_the_benchs_trace_to_the_last_bit(fmi: int, bench_trace: hubsim.Recording) -> None:
+def test_a_vehicle_in_fmpy_reproduces_the_benchs_trace_to_the_last_bit(
+    fmi: int, bench_trace: hubsim.Recording
+) -> None:
     found = simulate_fmu(
-        str(path_of("vehicle", fmi)), start_values=STARTS, stop_time=1.0, output_interval=0.01, step_size=0.01, output=list(bench_trace)
+        str(path_of("vehicle", fmi)),
+        start_values=STARTS,
+        stop_time=1.0,
+        output_interval=0.01,
+        step_size=0.01,
+        output=list(bench_trace),
     )
     assert len(found) == len(bench_trace["time_s"]) == 101
-    assert [name for name in bench_trace if not np.array_equal(found[name], bench_trace[name])] == []
+    assert [
+        name for name in bench_trace if not np.array_equal(found[name], bench_trace[name])
+    ] == []
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 def test_inputs_and_tunable_parameters_that_change_do_what_they_do_on_the_bench(fmi: int) -> None:
-    with hubsim.Bench(LU2013, initial_speed_kmh=SPEED_KMH, demand_nm=35.0, record_interval_s=0.1) as bench:
+    with hubsim.Bench(
+        LU2013, initial_speed_kmh=SPEED_KMH, demand_nm=35.0, record_interval_s=0.1
+    ) as bench:
         rows = [bench.run(0.0).rows]
         for until_s, name, value in EVENTS:
             rows.append(bench.run(until_s - bench.time_s).rows)
@@ -60,8 +78,13 @@ def test_inputs_and_tunable_parameters_that_change_do_what_they_do_on_the_bench(
     assert np.array_equal(np.array(found), expected)
 
 
-def closed_loop_inputs() -> tuple[list[dict[str, float]], list[dict[str, float]], list[dict[str, float]]]:
-    """Run the controller on the page-long motor; return fast inputs, slow inputs and all outputs of every period."""
+def closed_loop_inputs() -> tuple[
+    list[dict[str, float]], list[dict[str, float]], list[dict[str, float]]
+]:
+    """Run the controller on the page-long motor.
+
+    Return fast inputs, slow inputs and all outputs of every period.
+    """
     sys.path.insert(0, str(ROOT / "host_sim" / "python" / "examples"))
     from own_plant import Motor  # noqa: PLC0415, found through the line above
 
@@ -90,7 +113,8 @@ def closed_loop_inputs() -> tuple[list[dict[str, float]], list[dict[str, float]]
         fast_inputs.append(fast_in)
         slow_inputs.append(slow_in)
         outputs.append(
-            {f"fast_output.{name}": value for name, value in fast.items()} | {f"slow_output.{name}": value for name, value in slow.items()}
+            {f"fast_output.{name}": value for name, value in fast.items()}
+            | {f"slow_output.{name}": value for name, value in slow.items()}
         )
     assert controller.mode_text(slow.mode) == "RUN"
     assert slow.motor_torque_estimate_nm < -5.0
@@ -98,13 +122,16 @@ def closed_loop_inputs() -> tuple[list[dict[str, float]], list[dict[str, float]]
 
 
 @pytest.fixture(scope="module")
-def controller_trace() -> tuple[list[dict[str, float]], list[dict[str, float]], list[dict[str, float]]]:
+def controller_trace() -> tuple[
+    list[dict[str, float]], list[dict[str, float]], list[dict[str, float]]
+]:
     return closed_loop_inputs()
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 def test_a_controller_in_fmpy_is_the_controller_of_the_api_to_the_last_bit(
-    fmi: int, controller_trace: tuple[list[dict[str, float]], list[dict[str, float]], list[dict[str, float]]]
+    fmi: int,
+    controller_trace: tuple[list[dict[str, float]], list[dict[str, float]], list[dict[str, float]]],
 ) -> None:
     fast_inputs, slow_inputs, outputs = controller_trace
     period_s = hubsim.Controller(LU2013).period_s
@@ -120,7 +147,11 @@ def test_a_controller_in_fmpy_is_the_controller_of_the_api_to_the_last_bit(
 
 @pytest.mark.parametrize(("kind", "fmi"), itertools.product(KINDS, VERSIONS))
 def test_a_saved_unit_goes_on_where_it_was_as_state_and_as_bytes(kind: str, fmi: int) -> None:
-    starts = STARTS if kind == "vehicle" else {"fast_input.bus_voltage_v": 53.0, "fast_input.hall_state": 5}
+    starts = (
+        STARTS
+        if kind == "vehicle"
+        else {"fast_input.bus_voltage_v": 53.0, "fast_input.hall_state": 5}
+    )
 
     def go_on(unit: Unit, from_s: float) -> list[float]:
         unit.time_s = from_s
@@ -131,13 +162,19 @@ def test_a_saved_unit_goes_on_where_it_was_as_state_and_as_bytes(kind: str, fmi:
     with Unit(path_of(kind, fmi), starts) as unit:
         go_on(unit, 0.0)
         state = unit.slave.getFMUState() if fmi == 3 else unit.slave.getFMUstate()
-        raw = unit.slave.serializeFMUState(state) if fmi == 3 else unit.slave.serializeFMUstate(state)
+        raw = (
+            unit.slave.serializeFMUState(state) if fmi == 3 else unit.slave.serializeFMUstate(state)
+        )
         first = go_on(unit, 0.2)
         (unit.slave.setFMUState if fmi == 3 else unit.slave.setFMUstate)(state)
         assert go_on(unit, 0.2) == first
         (unit.slave.freeFMUState if fmi == 3 else unit.slave.freeFMUstate)(state)
     with Unit(path_of(kind, fmi), starts) as other:
-        state = other.slave.deserializeFMUState(raw) if fmi == 3 else other.slave.deSerializeFMUstate(raw)
+        state = (
+            other.slave.deserializeFMUState(raw)
+            if fmi == 3
+            else other.slave.deSerializeFMUstate(raw)
+        )
         (other.slave.setFMUState if fmi == 3 else other.slave.setFMUstate)(state)
         assert go_on(other, 0.2) == first
         (other.slave.freeFMUState if fmi == 3 else other.slave.freeFMUstate)(state)
@@ -145,7 +182,10 @@ def test_a_saved_unit_goes_on_where_it_was_as_state_and_as_bytes(kind: str, fmi:
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 def test_two_units_in_one_process_do_not_know_of_each_other(fmi: int) -> None:
-    with Unit(path_of("vehicle", fmi), STARTS) as one, Unit(path_of("vehicle", fmi), STARTS | {"driver.brake_demand_nm": 5.0}) as other:
+    with (
+        Unit(path_of("vehicle", fmi), STARTS) as one,
+        Unit(path_of("vehicle", fmi), STARTS | {"driver.brake_demand_nm": 5.0}) as other,
+    ):
         for _ in range(10):
             one.step(0.05)
             other.step(0.05)
@@ -166,7 +206,9 @@ def test_two_units_in_one_process_do_not_know_of_each_other(fmi: int) -> None:
     ],
 )
 @pytest.mark.parametrize("fmi", VERSIONS)
-def test_what_the_bench_would_refuse_the_unit_refuses(fmi: int, name: str, value: float, when: str) -> None:
+def test_what_the_bench_would_refuse_the_unit_refuses(
+    fmi: int, name: str, value: float, when: str
+) -> None:
     starts = {name: value} if when == "before" else {}
     with pytest.raises(Exception, match="rror"), Unit(path_of("vehicle", fmi), starts) as unit:
         unit.set(name, value)
@@ -178,6 +220,15 @@ def test_a_package_holds_what_the_standard_wants_and_no_header_of_the_standard()
 
     for kind, fmi in itertools.product(KINDS, VERSIONS):
         names = {Path(name).name for name in zipfile.ZipFile(path_of(kind, fmi)).namelist()}
-        assert {"modelDescription.xml", "license.txt", "index.html", "table.c", "instance.c", f"fmi{fmi}.c"} <= names
-        assert not {name for name in names if name.startswith("fmi") and name.endswith("Functions.h")}
+        assert {
+            "modelDescription.xml",
+            "license.txt",
+            "index.html",
+            "table.c",
+            "instance.c",
+            f"fmi{fmi}.c",
+        } <= names
+        assert not {
+            name for name in names if name.startswith("fmi") and name.endswith("Functions.h")
+        }
         assert ("buildDescription.xml" in names) == (fmi == 3)

@@ -1,4 +1,8 @@
-"""The paper's vehicle as one wheel with a quarter of everything: the same motion, shares and states of every part."""
+# SPDX-License-Identifier: Apache-2.0
+"""The paper's vehicle as one wheel with a quarter of everything.
+
+The same motion, shares and states of every part.
+"""
 
 from typing import Any
 
@@ -11,7 +15,10 @@ LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 
 
 def quarter(strategy: str = "series_optimal", sensor: str = "angle") -> Drive:
-    """Return the drive with one wheel; ``sensor`` "angle" leaves the hall sensors' share of the angle's error out."""
+    """Return the drive with one wheel.
+
+    ``sensor`` "angle" leaves the hall sensors' share of the angle's error out.
+    """
     drive = schema.load(LU2013)
     wheels = drive.vehicle.driven_wheels
     vehicle = {
@@ -37,7 +44,9 @@ def quarter(strategy: str = "series_optimal", sensor: str = "angle") -> Drive:
     )
 
 
-def started(drive: Drive, scenario_keys: dict[str, Any], plant: dict[str, float] | None = None) -> Engine:
+def started(
+    drive: Drive, scenario_keys: dict[str, Any], plant: dict[str, float] | None = None
+) -> Engine:
     """Return a running vehicle on a flat road without drag or noise."""
     name, loaded, beside = scenario.load("stop", {"drag": False, "noise": False, **scenario_keys})
     assert name == "stop"
@@ -48,7 +57,11 @@ def started(drive: Drive, scenario_keys: dict[str, Any], plant: dict[str, float]
 
 def accounts(engine: Engine) -> dict[str, float]:
     """Return all accounts of the run so far, J, by their short names."""
-    return {s.removeprefix("energy."): engine.value(s) for s in engine.signals() if s.startswith("energy.")}
+    return {
+        s.removeprefix("energy."): engine.value(s)
+        for s in engine.signals()
+        if s.startswith("energy.")
+    }
 
 
 def stopped(engine: Engine) -> float:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The stored table is the optimum in simulation too: no other torque returns more on a stop."""
 
 import numpy as np
@@ -11,14 +12,19 @@ FACTORS = (0.8, 0.9, 1.1, 1.2)
 SPEED_KMH = 40.0
 
 
-def returned(monkeypatch: pytest.MonkeyPatch, demand_nm: float, factor: float, temperature_c: float) -> float:
+def returned(
+    monkeypatch: pytest.MonkeyPatch, demand_nm: float, factor: float, temperature_c: float
+) -> float:
     """Return the share of kinetic energy that comes back with the whole table multiplied."""
     honest = images.build
 
     def scaled(drive: Drive) -> bytes:
         stored = image.fields(drive)["regen_map"]["torque_mNm"]
         assert isinstance(stored, list)
-        return images.changed(honest(drive), {("regen_map", "torque_mNm"): [round(torque * factor) for torque in stored]})
+        return images.changed(
+            honest(drive),
+            {("regen_map", "torque_mNm"): [round(torque * factor) for torque in stored]},
+        )
 
     with monkeypatch.context() as patch:
         patch.setattr(images, "build", scaled)
@@ -40,7 +46,9 @@ def share_where_the_table_matters(demand_nm: float, factor: float, temperature_c
 
 @pytest.mark.parametrize("temperature_c", [25.0, 120.0])
 @pytest.mark.parametrize("demand_nm", [20.0, 40.0, 60.0, 120.0])
-def test_no_multiple_of_the_table_returns_more(monkeypatch: pytest.MonkeyPatch, demand_nm: float, temperature_c: float) -> None:
+def test_no_multiple_of_the_table_returns_more(
+    monkeypatch: pytest.MonkeyPatch, demand_nm: float, temperature_c: float
+) -> None:
     """From 120 N m, where the table or the motor's limit always decides, to 20, where the table does so below 40 r/min only."""
     best = returned(monkeypatch, demand_nm, 1.0, temperature_c)
     found = {factor: returned(monkeypatch, demand_nm, factor, temperature_c) for factor in FACTORS}
@@ -48,7 +56,9 @@ def test_no_multiple_of_the_table_returns_more(monkeypatch: pytest.MonkeyPatch, 
     # The factor arrives at the motor, and nowhere but where the table decides.
     assert len({best, *found.values()}) == 1 + len(FACTORS)
     for factor, share in found.items():
-        assert abs(share - best) < share_where_the_table_matters(demand_nm, min(factor, 1.0), temperature_c)
+        assert abs(share - best) < share_where_the_table_matters(
+            demand_nm, min(factor, 1.0), temperature_c
+        )
     # A parabola has its top in the middle: twice as far from it costs more.
     assert found[0.8] < found[0.9]
     assert found[1.2] < found[1.1]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Steady states of the simulated drive, firmware and all, against the closed loss models of regen_table."""
 
 import math
@@ -19,9 +20,11 @@ ON_A_ROLLER = {"vehicle.mass_kg": 1e6, "battery.polarisation_capacitance_f": 1e-
 def mean_d_current_a(drive: Drive, sampled_a: float, emf_v: float, omega: float) -> float:
     """Take the place of the sample in the PWM period out of a d current.
 
-    The bridge's voltage stands still in the stator while the rotor turns by w T: in the rotor's frame it swings through
-    +-w T / 2, its d part through v w (t - T/2). At the period's end that is v w T / 2, so the iron's current is
-    v w T / (2 R_i) off its mean; the winding's is its integral, a parabola whose end lies v w T^2 / (12 L) over its mean.
+    The bridge's voltage stands still in the stator while the rotor turns by w T: in the rotor's
+    frame it swings through
+    +-w T / 2, its d part through v w (t - T/2). At the period's end that is v w T / 2, so the
+    iron's current is v w T / (2 R_i) off its mean; the winding's is its integral, a parabola whose
+    end lies v w T^2 / (12 L) over its mean.
     """
     period = 1.0 / drive.inverter.pwm_frequency_hz
     assert drive.motor.iron_loss_resistance_ohm is not None
@@ -31,9 +34,14 @@ def mean_d_current_a(drive: Drive, sampled_a: float, emf_v: float, omega: float)
 
 
 def model_at(drive: Drive, omega: float, current_d_a: float, torque_nm: float) -> State:
-    """Evaluate the loss models at a torque and a d current; with surface magnets the torque is a straight line over i_q."""
+    """Evaluate the loss models at a torque and a d current.
+
+    With surface magnets the torque is a straight line over i_q.
+    """
     motor, bridge = models.machine(drive, 25.0), models.bridge(drive)
-    at_0, at_1 = (float(models.evaluate(motor, bridge, omega, current_d_a, q).torque_nm) for q in (0.0, 1.0))
+    at_0, at_1 = (
+        float(models.evaluate(motor, bridge, omega, current_d_a, q).torque_nm) for q in (0.0, 1.0)
+    )
     current_q = (torque_nm - at_0) / (at_1 - at_0)
     return models.evaluate(motor, bridge, omega, current_d_a, current_q)
 
@@ -42,19 +50,28 @@ def model_at(drive: Drive, omega: float, current_d_a: float, torque_nm: float) -
 def test_torque_and_every_loss_are_those_of_the_models(rpm: float) -> None:
     drive = quarter()
     for asked in TORQUES_NM:
-        keys = {"initial_speed_kmh": rpm * math.pi / 30.0 * 0.25 * 3.6, "demand_nm": 0.0, "drive_nm": asked, "stop_at_standstill": False}
+        keys = {
+            "initial_speed_kmh": rpm * math.pi / 30.0 * 0.25 * 3.6,
+            "demand_nm": 0.0,
+            "drive_nm": asked,
+            "stop_at_standstill": False,
+        }
         with started(drive, {**keys, "max_duration_s": 10.0}, ON_A_ROLLER) as engine:
             engine.run(SETTLE_S)
             before, impulse = accounts(engine), engine.value("wheel0.motor_torque_nm")
             engine.choose(["wheel0.current_d_a"])
             sampled_d_a = float(engine.run(WINDOW_S).mean())
-            mean_w = {key: (value - before[key]) / WINDOW_S for key, value in accounts(engine).items()}
+            mean_w = {
+                key: (value - before[key]) / WINDOW_S for key, value in accounts(engine).items()
+            }
             torque = (engine.value("wheel0.motor_torque_nm") - impulse) / WINDOW_S
             omega = engine.value("vehicle.speed_m_per_s") / 0.25 * drive.motor.pole_pairs
         emf = omega * drive.motor.flux_linkage_wb
         state = model_at(drive, omega, mean_d_current_a(drive, sampled_d_a, emf, omega), torque)
         resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
-        pack = models.battery_steady(models.open_circuit_voltage_v(drive, None), resistance, state.dc_power_w)
+        pack = models.battery_steady(
+            models.open_circuit_voltage_v(drive, None), resistance, state.dc_power_w
+        )
         assert torque == pytest.approx(asked, rel=0.005)
         assert mean_w["copper_j"] == pytest.approx(float(state.loss_copper_w), rel=0.005)
         assert mean_w["iron_j"] == pytest.approx(float(state.loss_iron_w), rel=0.005)

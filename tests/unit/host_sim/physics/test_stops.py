@@ -1,4 +1,8 @@
-"""The paper's Fig. 14 from simulation: stops from 40 km/h against the ideal steady-state figures."""
+# SPDX-License-Identifier: Apache-2.0
+"""The paper's Fig. 14 from simulation.
+
+Stops from 40 km/h against the ideal steady-state figures.
+"""
 
 from collections.abc import Callable
 
@@ -11,7 +15,11 @@ DEMANDS_NM = (5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 120.0)
 PER_CENT = 0.01
 STRATEGIES = ("parallel_ratio", "parallel_free_travel", "series_optimal")
 SETTLES_AT_ONCE = {"battery.polarisation_capacitance_f": 1e-3}  # off by name: the pack's RC branch
-IMMEDIATE = {"brake.hydraulic_dead_time_s": 0.0, "brake.hydraulic_time_constant_s": 1e-3, "brake.hydraulic_rate_nm_per_s": 1e7}
+IMMEDIATE = {
+    "brake.hydraulic_dead_time_s": 0.0,
+    "brake.hydraulic_time_constant_s": 1e-3,
+    "brake.hydraulic_rate_nm_per_s": 1e7,
+}
 
 
 def without_hand_over(drive: Drive) -> Drive:
@@ -29,12 +37,20 @@ def share(drive: Drive, demand_nm: float, plant: dict[str, float] | None = None)
 
 
 def ideal(drive: Drive, demand_nm: float, battery: str = "dynamic") -> float:
-    return stops.stop(drive, drive.brake.strategy, demand_nm, 40.0, 25.0, battery=battery).stored_share_of_kinetic
+    return stops.stop(
+        drive, drive.brake.strategy, demand_nm, 40.0, 25.0, battery=battery
+    ).stored_share_of_kinetic
 
 
 def lead_and_error(series: Drive, other: Drive, demand_nm: float) -> tuple[float, float]:
-    """Return by how much series is ahead, and what the step may have put into that: twice the difference to half the step."""
-    whole, half = (share(series, demand_nm, plant) - share(other, demand_nm, plant) for plant in ({}, {"run.pieces": 2.0}))
+    """Return by how much series is ahead, and what the step may have put into that.
+
+    Twice the difference to half the step.
+    """
+    whole, half = (
+        share(series, demand_nm, plant) - share(other, demand_nm, plant)
+        for plant in ({}, {"run.pieces": 2.0})
+    )
     return whole, 2.0 * abs(whole - half)
 
 
@@ -43,10 +59,15 @@ def lead_and_error(series: Drive, other: Drive, demand_nm: float) -> tuple[float
 def test_a_stop_returns_what_the_ideal_one_does_to_a_hundredth_of_the_kinetic_energy(
     strategy: str, plant: dict[str, float], battery: str
 ) -> None:
-    """Everything else as it is: halls, the hand-over at low speed, a hydraulic brake that comes late."""
+    """Everything else as it is.
+
+    Halls, the hand-over at low speed, a hydraulic brake that comes late.
+    """
     drive = quarter(strategy, sensor="hall")
     for demand in DEMANDS_NM:
-        assert share(drive, demand, plant) == pytest.approx(ideal(drive, demand, battery), abs=PER_CENT), demand
+        assert share(drive, demand, plant) == pytest.approx(
+            ideal(drive, demand, battery), abs=PER_CENT
+        ), demand
 
 
 def with_halls(strategy: str) -> Drive:
@@ -59,7 +80,10 @@ def to_the_end(strategy: str) -> Drive:
 
 @pytest.mark.parametrize("drive_of", [with_halls, quarter, to_the_end])
 def test_series_is_never_beaten_by_a_parallel_strategy(drive_of: Callable[[str], Drive]) -> None:
-    """With halls or a perfect angle, with the hand-over or without: by no more than the step's own error."""
+    """With halls or a perfect angle, with the hand-over or without.
+
+    By no more than the step's own error.
+    """
     for demand in DEMANDS_NM:
         for strategy in ("parallel_ratio", "parallel_free_travel"):
             lead, error = lead_and_error(drive_of("series_optimal"), drive_of(strategy), demand)
@@ -68,23 +92,40 @@ def test_series_is_never_beaten_by_a_parallel_strategy(drive_of: Callable[[str],
 
 
 @pytest.mark.parametrize(
-    ("demand_nm", "strategy"), [(40.0, "parallel_free_travel"), (80.0, "series_optimal"), (120.0, "parallel_free_travel")]
+    ("demand_nm", "strategy"),
+    [(40.0, "parallel_free_travel"), (80.0, "series_optimal"), (120.0, "parallel_free_travel")],
 )
 def test_what_parts_a_stop_from_the_ideal_one_has_names(demand_nm: float, strategy: str) -> None:
-    """Each cause off by name takes its part away; what is left are the motor's own rise and the iron loss that a d current saves."""
+    """Each cause off by name takes its part away.
+
+    What is left are the motor's own rise and the iron loss that a d current saves.
+    """
     drive = quarter(strategy)
     with_all = share(drive, demand_nm)
     to_standstill = share(without_hand_over(drive), demand_nm)
     at_once = share(without_hand_over(drive), demand_nm, IMMEDIATE)
     # Down to standstill free travel pays for its 40 N m below T_zero; series never does.
     kept = with_all - to_standstill
-    assert kept > 0.5 * PER_CENT if (demand_nm, strategy) == (40.0, "parallel_free_travel") else abs(kept) < 0.3 * PER_CENT
-    # For dead time and lag the hydraulic part of the demand is missing: its work at that speed is done later, shared.
+    assert (
+        kept > 0.5 * PER_CENT
+        if (demand_nm, strategy) == (40.0, "parallel_free_travel")
+        else abs(kept) < 0.3 * PER_CENT
+    )
+    # For dead time and lag the hydraulic part of the demand is missing: its work at that speed is
+    # done later, shared.
     brake, speed = drive.brake, 40.0 / 3.6
     late_s = brake.hydraulic_dead_time_s + brake.hydraulic_time_constant_s
     missing_nm = demand_nm - brake.electric_rated_torque_nm
-    work = missing_nm * speed / drive.vehicle.wheel_radius_m * late_s / (0.5 * drive.vehicle.mass_kg * speed**2)
-    assert to_standstill - at_once == pytest.approx(work * ideal(drive, demand_nm), abs=0.1 * PER_CENT)
+    work = (
+        missing_nm
+        * speed
+        / drive.vehicle.wheel_radius_m
+        * late_s
+        / (0.5 * drive.vehicle.mass_kg * speed**2)
+    )
+    assert to_standstill - at_once == pytest.approx(
+        work * ideal(drive, demand_nm), abs=0.1 * PER_CENT
+    )
     assert at_once == pytest.approx(ideal(drive, demand_nm), abs=0.5 * PER_CENT)
 
 
@@ -117,7 +158,9 @@ def test_an_ideal_with_a_settled_battery_is_left_behind() -> None:
         },
     ],
 )
-def test_half_the_step_changes_the_energy_of_a_stop_by_less_than_a_ten_thousandth(effects: dict[str, float]) -> None:
+def test_half_the_step_changes_the_energy_of_a_stop_by_less_than_a_ten_thousandth(
+    effects: dict[str, float],
+) -> None:
     drive = quarter()
     whole, half = (share(drive, 40.0, {**effects, "run.pieces": pieces}) for pieces in (1.0, 2.0))
     assert half == pytest.approx(whole, rel=1e-4)
@@ -125,8 +168,12 @@ def test_half_the_step_changes_the_energy_of_a_stop_by_less_than_a_ten_thousandt
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_half_the_step_moves_a_stop_at_any_demand_by_less_than_a_ten_thousandth_of_the_kinetic_energy(strategy: str) -> None:
+def test_half_the_step_moves_a_stop_at_any_demand_by_less_than_a_ten_thousandth_of_the_kinetic_energy(
+    strategy: str,
+) -> None:
     """Also where the motor brakes with 1 N m and its currents are inside the dead time's undecided zone half the time."""
     for demand in DEMANDS_NM:
-        whole, half = (share(quarter(strategy), demand, {"run.pieces": pieces}) for pieces in (1.0, 2.0))
+        whole, half = (
+            share(quarter(strategy), demand, {"run.pieces": pieces}) for pieces in (1.0, 2.0)
+        )
         assert half == pytest.approx(whole, abs=1e-4), demand

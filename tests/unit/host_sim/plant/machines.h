@@ -1,4 +1,6 @@
-/* Machines the plant's tests use: round numbers, every parameter different, nothing taken from the code under test. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Machines the plant's tests use: round numbers, every parameter different, nothing taken from the
+ * code under test. */
 #ifndef TEST_MACHINES_H
 #define TEST_MACHINES_H
 
@@ -31,7 +33,8 @@ static inline pmsm_params_t plain_machine(void)
     return out;
 }
 
-/* The salient one with iron that saturates, of both axes together and filled by the magnets, and with cogging. */
+/* The salient one with iron that saturates, of both axes together and filled by the magnets, and
+ * with cogging. */
 static inline pmsm_params_t saturating_machine(void)
 {
     pmsm_params_t out = salient_machine();

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The anti-lock system by itself: reference, valves, flag, and a sensor that shows nothing. */
 #include "plant/anti_lock.h"
 
@@ -25,8 +26,11 @@ void setUp(void)
                                       .lowest_speed_m_per_s = 1.5,
                                       .release_s = 0.2};
     const anti_lock_t fresh = {.at_work = false};
-    const anti_lock_sight_t brakes = {
-        .rim_m_per_s = rim, .wanting = wanting, .wheels = 4, .acceleration_m_per_s2 = 0.0, .brakes = true};
+    const anti_lock_sight_t brakes = {.rim_m_per_s = rim,
+                                      .wanting = wanting,
+                                      .wheels = 4,
+                                      .acceleration_m_per_s2 = 0.0,
+                                      .brakes = true};
     params = usual;
     state = fresh;
     sight = brakes;
@@ -169,7 +173,8 @@ void test_a_wheel_that_shows_nothing_for_too_long_switches_the_system_off_for_go
     run(0.2);
     TEST_ASSERT_TRUE(state.failed);
     TEST_ASSERT_FALSE(state.at_work);
-    TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_OPEN, state.wheel[1].valve); /* that wheel must brake again */
+    TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_OPEN,
+                          state.wheel[1].valve); /* that wheel must brake again */
     rim[1] = 10.0;
     rim[0] = 5.0;
     run(0.5);

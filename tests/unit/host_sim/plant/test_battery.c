@@ -1,4 +1,6 @@
-/* The pack against its circuit: exact current, exact relaxation, and a balance that closes to rounding. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The pack against its circuit: exact current, exact relaxation, and a balance that closes to
+ * rounding. */
 #include "plant/battery.h"
 
 #include <math.h>

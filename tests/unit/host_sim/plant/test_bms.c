@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* What the battery management allows, limit by limit, and how its message comes. */
 #include "plant/bms.h"
 
@@ -61,7 +62,8 @@ void test_the_charge_limit_ends_where_the_settled_voltage_would_reach_the_end_of
 {
     params.max_voltage_v = 55.0;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2.0 / 0.022, charge_at(0.9));
-    /* With that current for ten time constants of the RC branch the terminals are at the end, and not beyond. */
+    /* With that current for ten time constants of the RC branch the terminals are at the end, and
+     * not beyond. */
     for (int k = 0; k < 10 * 30 * 20; k++) {
         battery.step_s = 2.5e-3;
         battery.decay = exp(-2.5e-3 / 30.0);

@@ -1,4 +1,6 @@
-/* Pack, cable, contactor and capacitor as one circuit: closed solutions, conservation, the contactor's consequences. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Pack, cable, contactor and capacitor as one circuit: closed solutions, conservation, the
+ * contactor's consequences. */
 #include "plant/bus.h"
 
 #include <math.h>
@@ -70,7 +72,8 @@ void test_without_a_capacitor_the_cable_is_one_more_resistance(void)
 
 void test_an_empty_capacitor_charges_exponentially_and_burns_as_much_as_it_stores(void)
 {
-    /* RC charging: v = E (1 - exp(-t/RC)); of the energy drawn half is stored and half is heat, whatever the resistance. */
+    /* RC charging: v = E (1 - exp(-t/RC)); of the energy drawn half is stored and half is heat,
+     * whatever the resistance. */
     pack.polarisation_resistance_ohm = 0.0;
     battery = battery_init(&pack, STEP_S);
     bus.voltage_v = 0.0;
@@ -127,7 +130,8 @@ void test_with_the_contactor_open_braking_power_lifts_the_capacitor(void)
     double cable_heat_j;
     const double residual_j = run(10, -4000.0 * STEP_S, &pack_heat_j, &cable_heat_j);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, residual_j);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, sqrt(2500.0 + 2.0 * 4000.0 * 10 * STEP_S / 3e-3), bus.voltage_v);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, sqrt(2500.0 + 2.0 * 4000.0 * 10 * STEP_S / 3e-3),
+                              bus.voltage_v);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, battery.current_a);
     TEST_ASSERT_EQUAL_DOUBLE(0.5, battery.soc);
 }

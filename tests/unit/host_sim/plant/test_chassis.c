@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Loads of the wheels: statics by hand. */
 #include "plant/chassis.h"
 
@@ -25,8 +26,8 @@ void tearDown(void) {}
 static double load_n(int wheel, double acceleration_m_per_s2, double angle_rad)
 {
     const double weight_n = MASS_KG * G;
-    const chassis_t chassis =
-        chassis_on_road(&params, MASS_KG, weight_n * cos(angle_rad), weight_n * sin(angle_rad), STEP_S);
+    const chassis_t chassis = chassis_on_road(&params, MASS_KG, weight_n * cos(angle_rad),
+                                              weight_n * sin(angle_rad), STEP_S);
     chassis_state_t state = {.felt_m_per_s2 = 0.0};
     chassis_step(&chassis, &state, acceleration_m_per_s2);
     return chassis_load_n(&chassis, &state, wheel);
@@ -54,7 +55,8 @@ void test_standing_on_a_slope_the_moments_about_both_axles_vanish(void)
     const double rear_n = 2.0 * load_n(2, 0.0, angle);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, MASS_KG * G * cos(angle), front_n + rear_n);
     /* About the rear contact: weight at 0.6 * 2 m in front of it and 0.5 m high. */
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, MASS_KG * G * (cos(angle) * 1.2 - sin(angle) * 0.5), front_n * 2.0);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, MASS_KG * G * (cos(angle) * 1.2 - sin(angle) * 0.5),
+                              front_n * 2.0);
 }
 
 void test_an_axle_that_would_lift_carries_nothing_and_the_other_everything(void)

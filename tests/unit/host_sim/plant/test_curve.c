@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Straight lines between points, the nearest point outside. */
 #include "plant/curve.h"
 

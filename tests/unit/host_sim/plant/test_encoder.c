@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Counts and index of an incremental encoder on a shaft of 5 pole pairs. */
 #include "plant/encoder.h"
 
@@ -44,7 +45,8 @@ void test_a_mechanical_turn_is_a_thousand_counts_either_way(void)
     TEST_ASSERT_EQUAL_UINT16((uint16_t)(reversed - 40U), turn(0.0).count);
 }
 
-/* At 90 degrees electrical, a quarter of the first electrical turn: once a mechanical turn, with the count of its front. */
+/* At 90 degrees electrical, a quarter of the first electrical turn: once a mechanical turn, with
+ * the count of its front. */
 void test_the_index_comes_once_a_turn_at_its_angle(void)
 {
     int pulses = 0;

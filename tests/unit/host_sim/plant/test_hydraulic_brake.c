@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* A brake that is late: dead time, lag, rate, and never more than it has. */
 #include "plant/hydraulic_brake.h"
 
@@ -94,7 +95,8 @@ void test_below_the_knee_the_torque_rises_at_the_knees_rate_and_falls_at_the_usu
     brake = hydraulic_brake_init(&params, STEP_S);
     run_ms(50, 300.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 10.0, brake.torque_nm);
-    run_ms(50 + 100, 300.0); /* 20 N m after 100 ms, then 1000 N m/s; a step may straddle the knee */
+    run_ms(50 + 100,
+           300.0); /* 20 N m after 100 ms, then 1000 N m/s; a step may straddle the knee */
     TEST_ASSERT_DOUBLE_WITHIN(0.06, 120.0, brake.torque_nm);
     run_ms(110, 0.0);
     TEST_ASSERT_DOUBLE_WITHIN(0.06, 10.0, brake.torque_nm);
@@ -136,13 +138,16 @@ static double through_valve(hydraulic_valve_t valve, double command_nm)
     return brake.torque_nm;
 }
 
-void test_an_anti_lock_valve_builds_slowly_holds_and_lets_go_but_never_keeps_a_command_from_falling(void)
+void test_an_anti_lock_valve_builds_slowly_holds_and_lets_go_but_never_keeps_a_command_from_falling(
+    void)
 {
     const double passed_s = 200.0 * STEP_S;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 200.0, through_valve(HYDRAULIC_VALVE_OPEN, 200.0));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0 + 300.0 * passed_s, through_valve(HYDRAULIC_VALVE_BUILD, 200.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0 + 300.0 * passed_s,
+                              through_valve(HYDRAULIC_VALVE_BUILD, 200.0));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0, through_valve(HYDRAULIC_VALVE_HOLD, 200.0));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, fmax(100.0 - 2000.0 * passed_s, 0.0), through_valve(HYDRAULIC_VALVE_DUMP, 200.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, fmax(100.0 - 2000.0 * passed_s, 0.0),
+                              through_valve(HYDRAULIC_VALVE_DUMP, 200.0));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 30.0, through_valve(HYDRAULIC_VALVE_HOLD, 30.0));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 30.0, through_valve(HYDRAULIC_VALVE_BUILD, 30.0));
 }

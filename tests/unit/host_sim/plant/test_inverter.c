@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The bridge against the paper's loss integrals, and its own balance of energy. */
 #include "plant/inverter.h"
 
@@ -26,7 +27,8 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* Flow of a sinusoidal current of the given amplitude through a machine during one period around an angle. */
+/* Flow of a sinusoidal current of the given amplitude through a machine during one period around an
+ * angle. */
 static pmsm_flow_t sinusoid(double amplitude_a, double angle)
 {
     const plant_ab_t i = {.alpha = amplitude_a * cos(angle), .beta = amplitude_a * sin(angle)};
@@ -61,12 +63,15 @@ void test_losses_over_a_turn_are_the_papers_integrals(void)
     }
     const double square = amplitude * amplitude;
     TEST_ASSERT_DOUBLE_WITHIN(
-        1e-9, 1.5 * square * (params.switch_resistance_ohm * (1.0 - delta) + params.diode_resistance_ohm * delta),
+        1e-9,
+        1.5 * square *
+            (params.switch_resistance_ohm * (1.0 - delta) + params.diode_resistance_ohm * delta),
         conduction_w);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 6.0 / pi * params.diode_forward_voltage_v * amplitude * delta, diode_w);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-4, 6.0 / pi * params.diode_forward_voltage_v * amplitude * delta,
+                              diode_w);
     TEST_ASSERT_DOUBLE_WITHIN(1e-4,
-                              3.0 * (params.turn_on_loss_j_per_a + params.turn_off_loss_j_per_a) * amplitude *
-                                  params.pwm_frequency_hz / pi,
+                              3.0 * (params.turn_on_loss_j_per_a + params.turn_off_loss_j_per_a) *
+                                  amplitude * params.pwm_frequency_hz / pi,
                               switching_w);
 }
 
@@ -78,12 +83,13 @@ void test_dc_energy_is_terminal_energy_and_all_losses(void)
         const pmsm_flow_t flow = sinusoid(25.0, angle);
         const inverter_drive_t drive = inverter_drive(&inverter, duty, BUS_V, NARROW_A);
         const inverter_flow_t bridge = inverter_pwm_flow(&inverter, &drive, &flow);
-        const double source_j =
-            1.5 * (drive.legs.alpha * flow.charge_as.alpha + drive.legs.beta * flow.charge_as.beta) -
-            drive.opposition.volts * flow.opposed_as;
+        const double source_j = 1.5 * (drive.legs.alpha * flow.charge_as.alpha +
+                                       drive.legs.beta * flow.charge_as.beta) -
+                                drive.opposition.volts * flow.opposed_as;
         const double terminal_j = source_j - flow.series_j;
-        TEST_ASSERT_DOUBLE_WITHIN(1e-12, terminal_j + bridge.conduction_j + bridge.diode_j + bridge.switching_j,
-                                  bridge.dc_j);
+        TEST_ASSERT_DOUBLE_WITHIN(
+            1e-12, terminal_j + bridge.conduction_j + bridge.diode_j + bridge.switching_j,
+            bridge.dc_j);
     }
 }
 
@@ -92,28 +98,32 @@ void test_an_ideal_bridge_gives_bus_voltage_times_duty(void)
     const inverter_params_t ideal = {.pwm_frequency_hz = 16000.0};
     const inverter_t bridge = inverter_model(&ideal, 25.0);
     const plant_abc_t duty = {.a = 0.7, .b = 0.2, .c = 0.4};
-    const inverter_drive_t drive = inverter_drive(&bridge, duty, BUS_V, inverter_zone_a(&bridge, BUS_V, 0.5));
+    const inverter_drive_t drive =
+        inverter_drive(&bridge, duty, BUS_V, inverter_zone_a(&bridge, BUS_V, 0.5));
     const plant_abc_t legs = plant_inverse_clarke(drive.legs);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, drive.opposition.volts);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, BUS_V * 0.5, legs.a - legs.b);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, BUS_V * -0.2, legs.b - legs.c);
 }
 
-/* Each of a period's two dead times is lost to the bus, or won from it, as a whole: t_d f v_dc of the mean voltage. */
+/* Each of a period's two dead times is lost to the bus, or won from it, as a whole: t_d f v_dc of
+ * the mean voltage. */
 void test_dead_time_takes_its_share_of_the_bus_against_the_current_of_each_leg(void)
 {
     const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
     const inverter_drive_t drive = inverter_drive(&inverter, half, BUS_V, NARROW_A);
     const double lost_v = BUS_V * params.dead_time_s * params.pwm_frequency_hz;
-    const double drop_v = 2.0 * params.diode_forward_voltage_v * params.dead_time_s * params.pwm_frequency_hz;
+    const double drop_v =
+        2.0 * params.diode_forward_voltage_v * params.dead_time_s * params.pwm_frequency_hz;
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, lost_v, drive.shifted_v);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, drop_v, drive.drop_v);
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, lost_v + drop_v, drive.opposition.volts);
     TEST_ASSERT_EQUAL_DOUBLE(NARROW_A, drive.opposition.zone_a);
 }
 
-/* 2 A in phase a, no other voltage: the error voltage must take the current to zero and leave it there, whether the
- * current answers through the inductance alone or also at once through the iron branch. */
+/* 2 A in phase a, no other voltage: the error voltage must take the current to zero and leave it
+ * there, whether the current answers through the inductance alone or also at once through the iron
+ * branch. */
 void test_a_leg_at_rest_is_clamped_and_does_not_hunt(void)
 {
     const pmsm_params_t machines[] = {plain_machine(), salient_machine()};
@@ -123,8 +133,10 @@ void test_a_leg_at_rest_is_clamped_and_does_not_hunt(void)
         state.i_t.d = 2.0;
         state.terminal.alpha = 2.0;
         const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
-        pmsm_step_t step = {.omega_rad_s = 0.0, .duration_s = inverter.period_s, .series_resistance_ohm = 0.0};
-        const double zone_a = inverter_zone_a(&inverter, BUS_V, pmsm_amperes_per_volt(&machine, &state, &step));
+        pmsm_step_t step = {
+            .omega_rad_s = 0.0, .duration_s = inverter.period_s, .series_resistance_ohm = 0.0};
+        const double zone_a =
+            inverter_zone_a(&inverter, BUS_V, pmsm_amperes_per_volt(&machine, &state, &step));
         double largest_a = 2.0;
         for (int k = 0; k < 60; k++) {
             const inverter_drive_t drive = inverter_drive(&inverter, half, BUS_V, zone_a);

@@ -1,4 +1,6 @@
-/* Iron that saturates: currents that are slopes of one energy, inductances in closed form, one flux for every current. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Iron that saturates: currents that are slopes of one energy, inductances in closed form, one flux
+ * for every current. */
 #include "plant/magnetics.h"
 
 #include <math.h>
@@ -54,7 +56,8 @@ void test_one_axis_alone_has_the_flux_and_the_inductance_of_the_closed_form(void
         const plant_dq_t flux = magnetics_flux(&m, i);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.5 * L_D * I_SD * x, flux.d);
         TEST_ASSERT_EQUAL_DOUBLE(0.0, flux.q);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-12 * L_D, L_D / (1.0 + 3.0 * x * x), 1.0 / magnetics_slope(&m, flux).dd);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-12 * L_D, L_D / (1.0 + 3.0 * x * x),
+                                  1.0 / magnetics_slope(&m, flux).dd);
         const plant_dq_t j = {.d = 0.0, .q = 10.0 * k};
         const double y = knees(2.0 * j.q / I_SQ);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.5 * L_Q * I_SQ * y, magnetics_flux(&m, j).q);
@@ -113,8 +116,10 @@ void test_currents_are_the_slopes_of_one_energy_so_inductances_are_reciprocal(vo
             const plant_dq_t d_down = {.d = flux.d - h, .q = flux.q};
             const plant_dq_t q_up = {.d = flux.d, .q = flux.q + h};
             const plant_dq_t q_down = {.d = flux.d, .q = flux.q - h};
-            const double d_by_q = (magnetics_current(&m, q_up).d - magnetics_current(&m, q_down).d) / (2.0 * h);
-            const double q_by_d = (magnetics_current(&m, d_up).q - magnetics_current(&m, d_down).q) / (2.0 * h);
+            const double d_by_q =
+                (magnetics_current(&m, q_up).d - magnetics_current(&m, q_down).d) / (2.0 * h);
+            const double q_by_d =
+                (magnetics_current(&m, d_up).q - magnetics_current(&m, d_down).q) / (2.0 * h);
             const magnetics_slope_t s = magnetics_slope(&m, flux);
             TEST_ASSERT_DOUBLE_WITHIN(1e-6 * (s.dd + s.qq), d_by_q, q_by_d);
             TEST_ASSERT_DOUBLE_WITHIN(1e-6 * (s.dd + s.qq), s.dq, d_by_q);
@@ -133,18 +138,22 @@ void test_fluxes_over_currents_are_reciprocal_and_a_cycle_of_currents_gains_noth
             const double angle = PLANT_TWO_PI * (n + 0.5) / steps;
             const plant_dq_t i = {.d = -30.0 + 90.0 * cos(angle), .q = 20.0 + 70.0 * sin(angle)};
             const plant_dq_t flux = magnetics_flux(&m, i);
-            around_j += (flux.q * 70.0 * cos(angle) - flux.d * 90.0 * sin(angle)) * PLANT_TWO_PI / steps;
+            around_j +=
+                (flux.q * 70.0 * cos(angle) - flux.d * 90.0 * sin(angle)) * PLANT_TWO_PI / steps;
             if (n % 1000 == 0) {
                 const plant_dq_t d_up = {.d = i.d + h, .q = i.q};
                 const plant_dq_t d_down = {.d = i.d - h, .q = i.q};
                 const plant_dq_t q_up = {.d = i.d, .q = i.q + h};
                 const plant_dq_t q_down = {.d = i.d, .q = i.q - h};
-                const double d_by_q = (magnetics_flux(&m, q_up).d - magnetics_flux(&m, q_down).d) / (2.0 * h);
-                const double q_by_d = (magnetics_flux(&m, d_up).q - magnetics_flux(&m, d_down).q) / (2.0 * h);
+                const double d_by_q =
+                    (magnetics_flux(&m, q_up).d - magnetics_flux(&m, q_down).d) / (2.0 * h);
+                const double q_by_d =
+                    (magnetics_flux(&m, d_up).q - magnetics_flux(&m, d_down).q) / (2.0 * h);
                 TEST_ASSERT_DOUBLE_WITHIN(1e-6 * L_Q, d_by_q, q_by_d);
             }
         }
-        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, around_j); /* against 2 J that the currents move to and fro */
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0,
+                                  around_j); /* against 2 J that the currents move to and fro */
     }
 }
 

@@ -1,4 +1,6 @@
-/* A voltage against the current of each phase: closed solutions on a standing rotor, the order of the scheme, the balance. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A voltage against the current of each phase: closed solutions on a standing rotor, the order of
+ * the scheme, the balance. */
 #include "plant/pmsm.h"
 
 #include <math.h>
@@ -16,8 +18,9 @@ void tearDown(void) {}
 
 static pmsm_step_t step_of(double omega_rad_s, double duration_s)
 {
-    const pmsm_step_t out = {
-        .omega_rad_s = omega_rad_s, .duration_s = duration_s, .opposition = {.volts = VOLTS, .zone_a = ZONE_A}};
+    const pmsm_step_t out = {.omega_rad_s = omega_rad_s,
+                             .duration_s = duration_s,
+                             .opposition = {.volts = VOLTS, .zone_a = ZONE_A}};
     return out;
 }
 
@@ -30,7 +33,8 @@ static pmsm_state_t with_current(double current_a)
     return out;
 }
 
-/* Phases i, -i/2, -i/2: signs +, -, - are a vector of 4/3, so L di/dt = -R i - 4/3 V while all are outside the zone. */
+/* Phases i, -i/2, -i/2: signs +, -, - are a vector of 4/3, so L di/dt = -R i - 4/3 V while all are
+ * outside the zone. */
 void test_outside_the_zone_the_whole_voltage_stands_against_the_current(void)
 {
     const pmsm_params_t params = plain_machine();
@@ -47,14 +51,17 @@ void test_outside_the_zone_the_whole_voltage_stands_against_the_current(void)
         current_a = end_a + (30.0 - end_a) * exp(-k * PERIOD_S * per_s);
         TEST_ASSERT_TRUE(0.5 * current_a > ZONE_A);
         TEST_ASSERT_DOUBLE_WITHIN(1e-7, current_a, state.terminal.alpha);
-        /* The sum of |i_x| is twice the largest; its integral lies between those of a chord and a step. */
-        TEST_ASSERT_DOUBLE_WITHIN((before_a - current_a) * PERIOD_S, 2.0 * current_a * PERIOD_S, flow.opposed_as);
+        /* The sum of |i_x| is twice the largest; its integral lies between those of a chord and a
+         * step. */
+        TEST_ASSERT_DOUBLE_WITHIN((before_a - current_a) * PERIOD_S, 2.0 * current_a * PERIOD_S,
+                                  flow.opposed_as);
         TEST_ASSERT_DOUBLE_WITHIN(1e-12, -VOLTS * flow.opposed_as, flow.source_j);
     }
 }
 
-/* Inside, each phase has a resistance V/zone more. The corner of the zone lies in between, where b and c are inside and a is
- * not: their share is (2 + i/zone)/3. Three exponentials, one after the other. */
+/* Inside, each phase has a resistance V/zone more. The corner of the zone lies in between, where b
+ * and c are inside and a is not: their share is (2 + i/zone)/3. Three exponentials, one after the
+ * other. */
 static double left_after(double time_s, double current_a, const pmsm_params_t *params)
 {
     const double more_ohm = VOLTS / ZONE_A;
@@ -67,7 +74,8 @@ static double left_after(double time_s, double current_a, const pmsm_params_t *p
     for (int k = 0; k < 3; k++) {
         const double end_a = -v[k] / r[k];
         const double tau_s = params->d_inductance_h / r[k];
-        const double needed_s = k < 2 && i > until_a[k] ? tau_s * log((i - end_a) / (until_a[k] - end_a)) : 0.0;
+        const double needed_s =
+            k < 2 && i > until_a[k] ? tau_s * log((i - end_a) / (until_a[k] - end_a)) : 0.0;
         const double spent_s = k < 2 ? fmin(needed_s, left_s) : left_s;
         i = end_a + (i - end_a) * exp(-spent_s / tau_s);
         left_s -= spent_s;
@@ -81,14 +89,16 @@ void test_the_current_ends_in_the_zone_as_three_exponentials_do(void)
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
     const plant_ab_t nothing = {0.0, 0.0};
     const double steps_s[] = {PERIOD_S, PERIOD_S / 10.0};
-    /* A corner inside a step costs up to an eighth of the change of slope times h^2: V/zone/L * (V/L) h^2 / 8, two thirds. */
+    /* A corner inside a step costs up to an eighth of the change of slope times h^2: V/zone/L *
+     * (V/L) h^2 / 8, two thirds. */
     const double tolerances_a[] = {0.04, 0.0004};
     for (int n = 0; n < 2; n++) {
         pmsm_state_t state = with_current(9.0);
         const pmsm_step_t step = step_of(0.0, steps_s[n]);
         for (int k = 1; k * steps_s[n] < 2e-3; k++) {
             pmsm_step(&machine, &state, nothing, &step);
-            TEST_ASSERT_DOUBLE_WITHIN(tolerances_a[n], left_after(k * steps_s[n], 9.0, &params), state.terminal.alpha);
+            TEST_ASSERT_DOUBLE_WITHIN(tolerances_a[n], left_after(k * steps_s[n], 9.0, &params),
+                                      state.terminal.alpha);
             TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, state.terminal.beta);
         }
         TEST_ASSERT_TRUE(fabs(state.terminal.alpha) < 0.01);
@@ -101,7 +111,8 @@ typedef struct {
     double opposed_as; /* smallest of a step */
 } turning_t;
 
-/* Small currents on a turning rotor, phases in and out of the zone all the time: against steps an eighth as long. */
+/* Small currents on a turning rotor, phases in and out of the zone all the time: against steps an
+ * eighth as long. */
 static turning_t turn(const pmsm_params_t *params, int pieces)
 {
     const pmsm_t machine = pmsm_at_temperature(params, 25.0);
@@ -115,21 +126,22 @@ static turning_t turn(const pmsm_params_t *params, int pieces)
     double residual_j = 0.0;
     for (int k = 0; k < 2000; k++) {
         const double middle = PLANT_TWO_PI * fine.theta_turn + 0.5 * omega * PERIOD_S;
-        const plant_ab_t u = {.alpha = -15.5 * sin(middle + 0.02), .beta = 15.5 * cos(middle + 0.02)};
+        const plant_ab_t u = {.alpha = -15.5 * sin(middle + 0.02),
+                              .beta = 15.5 * cos(middle + 0.02)};
         for (int n = 0; n < pieces; n++) {
             const double before_j = pmsm_magnetic_energy_j(&machine, &coarse);
             const pmsm_flow_t flow = pmsm_step(&machine, &coarse, u, &coarse_step);
             const double work_j = flow.torque_nms * omega / params->pole_pairs;
-            residual_j += fabs(flow.source_j - flow.copper_j - flow.series_j - flow.iron_j - work_j -
-                               (pmsm_magnetic_energy_j(&machine, &coarse) - before_j));
+            residual_j += fabs(flow.source_j - flow.copper_j - flow.series_j - flow.iron_j -
+                               work_j - (pmsm_magnetic_energy_j(&machine, &coarse) - before_j));
             turned_over_j += fabs(flow.source_j);
             out.opposed_as = fmin(out.opposed_as, flow.opposed_as);
         }
         for (int n = 0; n < 8 * pieces; n++) {
             pmsm_step(&machine, &fine, u, &fine_step);
         }
-        out.error_a = fmax(
-            out.error_a, hypot(coarse.terminal.alpha - fine.terminal.alpha, coarse.terminal.beta - fine.terminal.beta));
+        out.error_a = fmax(out.error_a, hypot(coarse.terminal.alpha - fine.terminal.alpha,
+                                              coarse.terminal.beta - fine.terminal.beta));
     }
     out.residual = residual_j / turned_over_j;
     return out;

@@ -1,4 +1,6 @@
-/* Three windings on three legs: the same machine as in the rotor's frame, and what one leg alone does. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Three windings on three legs: the same machine as in the rotor's frame, and what one leg alone
+ * does. */
 #include "plant/phases.h"
 
 #include <math.h>
@@ -8,7 +10,9 @@
 
 static const double STEP_S = 50e-6;
 static const double SERIES_OHM = 0.01;
-enum { PIECES = 4 }; /* of a period: the comparison is of machines, not of what two schemes cut off */
+enum {
+    PIECES = 4
+}; /* of a period: the comparison is of machines, not of what two schemes cut off */
 
 void setUp(void) {}
 
@@ -18,17 +22,20 @@ static void legs_at(plant_abc_t volts, phases_leg_t legs[PHASES])
 {
     const double v[PHASES] = {volts.a, volts.b, volts.c};
     for (int x = 0; x < PHASES; x++) {
-        const phases_leg_t leg = {.volts = v[x] + 25.0, .ohms = SERIES_OHM, .open = false}; /* the star point floats */
+        const phases_leg_t leg = {
+            .volts = v[x] + 25.0, .ohms = SERIES_OHM, .open = false}; /* the star point floats */
         legs[x] = leg;
     }
 }
 
-/* Both forms from the same start under the same voltages, a new vector every period, for half a second. */
+/* Both forms from the same start under the same voltages, a new vector every period, for half a
+ * second. */
 static void compare(const pmsm_params_t *params, double omega_rad_s)
 {
     const pmsm_t machine = pmsm_at_temperature(params, 60.0);
-    const pmsm_step_t step = {
-        .omega_rad_s = omega_rad_s, .duration_s = STEP_S / PIECES, .series_resistance_ohm = SERIES_OHM};
+    const pmsm_step_t step = {.omega_rad_s = omega_rad_s,
+                              .duration_s = STEP_S / PIECES,
+                              .series_resistance_ohm = SERIES_OHM};
     phases_t phases = phases_at(&machine, omega_rad_s);
     phases.iron_sees_ripple = true;
     pmsm_state_t dq = pmsm_at_rest(0.1);
@@ -55,15 +62,17 @@ static void compare(const pmsm_params_t *params, double omega_rad_s)
         }
         largest_a = fmax(largest_a, hypot(dq.i_t.d, dq.i_t.q));
         apart_a = fmax(apart_a, hypot(dq.i_t.d - abc.i_t.d, dq.i_t.q - abc.i_t.q));
-        apart_a = fmax(apart_a, hypot(dq.terminal.alpha - abc.terminal.alpha, dq.terminal.beta - abc.terminal.beta));
+        apart_a = fmax(apart_a, hypot(dq.terminal.alpha - abc.terminal.alpha,
+                                      dq.terminal.beta - abc.terminal.beta));
     }
-    const double copper_j =
-        machine.resistance_ohm * (sum_abc.square_a2s[0] + sum_abc.square_a2s[1] + sum_abc.square_a2s[2]);
+    const double copper_j = machine.resistance_ohm *
+                            (sum_abc.square_a2s[0] + sum_abc.square_a2s[1] + sum_abc.square_a2s[2]);
     TEST_ASSERT_TRUE(largest_a > 20.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * largest_a, 0.0, apart_a);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * sum_dq.copper_j, sum_dq.copper_j, copper_j);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * sum_dq.copper_j, sum_dq.iron_j, sum_abc.iron_j);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(sum_dq.torque_nms), sum_dq.torque_nms, sum_abc.torque_nms);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(sum_dq.torque_nms), sum_dq.torque_nms,
+                              sum_abc.torque_nms);
 }
 
 void test_three_phases_and_the_rotors_frame_are_the_same_machine_to_a_millionth(void)
@@ -84,7 +93,8 @@ void test_saturated_iron_and_cogging_are_the_same_in_three_phases_to_a_millionth
 
 void test_iron_that_follows_the_turning_flux_heats_as_the_steady_circuit_does(void)
 {
-    /* A rotating voltage, integrated until the start has died: then v = j w lambda, and both iron branches are one. */
+    /* A rotating voltage, integrated until the start has died: then v = j w lambda, and both iron
+     * branches are one. */
     const pmsm_params_t params = salient_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
     const double omega = 500.0;
@@ -132,7 +142,8 @@ void test_an_open_leg_carries_nothing_and_its_end_shows_the_back_emf(void)
         for (int x = 0; x < PHASES; x++) {
             TEST_ASSERT_EQUAL_DOUBLE(0.0, current_a[x]);
             /* d/dt psi cos(angle - x 120 deg) */
-            TEST_ASSERT_DOUBLE_WITHIN(0.02, -omega * 0.02 * sin(angle - x * 2.0943951023931953), end_v[x]);
+            TEST_ASSERT_DOUBLE_WITHIN(0.02, -omega * 0.02 * sin(angle - x * 2.0943951023931953),
+                                      end_v[x]);
         }
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, flow.torque_nms);

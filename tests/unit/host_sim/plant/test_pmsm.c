@@ -1,4 +1,6 @@
-/* The machine against circuit laws: steady states in closed form, transients with exact solutions, conservation. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The machine against circuit laws: steady states in closed form, transients with exact solutions,
+ * conservation. */
 #include "plant/pmsm.h"
 
 #include <math.h>
@@ -14,16 +16,17 @@ void tearDown(void) {}
 
 static pmsm_step_t step_of(double omega_rad_s, double duration_s)
 {
-    const pmsm_step_t out = {.omega_rad_s = omega_rad_s, .duration_s = duration_s, .series_resistance_ohm = 0.0};
+    const pmsm_step_t out = {
+        .omega_rad_s = omega_rad_s, .duration_s = duration_s, .series_resistance_ohm = 0.0};
     return out;
 }
 
 static const double FINE_S = 1e-6;
 
-/* Feed a voltage that turns with the rotor, finely enough to be a constant in its frame. Mean current of the last step
- * in *mean. */
-static pmsm_flow_t feed_turning(const pmsm_t *machine, pmsm_state_t *state, plant_dq_t u, double omega, double time_s,
-                                plant_dq_t *mean)
+/* Feed a voltage that turns with the rotor, finely enough to be a constant in its frame. Mean
+ * current of the last step in *mean. */
+static pmsm_flow_t feed_turning(const pmsm_t *machine, pmsm_state_t *state, plant_dq_t u,
+                                double omega, double time_s, plant_dq_t *mean)
 {
     pmsm_flow_t last = {.source_j = 0.0};
     plant_phasor_t middle = state->axis;
@@ -33,12 +36,14 @@ static pmsm_flow_t feed_turning(const pmsm_t *machine, pmsm_state_t *state, plan
         const pmsm_step_t step = step_of(omega, FINE_S);
         last = pmsm_step(machine, state, plant_inverse_park(u, middle), &step);
     }
-    const plant_ab_t current = {.alpha = last.charge_as.alpha / FINE_S, .beta = last.charge_as.beta / FINE_S};
+    const plant_ab_t current = {.alpha = last.charge_as.alpha / FINE_S,
+                                .beta = last.charge_as.beta / FINE_S};
     *mean = plant_park(current, middle);
     return last;
 }
 
-/* Phasor equations of the iron-loss circuit, solved backwards from the torque current: v, then i, then u. */
+/* Phasor equations of the iron-loss circuit, solved backwards from the torque current: v, then i,
+ * then u. */
 typedef struct {
     plant_dq_t v, i, u;
     double torque_nm;
@@ -55,7 +60,8 @@ static circuit_t circuit(const pmsm_params_t *p, double w, plant_dq_t i_t)
     c.u.d = p->phase_resistance_ohm * c.i.d + c.v.d;
     c.u.q = p->phase_resistance_ohm * c.i.q + c.v.q;
     c.torque_nm =
-        1.5 * p->pole_pairs * (p->flux_linkage_wb * i_t.q + (p->d_inductance_h - p->q_inductance_h) * i_t.d * i_t.q);
+        1.5 * p->pole_pairs *
+        (p->flux_linkage_wb * i_t.q + (p->d_inductance_h - p->q_inductance_h) * i_t.d * i_t.q);
     return c;
 }
 
@@ -72,16 +78,18 @@ void test_a_voltage_settles_at_the_currents_of_the_iron_loss_circuit(void)
             state.i_t = currents[k];
             state.i_t.d += 5.0; /* and not because it began there */
             plant_dq_t seen;
-            const pmsm_flow_t flow = feed_turning(&machine, &state, expected.u, omegas[w], 0.06, &seen);
+            const pmsm_flow_t flow =
+                feed_turning(&machine, &state, expected.u, omegas[w], 0.06, &seen);
             TEST_ASSERT_DOUBLE_WITHIN(1e-3, currents[k].d, state.i_t.d);
             TEST_ASSERT_DOUBLE_WITHIN(1e-3, currents[k].q, state.i_t.q);
             TEST_ASSERT_DOUBLE_WITHIN(1e-3, expected.i.d, seen.d);
             TEST_ASSERT_DOUBLE_WITHIN(1e-3, expected.i.q, seen.q);
             TEST_ASSERT_DOUBLE_WITHIN(1e-3, expected.torque_nm, flow.torque_nms / FINE_S);
             const double i2 = expected.i.d * expected.i.d + expected.i.q * expected.i.q;
-            const double iron_w =
-                1.5 * (expected.v.d * (expected.i.d - currents[k].d) + expected.v.q * (expected.i.q - currents[k].q));
-            TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.5 * params.phase_resistance_ohm * i2, flow.copper_j / FINE_S);
+            const double iron_w = 1.5 * (expected.v.d * (expected.i.d - currents[k].d) +
+                                         expected.v.q * (expected.i.q - currents[k].q));
+            TEST_ASSERT_DOUBLE_WITHIN(0.02, 1.5 * params.phase_resistance_ohm * i2,
+                                      flow.copper_j / FINE_S);
             TEST_ASSERT_DOUBLE_WITHIN(0.02, iron_w, flow.iron_j / FINE_S);
         }
     }
@@ -117,8 +125,10 @@ void test_the_series_resistance_takes_its_share_of_voltage_and_heat(void)
     }
     const double current_a = 3.0 / (params.phase_resistance_ohm + 0.01);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, current_a, state.i_t.d);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, flow.copper_j * 0.01 / params.phase_resistance_ohm, flow.series_j);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.5 * 3.0 * current_a * PERIOD_S, flow.copper_j + flow.series_j);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, flow.copper_j * 0.01 / params.phase_resistance_ohm,
+                              flow.series_j);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 1.5 * 3.0 * current_a * PERIOD_S,
+                              flow.copper_j + flow.series_j);
 }
 
 void test_a_short_circuit_brakes_with_the_closed_formula(void)
@@ -135,7 +145,8 @@ void test_a_short_circuit_brakes_with_the_closed_formula(void)
         const plant_dq_t nothing = {0.0, 0.0};
         plant_dq_t current;
         const pmsm_flow_t flow = feed_turning(&machine, &state, nothing, w, 0.05, &current);
-        const double torque_nm = -1.5 * params.pole_pairs * psi * psi * r * w / (r * r + w * w * l * l);
+        const double torque_nm =
+            -1.5 * params.pole_pairs * psi * psi * r * w / (r * r + w * w * l * l);
         TEST_ASSERT_DOUBLE_WITHIN(1e-4, torque_nm, flow.torque_nms / FINE_S);
     }
 }
@@ -184,7 +195,8 @@ static errors_t errors_after_1_ms(int steps)
     }
     const plant_ab_t wires = {.alpha = end[0].terminal.alpha - end[1].terminal.alpha,
                               .beta = end[0].terminal.beta - end[1].terminal.beta};
-    const errors_t out = {.inside_a = hypot(end[0].i_t.d - end[1].i_t.d, end[0].i_t.q - end[1].i_t.q),
+    const errors_t out = {.inside_a =
+                              hypot(end[0].i_t.d - end[1].i_t.d, end[0].i_t.q - end[1].i_t.q),
                           .wires_a = hypot(wires.alpha, wires.beta)};
     return out;
 }
@@ -194,7 +206,8 @@ void test_halving_the_step_divides_the_error_by_sixteen(void)
     const errors_t coarse = errors_after_1_ms(10);
     const errors_t fine = errors_after_1_ms(20); /* 20 kHz */
     TEST_ASSERT_DOUBLE_WITHIN(4.0, 16.0, coarse.inside_a / fine.inside_a);
-    TEST_ASSERT_DOUBLE_WITHIN(4.0, 16.0, coarse.wires_a / fine.wires_a); /* what a sensor sees, too */
+    TEST_ASSERT_DOUBLE_WITHIN(4.0, 16.0,
+                              coarse.wires_a / fine.wires_a); /* what a sensor sees, too */
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, fine.inside_a);
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, fine.wires_a);
 }
@@ -245,7 +258,8 @@ void test_charge_and_rectified_charge_are_the_integrals_of_the_phase_currents(vo
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
     pmsm_state_t state = pmsm_at_rest(0.0);
     state.i_t.q = 10.0;
-    /* The voltage that keeps i_q = 10 A: then the phases are sinusoids, and a turn's rectified charge is 6 I / pi. */
+    /* The voltage that keeps i_q = 10 A: then the phases are sinusoids, and a turn's rectified
+     * charge is 6 I / pi. */
     const double w = 500.0;
     const plant_dq_t u = {.d = -w * params.q_inductance_h * 10.0,
                           .q = params.phase_resistance_ohm * 10.0 + w * params.flux_linkage_wb};

@@ -1,4 +1,6 @@
-/* The machine on a bridge that is off: diodes block until the EMF is higher than the bus, then feed it. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The machine on a bridge that is off: diodes block until the EMF is higher than the bus, then feed
+ * it. */
 #include <math.h>
 
 #include "machines.h"
@@ -15,11 +17,13 @@ void tearDown(void) {}
 
 static pmsm_step_t step_at(double omega_rad_s)
 {
-    const pmsm_step_t out = {.omega_rad_s = omega_rad_s, .duration_s = PERIOD_S, .series_resistance_ohm = 0.005};
+    const pmsm_step_t out = {
+        .omega_rad_s = omega_rad_s, .duration_s = PERIOD_S, .series_resistance_ohm = 0.005};
     return out;
 }
 
-static double residual_j(const pmsm_params_t *params, const pmsm_flow_t *flow, double omega, double gain_j)
+static double residual_j(const pmsm_params_t *params, const pmsm_flow_t *flow, double omega,
+                         double gain_j)
 {
     return flow->source_j - flow->copper_j - flow->series_j - flow->iron_j -
            flow->torque_nms * omega / params->pole_pairs - gain_j;
@@ -39,12 +43,17 @@ void test_below_the_bus_nothing_flows_and_only_the_iron_drags(void)
         TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.charge_as.beta);
         TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.copper_j);
     }
-    /* With i = 0 the torque current is what the EMF drives through R_i: i_qt = -(w psi / R_i) / (1 + a^2), i_dt = b i_qt */
-    const double r_i = params.iron_loss_resistance_ohm + params.iron_loss_resistance_slope_ohm_s * w;
+    /* With i = 0 the torque current is what the EMF drives through R_i: i_qt = -(w psi / R_i) / (1
+     * + a^2), i_dt = b i_qt */
+    const double r_i =
+        params.iron_loss_resistance_ohm + params.iron_loss_resistance_slope_ohm_s * w;
     const double b = w * params.q_inductance_h / r_i;
-    const double i_qt = -(w * params.flux_linkage_wb / r_i) / (1.0 + b * w * params.d_inductance_h / r_i);
-    const double flux = params.flux_linkage_wb + (params.d_inductance_h - params.q_inductance_h) * b * i_qt;
-    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.5 * params.pole_pairs * flux * i_qt, flow.torque_nms / PERIOD_S);
+    const double i_qt =
+        -(w * params.flux_linkage_wb / r_i) / (1.0 + b * w * params.d_inductance_h / r_i);
+    const double flux =
+        params.flux_linkage_wb + (params.d_inductance_h - params.q_inductance_h) * b * i_qt;
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, 1.5 * params.pole_pairs * flux * i_qt,
+                              flow.torque_nms / PERIOD_S);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, flow.source_j);
 }
 
@@ -102,7 +111,8 @@ void test_above_the_bus_the_machine_brakes_and_feeds_it_and_no_energy_is_lost(vo
     }
 }
 
-/* |i| where diodes hold |u| = U against the current: (w psi)^2 = (U + R i)^2 + (w L i)^2, a circuit of one phase. */
+/* |i| where diodes hold |u| = U against the current: (w psi)^2 = (U + R i)^2 + (w L i)^2, a circuit
+ * of one phase. */
 void test_the_rectified_current_is_that_of_the_phasor_circuit(void)
 {
     const pmsm_params_t params = plain_machine();

@@ -1,4 +1,6 @@
-/* The machine whose iron saturates and whose magnets cog: circuit laws and conservation as for the straight one. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The machine whose iron saturates and whose magnets cog: circuit laws and conservation as for the
+ * straight one. */
 #include <math.h>
 
 #include "machines.h"
@@ -13,7 +15,8 @@ void tearDown(void) {}
 
 static pmsm_step_t step_of(double omega_rad_s, double duration_s)
 {
-    const pmsm_step_t out = {.omega_rad_s = omega_rad_s, .duration_s = duration_s, .series_resistance_ohm = 0.0};
+    const pmsm_step_t out = {
+        .omega_rad_s = omega_rad_s, .duration_s = duration_s, .series_resistance_ohm = 0.0};
     return out;
 }
 
@@ -30,7 +33,8 @@ static double wild_residual(const pmsm_params_t *params, double step_s)
     double largest_a = 0.0;
     for (int k = 0; k < 8000; k++) {
         const double time_s = k * step_s;
-        const plant_ab_t u = {.alpha = 20.0 * sin(7400.0 * time_s), .beta = 20.0 * cos(1.1e3 * time_s)};
+        const plant_ab_t u = {.alpha = 20.0 * sin(7400.0 * time_s),
+                              .beta = 20.0 * cos(1.1e3 * time_s)};
         const pmsm_flow_t flow = pmsm_step(&machine, &state, u, &step);
         const double work_j = flow.torque_nms * step.omega_rad_s / params->pole_pairs;
         residual_j += flow.source_j - flow.copper_j - flow.series_j - flow.iron_j - work_j;
@@ -48,7 +52,8 @@ void test_energy_is_conserved_to_a_billionth_and_the_remainder_is_the_schemes_ow
     const double fine = wild_residual(&params, PERIOD_S / 16.0);
     TEST_ASSERT_TRUE(coarse < 2e-5);
     TEST_ASSERT_TRUE(fine < 1e-9);
-    TEST_ASSERT_TRUE(fine < coarse / 4096.0); /* three orders at least: nothing but the step is missing */
+    TEST_ASSERT_TRUE(fine <
+                     coarse / 4096.0); /* three orders at least: nothing but the step is missing */
 }
 
 void test_a_voltage_settles_at_the_currents_of_the_circuit_with_saturated_fluxes(void)
@@ -64,14 +69,16 @@ void test_a_voltage_settles_at_the_currents_of_the_circuit_with_saturated_fluxes
         const plant_dq_t flux = fluxes[n / 3];
         const plant_dq_t i_t = magnetics_current(&machine.magnetics, flux);
         const plant_dq_t v = {.d = -w * flux.q, .q = w * (flux.d + params.flux_linkage_wb)};
-        const double iron_ohm = params.iron_loss_resistance_ohm + params.iron_loss_resistance_slope_ohm_s * fabs(w);
+        const double iron_ohm =
+            params.iron_loss_resistance_ohm + params.iron_loss_resistance_slope_ohm_s * fabs(w);
         const plant_dq_t i = {.d = i_t.d + v.d / iron_ohm, .q = i_t.q + v.q / iron_ohm};
         const plant_dq_t u = {.d = v.d + params.phase_resistance_ohm * i.d,
                               .q = v.q + params.phase_resistance_ohm * i.q};
         pmsm_state_t state = pmsm_at_rest(0.3);
         pmsm_flow_t last = {.source_j = 0.0};
         for (int k = 0; k < 60000; k++) {
-            const plant_phasor_t middle = plant_phasor_of_turn(state.theta_turn + 0.5 * w * fine_s / PLANT_TWO_PI);
+            const plant_phasor_t middle =
+                plant_phasor_of_turn(state.theta_turn + 0.5 * w * fine_s / PLANT_TWO_PI);
             const pmsm_step_t step = step_of(w, fine_s);
             last = pmsm_step(&machine, &state, plant_inverse_park(u, middle), &step);
         }
@@ -79,14 +86,17 @@ void test_a_voltage_settles_at_the_currents_of_the_circuit_with_saturated_fluxes
         TEST_ASSERT_DOUBLE_WITHIN(2e-3, i_t.q, state.i_t.q);
         /* Power through the gap over speed: v . i_t is all mechanical once nothing changes. */
         const double torque_nm = 1.5 * (v.d * i_t.d + v.q * i_t.q) * params.pole_pairs / w;
-        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * fabs(torque_nm) + 1e-4, torque_nm, last.torque_nms / fine_s);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * fabs(torque_nm) + 1e-4, torque_nm, pmsm_torque_nm(&machine, i_t));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * fabs(torque_nm) + 1e-4, torque_nm,
+                                  last.torque_nms / fine_s);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-4 * fabs(torque_nm) + 1e-4, torque_nm,
+                                  pmsm_torque_nm(&machine, i_t));
     }
 }
 
 void test_a_small_current_rises_with_the_inductance_of_the_operating_point(void)
 {
-    /* Locked rotor, no resistance to speak of: di/dt = S v, S the slope of the currents at the flux that i_d holds. */
+    /* Locked rotor, no resistance to speak of: di/dt = S v, S the slope of the currents at the flux
+     * that i_d holds. */
     pmsm_params_t params = saturating_machine();
     params.phase_resistance_ohm = 1e-6;
     params.iron_loss_resistance_ohm = 0.0;
@@ -180,7 +190,8 @@ void test_on_diodes_a_saturated_machine_settles_and_brakes_with_what_it_gives(vo
     }
     TEST_ASSERT_TRUE(flow.torque_nms < 0.0);
     TEST_ASSERT_TRUE(flow.source_j < 0.0);
-    /* Settled: the field stands still, and what the shaft gives is heat and what the source takes. */
+    /* Settled: the field stands still, and what the shaft gives is heat and what the source takes.
+     */
     const double shaft_j = -flow.torque_nms * 900.0 / params.pole_pairs;
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * shaft_j, shaft_j, flow.copper_j + flow.iron_j - flow.source_j);
     state.i_t.q = 50.0;
@@ -199,8 +210,8 @@ void test_cogging_has_no_mean_and_does_no_work_over_a_turn(void)
     double largest_nm = 0.0;
     for (int k = 0; k < 3000; k++) {
         const double one_nms = cogging_impulse_nms(&cogging, k * step_turn, step_turn, PERIOD_S);
-        const double given_j =
-            cogging_energy_j(&cogging, k * step_turn) - cogging_energy_j(&cogging, (k + 1) * step_turn);
+        const double given_j = cogging_energy_j(&cogging, k * step_turn) -
+                               cogging_energy_j(&cogging, (k + 1) * step_turn);
         TEST_ASSERT_DOUBLE_WITHIN(1e-13, given_j, one_nms * speed_rad_s);
         impulse_nms += one_nms;
         largest_nm = fmax(largest_nm, fabs(one_nms) / PERIOD_S);
@@ -213,7 +224,8 @@ void test_cogging_holds_a_shaft_at_rest_as_its_amplitude_and_phase_say(void)
 {
     const cogging_t cogging = {.amplitude_nm = 2.0, .per_turn = 12.0, .phase_turn = 0.0};
     /* A quarter period on it pulls back with all it has; where it rests it pulls neither way. */
-    TEST_ASSERT_DOUBLE_WITHIN(1e-15, -2.0 * PERIOD_S, cogging_impulse_nms(&cogging, 0.25 / 12.0, 0.0, PERIOD_S));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-15, -2.0 * PERIOD_S,
+                              cogging_impulse_nms(&cogging, 0.25 / 12.0, 0.0, PERIOD_S));
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.0, cogging_impulse_nms(&cogging, 0.0, 0.0, PERIOD_S));
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 4.0 / 12.0, cogging_energy_j(&cogging, 0.5 / 12.0));
 }
@@ -233,12 +245,14 @@ void test_cogging_is_in_the_torque_of_every_way_to_feed_the_machine(void)
         pmsm_state_t b = pmsm_at_rest(0.0);
         double turn = 0.0;
         for (int k = 0; k < 1000; k++) {
-            const pmsm_flow_t without =
-                way == 0 ? pmsm_step(&smooth, &a, u, &step) : pmsm_step_rectified(&smooth, &a, 1.0, &step);
-            const pmsm_flow_t with =
-                way == 0 ? pmsm_step(&cogs, &b, u, &step) : pmsm_step_rectified(&cogs, &b, 1.0, &step);
-            const double middle = turn + 0.5 * 10.0 * PERIOD_S / PLANT_TWO_PI; /* 70 rad/s of 7 pole pairs */
-            TEST_ASSERT_DOUBLE_WITHIN(5e-5 * PERIOD_S, -0.8 * sin(PLANT_TWO_PI * (42.0 * middle + 0.25)) * PERIOD_S,
+            const pmsm_flow_t without = way == 0 ? pmsm_step(&smooth, &a, u, &step)
+                                                 : pmsm_step_rectified(&smooth, &a, 1.0, &step);
+            const pmsm_flow_t with = way == 0 ? pmsm_step(&cogs, &b, u, &step)
+                                              : pmsm_step_rectified(&cogs, &b, 1.0, &step);
+            const double middle =
+                turn + 0.5 * 10.0 * PERIOD_S / PLANT_TWO_PI; /* 70 rad/s of 7 pole pairs */
+            TEST_ASSERT_DOUBLE_WITHIN(5e-5 * PERIOD_S,
+                                      -0.8 * sin(PLANT_TWO_PI * (42.0 * middle + 0.25)) * PERIOD_S,
                                       with.torque_nms - without.torque_nms);
             turn += 10.0 * PERIOD_S / PLANT_TWO_PI;
         }

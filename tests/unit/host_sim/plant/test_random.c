@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Noise that repeats: moments of the distributions, independence of streams, sameness of seeds. */
 #include "plant/random.h"
 
@@ -21,7 +22,8 @@ void test_uniform_numbers_fill_their_interval_evenly(void)
         tenth[(int)(x * 10.0)]++;
     }
     for (int k = 0; k < 10; k++) {
-        TEST_ASSERT_INT_WITHIN(700, SAMPLES / 10, tenth[k]); /* five standard deviations of the count */
+        TEST_ASSERT_INT_WITHIN(700, SAMPLES / 10,
+                               tenth[k]); /* five standard deviations of the count */
     }
 }
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* What the controller gets to see: codes, halls, angle, and the faults that can be switched on. */
 #include "plant/sensors.h"
 
@@ -138,12 +139,14 @@ void test_noise_has_the_given_deviation_and_no_mean(void)
     double sum = 0.0;
     double square = 0.0;
     for (int k = 0; k < samples; k++) {
-        const sensors_sample_t seen = sensors_sample(&sensors, &fault, &noise, NO_CURRENT, 50.0, 0.0);
+        const sensors_sample_t seen =
+            sensors_sample(&sensors, &fault, &noise, NO_CURRENT, 50.0, 0.0);
         const double a = (seen.phase_current_code[1] - 2048.0) / 2048.0 * 165.0;
         sum += a;
         square += a * a;
     }
-    TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2.0 / sqrt(samples), 0.0, sum / samples); /* four standard errors */
+    TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2.0 / sqrt(samples), 0.0,
+                              sum / samples); /* four standard errors */
     TEST_ASSERT_DOUBLE_WITHIN(0.04, 2.0, sqrt(square / samples));
 }
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* What low-side shunts show: nothing while the high side conducts, and little shortly after. */
 #include "plant/shunts.h"
 
@@ -15,8 +16,11 @@ void tearDown(void) {}
 
 static shunts_period_t steady(plant_abc_t duty, double dead_s)
 {
-    const shunts_period_t out = {
-        .duty = duty, .begin_a = CURRENT_A, .end_a = CURRENT_A, .period_s = PERIOD_S, .dead_s = dead_s};
+    const shunts_period_t out = {.duty = duty,
+                                 .begin_a = CURRENT_A,
+                                 .end_a = CURRENT_A,
+                                 .period_s = PERIOD_S,
+                                 .dead_s = dead_s};
     return out;
 }
 
@@ -31,7 +35,8 @@ static shunts_t settled(plant_abc_t duty, double dead_s, double tau_s)
     return out;
 }
 
-/* Driven for t on and the rest of the period off, in the steady state: i (1 - e^(-t/tau)) + what was left, sampled half-way of on. */
+/* Driven for t on and the rest of the period off, in the steady state: i (1 - e^(-t/tau)) + what
+ * was left, sampled half-way of on. */
 static double window(double current_a, double low_before_s, double high_s, double tau_s)
 {
     const double low_after_s = PERIOD_S - high_s - low_before_s;
@@ -39,7 +44,8 @@ static double window(double current_a, double low_before_s, double high_s, doubl
     const double e_high = exp(-high_s / tau_s);
     const double e_before = exp(-low_before_s / tau_s);
     /* x = (x e_after + i (1 - e_after)) e_high e_before + i (1 - e_before) */
-    const double gain = ((1.0 - e_after) * e_high * e_before + 1.0 - e_before) / (1.0 - e_after * e_high * e_before);
+    const double gain = ((1.0 - e_after) * e_high * e_before + 1.0 - e_before) /
+                        (1.0 - e_after * e_high * e_before);
     return current_a * gain;
 }
 
@@ -75,9 +81,12 @@ void test_dead_time_belongs_to_the_diode_that_carries_the_current(void)
     const plant_abc_t duty = {.a = 0.95, .b = 0.95, .c = 0.1};
     const shunts_t s = settled(duty, dead_s, TAU_S);
     const double half_low_s = 0.5 * PERIOD_S * 0.05;
-    /* Into the motor: the low diode holds on for a dead time after the fall of the command's before; out of it: only the switch. */
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, window(40.0, half_low_s, PERIOD_S * 0.95 - dead_s, TAU_S), s.seen_a[0]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, window(-30.0, half_low_s - dead_s, PERIOD_S * 0.95 + dead_s, TAU_S), s.seen_a[1]);
+    /* Into the motor: the low diode holds on for a dead time after the fall of the command's
+     * before; out of it: only the switch. */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, window(40.0, half_low_s, PERIOD_S * 0.95 - dead_s, TAU_S),
+                              s.seen_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(
+        1e-9, window(-30.0, half_low_s - dead_s, PERIOD_S * 0.95 + dead_s, TAU_S), s.seen_a[1]);
 }
 
 void test_a_leg_that_stays_up_shows_nothing_and_one_that_stays_down_everything(void)
@@ -98,7 +107,8 @@ void test_a_later_sample_has_had_longer_to_settle(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40.0 - (40.0 - top.seen_a[0]) * exp(-2.0), late.seen_a[0]);
     shunts_t too_late = top; /* the leg has risen at 1.25 us */
     shunts_pwm(&too_late, &period, 3e-6, TAU_S);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, (40.0 - (40.0 - top.seen_a[0]) * exp(-2.5)) * exp(-3.5), too_late.seen_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, (40.0 - (40.0 - top.seen_a[0]) * exp(-2.5)) * exp(-3.5),
+                              too_late.seen_a[0]);
 }
 
 void test_open_switches_show_only_what_comes_through_low_diodes_and_closed_ones_all(void)

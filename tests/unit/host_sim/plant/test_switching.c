@@ -1,4 +1,6 @@
-/* The bridge edge by edge: its own balance, what an edge loses, and the averaged bridge as its mean. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The bridge edge by edge: its own balance, what an edge loses, and the averaged bridge as its
+ * mean. */
 #include "plant/switching.h"
 
 #include <math.h>
@@ -40,8 +42,9 @@ static double work_j(const pmsm_flow_t *flow)
 /* What the bus gave less heat, work and field. */
 static double residual_j(const switching_flow_t *flow, double field_before_j)
 {
-    const double heat_j = flow->machine.copper_j + flow->machine.iron_j + flow->bridge.conduction_j +
-                          flow->bridge.diode_j + flow->bridge.switching_j;
+    const double heat_j = flow->machine.copper_j + flow->machine.iron_j +
+                          flow->bridge.conduction_j + flow->bridge.diode_j +
+                          flow->bridge.switching_j;
     const double field_j = pmsm_magnetic_energy_j(&machine, &rotor) - field_before_j;
     return flow->bridge.dc_j - heat_j - work_j(&flow->machine) - field_j;
 }
@@ -60,14 +63,17 @@ void test_every_period_balances_at_any_current_and_dead_time(void)
     for (int d = 0; d < 3; d++) {
         params.dead_time_s = dead_times_s[d];
         const switching_t bridge = switching_model(&params, 25.0);
-        for (int level = 0; level < 4; level++) { /* from almost no current, where legs float, to a lot */
+        for (int level = 0; level < 4;
+             level++) { /* from almost no current, where legs float, to a lot */
             rotor = pmsm_at_rest(0.0);
             double turned_j = 0.0;
             double lost_j = 0.0;
             for (int k = 0; k < 2000; k++) {
                 const double field_j = pmsm_magnetic_energy_j(&machine, &rotor);
-                const plant_abc_t duty = duty_at(10.0 + 1.5 * level, TWO_PI * rotor.theta_turn + 1.65 + 0.02 * level);
-                const switching_flow_t flow = switching_pwm(&bridge, &machine, &rotor, duty, BUS_V, &step, NULL);
+                const plant_abc_t duty =
+                    duty_at(10.0 + 1.5 * level, TWO_PI * rotor.theta_turn + 1.65 + 0.02 * level);
+                const switching_flow_t flow =
+                    switching_pwm(&bridge, &machine, &rotor, duty, BUS_V, &step, NULL);
                 turned_j += fabs(flow.bridge.dc_j);
                 lost_j += fabs(residual_j(&flow, field_j));
                 TEST_ASSERT_TRUE(flow.bridge.diode_j >= -1e-9 && flow.bridge.switching_j >= 0.0);
@@ -89,7 +95,8 @@ static means_t steady(bool edges, double amplitude_v, double lead)
     const inverter_t averaged = inverter_model(&params, 25.0);
     step.series_resistance_ohm = averaged.pwm_resistance_ohm;
     rotor = pmsm_at_rest(0.0);
-    const double zone_a = inverter_zone_a(&averaged, BUS_V, pmsm_amperes_per_volt(&machine, &rotor, &step));
+    const double zone_a =
+        inverter_zone_a(&averaged, BUS_V, pmsm_amperes_per_volt(&machine, &rotor, &step));
     means_t out = {.torque_nm = 0.0};
     const int settle = 4000;
     const int count = 2513; /* ten turns of 500 rad/s: 0.12566 s */
@@ -123,8 +130,10 @@ static void check_agreement(double amplitude_v, double lead)
 {
     const means_t mean = steady(false, amplitude_v, lead);
     const means_t edge = steady(true, amplitude_v, lead);
-    const double all_mean_w = mean.copper_w + mean.iron_w + mean.conduction_w + mean.diode_w + mean.switching_w;
-    const double all_edge_w = edge.copper_w + edge.iron_w + edge.conduction_w + edge.diode_w + edge.switching_w;
+    const double all_mean_w =
+        mean.copper_w + mean.iron_w + mean.conduction_w + mean.diode_w + mean.switching_w;
+    const double all_edge_w =
+        edge.copper_w + edge.iron_w + edge.conduction_w + edge.diode_w + edge.switching_w;
     TEST_ASSERT_TRUE(fabs(mean.torque_nm) > 1.0);
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * fabs(mean.torque_nm), mean.torque_nm, edge.torque_nm);
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * all_mean_w, all_mean_w, all_edge_w);
@@ -145,7 +154,8 @@ void test_averaged_and_switching_bridge_agree_on_torque_and_every_loss_within_a_
 void test_open_switches_on_a_slow_rotor_let_nothing_through(void)
 {
     const switching_t bridge = switching_model(&params, 25.0);
-    switching_off(&bridge, &machine, &rotor, BUS_V, &step, NULL); /* the iron's part of the current comes up */
+    switching_off(&bridge, &machine, &rotor, BUS_V, &step,
+                  NULL); /* the iron's part of the current comes up */
     for (int k = 0; k < 400; k++) {
         const switching_flow_t flow = switching_off(&bridge, &machine, &rotor, BUS_V, &step, NULL);
         TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.bridge.dc_j);
@@ -188,7 +198,8 @@ void test_closed_low_sides_brake_as_a_short_circuit_does(void)
 
 void test_a_leg_without_current_ends_in_the_dead_time_and_does_not_hunt(void)
 {
-    /* Standing rotor, equal duties: no voltage anywhere, no current may appear out of dead times and diodes. */
+    /* Standing rotor, equal duties: no voltage anywhere, no current may appear out of dead times
+     * and diodes. */
     step.omega_rad_s = 0.0;
     const switching_t bridge = switching_model(&params, 25.0);
     const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
@@ -198,17 +209,21 @@ void test_a_leg_without_current_ends_in_the_dead_time_and_does_not_hunt(void)
     }
 }
 
-/* Until the first edge all low sides conduct: the machine in short circuit behind the switches' resistance. */
-void test_a_look_at_a_part_of_the_period_sees_the_currents_of_that_instant_and_the_shunts_follow(void)
+/* Until the first edge all low sides conduct: the machine in short circuit behind the switches'
+ * resistance. */
+void test_a_look_at_a_part_of_the_period_sees_the_currents_of_that_instant_and_the_shunts_follow(
+    void)
 {
     const switching_t bridge = switching_model(&params, 25.0);
-    const pmsm_params_t plain = plain_machine(); /* what edges do to the iron is another matter (phases.h) */
+    const pmsm_params_t plain =
+        plain_machine(); /* what edges do to the iron is another matter (phases.h) */
     machine = pmsm_at_temperature(&plain, 25.0);
     const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5}; /* up from 12.5 us on */
     const double until_s = 8e-6;
     rotor = pmsm_at_rest(0.1);
     rotor.i_t.q = 40.0;
-    pmsm_step(&machine, &rotor, (plant_ab_t){0.0, 0.0}, &step); /* the terminal current belongs to the state */
+    pmsm_step(&machine, &rotor, (plant_ab_t){0.0, 0.0},
+              &step); /* the terminal current belongs to the state */
     pmsm_state_t looked = rotor;
     pmsm_state_t reference = rotor;
     shunts_t shunts = {.seen_a = {5.0, 0.0, 0.0}};
@@ -223,7 +238,8 @@ void test_a_look_at_a_part_of_the_period_sees_the_currents_of_that_instant_and_t
     const plant_abc_t begin = plant_inverse_clarke(rotor.terminal);
     const plant_abc_t end = plant_inverse_clarke(looked.terminal);
     /* Eight time constants on, the amplifier lags a ramp by its time constant at most. */
-    TEST_ASSERT_DOUBLE_WITHIN(fabs(end.a - begin.a) + 5.0 * exp(-8.0) + 0.05, end.a, shunts.seen_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(fabs(end.a - begin.a) + 5.0 * exp(-8.0) + 0.05, end.a,
+                              shunts.seen_a[0]);
     TEST_ASSERT_DOUBLE_WITHIN(fabs(end.b - begin.b) + 0.05, end.b, shunts.seen_a[1]);
     TEST_ASSERT_TRUE(fabs(end.a) + fabs(end.b) > 20.0);
 }

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* A thermistor that is late, wrong or broken. */
 #include "plant/temperature_sensor.h"
 
@@ -18,7 +19,8 @@ void tearDown(void) {}
 void test_without_faults_it_tells_the_temperature_to_the_bit(void)
 {
     temperature_sensor_t sensor = temperature_sensor_at(25.0);
-    TEST_ASSERT_EQUAL_DOUBLE(83.123456789, temperature_sensor_step(&params, &sensor, 83.123456789, false, 1e-3));
+    TEST_ASSERT_EQUAL_DOUBLE(83.123456789,
+                             temperature_sensor_step(&params, &sensor, 83.123456789, false, 1e-3));
 }
 
 void test_a_step_of_temperature_arrives_exponentially_whatever_the_step_of_time(void)
@@ -41,7 +43,8 @@ void test_offset_and_gain_are_of_what_is_reported(void)
     params.offset_k = -3.0;
     params.gain_error = 0.1;
     temperature_sensor_t sensor = temperature_sensor_at(25.0);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 107.0, temperature_sensor_step(&params, &sensor, 100.0, false, 1e-3));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 107.0,
+                              temperature_sensor_step(&params, &sensor, 100.0, false, 1e-3));
 }
 
 void test_an_open_or_shorted_line_is_hotter_than_any_limit_and_heals(void)

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Lumps of heat capacity: exact exponentials, right ends, every joule kept, and off means off. */
 #include "plant/thermal.h"
 
@@ -13,7 +14,8 @@ void tearDown(void) {}
 
 static thermal_t row(double c1, double r1, double c2, double r2, double temperature_c)
 {
-    const thermal_row_t built = {.inner_j_per_k = c1, .inner_k_per_w = r1, .outer_j_per_k = c2, .outer_k_per_w = r2};
+    const thermal_row_t built = {
+        .inner_j_per_k = c1, .inner_k_per_w = r1, .outer_j_per_k = c2, .outer_k_per_w = r2};
     return thermal_init(&built, temperature_c, STEP_S);
 }
 
@@ -51,7 +53,8 @@ void test_two_insulated_lumps_keep_every_joule_and_meet(void)
 {
     thermal_t lumps = row(100.0, 0.5, 300.0, 0.0, 20.0);
     heat(&lumps, 3000, 100.0, 50.0, -40.0);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-7, 450.0, 100.0 * (lumps.temperature_c - 20.0) + 300.0 * (lumps.outer_c - 20.0));
+    TEST_ASSERT_DOUBLE_WITHIN(
+        1e-7, 450.0, 100.0 * (lumps.temperature_c - 20.0) + 300.0 * (lumps.outer_c - 20.0));
     TEST_ASSERT_TRUE(lumps.temperature_c > lumps.outer_c + 1.0);
     heat(&lumps, 2000000, 0.0, 0.0, -40.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 20.0 + 450.0 / 400.0, lumps.temperature_c);
@@ -66,7 +69,8 @@ void test_two_lumps_settle_where_the_resistances_say(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 10.0 + 0.4 * 80.0 + 0.5 * 60.0, lumps.temperature_c);
 }
 
-/* An integration with a thousand times shorter steps, of the differential equations as they are written. */
+/* An integration with a thousand times shorter steps, of the differential equations as they are
+ * written. */
 void test_two_lumps_follow_their_differential_equations_for_fast_and_slow_ones(void)
 {
     const double inner_j_per_k[] = {100.0, 0.002}; /* the second: 1 ms against a step of 1 ms */

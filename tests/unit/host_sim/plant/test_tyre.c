@@ -1,4 +1,6 @@
-/* The contact of tyre and road: its steady curve, its ends, sticking, and that it never makes energy. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The contact of tyre and road: its steady curve, its ends, sticking, and that it never makes
+ * energy. */
 #include "plant/tyre.h"
 
 #include <math.h>
@@ -26,8 +28,10 @@ void tearDown(void) {}
 
 static double hold(double friction, double slip_m_per_s, double rolling_m_per_s, int steps)
 {
-    const tyre_contact_t contact = {
-        .friction = friction, .load_n = LOAD_N, .slip_m_per_s = slip_m_per_s, .rolling_m_per_s = rolling_m_per_s};
+    const tyre_contact_t contact = {.friction = friction,
+                                    .load_n = LOAD_N,
+                                    .slip_m_per_s = slip_m_per_s,
+                                    .rolling_m_per_s = rolling_m_per_s};
     double force_n = 0.0;
     for (int k = 0; k < steps; k++) {
         force_n = tyre_step(&params, &state, &contact, STEP_S);
@@ -40,7 +44,8 @@ static double steady_n(double friction, double slip_m_per_s, double rolling_m_pe
 {
     const double u = fabs(slip_m_per_s);
     const double g = friction * (0.7 + 0.3 * exp(-sqrt(u / 6.0)));
-    return LOAD_N * 180.0 * slip_m_per_s / (180.0 * u / g + 7.0 / (6.0 * 0.15) * fabs(rolling_m_per_s));
+    return LOAD_N * 180.0 * slip_m_per_s /
+           (180.0 * u / g + 7.0 / (6.0 * 0.15) * fabs(rolling_m_per_s));
 }
 
 void test_steady_slip_gives_the_models_closed_curve_in_every_direction(void)
@@ -70,7 +75,8 @@ void test_a_locked_wheel_pulls_with_sliding_friction_and_less_on_ice(void)
 
 void test_a_sticking_tyre_is_a_spring_that_holds(void)
 {
-    /* A push of 1 mm on the standing wheel: little against mu / s0 = 5 mm, so most of it is spring. */
+    /* A push of 1 mm on the standing wheel: little against mu / s0 = 5 mm, so most of it is spring.
+     */
     hold(0.9, 1e-3 / (200 * STEP_S), 0.0, 200);
     const double held_n = hold(0.9, 0.0, 0.0, 1);
     TEST_ASSERT_TRUE(held_n > 0.85 * LOAD_N * 180.0 * 1e-3 && held_n <= LOAD_N * 180.0 * 1e-3);

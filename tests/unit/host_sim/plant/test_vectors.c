@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* Frames: transforms undo each other, power is invariant, the short phasor is the phasor. */
 #include "plant/vectors.h"
 

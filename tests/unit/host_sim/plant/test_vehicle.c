@@ -1,4 +1,6 @@
-/* The mass on its wheels: motions with closed solutions, clean stops, standing on slopes, conservation of energy. */
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The mass on its wheels: motions with closed solutions, clean stops, standing on slopes,
+ * conservation of energy. */
 #include "plant/vehicle.h"
 
 #include <math.h>
@@ -18,7 +20,8 @@ void setUp(void)
                                   .drag_coefficient = 0.4,
                                   .rolling_resistance = 0.014,
                                   .driven_wheels = 4.0};
-    const road_params_t flat = {.air_density_kg_per_m3 = 1.2, .gravity_m_per_s2 = 9.81, .slope = 0.0};
+    const road_params_t flat = {
+        .air_density_kg_per_m3 = 1.2, .gravity_m_per_s2 = 9.81, .slope = 0.0};
     const vehicle_state_t at_rest = {.speed_m_per_s = 0.0};
     params = car;
     road = flat;
@@ -35,7 +38,8 @@ typedef struct {
 static energies_t drive(double torque_nm, double brake_nm, double time_s)
 {
     const vehicle_t vehicle = vehicle_on_road(&params, &road);
-    const vehicle_load_t load = {.torque_impulse_nms = torque_nm * STEP_S, .friction_capacity_nm = brake_nm};
+    const vehicle_load_t load = {.torque_impulse_nms = torque_nm * STEP_S,
+                                 .friction_capacity_nm = brake_nm};
     energies_t sum = {.torque_work_j = 0.0};
     const int steps = (int)lround(time_s / STEP_S);
     for (int k = 0; k < steps; k++) {
@@ -124,7 +128,8 @@ void test_work_in_is_heat_height_and_motion_to_rounding(void)
     const vehicle_t vehicle = vehicle_on_road(&params, &road);
     const double before_j = vehicle_kinetic_energy_j(&vehicle, &state);
     energies_t sum = drive(60.0, 5.0, 10.0);
-    const energies_t more = drive(-90.0, 120.0, 10.0); /* through standstill and back down the slope, or held */
+    const energies_t more =
+        drive(-90.0, 120.0, 10.0); /* through standstill and back down the slope, or held */
     sum.torque_work_j += more.torque_work_j;
     sum.friction_heat_j += more.friction_heat_j;
     sum.drag_j += more.drag_j;
@@ -133,7 +138,8 @@ void test_work_in_is_heat_height_and_motion_to_rounding(void)
     const double gained_j = vehicle_kinetic_energy_j(&vehicle, &state) - before_j;
     /* 400 000 roundings of a speed */
     TEST_ASSERT_DOUBLE_WITHIN(1e-9 * sum.torque_work_j, sum.torque_work_j,
-                              sum.friction_heat_j + sum.drag_j + sum.rolling_j + sum.climbed_j + gained_j);
+                              sum.friction_heat_j + sum.drag_j + sum.rolling_j + sum.climbed_j +
+                                  gained_j);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 660.0 * 9.81 * state.height_m, sum.climbed_j);
     TEST_ASSERT_TRUE(sum.rolling_j > 0.0);
     TEST_ASSERT_TRUE(sum.drag_j > 0.0);

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* A toothed ring: speed from pulses, as fine as the clock, and nothing where there are none. */
 #include "plant/wheel_speed.h"
 
@@ -26,7 +27,8 @@ void tearDown(void) {}
 static double look(double speed_rad_s)
 {
     time_s += STEP_S;
-    return wheel_speed_look(&params, &ring, speed_rad_s * STEP_S, speed_rad_s, time_s, STEP_S, false);
+    return wheel_speed_look(&params, &ring, speed_rad_s * STEP_S, speed_rad_s, time_s, STEP_S,
+                            false);
 }
 
 static double after(double speed_rad_s, double duration_s)
@@ -44,12 +46,13 @@ void test_a_steady_speed_is_seen_as_exactly_as_the_clock_allows_both_ways(void)
     for (int n = 0; n < 5; n++) {
         setUp();
         after(speeds[n], 0.5);
-        /* A step of the clock in the time of the teeth that came since the last look: a millisecond's or one. */
+        /* A step of the clock in the time of the teeth that came since the last look: a
+         * millisecond's or one. */
         const double pitch_s = TWO_PI / 48.0 / fabs(speeds[n]);
         const double between_s = fmax(pitch_s, STEP_S - pitch_s);
         for (int k = 0; k < 500; k++) {
-            TEST_ASSERT_DOUBLE_WITHIN(1.01 * fabs(speeds[n]) * 1e-5 / (between_s - 1e-5), fabs(speeds[n]),
-                                      look(speeds[n]));
+            TEST_ASSERT_DOUBLE_WITHIN(1.01 * fabs(speeds[n]) * 1e-5 / (between_s - 1e-5),
+                                      fabs(speeds[n]), look(speeds[n]));
         }
     }
 }
@@ -71,7 +74,8 @@ void test_two_edges_are_needed_and_a_speed_is_a_tooth_old(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 10.0, after(10.0, 0.4 * pitch_s));
 }
 
-void test_a_wheel_that_stops_is_held_to_a_tooth_in_the_time_that_passed_and_then_called_standing(void)
+void test_a_wheel_that_stops_is_held_to_a_tooth_in_the_time_that_passed_and_then_called_standing(
+    void)
 {
     after(30.0, 0.2);
     double last = 31.0;
@@ -99,7 +103,8 @@ void test_a_dead_sensor_shows_nothing_and_begins_anew_when_it_heals(void)
 {
     after(30.0, 0.2);
     time_s += STEP_S;
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, wheel_speed_look(&params, &ring, 0.03, 30.0, time_s, STEP_S, true));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0,
+                             wheel_speed_look(&params, &ring, 0.03, 30.0, time_s, STEP_S, true));
     params.dead = 1.0;
     TEST_ASSERT_EQUAL_DOUBLE(0.0, look(30.0));
     params.dead = 0.0;

@@ -1,4 +1,8 @@
-"""Every built-in scenario meets its criteria, and would not if the world were different: a criterion that cannot fail shows nothing."""
+# SPDX-License-Identifier: Apache-2.0
+"""Every built-in scenario meets its criteria, and would not if the world were different.
+
+A criterion that cannot fail shows nothing.
+"""
 
 import json
 import subprocess
@@ -29,7 +33,11 @@ SABOTAGE = {
     "stop": ("plant.motor.flux_linkage_wb=0.015", "torque"),
     "udds": ("plant.driver.demand_age_s=1", "follows"),
 }
-SHORTENED = {"udds": ("max_duration_s=60",), "ece15": ("max_duration_s=30",), "descent_full": ("max_duration_s=10", "initial_soc=1")}
+SHORTENED = {
+    "udds": ("max_duration_s=60",),
+    "ece15": ("max_duration_s=30",),
+    "descent_full": ("max_duration_s=10", "initial_soc=1"),
+}
 
 
 def judged(done: subprocess.CompletedProcess[str], path: Path) -> dict[str, bool]:
@@ -39,18 +47,24 @@ def judged(done: subprocess.CompletedProcess[str], path: Path) -> dict[str, bool
 
 
 @pytest.mark.parametrize("name", scenario.builtin_names())
-def test_criteria_are_met_and_energy_is_conserved(hubsim: Hubsim, tmp_path: Path, name: str) -> None:
+def test_criteria_are_met_and_energy_is_conserved(
+    hubsim: Hubsim, tmp_path: Path, name: str
+) -> None:
     done = hubsim("run", name, "--json", "out.json")
     assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
     verdicts = judged(done, tmp_path / "out.json")
     assert all(verdicts.values())
     assert set(verdicts) == {*scenario.load(name, {})[1].criteria, "residual"}
-    assert json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["residual_relative"] <= 1e-4
+    assert (
+        json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["residual_relative"] <= 1e-4
+    )
     assert "never came" not in done.stderr
 
 
 @pytest.mark.parametrize("name", scenario.builtin_names())
-def test_criteria_notice_a_world_in_which_they_are_not_met(hubsim: Hubsim, tmp_path: Path, name: str) -> None:
+def test_criteria_notice_a_world_in_which_they_are_not_met(
+    hubsim: Hubsim, tmp_path: Path, name: str
+) -> None:
     setting, criterion = SABOTAGE[name]
     shorter = [part for short in SHORTENED.get(name, ()) for part in ("--set", short)]
     done = hubsim("run", name, "--set", setting, *shorter, "--json", "out.json")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The command as a user meets it: answers, files, and one line for every mistake."""
 
 import csv
@@ -16,27 +17,60 @@ QUICK = ("--set", "initial_speed_kmh=10", "--set", "demand_nm=60", "--set", "dra
 
 
 def test_the_constant_demand_stop_writes_the_agreed_object(hubsim: Hubsim, tmp_path: Path) -> None:
-    done = hubsim("run", "stop", "--config", DEFAULT_CONFIG, "--strategy", "series_optimal", "--set", "initial_speed_kmh=40",
-                  "--set", "demand_nm=40", "--set", "drag=false", "--json", "stop.json")  # fmt: skip
+    done = hubsim(
+        "run",
+        "stop",
+        "--config",
+        DEFAULT_CONFIG,
+        "--strategy",
+        "series_optimal",
+        "--set",
+        "initial_speed_kmh=40",
+        "--set",
+        "demand_nm=40",
+        "--set",
+        "drag=false",
+        "--json",
+        "stop.json",
+    )
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     found = json.loads((tmp_path / "stop.json").read_text(encoding="utf-8"))
     assert (found["cycle"], found["strategy"]) == ("stop", "series_optimal")
     assert found["kinetic_energy_j"] == pytest.approx(40740.74, abs=0.01)
-    assert found["stop_distance_m"] == pytest.approx(63.66, abs=1.7)  # v^2/2a, a = 640 N / 660 kg, and 0.15 s at 40 km/h
+    assert found["stop_distance_m"] == pytest.approx(
+        63.66, abs=1.7
+    )  # v^2/2a, a = 640 N / 660 kg, and 0.15 s at 40 km/h
     assert found["residual_relative"] < 1e-4
     # physics: 75.6 % of the kinetic energy in steady states, within 2 %
-    assert found["energy_j"]["battery_returned"] / found["kinetic_energy_j"] == pytest.approx(0.756, abs=0.02)
+    assert found["energy_j"]["battery_returned"] / found["kinetic_energy_j"] == pytest.approx(
+        0.756, abs=0.02
+    )
     assert "series_optimal" in done.stdout
 
 
-def test_the_csv_has_a_heading_with_units_and_a_row_for_every_interval(hubsim: Hubsim, tmp_path: Path) -> None:
-    done = hubsim("run", "stop", *QUICK, "--set", "record_interval_s=0.05", "--csv", "stop.csv",
-                  "--signals", "time_s,vehicle.speed_m_per_s,wheel?.motor_torque_nm")  # fmt: skip
+def test_the_csv_has_a_heading_with_units_and_a_row_for_every_interval(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
+    done = hubsim(
+        "run",
+        "stop",
+        *QUICK,
+        "--set",
+        "record_interval_s=0.05",
+        "--csv",
+        "stop.csv",
+        "--signals",
+        "time_s,vehicle.speed_m_per_s,wheel?.motor_torque_nm",
+    )
     assert done.returncode == 0, done.stderr
     with (tmp_path / "stop.csv").open(encoding="utf-8") as file:
         rows = list(csv.reader(file))
-    assert rows[0] == ["time_s", "vehicle.speed_m_per_s", *(f"wheel{k}.motor_torque_nm" for k in range(4))]
+    assert rows[0] == [
+        "time_s",
+        "vehicle.speed_m_per_s",
+        *(f"wheel{k}.motor_torque_nm" for k in range(4)),
+    ]
     times = [float(row[0]) for row in rows[1:]]
     assert times == pytest.approx([0.05 * k for k in range(len(times))])
     assert float(rows[1][1]) == pytest.approx(10 / 3.6)
@@ -45,13 +79,26 @@ def test_the_csv_has_a_heading_with_units_and_a_row_for_every_interval(hubsim: H
 
 def test_the_same_call_writes_the_same_bytes(hubsim: Hubsim, tmp_path: Path) -> None:
     for name in ("a.csv", "b.csv"):
-        assert hubsim("run", "stop", *QUICK, "--set", "sensors.current_noise_a=0.3", "--csv", name).returncode == 0
+        assert (
+            hubsim(
+                "run", "stop", *QUICK, "--set", "sensors.current_noise_a=0.3", "--csv", name
+            ).returncode
+            == 0
+        )
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
 def test_list_shows_what_there_is(hubsim: Hubsim) -> None:
     plain = hubsim("list").stdout
-    for word in ("stop", "ece15", "udds", "lu2013", "series_optimal", "demand_nm", "initial_speed_kmh"):
+    for word in (
+        "stop",
+        "ece15",
+        "udds",
+        "lu2013",
+        "series_optimal",
+        "demand_nm",
+        "initial_speed_kmh",
+    ):
         assert word in plain
     assert "plant.motor.phase_resistance_ohm" in hubsim("list", "--parameters").stdout
     assert "wheel3.current_q_a" in hubsim("list", "--signals").stdout.split()
@@ -70,21 +117,42 @@ def test_every_command_explains_itself(hubsim: Hubsim, command: tuple[str, ...])
         (("run", "stpo"), "hubsim: no scenario 'stpo', accepted: "),
         (("run", "none.toml"), "hubsim: none.toml: file not found"),
         (("run", "stop", "--config", "none.toml"), "hubsim: none.toml: file not found"),
-        (("run", "stop", "--set", "demand_mn=4"), "hubsim: --set demand_mn: unknown key, did you mean demand_nm?"),
+        (
+            ("run", "stop", "--set", "demand_mn=4"),
+            "hubsim: --set demand_mn: unknown key, did you mean demand_nm?",
+        ),
         (
             ("run", "stop", "--set", "demand_nm=much"),
             "hubsim: --set demand_nm: 'much' is not accepted, accepted: a number from 0 to 100000",
         ),
-        (("run", "stop", "--set", "motor.pole_pear=4"), "motor.pole_pear: unknown key, did you mean pole_pairs?"),
-        (("run", "stop", "--set", "motor.pole_pairs=0"), "motor.pole_pairs: 0 is not accepted, accepted: a whole number from 1 to 60"),
+        (
+            ("run", "stop", "--set", "motor.pole_pear=4"),
+            "motor.pole_pear: unknown key, did you mean pole_pairs?",
+        ),
+        (
+            ("run", "stop", "--set", "motor.pole_pairs=0"),
+            "motor.pole_pairs: 0 is not accepted, accepted: a whole number from 1 to 60",
+        ),
         (
             ("run", "stop", "--set", "plant.road.slope=9"),
             "hubsim: --set plant.road.slope: 9 is not accepted, accepted: a number from -1 to 1",
         ),
-        (("run", "stop", "--set", "cycle=wltp"), "hubsim: cycle: no cycle 'wltp', accepted: ece15, udds or a .csv file"),
-        (("run", "stop", "--json", "none/out.json"), "hubsim: none/out.json: no directory none to write to"),
-        (("run", "stop", *QUICK, "--csv", "out.csv", "--signals", "colour"), "hubsim: --signals colour: no such signal"),
-        (("sim", "--scenario", "stop"), "hubsim: sim: scenario stop has no cycle, accepted: one that has"),
+        (
+            ("run", "stop", "--set", "cycle=wltp"),
+            "hubsim: cycle: no cycle 'wltp', accepted: ece15, udds or a .csv file",
+        ),
+        (
+            ("run", "stop", "--json", "none/out.json"),
+            "hubsim: none/out.json: no directory none to write to",
+        ),
+        (
+            ("run", "stop", *QUICK, "--csv", "out.csv", "--signals", "colour"),
+            "hubsim: --signals colour: no such signal",
+        ),
+        (
+            ("sim", "--scenario", "stop"),
+            "hubsim: sim: scenario stop has no cycle, accepted: one that has",
+        ),
     ],
 )
 def test_a_mistake_gets_one_line_and_leaves_nothing_behind(
@@ -102,17 +170,37 @@ def test_a_mistake_gets_one_line_and_leaves_nothing_behind(
 
 @pytest.mark.parametrize(
     "arguments",
-    [(), ("fly",), ("run",), ("run", "stop", "--strategy", "best"), ("run", "stop", "--colour"), ("run", "stop", "extra")],
+    [
+        (),
+        ("fly",),
+        ("run",),
+        ("run", "stop", "--strategy", "best"),
+        ("run", "stop", "--colour"),
+        ("run", "stop", "extra"),
+    ],
 )
-def test_a_wrong_call_gets_one_line_and_its_own_exit_status(hubsim: Hubsim, arguments: tuple[str, ...]) -> None:
+def test_a_wrong_call_gets_one_line_and_its_own_exit_status(
+    hubsim: Hubsim, arguments: tuple[str, ...]
+) -> None:
     done = hubsim(*arguments)
     assert done.returncode == 2
     assert done.stderr.startswith("hubsim")
     assert done.stderr.count("\n") == 1
 
 
-def test_a_drive_the_firmware_refuses_is_reported_with_the_field(hubsim: Hubsim, tmp_path: Path) -> None:
-    done = hubsim("run", "stop", "--set", "motor.d_inductance_h=2.0", "--set", "motor.q_inductance_h=2.0", "--json", "out.json")
+def test_a_drive_the_firmware_refuses_is_reported_with_the_field(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
+    done = hubsim(
+        "run",
+        "stop",
+        "--set",
+        "motor.d_inductance_h=2.0",
+        "--set",
+        "motor.q_inductance_h=2.0",
+        "--json",
+        "out.json",
+    )
     assert done.returncode == 1
     assert "inductance" in done.stderr
     assert done.stderr.count("\n") == 1
@@ -120,10 +208,14 @@ def test_a_drive_the_firmware_refuses_is_reported_with_the_field(hubsim: Hubsim,
 
 
 def test_a_vehicle_that_does_not_come_to_rest_is_reported(hubsim: Hubsim, tmp_path: Path) -> None:
-    done = hubsim("run", "stop", "--set", "demand_nm=0", "--set", "max_duration_s=0.5", "--json", "out.json")
+    done = hubsim(
+        "run", "stop", "--set", "demand_nm=0", "--set", "max_duration_s=0.5", "--json", "out.json"
+    )
     assert done.returncode == 0
     assert "still moving after 0.5 s" in done.stderr
-    assert json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["stop_distance_m"] is None
+    assert (
+        json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["stop_distance_m"] is None
+    )
 
 
 CRITERIA = """
@@ -144,19 +236,26 @@ must_not_appear = ["ANY_FAULT"]
 """
 
 
-def test_criteria_are_evaluated_printed_and_decide_the_exit_status(hubsim: Hubsim, tmp_path: Path) -> None:
+def test_criteria_are_evaluated_printed_and_decide_the_exit_status(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
     (tmp_path / "mine.toml").write_text(CRITERIA, encoding="utf-8")
     met = hubsim("run", "mine.toml", "--json", "met.json")
     assert met.returncode == 0, met.stderr
     assert "mine: 3 of 3 criteria met" in met.stdout
     assert "hubsim: warning: mine: event late at 90 s never came" in met.stderr
-    missed = hubsim("run", "mine.toml", "--set", "criteria.short.at_most=2.0", "--json", "missed.json")
+    missed = hubsim(
+        "run", "mine.toml", "--set", "criteria.short.at_most=2.0", "--json", "missed.json"
+    )
     assert missed.returncode == 1
     assert missed.stderr.splitlines()[-1] == "hubsim: mine: 1 of 3 criteria not met: short"
     line = next(line for line in missed.stdout.splitlines() if line.strip().startswith("short"))
     found = json.loads((tmp_path / "missed.json").read_text(encoding="utf-8"))
     assert line.split() == ["short", f"{found['criteria'][0]['value']:.5g}", "2", "m", "FAIL"]
-    assert (found["passed"], json.loads((tmp_path / "met.json").read_text(encoding="utf-8"))["passed"]) == (False, True)
+    assert (
+        found["passed"],
+        json.loads((tmp_path / "met.json").read_text(encoding="utf-8"))["passed"],
+    ) == (False, True)
     assert found["criteria"][0]["text"] == "short enough"
 
 
@@ -168,12 +267,17 @@ def test_without_criteria_nothing_is_judged(hubsim: Hubsim, tmp_path: Path) -> N
     assert "criteria" not in json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
 
 
-def test_a_criterion_about_nothing_is_refused_with_file_and_key(hubsim: Hubsim, tmp_path: Path) -> None:
+def test_a_criterion_about_nothing_is_refused_with_file_and_key(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(CRITERIA.replace("run.distance_m", "run.distanse_m"), encoding="utf-8")
     done = hubsim("run", "mine.toml", "--json", "out.json")
     assert done.returncode == 1
-    assert done.stderr == "hubsim: mine.toml: criteria.short.value: no quantity 'run.distanse_m', did you mean run.distance_m?\n"
+    assert (
+        done.stderr
+        == "hubsim: mine.toml: criteria.short.value: no quantity 'run.distanse_m', did you mean run.distance_m?\n"
+    )
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -189,5 +293,14 @@ def test_the_examples_of_the_help_are_calls_that_the_command_takes(hubsim: Hubsi
 
 def test_list_explains_events_and_criteria(hubsim: Hubsim) -> None:
     text = hubsim("list", "--criteria").stdout
-    for word in ("at_s", "inject", "can_silence", "settles_to", "must_not_appear", "integral", "LOSS_OPTIMUM", "ANY_FAULT"):
+    for word in (
+        "at_s",
+        "inject",
+        "can_silence",
+        "settles_to",
+        "must_not_appear",
+        "integral",
+        "LOSS_OPTIMUM",
+        "ANY_FAULT",
+    ):
         assert word in text

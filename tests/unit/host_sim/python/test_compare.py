@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import json
 import math
 import subprocess
@@ -20,14 +21,18 @@ def side(**signals: np.ndarray) -> Side:
 
 
 def test_signals_are_compared_instant_by_instant() -> None:
-    (found,) = difference.compare(side(x=np.array([0.0, 1.0, 2.0, 3.0])), side(x=np.array([0.0, 1.5, 2.0, 3.0])), Tolerance())
+    (found,) = difference.compare(
+        side(x=np.array([0.0, 1.0, 2.0, 3.0])), side(x=np.array([0.0, 1.5, 2.0, 3.0])), Tolerance()
+    )
     assert (found.largest, found.at_s, found.within) == (0.5, 1.0, False)
     assert found.rms == pytest.approx(0.25)
     assert (found.first, found.second) == (1.5, 1.625)
 
 
 def test_another_grid_of_times_is_met_along_straight_lines() -> None:
-    finer = Side("finer", {}, {"time_s": np.linspace(0.5, 2.5, 21), "x": 2.0 * np.linspace(0.5, 2.5, 21)})
+    finer = Side(
+        "finer", {}, {"time_s": np.linspace(0.5, 2.5, 21), "x": 2.0 * np.linspace(0.5, 2.5, 21)}
+    )
     (found,) = difference.compare(side(x=2.0 * TIME), finer, Tolerance(absolute=1e-12))
     assert found.within
     assert found.first == pytest.approx(3.0)  # of the instants 1 s and 2 s, which both have
@@ -46,13 +51,21 @@ def test_tolerances_are_absolute_and_of_the_peak(tolerance: Tolerance, within: b
 
 
 def test_what_is_nowhere_a_number_in_one_of_them_only_differs() -> None:
-    holed, whole = side(x=np.array([0.0, math.nan, 2.0, 3.0])), side(x=np.array([0.0, 1.0, 2.0, 3.0]))
+    holed, whole = (
+        side(x=np.array([0.0, math.nan, 2.0, 3.0])),
+        side(x=np.array([0.0, 1.0, 2.0, 3.0])),
+    )
     assert not difference.compare(holed, whole, Tolerance(absolute=1e9))[0].within
     assert difference.compare(holed, holed, Tolerance())[0].within
 
 
 def test_recordings_of_the_same_run_agree_whatever_they_are_written_as(hubsim: Hubsim) -> None:
-    assert hubsim("run", "stop", *QUICK, "--csv", "a.csv", "--parquet", "a.parquet", "--json", "a.json").returncode == 0
+    assert (
+        hubsim(
+            "run", "stop", *QUICK, "--csv", "a.csv", "--parquet", "a.parquet", "--json", "a.json"
+        ).returncode
+        == 0
+    )
     done = hubsim("compare", "a.csv", "a.parquet", "--relative", "1e-8")  # nine digits in a CSV
     assert done.returncode == 0, done.stdout
     assert done.stdout.endswith("figures and signals within the tolerances\n")
@@ -64,13 +77,24 @@ def test_two_runs_are_done_and_compared(hubsim: Hubsim, tmp_path: Path) -> None:
     same = hubsim("compare", "stop", "stop", *QUICK)
     assert same.returncode == 0, same.stdout
     other = hubsim(
-        "compare", "stop", "stop", *QUICK, "--set-b", "plant.motor.phase_resistance_ohm=0.062", "--relative", "0.03", "--json", "d.json"
+        "compare",
+        "stop",
+        "stop",
+        *QUICK,
+        "--set-b",
+        "plant.motor.phase_resistance_ohm=0.062",
+        "--relative",
+        "0.03",
+        "--json",
+        "d.json",
     )
     assert other.returncode == 1
     assert "DIFFERS" in other.stdout
     found = {d["name"]: d for d in json.loads((tmp_path / "d.json").read_text(encoding="utf-8"))}
     copper = found["energy_j.copper"]
-    assert copper["second"] / copper["first"] == pytest.approx(2.0, rel=0.03)  # the same currents through twice the resistance
+    assert copper["second"] / copper["first"] == pytest.approx(
+        2.0, rel=0.03
+    )  # the same currents through twice the resistance
     assert not copper["within"]
     assert found["distance_m"]["within"]
     chosen = hubsim("compare", "stop", "stop", *QUICK, "--set-b", "plant.motor.phase_resistance_ohm=0.062", "--relative", "0.03", "--only",
@@ -90,7 +114,9 @@ def test_two_runs_are_done_and_compared(hubsim: Hubsim, tmp_path: Path) -> None:
         ("a.parquet", "no table", "a.parquet: no parquet file of a run"),
     ],
 )
-def test_what_is_no_result_gets_one_line(tmp_path: Path, name: str, text: str, message: str) -> None:
+def test_what_is_no_result_gets_one_line(
+    tmp_path: Path, name: str, text: str, message: str
+) -> None:
     (tmp_path / name).write_text(text, encoding="utf-8")
     with pytest.raises(HubsimError) as caught:
         difference.read(tmp_path / name)
@@ -107,4 +133,7 @@ def test_recordings_without_a_time_in_common_are_refused() -> None:
 def test_a_mistake_of_the_call_gets_one_line(hubsim: Hubsim) -> None:
     assert "none.csv: file not found" in hubsim("compare", "none.csv", "stop").stderr
     refused = hubsim("compare", "stop", "stop", "--relative", "-1")
-    assert (refused.returncode, refused.stderr) == (1, "hubsim: --relative -1.0: accepted: a number from 0\n")
+    assert (refused.returncode, refused.stderr) == (
+        1,
+        "hubsim: --relative -1.0: accepted: a number from 0\n",
+    )

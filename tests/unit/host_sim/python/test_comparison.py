@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import json
 from pathlib import Path
 
@@ -8,12 +9,23 @@ from regen_table import schema
 from regen_table.schema import Drive
 from rich.progress import Progress
 
-ENERGIES = {"traction", "braking_at_wheels", "battery_returned", "hydraulic", "copper", "iron", "inverter", "battery"}
+ENERGIES = {
+    "traction",
+    "braking_at_wheels",
+    "battery_returned",
+    "hydraulic",
+    "copper",
+    "iron",
+    "inverter",
+    "battery",
+}
 
 
 @pytest.fixture
 def hop(tmp_path: Path) -> Path:
-    (tmp_path / "hop.csv").write_text("time_s,speed_km_h\n0,0\n5,20\n9,20\n14,0\n15,0\n", encoding="utf-8")
+    (tmp_path / "hop.csv").write_text(
+        "time_s,speed_km_h\n0,0\n5,20\n9,20\n14,0\n15,0\n", encoding="utf-8"
+    )
     (tmp_path / "hop.toml").write_text('cycle = "hop.csv"\n', encoding="utf-8")
     return tmp_path / "hop.toml"
 
@@ -27,30 +39,50 @@ def drives(drive: Drive) -> list[Drive]:
     return out
 
 
-def test_page_and_summary_are_written_and_the_summary_has_the_agreed_shape(drive: Drive, hop: Path, tmp_path: Path) -> None:
+def test_page_and_summary_are_written_and_the_summary_has_the_agreed_shape(
+    drive: Drive, hop: Path, tmp_path: Path
+) -> None:
     name, loaded, beside = scenario.load(str(hop), {})
     output = tmp_path / "report"
     comparison.check_output(output)
-    results = comparison.simulate_all(name, drives(drive), loaded, beside, {}, Progress(disable=True))
+    results = comparison.simulate_all(
+        name, drives(drive), loaded, beside, {}, Progress(disable=True)
+    )
     comparison.write(results, output)
     assert sorted(path.name for path in output.iterdir()) == ["index.html", "summary.json"]
     summary = json.loads((output / "summary.json").read_text(encoding="utf-8"))
     assert set(summary) == {"runs", "realtime_factor"}
     assert summary["realtime_factor"] > 0.0
-    assert [r["strategy"] for r in summary["runs"]] == ["parallel_ratio", "parallel_free_travel", "series_optimal"]
+    assert [r["strategy"] for r in summary["runs"]] == [
+        "parallel_ratio",
+        "parallel_free_travel",
+        "series_optimal",
+    ]
     for r in summary["runs"]:
-        assert set(r) == {"cycle", "strategy", "energy_j", "residual_relative", "braking_share_stored"}
+        assert set(r) == {
+            "cycle",
+            "strategy",
+            "energy_j",
+            "residual_relative",
+            "braking_share_stored",
+        }
         assert set(r["energy_j"]) == ENERGIES
         assert r["cycle"] == "hop"
-        assert r["braking_share_stored"] == pytest.approx(r["energy_j"]["battery_returned"] / r["energy_j"]["braking_at_wheels"])
+        assert r["braking_share_stored"] == pytest.approx(
+            r["energy_j"]["battery_returned"] / r["energy_j"]["braking_at_wheels"]
+        )
         assert r["residual_relative"] < 1e-4
 
 
 def test_runs_side_by_side_are_the_runs_alone(drive: Drive, hop: Path) -> None:
     name, loaded, beside = scenario.load(str(hop), {})
-    together = comparison.simulate_all(name, drives(drive), loaded, beside, {}, Progress(disable=True))
+    together = comparison.simulate_all(
+        name, drives(drive), loaded, beside, {}, Progress(disable=True)
+    )
     for one, result in zip(drives(drive), together, strict=True):
-        alone = run.simulate(name, one, comparison.recorded(loaded, beside), beside, comparison.SIGNALS)
+        alone = run.simulate(
+            name, one, comparison.recorded(loaded, beside), beside, comparison.SIGNALS
+        )
         assert alone.rows.tobytes() == result.rows.tobytes()
         assert alone.account_j == result.account_j
 
@@ -66,13 +98,17 @@ def test_the_page_gets_at_most_as_many_points_as_it_can_show(drive: Drive) -> No
 
 def test_the_table_relates_the_strategies_to_the_series_optimum(drive: Drive, hop: Path) -> None:
     name, loaded, beside = scenario.load(str(hop), {})
-    results = comparison.simulate_all(name, drives(drive), loaded, beside, {}, Progress(disable=True))
+    results = comparison.simulate_all(
+        name, drives(drive), loaded, beside, {}, Progress(disable=True)
+    )
     table = outputs.energy_table(results)
     headings = [str(column.header) for column in table.columns]
     assert headings == ["", *run.STRATEGIES]
     first_column = list(table.columns[0].cells)
     assert "share of braking work stored" in first_column
-    assert list(table.columns[3].cells)[first_column.index("share of the series optimum")] == "100.0 %"
+    assert (
+        list(table.columns[3].cells)[first_column.index("share of the series optimum")] == "100.0 %"
+    )
 
 
 def test_a_place_that_cannot_be_written_is_refused_before_any_work(tmp_path: Path) -> None:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import itertools
 from pathlib import Path
 
@@ -15,9 +16,14 @@ def seconds_by_slope(cycle: cycles.Cycle) -> dict[str, float]:
 
 
 def test_ece15_has_the_breakdown_by_phases_that_the_regulation_states() -> None:
-    # Idling 60 s, accelerations 36 s, steady speed 57 s, decelerations 25 + 9 s (clutch), gear changes 8 s; of the latter
-    # 6 s lie at level speed and 2 s in the last deceleration.
-    assert seconds_by_slope(cycles.load("ece15")) == {"stand": 60.0, "up": 36.0, "level": 57.0 + 6.0, "down": 25.0 + 9.0 + 2.0}
+    # Idling 60 s, accelerations 36 s, steady speed 57 s, decelerations 25 + 9 s (clutch), gear
+    # changes 8 s; of the latter 6 s lie at level speed and 2 s in the last deceleration.
+    assert seconds_by_slope(cycles.load("ece15")) == {
+        "stand": 60.0,
+        "up": 36.0,
+        "level": 57.0 + 6.0,
+        "down": 25.0 + 9.0 + 2.0,
+    }
 
 
 def test_ece15_is_as_long_as_the_regulation_says() -> None:
@@ -51,7 +57,9 @@ def test_a_cycle_that_ends_moving_is_joined_without_a_jump_in_time() -> None:
 
 
 def test_a_file_beside_the_scenario_is_found(tmp_path: Path) -> None:
-    (tmp_path / "mine.csv").write_text("# made up\ntime_s,speed_km_h\n0,0\n5,10\n", encoding="utf-8")
+    (tmp_path / "mine.csv").write_text(
+        "# made up\ntime_s,speed_km_h\n0,0\n5,10\n", encoding="utf-8"
+    )
     assert cycles.load("mine.csv", tmp_path).distance_m == pytest.approx(5 * 5 / 3.6)
 
 
@@ -59,17 +67,31 @@ def test_a_file_beside_the_scenario_is_found(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("time,speed\n0,0\n1,1\n", ":1: header 'time,speed', accepted: time_s,speed_km_h"),
-        ("time_s,speed_km_h\n0,0\n2,1\n2,2\n", ":4: time_s 2, accepted: 0 in the first line, then rising"),
-        ("time_s,speed_km_h\n1,0\n2,1\n", ":2: time_s 1, accepted: 0 in the first line, then rising"),
-        ("time_s,speed_km_h\n0,0\n1,fast\n", ":3: '1,fast', accepted: two numbers, time_s and speed_km_h"),
-        ("time_s,speed_km_h\n0,0\n1,2,3\n", ":3: '1,2,3', accepted: two numbers, time_s and speed_km_h"),
+        (
+            "time_s,speed_km_h\n0,0\n2,1\n2,2\n",
+            ":4: time_s 2, accepted: 0 in the first line, then rising",
+        ),
+        (
+            "time_s,speed_km_h\n1,0\n2,1\n",
+            ":2: time_s 1, accepted: 0 in the first line, then rising",
+        ),
+        (
+            "time_s,speed_km_h\n0,0\n1,fast\n",
+            ":3: '1,fast', accepted: two numbers, time_s and speed_km_h",
+        ),
+        (
+            "time_s,speed_km_h\n0,0\n1,2,3\n",
+            ":3: '1,2,3', accepted: two numbers, time_s and speed_km_h",
+        ),
         ("time_s,speed_km_h\n0,0\n1,-3\n", ":3: speed_km_h -3 at 1 s, accepted: 0 to 400 km/h"),
         ("time_s,speed_km_h\n0,0\n1,nan\n", ":3: speed_km_h nan at 1 s, accepted: 0 to 400 km/h"),
         ("time_s,speed_km_h\n0,0\n", ": 1 points, accepted: at least two"),
         ("", ": 0 points, accepted: at least two"),
     ],
 )
-def test_a_mistake_in_a_file_gets_one_line_with_its_place(tmp_path: Path, text: str, message: str) -> None:
+def test_a_mistake_in_a_file_gets_one_line_with_its_place(
+    tmp_path: Path, text: str, message: str
+) -> None:
     path = tmp_path / "bad.csv"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(HubsimError) as caught:
@@ -84,5 +106,7 @@ def test_what_is_no_text_or_not_there_gets_one_line(tmp_path: Path) -> None:
         cycles.read(binary)
     with pytest.raises(HubsimError, match="file not found"):
         cycles.load("none.csv", tmp_path)
-    with pytest.raises(HubsimError, match=r"no cycle 'wltp', accepted: ece15, udds or a \.csv file"):
+    with pytest.raises(
+        HubsimError, match=r"no cycle 'wltp', accepted: ece15, udds or a \.csv file"
+    ):
         cycles.load("wltp")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -8,12 +9,26 @@ from hubsim.engine import Engine, Rows, library_path
 from hubsim.errors import HubsimError
 from regen_table.schema import Drive
 
-SIGNALS = ["time_s", "vehicle.speed_m_per_s", "wheel0.current_q_a", "wheel3.motor_torque_nm", "battery.chemical_w"]
+SIGNALS = [
+    "time_s",
+    "vehicle.speed_m_per_s",
+    "wheel0.current_q_a",
+    "wheel3.motor_torque_nm",
+    "battery.chemical_w",
+]
 
 
 def vehicle(drive: Drive, **keys: object) -> Engine:
-    settings = {"initial_speed_kmh": 20.0, "demand_nm": 30.0, "stop_at_standstill": False, "max_duration_s": 10.0, **keys}
-    engine, _ = run.prepare(drive, scenario.load("stop", settings)[1], Path(), {"sensors.current_noise_a": 0.5})
+    settings = {
+        "initial_speed_kmh": 20.0,
+        "demand_nm": 30.0,
+        "stop_at_standstill": False,
+        "max_duration_s": 10.0,
+        **keys,
+    }
+    engine, _ = run.prepare(
+        drive, scenario.load("stop", settings)[1], Path(), {"sensors.current_noise_a": 0.5}
+    )
     engine.start()
     engine.choose(SIGNALS)
     return engine
@@ -83,7 +98,9 @@ def test_the_words_for_modes_and_reasons_are_the_firmwares(drive: Drive) -> None
         assert engine.reason_text(67) == "phase over-current"
 
 
-def test_an_engine_that_is_not_built_is_said_in_one_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_an_engine_that_is_not_built_is_said_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.setenv("HUBFOC_BUILD_DIR", str(tmp_path))
     with pytest.raises(HubsimError, match="the simulation engine is not built"):
         library_path()

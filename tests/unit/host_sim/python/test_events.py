@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Events and pedal traces against a vehicle that only notes what is set, and against the real one."""
 
 import math
@@ -28,7 +29,9 @@ class Notebook:
         self.notes.append((self.now_s, name, value))
 
 
-def played(timeline: Timeline, notebook: Notebook, until_s: float) -> list[tuple[float, str, float]]:
+def played(
+    timeline: Timeline, notebook: Notebook, until_s: float
+) -> list[tuple[float, str, float]]:
     while notebook.now_s < until_s:
         timeline.apply(cast(Engine, notebook), notebook.now_s)
         following = timeline.next_s(notebook.now_s)
@@ -43,7 +46,9 @@ def test_a_step_happens_once_at_its_time() -> None:
 
 
 def test_a_ramp_leads_from_wherever_the_parameter_is() -> None:
-    timeline = Timeline({"more": Event(at_s=1.0, over_s=0.01, set={"driver.brake_demand_nm": 60.0})}, {})
+    timeline = Timeline(
+        {"more": Event(at_s=1.0, over_s=0.01, set={"driver.brake_demand_nm": 60.0})}, {}
+    )
     notes = played(timeline, Notebook(driver__brake_demand_nm=40.0), 2.0)
     times, values = np.array([t for t, _, _ in notes]), np.array([v for _, _, v in notes])
     assert values == pytest.approx(40.0 + 20.0 * (times - 1.0) / 0.01)
@@ -53,11 +58,20 @@ def test_a_ramp_leads_from_wherever_the_parameter_is() -> None:
 
 def test_what_has_an_end_is_as_it_was_before() -> None:
     timeline = Timeline({"abs": Event(at_s=1.0, until_s=1.5, inject="abs")}, {})
-    assert played(timeline, Notebook(driver__abs_active=0.25), 3.0) == [(1.0, "driver.abs_active", 1.0), (1.5, "driver.abs_active", 0.25)]
+    assert played(timeline, Notebook(driver__abs_active=0.25), 3.0) == [
+        (1.0, "driver.abs_active", 1.0),
+        (1.5, "driver.abs_active", 0.25),
+    ]
 
 
 def test_events_happen_in_the_order_of_their_times_however_they_are_written() -> None:
-    timeline = Timeline({"late": Event(at_s=2.0, set={"road.slope": 0.2}), "early": Event(at_s=1.0, set={"road.slope": 0.1})}, {})
+    timeline = Timeline(
+        {
+            "late": Event(at_s=2.0, set={"road.slope": 0.2}),
+            "early": Event(at_s=1.0, set={"road.slope": 0.1}),
+        },
+        {},
+    )
     assert [value for _, _, value in played(timeline, Notebook(), 3.0)] == [0.1, 0.2]
 
 
@@ -86,10 +100,16 @@ def test_every_injection_sets_parameters_that_there_are(name: str) -> None:
 
 def test_a_pedal_over_time_reaches_the_controllers_of_the_real_vehicle(drive: Drive) -> None:
     trace = [[0.0, 0.0], [0.1, 0.0], [0.3, 20.0], [0.5, 20.0]]
-    keys = {"demand_trace_nm": trace, "max_duration_s": 0.6, "stop_at_standstill": False, "record_interval_s": 0.001}
+    keys = {
+        "demand_trace_nm": trace,
+        "max_duration_s": 0.6,
+        "stop_at_standstill": False,
+        "record_interval_s": 0.001,
+    }
     name, chosen, beside = scenario.load("stop", keys)
     result = run.simulate(name, drive, chosen, beside, ["time_s", "driver.brake_nm"])
-    # The demand is set at a millisecond and recorded in its slow step: the same instant, one row later.
+    # The demand is set at a millisecond and recorded in its slow step: the same instant, one row
+    # later.
     expected = np.interp(result.signal("time_s") - 1e-3, *np.transpose(trace))
     assert result.signal("driver.brake_nm") == pytest.approx(expected, abs=1e-6)
 

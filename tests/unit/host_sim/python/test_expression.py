@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
 from hubsim import expression
@@ -61,10 +62,17 @@ def test_conditions_work_row_by_row() -> None:
 
 
 def test_the_names_a_formula_needs_are_known_before_it_is_worked_out() -> None:
-    assert expression.read("max(wheels.t) - part.y_nm / two + part.y_nm").names == ("wheels.t", "part.y_nm", "two")
+    assert expression.read("max(wheels.t) - part.y_nm / two + part.y_nm").names == (
+        "wheels.t",
+        "part.y_nm",
+        "two",
+    )
 
 
-@pytest.mark.parametrize("text", ["max(nothing)", "mean(nothing)", "final(nothing)", "at_min(x, nothing)", "integral(nothing)"])
+@pytest.mark.parametrize(
+    "text",
+    ["max(nothing)", "mean(nothing)", "final(nothing)", "at_min(x, nothing)", "integral(nothing)"],
+)
 def test_a_window_without_a_row_is_said_to_be_empty(text: str) -> None:
     with pytest.raises(NothingSeen):
         value(text)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The layout for PlotJuggler, held against what that program reads, and against what can be recorded."""
 
 import itertools
@@ -12,7 +13,10 @@ from hubsim.commands import listing
 
 @dataclass(frozen=True)
 class Element:
-    """What PlotJuggler 3 reads of an element: attributes and what they may be; children and how many of each there may be."""
+    """What PlotJuggler 3 reads of an element.
+
+    Attributes and what they may be; children and how many of each there may be.
+    """
 
     attributes: dict[str, str] = field(default_factory=dict)
     children: dict[str, tuple[int, int]] = field(default_factory=dict)
@@ -20,15 +24,26 @@ class Element:
 
 MANY = 1000
 NUMBER = r"[0-9]+(\.[0-9]+)?"
-# From PlotJuggler's own readers: MainWindow::loadLayoutFromFile, loadPluginState and xmlLoadState, TabbedPlotWidget::xmlLoadState,
-# PlotDocker::xmlLoadState and restoreSplitter, PlotWidget::xmlLoadState, DataLoadCSV and DataLoadParquet::xmlLoadState. They
-# pass over what they do not know, so that a misspelt name is a setting that is not made; only a check finds it.
+# From PlotJuggler's own readers: MainWindow::loadLayoutFromFile, loadPluginState and xmlLoadState,
+# TabbedPlotWidget::xmlLoadState, PlotDocker::xmlLoadState and restoreSplitter,
+# PlotWidget::xmlLoadState, DataLoadCSV and DataLoadParquet::xmlLoadState. They pass over what they
+# do not know, so that a misspelt name is a setting that is not made; only a check finds it.
 FORMAT = {
     "root": Element(
-        {}, {"tabbed_widget": (1, 1), "use_relative_time_offset": (1, 1), "Plugins": (1, 1), "previouslyLoaded_Datafiles": (0, 1)}
+        {},
+        {
+            "tabbed_widget": (1, 1),
+            "use_relative_time_offset": (1, 1),
+            "Plugins": (1, 1),
+            "previouslyLoaded_Datafiles": (0, 1),
+        },
     ),
-    # The one window that is always there; one of another name is not found, and the program ends with a broken pointer.
-    "tabbed_widget": Element({"name": "Main Window", "parent": "main_window"}, {"Tab": (1, MANY), "currentTabIndex": (1, 1)}),
+    # The one window that is always there; one of another name is not found, and the program ends
+    # with a broken pointer.
+    "tabbed_widget": Element(
+        {"name": "Main Window", "parent": "main_window"},
+        {"Tab": (1, MANY), "currentTabIndex": (1, 1)},
+    ),
     "Tab": Element({"tab_name": ".+", "containers": "1"}, {"Container": (1, 1)}),
     "Container": Element({}, {"DockSplitter": (1, 1)}),
     "DockSplitter": Element(
@@ -54,8 +69,18 @@ FORMAT = {
     "fileInfo": Element({"filename": ".+", "prefix": ".*"}, {"plugin": (1, 1)}),
 }
 PLUGINS = {
-    "DataLoad CSV": {"parameters": {"time_axis": "time_s", "delimiter": "0"}, "default": {"time_axis": "time_s", "delimiter": "0"}},
-    "DataLoad Parquet": {"default": {"prevTimestamp": "time_s", "radioIndexChecked": "0", "parseDateTime": "0", "dateFromat": ""}},
+    "DataLoad CSV": {
+        "parameters": {"time_axis": "time_s", "delimiter": "0"},
+        "default": {"time_axis": "time_s", "delimiter": "0"},
+    },
+    "DataLoad Parquet": {
+        "default": {
+            "prevTimestamp": "time_s",
+            "radioIndexChecked": "0",
+            "parseDateTime": "0",
+            "dateFromat": "",
+        }
+    },
 }  # "dateFromat" is how PlotJuggler spells it
 
 
@@ -88,8 +113,14 @@ def test_plotjuggler_knows_every_element_and_every_attribute(recording: str | No
     check(root)
     tabs = root.findall("tabbed_widget/Tab")
     assert int(root.find("tabbed_widget/currentTabIndex").attrib["index"]) < len(tabs)  # type: ignore[union-attr]
-    for splitter in root.iter("DockSplitter"):  # PlotJuggler reads as many sizes, and fills as many areas, as "count" says
-        assert int(splitter.attrib["count"]) == len(splitter) == splitter.attrib["sizes"].count(";") + 1
+    for splitter in root.iter(
+        "DockSplitter"
+    ):  # PlotJuggler reads as many sizes, and fills as many areas, as "count" says
+        assert (
+            int(splitter.attrib["count"])
+            == len(splitter)
+            == splitter.attrib["sizes"].count(";") + 1
+        )
         assert sum(map(float, splitter.attrib["sizes"].split(";"))) == pytest.approx(1.0, abs=1e-5)
 
 
@@ -111,7 +142,11 @@ def test_the_layout_is_made_of_the_signals_that_there_are() -> None:
     text = layout.layout(known)
     root = ET.fromstring(text)
     assert set(curves(text)) <= set(known)
-    assert [tab.attrib["tab_name"] for tab in root.iter("Tab")] == ["vehicle", "torques", *(f"wheel {k}" for k in range(4))]
+    assert [tab.attrib["tab_name"] for tab in root.iter("Tab")] == [
+        "vehicle",
+        "torques",
+        *(f"wheel {k}" for k in range(4)),
+    ]
     for plot in root.iter("plot"):
         found = [curve.attrib for curve in plot.iter("curve")]
         assert len({curve["name"] for curve in found}) == len(found)
@@ -128,15 +163,25 @@ def test_a_layout_loads_the_recording_that_it_was_written_with() -> None:
 
 def test_no_telling_signal_falls_out_of_the_layout() -> None:
     shown = curves(layout.layout(listing.signal_names()))
-    for signal in ("driver.reference_m_per_s", "vehicle.speed_m_per_s", "battery.current_a", "bus.voltage_v", "wheel3.hydraulic_torque_nm",
-                   "wheel0.current_q_a", "wheel1.dc_w", "wheel2.winding_temperature_c", "wheel0.reason", "wheel0.mode"):  # fmt: skip
+    for signal in (
+        "driver.reference_m_per_s",
+        "vehicle.speed_m_per_s",
+        "battery.current_a",
+        "bus.voltage_v",
+        "wheel3.hydraulic_torque_nm",
+        "wheel0.current_q_a",
+        "wheel1.dc_w",
+        "wheel2.winding_temperature_c",
+        "wheel0.reason",
+        "wheel0.mode",
+    ):
         assert signal in shown
 
 
 def test_a_layout_leaves_out_what_was_not_recorded() -> None:
-    assert curves(layout.layout(["time_s", "vehicle.speed_m_per_s", "wheel10.mode", "wheel2.mode"])) == [
-        "vehicle.speed_m_per_s", "wheel2.mode", "wheel10.mode"
-    ]  # fmt: skip
+    assert curves(
+        layout.layout(["time_s", "vehicle.speed_m_per_s", "wheel10.mode", "wheel2.mode"])
+    ) == ["vehicle.speed_m_per_s", "wheel2.mode", "wheel10.mode"]
 
 
 def test_the_layout_in_the_package_is_up_to_date() -> None:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import pytest
 from hubsim import overrides
 from hubsim.cli import DEFAULT_CONFIG
@@ -7,7 +8,13 @@ from regen_table.errors import ConfigurationError
 
 def test_a_key_goes_to_the_one_it_belongs_to() -> None:
     found = overrides.parse(
-        ["demand_nm=60", "battery.initial_soc=0.5", "plant.motor.phase_resistance_ohm=0.04", "drag=false", "cycle=mine.csv"]
+        [
+            "demand_nm=60",
+            "battery.initial_soc=0.5",
+            "plant.motor.phase_resistance_ohm=0.04",
+            "drag=false",
+            "cycle=mine.csv",
+        ]
     )
     assert found.scenario == {"demand_nm": 60, "drag": False, "cycle": "mine.csv"}
     assert found.drive == {("battery", "initial_soc"): 0.5}
@@ -20,7 +27,9 @@ def test_the_last_setting_of_a_key_counts() -> None:
 
 def test_a_setting_of_the_drive_changes_the_drive_and_nothing_else() -> None:
     plain = overrides.load_drive(DEFAULT_CONFIG, overrides.Overrides())
-    changed = overrides.load_drive(DEFAULT_CONFIG, overrides.parse(["motor.phase_resistance_ohm=0.04"]))
+    changed = overrides.load_drive(
+        DEFAULT_CONFIG, overrides.parse(["motor.phase_resistance_ohm=0.04"])
+    )
     assert changed.motor.phase_resistance_ohm == 0.04
     assert changed.name == plain.name
     assert changed.battery == plain.battery
@@ -31,9 +40,18 @@ def test_a_setting_of_the_drive_changes_the_drive_and_nothing_else() -> None:
     [
         ("demand_nm", "--set 'demand_nm': accepted: key=value"),
         ("=3", "--set '=3': accepted: key=value"),
-        ("plant.motor.pole_pear=3", "--set plant.motor.pole_pear: unknown key, did you mean plant.motor.pole_pairs?"),
-        ("plant.road.slope=7", "--set plant.road.slope: 7 is not accepted, accepted: a number from -1 to 1"),
-        ("plant.road.slope=steep", "--set plant.road.slope: 'steep' is not accepted, accepted: a number from -1 to 1"),
+        (
+            "plant.motor.pole_pear=3",
+            "--set plant.motor.pole_pear: unknown key, did you mean plant.motor.pole_pairs?",
+        ),
+        (
+            "plant.road.slope=7",
+            "--set plant.road.slope: 7 is not accepted, accepted: a number from -1 to 1",
+        ),
+        (
+            "plant.road.slope=steep",
+            "--set plant.road.slope: 'steep' is not accepted, accepted: a number from -1 to 1",
+        ),
     ],
 )
 def test_a_wrong_setting_gets_one_line(setting: str, message: str) -> None:
@@ -43,7 +61,9 @@ def test_a_wrong_setting_gets_one_line(setting: str, message: str) -> None:
 
 
 def test_a_wrong_key_or_value_of_the_drive_is_refused_by_the_drives_own_schema() -> None:
-    with pytest.raises(ConfigurationError, match=r"motor\.pole_pear: unknown key, did you mean pole_pairs\?"):
+    with pytest.raises(
+        ConfigurationError, match=r"motor\.pole_pear: unknown key, did you mean pole_pairs\?"
+    ):
         overrides.load_drive(DEFAULT_CONFIG, overrides.parse(["motor.pole_pear=3"]))
     with pytest.raises(ConfigurationError, match=r"motor\.pole_pairs: 0 is not accepted"):
         overrides.load_drive(DEFAULT_CONFIG, overrides.parse(["motor.pole_pairs=0"]))

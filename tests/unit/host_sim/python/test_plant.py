@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 from hubsim import engine, plant
 from regen_table.schema import Drive
 
@@ -14,7 +15,9 @@ OF_THE_RUN = (
 
 def test_a_drive_decides_every_parameter_that_a_run_does_not(drive: Drive) -> None:
     decided = set(plant.parameters(drive))
-    known = {name for name in engine.parameters() if not name.startswith((*OF_THE_RUN, *plant.EVENTS))}
+    known = {
+        name for name in engine.parameters() if not name.startswith((*OF_THE_RUN, *plant.EVENTS))
+    }
     assert decided == known
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The README's commands do what it says, in its order, in an empty directory."""
 
 import shlex
@@ -23,7 +24,11 @@ def block(name: str) -> str:
 
 def commands() -> list[list[str]]:
     """Return the arguments of every command; what stands behind three spaces is explanation."""
-    lines = [line.removeprefix(COMMAND) for line in README.read_text(encoding="utf-8").splitlines() if line.startswith(COMMAND)]
+    lines = [
+        line.removeprefix(COMMAND)
+        for line in README.read_text(encoding="utf-8").splitlines()
+        if line.startswith(COMMAND)
+    ]
     return [shlex.split(line.partition("   ")[0]) for line in lines]
 
 
@@ -31,13 +36,33 @@ def test_every_command_of_the_readme_works(tmp_path: Path) -> None:
     (tmp_path / "my_scenario.toml").write_text(block("my_scenario.toml"), encoding="utf-8")
     (tmp_path / "tools").symlink_to(ROOT / "tools")
     found = commands()
-    assert {arguments[0] for arguments in found} == {"list", "run", "compare", "sweep", "sim", "report"}
+    assert {arguments[0] for arguments in found} == {
+        "list",
+        "run",
+        "compare",
+        "sweep",
+        "sim",
+        "report",
+    }
     for arguments in found:
         done = subprocess.run(
-            [sys.executable, "-m", "hubsim", *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=280, check=False
+            [sys.executable, "-m", "hubsim", *arguments],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=280,
+            check=False,
         )
         assert done.returncode == 0, f"{arguments}\n{done.stdout}\n{done.stderr}"
-    for name in ("stop.json", "ece15.csv", "contactor.xml", "my.mf4", "my.parquet", "report/index.html", "page.html"):
+    for name in (
+        "stop.json",
+        "ece15.csv",
+        "contactor.xml",
+        "my.mf4",
+        "my.parquet",
+        "report/index.html",
+        "page.html",
+    ):
         assert (tmp_path / name).is_file(), name
     assert pq.read_table(tmp_path / "grid.parquet").num_rows == 8
     assert pq.read_table(tmp_path / "draws.parquet").num_rows == 8

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Recordings read back by other people's libraries: the same numbers, with their units."""
 
 import subprocess
@@ -16,7 +17,12 @@ from hubsim.results import RunResult
 from regen_table.schema import Drive
 
 Hubsim = Callable[..., subprocess.CompletedProcess[str]]
-UNITS = {"vehicle.speed_m_per_s": "m/s", "wheel0.motor_torque_nm": "N.m", "battery.voltage_v": "V", "wheel2.winding_temperature_c": "degC"}
+UNITS = {
+    "vehicle.speed_m_per_s": "m/s",
+    "wheel0.motor_torque_nm": "N.m",
+    "battery.voltage_v": "V",
+    "wheel2.winding_temperature_c": "degC",
+}
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +55,9 @@ def test_parquet_has_every_bit_and_every_unit(result: RunResult, tmp_path: Path)
     assert table.schema.metadata[b"scenario"] == b"stop"
 
 
-def test_mdf4_has_every_bit_and_every_unit_on_one_time_axis(result: RunResult, tmp_path: Path) -> None:
+def test_mdf4_has_every_bit_and_every_unit_on_one_time_axis(
+    result: RunResult, tmp_path: Path
+) -> None:
     recordings.write_mdf(result, tmp_path / "a.mf4")
     with MDF(tmp_path / "a.mf4") as file:
         assert file.version.startswith("4")
@@ -62,7 +70,9 @@ def test_mdf4_has_every_bit_and_every_unit_on_one_time_axis(result: RunResult, t
 
 
 def test_a_measurement_without_time_is_refused(result: RunResult, tmp_path: Path) -> None:
-    with pytest.raises(HubsimError, match=r"the signals do not include time_s, accepted: --signals with time_s"):
+    with pytest.raises(
+        HubsimError, match=r"the signals do not include time_s, accepted: --signals with time_s"
+    ):
         recordings.write_mdf(result.only(["vehicle.speed_m_per_s"]), tmp_path / "a.mf4")
     assert list(tmp_path.iterdir()) == []
 
@@ -79,8 +89,19 @@ def test_the_same_run_writes_the_same_bytes_at_any_hour(
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
-def test_the_same_seed_gives_the_same_recordings_and_another_one_does_not(hubsim: Hubsim, tmp_path: Path) -> None:
-    noisy = ("run", "stop", "--set", "initial_speed_kmh=3", "--set", "plant.sensors.current_noise_a=0.2", "--signals", "time_s,*_a")
+def test_the_same_seed_gives_the_same_recordings_and_another_one_does_not(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
+    noisy = (
+        "run",
+        "stop",
+        "--set",
+        "initial_speed_kmh=3",
+        "--set",
+        "plant.sensors.current_noise_a=0.2",
+        "--signals",
+        "time_s,*_a",
+    )
     for name, seed in (("a", 3), ("b", 3), ("c", 4)):
         recorded = ("--csv", f"{name}.csv", "--parquet", f"{name}.parquet", "--mdf", f"{name}.mf4")
         done = hubsim(*noisy, "--set", f"seed={seed}", *recorded)
@@ -108,4 +129,7 @@ def test_all_recordings_of_one_call_hold_the_same_signals(hubsim: Hubsim, tmp_pa
 
 def test_signals_without_a_recording_are_a_mistake(hubsim: Hubsim) -> None:
     done = hubsim("run", "stop", "--signals", "vehicle.*")
-    assert (done.returncode, done.stderr) == (1, "hubsim: --signals: accepted: with --csv or --parquet or --mdf or --layout\n")
+    assert (done.returncode, done.stderr) == (
+        1,
+        "hubsim: --signals: accepted: with --csv or --parquet or --mdf or --layout\n",
+    )

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Whole runs through the package, against figures that do not come from the simulation."""
 
 import dataclasses
@@ -13,7 +14,13 @@ from hubsim.results import realtime_factor as run_together
 from regen_table import models, optimum, schema
 from regen_table.schema import Drive
 
-SIGNALS = ("time_s", "driver.reference_m_per_s", "vehicle.speed_m_per_s", "battery.chemical_w", "wheel0.copper_w")
+SIGNALS = (
+    "time_s",
+    "driver.reference_m_per_s",
+    "vehicle.speed_m_per_s",
+    "battery.chemical_w",
+    "wheel0.copper_w",
+)
 POWER_DENSITY_OF_AIR = 1.204
 
 
@@ -28,12 +35,16 @@ def simulate(drive: Drive, name: str, strategy: str, **keys: object) -> RunResul
     return run.simulate(found, with_strategy(drive, strategy), loaded, beside, SIGNALS)
 
 
-def ideal_share(drive: Drive, cycle: cycles.Cycle, scale: float, strategy: str, battery_ohm: float) -> float:
+def ideal_share(
+    drive: Drive, cycle: cycles.Cycle, scale: float, strategy: str, battery_ohm: float
+) -> float:
     """Share of braking work stored on a cycle that is followed exactly, by the steady-state loss equations at 25 degC."""
     dt = 0.01
     t = np.arange(0.0, cycle.duration_s, dt) + dt / 2.0
     v = np.interp(t, cycle.time_s, cycle.speed_kmh) * scale / 3.6
-    a = np.interp(t + dt / 2.0, cycle.time_s, cycle.speed_kmh) - np.interp(t - dt / 2.0, cycle.time_s, cycle.speed_kmh)
+    a = np.interp(t + dt / 2.0, cycle.time_s, cycle.speed_kmh) - np.interp(
+        t - dt / 2.0, cycle.time_s, cycle.speed_kmh
+    )
     a *= scale / 3.6 / dt
     vehicle = drive.vehicle
     drag = 0.5 * POWER_DENSITY_OF_AIR * vehicle.drag_coefficient * vehicle.frontal_area_m2 * v * v
@@ -48,29 +59,43 @@ def ideal_share(drive: Drive, cycle: cycles.Cycle, scale: float, strategy: str, 
         "parallel_free_travel": np.minimum(demand, drive.brake.electric_rated_torque_nm),
         "series_optimal": np.minimum(demand, best),
     }[strategy]
-    # Near standstill the motor hands over to the hydraulic brake; there, braking electrically would cost energy.
+    # Near standstill the motor hands over to the hydraulic brake; there, braking electrically would
+    # cost energy.
     rpm = v / vehicle.wheel_radius_m * 30.0 / np.pi
     control = drive.control
-    electric *= np.clip((rpm - control.handover_end_rpm) / (control.handover_start_rpm - control.handover_end_rpm), 0.0, 1.0)
-    current = optimum.current_at_zero_d_current(motor, omega, -np.minimum(electric, drive.motor.max_torque_nm))
+    electric *= np.clip(
+        (rpm - control.handover_end_rpm) / (control.handover_start_rpm - control.handover_end_rpm),
+        0.0,
+        1.0,
+    )
+    current = optimum.current_at_zero_d_current(
+        motor, omega, -np.minimum(electric, drive.motor.max_torque_nm)
+    )
     power = models.evaluate(motor, bridge, omega, 0.0, current).dc_power_w * vehicle.driven_wheels
-    chemical = models.battery_steady(models.open_circuit_voltage_v(drive), battery_ohm, power).chemical_power_w
+    chemical = models.battery_steady(
+        models.open_circuit_voltage_v(drive), battery_ohm, power
+    ).chemical_power_w
     work = demand * v / vehicle.wheel_radius_m * vehicle.driven_wheels
     return float(-np.sum(chemical[braking]) / np.sum(work[braking]))
 
 
 @pytest.mark.parametrize("strategy", run.STRATEGIES)
-def test_the_urban_cycle_is_followed_and_stores_what_the_steady_states_promise(drive: Drive, strategy: str) -> None:
+def test_the_urban_cycle_is_followed_and_stores_what_the_steady_states_promise(
+    drive: Drive, strategy: str
+) -> None:
     result = simulate(drive, "ece15", strategy)
     cycle = cycles.load("ece15")
-    error_kmh = (result.signal("vehicle.speed_m_per_s") - result.signal("driver.reference_m_per_s")) * 3.6
+    error_kmh = (
+        result.signal("vehicle.speed_m_per_s") - result.signal("driver.reference_m_per_s")
+    ) * 3.6
     assert np.max(np.abs(error_kmh)) < 2.0  # the regulation's tolerance
     assert result.duration_s == pytest.approx(195.0)
     assert result.distance_m == pytest.approx(0.75 * cycle.distance_m, rel=5e-3)
     assert result.residual_relative < 1e-4
     assert result.faults == []
-    # The battery's RC branch (30 s) takes no loss in a short braking and all of its steady loss in a long one: the share
-    # lies between those two. The driver looks ahead and rounds the corners of the trace, and brakes are late: 1 %.
+    # The battery's RC branch (30 s) takes no loss in a short braking and all of its steady loss in
+    # a long one: the share lies between those two. The driver looks ahead and rounds the corners of
+    # the trace, and brakes are late: 1 %.
     series_ohm = drive.battery.series_resistance_ohm
     steady_ohm = series_ohm + drive.battery.polarisation_resistance_ohm
     lowest = ideal_share(drive, cycle, 0.75, strategy, steady_ohm) - 0.01
@@ -80,7 +105,9 @@ def test_the_urban_cycle_is_followed_and_stores_what_the_steady_states_promise(d
 
 def test_five_minutes_of_udds_are_followed_without_a_fault(drive: Drive) -> None:
     result = simulate(drive, "udds", "series_optimal", max_duration_s=330.0)
-    error_kmh = (result.signal("vehicle.speed_m_per_s") - result.signal("driver.reference_m_per_s")) * 3.6
+    error_kmh = (
+        result.signal("vehicle.speed_m_per_s") - result.signal("driver.reference_m_per_s")
+    ) * 3.6
     assert np.sqrt(np.mean(error_kmh**2)) < 1.0
     assert result.faults == []
     assert result.residual_relative < 1e-4
@@ -91,7 +118,9 @@ def test_a_stop_gives_the_kinetic_energy_and_the_distance(drive: Drive) -> None:
     assert result.kinetic_energy_j == pytest.approx(0.5 * 660.0 * (40.0 / 3.6) ** 2, rel=1e-12)
     assert result.stopped is True
     deceleration = 4 * 60.0 / 0.25 / 660.0
-    assert result.distance_m == pytest.approx((40.0 / 3.6) ** 2 / (2.0 * deceleration), abs=0.15 * 40.0 / 3.6)
+    assert result.distance_m == pytest.approx(
+        (40.0 / 3.6) ** 2 / (2.0 * deceleration), abs=0.15 * 40.0 / 3.6
+    )
     assert result.braking_work_j == pytest.approx(result.kinetic_energy_j, rel=1e-4)
 
 
@@ -99,14 +128,28 @@ def test_the_energies_of_a_run_object_are_the_accounts(drive: Drive) -> None:
     result = simulate(drive, "stop", "parallel_ratio", demand_nm=50.0)
     energy = result.run_object["energy_j"]
     a = result.account_j
-    assert energy["inverter"] == pytest.approx(a["energy.conduction_j"] + a["energy.diode_j"] + a["energy.switching_j"])
+    assert energy["inverter"] == pytest.approx(
+        a["energy.conduction_j"] + a["energy.diode_j"] + a["energy.switching_j"]
+    )
     assert energy["traction"] - energy["battery_returned"] == pytest.approx(a["energy.chemical_j"])
     summary = result.summary
     under_way = {"battery": a["energy.polarisation_j"], "copper": a["energy.magnetic_j"]}
     for name in ("copper", "iron", "inverter", "battery", "hydraulic"):
         parts = summary["while_driving_j"][name] + summary["while_braking_j"][name]
         assert parts == pytest.approx(energy[name] + under_way.get(name, 0.0), abs=1e-9)
-    heat = sum(a[f"energy.{name}_j"] for name in ("copper", "iron", "conduction", "diode", "switching", "bearing", "hydraulic", "battery"))
+    heat = sum(
+        a[f"energy.{name}_j"]
+        for name in (
+            "copper",
+            "iron",
+            "conduction",
+            "diode",
+            "switching",
+            "bearing",
+            "hydraulic",
+            "battery",
+        )
+    )
     road = a["energy.drag_j"] + a["energy.rolling_j"]
     gained = a["energy.kinetic_j"] + a["energy.magnetic_j"] + a["energy.polarisation_j"]
     assert a["energy.chemical_j"] == pytest.approx(heat + road + gained, abs=0.1)
@@ -115,12 +158,17 @@ def test_the_energies_of_a_run_object_are_the_accounts(drive: Drive) -> None:
 def test_a_recorded_power_adds_up_to_the_account(drive: Drive) -> None:
     result = simulate(drive, "stop", "series_optimal", demand_nm=40.0, record_interval_s=0.01)
     to_the_last_row = float(np.sum(result.signal("battery.chemical_w")) * 0.01)
-    assert to_the_last_row == pytest.approx(result.account_j["energy.chemical_j"], abs=20.0)  # the last row to the end
+    assert to_the_last_row == pytest.approx(
+        result.account_j["energy.chemical_j"], abs=20.0
+    )  # the last row to the end
 
 
 def test_a_controller_that_gives_up_is_named_with_reason_and_time(drive: Drive) -> None:
-    name, loaded, beside = scenario.load("stop", {"demand_nm": 40.0, "max_duration_s": 1.0, "stop_at_standstill": False})
-    # An insulated winding of next to no heat capacity: too hot before the torque rate lets the current go.
+    name, loaded, beside = scenario.load(
+        "stop", {"demand_nm": 40.0, "max_duration_s": 1.0, "stop_at_standstill": False}
+    )
+    # An insulated winding of next to no heat capacity: too hot before the torque rate lets the
+    # current go.
     plant = {
         "thermal.active": 1.0,
         "thermal.winding_heat_capacity_j_per_k": 0.02,
@@ -148,7 +196,9 @@ def test_a_long_recording_is_thinned_out_for_the_report(drive: Drive) -> None:
 
 
 def test_a_cycle_beside_the_scenario_file_is_driven(drive: Drive, tmp_path: Path) -> None:
-    (tmp_path / "hop.csv").write_text("time_s,speed_km_h\n0,0\n1,0\n5,12\n8,12\n12,0\n14,0\n", encoding="utf-8")
+    (tmp_path / "hop.csv").write_text(
+        "time_s,speed_km_h\n0,0\n1,0\n5,12\n8,12\n12,0\n14,0\n", encoding="utf-8"
+    )
     (tmp_path / "hop.toml").write_text('cycle = "hop.csv"\n', encoding="utf-8")
     name, loaded, beside = scenario.load(str(tmp_path / "hop.toml"), {})
     result = run.simulate(name, drive, loaded, beside, SIGNALS)
@@ -157,7 +207,9 @@ def test_a_cycle_beside_the_scenario_file_is_driven(drive: Drive, tmp_path: Path
 
 
 @pytest.mark.parametrize("cpu_s", [0.0, 5e-324, 1e-300, -1e-6])
-def test_a_clock_that_has_not_moved_leaves_no_infinity_in_the_json(drive: Drive, cpu_s: float) -> None:
+def test_a_clock_that_has_not_moved_leaves_no_infinity_in_the_json(
+    drive: Drive, cpu_s: float
+) -> None:
     """A busy machine may run a thread so shortly that its processor time does not count."""
     honest = simulate(drive, "stop", "series_optimal", max_duration_s=0.1)
     result = dataclasses.replace(honest, cpu_s=cpu_s)
@@ -190,7 +242,9 @@ SHORTER = {
 
 
 @pytest.mark.parametrize("name", scenario.builtin_names())
-def test_energy_is_conserved_in_every_scenario_with_every_effect_on(drive: Drive, name: str) -> None:
+def test_energy_is_conserved_in_every_scenario_with_every_effect_on(
+    drive: Drive, name: str
+) -> None:
     _, loaded, beside = scenario.load(name, SHORTER.get(name, {}))
     changed = overrides.changed(drive, loaded.drive_changes, name)
     with_effects = run.simulate(name, changed, loaded, beside, (), EFFECTS)
@@ -218,5 +272,7 @@ def test_each_effect_is_switched_on_by_name(drive: Drive, effect: str) -> None:
         for more in ({}, {effect: EFFECTS[effect]})
     )
     assert not np.array_equal(off.rows, on.rows)
-    plain = run.simulate(name, drive, loaded, beside, ("wheel0.current_q_a", "vehicle.speed_m_per_s"))
+    plain = run.simulate(
+        name, drive, loaded, beside, ("wheel0.current_q_a", "vehicle.speed_m_per_s")
+    )
     assert np.array_equal(off.rows, plain.rows)

@@ -1,4 +1,8 @@
-"""Sweeps as a user makes them: the same table however it came about, and runs that are the runs of ``hubsim run``."""
+# SPDX-License-Identifier: Apache-2.0
+"""Sweeps as a user makes them.
+
+The same table however it came about, and runs that are the runs of ``hubsim run``.
+"""
 
 import json
 import signal
@@ -17,8 +21,16 @@ from hubsim.sweep import conduct, plan, store, work
 
 Hubsim = Callable[..., subprocess.CompletedProcess[str]]
 QUICK = ("--set", "initial_speed_kmh=5", "--set", "drag=false")
-JOB = work.Job("stop", DEFAULT_CONFIG, None, ("initial_speed_kmh=5", "drag=false"), (("peak_a", "max(-battery.current_a)"),))
-PLAN = plan.make(["demand_nm=20,40,60", "plant.motor.phase_resistance_ohm=normal(0.031,0.002)"], 3, 5)
+JOB = work.Job(
+    "stop",
+    DEFAULT_CONFIG,
+    None,
+    ("initial_speed_kmh=5", "drag=false"),
+    (("peak_a", "max(-battery.current_a)"),),
+)
+PLAN = plan.make(
+    ["demand_nm=20,40,60", "plant.motor.phase_resistance_ohm=normal(0.031,0.002)"], 3, 5
+)
 
 
 def fresh(directory: Path, name: str) -> store.Store:
@@ -26,14 +38,48 @@ def fresh(directory: Path, name: str) -> store.Store:
 
 
 def test_a_row_is_the_run_that_hubsim_run_makes(hubsim: Hubsim, tmp_path: Path) -> None:
-    done = hubsim("sweep", "stop", *QUICK, "--vary", "demand_nm=20,60", "--vary", "brake.strategy=series_optimal,parallel_ratio",
-                  "--collect", "peak_a=max(-battery.current_a)", "--output", "out.parquet", "--workers", "2")  # fmt: skip
+    done = hubsim(
+        "sweep",
+        "stop",
+        *QUICK,
+        "--vary",
+        "demand_nm=20,60",
+        "--vary",
+        "brake.strategy=series_optimal,parallel_ratio",
+        "--collect",
+        "peak_a=max(-battery.current_a)",
+        "--output",
+        "out.parquet",
+        "--workers",
+        "2",
+    )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines() == ["4 runs over demand_nm, brake.strategy: out.parquet", "4 of 4 met every criterion"]
+    assert done.stdout.splitlines() == [
+        "4 runs over demand_nm, brake.strategy: out.parquet",
+        "4 of 4 met every criterion",
+    ]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out.parquet"]
     row = pq.read_table(tmp_path / "out.parquet").to_pylist()[3]
-    assert (row["run"], row["demand_nm"], row["brake.strategy"], row["passed"]) == (3, 60, "parallel_ratio", True)
-    assert hubsim("run", "stop", *QUICK, "--set", "demand_nm=60", "--strategy", "parallel_ratio", "--json", "one.json").returncode == 0
+    assert (row["run"], row["demand_nm"], row["brake.strategy"], row["passed"]) == (
+        3,
+        60,
+        "parallel_ratio",
+        True,
+    )
+    assert (
+        hubsim(
+            "run",
+            "stop",
+            *QUICK,
+            "--set",
+            "demand_nm=60",
+            "--strategy",
+            "parallel_ratio",
+            "--json",
+            "one.json",
+        ).returncode
+        == 0
+    )
     one = json.loads((tmp_path / "one.json").read_text(encoding="utf-8"))
     assert row["battery_returned_j"] == one["energy_j"]["battery_returned"]
     assert row["distance_m"] == one["distance_m"]
@@ -50,7 +96,9 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return (directory / "a.parquet").read_bytes()
 
 
-def test_the_same_sweep_gives_the_same_bytes_on_any_number_of_workers(tmp_path: Path, whole: bytes) -> None:
+def test_the_same_sweep_gives_the_same_bytes_on_any_number_of_workers(
+    tmp_path: Path, whole: bytes
+) -> None:
     table = conduct.conduct(JOB, PLAN, fresh(tmp_path, "a.parquet"), processes=2)
     assert table.num_rows == PLAN.runs == 9
     assert table["run"].to_pylist() == list(range(9))
@@ -101,10 +149,16 @@ def test_control_c_leaves_what_is_needed_to_go_on(tmp_path: Path) -> None:
         "--output",
         "out.parquet",
     ]
-    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+    with subprocess.Popen(
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as running:
         parts = tmp_path / "out.parquet.parts"
         deadline = time.monotonic() + 100.0
-        while not list(parts.glob("0*.parquet")) and time.monotonic() < deadline and running.poll() is None:
+        while (
+            not list(parts.glob("0*.parquet"))
+            and time.monotonic() < deadline
+            and running.poll() is None
+        ):
             time.sleep(0.2)
         running.send_signal(signal.SIGINT)
         _, said = running.communicate(timeout=60)
@@ -114,9 +168,22 @@ def test_control_c_leaves_what_is_needed_to_go_on(tmp_path: Path) -> None:
     assert not (tmp_path / "out.parquet").exists()
 
 
-def test_a_run_that_cannot_be_done_says_why_and_the_others_go_on(hubsim: Hubsim, tmp_path: Path) -> None:
-    done = hubsim("sweep", "stop", *QUICK, "--vary", "motor.d_inductance_h=76e-6,2.0", "--vary", "demand_nm=40", "--output", "out.parquet",
-                  "--workers", "1")  # fmt: skip
+def test_a_run_that_cannot_be_done_says_why_and_the_others_go_on(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
+    done = hubsim(
+        "sweep",
+        "stop",
+        *QUICK,
+        "--vary",
+        "motor.d_inductance_h=76e-6,2.0",
+        "--vary",
+        "demand_nm=40",
+        "--output",
+        "out.parquet",
+        "--workers",
+        "1",
+    )
     assert done.returncode == 1
     rows = pq.read_table(tmp_path / "out.parquet").to_pylist()
     assert rows[0]["error"] is None
@@ -126,10 +193,23 @@ def test_a_run_that_cannot_be_done_says_why_and_the_others_go_on(hubsim: Hubsim,
 
 def test_parts_of_another_sweep_are_not_mixed_in(tmp_path: Path, hubsim: Hubsim) -> None:
     fresh(tmp_path, "out.parquet").open()
-    arguments = ("sweep", "stop", *QUICK, "--vary", "demand_nm=40,50", "--output", "out.parquet", "--workers", "1")
+    arguments = (
+        "sweep",
+        "stop",
+        *QUICK,
+        "--vary",
+        "demand_nm=40,50",
+        "--output",
+        "out.parquet",
+        "--workers",
+        "1",
+    )
     refused = hubsim(*arguments)
     assert refused.returncode == 1
-    assert "out.parquet.parts: holds parts of another sweep, accepted: the same command, another --output or --restart" in refused.stderr
+    assert (
+        "out.parquet.parts: holds parts of another sweep, accepted: the same command, another --output or --restart"
+        in refused.stderr
+    )
     assert hubsim(*arguments, "--restart").returncode == 0
     assert (tmp_path / "out.parquet").is_file()
 
@@ -137,16 +217,39 @@ def test_parts_of_another_sweep_are_not_mixed_in(tmp_path: Path, hubsim: Hubsim)
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--vary", "demand_mn=1,2"), "hubsim: --set demand_mn: unknown key, did you mean demand_nm?"),
-        (("--vary", "plant.road.slop=0,1"), "--set plant.road.slop: unknown key, did you mean plant.road.slope?"),
-        (("--vary", "demand_nm=1,2", "--collect", "peak"), "--collect 'peak': accepted: COLUMN=FORMULA"),
-        (("--vary", "demand_nm=1,2", "--collect", "p=max(battery.amps)"), "--collect p: no quantity 'battery.amps'"),
-        (("--vary", "demand_nm=1,2", "--workers", "0"), "--workers 0: accepted: a whole number from 1"),
-        (("--vary", "demand_nm=1,2", "--output", "none/out.parquet"), "none/out.parquet: no directory none to write to"),
-        (("--vary", "demand_nm=1,2", "--scheduler", "tcp://localhost:1"), "--scheduler tcp://localhost:1: no Dask scheduler answers there"),
+        (
+            ("--vary", "demand_mn=1,2"),
+            "hubsim: --set demand_mn: unknown key, did you mean demand_nm?",
+        ),
+        (
+            ("--vary", "plant.road.slop=0,1"),
+            "--set plant.road.slop: unknown key, did you mean plant.road.slope?",
+        ),
+        (
+            ("--vary", "demand_nm=1,2", "--collect", "peak"),
+            "--collect 'peak': accepted: COLUMN=FORMULA",
+        ),
+        (
+            ("--vary", "demand_nm=1,2", "--collect", "p=max(battery.amps)"),
+            "--collect p: no quantity 'battery.amps'",
+        ),
+        (
+            ("--vary", "demand_nm=1,2", "--workers", "0"),
+            "--workers 0: accepted: a whole number from 1",
+        ),
+        (
+            ("--vary", "demand_nm=1,2", "--output", "none/out.parquet"),
+            "none/out.parquet: no directory none to write to",
+        ),
+        (
+            ("--vary", "demand_nm=1,2", "--scheduler", "tcp://localhost:1"),
+            "--scheduler tcp://localhost:1: no Dask scheduler answers there",
+        ),
     ],
 )
-def test_a_mistake_gets_one_line_before_any_work(hubsim: Hubsim, tmp_path: Path, arguments: tuple[str, ...], message: str) -> None:
+def test_a_mistake_gets_one_line_before_any_work(
+    hubsim: Hubsim, tmp_path: Path, arguments: tuple[str, ...], message: str
+) -> None:
     output = () if "--output" in arguments else ("--output", "out.parquet")
     done = hubsim("sweep", "stop", *QUICK, *arguments, *output)
     assert done.returncode == 1
@@ -156,8 +259,11 @@ def test_a_mistake_gets_one_line_before_any_work(hubsim: Hubsim, tmp_path: Path,
 
 
 def test_a_column_of_several_kinds_becomes_one() -> None:
-    table = store.as_table([{"run": 0, "a": 1, "b": True, "c": None}, {"run": 1, "a": 2.5, "b": "x", "d": 3}])
+    table = store.as_table(
+        [{"run": 0, "a": 1, "b": True, "c": None}, {"run": 1, "a": 2.5, "b": "x", "d": 3}]
+    )
     assert table.schema.field("a").type == pa.float64()
     assert table.to_pylist() == [
-        {"run": 0, "a": 1.0, "b": "True", "c": None, "d": None}, {"run": 1, "a": 2.5, "b": "x", "c": None, "d": 3}
-    ]  # fmt: skip
+        {"run": 0, "a": 1.0, "b": "True", "c": None, "d": None},
+        {"run": 1, "a": 2.5, "b": "x", "c": None, "d": 3},
+    ]

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import math
 
 import numpy as np
@@ -7,10 +8,14 @@ from hubsim.sweep import plan
 
 
 def test_lists_and_ranges_make_a_grid_in_the_order_of_a_nested_loop() -> None:
-    found = plan.make(["demand_nm=range(10,30,3)", "brake.strategy=parallel_ratio,series_optimal"], None, 1)
+    found = plan.make(
+        ["demand_nm=range(10,30,3)", "brake.strategy=parallel_ratio,series_optimal"], None, 1
+    )
     assert found.runs == 6
     assert [tuple(point.values()) for point in found.points()] == [
-        (demand, strategy) for demand in (10.0, 20.0, 30.0) for strategy in ("parallel_ratio", "series_optimal")
+        (demand, strategy)
+        for demand in (10.0, 20.0, 30.0)
+        for strategy in ("parallel_ratio", "series_optimal")
     ]
 
 
@@ -22,14 +27,21 @@ def test_draws_are_made_anew_for_every_run_and_depend_on_seed_number_and_key_alo
     assert len({point["plant.vehicle.mass_kg"] for point in found}) == 10
     assert found == list(plan.make(texts, 5, 7).points())
     other = list(plan.make(texts, 5, 8).points())
-    assert all(a["plant.vehicle.mass_kg"] != b["plant.vehicle.mass_kg"] for a, b in zip(found, other, strict=True))
+    assert all(
+        a["plant.vehicle.mass_kg"] != b["plant.vehicle.mass_kg"]
+        for a, b in zip(found, other, strict=True)
+    )
     without = list(plan.make([texts[0], texts[1]], 5, 7).points())
-    assert [p["plant.vehicle.mass_kg"] for p in without] == [p["plant.vehicle.mass_kg"] for p in found]
+    assert [p["plant.vehicle.mass_kg"] for p in without] == [
+        p["plant.vehicle.mass_kg"] for p in found
+    ]
 
 
 def test_draws_have_the_distribution_they_are_said_to_have() -> None:
     draws = 4000
-    points = list(plan.make(["a=normal(100,5)", "b=uniform(-1,3)", "c=choice(1,2,2,2)"], draws, 3).points())
+    points = list(
+        plan.make(["a=normal(100,5)", "b=uniform(-1,3)", "c=choice(1,2,2,2)"], draws, 3).points()
+    )
     a, b, c = (np.array([point[key] for point in points]) for key in "abc")
     # Five standard errors of mean and deviation.
     assert abs(a.mean() - 100.0) < 5 * 5.0 / math.sqrt(draws)
@@ -42,16 +54,27 @@ def test_draws_have_the_distribution_they_are_said_to_have() -> None:
 
 
 def test_a_list_of_lists_is_a_grid_of_lists() -> None:
-    assert plan.read("motor.iron_loss_resistance_ohm=[1.5,0.006],[2.0,0.006]").values == ([1.5, 0.006], [2.0, 0.006])
+    assert plan.read("motor.iron_loss_resistance_ohm=[1.5,0.006],[2.0,0.006]").values == (
+        [1.5, 0.006],
+        [2.0, 0.006],
+    )
 
 
 @pytest.mark.parametrize(
     ("texts", "draws", "message"),
     [
-        (["demand_nm"], None, "--vary 'demand_nm': accepted: KEY=a,b,... or range(first,last,count)"),
+        (
+            ["demand_nm"],
+            None,
+            "--vary 'demand_nm': accepted: KEY=a,b,... or range(first,last,count)",
+        ),
         (["demand_nm="], None, "--vary 'demand_nm=': accepted: KEY="),
         (["demand_nm=1,,2"], None, "--vary demand_nm: '1,,2' is not accepted"),
-        (["demand_nm=range(1,2)"], None, "--vary demand_nm: 'range(1,2)' is not accepted, accepted: range(first,last,count) with numbers"),
+        (
+            ["demand_nm=range(1,2)"],
+            None,
+            "--vary demand_nm: 'range(1,2)' is not accepted, accepted: range(first,last,count) with numbers",
+        ),
         (["demand_nm=range(1,2,1.5)"], None, "accepted: range(first,last,count)"),
         (["demand_nm=normal(1,-2)"], 3, "accepted: normal(mean,deviation)"),
         (["demand_nm=normal(1,much)"], 3, "accepted: normal(mean,deviation)"),
@@ -59,7 +82,11 @@ def test_a_list_of_lists_is_a_grid_of_lists() -> None:
         (["demand_nm=normal(1,2)"], None, "--runs: missing, accepted: how many draws to make"),
         (["demand_nm=1,2"], 3, "--runs 3: accepted: with a normal, uniform or choice among --vary"),
         (["demand_nm=1,2", "demand_nm=3"], None, "--vary demand_nm: accepted: once"),
-        (["a=range(0,1,1000)", "b=range(0,1,1000)", "c=1,2"], None, "--vary: 2000000 runs, accepted: 1 to 1000000"),
+        (
+            ["a=range(0,1,1000)", "b=range(0,1,1000)", "c=1,2"],
+            None,
+            "--vary: 2000000 runs, accepted: 1 to 1000000",
+        ),
     ],
 )
 def test_a_mistake_gets_one_line(texts: list[str], draws: int | None, message: str) -> None:

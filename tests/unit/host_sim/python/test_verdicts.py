@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Criteria judged on made-up recordings, where every answer is known."""
 
 import math
@@ -13,7 +14,14 @@ from hubsim.scenario import Scenario
 from hubsim.verdicts import Verdict
 from regen_table.schema import Drive
 
-NAMES = ["time_s", "vehicle.speed_m_per_s", "wheel0.motor_torque_nm", "wheel1.motor_torque_nm", "wheel0.reason", "wheel1.reason"]
+NAMES = [
+    "time_s",
+    "vehicle.speed_m_per_s",
+    "wheel0.motor_torque_nm",
+    "wheel1.motor_torque_nm",
+    "wheel0.reason",
+    "wheel1.reason",
+]
 TIME = np.arange(0.0, 1.0001, 0.1)
 RESULT = RunResult(
     cycle="made up", strategy="series_optimal", vehicle="none", wheels=2, names=NAMES,
@@ -26,8 +34,15 @@ RESULT = RunResult(
 )  # fmt: skip
 
 
-def judged(drive: Drive, result: RunResult = RESULT, keys: dict[str, Any] | None = None, **criterion: Any) -> Verdict:  # noqa: ANN401
-    chosen = Scenario.model_validate({"max_duration_s": 1.0, "criteria": {"it": criterion}} | (keys or {}))
+def judged(
+    drive: Drive,
+    result: RunResult = RESULT,
+    keys: dict[str, Any] | None = None,
+    **criterion: Any,  # noqa: ANN401
+) -> Verdict:
+    chosen = Scenario.model_validate(
+        {"max_duration_s": 1.0, "criteria": {"it": criterion}} | (keys or {})
+    )
     return verdicts.judge(chosen, drive, result)[0]
 
 
@@ -37,18 +52,45 @@ def judged(drive: Drive, result: RunResult = RESULT, keys: dict[str, Any] | None
         ({"value": "max(vehicle.speed_m_per_s)", "at_most": 10.0}, True, 10.0),
         ({"value": "max(vehicle.speed_m_per_s)", "at_most": 9.9}, False, 10.0),
         ({"value": "min(vehicle.speed_m_per_s)", "at_least": 4.99, "until_s": 0.5}, True, 5.0),
-        ({"value": "mean(vehicle.speed_m_per_s)", "at_least": 2.0, "at_most": 3.0, "from_s": 0.5}, True, 2.5),
+        (
+            {
+                "value": "mean(vehicle.speed_m_per_s)",
+                "at_least": 2.0,
+                "at_most": 3.0,
+                "from_s": 0.5,
+            },
+            True,
+            2.5,
+        ),
         ({"value": "min(total(wheels.motor_torque_nm))", "at_most": -49.0}, True, -50.0),
         ({"value": "energy.copper_j / run.kinetic_energy_j", "at_most": 0.05}, True, 0.05),
         ({"value": "run.returned_j", "at_least": 39.0}, True, 40.0),
         ({"value": "plant.vehicle.mass_kg", "at_most": "scenario.max_duration_s * 2"}, True, 2.0),
-        ({"value": "max(wheels.motor_torque_nm)", "where": "vehicle.speed_m_per_s < 5.05", "at_most": -20.0}, True, -20.0),
-        ({"value": "max(wheels.motor_torque_nm)", "where": "wheels.motor_torque_nm < -25", "at_most": -25.0}, True, -30.0),
+        (
+            {
+                "value": "max(wheels.motor_torque_nm)",
+                "where": "vehicle.speed_m_per_s < 5.05",
+                "at_most": -20.0,
+            },
+            True,
+            -20.0,
+        ),
+        (
+            {
+                "value": "max(wheels.motor_torque_nm)",
+                "where": "wheels.motor_torque_nm < -25",
+                "at_most": -25.0,
+            },
+            True,
+            -30.0,
+        ),
         ({"value": "drive.motor.max_torque_nm", "at_least": 40}, True, 40.0),
         ({"value": "run.distance_m / (run.stopped - 1)", "at_most": 1.0}, False, math.inf),
     ],
 )
-def test_a_value_is_held_against_its_limits(drive: Drive, criterion: dict[str, Any], passed: bool, value: float) -> None:
+def test_a_value_is_held_against_its_limits(
+    drive: Drive, criterion: dict[str, Any], passed: bool, value: float
+) -> None:
     verdict = judged(drive, **criterion)
     assert verdict.passed is passed
     assert verdict.value == pytest.approx(value)
@@ -63,12 +105,19 @@ def test_a_window_without_a_row_fails(drive: Drive) -> None:
 
 @pytest.mark.parametrize(
     ("band", "within_s", "passed", "settled_s"),
-    [(4.0, 0.45, True, 0.4), (4.0, 0.35, False, 0.4), (0.1, 0.5, True, 0.5), (60.0, 0.0, True, 0.0)],
+    [
+        (4.0, 0.45, True, 0.4),
+        (4.0, 0.35, False, 0.4),
+        (0.1, 0.5, True, 0.5),
+        (60.0, 0.0, True, 0.0),
+    ],
 )
 def test_settling_is_the_time_after_which_nothing_leaves_the_band(
     drive: Drive, band: float, within_s: float, passed: bool, settled_s: float
 ) -> None:
-    verdict = judged(drive, value="wheel0.motor_torque_nm", settles_to=-20.0, band=band, within_s=within_s)
+    verdict = judged(
+        drive, value="wheel0.motor_torque_nm", settles_to=-20.0, band=band, within_s=within_s
+    )
     assert verdict.passed is passed
     assert verdict.value == pytest.approx(settled_s)
 
@@ -80,7 +129,9 @@ def test_what_is_still_outside_at_the_end_never_settles(drive: Drive) -> None:
 
 
 def test_all_wheels_must_settle(drive: Drive) -> None:
-    assert not judged(drive, value="wheels.motor_torque_nm", settles_to=-20.0, band=1.0, within_s=1.0).passed
+    assert not judged(
+        drive, value="wheels.motor_torque_nm", settles_to=-20.0, band=1.0, within_s=1.0
+    ).passed
 
 
 @pytest.mark.parametrize(
@@ -93,15 +144,22 @@ def test_all_wheels_must_settle(drive: Drive) -> None:
         ({"must_not_appear": ["ABS", "ANY_FAULT"]}, True),
         ({"must_not_appear": ["HANDOVER"]}, False),
         ({"must_not_appear": ["HANDOVER"], "until_s": 0.5}, True),
-        ({"must_appear": ["HANDOVER"], "must_not_appear": ["NONE"], "from_s": 0.6}, False),  # the other wheel shows NONE
+        (
+            {"must_appear": ["HANDOVER"], "must_not_appear": ["NONE"], "from_s": 0.6},
+            False,
+        ),  # the other wheel shows NONE
     ],
 )
-def test_reasons_must_appear_or_must_not(drive: Drive, criterion: dict[str, Any], passed: bool) -> None:
+def test_reasons_must_appear_or_must_not(
+    drive: Drive, criterion: dict[str, Any], passed: bool
+) -> None:
     assert judged(drive, reasons="wheels.reason", **criterion).passed is passed
 
 
 def test_the_simulations_own_error_is_a_criterion_of_every_judged_run(drive: Drive) -> None:
-    chosen = Scenario.model_validate({"max_duration_s": 1.0, "criteria": {"it": {"value": "run.distance_m", "at_most": 9}}})
+    chosen = Scenario.model_validate(
+        {"max_duration_s": 1.0, "criteria": {"it": {"value": "run.distance_m", "at_most": 9}}}
+    )
     assert [v.passed for v in verdicts.judge(chosen, drive, RESULT)] == [True, True]
     leaking = replace(RESULT, account_j=RESULT.account_j | {"energy.residual_j": 1.1e-2})
     assert [v.passed for v in verdicts.judge(chosen, drive, leaking)] == [True, False]
@@ -112,17 +170,25 @@ def test_without_criteria_nothing_is_judged(drive: Drive) -> None:
 
 
 def test_a_value_that_changes_over_time_is_no_value(drive: Drive) -> None:
-    with pytest.raises(HubsimError, match=r"criteria\.it: 'vehicle\.speed_m_per_s' changes over time, accepted: one number"):
+    with pytest.raises(
+        HubsimError,
+        match=r"criteria\.it: 'vehicle\.speed_m_per_s' changes over time, accepted: one number",
+    ):
         judged(drive, value="vehicle.speed_m_per_s", at_most=1.0)
 
 
 def test_names_that_there_are_not_are_refused_before_the_run(drive: Drive) -> None:
     for value, message in (
-        ("max(vehicle.sped_m_per_s)", "criteria.it.value: no quantity 'vehicle.sped_m_per_s', did you mean vehicle.speed_m_per_s?"),
+        (
+            "max(vehicle.sped_m_per_s)",
+            "criteria.it.value: no quantity 'vehicle.sped_m_per_s', did you mean vehicle.speed_m_per_s?",
+        ),
         ("plant.vehicle.mas_kg", "did you mean plant.vehicle.mass_kg?"),
         ("colour", "no quantity 'colour', 'hubsim list --signals'"),
     ):
-        chosen = Scenario.model_validate({"max_duration_s": 1.0, "criteria": {"it": {"value": value, "at_most": 1}}})
+        chosen = Scenario.model_validate(
+            {"max_duration_s": 1.0, "criteria": {"it": {"value": value, "at_most": 1}}}
+        )
         with pytest.raises(HubsimError) as caught:
             verdicts.signals_of(chosen, drive, NAMES)
         assert message in str(caught.value)
@@ -132,7 +198,12 @@ def test_the_reasons_are_the_firmwares(drive: Drive) -> None:
     from hubsim.engine import Engine  # noqa: PLC0415
 
     with Engine() as engine:
-        assert {engine.reason_text(code) for code in reasons.codes().values()} >= {"anti-lock intervention", "motor torque limit"}
-        assert all(engine.reason_text(code) != "unknown reason" for code in reasons.codes().values())
+        assert {engine.reason_text(code) for code in reasons.codes().values()} >= {
+            "anti-lock intervention",
+            "motor torque limit",
+        }
+        assert all(
+            engine.reason_text(code) != "unknown reason" for code in reasons.codes().values()
+        )
     assert reasons.codes()["ABS"] == 16
     assert reasons.meant("ANY_FAULT") == {code for code in reasons.codes().values() if code >= 64}

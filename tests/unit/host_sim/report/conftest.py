@@ -1,4 +1,8 @@
-"""The tests of the report share a vehicle: found by its path from the project's root, however pytest was started."""
+# SPDX-License-Identifier: Apache-2.0
+"""The tests of the report share a vehicle.
+
+Found by its path from the project's root, however pytest was started.
+"""
 
 import sys
 from pathlib import Path

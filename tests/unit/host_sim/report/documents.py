@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Reading back what was written: the page as a tree, SVG paths as points."""
 
 import math
@@ -20,7 +21,9 @@ class Node:
         """Return every element below with a tag and a class."""
         found = []
         for child in self.children:
-            if tag in ("", child.tag) and (not class_ or class_ in child.attributes.get("class", "").split()):
+            if tag in ("", child.tag) and (
+                not class_ or class_ in child.attributes.get("class", "").split()
+            ):
                 found.append(child)
             found += child.all(tag, class_)
         return found

@@ -1,10 +1,20 @@
-"""A map and stops with sense in them, to draw: the ideal vehicle's optimum, and curves that rise and fall."""
+# SPDX-License-Identifier: Apache-2.0
+"""A map and stops with sense in them, to draw.
+
+The ideal vehicle's optimum, and curves that rise and fall.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from tests.unit.host_sim.report.ideal_vehicle import MOST_NM, OPTIMUM_NM_PER_RAD_S, RADIUS_M, STRATEGIES, Array
+from tests.unit.host_sim.report.ideal_vehicle import (
+    MOST_NM,
+    OPTIMUM_NM_PER_RAD_S,
+    RADIUS_M,
+    STRATEGIES,
+    Array,
+)
 
 
 @dataclass
@@ -35,9 +45,19 @@ def best_map() -> Map:
 
 def curves() -> list[Curve]:
     ideal_nm = (5.0, 20.0, 40.0, 80.0, 120.0)
-    shares = {"parallel_ratio": (-0.14, 0.11, 0.15, 0.16, 0.16), "parallel_free_travel": (0.64, 0.81, 0.74, 0.37, 0.25)}
+    shares = {
+        "parallel_ratio": (-0.14, 0.11, 0.15, 0.16, 0.16),
+        "parallel_free_travel": (0.64, 0.81, 0.74, 0.37, 0.25),
+    }
     shares["series_optimal"] = (0.64, 0.81, 0.76, 0.38, 0.25)
     return [
-        Curve(name, (5.0, 40.0, 120.0), (s[0], s[2] + 0.01, s[4]), (s[0], s[2] - 0.007, s[4]), ideal_nm, s)
+        Curve(
+            name,
+            (5.0, 40.0, 120.0),
+            (s[0], s[2] + 0.01, s[4]),
+            (s[0], s[2] - 0.007, s[4]),
+            ideal_nm,
+            s,
+        )
         for name, s in zip(STRATEGIES, shares.values(), strict=True)
     ]

@@ -1,6 +1,8 @@
+# SPDX-License-Identifier: Apache-2.0
 """A vehicle without controllers, to have runs with sense in them: steady-state machine, exact driving, instant brakes.
 
-Quantities and equations are those of Lu et al. 2013 with peak phase flux; one sample lasts ``STEP_S``.
+Quantities and equations are those of Lu et al. 2013 with peak phase flux; one sample lasts
+``STEP_S``.
 """
 
 from dataclasses import dataclass
@@ -19,7 +21,11 @@ SWITCH_OHM, INVERTER_W_PER_A = 0.0035, 0.25
 CELLS_V, BATTERY_OHM = 53.0, 0.022
 OPTIMUM_NM_PER_RAD_S, MOST_NM, RATED_NM, SHARE = 4.7, 40.0, 40.0, 0.2
 LOSS_OPTIMUM, MAX_TORQUE, ELECTRIC_SHARE = 1, 2, 14
-TEXTS = {"1": "more torque would return less energy", "2": "motor torque limit", "14": "fixed electric share of the parallel brake"}
+TEXTS = {
+    "1": "more torque would return less energy",
+    "2": "motor torque limit",
+    "14": "fixed electric share of the parallel brake",
+}
 
 STRATEGIES = ("parallel_ratio", "parallel_free_travel", "series_optimal")
 
@@ -46,9 +52,15 @@ def electric_torque(strategy: str, demand: Array, speed_rad_s: Array) -> tuple[A
     """Braking torque of one motor in N·m for a demand, both as magnitudes, and the reason why it is less."""
     best = np.minimum(OPTIMUM_NM_PER_RAD_S * speed_rad_s, MOST_NM)
     offered, reason = {
-        "parallel_ratio": (np.minimum(SHARE * demand, MOST_NM), np.full(demand.shape, ELECTRIC_SHARE)),
+        "parallel_ratio": (
+            np.minimum(SHARE * demand, MOST_NM),
+            np.full(demand.shape, ELECTRIC_SHARE),
+        ),
         "parallel_free_travel": (np.minimum(demand, RATED_NM), np.full(demand.shape, MAX_TORQUE)),
-        "series_optimal": (np.minimum(demand, best), np.where(best < MOST_NM, LOSS_OPTIMUM, MAX_TORQUE)),
+        "series_optimal": (
+            np.minimum(demand, best),
+            np.where(best < MOST_NM, LOSS_OPTIMUM, MAX_TORQUE),
+        ),
     }[strategy]
     return offered, np.where(offered < demand - 1e-9, reason, 0)
 
@@ -107,7 +119,8 @@ def drive(strategy: str = "series_optimal", mass_kg: float = MASS_KG, cycle: str
         "energy_j": energy,
         "while_driving_j": while_driving,
         "while_braking_j": while_braking,
-        "residual_relative": abs(energy["traction"] - returned - heat - energy["stored_kinetic"]) / energy["traction"],
+        "residual_relative": abs(energy["traction"] - returned - heat - energy["stored_kinetic"])
+        / energy["traction"],
         "braking_share_stored": returned / work,
         "reason_texts": dict(TEXTS),
     }
@@ -125,7 +138,10 @@ def drive(strategy: str = "series_optimal", mass_kg: float = MASS_KG, cycle: str
         "wheel0.reason": reason.astype(np.float64),
     }
     signals = {name: np.append(values, values[-1]) for name, values in held.items()}
-    signals |= {"driver.reference_m_per_s": speed, "vehicle.speed_m_per_s": speed - 0.02 * np.sin(time) * (speed > 0.0)}
+    signals |= {
+        "driver.reference_m_per_s": speed,
+        "vehicle.speed_m_per_s": speed - 0.02 * np.sin(time) * (speed > 0.0),
+    }
     return Run(cycle, strategy, summary, time, signals)
 
 

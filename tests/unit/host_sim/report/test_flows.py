@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import math
 
 import pytest
@@ -14,12 +15,19 @@ def flow_of(run: Run) -> Flow:
 
 
 def check_balance(flow: Flow) -> None:
-    """What goes in comes out, in either lane, to what is left out as too small; and no part is negative."""
+    """What goes in comes out, in either lane, to what is left out as too small.
+
+    And no part is negative.
+    """
     largest = max(flow.drawn_j, flow.slowing_j, abs(flow.returned_j))
     few = 10.0 * flows.NOTHING * largest  # nothing unusual flows here
-    assert abs(flow.drawn_j - flows.total(flow.upper) - flows.total(flow.road) - flow.turned_j) <= few
+    assert (
+        abs(flow.drawn_j - flows.total(flow.upper) - flows.total(flow.road) - flow.turned_j) <= few
+    )
     assert abs(flow.slowing_j - flows.total(flow.lower) - flow.returned_j) <= few
-    assert all(part.energy_j > 0.0 for part in (*flow.upper, *flow.road, *flow.lower, *flow.joining))
+    assert all(
+        part.energy_j > 0.0 for part in (*flow.upper, *flow.road, *flow.lower, *flow.joining)
+    )
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
@@ -75,12 +83,16 @@ def test_polarisation_is_booked_with_the_battery_and_comes_in_where_it_gives() -
     kept = flow_of(run)
     check_balance(kept)
     assert kept.lower[-1].name == "battery"
-    assert kept.lower[-1].energy_j == pytest.approx(run.summary["while_braking_j"]["battery"] + 800.0)
+    assert kept.lower[-1].energy_j == pytest.approx(
+        run.summary["while_braking_j"]["battery"] + 800.0
+    )
     run.summary["energy_j"]["battery_returned"] += 2800.0
     given = flow_of(run)
     check_balance(given)
     assert [part.name for part in given.joining] == ["polarisation"]
-    assert given.joining[0].energy_j == pytest.approx(2000.0 - run.summary["while_braking_j"]["battery"])
+    assert given.joining[0].energy_j == pytest.approx(
+        2000.0 - run.summary["while_braking_j"]["battery"]
+    )
 
 
 def test_a_stop_has_no_upper_lane_and_its_source_is_the_motion() -> None:
@@ -89,7 +101,12 @@ def test_a_stop_has_no_upper_lane_and_its_source_is_the_motion() -> None:
     for name, value in run.summary["while_driving_j"].items():
         energy[name] -= value
         run.summary["while_driving_j"][name] = 0.0
-    energy |= {"traction": 0.0, "drag": 500.0, "rolling": 3000.0, "stored_kinetic": -energy["braking_at_wheels"] - 3500.0}
+    energy |= {
+        "traction": 0.0,
+        "drag": 500.0,
+        "rolling": 3000.0,
+        "stored_kinetic": -energy["braking_at_wheels"] - 3500.0,
+    }
     flow = flow_of(run)
     check_balance(flow)
     assert flow.net and not flow.upper and not flow.road
@@ -103,7 +120,12 @@ def test_what_coasting_gave_to_the_cells_counts_as_returned() -> None:
     for name, value in run.summary["while_driving_j"].items():
         energy[name] -= value
         run.summary["while_driving_j"][name] = 0.0
-    energy |= {"traction": -700.0, "drag": 500.0, "rolling": 3000.0, "stored_kinetic": -energy["braking_at_wheels"] - 4200.0}
+    energy |= {
+        "traction": -700.0,
+        "drag": 500.0,
+        "rolling": 3000.0,
+        "stored_kinetic": -energy["braking_at_wheels"] - 4200.0,
+    }
     flow = flow_of(run)
     check_balance(flow)
     assert flow.net
@@ -131,7 +153,9 @@ def test_braking_that_costs_energy_has_a_negative_return() -> None:
     assert flow.returned_j < 0.0
 
 
-@pytest.mark.parametrize("missing", ["traction", "braking_at_wheels", "battery_returned", "hydraulic"])
+@pytest.mark.parametrize(
+    "missing", ["traction", "braking_at_wheels", "battery_returned", "hydraulic"]
+)
 @pytest.mark.parametrize("how", [math.nan, "many", None])
 def test_without_a_main_energy_there_is_no_picture(missing: str, how: object) -> None:
     run = drive("series_optimal")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The page in a headless browser, at the widths of a desk and of a telephone, and on paper.
 
 What can be said without a browser, test_whole_page.py says.
@@ -17,13 +18,16 @@ from hubsim.report import Extras, page
 from tests.unit.host_sim.report.ideal_extras import best_map, curves
 from tests.unit.host_sim.report.ideal_vehicle import three
 
-BROWSER = next(filter(None, map(shutil.which, ("chromium-headless-shell", "chromium", "google-chrome"))), None)
+BROWSER = next(
+    filter(None, map(shutil.which, ("chromium-headless-shell", "chromium", "google-chrome"))), None
+)
 QUIET = (
     "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update",
     "--disable-sync", "--disable-quic", "--hide-scrollbars",
 )  # fmt: skip
 
-# What sticks out: of the page, of its picture. Tables may be wider than a telephone: they scroll in a box of their own.
+# What sticks out: of the page, of its picture. Tables may be wider than a telephone: they scroll in
+# a box of their own.
 MEASURE = """
 addEventListener("load", () => {
   const wide = document.documentElement.clientWidth;
@@ -55,7 +59,9 @@ def written(tmp_path: Path) -> Path:
 
 def browse(path: Path, *arguments: str) -> str:
     if BROWSER is None:
-        pytest.fail("no Chromium here; tools/dev setup browser installs it where the system has a package of it")
+        pytest.fail(
+            "no Chromium here; tools/dev setup browser installs it where the system has a package of it"
+        )
     profile = path.parent / "profile"
     command = [str(BROWSER), *QUIET, f"--user-data-dir={profile}", *arguments, path.as_uri()]
     return subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
@@ -87,10 +93,16 @@ def test_a_screenshot_shows_the_colours_of_what_it_is_about(written: Path, width
 
 
 def test_on_paper_every_part_fits_its_sheet(written: Path) -> None:
-    """Signals on upright sheets, two strategies each, the rest on others: what does not fit is cut and makes more of them."""
+    """Signals on upright sheets, two strategies each, the rest on others.
+
+    What does not fit is cut and makes more of them.
+    """
     sheets = written.with_name("sheets.pdf")
     browse(written, "--no-pdf-header-footer", f"--print-to-pdf={sheets}")
-    sizes = [(float(w), float(h)) for w, h in re.findall(rb"/MediaBox\s*\[0 0 ([0-9.]+) ([0-9.]+)\]", sheets.read_bytes())]
+    sizes = [
+        (float(w), float(h))
+        for w, h in re.findall(rb"/MediaBox\s*\[0 0 ([0-9.]+) ([0-9.]+)\]", sheets.read_bytes())
+    ]
     upright = [height > width for width, height in sizes]
     assert upright.count(True) == 2
     assert 3 <= upright.count(False) <= 4

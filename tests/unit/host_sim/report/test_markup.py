@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import json
 
 from hubsim.report import markup
@@ -25,7 +26,14 @@ def test_what_is_none_is_left_out_and_void_elements_are_not_closed() -> None:
 
 
 def test_coordinates_have_no_superfluous_digit_and_no_negative_zero() -> None:
-    assert [markup.number(value) for value in (1.0, 0.125, 2.5, -0.001, 100.0, -3.456)] == ["1", "0.12", "2.5", "0", "100", "-3.46"]
+    assert [markup.number(value) for value in (1.0, 0.125, 2.5, -0.001, 100.0, -3.456)] == [
+        "1",
+        "0.12",
+        "2.5",
+        "0",
+        "100",
+        "-3.46",
+    ]
 
 
 def test_data_for_a_script_cannot_end_it() -> None:

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import copy
 import json
 import math
@@ -54,7 +55,10 @@ def test_shares_are_per_cent_and_the_series_optimum_is_the_measure() -> None:
     shares = [run.summary["braking_share_stored"] for run in runs]
     assert table["Share stored"] == ["%", *[f"{100.0 * share:.1f}" for share in shares]]
     returned = [run.summary["energy_j"]["battery_returned"] for run in runs]
-    assert table["Share of the series optimum"] == ["%", *[f"{100.0 * value / returned[2]:.1f}" for value in returned]]
+    assert table["Share of the series optimum"] == [
+        "%",
+        *[f"{100.0 * value / returned[2]:.1f}" for value in returned],
+    ]
     runs[0].summary["residual_relative"] = 2.5e-7
     assert cells(written(runs))["Residual"][1] == "2.5 · 10⁻⁵"
 
@@ -68,30 +72,45 @@ def test_strategies_stand_from_the_least_to_the_best_in_whatever_order_they_come
 def test_every_cycle_has_its_section_and_its_own_optimum() -> None:
     runs = [*three(), *[drive(strategy, cycle="udds") for strategy in STRATEGIES]]
     for run in runs[3:]:
-        run.summary["energy_j"] = {name: 2.0 * value for name, value in run.summary["energy_j"].items()}
+        run.summary["energy_j"] = {
+            name: 2.0 * value for name, value in run.summary["energy_j"].items()
+        }
     document = written(runs)
-    assert [section.attributes["data-cycle"] for section in document.all("section")] == ["ece15", "udds"]
+    assert [section.attributes["data-cycle"] for section in document.all("section")] == [
+        "ece15",
+        "udds",
+    ]
     for section in document.all("section"):
         assert cells(section)["Share of the series optimum"][-1] == "100.0"
     targets = {section.attributes["id"] for section in document.all("section")}
-    assert {link.attributes["href"].removeprefix("#") for link in document.all("nav")[0].all("a")} == targets
+    assert {
+        link.attributes["href"].removeprefix("#") for link in document.all("nav")[0].all("a")
+    } == targets
 
 
 def test_the_page_fetches_nothing() -> None:
     text = page.document(three())
     document = documents.read(text)
-    assert not re.search(r"https?:|url\((?!#)|@import|//[a-z]", re.sub(r"^ *//.*$", "", text, flags=re.MULTILINE))
+    assert not re.search(
+        r"https?:|url\((?!#)|@import|//[a-z]", re.sub(r"^ *//.*$", "", text, flags=re.MULTILINE)
+    )
     for node in document.all():
         for key in ("src", "href", "srcset", "data", "poster", "action"):
             assert node.attributes.get(key, "#").startswith(("#", "data:,")), (node.tag, key)
-    policy = next(node for node in document.all("meta") if node.attributes.get("http-equiv") == "Content-Security-Policy")
+    policy = next(
+        node
+        for node in document.all("meta")
+        if node.attributes.get("http-equiv") == "Content-Security-Policy"
+    )
     assert policy.attributes["content"].startswith("default-src 'none'")
 
 
 def test_references_inside_the_page_find_their_one_target() -> None:
     text = page.document([*three(), drive(cycle="udds")])
     document = documents.read(text)
-    identities = Counter(node.attributes["id"] for node in document.all() if "id" in node.attributes)
+    identities = Counter(
+        node.attributes["id"] for node in document.all() if "id" in node.attributes
+    )
     assert max(identities.values()) == 1
     for reference in re.findall(r"url\(#([^)]+)\)", text):
         assert reference in identities
@@ -164,7 +183,9 @@ def test_returns_of_nothing_and_of_less_than_nothing_are_shown_as_such() -> None
 def test_the_bar_of_the_braking_work_is_whole(strategy: str) -> None:
     document = written([drive(strategy)])
     bar = document.all("article", "card")[0].all("svg")[0]
-    rectangles = sorted((float(r.attributes["x"]), float(r.attributes["width"])) for r in bar.all("rect"))
+    rectangles = sorted(
+        (float(r.attributes["x"]), float(r.attributes["width"])) for r in bar.all("rect")
+    )
     assert rectangles[0][0] == 0.0
     for (x, width), (following, _) in pairwise(rectangles):
         assert x + width == pytest.approx(following, abs=0.02)
@@ -185,7 +206,9 @@ def test_a_long_run_with_noise_in_every_signal_stays_below_three_megabytes() -> 
     runs = three()
     for run in runs:
         run.time_s = np.linspace(0.0, 2000.0, 4000)
-        run.signals = {name: random.normal(0.0, 10.0, 4000) for name in run.signals if name != "wheel0.reason"}
+        run.signals = {
+            name: random.normal(0.0, 10.0, 4000) for name in run.signals if name != "wheel0.reason"
+        }
         run.signals["wheel0.reason"] = random.integers(0, 21, 4000).astype(np.float64)
     assert len(page.document(runs).encode()) < 3_000_000
 

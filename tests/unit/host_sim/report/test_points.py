@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import re
 
 import numpy as np
@@ -6,7 +7,13 @@ from hubsim.report import points
 
 from tests.unit.host_sim.report import documents
 from tests.unit.host_sim.report.ideal_extras import best_map
-from tests.unit.host_sim.report.ideal_vehicle import OPTIMUM_NM_PER_RAD_S, RADIUS_M, STRATEGIES, drive, three
+from tests.unit.host_sim.report.ideal_vehicle import (
+    OPTIMUM_NM_PER_RAD_S,
+    RADIUS_M,
+    STRATEGIES,
+    drive,
+    three,
+)
 
 
 def test_points_are_those_moments_in_which_the_driver_brakes_and_the_vehicle_moves() -> None:
@@ -26,7 +33,8 @@ def test_the_series_strategy_keeps_to_the_line_and_says_so() -> None:
     found = points.operating_points(run, RADIUS_M)
     assert found is not None
     rpm, torque = found
-    # A sample of the torque is the mean of the step in which the vehicle slows down: half a step's speed of slack.
+    # A sample of the torque is the mean of the step in which the vehicle slows down: half a step's
+    # speed of slack.
     assert np.all(torque <= OPTIMUM_NM_PER_RAD_S * rpm / points.RPM + 1.0)
     assert "0.0 % of them beyond" in points.describe(run, best_map())
     assert "0.0 % of them beyond" not in points.describe(drive("parallel_free_travel"), best_map())
@@ -38,7 +46,9 @@ def test_every_dot_lies_in_the_frame_where_its_values_are(strategy: str) -> None
     run = next(run for run in runs if run.strategy == strategy)
     chart = points.layout(runs, best)
     drawn = documents.read(points.draw(run, best, chart, "p", "points"))
-    dots = next(path for path in drawn.all("path") if path.attributes.get("class") == "dots").attributes["d"]
+    dots = next(
+        path for path in drawn.all("path") if path.attributes.get("class") == "dots"
+    ).attributes["d"]
     at = [(float(x), float(y)) for x, y in re.findall(r"M([-\d.]+) ([-\d.]+)h0", dots)]
     found = points.operating_points(run, best.wheel_radius_m)
     assert found is not None

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
 from hubsim.report import quality
@@ -33,7 +34,9 @@ def test_a_standing_vehicle_has_no_torque_error() -> None:
 
 def test_jerk_is_the_slope_of_the_acceleration() -> None:
     run = drive()
-    run.signals["vehicle.acceleration_m_per_s2"] = np.where(run.time_s < 50.0, 0.0, -0.5 * (run.time_s - 50.0))
+    run.signals["vehicle.acceleration_m_per_s2"] = np.where(
+        run.time_s < 50.0, 0.0, -0.5 * (run.time_s - 50.0)
+    )
     jerk = quality.jerk_m_per_s3(run)
     assert jerk is not None
     assert np.all(np.isnan(jerk[:2]))

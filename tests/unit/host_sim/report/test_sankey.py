@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The picture is measured as it was drawn: widths from the coordinates of the paths."""
 
 from dataclasses import dataclass
@@ -68,7 +69,9 @@ def turned_width(picture: Picture) -> float:
 
 def returned_width(picture: Picture) -> float:
     """Width of the lower lane where its arrow begins, 0 without an arrow."""
-    shoulder = next((place for place, step in enumerate(picture.trunk) if step.command == "v"), None)
+    shoulder = next(
+        (place for place, step in enumerate(picture.trunk) if step.command == "v"), None
+    )
     if shoulder is None:
         return 0.0
     end = picture.trunk[shoulder + 3]
@@ -109,7 +112,9 @@ def test_a_battery_that_feeds_braking_fills_the_losses_from_its_side() -> None:
     run.summary["energy_j"]["battery_returned"] -= 9000.0
     picture = measured(run)
     fed = picture.feed[1].y - picture.feed[0].y
-    assert fed == pytest.approx(-run.summary["energy_j"]["battery_returned"] * picture.per_j, abs=0.05)
+    assert fed == pytest.approx(
+        -run.summary["energy_j"]["battery_returned"] * picture.per_j, abs=0.05
+    )
     assert fed == pytest.approx(picture.leaving("feed"), abs=HALF_PX)
     assert turned_width(picture) == pytest.approx(picture.leaving("down"), abs=HALF_PX)
     assert returned_width(picture) == 0.0
@@ -129,7 +134,12 @@ def test_a_stop_is_one_lane_from_the_motion_to_the_battery() -> None:
     run = drive("parallel_free_travel")
     run.summary["while_driving_j"] = dict.fromkeys(run.summary["while_driving_j"], 0.0)
     work = run.summary["energy_j"]["braking_at_wheels"]
-    run.summary["energy_j"] |= {"traction": 0.0, "drag": 500.0, "rolling": 3000.0, "stored_kinetic": -work - 3500.0}
+    run.summary["energy_j"] |= {
+        "traction": 0.0,
+        "drag": 500.0,
+        "rolling": 3000.0,
+        "stored_kinetic": -work - 3500.0,
+    }
     picture = measured(run)
     first, second = picture.trunk[:2]
     assert first.x == lanes.RIGHT
@@ -141,7 +151,9 @@ def test_a_stop_is_one_lane_from_the_motion_to_the_battery() -> None:
 
 @pytest.mark.parametrize("bearing_j", [0.0, 6000.0])
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_labels_and_stems_stay_inside_and_stems_do_not_touch(strategy: str, bearing_j: float) -> None:
+def test_labels_and_stems_stay_inside_and_stems_do_not_touch(
+    strategy: str, bearing_j: float
+) -> None:
     run = drive(strategy)
     run.summary["while_driving_j"]["bearing"] = bearing_j
     run.summary["energy_j"]["traction"] += bearing_j
@@ -150,7 +162,9 @@ def test_labels_and_stems_stay_inside_and_stems_do_not_touch(strategy: str, bear
         places = []
         for path in picture.node.all("path", "exit"):
             if direction in path.attributes["fill"]:
-                rises = [step.x for step in documents.steps(path.attributes["d"]) if step.command == "V"]
+                rises = [
+                    step.x for step in documents.steps(path.attributes["d"]) if step.command == "V"
+                ]
                 places.append((min(rises[:2]), max(rises[:2])))
         places.sort()
         assert places[0][0] > lanes.LEFT and places[-1][1] < lanes.WIDTH

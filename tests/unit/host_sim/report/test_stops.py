@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import pytest
 from hubsim.report import stops
 
@@ -12,7 +13,10 @@ def test_every_simulated_stop_is_a_ring_at_its_place() -> None:
     first, second, _ = (float(ring.attributes["cx"]) for ring in groups[0].all("circle"))
     # Straight scale: 5 and 40 N m lie as their distances from zero.
     assert (second - stops.LEFT) / (first - stops.LEFT) == pytest.approx(40.0 / 5.0, rel=1e-2)
-    low, high = float(groups[0].all("circle")[0].attributes["cy"]), float(groups[2].all("circle")[0].attributes["cy"])
+    low, high = (
+        float(groups[0].all("circle")[0].attributes["cy"]),
+        float(groups[2].all("circle")[0].attributes["cy"]),
+    )
     assert high < low, "more stored energy has to be higher up"
 
 

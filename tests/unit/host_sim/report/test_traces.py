@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 import re
 
 import numpy as np
@@ -22,7 +23,14 @@ def coordinates(node: Node) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 def test_scales_and_height_are_equal_in_all_columns() -> None:
     runs = three()
-    ticks = [[text.words() for text in column(run, runs).all("text", "tick") if re.fullmatch(r"[−\d.]+", text.words())] for run in runs]
+    ticks = [
+        [
+            text.words()
+            for text in column(run, runs).all("text", "tick")
+            if re.fullmatch(r"[−\d.]+", text.words())
+        ]
+        for run in runs
+    ]
     assert ticks[0] == ticks[1] == ticks[2]
     assert len({column(run, runs).all("svg")[0].attributes["viewbox"] for run in runs}) == 1
 
@@ -33,9 +41,15 @@ def test_a_curve_lies_where_its_values_are() -> None:
     assert shared is not None
     panel, axis, _ = shared.panels[0]
     assert panel.title == "Speed"
-    actual = next(node for node in column(run, [run]).all("path", "vehicle") if "curve" in node.attributes["class"])
+    actual = next(
+        node
+        for node in column(run, [run]).all("path", "vehicle")
+        if "curve" in node.attributes["class"]
+    )
     drawn = coordinates(actual)
-    speed_kmh = 3.6 * np.interp(drawn[:, 0], shared.time.px(run.time_s), run.signals["vehicle.speed_m_per_s"])
+    speed_kmh = 3.6 * np.interp(
+        drawn[:, 0], shared.time.px(run.time_s), run.signals["vehicle.speed_m_per_s"]
+    )
     assert np.allclose(drawn[:, 1], axis.px(speed_kmh), atol=1.0)
     assert drawn[:, 1].min() == pytest.approx(axis.at(37.5), abs=0.3)
 
@@ -45,7 +59,11 @@ def test_motor_and_hydraulic_areas_are_stacked_up_to_the_demand() -> None:
     shared = traces.layout([run])
     assert shared is not None
     _, axis, _ = shared.panels[1]
-    area = next(node for node in column(run, [run]).all("path", "hydraulic") if "area" in node.attributes["class"])
+    area = next(
+        node
+        for node in column(run, [run]).all("path", "hydraulic")
+        if "area" in node.attributes["class"]
+    )
     lowest = axis.at(-float(np.max(run.signals["driver.brake_nm"])))
     assert coordinates(area)[:, 1].max() == pytest.approx(lowest, abs=0.1)
 
@@ -57,7 +75,11 @@ def test_a_brake_that_holds_against_a_driving_motor_is_drawn_below_zero() -> Non
     shared = traces.layout([run])
     assert shared is not None
     _, axis, _ = shared.panels[1]
-    area = next(node for node in column(run, [run]).all("path", "hydraulic") if "area" in node.attributes["class"])
+    area = next(
+        node
+        for node in column(run, [run]).all("path", "hydraulic")
+        if "area" in node.attributes["class"]
+    )
     drawn = coordinates(area)
     there = drawn[(drawn[:, 0] > shared.time.at(11.5)) & (drawn[:, 0] < shared.time.at(14.5))]
     assert drawn[:, 1].min() == pytest.approx(axis.at(0.0), abs=0.1)
@@ -83,10 +105,16 @@ def test_every_reason_has_its_words_its_duration_and_a_strip_of_that_length() ->
     assert shared is not None
     assert [code for code, _, _ in shared.reasons] == [1, 14]
     ratio = column(runs[0], runs)
-    strip = next(node for node in ratio.all("path", "limit") if "fixed electric share" in node.words())
-    spans = [(float(a), float(b)) for a, b in re.findall(r"M(\S+) \S+H(\S+)V", strip.attributes["d"])]
+    strip = next(
+        node for node in ratio.all("path", "limit") if "fixed electric share" in node.words()
+    )
+    spans = [
+        (float(a), float(b)) for a, b in re.findall(r"M(\S+) \S+H(\S+)V", strip.attributes["d"])
+    ]
     seconds = float(np.sum(runs[0].signals["wheel0.reason"][:-1] == 14) * 0.05)
-    assert sum(b - a for a, b in spans) == pytest.approx(seconds * (shared.time.at(1.0) - shared.time.at(0.0)), abs=0.1)
+    assert sum(b - a for a, b in spans) == pytest.approx(
+        seconds * (shared.time.at(1.0) - shared.time.at(0.0)), abs=0.1
+    )
     assert f"{seconds:.0f} s" in ratio.words()
     series = column(runs[2], runs)
     assert "never" in series.words()
@@ -136,7 +164,9 @@ def test_the_read_out_has_the_values_of_its_times() -> None:
     there = (grid > 88.0) & (grid < 94.0)
     # The magnitude of the brake's torque, not the place of its area.
     expected = np.interp(grid, run.time_s, run.signals["wheel0.hydraulic_torque_nm"])
-    assert np.allclose(np.array(hydraulic["values"], dtype=np.float64)[there], expected[there], atol=0.06)
+    assert np.allclose(
+        np.array(hydraulic["values"], dtype=np.float64)[there], expected[there], atol=0.06
+    )
     assert data["left"] == traces.LEFT and data["right"] == pytest.approx(traces.RIGHT)
 
 

@@ -1,4 +1,8 @@
-"""The page with everything in it: nothing from outside, valid pictures, one target for every reference."""
+# SPDX-License-Identifier: Apache-2.0
+"""The page with everything in it.
+
+Nothing from outside, valid pictures, one target for every reference.
+"""
 
 import re
 import xml.etree.ElementTree as ET
@@ -10,7 +14,22 @@ from tests.unit.host_sim.report import documents
 from tests.unit.host_sim.report.ideal_extras import best_map, curves
 from tests.unit.host_sim.report.ideal_vehicle import STRATEGIES, drive, three
 
-DRAWABLE = {"svg", "g", "defs", "clipPath", "linearGradient", "stop", "path", "rect", "line", "circle", "text", "tspan", "title", "desc"}
+DRAWABLE = {
+    "svg",
+    "g",
+    "defs",
+    "clipPath",
+    "linearGradient",
+    "stop",
+    "path",
+    "rect",
+    "line",
+    "circle",
+    "text",
+    "tspan",
+    "title",
+    "desc",
+}
 
 
 def whole() -> str:
@@ -20,10 +39,20 @@ def whole() -> str:
 
 def test_everything_that_was_given_is_on_the_page() -> None:
     headings = [heading.words() for heading in documents.read(whole()).all("h2")]
-    for wanted in ("Energy flow", "Where the motor brakes", "Over time", "Stops: how much of the kinetic energy comes back"):
+    for wanted in (
+        "Energy flow",
+        "Where the motor brakes",
+        "Over time",
+        "Stops: how much of the kinetic energy comes back",
+    ):
         assert any(wanted in heading for heading in headings), wanted
     words = documents.read(whole()).words()
-    for wanted in ("Total torque error, N·m", "Jerk, m/s³", "Motor current, A", "What limited the torque"):
+    for wanted in (
+        "Total torque error, N·m",
+        "Jerk, m/s³",
+        "Motor current, A",
+        "What limited the torque",
+    ):
         assert wanted in words, wanted
 
 
@@ -35,9 +64,13 @@ def test_without_map_and_stops_their_parts_are_left_out() -> None:
 
 def test_identities_are_unique_and_every_reference_finds_one() -> None:
     text = whole()
-    identities = Counter(node.attributes["id"] for node in documents.read(text).all() if "id" in node.attributes)
+    identities = Counter(
+        node.attributes["id"] for node in documents.read(text).all() if "id" in node.attributes
+    )
     assert max(identities.values()) == 1
-    references = set(re.findall(r"url\(#([^)]+)\)", text)) | set(re.findall(r'href="#([^"]+)"', text))
+    references = set(re.findall(r"url\(#([^)]+)\)", text)) | set(
+        re.findall(r'href="#([^"]+)"', text)
+    )
     assert references <= set(identities)
 
 
@@ -54,7 +87,9 @@ def test_pictures_are_well_formed_and_made_of_what_svg_has() -> None:
             assert re.fullmatch(r"[-\d. MLHVvhAZ]*", node.attrib["d"]), node.attrib["d"][:80]
         for node in root.iter():
             for key in ("x", "y", "x1", "x2", "y1", "y2", "cx", "cy", "width", "height"):
-                assert "nan" not in node.attrib.get(key, "") and "inf" not in node.attrib.get(key, "")
+                assert "nan" not in node.attrib.get(key, "") and "inf" not in node.attrib.get(
+                    key, ""
+                )
 
 
 def test_nothing_comes_from_outside() -> None:

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* The tables that plant_values.py writes from the drives' TOML files. */
 #ifndef TEST_PLANT_VALUES_H
 #define TEST_PLANT_VALUES_H

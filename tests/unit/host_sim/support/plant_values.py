@@ -1,4 +1,8 @@
-"""Write drives' plant parameters as C tables, for tests that run without Python: ``plant_values.py OUT.c DRIVE.toml...``."""
+# SPDX-License-Identifier: Apache-2.0
+"""Write drives' plant parameters as C tables, for tests that run without Python.
+
+``plant_values.py OUT.c DRIVE.toml...``.
+"""
 
 import sys
 from pathlib import Path

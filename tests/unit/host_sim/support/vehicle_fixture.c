@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 #include "vehicle_fixture.h"
 
 #include <stddef.h>
@@ -36,8 +37,8 @@ bench_params_t fixture_drive(const char *name)
     for (int k = 0; k < drive->count; k++) {
         set(&params, drive->values[k].name, drive->values[k].value);
     }
-    TEST_ASSERT_TRUE(
-        curve_set(&params.battery.open_circuit_voltage_v, drive->soc, drive->voltage_v, drive->voltage_points));
+    TEST_ASSERT_TRUE(curve_set(&params.battery.open_circuit_voltage_v, drive->soc, drive->voltage_v,
+                               drive->voltage_points));
     set(&params, "vehicle.rolling_resistance", 0.0);
     set(&params, "road.gravity_m_per_s2", 9.81);
     set(&params, "driver.bandwidth_rad_per_s", 1.0);
@@ -55,7 +56,8 @@ bench_params_t fixture_drive(const char *name)
 
 config_t fixture_drive_config(const char *name)
 {
-    static const config_t *const IMAGES[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V, &CONFIG_IPM400V};
+    static const config_t *const IMAGES[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V,
+                                             &CONFIG_IPM400V};
     for (int k = 0; k < (int)(sizeof IMAGES / sizeof IMAGES[0]); k++) {
         if (strcmp(IMAGES[k]->name, name) == 0) {
             return *IMAGES[k];
@@ -80,7 +82,8 @@ bench_params_t fixture_one_wheel(bench_params_t params)
     params.battery.polarisation_resistance_ohm *= wheels;
     params.battery.polarisation_capacitance_f /= wheels;
     params.battery.capacity_ah /= wheels;
-    /* The current limits stay the whole pack's: the controller divides by the wheels its configuration names. */
+    /* The current limits stay the whole pack's: the controller divides by the wheels its
+     * configuration names. */
     return params;
 }
 

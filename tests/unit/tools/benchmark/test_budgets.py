@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Budgets belong to a release of the compiler."""
 
 from benchmark import run
@@ -7,7 +8,10 @@ def test_the_reference_compiler_is_held_to_the_goal_and_another_to_a_twentieth_m
     """First lines as Debian 12 and 13 print them."""
     goal = run.Budget("cortex-m0plus", run.CURRENT_LOOP, 320, 1.05)
     assert run.goal_with("arm-none-eabi-gcc (15:12.2.rel1-1) 12.2.1 20221205", goal) == goal
-    assert run.goal_with("arm-none-eabi-gcc (15:14.2.rel1-1) 14.2.1 20241119", goal).median_at_most == 336
+    assert (
+        run.goal_with("arm-none-eabi-gcc (15:14.2.rel1-1) 14.2.1 20241119", goal).median_at_most
+        == 336
+    )
     assert run.goal_with("something else", goal).median_at_most == 336
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The counter against functions whose instructions can be counted by hand."""
 
 from __future__ import annotations
@@ -8,8 +9,9 @@ from pathlib import Path
 import pytest
 from benchmark import build, count, elf
 
-# straight: 10 and the return. loop(n): 1, then 2 for each pass, and the return. skipped: compare, IT, two that are not
-# taken but are fetched, the return. outer: push, call, pop: 3 around straight's 11.
+# straight: 10 and the return. loop(n): 1, then 2 for each pass, and the return. skipped: compare,
+# IT, two that are not taken but are fetched, the return. outer: push, call, pop: 3 around
+# straight's 11.
 PROGRAM = """
 __attribute__((naked, noinline)) void straight(void) { __asm volatile(".rept 10\\n nop\\n .endr\\n bx lr"); }
 __attribute__((naked, noinline)) void loop(int n) { __asm volatile("nop\\n 1: subs r0, #1\\n bne 1b\\n bx lr" ::: "r0"); }
@@ -42,15 +44,28 @@ def test_counts_are_those_made_by_hand(counts: dict[str, count.Count]) -> None:
     assert counts["straight"] == count.Count(2002, 11, 11, 11)
 
 
-def test_a_function_that_is_not_there_is_named(program: Callable[..., Path], tmp_path: Path) -> None:
+def test_a_function_that_is_not_there_is_named(
+    program: Callable[..., Path], tmp_path: Path
+) -> None:
     image = program(PROGRAM)
     with pytest.raises(build.BenchError, match="vanished: not a function of its own"):
-        count.count(build.CORES[0], image, tmp_path / "none.so", elf.functions(image), ["vanished"], "begin")
+        count.count(
+            build.CORES[0], image, tmp_path / "none.so", elf.functions(image), ["vanished"], "begin"
+        )
 
 
-def test_a_function_that_is_left_by_a_jump_is_refused(program: Callable[..., Path], tmp_path: Path) -> None:
+def test_a_function_that_is_left_by_a_jump_is_refused(
+    program: Callable[..., Path], tmp_path: Path
+) -> None:
     tail = '__attribute__((noinline)) int inner(int x) { __asm volatile(""); return x + 1; }\n'
-    tail += "__attribute__((noinline)) int outer(int x) { return inner(2 * x); }\nvoid begin(void) {}\n"
-    image = program(tail + "int main(void) { volatile int x = 3; return outer(x) != 7; }", "-foptimize-sibling-calls")
+    tail += (
+        "__attribute__((noinline)) int outer(int x) { return inner(2 * x); }\nvoid begin(void) {}\n"
+    )
+    image = program(
+        tail + "int main(void) { volatile int x = 3; return outer(x) != 7; }",
+        "-foptimize-sibling-calls",
+    )
     with pytest.raises(build.BenchError, match="inner: left by a jump from outer"):
-        count.count(build.CORES[0], image, tmp_path / "none.so", elf.functions(image), ["inner"], "begin")
+        count.count(
+            build.CORES[0], image, tmp_path / "none.so", elf.functions(image), ["inner"], "begin"
+        )

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Reading programs back: sizes, calls, the tables that code refers to."""
 
 from __future__ import annotations
@@ -19,7 +20,9 @@ int main(int argc, char **argv) { (void)argv; return step(argc) + unused_by_step
 """
 
 
-def test_a_functions_size_is_its_code_its_callees_and_the_constants_it_refers_to(program: Callable[..., Path]) -> None:
+def test_a_functions_size_is_its_code_its_callees_and_the_constants_it_refers_to(
+    program: Callable[..., Path],
+) -> None:
     image = program(TABLES, "-fno-ipa-cp", "-fno-ipa-sra")
     functions, symbols = elf.functions(image), elf.symbols(image)
     assert elf.reachable("step", functions) == {"step", "double_it"}
@@ -33,4 +36,8 @@ def test_every_call_knows_where_it_comes_back_to(program: Callable[..., Path]) -
     functions = elf.functions(image)
     sites = functions["step"].return_sites["double_it"]
     assert len(sites) == 1
-    assert functions["step"].address < sites[0] < functions["step"].address + elf.symbols(image)["step"].size
+    assert (
+        functions["step"].address
+        < sites[0]
+        < functions["step"].address + elf.symbols(image)["step"].size
+    )

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The stack's depth against chains of calls whose frames are known."""
 
 from __future__ import annotations
@@ -8,7 +9,8 @@ from pathlib import Path
 import pytest
 from benchmark import elf, stack_report
 
-# Frames by the instructions themselves: top 8 (two registers), middle 8 + 104, leaf 4, other 24, handler 24.
+# Frames by the instructions themselves: top 8 (two registers), middle 8 + 104, leaf 4, other 24,
+# handler 24.
 CHAIN = """
 #define ASM __attribute__((naked, noinline))
 ASM void leaf(void) { __asm volatile("str r4, [sp, #-4]!\\n pop {r4}\\n bx lr"); }
@@ -28,12 +30,16 @@ def test_the_deepest_chain_is_found_and_its_frames_add_up(program: Callable[...,
     assert stack_report.worst_path("other", functions, {}).bytes == 24 + 4
 
 
-def test_an_interrupt_adds_the_frame_that_the_core_pushes(program: Callable[..., Path], tmp_path: Path) -> None:
+def test_an_interrupt_adds_the_frame_that_the_core_pushes(
+    program: Callable[..., Path], tmp_path: Path
+) -> None:
     rows = stack_report.report(program(CHAIN), [tmp_path], "top", ["handler"])
     assert rows[1][1].bytes == 24 + (24 + 4) + 36
 
 
-def test_the_compilers_own_figure_counts_where_the_instructions_show_less(program: Callable[..., Path], tmp_path: Path) -> None:
+def test_the_compilers_own_figure_counts_where_the_instructions_show_less(
+    program: Callable[..., Path], tmp_path: Path
+) -> None:
     image = program(
         "__attribute__((noinline)) int f(int n) { volatile char b[300]; b[n] = 1; return b[0]; } int main(void) { return f(3); }"
     )
@@ -43,7 +49,9 @@ def test_the_compilers_own_figure_counts_where_the_instructions_show_less(progra
 
 
 def test_recursion_has_no_bound(program: Callable[..., Path]) -> None:
-    image = program("__attribute__((noinline)) int f(int n) { return n ? f(n - 1) * f(n / 3) + 1 : 1; } int main(void) { return f(9); }")
+    image = program(
+        "__attribute__((noinline)) int f(int n) { return n ? f(n - 1) * f(n / 3) + 1 : 1; } int main(void) { return f(9); }"
+    )
     with pytest.raises(stack_report.StackError, match="recursion: f -> f"):
         stack_report.worst_path("main", elf.functions(image), {})
 
@@ -55,7 +63,9 @@ def test_a_call_through_a_pointer_has_no_bound(program: Callable[..., Path]) -> 
 
 
 def test_stack_of_variable_size_has_no_bound(program: Callable[..., Path], tmp_path: Path) -> None:
-    program("__attribute__((noinline)) int f(int n) { volatile char b[n]; b[0] = 1; return b[0]; } int main(void) { return f(3); }")
+    program(
+        "__attribute__((noinline)) int f(int n) { volatile char b[n]; b[0] = 1; return b[0]; } int main(void) { return f(3); }"
+    )
     with pytest.raises(stack_report.StackError, match="variable size"):
         stack_report.compiled_frames([tmp_path])
 
@@ -64,7 +74,16 @@ def test_too_little_stack_fails_the_link_step_and_says_how_much_is_missing(
     program: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     image = program(CHAIN)
-    arguments = ["--elf", str(image), "--objects", str(tmp_path), "--root", "top", "--interrupt", "handler"]
+    arguments = [
+        "--elf",
+        str(image),
+        "--objects",
+        str(tmp_path),
+        "--root",
+        "top",
+        "--interrupt",
+        "handler",
+    ]
     assert stack_report.main([*arguments, "--limit", "500"]) == 0
     assert stack_report.main([*arguments, "--limit", "100"]) == 1
     assert "212 bytes may be needed, 100 are there" in capsys.readouterr().err

@@ -1,4 +1,8 @@
-"""The measurement of a sweep's scaling does the runs it speaks of; what a second of this machine is worth, it cannot know."""
+# SPDX-License-Identifier: Apache-2.0
+"""The measurement of a sweep's scaling does the runs it speaks of.
+
+What a second of this machine is worth, it cannot know.
+"""
 
 import json
 import subprocess
@@ -9,7 +13,13 @@ SCRIPT = Path(__file__).resolve().parents[4] / "tools" / "benchmark" / "sweep_sc
 
 
 def call(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, str(SCRIPT), *arguments], capture_output=True, text=True, timeout=500, check=False)
+    return subprocess.run(
+        [sys.executable, str(SCRIPT), *arguments],
+        capture_output=True,
+        text=True,
+        timeout=500,
+        check=False,
+    )
 
 
 def test_one_worker_and_two_make_the_same_table() -> None:

@@ -1,7 +1,9 @@
+# SPDX-License-Identifier: Apache-2.0
 """``solve`` against brute force over fine current grids, with the circuit written down a second time.
 
-The reference below is in POWER-INVARIANT quantities, solves the iron-loss branch as a linear system instead of by a
-formula, and finds every optimum by scanning: nothing but the circuit laws is shared with the package.
+The reference below is in POWER-INVARIANT quantities, solves the iron-loss branch as a linear system
+instead of by a formula, and finds every optimum by scanning: nothing but the circuit laws is shared
+with the package.
 """
 
 import math
@@ -39,12 +41,16 @@ class Circuit:
         """Add what the iron takes to torque currents."""
         motor, w = self.drive.motor, self.omega
         v_d, v_q = -w * motor.q_inductance_h * i_qt, w * (motor.d_inductance_h * i_dt + self.flux())
-        return np.asarray(i_dt + v_d * self.conductance()), np.asarray(i_qt + v_q * self.conductance())
+        return np.asarray(i_dt + v_d * self.conductance()), np.asarray(
+            i_qt + v_q * self.conductance()
+        )
 
     def powers(self, i_d: Array | float, i_q: Array | float) -> dict[str, Array]:
         motor, inverter = self.drive.motor, self.drive.inverter
         resistance = motor.phase_resistance_ohm * (
-            1.0 + motor.resistance_temperature_coefficient_per_k * (self.temperature - motor.reference_temperature_c)
+            1.0
+            + motor.resistance_temperature_coefficient_per_k
+            * (self.temperature - motor.reference_temperature_c)
         )
         psi, l_d, l_q, w = self.flux(), motor.d_inductance_h, motor.q_inductance_h, self.omega
         conductance = self.conductance()
@@ -52,7 +58,10 @@ class Circuit:
         system = np.array([[1.0, -w * l_q * conductance], [w * l_d * conductance, 1.0]])
         inverse = np.linalg.inv(system)
         right_q = i_q - w * psi * conductance
-        i_dt, i_qt = inverse[0, 0] * i_d + inverse[0, 1] * right_q, inverse[1, 0] * i_d + inverse[1, 1] * right_q
+        i_dt, i_qt = (
+            inverse[0, 0] * i_d + inverse[0, 1] * right_q,
+            inverse[1, 0] * i_d + inverse[1, 1] * right_q,
+        )
         v_d, v_q = -w * l_q * i_qt, w * (l_d * i_dt + psi)
         u_d, u_q = resistance * i_d + v_d, resistance * i_q + v_q
         square = np.asarray(i_d**2 + i_q**2)
@@ -60,8 +69,16 @@ class Circuit:
         dead = 2.0 * inverter.dead_time_s * inverter.pwm_frequency_hz
         bridge = (
             1.5 * peak**2 * inverter.switch_resistance_ohm * (1.0 - dead)
-            + (6.0 / math.pi * inverter.diode_forward_voltage_v * peak + 1.5 * peak**2 * inverter.diode_resistance_ohm) * dead
-            + 3.0 * (inverter.turn_on_loss_j_per_a + inverter.turn_off_loss_j_per_a) * peak * inverter.pwm_frequency_hz / math.pi
+            + (
+                6.0 / math.pi * inverter.diode_forward_voltage_v * peak
+                + 1.5 * peak**2 * inverter.diode_resistance_ohm
+            )
+            * dead
+            + 3.0
+            * (inverter.turn_on_loss_j_per_a + inverter.turn_off_loss_j_per_a)
+            * peak
+            * inverter.pwm_frequency_hz
+            / math.pi
         )
         return {
             "i_d": np.asarray(i_d),
@@ -88,8 +105,8 @@ def zoom_1d(cost: Callable[[Array], Array], low: float, high: float) -> float:
 def zoom_2d(cost: Callable[[Array, Array], Array], half: float) -> tuple[float, float]:
     """Return (i_d, i_q) of the smallest cost in a square: for every i_d of a narrowing grid, a narrowing grid of i_q.
 
-    A square grid would not do: on a limit that slants through it, the best point is the one next to the limit, not
-    the one next to the optimum.
+    A square grid would not do: on a limit that slants through it, the best point is the one next to
+    the limit, not the one next to the optimum.
     """
     left, right, i_d, i_q = -half, half, 0.0, 0.0
     for outer in range(9):
@@ -104,7 +121,10 @@ def zoom_2d(cost: Callable[[Array, Array], Array], half: float) -> tuple[float, 
             low, high = np.maximum(middle - step, -half), np.minimum(middle + step, half)
         winner = int(np.argmin(np.min(values, axis=0)))
         i_d, i_q = float(columns[winner]), float(middle[winner])
-        left, right = float(columns[max(winner - 1, 0)]), float(columns[min(winner + 1, columns.size - 1)])
+        left, right = (
+            float(columns[max(winner - 1, 0)]),
+            float(columns[min(winner + 1, columns.size - 1)]),
+        )
     return i_d, i_q
 
 
@@ -115,8 +135,15 @@ def close(found: float, expected: float, scale: float) -> bool:
 
 def circuit_of(drive: schema.Drive, rng: np.random.Generator) -> tuple[Circuit, float, float]:
     """Return a drive's circuit at a random speed (r/min) and winding temperature (degC), and these two."""
-    speed, temperature = float(drive.motor.max_speed_rpm * rng.uniform(0.03, 1.0)), float(rng.uniform(-20.0, 150.0))
-    return Circuit(drive, speed * math.pi / 30.0 * drive.motor.pole_pairs, temperature), speed, temperature
+    speed, temperature = (
+        float(drive.motor.max_speed_rpm * rng.uniform(0.03, 1.0)),
+        float(rng.uniform(-20.0, 150.0)),
+    )
+    return (
+        Circuit(drive, speed * math.pi / 30.0 * drive.motor.pole_pairs, temperature),
+        speed,
+        temperature,
+    )
 
 
 def battery(drive: schema.Drive, power: float) -> tuple[float, float]:
@@ -135,7 +162,9 @@ def open_circuit(drive: schema.Drive) -> float:
     return voltage
 
 
-def check_point(drive: schema.Drive, record: points.Record, found: dict[str, Array], suffix: str) -> None:
+def check_point(
+    drive: schema.Drive, record: points.Record, found: dict[str, Array], suffix: str
+) -> None:
     scale = drive.motor.max_power_w
     chemical, loss = battery(drive, drive.vehicle.driven_wheels * float(found["dc"]))
     expected = {
@@ -147,11 +176,23 @@ def check_point(drive: schema.Drive, record: points.Record, found: dict[str, Arr
         "loss_battery_w": loss,
     }
     for key, value in expected.items():
-        assert close(record[key + suffix], value, scale), (drive.name, key + suffix, record[key + suffix], value)
-    # As a vector: where the current limit makes the strongest torque, i_d is next to nothing and moves nothing.
+        assert close(record[key + suffix], value, scale), (
+            drive.name,
+            key + suffix,
+            record[key + suffix],
+            value,
+        )
+    # As a vector: where the current limit makes the strongest torque, i_d is next to nothing and
+    # moves nothing.
     current = math.hypot(found["i_d"], found["i_q"]) / K
-    off = math.hypot(record["current_d_a" + suffix] - found["i_d"] / K, record["current_q_a" + suffix] - found["i_q"] / K)
-    assert off <= TOLERANCE * current + 1e-7 * drive.motor.max_phase_current_a, (drive.name, "current" + suffix)
+    off = math.hypot(
+        record["current_d_a" + suffix] - found["i_d"] / K,
+        record["current_q_a" + suffix] - found["i_q"] / K,
+    )
+    assert off <= TOLERANCE * current + 1e-7 * drive.motor.max_phase_current_a, (
+        drive.name,
+        "current" + suffix,
+    )
 
 
 def check_zero_d_current(drive: schema.Drive, rng: np.random.Generator) -> bool:
@@ -167,7 +208,11 @@ def check_zero_d_current(drive: schema.Drive, rng: np.random.Generator) -> bool:
     best = zoom_1d(power, -reach, 0.0)
     possible = bool(circuit.powers(0.0, best)["dc"] < 0.0)
     best = best if possible else 0.0
-    boundary = zoom_1d(lambda i: np.abs(power(i)) + 1e30 * (i > best), -reach, 1.01 * best) if possible else 0.0
+    boundary = (
+        zoom_1d(lambda i: np.abs(power(i)) + 1e30 * (i > best), -reach, 1.01 * best)
+        if possible
+        else 0.0
+    )
     optimal = float(circuit.powers(0.0, best)["torque"])
     assert record["regeneration_possible"] == possible
     assert record["current_d_a"] == 0.0
@@ -176,17 +221,27 @@ def check_zero_d_current(drive: schema.Drive, rng: np.random.Generator) -> bool:
     assert close(record["torque_zero_nm"], float(circuit.powers(0.0, boundary)["torque"]), torques)
     assert close(record["torque_idle_nm"], float(circuit.powers(0.0, 0.0)["torque"]), torques)
     check_point(drive, record, circuit.powers(0.0, best), "")
-    limit = min(drive.motor.max_torque_nm, drive.motor.max_power_w / (speed * math.pi / 30.0), abs(optimal))
+    limit = min(
+        drive.motor.max_torque_nm, drive.motor.max_power_w / (speed * math.pi / 30.0), abs(optimal)
+    )
     assert close(record["torque_optimal_limited_nm"], -limit, torques)
-    clamped = zoom_1d(lambda i: np.abs(circuit.powers(0.0, i)["torque"] + limit), 2.0 * best if possible else -0.01 * reach, 0.01 * reach)
+    clamped = zoom_1d(
+        lambda i: np.abs(circuit.powers(0.0, i)["torque"] + limit),
+        2.0 * best if possible else -0.01 * reach,
+        0.01 * reach,
+    )
     check_point(drive, record, circuit.powers(0.0, clamped), "_limited")
     return possible
 
 
-def test_every_value_of_solve_agrees_with_a_scan_over_the_current(random_drives: list[schema.Drive]) -> None:
+def test_every_value_of_solve_agrees_with_a_scan_over_the_current(
+    random_drives: list[schema.Drive],
+) -> None:
     rng = np.random.default_rng(1)
     possible = [check_zero_d_current(drive, rng) for drive in random_drives]
-    assert sum(possible) > 180  # the drives are plausible: almost all can regenerate at almost any speed
+    assert (
+        sum(possible) > 180
+    )  # the drives are plausible: almost all can regenerate at almost any speed
 
 
 def check_joint(drive: schema.Drive, rng: np.random.Generator) -> None:
@@ -194,12 +249,17 @@ def check_joint(drive: schema.Drive, rng: np.random.Generator) -> None:
     record = points.solve(drive, speed, temperature, points.setting(drive, free_d_current=True))
     most, voltage = drive.motor.max_phase_current_a, open_circuit(drive) / math.sqrt(3.0)
     limit = min(drive.motor.max_torque_nm, drive.motor.max_power_w / (speed * math.pi / 30.0))
-    # The optimum is flat in torque: a scan places the power better than the torque, whose error counts relative to all of it.
+    # The optimum is flat in torque: a scan places the power better than the torque, whose error
+    # counts relative to all of it.
     torques = 20.0 * drive.motor.max_torque_nm
 
     def cost(i_d: Array, i_q: Array, what: str, strongest: float) -> Array:
         found = circuit.powers(i_d, i_q)
-        outside = [found["current"] / most - 1.0, found["voltage"] / voltage - 1.0, -found["torque"] / strongest - 1.0]
+        outside = [
+            found["current"] / most - 1.0,
+            found["voltage"] / voltage - 1.0,
+            -found["torque"] / strongest - 1.0,
+        ]
         outside += [found["torque"] / drive.motor.max_torque_nm]  # no driving
         if what == "torque":
             outside += [found["dc"] / drive.motor.max_power_w]  # nothing taken from the battery
@@ -209,10 +269,15 @@ def check_joint(drive: schema.Drive, rng: np.random.Generator) -> None:
     for suffix, strongest in (("", 1e9), ("_limited", limit)):
         best = circuit.powers(*zoom_2d(lambda a, b, s=strongest: cost(a, b, "dc", s), K * most))  # type: ignore[misc]
         found = record["dc_power_w" + suffix]
-        # The scan can only be worse than the truth: it never beats what was solved, and comes within 0.1 % of it.
+        # The scan can only be worse than the truth: it never beats what was solved, and comes
+        # within 0.1 % of it.
         assert found <= float(best["dc"]) + 1e-6 * drive.motor.max_power_w, (drive.name, suffix)
         check_point(drive, record, best, suffix)
-        assert close(record["torque_optimal_limited_nm" if suffix else "torque_optimal_nm"], float(best["torque"]), torques), drive.name
+        assert close(
+            record["torque_optimal_limited_nm" if suffix else "torque_optimal_nm"],
+            float(best["torque"]),
+            torques,
+        ), drive.name
         if not suffix:
             assert record["regeneration_possible"] == (float(best["dc"]) < 0.0)
     assert close(record["torque_idle_nm"], float(circuit.powers(0.0, 0.0)["torque"]), torques)
@@ -221,18 +286,25 @@ def check_joint(drive: schema.Drive, rng: np.random.Generator) -> None:
 
 
 @pytest.mark.parametrize("part", range(4))
-def test_the_joint_optimum_agrees_with_a_scan_over_both_currents(random_drives: list[schema.Drive], part: int) -> None:
+def test_the_joint_optimum_agrees_with_a_scan_over_both_currents(
+    random_drives: list[schema.Drive], part: int
+) -> None:
     rng = np.random.default_rng(2 + part)
     for drive in random_drives[part::4]:
         check_joint(drive, rng)
 
 
 def check_torque(drive: schema.Drive, rng: np.random.Generator) -> bool:
-    """Compare the least power of a random torque, driving or braking; returns whether any current inside the limits makes it."""
+    """Compare the least power of a random torque, driving or braking.
+
+    Returns whether any current inside the limits makes it.
+    """
     circuit, speed, temperature = circuit_of(drive, rng)
     strongest = min(drive.motor.max_torque_nm, drive.motor.max_power_w / (speed * math.pi / 30.0))
     torque = float(rng.uniform(-1.0, 1.0)) * strongest
-    record = points.evaluate(drive, speed, torque, temperature, points.setting(drive, free_d_current=True))
+    record = points.evaluate(
+        drive, speed, torque, temperature, points.setting(drive, free_d_current=True)
+    )
     most, voltage = drive.motor.max_phase_current_a, open_circuit(drive) / math.sqrt(3.0)
     flux, saliency = circuit.flux(), drive.motor.d_inductance_h - drive.motor.q_inductance_h
 
@@ -242,20 +314,28 @@ def check_torque(drive: schema.Drive, rng: np.random.Generator) -> bool:
 
     def cost(i_dt: Array) -> Array:
         found = powers(i_dt)
-        outside = np.maximum(np.maximum(found["current"] / most, found["voltage"] / voltage) - 1.0, 0.0)
+        outside = np.maximum(
+            np.maximum(found["current"] / most, found["voltage"] / voltage) - 1.0, 0.0
+        )
         return np.where(outside > 1e-9, 1e30 * (1.0 + outside), found["dc"])
 
     highest = 3.0 * K * most if saliency >= 0.0 else min(3.0 * K * most, -0.99 * flux / saliency)
     best = zoom_1d(cost, -3.0 * K * most, highest)
     inside = bool(cost(np.array([best]))[0] < 1e30)
-    assert inside == (not {"phase_current", "phase_voltage"} & set(record["limits_exceeded"])), drive.name
+    assert inside == (not {"phase_current", "phase_voltage"} & set(record["limits_exceeded"])), (
+        drive.name
+    )
     if inside:
-        assert record["dc_power_w"] <= float(powers(best)["dc"]) + 1e-6 * drive.motor.max_power_w, drive.name
+        assert record["dc_power_w"] <= float(powers(best)["dc"]) + 1e-6 * drive.motor.max_power_w, (
+            drive.name
+        )
         check_point(drive, record, powers(best), "")
     return inside
 
 
-def test_the_least_power_of_a_torque_agrees_with_a_scan_driving_and_braking(random_drives: list[schema.Drive]) -> None:
+def test_the_least_power_of_a_torque_agrees_with_a_scan_driving_and_braking(
+    random_drives: list[schema.Drive],
+) -> None:
     rng = np.random.default_rng(9)
     inside = [check_torque(drive, rng) for drive in random_drives for _ in range(2)]
     assert sum(inside) > 300

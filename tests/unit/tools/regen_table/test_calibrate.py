@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A recording of a wheel spun by hand says where its halls and its index are."""
 
 import math
@@ -45,7 +46,9 @@ def beside_deg(one: float, other: float) -> float:
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
-def test_edges_are_found_to_half_a_degree_in_either_direction_while_the_wheel_slows_down(direction: float) -> None:
+def test_edges_are_found_to_half_a_degree_in_either_direction_while_the_wheel_slows_down(
+    direction: float,
+) -> None:
     """At 40 turns a second a sample is 1.4 deg, of which the middle is taken, and there are dozens of edges."""
     found = calibrate.calibrate(spun(direction * slowing_down()))
     for place, truth in zip(found.hall_edges, EDGES_DEG, strict=True):
@@ -79,10 +82,15 @@ def test_a_short_recording_is_refused() -> None:
         calibrate.calibrate(spun(slowing_down()[:400]))
 
 
-def test_the_command_prints_lines_for_the_drives_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_lines_for_the_drives_file(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     table = spun(slowing_down())
     path = tmp_path / "spun.csv"
-    rows = [",".join(table), *(",".join(f"{value:.4f}" for value in row) for row in zip(*table.values(), strict=True))]
+    rows = [
+        ",".join(table),
+        *(",".join(f"{value:.4f}" for value in row) for row in zip(*table.values(), strict=True)),
+    ]
     path.write_text("\n".join(rows), encoding="utf-8")
     assert cli.main(["calibrate", str(path)]) == 0
     out = capsys.readouterr().out
@@ -91,7 +99,9 @@ def test_the_command_prints_lines_for_the_drives_file(tmp_path: Path, capsys: py
     assert "encoder_index_deg = " in out
 
 
-def test_a_file_without_the_channels_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_file_without_the_channels_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "other.csv"
     path.write_text("time_s,x\n0,1\n", encoding="utf-8")
     assert cli.main(["calibrate", str(path)]) != 0

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """The commands answer in the agreed keys, and everything wrong in one line with a non-zero exit."""
 
 import json
@@ -13,7 +14,16 @@ from regen_table import cli
 
 PAPER = Path(__file__).resolve().parents[4] / "tools" / "motors" / "lu2013.toml"
 STOP = ["stop", str(PAPER), "--initial-speed-kmh", "40", "--demand-nm"]
-POINT = {"current_d_a", "current_q_a", "dc_power_w", "battery_power_w", "loss_copper_w", "loss_iron_w", "loss_inverter_w", "loss_battery_w"}
+POINT = {
+    "current_d_a",
+    "current_q_a",
+    "dc_power_w",
+    "battery_power_w",
+    "loss_copper_w",
+    "loss_iron_w",
+    "loss_inverter_w",
+    "loss_battery_w",
+}
 SOLVE = {
     "speed_rpm",
     "winding_temperature_c",
@@ -35,8 +45,20 @@ def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> list[dict[str
 
 
 @pytest.mark.parametrize("joint", [[], ["--joint"]])
-def test_solve_answers_every_combination_in_the_agreed_keys(capsys: pytest.CaptureFixture[str], joint: list[str]) -> None:
-    found = answer(capsys, "solve", str(PAPER), "--speed-rpm", "100,200", "--winding-temperature-c", "25,120", "--json", *joint)
+def test_solve_answers_every_combination_in_the_agreed_keys(
+    capsys: pytest.CaptureFixture[str], joint: list[str]
+) -> None:
+    found = answer(
+        capsys,
+        "solve",
+        str(PAPER),
+        "--speed-rpm",
+        "100,200",
+        "--winding-temperature-c",
+        "25,120",
+        "--json",
+        *joint,
+    )
     assert {(record["speed_rpm"], record["winding_temperature_c"]) for record in found} == {
         (s, t) for s in (100.0, 200.0) for t in (25.0, 120.0)
     }
@@ -48,13 +70,21 @@ def test_solve_answers_every_combination_in_the_agreed_keys(capsys: pytest.Captu
 
 def test_solve_says_where_no_torque_returns_energy(capsys: pytest.CaptureFixture[str]) -> None:
     slow, standing, fast = answer(capsys, "solve", str(PAPER), "--speed-rpm", "3,0,10", "--json")
-    assert (slow["regeneration_possible"], standing["regeneration_possible"], fast["regeneration_possible"]) == (False, False, True)
+    assert (
+        slow["regeneration_possible"],
+        standing["regeneration_possible"],
+        fast["regeneration_possible"],
+    ) == (False, False, True)
     assert slow["torque_optimal_nm"] == slow["torque_zero_nm"] == slow["torque_idle_nm"]
     assert slow["dc_power_w"] == 0.0
 
 
-def test_evaluate_answers_every_combination_and_its_losses_add_up(capsys: pytest.CaptureFixture[str]) -> None:
-    found = answer(capsys, "evaluate", str(PAPER), "--speed-rpm", "-300,300", "--torque-nm", "-20,20", "--json")
+def test_evaluate_answers_every_combination_and_its_losses_add_up(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    found = answer(
+        capsys, "evaluate", str(PAPER), "--speed-rpm", "-300,300", "--torque-nm", "-20,20", "--json"
+    )
     assert len(found) == 4
     for record in found:
         mechanical = record["torque_nm"] * record["speed_rpm"] * 3.141592653589793 / 30.0
@@ -63,15 +93,22 @@ def test_evaluate_answers_every_combination_and_its_losses_add_up(capsys: pytest
         assert record["region"] == ("driving" if mechanical > 0.0 else "III")
 
 
-def test_evaluate_answers_null_where_no_current_makes_the_torque(capsys: pytest.CaptureFixture[str]) -> None:
-    (record,) = answer(capsys, "evaluate", str(PAPER), "--speed-rpm", "600", "--torque-nm", "2000", "--json")
+def test_evaluate_answers_null_where_no_current_makes_the_torque(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (record,) = answer(
+        capsys, "evaluate", str(PAPER), "--speed-rpm", "600", "--torque-nm", "2000", "--json"
+    )
     assert record["battery_power_w"] is None  # beyond what the battery can give
     assert {"torque", "power", "phase_current", "phase_voltage"} <= set(record["limits_exceeded"])
 
 
 def test_stop_answers_one_object_a_demand_and_strategy(capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["stop", str(PAPER), "--initial-speed-kmh", "40", "--demand-nm", "20,40", "--json"]
-    assert [r["demand_nm"] for r in answer(capsys, *arguments, "--strategy", "parallel_ratio")] == [20.0, 40.0]
+    assert [r["demand_nm"] for r in answer(capsys, *arguments, "--strategy", "parallel_ratio")] == [
+        20.0,
+        40.0,
+    ]
     assert len(answer(capsys, *arguments, "--strategy", "all")) == 6
     (first, _) = answer(capsys, *arguments)
     assert first["strategy"] == "series_optimal"
@@ -82,8 +119,14 @@ def test_stop_answers_one_object_a_demand_and_strategy(capsys: pytest.CaptureFix
     ("arguments", "expected"),
     [
         (["solve", "nowhere.toml", "--speed-rpm", "1"], "nowhere.toml: file not found"),
-        (["solve", str(PAPER), "--speed-rpm", "fast"], "argument --speed-rpm: 'fast', accepted: numbers from -100000 to 100000 r/min"),
-        (["solve", str(PAPER), "--speed-rpm", "nan"], "argument --speed-rpm: 'nan', accepted: numbers"),
+        (
+            ["solve", str(PAPER), "--speed-rpm", "fast"],
+            "argument --speed-rpm: 'fast', accepted: numbers from -100000 to 100000 r/min",
+        ),
+        (
+            ["solve", str(PAPER), "--speed-rpm", "nan"],
+            "argument --speed-rpm: 'nan', accepted: numbers",
+        ),
         (["solve", str(PAPER)], "the following arguments are required: --speed-rpm"),
         (
             ["solve", str(PAPER), "--speed-rpm", "1", "--winding-temperature-c", "-250"],
@@ -93,20 +136,37 @@ def test_stop_answers_one_object_a_demand_and_strategy(capsys: pytest.CaptureFix
             ["stop", str(PAPER), "--initial-speed-kmh", "0", "--demand-nm", "1"],
             "argument --initial-speed-kmh: '0', accepted: a number from 0.1",
         ),
-        (["stop", str(PAPER), "--initial-speed-kmh", "40", "--demand-nm", "-1"], "argument --demand-nm: '-1', accepted"),
         (
-            ["stop", str(PAPER), "--initial-speed-kmh", "40", "--demand-nm", "1", "--strategy", "best"],
+            ["stop", str(PAPER), "--initial-speed-kmh", "40", "--demand-nm", "-1"],
+            "argument --demand-nm: '-1', accepted",
+        ),
+        (
+            [
+                "stop",
+                str(PAPER),
+                "--initial-speed-kmh",
+                "40",
+                "--demand-nm",
+                "1",
+                "--strategy",
+                "best",
+            ],
             "argument --strategy: invalid choice",
         ),
         (["cycle", str(PAPER), "--trace", "nowhere.csv"], "nowhere.csv: file not found"),
-        (["cycle", str(PAPER), "--trace", str(PAPER)], "lu2013.toml: accepted: columns time_s and speed_km_h"),
+        (
+            ["cycle", str(PAPER), "--trace", str(PAPER)],
+            "lu2013.toml: accepted: columns time_s and speed_km_h",
+        ),
         (["check", str(PAPER), "-o", "/nowhere"], "/nowhere/lu2013.c: missing"),
         (["generate", str(PAPER), "-o", "/proc/nowhere"], "/proc/nowhere: cannot be written"),
         (["paint"], "argument COMMAND: invalid choice: 'paint'"),
         ([], "the following arguments are required: COMMAND"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(capsys: pytest.CaptureFixture[str], arguments: list[str], expected: str) -> None:
+def test_what_is_wrong_is_said_in_one_line(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], expected: str
+) -> None:
     try:
         code = cli.main(arguments)
     except SystemExit as stopped:
@@ -119,20 +179,36 @@ def test_what_is_wrong_is_said_in_one_line(capsys: pytest.CaptureFixture[str], a
 
 
 IMPOSSIBLE = {
-    "no regeneration": ("turn_on_loss_j_per_a", "0.01", "motor.max_speed_rpm: no regeneration at any speed up to 640 r/min"),
+    "no regeneration": (
+        "turn_on_loss_j_per_a",
+        "0.01",
+        "motor.max_speed_rpm: no regeneration at any speed up to 640 r/min",
+    ),
     "EMF above the bus": (
         "field_weakening_current_a",
         "0.0",
         "motor.max_speed_rpm: the back-EMF at 900 r/min is 76.59 V between lines, accepted",
     ),
-    "zero inductance": ("d_inductance_h", "0.0", "motor.d_inductance_h: 0.0 is not accepted, accepted: a number from 1e-07 to 1 H"),
+    "zero inductance": (
+        "d_inductance_h",
+        "0.0",
+        "motor.d_inductance_h: 0.0 is not accepted, accepted: a number from 1e-07 to 1 H",
+    ),
     "negative resistance": (
         "phase_resistance_ohm",
         "-0.031",
         "motor.phase_resistance_ohm: -0.031 is not accepted, accepted: a number from 1e-05 to 100 ohm",
     ),
-    "torque beyond the current": ("max_phase_current_a", "42.0", "motor.rated_torque_nm: 30 N m, accepted: at most 29.56 N m"),
-    "not a number": ("flux_linkage_wb", "nan", "motor.flux_linkage_wb: nan is not accepted, accepted: a number from 1e-06 to 2 Wb"),
+    "torque beyond the current": (
+        "max_phase_current_a",
+        "42.0",
+        "motor.rated_torque_nm: 30 N m, accepted: at most 29.56 N m",
+    ),
+    "not a number": (
+        "flux_linkage_wb",
+        "nan",
+        "motor.flux_linkage_wb: nan is not accepted, accepted: a number from 1e-06 to 2 Wb",
+    ),
 }
 
 
@@ -162,21 +238,37 @@ def test_an_impossible_drive_is_one_line_and_writes_nothing(
 
 
 def test_the_module_runs_as_a_command_and_explains_itself() -> None:
-    done = subprocess.run([sys.executable, "-m", "regen_table", "--help"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-m", "regen_table", "--help"], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0
     for command in ("generate", "check", "solve", "evaluate", "stop", "cycle", "figures"):
         assert command in done.stdout
-        explained = subprocess.run([sys.executable, "-m", "regen_table", command, "--help"], capture_output=True, text=True, check=False)
+        explained = subprocess.run(
+            [sys.executable, "-m", "regen_table", command, "--help"],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         assert explained.returncode == 0
         assert "CONFIG.toml" in explained.stdout
 
 
-def test_generate_keeps_its_findings_on_request(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["generate", str(PAPER), "-o", str(tmp_path), "--report", str(tmp_path / "found.json")]) == 0
+def test_generate_keeps_its_findings_on_request(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert (
+        cli.main(
+            ["generate", str(PAPER), "-o", str(tmp_path), "--report", str(tmp_path / "found.json")]
+        )
+        == 0
+    )
     found = json.loads((tmp_path / "found.json").read_text(encoding="utf-8"))
     assert min(m["phase_margin_deg"] for m in found["margins"]) > 45.0
     assert all(
-        proof["allowed"]["low"] <= proof["found"]["low"] and proof["found"]["high"] < proof["allowed"]["high"] for proof in found["formats"]
+        proof["allowed"]["low"] <= proof["found"]["low"]
+        and proof["found"]["high"] < proof["allowed"]["high"]
+        for proof in found["formats"]
     )
     assert max(loss["relative"] for loss in found["grid_losses"]) <= 2e-4
     assert "phase margin" in capsys.readouterr().out
@@ -185,8 +277,15 @@ def test_generate_keeps_its_findings_on_request(tmp_path: Path, capsys: pytest.C
 def test_the_figures_are_drawn_twice_the_same_as_pictures_and_as_vectors(tmp_path: Path) -> None:
     for name in ("first", "second"):
         assert cli.main(["figures", str(PAPER), "-o", str(tmp_path / name)]) == 0
-    first, second = ({p.name: p.read_bytes() for p in (tmp_path / name).iterdir()} for name in ("first", "second"))
-    assert set(first) == {f"lu2013_fig{n:02d}.{kind}" for n in (3, 4, 5, 7, 8, 10, 11, 12, 13, 14) for kind in ("svg", "png")}
+    first, second = (
+        {p.name: p.read_bytes() for p in (tmp_path / name).iterdir()}
+        for name in ("first", "second")
+    )
+    assert set(first) == {
+        f"lu2013_fig{n:02d}.{kind}"
+        for n in (3, 4, 5, 7, 8, 10, 11, 12, 13, 14)
+        for kind in ("svg", "png")
+    }
     assert first == second
     for name, content in first.items():
         if name.endswith(".svg"):

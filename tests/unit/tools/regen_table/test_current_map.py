@@ -1,4 +1,8 @@
-"""The stored demagnetising current: exact torque, least loss on a few points, no need for the bus voltage."""
+# SPDX-License-Identifier: Apache-2.0
+"""The stored demagnetising current.
+
+Exact torque, least loss on a few points, no need for the bus voltage.
+"""
 
 import dataclasses
 import math
@@ -22,11 +26,19 @@ def drive(request: pytest.FixtureRequest) -> schema.Drive:
     return schema.load(request.param)
 
 
-def test_the_torque_is_exact_whatever_demagnetising_current_flows(random_drives: list[schema.Drive]) -> None:
+def test_the_torque_is_exact_whatever_demagnetising_current_flows(
+    random_drives: list[schema.Drive],
+) -> None:
     rng = np.random.default_rng(7)
     for drive in random_drives[::4]:
         motor, inverter = models.machine(drive, 80.0), models.bridge(drive)
-        omega = drive.motor.max_speed_rpm * math.pi / 30.0 * motor.pole_pairs * rng.uniform(-1.0, 1.0, 100)
+        omega = (
+            drive.motor.max_speed_rpm
+            * math.pi
+            / 30.0
+            * motor.pole_pairs
+            * rng.uniform(-1.0, 1.0, 100)
+        )
         torque = drive.motor.rated_torque_nm * rng.uniform(-1.0, 1.0, 100)
         current = -drive.motor.max_phase_current_a * rng.uniform(0.0, 0.6, 100)
         state = current_map.state(motor, inverter, omega, torque, current)
@@ -34,7 +46,9 @@ def test_the_torque_is_exact_whatever_demagnetising_current_flows(random_drives:
         assert np.all(np.abs(state.current_d_a - current) <= 1e-9 * drive.motor.max_phase_current_a)
 
 
-def test_few_points_come_within_a_hundredth_of_a_per_cent_of_the_least_loss(drive: schema.Drive) -> None:
+def test_few_points_come_within_a_hundredth_of_a_per_cent_of_the_least_loss(
+    drive: schema.Drive,
+) -> None:
     table = current_audit.choose(drive)
     losses = current_audit.losses(drive, table)
     parts = {f"{cycle} {part}" for cycle in ("ece15", "udds") for part in ("driving", "braking")}
@@ -49,8 +63,12 @@ def test_the_stored_current_costs_no_braking_power_anywhere(drive: schema.Drive)
     assert current_audit.worst_power_loss(drive, current_audit.choose(drive)) <= 5e-4
 
 
-def test_temperature_is_an_axis_where_the_magnets_weaken_or_iron_loss_decides_and_none_elsewhere() -> None:
-    layers = {path.stem: current_audit.choose(schema.load(path)).current_d_mA.shape[0] for path in MOTORS}
+def test_temperature_is_an_axis_where_the_magnets_weaken_or_iron_loss_decides_and_none_elsewhere() -> (
+    None
+):
+    layers = {
+        path.stem: current_audit.choose(schema.load(path)).current_d_mA.shape[0] for path in MOTORS
+    }
     assert layers["ipm400v"] == layers["lu2013"] == 2
     assert layers["ebike36v"] == layers["scooter48v"] == 1
 
@@ -61,27 +79,41 @@ def test_a_smaller_grid_would_lose_more_than_is_allowed(drive: schema.Drive) -> 
     for torque, speed in ((1, 0), (0, 1)):
         steps = (chosen.torque_step_log2 + torque, chosen.speed_step_log2 + speed)
         columns, rows = current_map.points_over(drive, *steps)
-        if columns < 5 or rows < 2 or (columns, rows) == (chosen.current_d_mA.shape[2], chosen.current_d_mA.shape[1]):
+        if (
+            columns < 5
+            or rows < 2
+            or (columns, rows) == (chosen.current_d_mA.shape[2], chosen.current_d_mA.shape[1])
+        ):
             continue
         coarse = current_map.compute(drive, *steps, layers)
         energy = max(loss.stored for loss in current_audit.losses(drive, coarse))
         assert energy > 1e-4 or current_audit.worst_power_loss(drive, coarse) > 5e-4
 
 
-def test_a_drive_whose_map_cannot_be_fine_enough_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_drive_whose_map_cannot_be_fine_enough_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     drive = schema.load(ROOT / "tools" / "motors" / "ipm400v.toml")
     monkeypatch.setattr(current_audit, "_grids", lambda drive, layers: [(20, 20)])
-    with pytest.raises(ConfigurationError, match=r"^current_map: .* loses \d+\.\d+% of the energy .* accepted: at most 0\.02%"):
+    with pytest.raises(
+        ConfigurationError,
+        match=r"^current_map: .* loses \d+\.\d+% of the energy .* accepted: at most 0\.02%",
+    ):
         current_audit.choose.__wrapped__(drive)
 
 
-def test_leaving_the_bus_voltage_out_costs_less_than_a_tenth_of_a_per_cent(drive: schema.Drive) -> None:
+def test_leaving_the_bus_voltage_out_costs_less_than_a_tenth_of_a_per_cent(
+    drive: schema.Drive,
+) -> None:
     assert current_audit.bus_voltage_loss(drive) < 1e-3
 
 
 def power_of(drive: schema.Drive, speed: Array, torque: Array, current: Array) -> Array:
     """DC power of torques made with an i_d, at the temperature a single layer is made for."""
-    motor, inverter = models.machine(drive, float(np.mean(drive.table.temperature_range_c))), models.bridge(drive)
+    motor, inverter = (
+        models.machine(drive, float(np.mean(drive.table.temperature_range_c))),
+        models.bridge(drive),
+    )
     return current_map.state(motor, inverter, speed * motor.pole_pairs, torque, current).dc_power_w
 
 
@@ -90,29 +122,52 @@ def test_a_motor_that_idles_takes_the_least_power(drive: schema.Drive) -> None:
     table = current_map.compute(drive, table.torque_step_log2, table.speed_step_log2, 1)
     speed, torque = table.speeds_rad_s, np.zeros(len(table.speeds_rad_s))
     at = current_map.read(table, torque, speed, 0.0)
-    assert np.allclose(at * 1000.0, table.current_d_mA[0, :, table.current_d_mA.shape[2] // 2], rtol=0.0, atol=1e-6)
-    # Neighbours half an ampere away cost more: the points are minima, found here without the search.
+    assert np.allclose(
+        at * 1000.0, table.current_d_mA[0, :, table.current_d_mA.shape[2] // 2], rtol=0.0, atol=1e-6
+    )
+    # Neighbours half an ampere away cost more: the points are minima, found here without the
+    # search.
     for step in (-0.5, 0.5):
-        assert np.all(power_of(drive, speed, torque, at + step) >= power_of(drive, speed, torque, at) - 1e-6 * drive.motor.max_power_w)
+        assert np.all(
+            power_of(drive, speed, torque, at + step)
+            >= power_of(drive, speed, torque, at) - 1e-6 * drive.motor.max_power_w
+        )
 
 
-@pytest.mark.parametrize("path", [p for p in MOTORS if schema.load(p).motor.type == "ipmsm"], ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", [p for p in MOTORS if schema.load(p).motor.type == "ipmsm"], ids=lambda path: path.stem
+)
 def test_points_beside_the_curve_lose_less_than_points_on_it(path: Path) -> None:
     drive = schema.load(path)
     torque_step = tables.step_log2(2000.0 * drive.motor.max_torque_nm, 9, 0)
-    beside = current_map.compute(drive, torque_step, tables.step_log2(drive.motor.max_speed_rpm * math.pi / 30.0 * 1000.0, 5, 6), 1)
-    motor, inverter = models.machine(drive, float(np.mean(drive.table.temperature_range_c))), models.bridge(drive)
+    beside = current_map.compute(
+        drive,
+        torque_step,
+        tables.step_log2(drive.motor.max_speed_rpm * math.pi / 30.0 * 1000.0, 5, 6),
+        1,
+    )
+    motor, inverter = (
+        models.machine(drive, float(np.mean(drive.table.temperature_range_c))),
+        models.bridge(drive),
+    )
 
     def least(torque: Array, speed: Array) -> joint.Point:
         bounds = joint.Limits(current_map.RELAXED * drive.motor.max_phase_current_a)
         return joint.least_power(motor, inverter, speed * motor.pole_pairs, torque, bounds)
 
     on = least(beside.torques_nm, beside.speeds_rad_s[:, np.newaxis]).state.current_d_a
-    table = dataclasses.replace(beside, current_d_mA=np.rint(1000.0 * on).astype(np.int32)[np.newaxis])
+    table = dataclasses.replace(
+        beside, current_d_mA=np.rint(1000.0 * on).astype(np.int32)[np.newaxis]
+    )
     speed, torque = np.meshgrid(np.linspace(0.0, 1.0, 41)[1:] * drive.motor.max_speed_rpm * math.pi / 30.0,
                                 np.linspace(-1.0, 1.0, 81) * drive.motor.max_torque_nm)  # fmt: skip
     best = least(torque, speed).state.dc_power_w
-    lost = [float(np.mean(power_of(drive, speed, torque, current_map.read(t, torque, speed, 0.0)) - best)) for t in (beside, table)]
+    lost = [
+        float(
+            np.mean(power_of(drive, speed, torque, current_map.read(t, torque, speed, 0.0)) - best)
+        )
+        for t in (beside, table)
+    ]
     assert 0.0 < lost[0] < 0.7 * lost[1]
 
 
@@ -120,31 +175,51 @@ def test_reverse_reads_the_mirrored_torque(drive: schema.Drive) -> None:
     table = current_audit.choose(drive)
     torque = np.linspace(-1.0, 1.0, 41) * drive.motor.max_torque_nm
     speed = 0.37 * drive.motor.max_speed_rpm * math.pi / 30.0
-    assert np.array_equal(current_map.read(table, torque, speed, 40.0), current_map.read(table, -torque, -speed, 40.0))
+    assert np.array_equal(
+        current_map.read(table, torque, speed, 40.0), current_map.read(table, -torque, -speed, 40.0)
+    )
 
 
 def test_the_braking_table_that_goes_with_it_loses_next_to_nothing(drive: schema.Drive) -> None:
     table = current_audit.choose(drive)
-    losses = audit.grid_losses(drive, current_map.regen_map(drive, table), current_map.production(table))
+    losses = audit.grid_losses(
+        drive, current_map.regen_map(drive, table), current_map.production(table)
+    )
     assert all(-1e-6 <= loss.relative <= 2e-4 for loss in losses), losses
 
 
 def test_its_optimum_is_the_joint_optimum_of_both_currents(drive: schema.Drive) -> None:
     table = current_audit.choose(drive)
-    motor, inverter = models.machine(drive, float(np.mean(drive.table.temperature_range_c))), models.bridge(drive)
+    motor, inverter = (
+        models.machine(drive, float(np.mean(drive.table.temperature_range_c))),
+        models.bridge(drive),
+    )
     speed = np.array([0.05, 0.1, 0.3, 0.9]) * drive.motor.max_speed_rpm * math.pi / 30.0
     limit = 0.9 * drive.motor.max_torque_nm
     torque = current_map.best_torque_nm(motor, inverter, table, speed, limit)
     made = current_map.production(table).state(motor, inverter, speed, -torque).dc_power_w
-    best = joint.best_braking(motor, inverter, speed * motor.pole_pairs, joint.Limits(3.0 * drive.motor.max_phase_current_a), limit)
+    best = joint.best_braking(
+        motor,
+        inverter,
+        speed * motor.pole_pairs,
+        joint.Limits(3.0 * drive.motor.max_phase_current_a),
+        limit,
+    )
     assert np.all(made <= best.state.dc_power_w + 1e-3 * np.abs(best.state.dc_power_w))
 
 
-def test_the_generator_reads_the_map_exactly_as_the_firmware_does(tmp_path: Path, drive: schema.Drive) -> None:
+def test_the_generator_reads_the_map_exactly_as_the_firmware_does(
+    tmp_path: Path, drive: schema.Drive
+) -> None:
     library = tmp_path / "current_map.so"
-    includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")]
+    includes = [
+        f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")
+    ]
     sources = [str(ROOT / "firmware" / name) for name in ("torque/current_map.c", "core/grid.c")]
-    subprocess.run(["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)], check=True)
+    subprocess.run(
+        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
+        check=True,
+    )
     ffi = cffi.FFI()
     ffi.cdef(
         "int32_t current_map_d_mA(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC, int32_t airgap_torque_mNm);"
@@ -153,20 +228,45 @@ def test_the_generator_reads_the_map_exactly_as_the_firmware_does(tmp_path: Path
     raw = ffi.from_buffer(image.build(drive))
     table = current_audit.choose(drive)
     rng = np.random.default_rng(8)
-    top, most = round(1200.0 * drive.motor.max_speed_rpm * math.pi / 30.0), round(1500.0 * drive.motor.max_torque_nm)
-    speeds, torques, warm = (rng.integers(low, high, 3000) for low, high in ((-top, top), (-most, most), (-5000, 20000)))
-    expected = [firmware.current_map_d_mA(raw, int(s), int(w), int(t)) for s, w, t in zip(speeds, warm, torques, strict=True)]
+    top, most = (
+        round(1200.0 * drive.motor.max_speed_rpm * math.pi / 30.0),
+        round(1500.0 * drive.motor.max_torque_nm),
+    )
+    speeds, torques, warm = (
+        rng.integers(low, high, 3000) for low, high in ((-top, top), (-most, most), (-5000, 20000))
+    )
+    expected = [
+        firmware.current_map_d_mA(raw, int(s), int(w), int(t))
+        for s, w, t in zip(speeds, warm, torques, strict=True)
+    ]
     found = current_map.read(table, torques / 1000.0, speeds / 1000.0, warm / 100.0)
     assert np.rint(found * 1000.0).astype(int).tolist() == expected
 
 
-def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(tmp_path: Path, drive: schema.Drive) -> None:
-    """The current reference, compiled, against the model: torque within 0.2 %, and the DC power of the stored map."""
+def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(
+    tmp_path: Path, drive: schema.Drive
+) -> None:
+    """The current reference, compiled, against the model.
+
+    Torque within 0.2 %, and the DC power of the stored map.
+    """
     library = tmp_path / "reference.so"
-    includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")]
-    names = ("torque/current_map.c", "torque/current_reference.c", "torque/motor_model.c", "core/divide.c", "core/grid.c", "core/isqrt.c")
+    includes = [
+        f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")
+    ]
+    names = (
+        "torque/current_map.c",
+        "torque/current_reference.c",
+        "torque/motor_model.c",
+        "core/divide.c",
+        "core/grid.c",
+        "core/isqrt.c",
+    )
     sources = [str(ROOT / "firmware" / name) for name in names]
-    subprocess.run(["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)], check=True)
+    subprocess.run(
+        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
+        check=True,
+    )
     ffi = cffi.FFI()
     ffi.cdef("""
         typedef struct { int32_t words[12]; } model_t;
@@ -180,12 +280,26 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(t
     warm = drive.motor.reference_temperature_c + 60.0
     motor = models.machine(drive, warm)
     for speed in np.linspace(-1.0, 1.0, 9) * drive.motor.max_speed_rpm * math.pi / 30.0:
-        model = ffi.new("model_t *", firmware.motor_model_at(raw, round(speed * 1000.0), round(warm * 100.0)))
+        model = ffi.new(
+            "model_t *", firmware.motor_model_at(raw, round(speed * 1000.0), round(warm * 100.0))
+        )
         turning = float(np.clip(speed, -0.5, 0.5)) / 0.5
         friction = turning * motor.friction_nm + motor.viscous_nm_s * speed
         for torque in np.linspace(-1.0, 1.0, 9) * drive.motor.max_torque_nm:
-            i = firmware.current_reference_unlimited(raw, model, round((torque - friction) * 1000.0), 0)
-            made = models.evaluate(motor, inverter, speed * motor.pole_pairs, i.d_mA / 1000.0, i.q_mA / 1000.0)
-            promised = current_map.state(motor, inverter, speed * motor.pole_pairs, torque, current_map.read(table, torque, speed, warm))
+            i = firmware.current_reference_unlimited(
+                raw, model, round((torque - friction) * 1000.0), 0
+            )
+            made = models.evaluate(
+                motor, inverter, speed * motor.pole_pairs, i.d_mA / 1000.0, i.q_mA / 1000.0
+            )
+            promised = current_map.state(
+                motor,
+                inverter,
+                speed * motor.pole_pairs,
+                torque,
+                current_map.read(table, torque, speed, warm),
+            )
             assert abs(float(made.torque_nm) - torque) <= 2e-3 * drive.motor.max_torque_nm
-            assert float(made.dc_power_w) == pytest.approx(float(promised.dc_power_w), rel=3e-3, abs=2e-3 * drive.motor.max_power_w)
+            assert float(made.dc_power_w) == pytest.approx(
+                float(promised.dc_power_w), rel=3e-3, abs=2e-3 * drive.motor.max_power_w
+            )

@@ -1,4 +1,8 @@
-"""How torque is made at best: the paper's closed form for surface magnets, the least loss for salient motors."""
+# SPDX-License-Identifier: Apache-2.0
+"""How torque is made at best.
+
+The paper's closed form for surface magnets, the least loss for salient motors.
+"""
 
 import math
 from pathlib import Path
@@ -14,11 +18,20 @@ SALIENT = [path for path in MOTORS if schema.load(path).motor.type == "ipmsm"]
 
 def test_surface_magnets_brake_with_the_papers_closed_form(paper: schema.Drive) -> None:
     assert ideal.production(paper) is braking.ZERO_D_CURRENT
-    line = ideal.lines(paper, models.machine(paper, 25.0), models.bridge(paper), np.array([100.0, 300.0]) * math.pi / 30.0)
+    line = ideal.lines(
+        paper,
+        models.machine(paper, 25.0),
+        models.bridge(paper),
+        np.array([100.0, 300.0]) * math.pi / 30.0,
+    )
     assert line.optimal_nm == pytest.approx([49.60, 148.7], rel=5e-4)
     assert line.zero_nm == pytest.approx([98.02, 295.7], rel=5e-4)
     # T_opt = 40 N m, the limit, between 50 and 100 r/min.
-    meeting = ideal.meeting_rad_s(paper, models.machine(paper, 25.0), models.bridge(paper)) * 30.0 / math.pi
+    meeting = (
+        ideal.meeting_rad_s(paper, models.machine(paper, 25.0), models.bridge(paper))
+        * 30.0
+        / math.pi
+    )
     assert pytest.approx(meeting, rel=5e-3) == 50.0 + 50.0 * (40.0 - 24.19) / (49.60 - 24.19)
 
 
@@ -46,17 +59,26 @@ def test_a_salient_motors_lines_are_the_optimum_and_the_zero_of_the_least_power(
 @pytest.mark.parametrize("path", SALIENT, ids=lambda path: path.stem)
 def test_a_salient_motors_stop_and_cycle_return_what_the_least_loss_does(path: Path) -> None:
     drive = schema.load(path)
-    made, motor, inverter = ideal.production(drive), models.machine(drive, 60.0), models.bridge(drive)
+    made, motor, inverter = (
+        ideal.production(drive),
+        models.machine(drive, 60.0),
+        models.bridge(drive),
+    )
     speed = np.linspace(0.05, 1.0, 20) * drive.motor.max_speed_rpm * math.pi / 30.0
     limit = braking.torque_limit_nm(drive, speed)
-    best = joint.best_braking(motor, inverter, speed * motor.pole_pairs, current_audit.relaxed(drive), limit).state.dc_power_w
+    best = joint.best_braking(
+        motor, inverter, speed * motor.pole_pairs, current_audit.relaxed(drive), limit
+    ).state.dc_power_w
     torque = made.capability_nm(drive, motor, inverter, speed)
-    assert np.all(made.state(motor, inverter, speed, -torque).dc_power_w <= best + 1e-3 * np.abs(best))
+    assert np.all(
+        made.state(motor, inverter, speed, -torque).dc_power_w <= best + 1e-3 * np.abs(best)
+    )
     demand = 0.7 * drive.motor.max_torque_nm
     stopped = stops.stop(drive, "series_optimal", demand, 20.0, 60.0)
     assert abs(stopped.residual_relative) < 1e-9
     trace = cycles.load(cycles.DIRECTORY / "ece15.csv", 30.0)
     free, zero = (
-        cycles.run(drive, trace, "series_optimal", 60.0, made=way).energy_j.battery_returned for way in (made, braking.ZERO_D_CURRENT)
+        cycles.run(drive, trace, "series_optimal", 60.0, made=way).energy_j.battery_returned
+        for way in (made, braking.ZERO_D_CURRENT)
     )
     assert free > zero

@@ -1,4 +1,8 @@
-"""The image holds what the TOML says, in the header's layout and ranges; the C file and the binary are the same bytes."""
+# SPDX-License-Identifier: Apache-2.0
+"""The image holds what the TOML says, in the header's layout and ranges.
+
+The C file and the binary are the same bytes.
+"""
 
 import math
 import re
@@ -41,10 +45,19 @@ def test_the_layout_is_the_compilers(tmp_path: Path) -> None:
     for section, fields in header.sections.items():
         for name in fields:
             offset = header.ffi.offsetof("config_t", section, name)
-            checks.append(f'_Static_assert(offsetof(config_t, {section}.{name}) == {offset}, "{section}.{name}");')
+            checks.append(
+                f'_Static_assert(offsetof(config_t, {section}.{name}) == {offset}, "{section}.{name}");'
+            )
     source = tmp_path / "layout.c"
-    source.write_text('#include <stddef.h>\n#include "config/config.h"\n' + "\n".join(checks) + "\n")
-    done = subprocess.run(["cc", "-std=c11", "-fsyntax-only", "-I", str(INCLUDE), str(source)], capture_output=True, text=True, check=False)
+    source.write_text(
+        '#include <stddef.h>\n#include "config/config.h"\n' + "\n".join(checks) + "\n"
+    )
+    done = subprocess.run(
+        ["cc", "-std=c11", "-fsyntax-only", "-I", str(INCLUDE), str(source)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 0, done.stderr
 
 
@@ -71,41 +84,63 @@ def test_the_papers_numbers_arrive_in_the_firmwares_units(paper: schema.Drive) -
 
 
 def test_the_per_unit_gains_are_the_textbooks(paper: schema.Drive) -> None:
-    # Z = 165 A / 61.8 V, omega_c = 2 pi 1000, omega_base = 2 pi 20000 / 16, T = 50 us: 1 + 2 omega_c T = 1.6283185.
+    # Z = 165 A / 61.8 V, omega_c = 2 pi 1000, omega_base = 2 pi 20000 / 16, T = 50 us: 1 + 2
+    # omega_c T = 1.6283185.
     loop = unpack(image.build(paper)).current_loop
-    # a = exp(-6283.1853 * 50 us) = 0.7304, a (1 - a) = 0.19691; winding and switch have 34.3 mOhm, exp(-R T / L) = 0.97769
-    assert loop.integral_q_pu_q24 / 2**24 == pytest.approx(0.19691452 * 0.0343 * 165 / 61.8, rel=1e-5)
-    assert loop.proportional_d_pu_q16 / 65536 == pytest.approx(0.19691452 * 0.0343 / 0.02231294 * 165 / 61.8, rel=1e-5)
-    assert loop.inductance_d_pu_q16 / 65536 == pytest.approx(7853.9816 * 76e-6 * 165 / 61.8, rel=1e-5)
+    # a = exp(-6283.1853 * 50 us) = 0.7304, a (1 - a) = 0.19691; winding and switch have 34.3 mOhm,
+    # exp(-R T / L) = 0.97769
+    assert loop.integral_q_pu_q24 / 2**24 == pytest.approx(
+        0.19691452 * 0.0343 * 165 / 61.8, rel=1e-5
+    )
+    assert loop.proportional_d_pu_q16 / 65536 == pytest.approx(
+        0.19691452 * 0.0343 / 0.02231294 * 165 / 61.8, rel=1e-5
+    )
+    assert loop.inductance_d_pu_q16 / 65536 == pytest.approx(
+        7853.9816 * 76e-6 * 165 / 61.8, rel=1e-5
+    )
     assert loop.flux_pu_q16 / 65536 == pytest.approx(7853.9816 * 0.0204 / 61.8, rel=1e-5)
 
 
 def test_the_dead_time_zone_is_what_the_dead_time_can_extinguish(change: Change) -> None:
     def zone_a(changes: dict[str, Any]) -> float:
-        return float(unpack(image.build(change(changes))).current_loop.dead_time_zone_pu_q15) / 32768.0 * 165.0
+        return (
+            float(unpack(image.build(change(changes))).current_loop.dead_time_zone_pu_q15)
+            / 32768.0
+            * 165.0
+        )
 
-    # 1 us of 49.2 V, the middle of 40.0 to 58.4 V, and of twice 0.8 V on 76 uH; then on 70 uH, the smaller one
+    # 1 us of 49.2 V, the middle of 40.0 to 58.4 V, and of twice 0.8 V on 76 uH; then on 70 uH, the
+    # smaller one
     assert zone_a({}) == pytest.approx(0.668, abs=0.003)
     assert zone_a({"inverter.diode_forward_voltage_v": 0.0}) == pytest.approx(0.647, abs=0.003)
-    assert zone_a({"motor.d_inductance_h": 70e-6, "motor.type": "ipmsm"}) == pytest.approx(0.726, abs=0.003)
+    assert zone_a({"motor.d_inductance_h": 70e-6, "motor.type": "ipmsm"}) == pytest.approx(
+        0.726, abs=0.003
+    )
     assert zone_a({"inverter.dead_time_s": 0.0}) == pytest.approx(128.0 / 32768.0 * 165.0)
     assert zone_a({"control.dead_time_zone_a": 2.0}) == pytest.approx(2.0, abs=0.003)
 
 
 @pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_modulation_limit_counts_on_the_dead_time_that_the_image_gives_back(path: Path) -> None:
-    # dead_time_init() from the image's integers: t_d f (1 + 2 V_f / ((v_min + v_max) / 2)) of the period, to the nearest count.
+    # dead_time_init() from the image's integers: t_d f (1 + 2 V_f / ((v_min + v_max) / 2)) of the
+    # period, to the nearest count.
     drive = schema.load(path)
     packed = unpack(image.build(drive))
     share = Fraction(packed.drive.dead_time_ns * packed.drive.pwm_frequency_Hz, 10**9)
-    drops = Fraction(4 * packed.drive.diode_drop_mV, packed.battery.min_voltage_mV + packed.battery.max_voltage_mV)
+    drops = Fraction(
+        4 * packed.drive.diode_drop_mV,
+        packed.battery.min_voltage_mV + packed.battery.max_voltage_mV,
+    )
     assert drops > 0
-    assert math.floor(share * (1 + drops) * packed.drive.pwm_period_counts + Fraction(1, 2)) == loops.dead_time_counts(drive)
+    assert math.floor(
+        share * (1 + drops) * packed.drive.pwm_period_counts + Fraction(1, 2)
+    ) == loops.dead_time_counts(drive)
 
 
 @pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_largest_modulation_leaves_the_shortest_pulse_and_two_sampled_legs(path: Path) -> None:
-    # Min/max injection by its definition, at every angle, the dead-time trim against us in every leg.
+    # Min/max injection by its definition, at every angle, the dead-time trim against us in every
+    # leg.
     drive = schema.load(path)
     packed = unpack(image.build(drive))
     period = packed.drive.pwm_period_counts
@@ -114,32 +149,59 @@ def test_the_largest_modulation_leaves_the_shortest_pulse_and_two_sampled_legs(p
     lost_v = middle_v + 2.0 * drive.inverter.diode_forward_voltage_v
     trim = drive.inverter.dead_time_s * drive.inverter.pwm_frequency_hz * lost_v / middle_v * period
     angle = np.linspace(0.0, 2.0 * np.pi, 3601)
-    phases = modulation / np.sqrt(3.0) * np.cos(angle - np.array([[0.0], [2.0], [4.0]]) * np.pi / 3.0)  # of v_dc
+    phases = (
+        modulation / np.sqrt(3.0) * np.cos(angle - np.array([[0.0], [2.0], [4.0]]) * np.pi / 3.0)
+    )  # of v_dc
     centred = phases - (phases.max(axis=0) + phases.min(axis=0)) / 2.0
     compare = np.sort(period * (0.5 + centred) + trim, axis=0)
     assert compare[2].max() <= period - packed.drive.min_pulse_counts
-    # The leg with the longest high side is worked out from the other two: the second one must leave its sample.
+    # The leg with the longest high side is worked out from the other two: the second one must leave
+    # its sample.
     window = (drive.inverter.dead_time_s + 0.5e-6) * drive.inverter.pwm_timer_clock_hz
     assert compare[1].max() <= period - window
-    tight = [compare[2].max() >= period - packed.drive.min_pulse_counts - 4, compare[1].max() >= period - window - 4, modulation > 0.979]
+    tight = [
+        compare[2].max() >= period - packed.drive.min_pulse_counts - 4,
+        compare[1].max() >= period - window - 4,
+        modulation > 0.979,
+    ]
     assert any(tight)  # and gives nothing away
 
 
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ({"motor.max_phase_current_a": 155.0}, "motor.max_phase_current_a: 155 A, accepted: at most 141.7 A"),
-        ({"control.current_bandwidth_hz": 2000.0}, "control.current_bandwidth_hz: 2000 Hz, accepted: at most 1591 Hz"),
-        ({"inverter.voltage_full_scale_v": 59.0}, "inverter.voltage_full_scale_v: 59 V, accepted: more than 59.59 V"),
+        (
+            {"motor.max_phase_current_a": 155.0},
+            "motor.max_phase_current_a: 155 A, accepted: at most 141.7 A",
+        ),
+        (
+            {"control.current_bandwidth_hz": 2000.0},
+            "control.current_bandwidth_hz: 2000 Hz, accepted: at most 1591 Hz",
+        ),
+        (
+            {"inverter.voltage_full_scale_v": 59.0},
+            "inverter.voltage_full_scale_v: 59 V, accepted: more than 59.59 V",
+        ),
         ({"inverter.min_pulse_s": 1e-5}, "svpwm.lowest_counts: "),
         ({"battery.min_voltage_v": 8.0}, "current_loop.w_psi: "),
-        ({"motor.phase_resistance_ohm": 5e-5, "inverter.switch_resistance_ohm": 0.0}, "current_loop.integral: "),
+        (
+            {"motor.phase_resistance_ohm": 5e-5, "inverter.switch_resistance_ohm": 0.0},
+            "current_loop.integral: ",
+        ),
         ({"control.dead_time_zone_a": 0.1}, "dead_time.zone: "),
-        ({"inverter.pwm_timer_clock_hz": 1_000_000}, "drive.pwm_period_counts: 25 does not fit the controller, accepted: 256 to 16384"),
-        ({"vehicle.driven_wheels": 16, "battery.max_discharge_current_a": 1.0}, "battery.max_discharge_current_mA: 63 mA does not fit"),
+        (
+            {"inverter.pwm_timer_clock_hz": 1_000_000},
+            "drive.pwm_period_counts: 25 does not fit the controller, accepted: 256 to 16384",
+        ),
+        (
+            {"vehicle.driven_wheels": 16, "battery.max_discharge_current_a": 1.0},
+            "battery.max_discharge_current_mA: 63 mA does not fit",
+        ),
     ],
 )
-def test_what_the_controller_cannot_hold_is_refused_by_name(change: Change, changes: dict[str, Any], expected: str) -> None:
+def test_what_the_controller_cannot_hold_is_refused_by_name(
+    change: Change, changes: dict[str, Any], expected: str
+) -> None:
     drive = change(changes)
     with pytest.raises(ConfigurationError) as caught:
         image.build(drive)
@@ -155,9 +217,23 @@ def test_the_checked_in_files_are_what_their_toml_generates(path: Path) -> None:
 def test_the_compiled_c_file_has_the_bytes_of_the_binary(tmp_path: Path, path: Path) -> None:
     compiled, section = tmp_path / "config.o", tmp_path / "config.bin"
     place = '-DCONFIG_SECTION=__attribute__((section(".hubfoc_config")))'
-    flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", "-Wconversion", "-Wundef", place, "-I", str(INCLUDE)]
-    subprocess.run(["cc", *flags, "-c", str(GENERATED / f"{path.stem}.c"), "-o", str(compiled)], check=True)
-    subprocess.run(["objcopy", "-O", "binary", "-j", ".hubfoc_config", str(compiled), str(section)], check=True)
+    flags = [
+        "-std=c11",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-Wconversion",
+        "-Wundef",
+        place,
+        "-I",
+        str(INCLUDE),
+    ]
+    subprocess.run(
+        ["cc", *flags, "-c", str(GENERATED / f"{path.stem}.c"), "-o", str(compiled)], check=True
+    )
+    subprocess.run(
+        ["objcopy", "-O", "binary", "-j", ".hubfoc_config", str(compiled), str(section)], check=True
+    )
     assert section.read_bytes() == (GENERATED / f"{path.stem}.bin").read_bytes()
 
 
@@ -165,7 +241,10 @@ def test_the_firmwares_own_validator_accepts_every_shipped_image(tmp_path: Path)
     library = tmp_path / "validate.so"
     includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core")]
     source = ROOT / "firmware" / "config" / "validate.c"
-    subprocess.run(["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, str(source), "-o", str(library)], check=True)
+    subprocess.run(
+        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, str(source), "-o", str(library)],
+        check=True,
+    )
     ffi = cffi.FFI()
     ffi.cdef("""
         typedef struct { int code; const char *field; int32_t value, lowest, highest; } verdict_t;
@@ -175,13 +254,21 @@ def test_the_firmwares_own_validator_accepts_every_shipped_image(tmp_path: Path)
     for path in sorted(GENERATED.glob("*.bin")):
         raw = path.read_bytes()
         verdict = firmware.config_validate(ffi.from_buffer(raw), len(raw))
-        assert verdict.code == 0, (path.name, ffi.string(verdict.field), verdict.value, verdict.lowest, verdict.highest)
+        assert verdict.code == 0, (
+            path.name,
+            ffi.string(verdict.field),
+            verdict.value,
+            verdict.lowest,
+            verdict.highest,
+        )
         broken = bytearray(raw)
         broken[100] ^= 1
         assert firmware.config_validate(ffi.from_buffer(broken), len(broken)).code != 0
 
 
-def test_a_stale_or_missing_file_is_reported_with_its_name(tmp_path: Path, paper: schema.Drive) -> None:
+def test_a_stale_or_missing_file_is_reported_with_its_name(
+    tmp_path: Path, paper: schema.Drive
+) -> None:
     with pytest.raises(CheckFailedError, match=r"lu2013\.c: missing"):
         generate.check(paper, tmp_path)
     generate.write(paper, tmp_path)
@@ -191,7 +278,9 @@ def test_a_stale_or_missing_file_is_reported_with_its_name(tmp_path: Path, paper
         generate.check(paper, tmp_path)
 
 
-def test_a_failure_between_the_two_files_leaves_the_old_pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failure_between_the_two_files_leaves_the_old_pair(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     old = {"a.c": b"old c", "a.bin": b"old bin"}
     generate.write_all(old, tmp_path)
     replace = Path.replace
@@ -202,15 +291,22 @@ def test_a_failure_between_the_two_files_leaves_the_old_pair(tmp_path: Path, mon
         return replace(self, target)
 
     monkeypatch.setattr(Path, "replace", fail_on_the_second)
-    with pytest.raises(ConfigurationError, match=r"a\.bin: cannot be written: No space left on device"):
+    with pytest.raises(
+        ConfigurationError, match=r"a\.bin: cannot be written: No space left on device"
+    ):
         generate.write_all({"a.c": b"new c", "a.bin": b"new bin"}, tmp_path)
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == old
 
 
-def test_a_configuration_that_is_refused_writes_nothing(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_configuration_that_is_refused_writes_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     broken = tmp_path / "broken.toml"
     broken.write_text(
-        PAPER.read_text(encoding="utf-8").replace("voltage_full_scale_v = 61.8", "voltage_full_scale_v = 59.0"), encoding="utf-8"
+        PAPER.read_text(encoding="utf-8").replace(
+            "voltage_full_scale_v = 61.8", "voltage_full_scale_v = 59.0"
+        ),
+        encoding="utf-8",
     )
     assert cli.main(["generate", str(broken), "-o", str(tmp_path / "out")]) == 1
     lines = capsys.readouterr().err.splitlines()
@@ -221,8 +317,17 @@ def test_a_configuration_that_is_refused_writes_nothing(tmp_path: Path, capsys: 
     assert not (tmp_path / "out").exists()
 
 
-def test_a_report_that_cannot_be_written_leaves_no_configuration_behind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ["generate", str(PAPER), "-o", str(tmp_path / "out"), "--report", "/proc/report.json"]
+def test_a_report_that_cannot_be_written_leaves_no_configuration_behind(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = [
+        "generate",
+        str(PAPER),
+        "-o",
+        str(tmp_path / "out"),
+        "--report",
+        "/proc/report.json",
+    ]
     assert cli.main(arguments) == 1
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1

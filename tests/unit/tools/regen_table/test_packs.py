@@ -1,4 +1,8 @@
-"""A pack under a trace of power: against the closed solution at constant power, and what its RC branch cannot change."""
+# SPDX-License-Identifier: Apache-2.0
+"""A pack under a trace of power.
+
+Against the closed solution at constant power, and what its RC branch cannot change.
+"""
 
 import math
 from collections.abc import Callable
@@ -15,8 +19,12 @@ BRANCH = (RESISTANCE_OHM, CAPACITANCE_F)
 DEMANDS_NM = (5.0, 20.0, 40.0, 60.0, 120.0)
 
 
-def constant(power_w: float, duration_s: float, steps: int, series_ohm: float = SERIES_OHM) -> packs.Flow:
-    return packs.dynamic(OPEN_V, series_ohm, BRANCH, np.full(steps, power_w), np.full(steps, duration_s / steps))
+def constant(
+    power_w: float, duration_s: float, steps: int, series_ohm: float = SERIES_OHM
+) -> packs.Flow:
+    return packs.dynamic(
+        OPEN_V, series_ohm, BRANCH, np.full(steps, power_w), np.full(steps, duration_s / steps)
+    )
 
 
 def overvoltage(found: packs.Flow, power_w: float) -> float:
@@ -33,13 +41,22 @@ def test_constant_power_follows_its_closed_solution(power_w: float, duration_s: 
     u = overvoltage(constant(power_w, duration_s, 4000, series_ohm=0.0), power_w)
     root = math.sqrt(OPEN_V**2 - 4.0 * power_w * RESISTANCE_OHM)
     a, b = (OPEN_V - root) / 2.0, (OPEN_V + root) / 2.0
-    logarithms = (OPEN_V - a) * math.log(abs((u - a) / a)) - (OPEN_V - b) * math.log(abs((u - b) / b))
-    assert RESISTANCE_OHM * CAPACITANCE_F * logarithms / (a - b) == pytest.approx(duration_s, rel=2e-5)
+    logarithms = (OPEN_V - a) * math.log(abs((u - a) / a)) - (OPEN_V - b) * math.log(
+        abs((u - b) / b)
+    )
+    assert RESISTANCE_OHM * CAPACITANCE_F * logarithms / (a - b) == pytest.approx(
+        duration_s, rel=2e-5
+    )
 
 
 @pytest.mark.parametrize("power_w", [-6000.0, 4000.0])
-def test_the_charge_at_constant_power_is_the_integral_over_the_branchs_voltage(power_w: float) -> None:
-    """The integral of i dt is that of i C du / (i - u/R); R_s stands in i, the root of i (u_oc - u - R_s i) = P."""
+def test_the_charge_at_constant_power_is_the_integral_over_the_branchs_voltage(
+    power_w: float,
+) -> None:
+    """The integral of i dt is that of i C du / (i - u/R).
+
+    R_s stands in i, the root of i (u_oc - u - R_s i) = P.
+    """
     found = constant(power_w, 10.0, 4000)
 
     def current(u: float) -> float:
@@ -51,9 +68,15 @@ def test_the_charge_at_constant_power_is_the_integral_over_the_branchs_voltage(p
 
     end = overvoltage(found, power_w)
     assert found.chemical_j == pytest.approx(OPEN_V * integrate.quad(charge, 0.0, end)[0], rel=1e-7)
-    heat = integrate.quad(lambda u: charge(u) * (SERIES_OHM * current(u) + u**2 / RESISTANCE_OHM / current(u)), 0.0, end)[0]
+    heat = integrate.quad(
+        lambda u: charge(u) * (SERIES_OHM * current(u) + u**2 / RESISTANCE_OHM / current(u)),
+        0.0,
+        end,
+    )[0]
     assert found.heat_j == pytest.approx(heat, rel=1e-6)
-    assert found.chemical_j == pytest.approx(power_w * 10.0 + found.heat_j + found.left_in_branch_j, rel=1e-12)
+    assert found.chemical_j == pytest.approx(
+        power_w * 10.0 + found.heat_j + found.left_in_branch_j, rel=1e-12
+    )
 
 
 def test_one_long_step_is_the_settled_branch_and_no_time_is_none() -> None:
@@ -63,7 +86,9 @@ def test_one_long_step_is_the_settled_branch_and_no_time_is_none() -> None:
         assert long.chemical_j == pytest.approx(float(steady.chemical_power_w) * 1e9, rel=1e-6)
         short = constant(power, 1e-3, 1)
         unpolarised = models.battery_steady(OPEN_V, SERIES_OHM, power)
-        assert short.chemical_j == pytest.approx(float(unpolarised.chemical_power_w) * 1e-3, rel=1e-6)
+        assert short.chemical_j == pytest.approx(
+            float(unpolarised.chemical_power_w) * 1e-3, rel=1e-6
+        )
 
 
 def test_more_power_at_every_instant_stores_more() -> None:
@@ -72,7 +97,9 @@ def test_more_power_at_every_instant_stores_more() -> None:
         seconds = rng.uniform(0.01, 4.0, 60)
         power = rng.uniform(-8000.0, 6000.0, 60)
         less = power + rng.uniform(0.0, 500.0, 60) * rng.integers(0, 2, 60)
-        more, fewer = (packs.dynamic(OPEN_V, SERIES_OHM, BRANCH, trace, seconds) for trace in (power, less))
+        more, fewer = (
+            packs.dynamic(OPEN_V, SERIES_OHM, BRANCH, trace, seconds) for trace in (power, less)
+        )
         assert more.chemical_j <= fewer.chemical_j
 
 
@@ -84,7 +111,9 @@ def test_half_the_step_quarters_the_error() -> None:
 
 
 @pytest.mark.parametrize("strategy", braking.STRATEGIES)
-def test_a_branch_that_moves_lies_between_one_that_has_settled_and_none(change: Change, strategy: str) -> None:
+def test_a_branch_that_moves_lies_between_one_that_has_settled_and_none(
+    change: Change, strategy: str
+) -> None:
     drive = change({})
     for demand in DEMANDS_NM:
 
@@ -96,20 +125,31 @@ def test_a_branch_that_moves_lies_between_one_that_has_settled_and_none(change: 
         settled, moving = share({}, "settled"), share({}, "dynamic")
         assert settled < moving < share({"battery.polarisation_resistance_ohm": 0.0}, "settled")
         # Time constants far below and far above the stop's own length are those two limits.
-        assert share({"battery.polarisation_capacitance_f": 1e-3}, "dynamic") == pytest.approx(settled, abs=1e-7)
+        assert share({"battery.polarisation_capacitance_f": 1e-3}, "dynamic") == pytest.approx(
+            settled, abs=1e-7
+        )
         slow = share({"battery.polarisation_capacitance_f": 1e7}, "dynamic")
-        assert slow == pytest.approx(share({"battery.polarisation_resistance_ohm": 0.0}, "settled"), abs=1e-5)
+        assert slow == pytest.approx(
+            share({"battery.polarisation_resistance_ohm": 0.0}, "settled"), abs=1e-5
+        )
         off = share({"battery.polarisation_resistance_ohm": 0.0}, "dynamic")
-        assert off == pytest.approx(share({"battery.polarisation_resistance_ohm": 0.0}, "settled"), rel=1e-12)
+        assert off == pytest.approx(
+            share({"battery.polarisation_resistance_ohm": 0.0}, "settled"), rel=1e-12
+        )
     energies = stops.stop(drive, strategy, 40.0, 40.0, 25.0, battery="dynamic").energy_j
     assert 0.0 < energies.polarisation < energies.battery
 
 
-def test_the_series_optimum_stays_the_best_with_a_branch_that_moves(random_drives: list[schema.Drive]) -> None:
+def test_the_series_optimum_stays_the_best_with_a_branch_that_moves(
+    random_drives: list[schema.Drive],
+) -> None:
     for drive in random_drives[::40]:
         top = 0.9 * drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
         for demand in drive.motor.rated_torque_nm * np.array([0.7, 4.0]):
             stored = {
-                s: stops.stop(drive, s, float(demand), top, 80.0, battery="dynamic").stored_share_of_kinetic for s in braking.STRATEGIES
+                s: stops.stop(
+                    drive, s, float(demand), top, 80.0, battery="dynamic"
+                ).stored_share_of_kinetic
+                for s in braking.STRATEGIES
             }
             assert stored["series_optimal"] >= max(stored.values()) - 1e-9

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Properties that any right loss model has, on the paper's vehicle and on two hundred random drives."""
 
 import math
@@ -10,7 +11,8 @@ from regen_table import braking, cycles, joint, models, optimum, points, schema,
 
 Change = Callable[[dict[str, Any]], schema.Drive]
 SPEEDS_RPM = (25.0, 50.0, 100.0, 150.0, 300.0, 424.4)
-# Derived in the project's notes from circuit laws, with peak flux, and confirmed by a three-phase simulation.
+# Derived in the project's notes from circuit laws, with peak flux, and confirmed by a three-phase
+# simulation.
 T_OPT_NM = (-11.32, -24.19, -49.60, -74.71, -148.7, -208.9)
 T_ZERO_NM = (-22.17, -47.59, -98.02, -148.0, -295.7, -415.9)
 DEMANDS_NM = (5.0, 20.0, 40.0, 60.0, 120.0)
@@ -29,24 +31,33 @@ def test_the_papers_vehicle_has_the_torques_derived_by_hand(paper: schema.Drive)
 
 
 @pytest.mark.parametrize("strategy", braking.STRATEGIES)
-def test_a_stop_from_40_km_h_stores_what_was_derived_by_hand(paper: schema.Drive, strategy: str) -> None:
+def test_a_stop_from_40_km_h_stores_what_was_derived_by_hand(
+    paper: schema.Drive, strategy: str
+) -> None:
     for demand, percent in zip(DEMANDS_NM, STORED_PERCENT[strategy], strict=True):
         result = stops.stop(paper, strategy, demand, 40.0, 25.0)
         assert 100.0 * result.stored_share_of_kinetic == pytest.approx(percent, abs=0.06)
         assert result.kinetic_energy_j == pytest.approx(0.5 * 660.0 * (40.0 / 3.6) ** 2)
         # s = m v^2 / 2 F, F = 4 T / r
-        assert result.stop_distance_m == pytest.approx(result.kinetic_energy_j / (4.0 * demand / 0.25))
+        assert result.stop_distance_m == pytest.approx(
+            result.kinetic_energy_j / (4.0 * demand / 0.25)
+        )
         assert abs(result.residual_relative) < 1e-9
 
 
 def test_a_hot_winding_takes_a_quarter_off_the_best_torque(paper: schema.Drive) -> None:
-    cold, hot = (points.solve(paper, 150.0, warm, points.setting(paper))["torque_optimal_nm"] for warm in (25.0, 120.0))
+    cold, hot = (
+        points.solve(paper, 150.0, warm, points.setting(paper))["torque_optimal_nm"]
+        for warm in (25.0, 120.0)
+    )
     assert 1.0 - hot / cold == pytest.approx(0.24, abs=0.01)
 
 
 def random_states(drive: schema.Drive, rng: np.random.Generator) -> models.State:
     motor = models.machine(drive, rng.uniform(-20.0, 150.0, 50))
-    omega = drive.motor.max_speed_rpm * math.pi / 30.0 * motor.pole_pairs * rng.uniform(-1.0, 1.0, 50)
+    omega = (
+        drive.motor.max_speed_rpm * math.pi / 30.0 * motor.pole_pairs * rng.uniform(-1.0, 1.0, 50)
+    )
     current = drive.motor.max_phase_current_a * rng.uniform(-1.0, 1.0, (2, 50))
     return models.evaluate(motor, models.bridge(drive), omega, current[0], current[1])
 
@@ -55,10 +66,23 @@ def test_the_power_balance_closes_in_every_state(random_drives: list[schema.Driv
     rng = np.random.default_rng(3)
     for drive in random_drives:
         state = random_states(drive, rng)
-        sinks = state.loss_copper_w + state.loss_iron_w + state.loss_inverter_w + state.loss_friction_w + state.shaft_power_w
-        size = np.abs(state.loss_copper_w) + np.abs(state.loss_iron_w) + np.abs(state.shaft_power_w) + np.abs(state.dc_power_w)
+        sinks = (
+            state.loss_copper_w
+            + state.loss_iron_w
+            + state.loss_inverter_w
+            + state.loss_friction_w
+            + state.shaft_power_w
+        )
+        size = (
+            np.abs(state.loss_copper_w)
+            + np.abs(state.loss_iron_w)
+            + np.abs(state.shaft_power_w)
+            + np.abs(state.dc_power_w)
+        )
         assert np.all(np.abs(state.dc_power_w - sinks) <= 1e-9 * size)
-        terminal = 1.5 * (state.voltage_d_v * state.current_d_a + state.voltage_q_v * state.current_q_a)
+        terminal = 1.5 * (
+            state.voltage_d_v * state.current_d_a + state.voltage_q_v * state.current_q_a
+        )
         assert np.all(np.abs(terminal - state.motor_power_w) <= 1e-9 * size)
 
 
@@ -66,7 +90,12 @@ def test_no_loss_is_ever_negative(random_drives: list[schema.Drive]) -> None:
     rng = np.random.default_rng(4)
     for drive in random_drives:
         state = random_states(drive, rng)
-        for loss in (state.loss_copper_w, state.loss_iron_w, state.loss_inverter_w, state.loss_friction_w):
+        for loss in (
+            state.loss_copper_w,
+            state.loss_iron_w,
+            state.loss_inverter_w,
+            state.loss_friction_w,
+        ):
             assert np.all(loss >= -1e-9 * drive.motor.max_power_w)
 
 
@@ -95,7 +124,14 @@ def test_the_battery_does_not_move_the_optimum(change: Change) -> None:
         other = change(changes)
         for speed in SPEEDS_RPM:
             a, b = (points.solve(d, speed, 60.0, points.setting(d)) for d in (base, other))
-            for key in ("torque_optimal_nm", "torque_zero_nm", "torque_idle_nm", "torque_optimal_limited_nm", "current_q_a", "dc_power_w"):
+            for key in (
+                "torque_optimal_nm",
+                "torque_zero_nm",
+                "torque_idle_nm",
+                "torque_optimal_limited_nm",
+                "current_q_a",
+                "dc_power_w",
+            ):
                 assert a[key] == pytest.approx(b[key], rel=1e-9, abs=1e-12)
             assert a["battery_power_w"] != b["battery_power_w"]
 
@@ -103,7 +139,13 @@ def test_the_battery_does_not_move_the_optimum(change: Change) -> None:
 def test_the_boundaries_are_ordered_at_every_speed(random_drives: list[schema.Drive]) -> None:
     for drive in random_drives:
         motor = models.machine(drive, np.array([[-20.0], [60.0], [150.0]]))
-        omega = drive.motor.max_speed_rpm * math.pi / 30.0 * motor.pole_pairs * np.linspace(0.0, 1.0, 200)
+        omega = (
+            drive.motor.max_speed_rpm
+            * math.pi
+            / 30.0
+            * motor.pole_pairs
+            * np.linspace(0.0, 1.0, 200)
+        )
         best = optimum.closed_form(motor, models.bridge(drive), omega)
         assert np.all(best.torque_zero_nm <= best.torque_optimal_nm)
         assert np.all(best.torque_optimal_nm <= best.torque_idle_nm)
@@ -118,14 +160,31 @@ def test_running_backwards_is_the_mirror_image(random_drives: list[schema.Drive]
     for drive in random_drives[::10]:
         for free in (False, True):
             how = points.setting(drive, free_d_current=free)
-            forward, backward = (points.solve(drive, sign * 0.4 * drive.motor.max_speed_rpm, 60.0, how) for sign in (1.0, -1.0))
-            for key in ("dc_power_w", "loss_copper_w", "loss_iron_w", "battery_power_w_limited", "current_d_a"):
+            forward, backward = (
+                points.solve(drive, sign * 0.4 * drive.motor.max_speed_rpm, 60.0, how)
+                for sign in (1.0, -1.0)
+            )
+            for key in (
+                "dc_power_w",
+                "loss_copper_w",
+                "loss_iron_w",
+                "battery_power_w_limited",
+                "current_d_a",
+            ):
                 assert forward[key] == pytest.approx(backward[key], rel=1e-9, abs=1e-9)
-            for key in ("torque_optimal_nm", "torque_zero_nm", "torque_idle_nm", "torque_optimal_limited_nm", "current_q_a"):
+            for key in (
+                "torque_optimal_nm",
+                "torque_zero_nm",
+                "torque_idle_nm",
+                "torque_optimal_limited_nm",
+                "current_q_a",
+            ):
                 assert forward[key] == pytest.approx(-backward[key], rel=1e-9, abs=1e-9)
 
 
-def test_without_iron_and_bridge_losses_the_optimum_is_half_of_the_short_circuit_current(change: Change) -> None:
+def test_without_iron_and_bridge_losses_the_optimum_is_half_of_the_short_circuit_current(
+    change: Change,
+) -> None:
     drive = change({
         "motor.iron_loss_resistance_ohm": None,
         "inverter.switch_resistance_ohm": 0.0,
@@ -139,29 +198,45 @@ def test_without_iron_and_bridge_losses_the_optimum_is_half_of_the_short_circuit
         record = points.solve(drive, speed, 25.0, points.setting(drive))
         assert record["current_q_a"] == pytest.approx(-emf / 0.031 / 2.0, rel=1e-12)
         assert record["dc_power_w"] == pytest.approx(-1.5 * emf**2 / (4.0 * 0.031), rel=1e-12)
-        assert record["torque_optimal_nm"] == pytest.approx(-1.5 * 23.0 * 0.0204 * emf / 0.062, rel=1e-12)
+        assert record["torque_optimal_nm"] == pytest.approx(
+            -1.5 * 23.0 * 0.0204 * emf / 0.062, rel=1e-12
+        )
         motor = models.machine(drive, 25.0)
-        assert braking.paper_optimum_nm(motor, speed * math.pi / 30.0) == pytest.approx(-record["torque_optimal_nm"], rel=1e-12)
+        assert braking.paper_optimum_nm(motor, speed * math.pi / 30.0) == pytest.approx(
+            -record["torque_optimal_nm"], rel=1e-12
+        )
 
 
 def test_the_current_of_a_torque_makes_that_torque(random_drives: list[schema.Drive]) -> None:
     for drive in random_drives:
         motor = models.machine(drive, 80.0)
-        omega = drive.motor.max_speed_rpm * math.pi / 30.0 * motor.pole_pairs * np.linspace(-1.0, 1.0, 41)[:, np.newaxis]
+        omega = (
+            drive.motor.max_speed_rpm
+            * math.pi
+            / 30.0
+            * motor.pole_pairs
+            * np.linspace(-1.0, 1.0, 41)[:, np.newaxis]
+        )
         torque = drive.motor.rated_torque_nm * np.linspace(-1.0, 1.0, 21)
         current = optimum.current_at_zero_d_current(motor, omega, torque)
         made = optimum.torque_at_zero_d_current(motor, omega, current)
         assert np.all(np.abs(made - torque) <= 1e-9 * drive.motor.rated_torque_nm)
 
 
-def test_a_free_d_current_never_costs_power_and_helps_a_salient_motor(random_drives: list[schema.Drive]) -> None:
+def test_a_free_d_current_never_costs_power_and_helps_a_salient_motor(
+    random_drives: list[schema.Drive],
+) -> None:
     gains = []
     for drive in random_drives[::4]:
         motor, inverter = models.machine(drive, 60.0), models.bridge(drive)
         omega = 0.3 * drive.motor.max_speed_rpm * math.pi / 30.0 * motor.pole_pairs
         torque = drive.motor.rated_torque_nm * np.array([-1.0, -0.5, 0.5, 1.0])
-        zero = models.evaluate(motor, inverter, omega, 0.0, optimum.current_at_zero_d_current(motor, omega, torque))
-        free = joint.least_power(motor, inverter, omega, torque, joint.Limits(10.0 * drive.motor.max_phase_current_a))
+        zero = models.evaluate(
+            motor, inverter, omega, 0.0, optimum.current_at_zero_d_current(motor, omega, torque)
+        )
+        free = joint.least_power(
+            motor, inverter, omega, torque, joint.Limits(10.0 * drive.motor.max_phase_current_a)
+        )
         assert np.all(free.feasible)
         assert np.all(np.abs(free.torque_nm - torque) <= 1e-6 * drive.motor.rated_torque_nm)
         saved = (zero.dc_power_w - free.state.dc_power_w) / (zero.loss_copper_w + zero.loss_iron_w)
@@ -171,8 +246,13 @@ def test_a_free_d_current_never_costs_power_and_helps_a_salient_motor(random_dri
     assert np.mean(gains) > 0.05
 
 
-def test_the_gain_of_the_papers_motor_from_a_d_current_is_a_fraction_of_a_per_cent(paper: schema.Drive) -> None:
-    zero, free = (points.evaluate(paper, 424.4, -20.0, 25.0, points.setting(paper, free)) for free in (False, True))
+def test_the_gain_of_the_papers_motor_from_a_d_current_is_a_fraction_of_a_per_cent(
+    paper: schema.Drive,
+) -> None:
+    zero, free = (
+        points.evaluate(paper, 424.4, -20.0, 25.0, points.setting(paper, free))
+        for free in (False, True)
+    )
     assert -zero["dc_power_w"] == pytest.approx(762.0, abs=0.5)
     assert zero["dc_power_w"] - free["dc_power_w"] == pytest.approx(1.6, abs=0.05)
 
@@ -180,14 +260,24 @@ def test_the_gain_of_the_papers_motor_from_a_d_current_is_a_fraction_of_a_per_ce
 def test_the_limits_bound_what_is_solved_together(random_drives: list[schema.Drive]) -> None:
     for drive in random_drives[::5]:
         motor, inverter = models.machine(drive, 60.0), models.bridge(drive)
-        omega = drive.motor.max_speed_rpm * math.pi / 30.0 * motor.pole_pairs * np.linspace(0.05, 1.0, 20)
-        bounds = joint.Limits(drive.motor.max_phase_current_a, points.setting(drive).phase_voltage_v)
+        omega = (
+            drive.motor.max_speed_rpm
+            * math.pi
+            / 30.0
+            * motor.pole_pairs
+            * np.linspace(0.05, 1.0, 20)
+        )
+        bounds = joint.Limits(
+            drive.motor.max_phase_current_a, points.setting(drive).phase_voltage_v
+        )
         best = joint.best_braking(motor, inverter, omega, bounds, drive.motor.max_torque_nm)
         assert np.all(best.feasible)
         assert np.all(best.state.current_a <= drive.motor.max_phase_current_a * (1.0 + 1e-8))
         assert np.all(best.state.voltage_v <= points.setting(drive).phase_voltage_v * (1.0 + 1e-8))
         assert np.all(np.abs(best.torque_nm) <= drive.motor.max_torque_nm * (1.0 + 1e-8))
-        impossible = joint.least_power(motor, inverter, omega, 100.0 * drive.motor.max_torque_nm, bounds)
+        impossible = joint.least_power(
+            motor, inverter, omega, 100.0 * drive.motor.max_torque_nm, bounds
+        )
         assert not np.any(impossible.feasible)
 
 
@@ -198,7 +288,13 @@ def test_the_four_regions_lie_as_in_figure_5(paper: schema.Drive) -> None:
         return str(braking.region(paper, motor, inverter, speed_rpm * math.pi / 30.0, demand))
 
     # At 50 r/min T_opt = 24.19 and T_zero = 47.59 N m; at 300 r/min the motor's 40 N m come first.
-    assert [name(50.0, demand) for demand in (10.0, 24.1, 24.3, 47.5, 47.7)] == ["III", "III", "II", "II", "I"]
+    assert [name(50.0, demand) for demand in (10.0, 24.1, 24.3, 47.5, 47.7)] == [
+        "III",
+        "III",
+        "II",
+        "II",
+        "I",
+    ]
     assert [name(300.0, demand) for demand in (39.9, 40.1, 200.0)] == ["III", "IV", "IV"]
     # 2094 W at 600 r/min are 33.3 N m.
     assert [name(600.0, demand) for demand in (33.2, 33.4)] == ["III", "IV"]
@@ -208,7 +304,10 @@ def test_no_strategy_beats_the_series_optimum(random_drives: list[schema.Drive])
     for drive in random_drives[::10]:
         top = 0.9 * drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
         for demand in drive.motor.rated_torque_nm * np.array([0.2, 0.7, 1.5, 4.0]):
-            stored = {s: stops.stop(drive, s, float(demand), top, 80.0).stored_share_of_kinetic for s in braking.STRATEGIES}
+            stored = {
+                s: stops.stop(drive, s, float(demand), top, 80.0).stored_share_of_kinetic
+                for s in braking.STRATEGIES
+            }
             assert stored["series_optimal"] >= max(stored.values()) - 1e-9
 
 
@@ -218,7 +317,10 @@ def test_scaling_the_best_torque_never_returns_more(paper: schema.Drive) -> None
     best = braking.capability_nm(paper, motor, inverter, speed)
     free = best < braking.torque_limit_nm(paper, speed)
     assert np.any(free)
-    power = {f: braking.state_of_torque(motor, inverter, speed, -f * best).dc_power_w for f in (0.8, 0.9, 1.0, 1.1, 1.2)}
+    power = {
+        f: braking.state_of_torque(motor, inverter, speed, -f * best).dc_power_w
+        for f in (0.8, 0.9, 1.0, 1.1, 1.2)
+    }
     for factor in (0.8, 0.9, 1.1, 1.2):
         assert np.all(power[factor][free] > power[1.0][free])
 
@@ -231,7 +333,8 @@ def test_a_cycle_balances_and_braking_more_electrically_returns_more(paper: sche
         assert abs(result.residual_relative) < 1e-9
     returned = [results[s].energy_j.battery_returned for s in braking.STRATEGIES]
     assert returned[0] < returned[1] <= returned[2] * (1.0 + 1e-9)
-    # The wheels must take off the kinetic energy less what drag takes: 0.5 * 660 kg * 100 m2/s2 = 33 kJ.
+    # The wheels must take off the kinetic energy less what drag takes: 0.5 * 660 kg * 100 m2/s2 =
+    # 33 kJ.
     assert 28e3 < results["series_optimal"].energy_j.braking_at_wheels < 33e3
 
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Every number of README.md that shows an error of the paper, computed again from the circuit, to its last digit."""
 
 import math
@@ -10,7 +11,9 @@ import pytest
 from regen_table import braking, current_audit, current_map, models, optimum, points, schema, stops
 
 ROOT = Path(__file__).resolve().parents[4]
-README = " ".join((ROOT / "tools" / "regen_table" / "README.md").read_text(encoding="utf-8").split())
+README = " ".join(
+    (ROOT / "tools" / "regen_table" / "README.md").read_text(encoding="utf-8").split()
+)
 TABLE_1_FLUX_WB = 0.0204
 SPEED_RPM, TORQUE_NM, WARM_C = 424.4, -20.0, 25.0
 Numbers = Callable[[schema.Drive], tuple[float, ...]]
@@ -41,13 +44,21 @@ def right_losses(drive: schema.Drive) -> tuple[float, ...]:
 
 def evidence_of_peak_flux(drive: schema.Drive) -> tuple[float, ...]:
     peak = 30.0 * math.sqrt(2.0)
-    top = 53.0 / (math.sqrt(3.0) * TABLE_1_FLUX_WB) / drive.motor.pole_pairs * drive.vehicle.wheel_radius_m * 3.6
+    top = (
+        53.0
+        / (math.sqrt(3.0) * TABLE_1_FLUX_WB)
+        / drive.motor.pole_pairs
+        * drive.vehicle.wheel_radius_m
+        * 3.6
+    )
     return peak, 1.5 * drive.motor.pole_pairs * TABLE_1_FLUX_WB * peak, top
 
 
 def flux_in_equation_21(drive: schema.Drive) -> tuple[float, ...]:
     """(21) in power-invariant quantities: p omega psi^2 / (2 R)."""
-    per_square = drive.motor.pole_pairs * omega_of(drive, 100.0) / (2.0 * drive.motor.phase_resistance_ohm)
+    per_square = (
+        drive.motor.pole_pairs * omega_of(drive, 100.0) / (2.0 * drive.motor.phase_resistance_ohm)
+    )
     invariant = math.sqrt(1.5) * TABLE_1_FLUX_WB
     return invariant, per_square * TABLE_1_FLUX_WB**2, per_square * invariant**2
 
@@ -67,23 +78,41 @@ def printed_iron_loss(drive: schema.Drive) -> tuple[float, ...]:
     omega, inductance = electrical(drive), drive.motor.q_inductance_h
     iron = drive.motor.iron_loss_resistance_ohm
     assert iron is not None
-    resistance, i_qt, flux = iron[0] + iron[1] * omega, math.sqrt(1.5) * torque_current(drive), math.sqrt(1.5) * TABLE_1_FLUX_WB
+    resistance, i_qt, flux = (
+        iron[0] + iron[1] * omega,
+        math.sqrt(1.5) * torque_current(drive),
+        math.sqrt(1.5) * TABLE_1_FLUX_WB,
+    )
     losses = [
-        omega**2 / resistance * ((inductance * i_qt) ** 2 + (factor * inductance**2 / resistance * i_qt + flux) ** 2)
+        omega**2
+        / resistance
+        * ((inductance * i_qt) ** 2 + (factor * inductance**2 / resistance * i_qt + flux) ** 2)
         for factor in (omega**2, omega)
     ]
     return losses[0], losses[1]
 
 
 def signed_inverter_loss(drive: schema.Drive) -> tuple[float, ...]:
-    motor, inverter, at = models.machine(drive, WARM_C), models.bridge(drive), abs(point(drive)["current_q_a"])
+    motor, inverter, at = (
+        models.machine(drive, WARM_C),
+        models.bridge(drive),
+        abs(point(drive)["current_q_a"]),
+    )
     signed = inverter.square_w_per_a2 * at**2 - inverter.linear_w_per_a * at
     omega = omega_of(drive, 25.0)
     a, b, c = optimum.quadratic(motor, inverter, omega)
     wrong, right = (-(b + sign * c) / (2.0 * a) for sign in (1.0, -1.0))
-    power = [float(models.evaluate(motor, inverter, omega, 0.0, i).dc_power_w) for i in (wrong, right)]
+    power = [
+        float(models.evaluate(motor, inverter, omega, 0.0, i).dc_power_w) for i in (wrong, right)
+    ]
     torques = [float(optimum.torque_at_zero_d_current(motor, omega, i)) for i in (wrong, right)]
-    return signed, float(inverter.loss_w(at)), torques[0], 100.0 * (1.0 - power[0] / power[1]), torques[1]
+    return (
+        signed,
+        float(inverter.loss_w(at)),
+        torques[0],
+        100.0 * (1.0 - power[0] / power[1]),
+        torques[1],
+    )
 
 
 def third_line_of_20(drive: schema.Drive) -> tuple[float, ...]:
@@ -100,14 +129,21 @@ def smaller_than_21(drive: schema.Drive) -> tuple[float, ...]:
 
 def torque_to_current(drive: schema.Drive) -> tuple[float, ...]:
     plain = torque_current(drive)
-    brakes_with = -float(optimum.torque_at_zero_d_current(models.machine(drive, WARM_C), electrical(drive), plain))
+    brakes_with = -float(
+        optimum.torque_at_zero_d_current(models.machine(drive, WARM_C), electrical(drive), plain)
+    )
     return point(drive)["current_q_a"], plain, brakes_with
 
 
 def region_one(drive: schema.Drive) -> tuple[float, ...]:
-    """Share of a stop's energy lost when the motor rests beyond T_zero, over demands; the stop is 40 km/h, steps as there."""
+    """Share of a stop's energy lost when the motor rests beyond T_zero, over demands.
+
+    The stop is 40 km/h, steps as there.
+    """
     motor, inverter = models.machine(drive, WARM_C), models.bridge(drive)
-    speed = (np.arange(4000, dtype=np.float64) + 0.5) * (40.0 / 3.6 / 4000 / drive.vehicle.wheel_radius_m)
+    speed = (np.arange(4000, dtype=np.float64) + 0.5) * (
+        40.0 / 3.6 / 4000 / drive.vehicle.wheel_radius_m
+    )
     zero = np.abs(optimum.closed_form(motor, inverter, speed * motor.pole_pairs).torque_zero_nm)
     lost = []
     for demand in (40.0, 60.0, 120.0):
@@ -116,7 +152,9 @@ def region_one(drive: schema.Drive) -> tuple[float, ...]:
         stored = []
         for electric in (best, np.where(demand > zero, 0.0, best)):
             power = 4.0 * braking.state_of_torque(motor, inverter, speed, -electric).dc_power_w
-            stored.append(-float(np.sum(models.battery_steady(53.0, resistance, power).chemical_power_w)))
+            stored.append(
+                -float(np.sum(models.battery_steady(53.0, resistance, power).chemical_power_w))
+            )
         lost.append(100.0 * (stored[0] - stored[1]) / stored[0])
     return tuple(lost)
 
@@ -124,21 +162,33 @@ def region_one(drive: schema.Drive) -> tuple[float, ...]:
 def hot_winding(drive: schema.Drive) -> tuple[float, ...]:
     """Least and most, from 25 r/min up to the top speed."""
     omega = omega_of(drive, 1.0) * np.linspace(25.0, drive.motor.max_speed_rpm, 500)
-    cold, hot = (optimum.closed_form(models.machine(drive, t), models.bridge(drive), omega).torque_optimal_nm for t in (25.0, 120.0))
+    cold, hot = (
+        optimum.closed_form(models.machine(drive, t), models.bridge(drive), omega).torque_optimal_nm
+        for t in (25.0, 120.0)
+    )
     share = 100.0 * (1.0 - hot / cold)
     return float(np.min(share)), float(np.max(share))
 
 
 def unsettled_battery(drive: schema.Drive) -> tuple[float, ...]:
-    settled, dynamic = (stops.stop(drive, "series_optimal", 40.0, 40.0, WARM_C, battery=b) for b in ("settled", "dynamic"))
+    settled, dynamic = (
+        stops.stop(drive, "series_optimal", 40.0, 40.0, WARM_C, battery=b)
+        for b in ("settled", "dynamic")
+    )
     return (100.0 * (dynamic.stored_share_of_kinetic - settled.stored_share_of_kinetic),)
 
 
 N = r"(-?\d+(?:\.\d+)?)"
 SAID: list[tuple[str, Numbers]] = [
     (rf"copper {N}, iron {N}, inverter {N} W a motor, battery {N} W for four", right_losses),
-    (rf"1\.5 \* 23 \* 0\.0204 \* {N} = {N} N m \(30 are rated\) and 53 V reach {N} km/h", evidence_of_peak_flux),
-    (rf"sqrt\(3/2\) \* 0\.0204 = {N} Wb\. With 0\.0204 in \(21\), T_opt at 100 r/min is {N} instead of {N} N m", flux_in_equation_21),
+    (
+        rf"1\.5 \* 23 \* 0\.0204 \* {N} = {N} N m \(30 are rated\) and 53 V reach {N} km/h",
+        evidence_of_peak_flux,
+    ),
+    (
+        rf"sqrt\(3/2\) \* 0\.0204 = {N} Wb\. With 0\.0204 in \(21\), T_opt at 100 r/min is {N} instead of {N} N m",
+        flux_in_equation_21,
+    ),
     (rf'it gives {N} "W", a gain, where {N} W are lost', battery_bracket),
     (rf"It gives {N} W instead of {N} W\.", printed_iron_loss),
     (
@@ -147,16 +197,26 @@ SAID: list[tuple[str, Numbers]] = [
         signed_inverter_loss,
     ),
     (rf"gives {N} N m at 600 r/min instead of {N} N m", third_line_of_20),
-    (rf"smaller by {N}, {N}, {N}, {N}, {N}, {N} % at 25, 50, 100, 150, 300, 424 r/min", smaller_than_21),
-    (rf"-20 N m take {N} A, not the {N} A of T/\(1\.5 p psi\): a controller without that term brakes with {N} N m", torque_to_current),
+    (
+        rf"smaller by {N}, {N}, {N}, {N}, {N}, {N} % at 25, 50, 100, 150, 300, 424 r/min",
+        smaller_than_21,
+    ),
+    (
+        rf"-20 N m take {N} A, not the {N} A of T/\(1\.5 p psi\): a controller without that term brakes with {N} N m",
+        torque_to_current,
+    ),
     (rf"a stop from 40 km/h stores {N}, {N} and {N} % less at 40, 60 and 120 N m", region_one),
     (rf"A winding at 120 degC takes {N} to {N} % off T_opt", hot_winding),
     (rf"\({N} % of the kinetic energy at 40 N m for the paper's vehicle\)", unsettled_battery),
 ]
 
 
-@pytest.mark.parametrize(("pattern", "numbers"), SAID, ids=[numbers.__name__ for _, numbers in SAID])
-def test_what_the_readme_says_is_what_the_circuit_does(paper: schema.Drive, pattern: str, numbers: Numbers) -> None:
+@pytest.mark.parametrize(
+    ("pattern", "numbers"), SAID, ids=[numbers.__name__ for _, numbers in SAID]
+)
+def test_what_the_readme_says_is_what_the_circuit_does(
+    paper: schema.Drive, pattern: str, numbers: Numbers
+) -> None:
     found = re.search(pattern, README)
     assert found, pattern
     computed = numbers(paper)
@@ -169,16 +229,22 @@ def test_every_erratum_has_its_number() -> None:
     errata = README.partition("## Errata of the paper")[2].partition("## Figures")[0]
     entries = re.split(r" \d\. (?=\*\*)", errata)[1:]
     assert len(entries) == 9
-    without = [entry for entry in entries if not any(re.search(pattern, entry) for pattern, _ in SAID)]
+    without = [
+        entry for entry in entries if not any(re.search(pattern, entry) for pattern, _ in SAID)
+    ]
     # The factor that is kept shows no difference.
     assert len(without) == 1
     assert without[0].startswith("**(13)** counts three switching events")
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "tools" / "motors").glob("*.toml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", sorted((ROOT / "tools" / "motors").glob("*.toml")), ids=lambda path: path.stem
+)
 def test_the_table_of_stored_currents_is_up_to_date(path: Path) -> None:
     drive = schema.load(path)
-    row = re.search(rf"\| {path.stem} \([^|]*\) \| {N} % \| (\d+) x (\d+) x (\d+) \| {N} % \|", README)
+    row = re.search(
+        rf"\| {path.stem} \([^|]*\) \| {N} % \| (\d+) x (\d+) x (\d+) \| {N} % \|", README
+    )
     assert row
     table = current_audit.choose(drive)
     layers, speeds, torques = table.current_d_mA.shape
@@ -186,4 +252,7 @@ def test_the_table_of_stored_currents_is_up_to_date(path: Path) -> None:
     losses = {loss.manoeuvre: loss for loss in current_audit.losses(drive, table)}
     assert agrees(row[1], 100.0 * losses["udds driving"].without_d_current)
     assert agrees(row[5], 100.0 * max(loss.stored for loss in losses.values()))
-    assert current_map.points_over(drive, table.torque_step_log2, table.speed_step_log2) == (torques, speeds)
+    assert current_map.points_over(drive, table.torque_step_log2, table.speed_step_log2) == (
+        torques,
+        speeds,
+    )

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """A drive's file is accepted as it is meant, or refused with one line that helps."""
 
 import math
@@ -36,72 +37,151 @@ def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ({"motor.polepairs": 23, "motor.pole_pairs": None}, "motor.polepairs: unknown key, did you mean pole_pairs?"),
+        (
+            {"motor.polepairs": 23, "motor.pole_pairs": None},
+            "motor.polepairs: unknown key, did you mean pole_pairs?",
+        ),
         ({"moter": {"name": "x"}}, "moter: unknown section, did you mean motor?"),
         ({"speed": 3}, "speed: unknown key, known are motor, inverter"),
-        ({"motor.pole_pairs": None}, "motor.pole_pairs: missing, accepted: a whole number from 1 to 60"),
+        (
+            {"motor.pole_pairs": None},
+            "motor.pole_pairs: missing, accepted: a whole number from 1 to 60",
+        ),
         ({"motor": 3}, "motor: must be a section, found 3"),
-        ({"motor.pole_pairs": 2.5}, "motor.pole_pairs: 2.5 is not accepted, accepted: a whole number from 1 to 60"),
+        (
+            {"motor.pole_pairs": 2.5},
+            "motor.pole_pairs: 2.5 is not accepted, accepted: a whole number from 1 to 60",
+        ),
         ({"motor.pole_pairs": True}, "motor.pole_pairs: True is not accepted"),
-        ({"motor.pole_pairs": 61}, "motor.pole_pairs: 61 is not accepted, accepted: a whole number from 1 to 60"),
+        (
+            {"motor.pole_pairs": 61},
+            "motor.pole_pairs: 61 is not accepted, accepted: a whole number from 1 to 60",
+        ),
         (
             {"motor.phase_resistance_ohm": -0.03},
             "motor.phase_resistance_ohm: -0.03 is not accepted, accepted: a number from 1e-05 to 100 ohm",
         ),
-        ({"motor.d_inductance_h": 0.0}, "motor.d_inductance_h: 0.0 is not accepted, accepted: a number from 1e-07 to 1 H"),
-        ({"motor.flux_linkage_wb": math.nan}, "motor.flux_linkage_wb: nan is not accepted, accepted: a number from 1e-06 to 2 Wb"),
+        (
+            {"motor.d_inductance_h": 0.0},
+            "motor.d_inductance_h: 0.0 is not accepted, accepted: a number from 1e-07 to 1 H",
+        ),
+        (
+            {"motor.flux_linkage_wb": math.nan},
+            "motor.flux_linkage_wb: nan is not accepted, accepted: a number from 1e-06 to 2 Wb",
+        ),
         ({"motor.max_power_w": math.inf}, "motor.max_power_w: inf is not accepted"),
-        ({"motor.type": "bldc"}, 'motor.type: \'bldc\' is not accepted, accepted: "spmsm" or "ipmsm"'),
-        ({"motor.iron_loss_resistance_ohm": [1.5]}, "motor.iron_loss_resistance_ohm: [1.5] is not accepted, accepted: a list of 2"),
-        ({"motor.iron_loss_resistance_ohm": [0.0, 0.0]}, "motor.iron_loss_resistance_ohm: [0, 0] would short-circuit"),
-        ({"inverter.pwm_frequency_hz": "20000"}, "inverter.pwm_frequency_hz: '20000' is not accepted"),
-        ({"battery.open_circuit_voltage_v": [[0.0, 53.0]]}, "battery.open_circuit_voltage_v: one point"),
-        ({"battery.open_circuit_voltage_v": [[0.5, 53.0], [0.2, 54.0]]}, "battery.open_circuit_voltage_v: accepted: soc rising"),
-        ({"battery.open_circuit_voltage_v": 90.0}, "battery.open_circuit_voltage_v: 90 V, accepted: from min_voltage_v = 40 V"),
-        ({"battery.min_voltage_v": 58.4}, "battery.min_voltage_v: 58.4 V, accepted: less than max_voltage_v"),
-        ({"table.temperature_range_c": [140.0, -20.0]}, "table.temperature_range_c: [140, -20], accepted: [lowest, highest]"),
-        ({"control.handover_end_rpm": 30.0}, "control.handover_end_rpm: 30 r/min, accepted: less than handover_start_rpm = 25"),
-        ({"control.field_weakening_current_a": 80.0}, "control.field_weakening_current_a: 80 A, accepted: at most motor.max_phase"),
-        ({"rotor.hall_edges_deg": [0.0, 60.0, 120.0, 240.0, 180.0, 300.0]}, "rotor.hall_edges_deg: accepted: six edges"),
+        (
+            {"motor.type": "bldc"},
+            'motor.type: \'bldc\' is not accepted, accepted: "spmsm" or "ipmsm"',
+        ),
+        (
+            {"motor.iron_loss_resistance_ohm": [1.5]},
+            "motor.iron_loss_resistance_ohm: [1.5] is not accepted, accepted: a list of 2",
+        ),
+        (
+            {"motor.iron_loss_resistance_ohm": [0.0, 0.0]},
+            "motor.iron_loss_resistance_ohm: [0, 0] would short-circuit",
+        ),
+        (
+            {"inverter.pwm_frequency_hz": "20000"},
+            "inverter.pwm_frequency_hz: '20000' is not accepted",
+        ),
+        (
+            {"battery.open_circuit_voltage_v": [[0.0, 53.0]]},
+            "battery.open_circuit_voltage_v: one point",
+        ),
+        (
+            {"battery.open_circuit_voltage_v": [[0.5, 53.0], [0.2, 54.0]]},
+            "battery.open_circuit_voltage_v: accepted: soc rising",
+        ),
+        (
+            {"battery.open_circuit_voltage_v": 90.0},
+            "battery.open_circuit_voltage_v: 90 V, accepted: from min_voltage_v = 40 V",
+        ),
+        (
+            {"battery.min_voltage_v": 58.4},
+            "battery.min_voltage_v: 58.4 V, accepted: less than max_voltage_v",
+        ),
+        (
+            {"table.temperature_range_c": [140.0, -20.0]},
+            "table.temperature_range_c: [140, -20], accepted: [lowest, highest]",
+        ),
+        (
+            {"control.handover_end_rpm": 30.0},
+            "control.handover_end_rpm: 30 r/min, accepted: less than handover_start_rpm = 25",
+        ),
+        (
+            {"control.field_weakening_current_a": 80.0},
+            "control.field_weakening_current_a: 80 A, accepted: at most motor.max_phase",
+        ),
+        (
+            {"rotor.hall_edges_deg": [0.0, 60.0, 120.0, 240.0, 180.0, 300.0]},
+            "rotor.hall_edges_deg: accepted: six edges",
+        ),
     ],
 )
-def test_a_mistake_is_answered_with_its_place_and_what_is_accepted(change: Change, changes: dict[str, Any], expected: str) -> None:
+def test_a_mistake_is_answered_with_its_place_and_what_is_accepted(
+    change: Change, changes: dict[str, Any], expected: str
+) -> None:
     assert refusal(change, changes).startswith(expected)
 
 
 def test_surface_magnets_need_equal_inductances_and_interior_ones_do_not(change: Change) -> None:
-    assert refusal(change, {"motor.q_inductance_h": 90e-6}).startswith("motor.q_inductance_h: 9e-05 H, accepted: equal to d_inductance_h")
-    assert change({"motor.q_inductance_h": 90e-6, "motor.type": "ipmsm"}).motor.q_inductance_h == 90e-6
+    assert refusal(change, {"motor.q_inductance_h": 90e-6}).startswith(
+        "motor.q_inductance_h: 9e-05 H, accepted: equal to d_inductance_h"
+    )
+    assert (
+        change({"motor.q_inductance_h": 90e-6, "motor.type": "ipmsm"}).motor.q_inductance_h == 90e-6
+    )
 
 
 def test_a_rated_torque_that_the_current_limit_cannot_make_is_refused(change: Change) -> None:
     # 1.5 * 23 * 0.0204 Wb * 75 A = 52.8 N m
-    assert "at most 52.79 N m" in refusal(change, {"motor.rated_torque_nm": 53.0, "motor.max_torque_nm": 60.0})
-    assert change({"motor.rated_torque_nm": 52.7, "motor.max_torque_nm": 60.0}).motor.rated_torque_nm == 52.7
+    assert "at most 52.79 N m" in refusal(
+        change, {"motor.rated_torque_nm": 53.0, "motor.max_torque_nm": 60.0}
+    )
+    assert (
+        change({"motor.rated_torque_nm": 52.7, "motor.max_torque_nm": 60.0}).motor.rated_torque_nm
+        == 52.7
+    )
 
 
 def test_reluctance_torque_counts_towards_the_largest_torque(change: Change) -> None:
     drive = change({"motor.q_inductance_h": 300e-6, "motor.type": "ipmsm"})
     angles = [math.radians(0.01 * step) for step in range(0, 18000)]
     flux, saliency = drive.motor.flux_linkage_wb, 300e-6 - 76e-6
-    best = max(1.5 * 23 * (flux + saliency * 75.0 * math.sin(a)) * 75.0 * math.cos(a) for a in angles)
+    best = max(
+        1.5 * 23 * (flux + saliency * 75.0 * math.sin(a)) * 75.0 * math.cos(a) for a in angles
+    )
     assert relations.largest_torque_nm(drive, 75.0) == pytest.approx(best, rel=1e-6)
 
 
-def test_a_back_emf_that_would_destroy_the_bridge_is_refused_unless_it_is_weakened(change: Change) -> None:
-    # Line to line peak: sqrt(3) * 0.0204 Wb * 23 * 2 pi / 60 * n. The bus limit of 60.56 V is met at 711.7 r/min.
+def test_a_back_emf_that_would_destroy_the_bridge_is_refused_unless_it_is_weakened(
+    change: Change,
+) -> None:
+    # Line to line peak: sqrt(3) * 0.0204 Wb * 23 * 2 pi / 60 * n. The bus limit of 60.56 V is met
+    # at 711.7 r/min.
     assert change({"motor.max_speed_rpm": 711.0}).motor.max_speed_rpm == 711.0
-    line = refusal(change, {"motor.max_speed_rpm": 713.0, "control.field_weakening_current_a": None})
+    line = refusal(
+        change, {"motor.max_speed_rpm": 713.0, "control.field_weakening_current_a": None}
+    )
     assert "at most the bus limit of 60.56 V (711.7 r/min)" in line
-    # Line to line 64.3 V at 755 r/min come down to the lowest bus voltage, 40 V, with (0.0204 - 40 / 3150) / 76 uH.
+    # Line to line 64.3 V at 755 r/min come down to the lowest bus voltage, 40 V, with (0.0204 - 40
+    # / 3150) / 76 uH.
     expected = (0.0204 - 40.0 / (math.sqrt(3.0) * 23.0 * 2.0 * math.pi / 60.0 * 755.0)) / 76e-6
-    drive = {"motor.max_speed_rpm": 755.0, "control.field_weakening_current_a": 75.0, "inverter.voltage_full_scale_v": 62.0}
+    drive = {
+        "motor.max_speed_rpm": 755.0,
+        "control.field_weakening_current_a": 75.0,
+        "inverter.voltage_full_scale_v": 62.0,
+    }
     assert f"which takes {expected:.4g} A" in refusal(change, drive)
 
 
 def test_a_drive_that_never_returns_energy_is_refused(change: Change) -> None:
     # c1 = 3 (k_on + k_off) f / pi + dead-time diodes, 2/3 of it against psi * omega_max = 31.4 V
-    assert "no regeneration at any speed" in refusal(change, {"inverter.turn_on_loss_j_per_a": 0.0025})
+    assert "no regeneration at any speed" in refusal(
+        change, {"inverter.turn_on_loss_j_per_a": 0.0025}
+    )
     assert change({"inverter.turn_on_loss_j_per_a": 0.0024}).inverter.turn_on_loss_j_per_a == 0.0024
 
 
@@ -117,9 +197,20 @@ def test_a_drive_that_never_returns_energy_is_refused(change: Change) -> None:
         (b"", "motor: this section is missing"),
         (b"x = " + b"[" * 5000, "not valid TOML: "),
     ],
-    ids=["ends early", "not text", "binary", "cut in a line", "cut between sections", "too large", "empty", "nested"],
+    ids=[
+        "ends early",
+        "not text",
+        "binary",
+        "cut in a line",
+        "cut between sections",
+        "too large",
+        "empty",
+        "nested",
+    ],
 )
-def test_a_file_that_is_no_configuration_is_refused_in_one_line(tmp_path: Path, content: bytes, expected: str) -> None:
+def test_a_file_that_is_no_configuration_is_refused_in_one_line(
+    tmp_path: Path, content: bytes, expected: str
+) -> None:
     path = tmp_path / "broken.toml"
     path.write_bytes(content)
     with pytest.raises(ConfigurationError) as caught:
@@ -152,8 +243,13 @@ def test_a_name_that_is_no_c_identifier_is_refused(tmp_path: Path) -> None:
 
 
 def test_what_works_but_not_as_promised_is_warned_about(change: Change) -> None:
-    assert [line.partition(":")[0] for line in relations.warnings(change({"motor.max_speed_rpm": 600.0}))] == []
-    assert [line.partition(":")[0] for line in relations.warnings(change({"motor.max_torque_nm": 53.0}))] == [
+    assert [
+        line.partition(":")[0]
+        for line in relations.warnings(change({"motor.max_speed_rpm": 600.0}))
+    ] == []
+    assert [
+        line.partition(":")[0] for line in relations.warnings(change({"motor.max_torque_nm": 53.0}))
+    ] == [
         "motor.max_torque_nm",
         "motor.max_speed_rpm",
     ]

@@ -1,4 +1,8 @@
-"""The stored optimum as the firmware reads it: bit for bit, and how little it loses; margins and number formats."""
+# SPDX-License-Identifier: Apache-2.0
+"""The stored optimum as the firmware reads it.
+
+Bit for bit, and how little it loses; margins and number formats.
+"""
 
 import dataclasses
 import itertools
@@ -38,22 +42,36 @@ Change = Callable[[dict[str, Any]], schema.Drive]
 
 
 @pytest.mark.parametrize("path", MOTORS, ids=lambda path: path.stem)
-def test_the_generator_reads_the_table_exactly_as_the_firmware_does(tmp_path: Path, path: Path) -> None:
+def test_the_generator_reads_the_table_exactly_as_the_firmware_does(
+    tmp_path: Path, path: Path
+) -> None:
     library = tmp_path / "regen_map.so"
-    includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")]
+    includes = [
+        f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")
+    ]
     sources = [str(ROOT / "firmware" / name) for name in ("torque/regen_map.c", "core/grid.c")]
-    subprocess.run(["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)], check=True)
+    subprocess.run(
+        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
+        check=True,
+    )
     ffi = cffi.FFI()
-    ffi.cdef("int32_t regen_map_torque_mNm(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC);")
+    ffi.cdef(
+        "int32_t regen_map_torque_mNm(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC);"
+    )
     firmware: Any = ffi.dlopen(str(library))
     drive = schema.load(path)
     raw = ffi.from_buffer(image.build(drive))
     table = current_map.regen_map(drive, current_audit.choose(drive))
     rng = np.random.default_rng(5)
     top = round(1.2 * drive.motor.max_speed_rpm * math.pi / 30.0 * 1000.0)
-    speeds = np.concatenate([rng.integers(-top, top, 2000), rng.integers(-5000, 5000, 500), [0, 1, -1, top]])
+    speeds = np.concatenate(
+        [rng.integers(-top, top, 2000), rng.integers(-5000, 5000, 500), [0, 1, -1, top]]
+    )
     temperatures = rng.integers(-6000, 20000, speeds.size)
-    expected = [firmware.regen_map_torque_mNm(raw, int(s), int(t)) for s, t in zip(speeds, temperatures, strict=True)]
+    expected = [
+        firmware.regen_map_torque_mNm(raw, int(s), int(t))
+        for s, t in zip(speeds, temperatures, strict=True)
+    ]
     assert audit.read(table, speeds.astype(float), temperatures.astype(float)).tolist() == expected
 
 
@@ -63,22 +81,35 @@ def test_the_stored_table_loses_next_to_nothing(path: Path) -> None:
     currents = current_audit.choose(drive)
     table, made = current_map.regen_map(drive, currents), current_map.production(currents)
     losses = audit.grid_losses(drive, table, made)
-    assert {loss.manoeuvre for loss in losses} >= {"hard stop", "stop at rated torque", "ece15", "udds"}
+    assert {loss.manoeuvre for loss in losses} >= {
+        "hard stop",
+        "stop at rated torque",
+        "ece15",
+        "udds",
+    }
     assert all(-1e-9 <= loss.relative <= 2e-4 for loss in losses)
-    # Electric braking has faded out at handover_end_rpm; from there on every regenerated watt counts.
+    # Electric braking has faded out at handover_end_rpm; from there on every regenerated watt
+    # counts.
     assert audit.worst_power_loss(drive, table, made) <= 1e-3
 
 
-@pytest.mark.parametrize("path", [p for p in MOTORS if schema.load(p).motor.type == "spmsm"], ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", [p for p in MOTORS if schema.load(p).motor.type == "spmsm"], ids=lambda path: path.stem
+)
 def test_surface_magnets_keep_their_unclamped_optimum_up_to_the_top_speed(path: Path) -> None:
-    # Read as the firmware reads it, and judged by the closed form with i_d = 0, which knows neither table nor limits.
+    # Read as the firmware reads it, and judged by the closed form with i_d = 0, which knows neither
+    # table nor limits.
     drive = schema.load(path)
     table = current_map.regen_map(drive, current_audit.choose(drive))
     winding = np.linspace(table.temperatures_c[0], table.temperatures_c[-1], 65)[:, np.newaxis]
-    speed = np.linspace(drive.control.handover_end_rpm, drive.motor.max_speed_rpm, 2001) * (math.pi / 30.0)
+    speed = np.linspace(drive.control.handover_end_rpm, drive.motor.max_speed_rpm, 2001) * (
+        math.pi / 30.0
+    )
     motor, inverter = models.machine(drive, winding), models.bridge(drive)
     best = optimum.closed_form(motor, inverter, speed * motor.pole_pairs)
-    exact = models.evaluate(motor, inverter, speed * motor.pole_pairs, 0.0, best.current_q_a).dc_power_w
+    exact = models.evaluate(
+        motor, inverter, speed * motor.pole_pairs, 0.0, best.current_q_a
+    ).dc_power_w
     stored = audit.read(table, speed * 1000.0, winding * 100.0) / 1000.0
     power = braking.state_of_torque(motor, inverter, speed, -stored).dc_power_w
     assert np.all(best.possible)
@@ -88,7 +119,9 @@ def test_surface_magnets_keep_their_unclamped_optimum_up_to_the_top_speed(path: 
 def test_without_i_d_the_table_is_the_closed_form_at_its_points(paper: schema.Drive) -> None:
     table = tables.regen_map(paper)
     for row, warm in enumerate(table.temperatures_c):
-        best = optimum.closed_form(models.machine(paper, float(warm)), models.bridge(paper), table.speeds_rad_s * 23)
+        best = optimum.closed_form(
+            models.machine(paper, float(warm)), models.bridge(paper), table.speeds_rad_s * 23
+        )
         assert np.all(np.abs(-1000.0 * best.torque_optimal_nm - table.torque_mNm[row])[1:] <= 0.5)
     assert np.all(table.torque_mNm[:, 0] < 0)  # the line goes on below zero at standstill
 
@@ -97,24 +130,33 @@ def test_a_grid_is_refused_by_the_energy_it_loses(paper: schema.Drive) -> None:
     losses = report.collect(paper).grid_losses
     audit.refuse_lossy_grid(losses)
     lossy = dataclasses.replace(losses[0], relative=3e-4)
-    with pytest.raises(ConfigurationError, match=r"the grid loses 0\.030% of the energy of the .* accepted: at most 0\.02%"):
+    with pytest.raises(
+        ConfigurationError,
+        match=r"the grid loses 0\.030% of the energy of the .* accepted: at most 0\.02%",
+    ):
         audit.refuse_lossy_grid([*losses, lossy])
 
 
 def test_an_ideal_loop_has_the_margins_of_an_integrator_with_delay_and_a_half() -> None:
-    # With the pole cancelled the loop is K / (z (z - 1)). Its phase is -(90 deg + 1.5 omega T) exactly; at
-    # omega T = 60 deg that is -180 deg, and |z - 1| = 1 there: the gain margin is 1 / K. |z - 1| = 2 sin(omega T / 2) = K
-    # is the crossover.
+    # With the pole cancelled the loop is K / (z (z - 1)). Its phase is -(90 deg + 1.5 omega T)
+    # exactly; at omega T = 60 deg that is -180 deg, and |z - 1| = 1 there: the gain margin is 1 /
+    # K. |z - 1| = 2 sin(omega T / 2) = K is the crossover.
     for k in (0.05, 0.2, 0.4):
-        found = margins.frequency_response(margins.Loop(1e-9, 1e-4, k * 10.0, 0.0, 1e-5))  # L / T = 10 ohm, next to no R
+        found = margins.frequency_response(
+            margins.Loop(1e-9, 1e-4, k * 10.0, 0.0, 1e-5)
+        )  # L / T = 10 ohm, next to no R
         angle = 2.0 * math.asin(k / 2.0)
         assert found["crossover_hz"] == pytest.approx(angle / (2.0 * math.pi * 1e-5), rel=1e-3)
-        assert found["phase_margin_deg"] == pytest.approx(90.0 - math.degrees(1.5 * angle), abs=0.05)
+        assert found["phase_margin_deg"] == pytest.approx(
+            90.0 - math.degrees(1.5 * angle), abs=0.05
+        )
         assert found["gain_margin"] == pytest.approx(1.0 / k, rel=1e-3)
 
 
 @pytest.mark.parametrize("pole", np.linspace(0.05, 0.5, 10))
-def test_gains_and_shape_of_the_reference_follow_the_design_at_every_sample(change: Change, pole: float) -> None:
+def test_gains_and_shape_of_the_reference_follow_the_design_at_every_sample(
+    change: Change, pole: float
+) -> None:
     frequency = 20e3
     bandwidth = pole * frequency / (2.0 * math.pi)
     drive = change({"control.current_bandwidth_hz": bandwidth})
@@ -122,8 +164,13 @@ def test_gains_and_shape_of_the_reference_follow_the_design_at_every_sample(chan
     shape = margins.reference_shape(bandwidth, 1.0 / frequency)
     for inductance in (20e-6, 76e-6, 1e-3):
         gains = loops.axis_gains(drive, inductance)
-        loop = margins.Loop(resistance, inductance, gains.proportional, gains.integral, 1.0 / frequency, shape)
-        current, designed = margins.step_response(loop, 400), margins.designed_step(bandwidth, 1.0 / frequency, 400)
+        loop = margins.Loop(
+            resistance, inductance, gains.proportional, gains.integral, 1.0 / frequency, shape
+        )
+        current, designed = (
+            margins.step_response(loop, 400),
+            margins.designed_step(bandwidth, 1.0 / frequency, 400),
+        )
         assert np.max(np.abs(current - designed)) <= 1e-9
         assert 0.96 <= margins.frequency_response(loop)["bandwidth_hz"] / bandwidth <= 1.0
     # With b = exp(-omega_c T / 2) the shares are closed forms, which the firmware uses.
@@ -134,13 +181,17 @@ def test_gains_and_shape_of_the_reference_follow_the_design_at_every_sample(chan
 def test_an_unshaped_reference_is_answered_too_soon(paper: schema.Drive) -> None:
     gains = loops.axis_gains(paper, paper.motor.q_inductance_h)
     resistance = paper.motor.phase_resistance_ohm + paper.inverter.switch_resistance_ohm
-    loop = margins.Loop(resistance, paper.motor.q_inductance_h, gains.proportional, gains.integral, 50e-6)
+    loop = margins.Loop(
+        resistance, paper.motor.q_inductance_h, gains.proportional, gains.integral, 50e-6
+    )
     ahead = margins.step_response(loop, 40) - margins.designed_step(1000.0, 50e-6, 40)
     assert int(np.argmax(ahead)) == 2
     assert ahead[2] > 0.05
 
 
-def test_a_faster_loop_than_the_delay_allows_is_refused_and_the_fastest_is_not(change: Change) -> None:
+def test_a_faster_loop_than_the_delay_allows_is_refused_and_the_fastest_is_not(
+    change: Change,
+) -> None:
     fastest = change({"control.current_bandwidth_hz": 1591.0})
     margins.refuse_thin_margins(fastest, margins.current_loop(fastest))
     faster = change({"control.current_bandwidth_hz": 1592.0})
@@ -150,23 +201,36 @@ def test_a_faster_loop_than_the_delay_allows_is_refused_and_the_fastest_is_not(c
 
 def test_a_loop_with_a_cold_and_a_hot_winding_still_follows(paper: schema.Drive) -> None:
     found = margins.current_loop(paper)
-    assert {(m.axis, m.winding_temperature_c) for m in found} == {(axis, t) for axis in "dq" for t in (-20.0, 25.0, 150.0)}
+    assert {(m.axis, m.winding_temperature_c) for m in found} == {
+        (axis, t) for axis in "dq" for t in (-20.0, 25.0, 150.0)
+    }
     for m in found:
         assert m.step_deviation <= 0.005
         assert 0.975 <= m.bandwidth_hz / 1000.0 <= 1.0
 
 
 @pytest.mark.parametrize("bandwidth", [500.0, 1000.0, 1590.0])
-def test_the_gain_margin_is_where_a_simulated_loop_begins_to_oscillate(change: Change, bandwidth: float) -> None:
+def test_the_gain_margin_is_where_a_simulated_loop_begins_to_oscillate(
+    change: Change, bandwidth: float
+) -> None:
     drive = change({"control.current_bandwidth_hz": bandwidth})
     found = next(m for m in margins.current_loop(drive) if m.axis == "q")
     period = 1.0 / drive.inverter.pwm_frequency_hz
-    resistance = float(np.asarray(models.machine(drive, found.winding_temperature_c).resistance_ohm)) + drive.inverter.switch_resistance_ohm
+    resistance = (
+        float(np.asarray(models.machine(drive, found.winding_temperature_c).resistance_ohm))
+        + drive.inverter.switch_resistance_ohm
+    )
     gains = loops.axis_gains(drive, drive.motor.q_inductance_h)
     integral = gains.integral * loops.resistance_ratio(drive, found.winding_temperature_c)
 
     def grows(factor: float) -> bool:
-        loop = margins.Loop(resistance, drive.motor.q_inductance_h, factor * gains.proportional, factor * integral, period)
+        loop = margins.Loop(
+            resistance,
+            drive.motor.q_inductance_h,
+            factor * gains.proportional,
+            factor * integral,
+            period,
+        )
         error = np.abs(1.0 - margins.step_response(loop, 4000))
         return bool(np.max(error[3600:]) > np.max(error[200:600]))
 
@@ -190,11 +254,19 @@ def test_an_interval_holds_every_result_of_its_operations() -> None:
 
 
 @pytest.mark.parametrize("path", MOTORS, ids=lambda path: path.stem)
-def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(tmp_path: Path, path: Path) -> None:
+def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(
+    tmp_path: Path, path: Path
+) -> None:
     library = tmp_path / "loop.so"
     includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "foc")]
-    sources = [str(ROOT / "firmware" / "foc" / "current_loop.c"), *map(str, (ROOT / "firmware" / "core").glob("*.c"))]
-    subprocess.run(["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)], check=True)
+    sources = [
+        str(ROOT / "firmware" / "foc" / "current_loop.c"),
+        *map(str, (ROOT / "firmware" / "core").glob("*.c")),
+    ]
+    subprocess.run(
+        ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
+        check=True,
+    )
     ffi = cffi.FFI()
     ffi.cdef("""
         typedef struct { int32_t proportional_q10, integral_q15, anti_windup_q15; } pi_gains_t;
@@ -206,7 +278,8 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(tmp_path: P
     drive = schema.load(path)
     raw = ffi.from_buffer(image.build(drive))
     proved = {proof.quantity: proof.found for proof in envelope.proofs(drive)}
-    limit = layout.load().ffi.from_buffer("config_t *", image.build(drive)).current_loop.modulation_limit_pu_q15  # type: ignore[attr-defined]
+    config: Any = layout.load().ffi.from_buffer("config_t *", image.build(drive))
+    limit = config.current_loop.modulation_limit_pu_q15
     full_scale, base = drive.inverter.voltage_full_scale_v, loops.bases(drive)
     largest: dict[str, float] = {}
     buses = np.linspace(loops.undervoltage_trip_v(drive), relations.overvoltage_trip_v(drive), 7)
@@ -214,7 +287,13 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(tmp_path: P
         for bus, share in itertools.product(buses, (-1.0, -0.5, 0.1, 1.0)):
             omega = share * drive.motor.max_speed_rpm * math.pi / 30.0 * drive.motor.pole_pairs
             turns = omega * base.period_s / (2.0 * math.pi)
-            tuning = firmware.current_loop_tuning(raw, limit, round(bus / full_scale * 32768), round(turns * 2**32), round(winding_c * 100))
+            tuning = firmware.current_loop_tuning(
+                raw,
+                limit,
+                round(bus / full_scale * 32768),
+                round(turns * 2**32),
+                round(winding_c * 100),
+            )
             values = {
                 "proportional_d": tuning.d.proportional_q10 / 1024,
                 "proportional_q": tuning.q.proportional_q10 / 1024,
@@ -229,13 +308,20 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(tmp_path: P
                 slack = 0.003 * max(abs(found.low), abs(found.high)) + 2.0 / 2048
                 assert found.low - slack <= value <= found.high + slack, (name, value, found)
                 largest[name] = max(largest.get(name, 0.0), abs(value))
-    # And the proof gives nothing away: at the corners of the envelope its ends are reached, but for the reserve of speed.
+    # And the proof gives nothing away: at the corners of the envelope its ends are reached, but for
+    # the reserve of speed.
     for name, value in largest.items():
         assert value >= 0.9 * proved[f"current_loop.{name}"].high, name
 
 
-# What each format holds is left by one change of the paper's vehicle, each beyond what a sensible drive has.
-FAST = {"motor.max_speed_rpm": 3200.0, "motor.flux_linkage_wb": 0.0035, "motor.rated_torque_nm": 5.0, "motor.max_torque_nm": 8.0}
+# What each format holds is left by one change of the paper's vehicle, each beyond what a sensible
+# drive has.
+FAST = {
+    "motor.max_speed_rpm": 3200.0,
+    "motor.flux_linkage_wb": 0.0035,
+    "motor.rated_torque_nm": 5.0,
+    "motor.max_torque_nm": 8.0,
+}
 HEAVY_D = {"motor.type": "ipmsm", "motor.d_inductance_h": 3e-3}
 HEAVY_Q = {"motor.type": "ipmsm", "motor.q_inductance_h": 3e-3}
 BREAKS: dict[str, dict[str, Any]] = {
@@ -261,25 +347,40 @@ def test_every_format_has_a_drive_that_leaves_it(paper: schema.Drive) -> None:
 
 
 @pytest.mark.parametrize("quantity", BREAKS)
-def test_a_quantity_that_leaves_its_format_is_refused_by_its_name(change: Change, quantity: str) -> None:
+def test_a_quantity_that_leaves_its_format_is_refused_by_its_name(
+    change: Change, quantity: str
+) -> None:
     proofs = {proof.quantity: proof for proof in envelope.proofs(change(BREAKS[quantity]))}
     assert not proofs[quantity].holds
-    with pytest.raises(ConfigurationError, match=rf"^{quantity}: .* inside the operating envelope, accepted: .* \(.+\)$"):
+    with pytest.raises(
+        ConfigurationError,
+        match=rf"^{quantity}: .* inside the operating envelope, accepted: .* \(.+\)$",
+    ):
         envelope.refuse_overflow([proofs[quantity]])
     with pytest.raises(ConfigurationError, match="inside the operating envelope, accepted: "):
         image.build(change(BREAKS[quantity]))
 
 
-def test_a_grid_too_coarse_is_refused_before_anything_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    # T_opt of a motor whose copper dominates goes with 1 / R: over 150 K, R grows by 0.7, and a straight line between the
-    # ends is up to 7 % off the hyperbola, (sqrt(1.7) - 1)^2 / (2 sqrt(1.7)) of its value: the square of it is lost.
+def test_a_grid_too_coarse_is_refused_before_anything_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # T_opt of a motor whose copper dominates goes with 1 / R: over 150 K, R grows by 0.7, and a
+    # straight line between the ends is up to 7 % off the hyperbola, (sqrt(1.7) - 1)^2 / (2
+    # sqrt(1.7)) of its value: the square of it is lost.
     coarse = tmp_path / "coarse.toml"
     text = (ROOT / "tools" / "motors" / "ebike36v.toml").read_text(encoding="utf-8")
-    coarse.write_text(re.sub(r"(?m)^temperature_points = \d+", "temperature_points = 2", text), encoding="utf-8")
-    with pytest.raises(ConfigurationError, match=r"^table\.speed_points, table\.temperature_points: the grid loses 0\.\d+% of the energy"):
+    coarse.write_text(
+        re.sub(r"(?m)^temperature_points = \d+", "temperature_points = 2", text), encoding="utf-8"
+    )
+    with pytest.raises(
+        ConfigurationError,
+        match=r"^table\.speed_points, table\.temperature_points: the grid loses 0\.\d+% of the energy",
+    ):
         report.collect(schema.load(coarse))
     assert cli.main(["generate", str(coarse), "-o", str(tmp_path / "out")]) == 1
     errors = capsys.readouterr().err.splitlines()
     assert len(errors) == 1
-    assert errors[0].startswith(f"{coarse}: table.speed_points, table.temperature_points: the grid loses")
+    assert errors[0].startswith(
+        f"{coarse}: table.speed_points, table.temperature_points: the grid loses"
+    )
     assert not (tmp_path / "out").exists()
