@@ -20,8 +20,10 @@ from regen_table import (
     cycles,
     generate,
     ideal,
+    outputs,
     packs,
     points,
+    provenance,
     relations,
     report,
     schema,
@@ -172,6 +174,11 @@ def _parser() -> argparse.ArgumentParser:
         help="also write margins, number formats and grid losses as JSON",
     )
     command.add_argument(
+        "--date",
+        metavar="ISO-8601",
+        help="of the report; default: SOURCE_DATE_EPOCH, else the clock",
+    )
+    command.add_argument(
         "--plots",
         action="store_true",
         help="also draw the figures, into DIR or else build/report/figures",
@@ -277,16 +284,17 @@ def _generate(options: argparse.Namespace) -> int:
     drive = schema.load(options.config)
     with _about(options.config):
         found = report.collect(drive)
-        files = {
-            (options.output or generate.GENERATED) / name: content
-            for name, content in generate.artefacts(drive).files.items()
-        }
-        if options.report:
-            files[options.report] = report.as_json(found)
-        paths = generate.write_files(files)
-        if options.plots:
-            from regen_table import figures  # noqa: PLC0415, Matplotlib takes longer to load than all else takes to run
+        made = generate.artefacts(drive)
+    directory = options.output or generate.GENERATED
+    files = {directory / name: content for name, content in made.files.items()}
+    if options.report:
+        origin = provenance.provenance(drive.name, made.image, date=options.date)
+        files[options.report] = report.as_json(found, origin)
+    paths = outputs.write_files(files, make_directories=True)
+    if options.plots:
+        from regen_table import figures  # noqa: PLC0415, Matplotlib takes longer to load than all else takes to run
 
+        with _about(options.config):
             paths += figures.draw_all(drive, options.output or generate.FIGURES)
     for warning in relations.warnings(drive):  # last: what fails says one line
         print(f"{options.config}: warning: {warning}", file=sys.stderr)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one exception a user of this package has to expect."""
+"""The exceptions that a user of this package has to expect."""
 
 
 class ConfigurationError(ValueError):
@@ -9,5 +9,12 @@ class ConfigurationError(ValueError):
     """
 
 
+class OutputError(ConfigurationError):
+    """A file cannot be written; ``str()`` is one line that begins with its name."""
+
+
 class CheckFailedError(RuntimeError):
-    """The input is fine, but what was asked to hold does not (an outdated generated file, for example)."""
+    """The input is valid, but a property that was to be checked does not hold.
+
+    An outdated generated file, for example.
+    """

@@ -3,6 +3,7 @@
 
 import json
 from dataclasses import asdict, dataclass
+from typing import Any
 
 from regen_table import __version__, audit, current_audit, current_map, envelope, margins
 from regen_table.schema import Drive
@@ -54,9 +55,9 @@ def collect(drive: Drive) -> Report:
     )
 
 
-def as_json(report: Report) -> bytes:
-    """Return the report as JSON."""
-    return (json.dumps(asdict(report), indent=1) + "\n").encode()
+def as_json(report: Report, origin: dict[str, Any]) -> bytes:
+    """Return the report as JSON; ``origin`` is its provenance."""
+    return (json.dumps({"provenance": origin} | asdict(report), indent=1) + "\n").encode()
 
 
 def as_text(report: Report) -> str:
