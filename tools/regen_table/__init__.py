@@ -7,4 +7,6 @@ flux linkage in PEAK PHASE, amplitude-invariant quantities, so that P = 1.5 (u_d
 T = 1.5 p (psi_d i_q - psi_q i_d).
 """
 
-__version__ = "0.1.0"
+from regen_table import installation
+
+__version__ = installation.version()

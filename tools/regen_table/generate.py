@@ -4,13 +4,15 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from regen_table import emit, image, outputs
+from regen_table import emit, image, installation, outputs
 from regen_table.errors import CheckFailedError
 from regen_table.schema import Drive
 
-_ROOT = Path(__file__).resolve().parents[2]
-GENERATED = _ROOT / "firmware" / "config" / "generated"
-FIGURES = _ROOT / "build" / "report" / "figures"
+# In the repository, where its build looks for them; elsewhere, where the caller is.
+GENERATED = (
+    Path() if installation.INSTALLED else installation.ROOT / "firmware" / "config" / "generated"
+)
+FIGURES = Path("figures") if installation.INSTALLED else installation.ROOT / "build/report/figures"
 
 
 @dataclass(frozen=True)

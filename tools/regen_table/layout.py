@@ -1,16 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The memory layout and the accepted ranges of config_t, read from firmware/config/include/config/config.h.
 
-That header is the only place that knows them. It is run through the C preprocessor of whatever
-compiler is at hand (``$CC``, cc, gcc, clang or arm-none-eabi-gcc), and cffi computes the layout
-from the result, so a field added there appears here without a change.
+That header is the only place that knows them. ``config_header`` expands it, through a C
+preprocessor or, in an installed distribution, once and for all when that was built; cffi computes
+the layout from the result, so a field added there appears here without a change.
 """
 
-import os
 import re
-import shlex
-import shutil
-import subprocess
 import sys
 from dataclasses import dataclass, field
 from functools import cache
@@ -19,12 +15,9 @@ from typing import Any
 
 import cffi
 
+from regen_table import config_header
+from regen_table.config_header import HEADER
 from regen_table.errors import ConfigurationError
-
-HEADER = (
-    Path(__file__).resolve().parents[2] / "firmware" / "config" / "include" / "config" / "config.h"
-)
-_COMPILERS = ("cc", "gcc", "clang", "arm-none-eabi-gcc")
 
 
 @dataclass(frozen=True)
@@ -65,40 +58,17 @@ class Layout:
 
 @cache
 def load(header: Path = HEADER) -> Layout:
-    """Read the header; one compiler run, cached for the life of the process."""
+    """Read the header, once in the life of the process."""
     if sys.byteorder != "little":
         raise ConfigurationError(
             "configuration images are little endian, as the microcontroller is; so must this machine be"
         )
-    try:
-        text = header.read_text(encoding="utf-8")
-    except OSError as error:
-        raise ConfigurationError(f"{header}: cannot be read: {error.strerror}") from error
-    lists = re.findall(
-        r"^#define\s+(CONFIG_\w+_(?:FIELDS|ARRAY))\((\w)\)", text, flags=re.MULTILINE
-    )
-    constants = [
-        name
-        for name in re.findall(r"^#define\s+(CONFIG_\w+)[ \t]+\S", text, flags=re.MULTILINE)
-        if not name.endswith(("_MEMBER", "_FIELDS", "_ARRAY"))
-    ]
-    # Standard headers say nothing about the layout, and cffi knows the fixed-width types by itself.
-    bare = re.sub(r"^\s*#\s*include\s*<[^>]*>", "", text, flags=re.MULTILINE)
-    source = [bare, "regen_lists_begin"]
-    source.append(
-        "#define REGEN_SCALAR(name, lowest, highest, unit, text) regen_field(name, 0, lowest, highest, unit, text) regen_end"
-    )
-    source.append(
-        "#define REGEN_ARRAY(name, count, lowest, highest, unit, text) regen_field(name, count, lowest, highest, unit, text) regen_end"
-    )
-    source += [
-        f'regen_list("{name}"); {name}({"REGEN_SCALAR" if letter == "X" else "REGEN_ARRAY"})'
-        for name, letter in lists
-    ]
-    source += [f'regen_constant("{name}", {name});' for name in constants]
-    declarations, _, expanded = _preprocess("\n".join(source) + "\n", header).partition(
-        "regen_lists_begin"
-    )
+    return parse(config_header.expanded(header), header)
+
+
+def parse(text: str, header: Path = HEADER) -> Layout:
+    """Compute the layout from the expanded header; ``header`` names it in messages."""
+    declarations, _, expanded = text.partition(config_header.LISTS_BEGIN)
     ffi = cffi.FFI()
     try:
         ffi.cdef(re.sub(r"_Static_assert\s*\(.*?\)\s*;", "", declarations, flags=re.DOTALL))
@@ -109,24 +79,6 @@ def load(header: Path = HEADER) -> Layout:
         ) from error
     pairs = re.findall(r'regen_constant\("(\w+)",\s*(0[xX][0-9a-fA-F]+|\d+)[uUlL]*\);', expanded)
     return Layout(ffi, sections, {name: int(value, 0) for name, value in pairs})
-
-
-def _preprocess(source: str, header: Path) -> str:
-    """Run the first C preprocessor found over a text."""
-    named = os.environ.get("CC")
-    candidates = [shlex.split(named)] if named else []
-    candidates += [[name] for name in _COMPILERS]
-    command = next((c for c in candidates if shutil.which(c[0])), None)
-    if command is None:
-        raise ConfigurationError(
-            f"no C preprocessor found to read {header.name}: install one of {', '.join(_COMPILERS)} or set CC"
-        )
-    arguments = [*command, "-E", "-P", "-x", "c", "-I", str(header.parents[1]), "-"]
-    done = subprocess.run(arguments, input=source, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        reason = next(iter(done.stderr.strip().splitlines()), "no message")
-        raise ConfigurationError(f"{header}: {command[0]} refused it: {reason}")
-    return done.stdout
 
 
 def _sections(ffi: cffi.FFI, expanded: str) -> dict[str, dict[str, FieldInfo]]:

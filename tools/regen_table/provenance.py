@@ -6,18 +6,13 @@ depend on the TOML file alone. Standard library only.
 """
 
 import os
-import subprocess
 from datetime import UTC, datetime
-from functools import cache
-from pathlib import Path
 from typing import Any
 
-from regen_table import __version__
+from regen_table import installation
 from regen_table.errors import ConfigurationError
 
 EPOCH_VARIABLE = "SOURCE_DATE_EPOCH"
-UNKNOWN = "unknown"
-_ROOT = Path(__file__).resolve().parents[2]
 
 
 def provenance(
@@ -43,8 +38,8 @@ def provenance(
     """
     return {
         "program": "hubfoc",
-        "version": __version__,
-        "commit": commit(),
+        "version": installation.version(),
+        "commit": installation.commit(),
         "configuration": configuration,
         "configuration_crc32": None if image is None else crc32(image),
         "scenario": scenario,
@@ -56,26 +51,6 @@ def provenance(
 def crc32(image: bytes) -> str:
     """Return the CRC-32 that an image ends with, as the generated C file writes it."""
     return f"0x{int.from_bytes(image[-4:], 'little'):08X}"
-
-
-@cache
-def commit() -> str:
-    """Return the repository's commit, "+" behind it where files differ; "unknown" outside of one.
-
-    A package that was built from the repository holds the commit in ``regen_table/COMMIT``.
-    """
-    baked = Path(__file__).with_name("COMMIT")
-    try:
-        if baked.is_file():
-            return baked.read_text(encoding="ascii").strip() or UNKNOWN
-        if not (_ROOT / ".git").exists():
-            return UNKNOWN
-        command = ["git", "-C", str(_ROOT), "describe", "--always", "--exclude=*", "--abbrev=40"]
-        command.append("--dirty=+")
-        done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
-    except (OSError, ValueError, subprocess.SubprocessError):
-        return UNKNOWN
-    return done.stdout.strip() if done.returncode == 0 and done.stdout.strip() else UNKNOWN
 
 
 def timestamp(given: str | None = None) -> str:

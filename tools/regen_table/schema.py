@@ -16,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from regen_table import relations
+from regen_table import installation, relations
 from regen_table.drive import Drive
 from regen_table.errors import ConfigurationError
 
@@ -31,14 +31,15 @@ def load(path: str | Path) -> Drive:
     Parameters
     ----------
     path : str or Path
-        The file; its name without ``.toml`` becomes the name of the configuration.
+        The file, or the bare name of a drive that comes along ("lu2013"); its name without
+        ``.toml`` becomes the name of the configuration.
 
     Raises
     ------
     ConfigurationError
         One line: file, key, what is wrong, what is accepted.
     """
-    path = Path(path)
+    path = installation.drive_file(path)
     text = _read(path)
     try:
         data = tomllib.loads(text)

@@ -11,7 +11,7 @@ vehicle.
     hubsim.parameters()               everything about the simulated world that can be set
 """
 
-__version__ = "0.1.0"
+from regen_table import __version__
 
 from hubsim.bench import Bench, Recording
 from hubsim.configuration import Configuration
@@ -29,6 +29,7 @@ __all__ = [
     "Recording",
     "Values",
     "Variable",
+    "__version__",
     "load_configuration",
     "parameters",
 ]

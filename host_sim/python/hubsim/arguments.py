@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
+from regen_table import installation
 from regen_table.schema import Drive
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -30,10 +31,10 @@ def add_common(command: argparse.ArgumentParser) -> None:
     """Add what every command that runs something takes."""
     command.add_argument(
         "--config",
-        type=Path,
+        type=installation.drive_file,
         default=DEFAULT_CONFIG,
         metavar="TOML",
-        help="the drive; default: tools/motors/lu2013.toml",
+        help="the drive, a file or the name of one that comes along; default: lu2013",
     )
     command.add_argument(
         "--set", dest="settings", action="append", default=[], metavar="KEY=VALUE",

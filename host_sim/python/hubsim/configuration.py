@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from regen_table import schema
+from regen_table import installation, schema
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
@@ -47,7 +47,8 @@ def load(path: str | Path, settings: Mapping[str, Any] | None = None) -> Configu
     Parameters
     ----------
     path : str or Path
-        A drive's ``.toml`` file, or a ``.bin`` image made from one (``./tools/dev table``).
+        A drive's ``.toml`` file, the bare name of one that comes along ("lu2013"), or a ``.bin``
+        image made from one (``./tools/dev table``).
     settings : mapping, optional
         ``"section.key"`` to value, in the file's units, on top of a TOML file; None takes an
         optional key away.
@@ -57,7 +58,7 @@ def load(path: str | Path, settings: Mapping[str, Any] | None = None) -> Configu
     HubsimError
         In one line: which file, which key, what is accepted.
     """
-    path = Path(path)
+    path = installation.drive_file(path)
     if path.suffix == ".bin":
         if settings:
             raise HubsimError(

@@ -16,25 +16,31 @@ from typing import Any, Self
 import cffi
 import numpy as np
 import numpy.typing as npt
+from regen_table import installation
 
 from hubsim.errors import HubsimError
 
-ROOT = Path(__file__).resolve().parents[3]
+# The repository, or the copies of its files that an installed distribution carries.
+ROOT = installation.ROOT
 HEADERS = (
     ROOT / "host_sim" / "bench" / "include" / "bench" / "engine.h",
     ROOT / "host_sim" / "exchange" / "include" / "exchange" / "face.h",
 )
 LIBRARY = Path("host_sim") / "libhubsim_engine.so"
+_BUILT_IN = Path(__file__).resolve().parent / LIBRARY.name
 _NAME_BYTES = 96
 
 Rows = npt.NDArray[np.float64]
 
 
 def library_path() -> Path:
-    """Return where the engine was built.
+    """Return where the engine is.
 
-    Under ``HUBFOC_BUILD_DIR`` if that is set, else under build/host.
+    Beside this module in an installed distribution; in the repository under ``HUBFOC_BUILD_DIR`` if
+    that is set, else under build/host.
     """
+    if installation.INSTALLED:
+        return _BUILT_IN
     named = os.environ.get("HUBFOC_BUILD_DIR")
     path = Path(named) / LIBRARY if named else ROOT / "build" / "host" / LIBRARY
     if not path.is_file():

@@ -73,7 +73,7 @@ def _list(options: argparse.Namespace) -> int:
         print(
             f"  {name:28} {cycle.duration_s:g} s, {cycle.distance_m / 1e3:.3f} km, up to {max(cycle.speed_kmh):g} km/h"
         )
-    print(f"drives (--config {arguments.MOTORS.relative_to(engine.ROOT)}/NAME.toml):")
+    print("drives (--config NAME, or a file):")
     for path in sorted(arguments.MOTORS.glob("*.toml")):
         print(f"  {path.stem}")
     print(f"strategies (--strategy NAME):\n  {', '.join(run.STRATEGIES)}")

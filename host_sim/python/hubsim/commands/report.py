@@ -4,6 +4,8 @@
 import argparse
 from pathlib import Path
 
+from regen_table import installation
+
 from hubsim import arguments, engine, files, overrides, results_files, run, scenario
 from hubsim.errors import HubsimError
 
@@ -27,9 +29,9 @@ def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
     )
     command.add_argument(
         "--config",
-        type=Path,
+        type=installation.drive_file,
         metavar="TOML",
-        help="the drive; default: tools/motors/NAME.toml with the result's name",
+        help="the drive; default: the one that comes along under the result's name",
     )
     command.add_argument(
         "--stops",

@@ -4,8 +4,13 @@
 import argparse
 from pathlib import Path
 
-from hubsim import arguments, engine, outputs, overrides, run, scenario
+from regen_table import installation
+
+from hubsim import arguments, outputs, overrides, run, scenario
 from hubsim.errors import HubsimError
+
+_SHOWN = "hubsim_report" if installation.INSTALLED else "build/report"
+_OUTPUT = Path(_SHOWN) if installation.INSTALLED else installation.ROOT / _SHOWN
 
 
 def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
@@ -22,9 +27,9 @@ def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
     command.add_argument(
         "--output",
         type=Path,
-        default=engine.ROOT / "build" / "report",
+        default=_OUTPUT,
         metavar="DIR",
-        help="default: build/report",
+        help=f"default: {_SHOWN}",
     )
     command.set_defaults(run=_sim)
 

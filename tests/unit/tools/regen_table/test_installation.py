@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the packages find files and what they call themselves."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from regen_table import config_header, installation, layout, schema
+from regen_table.errors import ConfigurationError
+
+REPOSITORY = Path(__file__).resolve().parents[4]
+
+
+def test_version_is_that_of_the_top_cmake_project() -> None:
+    text = (REPOSITORY / "CMakeLists.txt").read_text(encoding="utf-8")
+    found = re.search(r"project\(\s*hubfoc\s+VERSION\s+([\d.]+)", text)
+    assert found is not None
+    assert installation.version() == found[1]
+
+
+def test_commit_is_that_of_the_checkout(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("HUBFOC_COMMIT", raising=False)
+    done = subprocess.run(
+        ["git", "-C", str(REPOSITORY), "rev-parse", "HEAD"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    installation.commit.cache_clear()
+    commit = installation.commit()
+    if done.returncode == 0:
+        assert commit.removesuffix("+") == done.stdout.strip()
+    else:  # sources without their history
+        assert commit == "unknown"
+
+
+def test_a_caller_can_say_which_commit_an_archive_is_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HUBFOC_COMMIT", "0123456789ab")
+    assert installation.commit.__wrapped__() == "0123456789ab"
+
+
+def test_a_folder_inside_somebody_elses_checkout_has_no_commit(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delenv("HUBFOC_COMMIT", raising=False)
+    subprocess.run(["git", "init", "-q", str(tmp_path)], check=True)
+    inner = tmp_path / "inner"
+    inner.mkdir()
+    monkeypatch.setattr(installation, "ROOT", inner)
+    assert installation.commit.__wrapped__() == "unknown"
+
+
+def test_a_bare_name_is_a_drive_that_comes_along(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert installation.drive_file("lu2013") == REPOSITORY / "tools" / "motors" / "lu2013.toml"
+    assert schema.load("lu2013").name == "lu2013"
+    with pytest.raises(ConfigurationError, match="no_such_drive: "):
+        schema.load("no_such_drive")
+
+
+def test_a_file_of_ones_own_comes_before_a_drive_that_comes_along(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("lu2013").write_text("mine", encoding="utf-8")
+    assert installation.drive_file("lu2013") == Path("lu2013")
+    assert installation.drive_file("./ebike36v") == Path("./ebike36v")
+
+
+def test_layout_from_a_written_expansion_is_the_live_one(tmp_path: Path) -> None:
+    written = tmp_path / "config_header.i"
+    assert config_header.main([str(written)]) == 0
+    baked, live = layout.parse(written.read_text(encoding="utf-8")), layout.load()
+    assert baked.sections == live.sections
+    assert baked.constants == live.constants
+    assert baked.size_bytes == live.size_bytes
+    for name, fields in live.sections.items():
+        for field in fields:
+            assert baked.ffi.offsetof("config_t", name, field) == live.ffi.offsetof(
+                "config_t", name, field
+            )

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the packages find what is not Python, and which version and commit they are.
+
+In the repository that is the repository itself. An installed distribution carries a copy of the few
+files needed, at the same places below ``regen_table/data``, and a record of the build.
+"""
+
+import json
+import os
+import re
+from functools import cache
+from pathlib import Path
+
+_DATA = Path(__file__).resolve().parent / "data"
+INSTALLED = (_DATA / "build.json").is_file()
+ROOT = _DATA if INSTALLED else Path(__file__).resolve().parents[2]
+
+UNKNOWN = "unknown"
+
+
+def drive_file(named: str | Path) -> Path:
+    """Return the file of a drive that may be named as a file or as one of those that come along.
+
+    "lu2013" is tools/motors/lu2013.toml, unless a file of that very name is here.
+    """
+    path = Path(named)
+    known = ROOT / "tools" / "motors" / f"{path.name}.toml"
+    return known if path.name == str(named) and not path.exists() and known.is_file() else path
+
+
+@cache
+def version() -> str:
+    """Return the project's version, "MAJOR.MINOR.PATCH": that of the top CMake project."""
+    if INSTALLED:
+        return _record()["version"]
+    text = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+    found = re.search(r"^project\(hubfoc VERSION (\d+\.\d+\.\d+)", text, flags=re.MULTILINE)
+    assert found is not None, "the top CMakeLists.txt has no project(hubfoc VERSION ...)"
+    return found[1]
+
+
+@cache
+def commit() -> str:
+    """Return the commit, with "+" behind it where tracked files were changed.
+
+    HUBFOC_COMMIT in the environment comes before what git says; where there is neither, as in an
+    archive of the sources: "unknown". tools/cmake/commit.cmake gives the firmware the same.
+    """
+    if INSTALLED:
+        return _record()["commit"]
+    if named := os.environ.get("HUBFOC_COMMIT"):
+        return named
+    if not (ROOT / ".git").exists():  # the project may lie in the checkout of something else
+        return UNKNOWN
+    import subprocess  # noqa: PLC0415, few callers want a commit
+
+    question = ("describe", "--always", "--dirty=+", "--exclude=*", "--abbrev=40")
+    command = ["git", "-C", str(ROOT), "--no-optional-locks", *question]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
+    except (OSError, subprocess.SubprocessError):
+        return UNKNOWN
+    return done.stdout.strip() if done.returncode == 0 and done.stdout.strip() else UNKNOWN
+
+
+def _record() -> dict[str, str]:
+    """Return what the build of the distribution wrote down."""
+    found: dict[str, str] = json.loads((_DATA / "build.json").read_text(encoding="utf-8"))
+    return found
