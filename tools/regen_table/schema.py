@@ -88,7 +88,7 @@ def _read(path: Path) -> str:
             f"{path}: larger than {MAX_FILE_BYTES} bytes, a drive takes a few thousand"
         )
     try:
-        return raw.decode("utf-8")
+        return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ConfigurationError(f"{path}: not UTF-8 text (byte {error.start})") from error
 

@@ -17,7 +17,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import ValidationError
 
-from hubsim import configuration, overrides, run, scenario
+from hubsim import configuration, mistakes, overrides, run, scenario
 from hubsim.configuration import Configuration
 from hubsim.engine import Rows, parameters
 from hubsim.errors import HubsimError
@@ -87,7 +87,7 @@ class Bench:
 
     def __init__(
         self,
-        drive: Configuration | str | Path,
+        drive: Configuration | str | Path | None = None,
         scenario: str | Path | None = None,
         *,
         controller: Configuration | str | Path | None = None,
@@ -95,12 +95,14 @@ class Bench:
         record: Sequence[str] = ("*",),
         **settings: Any,  # noqa: ANN401, whatever a scenario's keys take
     ) -> None:
+        chosen, beside = _scenario(scenario, settings)
+        if drive is None:
+            raise HubsimError("drive: missing, accepted: a drive's .toml file")
         config = drive if isinstance(drive, Configuration) else configuration.load(drive)
         if config.drive is None:
             raise HubsimError(
                 f"{config.name}: an image does not say what the plant is, accepted: a drive's .toml file"
             )
-        chosen, beside = _scenario(scenario, settings)
         vehicle = overrides.changed(config.drive, chosen.drive_changes, f"{chosen.source}: drive")
         self._engine, self.planned_s = run.prepare(vehicle, chosen, beside, dict(plant or {}))
         self._happening = run.timeline(chosen)
@@ -195,13 +197,13 @@ class Bench:
 
 def _scenario(name: str | Path | None, settings: dict[str, Any]) -> tuple[scenario.Scenario, Path]:
     if name is not None:
-        _, chosen, beside = scenario.load(str(name), settings)
+        try:
+            _, chosen, beside = scenario.load(str(name), settings)
+        except HubsimError as error:
+            raise HubsimError(str(error).removeprefix("--set ")) from error
         return chosen, beside
     try:
         return scenario.Scenario.model_validate({"max_duration_s": LONGEST_S} | settings), Path()
     except ValidationError as error:
-        details = error.errors(include_url=False)[0]
-        key = str(details["loc"][0]) if details["loc"] else "scenario"
-        raise HubsimError(
-            f"{key}: {details['msg']}; 'hubsim list' shows the keys and what they take"
-        ) from error
+        key, what = mistakes.first(error, scenario.Scenario)
+        raise HubsimError(f"{key}: {what}" if key else what) from error

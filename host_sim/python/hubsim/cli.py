@@ -6,6 +6,8 @@ a criterion not met; 2: wrong call.
 """
 
 import argparse
+import contextlib
+import os
 import sys
 from collections.abc import Sequence
 
@@ -32,14 +34,25 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the process's exit status."""
     options = parser().parse_args(arguments)
     try:
-        return int(options.run(options))
+        status = int(options.run(options))
+        sys.stdout.flush()
     except (HubsimError, ConfigurationError) as error:
         print(f"hubsim: {error}", file=sys.stderr)
         return 1
-    except BrokenPipeError:
-        return 1
     except KeyboardInterrupt:
         return 130
+    except OSError as error:
+        return _cannot_print(error)
+    return status
+
+
+def _cannot_print(error: OSError) -> int:
+    """Say that standard output takes no more; a reader that has seen enough needs no message."""
+    if not isinstance(error, BrokenPipeError):
+        print(f"hubsim: standard output: {error.strerror or error}", file=sys.stderr)
+    with contextlib.suppress(OSError):  # what is buffered goes nowhere when the process ends
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return 1
 
 
 def parser() -> Parser:

@@ -22,10 +22,7 @@ SIGNALS = ("time_s", *report.SIGNALS)
 
 def check_output(directory: Path) -> None:
     """Make the directory, or refuse before any work is done."""
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise HubsimError(f"{directory}: cannot be made: {error.strerror}") from error
+    files.make_directory(directory)
     for name in (PAGE, SUMMARY):
         files.check_writable(directory / name)
 

@@ -14,7 +14,7 @@ from regen_table import installation, schema
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import images
+from hubsim import files, images
 from hubsim.errors import HubsimError
 
 MAX_IMAGE_BYTES = 1 << 16
@@ -64,7 +64,7 @@ def load(path: str | Path, settings: Mapping[str, Any] | None = None) -> Configu
             raise HubsimError(
                 f"{path}: an image cannot be changed, accepted: settings on top of a .toml file"
             )
-        return Configuration(path.stem, _bytes(path))
+        return Configuration(path.stem, files.read_bytes(path, MAX_IMAGE_BYTES))
     try:
         drive = schema.load(path)
         if settings:
@@ -75,7 +75,7 @@ def load(path: str | Path, settings: Mapping[str, Any] | None = None) -> Configu
 
 
 def _changed(drive: Drive, path: Path, settings: Mapping[str, Any]) -> Drive:
-    data = tomllib.loads(path.read_text(encoding="utf-8"))
+    data = tomllib.loads(files.read_text(path))
     for key, value in settings.items():
         section, dot, name = key.partition(".")
         keys = data.setdefault(section, {})
@@ -86,16 +86,3 @@ def _changed(drive: Drive, path: Path, settings: Mapping[str, Any]) -> Drive:
         else:
             keys[name] = value
     return schema.parse(data, name=drive.name, source=f"{path} with settings")
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        if path.stat().st_size > MAX_IMAGE_BYTES:
-            raise HubsimError(
-                f"{path}: larger than {MAX_IMAGE_BYTES} bytes, an image takes some thousand"
-            )
-        return path.read_bytes()
-    except FileNotFoundError:
-        raise HubsimError(f"{path}: file not found") from None
-    except OSError as error:
-        raise HubsimError(f"{path}: cannot be read: {error.strerror}") from error

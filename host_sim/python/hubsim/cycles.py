@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from hubsim import files
 from hubsim.engine import ROOT
 from hubsim.errors import HubsimError
 
@@ -75,7 +76,7 @@ def read(path: Path) -> Cycle:
     time_s: list[float] = []
     speed_kmh: list[float] = []
     expect_header = True
-    for number, line in enumerate(_lines(path), start=1):
+    for number, line in enumerate(files.read_text(path, MAX_FILE_BYTES).splitlines(), start=1):
         if line.startswith("#") or not line.strip():
             continue
         cells = next(csv.reader([line]))
@@ -96,21 +97,6 @@ def read(path: Path) -> Cycle:
     if len(time_s) < 2:
         raise HubsimError(f"{path}: {len(time_s)} points, accepted: at least two")
     return Cycle(path.stem, tuple(time_s), tuple(speed_kmh))
-
-
-def _lines(path: Path) -> list[str]:
-    try:
-        if path.stat().st_size > MAX_FILE_BYTES:
-            raise HubsimError(
-                f"{path}: larger than {MAX_FILE_BYTES} bytes, a cycle takes a few thousand"
-            )
-        return path.read_text(encoding="utf-8-sig").splitlines()
-    except FileNotFoundError:
-        raise HubsimError(f"{path}: file not found") from None
-    except UnicodeDecodeError as error:
-        raise HubsimError(f"{path}: not UTF-8 text (byte {error.start})") from error
-    except OSError as error:
-        raise HubsimError(f"{path}: cannot be read: {error.strerror}") from error
 
 
 def _point(path: Path, number: int, cells: list[str]) -> tuple[float, float]:

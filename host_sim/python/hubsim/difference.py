@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from hubsim import files
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 
@@ -75,18 +76,20 @@ def read(path: Path) -> Side:
         raise HubsimError(f"{path}: accepted: {', '.join(readers)}, or a scenario")
     try:
         return readers[path.suffix](path)
+    except HubsimError:
+        raise
     except FileNotFoundError:
         raise HubsimError(f"{path}: file not found") from None
     except OSError as error:
         raise HubsimError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise HubsimError(
             f"{path}: no {path.suffix[1:]} file of a run: {' '.join(str(error).split())[:120]}"
         ) from error
 
 
 def _read_json(path: Path) -> Side:
-    found = json.loads(path.read_text(encoding="utf-8"))
+    found = json.loads(files.read_text(path))
     if not isinstance(found, dict):
         raise ValueError("an object is needed")
     return Side(str(path), figures_of(found), {})
@@ -108,9 +111,9 @@ def figures_of(found: Mapping[str, object]) -> dict[str, float]:
 
 
 def _read_csv(path: Path) -> Side:
-    with path.open(encoding="utf-8", newline="") as file:
-        names = next(csv.reader(file), [])
-        rows = np.loadtxt(file, delimiter=",", ndmin=2) if names else np.empty((0, 0))
+    lines = files.read_text(path).splitlines()
+    names = next(csv.reader(lines[:1]), [])
+    rows = np.loadtxt(lines[1:], delimiter=",", ndmin=2) if names else np.empty((0, 0))
     if rows.size and rows.shape[1] != len(names):
         raise ValueError(f"{rows.shape[1]} columns under {len(names)} headings")
     return _recorded(

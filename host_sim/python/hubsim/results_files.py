@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from hubsim import files
 from hubsim.engine import Rows, library, text_of
 from hubsim.errors import HubsimError
 from hubsim.results import RunResult
 
 RECORDINGS = (".parquet", ".csv")
+MAX_FILE_BYTES = 1 << 28
 
 
 def load(path: Path) -> RunResult:
@@ -57,11 +59,10 @@ def load(path: Path) -> RunResult:
 
 
 def _read(path: Path) -> dict[str, Any]:
+    text = files.read_text(path, MAX_FILE_BYTES)
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise HubsimError(f"{path}: cannot be read: {error.strerror}") from error
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+        data = json.loads(text)
+    except (json.JSONDecodeError, RecursionError) as error:
         raise HubsimError(
             f"{path}: not JSON: {' '.join(str(error).split())}, accepted: what 'hubsim run --json' writes"
         ) from error
@@ -93,11 +94,11 @@ def _parquet(path: Path) -> tuple[list[str], Rows]:
 
 
 def _csv(path: Path) -> tuple[list[str], Rows]:
+    lines = files.read_text(path).splitlines()
+    names = next(csv.reader(lines[:1]), [])
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            names = next(csv.reader(file), [])
-            rows = np.loadtxt(file, delimiter=",", ndmin=2)
-    except (ValueError, UnicodeDecodeError, OSError) as error:
+        rows = np.loadtxt(lines[1:], delimiter=",", ndmin=2)
+    except ValueError as error:
         raise HubsimError(f"{path}: cannot be read: {' '.join(str(error).split())}") from error
     if rows.shape[1] != len(names):
         raise HubsimError(f"{path}: {rows.shape[1]} columns under {len(names)} headings")

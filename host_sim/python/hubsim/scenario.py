@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from hubsim import mistakes
+from hubsim import files, mistakes
 from hubsim.criteria import Criterion
 from hubsim.errors import HubsimError
 from hubsim.events import Event, check_parameter, rising
@@ -268,20 +268,9 @@ def _put(data: dict[str, Any], key: str, value: object) -> None:
 
 
 def _read(path: Path) -> dict[str, Any]:
+    text = files.read_text(path, MAX_FILE_BYTES)
     try:
-        if path.stat().st_size > MAX_FILE_BYTES:
-            raise HubsimError(
-                f"{path}: larger than {MAX_FILE_BYTES} bytes, a scenario takes a few hundred"
-            )
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise HubsimError(f"{path}: file not found") from None
-    except IsADirectoryError:
-        raise HubsimError(f"{path}: is a directory, a TOML file is needed") from None
-    except OSError as error:
-        raise HubsimError(f"{path}: cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise HubsimError(f"{path}: not UTF-8 text (byte {error.start})") from error
+        return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise HubsimError(f"{path}: not valid TOML: {' '.join(str(error).split())}") from error
 

@@ -45,8 +45,10 @@ def _run(options: argparse.Namespace) -> int:
     wanted = {
         name: path for name in recordings.KINDS if (path := getattr(options, name)) is not None
     }
-    for path in (*wanted.values(), *filter(None, [options.json])):
+    outputs_of = [*wanted.values(), *filter(None, [options.json])]
+    for path in outputs_of:
         files.check_writable(path)
+    files.check_distinct(outputs_of)
     settings = overrides.parse(options.settings)
     name, chosen, beside = scenario.load(options.scenario, settings.scenario)
     drive = arguments.drive_of(options.config, settings, options.strategy, chosen)

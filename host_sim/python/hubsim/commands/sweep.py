@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``hubsim sweep``: many runs of a scenario with keys that vary, into one Parquet table."""
+"""``hubsim sweep``: many runs of a scenario with keys that vary, into one table."""
 
 import argparse
 import hashlib
@@ -13,7 +13,7 @@ from hubsim.errors import HubsimError
 def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
     """Declare the command."""
     command = commands.add_parser(
-        "sweep", help="many runs of a scenario with keys that vary, into one Parquet table",
+        "sweep", help="many runs of a scenario with keys that vary, into one table",
         description="Run a scenario over a grid of keys, over random draws, or both. An interrupted sweep goes on with the same command. "
         "Exit status 1 if a run could not be done or did not meet the scenario's criteria.",
     )  # fmt: skip
@@ -42,8 +42,8 @@ def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
         "--output",
         type=Path,
         required=True,
-        metavar="FILE.parquet",
-        help="the table; until it is there, FILE.parquet.parts/",
+        metavar="FILE",
+        help="the table, .parquet or .csv; until it is complete, FILE.parts/",
     )
     command.add_argument(
         "--scheduler",
@@ -75,6 +75,7 @@ def _sweep(options: argparse.Namespace) -> int:
     ):
         if value is not None and value < least:
             raise HubsimError(f"{name} {value}: accepted: a whole number from {least}")
+    store.kind_of(options.output)
     files.check_writable(options.output)
     found = plan.make(options.vary, options.runs, options.seed)
     job = work.Job(
@@ -136,6 +137,6 @@ def _content(options: argparse.Namespace) -> list[str]:
         else Path(options.scenario)
     )
     return [
-        hashlib.sha256(file.read_bytes()).hexdigest()
+        hashlib.sha256(files.read_bytes(file)).hexdigest()
         for file in (path, options.config, engine.library_path())
     ]

@@ -42,11 +42,7 @@ def main() -> int:
         if options.command == "table":
             files.write_text(options.output, c_table(unit))
         else:
-            listed = [
-                Path(line)
-                for line in options.sources.read_text(encoding="utf-8").splitlines()
-                if line
-            ]
+            listed = [Path(line) for line in files.read_text(options.sources).splitlines() if line]
             pack.write(
                 unit,
                 options.fmi,

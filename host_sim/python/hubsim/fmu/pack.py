@@ -3,7 +3,7 @@
 
 import platform
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from hubsim import files
@@ -64,17 +64,15 @@ def write(
     where = "documentation/licenses" if fmi == 3 else "documentation"
     entries[f"{where}/license.txt"] = licence.read_bytes()
     entries["documentation/index.html"] = _page(unit).encode()
-    files.check_writable(out)
-    beside = out.with_name(f".{out.name}.new")
-    try:
-        with zipfile.ZipFile(beside, "w", zipfile.ZIP_DEFLATED) as package:
-            for name, content in sorted(entries.items()):
-                entry = zipfile.ZipInfo(name, _STAMP)
-                entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
-                package.writestr(entry, content)
-        beside.replace(out)
-    finally:
-        beside.unlink(missing_ok=True)
+    files.write_by_name(out, lambda temporary: _zip(entries, temporary))
+
+
+def _zip(entries: Mapping[str, bytes], path: Path) -> None:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as package:
+        for name, content in sorted(entries.items()):
+            entry = zipfile.ZipInfo(name, _STAMP)
+            entry.compress_type, entry.external_attr = zipfile.ZIP_DEFLATED, 0o644 << 16
+            package.writestr(entry, content)
 
 
 def _page(unit: Description) -> str:

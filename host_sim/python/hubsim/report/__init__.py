@@ -5,10 +5,10 @@ The page needs nothing but itself: styles, pictures and the small script for rea
 inside. Pictures are SVG made here, in colours that follow the page's light or dark scheme.
 """
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from hubsim import files
 from hubsim.errors import HubsimError
 from hubsim.report import page
 from hubsim.report.extras import CurveLike, Extras
@@ -27,10 +27,7 @@ def write_report(runs: Sequence[RunLike], directory: Path, extras: Extras | None
     HubsimError
         Without any run, or when the file cannot be written; nothing half-written remains.
     """
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise HubsimError(f"{directory / NAME}: cannot be written: {error.strerror}") from error
+    files.make_directory(directory)
     write_page(runs, directory / NAME, extras)
 
 
@@ -38,13 +35,4 @@ def write_page(runs: Sequence[RunLike], path: Path, extras: Extras | None = None
     """Write the page into a file; otherwise as ``write_report``."""
     if not runs:
         raise HubsimError("report: no runs, accepted: at least one")
-    text = page.document(runs, extras)
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        try:
-            beside.write_text(text, encoding="utf-8", newline="\n")
-            beside.replace(path)
-        finally:
-            beside.unlink(missing_ok=True)
-    except OSError as error:
-        raise HubsimError(f"{path}: cannot be written: {error.strerror}") from error
+    files.write_text(path, page.document(runs, extras))

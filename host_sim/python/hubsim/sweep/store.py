@@ -7,11 +7,12 @@ every finished batch. The last act joins them in the order of the runs and remov
 
 import json
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
+import pyarrow.csv as pa_csv
 import pyarrow.parquet as pq
 
 from hubsim import files
@@ -19,11 +20,29 @@ from hubsim.errors import HubsimError
 from hubsim.sweep.work import Row
 
 
+def _write_parquet(table: pa.Table, path: Path) -> None:
+    pq.write_table(table, path, compression="zstd")
+
+
+WRITERS: Mapping[str, Callable[[pa.Table, Path], None]] = {
+    ".parquet": _write_parquet,
+    ".csv": pa_csv.write_csv,
+}
+
+
+def kind_of(output: Path) -> str:
+    """Return the format that an output's name asks for, or refuse it."""
+    if output.suffix not in WRITERS:
+        raise HubsimError(f"{output}: accepted: a name that ends in {' or '.join(WRITERS)}")
+    return output.suffix
+
+
 class Store:
     """Where finished batches are kept."""
 
     def __init__(self, output: Path, described: Mapping[str, Any], fingerprint: str) -> None:
         self._output = output
+        self._kind = kind_of(output)
         self._directory = output.with_name(f"{output.name}.parts")
         self._described = {"fingerprint": fingerprint, **described}
 
@@ -32,15 +51,12 @@ class Store:
         files.check_writable(self._output)
         note = self._directory / "sweep.json"
         if note.is_file():
-            found = json.loads(note.read_text(encoding="utf-8")).get("fingerprint")
+            found = _fingerprint(note)
             if found != self._described["fingerprint"]:
                 raise HubsimError(f"{self._directory}: holds parts of another sweep, accepted: the same command, another --output or "
                                   "--restart")  # fmt: skip
             return {int(path.stem) for path in self._directory.glob("[0-9]*.parquet")}
-        try:
-            self._directory.mkdir(exist_ok=True)
-        except OSError as error:
-            raise HubsimError(f"{self._directory}: cannot be made: {error.strerror}") from error
+        files.make_directory(self._directory)
         files.write_text(note, json.dumps(self._described, indent=2, default=str) + "\n")
         return set()
 
@@ -62,9 +78,7 @@ class Store:
     def rows(self) -> list[Row]:
         """Return all rows that there are, by the numbers of their runs."""
         paths = sorted(self._directory.glob("[0-9]*.parquet"))
-        found = [
-            json.loads(text) for path in paths for text in pq.read_table(path)["row"].to_pylist()
-        ]
+        found = [json.loads(text) for path in paths for text in _texts(path)]
         return sorted(found, key=lambda row: int(row["run"]))
 
     def finish(self) -> pa.Table:
@@ -72,11 +86,27 @@ class Store:
         table = as_table(self.rows()).replace_schema_metadata(
             {"sweep": json.dumps(self._described, default=str)}
         )
-        files.write_by_name(
-            self._output, lambda temporary: pq.write_table(table, temporary, compression="zstd")
-        )
+        files.write_by_name(self._output, lambda temporary: WRITERS[self._kind](table, temporary))
         self.forget()
         return table
+
+
+def _texts(path: Path) -> list[str]:
+    try:
+        return list(pq.read_table(path)["row"].to_pylist())
+    except (pa.ArrowException, KeyError, OSError, ValueError) as error:
+        raise HubsimError(
+            f"{path}: cannot be read: {' '.join(str(error).split())}, accepted: --restart"
+        ) from error
+
+
+def _fingerprint(note: Path) -> object:
+    """Return whose parts a directory holds; None where its note cannot be understood."""
+    try:
+        said = json.loads(files.read_text(note))
+    except (ValueError, RecursionError):
+        return None
+    return said.get("fingerprint") if isinstance(said, dict) else None
 
 
 def as_table(rows: Sequence[Row]) -> pa.Table:

@@ -143,7 +143,7 @@ def test_every_command_explains_itself(hubsim: Hubsim, command: tuple[str, ...])
         ),
         (
             ("run", "stop", "--json", "none/out.json"),
-            "hubsim: none/out.json: no directory none to write to",
+            "hubsim: none/out.json: no directory ",
         ),
         (
             ("run", "stop", *QUICK, "--csv", "out.csv", "--signals", "colour"),

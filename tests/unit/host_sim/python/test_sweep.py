@@ -239,7 +239,7 @@ def test_parts_of_another_sweep_are_not_mixed_in(tmp_path: Path, hubsim: Hubsim)
         ),
         (
             ("--vary", "demand_nm=1,2", "--output", "none/out.parquet"),
-            "none/out.parquet: no directory none to write to",
+            "none/out.parquet: no directory ",
         ),
         (
             ("--vary", "demand_nm=1,2", "--scheduler", "tcp://localhost:1"),
