@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "property.hpp"
 #include "random.hpp"
 #include "twin.hpp"
 
@@ -83,4 +84,28 @@ inline kernel_tuning_t any_tuning(Random &random)
     tuning.forward_q_q25 = random.any(-(1 << 28), 1 << 28);
     tuning.advance = kernel_cos_sin(static_cast<uint16_t>(random.any(-8192, 8192)));
     return tuning;
+}
+
+// Inputs as a counterexample shows them.
+inline std::string text(const pair_t &x)
+{
+    return property::text(twin::vector(x));
+}
+
+inline std::string text(const triple_t &x)
+{
+    return property::text(twin::vector(x));
+}
+
+inline std::string text(const kernel_pi_gains_t &gains)
+{
+    return text(triple_t{gains.proportional_q10, gains.integral_q15, gains.anti_windup_q15});
+}
+
+inline std::string text(const kernel_tuning_t &tuning)
+{
+    return "d " + text(tuning.d) + " q " + text(tuning.q) + " w L " +
+           text(pair_t{tuning.w_l_d_q10, tuning.w_l_q_q10}) + " forward " +
+           text(pair_t{tuning.forward_d_q25, tuning.forward_q_q25}) + " advance " +
+           text(tuning.advance);
 }

@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 // What the current and the torque are in the steady state: offsets, dead time, and what is left of
 // them.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
 #include "bench.hpp"
+#include "property.hpp"
 
 namespace {
 
@@ -91,8 +89,7 @@ double expected_without_compensation_A(const config_t &config, const Plant &plan
 
 } // namespace
 
-TEST_CASE("with calibrated sensors the current is right to half a per cent of full scale, mean and "
-          "ripple, at any speed")
+static void test_calibrated_current_is_right_to_half_a_per_cent_of_full_scale_at_any_speed()
 {
     // Each sensor up to 2 % of 165 A beside its zero. Without calibration that is what the current
     // is wrong by.
@@ -115,8 +112,8 @@ TEST_CASE("with calibrated sensors the current is right to half a per cent of fu
                     bench.run(2000);
                     return error_of(bench, 4000, {0.0, i_q_A});
                 };
-                CAPTURE(speed_rpm);
-                CAPTURE(i_q_A);
+                SHOW(speed_rpm);
+                SHOW(i_q_A);
                 const Error error = run(true);
                 CHECK(error.mean_A <= allowed_A);
                 CHECK(error.largest_A <= allowed_A);
@@ -126,8 +123,8 @@ TEST_CASE("with calibrated sensors the current is right to half a per cent of fu
     }
 }
 
-TEST_CASE("compensation cuts the fifth and seventh harmonic of dead time at least by half, the "
-          "torque stays right to 1 %")
+static void
+test_compensation_halves_the_fifth_and_seventh_harmonic_and_torque_stays_right_to_one_per_cent()
 {
     const config_t without = paper_config(false);
     const config_t with = paper_config(true);
@@ -139,20 +136,18 @@ TEST_CASE("compensation cuts the fifth and seventh harmonic of dead time at leas
                     bench::with_bridge(bench::plant_of(with, winding_C, v_dc_V, SPEED_RPM));
                 const Harmonics off = harmonics(without, plant, i_q_A);
                 const Harmonics on = harmonics(with, plant, i_q_A);
-                CAPTURE(v_dc_V);
-                CAPTURE(winding_C);
-                CAPTURE(i_q_A);
+                SHOW(v_dc_V);
+                SHOW(winding_C);
+                SHOW(i_q_A);
                 // The wave is no square: within its zone around zero the lost voltage follows the
                 // current.
-                CHECK(off.fifth_A ==
-                      doctest::Approx(expected_without_compensation_A(without, plant, 5))
-                          .epsilon(0.35));
-                CHECK(off.seventh_A ==
-                      doctest::Approx(expected_without_compensation_A(without, plant, 7))
-                          .epsilon(0.35));
+                const double fifth_A = expected_without_compensation_A(without, plant, 5);
+                const double seventh_A = expected_without_compensation_A(without, plant, 7);
+                CHECK(std::abs(off.fifth_A - fifth_A) <= 0.35 * fifth_A);
+                CHECK(std::abs(off.seventh_A - seventh_A) <= 0.35 * seventh_A);
                 CHECK(on.fifth_A <= 0.5 * off.fifth_A);
                 CHECK(on.seventh_A <= 0.5 * off.seventh_A);
-                CHECK(on.first_A == doctest::Approx(CURRENT_A).epsilon(0.01));
+                CHECK(std::abs(on.first_A - CURRENT_A) <= 0.01 * CURRENT_A);
                 const double ideal_Nm = 1.5 * with.motor.pole_pairs * plant.flux_Wb * i_q_A;
                 CHECK(std::abs(on.mean_torque_Nm - ideal_Nm) <= 0.01 * rated_Nm);
                 CHECK(std::abs(off.mean_torque_Nm - ideal_Nm) <= 0.01 * rated_Nm);
@@ -161,8 +156,8 @@ TEST_CASE("compensation cuts the fifth and seventh harmonic of dead time at leas
     }
 }
 
-TEST_CASE(
-    "compensation for a dead time and a zone that are 30 % wrong still cuts the harmonics by half")
+static void
+test_compensation_with_dead_time_and_zone_thirty_per_cent_wrong_still_halves_the_harmonics()
 {
     // Switching times differ from the timer's dead time, and the ripple of the PWM moves the zone.
     for (const double dead_time_s : {0.7e-6, 1.3e-6}) {
@@ -174,16 +169,15 @@ TEST_CASE(
             plant.dead_time_s = dead_time_s;
             const Harmonics off = harmonics(paper_config(false), plant, CURRENT_A);
             const Harmonics on = harmonics(with, plant, CURRENT_A);
-            CAPTURE(dead_time_s);
-            CAPTURE(zone);
+            SHOW(dead_time_s);
+            SHOW(zone);
             CHECK(on.fifth_A <= 0.5 * off.fifth_A);
             CHECK(on.seventh_A <= 0.5 * off.seventh_A);
         }
     }
 }
 
-TEST_CASE("the power estimate is what the motor takes: copper and torque times speed, at any "
-          "speed, sign and bus voltage")
+static void test_power_estimate_is_copper_loss_plus_torque_times_speed()
 {
     // From the realised voltage and the measured current, mean of a millisecond. Right to the
     // voltage that reaches the motor (40 mV: codes of the bus, counts, the advance) times the
@@ -219,14 +213,26 @@ TEST_CASE("the power estimate is what the motor takes: copper and torque times s
                     const double voltage_V =
                         std::abs(plant.speed_rad_s) * plant.flux_Wb + 0.05 * reference.norm();
                     const double allowed_W = 1.5 * (0.04 * reference.norm() + 0.04 * voltage_V);
-                    CAPTURE(speed_rpm);
-                    CAPTURE(v_dc_V);
-                    CAPTURE(real_bridge);
-                    CAPTURE(reference.x());
-                    CAPTURE(reference.y());
+                    SHOW(speed_rpm);
+                    SHOW(v_dc_V);
+                    SHOW(real_bridge);
+                    SHOW(reference.x());
+                    SHOW(reference.y());
                     CHECK(std::abs(estimate_W - (copper_W + shaft_W)) <= allowed_W);
                 }
             }
         }
     }
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_calibrated_current_is_right_to_half_a_per_cent_of_full_scale_at_any_speed);
+    RUN_TEST(
+        test_compensation_halves_the_fifth_and_seventh_harmonic_and_torque_stays_right_to_one_per_cent);
+    RUN_TEST(
+        test_compensation_with_dead_time_and_zone_thirty_per_cent_wrong_still_halves_the_harmonics);
+    RUN_TEST(test_power_estimate_is_copper_loss_plus_torque_times_speed);
+    return UNITY_END();
 }

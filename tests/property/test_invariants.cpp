@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 // What must hold for every input, whatever the numbers: limits, signs, rotations, and that what is
 // reported happened.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
-#include <doctest/doctest.h>
-
 #include <cmath>
 
 #include "bench.hpp"
 #include "measure.hpp"
+#include "property.hpp"
 
 namespace {
 
@@ -35,6 +33,15 @@ struct Situation {
     uint16_t codes[3]{};
     uint16_t theta{};
 };
+
+std::string text(const Situation &s)
+{
+    using property::text;
+    return "codes " + text(Vector3d(s.codes[0], s.codes[1], s.codes[2])) + " angle " +
+           text(s.theta) + " reference " + text(s.reference) + " integrator " +
+           text(s.loop.integrator_q30) + " tuning " + text(s.tuning) + " on-times " +
+           text(Vector3d(s.loop.on_q16[0], s.loop.on_q16[1], s.loop.on_q16[2]));
+}
 
 const config_t &config = CONFIG_LU2013;
 
@@ -68,53 +75,68 @@ Vector3d on_counts(const kernel_loop_t &loop)
 
 } // namespace
 
-TEST_CASE("the voltage limiter never lengthens, never flips a sign, leaves d alone and touches "
-          "nothing inside the circle")
+static void test_voltage_limiter_never_lengthens_never_flips_a_sign_and_keeps_d()
 {
     Random random(101);
-    for (int n = 0; n < COUNT; n++) {
+    for (int draw = 0; draw < COUNT; draw++) {
+        SHOW(draw);
         const kernel_tuning_t tuning = any_tuning(random);
-        const kernel_voltage_t out = kernel_current_loop(
-            any_integrators(random), &tuning, inside_circle(random), measured_dq(random));
+        const pair_t integrator = any_integrators(random);
+        const pair_t reference = inside_circle(random);
+        const pair_t i = measured_dq(random);
+        const kernel_voltage_t out = kernel_current_loop(integrator, &tuning, reference, i);
         const Vector2d wanted = vector(out.wanted);
         const Vector2d realised = vector(out.realised);
-        REQUIRE(realised.norm() <= ONE + 1.0);
-        REQUIRE(std::abs(realised.x()) <= std::abs(wanted.x()));
-        REQUIRE(std::abs(realised.y()) <= std::abs(wanted.y()));
-        REQUIRE(realised.x() * wanted.x() >= 0.0);
-        REQUIRE(realised.y() * wanted.y() >= 0.0);
+        SHOW(tuning);
+        SHOW(integrator);
+        SHOW(reference);
+        SHOW(i);
+        SHOW(wanted);
+        SHOW(realised);
+        CHECK(realised.norm() <= ONE + 1.0);
+        CHECK(std::abs(realised.x()) <= std::abs(wanted.x()));
+        CHECK(std::abs(realised.y()) <= std::abs(wanted.y()));
+        CHECK(realised.x() * wanted.x() >= 0.0);
+        CHECK(realised.y() * wanted.y() >= 0.0);
         if (out.wanted.x >= LOWEST && out.wanted.x <= HIGHEST) {
-            REQUIRE(out.realised.x == out.wanted.x);
+            CHECK(out.realised.x == out.wanted.x);
         }
         // The interpolated root is at most 0.8 % short where the circle is not steep: inside 0.97
         // nothing is touched.
         if (wanted.norm() < 0.97 * ONE) {
-            REQUIRE(realised == wanted);
+            CHECK(realised == wanted);
         }
     }
 }
 
-TEST_CASE("a vector that only q overfills keeps its d component: its angle turns towards d, never "
-          "past an axis")
+static void test_vector_that_only_q_overfills_turns_towards_d_and_never_past_an_axis()
 {
     Random random(102);
-    for (int n = 0; n < COUNT; n++) {
+    for (int draw = 0; draw < COUNT; draw++) {
+        SHOW(draw);
         const kernel_tuning_t tuning = any_tuning(random);
-        const kernel_voltage_t out = kernel_current_loop(
-            any_integrators(random), &tuning, inside_circle(random), measured_dq(random));
+        const pair_t integrator = any_integrators(random);
+        const pair_t reference = inside_circle(random);
+        const pair_t i = measured_dq(random);
+        const kernel_voltage_t out = kernel_current_loop(integrator, &tuning, reference, i);
         const Vector2d wanted = vector(out.wanted);
         const Vector2d realised = vector(out.realised);
+        SHOW(tuning);
+        SHOW(integrator);
+        SHOW(reference);
+        SHOW(i);
+        SHOW(wanted);
+        SHOW(realised);
         const double cross = realised.x() * wanted.y() -
                              realised.y() * wanted.x(); // sine of the angle turned, signed
         if (std::abs(wanted.x()) <= ONE && wanted.x() != 0.0) {
-            REQUIRE(cross * wanted.x() * wanted.y() >= 0.0);
-            REQUIRE(realised.dot(wanted) >= 0.0);
+            CHECK(cross * wanted.x() * wanted.y() >= 0.0);
+            CHECK(realised.dot(wanted) >= 0.0);
         }
     }
 }
 
-TEST_CASE("the reference limiter keeps d and its sign, gives q what the circle leaves and touches "
-          "nothing inside")
+static void test_reference_limiter_keeps_d_and_gives_q_the_rest_of_the_circle()
 {
     Random random(110);
     const double most = config.current_loop.max_current_pu_q15;
@@ -127,59 +149,70 @@ TEST_CASE("the reference limiter keeps d and its sign, gives q what the circle l
         code = 2048;
     }
     still.bus_code = 3513; // 53 V
-    for (int n = 0; n < COUNT / 4; n++) {
+    for (int draw = 0; draw < COUNT / 4; draw++) {
+        SHOW(draw);
         const pair_t wanted = {random.any(LOWEST, HIGHEST), random.any(LOWEST, HIGHEST)};
+        SHOW(wanted);
         loop_step(loop, &still, false);
         loop_set_reference(loop, wanted.x, wanted.y);
         Vector2d limited;
         for (int period = 0; period < 3; period++) { // also while a change is shaped
             const loop_output_t out = loop_step(loop, &still, true);
             limited = Vector2d(out.reference_d_pu, out.reference_q_pu);
-            REQUIRE(limited.norm() <= most + 1.0);
+            CHECK(limited.norm() <= most + 1.0);
         }
-        REQUIRE(limited.x() == std::clamp<double>(wanted.x, -most, most));
-        REQUIRE(limited.y() * wanted.y >= 0.0);
-        REQUIRE(std::abs(limited.y()) <= std::abs(wanted.y));
+        CHECK(limited.x() == std::clamp<double>(wanted.x, -most, most));
+        CHECK(limited.y() * wanted.y >= 0.0);
+        CHECK(std::abs(limited.y()) <= std::abs(wanted.y));
         // The interpolated root is at most 0.8 % short where the circle is not steep.
         if (vector(wanted).norm() < 0.97 * most) {
-            REQUIRE(limited == vector(wanted));
+            CHECK(limited == vector(wanted));
         }
         // With d alone the angle is kept; with q alone too.
         if (wanted.x == 0 || wanted.y == 0) {
-            REQUIRE(limited.x() * wanted.y == limited.y() * wanted.x);
+            CHECK(limited.x() * wanted.y == limited.y() * wanted.x);
         }
     }
     loop_free(loop);
 }
 
-TEST_CASE("compare values of any vector in the circle with any trim keep the shortest pulse on "
-          "either side")
+static void test_compare_values_keep_the_shortest_pulse_on_either_side()
 {
     Random random(103);
-    for (int n = 0; n < COUNT; n++) {
+    for (int draw = 0; draw < COUNT; draw++) {
+        SHOW(draw);
         const int32_t period = random.any(256, 16384);
         const int32_t min_pulse = random.any(0, period / 5);
         const int32_t trim = random.any(0, period / 8);
-        const kernel_svpwm_t svpwm =
-            kernel_svpwm_init(period, min_pulse, trim, random.any(8192, 32767));
-        const triple_t on = kernel_svpwm(
-            &svpwm, inside_circle(random, ONE),
-            {random.any(-32768, 32767), random.any(-32768, 32767), random.any(-32768, 32767)});
+        const int32_t limit = random.any(8192, 32767);
+        const pair_t u = inside_circle(random, ONE);
+        const triple_t trims = {random.any(-32768, 32767), random.any(-32768, 32767),
+                                random.any(-32768, 32767)};
+        SHOW(period);
+        SHOW(min_pulse);
+        SHOW(trim);
+        SHOW(limit);
+        SHOW(u);
+        SHOW(trims);
+        const kernel_svpwm_t svpwm = kernel_svpwm_init(period, min_pulse, trim, limit);
+        const triple_t on = kernel_svpwm(&svpwm, u, trims);
         for (const int32_t count : {on.a, on.b, on.c}) {
-            REQUIRE(count >= min_pulse);
-            REQUIRE(count <= period - min_pulse);
+            CHECK(count >= min_pulse);
+            CHECK(count <= period - min_pulse);
         }
     }
 }
 
-TEST_CASE("what the regulators are told was realised is what the compare values make")
+static void test_voltage_reported_to_the_regulators_is_what_the_compare_values_apply()
 {
     // Unless a pulse is clamped, and none is: the line voltages less the trim are the realised
     // vector at the advanced angle.
     Random random(104);
     const double period = config.drive.pwm_period_counts;
-    for (int n = 0; n < COUNT; n++) {
-        Situation s = random_situation(random);
+    for (int draw = 0; draw < COUNT; draw++) {
+        SHOW(draw);
+        const Situation s = random_situation(random);
+        SHOW(s);
         kernel_loop_t after = s.loop;
         const kernel_loop_out_t out = kernel_loop(&after, &s.tuning, s.codes, s.theta, s.reference);
         const double applied =
@@ -195,18 +228,19 @@ TEST_CASE("what the regulators are told was realised is what the compare values 
         // trim, and its rounding is one and a half.
         const double counts_per_lsb = static_cast<double>(s.loop.dead_time.full_counts) /
                                       config.current_loop.dead_time_zone_pu_q15;
-        REQUIRE((made - vector(out.voltage.realised)).norm() <=
-                (1.0 + 1.5 * counts_per_lsb) / unit);
+        CHECK((made - vector(out.voltage.realised)).norm() <= (1.0 + 1.5 * counts_per_lsb) / unit);
     }
 }
 
-TEST_CASE("turning rotor and currents together turns the voltage with them")
+static void test_turning_rotor_and_currents_together_turns_the_voltage_with_them()
 {
     // By a third of a turn the phases are only renamed: the line voltages are the same, one place
     // further.
     Random random(105);
-    for (int n = 0; n < COUNT; n++) {
+    for (int draw = 0; draw < COUNT; draw++) {
+        SHOW(draw);
         const Situation s = random_situation(random);
+        SHOW(s);
         Situation turned = s;
         turned.theta = static_cast<uint16_t>(s.theta + 21845U); // 65 536/3 less a third of an LSB
         for (int x = 0; x < 3; x++) {
@@ -224,7 +258,7 @@ TEST_CASE("turning rotor and currents together turns the voltage with them")
                          s.loop.on_q16[1] == s.loop.on_q16[2] ||
                          s.loop.on_q16[2] == s.loop.on_q16[0];
         if (!tie) {
-            REQUIRE((vector(out_turned.i_dq) - vector(out.i_dq)).norm() <= 2.0 * 3.7 + 1.0);
+            CHECK((vector(out_turned.i_dq) - vector(out.i_dq)).norm() <= 2.0 * 3.7 + 1.0);
             const Vector3d lines = twin::lines(on_counts(after));
             const Vector3d lines_turned = twin::lines(on_counts(after_turned));
             const bool limited =
@@ -232,36 +266,41 @@ TEST_CASE("turning rotor and currents together turns the voltage with them")
                 vector(out_turned.voltage.wanted) != vector(out_turned.voltage.realised);
             if (!limited) {
                 // Twice the largest error of the step, 2.1 counts (test_errors), in whole counts.
-                REQUIRE((Vector3d(lines_turned[1], lines_turned[2], lines_turned[0]) - lines)
-                            .cwiseAbs()
-                            .maxCoeff() <= 4.0);
+                CHECK((Vector3d(lines_turned[1], lines_turned[2], lines_turned[0]) - lines)
+                          .cwiseAbs()
+                          .maxCoeff() <= 4.0);
             }
         }
     }
 }
 
-TEST_CASE("the current in the rotor frame does not depend on where the rotor stands")
+static void test_current_in_the_rotor_frame_does_not_depend_on_the_rotor_angle()
 {
     Random random(106);
-    for (int n = 0; n < COUNT; n++) {
+    for (int draw = 0; draw < COUNT; draw++) {
+        SHOW(draw);
         const pair_t dq = inside_circle(random);
         const uint16_t first = any_angle(random);
         const uint16_t second = any_angle(random);
+        SHOW(dq);
+        SHOW(first);
+        SHOW(second);
         const auto seen = [&](uint16_t theta) {
             return vector(
                 kernel_park(kernel_inverse_park(dq, kernel_cos_sin(theta)), kernel_cos_sin(theta)));
         };
-        REQUIRE((seen(first) - seen(second)).norm() <=
-                8.0); // each: two rotations of up to 1.5 sqrt 2 + 1 in either component
+        CHECK((seen(first) - seen(second)).norm() <=
+              8.0); // each: two rotations of up to 1.5 sqrt 2 + 1 in either component
     }
 }
 
-TEST_CASE("driving and braking, forward and backward are mirror images")
+static void test_driving_and_braking_forward_and_backward_are_mirror_images()
 {
     // All currents, references, voltages and the speed change their signs; roundings towards minus
     // infinity do not.
     Random random(107);
-    for (int n = 0; n < COUNT; n++) {
+    for (int draw = 0; draw < COUNT; draw++) {
+        SHOW(draw);
         const kernel_tuning_t tuning = any_tuning(random);
         kernel_tuning_t mirrored = tuning;
         mirrored.forward_d_q25 = -tuning.forward_d_q25;
@@ -275,28 +314,35 @@ TEST_CASE("driving and braking, forward and backward are mirror images")
         if ((vector(reference) - vector(i)).cwiseAbs().maxCoeff() > 32767.0) {
             continue;
         }
+        SHOW(tuning);
+        SHOW(integrator);
+        SHOW(reference);
+        SHOW(i);
         const kernel_voltage_t out = kernel_current_loop(integrator, &tuning, reference, i);
         const kernel_voltage_t mirror =
             kernel_current_loop(negated(integrator), &mirrored, negated(reference), negated(i));
-        REQUIRE((vector(out.wanted) + vector(mirror.wanted)).cwiseAbs().maxCoeff() <= 3.0);
+        CHECK((vector(out.wanted) + vector(mirror.wanted)).cwiseAbs().maxCoeff() <= 3.0);
         const Vector2d difference = (vector(out.realised) + vector(mirror.realised)).cwiseAbs();
-        REQUIRE(difference.x() <= 3.0);
+        CHECK(difference.x() <= 3.0);
         if (std::abs(out.realised.x) < 31700) {
-            REQUIRE(difference.y() <= 3.0 * 4.0 + 3.0); // the circle's slope, |d/q| < 4 there
+            CHECK(difference.y() <= 3.0 * 4.0 + 3.0); // the circle's slope, |d/q| < 4 there
         }
     }
 }
 
-TEST_CASE(
-    "the compensation of dead time has the sign of the current and never more than the dead time")
+static void test_dead_time_compensation_has_the_sign_of_the_current_and_at_most_the_dead_time()
 {
     Random random(108);
-    for (int n = 0; n < COUNT; n++) {
+    for (int draw = 0; draw < COUNT; draw++) {
+        SHOW(draw);
         config_t any = config;
         any.drive.dead_time_ns = random.any(0, 10000);
         any.current_loop.dead_time_zone_pu_q15 = random.any(128, 32767);
         const kernel_dead_time_t dead_time = kernel_dead_time_init(&any);
         const pair_t i = inside_circle(random);
+        SHOW(any.drive.dead_time_ns);
+        SHOW(any.current_loop.dead_time_zone_pu_q15);
+        SHOW(i);
         const triple_t trim = kernel_dead_time(dead_time, i);
         const Vector3d current = twin::phases(vector(i));
         // Each slope is kept to half a unit of its last place, so the zero crossing of a phase lies
@@ -304,29 +350,51 @@ TEST_CASE(
         const double beside = 2.0 + 0.71 * vector(i).norm() / (2.0 * dead_time.slope_alpha_q8);
         const int32_t got[3] = {trim.a, trim.b, trim.c};
         for (int x = 0; x < 3; x++) {
-            REQUIRE(std::abs(got[x]) <= 32768);
+            CHECK(std::abs(got[x]) <= 32768);
             if (std::abs(current[x]) > beside) {
-                REQUIRE(got[x] * current[x] >= 0.0);
+                CHECK(got[x] * current[x] >= 0.0);
             }
         }
     }
 }
 
-TEST_CASE("field weakening moves against the missing voltage and stays between its limits")
+static void test_field_weakening_moves_against_the_missing_voltage_and_stays_in_its_limits()
 {
     Random random(109);
-    for (int n = 0; n < COUNT; n++) {
+    for (int draw = 0; draw < COUNT; draw++) {
+        SHOW(draw);
         const int32_t most = random.any(0, 32767);
         const int32_t before = -random.even(0, most) * 8192;
         const pair_t wanted = {random.any(-600000, 600000), random.any(-600000, 600000)};
-        const int32_t after = kernel_field_weakening(before, wanted, random.any(0, 32767), most);
-        REQUIRE(after <= 0);
-        REQUIRE(after >= -most * 8192);
+        const int32_t gain = random.any(0, 32767);
+        SHOW(most);
+        SHOW(before);
+        SHOW(wanted);
+        SHOW(gain);
+        const int32_t after = kernel_field_weakening(before, wanted, gain, most);
+        CHECK(after <= 0);
+        CHECK(after >= -most * 8192);
         if (vector(wanted).norm() > ONE) {
-            REQUIRE(after <= before);
+            CHECK(after <= before);
         }
         if (vector(wanted).norm() < 0.96 * ONE) {
-            REQUIRE(after >= before);
+            CHECK(after >= before);
         }
     }
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_voltage_limiter_never_lengthens_never_flips_a_sign_and_keeps_d);
+    RUN_TEST(test_vector_that_only_q_overfills_turns_towards_d_and_never_past_an_axis);
+    RUN_TEST(test_reference_limiter_keeps_d_and_gives_q_the_rest_of_the_circle);
+    RUN_TEST(test_compare_values_keep_the_shortest_pulse_on_either_side);
+    RUN_TEST(test_voltage_reported_to_the_regulators_is_what_the_compare_values_apply);
+    RUN_TEST(test_turning_rotor_and_currents_together_turns_the_voltage_with_them);
+    RUN_TEST(test_current_in_the_rotor_frame_does_not_depend_on_the_rotor_angle);
+    RUN_TEST(test_driving_and_braking_forward_and_backward_are_mirror_images);
+    RUN_TEST(test_dead_time_compensation_has_the_sign_of_the_current_and_at_most_the_dead_time);
+    RUN_TEST(test_field_weakening_moves_against_the_missing_voltage_and_stays_in_its_limits);
+    return UNITY_END();
 }

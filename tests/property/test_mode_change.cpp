@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 // Starting, stopping and shorting a motor that turns: the regulators start where the back-EMF
 // already is.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
 #include "bench.hpp"
+#include "property.hpp"
 
 namespace {
 
@@ -62,9 +60,7 @@ Complex shorted(const Plant &plant, Complex before, double time_s)
 
 } // namespace
 
-TEST_CASE("a bridge that starts to switch at any speed meets the back-EMF with its own voltage: "
-          "less than half an "
-          "ampere flows")
+static void test_bridge_that_starts_at_any_speed_meets_the_back_emf_with_less_than_half_an_ampere()
 {
     // What is wrong with the first voltages: a code of the bus (15 mV of 53 V, 6 mV of 22 V of
     // back-EMF), the advance to 3/65 536 of a turn (6 mV), a count of each compare value (13 mV), a
@@ -78,8 +74,8 @@ TEST_CASE("a bridge that starts to switch at any speed meets the back-EMF with i
                     Plant plant = bench::plant_of(config, 60.0, v_dc_V, speed_rpm);
                     plant = real_bridge ? bench::with_bridge(plant) : plant;
                     Bench bench = rolling(config, plant, 0.9 * position);
-                    CAPTURE(speed_rpm);
-                    CAPTURE(position);
+                    SHOW(speed_rpm);
+                    SHOW(position);
                     CHECK(largest_A(bench, 400) < 0.25);
                     bench.run(50, Mode::off);
                     CHECK(largest_A(bench, 400) < 0.25);
@@ -89,8 +85,7 @@ TEST_CASE("a bridge that starts to switch at any speed meets the back-EMF with i
     }
 }
 
-TEST_CASE("with a flux that is wrong by 30 % the start draws what that voltage drives against the "
-          "regulator, and no more")
+static void test_start_with_flux_thirty_per_cent_wrong_draws_what_that_voltage_drives_and_no_more()
 {
     // Before the integrator has taken over, k_p alone opposes the missing 0.3 w psi; K / (z (z -
     // 1)) does not overshoot.
@@ -102,8 +97,8 @@ TEST_CASE("with a flux that is wrong by 30 % the start draws what that voltage d
             plant.flux_Wb *= flux;
             Bench bench = rolling(config, plant, 0.3);
             const double largest = largest_A(bench, 1000);
-            CAPTURE(flux);
-            CAPTURE(speed_rpm);
+            SHOW(flux);
+            SHOW(speed_rpm);
             CHECK(largest < missing_V / k_p_ohm(config) + 0.5);
             CHECK(largest >
                   0.5 * missing_V / k_p_ohm(config)); // without it there would be nothing to bound
@@ -112,8 +107,7 @@ TEST_CASE("with a flux that is wrong by 30 % the start draws what that voltage d
     }
 }
 
-TEST_CASE("from a short the current is taken over without growing and is gone in the time the "
-          "design takes")
+static void test_current_of_a_short_is_taken_over_without_growing_and_decays_as_designed()
 {
     const config_t config = paper_config(true);
     const double pole = 2.0 * bench::PI * config.current_loop.bandwidth_Hz * PERIOD_s;
@@ -128,8 +122,8 @@ TEST_CASE("from a short the current is taken over without growing and is gone in
             bench.step();
             const Vector2d at_change = bench.current();
             const Complex expected = shorted(plant, {before.x(), before.y()}, periods * PERIOD_s);
-            CAPTURE(speed_rpm);
-            CAPTURE(periods);
+            SHOW(speed_rpm);
+            SHOW(periods);
             CHECK(std::abs(expected - Complex(at_change.x(), at_change.y())) < 0.3);
             // One more period of the short until the first voltage acts; from then on it only
             // shrinks.
@@ -145,9 +139,7 @@ TEST_CASE("from a short the current is taken over without growing and is gone in
     }
 }
 
-TEST_CASE("off, switching, short, switching, off: every change under load keeps the current within "
-          "what was there and "
-          "what is asked")
+static void test_every_bridge_mode_change_under_load_keeps_the_current_bounded()
 {
     const config_t config = paper_config(true);
     for (const double i_q_A : {-40.0, 20.0}) {
@@ -160,8 +152,8 @@ TEST_CASE("off, switching, short, switching, off: every change under load keeps 
             Bench bench = rolling(config, plant, 0.5);
             const Vector2d reference(0.0, i_q_A);
             bench.set_reference(0.0, i_q_A);
-            CAPTURE(i_q_A);
-            CAPTURE(speed_rpm);
+            SHOW(i_q_A);
+            SHOW(speed_rpm);
             CHECK(largest_A(bench, 400, Vector2d::Zero()) < 1.1 * std::abs(i_q_A));
             // |i| <= |settled| (1 - e^...) + what was there: never more than twice the one and once
             // the other.
@@ -179,11 +171,22 @@ TEST_CASE("off, switching, short, switching, off: every change under load keeps 
     }
 }
 
-TEST_CASE("without the feed-forward of the back-EMF the same start is a blow")
+static void test_start_without_the_back_emf_feed_forward_draws_a_current_surge()
 {
     config_t config = paper_config(false);
     config.current_loop.flux_pu_q16 = 1;
     const Plant plant = bench::plant_of(config, 60.0, 53.0, 300.0);
     Bench bench = rolling(config, plant, 0.3);
     CHECK(largest_A(bench, 400) > 0.7 * plant.speed_rad_s * plant.flux_Wb / k_p_ohm(config));
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_bridge_that_starts_at_any_speed_meets_the_back_emf_with_less_than_half_an_ampere);
+    RUN_TEST(test_start_with_flux_thirty_per_cent_wrong_draws_what_that_voltage_drives_and_no_more);
+    RUN_TEST(test_current_of_a_short_is_taken_over_without_growing_and_decays_as_designed);
+    RUN_TEST(test_every_bridge_mode_change_under_load_keeps_the_current_bounded);
+    RUN_TEST(test_start_without_the_back_emf_feed_forward_draws_a_current_surge);
+    return UNITY_END();
 }

@@ -7,14 +7,12 @@
 // linear and the circle is a disc, so what can be reached within t is a disc too: around e^(-at)
 // i_0 - (j w psi/L)(1 - e^(-at))/a, a = R/L + jw, with the radius (U/R)(1 - e^(-Rt/L)). Its radius
 // reaches the target at the time that no controller can beat, whatever it does with i_d.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
 #include "bench.hpp"
+#include "property.hpp"
 
 namespace {
 
@@ -120,8 +118,8 @@ Plant plant_at(const config_t &config, double winding_C, double speed_rpm, doubl
 
 } // namespace
 
-TEST_CASE("a step of -60 A that the voltage limits arrives within two periods of the least time "
-          "and does not overshoot")
+static void
+test_voltage_limited_step_arrives_within_two_periods_of_the_least_time_without_overshoot()
 {
     // Turning backwards, so that the back-EMF stands against the step: the regulator asks for up
     // to 22.1 V + 17.6 V, the circle has 23.9 V to 30.8 V. What the voltage would allow sooner than
@@ -139,10 +137,10 @@ TEST_CASE("a step of -60 A that the voltage limits arrives within two periods of
                         continue; // -450 r/min and 45 V: there is no voltage for -60 A with i_d = 0
                     }
                     const int least = sample_after(along_q_s, 50e-6);
-                    CAPTURE(winding_C);
-                    CAPTURE(speed_rpm);
-                    CAPTURE(v_dc_V);
-                    CAPTURE(real_bridge);
+                    SHOW(winding_C);
+                    SHOW(speed_rpm);
+                    SHOW(v_dc_V);
+                    SHOW(real_bridge);
                     CHECK(arrival.limited > 0);
                     CHECK(arrival.sample <= std::max(least, designed_sample(config)) + 2);
                     CHECK(arrival.sample >=
@@ -156,16 +154,15 @@ TEST_CASE("a step of -60 A that the voltage limits arrives within two periods of
     CHECK(limited >= 20); // most of these really were a matter of voltage
 }
 
-TEST_CASE(
-    "a braking step of -60 A is not limited at any speed and takes the time it is designed for")
+static void test_braking_step_is_not_limited_and_takes_the_designed_time()
 {
     // The back-EMF helps: 0.293 Ohm * 60 A = 17.6 V less up to 22.1 V.
     for (const double speed_rpm : {0.0, 50.0, 300.0, 450.0}) {
         for (const double v_dc_V : {45.0, 53.0, 58.0}) {
             const config_t config = paper_config(true);
             const Arrival arrival = step(config, plant_at(config, 120.0, speed_rpm, v_dc_V, true));
-            CAPTURE(speed_rpm);
-            CAPTURE(v_dc_V);
+            SHOW(speed_rpm);
+            SHOW(v_dc_V);
             CHECK(arrival.limited == 0);
             CHECK(std::abs(arrival.sample - designed_sample(config)) <= 1);
             CHECK(arrival.beyond <= 0.05);
@@ -173,9 +170,19 @@ TEST_CASE(
     }
 }
 
-TEST_CASE("an integral gain sixteen times too large is seen to overshoot")
+static void test_integral_gain_sixteen_times_too_large_overshoots()
 {
     config_t config = paper_config(false);
     config.current_loop.integral_q_pu_q24 *= 16;
     CHECK(step(config, plant_at(config, 25.0, -350.0, 45.0, false)).beyond > 0.05);
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(
+        test_voltage_limited_step_arrives_within_two_periods_of_the_least_time_without_overshoot);
+    RUN_TEST(test_braking_step_is_not_limited_and_takes_the_designed_time);
+    RUN_TEST(test_integral_gain_sixteen_times_too_large_overshoots);
+    return UNITY_END();
 }

@@ -5,15 +5,13 @@
 //
 // With the iron branch torque and |u|^2 are quadratic forms of (i_d, i_q). For each i_d on a fine
 // grid the circle leaves an interval of i_q, whose ends are the roots of a quadratic equation.
-#define DOCTEST_CONFIG_IMPLEMENT_WITH_MAIN
-#include <doctest/doctest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "circuit.hpp"
+#include "property.hpp"
 #include "tables.h"
 
 namespace {
@@ -94,10 +92,10 @@ void compare(const Drive &drive, double temperature_C, double bus_V, double dire
             (1.0 + drive.flux_per_K * (temperature_C - drive.reference_temperature_C));
         const double weakest_A =
             std::max(1e-3 * limit.weakest_d_mA, -flux_Wb / drive.d_inductance_H);
-        CAPTURE(drive.name);
-        CAPTURE(temperature_C);
-        CAPTURE(bus_V);
-        CAPTURE(speed);
+        SHOW(drive.name);
+        SHOW(temperature_C);
+        SHOW(bus_V);
+        SHOW(speed);
         const double rounding_Nm = ROUNDING * drive.max_torque_Nm;
         // No more than its own i_d lets through, to a rounding ...
         const Range own = beside(at, weakest_A, phase_V);
@@ -129,8 +127,7 @@ void compare(const Drive &drive, double temperature_C, double bus_V, double dire
 
 } // namespace
 
-TEST_CASE("the voltage limit of every shipped drive is what the circuit laws leave, cold, warm and "
-          "hot, full and empty")
+static void test_voltage_limit_of_every_shipped_drive_is_what_the_circuit_laws_leave()
 {
     for (int d = 0; d < values::SHIPPED; d++) {
         const Drive &drive = values::DRIVES[d];
@@ -145,4 +142,11 @@ TEST_CASE("the voltage limit of every shipped drive is what the circuit laws lea
             }
         }
     }
+}
+
+int main()
+{
+    UNITY_BEGIN();
+    RUN_TEST(test_voltage_limit_of_every_shipped_drive_is_what_the_circuit_laws_leave);
+    return UNITY_END();
 }

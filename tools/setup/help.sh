@@ -157,7 +157,7 @@ Usage: tools/dev setup [GROUP...]
 
 Installs what the other commands would install when they need it. Groups (all, if none is named):
   build    cmake, ninja                     host     gcc, g++
-  python   .dev/venv                        unit     ruby, CMock with Unity, Eigen, doctest
+  python   .dev/venv                        unit     ruby, CMock with Unity, Eigen
   arm      arm-none-eabi-gcc, newlib        qemu     qemu-system-arm
   checks   clang-tidy, shellcheck           proofs   CBMC, clang with its fuzzer
   browser  Chromium without a window

@@ -28,7 +28,6 @@ missing_python() { python_is_ready || echo python3 python3-venv; }
 missing_unit() {
     have ruby || echo ruby
     header_is_there eigen3/Eigen/Core || echo libeigen3-dev
-    header_is_there doctest/doctest.h || echo doctest-dev
 }
 
 # The model checker itself is cbmc.sh's; the fuzzer comes with clang.
