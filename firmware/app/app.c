@@ -41,9 +41,9 @@ static struct {
     controller_t controller; /* .fast: PWM period, .slow: millisecond */
 
     double_buffer_t to_fast; /* low side millisecond, high side PWM period */
-    slow_to_fast_t slow_to_fast[2];
+    fast_setpoint_t fast_setpoint[2];
     double_buffer_t from_fast; /* low side millisecond, high side PWM period */
-    fast_to_slow_t fast_to_slow[2];
+    fast_report_t fast_report[2];
     unsigned fast_reports_in; /* PWM period; which of the two it kept up to date last */
     uint32_t fast_silent_ms;  /* millisecond; in a row without a fast step */
     double_buffer_t to_slow;  /* low side background, high side millisecond */
@@ -73,8 +73,8 @@ static void start_control(const config_t *config)
 {
     controller_init(&app.controller, config);
     for (int i = 0; i < 2; i++) {
-        app.slow_to_fast[i] = controller_initial_slow_to_fast(config);
-        app.fast_to_slow[i] = controller_initial_fast_to_slow(config);
+        app.fast_setpoint[i] = controller_initial_setpoint(config);
+        app.fast_report[i] = controller_initial_report(config);
     }
     app.fast_reports_in = double_buffer_high(&app.from_fast);
     supervisor_init(&app.supervisor, (uint32_t)config->drive.pwm_frequency_Hz,
@@ -128,14 +128,14 @@ static inverter_mode_t inverter_mode(bridge_mode_t bridge)
 /* The report goes on in the same structure until the slow side has taken it, and then in the other
  * one: a copy a millisecond instead of one a period. What is copied belongs to the slow side now,
  * which only reads it. */
-static fast_to_slow_t *fast_report(void)
+static fast_report_t *fast_report(void)
 {
     const unsigned high = double_buffer_high(&app.from_fast);
     if (high != app.fast_reports_in) {
-        app.fast_to_slow[high] = app.fast_to_slow[app.fast_reports_in];
+        app.fast_report[high] = app.fast_report[app.fast_reports_in];
         app.fast_reports_in = high;
     }
-    return &app.fast_to_slow[high];
+    return &app.fast_report[high];
 }
 
 void app_pwm_period_isr(void)
@@ -158,7 +158,7 @@ void app_pwm_period_isr(void)
         .hall_state = rotor_sensor_hall_state(),
         .power_stage_fault = inverter_fault(),
     };
-    const slow_to_fast_t *from_slow = &app.slow_to_fast[double_buffer_high(&app.to_fast)];
+    const fast_setpoint_t *from_slow = &app.fast_setpoint[double_buffer_high(&app.to_fast)];
     const fast_output_t out =
         controller_fast_step(&app.controller.fast, config, from_slow, &in, fast_report());
     inverter_set(inverter_mode(out.bridge), out.compare_counts);
@@ -213,8 +213,8 @@ void app_millisecond_isr(void)
     }
     watch_fast_reach(
         double_buffer_take(&app.from_fast)); /* the monitor, too, sees the count stand still */
-    const fast_to_slow_t *from_fast = &app.fast_to_slow[double_buffer_low(&app.from_fast)];
-    slow_to_fast_t *to_fast = &app.slow_to_fast[double_buffer_low(&app.to_fast)];
+    const fast_report_t *from_fast = &app.fast_report[double_buffer_low(&app.from_fast)];
+    fast_setpoint_t *to_fast = &app.fast_setpoint[double_buffer_low(&app.to_fast)];
     const slow_input_t in = slow_input(&app.wish[double_buffer_high(&app.to_slow)]);
 
     view_t *view = &app.view[double_buffer_high(&app.from_slow)];
@@ -258,7 +258,7 @@ static report_status_t status_of(const view_t *view)
 static bool is_at_rest(const slow_output_t *said)
 {
     const bool switched_on = said->mode == MODE_RUN || said->mode == MODE_LIMP;
-    return app.config == NULL || (!switched_on && said->standing);
+    return app.config == NULL || (!switched_on && said->standstill);
 }
 
 /* The configuration in use is about to be erased, so control ends here, whatever becomes of the new

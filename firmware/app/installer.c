@@ -24,7 +24,7 @@ static void judge(installer_t *installer)
     installer->state = INSTALLER_REFUSED;
     if (installer->hex.problem == INTEL_HEX_GOOD) {
         installer->verdict = config_validate(&installer->image.config, installer->hex.size_bytes);
-        if (installer->verdict.code == CONFIG_VERDICT_OK) {
+        if (installer->verdict.code == CONFIG_RESULT_OK) {
             installer->state = INSTALLER_ACCEPTED;
         }
     }

@@ -25,7 +25,7 @@ void report_identity(const config_t *config, text_t *line)
 void report_banner(const boot_report_t *boot, text_t *line)
 {
     report_version(line);
-    if (boot->verdict.code == CONFIG_VERDICT_OK) {
+    if (boot->verdict.code == CONFIG_RESULT_OK) {
         text_add(line, ", ");
         report_identity(boot->config, line);
         text_add(line, ", wheel ");
@@ -33,12 +33,12 @@ void report_banner(const boot_report_t *boot, text_t *line)
     }
 }
 
-void report_refusal(const config_verdict_t *verdict, text_t *line)
+void report_refusal(const config_result_t *verdict, text_t *line)
 {
     text_add(line, "configuration refused: ");
     text_add(line, verdict->field);
     switch (verdict->code) {
-    case CONFIG_VERDICT_RANGE:
+    case CONFIG_RESULT_RANGE:
         text_add(line, " is ");
         text_add_integer(line, verdict->value);
         text_add(line, ", accepted ");
@@ -46,15 +46,15 @@ void report_refusal(const config_verdict_t *verdict, text_t *line)
         text_add(line, " .. ");
         text_add_integer(line, verdict->highest);
         break;
-    case CONFIG_VERDICT_RELATION:
+    case CONFIG_RESULT_RELATION:
         text_add(line, " does not hold");
         break;
-    case CONFIG_VERDICT_MAGIC:
-    case CONFIG_VERDICT_VERSION:
-    case CONFIG_VERDICT_SIZE:
-    case CONFIG_VERDICT_CRC:
-    case CONFIG_VERDICT_NAME:
-    case CONFIG_VERDICT_OK:
+    case CONFIG_RESULT_MAGIC:
+    case CONFIG_RESULT_VERSION:
+    case CONFIG_RESULT_SIZE:
+    case CONFIG_RESULT_CRC:
+    case CONFIG_RESULT_NAME:
+    case CONFIG_RESULT_OK:
         text_add(line, " is not what this firmware expects");
         break;
     }
@@ -82,7 +82,7 @@ static const char *inverter_words(inverter_status_t status)
 
 static void add_verdict(const boot_report_t *boot, text_t *line)
 {
-    if (boot->verdict.code != CONFIG_VERDICT_OK) {
+    if (boot->verdict.code != CONFIG_RESULT_OK) {
         report_refusal(&boot->verdict, line);
     } else if (boot->inverter != INVERTER_OK) {
         text_add(line, inverter_words(boot->inverter));
@@ -195,7 +195,7 @@ bool report_can(const report_status_t *status, uint32_t number, text_t *line)
 
 bool report_config(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line)
 {
-    if (boot->verdict.code != CONFIG_VERDICT_OK) {
+    if (boot->verdict.code != CONFIG_RESULT_OK) {
         report_refusal(&boot->verdict, line);
         return number == 0;
     }

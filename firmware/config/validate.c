@@ -60,14 +60,14 @@ uint32_t config_crc32(const void *data, uint32_t size_bytes)
     return crc ^ UINT32_MAX;
 }
 
-static config_verdict_t verdict(config_verdict_code_t code, const char *field)
+static config_result_t verdict(config_result_code_t code, const char *field)
 {
-    const config_verdict_t out = {
+    const config_result_t out = {
         .code = code, .field = field, .value = 0, .lowest = 0, .highest = 0};
     return out;
 }
 
-static config_verdict_t check_ranges(const config_t *config)
+static config_result_t check_ranges(const config_t *config)
 {
     for (size_t f = 0; f < sizeof(FIELDS) / sizeof(FIELDS[0]); f++) {
         const field_range_t *range = &FIELDS[f];
@@ -77,7 +77,7 @@ static config_verdict_t check_ranges(const config_t *config)
             (const int32_t *)(const void *)config + range->offset / sizeof(int32_t);
         for (uint16_t i = 0; i < range->count; i++) {
             if (value[i] < range->lowest || value[i] > range->highest) {
-                config_verdict_t out = verdict(CONFIG_VERDICT_RANGE, range->field);
+                config_result_t out = verdict(CONFIG_RESULT_RANGE, range->field);
                 out.value = value[i];
                 out.lowest = range->lowest;
                 out.highest = range->highest;
@@ -85,7 +85,7 @@ static config_verdict_t check_ranges(const config_t *config)
             }
         }
     }
-    return verdict(CONFIG_VERDICT_OK, "");
+    return verdict(CONFIG_RESULT_OK, "");
 }
 
 typedef struct {
@@ -129,10 +129,10 @@ static bool encoder_index_sharp_enough(const config_t *c)
 /* Halls lose the speed when no edge comes for a quarter of a second. A sector may be a quarter turn
  * wide, so above one electrical turn a second, 2 pi rad/s, there is always an edge in time. Below
  * it nobody may brake electrically. */
-static bool halls_know_the_hand_over(const config_t *c)
+static bool halls_know_the_blend_out(const config_t *c)
 {
     return c->rotor.sensor != CONFIG_ROTOR_HALL ||
-           (int64_t)c->brake.handover_end_mrad_s * c->motor.pole_pairs >= 6284;
+           (int64_t)c->brake.blend_out_end_mrad_s * c->motor.pole_pairs >= 6284;
 }
 
 /* One modulation unit at the lowest bus voltage, limit * v_dc / sqrt 3, per unit of voltage in Q15,
@@ -210,7 +210,7 @@ static bool flux_left_everywhere(const config_t *c)
     return good;
 }
 
-static config_verdict_t check_relations(const config_t *c)
+static config_result_t check_relations(const config_t *c)
 {
     const int64_t max_current_pu_q15 =
         (int64_t)c->motor.max_phase_current_mA * 32768 / c->drive.current_full_scale_mA;
@@ -245,8 +245,8 @@ static config_verdict_t check_relations(const config_t *c)
         {encoder_fine_enough(c), "rotor.encoder_counts at least 32 for each of motor.pole_pairs"},
         {encoder_index_sharp_enough(c),
          "rotor.encoder_index_tolerance_counts within 30 degrees electrical"},
-        {halls_know_the_hand_over(c),
-         "brake.handover_end_mrad_s at least one electrical turn a second with halls"},
+        {halls_know_the_blend_out(c),
+         "brake.blend_out_end_mrad_s at least one electrical turn a second with halls"},
         {c->current_loop.field_weakening_current_pu_q15 <= c->current_loop.max_current_pu_q15,
          "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15"},
         {c->battery.undervoltage_trip_mV < c->battery.min_voltage_mV,
@@ -261,8 +261,8 @@ static config_verdict_t check_relations(const config_t *c)
         {(int64_t)c->battery.overvoltage_trip_mV * 4096 <
              (int64_t)c->drive.voltage_full_scale_mV * 4095,
          "battery.overvoltage_trip_mV < drive.voltage_full_scale_mV less one code"},
-        {c->brake.handover_end_mrad_s <= c->brake.handover_start_mrad_s,
-         "brake.handover_end_mrad_s <= brake.handover_start_mrad_s"},
+        {c->brake.blend_out_end_mrad_s <= c->brake.blend_out_start_mrad_s,
+         "brake.blend_out_end_mrad_s <= brake.blend_out_start_mrad_s"},
         {c->regen_map.speed_points * c->regen_map.temperature_points <= CONFIG_REGEN_POINTS_MAX,
          "regen_map.speed_points * regen_map.temperature_points within the table"},
         {c->current_map.torque_points % 2 == 1,
@@ -276,32 +276,32 @@ static config_verdict_t check_relations(const config_t *c)
     };
     for (size_t r = 0; r < sizeof(relations) / sizeof(relations[0]); r++) {
         if (!relations[r].holds) {
-            return verdict(CONFIG_VERDICT_RELATION, relations[r].relation);
+            return verdict(CONFIG_RESULT_RELATION, relations[r].relation);
         }
     }
-    return verdict(CONFIG_VERDICT_OK, "");
+    return verdict(CONFIG_RESULT_OK, "");
 }
 
-config_verdict_t config_validate(const config_t *config, uint32_t size_bytes)
+config_result_t config_validate(const config_t *config, uint32_t size_bytes)
 {
     if (size_bytes < sizeof(config_t)) {
-        return verdict(CONFIG_VERDICT_SIZE, "size_bytes");
+        return verdict(CONFIG_RESULT_SIZE, "size_bytes");
     }
     if (config->magic != CONFIG_MAGIC) {
-        return verdict(CONFIG_VERDICT_MAGIC, "magic");
+        return verdict(CONFIG_RESULT_MAGIC, "magic");
     }
     if (config->format_version != CONFIG_FORMAT_VERSION) {
-        return verdict(CONFIG_VERDICT_VERSION, "format_version");
+        return verdict(CONFIG_RESULT_VERSION, "format_version");
     }
     if (config->size_bytes != sizeof(config_t)) {
-        return verdict(CONFIG_VERDICT_SIZE, "size_bytes");
+        return verdict(CONFIG_RESULT_SIZE, "size_bytes");
     }
     if (config->crc32 != config_crc32(config, (uint32_t)offsetof(config_t, crc32))) {
-        return verdict(CONFIG_VERDICT_CRC, "crc32");
+        return verdict(CONFIG_RESULT_CRC, "crc32");
     }
     if (config->name[0] == '\0' || config->name[CONFIG_NAME_LENGTH - 1] != '\0') {
-        return verdict(CONFIG_VERDICT_NAME, "name");
+        return verdict(CONFIG_RESULT_NAME, "name");
     }
-    const config_verdict_t ranges = check_ranges(config);
-    return ranges.code != CONFIG_VERDICT_OK ? ranges : check_relations(config);
+    const config_result_t ranges = check_ranges(config);
+    return ranges.code != CONFIG_RESULT_OK ? ranges : check_relations(config);
 }

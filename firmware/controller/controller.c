@@ -28,29 +28,29 @@ void controller_init(controller_t *controller, const config_t *config)
     controller->slow.step_count = 0;
 }
 
-static permission_t closed_valve(void)
+static torque_enable_t torque_disabled(void)
 {
-    const permission_t out = {
-        .bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_PERMISSION};
+    const torque_enable_t out = {
+        .bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_TORQUE_ENABLE};
     return out;
 }
 
-slow_to_fast_t controller_initial_slow_to_fast(const config_t *config)
+fast_setpoint_t controller_initial_setpoint(const config_t *config)
 {
     foc_state_t fresh;
     foc_init(&fresh, config);
-    const slow_to_fast_t out = {
+    const fast_setpoint_t out = {
         .foc = foc_initial_command(&fresh, config),
         .monitor = {.safe_bridge = BRIDGE_OFF, .clear_trip = false},
-        .permission = closed_valve(),
+        .torque_enable = torque_disabled(),
         .slow_step_count = 0,
     };
     return out;
 }
 
-fast_to_slow_t controller_initial_fast_to_slow(const config_t *config)
+fast_report_t controller_initial_report(const config_t *config)
 {
-    fast_to_slow_t out = {.monitor = {.trip = REASON_NONE}};
+    fast_report_t out = {.monitor = {.trip = REASON_NONE}};
     out.foc.v_dc_pu = nominal_v_dc_pu(config);
     for (int x = 0; x < SENSE_PHASES; x++) {
         out.foc.offset_q4[x] = SENSE_CODE_MID * 16;
@@ -64,10 +64,10 @@ static uint16_t whole_counts(int32_t on_q16)
 }
 
 fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config,
-                                   const slow_to_fast_t *from_slow, const fast_input_t *in,
-                                   fast_to_slow_t *to_slow)
+                                   const fast_setpoint_t *from_slow, const fast_input_t *in,
+                                   fast_report_t *to_slow)
 {
-    const bool permitted = from_slow->permission.bridge == BRIDGE_PWM;
+    const bool permitted = from_slow->torque_enable.bridge == BRIDGE_PWM;
     const bool tripped = fast->monitor.trip != REASON_NONE;
     foc_step(&fast->foc, config, &from_slow->foc, permitted, tripped, in, &to_slow->foc);
 
@@ -86,7 +86,7 @@ fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *conf
         .compare_counts = {whole_counts(on_q16[0]), whole_counts(on_q16[1]),
                            whole_counts(on_q16[2])},
         .bridge =
-            trip != REASON_NONE ? from_slow->monitor.safe_bridge : from_slow->permission.bridge,
+            trip != REASON_NONE ? from_slow->monitor.safe_bridge : from_slow->torque_enable.bridge,
     };
     return out;
 }
@@ -109,7 +109,7 @@ static int32_t phase_mV(int32_t share_q15, int32_t modulation_limit_q15, int32_t
 
 static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow,
                                                const config_t *config,
-                                               const fast_to_slow_t *from_fast,
+                                               const fast_report_t *from_fast,
                                                const slow_input_t *in, int32_t speed_mrad_s,
                                                int32_t bus_mV)
 {
@@ -145,8 +145,8 @@ static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow,
 }
 
 static modes_output_t decide_mode(controller_slow_t *slow, const config_t *config,
-                                  const fast_to_slow_t *from_fast, const slow_input_t *in,
-                                  const monitor_verdict_t *verdict, int32_t speed_mrad_s)
+                                  const fast_report_t *from_fast, const slow_input_t *in,
+                                  const monitor_output_t *verdict, int32_t speed_mrad_s)
 {
     const modes_input_t modes_in = {
         .config_accepted = in->config_accepted,
@@ -154,7 +154,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         .offsets_done = from_fast->foc.offsets_done,
         .offsets_plausible = verdict->offsets_plausible,
         .rotor_valid = from_fast->foc.current.rotor.valid,
-        .rolling = q_abs(speed_mrad_s) > config->brake.handover_end_mrad_s,
+        .rolling = q_abs(speed_mrad_s) > config->brake.blend_out_end_mrad_s,
         .enable = in->enable,
         .drive_demanded = in->drive_torque_mNm != 0,
         .torque_demanded = in->drive_torque_mNm != 0 || in->brake_torque_mNm > 0,
@@ -168,8 +168,8 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
 }
 
 static torque_output_t flow_torque(controller_slow_t *slow, const config_t *config,
-                                   const fast_to_slow_t *from_fast, const slow_input_t *in,
-                                   const permission_t *permission, int32_t speed_mrad_s,
+                                   const fast_report_t *from_fast, const slow_input_t *in,
+                                   const torque_enable_t *torque_enable, int32_t speed_mrad_s,
                                    int32_t bus_mV, const sampled_current_t *sampling)
 {
     const dq_t mean_pu = sampled_current_to_mean(sampling, slow->summary.latest.i_pu);
@@ -199,14 +199,14 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
                 .i_d_weakening_mA = bases_current_mA(config, from_fast->foc.i_d_weakening_pu),
                 .rotor_valid = from_fast->foc.current.rotor.valid,
             },
-        .permission = *permission,
+        .torque_enable = *torque_enable,
     };
     return torque_step(&slow->torque, config, &torque_in);
 }
 
 /* The reference that the fast reach compares its samples with. It adds what it weakens the field
  * by, of which the slow reach has taken account as of a mean. */
-static dq_t sampled_reference_pu(const config_t *config, const current_reference_t *current,
+static dq_t sampled_reference_pu(const config_t *config, const current_setpoint_t *current,
                                  int32_t i_d_weakening_pu, const sampled_current_t *sampling)
 {
     const dq_t mean_pu = {
@@ -220,8 +220,8 @@ static dq_t sampled_reference_pu(const config_t *config, const current_reference
 }
 
 slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config,
-                                   const fast_to_slow_t *from_fast, const slow_input_t *in,
-                                   slow_to_fast_t *to_fast)
+                                   const fast_report_t *from_fast, const slow_input_t *in,
+                                   fast_setpoint_t *to_fast)
 {
     const int32_t speed_mrad_s = bases_speed_mrad_s(config, from_fast->foc.current.rotor.speed_q32);
     const foc_summary_t summary =
@@ -230,18 +230,18 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
 
     const monitor_slow_input_t watched =
         watched_by_monitor(slow, config, from_fast, in, speed_mrad_s, bus_mV);
-    const monitor_verdict_t verdict = monitor_slow_step(&slow->monitor, config, &watched);
+    const monitor_output_t verdict = monitor_slow_step(&slow->monitor, config, &watched);
     const modes_output_t modes = decide_mode(slow, config, from_fast, in, &verdict, speed_mrad_s);
     const int32_t speed_q32 = from_fast->foc.current.rotor.speed_q32;
     const sampled_current_t sampling =
         sampled_current_at(config, speed_q32, in->winding_temperature_cC);
-    const torque_output_t torque = flow_torque(slow, config, from_fast, in, &modes.permission,
+    const torque_output_t torque = flow_torque(slow, config, from_fast, in, &modes.torque_enable,
                                                speed_mrad_s, bus_mV, &sampling);
 
     slow->step_count++;
     slow->last_command_mNm = torque.command_mNm;
     slow->last_estimate_mNm = torque.estimate_mNm;
-    slow->bridge = modes.permission.bridge;
+    slow->bridge = modes.torque_enable.bridge;
     to_fast->foc.number = slow->step_count;
     to_fast->foc.i_reference_pu =
         sampled_reference_pu(config, &torque.current, from_fast->foc.i_d_weakening_pu, &sampling);
@@ -252,7 +252,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     to_fast->foc.calibrate_offsets = modes.calibrate_offsets;
     to_fast->monitor.safe_bridge = verdict.safe_bridge;
     to_fast->monitor.clear_trip = modes.clear_trip;
-    to_fast->permission = modes.permission;
+    to_fast->torque_enable = modes.torque_enable;
     to_fast->slow_step_count = slow->step_count;
 
     const slow_output_t out = {
@@ -271,7 +271,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         .fault_reason = modes.fault,
         .mode = modes.mode,
         .stop_lamp = torque.stop_lamp,
-        .standing = verdict.standing,
+        .standstill = verdict.standstill,
     };
     return out;
 }

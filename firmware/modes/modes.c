@@ -124,10 +124,10 @@ static void advance(modes_state_t *state, const modes_input_t *in, bool acknowle
     }
 }
 
-static permission_t permission_of(const modes_state_t *state, const modes_input_t *in)
+static torque_enable_t torque_enable_of(const modes_state_t *state, const modes_input_t *in)
 {
-    permission_t out = {
-        .bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_PERMISSION};
+    torque_enable_t out = {
+        .bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_TORQUE_ENABLE};
     switch (state->mode) {
     case MODE_RUN:
         out.bridge = BRIDGE_PWM;
@@ -136,7 +136,7 @@ static permission_t permission_of(const modes_state_t *state, const modes_input_
         out.reason = REASON_NONE;
         if (!in->enable) { /* switched off while rolling: braking only */
             out.drive_q15 = 0;
-            out.reason = REASON_PERMISSION;
+            out.reason = REASON_TORQUE_ENABLE;
         }
         break;
     case MODE_LIMP:
@@ -158,7 +158,7 @@ static permission_t permission_of(const modes_state_t *state, const modes_input_
         break;
     case MODE_READY:
         out.bridge = in->safe_bridge;
-        out.reason = in->rotor_valid ? REASON_PERMISSION : REASON_ROTOR_UNCERTAIN;
+        out.reason = in->rotor_valid ? REASON_TORQUE_ENABLE : REASON_ROTOR_UNCERTAIN;
         break;
     }
     return out;
@@ -176,7 +176,7 @@ modes_output_t modes_step(modes_state_t *state, const modes_input_t *in)
     const modes_output_t out = {
         .mode = state->mode,
         .fault = state->fault,
-        .permission = permission_of(state, in),
+        .torque_enable = torque_enable_of(state, in),
         .calibrate_offsets = state->mode == MODE_OFFSET_CAL && in->safe_bridge == BRIDGE_OFF,
         .clear_trip = acknowledged,
     };

@@ -156,8 +156,8 @@ static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
     return out;
 }
 
-monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
-                                    const monitor_slow_input_t *in)
+monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
+                                   const monitor_slow_input_t *in)
 {
     const bool sum_wrong =
         held(&state->sum_steps,
@@ -185,13 +185,13 @@ monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t 
     const monitor_speed_input_t turning = speed_input(in);
     const int32_t speed_mrad_s = monitor_speed_step(&state->speed, config, &turning);
 
-    monitor_verdict_t out = {
+    monitor_output_t out = {
         .fault = REASON_NONE,
         .warning = rotor_doubtful(state, in->rotor_faults) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
         .safe_bridge =
             monitor_safe_bridge(config, speed_mrad_s, in->bus_voltage_mV, state->safe_bridge),
         .offsets_plausible = offsets_plausible(config, in->offset_q4),
-        .standing = speed_mrad_s < MONITOR_SPEED_STANDING_mrad_s,
+        .standstill = speed_mrad_s < MONITOR_SPEED_STANDSTILL_mrad_s,
     };
     state->safe_bridge = out.safe_bridge;
     state->verdicts++;

@@ -126,7 +126,7 @@ static bool emf_shows(monitor_speed_state_t *state, const config_t *config,
     const bool over = in->bus_voltage_mV > config->battery.overvoltage_trip_mV;
     const bool off = in->bridge == BRIDGE_OFF;
     const bool blind =
-        !in->rotor_valid || q_abs(in->speed_mrad_s) < config->brake.handover_end_mrad_s;
+        !in->rotor_valid || q_abs(in->speed_mrad_s) < config->brake.blend_out_end_mrad_s;
     if (off && blind) {
         const int32_t up = flows(config, in->offsets_known, square_mA2(in)) ? 1 : -1;
         state->diode_steps = q_clamp(state->diode_steps + up, 0, MONITOR_SPEED_DIODE_STEPS);

@@ -8,8 +8,8 @@
 void torque_init(torque_state_t *state)
 {
     demand_init(&state->demand);
-    brake_arbiter_init(&state->arbiter);
-    torque_limit_init(&state->limit);
+    brake_blending_init(&state->blending);
+    torque_command_init(&state->limit);
     stop_lamp_init(&state->lamp);
     state->voltage_low_steps = 0;
     state->voltage_high_steps = 0;
@@ -17,9 +17,9 @@ void torque_init(torque_state_t *state)
 
 /* The reason a person wants to read: the arbiter's while braking, the torque limit's while driving,
  * and the phase limits when those are what stands in the way in the end. */
-static reason_t visible_reason(const demand_t *demand, const brake_arbiter_out_t *split,
-                               const torque_limit_out_t *limited,
-                               const current_reference_t *current, bool voltage_limited)
+static reason_t visible_reason(const demand_t *demand, const brake_blending_out_t *split,
+                               const torque_command_out_t *limited,
+                               const current_setpoint_t *current, bool voltage_limited)
 {
     if (current->limited) {
         return REASON_PHASE_CURRENT;
@@ -34,14 +34,14 @@ static reason_t visible_reason(const demand_t *demand, const brake_arbiter_out_t
 
 /* What the limits depend on beside the measurements: where the motor is, and how near the voltage
  * was to an end lately. */
-static capability_input_t limits_now(torque_state_t *state, const config_t *config,
-                                     const capability_input_t *in)
+static torque_limits_input_t limits_now(torque_state_t *state, const config_t *config,
+                                        const torque_limits_input_t *in)
 {
     const config_battery_t *battery = &config->battery;
     const int32_t width_mV = battery->max_voltage_mV - battery->foldback_voltage_mV;
     const int32_t above_mV = q_saturate64((int64_t)in->bus_voltage_mV - battery->min_voltage_mV);
     const int32_t below_mV = q_saturate64((int64_t)battery->max_voltage_mV - in->bus_voltage_mV);
-    capability_input_t out = *in;
+    torque_limits_input_t out = *in;
     out.command_mNm = state->limit.command_mNm;
     out.voltage_low = foldback_near(&state->voltage_low_steps, above_mV, width_mV);
     out.voltage_high = foldback_near(&state->voltage_high_steps, below_mV, width_mV);
@@ -56,30 +56,30 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
 
     const demand_t demand = demand_step(&state->demand, config, in->drive_torque_mNm,
                                         in->brake_torque_mNm, in->demand_age_ms);
-    const capability_input_t limits = limits_now(state, config, &in->capability);
-    const capability_t capability = capability_step(config, &model, &limits);
-    const brake_arbiter_input_t braking = {
+    const torque_limits_input_t limits = limits_now(state, config, &in->capability);
+    const torque_limits_t capability = torque_limits_step(config, &model, &limits);
+    const brake_blending_input_t braking = {
         .demand_mNm = demand.brake_mNm,
         .speed_mrad_s = in->speed_mrad_s,
         .motor_command_mNm = state->limit.command_mNm,
-        .motor_growth_mNm = torque_limit_growth_mNm(config, in->voltage_use_q15),
+        .motor_growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15),
         .motor_achieved_mNm = achieved_mNm,
         .abs_active = in->abs_active,
-        .permission = in->permission,
+        .torque_enable = in->torque_enable,
     };
-    const brake_arbiter_out_t split =
-        brake_arbiter_step(&state->arbiter, config, &capability, &braking);
-    const torque_limit_input_t wanted = {
-        .permission = in->permission,
+    const brake_blending_out_t split =
+        brake_blending_step(&state->blending, config, &capability, &braking);
+    const torque_command_input_t wanted = {
+        .torque_enable = in->torque_enable,
         .speed_mrad_s = in->speed_mrad_s,
         .voltage_use_q15 = in->voltage_use_q15,
         .drive_mNm = demand.drive_mNm,
         .electric_mNm = split.electric_mNm,
     };
-    const torque_limit_out_t limited =
-        torque_limit_step(&state->limit, config, &capability, &wanted);
-    const current_reference_t current = current_reference_step(config, &model, limited.command_mNm,
-                                                               in->capability.i_d_weakening_mA);
+    const torque_command_out_t limited =
+        torque_command_step(&state->limit, config, &capability, &wanted);
+    const current_setpoint_t current =
+        current_setpoint_step(config, &model, limited.command_mNm, in->capability.i_d_weakening_mA);
 
     const torque_output_t out = {
         .current = current,

@@ -150,9 +150,9 @@ int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_
     return HUBSIM_OK;
 }
 
-static int refused(hubsim_t *sim, const config_verdict_t *verdict)
+static int refused(hubsim_t *sim, const config_result_t *verdict)
 {
-    if (verdict->code == CONFIG_VERDICT_RANGE) {
+    if (verdict->code == CONFIG_RESULT_RANGE) {
         return fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s: %ld, accepted: %ld to %ld",
                     verdict->field, (long)verdict->value, (long)verdict->lowest,
                     (long)verdict->highest);
@@ -168,8 +168,8 @@ int hubsim_load_config(hubsim_t *sim, const void *image, uint32_t size_bytes)
     config_t config;
     memset(&config, 0, sizeof(config));
     memcpy(&config, image, size_bytes < sizeof(config) ? size_bytes : sizeof(config));
-    const config_verdict_t verdict = config_validate(&config, size_bytes);
-    if (verdict.code != CONFIG_VERDICT_OK) {
+    const config_result_t verdict = config_validate(&config, size_bytes);
+    if (verdict.code != CONFIG_RESULT_OK) {
         return refused(sim, &verdict);
     }
     sim->config = config;

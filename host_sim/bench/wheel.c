@@ -35,8 +35,8 @@ void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index)
     const wheel_t empty = {.first_fault = REASON_NONE};
     *wheel = empty;
     controller_init(&wheel->controller, world->config);
-    wheel->to_fast = controller_initial_slow_to_fast(world->config);
-    wheel->to_slow = controller_initial_fast_to_slow(world->config);
+    wheel->to_fast = controller_initial_setpoint(world->config);
+    wheel->to_slow = controller_initial_report(world->config);
     wheel->active = bridge_off();
     wheel->next = bridge_off();
     wheel->rotor = pmsm_at_rest(params->run.rotor_turn + index * params->run.rotor_spread_turn);

@@ -104,13 +104,13 @@ int hubsim_controller_load_config(hubsim_controller_t *controller, const void *i
     config_t config;
     memset(&config, 0, sizeof(config));
     memcpy(&config, image, size_bytes < sizeof(config) ? size_bytes : sizeof(config));
-    const config_verdict_t verdict = config_validate(&config, size_bytes);
-    if (verdict.code == CONFIG_VERDICT_RANGE) {
+    const config_result_t verdict = config_validate(&config, size_bytes);
+    if (verdict.code == CONFIG_RESULT_RANGE) {
         return refuse(controller, "configuration refused: %s: %ld, accepted: %ld to %ld",
                       verdict.field, (long)verdict.value, (long)verdict.lowest,
                       (long)verdict.highest);
     }
-    if (verdict.code != CONFIG_VERDICT_OK) {
+    if (verdict.code != CONFIG_RESULT_OK) {
         return refuse(controller, "configuration refused: %s", verdict.field);
     }
     joined_init(&controller->joined, &config);
@@ -239,7 +239,7 @@ int hubsim_controller_restore(hubsim_controller_t *controller, const void *state
 {
     joined_t found;
     memcpy(&found, state, sizeof(found));
-    if (config_validate(&found.config, (uint32_t)sizeof(found.config)).code != CONFIG_VERDICT_OK) {
+    if (config_validate(&found.config, (uint32_t)sizeof(found.config)).code != CONFIG_RESULT_OK) {
         return refuse(controller, "these bytes are no controller's state");
     }
     controller->joined = found;

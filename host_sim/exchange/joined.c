@@ -16,8 +16,8 @@ void joined_init(joined_t *joined, const config_t *config)
     memset(joined, 0, sizeof(*joined)); /* padding too: the whole value is read when it is saved */
     joined->config = *config;
     controller_init(&joined->controller, &joined->config);
-    joined->to_fast = controller_initial_slow_to_fast(&joined->config);
-    joined->to_slow = controller_initial_fast_to_slow(&joined->config);
+    joined->to_fast = controller_initial_setpoint(&joined->config);
+    joined->to_slow = controller_initial_report(&joined->config);
 }
 
 void joined_fast(joined_t *joined, const int32_t *in, int32_t *out)

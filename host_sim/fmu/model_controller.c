@@ -104,7 +104,7 @@ bool model_begin(model_t *model, double *values)
     memset(&config, 0, sizeof(config));
     memcpy(&config, MODEL_CONFIG,
            MODEL_CONFIG_BYTES < sizeof(config) ? MODEL_CONFIG_BYTES : sizeof(config));
-    if (config_validate(&config, MODEL_CONFIG_BYTES).code != CONFIG_VERDICT_OK) {
+    if (config_validate(&config, MODEL_CONFIG_BYTES).code != CONFIG_RESULT_OK) {
         model->error = "the unit's configuration is refused by the firmware: the unit is damaged";
         return false;
     }

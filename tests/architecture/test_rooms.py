@@ -220,5 +220,5 @@ def test_every_module_has_a_test_of_its_own(room: str) -> None:
 
 def test_the_files_of_a_room_are_found() -> None:
     """Guards the tests above against looking at nothing."""
-    assert {"limit", "brake_arbiter", "motor_model"} <= modules_of("torque")
+    assert {"limit", "brake_blending", "motor_model"} <= modules_of("torque")
     assert Path("foc/foc.h") in {Path(header) for _, header in HEADERS}

@@ -39,8 +39,7 @@ static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2
 
 #define grid_locate any_position
 #define grid_interpolate(a, b, fraction_q20) any_interpolation(&(a), &(b))
-#include "current_map.c"
-#include "regen_map.c"
+#include "loss_maps.c"
 #undef grid_interpolate
 #undef grid_locate
 
@@ -59,7 +58,7 @@ static void check_current_map(int32_t layers)
     table = map->current_d_mA;
     used = map->torque_points * map->speed_points * map->temperature_points;
     ASSUME(used <= CONFIG_CURRENT_MAP_POINTS_MAX);
-    (void)current_map_d_mA(&config, nondet_int32(), nondet_int32(), nondet_int32());
+    (void)loss_maps_d_current_mA(&config, nondet_int32(), nondet_int32(), nondet_int32());
 }
 
 /* As many as the validator accepts; a product of three unknowns would take the checker a minute. */
@@ -105,6 +104,6 @@ void prove_regen_map(void)
     table = map->torque_mNm;
     used = map->speed_points * map->temperature_points;
     ASSUME(used <= CONFIG_REGEN_POINTS_MAX);
-    PROMISE(regen_map_torque_mNm(&config, nondet_int32(), nondet_int32()) >= 0);
+    PROMISE(loss_maps_torque_mNm(&config, nondet_int32(), nondet_int32()) >= 0);
     PROOF_END();
 }

@@ -81,13 +81,13 @@ static void promise(bool holds, const char *what)
 
 static bool accepted(const config_t *config)
 {
-    return check_relations(config).code == CONFIG_VERDICT_OK;
+    return check_relations(config).code == CONFIG_RESULT_OK;
 }
 
 static void check_configuration(config_t *config)
 {
     config->crc32 = config_crc32(config, (uint32_t)offsetof(config_t, crc32));
-    promise(config_validate(config, sizeof(*config)).code == CONFIG_VERDICT_OK,
+    promise(config_validate(config, sizeof(*config)).code == CONFIG_RESULT_OK,
             "the validator accepts what was changed");
 }
 
@@ -181,7 +181,7 @@ static slow_input_t take_slow_input(bytes_t *bytes)
 
 /* What a slow reach may say without having been asked: any reference, any speed and bus voltage to
  * be tuned for. */
-static void take_command(slow_to_fast_t *command, const config_t *config,
+static void take_command(fast_setpoint_t *command, const config_t *config,
                          int32_t modulation_limit_q15, bytes_t *bytes)
 {
     command->foc.i_reference_pu.d = (int16_t)take16(bytes);
@@ -190,7 +190,7 @@ static void take_command(slow_to_fast_t *command, const config_t *config,
         config, modulation_limit_q15, take_within(bytes, -32768, 32767),
         take_within(bytes, INT32_MIN, INT32_MAX), take_within(bytes, INT32_MIN, INT32_MAX));
     command->foc.calibrate_offsets = (take8(bytes) & 7U) == 0;
-    command->permission.bridge = (bridge_mode_t)(take8(bytes) % 3U);
+    command->torque_enable.bridge = (bridge_mode_t)(take8(bytes) % 3U);
     command->monitor.safe_bridge = (take8(bytes) & 1U) != 0 ? BRIDGE_SHORT : BRIDGE_OFF;
     command->monitor.clear_trip = (take8(bytes) & 7U) == 0;
     command->slow_step_count++;
@@ -216,12 +216,12 @@ static fast_input_t take_fast_input(bytes_t *bytes)
     return in;
 }
 
-static void check_fast(const config_t *config, const slow_to_fast_t *command,
-                       const fast_to_slow_t *report, const fast_output_t *out)
+static void check_fast(const config_t *config, const fast_setpoint_t *command,
+                       const fast_report_t *report, const fast_output_t *out)
 {
     const bool tripped = report->monitor.trip != REASON_NONE;
     promise(!tripped || out->bridge != BRIDGE_PWM, "a tripped bridge does not switch");
-    promise(tripped || out->bridge == command->permission.bridge,
+    promise(tripped || out->bridge == command->torque_enable.bridge,
             "without a trip the bridge does what it is told");
     for (int x = 0; x < 3; x++) {
         const int32_t on = out->compare_counts[x];
@@ -253,8 +253,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 
     controller_t controller;
     controller_init(&controller, &config);
-    slow_to_fast_t command = controller_initial_slow_to_fast(&config);
-    fast_to_slow_t report = controller_initial_fast_to_slow(&config);
+    fast_setpoint_t command = controller_initial_setpoint(&config);
+    fast_report_t report = controller_initial_report(&config);
     const bool with_slow_reach = (take8(&bytes) & 1U) != 0;
     int steps = 0;
     while (bytes.left > 0 && steps < MOST_STEPS) {

@@ -20,7 +20,7 @@ void digest_begin(digest_t *digest)
     digest->crc = 0xFFFFFFFFU;
 }
 
-void digest_fast(digest_t *digest, const fast_output_t *out, const fast_to_slow_t *report)
+void digest_fast(digest_t *digest, const fast_output_t *out, const fast_report_t *report)
 {
     for (int x = 0; x < 3; x++) {
         add(digest, out->compare_counts[x]);
@@ -34,7 +34,7 @@ void digest_fast(digest_t *digest, const fast_output_t *out, const fast_to_slow_
     add(digest, (int32_t)report->monitor.trip);
 }
 
-void digest_slow(digest_t *digest, const slow_output_t *out, const slow_to_fast_t *command)
+void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint_t *command)
 {
     add(digest, out->motor_torque_command_mNm);
     add(digest, out->motor_torque_estimate_mNm);
@@ -50,13 +50,13 @@ void digest_slow(digest_t *digest, const slow_output_t *out, const slow_to_fast_
     add(digest, (int32_t)out->fault_reason);
     add(digest, (int32_t)out->mode);
     add(digest, out->stop_lamp ? 1 : 0);
-    add(digest, out->standing ? 1 : 0);
+    add(digest, out->standstill ? 1 : 0);
     add(digest, command->foc.number);
     add(digest, command->foc.i_reference_pu.d);
     add(digest, command->foc.i_reference_pu.q);
     add(digest, command->foc.i_d_mean_less_sample_pu);
     add(digest, command->foc.dead_time_slope.alpha_q8);
-    add(digest, (int32_t)command->permission.bridge);
+    add(digest, (int32_t)command->torque_enable.bridge);
 }
 
 uint32_t digest_end(const digest_t *digest)

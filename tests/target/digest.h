@@ -16,8 +16,8 @@ typedef struct {
 } digest_t;
 
 void digest_begin(digest_t *digest);
-void digest_fast(digest_t *digest, const fast_output_t *out, const fast_to_slow_t *report);
-void digest_slow(digest_t *digest, const slow_output_t *out, const slow_to_fast_t *command);
+void digest_fast(digest_t *digest, const fast_output_t *out, const fast_report_t *report);
+void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint_t *command);
 uint32_t digest_end(const digest_t *digest);
 
 #endif

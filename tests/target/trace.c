@@ -203,9 +203,9 @@ static void print_number(uint32_t value, uint32_t base)
     print(&digits[at]);
 }
 
-static void force(wheel_t *wheel, slow_to_fast_t *command)
+static void force(wheel_t *wheel, fast_setpoint_t *command)
 {
-    command->permission.bridge = BRIDGE_PWM;
+    command->torque_enable.bridge = BRIDGE_PWM;
     command->monitor.clear_trip = true;
     command->foc.i_reference_pu.d = (int16_t)((int32_t)wheel_random(wheel) - 32768);
     command->foc.i_reference_pu.q = (int16_t)((int32_t)wheel_random(wheel) - 32768);
@@ -218,8 +218,8 @@ static uint32_t tell(const story_t *story, uint32_t mode_steps[MODES])
     config = CONFIG_IMAGE;
     story->configure(&config);
     controller_init(&controller, &config);
-    slow_to_fast_t slow_to_fast = controller_initial_slow_to_fast(&config);
-    fast_to_slow_t fast_to_slow = controller_initial_fast_to_slow(&config);
+    fast_setpoint_t fast_setpoint = controller_initial_setpoint(&config);
+    fast_report_t fast_report = controller_initial_report(&config);
     wheel_t wheel = {.random = 2013, .bus_code = 3500, .noise_codes = 6};
     slow_input_t slow_in = {.config_accepted = true, .selftest_passed = true};
     digest_t digest;
@@ -230,16 +230,16 @@ static uint32_t tell(const story_t *story, uint32_t mode_steps[MODES])
             story->disturb(&wheel, &in);
         }
         const fast_output_t out =
-            controller_fast_step(&controller.fast, &config, &slow_to_fast, &in, &fast_to_slow);
-        digest_fast(&digest, &out, &fast_to_slow);
+            controller_fast_step(&controller.fast, &config, &fast_setpoint, &in, &fast_report);
+        digest_fast(&digest, &out, &fast_report);
         wheel_step(&wheel, &config, &out);
         if (step % FAST_A_SLOW_STEP == 0) {
             story->world(&wheel, &slow_in, step / FAST_A_SLOW_STEP);
-            const slow_output_t slow = controller_slow_step(&controller.slow, &config,
-                                                            &fast_to_slow, &slow_in, &slow_to_fast);
-            digest_slow(&digest, &slow, &slow_to_fast);
+            const slow_output_t slow = controller_slow_step(&controller.slow, &config, &fast_report,
+                                                            &slow_in, &fast_setpoint);
+            digest_slow(&digest, &slow, &fast_setpoint);
             if (story->forced) {
-                force(&wheel, &slow_to_fast);
+                force(&wheel, &fast_setpoint);
             }
             mode_steps[slow.mode]++;
         }

@@ -39,7 +39,7 @@ class GridLoss:
 
 
 def read(table: RegenMap, speed_mrad_s: ArrayLike, temperature_cc: ArrayLike) -> Whole:
-    """Read the table in whole numbers, as regen_map_torque_mNm() does.
+    """Read the table in whole numbers, as loss_maps_torque_mNm() does.
 
     Bilinear, rounded, no extrapolation, not below 0; mN m.
     """

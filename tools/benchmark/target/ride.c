@@ -67,8 +67,8 @@ int main(void)
     const config_t *config = &CONFIG_IMAGE;
     static controller_t controller;
     controller_init(&controller, config);
-    slow_to_fast_t slow_to_fast = controller_initial_slow_to_fast(config);
-    fast_to_slow_t fast_to_slow = controller_initial_fast_to_slow(config);
+    fast_setpoint_t fast_setpoint = controller_initial_setpoint(config);
+    fast_report_t fast_report = controller_initial_report(config);
     motor_t motor = {.random = 1};
     fast_output_t active = {.bridge = BRIDGE_OFF};
     uint32_t random = 7;
@@ -83,13 +83,13 @@ int main(void)
         for (int i = 0; i < fast; i++) {
             const fast_input_t in = motor_sample(&motor, config, bus_V);
             const fast_output_t next =
-                controller_fast_step(&controller.fast, config, &slow_to_fast, &in, &fast_to_slow);
+                controller_fast_step(&controller.fast, config, &fast_setpoint, &in, &fast_report);
             motor_step(&motor, config, &active, bus_V, w_rad_s);
             active = next;
         }
         const slow_input_t wish = wish_at(config, ms, &random);
         const slow_output_t out =
-            controller_slow_step(&controller.slow, config, &fast_to_slow, &wish, &slow_to_fast);
+            controller_slow_step(&controller.slow, config, &fast_report, &wish, &fast_setpoint);
         if (ms >= START_ms && (out.mode == MODE_RUN || out.mode == MODE_LIMP)) {
             running_ms++;
         }

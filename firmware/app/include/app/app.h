@@ -7,10 +7,10 @@
  * kHz none   app_background        CAN, serial line, watchdog                              as often
  * as it can
  *
- *                 wish               slow_to_fast
+ *                 wish               fast_setpoint
  *     background ------> millisecond -------------> PWM period
  *                <------             <-------------
- *                 view               fast_to_slow            each arrow one double_buffer.h
+ *                 view               fast_report            each arrow one double_buffer.h
  *
  * The two interrupts are declared in hal/upcall.h.
  */

@@ -23,7 +23,7 @@ typedef struct {
     bool ram_good;
     bool firmware_good; /* what is in flash is what was built */
     bool was_watchdog;  /* the watchdog caused this start */
-    config_verdict_t verdict;
+    config_result_t verdict;
     inverter_status_t inverter; /* looked at only with an accepted configuration and a good clock */
     bool rotor_sensor_missing;  /* the board has none of the kind that the configuration names;
                                    looked at likewise */

@@ -35,7 +35,7 @@ typedef enum {
 typedef struct {
     installer_state_t state;
     intel_hex_t hex;
-    config_verdict_t verdict;
+    config_result_t verdict;
     uint32_t heard_ms;
     union { /* aligned as what it is */
         config_t config;

@@ -30,7 +30,7 @@ void report_version(text_t *line);
 
 /* Name and checksum of an accepted configuration; why another one was refused. */
 void report_identity(const config_t *config, text_t *line);
-void report_refusal(const config_verdict_t *verdict, text_t *line);
+void report_refusal(const config_result_t *verdict, text_t *line);
 
 /* Program, version and port, and which configuration, if it was accepted: a refused one may have
  * garbage for a name. */

@@ -194,9 +194,9 @@
       "first-order lag of the hydraulic torque after the dead time; 0: none") \
     X(hydraulic_rate_mNm_s,                  100,       2000000000, "mNm/s", \
       "fastest change of hydraulic torque") \
-    X(handover_start_mrad_s,                 0,         1000000,    "mrad/s", \
+    X(blend_out_start_mrad_s,                 0,         1000000,    "mrad/s", \
       "electric braking starts to fade below this speed") \
-    X(handover_end_mrad_s,                   0,         1000000,    "mrad/s", \
+    X(blend_out_end_mrad_s,                   0,         1000000,    "mrad/s", \
       "no electric braking below this speed") \
     X(torque_rate_mNm_s,                     100,       2000000000, "mNm/s", \
       "fastest change of motor torque that is asked for") \

@@ -13,28 +13,28 @@
 #include "config/config.h"
 
 typedef enum {
-    CONFIG_VERDICT_OK = 0,
-    CONFIG_VERDICT_MAGIC,
-    CONFIG_VERDICT_VERSION,
-    CONFIG_VERDICT_SIZE,
-    CONFIG_VERDICT_CRC,
-    CONFIG_VERDICT_NAME,
-    CONFIG_VERDICT_RANGE,
-    CONFIG_VERDICT_RELATION
-} config_verdict_code_t;
+    CONFIG_RESULT_OK = 0,
+    CONFIG_RESULT_MAGIC,
+    CONFIG_RESULT_VERSION,
+    CONFIG_RESULT_SIZE,
+    CONFIG_RESULT_CRC,
+    CONFIG_RESULT_NAME,
+    CONFIG_RESULT_RANGE,
+    CONFIG_RESULT_RELATION
+} config_result_code_t;
 
 /* What is wrong, in terms a person can act on. */
 typedef struct {
-    config_verdict_code_t code;
+    config_result_code_t code;
     const char *field; /* "motor.pole_pairs", or the broken relation; never NULL */
     int32_t value;     /* RANGE: the value found; otherwise 0 */
     int32_t lowest;    /* RANGE: smallest accepted value */
     int32_t highest;   /* RANGE: largest accepted value */
-} config_verdict_t;
+} config_result_t;
 
 /* size_bytes: how many bytes lie behind `config`; fewer than sizeof(config_t) is refused without
  * being read. */
-config_verdict_t config_validate(const config_t *config, uint32_t size_bytes);
+config_result_t config_validate(const config_t *config, uint32_t size_bytes);
 
 /* CRC-32 (IEEE 802.3) of size bytes; crc32("123456789") = 0xCBF43926. Bitwise: small, for boot time
  * only. */

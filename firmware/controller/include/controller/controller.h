@@ -9,7 +9,7 @@
  * from the ADC interrupt controller_slow_step(&c.slow, config, ...)        once per millisecond,
  * from a lower-priority context
  *
- * Between the two reaches lies exactly one structure each way, slow_to_fast_t and fast_to_slow_t.
+ * Between the two reaches lies exactly one structure each way, fast_setpoint_t and fast_report_t.
  * Whoever calls the steps carries them across (app/ through double buffers, the bench by
  * assignment). Nothing here reads a clock, touches hardware or allocates; equal inputs give equal
  * outputs, bit for bit, on every machine.
@@ -29,8 +29,8 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "core/permission.h"
 #include "core/reason.h"
+#include "core/torque_enable.h"
 #include "foc/foc.h"
 #include "foc/sampled_current.h"
 #include "foc/summary.h"
@@ -89,7 +89,7 @@ typedef struct {
     reason_t fault_reason;     /* the latched fault, REASON_NONE when healthy */
     modes_mode_t mode;
     bool stop_lamp;
-    bool standing; /* nothing says that the wheel turns, and no speed that was seen is unaccounted
+    bool standstill; /* nothing says that the wheel turns, and no speed that was seen is unaccounted
                       for */
 } slow_output_t;
 
@@ -97,15 +97,15 @@ typedef struct {
 typedef struct {
     foc_command_t foc;
     monitor_command_t monitor;
-    permission_t permission;
+    torque_enable_t torque_enable;
     uint16_t slow_step_count;
-} slow_to_fast_t;
+} fast_setpoint_t;
 
 /* Fast to slow: what really happened. */
 typedef struct {
     foc_report_t foc;
     monitor_fast_report_t monitor;
-} fast_to_slow_t;
+} fast_report_t;
 
 typedef struct {
     foc_state_t foc;
@@ -133,18 +133,18 @@ void controller_init(controller_t *controller, const config_t *config);
 
 /* The structures a side may act on before the other side has stepped for the first time: bridge
  * off, no torque. */
-slow_to_fast_t controller_initial_slow_to_fast(const config_t *config);
-fast_to_slow_t controller_initial_fast_to_slow(const config_t *config);
+fast_setpoint_t controller_initial_setpoint(const config_t *config);
+fast_report_t controller_initial_report(const config_t *config);
 
 /* to_slow: one structure for the whole life of the controller, from
- * controller_initial_fast_to_slow(). It carries running sums, and fields that seldom change are
+ * controller_initial_report(). It carries running sums, and fields that seldom change are
  * only written when they do; the other side may be given a copy. */
 fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config,
-                                   const slow_to_fast_t *from_slow, const fast_input_t *in,
-                                   fast_to_slow_t *to_slow);
+                                   const fast_setpoint_t *from_slow, const fast_input_t *in,
+                                   fast_report_t *to_slow);
 
 slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config,
-                                   const fast_to_slow_t *from_fast, const slow_input_t *in,
-                                   slow_to_fast_t *to_fast);
+                                   const fast_report_t *from_fast, const slow_input_t *in,
+                                   fast_setpoint_t *to_fast);
 
 #endif

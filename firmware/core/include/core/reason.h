@@ -25,13 +25,13 @@
     X(8, BUS_VOLTAGE_LOW, "bus voltage near its lower limit")                                      \
     X(9, WINDING_TEMPERATURE, "winding temperature derating")                                      \
     X(10, SWITCH_TEMPERATURE, "inverter temperature derating")                                     \
-    X(11, HANDOVER, "low speed, handed over to the hydraulic brake")                               \
+    X(11, BLEND_OUT, "blended out to the hydraulic brake at low speed")                            \
     X(12, TORQUE_RATE, "torque rate limit")                                                        \
     X(13, VOLTAGE, "phase voltage limit")                                                          \
     X(14, ELECTRIC_SHARE, "fixed electric share of the parallel brake")                            \
     X(15, ELECTRIC_RATED, "rated electric braking torque of the parallel brake")                   \
     X(16, ABS, "anti-lock intervention")                                                           \
-    X(17, PERMISSION, "torque not permitted in this mode")                                         \
+    X(17, TORQUE_ENABLE, "torque not enabled in this mode")                                        \
     X(18, MAX_SPEED, "speed limit")                                                                \
     X(19, ROTOR_UNCERTAIN, "rotor angle not known well enough")                                    \
     X(20, HYDRAULIC_LIMIT, "hydraulic brake at its limit")                                         \

@@ -16,8 +16,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "core/permission.h"
 #include "core/reason.h"
+#include "core/torque_enable.h"
 
 typedef enum {
     MODE_BOOT = 0,
@@ -68,7 +68,7 @@ typedef struct {
 typedef struct {
     modes_mode_t mode;
     reason_t fault; /* latched, REASON_NONE when healthy */
-    permission_t permission;
+    torque_enable_t torque_enable;
     bool calibrate_offsets;
     bool clear_trip; /* an acknowledgement is pending: the fast reach forgets its latched trip and
                         looks again */

@@ -19,8 +19,8 @@
 
 #include "config/config.h"
 #include "core/frames.h"
-#include "core/permission.h"
 #include "core/reason.h"
+#include "core/torque_enable.h"
 #include "monitor/monitor_emf.h"
 #include "monitor/monitor_speed.h"
 
@@ -121,14 +121,14 @@ typedef struct {
     reason_t warning; /* REASON_NONE, or what calls for reduced driving torque */
     bridge_mode_t safe_bridge;
     bool offsets_plausible;
-    bool standing; /* no sign of a wheel that turns, and none unexplained of one that did
+    bool standstill; /* no sign of a wheel that turns, and none unexplained of one that did
                       (monitor_speed.h) */
-} monitor_verdict_t;
+} monitor_output_t;
 
 void monitor_slow_init(monitor_slow_state_t *state);
 
-monitor_verdict_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
-                                    const monitor_slow_input_t *in);
+monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
+                                   const monitor_slow_input_t *in);
 
 /*
  * What the bridge should do when it may not switch. Off is harmless while the rectified back-EMF

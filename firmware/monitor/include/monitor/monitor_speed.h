@@ -30,13 +30,13 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "core/permission.h"
+#include "core/torque_enable.h"
 
 enum {
     MONITOR_SPEED_WINDOW_QUARTERS = 16,
     MONITOR_SPEED_WINDOW_STEPS = 100,
     MONITOR_SPEED_DIODE_STEPS = 20, /* more looks with a current than without one, bridge off */
-    MONITOR_SPEED_STANDING_mrad_s = 300, /* a turn in 20 s */
+    MONITOR_SPEED_STANDSTILL_mrad_s = 300, /* a turn in 20 s */
     MONITOR_SPEED_TYRE_GRIP_mm_s2 = 11768,
     MONITOR_SPEED_COASTING_mm_s2 = 98
 };

@@ -12,13 +12,13 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "core/permission.h"
-#include "torque/brake_arbiter.h"
-#include "torque/capability.h"
-#include "torque/current_reference.h"
+#include "core/torque_enable.h"
+#include "torque/brake_blending.h"
+#include "torque/current_setpoint.h"
 #include "torque/demand.h"
 #include "torque/stop_lamp.h"
-#include "torque/torque_limit.h"
+#include "torque/torque_command.h"
+#include "torque/torque_limits.h"
 
 typedef struct {
     /* Demand */
@@ -32,12 +32,12 @@ typedef struct {
     bool voltage_limited;
     int32_t voltage_use_q15; /* square of the wanted phase voltage over that of the largest one */
     /* Limits and temperatures */
-    capability_input_t capability;
-    permission_t permission;
+    torque_limits_input_t capability;
+    torque_enable_t torque_enable;
 } torque_input_t;
 
 typedef struct {
-    current_reference_t current;
+    current_setpoint_t current;
     int32_t command_mNm;       /* signed */
     int32_t estimate_mNm;      /* signed, from measured currents, at the shaft */
     int32_t hydraulic_mNm;     /* magnitude >= 0 */
@@ -50,8 +50,8 @@ typedef struct {
 
 typedef struct {
     demand_state_t demand;
-    brake_arbiter_state_t arbiter;
-    torque_limit_state_t limit;
+    brake_blending_state_t blending;
+    torque_command_state_t limit;
     stop_lamp_state_t lamp;
     uint16_t voltage_low_steps,
         voltage_high_steps; /* left of having been near an end of the battery's voltage */

@@ -66,8 +66,8 @@ typedef struct {
 typedef struct {
     /* The firmware. */
     controller_t controller;
-    slow_to_fast_t to_fast;
-    fast_to_slow_t to_slow;
+    fast_setpoint_t to_fast;
+    fast_report_t to_slow;
     slow_output_t slow;
     fast_output_t active;             /* what the bridge does in this period */
     fast_output_t next;               /* from the next one on */

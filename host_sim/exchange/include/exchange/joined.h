@@ -16,8 +16,8 @@
 typedef struct {
     config_t config;
     controller_t controller;
-    slow_to_fast_t to_fast;
-    fast_to_slow_t to_slow;
+    fast_setpoint_t to_fast;
+    fast_report_t to_slow;
 } joined_t;
 
 /* config: accepted by config_validate(). */

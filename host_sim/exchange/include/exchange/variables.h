@@ -116,7 +116,7 @@
       "0 boot, 1 self-test, 2 offset calibration, 3 ready, 4 run, 5 limp, 6 fault") \
     X(stop_lamp, stop_lamp, FLAG, PLAIN, 0, 1, "", \
       "the stop lamp is to be lit") \
-    X(standing, standing, FLAG, PLAIN, 0, 1, "", \
+    X(standstill, standstill, FLAG, PLAIN, 0, 1, "", \
       "nothing says that the wheel turns, and no speed that was seen is unaccounted for")
 /* clang-format on */
 

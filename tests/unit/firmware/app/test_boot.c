@@ -122,7 +122,7 @@ void test_a_refused_configuration_starts_neither_bridge_nor_rotor_sensor_and_nam
     const boot_report_t report = boot_run();
     TEST_ASSERT_FALSE(boot_may_control(&report));
     TEST_ASSERT_EQUAL_STRING("motor.pole_pairs", report.verdict.field);
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_RANGE, report.verdict.code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_RANGE, report.verdict.code);
 }
 
 void test_an_erased_sector_is_refused(void)
@@ -139,7 +139,7 @@ void test_a_sector_too_small_for_the_image_is_refused_without_being_read(void)
 {
     expect_board(true, &config, sizeof config - 4, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_SIZE, report.verdict.code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_SIZE, report.verdict.code);
     TEST_ASSERT_FALSE(boot_may_control(&report));
 }
 
@@ -147,7 +147,7 @@ void test_without_its_clock_the_board_starts_nothing_that_needs_exact_time(void)
 {
     expect_board(false, &config, sizeof config, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, report.verdict.code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, report.verdict.code);
     TEST_ASSERT_FALSE(boot_may_control(&report));
 }
 

@@ -186,7 +186,7 @@ void test_every_output_of_the_controller_is_handed_over_as_it_is(void)
         .bus_voltage_mV = 7,
         .bus_current_mA = -8,
         .torque_reason = REASON_ABS,
-        .available_reason = REASON_HANDOVER,
+        .available_reason = REASON_BLEND_OUT,
         .hydraulic_reason = REASON_HYDRAULIC_LIMIT,
         .fault_reason = REASON_OVERCURRENT,
         .mode = MODE_LIMP,
@@ -204,7 +204,7 @@ void test_every_output_of_the_controller_is_handed_over_as_it_is(void)
     TEST_ASSERT_EQUAL_INT32(9, said.winding_temperature_cC);
     TEST_ASSERT_EQUAL_INT32(10, said.switch_temperature_cC);
     TEST_ASSERT_EQUAL_INT(REASON_ABS, said.torque_reason);
-    TEST_ASSERT_EQUAL_INT(REASON_HANDOVER, said.available_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_BLEND_OUT, said.available_reason);
     TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LIMIT, said.hydraulic_reason);
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, said.fault_reason);
     TEST_ASSERT_EQUAL_UINT8(MODE_LIMP, said.mode);

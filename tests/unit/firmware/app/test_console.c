@@ -48,7 +48,7 @@ void setUp(void)
                                 .config = &CONFIG_IMAGE};
     boot = good;
     const slow_output_t idle = {
-        .mode = MODE_READY, .torque_reason = REASON_PERMISSION, .bus_voltage_mV = 53012};
+        .mode = MODE_READY, .torque_reason = REASON_TORQUE_ENABLE, .bus_voltage_mV = 53012};
     output = idle;
     const report_status_t running = {.output = &output, .node = &node, .control = true};
     status = running;
@@ -114,7 +114,7 @@ void test_every_command_that_help_lists_has_an_answer(void)
         assert_shows(line_begin.chars);
     }
     type_and_wait("status\r");
-    assert_shows("READY, torque not permitted in this mode; ");
+    assert_shows("READY, torque not enabled in this mode; ");
     type_and_wait("can\r");
     assert_shows("demand NEVER_HEARD; ");
     type_and_wait("boot\r");

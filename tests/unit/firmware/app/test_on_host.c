@@ -73,8 +73,8 @@ static void assert_same_as_driven_directly(void)
     const config_t *config = &CONFIG_IMAGE;
     static controller_t controller;
     controller_init(&controller, config);
-    slow_to_fast_t slow_to_fast = controller_initial_slow_to_fast(config);
-    fast_to_slow_t fast_to_slow = controller_initial_fast_to_slow(config);
+    fast_setpoint_t fast_setpoint = controller_initial_setpoint(config);
+    fast_report_t fast_report = controller_initial_report(config);
     begin_story();
     (void)tell(&story); /* the board looks once at start-up */
     fast_output_t out = {.bridge = BRIDGE_OFF};
@@ -97,7 +97,7 @@ static void assert_same_as_driven_directly(void)
                 config->rotor.sensor == CONFIG_ROTOR_HALL ? (uint16_t)0 : s.rotor_angle_turn,
             .hall_state = config->rotor.sensor == CONFIG_ROTOR_HALL ? s.hall_state : (uint8_t)0,
         };
-        out = controller_fast_step(&controller.fast, config, &slow_to_fast, &in, &fast_to_slow);
+        out = controller_fast_step(&controller.fast, config, &fast_setpoint, &in, &fast_report);
         if ((period + 1) % (config->drive.pwm_frequency_Hz / CONTROLLER_SLOW_RATE_HZ) == 0) {
             now_ms++;
             const slow_input_t slow_in = {
@@ -114,8 +114,8 @@ static void assert_same_as_driven_directly(void)
                 .selftest_passed = true,
                 .config_accepted = true,
             };
-            (void)controller_slow_step(&controller.slow, config, &fast_to_slow, &slow_in,
-                                       &slow_to_fast);
+            (void)controller_slow_step(&controller.slow, config, &fast_report, &slow_in,
+                                       &fast_setpoint);
         }
         if (now_ms - said_ms >= MESSAGE_PERIOD_ms) {
             said_ms = now_ms;

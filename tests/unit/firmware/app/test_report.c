@@ -22,7 +22,7 @@ void setUp(void)
                                 .config = &CONFIG_IMAGE};
     boot = good;
     const slow_output_t idle = {
-        .mode = MODE_READY, .torque_reason = REASON_PERMISSION, .bus_voltage_mV = 53012};
+        .mode = MODE_READY, .torque_reason = REASON_TORQUE_ENABLE, .bus_voltage_mV = 53012};
     output = idle;
     const messages_battery_t pack = {.charge_current_mA = 1000, .discharge_current_mA = 1000};
     node_init(&node, MESSAGES_FRONT_LEFT, pack, 0);
@@ -87,7 +87,7 @@ void test_the_banner_names_program_configuration_checksum_and_wheel(void)
 
 void test_a_refused_configuration_is_not_named_in_the_banner_since_its_name_may_be_garbage(void)
 {
-    boot.verdict.code = CONFIG_VERDICT_MAGIC;
+    boot.verdict.code = CONFIG_RESULT_MAGIC;
     boot.config = NULL; /* would crash if it were read */
     report_banner(&boot, &line);
     TEST_ASSERT_NULL(strstr(line.chars, "configuration"));
@@ -102,11 +102,11 @@ void test_after_a_good_start_three_lines_say_so(void)
 
 void test_a_refused_field_is_named_with_its_value_and_what_would_be_accepted(void)
 {
-    const config_verdict_t verdict = {.code = CONFIG_VERDICT_RANGE,
-                                      .field = "motor.pole_pairs",
-                                      .value = 0,
-                                      .lowest = 1,
-                                      .highest = 60};
+    const config_result_t verdict = {.code = CONFIG_RESULT_RANGE,
+                                     .field = "motor.pole_pairs",
+                                     .value = 0,
+                                     .lowest = 1,
+                                     .highest = 60};
     boot.verdict = verdict;
     read_boot();
     assert_on_page("configuration refused: motor.pole_pairs is 0, accepted 1 .. 60\n");
@@ -114,10 +114,10 @@ void test_a_refused_field_is_named_with_its_value_and_what_would_be_accepted(voi
 
 void test_a_broken_relation_and_a_wrong_checksum_are_named(void)
 {
-    boot.verdict.code = CONFIG_VERDICT_RELATION;
+    boot.verdict.code = CONFIG_RESULT_RELATION;
     boot.verdict.field = "a < b";
     read_boot();
-    boot.verdict.code = CONFIG_VERDICT_CRC;
+    boot.verdict.code = CONFIG_RESULT_CRC;
     boot.verdict.field = "crc32";
     read_boot();
     assert_on_page("configuration refused: a < b does not hold\n");
@@ -173,7 +173,7 @@ void test_a_latched_fault_is_shown_instead_of_the_limit(void)
     output.fault_reason = REASON_OVERCURRENT;
     report_status(&status, &line);
     assert_in_line(reason_text(REASON_OVERCURRENT));
-    TEST_ASSERT_NULL(strstr(line.chars, reason_text(REASON_PERMISSION)));
+    TEST_ASSERT_NULL(strstr(line.chars, reason_text(REASON_TORQUE_ENABLE)));
 }
 
 void test_without_control_the_status_says_boot_and_reads_nothing_else(void)
@@ -246,7 +246,7 @@ void test_a_configuration_is_shown_with_its_identity_first_and_then_the_fields_a
 
 void test_of_a_refused_configuration_only_the_refusal_is_shown(void)
 {
-    boot.verdict.code = CONFIG_VERDICT_CRC;
+    boot.verdict.code = CONFIG_RESULT_CRC;
     boot.verdict.field = "crc32";
     boot.config = NULL;
     TEST_ASSERT_TRUE(report_config(&boot, "", 0, &line));

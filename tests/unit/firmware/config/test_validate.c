@@ -25,7 +25,7 @@ static void seal(void)
     config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
 }
 
-static config_verdict_t sealed_verdict(void)
+static config_result_t sealed_verdict(void)
 {
     seal();
     return config_validate(&config, sizeof(config));
@@ -33,14 +33,14 @@ static config_verdict_t sealed_verdict(void)
 
 void test_the_papers_vehicle_is_accepted(void)
 {
-    const config_verdict_t verdict = config_validate(&CONFIG_LU2013, sizeof(config_t));
+    const config_result_t verdict = config_validate(&CONFIG_LU2013, sizeof(config_t));
     TEST_ASSERT_EQUAL_STRING("", verdict.field);
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, verdict.code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, verdict.code);
 }
 
 void test_a_longer_memory_than_the_image_is_fine(void)
 {
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, config_validate(&CONFIG_LU2013, UINT32_MAX).code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, config_validate(&CONFIG_LU2013, UINT32_MAX).code);
 }
 
 void test_a_shorter_image_is_refused_without_being_read(void)
@@ -50,30 +50,30 @@ void test_a_shorter_image_is_refused_without_being_read(void)
         config_t *image = malloc(size + 1U);
         TEST_ASSERT_NOT_NULL(image);
         memcpy(image, &CONFIG_LU2013, size);
-        const config_verdict_t verdict = config_validate(image, size);
+        const config_result_t verdict = config_validate(image, size);
         free(image);
-        TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_SIZE, verdict.code);
+        TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_SIZE, verdict.code);
     }
 }
 
 void test_wrong_magic_version_and_size_are_told_apart(void)
 {
     config.magic ^= 1U;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_MAGIC, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_MAGIC, sealed_verdict().code);
     config = CONFIG_LU2013;
     config.format_version++;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_VERSION, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_VERSION, sealed_verdict().code);
     config = CONFIG_LU2013;
     config.size_bytes -= 4U;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_SIZE, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_SIZE, sealed_verdict().code);
 }
 
 void test_an_erased_flash_sector_is_refused(void)
 {
     memset(&config, 0xFF, sizeof(config));
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_MAGIC, config_validate(&config, sizeof(config)).code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_MAGIC, config_validate(&config, sizeof(config)).code);
     memset(&config, 0, sizeof(config));
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_MAGIC, config_validate(&config, sizeof(config)).code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_MAGIC, config_validate(&config, sizeof(config)).code);
 }
 
 void test_any_single_flipped_bit_is_refused(void)
@@ -81,18 +81,18 @@ void test_any_single_flipped_bit_is_refused(void)
     uint8_t *bytes = (uint8_t *)&config;
     for (size_t bit = 0; bit < 8U * sizeof(config); bit += 11U) {
         bytes[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
-        TEST_ASSERT_NOT_EQUAL(CONFIG_VERDICT_OK, config_validate(&config, sizeof(config)).code);
+        TEST_ASSERT_NOT_EQUAL(CONFIG_RESULT_OK, config_validate(&config, sizeof(config)).code);
         bytes[bit / 8U] ^= (uint8_t)(1U << (bit % 8U));
     }
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, config_validate(&config, sizeof(config)).code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, config_validate(&config, sizeof(config)).code);
 }
 
 void test_a_name_must_be_there_and_end(void)
 {
     config.name[0] = '\0';
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_NAME, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_NAME, sealed_verdict().code);
     memset(config.name, 'x', sizeof(config.name));
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_NAME, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_NAME, sealed_verdict().code);
 }
 
 /* One beyond an end must be refused with field, value and range; the end itself must not be refused
@@ -104,8 +104,8 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
                               highest == INT32_MAX ? highest : highest + 1};
     for (int i = 0; i < 2; i++) {
         *value = beyond[i];
-        const config_verdict_t verdict = sealed_verdict();
-        TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_VERDICT_RANGE, verdict.code, field);
+        const config_result_t verdict = sealed_verdict();
+        TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RANGE, verdict.code, field);
         TEST_ASSERT_EQUAL_STRING(field, verdict.field);
         TEST_ASSERT_EQUAL_INT32(beyond[i], verdict.value);
         TEST_ASSERT_EQUAL_INT32(lowest, verdict.lowest);
@@ -114,7 +114,7 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
     const int32_t ends[] = {lowest, highest};
     for (int i = 0; i < 2; i++) {
         *value = ends[i];
-        TEST_ASSERT_NOT_EQUAL(CONFIG_VERDICT_RANGE, sealed_verdict().code);
+        TEST_ASSERT_NOT_EQUAL(CONFIG_RESULT_RANGE, sealed_verdict().code);
     }
     *value = good;
 }
@@ -166,8 +166,8 @@ void test_every_field_is_held_to_the_range_of_the_header(void)
 
 static void assert_relation(const char *fields)
 {
-    const config_verdict_t verdict = sealed_verdict();
-    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_VERDICT_RELATION, verdict.code, fields);
+    const config_result_t verdict = sealed_verdict();
+    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, verdict.code, fields);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(verdict.field, fields), verdict.field);
     config = CONFIG_LU2013;
 }
@@ -190,7 +190,7 @@ void test_a_surface_magnet_motor_has_one_inductance(void)
     assert_relation("motor.d_inductance_nH = motor.q_inductance_nH");
     config.motor.type = CONFIG_MOTOR_IPMSM;
     config.motor.q_inductance_nH = config.motor.d_inductance_nH + 1;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
 }
 
 void test_current_limits_must_leave_the_trip_its_room(void)
@@ -210,7 +210,7 @@ void test_the_overcurrent_trip_must_lie_where_a_sample_can_reach_it(void)
 {
     config.monitor.offset_tolerance_codes = 200;
     config.monitor.overcurrent_pu_q15 = 1847 * 16;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
     config.monitor.overcurrent_pu_q15++;
     assert_relation("monitor.overcurrent_pu_q15 within the converter's range");
 }
@@ -230,7 +230,7 @@ void test_the_largest_speed_must_lie_within_its_base(void)
     config.current_loop.inductance_d_pu_q16 = 1;
     config.current_loop.inductance_q_pu_q16 = 1;
     config.motor.max_speed_mrad_s = 341477;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
     config.motor.max_speed_mrad_s = 341478;
     assert_relation("motor.max_speed_mrad_s within a sixteenth");
 }
@@ -265,8 +265,8 @@ void test_pulses_and_dead_time_must_fit_into_the_period(void)
 
 void test_the_handover_ends_below_where_it_starts(void)
 {
-    config.brake.handover_end_mrad_s = config.brake.handover_start_mrad_s + 1;
-    assert_relation("brake.handover_end_mrad_s <= brake.handover_start_mrad_s");
+    config.brake.blend_out_end_mrad_s = config.brake.blend_out_start_mrad_s + 1;
+    assert_relation("brake.blend_out_end_mrad_s <= brake.blend_out_start_mrad_s");
 }
 
 /* The lowest bus voltage, 36 V of 61.8 V full scale, and a circle of 0.919 of it over sqrt 3: one
@@ -282,10 +282,10 @@ static void assert_edge(int32_t *value, double limit, const char *fields)
 {
     const int32_t good = *value;
     *value = (int32_t)(limit * 0.999);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_VERDICT_OK, sealed_verdict().code, fields);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_OK, sealed_verdict().code, fields);
     *value = (int32_t)(limit * 1.001);
-    const config_verdict_t verdict = sealed_verdict();
-    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_VERDICT_RELATION, verdict.code, fields);
+    const config_result_t verdict = sealed_verdict();
+    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, verdict.code, fields);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(verdict.field, fields), verdict.field);
     *value = good;
 }
@@ -343,18 +343,18 @@ void test_hall_sectors_must_be_in_order_and_thirty_to_ninety_degrees_wide(void)
 void test_an_encoder_must_be_fine_enough_and_its_index_sharp_enough(void)
 {
     config.rotor.encoder_counts = 0;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK,
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK,
                           sealed_verdict().code); /* no encoder, no demand on it */
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     config.rotor.encoder_index_tolerance_counts = 2;
     config.rotor.encoder_counts = 32 * 23;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
     config.rotor.encoder_counts = 32 * 23 - 1;
     assert_relation("rotor.encoder_counts");
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     config.rotor.encoder_counts = 4096; /* 178 counts an electrical turn, 14.8 in 30 degrees */
     config.rotor.encoder_index_tolerance_counts = 14;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
     config.rotor.encoder_index_tolerance_counts = 15;
     assert_relation("rotor.encoder_index_tolerance_counts");
 }
@@ -362,13 +362,13 @@ void test_an_encoder_must_be_fine_enough_and_its_index_sharp_enough(void)
 void test_nobody_brakes_electrically_where_halls_have_lost_the_speed(void)
 {
     /* One electrical turn a second of 23 pole pairs: 2 pi / 23 = 0.27318 rad/s. */
-    config.brake.handover_end_mrad_s = 274;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
-    config.brake.handover_end_mrad_s = 273;
-    assert_relation("brake.handover_end_mrad_s at least one electrical turn");
-    config.brake.handover_end_mrad_s = 0;
+    config.brake.blend_out_end_mrad_s = 274;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    config.brake.blend_out_end_mrad_s = 273;
+    assert_relation("brake.blend_out_end_mrad_s at least one electrical turn");
+    config.brake.blend_out_end_mrad_s = 0;
     config.rotor.sensor = CONFIG_ROTOR_ANGLE;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
 }
 
 void test_the_map_of_i_d_has_a_point_of_no_torque(void)
@@ -382,14 +382,14 @@ void test_the_maps_fit_into_the_room_there_is(void)
     config.current_map.torque_points = 33;
     config.current_map.speed_points = 19;
     config.current_map.temperature_points = 2;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
     config.current_map.temperature_points = 3;
     assert_relation(
         "current_map.torque_points * speed_points * temperature_points within the table");
     config.current_map.temperature_points = 2;
     config.regen_map.speed_points = 49;
     config.regen_map.temperature_points = 17;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
     config.regen_map.speed_points = 50;
     assert_relation("regen_map.speed_points * regen_map.temperature_points within the table");
 }
@@ -400,7 +400,7 @@ void test_no_stored_i_d_may_eat_the_flux_that_makes_the_torque(void)
     config.motor.type = CONFIG_MOTOR_IPMSM;
     config.motor.q_inductance_nH = config.motor.d_inductance_nH + 100000;
     config.current_map.current_d_mA[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 152999;
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
     config.current_map.current_d_mA[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 153001;
     assert_relation("current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb");
 }

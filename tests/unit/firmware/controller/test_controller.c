@@ -274,5 +274,5 @@ void test_switching_off_while_rolling_keeps_the_electric_brake(void)
     rig.slow_in.drive_torque_mNm = 20000;
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
-    TEST_ASSERT_EQUAL_INT(REASON_PERMISSION, rig.out.torque_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_TORQUE_ENABLE, rig.out.torque_reason);
 }

@@ -62,7 +62,7 @@ void test_after_a_trip_the_current_loop_rests_even_before_the_slow_reach_has_not
     rig_fast(&rig);
     rig_fast(&rig);
     rig_fast(&rig);
-    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.to_fast.permission.bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.to_fast.torque_enable.bridge);
     for (int x = 0; x < 3; x++) {
         TEST_ASSERT_EQUAL_UINT16(rig.config.drive.pwm_period_counts / 2, rig.pwm.compare_counts[x]);
     }

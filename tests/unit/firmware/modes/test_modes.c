@@ -28,7 +28,7 @@ void test_ready_is_not_left_without_a_known_rotor_angle_and_says_so(void)
     in.enable = true;
     in.rotor_valid = false;
     assert_mode(MODE_READY, run(100000));
-    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().permission.reason);
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().torque_enable.reason);
     in.rotor_valid = true;
     assert_mode(MODE_RUN, step());
     in.rotor_valid =
@@ -130,10 +130,10 @@ void test_switching_off_while_rolling_takes_the_drive_and_leaves_the_electric_br
         in.enable = false;
         const modes_output_t out = run(10000);
         assert_mode(running[k], out);
-        TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, out.permission.bridge);
-        TEST_ASSERT_EQUAL_INT16(0, out.permission.drive_q15);
-        TEST_ASSERT_EQUAL_INT16(Q15_ONE, out.permission.brake_q15);
-        TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, out.permission.reason);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, out.torque_enable.bridge);
+        TEST_ASSERT_EQUAL_INT16(0, out.torque_enable.drive_q15);
+        TEST_ASSERT_EQUAL_INT16(Q15_ONE, out.torque_enable.brake_q15);
+        TEST_ASSERT_NOT_EQUAL_INT(REASON_NONE, out.torque_enable.reason);
         in.rolling = false;
         assert_mode(MODE_READY, step());
     }
@@ -157,7 +157,7 @@ void test_a_warning_at_rest_changes_nothing(void)
     assert_mode(MODE_READY, run(100));
 }
 
-/* ---- permission, mode by mode ---- */
+/* ---- torque_enable, mode by mode ---- */
 
 void test_the_valve_of_every_mode_is_that_of_the_table(void)
 {
@@ -168,16 +168,16 @@ void test_the_valve_of_every_mode_is_that_of_the_table(void)
         reason_t reason;
     } TABLE[] = {
         {MODE_BOOT, BRIDGE_OFF, 0, 0, REASON_CONFIG_INVALID},
-        {MODE_SELFTEST, BRIDGE_OFF, 0, 0, REASON_PERMISSION},
-        {MODE_OFFSET_CAL, BRIDGE_OFF, 0, 0, REASON_PERMISSION},
-        {MODE_READY, BRIDGE_OFF, 0, 0, REASON_PERMISSION},
+        {MODE_SELFTEST, BRIDGE_OFF, 0, 0, REASON_TORQUE_ENABLE},
+        {MODE_OFFSET_CAL, BRIDGE_OFF, 0, 0, REASON_TORQUE_ENABLE},
+        {MODE_READY, BRIDGE_OFF, 0, 0, REASON_TORQUE_ENABLE},
         {MODE_RUN, BRIDGE_PWM, Q15_ONE, Q15_ONE, REASON_NONE},
         {MODE_LIMP, BRIDGE_PWM, MODES_LIMP_DRIVE_Q15, Q15_ONE, REASON_ROTOR_UNCERTAIN},
         {MODE_FAULT, BRIDGE_OFF, 0, 0, REASON_OVERCURRENT},
     };
     for (int k = 0; k < 7; k++) {
         reach(TABLE[k].mode);
-        const permission_t out = step().permission;
+        const torque_enable_t out = step().torque_enable;
         TEST_ASSERT_EQUAL_INT(TABLE[k].bridge, out.bridge);
         TEST_ASSERT_EQUAL_INT16(TABLE[k].drive_q15, out.drive_q15);
         TEST_ASSERT_EQUAL_INT16(TABLE[k].brake_q15, out.brake_q15);
@@ -194,12 +194,12 @@ void test_where_the_bridge_rests_it_rests_in_the_safe_state(void)
 {
     reach(MODE_READY);
     in.safe_bridge = BRIDGE_SHORT;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().permission.bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().torque_enable.bridge);
     reach(MODE_FAULT);
     in.safe_bridge = BRIDGE_SHORT;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().permission.bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().torque_enable.bridge);
     in.safe_bridge = BRIDGE_OFF;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().permission.bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().torque_enable.bridge);
 }
 
 /* A controller that restarts in a fast vehicle: off, its diodes would rectify the EMF, and what
@@ -209,18 +209,18 @@ void test_while_the_emf_would_drive_a_current_the_sensors_are_not_calibrated_and
 {
     reach(MODE_SELFTEST);
     in.safe_bridge = BRIDGE_SHORT;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().permission.bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().torque_enable.bridge);
     in.selftest_passed = true;
     in.offsets_done = false;
     for (int k = 0; k < 2 * MODES_CALIBRATION_TIMEOUT_STEPS; k++) {
         const modes_output_t out = step();
         assert_mode(MODE_OFFSET_CAL, out); /* no fault: it waits */
-        TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, out.permission.bridge);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, out.torque_enable.bridge);
         TEST_ASSERT_FALSE(out.calibrate_offsets);
     }
     in.safe_bridge = BRIDGE_OFF;
     const modes_output_t out = step();
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.permission.bridge);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.torque_enable.bridge);
     TEST_ASSERT_TRUE(out.calibrate_offsets);
 }
 

@@ -19,10 +19,10 @@ void test_a_fault_in_any_mode_after_boot_closes_the_valve_in_the_same_step(void)
         const modes_output_t out = step();
         assert_mode(MODE_FAULT, out);
         TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, out.fault);
-        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.permission.bridge);
-        TEST_ASSERT_EQUAL_INT16(0, out.permission.drive_q15);
-        TEST_ASSERT_EQUAL_INT16(0, out.permission.brake_q15);
-        TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, out.permission.reason);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.torque_enable.bridge);
+        TEST_ASSERT_EQUAL_INT16(0, out.torque_enable.drive_q15);
+        TEST_ASSERT_EQUAL_INT16(0, out.torque_enable.brake_q15);
+        TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, out.torque_enable.reason);
     }
 }
 
@@ -171,15 +171,15 @@ void test_whatever_happens_the_bridge_switches_only_in_run_and_limp(void)
         random_input(&random);
         const modes_output_t out = step();
         const bool may_switch = out.mode == MODE_RUN || out.mode == MODE_LIMP;
-        TEST_ASSERT_EQUAL(may_switch, out.permission.bridge == BRIDGE_PWM);
+        TEST_ASSERT_EQUAL(may_switch, out.torque_enable.bridge == BRIDGE_PWM);
         running += may_switch ? 1 : 0;
         if (!may_switch) {
-            TEST_ASSERT_EQUAL_INT16(0, out.permission.drive_q15);
-            TEST_ASSERT_EQUAL_INT16(0, out.permission.brake_q15);
+            TEST_ASSERT_EQUAL_INT16(0, out.torque_enable.drive_q15);
+            TEST_ASSERT_EQUAL_INT16(0, out.torque_enable.brake_q15);
         }
         const bool open =
-            out.permission.drive_q15 == Q15_ONE && out.permission.brake_q15 == Q15_ONE;
-        TEST_ASSERT_EQUAL(open, out.permission.reason == REASON_NONE);
+            out.torque_enable.drive_q15 == Q15_ONE && out.torque_enable.brake_q15 == Q15_ONE;
+        TEST_ASSERT_EQUAL(open, out.torque_enable.reason == REASON_NONE);
         TEST_ASSERT_EQUAL(out.mode == MODE_FAULT, out.fault != REASON_NONE);
     }
     TEST_ASSERT_GREATER_THAN_INT(10000,

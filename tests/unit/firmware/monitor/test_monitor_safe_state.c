@@ -38,12 +38,12 @@ void test_a_rotor_that_is_lost_above_the_limit_leaves_the_short_as_what_is_safe(
     in.switching = false;
     in.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(1000).safe_bridge);
-    TEST_ASSERT_FALSE(step().standing);
+    TEST_ASSERT_FALSE(step().standstill);
     /* Shorted, it shows no current: it stands, or there is no motor. Two windows of 100 ms, and a
      * step to see the first. */
     in.bridge = BRIDGE_SHORT;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(201).safe_bridge);
-    TEST_ASSERT_TRUE(step().standing);
+    TEST_ASSERT_TRUE(step().standstill);
 }
 
 void test_a_current_of_the_open_bridge_or_its_over_voltage_is_what_the_short_is_safe_against(void)
@@ -62,13 +62,13 @@ void test_a_current_of_the_open_bridge_or_its_over_voltage_is_what_the_short_is_
     in.bridge = BRIDGE_OFF;
     in.bus_voltage_mV = 60565;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
-    TEST_ASSERT_FALSE(step().standing);
+    TEST_ASSERT_FALSE(step().standstill);
 }
 
 void test_a_wheel_stands_below_a_turn_in_twenty_seconds(void)
 {
     in.speed_mrad_s = 299;
-    TEST_ASSERT_TRUE(step().standing);
+    TEST_ASSERT_TRUE(step().standstill);
     in.speed_mrad_s = -300;
-    TEST_ASSERT_FALSE(step().standing);
+    TEST_ASSERT_FALSE(step().standstill);
 }

@@ -46,7 +46,7 @@ void tearDown(void) {}
 void test_a_healthy_drive_has_neither_fault_nor_warning(void)
 {
     for (int n = 0; n < 10000; n++) { /* the fast reach's counter wraps three times */
-        const monitor_verdict_t out = step();
+        const monitor_output_t out = step();
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.warning);
     }
@@ -126,7 +126,7 @@ void test_a_skipped_hall_sector_is_a_warning_of_ten_seconds_and_no_fault(void)
 {
     in.rotor_faults = 1;
     for (int n = 0; n < 10000; n++) {
-        const monitor_verdict_t out = step();
+        const monitor_output_t out = step();
         TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, out.warning);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
     }
@@ -323,7 +323,7 @@ void test_no_number_from_outside_leads_to_undefined_behaviour(void)
         in.switch_temperature_cC = random_wild(&random);
         torque(random_wild(&random), random_wild(&random));
         in.offset_q4[random_between(&random, 0, 2)] = random_wild(&random);
-        const monitor_verdict_t out = monitor_slow_step(&state, &config, &in);
+        const monitor_output_t out = monitor_slow_step(&state, &config, &in);
         TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, out.safe_bridge);
     }
 }

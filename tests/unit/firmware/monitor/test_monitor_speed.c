@@ -289,7 +289,7 @@ void test_sensors_whose_zero_is_not_known_yet_may_show_that_much_more(void)
 void test_a_wheel_that_is_seen_to_turn_is_as_fast_as_it_is_seen(void)
 {
     in.bridge = BRIDGE_OFF;
-    in.speed_mrad_s = config.brake.handover_end_mrad_s;
+    in.speed_mrad_s = config.brake.blend_out_end_mrad_s;
     in.bus_voltage_mV = config.battery.overvoltage_trip_mV + 1;
     in.i_d_mA = 50000;
     for (int ms = 0; ms < 1000; ms++) {

@@ -28,13 +28,13 @@ static inline void watch(const monitor_slow_input_t *as_healthy)
     fast_steps_per_slow = FAST_PER_SLOW;
 }
 
-static inline monitor_verdict_t step(void)
+static inline monitor_output_t step(void)
 {
     in.fast_step_count = (uint16_t)(in.fast_step_count + fast_steps_per_slow);
     return monitor_slow_step(&state, &config, &in);
 }
 
-static inline monitor_verdict_t run(int milliseconds)
+static inline monitor_output_t run(int milliseconds)
 {
     for (int n = 1; n < milliseconds; n++) {
         step();

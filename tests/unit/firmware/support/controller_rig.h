@@ -21,8 +21,8 @@ enum { RIG_FAST_PER_SLOW = 20 /* 20 kHz over 1 kHz */ };
 typedef struct {
     config_t config;
     controller_t controller;
-    slow_to_fast_t to_fast;
-    fast_to_slow_t to_slow;
+    fast_setpoint_t to_fast;
+    fast_report_t to_slow;
     slow_input_t slow_in;
     fast_input_t fast_in;
     slow_output_t out;
@@ -46,8 +46,8 @@ static inline void rig_start(rig_t *rig)
     rig->config = paper_vehicle();
     rig->config.rotor.sensor = CONFIG_ROTOR_ANGLE;
     controller_init(&rig->controller, &rig->config);
-    rig->to_fast = controller_initial_slow_to_fast(&rig->config);
-    rig->to_slow = controller_initial_fast_to_slow(&rig->config);
+    rig->to_fast = controller_initial_setpoint(&rig->config);
+    rig->to_slow = controller_initial_report(&rig->config);
     rig->slow_in.bms_charge_current_mA = 1000000;
     rig->slow_in.bms_discharge_current_mA = 1000000;
     rig->slow_in.winding_temperature_cC = 2500;

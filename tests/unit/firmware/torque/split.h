@@ -8,15 +8,15 @@
 #define TEST_TORQUE_SPLIT_H
 
 #include "paper_vehicle.h"
-#include "torque/brake_arbiter.h"
+#include "torque/brake_blending.h"
 #include "unity.h"
 
 enum { FAST_mrad_s = 30000 }; /* well above the hand-over speeds, 2.618 and 0.838 rad/s */
 
 static config_t config;
-static brake_arbiter_state_t state;
-static capability_t capability;
-static brake_arbiter_input_t in;
+static brake_blending_state_t state;
+static torque_limits_t capability;
+static brake_blending_input_t in;
 
 static inline void before_the_arbiter(void)
 {
@@ -26,13 +26,13 @@ static inline void before_the_arbiter(void)
     config.brake.electric_rated_torque_mNm = 40000;
     config.brake.max_hydraulic_torque_mNm = 300000;
     config.brake.shortfall_band_mNm = 2000;
-    config.brake.handover_start_mrad_s = 2618;
-    config.brake.handover_end_mrad_s = 838;
+    config.brake.blend_out_start_mrad_s = 2618;
+    config.brake.blend_out_end_mrad_s = 838;
     config.brake.hydraulic_dead_time_ms =
         0; /* the split itself: the hydraulic brake is where it is told to be */
     config.brake.hydraulic_time_constant_ms = 0;
     config.brake.hydraulic_rate_mNm_s = 2000000000;
-    brake_arbiter_init(&state);
+    brake_blending_init(&state);
     capability.driving = limit_init(40000, REASON_MAX_TORQUE);
     capability.regenerating = limit_init(50000, REASON_MAX_TORQUE);
     capability.optimal = limit_init(24000, REASON_LOSS_OPTIMUM);
@@ -42,19 +42,19 @@ static inline void before_the_arbiter(void)
     in.motor_growth_mNm = 1000000; /* as far as it is asked for, soon enough */
     in.motor_achieved_mNm = 0;
     in.abs_active = false;
-    in.permission.bridge = BRIDGE_PWM;
-    in.permission.drive_q15 = Q15_ONE;
-    in.permission.brake_q15 = Q15_ONE;
-    in.permission.reason = REASON_NONE;
+    in.torque_enable.bridge = BRIDGE_PWM;
+    in.torque_enable.drive_q15 = Q15_ONE;
+    in.torque_enable.brake_q15 = Q15_ONE;
+    in.torque_enable.reason = REASON_NONE;
 }
 
-static inline brake_arbiter_out_t step(void)
+static inline brake_blending_out_t step(void)
 {
-    return brake_arbiter_step(&state, &config, &capability, &in);
+    return brake_blending_step(&state, &config, &capability, &in);
 }
 
 static inline void assert_split(int32_t electric_mNm, int32_t hydraulic_mNm, reason_t reason,
-                                brake_arbiter_out_t out)
+                                brake_blending_out_t out)
 {
     TEST_ASSERT_EQUAL_INT32(electric_mNm, out.electric_mNm);
     TEST_ASSERT_EQUAL_INT32(hydraulic_mNm, out.hydraulic_mNm);

@@ -72,7 +72,7 @@ static bool random_configuration(random_t *random, double changed, config_t *con
             (int32_t)(random_between(random, -1000, 1000) * exp(random_real(random, 0.0, 8.0)));
     }
     config->crc32 = config_crc32(config, (uint32_t)offsetof(config_t, crc32));
-    return config_validate(config, sizeof *config).code == CONFIG_VERDICT_OK;
+    return config_validate(config, sizeof *config).code == CONFIG_RESULT_OK;
 }
 
 static void random_input(random_t *random, torque_input_t *in)
@@ -93,10 +93,10 @@ static void random_input(random_t *random, torque_input_t *in)
     in->capability.switch_temperature_cC = random_wild(random);
     in->capability.i_d_weakening_mA = random_wild(random);
     in->capability.rotor_valid = random_chance(random, 0.9);
-    in->permission.bridge = random_chance(random, 0.9) ? BRIDGE_PWM : BRIDGE_OFF;
-    in->permission.drive_q15 = (int16_t)random_between(random, 0, Q15_ONE);
-    in->permission.brake_q15 = (int16_t)random_between(random, 0, Q15_ONE);
-    in->permission.reason = REASON_PERMISSION;
+    in->torque_enable.bridge = random_chance(random, 0.9) ? BRIDGE_PWM : BRIDGE_OFF;
+    in->torque_enable.drive_q15 = (int16_t)random_between(random, 0, Q15_ONE);
+    in->torque_enable.brake_q15 = (int16_t)random_between(random, 0, Q15_ONE);
+    in->torque_enable.reason = REASON_TORQUE_ENABLE;
 }
 
 static void assert_bounded(const config_t *config, const torque_output_t *out)

@@ -12,7 +12,7 @@ static config_t config;
 static torque_state_t state;
 static torque_input_t in;
 
-static const permission_t OPEN = {
+static const torque_enable_t OPEN = {
     .bridge = BRIDGE_PWM, .drive_q15 = Q15_ONE, .brake_q15 = Q15_ONE, .reason = REASON_NONE};
 
 void setUp(void)
@@ -28,7 +28,7 @@ void setUp(void)
     in.capability.winding_temperature_cC = 2500;
     in.capability.switch_temperature_cC = 2500;
     in.capability.rotor_valid = true;
-    in.permission = OPEN;
+    in.torque_enable = OPEN;
 }
 
 void tearDown(void) {}
@@ -105,7 +105,7 @@ void test_while_the_motor_follows_its_rate_the_sum_of_both_brakes_never_exceeds_
         const torque_output_t out = step();
         /* What the hydraulic brake is told comes later: what counts is what it has made of it. */
         TEST_ASSERT_LESS_OR_EQUAL_INT32(
-            60000, hydraulic_model_torque_mNm(&state.arbiter.hydraulic) - out.command_mNm);
+            60000, hydraulic_model_torque_mNm(&state.blending.hydraulic) - out.command_mNm);
     }
 }
 
@@ -117,7 +117,7 @@ void test_at_the_end_of_a_stop_the_hydraulic_brake_holds_alone(void)
     const torque_output_t out = run(200);
     TEST_ASSERT_EQUAL_INT32(0, out.command_mNm);
     TEST_ASSERT_EQUAL_INT32(20000, out.hydraulic_mNm);
-    TEST_ASSERT_EQUAL_INT(REASON_HANDOVER, out.reason);
+    TEST_ASSERT_EQUAL_INT(REASON_BLEND_OUT, out.reason);
 }
 
 void test_a_motor_without_current_is_replaced_by_the_hydraulic_brake(void)
@@ -133,14 +133,14 @@ void test_a_motor_without_current_is_replaced_by_the_hydraulic_brake(void)
     TEST_ASSERT_INT32_WITHIN(20, 26586, out.hydraulic_mNm);
 }
 
-void test_losing_the_permission_hands_the_demand_over_in_the_same_step(void)
+void test_losing_the_torque_enable_hands_the_demand_over_in_the_same_step(void)
 {
     in.brake_torque_mNm = 30000;
     run(200);
-    in.permission.bridge = BRIDGE_OFF;
-    in.permission.drive_q15 = 0;
-    in.permission.brake_q15 = 0;
-    in.permission.reason = REASON_OVERCURRENT;
+    in.torque_enable.bridge = BRIDGE_OFF;
+    in.torque_enable.drive_q15 = 0;
+    in.torque_enable.brake_q15 = 0;
+    in.torque_enable.reason = REASON_OVERCURRENT;
     const torque_output_t out = step();
     TEST_ASSERT_EQUAL_INT32(0, out.command_mNm);
     TEST_ASSERT_EQUAL_INT32(30000, out.hydraulic_mNm);
@@ -215,11 +215,11 @@ static void random_world(random_t *random)
         in.capability.bus_voltage_mV = random_between(random, 35000, 60000);
         in.capability.winding_temperature_cC = random_between(random, -2000, 16000);
         in.capability.rotor_valid = random_chance(random, 0.9);
-        in.permission = OPEN;
+        in.torque_enable = OPEN;
         if (random_chance(random, 0.2)) {
-            in.permission.drive_q15 = (int16_t)random_between(random, 0, Q15_ONE);
-            in.permission.brake_q15 = (int16_t)random_between(random, 0, Q15_ONE);
-            in.permission.reason = REASON_PERMISSION;
+            in.torque_enable.drive_q15 = (int16_t)random_between(random, 0, Q15_ONE);
+            in.torque_enable.brake_q15 = (int16_t)random_between(random, 0, Q15_ONE);
+            in.torque_enable.reason = REASON_TORQUE_ENABLE;
         }
     }
     in.speed_mrad_s = q_clamp(in.speed_mrad_s + random_between(random, -300, 300), 0, 70000);

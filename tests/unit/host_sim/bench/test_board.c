@@ -25,8 +25,8 @@ typedef struct {
     wheel_coupling_t through_board;
     const config_t *config;
     controller_t controller;
-    slow_to_fast_t to_fast;
-    fast_to_slow_t to_slow;
+    fast_setpoint_t to_fast;
+    fast_report_t to_slow;
     node_t node;
     fast_output_t next;
     int32_t winding_temperature_cC, switch_temperature_cC;
@@ -109,8 +109,8 @@ static void start_twin(const config_t *config)
     twin.through_board = board_coupling(&twin.board);
     twin.config = config;
     controller_init(&twin.controller, config);
-    twin.to_fast = controller_initial_slow_to_fast(config);
-    twin.to_slow = controller_initial_fast_to_slow(config);
+    twin.to_fast = controller_initial_setpoint(config);
+    twin.to_slow = controller_initial_report(config);
     node_init(&twin.node, (messages_wheel_t)config->vehicle.wheel_position, pack, 0);
     twin.next.bridge = BRIDGE_OFF;
     twin.winding_temperature_cC = twin.board.sample.winding_temperature_cC;

@@ -110,8 +110,8 @@ void test_by_name_and_by_structure_are_the_same_controller(void)
     joined_init(&joined, &config);
     controller_t direct;
     controller_init(&direct, &config);
-    slow_to_fast_t to_fast = controller_initial_slow_to_fast(&config);
-    fast_to_slow_t to_slow = controller_initial_fast_to_slow(&config);
+    fast_setpoint_t to_fast = controller_initial_setpoint(&config);
+    fast_report_t to_slow = controller_initial_report(&config);
     slow_output_t slow = {.mode = MODE_BOOT};
     int32_t fast_out[EXCHANGE_FAST_OUTPUT_COUNT];
     int32_t slow_out[EXCHANGE_SLOW_OUTPUT_COUNT];
@@ -142,7 +142,7 @@ void test_by_name_and_by_structure_are_the_same_controller(void)
                                          (int32_t)slow.fault_reason,
                                          (int32_t)slow.mode,
                                          slow.stop_lamp,
-                                         slow.standing};
+                                         slow.standstill};
         TEST_ASSERT_EQUAL_INT32_ARRAY(fast_expected, fast_out, EXCHANGE_FAST_OUTPUT_COUNT);
         TEST_ASSERT_EQUAL_INT32_ARRAY(slow_expected, slow_out, EXCHANGE_SLOW_OUTPUT_COUNT);
         has_switched = has_switched || fast.bridge == BRIDGE_PWM;

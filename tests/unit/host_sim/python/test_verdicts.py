@@ -137,15 +137,15 @@ def test_all_wheels_must_settle(drive: Drive) -> None:
 @pytest.mark.parametrize(
     ("criterion", "passed"),
     [
-        ({"must_appear": ["HANDOVER"]}, True),
-        ({"must_appear": ["HANDOVER"], "from_s": 0.6, "share": 1.0}, True),
-        ({"must_appear": ["HANDOVER"], "share": 0.9}, False),
+        ({"must_appear": ["BLEND_OUT"]}, True),
+        ({"must_appear": ["BLEND_OUT"], "from_s": 0.6, "share": 1.0}, True),
+        ({"must_appear": ["BLEND_OUT"], "share": 0.9}, False),
         ({"must_appear": ["ABS"]}, False),
         ({"must_not_appear": ["ABS", "ANY_FAULT"]}, True),
-        ({"must_not_appear": ["HANDOVER"]}, False),
-        ({"must_not_appear": ["HANDOVER"], "until_s": 0.5}, True),
+        ({"must_not_appear": ["BLEND_OUT"]}, False),
+        ({"must_not_appear": ["BLEND_OUT"], "until_s": 0.5}, True),
         (
-            {"must_appear": ["HANDOVER"], "must_not_appear": ["NONE"], "from_s": 0.6},
+            {"must_appear": ["BLEND_OUT"], "must_not_appear": ["NONE"], "from_s": 0.6},
             False,
         ),  # the other wheel shows NONE
     ],

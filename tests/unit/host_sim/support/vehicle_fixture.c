@@ -98,7 +98,7 @@ config_t fixture_config_with_sensor(int32_t strategy, int32_t sensor)
     config.brake.strategy = strategy;
     config.rotor.sensor = sensor;
     config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
-    TEST_ASSERT_EQUAL_INT(CONFIG_VERDICT_OK, config_validate(&config, sizeof(config)).code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, config_validate(&config, sizeof(config)).code);
     return config;
 }
 

@@ -215,14 +215,15 @@ def test_the_generator_reads_the_map_exactly_as_the_firmware_does(
     includes = [
         f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")
     ]
-    sources = [str(ROOT / "firmware" / name) for name in ("torque/current_map.c", "core/grid.c")]
+    sources = [str(ROOT / "firmware" / name) for name in ("torque/loss_maps.c", "core/grid.c")]
     subprocess.run(
         ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
         check=True,
     )
     ffi = cffi.FFI()
     ffi.cdef(
-        "int32_t current_map_d_mA(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC, int32_t airgap_torque_mNm);"
+        "int32_t loss_maps_d_current_mA(const void *config, int32_t speed_mrad_s,"
+        " int32_t winding_temperature_cC, int32_t airgap_torque_mNm);"
     )
     firmware: Any = ffi.dlopen(str(library))
     raw = ffi.from_buffer(image.build(drive))
@@ -236,7 +237,7 @@ def test_the_generator_reads_the_map_exactly_as_the_firmware_does(
         rng.integers(low, high, 3000) for low, high in ((-top, top), (-most, most), (-5000, 20000))
     )
     expected = [
-        firmware.current_map_d_mA(raw, int(s), int(w), int(t))
+        firmware.loss_maps_d_current_mA(raw, int(s), int(w), int(t))
         for s, w, t in zip(speeds, warm, torques, strict=True)
     ]
     found = current_map.read(table, torques / 1000.0, speeds / 1000.0, warm / 100.0)
@@ -255,8 +256,8 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(
         f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")
     ]
     names = (
-        "torque/current_map.c",
-        "torque/current_reference.c",
+        "torque/loss_maps.c",
+        "torque/current_setpoint.c",
         "torque/motor_model.c",
         "core/divide.c",
         "core/grid.c",
@@ -272,7 +273,7 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(
         typedef struct { int32_t words[12]; } model_t;
         typedef struct { int32_t d_mA, q_mA; } current_t;
         model_t motor_model_at(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC);
-        current_t current_reference_unlimited(const void *config, const model_t *model, int32_t torque_mNm, int32_t i_d_weakening_mA);
+        current_t current_setpoint_unlimited(const void *config, const model_t *model, int32_t torque_mNm, int32_t i_d_weakening_mA);
     """)
     firmware: Any = ffi.dlopen(str(library))
     raw = ffi.from_buffer(image.build(drive))
@@ -286,7 +287,7 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(
         turning = float(np.clip(speed, -0.5, 0.5)) / 0.5
         friction = turning * motor.friction_nm + motor.viscous_nm_s * speed
         for torque in np.linspace(-1.0, 1.0, 9) * drive.motor.max_torque_nm:
-            i = firmware.current_reference_unlimited(
+            i = firmware.current_setpoint_unlimited(
                 raw, model, round((torque - friction) * 1000.0), 0
             )
             made = models.evaluate(

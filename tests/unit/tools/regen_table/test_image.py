@@ -79,7 +79,7 @@ def test_the_papers_numbers_arrive_in_the_firmwares_units(paper: schema.Drive) -
     assert packed.motor.iron_loss_resistance_slope_nOhm_s == 6000000
     assert packed.battery.max_charge_current_mA == 50000  # a quarter of the pack's 200 A
     assert packed.brake.parallel_electric_share_q15 == 6554  # 1 : 4
-    assert packed.brake.handover_start_mrad_s == 2618  # 25 r/min
+    assert packed.brake.blend_out_start_mrad_s == 2618  # 25 r/min
     assert packed.drive.pwm_period_counts == 4200  # 168 MHz / (2 * 20 kHz)
 
 

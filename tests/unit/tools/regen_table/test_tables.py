@@ -49,14 +49,14 @@ def test_the_generator_reads_the_table_exactly_as_the_firmware_does(
     includes = [
         f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")
     ]
-    sources = [str(ROOT / "firmware" / name) for name in ("torque/regen_map.c", "core/grid.c")]
+    sources = [str(ROOT / "firmware" / name) for name in ("torque/loss_maps.c", "core/grid.c")]
     subprocess.run(
         ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, *sources, "-o", str(library)],
         check=True,
     )
     ffi = cffi.FFI()
     ffi.cdef(
-        "int32_t regen_map_torque_mNm(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC);"
+        "int32_t loss_maps_torque_mNm(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC);"
     )
     firmware: Any = ffi.dlopen(str(library))
     drive = schema.load(path)
@@ -69,7 +69,7 @@ def test_the_generator_reads_the_table_exactly_as_the_firmware_does(
     )
     temperatures = rng.integers(-6000, 20000, speeds.size)
     expected = [
-        firmware.regen_map_torque_mNm(raw, int(s), int(t))
+        firmware.loss_maps_torque_mNm(raw, int(s), int(t))
         for s, t in zip(speeds, temperatures, strict=True)
     ]
     assert audit.read(table, speeds.astype(float), temperatures.astype(float)).tolist() == expected

@@ -4,19 +4,19 @@
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "torque/capability.h"
-#include "torque/current_reference.h"
+#include "torque/current_setpoint.h"
+#include "torque/torque_limits.h"
 #include "unity.h"
 
 static config_t config;
-static capability_input_t world;
+static torque_limits_input_t world;
 
 /* A cool motor on a battery that takes and gives whatever it is asked for. */
 void setUp(void)
 {
     config = salient_vehicle();
     world.bus_voltage_mV = 53000;
-    world.phase_voltage_mV = 1000000; /* no voltage limit: voltage_limit.h has its own tests */
+    world.phase_voltage_mV = 1000000; /* no voltage limit: feasible_torque.h has its own tests */
     world.bms_charge_current_mA = 1000000;
     world.bms_discharge_current_mA = 1000000;
     world.winding_temperature_cC = 2500;
@@ -27,10 +27,10 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static capability_t at_speed(int32_t speed_mrad_s)
+static torque_limits_t at_speed(int32_t speed_mrad_s)
 {
     const motor_model_t model = motor_model_at(&config, speed_mrad_s, world.winding_temperature_cC);
-    return capability_step(&config, &model, &world);
+    return torque_limits_step(&config, &model, &world);
 }
 
 /* ---- a salient motor, with the i_d of its map and whatever field weakening adds ---- */
@@ -40,7 +40,7 @@ static capability_t at_speed(int32_t speed_mrad_s)
 static double power_of_torque_w(const motor_model_t *model, int32_t torque_mNm)
 {
     const motor_current_t i =
-        current_reference_unlimited(&config, model, torque_mNm, world.i_d_weakening_mA);
+        current_setpoint_unlimited(&config, model, torque_mNm, world.i_d_weakening_mA);
     const reference_motor_t m =
         reference_motor(&config, model->speed_mrad_s, world.winding_temperature_cC);
     const double g = m.w_rad_s * m.iron_siemens;
@@ -89,7 +89,7 @@ void test_what_a_salient_motor_is_allowed_fits_into_the_current_circle(void)
         const motor_model_t model = motor_model_at(
             &config, random_between(&random, -1200000, 1200000), world.winding_temperature_cC);
         const int32_t forward = model.speed_mrad_s >= 0 ? 1 : -1;
-        const capability_t out = capability_step(&config, &model, &world);
+        const torque_limits_t out = torque_limits_step(&config, &model, &world);
         const limit_t limits[] = {out.driving, out.regenerating};
         for (int k = 0; k < 2; k++) {
             if (limits[k].torque_mNm == 0) {
@@ -97,7 +97,7 @@ void test_what_a_salient_motor_is_allowed_fits_into_the_current_circle(void)
             }
             const int32_t torque_mNm = limits[k].torque_mNm * forward * (k == 0 ? 1 : -1);
             const motor_current_t i =
-                current_reference_unlimited(&config, &model, torque_mNm, world.i_d_weakening_mA);
+                current_setpoint_unlimited(&config, &model, torque_mNm, world.i_d_weakening_mA);
             const double share = hypot(i.d_mA, i.q_mA) / config.motor.max_phase_current_mA;
             TEST_ASSERT_TRUE(share <= 1.001);
             if (limits[k].reason == REASON_PHASE_CURRENT) {
@@ -120,7 +120,7 @@ void test_no_torque_of_a_salient_motor_charges_or_drains_the_battery_beyond_its_
         random_salient_world(&random);
         const motor_model_t model = motor_model_at(&config, random_between(&random, 60000, 1150000),
                                                    world.winding_temperature_cC);
-        const capability_t out = capability_step(&config, &model, &world);
+        const torque_limits_t out = torque_limits_step(&config, &model, &world);
         const double volts = world.bus_voltage_mV * 1e-3;
         const double returned_w = -power_of_torque_w(&model, -out.regenerating.torque_mNm);
         const double drawn_w = power_of_torque_w(&model, out.driving.torque_mNm);

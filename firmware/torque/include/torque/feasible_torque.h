@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * voltage_limit.h: the torques between which the voltage suffices, with field weakening at its end.
+ * feasible_torque.h: the torques between which the voltage suffices, with field weakening at its
+ * end.
  *
  * At a terminal i_d the terminal voltage is a straight line over the torque current x = i_qt
  * (motor_model.h):
@@ -24,8 +25,8 @@
  * i_d = -psi: between there and the map's i_d the voltage falls all the way, so that field
  * weakening finds its point. Without D <= U no torque is safe: both ends are 0.
  */
-#ifndef TORQUE_VOLTAGE_LIMIT_H
-#define TORQUE_VOLTAGE_LIMIT_H
+#ifndef TORQUE_FEASIBLE_TORQUE_H
+#define TORQUE_FEASIBLE_TORQUE_H
 
 #include <stdint.h>
 
@@ -34,10 +35,10 @@
 
 typedef struct {
     int32_t lowest_mNm, highest_mNm; /* shaft torque, signed; lowest <= highest */
-} voltage_limit_t;
+} feasible_torque_t;
 
 /* phase_voltage_mV: U, peak phase, magnitude. Divides and takes two roots. */
-voltage_limit_t voltage_limit_at(const config_t *config, const motor_model_t *model,
-                                 int32_t phase_voltage_mV);
+feasible_torque_t feasible_torque_at(const config_t *config, const motor_model_t *model,
+                                     int32_t phase_voltage_mV);
 
 #endif

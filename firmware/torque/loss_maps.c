@@ -1,10 +1,29 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/current_map.h"
+#include "torque/loss_maps.h"
 
 #include <stddef.h>
 
 #include "core/grid.h"
 #include "core/q15.h"
+
+int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
+                             int32_t winding_temperature_cC)
+{
+    const config_regen_map_t *map = &config->regen_map;
+    const grid_position_t s =
+        grid_locate(q_abs(speed_mrad_s), map->speed_points, map->speed_step_log2);
+    const int32_t above_origin_cC =
+        q_saturate64((int64_t)winding_temperature_cC - map->temperature_origin_cC);
+    const grid_position_t t =
+        grid_locate(above_origin_cC, map->temperature_points, map->temperature_step_log2);
+    const int32_t *cold = &map->torque_mNm[t.index * map->speed_points + s.index];
+    const int32_t *hot = cold + map->speed_points;
+    const int32_t at_cold = grid_interpolate(cold[0], cold[1], s.fraction_q20);
+    const int32_t at_hot = grid_interpolate(hot[0], hot[1], s.fraction_q20);
+    /* Below the speed where regeneration begins the stored line goes on below zero, so that it is
+     * straight where it begins. */
+    return q_max(grid_interpolate(at_cold, at_hot, t.fraction_q20), 0);
+}
 
 /* One layer of equal temperature, read between four of its points. */
 static int32_t layer_d_mA(const config_current_map_t *map, const int32_t *layer, grid_position_t s,
@@ -17,10 +36,11 @@ static int32_t layer_d_mA(const config_current_map_t *map, const int32_t *layer,
     return grid_interpolate(at_slow_mA, at_fast_mA, s.fraction_q20);
 }
 
-int32_t current_map_d_mA(const config_t *config, int32_t speed_mrad_s,
-                         int32_t winding_temperature_cC, int32_t airgap_torque_mNm)
+int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,
+                               int32_t winding_temperature_cC, int32_t airgap_torque_mNm)
 {
     const config_current_map_t *map = &config->current_map;
+    /* Torque counts in the direction of rotation: driving is positive, braking negative. */
     const int64_t along_mNm = speed_mrad_s >= 0 ? airgap_torque_mNm : -(int64_t)airgap_torque_mNm;
     /* The middle point is zero torque; at most 32 steps of 2^20 mNm before it. */
     const int32_t zero_mNm =

@@ -4,8 +4,8 @@
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "torque/current_map.h"
-#include "torque/current_reference.h"
+#include "torque/current_setpoint.h"
+#include "torque/loss_maps.h"
 #include "unity.h"
 
 static config_t config;
@@ -17,13 +17,13 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static current_reference_t weakened(int32_t speed_mrad_s, int32_t torque_mNm, int32_t weakening_mA)
+static current_setpoint_t weakened(int32_t speed_mrad_s, int32_t torque_mNm, int32_t weakening_mA)
 {
     const motor_model_t model = motor_model_at(&config, speed_mrad_s, 2500);
-    return current_reference_step(&config, &model, torque_mNm, weakening_mA);
+    return current_setpoint_step(&config, &model, torque_mNm, weakening_mA);
 }
 
-static current_reference_t reference(int32_t speed_mrad_s, int32_t torque_mNm)
+static current_setpoint_t reference(int32_t speed_mrad_s, int32_t torque_mNm)
 {
     return weakened(speed_mrad_s, torque_mNm, 0);
 }
@@ -55,9 +55,9 @@ void test_i_d_is_the_map_s_at_the_torque_of_the_airgap(void)
         5000; /* 5 Nm more at the airgap driving, 5 Nm less braking, besides the viscous part */
     config.motor.viscous_friction_uNm_s = 0;
     for (int32_t torque_mNm = -200000; torque_mNm <= 200000; torque_mNm += 7777) {
-        TEST_ASSERT_EQUAL_INT32(current_map_d_mA(&config, 100000, 2500, torque_mNm + 5000),
+        TEST_ASSERT_EQUAL_INT32(loss_maps_d_current_mA(&config, 100000, 2500, torque_mNm + 5000),
                                 reference(100000, torque_mNm).i_d_mA);
-        TEST_ASSERT_EQUAL_INT32(current_map_d_mA(&config, -100000, 2500, torque_mNm - 5000),
+        TEST_ASSERT_EQUAL_INT32(loss_maps_d_current_mA(&config, -100000, 2500, torque_mNm - 5000),
                                 reference(-100000, torque_mNm).i_d_mA);
     }
 }
@@ -83,7 +83,7 @@ void test_the_torque_is_the_one_asked_for_whatever_field_weakening_adds(void)
         const int32_t speed_mrad_s = random_between(&random, -1200000, 1200000);
         const int32_t torque_mNm = random_between(&random, -150000, 150000);
         const int32_t weakening_mA = -random_between(&random, 0, 121000);
-        const current_reference_t out = weakened(speed_mrad_s, torque_mNm, weakening_mA);
+        const current_setpoint_t out = weakened(speed_mrad_s, torque_mNm, weakening_mA);
         const reference_motor_t motor = reference_motor(&config, speed_mrad_s, 2500);
         const double flows_a = (out.i_d_mA + weakening_mA) * 1e-3;
         const double made_mNm = torque_of(&motor, flows_a, out.i_q_mA * 1e-3);
@@ -127,10 +127,10 @@ void test_map_and_field_weakening_together_stay_above_the_larger_of_the_two(void
 void test_the_phase_current_limit_cuts_the_current_and_says_so(void)
 {
     config.motor.max_phase_current_mA = 20000; /* 14.076 Nm at rest */
-    const current_reference_t driving = reference(0, 30000);
+    const current_setpoint_t driving = reference(0, 30000);
     TEST_ASSERT_EQUAL_INT32(20000, driving.i_q_mA);
     TEST_ASSERT_TRUE(driving.limited);
-    const current_reference_t braking = reference(0, -30000);
+    const current_setpoint_t braking = reference(0, -30000);
     TEST_ASSERT_EQUAL_INT32(-20000, braking.i_q_mA);
     TEST_ASSERT_TRUE(braking.limited);
     TEST_ASSERT_FALSE(reference(0, 14000).limited);
@@ -154,7 +154,7 @@ void test_where_the_current_limit_bites_the_torque_shrinks_and_keeps_its_sign(vo
         const int32_t speed_mrad_s = random_between(&random, -1200000, 1200000);
         const int32_t torque_mNm = random_between(&random, -500000, 500000);
         const int32_t weakening_mA = -random_between(&random, 0, 121000);
-        const current_reference_t out = weakened(speed_mrad_s, torque_mNm, weakening_mA);
+        const current_setpoint_t out = weakened(speed_mrad_s, torque_mNm, weakening_mA);
         const double flows_mA = (double)out.i_d_mA + weakening_mA;
         TEST_ASSERT_TRUE(length_mA(flows_mA, out.i_q_mA) <=
                          config.motor.max_phase_current_mA + 1.0);
@@ -176,7 +176,7 @@ void test_an_impossible_torque_still_gets_most_of_what_the_circle_holds(void)
      * a motor without i_q. */
     config = salient_vehicle();
     config.motor.max_phase_current_mA = 200000;
-    const current_reference_t out = reference(0, 2200000);
+    const current_setpoint_t out = reference(0, 2200000);
     TEST_ASSERT_TRUE(out.limited);
     const reference_motor_t motor = reference_motor(&config, 0.0, 2500);
     double best_mNm = 0.0;
@@ -192,7 +192,7 @@ void test_the_current_never_exceeds_the_limit_and_never_flips_against_a_torque_b
     for (int n = 0; n < 50000; n++) {
         const int32_t speed_mrad_s = random_between(&random, -67000, 67000);
         const int32_t torque_mNm = random_between(&random, -200000, 200000);
-        const current_reference_t out = reference(speed_mrad_s, torque_mNm);
+        const current_setpoint_t out = reference(speed_mrad_s, torque_mNm);
         TEST_ASSERT_INT32_WITHIN(config.motor.max_phase_current_mA, 0, out.i_q_mA);
         /* The iron current stays below 4 A at 67 rad/s; its torque below 3 Nm. */
         if (torque_mNm > 3000) {

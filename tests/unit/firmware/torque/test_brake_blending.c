@@ -9,7 +9,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static brake_arbiter_out_t split(int32_t strategy, int32_t demand_mNm)
+static brake_blending_out_t split(int32_t strategy, int32_t demand_mNm)
 {
     config.brake.strategy = strategy;
     in.demand_mNm = demand_mNm;
@@ -80,9 +80,9 @@ static void random_situation(random_t *random)
     in.demand_mNm = random_between(random, 0, 300000);
     in.speed_mrad_s = random_between(random, -70000, 70000);
     in.abs_active = random_chance(random, 0.05);
-    in.permission.brake_q15 =
+    in.torque_enable.brake_q15 =
         (int16_t)(random_chance(random, 0.2) ? random_between(random, 0, Q15_ONE) : Q15_ONE);
-    in.permission.reason = REASON_PERMISSION;
+    in.torque_enable.reason = REASON_TORQUE_ENABLE;
 }
 
 void test_electric_and_hydraulic_together_are_the_demand_in_every_step(void)
@@ -91,7 +91,7 @@ void test_electric_and_hydraulic_together_are_the_demand_in_every_step(void)
     for (int n = 0; n < 100000; n++) {
         random_situation(&random);
         motor_follows(0); /* at the beginning of braking nothing has been asked of the motor yet */
-        const brake_arbiter_out_t out = step();
+        const brake_blending_out_t out = step();
         TEST_ASSERT_EQUAL_INT32(in.demand_mNm, out.electric_mNm + out.hydraulic_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.electric_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.hydraulic_mNm);
@@ -105,7 +105,7 @@ void test_the_motor_never_gets_more_than_its_limit_under_any_strategy(void)
     random_t random = random_seeded(2);
     for (int n = 0; n < 100000; n++) {
         random_situation(&random);
-        const brake_arbiter_out_t out = step();
+        const brake_blending_out_t out = step();
         TEST_ASSERT_LESS_OR_EQUAL_INT32(capability.regenerating.torque_mNm,
                                         out.available.torque_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(capability.regenerating.torque_mNm, out.electric_mNm);
@@ -123,7 +123,7 @@ void test_while_the_motor_leaves_at_its_rate_the_hydraulic_brake_rises_by_what_i
     in.demand_mNm = 30000;
     for (int32_t commanded_mNm = 24000; commanded_mNm >= 10000; commanded_mNm -= 400) {
         motor_follows(commanded_mNm);
-        const brake_arbiter_out_t out = step();
+        const brake_blending_out_t out = step();
         TEST_ASSERT_EQUAL_INT32(10000, out.electric_mNm);
         TEST_ASSERT_EQUAL_INT32(30000 - commanded_mNm, out.hydraulic_mNm);
     }
@@ -158,8 +158,8 @@ void test_what_the_motor_gives_and_the_hydraulic_brake_adds_is_never_more_than_t
         const int32_t achieved_mNm = random_between(&random, 0, commanded_mNm);
         in.motor_command_mNm = -commanded_mNm * forward;
         in.motor_achieved_mNm = -achieved_mNm * forward;
-        in.permission.bridge = BRIDGE_PWM;
-        const brake_arbiter_out_t out = step();
+        in.torque_enable.bridge = BRIDGE_PWM;
+        const brake_blending_out_t out = step();
         TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.electric_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.hydraulic_mNm);
         if (out.hydraulic_mNm > 0) {
@@ -188,13 +188,13 @@ void test_backwards_the_split_is_the_same(void)
         in.speed_mrad_s = random_between(&random, 1, 70000);
         in.motor_command_mNm = random_between(&random, -60000, 60000);
         in.motor_achieved_mNm = random_between(&random, -60000, 60000);
-        brake_arbiter_init(&state);
-        const brake_arbiter_out_t forward = step();
+        brake_blending_init(&state);
+        const brake_blending_out_t forward = step();
         in.speed_mrad_s = -in.speed_mrad_s;
         in.motor_command_mNm = -in.motor_command_mNm;
         in.motor_achieved_mNm = -in.motor_achieved_mNm;
-        brake_arbiter_init(&state);
-        const brake_arbiter_out_t backward = step();
+        brake_blending_init(&state);
+        const brake_blending_out_t backward = step();
         TEST_ASSERT_EQUAL_INT32(forward.electric_mNm, backward.electric_mNm);
         TEST_ASSERT_EQUAL_INT32(forward.hydraulic_mNm, backward.hydraulic_mNm);
     }
@@ -209,9 +209,9 @@ void test_between_the_hand_over_speeds_the_motor_fades_out_and_the_hydraulic_bra
     in.speed_mrad_s = 2618;
     assert_split(40000, 0, REASON_NONE, step());
     in.speed_mrad_s = 1728; /* half-way: 890 of 1780 mrad/s leave 16383/32768 of 40 Nm */
-    assert_split(19998, 20002, REASON_HANDOVER, step());
+    assert_split(19998, 20002, REASON_BLEND_OUT, step());
     in.speed_mrad_s = 838;
-    assert_split(0, 40000, REASON_HANDOVER, step());
+    assert_split(0, 40000, REASON_BLEND_OUT, step());
 }
 
 /* Where the best torque is small the parallel strategies would otherwise return more on the last
@@ -222,16 +222,16 @@ void test_the_best_torque_is_kept_until_what_the_hand_over_leaves_is_smaller(voi
     in.speed_mrad_s = 1728; /* half of 50 Nm is more than the best 24 Nm */
     assert_split(24000, 6000, REASON_LOSS_OPTIMUM, step());
     in.speed_mrad_s = 927; /* 89 of 1780 mrad/s leave 1638/32768 of 50 Nm */
-    assert_split(2499, 27501, REASON_HANDOVER, step());
+    assert_split(2499, 27501, REASON_BLEND_OUT, step());
     in.speed_mrad_s = 838;
-    assert_split(0, 30000, REASON_HANDOVER, step());
+    assert_split(0, 30000, REASON_BLEND_OUT, step());
 }
 
 void test_electric_braking_never_holds_a_standing_vehicle(void)
 {
     for (int32_t strategy = 0; strategy < 3; strategy++) {
         in.speed_mrad_s = 0;
-        const brake_arbiter_out_t out = split(strategy, 20000);
+        const brake_blending_out_t out = split(strategy, 20000);
         TEST_ASSERT_EQUAL_INT32(0, out.electric_mNm);
         TEST_ASSERT_EQUAL_INT32(20000, out.hydraulic_mNm);
     }
@@ -239,16 +239,16 @@ void test_electric_braking_never_holds_a_standing_vehicle(void)
 
 void test_a_hand_over_without_width_is_a_step_with_the_motor_above_it(void)
 {
-    config.brake.handover_start_mrad_s = 1000;
-    config.brake.handover_end_mrad_s = 1000;
+    config.brake.blend_out_start_mrad_s = 1000;
+    config.brake.blend_out_end_mrad_s = 1000;
     capability.optimal = limit_init(50000, REASON_LOSS_OPTIMUM);
     in.demand_mNm = 40000;
     in.speed_mrad_s = 1001;
     assert_split(40000, 0, REASON_NONE, step());
     in.speed_mrad_s = 1000;
-    assert_split(0, 40000, REASON_HANDOVER, step());
+    assert_split(0, 40000, REASON_BLEND_OUT, step());
     in.speed_mrad_s = 0;
-    assert_split(0, 40000, REASON_HANDOVER, step());
+    assert_split(0, 40000, REASON_BLEND_OUT, step());
 }
 
 /* Coming to rest forwards, the torque that is still commanded is a backward one, as the torque
@@ -267,11 +267,11 @@ void test_at_standstill_a_backward_torque_is_what_is_left_of_braking(void)
 
 void test_even_a_hand_over_at_no_speed_leaves_standstill_to_the_hydraulic_brake(void)
 {
-    config.brake.handover_start_mrad_s = 0;
-    config.brake.handover_end_mrad_s = 0;
+    config.brake.blend_out_start_mrad_s = 0;
+    config.brake.blend_out_end_mrad_s = 0;
     in.demand_mNm = 20000;
     in.speed_mrad_s = 0;
-    assert_split(0, 20000, REASON_HANDOVER, step());
+    assert_split(0, 20000, REASON_BLEND_OUT, step());
     in.speed_mrad_s = 1;
     assert_split(20000, 0, REASON_NONE, step());
 }
@@ -293,16 +293,16 @@ void test_with_anti_lock_at_work_the_motor_gets_out_of_the_way_for_300_ms_longer
 
 /* ---- the valve ---- */
 
-void test_losing_the_permission_moves_the_whole_demand_to_the_hydraulic_brake_in_one_step(void)
+void test_losing_the_torque_enable_moves_the_whole_demand_to_the_hydraulic_brake_in_one_step(void)
 {
     in.demand_mNm = 20000;
     motor_follows(20000);
     TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
-    in.permission.bridge = BRIDGE_OFF;
-    in.permission.brake_q15 = 0;
-    in.permission.reason = REASON_OVERCURRENT;
+    in.torque_enable.bridge = BRIDGE_OFF;
+    in.torque_enable.brake_q15 = 0;
+    in.torque_enable.reason = REASON_OVERCURRENT;
     assert_split(0, 20000, REASON_OVERCURRENT, step());
-    in.permission.bridge = BRIDGE_SHORT;
+    in.torque_enable.bridge = BRIDGE_SHORT;
     assert_split(0, 20000, REASON_OVERCURRENT, step());
 }
 
@@ -310,15 +310,15 @@ void test_a_bridge_that_does_not_switch_is_not_counted_on_even_if_braking_is_per
 {
     in.demand_mNm = 20000;
     motor_follows(20000);
-    in.permission.bridge = BRIDGE_OFF;
+    in.torque_enable.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT32(20000, step().hydraulic_mNm);
 }
 
-void test_a_partial_permission_leaves_that_share_of_what_is_available(void)
+void test_a_partial_torque_enable_leaves_that_share_of_what_is_available(void)
 {
     in.demand_mNm = 60000;
-    in.permission.brake_q15 = 16384; /* half of 24 Nm */
-    in.permission.reason = REASON_TORQUE_IMPLAUSIBLE;
+    in.torque_enable.brake_q15 = 16384; /* half of 24 Nm */
+    in.torque_enable.reason = REASON_TORQUE_IMPLAUSIBLE;
     assert_split(12000, 48000, REASON_TORQUE_IMPLAUSIBLE, step());
 }
 

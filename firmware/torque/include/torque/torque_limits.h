@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * capability.h: what the motor can do at this moment, in each direction of power, and why not more.
+ * torque_limits.h: what the motor can do at this moment, in each direction of power, and why not
+ * more.
  *
  * All slow limits meet here and nowhere else: torque, power, phase current, the battery's charge
  * and discharge current, bus voltage, winding and switch temperature, speed, rotor quality. Each is
@@ -11,14 +12,14 @@
  * some, and then the discharge limits bound it like driving. Near the ends of the battery's voltage
  * the currents follow foldback.h.
  *
- * Phase current and battery power of a torque are those of the currents that current_reference.h
+ * Phase current and battery power of a torque are those of the currents that current_setpoint.h
  * would ask for: the map's i_d at that torque, field weakening as it is now, and the i_q that goes
  * with them. So a torque found here is one the current reference makes without giving way, and one
  * at which the battery takes or gives what it may. Where a limit bites, the torque is right to 0.1
  * %.
  */
-#ifndef TORQUE_CAPABILITY_H
-#define TORQUE_CAPABILITY_H
+#ifndef TORQUE_TORQUE_LIMITS_H
+#define TORQUE_TORQUE_LIMITS_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -41,15 +42,15 @@ typedef struct {
                             start from */
     int32_t i_d_weakening_mA; /* what field weakening adds to i_d now, <= 0 */
     bool rotor_valid;
-} capability_input_t;
+} torque_limits_input_t;
 
 typedef struct {
     limit_t driving;      /* torque in the direction of rotation (or from standstill) */
     limit_t regenerating; /* torque against the rotation, hard limits only */
     limit_t optimal;      /* regenerating and also not beyond the loss optimum */
-} capability_t;
+} torque_limits_t;
 
-capability_t capability_step(const config_t *config, const motor_model_t *model,
-                             const capability_input_t *in);
+torque_limits_t torque_limits_step(const config_t *config, const motor_model_t *model,
+                                   const torque_limits_input_t *in);
 
 #endif

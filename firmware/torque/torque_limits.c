@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/capability.h"
+#include "torque/torque_limits.h"
 
 #include "config/bases.h"
 #include "core/divide.h"
 #include "core/q15.h"
-#include "torque/current_reference.h"
+#include "torque/current_setpoint.h"
+#include "torque/feasible_torque.h"
 #include "torque/foldback.h"
-#include "torque/regen_map.h"
-#include "torque/voltage_limit.h"
+#include "torque/loss_maps.h"
 
 enum {
     SPEED_FADE_DIVISOR = 32, /* driving torque fades out over this last part of the speed range */
@@ -34,7 +34,7 @@ typedef struct {
     const motor_model_t *model;
     int32_t i_d_weakening_mA;
     int32_t sign; /* of the torque: forward driving 1, forward braking -1 */
-    voltage_limit_t by_voltage;
+    feasible_torque_t by_voltage;
 } side_t;
 
 /* What grows with the torque and has a limit. */
@@ -71,7 +71,7 @@ static int64_t uncertain_mW(const side_t *side, motor_current_t i)
 
 static int64_t burden_of(const side_t *side, burden_t burden, int32_t torque_mNm)
 {
-    const motor_current_t i = current_reference_unlimited(
+    const motor_current_t i = current_setpoint_unlimited(
         side->config, side->model, torque_mNm * side->sign, side->i_d_weakening_mA);
     if (burden == BURDEN_CURRENT_SQUARE) {
         return (int64_t)i.d_mA * i.d_mA + (int64_t)i.q_mA * i.q_mA;
@@ -146,7 +146,7 @@ static int32_t voltage_torque_mNm(const side_t *side)
     return side->sign > 0 ? side->by_voltage.highest_mNm : -side->by_voltage.lowest_mNm;
 }
 
-static void tighten_common(limit_t *limit, const side_t *side, const capability_input_t *in)
+static void tighten_common(limit_t *limit, const side_t *side, const torque_limits_input_t *in)
 {
     const config_motor_t *motor = &side->config->motor;
     limit_tighten(limit, power_torque_mNm(side->config, side->model), REASON_MAX_POWER);
@@ -176,7 +176,7 @@ static int32_t search_bound_mNm(const config_t *config, const motor_model_t *mod
 }
 
 /* What the motor is asked for now, as a torque of this side. */
-static int32_t asked_mNm(const side_t *side, const capability_input_t *in)
+static int32_t asked_mNm(const side_t *side, const torque_limits_input_t *in)
 {
     return q_max(q_clamp(in->command_mNm, -INT32_MAX, INT32_MAX) * side->sign, 0);
 }
@@ -190,7 +190,7 @@ typedef struct {
 
 /* burden: of the power that is limited. Where the bus has no voltage there is no current in its
  * power. */
-static allowance_t allowance(const side_t *side, burden_t burden, const capability_input_t *in,
+static allowance_t allowance(const side_t *side, burden_t burden, const torque_limits_input_t *in,
                              int32_t most_mA, int32_t bms_mA, bool near, int32_t inside_mV)
 {
     const config_battery_t *battery = &side->config->battery;
@@ -215,7 +215,7 @@ static allowance_t allowance(const side_t *side, burden_t burden, const capabili
     return out;
 }
 
-static allowance_t drawn_allowance(const side_t *side, const capability_input_t *in)
+static allowance_t drawn_allowance(const side_t *side, const torque_limits_input_t *in)
 {
     const config_battery_t *battery = &side->config->battery;
     const int64_t inside_mV = (int64_t)in->bus_voltage_mV - battery->min_voltage_mV;
@@ -223,7 +223,7 @@ static allowance_t drawn_allowance(const side_t *side, const capability_input_t 
                      in->bms_discharge_current_mA, in->voltage_low, q_saturate64(inside_mV));
 }
 
-static allowance_t returned_allowance(const side_t *side, const capability_input_t *in)
+static allowance_t returned_allowance(const side_t *side, const torque_limits_input_t *in)
 {
     const config_battery_t *battery = &side->config->battery;
     const int64_t inside_mV = (int64_t)battery->max_voltage_mV - in->bus_voltage_mV;
@@ -231,7 +231,7 @@ static allowance_t returned_allowance(const side_t *side, const capability_input
                      in->bms_charge_current_mA, in->voltage_high, q_saturate64(inside_mV));
 }
 
-static limit_t driving_limit(const side_t *side, const capability_input_t *in)
+static limit_t driving_limit(const side_t *side, const torque_limits_input_t *in)
 {
     const config_t *config = side->config;
     limit_t limit = limit_init(config->motor.max_torque_mNm, REASON_MAX_TORQUE);
@@ -250,7 +250,7 @@ static limit_t driving_limit(const side_t *side, const capability_input_t *in)
 }
 
 /* optimal_mNm: shaft torque that returns the most, up to which the returned power grows. */
-static limit_t regenerating_limit(const side_t *side, const capability_input_t *in,
+static limit_t regenerating_limit(const side_t *side, const torque_limits_input_t *in,
                                   int32_t optimal_mNm)
 {
     const config_t *config = side->config;
@@ -278,17 +278,17 @@ static limit_t regenerating_limit(const side_t *side, const capability_input_t *
     return limit;
 }
 
-capability_t capability_step(const config_t *config, const motor_model_t *model,
-                             const capability_input_t *in)
+torque_limits_t torque_limits_step(const config_t *config, const motor_model_t *model,
+                                   const torque_limits_input_t *in)
 {
     const int32_t forward = model->speed_mrad_s >= 0 ? 1 : -1;
-    const voltage_limit_t by_voltage = voltage_limit_at(config, model, in->phase_voltage_mV);
+    const feasible_torque_t by_voltage = feasible_torque_at(config, model, in->phase_voltage_mV);
     const side_t driving = {config, model, in->i_d_weakening_mA, forward, by_voltage};
     const side_t braking = {config, model, in->i_d_weakening_mA, -forward, by_voltage};
     const int32_t airgap_mNm =
-        regen_map_torque_mNm(config, model->speed_mrad_s, in->winding_temperature_cC);
+        loss_maps_torque_mNm(config, model->speed_mrad_s, in->winding_temperature_cC);
     const int32_t optimal_mNm = airgap_mNm + q_abs(model->friction_mNm);
-    capability_t out = {
+    torque_limits_t out = {
         .driving = driving_limit(&driving, in),
         .regenerating = regenerating_limit(&braking, in, optimal_mNm),
     };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/voltage_limit.h"
+#include "torque/feasible_torque.h"
 
 #include "config/bases.h"
 #include "core/divide.h"
@@ -62,10 +62,10 @@ static int32_t torque_mNm(const config_t *config, const motor_model_t *model, in
     return motor_model_torque_of_i_qt_mNm(model, config, i_d_mA, within_mA);
 }
 
-voltage_limit_t voltage_limit_at(const config_t *config, const motor_model_t *model,
-                                 int32_t phase_voltage_mV)
+feasible_torque_t feasible_torque_at(const config_t *config, const motor_model_t *model,
+                                     int32_t phase_voltage_mV)
 {
-    const voltage_limit_t nothing = {.lowest_mNm = 0, .highest_mNm = 0};
+    const feasible_torque_t nothing = {.lowest_mNm = 0, .highest_mNm = 0};
     const int32_t i_d_mA = weakest_d_mA(config, model);
     const line_t line = line_at(model, i_d_mA);
     const int64_t most_mV = q_clamp(phase_voltage_mV, 0, MOST_VOLTAGE_mV);
@@ -80,7 +80,7 @@ voltage_limit_t voltage_limit_at(const config_t *config, const motor_model_t *mo
         torque_mNm(config, model, i_d_mA, current_mA(along_mV - half_mV, line.length_uOhm));
     const int32_t highest_mNm =
         torque_mNm(config, model, i_d_mA, current_mA(along_mV + half_mV, line.length_uOhm));
-    const voltage_limit_t out = {.lowest_mNm = lowest_mNm,
-                                 .highest_mNm = q_max(lowest_mNm, highest_mNm)};
+    const feasible_torque_t out = {.lowest_mNm = lowest_mNm,
+                                   .highest_mNm = q_max(lowest_mNm, highest_mNm)};
     return out;
 }

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * current_reference.h: the currents that make a torque with the least loss, inside the current
+ * current_setpoint.h: the currents that make a torque with the least loss, inside the current
  * circle.
  *
- *     i_d  from the map of least loss (current_map.h), plus what field weakening adds to it in the
+ *     i_d  from the map of least loss (loss_maps.h), plus what field weakening adds to it in the
  * fast reach i_q  from the torque and that i_d (motor_model.h), iron-loss current included
  *
  * The torque of a salient motor depends on i_d: computing i_q from the i_d that really flows keeps
  * the torque while field weakening lowers i_d, and takes i_q back where reluctance torque comes in.
  */
-#ifndef TORQUE_CURRENT_REFERENCE_H
-#define TORQUE_CURRENT_REFERENCE_H
+#ifndef TORQUE_CURRENT_SETPOINT_H
+#define TORQUE_CURRENT_SETPOINT_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -23,7 +23,7 @@ typedef struct {
                        reach */
     int32_t i_q_mA; /* peak phase, terminal; for the i_d with that part */
     bool limited;   /* the phase current limit bit */
-} current_reference_t;
+} current_setpoint_t;
 
 /*
  * What a torque takes, whatever the current limit: terminal currents, field weakening's part
@@ -34,16 +34,16 @@ typedef struct {
  * or above the map's own current where that is lower: beyond it a motor can lose more torque than
  * it gains voltage.
  */
-motor_current_t current_reference_unlimited(const config_t *config, const motor_model_t *model,
-                                            int32_t torque_mNm, int32_t i_d_weakening_mA);
+motor_current_t current_setpoint_unlimited(const config_t *config, const motor_model_t *model,
+                                           int32_t torque_mNm, int32_t i_d_weakening_mA);
 
 /*
  * The same inside the circle of motor.max_phase_current. Where the two do not fit together, i_q
  * gives way to field weakening (without it there is no voltage to drive i_q), and the map's i_d
- * shrinks with the torque: |torque| gets smaller, i_q keeps its sign. capability.h keeps the
+ * shrinks with the torque: |torque| gets smaller, i_q keeps its sign. torque_limits.h keeps the
  * command where nothing has to give way.
  */
-current_reference_t current_reference_step(const config_t *config, const motor_model_t *model,
-                                           int32_t torque_mNm, int32_t i_d_weakening_mA);
+current_setpoint_t current_setpoint_step(const config_t *config, const motor_model_t *model,
+                                         int32_t torque_mNm, int32_t i_d_weakening_mA);
 
 #endif

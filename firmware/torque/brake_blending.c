@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/brake_arbiter.h"
+#include "torque/brake_blending.h"
 
 #include "core/q15.h"
 #include "torque/demand.h"
@@ -12,7 +12,7 @@ enum {
     ANY_DEMAND_mNm = 100000000 /* no share of it is below a motor's torque */
 };
 
-void brake_arbiter_init(brake_arbiter_state_t *state)
+void brake_blending_init(brake_blending_state_t *state)
 {
     state->abs_hold_steps = 0;
     hydraulic_model_init(&state->hydraulic);
@@ -22,31 +22,31 @@ void brake_arbiter_init(brake_arbiter_state_t *state)
 /* The strategy's own bound on the electric part, with the hand-over. A rating or a share fades out
  * as a whole; the best torque is kept as long as what fades is larger: giving it up earlier would
  * return less than a parallel strategy does. */
-static limit_t strategy_limit(const config_t *config, const capability_t *capability,
-                              int32_t demand_mNm, int32_t handover_q15)
+static limit_t strategy_limit(const config_t *config, const torque_limits_t *limits,
+                              int32_t demand_mNm, int32_t blend_out_q15)
 {
     const config_brake_t *brake = &config->brake;
-    limit_t limit = capability->regenerating;
+    limit_t limit = limits->regenerating;
     switch (brake->strategy) {
     case CONFIG_STRATEGY_PARALLEL_RATIO:
         limit_tighten(&limit, brake->electric_rated_torque_mNm, REASON_ELECTRIC_RATED);
         limit_tighten(&limit, q15_share_of(demand_mNm, (int16_t)brake->parallel_electric_share_q15),
                       REASON_ELECTRIC_SHARE);
-        limit_derate(&limit, handover_q15, REASON_HANDOVER);
+        limit_derate(&limit, blend_out_q15, REASON_BLEND_OUT);
         break;
     case CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL:
         limit_tighten(&limit, brake->electric_rated_torque_mNm, REASON_ELECTRIC_RATED);
-        limit_derate(&limit, handover_q15, REASON_HANDOVER);
+        limit_derate(&limit, blend_out_q15, REASON_BLEND_OUT);
         break;
     default: /* CONFIG_STRATEGY_SERIES_OPTIMAL; config_validate() lets nothing else through */
-        limit_derate(&limit, handover_q15, REASON_HANDOVER);
-        limit_tighten(&limit, capability->optimal.torque_mNm, capability->optimal.reason);
+        limit_derate(&limit, blend_out_q15, REASON_BLEND_OUT);
+        limit_tighten(&limit, limits->optimal.torque_mNm, limits->optimal.reason);
         break;
     }
     return limit;
 }
 
-static bool motor_must_yield(brake_arbiter_state_t *state, bool abs_active)
+static bool motor_must_yield(brake_blending_state_t *state, bool abs_active)
 {
     if (abs_active) {
         state->abs_hold_steps = ABS_HOLD_STEPS;
@@ -58,10 +58,10 @@ static bool motor_must_yield(brake_arbiter_state_t *state, bool abs_active)
 
 /* What the hand-over leaves: nothing at and below its end, even where it has no width or ends at
  * standstill. */
-static int32_t handover_share_q15(const config_brake_t *brake, int32_t speed_mrad_s)
+static int32_t blend_out_share_q15(const config_brake_t *brake, int32_t speed_mrad_s)
 {
-    const int32_t end_mrad_s = brake->handover_end_mrad_s;
-    return limit_fade_q15(q_abs(speed_mrad_s), q_max(brake->handover_start_mrad_s, end_mrad_s + 1),
+    const int32_t end_mrad_s = brake->blend_out_end_mrad_s;
+    return limit_fade_q15(q_abs(speed_mrad_s), q_max(brake->blend_out_start_mrad_s, end_mrad_s + 1),
                           end_mrad_s);
 }
 
@@ -72,7 +72,7 @@ static int32_t braking_part(int32_t torque_mNm, int32_t speed_mrad_s)
 }
 
 /* By how much a limit will have fallen until the hydraulic brake has answered; 0 while it rises. */
-static int32_t coming_fall_mNm(brake_arbiter_state_t *state, const config_brake_t *brake,
+static int32_t coming_fall_mNm(brake_blending_state_t *state, const config_brake_t *brake,
                                int32_t limit_mNm)
 {
     const int32_t within_mNm = q_min(limit_mNm, MOST_LIMIT_mNm);
@@ -89,11 +89,11 @@ typedef struct {
     int32_t expected_mNm, shortfall_mNm;
 } motor_share_t;
 
-static motor_share_t motor_share(const config_t *config, const brake_arbiter_input_t *in,
+static motor_share_t motor_share(const config_t *config, const brake_blending_input_t *in,
                                  int32_t electric_mNm)
 {
     motor_share_t out = {.expected_mNm = 0, .shortfall_mNm = 0};
-    if (in->permission.bridge != BRIDGE_PWM) {
+    if (in->torque_enable.bridge != BRIDGE_PWM) {
         return out;
     }
     const int32_t commanded_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
@@ -110,22 +110,22 @@ static motor_share_t motor_share(const config_t *config, const brake_arbiter_inp
     return out;
 }
 
-brake_arbiter_out_t brake_arbiter_step(brake_arbiter_state_t *state, const config_t *config,
-                                       const capability_t *capability,
-                                       const brake_arbiter_input_t *in)
+brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
+                                         const torque_limits_t *limits,
+                                         const brake_blending_input_t *in)
 {
     const config_brake_t *brake = &config->brake;
     const int32_t demand_mNm = q_max(in->demand_mNm, 0);
 
-    const int32_t handover_q15 = handover_share_q15(brake, in->speed_mrad_s);
+    const int32_t blend_out_q15 = blend_out_share_q15(brake, in->speed_mrad_s);
     /* How the limit moves by itself, without the demand that a share is of. */
-    const limit_t moving = strategy_limit(config, capability, ANY_DEMAND_mNm, handover_q15);
+    const limit_t moving = strategy_limit(config, limits, ANY_DEMAND_mNm, blend_out_q15);
     const int32_t fall_mNm = coming_fall_mNm(state, brake, moving.torque_mNm);
-    limit_t available = strategy_limit(config, capability, demand_mNm, handover_q15);
+    limit_t available = strategy_limit(config, limits, demand_mNm, blend_out_q15);
     if (motor_must_yield(state, in->abs_active)) {
         limit_tighten(&available, 0, REASON_ABS);
     }
-    limit_derate(&available, in->permission.brake_q15, in->permission.reason);
+    limit_derate(&available, in->torque_enable.brake_q15, in->torque_enable.reason);
 
     limit_t electric = limit_init(demand_mNm, REASON_NONE);
     limit_tighten(&electric, available.torque_mNm, available.reason);
@@ -141,7 +141,7 @@ brake_arbiter_out_t brake_arbiter_step(brake_arbiter_state_t *state, const confi
         q_max(hydraulic_model_torque_mNm(&state->hydraulic) - motor.shortfall_mNm, 0);
     limit_tighten(&electric, demand_mNm - there_mNm, REASON_TORQUE_RATE);
 
-    const brake_arbiter_out_t out = {
+    const brake_blending_out_t out = {
         .electric_mNm = electric.torque_mNm,
         .hydraulic_mNm = hydraulic_mNm,
         .available = available,

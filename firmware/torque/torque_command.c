@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "torque/torque_limit.h"
+#include "torque/torque_command.h"
 
 #include <stdbool.h>
 
@@ -12,41 +12,42 @@ enum {
     FULL_GROWTH_Q15 = 2294 /* 0.07 below that */
 };
 
-void torque_limit_init(torque_limit_state_t *state)
+void torque_command_init(torque_command_state_t *state)
 {
     state->command_mNm = 0;
 }
 
 /* A driving demand against the rotation is braking by the drive pedal: it feeds the battery and
  * obeys that side's limits; one along the rotation, or at standstill, obeys the driving side's. */
-static limit_t drive_limit(const capability_t *capability, const permission_t *permission,
+static limit_t drive_limit(const torque_limits_t *limits, const torque_enable_t *torque_enable,
                            int32_t speed_mrad_s, int32_t drive_mNm)
 {
     const bool against = (speed_mrad_s > 0 && drive_mNm < 0) || (speed_mrad_s < 0 && drive_mNm > 0);
-    limit_t limit = against ? capability->regenerating : capability->driving;
-    limit_derate(&limit, against ? permission->brake_q15 : permission->drive_q15,
-                 permission->reason);
+    limit_t limit = against ? limits->regenerating : limits->driving;
+    limit_derate(&limit, against ? torque_enable->brake_q15 : torque_enable->drive_q15,
+                 torque_enable->reason);
     return limit;
 }
 
-int32_t torque_limit_growth_mNm(const config_t *config, int32_t voltage_use_q15)
+int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q15)
 {
     const int32_t left_q15 = NO_GROWTH_Q15 - q_clamp(voltage_use_q15, 0, 2 * NO_GROWTH_Q15);
     return q_scale(demand_rate_mNm_per_step(config),
                    q_clamp(left_q15, -FULL_GROWTH_Q15, FULL_GROWTH_Q15), FULL_GROWTH_Q15);
 }
 
-torque_limit_out_t torque_limit_step(torque_limit_state_t *state, const config_t *config,
-                                     const capability_t *capability, const torque_limit_input_t *in)
+torque_command_out_t torque_command_step(torque_command_state_t *state, const config_t *config,
+                                         const torque_limits_t *limits,
+                                         const torque_command_input_t *in)
 {
-    torque_limit_out_t out = {.command_mNm = 0, .reason = REASON_NONE};
-    if (in->permission.bridge != BRIDGE_PWM) {
+    torque_command_out_t out = {.command_mNm = 0, .reason = REASON_NONE};
+    if (in->torque_enable.bridge != BRIDGE_PWM) {
         out.reason =
-            in->drive_mNm != 0 || in->electric_mNm != 0 ? in->permission.reason : REASON_NONE;
+            in->drive_mNm != 0 || in->electric_mNm != 0 ? in->torque_enable.reason : REASON_NONE;
         state->command_mNm = 0;
         return out;
     }
-    const limit_t bound = drive_limit(capability, &in->permission, in->speed_mrad_s, in->drive_mNm);
+    const limit_t bound = drive_limit(limits, &in->torque_enable, in->speed_mrad_s, in->drive_mNm);
     limit_t driving = limit_init(q_abs(in->drive_mNm), REASON_NONE);
     limit_tighten(&driving, bound.torque_mNm, bound.reason);
     const int32_t drive_part_mNm = in->drive_mNm >= 0 ? driving.torque_mNm : -driving.torque_mNm;
@@ -54,7 +55,7 @@ torque_limit_out_t torque_limit_step(torque_limit_state_t *state, const config_t
     const int32_t target_mNm = drive_part_mNm + brake_part_mNm;
 
     const int32_t rate_mNm = demand_rate_mNm_per_step(config);
-    const int32_t growth_mNm = torque_limit_growth_mNm(config, in->voltage_use_q15);
+    const int32_t growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15);
     const int32_t most_mNm = q_max(q_abs(state->command_mNm) + growth_mNm, 0);
     const int32_t within_mNm = q_clamp(target_mNm, -most_mNm, most_mNm);
     state->command_mNm = ramp_step(state->command_mNm, within_mNm, rate_mNm);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The valve: its zero value is the closed one, so memory that was never written opens nothing. */
-#include "core/permission.h"
+#include "core/torque_enable.h"
 #include "unity.h"
 
 void setUp(void) {}
@@ -9,7 +9,7 @@ void tearDown(void) {}
 
 void test_a_valve_of_zeros_is_closed(void)
 {
-    const permission_t zero = {0};
+    const torque_enable_t zero = {0};
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, zero.bridge);
     TEST_ASSERT_EQUAL_INT16(0, zero.drive_q15);
     TEST_ASSERT_EQUAL_INT16(0, zero.brake_q15);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * brake_arbiter.h: who brakes how much.
+ * brake_blending.h: who brakes how much.
  *
  *     parallel_ratio         electric = share * demand, never above the rated electric braking
  * torque parallel_free_travel   electric first, up to the rated electric braking torque
@@ -30,23 +30,23 @@
  * Sources: Lu et al. 2013 section 3.2; for the optimum in region I of its Fig. 5 the motor keeps
  * T_opt instead of leaving everything to the friction brake, which never returns less.
  */
-#ifndef TORQUE_BRAKE_ARBITER_H
-#define TORQUE_BRAKE_ARBITER_H
+#ifndef TORQUE_BRAKE_BLENDING_H
+#define TORQUE_BRAKE_BLENDING_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
 #include "config/config.h"
 #include "core/filter.h"
-#include "core/permission.h"
-#include "torque/capability.h"
+#include "core/torque_enable.h"
 #include "torque/hydraulic_model.h"
+#include "torque/torque_limits.h"
 
 typedef struct {
     uint16_t abs_hold_steps; /* the motor stays out of the way this many steps longer */
     hydraulic_model_t hydraulic;
     filter_t limit_lp_mNm; /* the strategy's limit, as it was lately */
-} brake_arbiter_state_t;
+} brake_blending_state_t;
 
 typedef struct {
     int32_t demand_mNm;         /* magnitude >= 0 */
@@ -56,8 +56,8 @@ typedef struct {
                                    shrink */
     int32_t motor_achieved_mNm; /* estimated from measured currents, signed */
     bool abs_active;
-    permission_t permission;
-} brake_arbiter_input_t;
+    torque_enable_t torque_enable;
+} brake_blending_input_t;
 
 typedef struct {
     int32_t electric_mNm;  /* what the motor is asked for, magnitude >= 0, before the torque rate;
@@ -67,12 +67,12 @@ typedef struct {
     reason_t reason;   /* why electric is less than the demand; REASON_NONE when it is not */
     reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT when the two together fall short of the
                                   demand */
-} brake_arbiter_out_t;
+} brake_blending_out_t;
 
-void brake_arbiter_init(brake_arbiter_state_t *state);
+void brake_blending_init(brake_blending_state_t *state);
 
-brake_arbiter_out_t brake_arbiter_step(brake_arbiter_state_t *state, const config_t *config,
-                                       const capability_t *capability,
-                                       const brake_arbiter_input_t *in);
+brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
+                                         const torque_limits_t *limits,
+                                         const brake_blending_input_t *in);
 
 #endif

@@ -5,8 +5,8 @@
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "torque/current_reference.h"
-#include "torque/voltage_limit.h"
+#include "torque/current_setpoint.h"
+#include "torque/feasible_torque.h"
 #include "unity.h"
 
 static config_t config;
@@ -98,7 +98,7 @@ static void compare(double least_speed_mrad_s, double most_speed_mrad_s, int cas
         const int32_t phase_mV = random_between(&random, 15000, 40000);
         const motor_model_t model = motor_model_at(&config, speed_mrad_s, temperature_cC);
         const reference_motor_t m = reference_motor(&config, speed_mrad_s, temperature_cC);
-        const voltage_limit_t limit = voltage_limit_at(&config, &model, phase_mV);
+        const feasible_torque_t limit = feasible_torque_at(&config, &model, phase_mV);
         const double middle_a = least_volts_at_a(&m);
         if (volts(&m, middle_a) > phase_mV * 1e-3) {
             nothing++;
@@ -131,7 +131,7 @@ void test_at_standstill_the_voltage_limits_no_torque_the_current_circle_allows(v
 {
     config = paper_vehicle();
     const motor_model_t model = motor_model_at(&config, 0, 2500);
-    const voltage_limit_t limit = voltage_limit_at(&config, &model, 25000);
+    const feasible_torque_t limit = feasible_torque_at(&config, &model, 25000);
     TEST_ASSERT_LESS_THAN_INT32(-config.motor.max_torque_mNm, limit.lowest_mNm);
     TEST_ASSERT_GREATER_THAN_INT32(config.motor.max_torque_mNm, limit.highest_mNm);
 }
@@ -141,8 +141,8 @@ void test_the_other_way_round_the_limits_change_places(void)
     config = salient_vehicle();
     const motor_model_t forward = motor_model_at(&config, 70000, 2500);
     const motor_model_t backward = motor_model_at(&config, -70000, 2500);
-    const voltage_limit_t a = voltage_limit_at(&config, &forward, 28000);
-    const voltage_limit_t b = voltage_limit_at(&config, &backward, 28000);
+    const feasible_torque_t a = feasible_torque_at(&config, &forward, 28000);
+    const feasible_torque_t b = feasible_torque_at(&config, &backward, 28000);
     TEST_ASSERT_INT32_WITHIN(30, a.highest_mNm, -b.lowest_mNm);
     TEST_ASSERT_INT32_WITHIN(30, a.lowest_mNm, -b.highest_mNm);
     TEST_ASSERT_LESS_THAN_INT32(0, a.lowest_mNm);
@@ -155,7 +155,7 @@ void test_without_voltage_there_is_no_torque_at_speed(void)
     const motor_model_t model = motor_model_at(&config, 60000, 2500);
     const int32_t NONE_mV[] = {0, -1, INT32_MIN};
     for (int k = 0; k < 3; k++) {
-        const voltage_limit_t limit = voltage_limit_at(&config, &model, NONE_mV[k]);
+        const feasible_torque_t limit = feasible_torque_at(&config, &model, NONE_mV[k]);
         TEST_ASSERT_EQUAL_INT32(0, limit.lowest_mNm);
         TEST_ASSERT_EQUAL_INT32(0, limit.highest_mNm);
     }

@@ -4,13 +4,13 @@
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
-#include "torque/capability.h"
-#include "torque/current_reference.h"
-#include "torque/regen_map.h"
+#include "torque/current_setpoint.h"
+#include "torque/loss_maps.h"
+#include "torque/torque_limits.h"
 #include "unity.h"
 
 static config_t config;
-static capability_input_t world;
+static torque_limits_input_t world;
 
 /* 53 V, cool, a battery that takes and gives whatever it is asked for: what is left are the motor's
  * own limits. */
@@ -18,7 +18,7 @@ void setUp(void)
 {
     config = paper_vehicle_without_i_d();
     world.bus_voltage_mV = 53000;
-    world.phase_voltage_mV = 1000000; /* no voltage limit: voltage_limit.h has its own tests */
+    world.phase_voltage_mV = 1000000; /* no voltage limit: feasible_torque.h has its own tests */
     world.command_mNm = 0;
     world.voltage_low = false;
     world.voltage_high = false;
@@ -32,13 +32,13 @@ void setUp(void)
 
 void tearDown(void) {}
 
-static capability_t at_speed(int32_t speed_mrad_s)
+static torque_limits_t at_speed(int32_t speed_mrad_s)
 {
     const motor_model_t model = motor_model_at(&config, speed_mrad_s, world.winding_temperature_cC);
-    return capability_step(&config, &model, &world);
+    return torque_limits_step(&config, &model, &world);
 }
 
-static capability_t at_rpm(double rpm)
+static torque_limits_t at_rpm(double rpm)
 {
     return at_speed(mrad_s_of_rpm(rpm));
 }
@@ -71,7 +71,7 @@ static double torque_at_power_mNm(double rpm, double power_w)
 
 void test_with_nothing_in_the_way_the_motor_gives_its_largest_torque_both_ways(void)
 {
-    const capability_t out = at_rpm(150.0); /* T_opt is 74.7 Nm there */
+    const torque_limits_t out = at_rpm(150.0); /* T_opt is 74.7 Nm there */
     assert_limit(40000, REASON_MAX_TORQUE, out.driving);
     assert_limit(40000, REASON_MAX_TORQUE, out.regenerating);
     assert_limit(40000, REASON_MAX_TORQUE, out.optimal);
@@ -79,11 +79,11 @@ void test_with_nothing_in_the_way_the_motor_gives_its_largest_torque_both_ways(v
 
 void test_below_its_speed_the_loss_optimum_bounds_only_the_optimal_limit(void)
 {
-    const capability_t out = at_rpm(50.0);
+    const torque_limits_t out = at_rpm(50.0);
     assert_limit(40000, REASON_MAX_TORQUE, out.driving);
     assert_limit(40000, REASON_MAX_TORQUE, out.regenerating);
     TEST_ASSERT_EQUAL_INT(REASON_LOSS_OPTIMUM, out.optimal.reason);
-    TEST_ASSERT_EQUAL_INT32(regen_map_torque_mNm(&config, mrad_s_of_rpm(50.0), 2500),
+    TEST_ASSERT_EQUAL_INT32(loss_maps_torque_mNm(&config, mrad_s_of_rpm(50.0), 2500),
                             out.optimal.torque_mNm);
     /* 24.19 Nm at 25 degC (physics section 6). Three temperatures leave the interpolated torque up
      * to 5 % off, which costs its square, a quarter of a per cent, of the returned power. */
@@ -101,7 +101,7 @@ void test_at_the_shaft_friction_brakes_on_top_of_the_optimum_at_the_airgap(void)
 void test_the_power_limit_bites_at_speed_in_both_directions(void)
 {
     /* 2094 W at 600 r/min = 62.832 rad/s: 33.327 Nm */
-    const capability_t out = at_rpm(600.0);
+    const torque_limits_t out = at_rpm(600.0);
     assert_limit(33327, REASON_MAX_POWER, out.driving);
     assert_limit(33327, REASON_MAX_POWER, out.regenerating);
 }
@@ -120,7 +120,7 @@ void test_the_phase_current_limit_bites_and_the_iron_current_counts_for_the_brak
 void test_the_charge_current_of_the_pack_is_shared_and_bounds_only_braking(void)
 {
     world.bms_charge_current_mA = 40000; /* four wheels: 10 A * 53 V = 530 W each */
-    const capability_t out = at_rpm(300.0);
+    const torque_limits_t out = at_rpm(300.0);
     assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -530.0)), REASON_CHARGE_CURRENT,
                  out.regenerating);
     assert_limit(40000, REASON_MAX_TORQUE, out.driving);
@@ -129,7 +129,7 @@ void test_the_charge_current_of_the_pack_is_shared_and_bounds_only_braking(void)
 void test_the_configured_charge_current_bounds_what_the_battery_offers(void)
 {
     config.battery.max_charge_current_mA = 8000; /* 424 W */
-    const capability_t out = at_rpm(300.0);
+    const torque_limits_t out = at_rpm(300.0);
     assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -424.0)), REASON_CHARGE_CURRENT,
                  out.regenerating);
 }
@@ -184,7 +184,7 @@ void test_a_bus_near_its_upper_voltage_folds_the_charge_current_back(void)
     world.command_mNm = -(int32_t)lround(torque_at_power_mNm(450.0, -1445.4));
     world.voltage_high = true;
     world.bus_voltage_mV = (config.battery.foldback_voltage_mV + config.battery.max_voltage_mV) / 2;
-    const capability_t half = at_rpm(450.0);
+    const torque_limits_t half = at_rpm(450.0);
     assert_limit((int32_t)lround(torque_at_power_mNm(450.0, -1445.4)), REASON_BUS_VOLTAGE_HIGH,
                  half.regenerating);
     assert_limit(40000, REASON_MAX_TORQUE, half.driving);
@@ -198,7 +198,7 @@ void test_a_bus_near_its_upper_voltage_folds_the_charge_current_back(void)
 void test_the_discharge_current_of_the_pack_is_shared_and_bounds_driving(void)
 {
     world.bms_discharge_current_mA = 40000; /* 530 W each */
-    const capability_t out = at_rpm(300.0);
+    const torque_limits_t out = at_rpm(300.0);
     assert_limit((int32_t)lround(torque_at_power_mNm(300.0, 530.0)), REASON_DISCHARGE_CURRENT,
                  out.driving);
     assert_limit(40000, REASON_MAX_TORQUE, out.regenerating);
@@ -211,7 +211,7 @@ void test_a_bus_near_its_lower_voltage_folds_the_discharge_current_back(void)
     world.command_mNm = (int32_t)lround(torque_at_power_mNm(300.0, 1268.25));
     world.voltage_low = true;
     world.bus_voltage_mV = 40584;
-    const capability_t half = at_rpm(300.0);
+    const torque_limits_t half = at_rpm(300.0);
     assert_limit((int32_t)lround(torque_at_power_mNm(300.0, 1268.25)), REASON_BUS_VOLTAGE_LOW,
                  half.driving);
     assert_limit(40000, REASON_MAX_TORQUE, half.regenerating);
@@ -229,11 +229,11 @@ void test_braking_that_draws_power_obeys_the_discharge_limit(void)
 {
     assert_limit(40000, REASON_MAX_TORQUE, at_rpm(5.0).regenerating);
     world.bms_discharge_current_mA = 4000; /* 53 W each */
-    const capability_t out = at_rpm(5.0);
+    const torque_limits_t out = at_rpm(5.0);
     TEST_ASSERT_EQUAL_INT(REASON_DISCHARGE_CURRENT, out.regenerating.reason);
     const motor_model_t model = motor_model_at(&config, mrad_s_of_rpm(5.0), 2500);
     const motor_current_t i =
-        current_reference_unlimited(&config, &model, -out.regenerating.torque_mNm, 0);
+        current_setpoint_unlimited(&config, &model, -out.regenerating.torque_mNm, 0);
     TEST_ASSERT_INT32_WITHIN(300, 53000, motor_model_power_mW(&model, i));
     /* Where braking returns power it costs nothing to have no discharge current at all. */
     world.bms_discharge_current_mA = 0;
@@ -264,10 +264,10 @@ void test_the_speed_limit_cuts_the_drive_and_never_the_brake(void)
     /* The drive fades over the last 1/32 of 67.021 rad/s, from 64.927 on; half at 65.974, where
      * 2094 W leave more than half of 40 Nm. The brake goes on at the power limit, 2094 W / 65.974
      * and, beyond the limit, / 80. */
-    const capability_t half = at_speed(65974);
+    const torque_limits_t half = at_speed(65974);
     assert_limit(20000, REASON_MAX_SPEED, half.driving);
     assert_limit(31740, REASON_MAX_POWER, half.regenerating);
-    const capability_t beyond = at_speed(80000);
+    const torque_limits_t beyond = at_speed(80000);
     assert_limit(0, REASON_MAX_SPEED, beyond.driving);
     assert_limit(26175, REASON_MAX_POWER, beyond.regenerating);
 }
@@ -275,7 +275,7 @@ void test_the_speed_limit_cuts_the_drive_and_never_the_brake(void)
 void test_without_a_rotor_angle_there_is_no_torque(void)
 {
     world.rotor_valid = false;
-    const capability_t out = at_rpm(150.0);
+    const torque_limits_t out = at_rpm(150.0);
     assert_limit(0, REASON_ROTOR_UNCERTAIN, out.driving);
     assert_limit(0, REASON_ROTOR_UNCERTAIN, out.regenerating);
     assert_limit(0, REASON_ROTOR_UNCERTAIN, out.optimal);
@@ -296,7 +296,7 @@ void test_limits_are_magnitudes_whatever_the_world_is_like(void)
     random_t random = random_seeded(1);
     for (int n = 0; n < 50000; n++) {
         random_world(&random);
-        const capability_t out = at_speed(random_between(&random, -100000, 100000));
+        const torque_limits_t out = at_speed(random_between(&random, -100000, 100000));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.driving.torque_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.regenerating.torque_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.optimal.torque_mNm);
@@ -314,8 +314,8 @@ void test_forward_and_backward_are_equally_limited(void)
     for (int n = 0; n < 20000; n++) {
         random_world(&random);
         const int32_t speed_mrad_s = random_between(&random, 1, 100000);
-        const capability_t forward = at_speed(speed_mrad_s);
-        const capability_t backward = at_speed(-speed_mrad_s);
+        const torque_limits_t forward = at_speed(speed_mrad_s);
+        const torque_limits_t backward = at_speed(-speed_mrad_s);
         TEST_ASSERT_EQUAL_INT32(forward.driving.torque_mNm, backward.driving.torque_mNm);
         TEST_ASSERT_EQUAL_INT32(forward.regenerating.torque_mNm, backward.regenerating.torque_mNm);
         TEST_ASSERT_EQUAL_INT32(forward.optimal.torque_mNm, backward.optimal.torque_mNm);
@@ -329,10 +329,10 @@ void test_a_worse_battery_never_allows_more(void)
     for (int n = 0; n < 20000; n++) {
         random_world(&random);
         const int32_t speed_mrad_s = random_between(&random, -100000, 100000);
-        const capability_t before = at_speed(speed_mrad_s);
+        const torque_limits_t before = at_speed(speed_mrad_s);
         world.bms_charge_current_mA -= random_between(&random, 0, 50000);
         world.bms_discharge_current_mA -= random_between(&random, 0, 50000);
-        const capability_t after = at_speed(speed_mrad_s);
+        const torque_limits_t after = at_speed(speed_mrad_s);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.driving.torque_mNm, after.driving.torque_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.regenerating.torque_mNm,
                                         after.regenerating.torque_mNm);
@@ -351,10 +351,10 @@ void test_hotter_switches_and_a_hotter_winding_never_allow_more_torque(void)
         world.bms_discharge_current_mA = 1000000;
         world.bus_voltage_mV = 53000;
         const int32_t speed_mrad_s = random_between(&random, -60000, 60000);
-        const capability_t before = at_speed(speed_mrad_s);
+        const torque_limits_t before = at_speed(speed_mrad_s);
         world.winding_temperature_cC += random_between(&random, 0, 5000);
         world.switch_temperature_cC += random_between(&random, 0, 5000);
-        const capability_t after = at_speed(speed_mrad_s);
+        const torque_limits_t after = at_speed(speed_mrad_s);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.driving.torque_mNm, after.driving.torque_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.regenerating.torque_mNm,
                                         after.regenerating.torque_mNm);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The arbiter with a hydraulic brake that is late (hydraulic_model.h); the split itself:
- * test_brake_arbiter.c. */
+ * test_brake_blending.c. */
 #include <math.h>
 
 #include "random_values.h"
@@ -23,9 +23,9 @@ static void random_situation(random_t *random)
     in.demand_mNm = random_between(random, 0, 300000);
     in.speed_mrad_s = random_between(random, -70000, 70000);
     in.abs_active = random_chance(random, 0.05);
-    in.permission.brake_q15 =
+    in.torque_enable.brake_q15 =
         (int16_t)(random_chance(random, 0.2) ? random_between(random, 0, Q15_ONE) : Q15_ONE);
-    in.permission.reason = REASON_PERMISSION;
+    in.torque_enable.reason = REASON_TORQUE_ENABLE;
 }
 
 /* 40 ms, then 60 ms of lag, as the paper's vehicle has it. */
@@ -39,10 +39,10 @@ static void late_hydraulic_brake(void)
 
 /* One step of a motor that follows at its rate; its torque. */
 static int32_t driven_mNm;
-static brake_arbiter_out_t step_with_motor(void)
+static brake_blending_out_t step_with_motor(void)
 {
     motor_follows(driven_mNm);
-    const brake_arbiter_out_t out = step();
+    const brake_blending_out_t out = step();
     driven_mNm = q_clamp(out.electric_mNm, driven_mNm - 400, driven_mNm + 400);
     return out;
 }
@@ -59,7 +59,7 @@ void test_a_motor_that_may_return_takes_what_the_hydraulic_brake_has_left_and_no
     TEST_ASSERT_INT32_WITHIN(1, 60000, hydraulic_model_torque_mNm(&state.hydraulic));
     in.abs_active = false;
     for (int n = 0; n < 2000; n++) {
-        const brake_arbiter_out_t out = step_with_motor();
+        const brake_blending_out_t out = step_with_motor();
         TEST_ASSERT_LESS_OR_EQUAL_INT32(60000, out.electric_mNm +
                                                    hydraulic_model_torque_mNm(&state.hydraulic));
     }
@@ -76,9 +76,9 @@ void test_whatever_happens_motor_and_estimated_hydraulic_brake_end_at_the_demand
         in.abs_active = false;
         config.brake.hydraulic_dead_time_ms = random_between(&random, 0, 250);
         config.brake.hydraulic_time_constant_ms = random_between(&random, 0, 300);
-        brake_arbiter_init(&state);
+        brake_blending_init(&state);
         driven_mNm = random_between(&random, 0, 60000);
-        brake_arbiter_out_t out = {0};
+        brake_blending_out_t out = {0};
         for (int k = 0; k < 5000; k++) {
             out = step_with_motor();
             TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.hydraulic_mNm);
@@ -96,7 +96,7 @@ void test_the_hydraulic_command_goes_ahead_of_a_falling_limit_by_dead_time_and_l
     late_hydraulic_brake();
     in.demand_mNm = 30000;
     driven_mNm = 30000;
-    brake_arbiter_out_t out = {0};
+    brake_blending_out_t out = {0};
     for (int n = 0; n <= 1500; n++) { /* 20 N m/s */
         capability.optimal = limit_init(50000 - 20 * n, REASON_LOSS_OPTIMUM);
         out = step_with_motor();
@@ -123,7 +123,7 @@ void test_how_a_limit_falls_is_known_after_64_ms(void)
     }
     for (int n = 1; n <= 128; n++) { /* 20 N m/s: 2 N m in 100 ms */
         capability.optimal = limit_init(50000 - 20 * n, REASON_LOSS_OPTIMUM);
-        const brake_arbiter_out_t out = step_with_motor();
+        const brake_blending_out_t out = step_with_motor();
         if (n == 64 || n == 128) {
             const double lead_mNm = 2000.0 * (1.0 - exp(-n / 64.0));
             TEST_ASSERT_INT32_WITHIN(40, 20 * n + (int32_t)lround(lead_mNm), out.hydraulic_mNm);
@@ -160,7 +160,7 @@ void test_a_lasting_shortfall_is_filled_and_stays_filled(void)
     late_hydraulic_brake();
     in.demand_mNm = 20000;
     driven_mNm = 20000;
-    brake_arbiter_out_t out = {0};
+    brake_blending_out_t out = {0};
     for (int n = 0; n < 3000; n++) {
         in.motor_command_mNm = -driven_mNm;
         in.motor_achieved_mNm = -driven_mNm / 2;

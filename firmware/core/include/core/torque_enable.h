@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * permission.h: the valve. Modes and monitor never compute torque; they only open and close this.
+ * torque_enable.h: the valve. Modes and monitor never compute torque; they only open and close
+ * this.
  *
  * It enters the river at two places: the torque limit (how much torque may be asked for, each
  * direction of power on its own) and the bridge mode (whether and how the switches may be driven).
  */
-#ifndef CORE_PERMISSION_H
-#define CORE_PERMISSION_H
+#ifndef CORE_TORQUE_ENABLE_H
+#define CORE_TORQUE_ENABLE_H
 
 #include "core/reason.h"
 
@@ -20,6 +21,6 @@ typedef struct {
     int16_t drive_q15; /* share of the driving torque that is permitted, 0 .. 32767 */
     int16_t brake_q15; /* share of the electric braking torque that is permitted, 0 .. 32767 */
     reason_t reason;   /* why less than everything is permitted; REASON_NONE when fully open */
-} permission_t;
+} torque_enable_t;
 
 #endif

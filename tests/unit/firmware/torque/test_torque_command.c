@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "paper_vehicle.h"
 #include "random_values.h"
-#include "torque/torque_limit.h"
+#include "torque/torque_command.h"
 #include "unity.h"
 
 enum { FORWARD = 30000, BACKWARD = -30000, RATE = 400, SETTLED = 200 };
 
 static config_t config;
-static torque_limit_state_t state;
-static capability_t capability;
-static permission_t permission;
+static torque_command_state_t state;
+static torque_limits_t capability;
+static torque_enable_t torque_enable;
 static int32_t voltage_use_q15;
 
 void setUp(void)
@@ -17,31 +17,31 @@ void setUp(void)
     config = paper_vehicle();
     config.brake.torque_rate_mNm_s = RATE * 1000;
     voltage_use_q15 = 0;
-    torque_limit_init(&state);
+    torque_command_init(&state);
     capability.driving = limit_init(40000, REASON_MAX_TORQUE);
     capability.regenerating = limit_init(25000, REASON_CHARGE_CURRENT);
     capability.optimal = capability.regenerating;
-    permission.bridge = BRIDGE_PWM;
-    permission.drive_q15 = Q15_ONE;
-    permission.brake_q15 = Q15_ONE;
-    permission.reason = REASON_NONE;
+    torque_enable.bridge = BRIDGE_PWM;
+    torque_enable.drive_q15 = Q15_ONE;
+    torque_enable.brake_q15 = Q15_ONE;
+    torque_enable.reason = REASON_NONE;
 }
 
 void tearDown(void) {}
 
-static torque_limit_out_t step(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
+static torque_command_out_t step(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
 {
-    const torque_limit_input_t in = {
-        .permission = permission,
+    const torque_command_input_t in = {
+        .torque_enable = torque_enable,
         .speed_mrad_s = speed_mrad_s,
         .voltage_use_q15 = voltage_use_q15,
         .drive_mNm = drive_mNm,
         .electric_mNm = electric_mNm,
     };
-    return torque_limit_step(&state, &config, &capability, &in);
+    return torque_command_step(&state, &config, &capability, &in);
 }
 
-static torque_limit_out_t settle(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
+static torque_command_out_t settle(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
 {
     for (int n = 0; n < SETTLED; n++) {
         step(speed_mrad_s, drive_mNm, electric_mNm);
@@ -49,7 +49,7 @@ static torque_limit_out_t settle(int32_t speed_mrad_s, int32_t drive_mNm, int32_
     return step(speed_mrad_s, drive_mNm, electric_mNm);
 }
 
-static void assert_command(int32_t command_mNm, reason_t reason, torque_limit_out_t out)
+static void assert_command(int32_t command_mNm, reason_t reason, torque_command_out_t out)
 {
     TEST_ASSERT_EQUAL_INT32(command_mNm, out.command_mNm);
     TEST_ASSERT_EQUAL_INT(reason, out.reason);
@@ -100,7 +100,7 @@ void test_a_drive_demand_against_the_slowest_rotation_obeys_the_limit_of_braking
     assert_command(25000, REASON_CHARGE_CURRENT, settle(-1, 100000, 0));
 }
 
-/* The arbiter counts a backward torque as braking at standstill (test_brake_arbiter.c), so it must
+/* The arbiter counts a backward torque as braking at standstill (test_brake_blending.c), so it must
  * be one. */
 void test_at_standstill_braking_is_torque_backwards(void)
 {
@@ -109,40 +109,40 @@ void test_at_standstill_braking_is_torque_backwards(void)
 
 void test_each_direction_of_power_has_its_own_permission(void)
 {
-    permission.drive_q15 = 8192; /* a quarter of 40 Nm */
-    permission.reason = REASON_ROTOR_UNCERTAIN;
+    torque_enable.drive_q15 = 8192; /* a quarter of 40 Nm */
+    torque_enable.reason = REASON_ROTOR_UNCERTAIN;
     assert_command(10000, REASON_ROTOR_UNCERTAIN, settle(FORWARD, 60000, 0));
     assert_command(-25000, REASON_CHARGE_CURRENT, settle(FORWARD, -60000, 0));
-    permission.drive_q15 = Q15_ONE;
-    permission.brake_q15 = 8192; /* a quarter of 25 Nm */
+    torque_enable.drive_q15 = Q15_ONE;
+    torque_enable.brake_q15 = 8192; /* a quarter of 25 Nm */
     assert_command(40000, REASON_MAX_TORQUE, settle(FORWARD, 60000, 0));
     assert_command(-6250, REASON_ROTOR_UNCERTAIN, settle(FORWARD, -60000, 0));
 }
 
-void test_a_permission_taken_away_lets_the_torque_leave_at_its_rate(void)
+void test_a_torque_enable_taken_away_lets_the_torque_leave_at_its_rate(void)
 {
     settle(FORWARD, 30000, 0);
-    permission.drive_q15 = 0;
-    permission.reason = REASON_PERMISSION;
+    torque_enable.drive_q15 = 0;
+    torque_enable.reason = REASON_TORQUE_ENABLE;
     assert_command(29600, REASON_TORQUE_RATE, step(FORWARD, 30000, 0));
-    assert_command(0, REASON_PERMISSION, settle(FORWARD, 30000, 0));
+    assert_command(0, REASON_TORQUE_ENABLE, settle(FORWARD, 30000, 0));
 }
 
 void test_a_bridge_that_stops_switching_ends_the_command_at_once(void)
 {
     const bridge_mode_t silent[] = {BRIDGE_OFF, BRIDGE_SHORT};
     for (int k = 0; k < 2; k++) {
-        permission.bridge = BRIDGE_PWM;
+        torque_enable.bridge = BRIDGE_PWM;
         settle(FORWARD, 30000, 0);
-        permission.bridge = silent[k];
-        permission.reason = REASON_OVERCURRENT;
+        torque_enable.bridge = silent[k];
+        torque_enable.reason = REASON_OVERCURRENT;
         assert_command(0, REASON_OVERCURRENT, step(FORWARD, 30000, 0));
         assert_command(0, REASON_OVERCURRENT, step(FORWARD, 0, 10000));
         assert_command(0, REASON_NONE, step(FORWARD, 0, 0));
         /* and afterwards it starts again from nothing */
-        permission.bridge = BRIDGE_PWM;
+        torque_enable.bridge = BRIDGE_PWM;
         assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 30000, 0));
-        torque_limit_init(&state);
+        torque_command_init(&state);
     }
 }
 
@@ -152,11 +152,11 @@ void test_a_limit_only_shrinks_the_demand_and_never_turns_it_round(void)
     for (int n = 0; n < 20000; n++) {
         capability.driving = limit_init(random_between(&random, 0, 60000), REASON_MAX_POWER);
         capability.regenerating = limit_init(random_between(&random, 0, 60000), REASON_MAX_POWER);
-        permission.drive_q15 = (int16_t)random_between(&random, 0, Q15_ONE);
-        permission.brake_q15 = (int16_t)random_between(&random, 0, Q15_ONE);
+        torque_enable.drive_q15 = (int16_t)random_between(&random, 0, Q15_ONE);
+        torque_enable.brake_q15 = (int16_t)random_between(&random, 0, Q15_ONE);
         const int32_t speed_mrad_s = random_between(&random, -70000, 70000);
         const int32_t drive_mNm = random_between(&random, -60000, 60000);
-        torque_limit_init(&state);
+        torque_command_init(&state);
         for (int k = 0; k < 160; k++) {
             const int32_t command_mNm = step(speed_mrad_s, drive_mNm, 0).command_mNm;
             TEST_ASSERT_GREATER_OR_EQUAL_INT32(drive_mNm < 0 ? drive_mNm : 0, command_mNm);

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * loss_maps.h: the two look-up tables of least loss in the configuration (tools/regen_table makes
+ * them; firmware/torque/README.md, Loss maps). 1 kHz. Linear along every axis; outside the grid the
+ * nearest edge counts.
+ */
+#ifndef TORQUE_LOSS_MAPS_H
+#define TORQUE_LOSS_MAPS_H
+
+#include <stdint.h>
+
+#include "config/config.h"
+
+/*
+ * Optimal regenerative torque map: the braking torque at the airgap that returns the most energy at
+ * this wheel speed and winding temperature. Magnitude >= 0, mN m, without any limit. Symmetric in
+ * the sign of speed; zero below the speed where regeneration begins.
+ */
+int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
+                             int32_t winding_temperature_cC);
+
+/*
+ * Minimum-loss d-current map (MTPA and loss-minimising): the terminal i_d, peak phase, mA, that
+ * makes an airgap torque (signed, positive forward) with the least power out of the battery. All
+ * entries zero: i_d = 0 control.
+ */
+int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,
+                               int32_t winding_temperature_cC, int32_t airgap_torque_mNm);
+
+#endif
