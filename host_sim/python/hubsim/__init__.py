@@ -11,15 +11,32 @@ vehicle.
     hubsim.parameters()               everything about the simulated world that can be set
 """
 
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from regen_table import __version__
 
-from hubsim.bench import Bench, Recording
-from hubsim.configuration import Configuration
-from hubsim.configuration import load as load_configuration
-from hubsim.controller import Controller
-from hubsim.engine import parameters
-from hubsim.errors import HubsimError
-from hubsim.variables import Values, Variable
+if TYPE_CHECKING:
+    from hubsim.bench import Bench, Recording
+    from hubsim.configuration import Configuration
+    from hubsim.configuration import load as load_configuration
+    from hubsim.controller import Controller
+    from hubsim.engine import parameters
+    from hubsim.errors import HubsimError
+    from hubsim.variables import Values, Variable
+
+# Loaded at first use, so that a command that needs none of it starts without NumPy and the engine.
+_PLACES = {
+    "Bench": ("hubsim.bench", "Bench"),
+    "Configuration": ("hubsim.configuration", "Configuration"),
+    "Controller": ("hubsim.controller", "Controller"),
+    "HubsimError": ("hubsim.errors", "HubsimError"),
+    "Recording": ("hubsim.bench", "Recording"),
+    "Values": ("hubsim.variables", "Values"),
+    "Variable": ("hubsim.variables", "Variable"),
+    "load_configuration": ("hubsim.configuration", "load"),
+    "parameters": ("hubsim.engine", "parameters"),
+}
 
 __all__ = [
     "Bench",
@@ -33,3 +50,16 @@ __all__ = [
     "load_configuration",
     "parameters",
 ]
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401, whatever is public
+    if name not in _PLACES:
+        raise AttributeError(f"module 'hubsim' has no attribute {name!r}")
+    module, attribute = _PLACES[name]
+    found = getattr(importlib.import_module(module), attribute)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_PLACES})

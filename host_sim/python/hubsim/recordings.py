@@ -7,7 +7,6 @@ every column besides.
 
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TextIO
@@ -28,15 +27,6 @@ _MADE = (
     + __version__
     + "</tool_version></FHcomment>"
 )
-
-
-@dataclass(frozen=True)
-class Kind:
-    """A kind of file that a run can leave."""
-
-    name: str
-    help: str
-    write: Callable[[RunResult, Path], None]
 
 
 def write_csv(result: RunResult, path: Path) -> None:
@@ -124,15 +114,13 @@ def write_all(result: RunResult, wanted: Mapping[str, Path]) -> None:
         if name == "layout":
             write_layout(result, path, wanted.get("csv"))
         else:
-            KINDS[name].write(result, path)
+            WRITERS[name](result, path)
 
 
-KINDS = {
-    kind.name: kind
-    for kind in (
-        Kind("csv", "write the recorded signals as text", write_csv),
-        Kind("parquet", "write the recorded signals as a Parquet table with units", write_parquet),
-        Kind("mdf", "write the recorded signals as an ASAM MDF4 measurement with units", write_mdf),
-        Kind("layout", "write a PlotJuggler layout for the recorded signals", write_layout),
-    )
+# Writers by the names in cli.RECORDINGS; the layout's needs the place of the CSV recording too.
+WRITERS: Mapping[str, Callable[[RunResult, Path], None]] = {
+    "csv": write_csv,
+    "parquet": write_parquet,
+    "mdf": write_mdf,
+    "layout": write_layout,
 }

@@ -11,60 +11,14 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from hubsim import arguments, difference, files, outputs, overrides, run, scenario
+from hubsim import commands, difference, files, outputs, overrides, run, scenario
 from hubsim.commands.run import DEFAULT_SIGNALS
 from hubsim.difference import Difference, Side, Tolerance
 from hubsim.errors import HubsimError
 
 
-def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
-    """Declare the command."""
-    command = commands.add_parser(
-        "compare",
-        help="two results or two runs side by side",
-        description="Compare figures and signals of two results (JSON, CSV, Parquet) or of two scenarios that are run now. "
-        "Exit status 1 if anything that both have is further apart than the tolerances allow.",
-    )
-    command.add_argument(
-        "first", metavar="A", help="a file that 'hubsim run' wrote, or a scenario to run"
-    )
-    command.add_argument("second", metavar="B", help="another one")
-    arguments.add_common(command)
-    for side in ("a", "b"):
-        command.add_argument(
-            f"--set-{side}",
-            action="append",
-            default=[],
-            metavar="KEY=VALUE",
-            help=f"as --set, for the run of {side.upper()} alone; repeatable",
-        )
-    command.add_argument(
-        "--absolute",
-        type=float,
-        default=0.0,
-        metavar="X",
-        help="tolerated difference, in each one's unit; default: 0",
-    )
-    command.add_argument(
-        "--relative",
-        type=float,
-        default=0.0,
-        metavar="X",
-        help="tolerated share of the larger figure, or of a signal's peak; default: 0",
-    )
-    command.add_argument(
-        "--only",
-        metavar="PATTERN,...",
-        help="what to compare, '*' for anything; default: everything",
-    )
-    command.add_argument(
-        "--all", action="store_true", help="show also what is within the tolerances"
-    )
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the differences")
-    command.set_defaults(run=_compare)
-
-
-def _compare(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> int:
+    """Do the command and return the exit status."""
     for name in ("absolute", "relative"):
         if not 0.0 <= getattr(options, name) < float("inf"):
             raise HubsimError(f"--{name} {getattr(options, name)}: accepted: a number from 0")
@@ -106,9 +60,9 @@ def _side(options: argparse.Namespace, name: str, extra: Sequence[str]) -> Side:
         return difference.read(Path(name))
     settings = overrides.parse([*options.settings, *extra])
     title, chosen, beside = scenario.load(name, settings.scenario)
-    drive = arguments.drive_of(options.config, settings, None, chosen)
+    drive = commands.drive_of(options.config, settings, None, chosen)
     result = run.simulate(title, drive, chosen, beside, DEFAULT_SIGNALS, settings.plant)
-    arguments.warn_of(result)
+    commands.warn_of(result)
     signals = {signal: result.signal(signal) for signal in result.names}
     label = " ".join([title, *extra]) if extra else title
     return Side(label, difference.figures_of(outputs.run_object(result)), signals)

@@ -2,46 +2,13 @@
 """``hubsim report``: one page from results that runs left behind."""
 
 import argparse
-from pathlib import Path
 
-from regen_table import installation
-
-from hubsim import arguments, engine, files, overrides, results_files, run, scenario
+from hubsim import commands, engine, files, overrides, results_files, run, scenario
 from hubsim.errors import HubsimError
 
 
-def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
-    """Declare the command."""
-    command = commands.add_parser(
-        "report", help="one page from the results of runs",
-        description="Make one self-contained page from results written by 'hubsim run --json RUN.json', each with what was recorded "
-        "beside it ('--parquet RUN.parquet' or '--csv RUN.csv', the same name).",
-    )  # fmt: skip
-    command.add_argument(
-        "results",
-        metavar="RESULT.json",
-        type=Path,
-        nargs="+",
-        help="what 'hubsim run --json' wrote",
-    )
-    command.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="FILE", help="the page to write"
-    )
-    command.add_argument(
-        "--config",
-        type=installation.drive_file,
-        metavar="TOML",
-        help="the drive; default: the one that comes along under the result's name",
-    )
-    command.add_argument(
-        "--stops",
-        action="store_true",
-        help="also simulate stops at constant demand under all strategies",
-    )
-    command.set_defaults(run=_report)
-
-
-def _report(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> int:
+    """Do the command and return the exit status."""
     from hubsim import comparison, report, stops  # noqa: PLC0415, the report's modules are needed by few commands
 
     files.check_writable(options.output)
@@ -63,10 +30,10 @@ def _report(options: argparse.Namespace) -> int:
             )
         standing = scenario.Scenario(max_duration_s=1.0)
         drives = [
-            arguments.drive_of(known[names[0]], overrides.Overrides(), strategy, standing)
+            commands.drive_of(known[names[0]], overrides.Overrides(), strategy, standing)
             for strategy in run.STRATEGIES
         ]
-        with arguments.progress_bar("stops") as bar:
+        with commands.progress_bar("stops") as bar:
             curves = list(comparison.extras(drives, bar).stops)
     report.write_page(found, options.output, report.Extras(maps, curves, "hubsim report"))
     print(f"report: {options.output}")

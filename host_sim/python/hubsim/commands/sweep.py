@@ -6,65 +6,12 @@ import hashlib
 import sys
 from pathlib import Path
 
-from hubsim import __version__, arguments, engine, files, scenario
+from hubsim import __version__, commands, engine, files, scenario
 from hubsim.errors import HubsimError
 
 
-def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
-    """Declare the command."""
-    command = commands.add_parser(
-        "sweep", help="many runs of a scenario with keys that vary, into one table",
-        description="Run a scenario over a grid of keys, over random draws, or both. An interrupted sweep goes on with the same command. "
-        "Exit status 1 if a run could not be done or did not meet the scenario's criteria.",
-    )  # fmt: skip
-    command.add_argument(
-        "scenario", metavar="SCENARIO", help="a built-in scenario ('hubsim list') or a TOML file"
-    )
-    arguments.add_common(command)
-    arguments.add_strategy(command)
-    command.add_argument(
-        "--vary", action="append", default=[], metavar="KEY=SPEC", required=True,
-        help="a key as --set takes it, and a,b,... or range(first,last,count) for a grid; normal(mean,deviation), "
-        "uniform(lowest,highest) or choice(a,b,...) for draws; repeatable",
-    )  # fmt: skip
-    command.add_argument("--runs", type=int, metavar="N", help="draws, for each point of the grid")
-    command.add_argument(
-        "--seed", type=int, default=1, metavar="N", help="of the draws; default: 1"
-    )
-    command.add_argument(
-        "--collect",
-        action="append",
-        default=[],
-        metavar="COLUMN=FORMULA",
-        help="another column: a formula as in criteria; repeatable",
-    )
-    command.add_argument(
-        "--output",
-        type=Path,
-        required=True,
-        metavar="FILE",
-        help="the table, .parquet or .csv; until it is complete, FILE.parts/",
-    )
-    command.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="of a Dask scheduler (tcp://host:port); default: workers on this machine",
-    )
-    command.add_argument(
-        "--workers",
-        type=int,
-        metavar="N",
-        help="processes on this machine; default: one for each core",
-    )
-    command.add_argument(
-        "--restart",
-        action="store_true",
-        help="begin anew instead of going on with what an interrupted sweep left",
-    )
-    command.set_defaults(run=_sweep)
-
-
-def _sweep(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> int:
+    """Do the command and return the exit status."""
     # Dask and Arrow are big; no other command needs them.
     from hubsim.sweep import conduct, plan, store, work  # noqa: PLC0415
 
@@ -95,7 +42,7 @@ def _sweep(options: argparse.Namespace) -> int:
     )
     if options.restart:
         kept.forget()
-    with arguments.progress_bar("runs") as bar:
+    with commands.progress_bar("runs") as bar:
         task = bar.add_task(f"{options.scenario}", total=found.runs)
         try:
             table = conduct.conduct(

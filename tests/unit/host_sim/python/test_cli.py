@@ -5,11 +5,12 @@ import csv
 import json
 import shlex
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from hubsim import cli
+from hubsim import cli, recordings, run
 from hubsim.cli import DEFAULT_CONFIG
 
 Hubsim = Callable[..., subprocess.CompletedProcess[str]]
@@ -287,7 +288,7 @@ def test_the_examples_of_the_help_are_calls_that_the_command_takes(hubsim: Hubsi
         assert example in text
         program, *arguments = shlex.split(example)
         assert program == "hubsim"
-        assert callable(cli.parser().parse_args(arguments).run)
+        assert cli.parser().parse_args(arguments).command == arguments[0]
     assert hubsim("list", "--criteria").returncode == 0
 
 
@@ -304,3 +305,38 @@ def test_list_explains_events_and_criteria(hubsim: Hubsim) -> None:
         "ANY_FAULT",
     ):
         assert word in text
+
+
+HEAVY = {
+    "asammdf", "cffi", "dask", "distributed", "matplotlib", "numpy", "pandas", "pyarrow", "pydantic", "rich", "scipy",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        ("--help",),
+        ("--version",),
+        *((name, "--help") for name in ("run", "sim", "sweep", "compare", "list", "report")),
+        ("run", "stop", "--colour"),
+    ],
+)
+def test_help_and_a_wrong_call_import_the_standard_library_alone(call: tuple[str, ...]) -> None:
+    """Keep ``--help`` short: an import that a command needs belongs into the command."""
+    code = (
+        "import sys\nfrom hubsim.cli import main\n"
+        f"try:\n    main({list(call)!r})\nexcept SystemExit:\n    pass\n"
+        "print('modules:', *sorted({name.partition('.')[0] for name in sys.modules}))\n"
+        "print('own:', *sorted(name for name in sys.modules if name.startswith('hubsim')))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
+    )
+    loaded = done.stdout.partition("modules:")[2]
+    assert HEAVY & set(loaded.split()) == set()
+    assert loaded.partition("own:")[2].split() == ["hubsim", "hubsim.cli", "hubsim.errors"]
+
+
+def test_the_names_in_the_help_are_those_of_the_modules() -> None:
+    assert cli.STRATEGIES == run.STRATEGIES
+    assert set(cli.RECORDINGS) == set(recordings.WRITERS)

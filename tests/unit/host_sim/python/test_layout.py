@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import pytest
 from hubsim import layout
-from hubsim.commands import listing
+from hubsim.commands import list as listing
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,7 @@ def test_the_same_run_writes_the_same_bytes_at_any_hour(
     for name, later_s in (("a", 0.0), ("b", 100_000.0)):
         with monkeypatch.context() as patch:
             patch.setattr(time, "time", lambda later_s=later_s: clock_s() + later_s)
-            recordings.KINDS[kind].write(result, tmp_path / name)
+            recordings.WRITERS[kind](result, tmp_path / name)
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 

@@ -3,8 +3,10 @@
 
 import argparse
 
+from regen_table import installation
+
 from hubsim import (
-    arguments,
+    cli,
     cycles,
     engine,
     events,
@@ -20,33 +22,8 @@ from hubsim.keys import Section
 from hubsim.mistakes import accepted
 
 
-def add(commands: "argparse._SubParsersAction[arguments.Parser]") -> None:
-    """Declare the command."""
-    command = commands.add_parser(
-        "list",
-        help="scenarios, cycles, drives, keys, signals",
-        description="Show everything that has a name.",
-    )
-    command.add_argument(
-        "--parameters",
-        action="store_true",
-        help="everything that events and --set plant.NAME=VALUE can change",
-    )
-    command.add_argument("--signals", action="store_true", help="everything that can be recorded")
-    command.add_argument(
-        "--layout",
-        action="store_true",
-        help="a PlotJuggler layout for everything that can be recorded",
-    )
-    command.add_argument(
-        "--criteria",
-        action="store_true",
-        help="keys of events and criteria, functions of formulas, reasons",
-    )
-    command.set_defaults(run=_list)
-
-
-def _list(options: argparse.Namespace) -> int:
+def main(options: argparse.Namespace) -> int:
+    """Do the command and return the exit status."""
     if options.parameters:
         for name, parameter in engine.parameters().items():
             unit = "" if parameter.unit in {"", "1"} else f" {parameter.unit}"
@@ -74,7 +51,7 @@ def _list(options: argparse.Namespace) -> int:
             f"  {name:28} {cycle.duration_s:g} s, {cycle.distance_m / 1e3:.3f} km, up to {max(cycle.speed_kmh):g} km/h"
         )
     print("drives (--config NAME, or a file):")
-    for path in sorted(arguments.MOTORS.glob("*.toml")):
+    for path in sorted((installation.ROOT / "tools" / "motors").glob("*.toml")):
         print(f"  {path.stem}")
     print(f"strategies (--strategy NAME):\n  {', '.join(run.STRATEGIES)}")
     print("keys of a scenario (--set KEY=VALUE):")
@@ -110,7 +87,7 @@ def _list_criteria() -> None:
 def signal_names() -> list[str]:
     """Return the signals of the default drive's vehicle."""
     _, chosen, beside = scenario.load("stop", {})
-    drive = overrides.load_drive(arguments.DEFAULT_CONFIG, overrides.Overrides())
+    drive = overrides.load_drive(cli.DEFAULT_CONFIG, overrides.Overrides())
     vehicle, _ = run.prepare(drive, chosen, beside, {})
     with vehicle:
         vehicle.start()
