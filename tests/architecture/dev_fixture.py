@@ -101,7 +101,6 @@ class DevFixture(unittest.TestCase):
         self.bin.mkdir()
         (self.home / "tools").mkdir(parents=True)
         shutil.copy2(ROOT / "tools/dev", self.home / "tools/dev")
-        shutil.copy2(ROOT / "tools/requirements.txt", self.home / "tools/requirements.txt")
         shutil.copytree(ROOT / "tools/setup", self.home / "tools/setup")
         self.before = self.contents()
 

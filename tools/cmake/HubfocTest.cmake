@@ -8,15 +8,9 @@
 #       pytest in the project's private environment.
 #   hubfoc_add_command_test(NAME name COMMAND ... [LABELS ...] [TIMEOUT seconds])
 
-find_program(RUBY_EXECUTABLE ruby REQUIRED)
-find_path(CMOCK_DIR lib/cmock.rb
-  HINTS "${PROJECT_SOURCE_DIR}/.dev/cmock/usr/share/cmock" "${PROJECT_SOURCE_DIR}/.dev/cmock" "/usr/share/cmock"
-  DOC "CMock with vendor/unity" NO_DEFAULT_PATH REQUIRED)
+hubfoc_require_test_tools()
 set(UNITY_DIR "${CMOCK_DIR}/vendor/unity")
 set(HUBFOC_CMOCK_YML "${PROJECT_SOURCE_DIR}/tools/cmake/cmock.yml")
-
-find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin" NO_DEFAULT_PATH REQUIRED
-  DOC "Python of the project's private environment (./tools/dev setup makes it)")
 
 add_library(unity STATIC "${UNITY_DIR}/src/unity.c" "${CMOCK_DIR}/src/cmock.c")
 target_include_directories(unity SYSTEM PUBLIC "${UNITY_DIR}/src" "${CMOCK_DIR}/src")

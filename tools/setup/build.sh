@@ -14,6 +14,28 @@ variables_are() {
     done
 }
 
+# What CMake looks for when it configures, one per line. A build directory that was configured with other tools than
+# the ones there are now is configured again: here, and by CMakeLists.txt for whoever builds with CMake alone.
+readonly TOOLS="$ROOT/.dev/tools"
+
+list_tools() {
+    local name path
+    for name in cmake ninja gcc g++ clang ruby cbmc arm-none-eabi-gcc qemu-system-arm clang-tidy; do
+        path=$(command -v "$name") && readlink -f "$path"
+    done
+    for path in "$CMOCK_PREFIX"/usr/share/cmock/lib/cmock.rb /usr/share/cmock/lib/cmock.rb "$CBMC_PREFIX"/cbmc \
+        /usr/include/eigen3 /usr/local/include/eigen3 \
+        "$VENV"/pyvenv.cfg "$VENV"/lib/python*/site-packages/{fmpy,pytest}-*.dist-info; do
+        [[ -e $path ]] && printf '%s\n' "$path"
+    done
+    return 0
+}
+
+note_tools() {
+    list_tools >"$TOOLS.new"
+    if cmp -s "$TOOLS.new" "$TOOLS"; then rm "$TOOLS.new"; else mv "$TOOLS.new" "$TOOLS"; fi
+}
+
 # configure PRESET [NAME=VALUE...], only if needed. A directory configured elsewhere (the repository was moved or copied)
 # cannot be used; presets that changed since are not noticed by CMake itself. Everything else CMake finds out alone.
 configure() {
@@ -22,7 +44,8 @@ configure() {
     if [[ -f $directory/CMakeCache.txt ]]; then
         if ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$ROOT" "$directory/CMakeCache.txt"; then
             options=(--fresh)
-        elif [[ $directory/build.ninja -nt $ROOT/CMakePresets.json ]] && variables_are "$directory/CMakeCache.txt" "$@"; then
+        elif [[ $directory/build.ninja -nt $ROOT/CMakePresets.json && ! $TOOLS -nt $directory/build.ninja ]] &&
+            variables_are "$directory/CMakeCache.txt" "$@"; then
             return
         fi
     fi
@@ -30,14 +53,38 @@ configure() {
     (cd "$ROOT" && run_logged "Configuring $preset" "configure-$preset" cmake --preset "$preset" "${options[@]}")
 }
 
-# build PRESET [TARGET...]
-build() {
+# tests_can_be_built: is all there that CMake insists on for them?
+tests_can_be_built() { [[ -z $(missing_packages build host unit) ]] && cmock_is_there && venv_is_ready "${PYTHON_SETS[@]}"; }
+
+# shellcheck disable=SC2120  # tools/dev passes them
+# configure_host [NAME=VALUE...]: for the simulator, which needs none of the tests' tools. A directory that has the tests
+# keeps them; without their tools it is configured without them, and `tools/dev test` adds them later.
+configure_host() {
+    local tests=OFF cache=$ROOT/build/host/CMakeCache.txt
+    if [[ -f $cache ]] && variables_are "$cache" HUBFOC_TESTS=ON && tests_can_be_built; then tests=ON; fi
+    configure host "HUBFOC_TESTS=$tests" "$@"
+}
+
+# build_targets PRESET [TARGET...], in a configured directory
+build_targets() {
     local preset=$1 targets=()
     shift
-    configure "$preset" || return
     (($#)) && targets=(--target "$@")
     (cd "$ROOT" && LAST_LINE_IF_IDLE="ninja: no work to do." \
         run_logged "Building $preset" "build-$preset" cmake --build --preset "$preset" "${targets[@]}")
+}
+
+build_engine() {
+    # shellcheck disable=SC2119
+    configure_host
+    build_targets host hubsim_engine
+}
+
+# build PRESET [TARGET...]: with its tests
+build() {
+    local preset=$1
+    shift
+    configure "$preset" HUBFOC_TESTS=ON && build_targets "$preset" "$@"
 }
 
 # The runner's own output is the product of this step: it goes to the screen, and to a log for the summary at the end.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Judge whether the running interpreter's environment is the project's, complete and at home here.
 
-Usage: ``check_venv.py [--place] ROOT [REQUIREMENTS]``; exit status 0 if so, else one line on stderr
+Usage: ``check_venv.py [--place] ROOT [LOCK_FILE...]``; exit status 0 if so, else one line on stderr
 and 1. With ``--place`` only the place is judged, not the packages. It runs before every command, so
 it imports little.
 """
@@ -32,17 +32,20 @@ def normalised(name: str) -> str:
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
-def missing(requirements: str) -> str | None:
+def missing(lock_files: list[str]) -> str | None:
     """Return the first pinned package that is absent or of another version, or None."""
     installed = set()
     for entry in SITE_PACKAGES.glob("*.dist-info"):
         name, _, version = entry.stem.rpartition("-")
         installed.add((normalised(name), version))
-    for line in Path(requirements).read_text(encoding="utf-8").splitlines():
-        pin = line.partition("#")[0].strip()
-        name, _, version = pin.partition("==")
-        if pin and (normalised(name), version) not in installed:
-            return f"{pin} is not installed"
+    for file in lock_files:
+        for line in Path(file).read_text(encoding="utf-8").splitlines():
+            pin = line.partition("#")[0].partition("\\")[0].strip()
+            if not pin or pin.startswith("--"):
+                continue
+            name, _, version = pin.partition("==")
+            if (normalised(name), version) not in installed:
+                return f"{pin} is not installed"
     return None
 
 
@@ -53,7 +56,7 @@ def main(arguments: list[str]) -> int:
         arguments = arguments[1:]
     problem = misplaced(arguments[0])
     if problem is None and not place_only:
-        problem = missing(arguments[1])
+        problem = missing(arguments[1:])
     if problem is not None:
         print(problem, file=sys.stderr)
         return 1

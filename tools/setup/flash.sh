@@ -22,11 +22,9 @@ flash_openocd() {
 flash_pyocd() {
     local what=$1 image=$2 pyocd=$VENV/bin/pyocd arguments=("$2.hex")
     if [[ $what == config ]]; then arguments=(--base-address "$(config_address "$image.elf")" "${image}_config.bin"); fi
-    ensure python
+    ensure sim
     if [[ ! -x $pyocd ]]; then
-        # The pins stay what they are: pyOCD may bring packages of its own but not move one of the project's.
-        run_logged "Installing pyOCD into .dev/venv" pyocd "$VENV_PYTHON" -m pip install --disable-pip-version-check --no-input \
-            --progress-bar off --constraint "$REQUIREMENTS" "pyocd==$PYOCD_VERSION" || fail "pyOCD could not be installed"
+        run_logged "Installing pyOCD into .dev/venv" pyocd install_pyocd || fail "pyOCD could not be installed"
     fi
     # pyOCD calls an installation that found nothing a success, so its list of targets is what counts.
     if ! pyocd_knows_target "$pyocd"; then
@@ -34,6 +32,17 @@ flash_pyocd() {
         pyocd_knows_target "$pyocd" || fail "flash: pyOCD could not fetch its pack for $PYOCD_TARGET; OpenOCD needs none: tools/dev flash --with openocd"
     fi
     flash_with "any that pyOCD knows" "$pyocd" flash --target "$PYOCD_TARGET" --no-wait "${arguments[@]}"
+}
+
+# pyOCD may bring packages of its own but not change the version of one of the project's.
+install_pyocd() {
+    local constraints status=0
+    constraints=$(mktemp)
+    sed -n 's/^\([^#]*==[^ ]*\).*/\1/p' "$REQUIREMENTS"/*.txt | sort -u >"$constraints"
+    "$VENV_PYTHON" -m pip install --disable-pip-version-check --no-input --progress-bar off \
+        --constraint "$constraints" "pyocd==$PYOCD_VERSION" || status=$?
+    rm -f "$constraints"
+    return "$status"
 }
 
 # flash_serial config IMAGE PROBE LINE: through the firmware's own shell, so that a board in its housing needs no probe.

@@ -85,7 +85,8 @@ help_hubsim() {
 Usage: tools/dev hubsim ARGUMENT...
 
 Brings the simulation engine up to date and hands the arguments to `python -m hubsim`; its own help follows once it is
-installed (tools/dev setup), and `tools/dev hubsim COMMAND --help` is its own as well.
+installed (tools/dev setup sim), and `tools/dev hubsim COMMAND --help` is its own as well. Sweeps and files that end in
+.parquet or .mf4 install their Python packages first.
 TEXT
 }
 
@@ -156,11 +157,15 @@ help_setup() {
 Usage: tools/dev setup [GROUP...]
 
 Installs what the other commands would install when they need it. Groups (all, if none is named):
-  build    cmake, ninja                     host     gcc, g++
-  python   .dev/venv                        unit     ruby, CMock with Unity, Eigen
-  arm      arm-none-eabi-gcc, newlib        qemu     qemu-system-arm
-  checks   clang-tidy, shellcheck           proofs   CBMC, clang with its fuzzer
-  browser  Chromium without a window
+  build     cmake, ninja                    host     gcc, g++
+  unit      ruby, CMock with Unity, Eigen   proofs   CBMC, clang with its fuzzer
+  arm       arm-none-eabi-gcc, newlib       qemu     qemu-system-arm
+  checks    clang-tidy, shellcheck          browser  Chromium without a window
+Sets of Python packages in .dev/venv (python means all of them):
+  sim       numpy, pydantic, cffi, rich     figures  matplotlib
+  formats   pyarrow, asammdf                sweep    dask
+  fmi       fmpy                            examples motulator, scipy
+  test      pytest, cantools                dev      ruff, mypy, clang-format, gcovr
 TEXT
 }
 

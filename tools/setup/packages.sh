@@ -9,7 +9,7 @@
 
 readonly CMAKE_MINIMUM=3.25
 # shellcheck disable=SC2034  # read by tools/dev
-readonly ALL_GROUPS=(build host python unit proofs arm qemu checks browser)
+readonly SYSTEM_GROUPS=(build host unit proofs arm qemu checks browser)
 
 # A group is what one kind of work needs; each prints the packages it misses. Adding a tool is adding a line.
 missing_build() {
