@@ -3,9 +3,10 @@
 # (mocks, runners) does not link it.
 add_library(hubfoc_warnings INTERFACE)
 target_compile_options(hubfoc_warnings INTERFACE
-  $<$<COMPILE_LANGUAGE:C>:-Wall -Wextra -Werror -Wconversion -Wshadow -Wundef -Wswitch-enum -Wmissing-prototypes
+  $<$<COMPILE_LANGUAGE:C>:-Wall -Wextra -Wconversion -Wshadow -Wundef -Wswitch-enum -Wmissing-prototypes
     -Wstrict-prototypes -Wcast-align>
-  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Werror -Wshadow -Wundef>)
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wundef>
+  $<$<BOOL:${HUBFOC_WERROR}>:-Werror>)
 
 if(HUBFOC_SANITIZE)
   add_compile_options(-fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer)

@@ -20,6 +20,7 @@ from regen_table import (
     cycles,
     generate,
     ideal,
+    installation,
     outputs,
     packs,
     points,
@@ -48,6 +49,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return int(options.run(options))
     except (ConfigurationError, CheckFailedError) as error:
         print(error, file=sys.stderr)
+        return 1
+    except ModuleNotFoundError as error:
+        print(installation.missing(error), file=sys.stderr)
         return 1
     except BrokenPipeError:
         os.dup2(

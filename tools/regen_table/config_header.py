@@ -2,8 +2,8 @@
 """The header config/config.h with its macros expanded, as text that ``layout`` understands.
 
 The header is run through the C preprocessor of whatever compiler is at hand (``$CC``, cc, gcc,
-clang or arm-none-eabi-gcc). ``python -m regen_table.config_header FILE`` writes the result: the
-build of the distribution does so, and whoever installs that needs no compiler.
+clang or arm-none-eabi-gcc). An installed distribution has the result instead of the header
+(host_sim/python/bake.py) and needs no compiler.
 """
 
 import os
@@ -11,7 +11,6 @@ import re
 import shlex
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 from regen_table import installation
@@ -76,13 +75,3 @@ def _preprocess(source: str, header: Path) -> str:
         reason = next(iter(done.stderr.strip().splitlines()), "no message")
         raise ConfigurationError(f"{header}: {command[0]} refused it: {reason}")
     return done.stdout
-
-
-def main(arguments: list[str]) -> int:
-    """Write the expanded header to the one file named."""
-    Path(arguments[0]).write_text(expanded(), encoding="utf-8")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -18,6 +18,30 @@ ROOT = _DATA if INSTALLED else Path(__file__).resolve().parents[2]
 UNKNOWN = "unknown"
 
 
+# Packages that only some commands need, and the extra of the distribution that brings them.
+EXTRAS = {
+    "matplotlib": "report",
+    "asammdf": "formats",
+    "pyarrow": "formats",
+    "dask": "sweep",
+    "distributed": "sweep",
+}
+
+
+def missing(error: ModuleNotFoundError) -> str:
+    """Return in one line what is not installed and which extra brings it.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        The same again, where no extra has the module: then the fault is the program's.
+    """
+    package = (error.name or "").partition(".")[0]
+    if package not in EXTRAS:
+        raise error
+    return f"{package} is not installed, accepted: after pip install 'hubfoc[{EXTRAS[package]}]'"
+
+
 def drive_file(named: str | Path) -> Path:
     """Return the file of a drive that may be named as a file or as one of those that come along.
 

@@ -64,6 +64,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (HubsimError, ConfigurationError) as error:
         print(f"hubsim: {error}", file=sys.stderr)
         return 1
+    except ModuleNotFoundError as error:
+        print(f"hubsim: {installation.missing(error)}", file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         return 130
     except OSError as error:

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from regen_table import config_header, installation, layout, schema
+from regen_table import installation, schema
 from regen_table.errors import ConfigurationError
 
 REPOSITORY = Path(__file__).resolve().parents[4]
@@ -66,17 +66,3 @@ def test_a_file_of_ones_own_comes_before_a_drive_that_comes_along(
     Path("lu2013").write_text("mine", encoding="utf-8")
     assert installation.drive_file("lu2013") == Path("lu2013")
     assert installation.drive_file("./ebike36v") == Path("./ebike36v")
-
-
-def test_layout_from_a_written_expansion_is_the_live_one(tmp_path: Path) -> None:
-    written = tmp_path / "config_header.i"
-    assert config_header.main([str(written)]) == 0
-    baked, live = layout.parse(written.read_text(encoding="utf-8")), layout.load()
-    assert baked.sections == live.sections
-    assert baked.constants == live.constants
-    assert baked.size_bytes == live.size_bytes
-    for name, fields in live.sections.items():
-        for field in fields:
-            assert baked.ffi.offsetof("config_t", name, field) == live.ffi.offsetof(
-                "config_t", name, field
-            )

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The wheel: what is in it, what it asks for, and that it computes what the repository computes."""
+
+import ast
+import json
+import sys
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from environments import EXTRAS, REPOSITORY, Installed, metadata_of, requirements_of
+from hubsim import cli, reasons
+from regen_table import generate, installation, layout, schema
+
+pytest_plugins = ("environments",)
+
+PACKAGES = {
+    "hubsim": REPOSITORY / "host_sim" / "python" / "hubsim",
+    "regen_table": REPOSITORY / "tools" / "regen_table",
+}
+# Prints what is known of config_t, in an order of its own.
+LAYOUT = """
+import json
+from dataclasses import asdict
+from regen_table import layout
+found = layout.load()
+sections = found.sections.items()
+place = found.ffi.offsetof
+print(json.dumps({
+    "size": found.size_bytes,
+    "constants": found.constants,
+    "fields": {s: {n: asdict(f) for n, f in fields.items()} for s, fields in sections},
+    "places": {s: {n: place("config_t", s, n) for n in fields} for s, fields in sections},
+}, sort_keys=True))
+"""
+
+
+def names_in(wheel: Path) -> set[str]:
+    with zipfile.ZipFile(wheel) as archive:
+        return set(archive.namelist())
+
+
+def test_wheel_serves_every_python_of_this_kind_of_machine(wheel: Path) -> None:
+    name, version, python, abi, platform = wheel.stem.split("-")
+    assert (name, version) == ("hubfoc", installation.version())
+    assert (python, abi) == ("py3", "none")
+    assert platform.startswith("linux_")
+
+
+def test_wheel_has_every_module_both_markers_and_the_licence(wheel: Path) -> None:
+    inside = names_in(wheel)
+    for package, directory in PACKAGES.items():
+        modules = {
+            f"{package}/{p.relative_to(directory).as_posix()}" for p in directory.rglob("*.py")
+        }
+        left_out = {name for name in modules if name.startswith("hubsim/fmu/")}
+        assert left_out < modules
+        assert {
+            n for n in inside if n.startswith(f"{package}/") and n.endswith(".py")
+        } == modules - left_out
+        assert f"{package}/py.typed" in inside
+    assert any(name.endswith(".dist-info/licenses/LICENSE") for name in inside)
+
+
+def test_wheel_names_no_place_of_the_machine_it_was_built_on(wheel: Path) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        for name in archive.namelist():
+            assert str(REPOSITORY).encode() not in archive.read(name), name
+
+
+def imports_of(path: Path) -> set[str]:
+    """Return the packages that a module imports anywhere, functions included."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            found.add(node.module.partition(".")[0])
+    return found
+
+
+def test_wheel_asks_for_exactly_what_its_modules_import(wheel: Path) -> None:
+    imported: set[str] = set()
+    for name, directory in PACKAGES.items():
+        for path in directory.rglob("*.py"):
+            if not (name == "hubsim" and path.is_relative_to(directory / "fmu")):
+                imported |= imports_of(path)
+    foreign = imported - sys.stdlib_module_names - set(PACKAGES) - {"pydantic_core"}
+    asked = requirements_of(metadata_of(wheel)["Requires-Dist"], EXTRAS)
+    assert foreign == {requirement.name for requirement in asked}
+    plain = {r.name for r in requirements_of(metadata_of(wheel)["Requires-Dist"], frozenset())}
+    assert set(installation.EXTRAS) == foreign - plain
+
+
+def test_installed_layout_of_the_configuration_is_the_headers(
+    installed: Installed, capsys: pytest.CaptureFixture[str]
+) -> None:
+    exec(LAYOUT, {})  # the same words, here with the header and a compiler
+    live = json.loads(capsys.readouterr().out)
+    assert json.loads(installed.run("python", "-c", LAYOUT)) == live
+    assert live["size"] == layout.load().size_bytes > 1000
+
+
+def test_installed_generator_writes_what_the_repositorys_writes(installed: Installed) -> None:
+    installed.run("regen_table", "generate", "lu2013", "-o", "generated")
+    wanted = generate.artefacts(schema.load("lu2013")).files
+    assert set(wanted) == {"lu2013.c", "lu2013.bin"}
+    for name, content in wanted.items():
+        assert (installed.place / "generated" / name).read_bytes() == content
+
+
+def without_machine(path: Path) -> Any:  # noqa: ANN401, JSON of any shape
+    """Return a run's results without the machine's speed and the date."""
+
+    def stripped(value: Any) -> Any:  # noqa: ANN401
+        if isinstance(value, dict):
+            moving = {"realtime_factor", "date"}
+            return {key: stripped(inner) for key, inner in value.items() if key not in moving}
+        return [stripped(inner) for inner in value] if isinstance(value, list) else value
+
+    return stripped(json.loads(path.read_text(encoding="utf-8")))
+
+
+def test_installed_simulator_computes_what_the_repositorys_build_computes(
+    installed: Installed, tmp_path: Path
+) -> None:
+    settings = ["--set", "initial_speed_kmh=40", "--set", "demand_nm=40", "--config", "lu2013"]
+    installed.run("hubsim", "run", "stop", *settings, "--json", "stop.json")
+    here = tmp_path / "stop.json"
+    assert cli.main(["run", "stop", *settings, "--json", str(here)]) == 0
+    theirs = without_machine(installed.place / "stop.json")
+    assert theirs == without_machine(here)
+    assert len(json.dumps(theirs)) > 1000
+
+
+def test_installed_simulator_knows_scenarios_cycles_drives_and_reasons(
+    installed: Installed,
+) -> None:
+    listed = installed.run("hubsim", "list")
+    for directory, ending in (
+        ("tools/motors", "toml"),
+        ("host_sim/cycles", "csv"),
+        ("host_sim/python/hubsim/scenarios", "toml"),
+    ):
+        names = [path.stem for path in (REPOSITORY / directory).glob(f"*.{ending}")]
+        assert len(names) > 1
+        assert [name for name in names if f"  {name}" not in listed] == []
+    program = "from hubsim import reasons; import json; print(json.dumps(reasons.codes()))"
+    assert json.loads(installed.run("python", "-c", program)) == reasons.codes()
+
+
+def test_installed_version_and_commit_are_the_projects(installed: Installed) -> None:
+    assert installed.run("hubsim", "--version").split() == ["hubsim", installation.version()]
+    assert installed.run("regen_table", "--version").split()[-1] == installation.version()
+    program = (
+        "from regen_table import installation as i; print(i.INSTALLED, i.version(), i.commit())"
+    )
+    assert installed.run("python", "-c", program).split() == [
+        "True",
+        installation.version(),
+        installation.commit(),
+    ]
+
+
+def test_report_is_written_where_the_caller_is(installed: Installed) -> None:
+    installed.run(
+        "hubsim",
+        "run",
+        "stop",
+        "--json",
+        "one.json",
+        "--parquet",
+        "one.parquet",
+        "--mdf",
+        "one.mf4",
+    )
+    installed.run("hubsim", "report", "one.json", "-o", "page.html")
+    assert "<svg" in (installed.place / "page.html").read_text(encoding="utf-8")
+    assert (installed.place / "one.mf4").stat().st_size > 1000
+
+
+def test_without_extras_the_rest_works_and_each_missing_one_is_named(bare: Installed) -> None:
+    bare.run("hubsim", "run", "stop", "--csv", "stop.csv", "--json", "stop.json")
+    bare.run(
+        "regen_table", "solve", "lu2013", "--speed-rpm", "100", "--winding-temperature-c", "25"
+    )
+    calls = {
+        "report": ("regen_table", "figures", "lu2013", "-o", "figures"),
+        "formats": ("hubsim", "run", "stop", "--mdf", "stop.mf4"),
+        "sweep": (
+            "hubsim",
+            "sweep",
+            "stop",
+            "--vary",
+            "demand_nm=10,20",
+            "--output",
+            "grid.parquet",
+        ),
+    }
+    for extra, call in calls.items():
+        done = bare.call(*call)
+        assert done.returncode == 1, done.stderr
+        assert done.stderr.count("\n") == 1, done.stderr
+        # a sweep's table is a Parquet file, so either of two extras may be the first to be missed
+        accepted = [extra, "formats"] if extra == "sweep" else [extra]
+        assert any(f"pip install 'hubfoc[{name}]'" in done.stderr for name in accepted), done.stderr
