@@ -5,6 +5,8 @@
 
 #include "plant/numbers.h"
 
+static const double ARRIVED_NM = 1e-12;
+
 hydraulic_brake_state_t hydraulic_brake_init(const hydraulic_brake_params_t *params, double step_s)
 {
     hydraulic_brake_state_t out = {
@@ -61,7 +63,9 @@ static double behind_valve(const hydraulic_brake_state_t *state, double change_n
 
 double hydraulic_brake_step(hydraulic_brake_state_t *state)
 {
-    const double wanted_nm = (state->target_nm - state->torque_nm) * state->approach;
+    const double left_nm = state->target_nm - state->torque_nm;
+    /* A lag never arrives: its last steps would be too small for full speed (subnormal numbers). */
+    const double wanted_nm = fabs(left_nm) > ARRIVED_NM ? left_nm * state->approach : left_nm;
     const double largest_rise_nm =
         state->torque_nm < state->knee_nm ? state->knee_rise_nm : state->largest_change_nm;
     const double change_nm = plant_clamp(wanted_nm, -state->largest_change_nm, largest_rise_nm);
