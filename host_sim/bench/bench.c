@@ -139,10 +139,11 @@ static void note_braking(bench_t *bench)
     if (brakes == bench->is_braking) {
         return;
     }
+    const ledger_t now = bench_ledger(bench);
     if (brakes) {
-        bench->braking_since = bench_ledger(bench);
+        bench->braking_since = now;
     } else {
-        bench->braking = bench_braking_ledger(bench);
+        bench->braking = bench_braking_ledger(bench, &now);
     }
     bench->is_braking = brakes;
 }
@@ -338,12 +339,11 @@ ledger_t bench_ledger(const bench_t *bench)
     return out;
 }
 
-ledger_t bench_braking_ledger(const bench_t *bench)
+ledger_t bench_braking_ledger(const bench_t *bench, const ledger_t *now)
 {
     ledger_t out = bench->braking;
     if (bench->is_braking) {
-        const ledger_t now = bench_ledger(bench);
-        ledger_add_change(&out, &now, &bench->braking_since);
+        ledger_add_change(&out, now, &bench->braking_since);
     }
     return out;
 }

@@ -13,7 +13,7 @@
 #include "bench/signals.h"
 #include "config/validate.h"
 
-enum { ERROR_LENGTH = 400, NAME_LENGTH = 80 };
+enum { ERROR_LENGTH = 400 };
 static const double CLOCK_ROUNDING_S = 1e-9;
 
 struct hubsim {
@@ -384,15 +384,10 @@ int hubsim_restore(hubsim_t *sim, const void *state)
 
 int hubsim_value(const hubsim_t *sim, const char *name, double *value)
 {
-    char known[NAME_LENGTH];
-    const int count = hubsim_signal_count(sim);
-    for (int k = 0; k < count; k++) {
-        signals_name(&sim->bench, k, known, sizeof(known));
-        if (strcmp(known, name) == 0) {
-            const signals_accounts_t accounts = signals_accounts(&sim->bench);
-            *value = signals_read(&sim->bench, &accounts, k);
-            return HUBSIM_OK;
-        }
+    const int index = sim->has_started ? signals_find(&sim->bench, name) : -1;
+    if (index < 0) {
+        return HUBSIM_BAD_NAME;
     }
-    return HUBSIM_BAD_NAME;
+    *value = signals_read(&sim->bench, index);
+    return HUBSIM_OK;
 }

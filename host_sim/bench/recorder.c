@@ -16,18 +16,41 @@ bool recorder_choose(recorder_t *recorder, const bench_t *bench, const int *indi
             return false;
         }
     }
+    for (int g = 0; g < (int)SIGNALS_GROUPS_MAX; g++) {
+        recorder->reads_group[g] = false;
+    }
+    recorder->rates = 0;
     for (int k = 0; k < count; k++) {
         recorder->chosen[k] = indices[k];
+        recorder->reads_group[signals_group(indices[k])] = true;
+        if (signals_is_rate(bench, indices[k])) {
+            recorder->rate[recorder->rates++] = k;
+        }
     }
     recorder->signals = count;
     return true;
 }
 
+/* The chosen signals now; of rates the accounts. */
+static void read(const recorder_t *recorder, const bench_t *bench, double *row)
+{
+    double values[SIGNALS_MAX];
+    for (int g = 0; g < (int)SIGNALS_GROUPS_MAX; g++) {
+        if (recorder->reads_group[g]) {
+            signals_read_group(bench, g, values);
+        }
+    }
+    for (int k = 0; k < recorder->signals; k++) {
+        row[k] = values[recorder->chosen[k]];
+    }
+}
+
 void recorder_begin(recorder_t *recorder, const bench_t *bench)
 {
-    const signals_accounts_t accounts = signals_accounts(bench);
-    for (int k = 0; k < recorder->signals; k++) {
-        recorder->account[k] = signals_read(bench, &accounts, recorder->chosen[k]);
+    double row[RECORDER_SIGNALS_MAX];
+    read(recorder, bench, row);
+    for (int r = 0; r < recorder->rates; r++) {
+        recorder->account[r] = row[recorder->rate[r]];
     }
     recorder->account_s = bench->time_s;
     recorder->begin_s = bench->time_s;
@@ -43,16 +66,13 @@ bool recorder_is_due(const recorder_t *recorder, const bench_t *bench)
 
 void recorder_write(recorder_t *recorder, const bench_t *bench, double *row)
 {
-    const signals_accounts_t accounts = signals_accounts(bench);
     const double passed_s = bench->time_s - recorder->account_s;
-    for (int k = 0; k < recorder->signals; k++) {
-        const double now = signals_read(bench, &accounts, recorder->chosen[k]);
-        if (signals_is_rate(bench, recorder->chosen[k])) {
-            row[k] = passed_s > 0.0 ? (now - recorder->account[k]) / passed_s : 0.0;
-            recorder->account[k] = now;
-        } else {
-            row[k] = now;
-        }
+    read(recorder, bench, row);
+    for (int r = 0; r < recorder->rates; r++) {
+        double *const at = &row[recorder->rate[r]];
+        const double now = *at;
+        *at = passed_s > 0.0 ? (now - recorder->account[r]) / passed_s : 0.0;
+        recorder->account[r] = now;
     }
     recorder->account_s = bench->time_s;
     recorder->rows++;

@@ -2,11 +2,14 @@
 #include "bench/signals.h"
 
 #include <stdio.h>
+#include <string.h>
+
+enum { NAME_LENGTH = 80 };
 
 typedef enum { VALUE, RATE } kind_t;
 
 /* clang-format off */
-/* X(name, kind, unit, meaning, expression of the bench b and its accounts) */
+/* X(name, kind, unit, meaning, expression of the bench b) */
 #define BENCH_SIGNALS(X)                                                                                               \
     X("time_s", VALUE, "s", "since the run began", b->time_s) \
     X("driver.reference_m_per_s", VALUE, "m/s", \
@@ -41,9 +44,9 @@ typedef enum { VALUE, RATE } kind_t;
     X("anti_lock.reference_m_per_s", VALUE, "m/s", \
       "of the vehicle, as the system takes it", b->aids.anti_lock.reference_m_per_s) \
     X("battery.chemical_w", RATE, "W", \
-      "power drawn from the cells, mean over the row", accounts->run.chemical_j) \
+      "power drawn from the cells, mean over the row", b->booked.chemical_j) \
     X("battery.loss_w", RATE, "W", \
-      "heat in the battery, mean over the row", accounts->run.battery_j)
+      "heat in the battery, mean over the row", b->booked.battery_j)
 
 /* X(name, kind, unit, meaning, expression of the wheel w) */
 #define WHEEL_SIGNALS(X)                                                                                               \
@@ -141,35 +144,56 @@ typedef struct {
 #define LINE(name, kind, unit, text, expression) {name, kind, unit, text},
 #define LEDGER_LINE(name, text) {"energy." #name, VALUE, "J", text},
 #define BRAKING_LINE(name, text) {"braking." #name, VALUE, "J", "while the driver brakes: " text},
-static const line_t BENCH_LINES[] = {BENCH_SIGNALS(LINE) LEDGER_LIST(LEDGER_LINE)
-                                         LEDGER_LIST(BRAKING_LINE)};
+static const line_t VEHICLE_LINES[] = {BENCH_SIGNALS(LINE)};
+static const line_t ACCOUNT_LINES[] = {LEDGER_LIST(LEDGER_LINE) LEDGER_LIST(BRAKING_LINE)};
 static const line_t WHEEL_LINES[] = {WHEEL_SIGNALS(LINE)};
 
 enum {
-    BENCH_COUNT = sizeof(BENCH_LINES) / sizeof(BENCH_LINES[0]),
-    WHEEL_COUNT = sizeof(WHEEL_LINES) / sizeof(WHEEL_LINES[0])
+    VEHICLE_COUNT = sizeof(VEHICLE_LINES) / sizeof(VEHICLE_LINES[0]),
+    ACCOUNT_COUNT = sizeof(ACCOUNT_LINES) / sizeof(ACCOUNT_LINES[0]),
+    WHEEL_COUNT = sizeof(WHEEL_LINES) / sizeof(WHEEL_LINES[0]),
+    FIRST_OF_WHEELS = VEHICLE_COUNT + ACCOUNT_COUNT
 };
+_Static_assert(FIRST_OF_WHEELS + BENCH_WHEELS_MAX * WHEEL_COUNT <= SIGNALS_MAX,
+               "SIGNALS_MAX is less than the signals of BENCH_WHEELS_MAX wheels");
 
 int signals_count(const bench_t *bench)
 {
-    return (int)BENCH_COUNT + bench->wheels * (int)WHEEL_COUNT;
+    return (int)FIRST_OF_WHEELS + bench->wheels * (int)WHEEL_COUNT;
 }
 
 static const line_t *line_at(int index)
 {
-    return index < (int)BENCH_COUNT ? &BENCH_LINES[index]
-                                    : &WHEEL_LINES[(index - (int)BENCH_COUNT) % (int)WHEEL_COUNT];
+    if (index < (int)VEHICLE_COUNT) {
+        return &VEHICLE_LINES[index];
+    }
+    if (index < (int)FIRST_OF_WHEELS) {
+        return &ACCOUNT_LINES[index - (int)VEHICLE_COUNT];
+    }
+    return &WHEEL_LINES[(index - (int)FIRST_OF_WHEELS) % (int)WHEEL_COUNT];
 }
 
 void signals_name(const bench_t *bench, int index, char *name, size_t size)
 {
     (void)bench;
-    if (index < (int)BENCH_COUNT) {
+    if (index < (int)FIRST_OF_WHEELS) {
         snprintf(name, size, "%s", line_at(index)->name);
     } else {
-        snprintf(name, size, "wheel%d.%s", (index - (int)BENCH_COUNT) / (int)WHEEL_COUNT,
+        snprintf(name, size, "wheel%d.%s", (index - (int)FIRST_OF_WHEELS) / (int)WHEEL_COUNT,
                  line_at(index)->name);
     }
+}
+
+int signals_find(const bench_t *bench, const char *name)
+{
+    char known[NAME_LENGTH];
+    for (int k = 0; k < signals_count(bench); k++) {
+        signals_name(bench, k, known, sizeof(known));
+        if (strcmp(known, name) == 0) {
+            return k;
+        }
+    }
+    return -1;
 }
 
 const char *signals_unit(const bench_t *bench, int index)
@@ -190,36 +214,58 @@ bool signals_is_rate(const bench_t *bench, int index)
     return line_at(index)->kind == RATE;
 }
 
-#define READ(name, kind, unit, text, expression) (expression),
-#define READ_RUN(name, text) accounts->run.name,
-#define READ_BRAKING(name, text) accounts->braking.name,
-
-/* In the order of BENCH_LINES. */
-static double read_bench(const bench_t *b, const signals_accounts_t *accounts, int index)
+int signals_group(int index)
 {
-    const double values[] = {BENCH_SIGNALS(READ) LEDGER_LIST(READ_RUN) LEDGER_LIST(READ_BRAKING)};
-    return values[index];
-}
-
-/* In the order of WHEEL_LINES. */
-static double read_wheel(const wheel_t *w, int index)
-{
-    const double values[] = {WHEEL_SIGNALS(READ)};
-    return values[index];
-}
-
-signals_accounts_t signals_accounts(const bench_t *bench)
-{
-    const signals_accounts_t out = {.run = bench_ledger(bench),
-                                    .braking = bench_braking_ledger(bench)};
-    return out;
-}
-
-double signals_read(const bench_t *bench, const signals_accounts_t *accounts, int index)
-{
-    if (index < (int)BENCH_COUNT) {
-        return read_bench(bench, accounts, index);
+    if (index < (int)FIRST_OF_WHEELS) {
+        return index < (int)VEHICLE_COUNT ? SIGNALS_OF_VEHICLE : SIGNALS_OF_ACCOUNTS;
     }
-    const int beyond = index - (int)BENCH_COUNT;
-    return read_wheel(&bench->wheel[beyond / (int)WHEEL_COUNT], beyond % (int)WHEEL_COUNT);
+    return (int)SIGNALS_OF_FIRST_WHEEL + (index - (int)FIRST_OF_WHEELS) / (int)WHEEL_COUNT;
+}
+
+/* The values of one group in the order of its lines; written one after the other, so that the
+ * compiler makes them stores and no table of what most rows do not want. */
+#define READ(name, kind, unit, text, expression) *to++ = (expression);
+#define READ_RUN(name, text) *to++ = run.name;
+#define READ_BRAKING(name, text) *to++ = braking.name;
+
+static void read_vehicle(const bench_t *b, double *to)
+{
+    BENCH_SIGNALS(READ)
+}
+
+static void read_accounts(const bench_t *bench, double *to)
+{
+    const ledger_t run = bench_ledger(bench);
+    const ledger_t braking = bench_braking_ledger(bench, &run);
+    LEDGER_LIST(READ_RUN)
+    LEDGER_LIST(READ_BRAKING)
+}
+
+static void read_wheel(const wheel_t *w, double *to)
+{
+    WHEEL_SIGNALS(READ)
+}
+
+void signals_read_group(const bench_t *bench, int group, double values[SIGNALS_MAX])
+{
+    switch (group) {
+    case SIGNALS_OF_VEHICLE:
+        read_vehicle(bench, values);
+        break;
+    case SIGNALS_OF_ACCOUNTS:
+        read_accounts(bench, values + VEHICLE_COUNT);
+        break;
+    default: {
+        const int wheel = group - (int)SIGNALS_OF_FIRST_WHEEL;
+        read_wheel(&bench->wheel[wheel], values + FIRST_OF_WHEELS + wheel * (int)WHEEL_COUNT);
+        break;
+    }
+    }
+}
+
+double signals_read(const bench_t *bench, int index)
+{
+    double values[SIGNALS_MAX];
+    signals_read_group(bench, signals_group(index), values);
+    return values[index];
 }

@@ -85,10 +85,11 @@ const char *bench_objection(const bench_t *bench, const bench_params_t *changed)
 /* After a change of bench->params: everything worked out from them, states untouched. */
 void bench_refresh(bench_t *bench);
 
-/* The accounts of the run so far, and of those times in it in which the driver pressed the brake
- * pedal. */
+/* The accounts of the run so far. */
 ledger_t bench_ledger(const bench_t *bench);
-ledger_t bench_braking_ledger(const bench_t *bench);
+
+/* Of the times in it in which the driver pressed the brake pedal. now: bench_ledger(bench). */
+ledger_t bench_braking_ledger(const bench_t *bench, const ledger_t *now);
 
 double bench_wheel_speed_rad_s(const bench_t *bench);
 

@@ -12,13 +12,17 @@
 #include <stdint.h>
 
 #include "bench/bench.h"
+#include "bench/signals.h"
 
-enum { RECORDER_SIGNALS_MAX = 1024 };
+enum { RECORDER_SIGNALS_MAX = SIGNALS_MAX };
 
 typedef struct {
     int signals;
     int chosen[RECORDER_SIGNALS_MAX];
-    double account[RECORDER_SIGNALS_MAX]; /* of rates, when the last row was written */
+    bool reads_group[SIGNALS_GROUPS_MAX]; /* that a chosen signal belongs to */
+    int rates;
+    int rate[RECORDER_SIGNALS_MAX];       /* columns of the rates among them */
+    double account[RECORDER_SIGNALS_MAX]; /* of each rate, when the last row was written */
     double account_s;
     double begin_s;
     int64_t rows;

@@ -27,15 +27,25 @@ const char *signals_text(const bench_t *bench, int index);
 
 bool signals_is_rate(const bench_t *bench, int index);
 
-/* The accounts that signals are read from; made once for all signals of an instant. */
-typedef struct {
-    ledger_t run;     /* "energy." */
-    ledger_t braking; /* "braking.": of the times in which the driver brakes */
-} signals_accounts_t;
+/* Index of a name, -1: there is none. */
+int signals_find(const bench_t *bench, const char *name);
 
-signals_accounts_t signals_accounts(const bench_t *bench);
+/* Signals are read by groups: vehicle, accounts ("energy." and "braking."), each wheel. */
+enum {
+    SIGNALS_OF_VEHICLE,
+    SIGNALS_OF_ACCOUNTS,
+    SIGNALS_OF_FIRST_WHEEL,
+    SIGNALS_GROUPS_MAX = SIGNALS_OF_FIRST_WHEEL + BENCH_WHEELS_MAX
+};
+enum { SIGNALS_MAX = 1024 };
 
-/* The value now; for a rate, the account it is the rate of. */
-double signals_read(const bench_t *bench, const signals_accounts_t *accounts, int index);
+int signals_group(int index);
+
+/* The values of a group now, each at its index, and nothing else; of a rate, the account it is the
+ * rate of. */
+void signals_read_group(const bench_t *bench, int group, double values[SIGNALS_MAX]);
+
+/* One of them. */
+double signals_read(const bench_t *bench, int index);
 
 #endif
