@@ -10,3 +10,7 @@ T = 1.5 p (psi_d i_q - psi_q i_d).
 from regen_table import installation
 
 __version__ = installation.version()
+
+STRATEGIES = ("parallel_ratio", "parallel_free_travel", "series_optimal")  # of brake blending
+SETTLED, DYNAMIC = "settled", "dynamic"  # how the battery's RC branch is carried through a trace
+BATTERIES = (SETTLED, DYNAMIC)

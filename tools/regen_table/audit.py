@@ -5,7 +5,9 @@ A grid is refused by the energy it loses to interpolation and quantisation over 
 not by its looks.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -78,41 +80,47 @@ def grid_losses(
     drive: Drive, table: RegenMap, made: Production = braking.ZERO_D_CURRENT
 ) -> list[GridLoss]:
     """Energy lost to the grid over a hard stop from top speed, a stop at rated torque, and every shipped cycle."""
-    temperatures = np.linspace(
-        table.temperatures_c[0],
-        min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c),
-        _TEMPERATURES,
+    return [_loss(drive, table, made, *manoeuvre) for manoeuvre in _manoeuvres(drive)]
+
+
+def suffices(drive: Drive, table: RegenMap, made: Production) -> bool:
+    """Whether a grid loses at most 0.02 % of the energy of every manoeuvre."""
+    return all(
+        _loss(drive, table, made, *manoeuvre).relative <= ENERGY_LOSS_MAX
+        for manoeuvre in _manoeuvres(drive)
     )
+
+
+@lru_cache(maxsize=8)
+def _manoeuvres(drive: Drive) -> list[tuple[str, Array, Array, Array]]:
+    """Return name, mechanical speeds in rad/s, seconds and braking demands in N m of every manoeuvre."""
     top = drive.motor.max_speed_rpm * np.pi / 30.0
     speed = (np.arange(_SPEEDS) + 0.5) * top / _SPEEDS
     hardest = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
+    vehicle = drive.vehicle
     # A stop at constant demand spends equal times at equal steps of speed: m r^2 step / (motors
     # torque).
-    inertia_step = (
-        drive.vehicle.mass_kg
-        * drive.vehicle.wheel_radius_m**2
-        * top
-        / _SPEEDS
-        / drive.vehicle.driven_wheels
-    )
-    manoeuvres = {
-        name: (speed, np.full(_SPEEDS, inertia_step / torque), np.full(_SPEEDS, torque))
+    inertia_step = vehicle.mass_kg * vehicle.wheel_radius_m**2 * top / _SPEEDS
+    inertia_step /= vehicle.driven_wheels
+    found = [
+        (name, speed, np.full(_SPEEDS, inertia_step / torque), np.full(_SPEEDS, torque))
         for name, torque in (
             ("hard stop", hardest),
             ("stop at rated torque", drive.motor.rated_torque_nm),
         )
-    }
+    ]
     for cycle in cycles.shipped(drive):
         asked = cycles.demand(drive, cycle)
         brakes = (asked.torque_nm < 0.0) & (asked.speed_rad_s > 0.0)
-        manoeuvres[cycle.name] = (
-            asked.speed_rad_s[brakes],
-            asked.seconds[brakes],
-            -asked.torque_nm[brakes],
+        found.append(
+            (
+                cycle.name,
+                asked.speed_rad_s[brakes],
+                asked.seconds[brakes],
+                -asked.torque_nm[brakes],
+            )
         )
-    return [
-        _loss(drive, table, made, name, temperatures, *parts) for name, parts in manoeuvres.items()
-    ]
+    return found
 
 
 def _loss(
@@ -120,7 +128,6 @@ def _loss(
     table: RegenMap,
     made: Production,
     name: str,
-    temperatures: Array,
     speed: Array,
     seconds: Array,
     demand: Array,
@@ -129,6 +136,11 @@ def _loss(
 
     Below handover_end_rpm the motor does not brake, so nothing is lost there.
     """
+    temperatures = np.linspace(
+        table.temperatures_c[0],
+        min(table.temperatures_c[-1], drive.motor.max_winding_temperature_c),
+        _TEMPERATURES,
+    )
     brakes = speed >= drive.control.handover_end_rpm * np.pi / 30.0
     speed, seconds, demand = speed[brakes], seconds[brakes], demand[brakes]
     winding = temperatures[:, np.newaxis]
@@ -182,11 +194,23 @@ def worst_power_loss(
     )
 
 
-def refuse_lossy_grid(losses: list[GridLoss]) -> None:
-    """Raise ConfigurationError when the grid loses more than 0.02 % of any manoeuvre's energy."""
+def refuse_lossy_grid(
+    losses: list[GridLoss], smallest: Callable[[], tuple[int, int] | None] = lambda: None
+) -> None:
+    """Raise ConfigurationError when the grid loses more than 0.02 % of any manoeuvre's energy.
+
+    ``smallest`` finds the least numbers of speeds and temperatures that suffice.
+    """
     worst = max(losses, key=lambda loss: loss.relative)
-    if worst.relative > ENERGY_LOSS_MAX:
-        raise ConfigurationError(
-            f"table.speed_points, table.temperature_points: the grid loses {worst.relative:.3%} of the energy of the {worst.manoeuvre} at "
-            f"{worst.winding_temperature_c:.0f} degC, accepted: at most {ENERGY_LOSS_MAX:.2%} (more points)"
-        )
+    if worst.relative <= ENERGY_LOSS_MAX:
+        return
+    found = smallest()
+    remedy = (
+        "more points or a narrower table.temperature_range_c"
+        if found is None
+        else f"the smallest grid that suffices is speed_points = {found[0]}, temperature_points = {found[1]}"
+    )
+    raise ConfigurationError(
+        f"table.speed_points, table.temperature_points: the grid loses {worst.relative:.3%} of the energy of the {worst.manoeuvre} at "
+        f"{worst.winding_temperature_c:.0f} degC, accepted: at most {ENERGY_LOSS_MAX:.2%}; {remedy}"
+    )

@@ -15,8 +15,6 @@ from regen_table import models, optimum
 from regen_table.models import Array, ArrayLike, Bridge, Machine
 from regen_table.schema import Drive
 
-STRATEGIES = ("parallel_ratio", "parallel_free_travel", "series_optimal")
-
 
 class Region(enum.StrEnum):
     """The four regions of the paper's Fig. 5, for a braking demand at a speed."""

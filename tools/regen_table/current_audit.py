@@ -51,7 +51,7 @@ class CurrentLoss:
     without_d_current: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Reference:
     """Points of a manoeuvre, shape (points,) or (temperatures, points), and the least power of each, shape of the latter."""
 
@@ -72,29 +72,68 @@ def choose(drive: Drive) -> CurrentMap:
     """
     references, braked = _references(drive), _braking_reference(drive)
     layers = _layers(drive, references, braked)
-    best: tuple[float, CurrentMap] | None = None
-    for torque_step, speed_step in _grids(drive, layers):
-        table = current_map.compute(drive, torque_step, speed_step, layers)
-        energy, power = _worst(references, braked, partial(_stored_power, drive, table))
-        used = max(energy / audit.ENERGY_LOSS_MAX, power / audit.POWER_LOSS_MAX)
-        if used <= STORED_SHARE:
+    grids = list(_grids(drive, layers))
+    for steps in grids:
+        table = current_map.compute(drive, *steps, layers)
+        if _loses_at_most(STORED_SHARE, references, braked, partial(_stored_power, drive, table)):
             return table
-        if best is None or used < best[0]:
-            best = (used, table)
-    assert best is not None
-    lost = _whole_loss(drive, best[1], references)
+
+    def used(table: CurrentMap) -> float:
+        made = partial(_stored_power, drive, table)
+        energy = max(_energy_share(at, made(at)) for at in references)
+        power = _power_share(braked, made(braked))
+        return max(energy / audit.ENERGY_LOSS_MAX, power / audit.POWER_LOSS_MAX)
+
+    best = min((current_map.compute(drive, *steps, layers) for steps in grids), key=used)
+    lost = _whole_loss(drive, best, references)
     if lost > audit.ENERGY_LOSS_MAX:
         raise ConfigurationError(
-            f"current_map: the largest grid of i_d loses {lost:.3%} of the energy of a manoeuvre to interpolation, "
-            f"accepted: at most {audit.ENERGY_LOSS_MAX:.2%} (a less salient motor, or a lower max_torque_nm)"
+            f"motor.q_inductance_h: the largest i_d map that the controller holds loses {lost:.3%} of the energy of a "
+            f"manoeuvre, accepted: at most {audit.ENERGY_LOSS_MAX:.2%} (a less salient motor, or a lower max_torque_nm)"
         )
-    return best[1]
+    return best
 
 
 @lru_cache(maxsize=8)
 def braking_table(drive: Drive) -> tables.RegenMap:
-    """Return the table of T_opt that belongs to the chosen i_d."""
-    return current_map.regen_map(drive, choose(drive))
+    """Return the table of T_opt that belongs to the chosen i_d, on the grid that the drive names or on the smallest one."""
+    points: tuple[int, int] | None = None
+    if "auto" in {drive.table.speed_points, drive.table.temperature_points}:
+        points = smallest_grid(drive)
+        if points is None:
+            raise ConfigurationError(
+                'table.speed_points, table.temperature_points: no grid suffices for "auto", accepted: a narrower '
+                "temperature_range_c, or numbers"
+            )
+    return current_map.regen_map(drive, choose(drive), points)
+
+
+def smallest_grid(drive: Drive, free: bool = False) -> tuple[int, int] | None:
+    """Return the least numbers of speeds and temperatures that suffice (audit), or None where none do.
+
+    A number that the drive names is kept, unless ``free``.
+    """
+    if free:
+        auto = drive.table.model_copy(update={"speed_points": "auto", "temperature_points": "auto"})
+        drive = drive.model_copy(update={"table": auto}).named(drive.name)
+    currents = choose(drive)
+    made = current_map.production(currents)
+    for points in tables.grids(drive, _ends_of_optima(drive, currents)):
+        if audit.suffices(drive, current_map.regen_map(drive, currents, points), made):
+            return points
+    return None
+
+
+def _ends_of_optima(drive: Drive, currents: CurrentMap) -> Iterator[int]:
+    """Yield, for each step of speed, the points up to where every optimum is beyond max_torque_nm."""
+    motor = models.machine(drive, np.array([[t] for t in drive.table.temperature_range_c]))
+    speed = np.linspace(0.0, 1.0, 257) * (drive.motor.max_speed_rpm * np.pi / 30.0)
+    limit = 1.5 * drive.motor.max_torque_nm
+    best = current_map.best_torque_nm(motor, models.bridge(drive), currents, speed, limit)
+    beyond = np.flatnonzero(np.all(best >= drive.motor.max_torque_nm, axis=0))
+    if beyond.size:
+        for step in range(*tables.SPEED_STEP_LOG2):
+            yield tables.points_over(1000.0 * float(speed[beyond[0]]), step)
 
 
 def losses(drive: Drive, table: CurrentMap) -> list[CurrentLoss]:
@@ -121,39 +160,36 @@ def worst_power_loss(drive: Drive, table: CurrentMap) -> float:
 def _layers(drive: Drive, references: list[_Reference], braked: _Reference) -> int:
     """Return how many temperatures are worth it."""
     for layers in LAYERS:
-        energy, power = _worst(references, braked, partial(_gridless_power, drive, layers))
-        if (
-            energy <= TEMPERATURE_SHARE * audit.ENERGY_LOSS_MAX
-            and power <= TEMPERATURE_SHARE * audit.POWER_LOSS_MAX
-        ):
+        if current_map.temperature_axis(drive, layers)[1] > tables.TEMPERATURE_STEP_LOG2[1]:
+            continue
+        made = partial(_gridless_power, drive, layers)
+        if _loses_at_most(TEMPERATURE_SHARE, references, braked, made):
             return layers
     return LAYERS[-1]
 
 
 def _grids(drive: Drive, layers: int) -> Iterator[tuple[int, int]]:
     """Step exponents of torque and speed of every grid that fits the firmware, smallest first."""
-    constants = layout.load().constants
+    header = layout.load()
+    room = header.constants["CONFIG_CURRENT_MAP_POINTS_MAX"]
+    accepted = header.sections["current_map"]
     torque, speed = (
         1000.0 * drive.motor.max_torque_nm,
         1000.0 * drive.motor.max_speed_rpm * math.pi / 30.0,
     )
     torque_steps = range(
         max(0, math.ceil(math.log2(torque / _TORQUE_INTERVALS))),
-        max(1, math.ceil(math.log2(torque))),
+        min(max(1, math.ceil(math.log2(torque))), accepted["torque_step_log2"].highest + 1),
     )
     speed_steps = range(
         max(6, math.ceil(math.log2(speed / _SPEED_INTERVALS))),
-        max(7, math.ceil(math.log2(speed)) + 1),
+        min(max(7, math.ceil(math.log2(speed)) + 1), accepted["speed_step_log2"].highest + 1),
     )
     found = [
         (math.prod(current_map.points_over(drive, *steps)), steps)
         for steps in itertools.product(torque_steps, speed_steps)
     ]
-    return (
-        steps
-        for points, steps in sorted(found)
-        if points * layers <= constants["CONFIG_CURRENT_MAP_POINTS_MAX"]
-    )
+    return (steps for points, steps in sorted(found) if points * layers <= room)
 
 
 @lru_cache(maxsize=8)
@@ -213,7 +249,7 @@ def _braking_reference(drive: Drive) -> _Reference:
     speed = np.broadcast_to(speed * (np.pi / 30.0), (_POWER_TEMPERATURES, _POWER_SPEEDS))
     limit = braking.torque_limit_nm(drive, speed)
     best = joint.best_braking(
-        motor, models.bridge(drive), speed * motor.pole_pairs, relaxed(drive), limit
+        motor, models.bridge(drive), speed * motor.pole_pairs, relaxed(drive), limit, joint.AUDIT
     )
     return _Reference(
         "braking", motor, speed, best.torque_nm, np.ones_like(speed), best.state.dc_power_w
@@ -222,7 +258,7 @@ def _braking_reference(drive: Drive) -> _Reference:
 
 def _least(drive: Drive, motor: models.Machine, speed: Array, torque: Array) -> joint.Point:
     return joint.least_power(
-        motor, models.bridge(drive), speed * motor.pole_pairs, torque, relaxed(drive)
+        motor, models.bridge(drive), speed * motor.pole_pairs, torque, relaxed(drive), joint.AUDIT
     )
 
 
@@ -249,6 +285,7 @@ def _stored_power(drive: Drive, table: CurrentMap, at: _Reference) -> Array:
     )
 
 
+@lru_cache(maxsize=64)
 def _gridless_power(drive: Drive, layers: int, at: _Reference) -> Array:
     """DC power in W with i_d exact over torque and speed, and linear between so many temperatures."""
     warm = current_map.temperatures_c(*current_map.temperature_axis(drive, layers), layers)
@@ -268,11 +305,16 @@ def _gridless_power(drive: Drive, layers: int, at: _Reference) -> Array:
     return _made_power(drive, at, i_d)
 
 
-def _worst(
-    references: list[_Reference], braked: _Reference, made: Callable[[_Reference], Array]
-) -> tuple[float, float]:
-    """Return the largest shares of energy, of any manoeuvre, and of braking power that a way to make torque loses."""
-    return max(_energy_share(at, made(at)) for at in references), _power_share(braked, made(braked))
+def _loses_at_most(
+    share: float,
+    references: list[_Reference],
+    braked: _Reference,
+    made: Callable[[_Reference], Array],
+) -> bool:
+    """Whether a way to make torque loses at most a share of what is allowed, in power and in every manoeuvre."""
+    return _power_share(braked, made(braked)) <= share * audit.POWER_LOSS_MAX and all(
+        _energy_share(at, made(at)) <= share * audit.ENERGY_LOSS_MAX for at in references
+    )
 
 
 def _whole_loss(drive: Drive, table: CurrentMap, references: list[_Reference]) -> float:

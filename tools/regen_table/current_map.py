@@ -14,7 +14,8 @@ middle of the range.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +28,7 @@ REACH = 4.0  # the braking table holds at least torques up to so many times the 
 BEYOND_CLOSED_FORM = 1.25  # and up to so many times the optimum with i_d = 0, where that is more
 # nodes beyond the current limit continue the curve, so that it does not bend inside the last cell
 RELAXED = 3.0
+_BLOCK = 1000  # points searched at a time, so that their candidates stay in the cache
 
 
 @dataclass(frozen=True)
@@ -155,22 +157,22 @@ def read(
     )
     s, s_part = audit.locate(np.abs(speed_rad_s) * 1000.0, rows, table.speed_step_log2)
     t, t_part = audit.locate(from_edge, columns, table.torque_step_log2)
-    entries = table.current_d_mA.astype(np.int64)
+    entries = table.current_d_mA.astype(np.int64).ravel()
+    corner = s * columns + t
 
-    def layer(w: audit.Whole) -> audit.Whole:
-        slow = audit.between(entries[w, s, t], entries[w, s, t + 1], t_part, table.torque_step_log2)
-        fast = audit.between(
-            entries[w, s + 1, t], entries[w, s + 1, t + 1], t_part, table.torque_step_log2
-        )
+    def layer(first: audit.Whole) -> audit.Whole:
+        slow = audit.between(entries[first], entries[first + 1], t_part, table.torque_step_log2)
+        first = first + columns
+        fast = audit.between(entries[first], entries[first + 1], t_part, table.torque_step_log2)
         return audit.between(slow, fast, s_part, table.speed_step_log2)
 
     if layers == 1:
-        return np.asarray(layer(np.zeros(np.broadcast_shapes(s.shape, t.shape), np.int64)) / 1000.0)
+        return np.asarray(layer(corner) / 1000.0)
     above = np.asarray(winding_temperature_c) * 100.0 - table.temperature_origin_cC
     w, w_part = audit.locate(above, layers, table.temperature_step_log2)
-    return np.asarray(
-        audit.between(layer(w), layer(w + 1), w_part, table.temperature_step_log2) / 1000.0
-    )
+    corner = corner + w * (rows * columns)
+    cold, warm = layer(corner), layer(corner + rows * columns)
+    return np.asarray(audit.between(cold, warm, w_part, table.temperature_step_log2) / 1000.0)
 
 
 def state(
@@ -202,24 +204,40 @@ def best_torque_nm(
     table: CurrentMap,
     speed_rad_s: ArrayLike,
     strongest_nm: ArrayLike,
+    scans: int = joint.EXACT,
 ) -> Array:
-    """Braking torque magnitude in N m, at most ``strongest_nm``, that returns the most power with the stored i_d."""
+    """Braking torque magnitude in N m, at most ``strongest_nm``, that returns the most power with the stored i_d.
+
+    ``scans``: joint.EXACT, or joint.AUDIT where only the power matters.
+    """
     speed, strongest, _ = np.broadcast_arrays(speed_rad_s, strongest_nm, motor.resistance_ohm)
-    wide = models.widened(motor)
-
-    def power(torque: Array) -> Array:
-        at = np.broadcast_to(speed[..., np.newaxis], torque.shape)
-        return state(
-            wide,
-            inverter,
-            at * motor.pole_pairs,
-            torque,
-            read(table, torque, at, wide.winding_temperature_c),
-        ).dc_power_w
-
-    return np.asarray(
-        -joint.shrink(power, -strongest.astype(np.float64), np.zeros(speed.shape), first=65)[0]
+    shape = speed.shape
+    temperature, resistance, flux = (
+        np.broadcast_to(values, shape).ravel()
+        for values in (motor.winding_temperature_c, motor.resistance_ohm, motor.flux_wb)
     )
+    speed, strongest = speed.ravel(), strongest.ravel().astype(np.float64)
+    first, found = (65 if scans == joint.EXACT else 17), [np.zeros(0)]
+    for block in (slice(k, k + _BLOCK) for k in range(0, speed.size, _BLOCK)):
+        part = replace(
+            motor,
+            winding_temperature_c=temperature[block, np.newaxis],
+            resistance_ohm=resistance[block, np.newaxis],
+            flux_wb=flux[block, np.newaxis],
+        )
+        at = speed[block, np.newaxis]
+        power = partial(_braking_power, part, inverter, table, at)
+        low = -strongest[block]
+        found.append(-joint.shrink(power, low, np.zeros(low.shape), first, scans)[0])
+    return np.asarray(np.concatenate(found).reshape(shape))
+
+
+def _braking_power(
+    motor: models.Machine, inverter: models.Bridge, table: CurrentMap, speed: Array, torque: Array
+) -> Array:
+    """DC power in W of torques made with the stored i_d."""
+    i_d = read(table, torque, speed, motor.winding_temperature_c)
+    return state(motor, inverter, speed * motor.pole_pairs, torque, i_d).dc_power_w
 
 
 def production(table: CurrentMap) -> braking.Production:
@@ -228,7 +246,8 @@ def production(table: CurrentMap) -> braking.Production:
     def capability(
         drive: Drive, motor: models.Machine, inverter: models.Bridge, speed: ArrayLike
     ) -> Array:
-        return best_torque_nm(motor, inverter, table, speed, braking.torque_limit_nm(drive, speed))
+        limit = braking.torque_limit_nm(drive, speed)
+        return best_torque_nm(motor, inverter, table, speed, limit, joint.AUDIT)
 
     def made(
         motor: models.Machine, inverter: models.Bridge, speed: ArrayLike, torque: ArrayLike
@@ -239,21 +258,23 @@ def production(table: CurrentMap) -> braking.Production:
     return braking.Production(capability, made)
 
 
-def regen_map(drive: Drive, currents: CurrentMap) -> tables.RegenMap:
+def regen_map(
+    drive: Drive, currents: CurrentMap, points: tuple[int, int] | None = None
+) -> tables.RegenMap:
     """Return the braking table that belongs to the stored i_d: its optimum at every point, unclamped.
 
     The grid reaches up to the top speed, as without i_d, unless it loses too much power somewhere.
     It does for a salient motor, whose optimum runs away at the speed where the power loses its
     minimum (it is stored up to a bound then): a finer grid that ends where every optimum is beyond
     max_torque_nm is better, because from there on the limits decide, and the firmware takes the
-    nearest edge.
+    nearest edge. ``points`` as in tables.regen_map().
     """
-    plain = tables.regen_map(drive)
+    plain = tables.regen_map(drive, points)
     made = production(currents)
     whole = _filled(drive, currents, plain, plain.speed_step_log2)
     if audit.worst_power_loss(drive, whole, made) <= audit.POWER_LOSS_MAX:
         return whole
-    for step in range(tables.SPEED_STEP_LOG2_MIN, plain.speed_step_log2):
+    for step in range(tables.SPEED_STEP_LOG2[0], plain.speed_step_log2):
         short = _filled(drive, currents, plain, step)
         if np.all(short.torque_mNm[:, -1] >= 1000.0 * drive.motor.max_torque_nm):
             return min(whole, short, key=lambda table: audit.worst_power_loss(drive, table, made))
@@ -271,15 +292,13 @@ def _filled(
         models.machine(drive, plain.temperatures_c[:, np.newaxis]),
         models.bridge(drive),
     )
-    speeds = np.arange(drive.table.speed_points, dtype=np.float64) * (2.0**step_log2 / 1000.0)
+    count = plain.torque_mNm.shape[1]
+    speeds = np.arange(count, dtype=np.float64) * (2.0**step_log2 / 1000.0)
     without = np.abs(
         optimum.closed_form(motor, inverter, speeds * motor.pole_pairs).torque_optimal_nm
     )
     strongest = np.maximum(REACH * drive.motor.max_torque_nm, BEYOND_CLOSED_FORM * without)
-    torque = np.rint(best_torque_nm(motor, inverter, currents, speeds, strongest) * 1000.0).astype(
-        np.int32
-    )
+    best = best_torque_nm(motor, inverter, currents, speeds, strongest)
+    torque = np.rint(best * 1000.0).astype(np.int32)
     torque[:, 0] = plain.torque_mNm[:, 0]
-    return tables.RegenMap(
-        step_log2, plain.temperature_step_log2, plain.temperature_origin_cC, torque
-    )
+    return replace(plain, speed_step_log2=step_log2, torque_mNm=torque)

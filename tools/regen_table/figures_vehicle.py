@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path as Outline
 
-from regen_table import braking, cycles, ideal, models, plotting, stops
+from regen_table import STRATEGIES, braking, cycles, ideal, models, plotting, stops
 from regen_table.plotting import BLUE, GREEN, GREY, ORANGE, RED, STRATEGY_COLOURS, STRATEGY_NAMES
 from regen_table.schema import Drive
 
@@ -40,7 +40,7 @@ def electric_share(drive: Drive) -> Figure:
     )
     levels = np.linspace(0.0, drive.motor.max_torque_nm, 11)
     drawn = []
-    for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
+    for axes, strategy in zip(panels, STRATEGIES, strict=True):
         electric = braking.electric_torque_nm(drive, strategy, demand, speed, capability)
         x, y, z = np.broadcast_arrays(speed * 30.0 / math.pi, demand, electric)
         drawn.append(axes.contourf(x, y, z, levels=levels, cmap="Blues"))
@@ -65,7 +65,7 @@ def pedal(drive: Drive) -> Figure:
         width=11.0,
         height=4.2,
     )
-    for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
+    for axes, strategy in zip(panels, STRATEGIES, strict=True):
         # Twice where the optimum decides, and once where the limits do.
         speeds = (
             (0.4 * meeting, 0.8 * meeting, 0.9 * top)
@@ -106,7 +106,7 @@ def stored_share(drive: Drive) -> Figure:
     made, (axes,) = plotting.figure(
         f"Fig. 14   Kinetic energy stored by a stop from {initial:.3g} km/h"
     )
-    for strategy in braking.STRATEGIES:
+    for strategy in STRATEGIES:
         stored = [
             100.0
             * stops.stop(
@@ -145,7 +145,7 @@ def energy_flow(drive: Drive) -> Figure:
     trace = cycles.Cycle(trace.name, trace.time_s, trace.speed_m_s * factor)
     title = f"Fig. 10   Energy flow over the urban cycle (ECE-15, speeds × {factor:.2f})"
     made, panels = plotting.figure(title, rows=3, width=10.5, height=9.5)
-    for axes, strategy in zip(panels, braking.STRATEGIES, strict=True):
+    for axes, strategy in zip(panels, STRATEGIES, strict=True):
         result = cycles.run(
             drive,
             trace,

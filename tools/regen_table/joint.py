@@ -11,8 +11,10 @@ where the limits decide.
 All arrays broadcast; a negative speed is the mirror image (i_d kept, i_q and torque negated).
 """
 
+import copy
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +24,10 @@ from regen_table.models import Array, ArrayLike, Bridge, Machine, State
 
 # a power nothing real reaches; the violation is added, so that searches walk towards the limits
 _INFEASIBLE = 1e30
+EXACT = 12  # scans of a search whose argument matters
+AUDIT = 5  # scans of a search whose value matters, as in an audit of losses
+_FIRST = {EXACT: 33, AUDIT: 17}  # points of the first scan for i_d
+_BLOCK = 1000  # points searched at a time, so that their candidates stay in the cache
 _TOLERANCE = 1e-9  # of a limit: rounding must not turn a point on a limit into one outside
 
 
@@ -46,17 +52,22 @@ class Point:
 
 
 def least_power(
-    motor: Machine, inverter: Bridge, omega: ArrayLike, torque_nm: ArrayLike, limits: Limits
+    motor: Machine,
+    inverter: Bridge,
+    omega: ArrayLike,
+    torque_nm: ArrayLike,
+    limits: Limits,
+    scans: int = EXACT,
 ) -> Point:
     """Find the currents of least DC power that make a torque at an electrical speed.
 
     Where no currents inside the limits make the torque, ``feasible`` is false and the point is the
-    one that violates the limits least.
+    one that violates the limits least. ``scans``: EXACT, or AUDIT where only the power matters.
     """
     sign = _sign(omega)
     forward = _Problem(motor, inverter, omega, limits, np.shape(torque_nm))
     torque = np.broadcast_to(sign * np.asarray(torque_nm, dtype=np.float64), forward.shape)
-    i_dt, cost = forward.best_direct_current(torque)
+    i_dt, cost = forward.best_direct_current(torque, scans)
     i_d, i_q = models.terminal_currents(
         motor, forward.omega, i_dt, forward.quadrature(torque, i_dt)
     )
@@ -70,6 +81,7 @@ def best_braking(
     omega: ArrayLike,
     limits: Limits,
     max_torque_nm: ArrayLike = np.inf,
+    scans: int = EXACT,
 ) -> Point:
     """Find the braking torque, at most ``max_torque_nm`` strong, and the currents that return the most DC power.
 
@@ -79,9 +91,13 @@ def best_braking(
     forward = _Problem(motor, inverter, omega, limits, np.shape(max_torque_nm))
     strongest = np.minimum(forward.torque_bound(), max_torque_nm)
     torque, _ = shrink(
-        lambda t: forward.best_direct_current(t)[1], -strongest, np.zeros(forward.shape), first=49
+        lambda t: forward.best_direct_current(t, scans)[1],
+        -strongest,
+        np.zeros(forward.shape),
+        first=49,
+        scans=scans,
     )
-    return least_power(motor, inverter, omega, _sign(omega) * torque, limits)
+    return least_power(motor, inverter, omega, _sign(omega) * torque, limits, scans)
 
 
 def zero_power_torque(
@@ -148,8 +164,17 @@ class _Problem:
             1.5 * self.motor.pole_pairs * (_like(self.flux, i_dt) - self.saliency * i_dt)
         )
 
-    def best_direct_current(self, torque: Array) -> tuple[Array, Array]:
+    def best_direct_current(self, torque: Array, scans: int = EXACT) -> tuple[Array, Array]:
         """Return i_dt in A of least DC power for each torque, and that power (or the violation above _INFEASIBLE)."""
+        if torque.shape == self.shape and torque.size > _BLOCK:
+            parts = [
+                self._part(block).best_direct_current(torque.ravel()[block], scans)
+                for block in (slice(k, k + _BLOCK) for k in range(0, torque.size, _BLOCK))
+            ]
+            i_dt, power = (
+                np.concatenate(values).reshape(self.shape) for values in zip(*parts, strict=True)
+            )
+            return i_dt, power
         x, _ = self._current_bounds()
         low, high = -x, x
         # The torque per ampere of i_qt must stay positive: stay on one side of its pole.
@@ -158,7 +183,17 @@ class _Problem:
         elif self.saliency < 0.0:
             low = np.maximum(low, 0.999 * self.flux / self.saliency)
         low, high = (np.broadcast_to(_like(bound, torque), torque.shape) for bound in (low, high))
-        return shrink(lambda i_dt: self.cost(torque[..., np.newaxis], i_dt), low, high, first=33)
+        return shrink(
+            lambda i_dt: self.cost(torque[..., np.newaxis], i_dt), low, high, _FIRST[scans], scans
+        )
+
+    def _part(self, block: slice) -> Self:
+        """Return the problem at some of its points, in one row."""
+        part = copy.copy(self)
+        for name in ("omega", "iron", "resistance", "flux", "current_limit", "voltage_limit"):
+            setattr(part, name, getattr(self, name).ravel()[block])
+        part.shape = part.omega.shape
+        return part
 
     def cost(self, torque: Array, i_dt: Array) -> Array:
         """DC power in W of candidates, or how far outside the limits they are."""
@@ -201,15 +236,21 @@ def _like(value: Array, candidates: Array) -> Array:
 
 
 def shrink(
-    cost: Callable[[Array], Array], low: Array, high: Array, first: int
+    cost: Callable[[Array], Array],
+    low: Array,
+    high: Array,
+    first: int,
+    scans: int = EXACT,
 ) -> tuple[Array, Array]:
     """Minimise a function of one variable inside [low, high], elementwise; returns (argument, value).
 
     A scan with ``first`` points, then scans of 9 points between the neighbours of the best one so
-    far, each four times finer, until the interval is below a few parts in 1e8 of the first one.
+    far, each four times finer. With ``scans`` = EXACT the interval ends below a few parts in 1e8 of
+    the first one. With fewer, the vertex of the parabola through the last three points follows,
+    which finds a smooth minimum as well as the value needs it.
     """
     points, best, value = first, low, low
-    for _ in range(12):
+    for _ in range(scans):
         share = np.linspace(0.0, 1.0, points)
         candidates = low[..., np.newaxis] + (high - low)[..., np.newaxis] * share
         values = cost(candidates)
@@ -219,4 +260,15 @@ def shrink(
         step = (high - low) / (points - 1)
         low, high = np.maximum(low, best - step), np.minimum(high, best + step)
         points = 9
-    return best, value
+    if scans == EXACT:
+        return best, value
+    inside = np.clip(index, 1, values.shape[-1] - 2)
+    before, middle, after = (
+        np.take_along_axis(values, inside + k, axis=-1)[..., 0] for k in (-1, 0, 1)
+    )
+    bend = before - 2.0 * middle + after
+    smooth = (index == inside)[..., 0] & (bend > 0.0) & (np.maximum(before, after) < _INFEASIBLE)
+    offset = np.divide(0.5 * (before - after), bend, out=np.zeros_like(bend), where=smooth)
+    vertex = best + step * offset
+    there = cost(vertex[..., np.newaxis])[..., 0]
+    return np.where(there < value, vertex, best), np.minimum(there, value)

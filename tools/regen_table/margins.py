@@ -14,7 +14,8 @@ no margin sees.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -136,6 +137,7 @@ def designed_step(bandwidth_hz: float, period_s: float, samples: int) -> models.
     return np.asarray(1.0 - np.exp(-2.0 * np.pi * bandwidth_hz * period_s * late))
 
 
+@lru_cache(maxsize=8)
 def current_loop(drive: Drive) -> list[Margins]:
     """Margins of both axes with a cold, a reference and a hot winding, whose temperature the integral gain knows."""
     period, bandwidth = 1.0 / drive.inverter.pwm_frequency_hz, drive.control.current_bandwidth_hz
@@ -145,8 +147,12 @@ def current_loop(drive: Drive) -> list[Margins]:
         drive.motor.max_winding_temperature_c,
     )
     samples = min(4000, 10 + math.ceil(1.0 / (bandwidth * period)))  # six time constants
-    shape, found = reference_shape(bandwidth, period), []
+    shape = reference_shape(bandwidth, period)
+    found: list[Margins] = []
     for axis, inductance in (("d", drive.motor.d_inductance_h), ("q", drive.motor.q_inductance_h)):
+        if found and inductance == drive.motor.d_inductance_h:
+            found += [replace(other, axis=axis) for other in found]
+            break
         gains = loops.axis_gains(drive, inductance)
         for temperature in temperatures:
             resistance = (

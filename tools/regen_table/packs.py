@@ -18,12 +18,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from regen_table import models
+from regen_table import BATTERIES, DYNAMIC, SETTLED, models
 from regen_table.models import Array
 from regen_table.schema import Drive
 
-SETTLED, DYNAMIC = "settled", "dynamic"
-BATTERIES = (SETTLED, DYNAMIC)
+__all__ = ["BATTERIES", "DYNAMIC", "SETTLED", "Flow", "dynamic", "flow"]
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 
 import json
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 from regen_table import __version__, audit, current_audit, current_map, envelope, margins
@@ -37,7 +38,7 @@ def collect(drive: Drive) -> Report:
     made = current_map.production(currents)
     table = current_audit.braking_table(drive)
     losses = audit.grid_losses(drive, table, made)
-    audit.refuse_lossy_grid(losses)
+    audit.refuse_lossy_grid(losses, partial(current_audit.smallest_grid, drive, free=True))
     layers, rows, columns = currents.current_d_mA.shape
     return Report(
         name=drive.name,
@@ -53,6 +54,16 @@ def collect(drive: Drive) -> Report:
         d_current_power_loss_worst=current_audit.worst_power_loss(drive, currents),
         bus_voltage_loss=current_audit.bus_voltage_loss(drive),
     )
+
+
+def warnings(report: Report) -> list[str]:
+    """Return one line for what is accepted, but worse than it could be."""
+    if report.power_loss_worst <= audit.POWER_LOSS_MAX:
+        return []
+    return [
+        f"table.speed_points, table.temperature_points: at one speed above {report.power_loss_from_rpm:g} r/min the grid loses "
+        f"{report.power_loss_worst:.1%} of the braking power; with more points it is at most {audit.POWER_LOSS_MAX:.1%}"
+    ]
 
 
 def as_json(report: Report, origin: dict[str, Any]) -> bytes:

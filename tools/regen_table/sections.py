@@ -39,6 +39,10 @@ SocPoint = Annotated[
 SocCurve = Annotated[tuple[SocPoint, ...], Field(strict=False)]
 
 
+Points = Annotated[int, _number(2, 65, "1", "grid points")] | Literal["auto"]
+TemperaturePoints = Annotated[int, _number(2, 17, "1", "grid points")] | Literal["auto"]
+
+
 class Motor(Section):
     """A permanent-magnet synchronous machine and its limits."""
 
@@ -340,8 +344,12 @@ class Control(Section):
 class Table(Section):
     """The grid of the stored optimum."""
 
-    speed_points: Annotated[int, _number(2, 65, "1", "from standstill")]
-    temperature_points: Annotated[int, _number(2, 17, "1", "")]
+    speed_points: Annotated[
+        Points, Field(description="from standstill; auto: the smallest grid that suffices")
+    ]
+    temperature_points: Annotated[
+        TemperaturePoints, Field(description="auto: the smallest grid that suffices")
+    ]
     temperature_range_c: Annotated[
         tuple[Temperature, Temperature],
         Field(strict=False, description="winding [lowest, highest]"),

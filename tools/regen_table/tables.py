@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """The stored optimum: unclamped T_opt over mechanical speed and winding temperature, on grids of powers of two."""
 
+import itertools
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from regen_table import models, optimum
+from regen_table import layout, models, optimum
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-SPEED_STEP_LOG2_MIN, SPEED_STEP_LOG2_MAX = 6, 20
+SPEED_STEP_LOG2 = (6, 20)  # smallest and largest, as in config.h
 TEMPERATURE_STEP_LOG2 = (6, 15)
 
 
@@ -44,37 +46,18 @@ class RegenMap:
         ) / 100.0
 
 
-def regen_map(drive: Drive) -> RegenMap:
+def regen_map(drive: Drive, points: tuple[int, int] | None = None) -> RegenMap:
     """Compute the table of a drive: the closed form at every point, unclamped.
+
+    ``points``: numbers of speeds and temperatures, which must be given where the drive says "auto".
 
     Below the speed where regeneration begins the formula's current changes sign. Its torque is
     stored all the same, negative at standstill, because the curve is then straight through the
     threshold and interpolates well; the firmware reads what is below zero as zero.
     """
-    table = drive.table
-    speed_step = step_log2(
-        drive.motor.max_speed_rpm * math.pi / 30.0 * 1000.0, table.speed_points, SPEED_STEP_LOG2_MIN
-    )
-    if speed_step > SPEED_STEP_LOG2_MAX:
-        needed = (
-            math.ceil(
-                drive.motor.max_speed_rpm * math.pi / 30.0 * 1000.0 / (1 << SPEED_STEP_LOG2_MAX)
-            )
-            + 1
-        )
-        raise ConfigurationError(
-            f"table.speed_points: {table.speed_points}, accepted: at least {needed} up to motor.max_speed_rpm"
-        )
-    lowest, highest = table.temperature_range_c
-    temperature_step = step_log2(
-        (highest - lowest) * 100.0, table.temperature_points, TEMPERATURE_STEP_LOG2[0]
-    )
-    empty = RegenMap(
-        speed_step,
-        temperature_step,
-        round(lowest * 100.0),
-        np.zeros((table.temperature_points, table.speed_points), np.int32),
-    )
+    speeds, temperatures = points or (drive.table.speed_points, drive.table.temperature_points)
+    assert speeds != "auto" and temperatures != "auto"
+    empty = _grid(drive, speeds, temperatures)
     motor = models.machine(drive, empty.temperatures_c[:, np.newaxis])
     best = optimum.closed_form(
         motor, models.bridge(drive), empty.speeds_rad_s * drive.motor.pole_pairs
@@ -82,12 +65,82 @@ def regen_map(drive: Drive) -> RegenMap:
     torque = -optimum.torque_at_zero_d_current(
         motor, empty.speeds_rad_s * drive.motor.pole_pairs, best.current_extended_a
     )
-    return RegenMap(
-        speed_step,
-        temperature_step,
-        empty.temperature_origin_cC,
-        np.rint(torque * 1000.0).astype(np.int32),
+    return replace(empty, torque_mNm=np.rint(torque * 1000.0).astype(np.int32))
+
+
+def _grid(drive: Drive, speed_points: int, temperature_points: int) -> RegenMap:
+    """Return an empty table over the speeds and temperatures of a drive."""
+    speed_span, (lowest, highest) = _speed_span(drive), drive.table.temperature_range_c
+    steps = []
+    for key, points, span, (smallest, largest), reaches in (
+        ("speed_points", speed_points, speed_span, SPEED_STEP_LOG2, "motor.max_speed_rpm"),
+        (
+            "temperature_points",
+            temperature_points,
+            100.0 * (highest - lowest),
+            TEMPERATURE_STEP_LOG2,
+            "the end of table.temperature_range_c",
+        ),
+    ):
+        steps.append(step_log2(span, points, smallest))
+        if steps[-1] > largest:
+            raise ConfigurationError(
+                f"table.{key}: {points}, accepted: at least {points_over(span, largest)} up to {reaches}"
+            )
+    room = _room()
+    if speed_points * temperature_points > room:
+        raise ConfigurationError(
+            f"table.speed_points, table.temperature_points: {speed_points} x {temperature_points}, accepted: at most "
+            f"{room} points in all"
+        )
+    zeros = np.zeros((temperature_points, speed_points), np.int32)
+    return RegenMap(steps[0], steps[1], round(lowest * 100.0), zeros)
+
+
+def _speed_span(drive: Drive) -> float:
+    return drive.motor.max_speed_rpm * math.pi / 30.0 * 1000.0
+
+
+def _room() -> int:
+    """Return how many points the firmware's table holds."""
+    return layout.load().constants["CONFIG_REGEN_POINTS_MAX"]
+
+
+def grids(drive: Drive, further_speed_points: Iterable[int] = ()) -> list[tuple[int, int]]:
+    """Return numbers of speeds and temperatures worth trying, the smallest grids first.
+
+    A step is a power of two, so a few numbers of points make all the grids there are: the least that
+    reach the end of the axis with each step. A number that the drive names is the only one.
+    """
+    lowest, highest = drive.table.temperature_range_c
+    speeds = _numbers_of_points(
+        drive.table.speed_points, _speed_span(drive), SPEED_STEP_LOG2, 65, further_speed_points
     )
+    temperatures = _numbers_of_points(
+        drive.table.temperature_points, 100.0 * (highest - lowest), TEMPERATURE_STEP_LOG2, 17, ()
+    )
+    room = _room()
+    return sorted(
+        (pair for pair in itertools.product(speeds, temperatures) if math.prod(pair) <= room),
+        key=lambda pair: (math.prod(pair), pair),
+    )
+
+
+def _numbers_of_points(
+    given: int | str, span: float, steps_log2: tuple[int, int], most: int, further: Iterable[int]
+) -> list[int]:
+    """Return the numbers of points of one axis that are worth trying."""
+    if isinstance(given, int):
+        return [given]
+    smallest, largest = steps_log2
+    reaching = {points_over(span, step) for step in range(smallest, largest + 1)}
+    least = points_over(span, largest)
+    return [points for points in reaching | set(further) if least <= points <= most]
+
+
+def points_over(span: float, step_log2: int) -> int:
+    """Points that reach the end of an axis with a step."""
+    return max(2, math.ceil(span / 2.0**step_log2 - 1e-12) + 1)
 
 
 def step_log2(span: float, points: int, smallest: int) -> int:

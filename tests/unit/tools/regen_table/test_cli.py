@@ -254,12 +254,33 @@ def test_the_module_runs_as_a_command_and_explains_itself() -> None:
         assert "CONFIG.toml" in explained.stdout
 
 
+HEAVY = ("numpy", "scipy", "matplotlib", "pydantic", "cffi", "regen_table.commands")
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["", "generate", "check", "solve", "evaluate", "stop", "cycle", "figures", "calibrate"],
+)
+def test_an_explanation_loads_no_library_that_takes_long_to_load(command: str) -> None:
+    code = (
+        "import sys\nfrom regen_table import cli\n"
+        f"try:\n    cli.main({[command, '--help'] if command else ['--help']!r})\n"
+        "except SystemExit as left:\n    assert left.code == 0\n"
+        f"print([name for name in {HEAVY!r} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
 def test_generate_keeps_its_findings_on_request(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert (
         cli.main(
-            ["generate", str(PAPER), "-o", str(tmp_path), "--report", str(tmp_path / "found.json")]
+            [
+                *("generate", str(PAPER), "-o", str(tmp_path)),
+                *("--report", str(tmp_path / "found.json"), "--date", "2026-01-31T12:00Z"),
+            ]
         )
         == 0
     )
@@ -271,6 +292,12 @@ def test_generate_keeps_its_findings_on_request(
         for proof in found["formats"]
     )
     assert max(loss["relative"] for loss in found["grid_losses"]) <= 2e-4
+    origin, source = found["provenance"], (tmp_path / "lu2013.c").read_text(encoding="ascii")
+    assert origin["configuration"] == "lu2013"
+    assert f".crc32 = {origin['configuration_crc32']}," in source
+    assert origin["date"] == "2026-01-31T12:00:00Z"
+    assert {"version", "commit", "scenario", "seed"} <= set(origin)
+    assert "2026" not in source  # the generated files depend on the TOML file alone
     assert "phase margin" in capsys.readouterr().out
 
 

@@ -97,7 +97,7 @@ def test_a_drive_whose_map_cannot_be_fine_enough_is_refused(
     monkeypatch.setattr(current_audit, "_grids", lambda drive, layers: [(20, 20)])
     with pytest.raises(
         ConfigurationError,
-        match=r"^current_map: .* loses \d+\.\d+% of the energy .* accepted: at most 0\.02%",
+        match=r"^motor.q_inductance_h: .* loses \d+\.\d+% of the energy .* accepted: at most 0\.02%",
     ):
         current_audit.choose.__wrapped__(drive)
 

@@ -331,5 +331,5 @@ def test_a_report_that_cannot_be_written_leaves_no_configuration_behind(
     assert cli.main(arguments) == 1
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1
-    assert lines[0].startswith(f"{PAPER}: /proc/report.json: cannot be written: ")
+    assert lines[0].startswith("/proc/report.json: cannot be written: ")
     assert list((tmp_path / "out").iterdir()) == []

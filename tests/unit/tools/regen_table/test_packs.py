@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from regen_table import braking, models, packs, schema, stops
+from regen_table import STRATEGIES, models, packs, schema, stops
 from scipy import integrate
 
 Change = Callable[[dict[str, Any]], schema.Drive]
@@ -110,7 +110,7 @@ def test_half_the_step_quarters_the_error() -> None:
     assert coarse / halved == pytest.approx(4.0, rel=0.05)
 
 
-@pytest.mark.parametrize("strategy", braking.STRATEGIES)
+@pytest.mark.parametrize("strategy", STRATEGIES)
 def test_a_branch_that_moves_lies_between_one_that_has_settled_and_none(
     change: Change, strategy: str
 ) -> None:
@@ -150,6 +150,6 @@ def test_the_series_optimum_stays_the_best_with_a_branch_that_moves(
                 s: stops.stop(
                     drive, s, float(demand), top, 80.0, battery="dynamic"
                 ).stored_share_of_kinetic
-                for s in braking.STRATEGIES
+                for s in STRATEGIES
             }
             assert stored["series_optimal"] >= max(stored.values()) - 1e-9

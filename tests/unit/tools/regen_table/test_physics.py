@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from regen_table import braking, cycles, joint, models, optimum, points, schema, stops
+from regen_table import STRATEGIES, braking, cycles, joint, models, optimum, points, schema, stops
 
 Change = Callable[[dict[str, Any]], schema.Drive]
 SPEEDS_RPM = (25.0, 50.0, 100.0, 150.0, 300.0, 424.4)
@@ -30,7 +30,7 @@ def test_the_papers_vehicle_has_the_torques_derived_by_hand(paper: schema.Drive)
         assert record["torque_zero_nm"] == pytest.approx(zero, rel=5e-4)
 
 
-@pytest.mark.parametrize("strategy", braking.STRATEGIES)
+@pytest.mark.parametrize("strategy", STRATEGIES)
 def test_a_stop_from_40_km_h_stores_what_was_derived_by_hand(
     paper: schema.Drive, strategy: str
 ) -> None:
@@ -306,7 +306,7 @@ def test_no_strategy_beats_the_series_optimum(random_drives: list[schema.Drive])
         for demand in drive.motor.rated_torque_nm * np.array([0.2, 0.7, 1.5, 4.0]):
             stored = {
                 s: stops.stop(drive, s, float(demand), top, 80.0).stored_share_of_kinetic
-                for s in braking.STRATEGIES
+                for s in STRATEGIES
             }
             assert stored["series_optimal"] >= max(stored.values()) - 1e-9
 
@@ -328,10 +328,10 @@ def test_scaling_the_best_torque_never_returns_more(paper: schema.Drive) -> None
 def test_a_cycle_balances_and_braking_more_electrically_returns_more(paper: schema.Drive) -> None:
     time = np.array([0.0, 10.0, 20.0, 28.0, 40.0])
     trace = cycles.Cycle("trapezium", time, np.array([0.0, 10.0, 10.0, 0.0, 0.0]))
-    results = {s: cycles.run(paper, trace, s, 25.0) for s in braking.STRATEGIES}
+    results = {s: cycles.run(paper, trace, s, 25.0) for s in STRATEGIES}
     for result in results.values():
         assert abs(result.residual_relative) < 1e-9
-    returned = [results[s].energy_j.battery_returned for s in braking.STRATEGIES]
+    returned = [results[s].energy_j.battery_returned for s in STRATEGIES]
     assert returned[0] < returned[1] <= returned[2] * (1.0 + 1e-9)
     # The wheels must take off the kinetic energy less what drag takes: 0.5 * 660 kg * 100 m2/s2 =
     # 33 kJ.

@@ -9,6 +9,7 @@ import itertools
 import math
 import re
 import subprocess
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -135,6 +136,70 @@ def test_a_grid_is_refused_by_the_energy_it_loses(paper: schema.Drive) -> None:
         match=r"the grid loses 0\.030% of the energy of the .* accepted: at most 0\.02%",
     ):
         audit.refuse_lossy_grid([*losses, lossy])
+
+
+def test_a_grid_that_is_too_coarse_is_refused_with_the_smallest_one_that_suffices() -> None:
+    bike = tomllib.loads((ROOT / "tools" / "motors" / "ebike36v.toml").read_text(encoding="utf-8"))
+
+    def drive(speeds: int | str, temperatures: int | str) -> schema.Drive:
+        grid = {"speed_points": speeds, "temperature_points": temperatures}
+        return schema.parse(bike | {"table": bike["table"] | grid}, "bike", "bike.toml")
+
+    with pytest.raises(
+        ConfigurationError,
+        match=r"^table\.speed_points, .* loses 0\.\d+% of the energy of the \w+ at \d+ degC, accepted: at most 0\.02%; "
+        r"the smallest grid that suffices is speed_points = \d+, temperature_points = \d+$",
+    ) as refused:
+        report.collect(drive(9, 2))
+    speeds, temperatures = (int(n) for n in re.findall(r"points = (\d+)", str(refused.value)))
+    report.collect(drive(speeds, temperatures))
+    for fewer in {
+        (s, t) for s in range(2, 66) for t in range(2, 18) if s * t < speeds * temperatures
+    }:
+        with pytest.raises(ConfigurationError, match=r"the grid loses"):
+            report.collect(drive(*fewer))
+    chosen = current_audit.braking_table(drive("auto", "auto"))
+    assert chosen.torque_mNm.shape == (temperatures, speeds)
+    assert current_audit.braking_table(drive(9, "auto")).torque_mNm.shape[1] == 9
+    assert image.build(drive("auto", "auto"))[:-4] != image.build(drive(12, 5))[:-4]
+
+
+def test_a_grid_beyond_the_room_or_the_steps_of_the_controller_is_refused_by_the_names_in_the_file(
+    change: Change,
+) -> None:
+    for changes, expected in (
+        (
+            {"table.speed_points": 65, "table.temperature_points": 17},
+            "65 x 17, accepted: at most 833",
+        ),
+        (
+            {"table.temperature_range_c": [-50.0, 290.0], "table.temperature_points": 2},
+            r"^table.temperature_points: 2, accepted: at least 3 up to the end of table",
+        ),
+    ):
+        with pytest.raises(ConfigurationError, match=expected):
+            image.build(change(changes))
+    image.build(change({"table.temperature_range_c": [-50.0, 290.0]}))
+
+
+def test_a_fast_motor_whose_d_current_hardly_depends_on_speed_is_accepted() -> None:
+    """Two speeds would do for its i_d, but a step of the controller's axis is at most 2^20 mrad/s."""
+    tree = tomllib.loads((ROOT / "tools" / "motors" / "ipm400v.toml").read_text(encoding="utf-8"))
+    tree["motor"] |= {
+        "type": "spmsm",
+        "q_inductance_h": tree["motor"]["d_inductance_h"],
+        "max_speed_rpm": 11000.0,
+        "rated_torque_nm": 40.0,
+        "max_torque_nm": 50.0,
+    }
+    del tree["motor"]["iron_loss_resistance_ohm"]
+    tree["table"] |= {"speed_points": "auto", "temperature_points": "auto"}
+    drive = schema.parse(tree, "fast", "fast.toml")
+    report.collect(drive)
+    image.build(drive)
+    table = current_audit.choose(drive)
+    assert table.speed_step_log2 == 20
+    assert table.speeds_rad_s[-1] >= 11000.0 * math.pi / 30.0
 
 
 def test_an_ideal_loop_has_the_margins_of_an_integrator_with_delay_and_a_half() -> None:

@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands of the command line do: one function a command, from its options to its exit code.
+
+Loaded after the arguments have been understood, because NumPy and pydantic take longer to load than
+an explanation may take to appear.
+"""
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from regen_table import (
+    STRATEGIES,
+    calibrate,
+    cycles,
+    generate,
+    ideal,
+    outputs,
+    points,
+    provenance,
+    relations,
+    report,
+    schema,
+    stops,
+)
+from regen_table.errors import ConfigurationError
+
+
+def run_calibrate(options: argparse.Namespace) -> int:
+    """Print the [rotor] section that belongs to a recording."""
+    with _about(options.recording):
+        found = calibrate.calibrate(calibrate.load(options.recording))
+    print(calibrate.as_toml(found))
+    return 0
+
+
+def run_generate(options: argparse.Namespace) -> int:
+    """Write C source and image, a report and figures on request, and print what was found."""
+    drive = schema.load(options.config)
+    with _about(options.config):
+        found = report.collect(drive)
+        made = generate.artefacts(drive)
+    directory = options.output or generate.GENERATED
+    files = {directory / name: content for name, content in made.files.items()}
+    if options.report:
+        origin = provenance.provenance(drive.name, made.image, date=options.date)
+        files[options.report] = report.as_json(found, origin)
+    paths = outputs.write_files(files, make_directories=True)
+    if options.plots:
+        from regen_table import figures  # noqa: PLC0415, Matplotlib takes longer to load than all else takes to run
+
+        with _about(options.config):
+            paths += figures.draw_all(drive, options.output or generate.FIGURES)
+    for warning in [
+        *relations.warnings(drive),
+        *report.warnings(found),
+    ]:  # last: an error is one line
+        print(f"{options.config}: warning: {warning}", file=sys.stderr)
+    print(report.as_text(found))
+    for path in paths:
+        print(path)
+    return 0
+
+
+def run_check(options: argparse.Namespace) -> int:
+    """Compare the files of configurations with what their TOML files generate."""
+    for path in options.configs:
+        with _about(path):
+            generate.check(schema.load(path), options.output or generate.GENERATED)
+    print(f"{len(options.configs)} configuration(s) up to date")
+    return 0
+
+
+def run_solve(options: argparse.Namespace) -> int:
+    """Print the best braking at speeds and winding temperatures."""
+    drive = schema.load(options.config)
+    with _about(options.config):
+        how = points.setting(drive, options.joint, options.soc)
+        temperatures = _temperatures(drive, options.winding_temperature_c)
+        records = [
+            points.solve(drive, speed, warm, how)
+            for warm in temperatures
+            for speed in options.speed_rpm
+        ]
+    _show(
+        records,
+        options.json,
+        [
+            "speed_rpm",
+            "winding_temperature_c",
+            "torque_optimal_nm",
+            "torque_zero_nm",
+            "torque_idle_nm",
+            "torque_optimal_limited_nm",
+            "current_d_a",
+            "current_q_a",
+            "dc_power_w",
+        ],
+    )
+    return 0
+
+
+def run_evaluate(options: argparse.Namespace) -> int:
+    """Print operating points."""
+    drive = schema.load(options.config)
+    with _about(options.config):
+        how = points.setting(drive, options.joint, options.soc)
+        temperatures = _temperatures(drive, options.winding_temperature_c)
+        records = [
+            points.evaluate(drive, speed, torque, warm, how)
+            for warm in temperatures
+            for speed in options.speed_rpm
+            for torque in options.torque_nm
+        ]
+    _show(
+        records,
+        options.json,
+        [
+            "speed_rpm",
+            "torque_nm",
+            "winding_temperature_c",
+            "current_d_a",
+            "current_q_a",
+            "dc_power_w",
+            "loss_copper_w",
+            "loss_iron_w",
+            "loss_inverter_w",
+            "loss_battery_w",
+            "region",
+        ],
+    )
+    return 0
+
+
+def run_stop(options: argparse.Namespace) -> int:
+    """Print ideal stops."""
+    drive = schema.load(options.config)
+    strategy = options.strategy or drive.brake.strategy
+    warm = _one_temperature(drive, options.winding_temperature_c)
+    with _about(options.config):
+        found = [
+            stops.stop(
+                drive, name, demand, options.initial_speed_kmh, warm, options.soc, options.battery
+            )
+            for name in (STRATEGIES if strategy == "all" else [strategy])
+            for demand in options.demand_nm
+        ]
+    _show(
+        [result.as_dict() for result in found],
+        options.json,
+        [
+            "strategy",
+            "demand_nm",
+            "stop_distance_m",
+            "stop_time_s",
+            "kinetic_energy_j",
+            "stored_share_of_kinetic",
+        ],
+    )
+    return 0
+
+
+def run_cycle(options: argparse.Namespace) -> int:
+    """Print an ideal cycle under every strategy."""
+    drive = schema.load(options.config)
+    warm = _one_temperature(drive, options.winding_temperature_c)
+    trace = cycles.load(options.trace, options.top_speed_kmh)
+    with _about(options.config):
+        found = [
+            cycles.run(drive, trace, strategy, warm, options.soc, ideal.production(drive))
+            for strategy in STRATEGIES
+        ]
+    _show(
+        [result.as_dict() for result in found],
+        options.json,
+        ["cycle", "strategy", "braking_share_stored", "residual_relative"],
+    )
+    return 0
+
+
+def run_figures(options: argparse.Namespace) -> int:
+    """Draw the figures of the paper."""
+    from regen_table import figures  # noqa: PLC0415, as above
+
+    drive = schema.load(options.config)
+    with _about(options.config):
+        for path in figures.draw_all(drive, options.output):
+            print(path)
+    return 0
+
+
+def _temperatures(drive: schema.Drive, given: list[float] | None) -> list[float]:
+    """Return the winding temperatures asked for, refusing those at which the copper law is meaningless."""
+    found = [drive.motor.reference_temperature_c] if given is None else given
+    return [_one_temperature(drive, value) for value in found]
+
+
+def _one_temperature(drive: schema.Drive, given: float | None) -> float:
+    value = drive.motor.reference_temperature_c if given is None else given
+    share = 1.0 + drive.motor.resistance_temperature_coefficient_per_k * (
+        value - drive.motor.reference_temperature_c
+    )
+    if share <= 0.0:
+        raise ConfigurationError(
+            f"--winding-temperature-c: {value:g} degC leaves no resistance, accepted: temperatures that leave some"
+        )
+    return value
+
+
+def _show(records: Sequence[Any], as_json: bool, columns: list[str]) -> None:
+    """Print records as JSON, or some of their keys as a table."""
+    if as_json:
+        print(json.dumps(records, indent=1, allow_nan=False))
+        return
+    rows = [columns] + [[_cell(record[name]) for name in columns] for record in records]
+    widths = [max(len(row[k]) for row in rows) for k in range(len(columns))]
+    for row in rows:
+        print("  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)))
+
+
+def _cell(value: object) -> str:
+    return f"{value:.5g}" if isinstance(value, float) else "-" if value is None else str(value)
+
+
+class _about:  # noqa: N801, reads as a word: with _about(path)
+    """Begin the message of a ConfigurationError with the file it is about, once."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, kind: object, error: object, trace: object) -> None:
+        if isinstance(error, ConfigurationError) and not str(error).startswith(str(self.path)):
+            raise ConfigurationError(f"{self.path}: {error}") from error
