@@ -45,6 +45,7 @@ def simulate_all(
     beside: Path,
     plant: dict[str, float],
     bar: Progress,
+    date: str | None = None,
 ) -> list[RunResult]:
     """Run all drives at the same time, as many as there are cores.
 
@@ -60,7 +61,7 @@ def simulate_all(
                 raise HubsimError(f"{name}, {drive.brake.strategy}: stopped at {now_s:g} s")
             bar.update(task, completed=int(now_s), total=int(planned_s))
 
-        return run.simulate(name, drive, shown, beside, SIGNALS, plant, progress)
+        return run.simulate(name, drive, shown, beside, SIGNALS, plant, progress, date=date)
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         waiting = [
@@ -89,7 +90,8 @@ def write(
 ) -> list[str]:
     """Write page and summary; return what to tell the user."""
     factor = realtime_factor(results)
-    summary = {"runs": [result.run_object for result in results], "realtime_factor": factor}
+    runs = [{"provenance": result.origin} | result.run_object for result in results]
+    summary = {"provenance": results[0].origin, "runs": runs, "realtime_factor": factor}
     report.write_report(list(results), directory, beside)
     files.write_text(directory / SUMMARY, outputs.as_json(summary))
     wheels = results[0].wheels

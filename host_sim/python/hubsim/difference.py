@@ -24,15 +24,17 @@ TIME = "time_s"
 # How long the computer took is no property of what was computed, and the rounding that a residual
 # is made of none of the vehicle.
 _NOT_COMPARED = ("realtime_factor", "residual_relative", "energy.residual_j", "braking.residual_j")
+_NOT_A_FIGURE = ("provenance",)
 
 
 @dataclass(frozen=True)
 class Side:
-    """One of two results: figures by name, and signals of equal length by name."""
+    """One of two results: figures by name, signals of equal length by name, provenance if known."""
 
     name: str
     figures: Mapping[str, float]
     signals: Mapping[str, Rows]
+    origin: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -92,14 +94,14 @@ def _read_json(path: Path) -> Side:
     found = json.loads(files.read_text(path))
     if not isinstance(found, dict):
         raise ValueError("an object is needed")
-    return Side(str(path), figures_of(found), {})
+    return Side(str(path), figures_of(found), {}, found.get("provenance"))
 
 
 def figures_of(found: Mapping[str, object]) -> dict[str, float]:
     """Return every number of an object, inner ones by dotted names."""
     out: dict[str, float] = {}
     for key, value in found.items():
-        if isinstance(value, Mapping):
+        if isinstance(value, Mapping) and key not in _NOT_A_FIGURE:
             out |= {f"{key}.{name}": figure for name, figure in figures_of(value).items()}
         elif (
             isinstance(value, int | float)
@@ -125,13 +127,20 @@ def _read_parquet(path: Path) -> Side:
     import pyarrow.parquet as pq  # noqa: PLC0415, a big library that only this needs
 
     table = pq.read_table(path)
-    return _recorded(path, {name: table[name].to_numpy() for name in table.column_names})
+    origin = (table.schema.metadata or {}).get(b"provenance")
+    return _recorded(
+        path,
+        {name: table[name].to_numpy() for name in table.column_names},
+        None if origin is None else json.loads(origin),
+    )
 
 
-def _recorded(path: Path, signals: dict[str, Rows]) -> Side:
+def _recorded(
+    path: Path, signals: dict[str, Rows], origin: Mapping[str, Any] | None = None
+) -> Side:
     if TIME not in signals:
         raise ValueError(f"no column {TIME}")
-    return Side(str(path), {}, signals)
+    return Side(str(path), {}, signals, origin)
 
 
 def compare(first: Side, second: Side, tolerance: Tolerance) -> list[Difference]:

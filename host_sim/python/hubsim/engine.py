@@ -201,11 +201,11 @@ class Engine:
 
     def mode_text(self, mode: float) -> str:
         """Return the name of a controller's mode."""
-        return text_of(self._lib.hubsim_mode_text(int(mode)))
+        return mode_text(mode)
 
     def reason_text(self, reason: float) -> str:
         """Return what a reason code means."""
-        return text_of(self._lib.hubsim_reason_text(int(reason)))
+        return reason_text(reason)
 
     def _points(self, x: Sequence[float], y: Sequence[float]) -> tuple[Any, Any, int]:
         return self._ffi.new("double[]", list(x)), self._ffi.new("double[]", list(y)), len(x)
@@ -213,6 +213,16 @@ class Engine:
     def _check(self, status: int) -> None:
         if status < self._lib.HUBSIM_OK:
             raise HubsimError(text_of(self._lib.hubsim_error(self._sim)))
+
+
+def mode_text(mode: float) -> str:
+    """Return the name of a controller's mode."""
+    return text_of(library()[1].hubsim_mode_text(int(mode)))
+
+
+def reason_text(reason: float) -> str:
+    """Return what a reason code means."""
+    return text_of(library()[1].hubsim_reason_text(int(reason)))
 
 
 class Parameter:

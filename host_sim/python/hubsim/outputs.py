@@ -45,7 +45,8 @@ def run_object(result: RunResult, judged: Sequence[Verdict] = ()) -> dict[str, A
 
     The summary's object and what a single run knows besides.
     """
-    out = result.run_object | {"kinetic_energy_j": result.kinetic_energy_j}
+    out = {"provenance": result.origin} | result.run_object
+    out |= {"kinetic_energy_j": result.kinetic_energy_j}
     if result.stopped is not None:
         out["stop_distance_m"] = result.distance_m if result.stopped else None
     if judged:

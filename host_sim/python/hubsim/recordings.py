@@ -5,23 +5,23 @@ Columns are the engine's names, which end in the unit; Parquet and MDF4 carry un
 every column besides.
 """
 
+import itertools
+import json
 import os
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 from xml.sax.saxutils import escape
 
 import numpy as np
 
-from hubsim import __version__, files, layout
+from hubsim import __version__, engine, files, layout, reasons
 from hubsim.errors import HubsimError
 from hubsim.results import RunResult
 
 TIME = "time_s"
-START = datetime(
-    2000, 1, 1, tzinfo=UTC
-)  # a simulated ride has no date; the same run gives the same file
+NO_DATE = datetime(2000, 1, 1, tzinfo=UTC)  # of a result without an origin
 _MADE = (
     "<FHcomment><TX>{about}</TX><tool_id>hubsim</tool_id><tool_vendor>hubfoc</tool_vendor><tool_version>"
     + __version__
@@ -43,7 +43,8 @@ def write_csv(result: RunResult, path: Path) -> None:
 def write_parquet(result: RunResult, path: Path) -> None:
     """Write the recorded signals as an Arrow table of doubles.
 
-    Field metadata: ``unit`` and ``text``.
+    Metadata of the table: ``provenance`` as JSON. Of a field: ``unit``, ``text`` and, for a code,
+    ``codes`` with the text of every code as JSON.
     """
     import pyarrow as pa  # noqa: PLC0415, a big library that only this needs
     import pyarrow.parquet as pq  # noqa: PLC0415
@@ -51,10 +52,12 @@ def write_parquet(result: RunResult, path: Path) -> None:
     fields = []
     for name in result.names:
         unit, text = result.meanings.get(name, ("", ""))
-        fields.append(
-            pa.field(name, pa.float64(), nullable=False, metadata={"unit": unit, "text": text})
-        )
+        about = {"unit": unit, "text": text}
+        if codes := code_texts(name):
+            about["codes"] = json.dumps(codes)
+        fields.append(pa.field(name, pa.float64(), nullable=False, metadata=about))
     about = {"scenario": result.cycle, "strategy": result.strategy, "config": result.vehicle}
+    about |= {"provenance": json.dumps(result.origin)}
     table = pa.table(
         [pa.array(result.signal(name)) for name in result.names],
         schema=pa.schema(fields, metadata=about),
@@ -65,7 +68,11 @@ def write_parquet(result: RunResult, path: Path) -> None:
 
 
 def write_mdf(result: RunResult, path: Path) -> None:
-    """Write the recorded signals as an ASAM MDF 4.10 measurement, a channel each with its unit, on one time axis."""
+    """Write the recorded signals as an ASAM MDF 4.10 measurement on one time axis.
+
+    A channel each with its unit. Reasons and modes are codes with a conversion to their texts. The
+    start time is the date of the run's origin; the header's comment holds the whole origin.
+    """
     if TIME not in result.names:
         raise HubsimError(
             f"--mdf {path}: the signals do not include {TIME}, accepted: --signals with {TIME} or *"
@@ -78,21 +85,27 @@ def write_mdf(result: RunResult, path: Path) -> None:
     for name in result.names:
         if name != TIME:
             unit, text = result.meanings.get(name, ("", ""))
+            samples, codes = result.signal(name), code_texts(name)
+            if codes:
+                samples = samples.astype(np.uint16)
             signals.append(
                 Signal(
-                    samples=result.signal(name),
+                    samples=samples,
                     timestamps=time_s,
                     name=name,
                     unit=unit,
                     comment=text,
+                    conversion=_conversion(codes) if codes else None,
                 )
             )
+    begun = _date(result.origin)
     with MDF(version="4.10") as file:
         about = f"hubsim: {result.cycle}, {result.strategy}, {result.vehicle}"
-        file.start_time = START
+        file.start_time = begun
+        file.header.comment = _header(about, result)
         file.append(signals, comment=about, common_timebase=True)
         made = FileHistory()  # the library's own entry has the clock's time
-        made.time_stamp = START
+        made.time_stamp = begun
         made.comment = _MADE.format(about=escape(about))
         file.file_history.append(made)
         files.write_by_name(
@@ -100,6 +113,48 @@ def write_mdf(result: RunResult, path: Path) -> None:
             lambda temporary: file.save(temporary, overwrite=True, add_history_block=False),
             suffix=".mf4",
         )
+
+
+def code_texts(name: str) -> dict[int, str]:
+    """Return the text of every code that a signal can have; nothing for a signal that is no code."""
+    last = name.rpartition(".")[2]
+    if last == "mode":
+        texts = itertools.takewhile(_is_known_mode, map(engine.mode_text, itertools.count()))
+        return dict(enumerate(texts))
+    if last.endswith("reason"):
+        return {code: engine.reason_text(code) for code in sorted(reasons.codes().values())}
+    return {}
+
+
+def _is_known_mode(text: str) -> bool:
+    return text != "unknown mode"
+
+
+def _conversion(codes: Mapping[int, str]) -> dict[str, object]:
+    """Return a value-to-text conversion as the library takes it."""
+    out: dict[str, object] = {"default_addr": "unknown code"}
+    for place, (code, text) in enumerate(codes.items()):
+        out |= {f"val_{place}": float(code), f"text_{place}": text}
+    return out
+
+
+def _date(origin: Mapping[str, Any]) -> datetime:
+    date = origin.get("date")
+    return NO_DATE if date is None else datetime.fromisoformat(str(date))
+
+
+def _header(about: str, result: RunResult) -> str:
+    """Return the header's comment: what the run was, and its origin as common properties."""
+    known = {"strategy": result.strategy} | result.origin
+    entries = "".join(
+        f'<e name="{escape(str(key))}">{escape(str(value))}</e>'
+        for key, value in known.items()
+        if value is not None
+    )
+    return (
+        f"<HDcomment><TX>{escape(about)}</TX>"
+        f"<common_properties>{entries}</common_properties></HDcomment>"
+    )
 
 
 def write_layout(result: RunResult, path: Path, csv: Path | None = None) -> None:

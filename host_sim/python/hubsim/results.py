@@ -51,6 +51,9 @@ class RunResult:
         Events whose time (s) the run did not reach, by name.
     meanings : dict
         Unit and words for every recorded signal, by name.
+    origin : dict
+        Version, commit, configuration with its CRC, scenario, seed and date: what every file made
+        of the run holds.
     """
 
     cycle: str
@@ -71,6 +74,7 @@ class RunResult:
     parameters: dict[str, float] = field(default_factory=dict)
     missed: dict[str, float] = field(default_factory=dict)
     meanings: dict[str, tuple[str, str]] = field(default_factory=dict)
+    origin: dict[str, Any] = field(default_factory=dict)
 
     def signal(self, name: str) -> Rows:
         """Return one recorded signal, shape (times,)."""
@@ -160,7 +164,7 @@ class RunResult:
 
         Other sinks and storage, losses by what the driver does.
         """
-        out = self.run_object
+        out = {"provenance": self.origin} | self.run_object
         out["energy_j"] |= {
             "bearing": self.energy_j("bearing"),
             "drag": self.energy_j("drag"),

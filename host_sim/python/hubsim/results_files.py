@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hubsim import files
-from hubsim.engine import Rows, library, text_of
+from hubsim.engine import Rows, reason_text
 from hubsim.errors import HubsimError
 from hubsim.results import RunResult
 
@@ -50,6 +50,7 @@ def load(path: Path) -> RunResult:
             stopped=data["stop_distance_m"] is not None if "stop_distance_m" in data else None,
             cpu_s=duration_s / factor if factor > 0.0 else 0.0,
             reason_texts=_reasons(names, rows),
+            origin=dict(data.get("provenance") or {}),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         what = f"{error} is missing" if isinstance(error, KeyError) else str(error)
@@ -109,9 +110,4 @@ def _reasons(names: list[str], rows: Rows) -> dict[str, str]:
     """Return the words for all reason codes that were recorded."""
     columns = [k for k, name in enumerate(names) if name.endswith("reason")]
     codes = np.unique(rows[:, columns]) if columns else np.empty(0)
-    _, lib = library()
-    return {
-        str(int(code)): text_of(lib.hubsim_reason_text(int(code)))
-        for code in codes
-        if np.isfinite(code)
-    }
+    return {str(int(code)): reason_text(code) for code in codes if np.isfinite(code)}

@@ -7,9 +7,10 @@ from collections.abc import Callable, Sequence
 from fnmatch import fnmatchcase
 from functools import reduce
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from regen_table import image
+from regen_table import image, provenance
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
@@ -130,6 +131,7 @@ def simulate(
     plant_overrides: dict[str, float] | None = None,
     progress: Progress | None = None,
     formulas: Sequence[str] = (),
+    date: str | None = None,
 ) -> RunResult:
     """Run to the end.
 
@@ -146,7 +148,10 @@ def simulate(
     formulas : sequence of str
         What will be worked out of the run besides the criteria: the signals in them are recorded
         too.
+    date : str, optional
+        Of the run, for its origin (ISO 8601); absent: SOURCE_DATE_EPOCH, or else the clock.
     """
+    origin = origin_of(name, drive, scenario, date)
     try:
         engine, planned_s = prepare(drive, scenario, beside, plant_overrides or {})
     except ConfigurationError as error:
@@ -198,7 +203,19 @@ def simulate(
             meanings={
                 name: meaning for name, meaning in engine.meanings().items() if name in names
             },
+            origin=origin,
         )
+
+
+def origin_of(
+    name: str, drive: Drive, scenario: Scenario, date: str | None = None
+) -> dict[str, Any]:
+    """Return the provenance of a run."""
+    try:
+        raw = images.build(drive)
+    except ConfigurationError as error:
+        raise HubsimError(f"{drive.name}: {error}") from error
+    return provenance.provenance(drive.name, raw, scenario=name, seed=scenario.seed, date=date)
 
 
 def _faults(engine: Engine, wheels: int) -> list[Fault]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from regen_table import provenance
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -38,7 +39,12 @@ def main(options: argparse.Namespace) -> int:
     if not found:
         raise HubsimError(f"{options.first} and {options.second}: nothing in common to compare")
     if options.json:
-        files.write_text(options.json, outputs.as_json([d.as_object() for d in found]))
+        written = {
+            "provenance": provenance.provenance(date=options.date),
+            "sides": [{"name": s.name, "provenance": s.origin} for s in (first, second)],
+            "differences": [d.as_object() for d in found],
+        }
+        files.write_text(options.json, outputs.as_json(written))
     apart = [d for d in found if not d.within]
     _print(first.name, second.name, found if options.all else apart)
     alone = difference.only_in_one(first, second)
@@ -61,11 +67,13 @@ def _side(options: argparse.Namespace, name: str, extra: Sequence[str]) -> Side:
     settings = overrides.parse([*options.settings, *extra])
     title, chosen, beside = scenario.load(name, settings.scenario)
     drive = commands.drive_of(options.config, settings, None, chosen)
-    result = run.simulate(title, drive, chosen, beside, DEFAULT_SIGNALS, settings.plant)
+    result = run.simulate(
+        title, drive, chosen, beside, DEFAULT_SIGNALS, settings.plant, date=options.date
+    )
     commands.warn_of(result)
     signals = {signal: result.signal(signal) for signal in result.names}
     label = " ".join([title, *extra]) if extra else title
-    return Side(label, difference.figures_of(outputs.run_object(result)), signals)
+    return Side(label, difference.figures_of(outputs.run_object(result)), signals, result.origin)
 
 
 def _print(first: str, second: str, found: Sequence[Difference]) -> None:

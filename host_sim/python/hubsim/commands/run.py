@@ -36,6 +36,7 @@ def main(options: argparse.Namespace) -> int:
         result = run.simulate(
             name, drive, chosen, beside, patterns if wanted else (), settings.plant,
             lambda now, planned: bar.update(task, completed=int(now), total=int(planned)),
+            date=options.date,
         )  # fmt: skip
     judged = verdicts.judge(chosen, drive, result)
     commands.warn_of(result)

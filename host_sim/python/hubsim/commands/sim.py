@@ -20,7 +20,9 @@ def main(options: argparse.Namespace) -> int:
     ]
     comparison.check_output(options.output)
     with commands.progress_bar() as bar:
-        results = comparison.simulate_all(name, drives, chosen, beside, settings.plant, bar)
+        results = comparison.simulate_all(
+            name, drives, chosen, beside, settings.plant, bar, options.date
+        )
         shown = comparison.extras(drives, bar)
     for result in results:
         commands.warn_of(result)

@@ -38,7 +38,10 @@ def main(options: argparse.Namespace) -> int:
         "set": options.settings, "vary": options.vary, "runs": found.runs, "seed": options.seed, "collect": options.collect,
     }  # fmt: skip
     kept = store.Store(
-        options.output, described, plan.fingerprint(described | {"content": _content(options)})
+        options.output,
+        described,
+        plan.fingerprint(described | {"content": _content(options)}),
+        work.origin(job, options.seed, options.date),
     )
     if options.restart:
         kept.forget()

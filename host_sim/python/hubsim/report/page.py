@@ -48,6 +48,10 @@ def document(runs: Sequence[RunLike], extras: Extras | None = None) -> str:
         element("meta", name="viewport", content="width=device-width, initial-scale=1"),
         Markup(f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'),
         element("link", rel="icon", href="data:,"),
+        *[
+            element("meta", name=f"hubfoc-{key}", content=value)
+            for key, value in _common(runs).items()
+        ],
         element("title", title),
         element("style", Markup(_asset("page.css"))),
     )
@@ -58,7 +62,7 @@ def document(runs: Sequence[RunLike], extras: Extras | None = None) -> str:
         "body",
         _header(runs, vehicles, list(cycles)),
         element("main", *sections, _stops(extras)),
-        _footer(extras.command),
+        _footer(extras.command, runs),
         element("script", Markup(_asset("readout.js"))),
     )
     return f'<!DOCTYPE html>\n<html lang="en">{head}\n{body}</html>\n'
@@ -300,10 +304,43 @@ def _block(title: str, note: str, figures: list[Markup], kind: str = "block") ->
     )
 
 
-def _footer(command: str) -> Markup:
+def _common(runs: Sequence[RunLike]) -> dict[str, str]:
+    """Return the origins of all runs as one: where they differ, every value once."""
+    origins = [reading.origin(run) for run in runs]
+    keys = dict.fromkeys(key for origin in origins for key in origin)
+    return {
+        key: ", ".join(dict.fromkeys(origin[key] for origin in origins if key in origin))
+        for key in keys
+    }
+
+
+def _origin(runs: Sequence[RunLike]) -> Markup:
+    """Say which program, configuration and seed the page comes from."""
+    found = _common(runs)
+    if not found:
+        return Markup("")
+    titles = {
+        "version": "hubfoc",
+        "commit": "commit",
+        "configuration": "configuration",
+        "configuration_crc32": "CRC-32",
+        "scenario": "scenario",
+        "seed": "seed",
+        "date": "date",
+    }
+    said = [
+        element("li", f"{title} ", element("code", found[key]))
+        for key, title in titles.items()
+        if key in found
+    ]
+    return element("ul", *said, class_="origin", aria_label="Origin")
+
+
+def _footer(command: str, runs: Sequence[RunLike]) -> Markup:
     return element(
         "footer",
         element("h2", "How to read this page"),
         element("ul", *[element("li", point) for point in HOW_TO_READ], class_="how"),
         element("p", "Made by ", element("code", command), ".", class_="soft"),
+        _origin(runs),
     )

@@ -175,6 +175,14 @@ def signal(run: RunLike, name: str) -> Array | None:
     return None
 
 
+def origin(run: RunLike) -> dict[str, str]:
+    """Return where a run comes from: version, commit, configuration, CRC, scenario, seed, date."""
+    found = run.summary.get("provenance")
+    if not isinstance(found, Mapping):
+        return {}
+    return {str(key): str(value) for key, value in found.items() if value is not None}
+
+
 def reason_text(run: RunLike, code: int) -> str:
     """Return the words for a reason code, or its number where no words came with the run."""
     texts = run.summary.get("reason_texts")

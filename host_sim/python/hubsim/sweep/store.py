@@ -40,7 +40,14 @@ def kind_of(output: Path) -> str:
 class Store:
     """Where finished batches are kept."""
 
-    def __init__(self, output: Path, described: Mapping[str, Any], fingerprint: str) -> None:
+    def __init__(
+        self,
+        output: Path,
+        described: Mapping[str, Any],
+        fingerprint: str,
+        origin: Mapping[str, Any] | None = None,
+    ) -> None:
+        self._origin = dict(origin or {})
         self._output = output
         self._kind = kind_of(output)
         self._directory = output.with_name(f"{output.name}.parts")
@@ -84,7 +91,10 @@ class Store:
     def finish(self) -> pa.Table:
         """Write the one table and remove the parts."""
         table = as_table(self.rows()).replace_schema_metadata(
-            {"sweep": json.dumps(self._described, default=str)}
+            {
+                "sweep": json.dumps(self._described, default=str),
+                "provenance": json.dumps(self._origin),
+            }
         )
         files.write_by_name(self._output, lambda temporary: WRITERS[self._kind](table, temporary))
         self.forget()

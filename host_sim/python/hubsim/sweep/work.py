@@ -8,10 +8,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from regen_table import provenance
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import expression, overrides, run, scenario, verdicts
+from hubsim import expression, images, overrides, run, scenario, verdicts
 from hubsim.errors import HubsimError
 from hubsim.results import RunResult
 from hubsim.scenario import Scenario
@@ -62,6 +63,15 @@ def _drive(config: Path, chosen: Scenario, settings: overrides.Overrides) -> Dri
 @lru_cache(maxsize=4)
 def _plain_drive(config: Path) -> Drive:
     return overrides.load_drive(config, overrides.Overrides())
+
+
+def origin(job: Job, seed: int, date: str | None) -> dict[str, Any]:
+    """Return the provenance of a sweep: that of its drive as the file has it, and its own seed."""
+    drive = _plain_drive(job.config)
+    name = Path(job.scenario).stem
+    return provenance.provenance(
+        drive.name, images.build(drive), scenario=name, seed=seed, date=date
+    )
 
 
 def check(job: Job, point: Mapping[str, Any]) -> None:

@@ -51,7 +51,7 @@ def test_page_and_summary_are_written_and_the_summary_has_the_agreed_shape(
     comparison.write(results, output)
     assert sorted(path.name for path in output.iterdir()) == ["index.html", "summary.json"]
     summary = json.loads((output / "summary.json").read_text(encoding="utf-8"))
-    assert set(summary) == {"runs", "realtime_factor"}
+    assert set(summary) == {"provenance", "runs", "realtime_factor"}
     assert summary["realtime_factor"] > 0.0
     assert [r["strategy"] for r in summary["runs"]] == [
         "parallel_ratio",
@@ -60,6 +60,7 @@ def test_page_and_summary_are_written_and_the_summary_has_the_agreed_shape(
     ]
     for r in summary["runs"]:
         assert set(r) == {
+            "provenance",
             "cycle",
             "strategy",
             "energy_j",

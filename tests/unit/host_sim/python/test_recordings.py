@@ -104,7 +104,7 @@ def test_the_same_seed_gives_the_same_recordings_and_another_one_does_not(
     )
     for name, seed in (("a", 3), ("b", 3), ("c", 4)):
         recorded = ("--csv", f"{name}.csv", "--parquet", f"{name}.parquet", "--mdf", f"{name}.mf4")
-        done = hubsim(*noisy, "--set", f"seed={seed}", *recorded)
+        done = hubsim(*noisy, "--set", f"seed={seed}", "--date", "2026-01-01", *recorded)
         assert done.returncode == 0, done.stderr
     for ending in ("csv", "parquet", "mf4"):
         first, again, other = ((tmp_path / f"{name}.{ending}").read_bytes() for name in "abc")
