@@ -21,7 +21,6 @@ from regen_table import (
     outputs,
     points,
     provenance,
-    relations,
     report,
     schema,
     stops,
@@ -54,10 +53,7 @@ def run_generate(options: argparse.Namespace) -> int:
 
         with _about(options.config):
             paths += figures.draw_all(drive, options.output or generate.FIGURES)
-    for warning in [
-        *relations.warnings(drive),
-        *report.warnings(found),
-    ]:  # last: an error is one line
+    for warning in report.warnings(drive, found):  # last: an error is one line
         print(f"{options.config}: warning: {warning}", file=sys.stderr)
     print(report.as_text(found))
     for path in paths:

@@ -175,16 +175,17 @@ def _battery(drive: Drive) -> dict[str, Any]:
             f"inverter.voltage_full_scale_v: {drive.inverter.voltage_full_scale_v:g} V, accepted: more than "
             f"{battery.max_voltage_v / 0.98:.4g} V, so that the board can see battery.max_voltage_v being exceeded"
         )
-    if battery.min_voltage_v >= 0.98 * battery.max_voltage_v:
+    foldback = relations.foldback_voltage_v(drive)
+    if battery.min_voltage_v >= foldback:
         raise ConfigurationError(
-            f"battery.min_voltage_v: {battery.min_voltage_v:g} V, accepted: less than {0.98 * battery.max_voltage_v:.4g} V, "
+            f"battery.min_voltage_v: {battery.min_voltage_v:g} V, accepted: less than {foldback:.4g} V, "
             f"where charging starts to fold back (2 % below max_voltage_v)"
         )
     return {
         "driven_wheels": motors,
         "max_charge_current_mA": nearest(battery.max_charge_current_a / motors * 1e3),
         "max_discharge_current_mA": nearest(battery.max_discharge_current_a / motors * 1e3),
-        "foldback_voltage_mV": nearest(0.98 * battery.max_voltage_v * 1e3),
+        "foldback_voltage_mV": nearest(foldback * 1e3),
         "max_voltage_mV": nearest(battery.max_voltage_v * 1e3),
         "min_voltage_mV": nearest(battery.min_voltage_v * 1e3),
         "overvoltage_trip_mV": nearest(trip * 1e3),

@@ -120,6 +120,31 @@ def phase_voltage_limit_v(drive: Drive, bus_voltage_v: float) -> float:
     return modulation_limit(drive) * bus_voltage_v / math.sqrt(3.0)
 
 
+def weakening_warning(drive: Drive) -> str | None:
+    """Return one line when i_d cannot hold the top speed's back-EMF at the lowest bus voltage, else None.
+
+    The motor then brakes however little torque is asked for: not refused, because the vehicle comes
+    there only on an empty pack, but whoever builds it must know.
+    """
+    motor, lowest = drive.motor, drive.battery.min_voltage_v
+    emf, made = relations.line_emf_v(drive), modulation_limit(drive) * lowest
+    weakening = drive.control.field_weakening_current_a or 0.0
+    short_circuit_a = motor.flux_linkage_wb / motor.d_inductance_h
+    left = emf * max(1.0 - weakening / short_circuit_a, 0.0)
+    if left <= (1.0 + relations.EMF_TOLERANCE) * made:
+        return None
+    needed = short_circuit_a * (1.0 - made / emf)
+    reached = made / left * motor.max_speed_rpm
+    remedy = f"{needed:.4g} A would be enough"
+    if needed > motor.max_phase_current_a:
+        remedy = f"not even max_phase_current_a = {motor.max_phase_current_a:g} A would be enough, {needed:.4g} A would"
+    return (
+        f"control.field_weakening_current_a: {weakening:g} A leave {left:.4g} V of back-EMF between lines at "
+        f"{motor.max_speed_rpm:g} r/min, above the {made:.4g} V that the bridge makes of battery.min_voltage_v = {lowest:g} V: "
+        f"torque is not controlled there beyond {reached:.4g} r/min; {remedy}"
+    )
+
+
 @dataclass(frozen=True)
 class AxisGains:
     """Gains of one axis of the current loop: V/A, and V/A added every PWM period."""

@@ -12,6 +12,9 @@ from collections.abc import Callable, Iterator
 
 from regen_table.drive import Drive
 
+FOLDBACK_SHARE = 0.98  # of max_voltage_v, where the charge current begins to fold back
+EMF_TOLERANCE = 0.01  # flux linkage and voltages are not known any better
+
 
 def first_mistake(drive: Drive) -> str | None:
     """Return one line "section.key: what, accepted", or None when the drive holds together."""
@@ -44,7 +47,25 @@ def warnings(drive: Drive) -> list[str]:
         )
     if battery.max_charge_current_a == 0.0:
         found.append("battery.max_charge_current_a: 0 A leaves no regeneration at all")
+    rest, foldback = initial_open_circuit_v(drive), foldback_voltage_v(drive)
+    if rest is not None and rest >= foldback:
+        key = "open_circuit_voltage_v" if battery.initial_soc is None else "initial_soc"
+        found.append(
+            f"battery.{key}: the pack rests at {rest:.4g} V when work begins, inside the fold-back of the charge current, "
+            f"{foldback:.4g} V to max_voltage_v = {battery.max_voltage_v:g} V: next to no regeneration until it is discharged"
+        )
+    if drive.inverter.max_switch_temperature_c is None:
+        found.append(
+            "inverter.max_switch_temperature_c: absent, so switches of any temperature carry up to max_phase_current_a = "
+            f"{motor.max_phase_current_a:g} A and a broken sensor is not noticed; the winding is derated up to "
+            f"{motor.max_winding_temperature_c:g} degC"
+        )
     return found
+
+
+def foldback_voltage_v(drive: Drive) -> float:
+    """Bus voltage in V from which on the charge current folds back, to zero at max_voltage_v."""
+    return FOLDBACK_SHARE * drive.battery.max_voltage_v
 
 
 def omega_max(drive: Drive) -> float:
@@ -76,13 +97,26 @@ def lowest_open_circuit_v(drive: Drive) -> float:
 
 def nominal_open_circuit_v(drive: Drive) -> float:
     """Open-circuit voltage in V at half charge, or the one there is where it does not depend on it."""
+    return _open_circuit_v(drive, 0.5)
+
+
+def initial_open_circuit_v(drive: Drive) -> float | None:
+    """Open-circuit voltage in V where work begins; None where initial_soc would say and is absent."""
+    battery = drive.battery
+    if not isinstance(battery.open_circuit_voltage_v, float | int) and battery.initial_soc is None:
+        return None
+    return _open_circuit_v(drive, 0.0 if battery.initial_soc is None else battery.initial_soc)
+
+
+def _open_circuit_v(drive: Drive, wanted_soc: float) -> float:
+    """Open-circuit voltage in V at a state of charge, the ends of the curve counting beyond it."""
     voltage = drive.battery.open_circuit_voltage_v
     if isinstance(voltage, float | int):
         return voltage
     for (soc, volts), (next_soc, next_volts) in itertools.pairwise(voltage):
-        if soc <= 0.5 <= next_soc:
-            return volts + (next_volts - volts) * (0.5 - soc) / (next_soc - soc)
-    return voltage[0][1] if voltage[0][0] > 0.5 else voltage[-1][1]
+        if soc <= wanted_soc <= next_soc:
+            return volts + (next_volts - volts) * (wanted_soc - soc) / (next_soc - soc)
+    return voltage[0][1] if voltage[0][0] > wanted_soc else voltage[-1][1]
 
 
 def largest_torque_nm(drive: Drive, current_a: float) -> float:
@@ -164,6 +198,12 @@ def _battery(drive: Drive) -> Iterator[str]:
         yield "battery.open_circuit_voltage_v: accepted: soc rising and voltage not falling from point to point"
     if voltage[0][1] > highest or voltage[-1][1] < lowest:
         yield f"battery.open_circuit_voltage_v: accepted: a curve that meets min_voltage_v = {lowest:g} V to max_voltage_v = {highest:g} V"
+    rest = initial_open_circuit_v(drive)
+    if rest is not None and not lowest <= rest <= highest:
+        yield (
+            f"battery.initial_soc: {battery.initial_soc:g}, where the pack rests at {rest:.4g} V, accepted: a charge that rests from "
+            f"min_voltage_v = {lowest:g} V to max_voltage_v = {highest:g} V"
+        )
 
 
 def _grid(drive: Drive) -> Iterator[str]:

@@ -6,7 +6,16 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
-from regen_table import __version__, audit, current_audit, current_map, envelope, margins
+from regen_table import (
+    __version__,
+    audit,
+    current_audit,
+    current_map,
+    envelope,
+    loops,
+    margins,
+    relations,
+)
 from regen_table.schema import Drive
 
 
@@ -56,14 +65,18 @@ def collect(drive: Drive) -> Report:
     )
 
 
-def warnings(report: Report) -> list[str]:
-    """Return one line for what is accepted, but worse than it could be."""
-    if report.power_loss_worst <= audit.POWER_LOSS_MAX:
-        return []
-    return [
-        f"table.speed_points, table.temperature_points: at one speed above {report.power_loss_from_rpm:g} r/min the grid loses "
-        f"{report.power_loss_worst:.1%} of the braking power; with more points it is at most {audit.POWER_LOSS_MAX:.1%}"
-    ]
+def warnings(drive: Drive, found: Report) -> list[str]:
+    """Return one line for everything that is accepted, but works worse than its numbers promise."""
+    lines = relations.warnings(drive)
+    weakening = loops.weakening_warning(drive)
+    if weakening is not None:
+        lines.append(weakening)
+    if found.power_loss_worst > audit.POWER_LOSS_MAX:
+        lines.append(
+            f"table.speed_points, table.temperature_points: at one speed above {found.power_loss_from_rpm:g} r/min the grid "
+            f"loses {found.power_loss_worst:.1%} of the braking power; more points lose less"
+        )
+    return lines
 
 
 def as_json(report: Report, origin: dict[str, Any]) -> bytes:

@@ -48,8 +48,8 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
         .diode_drop_mV                = 800, /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of the current */
         .min_pulse_counts             = 168, /* shortest low-side pulse: sampling window of the shunts */
-        .derate_switch_temperature_cC = 30000, /* [cC] torque limit starts to shrink */
-        .max_switch_temperature_cC    = 30000, /* [cC] torque limit reaches zero */
+        .derate_switch_temperature_cC = 13000, /* [cC] torque limit starts to shrink */
+        .max_switch_temperature_cC    = 15000, /* [cC] torque limit reaches zero */
     },
     .current_loop = {
         .bandwidth_Hz                   = 500, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the shape of the reference realise it, dead-time compensation expects the current by it */
@@ -154,5 +154,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x91B7A839,
+    .crc32 = 0x9FD2B012,
 };

@@ -48,8 +48,8 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .dead_time_ns                 = 1000, /* [ns] between the two switches of a leg */
         .diode_drop_mV                = 800, /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of the current */
         .min_pulse_counts             = 84, /* shortest low-side pulse: sampling window of the shunts */
-        .derate_switch_temperature_cC = 30000, /* [cC] torque limit starts to shrink */
-        .max_switch_temperature_cC    = 30000, /* [cC] torque limit reaches zero */
+        .derate_switch_temperature_cC = 13000, /* [cC] torque limit starts to shrink */
+        .max_switch_temperature_cC    = 15000, /* [cC] torque limit reaches zero */
     },
     .current_loop = {
         .bandwidth_Hz                   = 1000, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the shape of the reference realise it, dead-time compensation expects the current by it */
@@ -168,5 +168,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x573C2186,
+    .crc32 = 0x595939AD,
 };

@@ -2,12 +2,13 @@
 """A drive's file is accepted as it is meant, or refused with one line that helps."""
 
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
-from regen_table import relations, schema
+from regen_table import loops, relations, schema
 from regen_table.errors import ConfigurationError
 
 MOTORS = Path(__file__).resolve().parents[4] / "tools" / "motors"
@@ -253,3 +254,89 @@ def test_what_works_but_not_as_promised_is_warned_about(change: Change) -> None:
         "motor.max_torque_nm",
         "motor.max_speed_rpm",
     ]
+
+
+def test_a_pack_that_rests_inside_the_fold_back_is_warned_about_with_both_voltages(
+    change: Change,
+) -> None:
+    assert (
+        relations.warnings(change({"motor.max_speed_rpm": 600.0, "battery.max_voltage_v": 54.1}))
+        == []
+    )
+    (constant,) = relations.warnings(
+        change(
+            {
+                "motor.max_speed_rpm": 600.0,
+                "battery.max_voltage_v": 54.0,
+                "battery.initial_soc": None,
+            }
+        )
+    )
+    assert constant.startswith("battery.open_circuit_voltage_v: the pack rests at 53 V")
+    assert "52.92 V to max_voltage_v = 54 V" in constant
+    curve = {
+        "motor.max_speed_rpm": 500.0,
+        "battery.open_circuit_voltage_v": [[0.0, 48.0], [1.0, 58.0]],
+    }
+    assert relations.warnings(change(curve | {"battery.initial_soc": 0.9})) == []
+    assert relations.warnings(change(curve | {"battery.initial_soc": None})) == []
+    (full,) = relations.warnings(change(curve | {"battery.initial_soc": 0.95}))
+    assert full.startswith("battery.initial_soc: the pack rests at 57.5 V")
+    assert "57.23 V to max_voltage_v = 58.4 V" in full
+
+
+@pytest.mark.parametrize(("soc", "rest"), [(0.0, "38 V"), (1.0, "60 V")])
+def test_a_pack_that_begins_beyond_its_own_ends_is_refused(
+    change: Change, soc: float, rest: str
+) -> None:
+    with pytest.raises(
+        ConfigurationError, match=rf"battery\.initial_soc: {soc:g}, where the pack rests at {rest}"
+    ):
+        change(
+            {
+                "battery.open_circuit_voltage_v": [[0.0, 38.0], [0.5, 53.0], [1.0, 60.0]],
+                "battery.initial_soc": soc,
+            }
+        )
+
+
+def test_a_top_speed_that_field_weakening_cannot_hold_on_an_empty_pack_is_warned_about(
+    change: Change,
+) -> None:
+    """What is left of the back-EMF, against what the bridge makes of the lowest voltage."""
+    line = loops.weakening_warning(change({}))
+    assert line is not None
+    emf = math.sqrt(3.0) * 0.0204 * 23 * 640.0 * math.pi / 30.0
+    left = emf - math.sqrt(3.0) * 76e-6 * 40.0 * 23 * 640.0 * math.pi / 30.0
+    made = loops.modulation_limit(change({})) * 40.0
+    for number in (
+        f"{left:.4g} V of back-EMF",
+        f"the {made:.4g} V",
+        "min_voltage_v = 40 V",
+        "75 A",
+    ):
+        assert number in line
+    needed = float(re.findall(r"([\d.]+) A would", line)[-1])
+    assert needed == pytest.approx(0.0204 / 76e-6 * (1.0 - made / emf), rel=1e-3)
+    speed = float(re.findall(r"beyond ([\d.]+) r/min", line)[0])
+    for factor, warned in ((0.99, False), (1.03, True)):
+        held = loops.weakening_warning(change({"motor.max_speed_rpm": factor * speed}))
+        assert (held is not None) is warned
+    enough = {"motor.max_phase_current_a": 100.0, "control.field_weakening_current_a": needed}
+    assert loops.weakening_warning(change(enough)) is None
+    assert "0 A leave 54.47 V" in str(
+        loops.weakening_warning(change({"control.field_weakening_current_a": None}))
+    )
+
+
+def test_switches_without_a_temperature_limit_are_warned_about(change: Change) -> None:
+    found = relations.warnings(
+        change({"motor.max_speed_rpm": 600.0, "inverter.max_switch_temperature_c": None})
+    )
+    assert [line.partition(":")[0] for line in found] == ["inverter.max_switch_temperature_c"]
+
+
+def test_no_shipped_drive_has_a_limit_switched_off_or_begins_with_a_full_pack() -> None:
+    for path in sorted(PAPER.parent.glob("*.toml")):
+        named = {line.partition(":")[0] for line in relations.warnings(schema.load(path))}
+        assert named <= {"motor.max_speed_rpm"}
