@@ -11,7 +11,6 @@ direction.
     speed's sign)
 """
 
-import csv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from regen_table import inputs
 from regen_table.errors import ConfigurationError
 
 Array = npt.NDArray[np.float64]
@@ -36,6 +36,7 @@ HALLS = ("hall_a", "hall_b", "hall_c")
 INDEX = "index"
 SLOWEST_SHARE = 0.2  # of the largest EMF: below it the angle of the EMF is noise
 LEAST_EDGES = 3
+LEAST_ROWS = 10
 WIDEST_SPREAD_DEG = 6.0
 
 
@@ -58,21 +59,28 @@ class Calibration:
 
 def load(path: Path) -> dict[str, Array]:
     """Read a recording: one row a sample, columns by name, voltages in V and logic levels 0 or 1."""
+    what = (
+        f"a table with the columns {', '.join(VOLTAGES)} and either {', '.join(HALLS)} or {INDEX}"
+    )
+    columns = inputs.read_table(path, what, _suits)
+    present = [name for name in (*VOLTAGES, *HALLS, INDEX) if name in columns]
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = list(csv.DictReader(file))
-    except OSError as error:
-        raise ConfigurationError(f"{path}: cannot be read: {error.strerror}") from error
-    missing = [name for name in VOLTAGES if not rows or name not in rows[0]]
-    if missing or not (INDEX in rows[0] or all(name in rows[0] for name in HALLS)):
-        wanted = f"{', '.join(VOLTAGES)} and either {', '.join(HALLS)} or {INDEX}"
-        raise ConfigurationError(f"{path}: accepted: a table with the columns {wanted}")
-    present = [name for name in (*VOLTAGES, *HALLS, INDEX) if name in rows[0]]
-    try:
-        table = {name: np.array([float(row[name]) for row in rows]) for name in present}
-    except (TypeError, ValueError) as error:
+        table = {name: np.array([float(cell) for cell in columns[name]]) for name in present}
+    except ValueError as error:
         raise ConfigurationError(f"{path}: a value is no number: {error}") from error
+    if not all(np.all(np.isfinite(values)) for values in table.values()):
+        raise ConfigurationError(f"{path}: a value is not finite, accepted: {what}")
+    if len(table[VOLTAGES[0]]) < LEAST_ROWS:
+        raise ConfigurationError(
+            f"{path}: accepted: at least {LEAST_ROWS} rows, some turns of the wheel"
+        )
     return table
+
+
+def _suits(columns: Sequence[str]) -> bool:
+    """Whether a recording has voltages, and halls or an index."""
+    sensors = INDEX in columns or all(name in columns for name in HALLS)
+    return sensors and all(name in columns for name in VOLTAGES)
 
 
 def rotor_angle_turn(v_ab_v: Array, v_bc_v: Array) -> Array:

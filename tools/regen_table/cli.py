@@ -111,6 +111,51 @@ _TORQUES = _numbers(-1e5, 1e5, "N m")
 _DEMANDS = _numbers(1e-3, 1e5, "N m")
 
 
+def _add_point(command: argparse.ArgumentParser) -> None:
+    """Add what says at which operating points."""
+    command.add_argument(
+        "--speed-rpm", type=_SPEEDS, required=True, metavar="LIST", help="mechanical"
+    )
+    command.add_argument(
+        "--winding-temperature-c",
+        type=_TEMPERATURES,
+        metavar="LIST",
+        help="default: the reference temperature",
+    )
+    command.add_argument(
+        "--joint",
+        action="store_true",
+        help="both currents free, inside phase current and voltage (default: i_d = 0)",
+    )
+    command.add_argument(
+        "--soc",
+        type=_number(0.0, 1.0, ""),
+        help="state of charge, where the battery's voltage depends on it",
+    )
+    _add_answer(command)
+
+
+def _add_answer(command: argparse.ArgumentParser) -> None:
+    """Add what says where an answer goes."""
+    command.add_argument("--json", action="store_true", help="an array of objects instead of text")
+    command.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE.json",
+        help="also write the array into a file, with version, commit, configuration and date",
+    )
+    _add_date(command)
+
+
+def _add_date(command: argparse.ArgumentParser) -> None:
+    """Add the date of what is written."""
+    command.add_argument(
+        "--date",
+        metavar="ISO-8601",
+        help="of the file written; default: SOURCE_DATE_EPOCH, else the clock",
+    )
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="regen_table",
@@ -130,30 +175,6 @@ def _parser() -> argparse.ArgumentParser:
         command.set_defaults(command=name)
         return command
 
-    def add_point(command: argparse.ArgumentParser) -> None:
-        command.add_argument(
-            "--speed-rpm", type=_SPEEDS, required=True, metavar="LIST", help="mechanical"
-        )
-        command.add_argument(
-            "--winding-temperature-c",
-            type=_TEMPERATURES,
-            metavar="LIST",
-            help="default: the reference temperature",
-        )
-        command.add_argument(
-            "--joint",
-            action="store_true",
-            help="both currents free, inside phase current and voltage (default: i_d = 0)",
-        )
-        command.add_argument(
-            "--soc",
-            type=_number(0.0, 1.0, ""),
-            help="state of charge, where the battery's voltage depends on it",
-        )
-        command.add_argument(
-            "--json", action="store_true", help="an array of objects instead of text"
-        )
-
     command = add("generate", "write the configuration as C source and as binary image")
     command.add_argument(
         "-o", "--output", type=Path, metavar="DIR", help="default: firmware/config/generated"
@@ -164,11 +185,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FILE.json",
         help="also write margins, number formats and grid losses as JSON",
     )
-    command.add_argument(
-        "--date",
-        metavar="ISO-8601",
-        help="of the report; default: SOURCE_DATE_EPOCH, else the clock",
-    )
+    _add_date(command)
     command.add_argument(
         "--plots",
         action="store_true",
@@ -188,7 +205,7 @@ def _parser() -> argparse.ArgumentParser:
         help="default: firmware/config/generated",
     )
 
-    add_point(add("solve", "best braking torque at speeds and winding temperatures"))
+    _add_point(add("solve", "best braking torque at speeds and winding temperatures"))
     command = add("evaluate", "currents, powers and losses at any operating points")
     command.add_argument(
         "--torque-nm",
@@ -197,7 +214,7 @@ def _parser() -> argparse.ArgumentParser:
         metavar="LIST",
         help="electromagnetic, negative brakes forward motion",
     )
-    add_point(command)
+    _add_point(command)
 
     command = add("stop", "the ideal stop at constant braking demand, down to standstill")
     command.add_argument("--initial-speed-kmh", type=_number(0.1, 1000.0, "km/h"), required=True)
@@ -223,7 +240,7 @@ def _parser() -> argparse.ArgumentParser:
         default=BATTERIES[0],
         help="the battery's RC branch in steady state at every instant (default), or at rest before the stop and moving",
     )
-    command.add_argument("--json", action="store_true")
+    _add_answer(command)
 
     command = add("cycle", "the ideal drive cycle under all strategies")
     command.add_argument(
@@ -244,7 +261,7 @@ def _parser() -> argparse.ArgumentParser:
         help="default: the reference temperature",
     )
     command.add_argument("--soc", type=_number(0.0, 1.0, ""))
-    command.add_argument("--json", action="store_true")
+    _add_answer(command)
 
     command = add("figures", "draw the figures of the paper for a configuration, SVG and PNG")
     command.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")

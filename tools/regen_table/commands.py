@@ -18,6 +18,7 @@ from regen_table import (
     cycles,
     generate,
     ideal,
+    image,
     outputs,
     points,
     provenance,
@@ -81,9 +82,10 @@ def run_solve(options: argparse.Namespace) -> int:
             for warm in temperatures
             for speed in options.speed_rpm
         ]
-    _show(
+    _answer(
+        options,
+        drive,
         records,
-        options.json,
         [
             "speed_rpm",
             "winding_temperature_c",
@@ -111,9 +113,10 @@ def run_evaluate(options: argparse.Namespace) -> int:
             for speed in options.speed_rpm
             for torque in options.torque_nm
         ]
-    _show(
+    _answer(
+        options,
+        drive,
         records,
-        options.json,
         [
             "speed_rpm",
             "torque_nm",
@@ -144,9 +147,10 @@ def run_stop(options: argparse.Namespace) -> int:
             for name in (STRATEGIES if strategy == "all" else [strategy])
             for demand in options.demand_nm
         ]
-    _show(
+    _answer(
+        options,
+        drive,
         [result.as_dict() for result in found],
-        options.json,
         [
             "strategy",
             "demand_nm",
@@ -169,9 +173,10 @@ def run_cycle(options: argparse.Namespace) -> int:
             cycles.run(drive, trace, strategy, warm, options.soc, ideal.production(drive))
             for strategy in STRATEGIES
         ]
-    _show(
+    _answer(
+        options,
+        drive,
         [result.as_dict() for result in found],
-        options.json,
         ["cycle", "strategy", "braking_share_stored", "residual_relative"],
     )
     return 0
@@ -206,15 +211,31 @@ def _one_temperature(drive: schema.Drive, given: float | None) -> float:
     return value
 
 
-def _show(records: Sequence[Any], as_json: bool, columns: list[str]) -> None:
-    """Print records as JSON, or some of their keys as a table."""
-    if as_json:
+def _answer(
+    options: argparse.Namespace, drive: schema.Drive, records: Sequence[Any], columns: list[str]
+) -> None:
+    """Print records as JSON, or some of their keys as a table, and write them into a file on request."""
+    if options.output is not None:
+        outputs.check_writable(options.output)
+        content = {"provenance": _origin(drive, options.date), "results": records}
+        text = json.dumps(content, indent=1, allow_nan=False) + "\n"
+        outputs.write_text(options.output, text)
+    if options.json:
         print(json.dumps(records, indent=1, allow_nan=False))
         return
     rows = [columns] + [[_cell(record[name]) for name in columns] for record in records]
     widths = [max(len(row[k]) for row in rows) for k in range(len(columns))]
     for row in rows:
         print("  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)))
+
+
+def _origin(drive: schema.Drive, date: str | None) -> dict[str, Any]:
+    """Return where an answer comes from; without a CRC where no configuration can be generated."""
+    try:
+        raw = image.build(drive)
+    except ConfigurationError:
+        raw = None
+    return provenance.provenance(drive.name, raw, date=date)
 
 
 def _cell(value: object) -> str:

@@ -4,14 +4,13 @@
 Every instant in steady state, the speed trace followed exactly as far as the limits allow.
 """
 
-import csv
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from regen_table import braking, installation, models
+from regen_table import braking, inputs, installation, models
 from regen_table.errors import ConfigurationError
 from regen_table.models import Array
 from regen_table.schema import Drive
@@ -79,25 +78,22 @@ def load(path: Path, top_speed_kmh: float | None = None) -> Cycle:
 
     ``top_speed_kmh`` scales the speeds so that the fastest one becomes it (None: as they are).
     """
+    what, names = "columns time_s and speed_km_h with a number each", ("time_s", "speed_km_h")
+    columns = inputs.read_table(path, what, lambda found: all(name in found for name in names))
     try:
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-        time = np.array([float(row["time_s"]) for row in rows])
-        speed = np.array([float(row["speed_km_h"]) for row in rows]) / 3.6
-    except FileNotFoundError:
-        raise ConfigurationError(f"{path}: file not found") from None
-    except (OSError, KeyError, TypeError, ValueError) as error:
-        raise ConfigurationError(
-            f"{path}: accepted: columns time_s and speed_km_h with a number each ({error})"
-        ) from error
+        time, speed = (np.array([float(cell) for cell in columns[name]]) for name in names)
+    except ValueError as error:
+        raise ConfigurationError(f"{path}: accepted: {what} ({error})") from error
+    speed = speed / 3.6
     if (
         len(time) < 2
         or not np.all(np.isfinite(time) & np.isfinite(speed))
         or np.any(np.diff(time) <= 0.0)
         or np.any(speed < 0.0)
+        or not np.any(speed > 0.0)
     ):
         raise ConfigurationError(
-            f"{path}: accepted: at least two samples, rising time_s, speed_km_h >= 0"
+            f"{path}: accepted: at least two samples, rising time_s, speed_km_h >= 0 and not always 0"
         )
     factor = 1.0 if top_speed_kmh is None else top_speed_kmh / 3.6 / float(np.max(speed))
     return Cycle(path.stem, time, speed * factor)

@@ -16,7 +16,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from regen_table import installation, relations
+from regen_table import inputs, installation, relations
 from regen_table.drive import Drive
 from regen_table.errors import ConfigurationError
 
@@ -40,7 +40,7 @@ def load(path: str | Path) -> Drive:
         One line: file, key, what is wrong, what is accepted.
     """
     path = installation.drive_file(path)
-    text = _read(path)
+    text = inputs.read_text(path, MAX_FILE_BYTES, "a TOML file")
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -67,30 +67,6 @@ def parse(data: Mapping[str, Any], name: str, source: str) -> Drive:
     if mistake is not None:
         raise ConfigurationError(f"{source}: {mistake}")
     return drive
-
-
-def _read(path: Path) -> str:
-    """Return the file's text, refusing what cannot be a configuration before reading it."""
-    try:
-        if path.is_dir():
-            raise ConfigurationError(f"{path}: is a directory, a TOML file is needed")
-        with path.open("rb") as file:
-            raw = file.read(MAX_FILE_BYTES + 1)
-    except FileNotFoundError:
-        raise ConfigurationError(f"{path}: file not found") from None
-    except ConfigurationError:
-        raise
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-        raise ConfigurationError(f"{path}: cannot be read: {reason}") from error
-    if len(raw) > MAX_FILE_BYTES:
-        raise ConfigurationError(
-            f"{path}: larger than {MAX_FILE_BYTES} bytes, a drive takes a few thousand"
-        )
-    try:
-        return raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise ConfigurationError(f"{path}: not UTF-8 text (byte {error.start})") from error
 
 
 # A misspelt key shows up twice, as an unknown one and as a missing one: the first of these says

@@ -12,7 +12,9 @@ from typing import Any
 import pytest
 from regen_table import cli
 
-PAPER = Path(__file__).resolve().parents[4] / "tools" / "motors" / "lu2013.toml"
+ROOT = Path(__file__).resolve().parents[4]
+PAPER = ROOT / "tools" / "motors" / "lu2013.toml"
+CYCLE = ROOT / "host_sim" / "cycles" / "ece15.csv"
 STOP = ["stop", str(PAPER), "--initial-speed-kmh", "40", "--demand-nm"]
 POINT = {
     "current_d_a",
@@ -252,6 +254,119 @@ def test_the_module_runs_as_a_command_and_explains_itself() -> None:
         )
         assert explained.returncode == 0
         assert "CONFIG.toml" in explained.stdout
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["solve", str(PAPER), "--speed-rpm", "100,200"],
+        ["evaluate", str(PAPER), "--speed-rpm", "100", "--torque-nm", "-20"],
+        ["stop", str(PAPER), "--initial-speed-kmh", "40", "--demand-nm", "20"],
+        ["cycle", str(PAPER), "--trace", str(CYCLE)],
+    ],
+    ids=lambda command: command[0],
+)
+def test_an_answer_in_a_file_holds_where_it_comes_from(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    command: list[str],
+) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
+    path = tmp_path / "answer.json"
+    printed = answer(capsys, *command, "--json", "--output", str(path))
+    written = json.loads(path.read_text(encoding="utf-8"))
+    assert written["results"] == printed
+    origin = written["provenance"]
+    assert (origin["configuration"], origin["date"]) == ("lu2013", "1970-01-01T00:00:00Z")
+    generated = (ROOT / "firmware" / "config" / "generated" / "lu2013.c").read_text(
+        encoding="ascii"
+    )
+    assert f".crc32 = {origin['configuration_crc32']}," in generated
+
+
+def unreadable(tmp_path: Path, kind: str) -> Path:
+    """Make a file that is neither a drive nor a recording."""
+    path = tmp_path / "given"
+    if kind == "directory":
+        path.mkdir()
+    elif kind == "link to itself":
+        path.symlink_to(path)
+    elif kind == "rows of different lengths":
+        path.write_bytes(b"time_s,speed_km_h,v_ab_v,v_bc_v,index\n1,2,3\n")
+    elif kind == "one row":
+        path.write_bytes(b"time_s,speed_km_h,v_ab_v,v_bc_v,index\n1,2,3,4,1\n")
+    elif kind == "not finite":
+        path.write_bytes(b"time_s,speed_km_h,v_ab_v,v_bc_v,index\n" + b"nan,1,nan,1,1\n" * 20)
+    elif kind == "standing still":
+        path.write_bytes(b"time_s,speed_km_h,v_ab_v,v_bc_v,index\n0,0,0,0,0\n1,0,0,0,0\n" * 1)
+    else:
+        contents = {
+            "binary": bytes(range(256)),
+            "zeros": bytes(4096),
+            "empty": b"",
+            "wide": b"\xff\xfea\0",
+        }
+        path.write_bytes(contents[kind])
+    return path
+
+
+@pytest.mark.parametrize("command", ["solve", "check", "generate", "calibrate", "cycle", "figures"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        *("binary", "zeros", "empty", "wide", "directory", "link to itself", "not finite"),
+        *("rows of different lengths", "one row", "standing still"),
+    ],
+)
+def test_a_file_that_is_none_of_ours_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, kind: str
+) -> None:
+    path = str(unreadable(tmp_path, kind))
+    more = {
+        "solve": ["--speed-rpm", "100"],
+        "generate": ["-o", str(tmp_path / "out")],
+        "figures": ["-o", str(tmp_path / "out")],
+    }
+    arguments = [command, path, *more.get(command, [])]
+    if command == "cycle":
+        arguments = ["cycle", str(PAPER), "--trace", path, "--top-speed-kmh", "30"]
+    assert cli.main(arguments) == 1
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    (line,) = captured.err.splitlines()
+    assert line.startswith(f"{path}: ")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_byte_order_mark_is_accepted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mark = b"\xef\xbb\xbf"
+    drive, trace = tmp_path / "lu2013.toml", tmp_path / "ece15.csv"
+    drive.write_bytes(mark + PAPER.read_bytes().replace(b"\n", b"\r\n"))
+    trace.write_bytes(mark + CYCLE.read_bytes())
+    command = ["cycle", "--json", "--trace"]
+    assert answer(capsys, *command, str(trace), str(drive)) == answer(
+        capsys, *command, str(CYCLE), str(PAPER)
+    )
+
+
+@pytest.mark.parametrize("option", ["--report", "--output", "-o"])
+def test_an_output_that_cannot_be_written_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], option: str
+) -> None:
+    (tmp_path / "full").symlink_to("/dev/full")
+    blocked = tmp_path / "file" / "below"
+    blocked.parent.write_text("here")
+    where = blocked if option == "-o" else tmp_path / "full"
+    arguments = {
+        "-o": ["generate", str(PAPER), "-o", str(where)],
+        "--report": ["generate", str(PAPER), "-o", str(tmp_path / "out"), "--report", str(where)],
+        "--output": ["solve", str(PAPER), "--speed-rpm", "100", "--output", str(where)],
+    }
+    assert cli.main(arguments[option]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert re.fullmatch(rf"{re.escape(str(where))}: cannot be written: [\w ]+", line)
+    assert (tmp_path / "full").is_symlink()
 
 
 HEAVY = ("numpy", "scipy", "matplotlib", "pydantic", "cffi", "regen_table.commands")
