@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # What runs on mps2-an386.
 
-find_program(HUBFOC_HOST_CC NAMES cc gcc clang)
 find_program(HUBFOC_RUBY ruby)
 find_path(CMOCK_DIR lib/cmock.rb HINTS "${PROJECT_SOURCE_DIR}/.dev/cmock/usr/share/cmock" "/usr/share/cmock" NO_DEFAULT_PATH
   NO_CMAKE_FIND_ROOT_PATH)
@@ -78,7 +77,7 @@ function(trace name)
     SOURCES ${trace_files} "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/print_target.c" ${room_sources} "${config_image}")
   target_include_directories(${name} PRIVATE ${room_includes} "${PROJECT_SOURCE_DIR}/tests/unit/firmware/support")
   target_compile_definitions(${name} PRIVATE ${trace_definitions})
-  hubfoc_add_qemu_test(NAME ${name}_is_the_hosts_bit_for_bit ELF ${name} SECONDS 300 SAME_AS "${trace_on_host}")
+  hubfoc_add_qemu_test(NAME ${name}_is_the_hosts_bit_for_bit ELF ${name} MILLIONS 30000 SAME_AS "${trace_on_host}")
 endfunction()
 trace(trace_cortex_m4)
 trace(trace_cortex_m4_portable -U__ARM_FEATURE_SAT) # q15.h's own clamps instead of SSAT
@@ -110,6 +109,7 @@ if(HUBFOC_RUBY AND CMOCK_DIR)
   set(HUBFOC_CMOCK_YML "${PROJECT_SOURCE_DIR}/tools/cmake/cmock.yml")
   add_library(unity_target STATIC "${UNITY_DIR}/src/unity.c")
   target_include_directories(unity_target SYSTEM PUBLIC "${UNITY_DIR}/src")
+  target_compile_options(unity_target PRIVATE ${HUBFOC_TEST_CORE})
   target_compile_definitions(unity_target PUBLIC UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64 UNITY_OUTPUT_CHAR=target_putchar
     "UNITY_OUTPUT_CHAR_HEADER_DECLARATION=target_putchar(int)")
   foreach(room IN LISTS rooms)

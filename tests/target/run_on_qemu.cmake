@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DELF=x.elf -DQEMU=qemu-system-arm [-DMACHINE=mps2-an386] [-DARGUMENTS="a=1 b=2"] [-DSERIAL=3] [-DSECONDS=60]
-#       [-DEXPECT_EXIT=0|1|timeout] [-DEXPECT="regex1|||regex2"] [-DSAME_AS=program] -P run_on_qemu.cmake
+# cmake -DELF=x.elf -DQEMU=qemu-system-arm -DLIMIT=limit.so,instructions=1000000000 [-DMACHINE=mps2-an386]
+#       [-DARGUMENTS="a=1 b=2"] [-DSERIAL=3] [-DEXPECT_EXIT=0|1|limit] [-DEXPECT="regex1|||regex2"] [-DSAME_AS=program]
+#       -P run_on_qemu.cmake
 #
-# Runs a program on the emulated core and judges exit status and output. Always with a time limit and with semihosting
-# switched on: without it the first request aborts the emulator. The instruction-count clock makes every run the same.
-# SERIAL: number of the machine's serial line that is shown. SAME_AS: a host program that must print the same text.
+# Runs a program on the emulated core and judges exit status and output. Always with a limit of instructions (limit.c) and
+# with semihosting switched on: without it the first request aborts the emulator. The instruction-count clock makes every
+# run the same. SERIAL: number of the machine's serial line that is shown. SAME_AS: a host program that must print the same
+# text. EXPECT_EXIT=limit: the program runs on until it is ended.
 cmake_minimum_required(VERSION 3.25)
 
-foreach(default IN ITEMS MACHINE=mps2-an386 SERIAL=1 SECONDS=60 EXPECT_EXIT=0)
+foreach(default IN ITEMS MACHINE=mps2-an386 SERIAL=1 EXPECT_EXIT=0)
   string(REPLACE "=" ";" default "${default}")
   list(GET default 0 name)
   if(NOT DEFINED ${name})
@@ -32,12 +34,12 @@ foreach(line RANGE 1 ${SERIAL})
   endif()
 endforeach()
 execute_process(COMMAND "${QEMU}" -M ${MACHINE} -display none -monitor none ${serial_lines} -icount shift=3,sleep=off
-  -semihosting-config "${semihosting}" -kernel "${ELF}"
-  TIMEOUT ${SECONDS} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  -semihosting-config "${semihosting}" -plugin "${LIMIT}" -kernel "${ELF}" INPUT_FILE /dev/null
+  RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
 message("${output}")
 
-if(EXPECT_EXIT STREQUAL "timeout")
-  if(NOT result MATCHES "timeout")
+if(EXPECT_EXIT STREQUAL "limit")
+  if(NOT (result EQUAL 124 AND output MATCHES "instruction limit: more than"))
     message(FATAL_ERROR "exit status ${result}, but the program was expected to run on")
   endif()
 elseif(NOT result STREQUAL EXPECT_EXIT)

@@ -4,8 +4,9 @@
 #   hubfoc_add_unit_test(NAME q15 SOURCES test_q15.c LIBRARIES hubfoc_core [MOCKS hal/include/hal/inverter.h ...]
 #                        [LABELS unit])
 #       The first source is the test file; its runner is generated. MOCKS are headers mocked by CMock.
-#   hubfoc_add_python_test(NAME regen_table FILES test_a.py test_b.py [LABELS python] [TIMEOUT seconds])
-#       pytest in the project's private environment.
+#   hubfoc_add_python_test(NAME regen_table FILES test_a.py test_b.py [LABELS python] [TIMEOUT seconds] [INSTRUMENTED])
+#       pytest in the project's private environment. With sanitizers it is run again only if it is INSTRUMENTED: executes C
+#       that this build compiled, in an instrumented program or with the sanitizer loaded first.
 #   hubfoc_add_command_test(NAME name COMMAND ... [LABELS ...] [TIMEOUT seconds])
 
 hubfoc_require_test_tools()
@@ -49,7 +50,10 @@ function(hubfoc_add_unit_test)
 endfunction()
 
 function(hubfoc_add_python_test)
-  cmake_parse_arguments(T "" "NAME;TIMEOUT" "FILES;LABELS" ${ARGN})
+  cmake_parse_arguments(T "INSTRUMENTED" "NAME;TIMEOUT" "FILES;LABELS" ${ARGN})
+  if(HUBFOC_SANITIZE AND NOT T_INSTRUMENTED)
+    return()
+  endif()
   add_test(NAME ${T_NAME} COMMAND "${HUBFOC_PYTHON}" -m pytest -q -p no:cacheprovider ${T_FILES}
     WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}")
   set_property(TEST ${T_NAME} PROPERTY ENVIRONMENT "HUBFOC_BUILD_DIR=${PROJECT_BINARY_DIR};HUBFOC_SOURCE_DIR=${PROJECT_SOURCE_DIR};PYTHONDONTWRITEBYTECODE=1")
