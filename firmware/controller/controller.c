@@ -3,6 +3,7 @@
 
 #include "config/bases.h"
 #include "core/q15.h"
+#include "foc/modulation_index.h"
 #include "monitor/monitor_fast.h"
 
 /* Until the first sample nothing is known: the middle of the battery's range. */
@@ -17,8 +18,8 @@ void controller_init(controller_t *controller, const config_t *config)
 {
     foc_init(&controller->fast.foc, config);
     monitor_fast_init(&controller->fast.monitor, config);
-    foc_summary_init(&controller->slow.summary, nominal_v_dc_pu(config));
-    controller->slow.modulation_limit_q15 = controller->fast.foc.current.svpwm.modulation_limit_q15;
+    mean_values_init(&controller->slow.summary, nominal_v_dc_pu(config));
+    controller->slow.modulation_limit_q15 = foc_modulation_limit_q15(&controller->fast.foc);
     torque_init(&controller->slow.torque);
     monitor_slow_init(&controller->slow.monitor);
     modes_init(&controller->slow.modes);
@@ -40,7 +41,7 @@ fast_setpoint_t controller_initial_setpoint(const config_t *config)
     foc_state_t fresh;
     foc_init(&fresh, config);
     const fast_setpoint_t out = {
-        .foc = foc_initial_command(&fresh, config),
+        .foc = foc_initial_setpoint(&fresh, config),
         .monitor = {.safe_bridge = BRIDGE_OFF, .clear_trip = false},
         .torque_enable = torque_disabled(),
         .slow_step_count = 0,
@@ -69,7 +70,7 @@ fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *conf
 {
     const bool permitted = from_slow->torque_enable.bridge == BRIDGE_PWM;
     const bool tripped = fast->monitor.trip != REASON_NONE;
-    foc_step(&fast->foc, config, &from_slow->foc, permitted, tripped, in, &to_slow->foc);
+    foc_step(&fast->foc, config, &from_slow->foc, permitted && !tripped, in, &to_slow->foc);
 
     const monitor_fast_input_t watched = {
         .i_pu = to_slow->foc.current.i_pu,
@@ -81,7 +82,7 @@ fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *conf
     const reason_t trip = monitor_fast_step(&fast->monitor, &from_slow->monitor, &watched);
     to_slow->monitor.trip = trip;
 
-    const int32_t *on_q16 = fast->foc.current.on_q16;
+    const int32_t *on_q16 = foc_on_times_q16(&fast->foc);
     const fast_output_t out = {
         .compare_counts = {whole_counts(on_q16[0]), whole_counts(on_q16[1]),
                            whole_counts(on_q16[2])},
@@ -117,7 +118,7 @@ static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow,
         .fast_trip = from_fast->monitor.trip,
         .current_sum_pu = from_fast->foc.current.current_sum_pu,
         .offsets_known = from_fast->foc.offsets_done,
-        .current_saturated = slow->summary.latest.current_saturated,
+        .current_saturated = slow->summary.latest.adc_saturated,
         .rotor_valid = from_fast->foc.current.rotor.valid,
         .rotor_faults = from_fast->foc.current.rotor.faults,
         .fast_step_count = (uint16_t)from_fast->foc.step_count,
@@ -128,16 +129,16 @@ static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow,
         .i_d_mA = bases_current_mA(config, from_fast->foc.current.i_pu.d),
         .i_q_mA = bases_current_mA(config, from_fast->foc.current.i_pu.q),
         .u_d_mV =
-            phase_mV(from_fast->foc.current.voltage.realised.d, slow->modulation_limit_q15, bus_mV),
+            phase_mV(from_fast->foc.current.voltage.applied.d, slow->modulation_limit_q15, bus_mV),
         .u_q_mV =
-            phase_mV(from_fast->foc.current.voltage.realised.q, slow->modulation_limit_q15, bus_mV),
+            phase_mV(from_fast->foc.current.voltage.applied.q, slow->modulation_limit_q15, bus_mV),
         .voltage_limited = slow->summary.latest.voltage_limited,
         .torque_command_mNm = slow->last_command_mNm,
         .torque_estimate_mNm = slow->last_estimate_mNm,
         .offset_q4 = {from_fast->foc.offset_q4[0], from_fast->foc.offset_q4[1],
                       from_fast->foc.offset_q4[2]},
-        .current_quarters = from_fast->foc.current_quarters,
-        .quarter_step = from_fast->foc.quarter_step,
+        .current_quarters = from_fast->foc.quadrant_transitions,
+        .quarter_step = from_fast->foc.quadrant_step,
         .bridge = from_fast->monitor.trip != REASON_NONE ? slow->monitor.safe_bridge : slow->bridge,
         .switching = slow->bridge == BRIDGE_PWM,
     };
@@ -170,11 +171,11 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
 static torque_output_t flow_torque(controller_slow_t *slow, const config_t *config,
                                    const fast_report_t *from_fast, const slow_input_t *in,
                                    const torque_enable_t *torque_enable, int32_t speed_mrad_s,
-                                   int32_t bus_mV, const sampled_current_t *sampling)
+                                   int32_t bus_mV, const sampling_correction_t *sampling)
 {
-    const dq_t mean_pu = sampled_current_to_mean(sampling, slow->summary.latest.i_pu);
+    const dq_t mean_pu = sampling_correction_to_mean(sampling, slow->summary.latest.i_pu);
     const int32_t told_mV =
-        phase_mV(FIELD_WEAKENING_AIM_VOLTAGE_Q15, slow->modulation_limit_q15, bus_mV);
+        phase_mV(MODULATION_INDEX_TARGET_Q15, slow->modulation_limit_q15, bus_mV);
     const torque_input_t torque_in = {
         .drive_torque_mNm = in->drive_torque_mNm,
         .brake_torque_mNm = in->brake_torque_mNm,
@@ -187,11 +188,11 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
                 .q_mA = bases_current_mA(config, mean_pu.q),
             },
         .voltage_limited = slow->summary.latest.voltage_limited,
-        .voltage_use_q15 = slow->summary.latest.voltage_use_q15,
+        .voltage_use_q15 = slow->summary.latest.modulation_square_q15,
         .capability =
             {
                 .bus_voltage_mV = bus_mV,
-                .phase_voltage_mV = sampled_current_voltage_mean(sampling, told_mV),
+                .phase_voltage_mV = sampling_correction_mean_voltage(sampling, told_mV),
                 .bms_charge_current_mA = in->bms_charge_current_mA,
                 .bms_discharge_current_mA = in->bms_discharge_current_mA,
                 .winding_temperature_cC = in->winding_temperature_cC,
@@ -207,13 +208,13 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
 /* The reference that the fast reach compares its samples with. It adds what it weakens the field
  * by, of which the slow reach has taken account as of a mean. */
 static dq_t sampled_reference_pu(const config_t *config, const current_setpoint_t *current,
-                                 int32_t i_d_weakening_pu, const sampled_current_t *sampling)
+                                 int32_t i_d_weakening_pu, const sampling_correction_t *sampling)
 {
     const dq_t mean_pu = {
         .d = bases_current_pu_q15(config, current->i_d_mA) + i_d_weakening_pu,
         .q = bases_current_pu_q15(config, current->i_q_mA),
     };
-    const dq_t sampled_pu = sampled_current_of_mean(sampling, mean_pu);
+    const dq_t sampled_pu = sampling_correction_to_sampled(sampling, mean_pu);
     const dq_t out = {.d = q_saturate16(sampled_pu.d - i_d_weakening_pu),
                       .q = q_saturate16(sampled_pu.q)};
     return out;
@@ -224,8 +225,8 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
                                    fast_setpoint_t *to_fast)
 {
     const int32_t speed_mrad_s = bases_speed_mrad_s(config, from_fast->foc.current.rotor.speed_q32);
-    const foc_summary_t summary =
-        foc_summary_step(&slow->summary, &from_fast->foc, (uint16_t)from_fast->foc.step_count);
+    const mean_values_t summary =
+        mean_values_step(&slow->summary, &from_fast->foc, (uint16_t)from_fast->foc.step_count);
     const int32_t bus_mV = bases_bus_voltage_mV(config, summary.v_dc_pu);
 
     const monitor_slow_input_t watched =
@@ -233,8 +234,8 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     const monitor_output_t verdict = monitor_slow_step(&slow->monitor, config, &watched);
     const modes_output_t modes = decide_mode(slow, config, from_fast, in, &verdict, speed_mrad_s);
     const int32_t speed_q32 = from_fast->foc.current.rotor.speed_q32;
-    const sampled_current_t sampling =
-        sampled_current_at(config, speed_q32, in->winding_temperature_cC);
+    const sampling_correction_t sampling =
+        sampling_correction_at(config, speed_q32, in->winding_temperature_cC);
     const torque_output_t torque = flow_torque(slow, config, from_fast, in, &modes.torque_enable,
                                                speed_mrad_s, bus_mV, &sampling);
 
@@ -242,12 +243,12 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     slow->last_command_mNm = torque.command_mNm;
     slow->last_estimate_mNm = torque.estimate_mNm;
     slow->bridge = modes.torque_enable.bridge;
-    to_fast->foc.number = slow->step_count;
+    to_fast->foc.sequence = slow->step_count;
     to_fast->foc.i_reference_pu =
         sampled_reference_pu(config, &torque.current, from_fast->foc.i_d_weakening_pu, &sampling);
-    to_fast->foc.i_d_mean_less_sample_pu = sampled_current_offset_pu(&sampling);
-    to_fast->foc.tuning = current_loop_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu,
-                                              speed_q32, in->winding_temperature_cC);
+    to_fast->foc.i_d_sampling_correction_pu = sampling_correction_d_pu(&sampling);
+    to_fast->foc.tuning = current_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu,
+                                         speed_q32, in->winding_temperature_cC);
     to_fast->foc.dead_time_slope = dead_time_slope_at(config, summary.v_dc_pu);
     to_fast->foc.calibrate_offsets = modes.calibrate_offsets;
     to_fast->monitor.safe_bridge = verdict.safe_bridge;

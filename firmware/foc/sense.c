@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "foc/sense.h"
+#include "sense.h"
 
-enum { HALF_A_CODE = 8 };
+enum { HALF_CODE = 8 };
 
 void sense_init(sense_state_t *state)
 {
@@ -39,15 +39,15 @@ void sense_calibrate_step(sense_state_t *state, const uint16_t codes[SENSE_PHASE
     }
 }
 
-static bool at_end(int32_t offset_q4, int32_t i_pu)
+static bool at_range_end(int32_t offset_q4, int32_t i_pu)
 {
     const int32_t highest = q_min(SENSE_CODE_MAX * 16 - offset_q4, Q15_ONE);
     const int32_t lowest = q_max(-offset_q4, Q15_MIN);
-    return i_pu >= highest - HALF_A_CODE || i_pu <= lowest + HALF_A_CODE;
+    return i_pu >= highest - HALF_CODE || i_pu <= lowest + HALF_CODE;
 }
 
-bool sense_at_end(const int32_t offset_q4[SENSE_PHASES], abc_t i_pu)
+bool sense_adc_saturated(const int32_t offset_q4[SENSE_PHASES], abc_t i_pu)
 {
-    return at_end(offset_q4[0], i_pu.a) || at_end(offset_q4[1], i_pu.b) ||
-           at_end(offset_q4[2], i_pu.c);
+    return at_range_end(offset_q4[0], i_pu.a) || at_range_end(offset_q4[1], i_pu.b) ||
+           at_range_end(offset_q4[2], i_pu.c);
 }

@@ -294,7 +294,7 @@ def test_the_fast_reach_neither_divides_nor_calls_what_it_cannot_know(
     arm_objects: list[Path],
 ) -> None:
     reached, outside = call_tree(arm_objects, FAST_ROOT)
-    assert {"foc_current_step", "foc_rest", "hall_look"} <= set(
+    assert {"foc_current_step", "foc_step", "hall_process_event"} <= set(
         reached
     )  # it has looked where it should
     assert not {name: dear(function) for name, function in reached.items() if dear(function)}

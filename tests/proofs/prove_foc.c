@@ -1,18 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The boxes of the fast reach: nothing overflows for any input their headers allow, every limiter
+ * The boxes of the fast loop: nothing overflows for any input their headers allow, every limiter
  * stays inside its limits, every pulse inside the period. Where a vector is bounded by a circle,
  * the proof uses the tangents of the circle that matter: they bound a larger set.
  */
 #include "config/config.h"
 #include "core/angle.h"
-#include "foc/current_loop.h"
-#include "foc/dead_time.h"
-#include "foc/field_weakening.h"
-#include "foc/response.h"
-#include "foc/sense.h"
-#include "foc/svpwm.h"
-#include "foc/transforms.h"
+#include "current_controller.h"
+#include "current_predictor.h"
+#include "field_weakening.h"
+#include "modulation.h"
+#include "sense.h"
+#include "transforms.h"
 #include "vectors.h"
 
 void prove_sense(void)
@@ -31,7 +30,7 @@ void prove_sense(void)
     const abc_t phases = {.a = any_within(-65536, 65535),
                           .b = any_within(-65536, 65535),
                           .c = any_within(-65536, 65535)};
-    (void)sense_at_end(state.offset_q4, phases);
+    (void)sense_adc_saturated(state.offset_q4, phases);
     PROOF_END();
 }
 
@@ -94,72 +93,72 @@ static pi_gains_t any_gains(void)
     return gains;
 }
 
-/* What current_loop_bring_forward() takes from the measured current it gives to the aim, see
- * prove_bring_forward(). */
-void prove_current_loop(void)
+/* What current_predictor_compensate() takes from the sampled current it gives to the target, see
+ * prove_delay_compensation(). */
+void prove_current_controller(void)
 {
-    const int32_t ahead_d_q10 = any_within(-16384, 16384);
-    const int32_t ahead_q_q10 = any_within(-16384, 16384);
-    const current_loop_tuning_t tuning = {
+    const int32_t share_d_q10 = any_within(-16384, 16384);
+    const int32_t share_q_q10 = any_within(-16384, 16384);
+    const current_tuning_t tuning = {
         .d = any_gains(),
         .q = any_gains(),
         .w_l_d_q10 = any_within(-16383, 16383),
         .w_l_q_q10 = any_within(-16383, 16383),
-        .forward_d_q25 = -(ahead_q_q10 * any_within(-32768, 32768)),
-        .forward_q_q25 = any_within(-(1 << 28), 1 << 28) + ahead_d_q10 * any_within(-32768, 32768),
+        .forward_d_q25 = -(share_q_q10 * any_within(-32768, 32768)),
+        .forward_q_q25 = any_within(-(1 << 28), 1 << 28) + share_d_q10 * any_within(-32768, 32768),
     };
-    ASSUME(q_abs(tuning.w_l_d_q10) + q_abs(ahead_d_q10) <= 16384);
-    ASSUME(q_abs(tuning.w_l_q_q10) + q_abs(ahead_q_q10) <= 16384);
-    current_loop_state_t state = {
+    ASSUME(q_abs(tuning.w_l_d_q10) + q_abs(share_d_q10) <= 16384);
+    ASSUME(q_abs(tuning.w_l_q_q10) + q_abs(share_q_q10) <= 16384);
+    current_controller_t state = {
         .d = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
         .q = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
     };
     const dq_t reference = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
     const dq_t i = {.d = any_within(-50200, 50200), .q = any_within(-50200, 50200)};
-    current_loop_out_t out;
-    current_loop_step(&state, &tuning, reference, i, &out);
-    PROMISE(out.realised.d >= -32768 && out.realised.d <= 32767);
-    PROMISE(out.realised.q >= -32767 && out.realised.q <= 32767);
+    voltage_out_t out;
+    current_controller_step(&state, &tuning, reference, i, &out);
+    PROMISE(out.applied.d >= -32768 && out.applied.d <= 32767);
+    PROMISE(out.applied.q >= -32767 && out.applied.q <= 32767);
     /* The limiter: never longer and never of the other sign. That circle_other_q15() leaves q what
      * is inside the circle is tested for every d in tests/unit. */
-    PROMISE(out.wanted_d >= 0 ? out.realised.d >= 0 && out.realised.d <= out.wanted_d
-                              : out.realised.d <= 0 && out.realised.d >= out.wanted_d);
-    PROMISE(out.wanted_q >= 0 ? out.realised.q >= 0 && out.realised.q <= out.wanted_q
-                              : out.realised.q <= 0 && out.realised.q >= out.wanted_q);
+    PROMISE(out.unsaturated_d >= 0 ? out.applied.d >= 0 && out.applied.d <= out.unsaturated_d
+                                   : out.applied.d <= 0 && out.applied.d >= out.unsaturated_d);
+    PROMISE(out.unsaturated_q >= 0 ? out.applied.q >= 0 && out.applied.q <= out.unsaturated_q
+                                   : out.applied.q <= 0 && out.applied.q >= out.unsaturated_q);
     PROMISE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
     PROMISE(state.q.integrator_q30 >= -(1 << 30) && state.q.integrator_q30 <= (1 << 30) - 1);
     PROOF_END();
 }
 
-/* One axis; an aim at the end of the current is where the product is largest. */
-void prove_bring_forward(void)
+/* One axis; a target at the end of the current is where the product is largest. */
+void prove_delay_compensation(void)
 {
-    current_loop_tuning_t tuning = {
+    current_tuning_t tuning = {
         .w_l_d_q10 = 0, .w_l_q_q10 = any_within(-16383, 16383), .forward_d_q25 = 0};
     const int32_t before_q10 = tuning.w_l_q_q10;
-    const dq_t aim = {.d = 0, .q = nondet_bool() ? 32768 : -32768};
-    current_loop_bring_forward(&tuning, any_within(0, 32767), aim);
-    const int32_t ahead_q10 = before_q10 - tuning.w_l_q_q10;
-    PROMISE(q_abs(tuning.w_l_q_q10) + q_abs(ahead_q10) <= 16384);
+    const dq_t target = {.d = 0, .q = nondet_bool() ? 32768 : -32768};
+    current_predictor_compensate(&tuning, any_within(0, 32767), target);
+    const int32_t share_q10 = before_q10 - tuning.w_l_q_q10;
+    PROMISE(q_abs(tuning.w_l_q_q10) + q_abs(share_q10) <= 16384);
     PROMISE(tuning.forward_d_q25 >= -16384 * 32768 && tuning.forward_d_q25 <= 16384 * 32768);
     PROOF_END();
 }
 
-/* wanted_d as far as current_loop_step() makes it, see README.md: below 50 units. */
-void prove_current_loop_give_back_d(void)
+/* unsaturated_d as far as current_controller_step() makes it, see README.md: below 50 units. */
+void prove_d_axis_reserve(void)
 {
-    current_loop_state_t state = {
+    current_controller_t state = {
         .d = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
         .q = {.integrator_q30 = 0},
     };
     const int32_t before_q30 = state.d.integrator_q30;
-    const current_loop_out_t last = {.wanted_d = any_within(-50 * 32768, 50 * 32768),
-                                     .wanted_q = 0,
-                                     .realised = {.d = 0, .q = 0}};
-    current_loop_give_back_d(&state, &last);
+    const voltage_out_t last = {.unsaturated_d = any_within(-50 * 32768, 50 * 32768),
+                                .unsaturated_q = 0,
+                                .applied = {.d = 0, .q = 0}};
+    current_controller_keep_reserve(&state, &last);
     PROMISE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
-    PROMISE(last.wanted_d >= 0 ? state.d.integrator_q30 <= before_q30
-                               : state.d.integrator_q30 >= before_q30);
+    PROMISE(last.unsaturated_d >= 0 ? state.d.integrator_q30 <= before_q30
+                                    : state.d.integrator_q30 >= before_q30);
     PROOF_END();
 }
 
@@ -189,9 +188,9 @@ static ab_t any_vector_in_circle(void)
     return x;
 }
 
-/* The same with the 24 LSB by which the expected current may leave the circle (tests/unit), and the
- * 200 by which its mean may. */
-static ab_t any_expected_current(void)
+/* The same with the 24 LSB by which the predicted current may leave the circle (tests/unit), and
+ * the 200 by which its mean may. */
+static ab_t any_predicted_current(void)
 {
     const ab_t x = {.alpha = any_within(-32994, 32994), .beta = any_within(-32994, 32994)};
     const int32_t across = (x.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
@@ -203,10 +202,9 @@ static ab_t any_expected_current(void)
 
 void prove_dead_time(void)
 {
-    /* The steepest slopes dead_time_init() makes: any flatter ones overflow less. */
-    const dead_time_t steepest = {.full_counts = 2048,
-                                  .slope = {.alpha_q8 = 65000, .beta_q8 = 56292}};
-    const abc_t shares = dead_time_shares(&steepest, any_expected_current());
+    /* The steepest slopes dead_time_slope_at() makes: any flatter ones overflow less. */
+    const dead_time_slope_t steepest = {.alpha_q8 = 65000, .beta_q8 = 56292};
+    const abc_t shares = modulation_dead_time(steepest, any_predicted_current());
     PROMISE(shares.a >= -32768 && shares.a <= 32767);
     PROMISE(shares.b >= -32768 && shares.b <= 32767);
     PROMISE(shares.c >= -32767 && shares.c <= 32768);
@@ -218,37 +216,38 @@ static bool shrinks(int32_t before, int32_t after)
     return before >= 0 ? after >= 0 && after <= before : after <= 0 && after >= before;
 }
 
-void prove_expected_current(void)
+void prove_predicted_current(void)
 {
-    response_expected_t state = {
+    current_predictor_t state = {
         .lag_q15 = any_within(2048, 32767),
         .settled_pu = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)},
-        .behind_pu = {.d = any_within(-65536, 65536), .q = any_within(-65536, 65536)},
+        .remaining_pu = {.d = any_within(-65536, 65536), .q = any_within(-65536, 65536)},
     };
-    const dq_t behind = state.behind_pu;
-    const dq_t expected = response_expect(&state);
-    PROMISE(expected.d + behind.d == state.settled_pu.d &&
-            expected.q + behind.q == state.settled_pu.q);
-    PROMISE(shrinks(behind.d, state.behind_pu.d) && shrinks(behind.q, state.behind_pu.q));
+    const dq_t remaining = state.remaining_pu;
+    const dq_t predicted = current_predictor_step(&state);
+    PROMISE(predicted.d + remaining.d == state.settled_pu.d &&
+            predicted.q + remaining.q == state.settled_pu.q);
+    PROMISE(shrinks(remaining.d, state.remaining_pu.d) &&
+            shrinks(remaining.q, state.remaining_pu.q));
     PROOF_END();
 }
 
-/* No overflow with the largest period, scale and trim that svpwm_init() and the validator let
+/* No overflow with the largest period, scale and trim that modulation_of() and the validator let
  * through. */
-void prove_svpwm(void)
+void prove_modulation(void)
 {
     const int32_t period = any_within(256, 16384);
-    const svpwm_t svpwm = {
+    const modulation_t modulation = {
         .centre_q16 = period * (1 << 15) + (1 << 15),
         .trim_doubled_counts = 4096,
         .alpha_counts = any_within(106, 28378),
         .beta_counts = any_within(61, 16384),
-        .modulation_limit_q15 = 32767,
+        .limit_q15 = 32767,
     };
     const abc_t trim = {.a = any_within(-32768, 32767),
                         .b = any_within(-32768, 32767),
                         .c = any_within(-32767, 32768)};
     int32_t on[3];
-    svpwm_step(&svpwm, any_vector_in_circle(), trim, on);
+    modulation_step(&modulation, any_vector_in_circle(), trim, on);
     PROOF_END();
 }

@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where the fast reach gets its numbers from: initialisation, and the tuning that the slow reach
+ * Where the fast loop gets its numbers from: initialisation, and the tuning that the slow reach
  * makes every millisecond. With every field anywhere in the validator's range nothing overflows,
  * and what comes out is in the ranges that the proofs of the boxes assume.
  */
 #include "config/config.h"
-#include "foc/current_loop.h"
-#include "foc/dead_time.h"
-#include "foc/encoder.h"
-#include "foc/svpwm.h"
+#include "encoder.h"
+#include "foc/tuning.h"
+#include "modulation.h"
 #include "proof.h"
 
 static bool usable(const pi_gains_t *gains)
@@ -31,8 +30,8 @@ void prove_tuning(void)
     loop->flux_pu_q16 = any_within(1, 1048576);
     config.motor.resistance_coefficient_ppm_K = any_within(0, 10000);
     config.motor.reference_temperature_cC = any_within(-5000, 15000);
-    const current_loop_tuning_t out = current_loop_tuning(
-        &config, any_within(8192, 32767), nondet_int32(), nondet_int32(), nondet_int32());
+    const current_tuning_t out = current_tuning(&config, any_within(8192, 32767), nondet_int32(),
+                                                nondet_int32(), nondet_int32());
     PROMISE(usable(&out.d) && usable(&out.q));
     PROMISE(out.w_l_d_q10 >= -16383 && out.w_l_d_q10 <= 16383);
     PROMISE(out.w_l_q_q10 >= -16383 && out.w_l_q_q10 <= 16383);
@@ -41,7 +40,7 @@ void prove_tuning(void)
     PROOF_END();
 }
 
-void prove_dead_time_init(void)
+void prove_dead_time_counts(void)
 {
     config_t config;
     config.drive.pwm_frequency_Hz = any_within(4000, 100000);
@@ -51,11 +50,12 @@ void prove_dead_time_init(void)
     config.battery.min_voltage_mV = any_within(1000, 2000000);
     config.battery.max_voltage_mV = any_within(1000, 2000000);
     config.current_loop.dead_time_zone_pu_q15 = any_within(128, 32767);
-    const dead_time_t out = dead_time_init(&config);
-    PROMISE(out.full_counts >=
+    const int32_t counts = modulation_dead_time_counts(&config);
+    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
+    PROMISE(counts >=
             0); /* and an eighth of the longest period at most, 2048: the validator's relation */
-    PROMISE(out.slope.alpha_q8 >= 0 && out.slope.alpha_q8 <= 65000);
-    PROMISE(out.slope.beta_q8 >= 0 && out.slope.beta_q8 <= 56292);
+    PROMISE(slope.alpha_q8 >= 0 && slope.alpha_q8 <= 65000);
+    PROMISE(slope.beta_q8 >= 0 && slope.beta_q8 <= 56292);
     PROOF_END();
 }
 
@@ -73,17 +73,17 @@ void prove_dead_time_slope(void)
     PROOF_END();
 }
 
-void prove_svpwm_init(void)
+void prove_modulation_of(void)
 {
     const int32_t period = any_within(256, 16384);
     const int32_t min_pulse = any_within(0, 4096);
     const int32_t trim = any_within(0, 2048);
     ASSUME(min_pulse * 5 <= period && trim * 8 <= period);
-    const svpwm_t out = svpwm_init(period, min_pulse, trim, any_within(8192, 32767));
+    const modulation_t out = modulation_of(period, min_pulse, trim, any_within(8192, 32767));
     PROMISE(out.trim_doubled_counts >= 0 && out.trim_doubled_counts <= 4096);
     PROMISE(out.beta_counts >= 61 && out.beta_counts <= 16384);
     PROMISE(out.alpha_counts >= 106 && out.alpha_counts <= 28378);
-    PROMISE(out.modulation_limit_q15 <= 32767);
+    PROMISE(out.limit_q15 <= 32767);
     PROOF_END();
 }
 
@@ -99,7 +99,7 @@ void prove_encoder_init(void)
     ASSUME(config.rotor.encoder_counts >= 32 * config.motor.pole_pairs);
     encoder_t out;
     encoder_init(&out, &config);
-    PROMISE(out.most_counts >= 16 && out.most_counts <= out.counts / 2);
+    PROMISE(out.max_counts >= 16 && out.max_counts <= out.counts / 2);
     PROMISE(out.count_turn >= 1 && out.count_turn <= 2049);
     PROOF_END();
 }

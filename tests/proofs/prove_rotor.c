@@ -5,9 +5,10 @@
  * allows one step leads to another such state.
  */
 #include "config/config.h"
-#include "foc/hall.h"
-#include "foc/rotor.h"
+#include "encoder.h"
+#include "hall.h"
 #include "proof.h"
+#include "rotor.h"
 
 /* A configuration as the validator lets it through, as far as a rotor estimate reads it. */
 static void any_rotor_configuration(config_t *config)
@@ -39,10 +40,10 @@ static bool hall_invariant(const hall_t *hall, const config_t *config)
            hall->invalid_periods >= 0 && hall->invalid_periods <= 65535 &&
            hall->overdue_periods >= 0 && hall->overdue_periods <= hall->standstill_periods &&
            hall->bounce_periods >= 0 && hall->bounce_periods <= 65535 &&
-           hall->speed_q32 >= -INT32_MAX && hall->edges_in_order <= 6 &&
-           (!hall->doubt || hall->edges_in_order < 6) && (!hall->doubt || !hall->valid) &&
-           hall->edge_speed_q32 >= -INT32_MAX &&
-           hall->turn_round_periods == config->drive.pwm_frequency_Hz / HALL_TURN_ROUND_DIVISOR &&
+           hall->speed_q32 >= -INT32_MAX && hall->plausible_edges <= 6 &&
+           (!hall->ride_through || hall->plausible_edges < 6) &&
+           (!hall->ride_through || !hall->valid) && hall->edge_speed_q32 >= -INT32_MAX &&
+           hall->reversal_periods == config->drive.pwm_frequency_Hz / HALL_REVERSAL_DIVISOR &&
            hall->standstill_periods == config->drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S;
 }
 
@@ -66,15 +67,15 @@ static hall_t any_hall(const config_t *config)
     for (int k = 0; k < CONFIG_HALL_EDGES; k++) {
         hall.sector_periods[k] = nondet_uint16();
     }
-    hall.lost_edges = nondet_uint16();
+    hall.faults = nondet_uint16();
     hall.sector = nondet_uint8();
     hall.sectors_timed = nondet_uint8();
     hall.direction = (int8_t)any_within(-1, 1);
-    hall.turn_round_periods = nondet_int32();
+    hall.reversal_periods = nondet_int32();
     hall.edge_theta_q32 = nondet_uint32();
     hall.edge_speed_q32 = nondet_int32();
-    hall.edges_in_order = nondet_uint8();
-    hall.doubt = nondet_bool();
+    hall.plausible_edges = nondet_uint8();
+    hall.ride_through = nondet_bool();
     hall.started = true;
     hall.valid = nondet_bool();
     ASSUME(hall_invariant(&hall, config));
@@ -103,18 +104,18 @@ void prove_hall_step(void)
     PROOF_END();
 }
 
-void prove_tracking(void)
+void prove_angle_tracker(void)
 {
     config_t config;
     any_rotor_configuration(&config);
     config.rotor.sensor = CONFIG_ROTOR_ANGLE;
     rotor_state_t state;
-    state.tracking.theta_q32 = nondet_uint32();
-    state.tracking.speed_q32 = nondet_int32();
-    state.tracking.started = nondet_bool();
-    const encoder_input_t no_encoder = {.index = false};
+    state.tracker.theta_q32 = nondet_uint32();
+    state.tracker.speed_q32 = nondet_int32();
+    state.tracker.started = nondet_bool();
+    const foc_input_t in = {.rotor_angle_turn = nondet_uint16(), .hall_state = nondet_uint8()};
     rotor_out_t out;
-    rotor_step(&state, &config, nondet_uint16(), nondet_uint8(), &no_encoder, &out);
+    rotor_step(&state, &config, &in, &out);
     PROMISE(out.valid && out.age_periods == 0);
     PROOF_END();
 }
@@ -145,13 +146,13 @@ void prove_encoder(void)
     encoder.counts = config.rotor.encoder_counts;
     encoder.tolerance_counts = config.rotor.encoder_index_tolerance_counts;
     encoder.overdue_counts = encoder.counts + encoder.counts / ENCODER_OVERDUE_DIVISOR;
-    encoder.most_counts = any_within(16, 32768);
-    ASSUME(encoder.most_counts <= encoder.counts / 2);
+    encoder.max_counts = any_within(16, 32768);
+    ASSUME(encoder.max_counts <= encoder.counts / 2);
     encoder.count_turn = any_within(1, 2049);
     encoder.sign = nondet_bool() ? 1 : -1;
-    encoder.tracking.theta_q32 = nondet_uint32();
-    encoder.tracking.speed_q32 = nondet_int32();
-    encoder.tracking.started = nondet_bool();
+    encoder.tracker.theta_q32 = nondet_uint32();
+    encoder.tracker.speed_q32 = nondet_int32();
+    encoder.tracker.started = nondet_bool();
     encoder.theta_turn = nondet_uint16();
     encoder.position_counts = nondet_int32();
     encoder.age_periods = nondet_int32();

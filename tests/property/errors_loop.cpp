@@ -87,7 +87,7 @@ Measured wanted_voltage(int64_t count)
             vector(integrator) / ONE, twin::Tuning(plain), vector(reference), vector(i));
         largest.see(vector(out.wanted) - exact.wanted);
     }
-    return {"current_loop_step", largest.value, 1.0, "LSB"};
+    return {"current_controller_step", largest.value, 1.0, "LSB"};
 }
 
 // The first leg is rounded by half a count at most, the second follows it within a half, the third
@@ -150,7 +150,7 @@ Measured dead_time(int64_t count)
     const double slope = 1.0 * dead_time.slope_alpha_q8;
     const double bound =
         dead_time.full_counts * (1.0 / ONE + 0.71 * ONE / (slope * zone) + 1.0 / slope);
-    return {"dead_time_shares", largest.value, bound, "counts"};
+    return {"modulation_dead_time", largest.value, bound, "counts"};
 }
 
 // Four periods of one product of a squared voltage that was rounded once.
@@ -228,7 +228,7 @@ std::vector<Measured> measure_loop(int64_t count)
             wanted_voltage(count),
             dead_time(count),
             field_weakening(count),
-            line_voltages(count, 4200, "svpwm_step, 4 200 counts", 1.0),
-            line_voltages(count, 16384, "svpwm_step, 16 384 counts", 1.0),
+            line_voltages(count, 4200, "modulation_step, 4 200 counts", 1.0),
+            line_voltages(count, 16384, "modulation_step, 16 384 counts", 1.0),
             whole_loop(count)};
 }

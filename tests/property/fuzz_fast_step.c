@@ -186,7 +186,7 @@ static void take_command(fast_setpoint_t *command, const config_t *config,
 {
     command->foc.i_reference_pu.d = (int16_t)take16(bytes);
     command->foc.i_reference_pu.q = (int16_t)take16(bytes);
-    command->foc.tuning = current_loop_tuning(
+    command->foc.tuning = current_tuning(
         config, modulation_limit_q15, take_within(bytes, -32768, 32767),
         take_within(bytes, INT32_MIN, INT32_MAX), take_within(bytes, INT32_MIN, INT32_MAX));
     command->foc.calibrate_offsets = (take8(bytes) & 7U) == 0;

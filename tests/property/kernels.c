@@ -4,8 +4,12 @@
 #include "core/angle.h"
 #include "core/circle.h"
 #include "core/reciprocal.h"
+#include "current_controller.h"
+#include "field_weakening.h"
 #include "foc/foc.h"
-#include "foc/transforms.h"
+#include "modulation.h"
+#include "sense.h"
+#include "transforms.h"
 
 static pair_t pair_of_angle(sincos_t angle)
 {
@@ -160,9 +164,9 @@ int32_t kernel_pi_largest_anti_windup_q15(void)
     return PI_LARGEST_ANTI_WINDUP_Q15;
 }
 
-static current_loop_tuning_t tuning_of(const kernel_tuning_t *tuning)
+static current_tuning_t tuning_of(const kernel_tuning_t *tuning)
 {
-    const current_loop_tuning_t out = {
+    const current_tuning_t out = {
         .d = gains_of(tuning->d),
         .q = gains_of(tuning->q),
         .w_l_d_q10 = tuning->w_l_d_q10,
@@ -177,8 +181,8 @@ static current_loop_tuning_t tuning_of(const kernel_tuning_t *tuning)
 kernel_tuning_t kernel_tuning(const config_t *config, int32_t modulation_limit_q15, int32_t v_dc_pu,
                               int32_t speed_q32)
 {
-    const current_loop_tuning_t tuning = current_loop_tuning(
-        config, modulation_limit_q15, v_dc_pu, speed_q32, config->motor.reference_temperature_cC);
+    const current_tuning_t tuning = current_tuning(config, modulation_limit_q15, v_dc_pu, speed_q32,
+                                                   config->motor.reference_temperature_cC);
     const kernel_tuning_t out = {
         .d = plain_gains(tuning.d),
         .q = plain_gains(tuning.q),
@@ -191,18 +195,18 @@ kernel_tuning_t kernel_tuning(const config_t *config, int32_t modulation_limit_q
     return out;
 }
 
-static current_loop_state_t integrators_of(pair_t integrator_q30)
+static current_controller_t integrators_of(pair_t integrator_q30)
 {
-    const current_loop_state_t out = {.d = {.integrator_q30 = integrator_q30.x},
+    const current_controller_t out = {.d = {.integrator_q30 = integrator_q30.x},
                                       .q = {.integrator_q30 = integrator_q30.y}};
     return out;
 }
 
-static kernel_voltage_t voltage_of(current_loop_out_t out, const current_loop_state_t *state)
+static kernel_voltage_t voltage_of(voltage_out_t out, const current_controller_t *state)
 {
     const kernel_voltage_t voltage = {
-        .wanted = {out.wanted_d, out.wanted_q},
-        .realised = pair_of_dq(out.realised),
+        .wanted = {out.unsaturated_d, out.unsaturated_q},
+        .realised = pair_of_dq(out.applied),
         .integrator_q30 = {state->d.integrator_q30, state->q.integrator_q30},
     };
     return voltage;
@@ -211,62 +215,62 @@ static kernel_voltage_t voltage_of(current_loop_out_t out, const current_loop_st
 kernel_voltage_t kernel_current_loop(pair_t integrator_q30, const kernel_tuning_t *tuning,
                                      pair_t reference, pair_t i)
 {
-    current_loop_state_t state = integrators_of(integrator_q30);
-    const current_loop_tuning_t loop_tuning = tuning_of(tuning);
-    current_loop_out_t out;
-    current_loop_step(&state, &loop_tuning, dq_of(reference), dq_of(i), &out);
+    current_controller_t state = integrators_of(integrator_q30);
+    const current_tuning_t loop_tuning = tuning_of(tuning);
+    voltage_out_t out;
+    current_controller_step(&state, &loop_tuning, dq_of(reference), dq_of(i), &out);
     return voltage_of(out, &state);
 }
 
-static svpwm_t svpwm_of(const kernel_svpwm_t *svpwm)
+static modulation_t modulation_from(const kernel_svpwm_t *svpwm)
 {
-    const svpwm_t out = {.centre_q16 = svpwm->centre_q16,
-                         .trim_doubled_counts = svpwm->trim_doubled_counts,
-                         .alpha_counts = svpwm->alpha_counts,
-                         .beta_counts = svpwm->beta_counts,
-                         .modulation_limit_q15 = svpwm->modulation_limit_q15};
+    const modulation_t out = {.centre_q16 = svpwm->centre_q16,
+                              .trim_doubled_counts = svpwm->trim_doubled_counts,
+                              .alpha_counts = svpwm->alpha_counts,
+                              .beta_counts = svpwm->beta_counts,
+                              .limit_q15 = svpwm->modulation_limit_q15};
     return out;
 }
 
 kernel_svpwm_t kernel_svpwm_init(int32_t period_counts, int32_t min_pulse_counts,
                                  int32_t trim_counts, int32_t limit_q15)
 {
-    const svpwm_t svpwm = svpwm_init(period_counts, min_pulse_counts, trim_counts, limit_q15);
-    const kernel_svpwm_t out = {svpwm.centre_q16, svpwm.trim_doubled_counts, svpwm.alpha_counts,
-                                svpwm.beta_counts, svpwm.modulation_limit_q15};
+    const modulation_t modulation =
+        modulation_of(period_counts, min_pulse_counts, trim_counts, limit_q15);
+    const kernel_svpwm_t out = {modulation.centre_q16, modulation.trim_doubled_counts,
+                                modulation.alpha_counts, modulation.beta_counts,
+                                modulation.limit_q15};
     return out;
 }
 
 triple_t kernel_svpwm(const kernel_svpwm_t *svpwm, pair_t u, triple_t trim_q15)
 {
-    const svpwm_t state = svpwm_of(svpwm);
+    const modulation_t state = modulation_from(svpwm);
     const abc_t trim = {.a = trim_q15.a, .b = trim_q15.b, .c = trim_q15.c};
     int32_t on_q16[3];
-    svpwm_step(&state, ab_of(u), trim, on_q16);
+    modulation_step(&state, ab_of(u), trim, on_q16);
     const triple_t out = {on_q16[0] >> 16, on_q16[1] >> 16, on_q16[2] >> 16};
     return out;
 }
 
 kernel_dead_time_t kernel_dead_time_init(const config_t *config)
 {
-    const dead_time_t dead_time = dead_time_init(config);
-    const kernel_dead_time_t out = {dead_time.full_counts, dead_time.slope.alpha_q8,
-                                    dead_time.slope.beta_q8};
+    const dead_time_slope_t slope = dead_time_slope_nominal(config);
+    const kernel_dead_time_t out = {modulation_dead_time_counts(config), slope.alpha_q8,
+                                    slope.beta_q8};
     return out;
 }
 
-static dead_time_t dead_time_of(kernel_dead_time_t dead_time)
+static dead_time_slope_t slope_of(kernel_dead_time_t dead_time)
 {
-    const dead_time_t out = {
-        .full_counts = dead_time.full_counts,
-        .slope = {.alpha_q8 = dead_time.slope_alpha_q8, .beta_q8 = dead_time.slope_beta_q8}};
+    const dead_time_slope_t out = {.alpha_q8 = dead_time.slope_alpha_q8,
+                                   .beta_q8 = dead_time.slope_beta_q8};
     return out;
 }
 
 triple_t kernel_dead_time(kernel_dead_time_t dead_time, pair_t i)
 {
-    const dead_time_t state = dead_time_of(dead_time);
-    return triple_of(dead_time_shares(&state, ab_of(i)));
+    return triple_of(modulation_dead_time(slope_of(dead_time), ab_of(i)));
 }
 
 int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_q15,
@@ -284,12 +288,12 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
     foc_current_state_t state = {
         .tuning = tuning_of(tuning),
         .sense = sense_of(loop->offset_q4),
-        .loop = integrators_of(loop->integrator_q30),
-        .svpwm = svpwm_of(&loop->svpwm),
-        .dead_time = dead_time_of(loop->dead_time),
+        .controller = integrators_of(loop->integrator_q30),
+        .modulation = modulation_from(&loop->svpwm),
+        .slope = slope_of(loop->dead_time),
         .on_q16 = {loop->on_q16[0], loop->on_q16[1], loop->on_q16[2]},
     };
-    state.expected.settled_pu = dq_of(reference); /* long since */
+    state.predictor.settled_pu = dq_of(reference);
     foc_period_t period = {.i_reference_pu = dq_of(reference), .rotor = {.theta_turn = theta_turn}};
     foc_current_step(&state, codes, &period);
     for (int x = 0; x < 3; x++) {
@@ -297,7 +301,7 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
     }
     const kernel_loop_out_t result = {
         .i_dq = pair_of_dq(period.i_pu),
-        .voltage = voltage_of(period.voltage, &state.loop),
+        .voltage = voltage_of(period.voltage, &state.controller),
     };
     loop->integrator_q30 = result.voltage.integrator_q30;
     return result;

@@ -4,15 +4,15 @@
 #include <stdlib.h>
 
 #include "foc/foc.h"
-#include "foc/sampled_current.h"
-#include "foc/summary.h"
+#include "foc/mean_values.h"
+#include "foc/sampling_correction.h"
 
 struct loop_s {
     config_t config;
     foc_state_t foc;
-    foc_command_t command;
+    foc_setpoint_t setpoint;
     foc_report_t report;
-    foc_summary_state_t summary;
+    mean_values_state_t summary;
     uint16_t steps;
     int32_t periods_to_slow_step;
     int32_t winding_temperature_cC;
@@ -26,7 +26,7 @@ loop_t *loop_new(const config_t *config)
     }
     loop->config = *config;
     foc_init(&loop->foc, &loop->config);
-    loop->command = foc_initial_command(&loop->foc, &loop->config);
+    loop->setpoint = foc_initial_setpoint(&loop->foc, &loop->config);
     loop->winding_temperature_cC = config->motor.reference_temperature_cC;
     return loop;
 }
@@ -38,9 +38,9 @@ void loop_free(loop_t *loop)
 
 void loop_set_reference(loop_t *loop, int32_t i_d_pu, int32_t i_q_pu)
 {
-    loop->command.i_reference_pu.d = i_d_pu;
-    loop->command.i_reference_pu.q = i_q_pu;
-    loop->command.number++;
+    loop->setpoint.i_reference_pu.d = i_d_pu;
+    loop->setpoint.i_reference_pu.q = i_q_pu;
+    loop->setpoint.sequence++;
 }
 
 void loop_set_winding_temperature(loop_t *loop, int32_t winding_temperature_cC)
@@ -50,7 +50,7 @@ void loop_set_winding_temperature(loop_t *loop, int32_t winding_temperature_cC)
 
 void loop_calibrate_offsets(loop_t *loop, bool calibrate)
 {
-    loop->command.calibrate_offsets = calibrate;
+    loop->setpoint.calibrate_offsets = calibrate;
 }
 
 loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
@@ -61,22 +61,22 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .rotor_angle_turn = in->rotor_angle_turn,
         .hall_state = in->hall_state,
     };
-    foc_step(&loop->foc, &loop->config, &loop->command, run, false, &sampled, &loop->report);
+    foc_step(&loop->foc, &loop->config, &loop->setpoint, run, &sampled, &loop->report);
     loop->steps++;
     if (--loop->periods_to_slow_step <= 0) {
         loop->periods_to_slow_step = loop->config.drive.pwm_frequency_Hz / 1000;
-        const foc_summary_t summary = foc_summary_step(&loop->summary, &loop->report, loop->steps);
-        loop->command.tuning = current_loop_tuning(
-            &loop->config, loop->foc.current.svpwm.modulation_limit_q15, summary.v_dc_pu,
-            loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
-        loop->command.dead_time_slope = dead_time_slope_at(&loop->config, summary.v_dc_pu);
-        const sampled_current_t sampling = sampled_current_at(
+        const mean_values_t summary = mean_values_step(&loop->summary, &loop->report, loop->steps);
+        loop->setpoint.tuning =
+            current_tuning(&loop->config, foc_modulation_limit_q15(&loop->foc), summary.v_dc_pu,
+                           loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
+        loop->setpoint.dead_time_slope = dead_time_slope_at(&loop->config, summary.v_dc_pu);
+        const sampling_correction_t sampling = sampling_correction_at(
             &loop->config, loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
-        loop->command.i_d_mean_less_sample_pu = sampled_current_offset_pu(&sampling);
-        loop->command.number++;
+        loop->setpoint.i_d_sampling_correction_pu = sampling_correction_d_pu(&sampling);
+        loop->setpoint.sequence++;
     }
     const foc_report_t *report = &loop->report;
-    const current_loop_out_t *voltage = &report->current.voltage;
+    const voltage_out_t *voltage = &report->current.voltage;
     const loop_output_t out = {
         .compare_counts = {(uint16_t)(loop->foc.current.on_q16[0] >> 16),
                            (uint16_t)(loop->foc.current.on_q16[1] >> 16),
@@ -85,15 +85,15 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .i_q_pu = report->current.i_pu.q,
         .reference_d_pu = report->current.i_reference_pu.d,
         .reference_q_pu = report->current.i_reference_pu.q,
-        .u_d_pu = report->current.voltage.realised.d,
-        .u_q_pu = report->current.voltage.realised.q,
-        .weakening_pu = field_weakening_current_pu(&loop->foc.weakening),
+        .u_d_pu = report->current.voltage.applied.d,
+        .u_q_pu = report->current.voltage.applied.q,
+        .weakening_pu = loop->report.i_d_weakening_pu,
         .power_pu = loop->summary.latest.power_pu,
-        .modulation_limit_q15 = loop->foc.current.svpwm.modulation_limit_q15,
+        .modulation_limit_q15 = foc_modulation_limit_q15(&loop->foc),
         .speed_q32 = report->current.rotor.speed_q32,
         .theta_turn = report->current.rotor.theta_turn,
-        .limited =
-            voltage->wanted_d != voltage->realised.d || voltage->wanted_q != voltage->realised.q,
+        .limited = voltage->unsaturated_d != voltage->applied.d ||
+                   voltage->unsaturated_q != voltage->applied.q,
         .rotor_valid = report->current.rotor.valid,
     };
     return out;

@@ -51,10 +51,10 @@ void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint
     add(digest, (int32_t)out->mode);
     add(digest, out->stop_lamp ? 1 : 0);
     add(digest, out->standstill ? 1 : 0);
-    add(digest, command->foc.number);
+    add(digest, command->foc.sequence);
     add(digest, command->foc.i_reference_pu.d);
     add(digest, command->foc.i_reference_pu.q);
-    add(digest, command->foc.i_d_mean_less_sample_pu);
+    add(digest, command->foc.i_d_sampling_correction_pu);
     add(digest, command->foc.dead_time_slope.alpha_q8);
     add(digest, (int32_t)command->torque_enable.bridge);
 }

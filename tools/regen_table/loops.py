@@ -16,8 +16,8 @@ from regen_table.schema import Drive
 
 MODULATION_MAX = 0.98
 FIELD_WEAKENING_BANDWIDTH_HZ = 30.0
-FIELD_WEAKENING_AIM = 0.97  # of the voltage circle, as in foc/field_weakening.h
-ROUNDING_COUNTS = 2  # as in foc/svpwm.c
+FIELD_WEAKENING_AIM = 0.97  # of the voltage circle, as in foc/modulation_index.h
+ROUNDING_COUNTS = 2  # as in foc/modulation.c
 SETTLING_S = 0.5e-6  # of a shunt amplifier after its low side begins to conduct
 DEAD_TIME_ZONE_MIN = 128.0 / 32768.0  # as in config.h
 OFFSET_TOLERANCE_CODES = (

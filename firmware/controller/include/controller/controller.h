@@ -32,8 +32,8 @@
 #include "core/reason.h"
 #include "core/torque_enable.h"
 #include "foc/foc.h"
-#include "foc/sampled_current.h"
-#include "foc/summary.h"
+#include "foc/mean_values.h"
+#include "foc/sampling_correction.h"
 #include "modes/modes.h"
 #include "monitor/monitor.h"
 #include "torque/torque.h"
@@ -95,7 +95,7 @@ typedef struct {
 
 /* Slow to fast: the wish, the valve, and everything that would cost the fast reach a division. */
 typedef struct {
-    foc_command_t foc;
+    foc_setpoint_t foc;
     monitor_command_t monitor;
     torque_enable_t torque_enable;
     uint16_t slow_step_count;
@@ -113,7 +113,7 @@ typedef struct {
 } controller_fast_t;
 
 typedef struct {
-    foc_summary_state_t summary;
+    mean_values_state_t summary;
     int32_t modulation_limit_q15; /* radius of the voltage circle, share of u_dc/sqrt 3 */
     torque_state_t torque;
     monitor_slow_state_t monitor;

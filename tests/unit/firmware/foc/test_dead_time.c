@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "foc/dead_time.h"
+#include "modulation.h"
 #include "random_values.h"
 #include "unity.h"
 
@@ -24,24 +24,24 @@ void setUp(void)
 void tearDown(void) {}
 
 /* Phase a is the alpha axis. */
-static double trim_counts(const dead_time_t *dead_time, int32_t current_pu)
+static double trim_counts(dead_time_slope_t slope, int32_t current_pu)
 {
     const ab_t i = {.alpha = current_pu, .beta = 0};
-    return dead_time_shares(dead_time, i).a / 32768.0 * dead_time->full_counts;
+    return modulation_dead_time(slope, i).a / 32768.0 * modulation_dead_time_counts(&config);
 }
 
 void test_the_full_correction_is_the_share_of_the_period_that_dead_time_takes(void)
 {
     /* 1 us * 20 kHz = 2 % of 4200 counts. */
-    TEST_ASSERT_EQUAL_INT32(84, dead_time_init(&config).full_counts);
+    TEST_ASSERT_EQUAL_INT32(84, modulation_dead_time_counts(&config));
     config.drive.dead_time_ns = 500;
     config.drive.pwm_frequency_Hz = 16000;
     config.drive.pwm_period_counts = 5250;
-    TEST_ASSERT_EQUAL_INT32(42, dead_time_init(&config).full_counts); /* 0.8 % of 5250 */
+    TEST_ASSERT_EQUAL_INT32(42, modulation_dead_time_counts(&config)); /* 0.8 % of 5250 */
     config.drive.dead_time_ns = 495;
-    TEST_ASSERT_EQUAL_INT32(42, dead_time_init(&config).full_counts); /* 41.58, to the nearest */
+    TEST_ASSERT_EQUAL_INT32(42, modulation_dead_time_counts(&config)); /* 41.58, to the nearest */
     config.drive.dead_time_ns = 493;
-    TEST_ASSERT_EQUAL_INT32(41, dead_time_init(&config).full_counts); /* 41.41 */
+    TEST_ASSERT_EQUAL_INT32(41, modulation_dead_time_counts(&config)); /* 41.41 */
 }
 
 void test_the_diodes_drop_is_given_back_as_a_share_of_the_batterys_middle_voltage(void)
@@ -51,16 +51,16 @@ void test_the_diodes_drop_is_given_back_as_a_share_of_the_batterys_middle_voltag
     config.battery.min_voltage_mV = 30000;
     config.battery.max_voltage_mV = 50000;
     config.drive.diode_drop_mV = 1000;
-    TEST_ASSERT_EQUAL_INT32(88, dead_time_init(&config).full_counts); /* 84 * 42/40 = 88.2 */
+    TEST_ASSERT_EQUAL_INT32(88, modulation_dead_time_counts(&config)); /* 84 * 42/40 = 88.2 */
     config.drive.diode_drop_mV = 5000;
-    TEST_ASSERT_EQUAL_INT32(105, dead_time_init(&config).full_counts); /* 84 * 50/40 */
-    config.battery.max_voltage_mV = 90000;                             /* 60 V */
-    TEST_ASSERT_EQUAL_INT32(98, dead_time_init(&config).full_counts);  /* 84 * 70/60 */
+    TEST_ASSERT_EQUAL_INT32(105, modulation_dead_time_counts(&config)); /* 84 * 50/40 */
+    config.battery.max_voltage_mV = 90000;                              /* 60 V */
+    TEST_ASSERT_EQUAL_INT32(98, modulation_dead_time_counts(&config));  /* 84 * 70/60 */
     for (int32_t drop_mV = 0; drop_mV <= 5000; drop_mV += 7) {
         config.drive.diode_drop_mV = drop_mV;
         const double lost_V = 1e-6 * 20000.0 * (60.0 + 2e-3 * drop_mV);
         TEST_ASSERT_DOUBLE_WITHIN(0.5001, lost_V / 60.0 * 4200.0,
-                                  dead_time_init(&config).full_counts);
+                                  modulation_dead_time_counts(&config));
     }
 }
 
@@ -72,24 +72,24 @@ void test_the_largest_dead_time_and_drop_there_may_be_give_an_eighth_of_the_long
     config.drive.pwm_frequency_Hz = 100000;
     config.drive.dead_time_ns = 250; /* 2.5 % */
     config.drive.pwm_period_counts = 16384;
-    TEST_ASSERT_EQUAL_INT32(2048, dead_time_init(&config).full_counts);
+    TEST_ASSERT_EQUAL_INT32(2048, modulation_dead_time_counts(&config));
 }
 
 void test_positive_current_lengthens_the_high_side_pulse(void)
 {
-    const dead_time_t dead_time = dead_time_init(&config);
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, 84.0, trim_counts(&dead_time, 20000));
-    TEST_ASSERT_DOUBLE_WITHIN(0.01, -84.0, trim_counts(&dead_time, -20000));
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(&dead_time, 0));
+    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 84.0, trim_counts(slope, 20000));
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, -84.0, trim_counts(slope, -20000));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(slope, 0));
 }
 
 void test_inside_the_zone_it_is_proportional(void)
 {
-    const dead_time_t dead_time = dead_time_init(&config);
+    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
     for (int32_t i = -655; i <= 655; i++) {
         /* The slope 1/zone is kept to 1/2^16 of one unit per LSB: 0.3 % here, and one LSB of Q15 is
          * rounded away. */
-        TEST_ASSERT_DOUBLE_WITHIN(84.0 * 0.004, 84.0 * i / 655.0, trim_counts(&dead_time, i));
+        TEST_ASSERT_DOUBLE_WITHIN(84.0 * 0.004, 84.0 * i / 655.0, trim_counts(slope, i));
     }
 }
 
@@ -98,10 +98,10 @@ void test_it_is_bounded_and_monotone_for_every_current_and_zone(void)
     static const int32_t ZONES[] = {128, 129, 655, 5000, 32767};
     for (int z = 0; z < 5; z++) {
         config.current_loop.dead_time_zone_pu_q15 = ZONES[z];
-        const dead_time_t dead_time = dead_time_init(&config);
+        const dead_time_slope_t slope = dead_time_slope_nominal(&config);
         double before = -85.0;
         for (int32_t i = -32768; i <= 32767; i++) {
-            const double trim = trim_counts(&dead_time, i);
+            const double trim = trim_counts(slope, i);
             TEST_ASSERT_TRUE(trim >= before && fabs(trim) <= 84.0);
             before = trim;
         }
@@ -111,12 +111,12 @@ void test_it_is_bounded_and_monotone_for_every_current_and_zone(void)
 
 void test_each_phase_is_trimmed_by_the_sign_of_its_own_current(void)
 {
-    const dead_time_t dead_time = dead_time_init(&config);
+    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
     for (int k = 0; k < 3600; k++) {
         const double angle = k * 3.14159265358979323846 / 1800.0;
         const ab_t i = {(int32_t)lround(20000.0 * cos(angle)),
                         (int32_t)lround(20000.0 * sin(angle))};
-        const abc_t trim = dead_time_shares(&dead_time, i);
+        const abc_t trim = modulation_dead_time(slope, i);
         const int32_t got[3] = {trim.a, trim.b, trim.c};
         for (int x = 0; x < 3; x++) {
             const double phase = 20000.0 * cos(angle - x * 2.0 * 3.14159265358979323846 / 3.0);
@@ -134,12 +134,12 @@ void test_each_phase_is_trimmed_by_the_sign_of_its_own_current(void)
 void test_the_longest_current_vector_does_not_overflow_in_any_direction(void)
 {
     config.current_loop.dead_time_zone_pu_q15 = 128;
-    const dead_time_t dead_time = dead_time_init(&config);
+    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
     for (int k = 0; k < 36000; k++) {
         const double angle = k * 3.14159265358979323846 / 18000.0;
         const ab_t i = {(int32_t)lround(32768.0 * cos(angle)),
                         (int32_t)lround(32768.0 * sin(angle))};
-        const abc_t trim = dead_time_shares(&dead_time, i);
+        const abc_t trim = modulation_dead_time(slope, i);
         TEST_ASSERT_TRUE(abs(trim.a) <= 32768 && abs(trim.b) <= 32768 && abs(trim.c) <= 32768);
         /* With a zone this narrow only a wrap could turn a sign round. */
         const double beta_part = i.beta * sqrt(0.75);
@@ -154,8 +154,8 @@ void test_the_longest_current_vector_does_not_overflow_in_any_direction(void)
 void test_no_dead_time_needs_no_correction(void)
 {
     config.drive.dead_time_ns = 0;
-    const dead_time_t dead_time = dead_time_init(&config);
+    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
     for (int32_t i = -32768; i <= 32767; i += 5) {
-        TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(&dead_time, i));
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(slope, i));
     }
 }

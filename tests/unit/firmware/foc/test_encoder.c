@@ -3,7 +3,7 @@
  * makes of them. */
 #include <math.h>
 
-#include "foc/encoder.h"
+#include "encoder.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;
@@ -122,7 +122,7 @@ void test_the_first_index_moves_the_angle_and_leaves_the_speed(void)
         turn(5e-4);
     }
     for (int n = 0; n < 50; n++) {
-        const double speed = encoder.tracking.speed_q32 / 4294967296.0;
+        const double speed = encoder.tracker.speed_q32 / 4294967296.0;
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * 5e-4 * config.motor.pole_pairs,
                                   5e-4 * config.motor.pole_pairs, speed);
         turn(5e-4);
@@ -165,8 +165,7 @@ void test_at_constant_speed_the_tracking_loop_finds_the_speed_and_the_angle_betw
             /* The error is a saw-tooth of one count, at these speeds 25 periods long at most (the
              * beat of counts and samples at 2.048 counts a period takes 21). Added up in the
              * integrator: k_i * 25 / 8 of a count. */
-            const double speed =
-                encoder.tracking.speed_q32 / 4294967296.0 / config.motor.pole_pairs;
+            const double speed = encoder.tracker.speed_q32 / 4294967296.0 / config.motor.pole_pairs;
             const double k_i = config.rotor.pll_integral_q24 / 16777216.0;
             TEST_ASSERT_DOUBLE_WITHIN(k_i * 25.0 / 8.0 / config.rotor.encoder_counts + 1e-9,
                                       SPEEDS[s], speed);
@@ -322,12 +321,12 @@ void test_a_jump_that_no_rotor_makes_is_not_followed_and_the_angle_goes_on_until
     void)
 {
     turn_for(1.5, 1e-4);
-    const int32_t speed_q32 = encoder.tracking.speed_q32;
+    const int32_t speed_q32 = encoder.tracker.speed_q32;
     lost_counts = 2000;
     turn(1e-4);
     TEST_ASSERT_FALSE(encoder.valid);
     TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
-    TEST_ASSERT_EQUAL_INT32(speed_q32, encoder.tracking.speed_q32);
+    TEST_ASSERT_EQUAL_INT32(speed_q32, encoder.tracker.speed_q32);
     for (int n = 0; n < 4500; n++) { /* 1.5 turns came before: the index is half a turn away */
         turn(1e-4);
         TEST_ASSERT_FALSE(encoder.valid);
@@ -349,7 +348,7 @@ void test_the_age_counts_the_periods_without_a_count(void)
     }
     TEST_ASSERT_EQUAL_INT32(65535, encoder.age_periods);
     TEST_ASSERT_TRUE(encoder.valid);
-    TEST_ASSERT_INT32_WITHIN(100, 0, encoder.tracking.speed_q32);
+    TEST_ASSERT_INT32_WITHIN(100, 0, encoder.tracker.speed_q32);
 }
 
 void test_standing_between_two_counts_with_a_trembling_track_makes_no_speed_worth_the_name(void)
@@ -360,7 +359,7 @@ void test_standing_between_two_counts_with_a_trembling_track_makes_no_speed_wort
     for (int n = 0; n < 40000; n++) {
         const encoder_input_t in = {.count = (uint16_t)(here + (n / 7) % 2)};
         encoder_step(&encoder, &config, &in);
-        largest = n > 10000 ? fmax(largest, fabs((double)encoder.tracking.speed_q32)) : 0.0;
+        largest = n > 10000 ? fmax(largest, fabs((double)encoder.tracker.speed_q32)) : 0.0;
     }
     /* One count to and fro in 14 periods: k_i * 7 periods * half a count, 1e-3 counts a period, is
      * 0.3 r/min. */

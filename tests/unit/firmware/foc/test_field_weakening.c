@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The demagnetising current: comes when the voltage runs out, goes when it is back, never beyond
  * its limits. */
-#include "foc/field_weakening.h"
+#include "field_weakening.h"
 #include "unity.h"
 
 void setUp(void) {}
@@ -54,7 +54,7 @@ void test_one_step_is_four_periods_of_gain_times_missing_squared_voltage(void)
      * square. */
     field_weakening_t state = {0};
     step(&state, 32767, 0, 1000, 32767);
-    const double missing = 32767.0 * 32767.0 / 32768.0 - FIELD_WEAKENING_AIM_Q15;
+    const double missing = 32767.0 * 32767.0 / 32768.0 - MODULATION_INDEX_TARGET_SQUARE_Q15;
     TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2.0 * 1000.0, 4.0 * -missing * 1000.0,
                               4.0 * state.current_q28); /* Q30 */
 }

@@ -3,7 +3,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "foc/summary.h"
+#include "field_weakening.h"
+#include "foc/mean_values.h"
+#include "sense.h"
+
 #include "foc_rig.h"
 
 static const double PI = 3.14159265358979323846;
@@ -16,11 +19,11 @@ void setUp(void)
 void tearDown(void) {}
 
 /* What the slow reach makes of the report when it holds `steps` steps. */
-static foc_summary_t summed_up(uint16_t steps)
+static mean_values_t summed_up(uint16_t steps)
 {
-    foc_summary_state_t summary;
-    foc_summary_init(&summary, 0);
-    return foc_summary_step(&summary, &report, steps);
+    mean_values_state_t summary;
+    mean_values_init(&summary, 0);
+    return mean_values_step(&summary, &report, steps);
 }
 
 /* Phase currents of a rotor-frame current, as codes. */
@@ -45,27 +48,16 @@ static void realised(double *alpha, double *beta)
 void test_without_run_the_legs_are_centred_and_nothing_is_integrated(void)
 {
     set_current(0.2, 0.3, 0);
-    command.i_reference_pu.q = 9000;
+    setpoint.i_reference_pu.q = 9000;
     for (int n = 0; n < 100; n++) {
         step(false);
         for (int x = 0; x < 3; x++) {
             TEST_ASSERT_EQUAL_INT32(PERIOD_COUNTS / 2, foc.current.on_q16[x] >> 16);
         }
     }
-    TEST_ASSERT_EQUAL_INT32(0, foc.current.loop.d.integrator_q30);
-    TEST_ASSERT_EQUAL_INT32(0, foc.current.loop.q.integrator_q30);
-    TEST_ASSERT_EQUAL_INT32(0, report.current.voltage.realised.q);
-}
-
-void test_a_trip_rests_as_a_closed_valve_does(void)
-{
-    command.i_reference_pu.q = 9000;
-    step(true);
-    TEST_ASSERT_NOT_EQUAL(0, report.current.voltage.realised.q);
-    foc_step(&foc, &config, &command, true, true, &in, &report);
-    TEST_ASSERT_EQUAL_INT32(0, report.current.voltage.realised.q);
-    TEST_ASSERT_EQUAL_INT32(0, foc.current.loop.q.integrator_q30);
-    TEST_ASSERT_EQUAL_INT32(PERIOD_COUNTS / 2, foc.current.on_q16[1] >> 16);
+    TEST_ASSERT_EQUAL_INT32(0, foc.current.controller.d.integrator_q30);
+    TEST_ASSERT_EQUAL_INT32(0, foc.current.controller.q.integrator_q30);
+    TEST_ASSERT_EQUAL_INT32(0, report.current.voltage.applied.q);
 }
 
 void test_currents_are_measured_with_and_without_run_in_the_rotor_frame(void)
@@ -99,36 +91,36 @@ static void turn_current(int periods, int direction, bool permitted)
 void test_quarter_turns_of_the_current_are_counted_while_the_bridge_rests(void)
 {
     turn_current(8, 1, false); /* wherever it was before */
-    const uint16_t before = report.current_quarters;
+    const uint16_t before = report.quadrant_transitions;
     turn_current(8 * 5, 1, false);
-    TEST_ASSERT_EQUAL_UINT16(before + 20, report.current_quarters);
+    TEST_ASSERT_EQUAL_UINT16(before + 20, report.quadrant_transitions);
     /* The vector has just come into the first quarter, or one period ago. */
-    TEST_ASSERT_UINT32_WITHIN(1, report.step_count, report.quarter_step);
+    TEST_ASSERT_UINT32_WITHIN(1, report.step_count, report.quadrant_step);
     turn_current(8 * 7, -1, false);
-    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.current_quarters);
-    const uint16_t step_before = report.quarter_step;
+    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.quadrant_transitions);
+    const uint16_t step_before = report.quadrant_step;
     turn_current(1, 1, false);
     turn_current(1, -1, false); /* to and fro: nothing in sum */
-    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.current_quarters);
+    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.quadrant_transitions);
     for (int n = 0; n < 100; n++) {
         turn_current(0, 1, false);
         step(false); /* stands */
     }
-    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.current_quarters);
-    TEST_ASSERT_TRUE((uint16_t)(report.quarter_step - step_before) <= 2);
+    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.quadrant_transitions);
+    TEST_ASSERT_TRUE((uint16_t)(report.quadrant_step - step_before) <= 2);
     turn_current(100, 1, true);
-    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.current_quarters);
+    TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.quadrant_transitions);
 }
 
 void test_a_current_that_leaps_across_the_middle_counts_as_no_turn(void)
 {
     set_current(0.3, 0.1, 0);
     step(false);
-    const uint16_t before = report.current_quarters;
+    const uint16_t before = report.quadrant_transitions;
     for (int n = 0; n < 9; n++) {
         set_current(n % 2 == 0 ? -0.3 : 0.3, n % 2 == 0 ? -0.1 : 0.1, 0);
         step(false);
-        TEST_ASSERT_EQUAL_UINT16(before, report.current_quarters);
+        TEST_ASSERT_EQUAL_UINT16(before, report.quadrant_transitions);
     }
 }
 
@@ -138,8 +130,8 @@ void test_the_back_emf_is_put_where_the_rotor_will_be_one_and_a_half_periods_lat
     for (uint32_t theta = 0; theta < 65536U; theta += 1013U) {
         restart();
         in.rotor_angle_turn = (uint16_t)theta;
-        command.tuning = current_loop_tuning(
-            &config, foc.current.svpwm.modulation_limit_q15, 3513 * 8,
+        setpoint.tuning = current_tuning(
+            &config, foc_modulation_limit_q15(&foc), 3513 * 8,
             (int32_t)lround(speed_turns * 0.5 * 4294967296.0), /* half: inside the circle */
             config.motor.reference_temperature_cC);
         step(true);
@@ -158,10 +150,10 @@ void test_the_back_emf_is_put_where_the_rotor_will_be_one_and_a_half_periods_lat
 
 void test_a_positive_q_error_makes_voltage_a_quarter_turn_ahead_of_the_rotor(void)
 {
-    command.i_reference_pu.q = 3000;
+    setpoint.i_reference_pu.q = 3000;
     for (uint32_t theta = 0; theta < 65536U; theta += 4096U) {
         restart();
-        command.i_reference_pu.q = 3000;
+        setpoint.i_reference_pu.q = 3000;
         in.rotor_angle_turn = (uint16_t)theta;
         step(true);
         double alpha = 0.0;
@@ -175,7 +167,7 @@ void test_a_positive_q_error_makes_voltage_a_quarter_turn_ahead_of_the_rotor(voi
 
 void test_a_start_after_a_rest_remembers_nothing(void)
 {
-    command.i_reference_pu.q = 5000;
+    setpoint.i_reference_pu.q = 5000;
     step(true);
     int32_t first[3];
     memcpy(first, foc.current.on_q16, sizeof(first));
@@ -196,7 +188,7 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
     config.current_loop.field_weakening_gain_pu_q15 = 2000;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
     restart();
-    command.tuning.forward_q_q25 = 40000 * 1024; /* more than the circle */
+    setpoint.tuning.forward_q_q25 = 40000 * 1024; /* more than the circle */
     for (int n = 0; n < 2000; n++) {
         step(true);
         const int32_t weakening_pu = field_weakening_current_pu(&foc.weakening);
@@ -207,7 +199,7 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
     TEST_ASSERT_EQUAL_INT32(-6000, report.i_d_weakening_pu);
     step(false);
     TEST_ASSERT_EQUAL_INT32(0, report.i_d_weakening_pu);
-    command.tuning.forward_q_q25 = 0;
+    setpoint.tuning.forward_q_q25 = 0;
     step(true);
     TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening)); /* a rest forgets it */
 }
@@ -218,15 +210,15 @@ void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_wi
     config.current_loop.field_weakening_gain_pu_q15 = 2000;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
     restart();
-    command.tuning.forward_q_q25 = 40000 * 1024;
+    setpoint.tuning.forward_q_q25 = 40000 * 1024;
     for (int n = 0; n < 2000; n++) {
         step(true);
     }
     TEST_ASSERT_EQUAL_INT32(-6000, report.current.i_reference_pu.d);
-    command.tuning.forward_q_q25 = 0;
-    command.tuning.d.proportional_q10 =
+    setpoint.tuning.forward_q_q25 = 0;
+    setpoint.tuning.d.proportional_q10 =
         1; /* no current follows here, and the regulator must not ask for voltage because of it */
-    command.tuning.d.integral_q15 = 0;
+    setpoint.tuning.d.integral_q15 = 0;
     step(false);
     foc.weakening.current_q28 = -1000 * 8192;
     for (int n = 0; n < 2000; n++) {
@@ -238,10 +230,10 @@ void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_wi
 
 void test_the_limit_flag_says_whether_the_circle_bit_in_this_period(void)
 {
-    command.tuning.forward_q_q25 = 20000 * 1024;
+    setpoint.tuning.forward_q_q25 = 20000 * 1024;
     step(true);
     TEST_ASSERT_FALSE(summed_up(1).voltage_limited);
-    command.tuning.forward_q_q25 = 33000 * 1024;
+    setpoint.tuning.forward_q_q25 = 33000 * 1024;
     step(true);
     TEST_ASSERT_TRUE(summed_up(1).voltage_limited);
 }
@@ -251,7 +243,7 @@ void test_offsets_are_averaged_on_command_and_taken_over_once(void)
     codes[0] = 2060;
     codes[1] = 2040;
     codes[2] = 2049;
-    command.calibrate_offsets = true;
+    setpoint.calibrate_offsets = true;
     for (int n = 0; n < (1 << SENSE_CALIBRATION_LOG2); n++) {
         TEST_ASSERT_FALSE(report.offsets_done);
         step(false);
@@ -263,35 +255,35 @@ void test_offsets_are_averaged_on_command_and_taken_over_once(void)
     step(false);
     TEST_ASSERT_EQUAL_INT32(0, report.current.i_pu.d);
     TEST_ASSERT_EQUAL_INT32(0, report.current.current_sum_pu);
-    command.calibrate_offsets = false;
+    setpoint.calibrate_offsets = false;
     step(false);
-    command.calibrate_offsets = true; /* a new command starts anew */
+    setpoint.calibrate_offsets = true; /* a new setpoint starts anew */
     step(false);
     TEST_ASSERT_FALSE(report.offsets_done);
 }
 
 void test_offsets_that_are_asked_for_again_after_a_drive_are_measured_again(void)
 {
-    command.calibrate_offsets = true;
+    setpoint.calibrate_offsets = true;
     for (int n = 0; n < (1 << SENSE_CALIBRATION_LOG2); n++) {
         step(false);
     }
     TEST_ASSERT_TRUE(report.offsets_done);
-    step(true); /* the command stands all the while */
+    step(true); /* the setpoint stands all the while */
     step(false);
     TEST_ASSERT_FALSE(report.offsets_done);
 }
 
 void test_the_power_report_is_voltage_times_current(void)
 {
-    command.i_reference_pu.d = -3000;
-    command.i_reference_pu.q = 6000;
+    setpoint.i_reference_pu.d = -3000;
+    setpoint.i_reference_pu.q = 6000;
     set_current(-3000.0 / 32768.0, 6000.0 / 32768.0, 0);
-    command.tuning.forward_q_q25 = 20000 * 1024;
-    command.tuning.d.integral_q15 = 0; /* no drift from the half code of rounding */
-    command.tuning.q.integral_q15 = 0;
+    setpoint.tuning.forward_q_q25 = 20000 * 1024;
+    setpoint.tuning.d.integral_q15 = 0; /* no drift from the half code of rounding */
+    setpoint.tuning.q.integral_q15 = 0;
     step(true);
-    const dq_t u = report.current.voltage.realised;
+    const dq_t u = report.current.voltage.applied;
     const dq_t i = report.current.i_pu;
     /* One period, from nothing: its sum is its mean. */
     TEST_ASSERT_DOUBLE_WITHIN(1.0, (u.d * (double)i.d + u.q * (double)i.q) / 32768.0,
@@ -313,11 +305,11 @@ void test_the_bus_voltage_is_eight_a_code_and_codes_beyond_twelve_bits_are_clamp
 void test_a_current_converter_at_its_end_is_reported(void)
 {
     step(true);
-    TEST_ASSERT_FALSE(summed_up(1).current_saturated);
+    TEST_ASSERT_FALSE(summed_up(1).adc_saturated);
     codes[0] = 4095;
     codes[1] = 0;
     step(true);
-    TEST_ASSERT_TRUE(summed_up(2).current_saturated);
+    TEST_ASSERT_TRUE(summed_up(2).adc_saturated);
 }
 
 void test_two_controllers_in_one_process_do_not_know_of_each_other(void)
@@ -327,21 +319,21 @@ void test_two_controllers_in_one_process_do_not_know_of_each_other(void)
     foc_init(&other, &config);
     foc_report_t report_alone = report;
     foc_report_t report_other = report;
-    foc_command_t stir = command;
+    foc_setpoint_t stir = setpoint;
     stir.i_reference_pu.q = -7000;
-    command.i_reference_pu.q = 2000;
+    setpoint.i_reference_pu.q = 2000;
     const foc_input_t others_in = {.phase_current_code = {1000, 3000, 2500},
                                    .bus_voltage_code = 2000,
                                    .rotor_angle_turn = 30000,
                                    .hall_state = 3};
     for (int n = 0; n < 100; n++) {
         in.rotor_angle_turn = (uint16_t)(in.rotor_angle_turn + 500U);
-        foc_step(&alone, &config, &command, true, false, &in, &report_alone);
+        foc_step(&alone, &config, &setpoint, true, &in, &report_alone);
     }
     in.rotor_angle_turn = 0;
     for (int n = 0; n < 100; n++) {
         in.rotor_angle_turn = (uint16_t)(in.rotor_angle_turn + 500U);
-        foc_step(&other, &config, &stir, true, false, &others_in, &report_other);
+        foc_step(&other, &config, &stir, true, &others_in, &report_other);
         step(true);
     }
     TEST_ASSERT_EQUAL_INT32_ARRAY(alone.current.on_q16, foc.current.on_q16, 3);

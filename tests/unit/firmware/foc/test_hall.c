@@ -117,7 +117,7 @@ void test_the_estimate_never_leaves_the_reported_sector_while_the_speed_changes(
         turn(0.012 * sin(n * 2.0 * 3.14159265358979323846 / 30000.0)); /* two reversals */
         assert_inside_sector();
         TEST_ASSERT_TRUE(hall.valid);
-        TEST_ASSERT_EQUAL_UINT16(0, hall.lost_edges);
+        TEST_ASSERT_EQUAL_UINT16(0, hall.faults);
     }
 }
 
@@ -201,7 +201,7 @@ void test_a_bounce_between_two_good_states_changes_nothing(void)
                                       speed_turns());
             TEST_ASSERT_DOUBLE_WITHIN(2.0 * fabs(SPEEDS[s]) + 1e-4, 0.0, angle_error_turns());
             TEST_ASSERT_TRUE(hall.valid);
-            TEST_ASSERT_EQUAL_UINT16(0, hall.lost_edges);
+            TEST_ASSERT_EQUAL_UINT16(0, hall.faults);
         }
     }
 }

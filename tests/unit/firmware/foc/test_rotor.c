@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "core/angle.h"
-#include "foc/rotor.h"
+#include "rotor.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;
@@ -34,7 +34,9 @@ static rotor_out_t out;
 
 static rotor_out_t look(uint16_t angle_turn, uint8_t hall_state, const encoder_input_t *encoder)
 {
-    rotor_step(&rotor, &config, angle_turn, hall_state, encoder, &out);
+    const foc_input_t in = {
+        .rotor_angle_turn = angle_turn, .hall_state = hall_state, .encoder = *encoder};
+    rotor_step(&rotor, &config, &in, &out);
     return out;
 }
 

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "foc/sense.h"
+#include "sense.h"
 #include "unity.h"
 
 static sense_state_t state;
@@ -98,12 +98,12 @@ void test_a_current_at_an_end_of_its_converter_s_range_is_seen_and_one_code_insi
                 int32_t i[3] = {320, -160, -160};
                 i[phase] = q_saturate16((end_code - OFFSETS[k][phase]) * 16);
                 const abc_t at_end = {i[0], i[1], i[2]};
-                TEST_ASSERT_TRUE(sense_at_end(offset_q4, at_end));
+                TEST_ASSERT_TRUE(sense_adc_saturated(offset_q4, at_end));
                 i[phase] = (inside_code - OFFSETS[k][phase]) * 16;
                 if (i[phase] > -32768 &&
                     i[phase] < 32767) { /* beyond one, both are the end of the number */
                     const abc_t inside = {i[0], i[1], i[2]};
-                    TEST_ASSERT_FALSE(sense_at_end(offset_q4, inside));
+                    TEST_ASSERT_FALSE(sense_adc_saturated(offset_q4, inside));
                 }
             }
         }

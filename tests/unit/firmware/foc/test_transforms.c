@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "foc/transforms.h"
+#include "transforms.h"
 #include "unity.h"
 
 void setUp(void) {}

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * foc_rig.h: the fast reach on the paper's vehicle with an absolute angle and without dead time,
- * its command and its codes.
+ * foc_rig.h: the fast loop on the paper's vehicle with an absolute angle and without dead time,
+ * its setpoint and its codes.
  */
 #ifndef FOC_RIG_H
 #define FOC_RIG_H
@@ -17,7 +17,7 @@ enum { PERIOD_COUNTS = 4200 };
 
 static config_t config;
 static foc_state_t foc;
-static foc_command_t command;
+static foc_setpoint_t setpoint;
 static foc_report_t report;
 static foc_input_t in;
 static uint16_t *const codes = in.phase_current_code;
@@ -25,7 +25,7 @@ static uint16_t *const codes = in.phase_current_code;
 static inline void restart(void)
 {
     foc_init(&foc, &config);
-    command = foc_initial_command(&foc, &config);
+    setpoint = foc_initial_setpoint(&foc, &config);
 }
 
 static inline void rig_up(void)
@@ -46,16 +46,17 @@ static inline void rig_up(void)
     restart();
 }
 
-/* A slow reach numbers its commands. */
+/* The slow loop numbers its setpoints. */
 static inline void step(bool run)
 {
-    static foc_command_t told;
-    if (memcmp(&told.tuning, &command.tuning, sizeof(told.tuning)) != 0 ||
-        memcmp(&told.i_reference_pu, &command.i_reference_pu, sizeof(told.i_reference_pu)) != 0) {
-        command.number++;
-        told = command;
+    static foc_setpoint_t previous;
+    if (memcmp(&previous.tuning, &setpoint.tuning, sizeof(previous.tuning)) != 0 ||
+        memcmp(&previous.i_reference_pu, &setpoint.i_reference_pu,
+               sizeof(previous.i_reference_pu)) != 0) {
+        setpoint.sequence++;
+        previous = setpoint;
     }
-    foc_step(&foc, &config, &command, run, false, &in, &report);
+    foc_step(&foc, &config, &setpoint, run, &in, &report);
 }
 
 #endif

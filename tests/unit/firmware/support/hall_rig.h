@@ -9,7 +9,7 @@
 #include <math.h>
 
 #include "core/angle.h"
-#include "foc/hall.h"
+#include "hall.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;

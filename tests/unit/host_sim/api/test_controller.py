@@ -22,7 +22,7 @@ PORTS = {
 
 def bodies() -> dict[str, str]:
     """Return the structures that the exchange structs are made of, by name."""
-    headers = {header for header, _ in PORTS.values()} | {"firmware/foc/include/foc/encoder.h"}
+    headers = {header for header, _ in PORTS.values()}
     text = "".join((ROOT / header).read_text(encoding="utf-8") for header in headers)
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     return {name: body for body, name in re.findall(r"typedef struct \{([^}]*)\} (\w+);", text)}

@@ -325,7 +325,7 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(
     library = tmp_path / "loop.so"
     includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "foc")]
     sources = [
-        str(ROOT / "firmware" / "foc" / "current_loop.c"),
+        str(ROOT / "firmware" / "foc" / "tuning.c"),
         *map(str, (ROOT / "firmware" / "core").glob("*.c")),
     ]
     subprocess.run(
@@ -336,7 +336,7 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(
     ffi.cdef("""
         typedef struct { int32_t proportional_q10, integral_q15, anti_windup_q15; } pi_gains_t;
         typedef struct { pi_gains_t d, q; int32_t w_l_d_q10, w_l_q_q10, forward_d_q25, forward_q_q25; int32_t rest[8]; } tuning_t;
-        tuning_t current_loop_tuning(const void *config, int32_t limit_q15, int32_t v_dc_pu, int32_t speed_q32,
+        tuning_t current_tuning(const void *config, int32_t limit_q15, int32_t v_dc_pu, int32_t speed_q32,
                                      int32_t winding_temperature_cC);
     """)
     firmware: Any = ffi.dlopen(str(library))
@@ -352,7 +352,7 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(
         for bus, share in itertools.product(buses, (-1.0, -0.5, 0.1, 1.0)):
             omega = share * drive.motor.max_speed_rpm * math.pi / 30.0 * drive.motor.pole_pairs
             turns = omega * base.period_s / (2.0 * math.pi)
-            tuning = firmware.current_loop_tuning(
+            tuning = firmware.current_tuning(
                 raw,
                 limit,
                 round(bus / full_scale * 32768),

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * field_weakening.h: demagnetising d current at the voltage limit, driving and braking alike. An
+ * integrator of the voltage margin: less margin than 3 % lowers i_d, more returns it to zero.
+ * Every fourth PWM period, because the margin changes with the speed.
+ */
+#ifndef FOC_FIELD_WEAKENING_H
+#define FOC_FIELD_WEAKENING_H
+
+#include <stdint.h>
+
+#include "core/q15.h"
+#include "foc/modulation_index.h"
+#include "foc/state.h"
+
+/* The current to add to the d reference, Q15, <= 0. */
+static inline int32_t field_weakening_current_pu(const field_weakening_t *state)
+{
+    return state->current_q28 >> 13;
+}
+
+/* Remaining squared voltage, -1.06 .. 0.94. d: applied; q: unsaturated; modulation units. */
+static inline int32_t field_weakening_margin_q15(int32_t d, int32_t q)
+{
+    return MODULATION_INDEX_TARGET_SQUARE_Q15 - modulation_index_square_q15(d, q);
+}
+
+/* Four periods. gain_q15: current per unit of missing squared voltage and period, 0 .. 32 767; the
+ * product of one period in Q30 is that of four in Q28. limit_q15: largest demagnetising current; 0
+ * switches field weakening off. */
+static inline void field_weakening_step(field_weakening_t *state, int32_t margin_q15,
+                                        int32_t gain_q15, int32_t limit_q15)
+{
+    state->current_q28 =
+        q_clamp(state->current_q28 + q_saturate16(margin_q15) * gain_q15, -(limit_q15 * 8192), 0);
+}
+
+#endif

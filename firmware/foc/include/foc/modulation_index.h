@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * modulation_index.h: how much of the voltage circle is in use.
+ */
+#ifndef FOC_MODULATION_INDEX_H
+#define FOC_MODULATION_INDEX_H
+
+#include <stdint.h>
+
+#include "core/q15.h"
+
+/* Field weakening keeps the index at 97 % of the circle; the rest is for the loop's dynamics. */
+enum { MODULATION_INDEX_TARGET_Q15 = 31748, MODULATION_INDEX_TARGET_SQUARE_Q15 = 30760 };
+
+/* Square of the index, Q15, 0 .. 65 536; q saturates at 1. d: applied, q: unsaturated voltage in
+ * modulation units, so that more than 1 tells a lack of voltage. */
+static inline int32_t modulation_index_square_q15(int32_t d, int32_t q)
+{
+    const int32_t limited_q = q_saturate16(q);
+    const uint32_t square_q30 = (uint32_t)(d * d) + (uint32_t)(limited_q * limited_q);
+    return (int32_t)(square_q30 >> 15);
+}
+
+#endif

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * state.h: the state of one wheel's fast loop. Complete only so that a caller can own one; no code
+ * outside firmware/foc reads or writes a member. The header of the module named at each structure
+ * explains the fields' use.
+ */
+#ifndef FOC_STATE_H
+#define FOC_STATE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "config/config.h"
+#include "core/circle.h"
+#include "core/frames.h"
+#include "core/pi.h"
+#include "foc/tuning.h"
+
+enum { SENSE_PHASES = 3, SENSE_CODE_MID = 2048 /* zero current, 12 bit */ };
+
+/* sense.h */
+typedef struct {
+    int32_t offset_q4[SENSE_PHASES]; /* zero-current code * 16 */
+    uint32_t sum[SENSE_PHASES];
+    uint16_t samples; /* of the calibration in progress */
+    bool calibrated;
+} sense_state_t;
+
+/* hall.h. Angles in turns; periods are PWM periods. */
+typedef struct {
+    uint32_t theta_q32;
+    int32_t speed_q32;    /* turns per period, forward positive */
+    uint16_t middle_turn; /* of the present sector */
+    int16_t half_width_turn;
+    uint16_t begin_turn, span_turn; /* the sector: begin .. begin + span */
+    int32_t periods_since_edge;     /* 0 .. 65 535 */
+    int32_t overdue_periods;        /* periods_since_edge beyond which the speed decays */
+    int32_t bounce_periods;         /* a reversal within these is a bounce; 0: speed unknown */
+    int32_t standstill_periods;     /* 1/4 s */
+    int32_t reversal_periods;       /* 15 ms */
+    int32_t invalid_periods;        /* consecutive, in an impossible state */
+    uint16_t sector_periods[CONFIG_HALL_EDGES]; /* latest full crossing of each sector */
+    uint32_t timed_turn, timed_periods; /* sums over the sectors timed in this movement, <= 6 */
+    uint32_t edge_theta_q32;            /* at the last plausible edge */
+    int32_t edge_speed_q32;             /* from there on */
+    uint16_t faults;                    /* wrapping */
+    uint8_t sector;                     /* 0 .. 5 */
+    uint8_t steady_sensors;  /* the reading without news; HALL_NO_READING: inspect every reading */
+    uint8_t sectors_timed;   /* 0 .. 6 */
+    int8_t direction;        /* of the last edge: +1, -1; 0 unknown */
+    uint8_t plausible_edges; /* since the latest hall fault */
+    bool ride_through;       /* hall fault: dead reckoning */
+    bool started;
+    bool valid;
+} hall_t;
+
+/* angle_tracker.h */
+typedef struct {
+    uint32_t theta_q32; /* turns */
+    int32_t speed_q32;  /* turns per period */
+    bool started;
+} angle_tracker_t;
+
+/* encoder.h */
+typedef struct {
+    /* From the configuration. */
+    uint32_t turn_per_count_q32; /* electrical */
+    uint32_t origin_q32;         /* angle of count 0 after the index, middle of the count */
+    int32_t counts;              /* in a mechanical turn */
+    int32_t tolerance_counts;
+    int32_t overdue_counts; /* distance from the last index at which the next one is missing */
+    int32_t max_counts;     /* in one period */
+    int32_t count_turn;     /* electrical angle of one count */
+    int32_t sign;           /* of a count when turning forward */
+    /* State. */
+    angle_tracker_t tracker;
+    uint16_t theta_turn;
+    uint32_t base_q32; /* angle of position 0: origin_q32, or the predicted angle after a jump */
+    int32_t position_counts; /* forward from the last index; arbitrary origin before the first */
+    int32_t age_periods;     /* since a count, at most 65 535 */
+    uint16_t last_count;
+    uint16_t faults; /* wrapping */
+    bool started;
+    bool referenced; /* an index was seen */
+    bool valid;
+} encoder_t;
+
+/* rotor.h */
+typedef struct {
+    hall_t hall;
+    encoder_t encoder;
+    angle_tracker_t tracker; /* of an absolute angle */
+} rotor_state_t;
+
+/* current_controller.h */
+typedef struct {
+    pi_state_t d, q;
+} current_controller_t;
+
+/* reference_prefilter.h: r'[n] = b0 r[n] + b1 r[n-1] + b2 r[n-2], b0 + b1 + b2 = 1 */
+typedef struct {
+    int32_t one_minus_b0_q15; /* 0.07 .. 0.5 */
+    int32_t minus_b2_q15;     /* 0 .. 0.29 */
+    dq_t reference_pu;        /* r[n], inside the current circle */
+    dq_t change_pu;           /* r[n] - r[n-1]; changes below the threshold count as zero */
+    bool settled;             /* the output equals the reference */
+} reference_prefilter_t;
+
+/* current_predictor.h */
+typedef struct {
+    int32_t lag_q15;           /* 1 - a, at least 1/16 */
+    int32_t first_q15;         /* (1 - b)/2: share of a change in its first period */
+    int32_t second_q15;        /* b (1 - b)/2: remainder in its second period beyond the share a */
+    int32_t weight_q15;        /* m, 0 .. 0.52 */
+    int32_t target_first_q15;  /* distance of the target in the first period, 0.78 .. 0.84 */
+    int32_t target_second_q15; /* in the second period, 0.27 .. 0.34 */
+    dq_t settled_pu;           /* the current once every change has settled */
+    dq_t remaining_pu;         /* settled minus predicted current */
+} current_predictor_t;
+
+/* field_weakening.h */
+typedef struct {
+    int32_t current_q28; /* -limit .. 0 */
+} field_weakening_t;
+
+/* modulation.h: constants */
+typedef struct {
+    int32_t centre_q16;          /* half the period and half a count for rounding */
+    int32_t trim_doubled_counts; /* twice the full dead-time correction, 0 .. 4096 */
+    int32_t alpha_counts;        /* sqrt(3) * limit * period: of one modulation unit */
+    int32_t beta_counts;         /* limit * period */
+    int32_t limit_q15;           /* radius of the voltage circle, share of u_dc/sqrt 3 */
+} modulation_t;
+
+typedef struct {
+    current_tuning_t tuning; /* of the setpoint in use, delay compensated */
+    dead_time_slope_t slope; /* of the setpoint in use */
+    current_controller_t controller;
+    modulation_t modulation;
+    current_predictor_t predictor;
+    int32_t on_q16[SENSE_PHASES]; /* high-side on-times, timer counts; effective from the next
+                                     update */
+    sense_state_t sense;
+} foc_current_state_t;
+
+typedef struct {
+    rotor_state_t rotor;
+    foc_current_state_t current;
+    circle_t current_circle;
+    reference_prefilter_t prefilter;
+    field_weakening_t weakening;
+    int32_t sequence;  /* of the setpoint in use, or FOC_NO_SETPOINT */
+    uint32_t quadrant; /* of the current vector with the bridge off, 0 .. 3 */
+    bool calibrating;
+} foc_state_t;
+
+#endif

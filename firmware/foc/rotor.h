@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * rotor.h: electrical angle and speed, once per PWM period, from the configured sensor: three hall
+ * sensors (hall.h), an incremental encoder with index (encoder.h), or an absolute angle (resolver,
+ * simulation) through a tracking loop (angle_tracker.h).
+ */
+#ifndef FOC_ROTOR_H
+#define FOC_ROTOR_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "config/config.h"
+#include "foc/foc.h"
+#include "hall.h"
+
+void rotor_init(rotor_state_t *state, const config_t *config);
+
+/* Encoder or absolute angle. */
+rotor_out_t rotor_other_step(rotor_state_t *state, const config_t *config, const foc_input_t *in);
+
+/* out: always the same structure; unchanged fields are not written. */
+static inline void rotor_step(rotor_state_t *state, const config_t *config, const foc_input_t *in,
+                              rotor_out_t *out)
+{
+    if (config->rotor.sensor != CONFIG_ROTOR_HALL) {
+        *out = rotor_other_step(state, config, in);
+        return;
+    }
+    const hall_t *hall = &state->hall;
+    if (hall_step(&state->hall, config, in->hall_state)) {
+        out->speed_q32 = hall->speed_q32;
+        out->faults = hall->faults;
+        out->valid = hall->valid;
+    }
+    out->theta_turn = (uint16_t)(hall->theta_q32 >> 16);
+    out->age_periods = hall->periods_since_edge;
+}
+
+#endif

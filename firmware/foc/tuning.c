@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "foc/tuning.h"
+
+#include "config/bases.h"
+#include "core/q15.h"
+
+enum {
+    LOWEST_BUS_PU = 2048, /* 1/16 */
+    ADVANCE_HALF_PERIODS = 3,
+    LARGEST_COUPLING_Q10 = 16383, /* 16 */
+    LARGEST_SLOPE_Q8 = 65000,     /* times a vector of length 1.007: below 2^31 */
+    SQRT3_2_Q15 = 28378
+};
+
+/* sqrt(3) in Q15 */
+static const int32_t SQRT3_Q15 = 56756;
+
+/* gain (volts per unit, `bits` fraction bits) * factor (Q12) with `out` fraction bits. */
+static int64_t scaled(int32_t gain, unsigned bits, int64_t factor_q12, unsigned out)
+{
+    return ((int64_t)gain * factor_q12) >> (bits + 12U - out);
+}
+
+static int32_t gain_within(int64_t x, int32_t largest)
+{
+    return q_clamp(q_saturate64(x), 1, largest);
+}
+
+/* w L, Q40, rounded to Q10. */
+static int32_t coupling_q10(int64_t reactance_q40)
+{
+    const int32_t reactance_q10 = q_saturate64((reactance_q40 + (1 << 29)) >> 30);
+    return q_clamp(reactance_q10, -LARGEST_COUPLING_Q10, LARGEST_COUPLING_Q10);
+}
+
+static pi_gains_t axis_gains(int32_t proportional_q16, int32_t integral_q24, int64_t factor_q12)
+{
+    const int64_t proportional_q10 = (scaled(proportional_q16, 16, factor_q12, 11) + 1) >> 1;
+    const int64_t integral_q15 = scaled(integral_q24, 24, factor_q12, 15);
+    /* k_i / k_p does not depend on the bus voltage: Q24 over Q16 is Q8, made Q15. */
+    const int64_t anti_windup_q15 = (int64_t)integral_q24 * 128 / proportional_q16;
+    const pi_gains_t gains = {
+        .proportional_q10 = gain_within(proportional_q10, PI_LARGEST_PROPORTIONAL_Q10),
+        .integral_q15 = gain_within(integral_q15, PI_LARGEST_INTEGRAL_Q15),
+        .anti_windup_q15 = gain_within(anti_windup_q15, PI_LARGEST_ANTI_WINDUP_Q15),
+    };
+    return gains;
+}
+
+current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit_q15,
+                                int32_t v_dc_pu, int32_t speed_q32, int32_t winding_temperature_cC)
+{
+    /* Volts per unit to modulation: V_base / (limit u_dc / sqrt 3) = sqrt 3 / (limit v_dc_pu). */
+    const int64_t circle_q30 = (int64_t)q_max(v_dc_pu, LOWEST_BUS_PU) * modulation_limit_q15;
+    const int64_t factor_q12 = ((int64_t)SQRT3_Q15 << 27) / circle_q30;
+    const config_current_loop_t *loop = &config->current_loop;
+    const int32_t integral_d_q24 =
+        bases_at_winding_temperature(config, loop->integral_d_pu_q24, winding_temperature_cC);
+    const int32_t integral_q_q24 =
+        bases_at_winding_temperature(config, loop->integral_q_pu_q24, winding_temperature_cC);
+    /* Speed in units of its base, 1/16 turn per period = 2^28 in Q32; kept to 24 fraction bits. */
+    const int32_t speed_q24 = speed_q32 >> 4;
+    const int64_t l_d_q16 = scaled(loop->inductance_d_pu_q16, 16, factor_q12, 16);
+    const int64_t l_q_q16 = scaled(loop->inductance_q_pu_q16, 16, factor_q12, 16);
+    const int64_t psi_q16 = scaled(loop->flux_pu_q16, 16, factor_q12, 16);
+    const uint16_t advance_turn = (uint16_t)(((int64_t)speed_q32 * ADVANCE_HALF_PERIODS) >> 17);
+    const current_tuning_t tuning = {
+        .d = axis_gains(loop->proportional_d_pu_q16, integral_d_q24, factor_q12),
+        .q = axis_gains(loop->proportional_q_pu_q16, integral_q_q24, factor_q12),
+        .w_l_d_q10 = coupling_q10(l_d_q16 * speed_q24),
+        .w_l_q_q10 = coupling_q10(l_q_q16 * speed_q24),
+        .forward_q_q25 = q_clamp(q_saturate64((psi_q16 * speed_q24) >> 15), -(1 << 28), 1 << 28),
+        .advance = angle_sincos(advance_turn),
+    };
+    return tuning;
+}
+
+/* The zone is configured for the middle of the battery's range and proportional to v_dc + 2 V_f;
+ * here twice both. */
+static dead_time_slope_t slope_at(const config_t *config, int64_t twice_v_dc_mV)
+{
+    const int64_t twice_drops_mV = INT64_C(4) * config->drive.diode_drop_mV;
+    const int64_t middle_mV =
+        (int64_t)config->battery.min_voltage_mV + config->battery.max_voltage_mV + twice_drops_mV;
+    const int64_t zone_pu_mV =
+        config->current_loop.dead_time_zone_pu_q15 * (twice_v_dc_mV + twice_drops_mV);
+    const int32_t alpha_q8 =
+        q_min(q_saturate64(8388608 * middle_mV / zone_pu_mV), LARGEST_SLOPE_Q8);
+    const dead_time_slope_t out = {
+        .alpha_q8 = alpha_q8,
+        .beta_q8 = (int32_t)(((uint32_t)alpha_q8 * SQRT3_2_Q15 + (1U << 14)) >> 15),
+    };
+    return out;
+}
+
+dead_time_slope_t dead_time_slope_at(const config_t *config, int32_t v_dc_pu)
+{
+    const int32_t twice_pu = 2 * q_clamp(v_dc_pu, LOWEST_BUS_PU, 32768);
+    return slope_at(config, q_scale(twice_pu, config->drive.voltage_full_scale_mV, 32768));
+}
+
+dead_time_slope_t dead_time_slope_nominal(const config_t *config)
+{
+    return slope_at(config,
+                    (int64_t)config->battery.min_voltage_mV + config->battery.max_voltage_mV);
+}

@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Current predictor against the designed response. */
+#include "prefilter_rig.h"
+
+void setUp(void)
+{
+    rig_up();
+}
+
+void tearDown(void) {}
+
+void test_the_prediction_is_the_middle_of_each_period_between_the_designed_samples(void)
+{
+    for (int k = 1; k < BANDWIDTHS;
+         k++) { /* the first is slower than rounding lets it be expected */
+        config.current_loop.bandwidth_Hz = BANDWIDTHS_Hz[k];
+        start();
+        const double b = half_period(BANDWIDTHS_Hz[k]);
+        const dq_t before = {.d = -3000, .q = 7000};
+        const dq_t after = {.d = 1000, .q = -9000};
+        for (int n = 0; n < 400; n++) {
+            (void)apply(before);
+            (void)current_predictor_step(&predictor);
+        }
+        for (int n = 0; n < 100; n++) {
+            if (!prefilter.settled || n == 0) {
+                (void)apply(after);
+            }
+            const dq_t expected = current_predictor_step(&predictor);
+            const double come = 0.5 * (designed(b, n + 1) + designed(b, n + 2));
+            /* What rounding leaves undone: below 1/lag, 16 LSB, of each change. */
+            TEST_ASSERT_DOUBLE_WITHIN(32.0, before.d + come * (after.d - before.d), expected.d);
+            TEST_ASSERT_DOUBLE_WITHIN(32.0, before.q + come * (after.q - before.q), expected.q);
+        }
+    }
+}
+
+void test_weight_and_target_give_the_current_in_the_middle_of_the_period_the_voltage_acts_in(void)
+{
+    for (int k = 0; k < BANDWIDTHS; k++) {
+        config.current_loop.bandwidth_Hz = BANDWIDTHS_Hz[k];
+        start();
+        const double b = half_period(BANDWIDTHS_Hz[k]);
+        const double weight = predictor.weight_q15 / 32768.0;
+        const dq_t reference = {.d = -9000, .q = 20000};
+        for (int n = 0; n < 30; n++) {
+            const dq_t target = apply(reference).target_pu;
+            const double then = 0.5 * (designed(b, n + 1) + designed(b, n + 2));
+            TEST_ASSERT_DOUBLE_WITHIN(3.0, reference.d * then,
+                                      weight * target.d +
+                                          (1.0 - weight) * reference.d * designed(b, n));
+            TEST_ASSERT_DOUBLE_WITHIN(3.0, reference.q * then,
+                                      weight * target.q +
+                                          (1.0 - weight) * reference.q * designed(b, n));
+        }
+    }
+}
+
+void test_the_predicted_mean_may_differ_from_the_reference(void)
+{
+    start();
+    const dq_t reference = {.d = 0, .q = 3000};
+    const dq_t expected = {.d = -25, .q = 3000};
+    for (int n = 0; n < 200; n++) {
+        const shaped_t given = shape(&prefilter, &predictor, reference, expected);
+        const dq_t now = current_predictor_step(&predictor);
+        TEST_ASSERT_EQUAL_INT32(-25, now.d); /* it is there from the start */
+        TEST_ASSERT_EQUAL_INT32(0, given.reference_pu.d);
+    }
+    TEST_ASSERT_INT_WITHIN(4, 3000, current_predictor_step(&predictor).q);
+}
+
+void test_the_lag_is_at_least_a_sixteenth_and_a_bandwidth_beyond_the_range_counts_as_its_end(void)
+{
+    config.current_loop.bandwidth_Hz = 10;
+    start();
+    TEST_ASSERT_EQUAL_INT32(32768 / 16, predictor.lag_q15);
+    config.current_loop.bandwidth_Hz = 1592;
+    start();
+    const reference_prefilter_t fastest = prefilter;
+    const int32_t fastest_lag_q15 = predictor.lag_q15;
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 32768.0 * (1.0 - exp(-0.5)), fastest_lag_q15);
+    config.current_loop.bandwidth_Hz = 10000;
+    config.drive.pwm_frequency_Hz = 4000;
+    start();
+    TEST_ASSERT_EQUAL_INT32(fastest_lag_q15, predictor.lag_q15);
+    TEST_ASSERT_EQUAL_INT32(fastest.one_minus_b0_q15, prefilter.one_minus_b0_q15);
+    TEST_ASSERT_EQUAL_INT32(fastest.minus_b2_q15, prefilter.minus_b2_q15);
+}
+
+void test_every_coefficient_is_in_the_range_that_the_proofs_assume(void)
+{
+    static const int32_t FREQUENCIES_Hz[] = {4000, 20000, 100000};
+    for (int k = 0; k < 3; k++) {
+        config.drive.pwm_frequency_Hz = FREQUENCIES_Hz[k];
+        for (int32_t bandwidth_Hz = 10; bandwidth_Hz <= 10000; bandwidth_Hz++) {
+            config.current_loop.bandwidth_Hz = bandwidth_Hz;
+            start();
+            TEST_ASSERT_TRUE(prefilter.one_minus_b0_q15 >= 0 &&
+                             prefilter.one_minus_b0_q15 <= 16384);
+            TEST_ASSERT_TRUE(prefilter.minus_b2_q15 >= 0 && prefilter.minus_b2_q15 <= 9400);
+            TEST_ASSERT_TRUE(predictor.first_q15 >= 0 && predictor.first_q15 <= 4096);
+            TEST_ASSERT_TRUE(predictor.second_q15 >= 0 && predictor.second_q15 <= 4096);
+            TEST_ASSERT_TRUE(predictor.weight_q15 >= 0 && predictor.weight_q15 <= 17040);
+            TEST_ASSERT_TRUE(predictor.target_first_q15 >= 0 &&
+                             predictor.target_first_q15 <= 27525);
+            TEST_ASSERT_TRUE(predictor.target_second_q15 >= 0 &&
+                             predictor.target_second_q15 <= 11141);
+            TEST_ASSERT_TRUE(predictor.lag_q15 >= 2048 && predictor.lag_q15 <= 32767);
+        }
+    }
+}
+
+void test_a_reset_predicts_zero_and_starts_anew(void)
+{
+    start();
+    reference_prefilter_t fresh = prefilter;
+    current_predictor_t fresh_predictor = predictor;
+    const dq_t reference = {.d = -3000, .q = 7000};
+    (void)apply(reference);
+    (void)current_predictor_step(&predictor);
+    reference_prefilter_reset(&prefilter);
+    current_predictor_reset(&predictor);
+    for (int n = 0; n < 3; n++) {
+        const dq_t expected = current_predictor_step(&predictor);
+        TEST_ASSERT_EQUAL_INT32(0, expected.d);
+        TEST_ASSERT_EQUAL_INT32(0, expected.q);
+    }
+    const dq_t again = apply(reference).reference_pu;
+    const dq_t first = shape(&fresh, &fresh_predictor, reference, reference).reference_pu;
+    TEST_ASSERT_EQUAL_MEMORY(&first, &again, sizeof(again));
+    TEST_ASSERT_EQUAL_INT32(current_predictor_step(&fresh_predictor).q,
+                            current_predictor_step(&predictor).q);
+}
+
+void test_the_predicted_current_stays_in_the_unit_circle_for_references_inside_it(void)
+{
+    for (int k = 0; k < BANDWIDTHS; k++) {
+        config.current_loop.bandwidth_Hz = BANDWIDTHS_Hz[k];
+        start();
+        random_t random = random_seeded(2013);
+        dq_t reference = {.d = 0, .q = 0};
+        for (int n = 0; n < 20000; n++) {
+            if (random_chance(&random, 0.75)) { /* opposite ends of the circle, or anywhere on it */
+                const double angle = n % 3 == 0 ? n * PI : random_real(&random, 0.0, 6.3);
+                reference.d = (int32_t)(32767.0 * cos(angle));
+                reference.q = (int32_t)(32767.0 * sin(angle));
+            }
+            (void)apply(reference);
+            const dq_t expected = current_predictor_step(&predictor);
+            TEST_ASSERT_TRUE(hypot(expected.d, expected.q) <= 32768.0 + 24.0);
+        }
+    }
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the fast reach makes of a setpoint: the reference, its limits, and the current that dead
+ * time is compensated for. */
+#include <math.h>
+
+#include "current_predictor.h"
+#include "field_weakening.h"
+#include "foc_rig.h"
+
+void setUp(void)
+{
+    rig_up();
+}
+
+void tearDown(void) {}
+
+/* exp(-w T/2) */
+static double half_period(void)
+{
+    return exp(-3.14159265358979323846 * config.current_loop.bandwidth_Hz /
+               config.drive.pwm_frequency_Hz);
+}
+
+static void run_periods(int periods)
+{
+    for (int n = 0; n < periods; n++) {
+        foc_step(&foc, &config, &setpoint, true, &in, &report);
+    }
+}
+
+void test_a_command_is_looked_at_when_its_number_changes(void)
+{
+    setpoint.sequence = 7;
+    setpoint.i_reference_pu.q = 5000;
+    run_periods(3);
+    TEST_ASSERT_EQUAL_INT32(5000, report.current.i_reference_pu.q);
+    setpoint.i_reference_pu.q = 6000;
+    setpoint.tuning.q.proportional_q10 = 1;
+    run_periods(3);
+    TEST_ASSERT_EQUAL_INT32(5000, report.current.i_reference_pu.q);
+    TEST_ASSERT_NOT_EQUAL(1, foc.current.tuning.q.proportional_q10);
+    setpoint.sequence = 8;
+    run_periods(3);
+    TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
+    TEST_ASSERT_EQUAL_MEMORY(&setpoint.tuning, &foc.current.tuning, sizeof(setpoint.tuning));
+    foc_step(&foc, &config, &setpoint, false, &in, &report);
+    TEST_ASSERT_EQUAL_INT32(0, report.current.i_reference_pu.q);
+    run_periods(3); /* the same one again, after a rest */
+    TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
+}
+
+void test_a_change_of_reference_is_held_back_in_its_first_period_exceeded_in_the_second_and_itself_from_the_third_on(
+    void)
+{
+    const double b = half_period();
+    setpoint.sequence = 7;
+    setpoint.i_reference_pu.d = -2000;
+    setpoint.i_reference_pu.q = 5000;
+    const double share[4] = {1.0 / (b * b * (1.0 + b)), 1.0 / b, 1.0, 1.0};
+    for (int n = 0; n < 4; n++) {
+        run_periods(1);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, -2000.0 * share[n], report.current.i_reference_pu.d);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, 5000.0 * share[n], report.current.i_reference_pu.q);
+        TEST_ASSERT_EQUAL_INT32(n >= 2 ? 7 : FOC_NO_SETPOINT, foc.sequence);
+    }
+}
+
+void test_dead_time_is_compensated_for_the_current_that_has_had_time_to_come(void)
+{
+    config.drive.dead_time_ns = 1000;
+    config.drive.diode_drop_mV = 0;
+    restart();
+    const double step_pu = 6.0 * config.current_loop.dead_time_zone_pu_q15;
+    setpoint.i_reference_pu.q = (int32_t)step_pu;
+    in.rotor_angle_turn = 16384;            /* q along -a: the whole current flows in phase a */
+    setpoint.tuning.q.proportional_q10 = 1; /* no voltage but the compensation */
+    setpoint.dead_time_slope = dead_time_slope_nominal(&config);
+    setpoint.tuning.q.integral_q15 = 0;
+    const double b = half_period();
+    double left = 0.5 * (1.0 + b);
+    for (int n = 0; n < 20; n++) {
+        step(true);
+        const double expected =
+            fmin(step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
+        const double others =
+            fmin(0.5 * step_pu * (1.0 - left) / config.current_loop.dead_time_zone_pu_q15, 1.0);
+        const double line = ((foc.current.on_q16[1] >> 16) - (foc.current.on_q16[0] >> 16)) / 84.0;
+        TEST_ASSERT_DOUBLE_WITHIN(0.05, expected + others, line);
+        left = n == 0 ? 0.5 * (b + b * b * b) : left * b * b;
+    }
+}
+
+void test_a_start_after_a_rest_expects_no_current_yet(void)
+{
+    config.drive.dead_time_ns = 1000;
+    restart();
+    setpoint.i_reference_pu.q = 7000;
+    for (int n = 0; n < 50; n++) {
+        step(true);
+    }
+    step(false);
+    TEST_ASSERT_EQUAL_INT32(0, current_predictor_step(&foc.current.predictor).q);
+    step(true);
+    /* (1 - b)/2 has come in the middle of the first period; what is missing has shrunk to a share a
+     * = b^2 since. */
+    const double b = half_period();
+    const double left = 7000.0 * 0.5 * (1.0 + b) * b * b;
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, 7000.0 - left, current_predictor_step(&foc.current.predictor).q);
+}
+
+void test_demagnetising_current_grows_by_gain_times_missing_square_in_every_period(void)
+{
+    config.current_loop.field_weakening_gain_pu_q15 = 20;
+    config.current_loop.field_weakening_current_pu_q15 = 6000;
+    restart();
+    setpoint.tuning.forward_q_q25 = 40000 * 1024;
+    setpoint.tuning.d.proportional_q10 = 1; /* the d axis asks for nothing */
+    setpoint.tuning.d.integral_q15 = 0;
+    for (int n = 0; n < 400; n++) {
+        step(true);
+    }
+    /* The whole circle, 1 - 30760/32768 beyond the aim: 400 * 20/32768 * 0.0613. */
+    const double exact_pu = -32768.0 * 400.0 * 20.0 / 32768.0 * (1.0 - 30760.0 / 32768.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.005 * 490.0, exact_pu, field_weakening_current_pu(&foc.weakening));
+}
+
+void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
+{
+    /* Proportional action only, without saturation: the voltage shows the reference that was
+     * regulated. */
+    setpoint.tuning.d.proportional_q10 = 1024;
+    setpoint.tuning.q.proportional_q10 = 1024;
+    setpoint.tuning.d.integral_q15 = 0;
+    setpoint.tuning.q.integral_q15 = 0;
+    const int32_t most = config.current_loop.max_current_pu_q15;
+    static const int32_t WANTED[][2] = {
+        {-32768, 32767}, {-10000, 32767}, {5000, -32768}, {0, 32767}, {-3000, 4000}};
+    for (int k = 0; k < 5; k++) {
+        step(false);
+        setpoint.i_reference_pu.d = WANTED[k][0];
+        setpoint.i_reference_pu.q = WANTED[k][1];
+        for (int n = 0; n < 3;
+             n++) { /* what exceeds a change in its second period does not exceed the circle */
+            step(true);
+            const double d = report.current.voltage.unsaturated_d;
+            const double q = report.current.voltage.unsaturated_q;
+            TEST_ASSERT_TRUE(hypot(d, q) <= most + 2.0);
+            TEST_ASSERT_TRUE(q * WANTED[k][1] >= 0.0); /* a limit never turns the torque round */
+        }
+        TEST_ASSERT_EQUAL_INT32(q_clamp(WANTED[k][0], -most, most),
+                                report.current.voltage.unsaturated_d);
+    }
+    TEST_ASSERT_EQUAL_INT32(4000,
+                            report.current.voltage.unsaturated_q); /* the last one was inside */
+}

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Hall sensors that contradict themselves: noticed, not believed, and the angle goes on so that the
+ * torque can leave. */
+#include "hall_rig.h"
+
+void setUp(void)
+{
+    rig_up();
+}
+
+void tearDown(void) {}
+
+void test_an_impossible_state_is_ridden_through_like_a_bounce(void)
+{
+    turn_for(4000, 0.005);
+    for (int n = 0; n < HALL_INVALID_PERIODS - 1; n++) {
+        theta_turns += 0.005;
+        hall_step(&hall, &config, n % 2 == 0 ? 0 : 7);
+        TEST_ASSERT_TRUE(hall.valid);
+        TEST_ASSERT_DOUBLE_WITHIN(
+            0.02, 0.0, angle_error_turns()); /* extrapolated with a speed known to 0.5 % */
+    }
+}
+
+/* Whatever a doubt began with: six edges in order end it, not fewer, and the angle has not got lost
+ * meanwhile. */
+static void heals_after_six_edges(double speed)
+{
+    TEST_ASSERT_FALSE(hall.valid);
+    int edges = 0;
+    int sector = true_sector();
+    while (!hall.valid && edges < 20) {
+        turn(speed);
+        edges += true_sector() != sector ? 1 : 0;
+        sector = true_sector();
+    }
+    TEST_ASSERT_INT_WITHIN(1, 6, edges); /* the way back from a false sector may look like one */
+    TEST_ASSERT_TRUE(edges <= 6);
+    turn_for((int)(1.0 / fabs(speed)), speed);
+    TEST_ASSERT_TRUE(hall.valid);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0 * fabs(speed) + 1e-4, 0.0, angle_error_turns());
+}
+
+void test_an_impossible_state_that_lasts_is_believed_and_a_turn_in_order_heals_it(void)
+{
+    for (int state = 0; state <= 7; state += 7) {
+        restart();
+        turn_for(4000, 0.005);
+        for (int n = 0; n < HALL_INVALID_PERIODS; n++) {
+            TEST_ASSERT_TRUE(hall.valid);
+            theta_turns += 0.005;
+            hall_step(&hall, &config, (uint8_t)state);
+        }
+        TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
+        /* Dead reckoning: 64 periods with a speed known to 0.5 %, and a period of the last edge. */
+        TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.0, angle_error_turns());
+        heals_after_six_edges(0.005);
+    }
+}
+
+/* Edges in order around a state that no rotor makes are not a turn in order. */
+void test_an_impossible_state_in_a_doubt_begins_the_count_of_edges_anew(void)
+{
+    turn_for(4000, 0.005);
+    for (int n = 0; n < HALL_INVALID_PERIODS; n++) {
+        theta_turns += 0.005;
+        hall_step(&hall, &config, 7);
+    }
+    while (hall.plausible_edges < HALL_PLAUSIBLE_EDGES - 1) {
+        turn(0.005);
+        TEST_ASSERT_FALSE(hall.valid);
+    }
+    theta_turns += 0.005;
+    hall_step(&hall, &config, 7);
+    heals_after_six_edges(0.005);
+}
+
+void test_an_edge_that_bounces_in_doubt_counts_once(void)
+{
+    turn_for(4000, 0.005);
+    for (int n = 0; n < HALL_INVALID_PERIODS; n++) {
+        theta_turns += 0.005;
+        hall_step(&hall, &config, 7);
+    }
+    TEST_ASSERT_FALSE(hall.valid);
+    int edges = 0;
+    while (!hall.valid && edges < 20) {
+        const int left = true_sector();
+        turn(0.005);
+        if (true_sector() != left && !hall.valid) {
+            edges++;
+            theta_turns +=
+                0.005; /* back for one period, of the four that are an eighth of a sector's time */
+            hall_step(&hall, &config, STATE_OF_SECTOR[left]);
+        }
+    }
+    TEST_ASSERT_INT_WITHIN(1, 6, edges + 1); /* the last one ends the doubt before it can bounce */
+    TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.0, angle_error_turns());
+}
+
+/* 40 Nm leave at 400 Nm/s in 0.1 s, 2000 periods; the speed is known to a period in a turn of 200,
+ * so ten turns are known to 0.05. An angle that stood still meanwhile would turn what is left of
+ * the torque round, and a blind wheel would drive. */
+void test_with_all_sensors_gone_the_angle_goes_on_for_as_long_as_the_torque_needs_to_leave(void)
+{
+    for (int state = 0; state <= 7; state += 7) {
+        restart();
+        turn_for(4000, 0.005);
+        for (int n = 0; n < 2000; n++) {
+            theta_turns += 0.005;
+            hall_step(&hall, &config, (uint8_t)state);
+            TEST_ASSERT_DOUBLE_WITHIN(0.06, 0.0, angle_error_turns());
+        }
+        TEST_ASSERT_FALSE(hall.valid);
+    }
+}
+
+void test_a_standstill_with_a_possible_state_heals_a_doubt_and_one_with_an_impossible_state_does_not(
+    void)
+{
+    turn_for(4000, 0.005);
+    for (int n = 0; n < 20000; n++) {
+        hall_step(&hall, &config, 7);
+    }
+    TEST_ASSERT_FALSE(hall.valid);
+    TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);
+    turn_for(config.drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S + 2, 0.0);
+    TEST_ASSERT_TRUE(hall.valid);
+    assert_inside_sector();
+}
+
+void test_before_the_first_good_state_the_angle_is_not_valid(void)
+{
+    hall_step(&hall, &config, 0);
+    TEST_ASSERT_FALSE(hall.valid);
+    hall_step(&hall, &config, 7);
+    TEST_ASSERT_FALSE(hall.valid);
+    turn(0.0);
+    TEST_ASSERT_TRUE(hall.valid);
+}
+
+void test_a_skipped_sector_is_counted_and_a_turn_in_order_heals_it(void)
+{
+    for (int back = -1; back <= 1; back += 2) {
+        for (int jump = 2; jump <= 4; jump++) {
+            restart();
+            turn_for(4000, back * 0.005);
+            hall_step(&hall, &config,
+                      STATE_OF_SECTOR[(true_sector() + jump) % 6]); /* a spark, one period long */
+            TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
+            theta_turns += back * 0.005;
+            TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, angle_error_turns());
+            heals_after_six_edges(back * 0.005);
+        }
+    }
+}
+
+void test_a_reversal_that_no_rotor_can_make_is_a_doubt_and_not_followed(void)
+{
+    turn_for(4000, 0.005); /* a sector in 33 periods */
+    const int sector = true_sector();
+    while (true_sector() == sector) {
+        turn(0.005);
+    }
+    turn_for(10, 0.005); /* past the time of a bounce */
+    theta_turns += 0.005;
+    hall_step(&hall, &config, STATE_OF_SECTOR[sector]);
+    TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
+    TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, angle_error_turns());
+    TEST_ASSERT_DOUBLE_WITHIN(0.005 * 0.01, 0.005, speed_turns());
+    heals_after_six_edges(0.005);
+}
+
+/* From when it fails until half a second later: the angle never gets lost, so that the torque can
+ * leave in its ramp. */
+void test_with_a_stuck_sensor_the_angle_goes_on_and_is_never_believed_again(void)
+{
+    for (int sensor = 0; sensor < 3; sensor++) {
+        for (int stuck = 0; stuck <= 1; stuck++) {
+            for (int s = 0; s < SPEED_COUNT; s++) {
+                for (int phase = 0; phase < 12; phase++) {
+                    restart();
+                    theta_turns = phase / 12.0;
+                    turn_for((int)(2.0 / fabs(SPEEDS[s])), SPEEDS[s]);
+                    double worst = 0.0;
+                    for (int n = 0; n < 10000; n++) {
+                        theta_turns += SPEEDS[s];
+                        const unsigned healthy = STATE_OF_SECTOR[true_sector()];
+                        const unsigned bit = 1U << sensor;
+                        hall_step(&hall, &config,
+                                  (uint8_t)(stuck != 0 ? (healthy | bit) : (healthy & ~bit)));
+                        const bool late = n * fabs(SPEEDS[s]) > 1.0;
+                        TEST_ASSERT_FALSE(late && hall.valid);
+                        worst = fmax(worst, fabs(angle_error_turns()));
+                        if (late) {
+                            /* At first the edge that the failure made may have been believed: a
+                             * sector. Eight turns later, a sector's time is known to a period, 6 v
+                             * of it, which counts for a quarter and adds up over four dark sectors,
+                             * v; a period for each edge, halves of both from turns before. */
+                            const double most =
+                                n * fabs(SPEEDS[s]) < 8.0 ? 0.18 : 6.0 * fabs(SPEEDS[s]) + 0.006;
+                            TEST_ASSERT_DOUBLE_WITHIN(most, 0.0, angle_error_turns());
+                        }
+                    }
+                    TEST_ASSERT_TRUE(worst < 0.36); /* until it is noticed: two sectors */
+                }
+            }
+        }
+    }
+}
+
+void test_a_stuck_sensor_is_noticed_within_one_electrical_turn(void)
+{
+    for (int sensor = 0; sensor < 3; sensor++) {
+        for (int stuck = 0; stuck <= 1; stuck++) {
+            for (int s = 0; s < SPEED_COUNT; s++) {
+                for (int phase = 0; phase < 12; phase++) { /* where in the turn it fails */
+                    restart();
+                    theta_turns = phase / 12.0;
+                    turn_for((int)(2.0 / fabs(SPEEDS[s])), SPEEDS[s]);
+                    bool noticed = false;
+                    for (double gone = 0.0; gone < 1.0 && !noticed; gone += fabs(SPEEDS[s])) {
+                        theta_turns += SPEEDS[s];
+                        const unsigned healthy = STATE_OF_SECTOR[true_sector()];
+                        const unsigned bit = 1U << sensor;
+                        hall_step(&hall, &config,
+                                  (uint8_t)(stuck != 0 ? (healthy | bit) : (healthy & ~bit)));
+                        noticed = hall.faults > 0 || !hall.valid;
+                    }
+                    TEST_ASSERT_TRUE(noticed);
+                }
+            }
+        }
+    }
+}
+
+/* The speed that was, for as long as it takes through one and a half sectors of 1/6 turn, and no
+ * edge: 50 periods of 0.005 turns. */
+void test_a_stop_that_no_rotor_can_make_is_noticed_half_a_sector_beyond_its_end(void)
+{
+    turn_for(4000, 0.005);
+    int32_t since_edge = hall.periods_since_edge;
+    for (int n = 0; n < 200 && hall.valid; n++) {
+        turn(0.0);
+        since_edge = hall.periods_since_edge;
+    }
+    TEST_ASSERT_FALSE(hall.valid);
+    TEST_ASSERT_INT32_WITHIN(1, 51, since_edge);
+}
+
+/* From 100 turns a second to nothing within two sectors: a dead set of sensors, not a rotor. */
+void test_a_stop_that_no_rotor_can_make_is_a_doubt_and_a_standstill_heals_it(void)
+{
+    turn_for(4000, 0.005);
+    turn_for(2 * 34 + 34, 0.0);
+    TEST_ASSERT_FALSE(hall.valid);
+    TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
+    /* Overdue after four sectors now; then 1/64 a period: 1 % is left after 295 periods. */
+    turn_for(2 * 34 + 300, 0.0);
+    TEST_ASSERT_TRUE(fabs(speed_turns()) < 0.01 * 0.005 + 1e-7);
+    turn_for(config.drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S + 2, 0.0);
+    TEST_ASSERT_TRUE(hall.valid);
+    TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);
+    assert_inside_sector();
+}

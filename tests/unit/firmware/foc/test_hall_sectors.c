@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sectors of the hall sensors: geometry, the time they took, the angle inside them. */
+#include <math.h>
+
+#include "hall.c" /* the sector functions are private */
+#include "random_values.h"
+#include "unity.h"
+
+extern const config_t CONFIG_LU2013;
+
+static config_t config;
+static hall_t hall;
+
+void setUp(void)
+{
+    config = CONFIG_LU2013;
+    /* Up to five degrees beside their places, and the first sector not at zero. */
+    static const int32_t EDGE_TURN[6] = {64900, 10400, 22500, 32100, 44400, 53700};
+    for (int k = 0; k < 6; k++) {
+        config.rotor.edge_turn[k] = EDGE_TURN[k];
+    }
+    hall_init(&hall, &config);
+}
+
+void tearDown(void) {}
+
+void test_six_steps_on_are_a_turn_and_a_step_back_undoes_one(void)
+{
+    uint8_t sector = 0;
+    uint32_t turn = 0;
+    for (int k = 0; k < 6; k++) {
+        TEST_ASSERT_EQUAL_UINT8(sector, previous_sector(next_sector(sector)));
+        TEST_ASSERT_EQUAL_UINT16(
+            (uint16_t)(sector_start(&config, sector) + sector_width(&config, sector)),
+            sector_start(&config, next_sector(sector)));
+        turn += sector_width(&config, sector);
+        sector = next_sector(sector);
+    }
+    TEST_ASSERT_EQUAL_UINT8(0, sector);
+    TEST_ASSERT_EQUAL_UINT32(65536, turn);
+}
+
+void test_an_angle_is_limited_to_the_sector_and_moved_no_further_than_to_its_border(void)
+{
+    for (uint8_t sector = 0; sector < 6; sector++) {
+        enter_sector(&hall, &config, sector);
+        const uint16_t start = sector_start(&config, sector);
+        const uint16_t width = sector_width(&config, sector);
+        for (uint32_t at = 0; at < 65536U; at += 13U) {
+            hall.theta_q32 = at << 16;
+            clamp_to_sector(&hall);
+            const uint16_t inside = (uint16_t)((hall.theta_q32 >> 16) - start);
+            const uint16_t was = (uint16_t)(at - start);
+            TEST_ASSERT_LESS_OR_EQUAL(width, inside);
+            if (was < width - 1) {
+                TEST_ASSERT_EQUAL_UINT16(was, inside);
+            } else { /* the nearer border */
+                const bool beyond_the_end = was - width < 65536 - was;
+                TEST_ASSERT_INT_WITHIN(2, beyond_the_end ? width : 0, inside);
+            }
+        }
+    }
+}
+
+void test_the_speed_is_the_turn_of_the_last_six_sectors_over_their_time(void)
+{
+    random_t random = random_seeded(2013);
+    for (int trial = 0; trial < 200; trial++) {
+        hall_init(&hall, &config);
+        hall.direction = random_chance(&random, 0.5) ? 1 : -1;
+        const int32_t longest =
+            random_chance(&random, 0.5) ? 25000 : 60; /* a quarter of a second at most, or quick */
+        double took[40];
+        double width[40];
+        uint8_t sector = (uint8_t)random_between(&random, 0, 5);
+        for (int n = 0; n < 40; n++) {
+            took[n] = random_between(&random, longest / 4, longest);
+            width[n] = sector_width(&config, sector);
+            time_sector(&hall, sector, sector_width(&config, sector), (uint16_t)took[n]);
+            double turn = 0.0;
+            double periods = 0.0;
+            for (int k = n; k >= 0 && k > n - 6; k--) {
+                turn += width[k] / 65536.0;
+                periods += took[k];
+            }
+            /* The reciprocal's 8e-5, a quarter of the periods' rounding when they exceed 16 bits,
+             * and one LSB. */
+            const double exact = hall.direction * turn / periods * 4294967296.0;
+            TEST_ASSERT_DOUBLE_WITHIN(
+                fabs(exact) * (8e-5 + (periods > 65535.0 ? 4.0 / 65536.0 : 0.0)) + 2.0, exact,
+                measured_speed_q32(&hall));
+            sector = hall.direction > 0 ? next_sector(sector) : previous_sector(sector);
+        }
+    }
+}
+
+void test_an_overdue_edge_takes_a_sixty_fourth_of_the_speed_and_a_quarter_of_a_second_all_of_it(
+    void)
+{
+    enter_sector(&hall, &config, 2);
+    hall.speed_q32 = 6400000;
+    hall.overdue_periods = 100;
+    hall.periods_since_edge = 100;
+    decay_overdue_speed(&hall);
+    TEST_ASSERT_EQUAL_INT32(6400000, hall.speed_q32);
+    hall.periods_since_edge = 101;
+    decay_overdue_speed(&hall);
+    TEST_ASSERT_EQUAL_INT32(6300000, hall.speed_q32);
+    hall.periods_since_edge = hall.standstill_periods + 1;
+    hall.direction = 1;
+    decay_overdue_speed(&hall);
+    TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);
+    TEST_ASSERT_EQUAL_INT(0, hall.direction);
+    TEST_ASSERT_EQUAL_UINT16(hall.middle_turn, hall.theta_q32 >> 16);
+}
+
+void test_a_standstill_forgets_the_movement(void)
+{
+    enter_sector(&hall, &config, 4);
+    time_sector(&hall, 3, sector_width(&config, 3), 100);
+    hall.speed_q32 = hall.edge_speed_q32 = 1000000;
+    hall.direction = -1;
+    hall.overdue_periods = 200;
+    hall.bounce_periods = 12;
+    reset_movement(&hall);
+    TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);
+    TEST_ASSERT_EQUAL_INT32(0, hall.edge_speed_q32);
+    TEST_ASSERT_EQUAL_INT(0, hall.direction);
+    TEST_ASSERT_EQUAL_INT32(0, hall.bounce_periods); /* the next edge may come at any time */
+    TEST_ASSERT_EQUAL_INT32(hall.standstill_periods, hall.overdue_periods);
+    TEST_ASSERT_EQUAL_UINT8(0, hall.sectors_timed);
+    TEST_ASSERT_EQUAL_UINT32(0, hall.timed_turn + hall.timed_periods);
+    TEST_ASSERT_EQUAL_UINT16(hall.middle_turn, hall.theta_q32 >> 16);
+    TEST_ASSERT_EQUAL_UINT32(hall.theta_q32, hall.edge_theta_q32);
+}
