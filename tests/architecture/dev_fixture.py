@@ -63,15 +63,25 @@ case "$*" in
 esac
 """
 
-# Fails for the preset it is told to, with the closing lines of the real one.
+# Lists two tests a preset; runs what the combined list names, and fails one of the preset it is told to.
 PRETENDED_CTEST = """#!/bin/sh
 echo "ctest $*" >> "$CALLS"
-echo "Test project"
-if [ "$2" = "$BROKEN_TEST" ]; then
-    printf '\\n50%% tests passed, 1 tests failed out of 2\\n\\nThe following tests FAILED:\\n\\t  2 - %s_physics (Failed)\\n' "$2"
-    exit 8
-fi
-printf '\\n100%% tests passed, 0 tests failed out of 2\\n\\nTotal Test time (real) =   0.01 sec\\n'
+case "$*" in
+    "--preset "*) cat <<JSON
+{"backtraceGraph": {"files": ["$PWD/tests/unit/CMakeLists.txt"], "nodes": [{"file": 0}]}, "tests": [
+ {"name": "physics", "command": ["physics"], "backtrace": 0, "properties": []},
+ {"name": "whole_cycle", "command": ["cycle"], "properties": [{"name": "LABELS", "value": ["full"]}]}]}
+JSON
+    exit 0 ;;
+esac
+tests=$(sed -n 's/^add_test(.==.\\([^]]*\\)\\].*/\\1/p' CTestTestfile.cmake)
+total=$(echo "$tests" | wc -l) number=0
+for name in $tests; do
+    number=$((number + 1)) verdict=Passed
+    [ "$name" != "$BROKEN_TEST:physics" ] || verdict='***Failed'
+    echo "$name" >> "$CALLS.tests"
+    echo "$number/$total Test #$number: $name ......   $verdict    0.01 sec"
+done
 """
 
 
@@ -107,7 +117,8 @@ class DevFixture(unittest.TestCase):
         self.bin.mkdir()
         (self.home / "tools").mkdir(parents=True)
         shutil.copy2(ROOT / "tools/dev", self.home / "tools/dev")
-        shutil.copytree(ROOT / "tools/setup", self.home / "tools/setup")
+        for folder in ("setup", "run_tests"):
+            shutil.copytree(ROOT / "tools" / folder, self.home / "tools" / folder)
         self.before = self.contents()
 
     def contents(self) -> set[Path]:
@@ -176,7 +187,11 @@ class DevFixture(unittest.TestCase):
         write_program(self.bin / "apt-get", "#!/bin/sh\necho apt-get $* >> $CALLS\nexit 1\n")
         python = self.home / ".dev/venv/bin/python"
         python.parent.mkdir(parents=True)
-        write_program(python, '#!/bin/sh\necho "python $*" >> "$CALLS"\n')
+        write_program(
+            python,
+            '#!/bin/sh\necho "python $*" >> "$CALLS"\n'
+            f'case "$*" in *run_tests*) PYTHONPATH={self.home}/tools exec python3 "$@" ;; esac\n',
+        )
         cmock = self.home / ".dev/cmock/usr/share/cmock"
         for file in (
             cmock / "lib/cmock.rb",
@@ -192,6 +207,10 @@ class DevFixture(unittest.TestCase):
         lines = (self.base / "calls").read_text().splitlines()
         calls = [line.partition(" ")[2] for line in lines if line.startswith(program + " ")]
         return [call for call in calls if "version" not in call and "print-file-name" not in call]
+
+    def names_run(self) -> list[str]:
+        """Return the names of the tests that ctest was given, in its order."""
+        return (self.base / "calls.tests").read_text().splitlines()
 
     def apt_installs(self) -> list[str]:
         calls = self.base / "calls"

@@ -64,7 +64,7 @@ class DevCommandTest(DevFixture):
         self.assert_refused(self.run_dev("simm"), "simm", "--help")
 
     def test_a_surplus_argument_is_named(self) -> None:
-        for command in ("sim", "test", "bench", "report", "format", "lint"):
+        for command in ("sim", "bench", "report", "format", "lint"):
             self.assert_refused(self.run_dev(command, "surplus"), command, "surplus")
         self.assert_refused(self.run_dev("firmware", "qemu", "surplus"), "surplus")
         self.assert_refused(self.run_dev("clean", "surplus"), "surplus")
@@ -243,23 +243,31 @@ class DevCommandTest(DevFixture):
         self.assertEqual(self.run_dev("setup", "qemu", path=path).returncode, 0)
 
     @needs_headers
-    def test_test_runs_every_preset_and_ends_with_what_ctest_said(self) -> None:
+    def test_test_runs_every_preset_and_ends_with_the_closing_lines_of_each(self) -> None:
         path, environment = self.pretend_everything_is_installed()
         result = self.run_dev("test", path=path, environment=environment)
         self.assertEqual(result.returncode, 0, result.stderr)
-        presets = [call.split()[1] for call in self.calls("ctest")]
-        self.assertEqual(presets, ["host", "host-asan", "stm32f405", "qemu"])
+        presets = ["host", "host-asan", "stm32f405", "qemu"]
+        self.assertEqual(self.names_run(), [f"{preset}:physics" for preset in presets])
         self.assertEqual(self.calls("apt-get"), [])
         closing = result.stdout.splitlines()[-3 * len(presets) :]
         self.assertEqual(closing[0::3], [f"{preset}:" for preset in presets])
-        self.assertEqual(set(closing[1::3]), {"100% tests passed, 0 tests failed out of 2"})
+        self.assertEqual(set(closing[1::3]), {"100% tests passed, 0 tests failed out of 1"})
+        # What was left out, and how long everything took.
+        self.assertIn(
+            "4 tests labelled full were left out; ./tools/dev test --full runs them.", result.stdout
+        )
+        self.assertRegex(result.stdout, r"\nSet-up took \d+ s, building \d+ s, testing \d+ s\.\n")
 
         # The second run configures nothing again.
         before = self.calls("cmake")
-        self.assertEqual(self.run_dev("test", path=path, environment=environment).returncode, 0)
+        again = self.run_dev("test", "--full", path=path, environment=environment)
+        self.assertEqual(again.returncode, 0, again.stderr)
         self.assertFalse(
             [call for call in self.calls("cmake")[len(before) :] if call.startswith("--preset")]
         )
+        self.assertIn("100% tests passed, 0 tests failed out of 2", again.stdout)
+        self.assertNotIn("left out", again.stdout)
 
     @needs_headers
     def test_a_failing_preset_fails_the_command_and_the_others_run_all_the_same(self) -> None:
@@ -268,15 +276,23 @@ class DevCommandTest(DevFixture):
         result = self.run_dev("test", path=path, environment=broken)
         self.assertEqual(result.returncode, 1)
         self.assertEqual(
-            [call.split()[1] for call in self.calls("ctest")], ["host", "host-asan", "qemu"]
+            self.names_run(), [f"{preset}:physics" for preset in ("host", "host-asan", "qemu")]
         )
         self.assertIn(
-            "host_physics (Failed)", result.stdout.split("host-asan:")[0].rpartition("host:")[2]
+            "\tphysics (Failed)", result.stdout.split("host-asan:\n")[0].rpartition("host:\n")[2]
         )
         self.assertIn("main.c:1: error: pretended", result.stderr)
         self.assertEqual(
             result.stderr.splitlines()[-1], "tools/dev: failed: host stm32f405 (build)"
         )
+
+    def test_a_wrong_choice_of_tests_is_answered_before_anything_is_installed(self) -> None:
+        self.assert_refused(self.run_dev("test", "--wrong"), "--wrong", "tools/dev test --help")
+        self.assert_refused(self.run_dev("test", "absent/folder"), "no folder 'absent/folder'")
+        self.assert_refused(self.run_dev("test", "--since"), "--since")
+        self.assert_refused(self.run_dev("test", "--since", "HEAD"), "--quick")
+        self.assert_refused(self.run_dev("test", "--quick", "--full"), "--quick")
+        self.assert_refused(self.run_dev("test", "--quick", "tools"), "--quick")
 
     def test_firmware_is_built_for_the_vehicle_that_was_named_and_for_the_paper_s_otherwise(
         self,

@@ -5,6 +5,7 @@
 
 # shellcheck disable=SC2034  # read by tools/dev
 readonly PORTS=(stm32f405 qemu) DEFAULT_CONFIG=lu2013
+readonly TESTED_PRESETS=(host host-asan stm32f405 qemu)
 # variables_are FILE [NAME=VALUE...]: does CMake's cache say so?
 variables_are() {
     local file=$1 variable
@@ -87,16 +88,41 @@ build() {
     configure "$preset" HUBFOC_TESTS=ON && build_targets "$preset" "$@"
 }
 
-# The runner's own output is the product of this step: it goes to the screen, and to a log for the summary at the end.
-run_tests() {
-    local preset=$1 log=$LOG_DIR/ctest-$1.log
-    mkdir -p "$LOG_DIR"
-    (cd "$ROOT" && ctest --preset "$preset" --parallel "$(nproc)") 2>&1 | tee "$log"
+# build_for_tests [FOLDER...]: all presets, or what the tests of these folders need of them. Leaves the presets' names in
+# BUILT and NOT_BUILT.
+BUILT=()
+NOT_BUILT=()
+build_for_tests() {
+    local preset targets builds=()
+    BUILT=()
+    NOT_BUILT=()
+    for preset in "${TESTED_PRESETS[@]}"; do
+        if ! configure "$preset" HUBFOC_TESTS=ON; then
+            NOT_BUILT+=("$preset")
+            continue
+        fi
+        targets=''
+        if (($#)); then
+            targets=$("$VENV_PYTHON" -m run_tests --presets "$preset" --list-targets "$@") || fail "test: ctest cannot list the tests"
+            [[ -n $targets ]] || continue
+        fi
+        builds+=("$preset:$targets")
+    done
+    rm -f "$LOG_DIR/build-failed"
+    if ((${#builds[@]})); then
+        run_logged "Building $(join_by ' ' "${builds[@]%%:*}")" build "$VENV_PYTHON" -m run_tests.build "$LOG_DIR" "${builds[@]}" || true
+    fi
+    for preset in "${builds[@]%%:*}"; do
+        if grep -qsx "$preset" "$LOG_DIR/build-failed"; then NOT_BUILT+=("$preset"); else BUILT+=("$preset"); fi
+    done
 }
 
-# What ctest says when it is through: failed tests by name, the count, the time.
-closing_lines() {
-    local log=$LOG_DIR/ctest-$1.log
-    printf '%s:\n' "$1"
-    sed -n '/tests passed\|No tests were found/,$p' "$log" | grep -v '^$' || echo "(no result; see ${log#"$ROOT"/})"
+# join_by SEPARATOR [WORD...]
+join_by() {
+    local IFS=$1
+    shift
+    printf '%s' "$*"
 }
+
+# The tests of one preset, with ctest's own output.
+run_tests() { (cd "$ROOT" && ctest --preset "$1" --parallel "$(nproc)"); }

@@ -10,7 +10,7 @@ From a bare Debian 12, Debian 13 or Ubuntu 24.04, every command first installs w
 (root or sudo; system packages with apt, Python packages into .dev/venv), then does its work.
 
   sim                           the urban cycle under the three braking strategies: energy table and report
-  test                          all tests: host, host with sanitizers, emulated Cortex-M4
+  test [--quick] [FOLDER...]    all tests: host, host with sanitizers, emulated Cortex-M4
   table CONFIG.toml [-o DIR]    configuration and torque table of one vehicle, as C and as a binary image
   firmware [PORT]               ELF, BIN, HEX, sizes and depth of the stack; PORT is stm32f405 (default) or qemu
   flash [PORT]                  firmware onto a board through a debug probe
@@ -40,10 +40,17 @@ TEXT
 
 help_test() {
     cat <<'TEXT'
-Usage: tools/dev test
+Usage: tools/dev test [--full] [FOLDER...]
+       tools/dev test --quick [--since REV]
 
-Builds and tests, one preset after the other: host, host-asan (address and undefined-behaviour sanitizers), stm32f405 and
-qemu (the firmware on an emulated Cortex-M4). All are run even if one fails; what ctest says at the end of each comes last.
+Builds and tests four presets: host, host-asan (address and undefined-behaviour sanitizers), stm32f405 and qemu (the
+firmware on an emulated Cortex-M4). All tests run in one run of ctest, the longest first; the closing lines of each preset
+come last. A preset that cannot be built does not keep the others from being tested.
+
+  FOLDER         only the tests of a folder, for example unit/firmware/torque
+  --full         also the tests labelled full: whole cycles, large sweeps, long fuzzing
+  --quick        on a tree that was built and tested before: build and run, in at most 60 s, what belongs to the files
+                 changed since HEAD or REV, by the build's own dependencies; what was left out is named
 TEXT
 }
 

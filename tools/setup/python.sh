@@ -42,12 +42,21 @@ venv_is_ready() { check_venv "$@" >/dev/null 2>&1; }
 venv_belongs_here() { check_venv --place >/dev/null 2>&1; }
 python_is_ready() { venv_belongs_here || find_python >/dev/null; }
 
+# Where the project's own packages are; and, for a test run, what a test's Python programs read (tools/run_tests).
+pth_text() {
+    printf '%s\n' "$ROOT/tools" "$ROOT/host_sim/python" \
+        'import os; "HUBFOC_OPENED" in os.environ and __import__("run_tests.opened")'
+}
+
 # The .pth file is written last, so an environment without it is incomplete and is made again.
-make_venv() {
+make_venv() { "$1" -m venv --clear "$VENV" && write_pth; }
+
+write_pth() {
     local site
-    "$1" -m venv --clear "$VENV" &&
-        site=$("$VENV_PYTHON" -c 'import sysconfig; print(sysconfig.get_path("purelib"))') &&
-        printf '%s\n' "$ROOT/tools" "$ROOT/host_sim/python" >"$site/hubfoc.pth"
+    for site in "$VENV"/lib/python*/site-packages; do
+        [[ -d $site ]] || continue
+        pth_text | cmp -s - "$site/hubfoc.pth" || pth_text >"$site/hubfoc.pth" || return
+    done
 }
 
 # fill_venv SET...: only wheels whose hash is in the lock file; the index is the one that this machine's pip uses.
@@ -66,6 +75,7 @@ direct_requirements() {
 
 # ensure_venv SET...
 ensure_venv() {
+    venv_belongs_here && write_pth
     venv_is_ready "$@" && return
     local python
     # An environment of this directory that lacks some packages is completed; any other is made anew.

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tools/run_tests on a small project of its own: two C tests, a Python test and a slow one."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from run_tests.graph import BuildGraph
+
+ROOT = Path(__file__).resolve().parents[4]
+
+LISTS = """
+cmake_minimum_required(VERSION 3.25)
+project(small C)
+enable_testing()
+add_subdirectory(tests/unit)
+"""
+TESTS = """
+foreach(name IN ITEMS first second)
+  add_executable(${name} ${name}.c)
+  target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/include")
+  add_test(NAME ${name} COMMAND ${name})
+endforeach()
+set_tests_properties(first PROPERTIES TIMEOUT 10)
+set_tests_properties(second PROPERTIES TIMEOUT 100 ENVIRONMENT "ANSWER=a b")
+add_test(NAME reader COMMAND "$ENV{SMALL_PYTHON}" "${CMAKE_CURRENT_SOURCE_DIR}/reader.py")
+set_tests_properties(reader PROPERTIES LABELS python TIMEOUT 50)
+add_test(NAME whole_cycle COMMAND "${CMAKE_COMMAND}" -E true)
+set_tests_properties(whole_cycle PROPERTIES LABELS full)
+"""
+PRESETS = """
+{"version": 6,
+ "configurePresets": [{"name": "host", "generator": "Ninja", "binaryDir": "${sourceDir}/build/host"}],
+ "buildPresets": [{"name": "host", "configurePreset": "host"}],
+ "testPresets": [{"name": "host", "configurePreset": "host"}]}
+"""
+FILES = {
+    "CMakeLists.txt": LISTS,
+    "CMakePresets.json": PRESETS,
+    ".gitignore": "/build/\n__pycache__/\n",
+    "include/limit.h": "#define LIMIT 3\n",
+    "data/table.csv": "1,2\n",
+    "data/unread.csv": "1,2\n",
+    "tests/unit/CMakeLists.txt": TESTS,
+    "tests/unit/first.c": '#include "limit.h"\nint main(void) { return LIMIT != 3; }\n',
+    "tests/unit/second.c": "#include <stdlib.h>\n#include <string.h>\n"
+    'int main(void) { return strcmp(getenv("ANSWER"), "a b"); }\n',
+    "tests/unit/reader.py": "import helper\nassert helper.rows() == 1\n",
+    "tests/unit/helper.py": "import pathlib\n"
+    "def rows(): return len(pathlib.Path(__file__).parents[2].joinpath('data/table.csv').read_text().split())\n",
+}
+
+
+class Project:
+    """A repository with run_tests in it."""
+
+    def __init__(self, place: Path) -> None:
+        self.root = place
+        for name, text in FILES.items():
+            self.write(name, text)
+        shutil.copytree(ROOT / "tools/run_tests", place / "tools/run_tests",
+                        ignore=shutil.ignore_patterns("__pycache__"))  # fmt: skip
+        # An interpreter as the project's environment starts it, with the hook of its .pth file.
+        self.write(
+            "build/python",
+            f"#!/bin/sh\nPYTHONPATH={place}/tools exec {sys.executable} -c "
+            '\'import os, runpy, sys; "HUBFOC_OPENED" in os.environ and __import__("run_tests.opened");'
+            " sys.argv.pop(0); sys.path.insert(0, os.path.dirname(sys.argv[0]));"
+            ' runpy.run_path(sys.argv[0])\' "$@"\n',
+        )
+        (place / "build/python").chmod(0o755)
+        self.git("init", "-q")
+        self.git("add", "-A")
+        self.git("-c", "user.name=a", "-c", "user.email=a@b", "commit", "-q", "-m", "all")
+        self.command("cmake", "--preset", "host")
+        self.command("cmake", "--build", "--preset", "host")
+
+    def write(self, name: str, text: str) -> None:
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def git(self, *arguments: str) -> None:
+        self.command("git", *arguments)
+
+    def command(self, *words: str, status: int | None = 0) -> str:
+        environment = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("HUBFOC", "GIT"))
+        }
+        environment["SMALL_PYTHON"] = str(self.root / "build/python")
+        answer = subprocess.run(
+            words, cwd=self.root, env=environment, stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT, text=True, check=False,
+        )  # fmt: skip
+        assert status is None or answer.returncode == status, answer.stdout
+        return answer.stdout
+
+    def run(self, *arguments: str, status: int = 0) -> str:
+        words = (sys.executable, str(self.root / "tools/run_tests/__main__.py"), *arguments)
+        return self.command("env", f"PYTHONPATH={self.root / 'tools'}", *words, status=status)
+
+
+@pytest.fixture(name="project")
+def make_project(tmp_path: Path) -> Project:
+    return Project(tmp_path)
+
+
+def started(output: str) -> list[str]:
+    return [line.split()[-1] for line in output.splitlines() if line.lstrip().startswith("Start ")]
+
+
+def test_all_but_the_full_ones_run_longest_first_and_the_times_of_one_run_order_the_next(
+    project: Project,
+) -> None:
+    output = project.run("--presets", "host", "--setup-s", "1", "--build-s", "2")
+    assert started(output)[:1] == ["host:second"]
+    assert set(started(output)) == {"host:first", "host:second", "host:reader"}
+    assert "1 tests labelled full were left out" in output
+    assert "Set-up took 1 s, building 2 s, testing" in output
+    lines = output.splitlines()[-3:]
+    assert lines[:2] == ["host:", "100% tests passed, 0 tests failed out of 3"]
+    # The Python test took longest, whatever the limits say.
+    assert started(project.run("--presets", "host"))[0] == "host:reader"
+    full = project.run("--presets", "host", "--full")
+    assert "100% tests passed, 0 tests failed out of 4" in full
+
+
+def test_a_failing_test_is_named_under_its_preset_and_fails_the_run(project: Project) -> None:
+    project.write("data/table.csv", "1,2\n3,4\n")
+    output = project.run("--presets", "host", status=1)
+    assert output.splitlines()[-1] == "tools/dev: failed: host"
+    assert "67% tests passed, 1 tests failed out of 3" in output
+    assert "The following tests FAILED:\n\treader (Failed)" in output
+
+
+def test_a_folder_s_tests_are_those_that_its_lists_define(project: Project) -> None:
+    # What the Python test reads is not known yet.
+    needed = project.run("--presets", "host", "--list-targets", "unit").split()
+    assert needed == ["all"]
+    assert len(started(project.run("--presets", "host", "tests/unit"))) == 3
+    assert len(started(project.run("--presets", "host", "unit"))) == 3
+    nothing = project.run("--presets", "host", "include", status=1)
+    assert started(nothing) == []
+    needed = project.run("--presets", "host", "--list-targets", "unit").split()
+    assert needed == ["tests/unit/first", "tests/unit/second"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [
+        ("include/limit.h", ["host:first"]),
+        ("tests/unit/second.c", ["host:second"]),
+        ("data/table.csv", ["host:reader"]),
+        ("tests/unit/helper.py", ["host:reader"]),
+        ("data/unread.csv", []),
+    ],
+)
+def test_quick_builds_and_runs_what_reads_the_changed_file(
+    project: Project, changed: str, expected: list[str]
+) -> None:
+    project.run("--presets", "host")
+    path = project.root / changed
+    path.write_text(path.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    output = project.run("--quick")
+    assert started(output) == expected
+    assert f"1 files changed since HEAD; {len(expected)} tests belong to them." in output
+    assert (f"No test is known to read: {changed}." in output) == (not expected)
+
+
+def test_quick_builds_before_it_runs_and_names_what_it_cannot_know(project: Project) -> None:
+    project.write("include/limit.h", "#define LIMIT 4\n")
+    output = project.run("--quick", status=1)
+    assert "first (Failed)" in output
+    assert "1 Python tests" in output  # none has run yet, so nobody knows what it reads
+    project.write("include/limit.h", "#define LIMIT three\n")
+    assert "the build failed" in project.run("--quick", status=1)
+
+
+def test_quick_says_what_the_time_was_too_short_for(project: Project) -> None:
+    project.run("--presets", "host")
+    (project.root / "build/test/costs.json").write_text('{"host:first": 100.0}', encoding="utf-8")
+    project.write("include/limit.h", "#define LIMIT 3 /* again */\n")
+    output = project.run("--quick")
+    assert started(output) == []
+    assert "Left out for want of time: 1 tests: host:first." in output
+
+
+def test_the_graph_follows_contents_and_not_mere_order(project: Project) -> None:
+    directory = project.root / "build/host"
+    graph = BuildGraph(directory)
+    affected = graph.affected({project.root / "include/limit.h"})
+    assert directory / "tests/unit/first" in affected
+    assert directory / "tests/unit/second" not in affected

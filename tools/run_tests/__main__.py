@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``python -m run_tests``: what ``tools/dev test`` calls; its help describes the options."""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from run_tests import choose, ctest
+from run_tests.ctest import Result, Test
+from run_tests.graph import BuildGraph
+
+ROOT = Path(__file__).resolve().parents[2]
+PRESETS = ("host", "host-asan", "stm32f405", "qemu")
+# The sanitizers' build repeats the host's tests, so a quick run leaves it out.
+QUICK_PRESETS = ("host", "stm32f405", "qemu")
+QUICK_S = 60.0
+QUICK_BUILD_S = 35.0
+QUICK_END_S = 57.0
+TARGETS_AT_ONCE = 8
+
+
+class Suite:
+    """The folder of the combined run: its list of tests, the times of earlier runs, the records."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self.folder = root / "build" / "test"
+        self.opened = self.folder / "opened"
+        self._costs = self.folder / "costs.json"
+        self.opened.mkdir(parents=True, exist_ok=True)
+        self.history: dict[str, float] = {}
+        if self._costs.is_file():
+            self.history = json.loads(self._costs.read_text(encoding="utf-8"))
+
+    def cost_s(self, test: Test) -> float:
+        """Return how long a test will take, in seconds."""
+        return ctest.cost_s(test, self.history)
+
+    def run(self, tests: Sequence[Test], limit_s: float | None = None) -> dict[str, Result]:
+        """Run tests, keep their times, and return their results by full name."""
+        for test in tests:
+            (self.opened / test.full_name).unlink(missing_ok=True)
+        text = ctest.suite_text(tests, self.history, self.opened, self._root)
+        (self.folder / "CTestTestfile.cmake").write_text(text, encoding="utf-8")
+        _, results = ctest.run(self.folder, jobs(), limit_s)
+        self.history |= {name: result.time_s for name, result in results.items() if result.passed}
+        self._costs.write_text(json.dumps(self.history, indent=0), encoding="utf-8")
+        return results
+
+
+def jobs() -> int:
+    """Return how many tests run at the same time."""
+    return len(os.sched_getaffinity(0))
+
+
+def closing_lines(preset: str, tests: Sequence[Test], results: dict[str, Result]) -> list[str]:
+    """Return ctest's closing lines for the tests of one preset: count, time, failures by name."""
+    mine = [(test, results.get(test.full_name)) for test in tests if test.preset == preset]
+    failed = [
+        f"\t{test.name} ({result.verdict if result else 'Not Run'})"
+        for test, result in mine
+        if result is None or not (result.passed or result.skipped)
+    ]
+    skipped = [f"\t{test.name} (Skipped)" for test, result in mine if result and result.skipped]
+    share = round(100 * (len(mine) - len(failed)) / len(mine)) if mine else 0
+    if failed and share == 100:
+        share = 99
+    lines = [
+        f"{preset}:",
+        f"{share}% tests passed, {len(failed)} tests failed out of {len(mine)}",
+        f"Sum of the tests' times = {sum(r.time_s for _, r in mine if r):.2f} sec",
+    ]
+    if skipped:
+        lines += ["The following tests did not run:", *skipped]
+    if failed:
+        lines += ["The following tests FAILED:", *failed]
+    return lines
+
+
+def all_passed(tests: Sequence[Test], results: dict[str, Result]) -> bool:
+    """Return True if every test ran and none failed."""
+    found = [results.get(test.full_name) for test in tests]
+    return all(result is not None and (result.passed or result.skipped) for result in found)
+
+
+def run_chosen(
+    suite: Suite, presets: Sequence[str], tests: list[Test], options: argparse.Namespace
+) -> bool:
+    """Run the tests and print what ctest says, then the closing lines of each preset."""
+    full = options.full
+    long = [] if full else [test for test in tests if ctest.FULL_LABEL in test.labels]
+    tests = [test for test in tests if test not in long]
+    begin = time.monotonic()
+    results = suite.run(tests) if tests else {}
+    before = (
+        f"Set-up took {options.setup_s} s, building {options.build_s} s, "
+        if options.setup_s
+        else ""
+    )
+    print(f"\n{before}testing {time.monotonic() - begin:.0f} s.".replace("\nt", "\nT"))
+    if long:
+        print(
+            f"{len(long)} tests labelled {ctest.FULL_LABEL} were left out; ./tools/dev test --full runs them."
+        )
+    for preset in presets:
+        print("\n".join(closing_lines(preset, tests, results)))
+    failed = [name for name in presets
+              if not all_passed([test for test in tests if test.preset == name], results)]  # fmt: skip
+    failed += [f"{name} (build)" for name in options.not_built.split(",") if name]
+    sys.stdout.flush()
+    if failed:
+        print(f"tools/dev: failed: {' '.join(failed)}", file=sys.stderr)
+    return bool(tests) and not failed
+
+
+def in_time(tests: Sequence[Test], suite: Suite, budget_s: float) -> list[Test]:
+    """Return the shortest tests that together fit into a time on all cores."""
+    chosen = []
+    left_s = budget_s * jobs()
+    for test in sorted(tests, key=suite.cost_s):
+        cost_s = suite.cost_s(test)
+        if cost_s <= min(left_s, budget_s):
+            left_s -= cost_s
+            chosen.append(test)
+    return chosen
+
+
+def build_in_time(preset: str, targets: Sequence[Path], end: float) -> set[Path]:
+    """Build targets, a few at a time, until a time; return those that are built.
+
+    A compiler's error ends the whole run.
+    """
+    directory = ROOT / "build" / preset
+    built: set[Path] = set()
+    for first in range(0, len(targets), TARGETS_AT_ONCE):
+        left_s = end - time.monotonic()
+        if left_s <= 0:
+            break
+        batch = targets[first : first + TARGETS_AT_ONCE]
+        names = [str(path.relative_to(directory)) for path in batch]
+        try:
+            answer = subprocess.run(
+                ["ninja", "-C", str(directory), *names],
+                capture_output=True,
+                text=True,
+                timeout=left_s,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            break
+        if answer.returncode != 0:
+            sys.exit(answer.stdout[-4000:] + f"run_tests: {preset}: the build failed")
+        built.update(batch)
+    return built
+
+
+def quick(suite: Suite, revision: str) -> bool:
+    """Build and test what belongs to the files changed since a revision, in at most 60 s."""
+    begin = time.monotonic()
+    changed = choose.changed_since(ROOT, revision)
+    presets = [name for name in QUICK_PRESETS if (ROOT / "build" / name / "build.ninja").is_file()]
+    if "host" not in presets:
+        sys.exit("run_tests: --quick needs a tree that './tools/dev test' has built")
+    wanted: list[Test] = []
+    ready: list[Test] = []
+    unknown: list[Test] = []
+    explained = set()
+    for preset in presets:
+        graph = BuildGraph(ROOT / "build" / preset)
+        tests = ctest.listed(ROOT, preset)
+        mine = choose.of_changes(tests, changed, graph, suite.opened)
+        for path in changed:
+            if choose.of_changes(tests, {path}, graph, suite.opened):
+                explained.add(path)
+        unknown += [
+            test for test in tests
+            if "python" in test.labels and not (suite.opened / test.full_name).is_file() and test not in mine
+        ]  # fmt: skip
+        wanted += mine
+        affordable = in_time(mine, suite, QUICK_S / 2)
+        needs = {test: choose.products(test, graph, suite.opened) for test in affordable}
+        targets = list(dict.fromkeys(path for test in affordable for path in sorted(needs[test])))
+        built = build_in_time(preset, targets, begin + QUICK_BUILD_S)
+        ready += [test for test in affordable if needs[test] <= built]
+    chosen = in_time(ready, suite, QUICK_END_S - 5.0 - (time.monotonic() - begin))
+    results: dict[str, Result] = {}
+    if chosen:
+        results = suite.run(chosen, QUICK_END_S - (time.monotonic() - begin))
+    done = [test for test in chosen if test.full_name in results]
+    print()
+    print(f"{len(changed)} files changed since {revision}; {len(wanted)} tests belong to them.")
+    unexplained = sorted(str(path.relative_to(ROOT)) for path in changed - explained)
+    if unexplained:
+        print(f"No test is known to read: {', '.join(unexplained)}.")
+    left = [test for test in wanted if test not in done]
+    if left:
+        shown = ", ".join(test.full_name for test in left[:12])
+        more = f" and {len(left) - 12} more" if len(left) > 12 else ""
+        print(f"Left out for want of time: {len(left)} tests: {shown}{more}.")
+    if unknown:
+        print(
+            f"Left out because it is not known what they read until './tools/dev test' has run them: {len(unknown)} Python tests."
+        )
+    print(
+        f"The build with sanitizers was left out. All of this took {time.monotonic() - begin:.0f} s."
+    )
+    for preset in sorted({test.preset for test in done}, key=PRESETS.index):
+        print("\n".join(closing_lines(preset, done, results)))
+    return all_passed(done, results)
+
+
+def main() -> int:
+    """Run what the arguments ask for; the exit status is 1 if a test failed or none was found."""
+    parser = argparse.ArgumentParser(prog="run_tests")
+    parser.add_argument("--presets", default=",".join(PRESETS), help="comma-separated")
+    parser.add_argument("--full", action="store_true", help="with the tests labelled full")
+    parser.add_argument("--quick", action="store_true", help="only what belongs to changed files")
+    parser.add_argument("--since", default="HEAD", metavar="REV", help="changed since when")
+    parser.add_argument("--setup-s", help="how long the set-up took, to be printed with the rest")
+    parser.add_argument("--build-s", help="how long the build took")
+    parser.add_argument("--not-built", default="", help="presets whose build failed")
+    parser.add_argument("--list-targets", action="store_true", help="what the folders' tests need")
+    parser.add_argument("folders", nargs="*", metavar="FOLDER", help="only these folders' tests")
+    options = parser.parse_args()
+    suite = Suite(ROOT)
+    if options.quick:
+        return 0 if quick(suite, options.since) else 1
+    presets = [name for name in options.presets.split(",") if name]
+    tests = [test for preset in presets for test in ctest.listed(ROOT, preset)]
+    if options.folders:
+        tests = choose.of_folder(tests, ROOT, options.folders)
+    if options.list_targets:
+        for preset in presets:
+            mine = [test for test in tests if test.preset == preset]
+            if mine:
+                print(" ".join(targets_of(preset, mine, suite)))
+        return 0
+    if options.folders:
+        presets = [name for name in presets if any(test.preset == name for test in tests)]
+    return 0 if run_chosen(suite, presets, tests, options) else 1
+
+
+def targets_of(preset: str, tests: Sequence[Test], suite: Suite) -> list[str]:
+    """Return what has to be built for tests; "all" where that is not known yet."""
+    directory = ROOT / "build" / preset
+    graph = BuildGraph(directory)
+    known = [
+        "python" not in test.labels or (suite.opened / test.full_name).is_file() for test in tests
+    ]
+    if not all(known):
+        return ["all"]
+    needed = {path for test in tests for path in choose.products(test, graph, suite.opened)}
+    return sorted(str(path.relative_to(directory)) for path in needed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Build several configured presets at the same time, so that no core waits for another's linker.
+
+``python -m run_tests.build LOGS PRESET[:TARGET...]...``: the first preset is built beside the
+others, which follow one another. Each has its log in the folder LOGS, ``build-PRESET.log``; the
+names of those that failed are written to ``build-failed`` there, and the ends of their logs to
+stdout.
+"""
+
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+from run_tests.__main__ import ROOT, jobs
+
+SHOWN_LINES = 20
+
+
+def build(logs: Path, preset: str, targets: Sequence[str]) -> bool:
+    """Build targets of a preset, by default all; show the progress; return False on failure."""
+    command = ["cmake", "--build", "--preset", preset, "--parallel", str(jobs())]
+    if targets:
+        command += ["--target", *targets]
+    with (logs / f"build-{preset}.log").open("w", encoding="utf-8") as log:
+        process = subprocess.Popen(
+            command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            errors="replace",
+        )  # fmt: skip
+        assert process.stdout is not None
+        for line in process.stdout:
+            log.write(line)
+            print(f"{preset}: {line}", end="", flush=True)
+        return process.wait() == 0
+
+
+def main(arguments: list[str]) -> int:
+    """Build in two lanes and return 1 if a preset failed."""
+    logs = Path(arguments[0])
+    wanted = [(preset, targets.split()) for preset, _, targets in
+              (argument.partition(":") for argument in arguments[1:])]  # fmt: skip
+    failed: list[str] = []
+
+    def lane(share: list[tuple[str, list[str]]]) -> None:
+        failed.extend(preset for preset, targets in share if not build(logs, preset, targets))
+
+    other = threading.Thread(target=lane, args=(wanted[1:],))
+    other.start()
+    lane(wanted[:1])
+    other.join()
+    (logs / "build-failed").write_text("".join(f"{name}\n" for name in failed), encoding="utf-8")
+    for name in failed:
+        lines = (logs / f"build-{name}.log").read_text(encoding="utf-8").splitlines()
+        print("\n".join([f"{name}:", *lines[-SHOWN_LINES:]]))
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
