@@ -2,6 +2,10 @@
 # Toolchain for the bare-metal ports. HUBFOC_CPU chooses the core; the port's own CMakeLists adds linker script and specs.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR arm)
+find_program(HUBFOC_ARM_GCC arm-none-eabi-gcc)
+if(NOT HUBFOC_ARM_GCC)
+  message(FATAL_ERROR " arm-none-eabi-gcc was not found: './tools/dev setup arm' installs it.")
+endif()
 set(CMAKE_C_COMPILER arm-none-eabi-gcc)
 set(CMAKE_ASM_COMPILER arm-none-eabi-gcc)
 set(CMAKE_OBJCOPY arm-none-eabi-objcopy CACHE STRING "")

@@ -9,8 +9,9 @@ readonly BROWSER_PACKAGE=chromium-headless-shell
 
 browser_is_there() { have "$BROWSER_PACKAGE" || have chromium || have google-chrome; }
 
-# The system's packages are looked after here, because a system may not have this one.
-missing_browser() { :; }
+# Not every system has the package, so a browser that is missing is no reason to stop; where the system has it, it is
+# installed with the others.
+missing_browser() { browser_is_there || ! apt_knows "$BROWSER_PACKAGE" || echo "$BROWSER_PACKAGE"; }
 
 ensure_browser() {
     browser_is_there && return
