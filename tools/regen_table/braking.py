@@ -22,7 +22,7 @@ class Region(enum.StrEnum):
     PLUGGING = "I"  # beyond T_zero: the motor alone would take energy out of the battery
     BEYOND_OPTIMUM = "II"  # T_opt to T_zero: the motor alone would return less than it could
     MOTOR_ALONE = "III"  # up to T_opt
-    MIXED = "IV"  # beyond what the motor's limits allow, where they come before T_opt
+    MIXED = "IV"  # up to T_zero, where the motor's limits come before T_opt
 
 
 def torque_limit_nm(drive: Drive, speed_rad_s: ArrayLike) -> Array:
@@ -61,16 +61,16 @@ def electric_torque_nm(
 def region(
     drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike, demand_nm: ArrayLike
 ) -> np.typing.NDArray[np.str_]:
-    """Classify braking demands (magnitudes, N m) by the regions of Fig.
+    """Classify braking demands (magnitudes in N m) by the regions of Fig. 5: an array of "I", "II", "III" or "IV".
 
-    5; an array of "I", "II", "III" or "IV".
+    Beyond T_zero a demand is in region I whatever the limits are, down to standstill.
     """
     best = optimum.closed_form(motor, inverter, np.asarray(speed_rad_s) * motor.pole_pairs)
     demand, limit = np.asarray(demand_nm), torque_limit_nm(drive, speed_rad_s)
     optimal, zero = np.abs(best.torque_optimal_nm), np.abs(best.torque_zero_nm)
-    inside = [demand <= np.minimum(optimal, limit), optimal > limit, demand <= zero]
-    names = [Region.MOTOR_ALONE.value, Region.MIXED.value, Region.BEYOND_OPTIMUM.value]
-    return np.select(inside, names, Region.PLUGGING.value)
+    inside = [demand <= np.minimum(optimal, limit), demand > zero, optimal > limit]
+    names = [Region.MOTOR_ALONE.value, Region.PLUGGING.value, Region.MIXED.value]
+    return np.select(inside, names, Region.BEYOND_OPTIMUM.value)
 
 
 def paper_optimum_nm(motor: Machine, speed_rad_s: ArrayLike) -> Array:

@@ -146,10 +146,10 @@ def current_over_speed(drive: Drive) -> Figure:
     made, (axes,) = plotting.figure("Fig. 4   Braking current over speed", height=5.2)
     axes.plot(rpm(speed), -line.optimal_a, color=BLUE, label="most power returned")
     axes.plot(rpm(speed), -line.zero_a, color=RED, label="boundary to plugging")
-    text = (
-        "the same with i_d = 0, without iron and inverter loss,"
+    neglected = (
+        "i_d = 0, no iron and inverter loss"
         if ideal.salient(drive)
-        else "the same without iron and inverter loss,"
+        else "no iron and inverter loss"
     )
     axes.plot(
         rpm(speed),
@@ -157,9 +157,16 @@ def current_over_speed(drive: Drive) -> Figure:
         color=BLUE,
         linestyle="--",
         linewidth=1.0,
-        label=f"{text}\nthe paper's −ωψ/2R and −ωψ/R",
+        label=f"most power, {neglected}:\nthe paper's −ωψ/2R",
     )
-    axes.plot(rpm(speed), 2.0 * neglecting, color=RED, linestyle="--", linewidth=1.0)
+    axes.plot(
+        rpm(speed),
+        2.0 * neglecting,
+        color=RED,
+        linestyle="--",
+        linewidth=1.0,
+        label=f"boundary, {neglected}:\nthe paper's −ωψ/R",
+    )
     axes.axhline(
         -drive.motor.max_phase_current_a,
         color="black",
@@ -184,64 +191,55 @@ def current_over_speed(drive: Drive) -> Figure:
 def regions(drive: Drive) -> Figure:
     """Fig. 5: best braking torque over speed, and the four regions of a braking demand."""
     motor, inverter, _ = reference(drive)
-    speed = shown_speeds(drive)
-    top = float(speed[-1])
+    speed = np.append(0.0, shown_speeds(drive))
     line = ideal.lines(drive, motor, inverter, speed)
-    limit = braking.torque_limit_nm(drive, speed)
     ceiling = 2.5 * drive.motor.max_torque_nm
     # Beyond all that is drawn where it is beyond the search.
     optimal, zero = (
-        np.nan_to_num(torque, nan=1.01 * ceiling) for torque in (line.optimal_nm, line.zero_nm)
+        np.minimum(np.nan_to_num(torque, nan=np.inf), 1.01 * ceiling)
+        for torque in (line.optimal_nm, line.zero_nm)
     )
+    # The speed at which the limit comes before the optimum belongs to the areas on both its sides.
+    beyond = optimal - braking.torque_limit_nm(drive, speed)
+    last = int(np.argmax(beyond > 0.0)) - 1 if np.any(beyond > 0.0) else -1
+    if last >= 0:
+        share = beyond[last] / (beyond[last] - beyond[last + 1])
+        speed, optimal, zero = (
+            np.insert(values, last + 1, values[last] + share * (values[last + 1] - values[last]))
+            for values in (speed, optimal, zero)
+        )
+    limit, top = braking.torque_limit_nm(drive, speed), float(speed[-1])
+    limited = np.arange(speed.size) > (last if last >= 0 else speed.size)
+    free = np.arange(speed.size) <= (last + 1 if last >= 0 else speed.size)
     capability = np.minimum(optimal, limit)
-    free = optimal <= limit
-    also = free | np.roll(
-        free, 1
-    )  # areas are drawn between samples: both neighbours of the meeting point belong to both
-    x = rpm(speed)
+    x, below = rpm(speed), np.minimum(zero, ceiling)
     made, (axes,) = plotting.figure(
         "Fig. 5   Best braking torque and the regions of a demand", height=5.2
     )
-    axes.fill_between(x, 0.0, capability, color=GREEN, alpha=0.18, linewidth=0)
-    axes.fill_between(
-        x, limit, ceiling, where=~free | np.roll(~free, -1), color=PURPLE, alpha=0.15, linewidth=0
-    )
-    axes.fill_between(
-        x, optimal, np.minimum(zero, ceiling), where=also, color=ORANGE, alpha=0.20, linewidth=0
-    )
-    axes.fill_between(
-        x, np.minimum(zero, ceiling), ceiling, where=also, color=RED, alpha=0.18, linewidth=0
-    )
-    axes.plot(
-        x,
-        np.minimum(zero, 1.01 * ceiling),
-        color=RED,
-        linewidth=1.2,
-        label="T_zero: no power flows",
-    )
-    axes.plot(
-        x,
-        np.minimum(optimal, 1.01 * ceiling),
-        color=BLUE,
-        linewidth=1.2,
-        linestyle="--",
-        label="T_opt without limits",
-    )
+    for lower, upper, where, colour, alpha in (
+        (0.0 * x, capability, free | limited, GREEN, 0.18),
+        (capability, below, free, ORANGE, 0.20),
+        (capability, below, limited, PURPLE, 0.15),
+        (below, 0.0 * x + ceiling, free | limited, RED, 0.18),
+    ):
+        axes.fill_between(x, lower, upper, where=where, color=colour, alpha=alpha, linewidth=0)
+    axes.plot(x, zero, color=RED, linewidth=1.2, label="T_zero: no power flows")
+    axes.plot(x, optimal, color=BLUE, linewidth=1.2, linestyle="--", label="T_opt without limits")
     axes.plot(
         x, capability, color=BLUE, linewidth=2.2, label="T_opt inside torque and power limits"
     )
-    meeting = float(speed[int(np.argmax(~free))]) if np.any(~free) else top
+    meeting = float(speed[last + 1]) if last >= 0 else top
     labels = [("III", 0.55 * top, 0.5 * float(np.interp(0.55 * top, speed, capability)))]
     if meeting < 0.95 * top:
         middle = 0.5 * (meeting + top)
-        labels.append(("IV", middle, 0.5 * (float(np.interp(middle, speed, limit)) + ceiling)))
+        edges = [float(np.interp(middle, speed, edge)) for edge in (limit, below)]
+        labels.append(("IV", middle, 0.5 * sum(edges)))
     at = 0.72 * meeting
-    middle = 0.5 * float(
-        np.interp(at, speed, optimal) + min(float(np.interp(at, speed, zero)), ceiling)
-    )
-    labels += [("II", at, middle), ("I", 0.35 * meeting, 0.75 * ceiling)]
-    for name, where, height in labels:
-        axes.text(float(rpm(np.array(where))), height, name, fontsize=14, ha="center", va="center")
+    edges = [float(np.interp(at, speed, edge)) for edge in (optimal, below)]
+    labels += [("II", at, 0.5 * sum(edges)), ("I", 0.35 * meeting, 0.75 * ceiling)]
+    for name, speed_rad_s, height in labels:
+        at_rpm = float(rpm(np.array(speed_rad_s)))
+        axes.text(at_rpm, height, name, fontsize=14, ha="center", va="center")
     axes.set(
         xlabel="speed, r/min", ylabel="braking torque, N·m", xlim=(0.0, x[-1]), ylim=(0.0, ceiling)
     )
@@ -254,15 +252,25 @@ def regions(drive: Drive) -> Figure:
 def efficiency_map(drive: Drive) -> Figure:
     """Fig. 11: share of the braking power at the shaft that reaches the bus."""
     motor, inverter, top = reference(drive)
-    speed = np.linspace(0.01 * top, top, 240)
-    torque = np.linspace(0.01, 1.0, 200)[:, np.newaxis] * drive.motor.max_torque_nm
+    # Down to standstill in equal ratios, and through the corner of the torque and power limits; the
+    # torques follow the limit, so that the picture's edge is the hyperbola itself.
+    corner = drive.motor.max_power_w / drive.motor.max_torque_nm
+    speed = np.unique(
+        np.concatenate(
+            [
+                np.geomspace(2e-3 * top, top, 160),
+                np.linspace(0.01, 1.0, 200) * top,
+                [min(corner, top)],
+            ]
+        )
+    )
+    share = np.unique(np.concatenate([np.geomspace(2e-3, 1.0, 100), np.linspace(0.01, 1.0, 150)]))
+    torque = share[:, np.newaxis] * braking.torque_limit_nm(drive, speed)
     ways = ideal.production(drive)
     state = ways.state(motor, inverter, speed, -torque)
     friction = state.loss_friction_w
     efficiency = -state.dc_power_w / (torque * speed + friction)
-    shown = np.ma.masked_where(
-        torque > 1.02 * braking.torque_limit_nm(drive, speed), 100.0 * efficiency
-    )
+    shown = 100.0 * efficiency
     made, (axes,) = plotting.figure(
         "Fig. 11   Efficiency of regenerative braking, motor and inverter, per cent"
     )
@@ -273,7 +281,7 @@ def efficiency_map(drive: Drive) -> Figure:
         x,
         y,
         shown,
-        levels=[30.0, 50.0, 60.0, 70.0, 80.0, 85.0, 90.0, 93.0, 95.0],
+        levels=[20.0, 40.0, 50.0, 60.0, 70.0, 80.0, 85.0, 90.0, 93.0, 95.0],
         colors="white",
         linewidths=0.8,
     )
@@ -283,7 +291,7 @@ def efficiency_map(drive: Drive) -> Figure:
     axes.set(
         xlabel="speed, r/min",
         ylabel="braking torque, N·m",
-        ylim=(0.0, float(torque[-1, 0])),
+        ylim=(0.0, drive.motor.max_torque_nm),
         xlim=(0.0, float(rpm(np.array(top)))),
     )
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), fontsize=9)
@@ -329,9 +337,11 @@ def torque_ramp(drive: Drive) -> Figure:
             xytext=(-8, -14),
             ha="right",
         )
-        lower.axvline(at, color=GREY, linestyle=":", linewidth=1.0)
+        label = "T_opt and T_zero" if text == "T_opt" else None
+        lower.axvline(at, color=GREY, linestyle=":", linewidth=1.0, label=label)
     lower.set(xlabel="time, s", ylabel="battery current of one motor, A")
     lower.set_title("below zero, current flows into the battery", fontsize=9)
+    lower.legend(loc="upper center", fontsize=9)
     return made
 
 

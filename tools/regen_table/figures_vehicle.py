@@ -32,23 +32,37 @@ def _soc(drive: Drive) -> float:
 def electric_share(drive: Drive) -> Figure:
     """Fig. 7: electric braking torque of the three strategies over speed and demand."""
     motor, inverter, top = _reference(drive)
-    speed = np.linspace(1e-3 * top, top, 200)
-    demand = np.linspace(0.0, 3.0 * drive.motor.max_torque_nm, 150)[:, np.newaxis]
+    most = drive.motor.max_torque_nm
+    corner = drive.motor.max_power_w / most  # where the power limit takes over
+    speed = np.unique(np.append(np.linspace(1e-3 * top, top, 400), min(corner, top)))
+    demand = np.unique(np.append(np.linspace(0.0, 3.0 * most, 301), most))[:, np.newaxis]
     capability = ideal.production(drive).capability_nm(drive, motor, inverter, speed)
     made, panels = plotting.figure(
-        "Fig. 7   Electric braking torque, N·m", columns=3, width=11.0, height=4.2
+        "Fig. 7   Electric braking torque, N·m", columns=3, width=11.0, height=4.6
     )
-    levels = np.linspace(0.0, drive.motor.max_torque_nm, 11)
-    drawn = []
+    bands = np.linspace(0.0, most, 41)
+    drawn, edge, reached = [], 0.999 * most, False
     for axes, strategy in zip(panels, STRATEGIES, strict=True):
         electric = braking.electric_torque_nm(drive, strategy, demand, speed, capability)
         x, y, z = np.broadcast_arrays(speed * 30.0 / math.pi, demand, electric)
-        drawn.append(axes.contourf(x, y, z, levels=levels, cmap="Blues"))
-        axes.contour(x, y, z, levels=levels, colors="white", linewidths=0.5)
+        drawn.append(axes.contourf(x, y, z, levels=bands, cmap="Blues"))
+        axes.contour(x, y, z, levels=bands[4:-1:4], colors="white", linewidths=0.5)
+        if np.max(z) > edge:
+            reached = True
+            axes.contour(x, y, z, levels=[edge], colors=ORANGE, linewidths=1.6)
         axes.grid(visible=False)
+        axes.xaxis.set_major_locator(plotting.ticks(8))
+        axes.yaxis.set_major_locator(plotting.ticks(7))
         axes.set(title=STRATEGY_NAMES[strategy], xlabel="speed, r/min")
+    if reached:
+        label = f"the motor's full {most:g} N·m inside"
+        panels[0].plot([], [], color=ORANGE, linewidth=1.6, label=label)
+    panels[0].plot([], [], color="#9db7d5", linewidth=0.8, label=f"every {most / 10.0:g} N·m")
+    plotting.legend_below(made, panels[0], columns=2)
     panels[0].set_ylabel("braking demand at the wheel, N·m")
-    made.colorbar(drawn[0], ax=panels, label="electric torque, N·m")
+    made.colorbar(
+        drawn[0], ax=panels, label="electric torque, N·m", ticks=np.linspace(0.0, most, 11)
+    )
     return made
 
 
@@ -84,7 +98,7 @@ def pedal(drive: Drive) -> Figure:
                 demand - electric,
                 color=RED,
                 linestyle=style,
-                label="mechanical" if style == "-" else None,
+                label=f"mechanical{at}",
             )
         axes.plot(100.0 * travel, demand, color="black", linewidth=0.9, label="demand")
         axes.set(
@@ -93,7 +107,7 @@ def pedal(drive: Drive) -> Figure:
             xlim=(0.0, 100.0),
             ylim=(0.0, full),
         )
-        axes.legend(loc="upper left", fontsize=9)
+        axes.legend(loc="upper left", fontsize=8 if len(speeds) > 1 else 9)
     panels[0].set_ylabel("braking torque at one wheel, N·m")
     return made
 
@@ -102,7 +116,14 @@ def stored_share(drive: Drive) -> Figure:
     """Fig. 14: share of the kinetic energy that a stop stores, over the demand."""
     top_kmh = drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
     initial = min(40.0, 2.0 / 3.0 * top_kmh)
-    demands = np.geomspace(0.05, 5.0, 60) * drive.motor.max_torque_nm
+    # Curves have knees where a motor's share reaches its limit: those demands are among the points.
+    knees = [drive.motor.max_torque_nm, drive.brake.electric_rated_torque_nm]
+    if drive.brake.parallel_electric_share > 0.0:
+        knees.append(drive.motor.max_torque_nm / drive.brake.parallel_electric_share)
+    lowest, highest = 0.05 * drive.motor.max_torque_nm, 5.0 * drive.motor.max_torque_nm
+    demands = np.unique(
+        [*np.geomspace(lowest, highest, 60), *(k for k in knees if lowest <= k <= highest)]
+    )
     made, (axes,) = plotting.figure(
         f"Fig. 14   Kinetic energy stored by a stop from {initial:.3g} km/h"
     )
@@ -133,6 +154,7 @@ def stored_share(drive: Drive) -> Figure:
         xlim=(0.0, float(demands[-1])),
         ylim=(-20.0, 100.0),
     )
+    axes.xaxis.set_major_locator(plotting.ticks(10))
     axes.legend(loc="upper right")
     return made
 

@@ -11,6 +11,7 @@ from typing import Any
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from regen_table import generate
 
@@ -55,6 +56,11 @@ def figure(
         grid = made.subplots(rows, columns, squeeze=False)
         made.suptitle(title)
     return made, [axes for row in grid for axes in row]
+
+
+def ticks(most: int) -> MaxNLocator:
+    """Return at most so many intervals of 1, 2, 4, 5 or 10 times a power of ten."""
+    return MaxNLocator(most, steps=[1, 2, 4, 5, 10])
 
 
 def legend_below(made: Figure, axes: Axes, columns: int) -> None:

@@ -296,6 +296,9 @@ def test_the_four_regions_lie_as_in_figure_5(paper: schema.Drive) -> None:
         "I",
     ]
     assert [name(300.0, demand) for demand in (39.9, 40.1, 200.0)] == ["III", "IV", "IV"]
+    # Beyond T_zero, 88.0 N m at 90 r/min, the limits do not matter; down to standstill it is zero.
+    assert [name(90.0, demand) for demand in (39.9, 40.1, 87.9, 88.1)] == ["III", "IV", "IV", "I"]
+    assert [name(0.0, demand) for demand in (0.0, 0.1, 200.0)] == ["III", "I", "I"]
     # 2094 W at 600 r/min are 33.3 N m.
     assert [name(600.0, demand) for demand in (33.2, 33.4)] == ["III", "IV"]
 
