@@ -235,7 +235,7 @@ static void advance(bench_t *bench)
     book(&bench->booked, &bus, &moved, kinetic_j - kinetic_energy_j(bench));
 }
 
-void bench_period(bench_t *bench)
+void bench_begin_period(bench_t *bench)
 {
     if (bench->time_s * CONTROLLER_SLOW_RATE_HZ + ROUNDING >= (double)bench->slow_steps) {
         bench->slow_steps++;
@@ -244,11 +244,21 @@ void bench_period(bench_t *bench)
     for (int k = 0; k < bench->wheels; k++) {
         wheel_sample(&bench->wheel[k], &bench->world, bench->bus.voltage_v);
     }
+}
+
+void bench_end_period(bench_t *bench)
+{
     for (int k = 0; k < bench->pieces; k++) {
         advance(bench);
     }
     bench->period++;
     bench->time_s = (double)bench->period * bench->world.step_s * bench->pieces;
+}
+
+void bench_period(bench_t *bench)
+{
+    bench_begin_period(bench);
+    bench_end_period(bench);
 }
 
 static bool all_run(const bench_t *bench)

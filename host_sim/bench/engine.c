@@ -8,24 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "bench/bench.h"
-#include "bench/recorder.h"
+#include "bench/handle.h"
 #include "bench/signals.h"
 #include "config/validate.h"
 
-enum { ERROR_LENGTH = 400 };
 static const double CLOCK_ROUNDING_S = 1e-9;
-
-struct hubsim {
-    bench_params_t params;
-    config_t config;
-    driver_trace_t trace;
-    double *trace_memory;
-    bool has_config, has_started;
-    recorder_t recorder;
-    char error[ERROR_LENGTH];
-    bench_t bench;
-};
+static const char NOT_THE_FIRMWARE[] =
+    "after hubsim_external_take the vehicle goes on with hubsim_external_step only";
 
 hubsim_t *hubsim_new(void)
 {
@@ -34,6 +23,18 @@ hubsim_t *hubsim_new(void)
         sim->params.battery.open_circuit_voltage_v = curve_constant(0.0);
     }
     return sim;
+}
+
+int handle_after_period(hubsim_t *sim)
+{
+    const bench_t *bench = &sim->bench;
+    if (bench->battery.collapsed || bench->bus.collapsed) {
+        return handle_fail(sim, HUBSIM_FAILED,
+                           "the %s cannot give the power that was drawn at %.3f s: its voltage "
+                           "collapsed",
+                           bench->battery.collapsed ? "battery" : "bus", bench->time_s);
+    }
+    return HUBSIM_OK;
 }
 
 void hubsim_delete(hubsim_t *sim)
@@ -49,7 +50,7 @@ const char *hubsim_error(const hubsim_t *sim)
     return sim->error;
 }
 
-static int fail(hubsim_t *sim, int code, const char *format, ...)
+int handle_fail(hubsim_t *sim, int code, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -62,13 +63,13 @@ int hubsim_set(hubsim_t *sim, const char *name, double value)
 {
     const int index = parameters_find(name);
     if (index < 0) {
-        return fail(sim, HUBSIM_BAD_NAME, "%s: no such parameter", name);
+        return handle_fail(sim, HUBSIM_BAD_NAME, "%s: no such parameter", name);
     }
     bench_params_t changed = sim->has_started ? sim->bench.params : sim->params;
     if (!parameters_set(&changed, index, value)) {
         const parameter_info_t info = parameters_info(index);
-        return fail(sim, HUBSIM_BAD_VALUE, "%s: %g %s, accepted: %g to %g", name, value, info.unit,
-                    info.lowest, info.highest);
+        return handle_fail(sim, HUBSIM_BAD_VALUE, "%s: %g %s, accepted: %g to %g", name, value,
+                           info.unit, info.lowest, info.highest);
     }
     if (!sim->has_started) {
         sim->params = changed;
@@ -76,7 +77,7 @@ int hubsim_set(hubsim_t *sim, const char *name, double value)
     }
     const char *objection = bench_objection(&sim->bench, &changed);
     if (objection != NULL) {
-        return fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
     }
     sim->bench.params = changed;
     bench_refresh(&sim->bench);
@@ -97,14 +98,14 @@ int hubsim_set_voltage_curve(hubsim_t *sim, const double *soc, const double *vol
 {
     curve_t curve = curve_constant(0.0);
     if (!curve_set(&curve, soc, voltage_v, points)) {
-        return fail(sim, HUBSIM_BAD_VALUE,
-                    "open-circuit voltage: %d points, accepted: 1 to %d with rising soc", points,
-                    CURVE_POINTS_MAX);
+        return handle_fail(sim, HUBSIM_BAD_VALUE,
+                           "open-circuit voltage: %d points, accepted: 1 to %d with rising soc",
+                           points, CURVE_POINTS_MAX);
     }
     for (int k = 0; k < points; k++) {
         if (!(voltage_v[k] > 0.0)) {
-            return fail(sim, HUBSIM_BAD_VALUE,
-                        "open-circuit voltage: %g V, accepted: more than 0 V", voltage_v[k]);
+            return handle_fail(sim, HUBSIM_BAD_VALUE,
+                               "open-circuit voltage: %g V, accepted: more than 0 V", voltage_v[k]);
         }
     }
     sim->params.battery.open_circuit_voltage_v = curve;
@@ -130,15 +131,15 @@ static bool is_rising_from_zero(const double *time_s, int points)
 int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_per_s, int points)
 {
     if (sim->has_started) {
-        return fail(sim, HUBSIM_BAD_ORDER, "the speed trace cannot be changed during a run");
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "the speed trace cannot be changed during a run");
     }
     if (!is_rising_from_zero(time_s, points)) {
-        return fail(sim, HUBSIM_BAD_VALUE,
-                    "speed trace: accepted: at least one point, times rising from 0");
+        return handle_fail(sim, HUBSIM_BAD_VALUE,
+                           "speed trace: accepted: at least one point, times rising from 0");
     }
     double *memory = malloc(2U * sizeof(double) * (size_t)points);
     if (memory == NULL) {
-        return fail(sim, HUBSIM_FAILED, "no memory for a speed trace of %d points", points);
+        return handle_fail(sim, HUBSIM_FAILED, "no memory for a speed trace of %d points", points);
     }
     memcpy(memory, time_s, sizeof(double) * (size_t)points);
     memcpy(memory + points, speed_m_per_s, sizeof(double) * (size_t)points);
@@ -153,17 +154,18 @@ int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_
 static int refused(hubsim_t *sim, const config_result_t *verdict)
 {
     if (verdict->code == CONFIG_RESULT_RANGE) {
-        return fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s: %ld, accepted: %ld to %ld",
-                    verdict->field, (long)verdict->value, (long)verdict->lowest,
-                    (long)verdict->highest);
+        return handle_fail(sim, HUBSIM_BAD_CONFIG,
+                           "configuration refused: %s: %ld, accepted: %ld to %ld", verdict->field,
+                           (long)verdict->value, (long)verdict->lowest, (long)verdict->highest);
     }
-    return fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s", verdict->field);
+    return handle_fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s", verdict->field);
 }
 
 int hubsim_load_config(hubsim_t *sim, const void *image, uint32_t size_bytes)
 {
     if (sim->has_started) {
-        return fail(sim, HUBSIM_BAD_ORDER, "the configuration cannot be changed during a run");
+        return handle_fail(sim, HUBSIM_BAD_ORDER,
+                           "the configuration cannot be changed during a run");
     }
     config_t config;
     memset(&config, 0, sizeof(config));
@@ -183,23 +185,24 @@ static int check_params(hubsim_t *sim)
         const parameter_info_t info = parameters_info(k);
         const double value = parameters_get(&sim->params, k);
         if (!(value >= info.lowest && value <= info.highest)) {
-            return fail(sim, HUBSIM_BAD_ORDER, "%s: never set, accepted: %g to %g %s", info.name,
-                        info.lowest, info.highest, info.unit);
+            return handle_fail(sim, HUBSIM_BAD_ORDER, "%s: never set, accepted: %g to %g %s",
+                               info.name, info.lowest, info.highest, info.unit);
         }
     }
     if (sim->params.battery.open_circuit_voltage_v.y[0] <= 0.0) {
-        return fail(sim, HUBSIM_BAD_ORDER, "open-circuit voltage: never set");
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "open-circuit voltage: never set");
     }
     if (sim->params.bus.contactor_open > 0.0) {
-        return fail(sim, HUBSIM_BAD_ORDER, "bus.contactor_open: accepted: 0 when a run begins");
+        return handle_fail(sim, HUBSIM_BAD_ORDER,
+                           "bus.contactor_open: accepted: 0 when a run begins");
     }
     if (sim->params.inverter.switching > 0.5 && sim->params.run.pieces > 1.0) {
-        return fail(sim, HUBSIM_BAD_ORDER,
-                    "run.pieces: accepted: 0 or 1 while inverter.switching is 1");
+        return handle_fail(sim, HUBSIM_BAD_ORDER,
+                           "run.pieces: accepted: 0 or 1 while inverter.switching is 1");
     }
     const char *objection = bench_world_objection(&sim->params);
     if (objection != NULL) {
-        return fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", objection);
     }
     return HUBSIM_OK;
 }
@@ -209,18 +212,19 @@ static int not_run(hubsim_t *sim)
     for (int k = 0; k < sim->bench.wheels; k++) {
         const wheel_t *wheel = &sim->bench.wheel[k];
         if (wheel->slow.mode != MODE_RUN) {
-            return fail(sim, HUBSIM_FAILED,
-                        "the controller of wheel %d stays in %s before the run begins: %s", k,
-                        modes_text(wheel->slow.mode), reason_text(wheel->slow.fault_reason));
+            return handle_fail(sim, HUBSIM_FAILED,
+                               "the controller of wheel %d stays in %s before the run begins: %s",
+                               k, modes_text(wheel->slow.mode),
+                               reason_text(wheel->slow.fault_reason));
         }
     }
-    return fail(sim, HUBSIM_FAILED, "the controllers do not run");
+    return handle_fail(sim, HUBSIM_FAILED, "the controllers do not run");
 }
 
 int hubsim_start(hubsim_t *sim)
 {
     if (!sim->has_config) {
-        return fail(sim, HUBSIM_BAD_ORDER, "no configuration was loaded");
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "no configuration was loaded");
     }
     const int checked = check_params(sim);
     if (checked != HUBSIM_OK) {
@@ -234,9 +238,10 @@ int hubsim_start(hubsim_t *sim)
     case BENCH_NOT_RUN:
         return not_run(sim);
     case BENCH_UNRESOLVED:
-        return fail(sim, HUBSIM_FAILED,
-                    "the windings' time constant L/R is shorter than a PWM period: raise the "
-                    "inductance or the frequency");
+        return handle_fail(
+            sim, HUBSIM_FAILED,
+            "the windings' time constant L/R is shorter than a PWM period: raise the "
+            "inductance or the frequency");
     }
     recorder_begin(&sim->recorder, &sim->bench);
     return HUBSIM_OK;
@@ -274,11 +279,12 @@ const char *hubsim_signal_text(const hubsim_t *sim, int index)
 int hubsim_choose(hubsim_t *sim, const int *indices, int count)
 {
     if (!sim->has_started) {
-        return fail(sim, HUBSIM_BAD_ORDER, "signals are known after hubsim_start");
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "signals are known after hubsim_start");
     }
     if (!recorder_choose(&sim->recorder, &sim->bench, indices, count)) {
-        return fail(sim, HUBSIM_BAD_NAME, "%d signals: accepted: up to %d, each from 0 to %d",
-                    count, RECORDER_SIGNALS_MAX, signals_count(&sim->bench) - 1);
+        return handle_fail(sim, HUBSIM_BAD_NAME,
+                           "%d signals: accepted: up to %d, each from 0 to %d", count,
+                           RECORDER_SIGNALS_MAX, signals_count(&sim->bench) - 1);
     }
     recorder_begin(&sim->recorder, &sim->bench);
     return HUBSIM_OK;
@@ -286,14 +292,8 @@ int hubsim_choose(hubsim_t *sim, const int *indices, int count)
 
 static int one_period(hubsim_t *sim)
 {
-    bench_t *bench = &sim->bench;
-    bench_period(bench);
-    if (bench->battery.collapsed || bench->bus.collapsed) {
-        return fail(sim, HUBSIM_FAILED,
-                    "the %s cannot give the power that was drawn at %.3f s: its voltage collapsed",
-                    bench->battery.collapsed ? "battery" : "bus", bench->time_s);
-    }
-    return HUBSIM_OK;
+    bench_period(&sim->bench);
+    return handle_after_period(sim);
 }
 
 int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written,
@@ -302,7 +302,10 @@ int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity,
     *written = 0;
     *remaining_s = duration_s;
     if (!sim->has_started) {
-        return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+    }
+    if (sim->external.at_work) {
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", NOT_THE_FIRMWARE);
     }
     bench_t *bench = &sim->bench;
     const double until_s = bench->time_s + duration_s - CLOCK_ROUNDING_S;
@@ -330,7 +333,10 @@ int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity,
 int hubsim_advance(hubsim_t *sim, double until_s)
 {
     if (!sim->has_started) {
-        return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+    }
+    if (sim->external.at_work) {
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", NOT_THE_FIRMWARE);
     }
     int status = HUBSIM_OK;
     while (status == HUBSIM_OK && sim->bench.time_s < until_s - CLOCK_ROUNDING_S) {
@@ -342,7 +348,7 @@ int hubsim_advance(hubsim_t *sim, double until_s)
 int hubsim_sample(hubsim_t *sim, double *row)
 {
     if (!sim->has_started) {
-        return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
     }
     recorder_write(&sim->recorder, &sim->bench, row);
     return HUBSIM_OK;
@@ -361,8 +367,11 @@ uint32_t hubsim_state_bytes(void)
 
 int hubsim_save(hubsim_t *sim, void *state)
 {
+    if (sim->external.at_work) {
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", NOT_THE_FIRMWARE);
+    }
     if (!sim->has_started) {
-        return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
     }
     memcpy(state, &sim->recorder, sizeof(sim->recorder));
     memcpy((unsigned char *)state + offsetof(snapshot_t, bench), &sim->bench, sizeof(sim->bench));
@@ -371,8 +380,11 @@ int hubsim_save(hubsim_t *sim, void *state)
 
 int hubsim_restore(hubsim_t *sim, const void *state)
 {
+    if (sim->external.at_work) {
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "%s", NOT_THE_FIRMWARE);
+    }
     if (!sim->has_started) {
-        return fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
+        return handle_fail(sim, HUBSIM_BAD_ORDER, "hubsim_start comes first");
     }
     memcpy(&sim->recorder, state, sizeof(sim->recorder));
     memcpy(&sim->bench, (const unsigned char *)state + offsetof(snapshot_t, bench),

@@ -8,6 +8,7 @@ vehicle.
     hubsim.load_configuration(path)   what a controller believes and a plant is made of
     hubsim.Bench(...)                 the vehicle, driven from Python
     hubsim.Controller(...)            the controller of one wheel alone
+    hubsim.Plant(...)                 the vehicle without controllers, for those of one's own
     hubsim.parameters()               everything about the simulated world that can be set
 """
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from hubsim.controller import Controller
     from hubsim.engine import parameters
     from hubsim.errors import HubsimError
+    from hubsim.external import Measurement, Plant
     from hubsim.variables import Values, Variable
 
 # Loaded at first use, so that a command that needs none of it starts without NumPy and the engine.
@@ -31,6 +33,8 @@ _PLACES = {
     "Configuration": ("hubsim.configuration", "Configuration"),
     "Controller": ("hubsim.controller", "Controller"),
     "HubsimError": ("hubsim.errors", "HubsimError"),
+    "Measurement": ("hubsim.external", "Measurement"),
+    "Plant": ("hubsim.external", "Plant"),
     "Recording": ("hubsim.bench", "Recording"),
     "Values": ("hubsim.variables", "Values"),
     "Variable": ("hubsim.variables", "Variable"),
@@ -43,6 +47,8 @@ __all__ = [
     "Configuration",
     "Controller",
     "HubsimError",
+    "Measurement",
+    "Plant",
     "Recording",
     "Values",
     "Variable",

@@ -19,7 +19,7 @@ from pydantic import ValidationError
 
 from hubsim import configuration, mistakes, overrides, run, scenario
 from hubsim.configuration import Configuration
-from hubsim.engine import Rows, parameters
+from hubsim.engine import Engine, Rows, parameters
 from hubsim.errors import HubsimError
 
 __all__ = ["Bench", "Recording", "parameters"]
@@ -185,6 +185,19 @@ class Bench:
         rows = np.concatenate(self._kept) if self._kept else np.empty((0, len(self._meanings)))
         self._kept = []
         return Recording(self._meanings, rows)
+
+    @property
+    def engine(self) -> Engine:
+        """What the bench drives."""
+        return self._engine
+
+    def happen(self, now_s: float) -> None:
+        """Let those of the scenario's events happen that are due."""
+        self._happening.apply(self._engine, now_s)
+
+    def happens_next_s(self, now_s: float) -> float:
+        """Return the time of the next event, s; infinity if there is none."""
+        return self._happening.next_s(now_s)
 
     def mode_text(self, mode: float) -> str:
         """Return the name of a controller's mode."""

@@ -24,6 +24,7 @@ from hubsim.errors import HubsimError
 ROOT = installation.ROOT
 HEADERS = (
     ROOT / "host_sim" / "bench" / "include" / "bench" / "engine.h",
+    ROOT / "host_sim" / "bench" / "include" / "bench" / "external.h",
     ROOT / "host_sim" / "exchange" / "include" / "exchange" / "face.h",
 )
 LIBRARY = Path("host_sim") / "libhubsim_engine.so"
@@ -191,6 +192,15 @@ class Engine:
             )
         self._check(self._lib.hubsim_restore(self._sim, self._ffi.from_buffer(state)))
         self.ended = False
+
+    @property
+    def handle(self) -> Any:  # noqa: ANN401, cffi's types have no public names
+        """The library's own handle, for the functions of external.h."""
+        return self._sim
+
+    def check(self, status: int) -> None:
+        """Raise what the library's last call had to object to, if it had."""
+        self._check(status)
 
     def value(self, name: str) -> float:
         """Return a signal now; of a rate, the account it is the rate of."""

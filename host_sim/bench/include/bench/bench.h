@@ -72,6 +72,11 @@ bench_start_t bench_start(bench_t *bench);
 
 void bench_period(bench_t *bench);
 
+/* The two halves of bench_period(): up to and with what the controllers see and decide at the top
+ * of the count, and the plant in the period that follows. */
+void bench_begin_period(bench_t *bench);
+void bench_end_period(bench_t *bench);
+
 /* The run came to the end that its parameters ask for (stop_at_standstill). */
 bool bench_has_ended(const bench_t *bench);
 

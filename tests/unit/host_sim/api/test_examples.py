@@ -25,7 +25,7 @@ def example(name: str) -> Any:  # noqa: ANN401, a module
 
 def test_every_example_is_tested_here_and_named_in_the_readme() -> None:
     found = {path.stem for path in EXAMPLES.glob("*.py")}
-    assert found == {"strategies", "own_plant", "motulator_motor"}
+    assert found == {"strategies", "own_plant", "own_controller", "motulator_motor"}
     readme = (EXAMPLES / "README.md").read_text(encoding="utf-8")
     assert all(f"{name}.py" in readme for name in found)
 
@@ -65,3 +65,19 @@ def test_on_motulators_motor_torques_agree_within_one_per_cent() -> None:
     for (_, brake_nm), torques in zip(module.POINTS, module.main(), strict=True):
         for name in ("command", "estimate", "motulator", "bench"):
             assert torques[name] == pytest.approx(-brake_nm, rel=0.01), name
+
+
+def test_a_textbook_controller_stops_the_vehicle_about_as_the_firmware_does() -> None:
+    """Both brake with 60 N m from 30 km/h; the firmware brings its demand in at a limited rate.
+
+    A quarter of the vehicle, 165 kg on a wheel of 0.25 m, needs 165 v^2 r / 2 / 60 N m of way.
+    """
+    found = example("own_controller").main()
+    kinetic_j = 0.5 * 165.0 * (30.0 / 3.6) ** 2
+    meant_m = kinetic_j * 0.25 / 60.0
+    iron_nm = 2.5  # at most so much brakes besides what the textbook controller means
+    for stop in found.values():
+        assert meant_m * 60.0 / (60.0 + iron_nm) < stop.distance_m < meant_m * 1.05
+        assert 0.2 * kinetic_j < stop.hydraulic_j < 0.5 * kinetic_j
+        assert abs(stop.residual_j) < 1e-4 * kinetic_j
+    assert found["own"].stored == pytest.approx(found["firmware"].stored, abs=0.02)

@@ -5,7 +5,6 @@ No network is needed: the other packages that an installation asks for are lent 
 that the tests run in, and no more than the wheel's own metadata name.
 """
 
-import os
 import subprocess
 import sys
 import venv
@@ -15,7 +14,6 @@ from email.parser import Parser
 from importlib.metadata import distribution
 from pathlib import Path
 
-import pytest
 from packaging.markers import default_environment
 from packaging.requirements import Requirement
 
@@ -107,30 +105,3 @@ def install(wheel: Path, root: Path, extras: frozenset[str]) -> Installed:
     subprocess.run([*pip, *arguments, str(wheel)], check=True)
     _lend(made.site, requirements_of(metadata_of(wheel)["Requires-Dist"], extras))
     return made
-
-
-@pytest.fixture(scope="session")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the wheel, with the build's own requirements taken from the tests' environment."""
-    directory = tmp_path_factory.mktemp("wheel")
-    beside = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"  # cmake, ninja
-    arguments = ["--no-index", "--no-deps", "--no-build-isolation", "--disable-pip-version-check"]
-    done = subprocess.run(
-        [sys.executable, "-m", "pip", "wheel", *arguments, "--wheel-dir", directory, PROJECT],
-        env=os.environ | {"PATH": beside}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 0, done.stdout + done.stderr
-    (built,) = directory.iterdir()
-    return built
-
-
-@pytest.fixture(scope="session")
-def installed(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
-    """Install the wheel with every extra."""
-    return install(wheel, tmp_path_factory.mktemp("full"), EXTRAS)
-
-
-@pytest.fixture(scope="session")
-def bare(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Installed:
-    """Install the wheel without any extra."""
-    return install(wheel, tmp_path_factory.mktemp("bare"), frozenset())

@@ -13,7 +13,7 @@ from environments import EXTRAS, REPOSITORY, Installed, metadata_of, requirement
 from hubsim import cli, reasons
 from regen_table import generate, installation, layout, schema
 
-pytest_plugins = ("environments",)
+pytest_plugins = ("wheel_fixtures",)
 
 PACKAGES = {
     "hubsim": REPOSITORY / "host_sim" / "python" / "hubsim",

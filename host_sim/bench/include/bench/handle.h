@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * handle.h: what is behind the handle of engine.h and external.h, for the files that implement
+ * them.
+ */
+#ifndef BENCH_HANDLE_H
+#define BENCH_HANDLE_H
+
+#include <stdbool.h>
+
+#include "bench/bench.h"
+#include "bench/engine.h"
+#include "bench/recorder.h"
+
+enum { HANDLE_ERROR_LENGTH = 400 };
+
+/* One wheel whose controller is somebody else's. */
+typedef struct {
+    fast_input_t seen;   /* by the sensors, at the last top of the count */
+    fast_output_t given; /* what the bridge does next */
+    double hydraulic_nm; /* what the hydraulic brake is asked for */
+} external_wheel_t;
+
+typedef struct {
+    bool at_work;
+    bool delayed; /* what is given acts one period later, as the firmware's own */
+    wheel_coupling_t coupling[BENCH_WHEELS_MAX];
+    external_wheel_t wheel[BENCH_WHEELS_MAX];
+} external_t;
+
+struct hubsim {
+    bench_params_t params;
+    config_t config;
+    driver_trace_t trace;
+    double *trace_memory;
+    bool has_config, has_started;
+    recorder_t recorder;
+    char error[HANDLE_ERROR_LENGTH];
+    external_t external;
+    bench_t bench;
+};
+
+/* Notes the message for hubsim_error() and returns the code. */
+int handle_fail(hubsim_t *sim, int code, const char *format, ...);
+
+/* Whether the vehicle can go on: HUBSIM_OK or HUBSIM_FAILED. */
+int handle_after_period(hubsim_t *sim);
+
+#endif
