@@ -3,8 +3,8 @@
  * Triple injected simultaneous conversion (RM0090 section 13.9.1), started by TIM1 at the top of
  * its count:
  *
- *     ADC1: current a, bus voltage     ADC2: current b, winding temperature     ADC3: current c,
- * switch temperature
+ *     ADC1: current a, bus voltage        ADC2: current b, winding temperature
+ *     ADC3: current c, switch temperature
  *
  * 21 MHz: 3 cycles of sampling, 12 of conversion for the currents (0.7 us, sampled 0.14 us), 15 +
  * 12 for the slow quantities, whose dividers are stiffened by capacitors. The interrupt comes 2 us

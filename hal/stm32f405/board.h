@@ -5,14 +5,15 @@
  *
  *     PA8 PA9 PA10      TIM1_CH1..3      high-side gates a, b, c          AF1
  *     PB13 PB14 PB15    TIM1_CH1N..3N    low-side gates a, b, c           AF1
- *     PB12              TIM1_BKIN        fault, low = switch off; pulled up, so unconnected means
- * healthy   AF1 PB5, PB7          gate driver enable (high), gate driver fault (low = fault, pulled
- * up) PC0 PC1 PC2       ADC123_IN10..12  shunt amplifiers a, b, c, 0.5 V_ref at no current PC3
- * ADC123_IN13      bus voltage through a divider PA3               ADC123_IN3       switch
- * temperature: NTC to supply, 10 kOhm to ground PC4               ADC12_IN14       winding
- * temperature: NTC to ground, 10 kOhm to supply PC6 PC7 PC8       halls A, B, C, or TIM3_CH1, CH2
- * (encoder A, B) and TIM3_CH3 (index)   AF2 PB10 PB11         USART3 transmit, receive   AF7 PB8
- * PB9           CAN1 receive, transmit     AF9
+ *     PB12              TIM1_BKIN        fault, low = switch off; pulled up, so open is healthy AF1
+ *     PB5, PB7          gate driver enable (high), gate driver fault (low = fault, pulled up)
+ *     PC0 PC1 PC2       ADC123_IN10..12  shunt amplifiers a, b, c, 0.5 V_ref at no current
+ *     PC3               ADC123_IN13      bus voltage through a divider
+ *     PA3               ADC123_IN3       switch temperature: NTC to supply, 10 kOhm to ground
+ *     PC4               ADC12_IN14       winding temperature: NTC to ground, 10 kOhm to supply
+ *     PC6 PC7 PC8       halls A, B, C; encoder A, B, index: TIM3_CH1..3   AF2
+ *     PB10 PB11         USART3 transmit, receive   AF7
+ *     PB8 PB9           CAN1 receive, transmit     AF9
  *
  * Alternate functions: STM32F405 data sheet (DocID022152), table 9.
  */

@@ -7,8 +7,8 @@
  * tools/regen_table and for the tables that the firmware reads. Peak phase quantities (A, V, Wb),
  * mechanical rad/s, N m, W; motor signs. With i_t the current that the iron-loss branch leaves,
  *
- *     i = i_t + v / R_i      v = X i_t + e      u = R i + v      X = omega [0 -L_q; L_d 0]      e =
- * omega (0, psi)
+ *     i = i_t + v / R_i        v = X i_t + e        u = R i + v        X = omega [0 -L_q; L_d 0]
+ *     e = omega (0, psi)
  *
  * is a linear system, solved as one; torque, powers, |i|^2 and |u|^2 are then quadratic in i, but
  * for the bridge's loss that goes with |i|. What is smallest under limits is found by Newton's

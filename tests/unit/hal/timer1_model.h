@@ -5,10 +5,12 @@
  * it changes.
  *
  *     update     the repetition counter counts ends of the count; at 0 it is loaded from RCR, the
- * preloaded compare values become active and UIF is set (17.3.2, 17.3.3) outputs    table "Output
- * control bits for complementary OCx and OCxN channels with break feature" (17.4.9) break      BKIN
- * low with BKE = 1, BKP = 0 sets BIF and clears MOE for as long as it lasts (17.3.12) SR         a
- * flag is cleared by writing 0; writing 1 leaves it
+ *                preloaded compare values become active and UIF is set (17.3.2, 17.3.3)
+ *     outputs    table "Output control bits for complementary OCx and OCxN channels with
+ *                break feature" (17.4.9)
+ *     break      BKIN low with BKE = 1, BKP = 0 sets BIF and clears MOE for as long as it lasts
+ *                (17.3.12)
+ *     SR         a flag is cleared by writing 0; writing 1 leaves it
  *
  * Steps are half periods. Memory cannot see a write, so timer1_settle() works out what one did to
  * SR and MOE.

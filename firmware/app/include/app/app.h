@@ -2,10 +2,9 @@
 /*
  * app.h: the controller on a core: who calls what, when, and how the parts exchange data.
  *
- *     high   app_pwm_period_isr    hal samples -> controller_fast_step -> bridge           once per
- * PWM period low    app_millisecond_isr   temperatures, wish -> controller_slow_step              1
- * kHz none   app_background        CAN, serial line, watchdog                              as often
- * as it can
+ *     high   app_pwm_period_isr    hal samples -> controller_fast_step -> bridge   PWM period
+ *     low    app_millisecond_isr   temperatures, demand -> controller_slow_step    1 kHz
+ *     none   app_background        CAN, serial line, watchdog                      as it can
  *
  *                 wish               fast_setpoint
  *     background ------> millisecond -------------> PWM period

@@ -4,8 +4,8 @@
  *
  *     installer_open()    from here on every byte of the line is the installer's
  *     installer_hear()    Intel HEX (comms/intel_hex.h) of one whole config_t
- *     installer_write()   bridge off for good, the sector is written; the caller then lets the
- * watchdog restart the core
+ *     installer_write()   bridge off for good, the sector is written; the caller then lets
+ *                         the watchdog restart the core
  *
  * Nothing is touched before the last record is there and the firmware's own validator has accepted
  * the whole image. What has been running until then knows nothing of it. Background context.

@@ -2,9 +2,9 @@
 /*
  * e2e.h: end-to-end protection of eight-byte frames, in the manner of AUTOSAR E2E profile 2.
  *
- *     byte 0           CRC-8, polynomial 0x2F (x^8+x^5+x^3+x^2+x+1), initial and final 0xFF, of
- * bytes 1 .. 7 and one data id byte 1, bit 0-3  counter, one more with every frame, 15 is followed
- * by 0
+ *     byte 0           CRC-8, polynomial 0x2F (x^8+x^5+x^3+x^2+x+1), initial and final 0xFF,
+ *                      of bytes 1 .. 7 and one data id
+ *     byte 1, bit 0-3  counter, one more with every frame, 15 is followed by 0
  *
  * The data id is never sent. It is entry [counter] of a list of sixteen, exclusive-or the low byte
  * of the identifier, so that a frame under another message's or another wheel's identifier is

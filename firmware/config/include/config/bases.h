@@ -5,9 +5,9 @@
  *
  *     current   1.0 pu = drive.current_full_scale_mA          peak phase current
  *     bus       1.0 pu = drive.voltage_full_scale_mV          bus voltage
- *     phase     1.0 pu = v_dc / sqrt(3)                       "modulation": the largest phase
- * voltage SVPWM can make now speed     1.0 pu = 1/16 electrical turn per PWM period  (1250 Hz
- * electrical at 20 kHz) angle     65 536 = one electrical turn
+ *     phase     1.0 pu = v_dc / sqrt(3)    "modulation": the largest phase voltage of SVPWM now
+ *     speed     1.0 pu = 1/16 electrical turn per PWM period  (1250 Hz electrical at 20 kHz)
+ *     angle     65 536 = one electrical turn
  *
  * Q15 stands for 32 768 = 1.0. All functions divide or multiply in 64 bits: for the slow reach
  * only. They saturate.
@@ -55,9 +55,10 @@ static inline int32_t bases_electrical_mrad_s(const config_t *config, int32_t sp
  *
  * With i > 0 the leg lies at -V_f in both dead intervals of a period. In one of them the high side
  * was to conduct, which loses v_dc + V_f, in the other one the low side, which loses V_f; with i <
- * 0 the same the other way round: t_d f_pwm (v_dc + 2 V_f)        over v_dc        t_d f_pwm (1 + 2
- * V_f / v_dc) v_dc is (battery.min_voltage_mV + battery.max_voltage_mV) / 2 here: with 0.8 V at 45
- * to 58 V instead of 49.2 V, 0.5 % beside.
+ * 0 the same the other way round:
+ *     t_d f_pwm (v_dc + 2 V_f)        over v_dc        t_d f_pwm (1 + 2 V_f / v_dc)
+ * v_dc is (battery.min_voltage_mV + battery.max_voltage_mV) / 2 here: with 0.8 V at 45 to 58 V
+ * instead of 49.2 V, 0.5 % beside.
  */
 static inline int64_t bases_dead_time_share_1e9(const config_t *config)
 {

@@ -8,8 +8,8 @@
  * accepts it. This header is the only place that knows its layout: the C structures, the
  * validator's ranges and the Python generator all come from the lists below, one line a field:
  *
- *     X(name, smallest accepted value, largest accepted value, "unit", "meaning, meaning of zero,
- * effect of raising")
+ *     X(name, smallest accepted value, largest accepted value, "unit",
+ *       "meaning, meaning of zero, effect of raising")
  *
  * Every scalar is an int32_t, so there is no padding on any machine. The unit is part of the name:
  * _mNm, _mA, _mV, _mW, _uOhm, _nH, _nWb, _cC (hundredths of a degree Celsius), _mrad_s

@@ -36,10 +36,11 @@ static inline int16_t angle_difference(uint16_t b, uint16_t a)
  * angles.
  *
  * The table's points theta_k lie in the middle of its steps. With delta = theta - theta_k, |delta|
- * <= pi/256: sin = s + delta c - delta^2/2 s,   cos = c - delta s - delta^2/2 c The neglected cubic
- * term and the rounding of delta and of its square are below 0.02 LSB together. The table is
- * rounded down and so is what is taken from it, so each of the two roundings is below 1 LSB and
- * they point in opposite directions.
+ * <= pi/256:
+ *     sin = s + delta c - delta^2/2 s,   cos = c - delta s - delta^2/2 c
+ * The neglected cubic term and the rounding of delta and of its square are below 0.02 LSB together.
+ * The table is rounded down and so is what is taken from it, so each of the two roundings is below
+ * 1 LSB and they point in opposite directions.
  */
 Q_TARGET_INLINE sincos_t angle_sincos(uint16_t theta_turn)
 {

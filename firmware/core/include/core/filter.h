@@ -2,8 +2,10 @@
 /*
  * filter.h: first-order low-pass with a power-of-two time constant.
  *
- *     y += (x - y) / 2^shift        time constant about 2^shift steps, unity gain at rest without
- * dead zone: the state keeps `shift` extra bits, so y settles exactly on a constant x.
+ *     y += (x - y) / 2^shift
+ *
+ * Time constant about 2^shift steps, unity gain at rest without dead zone: the state keeps `shift`
+ * extra bits, so y settles exactly on a constant x.
  */
 #ifndef CORE_FILTER_H
 #define CORE_FILTER_H

@@ -4,8 +4,8 @@
  *
  * Two calls a step, so that anti-windup cannot be forgotten:
  *
- *     u = pi_output_q25(&pi, &gains, error, forward)       what the regulator wants, feed-forward
- * included pi_update(&pi, &gains, error, u, u_realised)         what the actuator could do
+ *     u = pi_output_q25(&pi, &gains, error, forward)       before the limiter, with feed-forward
+ *     pi_update(&pi, &gains, error, u, u_realised)         what was applied
  *
  * When u was limited, the integrator advances with the error that would just have produced the
  * realised output (self-conditioning, Hanus 1987), e_realised = e + (u_realised - u) / k_p, so

@@ -8,8 +8,9 @@
  *
  *     i_d = i_dt - (w L_q / R_i) i_qt            i_q = i_qt + (w / R_i)(L_d i_dt + psi)
  *     v_d = -w L_q i_qt       v_q = w (L_d i_dt + psi)       u = R_a i + v
- *     T_e = 3/2 p [psi i_qt + (L_d - L_q) i_dt i_qt],   shaft torque = T_e - friction in the
- * direction of rotation P   = 3/2 (u_d i_d + u_q i_q),   inverter loss not included
+ *     T_e = 3/2 p [psi i_qt + (L_d - L_q) i_dt i_qt],
+ *     shaft torque = T_e - friction in the direction of rotation
+ *     P   = 3/2 (u_d i_d + u_q i_q),   inverter loss not included
  *
  * Sources: Urasaki et al. 2000; Lu et al. 2013 eqs (1) to (7), in peak quantities. Magnitude of
  * rounding: below 0.1 % of rated torque, 20 mA and 3 mV of either voltage. For the slow reach: it

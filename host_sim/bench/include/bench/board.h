@@ -2,9 +2,10 @@
 /*
  * board.h: the whole application on its simulated board (hal/host) as the controller of one wheel.
  *
- *     wheel's plant -> host_sample_t -> hal/ -> interrupts, double buffers -> controller -> hal/ ->
- * wheel's bridge demand, battery limits -> CAN frames in -> main loop -> CAN frames out ->
- * hydraulic brake, mode, reasons
+ *     wheel's plant -> host_sample_t -> hal/ -> interrupts, double buffers -> controller -> hal/
+ *         -> wheel's bridge
+ *     demand, battery limits -> CAN frames in -> main loop -> CAN frames out -> hydraulic brake,
+ *         mode, reasons
  *
  * Bridge and sensors are connected as the two steps are: sampled at the top, acting from the next
  * one on. What comes by CAN is what a vehicle has: whole steps of hubfoc.dbc, in the messages'

@@ -7,8 +7,8 @@
  * moment ahead), air drag, rolling resistance and slope, and a PI regulator on the speed error for
  * the rest,
  *
- *     F = m a_ref + F_road(v_ref) + 2 m w_b e + m w_b^2 integral(e),        torque = F r / driven
- * wheels
+ *     F = m a_ref + F_road(v_ref) + 2 m w_b e + m w_b^2 integral(e),
+ *     torque = F r / driven wheels
  *
  * whose integrator is told what the pedals' range left of the force. Positive force is the drive
  * pedal, negative the brake pedal. Or the pedals are simply held where the scenario puts them.

@@ -3,9 +3,9 @@
  * ledger.h: where every joule went.
  *
  *     chemical = heat (copper, iron, conduction, diode, switching, bearing, hydraulic, battery,
- * cable) + tyre
- *                + drag + rolling + climbed + gained (kinetic, magnetic, polarisation, bus) +
- * residual
+ * cable)
+ *                + tyre + drag + rolling + climbed + gained (kinetic, magnetic, polarisation, bus)
+ * + residual
  *
  * Sums over all wheels since the start of the run; "gained" may be negative. The residual is what
  * the equation leaves over: the simulation's own error. shaft_j is what the motors did to the

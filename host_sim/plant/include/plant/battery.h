@@ -9,8 +9,8 @@
  * the current that is constant over the step and makes exactly that power, with the exponential of
  * the RC branch solved exactly:
  *
- *     i = 2 P / (E + sqrt(E^2 - 4 R P)),  E and R of the step's mean,  so chemical = terminal +
- * heat + stored, to rounding.
+ *     i = 2 P / (E + sqrt(E^2 - 4 R P)),    E and R of the step's mean,
+ *     chemical = terminal + heat + stored, to rounding.
  *
  * Source: Lu et al. 2013 eqs (15) to (19), (24) corrected. Beyond the largest power E^2/(4 R) the
  * voltage collapses: the current of largest power flows and `collapsed` says so.

@@ -3,15 +3,15 @@
  * bus.h: what lies between the pack's terminals and the bridges: a cable, a contactor and the
  * capacitors.
  *
- *     i_b = (E - v) / R    (0 with the contactor open)        C dv/dt = i_b - i        R = pack +
- * cable
+ *     i_b = (E - v) / R        (0 with the contactor open)        C dv/dt = i_b - i
+ *     R = pack + cable
  *
  * bus_step() is told the energy the bridges took during a step and finds the current i that is
  * constant over it and makes exactly that energy. v(t) then runs exponentially towards E - R i, so
  * means and end are exact for any R C, and
  *
- *     chemical = terminal heat + cable heat + bridges + change of polarisation + change of
- * capacitor
+ *     chemical = terminal heat + cable heat + bridges
+ *                + change of polarisation + change of capacitor
  *
  * holds to rounding: the heat of the resistances is what the exact integral of v i_b leaves over,
  * never negative.

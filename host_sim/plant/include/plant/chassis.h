@@ -2,8 +2,8 @@
 /*
  * chassis.h: which wheel carries how much.
  *
- *     front = m g cos(slope) share - m (a + g sin(slope)) h / b          rear = m g cos(slope) -
- * front
+ *     front = m g cos(slope) share - m (a + g sin(slope)) h / b
+ *     rear = m g cos(slope) - front
  *
  * m a is what the tyres do and the slope takes: braking (a < 0) and driving downhill load the front
  * axle. The body follows with a first-order lag (springs and dampers). An axle never lifts the

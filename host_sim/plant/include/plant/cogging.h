@@ -2,8 +2,8 @@
 /*
  * cogging.h: magnets that prefer some angles to others: a torque without current.
  *
- *     W(a) = A / n (1 - cos(n a + phase))          T = -dW/da = -A sin(n a + phase)          a
- * mechanical, n periods a turn
+ *     W(a) = A / n (1 - cos(n a + phase))        T = -dW/da = -A sin(n a + phase)
+ *     a mechanical angle, n periods a turn
  *
  * The torque is the slope of a stored energy, so its mean and its work over a turn are nothing, and
  * a step's impulse is taken from the energies at its ends: impulse * speed = W before - W after,

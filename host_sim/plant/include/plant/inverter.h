@@ -5,7 +5,7 @@
  * Each leg gives v_dc times its duty, less what dead time and devices take:
  *
  *     v_x = d_x v_dc - s_x t_d f_s v_dc  -  s_x V_f delta  -  [R_ds (1 - delta) + R_ak delta] i_x
- * delta = 2 t_d f_s
+ *     delta = 2 t_d f_s
  *
  * s_x is the sign of the phase current. The second term is a shift of the switching instant (it
  * moves energy on neither side), the third and fourth are heat. Hard switching adds (k_on + k_off)

@@ -7,10 +7,12 @@
  * psi_q follow from one energy of the field (per 3/2 of three phases), z = x + L_d I_b being the
  * flux that d current and magnets make in the iron:
  *
- *     W(x, y) = g_d x^2/2 + g_q y^2/2 + a_d (z^4 - z_0^4)/4 + a_q y^4/4 + a_c (z^2 - z_0^2) y^2/2 -
- * a_d z_0^3 x i_d = dW/dx = g_d x + a_d (z^3 - z_0^3) + a_c z y^2        i_q = dW/dy = (g_q + a_q
- * y^2 + a_c (z^2 - z_0^2)) y a_d = 4 / (L_d^3 I_sd^2)        a_q = 4 / (L_q^3 I_sq^2)        a_c =
- * share sqrt(a_d a_q)        z_0 = L_d I_b
+ *     W(x, y) = g_d x^2/2 + g_q y^2/2 + a_d (z^4 - z_0^4)/4 + a_q y^4/4
+ *               + a_c (z^2 - z_0^2) y^2/2 - a_d z_0^3 x
+ *     i_d = dW/dx = g_d x + a_d (z^3 - z_0^3) + a_c z y^2
+ *     i_q = dW/dy = (g_q + a_q y^2 + a_c (z^2 - z_0^2)) y
+ *     a_d = 4 / (L_d^3 I_sd^2)        a_q = 4 / (L_q^3 I_sq^2)        a_c = share sqrt(a_d a_q)
+ *     z_0 = L_d I_b
  *
  * and g_d = 1/L_d - 3 a_d z_0^2, g_q = 1/L_q: without current the machine has its inductances L_d
  * and L_q, whatever the iron does later. Both currents are slopes of one energy, so di_d/dpsi_q =

@@ -3,9 +3,10 @@
  * phases.h: the machine of pmsm.h as three windings on three legs, each leg with its own voltage
  * and resistance, or open.
  *
- *     v_x = d(lambda_x)/dt           i_x = i_tx + w_x / R_i          e_x - (r_x + R) i_x - v_n =
- * v_x,  sum v_x = 0 i_t = L(theta)^-1 (lambda - psi),  psi_x = psi cos(theta - 0, 120, 240 deg) T =
- * p (lambda x i_t)
+ *     v_x = d(lambda_x)/dt        i_x = i_tx + w_x / R_i        e_x - (r_x + R) i_x - v_n = v_x,
+ *     sum v_x = 0
+ *     i_t = L(theta)^-1 (lambda - psi),        psi_x = psi cos(theta - 0, 120, 240 deg)
+ *     T = p (lambda x i_t)
  *
  * The flux linkages of the three windings are the state, in the stator; the star point v_n floats.
  * R_i is known for the flux that turns with the rotor, so its voltage is that of the turning flux,

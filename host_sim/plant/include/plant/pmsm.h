@@ -2,10 +2,11 @@
 /*
  * pmsm.h: a permanent-magnet synchronous machine with an iron-loss branch, in the rotor frame.
  *
- *     i = i_t + v / R_i        v = u - R i        R = winding resistance + series resistance of
- * whatever feeds it L_d di_dt/dt = v_d + w L_q i_qt             L_q di_qt/dt = v_q - w (L_d i_dt +
- * psi) T = 3/2 p [psi + (L_d - L_q) i_dt] i_qt     R_i = a0 + a1 |w|, across the voltage v behind
- * the resistance
+ *     i = i_t + v / R_i        v = u - R i
+ *     R = winding resistance + series resistance of whatever feeds it
+ *     L_d di_dt/dt = v_d + w L_q i_qt             L_q di_qt/dt = v_q - w (L_d i_dt + psi)
+ *     T = 3/2 p [psi + (L_d - L_q) i_dt] i_qt
+ *     R_i = a0 + a1 |w|, across the voltage v behind the resistance
  *
  * i is what the wires carry; only i_t, left over from the iron-loss branch, is flux and torque.
  * Peak phase quantities, w electrical, motor signs (T > 0 drives forward, u . i > 0 flows into the

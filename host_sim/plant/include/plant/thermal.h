@@ -3,8 +3,8 @@
  * thermal.h: two lumps of heat capacity in a row, for winding and housing, for switches and heat
  * sink.
  *
- *     C1 dT1/dt = P1 - (T1 - T2) / R1            C2 dT2/dt = P2 + (T1 - T2) / R1 - (T2 - T_ambient)
- * / R2
+ *     C1 dT1/dt = P1 - (T1 - T2) / R1
+ *     C2 dT2/dt = P2 + (T1 - T2) / R1 - (T2 - T_ambient) / R2
  *
  * Solved exactly for powers that are constant over the step (matrix exponential, worked out once).
  * R 0: no heat passes. C2 0: the outer lump is not there, the inner one is joined to the ambient by

@@ -2,9 +2,8 @@
 /*
  * tyre.h: how much a tyre can pull along the road: an average lumped LuGre model.
  *
- *     dz/dt = v_r - (s0 |v_r| / g + k |w r|) z          F = N (s0 z + s1 dz/dt)          k = 7 / (6
- * L) g = mu [share + (1 - share) exp(-sqrt(|v_r| / v_s))]                                v_r = w r
- * - v
+ *     dz/dt = v_r - (s0 |v_r| / g + k |w r|) z        F = N (s0 z + s1 dz/dt)        k = 7 / (6 L)
+ *     g = mu [share + (1 - share) exp(-sqrt(|v_r| / v_s))]        v_r = w r - v
  *
  * z is the deflection of the contact's bristles: a spring while the tyre sticks (a braked wheel
  * holds a slope without creeping), slip in steady rolling, where with s = v_r / (w r) force over
