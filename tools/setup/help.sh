@@ -6,7 +6,7 @@ help_top() {
     cat <<'TEXT'
 Usage: tools/dev COMMAND [ARGUMENT...]
 
-From a bare Debian 12, Debian 13 or Ubuntu 24.04, every command first installs what it needs and misses
+On a bare Debian 12 or 13 (Ubuntu 24.04 is expected to work, too), every command first installs what it needs and misses
 (root or sudo; system packages with apt, Python packages into .dev/venv), then does its work.
 
   sim                           the urban cycle under the three braking strategies: energy table and report
