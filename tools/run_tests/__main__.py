@@ -22,6 +22,9 @@ QUICK_S = 60.0
 QUICK_BUILD_S = 35.0
 QUICK_END_S = 57.0
 TARGETS_AT_ONCE = 8
+# How long tests took, in seconds, on the machine of whoever called --keep-costs; the order is what counts.
+COSTS = Path(__file__).with_name("costs.json")
+LEAST_KEPT_S = 1.5
 
 
 class Suite:
@@ -31,26 +34,34 @@ class Suite:
         self._root = root
         self.folder = root / "build" / "test"
         self.opened = self.folder / "opened"
-        self._costs = self.folder / "costs.json"
+        self._measured = self.folder / "costs.json"
         self.opened.mkdir(parents=True, exist_ok=True)
-        self.history: dict[str, float] = {}
-        if self._costs.is_file():
-            self.history = json.loads(self._costs.read_text(encoding="utf-8"))
+        self.costs: dict[str, float] = {}
+        for file in (COSTS, self._measured):
+            if file.is_file():
+                self.costs |= json.loads(file.read_text(encoding="utf-8"))
 
     def cost_s(self, test: Test) -> float:
         """Return how long a test will take, in seconds."""
-        return ctest.cost_s(test, self.history)
+        return ctest.cost_s(test, self.costs)
 
     def run(self, tests: Sequence[Test], limit_s: float | None = None) -> dict[str, Result]:
         """Run tests, keep their times, and return their results by full name."""
         for test in tests:
             (self.opened / test.full_name).unlink(missing_ok=True)
-        text = ctest.suite_text(tests, self.history, self.opened, self._root)
+        text = ctest.suite_text(tests, self.costs, self.opened, self._root)
         (self.folder / "CTestTestfile.cmake").write_text(text, encoding="utf-8")
         _, results = ctest.run(self.folder, jobs(), limit_s)
-        self.history |= {name: result.time_s for name, result in results.items() if result.passed}
-        self._costs.write_text(json.dumps(self.history, indent=0), encoding="utf-8")
+        self.costs |= {name: result.time_s for name, result in results.items() if result.passed}
+        self._measured.write_text(json.dumps(self.costs, indent=0), encoding="utf-8")
         return results
+
+    def keep_costs(self) -> None:
+        """Write the times of the tests there are now into the repository, for a fresh clone."""
+        names = {test.full_name for name in PRESETS for test in ctest.listed(self._root, name)}
+        kept = {name: round(cost_s) for name, cost_s in sorted(self.costs.items())
+                if name in names and cost_s >= LEAST_KEPT_S}  # fmt: skip
+        COSTS.write_text(json.dumps(kept, indent=0) + "\n", encoding="utf-8")
 
 
 def jobs() -> int:
@@ -225,9 +236,13 @@ def main() -> int:
     parser.add_argument("--build-s", help="how long the build took")
     parser.add_argument("--not-built", default="", help="presets whose build failed")
     parser.add_argument("--list-targets", action="store_true", help="what the folders' tests need")
+    parser.add_argument("--keep-costs", action="store_true", help="write costs.json")
     parser.add_argument("folders", nargs="*", metavar="FOLDER", help="only these folders' tests")
     options = parser.parse_args()
     suite = Suite(ROOT)
+    if options.keep_costs:
+        suite.keep_costs()
+        return 0
     if options.quick:
         return 0 if quick(suite, options.since) else 1
     presets = [name for name in options.presets.split(",") if name]

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any
 
 FULL_LABEL = "full"
-# A test's time limit is about ten times what it takes on an idle machine.
-LIMIT_OVER_COST = 10.0
+# Of a test that is not known to take longer.
 DEFAULT_COST_S = 1.0
 _RESULT = re.compile(r"^\s*\d+/\d+ Test\s+#\d+: (\S+) \.*\s*(.*?)\s+([\d.]+) sec")
 
@@ -108,11 +107,9 @@ def listed(root: Path, preset: str) -> list[Test]:
     ]
 
 
-def cost_s(test: Test, history: dict[str, float]) -> float:
-    """Return how long a test takes: what it took last, or what its time limit says."""
-    limit = test.properties.get("TIMEOUT")
-    guess = DEFAULT_COST_S if limit is None else float(limit) / LIMIT_OVER_COST
-    return history.get(test.full_name, guess)
+def cost_s(test: Test, costs: dict[str, float]) -> float:
+    """Return how long a test takes, in seconds, as far as is known."""
+    return costs.get(test.full_name, DEFAULT_COST_S)
 
 
 def _quoted(value: Any) -> str:  # noqa: ANN401, whatever JSON holds
@@ -123,7 +120,7 @@ def _quoted(value: Any) -> str:  # noqa: ANN401, whatever JSON holds
     return f"[==[{value}]==]"
 
 
-def suite_text(tests: Sequence[Test], history: dict[str, float], opened: Path, root: Path) -> str:
+def suite_text(tests: Sequence[Test], costs: dict[str, float], opened: Path, root: Path) -> str:
     """Return a CTestTestfile.cmake with these tests, the longest first.
 
     Every test runs as its own build directory says. Python programs record what they read.
@@ -131,7 +128,7 @@ def suite_text(tests: Sequence[Test], history: dict[str, float], opened: Path, r
     lines = []
     for test in tests:
         properties = dict(test.properties)
-        properties["COST"] = cost_s(test, history)
+        properties["COST"] = cost_s(test, costs)
         properties["LABELS"] = [*test.labels, f"preset:{test.preset}"]
         properties["ENVIRONMENT"] = [
             *properties.get("ENVIRONMENT", []),
