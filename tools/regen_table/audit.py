@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the stored optimum loses: the table read exactly as the firmware reads it, against the optimum itself.
+"""What the optimal regenerative torque map loses: the table read exactly as the firmware reads it, against the optimum itself.
 
 A grid is refused by the energy it loses to interpolation and quantisation over stops and cycles,
 not by its looks.
@@ -134,7 +134,7 @@ def _loss(
 ) -> GridLoss:
     """Energy lost in one manoeuvre at its worst temperature, relative to what the exact optimum returns.
 
-    Below handover_end_rpm the motor does not brake, so nothing is lost there.
+    Below handover_end_rpm the motor does not brake: no loss there.
     """
     temperatures = np.linspace(
         table.temperatures_c[0],
@@ -167,8 +167,7 @@ def worst_power_loss(
 ) -> float:
     """Largest relative loss of regenerated power, inside torque and power limits, at any temperature and any speed.
 
-    From the speed at which electric braking has faded out; where no torque returns energy there is
-    nothing to lose.
+    From the blend-out speed; where no torque returns energy the loss is zero.
     """
     winding = np.linspace(
         table.temperatures_c[0],

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where a motor's hall edges and an encoder's index lie, from a recording of a wheel that was spun by hand.
 
-The bridge is off, so that what is seen between the motor's wires is its back-EMF, and that says
-where the rotor is: no motion is commanded and no torque made. Two differential channels on the
+The bridge is off, so that what is seen between the motor's wires is its back-EMF, which gives
+the angle of the rotor: no motion is commanded and no torque made. Two differential channels on the
 wires, three logic channels on the halls (or one on the index), some turns of the wheel, in either
 direction.
 
@@ -51,7 +51,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Calibration:
-    """What a recording says; edges are in the order of the configuration."""
+    """What was found in a recording; edges are in the order of the configuration."""
 
     hall_edges: tuple[Place, ...]
     index: Place | None
@@ -96,8 +96,8 @@ def rotor_angle_turn(v_ab_v: Array, v_bc_v: Array) -> Array:
     angle = np.unwrap(np.arctan2(-alpha, beta)) / (2.0 * math.pi)
     # The direction, from the angle's rise over some samples either side; the phase of the EMF turns
     # with the rotor.
-    reach = max(1, min(len(angle) // 100, 50))
-    rise = np.convolve(np.gradient(angle), np.ones(2 * reach + 1), mode="same")
+    half_window = max(1, min(len(angle) // 100, 50))
+    rise = np.convolve(np.gradient(angle), np.ones(2 * half_window + 1), mode="same")
     angle = np.where(rise >= 0.0, angle, angle + 0.5)
     return np.where(strength >= SLOWEST_SHARE * float(np.max(strength, initial=0.0)), angle, np.nan)
 

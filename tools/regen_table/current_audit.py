@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the stored i_d costs against the best one, and the grid chosen by it.
+"""What the minimum-loss d-current map costs against the best i_d, and the grid chosen by it.
 
 A grid is judged by what it loses to interpolation and quantisation: energy, over manoeuvres and
 cycles, and power, at every speed at which the drive brakes, cold, hot and in between. First come as
@@ -67,7 +67,7 @@ class _Reference:
 def choose(drive: Drive) -> CurrentMap:
     """Return the smallest grid that loses at most 0.01 % of any manoeuvre's energy and 0.05 % of braking power anywhere.
 
-    Driving and braking count apart. Should it take more points than the firmware has room for, the
+    Driving and braking count apart. Should it take more points than the firmware holds, the
     grid that exceeds these least. More than 0.02 % of a whole manoeuvre is refused.
     """
     references, braked = _references(drive), _braking_reference(drive)
@@ -171,7 +171,7 @@ def _layers(drive: Drive, references: list[_Reference], braked: _Reference) -> i
 def _grids(drive: Drive, layers: int) -> Iterator[tuple[int, int]]:
     """Step exponents of torque and speed of every grid that fits the firmware, smallest first."""
     header = layout.load()
-    room = header.constants["CONFIG_CURRENT_MAP_POINTS_MAX"]
+    capacity = header.constants["CONFIG_CURRENT_MAP_POINTS_MAX"]
     accepted = header.sections["current_map"]
     torque, speed = (
         1000.0 * drive.motor.max_torque_nm,
@@ -189,7 +189,7 @@ def _grids(drive: Drive, layers: int) -> Iterator[tuple[int, int]]:
         (math.prod(current_map.points_over(drive, *steps)), steps)
         for steps in itertools.product(torque_steps, speed_steps)
     ]
-    return (steps for points, steps in sorted(found) if points * layers <= room)
+    return (steps for points, steps in sorted(found) if points * layers <= capacity)
 
 
 @lru_cache(maxsize=8)

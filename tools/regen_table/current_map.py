@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The demagnetising current of least loss over torque, speed and winding temperature, on grids of powers of two.
+"""The minimum-loss d-current map: i_d over torque, speed and winding temperature.
+
+All axes have steps that are powers of two.
 
 Only i_d is stored. The controller computes i_q from the torque, the speed and the i_d that really
 flows (this table's plus what field weakening adds), so the torque is exact whatever the
@@ -24,7 +26,7 @@ from regen_table import audit, braking, joint, models, optimum, tables
 from regen_table.models import Array, ArrayLike
 from regen_table.schema import Drive
 
-REACH = 4.0  # the braking table holds at least torques up to so many times the largest one
+TORQUE_RANGE = 4.0  # the braking table holds at least torques up to so many times the largest one
 BEYOND_CLOSED_FORM = 1.25  # and up to so many times the optimum with i_d = 0, where that is more
 # nodes beyond the current limit continue the curve, so that it does not bend inside the last cell
 RELAXED = 3.0
@@ -297,7 +299,7 @@ def _filled(
     without = np.abs(
         optimum.closed_form(motor, inverter, speeds * motor.pole_pairs).torque_optimal_nm
     )
-    strongest = np.maximum(REACH * drive.motor.max_torque_nm, BEYOND_CLOSED_FORM * without)
+    strongest = np.maximum(TORQUE_RANGE * drive.motor.max_torque_nm, BEYOND_CLOSED_FORM * without)
     best = best_torque_nm(motor, inverter, currents, speeds, strongest)
     torque = np.rint(best * 1000.0).astype(np.int32)
     torque[:, 0] = plain.torque_mNm[:, 0]

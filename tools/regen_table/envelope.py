@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proof by interval arithmetic that nothing in the fast reach saturates inside the operating envelope.
+"""Proof by interval arithmetic that no quantity of the fast loop saturates inside the operating envelope.
 
 The envelope: bus voltage from undervoltage to overvoltage trip, electrical speed up to 5 % above
 the largest, currents and current errors up to the converter's range. Every quantity below is the
@@ -74,18 +74,18 @@ class Proof:
 
 
 def proofs(drive: Drive) -> list[Proof]:
-    """Compute the interval of every scaled quantity of the fast reach."""
+    """Compute the interval of every scaled quantity of the fast loop."""
     base, limit = loops.bases(drive), loops.modulation_limit(drive)
     window = Interval(0.0, 4.0 * loops.min_pulse_counts(drive) / loops.pwm_period_counts(drive))
     found = [
         Proof(
-            "svpwm.lowest_counts",
+            "modulation.lowest_counts",
             window,
             Interval(0.0, 1.0 + 1e-12),
             "lower inverter.min_pulse_s or inverter.pwm_frequency_hz",
         ),
         Proof(
-            "svpwm.modulation_limit",
+            "modulation.limit",
             Interval(limit, limit),
             Interval(0.25, 1.0),
             "",

@@ -54,7 +54,7 @@ def lines(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike
         )
     bounds = current_audit.relaxed(drive)
     best_point = joint.best_braking(motor, inverter, omega, bounds)
-    returns = best_point.state.dc_power_w < 0.0  # else no torque returns anything: both are nothing
+    returns = best_point.state.dc_power_w < 0.0  # else no torque returns energy: both are zero
     inside = best_point.state.current_a < 0.999 * np.asarray(bounds.current_a)
     zero = joint.zero_power_torque(motor, inverter, omega, bounds, best_point)
     at_zero = joint.least_power(motor, inverter, omega, zero, bounds).state

@@ -22,7 +22,7 @@ import numpy.typing as npt
 from regen_table import models
 from regen_table.models import Array, ArrayLike, Bridge, Machine, State
 
-# a power nothing real reaches; the violation is added, so that searches walk towards the limits
+# a power beyond all real ones; the violation is added, so that searches approach the limits
 _INFEASIBLE = 1e30
 EXACT = 12  # scans of a search whose argument matters
 AUDIT = 5  # scans of a search whose value matters, as in an audit of losses
@@ -111,7 +111,7 @@ def zero_power_torque(
     forward = _Problem(motor, inverter, omega, limits, np.shape(best.torque_nm))
     inner = sign * best.torque_nm
     outer = -forward.torque_bound()
-    for _ in range(60):  # bisection: the strong side consumes power or is out of reach
+    for _ in range(60):  # bisection: the strong side consumes power or is outside the limits
         middle = 0.5 * (inner + outer)
         returns = forward.best_direct_current(middle)[1] <= 0.0
         inner, outer = np.where(returns, middle, inner), np.where(returns, outer, middle)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gains and per-unit constants of the fast reach (margins.py judges their stability, envelope.py their formats).
+"""Gains and per-unit constants of the fast loop (margins.py judges their stability, envelope.py their formats).
 
 Bases: current I_base = current_full_scale, bus voltage V_base = voltage_full_scale, electrical
 speed omega_base = 2 pi f_pwm / 16. The configuration stores gains relative to V_base; once a
@@ -30,7 +30,7 @@ OVERCURRENT_SHARE_MAX = (2047 - OFFSET_TOLERANCE_CODES) / 2048
 
 @dataclass(frozen=True)
 class Bases:
-    """Bases of the per-unit system (A, V, electrical rad/s) and the fast reach's period (s)."""
+    """Bases of the per-unit system (A, V, electrical rad/s) and the fast loop's period (s)."""
 
     current_a: float
     voltage_v: float

@@ -10,7 +10,7 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 
-from regen_table.drive import Drive
+from regen_table.sections import Drive
 
 FOLDBACK_SHARE = 0.98  # of max_voltage_v, where the charge current begins to fold back
 EMF_TOLERANCE = 0.01  # flux linkage and voltages are not known any better

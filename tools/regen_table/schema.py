@@ -17,8 +17,8 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from regen_table import inputs, installation, relations
-from regen_table.drive import Drive
 from regen_table.errors import ConfigurationError
+from regen_table.sections import Drive
 
 __all__ = ["ConfigurationError", "Drive", "load", "parse"]
 

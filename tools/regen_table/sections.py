@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The sections of a drive's TOML file: every key, its unit, its accepted range.
+"""A drive and the sections of its TOML file: every key, its unit, its accepted range.
 
 One class a section, one line a key. All classes are strict (no text taken for a number), frozen,
 and refuse unknown keys and non-finite numbers. An optional key that is absent switches its feature
 off; no key is ever guessed.
 """
 
-from typing import Annotated, Literal
+import re
+from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.fields import FieldInfo
+
+from regen_table.errors import ConfigurationError
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,30}")
 
 
 def _number(lowest: float, highest: float, unit: str, text: str) -> FieldInfo:
@@ -175,7 +180,8 @@ class Bms(Section):
     """
 
     fade_soc: Annotated[
-        float, _number(0.0, 1.0, "1", "state of charge over which the limits fade at both ends")
+        float,
+        _number(0.0, 1.0, "1", "state of charge over which the limits fold back at both ends"),
     ] = 0.02
     keep_voltage: Annotated[
         bool,
@@ -326,9 +332,11 @@ class Control(Section):
         float, _number(0.1, 2e6, "N m/s", "fastest change of motor torque")
     ]
     handover_start_rpm: Annotated[
-        float, _number(0.0, 9500.0, "r/min", "electric braking starts to fade below")
+        float, _number(0.0, 9500.0, "r/min", "blend-out of regenerative torque begins below")
     ]
-    handover_end_rpm: Annotated[float, _number(0.0, 9500.0, "r/min", "no electric braking below")]
+    handover_end_rpm: Annotated[
+        float, _number(0.0, 9500.0, "r/min", "no regenerative torque below")
+    ]
     field_weakening_current_a: Annotated[
         float | None, _number(0.0, 3000.0, "A", "largest demagnetising current; absent: off")
     ] = None
@@ -397,7 +405,7 @@ class Rotor(Section):
 class Sensors(Section):
     """Imperfections of the sensors.
 
-    Read by the simulated plant only, the controller is not told.
+    Read by the simulated plant only, unknown to the controller.
     """
 
     current_noise_a: Annotated[float, _number(0.0, 100.0, "A", "standard deviation")] = 0.0
@@ -409,3 +417,38 @@ class Sensors(Section):
         float, _number(0.0, 30.0, "deg", "alternating misplacement of the edges, electrical")
     ] = 0.0
     adc_bits: Annotated[int, _number(8, 16, "1", "resolution of every converter")] = 12
+
+
+class Drive(Section):
+    """Everything known about one drive, SI units, keys as in the TOML file."""
+
+    motor: Motor
+    inverter: Inverter
+    battery: Battery
+    vehicle: Vehicle
+    brake: Brake
+    control: Control
+    table: Table
+    rotor: Rotor = Rotor()
+    sensors: Sensors = Sensors()
+    bus: Bus = Bus()
+    bms: Bms = Bms()
+    thermal: Thermal = Thermal()
+    chassis: Chassis = Chassis()
+    tyre: Tyre = Tyre()
+    _name: str = "unnamed"
+
+    @property
+    def name(self) -> str:
+        """Name of the configuration: the file's name without its ending."""
+        return self._name
+
+    def named(self, name: str) -> Self:
+        """Return the same drive under another name: a letter, then letters, digits, - and _, at most 31."""
+        if not _NAME.fullmatch(name):
+            raise ConfigurationError(
+                f"configuration name {name!r}: must be a letter followed by at most 30 letters, digits, '-' or '_'"
+            )
+        copy = self.model_copy()
+        copy._name = name
+        return copy

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The ideal stop: constant demand at every driven wheel from a speed to standstill, steady state at every speed.
 
-No delay, no hand-over, no drag: what is left is how the losses depend on the share that the motor
+No delay, no blend-out, no drag: what remains is how the losses depend on the share that the motor
 takes. For a given speed trace the pointwise optimum is the best over time, so series_optimal bounds
 every real stop from above; with the battery's RC branch taken as settled it does not, because that
 branch has no time to take its loss (packs). Surface magnets brake with i_d = 0, as in the paper,

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The stored optimum: unclamped T_opt over mechanical speed and winding temperature, on grids of powers of two."""
+"""The optimal regenerative torque map: unclamped T_opt over mechanical speed and winding temperature.
+
+Both axes have steps that are powers of two.
+"""
 
 import itertools
 import math
@@ -87,11 +90,11 @@ def _grid(drive: Drive, speed_points: int, temperature_points: int) -> RegenMap:
             raise ConfigurationError(
                 f"table.{key}: {points}, accepted: at least {points_over(span, largest)} up to {reaches}"
             )
-    room = _room()
-    if speed_points * temperature_points > room:
+    capacity = _capacity()
+    if speed_points * temperature_points > capacity:
         raise ConfigurationError(
             f"table.speed_points, table.temperature_points: {speed_points} x {temperature_points}, accepted: at most "
-            f"{room} points in all"
+            f"{capacity} points in all"
         )
     zeros = np.zeros((temperature_points, speed_points), np.int32)
     return RegenMap(steps[0], steps[1], round(lowest * 100.0), zeros)
@@ -101,7 +104,7 @@ def _speed_span(drive: Drive) -> float:
     return drive.motor.max_speed_rpm * math.pi / 30.0 * 1000.0
 
 
-def _room() -> int:
+def _capacity() -> int:
     """Return how many points the firmware's table holds."""
     return layout.load().constants["CONFIG_REGEN_POINTS_MAX"]
 
@@ -119,9 +122,9 @@ def grids(drive: Drive, further_speed_points: Iterable[int] = ()) -> list[tuple[
     temperatures = _numbers_of_points(
         drive.table.temperature_points, 100.0 * (highest - lowest), TEMPERATURE_STEP_LOG2, 17, ()
     )
-    room = _room()
+    capacity = _capacity()
     return sorted(
-        (pair for pair in itertools.product(speeds, temperatures) if math.prod(pair) <= room),
+        (pair for pair in itertools.product(speeds, temperatures) if math.prod(pair) <= capacity),
         key=lambda pair: (math.prod(pair), pair),
     )
 

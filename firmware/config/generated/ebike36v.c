@@ -1,8 +1,9 @@
 /*
  * Configuration "ebike36v": 36 V 350 W gearless hub.
  *
- * Written by tools/regen_table 0.1.0 from ebike36v.toml; the same bytes as ebike36v.bin. Not edited by hand: change the
- * TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the section that can be flashed alone.
+ * Written by tools/regen_table 0.1.0 from ebike36v.toml; the same bytes as ebike36v.bin. Do not
+ * edit: change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
+ * section that can be flashed alone.
  */
 #include "config/config.h"
 
@@ -19,66 +20,107 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .generator_version = 0x00000100,
     .name = "ebike36v",
     .motor = {
-        .type                              = 0, /* 0 surface magnets (L_d = L_q), 1 interior magnets */
+        /* 0 surface magnets (L_d = L_q), 1 interior magnets */
+        .type                              = 0,
         .pole_pairs                        = 15, /* electrical turns in a mechanical turn */
-        .phase_resistance_uOhm             = 179300, /* [uOhm] one phase, at reference_temperature_cC */
-        .reference_temperature_cC          = 2500, /* [cC] winding temperature at which the resistance holds */
-        .resistance_coefficient_ppm_K      = 3930, /* [ppm/K] rise of resistance with temperature; copper 3930 */
+        /* [uOhm] one phase, at reference_temperature_cC */
+        .phase_resistance_uOhm             = 179300,
+        /* [cC] winding temperature at which the resistance holds */
+        .reference_temperature_cC          = 2500,
+        /* [ppm/K] rise of resistance with temperature; copper 3930 */
+        .resistance_coefficient_ppm_K      = 3930,
         .d_inductance_nH                   = 336000, /* [nH] direct axis */
         .q_inductance_nH                   = 336000, /* [nH] quadrature axis */
-        .flux_linkage_nWb                  = 22970000, /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
-        .flux_coefficient_ppm_K            = 0, /* [ppm/K] fall of the flux with temperature, magnets at winding temperature; NdFeB -1100; 0: constant */
-        .iron_loss_resistance_mOhm         = 20000, /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
-        .iron_loss_resistance_slope_nOhm_s = 67000000, /* [nOhm s] part of R_i proportional to electrical speed */
+        /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
+        .flux_linkage_nWb                  = 22970000,
+        /* [ppm/K] fall of the flux with temperature, magnets at winding temperature; NdFeB
+         * -1100; 0: constant */
+        .flux_coefficient_ppm_K            = 0,
+        /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
+        .iron_loss_resistance_mOhm         = 20000,
+        /* [nOhm s] part of R_i proportional to electrical speed */
+        .iron_loss_resistance_slope_nOhm_s = 67000000,
         .friction_torque_mNm               = 50, /* [mNm] Coulomb friction of bearings and seals */
-        .viscous_friction_uNm_s            = 0, /* [uNm s] friction proportional to mechanical speed */
+        /* [uNm s] friction proportional to mechanical speed */
+        .viscous_friction_uNm_s            = 0,
         .rated_torque_mNm                  = 8000, /* [mNm] continuous torque */
         .max_torque_mNm                    = 15000, /* [mNm] largest torque in either direction */
-        .max_power_mW                      = 450000, /* [mW] largest electromagnetic power in either direction */
+        /* [mW] largest electromagnetic power in either direction */
+        .max_power_mW                      = 450000,
         .max_phase_current_mA              = 35000, /* [mA] peak */
-        .max_speed_mrad_s                  = 43982, /* [mrad/s] driving torque fades out here; braking torque does not */
+        /* [mrad/s] driving torque fades out here; braking torque does not */
+        .max_speed_mrad_s                  = 43982,
         .derate_winding_temperature_cC     = 11000, /* [cC] torque limit starts to shrink */
         .max_winding_temperature_cC        = 13000, /* [cC] torque limit reaches zero */
     },
     .drive = {
-        .current_full_scale_mA        = 50000, /* [mA] base of current: what half the converter's range stands for */
-        .voltage_full_scale_mV        = 60000, /* [mV] base of voltage: what the converter's whole range stands for */
-        .pwm_frequency_Hz             = 16000, /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
-        .pwm_period_counts            = 5250, /* timer counts from 0 to the top of the centre-aligned count */
+        /* [mA] base of current: what half the converter's range stands for */
+        .current_full_scale_mA        = 50000,
+        /* [mV] base of voltage: what the converter's whole range stands for */
+        .voltage_full_scale_mV        = 60000,
+        /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
+        .pwm_frequency_Hz             = 16000,
+        /* timer counts from 0 to the top of the centre-aligned count */
+        .pwm_period_counts            = 5250,
         .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
-        .diode_drop_mV                = 800, /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of the current */
-        .min_pulse_counts             = 168, /* shortest low-side pulse: sampling window of the shunts */
+        /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of
+         * the current */
+        .diode_drop_mV                = 800,
+        /* shortest low-side pulse: sampling window of the shunts */
+        .min_pulse_counts             = 168,
         .derate_switch_temperature_cC = 13000, /* [cC] torque limit starts to shrink */
         .max_switch_temperature_cC    = 15000, /* [cC] torque limit reaches zero */
     },
     .current_loop = {
-        .bandwidth_Hz                   = 500, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the shape of the reference realise it, dead-time compensation expects the current by it */
-        .proportional_d_pu_q16          = 43756, /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
-        .proportional_q_pu_q16          = 43756, /* [pu] k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped */
-        .integral_d_pu_q24              = 379517, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .integral_q_pu_q24              = 379517, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .inductance_d_pu_q16            = 115297, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
-        .inductance_q_pu_q16            = 115297, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
+        /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the
+         * shape of the reference realise it, dead-time compensation expects the current by it */
+        .bandwidth_Hz                   = 500,
+        /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
+        .proportional_d_pu_q16          = 43756,
+        /* [pu] k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped */
+        .proportional_q_pu_q16          = 43756,
+        /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the
+         * regulator's zero on the winding's pole */
+        .integral_d_pu_q24              = 379517,
+        /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the
+         * regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 379517,
+        /* [pu] omega_base L_d I_base / V_base, cross-coupling */
+        .inductance_d_pu_q16            = 115297,
+        /* [pu] omega_base L_q I_base / V_base, cross-coupling */
+        .inductance_q_pu_q16            = 115297,
         .flux_pu_q16                    = 157641, /* [pu] omega_base psi / V_base, back-EMF */
-        .modulation_limit_pu_q15        = 30096, /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        .modulation_limit_pu_q15        = 30096,
         .max_current_pu_q15             = 22938, /* [pu] largest |i| the loop is asked for */
-        .field_weakening_gain_pu_q15    = 0, /* [pu] current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped */
+        /* [pu] current per unit of missing squared voltage and period; 0: no field weakening;
+         * raising: faster, less damped */
+        .field_weakening_gain_pu_q15    = 0,
         .field_weakening_current_pu_q15 = 0, /* [pu] largest demagnetising current */
-        .dead_time_zone_pu_q15          = 128, /* [pu] current below which the dead-time compensation is proportional, at the middle of the battery's range; goes with the bus voltage */
+        /* [pu] current below which the dead-time compensation is proportional, at the middle
+         * of the battery's range; goes with the bus voltage */
+        .dead_time_zone_pu_q15          = 128,
     },
     .rotor = {
-        .sensor                         = 1, /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
+        /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
+        .sensor                         = 1,
         .pll_bandwidth_Hz               = 50, /* [Hz] tracking of the angle, for the record */
-        .pll_proportional_q16           = 2574, /* share of the angle error corrected in one PWM period */
-        .pll_integral_q24               = 6468, /* share of the angle error added to the speed in one PWM period */
-        .encoder_counts                 = 0, /* counts in a mechanical turn, four to a line; 0: no encoder */
+        /* share of the angle error corrected in one PWM period */
+        .pll_proportional_q16           = 2574,
+        /* share of the angle error added to the speed in one PWM period */
+        .pll_integral_q24               = 6468,
+        /* counts in a mechanical turn, four to a line; 0: no encoder */
+        .encoder_counts                 = 0,
         .encoder_index_turn             = 0, /* [turn] electrical angle at the index pulse */
-        .encoder_index_tolerance_counts = 4, /* how far beside its place an index pulse is still the expected one: the width of the pulse */
+        /* how far beside its place an index pulse is still the expected one: the width of the
+         * pulse */
+        .encoder_index_tolerance_counts = 4,
         .encoder_reversed               = 0, /* 1: the count falls when turning forward */
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
-        .driven_wheels            = 1, /* motors that share the pack; limits below are one motor's share */
+        /* motors that share the pack; limits below are one motor's share */
+        .driven_wheels            = 1,
         .max_charge_current_mA    = 8000, /* [mA] 0: no regeneration into the battery */
         .max_discharge_current_mA = 20000, /* [mA] */
         .foldback_voltage_mV      = 41160, /* [mV] charge limit starts to shrink */
@@ -88,26 +130,37 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .undervoltage_trip_mV     = 27000, /* [mV] bridge goes to its safe state */
     },
     .brake = {
-        .strategy                    = 2, /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
-        .parallel_electric_share_q15 = 6554, /* electric part of the whole demand (parallel_ratio) */
-        .electric_rated_torque_mNm   = 8000, /* [mNm] electric torque before the hydraulic brake adds (parallel) */
-        .max_hydraulic_torque_mNm    = 120000, /* [mNm] 0: no hydraulic brake under this controller's command */
-        .hydraulic_dead_time_ms      = 50, /* [ms] from a changed command until the hydraulic brake begins to move */
-        .hydraulic_time_constant_ms  = 80, /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
+        .strategy                    = 2,
+        /* electric part of the whole demand (parallel_ratio) */
+        .parallel_electric_share_q15 = 6554,
+        /* [mNm] electric torque before the hydraulic brake adds (parallel) */
+        .electric_rated_torque_mNm   = 8000,
+        /* [mNm] 0: no hydraulic brake under this controller's command */
+        .max_hydraulic_torque_mNm    = 120000,
+        /* [ms] from a changed command until the hydraulic brake begins to move */
+        .hydraulic_dead_time_ms      = 50,
+        /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        .hydraulic_time_constant_ms  = 80,
         .hydraulic_rate_mNm_s        = 400000, /* [mNm/s] fastest change of hydraulic torque */
-        .blend_out_start_mrad_s      = 2094, /* [mrad/s] electric braking starts to fade below this speed */
+        /* [mrad/s] electric braking starts to fade below this speed */
+        .blend_out_start_mrad_s      = 2094,
         .blend_out_end_mrad_s        = 838, /* [mrad/s] no electric braking below this speed */
-        .torque_rate_mNm_s           = 60000, /* [mNm/s] fastest change of motor torque that is asked for */
-        .shortfall_band_mNm          = 750, /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        /* [mNm/s] fastest change of motor torque that is asked for */
+        .torque_rate_mNm_s           = 60000,
+        /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        .shortfall_band_mNm          = 750,
         .demand_timeout_ms           = 100, /* [ms] older demands count as lost */
     },
     .vehicle = {
         .wheel_radius_um = 253000, /* [um] rolling radius */
         .mass_g          = 105000, /* [g] for plausibility only */
-        .wheel_position  = 0, /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
+        /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
+        .wheel_position  = 0,
     },
     .monitor = {
-        .overcurrent_pu_q15     = 29552, /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
+        /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
+        .overcurrent_pu_q15     = 29552,
         .current_sum_pu_q15     = 1638, /* [pu] largest |i_a + i_b + i_c| */
         .offset_tolerance_codes = 200, /* distance of a current sensor's zero from mid-range */
         .torque_tolerance_mNm   = 1500, /* [mNm] estimate against permitted torque */
@@ -122,28 +175,26 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .torque_mNm = {
             /* a column every 4.096 rad/s, mechanical */
             /* -20 degC */
-            -130, 2273, 4667, 7052, 9432, 11807, 14177, 16542, 18904, 21262,
-            23616, 25967,
+            -130, 2273, 4667, 7052, 9432, 11807, 14177, 16542, 18904, 21262, 23616, 25967,
             /* 20.96 degC */
-            -110, 1919, 3937, 5948, 7955, 9956, 11954, 13949, 15940, 17929,
-            19915, 21898,
+            -110, 1919, 3937, 5948, 7955, 9956, 11954, 13949, 15940, 17929, 19915, 21898,
             /* 61.92 degC */
-            -95, 1661, 3407, 5146, 6880, 8611, 10338, 12062, 13784, 15503,
-            17220, 18935,
+            -95, 1661, 3407, 5146, 6880, 8611, 10338, 12062, 13784, 15503, 17220, 18935,
             /* 102.88 degC */
-            -83, 1465, 3004, 4536, 6064, 7588, 9110, 10628, 12145, 13659,
-            15172, 16683,
+            -83, 1465, 3004, 4536, 6064, 7588, 9110, 10628, 12145, 13659, 15172, 16683,
             /* 143.84 degC */
-            -74, 1311, 2687, 4057, 5423, 6785, 8144, 9501, 10856, 12210,
-            13562, 14912,
+            -74, 1311, 2687, 4057, 5423, 6785, 8144, 9501, 10856, 12210, 13562, 14912,
         },
     },
     .current_map = {
-        .torque_points         = 5, /* odd: points along torque in the direction of rotation, braking first; the middle one is no torque */
+        /* odd: points along torque in the direction of rotation, braking first; the middle
+         * one is no torque */
+        .torque_points         = 5,
         .torque_step_log2      = 13, /* distance of the points is 2^this mNm at the airgap */
         .speed_points          = 2, /* points along speed, from standstill */
         .speed_step_log2       = 16, /* distance of the points is 2^this mrad/s, mechanical */
-        .temperature_points    = 1, /* points along winding temperature; 1: the map is the same at any */
+        /* points along winding temperature; 1: the map is the same at any */
+        .temperature_points    = 1,
         .temperature_step_log2 = 6, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = 5500, /* [cC] winding temperature of the first point */
         .current_d_mA = {

@@ -1,8 +1,9 @@
 /*
  * Configuration "ipm400v": 400 V interior-magnet traction motor.
  *
- * Written by tools/regen_table 0.1.0 from ipm400v.toml; the same bytes as ipm400v.bin. Not edited by hand: change the
- * TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the section that can be flashed alone.
+ * Written by tools/regen_table 0.1.0 from ipm400v.toml; the same bytes as ipm400v.bin. Do not
+ * edit: change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
+ * section that can be flashed alone.
  */
 #include "config/config.h"
 
@@ -19,66 +20,107 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
     .generator_version = 0x00000100,
     .name = "ipm400v",
     .motor = {
-        .type                              = 1, /* 0 surface magnets (L_d = L_q), 1 interior magnets */
+        /* 0 surface magnets (L_d = L_q), 1 interior magnets */
+        .type                              = 1,
         .pole_pairs                        = 3, /* electrical turns in a mechanical turn */
-        .phase_resistance_uOhm             = 18000, /* [uOhm] one phase, at reference_temperature_cC */
-        .reference_temperature_cC          = 2500, /* [cC] winding temperature at which the resistance holds */
-        .resistance_coefficient_ppm_K      = 3930, /* [ppm/K] rise of resistance with temperature; copper 3930 */
+        /* [uOhm] one phase, at reference_temperature_cC */
+        .phase_resistance_uOhm             = 18000,
+        /* [cC] winding temperature at which the resistance holds */
+        .reference_temperature_cC          = 2500,
+        /* [ppm/K] rise of resistance with temperature; copper 3930 */
+        .resistance_coefficient_ppm_K      = 3930,
         .d_inductance_nH                   = 370000, /* [nH] direct axis */
         .q_inductance_nH                   = 1200000, /* [nH] quadrature axis */
-        .flux_linkage_nWb                  = 66000000, /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
-        .flux_coefficient_ppm_K            = -1100, /* [ppm/K] fall of the flux with temperature, magnets at winding temperature; NdFeB -1100; 0: constant */
-        .iron_loss_resistance_mOhm         = 15000, /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
-        .iron_loss_resistance_slope_nOhm_s = 20000000, /* [nOhm s] part of R_i proportional to electrical speed */
+        /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
+        .flux_linkage_nWb                  = 66000000,
+        /* [ppm/K] fall of the flux with temperature, magnets at winding temperature; NdFeB
+         * -1100; 0: constant */
+        .flux_coefficient_ppm_K            = -1100,
+        /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
+        .iron_loss_resistance_mOhm         = 15000,
+        /* [nOhm s] part of R_i proportional to electrical speed */
+        .iron_loss_resistance_slope_nOhm_s = 20000000,
         .friction_torque_mNm               = 300, /* [mNm] Coulomb friction of bearings and seals */
-        .viscous_friction_uNm_s            = 200, /* [uNm s] friction proportional to mechanical speed */
+        /* [uNm s] friction proportional to mechanical speed */
+        .viscous_friction_uNm_s            = 200,
         .rated_torque_mNm                  = 70000, /* [mNm] continuous torque */
         .max_torque_mNm                    = 115000, /* [mNm] largest torque in either direction */
-        .max_power_mW                      = 60000000, /* [mW] largest electromagnetic power in either direction */
+        /* [mW] largest electromagnetic power in either direction */
+        .max_power_mW                      = 60000000,
         .max_phase_current_mA              = 200000, /* [mA] peak */
-        .max_speed_mrad_s                  = 1151917, /* [mrad/s] driving torque fades out here; braking torque does not */
+        /* [mrad/s] driving torque fades out here; braking torque does not */
+        .max_speed_mrad_s                  = 1151917,
         .derate_winding_temperature_cC     = 13500, /* [cC] torque limit starts to shrink */
         .max_winding_temperature_cC        = 15500, /* [cC] torque limit reaches zero */
     },
     .drive = {
-        .current_full_scale_mA        = 280000, /* [mA] base of current: what half the converter's range stands for */
-        .voltage_full_scale_mV        = 500000, /* [mV] base of voltage: what the converter's whole range stands for */
-        .pwm_frequency_Hz             = 10000, /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
-        .pwm_period_counts            = 8400, /* timer counts from 0 to the top of the centre-aligned count */
+        /* [mA] base of current: what half the converter's range stands for */
+        .current_full_scale_mA        = 280000,
+        /* [mV] base of voltage: what the converter's whole range stands for */
+        .voltage_full_scale_mV        = 500000,
+        /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
+        .pwm_frequency_Hz             = 10000,
+        /* timer counts from 0 to the top of the centre-aligned count */
+        .pwm_period_counts            = 8400,
         .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
-        .diode_drop_mV                = 1200, /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of the current */
-        .min_pulse_counts             = 168, /* shortest low-side pulse: sampling window of the shunts */
+        /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of
+         * the current */
+        .diode_drop_mV                = 1200,
+        /* shortest low-side pulse: sampling window of the shunts */
+        .min_pulse_counts             = 168,
         .derate_switch_temperature_cC = 13000, /* [cC] torque limit starts to shrink */
         .max_switch_temperature_cC    = 15000, /* [cC] torque limit reaches zero */
     },
     .current_loop = {
-        .bandwidth_Hz                   = 500, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the shape of the reference realise it, dead-time compensation expects the current by it */
-        .proportional_d_pu_q16          = 26819, /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
-        .proportional_q_pu_q16          = 86801, /* [pu] k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped */
-        .integral_d_pu_q24              = 40701, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .integral_q_pu_q24              = 40701, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .inductance_d_pu_q16            = 53325, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
-        .inductance_q_pu_q16            = 172945, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
+        /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the
+         * shape of the reference realise it, dead-time compensation expects the current by it */
+        .bandwidth_Hz                   = 500,
+        /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
+        .proportional_d_pu_q16          = 26819,
+        /* [pu] k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped */
+        .proportional_q_pu_q16          = 86801,
+        /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the
+         * regulator's zero on the winding's pole */
+        .integral_d_pu_q24              = 40701,
+        /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the
+         * regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 40701,
+        /* [pu] omega_base L_d I_base / V_base, cross-coupling */
+        .inductance_d_pu_q16            = 53325,
+        /* [pu] omega_base L_q I_base / V_base, cross-coupling */
+        .inductance_q_pu_q16            = 172945,
         .flux_pu_q16                    = 33971, /* [pu] omega_base psi / V_base, back-EMF */
-        .modulation_limit_pu_q15        = 31113, /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        .modulation_limit_pu_q15        = 31113,
         .max_current_pu_q15             = 23406, /* [pu] largest |i| the loop is asked for */
-        .field_weakening_gain_pu_q15    = 146, /* [pu] current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped */
+        /* [pu] current per unit of missing squared voltage and period; 0: no field weakening;
+         * raising: faster, less damped */
+        .field_weakening_gain_pu_q15    = 146,
         .field_weakening_current_pu_q15 = 19895, /* [pu] largest demagnetising current */
-        .dead_time_zone_pu_q15          = 128, /* [pu] current below which the dead-time compensation is proportional, at the middle of the battery's range; goes with the bus voltage */
+        /* [pu] current below which the dead-time compensation is proportional, at the middle
+         * of the battery's range; goes with the bus voltage */
+        .dead_time_zone_pu_q15          = 128,
     },
     .rotor = {
-        .sensor                         = 0, /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
+        /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
+        .sensor                         = 0,
         .pll_bandwidth_Hz               = 50, /* [Hz] tracking of the angle, for the record */
-        .pll_proportional_q16           = 4118, /* share of the angle error corrected in one PWM period */
-        .pll_integral_q24               = 16558, /* share of the angle error added to the speed in one PWM period */
-        .encoder_counts                 = 0, /* counts in a mechanical turn, four to a line; 0: no encoder */
+        /* share of the angle error corrected in one PWM period */
+        .pll_proportional_q16           = 4118,
+        /* share of the angle error added to the speed in one PWM period */
+        .pll_integral_q24               = 16558,
+        /* counts in a mechanical turn, four to a line; 0: no encoder */
+        .encoder_counts                 = 0,
         .encoder_index_turn             = 0, /* [turn] electrical angle at the index pulse */
-        .encoder_index_tolerance_counts = 4, /* how far beside its place an index pulse is still the expected one: the width of the pulse */
+        /* how far beside its place an index pulse is still the expected one: the width of the
+         * pulse */
+        .encoder_index_tolerance_counts = 4,
         .encoder_reversed               = 0, /* 1: the count falls when turning forward */
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
-        .driven_wheels            = 1, /* motors that share the pack; limits below are one motor's share */
+        /* motors that share the pack; limits below are one motor's share */
+        .driven_wheels            = 1,
         .max_charge_current_mA    = 150000, /* [mA] 0: no regeneration into the battery */
         .max_discharge_current_mA = 300000, /* [mA] */
         .foldback_voltage_mV      = 394940, /* [mV] charge limit starts to shrink */
@@ -88,26 +130,37 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .undervoltage_trip_mV     = 270000, /* [mV] bridge goes to its safe state */
     },
     .brake = {
-        .strategy                    = 2, /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
-        .parallel_electric_share_q15 = 6554, /* electric part of the whole demand (parallel_ratio) */
-        .electric_rated_torque_mNm   = 70000, /* [mNm] electric torque before the hydraulic brake adds (parallel) */
-        .max_hydraulic_torque_mNm    = 700000, /* [mNm] 0: no hydraulic brake under this controller's command */
-        .hydraulic_dead_time_ms      = 30, /* [ms] from a changed command until the hydraulic brake begins to move */
-        .hydraulic_time_constant_ms  = 60, /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
+        .strategy                    = 2,
+        /* electric part of the whole demand (parallel_ratio) */
+        .parallel_electric_share_q15 = 6554,
+        /* [mNm] electric torque before the hydraulic brake adds (parallel) */
+        .electric_rated_torque_mNm   = 70000,
+        /* [mNm] 0: no hydraulic brake under this controller's command */
+        .max_hydraulic_torque_mNm    = 700000,
+        /* [ms] from a changed command until the hydraulic brake begins to move */
+        .hydraulic_dead_time_ms      = 30,
+        /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        .hydraulic_time_constant_ms  = 60,
         .hydraulic_rate_mNm_s        = 3000000, /* [mNm/s] fastest change of hydraulic torque */
-        .blend_out_start_mrad_s      = 24086, /* [mrad/s] electric braking starts to fade below this speed */
+        /* [mrad/s] electric braking starts to fade below this speed */
+        .blend_out_start_mrad_s      = 24086,
         .blend_out_end_mrad_s        = 9425, /* [mrad/s] no electric braking below this speed */
-        .torque_rate_mNm_s           = 1500000, /* [mNm/s] fastest change of motor torque that is asked for */
-        .shortfall_band_mNm          = 5750, /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        /* [mNm/s] fastest change of motor torque that is asked for */
+        .torque_rate_mNm_s           = 1500000,
+        /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        .shortfall_band_mNm          = 5750,
         .demand_timeout_ms           = 100, /* [ms] older demands count as lost */
     },
     .vehicle = {
         .wheel_radius_um = 57500, /* [um] rolling radius */
         .mass_g          = 1450000, /* [g] for plausibility only */
-        .wheel_position  = 0, /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
+        /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
+        .wheel_position  = 0,
     },
     .monitor = {
-        .overcurrent_pu_q15     = 29552, /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
+        /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
+        .overcurrent_pu_q15     = 29552,
         .current_sum_pu_q15     = 1638, /* [pu] largest |i_a + i_b + i_c| */
         .offset_tolerance_codes = 200, /* distance of a current sensor's zero from mid-range */
         .torque_tolerance_mNm   = 11500, /* [mNm] estimate against permitted torque */
@@ -122,309 +175,284 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .torque_mNm = {
             /* a column every 0.512 rad/s, mechanical */
             /* -20 degC */
-            -2236, 3, 7, 340, 1256, 2207, 3209, 4271, 5384, 6587,
-            7858, 9350, 11044, 13013, 15316, 18065, 21393, 25523, 30659, 37355,
-            46127, 58262, 75231, 100428, 126094, 131510, 136935, 142369, 147810, 153260,
-            158717, 164180, 169650, 175126, 180609, 186097, 191592, 197094, 202600, 208111,
-            213628, 219150, 224677, 230209, 235746, 241290, 246837,
+            -2236, 3, 7, 340, 1256, 2207, 3209, 4271, 5384, 6587, 7858, 9350, 11044, 13013, 15316,
+            18065, 21393, 25523, 30659, 37355, 46127, 58262, 75231, 100428, 126094, 131510, 136935,
+            142369, 147810, 153260, 158717, 164180, 169650, 175126, 180609, 186097, 191592, 197094,
+            202600, 208111, 213628, 219150, 224677, 230209, 235746, 241290, 246837,
             /* -9.76 degC */
-            -2130, 3, 7, 305, 1158, 2021, 2962, 3953, 5022, 6114,
-            7312, 8626, 10136, 11867, 13885, 16254, 19101, 22494, 26745, 32010,
-            38808, 47729, 60037, 77181, 102460, 126278, 131481, 136690, 141909, 147136,
-            152368, 157608, 162854, 168104, 173362, 178625, 183895, 189171, 194449, 199735,
-            205025, 210320, 215620, 220925, 226233, 231549, 236868,
+            -2130, 3, 7, 305, 1158, 2021, 2962, 3953, 5022, 6114, 7312, 8626, 10136, 11867, 13885,
+            16254, 19101, 22494, 26745, 32010, 38808, 47729, 60037, 77181, 102460, 126278, 131481,
+            136690, 141909, 147136, 152368, 157608, 162854, 168104, 173362, 178625, 183895, 189171,
+            194449, 199735, 205025, 210320, 215620, 220925, 226233, 231549, 236868,
             /* 0.48 degC */
-            -2031, 3, 7, 254, 1048, 1888, 2758, 3683, 4669, 5699,
-            6817, 7981, 9349, 10894, 12683, 14729, 17178, 20061, 23561, 27897,
-            33340, 40205, 49397, 61704, 78921, 104214, 126416, 131420, 136432, 141450,
-            146476, 151506, 156543, 161587, 166635, 171689, 176750, 181815, 186885, 191959,
-            197039, 202124, 207212, 212306, 217404, 222507, 227615,
+            -2031, 3, 7, 254, 1048, 1888, 2758, 3683, 4669, 5699, 6817, 7981, 9349, 10894, 12683,
+            14729, 17178, 20061, 23561, 27897, 33340, 40205, 49397, 61704, 78921, 104214, 126416,
+            131420, 136432, 141450, 146476, 151506, 156543, 161587, 166635, 171689, 176750, 181815,
+            186885, 191959, 197039, 202124, 207212, 212306, 217404, 222507, 227615,
             /* 10.72 degC */
-            -1940, 3, 7, 225, 958, 1751, 2574, 3453, 4352, 5320,
-            6350, 7438, 8642, 10035, 11609, 13428, 15527, 18014, 20970, 24511,
-            28969, 34515, 41590, 50821, 63163, 80515, 105580, 126514, 131333, 136159,
-            140991, 145828, 150672, 155520, 160375, 165234, 170100, 174970, 179844, 184724,
-            189607, 194496, 199387, 204285, 209185, 214091, 219002,
+            -1940, 3, 7, 225, 958, 1751, 2574, 3453, 4352, 5320, 6350, 7438, 8642, 10035, 11609,
+            13428, 15527, 18014, 20970, 24511, 28969, 34515, 41590, 50821, 63163, 80515, 105580,
+            126514, 131333, 136159, 140991, 145828, 150672, 155520, 160375, 165234, 170100, 174970,
+            179844, 184724, 189607, 194496, 199387, 204285, 209185, 214091, 219002,
             /* 20.96 degC */
-            -1854, 3, 5, 182, 898, 1632, 2393, 3218, 4068, 4971,
-            5917, 6941, 8025, 9277, 10695, 12304, 14143, 16289, 18844, 21834,
-            25520, 29964, 35630, 42772, 52101, 64523, 81982, 107198, 126575, 131221,
-            135872, 140530, 145192, 149859, 154533, 159211, 163893, 168582, 173275, 177971,
-            182672, 187378, 192087, 196800, 201517, 206239, 210966,
+            -1854, 3, 5, 182, 898, 1632, 2393, 3218, 4068, 4971, 5917, 6941, 8025, 9277, 10695,
+            12304, 14143, 16289, 18844, 21834, 25520, 29964, 35630, 42772, 52101, 64523, 81982,
+            107198, 126575, 131221, 135872, 140530, 145192, 149859, 154533, 159211, 163893, 168582,
+            173275, 177971, 182672, 187378, 192087, 196800, 201517, 206239, 210966,
             /* 31.2 degC */
-            -1774, 2, 5, 161, 821, 1508, 2243, 2996, 3789, 4651,
-            5542, 6472, 7491, 8594, 9872, 11310, 12949, 14829, 17049, 19623,
-            22664, 26415, 30938, 36653, 43901, 53260, 65997, 83299, 108237, 126603,
-            131086, 135575, 140068, 144567, 149070, 153578, 158091, 162610, 167131, 171657,
-            176187, 180722, 185260, 189802, 194347, 198898, 203451,
+            -1774, 2, 5, 161, 821, 1508, 2243, 2996, 3789, 4651, 5542, 6472, 7491, 8594, 9872,
+            11310, 12949, 14829, 17049, 19623, 22664, 26415, 30938, 36653, 43901, 53260, 65997,
+            83299, 108237, 126603, 131086, 135575, 140068, 144567, 149070, 153578, 158091, 162610,
+            167131, 171657, 176187, 180722, 185260, 189802, 194347, 198898, 203451,
             /* 41.44 degC */
-            -1699, 2, 5, 118, 762, 1406, 2088, 2804, 3556, 4336,
-            5171, 6071, 6996, 8003, 9141, 10444, 11896, 13557, 15474, 17728,
-            20333, 23430, 27244, 31810, 37613, 44932, 54355, 67100, 84348, 109036,
-            126600, 130930, 135265, 139605, 143950, 148299, 152653, 157012, 161374, 165739,
-            170109, 174484, 178860, 183241, 187626, 192016, 196408,
+            -1699, 2, 5, 118, 762, 1406, 2088, 2804, 3556, 4336, 5171, 6071, 6996, 8003, 9141,
+            10444, 11896, 13557, 15474, 17728, 20333, 23430, 27244, 31810, 37613, 44932, 54355,
+            67100, 84348, 109036, 126600, 130930, 135265, 139605, 143950, 148299, 152653, 157012,
+            161374, 165739, 170109, 174484, 178860, 183241, 187626, 192016, 196408,
             /* 51.68 degC */
-            -1629, 2, 5, 105, 676, 1316, 1950, 2617, 3316, 4046,
-            4855, 5671, 6554, 7481, 8490, 9664, 10973, 12439, 14143, 16074,
-            18378, 21020, 24167, 28034, 32617, 38500, 45876, 55321, 67972, 85230,
-            109630, 126569, 130755, 134947, 139141, 143341, 147546, 151754, 155966, 160183,
-            164401, 168626, 172852, 177082, 181316, 185554, 189794,
+            -1629, 2, 5, 105, 676, 1316, 1950, 2617, 3316, 4046, 4855, 5671, 6554, 7481, 8490, 9664,
+            10973, 12439, 14143, 16074, 18378, 21020, 24167, 28034, 32617, 38500, 45876, 55321,
+            67972, 85230, 109630, 126569, 130755, 134947, 139141, 143341, 147546, 151754, 155966,
+            160183, 164401, 168626, 172852, 177082, 181316, 185554, 189794,
             /* 61.92 degC */
-            -1563, 2, 4, 75, 619, 1218, 1821, 2446, 3116, 3803,
-            4533, 5320, 6136, 7001, 7926, 8970, 10157, 11481, 12983, 14694,
-            16698, 18972, 21650, 24907, 28733, 33491, 39236, 46664, 56208, 68841,
-            85960, 110045, 126511, 130562, 134617, 138676, 142740, 146808, 150878, 154953,
-            159030, 163113, 167198, 171285, 175378, 179473, 183571,
+            -1563, 2, 4, 75, 619, 1218, 1821, 2446, 3116, 3803, 4533, 5320, 6136, 7001, 7926, 8970,
+            10157, 11481, 12983, 14694, 16698, 18972, 21650, 24907, 28733, 33491, 39236, 46664,
+            56208, 68841, 85960, 110045, 126511, 130562, 134617, 138676, 142740, 146808, 150878,
+            154953, 159030, 163113, 167198, 171285, 175378, 179473, 183571,
             /* 72.16 degC */
-            -1500, 2, 4, 58, 576, 1128, 1685, 2280, 2916, 3567,
-            4254, 4966, 5749, 6558, 7431, 8347, 9414, 10616, 11946, 13470,
-            15194, 17227, 19530, 22264, 25543, 29399, 34207, 39973, 47443, 56938,
-            69539, 86611, 110331, 126429, 130353, 134279, 138211, 142146, 146084, 150024,
-            153970, 157917, 161870, 165823, 169780, 173742, 177706,
+            -1500, 2, 4, 58, 576, 1128, 1685, 2280, 2916, 3567, 4254, 4966, 5749, 6558, 7431, 8347,
+            9414, 10616, 11946, 13470, 15194, 17227, 19530, 22264, 25543, 29399, 34207, 39973,
+            47443, 56938, 69539, 86611, 110331, 126429, 130353, 134279, 138211, 142146, 146084,
+            150024, 153970, 157917, 161870, 165823, 169780, 173742, 177706,
             /* 82.4 degC */
-            -1441, 2, 4, 32, 527, 1039, 1580, 2150, 2737, 3352,
-            3996, 4676, 5384, 6157, 6954, 7810, 8756, 9836, 11044, 12397,
-            13936, 15681, 17714, 20067, 22787, 26109, 30013, 34808, 40612, 48073,
-            57682, 70204, 86955, 110476, 126326, 130128, 133934, 137743, 141555, 145371,
+            -1441, 2, 4, 32, 527, 1039, 1580, 2150, 2737, 3352, 3996, 4676, 5384, 6157, 6954, 7810,
+            8756, 9836, 11044, 12397, 13936, 15681, 17714, 20067, 22787, 26109, 30013, 34808, 40612,
+            48073, 57682, 70204, 86955, 110476, 126326, 130128, 133934, 137743, 141555, 145371,
             149191, 153012, 156837, 160666, 164497, 168330, 172168,
             /* 92.64 degC */
-            -1385, 2, 4, 25, 476, 970, 1487, 2007, 2565, 3130,
-            3760, 4390, 5062, 5778, 6522, 7316, 8168, 9144, 10237, 11453,
-            12815, 14357, 16125, 18193, 20546, 23301, 26651, 30544, 35372, 41341,
-            48652, 58312, 70562, 87248, 110346, 126201, 129890, 133580, 137274, 140971,
+            -1385, 2, 4, 25, 476, 970, 1487, 2007, 2565, 3130, 3760, 4390, 5062, 5778, 6522, 7316,
+            8168, 9144, 10237, 11453, 12815, 14357, 16125, 18193, 20546, 23301, 26651, 30544, 35372,
+            41341, 48652, 58312, 70562, 87248, 110346, 126201, 129890, 133580, 137274, 140971,
             144671, 148374, 152079, 155788, 159499, 163213, 166931,
             /* 102.88 degC */
-            -1332, 1, 4, 21, 433, 891, 1377, 1892, 2391, 2937,
-            3524, 4111, 4762, 5413, 6114, 6866, 7649, 8512, 9506, 10602,
-            11832, 13213, 14759, 16591, 18607, 20990, 23745, 27109, 31043, 35895,
-            41826, 49325, 58734, 70927, 87366, 110139, 126058, 129637, 133218, 136803,
+            -1332, 1, 4, 21, 433, 891, 1377, 1892, 2391, 2937, 3524, 4111, 4762, 5413, 6114, 6866,
+            7649, 8512, 9506, 10602, 11832, 13213, 14759, 16591, 18607, 20990, 23745, 27109, 31043,
+            35895, 41826, 49325, 58734, 70927, 87366, 110139, 126058, 129637, 133218, 136803,
             140390, 143981, 147574, 151169, 154766, 158367, 161972,
             /* 113.12 degC */
-            -1282, 1, 4, 12, 397, 834, 1286, 1756, 2265, 2773,
-            3309, 3867, 4468, 5079, 5742, 6431, 7173, 7960, 8848, 9848,
-            10952, 12182, 13571, 15137, 16955, 19031, 21420, 24160, 27560, 31480,
-            36367, 42310, 49697, 59063, 71170, 87431, 109809, 125897, 129372, 132849,
-            136330, 139814, 143300, 146787, 150278, 153772, 157268,
+            -1282, 1, 4, 12, 397, 834, 1286, 1756, 2265, 2773, 3309, 3867, 4468, 5079, 5742, 6431,
+            7173, 7960, 8848, 9848, 10952, 12182, 13571, 15137, 16955, 19031, 21420, 24160, 27560,
+            31480, 36367, 42310, 49697, 59063, 71170, 87431, 109809, 125897, 129372, 132849, 136330,
+            139814, 143300, 146787, 150278, 153772, 157268,
             /* 123.36 degC */
-            -1234, 1, 4, 15, 361, 776, 1200, 1650, 2116, 2601,
-            3102, 3638, 4211, 4778, 5393, 6046, 6732, 7454, 8254, 9158,
-            10157, 11268, 12511, 13913, 15466, 17321, 19373, 21771, 24640, 27960,
-            31873, 36713, 42682, 50041, 59357, 71278, 87291, 109236, 125719, 129095,
-            132474, 135857, 139240, 142627, 146015, 149407, 152801,
+            -1234, 1, 4, 15, 361, 776, 1200, 1650, 2116, 2601, 3102, 3638, 4211, 4778, 5393, 6046,
+            6732, 7454, 8254, 9158, 10157, 11268, 12511, 13913, 15466, 17321, 19373, 21771, 24640,
+            27960, 31873, 36713, 42682, 50041, 59357, 71278, 87291, 109236, 125719, 129095, 132474,
+            135857, 139240, 142627, 146015, 149407, 152801,
             /* 133.6 degC */
-            -1189, 1, 4, 11, 326, 719, 1134, 1551, 2007, 2458,
-            2923, 3427, 3953, 4484, 5071, 5664, 6310, 7003, 7731, 8532,
-            9442, 10444, 11566, 12804, 14207, 15774, 17620, 19703, 22106, 24970,
-            28283, 32224, 37034, 42928, 50298, 59464, 71299, 87119, 108528, 125525,
-            128807, 132093, 135380, 138669, 141962, 145256, 148553,
+            -1189, 1, 4, 11, 326, 719, 1134, 1551, 2007, 2458, 2923, 3427, 3953, 4484, 5071, 5664,
+            6310, 7003, 7731, 8532, 9442, 10444, 11566, 12804, 14207, 15774, 17620, 19703, 22106,
+            24970, 28283, 32224, 37034, 42928, 50298, 59464, 71299, 87119, 108528, 125525, 128807,
+            132093, 135380, 138669, 141962, 145256, 148553,
             /* 143.84 degC */
-            -1146, 1, 4, 9, 297, 663, 1057, 1458, 1867, 2308,
-            2744, 3225, 3719, 4225, 4756, 5336, 5947, 6575, 7250, 7971,
-            8797, 9705, 10715, 11832, 13083, 14486, 16074, 17913, 19996, 22401,
-            25247, 28560, 32489, 37320, 43220, 50477, 59614, 71278, 86792, 107805,
-            125316, 128510, 131706, 134903, 138102, 141303, 144508,
+            -1146, 1, 4, 9, 297, 663, 1057, 1458, 1867, 2308, 2744, 3225, 3719, 4225, 4756, 5336,
+            5947, 6575, 7250, 7971, 8797, 9705, 10715, 11832, 13083, 14486, 16074, 17913, 19996,
+            22401, 25247, 28560, 32489, 37320, 43220, 50477, 59614, 71278, 86792, 107805, 125316,
+            128510, 131706, 134903, 138102, 141303, 144508,
         },
     },
     .current_map = {
-        .torque_points         = 31, /* odd: points along torque in the direction of rotation, braking first; the middle one is no torque */
+        /* odd: points along torque in the direction of rotation, braking first; the middle
+         * one is no torque */
+        .torque_points         = 31,
         .torque_step_log2      = 13, /* distance of the points is 2^this mNm at the airgap */
         .speed_points          = 19, /* points along speed, from standstill */
         .speed_step_log2       = 16, /* distance of the points is 2^this mrad/s, mechanical */
-        .temperature_points    = 2, /* points along winding temperature; 1: the map is the same at any */
+        /* points along winding temperature; 1: the map is the same at any */
+        .temperature_points    = 2,
         .temperature_step_log2 = 14, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = -2000, /* [cC] winding temperature of the first point */
         .current_d_mA = {
             /* a column every 8.192 N m from -122.88 N m on */
             /* 0 rad/s, -20 degC */
             -123012, -117035, -110855, -104451, -97799, -90866, -83615, -76002, -67967, -59439,
-            -50325, -40509, -29857, -18287, -6271, 0, -6271, -18287, -29857, -40509,
-            -50325, -59439, -67967, -76002, -83615, -90866, -97799, -104451, -110855, -117035,
-            -123012,
+            -50325, -40509, -29857, -18287, -6271, 0, -6271, -18287, -29857, -40509, -50325, -59439,
+            -67967, -76002, -83615, -90866, -97799, -104451, -110855, -117035, -123012,
             /* 65.536 rad/s, -20 degC */
             -127252, -121161, -114864, -108339, -101560, -94495, -87106, -79347, -71158, -62465,
-            -53174, -43164, -32297, -20477, -8191, -271, -8836, -21566, -33752, -44932,
-            -55217, -64758, -73681, -82083, -90043, -97622, -104867, -111819, -118509, -124965,
-            -131209,
+            -53174, -43164, -32297, -20477, -8191, -271, -8836, -21566, -33752, -44932, -55217,
+            -64758, -73681, -82083, -90043, -97622, -104867, -111819, -118509, -124965, -131209,
             /* 131.072 rad/s, -20 degC */
             -139558, -133115, -126454, -119552, -112380, -104905, -97088, -88878, -80212, -71012,
-            -61175, -50571, -39046, -26475, -13274, -2582, -14374, -28189, -41307, -53304,
-            -64327, -74545, -84096, -93088, -101605, -109712, -117463, -124898, -132053, -138958,
-            -145635,
+            -61175, -50571, -39046, -26475, -13274, -2582, -14374, -28189, -41307, -53304, -64327,
+            -74545, -84096, -93088, -101605, -109712, -117463, -124898, -132053, -138958, -145635,
             /* 196.608 rad/s, -20 degC */
             -152905, -146098, -139060, -131768, -124192, -116297, -108040, -99371, -90221, -80509,
-            -70129, -58943, -46790, -33537, -19442, -9694, -20844, -35625, -49522, -62236,
-            -73922, -84758, -94889, -104430, -113467, -122071, -130297, -138189, -145785, -153115,
-            -160204,
+            -70129, -58943, -46790, -33537, -19442, -9694, -20844, -35625, -49522, -62236, -73922,
+            -84758, -94889, -104430, -113467, -122071, -130297, -138189, -145785, -153115, -160204,
             /* 262.144 rad/s, -20 degC */
             -165449, -158318, -150946, -143308, -135375, -127110, -118469, -109398, -99830, -89680,
-            -78841, -67176, -54528, -40788, -26263, -17700, -27801, -43092, -57537, -70800,
-            -83016, -94357, -104970, -114969, -124446, -133471, -142101, -150383, -158356, -166050,
-            -173493,
+            -78841, -67176, -54528, -40788, -26263, -17700, -27801, -43092, -57537, -70800, -83016,
+            -94357, -104970, -114969, -124446, -133471, -142101, -150383, -158356, -166050, -173493,
             /* 327.68 rad/s, -20 degC */
             -176753, -169345, -161689, -153758, -145523, -136946, -127982, -118578, -108664, -98156,
-            -86949, -74912, -61904, -47863, -33299, -25639, -34865, -50284, -65074, -78736,
-            -91358, -103097, -114097, -124469, -134305, -143677, -152643, -161249, -169535, -177534,
+            -86949, -74912, -61904, -47863, -33299, -25639, -34865, -50284, -65074, -78736, -91358,
+            -103097, -114097, -124469, -134305, -143677, -152643, -161249, -169535, -177534,
             -185273,
             /* 393.216 rad/s, -20 degC */
-            -186812, -179171, -171276, -163100, -154612, -145775, -136544, -126864, -116668, -105873,
-            -94376, -82058, -68800, -54602, -40222, -33250, -41769, -57080, -72062, -86002,
+            -186812, -179171, -171276, -163100, -154612, -145775, -136544, -126864, -116668,
+            -105873, -94376, -82058, -68800, -54602, -40222, -33250, -41769, -57080, -72062, -86002,
             -98930, -110982, -122289, -132963, -143092, -152749, -161991, -170866, -179413, -187665,
             -195651,
             /* 458.752 rad/s, -20 degC */
-            -195750, -187912, -179816, -171433, -162734, -153680, -144227, -134320, -123894, -112869,
-            -101146, -88618, -75193, -60941, -46850, -40424, -48364, -63441, -78505, -92634,
-            -105791, -118085, -129639, -140557, -150926, -160817, -170288, -179386, -188150, -196615,
-            -204808,
+            -195750, -187912, -179816, -171433, -162734, -153680, -144227, -134320, -123894,
+            -112869, -101146, -88618, -75193, -60941, -46850, -40424, -48364, -63441, -78505,
+            -92634, -105791, -118085, -129639, -140557, -150926, -160817, -170288, -179386, -188150,
+            -196615, -204808,
             /* 524.288 rad/s, -20 degC */
-            -203711, -195706, -187439, -178882, -170004, -160768, -151130, -141037, -130423, -119212,
-            -107313, -94630, -81100, -66864, -53105, -47128, -54584, -69366, -84436, -98687,
-            -112014, -124498, -136249, -147366, -157932, -168018, -177680, -186965, -195912, -204556,
-            -212923,
+            -203711, -195706, -187439, -178882, -170004, -160768, -151130, -141037, -130423,
+            -119212, -107313, -94630, -81100, -66864, -53105, -47128, -54584, -69366, -84436,
+            -98687, -112014, -124498, -136249, -147366, -157932, -168018, -177680, -186965, -195912,
+            -204556, -212923,
             /* 589.824 rad/s, -20 degC */
-            -210830, -202682, -194269, -185564, -176535, -167146, -157353, -147104, -136336, -124975,
-            -112938, -100142, -86553, -72379, -58964, -53364, -60410, -74872, -89897, -104221,
-            -117673, -130305, -142215, -153495, -164226, -174474, -184297, -193740, -202842, -211638,
-            -220154,
+            -210830, -202682, -194269, -185564, -176535, -167146, -157353, -147104, -136336,
+            -124975, -112938, -100142, -86553, -72379, -58964, -53364, -60410, -74872, -89897,
+            -104221, -117673, -130305, -142215, -153495, -164226, -174474, -184297, -193740,
+            -202842, -211638, -220154,
             /* 655.36 rad/s, -20 degC */
-            -217226, -208955, -200417, -191585, -182427, -172908, -162984, -152605, -141709, -130227,
-            -118082, -105205, -91590, -77507, -64432, -59152, -65847, -79985, -94932, -109293,
-            -122835, -135584, -147623, -159038, -169905, -180291, -190249, -199827, -209062, -217987,
-            -226632,
+            -217226, -208955, -200417, -191585, -182427, -172908, -162984, -152605, -141709,
+            -130227, -118082, -105205, -91590, -77507, -64432, -59152, -65847, -79985, -94932,
+            -109293, -122835, -135584, -147623, -159038, -169905, -180291, -190249, -199827,
+            -209062, -217987, -226632,
             /* 720.896 rad/s, -20 degC */
-            -222999, -214622, -205975, -197033, -187765, -178134, -168099, -157610, -146608, -135027,
-            -122798, -109864, -96247, -82275, -69525, -64522, -70913, -84735, -99582, -113954,
-            -127560, -140400, -152544, -164071, -175054, -185556, -195630, -205323, -214672, -223710,
-            -232466,
+            -222999, -214622, -205975, -197033, -187765, -178134, -168099, -157610, -146608,
+            -135027, -122798, -109864, -96247, -82275, -69525, -64522, -70913, -84735, -99582,
+            -113954, -127560, -140400, -152544, -164071, -175054, -185556, -195630, -205323,
+            -214672, -223710, -232466,
             /* 786.432 rad/s, -20 degC */
-            -228234, -219763, -211022, -201985, -192621, -182894, -172764, -162181, -151090, -139429,
-            -127134, -114163, -100562, -86711, -74268, -69506, -75631, -89151, -103885, -118249,
-            -131898, -144810, -157040, -168660, -179741, -190342, -200517, -210309, -219757, -228893,
-            -237745,
+            -228234, -219763, -211022, -201985, -192621, -182894, -172764, -162181, -151090,
+            -139429, -127134, -114163, -100562, -86711, -74268, -69506, -75631, -89151, -103885,
+            -118249, -131898, -144810, -157040, -168660, -179741, -190342, -200517, -210309,
+            -219757, -228893, -237745,
             /* 851.968 rad/s, -20 degC */
-            -233000, -224447, -215624, -206503, -197055, -187245, -177033, -166371, -155205, -143478,
-            -131132, -118138, -104565, -90841, -78687, -74135, -80028, -93262, -107875, -122216,
-            -135895, -148861, -161162, -172861, -184025, -194712, -204973, -214853, -224387, -233609,
-            -242545,
+            -233000, -224447, -215624, -206503, -197055, -187245, -177033, -166371, -155205,
+            -143478, -131132, -118138, -104565, -90841, -78687, -74135, -80028, -93262, -107875,
+            -122216, -135895, -148861, -161162, -172861, -184025, -194712, -204973, -214853,
+            -224387, -233609, -242545,
             /* 917.504 rad/s, -20 degC */
-            -237357, -228732, -219835, -210641, -201121, -191238, -180955, -170224, -158996, -147214,
-            -134830, -121823, -108288, -94692, -82807, -78441, -84128, -97093, -111583, -125892,
-            -139586, -152596, -164954, -176720, -187956, -198717, -209054, -219009, -228619, -237917,
-            -246928,
+            -237357, -228732, -219835, -210641, -201121, -191238, -180955, -170224, -158996,
+            -147214, -134830, -121823, -108288, -94692, -82807, -78441, -84128, -97093, -111583,
+            -125892, -139586, -152596, -164954, -176720, -187956, -198717, -209054, -219009,
+            -228619, -237917, -246928,
             /* 983.04 rad/s, -20 degC */
-            -241355, -232665, -223704, -214446, -204860, -194914, -184569, -173780, -162497, -150671,
-            -138257, -125247, -111756, -98288, -86653, -82451, -87956, -100670, -115036, -129304,
-            -143006, -156049, -168455, -180278, -191575, -202401, -212804, -222826, -232503, -241867,
-            -250945,
+            -241355, -232665, -223704, -214446, -204860, -194914, -184569, -173780, -162497,
+            -150671, -138257, -125247, -111756, -98288, -86653, -82451, -87956, -100670, -115036,
+            -129304, -143006, -156049, -168455, -180278, -191575, -202401, -212804, -222826,
+            -232503, -241867, -250945,
             /* 1048.58 rad/s, -20 degC */
-            -245036, -236289, -227270, -217954, -208311, -198309, -187910, -177069, -165742, -153879,
-            -141443, -128436, -114992, -101651, -90248, -86193, -91535, -104015, -118257, -132481,
-            -146183, -159251, -171697, -183567, -194918, -205800, -216261, -226343, -236080, -245503,
-            -254640,
+            -245036, -236289, -227270, -217954, -208311, -198309, -187910, -177069, -165742,
+            -153879, -141443, -128436, -114992, -101651, -90248, -86193, -91535, -104015, -118257,
+            -132481, -146183, -159251, -171697, -183567, -194918, -205800, -216261, -226343,
+            -236080, -245503, -254640,
             /* 1114.11 rad/s, -20 degC */
-            -248436, -239638, -230567, -221199, -211506, -201454, -191007, -180122, -168756, -156863,
-            -144411, -131413, -118019, -104800, -93614, -89690, -94885, -107147, -121269, -135445,
-            -149141, -162228, -174706, -186618, -198015, -208947, -219460, -229594, -239384, -248861,
-            -258051,
+            -248436, -239638, -230567, -221199, -211506, -201454, -191007, -180122, -168756,
+            -156863, -144411, -131413, -118019, -104800, -93614, -89690, -94885, -107147, -121269,
+            -135445, -149141, -162228, -174706, -186618, -198015, -208947, -219460, -229594,
+            -239384, -248861, -258051,
             /* 1179.65 rad/s, -20 degC */
-            -251586, -242741, -233624, -224211, -214472, -204376, -193886, -182963, -171563, -159645,
-            -147182, -134196, -120855, -107755, -96769, -92963, -98027, -110086, -124090, -138216,
-            -151902, -165002, -177507, -189454, -200892, -211868, -222427, -232608, -242446, -251970,
-            -261209,
+            -251586, -242741, -233624, -224211, -214472, -204376, -193886, -182963, -171563,
+            -159645, -147182, -134196, -120855, -107755, -96769, -92963, -98027, -110086, -124090,
+            -138216, -151902, -165002, -177507, -189454, -200892, -211868, -222427, -232608,
+            -242446, -251970, -261209,
             /* 0 rad/s, 143.84 degC */
             -132362, -126325, -120078, -113598, -106857, -99821, -92448, -84687, -76469, -67706,
-            -58280, -48025, -36705, -23990, -9519, 0, -9519, -23990, -36705, -48025,
-            -58280, -67706, -76469, -84687, -92448, -99821, -106857, -113598, -120078, -126325,
-            -132362,
+            -58280, -48025, -36705, -23990, -9519, 0, -9519, -23990, -36705, -48025, -58280, -67706,
+            -76469, -84687, -92448, -99821, -106857, -113598, -120078, -126325, -132362,
             /* 65.536 rad/s, 143.84 degC */
             -134181, -128102, -121811, -115285, -108497, -101412, -93988, -86172, -77897, -69074,
-            -59583, -49257, -37861, -25060, -10531, -177, -11249, -26252, -39426, -51139,
-            -61744, -71487, -80542, -89032, -97051, -104666, -111933, -118895, -125587, -132039,
-            -138273,
+            -59583, -49257, -37861, -25060, -10531, -177, -11249, -26252, -39426, -51139, -61744,
+            -71487, -80542, -89032, -97051, -104666, -111933, -118895, -125587, -132039, -138273,
             /* 131.072 rad/s, 143.84 degC */
             -141803, -135499, -128977, -122212, -115174, -107828, -100130, -92026, -83446, -74297,
-            -64455, -53746, -41923, -28635, -13573, -1232, -14730, -30514, -44382, -56699,
-            -67843, -78079, -87589, -96506, -104926, -112923, -120553, -127863, -134888, -141661,
-            -148206,
+            -64455, -53746, -41923, -28635, -13573, -1232, -14730, -30514, -44382, -56699, -67843,
+            -78079, -87589, -96506, -104926, -112923, -120553, -127863, -134888, -141661, -148206,
             /* 196.608 rad/s, 143.84 degC */
             -150842, -144277, -137483, -130437, -123106, -115455, -107439, -98999, -90063, -80536,
-            -70287, -59137, -46827, -32992, -17260, -4533, -18708, -35296, -49833, -62742,
-            -74422, -85149, -95117, -104463, -113288, -121669, -129666, -137328, -144692, -151790,
-            -158650,
+            -70287, -59137, -46827, -32992, -17260, -4533, -18708, -35296, -49833, -62742, -74422,
+            -85149, -95117, -104463, -113288, -121669, -129666, -137328, -144692, -151790, -158650,
             /* 262.144 rad/s, 143.84 degC */
             -159866, -153045, -145988, -138667, -131052, -123105, -114778, -106013, -96735, -86843,
-            -76205, -64634, -51868, -37534, -21206, -8880, -22840, -40104, -55218, -68650,
-            -80809, -91981, -102363, -112099, -121293, -130026, -138359, -146342, -154016, -161414,
-            -168563,
+            -76205, -64634, -51868, -37534, -21206, -8880, -22840, -40104, -55218, -68650, -80809,
+            -91981, -102363, -112099, -121293, -130026, -138359, -146342, -154016, -161414, -168563,
             /* 327.68 rad/s, 143.84 degC */
             -168368, -161312, -154013, -146442, -138567, -130349, -121739, -112678, -103088, -92866,
-            -81878, -69933, -56766, -42008, -25239, -13392, -26985, -44748, -60337, -74214,
-            -86787, -98345, -109091, -119169, -128689, -137732, -146363, -154632, -162581, -170244,
-            -177650,
+            -81878, -69933, -56766, -42008, -25239, -13392, -26985, -44748, -60337, -74214, -86787,
+            -98345, -109091, -119169, -128689, -137732, -146363, -154632, -162581, -170244, -177650,
             /* 393.216 rad/s, 143.84 degC */
             -176205, -168939, -161422, -153626, -145518, -137058, -128197, -118872, -109005, -98492,
-            -87196, -74926, -61417, -46312, -29248, -17871, -31054, -49159, -65131, -79381,
-            -92308, -104199, -115259, -125636, -135440, -144754, -153645, -162165, -170355, -178252,
+            -87196, -74926, -61417, -46312, -29248, -17871, -31054, -49159, -65131, -79381, -92308,
+            -104199, -115259, -125636, -135440, -144754, -153645, -162165, -170355, -178252,
             -185885,
             /* 458.752 rad/s, 143.84 degC */
-            -183373, -175920, -168209, -160213, -151899, -143224, -134139, -124581, -114470, -103702,
-            -92138, -79588, -65791, -50407, -33166, -22232, -35000, -53321, -69598, -84159,
+            -183373, -175920, -168209, -160213, -151899, -143224, -134139, -124581, -114470,
+            -103702, -92138, -79588, -65791, -50407, -33166, -22232, -35000, -53321, -69598, -84159,
             -97386, -109563, -120895, -131532, -141583, -151135, -160254, -168993, -177396, -185498,
             -193329,
             /* 524.288 rad/s, 143.84 degC */
-            -189918, -182297, -174415, -166241, -157743, -148878, -139595, -129831, -119506, -108515,
-            -96718, -83927, -69887, -54282, -36955, -26432, -38795, -57236, -73754, -88574,
-            -102057, -114481, -126049, -136912, -147180, -156940, -166259, -175191, -183781, -192064,
-            -200070,
+            -189918, -182297, -174415, -166241, -157743, -148878, -139595, -129831, -119506,
+            -108515, -96718, -83927, -69887, -54282, -36955, -26432, -38795, -57236, -73754, -88574,
+            -102057, -114481, -126049, -136912, -147180, -156940, -166259, -175191, -183781,
+            -192064, -200070,
             /* 589.824 rad/s, 143.84 degC */
-            -195899, -188130, -180094, -171762, -163100, -154066, -144608, -134663, -124149, -112961,
-            -100961, -87963, -73720, -57942, -40594, -30452, -42429, -60917, -77624, -92661,
-            -106362, -118999, -130773, -141833, -152292, -162235, -171731, -180834, -189588, -198031,
-            -206193,
+            -195899, -188130, -180094, -171762, -163100, -154066, -144608, -134663, -124149,
+            -112961, -100961, -87963, -73720, -57942, -40594, -30452, -42429, -60917, -77624,
+            -92661, -106362, -118999, -130773, -141833, -152292, -162235, -171731, -180834, -189588,
+            -198031, -206193,
             /* 655.36 rad/s, 143.84 degC */
-            -201379, -193476, -185303, -176830, -168022, -158837, -149223, -139116, -128435, -117075,
-            -104898, -91721, -77308, -61394, -44075, -34285, -45897, -64379, -81233, -96450,
-            -110339, -123161, -135116, -146350, -156976, -167082, -176734, -185988, -194890, -203475,
-            -211775,
+            -201379, -193476, -185303, -176830, -168022, -158837, -149223, -139116, -128435,
+            -117075, -104898, -91721, -77308, -61394, -44075, -34285, -45897, -64379, -81233,
+            -96450, -110339, -123161, -135116, -146350, -156976, -167082, -176734, -185988, -194890,
+            -203475, -211775,
             /* 720.896 rad/s, 143.84 degC */
-            -206413, -198390, -190094, -181494, -172555, -163235, -153482, -143231, -132402, -120889,
-            -108556, -95226, -80669, -64653, -47396, -37931, -49201, -67638, -84604, -99974,
-            -114024, -127008, -139121, -150509, -161284, -171533, -181325, -190715, -199747, -208460,
-            -216884,
+            -206413, -198390, -190094, -181494, -172555, -163235, -153482, -143231, -132402,
+            -120889, -108556, -95226, -80669, -64653, -47396, -37931, -49201, -67638, -84604,
+            -99974, -114024, -127008, -139121, -150509, -161284, -171533, -181325, -190715, -199747,
+            -208460, -216884,
             /* 786.432 rad/s, 143.84 degC */
-            -211052, -202921, -194513, -185798, -176742, -167301, -157423, -147043, -136082, -124433,
-            -111964, -98500, -83822, -67730, -50560, -41396, -52347, -70710, -87761, -103258,
-            -117447, -130573, -142826, -154351, -165259, -175637, -185553, -195064, -204214, -213041,
-            -221577,
+            -211052, -202921, -194513, -185798, -176742, -167301, -157423, -147043, -136082,
+            -124433, -111964, -98500, -83822, -67730, -50560, -41396, -52347, -70710, -87761,
+            -103258, -117447, -130573, -142826, -154351, -165259, -175637, -185553, -195064,
+            -204214, -213041, -221577,
             /* 851.968 rad/s, 143.84 degC */
-            -215339, -207110, -198601, -189783, -180621, -171070, -161079, -150585, -139504, -127736,
-            -115146, -101565, -86786, -70638, -53573, -44687, -55340, -73609, -90722, -106326,
-            -120637, -133887, -146264, -157911, -168938, -179431, -189460, -199080, -208337, -217267,
-            -225903,
+            -215339, -207110, -198601, -189783, -180621, -171070, -161079, -150585, -139504,
+            -127736, -115146, -101565, -86786, -70638, -53573, -44687, -55340, -73609, -90722,
+            -106326, -120637, -133887, -146264, -157911, -168938, -179431, -189460, -199080,
+            -208337, -217267, -225903,
             /* 917.504 rad/s, 143.84 degC */
-            -219313, -210995, -202395, -193483, -184223, -174574, -164481, -153882, -142696, -130819,
-            -118123, -104440, -89576, -73389, -56440, -47812, -58188, -76349, -93506, -109199,
-            -123615, -136976, -149464, -161220, -172354, -182952, -193082, -202801, -212153, -221177,
-            -229905,
+            -219313, -210995, -202395, -193483, -184223, -174574, -164481, -153882, -142696,
+            -130819, -118123, -104440, -89576, -73389, -56440, -47812, -58188, -76349, -93506,
+            -109199, -123615, -136976, -149464, -161220, -172354, -182952, -193082, -202801,
+            -212153, -221177, -229905,
             /* 983.04 rad/s, 143.84 degC */
-            -223007, -214607, -205923, -196926, -187579, -177839, -167654, -156961, -145678, -133705,
-            -120914, -107142, -92206, -75995, -59170, -50781, -60899, -78942, -96128, -111896,
-            -126404, -139863, -152450, -164305, -175535, -186227, -196450, -206258, -215698, -224807,
-            -233618,
+            -223007, -214607, -205923, -196926, -187579, -177839, -167654, -156961, -145678,
+            -133705, -120914, -107142, -92206, -75995, -59170, -50781, -60899, -78942, -96128,
+            -111896, -126404, -139863, -152450, -164305, -175535, -186227, -196450, -206258,
+            -215698, -224807, -233618,
             /* 1048.58 rad/s, 143.84 degC */
-            -226450, -217975, -209215, -200139, -190712, -180890, -170621, -159842, -148473, -136413,
-            -123536, -109686, -94690, -78466, -61770, -53603, -63480, -81399, -98601, -114433,
-            -129022, -142568, -155244, -167187, -178505, -189283, -199589, -209479, -218999, -228186,
-            -237073,
+            -226450, -217975, -209215, -200139, -190712, -180890, -170621, -159842, -148473,
+            -136413, -123536, -109686, -94690, -78466, -61770, -53603, -63480, -81399, -98601,
+            -114433, -129022, -142568, -155244, -167187, -178505, -189283, -199589, -209479,
+            -218999, -228186, -237073,
             /* 1114.11 rad/s, 143.84 degC */
-            -229666, -221123, -212292, -203145, -193644, -183747, -173401, -162544, -151096, -138957,
-            -126005, -112086, -97040, -80813, -64247, -56286, -65940, -83730, -100939, -116823,
-            -131483, -145107, -157864, -169887, -181285, -192141, -202524, -212489, -222082, -231340,
-            -240297,
+            -229666, -221123, -212292, -203145, -193644, -183747, -173401, -162544, -151096,
+            -138957, -126005, -112086, -97040, -80813, -64247, -56286, -65940, -83730, -100939,
+            -116823, -131483, -145107, -157864, -169887, -181285, -192141, -202524, -212489,
+            -222082, -231340, -240297,
             /* 1179.65 rad/s, 143.84 degC */
-            -232679, -224072, -215176, -205963, -196394, -186428, -176012, -165083, -153563, -141354,
-            -128333, -114354, -99266, -83043, -66609, -58839, -68285, -85945, -103152, -119080,
-            -133803, -147497, -160326, -172422, -183892, -194820, -205273, -215307, -224967, -234291,
-            -243312,
+            -232679, -224072, -215176, -205963, -196394, -186428, -176012, -165083, -153563,
+            -141354, -128333, -114354, -99266, -83043, -66609, -58839, -68285, -85945, -103152,
+            -119080, -133803, -147497, -160326, -172422, -183892, -194820, -205273, -215307,
+            -224967, -234291, -243312,
         },
     },
     .crc32 = 0x40BAF677,

@@ -1,8 +1,9 @@
 /*
  * Configuration "lu2013": Lu 2013 in-wheel motor.
  *
- * Written by tools/regen_table 0.1.0 from lu2013.toml; the same bytes as lu2013.bin. Not edited by hand: change the
- * TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the section that can be flashed alone.
+ * Written by tools/regen_table 0.1.0 from lu2013.toml; the same bytes as lu2013.bin. Do not
+ * edit: change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
+ * section that can be flashed alone.
  */
 #include "config/config.h"
 
@@ -19,66 +20,107 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .generator_version = 0x00000100,
     .name = "lu2013",
     .motor = {
-        .type                              = 0, /* 0 surface magnets (L_d = L_q), 1 interior magnets */
+        /* 0 surface magnets (L_d = L_q), 1 interior magnets */
+        .type                              = 0,
         .pole_pairs                        = 23, /* electrical turns in a mechanical turn */
-        .phase_resistance_uOhm             = 31000, /* [uOhm] one phase, at reference_temperature_cC */
-        .reference_temperature_cC          = 2500, /* [cC] winding temperature at which the resistance holds */
-        .resistance_coefficient_ppm_K      = 3930, /* [ppm/K] rise of resistance with temperature; copper 3930 */
+        /* [uOhm] one phase, at reference_temperature_cC */
+        .phase_resistance_uOhm             = 31000,
+        /* [cC] winding temperature at which the resistance holds */
+        .reference_temperature_cC          = 2500,
+        /* [ppm/K] rise of resistance with temperature; copper 3930 */
+        .resistance_coefficient_ppm_K      = 3930,
         .d_inductance_nH                   = 76000, /* [nH] direct axis */
         .q_inductance_nH                   = 76000, /* [nH] quadrature axis */
-        .flux_linkage_nWb                  = 20400000, /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
-        .flux_coefficient_ppm_K            = 0, /* [ppm/K] fall of the flux with temperature, magnets at winding temperature; NdFeB -1100; 0: constant */
-        .iron_loss_resistance_mOhm         = 1500, /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
-        .iron_loss_resistance_slope_nOhm_s = 6000000, /* [nOhm s] part of R_i proportional to electrical speed */
+        /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
+        .flux_linkage_nWb                  = 20400000,
+        /* [ppm/K] fall of the flux with temperature, magnets at winding temperature; NdFeB
+         * -1100; 0: constant */
+        .flux_coefficient_ppm_K            = 0,
+        /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
+        .iron_loss_resistance_mOhm         = 1500,
+        /* [nOhm s] part of R_i proportional to electrical speed */
+        .iron_loss_resistance_slope_nOhm_s = 6000000,
         .friction_torque_mNm               = 0, /* [mNm] Coulomb friction of bearings and seals */
-        .viscous_friction_uNm_s            = 0, /* [uNm s] friction proportional to mechanical speed */
+        /* [uNm s] friction proportional to mechanical speed */
+        .viscous_friction_uNm_s            = 0,
         .rated_torque_mNm                  = 30000, /* [mNm] continuous torque */
         .max_torque_mNm                    = 40000, /* [mNm] largest torque in either direction */
-        .max_power_mW                      = 2094000, /* [mW] largest electromagnetic power in either direction */
+        /* [mW] largest electromagnetic power in either direction */
+        .max_power_mW                      = 2094000,
         .max_phase_current_mA              = 75000, /* [mA] peak */
-        .max_speed_mrad_s                  = 67021, /* [mrad/s] driving torque fades out here; braking torque does not */
+        /* [mrad/s] driving torque fades out here; braking torque does not */
+        .max_speed_mrad_s                  = 67021,
         .derate_winding_temperature_cC     = 13000, /* [cC] torque limit starts to shrink */
         .max_winding_temperature_cC        = 15000, /* [cC] torque limit reaches zero */
     },
     .drive = {
-        .current_full_scale_mA        = 165000, /* [mA] base of current: what half the converter's range stands for */
-        .voltage_full_scale_mV        = 61800, /* [mV] base of voltage: what the converter's whole range stands for */
-        .pwm_frequency_Hz             = 20000, /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
-        .pwm_period_counts            = 4200, /* timer counts from 0 to the top of the centre-aligned count */
+        /* [mA] base of current: what half the converter's range stands for */
+        .current_full_scale_mA        = 165000,
+        /* [mV] base of voltage: what the converter's whole range stands for */
+        .voltage_full_scale_mV        = 61800,
+        /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
+        .pwm_frequency_Hz             = 20000,
+        /* timer counts from 0 to the top of the centre-aligned count */
+        .pwm_period_counts            = 4200,
         .dead_time_ns                 = 1000, /* [ns] between the two switches of a leg */
-        .diode_drop_mV                = 800, /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of the current */
-        .min_pulse_counts             = 84, /* shortest low-side pulse: sampling window of the shunts */
+        /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of
+         * the current */
+        .diode_drop_mV                = 800,
+        /* shortest low-side pulse: sampling window of the shunts */
+        .min_pulse_counts             = 84,
         .derate_switch_temperature_cC = 13000, /* [cC] torque limit starts to shrink */
         .max_switch_temperature_cC    = 15000, /* [cC] torque limit reaches zero */
     },
     .current_loop = {
-        .bandwidth_Hz                   = 1000, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the shape of the reference realise it, dead-time compensation expects the current by it */
-        .proportional_d_pu_q16          = 52965, /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
-        .proportional_q_pu_q16          = 52965, /* [pu] k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped */
-        .integral_d_pu_q24              = 302543, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .integral_q_pu_q24              = 302543, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .inductance_d_pu_q16            = 104443, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
-        .inductance_q_pu_q16            = 104443, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
+        /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the
+         * shape of the reference realise it, dead-time compensation expects the current by it */
+        .bandwidth_Hz                   = 1000,
+        /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
+        .proportional_d_pu_q16          = 52965,
+        /* [pu] k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped */
+        .proportional_q_pu_q16          = 52965,
+        /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the
+         * regulator's zero on the winding's pole */
+        .integral_d_pu_q24              = 302543,
+        /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the
+         * regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 302543,
+        /* [pu] omega_base L_d I_base / V_base, cross-coupling */
+        .inductance_d_pu_q16            = 104443,
+        /* [pu] omega_base L_q I_base / V_base, cross-coupling */
+        .inductance_q_pu_q16            = 104443,
         .flux_pu_q16                    = 169907, /* [pu] omega_base psi / V_base, back-EMF */
-        .modulation_limit_pu_q15        = 30068, /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        .modulation_limit_pu_q15        = 30068,
         .max_current_pu_q15             = 14895, /* [pu] largest |i| the loop is asked for */
-        .field_weakening_gain_pu_q15    = 175, /* [pu] current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped */
+        /* [pu] current per unit of missing squared voltage and period; 0: no field weakening;
+         * raising: faster, less damped */
+        .field_weakening_gain_pu_q15    = 175,
         .field_weakening_current_pu_q15 = 7944, /* [pu] largest demagnetising current */
-        .dead_time_zone_pu_q15          = 133, /* [pu] current below which the dead-time compensation is proportional, at the middle of the battery's range; goes with the bus voltage */
+        /* [pu] current below which the dead-time compensation is proportional, at the middle
+         * of the battery's range; goes with the bus voltage */
+        .dead_time_zone_pu_q15          = 133,
     },
     .rotor = {
-        .sensor                         = 1, /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
+        /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
+        .sensor                         = 1,
         .pll_bandwidth_Hz               = 50, /* [Hz] tracking of the angle, for the record */
-        .pll_proportional_q16           = 2059, /* share of the angle error corrected in one PWM period */
-        .pll_integral_q24               = 4140, /* share of the angle error added to the speed in one PWM period */
-        .encoder_counts                 = 0, /* counts in a mechanical turn, four to a line; 0: no encoder */
+        /* share of the angle error corrected in one PWM period */
+        .pll_proportional_q16           = 2059,
+        /* share of the angle error added to the speed in one PWM period */
+        .pll_integral_q24               = 4140,
+        /* counts in a mechanical turn, four to a line; 0: no encoder */
+        .encoder_counts                 = 0,
         .encoder_index_turn             = 0, /* [turn] electrical angle at the index pulse */
-        .encoder_index_tolerance_counts = 4, /* how far beside its place an index pulse is still the expected one: the width of the pulse */
+        /* how far beside its place an index pulse is still the expected one: the width of the
+         * pulse */
+        .encoder_index_tolerance_counts = 4,
         .encoder_reversed               = 0, /* 1: the count falls when turning forward */
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
-        .driven_wheels            = 4, /* motors that share the pack; limits below are one motor's share */
+        /* motors that share the pack; limits below are one motor's share */
+        .driven_wheels            = 4,
         .max_charge_current_mA    = 50000, /* [mA] 0: no regeneration into the battery */
         .max_discharge_current_mA = 62500, /* [mA] */
         .foldback_voltage_mV      = 57232, /* [mV] charge limit starts to shrink */
@@ -88,26 +130,37 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .undervoltage_trip_mV     = 36000, /* [mV] bridge goes to its safe state */
     },
     .brake = {
-        .strategy                    = 2, /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
-        .parallel_electric_share_q15 = 6554, /* electric part of the whole demand (parallel_ratio) */
-        .electric_rated_torque_mNm   = 40000, /* [mNm] electric torque before the hydraulic brake adds (parallel) */
-        .max_hydraulic_torque_mNm    = 300000, /* [mNm] 0: no hydraulic brake under this controller's command */
-        .hydraulic_dead_time_ms      = 40, /* [ms] from a changed command until the hydraulic brake begins to move */
-        .hydraulic_time_constant_ms  = 60, /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
+        .strategy                    = 2,
+        /* electric part of the whole demand (parallel_ratio) */
+        .parallel_electric_share_q15 = 6554,
+        /* [mNm] electric torque before the hydraulic brake adds (parallel) */
+        .electric_rated_torque_mNm   = 40000,
+        /* [mNm] 0: no hydraulic brake under this controller's command */
+        .max_hydraulic_torque_mNm    = 300000,
+        /* [ms] from a changed command until the hydraulic brake begins to move */
+        .hydraulic_dead_time_ms      = 40,
+        /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        .hydraulic_time_constant_ms  = 60,
         .hydraulic_rate_mNm_s        = 2000000, /* [mNm/s] fastest change of hydraulic torque */
-        .blend_out_start_mrad_s      = 2618, /* [mrad/s] electric braking starts to fade below this speed */
+        /* [mrad/s] electric braking starts to fade below this speed */
+        .blend_out_start_mrad_s      = 2618,
         .blend_out_end_mrad_s        = 838, /* [mrad/s] no electric braking below this speed */
-        .torque_rate_mNm_s           = 400000, /* [mNm/s] fastest change of motor torque that is asked for */
-        .shortfall_band_mNm          = 2000, /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        /* [mNm/s] fastest change of motor torque that is asked for */
+        .torque_rate_mNm_s           = 400000,
+        /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        .shortfall_band_mNm          = 2000,
         .demand_timeout_ms           = 100, /* [ms] older demands count as lost */
     },
     .vehicle = {
         .wheel_radius_um = 250000, /* [um] rolling radius */
         .mass_g          = 660000, /* [g] for plausibility only */
-        .wheel_position  = 0, /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
+        /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
+        .wheel_position  = 0,
     },
     .monitor = {
-        .overcurrent_pu_q15     = 19363, /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
+        /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
+        .overcurrent_pu_q15     = 19363,
         .current_sum_pu_q15     = 1638, /* [pu] largest |i_a + i_b + i_c| */
         .offset_tolerance_codes = 200, /* distance of a current sensor's zero from mid-range */
         .torque_tolerance_mNm   = 4000, /* [mNm] estimate against permitted torque */
@@ -122,22 +175,25 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .torque_mNm = {
             /* a column every 4.096 rad/s, mechanical */
             /* -20 degC */
-            -2047, 22001, 45681, 69111, 92339, 115386, 138267, 160991, 183564, 205989,
-            228270, 250411, 272412, 294276, 316005, 337600, 359064, 380397,
+            -2047, 22001, 45681, 69111, 92339, 115386, 138267, 160991, 183564, 205989, 228270,
+            250411, 272412, 294276, 316005, 337600, 359064, 380397,
             /* 61.92 degC */
-            -1522, 16523, 34237, 51765, 69128, 86379, 103525, 120575, 137533, 154404,
-            171191, 187895, 204518, 221062, 237528, 253917, 270230, 286467,
+            -1522, 16523, 34237, 51765, 69128, 86379, 103525, 120575, 137533, 154404, 171191,
+            187895, 204518, 221062, 237528, 253917, 270230, 286467,
             /* 143.84 degC */
-            -1211, 13282, 27463, 41470, 55359, 69155, 82873, 96522, 110108, 123633,
-            137102, 150516, 163876, 177184, 190440, 203645, 216801, 229907,
+            -1211, 13282, 27463, 41470, 55359, 69155, 82873, 96522, 110108, 123633, 137102, 150516,
+            163876, 177184, 190440, 203645, 216801, 229907,
         },
     },
     .current_map = {
-        .torque_points         = 5, /* odd: points along torque in the direction of rotation, braking first; the middle one is no torque */
+        /* odd: points along torque in the direction of rotation, braking first; the middle
+         * one is no torque */
+        .torque_points         = 5,
         .torque_step_log2      = 15, /* distance of the points is 2^this mNm at the airgap */
         .speed_points          = 6, /* points along speed, from standstill */
         .speed_step_log2       = 14, /* distance of the points is 2^this mrad/s, mechanical */
-        .temperature_points    = 2, /* points along winding temperature; 1: the map is the same at any */
+        /* points along winding temperature; 1: the map is the same at any */
+        .temperature_points    = 2,
         .temperature_step_log2 = 14, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = -2000, /* [cC] winding temperature of the first point */
         .current_d_mA = {

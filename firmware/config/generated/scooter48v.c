@@ -1,8 +1,9 @@
 /*
  * Configuration "scooter48v": 48 V scooter hub, low inductance.
  *
- * Written by tools/regen_table 0.1.0 from scooter48v.toml; the same bytes as scooter48v.bin. Not edited by hand: change the
- * TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the section that can be flashed alone.
+ * Written by tools/regen_table 0.1.0 from scooter48v.toml; the same bytes as scooter48v.bin. Do not
+ * edit: change the TOML file and run ./tools/dev table. CONFIG_SECTION places the constant into the
+ * section that can be flashed alone.
  */
 #include "config/config.h"
 
@@ -19,66 +20,107 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .generator_version = 0x00000100,
     .name = "scooter48v",
     .motor = {
-        .type                              = 1, /* 0 surface magnets (L_d = L_q), 1 interior magnets */
+        /* 0 surface magnets (L_d = L_q), 1 interior magnets */
+        .type                              = 1,
         .pole_pairs                        = 15, /* electrical turns in a mechanical turn */
-        .phase_resistance_uOhm             = 21000, /* [uOhm] one phase, at reference_temperature_cC */
-        .reference_temperature_cC          = 2500, /* [cC] winding temperature at which the resistance holds */
-        .resistance_coefficient_ppm_K      = 3930, /* [ppm/K] rise of resistance with temperature; copper 3930 */
+        /* [uOhm] one phase, at reference_temperature_cC */
+        .phase_resistance_uOhm             = 21000,
+        /* [cC] winding temperature at which the resistance holds */
+        .reference_temperature_cC          = 2500,
+        /* [ppm/K] rise of resistance with temperature; copper 3930 */
+        .resistance_coefficient_ppm_K      = 3930,
         .d_inductance_nH                   = 85000, /* [nH] direct axis */
         .q_inductance_nH                   = 150000, /* [nH] quadrature axis */
-        .flux_linkage_nWb                  = 18000000, /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
-        .flux_coefficient_ppm_K            = 0, /* [ppm/K] fall of the flux with temperature, magnets at winding temperature; NdFeB -1100; 0: constant */
-        .iron_loss_resistance_mOhm         = 6000, /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
-        .iron_loss_resistance_slope_nOhm_s = 10000000, /* [nOhm s] part of R_i proportional to electrical speed */
+        /* [nWb] peak phase flux linkage of the magnets (amplitude-invariant) */
+        .flux_linkage_nWb                  = 18000000,
+        /* [ppm/K] fall of the flux with temperature, magnets at winding temperature; NdFeB
+         * -1100; 0: constant */
+        .flux_coefficient_ppm_K            = 0,
+        /* [mOhm] constant part of R_i = a0 + a1 omega_e; both parts 0: no iron loss */
+        .iron_loss_resistance_mOhm         = 6000,
+        /* [nOhm s] part of R_i proportional to electrical speed */
+        .iron_loss_resistance_slope_nOhm_s = 10000000,
         .friction_torque_mNm               = 80, /* [mNm] Coulomb friction of bearings and seals */
-        .viscous_friction_uNm_s            = 0, /* [uNm s] friction proportional to mechanical speed */
+        /* [uNm s] friction proportional to mechanical speed */
+        .viscous_friction_uNm_s            = 0,
         .rated_torque_mNm                  = 10000, /* [mNm] continuous torque */
         .max_torque_mNm                    = 19000, /* [mNm] largest torque in either direction */
-        .max_power_mW                      = 1000000, /* [mW] largest electromagnetic power in either direction */
+        /* [mW] largest electromagnetic power in either direction */
+        .max_power_mW                      = 1000000,
         .max_phase_current_mA              = 50000, /* [mA] peak */
-        .max_speed_mrad_s                  = 73304, /* [mrad/s] driving torque fades out here; braking torque does not */
+        /* [mrad/s] driving torque fades out here; braking torque does not */
+        .max_speed_mrad_s                  = 73304,
         .derate_winding_temperature_cC     = 10000, /* [cC] torque limit starts to shrink */
         .max_winding_temperature_cC        = 12000, /* [cC] torque limit reaches zero */
     },
     .drive = {
-        .current_full_scale_mA        = 82500, /* [mA] base of current: what half the converter's range stands for */
-        .voltage_full_scale_mV        = 72000, /* [mV] base of voltage: what the converter's whole range stands for */
-        .pwm_frequency_Hz             = 24000, /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
-        .pwm_period_counts            = 3500, /* timer counts from 0 to the top of the centre-aligned count */
+        /* [mA] base of current: what half the converter's range stands for */
+        .current_full_scale_mA        = 82500,
+        /* [mV] base of voltage: what the converter's whole range stands for */
+        .voltage_full_scale_mV        = 72000,
+        /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
+        .pwm_frequency_Hz             = 24000,
+        /* timer counts from 0 to the top of the centre-aligned count */
+        .pwm_period_counts            = 3500,
         .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
-        .diode_drop_mV                = 800, /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of the current */
-        .min_pulse_counts             = 168, /* shortest low-side pulse: sampling window of the shunts */
+        /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of
+         * the current */
+        .diode_drop_mV                = 800,
+        /* shortest low-side pulse: sampling window of the shunts */
+        .min_pulse_counts             = 168,
         .derate_switch_temperature_cC = 13000, /* [cC] torque limit starts to shrink */
         .max_switch_temperature_cC    = 15000, /* [cC] torque limit reaches zero */
     },
     .current_loop = {
-        .bandwidth_Hz                   = 1000, /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the shape of the reference realise it, dead-time compensation expects the current by it */
-        .proportional_d_pu_q16          = 27324, /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
-        .proportional_q_pu_q16          = 48092, /* [pu] k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped */
-        .integral_d_pu_q24              = 85201, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .integral_q_pu_q24              = 85201, /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the regulator's zero on the winding's pole */
-        .inductance_d_pu_q16            = 60158, /* [pu] omega_base L_d I_base / V_base, cross-coupling */
-        .inductance_q_pu_q16            = 106161, /* [pu] omega_base L_q I_base / V_base, cross-coupling */
+        /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the
+         * shape of the reference realise it, dead-time compensation expects the current by it */
+        .bandwidth_Hz                   = 1000,
+        /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
+        .proportional_d_pu_q16          = 27324,
+        /* [pu] k_i / (1 - exp(-R T / L_q)), volts per ampere; raising: faster, less damped */
+        .proportional_q_pu_q16          = 48092,
+        /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the
+         * regulator's zero on the winding's pole */
+        .integral_d_pu_q24              = 85201,
+        /* [pu] a (1 - a) R with a = exp(-omega_c T), volts per ampere and PWM period: the
+         * regulator's zero on the winding's pole */
+        .integral_q_pu_q24              = 85201,
+        /* [pu] omega_base L_d I_base / V_base, cross-coupling */
+        .inductance_d_pu_q16            = 60158,
+        /* [pu] omega_base L_q I_base / V_base, cross-coupling */
+        .inductance_q_pu_q16            = 106161,
         .flux_pu_q16                    = 154416, /* [pu] omega_base psi / V_base, back-EMF */
-        .modulation_limit_pu_q15        = 28779, /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
+        .modulation_limit_pu_q15        = 28779,
         .max_current_pu_q15             = 19859, /* [pu] largest |i| the loop is asked for */
-        .field_weakening_gain_pu_q15    = 0, /* [pu] current per unit of missing squared voltage and period; 0: no field weakening; raising: faster, less damped */
+        /* [pu] current per unit of missing squared voltage and period; 0: no field weakening;
+         * raising: faster, less damped */
+        .field_weakening_gain_pu_q15    = 0,
         .field_weakening_current_pu_q15 = 0, /* [pu] largest demagnetising current */
-        .dead_time_zone_pu_q15          = 128, /* [pu] current below which the dead-time compensation is proportional, at the middle of the battery's range; goes with the bus voltage */
+        /* [pu] current below which the dead-time compensation is proportional, at the middle
+         * of the battery's range; goes with the bus voltage */
+        .dead_time_zone_pu_q15          = 128,
     },
     .rotor = {
-        .sensor                         = 1, /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
+        /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
+        .sensor                         = 1,
         .pll_bandwidth_Hz               = 50, /* [Hz] tracking of the angle, for the record */
-        .pll_proportional_q16           = 1716, /* share of the angle error corrected in one PWM period */
-        .pll_integral_q24               = 2875, /* share of the angle error added to the speed in one PWM period */
-        .encoder_counts                 = 0, /* counts in a mechanical turn, four to a line; 0: no encoder */
+        /* share of the angle error corrected in one PWM period */
+        .pll_proportional_q16           = 1716,
+        /* share of the angle error added to the speed in one PWM period */
+        .pll_integral_q24               = 2875,
+        /* counts in a mechanical turn, four to a line; 0: no encoder */
+        .encoder_counts                 = 0,
         .encoder_index_turn             = 0, /* [turn] electrical angle at the index pulse */
-        .encoder_index_tolerance_counts = 4, /* how far beside its place an index pulse is still the expected one: the width of the pulse */
+        /* how far beside its place an index pulse is still the expected one: the width of the
+         * pulse */
+        .encoder_index_tolerance_counts = 4,
         .encoder_reversed               = 0, /* 1: the count falls when turning forward */
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
     },
     .battery = {
-        .driven_wheels            = 1, /* motors that share the pack; limits below are one motor's share */
+        /* motors that share the pack; limits below are one motor's share */
+        .driven_wheels            = 1,
         .max_charge_current_mA    = 10000, /* [mA] 0: no regeneration into the battery */
         .max_discharge_current_mA = 30000, /* [mA] */
         .foldback_voltage_mV      = 53508, /* [mV] charge limit starts to shrink */
@@ -88,26 +130,37 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .undervoltage_trip_mV     = 35100, /* [mV] bridge goes to its safe state */
     },
     .brake = {
-        .strategy                    = 2, /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
-        .parallel_electric_share_q15 = 9830, /* electric part of the whole demand (parallel_ratio) */
-        .electric_rated_torque_mNm   = 10000, /* [mNm] electric torque before the hydraulic brake adds (parallel) */
-        .max_hydraulic_torque_mNm    = 50000, /* [mNm] 0: no hydraulic brake under this controller's command */
-        .hydraulic_dead_time_ms      = 50, /* [ms] from a changed command until the hydraulic brake begins to move */
-        .hydraulic_time_constant_ms  = 80, /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
+        .strategy                    = 2,
+        /* electric part of the whole demand (parallel_ratio) */
+        .parallel_electric_share_q15 = 9830,
+        /* [mNm] electric torque before the hydraulic brake adds (parallel) */
+        .electric_rated_torque_mNm   = 10000,
+        /* [mNm] 0: no hydraulic brake under this controller's command */
+        .max_hydraulic_torque_mNm    = 50000,
+        /* [ms] from a changed command until the hydraulic brake begins to move */
+        .hydraulic_dead_time_ms      = 50,
+        /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
+        .hydraulic_time_constant_ms  = 80,
         .hydraulic_rate_mNm_s        = 300000, /* [mNm/s] fastest change of hydraulic torque */
-        .blend_out_start_mrad_s      = 4189, /* [mrad/s] electric braking starts to fade below this speed */
+        /* [mrad/s] electric braking starts to fade below this speed */
+        .blend_out_start_mrad_s      = 4189,
         .blend_out_end_mrad_s        = 1571, /* [mrad/s] no electric braking below this speed */
-        .torque_rate_mNm_s           = 80000, /* [mNm/s] fastest change of motor torque that is asked for */
-        .shortfall_band_mNm          = 950, /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        /* [mNm/s] fastest change of motor torque that is asked for */
+        .torque_rate_mNm_s           = 80000,
+        /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        .shortfall_band_mNm          = 950,
         .demand_timeout_ms           = 100, /* [ms] older demands count as lost */
     },
     .vehicle = {
         .wheel_radius_um = 127000, /* [um] rolling radius */
         .mass_g          = 95000, /* [g] for plausibility only */
-        .wheel_position  = 0, /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
+        /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
+        .wheel_position  = 0,
     },
     .monitor = {
-        .overcurrent_pu_q15     = 25817, /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
+        /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
+        .overcurrent_pu_q15     = 25817,
         .current_sum_pu_q15     = 1638, /* [pu] largest |i_a + i_b + i_c| */
         .offset_tolerance_codes = 200, /* distance of a current sensor's zero from mid-range */
         .torque_tolerance_mNm   = 1900, /* [mNm] estimate against permitted torque */
@@ -122,48 +175,47 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .torque_mNm = {
             /* a column every 2.048 rad/s, mechanical */
             /* -20 degC */
-            -1392, 3905, 9308, 14970, 21014, 26606, 32197, 37785, 43368, 48946,
-            54519, 60086, 65646, 71200, 76747, 82286, 87819, 93392, 98965, 104534,
-            110102, 115669, 121233, 126794, 132353, 137911, 143466, 149018, 154569, 160116,
-            165661, 171204, 176744, 182298, 187853, 193404, 198955,
+            -1392, 3905, 9308, 14970, 21014, 26606, 32197, 37785, 43368, 48946, 54519, 60086, 65646,
+            71200, 76747, 82286, 87819, 93392, 98965, 104534, 110102, 115669, 121233, 126794,
+            132353, 137911, 143466, 149018, 154569, 160116, 165661, 171204, 176744, 182298, 187853,
+            193404, 198955,
             /* 61.92 degC */
-            -1057, 2971, 7038, 11217, 15579, 20192, 24504, 28756, 33006, 37254,
-            41499, 45741, 49979, 54214, 58445, 62672, 66897, 71153, 75411, 79669,
-            83927, 88186, 92445, 96704, 100963, 105223, 109483, 113743, 118004, 122264,
-            126524, 130786, 135046, 139321, 143597, 147873, 152151,
+            -1057, 2971, 7038, 11217, 15579, 20192, 24504, 28756, 33006, 37254, 41499, 45741, 49979,
+            54214, 58445, 62672, 66897, 71153, 75411, 79669, 83927, 88186, 92445, 96704, 100963,
+            105223, 109483, 113743, 118004, 122264, 126524, 130786, 135046, 139321, 143597, 147873,
+            152151,
             /* 143.84 degC */
-            -852, 2400, 5674, 8998, 12414, 15963, 19671, 23227, 26658, 30089,
-            33518, 36945, 40370, 43793, 47214, 50633, 54050, 57494, 60939, 64386,
-            67834, 71283, 74733, 78184, 81637, 85091, 88546, 92002, 95459, 98918,
-            102377, 105838, 109300, 112773, 116249, 119726, 123206,
+            -852, 2400, 5674, 8998, 12414, 15963, 19671, 23227, 26658, 30089, 33518, 36945, 40370,
+            43793, 47214, 50633, 54050, 57494, 60939, 64386, 67834, 71283, 74733, 78184, 81637,
+            85091, 88546, 92002, 95459, 98918, 102377, 105838, 109300, 112773, 116249, 119726,
+            123206,
         },
     },
     .current_map = {
-        .torque_points         = 21, /* odd: points along torque in the direction of rotation, braking first; the middle one is no torque */
+        /* odd: points along torque in the direction of rotation, braking first; the middle
+         * one is no torque */
+        .torque_points         = 21,
         .torque_step_log2      = 11, /* distance of the points is 2^this mNm at the airgap */
         .speed_points          = 4, /* points along speed, from standstill */
         .speed_step_log2       = 15, /* distance of the points is 2^this mrad/s, mechanical */
-        .temperature_points    = 1, /* points along winding temperature; 1: the map is the same at any */
+        /* points along winding temperature; 1: the map is the same at any */
+        .temperature_points    = 1,
         .temperature_step_log2 = 6, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = 5000, /* [cC] winding temperature of the first point */
         .current_d_mA = {
             /* a column every 2.048 N m from -20.48 N m on */
             /* 0 rad/s, 50 degC */
-            -8432, -6937, -5559, -4311, -3202, -2243, -1444, -813, -357, -81,
-            0, -81, -357, -813, -1444, -2243, -3202, -4311, -5559, -6937,
-            -8432,
+            -8432, -6937, -5559, -4311, -3202, -2243, -1444, -813, -357, -81, 0, -81, -357, -813,
+            -1444, -2243, -3202, -4311, -5559, -6937, -8432,
             /* 32.768 rad/s, 50 degC */
-            -9211, -7742, -6390, -5166, -4079, -3137, -2347, -1710, -1216, -793,
-            -305, -955, -1385, -1936, -2637, -3494, -4503, -5657, -6948, -8365,
-            -9899,
+            -9211, -7742, -6390, -5166, -4079, -3137, -2347, -1710, -1216, -793, -305, -955, -1385,
+            -1936, -2637, -3494, -4503, -5657, -6948, -8365, -9899,
             /* 65.536 rad/s, 50 degC */
-            -11168, -9700, -8345, -7115, -6016, -5054, -4228, -3527, -2911, -2158,
-            -1349, -2580, -3207, -3868, -4639, -5545, -6592, -7776, -9093, -10533,
-            -12087,
+            -11168, -9700, -8345, -7115, -6016, -5054, -4228, -3527, -2911, -2158, -1349, -2580,
+            -3207, -3868, -4639, -5545, -6592, -7776, -9093, -10533, -12087,
             /* 98.304 rad/s, 50 degC */
-            -13352, -11878, -10516, -9275, -8159, -7170, -6305, -5541, -4818, -3877,
-            -3308, -4442, -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827,
-            -14396,
+            -13352, -11878, -10516, -9275, -8159, -7170, -6305, -5541, -4818, -3877, -3308, -4442,
+            -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
     .crc32 = 0xAA407213,

@@ -199,17 +199,19 @@ def check_zero_d_current(drive: schema.Drive, rng: np.random.Generator) -> bool:
     """Compare one drive at one random condition; returns whether it can regenerate there."""
     circuit, speed, temperature = circuit_of(drive, rng)
     record = points.solve(drive, speed, temperature, points.setting(drive))
-    reach = 4.0 * K * circuit.omega * drive.motor.flux_linkage_wb / drive.motor.phase_resistance_ohm
+    widest = (
+        4.0 * K * circuit.omega * drive.motor.flux_linkage_wb / drive.motor.phase_resistance_ohm
+    )
     torques, currents = drive.motor.max_torque_nm, drive.motor.max_phase_current_a
 
     def power(i_q: Array) -> Array:
         return circuit.powers(0.0, i_q)["dc"]
 
-    best = zoom_1d(power, -reach, 0.0)
+    best = zoom_1d(power, -widest, 0.0)
     possible = bool(circuit.powers(0.0, best)["dc"] < 0.0)
     best = best if possible else 0.0
     boundary = (
-        zoom_1d(lambda i: np.abs(power(i)) + 1e30 * (i > best), -reach, 1.01 * best)
+        zoom_1d(lambda i: np.abs(power(i)) + 1e30 * (i > best), -widest, 1.01 * best)
         if possible
         else 0.0
     )
@@ -227,8 +229,8 @@ def check_zero_d_current(drive: schema.Drive, rng: np.random.Generator) -> bool:
     assert close(record["torque_optimal_limited_nm"], -limit, torques)
     clamped = zoom_1d(
         lambda i: np.abs(circuit.powers(0.0, i)["torque"] + limit),
-        2.0 * best if possible else -0.01 * reach,
-        0.01 * reach,
+        2.0 * best if possible else -0.01 * widest,
+        0.01 * widest,
     )
     check_point(drive, record, circuit.powers(0.0, clamped), "_limited")
     return possible

@@ -213,7 +213,7 @@ def test_the_generator_reads_the_map_exactly_as_the_firmware_does(
 ) -> None:
     library = tmp_path / "current_map.so"
     includes = [
-        f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")
+        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "torque")
     ]
     sources = [str(ROOT / "firmware" / name) for name in ("torque/loss_maps.c", "core/grid.c")]
     subprocess.run(
@@ -253,7 +253,7 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(
     """
     library = tmp_path / "reference.so"
     includes = [
-        f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")
+        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "torque")
     ]
     names = (
         "torque/loss_maps.c",

@@ -91,8 +91,8 @@ def test_figure_11_ends_in_the_hyperbola_itself_and_has_a_contour_of_40_per_cent
     assert np.max(points[:, 1] - limit) <= 1e-9
     for speed in np.linspace(CORNER_RPM, 640.0, 50):  # and comes up to it everywhere
         near = points[np.abs(points[:, 0] - speed) < 3.0]
-        reach = np.max(near[:, 1] * near[:, 0]) * math.pi / 30.0
-        assert reach == pytest.approx(2094.0, rel=1e-9)
+        power = np.max(near[:, 1] * near[:, 0]) * math.pi / 30.0
+        assert power == pytest.approx(2094.0, rel=1e-9)
 
 
 def test_the_areas_of_figure_5_meet_without_a_gap_and_region_i_begins_at_standstill(

@@ -182,7 +182,7 @@ def test_the_largest_modulation_leaves_the_shortest_pulse_and_two_sampled_legs(p
             {"inverter.voltage_full_scale_v": 59.0},
             "inverter.voltage_full_scale_v: 59 V, accepted: more than 59.59 V",
         ),
-        ({"inverter.min_pulse_s": 1e-5}, "svpwm.lowest_counts: "),
+        ({"inverter.min_pulse_s": 1e-5}, "modulation.lowest_counts: "),
         ({"battery.min_voltage_v": 8.0}, "current_loop.w_psi: "),
         (
             {"motor.phase_resistance_ohm": 5e-5, "inverter.switch_resistance_ohm": 0.0},
@@ -239,7 +239,7 @@ def test_the_compiled_c_file_has_the_bytes_of_the_binary(tmp_path: Path, path: P
 
 def test_the_firmwares_own_validator_accepts_every_shipped_image(tmp_path: Path) -> None:
     library = tmp_path / "validate.so"
-    includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core")]
+    includes = [f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core")]
     source = ROOT / "firmware" / "config" / "validate.c"
     subprocess.run(
         ["cc", "-std=c11", "-O1", "-shared", "-fPIC", *includes, str(source), "-o", str(library)],
@@ -253,13 +253,13 @@ def test_the_firmwares_own_validator_accepts_every_shipped_image(tmp_path: Path)
     firmware: Any = ffi.dlopen(str(library))
     for path in sorted(GENERATED.glob("*.bin")):
         raw = path.read_bytes()
-        verdict = firmware.config_validate(ffi.from_buffer(raw), len(raw))
-        assert verdict.code == 0, (
+        validation = firmware.config_validate(ffi.from_buffer(raw), len(raw))
+        assert validation.code == 0, (
             path.name,
-            ffi.string(verdict.field),
-            verdict.value,
-            verdict.lowest,
-            verdict.highest,
+            ffi.string(validation.field),
+            validation.value,
+            validation.lowest,
+            validation.highest,
         )
         broken = bytearray(raw)
         broken[100] ^= 1

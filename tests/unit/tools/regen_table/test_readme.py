@@ -179,7 +179,7 @@ def unsettled_battery(drive: schema.Drive) -> tuple[float, ...]:
 
 
 N = r"(-?\d+(?:\.\d+)?)"
-SAID: list[tuple[str, Numbers]] = [
+STATED: list[tuple[str, Numbers]] = [
     (rf"copper {N}, iron {N}, inverter {N} W a motor, battery {N} W for four", right_losses),
     (
         rf"1\.5 \* 23 \* 0\.0204 \* {N} = {N} N m \(30 are rated\) and 53 V reach {N} km/h",
@@ -212,7 +212,7 @@ SAID: list[tuple[str, Numbers]] = [
 
 
 @pytest.mark.parametrize(
-    ("pattern", "numbers"), SAID, ids=[numbers.__name__ for _, numbers in SAID]
+    ("pattern", "numbers"), STATED, ids=[numbers.__name__ for _, numbers in STATED]
 )
 def test_what_the_readme_says_is_what_the_circuit_does(
     paper: schema.Drive, pattern: str, numbers: Numbers
@@ -230,7 +230,7 @@ def test_every_erratum_has_its_number() -> None:
     entries = re.split(r" \d\. (?=\*\*)", errata)[1:]
     assert len(entries) == 9
     without = [
-        entry for entry in entries if not any(re.search(pattern, entry) for pattern, _ in SAID)
+        entry for entry in entries if not any(re.search(pattern, entry) for pattern, _ in STATED)
     ]
     # The factor that is kept shows no difference.
     assert len(without) == 1

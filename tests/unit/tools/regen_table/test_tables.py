@@ -48,7 +48,7 @@ def test_the_generator_reads_the_table_exactly_as_the_firmware_does(
 ) -> None:
     library = tmp_path / "regen_map.so"
     includes = [
-        f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "torque")
+        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "torque")
     ]
     sources = [str(ROOT / "firmware" / name) for name in ("torque/loss_maps.c", "core/grid.c")]
     subprocess.run(
@@ -323,7 +323,9 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(
     tmp_path: Path, path: Path
 ) -> None:
     library = tmp_path / "loop.so"
-    includes = [f"-I{ROOT / 'firmware' / room / 'include'}" for room in ("config", "core", "foc")]
+    includes = [
+        f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "foc")
+    ]
     sources = [
         str(ROOT / "firmware" / "foc" / "tuning.c"),
         *map(str, (ROOT / "firmware" / "core").glob("*.c")),
@@ -390,8 +392,8 @@ FAST = {
 HEAVY_D = {"motor.type": "ipmsm", "motor.d_inductance_h": 3e-3}
 HEAVY_Q = {"motor.type": "ipmsm", "motor.q_inductance_h": 3e-3}
 BREAKS: dict[str, dict[str, Any]] = {
-    "svpwm.lowest_counts": {"inverter.min_pulse_s": 1e-5},
-    "svpwm.modulation_limit": {"inverter.dead_time_s": 1e-5},
+    "modulation.lowest_counts": {"inverter.min_pulse_s": 1e-5},
+    "modulation.limit": {"inverter.dead_time_s": 1e-5},
     "rotor.speed_pu": FAST,
     "current_loop.w_psi": {"battery.min_voltage_v": 8.0},
     "current_loop.integral": {"control.current_bandwidth_hz": 10.0},
