@@ -142,7 +142,7 @@ class DevCommandTest(DevFixture):
         )
         # What is going to be installed is announced.
         self.assertRegex(
-            first.stderr, r"misses: gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"
+            first.stderr, r"lacks: gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"
         )
 
         second = self.run_dev("setup", "arm", "qemu", path=path, environment=apt)

@@ -22,7 +22,7 @@ QUICK_S = 60.0
 QUICK_BUILD_S = 35.0
 QUICK_END_S = 57.0
 TARGETS_AT_ONCE = 8
-# How long tests took, in seconds, on the machine of whoever called --keep-costs; the order is what counts.
+# Times of the tests in seconds, written by --keep-costs; only their order matters.
 COSTS = Path(__file__).with_name("costs.json")
 LEAST_KEPT_S = 1.5
 
@@ -73,7 +73,7 @@ def closing_lines(preset: str, tests: Sequence[Test], results: dict[str, Result]
     """Return ctest's closing lines for the tests of one preset: count, time, failures by name."""
     mine = [(test, results.get(test.full_name)) for test in tests if test.preset == preset]
     failed = [
-        f"\t{test.name} ({result.verdict if result else 'Not Run'})"
+        f"\t{test.name} ({result.outcome if result else 'Not Run'})"
         for test, result in mine
         if result is None or not (result.passed or result.skipped)
     ]

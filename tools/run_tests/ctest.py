@@ -58,20 +58,20 @@ class Test:
 
 @dataclass(frozen=True)
 class Result:
-    """What ctest said of one test: "Passed" or why not, and its wall-clock time in seconds."""
+    """Outcome of one test: "Passed" or ctest's reason, and the wall-clock time in seconds."""
 
-    verdict: str
+    outcome: str
     time_s: float
 
     @property
     def passed(self) -> bool:
         """Return True if it ran and passed."""
-        return self.verdict == "Passed"
+        return self.outcome == "Passed"
 
     @property
     def skipped(self) -> bool:
         """Return True if it ran and found that it cannot judge here."""
-        return self.verdict in ("Skipped", "Not Run (Disabled)")
+        return self.outcome in ("Skipped", "Not Run (Disabled)")
 
 
 def listed(root: Path, preset: str) -> list[Test]:
@@ -123,7 +123,7 @@ def _quoted(value: Any) -> str:  # noqa: ANN401, whatever JSON holds
 def suite_text(tests: Sequence[Test], costs: dict[str, float], opened: Path, root: Path) -> str:
     """Return a CTestTestfile.cmake with these tests, the longest first.
 
-    Every test runs as its own build directory says. Python programs record what they read.
+    Every test keeps the properties of its own build directory. Python programs record what they read.
     """
     lines = []
     for test in tests:

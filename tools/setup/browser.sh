@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# A Chromium without a window, for the test that looks at the report as a reader does.
+# A Chromium without a window, for the test that displays the report.
 #
 # Debian has it as a package of its own. Ubuntu 24.04 has not: its chromium-browser only fetches a snap,
-# which containers cannot run and which sees no temporary directory. There the test says what it misses, and fails.
+# which containers cannot run and which sees no temporary directory. There the test fails and names what it needs.
 
 readonly BROWSER_PACKAGE=chromium-headless-shell
 
@@ -19,12 +19,12 @@ ensure_browser() {
         run_logged "Updating the package lists" apt-update apt_get update || fail "apt-get update failed"
     fi
     if ! have apt-get || ! apt_knows "$BROWSER_PACKAGE"; then
-        say "$(system_name) has no package $BROWSER_PACKAGE: the test report_in_browser will fail until 'chromium' or 'google-chrome' is on PATH"
+        inform "$(system_name) has no package $BROWSER_PACKAGE: the test report_in_browser will fail until 'chromium' or 'google-chrome' is on PATH"
         return
     fi
     can_administer "$BROWSER_PACKAGE" ||
         fail "neither root nor sudo here; let an administrator run: apt-get update && apt-get install -y --no-install-recommends $BROWSER_PACKAGE"
-    say "This machine ($(system_name)) misses: $BROWSER_PACKAGE"
+    inform "This machine ($(system_name)) lacks: $BROWSER_PACKAGE"
     apt_install "$BROWSER_PACKAGE" || fail "apt-get could not install $BROWSER_PACKAGE"
     hash -r
     browser_is_there || fail "$BROWSER_PACKAGE was installed but is not on PATH"

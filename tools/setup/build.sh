@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# The build, through the presets of CMakePresets.json and nothing else, so that `cmake --preset host` typed by hand and
-# the commands of tools/dev meet in the same directories and never undo each other's work.
+# The build, only through the presets of CMakePresets.json: `cmake --preset host` typed by hand and the commands of tools/dev
+# use the same directories and do not undo each other's work.
 
 # shellcheck disable=SC2034  # read by tools/dev
 readonly PORTS=(stm32f405 qemu) DEFAULT_CONFIG=lu2013
 readonly TESTED_PRESETS=(host host-asan stm32f405 qemu)
-# variables_are FILE [NAME=VALUE...]: does CMake's cache say so?
+# variables_are FILE [NAME=VALUE...]: does CMake's cache have these values?
 variables_are() {
     local file=$1 variable
     shift
@@ -16,7 +16,7 @@ variables_are() {
 }
 
 # What CMake looks for when it configures, one per line. A build directory that was configured with other tools than
-# the ones there are now is configured again: here, and by CMakeLists.txt for whoever builds with CMake alone.
+# the ones there are now is configured again: here, and by CMakeLists.txt for a build with CMake alone.
 readonly TOOLS="$ROOT/.dev/tools"
 
 list_tools() {
@@ -38,7 +38,7 @@ note_tools() {
 }
 
 # configure PRESET [NAME=VALUE...], only if needed. A directory configured elsewhere (the repository was moved or copied)
-# cannot be used; presets that changed since are not noticed by CMake itself. Everything else CMake finds out alone.
+# cannot be used; presets that changed since are not noticed by CMake itself. Every other change CMake detects itself.
 configure() {
     local preset=$1 directory=$ROOT/build/$1 options=()
     shift
@@ -54,7 +54,7 @@ configure() {
     (cd "$ROOT" && run_logged "Configuring $preset" "configure-$preset" cmake --preset "$preset" "${options[@]}")
 }
 
-# tests_can_be_built: is all there that CMake insists on for them?
+# tests_can_be_built: are the tools there without which CMake refuses to configure them?
 tests_can_be_built() { [[ -z $(missing_packages build host unit) ]] && cmock_is_there && venv_is_ready "${PYTHON_SETS[@]}"; }
 
 # shellcheck disable=SC2120  # tools/dev passes them

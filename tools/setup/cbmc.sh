@@ -35,10 +35,10 @@ ensure_cbmc() {
     have apt-get || fail "CBMC is missing; install it so that 'cbmc' is on PATH and run again"
     update_lists_for cbmc
     if apt_knows cbmc && can_administer cbmc; then
-        say "This machine ($(system_name)) misses: cbmc"
+        inform "This machine ($(system_name)) lacks: cbmc"
         apt_install cbmc || fail "apt-get could not install cbmc"
     else
-        say "This machine ($(system_name)) misses: cbmc; it goes into .dev/cbmc, outside the system's packages"
+        inform "This machine ($(system_name)) lacks: cbmc; it goes into .dev/cbmc, outside the system's packages"
         run_logged "Fetching cbmc" cbmc install_cbmc_privately || fail "cbmc could not be fetched (on Ubuntu it is in the component universe)"
     fi
     cbmc_is_there || fail "cbmc was installed but is neither on PATH nor in .dev/cbmc"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Judge whether the running interpreter's environment is the project's, complete and at home here.
+"""Judge whether the running interpreter's environment is the project's, complete and made for this directory.
 
 Usage: ``check_venv.py [--place] ROOT [LOCK_FILE...]``; exit status 0 if so, else one line on stderr
 and 1. With ``--place`` only the place is judged, not the packages. It runs before every command, so
@@ -15,7 +15,7 @@ SITE_PACKAGES = Path(sysconfig.get_path("purelib"))
 
 
 def misplaced(root: str) -> str | None:
-    """Return what says that this environment was made for another directory, or None."""
+    """Return why this environment does not belong to the directory, or None."""
     pth = SITE_PACKAGES / "hubfoc.pth"
     if not pth.is_file():
         return "hubfoc.pth is missing"

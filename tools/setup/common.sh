@@ -1,26 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# Talking to people and running noisy commands. Sourced by tools/dev, which sets ROOT.
-# Everything said here goes to stderr: stdout belongs to the command that was asked for, so that
+# Messages, and commands with long output. Sourced by tools/dev, which sets ROOT.
+# All messages go to stderr: stdout belongs to the command that was asked for, so that
 # `tools/dev python -m regen_table solve ... --json` can be piped even on the run that installs things.
 
 readonly LOG_DIR="$ROOT/.dev/log"
 readonly EXIT_USAGE=2
 
-say() { printf '%s\n' "$*" >&2; }
+inform() { printf '%s\n' "$*" >&2; }
 
 fail() {
     printf 'tools/dev: %s\n' "$*" >&2
     exit 1
 }
 
-# For everything the caller can mend by typing something else: unknown words, files that are not there.
+# For mistakes in the command line: unknown words, files that do not exist.
 usage_fail() {
     printf 'tools/dev: %s\n' "$*" >&2
     exit "$EXIT_USAGE"
 }
 
-# Ctrl-C ends everything, also where a program takes it as "stop this one thing" and ends by itself, as ctest does.
+# Ctrl-C ends tools/dev also where the running program handles it and ends normally, as ctest does.
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
@@ -47,17 +47,17 @@ report_progress() {
     done
 }
 
-# What apt, pip and git say when there is no way to the other side, as opposed to a file that is no longer there.
-speaks_of_no_network() {
+# The messages of apt, pip and git when there is no network, as opposed to a file that no longer exists.
+reports_no_network() {
     grep -qE 'Could not (resolve|connect)|Temporary failure (resolving|in name resolution)|Name or service not known|Unable to connect|Connection (timed out|refused)|Network is unreachable|NewConnectionError|NameResolutionError' "$1"
 }
 
 fail_without_network() { fail "$1: the package archive cannot be reached; is there a network? (${2#"$ROOT"/} has the details)"; }
 
-# run_logged LABEL LOGNAME COMMAND...: the output goes to a log; its last lines are shown only if the command fails, and one
-# line instead if all there is to say is that there is no network.
+# run_logged LABEL LOGNAME COMMAND...: the output goes to a log; its last lines are shown only if the command fails. Where
+# the cause is a missing network, one line is shown instead.
 # The command stays in the foreground and the reporter goes to the background, because bash makes background commands
-# deaf to Ctrl-C, and it is the command that has to hear it.
+# ignore Ctrl-C, and the command has to receive it.
 run_logged() {
     local label=$1 log=$LOG_DIR/$2.log begin=$SECONDS status=0 reporter
     shift 2
@@ -67,17 +67,17 @@ run_logged() {
     reporter=$!
     # shellcheck disable=SC2064  # the number is meant to be put in now
     trap "kill $reporter 2>/dev/null; exit 130" INT
-    "$@" >"$log" 2>&1 </dev/null 9>&- || status=$? # 9 is the set-up lock; a service that apt starts must not keep it
+    "$@" >"$log" 2>&1 </dev/null 9>&- || status=$? # 9 is the set-up lock, which a service that apt starts must not keep
     kill "$reporter" 2>/dev/null || true
     wait "$reporter" 2>/dev/null || true
     trap 'exit 130' INT
     [[ -t 2 ]] && printf '\r\033[K' >&2
-    if ((status != 0)) && speaks_of_no_network "$log"; then fail_without_network "$label" "$log"; fi
+    if ((status != 0)) && reports_no_network "$log"; then fail_without_network "$label" "$log"; fi
     if ((status != 0)); then
-        say "$label: failed after $((SECONDS - begin)) s; the end of ${log#"$ROOT"/}:"
+        inform "$label: failed after $((SECONDS - begin)) s; the end of ${log#"$ROOT"/}:"
         tail -n 20 "$log" | cut -c 1-200 | sed 's/^/    /' >&2
         return "$status"
     fi
-    # Nothing was to do, nothing is said: LAST_LINE_IF_IDLE is how the program puts it.
-    [[ -n ${LAST_LINE_IF_IDLE:-} && $(tail -n 1 "$log") == "$LAST_LINE_IF_IDLE" ]] || say "$label: done in $((SECONDS - begin)) s"
+    # No message if there was nothing to do, which the program reports by this last line.
+    [[ -n ${LAST_LINE_IF_IDLE:-} && $(tail -n 1 "$log") == "$LAST_LINE_IF_IDLE" ]] || inform "$label: done in $((SECONDS - begin)) s"
 }

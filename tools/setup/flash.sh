@@ -26,7 +26,7 @@ flash_pyocd() {
     if [[ ! -x $pyocd ]]; then
         run_logged "Installing pyOCD into .dev/venv" pyocd install_pyocd || fail "pyOCD could not be installed"
     fi
-    # pyOCD calls an installation that found nothing a success, so its list of targets is what counts.
+    # pyOCD reports success also if it found no pack, so its list of targets is checked.
     if ! pyocd_knows_target "$pyocd"; then
         run_logged "Fetching pyOCD's device pack for $PYOCD_TARGET" pyocd-pack "$pyocd" pack install "$PYOCD_TARGET" || true
         pyocd_knows_target "$pyocd" || fail "flash: pyOCD could not fetch its pack for $PYOCD_TARGET; OpenOCD needs none: tools/dev flash --with openocd"
@@ -48,27 +48,27 @@ install_pyocd() {
 # flash_serial config IMAGE PROBE LINE: through the firmware's own shell, so that a board in its housing needs no probe.
 flash_serial() {
     local image=$2_config.hex line=$4
-    say "Sending ${image##*/} over $line; the wheel has to stand still, switched off"
+    inform "Sending ${image##*/} over $line; the wheel has to stand still, switched off"
     stty -F "$line" 115200 raw -echo 2>/dev/null || fail "flash: $line cannot be set to 115200 baud; may this user open it?"
     exec 8<>"$line" || fail "flash: $line cannot be opened"
     printf '\003install\r' >&8
     answer_with 'Intel HEX' || fail "flash: nothing on $line answers as hubfoc's shell does"
     cat "$image" >&8
     answer_with 'accepted:|refused:|given up|as it was' || fail "flash: no answer to the configuration; is it on?"
-    [[ $HEARD == *accepted:* ]] || fail "flash: ${HEARD//$'\r'/}"
-    answer_with 'written|FAILED|refused:' || fail "flash: no word about the memory; look at the board"
+    [[ $ANSWER == *accepted:* ]] || fail "flash: ${ANSWER//$'\r'/}"
+    answer_with 'written|FAILED|refused:' || fail "flash: no answer about the memory; the board has to be inspected"
     exec 8>&-
-    [[ $HEARD == *written* ]] || fail "flash: ${HEARD//$'\r'/}"
-    say "Written; the board restarts with it"
+    [[ $ANSWER == *written* ]] || fail "flash: ${ANSWER//$'\r'/}"
+    inform "Written; the board restarts with it"
 }
 
-# answer_with REGEX: leaves the first line on the serial line that matches in HEARD; false after five seconds of silence. Not
-# a subshell's business: `read` takes more from a terminal than it hands out.
-HEARD=''
+# answer_with REGEX: leaves the first line on the serial line that matches in ANSWER; false after five seconds without one. Must
+# not run in a subshell: `read` takes more from a terminal than it returns.
+ANSWER=''
 answer_with() {
-    while IFS= read -r -t 5 -u 8 HEARD; do
-        HEARD=${HEARD#> } # the prompt
-        if [[ $HEARD =~ $1 ]]; then return; fi
+    while IFS= read -r -t 5 -u 8 ANSWER; do
+        ANSWER=${ANSWER#> } # the prompt
+        if [[ $ANSWER =~ $1 ]]; then return; fi
     done
     return 1
 }
@@ -83,19 +83,19 @@ config_address() {
 
 pyocd_knows_target() { "$1" list --targets 2>/dev/null | grep -qw "$PYOCD_TARGET"; }
 
-# flash_with PROBES COMMAND...: what goes wrong most often, nothing plugged in, gets a line of its own.
+# flash_with PROBES COMMAND...: a missing debug probe, the most frequent mistake, is reported in one line.
 flash_with() {
     local probes=$1 log=$LOG_DIR/flash.log
     shift
     mkdir -p "$LOG_DIR"
-    say "Flashing with ${1##*/}, debug probe: $probes"
+    inform "Flashing with ${1##*/}, debug probe: $probes"
     if "$@" >"$log" 2>&1 </dev/null; then
-        say "Flashed and verified; the board has been reset"
+        inform "Flashed and verified; the board has been reset"
         return
     fi
     if grep -qiE 'no .*debug probe|no j-link device|unable to find a matching|^error: open failed' "$log"; then
         fail "flash: no debug probe found (looked for: $probes); is it plugged in, and may this user open USB devices?"
     fi
     tail -n 20 "$log" | sed 's/^/    /' >&2
-    fail "flash: failed; the whole story is in ${log#"$ROOT"/}"
+    fail "flash: failed; the details are in ${log#"$ROOT"/}"
 }

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# What each command says for --help.
+# The help texts of the commands.
 
 help_top() {
     cat <<'TEXT'
 Usage: tools/dev COMMAND [ARGUMENT...]
 
-On a bare Debian 12 or 13 (Ubuntu 24.04 is expected to work, too), every command first installs what it needs and misses
+On a bare Debian 12 or 13 (Ubuntu 24.04 is expected to work, too), every command first installs what it lacks
 (root or sudo; system packages with apt, Python packages into .dev/venv), then does its work.
 
   sim                           the urban cycle under the three braking strategies: energy table and report
@@ -25,7 +25,7 @@ On a bare Debian 12 or 13 (Ubuntu 24.04 is expected to work, too), every command
   setup [GROUP...]              only install
   clean [--all]                 remove build/ (with --all also .dev/)
 
-tools/dev COMMAND --help says more. Exit status: 0 done, 1 failed, 2 wrong usage.
+tools/dev COMMAND --help has the details. Exit status: 0 done, 1 failed, 2 wrong usage.
 TEXT
 }
 
@@ -68,7 +68,7 @@ help_firmware() {
     cat <<'TEXT'
 Usage: tools/dev firmware [PORT] [--config NAME]
 
-Builds the firmware for PORT, stm32f405 (default) or qemu, says how big it is, how deep the stack gets and where ELF, BIN and HEX are.
+Builds the firmware for PORT, stm32f405 (default) or qemu; prints its sizes, the depth of the stack and the paths of ELF, BIN and HEX.
 NAME is a configuration in firmware/config/generated (made by tools/dev table); lu2013 if not given.
 TEXT
 }
@@ -78,12 +78,11 @@ help_flash() {
 Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd]
        tools/dev flash [stm32f405] --config NAME --only-config --with serial --line DEVICE
 
-Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe, an ST-Link unless said
-otherwise, with OpenOCD (default) or with pyOCD, which finds the probe itself and fetches a device pack on first use.
+Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe, by default an ST-Link, with OpenOCD (default) or with pyOCD, which finds the probe itself and fetches a device pack on first use.
 With --only-config the program on the board stays and only the configuration's sector is written: another motor, the
 same firmware. That also goes without a probe, over the serial line to the firmware's shell (--with serial); the wheel
-has to stand still, and the firmware checks the configuration before it lets go of the old one.
-Wheel off the ground, please.
+has to stand still, and the firmware checks the configuration before it replaces the old one.
+The wheel must be off the ground.
 TEXT
 }
 
@@ -110,7 +109,7 @@ help_fmu() {
     cat <<'TEXT'
 Usage: tools/dev fmu [--config CONFIG.toml]
 
-Builds four units for co-simulation from one drive (tools/motors/lu2013.toml unless said otherwise) and says where they are:
+Builds four units for co-simulation from one drive (default: tools/motors/lu2013.toml) and prints their paths:
 hubfoc_controller (one controller) and hubfoc_vehicle (controllers with motors, battery, brakes and road), each for FMI 2.0
 and 3.0, with binary for this machine and complete source.
 TEXT
@@ -138,7 +137,7 @@ help_report() {
     cat <<'TEXT'
 Usage: tools/dev report
 
-Opens build/report/index.html in the browser where there is one, else says where it lies. Runs sim first if it is not there.
+Opens build/report/index.html in the browser, or prints its path where there is no desktop. Runs sim first if the page does not exist.
 TEXT
 }
 

@@ -31,7 +31,7 @@ fetch_from_next_suite() {
     "${apt[@]}" update && (cd "$scratch/out" && "${apt[@]}" download "$@")
 }
 
-# The same from the suite this machine has, for people who may not install.
+# The same from the suite this machine has, for users without the right to install.
 fetch_from_own_suite() {
     local scratch=$1
     shift
@@ -39,7 +39,7 @@ fetch_from_own_suite() {
 }
 
 # unpack_packages SCRATCH PREFIX: beside the final place first, moved there when complete, so that an interrupted run
-# leaves nothing half done.
+# leaves no incomplete folder.
 unpack_packages() {
     local scratch=$1 prefix=$2 package
     rm -rf "$prefix.new" && mkdir -p "$prefix.new" || return

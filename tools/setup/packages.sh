@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# The system's share of the tools: which are missing, and how they are had from apt.
+# The tools that are system packages: which are missing, and their installation with apt.
 #
-# What is missing is asked of the machine each time, not remembered in a stamp: looking takes a few hundredths of a
-# second and, unlike a stamp, is still right after somebody removed a package.
+# The machine is examined each time instead of keeping a stamp: this takes a few hundredths of a second and is right also
+# after a package was removed.
 #
 # Names are those of Debian 12, Debian 13 and Ubuntu 24.04, which agree on all of them.
 
@@ -11,7 +11,7 @@ readonly CMAKE_MINIMUM=3.25
 # shellcheck disable=SC2034  # read by tools/dev
 readonly SYSTEM_GROUPS=(build host unit proofs arm qemu checks browser)
 
-# A group is what one kind of work needs; each prints the packages it misses. Adding a tool is adding a line.
+# A group is what one kind of work needs; each prints the packages that are missing.
 missing_build() {
     cmake_is_recent || echo cmake
     have ninja || echo ninja-build
@@ -82,8 +82,8 @@ system_name() {
     (. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME:-unknown system}") || echo "unknown system"
 }
 
-# can_administer PACKAGE...: may we change this machine? Root may; others need sudo, which asks for a password only where
-# someone can type it, and then says what for.
+# can_administer PACKAGE...: may we change this machine? Root may; others need sudo, which asks for a password only on
+# a terminal, and names the packages.
 can_administer() {
     ((EUID == 0)) && return
     have sudo || return 1
@@ -95,12 +95,12 @@ as_root() {
     if ((EUID == 0)); then "$@"; else sudo "$@"; fi
 }
 
-# Waits for another apt to end instead of failing, and asks nothing.
+# Waits for another apt to end instead of failing, and asks no questions.
 apt_get() {
     as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3 "$@"
 }
 
-# What a fresh image has not.
+# A fresh image has none.
 apt_has_lists() { [[ -n "$(apt-get indextargets 'Identifier: Packages' 2>/dev/null)" ]]; }
 
 apt_knows() { apt-cache show --no-all-versions "$1" >/dev/null 2>&1; }
@@ -113,13 +113,13 @@ apt_install() {
         apt_knows "$package" && continue
         run_logged "Updating the package lists" apt-update apt_get update || return
         # Without a network apt-get calls an update a success all the same.
-        if ! apt_knows "$package" && speaks_of_no_network "$LOG_DIR/apt-update.log"; then
+        if ! apt_knows "$package" && reports_no_network "$LOG_DIR/apt-update.log"; then
             fail_without_network "Updating the package lists" "$LOG_DIR/apt-update.log"
         fi
         break
     done
     run_logged "Installing with apt-get" apt-install apt_get install --no-install-recommends "$@" && return
-    say "Trying once more with new package lists"
+    inform "Trying once more with new package lists"
     run_logged "Updating the package lists" apt-update apt_get update &&
         run_logged "Installing with apt-get" apt-install apt_get install --no-install-recommends "$@"
 }
@@ -132,7 +132,7 @@ ensure_packages() {
     have apt-get || fail "missing (names of the Debian packages): $missing; install them by the means of $(system_name) and run again"
     # shellcheck disable=SC2086  # a list of package names, one word each
     can_administer $missing || fail "neither root nor sudo here; let an administrator run: apt-get update && apt-get install -y --no-install-recommends $missing"
-    say "This machine ($(system_name)) misses: $missing"
+    inform "This machine ($(system_name)) lacks: $missing"
     # shellcheck disable=SC2086  # a list of package names, one word each
     apt_install $missing || fail "apt-get could not install: $missing (on Ubuntu they are in the components main and universe)"
     hash -r
@@ -140,7 +140,7 @@ ensure_packages() {
     [[ -z $left ]] || fail "still missing after installation: $left$(explain_shadowed_cmake "$left")"
 }
 
-# An old cmake earlier on PATH hides the one just installed; saying so saves an hour.
+# An old cmake earlier on PATH hides the one just installed.
 explain_shadowed_cmake() {
     [[ " $1 " == *" cmake "* ]] && have cmake &&
         printf ' (PATH finds %s first, which is older than %s)' "$(command -v cmake)" "$CMAKE_MINIMUM"

@@ -84,7 +84,15 @@ ensure_venv() {
         run_logged "Making the Python environment .dev/venv ($("$python" -V))" venv make_venv "$python" ||
             fail "the Python environment could not be made"
     fi
-    say "Python packages into .dev/venv: $(direct_requirements "$@") and their dependencies, pinned in tools/setup/requirements"
+    inform "Python packages into .dev/venv: $(direct_requirements "$@") and their dependencies, pinned in tools/setup/requirements"
     run_logged "Installing the Python packages" pip fill_venv "$@" || fail "the Python packages could not be installed"
     venv_is_ready "$@" || fail "the Python environment is incomplete: $(check_venv "$@" 2>&1 | head -n 1)"
+}
+
+# The vendor's description of the chip, with which a test compares the register headers: data in a wheel, not installed.
+ensure_svd() {
+    compgen -G "$ROOT/.dev/svd/pyocd-*.whl" >/dev/null && return
+    run_logged "Fetching the vendor's description of the chip" svd "$VENV_PYTHON" -m pip download --disable-pip-version-check \
+        --no-input --no-deps --require-hashes -r "$ROOT/tests/unit/hal/requirements-svd.txt" -d "$ROOT/.dev/svd" ||
+        fail "the description of the chip could not be fetched"
 }
