@@ -5,19 +5,20 @@ import os
 import threading
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from regen_table.schema import Drive
 from rich.progress import Progress, TaskID
 
-from hubsim import cycles, files, outputs, report, run, stops
+from hubsim import cycles, files, outputs, report, run, stops, verdicts
 from hubsim.errors import HubsimError
 from hubsim.results import SIGNAL_POINTS_MAX, RunResult, realtime_factor
 from hubsim.scenario import Scenario
 
 PAGE, SUMMARY = "index.html", "summary.json"
-SIGNALS = ("time_s", *report.SIGNALS)
+SIGNALS = ("time_s", *report.SIGNALS, "wheel*.reason")
 
 
 def check_output(directory: Path) -> None:
@@ -61,7 +62,9 @@ def simulate_all(
                 raise HubsimError(f"{name}, {drive.brake.strategy}: stopped at {now_s:g} s")
             bar.update(task, completed=int(now_s), total=int(planned_s))
 
-        return run.simulate(name, drive, shown, beside, SIGNALS, plant, progress, date=date)
+        result = run.simulate(name, drive, shown, beside, SIGNALS, plant, progress, date=date)
+        judged = verdicts.judge(scenario, drive, result)
+        return replace(result, criteria=[verdict.as_object() for verdict in judged])
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         waiting = [
@@ -90,7 +93,10 @@ def write(
 ) -> list[str]:
     """Write page and summary; return what to tell the user."""
     factor = realtime_factor(results)
-    runs = [{"provenance": result.origin} | result.run_object for result in results]
+    runs = [
+        {"provenance": result.origin} | result.run_object | outputs.criteria_object(result)
+        for result in results
+    ]
     summary = {"provenance": results[0].origin, "runs": runs, "realtime_factor": factor}
     report.write_report(list(results), directory, beside)
     files.write_text(directory / SUMMARY, outputs.as_json(summary))

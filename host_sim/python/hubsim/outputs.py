@@ -9,6 +9,7 @@ from rich import box
 from rich.console import Console, JustifyMethod
 from rich.table import Table
 
+from hubsim import stops
 from hubsim.results import RunResult
 from hubsim.verdicts import Verdict
 
@@ -40,7 +41,7 @@ ENERGIES = (
 )
 
 
-def run_object(result: RunResult, judged: Sequence[Verdict] = ()) -> dict[str, Any]:
+def run_object(result: RunResult) -> dict[str, Any]:
     """Return a run as ``hubsim run --json`` writes it.
 
     The summary's object and what a single run knows besides.
@@ -49,11 +50,9 @@ def run_object(result: RunResult, judged: Sequence[Verdict] = ()) -> dict[str, A
     out |= {"kinetic_energy_j": result.kinetic_energy_j}
     if result.stopped is not None:
         out["stop_distance_m"] = result.distance_m if result.stopped else None
-    if judged:
-        out |= {
-            "passed": all(verdict.passed for verdict in judged),
-            "criteria": [verdict.as_object() for verdict in judged],
-        }
+    out |= criteria_object(result)
+    if result.ideal:
+        out["ideal_stop"] = result.ideal
     return out | {
         "config": result.vehicle,
         "duration_s": result.duration_s,
@@ -68,6 +67,14 @@ def run_object(result: RunResult, judged: Sequence[Verdict] = ()) -> dict[str, A
     }
 
 
+def criteria_object(result: RunResult) -> dict[str, Any]:
+    """Return whether a run met its criteria, and each of them; nothing for a run without any."""
+    if not result.criteria:
+        return {}
+    passed = all(criterion["passed"] for criterion in result.criteria)
+    return {"passed": passed, "criteria": result.criteria}
+
+
 def as_json(value: object) -> str:
     """Return readable JSON; numbers that JSON cannot hold are a defect, not output."""
     return json.dumps(value, indent=2, allow_nan=False) + "\n"
@@ -79,6 +86,7 @@ def energy_table(results: Sequence[RunResult]) -> Table:
     Share of the series optimum where that is among them.
     """
     best = next((r.returned_j for r in results if r.strategy == "series_optimal"), None)
+    best = best if len(results) > 1 else None
     title = f"{results[0].cycle}: energies of the whole vehicle in kJ"
     table = Table(title=title, title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD)
     table.add_column("")
@@ -97,8 +105,15 @@ def energy_table(results: Sequence[RunResult]) -> Table:
             "share of the series optimum",
             *(f"{PERCENT * r.returned_j / best:.1f} %" for r in results),
         )
+    if any(r.ideal for r in results):
+        table.add_row("share that the ideal stop stores", *map(_ideal_share, results))
     table.add_row("energy residual", *(f"{r.residual_relative:.1e}" for r in results))
     return table
+
+
+def _ideal_share(result: RunResult) -> str:
+    share = stops.ideal_share(result.ideal)
+    return "" if share is None else f"{PERCENT * share:.1f} %"
 
 
 def definitions() -> list[str]:

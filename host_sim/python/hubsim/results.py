@@ -54,6 +54,11 @@ class RunResult:
     origin : dict
         Version, commit, configuration with its CRC, scenario, seed and date: what every file made
         of the run holds.
+    criteria : list
+        What each criterion of the scenario came to, as JSON holds it; empty without criteria.
+    ideal : dict
+        The ideal stop of the same demand, speed and temperature (``regen_table stop``), as JSON
+        holds it; empty where the run is no stop at constant demand.
     """
 
     cycle: str
@@ -75,6 +80,8 @@ class RunResult:
     missed: dict[str, float] = field(default_factory=dict)
     meanings: dict[str, tuple[str, str]] = field(default_factory=dict)
     origin: dict[str, Any] = field(default_factory=dict)
+    criteria: list[dict[str, Any]] = field(default_factory=list)
+    ideal: dict[str, Any] = field(default_factory=dict)
 
     def signal(self, name: str) -> Rows:
         """Return one recorded signal, shape (times,)."""
@@ -188,6 +195,8 @@ class RunResult:
             name: self.braking_j(*accounts) for name, accounts in parts.items()
         }
         out["reason_texts"] = self.reason_texts
+        out["criteria"] = self.criteria
+        out["ideal_stop"] = self.ideal
         return out
 
 

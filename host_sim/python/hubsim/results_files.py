@@ -51,6 +51,8 @@ def load(path: Path) -> RunResult:
             cpu_s=duration_s / factor if factor > 0.0 else 0.0,
             reason_texts=_reasons(names, rows),
             origin=dict(data.get("provenance") or {}),
+            criteria=list(data.get("criteria") or []),
+            ideal=dict(data.get("ideal_stop") or {}),
         )
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         what = f"{error} is missing" if isinstance(error, KeyError) else str(error)

@@ -5,14 +5,16 @@ A stop of a vehicle whose wheels all do the same is that of one wheel with its s
 battery: currents, voltages and shares of energy are equal, at a fraction of the work.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from regen_table import braking, models, packs
 from regen_table import stops as ideal
+from regen_table.errors import ConfigurationError
 from regen_table.ideal import lines
 from regen_table.schema import Drive
 
@@ -77,6 +79,45 @@ class Map:
     optimal_nm: Rows
     zero_nm: Rows
     limit_nm: Rows
+
+
+def ideal_of(drive: Drive, scenario: Scenario) -> dict[str, Any]:
+    """Return the ideal stop that a run is to be compared with, as JSON holds it.
+
+    The same braking demand, initial speed and winding temperature under the same strategy, without
+    air drag, rolling resistance, delay or blend-out, the battery at rest before the stop. Empty
+    where the scenario is no stop at constant demand, or the motor does not turn that fast.
+    """
+    constant = scenario.demand_trace_nm is None and not scenario.follows and not scenario.events
+    forwards = scenario.initial_speed_kmh > 0.0 and scenario.stop_at_standstill
+    if not (constant and forwards and scenario.demand_nm > 0.0 and scenario.slope_percent == 0.0):
+        return {}
+    try:
+        found = ideal.stop(
+            drive,
+            drive.brake.strategy,
+            scenario.demand_nm,
+            scenario.initial_speed_kmh,
+            scenario.winding_temperature_c,
+            soc=scenario.initial_soc,
+            battery=packs.DYNAMIC,
+        )
+    except ConfigurationError:
+        return {}
+    return found.as_dict()
+
+
+def ideal_share(stop: Mapping[str, Any]) -> float | None:
+    """Return the share of the braking work at the wheels that an ideal stop stores, if there is one.
+
+    Braking work as in a run: what motors and hydraulic brakes take from the motion, so without the
+    bearings' friction.
+    """
+    energies = stop.get("energy_j")
+    if not isinstance(energies, Mapping):
+        return None
+    work = float(stop["kinetic_energy_j"]) - float(energies["friction"])
+    return float(energies["battery_returned"]) / work if work > 0.0 else None
 
 
 def optimum_map(drive: Drive, temperature_c: float = TEMPERATURE_C) -> Map:

@@ -3,15 +3,27 @@
 
 import argparse
 import sys
+from dataclasses import replace
 
-from hubsim import cli, commands, files, outputs, overrides, recordings, run, scenario, verdicts
+from hubsim import (
+    cli,
+    commands,
+    files,
+    outputs,
+    overrides,
+    recordings,
+    run,
+    scenario,
+    stops,
+    verdicts,
+)
 from hubsim.errors import HubsimError
 
 DEFAULT_SIGNALS = (
-    "time_s", "driver.*", "vehicle.*", "battery.*",
+    "time_s", "driver.*", "vehicle.*", "battery.*", "bus.*",
     "wheel*.motor_torque_nm", "wheel*.hydraulic_torque_nm", "wheel*.command_nm", "wheel*.estimate_nm", "wheel*.available_nm",
     "wheel*.current_?_a", "wheel*.dc_w", "wheel*.shaft_w", "wheel*.copper_w", "wheel*.iron_w", "wheel*.inverter_w",
-    "wheel*.winding_temperature_c", "wheel*.speed_estimate_rad_per_s", "wheel*.reason", "wheel*.mode",
+    "wheel*.winding_temperature_c", "wheel*.switch_temperature_c", "wheel*.speed_estimate_rad_per_s", "wheel*.reason", "wheel*.mode",
     "wheel*.speed_rad_per_s", "wheel*.valve", "anti_lock.*",
 )  # fmt: skip
 
@@ -39,6 +51,11 @@ def main(options: argparse.Namespace) -> int:
             date=options.date,
         )  # fmt: skip
     judged = verdicts.judge(chosen, drive, result)
+    result = replace(
+        result,
+        criteria=[verdict.as_object() for verdict in judged],
+        ideal=stops.ideal_of(drive, chosen),
+    )
     commands.warn_of(result)
     if result.stopped is False:
         print(
@@ -48,7 +65,7 @@ def main(options: argparse.Namespace) -> int:
     recorded = result.only(run.matching(result.names, patterns)) if wanted else result
     recordings.write_all(recorded, wanted)
     if options.json:
-        files.write_text(options.json, outputs.as_json(outputs.run_object(result, judged)))
+        files.write_text(options.json, outputs.as_json(outputs.run_object(result)))
     outputs.print_table([result])
     failed = [verdict.name for verdict in judged if not verdict.passed]
     if judged:

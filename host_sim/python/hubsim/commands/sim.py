@@ -2,6 +2,7 @@
 """``hubsim sim``: the three strategies side by side, with a page."""
 
 import argparse
+import sys
 
 from hubsim import commands, outputs, overrides, run, scenario
 from hubsim.errors import HubsimError
@@ -29,4 +30,12 @@ def main(options: argparse.Namespace) -> int:
     outputs.print_table(results)
     for line in comparison.write(results, options.output, shown):
         print(line)
-    return 0
+    failed = [
+        f"{result.strategy}: {criterion['name']}"
+        for result in results
+        for criterion in result.criteria
+        if not criterion["passed"]
+    ]
+    if failed:
+        print(f"hubsim: {name}: criteria not met: {', '.join(failed)}", file=sys.stderr)
+    return 1 if failed else 0

@@ -20,7 +20,7 @@ STEM = 14.0  # shortest straight piece of what leaves
 FADE = 16.0  # over this length it takes on its own colour
 LABEL = 30.0  # height of two lines
 PITCH = 57.0  # between the middles of neighbouring labels
-NARROW = 47.0  # where they begin to touch
+NARROW = 53.0  # below this distance two labels need two rows
 TIP = 13.0  # length of the arrow into the battery
 WIDEST_UPPER, WIDEST_ROAD, WIDEST_LOWER = 168.0, 92.0, 100.0
 
@@ -32,12 +32,20 @@ class Frame:
     per_j: float
     upper: float  # width of the widest upper lane, 0: none has one
     lower: float
-    rows: int = 1  # of labels below; 2: by turns, where one row is too narrow for them
+    rows: int = 1  # of labels below; 2: alternating, where one row is too narrow for them
+    upper_rows: int = 1  # the same above
+
+    @property
+    def labels_y(self) -> float:
+        """Lower edge of the labels above the upper lane."""
+        return self.upper_rows * LABEL
 
     @property
     def lane_y(self) -> float:
-        """Inner edge of the upper lane; also where its label hangs on."""
-        return LABEL + STEM + TURN + self.upper if self.upper > 0.0 else 34.0 - GAP
+        """Inner edge of the upper lane; its label is placed relative to it."""
+        if self.upper <= 0.0:
+            return 34.0 - GAP
+        return self.labels_y + STEM + TURN + self.upper
 
     @property
     def back_y(self) -> float:
@@ -104,10 +112,11 @@ def frame(flows: Sequence[Flow]) -> Frame:
     ]
     per_j = min(room / energy for room, energy in bounds if energy > 0.0)
     one_row = Frame(per_j, per_j * bounds[0][1], per_j * bounds[2][1])
-    return (
-        replace(one_row, rows=2)
-        if any(_crowded(lay(flow, one_row).lower) for flow in flows)
-        else one_row
+    laid = [lay(flow, one_row) for flow in flows]
+    return replace(
+        one_row,
+        rows=2 if any(_crowded(lanes.lower) for lanes in laid) else 1,
+        upper_rows=2 if any(_crowded([*lanes.upper, *lanes.road]) for lanes in laid) else 1,
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hubsim.report import (
+    criteria,
     flows,
     lanes,
     points,
@@ -36,6 +37,12 @@ HOW_TO_READ = (
 )
 
 
+IDEAL = (
+    "The ideal stop has the same demand, initial speed and winding temperature: steady state of the motor at every speed, "
+    "no delay, no blend-out, no air drag and no rolling resistance, the battery at rest before the stop."
+)
+
+
 def document(runs: Sequence[RunLike], extras: Extras | None = None) -> str:
     """Return the whole page."""
     extras = extras or Extras()
@@ -62,7 +69,8 @@ def document(runs: Sequence[RunLike], extras: Extras | None = None) -> str:
         "body",
         _header(runs, vehicles, list(cycles)),
         element("main", *sections, _stops(extras)),
-        _footer(extras.command, runs),
+        # On paper, after signals alone, the footer shares their upright sheet.
+        _footer(extras.command, runs, upright=not extras.stops),
         element("script", Markup(_asset("readout.js"))),
     )
     return f'<!DOCTYPE html>\n<html lang="en">{head}\n{body}</html>\n'
@@ -106,15 +114,39 @@ def _cycle(name: str, runs: list[RunLike], place: int, extras: Extras) -> Markup
     return element(
         "section",
         element("h2", f"{heading}: how much of the braking work comes back"),
+        *(_single if len(runs) == 1 else _compared)(runs, identity, called, extras),
+        id=f"cycle-{place}",
+        data_cycle=name,
+    )
+
+
+def _compared(runs: list[RunLike], identity: str, called: str, extras: Extras) -> list[Markup]:
+    """Show several runs, a column for each."""
+    return [
         element("div", *[_card(run) for run in runs], class_="columns"),
         table.draw(runs, f"Energies of the whole vehicle, {called}"),
+        criteria.draw(runs, f"What the scenario asks, {called}"),
         _flows(runs, identity, called),
         _points(runs, identity, called, extras),
         quality.draw(runs, f"How well it brakes, {called}"),
         _traces(runs, identity, called),
-        id=f"cycle-{place}",
-        data_cycle=name,
-    )
+    ]
+
+
+def _single(runs: list[RunLike], identity: str, called: str, extras: Extras) -> list[Markup]:
+    """Show one run over the whole width: pictures beside each other, signals in three columns."""
+    pictures = (_flows(runs, identity, called), _points(runs, identity, called, extras))
+    ideal = reading.ideal(runs[0])
+    note = element("p", IDEAL, class_="soft") if ideal else Markup("")
+    brakes = quality.draw(runs, f"How well it brakes, {called}")
+    asked = criteria.draw(runs, f"What the scenario asks, {called}")
+    return [
+        element("div", element("div", _card(runs[0]), brakes), asked, class_="beside"),
+        table.draw(runs, f"Energies of the whole vehicle, {called}"),
+        note,
+        element("div", *filter(None, pictures), class_="beside pictures"),
+        _groups(runs, identity, called),
+    ]
 
 
 def _card(run: RunLike) -> Markup:
@@ -289,8 +321,40 @@ def _traces(runs: list[RunLike], identity: str, called: str) -> Markup:
                 class_="trace",
             )
         )
-    note = "The driver brakes where the ground is shaded. Scales are the same in every column; torques are those of one wheel."
+    note = _over_time(runs, "Scales are the same in every column. ")
     return _block("Over time", note, figures, "block tall")
+
+
+def _groups(runs: list[RunLike], identity: str, called: str) -> Markup:
+    """Show the signals of one run in three pictures beside each other."""
+    titles = ("Motion and torque", "Currents and voltages", "Temperatures and limits")
+    figures = []
+    for group, title in enumerate(titles):
+        shared = traces.layout(runs, group)
+        if shared is not None:
+            values = traces.readout(runs[0], shared)
+            drawn = traces.draw(runs[0], shared, f"{identity}t{group}", f"{title}, {called}")
+            figures.append(
+                element(
+                    "figure",
+                    element("figcaption", element("h3", title)),
+                    drawn,
+                    data(values) if values is not None else "",
+                    class_="trace",
+                )
+            )
+    if not figures:
+        return element("p", "No signals were recorded.", class_="soft")
+    return _block("Over time", _over_time(runs, ""), figures, "block tall groups")
+
+
+def _over_time(runs: list[RunLike], scales: str) -> str:
+    wheels = (
+        "The wheels differ: one curve for each."
+        if reading.wheels_differ(runs)
+        else "Torques and currents are those of one wheel; the others do the same."
+    )
+    return f"The driver brakes where the ground is shaded. {scales}{wheels}"
 
 
 def _block(title: str, note: str, figures: list[Markup], kind: str = "block") -> Markup:
@@ -336,11 +400,12 @@ def _origin(runs: Sequence[RunLike]) -> Markup:
     return element("ul", *said, class_="origin", aria_label="Origin")
 
 
-def _footer(command: str, runs: Sequence[RunLike]) -> Markup:
+def _footer(command: str, runs: Sequence[RunLike], *, upright: bool) -> Markup:
     return element(
         "footer",
         element("h2", "How to read this page"),
         element("ul", *[element("li", point) for point in HOW_TO_READ], class_="how"),
         element("p", "Made by ", element("code", command), ".", class_="soft"),
         _origin(runs),
+        class_="upright" if upright else None,
     )

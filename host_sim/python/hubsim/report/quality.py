@@ -17,13 +17,13 @@ STANDING_M_PER_S = 0.3  # a brake that holds a standing vehicle is not at work
 
 
 def torque_error_nm(run: RunLike) -> Array | None:
-    """Return the torque at one wheel beyond the demand, signed like the motor's, shape (samples,); NaN where the vehicle stands.
+    """Return the torque at a wheel less the demand, mean of the wheels, signed like the motor's.
 
-    Positive: too much drive, or too little braking.
+    Shape (samples,), NaN at standstill. Positive: too much drive, or too little braking.
     """
     motor, hydraulic = (
-        reading.signal(run, "wheel0.motor_torque_nm"),
-        reading.signal(run, "wheel0.hydraulic_torque_nm"),
+        _mean_of_wheels(run, "motor_torque_nm"),
+        _mean_of_wheels(run, "hydraulic_torque_nm"),
     )
     brake, speed = (
         reading.signal(run, "driver.brake_nm"),
@@ -34,6 +34,12 @@ def torque_error_nm(run: RunLike) -> Array | None:
         return None
     wanted = np.where(brake > 0.0, -brake, drive if drive is not None else 0.0)
     return np.where(np.abs(speed) > STANDING_M_PER_S, motor - hydraulic - wanted, np.nan)
+
+
+def _mean_of_wheels(run: RunLike, name: str) -> Array | None:
+    found = [reading.signal(run, f"wheel{k}.{name}") for k in range(reading.wheels(run))]
+    known = [values for values in found if values is not None]
+    return np.mean(known, axis=0) if known else None
 
 
 def jerk_m_per_s3(run: RunLike) -> Array | None:

@@ -5,6 +5,7 @@ Everything may be missing; nothing here raises for that.
 """
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -15,7 +16,7 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 
-# What the page draws, by the engine's names; anything else that was recorded is left alone.
+# What the page draws, by the engine's names ("*" for the wheels); anything else that was recorded is left alone.
 SIGNALS = (
     "driver.reference_m_per_s",
     "driver.drive_nm",
@@ -24,13 +25,15 @@ SIGNALS = (
     "vehicle.acceleration_m_per_s2",
     "battery.voltage_v",
     "battery.current_a",
-    "wheel0.motor_torque_nm",
-    "wheel0.hydraulic_torque_nm",
-    "wheel0.current_d_a",
-    "wheel0.current_q_a",
-    "wheel0.winding_temperature_c",
-    "wheel0.switch_temperature_c",
-    "wheel0.reason",
+    "bus.voltage_v",
+    "wheel*.motor_torque_nm",
+    "wheel*.hydraulic_torque_nm",
+    "wheel*.speed_rad_per_s",
+    "wheel*.current_d_a",
+    "wheel*.current_q_a",
+    "wheel*.winding_temperature_c",
+    "wheel*.switch_temperature_c",
+    "wheel*.reason",
 )
 
 
@@ -95,6 +98,7 @@ STRATEGIES = {
     ),
 }
 OPTIMUM = "series_optimal"
+WHEEL_DIFFERENCE = 0.03  # mean distance of torques over their peak: noise is below it
 
 CYCLES = {
     "ece15": "the urban cycle ECE\u201115",
@@ -110,7 +114,7 @@ def strategy(run: RunLike) -> Strategy:
 
 def cycle(name: str) -> str:
     """Return how a cycle is called."""
-    return CYCLES.get(name, name)
+    return CYCLES.get(name, name.replace("_", " "))
 
 
 def by_cycle(runs: Sequence[RunLike]) -> dict[str, list[RunLike]]:
@@ -159,13 +163,16 @@ def phase_j(run: RunLike, phase: str) -> dict[str, float] | None:
     )
 
 
-def signal(run: RunLike, name: str) -> Array | None:
-    """Return a signal of shape (samples,) by the engine's name ``group.name_unit`` or a shorter spelling of it.
+def signal(run: RunLike, name: str, short: bool = True) -> Array | None:
+    """Return a signal of shape (samples,) by the engine's name ``group.name_unit``.
+
+    Also by ``group_name_unit`` and, with ``short``, by ``name_unit``.
 
     NaN stands for every value that is none; None where it was not recorded, does not fit the times
     or never has a value.
     """
-    for spelling in (name, name.replace(".", "_"), name.rpartition(".")[2]):
+    spellings = (name, name.replace(".", "_"), *([name.rpartition(".")[2]] if short else []))
+    for spelling in spellings:
         values = run.signals.get(spelling)
         if values is not None:
             array = np.asarray(values, dtype=np.float64)
@@ -173,6 +180,48 @@ def signal(run: RunLike, name: str) -> Array | None:
             fits = array.shape == np.shape(run.time_s) and array.size > 1
             return np.where(known, array, np.nan) if fits and bool(np.any(known)) else None
     return None
+
+
+def wheels(run: RunLike) -> int:
+    """Return of how many wheels signals were recorded."""
+    found = re.findall(r"\bwheel(\d+)[._]", " ".join(run.signals))
+    return 1 + max(map(int, found)) if found else 1
+
+
+def wheels_differ(runs: Sequence[RunLike]) -> bool:
+    """Whether the wheels of any run do different things, so that one cannot stand for all.
+
+    The mean distance of a wheel's torque, motor and hydraulic apart, from that of the first wheel
+    is more than ``WHEEL_DIFFERENCE`` of its peak.
+    """
+    for run in runs:
+        for name in ("motor_torque_nm", "hydraulic_torque_nm"):
+            first = signal(run, f"wheel0.{name}")
+            others = [signal(run, f"wheel{k}.{name}", short=False) for k in range(1, wheels(run))]
+            for other in others:
+                if first is not None and other is not None and _differ(first, other):
+                    return True
+    return False
+
+
+def _differ(first: Array, other: Array) -> bool:
+    peak = max(float(np.nanmax(np.abs(first))), float(np.nanmax(np.abs(other))), 1.0)
+    return float(np.nanmean(np.abs(first - other))) > WHEEL_DIFFERENCE * peak
+
+
+def criteria(run: RunLike) -> list[Mapping[str, Any]]:
+    """Return what the criteria of a run came to, as its JSON holds them."""
+    found = run.summary.get("criteria")
+    if not isinstance(found, Sequence):
+        return []
+    return [one for one in found if isinstance(one, Mapping) and "name" in one]
+
+
+def ideal(run: RunLike) -> Mapping[str, Any]:
+    """Return the ideal stop that belongs to a run, empty without one."""
+    found = run.summary.get("ideal_stop")
+    known = isinstance(found, Mapping) and isinstance(found.get("energy_j"), Mapping)
+    return found if known and found is not None else {}
 
 
 def origin(run: RunLike) -> dict[str, str]:

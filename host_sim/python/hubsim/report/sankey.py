@@ -16,6 +16,7 @@ from hubsim.report.markup import Markup, element, join, number, picture
 BATTERY = 8.0  # left edge of the battery
 POINT = 9.0  # longest point of what leaves
 HAIR = 1.2  # what is thinner gets a dotted line beside it, so that the eye finds it
+WRITTEN = 74.0  # width of a lane's label
 LETTERS = 34.0  # a lane this wide can hold two lines
 
 
@@ -167,22 +168,22 @@ def _feed(laid: Lanes, fill: str) -> Markup:
 def _rising_all(laid: Lanes, identity: str) -> list[Markup]:
     """Draw every exit of the upper lane."""
     drawn, top = [], laid.top_y
+    labels_y, rows = laid.frame.labels_y, laid.frame.upper_rows
     for place, leaving in enumerate((*laid.upper, *laid.road)):
-        drawn += [_rising(leaving, top, laid.flow, f"{identity}-{place}-up"), _label(leaving, 10.0)]
-        drawn += [_leader(leaving, LABEL + 1.0, top - TURN)]
+        # Alternating rows: the first, third, ... label is the one beside its stem.
+        row_y = labels_y - LABEL - place % rows * LABEL
+        drawn.append(_rising(leaving, top, laid.flow, f"{identity}-{place}-up", labels_y + 1.0))
+        drawn += [_label(leaving, row_y + 10.0), _leader(leaving, labels_y + 1.0, top - TURN)]
+        if row_y < labels_y - LABEL:
+            drawn.append(_dotted(leaving.middle, row_y + LABEL - 5.0, labels_y + 1.0))
         top += leaving.width
     return drawn
 
 
-def _rising(leaving: Exit, top: float, flow: Flow, fade: str) -> Markup:
+def _rising(leaving: Exit, top: float, flow: Flow, fade: str, end: float) -> Markup:
     """Draw a fading straight piece, a quarter turn up and a stem with a point."""
     low, high = leaving.middle - 0.5 * leaving.width, leaving.middle + 0.5 * leaving.width
-    start, end, point, outer = (
-        low - TURN,
-        LABEL + 1.0,
-        min(0.4 * leaving.width, POINT),
-        TURN + leaving.width,
-    )
+    start, point, outer = low - TURN, min(0.4 * leaving.width, POINT), TURN + leaving.width
     outline = _path(
         "M", start - FADE, top, "H", start, "A", TURN, TURN, "0 0 0", low, top - TURN, "V", end + point, "L", leaving.middle, end,
         "L", high, end + point, "V", top - TURN, "A", outer, outer, "0 0 1", start, top + leaving.width, "H", start - FADE, "Z",
@@ -238,16 +239,7 @@ def _falling_all(laid: Lanes, identity: str) -> list[Markup]:
     for place, leaving in enumerate(laid.lower):
         lower_row = place % laid.frame.rows * LABEL
         if lower_row > 0.0:
-            drawn.append(
-                element(
-                    "line",
-                    x1=leaving.middle,
-                    x2=leaving.middle,
-                    y1=end + 3.0,
-                    y2=end + lower_row + 1.0,
-                    class_="leader",
-                )
-            )
+            drawn.append(_dotted(leaving.middle, end + 3.0, end + lower_row + 1.0))
         drawn.append(_label(leaving, end + 12.0 + lower_row))
     return drawn
 
@@ -302,9 +294,11 @@ def _leader(leaving: Exit, label_y: float, lane_y: float) -> Markup:
     """Draw a dotted line where the stem itself is hardly to be seen."""
     if leaving.width >= HAIR:
         return Markup("")
-    return element(
-        "line", x1=leaving.middle, x2=leaving.middle, y1=label_y, y2=lane_y, class_="leader"
-    )
+    return _dotted(leaving.middle, label_y, lane_y)
+
+
+def _dotted(x: float, y1: float, y2: float) -> Markup:
+    return element("line", x1=x, x2=x, y1=y1, y2=y2, class_="leader")
 
 
 def _lines(
@@ -329,6 +323,19 @@ def _label(leaving: Exit, y: float) -> Markup:
     )
 
 
+def _end_of_wheels(laid: Lanes) -> float:
+    """Return where the label of the work at the wheels ends: before what the road takes.
+
+    Before the last part of it where the label of the cells leaves no space before the first.
+    """
+    free = [
+        leaving.middle - 0.5 * leaving.width - TURN - FADE
+        for leaving in (*laid.road[:1], *laid.road[-1:])
+    ]
+    least = LEFT + 10.0 + 2.0 * WRITTEN
+    return next((x for x in free if x >= least), free[-1]) if free else laid.bend_x
+
+
 def _labels(laid: Lanes) -> list[Markup]:
     """Name the lanes: inside both ends of the upper one, in the gap above both ends of the lower one."""
     flow, lane = laid.flow, laid.frame.lane_y
@@ -348,11 +355,7 @@ def _labels(laid: Lanes) -> list[Markup]:
             )
         )
     if flow.split and laid.wheels >= LETTERS:
-        nearest = (
-            laid.road[-1].middle - 0.5 * laid.road[-1].width - TURN - FADE
-            if laid.road
-            else laid.bend_x
-        )
+        nearest = _end_of_wheels(laid)
         y = lane - 0.5 * laid.wheels - 3.0
         drawn.append(
             _lines(

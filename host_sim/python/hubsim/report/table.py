@@ -2,8 +2,9 @@
 """The energy table: one row for each account with its meaning, one column for each strategy."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from hubsim.report import reading, words
 from hubsim.report.markup import Markup, element
@@ -79,10 +80,27 @@ def optimum_share(run: RunLike, runs: Sequence[RunLike]) -> float:
     return reading.energy_j(run, "battery_returned") / best if best > 0.0 else math.nan
 
 
+def ideal_share(ideal: Mapping[str, Any]) -> float:
+    """Return the share of the braking work that an ideal stop stores, NaN where it is not known."""
+    work = _ideal_j(ideal, "braking_at_wheels")
+    return _ideal_j(ideal, "battery_returned") / work if work > 0.0 else math.nan
+
+
+def _ideal_j(ideal: Mapping[str, Any], name: str) -> float:
+    """Return an energy of an ideal stop; its braking work is without the bearings' friction."""
+    energies = ideal["energy_j"]
+    if name == "braking_at_wheels":
+        kinetic = reading.as_number(ideal.get("kinetic_energy_j"))
+        return kinetic - reading.as_number(energies.get("friction"))
+    return reading.as_number(energies.get(name))
+
+
 def draw(runs: Sequence[RunLike], caption: str) -> Markup:
     """Make the table of one cycle, in a container that scrolls sideways where the screen is narrow."""
     decimals = decimals_of(runs)
+    ideal = reading.ideal(runs[0]) if len(runs) == 1 else {}
     names = [element("th", reading.strategy(run).title, scope="col") for run in runs]
+    names += [element("th", "Ideal stop", scope="col")] if ideal else []
     head = element(
         "thead",
         element(
@@ -97,22 +115,33 @@ def draw(runs: Sequence[RunLike], caption: str) -> Markup:
             row.title,
             row.meaning,
             "kJ",
-            [words.fixed(reading.energy_j(run, row.energy) / 1e3, decimals) for run in runs],
+            [words.fixed(reading.energy_j(run, row.energy) / 1e3, decimals) for run in runs]
+            + ([words.fixed(_ideal_j(ideal, row.energy) / 1e3, decimals)] if ideal else []),
             row.style,
         )
         for row in ROWS
     ]
-    rates: tuple[tuple[str, str, Callable[[RunLike], float]], ...] = (
-        ("Share stored", "returned over braking work", stored_share),
+    rates: list[tuple[str, str, list[float]]] = [
         (
-            "Share of the series optimum",
-            "returned over what the series strategy returns",
-            lambda run: optimum_share(run, runs),
-        ),
-    )
+            "Share stored",
+            "returned over braking work",
+            [stored_share(run) for run in runs] + ([ideal_share(ideal)] if ideal else []),
+        )
+    ]
+    if ideal:
+        share = stored_share(runs[0]) / ideal_share(ideal)
+        rates.append(("Share of the ideal", "share stored over that of the ideal", [share, 1.0]))
+    elif len(runs) > 1:
+        rates.append(
+            (
+                "Share of the series optimum",
+                "returned over what the series strategy returns",
+                [optimum_share(run, runs) for run in runs],
+            )
+        )
     shares = [
-        _row(title, meaning, "%", [_percent(of(run)) for run in runs], "share")
-        for title, meaning, of in rates
+        _row(title, meaning, "%", [_percent(value) for value in values], "share")
+        for title, meaning, values in rates
     ]
     residuals = [
         words.small_percent(reading.as_number(run.summary.get("residual_relative"))).removesuffix(
@@ -120,6 +149,7 @@ def draw(runs: Sequence[RunLike], caption: str) -> Markup:
         )
         for run in runs
     ]
+    residuals += [words.UNKNOWN] if ideal else []
     shares.append(
         _row(
             "Residual",

@@ -8,7 +8,7 @@ import numpy as np
 
 from hubsim.report import reading, scale, words
 from hubsim.report.markup import Markup, element, join, number, picture
-from hubsim.report.panels import PANELS, Panel, zero
+from hubsim.report.panels import THERMAL, Curve, Panel, panels_of, zero
 from hubsim.report.reading import Array, RunLike
 from hubsim.report.scale import Scale
 
@@ -35,8 +35,11 @@ class Layout:
     height: float
 
 
-def layout(runs: Sequence[RunLike]) -> Layout | None:
-    """Fit scales over all runs of a cycle; None when nothing was recorded."""
+def layout(runs: Sequence[RunLike], group: int | None = None) -> Layout | None:
+    """Fit scales over all runs of a cycle; None when nothing was recorded.
+
+    With a group: its panels alone; the limits of the torque belong to the last one.
+    """
     longest = [
         float(run.time_s[-1])
         for run in runs
@@ -47,7 +50,9 @@ def layout(runs: Sequence[RunLike]) -> Layout | None:
     time = scale.tight(0.0, max(longest), 5.0, LEFT, RIGHT)
     placed: list[tuple[Panel, Scale, float]] = []
     y = 0.0
-    for panel in PANELS:
+    for panel in panels_of(runs):
+        if group is not None and panel.group != group:
+            continue
         drawn = [
             values
             for run in runs
@@ -72,7 +77,8 @@ def layout(runs: Sequence[RunLike]) -> Layout | None:
                 )
             )
             y += height + SPACE
-    codes = sorted({code for run in runs for code in _codes(run)})
+    shows_reasons = group is None or group == THERMAL
+    codes = sorted({code for run in runs for code in _codes(run)}) if shows_reasons else []
     texts = {
         code: next(reading.reason_text(run, code) for run in runs if code in _codes(run))
         for code in codes
@@ -272,50 +278,63 @@ def _panel(run: RunLike, panel: Panel, axis: Scale, top: float, x: Array) -> Mar
 def _constant(run: RunLike, panel: Panel, top: float) -> Markup:
     """Say what does not change."""
     title = element("tspan", panel.title, class_="heading")
-    said = []
+    levels: dict[str, list[Curve]] = {}
     for curve in panel.curves:
         values = curve.of(run)
-        name = f"{curve.name} " if len(panel.curves) > 1 else ""
         level = (
             "not recorded"
             if values is None
             else f"{words.significant(float(np.nanmean(values)))} {panel.unit} throughout"
         )
-        said.append(element("tspan", name + level, class_=f"key {curve.style}", dx="10"))
+        levels.setdefault(level, []).append(curve)
+    if len(levels) == 1 and len(panel.curves) > 1:
+        said = [element("tspan", next(iter(levels)), class_="key", dx="10")]
+    else:
+        said = [
+            element("tspan", f"{curve.name} {level}", class_=f"key {curve.style}", dx="10")
+            for level, curves in levels.items()
+            for curve in curves
+        ]
     return element("text", title, *said, x=0.0, y=top - 10.0)
 
 
 def _heading(panel: Panel, top: float) -> Markup:
     """Title and unit, then the names of the curves in their own colours."""
     spans: list[Markup] = [element("tspan", f"{panel.title}, {panel.unit}", class_="heading")]
-    for curve in panel.curves:
+    for place, curve in enumerate(panel.curves):
         mark = "" if len(panel.curves) == 1 else "■ " if curve.base is not None else "— "
-        spans.append(element("tspan", mark + curve.name, class_=f"key {curve.style}", dx="10"))
+        name = curve.name.removeprefix("wheel ") if place > 0 else curve.name
+        spans.append(element("tspan", mark + name, class_=f"key {curve.style}", dx="10"))
     return element("text", *spans, x=0.0, y=top - 10.0)
 
 
+def _reasons(run: RunLike) -> Array | None:
+    """Return the reason codes of all recorded wheels, shape (wheels, samples)."""
+    found = [reading.signal(run, f"wheel{k}.reason") for k in range(reading.wheels(run))]
+    known = [codes for codes in found if codes is not None]
+    return np.stack(known) if known else None
+
+
 def _codes(run: RunLike) -> set[int]:
-    reason = reading.signal(run, "wheel0.reason")
-    return (
-        set()
-        if reason is None
-        else {int(code) for code in reason[np.isfinite(reason)].tolist() if code >= 1.0}
-    )
+    codes = _reasons(run)
+    if codes is None:
+        return set()
+    return {int(code) for code in np.unique(codes[np.isfinite(codes)]).tolist() if code >= 1.0}
 
 
 def _lasting(run: RunLike, code: int) -> float:
-    reason = reading.signal(run, "wheel0.reason")
-    return (
-        0.0
-        if reason is None
-        else sum(end - begin for begin, end in _spans(reason == float(code), run.time_s))
-    )
+    return sum(end - begin for begin, end in _active(run, code))
+
+
+def _active(run: RunLike, code: int) -> list[tuple[float, float]]:
+    """Return when a reason limited the torque of any wheel."""
+    codes = _reasons(run)
+    return [] if codes is None else _spans(np.any(codes == float(code), axis=0), run.time_s)
 
 
 def _lane(run: RunLike, shared: Layout, code: int, text: str, top: float) -> Markup:
     """One reason: its words, how long it held in this run, and a strip of when."""
-    reason = reading.signal(run, "wheel0.reason")
-    spans = [] if reason is None else _spans(reason == float(code), run.time_s)
+    spans = _active(run, code)
     drawn = [
         (shared.time.at(begin), max(shared.time.at(end), shared.time.at(begin) + 0.4))
         for begin, end in spans
@@ -327,7 +346,7 @@ def _lane(run: RunLike, shared: Layout, code: int, text: str, top: float) -> Mar
     seconds = sum(end - begin for begin, end in spans)
     lasting = (
         "not recorded"
-        if reason is None
+        if _reasons(run) is None
         else f"{words.significant(seconds, 2)} s"
         if spans
         else "never"

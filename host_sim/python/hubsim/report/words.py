@@ -5,6 +5,7 @@ A real minus sign, a dash for what is not known, as many digits as mean somethin
 """
 
 import math
+import re
 
 UNKNOWN = "–"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -28,6 +29,22 @@ def significant(value: float, digits: int = 3) -> str:
         return "0"
     decimals = digits - 1 - math.floor(math.log10(abs(value)))
     return fixed(round(value, decimals), max(decimals, 0))
+
+
+def figure(value: float) -> str:
+    """Return a number with four digits, as a power of ten where zeros would pile up."""
+    if not math.isfinite(value) or value == 0.0 or 1e-3 <= abs(value) < 1e6:
+        return f"{value:.4g}".replace("-", "−") if math.isfinite(value) else UNKNOWN
+    mantissa, exponent = f"{value:.1e}".split("e")
+    return f"{mantissa.replace('-', '−')} · 10{str(int(exponent)).translate(_SUPERSCRIPT)}"
+
+
+def unit(text: str) -> str:
+    """Return a unit of the engine's lists or of a scenario as it is printed."""
+    if text == "1":
+        return ""
+    spelt = text.replace("N m", "N·m").replace("N.m", "N·m")
+    return re.sub(r"(?<=[a-z])([23])\b", lambda found: "²³"[int(found[1]) - 2], spelt)
 
 
 def kilojoules(energy_j: float) -> str:

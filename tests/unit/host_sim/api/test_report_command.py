@@ -5,11 +5,12 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hubsim import results_files, run, scenario
+from hubsim import results_files, run, scenario, stops, verdicts
 from hubsim.engine import ROOT
 from regen_table import schema
 
@@ -49,7 +50,11 @@ def test_a_result_read_back_is_the_run(result: str, folder: Path) -> None:
     expected = run.simulate(name, drive, chosen, beside, ["*"], date=found.origin["date"])
     assert found.names == expected.names
     assert np.array_equal(found.rows, expected.rows)
+    judged = [verdict.as_object() for verdict in verdicts.judge(chosen, drive, expected)]
+    expected = replace(expected, criteria=judged, ideal=stops.ideal_of(drive, chosen))
     assert found.summary == expected.summary
+    assert len(found.summary["criteria"]) == 4
+    assert found.summary["ideal_stop"]["demand_nm"] == 60.0
     (folder / "two.json").write_text(
         (folder / result).read_text(encoding="utf-8"), encoding="utf-8"
     )

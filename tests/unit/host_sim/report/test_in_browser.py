@@ -16,7 +16,8 @@ import pytest
 from hubsim.report import Extras, page
 
 from tests.unit.host_sim.report.ideal_extras import best_map, curves
-from tests.unit.host_sim.report.ideal_vehicle import three
+from tests.unit.host_sim.report.ideal_vehicle import drive, three
+from tests.unit.host_sim.report.test_single import CRITERIA, IDEAL
 
 BROWSER = next(
     filter(None, map(shutil.which, ("chromium-headless-shell", "chromium", "google-chrome"))), None
@@ -106,3 +107,47 @@ def test_on_paper_every_part_fits_its_sheet(written: Path) -> None:
     upright = [height > width for width, height in sizes]
     assert upright.count(True) == 2
     assert 3 <= upright.count(False) <= 4
+
+
+def test_one_run_takes_three_sheets_and_leaves_no_heading_alone(tmp_path: Path) -> None:
+    """Result and criteria; energies and pictures; signals and the notes, upright."""
+    run = drive(cycle="stop")
+    run.summary["ideal_stop"] = IDEAL
+    run.summary["criteria"] = CRITERIA
+    path = tmp_path / "index.html"
+    path.write_text(page.document([run], Extras({"lu2013": best_map()})), encoding="utf-8")
+    sheets = path.with_name("sheets.pdf")
+    browse(path, "--no-pdf-header-footer", f"--print-to-pdf={sheets}")
+    sizes = re.findall(rb"/MediaBox\s*\[0 0 ([0-9.]+) ([0-9.]+)\]", sheets.read_bytes())
+    upright = sorted(float(height) > float(width) for width, height in sizes)
+    assert upright == [False, False, True]
+
+
+@pytest.mark.parametrize("width", [1280, 400])
+def test_one_run_fills_the_page_and_nothing_sticks_out(tmp_path: Path, width: int) -> None:
+    run = drive(cycle="stop")
+    run.summary["ideal_stop"] = IDEAL
+    run.summary["criteria"] = CRITERIA
+    text = page.document([run], Extras({"lu2013": best_map()}))
+    widest = (
+        "<script>addEventListener('load', () => { const rights = [...document.querySelectorAll("
+        "'svg.traces')].map((s) => s.getBoundingClientRect().right); document.documentElement"
+        ".dataset.right = Math.max(...rights); });</script>"
+    )
+    path = tmp_path / "index.html"
+    path.write_text(
+        text.replace("</body>", f"{widest}<script>{MEASURE}</script></body>"), encoding="utf-8"
+    )
+    frame = path.with_name("frame.html")
+    frame.write_text(FRAME % width, encoding="utf-8")
+    seen = browse(frame, "--window-size=1400,2100", "--virtual-time-budget=5000", "--dump-dom")
+    title = re.search(r"<title>(\{.*?\})</title>", seen)
+    assert title is not None, "the page did not load"
+    measured: dict[str, Any] = json.loads(html.unescape(title[1]))
+    assert measured["scroll"] <= width
+    assert measured["out"] == []
+    if width == 1280:
+        alone = browse(path, "--window-size=1280,2100", "--dump-dom")
+        right = re.search(r'data-right="([0-9.]+)"', alone)
+        assert right is not None
+        assert float(right[1]) > 0.9 * width
