@@ -11,7 +11,7 @@ static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [CAN] = {"can", "", "how well the others are heard"},
     [BOOT] = {"boot", "", "what the self-tests found"},
     [CONFIG] = {"config", "[PREFIX]", "the configuration's fields that begin so"},
-    [VERSION] = {"version", "", "program, version, port"},
+    [VERSION] = {"version", "", "program, version, commit, port"},
     [INSTALL] = {"install", "", "another configuration: send it as Intel HEX, the wheel at rest"},
 };
 

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "app/config_lines.h"
+#include "hubfoc_commit.h"
 
 #if !defined(HUBFOC_VERSION) || !defined(HUBFOC_PORT_NAME)
 #error "HUBFOC_VERSION and HUBFOC_PORT_NAME come from the build"
@@ -11,7 +12,7 @@
 
 void report_version(text_t *line)
 {
-    text_add(line, "hubfoc " HUBFOC_VERSION " on " HUBFOC_PORT_NAME);
+    text_add(line, "hubfoc " HUBFOC_VERSION " (" HUBFOC_COMMIT ") on " HUBFOC_PORT_NAME);
 }
 
 void report_identity(const config_t *config, text_t *line)

@@ -3,7 +3,7 @@
 
 cantools' code, with two changes: without the date, so that equal protocols make equal files, and
 without the range checks of physical values, which are the only floating point in it and which
-nothing here calls.
+nothing here calls. It keeps cantools' licence, MIT, whose text it carries.
 
     tools/dev python firmware/comms/generate.py            write
     tools/dev python firmware/comms/generate.py --check    only say whether everything is up to date
@@ -69,7 +69,8 @@ def c_code(database: Database) -> dict[str, str]:
         for text in (header, source)
     ]
     header, source = [without_phys_range(text).rstrip("\n") + "\n" for text in dateless]
-    return {"hubfoc.h": header, "hubfoc.c": source}
+    licence = "/* SPDX-License-Identifier: MIT */\n"
+    return {"hubfoc.h": licence + header, "hubfoc.c": licence + source}
 
 
 def load_share(database: Database, wheels: int) -> float:

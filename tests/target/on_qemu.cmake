@@ -16,7 +16,7 @@ add_test(NAME target_prerequisites COMMAND "${CMAKE_COMMAND}" "-DMISSING=${missi
 # ---- the firmware ----
 
 hubfoc_add_qemu_test(NAME firmware_boots ELF hubfoc_qemu
-  EXPECT "hubfoc ${PROJECT_VERSION} on qemu_mps2, configuration ${HUBFOC_CONFIG} 0x[0-9A-F]+" "self-test RAM: good" "self-test firmware CRC: good"
+  EXPECT "hubfoc ${PROJECT_VERSION} [(]([0-9a-f]+[+]?|unknown)[)] on qemu_mps2, configuration ${HUBFOC_CONFIG} 0x[0-9A-F]+" "self-test RAM: good" "self-test firmware CRC: good"
          "configuration accepted" "result: READY, no limit")
 hubfoc_add_qemu_test(NAME firmware_keeps_its_watchdog_fed ELF hubfoc_qemu ARGUMENTS run_ms=10000
   EXPECT "result: READY, no limit")

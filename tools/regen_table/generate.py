@@ -22,6 +22,7 @@ GENERATED = (
 FIGURES = Path("figures") if installation.INSTALLED else installation.ROOT / "build/report/figures"
 _COLUMNS = 100
 _HEAD = """\
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Configuration "{name}": {motor}.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Configuration "ebike36v": 36 V 350 W gearless hub.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Configuration "ipm400v": 400 V interior-magnet traction motor.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Configuration "lu2013": Lu 2013 in-wheel motor.
  *

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Configuration "scooter48v": 48 V scooter hub, low inductance.
  *

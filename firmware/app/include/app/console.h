@@ -7,7 +7,7 @@
  *     can               how well the others are heard
  *     boot              what the self-tests found
  *     config [PREFIX]   the configuration's fields
- *     version           program, version, port
+ *     version           program, version, commit, port
  *     install           another configuration, as Intel HEX (installer.h)
  *     help, reasons     the shell's own
  *

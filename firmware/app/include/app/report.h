@@ -25,14 +25,14 @@ typedef struct {
     bool control; /* the control steps run; otherwise `output` and `node` are meaningless */
 } report_status_t;
 
-/* Program, version and port. */
+/* Program, version, commit and port. */
 void report_version(text_t *line);
 
 /* Name and checksum of an accepted configuration; why another one was refused. */
 void report_identity(const config_t *config, text_t *line);
 void report_refusal(const config_result_t *verdict, text_t *line);
 
-/* Program, version and port, and which configuration, if it was accepted: a refused one may have
+/* Program, version, commit and port, and which configuration, if it was accepted: a refused one may have
  * garbage for a name. */
 void report_banner(const boot_report_t *boot, text_t *line);
 

@@ -7,6 +7,7 @@ from hubsim.fmu.description import Description
 def c_table(unit: Description) -> str:
     """Return the text of the C file: variables, settings, configuration and voltage curve."""
     lines = [
+        "/* SPDX-License-Identifier: Apache-2.0 */",
         f"/* {unit.identifier} of {unit.config.name}: written by hubsim.fmu. */",
         '#include "fmu/model.h"',
         "",

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -DSOURCE=<repository> -DBUILD=<its build directory> -DNAME=hubfoc_stm32f405 -DCONFIG=lu2013 -DWORK=<scratch> -P rebuild.cmake
+#
+# The same sources, compiled by the same compiler in a folder with another name and depth, give the same flashable files,
+# byte for byte. The commit is handed over, because the copy has no history. So does the ELF, except where a compiler cache
+# rewrites the names of sources in the information for debuggers.
+cmake_minimum_required(VERSION 3.25)
+file(READ "${BUILD}/firmware/app/commit/hubfoc_commit.h" header)
+if(NOT header MATCHES "HUBFOC_COMMIT \"([^\"]+)\"")
+  message(FATAL_ERROR "rebuild: no commit in hubfoc_commit.h")
+endif()
+set(ENV{HUBFOC_COMMIT} "${CMAKE_MATCH_1}")
+
+# Compiled anew: a compiler cache would only show that it gives back what it was given.
+set(ENV{CCACHE_DISABLE} 1)
+set(copy "${WORK}/somewhere else/deeper")
+file(REMOVE_RECURSE "${WORK}")
+file(MAKE_DIRECTORY "${copy}")
+foreach(name IN ITEMS CMakeLists.txt CMakePresets.json firmware hal tests tools)
+  file(COPY "${SOURCE}/${name}" DESTINATION "${copy}")
+endforeach()
+foreach(command IN ITEMS "--preset;stm32f405;-DHUBFOC_CONFIG=${CONFIG}" "--build;--preset;stm32f405;--target;${NAME}")
+  execute_process(COMMAND "${CMAKE_COMMAND}" ${command} WORKING_DIRECTORY "${copy}"
+    RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(result)
+    message(FATAL_ERROR "rebuild: ${command}:\n${output}")
+  endif()
+endforeach()
+
+foreach(file IN ITEMS "${NAME}.bin" "${NAME}.hex" "${NAME}_config.bin")
+  file(SHA256 "${BUILD}/${file}" here)
+  file(SHA256 "${copy}/build/stm32f405/${file}" there)
+  if(NOT here STREQUAL there)
+    message(FATAL_ERROR "rebuild: ${file}: ${here} here, ${there} in another folder")
+  endif()
+  message(STATUS "${file} ${here}")
+endforeach()
+file(REMOVE_RECURSE "${WORK}")
