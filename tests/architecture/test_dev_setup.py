@@ -10,6 +10,7 @@ import unittest
 from pathlib import Path
 
 from dev_fixture import ROOT, DevFixture, needs_headers, write_program
+from regen_table import installation
 
 
 class SetupTest(DevFixture):
@@ -107,6 +108,14 @@ class RequirementsTest(unittest.TestCase):
             {file.stem for file in folder.glob("*.in")},
             {file.stem for file in folder.glob("*.txt")},
         )
+
+    def test_a_missing_package_is_answered_with_a_set_that_contains_it(self) -> None:
+        for package, extra in installation.EXTRAS.items():
+            answer = installation.missing(ModuleNotFoundError(name=f"{package}.part"))
+            command = re.search(r"'\./tools/dev setup (\w+)'", answer)
+            assert command is not None, answer
+            listed = (ROOT / f"tools/setup/requirements/{command[1]}.in").read_text()
+            self.assertRegex(listed, rf"(?m)^{package}==", extra)
 
 
 class PlainCMakeTest(unittest.TestCase):

@@ -26,10 +26,12 @@ EXTRAS = {
     "dask": "sweep",
     "distributed": "sweep",
 }
+# The repository's set of packages (tools/setup/requirements), where it has another name.
+SETS = {"report": "figures"}
 
 
 def missing(error: ModuleNotFoundError) -> str:
-    """Return in one line what is not installed and which extra brings it.
+    """Return in one line what is not installed and which command installs it.
 
     Raises
     ------
@@ -39,7 +41,12 @@ def missing(error: ModuleNotFoundError) -> str:
     package = (error.name or "").partition(".")[0]
     if package not in EXTRAS:
         raise error
-    return f"{package} is not installed, accepted: after pip install 'hubfoc[{EXTRAS[package]}]'"
+    extra = EXTRAS[package]
+    if INSTALLED:
+        return f"{package} is not installed, accepted: after pip install 'hubfoc[{extra}]'"
+    return (
+        f"{package} is not installed, accepted: after './tools/dev setup {SETS.get(extra, extra)}'"
+    )
 
 
 def drive_file(named: str | Path) -> Path:
