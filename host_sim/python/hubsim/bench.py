@@ -17,7 +17,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import ValidationError
 
-from hubsim import configuration, mistakes, overrides, run, scenario
+from hubsim import configuration, keys, overrides, run, scenario
 from hubsim.configuration import Configuration
 from hubsim.engine import Engine, Rows, parameters
 from hubsim.errors import HubsimError
@@ -218,5 +218,5 @@ def _scenario(name: str | Path | None, settings: dict[str, Any]) -> tuple[scenar
     try:
         return scenario.Scenario.model_validate({"max_duration_s": LONGEST_S} | settings), Path()
     except ValidationError as error:
-        key, what = mistakes.first(error, scenario.Scenario)
+        key, what = keys.first(error, scenario.Scenario)
         raise HubsimError(f"{key}: {what}" if key else what) from error

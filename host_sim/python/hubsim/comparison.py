@@ -12,7 +12,7 @@ from pathlib import Path
 from regen_table.schema import Drive
 from rich.progress import Progress, TaskID
 
-from hubsim import cycles, files, outputs, report, run, stops, verdicts
+from hubsim import cycles, files, report, results_files, run, stops, verdicts
 from hubsim.errors import HubsimError
 from hubsim.results import SIGNAL_POINTS_MAX, RunResult, realtime_factor
 from hubsim.scenario import Scenario
@@ -94,12 +94,12 @@ def write(
     """Write page and summary; return what to tell the user."""
     factor = realtime_factor(results)
     runs = [
-        {"provenance": result.origin} | result.run_object | outputs.criteria_object(result)
+        {"provenance": result.origin} | result.run_object | results_files.criteria_object(result)
         for result in results
     ]
     summary = {"provenance": results[0].origin, "runs": runs, "realtime_factor": factor}
     report.write_report(list(results), directory, beside)
-    files.write_text(directory / SUMMARY, outputs.as_json(summary))
+    files.write_text(directory / SUMMARY, results_files.as_json(summary))
     wheels = results[0].wheels
     return [
         f"{wheels} wheels at {factor:.0f} times real time on one core ({wheels * factor:.0f} for one wheel)",

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a controller believes and what a plant is made of.
+"""What a controller is configured with and a plant is made of.
 
-A drive's TOML file, or the image a controller is flashed with.
+A drive's TOML file, or the image a controller is flashed with. Images are computed once for a drive,
+whatever its braking strategy.
 """
 
+import threading
 import tomllib
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from regen_table import installation, schema
+from regen_table import image, installation, layout, schema
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import files, images
+from hubsim import files
 from hubsim.errors import HubsimError
 
 MAX_IMAGE_BYTES = 1 << 16
@@ -69,7 +72,7 @@ def load(path: str | Path, settings: Mapping[str, Any] | None = None) -> Configu
         drive = schema.load(path)
         if settings:
             drive = _changed(drive, path, settings)
-        return Configuration(drive.name, images.build(drive), drive)
+        return Configuration(drive.name, image_of(drive), drive)
     except ConfigurationError as error:
         raise HubsimError(str(error)) from error
 
@@ -86,3 +89,39 @@ def _changed(drive: Drive, path: Path, settings: Mapping[str, Any]) -> Drive:
         else:
             keys[name] = value
     return schema.parse(data, name=drive.name, source=f"{path} with settings")
+
+
+_KEPT = 16
+_known: dict[str, bytes] = {}
+_lock = threading.Lock()
+
+
+def image_of(drive: Drive) -> bytes:
+    """Return the image of a drive; drives that differ in their strategy only share the work.
+
+    Raises
+    ------
+    ConfigurationError
+        As ``regen_table.image.build``.
+    """
+    data = drive.model_dump()
+    strategy = data["brake"].pop("strategy")
+    key = f"{drive.name} {data!r}"
+    with _lock:  # runs begin in several threads: the second one waits for the work of the first
+        if key not in _known:
+            if len(_known) >= _KEPT:
+                _known.pop(next(iter(_known)))
+            _known[key] = image.build(drive)
+        found = _known[key]
+    return changed_image(found, {("brake", "strategy"): image.STRATEGIES[strategy]})
+
+
+def changed_image(raw: bytes, values: Mapping[tuple[str, str], int | list[int]]) -> bytes:
+    """Return an image with other values in some of its fields, sealed anew."""
+    header = layout.load()
+    config = header.ffi.from_buffer("config_t *", bytearray(raw))
+    for (section, name), value in values.items():
+        setattr(getattr(config, section), name, value)
+    out = bytes(header.ffi.buffer(config))
+    body = out[: header.ffi.offsetof("config_t", "crc32")]
+    return body + zlib.crc32(body).to_bytes(4, "little") + out[len(body) + 4 :]

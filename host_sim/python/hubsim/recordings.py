@@ -16,7 +16,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from hubsim import __version__, engine, files, layout, reasons
+from hubsim import __version__, engine, files, plotjuggler, reasons
 from hubsim.errors import HubsimError
 from hubsim.results import RunResult
 
@@ -160,7 +160,7 @@ def _header(about: str, result: RunResult) -> str:
 def write_layout(result: RunResult, path: Path, csv: Path | None = None) -> None:
     """Write a PlotJuggler layout for the recorded signals, which loads the CSV recording if there is one."""
     recording = None if csv is None else os.path.relpath(csv.resolve(), path.resolve().parent)
-    files.write_text(path, layout.layout(result.names, recording))
+    files.write_text(path, plotjuggler.layout(result.names, recording))
 
 
 def write_all(result: RunResult, wanted: Mapping[str, Path]) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Results of runs read back: what ``hubsim run --json`` wrote, and what was recorded beside it."""
+"""Results of runs as JSON: written, and read back with the recording beside them."""
 
 import csv
 import json
@@ -15,6 +15,45 @@ from hubsim.results import RunResult
 
 RECORDINGS = (".parquet", ".csv")
 MAX_FILE_BYTES = 1 << 28
+
+
+def run_object(result: RunResult) -> dict[str, Any]:
+    """Return a run as ``hubsim run --json`` writes it.
+
+    The summary's object and what a single run knows besides.
+    """
+    out = {"provenance": result.origin} | result.run_object
+    out |= {"kinetic_energy_j": result.kinetic_energy_j}
+    if result.stopped is not None:
+        out["stop_distance_m"] = result.distance_m if result.stopped else None
+    out |= criteria_object(result)
+    if result.ideal:
+        out["ideal_stop"] = result.ideal
+    return out | {
+        "config": result.vehicle,
+        "duration_s": result.duration_s,
+        "distance_m": result.distance_m,
+        "soc_initial": result.soc[0],
+        "soc_final": result.soc[1],
+        "realtime_factor": result.realtime_factor,
+        "faults": [
+            {"wheel": f.wheel, "time_s": f.time_s, "reason": f.reason} for f in result.faults
+        ],
+        "accounts_j": result.account_j,
+    }
+
+
+def criteria_object(result: RunResult) -> dict[str, Any]:
+    """Return whether a run met its criteria, and each of them; nothing for a run without any."""
+    if not result.criteria:
+        return {}
+    passed = all(criterion["passed"] for criterion in result.criteria)
+    return {"passed": passed, "criteria": result.criteria}
+
+
+def as_json(value: object) -> str:
+    """Return readable JSON; numbers that JSON cannot hold are a defect, not output."""
+    return json.dumps(value, indent=2, allow_nan=False) + "\n"
 
 
 def load(path: Path) -> RunResult:

@@ -14,7 +14,7 @@ from regen_table import image, provenance
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import cycles, images, plant, verdicts
+from hubsim import configuration, cycles, plant, verdicts
 from hubsim.engine import Engine, Rows
 from hubsim.engine import parameters as engine_parameters
 from hubsim.errors import HubsimError
@@ -50,7 +50,7 @@ def prepare(
     for name, value in reduce(operator.or_, sources).items():
         engine.set(name, value)
     engine.set_voltage_curve(*plant.voltage_curve(drive))
-    engine.load_config(images.build(drive))
+    engine.load_config(configuration.image_of(drive))
     duration = (
         scenario.max_duration_s if trace is None else min(trace.duration_s, scenario.max_duration_s)
     )
@@ -212,7 +212,7 @@ def origin_of(
 ) -> dict[str, Any]:
     """Return the provenance of a run."""
     try:
-        raw = images.build(drive)
+        raw = configuration.image_of(drive)
     except ConfigurationError as error:
         raise HubsimError(f"{drive.name}: {error}") from error
     return provenance.provenance(drive.name, raw, scenario=name, seed=scenario.seed, date=date)

@@ -15,7 +15,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from hubsim import files, mistakes
+from hubsim import files, keys
 from hubsim.criteria import Criterion
 from hubsim.errors import HubsimError
 from hubsim.events import Event, check_parameter, rising
@@ -198,7 +198,7 @@ def load(name: str, overrides: Mapping[str, Any]) -> tuple[str, Scenario, Path]:
     try:
         found = Scenario.model_validate(data)
     except ValidationError as error:
-        key, what = mistakes.first(error, Scenario)
+        key, what = keys.first(error, Scenario)
         guilty = next((given for given in overrides if _concerns(given, key)), None)
         if guilty is not None:
             rest = (
@@ -277,4 +277,4 @@ def _read(path: Path) -> dict[str, Any]:
 
 def accepted(key: str) -> str:
     """Describe what a key takes."""
-    return mistakes.accepted(Scenario.model_fields[key])
+    return keys.accepted(Scenario.model_fields[key])

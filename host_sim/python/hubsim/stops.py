@@ -18,7 +18,7 @@ from regen_table.errors import ConfigurationError
 from regen_table.ideal import lines
 from regen_table.schema import Drive
 
-from hubsim import images, run
+from hubsim import configuration, run
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario
@@ -189,7 +189,11 @@ def _stored(
             for name in names:
                 engine.set(name, factor * engine.get(name))
         engine.set("vehicle.driven_wheels", 1.0)
-        engine.load_config(images.changed(images.build(drive), {("battery", "driven_wheels"): 1}))
+        engine.load_config(
+            configuration.changed_image(
+                configuration.image_of(drive), {("battery", "driven_wheels"): 1}
+            )
+        )
         engine.start()
         begun, found = engine.save(), []
         for demand in demands_nm:

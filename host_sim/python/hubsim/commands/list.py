@@ -11,15 +11,14 @@ from hubsim import (
     engine,
     events,
     expression,
-    layout,
     overrides,
+    plotjuggler,
     reasons,
     run,
     scenario,
 )
 from hubsim.criteria import Criterion
-from hubsim.keys import Section
-from hubsim.mistakes import accepted
+from hubsim.keys import Section, accepted
 
 
 def main(options: argparse.Namespace) -> int:
@@ -36,7 +35,7 @@ def main(options: argparse.Namespace) -> int:
             print(name)
         return 0
     if options.layout:
-        print(layout.layout(signal_names()), end="")
+        print(plotjuggler.layout(signal_names()), end="")
         return 0
     if options.criteria:
         _list_criteria()

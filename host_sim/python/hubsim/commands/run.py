@@ -8,10 +8,11 @@ from dataclasses import replace
 from hubsim import (
     cli,
     commands,
+    console,
     files,
-    outputs,
     overrides,
     recordings,
+    results_files,
     run,
     scenario,
     stops,
@@ -65,11 +66,11 @@ def main(options: argparse.Namespace) -> int:
     recorded = result.only(run.matching(result.names, patterns)) if wanted else result
     recordings.write_all(recorded, wanted)
     if options.json:
-        files.write_text(options.json, outputs.as_json(outputs.run_object(result)))
-    outputs.print_table([result])
+        files.write_text(options.json, results_files.as_json(results_files.run_object(result)))
+    console.print_table([result])
     failed = [verdict.name for verdict in judged if not verdict.passed]
     if judged:
-        outputs.print_verdicts(name, judged)
+        console.print_verdicts(name, judged)
     if failed:
         print(
             f"hubsim: {name}: {len(failed)} of {len(judged)} criteria not met: {', '.join(failed)}",

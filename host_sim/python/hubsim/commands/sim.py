@@ -4,7 +4,7 @@
 import argparse
 import sys
 
-from hubsim import commands, outputs, overrides, run, scenario
+from hubsim import commands, console, overrides, run, scenario
 from hubsim.errors import HubsimError
 
 
@@ -27,7 +27,7 @@ def main(options: argparse.Namespace) -> int:
         shown = comparison.extras(drives, bar)
     for result in results:
         commands.warn_of(result)
-    outputs.print_table(results)
+    console.print_table(results)
     for line in comparison.write(results, options.output, shown):
         print(line)
     failed = [

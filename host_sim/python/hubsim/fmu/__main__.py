@@ -10,7 +10,6 @@ from hubsim.engine import ROOT
 from hubsim.errors import HubsimError
 from hubsim.fmu import pack
 from hubsim.fmu.description import KINDS, describe
-from hubsim.fmu.table import c_table
 
 
 def main() -> int:
@@ -40,7 +39,7 @@ def main() -> int:
     try:
         unit = describe(options.kind, options.config)
         if options.command == "table":
-            files.write_text(options.output, c_table(unit))
+            files.write_text(options.output, pack.c_table(unit))
         else:
             listed = [Path(line) for line in files.read_text(options.sources).splitlines() if line]
             pack.write(

@@ -11,8 +11,7 @@ from pathlib import Path
 from hubsim import files
 from hubsim.errors import HubsimError
 from hubsim.report import page
-from hubsim.report.extras import CurveLike, Extras
-from hubsim.report.reading import SIGNALS, RunLike
+from hubsim.report.reading import SIGNALS, CurveLike, Extras, RunLike
 
 __all__ = ["SIGNALS", "CurveLike", "Extras", "RunLike", "write_page", "write_report"]
 

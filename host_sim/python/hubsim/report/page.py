@@ -6,21 +6,18 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hubsim.report import (
-    criteria,
     flows,
     lanes,
-    points,
-    quality,
+    markup,
+    operating_map,
     reading,
     sankey,
-    stops,
-    table,
+    stop_curves,
+    tables,
     traces,
-    words,
 )
-from hubsim.report.extras import Extras
 from hubsim.report.markup import Markup, data, element, join
-from hubsim.report.reading import RunLike
+from hubsim.report.reading import Extras, RunLike
 
 _HERE = Path(__file__).parent
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
@@ -124,11 +121,11 @@ def _compared(runs: list[RunLike], identity: str, called: str, extras: Extras) -
     """Show several runs, a column for each."""
     return [
         element("div", *[_card(run) for run in runs], class_="columns"),
-        table.draw(runs, f"Energies of the whole vehicle, {called}"),
-        criteria.draw(runs, f"What the scenario asks, {called}"),
+        tables.energies(runs, f"Energies of the whole vehicle, {called}"),
+        tables.criteria(runs, f"What the scenario asks, {called}"),
         _flows(runs, identity, called),
         _points(runs, identity, called, extras),
-        quality.draw(runs, f"How well it brakes, {called}"),
+        tables.braking_quality(runs, f"How well it brakes, {called}"),
         _traces(runs, identity, called),
     ]
 
@@ -138,11 +135,11 @@ def _single(runs: list[RunLike], identity: str, called: str, extras: Extras) -> 
     pictures = (_flows(runs, identity, called), _points(runs, identity, called, extras))
     ideal = reading.ideal(runs[0])
     note = element("p", IDEAL, class_="soft") if ideal else Markup("")
-    brakes = quality.draw(runs, f"How well it brakes, {called}")
-    asked = criteria.draw(runs, f"What the scenario asks, {called}")
+    brakes = tables.braking_quality(runs, f"How well it brakes, {called}")
+    asked = tables.criteria(runs, f"What the scenario asks, {called}")
     return [
         element("div", element("div", _card(runs[0]), brakes), asked, class_="beside"),
-        table.draw(runs, f"Energies of the whole vehicle, {called}"),
+        tables.energies(runs, f"Energies of the whole vehicle, {called}"),
         note,
         element("div", *filter(None, pictures), class_="beside pictures"),
         _groups(runs, identity, called),
@@ -152,9 +149,9 @@ def _single(runs: list[RunLike], identity: str, called: str, extras: Extras) -> 
 def _card(run: RunLike) -> Markup:
     """Put the result in one number, and the braking work in a bar."""
     called = reading.strategy(run)
-    share = table.stored_share(run)
+    share = tables.stored_share(run)
     known = math.isfinite(share)
-    number = words.percent(share).removesuffix(" %") if known else ""
+    number = markup.percent(share).removesuffix(" %") if known else ""
     meaning = (
         " % of the braking work stored" if known else "share of the braking work stored: not known"
     )
@@ -164,7 +161,7 @@ def _card(run: RunLike) -> Markup:
         _bar(run),
         element("p", called.sentence) if called.sentence else Markup(""),
     ]
-    return element("article", *parts, class_=f"card {stops.accent(run.strategy)}")
+    return element("article", *parts, class_=f"card {stop_curves.accent(run.strategy)}")
 
 
 def _bar(run: RunLike) -> Markup:
@@ -199,7 +196,7 @@ def _bar(run: RunLike) -> Markup:
         )
         right, left = (right + width, left) if share >= 0.0 else (right, left + width)
     listed = [
-        element("li", element("span", f"{name} {words.percent(share)}"), class_=style)
+        element("li", element("span", f"{name} {markup.percent(share)}"), class_=style)
         for style, name, share in shares
     ]
     view = f"0 0 {100.0 * max(right, low + 1.0):.2f} 10"
@@ -252,11 +249,11 @@ def _points(runs: list[RunLike], identity: str, called: str, extras: Extras) -> 
     best = extras.maps.get(runs[0].vehicle)
     if best is None:
         return Markup("")
-    chart = points.layout(runs, best)
+    chart = operating_map.layout(runs, best)
     figures = []
     for place, run in enumerate(runs):
         title = reading.strategy(run).title
-        drawn = points.draw(
+        drawn = operating_map.draw(
             run,
             best,
             chart,
@@ -268,10 +265,10 @@ def _points(runs: list[RunLike], identity: str, called: str, extras: Extras) -> 
                 "figure",
                 element("figcaption", element("h3", title)),
                 drawn,
-                class_=stops.accent(run.strategy),
+                class_=stop_curves.accent(run.strategy),
             )
         )
-    warm = words.significant(best.temperature_c)
+    warm = markup.significant(best.temperature_c)
     note = (
         "Every dot is a moment in which the driver brakes. Below the solid line more torque would return more energy, above it less; "
         f"beyond the broken line braking takes energy out of the battery. Lines hold for a winding at {warm} °C."
@@ -285,19 +282,19 @@ def _stops(extras: Extras) -> Markup:
     note = element(
         "p",
         "Stops from 40 km/h at constant demand, without air drag and rolling resistance. ",
-        stops.legend(),
+        stop_curves.legend(),
         " What lies between them are the hand-over at low speed, which keeps the last metre's energy, and the moment in which only "
         "the motor brakes because the hydraulic brake is still coming. With a battery that has settled at every speed the ideal would be "
-        f"up to {words.fixed(100.0 * stops.unsettled(extras.stops), 1)} points lower.",
+        f"up to {markup.fixed(100.0 * stop_curves.unsettled(extras.stops), 1)} points lower.",
         class_="soft",
     )
-    figure = element("figure", stops.draw(extras.stops, "stops"), class_="wide")
+    figure = element("figure", stop_curves.draw(extras.stops, "stops"), class_="wide")
     heading = element("h2", "Stops: how much of the kinetic energy comes back")
     return element(
         "section",
         heading,
         note,
-        element("div", figure, stops.table(extras.stops), class_="beside"),
+        element("div", figure, stop_curves.table(extras.stops), class_="beside"),
         id="stops",
     )
 

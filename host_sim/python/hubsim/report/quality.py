@@ -5,12 +5,10 @@ How far motor and hydraulic brake together are from the demand, and how much it 
 """
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
-from hubsim.report import reading, words
-from hubsim.report.markup import Markup, element
+from hubsim.report import reading
 from hubsim.report.reading import Array, RunLike
 
 STANDING_M_PER_S = 0.3  # a brake that holds a standing vehicle is not at work
@@ -82,64 +80,3 @@ def root_mean_square(values: Array | None) -> float:
 def largest(values: Array | None) -> float:
     """Return the largest magnitude, NaN of nothing."""
     return math.nan if values is None else float(np.max(np.abs(values)))
-
-
-def draw(runs: Sequence[RunLike], caption: str) -> Markup:
-    """Make the table of braking quality; nothing where nothing is known of it."""
-    errors = [while_braking(run, torque_error_nm(run)) for run in runs]
-    jerks = [while_braking(run, jerk_m_per_s3(run)) for run in runs]
-    if all(values is None for values in (*errors, *jerks)):
-        return Markup("")
-    rows = (
-        (
-            "Total torque error",
-            "motor and hydraulic brake together less the demand, root mean square",
-            "N·m",
-            errors,
-            root_mean_square,
-        ),
-        (
-            "Largest total torque error",
-            "for a moment, where demand or hand-over change",
-            "N·m",
-            errors,
-            largest,
-        ),
-        (
-            "Jerk",
-            "change of deceleration in a second, root mean square",
-            "m/s³",
-            jerks,
-            root_mean_square,
-        ),
-        ("Largest jerk", "for a moment", "m/s³", jerks, largest),
-    )
-    body = []
-    for title, meaning, unit, found, figure in rows:
-        name = element(
-            "th",
-            element("span", title, class_="name"),
-            element("span", meaning, class_="meaning"),
-            scope="row",
-        )
-        cells = [
-            element(
-                "td",
-                words.significant(value)
-                if math.isfinite(value := figure(values))
-                else words.UNKNOWN,
-            )
-            for values in found
-        ]
-        body.append(element("tr", name, element("td", unit, class_="unit"), *cells))
-    names = [element("th", reading.strategy(run).title, scope="col") for run in runs]
-    head = element(
-        "tr",
-        element("th", "While the driver brakes", scope="col"),
-        element("th", "Unit", scope="col"),
-        *names,
-    )
-    table = element(
-        "table", element("caption", caption), element("thead", head), element("tbody", *body)
-    )
-    return element("div", table, class_="scroll", role="region", aria_label=caption, tabindex="0")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the report reads of a run, and what it calls things.
+"""What the report reads: runs, the map of the optimal torque, stops at constant demand.
 
 Everything may be missing; nothing here raises for that.
 """
@@ -7,7 +7,7 @@ Everything may be missing; nothing here raises for that.
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -237,3 +237,71 @@ def reason_text(run: RunLike, code: int) -> str:
     texts = run.summary.get("reason_texts")
     words = texts.get(str(code), texts.get(code)) if isinstance(texts, Mapping) else None
     return str(words) if words else f"reason {code}"
+
+
+class MapLike(Protocol):
+    """The loss-optimal braking torque over wheel speed.
+
+    Arrays of shape (points,), torques as magnitudes in N m.
+    """
+
+    @property
+    def temperature_c(self) -> float:
+        """Of the winding."""
+
+    @property
+    def wheel_radius_m(self) -> float:
+        """Rolling radius."""
+
+    @property
+    def speed_rad_s(self) -> Array:
+        """Of the wheel."""
+
+    @property
+    def optimal_nm(self) -> Array:
+        """What returns the most energy."""
+
+    @property
+    def zero_nm(self) -> Array:
+        """Beyond it braking takes energy out of the battery."""
+
+    @property
+    def limit_nm(self) -> Array:
+        """Torque and power limits of the motor."""
+
+
+class CurveLike(Protocol):
+    """Share of the kinetic energy that stops of one strategy store (1) over the demand at a wheel (N m)."""
+
+    @property
+    def strategy(self) -> str:
+        """Name of the strategy."""
+
+    @property
+    def demand_nm(self) -> Sequence[float]:
+        """Of the simulated stops, rising."""
+
+    @property
+    def stored(self) -> Sequence[float]:
+        """By the simulated stops."""
+
+    @property
+    def settled(self) -> Sequence[float]:
+        """By ideal stops of the same demands whose battery is in steady state throughout."""
+
+    @property
+    def ideal_demand_nm(self) -> Sequence[float]:
+        """Of the ideal stops, rising."""
+
+    @property
+    def ideal(self) -> Sequence[float]:
+        """By the ideal stops, whose battery is at rest before each."""
+
+
+@dataclass(frozen=True)
+class Extras:
+    """Maps by the name of the vehicle, and the curves of one vehicle's stops."""
+
+    maps: Mapping[str, MapLike] = field(default_factory=dict)
+    stops: Sequence[CurveLike] = ()
+    command: str = "./tools/dev sim"

@@ -8,7 +8,7 @@ while it turns.
 
 from collections.abc import Sequence
 
-from hubsim.report import lanes, words
+from hubsim.report import lanes, markup
 from hubsim.report.flows import Flow, Part, total
 from hubsim.report.lanes import FADE, GAP, LABEL, LEFT, RIGHT, TIP, TURN, WIDTH, Exit, Frame, Lanes
 from hubsim.report.markup import Markup, element, join, number, picture
@@ -40,21 +40,21 @@ def describe(flow: Flow) -> str:
 
     def listed(parts: Sequence[Part]) -> str:
         return (
-            ", ".join(f"{part.name} {words.kilojoules(part.energy_j)}" for part in parts)
+            ", ".join(f"{part.name} {markup.kilojoules(part.energy_j)}" for part in parts)
             or "nothing"
         )
 
     said = []
     if not flow.net:
         said.append(
-            f"{words.kilojoules(flow.drawn_j)} from the battery's cells lose on the way to the wheels: {listed(flow.upper)}."
+            f"{markup.kilojoules(flow.drawn_j)} from the battery's cells lose on the way to the wheels: {listed(flow.upper)}."
         )
         said.append(f"The road takes: {listed(flow.road)}.")
     if flow.joining:
         said.append(f"The vehicle gives: {listed(flow.joining)}.")
     said.append(f"Braking loses: {listed(flow.lower)}.")
     verb = "go back into the cells" if flow.returned_j >= 0.0 else "more are drawn from the cells"
-    said.append(f"{words.kilojoules(abs(flow.returned_j))} {verb}.")
+    said.append(f"{markup.kilojoules(abs(flow.returned_j))} {verb}.")
     return " ".join(said)
 
 
@@ -283,11 +283,11 @@ def _fading(identity: str, clear: float, full: float, kind: str) -> Markup:
 
 def _tooltip(part: Part, flow: Flow, when: str, whole_j: float, of: str) -> Markup:
     share = (
-        f", {words.percent(part.energy_j / whole_j)} {of}"
+        f", {markup.percent(part.energy_j / whole_j)} {of}"
         if whole_j > 0.0 and flow.split and not flow.net
         else ""
     )
-    return element("title", f"{part.name} {when}: {words.kilojoules(part.energy_j)}{share}")
+    return element("title", f"{part.name} {when}: {markup.kilojoules(part.energy_j)}{share}")
 
 
 def _leader(leaving: Exit, label_y: float, lane_y: float) -> Markup:
@@ -317,7 +317,7 @@ def _label(leaving: Exit, y: float) -> Markup:
         leaving.middle,
         y,
         leaving.part.name,
-        words.kilojoules(leaving.part.energy_j),
+        markup.kilojoules(leaving.part.energy_j),
         "middle",
         12.0,
     )
@@ -348,7 +348,7 @@ def _labels(laid: Lanes) -> list[Markup]:
                 LEFT + 10.0,
                 y,
                 "from the cells",
-                words.kilojoules(flow.drawn_j),
+                markup.kilojoules(flow.drawn_j),
                 "start",
                 14.0,
                 "on",
@@ -362,7 +362,7 @@ def _labels(laid: Lanes) -> list[Markup]:
                 nearest - 4.0,
                 y,
                 "at the wheels",
-                words.kilojoules(flow.wheels_j),
+                markup.kilojoules(flow.wheels_j),
                 "end",
                 14.0,
                 "on",
@@ -376,7 +376,7 @@ def _labels(laid: Lanes) -> list[Markup]:
                 RIGHT,
                 y,
                 f"from {names}",
-                words.kilojoules(total(flow.joining)),
+                markup.kilojoules(total(flow.joining)),
                 "end",
                 14.0 if flow.net else 12.0,
             )
@@ -384,11 +384,16 @@ def _labels(laid: Lanes) -> list[Markup]:
     if flow.split and not flow.net:
         drawn.append(
             _lines(
-                laid.bend_x - 2.0, gap_y, "braking work", words.kilojoules(flow.work_j), "end", 14.0
+                laid.bend_x - 2.0,
+                gap_y,
+                "braking work",
+                markup.kilojoules(flow.work_j),
+                "end",
+                14.0,
             )
         )
     share = (
-        f" = {words.percent(flow.returned_j / flow.work_j)}"
+        f" = {markup.percent(flow.returned_j / flow.work_j)}"
         if flow.work_j > 0.0 and not flow.net
         else ""
     )
@@ -398,7 +403,7 @@ def _labels(laid: Lanes) -> list[Markup]:
             LEFT + 10.0,
             gap_y,
             first,
-            f"{words.kilojoules(abs(flow.returned_j))}{share}",
+            f"{markup.kilojoules(abs(flow.returned_j))}{share}",
             "start",
             14.0,
         )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hubsim.report import reading, scale, words
+from hubsim.report import markup, reading, scale
 from hubsim.report.markup import Markup, element, join, number, picture
 from hubsim.report.panels import THERMAL, Curve, Panel, panels_of, zero
 from hubsim.report.reading import Array, RunLike
@@ -121,10 +121,10 @@ def describe(run: RunLike, shared: Layout) -> str:
                 low, high = float(np.nanmin(values)), float(np.nanmax(values))
                 name = f"{panel.title}, {curve.name}" if len(panel.curves) > 1 else panel.title
                 said.append(
-                    f"{name}: {words.significant(low)} to {words.significant(high)} {panel.unit}."
+                    f"{name}: {markup.significant(low)} to {markup.significant(high)} {panel.unit}."
                 )
     for code, text, _ in shared.reasons:
-        said.append(f"Torque limited by: {text}, for {words.significant(_lasting(run, code))} s.")
+        said.append(f"Torque limited by: {text}, for {markup.significant(_lasting(run, code))} s.")
     return " ".join(said)
 
 
@@ -181,7 +181,7 @@ def _time_axis(shared: Layout) -> Markup:
         parts.append(
             element(
                 "text",
-                words.fixed(tick, shared.time.decimals),
+                markup.fixed(tick, shared.time.decimals),
                 x=x,
                 y=shared.bottom + 13.0,
                 text_anchor="middle",
@@ -239,7 +239,7 @@ def _panel(run: RunLike, panel: Panel, axis: Scale, top: float, x: Array) -> Mar
         parts.append(
             element(
                 "text",
-                words.fixed(tick, axis.decimals),
+                markup.fixed(tick, axis.decimals),
                 x=LEFT - 5.0,
                 y=y + 3.5,
                 text_anchor="end",
@@ -284,7 +284,7 @@ def _constant(run: RunLike, panel: Panel, top: float) -> Markup:
         level = (
             "not recorded"
             if values is None
-            else f"{words.significant(float(np.nanmean(values)))} {panel.unit} throughout"
+            else f"{markup.significant(float(np.nanmean(values)))} {panel.unit} throughout"
         )
         levels.setdefault(level, []).append(curve)
     if len(levels) == 1 and len(panel.curves) > 1:
@@ -347,7 +347,7 @@ def _lane(run: RunLike, shared: Layout, code: int, text: str, top: float) -> Mar
     lasting = (
         "not recorded"
         if _reasons(run) is None
-        else f"{words.significant(seconds, 2)} s"
+        else f"{markup.significant(seconds, 2)} s"
         if spans
         else "never"
     )

@@ -12,7 +12,7 @@ from regen_table import provenance
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import expression, images, overrides, run, scenario, verdicts
+from hubsim import configuration, expression, overrides, run, scenario, verdicts
 from hubsim.errors import HubsimError
 from hubsim.results import RunResult
 from hubsim.scenario import Scenario
@@ -70,7 +70,7 @@ def origin(job: Job, seed: int, date: str | None) -> dict[str, Any]:
     drive = _plain_drive(job.config)
     name = Path(job.scenario).stem
     return provenance.provenance(
-        drive.name, images.build(drive), scenario=name, seed=seed, date=date
+        drive.name, configuration.image_of(drive), scenario=name, seed=seed, date=date
     )
 
 

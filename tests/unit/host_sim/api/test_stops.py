@@ -7,7 +7,7 @@ The one wheel that is simulated stands for the vehicle, and the ideal bounds wha
 import hubsim
 import numpy as np
 import pytest
-from hubsim import images, run, scenario, stops
+from hubsim import configuration, run, scenario, stops
 from hubsim.engine import ROOT
 from regen_table import image, joint, models, schema
 from regen_table import stops as ideal
@@ -29,8 +29,10 @@ def test_images_of_drives_that_differ_in_strategy_are_those_of_the_generator(
     drives: list[Drive],
 ) -> None:
     assert len(drives) == 3
-    assert [images.build(drive) for drive in drives] == [image.build(drive) for drive in drives]
-    assert len({images.build(drive) for drive in drives}) == 3
+    assert [configuration.image_of(drive) for drive in drives] == [
+        image.build(drive) for drive in drives
+    ]
+    assert len({configuration.image_of(drive) for drive in drives}) == 3
 
 
 def test_one_wheel_with_its_share_of_everything_stands_for_the_vehicle(drives: list[Drive]) -> None:

@@ -21,7 +21,7 @@ from hubsim.fmu.description import (
     Description,
     describe,
 )
-from hubsim.fmu.table import c_table
+from hubsim.fmu.pack import c_table
 
 LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 

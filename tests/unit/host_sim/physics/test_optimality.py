@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from hubsim import images, stops
+from hubsim import configuration, stops
 from one_wheel import quarter, started, stopped
 from regen_table import image
 from regen_table.schema import Drive
@@ -16,18 +16,18 @@ def returned(
     monkeypatch: pytest.MonkeyPatch, demand_nm: float, factor: float, temperature_c: float
 ) -> float:
     """Return the share of kinetic energy that comes back with the whole table multiplied."""
-    honest = images.build
+    honest = configuration.image_of
 
     def scaled(drive: Drive) -> bytes:
         stored = image.fields(drive)["regen_map"]["torque_mNm"]
         assert isinstance(stored, list)
-        return images.changed(
+        return configuration.changed_image(
             honest(drive),
             {("regen_map", "torque_mNm"): [round(torque * factor) for torque in stored]},
         )
 
     with monkeypatch.context() as patch:
-        patch.setattr(images, "build", scaled)
+        patch.setattr(configuration, "image_of", scaled)
         keys = {
             "initial_speed_kmh": SPEED_KMH, "demand_nm": demand_nm, "winding_temperature_c": temperature_c, "record_interval_s": 10.0
         }  # fmt: skip

@@ -3,7 +3,7 @@ import json
 from pathlib import Path
 
 import pytest
-from hubsim import comparison, outputs, run, scenario
+from hubsim import comparison, console, run, scenario
 from hubsim.errors import HubsimError
 from regen_table import schema
 from regen_table.schema import Drive
@@ -102,7 +102,7 @@ def test_the_table_relates_the_strategies_to_the_series_optimum(drive: Drive, ho
     results = comparison.simulate_all(
         name, drives(drive), loaded, beside, {}, Progress(disable=True)
     )
-    table = outputs.energy_table(results)
+    table = console.energy_table(results)
     headings = [str(column.header) for column in table.columns]
     assert headings == ["", *run.STRATEGIES]
     first_column = list(table.columns[0].cells)

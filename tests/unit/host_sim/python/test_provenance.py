@@ -11,7 +11,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from asammdf import MDF
-from hubsim import cli, engine, images, reasons
+from hubsim import cli, configuration, engine, reasons
 from regen_table import installation, provenance, schema
 
 DATE = "2026-03-01T10:20:30Z"
@@ -30,7 +30,7 @@ def expected(scenario: str = "stop", seed: int = 7, changes: str = "") -> dict[s
         "version": installation.version(),
         "commit": installation.commit(),
         "configuration": "lu2013",
-        "configuration_crc32": provenance.crc32(images.build(drive)),
+        "configuration_crc32": provenance.crc32(configuration.image_of(drive)),
         "scenario": scenario,
         "seed": seed,
         "date": DATE,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import numpy as np
 import pytest
-from hubsim.report import quality
+from hubsim.report import quality, tables
 
 from tests.unit.host_sim.report import documents
 from tests.unit.host_sim.report.ideal_vehicle import drive, three
@@ -47,10 +47,10 @@ def test_jerk_is_the_slope_of_the_acceleration() -> None:
 def test_the_table_has_units_and_dashes_for_what_is_not_known() -> None:
     run = drive("parallel_ratio")
     del run.signals["vehicle.acceleration_m_per_s2"]
-    table = documents.read(quality.draw([run], "how well"))
+    table = documents.read(tables.braking_quality([run], "how well"))
     rows = [[cell.words() for cell in row.all("td")] for row in table.all("tbody")[0].all("tr")]
     assert [row[0] for row in rows] == ["N·m", "N·m", "m/s³", "m/s³"]
     assert [row[1] for row in rows][2:] == ["–", "–"]
     run.signals = {}
-    assert quality.draw([run], "how well") == ""
+    assert tables.braking_quality([run], "how well") == ""
     assert quality.torque_error_nm(run) is None

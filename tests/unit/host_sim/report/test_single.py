@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hubsim.report import lanes, page, panels, reading, traces, words
+from hubsim.report import lanes, markup, page, panels, reading, traces
 from hubsim.report.flows import flow_of
 
 from tests.unit.host_sim.report.documents import Node, read
@@ -170,9 +170,9 @@ def test_labels_of_the_upper_lane_never_touch(factor: float) -> None:
 
 
 def test_figures_and_units_read_as_printed() -> None:
-    assert [words.figure(x) for x in (0.0, 0.8, 54.69684, -1.5, 1e-4, 5.1e-7)] == [
+    assert [markup.figure(x) for x in (0.0, 0.8, 54.69684, -1.5, 1e-4, 5.1e-7)] == [
         "0", "0.8", "54.7", "−1.5", "1.0 · 10⁻⁴", "5.1 · 10⁻⁷",
     ]  # fmt: skip
-    assert [words.unit(x) for x in ("N m", "N.m", "m/s2", "1", "km/h")] == [
+    assert [markup.unit(x) for x in ("N m", "N.m", "m/s2", "1", "km/h")] == [
         "N·m", "N·m", "m/s²", "", "km/h",
     ]  # fmt: skip

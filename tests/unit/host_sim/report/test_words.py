@@ -2,7 +2,7 @@
 import math
 
 import pytest
-from hubsim.report import words
+from hubsim.report import markup
 
 
 @pytest.mark.parametrize(
@@ -20,7 +20,7 @@ from hubsim.report import words
 def test_a_fixed_number_has_a_real_minus_no_negative_zero_and_a_dash_for_the_unknown(
     value: float, decimals: int, text: str
 ) -> None:
-    assert words.fixed(value, decimals) == text
+    assert markup.fixed(value, decimals) == text
 
 
 @pytest.mark.parametrize(
@@ -28,7 +28,7 @@ def test_a_fixed_number_has_a_real_minus_no_negative_zero_and_a_dash_for_the_unk
     [(0.012345, "0.0123"), (123456.0, "123000"), (-9.999, "−10.00"), (0.0, "0"), (41.96, "42.0")],
 )
 def test_significant_digits_are_counted_from_the_first_one(value: float, text: str) -> None:
-    assert words.significant(value) == text
+    assert markup.significant(value) == text
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_significant_digits_are_counted_from_the_first_one(value: float, text: s
 def test_labels_of_energies_have_three_digits_or_are_whole_joules(
     energy_j: float, text: str
 ) -> None:
-    assert words.kilojoules(energy_j) == text
+    assert markup.kilojoules(energy_j) == text
 
 
 @pytest.mark.parametrize(
@@ -60,4 +60,4 @@ def test_labels_of_energies_have_three_digits_or_are_whole_joules(
     ],
 )
 def test_tiny_shares_are_written_with_a_power_of_ten(share: float, text: str) -> None:
-    assert words.small_percent(share) == text
+    assert markup.small_percent(share) == text

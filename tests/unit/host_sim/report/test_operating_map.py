@@ -3,7 +3,7 @@ import re
 
 import numpy as np
 import pytest
-from hubsim.report import points
+from hubsim.report import operating_map
 
 from tests.unit.host_sim.report import documents
 from tests.unit.host_sim.report.ideal_extras import best_map
@@ -18,10 +18,10 @@ from tests.unit.host_sim.report.ideal_vehicle import (
 
 def test_points_are_those_moments_in_which_the_driver_brakes_and_the_vehicle_moves() -> None:
     run = drive("parallel_free_travel")
-    found = points.operating_points(run, RADIUS_M)
+    found = operating_map.operating_points(run, RADIUS_M)
     assert found is not None
     speed_rpm, torque_nm = found
-    assert 0 < speed_rpm.size <= points.MOST_POINTS
+    assert 0 < speed_rpm.size <= operating_map.MOST_POINTS
     assert np.all(speed_rpm > 0.0)
     # The ideal vehicle's motor takes the whole demand up to 40 N m, which the cycle never asks for.
     pairs = set(zip(np.round(run.signals["driver.brake_nm"], 9).tolist(), strict=False))
@@ -30,43 +30,47 @@ def test_points_are_those_moments_in_which_the_driver_brakes_and_the_vehicle_mov
 
 def test_the_series_strategy_keeps_to_the_line_and_says_so() -> None:
     run = drive("series_optimal")
-    found = points.operating_points(run, RADIUS_M)
+    found = operating_map.operating_points(run, RADIUS_M)
     assert found is not None
     rpm, torque = found
     # A sample of the torque is the mean of the step in which the vehicle slows down: half a step's
     # speed of slack.
-    assert np.all(torque <= OPTIMUM_NM_PER_RAD_S * rpm / points.RPM + 1.0)
-    assert "0.0 % of them beyond" in points.describe(run, best_map())
-    assert "0.0 % of them beyond" not in points.describe(drive("parallel_free_travel"), best_map())
+    assert np.all(torque <= OPTIMUM_NM_PER_RAD_S * rpm / operating_map.RPM + 1.0)
+    assert "0.0 % of them beyond" in operating_map.describe(run, best_map())
+    assert "0.0 % of them beyond" not in operating_map.describe(
+        drive("parallel_free_travel"), best_map()
+    )
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
 def test_every_dot_lies_in_the_frame_where_its_values_are(strategy: str) -> None:
     runs, best = three(), best_map()
     run = next(run for run in runs if run.strategy == strategy)
-    chart = points.layout(runs, best)
-    drawn = documents.read(points.draw(run, best, chart, "p", "points"))
+    chart = operating_map.layout(runs, best)
+    drawn = documents.read(operating_map.draw(run, best, chart, "p", "points"))
     dots = next(
         path for path in drawn.all("path") if path.attributes.get("class") == "dots"
     ).attributes["d"]
     at = [(float(x), float(y)) for x, y in re.findall(r"M([-\d.]+) ([-\d.]+)h0", dots)]
-    found = points.operating_points(run, best.wheel_radius_m)
+    found = operating_map.operating_points(run, best.wheel_radius_m)
     assert found is not None
     assert len(at) == found[0].size
     for (x, y), rpm, torque in zip(at, *found, strict=True):
         assert x == pytest.approx(chart.x.at(rpm), abs=0.01)
         assert y == pytest.approx(chart.y.at(torque), abs=0.01)
-        assert points.LEFT <= x <= points.RIGHT
-        assert points.TOP <= y <= points.BOTTOM
+        assert operating_map.LEFT <= x <= operating_map.RIGHT
+        assert operating_map.TOP <= y <= operating_map.BOTTOM
 
 
 def test_axes_have_units_and_a_run_without_braking_still_has_its_map() -> None:
     run = drive()
     run.signals["driver.brake_nm"] = np.zeros(run.time_s.shape)
     best = best_map()
-    drawn = documents.read(points.draw(run, best, points.layout([run], best), "p", "points"))
+    drawn = documents.read(
+        operating_map.draw(run, best, operating_map.layout([run], best), "p", "points")
+    )
     said = drawn.words()
     assert "r/min" in said and "N·m" in said
     assert "nobody brakes" in said
     del run.signals["wheel0.motor_torque_nm"]
-    assert points.operating_points(run, RADIUS_M) is None
+    assert operating_map.operating_points(run, RADIUS_M) is None

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run is written to: the summary object as JSON, tables for people."""
+"""Tables of energies and criteria on the terminal."""
 
-import json
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import cast
 
 from rich import box
 from rich.console import Console, JustifyMethod
@@ -39,45 +38,6 @@ ENERGIES = (
     ("inverter", "inverter", "heat in the inverters (conduction, diodes, switching), whole run"),
     ("battery", "battery", "heat in the battery, whole run"),
 )
-
-
-def run_object(result: RunResult) -> dict[str, Any]:
-    """Return a run as ``hubsim run --json`` writes it.
-
-    The summary's object and what a single run knows besides.
-    """
-    out = {"provenance": result.origin} | result.run_object
-    out |= {"kinetic_energy_j": result.kinetic_energy_j}
-    if result.stopped is not None:
-        out["stop_distance_m"] = result.distance_m if result.stopped else None
-    out |= criteria_object(result)
-    if result.ideal:
-        out["ideal_stop"] = result.ideal
-    return out | {
-        "config": result.vehicle,
-        "duration_s": result.duration_s,
-        "distance_m": result.distance_m,
-        "soc_initial": result.soc[0],
-        "soc_final": result.soc[1],
-        "realtime_factor": result.realtime_factor,
-        "faults": [
-            {"wheel": f.wheel, "time_s": f.time_s, "reason": f.reason} for f in result.faults
-        ],
-        "accounts_j": result.account_j,
-    }
-
-
-def criteria_object(result: RunResult) -> dict[str, Any]:
-    """Return whether a run met its criteria, and each of them; nothing for a run without any."""
-    if not result.criteria:
-        return {}
-    passed = all(criterion["passed"] for criterion in result.criteria)
-    return {"passed": passed, "criteria": result.criteria}
-
-
-def as_json(value: object) -> str:
-    """Return readable JSON; numbers that JSON cannot hold are a defect, not output."""
-    return json.dumps(value, indent=2, allow_nan=False) + "\n"
 
 
 def energy_table(results: Sequence[RunResult]) -> Table:

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 import pytest
-from hubsim.report import stops
+from hubsim.report import stop_curves
 
 from tests.unit.host_sim.report import documents
 from tests.unit.host_sim.report.ideal_extras import Curve, curves
 
 
 def test_every_simulated_stop_is_a_ring_at_its_place() -> None:
-    drawn = documents.read(stops.draw(curves(), "s"))
+    drawn = documents.read(stop_curves.draw(curves(), "s"))
     groups = drawn.all("g", "rings")
     assert [len(group.all("circle")) for group in groups] == [3, 3, 3]
     first, second, _ = (float(ring.attributes["cx"]) for ring in groups[0].all("circle"))
     # Straight scale: 5 and 40 N m lie as their distances from zero.
-    assert (second - stops.LEFT) / (first - stops.LEFT) == pytest.approx(40.0 / 5.0, rel=1e-2)
+    assert (second - stop_curves.LEFT) / (first - stop_curves.LEFT) == pytest.approx(
+        40.0 / 5.0, rel=1e-2
+    )
     low, high = (
         float(groups[0].all("circle")[0].attributes["cy"]),
         float(groups[2].all("circle")[0].attributes["cy"]),
@@ -21,7 +23,7 @@ def test_every_simulated_stop_is_a_ring_at_its_place() -> None:
 
 
 def test_the_table_says_how_far_from_the_ideal() -> None:
-    table = documents.read(stops.table(curves()))
+    table = documents.read(stop_curves.table(curves()))
     rows = [[cell.words() for cell in row.all("td")] for row in table.all("tbody")[0].all("tr")]
     assert rows[1] == ["16.0 (+1.0)", "75.0 (+1.0)", "77.0 (+1.0)"]
     assert rows[0] == ["−14.0 (0.0)", "64.0 (0.0)", "64.0 (0.0)"]
@@ -29,17 +31,17 @@ def test_the_table_says_how_far_from_the_ideal() -> None:
 
 def test_a_strategy_of_another_name_and_a_missing_demand_are_no_obstacle() -> None:
     odd = Curve("mine<b>", (5.0,), (0.5,), (0.5,), (5.0, 120.0), (0.5, 0.2))
-    drawn = documents.read(stops.draw([*curves(), odd], "s"))
+    drawn = documents.read(stop_curves.draw([*curves(), odd], "s"))
     assert "mine<b>" in drawn.words()
     assert not drawn.all("b")
-    table = documents.read(stops.table([*curves(), odd]))
+    table = documents.read(stop_curves.table([*curves(), odd]))
     assert table.all("tbody")[0].all("tr")[2].all("td")[-1].words() == "–"
 
 
 def test_differences_are_taken_at_the_simulated_demands() -> None:
     curve = Curve("series_optimal", (10.0, 30.0), (0.5, 0.5), (0.2, 0.6), (0.0, 40.0), (0.0, 0.8))
-    assert stops.differences(curve) == pytest.approx([0.3, -0.1])
+    assert stop_curves.differences(curve) == pytest.approx([0.3, -0.1])
 
 
 def test_a_battery_that_has_no_time_to_settle_is_said_in_numbers() -> None:
-    assert stops.unsettled(curves()) == pytest.approx(0.007)
+    assert stop_curves.unsettled(curves()) == pytest.approx(0.007)

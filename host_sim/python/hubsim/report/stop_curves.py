@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hubsim.report import reading, scale, words
-from hubsim.report.chart import Chart
-from hubsim.report.extras import CurveLike
+from hubsim.report import markup, reading, scale
 from hubsim.report.markup import Markup, element, join, number, picture
+from hubsim.report.reading import CurveLike
+from hubsim.report.scale import Chart
 
 WIDTH, HEIGHT = 400.0, 262.0
 LEFT, RIGHT, TOP, BOTTOM = 38.0, 392.0, 25.0, 222.0
@@ -79,7 +79,7 @@ def describe(curves: Sequence[CurveLike]) -> str:
     said = []
     for curve in curves:
         points = ", ".join(
-            f"{words.significant(demand)} N·m {words.percent(stored)}"
+            f"{markup.significant(demand)} N·m {markup.percent(stored)}"
             for demand, stored in zip(curve.demand_nm, curve.stored, strict=True)
         )
         said.append(
@@ -111,11 +111,11 @@ def table(curves: Sequence[CurveLike]) -> Markup:
 
 def _cell(curve: CurveLike, demand: float) -> str:
     if demand not in list(curve.demand_nm):
-        return words.UNKNOWN
+        return markup.UNKNOWN
     place = list(curve.demand_nm).index(demand)
     beyond = PERCENT * differences(curve)[place]
     sign = "+" if beyond > 0.0 else ""
-    return f"{words.fixed(PERCENT * curve.stored[place], 1)} ({sign}{words.fixed(beyond, 1)})"
+    return f"{markup.fixed(PERCENT * curve.stored[place], 1)} ({sign}{markup.fixed(beyond, 1)})"
 
 
 def _title(strategy: str) -> str:
@@ -123,7 +123,7 @@ def _title(strategy: str) -> str:
 
 
 def _tooltip(curve: CurveLike, place: int) -> Markup:
-    text = f"{_title(curve.strategy)}, {words.significant(curve.demand_nm[place])} N·m: {words.percent(curve.stored[place])}"
+    text = f"{_title(curve.strategy)}, {markup.significant(curve.demand_nm[place])} N·m: {markup.percent(curve.stored[place])}"
     return element("title", text)
 
 

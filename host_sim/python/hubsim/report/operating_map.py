@@ -5,11 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hubsim.report import reading, scale, words
-from hubsim.report.chart import Chart
-from hubsim.report.extras import MapLike
+from hubsim.report import markup, reading, scale
 from hubsim.report.markup import Markup, element, number, picture
-from hubsim.report.reading import Array, RunLike
+from hubsim.report.reading import Array, MapLike, RunLike
+from hubsim.report.scale import Chart
 
 WIDTH, HEIGHT = 400.0, 262.0
 LEFT, RIGHT, TOP, BOTTOM = 38.0, 392.0, 25.0, 222.0
@@ -116,7 +115,8 @@ def describe(run: RunLike, best: MapLike) -> str:
     speed, torque = found
     optimal = np.interp(speed, RPM * best.speed_rad_s, best.optimal_nm)
     beyond = float(np.mean(torque > 1.02 * optimal + 0.2))
+    largest, fastest = (markup.significant(float(np.max(x))) for x in (torque, speed))
     return (
-        f"{speed.size} moments of braking, up to {words.significant(float(np.max(torque)))} N·m and "
-        f"{words.significant(float(np.max(speed)))} r/min; {words.percent(beyond)} of them beyond the torque that returns the most energy."
+        f"{speed.size} moments of braking, up to {largest} N·m and {fastest} r/min; "
+        f"{markup.percent(beyond)} of them beyond the torque that returns the most energy."
     )

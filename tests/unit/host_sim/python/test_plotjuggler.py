@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
 
 import pytest
-from hubsim import layout
+from hubsim import plotjuggler
 from hubsim.commands import list as listing
 
 
@@ -106,7 +106,7 @@ def curves(text: str) -> list[str]:
 
 @pytest.mark.parametrize("recording", [None, "run.csv"])
 def test_plotjuggler_knows_every_element_and_every_attribute(recording: str | None) -> None:
-    text = layout.layout(listing.signal_names(), recording)
+    text = plotjuggler.layout(listing.signal_names(), recording)
     assert text.startswith("<?xml version='1.0' encoding='UTF-8'?>\n<root>")
     root = ET.fromstring(text)
     assert root.tag == "root"
@@ -125,7 +125,7 @@ def test_plotjuggler_knows_every_element_and_every_attribute(recording: str | No
 
 
 def test_a_misspelt_setting_is_noticed() -> None:
-    text = layout.layout(listing.signal_names())
+    text = plotjuggler.layout(listing.signal_names())
     for right, wrong in (
         ("prevTimestamp", "time_axis"),
         ("flip_x", "flipx"),
@@ -139,7 +139,7 @@ def test_a_misspelt_setting_is_noticed() -> None:
 
 def test_the_layout_is_made_of_the_signals_that_there_are() -> None:
     known = listing.signal_names()
-    text = layout.layout(known)
+    text = plotjuggler.layout(known)
     root = ET.fromstring(text)
     assert set(curves(text)) <= set(known)
     assert [tab.attrib["tab_name"] for tab in root.iter("Tab")] == [
@@ -154,15 +154,15 @@ def test_the_layout_is_made_of_the_signals_that_there_are() -> None:
 
 
 def test_a_layout_loads_the_recording_that_it_was_written_with() -> None:
-    assert list(ET.fromstring(layout.layout(["time_s", "wheel0.mode"])).iter("fileInfo")) == []
-    root = ET.fromstring(layout.layout(["time_s", "wheel0.mode"], "../data/run.csv"))
+    assert list(ET.fromstring(plotjuggler.layout(["time_s", "wheel0.mode"])).iter("fileInfo")) == []
+    root = ET.fromstring(plotjuggler.layout(["time_s", "wheel0.mode"], "../data/run.csv"))
     (loaded,) = root.iter("fileInfo")
     assert loaded.attrib["filename"] == "../data/run.csv"
     assert loaded[0].attrib["ID"] == "DataLoad CSV"
 
 
 def test_no_telling_signal_falls_out_of_the_layout() -> None:
-    shown = curves(layout.layout(listing.signal_names()))
+    shown = curves(plotjuggler.layout(listing.signal_names()))
     for signal in (
         "driver.reference_m_per_s",
         "vehicle.speed_m_per_s",
@@ -180,9 +180,11 @@ def test_no_telling_signal_falls_out_of_the_layout() -> None:
 
 def test_a_layout_leaves_out_what_was_not_recorded() -> None:
     assert curves(
-        layout.layout(["time_s", "vehicle.speed_m_per_s", "wheel10.mode", "wheel2.mode"])
+        plotjuggler.layout(["time_s", "vehicle.speed_m_per_s", "wheel10.mode", "wheel2.mode"])
     ) == ["vehicle.speed_m_per_s", "wheel2.mode", "wheel10.mode"]
 
 
 def test_the_layout_in_the_package_is_up_to_date() -> None:
-    assert layout.PATH.read_text(encoding="utf-8") == layout.layout(listing.signal_names())
+    assert plotjuggler.PATH.read_text(encoding="utf-8") == plotjuggler.layout(
+        listing.signal_names()
+    )

@@ -1,0 +1,328 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of a page: energies, criteria, braking quality; a column for each run."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hubsim.report import markup, quality, reading
+from hubsim.report.markup import Markup, element, join
+from hubsim.report.reading import OPTIMUM, RunLike
+
+
+@dataclass(frozen=True)
+class Row:
+    """One account. ``energy`` names an entry of ``energy_j``.
+
+    Other rows have a function of their own.
+    """
+
+    title: str
+    meaning: str
+    energy: str = ""
+    style: str = ""
+
+
+ROWS = (
+    Row("Traction", "drawn from the battery's cells while the driver does not brake", "traction"),
+    Row(
+        "Braking work at the wheels",
+        "what motors and hydraulic brakes take from the motion while the driver brakes",
+        "braking_at_wheels",
+    ),
+    Row(
+        "Returned to the battery",
+        "into the cells while the driver brakes",
+        "battery_returned",
+        "battery",
+    ),
+    Row("Hydraulic heat", "in the friction brakes", "hydraulic", "hydraulic"),
+    Row("Copper loss", "heat in the windings", "copper", "losses"),
+    Row("Iron loss", "heat in the motors' iron", "iron", "losses"),
+    Row("Inverter loss", "conduction, diodes and switching", "inverter", "losses"),
+    Row("Battery loss", "heat in its resistances", "battery", "losses"),
+)
+FULL_DIGITS_KJ = 1e3  # up to here two decimals, beyond one
+
+
+def decimals_of(runs: Sequence[RunLike]) -> int:
+    """Return the decimals of the energies in kJ, the same in the whole table so that they align."""
+    known = [abs(reading.energy_j(run, row.energy)) / 1e3 for run in runs for row in ROWS]
+    largest = max((value for value in known if math.isfinite(value)), default=0.0)
+    return 2 if largest < FULL_DIGITS_KJ else 1 if largest < 10.0 * FULL_DIGITS_KJ else 0
+
+
+def stored_share(run: RunLike) -> float:
+    """Return the share of the braking work that the battery got back.
+
+    Worked out where the run does not say.
+    """
+    said = reading.as_number(run.summary.get("braking_share_stored"))
+    work = reading.energy_j(run, "braking_at_wheels")
+    return (
+        said
+        if math.isfinite(said) or not work > 0.0
+        else reading.energy_j(run, "battery_returned") / work
+    )
+
+
+def optimum_share(run: RunLike, runs: Sequence[RunLike]) -> float:
+    """Return what this run returned relative to the series optimum of the same cycle, NaN without one."""
+    best = next(
+        (
+            reading.energy_j(other, "battery_returned")
+            for other in runs
+            if other.strategy == OPTIMUM
+        ),
+        math.nan,
+    )
+    return reading.energy_j(run, "battery_returned") / best if best > 0.0 else math.nan
+
+
+def ideal_share(ideal: Mapping[str, Any]) -> float:
+    """Return the share of the braking work that an ideal stop stores, NaN where it is not known."""
+    work = _ideal_j(ideal, "braking_at_wheels")
+    return _ideal_j(ideal, "battery_returned") / work if work > 0.0 else math.nan
+
+
+def _ideal_j(ideal: Mapping[str, Any], name: str) -> float:
+    """Return an energy of an ideal stop; its braking work is without the bearings' friction."""
+    energies = ideal["energy_j"]
+    if name == "braking_at_wheels":
+        kinetic = reading.as_number(ideal.get("kinetic_energy_j"))
+        return kinetic - reading.as_number(energies.get("friction"))
+    return reading.as_number(energies.get(name))
+
+
+def energies(runs: Sequence[RunLike], caption: str) -> Markup:
+    """Make the table of one cycle, in a container that scrolls sideways where the screen is narrow."""
+    decimals = decimals_of(runs)
+    ideal = reading.ideal(runs[0]) if len(runs) == 1 else {}
+    names = [element("th", reading.strategy(run).title, scope="col") for run in runs]
+    names += [element("th", "Ideal stop", scope="col")] if ideal else []
+    head = element(
+        "thead",
+        element(
+            "tr",
+            element("th", "Energy over the whole run", scope="col"),
+            element("th", "Unit", scope="col"),
+            *names,
+        ),
+    )
+    body = [
+        _row(
+            row.title,
+            row.meaning,
+            "kJ",
+            [markup.fixed(reading.energy_j(run, row.energy) / 1e3, decimals) for run in runs]
+            + ([markup.fixed(_ideal_j(ideal, row.energy) / 1e3, decimals)] if ideal else []),
+            row.style,
+        )
+        for row in ROWS
+    ]
+    rates: list[tuple[str, str, list[float]]] = [
+        (
+            "Share stored",
+            "returned over braking work",
+            [stored_share(run) for run in runs] + ([ideal_share(ideal)] if ideal else []),
+        )
+    ]
+    if ideal:
+        share = stored_share(runs[0]) / ideal_share(ideal)
+        rates.append(("Share of the ideal", "share stored over that of the ideal", [share, 1.0]))
+    elif len(runs) > 1:
+        rates.append(
+            (
+                "Share of the series optimum",
+                "returned over what the series strategy returns",
+                [optimum_share(run, runs) for run in runs],
+            )
+        )
+    shares = [
+        _row(title, meaning, "%", [_percent(value) for value in values], "share")
+        for title, meaning, values in rates
+    ]
+    residuals = [
+        markup.small_percent(reading.as_number(run.summary.get("residual_relative"))).removesuffix(
+            " %"
+        )
+        for run in runs
+    ]
+    residuals += [markup.UNKNOWN] if ideal else []
+    shares.append(
+        _row(
+            "Residual",
+            "sources less sinks less storage, over the energy turned over: the simulation's own error",
+            "%",
+            residuals,
+            "quiet",
+        )
+    )
+    table = element(
+        "table",
+        element("caption", caption),
+        head,
+        element("tbody", *body),
+        element("tbody", *shares),
+    )
+    return element("div", table, class_="scroll", role="region", aria_label=caption, tabindex="0")
+
+
+def _percent(share: float) -> str:
+    return markup.percent(share).removesuffix(" %")
+
+
+def _row(title: str, meaning: str, unit: str, values: list[str], style: str) -> Markup:
+    name = element(
+        "th",
+        element("span", title, class_="name"),
+        element("span", meaning, class_="meaning"),
+        scope="row",
+    )
+    cells = [element("td", value) for value in values]
+    return element("tr", name, element("td", unit, class_="unit"), *cells, class_=style or None)
+
+
+def criteria(runs: Sequence[RunLike], caption: str) -> Markup:
+    """Make the table of criteria; nothing where the scenario has none."""
+    found = [{str(one["name"]): one for one in reading.criteria(run)} for run in runs]
+    names = list(dict.fromkeys(name for run in found for name in run))
+    if not names:
+        return Markup("")
+    heads = [element("th", reading.strategy(run).title, scope="col") for run in runs]
+    head = element(
+        "tr",
+        element("th", "Criterion", scope="col"),
+        element("th", "Unit", scope="col"),
+        element("th", "Accepted", scope="col"),
+        *heads,
+    )
+    body = [_criterion(name, [run.get(name) for run in found]) for name in names]
+    table = element(
+        "table",
+        element("caption", f"{caption}: {_counted(found)}"),
+        element("thead", head),
+        element("tbody", *body),
+    )
+    return element(
+        "div", table, class_="scroll criteria", role="region", aria_label=caption, tabindex="0"
+    )
+
+
+def _counted(found: Sequence[Mapping[str, Mapping[str, Any]]]) -> str:
+    every = [one for run in found for one in run.values()]
+    met = sum(one.get("passed") is True for one in every)
+    return f"{met} of {len(every)} criteria met"
+
+
+def _criterion(name: str, results: Sequence[Mapping[str, Any] | None]) -> Markup:
+    known = [one for one in results if one is not None]
+    text = next((str(one["text"]) for one in known if one.get("text")), "")
+    title = name.replace("_", " ")
+    heading = element(
+        "th",
+        element("span", title[0].upper() + title[1:], class_="name"),
+        element("span", text, class_="meaning"),
+        scope="row",
+    )
+    unit = next((str(one["unit"]) for one in known if one.get("unit")), "")
+    limits = list(dict.fromkeys(_limits(one) for one in known))
+    shared = limits[0] if len(limits) == 1 else ""
+    cells = [_cell(one, "" if shared else _limits(one or {})) for one in results]
+    return element(
+        "tr",
+        heading,
+        element("td", markup.unit(unit), class_="unit"),
+        element("td", shared, class_="limits"),
+        *cells,
+    )
+
+
+def _cell(one: Mapping[str, Any] | None, limits: str) -> Markup:
+    if one is None:
+        return element("td", markup.UNKNOWN)
+    passed = one.get("passed") is True
+    value = reading.as_number(one.get("value"))
+    shown = markup.figure(value) if math.isfinite(value) else markup.UNKNOWN
+    remark = str(one.get("remark") or "")
+    parts = [
+        element("span", shown, class_="figure"),
+        element("span", "met" if passed else "not met", class_="met" if passed else "missed"),
+    ]
+    if limits:
+        parts.append(element("span", limits, class_="meaning"))
+    if remark:
+        parts.append(element("span", remark, class_="meaning"))
+    return element("td", join(*parts))
+
+
+def _limits(one: Mapping[str, Any]) -> str:
+    """Write the accepted range."""
+    low, high = (reading.as_number(one.get(key)) for key in ("at_least", "at_most"))
+    if math.isfinite(low) and math.isfinite(high):
+        return f"{markup.figure(low)} to {markup.figure(high)}"
+    if math.isfinite(low):
+        return f"at least {markup.figure(low)}"
+    return f"at most {markup.figure(high)}" if math.isfinite(high) else ""
+
+
+def braking_quality(runs: Sequence[RunLike], caption: str) -> Markup:
+    """Make the table of braking quality; nothing where nothing is known of it."""
+    errors = [quality.while_braking(run, quality.torque_error_nm(run)) for run in runs]
+    jerks = [quality.while_braking(run, quality.jerk_m_per_s3(run)) for run in runs]
+    if all(values is None for values in (*errors, *jerks)):
+        return Markup("")
+    rows = (
+        (
+            "Total torque error",
+            "motor and hydraulic brake together less the demand, root mean square",
+            "N·m",
+            errors,
+            quality.root_mean_square,
+        ),
+        (
+            "Largest total torque error",
+            "for a moment, where demand or hand-over change",
+            "N·m",
+            errors,
+            quality.largest,
+        ),
+        (
+            "Jerk",
+            "change of deceleration in a second, root mean square",
+            "m/s³",
+            jerks,
+            quality.root_mean_square,
+        ),
+        ("Largest jerk", "for a moment", "m/s³", jerks, quality.largest),
+    )
+    body = []
+    for title, meaning, unit, found, figure in rows:
+        name = element(
+            "th",
+            element("span", title, class_="name"),
+            element("span", meaning, class_="meaning"),
+            scope="row",
+        )
+        cells = [
+            element(
+                "td",
+                markup.significant(value)
+                if math.isfinite(value := figure(values))
+                else markup.UNKNOWN,
+            )
+            for values in found
+        ]
+        body.append(element("tr", name, element("td", unit, class_="unit"), *cells))
+    names = [element("th", reading.strategy(run).title, scope="col") for run in runs]
+    head = element(
+        "tr",
+        element("th", "While the driver brakes", scope="col"),
+        element("th", "Unit", scope="col"),
+        *names,
+    )
+    table = element(
+        "table", element("caption", caption), element("thead", head), element("tbody", *body)
+    )
+    return element("div", table, class_="scroll", role="region", aria_label=caption, tabindex="0")
