@@ -55,8 +55,9 @@ def write_text(path: Path, text: str) -> None:
 def write_files(wanted: Mapping[Path, bytes], make_directories: bool = False) -> list[Path]:
     """Write files from memory, all of them or none, and return their names.
 
-    A file that already has the wanted content is left untouched. Streams are written last, because
-    what has gone into one cannot be taken back.
+    A file that already has the wanted content is left untouched. Streams are written when every
+    regular file has been made and before the first one takes its name: what has gone into a stream
+    cannot be taken back, and a stream that fails leaves the files as they were.
     """
     regular: dict[Path, bytes] = {}
     streams: list[tuple[_Target, bytes]] = []
@@ -71,10 +72,13 @@ def write_files(wanted: Mapping[Path, bytes], make_directories: bool = False) ->
                 streams.append((target, content))
             elif not target.replaced.exists() or target.replaced.read_bytes() != content:
                 regular[path] = content
-    _replace_all(regular)
-    for target, content in streams:
-        with _one_line(target.name), _opened(target.name) as stream:
-            _write_all(stream, content)
+
+    def write_streams() -> None:
+        for target, content in streams:
+            with _one_line(target.name), _opened(target.name) as stream:
+                _write_all(stream, content)
+
+    _replace_all(regular, write_streams)
     return list(wanted)
 
 
@@ -143,7 +147,7 @@ def _check(target: _Target) -> None:
         raise OutputError(f"{name}: the directory {place.parent} cannot be written to")
 
 
-def _replace_all(wanted: dict[Path, bytes]) -> None:
+def _replace_all(wanted: dict[Path, bytes], before_moving: Callable[[], None]) -> None:
     """Write every file beside its place, then move all; where a move fails, undo those done."""
     staged: list[tuple[Path, Path, Path]] = []  # name, temporary, place
     before: dict[Path, bytes | None] = {}
@@ -159,6 +163,7 @@ def _replace_all(wanted: dict[Path, bytes]) -> None:
                     file.flush()
                     os.fsync(file.fileno())
                 temporary.chmod(target.mode)
+        before_moving()
         for path, temporary, place in staged:
             with _one_line(path):
                 old = place.read_bytes() if place.exists() else None

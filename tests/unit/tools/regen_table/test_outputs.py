@@ -99,7 +99,6 @@ def test_a_device_is_written_to_and_never_replaced(tmp_path: Path, write: Writer
     assert list(tmp_path.iterdir()) == [link]
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="Linux only")
 def test_a_full_device_is_one_line(tmp_path: Path, write: Writer) -> None:
     link = tmp_path / "full"
     link.symlink_to("/dev/full")
@@ -180,6 +179,16 @@ def test_several_files_appear_together_or_not_at_all(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [first]
     outputs.write_files({first: b"after", second: b"after"}, make_directories=True)
     assert (first.read_bytes(), second.read_bytes()) == (b"after", b"after")
+
+
+def test_a_stream_that_fails_leaves_the_regular_files_as_they_were(tmp_path: Path) -> None:
+    kept, full = tmp_path / "kept", tmp_path / "full"
+    kept.write_bytes(b"before")
+    full.symlink_to("/dev/full")
+    with pytest.raises(OutputError, match="full: cannot be written: No space left"):
+        outputs.write_files({kept: b"after", full: b"after"})
+    assert kept.read_bytes() == b"before"
+    assert sorted(tmp_path.iterdir()) == [full, kept]
 
 
 def test_where_a_move_fails_those_already_done_are_undone(
