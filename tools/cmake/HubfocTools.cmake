@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# The tools of the build. Missing ones are named in one line together with the command that installs them, and what is
-# installed or removed after a configure leads to a new one.
+# The tools of the build. Missing ones are named in one line together with the command that installs
+# them, and what is installed or removed after a configure leads to a new one.
 
 # tools/dev rewrites this file when the tools on this machine have changed.
 set(HUBFOC_NOTED_TOOLS "${PROJECT_SOURCE_DIR}/.dev/tools")

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Toolchain for the bare-metal ports. HUBFOC_CPU chooses the core; the port's own CMakeLists adds linker script and specs.
+# Toolchain for the bare-metal ports. HUBFOC_CPU chooses the core; the port's own CMakeLists adds
+# linker script and specs.
 set(CMAKE_SYSTEM_NAME Generic)
 set(CMAKE_SYSTEM_PROCESSOR arm)
 find_program(HUBFOC_ARM_GCC arm-none-eabi-gcc)

@@ -116,7 +116,8 @@ def run_chosen(
     print(f"\n{before}testing {time.monotonic() - begin:.0f} s.".replace("\nt", "\nT"))
     if long:
         print(
-            f"{len(long)} tests labelled {ctest.FULL_LABEL} were left out; ./tools/dev test --full runs them."
+            f"{len(long)} tests labelled {ctest.FULL_LABEL} were left out; "
+            "./tools/dev test --full runs them."
         )
     for preset in presets:
         print("\n".join(closing_lines(preset, tests, results)))
@@ -215,7 +216,8 @@ def quick(suite: Suite, revision: str) -> bool:
         print(f"Left out for want of time: {len(left)} tests: {shown}{more}.")
     if unknown:
         print(
-            f"Left out because it is not known what they read until './tools/dev test' has run them: {len(unknown)} Python tests."
+            f"Left out, as what they read is known only after './tools/dev test': "
+            f"{len(unknown)} Python tests."
         )
     print(
         f"The build with sanitizers was left out. All of this took {time.monotonic() - begin:.0f} s."

@@ -123,7 +123,8 @@ def _quoted(value: Any) -> str:  # noqa: ANN401, whatever JSON holds
 def suite_text(tests: Sequence[Test], costs: dict[str, float], opened: Path, root: Path) -> str:
     """Return a CTestTestfile.cmake with these tests, the longest first.
 
-    Every test keeps the properties of its own build directory. Python programs record what they read.
+    Every test keeps the properties of its own build directory. Python programs record what they
+    read.
     """
     lines = []
     for test in tests:

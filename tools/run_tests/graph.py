@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The build's own knowledge of what depends on what: build.ninja and the compilers' dependencies."""
+"""What depends on what in a build: build.ninja and the dependencies that compilers found."""
 
 import os
 import re

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# The build, only through the presets of CMakePresets.json: `cmake --preset host` typed by hand and the commands of tools/dev
-# use the same directories and do not undo each other's work.
+# The build, only through the presets of CMakePresets.json: `cmake --preset host` typed by hand and
+# the commands of tools/dev use the same directories and do not undo each other's work.
 
 # shellcheck disable=SC2034  # read by tools/dev
 readonly PORTS=(stm32f405 qemu) DEFAULT_CONFIG=lu2013
@@ -15,8 +15,9 @@ variables_are() {
     done
 }
 
-# What CMake looks for when it configures, one per line. A build directory that was configured with other tools than
-# the ones there are now is configured again: here, and by CMakeLists.txt for a build with CMake alone.
+# What CMake looks for when it configures, one per line. A build directory that was configured with
+# other tools than the ones there are now is configured again: here, and by CMakeLists.txt for a
+# build with CMake alone.
 readonly TOOLS="$ROOT/.dev/tools"
 
 list_tools() {
@@ -37,8 +38,9 @@ note_tools() {
     if cmp -s "$TOOLS.new" "$TOOLS"; then rm "$TOOLS.new"; else mv "$TOOLS.new" "$TOOLS"; fi
 }
 
-# configure PRESET [NAME=VALUE...], only if needed. A directory configured elsewhere (the repository was moved or copied)
-# cannot be used; presets that changed since are not noticed by CMake itself. Every other change CMake detects itself.
+# configure PRESET [NAME=VALUE...], only if needed. A directory configured elsewhere (the repository
+# was moved or copied) cannot be used; presets that changed since are not noticed by CMake itself.
+# Every other change CMake detects itself.
 configure() {
     local preset=$1 directory=$ROOT/build/$1 options=()
     shift
@@ -51,18 +53,25 @@ configure() {
         fi
     fi
     options+=("${@/#/-D}")
-    (cd "$ROOT" && run_logged "Configuring $preset" "configure-$preset" cmake --preset "$preset" "${options[@]}")
+    (cd "$ROOT" && run_logged "Configuring $preset" "configure-$preset" \
+        cmake --preset "$preset" "${options[@]}")
 }
 
 # tests_can_be_built: are the tools there without which CMake refuses to configure them?
-tests_can_be_built() { [[ -z $(missing_packages build host unit) ]] && cmock_is_there && venv_is_ready "${PYTHON_SETS[@]}"; }
+tests_can_be_built() {
+    [[ -z $(missing_packages build host unit) ]] && cmock_is_there &&
+        venv_is_ready "${PYTHON_SETS[@]}"
+}
 
 # shellcheck disable=SC2120  # tools/dev passes them
-# configure_host [NAME=VALUE...]: for the simulator, which needs none of the tests' tools. A directory that has the tests
-# keeps them; without their tools it is configured without them, and `tools/dev test` adds them later.
+# configure_host [NAME=VALUE...]: for the simulator, which needs none of the tests' tools. A
+# directory that has the tests keeps them; without their tools it is configured without them, and
+# `tools/dev test` adds them later.
 configure_host() {
     local tests=OFF cache=$ROOT/build/host/CMakeCache.txt
-    if [[ -f $cache ]] && variables_are "$cache" HUBFOC_TESTS=ON && tests_can_be_built; then tests=ON; fi
+    if [[ -f $cache ]] && variables_are "$cache" HUBFOC_TESTS=ON && tests_can_be_built; then
+        tests=ON
+    fi
     configure host "HUBFOC_TESTS=$tests" "$@"
 }
 
@@ -72,7 +81,8 @@ build_targets() {
     shift
     (($#)) && targets=(--target "$@")
     (cd "$ROOT" && LAST_LINE_IF_IDLE="ninja: no work to do." \
-        run_logged "Building $preset" "build-$preset" cmake --build --preset "$preset" "${targets[@]}")
+        run_logged "Building $preset" "build-$preset" \
+            cmake --build --preset "$preset" "${targets[@]}")
 }
 
 build_engine() {
@@ -88,8 +98,8 @@ build() {
     configure "$preset" HUBFOC_TESTS=ON && build_targets "$preset" "$@"
 }
 
-# build_for_tests [FOLDER...]: all presets, or what the tests of these folders need of them. Leaves the presets' names in
-# BUILT and NOT_BUILT.
+# build_for_tests [FOLDER...]: all presets, or what the tests of these folders need of them. Leaves
+# the presets' names in BUILT and NOT_BUILT.
 BUILT=()
 NOT_BUILT=()
 build_for_tests() {
@@ -103,17 +113,23 @@ build_for_tests() {
         fi
         targets=''
         if (($#)); then
-            targets=$("$VENV_PYTHON" -m run_tests --presets "$preset" --list-targets "$@") || fail "test: ctest cannot list the tests"
+            targets=$("$VENV_PYTHON" -m run_tests --presets "$preset" --list-targets "$@") ||
+                fail "test: ctest cannot list the tests"
             [[ -n $targets ]] || continue
         fi
         builds+=("$preset:$targets")
     done
     rm -f "$LOG_DIR/build-failed"
     if ((${#builds[@]})); then
-        run_logged "Building $(join_by ' ' "${builds[@]%%:*}")" build "$VENV_PYTHON" -m run_tests.build "$LOG_DIR" "${builds[@]}" || true
+        run_logged "Building $(join_by ' ' "${builds[@]%%:*}")" build \
+            "$VENV_PYTHON" -m run_tests.build "$LOG_DIR" "${builds[@]}" || true
     fi
     for preset in "${builds[@]%%:*}"; do
-        if grep -qsx "$preset" "$LOG_DIR/build-failed"; then NOT_BUILT+=("$preset"); else BUILT+=("$preset"); fi
+        if grep -qsx "$preset" "$LOG_DIR/build-failed"; then
+            NOT_BUILT+=("$preset")
+        else
+            BUILT+=("$preset")
+        fi
     done
 }
 

@@ -2,9 +2,10 @@
 # shellcheck shell=bash
 # CBMC, the bounded model checker of tests/proofs.
 #
-# Debian 13 and Ubuntu 24.04 have it. Debian 12 has not, and the next suite's program wants that suite's C library, which
-# must never come near the system's own. So program and libraries are unpacked together into .dev/cbmc, and a wrapper
-# starts the program with the loader that lies beside it.
+# Debian 13 and Ubuntu 24.04 have it. Debian 12 has not, and the next suite's program wants that
+# suite's C library, which must never come near the system's own. So program and libraries are
+# unpacked together into .dev/cbmc, and a wrapper starts the program with the loader that lies
+# beside it.
 
 readonly CBMC_PREFIX="$ROOT/.dev/cbmc"
 
@@ -39,7 +40,8 @@ ensure_cbmc() {
         apt_install cbmc || fail "apt-get could not install cbmc"
     else
         inform "This machine ($(system_name)) lacks: cbmc; it goes into .dev/cbmc, outside the system's packages"
-        run_logged "Fetching cbmc" cbmc install_cbmc_privately || fail "cbmc could not be fetched (on Ubuntu it is in the component universe)"
+        run_logged "Fetching cbmc" cbmc install_cbmc_privately ||
+            fail "cbmc could not be fetched (on Ubuntu it is in the component universe)"
     fi
     cbmc_is_there || fail "cbmc was installed but is neither on PATH nor in .dev/cbmc"
 }

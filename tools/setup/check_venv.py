@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Judge whether the running interpreter's environment is the project's, complete and made for this directory.
+"""Judge whether the running environment is complete and made for this directory.
 
 Usage: ``check_venv.py [--place] ROOT [LOCK_FILE...]``; exit status 0 if so, else one line on stderr
 and 1. With ``--place`` only the place is judged, not the packages. It runs before every command, so

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# Messages, and commands with long output. Sourced by tools/dev, which sets ROOT.
-# All messages go to stderr: stdout belongs to the command that was asked for, so that
-# `tools/dev python -m regen_table solve ... --json` can be piped even on the run that installs things.
+# Messages, and commands with long output. Sourced by tools/dev, which sets ROOT. All messages go to
+# stderr: stdout belongs to the command that was asked for, so that `tools/dev python -m regen_table
+# solve ... --json` can be piped even on the run that installs things.
 
 readonly LOG_DIR="$ROOT/.dev/log"
 readonly EXIT_USAGE=2
@@ -31,9 +31,9 @@ version_at_least() {
     [[ "$(printf '%s\n%s\n' "$2" "$1" | sort -V | head -n 1)" == "$2" ]]
 }
 
-# Prints how long the step has run and the last line of its log, once a second on a terminal, rarely in a log file.
-# Ends by itself when tools/dev does, whatever ended it. `read -t` is the pause because, unlike `sleep`, it leaves no
-# child behind that keeps a pipe open.
+# Prints how long the step has run and the last line of its log, once a second on a terminal, rarely
+# in a log file. Ends by itself when tools/dev does, whatever ended it. `read -t` is the pause
+# because, unlike `sleep`, it leaves no child behind that keeps a pipe open.
 report_progress() {
     local label=$1 log=$2 parent=$3 begin=$SECONDS period=20 line
     [[ -t 2 ]] && period=1
@@ -47,17 +47,18 @@ report_progress() {
     done
 }
 
-# The messages of apt, pip and git when there is no network, as opposed to a file that no longer exists.
+# The messages of apt, pip and git when there is no network, as opposed to a file that no longer
+# exists.
 reports_no_network() {
     grep -qE 'Could not (resolve|connect)|Temporary failure (resolving|in name resolution)|Name or service not known|Unable to connect|Connection (timed out|refused)|Network is unreachable|NewConnectionError|NameResolutionError' "$1"
 }
 
 fail_without_network() { fail "$1: the package archive cannot be reached; is there a network? (${2#"$ROOT"/} has the details)"; }
 
-# run_logged LABEL LOGNAME COMMAND...: the output goes to a log; its last lines are shown only if the command fails. Where
-# the cause is a missing network, one line is shown instead.
-# The command stays in the foreground and the reporter goes to the background, because bash makes background commands
-# ignore Ctrl-C, and the command has to receive it.
+# run_logged LABEL LOGNAME COMMAND...: the output goes to a log; its last lines are shown only if
+# the command fails. Where the cause is a missing network, one line is shown instead. The command
+# stays in the foreground and the reporter goes to the background, because bash makes background
+# commands ignore Ctrl-C, and the command has to receive it.
 run_logged() {
     local label=$1 log=$LOG_DIR/$2.log begin=$SECONDS status=0 reporter
     shift 2
@@ -79,5 +80,6 @@ run_logged() {
         return "$status"
     fi
     # No message if there was nothing to do, which the program reports by this last line.
-    [[ -n ${LAST_LINE_IF_IDLE:-} && $(tail -n 1 "$log") == "$LAST_LINE_IF_IDLE" ]] || inform "$label: done in $((SECONDS - begin)) s"
+    [[ -n ${LAST_LINE_IF_IDLE:-} && $(tail -n 1 "$log") == "$LAST_LINE_IF_IDLE" ]] ||
+        inform "$label: done in $((SECONDS - begin)) s"
 }

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# Writing a firmware image through a debug probe. OpenOCD is taken where there is a choice, because it knows the whole
-# STM32F4 family by itself; pyOCD, if it is asked for, fetches a device pack for this part on first use.
+# Writing a firmware image through a debug probe. OpenOCD is taken where there is a choice, because
+# it knows the whole STM32F4 family by itself; pyOCD, if it is asked for, fetches a device pack for
+# this part on first use.
 
 readonly PYOCD_VERSION=0.46.0
 readonly PYOCD_TARGET=stm32f405rg
@@ -24,12 +25,14 @@ flash_pyocd() {
     if [[ $what == config ]]; then arguments=(--base-address "$(config_address "$image.elf")" "${image}_config.bin"); fi
     ensure sim
     if [[ ! -x $pyocd ]]; then
-        run_logged "Installing pyOCD into .dev/venv" pyocd install_pyocd || fail "pyOCD could not be installed"
+        run_logged "Installing pyOCD into .dev/venv" pyocd install_pyocd ||
+            fail "pyOCD could not be installed"
     fi
     # pyOCD reports success also if it found no pack, so its list of targets is checked.
     if ! pyocd_knows_target "$pyocd"; then
         run_logged "Fetching pyOCD's device pack for $PYOCD_TARGET" pyocd-pack "$pyocd" pack install "$PYOCD_TARGET" || true
-        pyocd_knows_target "$pyocd" || fail "flash: pyOCD could not fetch its pack for $PYOCD_TARGET; OpenOCD needs none: tools/dev flash --with openocd"
+        pyocd_knows_target "$pyocd" ||
+            fail "flash: pyOCD could not fetch its pack for $PYOCD_TARGET; OpenOCD needs none: tools/dev flash --with openocd"
     fi
     flash_with "any that pyOCD knows" "$pyocd" flash --target "$PYOCD_TARGET" --no-wait "${arguments[@]}"
 }
@@ -45,25 +48,30 @@ install_pyocd() {
     return "$status"
 }
 
-# flash_serial config IMAGE PROBE LINE: through the firmware's own shell, so that a board in its housing needs no probe.
+# flash_serial config IMAGE PROBE LINE: through the firmware's own shell, so that a board in its
+# housing needs no probe.
 flash_serial() {
     local image=$2_config.hex line=$4
     inform "Sending ${image##*/} over $line; the wheel has to stand still, switched off"
-    stty -F "$line" 115200 raw -echo 2>/dev/null || fail "flash: $line cannot be set to 115200 baud; may this user open it?"
+    stty -F "$line" 115200 raw -echo 2>/dev/null ||
+        fail "flash: $line cannot be set to 115200 baud; may this user open it?"
     exec 8<>"$line" || fail "flash: $line cannot be opened"
     printf '\003install\r' >&8
     answer_with 'Intel HEX' || fail "flash: nothing on $line answers as hubfoc's shell does"
     cat "$image" >&8
-    answer_with 'accepted:|refused:|given up|as it was' || fail "flash: no answer to the configuration; is it on?"
+    answer_with 'accepted:|refused:|given up|as it was' ||
+        fail "flash: no answer to the configuration; is it on?"
     [[ $ANSWER == *accepted:* ]] || fail "flash: ${ANSWER//$'\r'/}"
-    answer_with 'written|FAILED|refused:' || fail "flash: no answer about the memory; the board has to be inspected"
+    answer_with 'written|FAILED|refused:' ||
+        fail "flash: no answer about the memory; the board has to be inspected"
     exec 8>&-
     [[ $ANSWER == *written* ]] || fail "flash: ${ANSWER//$'\r'/}"
     inform "Written; the board restarts with it"
 }
 
-# answer_with REGEX: leaves the first line on the serial line that matches in ANSWER; false after five seconds without one. Must
-# not run in a subshell: `read` takes more from a terminal than it returns.
+# answer_with REGEX: leaves the first line on the serial line that matches in ANSWER; false after
+# five seconds without one. Must not run in a subshell: `read` takes more from a terminal than it
+# returns.
 ANSWER=''
 answer_with() {
     while IFS= read -r -t 5 -u 8 ANSWER; do
@@ -73,7 +81,8 @@ answer_with() {
     return 1
 }
 
-# Where the configuration lies in flash. The linker decided that; asking its product keeps the address in one place.
+# Where the configuration lies in flash. The linker decided that; asking its product keeps the
+# address in one place.
 config_address() {
     local address
     address=$(arm-none-eabi-objdump -h "$1" | awk '$2 == ".hubfoc_config" { print "0x" $5 }')
@@ -83,7 +92,8 @@ config_address() {
 
 pyocd_knows_target() { "$1" list --targets 2>/dev/null | grep -qw "$PYOCD_TARGET"; }
 
-# flash_with PROBES COMMAND...: a missing debug probe, the most frequent mistake, is reported in one line.
+# flash_with PROBES COMMAND...: a missing debug probe, the most frequent mistake, is reported in one
+# line.
 flash_with() {
     local probes=$1 log=$LOG_DIR/flash.log
     shift

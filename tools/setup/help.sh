@@ -6,17 +6,18 @@ help_top() {
     cat <<'TEXT'
 Usage: tools/dev COMMAND [ARGUMENT...]
 
-On a bare Debian 12 or 13 (Ubuntu 24.04 is expected to work, too), every command first installs what it lacks
-(root or sudo; system packages with apt, Python packages into .dev/venv), then does its work.
+On a bare Debian 12 or 13 (Ubuntu 24.04 is expected to work, too), every command first installs what
+it lacks (root or sudo; system packages with apt, Python packages into .dev/venv), then does its
+work.
 
-  sim                           the urban cycle under the three braking strategies: energy table and report
+  sim                           the urban cycle with three braking strategies: energies and report
   test [--quick] [FOLDER...]    all tests: host, host with sanitizers, emulated Cortex-M4
-  table CONFIG.toml [-o DIR]    configuration and torque table of one vehicle, as C and as a binary image
-  firmware [PORT]               ELF, BIN, HEX, sizes and depth of the stack; PORT is stm32f405 (default) or qemu
+  table CONFIG.toml [-o DIR]    configuration and torque table of one vehicle, as C and binary
+  firmware [PORT]               ELF, BIN, HEX, sizes, depth of the stack; stm32f405 (default) or qemu
   flash [PORT]                  firmware onto a board through a debug probe
   hubsim ARGUMENT...            the simulator's own command
   python ARGUMENT...            the project's Python, with hubsim and regen_table importable
-  fmu [--config CONFIG.toml]    units for co-simulation (FMI 2.0 and 3.0): one controller, and the whole vehicle
+  fmu [--config CONFIG.toml]    units for co-simulation (FMI 2.0, 3.0): controller, whole vehicle
   bench                         instructions, stack, code size, simulation speed
   coverage                      which lines and branches of the firmware the C tests reach
   report                        show the page that sim wrote
@@ -33,8 +34,9 @@ help_sim() {
     cat <<'TEXT'
 Usage: tools/dev sim
 
-Builds the simulation engine, drives the urban cycle with the three braking strategies, four complete controllers each,
-prints the energy table and writes build/report/index.html (opens offline) and build/report/summary.json.
+Builds the simulation engine, drives the urban cycle with the three braking strategies, four
+complete controllers each, prints the energy table and writes build/report/index.html (opens
+offline) and build/report/summary.json.
 TEXT
 }
 
@@ -43,14 +45,16 @@ help_test() {
 Usage: tools/dev test [--full] [FOLDER...]
        tools/dev test --quick [--since REV]
 
-Builds and tests four presets: host, host-asan (address and undefined-behaviour sanitizers), stm32f405 and qemu (the
-firmware on an emulated Cortex-M4). All tests run in one run of ctest, the longest first; the closing lines of each preset
-come last. A preset that cannot be built does not keep the others from being tested.
+Builds and tests four presets: host, host-asan (address and undefined-behaviour sanitizers),
+stm32f405 and qemu (the firmware on an emulated Cortex-M4). All tests run in one run of ctest, the
+longest first; the closing lines of each preset come last. A preset that cannot be built does not
+keep the others from being tested.
 
   FOLDER         only the tests of a folder, for example unit/firmware/torque
   --full         also the tests labelled full: whole cycles, large sweeps, long fuzzing
-  --quick        on a tree that was built and tested before: build and run, in at most 60 s, what belongs to the files
-                 changed since HEAD or REV, by the build's own dependencies; what was left out is named
+  --quick        on a tree that was built and tested before: build and run, in at most 60 s, what
+                 belongs to the files changed since HEAD or REV, by the build's own dependencies;
+                 what was left out is named
 TEXT
 }
 
@@ -58,9 +62,9 @@ help_table() {
     cat <<'TEXT'
 Usage: tools/dev table CONFIG.toml [-o DIR] [--plots]
 
-Turns one vehicle's TOML (see tools/motors) into the configuration that the firmware is built with: <name>.c and, with
-the same bytes, <name>.bin. Without -o they go to firmware/config/generated. With --plots the figures of losses and optimum
-are drawn as well, into DIR or else build/report/figures.
+Turns one vehicle's TOML (see tools/motors) into the configuration that the firmware is built with:
+<name>.c and, with the same bytes, <name>.bin. Without -o they go to firmware/config/generated. With
+--plots the figures of losses and optimum are drawn as well, into DIR or else build/report/figures.
 TEXT
 }
 
@@ -68,21 +72,24 @@ help_firmware() {
     cat <<'TEXT'
 Usage: tools/dev firmware [PORT] [--config NAME]
 
-Builds the firmware for PORT, stm32f405 (default) or qemu; prints its sizes, the depth of the stack and the paths of ELF, BIN and HEX.
-NAME is a configuration in firmware/config/generated (made by tools/dev table); lu2013 if not given.
+Builds the firmware for PORT, stm32f405 (default) or qemu; prints its sizes, the depth of the stack
+and the paths of ELF, BIN and HEX. NAME is a configuration in firmware/config/generated (made by
+tools/dev table); lu2013 if not given.
 TEXT
 }
 
 help_flash() {
     cat <<'TEXT'
-Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--probe stlink|cmsis-dap|jlink] [--with openocd|pyocd]
+Usage: tools/dev flash [stm32f405] [--config NAME [--only-config]] [--probe stlink|cmsis-dap|jlink]
+                       [--with openocd|pyocd]
        tools/dev flash [stm32f405] --config NAME --only-config --with serial --line DEVICE
 
-Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe, by default an ST-Link, with OpenOCD (default) or with pyOCD, which finds the probe itself and fetches a device pack on first use.
-With --only-config the program on the board stays and only the configuration's sector is written: another motor, the
-same firmware. That also goes without a probe, over the serial line to the firmware's shell (--with serial); the wheel
-has to stand still, and the firmware checks the configuration before it replaces the old one.
-The wheel must be off the ground.
+Builds the firmware (as tools/dev firmware does) and writes it to the board through a debug probe,
+by default an ST-Link, with OpenOCD (default) or with pyOCD, which finds the probe itself and
+fetches a device pack on first use. With --only-config the program on the board stays and only the
+configuration's sector is written: another motor, the same firmware. That also goes without a probe,
+over the serial line to the firmware's shell (--with serial); the wheel has to stand still, and the
+firmware checks the configuration before it replaces the old one. The wheel must be off the ground.
 TEXT
 }
 
@@ -90,9 +97,9 @@ help_hubsim() {
     cat <<'TEXT'
 Usage: tools/dev hubsim ARGUMENT...
 
-Brings the simulation engine up to date and hands the arguments to `python -m hubsim`; its own help follows once it is
-installed (tools/dev setup sim), and `tools/dev hubsim COMMAND --help` is its own as well. Sweeps and files that end in
-.parquet or .mf4 install their Python packages first.
+Brings the simulation engine up to date and hands the arguments to `python -m hubsim`; its own help
+follows once it is installed (tools/dev setup sim), and `tools/dev hubsim COMMAND --help` is its own
+as well. Sweeps and files that end in .parquet or .mf4 install their Python packages first.
 TEXT
 }
 
@@ -100,8 +107,9 @@ help_python() {
     cat <<'TEXT'
 Usage: tools/dev python ARGUMENT...
 
-Runs the private Python environment .dev/venv, in which hubsim and regen_table can be imported. For example:
-  tools/dev python -m regen_table solve tools/motors/lu2013.toml --speed-rpm 100,200 --winding-temperature-c 25 --json
+Runs the private Python environment .dev/venv, in which hubsim and regen_table can be imported. For
+example:
+  tools/dev python -m regen_table solve tools/motors/lu2013.toml --speed-rpm 100,200 --json
 TEXT
 }
 
@@ -109,9 +117,10 @@ help_fmu() {
     cat <<'TEXT'
 Usage: tools/dev fmu [--config CONFIG.toml]
 
-Builds four units for co-simulation from one drive (default: tools/motors/lu2013.toml) and prints their paths:
-hubfoc_controller (one controller) and hubfoc_vehicle (controllers with motors, battery, brakes and road), each for FMI 2.0
-and 3.0, with binary for this machine and complete source.
+Builds four units for co-simulation from one drive (default: tools/motors/lu2013.toml) and prints
+their paths: hubfoc_controller (one controller) and hubfoc_vehicle (controllers with motors,
+battery, brakes and road), each for FMI 2.0 and 3.0, with binary for this machine and complete
+source.
 TEXT
 }
 
@@ -119,8 +128,8 @@ help_bench() {
     cat <<'TEXT'
 Usage: tools/dev bench [--config NAME] [--no-simulation]
 
-Measures both step functions on emulated cores (instructions, code, stack), the firmware's size and the simulation's speed;
-prints them and writes build/bench.json. A missed budget is a failure.
+Measures both step functions on emulated cores (instructions, code, stack), the firmware's size and
+the simulation's speed; prints them and writes build/bench.json. A missed budget is a failure.
 TEXT
 }
 
@@ -128,8 +137,9 @@ help_coverage() {
     cat <<'TEXT'
 Usage: tools/dev coverage
 
-Builds the host-coverage preset, runs the unit and closed-loop tests in C and prints lines and branches reached in each file of the
-firmware; build/coverage/index.html shows them line by line, build/coverage/summary.json is for machines.
+Builds the host-coverage preset, runs the unit and closed-loop tests in C and prints lines and
+branches reached in each file of the firmware; build/coverage/index.html shows them line by line,
+build/coverage/summary.json is for machines.
 TEXT
 }
 
@@ -137,7 +147,8 @@ help_report() {
     cat <<'TEXT'
 Usage: tools/dev report
 
-Opens build/report/index.html in the browser, or prints its path where there is no desktop. Runs sim first if the page does not exist.
+Opens build/report/index.html in the browser, or prints its path where there is no desktop. Runs sim
+first if the page does not exist.
 TEXT
 }
 
@@ -145,7 +156,8 @@ help_format() {
     cat <<'TEXT'
 Usage: tools/dev format
 
-Rewrites every C and Python source, except generated ones, in the project's format (clang-format and ruff, both pinned).
+Rewrites every C and Python source, except generated ones, in the project's format (clang-format and
+ruff, both pinned).
 TEXT
 }
 
@@ -153,8 +165,8 @@ help_lint() {
     cat <<'TEXT'
 Usage: tools/dev lint
 
-Checks without changing anything: the tests labelled lint (clang-format, ruff, mypy, clang-tidy) and shellcheck. Exit status 1 if
-any found something.
+Checks without changing anything: the tests labelled lint (clang-format, ruff, mypy, clang-tidy) and
+shellcheck. Exit status 1 if any found something.
 TEXT
 }
 

@@ -2,7 +2,8 @@
 # shellcheck shell=bash
 # Formatting, and the static checks that the tests labelled "lint" are.
 
-# tracked PATTERN...: files of a kind, new ones included, null-terminated. Generated ones stay as their generator wrote them.
+# tracked PATTERN...: files of a kind, new ones included, null-terminated. Generated ones stay as
+# their generator wrote them.
 tracked() { git -C "$ROOT" ls-files --cached --others --exclude-standard -z -- "$@" ':!:**/generated/**'; }
 
 format_all() {

@@ -2,21 +2,23 @@
 # shellcheck shell=bash
 # Packages that this Debian does not have yet but the next one has, without touching the system.
 #
-# They are fetched through a package list of their own, which is thrown away, and unpacked into a private folder: the
-# system's sources, lists, pins and packages stay exactly as they were, the archive's signature is checked all the same,
-# and no administrator is needed.
+# They are fetched through a package list of their own, which is thrown away, and unpacked into a
+# private folder: the system's sources, lists, pins and packages stay exactly as they were, the
+# archive's signature is checked all the same, and no administrator is needed.
 
 readonly DEBIAN_NEXT_SUITE=trixie
 
-# The address and the signing keys of the Debian archive that this machine itself is set up to use. apt is asked,
-# so it does not matter whether the source is written in the one-line or in the deb822 way.
+# The address and the signing keys of the Debian archive that this machine itself is set up to use.
+# apt is asked, so it does not matter whether the source is written in the one-line or in the deb822
+# way.
 debian_archive() {
     # shellcheck disable=SC2016  # the dollars are apt's
     apt-get indextargets --format '$(REPO_URI) $(ORIGIN) $(COMPONENT) $(CODENAME)' 'Identifier: Packages' 2>/dev/null |
         awk '$2 == "Debian" && $3 == "main" && $4 !~ /-/ { print $1; exit }'
 }
 
-# fetch_from_next_suite ARCHIVE SCRATCH PACKAGE...: the packages, and only they, end up in SCRATCH/out.
+# fetch_from_next_suite ARCHIVE SCRATCH PACKAGE...: the packages, and only they, end up in
+# SCRATCH/out.
 fetch_from_next_suite() {
     local archive=$1 scratch=$2 keyring=/usr/share/keyrings/debian-archive-keyring.gpg options=
     shift 2
@@ -38,8 +40,8 @@ fetch_from_own_suite() {
     (mkdir -p "$scratch/out" && cd "$scratch/out" && apt-get -q -o Acquire::Retries=3 download "$@")
 }
 
-# unpack_packages SCRATCH PREFIX: beside the final place first, moved there when complete, so that an interrupted run
-# leaves no incomplete folder.
+# unpack_packages SCRATCH PREFIX: beside the final place first, moved there when complete, so that
+# an interrupted run leaves no incomplete folder.
 unpack_packages() {
     local scratch=$1 prefix=$2 package
     rm -rf "$prefix.new" && mkdir -p "$prefix.new" || return
@@ -49,7 +51,8 @@ unpack_packages() {
     rm -rf "$prefix" && mv "$prefix.new" "$prefix"
 }
 
-# unpack_privately PREFIX PACKAGE [PACKAGE IT NEEDS]...: from this suite if it knows the first one, else from the next.
+# unpack_privately PREFIX PACKAGE [PACKAGE IT NEEDS]...: from this suite if it knows the first one,
+# else from the next.
 unpack_privately() {
     local prefix=$1 scratch archive status=0
     shift
@@ -73,6 +76,7 @@ unpack_privately() {
 # Without lists the question "does this release have it?" has no answer yet.
 update_lists_for() {
     if ! apt_knows "$1" && [[ -z "$(debian_archive)" ]] && can_administer "$1"; then
-        run_logged "Updating the package lists" apt-update apt_get update || fail "apt-get update failed"
+        run_logged "Updating the package lists" apt-update apt_get update ||
+            fail "apt-get update failed"
     fi
 }

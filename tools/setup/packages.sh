@@ -2,8 +2,8 @@
 # shellcheck shell=bash
 # The tools that are system packages: which are missing, and their installation with apt.
 #
-# The machine is examined each time instead of keeping a stamp: this takes a few hundredths of a second and is right also
-# after a package was removed.
+# The machine is examined each time instead of keeping a stamp: this takes a few hundredths of a
+# second and is right also after a package was removed.
 #
 # Names are those of Debian 12, Debian 13 and Ubuntu 24.04, which agree on all of them.
 
@@ -19,7 +19,8 @@ missing_build() {
 
 missing_host() {
     have gcc || echo gcc
-    # A C++ compiler's package depends on the C library's headers, a C compiler's only recommends them.
+    # A C++ compiler's package depends on the C library's headers, a C compiler's only recommends
+    # them.
     have g++ || echo g++
 }
 
@@ -82,8 +83,8 @@ system_name() {
     (. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME:-unknown system}") || echo "unknown system"
 }
 
-# can_administer PACKAGE...: may we change this machine? Root may; others need sudo, which asks for a password only on
-# a terminal, and names the packages.
+# can_administer PACKAGE...: may we change this machine? Root may; others need sudo, which asks for
+# a password only on a terminal, and names the packages.
 can_administer() {
     ((EUID == 0)) && return
     have sudo || return 1
@@ -105,8 +106,8 @@ apt_has_lists() { [[ -n "$(apt-get indextargets 'Identifier: Packages' 2>/dev/nu
 
 apt_knows() { apt-cache show --no-all-versions "$1" >/dev/null 2>&1; }
 
-# A fresh image has no package lists, an old one has lists that name files which no longer exist: in both cases
-# update once. Lists that work are left alone, which saves the slowest step.
+# A fresh image has no package lists, an old one has lists that name files which no longer exist: in
+# both cases update once. Lists that work are left alone, which saves the slowest step.
 apt_install() {
     local package
     for package in "$@"; do
@@ -129,15 +130,19 @@ ensure_packages() {
     local missing left
     missing=$(missing_packages "$@")
     [[ -z $missing ]] && return
-    have apt-get || fail "missing (names of the Debian packages): $missing; install them by the means of $(system_name) and run again"
+    have apt-get ||
+        fail "missing (names of the Debian packages): $missing; install them by the means of $(system_name) and run again"
     # shellcheck disable=SC2086  # a list of package names, one word each
-    can_administer $missing || fail "neither root nor sudo here; let an administrator run: apt-get update && apt-get install -y --no-install-recommends $missing"
+    can_administer $missing ||
+        fail "neither root nor sudo here; let an administrator run: apt-get update && apt-get install -y --no-install-recommends $missing"
     inform "This machine ($(system_name)) lacks: $missing"
     # shellcheck disable=SC2086  # a list of package names, one word each
-    apt_install $missing || fail "apt-get could not install: $missing (on Ubuntu they are in the components main and universe)"
+    apt_install $missing ||
+        fail "apt-get could not install: $missing (on Ubuntu they are in the components main and universe)"
     hash -r
     left=$(missing_packages "$@")
-    [[ -z $left ]] || fail "still missing after installation: $left$(explain_shadowed_cmake "$left")"
+    [[ -z $left ]] ||
+        fail "still missing after installation: $left$(explain_shadowed_cmake "$left")"
 }
 
 # An old cmake earlier on PATH hides the one just installed.

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# The private Python environment .dev/venv: pinned packages, and the project's own ones through a .pth file.
+# The private Python environment .dev/venv: pinned packages, and the project's own ones through a
+# .pth file.
 #
-# Packages come in sets, so that the simulator does not bring what only the tests use. Each set is a list of packages,
-# requirements/NAME.in, and its lock file NAME.txt with versions and hashes.
+# Packages come in sets, so that the simulator does not bring what only the tests use. Each set is a
+# list of packages, requirements/NAME.in, and its lock file NAME.txt with versions and hashes.
 
 readonly VENV="$ROOT/.dev/venv"
 readonly VENV_PYTHON="$VENV/bin/python"
@@ -11,8 +12,8 @@ readonly REQUIREMENTS="$ROOT/tools/setup/requirements"
 # shellcheck disable=SC2034  # read by tools/dev
 readonly PYTHON_SETS=(sim figures formats sweep fmi examples test dev)
 
-# At least 3.11 (tomllib), and able to make an environment with pip in it. Debian's python3 without python3-venv
-# cannot, and fails only after it has made half of one.
+# At least 3.11 (tomllib), and able to make an environment with pip in it. Debian's python3 without
+# python3-venv cannot, and fails only after it has made half of one.
 python_is_good() {
     "$1" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1
 }
@@ -26,8 +27,9 @@ find_python() {
     return 1
 }
 
-# check_venv [--place] [SET...]: asked of the environment itself: it must start, contain every pinned version of the
-# sets, and have been made for this directory (its scripts and the .pth file contain the path).
+# check_venv [--place] [SET...]: asked of the environment itself: it must start, contain every
+# pinned version of the sets, and have been made for this directory (its scripts and the .pth file
+# contain the path).
 check_venv() {
     local option=() set files=()
     if [[ ${1:-} == --place ]]; then
@@ -42,7 +44,8 @@ venv_is_ready() { check_venv "$@" >/dev/null 2>&1; }
 venv_belongs_here() { check_venv --place >/dev/null 2>&1; }
 python_is_ready() { venv_belongs_here || find_python >/dev/null; }
 
-# Where the project's own packages are; and, for a test run, what a test's Python programs read (tools/run_tests).
+# Where the project's own packages are; and, for a test run, what a test's Python programs read
+# (tools/run_tests).
 pth_text() {
     printf '%s\n' "$ROOT/tools" "$ROOT/host_sim/python" \
         'import os; "HUBFOC_OPENED" in os.environ and __import__("run_tests.opened")'
@@ -59,7 +62,8 @@ write_pth() {
     done
 }
 
-# fill_venv SET...: only wheels whose hash is in the lock file; the index is the one that this machine's pip uses.
+# fill_venv SET...: only wheels whose hash is in the lock file; the index is the one that this
+# machine's pip uses.
 fill_venv() {
     local set options=()
     for set in "$@"; do options+=(-r "$REQUIREMENTS/$set.txt"); done
@@ -78,21 +82,27 @@ ensure_venv() {
     venv_belongs_here && write_pth
     venv_is_ready "$@" && return
     local python
-    # An environment of this directory that lacks some packages is completed; any other is made anew.
+    # An environment of this directory that lacks some packages is completed; any other is made
+    # anew.
     if ! venv_belongs_here; then
-        python=$(find_python) || fail "no Python 3.11 or newer that can make an environment (venv, ensurepip) was found"
+        python=$(find_python) ||
+            fail "no Python 3.11 or newer that can make an environment (venv, ensurepip) was found"
         run_logged "Making the Python environment .dev/venv ($("$python" -V))" venv make_venv "$python" ||
             fail "the Python environment could not be made"
     fi
     inform "Python packages into .dev/venv: $(direct_requirements "$@") and their dependencies, pinned in tools/setup/requirements"
-    run_logged "Installing the Python packages" pip fill_venv "$@" || fail "the Python packages could not be installed"
-    venv_is_ready "$@" || fail "the Python environment is incomplete: $(check_venv "$@" 2>&1 | head -n 1)"
+    run_logged "Installing the Python packages" pip fill_venv "$@" ||
+        fail "the Python packages could not be installed"
+    venv_is_ready "$@" ||
+        fail "the Python environment is incomplete: $(check_venv "$@" 2>&1 | head -n 1)"
 }
 
-# The vendor's description of the chip, with which a test compares the register headers: data in a wheel, not installed.
+# The vendor's description of the chip, with which a test compares the register headers: data in a
+# wheel, not installed.
 ensure_svd() {
     compgen -G "$ROOT/.dev/svd/pyocd-*.whl" >/dev/null && return
-    run_logged "Fetching the vendor's description of the chip" svd "$VENV_PYTHON" -m pip download --disable-pip-version-check \
-        --no-input --no-deps --require-hashes -r "$ROOT/tests/unit/hal/requirements-svd.txt" -d "$ROOT/.dev/svd" ||
+    run_logged "Fetching the vendor's description of the chip" svd \
+        "$VENV_PYTHON" -m pip download --disable-pip-version-check --no-input --no-deps --require-hashes \
+        -r "$ROOT/tests/unit/hal/requirements-svd.txt" -d "$ROOT/.dev/svd" ||
         fail "the description of the chip could not be fetched"
 }
