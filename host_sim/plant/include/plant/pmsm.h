@@ -13,19 +13,19 @@
  * machine). Sources: Urasaki et al. 2000; Lu et al. 2013 eqs (1) to (7). Both iron-loss parameters
  * zero: no iron loss.
  *
- * pmsm_step() integrates over one PWM period by the fourth-order Runge-Kutta scheme while the
- * stator voltage stands still and the rotor turns; the energies are integrated by the same stages,
- * so the balance
+ * pmsm_step() takes one PWM period in which the stator voltage is constant and the rotor turns: the
+ * equations are linear then, and the currents are their exact solution (README, Step of the
+ * machine). Energies are integrated by Simpson's rule over that solution, so the balance
  *
  *     source = copper + series + iron + torque * speed + change of magnetic energy
  *
- * closes to the scheme's own order (1e-9 of the energy turned over at 1 kHz electrical and 20 kHz
- * PWM; where an opposition turns with a phase's current, 1e-5 of what flows then). Speed and
- * temperature are constant during a step. Valid for R * step < L (pmsm_is_resolved()), any speed:
- * fast rotors are integrated in more than one stage set.
+ * closes to 1e-9 of the energy turned over at 1 kHz electrical and 20 kHz PWM. Where an opposition
+ * changes with a phase's current, and in iron that saturates, four stages of Runge and Kutta take
+ * the solution's place: 1e-5 of what flows then. Speed and temperature are constant during a step.
+ * Valid for R * step < L (pmsm_is_resolved()), any speed: fast rotors take more than one set.
  *
  * Iron that saturates (magnetics.h) takes the place of L i_t where a saturation current is given;
- * the torque then is 3/2 p [(psi + x) i_qt - y i_dt], and the same stages integrate the fluxes.
+ * the torque then is 3/2 p [(psi + x) i_qt - y i_dt], and the stages integrate the fluxes.
  * Cogging (cogging.h) adds its torque to the airgap's; its energy is counted with the magnetic one,
  * so the balance stays what it is.
  */

@@ -35,7 +35,7 @@ static const double PLANT_TWO_PI = 6.2831853071795865;
 
 static inline plant_ab_t plant_clarke(plant_abc_t x)
 {
-    const plant_ab_t out = {.alpha = (2.0 * x.a - x.b - x.c) / 3.0,
+    const plant_ab_t out = {.alpha = (2.0 * x.a - x.b - x.c) * (1.0 / 3.0),
                             .beta = (x.b - x.c) * PLANT_INV_SQRT3};
     return out;
 }
