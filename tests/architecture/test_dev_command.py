@@ -21,6 +21,7 @@ COMMANDS = (
     "hubsim",
     "python",
     "fmu",
+    "release",
     "bench",
     "coverage",
     "report",

@@ -18,6 +18,7 @@ work.
   hubsim ARGUMENT...            the simulator's own command
   python ARGUMENT...            the project's Python, with hubsim and regen_table importable
   fmu [--config CONFIG.toml]    units for co-simulation (FMI 2.0, 3.0): controller, whole vehicle
+  release [-o DIR]              firmware, configurations, DBC, FMUs and wheel with SHA-256 sums
   bench                         instructions, stack, code size, simulation speed
   coverage                      which lines and branches of the firmware the C tests reach
   report                        show the page that sim wrote
