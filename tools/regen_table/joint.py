@@ -14,6 +14,7 @@ All arrays broadcast; a negative speed is the mirror image (i_d kept, i_q and to
 import copy
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from typing import Self
 
 import numpy as np
@@ -111,7 +112,9 @@ def zero_power_torque(
     forward = _Problem(motor, inverter, omega, limits, np.shape(best.torque_nm))
     inner = sign * best.torque_nm
     outer = -forward.torque_bound()
-    for _ in range(60):  # bisection: the strong side consumes power or is outside the limits
+    for _ in range(
+        45
+    ):  # bisection, to rounding: the strong side consumes power or is outside the limits
         middle = 0.5 * (inner + outer)
         returns = forward.best_direct_current(middle)[1] <= 0.0
         inner, outer = np.where(returns, middle, inner), np.where(returns, outer, middle)
@@ -249,26 +252,30 @@ def shrink(
     the first one. With fewer, the vertex of the parabola through the last three points follows,
     which finds a smooth minimum as well as the value needs it.
     """
-    points, best, value = first, low, low
+    shape, rows = low.shape, np.arange(low.size)
+    low, high, points = low.ravel(), high.ravel(), first
     for _ in range(scans):
-        share = np.linspace(0.0, 1.0, points)
-        candidates = low[..., np.newaxis] + (high - low)[..., np.newaxis] * share
-        values = cost(candidates)
-        index = np.argmin(values, axis=-1)[..., np.newaxis]
-        best = np.take_along_axis(candidates, index, axis=-1)[..., 0]
-        value = np.take_along_axis(values, index, axis=-1)[..., 0]
+        candidates = low[:, np.newaxis] + (high - low)[:, np.newaxis] * _shares(points)
+        values = cost(candidates.reshape(*shape, points)).reshape(-1, points)
+        index = np.argmin(values, axis=1)
+        best, value = candidates[rows, index], values[rows, index]
         step = (high - low) / (points - 1)
         low, high = np.maximum(low, best - step), np.minimum(high, best + step)
         points = 9
     if scans == EXACT:
-        return best, value
-    inside = np.clip(index, 1, values.shape[-1] - 2)
-    before, middle, after = (
-        np.take_along_axis(values, inside + k, axis=-1)[..., 0] for k in (-1, 0, 1)
-    )
+        return best.reshape(shape), value.reshape(shape)
+    inside = np.clip(index, 1, values.shape[1] - 2)
+    before, middle, after = (values[rows, inside + k] for k in (-1, 0, 1))
     bend = before - 2.0 * middle + after
-    smooth = (index == inside)[..., 0] & (bend > 0.0) & (np.maximum(before, after) < _INFEASIBLE)
+    smooth = (index == inside) & (bend > 0.0) & (np.maximum(before, after) < _INFEASIBLE)
     offset = np.divide(0.5 * (before - after), bend, out=np.zeros_like(bend), where=smooth)
-    vertex = best + step * offset
+    vertex = (best + step * offset).reshape(shape)
+    best, value = best.reshape(shape), value.reshape(shape)
     there = cost(vertex[..., np.newaxis])[..., 0]
     return np.where(there < value, vertex, best), np.minimum(there, value)
+
+
+@cache
+def _shares(points: int) -> Array:
+    """Return so many numbers from 0 to 1."""
+    return np.linspace(0.0, 1.0, points)
