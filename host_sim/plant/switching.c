@@ -81,11 +81,16 @@ static void choose_diodes(period_t *p)
     phases_leg_t legs[PHASES];
     double current_a[PHASES];
     double end_v[PHASES];
+    bool floats = false;
     for (int x = 0; x < PHASES; x++) {
         if (p->gate[x] == DEAD && p->path[x] != DIODE_LOW && p->path[x] != DIODE_HIGH) {
             const double i = p->state.current_a[x];
             p->path[x] = i > ZERO_A ? DIODE_LOW : (i < -ZERO_A ? DIODE_HIGH : FLOATS);
         }
+        floats = floats || p->path[x] == FLOATS;
+    }
+    if (!floats) {
+        return;
     }
     connect(p, legs);
     phases_look(&p->phases, &p->state, legs, current_a, end_v);
