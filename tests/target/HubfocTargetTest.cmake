@@ -97,7 +97,7 @@ function(hubfoc_add_unit_test)
   cmake_path(ABSOLUTE_PATH test)
   set(runner "${CMAKE_CURRENT_BINARY_DIR}/${T_NAME}_runner.c")
   add_custom_command(OUTPUT "${runner}"
-    COMMAND "${HUBFOC_RUBY}" -W0 "${UNITY_DIR}/auto/generate_test_runner.rb" "${HUBFOC_CMOCK_YML}" "${test}" "${runner}"
+    COMMAND "${HUBFOC_RUBY}" -W0 --disable=gems "${UNITY_DIR}/auto/generate_test_runner.rb" "${HUBFOC_CMOCK_YML}" "${test}" "${runner}"
     DEPENDS "${test}" "${HUBFOC_CMOCK_YML}" VERBATIM)
   set_source_files_properties("${runner}" PROPERTIES COMPILE_OPTIONS "-w")
   foreach(source IN LISTS T_SOURCES)

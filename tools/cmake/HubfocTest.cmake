@@ -11,6 +11,7 @@
 
 hubfoc_require_test_tools()
 set(UNITY_DIR "${CMOCK_DIR}/vendor/unity")
+# Ruby runs with --disable=gems, which starts in less than half the time.
 set(HUBFOC_CMOCK_YML "${PROJECT_SOURCE_DIR}/tools/cmake/cmock.yml")
 
 add_library(unity STATIC "${UNITY_DIR}/src/unity.c" "${CMOCK_DIR}/src/cmock.c")
@@ -27,14 +28,14 @@ function(hubfoc_add_unit_test)
   set(runner "${gen}/${target}_runner.c")
   # The .yml comes first: the runner generator resets its options when it meets it.
   add_custom_command(OUTPUT "${runner}"
-    COMMAND "${RUBY_EXECUTABLE}" -W0 "${UNITY_DIR}/auto/generate_test_runner.rb" "${HUBFOC_CMOCK_YML}" "${test}" "${runner}"
+    COMMAND "${RUBY_EXECUTABLE}" -W0 --disable=gems "${UNITY_DIR}/auto/generate_test_runner.rb" "${HUBFOC_CMOCK_YML}" "${test}" "${runner}"
     DEPENDS "${test}" "${HUBFOC_CMOCK_YML}" VERBATIM)
   set(mock_sources "")
   foreach(header IN LISTS T_MOCKS)
     cmake_path(ABSOLUTE_PATH header BASE_DIRECTORY "${PROJECT_SOURCE_DIR}")
     cmake_path(GET header STEM stem)
     add_custom_command(OUTPUT "${gen}/mock_${stem}.c" "${gen}/mock_${stem}.h"
-      COMMAND "${RUBY_EXECUTABLE}" -W0 "${CMOCK_DIR}/lib/cmock.rb" "-o${HUBFOC_CMOCK_YML}" "--mock_path=${gen}" "${header}"
+      COMMAND "${RUBY_EXECUTABLE}" -W0 --disable=gems "${CMOCK_DIR}/lib/cmock.rb" "-o${HUBFOC_CMOCK_YML}" "--mock_path=${gen}" "${header}"
       DEPENDS "${header}" "${HUBFOC_CMOCK_YML}" VERBATIM)
     list(APPEND mock_sources "${gen}/mock_${stem}.c")
   endforeach()

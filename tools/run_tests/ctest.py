@@ -44,9 +44,12 @@ class Test:
         return list(self.properties.get("LABELS", []))
 
     def words(self) -> list[str]:
-        """Return what may name a file: arguments and environment, also the part after "="."""
+        """Return what may name a file: arguments and environment, whole and in their parts.
+
+        "-DLIMIT=plugin.so,instructions=1" has the part "plugin.so".
+        """
         words = [*self.command, *self.properties.get("ENVIRONMENT", [])]
-        return [*words, *(word.partition("=")[2] for word in words if "=" in word)]
+        return [*words, *(part for word in words for part in re.split("[=,;]", word))]
 
     def files(self) -> set[Path]:
         """Return the paths that the command line names, "::" and a test's name cut off."""

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from run_tests.ctest import Test as CTest
 from run_tests.graph import BuildGraph
 
 ROOT = Path(__file__).resolve().parents[4]
@@ -196,3 +197,21 @@ def test_the_graph_follows_contents_and_not_mere_order(project: Project) -> None
     affected = graph.affected({project.root / "include/limit.h"})
     assert directory / "tests/unit/first" in affected
     assert directory / "tests/unit/second" not in affected
+
+
+def test_a_test_names_its_files_in_arguments_parts_of_arguments_and_environment() -> None:
+    test = CTest(
+        "host",
+        "boots",
+        (
+            "/bin/cmake",
+            "-DLIMIT=/build/limit.so,instructions=1",
+            "test_a.py::test_b",
+            "-P",
+            "run.cmake",
+        ),
+        {"ENVIRONMENT": ["LIBRARY=/build/library.so"], "WORKING_DIRECTORY": "/tests"},
+        (),
+    )
+    expected = {"/build/limit.so", "/tests/test_a.py", "/tests/run.cmake", "/build/library.so"}
+    assert set(map(Path, expected)) <= test.files()
