@@ -20,9 +20,9 @@ import cantools
 from cantools.database.can import Database, Message, Signal
 from cantools.database.can.c_source import generate
 
-ROOM = Path(__file__).resolve().parent
-DBC = ROOM / "hubfoc.dbc"
-README = ROOM / "README.md"
+MODULE = Path(__file__).resolve().parent
+DBC = MODULE / "hubfoc.dbc"
+README = MODULE / "README.md"
 BEGIN = "<!-- from hubfoc.dbc by generate.py -->\n"
 END = "<!-- end -->\n"
 
@@ -162,7 +162,7 @@ def main() -> int:
     only_check = parser.parse_args().check
     try:
         database = load()
-        wanted = {ROOM / "generated" / name: text for name, text in c_code(database).items()}
+        wanted = {MODULE / "generated" / name: text for name, text in c_code(database).items()}
         wanted[README] = readme(database, README.read_text(encoding="utf-8"))
     except (OSError, ValueError, cantools.Error) as error:
         print(f"{DBC.name}: {' '.join(str(error).split())}", file=sys.stderr)
@@ -175,13 +175,13 @@ def main() -> int:
     if only_check:
         for path in stale:
             print(
-                f"{path.relative_to(ROOM)} is not what hubfoc.dbc makes; run tools/dev python firmware/comms/generate.py",
+                f"{path.relative_to(MODULE)} is not what hubfoc.dbc makes; run tools/dev python firmware/comms/generate.py",
                 file=sys.stderr,
             )
         return 1 if stale else 0
     for path in stale:
         write(path, wanted[path])
-        print(f"wrote {path.relative_to(ROOM)}")
+        print(f"wrote {path.relative_to(MODULE)}")
     return 0
 
 

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from rooms import PURE, ROOT, sources_of
+from modules import PURE, ROOT, sources_of
 from test_repository import git_files, name_of
 
 VENV = Path(sys.executable).parent
@@ -46,7 +46,7 @@ def test_python_types_agree() -> None:
     run(VENV / "mypy", "--config-file", "tools/setup/mypy.ini", *tracked(".py"))
 
 
-def test_the_pure_rooms_have_no_known_defects() -> None:
+def test_the_pure_modules_have_no_known_defects() -> None:
     """clang-tidy with the options the build compiles them with."""
     clang_tidy = shutil.which("clang-tidy")
     if clang_tidy is None:
@@ -56,7 +56,7 @@ def test_the_pure_rooms_have_no_known_defects() -> None:
         entry["file"]
         for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
     }
-    sources = [str(path) for room in PURE for path in sources_of(room)]
+    sources = [str(path) for module in PURE for path in sources_of(module)]
     assert set(sources) <= compiled
     jobs = [
         subprocess.Popen(

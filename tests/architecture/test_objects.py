@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the compiler made of the pure rooms: no state of their own, no recursion, nothing dear in the fast reach.
+"""What the compiler made of the pure modules: no state of their own, no recursion, nothing dear in the fast loop.
 
 The source can hide a division in a macro, recursion behind three functions and a global behind a
-static; object files cannot. The rooms are compiled here, each file by itself, with the host's
+static; object files cannot. The modules are compiled here, each file by itself, with the host's
 compiler and for three Cortex-M cores.
 """
 
@@ -14,17 +14,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
-from rooms import PURE, STRICT_C, include_options, sources_of
+from modules import PURE, STRICT_C, include_options, sources_of
 
 # Called by the compiler on its own account: every C implementation, also a freestanding one,
 # provides these four for copying and clearing structures (GCC manual, "Standards"). They have no
-# state and cannot fail. Rooms cannot call them by name, because no room may include <string.h>.
+# state and cannot fail. Modules cannot call them by name, because no module may include <string.h>.
 COMPILER_SUPPORT = {"memcpy", "memset", "memmove", "memcmp"}
 
 # Supplied by app/ or a test: the end of a failed assertion (core/check.h).
 CHECK_HANDLER = {"check_failed"}
 
-# 64-bit integer arithmetic of the slow reach (ARM IHI 0043, "Run-time ABI"), and the table jumps of
+# 64-bit integer arithmetic of the slow loop (ARM IHI 0043, "Run-time ABI"), and the table jumps of
 # Cortex-M0+. No __aeabi_d* or __aeabi_f*: there is no floating point to emulate.
 ARM_INTEGER_HELPERS = {
     *(
@@ -72,16 +72,16 @@ def run(*command: str | Path) -> str:
     return result.stdout
 
 
-def compile_rooms(compiler: str, options: list[str], directory: Path) -> list[Path]:
+def compile_modules(compiler: str, options: list[str], directory: Path) -> list[Path]:
     objects = []
-    for room in PURE:
-        for source in sources_of(room):
-            objects.append(directory / f"{room}_{source.stem}.o")
+    for module in PURE:
+        for source in sources_of(module):
+            objects.append(directory / f"{module}_{source.stem}.o")
             run(
                 compiler,
                 *STRICT_C,
                 *options,
-                *include_options(room),
+                *include_options(module),
                 "-c",
                 source,
                 "-o",
@@ -104,7 +104,7 @@ def symbols_of(nm: str, objects: Iterable[Path]) -> list[tuple[Path, str, str]]:
 def host_objects(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """Return unoptimised objects, in which every call of the source is still a call."""
     directory = tmp_path_factory.mktemp("host")
-    return compile_rooms("gcc", ["-O0", "-fno-pic", "-fcallgraph-info"], directory)
+    return compile_modules("gcc", ["-O0", "-fno-pic", "-fcallgraph-info"], directory)
 
 
 @pytest.fixture(scope="module", params=CORES)
@@ -114,7 +114,7 @@ def arm_objects(
     if shutil.which("arm-none-eabi-gcc") is None:
         pytest.fail("no arm-none-eabi-gcc here; tools/dev setup arm installs it")
     directory = tmp_path_factory.mktemp(request.param)
-    return compile_rooms(
+    return compile_modules(
         "arm-none-eabi-gcc", [*CORES[request.param], "-ffunction-sections"], directory
     )
 
@@ -132,21 +132,21 @@ def undefined(symbols: list[tuple[Path, str, str]]) -> set[str]:
     return {name for _, letter, name in symbols if letter == "U"} - defined
 
 
-def test_no_pure_room_keeps_anything_in_memory_of_its_own(host_objects: list[Path]) -> None:
+def test_no_pure_module_keeps_anything_in_memory_of_its_own(host_objects: list[Path]) -> None:
     assert writable(symbols_of("nm", host_objects)) == []
 
 
-def test_no_pure_room_keeps_anything_in_memory_of_its_own_on_the_target(
+def test_no_pure_module_keeps_anything_in_memory_of_its_own_on_the_target(
     arm_objects: list[Path],
 ) -> None:
     assert writable(symbols_of("arm-none-eabi-nm", arm_objects)) == []
 
 
-def test_pure_rooms_call_nothing_but_each_other(host_objects: list[Path]) -> None:
+def test_pure_modules_call_nothing_but_each_other(host_objects: list[Path]) -> None:
     assert undefined(symbols_of("nm", host_objects)) <= COMPILER_SUPPORT | CHECK_HANDLER
 
 
-def test_pure_rooms_call_nothing_but_each_other_and_integer_arithmetic_on_the_target(
+def test_pure_modules_call_nothing_but_each_other_and_integer_arithmetic_on_the_target(
     arm_objects: list[Path],
 ) -> None:
     outside = undefined(symbols_of("arm-none-eabi-nm", arm_objects))
@@ -225,7 +225,7 @@ def test_the_search_finds_recursion(tmp_path: Path) -> None:
     assert cycle_in({"a": {"b", "c"}, "b": {"c"}}) == []
 
 
-# ---- the fast reach ----
+# ---- the fast loop ----
 
 
 @dataclass

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from rooms import ROOT
+from modules import ROOT
 from test_repository import git_files, name_of
 
 VERSION = "1.2.3"

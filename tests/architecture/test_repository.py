@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from rooms import ROOT
+from modules import ROOT
 
 TOP_LEVEL = {
     *("CMakeLists.txt", "CMakePresets.json", "README.md", "LICENSE"),

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where the fast loop gets its numbers from: initialisation, and the tuning that the slow reach
+ * Where the fast loop gets its numbers from: initialisation, and the tuning that the slow loop
  * makes every millisecond. With every field anywhere in the validator's range nothing overflows,
  * and what comes out is in the ranges that the proofs of the boxes assume.
  */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Square root and quotients of the slow reach: no sum wraps, not even an unsigned one, and the
+ * Square root and quotients of the slow loop: no sum wraps, not even an unsigned one, and the
  * constants are those of the theorem. That root and quotients are exact follows from that by the
  * derivations in isqrt.c and divide.c; to multiply 64 bits out is beyond a checker.
  */

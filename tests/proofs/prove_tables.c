@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The slow reach's tables: with any grid that the validator accepts every read lies inside the part
+ * The slow loop's tables: with any grid that the validator accepts every read lies inside the part
  * of the table that is in use. Of core/grid.h's functions only their promises are taken, which
  * prove_grid() proves: a position is any on its axis, and what is interpolated is anything.
  */

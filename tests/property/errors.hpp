@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * errors.hpp: the largest error of every kernel of the fast reach against its double-precision
+ * errors.hpp: the largest error of every kernel of the fast loop against its double-precision
  * twin.
  */
 #pragma once

@@ -179,7 +179,7 @@ static slow_input_t take_slow_input(bytes_t *bytes)
     return in;
 }
 
-/* What a slow reach may say without having been asked: any reference, any speed and bus voltage to
+/* What a slow loop may say without having been asked: any reference, any speed and bus voltage to
  * be tuned for. */
 static void take_command(fast_setpoint_t *command, const config_t *config,
                          int32_t modulation_limit_q15, bytes_t *bytes)
@@ -222,7 +222,7 @@ static void check_fast(const config_t *config, const fast_setpoint_t *command,
     const bool tripped = report->monitor.trip != REASON_NONE;
     promise(!tripped || out->bridge != BRIDGE_PWM, "a tripped bridge does not switch");
     promise(tripped || out->bridge == command->torque_enable.bridge,
-            "without a trip the bridge does what it is told");
+            "without a trip the bridge follows its command");
     for (int x = 0; x < 3; x++) {
         const int32_t on = out->compare_counts[x];
         promise(on >= config->drive.min_pulse_counts, "the low side keeps its shortest pulse");
@@ -255,11 +255,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     controller_init(&controller, &config);
     fast_setpoint_t command = controller_initial_setpoint(&config);
     fast_report_t report = controller_initial_report(&config);
-    const bool with_slow_reach = (take8(&bytes) & 1U) != 0;
+    const bool with_slow_loop = (take8(&bytes) & 1U) != 0;
     int steps = 0;
     while (bytes.left > 0 && steps < MOST_STEPS) {
         const uint8_t what = take8(&bytes);
-        if (what < 64 && with_slow_reach) {
+        if (what < 64 && with_slow_loop) {
             const slow_input_t in = take_slow_input(&bytes);
             report.foc.offsets_done =
                 true; /* a thousand samples are more than an input has to spare */

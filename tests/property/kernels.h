@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * kernels.h: every box of the fast reach by itself, in plain C types that C++ may include. The twin
+ * kernels.h: every box of the fast loop by itself, in plain C types that C++ may include. The twin
  * (twin.hpp) has a function of the same name for each.
  */
 #ifndef PROPERTY_KERNELS_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * loop.h: the fast reach as the property tests see it: plain C types, so that C++ may include it,
+ * loop.h: the fast loop as the property tests see it: plain C types, so that C++ may include it,
  * and one place to change when a header of the firmware does.
  */
 #ifndef PROPERTY_LOOP_H
@@ -17,7 +17,7 @@ extern "C" {
 
 extern const config_t CONFIG_LU2013;
 
-/* One fast reach with the slow reach's share of the work (tuning for speed and bus voltage every
+/* One fast loop with the slow loop's share of the work (tuning for speed and bus voltage every
  * millisecond). */
 typedef struct loop_s loop_t;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * tables.h: what the slow reach makes of the tables in a configuration, in plain C types that C++
+ * tables.h: what the slow loop makes of the tables in a configuration, in plain C types that C++
  * may include.
  */
 #ifndef PROPERTY_TABLES_H

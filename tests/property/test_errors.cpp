@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-// Every kernel of the fast reach against its double-precision twin; the numbers in
+// Every kernel of the fast loop against its double-precision twin; the numbers in
 // firmware/foc/README.md are these.
 #include <fstream>
 #include <map>

@@ -101,7 +101,7 @@ Answer step(Bench &bench, const config_t &design, double i_d_A, double from_A, d
 }
 
 // From several positions of the rotor, in both directions. The firmware may believe in another
-// design than it is held against.
+// design than it is compared with.
 Answer steps_from(double from_A, const config_t &config, const Point &point, const config_t &design)
 {
     Answer worst;
@@ -219,18 +219,18 @@ static void test_twelve_bit_converters_add_their_rounding_and_nothing_else()
 
 static void test_compensation_that_expects_the_current_too_late_is_a_third_of_the_step_wrong()
 {
-    // Told that it is five times as slow as it is, the firmware shapes the reference for that,
+    // Configured for a fifth of the bandwidth, the firmware shapes the reference for that,
     // which alone is 7 % off.
     const Point real{25.0, 0.0, 53.0, true};
     const Point ideal{25.0, 0.0, 53.0, false};
-    const auto told = [](bool real_bridge) {
+    const auto slower = [](bool real_bridge) {
         config_t config = bench::with_finer_converter(paper_config(real_bridge), 6);
         config.current_loop.bandwidth_Hz /= 5;
         return config;
     };
-    const double shape = steps_from(-2.5, told(false), ideal, paper_config(false)).beside;
+    const double shape = steps_from(-2.5, slower(false), ideal, paper_config(false)).beside;
     CHECK(shape < 0.08);
-    CHECK(steps_from(-2.5, told(true), real, paper_config(true)).beside > shape + 0.33);
+    CHECK(steps_from(-2.5, slower(true), real, paper_config(true)).beside > shape + 0.33);
 }
 
 static void test_closed_loop_has_the_designed_bandwidth_within_a_twentieth()

@@ -83,9 +83,9 @@ Arrival step(const config_t &config, const Plant &plant)
     bench.set_reference(0.0, TO_A);
     Arrival out;
     for (int n = 0; n < 1000; n++) {
-        const loop_output_t told = bench.step();
-        out.circle_V = told.modulation_limit_q15 / 32768.0 * plant.v_dc_V / std::sqrt(3.0);
-        out.limited += told.limited ? 1 : 0;
+        const loop_output_t out_of_loop = bench.step();
+        out.circle_V = out_of_loop.modulation_limit_q15 / 32768.0 * plant.v_dc_V / std::sqrt(3.0);
+        out.limited += out_of_loop.limited ? 1 : 0;
         out.beyond = std::max(out.beyond, bench.i_q() / TO_A - 1.0);
         if (out.sample < 0 && (bench.current() - Vector2d(0.0, TO_A)).norm() <= BAND_A) {
             out.sample = n;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * twin.hpp: the fast reach in double precision, from the equations and not from the code: what
+ * twin.hpp: the fast loop in double precision, from the equations and not from the code: what
  * every kernel would give with real numbers. Quantities keep the units of the fixed-point side (LSB
  * of Q15, counts), so that a difference is an error in LSB.
  */

@@ -48,34 +48,34 @@ hubfoc_add_qemu_test(NAME firmware_finds_one_wrong_byte_in_itself ELF "${CMAKE_C
 
 # ---- the same stories on host and target ----
 
-set(room_sources "")
-set(room_includes "")
-foreach(room IN LISTS rooms)
-  get_target_property(sources hubfoc_${room} SOURCES)
-  get_target_property(directory hubfoc_${room} SOURCE_DIR)
+set(module_sources "")
+set(module_includes "")
+foreach(module IN LISTS modules)
+  get_target_property(sources hubfoc_${module} SOURCES)
+  get_target_property(directory hubfoc_${module} SOURCE_DIR)
   list(TRANSFORM sources PREPEND "${directory}/")
-  list(APPEND room_sources ${sources})
-  list(APPEND room_includes "${directory}/include")
+  list(APPEND module_sources ${sources})
+  list(APPEND module_includes "${directory}/include")
 endforeach()
 list(TRANSFORM trace_sources PREPEND "${CMAKE_CURRENT_LIST_DIR}/" OUTPUT_VARIABLE trace_files)
-list(TRANSFORM room_includes PREPEND "-I" OUTPUT_VARIABLE include_options)
-file(GLOB_RECURSE room_headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/firmware/*/include/*.h" "${CMAKE_CURRENT_LIST_DIR}/*.h")
+list(TRANSFORM module_includes PREPEND "-I" OUTPUT_VARIABLE include_options)
+file(GLOB_RECURSE module_headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/firmware/*/include/*.h" "${CMAKE_CURRENT_LIST_DIR}/*.h")
 
 set(trace_on_host "${CMAKE_CURRENT_BINARY_DIR}/trace_on_host")
 if(HUBFOC_HOST_CC)
-  set(host_files ${trace_files} "${CMAKE_CURRENT_LIST_DIR}/print_host.c" ${room_sources} "${config_image}")
+  set(host_files ${trace_files} "${CMAKE_CURRENT_LIST_DIR}/print_host.c" ${module_sources} "${config_image}")
   add_custom_command(OUTPUT trace_on_host
     COMMAND "${HUBFOC_HOST_CC}" -std=c11 -O2 ${include_options} "-I${PROJECT_SOURCE_DIR}/tests/unit/firmware/support" "-D${trace_definitions}"
       ${host_files} -o trace_on_host
-    DEPENDS ${host_files} ${room_headers} VERBATIM)
+    DEPENDS ${host_files} ${module_headers} VERBATIM)
   add_custom_target(hubfoc_trace_on_host ALL DEPENDS trace_on_host)
 endif()
 
 # trace(NAME OPTION...): the stories, compiled for the emulated core with these options, against the host.
 function(trace name)
   hubfoc_add_target_program(NAME ${name} OPTIONS ${ARGN}
-    SOURCES ${trace_files} "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/print_target.c" ${room_sources} "${config_image}")
-  target_include_directories(${name} PRIVATE ${room_includes} "${PROJECT_SOURCE_DIR}/tests/unit/firmware/support")
+    SOURCES ${trace_files} "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/print_target.c" ${module_sources} "${config_image}")
+  target_include_directories(${name} PRIVATE ${module_includes} "${PROJECT_SOURCE_DIR}/tests/unit/firmware/support")
   target_compile_definitions(${name} PRIVATE ${trace_definitions})
   hubfoc_add_qemu_test(NAME ${name}_is_the_hosts_bit_for_bit ELF ${name} MILLIONS 30000 SAME_AS "${trace_on_host}")
 endfunction()
@@ -102,7 +102,7 @@ else()
 endif()
 set_tests_properties(instruction_budgets PROPERTIES TIMEOUT 900 LABELS target ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 
-# ---- the unit tests of the pure rooms ----
+# ---- the unit tests of the pure modules ----
 
 if(HUBFOC_RUBY AND CMOCK_DIR)
   set(UNITY_DIR "${CMOCK_DIR}/vendor/unity")
@@ -112,9 +112,9 @@ if(HUBFOC_RUBY AND CMOCK_DIR)
   target_compile_options(unity_target PRIVATE ${HUBFOC_TEST_CORE})
   target_compile_definitions(unity_target PUBLIC UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64 UNITY_OUTPUT_CHAR=target_putchar
     "UNITY_OUTPUT_CHAR_HEADER_DECLARATION=target_putchar(int)")
-  foreach(room IN LISTS rooms)
-    if(EXISTS "${PROJECT_SOURCE_DIR}/tests/unit/firmware/${room}/CMakeLists.txt")
-      add_subdirectory("${PROJECT_SOURCE_DIR}/tests/unit/firmware/${room}" "unit_${room}")
+  foreach(module IN LISTS modules)
+    if(EXISTS "${PROJECT_SOURCE_DIR}/tests/unit/firmware/${module}/CMakeLists.txt")
+      add_subdirectory("${PROJECT_SOURCE_DIR}/tests/unit/firmware/${module}" "unit_${module}")
     endif()
   endforeach()
 endif()

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The same long stories for both step functions, told on the host and on the emulated core: prints
+ * The same long stories for both step functions, run on the host and on the emulated core: prints
  * one CRC-32 a story over every output of every step, and a count of the modes that were reached,
  * so that a story that goes nowhere is seen.
  */

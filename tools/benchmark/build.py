@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The programs that are measured.
 
-The firmware's rooms with a closed loop around them, for each core, and the plugin.
+The firmware's modules with a closed loop around them, for each core, and the plugin.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
-ROOMS = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
+MODULES = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
 PREFIX = "arm-none-eabi-"
 PLUGIN_INTERFACES = (1, 4, 3, 2, 5)
 """Versions of QEMU's plugin interface, tried in this order: 1 is that of QEMU 7 and 8, 4 that of QEMU 10."""
@@ -81,10 +81,12 @@ def sources(config: str) -> list[Path]:
         raise BenchError(
             f"no configuration firmware/config/generated/{config}.c; ./tools/dev table makes it"
         )
-    rooms = [path for room in ROOMS for path in sorted((ROOT / "firmware" / room).glob("*.c"))]
+    modules = [
+        path for module in MODULES for path in sorted((ROOT / "firmware" / module).glob("*.c"))
+    ]
     port = ROOT / "hal" / "qemu_mps2"
     return [
-        *rooms,
+        *modules,
         image,
         port / "semihost.c",
         port / "startup.c",
@@ -102,7 +104,7 @@ def compile_program(core: Core, config: str, directory: Path) -> Path:
     directory.mkdir(parents=True)
     port = ROOT / "hal" / "qemu_mps2"
     symbol = "".join(c if c.isalnum() else "_" for c in config).upper()
-    includes = [ROOT / "firmware" / room / "include" for room in ROOMS] + [
+    includes = [ROOT / "firmware" / module / "include" for module in MODULES] + [
         port,
         ROOT / "tests" / "unit" / "firmware" / "support",
     ]

@@ -27,18 +27,18 @@ def platform_folder(fmi: int) -> str:
 
 
 def source_files(listed: Iterable[Path], table: Path) -> dict[str, Path]:
-    """Return name below sources/ and file, for C files in rooms (``.../ROOM/FILE.c``), their headers and the table.
+    """Return name below sources/ and file, for C files in modules (``.../MODULE/FILE.c``), their headers and the table.
 
     Headers keep the names they are included by, so that sources/ is the only include directory.
     """
     found: dict[str, Path] = {"table.c": table}
     for path in listed:
-        room = path.parent
-        found[f"{room.name}/{path.name}"] = path
-        for header in sorted((room / "include").rglob("*.h")):
-            found[header.relative_to(room / "include").as_posix()] = header
-        for header in sorted(room.glob("*.h")):
-            found[f"{room.name}/{header.name}"] = header
+        module = path.parent
+        found[f"{module.name}/{path.name}"] = path
+        for header in sorted((module / "include").rglob("*.h")):
+            found[header.relative_to(module / "include").as_posix()] = header
+        for header in sorted(module.glob("*.h")):
+            found[f"{module.name}/{header.name}"] = header
     return found
 
 

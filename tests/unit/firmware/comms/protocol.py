@@ -16,8 +16,8 @@ from cantools.database.can import Database
 
 ROOT = Path(__file__).resolve().parents[4]
 FIRMWARE = ROOT / "firmware"
-ROOM = FIRMWARE / "comms"
-DBC = ROOM / "hubfoc.dbc"
+MODULE = FIRMWARE / "comms"
+DBC = MODULE / "hubfoc.dbc"
 
 WHEELS = {"FRONT_LEFT": 0, "FRONT_RIGHT": 1, "REAR_LEFT": 2, "REAR_RIGHT": 3}
 WHEEL_MASK = 0x7FC  # what of an identifier says which message it is
@@ -35,7 +35,7 @@ def load(frame_id_mask: int | None = None) -> Database:
 
 
 class Comms:
-    """The room's C: ``ffi`` for its types, ``lib`` for its functions."""
+    """The module's C: ``ffi`` for its types, ``lib`` for its functions."""
 
     def __init__(self, library: Path, bare: Path) -> None:
         """Read the declarations out of the headers; nothing of them is repeated here."""
@@ -45,7 +45,7 @@ class Comms:
         assert compiler is not None
         includes = [
             f"-I{directory}"
-            for directory in (bare, ROOM / "include", FIRMWARE / "core" / "include")
+            for directory in (bare, MODULE / "include", FIRMWARE / "core" / "include")
         ]
         command = [compiler, "-E", "-P", "-nostdinc", *includes, "-"]
         text = '#include "comms/messages.h"\n'

@@ -133,7 +133,7 @@ def test_checksum_and_counter_are_where_profile_2_has_them(database: Database) -
         assert (counter.start, counter.length) == (8, 4), message.name
 
 
-def test_limits_and_demands_leave_room_for_the_largest_drive_the_configuration_accepts(
+def test_limits_and_demands_leave_module_for_the_largest_drive_the_configuration_accepts(
     database: Database,
 ) -> None:
     """20 kN m and 5000 rad/s are the ends of config.h's ranges.

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import pytest
 from cantools.autosar.end_to_end import apply_profile2_crc, check_profile2_crc, compute_profile2_crc
 from cantools.database.can import Database, Message, Signal
-from protocol import DBC, ROOM, WHEELS, Comms, CValue
+from protocol import DBC, MODULE, WHEELS, Comms, CValue
 
 # The list of e2e.c once more: made of four entries, as its comment says.
 BASIS = {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}
@@ -175,7 +175,7 @@ def test_the_sixteen_data_ids_of_a_message_differ(comms: Comms) -> None:
 
 def test_the_readme_prints_the_list_of_data_ids() -> None:
     printed = " ".join(f"{data_id(0, counter):02X}" for counter in range(16))
-    assert f"\n    {printed}\n" in (ROOM / "README.md").read_text(encoding="utf-8")
+    assert f"\n    {printed}\n" in (MODULE / "README.md").read_text(encoding="utf-8")
 
 
 # ---- layout ----

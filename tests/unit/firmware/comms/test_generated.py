@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 from cantools.database.can import Database
-from protocol import DBC, ROOM
+from protocol import DBC, MODULE
 
-GENERATOR = ROOM / "generate.py"
+GENERATOR = MODULE / "generate.py"
 WARNINGS = [
     *(
         "-Wall",
@@ -30,9 +30,9 @@ WARNINGS = [
 ]
 
 
-def run_generator(room: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+def run_generator(module: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, str(room / "generate.py"), *arguments],
+        [sys.executable, str(module / "generate.py"), *arguments],
         capture_output=True,
         text=True,
         check=False,
@@ -40,15 +40,15 @@ def run_generator(room: Path, *arguments: str) -> subprocess.CompletedProcess[st
 
 
 def test_code_and_tables_are_what_the_dbc_makes() -> None:
-    result = run_generator(ROOM, "--check")
+    result = run_generator(MODULE, "--check")
     assert result.returncode == 0, result.stderr
 
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
-    """Return a copy of the room in which things may be changed."""
-    room = tmp_path / "comms"
-    (room / "generated").mkdir(parents=True)
+    """Return a copy of the module in which things may be changed."""
+    module = tmp_path / "comms"
+    (module / "generated").mkdir(parents=True)
     for name in (
         "generate.py",
         "hubfoc.dbc",
@@ -56,8 +56,8 @@ def copy(tmp_path: Path) -> Path:
         "generated/hubfoc.h",
         "generated/hubfoc.c",
     ):
-        shutil.copy(ROOM / name, room / name)
-    return room
+        shutil.copy(MODULE / name, module / name)
+    return module
 
 
 def test_a_changed_message_is_noticed_in_code_and_tables_and_mended_by_one_run(copy: Path) -> None:
@@ -103,7 +103,7 @@ def test_the_generated_code_compiles_without_a_warning_and_without_floating_poin
 ) -> None:
     compiler = shutil.which("cc") or shutil.which("gcc")
     assert compiler is not None
-    source = ROOM / "generated/hubfoc.c"
+    source = MODULE / "generated/hubfoc.c"
     command = [compiler, *WARNINGS, "-O2", "-c", str(source), "-o", str(tmp_path / "hubfoc.o")]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
@@ -112,7 +112,7 @@ def test_the_generated_code_compiles_without_a_warning_and_without_floating_poin
 
 
 def test_the_generated_code_does_not_change_from_day_to_day() -> None:
-    for path in (ROOM / "generated").iterdir():
+    for path in (MODULE / "generated").iterdir():
         assert not re.search(
             r"\b(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun) \w{3} +\d", path.read_text(encoding="utf-8")
         ), path.name
@@ -153,7 +153,7 @@ def test_the_load_of_the_bus_is_what_the_readme_says(database: Database) -> None
         share = bits * 1000.0 / (message.cycle_time or 0) / 500_000
         one += share
         four += share * (1 if message.senders == ["battery"] else 4)
-    readme = (ROOM / "README.md").read_text(encoding="utf-8")
+    readme = (MODULE / "README.md").read_text(encoding="utf-8")
     assert (
         f"one wheel takes {100 * one:.1f} % of a bus of 500 kbit/s, four wheels {100 * four:.1f} %"
         in readme
@@ -162,7 +162,7 @@ def test_the_load_of_the_bus_is_what_the_readme_says(database: Database) -> None
 
 
 def test_the_readme_names_every_message_and_signal(database: Database) -> None:
-    readme = (ROOM / "README.md").read_text(encoding="utf-8")
+    readme = (MODULE / "README.md").read_text(encoding="utf-8")
     for message in database.messages:
         assert re.search(
             rf"^\| `0x{message.frame_id:03X}`[^|]*\| {message.name} \|", readme, re.MULTILINE
@@ -173,7 +173,7 @@ def test_the_readme_names_every_message_and_signal(database: Database) -> None:
 
 def test_the_readme_s_line_decodes_every_wheel(tmp_path: Path) -> None:
     """The command is run as it stands there, with a recorded line in the place of the bus."""
-    readme = (ROOM / "README.md").read_text(encoding="utf-8")
+    readme = (MODULE / "README.md").read_text(encoding="utf-8")
     line = re.search(
         r"^ +candump can0 \| \./tools/dev python (-m cantools decode .*)$", readme, re.MULTILINE
     )

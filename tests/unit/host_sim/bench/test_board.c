@@ -18,7 +18,7 @@
 /* Cycle of the demand and of the brake's command: what CAN makes older, each. */
 static const double CYCLE_S = 0.010;
 
-/* The twin: nothing but pure rooms, fed with what the sensors saw and with the frames the vehicle
+/* The twin: the pure modules alone, fed with what the sensors saw and with the frames the vehicle
  * sent. */
 typedef struct {
     board_t board;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rooms of the firmware.
+"""The modules of the firmware.
 
 Who may include whom, where their files are, and C text without comments and strings.
 """
@@ -10,7 +10,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "firmware"
 
-# What a room may include besides itself: core <- config <- foc, torque, monitor, modes <-
+# What a module may include besides itself: core <- config <- foc, torque, monitor, modes <-
 # controller <- app -> hal.
 MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "core": (),
@@ -45,22 +45,22 @@ WARNINGS = [
 STRICT_C = ["-std=c11", "-pedantic-errors", *WARNINGS]
 
 
-def files_of(room: str) -> list[Path]:
-    """Return every C file of a room but those a generator wrote."""
-    found = [path for pattern in ("*.c", "*.h") for path in (FIRMWARE / room).rglob(pattern)]
+def files_of(module: str) -> list[Path]:
+    """Return every C file of a module but those a generator wrote."""
+    found = [path for pattern in ("*.c", "*.h") for path in (FIRMWARE / module).rglob(pattern)]
     return sorted(path for path in found if "generated" not in path.parts)
 
 
-def sources_of(room: str) -> list[Path]:
-    return [path for path in files_of(room) if path.suffix == ".c"]
+def sources_of(module: str) -> list[Path]:
+    return [path for path in files_of(module) if path.suffix == ".c"]
 
 
-def include_options(room: str) -> list[str]:
-    """Return the -I options a room is compiled with.
+def include_options(module: str) -> list[str]:
+    """Return the -I options a module is compiled with.
 
-    Its own headers and those of the rooms it may include.
+    Its own headers and those of the modules it may include.
     """
-    visible = (room, *MAY_INCLUDE[room])
+    visible = (module, *MAY_INCLUDE[module])
     return [
         f"-I{ROOT / 'hal/include' if name == 'hal' else FIRMWARE / name / 'include'}"
         for name in visible

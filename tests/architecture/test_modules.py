@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The rooms keep their walls.
+"""The modules keep to their order of dependency.
 
-Includes run one way, the pure rooms stay pure, every header stands alone.
+Includes run one way, the pure modules stay pure, every header stands alone.
 """
 
 import re
@@ -10,7 +10,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from rooms import (
+from modules import (
     FIRMWARE,
     MAY_INCLUDE,
     PURE,
@@ -24,7 +24,7 @@ from rooms import (
 
 PURE_LIBRARY_HEADERS = {"stdint.h", "stdbool.h", "stddef.h"}
 
-# Nothing here may appear in a pure room, each for its own reason.
+# Nothing here may appear in a pure module, each for its own reason.
 FORBIDDEN = {
     "floating point": r"\b(?:float|double|_Complex|_Imaginary|_Float\w+)\b|\b\d+\.\d*[fFlL]?\b",
     "heap": r"\b(?:malloc|calloc|realloc|free|alloca)\b",
@@ -37,17 +37,17 @@ FORBIDDEN = {
     "compiler-dependent code": r"#\s*pragma\b",
 }
 
-ROOMS_HERE = [room for room in MAY_INCLUDE if (FIRMWARE / room).is_dir()]
-# Public headers by their name in the room's include folder, private ones by their file name.
+MODULES_HERE = [module for module in MAY_INCLUDE if (FIRMWARE / module).is_dir()]
+# Public headers by their name in the module's include folder, private ones by their file name.
 HEADERS = [
     (
-        room,
+        module,
         path.name
-        if path.parent == FIRMWARE / room
-        else path.relative_to(FIRMWARE / room / "include").as_posix(),
+        if path.parent == FIRMWARE / module
+        else path.relative_to(FIRMWARE / module / "include").as_posix(),
     )
-    for room in ROOMS_HERE
-    for path in files_of(room)
+    for module in MODULES_HERE
+    for path in files_of(module)
     if path.suffix == ".h"
 ]
 HAL_HEADERS = sorted(
@@ -63,33 +63,33 @@ def compile_text(text: str, options: list[str]) -> subprocess.CompletedProcess[s
     return subprocess.run(command, input=text, capture_output=True, text=True, check=False)
 
 
-def test_every_directory_of_the_firmware_is_a_room_of_the_plan() -> None:
+def test_every_directory_of_the_firmware_is_a_module_of_the_plan() -> None:
     assert {path.name for path in FIRMWARE.iterdir() if path.is_dir()} <= set(MAY_INCLUDE)
-    assert set(PURE) <= set(ROOMS_HERE)
+    assert set(PURE) <= set(MODULES_HERE)
 
 
-@pytest.mark.parametrize("room", ROOMS_HERE)
-def test_a_room_includes_only_the_rooms_before_it(room: str) -> None:
-    allowed = {room, *MAY_INCLUDE[room]}
+@pytest.mark.parametrize("module", MODULES_HERE)
+def test_a_module_includes_only_the_modules_before_it(module: str) -> None:
+    allowed = {module, *MAY_INCLUDE[module]}
     wrong = []
-    for path in files_of(room):
+    for path in files_of(module):
         for kind, name in includes_in(path.read_text(encoding="utf-8")):
-            # A private header beside its source has no room in its name; it must then really be
+            # A private header beside its source has no module in its name; it must then really be
             # there.
-            of_room = (
+            of_module = (
                 name.split("/")[0]
                 if "/" in name
-                else room
+                else module
                 if (path.parent / name).exists()
                 else name
             )
-            if kind == '"' and of_room not in allowed:
+            if kind == '"' and of_module not in allowed:
                 wrong.append(f"{path.relative_to(ROOT)}: {name}")
     assert not wrong
 
 
 def test_only_app_sees_the_hardware_interface_and_no_port_sees_the_firmware() -> None:
-    assert [room for room in MAY_INCLUDE if "hal" in MAY_INCLUDE[room]] == ["app"]
+    assert [module for module in MAY_INCLUDE if "hal" in MAY_INCLUDE[module]] == ["app"]
     for path in sorted((ROOT / "hal").rglob("*.[ch]")):
         names = {
             name.split("/")[0]
@@ -108,11 +108,11 @@ def test_the_hardware_interface_is_small() -> None:
         assert 1 <= len(functions) <= 12, (header, functions)
 
 
-@pytest.mark.parametrize("room", PURE)
-def test_a_pure_room_uses_no_more_of_the_library_than_integer_types(room: str) -> None:
+@pytest.mark.parametrize("module", PURE)
+def test_a_pure_module_uses_no_more_of_the_library_than_integer_types(module: str) -> None:
     wrong = [
         f"{path.relative_to(ROOT)}: <{name}>"
-        for path in files_of(room)
+        for path in files_of(module)
         for kind, name in includes_in(path.read_text(encoding="utf-8"))
         if kind == "<" and name not in PURE_LIBRARY_HEADERS
     ]
@@ -120,10 +120,10 @@ def test_a_pure_room_uses_no_more_of_the_library_than_integer_types(room: str) -
 
 
 @pytest.mark.parametrize("reason", FORBIDDEN)
-def test_a_pure_room_has_no(reason: str) -> None:
+def test_a_pure_module_has_no(reason: str) -> None:
     wrong = []
-    for room in PURE:
-        for path in files_of(room):
+    for module in PURE:
+        for path in files_of(module):
             for number, line in enumerate(
                 code_only(path.read_text(encoding="utf-8")).splitlines(), start=1
             ):
@@ -157,9 +157,9 @@ def test_the_search_does_not_read_comments_and_strings() -> None:
     assert len(code_only(text)) == len(text)
 
 
-@pytest.mark.parametrize(("room", "header"), HEADERS)
-def test_a_header_stands_alone_and_may_be_included_twice(room: str, header: str) -> None:
-    options = [*include_options(room), f"-I{FIRMWARE / room}"]
+@pytest.mark.parametrize(("module", "header"), HEADERS)
+def test_a_header_stands_alone_and_may_be_included_twice(module: str, header: str) -> None:
+    options = [*include_options(module), f"-I{FIRMWARE / module}"]
     result = compile_text(f'#include "{header}"\n#include "{header}"\n', options)
     assert result.returncode == 0, result.stderr
 
@@ -180,10 +180,10 @@ def test_a_vector_of_one_frame_is_no_argument_for_another() -> None:
         assert "incompatible type" in compile_text(text.format(wrong), options).stderr
 
 
-def test_a_room_cannot_be_compiled_with_an_include_it_must_not_have() -> None:
+def test_a_module_cannot_be_compiled_with_an_include_it_must_not_have() -> None:
     """The same wall in the build itself.
 
-    Each target sees only the headers of the rooms before it.
+    Each target sees only the headers of the modules before it.
     """
     for target, forbidden in (
         ("torque", "foc/foc.h"),
@@ -191,40 +191,40 @@ def test_a_room_cannot_be_compiled_with_an_include_it_must_not_have() -> None:
         ("monitor", "modes/modes.h"),
     ):
         assert compile_text(f'#include "{forbidden}"\n', include_options(target)).returncode != 0
-    for room in ROOMS_HERE:
-        text = (FIRMWARE / room / "CMakeLists.txt").read_text(encoding="utf-8")
+    for module in MODULES_HERE:
+        text = (FIRMWARE / module / "CMakeLists.txt").read_text(encoding="utf-8")
         named = set(re.findall(r"\bhubfoc_(\w+)\b", re.sub(r"#.*", "", text))) & {
             *MAY_INCLUDE,
             "hal",
         }
-        assert named <= {room, *MAY_INCLUDE[room]}, room
+        assert named <= {module, *MAY_INCLUDE[module]}, module
 
 
-def test_every_room_says_what_it_is_for() -> None:
-    missing = [room for room in ROOMS_HERE if not (FIRMWARE / room / "README.md").is_file()]
+def test_every_module_says_what_it_is_for() -> None:
+    missing = [module for module in MODULES_HERE if not (FIRMWARE / module / "README.md").is_file()]
     assert not missing
 
 
-def modules_of(room: str) -> set[str]:
-    """Return the modules of a room: its sources, and headers that hold code of their own."""
+def code_files_of(module: str) -> set[str]:
+    """Return the names of a module's sources and of headers that hold code of their own."""
     headers = {
         path.stem
-        for path in files_of(room)
+        for path in files_of(module)
         if path.suffix == ".h" and "static inline" in code_only(path.read_text(encoding="utf-8"))
     }
-    return headers | {path.stem for path in files_of(room) if path.suffix == ".c"}
+    return headers | {path.stem for path in files_of(module) if path.suffix == ".c"}
 
 
-@pytest.mark.parametrize("room", PURE)
-def test_every_module_has_a_test_of_its_own(room: str) -> None:
-    here = ROOT / "tests/unit/firmware" / room
+@pytest.mark.parametrize("module", PURE)
+def test_every_source_file_has_a_test_of_its_own(module: str) -> None:
+    here = ROOT / "tests/unit/firmware" / module
     missing = [
-        module for module in sorted(modules_of(room)) if not (here / f"test_{module}.c").is_file()
+        name for name in sorted(code_files_of(module)) if not (here / f"test_{name}.c").is_file()
     ]
-    assert not missing, f"{here.relative_to(ROOT)} has no test of these modules"
+    assert not missing, f"{here.relative_to(ROOT)} has no test of these files"
 
 
-def test_the_files_of_a_room_are_found() -> None:
+def test_the_files_of_a_module_are_found() -> None:
     """Guards the tests above against looking at nothing."""
-    assert {"limit", "brake_blending", "motor_model"} <= modules_of("torque")
+    assert {"limit", "brake_blending", "motor_model"} <= code_files_of("torque")
     assert Path("foc/foc.h") in {Path(header) for _, header in HEADERS}
