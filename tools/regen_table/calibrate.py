@@ -6,9 +6,9 @@ the angle of the rotor: no motion is commanded and no torque made. Two different
 wires, three logic channels on the halls (or one on the index), some turns of the wheel, in either
 direction.
 
-    e_a = -w psi sin(theta),  e_b, e_c a third of a turn behind:  alpha = (2 v_ab + v_bc) / 3,  beta
-    = v_bc / sqrt(3) theta = atan2(-alpha, beta) forward, half a turn more backward (the EMF has the
-    speed's sign)
+    e_a = -w psi sin(theta),  e_b and e_c lag by a third and two thirds of a turn
+    alpha = (2 v_ab + v_bc) / 3,  beta = v_bc / sqrt(3)
+    theta = atan2(-alpha, beta) forward, half a turn more backward: the EMF has the speed's sign
 """
 
 import math

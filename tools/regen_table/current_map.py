@@ -186,8 +186,8 @@ def state(
 ) -> models.State:
     """Steady state of a torque with a given terminal i_d: i_q from the quadratic that the iron branch leaves.
 
-    With i_dt = i_d + g L_q i_qt the torque is 1.5 p i_qt (psi - s i_d - s g L_q i_qt), s = L_q -
-    L_d.
+    With i_dt = i_d + g L_q i_qt and s = L_q - L_d the torque is
+    1.5 p i_qt (psi - s i_d - s g L_q i_qt).
     """
     g, saliency = motor.iron_ratio(omega), motor.q_inductance_h - motor.d_inductance_h
     per_flux = np.asarray(torque_nm) / (1.5 * motor.pole_pairs)

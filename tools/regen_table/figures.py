@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The figures of Lu et al.
+"""The figures of the paper, drawn for any configuration.
 
-2013, drawn for any configuration: 3, 4, 5, 11, 12 and 13 here, the vehicle's in figures_vehicle.
+3, 4, 5, 11, 12 and 13 are here, those of the whole vehicle in figures_vehicle.
 """
 
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The figures of Lu et al. 2013 that need the whole vehicle: 7, 8, 10 and 14."""
+"""The figures of the paper that need the whole vehicle: 7, 8, 10 and 14."""
 
 import math
 

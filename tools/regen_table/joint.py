@@ -4,9 +4,9 @@
 For a torque T the currents that make it lie on one curve: with i_dt free, i_qt = T / (1.5 p (psi +
 (L_d - L_q) i_dt)). Along it the DC power is minimised inside the current circle |i| <= I_max and
 the voltage circle |u| <= U. The best braking torque then minimises that least power over T. Both
-searches are nested scans that shrink around the best point: no derivative is trusted, because the
-power is a quadratic form that turns indefinite at about omega |L_d - L_q| > 2 (R_a + k2 / 1.5),
-where the limits decide.
+searches are nested scans that shrink around the best point, without derivatives, because the power
+is a quadratic form that turns indefinite at about omega |L_d - L_q| > 2 (R_a + k2 / 1.5), where the
+limits decide.
 
 All arrays broadcast; a negative speed is the mirror image (i_d kept, i_q and torque negated).
 """

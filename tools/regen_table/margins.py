@@ -71,9 +71,11 @@ class Loop:
 def reference_shape(bandwidth_hz: float, period_s: float) -> tuple[float, float, float]:
     """Return the shares of a reference and of the two before it that the regulator is given, as in foc/reference_prefilter.h.
 
-    Design over loop, in the z domain: with b = exp(-omega_c T / 2), a = b^2 the design 1 - b, 1 - a
-    b, 1 - a^2 b .. is z^-2 (1 - b + (b - a) / z) / (1 - a / z) of a step, the loop K z^-2 / ((1 - a
-    / z) (1 - (1 - a) / z)).
+    The design divided by the loop, in the z domain, with b = exp(-omega_c T / 2), a = b^2. The
+    samples 1 - b, 1 - a b, 1 - a^2 b .. of the designed step response belong to
+
+        design   z^-2 (1 - b + (b - a) / z) / (1 - a / z)
+        loop     z^-2 K / ((1 - a / z) (1 - (1 - a) / z))
     """
     b = math.exp(-math.pi * bandwidth_hz * period_s)
     a = b * b

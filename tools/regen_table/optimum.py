@@ -3,9 +3,13 @@
 
 With i_d = 0 the DC power is 1.5 (A i_q^2 + B i_q) + k1 |i_q| (peak quantities, any L_d and L_q):
 
-    a^2 = omega^2 L_d L_q / R_i^2       A = R_a + R_i a^2 / (1 + a^2) + k2 / 1.5       B = omega psi
-    / (1 + a^2) B > k1 / 1.5:  i_opt = -(B - k1/1.5) / (2 A),   i_zero = 2 i_opt,   P_dc,min = -1.5
-    (B - k1/1.5)^2 / (4 A) otherwise no torque returns energy.
+    a^2 = omega^2 L_d L_q / R_i^2
+    A = R_a + R_i a^2 / (1 + a^2) + k2 / 1.5
+    B = omega psi / (1 + a^2)
+    B > k1 / 1.5:  i_opt = -(B - k1/1.5) / (2 A)
+                   i_zero = 2 i_opt
+                   P_dc,min = -1.5 (B - k1/1.5)^2 / (4 A)
+    otherwise no torque returns energy.
 
 The battery's loss grows strictly with the DC power, so its voltage and resistance move neither
 current.
