@@ -5,7 +5,7 @@ Units are part of every name. Torques are per driven wheel; motor torque is sign
 forward; braking demands and hydraulic torques are magnitudes. Energies are those of the whole
 vehicle.
 
-    hubsim.load_configuration(path)   what a controller believes and a plant is made of
+    hubsim.load_configuration(path)   what a controller is configured with and a plant is made of
     hubsim.Bench(...)                 the vehicle, driven from Python
     hubsim.Controller(...)            the controller of one wheel alone
     hubsim.Plant(...)                 the vehicle without controllers, for those of one's own

@@ -25,7 +25,7 @@ from hubsim.errors import HubsimError
 __all__ = ["Bench", "Recording", "parameters"]
 
 CHUNK_S = 10.0
-LONGEST_S = 1e4  # of a run for which nobody has planned an end
+LONGEST_S = 1e4  # of a run without a planned end
 
 
 class Recording(Mapping[str, Rows]):
@@ -70,12 +70,12 @@ class Bench:
     ----------
     drive : Configuration, str or Path
         What the simulated world is made of, and, unless ``controller`` says otherwise, what the
-        controllers believe.
+        controllers are configured with.
     scenario : str or Path
         A built-in scenario (``hubsim list``) or a TOML file; by default nothing happens that is not
         set.
     controller : Configuration, str or Path, optional
-        Another configuration for the controllers: a drive that believes something wrong, or an
+        Another configuration for the controllers: a drive with other values than the plant, or an
         image.
     plant : mapping, optional
         Parameters of the simulated world alone, by name, as ``set`` takes them.

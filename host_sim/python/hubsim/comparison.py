@@ -12,7 +12,7 @@ from pathlib import Path
 from regen_table.schema import Drive
 from rich.progress import Progress, TaskID
 
-from hubsim import cycles, files, report, results_files, run, stops, verdicts
+from hubsim import cycles, evaluation, files, report, results_files, run, stops
 from hubsim.errors import HubsimError
 from hubsim.results import SIGNAL_POINTS_MAX, RunResult, realtime_factor
 from hubsim.scenario import Scenario
@@ -63,8 +63,8 @@ def simulate_all(
             bar.update(task, completed=int(now_s), total=int(planned_s))
 
         result = run.simulate(name, drive, shown, beside, SIGNALS, plant, progress, date=date)
-        judged = verdicts.judge(scenario, drive, result)
-        return replace(result, criteria=[verdict.as_object() for verdict in judged])
+        evaluated = evaluation.evaluate(scenario, drive, result)
+        return replace(result, criteria=[outcome.as_object() for outcome in evaluated])
 
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         waiting = [
@@ -73,9 +73,7 @@ def simulate_all(
         ]
         try:
             return [future.result() for future in waiting]
-        except (
-            BaseException
-        ):  # one run failed, or somebody has seen enough: the others need not go on
+        except BaseException:  # one run failed or was interrupted: the others stop
             stop.set()
             pool.shutdown(cancel_futures=True)
             raise
@@ -91,7 +89,7 @@ def extras(drives: Sequence[Drive], bar: Progress) -> report.Extras:
 def write(
     results: Sequence[RunResult], directory: Path, beside: report.Extras | None = None
 ) -> list[str]:
-    """Write page and summary; return what to tell the user."""
+    """Write page and summary; return the lines for the user."""
     factor = realtime_factor(results)
     runs = [
         {"provenance": result.origin} | result.run_object | results_files.criteria_object(result)

@@ -9,8 +9,8 @@ from rich.console import Console, JustifyMethod
 from rich.table import Table
 
 from hubsim import stops
+from hubsim.evaluation import CriterionResult
 from hubsim.results import RunResult
-from hubsim.verdicts import Verdict
 
 KILO = 1e3
 PERCENT = 100.0
@@ -82,11 +82,11 @@ def definitions() -> list[str]:
     return [*lines, "share of braking work stored: returned / braking work"]
 
 
-def verdict_table(name: str, judged: Sequence[Verdict]) -> Table:
+def criteria_table(name: str, evaluated: Sequence[CriterionResult]) -> Table:
     """Return the criteria of a run with what they came to."""
-    met = sum(verdict.passed for verdict in judged)
+    met = sum(outcome.passed for outcome in evaluated)
     table = Table(
-        title=f"{name}: {met} of {len(judged)} criteria met",
+        title=f"{name}: {met} of {len(evaluated)} criteria met",
         title_justify="left",
         pad_edge=False,
         box=box.SIMPLE_HEAD,
@@ -101,7 +101,7 @@ def verdict_table(name: str, judged: Sequence[Verdict]) -> Table:
         table.add_column(heading, justify=cast(JustifyMethod, justify))
     table.add_column("")
     table.add_column("", overflow="fold")
-    for v in judged:
+    for v in evaluated:
         limits = ["" if limit is None else f"{limit:.5g}" for limit in (v.at_least, v.at_most)]
         table.add_row(
             v.name, f"{v.value:.5g}", *limits, v.unit, "pass" if v.passed else "FAIL", v.remark
@@ -109,9 +109,9 @@ def verdict_table(name: str, judged: Sequence[Verdict]) -> Table:
     return table
 
 
-def print_verdicts(name: str, judged: Sequence[Verdict]) -> None:
-    """Print the verdicts on stdout."""
-    _console().print(verdict_table(name, judged))
+def print_criteria(name: str, evaluated: Sequence[CriterionResult]) -> None:
+    """Print the criteria on stdout."""
+    _console().print(criteria_table(name, evaluated))
 
 
 def print_table(results: Sequence[RunResult]) -> None:

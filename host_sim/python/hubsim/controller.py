@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""One controller alone, for whoever brings a plant of their own: the two steps of the firmware, by name.
+"""One controller alone, for a plant of one's own: the two steps of the firmware, by name.
 
     controller = hubsim.Controller("tools/motors/lu2013.toml")
     for n in range(...):
@@ -24,7 +24,7 @@ from hubsim.errors import HubsimError
 from hubsim.variables import Values, Variable
 
 SLOW_RATE_HZ = 1000
-# What nobody has set yet: a healthy board at room temperature, and a battery that leaves the limits
+# Initial inputs: a healthy board at room temperature, and a battery that leaves the limits
 # to the configuration.
 FIRST_VALUES = {
     "selftest_passed": 1.0,

@@ -35,7 +35,7 @@ class Cycle:
 
     @property
     def distance_m(self) -> float:
-        """Way of whoever follows it exactly."""
+        """Distance of a vehicle that follows it exactly."""
         points = list(zip(self.time_s, self.speed_kmh, strict=True))
         pairs = itertools.pairwise(points)
         return sum((b[0] - a[0]) * (a[1] + b[1]) / 2.0 for a, b in pairs) / KMH_PER_M_PER_S
@@ -72,7 +72,7 @@ def load(name: str, beside: Path | None = None) -> Cycle:
 
 
 def read(path: Path) -> Cycle:
-    """Read a cycle file; every mistake is one line with file and line number."""
+    """Read a cycle file; an error is one line with file and line number."""
     time_s: list[float] = []
     speed_kmh: list[float] = []
     expect_header = True

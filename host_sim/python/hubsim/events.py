@@ -19,7 +19,7 @@ from hubsim import engine
 from hubsim.engine import Engine, Parameter
 from hubsim.keys import Section, listed, number
 
-STEP_S = 1e-3  # of the slow reach: nobody notices anything finer
+STEP_S = 1e-3  # of the slow loop
 _EARLY_S = 1e-9
 
 Point = tuple[float, float]
@@ -27,7 +27,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True)
 class Injection:
-    """A disturbance with a name: the parameters it sets, and the words for people."""
+    """A disturbance with a name: the parameters it sets, and its description."""
 
     sets: Mapping[str, float]
     text: str
@@ -48,7 +48,7 @@ INJECTIONS: Mapping[str, Injection] = {
         "the hall sensors' plugs are off: all lines at their pull-ups",
     ),
     "hydraulic_dead": Injection(
-        {"brake.torque_loss": 1.0}, "the hydraulic brakes give nothing, whatever they are told"
+        {"brake.torque_loss": 1.0}, "the hydraulic brakes make no torque, whatever their command"
     ),
     "winding_sensor_open": Injection(
         {"winding_sensor.open": 1.0}, "the lines of the windings' temperature sensors are broken"
@@ -171,7 +171,7 @@ class Timeline:
         return min((time for time in times if time > now_s + _EARLY_S), default=math.inf)
 
     def apply(self, vehicle: Engine, now_s: float) -> None:
-        """Do whatever is due."""
+        """Make the changes that are due."""
         for (event, name), at_s in list(self._undo.items()):
             if at_s <= now_s + _EARLY_S:
                 self._before[event, name] = vehicle.get(name)

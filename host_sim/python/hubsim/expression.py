@@ -8,8 +8,12 @@ of functions::
     0.5 * plant.vehicle.mass_kg * plant.run.initial_speed_m_per_s ** 2
 
 A value is a number, a row over time of shape (times,), or one row for each wheel of shape (wheels,
-times). Rows hold NaN outside the window somebody looks through; the reductions ignore it. Nothing
-else of Python can be reached from here.
+times). Rows hold NaN outside the window of a criterion; the reductions ignore it.
+
+Only the syntax listed in ``_check`` is accepted, before the run, and every name is known before the
+run, so that the signals it needs are recorded. That, element-wise logic and NaN windows are why no
+evaluator from a package is used: simpleeval's guards refuse arrays in ``*``, ``**``, ``and`` and
+``not``, and numexpr knows neither dotted names nor reductions that ignore NaN.
 """
 
 import ast
@@ -29,17 +33,17 @@ MAX_LENGTH = 1000
 
 
 class ExpressionError(ValueError):
-    """A formula that cannot be read or worked out; one line."""
+    """A formula that cannot be read or evaluated; one line."""
 
 
-class NothingSeen(ValueError):  # noqa: N818, not every exception is an error: a window may be empty
+class EmptyWindow(ValueError):  # noqa: N818, not every exception is an error: a window may be empty
     """The window holds no row to reduce."""
 
 
 def _seen(x: Value) -> Value:
     flat = x[~np.isnan(x)]
     if flat.size == 0:
-        raise NothingSeen
+        raise EmptyWindow
     return flat
 
 
@@ -59,7 +63,7 @@ def _end(which: int) -> Callable[[Value], Value]:
         rows = np.atleast_2d(x)
         kept = rows[:, ~np.any(np.isnan(rows), axis=0)]
         if kept.shape[1] == 0:
-            raise NothingSeen
+            raise EmptyWindow
         return np.asarray(np.mean(kept[:, which]))
 
     return function
@@ -72,7 +76,7 @@ def _at(pick: Callable[[Value], Any]) -> Callable[[Value, Value], Value]:
         x, y = np.broadcast_arrays(x, y)
         both = ~np.isnan(x) & ~np.isnan(y)
         if not np.any(both):
-            raise NothingSeen
+            raise EmptyWindow
         return np.asarray(x[both][pick(y[both])])
 
     return function
@@ -82,7 +86,7 @@ def _at(pick: Callable[[Value], Any]) -> Callable[[Value, Value], Value]:
 class Function:
     """A function of formulas.
 
-    Its largest number of arguments, what it computes, and the words for people.
+    Its largest number of arguments, what it computes, and its description.
     """
 
     arguments: int

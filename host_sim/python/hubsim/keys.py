@@ -40,7 +40,7 @@ _ORDER = {"extra_forbidden": 0, "missing": 1}
 def first(error: ValidationError, model: type[BaseModel]) -> tuple[str, str]:
     """Return the key (dotted.
 
-    Empty for the whole) of the most telling mistake and what to say about it.
+    Empty for the whole) of the most specific error and its explanation.
     """
     details = min(error.errors(include_url=False), key=lambda d: _ORDER.get(d["type"], 2))
     return _explain(details, model)
@@ -83,7 +83,7 @@ def _place(
         inner = section_of(field.annotation) if field is not None else None
         if inner is None or not parts:
             break
-        path.append(str(parts.pop(0)))  # the name somebody gave to it
+        path.append(str(parts.pop(0)))  # the name of the section
         owner, field = inner, None
     return path, owner, field
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``--set key=value``: whose key it is, and what the value says.
+"""``--set key=value``: whose key it is, and its value.
 
 Without a dot it is a key of the scenario (``demand_nm=60``); ``events.NAME.key`` and
 ``criteria.NAME.key`` are the scenario's too. ``section.key`` changes the drive's file before
 anything is made of it, for plant and controller alike (``battery.initial_soc=0.5``).
-``plant.section.key`` changes the simulated world alone and leaves the controller's belief as it is
+``plant.section.key`` changes the simulated world alone and leaves the controller's configuration as it is
 (``plant.motor.phase_resistance_ohm=0.04``).
 """
 
@@ -48,7 +48,7 @@ def parse(settings: Iterable[str]) -> Overrides:
 
 
 def put(overrides: Overrides, key: str, value: Any) -> None:  # noqa: ANN401, whatever TOML can say
-    """Give one key to the one it belongs to."""
+    """Assign one key to scenario, drive or plant."""
     if key.startswith(PLANT):
         name = key.removeprefix(PLANT)
         overrides.plant[name] = _plant_value(name, value)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a drive's TOML file to the parameters of the simulated world.
 
-The plant's truth, not the controller's belief.
+The plant's parameters, not the controller's configuration.
 """
 
 from regen_table.schema import Drive
@@ -140,7 +140,7 @@ def parameters(drive: Drive) -> dict[str, float]:
 
 
 def _bms(drive: Drive) -> dict[str, float]:
-    """Return what decides the current limits that the controllers are told."""
+    """Return what decides the current limits that the battery management sends."""
     bms, battery = drive.bms, drive.battery
     coldest_c, full_c = bms.cold_charge_c or (0.0, 0.0)
     return {

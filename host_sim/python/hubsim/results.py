@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run leaves behind: accounts, recorded signals, and the summary object made of them."""
+"""The result of a run: accounts, recorded signals, and the summary object made of them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -16,7 +16,7 @@ LEAST_CPU_S = 1e-9  # the step of a thread's clock
 
 @dataclass(frozen=True)
 class Fault:
-    """A controller that gave up during a run."""
+    """A controller that went into fault during a run."""
 
     wheel: int
     time_s: float
@@ -48,14 +48,14 @@ class RunResult:
     parameters : dict
         Of the simulated world when the run began, by the engine's names.
     missed : dict
-        Events whose time (s) the run did not reach, by name.
+        Events later than the end of the run: time in s by name.
     meanings : dict
         Unit and words for every recorded signal, by name.
     origin : dict
         Version, commit, configuration with its CRC, scenario, seed and date: what every file made
         of the run holds.
     criteria : list
-        What each criterion of the scenario came to, as JSON holds it; empty without criteria.
+        Result of each criterion of the scenario, as JSON holds it; empty without criteria.
     ideal : dict
         The ideal stop of the same demand, speed and temperature (``regen_table stop``), as JSON
         holds it; empty where the run is no stop at constant demand.

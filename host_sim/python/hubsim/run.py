@@ -14,7 +14,7 @@ from regen_table import image, provenance
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import configuration, cycles, plant, verdicts
+from hubsim import configuration, cycles, evaluation, plant
 from hubsim.engine import Engine, Rows
 from hubsim.engine import parameters as engine_parameters
 from hubsim.errors import HubsimError
@@ -160,8 +160,8 @@ def simulate(
         engine.start()
         known = engine.signals()
         parameters = {parameter: engine.get(parameter) for parameter in engine_parameters()}
-        judged = verdicts.signals_of(scenario, drive, known, formulas)
-        wanted = {*judged, *matching(known, patterns)}
+        evaluated = evaluation.signals_of(scenario, drive, known, formulas)
+        wanted = {*evaluated, *matching(known, patterns)}
         names = [name for name in known if name in wanted]
         engine.choose(names)
         happening = timeline(scenario)

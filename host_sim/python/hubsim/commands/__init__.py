@@ -26,7 +26,7 @@ def drive_of(
 
 
 def progress_bar(unit: str = "s") -> Progress:
-    """Return a progress display on stderr that stays silent where nobody watches."""
+    """Return a progress display on stderr that is silent where stderr is no terminal."""
     console = Console(stderr=True)
     return Progress(
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn(unit), TimeRemainingColumn(),
@@ -35,10 +35,7 @@ def progress_bar(unit: str = "s") -> Progress:
 
 
 def warn_of(result: RunResult) -> None:
-    """Say on stderr what a reader of figures alone would not notice.
-
-    Faults, events that never came.
-    """
+    """Warn on stderr of faults and of events whose time the run did not reach."""
     for fault in result.faults:
         print(
             f"hubsim: warning: {result.cycle}, {result.strategy}: wheel {fault.wheel} faulted at {fault.time_s:.3f} s: {fault.reason}",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``hubsim report``: one page from results that runs left behind."""
+"""``hubsim report``: one page from results of runs."""
 
 import argparse
 

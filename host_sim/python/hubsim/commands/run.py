@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``hubsim run``: one run of a scenario, its energies, its verdicts, its recordings."""
+"""``hubsim run``: one run of a scenario, its energies, its criteria, its recordings."""
 
 import argparse
 import sys
@@ -9,6 +9,7 @@ from hubsim import (
     cli,
     commands,
     console,
+    evaluation,
     files,
     overrides,
     recordings,
@@ -16,7 +17,6 @@ from hubsim import (
     run,
     scenario,
     stops,
-    verdicts,
 )
 from hubsim.errors import HubsimError
 
@@ -51,10 +51,10 @@ def main(options: argparse.Namespace) -> int:
             lambda now, planned: bar.update(task, completed=int(now), total=int(planned)),
             date=options.date,
         )  # fmt: skip
-    judged = verdicts.judge(chosen, drive, result)
+    evaluated = evaluation.evaluate(chosen, drive, result)
     result = replace(
         result,
-        criteria=[verdict.as_object() for verdict in judged],
+        criteria=[outcome.as_object() for outcome in evaluated],
         ideal=stops.ideal_of(drive, chosen),
     )
     commands.warn_of(result)
@@ -68,12 +68,12 @@ def main(options: argparse.Namespace) -> int:
     if options.json:
         files.write_text(options.json, results_files.as_json(results_files.run_object(result)))
     console.print_table([result])
-    failed = [verdict.name for verdict in judged if not verdict.passed]
-    if judged:
-        console.print_verdicts(name, judged)
+    failed = [outcome.name for outcome in evaluated if not outcome.passed]
+    if evaluated:
+        console.print_criteria(name, evaluated)
     if failed:
         print(
-            f"hubsim: {name}: {len(failed)} of {len(judged)} criteria not met: {', '.join(failed)}",
+            f"hubsim: {name}: {len(failed)} of {len(evaluated)} criteria not met: {', '.join(failed)}",
             file=sys.stderr,
         )
     return 1 if failed else 0

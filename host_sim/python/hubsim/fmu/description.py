@@ -138,7 +138,7 @@ def _controller(config: Configuration) -> Description:
         ]
     text = (
         f"hubfoc: the controller of one wheel with the configuration {config.name}. Inputs are sampled when a step begins; what the "
-        f"bridge is told acts one step later. One step is {1e6 * controller.period_s:g} us or a multiple of it."
+        f"bridge is commanded acts one step later. One step is {1e6 * controller.period_s:g} us or a multiple of it."
     )
     return Description(
         "controller", config, text, controller.period_s, controller.period_s, tuple(found)

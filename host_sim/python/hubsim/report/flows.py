@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from hubsim.report import reading
 from hubsim.report.reading import RunLike
 
-NOTHING = 2e-5  # of the largest energy: what is less is left out, 3 J of an urban cycle
-UNUSUAL = 1e-3  # the same for what hardly ever leaves a lane and would only take room
+NEGLIGIBLE = 2e-5  # of the largest energy: what is less is left out, 3 J of an urban cycle
+UNUSUAL = 1e-3  # the same for what hardly ever leaves a lane and would only take space
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Part:
     name: str
     energy_j: float
     kind: str
-    least: float = NOTHING
+    least: float = NEGLIGIBLE
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ def _balanced(
     """Turn negative parts round, and let the lower lane carry what the upper one cannot."""
     every = [*upper, *road, *lower]
     largest = max(abs(drawn), abs(returned), *(abs(part.energy_j) for part in every))
-    least = NOTHING * largest
+    least = NEGLIGIBLE * largest
     joining = [
         Part(_source(part), -part.energy_j, "motion")
         for part in every
@@ -173,11 +173,11 @@ def _balanced(
     taken: list[Part] = []
     later: list[Part] = []
     for part in road:
-        room = max(wheels - total(taken), 0.0)
-        taken += [Part(part.name, min(part.energy_j, room), part.kind)] if room > least else []
+        space = max(wheels - total(taken), 0.0)
+        taken += [Part(part.name, min(part.energy_j, space), part.kind)] if space > least else []
         later += (
-            [Part(part.name, part.energy_j - room, part.kind)]
-            if part.energy_j - room > least
+            [Part(part.name, part.energy_j - space, part.kind)]
+            if part.energy_j - space > least
             else []
         )
     lower = [*later, *lower]

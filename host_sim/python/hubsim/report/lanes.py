@@ -110,7 +110,7 @@ def frame(flows: Sequence[Flow]) -> Frame:
         (WIDEST_ROAD, max(total(flow.road) for flow in flows)),
         (WIDEST_LOWER, max(max(flow.slowing_j, -flow.returned_j) for flow in flows)),
     ]
-    per_j = min(room / energy for room, energy in bounds if energy > 0.0)
+    per_j = min(space / energy for space, energy in bounds if energy > 0.0)
     one_row = Frame(per_j, per_j * bounds[0][1], per_j * bounds[2][1])
     laid = [lay(flow, one_row) for flow in flows]
     return replace(
@@ -121,7 +121,7 @@ def frame(flows: Sequence[Flow]) -> Frame:
 
 
 def _crowded(leaving: Sequence[Exit]) -> bool:
-    """Whether a label would reach into the next one."""
+    """Whether a label would overlap the next one."""
     return any(abs(after.middle - before.middle) < NARROW for before, after in pairwise(leaving))
 
 
@@ -162,13 +162,13 @@ def lay(flow: Flow, shared: Frame) -> Lanes:
     )
 
 
-def _placed(parts: Sequence[Part], per_j: float, first: float, room: float) -> list[Exit]:
-    """Place stems from left to right, the first one's left edge at ``first``, labels apart where there is room."""
+def _placed(parts: Sequence[Part], per_j: float, first: float, space: float) -> list[Exit]:
+    """Place stems from left to right, the first one's left edge at ``first``, labels apart where there is space."""
     widths = [part.energy_j * per_j for part in parts]
     if not widths:
         return []
     wanted = [max(PITCH, 0.5 * (before + width) + TURN + 2.0) for before, width in pairwise(widths)]
-    distances = _pressed(wanted, room - 0.5 * (widths[0] + widths[-1]))
+    distances = _pressed(wanted, space - 0.5 * (widths[0] + widths[-1]))
     middle = first + 0.5 * widths[0]
     placed = []
     for part, width, distance in zip(parts, widths, [*distances, 0.0], strict=True):
@@ -177,9 +177,9 @@ def _placed(parts: Sequence[Part], per_j: float, first: float, room: float) -> l
     return placed
 
 
-def _pressed(wanted: list[float], room: float) -> list[float]:
-    """Return distances pressed together as far as the room asks, all alike, none below half a label's."""
-    excess = sum(wanted) - room
+def _pressed(wanted: list[float], space: float) -> list[float]:
+    """Return distances pressed together as far as the space asks, all alike, none below half a label's."""
+    excess = sum(wanted) - space
     slack = sum(max(distance - 0.5 * PITCH, 0.0) for distance in wanted)
     if excess <= 0.0 or slack <= 0.0:
         return wanted

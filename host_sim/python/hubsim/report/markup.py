@@ -43,7 +43,7 @@ def element(tag: str, *children: str, **attributes: Attribute) -> Markup:
 
 
 def join(*children: str) -> Markup:
-    """Put children behind each other."""
+    """Join children in their order."""
     return Markup(
         "".join(
             child if isinstance(child, Markup) else html.escape(child, quote=False)

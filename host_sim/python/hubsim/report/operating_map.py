@@ -21,8 +21,8 @@ _KEYS = (("— most energy", "best-line"), ("┄ no energy", "zero-line"), ("—
 def operating_points(run: RunLike, wheel_radius_m: float) -> tuple[Array, Array] | None:
     """Return wheel speed in r/min and braking torque of the motor in N m (magnitude) while the driver brakes.
 
-    Thinned out evenly to what a picture can show; None where something was not recorded or nobody
-    brakes.
+    Thinned out evenly to what a picture can show; None where a signal was not recorded or there is
+    no braking.
     """
     speed, torque = (
         reading.signal(run, "vehicle.speed_m_per_s"),
@@ -91,7 +91,7 @@ def draw(run: RunLike, best: MapLike, chart: Chart, identity: str, title: str) -
         marks = element("path", d=dots, class_="dots")
     said = element(
         "text",
-        "nobody brakes",
+        "no braking",
         x=0.5 * (LEFT + RIGHT),
         y=0.5 * (TOP + BOTTOM),
         text_anchor="middle",
@@ -111,7 +111,7 @@ def describe(run: RunLike, best: MapLike) -> str:
     """Say in words how the points lie to the curve."""
     found = operating_points(run, best.wheel_radius_m)
     if found is None:
-        return "Nobody brakes, or it was not recorded."
+        return "No braking, or not recorded."
     speed, torque = found
     optimal = np.interp(speed, RPM * best.speed_rad_s, best.optimal_nm)
     beyond = float(np.mean(torque > 1.02 * optimal + 0.2))

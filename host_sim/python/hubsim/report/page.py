@@ -28,9 +28,9 @@ HOW_TO_READ = (
     "wheels is the same for all.",
     "A motor that brakes harder than its best torque returns less, because copper loss grows with the square of the "
     "current. The series strategy stops at that torque.",
-    "In the torque panel the filled areas are stacked: motor and hydraulic brake together should reach the demand.",
-    "Every limit that makes the torque smaller than the demand names itself; the strips show when, in the controller's own words.",
-    "The residual compares sources, sinks and storage over the whole run. It judges the simulation, not the vehicle.",
+    "In the torque panel the filled areas are stacked: motor and hydraulic brake together make the demand.",
+    "The strips show when a limit made the torque smaller than the demand, with the reason that the controller reports.",
+    "The residual compares sources, sinks and storage over the whole run. It is an error of the simulation, not of the vehicle.",
 )
 
 
@@ -122,7 +122,7 @@ def _compared(runs: list[RunLike], identity: str, called: str, extras: Extras) -
     return [
         element("div", *[_card(run) for run in runs], class_="columns"),
         tables.energies(runs, f"Energies of the whole vehicle, {called}"),
-        tables.criteria(runs, f"What the scenario asks, {called}"),
+        tables.criteria(runs, f"Criteria of the scenario, {called}"),
         _flows(runs, identity, called),
         _points(runs, identity, called, extras),
         tables.braking_quality(runs, f"How well it brakes, {called}"),
@@ -136,7 +136,7 @@ def _single(runs: list[RunLike], identity: str, called: str, extras: Extras) -> 
     ideal = reading.ideal(runs[0])
     note = element("p", IDEAL, class_="soft") if ideal else Markup("")
     brakes = tables.braking_quality(runs, f"How well it brakes, {called}")
-    asked = tables.criteria(runs, f"What the scenario asks, {called}")
+    asked = tables.criteria(runs, f"Criteria of the scenario, {called}")
     return [
         element("div", element("div", _card(runs[0]), brakes), asked, class_="beside"),
         tables.energies(runs, f"Energies of the whole vehicle, {called}"),
@@ -283,7 +283,7 @@ def _stops(extras: Extras) -> Markup:
         "p",
         "Stops from 40 km/h at constant demand, without air drag and rolling resistance. ",
         stop_curves.legend(),
-        " What lies between them are the hand-over at low speed, which keeps the last metre's energy, and the moment in which only "
+        " What lies between them are the blend-out at low speed, which keeps the last metre's energy, and the moment in which only "
         "the motor brakes because the hydraulic brake is still coming. With a battery that has settled at every speed the ideal would be "
         f"up to {markup.fixed(100.0 * stop_curves.unsettled(extras.stops), 1)} points lower.",
         class_="soft",

@@ -19,7 +19,7 @@ KMH = 3.6
 class Curve:
     """One quantity. ``of`` returns it with shape (samples,).
 
-    ``style`` is its CSS class; an area reaches to ``base``.
+    ``style`` is its CSS class; an area extends to ``base``.
     """
 
     name: str
@@ -55,7 +55,7 @@ def _plain(name: str, factor: float = 1.0, short: bool = True) -> Callable[[RunL
 def demand_nm(run: RunLike) -> Array | None:
     """Torque the driver asks of one wheel, shape (samples,).
 
-    The drive pedal, or less than nothing for the brake pedal.
+    The drive pedal, or negative for the brake pedal.
     """
     drive, brake = reading.signal(run, "driver.drive_nm"), reading.signal(run, "driver.brake_nm")
     if brake is None:

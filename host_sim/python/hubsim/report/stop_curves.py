@@ -135,7 +135,7 @@ def _fit(curves: Sequence[CurveLike]) -> Chart:
 
 
 def _labels(curves: Sequence[CurveLike], y: float) -> list[Markup]:
-    """Name the curves where these leave room, from the highest to the lowest at the largest demand."""
+    """Name the curves where these leave space, from the highest to the lowest at the largest demand."""
     ranked = sorted(curves, key=lambda curve: curve.ideal[-1], reverse=True)
     return [
         element("text", f"— {_title(curve.strategy)}", x=RIGHT - 6.0, y=y + LABEL_PITCH * place, text_anchor="end",

@@ -24,9 +24,7 @@ from hubsim.sweep.store import Store
 from hubsim.sweep.work import Job
 
 BATCHES_MAX = 1000
-BATCH_RUNS = (
-    4  # a second or so: little is lost when somebody interrupts, little time goes into handing out
-)
+BATCH_RUNS = 4  # about a second: an interruption loses little, distribution costs little
 CONNECT_S = 5
 
 Progress = Callable[[int, int], None]  # runs done, runs planned
@@ -46,7 +44,7 @@ def workers(address: str | None, processes: int | None) -> Iterator[Client]:
             yield client
         return
     # The workers listen to this machine alone; Dask's own page takes any free port, so that a
-    # second sweep is not told off.
+    # second sweep gives no warning.
     with (
         dask_config.set({"distributed.worker.daemon": True}),
         LocalCluster(n_workers=processes or os.cpu_count() or 1, threads_per_worker=1, host="127.0.0.1",

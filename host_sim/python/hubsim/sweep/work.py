@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Some runs of a sweep, done in whatever process this is called in, and the row that each leaves."""
+"""Some runs of a sweep, done in the calling process, a row for each."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,7 @@ from regen_table import provenance
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
-from hubsim import configuration, expression, overrides, run, scenario, verdicts
+from hubsim import configuration, evaluation, expression, overrides, run, scenario
 from hubsim.errors import HubsimError
 from hubsim.results import RunResult
 from hubsim.scenario import Scenario
@@ -83,12 +83,12 @@ def check(job: Job, point: Mapping[str, Any]) -> None:
         known = vehicle.signals()
     for column, text in job.collect:
         try:
-            verdicts.signals_named(
-                expression.read(text).names, known, verdicts.scalars(chosen, drive, known)
+            evaluation.signals_named(
+                expression.read(text).names, known, evaluation.scalars(chosen, drive, known)
             )
         except expression.ExpressionError as error:
             raise HubsimError(f"--collect {column}: {error}") from error
-    verdicts.signals_of(chosen, drive, known)
+    evaluation.signals_of(chosen, drive, known)
 
 
 def do(job: Job, numbers: Sequence[int], points: Sequence[Mapping[str, Any]]) -> list[Row]:
@@ -112,19 +112,19 @@ def _row(job: Job, number: int, point: Mapping[str, Any]) -> Row:
         result = run.simulate(
             name, drive, chosen, beside, (), plant, formulas=[text for _, text in job.collect]
         )
-        judged = verdicts.judge(chosen, drive, result)
+        evaluated = evaluation.evaluate(chosen, drive, result)
         row |= {
-            column: verdicts.Judge(result, verdicts.constants(chosen, drive)).single(text)
+            column: evaluation.Evaluator(result, evaluation.constants(chosen, drive)).single(text)
             for column, text in job.collect
         }
     except (
         HubsimError,
         ConfigurationError,
         expression.ExpressionError,
-        expression.NothingSeen,
+        expression.EmptyWindow,
     ) as error:
         return row | {"error": str(error) or "nothing recorded"}
-    return row | _figures(result) | _verdicts(judged)
+    return row | _figures(result) | _criteria(evaluated)
 
 
 def _figures(result: RunResult) -> Row:
@@ -141,13 +141,15 @@ def _figures(result: RunResult) -> Row:
     return out | {"first_fault": result.faults[0].reason if result.faults else None}
 
 
-def _verdicts(judged: Sequence[verdicts.Verdict]) -> Row:
-    out: Row = {f"criteria.{v.name}": v.value if math.isfinite(v.value) else None for v in judged}
+def _criteria(evaluated: Sequence[evaluation.CriterionResult]) -> Row:
+    out: Row = {
+        f"criteria.{v.name}": v.value if math.isfinite(v.value) else None for v in evaluated
+    }
     return out | (
         {
-            "passed": all(v.passed for v in judged),
-            "failed": ",".join(v.name for v in judged if not v.passed),
+            "passed": all(v.passed for v in evaluated),
+            "failed": ",".join(v.name for v in evaluated if not v.passed),
         }
-        if judged
+        if evaluated
         else {}
     )

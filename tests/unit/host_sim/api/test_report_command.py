@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hubsim import results_files, run, scenario, stops, verdicts
+from hubsim import evaluation, results_files, run, scenario, stops
 from hubsim.engine import ROOT
 from regen_table import schema
 
@@ -50,8 +50,8 @@ def test_a_result_read_back_is_the_run(result: str, folder: Path) -> None:
     expected = run.simulate(name, drive, chosen, beside, ["*"], date=found.origin["date"])
     assert found.names == expected.names
     assert np.array_equal(found.rows, expected.rows)
-    judged = [verdict.as_object() for verdict in verdicts.judge(chosen, drive, expected)]
-    expected = replace(expected, criteria=judged, ideal=stops.ideal_of(drive, chosen))
+    evaluated = [outcome.as_object() for outcome in evaluation.evaluate(chosen, drive, expected)]
+    expected = replace(expected, criteria=evaluated, ideal=stops.ideal_of(drive, chosen))
     assert found.summary == expected.summary
     assert len(found.summary["criteria"]) == 4
     assert found.summary["ideal_stop"]["demand_nm"] == 60.0

@@ -40,10 +40,10 @@ SHORTENED = {
 }
 
 
-def judged(done: subprocess.CompletedProcess[str], path: Path) -> dict[str, bool]:
+def evaluated(done: subprocess.CompletedProcess[str], path: Path) -> dict[str, bool]:
     found = json.loads(path.read_text(encoding="utf-8"))
     assert found["passed"] is (done.returncode == 0)
-    return {verdict["name"]: verdict["passed"] for verdict in found["criteria"]}
+    return {outcome["name"]: outcome["passed"] for outcome in found["criteria"]}
 
 
 @pytest.mark.parametrize("name", scenario.builtin_names())
@@ -52,9 +52,9 @@ def test_criteria_are_met_and_energy_is_conserved(
 ) -> None:
     done = hubsim("run", name, "--json", "out.json")
     assert done.returncode == 0, f"{done.stdout}\n{done.stderr}"
-    verdicts = judged(done, tmp_path / "out.json")
-    assert all(verdicts.values())
-    assert set(verdicts) == {*scenario.load(name, {})[1].criteria, "residual"}
+    criteria = evaluated(done, tmp_path / "out.json")
+    assert all(criteria.values())
+    assert set(criteria) == {*scenario.load(name, {})[1].criteria, "residual"}
     assert (
         json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["residual_relative"] <= 1e-4
     )
@@ -69,5 +69,5 @@ def test_criteria_notice_a_world_in_which_they_are_not_met(
     shorter = [part for short in SHORTENED.get(name, ()) for part in ("--set", short)]
     done = hubsim("run", name, "--set", setting, *shorter, "--json", "out.json")
     assert done.returncode == 1, done.stdout
-    assert not judged(done, tmp_path / "out.json")[criterion]
+    assert not evaluated(done, tmp_path / "out.json")[criterion]
     assert criterion in done.stderr.splitlines()[-1]

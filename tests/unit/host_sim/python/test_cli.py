@@ -260,7 +260,7 @@ def test_criteria_are_evaluated_printed_and_decide_the_exit_status(
     assert found["criteria"][0]["text"] == "short enough"
 
 
-def test_without_criteria_nothing_is_judged(hubsim: Hubsim, tmp_path: Path) -> None:
+def test_without_criteria_nothing_is_evaluated(hubsim: Hubsim, tmp_path: Path) -> None:
     (tmp_path / "plain.toml").write_text(CRITERIA.partition("[events")[0], encoding="utf-8")
     done = hubsim("run", "plain.toml", "--json", "out.json")
     assert (done.returncode, done.stderr) == (0, "")

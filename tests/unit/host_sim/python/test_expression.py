@@ -2,7 +2,7 @@
 import numpy as np
 import pytest
 from hubsim import expression
-from hubsim.expression import ExpressionError, NothingSeen, Value
+from hubsim.expression import EmptyWindow, ExpressionError, Value
 
 NAN = np.nan
 TIME = np.array([0.0, 0.1, 0.2, 0.4])
@@ -74,7 +74,7 @@ def test_the_names_a_formula_needs_are_known_before_it_is_worked_out() -> None:
     ["max(nothing)", "mean(nothing)", "final(nothing)", "at_min(x, nothing)", "integral(nothing)"],
 )
 def test_a_window_without_a_row_is_said_to_be_empty(text: str) -> None:
-    with pytest.raises(NothingSeen):
+    with pytest.raises(EmptyWindow):
         value(text)
 
 

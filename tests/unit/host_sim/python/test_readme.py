@@ -23,7 +23,7 @@ def block(name: str) -> str:
 
 
 def commands() -> list[list[str]]:
-    """Return the arguments of every command; what stands behind three spaces is explanation."""
+    """Return the arguments of every command; the text after three spaces is explanation."""
     lines = [
         line.removeprefix(COMMAND)
         for line in README.read_text(encoding="utf-8").splitlines()

@@ -20,7 +20,7 @@ def check_balance(flow: Flow) -> None:
     And no part is negative.
     """
     largest = max(flow.drawn_j, flow.slowing_j, abs(flow.returned_j))
-    few = 10.0 * flows.NOTHING * largest  # nothing unusual flows here
+    few = 10.0 * flows.NEGLIGIBLE * largest  # nothing unusual flows here
     assert (
         abs(flow.drawn_j - flows.total(flow.upper) - flows.total(flow.road) - flow.turned_j) <= few
     )
@@ -141,7 +141,7 @@ def test_a_descent_that_feeds_the_road_too_still_balances() -> None:
     flow = flow_of(run)
     check_balance(flow)
     assert [part.name for part in flow.joining] == ["descent"]
-    assert flow.turned_j == pytest.approx(0.0, abs=flows.NOTHING * more)
+    assert flow.turned_j == pytest.approx(0.0, abs=flows.NEGLIGIBLE * more)
 
 
 def test_braking_that_costs_energy_has_a_negative_return() -> None:

@@ -71,6 +71,6 @@ def test_axes_have_units_and_a_run_without_braking_still_has_its_map() -> None:
     )
     said = drawn.words()
     assert "r/min" in said and "N·m" in said
-    assert "nobody brakes" in said
+    assert "no braking" in said
     del run.signals["wheel0.motor_torque_nm"]
     assert operating_map.operating_points(run, RADIUS_M) is None

@@ -34,7 +34,12 @@ def entry(source: Path) -> str:
 def main() -> int:
     """Read the drives, write the tables."""
     target, *sources = (Path(argument) for argument in sys.argv[1:])
-    lines = ["/* SPDX-License-Identifier: Apache-2.0 */", "/* Plant parameters of the drives. */", '#include "plant_values.h"', ""]
+    lines = [
+        "/* SPDX-License-Identifier: Apache-2.0 */",
+        "/* Plant parameters of the drives. */",
+        '#include "plant_values.h"',
+        "",
+    ]
     for source in sources:
         lines += tables(source)
     lines += ["const plant_drive_t PLANT_DRIVES[] = {", *map(entry, sources), "};"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A finished run judged by the criteria of its scenario."""
+"""The criteria of a scenario, evaluated for a finished run."""
 
 import difflib
 import math
@@ -13,20 +13,18 @@ from regen_table.schema import Drive
 from hubsim import engine, expression, reasons
 from hubsim.criteria import Criterion
 from hubsim.errors import HubsimError
-from hubsim.expression import ExpressionError, NothingSeen, Value
+from hubsim.expression import EmptyWindow, ExpressionError, Value
 from hubsim.results import RunResult
 from hubsim.scenario import Scenario
 
-RESIDUAL_MOST = (
-    1e-4  # of the energy turned over: more would be the simulation's own mistake, not the vehicle's
-)
+RESIDUAL_MOST = 1e-4  # of the energy turned over: a larger residual is an error of the simulation
 _ACCOUNTS = ("energy.", "braking.")
 _WHEELS = "wheels."
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """What one criterion came to; ``value`` is NaN where there was nothing to look at."""
+class CriterionResult:
+    """Value and result of one criterion; ``value`` is NaN where the window held no row."""
 
     name: str
     passed: bool
@@ -133,7 +131,7 @@ def signals_named(names: Iterable[str], known: Sequence[str], scalars: Iterable[
     return wanted
 
 
-class Judge:
+class Evaluator:
     """Values of names for the formulas of one run.
 
     Parameters
@@ -156,7 +154,7 @@ class Judge:
         self._window: Value | None = None
 
     def number(self, text: float | str) -> float:
-        """Work out a limit or a time: a number, or a formula that comes to one."""
+        """Evaluate a limit or a time: a number, or a formula whose value is one."""
         return (
             float(text)
             if isinstance(text, float | int)
@@ -164,11 +162,11 @@ class Judge:
         )
 
     def value(self, text: str) -> Value:
-        """Work out a formula in the present window."""
+        """Evaluate a formula in the present window."""
         return expression.read(text).value(self._lookup)
 
     def single(self, text: str) -> float:
-        """Work out a formula that must come to one number in the present window."""
+        """Evaluate a formula whose value must be one number in the present window."""
         return self._single(self.value(text), text)
 
     @staticmethod
@@ -179,8 +177,8 @@ class Judge:
             )
         return float(value)
 
-    def look_through(self, criterion: Criterion) -> None:
-        """Open the window of a criterion."""
+    def set_window(self, criterion: Criterion) -> None:
+        """Set the window of a criterion."""
         self._window = None
         first = self.number(criterion.from_s)
         last = math.inf if criterion.until_s is None else self.number(criterion.until_s)
@@ -207,24 +205,24 @@ class Judge:
         return self._result.signal(name)
 
 
-def judge(scenario: Scenario, drive: Drive, result: RunResult) -> list[Verdict]:
-    """Return a verdict for every criterion, and one on the simulation's own error; nothing without criteria.
+def evaluate(scenario: Scenario, drive: Drive, result: RunResult) -> list[CriterionResult]:
+    """Return the result of every criterion and of the energy residual; empty without criteria.
 
     Raises
     ------
     HubsimError
-        For a formula that names what there is not, or comes to no number; one line with source and
-        key.
+        For a formula with an unknown name, or whose value is no number; one line with source
+        and key.
     """
-    judge = Judge(result, constants(scenario, drive))
+    evaluator = Evaluator(result, constants(scenario, drive))
     out = []
     for name, criterion in scenario.criteria.items():
         try:
-            judge.look_through(criterion)
-            out.append(_verdict(name, criterion, judge))
-        except NothingSeen:
+            evaluator.set_window(criterion)
+            out.append(_evaluate(name, criterion, evaluator))
+        except EmptyWindow:
             out.append(
-                Verdict(
+                CriterionResult(
                     name,
                     False,
                     math.nan,
@@ -239,7 +237,7 @@ def judge(scenario: Scenario, drive: Drive, result: RunResult) -> list[Verdict]:
         residual = result.residual_relative
         text = "energy: sources less sinks less storage, over the energy turned over"
         out.append(
-            Verdict(
+            CriterionResult(
                 "residual",
                 residual <= RESIDUAL_MOST,
                 residual,
@@ -251,22 +249,22 @@ def judge(scenario: Scenario, drive: Drive, result: RunResult) -> list[Verdict]:
     return out
 
 
-def _verdict(name: str, criterion: Criterion, judge: Judge) -> Verdict:
+def _evaluate(name: str, criterion: Criterion, evaluator: Evaluator) -> CriterionResult:
     if criterion.reasons is not None:
-        return _judge_reasons(name, criterion, judge.value(criterion.reasons))
+        return _evaluate_reasons(name, criterion, evaluator.value(criterion.reasons))
     assert criterion.value is not None
     if criterion.settles_to is not None:
-        return _judge_settling(name, criterion, judge)
-    value = judge.single(criterion.value)
-    low = None if criterion.at_least is None else judge.number(criterion.at_least)
-    high = None if criterion.at_most is None else judge.number(criterion.at_most)
+        return _evaluate_settling(name, criterion, evaluator)
+    value = evaluator.single(criterion.value)
+    low = None if criterion.at_least is None else evaluator.number(criterion.at_least)
+    high = None if criterion.at_most is None else evaluator.number(criterion.at_most)
     passed = (
         math.isfinite(value) and (low is None or value >= low) and (high is None or value <= high)
     )
-    return Verdict(name, passed, value, low, high, criterion.unit, criterion.text)
+    return CriterionResult(name, passed, value, low, high, criterion.unit, criterion.text)
 
 
-def _judge_settling(name: str, criterion: Criterion, judge: Judge) -> Verdict:
+def _evaluate_settling(name: str, criterion: Criterion, evaluator: Evaluator) -> CriterionResult:
     """Time from the window's beginning to the first row after which the value stays in the band to the window's end."""
     assert (
         criterion.value is not None
@@ -274,31 +272,33 @@ def _judge_settling(name: str, criterion: Criterion, judge: Judge) -> Verdict:
         and criterion.band is not None
         and criterion.within_s is not None
     )
-    rows = np.atleast_2d(judge.value(criterion.value))
-    time_s = judge.value("time_s")
+    rows = np.atleast_2d(evaluator.value(criterion.value))
+    time_s = evaluator.value("time_s")
     time_s = time_s if time_s.ndim == 1 else time_s[0]
-    away = np.abs(rows - judge.number(criterion.settles_to)) > judge.number(criterion.band)
+    away = np.abs(rows - evaluator.number(criterion.settles_to)) > evaluator.number(criterion.band)
     seen = np.flatnonzero(~np.all(np.isnan(rows), axis=0) & ~np.isnan(time_s))
     if seen.size == 0:
-        raise NothingSeen
+        raise EmptyWindow
     outside = np.flatnonzero(np.any(away, axis=0))
-    most = judge.number(criterion.within_s)
+    most = evaluator.number(criterion.within_s)
     if outside.size and outside[-1] == seen[-1]:
         last = rows[:, outside[-1]]
         remark = f"never settles: {last[np.argmax(np.abs(last))]:.4g} at the end"
-        return Verdict(
+        return CriterionResult(
             name, False, math.nan, at_most=most, unit="s", text=criterion.text, remark=remark
         )
     after = seen[seen > outside[-1]][0] if outside.size else seen[0]
-    settled_s = float(time_s[after]) - judge.number(criterion.from_s)
-    return Verdict(name, settled_s <= most, settled_s, at_most=most, unit="s", text=criterion.text)
+    settled_s = float(time_s[after]) - evaluator.number(criterion.from_s)
+    return CriterionResult(
+        name, settled_s <= most, settled_s, at_most=most, unit="s", text=criterion.text
+    )
 
 
-def _judge_reasons(name: str, criterion: Criterion, codes: Value) -> Verdict:
+def _evaluate_reasons(name: str, criterion: Criterion, codes: Value) -> CriterionResult:
     rows = np.atleast_2d(codes)
     rows = rows[:, ~np.all(np.isnan(rows), axis=0)]
     if rows.shape[1] == 0:
-        raise NothingSeen
+        raise EmptyWindow
     present = {int(code) for code in rows[~np.isnan(rows)]}
     shown = {
         wanted: float(np.mean(np.any(np.isin(rows, list(reasons.meant(wanted))), axis=0)))
@@ -315,5 +315,5 @@ def _judge_reasons(name: str, criterion: Criterion, codes: Value) -> Verdict:
     remarks = [f"missing: {', '.join(absent)}"] if absent else []
     remarks += [f"appeared: {', '.join(unwanted)}"] if unwanted else []
     found = ", ".join(reasons.identifier(code) for code in sorted(present))
-    return Verdict(name, not remarks, float(len(absent) + len(unwanted)), at_most=0.0, text=criterion.text,
+    return CriterionResult(name, not remarks, float(len(absent) + len(unwanted)), at_most=0.0, text=criterion.text,
                    remark="; ".join([*remarks, f"seen: {found}"]))  # fmt: skip

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Criteria judged on made-up recordings, where every answer is known."""
+"""Criteria evaluated on made-up recordings, where every answer is known."""
 
 import math
 from dataclasses import replace
@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hubsim import reasons, verdicts
+from hubsim import evaluation, reasons
 from hubsim.errors import HubsimError
+from hubsim.evaluation import CriterionResult
 from hubsim.results import RunResult
 from hubsim.scenario import Scenario
-from hubsim.verdicts import Verdict
 from regen_table.schema import Drive
 
 NAMES = [
@@ -34,16 +34,16 @@ RESULT = RunResult(
 )  # fmt: skip
 
 
-def judged(
+def evaluated(
     drive: Drive,
     result: RunResult = RESULT,
     keys: dict[str, Any] | None = None,
     **criterion: Any,  # noqa: ANN401
-) -> Verdict:
+) -> CriterionResult:
     chosen = Scenario.model_validate(
         {"max_duration_s": 1.0, "criteria": {"it": criterion}} | (keys or {})
     )
-    return verdicts.judge(chosen, drive, result)[0]
+    return evaluation.evaluate(chosen, drive, result)[0]
 
 
 @pytest.mark.parametrize(
@@ -91,16 +91,16 @@ def judged(
 def test_a_value_is_held_against_its_limits(
     drive: Drive, criterion: dict[str, Any], passed: bool, value: float
 ) -> None:
-    verdict = judged(drive, **criterion)
-    assert verdict.passed is passed
-    assert verdict.value == pytest.approx(value)
+    outcome = evaluated(drive, **criterion)
+    assert outcome.passed is passed
+    assert outcome.value == pytest.approx(value)
 
 
 def test_a_window_without_a_row_fails(drive: Drive) -> None:
-    verdict = judged(drive, value="max(vehicle.speed_m_per_s)", at_most=1e9, from_s=2.0)
-    assert not verdict.passed
-    assert verdict.remark == "no row in the window"
-    assert math.isnan(verdict.value)
+    outcome = evaluated(drive, value="max(vehicle.speed_m_per_s)", at_most=1e9, from_s=2.0)
+    assert not outcome.passed
+    assert outcome.remark == "no row in the window"
+    assert math.isnan(outcome.value)
 
 
 @pytest.mark.parametrize(
@@ -115,21 +115,23 @@ def test_a_window_without_a_row_fails(drive: Drive) -> None:
 def test_settling_is_the_time_after_which_nothing_leaves_the_band(
     drive: Drive, band: float, within_s: float, passed: bool, settled_s: float
 ) -> None:
-    verdict = judged(
+    outcome = evaluated(
         drive, value="wheel0.motor_torque_nm", settles_to=-20.0, band=band, within_s=within_s
     )
-    assert verdict.passed is passed
-    assert verdict.value == pytest.approx(settled_s)
+    assert outcome.passed is passed
+    assert outcome.value == pytest.approx(settled_s)
 
 
 def test_what_is_still_outside_at_the_end_never_settles(drive: Drive) -> None:
-    verdict = judged(drive, value="vehicle.speed_m_per_s", settles_to=5.0, band=1.0, within_s=9.0)
-    assert not verdict.passed
-    assert "never settles" in verdict.remark
+    outcome = evaluated(
+        drive, value="vehicle.speed_m_per_s", settles_to=5.0, band=1.0, within_s=9.0
+    )
+    assert not outcome.passed
+    assert "never settles" in outcome.remark
 
 
 def test_all_wheels_must_settle(drive: Drive) -> None:
-    assert not judged(
+    assert not evaluated(
         drive, value="wheels.motor_torque_nm", settles_to=-20.0, band=1.0, within_s=1.0
     ).passed
 
@@ -153,20 +155,22 @@ def test_all_wheels_must_settle(drive: Drive) -> None:
 def test_reasons_must_appear_or_must_not(
     drive: Drive, criterion: dict[str, Any], passed: bool
 ) -> None:
-    assert judged(drive, reasons="wheels.reason", **criterion).passed is passed
+    assert evaluated(drive, reasons="wheels.reason", **criterion).passed is passed
 
 
-def test_the_simulations_own_error_is_a_criterion_of_every_judged_run(drive: Drive) -> None:
+def test_the_simulations_own_error_is_a_criterion_of_every_evaluated_run(drive: Drive) -> None:
     chosen = Scenario.model_validate(
         {"max_duration_s": 1.0, "criteria": {"it": {"value": "run.distance_m", "at_most": 9}}}
     )
-    assert [v.passed for v in verdicts.judge(chosen, drive, RESULT)] == [True, True]
+    assert [v.passed for v in evaluation.evaluate(chosen, drive, RESULT)] == [True, True]
     leaking = replace(RESULT, account_j=RESULT.account_j | {"energy.residual_j": 1.1e-2})
-    assert [v.passed for v in verdicts.judge(chosen, drive, leaking)] == [True, False]
+    assert [v.passed for v in evaluation.evaluate(chosen, drive, leaking)] == [True, False]
 
 
-def test_without_criteria_nothing_is_judged(drive: Drive) -> None:
-    assert verdicts.judge(Scenario.model_validate({"max_duration_s": 1.0}), drive, RESULT) == []
+def test_without_criteria_nothing_is_evaluated(drive: Drive) -> None:
+    assert (
+        evaluation.evaluate(Scenario.model_validate({"max_duration_s": 1.0}), drive, RESULT) == []
+    )
 
 
 def test_a_value_that_changes_over_time_is_no_value(drive: Drive) -> None:
@@ -174,7 +178,7 @@ def test_a_value_that_changes_over_time_is_no_value(drive: Drive) -> None:
         HubsimError,
         match=r"criteria\.it: 'vehicle\.speed_m_per_s' changes over time, accepted: one number",
     ):
-        judged(drive, value="vehicle.speed_m_per_s", at_most=1.0)
+        evaluated(drive, value="vehicle.speed_m_per_s", at_most=1.0)
 
 
 def test_names_that_there_are_not_are_refused_before_the_run(drive: Drive) -> None:
@@ -190,7 +194,7 @@ def test_names_that_there_are_not_are_refused_before_the_run(drive: Drive) -> No
             {"max_duration_s": 1.0, "criteria": {"it": {"value": value, "at_most": 1}}}
         )
         with pytest.raises(HubsimError) as caught:
-            verdicts.signals_of(chosen, drive, NAMES)
+            evaluation.signals_of(chosen, drive, NAMES)
         assert message in str(caught.value)
 
 
