@@ -54,6 +54,7 @@ pmsm_t pmsm_at_temperature(const pmsm_params_t *params, double winding_temperatu
         .params = *params,
         .resistance_ohm = params->phase_resistance_ohm * plant_max(resistance_share, LEAST_SHARE),
         .flux_wb = params->flux_linkage_wb * plant_max(flux_share, LEAST_SHARE),
+        .saliency_h = params->d_inductance_h - params->q_inductance_h,
         .magnetics = magnetics_of(&iron),
         .cogging = {.amplitude_nm = params->cogging_torque_nm,
                     .per_turn = params->cogging_per_turn,
@@ -81,13 +82,7 @@ static equations_t equations_at(const pmsm_t *machine, const pmsm_step_t *step)
         .share = 1.0,
         .conductance_s = 0.0,
         .w = w,
-        .w_l_d = w * p->d_inductance_h,
-        .w_l_q = w * p->q_inductance_h,
-        .w_psi = w * machine->flux_wb,
-        .per_l_d = machine->magnetics.per_l_d,
-        .per_l_q = machine->magnetics.per_l_q,
-        .flux_wb = machine->flux_wb,
-        .saliency_h = p->d_inductance_h - p->q_inductance_h,
+        .machine = machine,
     };
     if (p->iron_loss_resistance_ohm + p->iron_loss_resistance_slope_ohm_s > 0.0) {
         const double iron_ohm =
@@ -182,12 +177,12 @@ static plant_dq_t implicit_step(const pmsm_t *machine, const equations_t *eq, pl
     if (machine->magnetics.saturates) {
         return pmsm_saturated_implicit(machine, eq->w, before, h, r, drive);
     }
-    const double a = 1.0 + h * r * eq->per_l_d;
-    const double d = 1.0 + h * r * eq->per_l_q;
-    const double b = -h * eq->w_l_q * eq->per_l_d;
-    const double c = h * eq->w_l_d * eq->per_l_q;
-    const double right_d = before.d + h * eq->per_l_d * drive.d;
-    const double right_q = before.q + h * eq->per_l_q * drive.q;
+    const double a = 1.0 + h * r * machine->magnetics.per_l_d;
+    const double d = 1.0 + h * r * machine->magnetics.per_l_q;
+    const double b = -h * eq->w * machine->params.q_inductance_h * machine->magnetics.per_l_d;
+    const double c = h * eq->w * machine->params.d_inductance_h * machine->magnetics.per_l_q;
+    const double right_d = before.d + h * machine->magnetics.per_l_d * drive.d;
+    const double right_q = before.q + h * machine->magnetics.per_l_q * drive.q;
     const double per_determinant = 1.0 / (a * d - b * c);
     const plant_dq_t out = {.d = (right_d * d - b * right_q) * per_determinant,
                             .q = (a * right_q - c * right_d) * per_determinant};
@@ -202,11 +197,11 @@ static plant_dq_t blocking_voltage(const pmsm_t *machine, const equations_t *eq,
         i_t->d = 0.0;
         i_t->q = 0.0;
         const plant_dq_t flux = magnetics_flux(&machine->magnetics, before);
-        const plant_dq_t out = {.d = -flux.d / h, .q = eq->w_psi - flux.q / h};
+        const plant_dq_t out = {.d = -flux.d / h, .q = eq->w * machine->flux_wb - flux.q / h};
         return out;
     }
     const double iron_ohm = eq->share / eq->conductance_s;
-    const plant_dq_t emf = {.d = 0.0, .q = -eq->w_psi};
+    const plant_dq_t emf = {.d = 0.0, .q = -eq->w * machine->flux_wb};
     *i_t = implicit_step(machine, eq, before, h, iron_ohm, emf);
     const plant_dq_t out = {.d = -iron_ohm * i_t->d, .q = -iron_ohm * i_t->q};
     return out;
@@ -226,7 +221,8 @@ pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, doub
     if (wanted_v > ceiling_v) {
         u.d *= ceiling_v / wanted_v;
         u.q *= ceiling_v / wanted_v;
-        const plant_dq_t drive = {.d = eq.share * u.d, .q = eq.share * u.q - eq.w_psi};
+        const plant_dq_t drive = {.d = eq.share * u.d,
+                                  .q = eq.share * u.q - eq.w * machine->flux_wb};
         i_t = implicit_step(machine, &eq, state->i_t, h, eq.share * eq.resistance_ohm, drive);
         const stage_t end = straight_stage_at(&eq, u, i_t);
         terminal = end.terminal;
@@ -260,7 +256,7 @@ double pmsm_amperes_per_volt(const pmsm_t *machine, const pmsm_state_t *state,
                              const pmsm_step_t *step)
 {
     const equations_t eq = equations_at(machine, step);
-    double per_l = plant_max(eq.per_l_d, eq.per_l_q);
+    double per_l = plant_max(machine->magnetics.per_l_d, machine->magnetics.per_l_q);
     if (machine->magnetics.saturates) {
         const magnetics_slope_t s =
             magnetics_slope(&machine->magnetics, magnetics_flux(&machine->magnetics, state->i_t));
@@ -292,6 +288,6 @@ double pmsm_torque_nm(const pmsm_t *machine, plant_dq_t i_t)
         const plant_dq_t flux = magnetics_flux(&machine->magnetics, i_t);
         return 1.5 * p->pole_pairs * ((machine->flux_wb + flux.d) * i_t.q - flux.q * i_t.d);
     }
-    const double flux_wb = machine->flux_wb + (p->d_inductance_h - p->q_inductance_h) * i_t.d;
+    const double flux_wb = machine->flux_wb + machine->saliency_h * i_t.d;
     return 1.5 * p->pole_pairs * flux_wb * i_t.q;
 }

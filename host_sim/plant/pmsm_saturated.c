@@ -23,7 +23,7 @@ static inline opposed_stage_t stage_at(const pmsm_t *machine, const equations_t 
     }
     const plant_dq_t e = along(u, -eq->resistance_ohm, i_t);
     const plant_dq_t i = along(i_t, eq->conductance_s, e);
-    const double flux_d = flux.d + eq->flux_wb;
+    const double flux_d = flux.d + machine->flux_wb;
     const opposed_stage_t out = {
         .stage = {.slope = {.d = eq->share * e.d + eq->w * flux.q,
                             .q = eq->share * e.q - eq->w * flux_d},

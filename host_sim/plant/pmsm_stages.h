@@ -15,9 +15,8 @@ typedef struct {
     double resistance_ohm; /* winding and series */
     double share;          /* R_i / (R_i + R), 1 without iron loss */
     double conductance_s;  /* 1 / (R_i + R), 0 without iron loss */
-    double w, w_l_d, w_l_q, w_psi;
-    double per_l_d, per_l_q;
-    double flux_wb, saliency_h;
+    double w;
+    const pmsm_t *machine;
 } equations_t;
 
 static inline plant_dq_t along(plant_dq_t x, double factor, plant_dq_t y)
@@ -39,12 +38,15 @@ static inline stage_t straight_stage_at(const equations_t *eq, plant_dq_t u, pla
     const plant_dq_t e = along(u, -eq->resistance_ohm, i_t);
     const plant_dq_t i = along(i_t, eq->conductance_s, e);
     const stage_t out = {
-        .slope = {.d = (eq->share * e.d + eq->w_l_q * i_t.q) * eq->per_l_d,
-                  .q = (eq->share * e.q - eq->w_l_d * i_t.d - eq->w_psi) * eq->per_l_q},
+        .slope = {.d = (eq->share * e.d + eq->w * eq->machine->params.q_inductance_h * i_t.q) *
+                       eq->machine->magnetics.per_l_d,
+                  .q = (eq->share * e.q - eq->w * (eq->machine->params.d_inductance_h * i_t.d +
+                                                   eq->machine->flux_wb)) *
+                       eq->machine->magnetics.per_l_q},
         .terminal = i,
         .terminal_square = i.d * i.d + i.q * i.q,
         .drop_square = e.d * e.d + e.q * e.q,
-        .torque_per_3_2_p = (eq->flux_wb + eq->saliency_h * i_t.d) * i_t.q,
+        .torque_per_3_2_p = (eq->machine->flux_wb + eq->machine->saliency_h * i_t.d) * i_t.q,
     };
     return out;
 }

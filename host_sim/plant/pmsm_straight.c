@@ -61,13 +61,14 @@ static inline plant_ab_t half_step(double decay, plant_ab_t from, plant_ab_t dri
 static inline solution_t solve_round(const equations_t *eq, plant_ab_t start, plant_ab_t u,
                                      double h, plant_phasor_t half_turn, const stage_axes_t *axes)
 {
-    const double gain = 0.5 * h * eq->share * eq->per_l_d;
+    const double gain = 0.5 * h * eq->share * eq->machine->magnetics.per_l_d;
     const double z = gain * eq->resistance_ohm;
     const double y = 0.5 * h * eq->w;
     const double mean = mean_decay(z);
     const double decay = 1.0 - z * mean;
     const double square = z * z + y * y;
-    const double per_square = square > 0.0 ? eq->flux_wb * eq->per_l_d / square : 0.0;
+    const double per_square =
+        square > 0.0 ? eq->machine->flux_wb * eq->machine->magnetics.per_l_d / square : 0.0;
     const double yy = y * y * per_square;
     const double yz = y * z * per_square;
     const double x = half_turn.cos - decay;
@@ -107,11 +108,14 @@ static inline solution_t solve_salient(const equations_t *eq, plant_dq_t start, 
     const double turn[AXES] = {eq->w * h, -eq->w * h};
     const double share_s = h * eq->share;
     const double decay_ohm_s = share_s * eq->resistance_ohm;
-    const double decay[AXES] = {-decay_ohm_s * eq->per_l_d, -decay_ohm_s * eq->per_l_q};
+    const double decay[AXES] = {-decay_ohm_s * eq->machine->magnetics.per_l_d,
+                                -decay_ohm_s * eq->machine->magnetics.per_l_q};
     double f[AXES] = {share_s * u_dq.d, share_s * u_dq.q};
     /* h^k times the k-th derivative, k = 1; both axes alike, so that the compiler pairs them */
-    double y[AXES] = {h * eq->w_l_q * start.q - decay_ohm_s * start.d + f[0],
-                      -h * (eq->w_l_d * start.d + eq->w_psi) - decay_ohm_s * start.q + f[1]};
+    double y[AXES] = {
+        turn[0] * eq->machine->params.q_inductance_h * start.q - decay_ohm_s * start.d + f[0],
+        turn[1] * (eq->machine->params.d_inductance_h * start.d + eq->machine->flux_wb) -
+            decay_ohm_s * start.q + f[1]};
     double end[AXES] = {y[0], y[1]};
     double middle[AXES] = {MIDDLE[0] * y[0], MIDDLE[0] * y[1]};
     for (int k = 1; k < (int)END_TERMS; k++) {
@@ -127,8 +131,10 @@ static inline solution_t solve_salient(const equations_t *eq, plant_dq_t start, 
         }
     }
     solution_t out = {
-        .middle = {.d = start.d + eq->per_l_d * middle[0], .q = start.q + eq->per_l_q * middle[1]},
-        .end = {.d = start.d + eq->per_l_d * end[0], .q = start.q + eq->per_l_q * end[1]},
+        .middle = {.d = start.d + eq->machine->magnetics.per_l_d * middle[0],
+                   .q = start.q + eq->machine->magnetics.per_l_q * middle[1]},
+        .end = {.d = start.d + eq->machine->magnetics.per_l_d * end[0],
+                .q = start.q + eq->machine->magnetics.per_l_q * end[1]},
     };
     out.middle_ab = plant_inverse_park(out.middle, axes->middle);
     out.end_ab = plant_inverse_park(out.end, axes->end);
@@ -168,11 +174,12 @@ typedef struct {
     plant_ab_t u;        /* V */
     double opposition_v; /* constant, against the sign of each phase's current */
     double beyond_a;     /* all phases stay beyond it, on the sides where they were */
+    plant_abc_t before_a;
 } linear_t;
 
 /*
  * One step in which the opposition's voltage is constant. If the phases do not stay where they
- * must, nothing is done, and the answer is false. Energies by Simpson's rule; as i and e = u - R
+ * were, nothing is done, and the answer is false. Energies by Simpson's rule; as i and e = u - R
  * i_t are sums of i_t and a voltage of constant magnitude, the integrals of |i|^2 and |e|^2 both
  * follow from those of |i_t|^2 and i_t.
  */
@@ -180,20 +187,17 @@ static inline bool advance(const linear_t *linear, pmsm_state_t *state, double h
                            plant_phasor_t half_turn, pmsm_flow_t *flow)
 {
     const equations_t *eq = linear->eq;
-    const plant_abc_t before = plant_inverse_clarke(state->terminal);
-    const plant_abc_t sign = signs_of(before);
     const bool is_opposed = linear->opposition_v != 0.0;
-    if (is_opposed && distance_a(sign, before) <= linear->beyond_a) {
-        return false;
-    }
+    const plant_abc_t sign = signs_of(linear->before_a);
     const plant_ab_t share = plant_clarke(sign);
     const plant_ab_t u = {.alpha = linear->u.alpha - linear->opposition_v * share.alpha,
                           .beta = linear->u.beta - linear->opposition_v * share.beta};
     const stage_axes_t axes = stage_axes(state->axis, half_turn);
     const plant_dq_t start = state->i_t;
     const plant_ab_t start_ab = plant_inverse_park(start, axes.start);
-    const solution_t i_t = eq->saliency_h == 0.0 ? solve_round(eq, start_ab, u, h, half_turn, &axes)
-                                                 : solve_salient(eq, start, u, h, &axes);
+    const solution_t i_t = eq->machine->saliency_h == 0.0
+                               ? solve_round(eq, start_ab, u, h, half_turn, &axes)
+                               : solve_salient(eq, start, u, h, &axes);
     const plant_ab_t terminal = wires_at(eq, i_t.end_ab, u);
     if (is_opposed && distance_a(sign, plant_inverse_clarke(terminal)) <= linear->beyond_a) {
         return false;
@@ -222,16 +226,20 @@ static inline bool advance(const linear_t *linear, pmsm_state_t *state, double h
     flow->copper_j += eq->share * (eq->share * i_t_a2s + 2.0 * g * u_i_t_j) + g * g * u_v2s;
     flow->iron_j += u_v2s - r * (2.0 * u_i_t_j - r * i_t_a2s);
     flow->torque_nms +=
-        eq->flux_wb * integral(sixth, start.q, i_t.middle.q, i_t.end.q) +
-        eq->saliency_h *
+        eq->machine->flux_wb * integral(sixth, start.q, i_t.middle.q, i_t.end.q) +
+        eq->machine->saliency_h *
             integral(sixth, start.d * start.q, i_t.middle.d * i_t.middle.q, i_t.end.d * i_t.end.q);
     return true;
 }
 
-static inline double largest_a(plant_ab_t current)
+static inline double largest_a(plant_abc_t i)
 {
-    const plant_abc_t i = plant_inverse_clarke(current);
     return plant_max(plant_max(fabs(i.a), fabs(i.b)), fabs(i.c));
+}
+
+static inline double smallest_a(plant_abc_t i)
+{
+    return plant_min(plant_min(fabs(i.a), fabs(i.b)), fabs(i.c));
 }
 
 /*
@@ -315,15 +323,20 @@ void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *oppos
                            pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn,
                            pmsm_flow_t *flow)
 {
-    linear_t linear = {
-        .eq = eq, .u = u, .opposition_v = opposition->volts, .beyond_a = opposition->zone_a};
+    linear_t linear = {.eq = eq,
+                       .u = u,
+                       .opposition_v = opposition->volts,
+                       .beyond_a = opposition->zone_a,
+                       .before_a = plant_inverse_clarke(state->terminal)};
     inside_t inside;
     pmsm_state_t state_before;
     pmsm_flow_t flow_before;
+    const bool is_opposed = opposition->volts != 0.0;
+    const bool is_outside = !is_opposed || smallest_a(linear.before_a) > opposition->zone_a;
     bool is_inside = false;
-    if (linear.opposition_v != 0.0 && largest_a(state->terminal) <= 0.5 * linear.beyond_a) {
+    if (!is_outside && largest_a(linear.before_a) <= 0.5 * opposition->zone_a) {
         inside = inside_of(eq, opposition);
-        is_inside = largest_a(state->terminal) <= 0.5 * inside.limit_a;
+        is_inside = largest_a(linear.before_a) <= 0.5 * inside.limit_a;
     }
     if (is_inside) {
         linear.eq = &inside.eq;
@@ -339,12 +352,12 @@ void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *oppos
     const int parts = is_inside ? 2 : 1;
     const double part_s = is_inside ? 0.5 * h : h;
     const plant_phasor_t part_turn = is_inside ? plant_small_phasor(0.25 * eq->w * h) : half_turn;
-    bool is_done = true;
+    bool is_done = is_outside || is_inside;
     for (int k = 0; k < parts && is_done; k++) {
         is_done = advance(&linear, state, part_s, part_turn, flow);
     }
     if (is_inside) {
-        is_done = largest_a(state->terminal) <= inside.limit_a;
+        is_done = largest_a(plant_inverse_clarke(state->terminal)) <= inside.limit_a;
         if (is_done) { /* share . i = i^2 / limit */
             flow->opposed_as = flow_before.opposed_as +
                                1.5 * (flow->copper_j - flow_before.copper_j) / inside.limit_a;

@@ -86,6 +86,7 @@ typedef struct {
     pmsm_params_t params;
     double resistance_ohm;
     double flux_wb;
+    double saliency_h; /* L_d - L_q */
     magnetics_t magnetics;
     cogging_t cogging;
 } pmsm_t;
