@@ -106,10 +106,12 @@ def main(
         duty = [fast.duty_a, fast.duty_b, fast.duty_c] if fast.bridge == PWM else None
     assert slow is not None
     print(
-        f"mode {controller.mode_text(slow.mode)}, limit: {controller.reason_text(slow.torque_reason)}"
+        f"mode {controller.mode_text(slow.mode)}, limit: "
+        f"{controller.reason_text(slow.torque_reason)}"
     )
     print(
-        f"motor {motor.torque_nm:.3f} N m, controller's estimate {slow.motor_torque_estimate_nm:.3f} N m"
+        f"motor {motor.torque_nm:.3f} N m, controller's estimate "
+        f"{slow.motor_torque_estimate_nm:.3f} N m"
     )
     print(f"hydraulic brake asked for {slow.hydraulic_torque_nm:.3f} N m")
     return motor.torque_nm, slow.motor_torque_estimate_nm

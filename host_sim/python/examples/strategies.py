@@ -40,7 +40,8 @@ def main() -> dict[str, float]:
         charge_a = -np.min(recording["battery.current_a"])
         strongest_nm = -np.min(recording["wheel0.motor_torque_nm"])
         print(
-            f"{strategy:22} {100.0 * stored[strategy]:6.1f} % of the kinetic energy stored, motor up to {strongest_nm:5.1f} N m, "
+            f"{strategy:22} {100.0 * stored[strategy]:6.1f} % of the kinetic energy stored, motor "
+            f"up to {strongest_nm:5.1f} N m, "
             f"battery charged with up to {charge_a:.1f} {recording.units['battery.current_a']}"
         )
     return stored

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulated vehicle: scenarios, runs and reports in front of the C engine that holds firmware and plant.
+"""The simulated vehicle.
+
+Scenarios, runs and reports in front of the C engine that holds firmware and plant.
 
 Units are part of every name. Torques are per driven wheel; motor torque is signed, positive driving
 forward; braking demands and hydraulic torques are magnitudes. Energies are those of the whole

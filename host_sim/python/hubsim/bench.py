@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The simulated vehicle to be driven from Python: a complete controller in every driven wheel, a battery, a road.
+"""The simulated vehicle to be driven from Python.
+
+A complete controller in every driven wheel, a battery, a road.
 
     with hubsim.Bench("tools/motors/lu2013.toml", initial_speed_kmh=40.0, demand_nm=40.0,
     stop_at_standstill=True) as bench:
@@ -29,7 +31,9 @@ LONGEST_S = 1e4  # of a run without a planned end
 
 
 class Recording(Mapping[str, Rows]):
-    """Recorded signals by name, each an array of shape (rows,); ``units`` and ``texts`` say what they are.
+    """Recorded signals by name, each an array of shape (rows,).
+
+    ``units`` and ``texts`` say what they are.
 
     Attributes
     ----------
@@ -64,7 +68,9 @@ class Recording(Mapping[str, Rows]):
 
 
 class Bench:
-    """One simulated vehicle that has been brought to its initial speed. Not for two threads at the same time.
+    """One simulated vehicle that has been brought to its initial speed.
+
+    Not for two threads at the same time.
 
     Parameters
     ----------
@@ -101,7 +107,8 @@ class Bench:
         config = drive if isinstance(drive, Configuration) else configuration.load(drive)
         if config.drive is None:
             raise HubsimError(
-                f"{config.name}: an image does not say what the plant is, accepted: a drive's .toml file"
+                f"{config.name}: an image does not say what the plant is, accepted: a drive's "
+                ".toml file"
             )
         vehicle = overrides.changed(config.drive, chosen.drive_changes, f"{chosen.source}: drive")
         self._engine, self.planned_s = run.prepare(vehicle, chosen, beside, dict(plant or {}))
@@ -144,7 +151,10 @@ class Bench:
         return 1.0 / self._engine.get("inverter.pwm_frequency_hz")
 
     def __getitem__(self, name: str) -> float:
-        """Return a signal now; of a rate (``*_w``, ``*.motor_torque_nm``) the account it is the rate of."""
+        """Return a signal now.
+
+        Of a rate (``*_w``, ``*.motor_torque_nm``) the account it is the rate of.
+        """
         return self._engine.value(name)
 
     def signals(self) -> dict[str, tuple[str, str]]:
@@ -177,7 +187,10 @@ class Bench:
             now_s = self.time_s
 
     def run(self, duration_s: float | None = None) -> Recording:
-        """Go on for a time, by default to the end of the scenario, and return what was recorded since the last ``run``."""
+        """Go on for a time, by default to the end of the scenario.
+
+        Returns what was recorded since the last ``run``.
+        """
         until_s = self.planned_s if duration_s is None else self.time_s + duration_s
         rounding_s = 1e-3 * self.period_s
         while not self.ended and self.time_s < until_s - rounding_s:

@@ -39,7 +39,8 @@ EXAMPLES = (
     "hubsim compare stop stop --set-b plant.motor.phase_resistance_ohm=0.032 --relative 0.04",
     "hubsim sweep stop --vary 'demand_nm=range(5,120,24)' "
     "--vary brake.strategy=series_optimal,parallel_ratio --output grid.parquet",
-    "hubsim sweep stop --vary 'plant.vehicle.mass_kg=normal(660,30)' --runs 1000 --output draws.csv",
+    "hubsim sweep stop --vary 'plant.vehicle.mass_kg=normal(660,30)' --runs 1000 --output "
+    "draws.csv",
 )
 _SCENARIO = "a built-in scenario ('hubsim list') or a TOML file"
 
@@ -333,4 +334,8 @@ def _add_report(commands: Commands) -> None:
         action="store_true",
         help="also simulate stops at constant demand under all strategies",
     )
-    _add_date(command)
+    command.add_argument(
+        "--date",
+        metavar="ISO-8601",
+        help="of the page where a result holds no origin; default: SOURCE_DATE_EPOCH, or the clock",
+    )

@@ -29,7 +29,10 @@ def check_output(directory: Path) -> None:
 
 
 def recorded(scenario: Scenario, beside: Path) -> Scenario:
-    """Return the scenario with the finest whole number of milliseconds between rows that the page can show."""
+    """Return the scenario with the finest recording interval that the page can show.
+
+    A whole number of milliseconds.
+    """
     duration_s = scenario.max_duration_s
     if scenario.cycle is not None:
         duration_s = min(
@@ -100,7 +103,8 @@ def write(
     files.write_text(directory / SUMMARY, results_files.as_json(summary))
     wheels = results[0].wheels
     return [
-        f"{wheels} wheels at {factor:.0f} times real time on one core ({wheels * factor:.0f} for one wheel)",
+        f"{wheels} wheels at {factor:.0f} times real time on one core ({wheels * factor:.0f} for "
+        "one wheel)",
         f"report: {directory / PAGE}",
         f"summary: {directory / SUMMARY}",
     ]

@@ -25,7 +25,9 @@ MAX_IMAGE_BYTES = 1 << 16
 
 @dataclass(frozen=True)
 class Configuration:
-    """The configuration of one controller and, where it came from a TOML file, everything known about its drive.
+    """The configuration of one controller.
+
+    Where it came from a TOML file, with everything known about its drive.
 
     Attributes
     ----------

@@ -83,7 +83,10 @@ class Controller:
         self._slow.reset()
 
     def fast_step(self, **inputs: float) -> Values:
-        """Step the current loop once, inputs and outputs in engineering units (``variables()`` lists both)."""
+        """Step the current loop once, in engineering units.
+
+        ``variables()`` lists inputs and outputs.
+        """
         return self._fast.engineering(inputs)
 
     def slow_step(self, **inputs: float) -> Values:
@@ -91,11 +94,17 @@ class Controller:
         return self._slow.engineering(inputs)
 
     def fast_step_raw(self, **inputs: int) -> Values:
-        """Step the current loop once, inputs and outputs as the firmware's own integers, by their raw names."""
+        """Step the current loop once, in the firmware's own integers.
+
+        Inputs and outputs by their raw names.
+        """
         return self._fast.raw(inputs)
 
     def slow_step_raw(self, **inputs: int) -> Values:
-        """Step torque, modes and monitor once, inputs and outputs as the firmware's own integers, by their raw names."""
+        """Step the slow loop once, in the firmware's own integers.
+
+        Inputs and outputs by their raw names.
+        """
         return self._slow.raw(inputs)
 
     @staticmethod
@@ -145,7 +154,8 @@ class Controller:
     def _check(self, status: int) -> None:
         if status != 0:
             raise HubsimError(
-                f"{self.configuration.name}: {text_of(self._lib.hubsim_controller_error(self._handle))}"
+                f"{self.configuration.name}: "
+                f"{text_of(self._lib.hubsim_controller_error(self._handle))}"
             )
 
 

@@ -105,7 +105,8 @@ class Criterion(Section):
             and expression.dotted(expression.read(self.reasons).tree) is None
         ):
             raise ValueError(
-                f"reasons: {self.reasons!r} is not accepted, accepted: a signal, for example wheels.reason"
+                f"reasons: {self.reasons!r} is not accepted, accepted: a signal, for example "
+                "wheels.reason"
             )
         for key in ("must_appear", "must_not_appear"):
             for name in getattr(self, key):

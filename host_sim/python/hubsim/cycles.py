@@ -104,7 +104,8 @@ def _point(path: Path, number: int, cells: list[str]) -> tuple[float, float]:
         t, v = (float(cell) for cell in cells)
     except ValueError:
         raise HubsimError(
-            f"{path}:{number}: {','.join(cells)[:40]!r}, accepted: two numbers, time_s and speed_km_h"
+            f"{path}:{number}: {','.join(cells)[:40]!r}, accepted: two numbers, time_s and "
+            "speed_km_h"
         ) from None
     if not (math.isfinite(t) and 0.0 <= v <= 400.0):
         raise HubsimError(f"{path}:{number}: speed_km_h {v:g} at {t:g} s, accepted: 0 to 400 km/h")

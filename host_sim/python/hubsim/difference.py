@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Two results side by side: how far figures and signals lie apart, and whether that is within tolerances.
+"""Two results side by side.
+
+How far figures and signals lie apart, and whether that is within tolerances.
 
 A side is a result that was written (JSON of ``hubsim run``, a recording as CSV or Parquet), or a
 run that is done now (a built-in scenario or a TOML file). Signals are compared on the times of the

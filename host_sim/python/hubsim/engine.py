@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The C engine as a Python object: parameters, configuration and signals by name, rows as NumPy arrays.
+"""The C engine as a Python object.
+
+Parameters, configuration and signals by name, rows as NumPy arrays.
 
 The declarations are read from the library's own headers (bench/engine.h, exchange/face.h), so this
 module cannot disagree with them. Calls into the engine release the interpreter's lock: runs in
@@ -46,7 +48,8 @@ def library_path() -> Path:
     path = Path(named) / LIBRARY if named else ROOT / "build" / "host" / LIBRARY
     if not path.is_file():
         raise HubsimError(
-            f"{path}: the simulation engine is not built, accepted: after 'cmake --build --preset host'"
+            f"{path}: the simulation engine is not built, accepted: after 'cmake --build --preset "
+            "host'"
         )
     return path
 

@@ -91,7 +91,10 @@ def scalars(scenario: Scenario, drive: Drive, known: Sequence[str]) -> set[str]:
 def signals_of(
     scenario: Scenario, drive: Drive, known: Sequence[str], formulas: Iterable[str] = ()
 ) -> list[str]:
-    """Return the signals that the criteria of a scenario and further formulas look at, refusing a name that there is not."""
+    """Return the signals that the criteria of a scenario and further formulas use.
+
+    An unknown name is refused.
+    """
     single = scalars(scenario, drive, known)
     wanted: set[str] = set()
     looked_at = [
@@ -173,7 +176,8 @@ class Evaluator:
     def _single(value: Value, text: str) -> float:
         if value.ndim != 0:
             raise ExpressionError(
-                f"{text!r} changes over time, accepted: one number, as of max(), min(), mean(), final(), ..."
+                f"{text!r} changes over time, accepted: one number, as of max(), min(), mean(), "
+                "final(), ..."
             )
         return float(value)
 
@@ -265,7 +269,10 @@ def _evaluate(name: str, criterion: Criterion, evaluator: Evaluator) -> Criterio
 
 
 def _evaluate_settling(name: str, criterion: Criterion, evaluator: Evaluator) -> CriterionResult:
-    """Time from the window's beginning to the first row after which the value stays in the band to the window's end."""
+    """Evaluate the settling time.
+
+    From the window's beginning to the first row after which the value stays in the band.
+    """
     assert (
         criterion.value is not None
         and criterion.settles_to is not None

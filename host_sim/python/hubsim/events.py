@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What happens to the simulated world during a run: parameters set or led along straight lines at their times.
+"""What happens to the simulated world during a run.
+
+Parameters set or led along straight lines at their times.
 
 An event sets parameters by name, or starts an injection, a disturbance that has a name of its own.
 Changes reach the controllers at the millisecond in which they happen; a ramp moves once a
@@ -95,7 +97,8 @@ class Event(Section):
             )
         if self.until_s is not None and self.until_s < self.at_s + self.over_s:
             raise ValueError(
-                f"until_s: {self.until_s:g} is not accepted, accepted: not before {self.at_s + self.over_s:g}"
+                f"until_s: {self.until_s:g} is not accepted, accepted: not before "
+                f"{self.at_s + self.over_s:g}"
             )
         for name, value in self.values.items():
             check_parameter(name, value)

@@ -142,7 +142,10 @@ class Formula:
     names: tuple[str, ...]
 
     def value(self, lookup: Lookup) -> Value:
-        """Work it out; ``lookup`` gives the value of a name and, under ``""``, the time from row to row in s."""
+        """Work it out.
+
+        ``lookup`` gives the value of a name and, under ``""``, the time from row to row in s.
+        """
         with np.errstate(all="ignore"):
             return _evaluate(self.tree, lookup)
 
@@ -155,7 +158,8 @@ def read(text: str) -> Formula:
         tree = ast.parse(f"({text.strip()})", mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         raise ExpressionError(
-            f"{_short(text)} cannot be read, accepted: a formula like max(abs(vehicle.speed_m_per_s)) / 2"
+            f"{_short(text)} cannot be read, accepted: a formula like "
+            "max(abs(vehicle.speed_m_per_s)) / 2"
         ) from None
     names: dict[str, None] = {}
     _check(tree, names)

@@ -117,7 +117,10 @@ class Measurement:
 
     @property
     def rotor_turn(self) -> Floats:
-        """Electrical angle of the rotors in turns, 0 to 1, shape (wheels,); 0: d axis on phase a."""
+        """Electrical angle of the rotors in turns, 0 to 1, shape (wheels,).
+
+        0: d axis on phase a.
+        """
         return self._of("rotor_turn")
 
     @property

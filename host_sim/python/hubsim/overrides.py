@@ -85,7 +85,10 @@ def _plant_value(name: str, value: object) -> float:
 
 
 def load_drive(path: Path, overrides: Overrides, scenario: Scenario | None = None) -> Drive:
-    """Read a drive's file with what the scenario has differently, and with the settings that are meant for it."""
+    """Read a drive's file.
+
+    With the scenario's changes and the settings of the command line.
+    """
     drive = schema.load(path)
     changes = {**(scenario.drive_changes if scenario else {}), **overrides.drive}
     source = (
@@ -95,7 +98,10 @@ def load_drive(path: Path, overrides: Overrides, scenario: Scenario | None = Non
 
 
 def changed(drive: Drive, changes: Mapping[tuple[str, str], Any], source: str) -> Drive:
-    """Return a drive with other values of some keys, by (section, key), checked as a file would be."""
+    """Return a drive with other values of some keys, checked as a file is.
+
+    ``changes`` are by (section, key).
+    """
     if not changes:
         return drive
     data = drive.model_dump(exclude_none=True)

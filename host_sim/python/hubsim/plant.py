@@ -156,7 +156,7 @@ def _bms(drive: Drive) -> dict[str, float]:
 
 
 def voltage_curve(drive: Drive) -> tuple[list[float], list[float]]:
-    """Return the open-circuit voltage in V over state of charge, as one point where it is constant."""
+    """Return the open-circuit voltage (V) over state of charge; one point: constant."""
     voltage = drive.battery.open_circuit_voltage_v
     if isinstance(voltage, float | int):
         return [0.0], [float(voltage)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The firmware's reasons by their identifiers, read from firmware/core/include/core/reason.h itself."""
+"""The firmware's reasons by their identifiers, read from core/reason.h."""
 
 import difflib
 import re

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recorded signals as files: CSV, Parquet and MDF4, and the layout with which PlotJuggler shows them.
+"""Recorded signals as files.
+
+CSV, Parquet and MDF4, and the layout with which PlotJuggler shows them.
 
 Columns are the engine's names, which end in the unit; Parquet and MDF4 carry unit and meaning of
 every column besides.
@@ -116,7 +118,7 @@ def write_mdf(result: RunResult, path: Path) -> None:
 
 
 def code_texts(name: str) -> dict[int, str]:
-    """Return the text of every code that a signal can have; nothing for a signal that is no code."""
+    """Return the text of every code that a signal can have; empty for other signals."""
     last = name.rpartition(".")[2]
     if last == "mode":
         texts = itertools.takewhile(_is_known_mode, map(engine.mode_text, itertools.count()))
@@ -158,7 +160,10 @@ def _header(about: str, result: RunResult) -> str:
 
 
 def write_layout(result: RunResult, path: Path, csv: Path | None = None) -> None:
-    """Write a PlotJuggler layout for the recorded signals, which loads the CSV recording if there is one."""
+    """Write a PlotJuggler layout for the recorded signals.
+
+    It loads the CSV recording if there is one.
+    """
     recording = None if csv is None else os.path.relpath(csv.resolve(), path.resolve().parent)
     files.write_text(path, plotjuggler.layout(result.names, recording))
 

@@ -106,7 +106,8 @@ def _read(path: Path) -> dict[str, Any]:
         data = json.loads(text)
     except (json.JSONDecodeError, RecursionError) as error:
         raise HubsimError(
-            f"{path}: not JSON: {' '.join(str(error).split())}, accepted: what 'hubsim run --json' writes"
+            f"{path}: not JSON: {' '.join(str(error).split())}, accepted: what 'hubsim run "
+            "--json' writes"
         ) from error
     if not isinstance(data, dict):
         raise HubsimError(

@@ -33,7 +33,10 @@ Progress = Callable[[float, float], None]  # simulated s, planned s
 def prepare(
     drive: Drive, scenario: Scenario, beside: Path, plant_overrides: dict[str, float]
 ) -> tuple[Engine, float]:
-    """Build the vehicle of a run that has not begun, and say how long the run is planned to be (s)."""
+    """Build the vehicle of a run that has not begun.
+
+    Returns it and the planned duration in s.
+    """
     engine = Engine()
     trace = followed(scenario, beside)
     if trace is not None:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Scenarios: what a simulated vehicle is made to do and must show, from TOML, with every key overridable on the command line.
+"""Scenarios: what a simulated vehicle does and must show, from TOML.
+
+Every key can be overridden on the command line.
 
 The keys at the top are state, driver and road. Sections: ``[plant.SECTION]`` is the simulated world
 where it is to differ from the drive's file, ``[drive.SECTION]`` the drive's file itself for plant

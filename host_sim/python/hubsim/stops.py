@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stops at constant demand (the paper's Fig. 14): what simulated controllers store, beside the ideal ones.
+"""Stops at constant demand (the paper's Fig. 14).
+
+What simulated controllers store, beside the ideal ones.
 
 A stop of a vehicle whose wheels all do the same is that of one wheel with its share of mass and
 battery: currents, voltages and shares of energy are equal, at a fraction of the work.
@@ -50,7 +52,7 @@ _AGAINST = (
 
 @dataclass(frozen=True)
 class Curve:
-    """Share of the kinetic energy that is stored (1) over the demand at a wheel (N m), of one strategy.
+    """Stored share of the kinetic energy (1) over the demand at a wheel (N m), of one strategy.
 
     ``ideal`` is with the battery's RC branch at rest before the stop, as in the simulation;
     ``settled``, at the simulated demands, with that branch in steady state throughout.
@@ -66,7 +68,9 @@ class Curve:
 
 @dataclass(frozen=True)
 class Map:
-    """The loss-optimal braking torque of a drive over wheel speed, arrays of shape (points,), magnitudes in N m.
+    """The loss-optimal braking torque of a drive over wheel speed.
+
+    Arrays of shape (points,), magnitudes in N m.
 
     ``zero_nm``: beyond it braking takes energy out of the battery. ``limit_nm``: torque and power
     limits. With the i_d of least loss where the magnets are buried; there, ``BEYOND`` times the
@@ -108,7 +112,7 @@ def ideal_of(drive: Drive, scenario: Scenario) -> dict[str, Any]:
 
 
 def ideal_share(stop: Mapping[str, Any]) -> float | None:
-    """Return the share of the braking work at the wheels that an ideal stop stores, if there is one.
+    """Return the share of the braking work that an ideal stop stores, None without a stop.
 
     Braking work as in a run: what motors and hydraulic brakes take from the motion, so without the
     bearings' friction.

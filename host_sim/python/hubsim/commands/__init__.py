@@ -38,7 +38,8 @@ def warn_of(result: RunResult) -> None:
     """Warn on stderr of faults and of events whose time the run did not reach."""
     for fault in result.faults:
         print(
-            f"hubsim: warning: {result.cycle}, {result.strategy}: wheel {fault.wheel} faulted at {fault.time_s:.3f} s: {fault.reason}",
+            f"hubsim: warning: {result.cycle}, {result.strategy}: wheel {fault.wheel} faulted at "
+            f"{fault.time_s:.3f} s: {fault.reason}",
             file=sys.stderr,
         )
     for name, at_s in result.missed.items():

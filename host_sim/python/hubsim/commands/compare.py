@@ -50,7 +50,8 @@ def main(options: argparse.Namespace) -> int:
     alone = difference.only_in_one(first, second)
     if alone and not options.only:
         print(
-            f"hubsim: in one of them only: {', '.join(alone[:8])}{' ...' if len(alone) > 8 else ''}",
+            "hubsim: in one of them only: "
+            f"{', '.join(alone[:8])}{' ...' if len(alone) > 8 else ''}",
             file=sys.stderr,
         )
     print(f"{len(found) - len(apart)} of {len(found)} figures and signals within the tolerances")

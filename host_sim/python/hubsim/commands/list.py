@@ -27,7 +27,8 @@ def main(options: argparse.Namespace) -> int:
         for name, parameter in engine.parameters().items():
             unit = "" if parameter.unit in {"", "1"} else f" {parameter.unit}"
             print(
-                f"plant.{name:45} {parameter.lowest:g} to {parameter.highest:g}{unit}  {parameter.text}"
+                f"plant.{name:45} {parameter.lowest:g} to {parameter.highest:g}{unit}  "
+                f"{parameter.text}"
             )
         return 0
     if options.signals:
@@ -47,7 +48,8 @@ def main(options: argparse.Namespace) -> int:
     for name in cycles.names():
         cycle = cycles.load(name)
         print(
-            f"  {name:28} {cycle.duration_s:g} s, {cycle.distance_m / 1e3:.3f} km, up to {max(cycle.speed_kmh):g} km/h"
+            f"  {name:28} {cycle.duration_s:g} s, {cycle.distance_m / 1e3:.3f} km, up to "
+            f"{max(cycle.speed_kmh):g} km/h"
         )
     print("drives (--config NAME, or a file):")
     for path in sorted((installation.ROOT / "tools" / "motors").glob("*.toml")):
@@ -56,7 +58,8 @@ def main(options: argparse.Namespace) -> int:
     print("keys of a scenario (--set KEY=VALUE):")
     _list_keys(scenario.Scenario)
     print(
-        "also --set SECTION.KEY=VALUE of the drive, and --set plant.SECTION.KEY=VALUE (hubsim list --parameters)"
+        "also --set SECTION.KEY=VALUE of the drive, and --set plant.SECTION.KEY=VALUE (hubsim "
+        "list --parameters)"
     )
     return 0
 

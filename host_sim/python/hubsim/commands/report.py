@@ -2,17 +2,21 @@
 """``hubsim report``: one page from results of runs."""
 
 import argparse
+from dataclasses import replace
+
+from regen_table import provenance
 
 from hubsim import commands, engine, files, overrides, results_files, run, scenario
 from hubsim.errors import HubsimError
+from hubsim.results import RunResult
 
 
 def main(options: argparse.Namespace) -> int:
     """Do the command and return the exit status."""
-    from hubsim import comparison, report, stops  # noqa: PLC0415, the report's modules are needed by few commands
+    from hubsim import comparison, report, stops  # noqa: PLC0415, few commands need them
 
     files.check_writable(options.output)
-    found = [results_files.load(path) for path in options.results]
+    found = [_with_origin(results_files.load(path), options.date) for path in options.results]
     names = list(dict.fromkeys(result.vehicle for result in found))
     configs = {
         name: options.config or engine.ROOT / "tools" / "motors" / f"{name}.toml" for name in names
@@ -38,3 +42,11 @@ def main(options: argparse.Namespace) -> int:
     report.write_page(found, options.output, report.Extras(maps, curves, "hubsim report"))
     print(f"report: {options.output}")
     return 0
+
+
+def _with_origin(result: RunResult, date: str | None) -> RunResult:
+    """Return a result with an origin: its own, or that of this call where its file holds none."""
+    if result.origin:
+        return result
+    made = provenance.provenance(result.vehicle, scenario=result.cycle, date=date)
+    return replace(result, origin=made)

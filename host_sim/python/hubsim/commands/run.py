@@ -73,7 +73,8 @@ def main(options: argparse.Namespace) -> int:
         console.print_criteria(name, evaluated)
     if failed:
         print(
-            f"hubsim: {name}: {len(failed)} of {len(evaluated)} criteria not met: {', '.join(failed)}",
+            f"hubsim: {name}: {len(failed)} of {len(evaluated)} criteria not met: "
+            f"{', '.join(failed)}",
             file=sys.stderr,
         )
     return 1 if failed else 0

@@ -137,8 +137,10 @@ def _controller(config: Configuration) -> Description:
             for v in ports.of_port(port)
         ]
     text = (
-        f"hubfoc: the controller of one wheel with the configuration {config.name}. Inputs are sampled when a step begins; what the "
-        f"bridge is commanded acts one step later. One step is {1e6 * controller.period_s:g} us or a multiple of it."
+        f"hubfoc: the controller of one wheel with the configuration {config.name}. Inputs are "
+        "sampled when a step begins; what the "
+        f"bridge is commanded acts one step later. One step is {1e6 * controller.period_s:g} us "
+        "or a multiple of it."
     )
     return Description(
         "controller", config, text, controller.period_s, controller.period_s, tuple(found)
@@ -175,8 +177,10 @@ def _vehicle(config: Configuration) -> Description:
     for name, (unit, text) in meanings.items():
         found.append(Variable(name, REAL if unit else CODE, OUTPUT, units.known(unit), text))
     text = (
-        f"hubfoc: the simulated vehicle {config.name}, {wheels} wheels with a complete controller each, on one battery and one road. "
-        "It boots standing and is brought to its initial speed before time 0. Powers and forces are means over the last step."
+        f"hubfoc: the simulated vehicle {config.name}, {wheels} wheels with a complete controller "
+        "each, on one battery and one road. "
+        "It boots standing and is brought to its initial speed before time 0. Powers and forces "
+        "are means over the last step."
     )
     period_s = 1.0 / starts["inverter.pwm_frequency_hz"]
     return Description(

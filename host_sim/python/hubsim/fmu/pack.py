@@ -21,7 +21,8 @@ def platform_folder(fmi: int) -> str:
     machine = _MACHINE.get(platform.machine())
     if machine is None or platform.system() != "Linux":
         raise HubsimError(
-            f"{platform.system()} on {platform.machine()}: units are built on Linux, x86_64 or aarch64"
+            f"{platform.system()} on {platform.machine()}: units are built on Linux, x86_64 or "
+            "aarch64"
         )
     return _FMI2_FOLDER[machine] if fmi == 2 else f"{machine}-linux"
 

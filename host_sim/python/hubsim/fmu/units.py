@@ -66,7 +66,8 @@ def _multiply(found: dict[str, float], name: str, sign: int, unit: str) -> None:
     token = _TOKEN.fullmatch(name)
     if token is None or (token[1] not in _DERIVED and token[1] not in _BASE):
         raise HubsimError(
-            f"unit {unit!r}: {name!r} is no unit of model descriptions, accepted: {', '.join([*_BASE, *_DERIVED, *_DEGREE])}"
+            f"unit {unit!r}: {name!r} is no unit of model descriptions, accepted: "
+            f"{', '.join([*_BASE, *_DERIVED, *_DEGREE])}"
         )
     power = sign * int(token[2] or "1")
     for key, value in _DERIVED.get(token[1], {token[1]: 1.0}).items():

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Model descriptions of a unit in both versions of the standard, and the build description of the newer one."""
+"""Model descriptions of a unit in both versions of the standard.
+
+And the build description of FMI 3.0.
+"""
 
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence

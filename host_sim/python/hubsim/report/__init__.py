@@ -19,7 +19,7 @@ NAME = "index.html"
 
 
 def write_report(runs: Sequence[RunLike], directory: Path, extras: Extras | None = None) -> None:
-    """Write ``index.html`` into a directory, which is made if need be; a page that is already there is replaced at once.
+    """Write ``index.html`` into a directory, which is made if necessary.
 
     Raises
     ------

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The energy of a run as one flow that balances: cells, losses, wheels, road, braking work, losses, cells.
+"""The energy of a run as one flow that balances.
+
+Cells, losses, wheels, road, braking work, losses, cells.
 
     drawn            = upper + road + turned          from the cells to the wheels
     turned + joining = lower + returned               from the wheels back to the cells
@@ -130,7 +132,10 @@ def _road(run: RunLike) -> list[Part] | None:
 def _whole(
     run: RunLike, drawn: float, returned: float, hydraulic: float, work: float
 ) -> Flow | None:
-    """Without the split all losses are drawn on the way to the wheels, and what goes round is brake heat and return."""
+    """Return the flow of a run whose losses are not split into driving and braking.
+
+    All losses are drawn on the way to the wheels.
+    """
     losses = [
         Part(name, reading.energy_j(run, name), "loss")
         for name in ("battery", "inverter", "copper", "iron")

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the lanes of the flow picture run and where what leaves them goes; lengths in user units of the SVG.
+"""Where the lanes of the flow picture run and where what leaves them goes.
+
+Lengths in user units of the SVG.
 
 Two lanes lie above each other, the battery at their left ends, a half turn joins their right ends.
 Their inner edges are straight; what leaves the upper lane is sliced off its upper edge, what leaves
@@ -163,7 +165,10 @@ def lay(flow: Flow, shared: Frame) -> Lanes:
 
 
 def _placed(parts: Sequence[Part], per_j: float, first: float, space: float) -> list[Exit]:
-    """Place stems from left to right, the first one's left edge at ``first``, labels apart where there is space."""
+    """Place stems from left to right, the first one's left edge at ``first``.
+
+    Labels are apart where there is space.
+    """
     widths = [part.energy_j * per_j for part in parts]
     if not widths:
         return []
@@ -178,7 +183,10 @@ def _placed(parts: Sequence[Part], per_j: float, first: float, space: float) -> 
 
 
 def _pressed(wanted: list[float], space: float) -> list[float]:
-    """Return distances pressed together as far as the space asks, all alike, none below half a label's."""
+    """Return distances reduced to the available space.
+
+    All by the same share, none below half a label's.
+    """
     excess = sum(wanted) - space
     slack = sum(max(distance - 0.5 * PITCH, 0.0) for distance in wanted)
     if excess <= 0.0 or slack <= 0.0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Operating points of one motor while the driver brakes, on the map of the torque that returns the most energy."""
+"""Operating points of one motor while the driver brakes, on the map of the optimal torque."""
 
 from collections.abc import Sequence
 
@@ -19,7 +19,7 @@ _KEYS = (("— most energy", "best-line"), ("┄ no energy", "zero-line"), ("—
 
 
 def operating_points(run: RunLike, wheel_radius_m: float) -> tuple[Array, Array] | None:
-    """Return wheel speed in r/min and braking torque of the motor in N m (magnitude) while the driver brakes.
+    """Return wheel speed (r/min) and the motor's braking torque (N m) while the driver brakes.
 
     Thinned out evenly to what a picture can show; None where a signal was not recorded or there is
     no braking.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page: one section for each cycle, in each of them one column for each strategy, all in one file."""
+"""The page: a section for each cycle with a column for each strategy, all in one file."""
 
 import math
 from collections.abc import Sequence
@@ -23,20 +23,28 @@ _HERE = Path(__file__).parent
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 
 HOW_TO_READ = (
-    "The braking work at the wheels is what brakes and motors take from the motion; the flow picture shows what becomes of it.",
-    "Between strategies that drive alike, the better one has the thicker arrow back into the battery. The way out to the "
+    "The braking work at the wheels is what brakes and motors take from the motion; the flow "
+    "picture shows what becomes of it.",
+    "Between strategies that drive alike, the better one has the thicker arrow back into the "
+    "battery. The way out to the "
     "wheels is the same for all.",
-    "A motor that brakes harder than its best torque returns less, because copper loss grows with the square of the "
+    "A motor that brakes harder than its best torque returns less, because copper loss grows with "
+    "the square of the "
     "current. The series strategy stops at that torque.",
-    "In the torque panel the filled areas are stacked: motor and hydraulic brake together make the demand.",
-    "The strips show when a limit made the torque smaller than the demand, with the reason that the controller reports.",
-    "The residual compares sources, sinks and storage over the whole run. It is an error of the simulation, not of the vehicle.",
+    "In the torque panel the filled areas are stacked: motor and hydraulic brake together make "
+    "the demand.",
+    "The strips show when a limit made the torque smaller than the demand, with the reason that "
+    "the controller reports.",
+    "The residual compares sources, sinks and storage over the whole run. It is an error of the "
+    "simulation, not of the vehicle.",
 )
 
 
 IDEAL = (
-    "The ideal stop has the same demand, initial speed and winding temperature: steady state of the motor at every speed, "
-    "no delay, no blend-out, no air drag and no rolling resistance, the battery at rest before the stop."
+    "The ideal stop has the same demand, initial speed and winding temperature: steady state of "
+    "the motor at every speed, "
+    "no delay, no blend-out, no air drag and no rolling resistance, the battery at rest before "
+    "the stop."
 )
 
 
@@ -96,7 +104,8 @@ def _header(runs: Sequence[RunLike], vehicles: str, cycles: list[str]) -> Markup
         element("h1", "Where the braking energy goes"),
         element(
             "p",
-            f"{how_many} on {driven}: a complete controller, the same code as on the microcontroller, works in every driven "
+            f"{how_many} on {driven}: a complete controller, the same code as on the "
+            "microcontroller, works in every driven "
             "wheel of the simulated vehicle, and every joule is accounted for.",
             class_="lead",
         ),
@@ -229,15 +238,18 @@ def _flows(runs: list[RunLike], identity: str, called: str) -> Markup:
         )
         figures.append(element("figure", element("figcaption", element("h3", title)), drawn))
     said = [
-        "Along the upper lane energy goes from the battery to the wheels, along the lower lane it comes back. Widths are to one scale."
+        "Along the upper lane energy goes from the battery to the wheels, along the lower lane it "
+        "comes back. Widths are to one scale."
     ]
     if any(flow.net for flow in known):
         said.append(
-            "Where there is no upper lane, the battery gave nothing for driving: the vehicle's own motion is the source."
+            "Where there is no upper lane, the battery gave nothing for driving: the vehicle's "
+            "own motion is the source."
         )
     if any(flow.split for flow in known):
         said.append(
-            "Losses are booked by what the driver does at that moment; the battery's part includes what its polarisation keeps."
+            "Losses are booked by what the driver does at that moment; the battery's part "
+            "includes what its polarisation keeps."
         )
     if not all(flow.split for flow in known):
         where = " where no work at the wheels is named" if any(flow.split for flow in known) else ""
@@ -270,8 +282,10 @@ def _points(runs: list[RunLike], identity: str, called: str, extras: Extras) -> 
         )
     warm = markup.significant(best.temperature_c)
     note = (
-        "Every dot is a moment in which the driver brakes. Below the solid line more torque would return more energy, above it less; "
-        f"beyond the broken line braking takes energy out of the battery. Lines hold for a winding at {warm} °C."
+        "Every dot is a moment in which the driver brakes. Below the solid line more torque would "
+        "return more energy, above it less; "
+        "beyond the broken line braking takes energy out of the battery. Lines hold for a "
+        f"winding at {warm} °C."
     )
     return _block("Where the motor brakes", note, figures)
 
@@ -283,8 +297,10 @@ def _stops(extras: Extras) -> Markup:
         "p",
         "Stops from 40 km/h at constant demand, without air drag and rolling resistance. ",
         stop_curves.legend(),
-        " What lies between them are the blend-out at low speed, which keeps the last metre's energy, and the moment in which only "
-        "the motor brakes because the hydraulic brake is still coming. With a battery that has settled at every speed the ideal would be "
+        " What lies between them are the blend-out at low speed, which keeps the last metre's "
+        "energy, and the moment in which only "
+        "the motor brakes because the hydraulic brake is still coming. With a battery that has "
+        "settled at every speed the ideal would be "
         f"up to {markup.fixed(100.0 * stop_curves.unsettled(extras.stops), 1)} points lower.",
         class_="soft",
     )

@@ -86,15 +86,18 @@ class Strategy:
 STRATEGIES = {
     "parallel_ratio": Strategy(
         "Parallel, fixed ratio",
-        "The motor takes a fixed share of every braking demand, the hydraulic brake takes the rest.",
+        "The motor takes a fixed share of every braking demand, the hydraulic brake takes the "
+        "rest.",
     ),
     "parallel_free_travel": Strategy(
         "Parallel, free travel",
-        "The motor takes the demand up to its rated braking torque, the hydraulic brake adds what is beyond.",
+        "The motor takes the demand up to its rated braking torque, the hydraulic brake adds what "
+        "is beyond.",
     ),
     "series_optimal": Strategy(
         "Series, loss-optimal",
-        "The motor takes up to the torque that returns the most energy at this speed and temperature, the hydraulic brake adds the rest.",
+        "The motor takes up to the torque that returns the most energy at this speed and "
+        "temperature, the hydraulic brake adds the rest.",
     ),
 }
 OPTIMUM = "series_optimal"
@@ -118,7 +121,7 @@ def cycle(name: str) -> str:
 
 
 def by_cycle(runs: Sequence[RunLike]) -> dict[str, list[RunLike]]:
-    """Sort runs into cycles, in the order in which these first come, strategies from the least to the best."""
+    """Sort runs into cycles in the order of their first run, strategies from least to best."""
     order = {name: place for place, name in enumerate(STRATEGIES)}
     found: dict[str, list[RunLike]] = {}
     for run in runs:
@@ -271,7 +274,7 @@ class MapLike(Protocol):
 
 
 class CurveLike(Protocol):
-    """Share of the kinetic energy that stops of one strategy store (1) over the demand at a wheel (N m)."""
+    """Stored share of the kinetic energy (1) over the demand at a wheel (N m), of one strategy."""
 
     @property
     def strategy(self) -> str:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The flow picture: from the battery along the upper lane to the wheels, and round and back along the lower lane.
+"""The flow picture.
+
+From the battery along the upper lane to the wheels, and back along the lower lane.
 
 All widths are to one scale for all pictures drawn together. A lane's colour changes from the
 battery's to the motor's with the place, whatever flows there; what leaves takes on its own colour
@@ -47,7 +49,8 @@ def describe(flow: Flow) -> str:
     said = []
     if not flow.net:
         said.append(
-            f"{markup.kilojoules(flow.drawn_j)} from the battery's cells lose on the way to the wheels: {listed(flow.upper)}."
+            f"{markup.kilojoules(flow.drawn_j)} from the battery's cells lose on the way to the "
+            f"wheels: {listed(flow.upper)}."
         )
         said.append(f"The road takes: {listed(flow.road)}.")
     if flow.joining:
@@ -337,7 +340,10 @@ def _end_of_wheels(laid: Lanes) -> float:
 
 
 def _labels(laid: Lanes) -> list[Markup]:
-    """Name the lanes: inside both ends of the upper one, in the gap above both ends of the lower one."""
+    """Name the lanes.
+
+    Inside both ends of the upper one, in the gap above both ends of the lower one.
+    """
     flow, lane = laid.flow, laid.frame.lane_y
     gap_y = laid.frame.back_y - 0.5 * GAP - 3.0
     drawn = []

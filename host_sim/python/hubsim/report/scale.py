@@ -51,7 +51,10 @@ class Scale:
 
 
 def round_step(span: float, count: float) -> float:
-    """Return the 1, 2 or 5 times a power of ten that divides a span into about ``count`` pieces, at most 1.5 ``count``."""
+    """Return a round step that divides a span into about ``count`` pieces, at most 1.5 ``count``.
+
+    Round is 1, 2 or 5 times a power of ten.
+    """
     least = span / count / 1.5
     power = 10.0 ** math.floor(math.log10(least))
     return next(
@@ -62,7 +65,7 @@ def round_step(span: float, count: float) -> float:
 def fitted(
     low: float, high: float, least_span: float, count: float, low_px: float, high_px: float
 ) -> Scale:
-    """Make a scale from round value to round value that holds a range and spans at least ``least_span``.
+    """Make a scale between round values that holds a range and spans ``least_span`` or more.
 
     A curve may stand out by a twentieth of a step: rounding at an end must not cost a whole step.
     """

@@ -56,7 +56,7 @@ def accent(strategy: str) -> str:
 
 
 def differences(curve: CurveLike) -> list[float]:
-    """Return simulated less ideal share for every simulated demand (1), the ideal read off its curve."""
+    """Return simulated less ideal share (1) for every demand, the ideal read off its curve."""
     ideal = np.interp(
         np.array(curve.demand_nm), np.array(curve.ideal_demand_nm), np.array(curve.ideal)
     )
@@ -64,7 +64,10 @@ def differences(curve: CurveLike) -> list[float]:
 
 
 def unsettled(curves: Sequence[CurveLike]) -> float:
-    """Return by how much more of the kinetic energy (1) a stop stores at most because the battery has no time to settle."""
+    """Return how much more of the kinetic energy (1) an ideal stop stores than a settled one.
+
+    Its battery has no time to settle.
+    """
     gaps = []
     for curve in curves:
         ideal = np.interp(
@@ -135,7 +138,7 @@ def _fit(curves: Sequence[CurveLike]) -> Chart:
 
 
 def _labels(curves: Sequence[CurveLike], y: float) -> list[Markup]:
-    """Name the curves where these leave space, from the highest to the lowest at the largest demand."""
+    """Name the curves in the order of their values at the largest demand."""
     ranked = sorted(curves, key=lambda curve: curve.ideal[-1], reverse=True)
     return [
         element("text", f"— {_title(curve.strategy)}", x=RIGHT - 6.0, y=y + LABEL_PITCH * place, text_anchor="end",
@@ -148,7 +151,8 @@ def legend() -> Markup:
     """Say what lines and rings are."""
     return join(
         element("strong", "Lines"),
-        " are the ideal: steady state of the motor at every speed, no delay, no hand-over, a battery at rest before the stop; ",
+        " are the ideal: steady state of the motor at every speed, no delay, no hand-over, a "
+        "battery at rest before the stop; ",
         element("strong", "rings"),
         " the simulated controllers.",
     )

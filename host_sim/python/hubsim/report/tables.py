@@ -68,7 +68,7 @@ def stored_share(run: RunLike) -> float:
 
 
 def optimum_share(run: RunLike, runs: Sequence[RunLike]) -> float:
-    """Return what this run returned relative to the series optimum of the same cycle, NaN without one."""
+    """Return what a run returned relative to the series optimum of its cycle, or NaN."""
     best = next(
         (
             reading.energy_j(other, "battery_returned")
@@ -96,7 +96,7 @@ def _ideal_j(ideal: Mapping[str, Any], name: str) -> float:
 
 
 def energies(runs: Sequence[RunLike], caption: str) -> Markup:
-    """Make the table of one cycle, in a container that scrolls sideways where the screen is narrow."""
+    """Make the table of one cycle; it scrolls sideways on a narrow screen."""
     decimals = decimals_of(runs)
     ideal = reading.ideal(runs[0]) if len(runs) == 1 else {}
     names = [element("th", reading.strategy(run).title, scope="col") for run in runs]
@@ -153,7 +153,8 @@ def energies(runs: Sequence[RunLike], caption: str) -> Markup:
     shares.append(
         _row(
             "Residual",
-            "sources less sinks less storage, over the energy turned over: the simulation's own error",
+            "sources less sinks less storage, over the energy turned over: the simulation's own "
+            "error",
             "%",
             residuals,
             "quiet",

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Signals over time: one column per run, panels below each other with a shared time axis, equal scales in all columns."""
+"""Signals over time.
+
+One column per run, panels below each other with a shared time axis, equal scales in all columns.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Many runs of one scenario with keys that vary: a grid, random draws, or both; on Dask; one Parquet table as the result.
+"""Many runs of one scenario with keys that vary: a grid, random draws, or both.
+
+On Dask; one Parquet table as the result.
 
 ``plan`` says which runs there are, ``work`` does some of them in one process, ``store`` keeps what
 is done so that a sweep that was interrupted goes on, ``conduct`` hands the work out.

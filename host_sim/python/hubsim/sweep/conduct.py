@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A sweep from beginning to end: batches handed to Dask's workers, kept as they come back, joined when all are there.
+"""A sweep from beginning to end.
+
+Batches handed to Dask's workers, kept as they come back, joined when all are there.
 
 Without an address the workers are processes of this machine, one for each core; with one they are
 whatever the scheduler has, which must be able to import hubsim and to find the built engine

@@ -80,7 +80,8 @@ def read(text: str) -> Varied:
         wrong = figures[1] < 0.0 if kind == "normal" else figures[1] <= figures[0]
     if wrong:
         raise HubsimError(
-            f"--vary {key}: {specification!r} is not accepted, accepted: {_ARGUMENTS[kind]} with numbers"
+            f"--vary {key}: {specification!r} is not accepted, accepted: {_ARGUMENTS[kind]} with "
+            "numbers"
         )
     if kind == "range":
         return Varied(
@@ -90,7 +91,7 @@ def read(text: str) -> Varied:
 
 
 def _items(key: str, text: str) -> tuple[Any, ...]:
-    """Split at commas that are outside brackets and quotes, and read each value as ``--set`` would."""
+    """Split at commas outside brackets and quotes, and read each value as ``--set`` does."""
     parts = re.findall(r"""(?:[^,\[\]"']|\[[^\]]*\]|"[^"]*"|'[^']*')+""", text)
     if not parts or len(parts) != text.count(",") + 1 - sum(part.count(",") for part in parts):
         raise HubsimError(f"--vary {key}: {text!r} is not accepted, accepted: {ACCEPTED}")

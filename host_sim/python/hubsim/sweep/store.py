@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a sweep has done so far, and the table it becomes: parts beside the output until all runs are there.
+"""What a sweep has done so far, and the table it becomes.
+
+Parts beside the output until all runs are there.
 
 ``OUTPUT.parts/`` holds ``sweep.json``, which says whose parts these are, and a Parquet file for
 every finished batch. The last act joins them in the order of the runs and removes the directory.

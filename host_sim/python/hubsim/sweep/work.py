@@ -54,7 +54,10 @@ class Job:
 
 
 def _drive(config: Path, chosen: Scenario, settings: overrides.Overrides) -> Drive:
-    """Read a drive; runs that change nothing about it share one, and with it the tables made from it."""
+    """Read a drive.
+
+    Runs that change nothing about it share one, and with it the tables made from it.
+    """
     if settings.drive or chosen.drive:
         return overrides.load_drive(config, settings, chosen)
     return _plain_drive(config)

@@ -33,7 +33,8 @@ def test_a_scenarios_events_happen_on_the_bench_as_in_the_command(
 ) -> None:
     path = tmp_path / "stab.toml"
     path.write_text(
-        "initial_speed_kmh = 20.0\nmax_duration_s = 1.0\ndemand_trace_nm = [[0.0, 0.0], [0.2, 30.0], [0.6, 0.0]]\n"
+        "initial_speed_kmh = 20.0\nmax_duration_s = 1.0\ndemand_trace_nm = [[0.0, 0.0], [0.2, "
+        "30.0], [0.6, 0.0]]\n"
         '[events.slip]\nat_s = 0.4\ninject = "abs"\n',
         encoding="utf-8",
     )
@@ -127,7 +128,8 @@ def test_the_events_of_a_scenario_happen_here_too(
 ) -> None:
     path = tmp_path / "slope.toml"
     path.write_text(
-        "initial_speed_kmh = 20\nmax_duration_s = 0.6\n[drive.brake]\nparallel_electric_share = 0.5\n"
+        "initial_speed_kmh = 20\nmax_duration_s = 0.6\n[drive.brake]\nparallel_electric_share = "
+        "0.5\n"
         "[events.hill]\nat_s = 0.2\nover_s = 0.1\nset.road.slope = 0.1\n", encoding="utf-8",
     )  # fmt: skip
     with hubsim.Bench(config, path) as bench:

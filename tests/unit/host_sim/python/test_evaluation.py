@@ -185,7 +185,8 @@ def test_names_that_there_are_not_are_refused_before_the_run(drive: Drive) -> No
     for value, message in (
         (
             "max(vehicle.sped_m_per_s)",
-            "criteria.it.value: no quantity 'vehicle.sped_m_per_s', did you mean vehicle.speed_m_per_s?",
+            "criteria.it.value: no quantity 'vehicle.sped_m_per_s', did you mean "
+            "vehicle.speed_m_per_s?",
         ),
         ("plant.vehicle.mas_kg", "did you mean plant.vehicle.mass_kg?"),
         ("colour", "no quantity 'colour', 'hubsim list --signals'"),

@@ -80,6 +80,19 @@ def test_the_page_holds_its_origin_for_people_and_for_programs(written: Path) ->
             assert f"<code>{value}</code>" in text
 
 
+def test_a_page_of_a_result_without_an_origin_holds_that_of_the_call(
+    tmp_path: Path, written: Path
+) -> None:
+    found = json.loads((written / "run.json").read_text(encoding="utf-8"))
+    del found["provenance"]
+    (tmp_path / "old.json").write_text(json.dumps(found), encoding="utf-8")
+    page = tmp_path / "page.html"
+    assert cli.main(["report", str(tmp_path / "old.json"), "-o", str(page), "--date", DATE]) == 0
+    text = page.read_text(encoding="utf-8")
+    for key in ("version", "commit", "configuration", "scenario", "date"):
+        assert f'<meta name="hubfoc-{key}" content="{expected()[key]}">' in text
+
+
 def test_the_crc_is_that_of_the_controllers_image(tmp_path: Path) -> None:
     path = tmp_path / "run.json"
     changed = ("--set", "motor.max_phase_current_a=50", "--json", str(path))

@@ -38,7 +38,7 @@ def simulate(drive: Drive, name: str, strategy: str, **keys: object) -> RunResul
 def ideal_share(
     drive: Drive, cycle: cycles.Cycle, scale: float, strategy: str, battery_ohm: float
 ) -> float:
-    """Share of braking work stored on a cycle that is followed exactly, by the steady-state loss equations at 25 degC."""
+    """Share of braking work stored on a cycle followed exactly, by the steady-state equations."""
     dt = 0.01
     t = np.arange(0.0, cycle.duration_s, dt) + dt / 2.0
     v = np.interp(t, cycle.time_s, cycle.speed_kmh) * scale / 3.6

@@ -208,7 +208,8 @@ def test_a_wrong_key_inside_a_section_gets_one_line(
         ("[criteria.x]\nat_most = 1\n", "criteria.x: accepted: either value or reasons"),
         (
             '[criteria.x]\nvalue = "1"\n',
-            "criteria.x: accepted with value: at_least and/or at_most, or settles_to with band and within_s",
+            "criteria.x: accepted with value: at_least and/or at_most, or settles_to with band "
+            "and within_s",
         ),
         (
             '[criteria.x]\nvalue = "1"\nsettles_to = 1\n',

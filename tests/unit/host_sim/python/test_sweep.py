@@ -207,8 +207,8 @@ def test_parts_of_another_sweep_are_not_mixed_in(tmp_path: Path, hubsim: Hubsim)
     refused = hubsim(*arguments)
     assert refused.returncode == 1
     assert (
-        "out.parquet.parts: holds parts of another sweep, accepted: the same command, another --output or --restart"
-        in refused.stderr
+        "out.parquet.parts: holds parts of another sweep, accepted: the same command, another "
+        "--output or --restart" in refused.stderr
     )
     assert hubsim(*arguments, "--restart").returncode == 0
     assert (tmp_path / "out.parquet").is_file()

@@ -73,7 +73,8 @@ def test_a_list_of_lists_is_a_grid_of_lists() -> None:
         (
             ["demand_nm=range(1,2)"],
             None,
-            "--vary demand_nm: 'range(1,2)' is not accepted, accepted: range(first,last,count) with numbers",
+            "--vary demand_nm: 'range(1,2)' is not accepted, accepted: range(first,last,count) "
+            "with numbers",
         ),
         (["demand_nm=range(1,2,1.5)"], None, "accepted: range(first,last,count)"),
         (["demand_nm=normal(1,-2)"], 3, "accepted: normal(mean,deviation)"),

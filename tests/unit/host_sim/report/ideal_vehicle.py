@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A vehicle without controllers, to have runs with sense in them: steady-state machine, exact driving, instant brakes.
+"""A vehicle without controllers, to have runs with sense in them.
+
+Steady-state machine, exact driving, instant brakes.
 
 Quantities and equations are those of Lu et al. 2013 with peak phase flux; one sample lasts
 ``STEP_S``.

@@ -61,7 +61,8 @@ def written(tmp_path: Path) -> Path:
 def browse(path: Path, *arguments: str) -> str:
     if BROWSER is None:
         pytest.fail(
-            "no Chromium here; tools/dev setup browser installs it where the system has a package of it"
+            "no Chromium here; tools/dev setup browser installs it where the system has a package "
+            "of it"
         )
     profile = path.parent / "profile"
     command = [str(BROWSER), *QUIET, f"--user-data-dir={profile}", *arguments, path.as_uri()]
