@@ -119,8 +119,10 @@ build_for_tests() {
         fi
         builds+=("$preset:$targets")
     done
-    rm -f "$LOG_DIR/build-failed"
     if ((${#builds[@]})); then
+        mkdir -p "$LOG_DIR"
+        # All have failed until the build says which ones have.
+        printf '%s\n' "${builds[@]%%:*}" >"$LOG_DIR/build-failed"
         run_logged "Building $(join_by ' ' "${builds[@]%%:*}")" build \
             "$VENV_PYTHON" -m run_tests.build "$LOG_DIR" "${builds[@]}" || true
     fi

@@ -149,6 +149,11 @@ def test_a_folder_s_tests_are_those_that_its_lists_define(project: Project) -> N
     assert started(nothing) == []
     needed = project.run("--presets", "host", "--list-targets", "unit").split()
     assert needed == ["tests/unit/first", "tests/unit/second"]
+    assert project.run("--presets", "host", "--list-targets", "tools") == ""
+    # A test that needs nothing built.
+    needed = project.run("--presets", "host", "--list-targets", "tests/unit/reader.py").split()
+    assert needed == ["build.ninja"]
+    project.command("cmake", "--build", "--preset", "host", "--target", *needed)
 
 
 @pytest.mark.parametrize(
