@@ -76,6 +76,12 @@ void test_the_banner_names_program_configuration_checksum_and_wheel(void)
 {
     report_banner(&boot, &line);
     assert_in_line("hubfoc ");
+    /* "hubfoc 1.2.3 (0123456789ab+) on host, ..." */
+    const char *commit = strstr(line.chars, " (");
+    TEST_ASSERT_NOT_NULL_MESSAGE(commit, line.chars);
+    const size_t digits = strspn(commit + 2, "0123456789abcdef+unkow");
+    TEST_ASSERT_GREATER_THAN_UINT(6, digits);
+    TEST_ASSERT_EQUAL_STRING_LEN(") on host, ", commit + 2 + digits, 11);
     assert_in_line(CONFIG_IMAGE.name);
     text_t crc;
     text_clear(&crc);
