@@ -3,8 +3,8 @@
 
 #include <stddef.h>
 
+#include "app/commit.h"
 #include "app/config_lines.h"
-#include "hubfoc_commit.h"
 
 #if !defined(HUBFOC_VERSION) || !defined(HUBFOC_PORT_NAME)
 #error "HUBFOC_VERSION and HUBFOC_PORT_NAME come from the build"

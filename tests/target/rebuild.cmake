@@ -5,9 +5,9 @@
 # byte for byte. The commit is handed over, because the copy has no history. So does the ELF, except where a compiler cache
 # rewrites the names of sources in the information for debuggers.
 cmake_minimum_required(VERSION 3.25)
-file(READ "${BUILD}/firmware/app/commit/hubfoc_commit.h" header)
+file(READ "${BUILD}/firmware/app/commit/app/commit.h" header)
 if(NOT header MATCHES "HUBFOC_COMMIT \"([^\"]+)\"")
-  message(FATAL_ERROR "rebuild: no commit in hubfoc_commit.h")
+  message(FATAL_ERROR "rebuild: no commit in app/commit.h")
 endif()
 set(ENV{HUBFOC_COMMIT} "${CMAKE_MATCH_1}")
 

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-# hubfoc_commit_header(TARGET): "hubfoc_commit.h" for one target, with HUBFOC_COMMIT as a string.
+# hubfoc_commit_header(TARGET app/commit.h): a header with HUBFOC_COMMIT as a string, for one target.
 #
 # Written anew when git has moved on or a source of the firmware has changed, by the rules of the build, so that a build
 # with nothing to do stays one.
-function(hubfoc_commit_header target)
+function(hubfoc_commit_header target name)
   set(directory "${CMAKE_CURRENT_BINARY_DIR}/commit")
-  set(header "${directory}/hubfoc_commit.h")
+  set(header "${directory}/${name}")
   set(stamp "${directory}/stamp")
   set(watched "")
   find_program(HUBFOC_GIT git DOC "Tells the firmware its commit; without it the commit is unknown")
   if(HUBFOC_GIT AND EXISTS "${PROJECT_SOURCE_DIR}/.git")
-    foreach(name IN ITEMS HEAD logs/HEAD)
-      execute_process(COMMAND "${HUBFOC_GIT}" -C "${PROJECT_SOURCE_DIR}" rev-parse --git-path "${name}"
+    foreach(reference IN ITEMS HEAD logs/HEAD)
+      execute_process(COMMAND "${HUBFOC_GIT}" -C "${PROJECT_SOURCE_DIR}" rev-parse --git-path "${reference}"
         OUTPUT_VARIABLE path OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
       cmake_path(ABSOLUTE_PATH path BASE_DIRECTORY "${PROJECT_SOURCE_DIR}")
       if(EXISTS "${path}" AND NOT IS_DIRECTORY "${path}")
