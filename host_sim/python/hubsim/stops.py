@@ -89,7 +89,8 @@ def ideal_of(drive: Drive, scenario: Scenario) -> dict[str, Any]:
     """Return the ideal stop that a run is to be compared with, as JSON holds it.
 
     The same braking demand, initial speed and winding temperature under the same strategy, without
-    air drag, rolling resistance, delay or blend-out, the battery at rest before the stop. Empty
+    air drag, rolling resistance, delay, blend-out or limit of the charge current, the battery at
+    rest before the stop. Empty
     where the scenario is no stop at constant demand, or the motor does not turn that fast.
     """
     constant = scenario.demand_trace_nm is None and not scenario.follows and not scenario.events

@@ -6,6 +6,8 @@ import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from regen_table import installation, provenance
+
 from hubsim import files
 from hubsim.errors import HubsimError
 from hubsim.fmu import xml
@@ -77,12 +79,26 @@ def _zip(entries: Mapping[str, bytes], path: Path) -> None:
 
 
 def _page(unit: Description) -> str:
+    """Return the documentation.
+
+    Its origin is version, configuration and CRC: commit and date would make other bytes of the same
+    unit.
+    """
+    origin = {
+        "version": installation.version(),
+        "configuration": unit.config.name,
+        "configuration_crc32": provenance.crc32(unit.config.image),
+    }
+    meta = "".join(f'<meta name="hubfoc-{key}" content="{text}">' for key, text in origin.items())
+    said = ", ".join(f"{key.replace('_', ' ')} {text}" for key, text in origin.items())
     rows = "\n".join(
         f"<tr><td>{v.name}<td>{v.role.lower()}<td>{v.unit}<td>{v.text}" for v in unit.variables
     )
     return (
-        f'<!DOCTYPE html>\n<html lang="en"><meta charset="utf-8"><title>{unit.identifier}</title>\n<h1>{unit.identifier}</h1>\n'
-        f"<p>{unit.text}\n<table><tr><th>variable<th>role<th>unit<th>meaning\n{rows}\n</table></html>\n"
+        f'<!DOCTYPE html>\n<html lang="en"><meta charset="utf-8">{meta}'
+        f"<title>{unit.identifier}</title>\n<h1>{unit.identifier}</h1>\n"
+        f"<p>{unit.text}\n<p>hubfoc, {said}\n"
+        f"<table><tr><th>variable<th>role<th>unit<th>meaning\n{rows}\n</table></html>\n"
     )
 
 

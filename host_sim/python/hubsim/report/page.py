@@ -41,10 +41,9 @@ HOW_TO_READ = (
 
 
 IDEAL = (
-    "The ideal stop has the same demand, initial speed and winding temperature: steady state of "
-    "the motor at every speed, "
-    "no delay, no blend-out, no air drag and no rolling resistance, the battery at rest before "
-    "the stop."
+    "The ideal stop has the same demand, initial speed and winding temperature: steady state of the "
+    "motor at every speed, no delay, no blend-out, no limit of the charge current, no air drag and "
+    "no rolling resistance, the battery at rest before the stop."
 )
 
 

@@ -34,7 +34,7 @@ def test_every_vehicle_stops_and_stores_more_with_the_optimum(tmp_path: Path) ->
     assert done.returncode == 0, done.stderr
     with table.open(encoding="utf-8", newline="") as text:
         rows = list(csv.DictReader(text))
-    cases: dict[tuple[str, ...], dict[str, float]] = defaultdict(dict)
+    cases: dict[tuple[str, str, str], dict[str, float]] = defaultdict(dict)
     for row in rows:
         assert row["error"] == "", row
         assert row["stopped"] == "true", row
