@@ -69,8 +69,12 @@ function(hubfoc_add_command_test)
 endfunction()
 
 function(hubfoc_test_properties name labels timeout)
+  # Ten times what the test takes on an idle machine, and a minute at least; with sanitizers it takes up to four times as long.
   if(timeout STREQUAL "")
     set(timeout 300)
+  endif()
+  if(HUBFOC_SANITIZE)
+    math(EXPR timeout "4 * ${timeout}")
   endif()
   list(REMOVE_ITEM labels "")
   set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT "${timeout}")
