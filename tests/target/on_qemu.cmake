@@ -12,6 +12,7 @@ foreach(needed IN ITEMS HUBFOC_QEMU HUBFOC_HOST_CC HUBFOC_RUBY CMOCK_DIR)
 endforeach()
 # The firmware itself needs none of these, so a machine without them may configure; its tests then say so.
 add_test(NAME target_prerequisites COMMAND "${CMAKE_COMMAND}" "-DMISSING=${missing}" -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
+set_tests_properties(target_prerequisites PROPERTIES TIMEOUT 60)
 
 # ---- the firmware ----
 

@@ -9,6 +9,7 @@ foreach(needed IN ITEMS HUBFOC_QEMU HUBFOC_HOST_CC)
 endforeach()
 add_test(NAME target_prerequisites
   COMMAND "${CMAKE_COMMAND}" "-DMISSING=${missing}" -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
+set_tests_properties(target_prerequisites PROPERTIES TIMEOUT 60)
 
 hubfoc_add_qemu_test(NAME stm32_without_its_crystal_reports_and_stays_in_boot ELF hubfoc_stm32f405 MACHINE netduinoplus2 SERIAL 3
   MILLIONS 600 EXPECT_EXIT limit
@@ -26,3 +27,4 @@ add_test(NAME stm32_image_is_the_same_from_another_folder
   COMMAND "${CMAKE_COMMAND}" "-DSOURCE=${PROJECT_SOURCE_DIR}" "-DBUILD=${PROJECT_BINARY_DIR}" -DNAME=hubfoc_stm32f405
     "-DCONFIG=${HUBFOC_CONFIG}" "-DWORK=${CMAKE_CURRENT_BINARY_DIR}/rebuild" -P "${CMAKE_CURRENT_LIST_DIR}/rebuild.cmake")
 set_tests_properties(stm32_image_is_the_same_from_another_folder PROPERTIES LABELS target TIMEOUT 600)
+set_tests_properties(stm32_image_is_laid_out_as_documented PROPERTIES TIMEOUT 60)

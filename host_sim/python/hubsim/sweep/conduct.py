@@ -3,9 +3,9 @@
 
 Batches handed to Dask's workers, kept as they come back, joined when all are there.
 
-Without an address the workers are processes of this machine, one for each core; with one they are
-whatever the scheduler has, which must be able to import hubsim and to find the built engine
-(HUBFOC_BUILD_DIR).
+Without an address the workers are processes of this machine, one for each core; a single one is this
+process itself, without Dask. With an address they are whatever the scheduler has, which must be able
+to import hubsim and to find the built engine (HUBFOC_BUILD_DIR).
 """
 
 import math
@@ -110,6 +110,10 @@ def _worked_off(
 ) -> Iterator[tuple[int, list[work.Row]]]:
     """Hand the waiting batches out and give them back in the order in which they are done."""
     if not waiting:
+        return
+    if where == (None, 1):
+        for k in waiting:
+            yield k, work.do(job, *parts[k])
         return
     with workers(*where) as client:
         futures = {client.submit(work.do, job, *parts[k], pure=False): k for k in waiting}
