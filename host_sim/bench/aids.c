@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* A brake this close to what it is told has all of it. */
+/* A brake this close to its command has reached it. */
 static const double ENOUGH_NM = 1.0;
 
 void aids_begin(aids_t *aids, const bench_params_t *params, wheel_t *wheels, int count)
@@ -28,7 +28,7 @@ static void look(aids_t *aids, const wheel_world_t *world, wheel_t *wheels, int 
         const double now_rad_s = wheels[k].motion.speed_rad_s;
         const double turned_rad = 0.5 * (aids->last_rad_s[k] + now_rad_s) * step_s;
         aids->last_rad_s[k] = now_rad_s;
-        wheel_speed_look(&params->wheel_speed, &wheels[k].ring, turned_rad, now_rad_s, time_s,
+        wheel_speed_step(&params->wheel_speed, &wheels[k].ring, turned_rad, now_rad_s, time_s,
                          step_s, params->wheel[k].speed_sensor_dead > 0.5);
     }
 }

@@ -93,7 +93,7 @@ static void begin_accounts(bench_t *bench)
     bench->slow_steps = 0;
     bench->vehicle.distance_m = 0.0;
     bench->vehicle.height_m = 0.0;
-    const chassis_state_t level = {.felt_m_per_s2 = 0.0};
+    const chassis_state_t level = {.filtered_m_per_s2 = 0.0};
     bench->chassis = level;
     const motion_t motion = moving(bench);
     motion_roll(&bench->road, &motion);
@@ -151,7 +151,7 @@ static void note_braking(bench_t *bench)
 static void slow_step(bench_t *bench)
 {
     const bench_params_t *params = &bench->params;
-    if (bench->held) {
+    if (bench->speed_prescribed) {
         bench->demand_age_s = 0.0;
         const driver_demand_t feet_off = {.reference_m_per_s = bench->vehicle.speed_m_per_s};
         bench->demand = feet_off;
@@ -175,12 +175,12 @@ static void slow_step(bench_t *bench)
         .discharge_limit_a = limits.discharge_a,
         .demand_age_s = bench->demand_age_s,
         .current_drift_a =
-            bench->held ? 0.0 : params->sensors.current_drift_a_per_s * bench->time_s,
+            bench->speed_prescribed ? 0.0 : params->sensors.current_drift_a_per_s * bench->time_s,
         .bus_voltage_v = bench->bus.voltage_v,
         .time_s = bench->time_s,
-        .enable = bench->held || params->driver.enable > 0.5,
-        .abs_active =
-            !bench->held && (params->driver.abs_active > 0.5 || bench->aids.anti_lock.at_work),
+        .enable = bench->speed_prescribed || params->driver.enable > 0.5,
+        .abs_active = !bench->speed_prescribed &&
+                      (params->driver.abs_active > 0.5 || bench->aids.anti_lock.at_work),
     };
     for (int k = 0; k < bench->wheels; k++) {
         wheel_slow(&bench->wheel[k], &bench->world, &order);
@@ -222,16 +222,18 @@ static void advance(bench_t *bench)
     double dc_j = 0.0;
     for (int k = 0; k < bench->wheels; k++) {
         const double speed_rad_s =
-            bench->held ? bench_wheel_speed_rad_s(bench)
-                        : motion_expected_rad_s(&bench->road, &motion, k, bench->world.step_s);
+            bench->speed_prescribed
+                ? bench_wheel_speed_rad_s(bench)
+                : motion_expected_rad_s(&bench->road, &motion, k, bench->world.step_s);
         flow[k] = wheel_step(&bench->wheel[k], &bench->world, speed_rad_s, bench->bus.voltage_v);
         dc_j += flow[k].dc_j;
     }
     const bus_flow_t bus =
         bus_step(&bench->params.bus, &bench->bus, &bench->params.battery, &bench->battery, dc_j);
     const double kinetic_j = kinetic_energy_j(bench);
-    const motion_flow_t moved =
-        bench->held ? carry(bench, flow) : motion_step(&bench->road, &motion, &bench->world, flow);
+    const motion_flow_t moved = bench->speed_prescribed
+                                    ? carry(bench, flow)
+                                    : motion_step(&bench->road, &motion, &bench->world, flow);
     book(&bench->booked, &bus, &moved, kinetic_j - kinetic_energy_j(bench));
 }
 
@@ -270,7 +272,7 @@ static bool all_run(const bench_t *bench)
     return out;
 }
 
-static void run_held(bench_t *bench, double acceleration_m_per_s2, double duration_s)
+static void run_at_prescribed_speed(bench_t *bench, double acceleration_m_per_s2, double duration_s)
 {
     const double until_s = bench->time_s + duration_s;
     while (bench->time_s < until_s) {
@@ -294,7 +296,7 @@ bench_start_t bench_start(bench_t *bench)
                           bench->world.step_s)) {
         return BENCH_UNRESOLVED;
     }
-    bench->held = true;
+    bench->speed_prescribed = true;
     bench->vehicle.speed_m_per_s = boot_speed_m_per_s(bench);
     while (!all_run(bench)) {
         if (bench->time_s > BOOT_LIMIT_S) {
@@ -305,15 +307,15 @@ bench_start_t bench_start(bench_t *bench)
     const double speed = params->run.initial_speed_m_per_s;
     const double run_up = speed - bench->vehicle.speed_m_per_s;
     if (run_up != 0.0) {
-        run_held(bench, run_up > 0.0 ? RUN_UP_M_PER_S2 : -RUN_UP_M_PER_S2,
-                 fabs(run_up) / RUN_UP_M_PER_S2);
+        run_at_prescribed_speed(bench, run_up > 0.0 ? RUN_UP_M_PER_S2 : -RUN_UP_M_PER_S2,
+                                fabs(run_up) / RUN_UP_M_PER_S2);
         bench->vehicle.speed_m_per_s = speed;
-        run_held(bench, 0.0, SETTLE_S);
+        run_at_prescribed_speed(bench, 0.0, SETTLE_S);
     }
     if (!all_run(bench)) {
         return BENCH_NOT_RUN;
     }
-    bench->held = false;
+    bench->speed_prescribed = false;
     begin_accounts(bench);
     return BENCH_READY;
 }

@@ -29,7 +29,7 @@ void board_start(board_t *board, const config_t *config)
                    .winding_temperature_cC = ROOM_TEMPERATURE_cC,
                    .switch_temperature_cC = ROOM_TEMPERATURE_cC},
         .active = {.bridge = BRIDGE_OFF},
-        .heard = {.mode = (uint8_t)MODE_BOOT},
+        .received = {.mode = (uint8_t)MODE_BOOT},
     };
     *board = at_rest;
     e2e_receiver_init(&board->state_link, TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_STATE));
@@ -57,8 +57,8 @@ static fast_output_t period(void *context, const fast_input_t *in)
 
 static void send(board_t *board, const messages_frame_t *frame)
 {
-    can_frame_t *sent = &board->said[board->said_count];
-    board->said_count++;
+    can_frame_t *sent = &board->queued[board->queued_count];
+    board->queued_count++;
     sent->identifier = frame->identifier;
     sent->length = frame->length;
     memcpy(sent->data, frame->data, sizeof sent->data);
@@ -68,7 +68,7 @@ static void send(board_t *board, const messages_frame_t *frame)
 /* What the vehicle and the battery have to say in this millisecond. */
 static void say(board_t *board, const slow_input_t *in)
 {
-    board->said_count = 0;
+    board->queued_count = 0;
     const uint32_t demand_cycle_ms = messages_cycle_ms(MESSAGES_DEMAND);
     if (board->now_ms % demand_cycle_ms == 0 && in->demand_age_ms < demand_cycle_ms) {
         const messages_demand_t demand = {
@@ -103,36 +103,36 @@ static void hear(board_t *board)
     while (host_can_receive(&received)) {
         messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
         memcpy(frame.data, received.data, sizeof frame.data);
-        messages_output_t said = board->heard;
-        if (!messages_read_output(&frame, board->wheel, &said)) {
+        messages_output_t message = board->received;
+        if (!messages_read_output(&frame, board->wheel, &message)) {
             continue; /* of no interest to the plant */
         }
-        const e2e_verdict_t verdict = e2e_receive(link_of(board, frame.identifier), frame.data,
-                                                  frame.identifier, true, board->now_ms);
-        if (verdict == E2E_OK || verdict == E2E_SOME_LOST) {
-            board->heard = said;
+        const e2e_verdict_t check = e2e_receive(link_of(board, frame.identifier), frame.data,
+                                                frame.identifier, true, board->now_ms);
+        if (check == E2E_OK || check == E2E_SOME_LOST) {
+            board->received = message;
         }
     }
 }
 
-static slow_output_t as_known(const messages_output_t *heard)
+static slow_output_t output_of(const messages_output_t *received)
 {
     const slow_output_t out = {
-        .motor_torque_estimate_mNm = heard->motor_torque_estimate_mNm,
-        .hydraulic_torque_mNm = heard->hydraulic_torque_mNm,
-        .electric_brake_available_mNm = heard->electric_brake_available_mNm,
-        .speed_mrad_s = heard->speed_mrad_s,
-        .available_reason = heard->available_reason,
-        .hydraulic_reason = heard->hydraulic_reason,
-        .fault_reason = heard->fault_reason,
-        .mode = (modes_mode_t)heard->mode,
-        .stop_lamp = heard->stop_lamp,
+        .motor_torque_estimate_mNm = received->motor_torque_estimate_mNm,
+        .hydraulic_torque_mNm = received->hydraulic_torque_mNm,
+        .electric_brake_available_mNm = received->electric_brake_available_mNm,
+        .speed_mrad_s = received->speed_mrad_s,
+        .available_reason = received->available_reason,
+        .hydraulic_reason = received->hydraulic_reason,
+        .fault_reason = received->fault_reason,
+        .mode = (modes_mode_t)received->mode,
+        .stop_lamp = received->stop_lamp,
     };
     return out;
 }
 
-/* The main loop runs before the interrupt, so that what was said now is acted upon now, and after
- * it. */
+/* The main loop runs before the interrupt, so that what was received now is acted upon now, and
+ * after it. */
 static slow_output_t millisecond(void *context, const slow_input_t *in)
 {
     board_t *board = context;
@@ -144,7 +144,7 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     board->now_ms++;
     app_background();
     hear(board);
-    return as_known(&board->heard);
+    return output_of(&board->received);
 }
 
 wheel_coupling_t board_coupling(board_t *board)

@@ -30,7 +30,7 @@ double driver_trace_at(const driver_trace_t *trace, int *cursor, double time_s)
            share * (trace->speed_m_per_s[k + 1] - trace->speed_m_per_s[k]);
 }
 
-static driver_demand_t held_pedals(const driver_params_t *params, double reference_m_per_s)
+static driver_demand_t constant_pedals(const driver_params_t *params, double reference_m_per_s)
 {
     const driver_demand_t out = {
         .drive_nm = params->brake_demand_nm > 0.0 ? 0.0 : params->drive_demand_nm,
@@ -58,7 +58,7 @@ driver_demand_t driver_step(const driver_params_t *params, driver_state_t *state
 {
     const double reference = driver_trace_at(trace, &state->cursor, time_s);
     if (params->follow_trace < 0.5) {
-        return held_pedals(params, speed_m_per_s);
+        return constant_pedals(params, speed_m_per_s);
     }
     int ahead_cursor = state->cursor;
     const double ahead = driver_trace_at(trace, &ahead_cursor, time_s + params->preview_s);

@@ -151,14 +151,14 @@ int hubsim_set_trace(hubsim_t *sim, const double *time_s, const double *speed_m_
     return HUBSIM_OK;
 }
 
-static int refused(hubsim_t *sim, const config_result_t *verdict)
+static int refused(hubsim_t *sim, const config_result_t *result)
 {
-    if (verdict->code == CONFIG_RESULT_RANGE) {
+    if (result->code == CONFIG_RESULT_RANGE) {
         return handle_fail(sim, HUBSIM_BAD_CONFIG,
-                           "configuration refused: %s: %ld, accepted: %ld to %ld", verdict->field,
-                           (long)verdict->value, (long)verdict->lowest, (long)verdict->highest);
+                           "configuration refused: %s: %ld, accepted: %ld to %ld", result->field,
+                           (long)result->value, (long)result->lowest, (long)result->highest);
     }
-    return handle_fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s", verdict->field);
+    return handle_fail(sim, HUBSIM_BAD_CONFIG, "configuration refused: %s", result->field);
 }
 
 int hubsim_load_config(hubsim_t *sim, const void *image, uint32_t size_bytes)
@@ -170,9 +170,9 @@ int hubsim_load_config(hubsim_t *sim, const void *image, uint32_t size_bytes)
     config_t config;
     memset(&config, 0, sizeof(config));
     memcpy(&config, image, size_bytes < sizeof(config) ? size_bytes : sizeof(config));
-    const config_result_t verdict = config_validate(&config, size_bytes);
-    if (verdict.code != CONFIG_RESULT_OK) {
-        return refused(sim, &verdict);
+    const config_result_t result = config_validate(&config, size_bytes);
+    if (result.code != CONFIG_RESULT_OK) {
+        return refused(sim, &result);
     }
     sim->config = config;
     sim->has_config = true;

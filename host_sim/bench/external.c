@@ -12,7 +12,7 @@ enum { CODES = 4096, MIDDLE = CODES / 2, MILLI = 1000 };
 static fast_output_t period(void *context, const fast_input_t *in)
 {
     external_wheel_t *wheel = context;
-    wheel->seen = *in;
+    wheel->sampled = *in;
     return wheel->given;
 }
 
@@ -125,12 +125,12 @@ static hubsim_wheel_t wheel_now(const wheel_t *wheel, const external_wheel_t *ow
         .hydraulic_torque_nm = wheel->brake_capacity_nm,
         .winding_temperature_c = wheel->winding.temperature_c,
         .switch_temperature_c = wheel->switches.temperature_c,
-        .hall_state = own->seen.hall_state,
-        .encoder_count = (int32_t)own->seen.encoder.count,
+        .hall_state = own->sampled.hall_state,
+        .encoder_count = (int32_t)own->sampled.encoder.count,
     };
     for (int i = 0; i < 3; i++) {
         out.phase_current_seen_a[i] =
-            ((double)own->seen.phase_current_code[i] - MIDDLE) * amperes_per_code;
+            ((double)own->sampled.phase_current_code[i] - MIDDLE) * amperes_per_code;
     }
     return out;
 }
@@ -142,13 +142,13 @@ int hubsim_external_read(hubsim_t *sim, hubsim_vehicle_t *vehicle, hubsim_wheel_
     }
     const bench_t *bench = &sim->bench;
     const bench_params_t *params = &bench->params;
-    const fast_input_t *seen = &sim->external.wheel[0].seen;
+    const fast_input_t *sampled = &sim->external.wheel[0].sampled;
     const hubsim_vehicle_t out = {
         .time_s = bench->time_s,
         .speed_m_per_s = bench->vehicle.speed_m_per_s,
         .bus_voltage_v = bench->bus.voltage_v,
         .bus_voltage_seen_v =
-            (double)seen->bus_voltage_code * params->sensors.voltage_full_scale_v / CODES,
+            (double)sampled->bus_voltage_code * params->sensors.voltage_full_scale_v / CODES,
         .battery_voltage_v = bench->battery.terminal_v,
         .battery_current_a = bench->battery.current_a,
         .drive_demand_nm = bench->demand.drive_nm,

@@ -123,12 +123,12 @@ void feed_end_period(wheel_t *wheel, const wheel_world_t *world)
     wheel->at_top = wheel->rotor.terminal;
 }
 
-plant_abc_t feed_seen(const wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v)
+plant_abc_t feed_sampled(const wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v)
 {
     const sensors_params_t *sensors = &world->params->sensors;
     const bool through_shunts = sensors->shunt_settling_s > 0.0;
     if (sensors->sampling_delay_s <= 0.0) {
-        return through_shunts ? shunts_seen(&wheel->shunts)
+        return through_shunts ? shunts_output(&wheel->shunts)
                               : plant_inverse_clarke(wheel->rotor.terminal);
     }
     pmsm_state_t rotor = wheel->rotor;
@@ -149,5 +149,5 @@ plant_abc_t feed_seen(const wheel_t *wheel, const wheel_world_t *world, double b
             follow(wheel, world, &shunts, wheel->rotor.terminal, rotor.terminal, delay_s);
         }
     }
-    return through_shunts ? shunts_seen(&shunts) : plant_inverse_clarke(rotor.terminal);
+    return through_shunts ? shunts_output(&shunts) : plant_inverse_clarke(rotor.terminal);
 }

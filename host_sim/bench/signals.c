@@ -39,7 +39,7 @@ typedef enum { VALUE, RATE } kind_t;
     X("anti_lock.at_work", VALUE, "", \
       "1: the anti-lock system has raised its flag", b->aids.anti_lock.at_work ? 1.0 : 0.0) \
     X("anti_lock.failed", VALUE, "", \
-      "1: switched itself off, a wheel's sensor shows nothing", \
+      "1: switched itself off, a wheel's sensor shows zero", \
       b->aids.anti_lock.failed ? 1.0 : 0.0) \
     X("anti_lock.reference_m_per_s", VALUE, "m/s", \
       "of the vehicle, as the system takes it", b->aids.anti_lock.reference_m_per_s) \
@@ -71,17 +71,17 @@ typedef enum { VALUE, RATE } kind_t;
     X("current_q_a", VALUE, "A", \
       "quadrature-axis current, peak phase value", \
       plant_park(w->rotor.terminal, w->rotor.axis).q) \
-    X("phase_a_seen_a", VALUE, "A", \
-      "current of phase a as the converter had it in front at its last sample", w->seen_a.a) \
-    X("phase_b_seen_a", VALUE, "A", "likewise, phase b", w->seen_a.b) \
-    X("phase_c_seen_a", VALUE, "A", "likewise, phase c", w->seen_a.c) \
-    X("speed_seen_rad_per_s", VALUE, "rad/s", \
-      "of the wheel as its speed sensor tells it, magnitude", w->ring.speed_rad_s) \
+    X("phase_a_sampled_a", VALUE, "A", \
+      "current of phase a at the input of its converter, last sample", w->sampled_a.a) \
+    X("phase_b_sampled_a", VALUE, "A", "likewise, phase b", w->sampled_a.b) \
+    X("phase_c_sampled_a", VALUE, "A", "likewise, phase c", w->sampled_a.c) \
+    X("speed_measured_rad_per_s", VALUE, "rad/s", \
+      "of the wheel by its speed sensor, magnitude", w->ring.speed_rad_s) \
     X("valve", VALUE, "", \
       "anti-lock system: 0 open, 1 pressure rises, 2 is kept, 3 is let go", \
       (double)w->brake.valve) \
     X("winding_sensor_c", VALUE, "degC", \
-      "of the winding as its sensor tells it", w->winding_sensor.reported_c) \
+      "of the winding by its sensor", w->winding_sensor.reported_c) \
     X("speed_rad_per_s", VALUE, "rad/s", "of the wheel", w->motion.speed_rad_s) \
     X("load_n", VALUE, "N", "of the wheel on the road", w->motion.load_n) \
     X("tyre_n", VALUE, "N", \
@@ -120,7 +120,7 @@ typedef enum { VALUE, RATE } kind_t;
     X("bus_current_estimate_a", VALUE, "A", \
       "controller: bus current, positive out of the battery", 1e-3 * w->slow.bus_current_mA) \
     X("reason", VALUE, "", \
-      "controller: what bounds the motor torque, 0 nothing", (double)w->slow.torque_reason) \
+      "controller: what limits the motor torque, 0 none", (double)w->slow.torque_reason) \
     X("available_reason", VALUE, "", \
       "controller: what bounds the braking torque available", (double)w->slow.available_reason) \
     X("fault_reason", VALUE, "", \

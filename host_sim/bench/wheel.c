@@ -52,8 +52,8 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
 {
     const bench_params_t *params = world->params;
     const thermal_params_t *thermal = &params->thermal;
-    const wheel_totals_t nothing = {.copper_j = 0.0};
-    wheel->totals = nothing;
+    const wheel_totals_t empty = {.copper_j = 0.0};
+    wheel->totals = empty;
     wheel->heat_winding_j = 0.0;
     wheel->heat_iron_j = 0.0;
     wheel->heat_switches_j = 0.0;
@@ -90,10 +90,10 @@ void wheel_refresh(wheel_t *wheel, const wheel_world_t *world)
 {
     const bench_params_t *params = world->params;
     const one_wheel_params_t *own = &params->wheel[wheel->index];
-    if (wheel->winding.held) {
+    if (wheel->winding.fixed) {
         wheel->winding.temperature_c = params->thermal.winding_temperature_c + own->winding_rise_k;
     }
-    if (wheel->switches.held) {
+    if (wheel->switches.fixed) {
         wheel->switches.temperature_c = params->thermal.switch_temperature_c;
     }
     wheel->friction = own->road_friction > 0.0 ? own->road_friction : params->road.friction;
@@ -118,13 +118,13 @@ static void warm(wheel_t *wheel, const wheel_world_t *world)
     wheel->heat_winding_j = 0.0;
     wheel->heat_iron_j = 0.0;
     wheel->heat_switches_j = 0.0;
-    if (!wheel->winding.held || !wheel->switches.held) {
+    if (!wheel->winding.fixed || !wheel->switches.fixed) {
         at_temperature(wheel, world);
     }
 }
 
-/* The winding's temperature as its sensor tells it. */
-static double felt(wheel_t *wheel, const bench_params_t *params)
+/* The winding's temperature by its sensor. */
+static double measured_winding_c(wheel_t *wheel, const bench_params_t *params)
 {
     const one_wheel_params_t *own = &params->wheel[wheel->index];
     const bool broken = own->winding_sensor_open > 0.5 || own->winding_sensor_shorted > 0.5;
@@ -143,7 +143,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
         .demand_age_ms = (uint32_t)rounded(order->demand_age_s, MILLI),
         .bms_charge_current_mA = rounded(order->charge_limit_a, MILLI),
         .bms_discharge_current_mA = rounded(order->discharge_limit_a, MILLI),
-        .winding_temperature_cC = rounded(felt(wheel, world->params), CENTI),
+        .winding_temperature_cC = rounded(measured_winding_c(wheel, world->params), CENTI),
         .switch_temperature_cC = rounded(wheel->switches.temperature_c, CENTI),
         .enable = order->enable,
         .abs_active = order->abs_active,
@@ -176,21 +176,21 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
     if (wheel->coupling == NULL) {
         wheel->active = wheel->next;
     }
-    wheel->seen_a = feed_seen(wheel, world, bus_voltage_v);
-    const sensors_sample_t seen =
-        sensors_sample(&world->sensors, &wheel->fault, &wheel->random, wheel->seen_a, bus_voltage_v,
-                       wheel->rotor.theta_turn);
-    const encoder_sample_t counted = encoder_look(&params->encoder, params->motor.pole_pairs,
+    wheel->sampled_a = feed_sampled(wheel, world, bus_voltage_v);
+    const sensors_sample_t sample =
+        sensors_sample(&world->sensors, &wheel->fault, &wheel->random, wheel->sampled_a,
+                       bus_voltage_v, wheel->rotor.theta_turn);
+    const encoder_sample_t counted = encoder_read(&params->encoder, params->motor.pole_pairs,
                                                   &wheel->shaft, wheel->rotor.theta_turn);
     const fast_input_t in = {
-        .phase_current_code = {seen.phase_current_code[0], seen.phase_current_code[1],
-                               seen.phase_current_code[2]},
-        .bus_voltage_code = seen.bus_voltage_code,
-        .rotor_angle_turn = seen.rotor_angle_turn,
+        .phase_current_code = {sample.phase_current_code[0], sample.phase_current_code[1],
+                               sample.phase_current_code[2]},
+        .bus_voltage_code = sample.bus_voltage_code,
+        .rotor_angle_turn = sample.rotor_angle_turn,
         .encoder = {.count = counted.count,
                     .index_count = counted.index_count,
                     .index = counted.index},
-        .hall_state = seen.hall_state,
+        .hall_state = sample.hall_state,
         .power_stage_fault = false,
     };
     if (wheel->coupling != NULL) {

@@ -104,14 +104,13 @@ int hubsim_controller_load_config(hubsim_controller_t *controller, const void *i
     config_t config;
     memset(&config, 0, sizeof(config));
     memcpy(&config, image, size_bytes < sizeof(config) ? size_bytes : sizeof(config));
-    const config_result_t verdict = config_validate(&config, size_bytes);
-    if (verdict.code == CONFIG_RESULT_RANGE) {
+    const config_result_t result = config_validate(&config, size_bytes);
+    if (result.code == CONFIG_RESULT_RANGE) {
         return refuse(controller, "configuration refused: %s: %ld, accepted: %ld to %ld",
-                      verdict.field, (long)verdict.value, (long)verdict.lowest,
-                      (long)verdict.highest);
+                      result.field, (long)result.value, (long)result.lowest, (long)result.highest);
     }
-    if (verdict.code != CONFIG_RESULT_OK) {
-        return refuse(controller, "configuration refused: %s", verdict.field);
+    if (result.code != CONFIG_RESULT_OK) {
+        return refuse(controller, "configuration refused: %s", result.field);
     }
     joined_init(&controller->joined, &config);
     controller->has_config = true;

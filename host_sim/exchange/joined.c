@@ -22,7 +22,7 @@ void joined_init(joined_t *joined, const config_t *config)
 
 void joined_fast(joined_t *joined, const int32_t *in, int32_t *out)
 {
-    const fast_input_t seen = {
+    const fast_input_t sampled = {
         .phase_current_code = {(uint16_t)in[IN_phase_current_code_a],
                                (uint16_t)in[IN_phase_current_code_b],
                                (uint16_t)in[IN_phase_current_code_c]},
@@ -35,7 +35,7 @@ void joined_fast(joined_t *joined, const int32_t *in, int32_t *out)
         .power_stage_fault = in[IN_power_stage_fault] != 0,
     };
     const fast_output_t done = controller_fast_step(&joined->controller.fast, &joined->config,
-                                                    &joined->to_fast, &seen, &joined->to_slow);
+                                                    &joined->to_fast, &sampled, &joined->to_slow);
     out[OUT_compare_counts_a] = done.compare_counts[0];
     out[OUT_compare_counts_b] = done.compare_counts[1];
     out[OUT_compare_counts_c] = done.compare_counts[2];

@@ -15,7 +15,7 @@ static const double CLOCK_ROUNDING =
 
 typedef enum { STAGE_FRESH, STAGE_INITIALIZING, STAGE_RUNNING, STAGE_ENDED } stage_t;
 
-/* Everything that is not the model's own: with the model's bytes behind it, a state. */
+/* Everything that is not the model's own: with the model's bytes after it, a state. */
 typedef struct {
     stage_t stage;
     bool has_begun; /* the model; in STAGE_INITIALIZING: and no value was set since */

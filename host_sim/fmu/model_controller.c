@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A unit that is one controller: both steps at their own rates, inputs held between communication
- * points. */
+/* A unit that is one controller: both steps at their own rates, inputs constant between
+ * communication points. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

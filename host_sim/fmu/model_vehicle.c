@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A unit that is the whole simulated vehicle: the bench behind the same face that Python uses. */
+/* A unit that is the whole simulated vehicle: the bench with the same interface that Python uses.
+ */
 #include <stdlib.h>
 #include <string.h>
 

@@ -26,13 +26,14 @@ chassis_t chassis_on_road(const chassis_params_t *params, double mass_kg, double
 
 void chassis_step(const chassis_t *chassis, chassis_state_t *state, double acceleration_m_per_s2)
 {
-    state->felt_m_per_s2 += (acceleration_m_per_s2 - state->felt_m_per_s2) * chassis->approach;
+    state->filtered_m_per_s2 +=
+        (acceleration_m_per_s2 - state->filtered_m_per_s2) * chassis->approach;
 }
 
 double chassis_load_n(const chassis_t *chassis, const chassis_state_t *state, int wheel)
 {
     const double transferred_n =
-        chassis->transfer_kg * (state->felt_m_per_s2 + chassis->slope_m_per_s2);
+        chassis->transfer_kg * (state->filtered_m_per_s2 + chassis->slope_m_per_s2);
     const double front_n = plant_clamp(chassis->weight_n * chassis->front_share - transferred_n,
                                        0.0, chassis->weight_n);
     const double axle_n = wheel < chassis->first_rear ? front_n : chassis->weight_n - front_n;

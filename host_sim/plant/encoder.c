@@ -27,7 +27,7 @@ static uint16_t counter(const encoder_params_t *params, const encoder_shaft_t *s
     return (uint16_t)((uint64_t)(params->reversed > 0.5 ? -shown : shown) & 0xFFFFU);
 }
 
-encoder_sample_t encoder_look(const encoder_params_t *params, double pole_pairs,
+encoder_sample_t encoder_read(const encoder_params_t *params, double pole_pairs,
                               encoder_shaft_t *shaft, double theta_turn)
 {
     encoder_sample_t out = {.index = false};

@@ -46,7 +46,7 @@ void hydraulic_brake_valve(hydraulic_brake_state_t *state, hydraulic_valve_t val
     state->dump_nm = dump_nm_per_s * step_s;
 }
 
-static double behind_valve(const hydraulic_brake_state_t *state, double change_nm)
+static double limited_by_valve(const hydraulic_brake_state_t *state, double change_nm)
 {
     switch (state->valve) {
     case HYDRAULIC_VALVE_OPEN:
@@ -70,6 +70,6 @@ double hydraulic_brake_step(hydraulic_brake_state_t *state)
         state->torque_nm < state->knee_nm ? state->knee_rise_nm : state->largest_change_nm;
     const double change_nm = plant_clamp(wanted_nm, -state->largest_change_nm, largest_rise_nm);
     state->torque_nm +=
-        state->valve == HYDRAULIC_VALVE_OPEN ? change_nm : behind_valve(state, change_nm);
+        state->valve == HYDRAULIC_VALVE_OPEN ? change_nm : limited_by_valve(state, change_nm);
     return state->torque_nm * state->gain;
 }

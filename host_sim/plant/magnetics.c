@@ -60,9 +60,9 @@ plant_dq_t magnetics_flux(const magnetics_t *m, plant_dq_t current_a)
     }
     const double small_a = SMALL_ENOUGH * (fabs(current_a.d) + fabs(current_a.q));
     for (int k = 0; k < STEPS_MAX; k++) {
-        const plant_dq_t seen = magnetics_current(m, flux);
-        const double miss_d = current_a.d - seen.d;
-        const double miss_q = current_a.q - seen.q;
+        const plant_dq_t current = magnetics_current(m, flux);
+        const double miss_d = current_a.d - current.d;
+        const double miss_q = current_a.q - current.q;
         if (fabs(miss_d) + fabs(miss_q) <= small_a) {
             break;
         }

@@ -275,8 +275,9 @@ void phases_advance(const phases_t *phases, phases_state_t *state, const phases_
     remember_currents(phases, state, legs);
 }
 
-void phases_look(const phases_t *phases, const phases_state_t *state,
-                 const phases_leg_t legs[PHASES], double current_a[PHASES], double end_v[PHASES])
+void phases_terminals(const phases_t *phases, const phases_state_t *state,
+                      const phases_leg_t legs[PHASES], double current_a[PHASES],
+                      double end_v[PHASES])
 {
     const instant_t now = instant_at(phases, legs, state->flux_wb, state->axis);
     for (int x = 0; x < PHASES; x++) {

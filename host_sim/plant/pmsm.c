@@ -189,7 +189,7 @@ static plant_dq_t implicit_step(const pmsm_t *machine, const equations_t *eq, pl
     return out;
 }
 
-/* The terminal voltage that lets no current through the wires, and the i_t that belongs to it. */
+/* The terminal voltage with which no current flows in the wires, and the i_t that belongs to it. */
 static plant_dq_t blocking_voltage(const pmsm_t *machine, const equations_t *eq, plant_dq_t before,
                                    double h, plant_dq_t *i_t)
 {

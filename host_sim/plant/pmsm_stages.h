@@ -119,7 +119,7 @@ static inline void book_charge(plant_ab_t charge_as, pmsm_flow_t *flow)
     flow->charge_as.beta += charge_as.beta;
 }
 
-/* Copper and series heat are told apart by the caller; here both are integral of |i|^2, iron of
+/* Copper and series heat are separated by the caller; here both are integral of |i|^2, iron of
  * |e|^2. */
 static inline void book_heat_and_torque(const stage_t *s1, const stage_t *s2, const stage_t *s3,
                                         const stage_t *s4, double sixth, pmsm_flow_t *flow)
@@ -144,7 +144,7 @@ static inline plant_dq_t opposed_share(double per_zone, plant_dq_t current, plan
     return plant_park(plant_clarke(share), axis);
 }
 
-/* Current against which it stands: the sum of share times current of all phases. */
+/* Current that it opposes: the sum of share times current of all phases. */
 static inline double opposed_a(plant_dq_t share, plant_dq_t terminal)
 {
     return 1.5 * (share.d * terminal.d + share.q * terminal.q);

@@ -51,12 +51,13 @@ static inline plant_ab_t half_step(double decay, plant_ab_t from, plant_ab_t dri
 }
 
 /*
- * The exact solution of a machine with L_d = L_q = L while the voltage stands still and the rotor
+ * The exact solution of a machine with L_d = L_q = L while the voltage is constant and the rotor
  * turns, half a step after another. In the stator's frame, with z = share R/L h/2 and y = w h/2,
  * half a step leaves
  *
- *     i_t exp(-z) + u share/L h/2 (1 - exp(-z))/z - psi/L exp(j theta) j y (exp(j y) - exp(-z))/(z
- * + j y)
+ *     i_t exp(-z)
+ *         + u share/L h/2 (1 - exp(-z))/z
+ *         - psi/L exp(j theta) j y (exp(j y) - exp(-z))/(z + j y)
  */
 static inline solution_t solve_round(const equations_t *eq, plant_ab_t start, plant_ab_t u,
                                      double h, plant_phasor_t half_turn, const stage_axes_t *axes)
@@ -179,9 +180,9 @@ typedef struct {
 
 /*
  * One step in which the opposition's voltage is constant. If the phases do not stay where they
- * were, nothing is done, and the answer is false. Energies by Simpson's rule; as i and e = u - R
- * i_t are sums of i_t and a voltage of constant magnitude, the integrals of |i|^2 and |e|^2 both
- * follow from those of |i_t|^2 and i_t.
+ * were, the state is unchanged and the result is false. Energies by Simpson's rule; as i and e = u
+ * - R i_t are sums of i_t and a voltage of constant magnitude, the integrals of |i|^2 and |e|^2
+ * both follow from those of |i_t|^2 and i_t.
  */
 static inline bool advance(const linear_t *linear, pmsm_state_t *state, double h,
                            plant_phasor_t half_turn, pmsm_flow_t *flow)

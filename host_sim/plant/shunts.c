@@ -10,7 +10,7 @@ enum { LEGS = 3 };
 
 void shunts_follow(shunts_t *shunts, int leg, double driven_a, double duration_s, double settling_s)
 {
-    shunts->seen_a[leg] += (driven_a - shunts->seen_a[leg]) * -expm1(-duration_s / settling_s);
+    shunts->output_a[leg] += (driven_a - shunts->output_a[leg]) * -expm1(-duration_s / settling_s);
 }
 
 typedef struct {

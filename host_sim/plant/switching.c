@@ -93,8 +93,8 @@ static void choose_diodes(period_t *p)
         return;
     }
     connect(p, legs);
-    phases_look(&p->phases, &p->state, legs, current_a, end_v);
-    /* Where nothing conducts, the star point settles so that the span of the windings' voltages
+    phases_terminals(&p->phases, &p->state, legs, current_a, end_v);
+    /* Where no leg conducts, the star point settles so that the span of the windings' voltages
      * lies between the rails, as long as it fits: only then does a pair of diodes begin to conduct.
      */
     const bool all_float = legs[0].open && legs[1].open && legs[2].open;
@@ -191,8 +191,8 @@ static void pass(period_t *p, double duration_s)
         if (share < 1.0) {
             passed_s *= share;
             ends++;
-            const phases_flow_t nothing = {.iron_j = 0.0};
-            part = nothing;
+            const phases_flow_t empty = {.iron_j = 0.0};
+            part = empty;
             trial = p->state;
             phases_advance(&p->phases, &trial, legs, passed_s, &part);
         }
@@ -234,7 +234,7 @@ static void operate(period_t *p, int x, gate_t gate)
     p->gate[x] = gate;
 }
 
-/* When a leg is told what. */
+/* Edges of a leg's command. */
 typedef struct {
     double rise_s, fall_s;
 } leg_times_t;

@@ -61,8 +61,8 @@ thermal_t thermal_init(const thermal_row_t *row, double temperature_c, double st
 {
     thermal_t out = {.temperature_c = temperature_c,
                      .outer_c = temperature_c,
-                     .held = row->inner_j_per_k <= 0.0};
-    if (out.held) {
+                     .fixed = row->inner_j_per_k <= 0.0};
+    if (out.fixed) {
         return out;
     }
     const bool has_outer = row->outer_j_per_k > 0.0;
@@ -101,7 +101,7 @@ thermal_t thermal_init(const thermal_row_t *row, double temperature_c, double st
 
 void thermal_step(thermal_t *thermal, double inner_j, double outer_j, double ambient_c)
 {
-    if (thermal->held) {
+    if (thermal->fixed) {
         return;
     }
     const double inner_k = thermal->temperature_c - ambient_c;

@@ -33,7 +33,7 @@ double vehicle_drag_n(const vehicle_t *vehicle, double speed_m_per_s)
 vehicle_flow_t vehicle_step(const vehicle_t *vehicle, vehicle_state_t *state,
                             const vehicle_load_t *load, double step_s)
 {
-    /* Divided first, so that nothing that waits for the torque waits for a division as well. */
+    /* Divided first, so that no division waits for the torque. */
     const double per_mass_1_per_kg = 1.0 / vehicle->mass_kg;
     const double per_radius_1_per_m = 1.0 / vehicle->wheel_radius_m;
     const double per_step_hz = 1.0 / step_s;

@@ -27,7 +27,7 @@ static void wait(const wheel_speed_params_t *params, wheel_speed_t *ring, double
     }
 }
 
-double wheel_speed_look(const wheel_speed_params_t *params, wheel_speed_t *ring, double turned_rad,
+double wheel_speed_step(const wheel_speed_params_t *params, wheel_speed_t *ring, double turned_rad,
                         double speed_rad_s, double time_s, double step_s, bool dead)
 {
     const double teeth = floor(params->teeth);

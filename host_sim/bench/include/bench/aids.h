@@ -21,7 +21,7 @@ typedef struct {
 /* A run begins: sensors and system know the wheels' speeds. */
 void aids_begin(aids_t *aids, const bench_params_t *params, wheel_t *wheels, int count);
 
-/* The millisecond, before the controllers': looks at the wheels, sets their brakes' valves.
+/* The millisecond, before the controllers': samples the wheels, sets their brakes' valves.
  * brake_nm: the pedal, magnitude. */
 void aids_step(aids_t *aids, const wheel_world_t *world, wheel_t *wheels, int count,
                const vehicle_state_t *vehicle, double brake_nm, double time_s, double step_s);

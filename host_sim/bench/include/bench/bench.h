@@ -61,7 +61,7 @@ typedef struct {
     int64_t period; /* since the start of the run */
     int64_t slow_steps;
     double time_s;
-    bool held; /* the vehicle's speed is set from outside */
+    bool speed_prescribed; /* the vehicle's speed is set from outside */
 } bench_t;
 
 /* trace: see driver_trace_t; its arrays must outlive the bench. */

@@ -23,18 +23,18 @@
 #include "hal/can.h"
 #include "host/port.h"
 
-enum { BOARD_SAID_MAX = 2 };
+enum { BOARD_QUEUED_MAX = 2 };
 
 typedef struct {
     messages_wheel_t wheel;
-    host_sample_t sample;    /* what the sensors see at this top */
-    fast_output_t active;    /* what the bridge does from this top on */
-    messages_output_t heard; /* what the wheel has said last */
+    host_sample_t sample;       /* what the sensors see at this top */
+    fast_output_t active;       /* what the bridge does from this top on */
+    messages_output_t received; /* last output received from the wheel */
     e2e_receiver_t state_link, brake_link;
     uint32_t now_ms;
     uint8_t demand_counter, battery_counter;
-    can_frame_t said[BOARD_SAID_MAX]; /* to the wheel in this millisecond */
-    uint32_t said_count;
+    can_frame_t queued[BOARD_QUEUED_MAX]; /* to the wheel in this millisecond */
+    uint32_t queued_count;
 } board_t;
 
 /* Boots the application with this configuration and a motor at rest. */

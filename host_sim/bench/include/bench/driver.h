@@ -10,8 +10,8 @@
  *     F = m a_ref + F_road(v_ref) + 2 m w_b e + m w_b^2 integral(e),
  *     torque = F r / driven wheels
  *
- * whose integrator is told what the pedals' range left of the force. Positive force is the drive
- * pedal, negative the brake pedal. Or the pedals are simply held where the scenario puts them.
+ * whose integrator is updated with what the pedals' range left of the force. Positive force is the
+ * drive pedal, negative the brake pedal. Or the pedals are constant as the scenario puts them.
  */
 #ifndef BENCH_DRIVER_H
 #define BENCH_DRIVER_H
@@ -34,7 +34,7 @@
     X(most_drive_nm,        0.0,  1e5,   "N m",   "end of the drive pedal, at each driven wheel") \
     X(most_brake_nm,        0.0,  1e5,   "N m",   "end of the brake pedal, at each driven wheel") \
     X(demand_age_s,         0.0,  1e6,   "s", \
-      "age of the demands when they reach the controllers") \
+      "age of the demands when they arrive at the controllers") \
     X(silent,               0.0,  1.0,   "", \
       "1: no more messages, the controllers see the last demand grow old") \
     X(enable,               0.0,  1.0,   "",      "1: the vehicle is switched on") \

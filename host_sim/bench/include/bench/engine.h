@@ -77,7 +77,7 @@ int hubsim_choose(hubsim_t *sim, const int *indices, int count);
 /*
  * Run for duration_s or until the run ends, and write rows of the chosen signals at every
  * run.record_interval_s. rows: room for `capacity` rows of as many doubles as signals were chosen;
- * *written: rows written. With HUBSIM_FULL the clock stands at the row there was no room for;
+ * *written: rows written. With HUBSIM_FULL the clock is at the row there was no room for;
  * *remaining_s is what is left of duration_s.
  */
 int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written,
@@ -85,7 +85,7 @@ int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity,
 
 /*
  * The same for whoever keeps the clock: run to a time, at most to the end of the run, and record
- * nothing; one row of the chosen signals now, rates as means since the row before. At equal times
+ * no row; one row of the chosen signals now, rates as means since the row before. At equal times
  * rows are those of hubsim_run.
  */
 int hubsim_advance(hubsim_t *sim, double until_s);

@@ -4,7 +4,7 @@
  * converters see of it.
  *
  * Currents are sampled at the top of the count or sensors.sampling_delay_s after it. What the
- * bridge does from the top on is known there, so a late sample is a look ahead on a copy of the
+ * bridge does from the top on is known there, so a late sample is calculated ahead on a copy of the
  * motor, with the averaged bridge or with every edge. With sensors.shunt_settling_s the converters
  * see the shunts' amplifiers (shunts.h) and not the wires. A wheel with a coupling of its own looks
  * ahead with what its bridge did in the period before.
@@ -24,10 +24,10 @@ typedef struct {
 void feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s,
                 double bus_voltage_v, feed_flow_t *out);
 
-/* A PWM period is over: before the bridge is told what to do in the next one. */
+/* A PWM period is over: before the command of the next one. */
 void feed_end_period(wheel_t *wheel, const wheel_world_t *world);
 
-/* What stands in front of the converters when they sample in the period that begins, A. */
-plant_abc_t feed_seen(const wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v);
+/* Currents at the inputs of the converters when they sample in the period that begins, A. */
+plant_abc_t feed_sampled(const wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v);
 
 #endif

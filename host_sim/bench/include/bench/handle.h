@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * handle.h: what is behind the handle of engine.h and external.h, for the files that implement
+ * handle.h: what the handle refers to, of engine.h and external.h, for the files that implement
  * them.
  */
 #ifndef BENCH_HANDLE_H
@@ -16,9 +16,9 @@ enum { HANDLE_ERROR_LENGTH = 400 };
 
 /* One wheel whose controller is somebody else's. */
 typedef struct {
-    fast_input_t seen;   /* by the sensors, at the last top of the count */
-    fast_output_t given; /* what the bridge does next */
-    double hydraulic_nm; /* what the hydraulic brake is asked for */
+    fast_input_t sampled; /* by the sensors, at the last top of the count */
+    fast_output_t given;  /* what the bridge does next */
+    double hydraulic_nm;  /* what the hydraulic brake is asked for */
 } external_wheel_t;
 
 typedef struct {

@@ -56,7 +56,7 @@ void motion_roll(const motion_world_t *world, const motion_t *motion);
 double motion_expected_rad_s(const motion_world_t *world, const motion_t *motion, int wheel,
                              double step_s);
 
-/* One step; tells every wheel what became of it (wheel_settle()). */
+/* One step; gives every wheel its result (wheel_settle()). */
 motion_flow_t motion_step(const motion_world_t *world, const motion_t *motion,
                           const wheel_world_t *wheel_world, const wheel_flow_t *flow);
 

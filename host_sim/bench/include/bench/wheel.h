@@ -85,7 +85,7 @@ typedef struct {
     double friction; /* of tyre and road */
     random_t random;
     sensors_fault_t fault;
-    plant_abc_t seen_a; /* what stood in front of the current converters at the last sample */
+    plant_abc_t sampled_a; /* what stood in front of the current converters at the last sample */
     shunts_t shunts;
     plant_ab_t at_top; /* A, at the last top of the count */
     temperature_sensor_t winding_sensor;
@@ -133,7 +133,7 @@ typedef struct {
 
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order);
 
-/* A PWM period begins: sensors, the firmware's fast step, and the bridge does what it was told a
+/* A PWM period begins: sensors, the firmware's fast step, and the bridge does what was commanded a
  * period ago. */
 void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage_v);
 

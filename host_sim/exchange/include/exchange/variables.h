@@ -105,7 +105,7 @@
     X(bus_current_a, bus_current_mA, REAL, MILLI, INT32_MIN, INT32_MAX, "A", \
       "DC bus current, estimated, positive out of the battery") \
     X(torque_reason, torque_reason, CODE, PLAIN, 0, 255, "", \
-      "what bounds the motor torque; 0: nothing") \
+      "what limits the motor torque; 0: none") \
     X(available_reason, available_reason, CODE, PLAIN, 0, 255, "", \
       "what bounds the electric braking torque that is available") \
     X(hydraulic_reason, hydraulic_reason, CODE, PLAIN, 0, 255, "", \

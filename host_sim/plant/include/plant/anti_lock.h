@@ -11,10 +11,10 @@
  * for itself: above slip_dump and still getting slower its pressure is let go; above slip_hold, or
  * with a rim that falls faster than any vehicle could, it is kept; else it rises, slowly once the
  * system has been at work. With thresholds on both sides of the slip at which the tyre's force is
- * greatest the wheel goes round about that slip. The flag is up from the first valve that lets go
- * until every wheel has had all it was told for release_s. Below lowest_speed_m_per_s the system
- * leaves the brakes alone: a wheel may stop there. A wheel that shows nothing for as long as no
- * road explains has lost its sensor: the system switches itself off for good.
+ * greatest the wheel goes round about that slip. The flag is up from the first valve that releases
+ * until every wheel has reached its command for release_s. Below lowest_speed_m_per_s the system
+ * leaves the brakes alone: a wheel may stop there. A wheel whose sensor shows zero for as long as
+ * no road explains has lost its sensor: the system switches itself off for good.
  *
  * Source: Robert Bosch GmbH, "Brakes, Brake Control and Driver Assistance Systems", Springer 2014,
  * chapters on ABS (build, hold, reduce; thresholds of slip and rim acceleration; reference speed).
@@ -30,7 +30,7 @@
 /* clang-format off */
 #define ANTI_LOCK_PARAMETERS(X) \
     X(active,                     0.0, 1.0,  "", \
-      "1: the vehicle has the system, 0: wheels lock where the road lets them") \
+      "1: the vehicle has the system, 0: wheels lock where the road allows it") \
     X(slip_hold,                  0.0, 1.0,  "1",     "slip from which pressure is kept") \
     X(slip_dump,                  0.0, 1.0,  "1", \
       "slip from which pressure is let go; at or above slip_hold") \
@@ -55,7 +55,7 @@ typedef struct {
 typedef struct {
     double rim_m_per_s;  /* of the last step */
     double rim_m_per_s2; /* low-passed */
-    double silent_s;     /* shows nothing while the vehicle runs */
+    double silent_s;     /* with zero measured speed while the vehicle runs */
     hydraulic_valve_t valve;
 } anti_lock_wheel_t;
 
@@ -70,7 +70,7 @@ typedef struct {
 /* What the system sees. */
 typedef struct {
     const double *rim_m_per_s; /* magnitude, of each wheel's sensor */
-    const bool *wanting;       /* of each wheel: its brake has not all it is told yet */
+    const bool *wanting;       /* of each wheel: its brake has not reached its command yet */
     int wheels;
     double acceleration_m_per_s2; /* of the body, in the direction of travel */
     bool brakes;                  /* the driver does */

@@ -5,7 +5,7 @@
  *
  *     u_b = u_oc(SOC) - u_c - R_s i        C_t du_c/dt = i - u_c / R_t        i > 0 discharges
  *
- * battery_step() is told the power the wheels take at the terminals (P > 0 discharges) and finds
+ * battery_step() takes the power the wheels draw at the terminals (P > 0 discharges) and finds
  * the current that is constant over the step and makes exactly that power, with the exponential of
  * the RC branch solved exactly:
  *
@@ -70,7 +70,7 @@ typedef struct {
 
 battery_source_t battery_source(const battery_params_t *params, const battery_state_t *state);
 
-/* The constant current with which a source gives power_w behind resistance_ohm; *collapsed is set
+/* The constant current with which a source gives power_w through resistance_ohm; *collapsed is set
  * when it cannot. */
 double battery_current_a(double open_v, double resistance_ohm, double power_w, bool *collapsed);
 

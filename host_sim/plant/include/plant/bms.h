@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * bms.h: what the battery management tells the controllers: how much current the pack takes and
+ * bms.h: what the battery management sends to the controllers: how much current the pack takes and
  * gives now.
  *
  * The smallest of what the pack is built for (battery.max_..._current_a), what its charge leaves
- * (fading over the last fade_soc to nothing into a full pack and out of an empty one), what keeps
+ * (fading over the last fade_soc to zero into a full pack and out of an empty one), what keeps
  * the settled terminal voltage within its ends, (U_end - u_oc) / (R_s + R_t), and what its
- * temperature allows (charging cold cells plates lithium: nothing below coldest_charge_c,
+ * temperature allows (charging cold cells plates lithium: zero below coldest_charge_c,
  * everything from full_charge_c on). The message comes every period_s and counts in whole steps of
  * current, rounded towards caution. Every limit is off where its parameter is 0.
  */

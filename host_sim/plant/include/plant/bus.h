@@ -6,7 +6,7 @@
  *     i_b = (E - v) / R        (0 with the contactor open)        C dv/dt = i_b - i
  *     R = pack + cable
  *
- * bus_step() is told the energy the bridges took during a step and finds the current i that is
+ * bus_step() takes the energy the bridges drew during a step and finds the current i that is
  * constant over it and makes exactly that energy. v(t) then runs exponentially towards E - R i, so
  * means and end are exact for any R C, and
  *

@@ -9,9 +9,9 @@
  * axle. The body follows with a first-order lag (springs and dampers). An axle never lifts the
  * road: loads end at 0 and at the whole weight.
  *
- * Wheels are counted from the front left: with two on an axle 0 and 1 are in front, 2 and 3 behind;
- * a vehicle with fewer driven wheels than that has them in front, or behind where rear_driven says
- * so.
+ * Wheels are counted from the front left: with two on an axle 0 and 1 are in front, 2 and 3 at the
+ * rear; a vehicle with fewer driven wheels than that has them in front, or at the rear where
+ * rear_driven says so.
  */
 #ifndef PLANT_CHASSIS_H
 #define PLANT_CHASSIS_H
@@ -31,7 +31,7 @@
     X(rear_driven,                  0.0, 1.0,   "", \
       "1: the driven wheels begin on the rear axle") \
     X(pitch_time_constant_s,        0.0, 10.0,  "s", \
-      "lag of the load behind the acceleration; 0: none")
+      "lag of the load after the acceleration; 0: none")
 /* clang-format on */
 
 typedef struct {
@@ -50,7 +50,7 @@ typedef struct {
 } chassis_t;
 
 typedef struct {
-    double felt_m_per_s2; /* the acceleration the springs have followed so far */
+    double filtered_m_per_s2; /* the acceleration the springs have followed so far */
 } chassis_state_t;
 
 /* weight_n: of the whole vehicle, square to the road; slope_n: its part along the road. */

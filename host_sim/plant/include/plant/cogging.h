@@ -5,7 +5,7 @@
  *     W(a) = A / n (1 - cos(n a + phase))        T = -dW/da = -A sin(n a + phase)
  *     a mechanical angle, n periods a turn
  *
- * The torque is the slope of a stored energy, so its mean and its work over a turn are nothing, and
+ * The torque is the slope of a stored energy, so its mean and its work over a turn are zero, and
  * a step's impulse is taken from the energies at its ends: impulse * speed = W before - W after,
  * whatever the step. A whole machine has n = least common multiple of slots and poles, a multiple
  * of the pole pairs; n = slots is a rotor's, n = poles a stator's imperfection. Source: Z. Q. Zhu,

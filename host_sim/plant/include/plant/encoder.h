@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * encoder.h: an incremental encoder with index on the shaft, and the 16-bit counter behind it.
+ * encoder.h: an incremental encoder with index on the shaft, and its 16-bit counter.
  *
  * The counter follows both edges of both tracks and wraps; where it stands at the beginning means
  * nothing. The index pulse begins where the electrical angle is index_deg, once in a mechanical
@@ -30,15 +30,15 @@ typedef struct {
 } encoder_params_t;
 
 typedef struct {
-    double theta_turn;  /* electrical, of the last look, within one turn */
+    double theta_turn;  /* electrical, of the last sample, within one turn */
     int64_t turns;      /* electrical turns since the beginning */
-    double shaft_turns; /* mechanical, from an index, of the last look */
+    double shaft_turns; /* mechanical, from an index, of the last sample */
     double lost_counts; /* so far */
 } encoder_shaft_t;
 
 typedef struct {
     uint16_t count, index_count;
-    bool index; /* since the last look */
+    bool index; /* since the last sample */
 } encoder_sample_t;
 
 /* first_turn: whole electrical turns of the shaft from its index at the beginning, anywhere in a
@@ -47,7 +47,7 @@ encoder_shaft_t encoder_begin(const encoder_params_t *params, double pole_pairs,
                               int64_t first_turn);
 
 /* theta_turn: electrical, 0 <= theta < 1, less than half a turn away from the last one. */
-encoder_sample_t encoder_look(const encoder_params_t *params, double pole_pairs,
+encoder_sample_t encoder_read(const encoder_params_t *params, double pole_pairs,
                               encoder_shaft_t *shaft, double theta_turn);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * hydraulic_brake.h: a wheel brake that is told a torque and gives it late.
+ * hydraulic_brake.h: a wheel brake that follows a torque command with dead time and lag.
  *
  * command -> dead time -> first-order lag, no faster than a rate in either direction -> what is
  * left of the friction. Below the knee the torque rises only at the knee's rate: the fluid first
@@ -8,7 +8,7 @@
  * standing wheel up to its magnitude, and never drives (vehicle_step() decides how much of it is
  * used). Commands arrive at 1 kHz, so the dead time is rounded to whole milliseconds.
  *
- * An anti-lock system (anti_lock.h) has valves at the wheel, behind dead time and lag: they make
+ * An anti-lock system (anti_lock.h) has valves at the wheel, after dead time and lag: they make
  * the torque rise slowly, keep it from rising, or let it go at once. A command that falls below the
  * torque always gets through.
  */
@@ -45,7 +45,7 @@ typedef enum {
 } hydraulic_valve_t;
 
 typedef struct {
-    double torque_nm; /* that the pressure stands for, >= 0 */
+    double torque_nm; /* equivalent of the pressure, >= 0 */
     double target_nm; /* the command whose time has come */
     double commands_nm[HYDRAULIC_BRAKE_DELAY_MS_MAX + 1];
     int delay_ms;

@@ -20,12 +20,12 @@
  * proportional to the current, so it is continuous, the integration sees it in every stage, and a
  * leg at rest clamps its current and does not hunt. Ripple that changes a current's sign between
  * the two edges of a period, and so undoes the loss, is left to switching.h: it is worth a
- * hundredth of a per cent of a stop's kinetic energy at 1 A and nothing at 10 A.
+ * hundredth of a per cent of a stop's kinetic energy at 1 A and zero at 10 A.
  *
  * Off: the diodes rectify. Terminal current flows only where the line EMF exceeds v_dc + 2 V_f; the
  * fundamental of the bridge's voltage is then (v_dc + 2 V_f)/sqrt 3 against the current: exact at
  * the threshold, 10 % low in the continuous conduction of a fast rotor on a stiff bus (2/pi instead
- * of 1/sqrt 3). Short: the three low-side switches conduct all the time; nothing flows on the DC
+ * of 1/sqrt 3). Short: the three low-side switches conduct all the time; no current flows on the DC
  * side.
  */
 #ifndef PLANT_INVERTER_H
@@ -66,7 +66,7 @@ typedef struct {
     double switching_loss_j_per_as; /* (k_on + k_off) f_s / 2 */
 } inverter_t;
 
-/* What the bridge puts in front of the machine in one period: legs, less the opposition, behind the
+/* What the bridge puts in front of the machine in one period: legs, less the opposition, before the
  * series resistance. */
 typedef struct {
     plant_ab_t legs;              /* V, duties times bus voltage */

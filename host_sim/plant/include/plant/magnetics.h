@@ -68,7 +68,7 @@ static inline plant_dq_t magnetics_current(const magnetics_t *m, plant_dq_t flux
     const double z = flux.d + m->bias_wb;
     const double z0 = m->bias_wb;
     const double y_square = flux.q * flux.q;
-    /* z^3 - z0^3 and z^2 - z0^2 by their factor x: exactly nothing without current. */
+    /* z^3 - z0^3 and z^2 - z0^2 by their factor x: exactly zero without current. */
     const plant_dq_t out = {
         .d = (m->per_l_d + m->a_d * (z * z + z * z0 + z0 * z0)) * flux.d + m->a_c * z * y_square,
         .q = (m->per_l_q + m->a_q * y_square + m->a_c * (z + z0) * flux.d) * flux.q,

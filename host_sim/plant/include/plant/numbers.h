@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * numbers.h: the smaller, the larger, the nearer. The library's fmin and fmax also decide about NaN
+ * numbers.h: minimum, maximum, clamp. The library's fmin and fmax also decide about NaN
  * and are calls for it; these compile to one instruction. No argument is ever NaN here.
  */
 #ifndef PLANT_NUMBERS_H

@@ -76,7 +76,8 @@ void phases_advance(const phases_t *phases, phases_state_t *state, const phases_
 
 /* Wire currents and the voltages of the legs' ends against the negative rail, now, with the legs as
  * they are. */
-void phases_look(const phases_t *phases, const phases_state_t *state,
-                 const phases_leg_t legs[PHASES], double current_a[PHASES], double end_v[PHASES]);
+void phases_terminals(const phases_t *phases, const phases_state_t *state,
+                      const phases_leg_t legs[PHASES], double current_a[PHASES],
+                      double end_v[PHASES]);
 
 #endif

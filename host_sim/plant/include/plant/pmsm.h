@@ -6,7 +6,7 @@
  *     R = winding resistance + series resistance of whatever feeds it
  *     L_d di_dt/dt = v_d + w L_q i_qt             L_q di_qt/dt = v_q - w (L_d i_dt + psi)
  *     T = 3/2 p [psi + (L_d - L_q) i_dt] i_qt
- *     R_i = a0 + a1 |w|, across the voltage v behind the resistance
+ *     R_i = a0 + a1 |w|, across the voltage v, after the drop on the resistance
  *
  * i is what the wires carry; only i_t, left over from the iron-loss branch, is flux and torque.
  * Peak phase quantities, w electrical, motor signs (T > 0 drives forward, u . i > 0 flows into the
@@ -92,7 +92,7 @@ typedef struct {
 } pmsm_t;
 
 typedef struct {
-    plant_dq_t i_t;      /* A, the current behind the iron-loss branch */
+    plant_dq_t i_t;      /* A, the torque-producing current, after the iron-loss branch */
     plant_ab_t terminal; /* A, in the wires: what a current sensor sees at this instant */
     double theta_turn;   /* electrical, 0 <= theta < 1 */
     plant_phasor_t axis; /* exp(j theta) */
@@ -102,7 +102,7 @@ typedef struct {
 /* Something that takes a voltage of each phase against its current: all of it from zone_a on,
  * proportionally less below. */
 typedef struct {
-    double volts;  /* 0: nothing does */
+    double volts;  /* 0: none */
     double zone_a; /* above 0 */
 } pmsm_opposition_t;
 
@@ -138,7 +138,7 @@ pmsm_state_t pmsm_at_rest(double theta_turn);
 bool pmsm_is_resolved(const pmsm_t *machine, double series_resistance_ohm, double step_s);
 
 /* Stator voltage u (ab, V) in front of opposition and series resistance, constant over the step.
- * Advances currents and angle. The opposition stands still over a step in which all phases stay
+ * Advances currents and angle. The opposition is constant over a step in which all phases stay
  * outside its zone, and follows their currents in every stage where one does not; such a step costs
  * half as much again. */
 pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u,

@@ -9,7 +9,7 @@
  * are offered. What the shunts show at that instant is the caller's to say (shunts.h).
  *
  * Halls: sector k = 0 .. 5 begins at edge k and shows 5, 1, 3, 2, 6, 4 (bit 0 = A, 1 = B, 2 = C),
- * sensors 120 degrees apart. Misplacement is the plant's alone: the controller is told hall_edges,
+ * sensors 120 degrees apart. Misplacement is the plant's alone: the controller knows hall_edges,
  * not the error.
  */
 #ifndef PLANT_SENSORS_H
@@ -24,8 +24,8 @@
 /* clang-format off */
 #define SENSORS_PARAMETERS(X) \
     X(current_full_scale_a,   0.1,   1e5,   "A", \
-      "current that half the converter's range stands for") \
-    X(voltage_full_scale_v,   1.0,   1e5,   "V",   "voltage that the whole range stands for") \
+      "current that half the converter's range represents") \
+    X(voltage_full_scale_v,   1.0,   1e5,   "V",   "voltage that the whole range represents") \
     X(current_noise_a,        0.0,   1e4,   "A",   "standard deviation") \
     X(bus_voltage_noise_v,    0.0,   1e4,   "V",   "standard deviation") \
     X(current_offset_a,      -1e4,   1e4,   "A",   "of phases a and c; the opposite in b") \
@@ -44,7 +44,7 @@
     X(sampling_delay_s,       0.0,   1e-4,  "s", \
       "converters sample so long after the middle of the low sides' time; 0: in it") \
     X(shunt_settling_s,       0.0,   1e-4,  "s", \
-      "of the shunts' amplifiers (shunts.h); 0: currents are seen at all times") \
+      "of the shunts' amplifiers (shunts.h); 0: currents are measured at all times") \
     X(hall_stuck_low,         0.0,   7.0,   "", \
       "sensors whose line is shorted to ground: 1 = A, 2 = B, 4 = C, sums") \
     X(hall_stuck_high,        0.0,   7.0,   "", \

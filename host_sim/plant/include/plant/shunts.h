@@ -4,14 +4,15 @@
  * samples.
  *
  * The shunt lies between low-side switch and ground, so it carries a phase's current only while the
- * low side conducts, switch or diode, and nothing while the high side does. The amplifier follows
+ * low side conducts, switch or diode, and zero while the high side does. The amplifier follows
  * with one time constant,
  *
- *     tau d(seen)/dt = driven - seen,        driven = i while the low side conducts, 0 otherwise,
+ *     tau d(output)/dt = driven - output,        driven = i while the low side conducts, 0
+ * otherwise,
  *
  * which is solved exactly for a driven current that is constant over an interval. A leg whose low
  * side conducts for less than some time constants before the sample shows too little; one that
- * never does shows nothing. Which legs those are decides the modulation, and the firmware's choice
+ * never does shows zero. Which legs those are decides the modulation, and the firmware's choice
  * of two shunts out of three lives on it.
  */
 #ifndef PLANT_SHUNTS_H
@@ -20,7 +21,7 @@
 #include "plant/vectors.h"
 
 typedef struct {
-    double seen_a[3]; /* what the amplifiers show, in amperes of the phase */
+    double output_a[3]; /* what the amplifiers show, in amperes of the phase */
 } shunts_t;
 
 /* One leg's amplifier over an interval. */
@@ -31,7 +32,7 @@ void shunts_follow(shunts_t *shunts, int leg, double driven_a, double duration_s
  * as switching.h says, and currents run straight from one end to the other. */
 typedef struct {
     plant_abc_t duty;
-    plant_abc_t begin_a, end_a; /* phase currents at both ends of the time looked at */
+    plant_abc_t begin_a, end_a; /* phase currents at both ends of the interval */
     double period_s, dead_s;
 } shunts_period_t;
 
@@ -44,10 +45,10 @@ void shunts_short(shunts_t *shunts, const shunts_period_t *period, double until_
                   double settling_s);
 void shunts_off(shunts_t *shunts, const shunts_period_t *period, double until_s, double settling_s);
 
-static inline plant_abc_t shunts_seen(const shunts_t *shunts)
+static inline plant_abc_t shunts_output(const shunts_t *shunts)
 {
     const plant_abc_t out = {
-        .a = shunts->seen_a[0], .b = shunts->seen_a[1], .c = shunts->seen_a[2]};
+        .a = shunts->output_a[0], .b = shunts->output_a[1], .c = shunts->output_a[2]};
     return out;
 }
 

@@ -3,15 +3,16 @@
  * switching.h: the bridge of inverter.h edge by edge, on the machine of phases.h.
  *
  * A period T begins at the top of the count, where the firmware's converter samples: in the middle
- * of the low sides' time but for half a dead time, by which the pulses come late. Leg x is told to
- * rise at T (1 - d_x) / 2 and to fall at T (1 + d_x) / 2; the switch that opens opens at once, the
- * one that closes closes a dead time later. In between the diode carries the current, V_f + R_ak i,
- * and when the current ends there the leg floats until its switch closes or its voltage leaves the
- * rails. Closing and opening a switch that carries or takes over the current costs half of k_on and
- * half of k_off a ampere, the share that the paper's (12) counts (inverter.h).
+ * of the low sides' time but for half a dead time, by which the pulses come late. Leg x is
+ * commanded to rise at T (1 - d_x) / 2 and to fall at T (1 + d_x) / 2; the switch that opens opens
+ * at once, the one that closes closes a dead time later. In between the diode carries the current,
+ * V_f + R_ak i, and when the current ends there the leg floats until its switch closes or its
+ * voltage leaves the rails. Closing and opening a switch that carries or takes over the current
+ * costs half of k_on and half of k_off a ampere, the share that the paper's (12) counts
+ * (inverter.h).
  *
  * The bus voltage is constant during a period. Duties 0 and 1 have no edges. A dead time that would
- * reach into the next period ends with this one.
+ * extend into the next period ends with this one.
  */
 #ifndef PLANT_SWITCHING_H
 #define PLANT_SWITCHING_H
@@ -32,7 +33,7 @@ typedef struct {
     inverter_flow_t bridge;
 } switching_flow_t;
 
-/* Somebody who looks on. */
+/* Measurements within the period. */
 typedef struct {
     shunts_t *shunts; /* amplifiers that follow the low sides' currents; NULL: none */
     double settling_s;

@@ -17,7 +17,7 @@
 
 /* clang-format off */
 #define WINDING_SENSOR_PARAMETERS(X) \
-    X(lag_s,       0.0,   1e3,   "s", "time constant of the sensor behind the winding; 0: none") \
+    X(lag_s,       0.0,   1e3,   "s", "time constant of the sensor after the winding; 0: none") \
     X(offset_k,   -100.0, 100.0, "K", "reported over true") \
     X(gain_error, -0.5,   0.5,   "1", \
       "share of the temperature in degrees Celsius reported too much") \

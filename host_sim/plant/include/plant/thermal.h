@@ -8,7 +8,7 @@
  *
  * Solved exactly for powers that are constant over the step (matrix exponential, worked out once).
  * R 0: no heat passes. C2 0: the outer lump is not there, the inner one is joined to the ambient by
- * R1 + R2, and P2 leaves unseen. C1 0: the temperatures are held, they stay whatever the scenario
+ * R1 + R2, and P2 leaves unseen. C1 0: the temperatures are fixed, they stay whatever the scenario
  * set.
  */
 #ifndef PLANT_THERMAL_H
@@ -56,7 +56,7 @@ typedef struct {
 typedef struct {
     double temperature_c; /* of the inner lump */
     double outer_c;
-    bool held;
+    bool fixed;
     /* Of the step length: what is left of both temperatures over ambient, and what a joule of the
      * step adds. */
     double keep[2][2];

@@ -7,8 +7,8 @@
  *
  * Friction (rolling resistance, brakes, bearings) is a capacity: while the vehicle rolls it opposes
  * with all of it; when less is enough to stop within the step, exactly that much is used, and a
- * standing vehicle is held as long as the capacity suffices. Solved as an implicit impulse, so a
- * stop ends at speed zero without chatter.
+ * standing vehicle does not move as long as the capacity suffices. Solved as an implicit impulse,
+ * so a stop ends at speed zero without chatter.
  *
  * Energies use the mean speed of the step, for which kinetic energy changes by force times way
  * exactly. r is the rolling radius over the gear ratio; rotating masses are counted in m.

@@ -5,7 +5,7 @@
  * Every tooth gives an edge, whichever way the wheel turns. The unit stamps edges with a clock of
  * finite steps and divides: teeth since the last edge it used over the time between both stamps.
  * Between edges the wheel cannot be faster than one tooth in the time that has passed, so the speed
- * is held to that, and at `lowest` it is called nothing: a passive sensor has no voltage there, and
+ * is limited to that, and below `lowest` it is zero: a passive sensor has no voltage there, and
  * nobody waits longer. After that two edges are needed for a speed. No teeth: the speed itself.
  */
 #ifndef PLANT_WHEEL_SPEED_H
@@ -18,7 +18,7 @@
 /* clang-format off */
 #define WHEEL_SPEED_PARAMETERS(X) \
     X(teeth,             0.0, 1024.0, "1", \
-      "edges in a turn of the wheel; 0: the speed is seen as it is") \
+      "edges in a turn of the wheel; 0: the true speed") \
     X(clock_s,           0.0, 1e-2,   "s",     "step of the edges' time stamps; 0: exact") \
     X(lowest_rad_per_s,  0.0, 100.0,  "rad/s", "no pulses below") \
     X(dead,              0.0, 1.0,    "",      "1: no pulses at all")
@@ -32,12 +32,12 @@ typedef struct {
     double tooth;   /* the ring's place in teeth, within one tooth */
     double stamp_s; /* of the last edge */
     bool has_stamp;
-    double speed_rad_s; /* magnitude, as seen */
+    double speed_rad_s; /* magnitude, measured */
 } wheel_speed_t;
 
-/* A look every step_s: turned_rad since the last one, speed_rad_s now, time_s now. Returns the
- * magnitude seen. */
-double wheel_speed_look(const wheel_speed_params_t *params, wheel_speed_t *ring, double turned_rad,
+/* Call every step_s: turned_rad since the last call, speed_rad_s now, time_s now. Returns the
+ * measured magnitude. */
+double wheel_speed_step(const wheel_speed_params_t *params, wheel_speed_t *ring, double turned_rad,
                         double speed_rad_s, double time_s, double step_s, bool dead);
 
 #endif

@@ -52,8 +52,8 @@ static fast_output_t period(void *context, const fast_input_t *in)
 static void hear_what_was_said(twin_t *t)
 {
     (void)node_tick(&t->node, t->now_ms);
-    for (uint32_t i = 0; i < t->board.said_count; i++) {
-        const can_frame_t *said = &t->board.said[i];
+    for (uint32_t i = 0; i < t->board.queued_count; i++) {
+        const can_frame_t *said = &t->board.queued[i];
         messages_frame_t frame = {.identifier = said->identifier, .length = said->length};
         memcpy(frame.data, said->data, sizeof frame.data);
         (void)node_hear(&t->node, &frame, t->now_ms);

@@ -114,7 +114,7 @@ void test_a_vehicle_that_is_to_stand_is_held_on_a_slope_and_left_alone_on_the_fl
     TEST_ASSERT_EQUAL_DOUBLE(0.0, demand.drive_nm);
 }
 
-void test_held_pedals_are_where_the_scenario_puts_them_and_braking_cuts_driving(void)
+void test_constant_pedals_are_where_the_scenario_puts_them_and_braking_cuts_driving(void)
 {
     const driver_trace_t none = {.points = 0};
     params.follow_trace = 0.0;

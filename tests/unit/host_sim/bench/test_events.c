@@ -122,7 +122,8 @@ void test_a_broken_hall_plug_is_noticed_by_that_wheel_alone(void)
     fixture_run(bench, 0.2);
     bench->params.wheel[1].hall_stuck_high = 7.0;
     bench_refresh(bench);
-    fixture_run(bench, 0.5); /* the torque leaves in 0.1 s, and a doubt may heal for 0.25 s */
+    fixture_run(bench,
+                0.5); /* the torque leaves in 0.1 s, and a suspected fault may heal for 0.25 s */
     TEST_ASSERT_TRUE(bench->wheel[1].first_fault != REASON_NONE);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
 }

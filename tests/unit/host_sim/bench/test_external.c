@@ -14,7 +14,7 @@
 enum { MILLI = 1000 };
 
 static hubsim_t *firmware; /* drives its vehicle itself */
-static hubsim_t *outside;  /* is told what to do */
+static hubsim_t *outside;  /* driven from outside */
 
 static void set(hubsim_t *sim, const char *name, double value)
 {

@@ -72,9 +72,9 @@ static seen_t drive(void)
         const plant_abc_t truth = plant_inverse_clarke(wheel->at_top);
         out.chosen_a =
             fmax(out.chosen_a,
-                 apart_a(without(wheel->seen_a, longest(wheel->active.compare_counts)), truth));
-        out.fixed_a = fmax(out.fixed_a, apart_a(without(wheel->seen_a, 2), truth));
-        out.all_a = fmax(out.all_a, apart_a(wheel->seen_a, truth));
+                 apart_a(without(wheel->sampled_a, longest(wheel->active.compare_counts)), truth));
+        out.fixed_a = fmax(out.fixed_a, apart_a(without(wheel->sampled_a, 2), truth));
+        out.all_a = fmax(out.all_a, apart_a(wheel->sampled_a, truth));
         const dq_t measured = wheel->to_slow.foc.current.i_pu;
         const double measured_a = hypot(measured.d, measured.q) / 32768.0 * base_a;
         out.firmware_a = fmax(out.firmware_a, fabs(measured_a - length_a(truth)));
@@ -138,12 +138,13 @@ void test_a_late_sample_is_the_current_of_that_instant(void)
         wheel_t copy = *wheel;
         wheel_step(&copy, &first_part, wheel->motion.speed_rad_s, bench->bus.voltage_v);
         const plant_abc_t then = plant_inverse_clarke(copy.rotor.terminal);
-        same += apart_a(wheel->seen_a, then) < 1e-9 ? 1 : 0;
+        same += apart_a(wheel->sampled_a, then) < 1e-9 ? 1 : 0;
         /* Where a current changes its sign the dead time's voltage, 0.02 * 54 V of a leg, is
          * decided in the middle of the step. It drives the inductance for 10 us, and at once the
          * iron branch, 1.5 + 0.006 * 1380 Ohm. */
         const double amperes_per_volt = 10e-6 / 76e-6 + 1.0 / (1.5 + 0.006 * 1380.0);
-        TEST_ASSERT_TRUE(apart_a(wheel->seen_a, then) < 4.0 / 3.0 * 0.02 * 54.0 * amperes_per_volt);
+        TEST_ASSERT_TRUE(apart_a(wheel->sampled_a, then) <
+                         4.0 / 3.0 * 0.02 * 54.0 * amperes_per_volt);
         bench_period(bench);
     }
     TEST_ASSERT_TRUE(same > 150);
@@ -161,7 +162,7 @@ static double late_share(double switching)
     for (int k = 0; k < 400; k++) {
         bench_period(bench);
         const plant_abc_t top = plant_inverse_clarke(wheel->at_top);
-        out = fmax(out, apart_a(wheel->seen_a, top) / length_a(top));
+        out = fmax(out, apart_a(wheel->sampled_a, top) / length_a(top));
     }
     TEST_ASSERT_EQUAL_INT(REASON_NONE, wheel->first_fault);
     return out;

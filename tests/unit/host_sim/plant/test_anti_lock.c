@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The anti-lock system by itself: reference, valves, flag, and a sensor that shows nothing. */
+/* The anti-lock system by itself: reference, valves, flag, and a sensor that shows zero. */
 #include "plant/anti_lock.h"
 
 #include <math.h>

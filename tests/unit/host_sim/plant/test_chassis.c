@@ -28,7 +28,7 @@ static double load_n(int wheel, double acceleration_m_per_s2, double angle_rad)
     const double weight_n = MASS_KG * G;
     const chassis_t chassis = chassis_on_road(&params, MASS_KG, weight_n * cos(angle_rad),
                                               weight_n * sin(angle_rad), STEP_S);
-    chassis_state_t state = {.felt_m_per_s2 = 0.0};
+    chassis_state_t state = {.filtered_m_per_s2 = 0.0};
     chassis_step(&chassis, &state, acceleration_m_per_s2);
     return chassis_load_n(&chassis, &state, wheel);
 }
@@ -69,11 +69,11 @@ void test_the_load_follows_the_acceleration_with_the_springs_time_constant(void)
 {
     params.pitch_time_constant_s = 0.1;
     const chassis_t chassis = chassis_on_road(&params, MASS_KG, MASS_KG * G, 0.0, STEP_S);
-    chassis_state_t state = {.felt_m_per_s2 = 0.0};
+    chassis_state_t state = {.filtered_m_per_s2 = 0.0};
     for (int k = 0; k < 2000; k++) {
         chassis_step(&chassis, &state, -4.0);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -4.0 * (1.0 - exp(-1.0)), state.felt_m_per_s2);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -4.0 * (1.0 - exp(-1.0)), state.filtered_m_per_s2);
 }
 
 void test_driven_wheels_sit_on_the_axle_they_are_said_to(void)

@@ -25,7 +25,7 @@ void tearDown(void) {}
 static encoder_sample_t turn(double electrical)
 {
     electrical_turns += electrical;
-    return encoder_look(&params, POLE_PAIRS, &shaft, electrical_turns - floor(electrical_turns));
+    return encoder_read(&params, POLE_PAIRS, &shaft, electrical_turns - floor(electrical_turns));
 }
 
 void test_a_mechanical_turn_is_a_thousand_counts_either_way(void)

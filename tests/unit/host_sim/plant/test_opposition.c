@@ -40,13 +40,13 @@ void test_outside_the_zone_the_whole_voltage_stands_against_the_current(void)
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
     pmsm_state_t state = with_current(30.0);
-    const plant_ab_t nothing = {0.0, 0.0};
+    const plant_ab_t zero = {0.0, 0.0};
     const pmsm_step_t step = step_of(0.0, PERIOD_S);
     const double end_a = -4.0 / 3.0 * VOLTS / params.phase_resistance_ohm;
     const double per_s = params.phase_resistance_ohm / params.d_inductance_h;
     double current_a = 30.0;
     for (int k = 1; k <= 20; k++) {
-        const pmsm_flow_t flow = pmsm_step(&machine, &state, nothing, &step);
+        const pmsm_flow_t flow = pmsm_step(&machine, &state, zero, &step);
         const double before_a = current_a;
         current_a = end_a + (30.0 - end_a) * exp(-k * PERIOD_S * per_s);
         TEST_ASSERT_TRUE(0.5 * current_a > ZONE_A);
@@ -87,7 +87,7 @@ void test_the_current_ends_in_the_zone_as_three_exponentials_do(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
-    const plant_ab_t nothing = {0.0, 0.0};
+    const plant_ab_t zero = {0.0, 0.0};
     const double steps_s[] = {PERIOD_S, PERIOD_S / 10.0};
     /* A corner inside a step costs up to an eighth of the change of slope times h^2: V/zone/L *
      * (V/L) h^2 / 8, two thirds. */
@@ -96,7 +96,7 @@ void test_the_current_ends_in_the_zone_as_three_exponentials_do(void)
         pmsm_state_t state = with_current(9.0);
         const pmsm_step_t step = step_of(0.0, steps_s[n]);
         for (int k = 1; k * steps_s[n] < 2e-3; k++) {
-            pmsm_step(&machine, &state, nothing, &step);
+            pmsm_step(&machine, &state, zero, &step);
             TEST_ASSERT_DOUBLE_WITHIN(tolerances_a[n], left_after(k * steps_s[n], 9.0, &params),
                                       state.terminal.alpha);
             TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, state.terminal.beta);

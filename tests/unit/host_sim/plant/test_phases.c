@@ -112,8 +112,8 @@ void test_iron_that_follows_the_turning_flux_heats_as_the_steady_circuit_does(vo
             phases_leg_t legs[PHASES];
             legs_at(plant_inverse_clarke(u), legs);
             if (n == 150000) {
-                const phases_flow_t nothing = {.iron_j = 0.0};
-                flow = nothing;
+                const phases_flow_t empty = {.iron_j = 0.0};
+                flow = empty;
             }
             phases_advance(&phases, &state, legs, 1e-6, &flow);
         }
@@ -137,7 +137,7 @@ void test_an_open_leg_carries_nothing_and_its_end_shows_the_back_emf(void)
         phases_advance(&phases, &state, legs, 1e-6, &flow);
         double current_a[PHASES];
         double end_v[PHASES];
-        phases_look(&phases, &state, legs, current_a, end_v);
+        phases_terminals(&phases, &state, legs, current_a, end_v);
         const double angle = 2.0 * 3.14159265358979 * 0.15 + omega * 1e-6 * (k + 1);
         for (int x = 0; x < PHASES; x++) {
             TEST_ASSERT_EQUAL_DOUBLE(0.0, current_a[x]);

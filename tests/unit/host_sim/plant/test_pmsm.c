@@ -142,9 +142,9 @@ void test_a_short_circuit_brakes_with_the_closed_formula(void)
     for (int k = 0; k < 3; k++) {
         const double w = omegas[k];
         pmsm_state_t state = pmsm_at_rest(0.1);
-        const plant_dq_t nothing = {0.0, 0.0};
+        const plant_dq_t zero = {0.0, 0.0};
         plant_dq_t current;
-        const pmsm_flow_t flow = feed_turning(&machine, &state, nothing, w, 0.05, &current);
+        const pmsm_flow_t flow = feed_turning(&machine, &state, zero, w, 0.05, &current);
         const double torque_nm =
             -1.5 * params.pole_pairs * psi * psi * r * w / (r * r + w * w * l * l);
         TEST_ASSERT_DOUBLE_WITHIN(1e-4, torque_nm, flow.torque_nms / FINE_S);
@@ -306,13 +306,13 @@ void test_the_angle_counts_turns_and_stays_in_its_range_both_ways(void)
 {
     const pmsm_params_t params = salient_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
-    const plant_ab_t nothing = {0.0, 0.0};
+    const plant_ab_t zero = {0.0, 0.0};
     const double omegas[] = {333.0, -333.0};
     for (int n = 0; n < 2; n++) {
         pmsm_state_t state = pmsm_at_rest(0.25);
         const pmsm_step_t step = step_of(omegas[n], PERIOD_S);
         for (int k = 0; k < 20000; k++) {
-            pmsm_step(&machine, &state, nothing, &step);
+            pmsm_step(&machine, &state, zero, &step);
             TEST_ASSERT_TRUE(state.theta_turn >= 0.0 && state.theta_turn < 1.0);
         }
         const double turns = 0.25 + omegas[n] / PLANT_TWO_PI; /* after a second */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What low-side shunts show: nothing while the high side conducts, and little shortly after. */
+/* What low-side shunts show: zero while the high side conducts, and little shortly after. */
 #include "plant/shunts.h"
 
 #include <math.h>
@@ -27,7 +27,7 @@ static shunts_period_t steady(plant_abc_t duty, double dead_s)
 /* Ten periods of the same: amplifiers at the top of the count. */
 static shunts_t settled(plant_abc_t duty, double dead_s, double tau_s)
 {
-    shunts_t out = {.seen_a = {0.0, 0.0, 0.0}};
+    shunts_t out = {.output_a = {0.0, 0.0, 0.0}};
     const shunts_period_t period = steady(duty, dead_s);
     for (int k = 0; k < 10; k++) {
         shunts_pwm(&out, &period, PERIOD_S, tau_s);
@@ -53,9 +53,9 @@ void test_a_leg_with_time_enough_shows_its_current(void)
 {
     const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
     const shunts_t s = settled(half, 0.0, TAU_S);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-8, 40.0, s.seen_a[0]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-8, -30.0, s.seen_a[1]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-8, -10.0, shunts_seen(&s).c);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-8, 40.0, s.output_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-8, -30.0, s.output_a[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-8, -10.0, shunts_output(&s).c);
 }
 
 void test_a_short_window_shows_the_share_that_the_time_constant_says(void)
@@ -66,13 +66,13 @@ void test_a_short_window_shows_the_share_that_the_time_constant_says(void)
         const shunts_t s = settled(duty, 0.0, TAU_S);
         const double half_low_s = 0.5 * PERIOD_S * (1.0 - duties[k]);
         const double high_s = PERIOD_S * duties[k];
-        TEST_ASSERT_DOUBLE_WITHIN(1e-9, window(40.0, half_low_s, high_s, TAU_S), s.seen_a[0]);
-        TEST_ASSERT_DOUBLE_WITHIN(1e-9, window(-30.0, half_low_s, high_s, TAU_S), s.seen_a[1]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, window(40.0, half_low_s, high_s, TAU_S), s.output_a[0]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, window(-30.0, half_low_s, high_s, TAU_S), s.output_a[1]);
     }
     /* Two and a half time constants: 8 % missing. */
     const plant_abc_t duty = {.a = 0.95, .b = 0.1, .c = 0.1};
     const shunts_t s = settled(duty, 0.0, TAU_S);
-    TEST_ASSERT_DOUBLE_WITHIN(0.001, 40.0 * (1.0 - exp(-2.5)), s.seen_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(0.001, 40.0 * (1.0 - exp(-2.5)), s.output_a[0]);
 }
 
 void test_dead_time_belongs_to_the_diode_that_carries_the_current(void)
@@ -84,17 +84,17 @@ void test_dead_time_belongs_to_the_diode_that_carries_the_current(void)
     /* Into the motor: the low diode holds on for a dead time after the fall of the command's
      * before; out of it: only the switch. */
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, window(40.0, half_low_s, PERIOD_S * 0.95 - dead_s, TAU_S),
-                              s.seen_a[0]);
+                              s.output_a[0]);
     TEST_ASSERT_DOUBLE_WITHIN(
-        1e-9, window(-30.0, half_low_s - dead_s, PERIOD_S * 0.95 + dead_s, TAU_S), s.seen_a[1]);
+        1e-9, window(-30.0, half_low_s - dead_s, PERIOD_S * 0.95 + dead_s, TAU_S), s.output_a[1]);
 }
 
 void test_a_leg_that_stays_up_shows_nothing_and_one_that_stays_down_everything(void)
 {
     const plant_abc_t duty = {.a = 1.0, .b = 0.0, .c = 0.5};
     const shunts_t s = settled(duty, 1e-6, TAU_S);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, s.seen_a[0]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -30.0, s.seen_a[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0, s.output_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, -30.0, s.output_a[1]);
 }
 
 void test_a_later_sample_has_had_longer_to_settle(void)
@@ -104,21 +104,21 @@ void test_a_later_sample_has_had_longer_to_settle(void)
     shunts_t late = top;
     const shunts_period_t period = steady(duty, 0.0);
     shunts_pwm(&late, &period, 1e-6, TAU_S);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40.0 - (40.0 - top.seen_a[0]) * exp(-2.0), late.seen_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40.0 - (40.0 - top.output_a[0]) * exp(-2.0), late.output_a[0]);
     shunts_t too_late = top; /* the leg has risen at 1.25 us */
     shunts_pwm(&too_late, &period, 3e-6, TAU_S);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, (40.0 - (40.0 - top.seen_a[0]) * exp(-2.5)) * exp(-3.5),
-                              too_late.seen_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, (40.0 - (40.0 - top.output_a[0]) * exp(-2.5)) * exp(-3.5),
+                              too_late.output_a[0]);
 }
 
 void test_open_switches_show_only_what_comes_through_low_diodes_and_closed_ones_all(void)
 {
     const plant_abc_t none = {.a = 0.0, .b = 0.0, .c = 0.0};
     const shunts_period_t period = steady(none, 1e-6);
-    shunts_t s = {.seen_a = {0.0, 0.0, 0.0}};
+    shunts_t s = {.output_a = {0.0, 0.0, 0.0}};
     shunts_off(&s, &period, PERIOD_S, TAU_S);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40.0, s.seen_a[0]);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, s.seen_a[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 40.0, s.output_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, s.output_a[1]);
     shunts_short(&s, &period, PERIOD_S, TAU_S);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -30.0, s.seen_a[1]);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, -30.0, s.output_a[1]);
 }

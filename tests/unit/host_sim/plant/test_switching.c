@@ -209,7 +209,7 @@ void test_a_leg_without_current_ends_in_the_dead_time_and_does_not_hunt(void)
     }
 }
 
-/* Until the first edge all low sides conduct: the machine in short circuit behind the switches'
+/* Until the first edge all low sides conduct: the machine in short circuit through the switches'
  * resistance. */
 void test_a_look_at_a_part_of_the_period_sees_the_currents_of_that_instant_and_the_shunts_follow(
     void)
@@ -226,7 +226,7 @@ void test_a_look_at_a_part_of_the_period_sees_the_currents_of_that_instant_and_t
               &step); /* the terminal current belongs to the state */
     pmsm_state_t looked = rotor;
     pmsm_state_t reference = rotor;
-    shunts_t shunts = {.seen_a = {5.0, 0.0, 0.0}};
+    shunts_t shunts = {.output_a = {5.0, 0.0, 0.0}};
     const switching_watch_t watch = {.shunts = &shunts, .settling_s = 1e-6, .until_s = until_s};
     switching_pwm(&bridge, &machine, &looked, half, BUS_V, &step, &watch);
     pmsm_step_t part = step;
@@ -239,7 +239,7 @@ void test_a_look_at_a_part_of_the_period_sees_the_currents_of_that_instant_and_t
     const plant_abc_t end = plant_inverse_clarke(looked.terminal);
     /* Eight time constants on, the amplifier lags a ramp by its time constant at most. */
     TEST_ASSERT_DOUBLE_WITHIN(fabs(end.a - begin.a) + 5.0 * exp(-8.0) + 0.05, end.a,
-                              shunts.seen_a[0]);
-    TEST_ASSERT_DOUBLE_WITHIN(fabs(end.b - begin.b) + 0.05, end.b, shunts.seen_a[1]);
+                              shunts.output_a[0]);
+    TEST_ASSERT_DOUBLE_WITHIN(fabs(end.b - begin.b) + 0.05, end.b, shunts.output_a[1]);
     TEST_ASSERT_TRUE(fabs(end.a) + fabs(end.b) > 20.0);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A toothed ring: speed from pulses, as fine as the clock, and nothing where there are none. */
+/* A toothed ring: speed from pulses, as fine as the clock, and zero where there are none. */
 #include "plant/wheel_speed.h"
 
 #include <math.h>
@@ -27,7 +27,7 @@ void tearDown(void) {}
 static double look(double speed_rad_s)
 {
     time_s += STEP_S;
-    return wheel_speed_look(&params, &ring, speed_rad_s * STEP_S, speed_rad_s, time_s, STEP_S,
+    return wheel_speed_step(&params, &ring, speed_rad_s * STEP_S, speed_rad_s, time_s, STEP_S,
                             false);
 }
 
@@ -104,7 +104,7 @@ void test_a_dead_sensor_shows_nothing_and_begins_anew_when_it_heals(void)
     after(30.0, 0.2);
     time_s += STEP_S;
     TEST_ASSERT_EQUAL_DOUBLE(0.0,
-                             wheel_speed_look(&params, &ring, 0.03, 30.0, time_s, STEP_S, true));
+                             wheel_speed_step(&params, &ring, 0.03, 30.0, time_s, STEP_S, true));
     params.dead = 1.0;
     TEST_ASSERT_EQUAL_DOUBLE(0.0, look(30.0));
     params.dead = 0.0;
