@@ -161,11 +161,11 @@ static inline double square(plant_dq_t x)
     return x.d * x.d + x.q * x.q;
 }
 
-/* i = i_t + G (u - R i_t) = share i_t + G u, in the stator's frame. */
-static inline plant_ab_t wires_at(const equations_t *eq, plant_ab_t i_t, plant_ab_t u)
+/* i = i_t + G (u - R i_t), in the stator's frame; own: 1 - G R. */
+static inline plant_ab_t wires_at(const equations_t *eq, double own, plant_ab_t i_t, plant_ab_t u)
 {
-    const plant_ab_t out = {.alpha = eq->share * i_t.alpha + eq->conductance_s * u.alpha,
-                            .beta = eq->share * i_t.beta + eq->conductance_s * u.beta};
+    const plant_ab_t out = {.alpha = own * i_t.alpha + eq->conductance_s * u.alpha,
+                            .beta = own * i_t.beta + eq->conductance_s * u.beta};
     return out;
 }
 
@@ -188,6 +188,9 @@ static inline bool advance(const linear_t *linear, pmsm_state_t *state, double h
                            plant_phasor_t half_turn, pmsm_flow_t *flow)
 {
     const equations_t *eq = linear->eq;
+    const double r = eq->resistance_ohm;
+    const double g = eq->conductance_s;
+    const double own = 1.0 - g * r;
     const bool is_opposed = linear->opposition_v != 0.0;
     const plant_abc_t sign = signs_of(linear->before_a);
     const plant_ab_t share = plant_clarke(sign);
@@ -199,32 +202,30 @@ static inline bool advance(const linear_t *linear, pmsm_state_t *state, double h
     const solution_t i_t = eq->machine->saliency_h == 0.0
                                ? solve_round(eq, start_ab, u, h, half_turn, &axes)
                                : solve_salient(eq, start, u, h, &axes);
-    const plant_ab_t terminal = wires_at(eq, i_t.end_ab, u);
+    const plant_ab_t terminal = wires_at(eq, own, i_t.end_ab, u);
     if (is_opposed && distance_a(sign, plant_inverse_clarke(terminal)) <= linear->beyond_a) {
         return false;
     }
     const double sixth = h * (1.0 / 6.0);
     const plant_ab_t i_t_as = integral_ab(sixth, start_ab, i_t.middle_ab, i_t.end_ab);
     const plant_ab_t u_vs = {.alpha = h * u.alpha, .beta = h * u.beta};
-    const plant_ab_t charge_as = wires_at(eq, i_t_as, u_vs);
+    const plant_ab_t charge_as = wires_at(eq, own, i_t_as, u_vs);
     double rectified_as = 1.5 * (share.alpha * charge_as.alpha + share.beta * charge_as.beta);
     if (!is_opposed) { /* phases may change their signs */
-        rectified_as = integral(sixth, plant_rectified_sum(wires_at(eq, start_ab, u)),
-                                plant_rectified_sum(wires_at(eq, i_t.middle_ab, u)),
+        rectified_as = integral(sixth, plant_rectified_sum(wires_at(eq, own, start_ab, u)),
+                                plant_rectified_sum(wires_at(eq, own, i_t.middle_ab, u)),
                                 plant_rectified_sum(terminal));
     }
     const double i_t_a2s = integral(sixth, square(start), square(i_t.middle), square(i_t.end));
     const double u_i_t_j = u.alpha * i_t_as.alpha + u.beta * i_t_as.beta;
     const double u_v2s = u.alpha * u_vs.alpha + u.beta * u_vs.beta;
-    const double r = eq->resistance_ohm;
-    const double g = eq->conductance_s;
     state->i_t = i_t.end;
     state->axis = axes.end;
     state->terminal = terminal;
     book_charge(charge_as, flow);
     flow->rectified_as += rectified_as;
     flow->opposed_as += rectified_as;
-    flow->copper_j += eq->share * (eq->share * i_t_a2s + 2.0 * g * u_i_t_j) + g * g * u_v2s;
+    flow->copper_j += own * (own * i_t_a2s + 2.0 * g * u_i_t_j) + g * g * u_v2s;
     flow->iron_j += u_v2s - r * (2.0 * u_i_t_j - r * i_t_a2s);
     flow->torque_nms +=
         eq->machine->flux_wb * integral(sixth, start.q, i_t.middle.q, i_t.end.q) +

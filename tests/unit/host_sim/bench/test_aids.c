@@ -126,7 +126,7 @@ void test_on_ice_the_anti_lock_system_keeps_wheels_turning_and_stops_shorter_tha
         way_m[active] = bench->vehicle.distance_m;
         TEST_ASSERT_TRUE(active == 1 ? slowest_share > 0.6 : slowest_share <= 0.0);
         TEST_ASSERT_TRUE(active == 0 || torque_nm < 1.0); /* the flag has sent the motors away */
-        TEST_ASSERT_TRUE(residual(bench) < 2e-6);
+        TEST_ASSERT_TRUE(residual(bench) < 1e-6);
     }
     TEST_ASSERT_TRUE(way_m[1] < 0.97 * way_m[0]);
 }
