@@ -16,6 +16,7 @@ from typing import Any
 FULL_LABEL = "full"
 # Of a test that is not known to take longer.
 DEFAULT_COST_S = 1.0
+_ADDED = re.compile(r'^add_test\((?:\[=*\[)?([^\s\]]+)(?:\]=*\])? (".*)\)$', re.MULTILINE)
 _RESULT = re.compile(r"^\s*\d+/\d+ Test\s+#\d+: (\S+) \.*\s*(.*?)\s+([\d.]+) sec")
 
 
@@ -77,6 +78,19 @@ class Result:
         return self.outcome in ("Skipped", "Not Run (Disabled)")
 
 
+def _commands(build: Path) -> dict[str, tuple[str, ...]]:
+    """Return the command of every test from the lists that CMake wrote.
+
+    ctest's own answer has none for a program that has not been built.
+    """
+    commands = {}
+    for file in build.rglob("CTestTestfile.cmake"):
+        for name, words in _ADDED.findall(file.read_text(encoding="utf-8")):
+            found = re.findall(r'"((?:[^"\\]|\\.)*)"', words)
+            commands[name] = tuple(re.sub(r"\\(.)", r"\1", word) for word in found)
+    return commands
+
+
 def listed(root: Path, preset: str) -> list[Test]:
     """Return the tests of a configured preset."""
     answer = subprocess.run(
@@ -90,6 +104,8 @@ def listed(root: Path, preset: str) -> list[Test]:
         sys.exit(f"run_tests: ctest lists no tests of {preset}: {answer.stderr.strip()}")
     content = json.loads(answer.stdout)
     graph = content["backtraceGraph"]
+    unbuilt = any("command" not in test for test in content["tests"])
+    commands = _commands(root / "build" / preset) if unbuilt else {}
 
     def lists_through(node: int | None) -> tuple[Path, ...]:
         files = []
@@ -102,7 +118,7 @@ def listed(root: Path, preset: str) -> list[Test]:
         Test(
             preset,
             test["name"],
-            tuple(test.get("command", ())),
+            tuple(test.get("command") or commands.get(test["name"], ())),
             {item["name"]: item["value"] for item in test.get("properties", [])},
             lists_through(test.get("backtrace")),
         )

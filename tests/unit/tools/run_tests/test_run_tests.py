@@ -131,6 +131,17 @@ def test_all_but_the_full_ones_run_longest_first_and_the_times_of_one_run_order_
     assert "100% tests passed, 0 tests failed out of 4" in full
 
 
+def test_programs_that_have_not_been_built_are_targets_all_the_same(project: Project) -> None:
+    project.run("--presets", "host")
+    built = project.root / "build/host/tests/unit"
+    for name in ("first", "second"):
+        (built / name).unlink()
+    needed = project.run("--presets", "host", "--list-targets", "unit").split()
+    assert needed == ["tests/unit/first", "tests/unit/second"]
+    project.write("include/limit.h", "#define LIMIT 3 /* again */\n")
+    assert started(project.run("--quick")) == ["host:first"]
+
+
 def test_a_failing_test_is_named_under_its_preset_and_fails_the_run(project: Project) -> None:
     project.write("data/table.csv", "1,2\n3,4\n")
     output = project.run("--presets", "host", status=1)
@@ -185,6 +196,14 @@ def test_quick_builds_before_it_runs_and_names_what_it_cannot_know(project: Proj
     assert "1 Python tests" in output  # none has run yet, so nobody knows what it reads
     project.write("include/limit.h", "#define LIMIT three\n")
     assert "the build failed" in project.run("--quick", status=1)
+
+
+def test_quick_knows_a_test_that_was_added_since_the_last_configure(project: Project) -> None:
+    project.run("--presets", "host")
+    project.write("tests/unit/third.c", FILES["tests/unit/first.c"])
+    project.write("tests/unit/CMakeLists.txt", TESTS.replace("first second", "first second third"))
+    output = project.run("--quick")
+    assert "host:third" in started(output)
 
 
 def test_quick_says_what_the_time_was_too_short_for(project: Project) -> None:
