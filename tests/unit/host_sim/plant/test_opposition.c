@@ -105,6 +105,44 @@ void test_the_current_ends_in_the_zone_as_three_exponentials_do(void)
     }
 }
 
+/* Rotor turning, iron loss, phases always inside the zone, at the largest zone a bench has: the
+ * wires carry i_t + G e, and every joule of the source is accounted for. */
+void test_energy_is_conserved_inside_the_zone(void)
+{
+    const double w = 60.0;
+    const pmsm_params_t salient = salient_machine();
+    pmsm_params_t round = salient;
+    round.q_inductance_h = round.d_inductance_h;
+    const pmsm_params_t *const both[] = {&salient, &round};
+    for (int n = 0; n < 2; n++) {
+        TEST_ASSERT_TRUE(both[n]->iron_loss_resistance_ohm > 0.0);
+        const pmsm_t machine = pmsm_at_temperature(both[n], 25.0);
+        pmsm_step_t step = {.omega_rad_s = w, .duration_s = PERIOD_S};
+        pmsm_state_t state = pmsm_at_rest(0.1);
+        step.opposition.volts = VOLTS;
+        step.opposition.zone_a = VOLTS * pmsm_amperes_per_volt(&machine, &state, &step);
+        double residual_j = 0.0;
+        double turned_over_j = 0.0;
+        for (int k = 0; k < 400; k++) {
+            /* against the back-EMF, so that little current flows */
+            const plant_phasor_t axis = plant_phasor_of_turn(state.theta_turn);
+            const plant_dq_t emf = {.d = 0.0, .q = w * machine.flux_wb + (k % 40 < 20 ? 0.2 : 0.1)};
+            const double before_j = pmsm_magnetic_energy_j(&machine, &state);
+            const pmsm_flow_t flow =
+                pmsm_step(&machine, &state, plant_inverse_park(emf, axis), &step);
+            const double work_j = flow.torque_nms * w / both[n]->pole_pairs;
+            const double gained_j = pmsm_magnetic_energy_j(&machine, &state) - before_j;
+            residual_j +=
+                flow.source_j - flow.copper_j - flow.series_j - flow.iron_j - work_j - gained_j;
+            turned_over_j += fabs(flow.source_j) + fabs(flow.iron_j) + fabs(work_j);
+            TEST_ASSERT_TRUE(hypot(state.terminal.alpha, state.terminal.beta) <
+                             0.5 * step.opposition.zone_a);
+        }
+        TEST_ASSERT_TRUE(turned_over_j > 1e-4);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, residual_j / turned_over_j);
+    }
+}
+
 typedef struct {
     double error_a;    /* largest, of what a sensor sees at the end of a period */
     double residual;   /* of the energy turned over */
