@@ -47,7 +47,7 @@ void test_a_changed_reference_reaches_the_current_after_the_delay_and_not_before
     wheel->to_fast.foc.i_reference_pu.q =
         (int16_t)(wheel->to_fast.foc.i_reference_pu.q + 2000); /* 10 A */
     wheel->to_fast.foc.sequence++; /* a setpoint is applied when its number changes */
-    bench_period(bench);         /* samples and computes */
+    bench_period(bench);           /* samples and computes */
     bench_period(&twin);
     TEST_ASSERT_EQUAL_DOUBLE(twin.wheel[0].rotor.i_t.q, wheel->rotor.i_t.q);
     bench_period(bench); /* acts */
