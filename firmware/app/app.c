@@ -21,7 +21,7 @@
 enum {
     FINISH_PASSES =
         100000,         /* of the console, more than the slowest line needs for its last words */
-    FAST_SILENCE_ms = 3 /* without a fast step; at least four belong into every one of them */
+    FAST_TIMEOUT_ms = 3 /* without a fast step; at least four belong into every one of them */
 };
 
 /* What the background sees of the slow step. */
@@ -30,7 +30,7 @@ typedef struct {
     supervisor_counts_t counts;
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
-} view_t;
+} snapshot_t;
 
 /* The one instance: interrupts have no other way to find their data. Each member has one writer,
  * named on the right. */
@@ -45,11 +45,11 @@ static struct {
     double_buffer_t from_fast; /* low side millisecond, high side PWM period */
     fast_report_t fast_report[2];
     unsigned fast_reports_in; /* PWM period; which of the two it kept up to date last */
-    uint32_t fast_silent_ms;  /* millisecond; in a row without a fast step */
+    uint32_t fast_missing_ms; /* millisecond; in a row without a fast step */
     double_buffer_t to_slow;  /* low side background, high side millisecond */
-    node_wish_t wish[2];
+    node_command_t commands[2];
     double_buffer_t from_slow; /* low side background, high side millisecond */
-    view_t view[2];
+    snapshot_t snapshot[2];
 
     volatile uint32_t fast_cycles_worst; /* PWM period */
     supervisor_t supervisor;             /* background, like everything below */
@@ -82,21 +82,21 @@ static void start_control(const config_t *config)
     /* Without CAN the demand counts as lost, which is safe. */
     (void)can_link_init(&app.can, (messages_wheel_t)config->vehicle.wheel_position,
                         pack_limits(config), time_ms());
-    app.wish[0] = app.can.node.wish;
-    app.wish[1] = app.can.node.wish;
+    app.commands[0] = app.can.node.command;
+    app.commands[1] = app.can.node.command;
     app.config = config;
     inverter_start();
 }
 
 void app_boot(void)
 {
-    const view_t no_view = {.counts = {0}};
+    const snapshot_t empty = {.counts = {0}};
     app.config = NULL;
     app.fast_cycles_worst = 0;
-    app.fast_silent_ms = 0;
+    app.fast_missing_ms = 0;
     app.restarting = false;
-    app.view[0] = no_view;
-    app.view[1] = no_view;
+    app.snapshot[0] = empty;
+    app.snapshot[1] = empty;
     double_buffer_init(&app.to_fast);
     double_buffer_init(&app.from_fast);
     double_buffer_init(&app.to_slow);
@@ -170,37 +170,37 @@ void app_pwm_period_isr(void)
     }
 }
 
-static slow_input_t slow_input(const node_wish_t *wish)
+static slow_input_t slow_input(const node_command_t *command)
 {
     const slow_input_t in = {
-        .drive_torque_mNm = wish->demand.drive_torque_mNm,
-        .brake_torque_mNm = wish->demand.brake_torque_mNm,
-        .demand_age_ms = node_demand_age_ms(wish, time_ms()),
-        .bms_charge_current_mA = wish->battery.charge_current_mA,
-        .bms_discharge_current_mA = wish->battery.discharge_current_mA,
+        .drive_torque_mNm = command->demand.drive_torque_mNm,
+        .brake_torque_mNm = command->demand.brake_torque_mNm,
+        .demand_age_ms = node_demand_age_ms(command, time_ms()),
+        .bms_charge_current_mA = command->battery.charge_current_mA,
+        .bms_discharge_current_mA = command->battery.discharge_current_mA,
         .winding_temperature_cC = analog_winding_temperature_cC(),
         .switch_temperature_cC = analog_switch_temperature_cC(),
-        .enable = wish->demand.enable,
-        .abs_active = wish->demand.abs_active,
-        .fault_reset = wish->demand.fault_reset,
+        .enable = command->demand.enable,
+        .abs_active = command->demand.abs_active,
+        .fault_reset = command->demand.fault_reset,
         .selftest_passed = boot_selftest_passed(&app.boot),
         .config_accepted = true, /* otherwise this is never called */
     };
     return in;
 }
 
-/* A fast reach that has stopped carries out no verdict any more, and the timer goes on making what
+/* A fast loop that has stopped carries out no verdict any more, and the timer goes on making what
  * it was given last: a vector that stands still, against which the turning magnets drive nearly
  * their short-circuit current, until the watchdog bites. Off, which is what that would bring, is
  * brought here at once. */
-static void watch_fast_reach(bool has_stepped)
+static void watch_fast_loop(bool has_stepped)
 {
     if (has_stepped) {
-        app.fast_silent_ms = 0;
-    } else if (app.fast_silent_ms < FAST_SILENCE_ms) {
-        app.fast_silent_ms++;
+        app.fast_missing_ms = 0;
+    } else if (app.fast_missing_ms < FAST_TIMEOUT_ms) {
+        app.fast_missing_ms++;
     }
-    if (app.fast_silent_ms >= FAST_SILENCE_ms) {
+    if (app.fast_missing_ms >= FAST_TIMEOUT_ms) {
         inverter_trip();
     }
 }
@@ -211,20 +211,20 @@ void app_millisecond_isr(void)
     if (config == NULL) {
         return;
     }
-    watch_fast_reach(
+    watch_fast_loop(
         double_buffer_take(&app.from_fast)); /* the monitor, too, sees the count stand still */
     const fast_report_t *from_fast = &app.fast_report[double_buffer_low(&app.from_fast)];
     fast_setpoint_t *to_fast = &app.fast_setpoint[double_buffer_low(&app.to_fast)];
-    const slow_input_t in = slow_input(&app.wish[double_buffer_high(&app.to_slow)]);
+    const slow_input_t in = slow_input(&app.commands[double_buffer_high(&app.to_slow)]);
 
-    view_t *view = &app.view[double_buffer_high(&app.from_slow)];
-    view->output = controller_slow_step(&app.controller.slow, config, from_fast, &in, to_fast);
-    view->winding_temperature_cC = in.winding_temperature_cC;
-    view->switch_temperature_cC = in.switch_temperature_cC;
-    view->counts.fast_steps = (uint16_t)from_fast->foc.step_count;
-    view->counts.slow_steps = to_fast->slow_step_count;
-    view->counts.verdicts = app.controller.slow.monitor.verdicts;
-    if (to_fast->monitor.clear_trip && app.fast_silent_ms == 0) {
+    snapshot_t *snapshot = &app.snapshot[double_buffer_high(&app.from_slow)];
+    snapshot->output = controller_slow_step(&app.controller.slow, config, from_fast, &in, to_fast);
+    snapshot->winding_temperature_cC = in.winding_temperature_cC;
+    snapshot->switch_temperature_cC = in.switch_temperature_cC;
+    snapshot->counts.fast_steps = (uint16_t)from_fast->foc.step_count;
+    snapshot->counts.slow_steps = to_fast->slow_step_count;
+    snapshot->counts.monitor_steps = app.controller.slow.monitor.verdicts;
+    if (to_fast->monitor.clear_trip && app.fast_missing_ms == 0) {
         inverter_clear_fault(); /* the hardware's latch is released with the monitor's, never on its
                                    own */
     }
@@ -232,16 +232,16 @@ void app_millisecond_isr(void)
     double_buffer_mark(&app.from_slow);
 }
 
-static const view_t *current_view(void)
+static const snapshot_t *latest_snapshot(void)
 {
     (void)double_buffer_take(&app.from_slow);
-    return &app.view[double_buffer_low(&app.from_slow)];
+    return &app.snapshot[double_buffer_low(&app.from_slow)];
 }
 
-static report_status_t status_of(const view_t *view)
+static report_status_t status_of(const snapshot_t *snapshot)
 {
     const report_status_t status = {
-        .output = &view->output,
+        .output = &snapshot->output,
         .node = &app.can.node,
         .fast_cycles_worst = app.fast_cycles_worst,
         .stack_free_bytes = memory_stack_free_bytes(),
@@ -255,19 +255,19 @@ static report_status_t status_of(const view_t *view)
  * (monitor_speed.h): the configuration may go. A board on which no sensor and no current ever
  * showed a movement counts as standing, so that it can be set up on a bench. Without control the
  * bridge is off anyway. */
-static bool is_at_rest(const slow_output_t *said)
+static bool is_at_standstill(const slow_output_t *output)
 {
-    const bool switched_on = said->mode == MODE_RUN || said->mode == MODE_LIMP;
-    return app.config == NULL || (!switched_on && said->standstill);
+    const bool switched_on = output->mode == MODE_RUN || output->mode == MODE_LIMP;
+    return app.config == NULL || (!switched_on && output->standstill);
 }
 
 /* The configuration in use is about to be erased, so control ends here, whatever becomes of the new
  * one. */
-static void replace_configuration(const view_t *view)
+static void replace_configuration(const snapshot_t *snapshot)
 {
     text_t line;
     text_clear(&line);
-    if (is_at_rest(&view->output)) {
+    if (is_at_standstill(&snapshot->output)) {
         app.config = NULL;
         app.restarting = true;
         (void)installer_write(&app.console.installer, &line);
@@ -275,52 +275,52 @@ static void replace_configuration(const view_t *view)
         text_add(&line, "refused: only with the wheel known to be at rest and switched off; the "
                         "configuration is as it was");
     }
-    console_say(&app.console, &line);
+    console_print(&app.console, &line);
 }
 
 void app_background(void)
 {
     const uint32_t now_ms = time_ms();
-    const view_t *view = current_view();
+    const snapshot_t *snapshot = latest_snapshot();
     if (app.restarting) {
         /* nothing feeds the watchdog; the console still says why */
     } else if (app.config == NULL) {
         watchdog_feed(); /* bridge off, nothing to supervise; a restart would only hide the reason
                           */
     } else {
-        if (supervisor_may_feed(&app.supervisor, view->counts)) {
+        if (supervisor_may_feed(&app.supervisor, snapshot->counts)) {
             watchdog_feed();
         }
         if (can_link_receive(&app.can, now_ms)) {
-            app.wish[double_buffer_low(&app.to_slow)] = app.can.node.wish;
+            app.commands[double_buffer_low(&app.to_slow)] = app.can.node.command;
             double_buffer_swap(&app.to_slow);
         }
-        const messages_output_t said = can_link_output(&view->output, view->winding_temperature_cC,
-                                                       view->switch_temperature_cC);
-        can_link_transmit(&app.can, now_ms, &said);
+        const messages_output_t output = can_link_output(
+            &snapshot->output, snapshot->winding_temperature_cC, snapshot->switch_temperature_cC);
+        can_link_transmit(&app.can, now_ms, &output);
     }
-    const report_status_t status = status_of(view);
+    const report_status_t status = status_of(snapshot);
     console_pump(&app.console, now_ms, &status);
     if (console_has_accepted(&app.console)) {
-        replace_configuration(view);
+        replace_configuration(snapshot);
     }
 }
 
 bool app_finish(void)
 {
-    const view_t *view = current_view();
-    const report_status_t status = status_of(view);
-    const bool good = status.control && view->output.fault_reason == REASON_NONE;
+    const snapshot_t *snapshot = latest_snapshot();
+    const report_status_t status = status_of(snapshot);
+    const bool good = status.control && snapshot->output.fault_reason == REASON_NONE;
     text_t line;
     text_clear(&line);
     text_add(&line, good ? "result: " : "result: FAILED, ");
-    text_add(&line, status.control ? modes_text(view->output.mode) : "BOOT");
+    text_add(&line, status.control ? modes_text(snapshot->output.mode) : "BOOT");
     if (status.control) {
         text_add(&line, ", ");
-        text_add(&line, reason_text(view->output.fault_reason));
+        text_add(&line, reason_text(snapshot->output.fault_reason));
     }
     console_status(&app.console, &status);
-    console_say(&app.console, &line);
+    console_print(&app.console, &line);
     for (int i = 0; i < FINISH_PASSES && !console_drained(&app.console); i++) {
         console_pump(&app.console, time_ms(), &status);
     }

@@ -53,8 +53,8 @@ boot_report_t boot_run(void)
 
     const flash_image_t image = flash_configuration();
     report.config = (const config_t *)image.begin;
-    report.verdict = config_validate(report.config, image.size_bytes);
-    if (report.clock_good && report.verdict.code == CONFIG_RESULT_OK) {
+    report.config_result = config_validate(report.config, image.size_bytes);
+    if (report.clock_good && report.config_result.code == CONFIG_RESULT_OK) {
         report.rotor_sensor_missing =
             !rotor_sensor_init(rotor_sensor_kind(report.config->rotor.sensor));
         report.inverter = start_inverter(report.config);
@@ -64,7 +64,7 @@ boot_report_t boot_run(void)
 
 bool boot_config_accepted(const boot_report_t *report)
 {
-    return report->verdict.code == CONFIG_RESULT_OK && report->inverter == INVERTER_OK &&
+    return report->config_result.code == CONFIG_RESULT_OK && report->inverter == INVERTER_OK &&
            !report->rotor_sensor_missing;
 }
 

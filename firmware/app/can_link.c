@@ -8,10 +8,10 @@ enum { FRAMES_PER_PASS = 8 /* a flooded bus must not hold up the background */ }
 bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t pack,
                    uint32_t now_ms)
 {
-    uint16_t accepted[MESSAGES_HEARD];
+    uint16_t accepted[MESSAGES_RECEIVED];
     node_accepted(wheel, accepted);
     node_init(&link->node, wheel, pack, now_ms);
-    return can_init(accepted, MESSAGES_HEARD);
+    return can_init(accepted, MESSAGES_RECEIVED);
 }
 
 bool can_link_receive(can_link_t *link, uint32_t now_ms)
@@ -23,7 +23,7 @@ bool can_link_receive(can_link_t *link, uint32_t now_ms)
         for (uint32_t k = 0; k < sizeof frame.data; k++) {
             frame.data[k] = received.data[k];
         }
-        changed = node_hear(&link->node, &frame, now_ms) || changed;
+        changed = node_receive(&link->node, &frame, now_ms) || changed;
     }
     return changed;
 }
@@ -48,7 +48,7 @@ void can_link_transmit(can_link_t *link, uint32_t now_ms, const messages_output_
 messages_output_t can_link_output(const slow_output_t *output, int32_t winding_temperature_cC,
                                   int32_t switch_temperature_cC)
 {
-    const messages_output_t said = {
+    const messages_output_t output_message = {
         .motor_torque_command_mNm = output->motor_torque_command_mNm,
         .motor_torque_estimate_mNm = output->motor_torque_estimate_mNm,
         .hydraulic_torque_mNm = output->hydraulic_torque_mNm,
@@ -66,5 +66,5 @@ messages_output_t can_link_output(const slow_output_t *output, int32_t winding_t
         .mode = (uint8_t)output->mode,
         .stop_lamp = output->stop_lamp,
     };
-    return said;
+    return output_message;
 }

@@ -24,7 +24,7 @@ static bool answer_boot(const console_t *console, uint32_t number, text_t *line)
     return true;
 }
 
-static bool answer(console_t *console, const shell_question_t *asked, text_t *line)
+static bool answer(console_t *console, const shell_request_t *asked, text_t *line)
 {
     switch (asked->command) {
     case STATUS:
@@ -64,9 +64,9 @@ void console_init(console_t *console, const boot_report_t *boot)
     installer_init(&console->installer);
 }
 
-void console_say(console_t *console, const text_t *line)
+void console_print(console_t *console, const text_t *line)
 {
-    shell_say(&console->shell, line);
+    shell_print(&console->shell, line);
 }
 
 void console_greet(console_t *console)
@@ -74,10 +74,10 @@ void console_greet(console_t *console)
     text_t line;
     text_clear(&line);
     report_banner(console->boot, &line);
-    console_say(console, &line);
+    console_print(console, &line);
     text_clear(&line);
     for (uint32_t i = 0; report_boot(console->boot, i, &line); i++) {
-        console_say(console, &line);
+        console_print(console, &line);
         text_clear(&line);
     }
 }
@@ -87,7 +87,7 @@ void console_status(console_t *console, const report_status_t *status)
     text_t line;
     text_clear(&line);
     report_status(status, &line);
-    console_say(console, &line);
+    console_print(console, &line);
 }
 
 bool console_drained(const console_t *console)
@@ -95,10 +95,10 @@ bool console_drained(const console_t *console)
     return shell_idle(&console->shell);
 }
 
-static void answer_what_is_asked(console_t *console)
+static void answer_requests(console_t *console)
 {
-    shell_question_t asked;
-    while (shell_asks(&console->shell, &asked)) {
+    shell_request_t asked;
+    while (shell_next_request(&console->shell, &asked)) {
         text_t line;
         text_clear(&line);
         if (answer(console, &asked, &line)) {
@@ -110,16 +110,16 @@ static void answer_what_is_asked(console_t *console)
 }
 
 /* An accepted one stays until console_has_accepted() has said so. */
-static void say_what_became_of_it(console_t *console)
+static void print_installer_result(console_t *console)
 {
     const installer_state_t state = console->installer.state;
-    if (state != INSTALLER_GIVEN_UP && state != INSTALLER_REFUSED) {
+    if (state != INSTALLER_CANCELLED && state != INSTALLER_REFUSED) {
         return;
     }
     text_t line;
     text_clear(&line);
-    installer_words(&console->installer, &line);
-    console_say(console, &line);
+    installer_text(&console->installer, &line);
+    console_print(console, &line);
     console->installer.state = INSTALLER_CLOSED;
 }
 
@@ -129,8 +129,8 @@ bool console_has_accepted(console_t *console)
     if (accepted) {
         text_t line;
         text_clear(&line);
-        installer_words(&console->installer, &line);
-        console_say(console, &line);
+        installer_text(&console->installer, &line);
+        console_print(console, &line);
         console->installer.state = INSTALLER_CLOSED;
     }
     return accepted;
@@ -144,21 +144,21 @@ void console_pump(console_t *console, uint32_t now_ms, const report_status_t *st
     while (serial_read(&byte)) {
         console->watching = false;
         if (console->installer.state == INSTALLER_RECEIVING) {
-            installer_hear(&console->installer, byte, now_ms);
+            installer_receive(&console->installer, byte, now_ms);
         } else {
-            shell_hear(&console->shell, byte);
+            shell_receive(&console->shell, byte);
         }
     }
     installer_tick(&console->installer, now_ms);
-    say_what_became_of_it(console);
+    print_installer_result(console);
     if (console->watching && now_ms - console->watched_ms >= CONSOLE_WATCH_PERIOD_ms) {
         console->watched_ms = now_ms;
         console_status(console, status);
     }
-    answer_what_is_asked(console);
+    answer_requests(console);
     const char *bytes;
-    const uint32_t count = shell_waiting(&console->shell, &bytes);
+    const uint32_t count = shell_pending(&console->shell, &bytes);
     if (count > 0) {
-        shell_taken(&console->shell, serial_write(bytes, count));
+        shell_sent(&console->shell, serial_write(bytes, count));
     }
 }

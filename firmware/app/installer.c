@@ -15,7 +15,7 @@ void installer_open(installer_t *installer, uint32_t now_ms)
 {
     intel_hex_init(&installer->hex, installer->image.bytes,
                    (uint32_t)sizeof installer->image.bytes);
-    installer->heard_ms = now_ms;
+    installer->received_ms = now_ms;
     installer->state = INSTALLER_RECEIVING;
 }
 
@@ -23,19 +23,20 @@ static void judge(installer_t *installer)
 {
     installer->state = INSTALLER_REFUSED;
     if (installer->hex.problem == INTEL_HEX_GOOD) {
-        installer->verdict = config_validate(&installer->image.config, installer->hex.size_bytes);
-        if (installer->verdict.code == CONFIG_RESULT_OK) {
+        installer->config_result =
+            config_validate(&installer->image.config, installer->hex.size_bytes);
+        if (installer->config_result.code == CONFIG_RESULT_OK) {
             installer->state = INSTALLER_ACCEPTED;
         }
     }
 }
 
-void installer_hear(installer_t *installer, uint8_t byte, uint32_t now_ms)
+void installer_receive(installer_t *installer, uint8_t byte, uint32_t now_ms)
 {
-    installer->heard_ms = now_ms;
+    installer->received_ms = now_ms;
     if (byte == (uint8_t)CANCEL) {
-        installer->state = INSTALLER_GIVEN_UP;
-    } else if (intel_hex_hear(&installer->hex, byte)) {
+        installer->state = INSTALLER_CANCELLED;
+    } else if (intel_hex_receive(&installer->hex, byte)) {
         judge(installer);
     }
 }
@@ -43,19 +44,19 @@ void installer_hear(installer_t *installer, uint8_t byte, uint32_t now_ms)
 void installer_tick(installer_t *installer, uint32_t now_ms)
 {
     if (installer->state == INSTALLER_RECEIVING &&
-        now_ms - installer->heard_ms >= INSTALLER_SILENCE_ms) {
-        installer->state = INSTALLER_GIVEN_UP;
+        now_ms - installer->received_ms >= INSTALLER_TIMEOUT_ms) {
+        installer->state = INSTALLER_CANCELLED;
     }
 }
 
-void installer_words(const installer_t *installer, text_t *line)
+void installer_text(const installer_t *installer, text_t *line)
 {
     if (installer->state == INSTALLER_ACCEPTED) {
         text_add(line, "accepted: ");
         report_identity(&installer->image.config, line);
         return;
     }
-    if (installer->state == INSTALLER_GIVEN_UP) {
+    if (installer->state == INSTALLER_CANCELLED) {
         text_add(line, "given up; the configuration is as it was");
         return;
     }
@@ -65,7 +66,7 @@ void installer_words(const installer_t *installer, text_t *line)
         text_add(line, ": ");
         text_add(line, intel_hex_text(installer->hex.problem));
     } else {
-        report_refusal(&installer->verdict, line);
+        report_refusal(&installer->config_result, line);
     }
     text_add(line, "; the configuration is as it was");
 }

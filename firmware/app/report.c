@@ -26,7 +26,7 @@ void report_identity(const config_t *config, text_t *line)
 void report_banner(const boot_report_t *boot, text_t *line)
 {
     report_version(line);
-    if (boot->verdict.code == CONFIG_RESULT_OK) {
+    if (boot->config_result.code == CONFIG_RESULT_OK) {
         text_add(line, ", ");
         report_identity(boot->config, line);
         text_add(line, ", wheel ");
@@ -34,18 +34,18 @@ void report_banner(const boot_report_t *boot, text_t *line)
     }
 }
 
-void report_refusal(const config_result_t *verdict, text_t *line)
+void report_refusal(const config_result_t *result, text_t *line)
 {
     text_add(line, "configuration refused: ");
-    text_add(line, verdict->field);
-    switch (verdict->code) {
+    text_add(line, result->field);
+    switch (result->code) {
     case CONFIG_RESULT_RANGE:
         text_add(line, " is ");
-        text_add_integer(line, verdict->value);
+        text_add_integer(line, result->value);
         text_add(line, ", accepted ");
-        text_add_integer(line, verdict->lowest);
+        text_add_integer(line, result->lowest);
         text_add(line, " .. ");
-        text_add_integer(line, verdict->highest);
+        text_add_integer(line, result->highest);
         break;
     case CONFIG_RESULT_RELATION:
         text_add(line, " does not hold");
@@ -61,13 +61,13 @@ void report_refusal(const config_result_t *verdict, text_t *line)
     }
 }
 
-static const char *inverter_words(inverter_status_t status)
+static const char *inverter_text(inverter_status_t status)
 {
     switch (status) {
-    case INVERTER_FREQUENCY_UNREACHABLE:
+    case INVERTER_FREQUENCY_UNSUPPORTED:
         return "configuration refused: drive.pwm_period_counts do not make drive.pwm_frequency_Hz "
                "on this board";
-    case INVERTER_DEAD_TIME_UNREACHABLE:
+    case INVERTER_DEAD_TIME_UNSUPPORTED:
         return "configuration refused: drive.dead_time_ns is too long for this board's timer or "
                "too short for its "
                "switches";
@@ -81,12 +81,12 @@ static const char *inverter_words(inverter_status_t status)
     return "inverter ready";
 }
 
-static void add_verdict(const boot_report_t *boot, text_t *line)
+static void add_config_result(const boot_report_t *boot, text_t *line)
 {
-    if (boot->verdict.code != CONFIG_RESULT_OK) {
-        report_refusal(&boot->verdict, line);
+    if (boot->config_result.code != CONFIG_RESULT_OK) {
+        report_refusal(&boot->config_result, line);
     } else if (boot->inverter != INVERTER_OK) {
-        text_add(line, inverter_words(boot->inverter));
+        text_add(line, inverter_text(boot->inverter));
     } else if (boot->rotor_sensor_missing) {
         text_add(line, "configuration refused: rotor.sensor is not on this board");
     } else {
@@ -116,7 +116,7 @@ bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line)
     if (left > 0) {
         return false;
     }
-    add_verdict(boot, line);
+    add_config_result(boot, line);
     return true;
 }
 
@@ -196,8 +196,8 @@ bool report_can(const report_status_t *status, uint32_t number, text_t *line)
 
 bool report_config(const boot_report_t *boot, const char *prefix, uint32_t number, text_t *line)
 {
-    if (boot->verdict.code != CONFIG_RESULT_OK) {
-        report_refusal(&boot->verdict, line);
+    if (boot->config_result.code != CONFIG_RESULT_OK) {
+        report_refusal(&boot->config_result, line);
         return number == 0;
     }
     if (number > 0) {

@@ -21,8 +21,8 @@ bool supervisor_may_feed(supervisor_t *supervisor, supervisor_counts_t now)
     /* A background that was held up looks later: the same rate is asked of the longer window. */
     const bool fast_in_time = fast * SUPERVISOR_WINDOW_STEPS >= supervisor->fast_least * slow &&
                               fast * SUPERVISOR_WINDOW_STEPS <= supervisor->fast_most * slow;
-    const bool verdict_fresh = now.verdicts != supervisor->last.verdicts;
-    if (!fast_in_time || !verdict_fresh) {
+    const bool monitor_in_time = now.monitor_steps != supervisor->last.monitor_steps;
+    if (!fast_in_time || !monitor_in_time) {
         return false;
     }
     supervisor->last = now;

@@ -46,7 +46,7 @@ bool e2e_intact(const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier)
 
 void e2e_receiver_init(e2e_receiver_t *receiver, uint32_t timeout_ms)
 {
-    const e2e_receiver_t zero = {.link = E2E_NEVER_HEARD};
+    const e2e_receiver_t zero = {.link = E2E_NO_DATA};
     *receiver = zero;
     receiver->timeout_ms = timeout_ms;
 }
@@ -58,7 +58,7 @@ static bool started(const e2e_receiver_t *receiver)
 
 bool e2e_timed_out(e2e_receiver_t *receiver, uint32_t now_ms)
 {
-    if (!started(receiver) || now_ms - receiver->trusted_ms < receiver->timeout_ms) {
+    if (!started(receiver) || now_ms - receiver->refreshed_ms < receiver->timeout_ms) {
         return false;
     }
     receiver->link = E2E_TIMED_OUT;
@@ -73,7 +73,7 @@ static void begin(e2e_receiver_t *receiver, uint8_t counter)
     receiver->in_order = 1;
 }
 
-static e2e_verdict_t continues(e2e_receiver_t *receiver, uint32_t step, uint32_t now_ms)
+static e2e_status_t continues(e2e_receiver_t *receiver, uint32_t step, uint32_t now_ms)
 {
     receiver->counter = (uint8_t)((receiver->counter + step) & E2E_COUNTER_MASK);
     receiver->counts.lost += step - 1U;
@@ -84,13 +84,13 @@ static e2e_verdict_t continues(e2e_receiver_t *receiver, uint32_t step, uint32_t
         }
         receiver->link = E2E_VALID;
     }
-    receiver->trusted_ms = now_ms;
+    receiver->refreshed_ms = now_ms;
     receiver->counts.used++;
     return step == 1U ? E2E_OK : E2E_SOME_LOST;
 }
 
-e2e_verdict_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_BYTES],
-                          uint16_t identifier, bool plausible, uint32_t now_ms)
+e2e_status_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_BYTES],
+                         uint16_t identifier, bool plausible, uint32_t now_ms)
 {
     (void)e2e_timed_out(receiver, now_ms);
     if (!e2e_intact(data, identifier)) {
@@ -104,7 +104,7 @@ e2e_verdict_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME
     const uint8_t counter = data[1] & E2E_COUNTER_MASK;
     if (!started(receiver)) {
         begin(receiver, counter);
-        receiver->trusted_ms = now_ms;
+        receiver->refreshed_ms = now_ms;
         return E2E_NOT_QUALIFIED;
     }
     const uint32_t step = ((uint32_t)counter - receiver->counter) & E2E_COUNTER_MASK;
@@ -113,7 +113,7 @@ e2e_verdict_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME
         return E2E_REPEATED;
     }
     if (step > E2E_STEP_MAX) {
-        /* trusted_ms stays: a sender that jumps all the time times out, however much it talks. */
+        /* refreshed_ms is not changed, so a sender whose counter always jumps times out. */
         begin(receiver, counter);
         receiver->counts.wrong_sequence++;
         return E2E_WRONG_SEQUENCE;
@@ -130,8 +130,8 @@ uint32_t e2e_errors(const e2e_counts_t *counts)
 const char *e2e_link_text(e2e_link_t link)
 {
     switch (link) {
-    case E2E_NEVER_HEARD:
-        return "NEVER_HEARD";
+    case E2E_NO_DATA:
+        return "NO_DATA";
     case E2E_QUALIFYING:
         return "QUALIFYING";
     case E2E_VALID:

@@ -116,7 +116,7 @@ static uint8_t value_of(uint8_t character)
                                                           : (uint8_t)NOT_A_DIGIT;
 }
 
-bool intel_hex_hear(intel_hex_t *hex, uint8_t character)
+bool intel_hex_receive(intel_hex_t *hex, uint8_t character)
 {
     if (character == (uint8_t)':') {
         if (hex->in_record) {

@@ -105,7 +105,7 @@ static line_edit_event_t end_line(line_edit_t *edit, uint8_t byte, text_t *echo)
     return LINE_EDIT_ENDED;
 }
 
-line_edit_event_t line_edit_hear(line_edit_t *edit, uint8_t byte, text_t *echo)
+line_edit_event_t line_edit_receive(line_edit_t *edit, uint8_t byte, text_t *echo)
 {
     if (is_part_of_sequence(edit, byte, echo)) {
         return LINE_EDIT_GOES_ON;

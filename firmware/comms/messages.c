@@ -258,9 +258,9 @@ static void put_health(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o
 messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output,
                                  messages_wheel_t wheel, uint8_t counter)
 {
-    if ((uint32_t)kind < MESSAGES_HEARD || (uint32_t)kind >= MESSAGES_KINDS) {
-        const messages_frame_t nothing = {.length = 0};
-        return nothing;
+    if ((uint32_t)kind < MESSAGES_RECEIVED || (uint32_t)kind >= MESSAGES_KINDS) {
+        const messages_frame_t empty = {.length = 0};
+        return empty;
     }
     messages_frame_t frame = new_frame(kind, wheel);
     switch (kind) {
@@ -282,7 +282,7 @@ messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *
     case MESSAGES_DEMAND:
     case MESSAGES_BATTERY_LIMITS:
     case MESSAGES_KINDS:
-        break; /* not ours to say, excluded above */
+        break; /* received kinds, excluded above */
     }
     e2e_protect(frame.data, frame.identifier, counter);
     return frame;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "comms/node.h"
 
-void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_HEARD])
+void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_RECEIVED])
 {
     identifiers[MESSAGES_DEMAND] = messages_identifier(MESSAGES_DEMAND, wheel);
     identifiers[MESSAGES_BATTERY_LIMITS] = messages_identifier(MESSAGES_BATTERY_LIMITS, wheel);
@@ -9,13 +9,13 @@ void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_HEARD])
 
 static messages_kind_t sent_kind(uint32_t index)
 {
-    return (messages_kind_t)(MESSAGES_HEARD + index);
+    return (messages_kind_t)(MESSAGES_RECEIVED + index);
 }
 
 void node_init(node_t *node, messages_wheel_t wheel, messages_battery_t pack, uint32_t now_ms)
 {
     const node_t zero = {
-        .wheel = wheel, .pack = pack, .wish = {.battery = pack}, .offered = MESSAGES_KINDS};
+        .wheel = wheel, .pack = pack, .command = {.battery = pack}, .offered = MESSAGES_KINDS};
     *node = zero;
     e2e_receiver_init(&node->demand, NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_DEMAND));
     e2e_receiver_init(&node->battery,
@@ -25,66 +25,66 @@ void node_init(node_t *node, messages_wheel_t wheel, messages_battery_t pack, ui
     }
 }
 
-static bool is_at_hand(e2e_verdict_t verdict)
+static bool is_usable(e2e_status_t status)
 {
-    return verdict == E2E_OK || verdict == E2E_SOME_LOST;
+    return status == E2E_OK || status == E2E_SOME_LOST;
 }
 
-static bool battery_lapses(node_t *node)
+static bool expire_battery_limits(node_t *node)
 {
-    node->wish.battery.charge_current_mA = 0;
-    node->wish.battery.discharge_current_mA = node->pack.discharge_current_mA;
+    node->command.battery.charge_current_mA = 0;
+    node->command.battery.discharge_current_mA = node->pack.discharge_current_mA;
     return true;
 }
 
 bool node_tick(node_t *node, uint32_t now_ms)
 {
     bool changed = false;
-    (void)e2e_timed_out(&node->demand, now_ms); /* the demand's age says the rest */
-    if (node->wish.demand_known && now_ms - node->wish.demand_time_ms >= NODE_DEMAND_FORGOTTEN_ms) {
-        node->wish.demand_known = false;
+    (void)e2e_timed_out(&node->demand, now_ms); /* the torque follows from the demand's age */
+    if (node->command.demand_known &&
+        now_ms - node->command.demand_time_ms >= NODE_DEMAND_EXPIRY_ms) {
+        node->command.demand_known = false;
         changed = true;
     }
     if (e2e_timed_out(&node->battery, now_ms)) {
-        changed = battery_lapses(node) || changed;
+        changed = expire_battery_limits(node) || changed;
     }
     return changed;
 }
 
-static bool hear_demand(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
+static bool receive_demand(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
 {
     messages_demand_t demand;
     const bool plausible = messages_read_demand(frame, &demand);
-    if (!is_at_hand(
-            e2e_receive(&node->demand, frame->data, frame->identifier, plausible, now_ms))) {
+    if (!is_usable(e2e_receive(&node->demand, frame->data, frame->identifier, plausible, now_ms))) {
         return false;
     }
-    node->wish.demand = demand;
-    node->wish.demand_time_ms = now_ms;
-    node->wish.demand_known = true;
+    node->command.demand = demand;
+    node->command.demand_time_ms = now_ms;
+    node->command.demand_known = true;
     return true;
 }
 
-static bool hear_battery(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
+static bool receive_battery(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
 {
     messages_battery_t battery;
     const bool plausible = messages_read_battery(frame, &battery);
-    if (!is_at_hand(
+    if (!is_usable(
             e2e_receive(&node->battery, frame->data, frame->identifier, plausible, now_ms))) {
         return false;
     }
-    node->wish.battery = battery;
+    node->command.battery = battery;
     return true;
 }
 
-bool node_hear(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
+bool node_receive(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
 {
     const bool lapsed = node_tick(node, now_ms);
     if (frame->identifier == messages_identifier(MESSAGES_DEMAND, node->wheel)) {
-        return hear_demand(node, frame, now_ms) || lapsed;
+        return receive_demand(node, frame, now_ms) || lapsed;
     }
     if (frame->identifier == messages_identifier(MESSAGES_BATTERY_LIMITS, node->wheel)) {
-        return hear_battery(node, frame, now_ms) || lapsed;
+        return receive_battery(node, frame, now_ms) || lapsed;
     }
     node->foreign++;
     return lapsed;
@@ -121,7 +121,7 @@ void node_sent(node_t *node, uint32_t now_ms)
     if (node->offered == MESSAGES_KINDS) {
         return;
     }
-    const uint32_t i = (uint32_t)node->offered - MESSAGES_HEARD;
+    const uint32_t i = (uint32_t)node->offered - MESSAGES_RECEIVED;
     const uint32_t cycle_ms = messages_cycle_ms(node->offered);
     node->counter[i]++;
     node->due_ms[i] += cycle_ms;
@@ -131,7 +131,7 @@ void node_sent(node_t *node, uint32_t now_ms)
     node->offered = MESSAGES_KINDS;
 }
 
-uint32_t node_demand_age_ms(const node_wish_t *wish, uint32_t now_ms)
+uint32_t node_demand_age_ms(const node_command_t *command, uint32_t now_ms)
 {
-    return wish->demand_known ? now_ms - wish->demand_time_ms : UINT32_MAX;
+    return command->demand_known ? now_ms - command->demand_time_ms : UINT32_MAX;
 }

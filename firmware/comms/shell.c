@@ -28,8 +28,8 @@ void shell_init(shell_t *shell, const shell_command_t *commands, uint32_t comman
     shell->argument = shell->words;
     shell->running = NOTHING;
     shell->next_line = 0;
-    shell->waiting_bytes = 0;
-    shell->taken_bytes = 0;
+    shell->pending_bytes = 0;
+    shell->sent_bytes = 0;
     shell->dropped_lines = 0;
 }
 
@@ -37,24 +37,24 @@ void shell_init(shell_t *shell, const shell_command_t *commands, uint32_t comman
 
 static uint32_t room(const shell_t *shell)
 {
-    return SHELL_WAITING_BYTES - shell->waiting_bytes;
+    return SHELL_PENDING_BYTES - shell->pending_bytes;
 }
 
 /* Moves what is still to be sent to the front. Only when room is needed: the line takes a few bytes
  * at a time. */
-static void make_room(shell_t *shell)
+static void move_to_front(shell_t *shell)
 {
-    for (uint32_t i = shell->taken_bytes; i < shell->waiting_bytes; i++) {
-        shell->waiting[i - shell->taken_bytes] = shell->waiting[i];
+    for (uint32_t i = shell->sent_bytes; i < shell->pending_bytes; i++) {
+        shell->waiting[i - shell->sent_bytes] = shell->waiting[i];
     }
-    shell->waiting_bytes -= shell->taken_bytes;
-    shell->taken_bytes = 0;
+    shell->pending_bytes -= shell->sent_bytes;
+    shell->sent_bytes = 0;
 }
 
-static bool has_room(shell_t *shell, uint32_t count)
+static bool has_space(shell_t *shell, uint32_t count)
 {
     if (count > room(shell)) {
-        make_room(shell);
+        move_to_front(shell);
     }
     return count <= room(shell);
 }
@@ -62,20 +62,20 @@ static bool has_room(shell_t *shell, uint32_t count)
 /* All of it or nothing. */
 static bool put(shell_t *shell, const char *chars, uint32_t count)
 {
-    if (!has_room(shell, count)) {
+    if (!has_space(shell, count)) {
         return false;
     }
     for (uint32_t i = 0; i < count; i++) {
-        shell->waiting[shell->waiting_bytes + i] = chars[i];
+        shell->waiting[shell->pending_bytes + i] = chars[i];
     }
-    shell->waiting_bytes += count;
+    shell->pending_bytes += count;
     return true;
 }
 
 static bool put_line(shell_t *shell, const text_t *line)
 {
     static const char END[] = {'\r', '\n'};
-    return has_room(shell, line->length + (uint32_t)sizeof END) &&
+    return has_space(shell, line->length + (uint32_t)sizeof END) &&
            put(shell, line->chars, line->length) && put(shell, END, sizeof END);
 }
 
@@ -86,23 +86,23 @@ static void put_prompt(shell_t *shell)
     (void)put(shell, PROMPT, sizeof PROMPT - 1U);
 }
 
-void shell_say(shell_t *shell, const text_t *line)
+void shell_print(shell_t *shell, const text_t *line)
 {
     if (!put_line(shell, line)) {
         shell->dropped_lines++;
     }
 }
 
-void shell_taken(shell_t *shell, uint32_t count)
+void shell_sent(shell_t *shell, uint32_t count)
 {
-    const uint32_t left = shell->waiting_bytes - shell->taken_bytes;
-    shell->taken_bytes += count < left ? count : left;
+    const uint32_t left = shell->pending_bytes - shell->sent_bytes;
+    shell->sent_bytes += count < left ? count : left;
 }
 
 bool shell_idle(const shell_t *shell)
 {
     return shell->running == NOTHING && shell->ahead_bytes == 0 &&
-           shell->taken_bytes == shell->waiting_bytes;
+           shell->sent_bytes == shell->pending_bytes;
 }
 
 /* ---- what it knows by itself ---- */
@@ -183,7 +183,7 @@ static bool same(const char *a, const char *b)
 }
 
 /* Keeps the line, cut into its first word and the rest. */
-static void keep_words(shell_t *shell)
+static void split_line(shell_t *shell)
 {
     uint32_t length = 0;
     for (; shell->edit.line[length] != '\0'; length++) {
@@ -204,7 +204,7 @@ static void keep_words(shell_t *shell)
 
 static void begin_answer(shell_t *shell)
 {
-    keep_words(shell);
+    split_line(shell);
     if (shell->words[0] == '\0') {
         put_prompt(shell);
         return;
@@ -218,11 +218,11 @@ static void begin_answer(shell_t *shell)
     }
 }
 
-static void understand(shell_t *shell, uint8_t byte)
+static void process_key(shell_t *shell, uint8_t byte)
 {
     text_t echo;
     text_clear(&echo);
-    const line_edit_event_t event = line_edit_hear(&shell->edit, byte, &echo);
+    const line_edit_event_t event = line_edit_receive(&shell->edit, byte, &echo);
     (void)put(shell, echo.chars, echo.length);
     if (event == LINE_EDIT_ENDED) {
         begin_answer(shell);
@@ -231,13 +231,13 @@ static void understand(shell_t *shell, uint8_t byte)
     }
 }
 
-void shell_hear(shell_t *shell, uint8_t byte)
+void shell_receive(shell_t *shell, uint8_t byte)
 {
     if (shell->running == NOTHING && shell->ahead_bytes == 0) {
-        understand(shell, byte);
+        process_key(shell, byte);
     } else if (byte == CANCEL) {
         shell->ahead_bytes = 0;
-        understand(shell, byte);
+        process_key(shell, byte);
     } else if (shell->ahead_bytes < SHELL_AHEAD_BYTES) {
         shell->ahead[shell->ahead_bytes] = byte;
         shell->ahead_bytes++;
@@ -261,11 +261,11 @@ static bool is_owners(const shell_t *shell)
     return shell->running >= OWN_COUNT && shell->running < count_of_commands(shell);
 }
 
-static void understand_what_waited(shell_t *shell)
+static void process_typed_ahead(shell_t *shell)
 {
     uint32_t done = 0;
     while (done < shell->ahead_bytes && shell->running == NOTHING) {
-        understand(shell, shell->ahead[done]);
+        process_key(shell, shell->ahead[done]);
         done++;
     }
     for (uint32_t i = done; i < shell->ahead_bytes; i++) {
@@ -274,13 +274,13 @@ static void understand_what_waited(shell_t *shell)
     shell->ahead_bytes -= done;
 }
 
-bool shell_asks(shell_t *shell, shell_question_t *question)
+bool shell_next_request(shell_t *shell, shell_request_t *question)
 {
-    understand_what_waited(shell);
-    while (shell->running != NOTHING && has_room(shell, LONGEST_LINE)) {
+    process_typed_ahead(shell);
+    while (shell->running != NOTHING && has_space(shell, LONGEST_LINE)) {
         if (is_owners(shell)) {
-            const shell_question_t asked = {shell->running - OWN_COUNT, shell->argument,
-                                            shell->next_line};
+            const shell_request_t asked = {shell->running - OWN_COUNT, shell->argument,
+                                           shell->next_line};
             *question = asked;
             return true;
         }
@@ -290,14 +290,14 @@ bool shell_asks(shell_t *shell, shell_question_t *question)
             shell_answer(shell, &line);
         } else {
             shell_answered(shell);
-            understand_what_waited(shell);
+            process_typed_ahead(shell);
         }
     }
     return false;
 }
 
-uint32_t shell_waiting(const shell_t *shell, const char **bytes)
+uint32_t shell_pending(const shell_t *shell, const char **bytes)
 {
-    *bytes = &shell->waiting[shell->taken_bytes];
-    return shell->waiting_bytes - shell->taken_bytes;
+    *bytes = &shell->waiting[shell->sent_bytes];
+    return shell->pending_bytes - shell->sent_bytes;
 }

@@ -60,7 +60,7 @@ uint32_t config_crc32(const void *data, uint32_t size_bytes)
     return crc ^ UINT32_MAX;
 }
 
-static config_result_t verdict(config_result_code_t code, const char *field)
+static config_result_t result(config_result_code_t code, const char *field)
 {
     const config_result_t out = {
         .code = code, .field = field, .value = 0, .lowest = 0, .highest = 0};
@@ -77,7 +77,7 @@ static config_result_t check_ranges(const config_t *config)
             (const int32_t *)(const void *)config + range->offset / sizeof(int32_t);
         for (uint16_t i = 0; i < range->count; i++) {
             if (value[i] < range->lowest || value[i] > range->highest) {
-                config_result_t out = verdict(CONFIG_RESULT_RANGE, range->field);
+                config_result_t out = result(CONFIG_RESULT_RANGE, range->field);
                 out.value = value[i];
                 out.lowest = range->lowest;
                 out.highest = range->highest;
@@ -85,7 +85,7 @@ static config_result_t check_ranges(const config_t *config)
             }
         }
     }
-    return verdict(CONFIG_RESULT_OK, "");
+    return result(CONFIG_RESULT_OK, "");
 }
 
 typedef struct {
@@ -276,31 +276,31 @@ static config_result_t check_relations(const config_t *c)
     };
     for (size_t r = 0; r < sizeof(relations) / sizeof(relations[0]); r++) {
         if (!relations[r].holds) {
-            return verdict(CONFIG_RESULT_RELATION, relations[r].relation);
+            return result(CONFIG_RESULT_RELATION, relations[r].relation);
         }
     }
-    return verdict(CONFIG_RESULT_OK, "");
+    return result(CONFIG_RESULT_OK, "");
 }
 
 config_result_t config_validate(const config_t *config, uint32_t size_bytes)
 {
     if (size_bytes < sizeof(config_t)) {
-        return verdict(CONFIG_RESULT_SIZE, "size_bytes");
+        return result(CONFIG_RESULT_SIZE, "size_bytes");
     }
     if (config->magic != CONFIG_MAGIC) {
-        return verdict(CONFIG_RESULT_MAGIC, "magic");
+        return result(CONFIG_RESULT_MAGIC, "magic");
     }
     if (config->format_version != CONFIG_FORMAT_VERSION) {
-        return verdict(CONFIG_RESULT_VERSION, "format_version");
+        return result(CONFIG_RESULT_VERSION, "format_version");
     }
     if (config->size_bytes != sizeof(config_t)) {
-        return verdict(CONFIG_RESULT_SIZE, "size_bytes");
+        return result(CONFIG_RESULT_SIZE, "size_bytes");
     }
     if (config->crc32 != config_crc32(config, (uint32_t)offsetof(config_t, crc32))) {
-        return verdict(CONFIG_RESULT_CRC, "crc32");
+        return result(CONFIG_RESULT_CRC, "crc32");
     }
     if (config->name[0] == '\0' || config->name[CONFIG_NAME_LENGTH - 1] != '\0') {
-        return verdict(CONFIG_RESULT_NAME, "name");
+        return result(CONFIG_RESULT_NAME, "name");
     }
     const config_result_t ranges = check_ranges(config);
     return ranges.code != CONFIG_RESULT_OK ? ranges : check_relations(config);

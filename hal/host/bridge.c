@@ -89,10 +89,10 @@ void host_step(void)
 inverter_status_t inverter_init(const inverter_settings_t *settings)
 {
     if (settings->pwm_frequency_Hz == 0 || settings->pwm_period_counts > COUNTS_MAX) {
-        return INVERTER_FREQUENCY_UNREACHABLE;
+        return INVERTER_FREQUENCY_UNSUPPORTED;
     }
     if (settings->dead_time_ns > DEAD_TIME_MAX_ns) {
-        return INVERTER_DEAD_TIME_UNREACHABLE;
+        return INVERTER_DEAD_TIME_UNSUPPORTED;
     }
     board.frequency_Hz = settings->pwm_frequency_Hz;
     board.sample = board.plant.sample(board.plant.context);

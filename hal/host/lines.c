@@ -22,7 +22,7 @@ static struct {
     char output[HOST_SERIAL_BYTES];
     uint32_t output_bytes;
     char typed[HOST_SERIAL_BYTES];
-    uint32_t typed_bytes, heard_bytes;
+    uint32_t typed_bytes, read_bytes;
     uint32_t watchdog_timeout_ms, watchdog_left_ms;
     bool watchdog_bit;
 } lines;
@@ -121,11 +121,11 @@ uint32_t serial_write(const char *bytes, uint32_t size)
 
 bool serial_read(uint8_t *byte)
 {
-    if (lines.heard_bytes == lines.typed_bytes) {
+    if (lines.read_bytes == lines.typed_bytes) {
         return false;
     }
-    *byte = (uint8_t)lines.typed[lines.heard_bytes];
-    lines.heard_bytes++;
+    *byte = (uint8_t)lines.typed[lines.read_bytes];
+    lines.read_bytes++;
     return true;
 }
 

@@ -48,10 +48,10 @@ inverter_status_t inverter_init(const inverter_settings_t *settings)
     /* There is no timer whose clock could miss the frequency; what is impossible on every port is
      * refused here too. */
     if (settings->pwm_frequency_Hz == 0 || settings->pwm_period_counts > COUNTS_MAX) {
-        return INVERTER_FREQUENCY_UNREACHABLE;
+        return INVERTER_FREQUENCY_UNSUPPORTED;
     }
     if (settings->dead_time_ns > DEAD_TIME_MAX_ns) {
-        return INVERTER_DEAD_TIME_UNREACHABLE;
+        return INVERTER_DEAD_TIME_UNSUPPORTED;
     }
     period_ticks = PROCESSOR_CLOCK_Hz / settings->pwm_frequency_Hz;
     if (MAILBOX->magic != MAILBOX_MAGIC) {

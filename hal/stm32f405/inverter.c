@@ -122,12 +122,12 @@ static bool start_with_update_at_top(void)
 inverter_status_t inverter_init(const inverter_settings_t *settings)
 {
     if (!frequency_fits(settings)) {
-        return INVERTER_FREQUENCY_UNREACHABLE;
+        return INVERTER_FREQUENCY_UNSUPPORTED;
     }
     uint8_t dead_time_code;
     if (settings->dead_time_ns < BOARD_DEAD_TIME_LEAST_ns ||
         !dead_time_encode(settings->dead_time_ns, CLOCK_TIMER1_Hz, &dead_time_code)) {
-        return INVERTER_DEAD_TIME_UNREACHABLE;
+        return INVERTER_DEAD_TIME_UNSUPPORTED;
     }
     RCC->APB2ENR |= RCC_APB2ENR_TIM1EN;
     (void)RCC->APB2ENR;

@@ -107,8 +107,8 @@ static void hear(board_t *board)
         if (!messages_read_output(&frame, board->wheel, &message)) {
             continue; /* of no interest to the plant */
         }
-        const e2e_verdict_t check = e2e_receive(link_of(board, frame.identifier), frame.data,
-                                                frame.identifier, true, board->now_ms);
+        const e2e_status_t check = e2e_receive(link_of(board, frame.identifier), frame.data,
+                                               frame.identifier, true, board->now_ms);
         if (check == E2E_OK || check == E2E_SOME_LOST) {
             board->received = message;
         }

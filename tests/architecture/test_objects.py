@@ -290,7 +290,7 @@ def dear(function: Function) -> list[str]:
     ]
 
 
-def test_the_fast_reach_neither_divides_nor_calls_what_it_cannot_know(
+def test_the_fast_loop_neither_divides_nor_calls_what_it_cannot_know(
     arm_objects: list[Path],
 ) -> None:
     reached, outside = call_tree(arm_objects, FAST_ROOT)

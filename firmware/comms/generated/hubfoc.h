@@ -250,12 +250,12 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_WINDING_SENSOR_CHOICE (80u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_SWITCH_SENSOR_CHOICE (81u)
 
-#define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_NEVER_HEARD_CHOICE (0u)
+#define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_NO_DATA_CHOICE (0u)
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_QUALIFYING_CHOICE (1u)
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_VALID_CHOICE (2u)
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_TIMED_OUT_CHOICE (3u)
 
-#define HUBFOC_WHEEL_HEALTH_BATTERY_LINK_NEVER_HEARD_CHOICE (0u)
+#define HUBFOC_WHEEL_HEALTH_BATTERY_LINK_NO_DATA_CHOICE (0u)
 #define HUBFOC_WHEEL_HEALTH_BATTERY_LINK_QUALIFYING_CHOICE (1u)
 #define HUBFOC_WHEEL_HEALTH_BATTERY_LINK_VALID_CHOICE (2u)
 #define HUBFOC_WHEEL_HEALTH_BATTERY_LINK_TIMED_OUT_CHOICE (3u)
@@ -315,7 +315,7 @@ extern "C" {
 /**
  * Signals in message Demand.
  *
- * What this wheel is asked for. Older than the configuration's demand timeout, it counts as lost and decays to zero at the torque rate.
+ * Torque demand to this wheel. When it is older than the configuration's demand timeout, the torque decays to zero at the torque rate.
  *
  * All signal values are as on the CAN bus.
  */
@@ -348,7 +348,7 @@ struct hubfoc_demand_t {
     uint8_t enable;
 
     /**
-     * 1: the anti-lock system is at work; the motor gets out of its way.
+     * 1: anti-lock intervention; the electric braking torque goes to zero.
      *
      * Range: 0..1 (0..1 -)
      * Scale: 1
@@ -387,7 +387,7 @@ struct hubfoc_demand_t {
 /**
  * Signals in message BatteryLimits.
  *
- * What the pack takes and gives now. If it was heard once and then falls silent, no charge goes back; if it was never heard, the configuration's limits hold.
+ * Charge and discharge current limits of the pack. After a timeout the charge limit is zero; while no frame was ever received, the configuration's limits apply.
  *
  * All signal values are as on the CAN bus.
  */
@@ -432,7 +432,7 @@ struct hubfoc_battery_limits_t {
 /**
  * Signals in message WheelState.
  *
- * What a brake system needs every 10 ms: what the motor does, how fast the wheel turns, and whether to believe it.
+ * For the brake system, every 10 ms: motor torque, wheel speed, mode and fault.
  *
  * All signal values are as on the CAN bus.
  */
@@ -474,7 +474,7 @@ struct hubfoc_wheel_state_t {
     uint8_t fault_reason;
 
     /**
-     * Motor torque at the shaft, from measured currents, positive forward: what was achieved, to be taken from the friction brake's share.
+     * Motor torque at the shaft, estimated from measured currents, positive forward; the friction brake's share is the demand less this torque.
      *
      * Range: -200000..200000 (-20000..20000 Nm)
      * Scale: 0.1
@@ -504,7 +504,7 @@ struct hubfoc_wheel_state_t {
 /**
  * Signals in message WheelBrake.
  *
- * The blend: what the hydraulic brake should do now and what the motor could take over.
+ * Brake blending: hydraulic torque command and available electric braking torque.
  *
  * All signal values are as on the CAN bus.
  */
@@ -537,7 +537,7 @@ struct hubfoc_wheel_brake_t {
     uint32_t hydraulic_torque_nm;
 
     /**
-     * Braking torque the motor could take over now; a magnitude, never rounded up.
+     * Available electric braking torque; a magnitude, rounded down.
      *
      * Range: 0..200000 (0..20000 Nm)
      * Scale: 0.1
@@ -555,7 +555,7 @@ struct hubfoc_wheel_brake_t {
     uint8_t hydraulic_reason;
 
     /**
-     * What bounds electric_brake_available_nm.
+     * What limits electric_brake_available_nm.
      *
      * Range: 0..255 (0..255 -)
      * Scale: 1
@@ -567,7 +567,7 @@ struct hubfoc_wheel_brake_t {
 /**
  * Signals in message WheelDrive.
  *
- * What the motor is asked for and what holds it back.
+ * Motor torque command and what limits it.
  *
  * All signal values are as on the CAN bus.
  */
@@ -591,7 +591,7 @@ struct hubfoc_wheel_drive_t {
     uint8_t counter;
 
     /**
-     * What bounds the motor torque in the demanded direction.
+     * What limits the motor torque in the demanded direction.
      *
      * Range: 0..255 (0..255 -)
      * Scale: 1
@@ -600,7 +600,7 @@ struct hubfoc_wheel_drive_t {
     uint8_t torque_reason;
 
     /**
-     * What the current loop is asked for, positive forward.
+     * Torque of the current setpoint, positive forward.
      *
      * Range: -200000..200000 (-20000..20000 Nm)
      * Scale: 0.1
@@ -666,7 +666,7 @@ struct hubfoc_wheel_power_t {
 /**
  * Signals in message WheelHealth.
  *
- * Temperatures, and how well this controller hears the others.
+ * Temperatures, and the state of this controller's receivers.
  *
  * All signal values are as on the CAN bus.
  */

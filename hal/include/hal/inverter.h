@@ -33,9 +33,9 @@ typedef struct {
 
 typedef enum {
     INVERTER_OK = 0,
-    INVERTER_FREQUENCY_UNREACHABLE, /* the counts at this port's timer clock miss the frequency by
+    INVERTER_FREQUENCY_UNSUPPORTED, /* the counts at this port's timer clock miss the frequency by
                                        more than 0.1 % */
-    INVERTER_DEAD_TIME_UNREACHABLE, /* longer than the timer can make, or shorter than the board's
+    INVERTER_DEAD_TIME_UNSUPPORTED, /* longer than the timer can make, or shorter than the board's
                                        switches need */
     INVERTER_TIMER_UNREADY,         /* the timer does not update where it should, or not at all */
     INVERTER_CONVERTER_UNREADY      /* the analog converters did not start */

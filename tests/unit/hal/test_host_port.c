@@ -165,10 +165,10 @@ void test_settings_that_no_port_could_realise_are_refused(void)
 {
     inverter_settings_t settings = {
         .pwm_frequency_Hz = 20000, .pwm_period_counts = 4200, .dead_time_ns = 6001};
-    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, inverter_init(&settings));
+    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNSUPPORTED, inverter_init(&settings));
     settings.dead_time_ns = 1000;
     settings.pwm_period_counts = 16385;
-    TEST_ASSERT_EQUAL_INT(INVERTER_FREQUENCY_UNREACHABLE, inverter_init(&settings));
+    TEST_ASSERT_EQUAL_INT(INVERTER_FREQUENCY_UNSUPPORTED, inverter_init(&settings));
 }
 
 void test_only_accepted_identifiers_arrive(void)

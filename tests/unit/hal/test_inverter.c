@@ -286,10 +286,10 @@ void test_a_break_input_that_is_low_for_good_is_one(void)
 /* A configuration may not make both switches of a leg conduct together. */
 void test_a_dead_time_too_short_for_the_boards_switches_is_refused(void)
 {
-    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, init_with_dead_time(0));
-    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE,
+    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNSUPPORTED, init_with_dead_time(0));
+    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNSUPPORTED,
                           init_with_dead_time(BOARD_DEAD_TIME_LEAST_ns - 1));
-    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNREACHABLE, init_with_dead_time(6001));
+    TEST_ASSERT_EQUAL_INT(INVERTER_DEAD_TIME_UNSUPPORTED, init_with_dead_time(6001));
     TEST_ASSERT_EQUAL_HEX32(0, TIM1->CCER);
     TEST_ASSERT_EQUAL_INT(INVERTER_OK, init_with_dead_time(BOARD_DEAD_TIME_LEAST_ns));
 }

@@ -38,7 +38,7 @@ static double speed_at(const config_t *config, int ms)
     return part < 0.95 ? most - 2.0 * most * (part - 0.45) / 0.5 : -most;
 }
 
-static slow_input_t wish_at(const config_t *config, int ms, uint32_t *random)
+static slow_input_t input_at(const config_t *config, int ms, uint32_t *random)
 {
     static int32_t share_of_256;
     if (ms % DEMAND_ms == 0) {
@@ -87,9 +87,9 @@ int main(void)
             motor_step(&motor, config, &active, bus_V, w_rad_s);
             active = next;
         }
-        const slow_input_t wish = wish_at(config, ms, &random);
+        const slow_input_t in = input_at(config, ms, &random);
         const slow_output_t out =
-            controller_slow_step(&controller.slow, config, &fast_report, &wish, &fast_setpoint);
+            controller_slow_step(&controller.slow, config, &fast_report, &in, &fast_setpoint);
         if (ms >= START_ms && (out.mode == MODE_RUN || out.mode == MODE_LIMP)) {
             running_ms++;
         }

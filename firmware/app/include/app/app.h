@@ -9,7 +9,7 @@
  *                 wish               fast_setpoint
  *     background ------> millisecond -------------> PWM period
  *                <------             <-------------
- *                 view               fast_report            each arrow one double_buffer.h
+ *                 snapshot               fast_report            each arrow one double_buffer.h
  *
  * The two interrupts are declared in hal/upcall.h.
  */

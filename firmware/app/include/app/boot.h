@@ -23,11 +23,11 @@ typedef struct {
     bool ram_good;
     bool firmware_good; /* what is in flash is what was built */
     bool was_watchdog;  /* the watchdog caused this start */
-    config_result_t verdict;
+    config_result_t config_result;
     inverter_status_t inverter; /* looked at only with an accepted configuration and a good clock */
     bool rotor_sensor_missing;  /* the board has none of the kind that the configuration names;
                                    looked at likewise */
-    const config_t *config;     /* the image in flash; only to be used if `verdict` is good */
+    const config_t *config;     /* the image in flash; only to be used if `config_result` is good */
 } boot_report_t;
 
 boot_report_t boot_run(void);

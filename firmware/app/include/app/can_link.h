@@ -24,7 +24,7 @@ typedef struct {
 bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t pack,
                    uint32_t now_ms);
 
-/* Takes what has arrived; true if link->node.wish has changed. */
+/* Takes what has arrived; true if link->node.command has changed. */
 bool can_link_receive(can_link_t *link, uint32_t now_ms);
 
 /* Sends what is due, as far as there is room. */

@@ -46,7 +46,7 @@ void console_greet(console_t *console);
 
 void console_status(console_t *console, const report_status_t *status);
 
-void console_say(console_t *console, const text_t *line);
+void console_print(console_t *console, const text_t *line);
 
 /* Has the serial line taken everything? */
 bool console_drained(const console_t *console);

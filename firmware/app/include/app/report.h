@@ -30,10 +30,10 @@ void report_version(text_t *line);
 
 /* Name and checksum of an accepted configuration; why another one was refused. */
 void report_identity(const config_t *config, text_t *line);
-void report_refusal(const config_result_t *verdict, text_t *line);
+void report_refusal(const config_result_t *result, text_t *line);
 
-/* Program, version, commit and port, and which configuration, if it was accepted: a refused one may have
- * garbage for a name. */
+/* Program, version, commit and port, and which configuration, if it was accepted: a refused one may
+ * have garbage for a name. */
 void report_banner(const boot_report_t *boot, text_t *line);
 
 /* What the self-tests found, and the field for which a configuration was refused. `number` counts

@@ -3,7 +3,7 @@
  * supervisor.h: may the watchdog be fed?
  *
  * Only if everything that keeps the vehicle safe has been at work since the last time: the slow
- * reach has stepped, the fast reach has stepped as often as the PWM frequency says (a quarter
+ * reach has stepped, the fast loop has stepped as often as the PWM frequency says (a quarter
  * either way; the two run from different timers), and the monitor has given a new verdict. That the
  * question is asked at all shows that the background runs. A verdict that is fresh and bad still
  * feeds: the bridge is then in its safe state, and a restart would forget why.
@@ -24,7 +24,7 @@ enum {
 typedef struct {
     uint16_t fast_steps;
     uint16_t slow_steps;
-    uint16_t verdicts;
+    uint16_t monitor_steps;
 } supervisor_counts_t;
 
 typedef struct {

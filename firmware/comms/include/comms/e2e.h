@@ -12,17 +12,17 @@
  * every one, two or three wrong bits of the 64 and every burst of up to eight wrong bits are found,
  * which profile 2 by itself does not promise; the tests try them all.
  *
- * The receiver, one for each message it hears:
+ * The receiver, one for each received message:
  *
- *     NEVER_HEARD -> QUALIFYING -> VALID      first frame; third frame in order
+ *     NO_DATA -> QUALIFYING -> VALID      first frame; third frame in order
  *     VALID -> QUALIFYING                     a step of the counter by more than E2E_STEP_MAX
  *     QUALIFYING, VALID -> TIMED_OUT          no frame to be used for timeout_ms
  *     TIMED_OUT -> QUALIFYING                 the next frame that is intact
  *
- * Only what arrives in VALID may be used. A repeated counter changes nothing and is no sign of
- * life, so a sender that is stuck times out like one that is silent. Time comes from the caller,
- * wraps, and only differences count. The specification is AUTOSAR FO "E2E Protocol Specification"
- * (PRS_E2EProtocol), profile 2; the numbers of frames are ours.
+ * Only frames received in VALID may be used. A repeated counter does not restart the timeout, so a
+ * sender whose counter is stuck times out like one that sends no frames. Time comes from the
+ * caller, wraps, and only differences count. The specification is AUTOSAR FO "E2E Protocol
+ * Specification" (PRS_E2EProtocol), profile 2; the numbers of frames are ours.
  */
 #ifndef COMMS_E2E_H
 #define COMMS_E2E_H
@@ -38,22 +38,17 @@ enum {
 };
 
 /* On CAN and in the shell; the numbers are part of the protocol. */
-typedef enum {
-    E2E_NEVER_HEARD = 0,
-    E2E_QUALIFYING = 1,
-    E2E_VALID = 2,
-    E2E_TIMED_OUT = 3
-} e2e_link_t;
+typedef enum { E2E_NO_DATA = 0, E2E_QUALIFYING = 1, E2E_VALID = 2, E2E_TIMED_OUT = 3 } e2e_link_t;
 
 typedef enum {
-    E2E_OK,             /* use it */
-    E2E_SOME_LOST,      /* use it; one or two before it were lost */
-    E2E_NOT_QUALIFIED,  /* in order, but the sender is not trusted yet */
-    E2E_REPEATED,       /* the counter stands still */
+    E2E_OK,             /* to be used */
+    E2E_SOME_LOST,      /* to be used; one or two frames before it were lost */
+    E2E_NOT_QUALIFIED,  /* in order, but the sender is not qualified yet */
+    E2E_REPEATED,       /* the counter is that of the frame before */
     E2E_WRONG_SEQUENCE, /* the counter jumped */
-    E2E_IMPLAUSIBLE,    /* intact, but the caller found values that cannot be; counts as lost */
+    E2E_IMPLAUSIBLE,    /* intact, but the caller's check failed; counts as lost */
     E2E_DAMAGED         /* CRC or identifier wrong */
-} e2e_verdict_t;
+} e2e_status_t;
 
 /* Since the start; they wrap. */
 typedef struct {
@@ -69,9 +64,10 @@ typedef struct {
 typedef struct {
     e2e_link_t link;
     uint32_t timeout_ms;
-    uint32_t trusted_ms; /* time of the last frame that was used, or of the first of a new start */
-    uint8_t counter;     /* of the last frame that was intact and not a repetition */
-    uint8_t in_order;    /* frames since the order was last broken, up to E2E_QUALIFYING_FRAMES */
+    uint32_t
+        refreshed_ms; /* time of the last frame that was used, or of the first of a new start */
+    uint8_t counter;  /* of the last frame that was intact and not a repetition */
+    uint8_t in_order; /* frames since the order was last broken, up to E2E_QUALIFYING_FRAMES */
     e2e_counts_t counts;
 } e2e_receiver_t;
 
@@ -81,16 +77,16 @@ void e2e_protect(uint8_t data[E2E_FRAME_BYTES], uint16_t identifier, uint8_t cou
 /* Is the CRC right for this content under this identifier? */
 bool e2e_intact(const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier);
 
-/* timeout_ms: at most ten cycle times: after sixteen the counter has come full circle and shows no
+/* timeout_ms: at most ten cycle times, because after sixteen the counter has wrapped and shows no
  * gap. */
 void e2e_receiver_init(e2e_receiver_t *receiver, uint32_t timeout_ms);
 
-/* One received frame. plausible: the caller's verdict on length and content, as far as it has one.
- */
-e2e_verdict_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_BYTES],
-                          uint16_t identifier, bool plausible, uint32_t now_ms);
+/* Background context, for each received frame. plausible: the caller's check of length and
+ * content; true where there is none. */
+e2e_status_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_BYTES],
+                         uint16_t identifier, bool plausible, uint32_t now_ms);
 
-/* Often, also when nothing arrives. True once, when the sender has just timed out. */
+/* Background context, every pass, with or without a frame. True once: when the timeout expires. */
 bool e2e_timed_out(e2e_receiver_t *receiver, uint32_t now_ms);
 
 /* Frames refused for whatever reason, and timeouts. */

@@ -52,7 +52,7 @@ typedef struct {
 void intel_hex_init(intel_hex_t *hex, uint8_t *to, uint32_t capacity_bytes);
 
 /* True when the text has ended: the image is whole if hex->problem is INTEL_HEX_GOOD. */
-bool intel_hex_hear(intel_hex_t *hex, uint8_t character);
+bool intel_hex_receive(intel_hex_t *hex, uint8_t character);
 
 /* What is wrong, for people; never NULL. */
 const char *intel_hex_text(intel_hex_problem_t problem);

@@ -36,6 +36,6 @@ void line_edit_init(line_edit_t *edit);
 
 /* One byte that was typed. Adds to `echo` what the terminal has to show; a text of its usual size
  * always suffices. */
-line_edit_event_t line_edit_hear(line_edit_t *edit, uint8_t byte, text_t *echo);
+line_edit_event_t line_edit_receive(line_edit_t *edit, uint8_t byte, text_t *echo);
 
 #endif

@@ -6,8 +6,8 @@
  * One wheel's messages differ from another's in two bits of the identifier (and in the data id,
  * e2e.h), so one DBC is for all of them. Structures hold SI milli-units, named as in the
  * controller; a frame holds whole steps of 0.1 N m, 0.1 A, 0.1 V, 0.1 degrees and 0.01 rad/s. What
- * is sent is rounded to the nearest step and kept within the DBC's range, except that a braking
- * torque on offer is rounded down: a promise must not be larger than what is there.
+ * is sent is rounded to the nearest step and kept within the DBC's range, except that the
+ * available braking torque is rounded down, so that it is never overstated.
  *
  * Signs: torque, speed and current are positive when they drive forward; braking torques are
  * magnitudes >= 0; the bus current is positive out of the battery. Pure; any context.
@@ -22,7 +22,7 @@
 #include "core/reason.h"
 
 /* The numbers are part of the protocol: the lowest two bits of the identifier, so that on a crowded
- * bus what is urgent for one wheel goes before what can wait for any other. */
+ * bus an urgent message of any wheel has priority over a less urgent one of every other. */
 typedef enum {
     MESSAGES_FRONT_LEFT = 0,
     MESSAGES_FRONT_RIGHT = 1,
@@ -30,10 +30,10 @@ typedef enum {
     MESSAGES_REAR_RIGHT = 3
 } messages_wheel_t;
 
-/* In the order of the bus: the lower, the sooner it gets through. */
+/* In the order of arbitration: the lowest wins. */
 typedef enum {
-    MESSAGES_DEMAND,         /* heard */
-    MESSAGES_BATTERY_LIMITS, /* heard */
+    MESSAGES_DEMAND,         /* received */
+    MESSAGES_BATTERY_LIMITS, /* received */
     MESSAGES_WHEEL_STATE,    /* this and all that follow: sent */
     MESSAGES_WHEEL_BRAKE,
     MESSAGES_WHEEL_DRIVE,
@@ -42,7 +42,10 @@ typedef enum {
     MESSAGES_KINDS
 } messages_kind_t;
 
-enum { MESSAGES_HEARD = MESSAGES_WHEEL_STATE, MESSAGES_SENT = MESSAGES_KINDS - MESSAGES_HEARD };
+enum {
+    MESSAGES_RECEIVED = MESSAGES_WHEEL_STATE,
+    MESSAGES_SENT = MESSAGES_KINDS - MESSAGES_RECEIVED
+};
 
 /* A classic CAN data frame with an 11-bit identifier. */
 typedef struct {
@@ -65,7 +68,7 @@ typedef struct {
     int32_t discharge_current_mA; /* whole pack, 0 .. 32 000 000 */
 } messages_battery_t;
 
-/* Everything one wheel says. Out-of-range values are sent as the end of the range. */
+/* All quantities that one wheel sends. Out-of-range values are sent as the end of the range. */
 typedef struct {
     int32_t motor_torque_command_mNm;
     int32_t motor_torque_estimate_mNm;
@@ -97,23 +100,23 @@ uint16_t messages_identifier(messages_kind_t kind, messages_wheel_t wheel);
 /* The DBC's GenMsgCycleTime. */
 uint32_t messages_cycle_ms(messages_kind_t kind);
 
-/* Contents of a frame whose protection is somebody else's to check. False, and the structure
+/* Decodes a frame; its protection is checked by e2e_receive(). False, and the structure
  * untouched, if the length is wrong or a value is outside the DBC's range. */
 bool messages_read_demand(const messages_frame_t *frame, messages_demand_t *demand);
 bool messages_read_battery(const messages_frame_t *frame, messages_battery_t *battery);
 
-/* For whoever plays the vehicle or the battery: a complete, protected frame. */
+/* For simulators of vehicle and battery: a complete, protected frame. */
 messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel_t wheel,
                                  uint8_t counter);
 messages_frame_t messages_battery(const messages_battery_t *battery, uint8_t counter);
 
-/* The other way, for the vehicle's side: the fields that this kind of frame carries, in whole
+/* Decodes for the vehicle's side: the fields that this kind of frame carries, in whole
  * steps; the others are left as they are. False, and the structure untouched, if it is neither
  * WHEEL_STATE nor WHEEL_BRAKE of that wheel. */
 bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel,
                           messages_output_t *output);
 
-/* One of the sent kinds, complete and protected; an empty frame for the heard ones. */
+/* One of the sent kinds, complete and protected; an empty frame for the received ones. */
 messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output,
                                  messages_wheel_t wheel, uint8_t counter);
 

@@ -2,14 +2,14 @@
 /*
  * shell.h: a line of typing in, lines of answer out; for people on a serial line.
  *
- * The owner passes received bytes to shell_hear(), answers what shell_asks(), and carries the bytes
- * of shell_waiting() away with shell_taken(), as fast or as slowly as its line is. Pure: no clock,
- * no hardware, nothing allocated, no pointers to functions (the depth of the stack stays
- * countable). What can be typed is the owner's list of commands and two of the shell's own: help,
- * made from that list, and reasons, made from core/reason.h. A command is answered line by line,
- * and the next line is asked for only when there is room, so an answer may be far longer than the
- * buffer and nothing of it is lost. What is typed meanwhile waits; ^C ends the answer. The keys are
- * line_edit.h's.
+ * The owner passes received bytes to shell_receive(), answers what shell_next_request(), and
+ * carries the bytes of shell_pending() away with shell_sent(), as fast or as slowly as its line is.
+ * Pure: no clock, no hardware, nothing allocated, no pointers to functions (the depth of the stack
+ * stays countable). What can be typed is the owner's list of commands and two of the shell's own:
+ * help, made from that list, and reasons, made from core/reason.h. A command is answered line by
+ * line, and the next line is asked for only when there is room, so an answer may be far longer than
+ * the buffer and nothing of it is lost. What is typed meanwhile waits; ^C ends the answer. The keys
+ * are line_edit.h's.
  *
  * The shell by itself only shows: it has no way to move the wheel or to change a limit.
  */
@@ -22,7 +22,7 @@
 #include "comms/line_edit.h"
 #include "comms/text.h"
 
-enum { SHELL_WAITING_BYTES = 1024, SHELL_AHEAD_BYTES = 128 };
+enum { SHELL_PENDING_BYTES = 1024, SHELL_AHEAD_BYTES = 128 };
 
 typedef struct {
     const char *name;
@@ -34,7 +34,7 @@ typedef struct {
     uint32_t command;     /* index into the owner's list */
     const char *argument; /* what followed the command; "" if nothing */
     uint32_t number;      /* of the line, from 0 */
-} shell_question_t;
+} shell_request_t;
 
 typedef struct {
     const shell_command_t *commands; /* the owner's */
@@ -49,33 +49,33 @@ typedef struct {
     uint32_t running; /* the command that is being answered */
     uint32_t next_line;
 
-    char waiting[SHELL_WAITING_BYTES];
-    uint32_t waiting_bytes; /* in the buffer; the first `taken_bytes` of them are gone */
-    uint32_t taken_bytes;
+    char waiting[SHELL_PENDING_BYTES];
+    uint32_t pending_bytes; /* in the buffer; the first `sent_bytes` of them are gone */
+    uint32_t sent_bytes;
     uint32_t dropped_lines;
 } shell_t;
 
 void shell_init(shell_t *shell, const shell_command_t *commands, uint32_t command_count);
 
 /* One byte that was typed. */
-void shell_hear(shell_t *shell, uint8_t byte);
+void shell_receive(shell_t *shell, uint8_t byte);
 
 /* A line nobody asked for; its end of line is added. Dropped whole and counted if there is no room.
  */
-void shell_say(shell_t *shell, const text_t *line);
+void shell_print(shell_t *shell, const text_t *line);
 
 /* True if one of the owner's commands has been typed and there is room for the next line of its
  * answer. To be answered with shell_answer(), or with shell_answered() when there is no such line.
  */
-bool shell_asks(shell_t *shell, shell_question_t *question);
+bool shell_next_request(shell_t *shell, shell_request_t *question);
 void shell_answer(shell_t *shell, const text_t *line);
 void shell_answered(shell_t *shell);
 
 /* What is to be sent now: its address, and how many bytes. */
-uint32_t shell_waiting(const shell_t *shell, const char **bytes);
+uint32_t shell_pending(const shell_t *shell, const char **bytes);
 
 /* That many of them have been sent. */
-void shell_taken(shell_t *shell, uint32_t count);
+void shell_sent(shell_t *shell, uint32_t count);
 
 /* Is everything sent, answered and understood? */
 bool shell_idle(const shell_t *shell);

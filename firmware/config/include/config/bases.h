@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * bases.h: the per-unit bases, and every conversion between the fast reach's per-unit and the slow
+ * bases.h: the per-unit bases, and every conversion between the fast loop's per-unit and the slow
  * reach's SI units.
  *
  *     current   1.0 pu = drive.current_full_scale_mA          peak phase current
@@ -9,7 +9,7 @@
  *     speed     1.0 pu = 1/16 electrical turn per PWM period  (1250 Hz electrical at 20 kHz)
  *     angle     65 536 = one electrical turn
  *
- * Q15 stands for 32 768 = 1.0. All functions divide or multiply in 64 bits: for the slow reach
+ * Q15 stands for 32 768 = 1.0. All functions divide or multiply in 64 bits: for the slow loop
  * only. They saturate.
  */
 #ifndef CONFIG_BASES_H
@@ -35,7 +35,7 @@ static inline int32_t bases_bus_voltage_mV(const config_t *config, int32_t volta
     return q_scale(voltage_pu_q15, config->drive.voltage_full_scale_mV, 32768);
 }
 
-/* Electrical speed as the fast reach keeps it, turns per PWM period in Q32, to mechanical mrad/s.
+/* Electrical speed as the fast loop keeps it, turns per PWM period in Q32, to mechanical mrad/s.
  *     omega_m = turns/period * f_pwm * 2 pi / pole_pairs;   2 pi * 1000 = 6283.19 mrad a turn */
 static inline int32_t bases_speed_mrad_s(const config_t *config, int32_t speed_turn_q32)
 {

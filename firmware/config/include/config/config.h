@@ -91,7 +91,7 @@
     X(voltage_full_scale_mV,                 5000,      2000000,    "mV", \
       "base of voltage: what the converter's whole range stands for") \
     X(pwm_frequency_Hz,                      4000,      100000,     "Hz", \
-      "rate of the fast reach; base of speed is a sixteenth of it") \
+      "rate of the fast loop; base of speed is a sixteenth of it") \
     X(pwm_period_counts,                     256,       16384,      "1", \
       "timer counts from 0 to the top of the centre-aligned count") \
     X(dead_time_ns,                          0,         10000,      "ns", \

@@ -4,7 +4,7 @@
  * convert by accident.
  *
  * Amplitude-invariant everywhere: a balanced set of peak value X has |alpha-beta| = |dq| = X.
- * Components are per-unit Q15, 1.0 = 32768. They are the 32-bit intermediates of the fast reach, so
+ * Components are per-unit Q15, 1.0 = 32768. They are the 32-bit intermediates of the fast loop, so
  * a register holds one without narrowing: phases stay within 16 bits, alpha-beta and dq vectors of
  * such phases within 1.53 (50 200).
  */

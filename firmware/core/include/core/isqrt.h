@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * isqrt.h: integer square root for the slow reach. One iteration for each two bits of the argument,
+ * isqrt.h: integer square root for the slow loop. One iteration for each two bits of the argument,
  * no division; not for the PWM-rate path.
  */
 #ifndef CORE_ISQRT_H

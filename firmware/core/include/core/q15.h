@@ -19,7 +19,7 @@
 /* The shifts below rely on it; the language leaves it to the compiler. */
 _Static_assert((-3 >> 1) == -2, "right shift of a negative number must be arithmetic");
 
-/* How a kernel of the fast reach is declared. A port may supply one that inlines even where the
+/* How a kernel of the fast loop is declared. A port may supply one that inlines even where the
  * compiler is told to save space: for such short functions the call costs more of both. */
 #ifndef Q_TARGET_INLINE
 #define Q_TARGET_INLINE static inline
@@ -131,7 +131,7 @@ static inline int32_t q_saturate64(int64_t x)
     return x > INT32_MAX ? INT32_MAX : (x < INT32_MIN ? INT32_MIN : (int32_t)x);
 }
 
-/* value * share, share in Q15, for physical quantities of the slow reach; rounded towards zero,
+/* value * share, share in Q15, for physical quantities of the slow loop; rounded towards zero,
  * never grows. */
 static inline int32_t q15_share_of(int32_t value, int16_t share_q15)
 {
@@ -139,7 +139,7 @@ static inline int32_t q15_share_of(int32_t value, int16_t share_q15)
 }
 
 /* (a * b) / c with a 64-bit product, rounded towards zero and saturated to int32_t. c must not be
- * 0. For the slow reach only: it divides. */
+ * 0. For the slow loop only: it divides. */
 static inline int32_t q_scale(int32_t a, int32_t b, int32_t c)
 {
     return q_saturate64((int64_t)a * b / c);

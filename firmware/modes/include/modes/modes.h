@@ -42,7 +42,7 @@ enum {
 typedef struct {
     bool config_accepted;
     bool selftest_passed;
-    bool offsets_done;      /* the fast reach has finished averaging */
+    bool offsets_done;      /* the fast loop has finished averaging */
     bool offsets_plausible; /* verdict of the monitor on the result */
     bool rotor_valid;       /* the rotor's angle may be used for torque */
     bool rolling;           /* faster than the hand-over speed */
@@ -70,7 +70,7 @@ typedef struct {
     reason_t fault; /* latched, REASON_NONE when healthy */
     torque_enable_t torque_enable;
     bool calibrate_offsets;
-    bool clear_trip; /* an acknowledgement is pending: the fast reach forgets its latched trip and
+    bool clear_trip; /* an acknowledgement is pending: the fast loop forgets its latched trip and
                         looks again */
 } modes_output_t;
 

@@ -6,9 +6,9 @@
  *
  * Fast part (every PWM period): length of the current vector, bus over-voltage, the power stage's
  * own fault line. A trip is latched, and the bridge goes to the safe state in the same period,
- * whatever the slow reach says. Slow part (1 kHz): sum of currents, saturated sensors, bus voltage,
+ * whatever the slow loop says. Slow part (1 kHz): sum of currents, saturated sensors, bus voltage,
  * temperatures, rotor, its angle against the back-EMF (monitor_emf.h), torque against what was
- * permitted, program flow (each reach counts the other's steps), and how fast the wheel may be
+ * permitted, program flow (each loop counts the other's steps), and how fast the wheel may be
  * turning (monitor_speed.h), which decides what is safe.
  */
 #ifndef MONITOR_MONITOR_H
@@ -30,7 +30,7 @@ enum {
         250, /* ms that an angle which is not valid may heal, once the torque has left */
     MONITOR_TRIP_PERIODS = 2, /* PWM periods an over-current must hold: one sample may be a spike */
     MONITOR_DOUBT_STEPS = 10000, /* ms a doubt about the rotor sensor keeps the warning up */
-    MONITOR_STALE_STEPS = 4,     /* slow steps that may be missing before the fast reach acts */
+    MONITOR_STALE_STEPS = 4,     /* slow steps that may be missing before the fast loop acts */
     MONITOR_OVERTEMPERATURE_cC = 1000, /* above the temperature at which no torque is left */
     MONITOR_HOTTEST_cC = 29000, /* what lies beyond these two no winding and no switch can be: the
                                    sensor's line is open */
@@ -50,7 +50,7 @@ typedef struct {
     /* State. */
     reason_t trip;
     int32_t overcurrent_periods;
-    int32_t patience_periods; /* until the slow reach must have stepped */
+    int32_t patience_periods; /* until the slow loop must have stepped */
     uint16_t last_slow_step;
 } monitor_fast_state_t;
 

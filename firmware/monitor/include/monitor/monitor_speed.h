@@ -10,7 +10,7 @@
  * no faster than that towards what a valid sensor says. While the sensor's angle is not valid, it
  * falls as a vehicle that rolls out does, COASTING (0.01 g).
  *   - In the short the currents turn with the magnets, and in the steady state |Z| |i| = w psi. The
- * fast reach counts the quarter turns of the current's vector and says when the latest came. A
+ * fast loop counts the quarter turns of the current's vector and says when the latest came. A
  * window ends after 16 of them, which took so many periods, or after 100 ms, in which it may have
  * been one more than was counted. It counts if its current fits its speed, max(R, w L_d) |i| <= 2 w
  * psi: while a decaying direct current is longer than the turning one, or a sensor is dead, the

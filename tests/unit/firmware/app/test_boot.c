@@ -121,8 +121,8 @@ void test_a_refused_configuration_starts_neither_bridge_nor_rotor_sensor_and_nam
     expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
     TEST_ASSERT_FALSE(boot_may_control(&report));
-    TEST_ASSERT_EQUAL_STRING("motor.pole_pairs", report.verdict.field);
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_RANGE, report.verdict.code);
+    TEST_ASSERT_EQUAL_STRING("motor.pole_pairs", report.config_result.field);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_RANGE, report.config_result.code);
 }
 
 void test_an_erased_sector_is_refused(void)
@@ -139,7 +139,7 @@ void test_a_sector_too_small_for_the_image_is_refused_without_being_read(void)
 {
     expect_board(true, &config, sizeof config - 4, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_SIZE, report.verdict.code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_SIZE, report.config_result.code);
     TEST_ASSERT_FALSE(boot_may_control(&report));
 }
 
@@ -147,7 +147,7 @@ void test_without_its_clock_the_board_starts_nothing_that_needs_exact_time(void)
 {
     expect_board(false, &config, sizeof config, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, report.verdict.code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, report.config_result.code);
     TEST_ASSERT_FALSE(boot_may_control(&report));
 }
 
@@ -162,8 +162,8 @@ void test_firmware_that_is_not_what_was_built_fails_the_self_test_but_may_report
 
 void test_a_configuration_that_this_boards_timer_cannot_realise_is_refused(void)
 {
-    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNREACHABLE,
-                                            INVERTER_DEAD_TIME_UNREACHABLE, INVERTER_TIMER_UNREADY,
+    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNSUPPORTED,
+                                            INVERTER_DEAD_TIME_UNSUPPORTED, INVERTER_TIMER_UNREADY,
                                             INVERTER_CONVERTER_UNREADY};
     for (size_t i = 0; i < sizeof BAD / sizeof BAD[0]; i++) {
         expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);

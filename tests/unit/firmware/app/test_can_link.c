@@ -8,7 +8,7 @@
 static const messages_battery_t PACK = {.charge_current_mA = 50000, .discharge_current_mA = 150000};
 
 static can_link_t can_link;
-static uint16_t accepted[MESSAGES_HEARD];
+static uint16_t accepted[MESSAGES_RECEIVED];
 static can_frame_t waiting[16]; /* what the bus has for us */
 static int waiting_count, delivered;
 static can_frame_t sent[64];
@@ -18,7 +18,7 @@ static bool starts;
 static bool init(const uint16_t *identifiers, uint32_t count, int calls)
 {
     (void)calls;
-    TEST_ASSERT_EQUAL_UINT32(MESSAGES_HEARD, count);
+    TEST_ASSERT_EQUAL_UINT32(MESSAGES_RECEIVED, count);
     for (uint32_t i = 0; i < count; i++) {
         accepted[i] = identifiers[i];
     }
@@ -87,9 +87,9 @@ void test_a_demand_arrives_whole_and_with_its_time(void)
     arrive(8, 2000);
     arrive(9, -123400);
     TEST_ASSERT_TRUE(can_link_receive(&can_link, 42));
-    TEST_ASSERT_EQUAL_INT32(-123400, can_link.node.wish.demand.drive_torque_mNm);
-    TEST_ASSERT_TRUE(can_link.node.wish.demand.enable);
-    TEST_ASSERT_EQUAL_UINT32(42, can_link.node.wish.demand_time_ms);
+    TEST_ASSERT_EQUAL_INT32(-123400, can_link.node.command.demand.drive_torque_mNm);
+    TEST_ASSERT_TRUE(can_link.node.command.demand.enable);
+    TEST_ASSERT_EQUAL_UINT32(42, can_link.node.command.demand_time_ms);
     TEST_ASSERT_FALSE(can_link_receive(&can_link, 43));
 }
 
@@ -98,11 +98,11 @@ void test_silence_is_noticed_without_any_frame(void)
     const messages_battery_t full = {.charge_current_mA = 20000, .discharge_current_mA = 90000};
     for (uint8_t counter = 0; counter < 3; counter++) {
         const messages_frame_t frame = messages_battery(&full, counter);
-        (void)node_hear(&can_link.node, &frame, 100);
+        (void)node_receive(&can_link.node, &frame, 100);
     }
-    TEST_ASSERT_EQUAL_INT32(20000, can_link.node.wish.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(20000, can_link.node.command.battery.charge_current_mA);
     TEST_ASSERT_TRUE(can_link_receive(&can_link, 100000));
-    TEST_ASSERT_EQUAL_INT32(0, can_link.node.wish.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(0, can_link.node.command.battery.charge_current_mA);
 }
 
 void test_a_flooded_bus_is_read_in_portions(void)
@@ -192,21 +192,21 @@ void test_every_output_of_the_controller_is_handed_over_as_it_is(void)
         .mode = MODE_LIMP,
         .stop_lamp = true,
     };
-    const messages_output_t said = can_link_output(&output, 9, 10);
-    TEST_ASSERT_EQUAL_INT32(-1, said.motor_torque_command_mNm);
-    TEST_ASSERT_EQUAL_INT32(-2, said.motor_torque_estimate_mNm);
-    TEST_ASSERT_EQUAL_INT32(3, said.hydraulic_torque_mNm);
-    TEST_ASSERT_EQUAL_INT32(4, said.electric_brake_available_mNm);
-    TEST_ASSERT_EQUAL_INT32(5, said.speed_mrad_s);
-    TEST_ASSERT_EQUAL_INT32(-6, said.i_q_mA);
-    TEST_ASSERT_EQUAL_INT32(7, said.bus_voltage_mV);
-    TEST_ASSERT_EQUAL_INT32(-8, said.bus_current_mA);
-    TEST_ASSERT_EQUAL_INT32(9, said.winding_temperature_cC);
-    TEST_ASSERT_EQUAL_INT32(10, said.switch_temperature_cC);
-    TEST_ASSERT_EQUAL_INT(REASON_ABS, said.torque_reason);
-    TEST_ASSERT_EQUAL_INT(REASON_BLEND_OUT, said.available_reason);
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LIMIT, said.hydraulic_reason);
-    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, said.fault_reason);
-    TEST_ASSERT_EQUAL_UINT8(MODE_LIMP, said.mode);
-    TEST_ASSERT_TRUE(said.stop_lamp);
+    const messages_output_t frame = can_link_output(&output, 9, 10);
+    TEST_ASSERT_EQUAL_INT32(-1, frame.motor_torque_command_mNm);
+    TEST_ASSERT_EQUAL_INT32(-2, frame.motor_torque_estimate_mNm);
+    TEST_ASSERT_EQUAL_INT32(3, frame.hydraulic_torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(4, frame.electric_brake_available_mNm);
+    TEST_ASSERT_EQUAL_INT32(5, frame.speed_mrad_s);
+    TEST_ASSERT_EQUAL_INT32(-6, frame.i_q_mA);
+    TEST_ASSERT_EQUAL_INT32(7, frame.bus_voltage_mV);
+    TEST_ASSERT_EQUAL_INT32(-8, frame.bus_current_mA);
+    TEST_ASSERT_EQUAL_INT32(9, frame.winding_temperature_cC);
+    TEST_ASSERT_EQUAL_INT32(10, frame.switch_temperature_cC);
+    TEST_ASSERT_EQUAL_INT(REASON_ABS, frame.torque_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_BLEND_OUT, frame.available_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LIMIT, frame.hydraulic_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, frame.fault_reason);
+    TEST_ASSERT_EQUAL_UINT8(MODE_LIMP, frame.mode);
+    TEST_ASSERT_TRUE(frame.stop_lamp);
 }

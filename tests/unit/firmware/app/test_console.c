@@ -44,7 +44,7 @@ void setUp(void)
     const boot_report_t good = {.clock_good = true,
                                 .ram_good = true,
                                 .firmware_good = true,
-                                .verdict = {.field = ""},
+                                .config_result = {.field = ""},
                                 .config = &CONFIG_IMAGE};
     boot = good;
     const slow_output_t idle = {
@@ -116,7 +116,7 @@ void test_every_command_that_help_lists_has_an_answer(void)
     type_and_wait("status\r");
     assert_shows("READY, torque not enabled in this mode; ");
     type_and_wait("can\r");
-    assert_shows("demand NEVER_HEARD; ");
+    assert_shows("demand NO_DATA; ");
     type_and_wait("boot\r");
     assert_shows("self-test RAM: good\r\n");
     type_and_wait("version\r");
@@ -131,7 +131,7 @@ void test_the_whole_configuration_is_shown_without_a_gap_on_a_slow_line(void)
 {
     line_takes = 7;
     type_and_wait("config\r");
-    TEST_ASSERT_TRUE(screen_bytes > SHELL_WAITING_BYTES);
+    TEST_ASSERT_TRUE(screen_bytes > SHELL_PENDING_BYTES);
     TEST_ASSERT_EQUAL_INT(1, times_shown("\nmotor.type "));
     TEST_ASSERT_EQUAL_INT(1, times_shown("\nregen_map.temperature_origin_cC "));
     TEST_ASSERT_EQUAL_UINT32(0, console.shell.dropped_lines);

@@ -23,7 +23,7 @@ void tearDown(void) {}
 static void type(const char *text)
 {
     for (; *text != '\0' && installer.state == INSTALLER_RECEIVING; text++) {
-        installer_hear(&installer, (uint8_t)*text, 0);
+        installer_receive(&installer, (uint8_t)*text, 0);
     }
 }
 
@@ -67,7 +67,7 @@ void test_a_whole_configuration_is_accepted_and_named(void)
     send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
     TEST_ASSERT_EQUAL_INT(INSTALLER_ACCEPTED, installer.state);
     TEST_ASSERT_EQUAL_MEMORY(&CONFIG_IMAGE, &installer.image.config, sizeof CONFIG_IMAGE);
-    installer_words(&installer, &line);
+    installer_text(&installer, &line);
     assert_says("accepted: configuration ");
     assert_says(CONFIG_IMAGE.name);
 }
@@ -79,7 +79,7 @@ void test_a_configuration_that_the_validator_refuses_is_refused_with_its_field(v
     config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
     send(&config, sizeof config);
     TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
-    installer_words(&installer, &line);
+    installer_text(&installer, &line);
     assert_says("motor.pole_pairs is 0, accepted 1 .. ");
     assert_says("the configuration is as it was");
 }
@@ -88,7 +88,7 @@ void test_a_configuration_with_its_end_missing_is_refused(void)
 {
     send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE - 4U);
     TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
-    installer_words(&installer, &line);
+    installer_text(&installer, &line);
     assert_says("size_bytes is not what this firmware expects");
 }
 
@@ -99,23 +99,23 @@ void test_a_damaged_record_is_refused_by_number_after_the_last_one(void)
     TEST_ASSERT_EQUAL_INT(INSTALLER_RECEIVING, installer.state);
     type(":00000001FF");
     TEST_ASSERT_EQUAL_INT(INSTALLER_REFUSED, installer.state);
-    installer_words(&installer, &line);
+    installer_text(&installer, &line);
     assert_says("refused: record 2: wrong checksum; the configuration is as it was");
 }
 
 void test_silence_or_control_c_gives_up_and_before_that_nothing_is_lost(void)
 {
     installer_open(&installer, 1000);
-    installer_hear(&installer, ':', 2000);
-    installer_tick(&installer, 2000 + INSTALLER_SILENCE_ms - 1);
+    installer_receive(&installer, ':', 2000);
+    installer_tick(&installer, 2000 + INSTALLER_TIMEOUT_ms - 1);
     TEST_ASSERT_EQUAL_INT(INSTALLER_RECEIVING, installer.state);
-    installer_tick(&installer, 2000 + INSTALLER_SILENCE_ms);
-    TEST_ASSERT_EQUAL_INT(INSTALLER_GIVEN_UP, installer.state);
-    installer_words(&installer, &line);
+    installer_tick(&installer, 2000 + INSTALLER_TIMEOUT_ms);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_CANCELLED, installer.state);
+    installer_text(&installer, &line);
     assert_says("given up");
     installer_open(&installer, 0);
-    installer_hear(&installer, 0x03, 0);
-    TEST_ASSERT_EQUAL_INT(INSTALLER_GIVEN_UP, installer.state);
+    installer_receive(&installer, 0x03, 0);
+    TEST_ASSERT_EQUAL_INT(INSTALLER_CANCELLED, installer.state);
 }
 
 static bool tripped;

@@ -203,15 +203,15 @@ static void milliseconds(int count)
 
 /* The vehicle's message, ten times a second is enough for no timeout; counter and CRC as they must
  * be. */
-static void vehicle_says(bool enable, bool fault_reset, int duration_ms)
+static void vehicle_sends(bool enable, bool fault_reset, int duration_ms)
 {
     static uint8_t counter;
     for (int ms = 0; ms < duration_ms; ms += 10) {
         const messages_demand_t demand = {.enable = enable, .fault_reset = fault_reset};
-        const messages_frame_t said = messages_demand(
+        const messages_frame_t sent = messages_demand(
             &demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position, counter++);
-        can_frame_t frame = {.identifier = said.identifier, .length = said.length};
-        memcpy(frame.data, said.data, sizeof frame.data);
+        can_frame_t frame = {.identifier = sent.identifier, .length = sent.length};
+        memcpy(frame.data, sent.data, sizeof frame.data);
         board.waiting = frame;
         board.frame_waits = true;
         milliseconds(10);
@@ -240,7 +240,7 @@ void test_enabled_over_can_the_bridge_switches(void)
 {
     app_boot();
     milliseconds(300);
-    vehicle_says(true, false, 100);
+    vehicle_sends(true, false, 100);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
     TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, board.mode);
 }
@@ -252,10 +252,10 @@ void test_an_angle_that_is_not_known_yet_is_not_driven_by(void)
     board.config.crc32 = config_crc32(&board.config, (uint32_t)offsetof(config_t, crc32));
     app_boot();
     milliseconds(300);
-    vehicle_says(true, false, 100);
+    vehicle_sends(true, false, 100);
     TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
     board.at_index = true;
-    vehicle_says(true, false, 100);
+    vehicle_sends(true, false, 100);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
 }
 
@@ -274,16 +274,16 @@ void test_the_hardwares_fault_is_latched_and_released_only_with_an_acknowledgeme
 {
     app_boot();
     milliseconds(300);
-    vehicle_says(true, false, 50);
+    vehicle_sends(true, false, 50);
     board.fault = true;
     milliseconds(20);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
     TEST_ASSERT_EQUAL_UINT8(REASON_HARDWARE_BREAK, board.last_state.data[2]);
     TEST_ASSERT_FALSE(app_finish());
-    vehicle_says(false, false, 500);
+    vehicle_sends(false, false, 500);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
     TEST_ASSERT_EQUAL_INT(0, board.clearings);
-    vehicle_says(false, true, 500);
+    vehicle_sends(false, true, 500);
     TEST_ASSERT_TRUE(board.clearings > 0);
     TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
     TEST_ASSERT_TRUE(app_finish());
@@ -298,7 +298,7 @@ void test_the_watchdog_is_fed_in_every_window_while_all_is_at_work(void)
     TEST_ASSERT_INT_WITHIN(1, 40, board.feedings);
 }
 
-void test_the_watchdog_starves_when_either_reach_stops(void)
+void test_the_watchdog_starves_when_either_loop_stops(void)
 {
     app_boot();
     milliseconds(100);
@@ -320,11 +320,11 @@ void test_the_watchdog_starves_when_either_reach_stops(void)
 
 /* The timer would go on with the last compare values, and nobody else is left to switch it off
  * before the watchdog. */
-void test_a_fast_reach_that_stops_is_switched_off_by_the_slow_one_within_four_milliseconds(void)
+void test_a_fast_loop_that_stops_is_switched_off_by_the_slow_one_within_four_milliseconds(void)
 {
     app_boot();
     milliseconds(300);
-    vehicle_says(true, false, 100);
+    vehicle_sends(true, false, 100);
     TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, board.mode);
     TEST_ASSERT_EQUAL_INT(0, board.trips);
     for (int ms = 0; ms < 4; ms++) {
@@ -334,11 +334,11 @@ void test_a_fast_reach_that_stops_is_switched_off_by_the_slow_one_within_four_mi
 }
 
 /* Nor may an acknowledgement release the bridge while nothing could switch it off again. */
-void test_a_fast_reach_that_comes_back_finds_its_fault_latched(void)
+void test_a_fast_loop_that_comes_back_finds_its_fault_latched(void)
 {
     app_boot();
     milliseconds(300);
-    vehicle_says(true, false, 100);
+    vehicle_sends(true, false, 100);
     for (int ms = 0; ms < 10; ms++) {
         app_millisecond_isr();
     }
@@ -346,7 +346,7 @@ void test_a_fast_reach_that_comes_back_finds_its_fault_latched(void)
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
     TEST_ASSERT_EQUAL_UINT8(REASON_PROGRAM_FLOW, board.last_state.data[2]);
     TEST_ASSERT_TRUE(board.fault);
-    vehicle_says(false, true, 500);
+    vehicle_sends(false, true, 500);
     TEST_ASSERT_FALSE(board.fault);
     TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
 }

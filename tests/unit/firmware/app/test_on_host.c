@@ -22,7 +22,7 @@
 enum { MESSAGE_PERIOD_ms = 10 };
 
 /* Enabled after 0.5 s; then drive, brake and let go in turn. */
-static messages_demand_t wish(uint32_t now_ms)
+static messages_demand_t demand_at(uint32_t now_ms)
 {
     const uint32_t act = now_ms / 200 % 3;
     const messages_demand_t demand = {
@@ -35,12 +35,12 @@ static messages_demand_t wish(uint32_t now_ms)
 
 static can_frame_t message(uint32_t now_ms)
 {
-    const messages_demand_t demand = wish(now_ms);
-    const messages_frame_t said =
+    const messages_demand_t demand = demand_at(now_ms);
+    const messages_frame_t sent =
         messages_demand(&demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position,
                         (uint8_t)(now_ms / MESSAGE_PERIOD_ms));
-    can_frame_t frame = {.identifier = said.identifier, .length = said.length};
-    memcpy(frame.data, said.data, sizeof frame.data);
+    can_frame_t frame = {.identifier = sent.identifier, .length = sent.length};
+    memcpy(frame.data, sent.data, sizeof frame.data);
     return frame;
 }
 
@@ -49,11 +49,11 @@ static void run_application(void)
     connect(&CONFIG_IMAGE);
     app_boot();
     host_run_for(PERIODS);
-    uint32_t said_ms = 0;
+    uint32_t sent_ms = 0;
     while (time_running()) {
-        if (time_ms() - said_ms >= MESSAGE_PERIOD_ms) {
-            said_ms = time_ms();
-            const can_frame_t frame = message(said_ms);
+        if (time_ms() - sent_ms >= MESSAGE_PERIOD_ms) {
+            sent_ms = time_ms();
+            const can_frame_t frame = message(sent_ms);
             host_can_send(&frame);
         }
         app_background();
@@ -79,9 +79,9 @@ static void assert_same_as_driven_directly(void)
     (void)tell(&story); /* the board looks once at start-up */
     fast_output_t out = {.bridge = BRIDGE_OFF};
     messages_demand_t demand = {0};
-    uint32_t demand_ms = 0, now_ms = 0, said_ms = 0;
+    uint32_t demand_ms = 0, now_ms = 0, sent_ms = 0;
     int messages_heard = 0;
-    bool heard = false;
+    bool received = false;
     int running = 0;
     for (int period = 0; period < PERIODS; period++) {
         TEST_ASSERT_EQUAL_INT(expected_mode(out.bridge), seen[period].mode);
@@ -103,7 +103,7 @@ static void assert_same_as_driven_directly(void)
             const slow_input_t slow_in = {
                 .drive_torque_mNm = demand.drive_torque_mNm,
                 .brake_torque_mNm = demand.brake_torque_mNm,
-                .demand_age_ms = heard ? now_ms - demand_ms : UINT32_MAX,
+                .demand_age_ms = received ? now_ms - demand_ms : UINT32_MAX,
                 .bms_charge_current_mA =
                     config->battery.max_charge_current_mA * config->battery.driven_wheels,
                 .bms_discharge_current_mA =
@@ -117,13 +117,13 @@ static void assert_same_as_driven_directly(void)
             (void)controller_slow_step(&controller.slow, config, &fast_report, &slow_in,
                                        &fast_setpoint);
         }
-        if (now_ms - said_ms >= MESSAGE_PERIOD_ms) {
-            said_ms = now_ms;
+        if (now_ms - sent_ms >= MESSAGE_PERIOD_ms) {
+            sent_ms = now_ms;
             messages_heard++;
             if (messages_heard >= E2E_QUALIFYING_FRAMES) { /* those before are not trusted yet */
-                demand = wish(now_ms);
+                demand = demand_at(now_ms);
                 demand_ms = now_ms;
-                heard = true;
+                received = true;
             }
         }
     }

@@ -18,7 +18,7 @@ void setUp(void)
     const boot_report_t good = {.clock_good = true,
                                 .ram_good = true,
                                 .firmware_good = true,
-                                .verdict = {.field = ""},
+                                .config_result = {.field = ""},
                                 .config = &CONFIG_IMAGE};
     boot = good;
     const slow_output_t idle = {
@@ -93,7 +93,7 @@ void test_the_banner_names_program_configuration_checksum_and_wheel(void)
 
 void test_a_refused_configuration_is_not_named_in_the_banner_since_its_name_may_be_garbage(void)
 {
-    boot.verdict.code = CONFIG_RESULT_MAGIC;
+    boot.config_result.code = CONFIG_RESULT_MAGIC;
     boot.config = NULL; /* would crash if it were read */
     report_banner(&boot, &line);
     TEST_ASSERT_NULL(strstr(line.chars, "configuration"));
@@ -108,23 +108,23 @@ void test_after_a_good_start_three_lines_say_so(void)
 
 void test_a_refused_field_is_named_with_its_value_and_what_would_be_accepted(void)
 {
-    const config_result_t verdict = {.code = CONFIG_RESULT_RANGE,
-                                     .field = "motor.pole_pairs",
-                                     .value = 0,
-                                     .lowest = 1,
-                                     .highest = 60};
-    boot.verdict = verdict;
+    const config_result_t result = {.code = CONFIG_RESULT_RANGE,
+                                    .field = "motor.pole_pairs",
+                                    .value = 0,
+                                    .lowest = 1,
+                                    .highest = 60};
+    boot.config_result = result;
     read_boot();
     assert_on_page("configuration refused: motor.pole_pairs is 0, accepted 1 .. 60\n");
 }
 
 void test_a_broken_relation_and_a_wrong_checksum_are_named(void)
 {
-    boot.verdict.code = CONFIG_RESULT_RELATION;
-    boot.verdict.field = "a < b";
+    boot.config_result.code = CONFIG_RESULT_RELATION;
+    boot.config_result.field = "a < b";
     read_boot();
-    boot.verdict.code = CONFIG_RESULT_CRC;
-    boot.verdict.field = "crc32";
+    boot.config_result.code = CONFIG_RESULT_CRC;
+    boot.config_result.field = "crc32";
     read_boot();
     assert_on_page("configuration refused: a < b does not hold\n");
     assert_on_page("configuration refused: crc32 is not what this firmware expects\n");
@@ -145,8 +145,8 @@ void test_failed_self_tests_and_clocks_are_said(void)
 
 void test_each_way_in_which_the_ports_can_refuse_has_words_of_its_own(void)
 {
-    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNREACHABLE,
-                                            INVERTER_DEAD_TIME_UNREACHABLE, INVERTER_TIMER_UNREADY,
+    static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNSUPPORTED,
+                                            INVERTER_DEAD_TIME_UNSUPPORTED, INVERTER_TIMER_UNREADY,
                                             INVERTER_CONVERTER_UNREADY};
     static const char *const WORDS[] = {"drive.pwm_period_counts", "drive.dead_time_ns",
                                         "PWM timer", "converters"};
@@ -170,7 +170,7 @@ void test_status_shows_mode_reason_and_numbers_in_si_units(void)
     assert_in_line("-20.450 N m");
     assert_in_line("53.012 V");
     assert_in_line("321 cycles");
-    assert_in_line("demand NEVER_HEARD");
+    assert_in_line("demand NO_DATA");
 }
 
 void test_a_latched_fault_is_shown_instead_of_the_limit(void)
@@ -207,7 +207,7 @@ void test_the_longest_status_is_not_cut_off(void)
     status.fast_cycles_worst = 8400;
     status.stack_free_bytes = 131072;
     report_status(&status, &line);
-    TEST_ASSERT_EQUAL_STRING("NEVER_HEARD", &line.chars[line.length - strlen("NEVER_HEARD")]);
+    TEST_ASSERT_EQUAL_STRING("NO_DATA", &line.chars[line.length - strlen("NO_DATA")]);
 }
 
 void test_every_way_in_which_a_frame_can_be_wrong_has_its_count(void)
@@ -215,15 +215,15 @@ void test_every_way_in_which_a_frame_can_be_wrong_has_its_count(void)
     const messages_demand_t demand = {.enable = true};
     for (uint8_t counter = 0; counter < 3; counter++) {
         const messages_frame_t frame = messages_demand(&demand, MESSAGES_FRONT_LEFT, counter);
-        (void)node_hear(&node, &frame, 10);
-        (void)node_hear(&node, &frame, 10);
+        (void)node_receive(&node, &frame, 10);
+        (void)node_receive(&node, &frame, 10);
     }
     for (uint32_t i = 0; report_can(&status, i, &line); i++) {
         keep();
     }
     assert_on_page("demand VALID; used 1, lost 0, repeated 3, out of sequence 0, damaged 0, "
                    "implausible 0, timeouts 0\n");
-    assert_on_page("battery NEVER_HEARD; used 0, ");
+    assert_on_page("battery NO_DATA; used 0, ");
     assert_on_page("bus on, foreign frames 0\n");
 }
 
@@ -252,8 +252,8 @@ void test_a_configuration_is_shown_with_its_identity_first_and_then_the_fields_a
 
 void test_of_a_refused_configuration_only_the_refusal_is_shown(void)
 {
-    boot.verdict.code = CONFIG_RESULT_CRC;
-    boot.verdict.field = "crc32";
+    boot.config_result.code = CONFIG_RESULT_CRC;
+    boot.config_result.field = "crc32";
     boot.config = NULL;
     TEST_ASSERT_TRUE(report_config(&boot, "", 0, &line));
     assert_in_line("configuration refused: crc32");

@@ -16,20 +16,20 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* One millisecond, in which the parts step as often as said; asked once afterwards. */
-static bool millisecond(int fast, int slow, int verdicts)
+/* One millisecond, in which the parts step as often as sent; asked once afterwards. */
+static bool millisecond(int fast, int slow, int monitor_steps)
 {
     now.fast_steps = (uint16_t)(now.fast_steps + fast);
     now.slow_steps = (uint16_t)(now.slow_steps + slow);
-    now.verdicts = (uint16_t)(now.verdicts + verdicts);
+    now.monitor_steps = (uint16_t)(now.monitor_steps + monitor_steps);
     return supervisor_may_feed(&supervisor, now);
 }
 
-static int feedings(int milliseconds, int fast, int slow, int verdicts)
+static int feedings(int milliseconds, int fast, int slow, int monitor_steps)
 {
     int count = 0;
     for (int i = 0; i < milliseconds; i++) {
-        count += millisecond(fast, slow, verdicts) ? 1 : 0;
+        count += millisecond(fast, slow, monitor_steps) ? 1 : 0;
     }
     return count;
 }
@@ -47,19 +47,19 @@ void test_the_watchdog_waits_longer_than_three_windows_of_its_fastest_clock(void
     TEST_ASSERT_TRUE(SUPERVISOR_TIMEOUT_ms * 32 / 47 >= 3 * SUPERVISOR_WINDOW_STEPS);
 }
 
-void test_it_starves_when_the_fast_reach_stops(void)
+void test_it_starves_when_the_fast_loop_stops(void)
 {
     (void)feedings(100, FAST_A_SLOW_STEP, 1, 1);
     TEST_ASSERT_EQUAL_INT(0, feedings(1000, 0, 1, 1));
 }
 
-void test_it_starves_when_the_slow_reach_stops(void)
+void test_it_starves_when_the_slow_loop_stops(void)
 {
     (void)feedings(100, FAST_A_SLOW_STEP, 1, 1);
     TEST_ASSERT_EQUAL_INT(0, feedings(1000, FAST_A_SLOW_STEP, 0, 1));
 }
 
-void test_it_starves_when_the_monitor_gives_no_new_verdict(void)
+void test_it_starves_when_the_monitor_makes_no_step(void)
 {
     (void)feedings(100, FAST_A_SLOW_STEP, 1, 1);
     TEST_ASSERT_EQUAL_INT(0, feedings(1000, FAST_A_SLOW_STEP, 1, 0));

@@ -190,7 +190,7 @@ def test_links_have_the_firmware_s_numbers_and_names(signal: str, database: Data
     expected = {
         number: name
         for number, name in links.items()
-        if name in ("NEVER_HEARD", "QUALIFYING", "VALID", "TIMED_OUT")
+        if name in ("NO_DATA", "QUALIFYING", "VALID", "TIMED_OUT")
     }
     assert len(expected) == 4
     assert choices("WheelHealth", signal, database) == expected

@@ -140,7 +140,7 @@ void test_a_bus_that_is_stuck_at_zero_or_one_makes_no_intact_frame(void)
 
 /* ---- the receiver ---- */
 
-static e2e_verdict_t hear(uint8_t counter, uint32_t now_ms)
+static e2e_status_t receive(uint8_t counter, uint32_t now_ms)
 {
     uint8_t data[E2E_FRAME_BYTES];
     begin(data, counter);
@@ -150,18 +150,18 @@ static e2e_verdict_t hear(uint8_t counter, uint32_t now_ms)
 /* Counters 0, 1, 2 at 0, 10, 20 ms: the last one qualifies the sender. */
 static void qualify(void)
 {
-    (void)hear(0, 0);
-    (void)hear(1, 10);
-    TEST_ASSERT_EQUAL_INT(E2E_OK, hear(2, 20));
+    (void)receive(0, 0);
+    (void)receive(1, 10);
+    TEST_ASSERT_EQUAL_INT(E2E_OK, receive(2, 20));
 }
 
 void test_a_new_sender_is_believed_from_its_third_frame_in_order(void)
 {
-    TEST_ASSERT_EQUAL_INT(E2E_NEVER_HEARD, receiver.link);
-    TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, hear(9, 0));
+    TEST_ASSERT_EQUAL_INT(E2E_NO_DATA, receiver.link);
+    TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, receive(9, 0));
     TEST_ASSERT_EQUAL_INT(E2E_QUALIFYING, receiver.link);
-    TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, hear(10, 10));
-    TEST_ASSERT_EQUAL_INT(E2E_OK, hear(11, 20));
+    TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, receive(10, 10));
+    TEST_ASSERT_EQUAL_INT(E2E_OK, receive(11, 20));
     TEST_ASSERT_EQUAL_INT(E2E_VALID, receiver.link);
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.used);
 }
@@ -170,7 +170,7 @@ void test_the_counter_runs_on_from_fifteen_to_zero(void)
 {
     qualify();
     for (uint32_t i = 3; i < 100; i++) {
-        TEST_ASSERT_EQUAL_INT(E2E_OK, hear((uint8_t)(i & 15U), 10 * i));
+        TEST_ASSERT_EQUAL_INT(E2E_OK, receive((uint8_t)(i & 15U), 10 * i));
     }
     TEST_ASSERT_EQUAL_UINT32(0, e2e_errors(&receiver.counts));
     TEST_ASSERT_EQUAL_UINT32(0, receiver.counts.lost);
@@ -178,17 +178,17 @@ void test_the_counter_runs_on_from_fifteen_to_zero(void)
 
 /* Each of the sixteen steps, against what the header says: 0 repeats, 1 goes on, 2 and 3 have lost,
  * the rest jumps. */
-void test_every_step_of_the_counter_has_its_verdict(void)
+void test_every_step_of_the_counter_has_its_status(void)
 {
     for (uint32_t step = 0; step < 16; step++) {
         setUp();
         qualify();
-        const e2e_verdict_t verdict = hear((uint8_t)((2U + step) & 15U), 30);
-        const e2e_verdict_t expected = step == 0   ? E2E_REPEATED
-                                       : step == 1 ? E2E_OK
-                                       : step <= 3 ? E2E_SOME_LOST
-                                                   : E2E_WRONG_SEQUENCE;
-        TEST_ASSERT_EQUAL_INT(expected, verdict);
+        const e2e_status_t status = receive((uint8_t)((2U + step) & 15U), 30);
+        const e2e_status_t expected = step == 0   ? E2E_REPEATED
+                                      : step == 1 ? E2E_OK
+                                      : step <= 3 ? E2E_SOME_LOST
+                                                  : E2E_WRONG_SEQUENCE;
+        TEST_ASSERT_EQUAL_INT(expected, status);
         TEST_ASSERT_EQUAL_UINT32(expected == E2E_SOME_LOST ? step - 1U : 0U, receiver.counts.lost);
         TEST_ASSERT_EQUAL_INT(expected == E2E_WRONG_SEQUENCE ? E2E_QUALIFYING : E2E_VALID,
                               receiver.link);
@@ -198,19 +198,19 @@ void test_every_step_of_the_counter_has_its_verdict(void)
 void test_after_a_jump_two_more_frames_in_order_are_needed(void)
 {
     qualify();
-    TEST_ASSERT_EQUAL_INT(E2E_WRONG_SEQUENCE, hear(8, 30));
-    TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, hear(9, 40));
-    TEST_ASSERT_EQUAL_INT(E2E_OK, hear(10, 50));
+    TEST_ASSERT_EQUAL_INT(E2E_WRONG_SEQUENCE, receive(8, 30));
+    TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, receive(9, 40));
+    TEST_ASSERT_EQUAL_INT(E2E_OK, receive(10, 50));
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.wrong_sequence);
 }
 
 void test_a_repetition_changes_nothing_and_the_next_frame_is_in_order(void)
 {
     qualify();
-    TEST_ASSERT_EQUAL_INT(E2E_REPEATED, hear(2, 30));
-    TEST_ASSERT_EQUAL_INT(E2E_REPEATED, hear(2, 35));
-    TEST_ASSERT_EQUAL_UINT32(20, receiver.trusted_ms);
-    TEST_ASSERT_EQUAL_INT(E2E_OK, hear(3, 40));
+    TEST_ASSERT_EQUAL_INT(E2E_REPEATED, receive(2, 30));
+    TEST_ASSERT_EQUAL_INT(E2E_REPEATED, receive(2, 35));
+    TEST_ASSERT_EQUAL_UINT32(20, receiver.refreshed_ms);
+    TEST_ASSERT_EQUAL_INT(E2E_OK, receive(3, 40));
     TEST_ASSERT_EQUAL_UINT32(2, receiver.counts.repeated);
 }
 
@@ -221,8 +221,8 @@ void test_a_damaged_frame_counts_once_as_damaged_and_once_as_lost(void)
     begin(data, 3);
     data[5] ^= 0x10;
     TEST_ASSERT_EQUAL_INT(E2E_DAMAGED, e2e_receive(&receiver, data, IDENTIFIER, true, 30));
-    TEST_ASSERT_EQUAL_UINT32(20, receiver.trusted_ms);
-    TEST_ASSERT_EQUAL_INT(E2E_SOME_LOST, hear(4, 40));
+    TEST_ASSERT_EQUAL_UINT32(20, receiver.refreshed_ms);
+    TEST_ASSERT_EQUAL_INT(E2E_SOME_LOST, receive(4, 40));
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.damaged);
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.lost);
 }
@@ -254,10 +254,10 @@ void test_silence_times_out_once_at_the_timeout_and_not_before(void)
 void test_a_late_frame_is_not_used_even_if_its_counter_goes_on(void)
 {
     qualify();
-    TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, hear(3, 20 + TIMEOUT_ms));
+    TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, receive(3, 20 + TIMEOUT_ms));
     TEST_ASSERT_EQUAL_INT(E2E_QUALIFYING, receiver.link);
-    TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, hear(4, 30 + TIMEOUT_ms));
-    TEST_ASSERT_EQUAL_INT(E2E_OK, hear(5, 40 + TIMEOUT_ms));
+    TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, receive(4, 30 + TIMEOUT_ms));
+    TEST_ASSERT_EQUAL_INT(E2E_OK, receive(5, 40 + TIMEOUT_ms));
 }
 
 void test_a_stuck_sender_times_out_and_is_never_believed_again_while_it_is_stuck(void)
@@ -266,8 +266,8 @@ void test_a_stuck_sender_times_out_and_is_never_believed_again_while_it_is_stuck
     bool timed_out = false;
     for (uint32_t ms = 30; ms < 2000; ms += 10) {
         timed_out = e2e_timed_out(&receiver, ms) || timed_out;
-        const e2e_verdict_t verdict = hear(2, ms);
-        TEST_ASSERT_TRUE(verdict == E2E_REPEATED || verdict == E2E_NOT_QUALIFIED);
+        const e2e_status_t status = receive(2, ms);
+        TEST_ASSERT_TRUE(status == E2E_REPEATED || status == E2E_NOT_QUALIFIED);
     }
     TEST_ASSERT_TRUE(timed_out);
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.used);
@@ -283,7 +283,7 @@ void test_a_sender_that_keeps_jumping_times_out_however_much_it_talks(void)
     for (uint32_t ms = 30; ms < 2000; ms += 10) {
         counter = (uint8_t)(counter + (ms % 20U == 10U ? 5U : 1U));
         timed_out = e2e_timed_out(&receiver, ms) || timed_out;
-        (void)hear(counter & 15U, ms);
+        (void)receive(counter & 15U, ms);
     }
     TEST_ASSERT_TRUE(timed_out);
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.used);
@@ -292,9 +292,9 @@ void test_a_sender_that_keeps_jumping_times_out_however_much_it_talks(void)
 void test_the_clock_may_wrap(void)
 {
     const uint32_t start_ms = UINT32_MAX - 14U;
-    (void)hear(0, start_ms);
-    (void)hear(1, start_ms + 10U);
-    TEST_ASSERT_EQUAL_INT(E2E_OK, hear(2, start_ms + 20U));
+    (void)receive(0, start_ms);
+    (void)receive(1, start_ms + 10U);
+    TEST_ASSERT_EQUAL_INT(E2E_OK, receive(2, start_ms + 20U));
     TEST_ASSERT_FALSE(e2e_timed_out(&receiver, start_ms + 20U + TIMEOUT_ms - 1U));
     TEST_ASSERT_TRUE(e2e_timed_out(&receiver, start_ms + 20U + TIMEOUT_ms));
 }
@@ -313,7 +313,7 @@ void test_errors_are_everything_that_went_wrong(void)
 
 void test_every_state_has_a_name(void)
 {
-    TEST_ASSERT_EQUAL_STRING("NEVER_HEARD", e2e_link_text(E2E_NEVER_HEARD));
+    TEST_ASSERT_EQUAL_STRING("NO_DATA", e2e_link_text(E2E_NO_DATA));
     TEST_ASSERT_EQUAL_STRING("QUALIFYING", e2e_link_text(E2E_QUALIFYING));
     TEST_ASSERT_EQUAL_STRING("VALID", e2e_link_text(E2E_VALID));
     TEST_ASSERT_EQUAL_STRING("TIMED_OUT", e2e_link_text(E2E_TIMED_OUT));

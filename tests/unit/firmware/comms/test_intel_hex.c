@@ -21,10 +21,10 @@ void setUp(void)
 void tearDown(void) {}
 
 /* How many characters it took until the end was seen; 0 if it was not. */
-static uint32_t hear(const char *text)
+static uint32_t receive(const char *text)
 {
     for (uint32_t i = 0; text[i] != '\0'; i++) {
-        if (intel_hex_hear(&hex, (uint8_t)text[i])) {
+        if (intel_hex_receive(&hex, (uint8_t)text[i])) {
             return i + 1U;
         }
     }
@@ -34,7 +34,7 @@ static uint32_t hear(const char *text)
 static void assert_refused(const char *text, intel_hex_problem_t problem, uint32_t record)
 {
     intel_hex_init(&hex, image, CAPACITY);
-    TEST_ASSERT_TRUE_MESSAGE(hear(text) > 0, text);
+    TEST_ASSERT_TRUE_MESSAGE(receive(text) > 0, text);
     TEST_ASSERT_EQUAL_INT_MESSAGE(problem, hex.problem, text);
     TEST_ASSERT_EQUAL_UINT32_MESSAGE(record, hex.record, text);
 }
@@ -44,7 +44,7 @@ void test_the_well_known_record_is_read(void)
 {
     static const uint8_t EXPECTED[16] = {0x21, 0x46, 0x01, 0x36, 0x01, 0x21, 0x47, 0x01,
                                          0x36, 0x00, 0x7E, 0xFE, 0x09, 0xD2, 0x19, 0x01};
-    TEST_ASSERT_TRUE(hear(":10010000214601360121470136007EFE09D2190140\r\n" END_RECORD) > 0);
+    TEST_ASSERT_TRUE(receive(":10010000214601360121470136007EFE09D2190140\r\n" END_RECORD) > 0);
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_GOOD, hex.problem);
     TEST_ASSERT_EQUAL_UINT32(16, hex.size_bytes);
     TEST_ASSERT_EQUAL_HEX8_ARRAY(EXPECTED, image, 16);
@@ -54,7 +54,7 @@ void test_the_well_known_record_is_read(void)
 /* 0x00FF, then 0x0010 * 16 + 0: the byte after it. */
 void test_a_segment_counts_in_sixteens(void)
 {
-    TEST_ASSERT_TRUE(hear(":0100FF0041BF\n:020000020010EC\n:0100000042BD\n" END_RECORD) > 0);
+    TEST_ASSERT_TRUE(receive(":0100FF0041BF\n:020000020010EC\n:0100000042BD\n" END_RECORD) > 0);
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_GOOD, hex.problem);
     TEST_ASSERT_EQUAL_UINT32(2, hex.size_bytes);
     TEST_ASSERT_EQUAL_HEX8(0x41, image[0]);
@@ -73,10 +73,10 @@ void test_every_problem_has_words_of_its_own(void)
 
 void test_small_letters_blank_lines_and_comments_between_records_do_not_matter(void)
 {
-    TEST_ASSERT_TRUE(hear("; hello\n\n:02000000aB0152\r\r\n\n:01000200 EE0F") == 0);
+    TEST_ASSERT_TRUE(receive("; hello\n\n:02000000aB0152\r\r\n\n:01000200 EE0F") == 0);
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_CHARACTER, hex.problem); /* but a blank within one does */
     intel_hex_init(&hex, image, CAPACITY);
-    TEST_ASSERT_TRUE(hear("; hello\n\n:02000000aB0152\r\r\n\n:01000200ee0F\n" END_RECORD) > 0);
+    TEST_ASSERT_TRUE(receive("; hello\n\n:02000000aB0152\r\r\n\n:01000200ee0F\n" END_RECORD) > 0);
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_GOOD, hex.problem);
     TEST_ASSERT_EQUAL_UINT32(3, hex.size_bytes);
 }
@@ -85,10 +85,10 @@ void test_small_letters_blank_lines_and_comments_between_records_do_not_matter(v
  * and start address. */
 void test_data_may_begin_anywhere_and_cross_an_extended_address(void)
 {
-    TEST_ASSERT_TRUE(hear(":020000040800F2\n:02FFFE001122CE\n:020000040801F1\n:020000003344"
-                          "87\n"
-                          ":0400000508008201"
-                          "6C\n" END_RECORD) > 0);
+    TEST_ASSERT_TRUE(receive(":020000040800F2\n:02FFFE001122CE\n:020000040801F1\n:020000003344"
+                             "87\n"
+                             ":0400000508008201"
+                             "6C\n" END_RECORD) > 0);
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_GOOD, hex.problem);
     static const uint8_t EXPECTED[4] = {0x11, 0x22, 0x33, 0x44};
     TEST_ASSERT_EQUAL_UINT32(4, hex.size_bytes);
@@ -98,7 +98,7 @@ void test_data_may_begin_anywhere_and_cross_an_extended_address(void)
 void test_every_single_wrong_digit_of_a_record_is_noticed(void)
 {
     static const char GOOD[] = ":0300100001020EDC\n" END_RECORD;
-    TEST_ASSERT_TRUE(hear(GOOD) > 0);
+    TEST_ASSERT_TRUE(receive(GOOD) > 0);
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_GOOD, hex.problem);
     for (uint32_t at = 1; at < 17; at++) {
         static const char DIGITS[] = "0123456789ABCDEF";
@@ -110,7 +110,7 @@ void test_every_single_wrong_digit_of_a_record_is_noticed(void)
             }
             bad[at] = DIGITS[d];
             intel_hex_init(&hex, image, CAPACITY);
-            (void)hear(bad);
+            (void)receive(bad);
             TEST_ASSERT_TRUE_MESSAGE(hex.problem != INTEL_HEX_GOOD, bad);
             TEST_ASSERT_EQUAL_UINT32_MESSAGE(1, hex.record, bad);
         }
@@ -136,9 +136,9 @@ void test_nothing_is_written_beyond_the_buffer_nor_after_a_problem(void)
     uint8_t guarded[CAPACITY];
     memset(guarded, 0xEE, sizeof guarded);
     intel_hex_init(&hex, guarded, 3);
-    TEST_ASSERT_TRUE(hear(":020000001122CB\n:020002003344"
-                          "85\n:0100020055"
-                          "A8\n" END_RECORD) > 0);
+    TEST_ASSERT_TRUE(receive(":020000001122CB\n:020002003344"
+                             "85\n:0100020055"
+                             "A8\n" END_RECORD) > 0);
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_TOO_LARGE, hex.problem);
     TEST_ASSERT_EQUAL_UINT32(2, hex.record);
     TEST_ASSERT_EQUAL_UINT32(2, hex.size_bytes);
@@ -149,15 +149,15 @@ void test_nothing_is_written_beyond_the_buffer_nor_after_a_problem(void)
 
 void test_an_end_whose_checksum_is_wrong_is_no_end(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(0, hear(":0100000011EE\n:00000001FE\n"));
+    TEST_ASSERT_EQUAL_UINT32(0, receive(":0100000011EE\n:00000001FE\n"));
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_CHECKSUM, hex.problem);
-    TEST_ASSERT_TRUE(hear(END_RECORD) > 0);
+    TEST_ASSERT_TRUE(receive(END_RECORD) > 0);
 }
 
 void test_a_reader_can_be_used_again(void)
 {
     assert_refused(":00000006FA\n" END_RECORD, INTEL_HEX_TYPE, 1);
     intel_hex_init(&hex, image, CAPACITY);
-    TEST_ASSERT_TRUE(hear(":0100000011EE\n" END_RECORD) > 0);
+    TEST_ASSERT_TRUE(receive(":0100000011EE\n" END_RECORD) > 0);
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_GOOD, hex.problem);
 }

@@ -20,7 +20,7 @@ static line_edit_event_t type(const char *keys)
 {
     line_edit_event_t event = LINE_EDIT_GOES_ON;
     for (uint32_t i = 0; keys[i] != '\0'; i++) {
-        event = line_edit_hear(&edit, (uint8_t)keys[i], &echo);
+        event = line_edit_receive(&edit, (uint8_t)keys[i], &echo);
     }
     return event;
 }
@@ -116,7 +116,7 @@ void test_other_keys_do_nothing(void)
     TEST_ASSERT_EQUAL_STRING("ab\r\n", echo.chars);
     text_clear(&echo);
     for (unsigned byte = 0x80; byte < 0x100; byte++) {
-        TEST_ASSERT_EQUAL_INT(LINE_EDIT_GOES_ON, line_edit_hear(&edit, (uint8_t)byte, &echo));
+        TEST_ASSERT_EQUAL_INT(LINE_EDIT_GOES_ON, line_edit_receive(&edit, (uint8_t)byte, &echo));
     }
     TEST_ASSERT_EQUAL_UINT32(0, echo.length);
 }
@@ -164,7 +164,7 @@ void test_any_bytes_at_all_leave_a_line_within_its_bounds(void)
     for (int i = 0; i < 200000; i++) {
         random = random * 1664525U + 1013904223U; /* Numerical Recipes' generator */
         text_clear(&echo);
-        (void)line_edit_hear(&edit, (uint8_t)(random >> 24), &echo);
+        (void)line_edit_receive(&edit, (uint8_t)(random >> 24), &echo);
         TEST_ASSERT_TRUE(edit.length <= LINE_EDIT_CHARS);
     }
 }

@@ -23,48 +23,48 @@ static messages_frame_t demand_frame(uint8_t counter, int32_t drive_torque_mNm)
     return messages_demand(&demand, MESSAGES_REAR_RIGHT, counter);
 }
 
-static bool hear_demand(uint8_t counter, int32_t drive_torque_mNm, uint32_t now_ms)
+static bool receive_demand(uint8_t counter, int32_t drive_torque_mNm, uint32_t now_ms)
 {
     const messages_frame_t frame = demand_frame(counter, drive_torque_mNm);
-    return node_hear(&node, &frame, now_ms);
+    return node_receive(&node, &frame, now_ms);
 }
 
-static bool hear_battery(uint8_t counter, int32_t charge_current_mA, uint32_t now_ms)
+static bool receive_battery(uint8_t counter, int32_t charge_current_mA, uint32_t now_ms)
 {
     const messages_battery_t battery = {charge_current_mA, 90000};
     const messages_frame_t frame = messages_battery(&battery, counter);
-    return node_hear(&node, &frame, now_ms);
+    return node_receive(&node, &frame, now_ms);
 }
 
 /* Counters 0, 1, 2 until 20 ms: 3 N m. */
 static void qualify_demand(void)
 {
-    (void)hear_demand(0, 1000, 0);
-    (void)hear_demand(1, 2000, 10);
-    TEST_ASSERT_TRUE(hear_demand(2, 3000, 20));
+    (void)receive_demand(0, 1000, 0);
+    (void)receive_demand(1, 2000, 10);
+    TEST_ASSERT_TRUE(receive_demand(2, 3000, 20));
 }
 
 static void assert_demand_is_still_of(uint32_t time_ms, uint32_t now_ms)
 {
-    TEST_ASSERT_EQUAL_INT32(3000, node.wish.demand.drive_torque_mNm);
-    TEST_ASSERT_EQUAL_UINT32(now_ms - time_ms, node_demand_age_ms(&node.wish, now_ms));
+    TEST_ASSERT_EQUAL_INT32(3000, node.command.demand.drive_torque_mNm);
+    TEST_ASSERT_EQUAL_UINT32(now_ms - time_ms, node_demand_age_ms(&node.command, now_ms));
 }
 
 /* ---- the demand ---- */
 
 void test_before_anything_is_heard_there_is_no_torque_no_enable_and_no_age(void)
 {
-    TEST_ASSERT_EQUAL_INT32(0, node.wish.demand.drive_torque_mNm);
-    TEST_ASSERT_FALSE(node.wish.demand.enable);
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, node_demand_age_ms(&node.wish, 5));
+    TEST_ASSERT_EQUAL_INT32(0, node.command.demand.drive_torque_mNm);
+    TEST_ASSERT_FALSE(node.command.demand.enable);
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, node_demand_age_ms(&node.command, 5));
 }
 
 void test_a_demand_is_taken_with_its_time_once_the_sender_is_qualified(void)
 {
-    TEST_ASSERT_FALSE(hear_demand(5, 1000, 0));
-    TEST_ASSERT_FALSE(hear_demand(6, 2000, 10));
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, node_demand_age_ms(&node.wish, 10));
-    TEST_ASSERT_TRUE(hear_demand(7, 3000, 20));
+    TEST_ASSERT_FALSE(receive_demand(5, 1000, 0));
+    TEST_ASSERT_FALSE(receive_demand(6, 2000, 10));
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, node_demand_age_ms(&node.command, 10));
+    TEST_ASSERT_TRUE(receive_demand(7, 3000, 20));
     assert_demand_is_still_of(20, 27);
 }
 
@@ -73,7 +73,7 @@ void test_a_damaged_demand_does_not_make_the_demand_younger(void)
     qualify_demand();
     messages_frame_t frame = demand_frame(3, 9000);
     frame.data[3] ^= 0x40;
-    TEST_ASSERT_FALSE(node_hear(&node, &frame, 30));
+    TEST_ASSERT_FALSE(node_receive(&node, &frame, 30));
     assert_demand_is_still_of(20, 30);
     TEST_ASSERT_EQUAL_UINT32(1, node.demand.counts.damaged);
 }
@@ -82,7 +82,7 @@ void test_a_stuck_counter_does_not_make_the_demand_younger(void)
 {
     qualify_demand();
     for (uint32_t ms = 30; ms < 1000; ms += DEMAND_CYCLE_ms) {
-        TEST_ASSERT_FALSE(hear_demand(2, 9000, ms));
+        TEST_ASSERT_FALSE(receive_demand(2, 9000, ms));
         assert_demand_is_still_of(20, ms);
     }
     TEST_ASSERT_TRUE(node.demand.counts.repeated > 0);
@@ -95,7 +95,7 @@ void test_a_jumping_counter_does_not_make_the_demand_younger(void)
     uint8_t counter = 2;
     for (uint32_t ms = 30; ms < 1000; ms += DEMAND_CYCLE_ms) {
         counter = (uint8_t)((counter + 7U) & 15U);
-        TEST_ASSERT_FALSE(hear_demand(counter, 9000, ms));
+        TEST_ASSERT_FALSE(receive_demand(counter, 9000, ms));
         assert_demand_is_still_of(20, ms);
     }
     TEST_ASSERT_TRUE(node.demand.counts.wrong_sequence > 0);
@@ -105,20 +105,20 @@ void test_a_late_demand_does_not_make_the_demand_younger_until_the_sender_has_qu
 {
     qualify_demand();
     const uint32_t late_ms = 20 + NODE_TIMEOUT_CYCLES * DEMAND_CYCLE_ms;
-    TEST_ASSERT_FALSE(hear_demand(3, 9000, late_ms));
+    TEST_ASSERT_FALSE(receive_demand(3, 9000, late_ms));
     assert_demand_is_still_of(20, late_ms);
-    TEST_ASSERT_FALSE(hear_demand(4, 9000, late_ms + 10));
+    TEST_ASSERT_FALSE(receive_demand(4, 9000, late_ms + 10));
     assert_demand_is_still_of(20, late_ms + 10);
-    TEST_ASSERT_TRUE(hear_demand(5, 9000, late_ms + 20));
-    TEST_ASSERT_EQUAL_INT32(9000, node.wish.demand.drive_torque_mNm);
-    TEST_ASSERT_EQUAL_UINT32(0, node_demand_age_ms(&node.wish, late_ms + 20));
+    TEST_ASSERT_TRUE(receive_demand(5, 9000, late_ms + 20));
+    TEST_ASSERT_EQUAL_INT32(9000, node.command.demand.drive_torque_mNm);
+    TEST_ASSERT_EQUAL_UINT32(0, node_demand_age_ms(&node.command, late_ms + 20));
 }
 
 void test_two_lost_demands_in_a_row_are_forgiven(void)
 {
     qualify_demand();
-    TEST_ASSERT_TRUE(hear_demand(5, 9000, 50));
-    TEST_ASSERT_EQUAL_UINT32(0, node_demand_age_ms(&node.wish, 50));
+    TEST_ASSERT_TRUE(receive_demand(5, 9000, 50));
+    TEST_ASSERT_EQUAL_UINT32(0, node_demand_age_ms(&node.command, 50));
     TEST_ASSERT_EQUAL_UINT32(2, node.demand.counts.lost);
 }
 
@@ -131,7 +131,7 @@ void test_a_demand_beyond_the_range_is_counted_and_does_not_make_the_demand_youn
     frame.data[3] = 0xFF;
     frame.data[4] = 0x03;
     e2e_protect(frame.data, frame.identifier, 3);
-    TEST_ASSERT_FALSE(node_hear(&node, &frame, 30));
+    TEST_ASSERT_FALSE(node_receive(&node, &frame, 30));
     assert_demand_is_still_of(20, 30);
     TEST_ASSERT_EQUAL_UINT32(1, node.demand.counts.implausible);
 }
@@ -141,11 +141,11 @@ void test_the_demand_for_another_wheel_is_not_for_this_one(void)
     qualify_demand();
     const messages_demand_t demand = {.drive_torque_mNm = 9000, .enable = true};
     messages_frame_t frame = messages_demand(&demand, MESSAGES_REAR_LEFT, 3);
-    TEST_ASSERT_FALSE(node_hear(&node, &frame, 30));
+    TEST_ASSERT_FALSE(node_receive(&node, &frame, 30));
     TEST_ASSERT_EQUAL_UINT32(1, node.foreign);
     frame.identifier = messages_identifier(
         MESSAGES_DEMAND, MESSAGES_REAR_RIGHT); /* a gateway that mixes wheels up */
-    TEST_ASSERT_FALSE(node_hear(&node, &frame, 30));
+    TEST_ASSERT_FALSE(node_receive(&node, &frame, 30));
     TEST_ASSERT_EQUAL_UINT32(1, node.demand.counts.damaged);
     assert_demand_is_still_of(20, 30);
 }
@@ -154,12 +154,12 @@ void test_the_demand_for_another_wheel_is_not_for_this_one(void)
 void test_a_demand_of_long_ago_is_forgotten_before_the_clock_comes_round(void)
 {
     qualify_demand();
-    const uint32_t forgotten_ms = 20 + NODE_DEMAND_FORGOTTEN_ms;
+    const uint32_t forgotten_ms = 20 + NODE_DEMAND_EXPIRY_ms;
     TEST_ASSERT_FALSE(node_tick(&node, forgotten_ms - 1));
     assert_demand_is_still_of(20, forgotten_ms - 1);
     TEST_ASSERT_TRUE(node_tick(&node, forgotten_ms));
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, node_demand_age_ms(&node.wish, forgotten_ms));
-    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, node_demand_age_ms(&node.wish, 20));
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, node_demand_age_ms(&node.command, forgotten_ms));
+    TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, node_demand_age_ms(&node.command, 20));
     TEST_ASSERT_FALSE(node_tick(&node, forgotten_ms + 1));
 }
 
@@ -168,26 +168,26 @@ void test_a_demand_of_long_ago_is_forgotten_before_the_clock_comes_round(void)
 void test_without_a_battery_management_the_configurations_limits_hold_for_ever(void)
 {
     TEST_ASSERT_FALSE(node_tick(&node, 1000000));
-    TEST_ASSERT_EQUAL_INT32(PACK.charge_current_mA, node.wish.battery.charge_current_mA);
-    TEST_ASSERT_EQUAL_INT32(PACK.discharge_current_mA, node.wish.battery.discharge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(PACK.charge_current_mA, node.command.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(PACK.discharge_current_mA, node.command.battery.discharge_current_mA);
 }
 
 void test_a_battery_that_falls_silent_takes_no_charge_until_it_has_qualified_again(void)
 {
-    TEST_ASSERT_FALSE(hear_battery(0, 10000, 0));
-    TEST_ASSERT_FALSE(hear_battery(1, 10000, BATTERY_CYCLE_ms));
-    TEST_ASSERT_TRUE(hear_battery(2, 10000, 2 * BATTERY_CYCLE_ms));
-    TEST_ASSERT_EQUAL_INT32(10000, node.wish.battery.charge_current_mA);
+    TEST_ASSERT_FALSE(receive_battery(0, 10000, 0));
+    TEST_ASSERT_FALSE(receive_battery(1, 10000, BATTERY_CYCLE_ms));
+    TEST_ASSERT_TRUE(receive_battery(2, 10000, 2 * BATTERY_CYCLE_ms));
+    TEST_ASSERT_EQUAL_INT32(10000, node.command.battery.charge_current_mA);
     const uint32_t silent_ms = 2 * BATTERY_CYCLE_ms + NODE_TIMEOUT_CYCLES * BATTERY_CYCLE_ms;
     TEST_ASSERT_FALSE(node_tick(&node, silent_ms - 1));
     TEST_ASSERT_TRUE(node_tick(&node, silent_ms));
-    TEST_ASSERT_EQUAL_INT32(0, node.wish.battery.charge_current_mA);
-    TEST_ASSERT_EQUAL_INT32(PACK.discharge_current_mA, node.wish.battery.discharge_current_mA);
-    (void)hear_battery(3, 8000, silent_ms + 100);
-    (void)hear_battery(4, 8000, silent_ms + 200);
-    TEST_ASSERT_EQUAL_INT32(0, node.wish.battery.charge_current_mA);
-    TEST_ASSERT_TRUE(hear_battery(5, 8000, silent_ms + 300));
-    TEST_ASSERT_EQUAL_INT32(8000, node.wish.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(0, node.command.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(PACK.discharge_current_mA, node.command.battery.discharge_current_mA);
+    (void)receive_battery(3, 8000, silent_ms + 100);
+    (void)receive_battery(4, 8000, silent_ms + 200);
+    TEST_ASSERT_EQUAL_INT32(0, node.command.battery.charge_current_mA);
+    TEST_ASSERT_TRUE(receive_battery(5, 8000, silent_ms + 300));
+    TEST_ASSERT_EQUAL_INT32(8000, node.command.battery.charge_current_mA);
 }
 
 /* The silence ends with a frame, and nothing was called in between: it has to be noticed all the
@@ -195,16 +195,16 @@ void test_a_battery_that_falls_silent_takes_no_charge_until_it_has_qualified_aga
 void test_a_silence_that_nobody_looked_at_still_takes_the_charge_away(void)
 {
     for (uint8_t i = 0; i < 3; i++) {
-        (void)hear_battery(i, 10000, i * BATTERY_CYCLE_ms);
+        (void)receive_battery(i, 10000, i * BATTERY_CYCLE_ms);
     }
-    TEST_ASSERT_TRUE(hear_battery(3, 10000, 5000));
-    TEST_ASSERT_EQUAL_INT32(0, node.wish.battery.charge_current_mA);
+    TEST_ASSERT_TRUE(receive_battery(3, 10000, 5000));
+    TEST_ASSERT_EQUAL_INT32(0, node.command.battery.charge_current_mA);
 }
 
 void test_a_battery_that_sends_nonsense_is_as_good_as_silent(void)
 {
     for (uint8_t i = 0; i < 3; i++) {
-        (void)hear_battery(i, 10000, i * BATTERY_CYCLE_ms);
+        (void)receive_battery(i, 10000, i * BATTERY_CYCLE_ms);
     }
     const messages_battery_t battery = {0, 0};
     for (uint32_t k = 3; k < 20; k++) {
@@ -213,9 +213,9 @@ void test_a_battery_that_sends_nonsense_is_as_good_as_silent(void)
         frame.data[3] = 0xFF;
         frame.data[4] = 0x07;
         e2e_protect(frame.data, frame.identifier, (uint8_t)(k & 15U));
-        (void)node_hear(&node, &frame, k * BATTERY_CYCLE_ms);
+        (void)node_receive(&node, &frame, k * BATTERY_CYCLE_ms);
     }
-    TEST_ASSERT_EQUAL_INT32(0, node.wish.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(0, node.command.battery.charge_current_mA);
     TEST_ASSERT_EQUAL_UINT32(17, node.battery.counts.implausible);
 }
 
@@ -262,13 +262,13 @@ void test_after_a_gap_nothing_is_caught_up(void)
 {
     const messages_output_t output = {.mode = 3};
     messages_frame_t frame;
-    int said = 0;
+    int sent = 0;
     while (node_next(&node, 1000, &output, &frame)) {
         node_sent(&node, 1000);
-        said++;
-        TEST_ASSERT_TRUE(said <= MESSAGES_SENT);
+        sent++;
+        TEST_ASSERT_TRUE(sent <= MESSAGES_SENT);
     }
-    TEST_ASSERT_EQUAL_INT(MESSAGES_SENT, said);
+    TEST_ASSERT_EQUAL_INT(MESSAGES_SENT, sent);
     TEST_ASSERT_FALSE(node_next(&node, 1009, &output, &frame));
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 1, 1010, &output));
 }
@@ -329,10 +329,10 @@ void test_only_a_frame_that_was_offered_can_have_been_sent_and_only_once(void)
 void test_the_wheel_reports_how_well_it_hears(void)
 {
     qualify_demand();
-    (void)hear_demand(2, 0, 25);
-    (void)hear_battery(0, 0, 25);
-    (void)hear_battery(0, 0, 26);
-    (void)hear_battery(0, 0, 27);
+    (void)receive_demand(2, 0, 25);
+    (void)receive_battery(0, 0, 25);
+    (void)receive_battery(0, 0, 26);
+    (void)receive_battery(0, 0, 27);
     const messages_output_t output = {.mode = 3};
     messages_frame_t frame;
     while (node_next(&node, 100, &output, &frame) && node.offered != MESSAGES_WHEEL_HEALTH) {
@@ -346,9 +346,9 @@ void test_the_wheel_reports_how_well_it_hears(void)
 
 void test_a_receive_filter_needs_two_identifiers(void)
 {
-    uint16_t identifiers[MESSAGES_HEARD];
+    uint16_t identifiers[MESSAGES_RECEIVED];
     node_accepted(MESSAGES_FRONT_RIGHT, identifiers);
-    TEST_ASSERT_EQUAL_INT(2, MESSAGES_HEARD);
+    TEST_ASSERT_EQUAL_INT(2, MESSAGES_RECEIVED);
     TEST_ASSERT_EQUAL_HEX16(0x101, identifiers[0]);
     TEST_ASSERT_EQUAL_HEX16(0x140, identifiers[1]);
 }

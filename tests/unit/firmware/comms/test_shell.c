@@ -28,15 +28,15 @@ void tearDown(void) {}
 static void type(const char *keys)
 {
     for (uint32_t i = 0; keys[i] != '\0'; i++) {
-        shell_hear(&shell, (uint8_t)keys[i]);
+        shell_receive(&shell, (uint8_t)keys[i]);
     }
 }
 
 /* The owner: answers what is asked, one line. */
 static bool answer_one(void)
 {
-    shell_question_t asked;
-    if (!shell_asks(&shell, &asked)) {
+    shell_request_t asked;
+    if (!shell_next_request(&shell, &asked)) {
         return false;
     }
     text_t line;
@@ -59,12 +59,12 @@ static bool answer_one(void)
 static void carry(uint32_t at_most)
 {
     const char *bytes;
-    const uint32_t waiting = shell_waiting(&shell, &bytes);
+    const uint32_t waiting = shell_pending(&shell, &bytes);
     const uint32_t count = waiting < at_most ? waiting : at_most;
     memcpy(&screen[screen_bytes], bytes, count);
     screen_bytes += count;
     screen[screen_bytes] = '\0';
-    shell_taken(&shell, count);
+    shell_sent(&shell, count);
 }
 
 static void run_with(uint32_t bytes_at_a_time)
@@ -217,7 +217,7 @@ void test_more_typed_ahead_than_there_is_room_for_is_dropped_not_written_elsewhe
 {
     type("count\r");
     for (int i = 0; i < 10000; i++) {
-        shell_hear(&shell, 'x');
+        shell_receive(&shell, 'x');
     }
     TEST_ASSERT_EQUAL_UINT32(SHELL_AHEAD_BYTES, shell.ahead_bytes);
     run();
@@ -229,7 +229,7 @@ void test_lines_nobody_asked_for_come_whole(void)
     text_t line;
     text_clear(&line);
     text_add(&line, "hello");
-    shell_say(&shell, &line);
+    shell_print(&shell, &line);
     run();
     assert_screen("hello\r\n");
 }
@@ -240,7 +240,7 @@ void test_lines_that_find_no_room_are_dropped_whole_and_counted(void)
     text_clear(&line);
     text_add(&line, "0123456789"); /* with its end 12 bytes: 85 of them fit 1 024 */
     for (int i = 0; i < 100; i++) {
-        shell_say(&shell, &line);
+        shell_print(&shell, &line);
     }
     TEST_ASSERT_EQUAL_UINT32(15, shell.dropped_lines);
     run();
@@ -252,17 +252,17 @@ void test_the_buffer_can_be_filled_to_its_last_byte(void)
 {
     text_t line;
     text_clear(&line);
-    while (line.length < SHELL_WAITING_BYTES / 8 - 2) {
+    while (line.length < SHELL_PENDING_BYTES / 8 - 2) {
         text_add(&line, "x");
     }
     for (int i = 0; i < 9; i++) {
-        shell_say(&shell, &line);
+        shell_print(&shell, &line);
     }
     TEST_ASSERT_EQUAL_UINT32(1, shell.dropped_lines);
-    TEST_ASSERT_EQUAL_UINT32(SHELL_WAITING_BYTES, shell.waiting_bytes);
-    TEST_ASSERT_EQUAL_UINT32(0, shell.taken_bytes);
+    TEST_ASSERT_EQUAL_UINT32(SHELL_PENDING_BYTES, shell.pending_bytes);
+    TEST_ASSERT_EQUAL_UINT32(0, shell.sent_bytes);
     run();
-    TEST_ASSERT_EQUAL_UINT32(SHELL_WAITING_BYTES, screen_bytes);
+    TEST_ASSERT_EQUAL_UINT32(SHELL_PENDING_BYTES, screen_bytes);
 }
 
 void test_a_line_of_the_full_length_keeps_its_end(void)
@@ -272,7 +272,7 @@ void test_a_line_of_the_full_length_keeps_its_end(void)
     while (line.length < TEXT_CAPACITY - 1) {
         text_add(&line, "x");
     }
-    shell_say(&shell, &line);
+    shell_print(&shell, &line);
     run();
     TEST_ASSERT_EQUAL_UINT32(TEXT_CAPACITY - 1 + 2, screen_bytes);
     TEST_ASSERT_EQUAL_STRING("x\r\n", &screen[screen_bytes - 3]);
@@ -284,11 +284,11 @@ void test_nothing_is_asked_while_there_is_no_room_for_an_answer(void)
     text_clear(&line);
     text_add(&line, "0123456789");
     for (int i = 0; i < 70; i++) { /* 840 bytes: less than a line of room is left */
-        shell_say(&shell, &line);
+        shell_print(&shell, &line);
     }
     type("echo x\r");
-    shell_question_t asked;
-    TEST_ASSERT_FALSE(shell_asks(&shell, &asked));
+    shell_request_t asked;
+    TEST_ASSERT_FALSE(shell_next_request(&shell, &asked));
     run();
     TEST_ASSERT_NOT_NULL(strstr(screen, "<x>"));
 }
@@ -296,11 +296,11 @@ void test_nothing_is_asked_while_there_is_no_room_for_an_answer(void)
 void test_more_taken_than_was_waiting_does_no_harm(void)
 {
     type("a");
-    shell_taken(&shell, 100000);
+    shell_sent(&shell, 100000);
     const char *bytes;
-    TEST_ASSERT_EQUAL_UINT32(0, shell_waiting(&shell, &bytes));
+    TEST_ASSERT_EQUAL_UINT32(0, shell_pending(&shell, &bytes));
     type("b");
-    TEST_ASSERT_EQUAL_UINT32(1, shell_waiting(&shell, &bytes));
+    TEST_ASSERT_EQUAL_UINT32(1, shell_pending(&shell, &bytes));
 }
 
 void test_any_bytes_at_all_are_survived(void)
@@ -308,13 +308,13 @@ void test_any_bytes_at_all_are_survived(void)
     uint32_t random = 3;
     for (int i = 0; i < 200000; i++) {
         random = random * 1664525U + 1013904223U; /* Numerical Recipes' generator */
-        shell_hear(&shell, (uint8_t)(random >> 24));
+        shell_receive(&shell, (uint8_t)(random >> 24));
         if ((random & 0x700U) == 0) {
             (void)answer_one();
         }
         const char *bytes;
-        const uint32_t waiting = shell_waiting(&shell, &bytes);
-        TEST_ASSERT_TRUE(waiting <= SHELL_WAITING_BYTES);
-        shell_taken(&shell, random & 7U);
+        const uint32_t waiting = shell_pending(&shell, &bytes);
+        TEST_ASSERT_TRUE(waiting <= SHELL_PENDING_BYTES);
+        shell_sent(&shell, random & 7U);
     }
 }

@@ -25,7 +25,7 @@ static void seal(void)
     config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
 }
 
-static config_result_t sealed_verdict(void)
+static config_result_t sealed_result(void)
 {
     seal();
     return config_validate(&config, sizeof(config));
@@ -33,9 +33,9 @@ static config_result_t sealed_verdict(void)
 
 void test_the_papers_vehicle_is_accepted(void)
 {
-    const config_result_t verdict = config_validate(&CONFIG_LU2013, sizeof(config_t));
-    TEST_ASSERT_EQUAL_STRING("", verdict.field);
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, verdict.code);
+    const config_result_t result = config_validate(&CONFIG_LU2013, sizeof(config_t));
+    TEST_ASSERT_EQUAL_STRING("", result.field);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, result.code);
 }
 
 void test_a_longer_memory_than_the_image_is_fine(void)
@@ -50,22 +50,22 @@ void test_a_shorter_image_is_refused_without_being_read(void)
         config_t *image = malloc(size + 1U);
         TEST_ASSERT_NOT_NULL(image);
         memcpy(image, &CONFIG_LU2013, size);
-        const config_result_t verdict = config_validate(image, size);
+        const config_result_t result = config_validate(image, size);
         free(image);
-        TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_SIZE, verdict.code);
+        TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_SIZE, result.code);
     }
 }
 
 void test_wrong_magic_version_and_size_are_told_apart(void)
 {
     config.magic ^= 1U;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_MAGIC, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_MAGIC, sealed_result().code);
     config = CONFIG_LU2013;
     config.format_version++;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_VERSION, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_VERSION, sealed_result().code);
     config = CONFIG_LU2013;
     config.size_bytes -= 4U;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_SIZE, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_SIZE, sealed_result().code);
 }
 
 void test_an_erased_flash_sector_is_refused(void)
@@ -90,9 +90,9 @@ void test_any_single_flipped_bit_is_refused(void)
 void test_a_name_must_be_there_and_end(void)
 {
     config.name[0] = '\0';
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_NAME, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_NAME, sealed_result().code);
     memset(config.name, 'x', sizeof(config.name));
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_NAME, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_NAME, sealed_result().code);
 }
 
 /* One beyond an end must be refused with field, value and range; the end itself must not be refused
@@ -104,17 +104,17 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
                               highest == INT32_MAX ? highest : highest + 1};
     for (int i = 0; i < 2; i++) {
         *value = beyond[i];
-        const config_result_t verdict = sealed_verdict();
-        TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RANGE, verdict.code, field);
-        TEST_ASSERT_EQUAL_STRING(field, verdict.field);
-        TEST_ASSERT_EQUAL_INT32(beyond[i], verdict.value);
-        TEST_ASSERT_EQUAL_INT32(lowest, verdict.lowest);
-        TEST_ASSERT_EQUAL_INT32(highest, verdict.highest);
+        const config_result_t result = sealed_result();
+        TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RANGE, result.code, field);
+        TEST_ASSERT_EQUAL_STRING(field, result.field);
+        TEST_ASSERT_EQUAL_INT32(beyond[i], result.value);
+        TEST_ASSERT_EQUAL_INT32(lowest, result.lowest);
+        TEST_ASSERT_EQUAL_INT32(highest, result.highest);
     }
     const int32_t ends[] = {lowest, highest};
     for (int i = 0; i < 2; i++) {
         *value = ends[i];
-        TEST_ASSERT_NOT_EQUAL(CONFIG_RESULT_RANGE, sealed_verdict().code);
+        TEST_ASSERT_NOT_EQUAL(CONFIG_RESULT_RANGE, sealed_result().code);
     }
     *value = good;
 }
@@ -166,9 +166,9 @@ void test_every_field_is_held_to_the_range_of_the_header(void)
 
 static void assert_relation(const char *fields)
 {
-    const config_result_t verdict = sealed_verdict();
-    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, verdict.code, fields);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(verdict.field, fields), verdict.field);
+    const config_result_t result = sealed_result();
+    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, result.code, fields);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(result.field, fields), result.field);
     config = CONFIG_LU2013;
 }
 
@@ -190,7 +190,7 @@ void test_a_surface_magnet_motor_has_one_inductance(void)
     assert_relation("motor.d_inductance_nH = motor.q_inductance_nH");
     config.motor.type = CONFIG_MOTOR_IPMSM;
     config.motor.q_inductance_nH = config.motor.d_inductance_nH + 1;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
 }
 
 void test_current_limits_must_leave_the_trip_its_room(void)
@@ -210,7 +210,7 @@ void test_the_overcurrent_trip_must_lie_where_a_sample_can_reach_it(void)
 {
     config.monitor.offset_tolerance_codes = 200;
     config.monitor.overcurrent_pu_q15 = 1847 * 16;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.monitor.overcurrent_pu_q15++;
     assert_relation("monitor.overcurrent_pu_q15 within the converter's range");
 }
@@ -230,7 +230,7 @@ void test_the_largest_speed_must_lie_within_its_base(void)
     config.current_loop.inductance_d_pu_q16 = 1;
     config.current_loop.inductance_q_pu_q16 = 1;
     config.motor.max_speed_mrad_s = 341477;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.motor.max_speed_mrad_s = 341478;
     assert_relation("motor.max_speed_mrad_s within a sixteenth");
 }
@@ -282,11 +282,11 @@ static void assert_edge(int32_t *value, double limit, const char *fields)
 {
     const int32_t good = *value;
     *value = (int32_t)(limit * 0.999);
-    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_OK, sealed_verdict().code, fields);
+    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_OK, sealed_result().code, fields);
     *value = (int32_t)(limit * 1.001);
-    const config_result_t verdict = sealed_verdict();
-    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, verdict.code, fields);
-    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(verdict.field, fields), verdict.field);
+    const config_result_t result = sealed_result();
+    TEST_ASSERT_EQUAL_INT_MESSAGE(CONFIG_RESULT_RELATION, result.code, fields);
+    TEST_ASSERT_NOT_NULL_MESSAGE(strstr(result.field, fields), result.field);
     *value = good;
 }
 
@@ -343,18 +343,17 @@ void test_hall_sectors_must_be_in_order_and_thirty_to_ninety_degrees_wide(void)
 void test_an_encoder_must_be_fine_enough_and_its_index_sharp_enough(void)
 {
     config.rotor.encoder_counts = 0;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK,
-                          sealed_verdict().code); /* no encoder, no demand on it */
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code); /* no encoder, no demand on it */
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     config.rotor.encoder_index_tolerance_counts = 2;
     config.rotor.encoder_counts = 32 * 23;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.rotor.encoder_counts = 32 * 23 - 1;
     assert_relation("rotor.encoder_counts");
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     config.rotor.encoder_counts = 4096; /* 178 counts an electrical turn, 14.8 in 30 degrees */
     config.rotor.encoder_index_tolerance_counts = 14;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.rotor.encoder_index_tolerance_counts = 15;
     assert_relation("rotor.encoder_index_tolerance_counts");
 }
@@ -363,12 +362,12 @@ void test_nobody_brakes_electrically_where_halls_have_lost_the_speed(void)
 {
     /* One electrical turn a second of 23 pole pairs: 2 pi / 23 = 0.27318 rad/s. */
     config.brake.blend_out_end_mrad_s = 274;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.brake.blend_out_end_mrad_s = 273;
     assert_relation("brake.blend_out_end_mrad_s at least one electrical turn");
     config.brake.blend_out_end_mrad_s = 0;
     config.rotor.sensor = CONFIG_ROTOR_ANGLE;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
 }
 
 void test_the_map_of_i_d_has_a_point_of_no_torque(void)
@@ -382,14 +381,14 @@ void test_the_maps_fit_into_the_room_there_is(void)
     config.current_map.torque_points = 33;
     config.current_map.speed_points = 19;
     config.current_map.temperature_points = 2;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.current_map.temperature_points = 3;
     assert_relation(
         "current_map.torque_points * speed_points * temperature_points within the table");
     config.current_map.temperature_points = 2;
     config.regen_map.speed_points = 49;
     config.regen_map.temperature_points = 17;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.regen_map.speed_points = 50;
     assert_relation("regen_map.speed_points * regen_map.temperature_points within the table");
 }
@@ -400,7 +399,7 @@ void test_no_stored_i_d_may_eat_the_flux_that_makes_the_torque(void)
     config.motor.type = CONFIG_MOTOR_IPMSM;
     config.motor.q_inductance_nH = config.motor.d_inductance_nH + 100000;
     config.current_map.current_d_mA[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 152999;
-    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_verdict().code);
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.current_map.current_d_mA[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 153001;
     assert_relation("current_map.current_d_mA leaves a quarter of motor.flux_linkage_nWb");
 }

@@ -14,7 +14,7 @@ _Static_assert(IS(abc_t, (abc_t){0}) && !IS(abc_t, (ab_t){0}) && !IS(abc_t, (dq_
                "abc is its own type");
 _Static_assert(IS(int32_t, ((abc_t){0}).a) && IS(int32_t, ((ab_t){0}).alpha) &&
                    IS(int32_t, ((dq_t){0}).q),
-               "components are the 32-bit intermediates of the fast reach");
+               "components are the 32-bit intermediates of the fast loop");
 
 void setUp(void) {}
 

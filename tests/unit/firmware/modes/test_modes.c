@@ -70,7 +70,7 @@ void test_the_answer_of_an_earlier_calibration_is_not_taken_for_the_new_one(void
     reach(MODE_OFFSET_CAL);
     in.offsets_done = true; /* still says so from last time */
     assert_mode(MODE_OFFSET_CAL, run(MODES_CALIBRATION_SETTLE_STEPS - 1));
-    in.offsets_done = false; /* the fast reach has begun */
+    in.offsets_done = false; /* the fast loop has begun */
     assert_mode(MODE_OFFSET_CAL, run(100));
     in.offsets_done = true;
     assert_mode(MODE_READY, step());

@@ -100,7 +100,7 @@ void test_an_acknowledgement_with_torque_demanded_does_not_count_not_even_later(
 void test_an_acknowledgement_waits_a_moment_for_the_monitor_to_be_content_again(void)
 {
     reach(MODE_FAULT);
-    in.fault = REASON_OVERCURRENT; /* the fast reach has not looked again yet */
+    in.fault = REASON_OVERCURRENT; /* the fast loop has not looked again yet */
     in.fault_reset = true;
     for (int n = 0; n < MODES_ACKNOWLEDGE_STEPS - 1; n++) {
         const modes_output_t out = step();

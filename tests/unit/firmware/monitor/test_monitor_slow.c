@@ -45,7 +45,7 @@ void tearDown(void) {}
 
 void test_a_healthy_drive_has_neither_fault_nor_warning(void)
 {
-    for (int n = 0; n < 10000; n++) { /* the fast reach's counter wraps three times */
+    for (int n = 0; n < 10000; n++) { /* the fast loop's counter wraps three times */
         const monitor_output_t out = step();
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, out.warning);
@@ -219,7 +219,7 @@ void test_torque_of_a_bridge_at_rest_is_nobody_s_fault(void)
 
 /* ---- program flow ---- */
 
-void test_a_fast_reach_that_stands_still_is_a_fault_after_five_milliseconds(void)
+void test_a_fast_loop_that_stands_still_is_a_fault_after_five_milliseconds(void)
 {
     step();
     fast_steps_per_slow = 0;
@@ -230,7 +230,7 @@ void test_a_fast_reach_that_stands_still_is_a_fault_after_five_milliseconds(void
     fast_steps_per_slow = FAST_PER_SLOW;
 }
 
-void test_the_fast_reach_may_be_a_quarter_off_its_rate_and_no_more(void)
+void test_the_fast_loop_may_be_a_quarter_off_its_rate_and_no_more(void)
 {
     const uint16_t good[] = {15, 25};
     const uint16_t bad[] = {14, 26, 40};
@@ -254,7 +254,7 @@ void test_a_single_late_slow_step_is_no_fault(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
 }
 
-void test_the_first_step_cannot_know_how_far_the_fast_reach_had_counted(void)
+void test_the_first_step_cannot_know_how_far_the_fast_loop_had_counted(void)
 {
     in.fast_step_count = 12345;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(10).fault);

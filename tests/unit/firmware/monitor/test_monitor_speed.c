@@ -39,7 +39,7 @@ static double radius_m(void)
     return config.vehicle.wheel_radius_um * 1e-6;
 }
 
-/* The currents of a short with a direct part, period by period, as the fast reach counts them. */
+/* The currents of a short with a direct part, period by period, as the fast loop counts them. */
 static void turn(double rad_s, double turning_a, double direct_a, bool line_only)
 {
     for (int n = 0; n < PERIODS_PER_MS; n++) {
@@ -333,7 +333,7 @@ void test_a_current_while_switching_says_nothing(void)
 }
 
 /* A reach that stands still counts no quarters: that is no wheel that stands. */
-void test_windows_in_which_the_fast_reach_made_no_step_measure_nothing(void)
+void test_windows_in_which_the_fast_loop_made_no_step_measure_nothing(void)
 {
     in.speed_mrad_s = 30000;
     TEST_ASSERT_EQUAL_INT32(30000, run(1));

@@ -49,14 +49,14 @@ static fast_output_t period(void *context, const fast_input_t *in)
     return out;
 }
 
-static void hear_what_was_said(twin_t *t)
+static void deliver_frames(twin_t *t)
 {
     (void)node_tick(&t->node, t->now_ms);
     for (uint32_t i = 0; i < t->board.queued_count; i++) {
         const can_frame_t *said = &t->board.queued[i];
         messages_frame_t frame = {.identifier = said->identifier, .length = said->length};
         memcpy(frame.data, said->data, sizeof frame.data);
-        (void)node_hear(&t->node, &frame, t->now_ms);
+        (void)node_receive(&t->node, &frame, t->now_ms);
     }
 }
 
@@ -64,20 +64,20 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
 {
     twin_t *t = context;
     const slow_output_t out = t->through_board.millisecond(t->through_board.context, in);
-    hear_what_was_said(t);
+    deliver_frames(t);
     t->now_ms++;
-    const node_wish_t *wish = &t->node.wish;
+    const node_command_t *command = &t->node.command;
     const slow_input_t heard = {
-        .drive_torque_mNm = wish->demand.drive_torque_mNm,
-        .brake_torque_mNm = wish->demand.brake_torque_mNm,
-        .demand_age_ms = node_demand_age_ms(wish, t->now_ms),
-        .bms_charge_current_mA = wish->battery.charge_current_mA,
-        .bms_discharge_current_mA = wish->battery.discharge_current_mA,
+        .drive_torque_mNm = command->demand.drive_torque_mNm,
+        .brake_torque_mNm = command->demand.brake_torque_mNm,
+        .demand_age_ms = node_demand_age_ms(command, t->now_ms),
+        .bms_charge_current_mA = command->battery.charge_current_mA,
+        .bms_discharge_current_mA = command->battery.discharge_current_mA,
         .winding_temperature_cC = t->winding_temperature_cC,
         .switch_temperature_cC = t->switch_temperature_cC,
-        .enable = wish->demand.enable,
-        .abs_active = wish->demand.abs_active,
-        .fault_reset = wish->demand.fault_reset,
+        .enable = command->demand.enable,
+        .abs_active = command->demand.abs_active,
+        .fault_reset = command->demand.fault_reset,
         .selftest_passed = true,
         .config_accepted = true,
     };
@@ -86,13 +86,13 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     t->switch_temperature_cC = in->switch_temperature_cC;
     const slow_output_t expected =
         controller_slow_step(&t->controller.slow, t->config, &t->to_slow, &heard, &t->to_fast);
-    if (t->board.brake_link.link == E2E_VALID && t->board.brake_link.trusted_ms == t->now_ms) {
+    if (t->board.brake_link.link == E2E_VALID && t->board.brake_link.refreshed_ms == t->now_ms) {
         TEST_ASSERT_INT_WITHIN(50, expected.hydraulic_torque_mNm,
                                out.hydraulic_torque_mNm); /* half a step */
         TEST_ASSERT_EQUAL_INT(expected.available_reason, out.available_reason);
         t->braking_commands += out.hydraulic_torque_mNm > 0 ? 1 : 0;
     }
-    if (t->board.state_link.link == E2E_VALID && t->board.state_link.trusted_ms == t->now_ms) {
+    if (t->board.state_link.link == E2E_VALID && t->board.state_link.refreshed_ms == t->now_ms) {
         TEST_ASSERT_EQUAL_INT(expected.mode, out.mode);
         TEST_ASSERT_EQUAL_INT(expected.fault_reason, out.fault_reason);
     }
