@@ -20,7 +20,7 @@ void controller_init(controller_t *controller, const config_t *config)
     monitor_fast_init(&controller->fast.monitor, config);
     mean_values_init(&controller->slow.summary, nominal_v_dc_pu(config));
     controller->slow.modulation_limit_q15 = foc_modulation_limit_q15(&controller->fast.foc);
-    torque_init(&controller->slow.torque);
+    torque_init(&controller->slow.torque, config);
     monitor_slow_init(&controller->slow.monitor);
     modes_init(&controller->slow.modes);
     controller->slow.last_command_mNm = 0;
@@ -187,19 +187,16 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
                 .d_mA = bases_current_mA(config, mean_pu.d),
                 .q_mA = bases_current_mA(config, mean_pu.q),
             },
+        .i_d_weakening_mA = bases_current_mA(config, from_fast->foc.i_d_weakening_pu),
         .voltage_limited = slow->summary.latest.voltage_limited,
         .voltage_use_q15 = slow->summary.latest.modulation_square_q15,
-        .capability =
-            {
-                .bus_voltage_mV = bus_mV,
-                .phase_voltage_mV = sampling_correction_mean_voltage(sampling, told_mV),
-                .bms_charge_current_mA = in->bms_charge_current_mA,
-                .bms_discharge_current_mA = in->bms_discharge_current_mA,
-                .winding_temperature_cC = in->winding_temperature_cC,
-                .switch_temperature_cC = in->switch_temperature_cC,
-                .i_d_weakening_mA = bases_current_mA(config, from_fast->foc.i_d_weakening_pu),
-                .rotor_valid = from_fast->foc.current.rotor.valid,
-            },
+        .rotor_valid = from_fast->foc.current.rotor.valid,
+        .bus_voltage_mV = bus_mV,
+        .phase_voltage_mV = sampling_correction_mean_voltage(sampling, told_mV),
+        .bms_charge_current_mA = in->bms_charge_current_mA,
+        .bms_discharge_current_mA = in->bms_discharge_current_mA,
+        .winding_temperature_cC = in->winding_temperature_cC,
+        .switch_temperature_cC = in->switch_temperature_cC,
         .torque_enable = *torque_enable,
     };
     return torque_step(&slow->torque, config, &torque_in);

@@ -25,7 +25,10 @@ void hydraulic_model_step(hydraulic_model_t *model, const config_t *config, int3
     const config_brake_t *brake = &config->brake;
     const int32_t most_mNm = q_clamp(command_mNm, 0, brake->max_hydraulic_torque_mNm);
     const int32_t target_q6 = arrived_mNm(model, brake->hydraulic_dead_time_ms, most_mNm) * ONE_Q6;
-    const int32_t largest_q6 = q_max(q_scale(brake->hydraulic_rate_mNm_s, ONE_Q6, STEPS_PER_S), 1);
+    const int32_t largest_q6 =
+        q_max(brake->hydraulic_rate_mNm_s / STEPS_PER_S * ONE_Q6 +
+                  brake->hydraulic_rate_mNm_s % STEPS_PER_S * ONE_Q6 / STEPS_PER_S,
+              1);
     const int32_t change_q6 =
         (target_q6 - model->torque_q6_mNm) / (brake->hydraulic_time_constant_ms + 1);
     model->torque_q6_mNm += q_clamp(change_q6, -largest_q6, largest_q6);

@@ -1,189 +1,258 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/motor_model.h"
 
+#include <stdbool.h>
+
 #include "config/bases.h"
-#include "core/divide.h"
 #include "core/q15.h"
 
-enum { PPM = 1000000, FRICTION_FULL_MRAD_S = 500 };
-
-/* Beyond what any accepted configuration means, and small enough that no product below leaves 64
- * bits. */
 enum {
-    MOST_CURRENT_mA = 10000000,   /* 10 kA */
-    MOST_TORQUE_mNm = 1000000000, /* 1 MNm */
-    MOST_FRICTION_mNm = 500000000,
-    MOST_VOLTAGE_mV = 500000000 /* 500 kV */
+    MILLION = 1000000,
+    BILLION = 1000000000,
+    FRICTION_FULL_MRAD_S = 500, /* Coulomb friction is whole from here on */
+    MOST_b = 1 << 26,           /* of any coefficient: products and sums stay within 32 bits */
+    MOST_CURRENT_b = 1 << 25,
+    SIZE_LOG2 = 22, /* the largest value of a quantity lies in [2^22, 2^23) */
+    LARGEST_RISE_cK = 100000
 };
-static const int64_t MOST_FLUX_nWb =
-    INT64_C(10000000000); /* 10 Wb: 3/2 * 60 * 10 Wb * 10 kA is 9.0e18 pNm */
 
-static int64_t clamp64(int64_t x, int64_t most)
+static int32_t within_b(int32_t x)
 {
-    return x > most ? most : (x < -most ? -most : x);
+    return q_clamp(x, -MOST_b, MOST_b);
 }
 
-static int32_t divide_saturated(int64_t a, int64_t b)
+/* The shift that brings x > 0 into [2^22, 2^23). */
+static int32_t shift_to_size(int64_t x)
 {
-    return q_saturate64(a / b);
+    int32_t shift = 0;
+    for (int64_t y = x; y >= (INT64_C(2) << SIZE_LOG2); y >>= 1) {
+        shift--;
+    }
+    for (int64_t y = x; y < (INT64_C(1) << SIZE_LOG2); y <<= 1) {
+        shift++;
+    }
+    return shift;
 }
 
-static int32_t friction_at(const config_motor_t *motor, int32_t speed_mrad_s)
+static int64_t larger(int64_t a, int64_t b)
 {
-    const int64_t viscous_mNm =
-        divide_by_million((int64_t)motor->viscous_friction_uNm_s * speed_mrad_s);
-    const int32_t share_mrad_s = q_clamp(speed_mrad_s, -FRICTION_FULL_MRAD_S, FRICTION_FULL_MRAD_S);
-    const int64_t coulomb_mNm =
-        (int64_t)motor->friction_torque_mNm * share_mrad_s / FRICTION_FULL_MRAD_S;
-    return (int32_t)clamp64(viscous_mNm + coulomb_mNm, MOST_FRICTION_mNm);
+    return a > b ? a : b;
 }
 
-motor_model_t motor_model_at(const config_t *config, int32_t speed_mrad_s,
+/* The largest voltage that the scale has to hold: EMF and reactive drop at the highest speed, and
+ * the battery's. */
+static int64_t largest_voltage_mV(const config_t *config, int64_t w_most_mrad_s)
+{
+    const config_motor_t *motor = &config->motor;
+    const int64_t emf_mV = w_most_mrad_s * motor->flux_linkage_nWb / BILLION;
+    const int64_t l_nH = larger(motor->d_inductance_nH, motor->q_inductance_nH);
+    const int64_t x_uOhm = w_most_mrad_s * l_nH / MILLION;
+    const int64_t z_uOhm = larger(q_saturate64(x_uOhm), motor->phase_resistance_uOhm);
+    const int64_t drop_mV = z_uOhm * motor->max_phase_current_mA / MILLION;
+    return larger(larger(emf_mV, drop_mV), config->battery.max_voltage_mV);
+}
+
+void motor_constants_init(motor_constants_t *constants, const config_t *config)
+{
+    const config_motor_t *motor = &config->motor;
+    const int64_t w_most_mrad_s = (int64_t)motor->max_speed_mrad_s * motor->pole_pairs;
+    const int32_t c = shift_to_size(motor->max_phase_current_mA);
+    const int32_t v = shift_to_size(largest_voltage_mV(config, w_most_mrad_s));
+    const int32_t w = shift_to_size(w_most_mrad_s);
+    const int64_t resistance_ppm_K = motor->resistance_coefficient_ppm_K;
+    const int64_t flux_ppm_K = motor->flux_coefficient_ppm_K;
+    int32_t factor_shift = 0;
+    while ((3 * motor->pole_pairs) >> factor_shift > 1) {
+        factor_shift++;
+    }
+    const int32_t t = c + v - w + 1 - factor_shift;
+    const motor_constants_t out = {
+        .config = config,
+        .current_shift = c,
+        .voltage_shift = v,
+        .speed_shift = w,
+        .torque_shift = t,
+        .resistance_b =
+            within_b(scaled_constant(motor->phase_resistance_uOhm, MILLION, 24 + v - c)),
+        .resistance_rise_b = scaled_constant(motor->phase_resistance_uOhm * resistance_ppm_K,
+                                             INT64_C(100) * MILLION * MILLION, 40 + v - c),
+        .inductance_d_b =
+            scaled_constant(motor->d_inductance_nH, INT64_C(1000000000000), 48 + v - c - w),
+        .inductance_q_b =
+            scaled_constant(motor->q_inductance_nH, INT64_C(1000000000000), 48 + v - c - w),
+        .flux_b = scaled_constant(motor->flux_linkage_nWb, BILLION, 24 + v - w),
+        .flux_fall_b =
+            scaled_constant((int64_t)motor->flux_linkage_nWb * q_abs((int32_t)flux_ppm_K),
+                            INT64_C(100) * MILLION * BILLION, 40 + v - w),
+        .iron_q16_b = scaled_constant(motor->iron_loss_resistance_mOhm, 1000, 16 + v - c),
+        .iron_slope_q16_b = scaled_constant(motor->iron_loss_resistance_slope_nOhm_s,
+                                            INT64_C(1000) * BILLION, 40 + v - c - w),
+        .coulomb_step_q8_b =
+            scaled_constant(motor->friction_torque_mNm, FRICTION_FULL_MRAD_S, 8 + t),
+        .viscous_b = scaled_constant(motor->viscous_friction_uNm_s,
+                                     (int64_t)MILLION * motor->pole_pairs, 24 + t - w),
+        .torque_factor_q24 = (3 * motor->pole_pairs) << (24 - factor_shift),
+        .torque_inverse_q24 = scaled_constant(1, INT64_C(3) * motor->pole_pairs, 24 + factor_shift),
+        .current_most_b = scaled_shift(motor->max_phase_current_mA, c),
+        .negligible_power_b = scaled_constant(INT64_C(2) * motor->max_power_mW, 3, v + c - 24),
+        .hall_angle_b =
+            config->rotor.sensor == CONFIG_ROTOR_HALL
+                ? scaled_constant(1, INT64_C(2000) * config->drive.pwm_frequency_Hz, 48 - w)
+                : 0,
+    };
+    *constants = out;
+}
+
+/* Against the rotation: Coulomb friction fades in over the first half radian a second. */
+static int32_t friction_b(const motor_constants_t *k, int32_t w_b, int32_t speed_abs_mrad_s)
+{
+    const int64_t coulomb_q8_b =
+        (int64_t)k->coulomb_step_q8_b * q_min(speed_abs_mrad_s, FRICTION_FULL_MRAD_S);
+    return within_b(q_saturate64((coulomb_q8_b >> 8) + scaled_multiply(k->viscous_b, w_b)));
+}
+
+/* At least a tenth of its value at the reference, whatever a broken thermistor reads. */
+static int32_t at_temperature_b(int32_t reference_b, int32_t rise_q16_b, int32_t rise_cK)
+{
+    const int32_t change_b = (int32_t)(((int64_t)rise_q16_b * rise_cK) >> 16);
+    return q_clamp(reference_b + change_b, reference_b / 10, MOST_b);
+}
+
+motor_model_t motor_model_at(const motor_constants_t *k, int32_t speed_mrad_s,
                              int32_t winding_temperature_cC)
 {
-    const config_motor_t *motor = &config->motor;
-    const int64_t w_mrad_s = bases_electrical_mrad_s(config, speed_mrad_s);
-    const int64_t w_abs_mrad_s = w_mrad_s < 0 ? -w_mrad_s : w_mrad_s;
-    const int32_t flux_nWb = bases_flux_nWb(config, winding_temperature_cC);
-    motor_model_t model = {
+    const config_motor_t *motor = &k->config->motor;
+    const int64_t w_mrad_s = (int64_t)q_abs(speed_mrad_s) * motor->pole_pairs;
+    const int32_t w_b = q_min(scaled_shift(q_saturate64(w_mrad_s), k->speed_shift), MOST_CURRENT_b);
+    const int32_t rise_cK =
+        q_clamp(q_saturate64((int64_t)winding_temperature_cC - motor->reference_temperature_cC),
+                -LARGEST_RISE_cK, LARGEST_RISE_cK);
+    motor_model_t m = {
+        .constants = k,
         .speed_mrad_s = speed_mrad_s,
         .winding_temperature_cC = winding_temperature_cC,
-        .flux_nWb = flux_nWb,
-        .emf_mV = q_saturate64(divide_by_billion(w_mrad_s * flux_nWb)),
-        .iron_current_mA = 0,
-        .cross_d_ppm = 0,
-        .cross_q_ppm = 0,
-        .one_plus_a2_ppm = PPM,
-        /* mrad/s * nH = 1e-6 uOhm */
-        .reactance_d_uOhm = q_saturate64(divide_by_million(w_mrad_s * motor->d_inductance_nH)),
-        .reactance_q_uOhm = q_saturate64(divide_by_million(w_mrad_s * motor->q_inductance_nH)),
-        .resistance_uOhm = bases_at_winding_temperature(config, motor->phase_resistance_uOhm,
-                                                        winding_temperature_cC),
-        .friction_mNm = friction_at(motor, speed_mrad_s),
+        .speed_b = w_b,
+        .flux_b = at_temperature_b(
+            k->flux_b, motor->flux_coefficient_ppm_K < 0 ? -k->flux_fall_b : k->flux_fall_b,
+            rise_cK),
+        .saliency_b = within_b(k->inductance_d_b - k->inductance_q_b),
+        .reactance_d_b = within_b(scaled_multiply(w_b, k->inductance_d_b)),
+        .reactance_q_b = within_b(scaled_multiply(w_b, k->inductance_q_b)),
+        .resistance_b = at_temperature_b(k->resistance_b, k->resistance_rise_b, rise_cK),
+        .one_plus_a2 = SCALED_ONE,
+        .inverse_one_plus_a2 = SCALED_ONE,
     };
-    const int64_t iron_uOhm =
-        (int64_t)motor->iron_loss_resistance_mOhm * 1000 +
-        divide_by_million(w_abs_mrad_s * motor->iron_loss_resistance_slope_nOhm_s);
-    if (iron_uOhm > 0) {
-        model.iron_current_mA = divide_saturated((int64_t)model.emf_mV * PPM, iron_uOhm);
-        /* mrad/s * nH over uOhm, times 1e6, is ppm. */
-        model.cross_d_ppm = divide_saturated(w_mrad_s * motor->d_inductance_nH, iron_uOhm);
-        model.cross_q_ppm = divide_saturated(w_mrad_s * motor->q_inductance_nH, iron_uOhm);
-        const int64_t a2_ppm = divide_by_million((int64_t)model.cross_d_ppm * model.cross_q_ppm);
-        model.one_plus_a2_ppm = q_saturate64(PPM + a2_ppm);
+    m.emf_b = within_b(scaled_multiply(w_b, m.flux_b));
+    const int64_t iron_q16_b = k->iron_q16_b + (((int64_t)w_b * k->iron_slope_q16_b) >> 24);
+    if (iron_q16_b > 0) {
+        /* 2^40 / R_i, and through it everything that the iron loss adds. */
+        const uint32_t inverse_q32 = UINT32_MAX / (uint32_t)q_saturate64(iron_q16_b);
+        const int32_t conductance =
+            (int32_t)(inverse_q32 < (MOST_b >> 8) ? inverse_q32 << 8 : MOST_b);
+        m.cross_d = within_b(scaled_multiply(m.reactance_d_b, conductance));
+        m.cross_q = within_b(scaled_multiply(m.reactance_q_b, conductance));
+        m.iron_current_b = q_min(scaled_multiply(m.emf_b, conductance), MOST_CURRENT_b);
+        m.one_plus_a2 = q_min(SCALED_ONE + scaled_multiply(m.cross_d, m.cross_q), MOST_b);
+        m.inverse_one_plus_a2 = scaled_ratio(SCALED_ONE, m.one_plus_a2);
     }
-    return model;
+    m.friction_b = friction_b(k, w_b, q_abs(speed_mrad_s));
+    m.voltage_q_b = within_b(m.emf_b + scaled_multiply(m.resistance_b, m.iron_current_b));
+    m.voltage_q_per_x = within_b(scaled_multiply(m.resistance_b, m.one_plus_a2) +
+                                 scaled_multiply(m.reactance_d_b, m.cross_q));
+    m.voltage_q_per_d = within_b(m.reactance_d_b + scaled_multiply(m.resistance_b, m.cross_d));
+    return m;
 }
 
-/* What the iron branch leaves of terminal currents, or of one of them and i_qt. */
-typedef struct {
-    int64_t d_mA, q_mA;
-} torque_current_t;
-
-/* What i_d leaves in the q axis' iron branch, (w L_d / R_i) i_d. */
-static int64_t cross_d_mA(const motor_model_t *model, int32_t i_d_mA)
+int32_t motor_model_current_b(const motor_constants_t *constants, int32_t current_mA)
 {
-    return divide_by_million((int64_t)model->cross_d_ppm * i_d_mA);
+    return q_clamp(scaled_shift(current_mA, constants->current_shift), -MOST_CURRENT_b,
+                   MOST_CURRENT_b);
 }
 
-static int64_t direct_torque_current_mA(const motor_model_t *model, int32_t i_d_mA, int64_t i_qt_mA)
+/* The magnets' flux, and what saliency adds to it through i_dt. */
+static int32_t flux_at_b(const motor_model_t *model, motor_point_t at)
 {
-    return clamp64(i_d_mA + divide_by_million(model->cross_q_ppm * i_qt_mA), MOST_CURRENT_mA);
-}
-
-static torque_current_t torque_current(const motor_model_t *model, motor_current_t i)
-{
-    const int64_t net_q_mA = (int64_t)i.q_mA - model->iron_current_mA - cross_d_mA(model, i.d_mA);
-    const int64_t i_qt_mA = clamp64(net_q_mA * PPM / model->one_plus_a2_ppm, MOST_CURRENT_mA);
-    const torque_current_t out = {.d_mA = direct_torque_current_mA(model, i.d_mA, i_qt_mA),
-                                  .q_mA = i_qt_mA};
-    return out;
-}
-
-/* The magnets' flux and what saliency adds to it. */
-static int64_t flux_nWb_at(const motor_model_t *model, const config_motor_t *motor, int64_t i_dt_mA)
-{
-    const int64_t saliency_nH = (int64_t)motor->d_inductance_nH - motor->q_inductance_nH;
-    if (saliency_nH == 0) {
-        return model->flux_nWb;
+    if (model->saliency_b == 0) {
+        return model->flux_b;
     }
-    return clamp64(model->flux_nWb + divide_by_thousand(saliency_nH * i_dt_mA), MOST_FLUX_nWb);
+    const int32_t i_dt_b = at.d_b + scaled_multiply(model->cross_q, at.x_b);
+    return within_b(model->flux_b +
+                    scaled_multiply(model->saliency_b, q_clamp(i_dt_b, -MOST_b, MOST_b)));
 }
 
-static int32_t shaft_torque_mNm(const motor_model_t *model, const config_t *config,
-                                torque_current_t i_t)
+int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at)
 {
-    /* p * nWb * mA = 1e-12 Nm */
-    const int64_t torque_pNm = INT64_C(3) * config->motor.pole_pairs *
-                               flux_nWb_at(model, &config->motor, i_t.d_mA) / 2 * i_t.q_mA;
-    return (int32_t)clamp64(divide_by_billion(torque_pNm) - model->friction_mNm, MOST_TORQUE_mNm);
+    return scaled_multiply(scaled_multiply(flux_at_b(model, at), at.x_b),
+                           model->constants->torque_factor_q24);
 }
 
-int32_t motor_model_torque_mNm(const motor_model_t *model, const config_t *config,
-                               motor_current_t i)
+int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, int32_t d_b)
 {
-    return shaft_torque_mNm(model, config, torque_current(model, i));
-}
-
-int32_t motor_model_torque_of_i_qt_mNm(const motor_model_t *model, const config_t *config,
-                                       int32_t i_d_mA, int32_t i_qt_mA)
-{
-    const int64_t within_mA = clamp64(i_qt_mA, MOST_CURRENT_mA);
-    const torque_current_t i_t = {.d_mA = direct_torque_current_mA(model, i_d_mA, within_mA),
-                                  .q_mA = within_mA};
-    return shaft_torque_mNm(model, config, i_t);
-}
-
-int32_t motor_model_current_q_mA(const motor_model_t *model, const config_t *config,
-                                 int32_t torque_mNm, int32_t i_d_mA)
-{
-    const config_motor_t *motor = &config->motor;
-    const int64_t airgap_mNm = (int64_t)torque_mNm + model->friction_mNm;
-    const int64_t least_flux_nWb = model->flux_nWb / 4;
-    /* Each pass leaves that share of the error which (w L_q / R_i) i_qt takes of the flux, below a
-     * tenth in any motor worth its iron. What does not change i_dt any more changes nothing. */
-    const int passes = motor->d_inductance_nH == motor->q_inductance_nH ? 1 : 4;
-    int64_t i_qt_mA = 0;
-    int64_t last_i_dt_mA = INT64_MAX;
-    for (int pass = 0; pass < passes; pass++) {
-        const int64_t i_dt_mA = direct_torque_current_mA(model, i_d_mA, i_qt_mA);
-        if (i_dt_mA == last_i_dt_mA) {
-            break;
-        }
-        last_i_dt_mA = i_dt_mA;
-        const int64_t exact_nWb = flux_nWb_at(model, motor, i_dt_mA);
-        const int64_t flux_nWb = exact_nWb > least_flux_nWb ? exact_nWb : least_flux_nWb;
-        i_qt_mA = clamp64(airgap_mNm * 1000000000 / (INT64_C(3) * motor->pole_pairs * flux_nWb / 2),
-                          MOST_CURRENT_mA);
+    const int32_t per_pole_b =
+        scaled_multiply(airgap_b, model->constants->torque_inverse_q24); /* flux times i_qt */
+    const int32_t least_b = model->flux_b / 4;
+    motor_point_t at = {.d_b = d_b, .x_b = 0};
+    const int32_t without_b = flux_at_b(model, at);
+    at.x_b = q_limit(scaled_ratio(per_pole_b, q_max(without_b, least_b)), MOST_CURRENT_b);
+    const int steps = model->saliency_b != 0 && model->cross_q != 0 ? 2 : 0;
+    for (int step = 0; step < steps; step++) {
+        /* i_qt moves the flux a little through the iron branch: Newton's method. */
+        const int32_t flux_b = flux_at_b(model, at);
+        const bool enough = flux_b > least_b;
+        const int32_t missing_b = per_pole_b - scaled_multiply(flux_b, at.x_b);
+        const int32_t slope_b = q_max(2 * flux_b - without_b, least_b);
+        at.x_b = q_limit(enough ? at.x_b + scaled_ratio(missing_b, slope_b)
+                                : scaled_ratio(per_pole_b, least_b),
+                         MOST_CURRENT_b);
     }
-    return q_saturate64(divide_by_million(i_qt_mA * model->one_plus_a2_ppm) +
-                        model->iron_current_mA + cross_d_mA(model, i_d_mA));
+    return at.x_b;
 }
 
-/* uOhm * mA = 1e-6 mV. Each product below 2^31 * 10^7, so that three of them stay inside 64 bits.
- */
-static int32_t voltage_mV(int64_t sum_1e_6mV, int64_t emf_mV)
+int32_t motor_model_shaft_mNm(const motor_model_t *model, int32_t airgap_b)
 {
-    return (int32_t)clamp64(divide_by_million(sum_1e_6mV) + emf_mV, MOST_VOLTAGE_mV);
+    const int32_t along_mNm =
+        scaled_shift(airgap_b - model->friction_b, -model->constants->torque_shift);
+    return model->speed_mrad_s >= 0 ? along_mNm : -q_max(along_mNm, -INT32_MAX);
 }
 
-motor_voltage_t motor_model_voltage(const motor_model_t *model, motor_current_t i)
+int32_t motor_model_airgap_of_shaft_b(const motor_model_t *model, int32_t shaft_mNm)
 {
-    const torque_current_t i_t = torque_current(model, i);
-    const int64_t d_mA = clamp64(i.d_mA, MOST_CURRENT_mA);
-    const int64_t q_mA = clamp64(i.q_mA, MOST_CURRENT_mA);
-    const motor_voltage_t out = {
-        .d_mV = voltage_mV(model->resistance_uOhm * d_mA - model->reactance_q_uOhm * i_t.q_mA, 0),
-        .q_mV = voltage_mV(model->resistance_uOhm * q_mA + model->reactance_d_uOhm * i_t.d_mA,
-                           model->emf_mV),
-    };
-    return out;
+    const int32_t along_mNm = model->speed_mrad_s >= 0 ? shaft_mNm : -q_max(shaft_mNm, -INT32_MAX);
+    const int32_t most_b = 1 << 29;
+    return q_limit(scaled_shift(along_mNm, model->constants->torque_shift), most_b) +
+           model->friction_b;
 }
 
-int32_t motor_model_power_mW(const motor_model_t *model, motor_current_t i)
+static motor_point_t point_of(const motor_model_t *model, motor_current_t i)
 {
-    const motor_voltage_t u = motor_model_voltage(model, i);
-    /* mV * mA = 1e-3 mW, below 10^9 * 2^31 each */
-    return q_saturate64(
-        divide_by_thousand(((int64_t)u.d_mV * i.d_mA + (int64_t)u.q_mV * i.q_mA) * 3 / 2));
+    const int32_t along_mA = model->speed_mrad_s >= 0 ? i.q_mA : -q_max(i.q_mA, -INT32_MAX);
+    motor_point_t at = {.d_b = motor_model_current_b(model->constants, i.d_mA), .x_b = 0};
+    const int32_t i_q_b = motor_model_current_b(model->constants, along_mA);
+    at.x_b = q_limit(motor_model_x_of_i_q_b(model, i_q_b, at.d_b), MOST_CURRENT_b);
+    return at;
+}
+
+int32_t motor_model_torque_mNm(const motor_model_t *model, motor_current_t i)
+{
+    return motor_model_shaft_mNm(model, motor_model_airgap_b(model, point_of(model, i)));
+}
+
+int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t i_d_mA)
+{
+    motor_point_t at = {.d_b = motor_model_current_b(model->constants, i_d_mA), .x_b = 0};
+    at.x_b =
+        motor_model_x_of_airgap_b(model, motor_model_airgap_of_shaft_b(model, torque_mNm), at.d_b);
+    const int32_t along_mA = motor_model_current_mA(model->constants, motor_model_i_q_b(model, at));
+    return model->speed_mrad_s >= 0 ? along_mA : -along_mA;
+}
+
+int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_current_t i, int32_t bus_mV)
+{
+    const motor_constants_t *k = model->constants;
+    const motor_point_t at = point_of(model, i);
+    const int64_t sum = (int64_t)motor_model_u_d_b(model, at) * at.d_b +
+                        (int64_t)motor_model_u_q_b(model, at) * motor_model_i_q_b(model, at);
+    const int32_t power_b = q_saturate64((sum >> 24) * 3 / 2);
+    const int32_t bus_b = q_max(scaled_shift(bus_mV, k->voltage_shift), 1);
+    return motor_model_current_mA(k, scaled_ratio(power_b, bus_b));
 }

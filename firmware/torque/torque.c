@@ -2,21 +2,20 @@
 #include "torque/torque.h"
 
 #include "core/q15.h"
-#include "torque/foldback.h"
 #include "torque/motor_model.h"
 
-void torque_init(torque_state_t *state)
+void torque_init(torque_state_t *state, const config_t *config)
 {
+    motor_constants_init(&state->motor, config);
     demand_init(&state->demand);
+    torque_limits_init(&state->limits, &state->table);
     brake_blending_init(&state->blending);
-    torque_command_init(&state->limit);
+    torque_command_init(&state->command);
     stop_lamp_init(&state->lamp);
-    state->voltage_low_steps = 0;
-    state->voltage_high_steps = 0;
 }
 
-/* The reason a person wants to read: the arbiter's while braking, the torque limit's while driving,
- * and the phase limits when those are what stands in the way in the end. */
+/* The reason a person wants to read: the braking side's while braking, the torque limit's while
+ * driving, and the phase limits when those are what stands in the way in the end. */
 static reason_t visible_reason(const demand_t *demand, const brake_blending_out_t *split,
                                const torque_command_out_t *limited,
                                const current_setpoint_t *current, bool voltage_limited)
@@ -32,43 +31,36 @@ static reason_t visible_reason(const demand_t *demand, const brake_blending_out_
     return reason == REASON_NONE && demand->timed_out ? REASON_DEMAND_TIMEOUT : reason;
 }
 
-/* What the limits depend on beside the measurements: where the motor is, and how near the voltage
- * was to an end lately. */
-static torque_limits_input_t limits_now(torque_state_t *state, const config_t *config,
-                                        const torque_limits_input_t *in)
-{
-    const config_battery_t *battery = &config->battery;
-    const int32_t width_mV = battery->max_voltage_mV - battery->foldback_voltage_mV;
-    const int32_t above_mV = q_saturate64((int64_t)in->bus_voltage_mV - battery->min_voltage_mV);
-    const int32_t below_mV = q_saturate64((int64_t)battery->max_voltage_mV - in->bus_voltage_mV);
-    torque_limits_input_t out = *in;
-    out.command_mNm = state->limit.command_mNm;
-    out.voltage_low = foldback_near(&state->voltage_low_steps, above_mV, width_mV);
-    out.voltage_high = foldback_near(&state->voltage_high_steps, below_mV, width_mV);
-    return out;
-}
-
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
 {
     const motor_model_t model =
-        motor_model_at(config, in->speed_mrad_s, in->capability.winding_temperature_cC);
-    const int32_t achieved_mNm = motor_model_torque_mNm(&model, config, in->current);
-
+        motor_model_at(&state->motor, in->speed_mrad_s, in->winding_temperature_cC);
+    const int32_t achieved_mNm = motor_model_torque_mNm(&model, in->current);
     const demand_t demand = demand_step(&state->demand, config, in->drive_torque_mNm,
                                         in->brake_torque_mNm, in->demand_age_ms);
-    const torque_limits_input_t limits = limits_now(state, config, &in->capability);
-    const torque_limits_t capability = torque_limits_step(config, &model, &limits);
-    const brake_blending_input_t braking = {
-        .demand_mNm = demand.brake_mNm,
-        .speed_mrad_s = in->speed_mrad_s,
-        .motor_command_mNm = state->limit.command_mNm,
-        .motor_growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15),
-        .motor_achieved_mNm = achieved_mNm,
+    const torque_limits_input_t limited_by = {
+        .brake_demand_mNm = demand.brake_mNm,
+        .bus_voltage_mV = in->bus_voltage_mV,
+        .bus_current_mA = motor_model_bus_current_mA(&model, in->current, in->bus_voltage_mV),
+        .phase_voltage_mV = in->phase_voltage_mV,
+        .bms_charge_current_mA = in->bms_charge_current_mA,
+        .bms_discharge_current_mA = in->bms_discharge_current_mA,
+        .switch_temperature_cC = in->switch_temperature_cC,
+        .rotor_valid = in->rotor_valid,
         .abs_active = in->abs_active,
         .torque_enable = in->torque_enable,
     };
+    torque_limits_step(&state->limits, &model, &limited_by, &state->table);
+    const brake_blending_input_t braking = {
+        .demand_mNm = demand.brake_mNm,
+        .speed_mrad_s = in->speed_mrad_s,
+        .motor_command_mNm = state->command.command_mNm,
+        .motor_growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15),
+        .motor_achieved_mNm = achieved_mNm,
+        .torque_enable = in->torque_enable,
+    };
     const brake_blending_out_t split =
-        brake_blending_step(&state->blending, config, &capability, &braking);
+        brake_blending_step(&state->blending, config, &state->table, &braking);
     const torque_command_input_t wanted = {
         .torque_enable = in->torque_enable,
         .speed_mrad_s = in->speed_mrad_s,
@@ -77,9 +69,9 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .electric_mNm = split.electric_mNm,
     };
     const torque_command_out_t limited =
-        torque_command_step(&state->limit, config, &capability, &wanted);
+        torque_command_step(&state->command, config, &state->table, &wanted);
     const current_setpoint_t current =
-        current_setpoint_step(config, &model, limited.command_mNm, in->capability.i_d_weakening_mA);
+        current_setpoint_step(&model, limited.command_mNm, in->i_d_weakening_mA);
 
     const torque_output_t out = {
         .current = current,

@@ -5,11 +5,12 @@
 
 #include "core/q15.h"
 #include "core/ramp.h"
+#include "core/scaled.h"
 #include "torque/demand.h"
 
 enum {
-    NO_GROWTH_Q15 = 31457, /* 0.96 */
-    FULL_GROWTH_Q15 = 2294 /* 0.07 below that */
+    NO_GROWTH_Q15 = 31457,        /* 0.96 */
+    FULL_GROWTH_INVERSE_Q9 = 7314 /* 1/0.07: full growth 0.07 below that */
 };
 
 void torque_command_init(torque_command_state_t *state)
@@ -19,21 +20,18 @@ void torque_command_init(torque_command_state_t *state)
 
 /* A driving demand against the rotation is braking by the drive pedal: it feeds the battery and
  * obeys that side's limits; one along the rotation, or at standstill, obeys the driving side's. */
-static limit_t drive_limit(const torque_limits_t *limits, const torque_enable_t *torque_enable,
-                           int32_t speed_mrad_s, int32_t drive_mNm)
+static limit_t drive_limit(const torque_limits_t *limits, int32_t speed_mrad_s, int32_t drive_mNm)
 {
     const bool against = (speed_mrad_s > 0 && drive_mNm < 0) || (speed_mrad_s < 0 && drive_mNm > 0);
-    limit_t limit = against ? limits->regenerating : limits->driving;
-    limit_derate(&limit, against ? torque_enable->brake_q15 : torque_enable->drive_q15,
-                 torque_enable->reason);
-    return limit;
+    return against ? torque_limits_tightest(limits->braking, TORQUE_LINE_LOSS_OPTIMUM)
+                   : torque_limits_tightest(limits->driving, TORQUE_LINE_COUNT);
 }
 
 int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q15)
 {
     const int32_t left_q15 = NO_GROWTH_Q15 - q_clamp(voltage_use_q15, 0, 2 * NO_GROWTH_Q15);
-    return q_scale(demand_rate_mNm_per_step(config),
-                   q_clamp(left_q15, -FULL_GROWTH_Q15, FULL_GROWTH_Q15), FULL_GROWTH_Q15);
+    const int32_t share = q_limit(left_q15 * FULL_GROWTH_INVERSE_Q9, SCALED_ONE);
+    return scaled_multiply(demand_rate_mNm_per_step(config), share);
 }
 
 torque_command_out_t torque_command_step(torque_command_state_t *state, const config_t *config,
@@ -47,7 +45,7 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
         state->command_mNm = 0;
         return out;
     }
-    const limit_t bound = drive_limit(limits, &in->torque_enable, in->speed_mrad_s, in->drive_mNm);
+    const limit_t bound = drive_limit(limits, in->speed_mrad_s, in->drive_mNm);
     limit_t driving = limit_init(q_abs(in->drive_mNm), REASON_NONE);
     limit_tighten(&driving, bound.torque_mNm, bound.reason);
     const int32_t drive_part_mNm = in->drive_mNm >= 0 ? driving.torque_mNm : -driving.torque_mNm;

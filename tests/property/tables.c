@@ -2,7 +2,6 @@
 #include "tables.h"
 
 #include "config/bases.h"
-#include "torque/current_setpoint.h"
 #include "torque/feasible_torque.h"
 #include "torque/loss_maps.h"
 #include "torque/motor_model.h"
@@ -16,21 +15,34 @@ int32_t tables_best_braking_mNm(const config_t *config, int32_t speed_mrad_s,
 tables_current_t tables_currents(const config_t *config, int32_t speed_mrad_s,
                                  int32_t winding_temperature_cC, int32_t airgap_torque_mNm)
 {
-    const motor_model_t model = motor_model_at(config, speed_mrad_s, winding_temperature_cC);
-    const int32_t shaft_mNm = airgap_torque_mNm - model.friction_mNm;
-    const motor_current_t i = current_setpoint_unlimited(config, &model, shaft_mNm, 0);
-    const tables_current_t out = {.d_mA = i.d_mA, .q_mA = i.q_mA};
+    motor_constants_t constants;
+    motor_constants_init(&constants, config);
+    const motor_model_t model = motor_model_at(&constants, speed_mrad_s, winding_temperature_cC);
+    const int32_t d_mA =
+        loss_maps_d_current_mA(config, speed_mrad_s, winding_temperature_cC, airgap_torque_mNm);
+    const int32_t forward = speed_mrad_s >= 0 ? 1 : -1;
+    const int32_t shaft_mNm = motor_model_shaft_mNm(
+        &model, forward * scaled_shift(airgap_torque_mNm, constants.torque_shift));
+    const tables_current_t out = {.d_mA = d_mA,
+                                  .q_mA = motor_model_current_q_mA(&model, shaft_mNm, d_mA)};
     return out;
 }
 
 tables_voltage_t tables_voltage_limit(const config_t *config, int32_t speed_mrad_s,
                                       int32_t winding_temperature_cC, int32_t phase_voltage_mV)
 {
-    const motor_model_t model = motor_model_at(config, speed_mrad_s, winding_temperature_cC);
-    const feasible_torque_t limit = feasible_torque_at(config, &model, phase_voltage_mV);
+    motor_constants_t constants;
+    motor_constants_init(&constants, config);
+    const motor_model_t model = motor_model_at(&constants, speed_mrad_s, winding_temperature_cC);
+    const feasible_set_t set = feasible_set_at(&model, phase_voltage_mV);
+    const int32_t driving_mNm = feasible_by_voltage_mNm(&set, SIDE_DRIVING);
+    const int32_t braking_mNm = feasible_by_voltage_mNm(&set, SIDE_BRAKING);
+    const int32_t friction_mNm = scaled_shift(model.friction_b, -constants.torque_shift);
+    const bool forward = speed_mrad_s >= 0;
+    const int32_t along_mNm = forward ? friction_mNm : -friction_mNm;
     const tables_voltage_t out = {
-        .lowest_mNm = limit.lowest_mNm + model.friction_mNm,
-        .highest_mNm = limit.highest_mNm + model.friction_mNm,
+        .lowest_mNm = (forward ? -braking_mNm : -driving_mNm) + along_mNm,
+        .highest_mNm = (forward ? driving_mNm : braking_mNm) + along_mNm,
         .weakest_d_mA =
             -bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15),
     };

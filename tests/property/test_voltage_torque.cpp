@@ -107,13 +107,33 @@ void compare(const Drive &drive, double temperature_C, double bus_V, double dire
             CHECK(std::abs(1e-3 * limit.lowest_mNm - friction_Nm) < 2e-2);
             continue;
         }
-        const Range within = beside(at, weakest_A, phase_V - 0.02);
-        const Range beyond = beside(at, weakest_A, phase_V + 0.02);
-        CHECK(1e-3 * limit.highest_mNm <= beyond.highest + rounding_Nm);
-        CHECK(1e-3 * limit.lowest_mNm >= beyond.lowest - rounding_Nm);
-        if (within.exists()) {
-            CHECK(1e-3 * limit.highest_mNm >= within.highest - rounding_Nm);
-            CHECK(1e-3 * limit.lowest_mNm <= within.lowest + rounding_Nm);
+        // At each end with the i_d of the map where that goes further than field weakening. Beyond
+        // zero no torque is left on a side.
+        const double friction_Nm =
+            direction * (drive.friction_Nm + drive.viscous_Nm_s * std::abs(speed));
+        const auto end_d_A = [&](int32_t airgap_mNm) {
+            const tables_current_t i =
+                tables_currents(&config, static_cast<int32_t>(std::lround(1e3 * speed)),
+                                static_cast<int32_t>(std::lround(1e2 * temperature_C)), airgap_mNm);
+            return std::min(weakest_A,
+                            std::max(1e-3 * i.d_mA, -1e-3 * config.motor.max_phase_current_mA));
+        };
+        const double high_d_A = end_d_A(limit.highest_mNm);
+        const double low_d_A = end_d_A(limit.lowest_mNm);
+        const double high_Nm = 1e-3 * limit.highest_mNm;
+        const double low_Nm = 1e-3 * limit.lowest_mNm;
+        CHECK(high_Nm <=
+              std::max(beside(at, high_d_A, phase_V + 0.02).highest, friction_Nm) + rounding_Nm);
+        CHECK(low_Nm >=
+              std::min(beside(at, low_d_A, phase_V + 0.02).lowest, friction_Nm) - rounding_Nm);
+        const Range high = beside(at, high_d_A, phase_V - 0.02);
+        const Range low = beside(at, low_d_A, phase_V - 0.02);
+        const double far_Nm = 2.0 * drive.max_torque_Nm; // clamped beyond
+        if (high.exists()) {
+            CHECK(high_Nm >= std::min(high.highest, far_Nm) - rounding_Nm);
+        }
+        if (low.exists()) {
+            CHECK(low_Nm <= std::max(low.lowest, -far_Nm) + rounding_Nm);
         }
         // ... and where it matters no other i_d lets more through than 1 % of the largest torque.
         const Range any = reachable(at, weakest_A, phase_V);

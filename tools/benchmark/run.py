@@ -48,7 +48,7 @@ class Budget:
 BUDGETS = (
     Budget("cortex-m4", CURRENT_LOOP, 180, 1.05),
     Budget("cortex-m4", FAST_STEP, 300),
-    Budget("cortex-m4", SLOW_STEP, 20000),
+    Budget("cortex-m4", SLOW_STEP, 11000),
     Budget("cortex-m3", CURRENT_LOOP, 190),
     Budget("cortex-m0plus", CURRENT_LOOP, 320),
 )
@@ -58,8 +58,8 @@ OTHER_GCC_SHARE = 1.05
 """The goals are those of the reference release; another one may need a twentieth more (14 does on the Cortex-M0+: 329)."""
 SALIENT_CONFIG = "ipm400v"
 """The slow step of buried magnets takes longest, and has a budget of its own on the first core."""
-SALIENT_BUDGET = Budget("cortex-m4", SLOW_STEP, 40000, 1.65)
-"""At most 66 000: at two cycles each 132 000 of the 168 000 in a millisecond; twenty PWM interrupts of 431 instructions take 17 000."""
+SALIENT_BUDGET = Budget("cortex-m4", SLOW_STEP, 17000, 1.5)
+"""At most 25 500: at two cycles each 51 000 of the 168 000 in a millisecond."""
 
 
 def size_of(

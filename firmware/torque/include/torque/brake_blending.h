@@ -43,7 +43,6 @@
 #include "torque/torque_limits.h"
 
 typedef struct {
-    uint16_t abs_hold_steps; /* the motor stays out of the way this many steps longer */
     hydraulic_model_t hydraulic;
     filter_t limit_lp_mNm; /* the strategy's limit, as it was lately */
 } brake_blending_state_t;
@@ -55,7 +54,6 @@ typedef struct {
     int32_t motor_growth_mNm;   /* by which its magnitude may change in a step, negative: it must
                                    shrink */
     int32_t motor_achieved_mNm; /* estimated from measured currents, signed */
-    bool abs_active;
     torque_enable_t torque_enable;
 } brake_blending_input_t;
 

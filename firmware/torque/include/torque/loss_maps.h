@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/grid.h"
 
 /*
  * Optimal regenerative torque map: the braking torque at the airgap that returns the most energy at
@@ -24,6 +25,19 @@ int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
  * makes an airgap torque (signed, positive forward) with the least power out of the battery. All
  * entries zero: i_d = 0 control.
  */
+typedef struct {
+    const config_current_map_t *map;
+    const int32_t *layer; /* of the next lower temperature in the map */
+    grid_position_t speed, temperature;
+} loss_maps_row_t;
+
+/* Where the map is read at a speed and a winding temperature: once a step. */
+loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
+                                 int32_t winding_temperature_cC);
+
+/* The same for a torque along the rotation: driving positive, braking negative. */
+int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm);
+
 int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,
                                int32_t winding_temperature_cC, int32_t airgap_torque_mNm);
 

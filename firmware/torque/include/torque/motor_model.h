@@ -1,20 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * motor_model.h: torque, current and power of a PMSM with an iron-loss resistance across its EMF,
- * steady state, integers.
+ * motor_model.h: torque, current, voltage and power of a PMSM with an iron-loss resistance across
+ * its EMF, in the steady state. Equations, sources and binary scales: README, Motor model.
  *
- * Peak phase (amplitude-invariant) quantities; the terminal current i splits into the torque
- * current i_t and v/R_i:
+ * Peak phase (amplitude-invariant) quantities, means over the PWM period. The terminal current i
+ * splits into the torque current i_t and the iron current v / R_i.
  *
- *     i_d = i_dt - (w L_q / R_i) i_qt            i_q = i_qt + (w / R_i)(L_d i_dt + psi)
- *     v_d = -w L_q i_qt       v_q = w (L_d i_dt + psi)       u = R_a i + v
- *     T_e = 3/2 p [psi i_qt + (L_d - L_q) i_dt i_qt],
- *     shaft torque = T_e - friction in the direction of rotation
- *     P   = 3/2 (u_d i_d + u_q i_q),   inverter loss not included
- *
- * Sources: Urasaki et al. 2000; Lu et al. 2013 eqs (1) to (7), in peak quantities. Magnitude of
- * rounding: below 0.1 % of rated torque, 20 mA and 3 mV of either voltage. For the slow reach: it
- * divides.
+ * Between modules currents are mA, voltages mV, torques mN m. Inside this module and
+ * feasible_torque they are in binary scales ("_b"), and the direction of rotation is positive:
+ * i_q and torque count along the rotation, i_d does not depend on it.
  */
 #ifndef TORQUE_MOTOR_MODEL_H
 #define TORQUE_MOTOR_MODEL_H
@@ -22,21 +16,42 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/scaled.h"
 
-/* The motor at one speed and temperature. */
+/* Made once from the configuration: 1 unit_b = 2^-shift of the milli-unit. */
 typedef struct {
+    const config_t *config;
+    int32_t current_shift, voltage_shift, speed_shift, torque_shift;
+    int32_t resistance_b, resistance_rise_b; /* at the reference; a hundredth of a kelvin, 2^16 */
+    int32_t inductance_d_b, inductance_q_b;
+    int32_t flux_b, flux_fall_b;          /* at the reference; a hundredth of a kelvin, 2^16 */
+    int32_t iron_q16_b, iron_slope_q16_b; /* R_i at standstill, and a unit of speed's part */
+    int32_t coulomb_step_q8_b,
+        viscous_b;              /* friction a mrad/s of the first half; of a unit of speed */
+    int32_t torque_factor_q24;  /* torque_b = flux_b i_qt_b torque_factor */
+    int32_t torque_inverse_q24; /* 1 / torque_factor */
+    int32_t current_most_b;     /* motor.max_phase_current */
+    int32_t negligible_power_b; /* a thousandth of motor.max_power, two thirds of it */
+    int32_t hall_angle_b;       /* half a period's turn for a unit of speed; 0: no halls */
+} motor_constants_t;
+
+/* The motor at one speed and temperature. Ratios, reactances and the iron conductance carry 24
+ * fraction bits. */
+typedef struct {
+    const motor_constants_t *constants;
     int32_t speed_mrad_s; /* mechanical, signed */
     int32_t winding_temperature_cC;
-    int32_t flux_nWb;         /* psi at the winding temperature, peak phase */
-    int32_t emf_mV;           /* w psi, peak phase, sign of speed */
-    int32_t iron_current_mA;  /* w psi / R_i, sign of speed; 0 without iron loss */
-    int32_t cross_d_ppm;      /* w L_d / R_i, sign of speed */
-    int32_t cross_q_ppm;      /* w L_q / R_i, sign of speed */
-    int32_t one_plus_a2_ppm;  /* 1 + w^2 L_d L_q / R_i^2 */
-    int32_t reactance_d_uOhm; /* w L_d, sign of speed */
-    int32_t reactance_q_uOhm; /* w L_q, sign of speed */
-    int32_t resistance_uOhm;  /* R_a at the winding temperature */
-    int32_t friction_mNm;     /* opposes rotation: sign of speed */
+    int32_t speed_b;                      /* electrical, magnitude */
+    int32_t flux_b, saliency_b;           /* psi; L_d - L_q */
+    int32_t emf_b;                        /* w psi */
+    int32_t reactance_d_b, reactance_q_b; /* w L */
+    int32_t resistance_b;                 /* R_a */
+    int32_t cross_d, cross_q;             /* w L / R_i */
+    int32_t one_plus_a2, inverse_one_plus_a2;
+    int32_t iron_current_b; /* w psi / R_i */
+    int32_t friction_b;     /* >= 0, against the rotation */
+    /* u_q = voltage_q + per_x i_qt + per_d i_d */
+    int32_t voltage_q_b, voltage_q_per_x, voltage_q_per_d;
 } motor_model_t;
 
 /* Terminal currents, peak phase. */
@@ -44,39 +59,74 @@ typedef struct {
     int32_t d_mA, q_mA;
 } motor_current_t;
 
-/* Terminal voltages, peak phase. */
+/* Terminal i_d and torque current i_qt, along the rotation. */
 typedef struct {
-    int32_t d_mV, q_mV;
-} motor_voltage_t;
+    int32_t d_b, x_b;
+} motor_point_t;
 
-motor_model_t motor_model_at(const config_t *config, int32_t speed_mrad_s,
+/* Divides; once at start. */
+void motor_constants_init(motor_constants_t *constants, const config_t *config);
+
+motor_model_t motor_model_at(const motor_constants_t *constants, int32_t speed_mrad_s,
                              int32_t winding_temperature_cC);
 
-/* Shaft torque of terminal currents; within 1 MNm either way, so its negative is a torque, too. */
-int32_t motor_model_torque_mNm(const motor_model_t *model, const config_t *config,
-                               motor_current_t i);
+/* Shaft torque of terminal currents. */
+int32_t motor_model_torque_mNm(const motor_model_t *model, motor_current_t i);
 
-/* The same of a terminal i_d and the torque current i_qt. */
-int32_t motor_model_torque_of_i_qt_mNm(const motor_model_t *model, const config_t *config,
-                                       int32_t i_d_mA, int32_t i_qt_mA);
+/* Terminal i_q that makes a shaft torque together with a terminal i_d, within twice the phase
+ * current limit. A quarter of the magnets' flux is counted on at least: less is left only by an i_d
+ * against the saliency, where a torque would take current without bound. What is asked for then is
+ * finite and of the right sign: the torque falls short, it never flips. */
+int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t i_d_mA);
 
-/*
- * Terminal i_q that makes a shaft torque together with a terminal i_d. Saturates.
- *
- * i_qt = T / (3/2 p flux), and a salient motor's flux, psi + (L_d - L_q) i_dt, depends on i_d and,
- * through the iron branch, a little on i_qt. A quarter of the magnets' flux is counted on at least:
- * less is left only by an i_d against the saliency, where a torque would take current without bound
- * (and its sign beyond the zero). What is asked for then is finite, of the right sign, and more
- * than any current limit lets through: the torque falls short, it never flips.
- */
-int32_t motor_model_current_q_mA(const motor_model_t *model, const config_t *config,
-                                 int32_t torque_mNm, int32_t i_d_mA);
+/* Direct current of terminal currents at a bus voltage, positive out of the battery; the inverter's
+ * loss not included. */
+int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_current_t i, int32_t bus_mV);
 
-/* Terminal voltage of terminal currents. Saturates. */
-motor_voltage_t motor_model_voltage(const motor_model_t *model, motor_current_t i);
+/* ---- in binary scales ---- */
 
-/* Power at the terminals, positive into the motor. Saturates. Without the inverter's loss: what is
- * returned to the battery is a little less, which is the safe side of a charge limit. */
-int32_t motor_model_power_mW(const motor_model_t *model, motor_current_t i);
+/* Clamped to eight times the phase current limit and more. */
+int32_t motor_model_current_b(const motor_constants_t *constants, int32_t current_mA);
+
+static inline int32_t motor_model_current_mA(const motor_constants_t *constants, int32_t current_b)
+{
+    return scaled_shift(current_b, -constants->current_shift);
+}
+
+/* Airgap torque of a point, along the rotation. */
+int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at);
+
+/* i_qt that makes an airgap torque with a terminal i_d, both along the rotation. */
+int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, int32_t d_b);
+
+/* Terminal i_q of a point, and i_qt of terminal currents. */
+static inline int32_t motor_model_i_q_b(const motor_model_t *model, motor_point_t at)
+{
+    return scaled_multiply(model->one_plus_a2, at.x_b) + model->iron_current_b +
+           scaled_multiply(model->cross_d, at.d_b);
+}
+
+static inline int32_t motor_model_x_of_i_q_b(const motor_model_t *model, int32_t i_q_b, int32_t d_b)
+{
+    return scaled_multiply(model->inverse_one_plus_a2,
+                           i_q_b - model->iron_current_b - scaled_multiply(model->cross_d, d_b));
+}
+
+/* Terminal voltages. */
+static inline int32_t motor_model_u_d_b(const motor_model_t *model, motor_point_t at)
+{
+    return scaled_multiply(model->resistance_b, at.d_b) -
+           scaled_multiply(model->reactance_q_b, at.x_b);
+}
+
+static inline int32_t motor_model_u_q_b(const motor_model_t *model, motor_point_t at)
+{
+    return model->voltage_q_b + scaled_multiply(model->voltage_q_per_x, at.x_b) +
+           scaled_multiply(model->voltage_q_per_d, at.d_b);
+}
+
+/* Shaft torque, signed, of an airgap torque along the rotation; and back. */
+int32_t motor_model_shaft_mNm(const motor_model_t *model, int32_t airgap_b);
+int32_t motor_model_airgap_of_shaft_b(const motor_model_t *model, int32_t shaft_mNm);
 
 #endif

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * torque.h: the slow reach. 1 kHz, newton-metres and wheel speed, SI milli-units in int32_t.
+ * torque.h: the slow loop. 1 kHz, newton-metres and wheel speed, SI milli-units in int32_t.
+ * Currents and voltages are means over the PWM period.
  *
- *     demand -> capability (table, limits) -> brake arbiter -> torque limit -> current reference
- *                                               `-> hydraulic torque command
+ *     demand -> torque limits -> brake blending -> torque command -> current setpoint
+ *                                    '-> hydraulic torque command
  */
 #ifndef TORQUE_TORQUE_H
 #define TORQUE_TORQUE_H
@@ -26,13 +27,21 @@ typedef struct {
     int32_t brake_torque_mNm; /* magnitude >= 0 */
     uint32_t demand_age_ms;
     bool abs_active;
-    /* Measured by the fast reach */
+    /* Measured by the fast loop */
     int32_t speed_mrad_s; /* mechanical, signed */
     motor_current_t current;
+    int32_t i_d_weakening_mA; /* what field weakening adds to i_d now, <= 0 */
     bool voltage_limited;
     int32_t voltage_use_q15; /* square of the wanted phase voltage over that of the largest one */
+    bool rotor_valid;
+    int32_t bus_voltage_mV;
+    int32_t phase_voltage_mV; /* peak phase: what the current loop may ask for and still has a
+                                 reserve, >= 0 */
     /* Limits and temperatures */
-    torque_limits_input_t capability;
+    int32_t bms_charge_current_mA;    /* whole pack, magnitude; negative counts as 0 */
+    int32_t bms_discharge_current_mA; /* whole pack, magnitude */
+    int32_t winding_temperature_cC;
+    int32_t switch_temperature_cC;
     torque_enable_t torque_enable;
 } torque_input_t;
 
@@ -49,15 +58,17 @@ typedef struct {
 } torque_output_t;
 
 typedef struct {
+    motor_constants_t motor;
     demand_state_t demand;
+    torque_limits_state_t limits;
+    torque_limits_t table; /* of the last step, for shell and log; nothing reads it here */
     brake_blending_state_t blending;
-    torque_command_state_t limit;
+    torque_command_state_t command;
     stop_lamp_state_t lamp;
-    uint16_t voltage_low_steps,
-        voltage_high_steps; /* left of having been near an end of the battery's voltage */
 } torque_state_t;
 
-void torque_init(torque_state_t *state);
+/* config stays where it is as long as the state is used. */
+void torque_init(torque_state_t *state, const config_t *config);
 
 torque_output_t torque_step(torque_state_t *state, const config_t *config,
                             const torque_input_t *in);

@@ -1,22 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * torque_limits.h: what the motor can do at this moment, in each direction of power, and why not
- * more.
+ * torque_limits.h: every limit of the motor torque, as one line each of one ordered table. 1 kHz.
  *
- * All slow limits meet here and nowhere else: torque, power, phase current, the battery's charge
- * and discharge current, bus voltage, winding and switch temperature, speed, rotor quality. Each is
- * a bound in newton-metres at the shaft; the smallest wins and gives its reason. Temperature, speed
- * and pedal never cut braking because of a driving-side reason.
- *
- * Torque against the rotation returns power up to the loss optimum; a little further on it draws
- * some, and then the discharge limits bound it like driving. Near the ends of the battery's voltage
- * the currents follow foldback.h.
- *
- * Phase current and battery power of a torque are those of the currents that current_setpoint.h
- * would ask for: the map's i_d at that torque, field weakening as it is now, and the i_q that goes
- * with them. So a torque found here is one the current reference makes without giving way, and one
- * at which the battery takes or gives what it may. Where a limit bites, the torque is right to 0.1
- * %.
+ * A line is a bound in mN m at the shaft, for driving and for braking, with its reason. Lines do
+ * not know each other; the tightest wins, on a tie the earlier one, and its reason is the one
+ * shown. Shares (derating, speed, torque enable) are of motor.max_torque. The table: README, Torque
+ * limits.
  */
 #ifndef TORQUE_TORQUE_LIMITS_H
 #define TORQUE_TORQUE_LIMITS_H
@@ -25,32 +14,78 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/torque_enable.h"
+#include "torque/foldback.h"
 #include "torque/limit.h"
 #include "torque/motor_model.h"
 
+/* X(identifier, deferrable: handed over to the hydraulic brake as fast as that arrives) */
+#define TORQUE_LINES(X)                                                                            \
+    X(MAX_TORQUE, false)                                                                           \
+    X(MAX_POWER, false)                                                                            \
+    X(PHASE_CURRENT, false)                                                                        \
+    X(VOLTAGE, false)                                                                              \
+    X(DRAWN, true)                                                                                 \
+    X(RETURNED, true)                                                                              \
+    X(MAX_SPEED, true)                                                                             \
+    X(WINDING, true)                                                                               \
+    X(SWITCH, true)                                                                                \
+    X(ROTOR, false)                                                                                \
+    X(ENABLE, false)                                                                               \
+    X(LOSS_OPTIMUM, true)                                                                          \
+    X(ELECTRIC_RATED, true)                                                                        \
+    X(BLEND_OUT, true)                                                                             \
+    X(ELECTRIC_SHARE, true)                                                                        \
+    X(ABS, false)
+
+#define TORQUE_LINE_ENUM(name, deferrable) TORQUE_LINE_##name,
+typedef enum { TORQUE_LINES(TORQUE_LINE_ENUM) TORQUE_LINE_COUNT } torque_line_t;
+#undef TORQUE_LINE_ENUM
+
 typedef struct {
+    int32_t brake_demand_mNm; /* magnitude; the share of a parallel brake is one of it */
     int32_t bus_voltage_mV;
     int32_t phase_voltage_mV;      /* peak phase: what the current loop may ask for and still has a
-                                      reserve; >= 0 */
+                                      reserve; mean over the period, >= 0 */
+    int32_t bus_current_mA;        /* of this motor, positive out of the battery */
     int32_t bms_charge_current_mA; /* whole pack, magnitude; negative counts as 0 */
     int32_t bms_discharge_current_mA; /* whole pack, magnitude */
-    int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
-    bool voltage_low,
-        voltage_high;    /* near the end of the battery's voltage, or lately so (foldback_near) */
-    int32_t command_mNm; /* torque the motor is asked for now, signed: where the voltage limits
-                            start from */
-    int32_t i_d_weakening_mA; /* what field weakening adds to i_d now, <= 0 */
     bool rotor_valid;
+    bool abs_active;
+    torque_enable_t torque_enable;
 } torque_limits_input_t;
 
 typedef struct {
-    limit_t driving;      /* torque in the direction of rotation (or from standstill) */
-    limit_t regenerating; /* torque against the rotation, hard limits only */
-    limit_t optimal;      /* regenerating and also not beyond the loss optimum */
+    foldback_state_t charge, discharge;
+    uint16_t abs_hold_steps; /* the motor stays out of the way this many steps longer */
+} torque_limits_state_t;
+
+typedef struct {
+    limit_t
+        driving[TORQUE_LINE_COUNT]; /* torque in the direction of rotation, or from standstill */
+    limit_t braking[TORQUE_LINE_COUNT]; /* torque against the rotation */
 } torque_limits_t;
 
-torque_limits_t torque_limits_step(const config_t *config, const motor_model_t *model,
-                                   const torque_limits_input_t *in);
+void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
+
+/* table: from torque_limits_init(); lines that a strategy or a side does not have stay unbounded.
+ */
+void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model,
+                        const torque_limits_input_t *in, torque_limits_t *table);
+
+/* The lines of the braking strategy, LOSS_OPTIMUM to ELECTRIC_SHARE. optimum_mNm: shaft torque that
+ * returns the most energy now; demand_mNm: of both brakes together; >= 0. */
+void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *config,
+                            int32_t speed_mrad_s, int32_t optimum_mNm, int32_t demand_mNm);
+
+/* The line ABS: zero while the anti-lock system is at work, and 300 ms longer. Once a step. */
+limit_t torque_limits_anti_lock(torque_limits_state_t *state, bool abs_active);
+
+/* The tightest of the lines before `end`. */
+limit_t torque_limits_tightest(const limit_t lines[TORQUE_LINE_COUNT], torque_line_t end);
+
+/* Deferrable: handed over to the hydraulic brake as fast as that arrives; else at once. */
+bool torque_limits_deferrable(torque_line_t line);
 
 #endif

@@ -84,15 +84,15 @@ static void random_input(random_t *random, torque_input_t *in)
     in->speed_mrad_s = random_wild(random);
     in->current.d_mA = random_wild(random);
     in->current.q_mA = random_wild(random);
-    in->capability.bus_voltage_mV = random_wild(random);
-    in->capability.phase_voltage_mV = random_wild(random);
+    in->bus_voltage_mV = random_wild(random);
+    in->phase_voltage_mV = random_wild(random);
     in->voltage_use_q15 = random_wild(random);
-    in->capability.bms_charge_current_mA = random_wild(random);
-    in->capability.bms_discharge_current_mA = random_wild(random);
-    in->capability.winding_temperature_cC = random_wild(random);
-    in->capability.switch_temperature_cC = random_wild(random);
-    in->capability.i_d_weakening_mA = random_wild(random);
-    in->capability.rotor_valid = random_chance(random, 0.9);
+    in->bms_charge_current_mA = random_wild(random);
+    in->bms_discharge_current_mA = random_wild(random);
+    in->winding_temperature_cC = random_wild(random);
+    in->switch_temperature_cC = random_wild(random);
+    in->i_d_weakening_mA = random_wild(random);
+    in->rotor_valid = random_chance(random, 0.9);
     in->torque_enable.bridge = random_chance(random, 0.9) ? BRIDGE_PWM : BRIDGE_OFF;
     in->torque_enable.drive_q15 = (int16_t)random_between(random, 0, Q15_ONE);
     in->torque_enable.brake_q15 = (int16_t)random_between(random, 0, Q15_ONE);
@@ -123,7 +123,7 @@ void test_no_accepted_configuration_and_no_input_leads_the_slow_reach_out_of_its
             }
             accepted++;
             torque_state_t state;
-            torque_init(&state);
+            torque_init(&state, &config);
             torque_input_t in;
             memset(&in, 0, sizeof in);
             for (int s = 0; s < 40; s++) {

@@ -8,7 +8,7 @@
 
 void setUp(void)
 {
-    before_the_arbiter();
+    before_blending();
 }
 
 void tearDown(void) {}
@@ -22,7 +22,7 @@ static void random_situation(random_t *random)
     limit_tighten(&capability.optimal, random_between(random, 0, 80000), REASON_LOSS_OPTIMUM);
     in.demand_mNm = random_between(random, 0, 300000);
     in.speed_mrad_s = random_between(random, -70000, 70000);
-    in.abs_active = random_chance(random, 0.05);
+    abs_active = random_chance(random, 0.05);
     in.torque_enable.brake_q15 =
         (int16_t)(random_chance(random, 0.2) ? random_between(random, 0, Q15_ONE) : Q15_ONE);
     in.torque_enable.reason = REASON_TORQUE_ENABLE;
@@ -52,12 +52,12 @@ void test_a_motor_that_may_return_takes_what_the_hydraulic_brake_has_left_and_no
     late_hydraulic_brake();
     driven_mNm = 0;
     in.demand_mNm = 60000;
-    in.abs_active = true;
+    abs_active = true;
     for (int n = 0; n < 1000; n++) {
         step_with_motor();
     }
     TEST_ASSERT_INT32_WITHIN(1, 60000, hydraulic_model_torque_mNm(&state.hydraulic));
-    in.abs_active = false;
+    abs_active = false;
     for (int n = 0; n < 2000; n++) {
         const brake_blending_out_t out = step_with_motor();
         TEST_ASSERT_LESS_OR_EQUAL_INT32(60000, out.electric_mNm +
@@ -73,7 +73,7 @@ void test_whatever_happens_motor_and_estimated_hydraulic_brake_end_at_the_demand
     for (int n = 0; n < 300; n++) {
         late_hydraulic_brake();
         random_situation(&random);
-        in.abs_active = false;
+        abs_active = false;
         config.brake.hydraulic_dead_time_ms = random_between(&random, 0, 250);
         config.brake.hydraulic_time_constant_ms = random_between(&random, 0, 300);
         brake_blending_init(&state);
@@ -137,7 +137,7 @@ void test_a_motor_that_must_leave_is_counted_on_for_what_it_still_gives_after_th
     in.demand_mNm = 24000;
     motor_follows(24000);
     TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
-    in.abs_active = true; /* 400 mN m a step for 40 steps */
+    abs_active = true; /* 400 mN m a step for 40 steps */
     TEST_ASSERT_EQUAL_INT32(16000, step().hydraulic_mNm);
 }
 

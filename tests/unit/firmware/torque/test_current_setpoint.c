@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
+#include "model.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
@@ -19,8 +20,8 @@ void tearDown(void) {}
 
 static current_setpoint_t weakened(int32_t speed_mrad_s, int32_t torque_mNm, int32_t weakening_mA)
 {
-    const motor_model_t model = motor_model_at(&config, speed_mrad_s, 2500);
-    return current_setpoint_step(&config, &model, torque_mNm, weakening_mA);
+    const motor_model_t model = model_at(&config, speed_mrad_s, 2500);
+    return current_setpoint_step(&model, torque_mNm, weakening_mA);
 }
 
 static current_setpoint_t reference(int32_t speed_mrad_s, int32_t torque_mNm)
@@ -102,7 +103,7 @@ void test_a_motor_without_saliency_needs_the_same_i_q_for_any_i_d_but_for_the_ir
     TEST_ASSERT_INT32_WITHIN(20, 45156 - 188, weakened(mrad_s_of_rpm(300.0), 30000, -20000).i_q_mA);
 }
 
-void test_the_reference_leaves_to_the_fast_reach_what_it_adds_itself(void)
+void test_the_setpoint_leaves_to_the_fast_loop_what_it_adds_itself(void)
 {
     config = salient_vehicle();
     TEST_ASSERT_EQUAL_INT32(reference(100000, 50000).i_d_mA,

@@ -14,17 +14,27 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_two_widths_inside_there_is_no_limit_and_one_width_beyond_there_is_nothing(void)
+static int32_t next(int32_t inside_mV, int32_t now_mA)
 {
-    TEST_ASSERT_EQUAL_INT32(62500, foldback_current_mA(&LOW, false, 2336, 0));
-    TEST_ASSERT_EQUAL_INT32(0, foldback_current_mA(&LOW, true, -1168, 62500));
+    foldback_state_t state = {.allowed_q6_mA = now_mA * 64};
+    return foldback_step(&state, &LOW, inside_mV, now_mA);
+}
+
+void test_far_inside_all_is_allowed_within_half_a_second_and_one_width_beyond_nothing(void)
+{
+    foldback_state_t state = {.allowed_q6_mA = 0};
+    for (int n = 0; n < 500; n++) {
+        (void)foldback_step(&state, &LOW, 9000, 0);
+    }
+    TEST_ASSERT_EQUAL_INT32(62500, state.allowed_q6_mA / 64);
+    TEST_ASSERT_EQUAL_INT32(0, foldback_step(&state, &LOW, -1168, 62500));
 }
 
 void test_on_the_line_the_current_stays(void)
 {
     for (int32_t now_mA = 0; now_mA <= 62500; now_mA += 625) {
         const int32_t inside_mV = (int32_t)((int64_t)1168 * now_mA / 62500);
-        TEST_ASSERT_INT32_WITHIN(1, now_mA, foldback_current_mA(&LOW, true, inside_mV, now_mA));
+        TEST_ASSERT_INT32_WITHIN(6, now_mA, next(inside_mV, now_mA));
     }
 }
 
@@ -33,10 +43,20 @@ void test_beside_the_line_it_moves_towards_it_without_crossing(void)
     for (int32_t inside_mV = -1000; inside_mV < 2336; inside_mV += 13) {
         for (int32_t now_mA = 0; now_mA <= 62500; now_mA += 1250) {
             const double on_line_mA = fmin(fmax(62500.0 * inside_mV / 1168.0, 0.0), 62500.0);
-            const int32_t next_mA = foldback_current_mA(&LOW, true, inside_mV, now_mA);
-            TEST_ASSERT_TRUE(fabs(next_mA - on_line_mA) <= fabs(now_mA - on_line_mA) + 1.0);
+            TEST_ASSERT_TRUE(fabs(next(inside_mV, now_mA) - on_line_mA) <=
+                             fabs(now_mA - on_line_mA) + 6.0);
         }
     }
+}
+
+void test_what_the_motor_is_asked_for_does_not_move_it(void)
+{
+    /* A bus that stays where it is, whatever is drawn from it: the line's current. */
+    foldback_state_t state = {.allowed_q6_mA = 62500 * 64};
+    for (int n = 0; n < 20000; n++) {
+        (void)foldback_step(&state, &LOW, 584, 0);
+    }
+    TEST_ASSERT_INT32_WITHIN(200, 31250, state.allowed_q6_mA / 64);
 }
 
 /* A pack of any resistance behind it, torque that takes effect two steps later and no faster than
@@ -47,7 +67,7 @@ void test_with_any_pack_the_current_comes_to_rest_on_the_line(void)
     for (double r_ohm = 0.02; r_ohm < 3.0; r_ohm *= 1.5) {
         double delayed_mA[3] = {0.0, 0.0, 0.0};
         int32_t command_mA = 0;
-        uint16_t near_steps = 0;
+        foldback_state_t state = {.allowed_q6_mA = 0};
         double lowest_mA = 1e9;
         double highest_mA = 0.0;
         double volts = 53.0;
@@ -57,8 +77,8 @@ void test_with_any_pack_the_current_comes_to_rest_on_the_line(void)
             delayed_mA[1] = delayed_mA[2];
             delayed_mA[2] = command_mA;
             const int32_t inside_mV = (int32_t)lround(1e3 * (volts - 40.0));
-            const bool near = foldback_near(&near_steps, inside_mV, LOW.width_mV);
-            const int32_t allowed_mA = foldback_current_mA(&LOW, near, inside_mV, command_mA);
+            const int32_t allowed_mA =
+                foldback_step(&state, &LOW, inside_mV, (int32_t)delayed_mA[0]);
             command_mA += allowed_mA > command_mA + 600
                               ? 600
                               : (allowed_mA < command_mA - 600 ? -600 : allowed_mA - command_mA);
@@ -74,21 +94,12 @@ void test_with_any_pack_the_current_comes_to_rest_on_the_line(void)
     }
 }
 
-void test_near_lasts_half_a_second(void)
-{
-    uint16_t steps = 0;
-    TEST_ASSERT_FALSE(foldback_near(&steps, 2336, 1168));
-    TEST_ASSERT_TRUE(foldback_near(&steps, 2335, 1168));
-    for (int n = 1; n < FOLDBACK_NEAR_STEPS; n++) {
-        TEST_ASSERT_TRUE(foldback_near(&steps, 10000, 1168));
-    }
-    TEST_ASSERT_FALSE(foldback_near(&steps, 10000, 1168));
-}
-
 void test_without_a_current_to_share_there_is_none(void)
 {
     const foldback_t none = {.most_mA = 0, .width_mV = 1168, .span_mV = 18400};
-    TEST_ASSERT_EQUAL_INT32(0, foldback_current_mA(&none, true, 1000, 1000));
-    TEST_ASSERT_EQUAL_INT32(0, foldback_current_mA(&none, true, INT32_MAX, INT32_MAX));
-    TEST_ASSERT_EQUAL_INT32(0, foldback_current_mA(&none, true, INT32_MIN, INT32_MIN));
+    const int32_t inside_mV[] = {1000, INT32_MAX, INT32_MIN};
+    for (int k = 0; k < 3; k++) {
+        foldback_state_t state = {.allowed_q6_mA = 64000};
+        TEST_ASSERT_EQUAL_INT32(0, foldback_step(&state, &none, inside_mV[k], 1000));
+    }
 }

@@ -49,50 +49,19 @@ void test_the_order_of_bounds_does_not_change_the_torque(void)
     }
 }
 
-void test_a_whole_share_changes_nothing_and_half_a_share_leaves_half(void)
-{
-    limit_t limit = limit_init(1000, REASON_MAX_TORQUE);
-    limit_derate(&limit, Q15_ONE, REASON_WINDING_TEMPERATURE);
-    limit_derate(&limit, INT32_MAX, REASON_WINDING_TEMPERATURE);
-    TEST_ASSERT_EQUAL_INT32(1000, limit.torque_mNm);
-    TEST_ASSERT_EQUAL_INT(REASON_MAX_TORQUE, limit.reason);
-    limit_derate(&limit, 16384, REASON_WINDING_TEMPERATURE); /* 0.5 in Q15 */
-    TEST_ASSERT_EQUAL_INT32(500, limit.torque_mNm);
-    TEST_ASSERT_EQUAL_INT(REASON_WINDING_TEMPERATURE, limit.reason);
-}
-
-void test_a_share_below_zero_leaves_nothing_and_never_turns_the_torque_round(void)
-{
-    limit_t limit = limit_init(1000, REASON_MAX_TORQUE);
-    limit_derate(&limit, -16384, REASON_WINDING_TEMPERATURE);
-    TEST_ASSERT_EQUAL_INT32(0, limit.torque_mNm);
-}
-
-void test_derating_never_lets_a_limit_grow(void)
-{
-    random_t random = random_seeded(2);
-    for (int n = 0; n < 10000; n++) {
-        const int32_t torque_mNm = random_between(&random, 0, INT32_MAX);
-        limit_t limit = limit_init(torque_mNm, REASON_MAX_TORQUE);
-        limit_derate(&limit, random_between(&random, -40000, 40000), REASON_SWITCH_TEMPERATURE);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(torque_mNm, limit.torque_mNm);
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, limit.torque_mNm);
-    }
-}
-
 void test_a_fade_is_whole_on_one_side_nothing_on_the_other_and_linear_between(void)
 {
     /* Falling with x, as for temperature: full at 100, nothing at 200. A quarter of the way leaves
-     * three quarters: 0.75 * 32767 = 24575.25, rounded towards zero. */
+     * three quarters: 0.75 * 32768. */
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(100, 100, 200));
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(INT32_MIN, 100, 200));
-    TEST_ASSERT_EQUAL_INT32(24575, limit_fade_q15(125, 100, 200));
+    TEST_ASSERT_EQUAL_INT32(24576, limit_fade_q15(125, 100, 200));
     TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(200, 100, 200));
     TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(INT32_MAX, 100, 200));
     /* Rising with x, as for speed: full at 200, nothing at 100. */
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(200, 200, 100));
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(INT32_MAX, 200, 100));
-    TEST_ASSERT_EQUAL_INT32(24575, limit_fade_q15(175, 200, 100));
+    TEST_ASSERT_EQUAL_INT32(24576, limit_fade_q15(175, 200, 100));
     TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(100, 200, 100));
     TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(INT32_MIN, 200, 100));
 }

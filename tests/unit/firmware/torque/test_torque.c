@@ -18,16 +18,16 @@ static const torque_enable_t OPEN = {
 void setUp(void)
 {
     config = paper_vehicle();
-    torque_init(&state);
+    torque_init(&state, &config);
     memset(&in, 0, sizeof in);
     in.speed_mrad_s = mrad_s_of_rpm(150.0);
-    in.capability.bus_voltage_mV = 53000;
-    in.capability.phase_voltage_mV = 1000000;
-    in.capability.bms_charge_current_mA = 1000000;
-    in.capability.bms_discharge_current_mA = 1000000;
-    in.capability.winding_temperature_cC = 2500;
-    in.capability.switch_temperature_cC = 2500;
-    in.capability.rotor_valid = true;
+    in.bus_voltage_mV = 53000;
+    in.phase_voltage_mV = 1000000;
+    in.bms_charge_current_mA = 1000000;
+    in.bms_discharge_current_mA = 1000000;
+    in.winding_temperature_cC = 2500;
+    in.switch_temperature_cC = 2500;
+    in.rotor_valid = true;
     in.torque_enable = OPEN;
 }
 
@@ -38,7 +38,7 @@ void tearDown(void) {}
 static torque_output_t step(void)
 {
     const torque_output_t out = torque_step(&state, &config, &in);
-    in.current.d_mA = out.current.i_d_mA + in.capability.i_d_weakening_mA;
+    in.current.d_mA = out.current.i_d_mA + in.i_d_weakening_mA;
     in.current.q_mA = out.current.i_q_mA;
     return out;
 }
@@ -210,11 +210,11 @@ static void random_world(random_t *random)
     }
     if (random_chance(random, 0.01)) {
         in.abs_active = random_chance(random, 0.1);
-        in.capability.bms_charge_current_mA = random_between(random, 0, 200000);
-        in.capability.bms_discharge_current_mA = random_between(random, 0, 200000);
-        in.capability.bus_voltage_mV = random_between(random, 35000, 60000);
-        in.capability.winding_temperature_cC = random_between(random, -2000, 16000);
-        in.capability.rotor_valid = random_chance(random, 0.9);
+        in.bms_charge_current_mA = random_between(random, 0, 200000);
+        in.bms_discharge_current_mA = random_between(random, 0, 200000);
+        in.bus_voltage_mV = random_between(random, 35000, 60000);
+        in.winding_temperature_cC = random_between(random, -2000, 16000);
+        in.rotor_valid = random_chance(random, 0.9);
         in.torque_enable = OPEN;
         if (random_chance(random, 0.2)) {
             in.torque_enable.drive_q15 = (int16_t)random_between(random, 0, Q15_ONE);
@@ -250,11 +250,11 @@ void test_a_braking_demand_is_met_by_the_two_brakes_together_once_the_motor_has_
 {
     random_t random = random_seeded(2);
     for (int n = 0; n < 300; n++) {
-        torque_init(&state);
+        torque_init(&state, &config);
         in.speed_mrad_s = random_between(&random, 0, 67000);
         in.brake_torque_mNm = random_between(&random, 1, 300000);
-        in.capability.bms_charge_current_mA = random_between(&random, 0, 200000);
-        in.capability.winding_temperature_cC = random_between(&random, -2000, 16000);
+        in.bms_charge_current_mA = random_between(&random, 0, 200000);
+        in.winding_temperature_cC = random_between(&random, -2000, 16000);
         config.brake.strategy = random_between(&random, 0, 2);
         const torque_output_t out = run(110);
         /* At the very beginning the hydraulic brake may be asked for what the motor is still on its
@@ -277,14 +277,14 @@ void test_no_number_from_outside_leads_to_undefined_behaviour(void)
         in.speed_mrad_s = random_wild(&random);
         in.current.d_mA = random_wild(&random);
         in.current.q_mA = random_wild(&random);
-        in.capability.bus_voltage_mV = random_wild(&random);
-        in.capability.phase_voltage_mV = random_wild(&random);
+        in.bus_voltage_mV = random_wild(&random);
+        in.phase_voltage_mV = random_wild(&random);
         in.voltage_use_q15 = random_wild(&random);
-        in.capability.bms_charge_current_mA = random_wild(&random);
-        in.capability.bms_discharge_current_mA = random_wild(&random);
-        in.capability.winding_temperature_cC = random_wild(&random);
-        in.capability.switch_temperature_cC = random_wild(&random);
-        in.capability.i_d_weakening_mA = random_wild(&random);
+        in.bms_charge_current_mA = random_wild(&random);
+        in.bms_discharge_current_mA = random_wild(&random);
+        in.winding_temperature_cC = random_wild(&random);
+        in.switch_temperature_cC = random_wild(&random);
+        in.i_d_weakening_mA = random_wild(&random);
         const torque_output_t out = torque_step(&state, &config, &in);
         TEST_ASSERT_INT32_WITHIN(config.motor.max_phase_current_mA, 0, out.current.i_q_mA);
         TEST_ASSERT_INT32_WITHIN(config.motor.max_torque_mNm, 0, out.command_mNm);
@@ -298,7 +298,7 @@ void test_no_number_from_outside_leads_to_undefined_behaviour(void)
 static double drawn_w(void)
 {
     const reference_motor_t m =
-        reference_motor(&config, in.speed_mrad_s, in.capability.winding_temperature_cC);
+        reference_motor(&config, in.speed_mrad_s, in.winding_temperature_cC);
     double i_dt = in.current.d_mA * 1e-3;
     double i_qt = in.current.q_mA * 1e-3;
     for (int n = 0; n < 10; n++) {
@@ -323,20 +323,18 @@ void test_half_way_to_the_end_of_the_battery_s_voltage_half_of_its_current_flows
     in.speed_mrad_s = mrad_s_of_rpm(450.0);
     in.brake_torque_mNm = 40000;
     (void)run(200);
-    in.capability.bus_voltage_mV = config.battery.max_voltage_mV - half_width_mV;
+    in.bus_voltage_mV = config.battery.max_voltage_mV - half_width_mV;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, run(4000).available.reason);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1445.4, -25.0 * 1e-3 * in.capability.bus_voltage_mV,
-                              drawn_w());
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1445.4, -25.0 * 1e-3 * in.bus_voltage_mV, drawn_w());
 
-    torque_init(&state);
+    torque_init(&state, &config);
     in.brake_torque_mNm = 0;
     in.drive_torque_mNm = 40000;
-    in.capability.bus_voltage_mV = 53000;
+    in.bus_voltage_mV = 53000;
     (void)run(200);
-    in.capability.bus_voltage_mV = config.battery.min_voltage_mV + half_width_mV;
+    in.bus_voltage_mV = config.battery.min_voltage_mV + half_width_mV;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_LOW, run(4000).reason);
-    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1268.3, 31.25 * 1e-3 * in.capability.bus_voltage_mV,
-                              drawn_w());
+    TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1268.3, 31.25 * 1e-3 * in.bus_voltage_mV, drawn_w());
 }
 
 /* Started again in the middle of a stop, at 2.6 m/s^2 and near the end of the battery's voltage:
@@ -344,15 +342,12 @@ void test_half_way_to_the_end_of_the_battery_s_voltage_half_of_its_current_flows
 void test_a_new_start_knows_nothing_of_the_last_one(void)
 {
     in.brake_torque_mNm = 30000;
-    in.capability.bus_voltage_mV = config.battery.max_voltage_mV;
+    in.bus_voltage_mV = config.battery.max_voltage_mV;
     for (int n = 0; n < 400; n++) {
         in.speed_mrad_s -= 10;
         (void)step();
     }
-    state.voltage_low_steps = 1;
-    torque_init(&state);
-    TEST_ASSERT_EQUAL_UINT16(0, state.voltage_low_steps);
-    TEST_ASSERT_EQUAL_UINT16(0, state.voltage_high_steps);
+    torque_init(&state, &config);
     in.brake_torque_mNm = 0;
     in.demand_age_ms = 1000000;
     const torque_output_t out = step();

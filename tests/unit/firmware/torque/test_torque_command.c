@@ -8,7 +8,11 @@ enum { FORWARD = 30000, BACKWARD = -30000, RATE = 400, SETTLED = 200 };
 
 static config_t config;
 static torque_command_state_t state;
-static torque_limits_t capability;
+static torque_limits_t limits;
+static torque_limits_state_t limits_state;
+static struct {
+    limit_t driving, regenerating;
+} capability;
 static torque_enable_t torque_enable;
 static int32_t voltage_use_q15;
 
@@ -20,7 +24,7 @@ void setUp(void)
     torque_command_init(&state);
     capability.driving = limit_init(40000, REASON_MAX_TORQUE);
     capability.regenerating = limit_init(25000, REASON_CHARGE_CURRENT);
-    capability.optimal = capability.regenerating;
+    torque_limits_init(&limits_state, &limits);
     torque_enable.bridge = BRIDGE_PWM;
     torque_enable.drive_q15 = Q15_ONE;
     torque_enable.brake_q15 = Q15_ONE;
@@ -28,6 +32,12 @@ void setUp(void)
 }
 
 void tearDown(void) {}
+
+static limit_t enabled(int32_t most_mNm, int16_t share_q15)
+{
+    const int32_t part_mNm = (int32_t)((int64_t)most_mNm * share_q15 / 32768);
+    return limit_init(share_q15 < Q15_ONE ? part_mNm : INT32_MAX, torque_enable.reason);
+}
 
 static torque_command_out_t step(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
 {
@@ -38,7 +48,11 @@ static torque_command_out_t step(int32_t speed_mrad_s, int32_t drive_mNm, int32_
         .drive_mNm = drive_mNm,
         .electric_mNm = electric_mNm,
     };
-    return torque_command_step(&state, &config, &capability, &in);
+    limits.driving[TORQUE_LINE_MAX_TORQUE] = capability.driving;
+    limits.driving[TORQUE_LINE_ENABLE] = enabled(40000, torque_enable.drive_q15);
+    limits.braking[TORQUE_LINE_MAX_TORQUE] = capability.regenerating;
+    limits.braking[TORQUE_LINE_ENABLE] = enabled(25000, torque_enable.brake_q15);
+    return torque_command_step(&state, &config, &limits, &in);
 }
 
 static torque_command_out_t settle(int32_t speed_mrad_s, int32_t drive_mNm, int32_t electric_mNm)
@@ -204,10 +218,10 @@ void test_without_voltage_it_is_given_back_and_the_reason_is_named(void)
     assert_command(-10000, REASON_NONE, step(FORWARD, 0, 10000));
     assert_command(-10000, REASON_VOLTAGE,
                    step(FORWARD, 0, 20000)); /* not given back yet, but no more */
-    voltage_use_q15 = 32768;                 /* 1311 beyond, of 2294: 400 * 1311/2294 = 228 */
-    assert_command(-9772, REASON_VOLTAGE, step(FORWARD, 0, 10000));
+    voltage_use_q15 = 32768;                 /* 1311 beyond, of 2294: 400 * 1311/2294 = 228.6 */
+    assert_command(-9771, REASON_VOLTAGE, step(FORWARD, 0, 10000));
     voltage_use_q15 = INT32_MAX;
-    assert_command(-9372, REASON_VOLTAGE, step(FORWARD, 0, 10000));
+    assert_command(-9371, REASON_VOLTAGE, step(FORWARD, 0, 10000));
     assert_command(0, REASON_VOLTAGE, settle(FORWARD, 0, 10000));
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
+#include "model.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
@@ -10,6 +11,29 @@
 
 static config_t config;
 static torque_limits_input_t world;
+static int32_t winding_temperature_cC;
+
+/* The tightest lines of a step. */
+typedef struct {
+    limit_t driving;      /* torque in the direction of rotation */
+    limit_t regenerating; /* against it, whatever the strategy */
+    limit_t optimal;      /* and not beyond the loss optimum */
+} bounds_t;
+
+static torque_limits_state_t state;
+static torque_limits_t table;
+
+static bounds_t bounds_of(const motor_model_t *model)
+{
+    torque_limits_state_t now = state; /* the fold-back stays where it is */
+    torque_limits_step(&now, model, &world, &table);
+    const bounds_t out = {
+        .driving = torque_limits_tightest(table.driving, TORQUE_LINE_COUNT),
+        .regenerating = torque_limits_tightest(table.braking, TORQUE_LINE_LOSS_OPTIMUM),
+        .optimal = torque_limits_tightest(table.braking, TORQUE_LINE_ELECTRIC_RATED),
+    };
+    return out;
+}
 
 /* A cool motor on a battery that takes and gives whatever it is asked for. */
 void setUp(void)
@@ -19,30 +43,43 @@ void setUp(void)
     world.phase_voltage_mV = 1000000; /* no voltage limit: feasible_torque.h has its own tests */
     world.bms_charge_current_mA = 1000000;
     world.bms_discharge_current_mA = 1000000;
-    world.winding_temperature_cC = 2500;
+    winding_temperature_cC = 2500;
     world.switch_temperature_cC = 2500;
-    world.i_d_weakening_mA = 0;
+    world.bus_current_mA = 0;
     world.rotor_valid = true;
+    world.abs_active = false;
+    world.brake_demand_mNm = 0;
+    world.torque_enable.drive_q15 = Q15_ONE;
+    world.torque_enable.brake_q15 = Q15_ONE;
+    torque_limits_init(&state, &table);
+    state.charge.allowed_q6_mA = 1 << 30;
+    state.discharge.allowed_q6_mA = 1 << 30;
 }
 
 void tearDown(void) {}
 
-static torque_limits_t at_speed(int32_t speed_mrad_s)
+static bounds_t at_speed(int32_t speed_mrad_s)
 {
-    const motor_model_t model = motor_model_at(&config, speed_mrad_s, world.winding_temperature_cC);
-    return torque_limits_step(&config, &model, &world);
+    const motor_model_t model = model_at(&config, speed_mrad_s, winding_temperature_cC);
+    return bounds_of(&model);
 }
 
 /* ---- a salient motor, with the i_d of its map and whatever field weakening adds ---- */
+
+static motor_current_t currents_of(const motor_model_t *model, int32_t torque_mNm)
+{
+    const current_setpoint_t i = current_setpoint_step(model, torque_mNm, 0);
+    const motor_current_t out = {.d_mA = i.i_d_mA, .q_mA = i.i_q_mA};
+    return out;
+}
 
 /* The power at the terminals, W, of a shaft torque as the current reference makes it: from the
  * circuit, in double precision. */
 static double power_of_torque_w(const motor_model_t *model, int32_t torque_mNm)
 {
-    const motor_current_t i =
-        current_setpoint_unlimited(&config, model, torque_mNm, world.i_d_weakening_mA);
+    const motor_current_t i = currents_of(model, torque_mNm);
     const reference_motor_t m =
-        reference_motor(&config, model->speed_mrad_s, world.winding_temperature_cC);
+        reference_motor(&config, model->speed_mrad_s, winding_temperature_cC);
     const double g = m.w_rad_s * m.iron_siemens;
     const double i_qt_a = (i.q_mA * 1e-3 - g * (m.l_d_h * i.d_mA * 1e-3 + m.psi_wb)) /
                           (1.0 + g * g * m.l_d_h * m.l_q_h);
@@ -57,14 +94,13 @@ static void random_salient_world(random_t *random)
     world.bus_voltage_mV = random_between(random, 42000, 57000);
     world.bms_charge_current_mA = random_between(random, 0, 4000000);
     world.bms_discharge_current_mA = random_between(random, 0, 4000000);
-    world.winding_temperature_cC = random_between(random, -2000, 12900);
-    world.i_d_weakening_mA = random_chance(random, 0.5) ? 0 : -random_between(random, 0, 121000);
+    winding_temperature_cC = random_between(random, -2000, 12900);
 }
 
 void test_a_salient_motor_is_allowed_what_its_best_angle_makes_of_the_phase_current(void)
 {
     /* 250 A at standstill, by scanning the angle: the map's points are 32.8 Nm apart, which costs
-     * less than 0.5 %. */
+     * less than 0.5 %; the reserve of the current costs 0.5 % more. */
     config = salient_vehicle();
     config.motor.max_phase_current_mA = 250000;
     double best_nm = 0.0;
@@ -75,7 +111,7 @@ void test_a_salient_motor_is_allowed_what_its_best_angle_makes_of_the_phase_curr
     const limit_t limit = at_speed(0).driving;
     TEST_ASSERT_EQUAL_INT(REASON_PHASE_CURRENT, limit.reason);
     TEST_ASSERT_TRUE(limit.torque_mNm <= best_nm * 1e3 + 30.0);
-    TEST_ASSERT_TRUE(limit.torque_mNm >= best_nm * 995.0);
+    TEST_ASSERT_TRUE(limit.torque_mNm >= best_nm * 990.0);
     TEST_ASSERT_EQUAL_INT32(limit.torque_mNm, at_speed(0).regenerating.torque_mNm);
 }
 
@@ -86,23 +122,22 @@ void test_what_a_salient_motor_is_allowed_fits_into_the_current_circle(void)
     int bit = 0;
     for (int n = 0; n < 20000; n++) {
         random_salient_world(&random);
-        const motor_model_t model = motor_model_at(
-            &config, random_between(&random, -1200000, 1200000), world.winding_temperature_cC);
+        const motor_model_t model =
+            model_at(&config, random_between(&random, -1200000, 1200000), winding_temperature_cC);
         const int32_t forward = model.speed_mrad_s >= 0 ? 1 : -1;
-        const torque_limits_t out = torque_limits_step(&config, &model, &world);
+        const bounds_t out = bounds_of(&model);
         const limit_t limits[] = {out.driving, out.regenerating};
         for (int k = 0; k < 2; k++) {
             if (limits[k].torque_mNm == 0) {
                 continue; /* field weakening alone may fill the circle */
             }
             const int32_t torque_mNm = limits[k].torque_mNm * forward * (k == 0 ? 1 : -1);
-            const motor_current_t i =
-                current_setpoint_unlimited(&config, &model, torque_mNm, world.i_d_weakening_mA);
+            const motor_current_t i = currents_of(&model, torque_mNm);
             const double share = hypot(i.d_mA, i.q_mA) / config.motor.max_phase_current_mA;
-            TEST_ASSERT_TRUE(share <= 1.001);
+            TEST_ASSERT_TRUE(share <= 1.002);
             if (limits[k].reason == REASON_PHASE_CURRENT) {
                 bit++;
-                TEST_ASSERT_TRUE(share >= 0.998); /* and the circle is used */
+                TEST_ASSERT_TRUE(share >= 0.99); /* and the circle is used */
             }
         }
     }
@@ -118,9 +153,9 @@ void test_no_torque_of_a_salient_motor_charges_or_drains_the_battery_beyond_its_
     int draining = 0;
     for (int n = 0; n < 20000; n++) {
         random_salient_world(&random);
-        const motor_model_t model = motor_model_at(&config, random_between(&random, 60000, 1150000),
-                                                   world.winding_temperature_cC);
-        const torque_limits_t out = torque_limits_step(&config, &model, &world);
+        const motor_model_t model =
+            model_at(&config, random_between(&random, 60000, 1150000), winding_temperature_cC);
+        const bounds_t out = bounds_of(&model);
         const double volts = world.bus_voltage_mV * 1e-3;
         const double returned_w = -power_of_torque_w(&model, -out.regenerating.torque_mNm);
         const double drawn_w = power_of_torque_w(&model, out.driving.torque_mNm);

@@ -258,10 +258,10 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(
     names = (
         "torque/loss_maps.c",
         "torque/current_setpoint.c",
+        "torque/feasible_torque.c",
         "torque/motor_model.c",
-        "core/divide.c",
         "core/grid.c",
-        "core/isqrt.c",
+        "core/scaled.c",
     )
     sources = [str(ROOT / "firmware" / name) for name in names]
     subprocess.run(
@@ -270,26 +270,31 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(
     )
     ffi = cffi.FFI()
     ffi.cdef("""
-        typedef struct { int32_t words[12]; } model_t;
-        typedef struct { int32_t d_mA, q_mA; } current_t;
-        model_t motor_model_at(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC);
-        current_t current_setpoint_unlimited(const void *config, const model_t *model, int32_t torque_mNm, int32_t i_d_weakening_mA);
+        typedef struct { int64_t words[32]; } constants_t;
+        typedef struct { const void *constants; int32_t words[20]; } model_t;
+        typedef struct { int32_t d_mA, q_mA; bool limited; } current_t;
+        void motor_constants_init(constants_t *constants, const void *config);
+        model_t motor_model_at(const constants_t *constants, int32_t speed_mrad_s,
+                               int32_t winding_temperature_cC);
+        current_t current_setpoint_step(const model_t *model, int32_t torque_mNm,
+                                        int32_t i_d_weakening_mA);
     """)
     firmware: Any = ffi.dlopen(str(library))
     raw = ffi.from_buffer(image.build(drive))
+    constants = ffi.new("constants_t *")
+    firmware.motor_constants_init(constants, raw)
     table, inverter = current_audit.choose(drive), models.bridge(drive)
     warm = drive.motor.reference_temperature_c + 60.0
     motor = models.machine(drive, warm)
     for speed in np.linspace(-1.0, 1.0, 9) * drive.motor.max_speed_rpm * math.pi / 30.0:
         model = ffi.new(
-            "model_t *", firmware.motor_model_at(raw, round(speed * 1000.0), round(warm * 100.0))
+            "model_t *",
+            firmware.motor_model_at(constants, round(speed * 1000.0), round(warm * 100.0)),
         )
         turning = float(np.clip(speed, -0.5, 0.5)) / 0.5
         friction = turning * motor.friction_nm + motor.viscous_nm_s * speed
         for torque in np.linspace(-1.0, 1.0, 9) * drive.motor.max_torque_nm:
-            i = firmware.current_setpoint_unlimited(
-                raw, model, round((torque - friction) * 1000.0), 0
-            )
+            i = firmware.current_setpoint_step(model, round((torque - friction) * 1000.0), 0)
             made = models.evaluate(
                 motor, inverter, speed * motor.pole_pairs, i.d_mA / 1000.0, i.q_mA / 1000.0
             )

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * scaled.h: arithmetic on quantities in binary scales, for the slow loop. No 64-bit division: the
+ * quotient takes four 32-bit ones, the root two.
+ *
+ * A binary scale is a unit divided by a power of two, chosen at start so that a quantity uses 23
+ * bits (firmware/torque/README.md, Binary scales). Ratios of two such units carry 24 fraction bits.
+ */
+#ifndef CORE_SCALED_H
+#define CORE_SCALED_H
+
+#include <stdint.h>
+
+#include "core/q15.h"
+
+enum { SCALED_ONE = 1 << 24 };
+
+/* a b / 2^24, rounded down. |a b| < 2^55. */
+static inline int32_t scaled_multiply(int32_t a, int32_t b)
+{
+    return (int32_t)(((int64_t)a * b) >> 24);
+}
+
+/* x 2^shift, -62 <= shift <= 30; rounded down, saturated. */
+static inline int32_t scaled_shift(int32_t x, int32_t shift)
+{
+    if (shift <= 0) {
+        return x >> q_min(-shift, 31);
+    }
+    return q_saturate64((int64_t)x * (int64_t)(UINT64_C(1) << shift));
+}
+
+/* n 2^24 / d, d > 0; relative error below 2^-15, rounded towards zero, saturated at +-2^30. */
+static inline int32_t scaled_ratio(int32_t n, int32_t d)
+{
+    uint32_t rest = n < 0 ? 0U - (uint32_t)n : (uint32_t)n;
+    uint32_t by = (uint32_t)d;
+    if (by >= (UINT32_C(1) << 24)) {
+        by >>= 8;
+        rest >>= 8;
+    }
+    if (rest >> 6 >= by) {
+        return n < 0 ? -(1 << 30) : 1 << 30;
+    }
+    uint32_t quotient = rest / by;
+    rest -= quotient * by;
+    for (int digit = 0; digit < 3; digit++) {
+        rest <<= 8;
+        const uint32_t next = rest / by;
+        rest -= next * by;
+        quotient = (quotient << 8) + next;
+    }
+    return n < 0 ? -(int32_t)quotient : (int32_t)quotient;
+}
+
+/* The square root of x, 0 <= x < 2^62; relative error below 2^-14, at most one unit below 2^16. */
+int32_t scaled_root(int64_t x);
+
+/* value 2^shift / divisor, 0 <= value, 0 < divisor < 2^62; saturated at 2^30. Takes a
+ * 64-bit division: for start-up. */
+int32_t scaled_constant(int64_t value, int64_t divisor, int32_t shift);
+
+#endif
