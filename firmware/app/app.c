@@ -20,11 +20,11 @@
 
 enum {
     FINISH_PASSES =
-        100000,         /* of the console, more than the slowest line needs for its last words */
-    FAST_TIMEOUT_ms = 3 /* without a fast step; at least four belong into every one of them */
+        100000, /* of the console, more than the closing line needs at the lowest bit rate */
+    FAST_TIMEOUT_ms = 3 /* without a fast step; a millisecond has at least four */
 };
 
-/* What the background sees of the slow step. */
+/* Results of the slow step for the background. */
 typedef struct {
     slow_output_t output;
     supervisor_counts_t counts;
@@ -45,7 +45,7 @@ static struct {
     double_buffer_t from_fast; /* low side millisecond, high side PWM period */
     fast_report_t fast_report[2];
     unsigned fast_reports_in; /* PWM period; which of the two it kept up to date last */
-    uint32_t fast_missing_ms; /* millisecond; in a row without a fast step */
+    uint32_t fast_missing_ms; /* millisecond; consecutive ones without a fast step */
     double_buffer_t to_slow;  /* low side background, high side millisecond */
     node_command_t commands[2];
     double_buffer_t from_slow; /* low side background, high side millisecond */
@@ -55,7 +55,7 @@ static struct {
     supervisor_t supervisor;             /* background, like everything below */
     can_link_t can;
     console_t console;
-    bool restarting; /* the watchdog is left to itself */
+    bool restarting; /* the watchdog is no longer fed */
 } app;
 
 static messages_battery_t pack_limits(const config_t *config)
@@ -184,15 +184,14 @@ static slow_input_t slow_input(const node_command_t *command)
         .abs_active = command->demand.abs_active,
         .fault_reset = command->demand.fault_reset,
         .selftest_passed = boot_selftest_passed(&app.boot),
-        .config_accepted = true, /* otherwise this is never called */
+        .config_accepted = true, /* otherwise no slow step runs */
     };
     return in;
 }
 
-/* A fast loop that has stopped carries out no verdict any more, and the timer goes on making what
- * it was given last: a vector that stands still, against which the turning magnets drive nearly
- * their short-circuit current, until the watchdog bites. Off, which is what that would bring, is
- * brought here at once. */
+/* Without fast steps the timer repeats the last compare values: a constant voltage vector, in which
+ * the turning rotor drives nearly its short-circuit current until the watchdog resets the core. The
+ * bridge is therefore switched off here, as the reset would do. */
 static void watch_fast_loop(bool has_stepped)
 {
     if (has_stepped) {
@@ -212,7 +211,7 @@ void app_millisecond_isr(void)
         return;
     }
     watch_fast_loop(
-        double_buffer_take(&app.from_fast)); /* the monitor, too, sees the count stand still */
+        double_buffer_take(&app.from_fast)); /* the monitor checks the step count as well */
     const fast_report_t *from_fast = &app.fast_report[double_buffer_low(&app.from_fast)];
     fast_setpoint_t *to_fast = &app.fast_setpoint[double_buffer_low(&app.to_fast)];
     const slow_input_t in = slow_input(&app.commands[double_buffer_high(&app.to_slow)]);
@@ -251,18 +250,16 @@ static report_status_t status_of(const snapshot_t *snapshot)
     return status;
 }
 
-/* Nothing is switched on, nothing turns, and nothing turned when it was last seen
- * (monitor_speed.h): the configuration may go. A board on which no sensor and no current ever
- * showed a movement counts as standing, so that it can be set up on a bench. Without control the
- * bridge is off anyway. */
+/* True if the configuration may be replaced: torque is not enabled and the wheel is at standstill
+ * (monitor_speed.h). A board on which neither sensor nor current ever showed a movement counts as
+ * at standstill, so that it can be set up on a bench. Without control the bridge is off. */
 static bool is_at_standstill(const slow_output_t *output)
 {
     const bool switched_on = output->mode == MODE_RUN || output->mode == MODE_LIMP;
     return app.config == NULL || (!switched_on && output->standstill);
 }
 
-/* The configuration in use is about to be erased, so control ends here, whatever becomes of the new
- * one. */
+/* Control ends here, because the configuration in use is erased first. */
 static void replace_configuration(const snapshot_t *snapshot)
 {
     text_t line;
@@ -283,10 +280,9 @@ void app_background(void)
     const uint32_t now_ms = time_ms();
     const snapshot_t *snapshot = latest_snapshot();
     if (app.restarting) {
-        /* nothing feeds the watchdog; the console still says why */
+        /* the watchdog is not fed; the console still prints the result */
     } else if (app.config == NULL) {
-        watchdog_feed(); /* bridge off, nothing to supervise; a restart would only hide the reason
-                          */
+        watchdog_feed(); /* bridge off; a restart would only hide the reason */
     } else {
         if (supervisor_may_feed(&app.supervisor, snapshot->counts)) {
             watchdog_feed();

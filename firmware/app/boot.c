@@ -24,7 +24,7 @@ static rotor_sensor_kind_t rotor_sensor_kind(int32_t sensor)
         return ROTOR_SENSOR_HALL;
     case CONFIG_ROTOR_ENCODER:
         return ROTOR_SENSOR_ENCODER;
-    default: /* CONFIG_ROTOR_ANGLE; config_validate() lets nothing else through */
+    default: /* CONFIG_ROTOR_ANGLE; config_validate() refuses other values */
         return ROTOR_SENSOR_ANGLE;
     }
 }
@@ -45,8 +45,7 @@ boot_report_t boot_run(void)
     report.clock_good = time_init();
     report.was_watchdog = watchdog_caused_reset();
     report.ram_good = ram_good();
-    serial_init(BOOT_SERIAL_BIT_RATE); /* may interrupt from here on, which nothing may while the
-                                          RAM is tested */
+    serial_init(BOOT_SERIAL_BIT_RATE); /* enables an interrupt, so only after the RAM test */
     const flash_image_t firmware = flash_firmware();
     report.firmware_good =
         selftest_firmware(firmware.begin, firmware.size_bytes, flash_firmware_crc32());

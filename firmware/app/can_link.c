@@ -3,7 +3,7 @@
 
 #include "hal/can.h"
 
-enum { FRAMES_PER_PASS = 8 /* a flooded bus must not hold up the background */ };
+enum { FRAMES_PER_PASS = 8 /* bounds the time of a pass on a flooded bus */ };
 
 bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t pack,
                    uint32_t now_ms)

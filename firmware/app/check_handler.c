@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where every CHECK() of every room ends: a programming error or a broken memory cell, so nothing
- * may be trusted. */
+/* Handler of every failed CHECK(): a programming error or a memory fault. Switches the bridge off
+ * and waits for the watchdog. */
 #include "core/check.h"
 #include "hal/inverter.h"
 
-/* For a debugger, and for whoever reads the RAM of a board that stopped. */
+/* For a debugger or a RAM dump. */
 static volatile struct {
     check_module_t module;
     uint16_t number;

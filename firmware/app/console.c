@@ -8,7 +8,7 @@ enum { STATUS, WATCH, CAN, BOOT, CONFIG, VERSION, INSTALL, COMMANDS_COUNT };
 static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [STATUS] = {"status", "", "mode, reason, torque, speed, bus"},
     [WATCH] = {"watch", "", "the status every second, until the next key"},
-    [CAN] = {"can", "", "how well the others are heard"},
+    [CAN] = {"can", "", "received frames and errors of each sender"},
     [BOOT] = {"boot", "", "what the self-tests found"},
     [CONFIG] = {"config", "[PREFIX]", "the configuration's fields that begin so"},
     [VERSION] = {"version", "", "program, version, commit, port"},
@@ -55,9 +55,9 @@ static bool answer(console_t *console, const shell_request_t *asked, text_t *lin
 void console_init(console_t *console, const boot_report_t *boot)
 {
     shell_init(&console->shell, COMMANDS, COMMANDS_COUNT);
-    const report_status_t nothing = {.control = false};
+    const report_status_t initial = {.control = false};
     console->boot = boot;
-    console->status = nothing;
+    console->status = initial;
     console->watched_ms = 0;
     console->watching = false;
     console->now_ms = 0;
@@ -109,7 +109,7 @@ static void answer_requests(console_t *console)
     }
 }
 
-/* An accepted one stays until console_has_accepted() has said so. */
+/* INSTALLER_ACCEPTED stays until console_has_accepted() has returned it. */
 static void print_installer_result(console_t *console)
 {
     const installer_state_t state = console->installer.state;

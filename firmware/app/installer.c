@@ -19,7 +19,7 @@ void installer_open(installer_t *installer, uint32_t now_ms)
     installer->state = INSTALLER_RECEIVING;
 }
 
-static void judge(installer_t *installer)
+static void validate(installer_t *installer)
 {
     installer->state = INSTALLER_REFUSED;
     if (installer->hex.problem == INTEL_HEX_GOOD) {
@@ -37,7 +37,7 @@ void installer_receive(installer_t *installer, uint8_t byte, uint32_t now_ms)
     if (byte == (uint8_t)CANCEL) {
         installer->state = INSTALLER_CANCELLED;
     } else if (intel_hex_receive(&installer->hex, byte)) {
-        judge(installer);
+        validate(installer);
     }
 }
 

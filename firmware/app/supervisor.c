@@ -6,7 +6,7 @@ void supervisor_init(supervisor_t *supervisor, uint32_t fast_rate_Hz, uint32_t s
     const supervisor_counts_t zero = {0};
     const uint32_t expected = fast_rate_Hz * SUPERVISOR_WINDOW_STEPS / slow_rate_Hz;
     supervisor->last = zero;
-    /* Two more either way: the windows' edges fall anywhere between two steps. */
+    /* Two more either way: a window begins and ends anywhere between two steps. */
     supervisor->fast_least = expected - expected / 4U - 2U;
     supervisor->fast_most = expected + expected / 4U + 2U;
 }
@@ -18,7 +18,7 @@ bool supervisor_may_feed(supervisor_t *supervisor, supervisor_counts_t now)
     if (slow < SUPERVISOR_WINDOW_STEPS) {
         return false;
     }
-    /* A background that was held up looks later: the same rate is asked of the longer window. */
+    /* A delayed background sees a longer window; the limits scale with it. */
     const bool fast_in_time = fast * SUPERVISOR_WINDOW_STEPS >= supervisor->fast_least * slow &&
                               fast * SUPERVISOR_WINDOW_STEPS <= supervisor->fast_most * slow;
     const bool monitor_in_time = now.monitor_steps != supervisor->last.monitor_steps;

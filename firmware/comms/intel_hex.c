@@ -25,7 +25,7 @@ void intel_hex_init(intel_hex_t *hex, uint8_t *to, uint32_t capacity_bytes)
     hex->next_address = 0;
 }
 
-static void object(intel_hex_t *hex, intel_hex_problem_t problem)
+static void refuse(intel_hex_t *hex, intel_hex_problem_t problem)
 {
     if (hex->problem == INTEL_HEX_GOOD) {
         hex->problem = problem;
@@ -43,11 +43,11 @@ static void take_data(intel_hex_t *hex)
         return;
     }
     if (hex->size_bytes > 0 && address != hex->next_address) {
-        object(hex, INTEL_HEX_GAP);
+        refuse(hex, INTEL_HEX_GAP);
         return;
     }
     if (length > hex->capacity_bytes - hex->size_bytes) {
-        object(hex, INTEL_HEX_TOO_LARGE);
+        refuse(hex, INTEL_HEX_TOO_LARGE);
         return;
     }
     for (uint32_t i = 0; i < length; i++) {
@@ -71,13 +71,13 @@ static bool take_record(intel_hex_t *hex)
     case EXTENDED_SEGMENT:
     case EXTENDED_LINEAR:
         if (length != 2U) {
-            object(hex, INTEL_HEX_TYPE);
+            refuse(hex, INTEL_HEX_TYPE);
         }
         hex->segment = hex->head[TYPE] == EXTENDED_LINEAR ? word << 16 : word << 4;
         return false;
     default:
         if (hex->head[TYPE] > START_LINEAR) {
-            object(hex, INTEL_HEX_TYPE);
+            refuse(hex, INTEL_HEX_TYPE);
         }
         return false;
     }
@@ -100,7 +100,7 @@ static bool take_byte(intel_hex_t *hex, uint8_t byte)
     }
     hex->in_record = false;
     if (hex->sum != 0U) {
-        object(hex, INTEL_HEX_CHECKSUM);
+        refuse(hex, INTEL_HEX_CHECKSUM);
         return false;
     }
     return take_record(hex);
@@ -120,7 +120,7 @@ bool intel_hex_receive(intel_hex_t *hex, uint8_t character)
 {
     if (character == (uint8_t)':') {
         if (hex->in_record) {
-            object(hex, INTEL_HEX_CHARACTER); /* the record before it is not whole */
+            refuse(hex, INTEL_HEX_CHARACTER); /* the record before it is not whole */
         }
         hex->in_record = true;
         hex->half = false;
@@ -134,7 +134,7 @@ bool intel_hex_receive(intel_hex_t *hex, uint8_t character)
     }
     const uint8_t value = value_of(character);
     if (value == (uint8_t)NOT_A_DIGIT) {
-        object(hex, INTEL_HEX_CHARACTER);
+        refuse(hex, INTEL_HEX_CHARACTER);
         return false;
     }
     hex->half = !hex->half;

@@ -8,7 +8,7 @@ enum { LONGEST_LINE = TEXT_CAPACITY + 1 /* without its zero, with its end */ };
 
 /* Indices of commands: the shell's own, then the owner's, then these. */
 enum { HELP, REASONS, OWN_COUNT };
-static const uint32_t NOTHING = UINT32_MAX;
+static const uint32_t NO_COMMAND = UINT32_MAX;
 static const uint32_t UNKNOWN = UINT32_MAX - 1U;
 
 static const shell_command_t OWN[OWN_COUNT] = {
@@ -26,22 +26,21 @@ void shell_init(shell_t *shell, const shell_command_t *commands, uint32_t comman
     shell->ahead_bytes = 0;
     shell->words[0] = '\0';
     shell->argument = shell->words;
-    shell->running = NOTHING;
+    shell->running = NO_COMMAND;
     shell->next_line = 0;
     shell->pending_bytes = 0;
     shell->sent_bytes = 0;
     shell->dropped_lines = 0;
 }
 
-/* ---- what is to be sent ---- */
+/* ---- output buffer ---- */
 
-static uint32_t room(const shell_t *shell)
+static uint32_t free_bytes(const shell_t *shell)
 {
     return SHELL_PENDING_BYTES - shell->pending_bytes;
 }
 
-/* Moves what is still to be sent to the front. Only when room is needed: the line takes a few bytes
- * at a time. */
+/* Moves the unsent bytes to the front, only when space is needed. */
 static void move_to_front(shell_t *shell)
 {
     for (uint32_t i = shell->sent_bytes; i < shell->pending_bytes; i++) {
@@ -53,13 +52,13 @@ static void move_to_front(shell_t *shell)
 
 static bool has_space(shell_t *shell, uint32_t count)
 {
-    if (count > room(shell)) {
+    if (count > free_bytes(shell)) {
         move_to_front(shell);
     }
-    return count <= room(shell);
+    return count <= free_bytes(shell);
 }
 
-/* All of it or nothing. */
+/* All bytes or none. */
 static bool put(shell_t *shell, const char *chars, uint32_t count)
 {
     if (!has_space(shell, count)) {
@@ -79,7 +78,7 @@ static bool put_line(shell_t *shell, const text_t *line)
            put(shell, line->chars, line->length) && put(shell, END, sizeof END);
 }
 
-/* As with an echo: one that finds no room is missed by nobody. */
+/* Dropped when the buffer is full, as an echo is. */
 static void put_prompt(shell_t *shell)
 {
     static const char PROMPT[] = LINE_EDIT_PROMPT;
@@ -101,11 +100,11 @@ void shell_sent(shell_t *shell, uint32_t count)
 
 bool shell_idle(const shell_t *shell)
 {
-    return shell->running == NOTHING && shell->ahead_bytes == 0 &&
+    return shell->running == NO_COMMAND && shell->ahead_bytes == 0 &&
            shell->sent_bytes == shell->pending_bytes;
 }
 
-/* ---- what it knows by itself ---- */
+/* ---- the shell's own commands ---- */
 
 static uint32_t count_of_commands(const shell_t *shell)
 {
@@ -227,13 +226,13 @@ static void process_key(shell_t *shell, uint8_t byte)
     if (event == LINE_EDIT_ENDED) {
         begin_answer(shell);
     } else if (event == LINE_EDIT_CANCELLED) {
-        shell->running = NOTHING;
+        shell->running = NO_COMMAND;
     }
 }
 
 void shell_receive(shell_t *shell, uint8_t byte)
 {
-    if (shell->running == NOTHING && shell->ahead_bytes == 0) {
+    if (shell->running == NO_COMMAND && shell->ahead_bytes == 0) {
         process_key(shell, byte);
     } else if (byte == CANCEL) {
         shell->ahead_bytes = 0;
@@ -246,13 +245,13 @@ void shell_receive(shell_t *shell, uint8_t byte)
 
 void shell_answer(shell_t *shell, const text_t *line)
 {
-    (void)put_line(shell, line); /* there is room, or it would not have been asked for */
+    (void)put_line(shell, line); /* has space: shell_next_request() checked it */
     shell->next_line++;
 }
 
 void shell_answered(shell_t *shell)
 {
-    shell->running = NOTHING;
+    shell->running = NO_COMMAND;
     put_prompt(shell);
 }
 
@@ -264,7 +263,7 @@ static bool is_owners(const shell_t *shell)
 static void process_typed_ahead(shell_t *shell)
 {
     uint32_t done = 0;
-    while (done < shell->ahead_bytes && shell->running == NOTHING) {
+    while (done < shell->ahead_bytes && shell->running == NO_COMMAND) {
         process_key(shell, shell->ahead[done]);
         done++;
     }
@@ -277,7 +276,7 @@ static void process_typed_ahead(shell_t *shell)
 bool shell_next_request(shell_t *shell, shell_request_t *question)
 {
     process_typed_ahead(shell);
-    while (shell->running != NOTHING && has_space(shell, LONGEST_LINE)) {
+    while (shell->running != NO_COMMAND && has_space(shell, LONGEST_LINE)) {
         if (is_owners(shell)) {
             const shell_request_t asked = {shell->running - OWN_COUNT, shell->argument,
                                            shell->next_line};

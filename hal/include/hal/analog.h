@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * analog.h: what the converters measured.
+ * analog.h: phase currents, bus voltage, temperatures.
  *
  * The three phase currents are sampled at the same instant, at the top of the centre-aligned count,
  * when the low-side switches carry them. Codes are right-aligned 12-bit. Full scales are properties
@@ -12,9 +12,9 @@
 
 #include <stdint.h>
 
-/* Reported for a temperature sensor that is broken or not connected: hotter than any limit that is
- * in force, so the torque goes to zero, but below 300 C, which in the configuration means that the
- * limit is off. */
+/* Reported for a temperature sensor that is broken or not connected: above any active limit, so
+ * that the derating makes the torque zero, but below 300 C, which in the configuration means that
+ * the limit is off. */
 enum { ANALOG_TEMPERATURE_BROKEN_cC = 29999 };
 
 typedef struct {

@@ -23,7 +23,7 @@ bool can_init(const uint16_t *accepted_identifiers, uint32_t count);
 /* The oldest frame not yet delivered; false if there is none. */
 bool can_receive(can_frame_t *frame);
 
-/* Queues a frame; false if there is no room (bus busy or disconnected): the frame is then dropped.
+/* Queues a frame; false if the queue is full (bus busy or disconnected): the frame is then dropped.
  */
 bool can_transmit(const can_frame_t *frame);
 

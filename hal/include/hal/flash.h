@@ -16,7 +16,7 @@ typedef struct {
 
 typedef enum {
     FLASH_OK = 0,
-    FLASH_TOO_LARGE,    /* more bytes than the sector holds; nothing was erased */
+    FLASH_TOO_LARGE,    /* more bytes than the sector holds; the sector was not erased */
     FLASH_ERASE_FAILED, /* the sector's content is undefined: the configuration will be refused at
                            the next boot */
     FLASH_WRITE_FAILED, /* likewise */
@@ -26,14 +26,13 @@ typedef enum {
 /* The whole sector that holds the configuration; an erased one reads as 0xFF. */
 flash_image_t flash_configuration(void);
 
-/* Everything of the firmware that must never change at run time, and the CRC-32 (IEEE 802.3) that
- * the build found. */
+/* The constant part of the firmware, and its CRC-32 (IEEE 802.3) from the build. */
 flash_image_t flash_firmware(void);
 uint32_t flash_firmware_crc32(void);
 
-/* Replaces the configuration. The core stands still or cares for nothing but the watchdog for up to
- * a second, without interrupts: only with the bridge off and the motor at rest, and followed by a
- * restart. Background context. */
+/* Replaces the configuration. The core is stalled, or only feeds the watchdog, for up to a second,
+ * without interrupts: only with the bridge off and the motor at rest, and followed by a restart.
+ * Background context. */
 flash_status_t flash_write_configuration(const void *bytes, uint32_t size_bytes);
 
 #endif

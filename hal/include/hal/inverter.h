@@ -41,19 +41,20 @@ typedef enum {
     INVERTER_CONVERTER_UNREADY      /* the analog converters did not start */
 } inverter_status_t;
 
-/* Pins, timer, converters and their trigger; the bridge is off and nothing calls upwards yet.
+/* Pins, timer, converters and their trigger; the bridge is off and there are no up-calls yet.
  * Background context, once. On anything but INVERTER_OK inverter_start() must not be called. */
 inverter_status_t inverter_init(const inverter_settings_t *settings);
 
-/* From here on app_pwm_period_isr() is called; the bridge stays off until inverter_set() says
- * otherwise. */
+/* From here on app_pwm_period_isr() is called; the bridge stays off until inverter_set()
+ * switches it on. */
 void inverter_start(void);
 
-/* What the bridge does from the next top on. Only from app_pwm_period_isr(). compare_counts are 0
+/* Mode and compare values from the next top on. Only from app_pwm_period_isr(). compare_counts are
+ * 0
  * .. top; larger ones act as top. Ignored while a fault is latched. */
 void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3]);
 
-/* All six switches off now, whatever else is going on, and latched as a fault. Any context, also
+/* All six switches off at once, and latched as a fault. Any context, also
  * from fault handlers and before inverter_init(). */
 void inverter_trip(void);
 

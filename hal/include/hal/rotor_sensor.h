@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * rotor_sensor.h: where the rotor is. One of three sensors, chosen at start-up.
+ * rotor_sensor.h: the rotor position sensor, one of three kinds, selected at start-up.
  */
 #ifndef HAL_ROTOR_SENSOR_H
 #define HAL_ROTOR_SENSOR_H
@@ -14,12 +14,12 @@ typedef enum {
     ROTOR_SENSOR_ENCODER = 2 /* incremental encoder: A, B and index */
 } rotor_sensor_kind_t;
 
-/* What an encoder counted. Where the index lies, and what a count means, is not known here. */
+/* Counts of an encoder; their scale and the index' position are the configuration's. */
 typedef struct {
     uint16_t count;       /* free running, both edges of both tracks: four to a line */
     uint16_t index_count; /* the count at the latest index pulse, captured by hardware; holds for
                              `index` only */
-    bool index;           /* an index pulse came since the last look */
+    bool index;           /* an index pulse since the last read */
 } rotor_sensor_encoder_t;
 
 /* Background context, once, before inverter_start(). False: this board has no such sensor. */
@@ -33,8 +33,8 @@ uint16_t rotor_sensor_angle_turn(void);
  * app_pwm_period_isr(). */
 uint8_t rotor_sensor_hall_state(void);
 
-/* All zero with another sensor. Only from app_pwm_period_isr(), once a period: a look takes the
- * index pulse. */
+/* All zero with another sensor. Only from app_pwm_period_isr(), once a period: reading clears
+ * `index`. */
 rotor_sensor_encoder_t rotor_sensor_encoder(void);
 
 #endif

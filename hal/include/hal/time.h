@@ -9,15 +9,15 @@
 #include <stdint.h>
 
 /* Brings the core to its full clock. False if a clock did not start in time: the core then runs on
- * its internal oscillator, the serial line works, and nothing that depends on exact timing may be
- * started. Background, first of all. */
+ * its internal oscillator, the serial line works, and control must not be started. Background
+ * context, first. */
 bool time_init(void);
 
 /* Starts app_millisecond_isr(). */
 void time_start_tick(void);
 
-/* Milliseconds since time_start_tick(); wraps after 49 days, so only differences mean anything. Any
- * context. */
+/* Milliseconds since time_start_tick(); wraps after 49 days, so use differences only. Any context.
+ */
 uint32_t time_ms(void);
 
 /* Core clock cycles, free running, wraps; constantly 0 where the core cannot count them. Any
@@ -25,7 +25,7 @@ uint32_t time_ms(void);
 uint32_t time_cycles(void);
 
 /* False once the port wants the program to end: never on a board; on the emulator and on the host
- * after the time that whoever started it asked for. */
+ * after the requested time. */
 bool time_running(void);
 
 #endif

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * upcall.h: the two functions every port calls and the application supplies. Nothing else goes
- * upwards.
+ * upcall.h: the two functions that every port calls and the application supplies. There are no
+ * other up-calls.
  *
  * Both are called from interrupt context of a single core. app_pwm_period_isr() has the higher
- * priority: it may interrupt app_millisecond_isr() and the background loop, and nothing that calls
- * into the application interrupts it. app_millisecond_isr() may interrupt the background loop only.
- * Neither is re-entered. The exchange between the three contexts (firmware/app double_buffer.h) is
- * built on exactly this order.
+ * priority: it may interrupt app_millisecond_isr() and the background loop, and no interrupt
+ * that calls into the application interrupts it. app_millisecond_isr() may interrupt the background
+ * loop only. Neither is re-entered. The exchange between the three contexts (firmware/app
+ * double_buffer.h) relies on this order.
  *
  * Neither is called before inverter_start() respectively time_start_tick() has been.
  */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * watchdog.h: resets the core, and with it switches the bridge off, unless it is fed in time.
- * Cannot be stopped.
+ * watchdog.h: resets the core, which switches the bridge off, unless it is fed in time. It cannot
+ * be stopped.
  */
 #ifndef HAL_WATCHDOG_H
 #define HAL_WATCHDOG_H
@@ -15,7 +15,7 @@ void watchdog_start(uint32_t timeout_ms);
 
 void watchdog_feed(void);
 
-/* Did the watchdog cause the last reset? The same answer until the next one. */
+/* Did the watchdog cause the last reset? Constant until the next one. */
 bool watchdog_caused_reset(void);
 
 #endif

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * app.h: the controller on a core: who calls what, when, and how the parts exchange data.
+ * app.h: the controller on a core: interrupts, background, and the exchange between them.
  *
- *     high   app_pwm_period_isr    hal samples -> controller_fast_step -> bridge   PWM period
- *     low    app_millisecond_isr   temperatures, demand -> controller_slow_step    1 kHz
- *     none   app_background        CAN, serial line, watchdog                      as it can
+ *     priority  context               runs                                           rate
+ *     high      app_pwm_period_isr    hal samples -> controller_fast_step -> bridge  PWM period
+ *     low       app_millisecond_isr   temperatures, command -> controller_slow_step  1 kHz
+ *     none      app_background        CAN, serial line, watchdog                     continuously
  *
- *                 wish               fast_setpoint
- *     background ------> millisecond -------------> PWM period
- *                <------             <-------------
- *                 snapshot               fast_report            each arrow one double_buffer.h
+ *                node_command_t         fast_setpoint_t
+ *     background ---------> millisecond ---------> PWM period
+ *                <---------             <---------
+ *                 snapshot_t             fast_report_t           each arrow one double_buffer.h
  *
  * The two interrupts are declared in hal/upcall.h.
  */
@@ -18,15 +19,16 @@
 
 #include <stdbool.h>
 
-/* From reset to running interrupts, or to a refusal that says why. May be called again by tests:
- * everything starts anew. */
+/* Background context, once after reset: self-tests, then either running interrupts or BOOT with the
+ * reason on the serial line. Tests may call it again; all state is initialised. */
 void app_boot(void);
 
-/* One pass of the background. */
+/* Background context: one pass, repeated by main(). */
 void app_background(void);
 
-/* Writes the closing line, "result: READY, no limit" or what went wrong, and pushes it out. True if
- * the control steps run and no fault is latched. For ports whose time_running() ends. */
+/* Background context, for ports whose time_running() ends: prints and flushes the closing line,
+ * "result: READY, no limit" or the failure. True if the control steps run and no fault is latched.
+ */
 bool app_finish(void);
 
 #endif

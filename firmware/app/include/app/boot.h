@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * boot.h: everything between reset and the first control step, once, with no interrupt of the
- * application running.
+ * boot.h: start-up from reset to the first control step. Background context, once, before any
+ * interrupt of the application is enabled.
  *
  * Order: clocks, serial line, RAM window, CRC of the firmware, configuration, then the ports with
- * the numbers of the accepted configuration. Nothing stops at the first failure that does not have
- * to: the report names all of them.
+ * the settings of the accepted configuration. Start-up continues after a failure where it can, so
+ * that the report contains all of them.
  */
 #ifndef APP_BOOT_H
 #define APP_BOOT_H
@@ -19,27 +19,27 @@
 enum { BOOT_SERIAL_BIT_RATE = 115200 };
 
 typedef struct {
-    bool clock_good; /* otherwise nothing that needs exact time may run */
+    bool clock_good; /* otherwise control does not start */
     bool ram_good;
-    bool firmware_good; /* what is in flash is what was built */
+    bool firmware_good; /* the CRC of the image in flash is the build's */
     bool was_watchdog;  /* the watchdog caused this start */
     config_result_t config_result;
-    inverter_status_t inverter; /* looked at only with an accepted configuration and a good clock */
+    inverter_status_t inverter; /* set only with an accepted configuration and a good clock */
     bool rotor_sensor_missing;  /* the board has none of the kind that the configuration names;
-                                   looked at likewise */
+                                   set likewise */
     const config_t *config;     /* the image in flash; only to be used if `config_result` is good */
 } boot_report_t;
 
 boot_report_t boot_run(void);
 
-/* Accepted by the validator, the port's timers can realise it, and its rotor sensor can be read. */
+/* Accepted by the validator, feasible for the port's timers, and the rotor sensor is present. */
 bool boot_config_accepted(const boot_report_t *report);
 
 /* RAM and firmware. */
 bool boot_selftest_passed(const boot_report_t *report);
 
-/* May the control steps run at all? They need a configuration and a clock; a failed self-test they
- * report themselves. */
+/* True if the control steps may run: configuration accepted and clock good. After a failed
+ * self-test they run and report the fault on CAN. */
 bool boot_may_control(const boot_report_t *report);
 
 #endif

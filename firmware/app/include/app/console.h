@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * console.h: the pump between the serial line and the shell, and the shell's commands.
+ * console.h: moves bytes between the serial line and the shell, and answers the shell's commands.
  *
  *     status            mode, reason, torque, speed, bus, once
- *     watch             the same every second, until the next key
- *     can               how well the others are heard
+ *     watch             the same every second, until a key is typed
+ *     can               received frames and errors of each sender
  *     boot              what the self-tests found
  *     config [PREFIX]   the configuration's fields
  *     version           program, version, commit, port
  *     install           another configuration, as Intel HEX (installer.h)
  *     help, reasons     the shell's own
  *
- * Background context. Lines nobody asked for are dropped whole and counted when there is no room,
- * never waited for.
+ * Background context; never blocks. A line that is not an answer is dropped whole, and counted,
+ * when the buffer is full.
  */
 #ifndef APP_CONSOLE_H
 #define APP_CONSOLE_H
@@ -38,7 +38,7 @@ typedef struct {
     installer_t installer;
 } console_t;
 
-/* boot: has to stay where it is; need not be filled in yet. */
+/* boot: must stay valid; may be filled in later. */
 void console_init(console_t *console, const boot_report_t *boot);
 
 /* The banner, and what the self-tests found. */
@@ -48,13 +48,13 @@ void console_status(console_t *console, const report_status_t *status);
 
 void console_print(console_t *console, const text_t *line);
 
-/* Has the serial line taken everything? */
+/* True if all output has been given to the serial line. */
 bool console_drained(const console_t *console);
 
 /* True once, when a configuration has been received and accepted. */
 bool console_has_accepted(console_t *console);
 
-/* Hands bytes to and fro. */
+/* Background context, every pass: received bytes to the shell, its output to the line. */
 void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status);
 
 #endif

@@ -2,13 +2,13 @@
 /*
  * installer.h: another configuration over the serial line: receive, check, replace.
  *
- *     installer_open()    from here on every byte of the line is the installer's
+ *     installer_open()    from here on all received bytes go to the installer
  *     installer_receive()    Intel HEX (comms/intel_hex.h) of one whole config_t
- *     installer_write()   bridge off for good, the sector is written; the caller then lets
- *                         the watchdog restart the core
+ *     installer_write()   bridge off, the sector is written; the caller then stops feeding
+ *                         the watchdog, which restarts the core
  *
- * Nothing is touched before the last record is there and the firmware's own validator has accepted
- * the whole image. What has been running until then knows nothing of it. Background context.
+ * Control continues unchanged until the last record has arrived and config_validate() has accepted
+ * the whole image. Background context.
  */
 #ifndef APP_INSTALLER_H
 #define APP_INSTALLER_H
@@ -22,13 +22,13 @@
 #include "config/validate.h"
 #include "hal/flash.h"
 
-enum { INSTALLER_TIMEOUT_ms = 3000 /* then the sender is taken to be gone */ };
+enum { INSTALLER_TIMEOUT_ms = 3000 /* without a byte, then it is cancelled */ };
 
 typedef enum {
     INSTALLER_CLOSED = 0,
     INSTALLER_RECEIVING,
-    INSTALLER_CANCELLED, /* ^C, or silence */
-    INSTALLER_REFUSED,   /* `hex.problem` or `config_result` says why */
+    INSTALLER_CANCELLED, /* ^C, or timeout */
+    INSTALLER_REFUSED,   /* reason in `hex.problem` or `config_result` */
     INSTALLER_ACCEPTED
 } installer_state_t;
 
@@ -37,7 +37,7 @@ typedef struct {
     intel_hex_t hex;
     config_result_t config_result;
     uint32_t received_ms;
-    union { /* aligned as what it is */
+    union { /* aligned as config_t */
         config_t config;
         uint8_t bytes[sizeof(config_t)];
     } image;
@@ -50,15 +50,15 @@ void installer_open(installer_t *installer, uint32_t now_ms);
 /* Any byte while INSTALLER_RECEIVING. */
 void installer_receive(installer_t *installer, uint8_t byte, uint32_t now_ms);
 
-/* Often: notices silence. */
+/* Every pass of the background: timeout. */
 void installer_tick(installer_t *installer, uint32_t now_ms);
 
-/* What became of it, one line; for all states but CLOSED and RECEIVING. */
+/* The result as one line; for all states but CLOSED and RECEIVING. */
 void installer_text(const installer_t *installer, text_t *line);
 
 /* Only with INSTALLER_ACCEPTED and the wheel at rest; no control step may run any more, because the
- * configuration that it reads is erased. False, and `line` says why, if the memory could not be
- * written. */
+ * configuration that it reads is erased. False, with the reason in `line`, if the memory could not
+ * be written. */
 bool installer_write(const installer_t *installer, text_t *line);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * report.h: what this controller knows about itself, in words, one line at a time. The console
- * shows the lines.
+ * report.h: status of the controller as lines of text, for the console. Background context.
  */
 #ifndef APP_REPORT_H
 #define APP_REPORT_H
@@ -14,7 +13,7 @@
 #include "comms/text.h"
 #include "controller/controller.h"
 
-/* What the lines below speak of, as it is now. */
+/* Present values for the lines below. */
 typedef struct {
     const slow_output_t *output;
     const node_t *node;
@@ -28,7 +27,7 @@ typedef struct {
 /* Program, version, commit and port. */
 void report_version(text_t *line);
 
-/* Name and checksum of an accepted configuration; why another one was refused. */
+/* Name and checksum of an accepted configuration; the reason of a refusal. */
 void report_identity(const config_t *config, text_t *line);
 void report_refusal(const config_result_t *result, text_t *line);
 
@@ -36,15 +35,14 @@ void report_refusal(const config_result_t *result, text_t *line);
  * have garbage for a name. */
 void report_banner(const boot_report_t *boot, text_t *line);
 
-/* What the self-tests found, and the field for which a configuration was refused. `number` counts
+/* Results of the self-tests, and the field for which a configuration was refused. `number` counts
  * from 0; false: no more. */
 bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line);
 
 /* Mode, reason, torque, speed, bus, and how much of the core is used, in one line. */
 void report_status(const report_status_t *status, text_t *line);
 
-/* One line for each sender this wheel listens to, with everything that went wrong since the start.
- */
+/* One line for each sender that this wheel receives, with its error counts since the start. */
 bool report_can(const report_status_t *status, uint32_t number, text_t *line);
 
 /* Name, checksum and versions; then the fields whose names begin with `prefix`. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * selftest.h: what the controller checks about its own hardware before it lets anything move.
+ * selftest.h: power-up checks of RAM and flash. Background context, before interrupts are enabled.
  */
 #ifndef APP_SELFTEST_H
 #define APP_SELFTEST_H

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * supervisor.h: may the watchdog be fed?
+ * supervisor.h: decides whether the watchdog is fed. Background context.
  *
- * Only if everything that keeps the vehicle safe has been at work since the last time: the slow
- * reach has stepped, the fast loop has stepped as often as the PWM frequency says (a quarter
- * either way; the two run from different timers), and the monitor has given a new verdict. That the
- * question is asked at all shows that the background runs. A verdict that is fresh and bad still
- * feeds: the bridge is then in its safe state, and a restart would forget why.
+ * It is fed if since the last time the slow loop has stepped, the fast loop has stepped at the PWM
+ * frequency within a quarter (the two run from different timers), and the monitor has stepped. A
+ * latched fault does not stop the feeding: the bridge is then in its safe state, and a restart
+ * would lose the reason.
  */
 #ifndef APP_SUPERVISOR_H
 #define APP_SUPERVISOR_H
@@ -20,7 +19,7 @@ enum {
         25 /* of the watchdog: three windows even if its oscillator is 47 % too fast */
 };
 
-/* Counters as they stand now; they wrap. */
+/* Present counts; they wrap. */
 typedef struct {
     uint16_t fast_steps;
     uint16_t slow_steps;
@@ -35,8 +34,8 @@ typedef struct {
 
 void supervisor_init(supervisor_t *supervisor, uint32_t fast_rate_Hz, uint32_t slow_rate_Hz);
 
-/* Background, as often as it likes. True: feed now. Stays false for good once something has stopped
- * or run away. */
+/* Background context, any rate. True: feed now. Stays false once a count has stopped or is too
+ * fast. */
 bool supervisor_may_feed(supervisor_t *supervisor, supervisor_counts_t now);
 
 #endif

@@ -6,10 +6,10 @@
  * What is read is what objcopy and every programmer write: records ":", length, address, type, data
  * and a checksum that makes the sum of all bytes zero, in hexadecimal digits. Data records must
  * follow each other without a gap, wherever the first one begins; an extended address may lie
- * between them, a start address means nothing here. Characters between records, line ends above
- * all, are skipped. The first thing that is wrong is kept, with the number of its record, and
- * nothing is taken after it; the end-of-file record ends the text in any case, so that the rest of
- * a damaged one is swallowed instead of being taken for something else. Pure; any context. Format:
+ * between them, a start address is ignored. Characters between records, such as line ends, are
+ * skipped. The first error is kept with the number of its record, and data after it are ignored;
+ * the text always ends with the end-of-file record, so that the rest of a damaged one does not
+ * reach the shell. Pure; any context. Format:
  * Intel, Hexadecimal Object File Format Specification, revision A.
  */
 #ifndef COMMS_INTEL_HEX_H
@@ -54,7 +54,7 @@ void intel_hex_init(intel_hex_t *hex, uint8_t *to, uint32_t capacity_bytes);
 /* True when the text has ended: the image is whole if hex->problem is INTEL_HEX_GOOD. */
 bool intel_hex_receive(intel_hex_t *hex, uint8_t character);
 
-/* What is wrong, for people; never NULL. */
+/* The error as text; never NULL. */
 const char *intel_hex_text(intel_hex_problem_t problem);
 
 #endif

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * line_edit.h: from the keys of a terminal to lines of words.
+ * line_edit.h: edits a line from the keys of a terminal. Background context.
  *
- * Printable characters are echoed; backspace and delete take one back; ^U takes all back; ^C gives
- * up; the arrow up brings the last line back; CR, LF or CR LF end a line. Other keys do nothing; a
- * line that is full rings the bell. What the terminal has to show comes back as text, so nothing
- * here knows how it gets there.
+ * Printable characters are echoed; backspace and delete remove one; ^U clears the line; ^C cancels;
+ * the arrow up recalls the last line; CR, LF or CR LF end a line. Other keys are ignored; a full
+ * line rings the bell. The output for the terminal is returned as text.
  */
 #ifndef COMMS_LINE_EDIT_H
 #define COMMS_LINE_EDIT_H
@@ -34,8 +33,7 @@ typedef struct {
 
 void line_edit_init(line_edit_t *edit);
 
-/* One byte that was typed. Adds to `echo` what the terminal has to show; a text of its usual size
- * always suffices. */
+/* One typed byte. Adds the output for the terminal to `echo`; TEXT_CAPACITY suffices. */
 line_edit_event_t line_edit_receive(line_edit_t *edit, uint8_t byte, text_t *echo);
 
 #endif

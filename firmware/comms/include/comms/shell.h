@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * shell.h: a line of typing in, lines of answer out; for people on a serial line.
+ * shell.h: command lines in, lines of answer out, on a serial terminal. Background context.
  *
- * The owner passes received bytes to shell_receive(), answers what shell_next_request(), and
- * carries the bytes of shell_pending() away with shell_sent(), as fast or as slowly as its line is.
- * Pure: no clock, no hardware, nothing allocated, no pointers to functions (the depth of the stack
- * stays countable). What can be typed is the owner's list of commands and two of the shell's own:
- * help, made from that list, and reasons, made from core/reason.h. A command is answered line by
- * line, and the next line is asked for only when there is room, so an answer may be far longer than
- * the buffer and nothing of it is lost. What is typed meanwhile waits; ^C ends the answer. The keys
- * are line_edit.h's.
+ * The owner passes received bytes to shell_receive(), answers shell_next_request(), sends the bytes
+ * of shell_pending() and reports them with shell_sent(), at any rate. Pure: no clock, no hardware,
+ * no allocation, no pointers to functions (the depth of the stack stays countable). The commands
+ * are the owner's list and two of the shell's own: help, made from that list, and reasons, made
+ * from core/reason.h. An answer is made line by line, and the next line is requested only when the
+ * buffer has space for it, so an answer may be longer than the buffer. Keys typed meanwhile are
+ * kept; ^C ends the answer. Editing: line_edit.h.
  *
- * The shell by itself only shows: it has no way to move the wheel or to change a limit.
+ * The shell is read-only: it can neither move the wheel nor change a limit.
  */
 #ifndef COMMS_SHELL_H
 #define COMMS_SHELL_H
@@ -32,7 +31,7 @@ typedef struct {
 
 typedef struct {
     uint32_t command;     /* index into the owner's list */
-    const char *argument; /* what followed the command; "" if nothing */
+    const char *argument; /* the text after the command; "" if there is none */
     uint32_t number;      /* of the line, from 0 */
 } shell_request_t;
 
@@ -50,7 +49,7 @@ typedef struct {
     uint32_t next_line;
 
     char waiting[SHELL_PENDING_BYTES];
-    uint32_t pending_bytes; /* in the buffer; the first `sent_bytes` of them are gone */
+    uint32_t pending_bytes; /* in the buffer; the first `sent_bytes` of them are sent */
     uint32_t sent_bytes;
     uint32_t dropped_lines;
 } shell_t;
@@ -60,24 +59,25 @@ void shell_init(shell_t *shell, const shell_command_t *commands, uint32_t comman
 /* One byte that was typed. */
 void shell_receive(shell_t *shell, uint8_t byte);
 
-/* A line nobody asked for; its end of line is added. Dropped whole and counted if there is no room.
- */
+/* A line that is not an answer; its end of line is added. Dropped whole, and counted, if the buffer
+ * is full. */
 void shell_print(shell_t *shell, const text_t *line);
 
-/* True if one of the owner's commands has been typed and there is room for the next line of its
- * answer. To be answered with shell_answer(), or with shell_answered() when there is no such line.
+/* True if one of the owner's commands has been typed and the buffer has space for the next line of
+ * its answer. To be answered with shell_answer(), or with shell_answered() when there is no such
+ * line.
  */
 bool shell_next_request(shell_t *shell, shell_request_t *question);
 void shell_answer(shell_t *shell, const text_t *line);
 void shell_answered(shell_t *shell);
 
-/* What is to be sent now: its address, and how many bytes. */
+/* The bytes to be sent: their address and number. */
 uint32_t shell_pending(const shell_t *shell, const char **bytes);
 
 /* That many of them have been sent. */
 void shell_sent(shell_t *shell, uint32_t count);
 
-/* Is everything sent, answered and understood? */
+/* True if all input is processed and all output sent. */
 bool shell_idle(const shell_t *shell);
 
 #endif

@@ -32,8 +32,8 @@ typedef struct {
     int32_t highest;   /* RANGE: largest accepted value */
 } config_result_t;
 
-/* size_bytes: how many bytes lie behind `config`; fewer than sizeof(config_t) is refused without
- * being read. */
+/* size_bytes: number of readable bytes from `config` on; fewer than sizeof(config_t) is refused
+ * without being read. */
 config_result_t config_validate(const config_t *config, uint32_t size_bytes);
 
 /* CRC-32 (IEEE 802.3) of size bytes; crc32("123456789") = 0xCBF43926. Bitwise: small, for boot time

@@ -3,8 +3,8 @@
  * check.h: assertions for what can only be a programming error or a broken memory cell.
  *
  * They stay on in release. Each has its module and a stable number; all end in one handler,
- * supplied by app/ (or by a test), whose job is the safe state. Anything a sensor, a message or a
- * user can cause is never asserted: it is a reason (reason.h).
+ * supplied by app/ (or by a test), which switches the bridge off. Errors that a sensor, a message
+ * or a user can cause are not asserted: they have a reason (reason.h).
  */
 #ifndef CORE_CHECK_H
 #define CORE_CHECK_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * circle.h: how much of one component a circle leaves when the other is given, without a square
- * root.
+ * circle.h: the largest second component of a vector inside a circle when the first is given,
+ * sqrt(r^2 - x^2), without a square root. Fast loop.
  */
 #ifndef CORE_CIRCLE_H
 #define CORE_CIRCLE_H
@@ -34,8 +34,7 @@ Q_TARGET_INLINE int32_t circle_other_q15(int32_t x)
 /* A circle of any radius up to 1: the radius and its reciprocal. */
 typedef struct {
     int32_t radius_q15;
-    int32_t inverse_q14; /* 2^29 / radius_q15, rounded up: what is left is then too little, not too
-                            much */
+    int32_t inverse_q14; /* 2^29 / radius_q15, rounded up, so that the result is rounded down */
 } circle_t;
 
 /* radius_q15 >= 164 (half a per cent, the least of config.h), smaller values count as that.

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * frames.h: the three frames a three-phase quantity is looked at in, as three types that do not
- * convert by accident.
+ * frames.h: phase, stator and rotor frame as three types that do not convert implicitly.
  *
  * Amplitude-invariant everywhere: a balanced set of peak value X has |alpha-beta| = |dq| = X.
  * Components are per-unit Q15, 1.0 = 32768. They are the 32-bit intermediates of the fast loop, so

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * grid.h: reading a table on a uniform grid whose step is a power of two, so that the index is a
- * shift.
+ * grid.h: linear interpolation in a table on a uniform grid whose step is a power of two, so that
+ * the index is a shift. Slow loop.
  *
  * Values are int32_t of either sign; the interpolated value never leaves the range of the
  * neighbouring points.

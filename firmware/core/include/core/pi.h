@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * pi.h: proportional-integral regulator that is told what was really realised.
+ * pi.h: proportional-integral controller whose anti-windup is fed with the applied output. Fast
+ * loop, two calls a PWM period and axis.
  *
- * Two calls a step, so that anti-windup cannot be forgotten:
+ * Two calls a step, so that anti-windup cannot be left out:
  *
- *     u = pi_output_q25(&pi, &gains, error, forward)       before the limiter, with feed-forward
- *     pi_update(&pi, &gains, error, u, u_realised)         what was applied
+ *     u = pi_output_q25(&pi, &gains, error, forward)       unsaturated output, with feed-forward
+ *     pi_update(&pi, &gains, error, u, u_realised)         update with the applied output
  *
  * When u was limited, the integrator advances with the error that would just have produced the
  * realised output (self-conditioning, Hanus 1987), e_realised = e + (u_realised - u) / k_p, so

@@ -3,8 +3,8 @@
  * q15.h: saturating fixed point.
  *
  * Q15 is an int16_t that stands for value/32768, so it spans [-1, 1 - 2^-15]. Products and sums
- * live in int32_t. Nothing here overflows, wraps or divides; whatever leaves the range is clamped
- * to its nearest end. All functions are straight-line code without data-dependent branches after
+ * are int32_t. No function overflows, wraps or divides, except where noted; results outside the
+ * range saturate. All functions are straight-line code without data-dependent branches after
  * compilation (clamps become saturating or conditional instructions), cost 1 to 4 instructions
  * each, and are safe in any context.
  */
@@ -31,7 +31,7 @@ static inline int32_t q_clamp(int32_t x, int32_t lowest, int32_t highest)
     return x > highest ? highest : x;
 }
 
-/* x clamped to -most .. most, most >= 0. Being inside is the common case and is asked for first. */
+/* x clamped to -most .. most, most >= 0. The common case, inside, is tested first. */
 Q_TARGET_INLINE int32_t q_limit(int32_t x, int32_t most)
 {
     if ((uint32_t)x + (uint32_t)most <= 2U * (uint32_t)most) {
@@ -56,10 +56,9 @@ static inline int32_t q_abs(int32_t x)
     return x >= 0 ? x : (x == INT32_MIN ? INT32_MAX : -x);
 }
 
-/* x clamped to what a signed number of `bits` bits can hold, 1 <= bits <= 31. Asks once whether x
- * survives being cut to that many bits (for 16 a single instruction everywhere), which is the
- * common case, and only then which end it is: the largest number with the bits of x's sign flipped.
- */
+/* x clamped to what a signed number of `bits` bits can hold, 1 <= bits <= 31. The common case, that
+ * x is unchanged when cut to that many bits, is tested first (for 16 bits a single instruction);
+ * else the result is the largest number, with its bits inverted for negative x. */
 Q_TARGET_INLINE int32_t q_saturate_bits(int32_t x, unsigned bits)
 {
     const int32_t cut =

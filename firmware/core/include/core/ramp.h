@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * ramp.h: a value that follows its target no faster than a given rate.
+ * ramp.h: rate limiter.
  */
 #ifndef CORE_RAMP_H
 #define CORE_RAMP_H
@@ -9,8 +9,8 @@
 
 #include "core/q15.h"
 
-/* The value one step later: at most `step` (>= 0) nearer to the target, never past it. Differences
- * saturate, so any pair of int32_t values is allowed. */
+/* The value one step later: moved towards the target by at most `step` (>= 0), never past it.
+ * Differences saturate, so any pair of int32_t values is allowed. */
 static inline int32_t ramp_step(int32_t value, int32_t target, int32_t step)
 {
     const int64_t distance = (int64_t)target - value;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * reason.h: why a quantity is smaller than what was asked for, or why the bridge is off.
+ * reason.h: codes of limits and faults.
  *
- * Every limit that bites names itself with one of these codes. The code travels unchanged from the
- * clamp to CAN, the log and the report, so the numbers are part of the protocol: append, never
- * renumber, never reuse. Codes below 64 are limits of a healthy controller, codes from 64 are
- * faults.
+ * The code of the limit that determines a torque, or of the fault that switched the bridge off, is
+ * shown unchanged on CAN, in the shell, the log and the report, so the numbers are part of the
+ * protocol: append, never renumber, never reuse. Codes below 64 are limits of a healthy controller,
+ * codes from 64 are faults.
  */
 #ifndef CORE_REASON_H
 #define CORE_REASON_H

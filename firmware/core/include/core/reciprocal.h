@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * reciprocal.h: 1/n by table, where a division is too dear.
+ * reciprocal.h: 1/n by table, for the fast loop, which must not divide.
  *
  * n is normalised to [2^15, 2^16) by four conditional shifts, then read from 65 points with linear
  * interpolation. Relative error below 8e-5 for every n: the chord lies up to 6.1e-5 (2^-14) above

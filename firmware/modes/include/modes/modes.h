@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * modes.h: the state machine of one controller. It never computes torque; it opens and closes the
- * valve.
+ * modes.h: the state machine of one controller, 1 kHz. Its output is the torque enable; it computes
+ * no torque.
  *
  *     BOOT -> SELFTEST -> OFFSET_CAL -> READY <-> RUN <-> LIMP
  *       any of them but BOOT -> FAULT (latched) -> SELFTEST after an acknowledgement
  *
  * BOOT is left only with an accepted configuration, READY only with a known rotor angle, FAULT only
- * on a rising edge of `fault_reset` while no torque is demanded, the monitor is content and the
- * wheel is below the hand-over speed. A fault never clears itself.
+ * on a rising edge of `fault_reset` while no torque is demanded, the monitor reports no fault and
+ * the wheel is below the hand-over speed. A fault never clears itself.
  */
 #ifndef MODES_MODES_H
 #define MODES_MODES_H
@@ -23,10 +23,10 @@ typedef enum {
     MODE_BOOT = 0,
     MODE_SELFTEST = 1,
     MODE_OFFSET_CAL = 2,
-    MODE_READY = 3, /* bridge at rest, waiting to be enabled with the drive pedal released and the
-                       angle known */
+    MODE_READY = 3, /* bridge in its safe state; RUN needs enable, a released drive pedal and a
+                       known angle */
     MODE_RUN = 4,
-    MODE_LIMP = 5, /* reduced driving torque after a warning; braking stays whole */
+    MODE_LIMP = 5, /* reduced driving torque after a warning; braking is not reduced */
     MODE_FAULT = 6
 } modes_mode_t;
 
@@ -35,7 +35,7 @@ enum {
     MODES_CALIBRATION_TIMEOUT_STEPS = 500, /* 0.5 s; the average itself takes about 50 ms */
     MODES_CALIBRATION_SETTLE_STEPS = 5,
     MODES_ACKNOWLEDGE_STEPS =
-        50, /* how long an acknowledgement waits for the monitor to be content */
+        50, /* how long an acknowledgement waits for the monitor to report no fault */
     MODES_LIMP_DRIVE_Q15 = 9830 /* 30 % of the driving torque */
 };
 
@@ -43,18 +43,17 @@ typedef struct {
     bool config_accepted;
     bool selftest_passed;
     bool offsets_done;      /* the fast loop has finished averaging */
-    bool offsets_plausible; /* verdict of the monitor on the result */
+    bool offsets_plausible; /* the monitor's check of the offsets */
     bool rotor_valid;       /* the rotor's angle may be used for torque */
     bool rolling;           /* faster than the hand-over speed */
     bool enable;
     bool torque_demanded; /* driving or braking */
     bool drive_demanded;  /* the drive pedal alone: must be released once before RUN */
     bool fault_reset;
-    bool warning; /* monitor: something is wrong that does not forbid braking */
+    bool warning; /* monitor: an error that does not forbid braking */
     reason_t warning_reason;
     reason_t fault;            /* monitor: REASON_NONE or a fault code */
-    bridge_mode_t safe_bridge; /* what the monitor's safe-state chooser wants the bridge to do where
-                                  it may not switch */
+    bridge_mode_t safe_bridge; /* the monitor's safe state, for modes without PWM */
 } modes_input_t;
 
 typedef struct {
@@ -70,8 +69,8 @@ typedef struct {
     reason_t fault; /* latched, REASON_NONE when healthy */
     torque_enable_t torque_enable;
     bool calibrate_offsets;
-    bool clear_trip; /* an acknowledgement is pending: the fast loop forgets its latched trip and
-                        looks again */
+    bool clear_trip; /* an acknowledgement is pending: the fast loop clears its latched trip and
+                        checks again */
 } modes_output_t;
 
 void modes_init(modes_state_t *state);

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * monitor.h: the independent watcher. It looks at what the others do with its own eyes and its own
- * arithmetic, names what is wrong, and says what the bridge should do then. It never computes
- * torque.
+ * monitor.h: independent monitoring. It checks measurements and steps with its own arithmetic and
+ * bounds, names a fault or warning, and selects the bridge's safe state. It never computes torque.
  *
  * Fast part (every PWM period): length of the current vector, bus over-voltage, the power stage's
  * own fault line. A trip is latched, and the bridge goes to the safe state in the same period,
- * whatever the slow loop says. Slow part (1 kHz): sum of currents, saturated sensors, bus voltage,
- * temperatures, rotor, its angle against the back-EMF (monitor_emf.h), torque against what was
- * permitted, program flow (each loop counts the other's steps), and how fast the wheel may be
- * turning (monitor_speed.h), which decides what is safe.
+ * independently of the slow loop. Slow part (1 kHz): sum of currents, saturated sensors, bus
+ * voltage, temperatures, rotor, its angle against the back-EMF (monitor_emf.h), torque against the
+ * command, program flow (each loop counts the other's steps), and the upper bound of the wheel
+ * speed (monitor_speed.h), which decides between freewheel and active short circuit.
  */
 #ifndef MONITOR_MONITOR_H
 #define MONITOR_MONITOR_H
@@ -25,39 +24,38 @@
 #include "monitor/monitor_speed.h"
 
 enum {
-    MONITOR_CONFIRM_STEPS = 20, /* ms a slow condition must hold before it counts */
+    MONITOR_CONFIRM_STEPS = 20, /* qualify time of a slow condition, ms */
     MONITOR_ROTOR_STEPS =
-        250, /* ms that an angle which is not valid may heal, once the torque has left */
-    MONITOR_TRIP_PERIODS = 2, /* PWM periods an over-current must hold: one sample may be a spike */
-    MONITOR_DOUBT_STEPS = 10000, /* ms a doubt about the rotor sensor keeps the warning up */
-    MONITOR_STALE_STEPS = 4,     /* slow steps that may be missing before the fast loop acts */
-    MONITOR_OVERTEMPERATURE_cC = 1000, /* above the temperature at which no torque is left */
-    MONITOR_HOTTEST_cC = 29000, /* what lies beyond these two no winding and no switch can be: the
-                                   sensor's line is open */
-    MONITOR_COLDEST_cC = -6000, /* or shorted (hal/analog.h reports 29999 for either), or a number
-                                   has been invented */
+        250, /* ms for an invalid angle to become valid again, once the torque is zero */
+    MONITOR_TRIP_PERIODS =
+        2, /* qualify time of an over-current, PWM periods: rejects one disturbed sample */
+    MONITOR_DOUBT_STEPS = 10000,       /* heal time of the rotor sensor's warning, ms */
+    MONITOR_STALE_STEPS = 4,           /* ms without a slow step until the fast loop trips */
+    MONITOR_OVERTEMPERATURE_cC = 1000, /* above the end of the derating */
+    MONITOR_HOTTEST_cC = 29000, /* outside these two a temperature is implausible: the sensor's line
+                                   is open */
+    MONITOR_COLDEST_cC = -6000, /* or shorted (hal/analog.h reports 29999 for either) */
     MONITOR_TEMPERATURE_OFF_cC =
-        30000 /* a limit of the configuration that is none: there may be no sensor */
+        30000 /* this limit in the configuration is off: there may be no sensor */
 };
 
 /* ---- fast ---- */
 
 typedef struct {
-    /* Worked out once from the configuration. */
+    /* Computed once from the configuration. */
     uint32_t overcurrent_square; /* Q30 of the current base */
     int32_t overvoltage_pu;      /* Q15 of the voltage base */
     int32_t stale_limit_periods; /* PWM periods without a slow step */
     /* State. */
     reason_t trip;
     int32_t overcurrent_periods;
-    int32_t patience_periods; /* until the slow loop must have stepped */
+    int32_t patience_periods; /* left until PROGRAM_FLOW without a slow step */
     uint16_t last_slow_step;
 } monitor_fast_state_t;
 
 typedef struct {
-    bridge_mode_t
-        safe_bridge; /* the choice of monitor_safe_bridge() for the present speed and voltage */
-    bool clear_trip; /* the fault has been acknowledged */
+    bridge_mode_t safe_bridge; /* monitor_safe_bridge() for the present speed bound and voltage */
+    bool clear_trip;           /* the fault has been acknowledged */
 } monitor_command_t;
 
 typedef struct {
@@ -83,8 +81,8 @@ typedef struct {
         temperature_steps;
     uint16_t last_fast_step;
     uint16_t last_rotor_faults;
-    uint16_t doubt_steps; /* left of the warning */
-    uint16_t verdicts;    /* counts the steps, wrapping: the watchdog is fed only while it moves */
+    uint16_t doubt_steps; /* left of the warning's heal time */
+    uint16_t verdicts;    /* step count, wrapping: the watchdog is fed only while it advances */
     bridge_mode_t safe_bridge;
     monitor_emf_state_t emf;
     monitor_speed_state_t speed;
@@ -94,7 +92,8 @@ typedef struct {
 typedef struct {
     reason_t fast_trip;
     int32_t current_sum_pu; /* Q15 */
-    bool offsets_known;     /* the sensors' zeros are calibrated; before, their sum says nothing */
+    bool
+        offsets_known; /* the offsets are calibrated; the sum of currents is checked from then on */
     bool current_saturated;
     bool rotor_valid;
     uint16_t rotor_faults;
@@ -109,20 +108,19 @@ typedef struct {
     int32_t torque_command_mNm;  /* of the last step, signed */
     int32_t torque_estimate_mNm; /* signed */
     int32_t offset_q4[3];        /* zero-current codes * 16 */
-    uint16_t
-        current_quarters;  /* quarter turns of the current's vector while not switching, wrapping */
-    uint16_t quarter_step; /* fast_step_count at the latest of them */
-    bridge_mode_t bridge;  /* what it did since the last step */
-    bool switching;        /* it was permitted to */
+    uint16_t current_quarters;   /* quadrant transitions of the current vector while not switching,
+                                    wrapping */
+    uint16_t quarter_step;       /* fast_step_count at the latest of them */
+    bridge_mode_t bridge;        /* actual mode since the last step */
+    bool switching;              /* the enable permitted PWM */
 } monitor_slow_input_t;
 
 typedef struct {
-    reason_t fault;   /* REASON_NONE, or what must close the valve */
-    reason_t warning; /* REASON_NONE, or what calls for reduced driving torque */
+    reason_t fault;   /* REASON_NONE, or the reason to remove the torque enable */
+    reason_t warning; /* REASON_NONE, or the reason for reduced driving torque (LIMP) */
     bridge_mode_t safe_bridge;
     bool offsets_plausible;
-    bool standstill; /* no sign of a wheel that turns, and none unexplained of one that did
-                      (monitor_speed.h) */
+    bool standstill; /* the speed upper bound is below a turn in 20 s (monitor_speed.h) */
 } monitor_output_t;
 
 void monitor_slow_init(monitor_slow_state_t *state);
@@ -131,10 +129,10 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                                    const monitor_slow_input_t *in);
 
 /*
- * What the bridge should do when it may not switch. Off is harmless while the rectified back-EMF
- * stays below the bus, sqrt(3) psi w_e < v_dc; above, the diodes would charge the bus uncontrolled,
- * and the low-side short keeps the energy in the motor. `now` gives the hysteresis: a short is left
- * only 10 % below the limit. speed_mrad_s: what no wheel turns faster than, monitor_speed_step().
+ * Safe state of the bridge: freewheel while the rectified back-EMF is below the bus voltage,
+ * sqrt(3) psi w_e < v_dc, else active short circuit, because the diodes would charge the bus
+ * without control. `now` gives the hysteresis: the short circuit is left only 10 % below the limit.
+ * speed_mrad_s: the speed upper bound, monitor_speed_step().
  */
 bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s,
                                   int32_t bus_voltage_mV, bridge_mode_t now);
