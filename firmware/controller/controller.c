@@ -68,15 +68,18 @@ fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *conf
                                    const fast_setpoint_t *from_slow, const fast_input_t *in,
                                    fast_report_t *to_slow)
 {
-    const bool permitted = from_slow->torque_enable.bridge == BRIDGE_PWM;
-    const bool tripped = fast->monitor.trip != REASON_NONE;
-    foc_step(&fast->foc, config, &from_slow->foc, permitted && !tripped, in, &to_slow->foc);
+    const bool switching = from_slow->torque_enable.bridge == BRIDGE_PWM;
+    if (switching && fast->monitor.trip == REASON_NONE) {
+        foc_step(&fast->foc, &from_slow->foc, in, &to_slow->foc, config);
+    } else {
+        foc_idle_step(&fast->foc, &from_slow->foc, in, &to_slow->foc, config);
+    }
 
     const monitor_fast_input_t watched = {
         .i_pu = to_slow->foc.current.i_pu,
         .v_dc_pu = to_slow->foc.v_dc_pu,
         .power_stage_fault = in->power_stage_fault,
-        .switching = permitted,
+        .switching = switching,
         .slow_step_count = from_slow->slow_step_count,
     };
     const reason_t trip = monitor_fast_step(&fast->monitor, &from_slow->monitor, &watched);
@@ -126,12 +129,12 @@ static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow,
         .speed_mrad_s = speed_mrad_s,
         .winding_temperature_cC = in->winding_temperature_cC,
         .switch_temperature_cC = in->switch_temperature_cC,
-        .i_d_mA = bases_current_mA(config, from_fast->foc.current.i_pu.d),
-        .i_q_mA = bases_current_mA(config, from_fast->foc.current.i_pu.q),
-        .u_d_mV =
-            phase_mV(from_fast->foc.current.voltage.applied.d, slow->modulation_limit_q15, bus_mV),
-        .u_q_mV =
-            phase_mV(from_fast->foc.current.voltage.applied.q, slow->modulation_limit_q15, bus_mV),
+        .i_d_mA = bases_current_mA(config, dq_of(from_fast->foc.current.i_pu).d),
+        .i_q_mA = bases_current_mA(config, dq_of(from_fast->foc.current.i_pu).q),
+        .u_d_mV = phase_mV(dq_of(from_fast->foc.current.voltage.applied).d,
+                           slow->modulation_limit_q15, bus_mV),
+        .u_q_mV = phase_mV(dq_of(from_fast->foc.current.voltage.applied).q,
+                           slow->modulation_limit_q15, bus_mV),
         .voltage_limited = slow->summary.latest.voltage_limited,
         .torque_command_mNm = slow->last_command_mNm,
         .torque_estimate_mNm = slow->last_estimate_mNm,

@@ -28,27 +28,64 @@ static inline void current_controller_reset(current_controller_t *state)
     state->q.integrator_q30 = 0;
 }
 
-/* One period. reference: inside the unit circle; i: |i| <= 1.53. */
-Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict state,
-                                             const current_tuning_t *restrict tuning,
-                                             dq_t reference, dq_t i, voltage_out_t *restrict out)
+/*
+ * The tuning with delay compensation: the decoupling uses (1 - m) i + m target instead of the
+ * sampled current i (current_predictor_target()); weight_q15: m. The sampled current keeps the
+ * weight 1 - m, so that a current that does not reach its target adds no other error.
+ */
+static inline current_gains_t current_gains_of(const current_tuning_t *tuning, int32_t weight_q15,
+                                               dq_t target)
 {
-    const int32_t error_d = q_saturate16(reference.d - i.d);
-    const int32_t forward_d_q25 = tuning->forward_d_q25 - tuning->w_l_q_q10 * i.q;
-    const int32_t u_d = pi_output_q25(&state->d, &tuning->d, error_d, forward_d_q25) >> 10;
+    const int32_t share_d_q10 = (tuning->w_l_d_q10 * weight_q15) >> 15;
+    const int32_t share_q_q10 = (tuning->w_l_q_q10 * weight_q15) >> 15;
+    const current_gains_t out = {
+        .d_gain_q10 = q_pair(tuning->d.proportional_q10, share_q_q10 - tuning->w_l_q_q10),
+        .q_gain_q10 = q_pair(tuning->w_l_d_q10 - share_d_q10, tuning->q.proportional_q10),
+        .integral_q15 = q_pair(tuning->d.integral_q15, tuning->q.integral_q15),
+        .anti_windup_q15 = q_pair(tuning->d.anti_windup_q15, tuning->q.anti_windup_q15),
+        .forward_d_q25 = tuning->forward_d_q25 - share_q_q10 * target.q,
+        .forward_q_q25 = tuning->forward_q_q25 + share_d_q10 * target.d,
+    };
+    return out;
+}
+
+/* One period. reference: inside the unit circle. The integrators follow core/pi.h: k_i error, and
+ * anti-windup by the voltage that the circle took. */
+Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict state,
+                                             const current_gains_t *restrict gains,
+                                             dq16_t reference, dq16_t i,
+                                             voltage_out_t *restrict out)
+{
+    const q_pair_t error = q_pair_subtract(reference.v, i.v);
+
+    const int32_t integral_d_q30 = state->d.integrator_q30;
+    const int32_t base_d_q25 = gains->forward_d_q25 + (integral_d_q30 >> 5);
+    const int32_t p_d_q25 = q_pair_mac_x(base_d_q25, gains->d_gain_q10, error);
+    const int32_t u_d = q_pair_mac_y(p_d_q25, gains->d_gain_q10, i.v) >> 10;
     const int32_t applied_d = q_saturate16(u_d);
     out->unsaturated_d = u_d;
-    pi_update(&state->d, &tuning->d, error_d, u_d, applied_d);
+    int32_t next_d_q30 = q_pair_mac_x(integral_d_q30, gains->integral_q15, error);
+    if (applied_d != u_d) {
+        next_d_q30 += q_pair_x(gains->anti_windup_q15) * q_saturate18(applied_d - u_d);
+    }
+    state->d.integrator_q30 = q_saturate31(next_d_q30);
 
-    const int32_t error_q = q_saturate16(reference.q - i.q);
-    const int32_t forward_q_q25 = tuning->w_l_d_q10 * i.d + tuning->forward_q_q25;
-    const int32_t u_q = pi_output_q25(&state->q, &tuning->q, error_q, forward_q_q25) >> 10;
-    const int32_t applied_q = q_limit(u_q, circle_other_q15(applied_d));
+    const int32_t integral_q_q30 = state->q.integrator_q30;
+    const int32_t base_q_q25 = gains->forward_q_q25 + (integral_q_q30 >> 5);
+    const int32_t p_q_q25 = q_pair_mac_y(base_q_q25, gains->q_gain_q10, error);
+    const int32_t u_q = q_pair_mac_x(p_q_q25, gains->q_gain_q10, i.v) >> 10;
+    const uint32_t limit_q = (uint32_t)circle_other_q15(applied_d);
+    int32_t applied_q = u_q;
     out->unsaturated_q = u_q;
-    pi_update(&state->q, &tuning->q, error_q, u_q, applied_q);
+    int32_t next_q_q30 = q_pair_mac_y(integral_q_q30, gains->integral_q15, error);
+    if ((uint32_t)u_q + limit_q > 2U * limit_q) {
+        const int32_t sign = u_q >> 31;
+        applied_q = ((int32_t)limit_q ^ sign) - sign;
+        next_q_q30 += q_pair_y(gains->anti_windup_q15) * q_saturate18(applied_q - u_q);
+    }
+    state->q.integrator_q30 = q_saturate31(next_q_q30);
 
-    out->applied.d = applied_d;
-    out->applied.q = applied_q;
+    out->applied.v = q_pair(applied_d, applied_q);
 }
 
 /*

@@ -20,46 +20,74 @@
 /* Divides. */
 void current_predictor_init(current_predictor_t *predictor, const config_t *config);
 
-/* The reference has changed. settled: mean current once it is reached, inside the unit circle. */
-void current_predictor_change(current_predictor_t *predictor, const reference_change_t *change,
-                              dq_t settled);
-
-/* Target of the delay compensation: (1 - m) i + m target is the predicted current, given the
- * sampled current i. */
-dq_t current_predictor_target(const current_predictor_t *predictor,
-                              const reference_change_t *change);
-
-/* Bridge off: zero current. */
-void current_predictor_reset(current_predictor_t *predictor);
-
-/* Once per period. Returns the predicted mean current of the period in which the voltage acts, Q15,
- * |.| <= 1.007. */
-Q_TARGET_INLINE dq_t current_predictor_step(current_predictor_t *predictor)
+static inline int32_t current_predictor_share(int32_t share_q15, int32_t change)
 {
-    const dq_t remaining = predictor->remaining_pu;
-    const int32_t lag = predictor->lag_q15;
-    const dq_t next = {.d = remaining.d - ((remaining.d * lag) >> 15),
-                       .q = remaining.q - ((remaining.q * lag) >> 15)};
-    predictor->remaining_pu = next;
-    const dq_t out = {.d = predictor->settled_pu.d - remaining.d,
-                      .q = predictor->settled_pu.q - remaining.q};
-    return out;
+    return (share_q15 * change) >> 15;
 }
 
-/*
- * Delay compensation: the decoupling uses (1 - m) i + m target instead of the sampled current i.
- * tuning: from current_tuning(); target: from current_predictor_target(). The sampled current keeps
- * the weight 1 - m, so that a current that does not reach its target adds no other error.
- */
-static inline void current_predictor_compensate(current_tuning_t *tuning, int32_t weight_q15,
-                                                dq_t target)
+/* A settled current moved from `last` to `settled` with a change of the reference by `total`: the
+ * remaining change grows by `total`. It stays within 16 bits. */
+static inline int32_t current_predictor_moved(int32_t predicted, int32_t last, int32_t settled,
+                                              int32_t total)
 {
-    const int32_t share_d_q10 = (tuning->w_l_d_q10 * weight_q15) >> 15;
-    const int32_t share_q_q10 = (tuning->w_l_q_q10 * weight_q15) >> 15;
-    tuning->w_l_d_q10 -= share_d_q10;
-    tuning->w_l_q_q10 -= share_q_q10;
-    tuning->forward_d_q25 -= share_q_q10 * target.q;
-    tuning->forward_q_q25 += share_d_q10 * target.d;
+    return settled - q_saturate16(last - predicted + total);
+}
+
+/* The reference has changed. settled: mean current once it is reached, inside the unit circle
+ * (1.007). Shares of the first two periods after a change: README, Current predictor. */
+static inline void current_predictor_change(current_predictor_t *predictor,
+                                            const reference_change_t *change, dq_t settled,
+                                            bool in_first_periods)
+{
+    const dq_t last = dq_of(predictor->settled_pu);
+    const dq_t predicted = dq_of(predictor->predicted_pu);
+    dq_t total = change->total;
+    if (in_first_periods) {
+        total.d += current_predictor_share(predictor->second_q15, change->before.d) -
+                   current_predictor_share(predictor->first_q15, change->now.d);
+        total.q += current_predictor_share(predictor->second_q15, change->before.q) -
+                   current_predictor_share(predictor->first_q15, change->now.q);
+    }
+    const dq_t next = {.d = current_predictor_moved(predicted.d, last.d, settled.d, total.d),
+                       .q = current_predictor_moved(predicted.q, last.q, settled.q, total.q)};
+    predictor->settled_pu = dq16_of(settled);
+    predictor->predicted_pu = dq16_of(next);
+}
+
+/* Target of the delay compensation in the first two periods after a change, later the reference:
+ * (1 - m) i + m target is the predicted current, given the sampled current i. */
+static inline dq_t current_predictor_target(const current_predictor_t *predictor,
+                                            const reference_change_t *change)
+{
+    const int32_t first_q15 = predictor->target_first_q15;
+    const int32_t second_q15 = predictor->target_second_q15;
+    const dq_t target = {
+        .d = change->reference.d - current_predictor_share(second_q15, change->before.d) -
+             current_predictor_share(first_q15, change->now.d),
+        .q = change->reference.q - current_predictor_share(second_q15, change->before.q) -
+             current_predictor_share(first_q15, change->now.q),
+    };
+    return target;
+}
+
+/* Bridge off: zero current. */
+static inline void current_predictor_reset(current_predictor_t *predictor)
+{
+    const dq16_t zero = {.v = q_pair(0, 0)};
+    predictor->settled_pu = zero;
+    predictor->predicted_pu = zero;
+}
+
+/* Once per period. Returns the predicted mean current of the period in which the voltage acts, Q15,
+ * |.| <= 1.007, saturated to 16 bits. */
+Q_TARGET_INLINE dq16_t current_predictor_step(current_predictor_t *predictor)
+{
+    const dq16_t predicted = predictor->predicted_pu;
+    const q_pair_t remaining = q_pair_difference(predictor->settled_pu.v, predicted.v);
+    const int32_t step_d_q31 = predictor->lag_q16 * q_pair_x(remaining);
+    const int32_t step_q_q31 = predictor->lag_q16 * q_pair_y(remaining);
+    predictor->predicted_pu.v = q_pair_add(predicted.v, Q_PAIR_SHIFTED(step_d_q31, 16, step_q_q31));
+    return predicted;
 }
 
 #endif

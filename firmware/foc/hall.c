@@ -46,8 +46,8 @@ static void enter_sector(hall_t *hall, const config_t *config, uint8_t sector)
     hall->sector = sector;
     hall->half_width_turn = (int16_t)half;
     hall->middle_turn = (uint16_t)(sector_start(config, sector) + half);
-    hall->begin_turn = sector_start(config, sector);
-    hall->span_turn = (uint16_t)(2U * half);
+    hall->begin_q32 = (uint32_t)sector_start(config, sector) << 16;
+    hall->span_q32 = (uint32_t)half << 17 | UINT16_MAX;
     hall->periods_since_edge = 0;
 }
 
@@ -303,7 +303,7 @@ static bool impossible_stop(const hall_t *hall)
 {
     const int32_t predicted_turn = q_abs(hall->edge_speed_q32 / 65536) * hall->periods_since_edge;
     return hall->sectors_timed > 0 && hall->overdue_periods < hall->reversal_periods / 2 &&
-           predicted_turn > hall->span_turn * 3 / 2;
+           predicted_turn > (int32_t)(hall->span_q32 >> 16) * 3 / 2;
 }
 
 static void process_plausible(hall_t *hall, const config_t *config, uint8_t sector)

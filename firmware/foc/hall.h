@@ -45,21 +45,27 @@ void hall_init(hall_t *hall, const config_t *config);
 /* A period with an event: an edge, an impossible state, an overdue edge, the end of a sector. */
 void hall_process_event(hall_t *hall, const config_t *config, uint8_t sensors);
 
-/* sensors: bit 0 A, bit 1 B, bit 2 C. True if more than theta_q32 and periods_since_edge may have
- * changed: in nearly every period the rotor moves inside its sector and they alone do. */
-static inline bool hall_step(hall_t *hall, const config_t *config, uint8_t sensors)
+/* One period without an event: the rotor moves inside its sector, as in nearly every period. False
+ * if there is an event; then nothing has changed. sensors: bit 0 A, bit 1 B, bit 2 C. */
+static inline bool hall_extrapolate(hall_t *hall, uint8_t sensors)
 {
-    if (sensors == hall->steady_sensors && hall->periods_since_edge < hall->overdue_periods) {
-        const uint32_t theta_q32 = hall->theta_q32 + (uint32_t)hall->speed_q32;
-        const uint16_t inside_turn = (uint16_t)((theta_q32 >> 16) - hall->begin_turn);
-        if (inside_turn <= hall->span_turn) {
-            hall->periods_since_edge++;
-            hall->theta_q32 = theta_q32;
-            return false;
-        }
+    const int32_t periods = hall->periods_since_edge;
+    const uint32_t theta_q32 = hall->theta_q32 + (uint32_t)hall->speed_q32;
+    if (sensors != hall->steady_sensors || periods >= hall->overdue_periods ||
+        theta_q32 - hall->begin_q32 > hall->span_q32) {
+        return false;
     }
-    hall_process_event(hall, config, sensors);
+    hall->periods_since_edge = periods + 1;
+    hall->theta_q32 = theta_q32;
     return true;
+}
+
+/* One period. */
+static inline void hall_step(hall_t *hall, const config_t *config, uint8_t sensors)
+{
+    if (!hall_extrapolate(hall, sensors)) {
+        hall_process_event(hall, config, sensors);
+    }
 }
 
 #endif

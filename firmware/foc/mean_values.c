@@ -24,7 +24,7 @@ static int32_t mean(uint32_t now, uint32_t before, int32_t steps)
 static abc_t phases(const foc_report_t *report)
 {
     const ab_t i = transforms_inverse_park(report->current.i_pu,
-                                           angle_sincos(report->current.rotor.theta_turn));
+                                           angle_rotation(report->current.rotor.theta_turn));
     const int32_t beta_part = (i.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
     const int32_t half_alpha = i.alpha >> 1;
     const abc_t out = {.a = i.alpha, .b = beta_part - half_alpha, .c = -beta_part - half_alpha};
@@ -39,15 +39,15 @@ mean_values_t mean_values_step(mean_values_state_t *state, const foc_report_t *r
         const foc_sums_t *now = &report->sums;
         const foc_sums_t *before = &state->sums;
         const voltage_out_t *voltage = &report->current.voltage;
+        const dq_t applied = dq_of(voltage->applied);
         const mean_values_t values = {
             .i_pu = {.d = mean(now->i_d_pu, before->i_d_pu, steps),
                      .q = mean(now->i_q_pu, before->i_q_pu, steps)},
             .power_pu = mean(now->power_pu, before->power_pu, steps),
             .v_dc_pu = mean(now->v_dc_pu, before->v_dc_pu, steps),
-            .modulation_square_q15 =
-                modulation_index_square_q15(voltage->applied.d, voltage->unsaturated_q),
-            .voltage_limited = voltage->unsaturated_q != voltage->applied.q ||
-                               voltage->unsaturated_d != voltage->applied.d,
+            .modulation_square_q15 = modulation_index_square_q15(applied.d, voltage->unsaturated_q),
+            .voltage_limited =
+                voltage->unsaturated_q != applied.q || voltage->unsaturated_d != applied.d,
             .adc_saturated = sense_adc_saturated(report->offset_q4, phases(report)),
         };
         state->latest = values;

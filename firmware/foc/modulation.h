@@ -62,7 +62,7 @@ Q_TARGET_INLINE void modulation_step(const modulation_t *modulation, ab_t u, abc
     const int32_t a_q16 = u.alpha * modulation->alpha_counts;
     const int32_t b_q16 = u.beta * modulation->beta_counts;
     const int32_t b_size_q16 = b_q16 < 0 ? -b_q16 : b_q16;
-    const int32_t outside_q16 = q_max(a_q16 - b_size_q16, 0) + q_min(a_q16 + b_size_q16, 0);
+    const int32_t outside_q16 = q_positive(a_q16 - b_size_q16) + q_negative(a_q16 + b_size_q16);
     const int32_t centre_q16 = modulation->centre_q16 - (outside_q16 >> 1);
     const int32_t on_a_q16 = trim_q15.a * trim + centre_q16 + a_q16;
     /* The rounding error of a leg is added to the other legs as far as they can follow. */

@@ -33,14 +33,54 @@ typedef struct {
 /* A bandwidth above w T = 1/2, which regen_table refuses, counts as that. Divides. */
 void reference_prefilter_init(reference_prefilter_t *prefilter, const config_t *config);
 
-/* Takes the next reference r[n], inside the unit circle. */
-reference_change_t reference_prefilter_take(reference_prefilter_t *prefilter, dq_t reference);
+static inline int32_t reference_prefilter_threshold(int32_t change)
+{
+    const bool small =
+        change > -REFERENCE_PREFILTER_THRESHOLD_PU && change < REFERENCE_PREFILTER_THRESHOLD_PU;
+    return small ? 0 : change;
+}
 
-/* r'[n]: up to 0.29 of a change beyond the reference. */
-dq_t reference_prefilter_output(const reference_prefilter_t *prefilter,
-                                const reference_change_t *change);
+/* Takes the next reference r[n], inside the unit circle. */
+static inline reference_change_t reference_prefilter_take(reference_prefilter_t *prefilter,
+                                                          dq_t reference)
+{
+    const dq_t total = {.d = reference.d - prefilter->reference_pu.d,
+                        .q = reference.q - prefilter->reference_pu.q};
+    const reference_change_t change = {
+        .reference = reference,
+        .total = total,
+        .now = {.d = reference_prefilter_threshold(total.d),
+                .q = reference_prefilter_threshold(total.q)},
+        .before = prefilter->change_pu,
+    };
+    prefilter->reference_pu = reference;
+    prefilter->change_pu = change.now;
+    prefilter->settled = (change.now.d | change.now.q | change.before.d | change.before.q) == 0;
+    return change;
+}
+
+/* b0 r[n] + b1 r[n-1] + b2 r[n-2] = r[n] - (1 - b0) (r[n] - r[n-1]) - b2 (r[n-1] - r[n-2]): up to
+ * 0.29 of a change beyond the reference. */
+static inline dq_t reference_prefilter_output(const reference_prefilter_t *prefilter,
+                                              const reference_change_t *change)
+{
+    const int32_t now_q15 = prefilter->one_minus_b0_q15;
+    const int32_t before_q15 = prefilter->minus_b2_q15;
+    const dq_t out = {
+        .d = change->reference.d + ((before_q15 * change->before.d) >> 15) -
+             ((now_q15 * change->now.d) >> 15),
+        .q = change->reference.q + ((before_q15 * change->before.q) >> 15) -
+             ((now_q15 * change->now.q) >> 15),
+    };
+    return out;
+}
 
 /* Bridge off: the reference is zero. */
-void reference_prefilter_reset(reference_prefilter_t *prefilter);
+static inline void reference_prefilter_reset(reference_prefilter_t *prefilter)
+{
+    const dq_t zero = {.d = 0, .q = 0};
+    prefilter->reference_pu = zero;
+    prefilter->change_pu = zero;
+}
 
 #endif

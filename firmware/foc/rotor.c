@@ -8,6 +8,7 @@ void rotor_init(rotor_state_t *state, const config_t *config)
 {
     const angle_tracker_t at_rest = {.started = false};
     state->tracker = at_rest;
+    state->sensor = config->rotor.sensor;
     hall_init(&state->hall, config);
     encoder_init(&state->encoder, config);
 }
@@ -15,7 +16,7 @@ void rotor_init(rotor_state_t *state, const config_t *config)
 rotor_out_t rotor_other_step(rotor_state_t *state, const config_t *config, const foc_input_t *in)
 {
     rotor_out_t out = {.age_periods = 0, .faults = 0, .valid = true};
-    if (config->rotor.sensor == CONFIG_ROTOR_ENCODER) {
+    if (state->sensor == CONFIG_ROTOR_ENCODER) {
         encoder_step(&state->encoder, config, &in->encoder);
         out.theta_turn = state->encoder.theta_turn;
         out.speed_q32 = state->encoder.tracker.speed_q32;

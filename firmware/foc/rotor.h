@@ -23,12 +23,13 @@ rotor_out_t rotor_other_step(rotor_state_t *state, const config_t *config, const
 static inline void rotor_step(rotor_state_t *state, const config_t *config, const foc_input_t *in,
                               rotor_out_t *out)
 {
-    if (config->rotor.sensor != CONFIG_ROTOR_HALL) {
+    hall_t *hall = &state->hall;
+    if (state->sensor != CONFIG_ROTOR_HALL) {
         *out = rotor_other_step(state, config, in);
         return;
     }
-    const hall_t *hall = &state->hall;
-    if (hall_step(&state->hall, config, in->hall_state)) {
+    if (!hall_extrapolate(hall, in->hall_state)) {
+        hall_process_event(hall, config, in->hall_state);
         out->speed_q32 = hall->speed_q32;
         out->faults = hall->faults;
         out->valid = hall->valid;

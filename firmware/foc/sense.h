@@ -23,7 +23,7 @@ enum {
 };
 
 typedef struct {
-    ab_t i; /* Q15 of the current base, positive into the motor; |alpha| <= 1, |beta| <= 1.155 */
+    ab16_t i;       /* Q15 of the current base, positive into the motor; saturated to 16 bits */
     int32_t sum_pu; /* i_a + i_b + i_c as read, Q15 */
 } sense_out_t;
 
@@ -54,8 +54,9 @@ Q_TARGET_INLINE sense_out_t sense_step(const sense_state_t *state,
     const int32_t difference = q_saturate17(b_less_c);
     const int32_t doubled_beta =
         difference + ((difference * SENSE_TWO_INV_SQRT3_LESS_ONE_Q17) >> 17);
+    const int32_t beta = q_saturate16((doubled_beta + 1) >> 1);
     const sense_out_t out = {
-        .i = {.alpha = q_saturate16(alpha), .beta = (doubled_beta + 1) >> 1},
+        .i = {.v = q_pair(q_saturate16(alpha), beta)},
         .sum_pu = sum,
     };
     return out;

@@ -70,7 +70,7 @@ current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit
         .w_l_d_q10 = coupling_q10(l_d_q16 * speed_q24),
         .w_l_q_q10 = coupling_q10(l_q_q16 * speed_q24),
         .forward_q_q25 = q_clamp(q_saturate64((psi_q16 * speed_q24) >> 15), -(1 << 28), 1 << 28),
-        .advance = angle_sincos(advance_turn),
+        .advance = angle_rotation(advance_turn),
     };
     return tuning;
 }

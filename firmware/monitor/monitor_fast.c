@@ -9,10 +9,11 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config)
 {
     const int32_t stale_limit_periods =
         config->drive.pwm_frequency_Hz / SLOW_RATE_HZ * MONITOR_STALE_STEPS;
+    /* A component of a sampled current saturates at Q15_ONE, which must count as over any limit. */
+    const int32_t overcurrent_pu = q_min(config->monitor.overcurrent_pu_q15, Q15_ONE - 1);
     const monitor_fast_state_t fresh = {
         .trip = REASON_NONE,
-        .overcurrent_square =
-            (uint32_t)(config->monitor.overcurrent_pu_q15 * config->monitor.overcurrent_pu_q15),
+        .overcurrent_square = (uint32_t)(overcurrent_pu * overcurrent_pu),
         .overvoltage_pu = q_scale(config->battery.overvoltage_trip_mV, 32768,
                                   config->drive.voltage_full_scale_mV),
         .stale_limit_periods = stale_limit_periods,

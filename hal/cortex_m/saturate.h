@@ -10,6 +10,8 @@
 #ifndef HAL_CORTEX_M_SATURATE_H
 #define HAL_CORTEX_M_SATURATE_H
 
+#include "pair.h"
+
 #if defined(__ARM_FEATURE_SAT)
 /* x clamped to a signed number of `bits` bits. The built-in behind __ssat of <arm_acle.h>, whose
  * macro does not survive -Wconversion; GCC and Clang both have it. */

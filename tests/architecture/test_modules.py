@@ -174,9 +174,9 @@ def test_a_header_of_the_hardware_interface_stands_alone(header: str) -> None:
 
 def test_a_vector_of_one_frame_is_no_argument_for_another() -> None:
     options = [*include_options("foc"), f"-I{FIRMWARE / 'foc'}"]
-    text = '#include "transforms.h"\ndq_t f({0} x, sincos_t a);\ndq_t f({0} x, sincos_t a) {{ return transforms_park(x, a); }}\n'
-    assert compile_text(text.format("ab_t"), options).returncode == 0
-    for wrong in ("dq_t", "abc_t"):
+    text = '#include "transforms.h"\ndq16_t f({0} x, rotation_t a);\ndq16_t f({0} x, rotation_t a) {{ return transforms_park(x, a); }}\n'
+    assert compile_text(text.format("ab16_t"), options).returncode == 0
+    for wrong in ("dq16_t", "dq_t", "abc_t"):
         assert "incompatible type" in compile_text(text.format(wrong), options).stderr
 
 

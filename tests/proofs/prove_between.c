@@ -11,20 +11,19 @@
 /* The mean values need one sine and cosine; they get those of any angle, without the checker having
  * to read their table. */
 #include "foc.c"
-#define angle_sincos(theta_turn) ((void)(theta_turn), any_angle())
+#define angle_rotation(theta_turn) ((void)(theta_turn), any_rotation())
 #include "mean_values.c"
-#undef angle_sincos
+#undef angle_rotation
 
-enum {
-    LONGEST_CURRENT_PU = 50200,
-    LONGEST_VOLTAGE = 32769 /* 1 LSB beyond the circle, as circle_other_q15() may be */
-};
+enum { LONGEST_CURRENT_PU = 32767, LONGEST_VOLTAGE = 32767 };
 
 /* The sums wrap by intention, so they are unsigned; what is added must not. */
 void prove_add_sums(void)
 {
-    const foc_period_t period = {.i_pu = any_vector(LONGEST_CURRENT_PU),
-                                 .voltage = {.applied = any_vector(LONGEST_VOLTAGE)}};
+    /* A sampled current of any components, a voltage in the circle. */
+    const dq_t i = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
+    const foc_period_t period = {.i_pu = dq16_of(i),
+                                 .voltage = {.applied = dq16_of(any_vector(LONGEST_VOLTAGE))}};
     const foc_sums_t before = {.i_d_pu = nondet_uint32(),
                                .i_q_pu = nondet_uint32(),
                                .power_pu = nondet_uint32(),
@@ -32,7 +31,7 @@ void prove_add_sums(void)
     foc_sums_t sums = before;
     const int32_t v_dc_pu = any_within(0, 32760);
     add_sums(&sums, &period, v_dc_pu);
-    PROMISE(sums.i_d_pu - before.i_d_pu == (uint32_t)period.i_pu.d);
+    PROMISE(sums.i_d_pu - before.i_d_pu == (uint32_t)i.d);
     PROMISE(sums.v_dc_pu - before.v_dc_pu == (uint32_t)v_dc_pu);
     PROOF_END();
 }
@@ -41,11 +40,10 @@ void prove_mean_values(void)
 {
     foc_report_t report = {
         .current = {.rotor = {.theta_turn = nondet_uint16()},
-                    .i_pu = any_vector(LONGEST_CURRENT_PU),
+                    .i_pu = dq16_of(any_vector(LONGEST_CURRENT_PU)),
                     .voltage = {.unsaturated_d = nondet_int32(),
                                 .unsaturated_q = nondet_int32(),
-                                .applied = {.d = any_within(-32768, 32767),
-                                            .q = any_within(-32767, 32767)}}},
+                                .applied = dq16_of(any_vector(LONGEST_VOLTAGE))}},
         .sums = {.i_d_pu = nondet_uint32(),
                  .i_q_pu = nondet_uint32(),
                  .power_pu = nondet_uint32(),

@@ -25,8 +25,8 @@ void prove_sense(void)
         on[x] = nondet_int32();
     }
     const sense_out_t out = sense_step(&state, codes, on);
-    PROMISE(out.i.alpha >= -32768 && out.i.alpha <= 32767);
-    PROMISE(out.i.beta >= -37838 && out.i.beta <= 37838); /* 65 536 / sqrt 3 */
+    PROMISE(q_pair_x(out.i.v) >= -32768 && q_pair_x(out.i.v) <= 32767);
+    PROMISE(q_pair_y(out.i.v) >= -32768 && q_pair_y(out.i.v) <= 32767);
     const abc_t phases = {.a = any_within(-65536, 65535),
                           .b = any_within(-65536, 65535),
                           .c = any_within(-65536, 65535)};
@@ -55,31 +55,26 @@ void prove_sense_calibration(void)
     PROOF_END();
 }
 
-/* What sense_step() gives, see prove_sense(). */
-static ab_t any_measured(void)
-{
-    const ab_t i = {.alpha = any_within(-32768, 32767), .beta = any_within(-37838, 37838)};
-    return i;
-}
-
 void prove_park(void)
 {
-    const ab_t x = {.alpha = any_within(-32768, 32767), .beta = any_within(-37838, 37838)};
-    (void)transforms_park(
-        x, any_angle()); /* the length of the result is tested at every angle in tests/unit */
+    const ab16_t x = {.v = q_pair(any_within(-32768, 32767), any_within(-32768, 32767))};
+    const dq_t out = dq_of(transforms_park(x, any_rotation()));
+    PROMISE(out.d >= -32768 && out.d <= 32767 && out.q >= -32768 && out.q <= 32767);
     PROOF_END();
 }
 
 void prove_inverse_park(void)
 {
-    const dq_t x = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)};
-    (void)transforms_inverse_park(x, any_angle());
+    const dq16_t x = {.v = q_pair(any_within(-32768, 32767), any_within(-32768, 32767))};
+    (void)transforms_inverse_park(x, any_rotation());
     PROOF_END();
 }
 
 void prove_advance(void)
 {
-    (void)transforms_advance(any_angle(), any_angle());
+    const rotation_t out = transforms_advance(any_rotation(), any_rotation());
+    PROMISE(q_pair_x(out.v) >= -32768 && q_pair_x(out.v) <= 32767);
+    PROMISE(q_pair_y(out.v) >= -32768 && q_pair_y(out.v) <= 32767);
     PROOF_END();
 }
 
@@ -93,54 +88,41 @@ static pi_gains_t any_gains(void)
     return gains;
 }
 
-/* What current_predictor_compensate() takes from the sampled current it gives to the target, see
- * prove_delay_compensation(). */
+static dq_t any_dq(void)
+{
+    const dq_t out = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
+    return out;
+}
+
+/* With any tuning and any target of the delay compensation. */
 void prove_current_controller(void)
 {
-    const int32_t share_d_q10 = any_within(-16384, 16384);
-    const int32_t share_q_q10 = any_within(-16384, 16384);
     const current_tuning_t tuning = {
         .d = any_gains(),
         .q = any_gains(),
         .w_l_d_q10 = any_within(-16383, 16383),
         .w_l_q_q10 = any_within(-16383, 16383),
-        .forward_d_q25 = -(share_q_q10 * any_within(-32768, 32768)),
-        .forward_q_q25 = any_within(-(1 << 28), 1 << 28) + share_d_q10 * any_within(-32768, 32768),
+        .forward_d_q25 = 0,
+        .forward_q_q25 = any_within(-(1 << 28), 1 << 28),
     };
-    ASSUME(q_abs(tuning.w_l_d_q10) + q_abs(share_d_q10) <= 16384);
-    ASSUME(q_abs(tuning.w_l_q_q10) + q_abs(share_q_q10) <= 16384);
+    const current_gains_t gains = current_gains_of(&tuning, any_within(0, 32767), any_dq());
     current_controller_t state = {
         .d = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
         .q = {.integrator_q30 = any_within(-(1 << 30), (1 << 30) - 1)},
     };
-    const dq_t reference = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
-    const dq_t i = {.d = any_within(-50200, 50200), .q = any_within(-50200, 50200)};
     voltage_out_t out;
-    current_controller_step(&state, &tuning, reference, i, &out);
-    PROMISE(out.applied.d >= -32768 && out.applied.d <= 32767);
-    PROMISE(out.applied.q >= -32767 && out.applied.q <= 32767);
+    current_controller_step(&state, &gains, dq16_of(any_dq()), dq16_of(any_dq()), &out);
+    const dq_t applied = dq_of(out.applied);
+    PROMISE(applied.d >= -32768 && applied.d <= 32767);
+    PROMISE(applied.q >= -32767 && applied.q <= 32767);
     /* The limiter: never longer and never of the other sign. That circle_other_q15() leaves q what
      * is inside the circle is tested for every d in tests/unit. */
-    PROMISE(out.unsaturated_d >= 0 ? out.applied.d >= 0 && out.applied.d <= out.unsaturated_d
-                                   : out.applied.d <= 0 && out.applied.d >= out.unsaturated_d);
-    PROMISE(out.unsaturated_q >= 0 ? out.applied.q >= 0 && out.applied.q <= out.unsaturated_q
-                                   : out.applied.q <= 0 && out.applied.q >= out.unsaturated_q);
+    PROMISE(out.unsaturated_d >= 0 ? applied.d >= 0 && applied.d <= out.unsaturated_d
+                                   : applied.d <= 0 && applied.d >= out.unsaturated_d);
+    PROMISE(out.unsaturated_q >= 0 ? applied.q >= 0 && applied.q <= out.unsaturated_q
+                                   : applied.q <= 0 && applied.q >= out.unsaturated_q);
     PROMISE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
     PROMISE(state.q.integrator_q30 >= -(1 << 30) && state.q.integrator_q30 <= (1 << 30) - 1);
-    PROOF_END();
-}
-
-/* One axis; a target at the end of the current is where the product is largest. */
-void prove_delay_compensation(void)
-{
-    current_tuning_t tuning = {
-        .w_l_d_q10 = 0, .w_l_q_q10 = any_within(-16383, 16383), .forward_d_q25 = 0};
-    const int32_t before_q10 = tuning.w_l_q_q10;
-    const dq_t target = {.d = 0, .q = nondet_bool() ? 32768 : -32768};
-    current_predictor_compensate(&tuning, any_within(0, 32767), target);
-    const int32_t share_q10 = before_q10 - tuning.w_l_q_q10;
-    PROMISE(q_abs(tuning.w_l_q_q10) + q_abs(share_q10) <= 16384);
-    PROMISE(tuning.forward_d_q25 >= -16384 * 32768 && tuning.forward_d_q25 <= 16384 * 32768);
     PROOF_END();
 }
 
@@ -152,9 +134,7 @@ void prove_d_axis_reserve(void)
         .q = {.integrator_q30 = 0},
     };
     const int32_t before_q30 = state.d.integrator_q30;
-    const voltage_out_t last = {.unsaturated_d = any_within(-50 * 32768, 50 * 32768),
-                                .unsaturated_q = 0,
-                                .applied = {.d = 0, .q = 0}};
+    const voltage_out_t last = {.unsaturated_d = any_within(-50 * 32768, 50 * 32768)};
     current_controller_keep_reserve(&state, &last);
     PROMISE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
     PROMISE(last.unsaturated_d >= 0 ? state.d.integrator_q30 <= before_q30
@@ -211,24 +191,28 @@ void prove_dead_time(void)
     PROOF_END();
 }
 
-static bool shrinks(int32_t before, int32_t after)
+/* The prediction stays between its last value and the settled current, whose distance is within 16
+ * bits (current_predictor_change()). */
+static bool between(int32_t a, int32_t x, int32_t b)
 {
-    return before >= 0 ? after >= 0 && after <= before : after <= 0 && after >= before;
+    return a <= b ? a <= x && x <= b : b <= x && x <= a;
 }
 
 void prove_predicted_current(void)
 {
+    const dq_t settled = any_dq();
+    const dq_t predicted = any_dq();
+    ASSUME(settled.d - predicted.d >= -32768 && settled.d - predicted.d <= 32767);
+    ASSUME(settled.q - predicted.q >= -32768 && settled.q - predicted.q <= 32767);
     current_predictor_t state = {
-        .lag_q15 = any_within(2048, 32767),
-        .settled_pu = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)},
-        .remaining_pu = {.d = any_within(-65536, 65536), .q = any_within(-65536, 65536)},
+        .lag_q16 = any_within(4096, 25788),
+        .settled_pu = dq16_of(settled),
+        .predicted_pu = dq16_of(predicted),
     };
-    const dq_t remaining = state.remaining_pu;
-    const dq_t predicted = current_predictor_step(&state);
-    PROMISE(predicted.d + remaining.d == state.settled_pu.d &&
-            predicted.q + remaining.q == state.settled_pu.q);
-    PROMISE(shrinks(remaining.d, state.remaining_pu.d) &&
-            shrinks(remaining.q, state.remaining_pu.q));
+    const dq_t out = dq_of(current_predictor_step(&state));
+    const dq_t next = dq_of(state.predicted_pu);
+    PROMISE(out.d == predicted.d && out.q == predicted.q);
+    PROMISE(between(predicted.d, next.d, settled.d) && between(predicted.q, next.q, settled.q));
     PROOF_END();
 }
 

@@ -54,8 +54,8 @@ static hall_t any_hall(const config_t *config)
     hall.speed_q32 = nondet_int32();
     hall.middle_turn = nondet_uint16();
     hall.half_width_turn = nondet_int16();
-    hall.begin_turn = nondet_uint16();
-    hall.span_turn = nondet_uint16();
+    hall.begin_q32 = nondet_uint32();
+    hall.span_q32 = nondet_uint32();
     hall.timed_turn = nondet_uint32();
     hall.timed_periods = nondet_uint32();
     hall.steady_sensors = nondet_uint8();
@@ -113,6 +113,7 @@ void prove_angle_tracker(void)
     state.tracker.theta_q32 = nondet_uint32();
     state.tracker.speed_q32 = nondet_int32();
     state.tracker.started = nondet_bool();
+    state.sensor = CONFIG_ROTOR_ANGLE;
     const foc_input_t in = {.rotor_angle_turn = nondet_uint16(), .hall_state = nondet_uint8()};
     rotor_out_t out;
     rotor_step(&state, &config, &in, &out);

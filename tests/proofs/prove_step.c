@@ -3,7 +3,9 @@
  * Between the boxes of the fast loop: how a setpoint is applied.
  */
 #include "core/circle.h"
+#include "current_predictor.h"
 #include "proof.h"
+#include "reference_prefilter.h"
 
 /* circle_other() by its contract, which prove_circle_of_any_radius() proves of every circle that
  * circle_init() makes: for any |x| up to the radius some result from zero to the radius. Its
@@ -16,7 +18,7 @@ static int32_t circle_other_by_contract(const circle_t *circle, int32_t x)
     return any_within(0, circle->radius_q15);
 }
 #define circle_other circle_other_by_contract
-#include "foc.c"
+#include "setpoint.c"
 
 static current_tuning_t no_tuning(void)
 {
@@ -35,16 +37,18 @@ static void apply_any_setpoint(int32_t radius)
     prefilter->reference_pu.q = any_within(-32768, 32768);
     prefilter->change_pu.d = any_within(-65536, 65536);
     prefilter->change_pu.q = any_within(-65536, 65536);
-    state.current.predictor.remaining_pu.d = any_within(-65536, 65536);
-    state.current.predictor.remaining_pu.q = any_within(-65536, 65536);
+    state.current.predictor.settled_pu.v =
+        q_pair(any_within(-32768, 32767), any_within(-32768, 32767));
+    state.current.predictor.predicted_pu.v =
+        q_pair(any_within(-32768, 32767), any_within(-32768, 32767));
     const foc_setpoint_t setpoint = {
         .sequence = nondet_uint16(),
-        .i_d_sampling_correction_pu = 0, /* the mean goes through the same limiter */
+        .i_d_sampling_correction_pu = nondet_int32(),
         .i_reference_pu = {.d = nondet_int16(), .q = nondet_int16()},
         .tuning = no_tuning(),
     };
     foc_period_t period;
-    apply_setpoint(&state, &setpoint, &period);
+    setpoint_apply(&state, &setpoint, &period);
     const dq_t reference = prefilter->reference_pu;
     PROMISE(reference.d >= -radius && reference.d <= radius);
     PROMISE(setpoint.i_reference_pu.q >= 0
@@ -87,13 +91,12 @@ void prove_change_of_reference(void)
         .weight_q15 = 17040,
         .target_first_q15 = 27525,
         .target_second_q15 = 11141,
-        .remaining_pu = {.d = any_within(-65536, 65536), .q = any_within(-65536, 65536)},
     };
     const dq_t reference = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)};
     const reference_change_t change = reference_prefilter_take(&prefilter, reference);
     PROMISE(prefilter.reference_pu.d == reference.d && prefilter.reference_pu.q == reference.q);
     const dq_t out = reference_prefilter_output(&prefilter, &change);
-    current_predictor_change(&predictor, &change, reference);
+    current_predictor_change(&predictor, &change, reference, true);
     (void)current_predictor_target(&predictor, &change);
     PROMISE(out.d >= -131072 && out.d <= 131072);
     PROMISE(out.q >= -131072 && out.q <= 131072);

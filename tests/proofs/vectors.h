@@ -20,6 +20,13 @@ static inline sincos_t any_angle(void)
     return angle;
 }
 
+static inline rotation_t any_rotation(void)
+{
+    const sincos_t angle = any_angle();
+    const rotation_t out = {.v = q_pair(q_saturate16(angle.cos), q_saturate16(angle.sin))};
+    return out;
+}
+
 /* The octagon around a circle: its sides and, sqrt 2 times as far out, its diagonals. */
 static inline dq_t any_vector(int32_t radius)
 {

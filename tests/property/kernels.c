@@ -11,15 +11,15 @@
 #include "sense.h"
 #include "transforms.h"
 
-static pair_t pair_of_angle(sincos_t angle)
+static pair_t pair_of_angle(rotation_t angle)
 {
-    const pair_t out = {angle.cos, angle.sin};
+    const pair_t out = {q_pair_x(angle.v), q_pair_y(angle.v)};
     return out;
 }
 
-static sincos_t angle_of(pair_t cos_sin)
+static rotation_t angle_of(pair_t cos_sin)
 {
-    const sincos_t out = {.sin = cos_sin.y, .cos = cos_sin.x};
+    const rotation_t out = {.v = q_pair(cos_sin.x, cos_sin.y)};
     return out;
 }
 
@@ -35,10 +35,15 @@ static pair_t pair_of_ab(ab_t x)
     return out;
 }
 
-static dq_t dq_of(pair_t x)
+static dq_t dq_from(pair_t x)
 {
     const dq_t out = {.d = x.x, .q = x.y};
     return out;
+}
+
+static dq16_t dq16_from(pair_t x)
+{
+    return dq16_of(dq_from(x));
 }
 
 static pair_t pair_of_dq(dq_t x)
@@ -55,7 +60,7 @@ static triple_t triple_of(abc_t x)
 
 pair_t kernel_cos_sin(uint16_t theta_turn)
 {
-    return pair_of_angle(angle_sincos(theta_turn));
+    return pair_of_angle(angle_rotation(theta_turn));
 }
 
 pair_t kernel_clarke(triple_t phases)
@@ -71,12 +76,13 @@ pair_t kernel_clarke(triple_t phases)
 
 pair_t kernel_park(pair_t ab, pair_t cos_sin)
 {
-    return pair_of_dq(transforms_park(ab_of(ab), angle_of(cos_sin)));
+    const ab16_t packed = {.v = q_pair(ab.x, ab.y)};
+    return pair_of_dq(dq_of(transforms_park(packed, angle_of(cos_sin))));
 }
 
 pair_t kernel_inverse_park(pair_t dq, pair_t cos_sin)
 {
-    return pair_of_ab(transforms_inverse_park(dq_of(dq), angle_of(cos_sin)));
+    return pair_of_ab(transforms_inverse_park(dq16_from(dq), angle_of(cos_sin)));
 }
 
 pair_t kernel_advance(pair_t cos_sin, pair_t by)
@@ -114,7 +120,9 @@ static sense_state_t sense_of(const int32_t offset_q4[3])
 pair_t kernel_sense(const uint16_t codes[3], const int32_t offset_q4[3], const int32_t on_q16[3])
 {
     const sense_state_t state = sense_of(offset_q4);
-    return pair_of_ab(sense_step(&state, codes, on_q16).i);
+    const ab16_t i = sense_step(&state, codes, on_q16).i;
+    const pair_t out = {q_pair_x(i.v), q_pair_y(i.v)};
+    return out;
 }
 
 static pi_gains_t gains_of(kernel_pi_gains_t gains)
@@ -206,7 +214,7 @@ static kernel_voltage_t voltage_of(voltage_out_t out, const current_controller_t
 {
     const kernel_voltage_t voltage = {
         .wanted = {out.unsaturated_d, out.unsaturated_q},
-        .realised = pair_of_dq(out.applied),
+        .realised = pair_of_dq(dq_of(out.applied)),
         .integrator_q30 = {state->d.integrator_q30, state->q.integrator_q30},
     };
     return voltage;
@@ -217,8 +225,10 @@ kernel_voltage_t kernel_current_loop(pair_t integrator_q30, const kernel_tuning_
 {
     current_controller_t state = integrators_of(integrator_q30);
     const current_tuning_t loop_tuning = tuning_of(tuning);
+    const dq_t no_target = {.d = 0, .q = 0};
+    const current_gains_t gains = current_gains_of(&loop_tuning, 0, no_target);
     voltage_out_t out;
-    current_controller_step(&state, &loop_tuning, dq_of(reference), dq_of(i), &out);
+    current_controller_step(&state, &gains, dq16_from(reference), dq16_from(i), &out);
     return voltage_of(out, &state);
 }
 
@@ -285,22 +295,28 @@ int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_
 kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning,
                               const uint16_t codes[3], uint16_t theta_turn, pair_t reference)
 {
+    const current_tuning_t loop_tuning = tuning_of(tuning);
+    const dq_t no_target = {.d = 0, .q = 0};
     foc_current_state_t state = {
-        .tuning = tuning_of(tuning),
+        .gains = current_gains_of(&loop_tuning, 0, no_target),
+        .advance = loop_tuning.advance,
+        .reference_pu = dq16_from(reference),
         .sense = sense_of(loop->offset_q4),
         .controller = integrators_of(loop->integrator_q30),
         .modulation = modulation_from(&loop->svpwm),
         .slope = slope_of(loop->dead_time),
         .on_q16 = {loop->on_q16[0], loop->on_q16[1], loop->on_q16[2]},
     };
-    state.predictor.settled_pu = dq_of(reference);
-    foc_period_t period = {.i_reference_pu = dq_of(reference), .rotor = {.theta_turn = theta_turn}};
+    state.predictor.settled_pu = dq16_from(reference);
+    state.predictor.predicted_pu = state.predictor.settled_pu;
+    foc_period_t period = {.i_reference_pu = dq_from(reference),
+                           .rotor = {.theta_turn = theta_turn}};
     foc_current_step(&state, codes, &period);
     for (int x = 0; x < 3; x++) {
         loop->on_q16[x] = state.on_q16[x];
     }
     const kernel_loop_out_t result = {
-        .i_dq = pair_of_dq(period.i_pu),
+        .i_dq = pair_of_dq(dq_of(period.i_pu)),
         .voltage = voltage_of(period.voltage, &state.controller),
     };
     loop->integrator_q30 = result.voltage.integrator_q30;

@@ -61,7 +61,11 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .rotor_angle_turn = in->rotor_angle_turn,
         .hall_state = in->hall_state,
     };
-    foc_step(&loop->foc, &loop->config, &loop->setpoint, run, &sampled, &loop->report);
+    if (run) {
+        foc_step(&loop->foc, &loop->setpoint, &sampled, &loop->report, &loop->config);
+    } else {
+        foc_idle_step(&loop->foc, &loop->setpoint, &sampled, &loop->report, &loop->config);
+    }
     loop->steps++;
     if (--loop->periods_to_slow_step <= 0) {
         loop->periods_to_slow_step = loop->config.drive.pwm_frequency_Hz / 1000;
@@ -77,23 +81,24 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
     }
     const foc_report_t *report = &loop->report;
     const voltage_out_t *voltage = &report->current.voltage;
+    const dq_t i = dq_of(report->current.i_pu);
+    const dq_t u = dq_of(voltage->applied);
     const loop_output_t out = {
         .compare_counts = {(uint16_t)(loop->foc.current.on_q16[0] >> 16),
                            (uint16_t)(loop->foc.current.on_q16[1] >> 16),
                            (uint16_t)(loop->foc.current.on_q16[2] >> 16)},
-        .i_d_pu = report->current.i_pu.d,
-        .i_q_pu = report->current.i_pu.q,
+        .i_d_pu = i.d,
+        .i_q_pu = i.q,
         .reference_d_pu = report->current.i_reference_pu.d,
         .reference_q_pu = report->current.i_reference_pu.q,
-        .u_d_pu = report->current.voltage.applied.d,
-        .u_q_pu = report->current.voltage.applied.q,
+        .u_d_pu = u.d,
+        .u_q_pu = u.q,
         .weakening_pu = loop->report.i_d_weakening_pu,
         .power_pu = loop->summary.latest.power_pu,
         .modulation_limit_q15 = foc_modulation_limit_q15(&loop->foc),
         .speed_q32 = report->current.rotor.speed_q32,
         .theta_turn = report->current.rotor.theta_turn,
-        .limited = voltage->unsaturated_d != voltage->applied.d ||
-                   voltage->unsaturated_q != voltage->applied.q,
+        .limited = voltage->unsaturated_d != u.d || voltage->unsaturated_q != u.q,
         .rotor_valid = report->current.rotor.valid,
     };
     return out;

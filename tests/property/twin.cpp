@@ -40,6 +40,11 @@ Vector2d inverse_park(const Vector2d &dq, double angle)
     return Eigen::Rotation2Dd(angle) * dq;
 }
 
+Vector2d saturated(const Vector2d &v)
+{
+    return {saturated16(v.x()), saturated16(v.y())};
+}
+
 Vector2d sense(const uint16_t codes[3], const int32_t offset_q4[3], const int32_t on_q16[3])
 {
     Vector3d i;
@@ -48,7 +53,7 @@ Vector2d sense(const uint16_t codes[3], const int32_t offset_q4[3], const int32_
     }
     const int longest = static_cast<int>(std::max_element(on_q16, on_q16 + 3) - on_q16);
     i[longest] -= i.sum();
-    return {saturated16(i[0]), std::clamp(i[1] - i[2], -65536.0, 65535.0) / std::sqrt(3.0)};
+    return saturated({i[0], std::clamp(i[1] - i[2], -65536.0, 65535.0) / std::sqrt(3.0)});
 }
 
 Tuning::Tuning(const kernel_tuning_t &tuning)
@@ -99,7 +104,7 @@ Loop loop(const kernel_loop_t &before, const Tuning &tuning, const uint16_t code
 {
     const double angle = radians(theta_turn);
     Loop out;
-    out.i_dq = park(sense(codes, before.offset_q4, before.on_q16), angle);
+    out.i_dq = saturated(park(sense(codes, before.offset_q4, before.on_q16), angle));
     out.voltage = current_loop(vector(before.integrator_q30) / ONE, tuning, reference, out.i_dq);
     const double applied = angle + tuning.advance;
     out.line_counts =

@@ -39,6 +39,8 @@ Vector3d phases(const Vector2d &ab);
 Vector2d clarke(const Vector3d &phases);
 // Into the rotor frame of an angle, and out of it.
 Vector2d park(const Vector2d &ab, double angle);
+// Both components, as packed vectors are.
+Vector2d saturated(const Vector2d &v);
 Vector2d inverse_park(const Vector2d &dq, double angle);
 
 // Two phases measured, the one with the longest on-time worked out from them; a tie goes to the

@@ -26,8 +26,8 @@ void digest_fast(digest_t *digest, const fast_output_t *out, const fast_report_t
         add(digest, out->compare_counts[x]);
     }
     add(digest, (int32_t)out->bridge);
-    add(digest, report->foc.current.i_pu.d);
-    add(digest, report->foc.current.i_pu.q);
+    add(digest, dq_of(report->foc.current.i_pu).d);
+    add(digest, dq_of(report->foc.current.i_pu).q);
     add(digest, (int32_t)(report->foc.sums.power_pu & INT32_MAX));
     add(digest, report->foc.current.rotor.speed_q32);
     add(digest, report->foc.current.rotor.theta_turn);

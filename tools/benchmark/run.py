@@ -46,11 +46,11 @@ class Budget:
 
 
 BUDGETS = (
-    Budget("cortex-m4", CURRENT_LOOP, 180, 1.05),
-    Budget("cortex-m4", FAST_STEP, 300),
+    Budget("cortex-m4", CURRENT_LOOP, 155, 1.06),
+    Budget("cortex-m4", FAST_STEP, 280),
     Budget("cortex-m4", SLOW_STEP, 11000),
-    Budget("cortex-m3", CURRENT_LOOP, 190),
-    Budget("cortex-m0plus", CURRENT_LOOP, 320),
+    Budget("cortex-m3", CURRENT_LOOP, 178),
+    Budget("cortex-m0plus", CURRENT_LOOP, 345),
 )
 LOOP_BYTES_AT_MOST = 2048
 REFERENCE_GCC = 12

@@ -8,20 +8,21 @@
 
 #include <stdint.h>
 
+#include "core/pair.h"
 #include "core/q15.h"
 
 typedef struct {
-    int32_t sin, cos; /* Q15, |.| <= 32768 */
+    int32_t sin, cos; /* Q15, 16 bits */
 } sincos_t;
 
-enum {
-    ANGLE_QUARTER_TURN = 16384,
-    ANGLE_TABLE_POINTS = 256, /* a turn */
-    ANGLE_TABLE_LENGTH =
-        ANGLE_TABLE_POINTS + ANGLE_TABLE_POINTS / 4 /* and a quarter, for the cosine */
-};
+/* cos + j sin of an angle, packed. */
+typedef struct {
+    q_pair_t v;
+} rotation_t;
 
-extern const int16_t ANGLE_SINE_TABLE[ANGLE_TABLE_LENGTH];
+enum { ANGLE_QUARTER_TURN = 16384, ANGLE_TABLE_POINTS = 256 /* a turn */ };
+
+extern const q_pair_t ANGLE_TABLE[ANGLE_TABLE_POINTS];
 
 /* b - a, the short way round, -32768 .. 32767: positive when b is ahead of a in the forward
  * direction. */
@@ -32,31 +33,34 @@ static inline int16_t angle_difference(uint16_t b, uint16_t a)
 }
 
 /*
- * Sine and cosine together, within 1 LSB of Q15 of the exact values at every one of the 65 536
- * angles.
+ * Cosine and sine together, within 1 LSB of Q15 of the exact values at every one of the 65 536
+ * angles; +1 saturates to 32 767.
  *
- * The table's points theta_k lie in the middle of its steps. With delta = theta - theta_k, |delta|
- * <= pi/256:
- *     sin = s + delta c - delta^2/2 s,   cos = c - delta s - delta^2/2 c
- * The neglected cubic term and the rounding of delta and of its square are below 0.02 LSB together.
- * The table is rounded down and so is what is taken from it, so each of the two roundings is below
- * 1 LSB and they point in opposite directions.
+ * The table's points theta_k lie in the middle of its steps; with delta = theta - theta_k and
+ * h = delta^2/2: cos = c - (h c + delta s), sin = s - (h s - delta c).
  */
-Q_TARGET_INLINE sincos_t angle_sincos(uint16_t theta_turn)
+Q_TARGET_INLINE rotation_t angle_rotation(uint16_t theta_turn)
 {
-    const uint32_t k = theta_turn >> 8;
-    /* theta_turn & 255 counts from the beginning of the step, the delta from its middle; 2 pi /
-     * 65536 in Q25 is 3216.99. */
-    const int32_t delta_q22 = ((int32_t)(theta_turn & 255U) * 3217 - (128 * 3217 - 4)) >> 3;
-    /* delta^2 is below 2^32, not below 2^31. */
-    const int32_t half_square_q22 =
-        (int32_t)(((uint32_t)delta_q22 * (uint32_t)delta_q22 + (1U << 22)) >> 23);
-    const int32_t s = ANGLE_SINE_TABLE[k];
-    const int32_t c = ANGLE_SINE_TABLE[k + ANGLE_TABLE_POINTS / 4];
-    const sincos_t out = {
-        .sin = s - ((half_square_q22 * s - delta_q22 * c) >> 22),
-        .cos = c - ((half_square_q22 * c + delta_q22 * s) >> 22),
+    /* delta: 2 pi / 65 536 in Q37 from the middle of the step, rounded to Q21. */
+    const uint32_t from_begin_q37 = (theta_turn & 255U) * 13176795U;
+    const int32_t delta_q37 = (int32_t)(from_begin_q37 + 32768U - 128U * 13176795U);
+    const int32_t delta_q21 = delta_q37 >> 16;
+    const int32_t square_q42 = delta_q21 * delta_q21 + (1 << 21);
+    const q_pair_t small_q21 = Q_PAIR_SHIFTED(square_q42, 22, delta_q37);
+    const q_pair_t point = ANGLE_TABLE[theta_turn >> 8];
+    const int32_t cos_q36 = q_pair_dot(small_q21, point);
+    const int32_t sin_q31 = q_pair_cross(small_q21, point) >> 5;
+    const rotation_t out = {
+        .v = q_pair_subtract(point, Q_PAIR_SHIFTED(cos_q36, 21, sin_q31)),
     };
+    return out;
+}
+
+/* The same, unpacked. */
+static inline sincos_t angle_sincos(uint16_t theta_turn)
+{
+    const rotation_t rotation = angle_rotation(theta_turn);
+    const sincos_t out = {.sin = q_pair_y(rotation.v), .cos = q_pair_x(rotation.v)};
     return out;
 }
 

@@ -8,16 +8,15 @@
 
 #include <stdint.h>
 
+#include "core/pair.h"
 #include "core/q15.h"
 
 enum { CIRCLE_TABLE_SEGMENTS = 64 };
 
-/* sqrt(1 - k / 64) in Q15, and how much the next point lies above it. */
-typedef struct {
-    int16_t at, rise;
-} circle_point_t;
-
-extern const circle_point_t CIRCLE_TABLE[CIRCLE_TABLE_SEGMENTS + 1];
+/* sqrt(1 - k / 64) in Q31 plus twice the step to the next point in Q15, whose lower half is thus
+ * that step: one load gives both. The step is <= 0, so the value is at most 1 LSB of Q15 too small.
+ */
+extern const int32_t CIRCLE_TABLE[CIRCLE_TABLE_SEGMENTS + 1];
 
 /* sqrt(1 - x^2) in Q15 for |x| <= 32768, by linear interpolation over x^2. The chord of a concave
  * curve lies below it: the result never exceeds the true value (except by table rounding, 1 LSB),
@@ -26,9 +25,9 @@ extern const circle_point_t CIRCLE_TABLE[CIRCLE_TABLE_SEGMENTS + 1];
 Q_TARGET_INLINE int32_t circle_other_q15(int32_t x)
 {
     const uint32_t square_q30 = (uint32_t)(x * x);
-    const circle_point_t *point = &CIRCLE_TABLE[square_q30 >> 24];
-    const int32_t fraction = (int32_t)((square_q30 >> 15) & 511U);
-    return point->at + ((point->rise * fraction) >> 9);
+    const int32_t point = CIRCLE_TABLE[square_q30 >> 24];
+    const int32_t fraction_q15 = (int32_t)((square_q30 >> 9) & 32767U);
+    return q_mac_lower(point, point, fraction_q15) >> 16;
 }
 
 /* A circle of any radius up to 1: the radius and its reciprocal. */

@@ -3,14 +3,15 @@
  * frames.h: phase, stator and rotor frame as three types that do not convert implicitly.
  *
  * Amplitude-invariant everywhere: a balanced set of peak value X has |alpha-beta| = |dq| = X.
- * Components are per-unit Q15, 1.0 = 32768. They are the 32-bit intermediates of the fast loop, so
- * a register holds one without narrowing: phases stay within 16 bits, alpha-beta and dq vectors of
- * such phases within 1.53 (50 200).
+ * Components are per-unit Q15, 1.0 = 32768. Phases are within 16 bits. The
+ * packed types hold vectors whose components are saturated to 16 bits (pair.h).
  */
 #ifndef CORE_FRAMES_H
 #define CORE_FRAMES_H
 
 #include <stdint.h>
+
+#include "core/pair.h"
 
 typedef struct {
     int32_t a, b, c; /* phases */
@@ -23,5 +24,27 @@ typedef struct {
 typedef struct {
     int32_t d, q; /* rotor frame, d along the magnet flux, q leading by a quarter electrical turn */
 } dq_t;
+
+/* Packed: x = alpha, y = beta. */
+typedef struct {
+    q_pair_t v;
+} ab16_t;
+
+/* Packed: x = d, y = q. */
+typedef struct {
+    q_pair_t v;
+} dq16_t;
+
+Q_TARGET_INLINE dq16_t dq16_of(dq_t a)
+{
+    const dq16_t out = {.v = q_pair(a.d, a.q)};
+    return out;
+}
+
+Q_TARGET_INLINE dq_t dq_of(dq16_t a)
+{
+    const dq_t out = {.d = q_pair_x(a.v), .q = q_pair_y(a.v)};
+    return out;
+}
 
 #endif

@@ -50,6 +50,17 @@ static inline int32_t q_max(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
+/* max(x, 0) and min(x, 0) without a condition. */
+Q_TARGET_INLINE int32_t q_positive(int32_t x)
+{
+    return x & ~(x >> 31);
+}
+
+Q_TARGET_INLINE int32_t q_negative(int32_t x)
+{
+    return x & (x >> 31);
+}
+
 /* |x|; |INT32_MIN| saturates to INT32_MAX. */
 static inline int32_t q_abs(int32_t x)
 {

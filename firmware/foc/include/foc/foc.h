@@ -68,14 +68,14 @@ typedef struct {
 /* Voltage of one period in modulation units, Q15. */
 typedef struct {
     int32_t unsaturated_d, unsaturated_q; /* before the voltage circle, |.| < 50 */
-    dq_t applied;                         /* inside the unit circle */
+    dq16_t applied;                       /* inside the unit circle */
 } voltage_out_t;
 
 /* One period of the current controller. */
 typedef struct {
     rotor_out_t rotor;
     dq_t i_reference_pu; /* prefiltered, inside the current circle */
-    dq_t i_pu;           /* sampled current, Q15 of the current base */
+    dq16_t i_pu;         /* sampled current, Q15 of the current base; components saturate at 1 */
     voltage_out_t voltage;
     int32_t current_sum_pu; /* of the three readings */
 } foc_period_t;
@@ -113,11 +113,18 @@ int32_t foc_modulation_limit_q15(const foc_state_t *state);
 foc_setpoint_t foc_initial_setpoint(const foc_state_t *state, const config_t *config);
 
 /*
- * One PWM period. run: control the current and modulate; otherwise the controllers stay reset and
- * the compare values centred. report: always the same structure.
+ * One PWM period with the bridge switching: controls the current and modulates. report: always the
+ * same structure.
  */
-void foc_step(foc_state_t *state, const config_t *config, const foc_setpoint_t *setpoint, bool run,
-              const foc_input_t *in, foc_report_t *report);
+void foc_step(foc_state_t *state, const foc_setpoint_t *setpoint, const foc_input_t *in,
+              foc_report_t *report, const config_t *config);
+
+/*
+ * One PWM period with the bridge off, in active short circuit, or tripped: measures, keeps the
+ * controllers reset and the compare values centred.
+ */
+void foc_idle_step(foc_state_t *state, const foc_setpoint_t *setpoint, const foc_input_t *in,
+                   foc_report_t *report, const config_t *config);
 
 /* High-side on-times of the three legs as the latest step made them: timer counts with 16 fraction
  * bits. The upper half is the compare value, from the shortest pulse to the period less the

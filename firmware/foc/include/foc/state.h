@@ -29,16 +29,16 @@ typedef struct {
 /* hall.h. Angles in turns; periods are PWM periods. */
 typedef struct {
     uint32_t theta_q32;
-    int32_t speed_q32;    /* turns per period, forward positive */
-    uint16_t middle_turn; /* of the present sector */
+    int32_t speed_q32;            /* turns per period, forward positive */
+    uint32_t begin_q32, span_q32; /* the sector: begin .. begin + span */
+    uint16_t middle_turn;         /* of the present sector */
     int16_t half_width_turn;
-    uint16_t begin_turn, span_turn; /* the sector: begin .. begin + span */
-    int32_t periods_since_edge;     /* 0 .. 65 535 */
-    int32_t overdue_periods;        /* periods_since_edge beyond which the speed decays */
-    int32_t bounce_periods;         /* a reversal within these is a bounce; 0: speed unknown */
-    int32_t standstill_periods;     /* 1/4 s */
-    int32_t reversal_periods;       /* 15 ms */
-    int32_t invalid_periods;        /* consecutive, in an impossible state */
+    int32_t periods_since_edge; /* 0 .. 65 535 */
+    int32_t overdue_periods;    /* periods_since_edge beyond which the speed decays */
+    int32_t bounce_periods;     /* a reversal within these is a bounce; 0: speed unknown */
+    int32_t standstill_periods; /* 1/4 s */
+    int32_t reversal_periods;   /* 15 ms */
+    int32_t invalid_periods;    /* consecutive, in an impossible state */
     uint16_t sector_periods[CONFIG_HALL_EDGES]; /* latest full crossing of each sector */
     uint32_t timed_turn, timed_periods; /* sums over the sectors timed in this movement, <= 6 */
     uint32_t edge_theta_q32;            /* at the last plausible edge */
@@ -90,12 +90,22 @@ typedef struct {
     hall_t hall;
     encoder_t encoder;
     angle_tracker_t tracker; /* of an absolute angle */
+    int32_t sensor;          /* config.rotor.sensor */
 } rotor_state_t;
 
 /* current_controller.h */
 typedef struct {
     pi_state_t d, q;
 } current_controller_t;
+
+/* current_controller.h: the tuning as the controller reads it */
+typedef struct {
+    q_pair_t d_gain_q10;      /* (k_p, -w L_q) of the d axis */
+    q_pair_t q_gain_q10;      /* (w L_d, k_p) of the q axis */
+    q_pair_t integral_q15;    /* (d, q) */
+    q_pair_t anti_windup_q15; /* (d, q) */
+    int32_t forward_d_q25, forward_q_q25;
+} current_gains_t;
 
 /* reference_prefilter.h: r'[n] = b0 r[n] + b1 r[n-1] + b2 r[n-2], b0 + b1 + b2 = 1 */
 typedef struct {
@@ -108,14 +118,14 @@ typedef struct {
 
 /* current_predictor.h */
 typedef struct {
-    int32_t lag_q15;           /* 1 - a, at least 1/16 */
+    int32_t lag_q16;           /* 1 - a, 1/16 .. 0.4 */
     int32_t first_q15;         /* (1 - b)/2: share of a change in its first period */
     int32_t second_q15;        /* b (1 - b)/2: remainder in its second period beyond the share a */
     int32_t weight_q15;        /* m, 0 .. 0.52 */
     int32_t target_first_q15;  /* distance of the target in the first period, 0.78 .. 0.84 */
     int32_t target_second_q15; /* in the second period, 0.27 .. 0.34 */
-    dq_t settled_pu;           /* the current once every change has settled */
-    dq_t remaining_pu;         /* settled minus predicted current */
+    dq16_t settled_pu;         /* the current once every change has settled */
+    dq16_t predicted_pu;       /* for the present period */
 } current_predictor_t;
 
 /* field_weakening.h */
@@ -133,7 +143,9 @@ typedef struct {
 } modulation_t;
 
 typedef struct {
-    current_tuning_t tuning; /* of the setpoint in use, delay compensated */
+    current_gains_t gains;   /* of the setpoint in use, delay compensated */
+    rotation_t advance;      /* of the setpoint in use */
+    dq16_t reference_pu;     /* prefiltered */
     dead_time_slope_t slope; /* of the setpoint in use */
     current_controller_t controller;
     modulation_t modulation;
@@ -152,6 +164,7 @@ typedef struct {
     int32_t sequence;  /* of the setpoint in use, or FOC_NO_SETPOINT */
     uint32_t quadrant; /* of the current vector with the bridge off, 0 .. 3 */
     bool calibrating;
+    bool postponed; /* a new setpoint waited for a period with a hall edge */
 } foc_state_t;
 
 #endif

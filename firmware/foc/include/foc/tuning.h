@@ -20,7 +20,7 @@ typedef struct {
     int32_t w_l_d_q10, w_l_q_q10; /* decoupling: w L I_base, sign of speed, |.| < 16 */
     int32_t forward_d_q25;        /* feed-forward: zero */
     int32_t forward_q_q25;        /* feed-forward: back-EMF w psi, sign of speed, |.| <= 8 */
-    sincos_t advance;             /* electrical angle of 1.5 periods */
+    rotation_t advance;           /* electrical angle of 1.5 periods */
 } current_tuning_t;
 
 /* Slope of the dead-time correction over the current: 1 and sqrt(3)/2 over the zone around zero

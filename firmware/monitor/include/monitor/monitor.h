@@ -59,7 +59,7 @@ typedef struct {
 } monitor_command_t;
 
 typedef struct {
-    dq_t i_pu;       /* Q15 of the current base */
+    dq16_t i_pu;     /* Q15 of the current base, components saturated */
     int32_t v_dc_pu; /* Q15 of the voltage base */
     bool power_stage_fault;
     bool switching; /* the bridge is in PWM mode */

@@ -16,8 +16,7 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
     }
     /* The vector's length is the peak of the three phases; below 2, so its square in Q30 fits 32
      * bits unsigned. */
-    const uint32_t square =
-        (uint32_t)in->i_pu.d * (uint32_t)in->i_pu.d + (uint32_t)in->i_pu.q * (uint32_t)in->i_pu.q;
+    const uint32_t square = q_pair_square(in->i_pu.v);
     if (square > state->overcurrent_square) {
         state->overcurrent_periods++;
         if (state->overcurrent_periods >= MONITOR_TRIP_PERIODS) {

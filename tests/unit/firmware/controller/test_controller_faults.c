@@ -141,6 +141,7 @@ void test_a_hall_sensor_set_that_says_nothing_sensible_ends_torque_and_then_the_
 {
     rig_start(&rig);
     rig.config.rotor.sensor = CONFIG_ROTOR_HALL;
+    controller_init(&rig.controller, &rig.config);
     rig.fast_in.hall_state = 5;
     rig.slow_in.enable = true;
     rig_run(&rig, 100);

@@ -22,10 +22,10 @@ void test_sine_and_cosine_are_within_one_lsb_of_the_exact_value_at_every_angle(v
     }
 }
 
-void test_the_four_quarter_turns_are_exact(void)
+void test_the_four_quarter_turns_are_exact_but_for_plus_one_which_saturates(void)
 {
     static const int32_t EXPECTED[4][2] = {
-        {0, 32768}, {32768, 0}, {0, -32768}, {-32768, 0}}; /* sin, cos */
+        {0, 32767}, {32767, 0}, {0, -32768}, {-32768, 0}}; /* sin, cos */
     for (uint16_t quarter = 0; quarter < 4; quarter++) {
         const sincos_t out = angle_sincos((uint16_t)(quarter * ANGLE_QUARTER_TURN));
         TEST_ASSERT_EQUAL_INT32(EXPECTED[quarter][0], out.sin);
@@ -54,12 +54,12 @@ void test_sine_and_cosine_are_never_large_together(void)
     }
 }
 
-void test_the_table_holds_the_sine_rounded_down(void)
+void test_the_table_holds_cosine_and_sine_rounded_down(void)
 {
-    for (int k = 0; k < ANGLE_TABLE_LENGTH; k++) {
-        const long double point = (long double)k + 0.5L;
-        TEST_ASSERT_EQUAL_INT(floorl(32768.0L * sinl(TURN * point / ANGLE_TABLE_POINTS)),
-                              ANGLE_SINE_TABLE[k]);
+    for (int k = 0; k < ANGLE_TABLE_POINTS; k++) {
+        const long double angle = TURN * ((long double)k + 0.5L) / ANGLE_TABLE_POINTS;
+        TEST_ASSERT_EQUAL_INT(floorl(32768.0L * cosl(angle)), q_pair_x(ANGLE_TABLE[k]));
+        TEST_ASSERT_EQUAL_INT(floorl(32768.0L * sinl(angle)), q_pair_y(ANGLE_TABLE[k]));
     }
 }
 

@@ -47,14 +47,18 @@ void test_nothing_is_left_at_the_ends_and_everything_at_zero(void)
     TEST_ASSERT_GREATER_OR_EQUAL(32765, circle_other_q15(0));
 }
 
-void test_the_table_holds_the_square_root_rounded_down(void)
+static long root(int k)
+{
+    const long exact =
+        (long)floorl(32768.0L * sqrtl(1.0L - (long double)k / CIRCLE_TABLE_SEGMENTS));
+    return exact > 32767 ? 32767 : exact;
+}
+
+void test_the_table_holds_the_square_root_rounded_down_and_twice_its_step(void)
 {
     for (int k = 0; k <= CIRCLE_TABLE_SEGMENTS; k++) {
-        const long exact =
-            (long)floorl(32768.0L * sqrtl(1.0L - (long double)k / CIRCLE_TABLE_SEGMENTS));
-        TEST_ASSERT_EQUAL_INT(exact > 32767 ? 32767 : exact, CIRCLE_TABLE[k].at);
-        const int next = k < CIRCLE_TABLE_SEGMENTS ? CIRCLE_TABLE[k + 1].at : CIRCLE_TABLE[k].at;
-        TEST_ASSERT_EQUAL_INT(next - CIRCLE_TABLE[k].at, CIRCLE_TABLE[k].rise);
+        const long step = k < CIRCLE_TABLE_SEGMENTS ? root(k + 1) - root(k) : 0;
+        TEST_ASSERT_EQUAL_INT(root(k) * 65536 + 2 * step, CIRCLE_TABLE[k]);
     }
 }
 

@@ -25,13 +25,25 @@ static current_tuning_t plain_tuning(void)
     return current_tuning(&config, 27493, 28102, 0, config.motor.reference_temperature_cC);
 }
 
-static voltage_out_t step(const current_tuning_t *tuning, int32_t d, int32_t q, int32_t i_d,
-                          int32_t i_q)
+/* The voltages of a period in plain numbers; without delay compensation. */
+typedef struct {
+    int32_t unsaturated_d, unsaturated_q;
+    dq_t applied;
+} voltages_t;
+
+static voltage_out_t period;
+
+static voltages_t step(const current_tuning_t *tuning, int32_t d, int32_t q, int32_t i_d,
+                       int32_t i_q)
 {
+    const dq_t no_target = {.d = 0, .q = 0};
     const dq_t reference = {.d = d, .q = q};
     const dq_t i = {.d = i_d, .q = i_q};
-    voltage_out_t out;
-    current_controller_step(&state, tuning, reference, i, &out);
+    const current_gains_t gains = current_gains_of(tuning, 0, no_target);
+    current_controller_step(&state, &gains, dq16_of(reference), dq16_of(i), &period);
+    const voltages_t out = {.unsaturated_d = period.unsaturated_d,
+                            .unsaturated_q = period.unsaturated_q,
+                            .applied = dq_of(period.applied)};
     return out;
 }
 
@@ -39,7 +51,7 @@ void test_without_error_and_speed_there_is_no_voltage(void)
 {
     const current_tuning_t tuning = plain_tuning();
     for (int n = 0; n < 100; n++) {
-        const voltage_out_t out = step(&tuning, 700, -900, 700, -900);
+        const voltages_t out = step(&tuning, 700, -900, 700, -900);
         TEST_ASSERT_EQUAL_INT32(0, out.applied.d);
         TEST_ASSERT_EQUAL_INT32(0, out.applied.q);
     }
@@ -49,7 +61,7 @@ void test_at_speed_without_current_the_voltage_is_the_back_emf(void)
 {
     const current_tuning_t tuning =
         current_tuning(&config, 27493, 28102, 20000000, config.motor.reference_temperature_cC);
-    const voltage_out_t out = step(&tuning, 0, 0, 0, 0);
+    const voltages_t out = step(&tuning, 0, 0, 0, 0);
     TEST_ASSERT_EQUAL_INT32(0, out.applied.d);
     TEST_ASSERT_INT32_WITHIN(1, tuning.forward_q_q25 >> 10, out.applied.q);
 }
@@ -61,7 +73,7 @@ void test_cross_coupling_has_the_sign_of_the_motor_equations(void)
     current_tuning_t tuning = still;
     tuning.w_l_q_q10 = 512; /* 0.5 */
     tuning.w_l_d_q10 = 256; /* 0.25 */
-    const voltage_out_t out = step(&tuning, 6000, 8000, 6000, 8000);
+    const voltages_t out = step(&tuning, 6000, 8000, 6000, 8000);
     TEST_ASSERT_INT32_WITHIN(1, -4000, out.applied.d);
     TEST_ASSERT_INT32_WITHIN(1, 1500, out.applied.q);
 }
@@ -73,7 +85,7 @@ void test_the_d_axis_takes_its_voltage_first_and_q_gets_what_the_circle_leaves(v
     tuning.q.proportional_q10 = 1024;
     for (int32_t d = 0; d <= 32767; d += 111) {
         current_controller_reset(&state);
-        const voltage_out_t out = step(&tuning, d, -32768, 0, 0);
+        const voltages_t out = step(&tuning, d, -32768, 0, 0);
         TEST_ASSERT_INT32_WITHIN(1, d, out.applied.d);
         TEST_ASSERT_TRUE(out.applied.q <= 0);
         TEST_ASSERT_TRUE(hypot(out.applied.d, out.applied.q) <= 32769.0);
@@ -90,7 +102,7 @@ void test_the_unsaturated_voltage_is_reported(void)
     current_tuning_t tuning = plain_tuning();
     tuning.d.proportional_q10 = 2048;
     tuning.q.proportional_q10 = 4096;
-    const voltage_out_t out = step(&tuning, 20000, -20000, 0, 0);
+    const voltages_t out = step(&tuning, 20000, -20000, 0, 0);
     TEST_ASSERT_EQUAL_INT32(40000, out.unsaturated_d);
     TEST_ASSERT_EQUAL_INT32(-80000, out.unsaturated_q);
     TEST_ASSERT_EQUAL_INT32(32767, out.applied.d);
@@ -134,8 +146,8 @@ void test_a_reset_clears_the_integrators(void)
 
 void test_currents_at_the_ends_of_their_formats_do_not_overflow(void)
 {
-    /* Measured vectors may be 1.53 long (frames.h), references 1.0, cross coupling 16. */
-    static const int32_t ENDS[] = {-50200, -32768, 0, 32767, 50200};
+    /* Components of sampled currents and references up to 1.0, cross coupling 16. */
+    static const int32_t ENDS[] = {-32768, -20000, 0, 20000, 32767};
     current_tuning_t tuning = plain_tuning();
     tuning.d.proportional_q10 = PI_LARGEST_PROPORTIONAL_Q10;
     tuning.q.proportional_q10 = PI_LARGEST_PROPORTIONAL_Q10;
@@ -146,8 +158,7 @@ void test_currents_at_the_ends_of_their_formats_do_not_overflow(void)
         for (int d = 0; d < 5; d++) {
             for (int q = 0; q < 5; q++) {
                 for (int r = -1; r <= 1; r += 2) {
-                    const voltage_out_t out =
-                        step(&tuning, r * 32767, -r * 32767, ENDS[d], ENDS[q]);
+                    const voltages_t out = step(&tuning, r * 32767, -r * 32767, ENDS[d], ENDS[q]);
                     TEST_ASSERT_TRUE(hypot(out.applied.d, out.applied.q) <= 32769.0);
                 }
             }
@@ -162,7 +173,7 @@ void test_the_reserve_reduces_the_d_integrator_by_what_exceeds_98_per_cent(void)
     static const int32_t BEYOND[] = {-7744, -744, -1, 0, 0, 0, 0, 0, 1, 744, 27744};
     for (int n = 0; n < 11; n++) {
         const voltage_out_t last = {
-            .unsaturated_d = WANTED[n], .unsaturated_q = 0, .applied = {.d = 0, .q = 0}};
+            .unsaturated_d = WANTED[n], .unsaturated_q = 0, .applied = {.v = q_pair(0, 0)}};
         state.d.integrator_q30 = 12345;
         state.q.integrator_q30 = -777;
         current_controller_keep_reserve(&state, &last);
@@ -175,11 +186,11 @@ void test_the_next_voltage_leaves_q_at_least_17_per_cent(void)
 {
     const current_tuning_t tuning = plain_tuning();
     state.d.integrator_q30 = 1 << 29;
-    voltage_out_t out = step(&tuning, 30000, 20000, 0, 0); /* far more than there is */
+    voltages_t out = step(&tuning, 30000, 20000, 0, 0); /* far more than there is */
     TEST_ASSERT_EQUAL_INT32(32767, out.applied.d);
     TEST_ASSERT_LESS_THAN_INT32(300, out.applied.q);
     for (int n = 0; n < 10 && out.unsaturated_d > CURRENT_CONTROLLER_D_LIMIT_Q15; n++) {
-        current_controller_keep_reserve(&state, &out);
+        current_controller_keep_reserve(&state, &period);
         out = step(&tuning, 1000, 20000, 0, 0);
     }
     TEST_ASSERT_GREATER_OR_EQUAL_INT32((int32_t)(0.17 * 32768), out.applied.q);

@@ -26,7 +26,7 @@ void test_the_prediction_is_the_middle_of_each_period_between_the_designed_sampl
             if (!prefilter.settled || n == 0) {
                 (void)apply(after);
             }
-            const dq_t expected = current_predictor_step(&predictor);
+            const dq_t expected = dq_of(current_predictor_step(&predictor));
             const double come = 0.5 * (designed(b, n + 1) + designed(b, n + 2));
             /* What rounding leaves undone: below 1/lag, 16 LSB, of each change. */
             TEST_ASSERT_DOUBLE_WITHIN(32.0, before.d + come * (after.d - before.d), expected.d);
@@ -63,27 +63,27 @@ void test_the_predicted_mean_may_differ_from_the_reference(void)
     const dq_t expected = {.d = -25, .q = 3000};
     for (int n = 0; n < 200; n++) {
         const shaped_t given = shape(&prefilter, &predictor, reference, expected);
-        const dq_t now = current_predictor_step(&predictor);
+        const dq_t now = dq_of(current_predictor_step(&predictor));
         TEST_ASSERT_EQUAL_INT32(-25, now.d); /* it is there from the start */
         TEST_ASSERT_EQUAL_INT32(0, given.reference_pu.d);
     }
-    TEST_ASSERT_INT_WITHIN(4, 3000, current_predictor_step(&predictor).q);
+    TEST_ASSERT_INT_WITHIN(4, 3000, dq_of(current_predictor_step(&predictor)).q);
 }
 
 void test_the_lag_is_at_least_a_sixteenth_and_a_bandwidth_beyond_the_range_counts_as_its_end(void)
 {
     config.current_loop.bandwidth_Hz = 10;
     start();
-    TEST_ASSERT_EQUAL_INT32(32768 / 16, predictor.lag_q15);
+    TEST_ASSERT_EQUAL_INT32(65536 / 16, predictor.lag_q16);
     config.current_loop.bandwidth_Hz = 1592;
     start();
     const reference_prefilter_t fastest = prefilter;
-    const int32_t fastest_lag_q15 = predictor.lag_q15;
-    TEST_ASSERT_DOUBLE_WITHIN(1.0, 32768.0 * (1.0 - exp(-0.5)), fastest_lag_q15);
+    const int32_t fastest_lag_q16 = predictor.lag_q16;
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, 65536.0 * (1.0 - exp(-0.5)), fastest_lag_q16);
     config.current_loop.bandwidth_Hz = 10000;
     config.drive.pwm_frequency_Hz = 4000;
     start();
-    TEST_ASSERT_EQUAL_INT32(fastest_lag_q15, predictor.lag_q15);
+    TEST_ASSERT_EQUAL_INT32(fastest_lag_q16, predictor.lag_q16);
     TEST_ASSERT_EQUAL_INT32(fastest.one_minus_b0_q15, prefilter.one_minus_b0_q15);
     TEST_ASSERT_EQUAL_INT32(fastest.minus_b2_q15, prefilter.minus_b2_q15);
 }
@@ -106,7 +106,7 @@ void test_every_coefficient_is_in_the_range_that_the_proofs_assume(void)
                              predictor.target_first_q15 <= 27525);
             TEST_ASSERT_TRUE(predictor.target_second_q15 >= 0 &&
                              predictor.target_second_q15 <= 11141);
-            TEST_ASSERT_TRUE(predictor.lag_q15 >= 2048 && predictor.lag_q15 <= 32767);
+            TEST_ASSERT_TRUE(predictor.lag_q16 >= 4096 && predictor.lag_q16 <= 25788);
         }
     }
 }
@@ -122,15 +122,15 @@ void test_a_reset_predicts_zero_and_starts_anew(void)
     reference_prefilter_reset(&prefilter);
     current_predictor_reset(&predictor);
     for (int n = 0; n < 3; n++) {
-        const dq_t expected = current_predictor_step(&predictor);
+        const dq_t expected = dq_of(current_predictor_step(&predictor));
         TEST_ASSERT_EQUAL_INT32(0, expected.d);
         TEST_ASSERT_EQUAL_INT32(0, expected.q);
     }
     const dq_t again = apply(reference).reference_pu;
     const dq_t first = shape(&fresh, &fresh_predictor, reference, reference).reference_pu;
     TEST_ASSERT_EQUAL_MEMORY(&first, &again, sizeof(again));
-    TEST_ASSERT_EQUAL_INT32(current_predictor_step(&fresh_predictor).q,
-                            current_predictor_step(&predictor).q);
+    TEST_ASSERT_EQUAL_INT32(dq_of(current_predictor_step(&fresh_predictor)).q,
+                            dq_of(current_predictor_step(&predictor)).q);
 }
 
 void test_the_predicted_current_stays_in_the_unit_circle_for_references_inside_it(void)
@@ -147,7 +147,7 @@ void test_the_predicted_current_stays_in_the_unit_circle_for_references_inside_i
                 reference.q = (int32_t)(32767.0 * sin(angle));
             }
             (void)apply(reference);
-            const dq_t expected = current_predictor_step(&predictor);
+            const dq_t expected = dq_of(current_predictor_step(&predictor));
             TEST_ASSERT_TRUE(hypot(expected.d, expected.q) <= 32768.0 + 24.0);
         }
     }

@@ -34,6 +34,12 @@ static void add(int32_t d, int32_t q, int32_t power, int32_t v_dc)
     steps++;
 }
 
+static void set_applied(int32_t d, int32_t q)
+{
+    const dq_t applied = {.d = d, .q = q};
+    report.current.voltage.applied = dq16_of(applied);
+}
+
 void test_before_the_first_step_the_given_bus_voltage_and_no_current_count(void)
 {
     const mean_values_t out = mean_values_step(&state, &report, steps);
@@ -101,8 +107,7 @@ void test_the_voltage_was_limited_when_either_axis_got_less_than_it_wanted(void)
     for (int axis = 0; axis < 3; axis++) {
         report.current.voltage.unsaturated_d = 100;
         report.current.voltage.unsaturated_q = 200;
-        report.current.voltage.applied.d = axis == 1 ? 99 : 100;
-        report.current.voltage.applied.q = axis == 2 ? 199 : 200;
+        set_applied(axis == 1 ? 99 : 100, axis == 2 ? 199 : 200);
         add(0, 0, 0, 0);
         TEST_ASSERT_EQUAL_INT(axis != 0, mean_values_step(&state, &report, steps).voltage_limited);
     }
@@ -133,7 +138,7 @@ void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle
                             }
                         }
                         report.current.i_pu = transforms_park(sense_step(&sense, codes, on).i,
-                                                              angle_sincos((uint16_t)theta));
+                                                              angle_rotation((uint16_t)theta));
                         add(0, 0, 0, 0);
                         const bool seen = mean_values_step(&state, &report, steps).adc_saturated;
                         if (phase != unused) {
@@ -143,8 +148,8 @@ void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle
                 }
                 uint16_t codes[3] = {2000, 2050, 2040};
                 codes[unused] = SENSE_CODE_MAX;
-                report.current.i_pu =
-                    transforms_park(sense_step(&sense, codes, on).i, angle_sincos((uint16_t)theta));
+                report.current.i_pu = transforms_park(sense_step(&sense, codes, on).i,
+                                                      angle_rotation((uint16_t)theta));
                 add(0, 0, 0, 0);
                 TEST_ASSERT_FALSE(mean_values_step(&state, &report, steps).adc_saturated);
             }
@@ -155,8 +160,7 @@ void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle
 void test_the_use_of_the_voltage_is_its_square_with_q_as_wanted(void)
 {
     add(0, 0, 0, 20000);
-    report.current.voltage.applied.d = 16384; /* a half */
-    report.current.voltage.applied.q = 28377;
+    set_applied(16384, 28377);                    /* a half, sqrt 3 / 2 */
     report.current.voltage.unsaturated_q = 28377; /* sqrt 3 / 2 */
     TEST_ASSERT_INT32_WITHIN(2, 32768,
                              mean_values_step(&state, &report, steps).modulation_square_q15);
@@ -165,7 +169,7 @@ void test_the_use_of_the_voltage_is_its_square_with_q_as_wanted(void)
     TEST_ASSERT_INT32_WITHIN(4, 8192 + 32766,
                              mean_values_step(&state, &report, steps).modulation_square_q15);
     add(0, 0, 0, 20000);
-    report.current.voltage.applied.d = 0;
+    set_applied(0, 28377);
     report.current.voltage.unsaturated_q = 0;
     TEST_ASSERT_EQUAL_INT32(0, mean_values_step(&state, &report, steps).modulation_square_q15);
 }

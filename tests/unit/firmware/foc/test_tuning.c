@@ -111,8 +111,8 @@ void test_the_angle_is_advanced_by_one_and_a_half_periods(void)
         const double angle = 1.5 * SPEEDS_Q32[s] / 4294967296.0 * 2.0 * PI;
         /* The advance is rounded down to three 65 536ths of a turn, 2.9e-4 rad or 9.4 LSB, and sine
          * has its own 1. */
-        TEST_ASSERT_DOUBLE_WITHIN(11.0, 32768.0 * sin(angle), tuning.advance.sin);
-        TEST_ASSERT_DOUBLE_WITHIN(11.0, 32768.0 * cos(angle), tuning.advance.cos);
+        TEST_ASSERT_DOUBLE_WITHIN(11.0, 32768.0 * sin(angle), q_pair_y(tuning.advance.v));
+        TEST_ASSERT_DOUBLE_WITHIN(11.0, 32768.0 * cos(angle), q_pair_x(tuning.advance.v));
     }
 }
 

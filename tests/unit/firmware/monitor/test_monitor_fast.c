@@ -17,7 +17,7 @@ static monitor_command_t command;
 static monitor_fast_input_t in;
 
 static const monitor_fast_input_t HEALTHY = {
-    .i_pu = {.d = -400, .q = 1000},
+    .i_pu = {.v = Q_PAIR_INIT(-400, 1000)},
     .v_dc_pu = 28102, /* 53 V */
     .power_stage_fault = false,
     .switching = true,
@@ -37,6 +37,11 @@ void setUp(void)
 }
 
 void tearDown(void) {}
+
+static void set_current(int32_t d, int32_t q)
+{
+    in.i_pu.v = q_pair(d, q);
+}
 
 static reason_t step(void)
 {
@@ -69,9 +74,8 @@ void test_an_over_current_in_any_direction_trips_in_its_second_period(void)
                                             {3, 4}, {-4, 3}, {-3, -4}, {4, -3}};
     for (int k = 0; k < 8; k++) {
         setUp();
-        in.i_pu.d = (LIMIT + 5) * DIRECTION[k][0] /
-                    5; /* rounded towards zero by less than 1 each, so still longer */
-        in.i_pu.q = (LIMIT + 5) * DIRECTION[k][1] / 5;
+        /* Rounded towards zero by less than 1 each, so still longer. */
+        set_current((LIMIT + 5) * DIRECTION[k][0] / 5, (LIMIT + 5) * DIRECTION[k][1] / 5);
         TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
         TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
     }
@@ -79,13 +83,13 @@ void test_an_over_current_in_any_direction_trips_in_its_second_period(void)
 
 void test_the_longest_vector_that_can_be_measured_counts_as_an_over_current(void)
 {
-    /* alpha of -1 and beta of 2/sqrt 3: 1.53 long, in every direction. */
+    /* Components saturate at 1, also with the largest limit there may be. */
+    config.monitor.overcurrent_pu_q15 = INT16_MAX;
     static const int32_t LONGEST[4][2] = {
-        {-50197, 0}, {0, 50197}, {-32768, 37837}, {32767, -37837}};
+        {INT16_MAX, 0}, {0, INT16_MIN}, {INT16_MIN, INT16_MIN}, {INT16_MAX, INT16_MIN}};
     for (int k = 0; k < 4; k++) {
-        setUp();
-        in.i_pu.d = LONGEST[k][0];
-        in.i_pu.q = LONGEST[k][1];
+        monitor_fast_init(&state, &config);
+        set_current(LONGEST[k][0], LONGEST[k][1]);
         step();
         TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
     }
@@ -93,15 +97,14 @@ void test_the_longest_vector_that_can_be_measured_counts_as_an_over_current(void
 
 void test_a_current_just_at_its_limit_may_last(void)
 {
-    in.i_pu.d = 0;
-    in.i_pu.q = -LIMIT;
+    set_current(0, -LIMIT);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
 }
 
 void test_single_spikes_do_not_add_up_to_an_over_current(void)
 {
     for (int n = 0; n < 1000; n++) {
-        in.i_pu.q = n % 2 == 0 ? INT16_MAX : 0;
+        set_current(0, n % 2 == 0 ? INT16_MAX : 0);
         in.slow_step_count++;
         TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
     }
@@ -109,10 +112,9 @@ void test_single_spikes_do_not_add_up_to_an_over_current(void)
 
 void test_an_over_current_that_turns_is_still_one(void)
 {
-    in.i_pu.q = LIMIT + 1;
+    set_current(0, LIMIT + 1);
     step();
-    in.i_pu.q = 0;
-    in.i_pu.d = -(LIMIT + 1);
+    set_current(-(LIMIT + 1), 0);
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
 }
 
@@ -181,7 +183,7 @@ void test_the_first_trip_keeps_its_name(void)
     in.v_dc_pu = ABOVE_TRIP_V;
     step();
     in.power_stage_fault = true;
-    in.i_pu.q = INT16_MAX;
+    set_current(0, INT16_MAX);
     TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, run(100));
 }
 
@@ -212,7 +214,7 @@ void test_an_acknowledgement_does_not_hide_a_cause_that_is_still_there(void)
 
 void test_an_over_current_that_outlasts_an_acknowledgement_trips_again(void)
 {
-    in.i_pu.q = LIMIT + 1;
+    set_current(0, LIMIT + 1);
     run(2);
     command.clear_trip = true;
     run(1000);
@@ -233,8 +235,7 @@ void test_a_new_start_forgets_everything(void)
  * second period. */
 void test_after_an_acknowledgement_an_over_current_trips_in_its_second_period_again(void)
 {
-    in.i_pu.d = LIMIT + 5;
-    in.i_pu.q = 0;
+    set_current(LIMIT + 5, 0);
     (void)step();
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
     command.clear_trip = true;

@@ -56,7 +56,11 @@ static inline void step(bool run)
         setpoint.sequence++;
         previous = setpoint;
     }
-    foc_step(&foc, &config, &setpoint, run, &in, &report);
+    if (run) {
+        foc_step(&foc, &setpoint, &in, &report, &config);
+    } else {
+        foc_idle_step(&foc, &setpoint, &in, &report, &config);
+    }
 }
 
 #endif

@@ -44,7 +44,7 @@ static inline shaped_t shape(reference_prefilter_t *of, current_predictor_t *by,
                              dq_t settled)
 {
     const reference_change_t change = reference_prefilter_take(of, reference);
-    current_predictor_change(by, &change, settled);
+    current_predictor_change(by, &change, settled, !of->settled);
     const shaped_t out = {
         .reference_pu = reference_prefilter_output(of, &change),
         .target_pu = current_predictor_target(by, &change),

@@ -24,7 +24,7 @@ static double half_period(void)
 static void run_periods(int periods)
 {
     for (int n = 0; n < periods; n++) {
-        foc_step(&foc, &config, &setpoint, true, &in, &report);
+        foc_step(&foc, &setpoint, &in, &report, &config);
     }
 }
 
@@ -38,12 +38,12 @@ void test_a_command_is_looked_at_when_its_number_changes(void)
     setpoint.tuning.q.proportional_q10 = 1;
     run_periods(3);
     TEST_ASSERT_EQUAL_INT32(5000, report.current.i_reference_pu.q);
-    TEST_ASSERT_NOT_EQUAL(1, foc.current.tuning.q.proportional_q10);
+    TEST_ASSERT_NOT_EQUAL(1, q_pair_y(foc.current.gains.q_gain_q10));
     setpoint.sequence = 8;
     run_periods(3);
     TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
-    TEST_ASSERT_EQUAL_MEMORY(&setpoint.tuning, &foc.current.tuning, sizeof(setpoint.tuning));
-    foc_step(&foc, &config, &setpoint, false, &in, &report);
+    TEST_ASSERT_EQUAL(1, q_pair_y(foc.current.gains.q_gain_q10));
+    foc_idle_step(&foc, &setpoint, &in, &report, &config);
     TEST_ASSERT_EQUAL_INT32(0, report.current.i_reference_pu.q);
     run_periods(3); /* the same one again, after a rest */
     TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
@@ -99,13 +99,14 @@ void test_a_start_after_a_rest_expects_no_current_yet(void)
         step(true);
     }
     step(false);
-    TEST_ASSERT_EQUAL_INT32(0, current_predictor_step(&foc.current.predictor).q);
+    TEST_ASSERT_EQUAL_INT32(0, dq_of(current_predictor_step(&foc.current.predictor)).q);
     step(true);
     /* (1 - b)/2 has come in the middle of the first period; what is missing has shrunk to a share a
      * = b^2 since. */
     const double b = half_period();
     const double left = 7000.0 * 0.5 * (1.0 + b) * b * b;
-    TEST_ASSERT_DOUBLE_WITHIN(2.0, 7000.0 - left, current_predictor_step(&foc.current.predictor).q);
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, 7000.0 - left,
+                              dq_of(current_predictor_step(&foc.current.predictor)).q);
 }
 
 void test_demagnetising_current_grows_by_gain_times_missing_square_in_every_period(void)

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * pair.h: two signed 16-bit numbers x and y processed together, e.g. the components of a vector or
+ * a complex number x + j y. One to two instructions each where a port supplies them
+ * (hal/cortex_m/pair.h); here the portable definition with the same results. Any context.
+ *
+ * Arguments named x and y must be within 16 bits; products are exact in 32 bits. q_pair_dot() and
+ * q_pair_im() of (-32768, -32768) with itself is the only sum that overflows, and must not occur.
+ */
+#ifndef CORE_PAIR_H
+#define CORE_PAIR_H
+
+#include <stdint.h>
+
+#include "core/q15.h"
+
+#ifndef Q_TARGET_PAIR
+
+typedef struct {
+    int32_t x, y;
+} q_pair_t;
+
+/* Constant initialiser. */
+#define Q_PAIR_INIT(x_value, y_value)                                                              \
+    {                                                                                              \
+        (x_value), (y_value)                                                                       \
+    }
+
+/* (x >> bits, y >> 16); bits: a literal such that x >> bits is within 16 bits. */
+#define Q_PAIR_SHIFTED(x_value, bits, y_value) q_pair((x_value) >> (bits), (y_value) >> 16)
+
+Q_TARGET_INLINE q_pair_t q_pair(int32_t x, int32_t y)
+{
+    const q_pair_t out = {.x = x, .y = y};
+    return out;
+}
+
+Q_TARGET_INLINE int32_t q_pair_x(q_pair_t a)
+{
+    return a.x;
+}
+
+Q_TARGET_INLINE int32_t q_pair_y(q_pair_t a)
+{
+    return a.y;
+}
+
+/* a + b; both sums must be within 16 bits. */
+Q_TARGET_INLINE q_pair_t q_pair_add(q_pair_t a, q_pair_t b)
+{
+    return q_pair(a.x + b.x, a.y + b.y);
+}
+
+/* a - b; both differences must be within 16 bits. */
+Q_TARGET_INLINE q_pair_t q_pair_difference(q_pair_t a, q_pair_t b)
+{
+    return q_pair(a.x - b.x, a.y - b.y);
+}
+
+/* a - b, each component saturated to 16 bits. */
+Q_TARGET_INLINE q_pair_t q_pair_subtract(q_pair_t a, q_pair_t b)
+{
+    return q_pair(q_saturate16(a.x - b.x), q_saturate16(a.y - b.y));
+}
+
+/* |a|^2, up to 2^31. */
+Q_TARGET_INLINE uint32_t q_pair_square(q_pair_t a)
+{
+    return (uint32_t)(a.x * a.x) + (uint32_t)(a.y * a.y);
+}
+
+/* Real part of conj(a) b. */
+Q_TARGET_INLINE int32_t q_pair_dot(q_pair_t a, q_pair_t b)
+{
+    return a.x * b.x + a.y * b.y;
+}
+
+/* Imaginary part of conj(a) b. */
+Q_TARGET_INLINE int32_t q_pair_cross(q_pair_t a, q_pair_t b)
+{
+    return a.x * b.y - a.y * b.x;
+}
+
+/* Real part of a b. */
+Q_TARGET_INLINE int32_t q_pair_re(q_pair_t a, q_pair_t b)
+{
+    return a.x * b.x - a.y * b.y;
+}
+
+/* Imaginary part of a b. */
+Q_TARGET_INLINE int32_t q_pair_im(q_pair_t a, q_pair_t b)
+{
+    return a.x * b.y + a.y * b.x;
+}
+
+/* sum + the lower halves of a and b, signed, multiplied; the result must be within 32 bits. */
+Q_TARGET_INLINE int32_t q_mac_lower(int32_t sum, int32_t a, int32_t b)
+{
+    return sum + (int16_t)a * (int16_t)b;
+}
+
+/* sum + a.x b.x; the result must be within 32 bits. */
+Q_TARGET_INLINE int32_t q_pair_mac_x(int32_t sum, q_pair_t a, q_pair_t b)
+{
+    return sum + a.x * b.x;
+}
+
+/* sum + a.y b.y; the result must be within 32 bits. */
+Q_TARGET_INLINE int32_t q_pair_mac_y(int32_t sum, q_pair_t a, q_pair_t b)
+{
+    return sum + a.y * b.y;
+}
+
+#endif
+
+#endif

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * idle.h: a PWM period with the bridge off or in active short circuit. The currents are measured;
+ * everything else is reset, so that the next start is bump-free.
+ */
+#ifndef FOC_IDLE_H
+#define FOC_IDLE_H
+
+#include "foc/foc.h"
+
+/* calibrate_offsets: also a sample of the offset calibration, which restarts when it was false. */
+void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[SENSE_PHASES],
+               foc_report_t *report);
+
+/* Half the period on every leg. */
+void idle_centre_on_times(foc_current_state_t *state);
+
+#endif

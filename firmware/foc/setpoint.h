@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * setpoint.h: applies the slow loop's setpoint to the current controller. Runs in the PWM periods
+ * with a new setpoint, a new field-weakening current, or a reference that has not settled.
+ */
+#ifndef FOC_SETPOINT_H
+#define FOC_SETPOINT_H
+
+#include "foc/foc.h"
+
+/* period->i_reference_pu becomes the setpoint plus the field-weakening current, prefiltered and
+ * limited to the current circle with priority for d. */
+void setpoint_apply(foc_state_t *state, const foc_setpoint_t *setpoint, foc_period_t *period);
+
+#endif
