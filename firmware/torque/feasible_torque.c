@@ -11,6 +11,7 @@ enum {
     SMALL_b = 1 << 8,
     CIRCLE_PASSES = 3,
     CIRCLE_RESERVE_LOG2 = 8, /* 0.4 % */
+    MOST_TORQUE_b = 1 << 29,
     MOST_b = 1 << 25
 };
 
@@ -294,7 +295,7 @@ static motor_point_t at_cap(const feasible_set_t *set, side_t side, int32_t cap_
 {
     const motor_model_t *m = set->model;
     const int32_t shaft_b = scaled_shift(cap_mNm, m->constants->torque_shift);
-    const int32_t airgap_b = side * shaft_b + m->friction_b;
+    const int32_t airgap_b = side * q_min(shaft_b, MOST_TORQUE_b) + m->friction_b;
     const int32_t map_b = map_d_b(set, airgap_b);
     motor_point_t at = {.d_b = map_b, .x_b = motor_model_x_of_airgap_b(m, airgap_b, map_b)};
     if (!voltage_suffices(set, at)) {
