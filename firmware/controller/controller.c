@@ -111,11 +111,9 @@ static int32_t phase_mV(int32_t share_q15, int32_t modulation_limit_q15, int32_t
     return q_scale(q_scale(share_q15, modulation_limit_q15, 32768), bus_mV, 56756);
 }
 
-static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow,
-                                               const config_t *config,
-                                               const fast_report_t *from_fast,
-                                               const slow_input_t *in, int32_t speed_mrad_s,
-                                               int32_t bus_mV)
+static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const config_t *config,
+                                          const fast_report_t *from_fast, const slow_input_t *in,
+                                          int32_t speed_mrad_s, int32_t bus_mV)
 {
     const monitor_slow_input_t out = {
         .fast_trip = from_fast->monitor.trip,
@@ -150,34 +148,34 @@ static monitor_slow_input_t watched_by_monitor(const controller_slow_t *slow,
 
 static modes_output_t decide_mode(controller_slow_t *slow, const config_t *config,
                                   const fast_report_t *from_fast, const slow_input_t *in,
-                                  const monitor_output_t *verdict, int32_t speed_mrad_s)
+                                  const monitor_output_t *watch, int32_t speed_mrad_s)
 {
     const modes_input_t modes_in = {
         .config_accepted = in->config_accepted,
         .selftest_passed = in->selftest_passed,
         .offsets_done = from_fast->foc.offsets_done,
-        .offsets_plausible = verdict->offsets_plausible,
+        .offsets_plausible = watch->offsets_plausible,
         .rotor_valid = from_fast->foc.current.rotor.valid,
         .rolling = q_abs(speed_mrad_s) > config->brake.blend_out_end_mrad_s,
         .enable = in->enable,
         .drive_demanded = in->drive_torque_mNm != 0,
         .torque_demanded = in->drive_torque_mNm != 0 || in->brake_torque_mNm > 0,
         .fault_reset = in->fault_reset,
-        .warning = verdict->warning != REASON_NONE,
-        .warning_reason = verdict->warning,
-        .fault = verdict->fault,
-        .safe_bridge = verdict->safe_bridge,
+        .warning = watch->warning != REASON_NONE,
+        .warning_reason = watch->warning,
+        .fault = watch->fault,
+        .safe_bridge = watch->safe_bridge,
     };
     return modes_step(&slow->modes, &modes_in);
 }
 
-static torque_output_t flow_torque(controller_slow_t *slow, const config_t *config,
+static torque_output_t step_torque(controller_slow_t *slow, const config_t *config,
                                    const fast_report_t *from_fast, const slow_input_t *in,
                                    const torque_enable_t *torque_enable, int32_t speed_mrad_s,
                                    int32_t bus_mV, const sampling_correction_t *sampling)
 {
     const dq_t mean_pu = sampling_correction_to_mean(sampling, slow->summary.latest.i_pu);
-    const int32_t told_mV =
+    const int32_t commanded_mV =
         phase_mV(MODULATION_INDEX_TARGET_Q15, slow->modulation_limit_q15, bus_mV);
     const torque_input_t torque_in = {
         .drive_torque_mNm = in->drive_torque_mNm,
@@ -195,7 +193,7 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
         .voltage_use_q15 = slow->summary.latest.modulation_square_q15,
         .rotor_valid = from_fast->foc.current.rotor.valid,
         .bus_voltage_mV = bus_mV,
-        .phase_voltage_mV = sampling_correction_mean_voltage(sampling, told_mV),
+        .phase_voltage_mV = sampling_correction_mean_voltage(sampling, commanded_mV),
         .bms_charge_current_mA = in->bms_charge_current_mA,
         .bms_discharge_current_mA = in->bms_discharge_current_mA,
         .winding_temperature_cC = in->winding_temperature_cC,
@@ -205,8 +203,8 @@ static torque_output_t flow_torque(controller_slow_t *slow, const config_t *conf
     return torque_step(&slow->torque, config, &torque_in);
 }
 
-/* The reference that the fast reach compares its samples with. It adds what it weakens the field
- * by, of which the slow reach has taken account as of a mean. */
+/* The reference that the fast loop compares its samples with. It adds what it weakens the field
+ * by, of which the slow loop has taken account as of a mean. */
 static dq_t sampled_reference_pu(const config_t *config, const current_setpoint_t *current,
                                  int32_t i_d_weakening_pu, const sampling_correction_t *sampling)
 {
@@ -230,13 +228,13 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     const int32_t bus_mV = bases_bus_voltage_mV(config, summary.v_dc_pu);
 
     const monitor_slow_input_t watched =
-        watched_by_monitor(slow, config, from_fast, in, speed_mrad_s, bus_mV);
-    const monitor_output_t verdict = monitor_slow_step(&slow->monitor, config, &watched);
-    const modes_output_t modes = decide_mode(slow, config, from_fast, in, &verdict, speed_mrad_s);
+        monitor_input(slow, config, from_fast, in, speed_mrad_s, bus_mV);
+    const monitor_output_t watch = monitor_slow_step(&slow->monitor, config, &watched);
+    const modes_output_t modes = decide_mode(slow, config, from_fast, in, &watch, speed_mrad_s);
     const int32_t speed_q32 = from_fast->foc.current.rotor.speed_q32;
     const sampling_correction_t sampling =
         sampling_correction_at(config, speed_q32, in->winding_temperature_cC);
-    const torque_output_t torque = flow_torque(slow, config, from_fast, in, &modes.torque_enable,
+    const torque_output_t torque = step_torque(slow, config, from_fast, in, &modes.torque_enable,
                                                speed_mrad_s, bus_mV, &sampling);
 
     slow->step_count++;
@@ -251,7 +249,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
                                          speed_q32, in->winding_temperature_cC);
     to_fast->foc.dead_time_slope = dead_time_slope_at(config, summary.v_dc_pu);
     to_fast->foc.calibrate_offsets = modes.calibrate_offsets;
-    to_fast->monitor.safe_bridge = verdict.safe_bridge;
+    to_fast->monitor.safe_bridge = watch.safe_bridge;
     to_fast->monitor.clear_trip = modes.clear_trip;
     to_fast->torque_enable = modes.torque_enable;
     to_fast->slow_step_count = slow->step_count;
@@ -272,7 +270,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         .fault_reason = modes.fault,
         .mode = modes.mode,
         .stop_lamp = torque.stop_lamp,
-        .standstill = verdict.standstill,
+        .standstill = watch.standstill,
     };
     return out;
 }

@@ -49,7 +49,7 @@ static void fail(modes_state_t *state, reason_t fault)
 
 /* A rising edge of fault_reset counts only at rest and without a torque demand. It stays pending
  * for a moment, because the fast loop must forget its trip and look again before the monitor can
- * be content. */
+ * be without a fault. */
 static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *in)
 {
     const bool edge = in->fault_reset && !state->reset_before;
@@ -87,7 +87,7 @@ static void advance(modes_state_t *state, const modes_input_t *in, bool acknowle
             break;
         }
         if (state->steps < MODES_CALIBRATION_SETTLE_STEPS) {
-            break; /* the fast loop has not seen the order yet: its answer would be of the last
+            break; /* the fast loop has not seen the request yet: its answer would be of the last
                       calibration */
         }
         if (in->offsets_done) {

@@ -26,27 +26,27 @@ bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s,
     return line_mV >= limit_mV ? BRIDGE_SHORT : BRIDGE_OFF;
 }
 
-/* How many consecutive steps a condition has held; saturates. */
-static bool held(uint16_t *steps, bool condition, int32_t limit)
+/* Debounce: true once a condition has lasted for `limit` consecutive steps. */
+static bool qualified(uint16_t *steps, bool condition, int32_t limit)
 {
     *steps = condition ? (uint16_t)q_min(*steps + 1, UINT16_MAX) : (uint16_t)0;
     return *steps >= limit;
 }
 
 /* Torque that nobody asked for: more than the command in its direction, or any in the other. Less
- * torque than asked is not dangerous here: the arbiter moves it to the hydraulic brake. */
+ * torque than asked is not dangerous here: brake blending moves it to the hydraulic brake. */
 static bool torque_unwanted(const config_t *config, const monitor_slow_input_t *in)
 {
     const int64_t tolerance_mNm =
-        config->monitor.torque_tolerance_mNm; /* 64 bits: a watcher trusts no number */
+        config->monitor.torque_tolerance_mNm; /* 64 bits: no input is trusted */
     const int64_t high_mNm = q_max(in->torque_command_mNm, 0) + tolerance_mNm;
     const int64_t low_mNm = q_min(in->torque_command_mNm, 0) - tolerance_mNm;
     return in->torque_estimate_mNm > high_mNm || in->torque_estimate_mNm < low_mNm;
 }
 
-/* Without a valid angle the torque leaves in its ramp; the valve must not close in the middle of
+/* Without a valid angle the torque leaves in its ramp; torque must not be disabled in the middle of
  * it, for that would be the step that the ramp is there to avoid. */
-static int32_t rotor_confirm_steps(const config_t *config)
+static int32_t rotor_qualify_steps(const config_t *config)
 {
     return q_scale(config->motor.max_torque_mNm, 1000, config->brake.torque_rate_mNm_s) +
            MONITOR_ROTOR_STEPS;
@@ -101,15 +101,15 @@ static reason_t temperature_fault(const config_t *config, const monitor_slow_inp
 
 /* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every
  * electrical turn. */
-static bool rotor_doubtful(monitor_slow_state_t *state, uint16_t rotor_faults)
+static bool rotor_warning(monitor_slow_state_t *state, uint16_t rotor_faults)
 {
     if (rotor_faults != state->last_rotor_faults) {
-        state->doubt_steps = MONITOR_DOUBT_STEPS;
-    } else if (state->doubt_steps > 0) {
-        state->doubt_steps--;
+        state->warning_steps = MONITOR_ROTOR_WARNING_STEPS;
+    } else if (state->warning_steps > 0) {
+        state->warning_steps--;
     }
     state->last_rotor_faults = rotor_faults;
-    return state->doubt_steps > 0;
+    return state->warning_steps > 0;
 }
 
 static bool offsets_plausible(const config_t *config, const int32_t offset_q4[3])
@@ -159,43 +159,43 @@ static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
 monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
                                    const monitor_slow_input_t *in)
 {
-    const bool sum_wrong =
-        held(&state->sum_steps,
-             in->offsets_known && q_abs(in->current_sum_pu) > config->monitor.current_sum_pu_q15,
-             MONITOR_CONFIRM_STEPS);
-    const bool sensor_wrong =
-        held(&state->sensor_steps, in->switching && in->current_saturated, MONITOR_CONFIRM_STEPS);
-    const bool rotor_wrong =
-        held(&state->rotor_steps, in->switching && !in->rotor_valid, rotor_confirm_steps(config));
+    const bool sum_wrong = qualified(&state->sum_steps,
+                                     in->offsets_known && q_abs(in->current_sum_pu) >
+                                                              config->monitor.current_sum_pu_q15,
+                                     MONITOR_QUALIFY_STEPS);
+    const bool sensor_wrong = qualified(
+        &state->sensor_steps, in->switching && in->current_saturated, MONITOR_QUALIFY_STEPS);
+    const bool rotor_wrong = qualified(&state->rotor_steps, in->switching && !in->rotor_valid,
+                                       rotor_qualify_steps(config));
     const monitor_emf_input_t emf = emf_input(in);
     const bool angle_wrong = monitor_emf_step(&state->emf, config, &emf);
     const bool torque_wrong =
-        held(&state->torque_steps, in->switching && torque_unwanted(config, in),
-             config->monitor.torque_fault_time_ms);
+        qualified(&state->torque_steps, in->switching && torque_unwanted(config, in),
+                  config->monitor.torque_fault_time_ms);
     const bool flow_wrong =
-        held(&state->flow_steps, flow_broken(state, config, in->fast_step_count),
-             MONITOR_CONFIRM_STEPS / 4);
+        qualified(&state->flow_steps, flow_broken(state, config, in->fast_step_count),
+                  MONITOR_QUALIFY_STEPS / 4);
     const reason_t voltage = voltage_fault(config, in);
     const bool voltage_wrong =
-        held(&state->voltage_steps, voltage != REASON_NONE, MONITOR_CONFIRM_STEPS / 4);
+        qualified(&state->voltage_steps, voltage != REASON_NONE, MONITOR_QUALIFY_STEPS / 4);
     const reason_t temperature = temperature_fault(config, in);
     const bool temperature_wrong =
-        held(&state->temperature_steps, temperature != REASON_NONE, MONITOR_CONFIRM_STEPS);
+        qualified(&state->temperature_steps, temperature != REASON_NONE, MONITOR_QUALIFY_STEPS);
 
     const monitor_speed_input_t turning = speed_input(in);
     const int32_t speed_mrad_s = monitor_speed_step(&state->speed, config, &turning);
 
     monitor_output_t out = {
         .fault = REASON_NONE,
-        .warning = rotor_doubtful(state, in->rotor_faults) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
+        .warning = rotor_warning(state, in->rotor_faults) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
         .safe_bridge =
             monitor_safe_bridge(config, speed_mrad_s, in->bus_voltage_mV, state->safe_bridge),
         .offsets_plausible = offsets_plausible(config, in->offset_q4),
         .standstill = speed_mrad_s < MONITOR_SPEED_STANDSTILL_mrad_s,
     };
     state->safe_bridge = out.safe_bridge;
-    state->verdicts++;
-    /* The first line that holds names the fault: causes before consequences. */
+    state->steps++;
+    /* The first line that applies names the fault: causes before consequences. */
     if (in->fast_trip != REASON_NONE) {
         out.fault = in->fast_trip;
     } else if (flow_wrong) {

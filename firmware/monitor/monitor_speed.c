@@ -157,18 +157,18 @@ int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
     }
     const int32_t measured_mrad_s = measured(state);
     if (measured_mrad_s != MONITOR_SPEED_UNKNOWN) {
-        state->held_urad_s =
+        state->bound_urad_s =
             larger(INT64_C(1000) * measured_mrad_s, in->rotor_valid ? said_urad_s : 0);
     } else {
         const bool too_early = in->bridge == BRIDGE_SHORT && state->windows < 2;
         const int32_t deceleration_mm_s2 =
             in->rotor_valid ? MONITOR_SPEED_TYRE_GRIP_mm_s2 : MONITOR_SPEED_COASTING_mm_s2;
         const int64_t fall = too_early ? 0 : fall_urad_s(config, deceleration_mm_s2);
-        state->held_urad_s = larger(state->held_urad_s - fall, said_urad_s);
+        state->bound_urad_s = larger(state->bound_urad_s - fall, said_urad_s);
     }
     if (emf_shows(state, config, in)) {
-        state->held_urad_s =
-            larger(state->held_urad_s, speed_of_bus_urad_s(config, in->bus_voltage_mV));
+        state->bound_urad_s =
+            larger(state->bound_urad_s, speed_of_bus_urad_s(config, in->bus_voltage_mV));
     }
-    return q_saturate64(divide_by_thousand(state->held_urad_s));
+    return q_saturate64(divide_by_thousand(state->bound_urad_s));
 }

@@ -5,7 +5,7 @@
 #include "torque/demand.h"
 
 enum {
-    REACH_STEPS = 100,       /* ms within which the motor must come to what it is counted on for */
+    ARRIVAL_STEPS = 100,     /* ms within which the motor must come to what it is counted on for */
     LIMIT_FILTER_LOG2 = 6,   /* 64 ms */
     MOST_LIMIT_mNm = 8388608 /* of what is filtered */
 };
@@ -27,11 +27,11 @@ static int32_t coming_fall_mNm(brake_blending_state_t *state, const config_brake
                                int32_t limit_mNm)
 {
     const int32_t within_mNm = q_min(limit_mNm, MOST_LIMIT_mNm);
-    /* A ramp's low-pass is behind it by the slope times the time constant. */
-    const int32_t behind_mNm =
+    /* A low-pass of a ramp lags it by the slope times the time constant. */
+    const int32_t lag_mNm =
         filter_step(&state->limit_lp_mNm, within_mNm, LIMIT_FILTER_LOG2) - within_mNm;
     const int32_t ahead_ms = brake->hydraulic_dead_time_ms + brake->hydraulic_time_constant_ms;
-    return (int32_t)(((int64_t)q_max(behind_mNm, 0) * ahead_ms) >> LIMIT_FILTER_LOG2);
+    return (int32_t)(((int64_t)q_max(lag_mNm, 0) * ahead_ms) >> LIMIT_FILTER_LOG2);
 }
 
 /* What the motor is counted on for when the hydraulic brake will have begun to answer, and what of
@@ -49,11 +49,11 @@ static motor_share_t motor_share(const config_t *config, const brake_blending_in
     }
     const int32_t commanded_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
     const int32_t achieved_mNm = braking_part(in->motor_achieved_mNm, in->speed_mrad_s);
-    const int32_t reached_mNm =
-        q_saturate64((int64_t)commanded_mNm + (int64_t)in->motor_growth_mNm * REACH_STEPS);
+    const int32_t arriving_mNm =
+        q_saturate64((int64_t)commanded_mNm + (int64_t)in->motor_growth_mNm * ARRIVAL_STEPS);
     const int32_t left_mNm = q_saturate64((int64_t)demand_rate_mNm_per_step(config) *
                                           config->brake.hydraulic_dead_time_ms);
-    out.expected_mNm = q_max(q_min(electric_mNm, reached_mNm), q_max(commanded_mNm - left_mNm, 0));
+    out.expected_mNm = q_max(q_min(electric_mNm, arriving_mNm), q_max(commanded_mNm - left_mNm, 0));
     if (out.expected_mNm > 0) {
         out.shortfall_mNm =
             q_max(commanded_mNm - achieved_mNm - config->brake.shortfall_band_mNm, 0);
@@ -83,9 +83,9 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const int32_t hydraulic_mNm = q_min(wanted_mNm, brake->max_hydraulic_torque_mNm);
     /* What stands in for a motor that does not give its torque is not the motor's to take back. */
     hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm);
-    const int32_t there_mNm =
+    const int32_t estimated_mNm =
         q_max(hydraulic_model_torque_mNm(&state->hydraulic) - motor.shortfall_mNm, 0);
-    limit_tighten(&electric, demand_mNm - there_mNm, REASON_TORQUE_RATE);
+    limit_tighten(&electric, demand_mNm - estimated_mNm, REASON_TORQUE_RATE);
 
     const brake_blending_out_t out = {
         .electric_mNm = electric.torque_mNm,

@@ -9,7 +9,7 @@ static bool invariant(const monitor_fast_state_t *state)
 {
     return state->overcurrent_periods >= 0 && state->overcurrent_periods <= MONITOR_TRIP_PERIODS &&
            (state->trip != REASON_NONE || state->overcurrent_periods < MONITOR_TRIP_PERIODS) &&
-           state->patience_periods >= 0 && state->patience_periods <= state->stale_limit_periods;
+           state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods;
 }
 
 static monitor_fast_state_t any_state(void)
@@ -20,7 +20,7 @@ static monitor_fast_state_t any_state(void)
         .stale_limit_periods = any_within(0, 100000 / 1000 * MONITOR_STALE_STEPS),
         .trip = (reason_t)nondet_uint8(),
         .overcurrent_periods = any_within(0, MONITOR_TRIP_PERIODS),
-        .patience_periods = any_within(0, 100000 / 1000 * MONITOR_STALE_STEPS),
+        .periods_left = any_within(0, 100000 / 1000 * MONITOR_STALE_STEPS),
         .last_slow_step = nondet_uint16(),
     };
     ASSUME(invariant(&out));

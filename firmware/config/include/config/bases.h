@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * bases.h: the per-unit bases, and every conversion between the fast loop's per-unit and the slow
- * reach's SI units.
+ * loop's SI units.
  *
  *     current   1.0 pu = drive.current_full_scale_mA          peak phase current
  *     bus       1.0 pu = drive.voltage_full_scale_mV          bus voltage

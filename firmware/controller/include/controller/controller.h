@@ -9,7 +9,7 @@
  * from the ADC interrupt controller_slow_step(&c.slow, config, ...)        once per millisecond,
  * from a lower-priority context
  *
- * Between the two reaches lies exactly one structure each way, fast_setpoint_t and fast_report_t.
+ * Between the two loops lies exactly one structure each way, fast_setpoint_t and fast_report_t.
  * Whoever calls the steps carries them across (app/ through double buffers, the bench by
  * assignment). Nothing here reads a clock, touches hardware or allocates; equal inputs give equal
  * outputs, bit for bit, on every machine.
@@ -50,8 +50,8 @@ typedef struct {
     bridge_mode_t bridge;
 } fast_output_t;
 
-/* The world at 1 kHz. Demands come from CAN or the pedal and are already unpacked; limits come from
- * the BMS. */
+/* Inputs of the slow step. Demands come from CAN or the pedal and are already unpacked; limits come
+ * from the BMS. */
 typedef struct {
     int32_t drive_torque_mNm; /* signed, positive forward; torque at this wheel */
     int32_t
@@ -67,8 +67,8 @@ typedef struct {
     bool fault_reset;     /* rising edge acknowledges a latched fault; honoured only without torque
                              demand */
     bool selftest_passed; /* the port's own power-up checks; stays true afterwards */
-    bool config_accepted; /* verdict of config_validate() at boot; with a refused configuration no
-                           * step may be called at all, this keeps the mode in BOOT when the verdict
+    bool config_accepted; /* config_validate() has accepted it at boot; with a refused configuration
+                           * no step may be called at all, this keeps the mode in BOOT when that
                            * comes late */
 } slow_input_t;
 
@@ -93,7 +93,8 @@ typedef struct {
                       for */
 } slow_output_t;
 
-/* Slow to fast: the wish, the valve, and everything that would cost the fast reach a division. */
+/* Slow to fast: setpoint, torque enable, and everything that would cost the fast loop a division.
+ */
 typedef struct {
     foc_setpoint_t foc;
     monitor_command_t monitor;

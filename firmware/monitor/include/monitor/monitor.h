@@ -24,14 +24,14 @@
 #include "monitor/monitor_speed.h"
 
 enum {
-    MONITOR_CONFIRM_STEPS = 20, /* qualify time of a slow condition, ms */
+    MONITOR_QUALIFY_STEPS = 20, /* qualify time of a slow condition, ms */
     MONITOR_ROTOR_STEPS =
         250, /* ms for an invalid angle to become valid again, once the torque is zero */
     MONITOR_TRIP_PERIODS =
         2, /* qualify time of an over-current, PWM periods: rejects one disturbed sample */
-    MONITOR_DOUBT_STEPS = 10000,       /* heal time of the rotor sensor's warning, ms */
-    MONITOR_STALE_STEPS = 4,           /* ms without a slow step until the fast loop trips */
-    MONITOR_OVERTEMPERATURE_cC = 1000, /* above the end of the derating */
+    MONITOR_ROTOR_WARNING_STEPS = 10000, /* heal time of the rotor sensor's warning, ms */
+    MONITOR_STALE_STEPS = 4,             /* ms without a slow step until the fast loop trips */
+    MONITOR_OVERTEMPERATURE_cC = 1000,   /* above the end of the derating */
     MONITOR_HOTTEST_cC = 29000, /* outside these two a temperature is implausible: the sensor's line
                                    is open */
     MONITOR_COLDEST_cC = -6000, /* or shorted (hal/analog.h reports 29999 for either) */
@@ -49,7 +49,7 @@ typedef struct {
     /* State. */
     reason_t trip;
     int32_t overcurrent_periods;
-    int32_t patience_periods; /* left until PROGRAM_FLOW without a slow step */
+    int32_t periods_left; /* left until PROGRAM_FLOW without a slow step */
     uint16_t last_slow_step;
 } monitor_fast_state_t;
 
@@ -81,8 +81,8 @@ typedef struct {
         temperature_steps;
     uint16_t last_fast_step;
     uint16_t last_rotor_faults;
-    uint16_t doubt_steps; /* left of the warning's heal time */
-    uint16_t verdicts;    /* step count, wrapping: the watchdog is fed only while it advances */
+    uint16_t warning_steps; /* left of the warning's heal time */
+    uint16_t steps;         /* step count, wrapping: the watchdog is fed only while it advances */
     bridge_mode_t safe_bridge;
     monitor_emf_state_t emf;
     monitor_speed_state_t speed;

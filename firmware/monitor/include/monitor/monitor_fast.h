@@ -7,7 +7,7 @@
 
 #include "monitor/monitor.h"
 
-/* What is wrong now. What is right is asked for in as few words as possible. */
+/* The first condition for a trip that holds now. */
 static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
                                          const monitor_fast_input_t *in)
 {
@@ -29,14 +29,14 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
         return REASON_BUS_OVERVOLTAGE;
     }
     if (in->slow_step_count == state->last_slow_step && in->switching) {
-        if (state->patience_periods == 0) {
+        if (state->periods_left == 0) {
             return REASON_PROGRAM_FLOW;
         }
-        state->patience_periods--;
+        state->periods_left--;
         return REASON_NONE;
     }
     state->last_slow_step = in->slow_step_count;
-    state->patience_periods = state->stale_limit_periods;
+    state->periods_left = state->stale_limit_periods;
     return REASON_NONE;
 }
 

@@ -31,7 +31,7 @@ enum {
 };
 
 typedef struct {
-    int64_t held_urad_s;
+    int64_t bound_urad_s;
     int32_t window_mrad_s[2]; /* speeds of the latest two windows of this short circuit;
                                  MONITOR_SPEED_UNKNOWN for an invalid one */
     int64_t peak_square_mA2;  /* of the current in this window */

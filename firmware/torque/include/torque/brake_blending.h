@@ -8,7 +8,7 @@
  * and temperature
  *
  * Whatever the strategy, hard limits of the motor apply, the electric part fades out between the
- * two hand-over speeds (a parallel strategy's as a whole; the best torque is kept until the fading
+ * two blend-out speeds (a parallel strategy's as a whole; the best torque is kept until the fading
  * limit of the motor falls below it), and the hydraulic brake is asked for the rest of the demand,
  * unless it is at its own limit. Motor torque that was asked for and did not come (beyond a
  * tolerance band) is moved to the hydraulic brake at once. Electric braking never holds a standing

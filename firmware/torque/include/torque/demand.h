@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * demand.h: from what the driver asked to a demand the rest of the river may rely on.
+ * demand.h: from what the driver asked to a demand the other modules rely on.
  *
  * Negative braking demands count as zero, a braking demand cuts the driving torque, and a demand
  * that is no longer refreshed decays to zero at the torque rate instead of being held: the driver's

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * torque_command.h: one signed motor torque from the driving demand and the electric part of
- * braking, permitted, bounded and no faster than the torque rate. The valve enters the slow reach
+ * braking, permitted, bounded and no faster than the torque rate. The valve enters the slow loop
  * here.
  *
  * A torque that grows takes voltage, and where there is little left field weakening must make room
@@ -31,7 +31,7 @@ typedef struct {
     int32_t speed_mrad_s;
     int32_t voltage_use_q15; /* u^2 / U^2 as the current loop wants it now, >= 0 */
     int32_t drive_mNm;       /* demand, signed */
-    int32_t electric_mNm;    /* braking magnitude from the arbiter, against the rotation */
+    int32_t electric_mNm;    /* braking magnitude from brake blending, against the rotation */
 } torque_command_input_t;
 
 typedef struct {

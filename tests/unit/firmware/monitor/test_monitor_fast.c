@@ -48,7 +48,7 @@ static reason_t step(void)
     return monitor_fast_step(&state, &command, &in);
 }
 
-/* The slow reach steps every 20 periods, as it should. */
+/* The slow loop steps every 20 periods, as it should. */
 static reason_t run(int periods)
 {
     reason_t trip = REASON_NONE;
@@ -64,7 +64,7 @@ static reason_t run(int periods)
 void test_a_healthy_drive_never_trips(void)
 {
     TEST_ASSERT_EQUAL_INT(REASON_NONE,
-                          run(200000)); /* ten seconds, the slow reach's counter wraps */
+                          run(200000)); /* ten seconds, the slow loop's counter wraps */
 }
 
 /* LIMIT of length in any direction: the 3-4-5 triangle and the axes. */

@@ -379,7 +379,7 @@ void test_no_input_makes_it_negative_or_slower_than_a_valid_sensor(void)
         TEST_ASSERT_TRUE(held >= 0);
         TEST_ASSERT_TRUE(!in.rotor_valid || held >= llabs((long long)in.speed_mrad_s) - 1);
         if (random_chance(&random, 0.01)) {
-            state.held_urad_s = 0;
+            state.bound_urad_s = 0;
         }
     }
 }

@@ -11,7 +11,7 @@
 #include "torque/brake_blending.h"
 #include "unity.h"
 
-enum { FAST_mrad_s = 30000 }; /* well above the hand-over speeds, 2.618 and 0.838 rad/s */
+enum { FAST_mrad_s = 30000 }; /* well above the blend-out speeds, 2.618 and 0.838 rad/s */
 
 static config_t config;
 static brake_blending_state_t state;

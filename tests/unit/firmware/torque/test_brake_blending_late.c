@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The arbiter with a hydraulic brake that is late (hydraulic_model.h); the split itself:
+/* Brake blending with a hydraulic brake that is late (hydraulic_model.h); the split itself:
  * test_brake_blending.c. */
 #include <math.h>
 

@@ -114,8 +114,8 @@ void test_a_drive_demand_against_the_slowest_rotation_obeys_the_limit_of_braking
     assert_command(25000, REASON_CHARGE_CURRENT, settle(-1, 100000, 0));
 }
 
-/* The arbiter counts a backward torque as braking at standstill (test_brake_blending.c), so it must
- * be one. */
+/* Brake blending counts a backward torque as braking at standstill (test_brake_blending.c), so it
+ * must be one. */
 void test_at_standstill_braking_is_torque_backwards(void)
 {
     assert_command(-5000, REASON_NONE, settle(0, 0, 5000));
