@@ -222,7 +222,7 @@ void app_millisecond_isr(void)
     snapshot->switch_temperature_cC = in.switch_temperature_cC;
     snapshot->counts.fast_steps = (uint16_t)from_fast->foc.step_count;
     snapshot->counts.slow_steps = to_fast->slow_step_count;
-    snapshot->counts.monitor_steps = app.controller.slow.monitor.verdicts;
+    snapshot->counts.monitor_steps = app.controller.slow.monitor.steps;
     if (to_fast->monitor.clear_trip && app.fast_missing_ms == 0) {
         inverter_clear_fault(); /* the hardware's latch is released with the monitor's, never on its
                                    own */
