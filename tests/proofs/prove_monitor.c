@@ -30,7 +30,7 @@ static monitor_fast_state_t any_state(void)
 static monitor_fast_input_t any_input(void)
 {
     const monitor_fast_input_t out = {
-        .i_pu = any_vector(50200),
+        .i_pu = dq16_of(any_vector(32767)),
         .v_dc_pu = any_within(0, 32760),
         .power_stage_fault = nondet_bool(),
         .switching = nondet_bool(),
