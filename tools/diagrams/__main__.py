@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write the diagrams into ``firmware/diagrams``, or check with ``--check`` that they are current."""
+"""Write the diagrams beside this script, or check with ``--check`` that they are current."""
 
 import argparse
 import sys
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from diagrams import signal_flow, timing
 
-FOLDER = Path(__file__).resolve().parents[2] / "firmware" / "diagrams"
+FOLDER = Path(__file__).resolve().parent
 DIAGRAMS = {"signal_flow.svg": signal_flow.draw, "timing.svg": timing.draw}
 
 
@@ -20,7 +20,6 @@ def main() -> int:
     for name, draw in DIAGRAMS.items():
         path, text = FOLDER / name, draw().svg()
         if not check:
-            path.parent.mkdir(exist_ok=True)
             path.write_text(text, encoding="utf-8")
         elif not path.is_file() or path.read_text(encoding="utf-8") != text:
             print(f"{path.name} is out of date: run tools/dev python -m diagrams", file=sys.stderr)

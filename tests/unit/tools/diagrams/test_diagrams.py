@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from diagrams.__main__ import DIAGRAMS, FOLDER
 
+FIRMWARE = FOLDER.parents[1] / "firmware"
+
 
 @pytest.mark.parametrize("name", DIAGRAMS)
 def test_the_stored_file_is_what_the_script_draws(name: str) -> None:
@@ -39,14 +41,14 @@ def test_text_fits_its_box_and_boxes_lie_apart_on_the_sheet(name: str) -> None:
 @pytest.mark.parametrize("name", DIAGRAMS)
 def test_the_readme_shows_it(name: str) -> None:
     """By its path from firmware/."""
-    readme = Path(FOLDER).parent / "README.md"
-    assert f"](diagrams/{name})" in readme.read_text(encoding="utf-8")
+    readme = FIRMWARE / "README.md"
+    assert f"](../tools/diagrams/{name})" in readme.read_text(encoding="utf-8")
 
 
 def test_messages_and_modules_of_the_picture_exist() -> None:
     """A renamed message or module must be renamed in the picture as well."""
     text = DIAGRAMS["signal_flow.svg"]().svg()
-    firmware = FOLDER.parent
+    firmware = FIRMWARE
     header = (firmware / "controller/include/controller/controller.h").read_text(encoding="utf-8")
     for message in ("fast_setpoint_t", "fast_report_t"):
         assert message in text and f"}} {message};" in header
