@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The bounds by battery power of all shipped configurations against a bisection over the torque in
+ * double precision, on the circuit of reference_motor.h: random speeds to 110 %, temperatures, bus
+ * voltages and current limits. 1 % of rated torque, or 0.2 % of the largest power where the power
+ * hardly depends on the torque.
+ */
+#include "model.h"
+#include "random_values.h"
+#include "reference_motor.h"
+#include "torque/feasible_torque.h"
+#include "torque/loss_maps.h"
+#include "unity.h"
+
+extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;
+
+enum { STATES = 250, HALVINGS = 30 };
+
+typedef struct {
+    const config_t *config;
+    reference_motor_t motor;
+    int32_t speed_mrad_s, winding_cC;
+    double phase_v, weakest_a;
+} drive_t;
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static reference_point_t at_d(const drive_t *drive, double d_a, double airgap_nm)
+{
+    const reference_motor_t *m = &drive->motor;
+    const double g_q = m->w_rad_s * m->l_q_h * m->iron_siemens;
+    double x = 0.0;
+    for (int n = 0; n < 40; n++) {
+        const double flux = m->psi_wb + (m->l_d_h - m->l_q_h) * (d_a + g_q * x);
+        x = airgap_nm / (1.5 * m->pole_pairs * fmax(flux, 0.25 * m->psi_wb));
+    }
+    return reference_point(m, d_a + g_q * x, x);
+}
+
+static double volts(const drive_t *drive, reference_point_t p)
+{
+    const reference_motor_t *m = &drive->motor;
+    const double w = m->w_rad_s;
+    /* i_t from i, as the circuit has it */
+    const double g = w * m->iron_siemens;
+    const double x =
+        (p.i_q_a - g * (m->l_d_h * p.i_d_a + m->psi_wb)) / (1.0 + g * g * m->l_d_h * m->l_q_h);
+    const double i_dt = p.i_d_a + g * m->l_q_h * x;
+    return hypot(m->resistance_ohm * p.i_d_a - w * m->l_q_h * x,
+                 m->resistance_ohm * p.i_q_a + w * (m->l_d_h * i_dt + m->psi_wb));
+}
+
+/* The map's i_d, or the one at which the voltage is met, no further than field weakening goes. */
+static reference_point_t at_torque(const drive_t *drive, double airgap_nm)
+{
+    const double map_a =
+        1e-3 * loss_maps_d_current_mA(drive->config, drive->speed_mrad_s, drive->winding_cC,
+                                      (int32_t)lround(1e3 * airgap_nm));
+    double high_a = map_a;
+    double low_a = fmin(map_a, drive->weakest_a);
+    if (volts(drive, at_d(drive, map_a, airgap_nm)) <= drive->phase_v) {
+        return at_d(drive, map_a, airgap_nm);
+    }
+    for (int n = 0; n < HALVINGS; n++) {
+        const double middle_a = 0.5 * (low_a + high_a);
+        if (volts(drive, at_d(drive, middle_a, airgap_nm)) <= drive->phase_v) {
+            low_a = middle_a;
+        } else {
+            high_a = middle_a;
+        }
+    }
+    return at_d(drive, low_a, airgap_nm);
+}
+
+static double friction_nm(const drive_t *drive)
+{
+    const config_motor_t *motor = &drive->config->motor;
+    const double speed_rad_s = 1e-3 * drive->speed_mrad_s;
+    return 1e-3 * motor->friction_torque_mNm * fmin(1.0, speed_rad_s / 0.5) +
+           1e-6 * motor->viscous_friction_uNm_s * speed_rad_s;
+}
+
+static double drawn_w(const drive_t *drive, double shaft_nm)
+{
+    return at_torque(drive, shaft_nm + friction_nm(drive)).power_w;
+}
+
+/* A bound is right when the power there is the limit, or a little torque to either side it lies on
+ * either side of it. */
+static void assert_bound(const drive_t *drive, double shaft_nm, double sign, double limit_w)
+{
+    const double step_nm = 1e-5 * drive->config->motor.rated_torque_mNm;
+    const double power_w = 2e-6 * drive->config->motor.max_power_mW;
+    const double inside_w = sign * drawn_w(drive, shaft_nm - sign * step_nm);
+    const double beyond_w = sign * drawn_w(drive, shaft_nm + sign * step_nm);
+    TEST_ASSERT_TRUE(inside_w <= sign * limit_w + power_w);
+    TEST_ASSERT_TRUE(beyond_w >= sign * limit_w - power_w);
+}
+
+static void compare(const config_t *config, uint64_t seed)
+{
+    random_t random = random_seeded(seed);
+    const config_battery_t *battery = &config->battery;
+    int driving = 0;
+    int braking = 0;
+    for (int n = 0; n < STATES; n++) {
+        drive_t drive = {
+            .config = config,
+            .speed_mrad_s = random_between(&random, 1000, config->motor.max_speed_mrad_s / 10 * 11),
+            .winding_cC = random_between(&random, -2000, 14000),
+        };
+        const int32_t bus_mV =
+            random_between(&random, battery->min_voltage_mV, battery->max_voltage_mV);
+        const int32_t phase_mV = (int32_t)(0.55 * bus_mV);
+        drive.motor = reference_motor(config, drive.speed_mrad_s, drive.winding_cC);
+        drive.phase_v = 1e-3 * phase_mV;
+        const motor_model_t model = model_at(config, drive.speed_mrad_s, drive.winding_cC);
+        const feasible_set_t set = feasible_set_at(&model, phase_mV);
+        drive.weakest_a = 1e-3 * model_current_mA(&model, set.weakest_d_b);
+        const int32_t cap_mNm = config->motor.max_torque_mNm;
+
+        const int32_t drawn_mA = random_between(&random, 0, battery->max_discharge_current_mA);
+        const int32_t by_drawn_mNm =
+            feasible_by_drawn_mNm(&set, SIDE_DRIVING, cap_mNm, drawn_mA, bus_mV);
+        if (by_drawn_mNm > 0 && by_drawn_mNm < cap_mNm) {
+            driving++;
+            assert_bound(&drive, 1e-3 * by_drawn_mNm, 1.0, 1e-6 * drawn_mA * bus_mV);
+        }
+        if (config->rotor.sensor == CONFIG_ROTOR_HALL) {
+            continue; /* what a late edge may add has tests of its own */
+        }
+        const int32_t returned_mA = random_between(&random, 0, battery->max_charge_current_mA);
+        const int32_t by_returned_mNm =
+            feasible_by_returned_mNm(&set, cap_mNm, returned_mA, bus_mV);
+        if (by_returned_mNm < cap_mNm) {
+            braking++;
+            assert_bound(&drive, -1e-3 * by_returned_mNm, -1.0, -1e-6 * returned_mA * bus_mV);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(STATES / 10, driving);
+    TEST_ASSERT_TRUE(config->rotor.sensor == CONFIG_ROTOR_HALL || braking > STATES / 10);
+}
+
+void test_the_battery_s_bounds_of_every_shipped_drive_are_those_of_the_circuit(void)
+{
+    compare(&CONFIG_LU2013, 1);
+    compare(&CONFIG_EBIKE36V, 2);
+    compare(&CONFIG_SCOOTER48V, 3);
+    compare(&CONFIG_IPM400V, 4);
+}
+
+void test_without_halls_the_charge_bounds_of_the_wheel_motors_are_those_of_the_circuit(void)
+{
+    const config_t *const configs[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V};
+    for (int c = 0; c < 3; c++) {
+        config_t config = *configs[c];
+        config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+        compare(&config, (uint64_t)(10 + c));
+    }
+}
