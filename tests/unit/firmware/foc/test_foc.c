@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The fast reach as a whole: codes in, compare values out, and what it reports. */
+/* The fast loop as a whole: codes in, compare values out, and what it reports. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -18,7 +18,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* What the slow reach makes of the report when it holds `steps` steps. */
+/* What the slow loop makes of the report when it holds `steps` steps. */
 static mean_values_t summed_up(uint16_t steps)
 {
     mean_values_state_t summary;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the slow reach makes of the fast reach's sums. */
+/* What the slow loop makes of the fast loop's sums. */
 #include <string.h>
 
 #include "core/angle.h"
@@ -157,7 +157,7 @@ void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle
     }
 }
 
-void test_the_use_of_the_voltage_is_its_square_with_q_as_wanted(void)
+void test_the_use_of_the_voltage_is_its_square_with_q_unsaturated(void)
 {
     add(0, 0, 0, 20000);
     set_applied(16384, 28377);                    /* a half, sqrt 3 / 2 */

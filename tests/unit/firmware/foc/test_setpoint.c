@@ -28,7 +28,7 @@ static void run_periods(int periods)
     }
 }
 
-void test_a_command_is_looked_at_when_its_number_changes(void)
+void test_a_setpoint_is_applied_when_its_number_changes(void)
 {
     setpoint.sequence = 7;
     setpoint.i_reference_pu.q = 5000;
@@ -49,8 +49,7 @@ void test_a_command_is_looked_at_when_its_number_changes(void)
     TEST_ASSERT_EQUAL_INT32(6000, report.current.i_reference_pu.q);
 }
 
-void test_a_change_of_reference_is_held_back_in_its_first_period_exceeded_in_the_second_and_itself_from_the_third_on(
-    void)
+void test_a_change_of_reference_is_prefiltered_over_two_periods(void)
 {
     const double b = half_period();
     setpoint.sequence = 7;
@@ -65,7 +64,7 @@ void test_a_change_of_reference_is_held_back_in_its_first_period_exceeded_in_the
     }
 }
 
-void test_dead_time_is_compensated_for_the_current_that_has_had_time_to_come(void)
+void test_dead_time_is_compensated_for_the_predicted_current(void)
 {
     config.drive.dead_time_ns = 1000;
     config.drive.diode_drop_mV = 0;
@@ -90,7 +89,7 @@ void test_dead_time_is_compensated_for_the_current_that_has_had_time_to_come(voi
     }
 }
 
-void test_a_start_after_a_rest_expects_no_current_yet(void)
+void test_a_start_after_an_idle_period_predicts_from_zero(void)
 {
     config.drive.dead_time_ns = 1000;
     restart();
@@ -153,4 +152,19 @@ void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
     }
     TEST_ASSERT_EQUAL_INT32(4000,
                             report.current.voltage.unsaturated_q); /* the last one was inside */
+}
+
+void test_a_setpoint_that_meets_a_hall_edge_waits_one_period_and_not_longer(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    restart();
+    run_periods(5);
+    setpoint.sequence++;
+    setpoint.i_reference_pu.q = 5000;
+    in.hall_state = 1; /* the next sector */
+    run_periods(1);
+    TEST_ASSERT_EQUAL_INT32(0, report.current.i_reference_pu.q);
+    in.hall_state = 3; /* another edge at once: no second period of waiting */
+    run_periods(1);
+    TEST_ASSERT_NOT_EQUAL(0, report.current.i_reference_pu.q);
 }
