@@ -154,6 +154,14 @@ void inverter_start(void)
     analog_start();
 }
 
+/* Read twice per PWM period, so the pin (active low) without a call. */
+static inline bool fault(void)
+{
+    const uint32_t driver_pins = BOARD_DRIVER_FAULT.port->IDR;
+    return tripped || (TIM1->SR & TIM_SR_BIF) != 0 ||
+           (driver_pins & (1U << BOARD_DRIVER_FAULT.number)) == 0;
+}
+
 static void switch_off(void)
 {
     TIM1->BDTR &= ~(uint32_t)TIM_BDTR_MOE;
@@ -168,7 +176,7 @@ static uint32_t register_value(uint16_t compare_counts)
 
 void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
 {
-    const bool on = (mode == INVERTER_MODE_PWM || mode == INVERTER_MODE_SHORT) && !inverter_fault();
+    const bool on = (mode == INVERTER_MODE_PWM || mode == INVERTER_MODE_SHORT) && !fault();
     if (!on) {
         switch_off();
         armed = false;
@@ -180,12 +188,13 @@ void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
     TIM1->CCR3 = follow ? register_value(compare_counts[2]) : 0U;
     /* The outputs are enabled when the first compare values have become active, one period after
      * they were written: the old ones, from before the bridge was switched off, must never be seen.
-     */
-    if (armed) {
-        TIM1->BDTR |= TIM_BDTR_MOE;
+     * Once enabled they stay so until switch_off() or a break: there is nothing to enable again. */
+    const uint32_t bdtr = TIM1->BDTR;
+    if (armed && (bdtr & TIM_BDTR_MOE) == 0U) {
+        TIM1->BDTR = bdtr | TIM_BDTR_MOE;
         /* A break between the look at the top and this must not be undone by it: the timer takes an
          * enable as soon as the input is inactive again. */
-        if (inverter_fault()) {
+        if (fault()) {
             switch_off();
         }
     }
@@ -200,7 +209,7 @@ void inverter_trip(void)
 
 bool inverter_fault(void)
 {
-    return tripped || (TIM1->SR & TIM_SR_BIF) != 0 || !gpio_read(BOARD_DRIVER_FAULT);
+    return fault();
 }
 
 void inverter_clear_fault(void)
