@@ -3,7 +3,6 @@
 
 import xml.etree.ElementTree as ET
 from itertools import combinations
-from pathlib import Path
 
 import pytest
 from diagrams.__main__ import DIAGRAMS, FOLDER
