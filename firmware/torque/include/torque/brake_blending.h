@@ -1,34 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * brake_blending.h: who brakes how much.
+ * brake_blending.h: how a braking demand is split between motor and hydraulic brake. 1 kHz.
  *
- *     parallel_ratio         electric = share * demand, never above the rated electric braking
- * torque parallel_free_travel   electric first, up to the rated electric braking torque
- *     series_optimal         electric up to the torque that returns the most energy at this speed
- * and temperature
- *
- * Whatever the strategy, hard limits of the motor apply, the electric part fades out between the
- * two blend-out speeds (a parallel strategy's as a whole; the best torque is kept until the fading
- * limit of the motor falls below it), and the hydraulic brake is asked for the rest of the demand,
- * unless it is at its own limit. Motor torque that was asked for and did not come (beyond a
- * tolerance band) is moved to the hydraulic brake at once. Electric braking never holds a standing
- * vehicle.
+ * The motor brakes up to its torque limits (torque_limits.h, which hold the strategy as well), the
+ * hydraulic brake is asked for the rest, up to its own limit. Motor torque that was asked for and
+ * did not come, beyond brake.shortfall_band, is moved to the hydraulic brake at once.
  *
  * The hydraulic brake is late, and its torque is estimated (hydraulic_model.h). So
- *
- *   - the motor takes no more than the hydraulic brake has left: electric <= demand - estimate. It
- * comes back no faster than the other one goes, and if the estimate is wrong by a share of itself,
- * the two together are wrong by as much of the hydraulic part, for as long as that part changes: at
- * rest the split is exact again.
- *   - the hydraulic command goes ahead: the motor's limit is taken for as much lower as it will
- * have fallen in dead time plus lag, if it goes on falling as in the last 64 ms (a ramp is delayed
- * by just that). And a motor that must leave is counted on for as much less as it will have left
- * within the dead time; before that the hydraulic brake cannot move.
+ *   - electric <= demand - estimate: the motor comes back no faster than the hydraulic brake goes;
+ *   - the hydraulic command goes ahead: the motor's limit counts as much lower as it will have
+ *     fallen in dead time plus lag, if it goes on falling as in the last 64 ms;
  *   - a motor whose torque does not grow, for want of voltage, is counted on for what it is
- * commanded, not for what it may give.
- *
- * Sources: Lu et al. 2013 section 3.2; for the optimum in region I of its Fig. 5 the motor keeps
- * T_opt instead of leaving everything to the friction brake, which never returns less.
+ *     commanded, not for what it may give.
+ * Figures: README, Two brakes. Source: Lu et al. 2013 section 3.2; in region I of its Fig. 5 the
+ * motor keeps T_opt instead of leaving everything to the friction brake, which never returns less.
  */
 #ifndef TORQUE_BRAKE_BLENDING_H
 #define TORQUE_BRAKE_BLENDING_H

@@ -1,17 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * torque_command.h: one signed motor torque from the driving demand and the electric part of
- * braking, permitted, bounded and no faster than the torque rate. The valve enters the slow loop
- * here.
+ * braking, within the torque limits and no faster than the torque rate. 1 kHz.
  *
- * A torque that grows takes voltage, and where there is little left field weakening must make room
- * first, which takes it some milliseconds. So a torque grows the slower the nearer the voltage |u|
- * is to its circle U: at the full rate up to u^2 = 0.89 U^2, not at all at 0.96 U^2, where field
- * weakening has not kept up; beyond, it shrinks in the same proportion. At the 0.94 U^2 that field
- * weakening holds, a third of the rate is left. It goes by the measured voltage, so it also holds
- * where the motor is not as configured: what the voltage cannot carry is given back, before i_q is
- * no longer regulated and before the d axis runs into its own bound (current_loop_give_back_d(),
- * 0.97 U^2). Falling is never slowed down.
+ * A growing torque takes voltage, for which field weakening needs some milliseconds. So the rate
+ * falls with the voltage |u| against its circle U: whole up to u^2 = 0.89 U^2, a third at the
+ * 0.94 U^2 that field weakening regulates, zero at 0.96 U^2; beyond, the torque shrinks in the same
+ * proportion. It goes by the measured voltage, so it also holds where the motor is not as
+ * configured. Falling is never slowed down.
  */
 #ifndef TORQUE_TORQUE_COMMAND_H
 #define TORQUE_TORQUE_COMMAND_H
