@@ -99,10 +99,10 @@ const char *host_serial_output(void)
 
 void host_serial_type(const char *text)
 {
-    const uint32_t room = (uint32_t)sizeof lines.typed - lines.typed_bytes;
+    const uint32_t space = (uint32_t)sizeof lines.typed - lines.typed_bytes;
     const uint32_t size = (uint32_t)strlen(text);
-    memcpy(&lines.typed[lines.typed_bytes], text, size < room ? size : room);
-    lines.typed_bytes += size < room ? size : room;
+    memcpy(&lines.typed[lines.typed_bytes], text, size < space ? size : space);
+    lines.typed_bytes += size < space ? size : space;
 }
 
 void serial_init(uint32_t bit_rate)
@@ -112,8 +112,8 @@ void serial_init(uint32_t bit_rate)
 
 uint32_t serial_write(const char *bytes, uint32_t size)
 {
-    const uint32_t room = (uint32_t)sizeof lines.output - 1U - lines.output_bytes;
-    const uint32_t accepted = size < room ? size : room;
+    const uint32_t space = (uint32_t)sizeof lines.output - 1U - lines.output_bytes;
+    const uint32_t accepted = size < space ? size : space;
     memcpy(&lines.output[lines.output_bytes], bytes, accepted);
     lines.output_bytes += accepted;
     return accepted;

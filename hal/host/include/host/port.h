@@ -68,8 +68,8 @@ void host_step(void);
 void host_pwm_period(void);
 void host_millisecond(void);
 
-/* The vehicle's side of CAN. A frame whose identifier is not accepted, or that finds no room, is
- * lost. */
+/* The vehicle's side of CAN. A frame whose identifier is not accepted, or for which the queue is
+ * full, is lost. */
 void host_can_send(const can_frame_t *frame);
 bool host_can_receive(can_frame_t *frame);
 

@@ -12,7 +12,7 @@ static uint16_t accepted[MESSAGES_RECEIVED];
 static can_frame_t waiting[16]; /* what the bus has for us */
 static int waiting_count, delivered;
 static can_frame_t sent[64];
-static int sent_count, room;
+static int sent_count, free_mailboxes;
 static bool starts;
 
 static bool init(const uint16_t *identifiers, uint32_t count, int calls)
@@ -38,10 +38,10 @@ static bool receive(can_frame_t *frame, int calls)
 static bool transmit(const can_frame_t *frame, int calls)
 {
     (void)calls;
-    if (room == 0) {
+    if (free_mailboxes == 0) {
         return false;
     }
-    room--;
+    free_mailboxes--;
     sent[sent_count++] = *frame;
     return true;
 }
@@ -51,7 +51,7 @@ void setUp(void)
     waiting_count = 0;
     delivered = 0;
     sent_count = 0;
-    room = 64;
+    free_mailboxes = 64;
     starts = true;
     can_init_StubWithCallback(init);
     can_receive_StubWithCallback(receive);
@@ -115,13 +115,13 @@ void test_a_flooded_bus_is_read_in_portions(void)
 }
 
 /* In a second: state and brake 100 times, drive 50 times, power and health 10 times each. */
-void test_everything_leaves_in_its_cycle_when_there_is_room(void)
+void test_everything_leaves_in_its_cycle_with_free_mailboxes(void)
 {
     const messages_output_t output = {.mode = 3};
     int count[5] = {0};
     for (uint32_t ms = 1; ms <= 1000; ms++) {
         sent_count = 0;
-        room = 64;
+        free_mailboxes = 64;
         can_link_transmit(&can_link, ms, &output);
         can_link_transmit(&can_link, ms, &output);
         for (int i = 0; i < sent_count; i++) {
@@ -140,16 +140,16 @@ void test_everything_leaves_in_its_cycle_when_there_is_room(void)
 
 /* Three mailboxes, five messages due at once: the most urgent first, the others when the mailboxes
  * are empty again. */
-void test_what_finds_no_room_leaves_with_the_next_pass(void)
+void test_what_the_mailboxes_do_not_take_leaves_with_the_next_pass(void)
 {
     const messages_output_t output = {.mode = 3};
-    room = 3;
+    free_mailboxes = 3;
     can_link_transmit(&can_link, 100, &output);
     TEST_ASSERT_EQUAL_INT(3, sent_count);
     TEST_ASSERT_EQUAL_HEX16(0x182, sent[0].identifier);
     TEST_ASSERT_EQUAL_HEX16(0x186, sent[1].identifier);
     TEST_ASSERT_EQUAL_HEX16(0x18A, sent[2].identifier);
-    room = 3;
+    free_mailboxes = 3;
     can_link_transmit(&can_link, 101, &output);
     TEST_ASSERT_EQUAL_INT(5, sent_count);
     TEST_ASSERT_EQUAL_HEX16(0x18E, sent[3].identifier);
@@ -158,15 +158,15 @@ void test_what_finds_no_room_leaves_with_the_next_pass(void)
 
 /* The transceiver may get its supply after the controller; the port joins by itself and until then
  * takes nothing. */
-void test_a_controller_that_is_on_the_bus_late_hears_and_speaks_from_then_on(void)
+void test_a_controller_that_is_on_the_bus_late_receives_and_sends_from_then_on(void)
 {
     starts = false;
     TEST_ASSERT_FALSE(can_link_init(&can_link, MESSAGES_FRONT_LEFT, PACK, 0));
     const messages_output_t output = {.mode = 3};
-    room = 0;
+    free_mailboxes = 0;
     can_link_transmit(&can_link, 1000, &output);
     TEST_ASSERT_EQUAL_INT(0, sent_count);
-    room = 64;
+    free_mailboxes = 64;
     arrive(1, 1);
     (void)can_link_receive(&can_link, 2000);
     can_link_transmit(&can_link, 2000, &output);

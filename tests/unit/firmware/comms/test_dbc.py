@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""hubfoc.dbc by itself: what a tool that has never heard of this project needs to find in it."""
+"""hubfoc.dbc by itself: what a tool that knows only this file needs to find in it."""
 
 import re
 from itertools import combinations

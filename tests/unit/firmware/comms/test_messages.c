@@ -214,7 +214,7 @@ void test_a_frame_of_another_length_is_refused(void)
     }
 }
 
-void test_what_the_wheel_only_hears_it_cannot_be_made_to_say(void)
+void test_received_kinds_cannot_be_sent(void)
 {
     const messages_output_t output = {.mode = 4};
     TEST_ASSERT_EQUAL_UINT8(

@@ -52,7 +52,7 @@ static void assert_demand_is_still_of(uint32_t time_ms, uint32_t now_ms)
 
 /* ---- the demand ---- */
 
-void test_before_anything_is_heard_there_is_no_torque_no_enable_and_no_age(void)
+void test_before_the_first_frame_there_is_no_torque_no_enable_and_no_age(void)
 {
     TEST_ASSERT_EQUAL_INT32(0, node.command.demand.drive_torque_mNm);
     TEST_ASSERT_FALSE(node.command.demand.enable);
@@ -219,7 +219,7 @@ void test_a_battery_that_sends_nonsense_is_as_good_as_silent(void)
     TEST_ASSERT_EQUAL_UINT32(17, node.battery.counts.implausible);
 }
 
-/* ---- what is said ---- */
+/* ---- transmission ---- */
 
 static bool next_is(messages_kind_t kind, uint8_t counter, uint32_t now_ms,
                     const messages_output_t *output)
@@ -231,7 +231,7 @@ static bool next_is(messages_kind_t kind, uint8_t counter, uint32_t now_ms,
            e2e_intact(frame.data, frame.identifier);
 }
 
-void test_nothing_is_said_before_its_time_and_the_urgent_comes_first(void)
+void test_no_message_is_sent_before_its_time_and_the_urgent_comes_first(void)
 {
     const messages_output_t output = {.mode = 3};
     messages_frame_t frame;
@@ -244,7 +244,7 @@ void test_nothing_is_said_before_its_time_and_the_urgent_comes_first(void)
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 1, 20, &output));
 }
 
-void test_what_found_no_room_is_offered_again_with_the_same_counter_and_new_values(void)
+void test_what_was_not_sent_is_offered_again_with_the_same_counter_and_new_values(void)
 {
     messages_output_t output = {.mode = 3};
     messages_frame_t first;
@@ -326,7 +326,7 @@ void test_only_a_frame_that_was_offered_can_have_been_sent_and_only_once(void)
 }
 
 /* WheelHealth: demand_link bits 12 and 13, battery_link 14 and 15, errors in bytes 6 and 7. */
-void test_the_wheel_reports_how_well_it_hears(void)
+void test_the_wheel_reports_its_receivers(void)
 {
     qualify_demand();
     (void)receive_demand(2, 0, 25);

@@ -283,7 +283,7 @@ void test_nothing_is_asked_while_there_is_no_room_for_an_answer(void)
     text_t line;
     text_clear(&line);
     text_add(&line, "0123456789");
-    for (int i = 0; i < 70; i++) { /* 840 bytes: less than a line of room is left */
+    for (int i = 0; i < 70; i++) { /* 840 bytes: less space than a line needs is left */
         shell_print(&shell, &line);
     }
     type("echo x\r");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The regulator: gains in their formats, and what the integrator does when it is told what was
+/* The PI controller: gains in their formats, and the integrator when it is updated with what was
  * realised. */
 #include <math.h>
 #include <stdlib.h>

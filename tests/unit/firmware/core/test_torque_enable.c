@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The valve: its zero value is the closed one, so memory that was never written opens nothing. */
+/* The torque enable: its zero value permits no torque, so cleared memory enables none. */
 #include "core/torque_enable.h"
 #include "unity.h"
 
