@@ -59,7 +59,7 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .current_full_scale_mA        = 165000,
         /* [mV] base of voltage: what the converter's whole range stands for */
         .voltage_full_scale_mV        = 61800,
-        /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
+        /* [Hz] rate of the fast loop; base of speed is a sixteenth of it */
         .pwm_frequency_Hz             = 20000,
         /* timer counts from 0 to the top of the centre-aligned count */
         .pwm_period_counts            = 4200,

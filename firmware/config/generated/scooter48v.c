@@ -59,7 +59,7 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .current_full_scale_mA        = 82500,
         /* [mV] base of voltage: what the converter's whole range stands for */
         .voltage_full_scale_mV        = 72000,
-        /* [Hz] rate of the fast reach; base of speed is a sixteenth of it */
+        /* [Hz] rate of the fast loop; base of speed is a sixteenth of it */
         .pwm_frequency_Hz             = 24000,
         /* timer counts from 0 to the top of the centre-aligned count */
         .pwm_period_counts            = 3500,
