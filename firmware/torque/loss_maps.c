@@ -6,12 +6,6 @@
 #include "core/grid.h"
 #include "core/q15.h"
 
-/* grid_interpolate() for entries of the maps, whose differences fit 32 bits. */
-static int32_t between(int32_t a, int32_t b, int32_t fraction_q20)
-{
-    return a + (int32_t)(((int64_t)(b - a) * fraction_q20 + GRID_WHOLE_Q20 / 2) >> 20);
-}
-
 int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
                              int32_t winding_temperature_cC)
 {
@@ -24,11 +18,11 @@ int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
         grid_locate(above_origin_cC, map->temperature_points, map->temperature_step_log2);
     const int32_t *cold = &map->torque_mNm[t.index * map->speed_points + s.index];
     const int32_t *hot = cold + map->speed_points;
-    const int32_t at_cold = between(cold[0], cold[1], s.fraction_q20);
-    const int32_t at_hot = between(hot[0], hot[1], s.fraction_q20);
+    const int32_t at_cold = grid_interpolate(cold[0], cold[1], s.fraction_q20);
+    const int32_t at_hot = grid_interpolate(hot[0], hot[1], s.fraction_q20);
     /* Below the speed where regeneration begins the stored line goes on below zero, so that it is
      * straight where it begins. */
-    return q_max(between(at_cold, at_hot, t.fraction_q20), 0);
+    return q_max(grid_interpolate(at_cold, at_hot, t.fraction_q20), 0);
 }
 
 loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
@@ -57,9 +51,9 @@ static int32_t layer_d_mA(const loss_maps_row_t *row, const int32_t *layer, grid
 {
     const int32_t *slow = &layer[row->speed.index * row->map->torque_points + t.index];
     const int32_t *fast = slow + row->map->torque_points;
-    const int32_t at_slow_mA = between(slow[0], slow[1], t.fraction_q20);
-    const int32_t at_fast_mA = between(fast[0], fast[1], t.fraction_q20);
-    return between(at_slow_mA, at_fast_mA, row->speed.fraction_q20);
+    const int32_t at_slow_mA = grid_interpolate(slow[0], slow[1], t.fraction_q20);
+    const int32_t at_fast_mA = grid_interpolate(fast[0], fast[1], t.fraction_q20);
+    return grid_interpolate(at_slow_mA, at_fast_mA, row->speed.fraction_q20);
 }
 
 int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm)
@@ -76,7 +70,7 @@ int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm)
     }
     const size_t layer_points = (size_t)map->speed_points * (size_t)map->torque_points;
     const int32_t at_hot_mA = layer_d_mA(row, row->layer + layer_points, t);
-    return between(at_cold_mA, at_hot_mA, row->temperature.fraction_q20);
+    return grid_interpolate(at_cold_mA, at_hot_mA, row->temperature.fraction_q20);
 }
 
 int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,

@@ -129,8 +129,9 @@ void prove_grid(void)
     const grid_position_t at = grid_locate(nondet_int32(), points, step_log2);
     PROMISE(at.index >= 0 && at.index <= points - 2);
     PROMISE(at.fraction_q20 >= 0 && at.fraction_q20 <= GRID_WHOLE_Q20);
-    const int32_t a = nondet_int32();
-    const int32_t b = nondet_int32();
+    const int32_t largest = (1 << 30) - 1;
+    const int32_t a = any_within(-largest, largest);
+    const int32_t b = any_within(-largest, largest);
     PROMISE(grid_interpolate(a, b, 0) == a && grid_interpolate(a, b, GRID_WHOLE_Q20) == b);
     (void)grid_interpolate(a, b, any_within(0, GRID_WHOLE_Q20));
     PROOF_END();

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The slow loop's tables: with any grid that the validator accepts every read lies inside the part
- * of the table that is in use. Of core/grid.h's functions only their promises are taken, which
- * prove_grid() proves: a position is any on its axis, and what is interpolated is anything.
+ * of the table that is in use, and with any entries that it accepts every interpolation is between
+ * values that core/grid.h takes. Of its functions only their promises are taken: a position is any
+ * on its axis, and what is interpolated is anything between its ends.
  */
 #include "config/config.h"
 #include "core/grid.h"
@@ -10,6 +11,7 @@
 
 static const int32_t *table;
 static int32_t used;
+static int32_t largest; /* magnitude of an entry that the validator accepts */
 
 /* Interpolations between what has been interpolated are not reads. */
 static void check_read(const int32_t *at)
@@ -18,14 +20,16 @@ static void check_read(const int32_t *at)
         const int32_t beyond_bytes =
             (int32_t)(__CPROVER_POINTER_OFFSET(at) - __CPROVER_POINTER_OFFSET(table));
         PROMISE(beyond_bytes >= 0 && beyond_bytes < used * (int32_t)sizeof(int32_t));
+        ASSUME(*at >= -largest && *at <= largest);
     }
+    PROMISE(*at > -(1 << 30) && *at < 1 << 30);
 }
 
 static int32_t any_interpolation(const int32_t *a, const int32_t *b)
 {
     check_read(a);
     check_read(b);
-    return nondet_int32();
+    return *a < *b ? any_within(*a, *b) : any_within(*b, *a);
 }
 
 static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2)
@@ -43,6 +47,16 @@ static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2
 #undef grid_interpolate
 #undef grid_locate
 
+#define LOWEST(name, count, lowest, highest, unit, text) lowest
+#define HIGHEST(name, count, lowest, highest, unit, text) highest
+enum {
+    LARGEST_CURRENT_MA = CONFIG_CURRENT_MAP_ARRAY(HIGHEST),
+    LARGEST_TORQUE_MNM = CONFIG_REGEN_MAP_ARRAY(HIGHEST),
+};
+_Static_assert(CONFIG_CURRENT_MAP_ARRAY(LOWEST) == -LARGEST_CURRENT_MA &&
+                   CONFIG_REGEN_MAP_ARRAY(LOWEST) == -LARGEST_TORQUE_MNM,
+               "the entries' bounds are symmetrical");
+
 static void check_current_map(int32_t layers)
 {
     config_t config;
@@ -56,6 +70,7 @@ static void check_current_map(int32_t layers)
     map->temperature_origin_cC = any_within(-10000, 20000);
     ASSUME(map->torque_points % 2 == 1);
     table = map->current_d_mA;
+    largest = LARGEST_CURRENT_MA;
     used = map->torque_points * map->speed_points * map->temperature_points;
     ASSUME(used <= CONFIG_CURRENT_MAP_POINTS_MAX);
     (void)loss_maps_d_current_mA(&config, nondet_int32(), nondet_int32(), nondet_int32());
@@ -102,6 +117,7 @@ void prove_regen_map(void)
     map->temperature_step_log2 = any_within(6, 15);
     map->temperature_origin_cC = any_within(-10000, 20000);
     table = map->torque_mNm;
+    largest = LARGEST_TORQUE_MNM;
     used = map->speed_points * map->temperature_points;
     ASSUME(used <= CONFIG_REGEN_POINTS_MAX);
     PROMISE(loss_maps_torque_mNm(&config, nondet_int32(), nondet_int32()) >= 0);

@@ -3,8 +3,8 @@
  * grid.h: linear interpolation in a table on a uniform grid whose step is a power of two, so that
  * the index is a shift. Slow loop.
  *
- * Values are int32_t of either sign; the interpolated value never leaves the range of the
- * neighbouring points.
+ * Values are of either sign, below 2^30 in magnitude; the interpolated value never leaves the range
+ * of the neighbouring points.
  */
 #ifndef CORE_GRID_H
 #define CORE_GRID_H
@@ -24,14 +24,12 @@ typedef struct {
  * extrapolation). points >= 2; 0 <= step_log2 <= 20. */
 grid_position_t grid_locate(int32_t x, int32_t points, int32_t step_log2);
 
-/* a + (b - a) fraction_q20 / 2^20, rounded to nearest (halves upwards). Two products of up to 2^51
- * each. Both shares are >= 0, so the sum lies between 2^20 a and 2^20 b, and rounding to integers
- * does not leave two integers. */
+/* a + (b - a) fraction_q20 / 2^20, rounded to nearest (halves upwards). |a|, |b| < 2^30, which is
+ * ten times the largest entry of a map, so that the difference fits 32 bits: one product of up to
+ * 2^51, between 0 and 2^20 (b - a). Rounding to integers does not leave two integers. */
 static inline int32_t grid_interpolate(int32_t a, int32_t b, int32_t fraction_q20)
 {
-    const int64_t weighed_q20 =
-        (int64_t)a * (GRID_WHOLE_Q20 - fraction_q20) + (int64_t)b * fraction_q20;
-    return (int32_t)((weighed_q20 + GRID_WHOLE_Q20 / 2) >> 20);
+    return a + (int32_t)(((int64_t)(b - a) * fraction_q20 + GRID_WHOLE_Q20 / 2) >> 20);
 }
 
 #endif

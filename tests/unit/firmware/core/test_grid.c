@@ -48,7 +48,7 @@ void test_the_widest_grid_locates_the_largest_argument(void)
 void test_interpolation_is_the_straight_line_rounded_to_nearest(void)
 {
     static const int32_t PAIRS[][2] = {
-        {0, 1000}, {1000, 0}, {-7, 9}, {-1000000, -999}, {INT32_MIN, INT32_MAX}, {5, 5}};
+        {0, 1000}, {1000, 0}, {-7, 9}, {-1000000, -999}, {1 - (1 << 30), (1 << 30) - 1}, {5, 5}};
     for (unsigned i = 0; i < sizeof(PAIRS) / sizeof(PAIRS[0]); i++) {
         /* 2^20 - 1 is a multiple of 75: the last fraction is the whole. */
         for (int32_t fraction_q20 = 1; fraction_q20 <= GRID_WHOLE_Q20; fraction_q20 += 75) {
