@@ -118,9 +118,10 @@ static int32_t at_temperature_b(int32_t reference_b, int32_t rise_q16_b, int32_t
     return q_clamp(reference_b + change_b, reference_b / 10, MOST_b);
 }
 
-motor_model_t motor_model_at(const motor_constants_t *k, int32_t speed_mrad_s,
+motor_model_t motor_model_at(const motor_constants_t *constants, int32_t speed_mrad_s,
                              int32_t winding_temperature_cC)
 {
+    const motor_constants_t *k = constants;
     const config_motor_t *motor = &k->config->motor;
     const int64_t w_mrad_s = (int64_t)q_abs(speed_mrad_s) * motor->pole_pairs;
     const int32_t w_b = q_min(scaled_shift(q_saturate64(w_mrad_s), k->speed_shift), MOST_CURRENT_b);

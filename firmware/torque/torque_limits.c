@@ -192,7 +192,7 @@ limit_t torque_limits_anti_lock(torque_limits_state_t *state, bool abs_active)
 }
 
 void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model,
-                        const torque_limits_input_t *in, torque_limits_t *out)
+                        const torque_limits_input_t *in, torque_limits_t *table)
 {
     static const reason_t DISCHARGE[2] = {REASON_DISCHARGE_CURRENT, REASON_BUS_VOLTAGE_LOW};
     static const reason_t CHARGE[2] = {REASON_CHARGE_CURRENT, REASON_BUS_VOLTAGE_HIGH};
@@ -209,22 +209,22 @@ void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model
         battery->max_voltage_mV - bus_mV, returned_mA, CHARGE);
     const feasible_set_t set = feasible_set_at(model, in->phase_voltage_mV);
 
-    common_lines(out, config, model, in);
-    feasible_lines(out, &set, discharge, charge, bus_mV);
+    common_lines(table, config, model, in);
+    feasible_lines(table, &set, discharge, charge, bus_mV);
     const int32_t top_mrad_s = config->motor.max_speed_mrad_s;
-    out->driving[TORQUE_LINE_MAX_SPEED] =
+    table->driving[TORQUE_LINE_MAX_SPEED] =
         share_line(config,
                    limit_fade_q15(q_abs(model->speed_mrad_s),
                                   top_mrad_s - top_mrad_s / SPEED_FADE_DIVISOR, top_mrad_s),
                    REASON_MAX_SPEED);
-    out->driving[TORQUE_LINE_ENABLE] =
+    table->driving[TORQUE_LINE_ENABLE] =
         share_line(config, in->torque_enable.drive_q15, in->torque_enable.reason);
-    out->braking[TORQUE_LINE_ENABLE] =
+    table->braking[TORQUE_LINE_ENABLE] =
         share_line(config, in->torque_enable.brake_q15, in->torque_enable.reason);
     const int32_t optimum_mNm =
         loss_maps_torque_mNm(config, model->speed_mrad_s, model->winding_temperature_cC) +
         scaled_shift(model->friction_b, -model->constants->torque_shift);
-    torque_limits_strategy(out->braking, config, model->speed_mrad_s, optimum_mNm,
+    torque_limits_strategy(table->braking, config, model->speed_mrad_s, optimum_mNm,
                            q_max(in->brake_demand_mNm, 0));
-    out->braking[TORQUE_LINE_ABS] = torque_limits_anti_lock(state, in->abs_active);
+    table->braking[TORQUE_LINE_ABS] = torque_limits_anti_lock(state, in->abs_active);
 }
