@@ -34,7 +34,8 @@ function(damaged name section offset)
     COMMAND "${CMAKE_COMMAND}" "-DELF=$<TARGET_FILE:hubfoc_qemu>" "-DBAD=${CMAKE_CURRENT_BINARY_DIR}/${name}.elf" "-DSECTION=${section}"
       -DOFFSET=${offset} "-DOBJCOPY=${CMAKE_OBJCOPY}" "-DHAL_CMAKE=${PROJECT_SOURCE_DIR}/hal/cmake"
       -P "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/damage.cmake"
-    DEPENDS hubfoc_qemu "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/damage.cmake" VERBATIM)
+    DEPENDS hubfoc_qemu "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/damage.cmake" "${PROJECT_SOURCE_DIR}/hal/cmake/write_bytes.cmake"
+    VERBATIM)
   add_custom_target(${name} ALL DEPENDS "${name}.elf")
 endfunction()
 damaged(damaged_configuration .hubfoc_config 100)
