@@ -55,7 +55,7 @@ BUDGETS = (
 LOOP_BYTES_AT_MOST = 2048
 REFERENCE_GCC = 12
 OTHER_GCC_SHARE = 1.05
-"""The goals are those of the reference release; another one may need a twentieth more (14 does on the Cortex-M0+: 329)."""
+"""The goals are those of the reference release; another one may need a twentieth more."""
 SALIENT_CONFIG = "ipm400v"
 """The slow step of buried magnets takes longest, and has a budget of its own on the first core."""
 SALIENT_BUDGET = Budget("cortex-m4", SLOW_STEP, 17000, 1.5)
