@@ -15,12 +15,21 @@ SECONDS_AT_MOST = 240.0
 
 @dataclass(frozen=True)
 class Count:
-    """Instructions of the calls of one function."""
+    """Instructions of the calls of one function; 99 % of the calls take ``p99`` or fewer."""
 
     calls: int
     min: int
     median: int
+    p99: int
     max: int
+
+
+def summary(values: list[int]) -> Count:
+    """Summarise the instructions of every call of a function."""
+    ordered = sorted(values)
+    needed = -(-99 * len(ordered) // 100)
+    median = int(statistics.median(ordered))
+    return Count(len(ordered), ordered[0], median, ordered[needed - 1], ordered[-1])
 
 
 def _window(name: str, functions: dict[str, Function]) -> str:
@@ -103,6 +112,4 @@ def count(
             raise build.BenchError(
                 f"{name}: counted {len(values)} calls on {core.name}, fewer than 1000 prove nothing"
             )
-    return {
-        name: Count(len(v), min(v), int(statistics.median(v)), max(v)) for name, v in found.items()
-    }
+    return {name: summary(values) for name, values in found.items()}

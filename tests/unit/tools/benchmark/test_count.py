@@ -37,11 +37,19 @@ def counts(program: Callable[..., Path], tmp_path: Path) -> dict[str, count.Coun
 
 
 def test_counts_are_those_made_by_hand(counts: dict[str, count.Count]) -> None:
-    assert counts["loop"] == count.Count(1001, 1 + 2 * 1 + 1, 1 + 2 * 501 + 1, 1 + 2 * 1001 + 1)
-    assert counts["skipped"] == count.Count(1001, 5, 5, 5)
-    assert counts["outer"] == count.Count(1001, 14, 14, 14)
+    assert counts["loop"] == count.Count(
+        1001, 1 + 2 * 1 + 1, 1 + 2 * 501 + 1, 1 + 2 * 991 + 1, 1 + 2 * 1001 + 1
+    )
+    assert counts["skipped"] == count.Count(1001, 5, 5, 5, 5)
+    assert counts["outer"] == count.Count(1001, 14, 14, 14, 14)
     # straight is called from two places, each of which ends a window of its own.
-    assert counts["straight"] == count.Count(2002, 11, 11, 11)
+    assert counts["straight"] == count.Count(2002, 11, 11, 11, 11)
+
+
+def test_the_share_of_99_percent_is_the_least_that_so_many_calls_keep() -> None:
+    """One of a hundred may lie beyond it, not two."""
+    assert count.summary([9] + [5] * 99) == count.Count(100, 5, 5, 5, 9)
+    assert count.summary([9, 8] + [5] * 98) == count.Count(100, 5, 5, 8, 9)
 
 
 def test_a_function_that_is_not_there_is_named(
