@@ -189,12 +189,15 @@ static void take_command(fast_setpoint_t *command, const config_t *config,
     command->foc.tuning = current_tuning(
         config, modulation_limit_q15, take_within(bytes, -32768, 32767),
         take_within(bytes, INT32_MIN, INT32_MAX), take_within(bytes, INT32_MIN, INT32_MAX));
+    command->foc.i_d_sampling_correction_pu = take_within(bytes, INT32_MIN, INT32_MAX);
+    command->foc.dead_time_slope =
+        dead_time_slope_at(config, take_within(bytes, INT32_MIN, INT32_MAX));
     command->foc.calibrate_offsets = (take8(bytes) & 7U) == 0;
     command->torque_enable.bridge = (bridge_mode_t)(take8(bytes) % 3U);
     command->monitor.safe_bridge = (take8(bytes) & 1U) != 0 ? BRIDGE_SHORT : BRIDGE_OFF;
     command->monitor.clear_trip = (take8(bytes) & 7U) == 0;
     command->slow_step_count++;
-    command->foc.number++;
+    command->foc.sequence++;
 }
 
 static fast_input_t take_fast_input(bytes_t *bytes)
