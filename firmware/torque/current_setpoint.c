@@ -11,7 +11,7 @@ static int32_t least_loss_d_b(const motor_model_t *model, int32_t airgap_b)
 {
     const motor_constants_t *k = model->constants;
     const loss_maps_row_t row =
-        loss_maps_row_at(k->config, model->speed_mrad_s, model->winding_temperature_cC);
+        loss_maps_row_at(model->config, model->speed_mrad_s, model->winding_temperature_cC);
     const int32_t map_b = motor_model_current_b(
         k, loss_maps_row_d_mA(&row, scaled_shift(airgap_b, -k->torque_shift)));
     const motor_point_t at = {.d_b = map_b,
@@ -26,7 +26,7 @@ static int32_t least_loss_d_b(const motor_model_t *model, int32_t airgap_b)
 current_setpoint_t current_setpoint_step(const motor_model_t *model, int32_t torque_mNm,
                                          int32_t i_d_weakening_mA)
 {
-    const config_t *config = model->constants->config;
+    const config_t *config = model->config;
     const int32_t most_mA = config->motor.max_phase_current_mA;
     const int32_t weakest_mA =
         bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15);

@@ -83,7 +83,7 @@ static int32_t d_at_b(const feasible_set_t *set, motor_point_t at)
 feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage_mV)
 {
     const motor_constants_t *k = model->constants;
-    const config_t *config = k->config;
+    const config_t *config = model->config;
     const int32_t most_mA =
         bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15);
     /* Not beyond the end of the magnets' flux, L_d i_d = -psi. */

@@ -67,7 +67,6 @@ void motor_constants_init(motor_constants_t *constants, const config_t *config)
     }
     const int32_t t = c + v - w + 1 - factor_shift;
     const motor_constants_t out = {
-        .config = config,
         .current_shift = c,
         .voltage_shift = v,
         .speed_shift = w,
@@ -118,11 +117,11 @@ static int32_t at_temperature_b(int32_t reference_b, int32_t rise_q16_b, int32_t
     return q_clamp(reference_b + change_b, reference_b / 10, MOST_b);
 }
 
-motor_model_t motor_model_at(const motor_constants_t *constants, int32_t speed_mrad_s,
-                             int32_t winding_temperature_cC)
+motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
+                             int32_t speed_mrad_s, int32_t winding_temperature_cC)
 {
     const motor_constants_t *k = constants;
-    const config_motor_t *motor = &k->config->motor;
+    const config_motor_t *motor = &config->motor;
     const int64_t w_mrad_s = (int64_t)q_abs(speed_mrad_s) * motor->pole_pairs;
     const int32_t w_b = q_min(scaled_shift(q_saturate64(w_mrad_s), k->speed_shift), MOST_CURRENT_b);
     const int32_t rise_cK =
@@ -130,6 +129,7 @@ motor_model_t motor_model_at(const motor_constants_t *constants, int32_t speed_m
                 -LARGEST_RISE_cK, LARGEST_RISE_cK);
     motor_model_t m = {
         .constants = k,
+        .config = config,
         .speed_mrad_s = speed_mrad_s,
         .winding_temperature_cC = winding_temperature_cC,
         .speed_b = w_b,

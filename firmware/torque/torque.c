@@ -34,7 +34,7 @@ static reason_t visible_reason(const demand_t *demand, const brake_blending_out_
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
 {
     const motor_model_t model =
-        motor_model_at(&state->motor, in->speed_mrad_s, in->winding_temperature_cC);
+        motor_model_at(&state->motor, config, in->speed_mrad_s, in->winding_temperature_cC);
     const int32_t achieved_mNm = motor_model_torque_mNm(&model, in->current);
     const demand_t demand = demand_step(&state->demand, config, in->drive_torque_mNm,
                                         in->brake_torque_mNm, in->demand_age_ms);

@@ -196,7 +196,7 @@ void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model
 {
     static const reason_t DISCHARGE[2] = {REASON_DISCHARGE_CURRENT, REASON_BUS_VOLTAGE_LOW};
     static const reason_t CHARGE[2] = {REASON_CHARGE_CURRENT, REASON_BUS_VOLTAGE_HIGH};
-    const config_t *config = model->constants->config;
+    const config_t *config = model->config;
     const config_battery_t *battery = &config->battery;
     const int32_t bus_mV = q_clamp(in->bus_voltage_mV, 0, 2 * battery->overvoltage_trip_mV);
     const int32_t drawn_mA = q_max(in->bus_current_mA, 0);

@@ -17,7 +17,8 @@ tables_current_t tables_currents(const config_t *config, int32_t speed_mrad_s,
 {
     motor_constants_t constants;
     motor_constants_init(&constants, config);
-    const motor_model_t model = motor_model_at(&constants, speed_mrad_s, winding_temperature_cC);
+    const motor_model_t model =
+        motor_model_at(&constants, config, speed_mrad_s, winding_temperature_cC);
     const int32_t d_mA =
         loss_maps_d_current_mA(config, speed_mrad_s, winding_temperature_cC, airgap_torque_mNm);
     const int32_t forward = speed_mrad_s >= 0 ? 1 : -1;
@@ -33,7 +34,8 @@ tables_voltage_t tables_voltage_limit(const config_t *config, int32_t speed_mrad
 {
     motor_constants_t constants;
     motor_constants_init(&constants, config);
-    const motor_model_t model = motor_model_at(&constants, speed_mrad_s, winding_temperature_cC);
+    const motor_model_t model =
+        motor_model_at(&constants, config, speed_mrad_s, winding_temperature_cC);
     const feasible_set_t set = feasible_set_at(&model, phase_voltage_mV);
     const int32_t driving_mNm = feasible_by_voltage_mNm(&set, SIDE_DRIVING);
     const int32_t braking_mNm = feasible_by_voltage_mNm(&set, SIDE_BRAKING);

@@ -18,9 +18,9 @@
 #include "config/config.h"
 #include "core/scaled.h"
 
-/* Made once from the configuration: 1 unit_b = 2^-shift of the milli-unit. */
+/* Made once from the configuration: 1 unit_b = 2^-shift of the milli-unit. Values only: as part of
+ * the controller's state they may be copied, saved and restored elsewhere. */
 typedef struct {
-    const config_t *config;
     int32_t current_shift, voltage_shift, speed_shift, torque_shift;
     int32_t resistance_b, resistance_rise_b; /* at the reference; a hundredth of a kelvin, 2^16 */
     int32_t inductance_d_b, inductance_q_b;
@@ -39,6 +39,7 @@ typedef struct {
  * fraction bits. */
 typedef struct {
     const motor_constants_t *constants;
+    const config_t *config;
     int32_t speed_mrad_s; /* mechanical, signed */
     int32_t winding_temperature_cC;
     int32_t speed_b;                      /* electrical, magnitude */
@@ -67,8 +68,9 @@ typedef struct {
 /* Divides; once at start. */
 void motor_constants_init(motor_constants_t *constants, const config_t *config);
 
-motor_model_t motor_model_at(const motor_constants_t *constants, int32_t speed_mrad_s,
-                             int32_t winding_temperature_cC);
+/* config: the one the constants were made from. */
+motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
+                             int32_t speed_mrad_s, int32_t winding_temperature_cC);
 
 /* Shaft torque of terminal currents. */
 int32_t motor_model_torque_mNm(const motor_model_t *model, motor_current_t i);

@@ -17,7 +17,7 @@ static inline motor_model_t model_at(const config_t *config, int32_t speed_mrad_
     static int next;
     next = (next + 1) % 8;
     motor_constants_init(&constants[next], config);
-    return motor_model_at(&constants[next], speed_mrad_s, winding_temperature_cC);
+    return motor_model_at(&constants[next], config, speed_mrad_s, winding_temperature_cC);
 }
 
 static inline double model_current_mA(const motor_model_t *model, int32_t current_b)

@@ -273,11 +273,11 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(
     ffi = cffi.FFI()
     ffi.cdef("""
         typedef struct { int64_t words[32]; } constants_t;
-        typedef struct { const void *constants; int32_t words[20]; } model_t;
+        typedef struct { const void *constants, *config; int32_t words[20]; } model_t;
         typedef struct { int32_t d_mA, q_mA; bool limited; } current_t;
         void motor_constants_init(constants_t *constants, const void *config);
-        model_t motor_model_at(const constants_t *constants, int32_t speed_mrad_s,
-                               int32_t winding_temperature_cC);
+        model_t motor_model_at(const constants_t *constants, const void *config,
+                               int32_t speed_mrad_s, int32_t winding_temperature_cC);
         current_t current_setpoint_step(const model_t *model, int32_t torque_mNm,
                                         int32_t i_d_weakening_mA);
     """)
@@ -292,7 +292,7 @@ def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(
     for speed in np.linspace(-1.0, 1.0, 9) * drive.motor.max_speed_rpm * math.pi / 30.0:
         model = ffi.new(
             "model_t *",
-            firmware.motor_model_at(constants, round(speed * 1000.0), round(warm * 100.0)),
+            firmware.motor_model_at(constants, raw, round(speed * 1000.0), round(warm * 100.0)),
         )
         turning = float(np.clip(speed, -0.5, 0.5)) / 0.5
         friction = turning * motor.friction_nm + motor.viscous_nm_s * speed
