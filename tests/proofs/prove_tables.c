@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The slow loop's tables: with any grid that the validator accepts every read lies inside the part
- * of the table that is in use, and with any entries that it accepts every interpolation is between
- * values that core/grid.h takes. Of its functions only their promises are taken: a position is any
- * on its axis, and what is interpolated is anything between its ends.
+ * of the table that is in use, and every interpolation is between values that core/grid.h takes:
+ * entries within the validator's bounds, or what was interpolated between them. Of its functions
+ * only their promises are taken: a position is any on its axis, and what is interpolated is
+ * anything within the bounds of its ends.
  */
 #include "config/config.h"
 #include "core/grid.h"
@@ -20,16 +21,17 @@ static void check_read(const int32_t *at)
         const int32_t beyond_bytes =
             (int32_t)(__CPROVER_POINTER_OFFSET(at) - __CPROVER_POINTER_OFFSET(table));
         PROMISE(beyond_bytes >= 0 && beyond_bytes < used * (int32_t)sizeof(int32_t));
-        ASSUME(*at >= -largest && *at <= largest);
+    } else {
+        PROMISE(*at >= -largest && *at <= largest);
     }
-    PROMISE(*at > -(1 << 30) && *at < 1 << 30);
 }
 
+/* Entries are within +-largest, and so is what lies between two such values. */
 static int32_t any_interpolation(const int32_t *a, const int32_t *b)
 {
     check_read(a);
     check_read(b);
-    return *a < *b ? any_within(*a, *b) : any_within(*b, *a);
+    return any_within(-largest, largest);
 }
 
 static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2)
@@ -56,6 +58,8 @@ enum {
 _Static_assert(CONFIG_CURRENT_MAP_ARRAY(LOWEST) == -LARGEST_CURRENT_MA &&
                    CONFIG_REGEN_MAP_ARRAY(LOWEST) == -LARGEST_TORQUE_MNM,
                "the entries' bounds are symmetrical");
+_Static_assert(LARGEST_CURRENT_MA < 1 << 30 && LARGEST_TORQUE_MNM < 1 << 30,
+               "grid_interpolate() takes the entries");
 
 static void check_current_map(int32_t layers)
 {
