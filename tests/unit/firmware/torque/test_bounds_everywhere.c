@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bounds by battery power of all shipped configurations against a bisection over the torque in
- * double precision, on the circuit of reference_motor.h: random speeds to 110 %, temperatures, bus
- * voltages and current limits. 1 % of rated torque, or 0.2 % of the largest power where the power
- * hardly depends on the torque.
+ * The torque bounds by battery power of all shipped configurations, against the circuit of
+ * reference_motor.h in double precision: random speeds up to 110 %, temperatures, bus voltages and
+ * current limits. The power at the bound must be the power limit within 1e-5 of rated torque and
+ * 2e-6 of the largest power.
  */
-#include "model.h"
 #include "random_values.h"
 #include "reference_motor.h"
 #include "torque/feasible_torque.h"
 #include "torque/loss_maps.h"
+#include "torque_model.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;
@@ -43,7 +43,7 @@ static double volts(const drive_t *drive, reference_point_t p)
 {
     const reference_motor_t *m = &drive->motor;
     const double w = m->w_rad_s;
-    /* i_t from i, as the circuit has it */
+    /* torque current from the terminal current */
     const double g = w * m->iron_siemens;
     const double x =
         (p.i_q_a - g * (m->l_d_h * p.i_d_a + m->psi_wb)) / (1.0 + g * g * m->l_d_h * m->l_q_h);
@@ -52,7 +52,7 @@ static double volts(const drive_t *drive, reference_point_t p)
                  m->resistance_ohm * p.i_q_a + w * (m->l_d_h * i_dt + m->psi_wb));
 }
 
-/* The map's i_d, or the one at which the voltage is met, no further than field weakening goes. */
+/* With the map's i_d, or the i_d on the voltage limit, down to the largest field weakening. */
 static reference_point_t at_torque(const drive_t *drive, double airgap_nm)
 {
     const double map_a =
@@ -87,8 +87,7 @@ static double drawn_w(const drive_t *drive, double shaft_nm)
     return at_torque(drive, shaft_nm + friction_nm(drive)).power_w;
 }
 
-/* A bound is right when the power there is the limit, or a little torque to either side it lies on
- * either side of it. */
+/* The power crosses its limit between a slightly smaller and a slightly larger torque. */
 static void assert_bound(const drive_t *drive, double shaft_nm, double sign, double limit_w)
 {
     const double step_nm = 1e-5 * drive->config->motor.rated_torque_mNm;
@@ -129,7 +128,7 @@ static void compare(const config_t *config, uint64_t seed)
             assert_bound(&drive, 1e-3 * by_drawn_mNm, 1.0, 1e-6 * drawn_mA * bus_mV);
         }
         if (config->rotor.sensor == CONFIG_ROTOR_HALL) {
-            continue; /* what a late edge may add has tests of its own */
+            continue; /* power reserve for the angle error: test_torque_limits.c */
         }
         const int32_t returned_mA = random_between(&random, 0, battery->max_charge_current_mA);
         const int32_t by_returned_mNm =
@@ -143,7 +142,7 @@ static void compare(const config_t *config, uint64_t seed)
     TEST_ASSERT_TRUE(config->rotor.sensor == CONFIG_ROTOR_HALL || braking > STATES / 10);
 }
 
-void test_the_battery_s_bounds_of_every_shipped_drive_are_those_of_the_circuit(void)
+void test_bounds_by_battery_power_of_every_configuration_match_the_circuit(void)
 {
     compare(&CONFIG_LU2013, 1);
     compare(&CONFIG_EBIKE36V, 2);
@@ -151,7 +150,7 @@ void test_the_battery_s_bounds_of_every_shipped_drive_are_those_of_the_circuit(v
     compare(&CONFIG_IPM400V, 4);
 }
 
-void test_without_halls_the_charge_bounds_of_the_wheel_motors_are_those_of_the_circuit(void)
+void test_charge_bounds_with_an_angle_sensor_match_the_circuit(void)
 {
     const config_t *const configs[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V};
     for (int c = 0; c < 3; c++) {

@@ -32,7 +32,7 @@ void test_a_fresh_demand_passes_unchanged(void)
     TEST_ASSERT_EQUAL_INT32(20000, fresh(0, 20000).brake_mNm);
 }
 
-void test_braking_cuts_the_driving_torque(void)
+void test_driving_torque_is_zero_while_braking_is_demanded(void)
 {
     const demand_t both = fresh(30000, 1);
     TEST_ASSERT_EQUAL_INT32(0, both.drive_mNm);
@@ -40,7 +40,7 @@ void test_braking_cuts_the_driving_torque(void)
     TEST_ASSERT_EQUAL_INT32(30000, fresh(30000, 0).drive_mNm);
 }
 
-void test_a_negative_braking_demand_counts_as_none_and_does_not_cut_the_drive(void)
+void test_negative_braking_demand_counts_as_zero(void)
 {
     const demand_t out = fresh(5000, -20000);
     TEST_ASSERT_EQUAL_INT32(0, out.brake_mNm);
@@ -48,7 +48,7 @@ void test_a_negative_braking_demand_counts_as_none_and_does_not_cut_the_drive(vo
     TEST_ASSERT_EQUAL_INT32(0, fresh(0, INT32_MIN).brake_mNm);
 }
 
-void test_a_demand_is_lost_one_millisecond_after_its_time_and_not_before(void)
+void test_demand_times_out_one_millisecond_after_demand_timeout(void)
 {
     fresh(0, 20000);
     TEST_ASSERT_FALSE(demand_step(&state, &config, 0, 20000, 100).timed_out);
@@ -56,10 +56,10 @@ void test_a_demand_is_lost_one_millisecond_after_its_time_and_not_before(void)
     TEST_ASSERT_TRUE(demand_step(&state, &config, 0, 20000, UINT32_MAX).timed_out);
 }
 
-void test_a_lost_demand_decays_at_the_torque_rate_instead_of_being_held_or_dropped(void)
+void test_braking_demand_decays_at_the_torque_rate_after_a_timeout(void)
 {
     fresh(0, 20000);
-    /* 400 mNm a step: 20 Nm take 50 steps. What the message still says no longer counts. */
+    /* 400 mNm a step: 20 Nm take 50 steps. The demand of the old message is ignored. */
     for (int n = 1; n <= 50; n++) {
         const demand_t out = demand_step(&state, &config, 0, 20000, 101);
         TEST_ASSERT_EQUAL_INT32(20000 - 400 * n, out.brake_mNm);
@@ -67,7 +67,7 @@ void test_a_lost_demand_decays_at_the_torque_rate_instead_of_being_held_or_dropp
     TEST_ASSERT_EQUAL_INT32(0, demand_step(&state, &config, 0, 20000, 200).brake_mNm);
 }
 
-void test_a_lost_driving_demand_decays_from_either_direction(void)
+void test_driving_demand_of_either_sign_decays_at_the_torque_rate_after_a_timeout(void)
 {
     fresh(-1000, 0);
     TEST_ASSERT_EQUAL_INT32(-600, demand_step(&state, &config, -1000, 0, 101).drive_mNm);
@@ -75,7 +75,7 @@ void test_a_lost_driving_demand_decays_from_either_direction(void)
     TEST_ASSERT_EQUAL_INT32(0, demand_step(&state, &config, -1000, 0, 103).drive_mNm);
 }
 
-void test_a_returning_demand_counts_at_once(void)
+void test_demand_applies_again_in_the_first_step_after_a_timeout(void)
 {
     fresh(0, 20000);
     demand_step(&state, &config, 0, 20000, 101);
@@ -84,14 +84,14 @@ void test_a_returning_demand_counts_at_once(void)
     TEST_ASSERT_FALSE(back.timed_out);
 }
 
-void test_nothing_is_demanded_before_the_first_demand_arrives(void)
+void test_demand_is_zero_before_the_first_message(void)
 {
     const demand_t out = demand_step(&state, &config, 30000, 20000, UINT32_MAX);
     TEST_ASSERT_EQUAL_INT32(0, out.drive_mNm);
     TEST_ASSERT_EQUAL_INT32(0, out.brake_mNm);
 }
 
-void test_any_number_a_message_can_hold_gives_a_demand_in_range(void)
+void test_demand_is_bounded_for_any_message(void)
 {
     random_t random = random_seeded(3);
     for (int n = 0; n < 100000; n++) {
@@ -99,17 +99,15 @@ void test_any_number_a_message_can_hold_gives_a_demand_in_range(void)
             demand_step(&state, &config, (int32_t)random_u64(&random), (int32_t)random_u64(&random),
                         (uint32_t)random_between(&random, 0, 200));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.brake_mNm);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(100000000,
-                                        out.brake_mNm); /* 100 kNm, far above any wheel's */
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(100000000, out.brake_mNm); /* 100 kNm */
         TEST_ASSERT_INT32_WITHIN(100000000, 0, out.drive_mNm);
         TEST_ASSERT_TRUE(out.brake_mNm == 0 || out.drive_mNm == 0);
     }
 }
 
-void test_the_rate_is_the_configured_one_and_never_nothing(void)
+void test_rate_is_the_configured_one_and_at_least_1_mNm_per_step(void)
 {
     TEST_ASSERT_EQUAL_INT32(400, demand_rate_mNm_per_step(&config));
-    config.brake.torque_rate_mNm_s =
-        100; /* a tenth of a step's resolution: torque must still be able to change */
+    config.brake.torque_rate_mNm_s = 100; /* 0.1 mNm a step, below the resolution of 1 mNm */
     TEST_ASSERT_EQUAL_INT32(1, demand_rate_mNm_per_step(&config));
 }

@@ -2,11 +2,11 @@
 #include <math.h>
 
 #include "config/bases.h"
-#include "model.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
 #include "torque/feasible_torque.h"
+#include "torque_model.h"
 #include "unity.h"
 
 static config_t config;
@@ -31,7 +31,7 @@ static range_t voltage_range(const motor_model_t *model, int32_t phase_mV)
     return out;
 }
 
-/* The map's i_d at the torque that was found, where it goes further than field weakening. */
+/* The map's i_d at the bound's torque, where it is below the largest field weakening. */
 static double map_d_a;
 
 static double weakest_d_a(const reference_motor_t *m)
@@ -41,7 +41,7 @@ static double weakest_d_a(const reference_motor_t *m)
     return fmin(-fmin(most_a, m->psi_wb / m->l_d_h), map_d_a);
 }
 
-/* The voltage of a torque current with the weakest field. */
+/* Voltage of a torque current at the largest field weakening. */
 static double volts(const reference_motor_t *m, double i_qt_a)
 {
     const double i_dt_a = weakest_d_a(m) + m->w_rad_s * m->l_q_h * m->iron_siemens * i_qt_a;
@@ -56,8 +56,8 @@ static double shaft_mNm(const reference_motor_t *m, const motor_model_t *model, 
     return reference_point(m, i_dt_a, i_qt_a).torque_nm * 1e3 - model_friction_mNm(model);
 }
 
-/* The end of the voltage on one side, by doubling and halving over the torque current, from where
- * the voltage is least. */
+/* The torque current on one side at which the voltage is most_v: from the point of least voltage by
+ * doubling, then by bisection. */
 static double end_a(const reference_motor_t *m, double from_a, double most_v, double sign)
 {
     double inside_a = from_a;
@@ -93,8 +93,8 @@ static double least_volts_at_a(const reference_motor_t *m)
     return 0.5 * (low_a + high_a);
 }
 
-/* Between the ends of a circle that is 15 mV smaller and one as much larger (the model's roundings
- * are below 3 mV each), and the rounding of a torque, 0.1 % of rated. */
+/* The bound lies between those of a voltage 15 mV smaller and 15 mV larger (the model's roundings
+ * are below 3 mV each), within the rounding of a torque, 0.1 % of rated. */
 static void assert_end(const reference_motor_t *m, const motor_model_t *model, double most_v,
                        double sign, int32_t found_mNm)
 {
@@ -105,8 +105,8 @@ static void assert_end(const reference_motor_t *m, const motor_model_t *model, d
     const double middle_a = least_volts_at_a(m);
     const double inner_mNm = shaft_mNm(m, model, end_a(m, middle_a, most_v - 0.015, sign)) * sign;
     const double outer_mNm = shaft_mNm(m, model, end_a(m, middle_a, most_v + 0.015, sign)) * sign;
-    /* Where the end lies beyond zero, no torque is left on this side; where the whole magnet's
-     * flux would be used up the current is clamped far beyond any limit. */
+    /* A bound on the other side of zero counts as zero. Where the current would cancel the flux of
+     * the magnet, it is clamped far beyond any limit. */
     const double most_mNm = 2.0 * config.motor.max_torque_mNm;
     const double rounding_mNm = 1e-3 * config.motor.rated_torque_mNm;
     TEST_ASSERT_TRUE(found_mNm * sign >= fmin(inner_mNm - rounding_mNm, most_mNm));
@@ -118,8 +118,8 @@ static void assert_end(const reference_motor_t *m, const motor_model_t *model, d
 static void compare(double least_speed_mrad_s, double most_speed_mrad_s, int cases)
 {
     random_t random = random_seeded(3);
-    int biting = 0;
-    int nothing = 0;
+    int bounded = 0;
+    int without_torque = 0;
     for (int n = 0; n < cases; n++) {
         const int32_t sign = random_chance(&random, 0.5) ? 1 : -1;
         const int32_t speed_mrad_s =
@@ -132,33 +132,32 @@ static void compare(double least_speed_mrad_s, double most_speed_mrad_s, int cas
         map_d_a = 0.0;
         const double middle_a = least_volts_at_a(&m);
         if (volts(&m, middle_a) > phase_mV * 1e-3) {
-            nothing++;
+            without_torque++;
             TEST_ASSERT_TRUE((limit.lowest_mNm == 0 && limit.highest_mNm == 0) ||
                              volts(&m, middle_a) < phase_mV * 1e-3 + 0.02);
             continue;
         }
-        biting++;
+        bounded++;
         assert_end(&m, &model, phase_mV * 1e-3, -1.0, limit.lowest_mNm);
         assert_end(&m, &model, phase_mV * 1e-3, 1.0, limit.highest_mNm);
     }
-    TEST_ASSERT_GREATER_THAN_INT(cases / 3, biting);
-    TEST_ASSERT_GREATER_THAN_INT(cases / 50, nothing);
+    TEST_ASSERT_GREATER_THAN_INT(cases / 3, bounded);
+    TEST_ASSERT_GREATER_THAN_INT(cases / 50, without_torque);
 }
 
-void test_a_round_motor_s_limits_are_where_the_circuit_in_double_precision_reaches_the_circle(void)
+void test_voltage_bounds_of_a_surface_magnet_motor_match_the_circuit_in_double_precision(void)
 {
     config = paper_vehicle();
     compare(30000.0, 90000.0, 150);
 }
 
-void test_a_salient_motor_s_limits_are_where_the_circuit_in_double_precision_reaches_the_circle(
-    void)
+void test_voltage_bounds_of_a_salient_motor_match_the_circuit_in_double_precision(void)
 {
     config = salient_vehicle();
     compare(40000.0, 140000.0, 150);
 }
 
-void test_at_standstill_the_voltage_limits_no_torque_the_current_circle_allows(void)
+void test_voltage_bound_is_above_max_torque_at_standstill(void)
 {
     config = paper_vehicle();
     const motor_model_t model = model_at(&config, 0, 2500);
@@ -167,7 +166,7 @@ void test_at_standstill_the_voltage_limits_no_torque_the_current_circle_allows(v
     TEST_ASSERT_GREATER_THAN_INT32(config.motor.max_torque_mNm, limit.highest_mNm);
 }
 
-void test_the_other_way_round_the_limits_change_places(void)
+void test_voltage_bounds_are_symmetric_in_the_direction_of_rotation(void)
 {
     config = salient_vehicle();
     const motor_model_t forward = model_at(&config, 70000, 2500);
@@ -180,7 +179,7 @@ void test_the_other_way_round_the_limits_change_places(void)
     TEST_ASSERT_GREATER_THAN_INT32(0, a.highest_mNm);
 }
 
-void test_without_voltage_there_is_no_torque_at_speed(void)
+void test_voltage_bounds_are_zero_at_zero_voltage_and_high_speed(void)
 {
     config = paper_vehicle();
     const motor_model_t model = model_at(&config, 60000, 2500);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Near the ends of the battery's voltage: the line in the steady state, and a calm way to it with
- * any pack. */
+/* Fold-back of the current near an end of the battery's voltage: the steady-state line, and its
+ * stability with any pack resistance. */
 #include "torque/foldback.h"
 
 #include <math.h>
@@ -14,23 +14,25 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
+/* The current after one step at this voltage, from a state that allows now_mA. */
 static int32_t next(int32_t inside_mV, int32_t now_mA)
 {
     foldback_state_t state = {.allowed_q6_mA = now_mA * 64};
     return foldback_step(&state, &LOW, inside_mV, now_mA);
 }
 
-void test_far_inside_all_is_allowed_within_half_a_second_and_one_width_beyond_nothing(void)
+void test_limit_opens_in_half_a_second_and_is_zero_one_width_outside(void)
 {
     foldback_state_t state = {.allowed_q6_mA = 0};
+    int32_t allowed_mA = 0;
     for (int n = 0; n < 500; n++) {
-        (void)foldback_step(&state, &LOW, 9000, 0);
+        allowed_mA = foldback_step(&state, &LOW, 9000, 0);
     }
-    TEST_ASSERT_EQUAL_INT32(62500, state.allowed_q6_mA / 64);
+    TEST_ASSERT_EQUAL_INT32(62500, allowed_mA);
     TEST_ASSERT_EQUAL_INT32(0, foldback_step(&state, &LOW, -1168, 62500));
 }
 
-void test_on_the_line_the_current_stays(void)
+void test_limit_is_constant_on_the_steady_state_line(void)
 {
     for (int32_t now_mA = 0; now_mA <= 62500; now_mA += 625) {
         const int32_t inside_mV = (int32_t)((int64_t)1168 * now_mA / 62500);
@@ -38,7 +40,7 @@ void test_on_the_line_the_current_stays(void)
     }
 }
 
-void test_beside_the_line_it_moves_towards_it_without_crossing(void)
+void test_limit_approaches_the_steady_state_line_without_overshoot(void)
 {
     for (int32_t inside_mV = -1000; inside_mV < 2336; inside_mV += 13) {
         for (int32_t now_mA = 0; now_mA <= 62500; now_mA += 1250) {
@@ -49,20 +51,22 @@ void test_beside_the_line_it_moves_towards_it_without_crossing(void)
     }
 }
 
-void test_what_the_motor_is_asked_for_does_not_move_it(void)
+void test_steady_state_limit_is_independent_of_the_motor_current(void)
 {
-    /* A bus that stays where it is, whatever is drawn from it: the line's current. */
+    /* A bus voltage that does not depend on the current, and zero current: still the line's. */
     foldback_state_t state = {.allowed_q6_mA = 62500 * 64};
+    int32_t allowed_mA = 0;
     for (int n = 0; n < 20000; n++) {
-        (void)foldback_step(&state, &LOW, 584, 0);
+        allowed_mA = foldback_step(&state, &LOW, 584, 0);
     }
-    TEST_ASSERT_INT32_WITHIN(200, 31250, state.allowed_q6_mA / 64);
+    TEST_ASSERT_INT32_WITHIN(200, 31250, allowed_mA);
 }
 
-/* A pack of any resistance behind it, torque that takes effect two steps later and no faster than
- * 0.6 A a step, a driver who wants all there is. No cycle: after a second and a half the current
- * stands still, on the line. */
-void test_with_any_pack_the_current_comes_to_rest_on_the_line(void)
+/* A pack of any resistance, a current that follows two steps later and by at most 0.6 A a step, a
+ * demand above the limit. No limit cycle: after two seconds the current is constant and on the
+ * line.
+ */
+void test_current_settles_on_the_line_for_any_pack_resistance(void)
 {
     for (double r_ohm = 0.02; r_ohm < 3.0; r_ohm *= 1.5) {
         double delayed_mA[3] = {0.0, 0.0, 0.0};
@@ -87,14 +91,14 @@ void test_with_any_pack_the_current_comes_to_rest_on_the_line(void)
                 highest_mA = fmax(highest_mA, command_mA);
             }
         }
-        /* 53 V - 4 R i = 40 V + 1.168 V i / 62.5 A, if that is less than all. */
+        /* 53 V - 4 R i = 40 V + 1.168 V i / 62.5 A, at most 62.5 A. */
         const double on_line_mA = fmin(13e3 / (4.0 * r_ohm + 1.168 / 62.5), 62500.0);
         TEST_ASSERT_TRUE(highest_mA - lowest_mA <= 5.0);
         TEST_ASSERT_DOUBLE_WITHIN(0.02 * on_line_mA + 40.0, on_line_mA, highest_mA);
     }
 }
 
-void test_without_a_current_to_share_there_is_none(void)
+void test_limit_is_zero_for_a_largest_current_of_zero(void)
 {
     const foldback_t none = {.most_mA = 0, .width_mV = 1168, .span_mV = 18400};
     const int32_t inside_mV[] = {1000, INT32_MAX, INT32_MIN};

@@ -29,19 +29,18 @@ static int32_t after(int milliseconds, int32_t command_mNm)
     return hydraulic_model_torque_mNm(&model);
 }
 
-void test_nothing_happens_within_the_dead_time(void)
+void test_torque_is_zero_during_the_dead_time(void)
 {
     TEST_ASSERT_EQUAL_INT32(0, after(40, 50000));
     TEST_ASSERT_GREATER_THAN_INT32(0, after(1, 50000));
 }
 
-void test_then_the_torque_follows_like_a_first_order_lag_both_ways(void)
+void test_torque_follows_as_a_first_order_lag_after_the_dead_time(void)
 {
     for (int n = 1; n <= 600; n++) {
         const int32_t torque_mNm = after(1, 50000);
         const double expected = n <= 40 ? 0.0 : 50000.0 * (1.0 - exp(-(n - 40) / 60.0));
-        TEST_ASSERT_DOUBLE_WITHIN(500.0, expected,
-                                  torque_mNm); /* the step of 1 ms: half of it of 60 */
+        TEST_ASSERT_DOUBLE_WITHIN(500.0, expected, torque_mNm); /* half a step of 1 ms of 60 ms */
     }
     for (int n = 1; n <= 600; n++) {
         const int32_t torque_mNm = after(1, 0);
@@ -50,13 +49,13 @@ void test_then_the_torque_follows_like_a_first_order_lag_both_ways(void)
     }
 }
 
-void test_it_settles_on_the_command_within_a_newton_millimetre(void)
+void test_torque_settles_on_the_command_within_1_mNm(void)
 {
     TEST_ASSERT_INT32_WITHIN(1, 123457, after(3000, 123457));
     TEST_ASSERT_INT32_WITHIN(1, 0, after(3000, 0));
 }
 
-void test_no_faster_than_its_rate(void)
+void test_torque_changes_no_faster_than_the_hydraulic_rate(void)
 {
     config.brake.hydraulic_rate_mNm_s = 500000;
     after(40, 200000);
@@ -65,7 +64,7 @@ void test_no_faster_than_its_rate(void)
     }
 }
 
-void test_a_brake_without_delay_is_where_it_is_told_to_be(void)
+void test_torque_equals_the_command_without_delay(void)
 {
     config.brake.hydraulic_dead_time_ms = 0;
     config.brake.hydraulic_time_constant_ms = 0;
@@ -74,7 +73,7 @@ void test_a_brake_without_delay_is_where_it_is_told_to_be(void)
     TEST_ASSERT_EQUAL_INT32(1, after(1, 1));
 }
 
-void test_whatever_is_commanded_it_stays_between_nothing_and_the_largest_torque(void)
+void test_torque_stays_between_zero_and_max_hydraulic_torque(void)
 {
     random_t random = random_seeded(1);
     for (int c = 0; c < 50; c++) {

@@ -17,7 +17,7 @@ void test_a_limit_below_zero_counts_as_zero(void)
     TEST_ASSERT_EQUAL_INT(REASON_MAX_POWER, limit.reason);
 }
 
-void test_the_tightest_bound_wins_and_gives_its_reason(void)
+void test_tightest_bound_wins_and_sets_the_reason(void)
 {
     limit_t limit = limit_init(1000, REASON_MAX_TORQUE);
     limit_tighten(&limit, 800, REASON_MAX_POWER);
@@ -26,7 +26,7 @@ void test_the_tightest_bound_wins_and_gives_its_reason(void)
     TEST_ASSERT_EQUAL_INT(REASON_MAX_POWER, limit.reason);
 }
 
-void test_on_a_tie_the_earlier_reason_stays(void)
+void test_earlier_reason_wins_on_a_tie(void)
 {
     limit_t limit = limit_init(1000, REASON_MAX_TORQUE);
     limit_tighten(&limit, 1000, REASON_MAX_POWER);
@@ -49,16 +49,15 @@ void test_the_order_of_bounds_does_not_change_the_torque(void)
     }
 }
 
-void test_a_fade_is_whole_on_one_side_nothing_on_the_other_and_linear_between(void)
+void test_fade_is_one_on_one_side_zero_on_the_other_and_linear_between(void)
 {
-    /* Falling with x, as for temperature: full at 100, nothing at 200. A quarter of the way leaves
-     * three quarters: 0.75 * 32768. */
+    /* Falling with x, as for temperature: one at 100, zero at 200. At 125: 0.75 * 32768. */
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(100, 100, 200));
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(INT32_MIN, 100, 200));
     TEST_ASSERT_EQUAL_INT32(24576, limit_fade_q15(125, 100, 200));
     TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(200, 100, 200));
     TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(INT32_MAX, 100, 200));
-    /* Rising with x, as for speed: full at 200, nothing at 100. */
+    /* Rising with x, as for speed: one at 200, zero at 100. */
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(200, 200, 100));
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(INT32_MAX, 200, 100));
     TEST_ASSERT_EQUAL_INT32(24576, limit_fade_q15(175, 200, 100));
@@ -66,7 +65,7 @@ void test_a_fade_is_whole_on_one_side_nothing_on_the_other_and_linear_between(vo
     TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(INT32_MIN, 200, 100));
 }
 
-void test_a_fade_never_rises_on_the_way_to_nothing(void)
+void test_fade_is_monotonic(void)
 {
     for (int32_t x = 90; x < 210; x++) {
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(limit_fade_q15(x + 1, 100, 200),
@@ -76,7 +75,7 @@ void test_a_fade_never_rises_on_the_way_to_nothing(void)
     }
 }
 
-void test_a_fade_of_no_width_is_a_step_that_is_whole_up_to_its_place(void)
+void test_fade_of_zero_width_is_a_step_that_includes_its_end(void)
 {
     TEST_ASSERT_EQUAL_INT32(Q15_ONE, limit_fade_q15(100, 100, 100));
     TEST_ASSERT_EQUAL_INT32(0, limit_fade_q15(101, 100, 100));

@@ -17,8 +17,8 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* A map of random heights on a grid of 5 by 4: steps of 2^10 mrad/s and 2^8 hundredths of a degree
- * from -10 degC. */
+/* A map of random torques on a grid of 5 speeds by 4 temperatures: steps of 2^10 mrad/s, and of
+ * 2^8 hundredths of a degree from -10 degC. */
 static void random_map(uint64_t seed)
 {
     random_t random = random_seeded(seed);
@@ -32,7 +32,7 @@ static void random_map(uint64_t seed)
     }
 }
 
-/* The textbook form with weights, over the clamped point. */
+/* Bilinear interpolation by weights, at the point clamped to the grid. */
 static long double bilinear(double speed_mrad_s, double temperature_cC)
 {
     const long double s = fminl(fmaxl(fabsl((long double)speed_mrad_s) / 1024.0L, 0.0L), 4.0L);
@@ -48,7 +48,7 @@ static long double bilinear(double speed_mrad_s, double temperature_cC)
            (1.0L - x) * y * map[(row + 1) * 5 + column] + x * y * map[(row + 1) * 5 + column + 1];
 }
 
-void test_between_the_points_the_map_is_bilinear(void)
+void test_map_is_bilinear_between_its_points(void)
 {
     random_map(1);
     random_t random = random_seeded(2);
@@ -61,7 +61,7 @@ void test_between_the_points_the_map_is_bilinear(void)
     }
 }
 
-void test_at_its_points_the_map_says_exactly_what_is_stored(void)
+void test_map_equals_the_stored_torque_at_its_points(void)
 {
     random_map(3);
     for (int32_t t = 0; t < 4; t++) {
@@ -72,7 +72,7 @@ void test_at_its_points_the_map_says_exactly_what_is_stored(void)
     }
 }
 
-void test_beyond_the_edges_the_nearest_edge_counts(void)
+void test_map_is_clamped_to_its_edges(void)
 {
     random_map(4);
     const int32_t *map = config.regen_map.torque_mNm;
@@ -84,7 +84,7 @@ void test_beyond_the_edges_the_nearest_edge_counts(void)
     TEST_ASSERT_EQUAL_INT32(map[4], loss_maps_torque_mNm(&config, INT32_MAX, INT32_MIN));
 }
 
-void test_a_line_that_goes_on_below_zero_counts_as_no_torque(void)
+void test_negative_torque_of_the_interpolation_counts_as_zero(void)
 {
     /* Regeneration begins in the middle of the first cell: -10 Nm at standstill, 10 Nm at the first
      * point. */
@@ -100,7 +100,7 @@ void test_a_line_that_goes_on_below_zero_counts_as_no_torque(void)
     TEST_ASSERT_EQUAL_INT32(5000, loss_maps_torque_mNm(&config, -768, -500));
 }
 
-void test_the_map_does_not_know_forward_from_backward(void)
+void test_map_is_symmetric_in_the_direction_of_rotation(void)
 {
     random_map(5);
     random_t random = random_seeded(6);
@@ -112,7 +112,7 @@ void test_the_map_does_not_know_forward_from_backward(void)
     }
 }
 
-void test_where_the_line_goes_on_below_zero_nothing_is_asked_for(void)
+void test_torque_is_zero_up_to_the_zero_crossing_between_two_points(void)
 {
     random_map(9);
     for (int k = 0; k < 20; k += 5) {
@@ -126,7 +126,7 @@ void test_where_the_line_goes_on_below_zero_nothing_is_asked_for(void)
     }
 }
 
-void test_the_map_never_leaves_the_range_of_its_points(void)
+void test_map_stays_within_the_range_of_its_points(void)
 {
     random_map(7);
     int32_t lowest = INT32_MAX;
@@ -168,11 +168,11 @@ static double optimal_torque_nm(const reference_motor_t *m)
     return -m->pole_pairs * psi * i_qt; /* L_d = L_q */
 }
 
-void test_the_paper_s_vehicle_carries_the_optimum_at_every_point(void)
+void test_stored_optimum_of_the_paper_s_vehicle_matches_the_closed_form_at_every_point(void)
 {
-    /* The stored optimum goes with the i_d of least loss, the closed form with none. That i_d
-     * returns up to half a per cent more power, and moves the torque of the optimum, which takes
-     * far more i_q than i_d, by less than 0.03 %. */
+    /* The stored optimum is for the i_d of least loss, the closed form for i_d = 0. This i_d, far
+     * smaller than i_q, returns up to 0.5 % more power and moves the optimal torque by less than
+     * 0.03 %. */
     for (int32_t t = 0; t < config.regen_map.temperature_points; t++) {
         const int32_t temperature_cC = config.regen_map.temperature_origin_cC +
                                        t * (1 << config.regen_map.temperature_step_log2);
@@ -187,9 +187,9 @@ void test_the_paper_s_vehicle_carries_the_optimum_at_every_point(void)
     }
 }
 
-void test_the_closed_form_here_gives_the_published_figures_of_the_vehicle(void)
+void test_closed_form_gives_the_published_figures_of_the_vehicle(void)
 {
-    /* physics section 6, 25 degC: guards the formula above, not the map. */
+    /* physics section 6, 25 degC: checks the closed form above, not the map. */
     const double rpm[] = {25.0, 50.0, 100.0, 150.0, 300.0};
     const double torque_nm[] = {11.32, 24.19, 49.60, 74.71, 148.7};
     for (int k = 0; k < 5; k++) {
@@ -229,7 +229,7 @@ static int32_t entry(int32_t w, int32_t s, int32_t t)
     return config.current_map.current_d_mA[(w * SPEED_POINTS + s) * TORQUE_POINTS + t];
 }
 
-/* The definition, in double: speed forward, torque along it, one layer. */
+/* One layer, one temperature, in double precision: speed forward, torque positive along it. */
 static double bilinear_d(int32_t layer, int32_t speed_mrad_s, int32_t along_mNm)
 {
     const double t =
@@ -245,7 +245,7 @@ static double bilinear_d(int32_t layer, int32_t speed_mrad_s, int32_t along_mNm)
            x * y * entry(layer, row + 1, column + 1);
 }
 
-/* Between two layers, or on the coldest or the hottest one. */
+/* Linear between two layers, clamped to the coldest and the hottest one. */
 static double trilinear(int32_t speed_mrad_s, int32_t temperature_cC, int32_t along_mNm)
 {
     const double w =
@@ -255,7 +255,7 @@ static double trilinear(int32_t speed_mrad_s, int32_t temperature_cC, int32_t al
            (w - cold) * bilinear_d(cold + 1, speed_mrad_s, along_mNm);
 }
 
-void test_between_the_points_the_d_current_map_is_linear_along_every_axis(void)
+void test_d_current_map_is_linear_between_its_points_along_every_axis(void)
 {
     random_d_map(1, LAYERS);
     random_t random = random_seeded(2);
@@ -270,7 +270,7 @@ void test_between_the_points_the_d_current_map_is_linear_along_every_axis(void)
     }
 }
 
-void test_at_its_points_the_d_current_map_gives_what_is_stored(void)
+void test_d_current_map_equals_the_stored_current_at_its_points(void)
 {
     random_d_map(3, LAYERS);
     for (int32_t w = 0; w < LAYERS; w++) {
@@ -286,7 +286,7 @@ void test_at_its_points_the_d_current_map_gives_what_is_stored(void)
     }
 }
 
-void test_a_single_layer_holds_at_any_temperature(void)
+void test_single_layer_applies_at_any_temperature(void)
 {
     random_d_map(7, 1);
     random_t random = random_seeded(8);
@@ -299,7 +299,7 @@ void test_a_single_layer_holds_at_any_temperature(void)
     }
 }
 
-void test_torque_counts_along_the_rotation_whichever_way_it_goes(void)
+void test_d_current_map_is_symmetric_in_the_direction_of_rotation(void)
 {
     random_d_map(4, LAYERS);
     random_t random = random_seeded(5);
@@ -313,7 +313,7 @@ void test_torque_counts_along_the_rotation_whichever_way_it_goes(void)
     }
 }
 
-void test_beyond_the_edges_of_the_d_current_map_the_nearest_edge_counts(void)
+void test_d_current_map_is_clamped_to_its_edges(void)
 {
     random_d_map(6, LAYERS);
     TEST_ASSERT_EQUAL_INT32(entry(0, 0, 0),
@@ -330,7 +330,7 @@ void test_beyond_the_edges_of_the_d_current_map_the_nearest_edge_counts(void)
                             loss_maps_d_current_mA(&config, INT32_MIN, INT32_MAX, INT32_MAX));
 }
 
-void test_the_widest_grid_the_validator_accepts_is_read_to_its_last_point(void)
+void test_largest_valid_grid_is_read_up_to_its_last_point(void)
 {
     /* 16 torques each way, 19 speeds, 2 temperatures: 1254 of the 1280 points there are. */
     config.current_map.torque_points = 33;
@@ -354,7 +354,7 @@ void test_the_widest_grid_the_validator_accepts_is_read_to_its_last_point(void)
     TEST_ASSERT_EQUAL_INT32(33, loss_maps_d_current_mA(&config, 1 << 20, -10000, -most_mNm));
 }
 
-void test_the_paper_s_vehicle_demagnetises_where_that_saves_iron_loss(void)
+void test_d_current_of_the_paper_s_vehicle_is_that_of_least_iron_and_copper_loss(void)
 {
     /* L_d = L_q: i_d makes no torque. Without inverter the least of 3/2 R i_d^2 + 3/2 w^2 (L i_d +
      * psi)^2 / R_i is at i_d = -w^2 L psi / (R R_i + w^2 L^2); the inverter's resistance, 3.3 mOhm,

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
-#include "model.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
 #include "torque/motor_model.h"
+#include "torque_model.h"
 #include "unity.h"
 
-/* The header promises rounding below 0.1 % of rated torque and 20 mA. */
+/* Rounding stays below 0.1 % of rated torque and 20 mA (motor_model.h). */
 static double torque_tolerance_mNm(const config_t *config)
 {
     return 1e-3 * config->motor.rated_torque_mNm;
@@ -31,7 +31,7 @@ static motor_current_t currents_of(const reference_point_t *point)
     return currents((int32_t)lround(point->i_d_a * 1e3), (int32_t)lround(point->i_q_a * 1e3));
 }
 
-/* Coulomb friction takes its whole value from 0.5 rad/s on and is proportional below. */
+/* Coulomb friction is constant from 0.5 rad/s on and proportional to speed below. */
 static double friction_mNm(const config_t *config, double speed_mrad_s)
 {
     const double share = fmax(-1.0, fmin(1.0, speed_mrad_s / 500.0));
@@ -113,8 +113,8 @@ void test_the_current_of_any_torque_of_a_salient_motor_is_that_of_the_circuit(vo
     compare_current_of_random_torques(&config, 22);
 }
 
-/* With any i_d that leaves most of the flux: from random torque currents; the other way round there
- * are two roots, and the one meant is the one that goes to nothing with the torque. */
+/* Random torque currents with any i_d that leaves at least 60 % of the flux. Torque has two current
+ * roots; the root compared is the one that is zero at zero torque. */
 static void compare_current_at_any_i_d(const config_t *config, uint64_t seed)
 {
     random_t random = random_seeded(seed);
@@ -135,8 +135,8 @@ static void compare_current_at_any_i_d(const config_t *config, uint64_t seed)
         const motor_model_t model = model_at(config, speed_mrad_s, 2500);
         const double shaft_mNm = point.torque_nm * 1e3 - friction_mNm(config, speed_mrad_s);
         const int32_t i_d_mA = (int32_t)lround(point.i_d_a * 1e3);
-        /* What four passes leave over: the share of the flux that the iron branch moves, to the
-         * fourth. */
+        /* Residual of four iterations: the fourth power of the share of the flux that the iron
+         * branch shifts. */
         const double share =
             fabs(saliency_h * motor.w_rad_s * motor.l_q_h * motor.iron_siemens * i_qt_a) /
             (motor.psi_wb + saliency_h * point.i_d_a);
@@ -156,10 +156,9 @@ void test_the_current_of_any_torque_at_any_i_d_is_that_of_the_circuit(void)
     compare_current_at_any_i_d(&salient, 24);
 }
 
-void test_an_i_d_that_eats_the_flux_takes_much_current_of_the_right_sign_and_never_flips_the_torque(
-    void)
+void test_current_is_bounded_and_has_the_sign_of_the_torque_where_i_d_cancels_the_flux(void)
 {
-    /* psi + (L_d - L_q) i_d is nothing at 0.09 Wb / 0.4 mH = 225 A, and negative beyond. */
+    /* psi + (L_d - L_q) i_d is zero at 0.09 Wb / 0.4 mH = 225 A and negative above. */
     const config_t config = salient_vehicle();
     const motor_model_t model = model_at(&config, 0, 2500);
     for (int32_t i_d_mA = 160000; i_d_mA <= 400000; i_d_mA += 1000) {
@@ -173,7 +172,7 @@ void test_an_i_d_that_eats_the_flux_takes_much_current_of_the_right_sign_and_nev
     TEST_ASSERT_INT32_WITHIN(100, 740741, motor_model_current_q_mA(&model, 100000, 400000));
 }
 
-static void go_round(const config_t *config, uint64_t seed)
+static void compare_round_trip(const config_t *config, uint64_t seed)
 {
     random_t random = random_seeded(seed);
     for (int n = 0; n < ROUNDS; n++) {
@@ -189,19 +188,19 @@ static void go_round(const config_t *config, uint64_t seed)
     }
 }
 
-void test_torque_to_current_to_torque_comes_back_to_where_it_started(void)
+void test_torque_of_the_current_of_a_torque_is_that_torque(void)
 {
     const config_t paper = paper_vehicle();
     const config_t salient = salient_vehicle();
-    go_round(&paper, 31);
-    go_round(&salient, 32);
+    compare_round_trip(&paper, 31);
+    compare_round_trip(&salient, 32);
 }
 
-void test_a_motor_whose_saliency_would_eat_its_flux_still_gets_a_current_of_the_right_sign(void)
+void test_current_has_the_sign_of_the_torque_where_saliency_cancels_the_flux(void)
 {
-    /* Iron so bad that i_dt is as large as i_qt: the linear model would run through zero flux. A
-     * quarter of the magnet's flux is counted on at least, so the current is at most four times
-     * that of the magnet alone, times 1 + a^2. */
+    /* With this iron resistance i_dt is as large as i_qt, and the flux of the linear model would be
+     * zero. The model uses at least a quarter of the magnet's flux, so the current is at most four
+     * times that of the magnet alone, times 1 + a^2. */
     config_t config = salient_vehicle();
     config.motor.friction_torque_mNm = 0;
     config.motor.viscous_friction_uNm_s = 0;
@@ -218,7 +217,7 @@ void test_a_motor_whose_saliency_would_eat_its_flux_still_gets_a_current_of_the_
                      model_current_mA(&model, model.iron_current_b));
 }
 
-void test_at_standstill_the_paper_s_motor_makes_its_rated_torque_from_its_rated_current(void)
+void test_rated_current_of_the_paper_s_motor_gives_rated_torque_at_standstill(void)
 {
     /* 30 A rms, 42.426 A peak: 3/2 * 23 * 0.0204 * 42.426 = 29.860 Nm (physics section 1). */
     const config_t config = paper_vehicle();
@@ -226,7 +225,7 @@ void test_at_standstill_the_paper_s_motor_makes_its_rated_torque_from_its_rated_
     TEST_ASSERT_INT32_WITHIN(30, 29860, motor_model_torque_mNm(&model, currents(0, 42426)));
 }
 
-void test_at_no_current_the_rotating_motor_drags_with_its_iron(void)
+void test_iron_loss_brakes_at_zero_current(void)
 {
     /* At 300 r/min, w = 722.57: R_i = 5.8354 Ohm, w psi = 14.740 V, iron current 2.5260 A, a = w L
      * / R_i = 0.009411; torque -3/2 * 23 * 0.0204 * 2.5260 / (1 + a^2) = -1.7776 Nm. */
@@ -251,7 +250,7 @@ static double flux_nWb(const config_t *config, int32_t temperature_cC)
     return model_flux_nWb(&model);
 }
 
-void test_copper_gains_393_permille_over_100_kelvin(void)
+void test_resistance_rises_by_39_3_percent_over_100_kelvin(void)
 {
     const config_t config = paper_vehicle(); /* 31 mOhm at 25 degC, 3930 ppm/K */
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 31000.0, resistance_uOhm(&config, 2500));
@@ -259,7 +258,7 @@ void test_copper_gains_393_permille_over_100_kelvin(void)
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 25518.0, resistance_uOhm(&config, -2000));
 }
 
-void test_magnets_lose_11_percent_over_100_kelvin_where_they_are_said_to(void)
+void test_flux_falls_by_11_percent_over_100_kelvin_with_a_coefficient_of_minus_1100_ppm(void)
 {
     config_t config = paper_vehicle(); /* 20.4 mWb at 25 degC */
     TEST_ASSERT_DOUBLE_WITHIN(100.0, 20400000.0, flux_nWb(&config, 12500));
@@ -273,7 +272,7 @@ void test_magnets_lose_11_percent_over_100_kelvin_where_they_are_said_to(void)
     TEST_ASSERT_INT32_WITHIN(2, 18791, motor_model_torque_mNm(&hot, currents(0, 30000)));
 }
 
-void test_a_broken_thermistor_cannot_make_resistance_or_flux_vanish(void)
+void test_resistance_and_flux_stay_positive_at_any_temperature(void)
 {
     config_t config = paper_vehicle();
     config.motor.flux_coefficient_ppm_K = -10000;
@@ -305,7 +304,7 @@ static void compare_voltage(const config_t *config, uint64_t seed)
         const double u_d_mV = model_voltage_mV(&model, motor_model_u_d_b(&model, at));
         const double u_q_mV = model_voltage_mV(&model, motor_model_u_q_b(&model, at));
         const double forward = speed_mrad_s >= 0 ? 1.0 : -1.0;
-        /* A ten thousandth of the largest voltage. */
+        /* 1e-4 of the largest voltage. */
         const double volts = 1e-4 * model_voltage_mV(&model, 1 << 23);
         TEST_ASSERT_DOUBLE_WITHIN(volts, u_d_v * 1e3, u_d_mV);
         TEST_ASSERT_DOUBLE_WITHIN(volts, u_q_v * 1e3 * forward, u_q_mV);
@@ -320,7 +319,7 @@ void test_the_voltage_of_any_currents_is_that_of_the_circuit(void)
     compare_voltage(&salient, 42);
 }
 
-void test_wild_currents_saturate_what_comes_of_them(void)
+void test_torque_saturates_at_any_currents_and_speed(void)
 {
     const config_t config = salient_vehicle();
     const int32_t ends[] = {INT32_MIN, -1, 0, 1, INT32_MAX};
@@ -336,7 +335,7 @@ void test_wild_currents_saturate_what_comes_of_them(void)
     }
 }
 
-void test_turning_speed_and_current_round_turns_the_torque_round(void)
+void test_torque_changes_sign_with_speed_and_q_current(void)
 {
     const config_t config = salient_vehicle();
     random_t random = random_seeded(61);
@@ -351,7 +350,7 @@ void test_turning_speed_and_current_round_turns_the_torque_round(void)
     }
 }
 
-void test_friction_opposes_either_direction_and_is_nothing_at_rest(void)
+void test_friction_opposes_the_rotation_and_is_zero_at_standstill(void)
 {
     config_t config = paper_vehicle();
     config.motor.friction_torque_mNm = 500;

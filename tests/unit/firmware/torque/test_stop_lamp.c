@@ -18,7 +18,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* Decelerate uniformly for a time, no braking demanded; whether the lamp is lit in the end. */
+/* Decelerates uniformly without a braking demand; returns whether the lamp is lit at the end. */
 static bool decelerate(double m_s2, int milliseconds, double sign)
 {
     bool lit = state.lit;
@@ -29,21 +29,21 @@ static bool decelerate(double m_s2, int milliseconds, double sign)
     return lit;
 }
 
-void test_any_braking_demand_lights_the_lamp_at_once(void)
+void test_any_braking_demand_lights_the_lamp_in_the_same_step(void)
 {
     TEST_ASSERT_FALSE(stop_lamp_step(&state, &config, 0, 0));
     TEST_ASSERT_TRUE(stop_lamp_step(&state, &config, 0, 1));
     TEST_ASSERT_FALSE(stop_lamp_step(&state, &config, 0, 0));
 }
 
-/* One second is fifteen time constants of the filters: they have settled to 1e-6. */
-void test_deceleration_beyond_1300_mm_s2_lights_the_lamp_without_a_pedal(void)
+/* One second is fifteen time constants: the filters have settled to 1e-6. */
+void test_deceleration_above_1300_mm_s2_lights_the_lamp_without_a_demand(void)
 {
     TEST_ASSERT_FALSE(decelerate(1.29, 1000, 1.0));
     TEST_ASSERT_TRUE(decelerate(1.31, 1000, 1.0));
 }
 
-void test_once_lit_the_lamp_stays_until_deceleration_falls_below_700_mm_s2(void)
+void test_lamp_stays_lit_until_deceleration_falls_below_700_mm_s2(void)
 {
     TEST_ASSERT_TRUE(decelerate(2.0, 500, 1.0));
     TEST_ASSERT_TRUE(decelerate(1.0, 1000, 1.0));
@@ -52,43 +52,44 @@ void test_once_lit_the_lamp_stays_until_deceleration_falls_below_700_mm_s2(void)
     TEST_ASSERT_FALSE(decelerate(1.0, 1000, 1.0));
 }
 
-void test_twice_the_threshold_lights_the_lamp_in_about_a_tenth_of_a_second(void)
+void test_twice_the_threshold_lights_the_lamp_after_about_107_ms(void)
 {
-    /* Two low-passes of 64 ms in a row reach half of a step after 1.678 time constants: 107 ms. */
+    /* The step response of two low-passes of 64 ms in series is one half after 1.678 time
+     * constants, 107 ms. */
     TEST_ASSERT_FALSE(decelerate(2.6, 95, 1.0));
     TEST_ASSERT_TRUE(decelerate(2.6, 25, 1.0));
 }
 
-void test_rolling_backwards_counts_the_same(void)
+void test_lamp_is_symmetric_in_the_direction_of_rotation(void)
 {
     TEST_ASSERT_FALSE(decelerate(1.29, 1000, -1.0));
     TEST_ASSERT_TRUE(decelerate(1.31, 1000, -1.0));
     TEST_ASSERT_FALSE(decelerate(0.69, 1000, -1.0));
 }
 
-void test_speeding_up_and_cruising_leave_the_lamp_dark(void)
+void test_lamp_is_dark_at_constant_speed_and_while_accelerating(void)
 {
     TEST_ASSERT_FALSE(decelerate(-3.0, 1000, 1.0));
     TEST_ASSERT_FALSE(decelerate(0.0, 1000, 1.0));
 }
 
-void test_waking_up_at_speed_is_no_deceleration(void)
+void test_first_step_at_speed_is_no_deceleration(void)
 {
     TEST_ASSERT_FALSE(stop_lamp_step(&state, &config, 60000, 0));
     TEST_ASSERT_FALSE(decelerate(0.0, 500, 1.0));
 }
 
-void test_the_ripple_of_one_wheel_at_constant_speed_does_not_flash_the_lamp(void)
+void test_speed_ripple_at_constant_speed_does_not_light_the_lamp(void)
 {
-    /* 1 % of 60 rad/s at 30 Hz: the wheel's rim swings by 28 m/s^2. Two low-passes of 64 ms (2.5
-     * Hz) leave 0.7 % of it, 0.2 m/s^2. */
+    /* 1 % of 60 rad/s at 30 Hz: 28 m/s^2 at the wheel's rim. Two low-passes of 64 ms (2.5 Hz)
+     * leave 0.7 %, 0.2 m/s^2. */
     for (int n = 0; n < 2000; n++) {
         const double ripple = 600.0 * sin(2.0 * 3.14159265358979323846 * 30.0 * n * 1e-3);
         TEST_ASSERT_FALSE(stop_lamp_step(&state, &config, (int32_t)lround(60000.0 + ripple), 0));
     }
 }
 
-void test_speeds_no_wheel_has_do_no_harm(void)
+void test_lamp_is_dark_after_speeds_beyond_any_range(void)
 {
     for (int n = 0; n < 100; n++) {
         stop_lamp_step(&state, &config, n % 2 == 0 ? INT32_MAX : INT32_MIN, 0);

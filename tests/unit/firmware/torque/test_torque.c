@@ -12,7 +12,7 @@ static config_t config;
 static torque_state_t state;
 static torque_input_t in;
 
-static const torque_enable_t OPEN = {
+static const torque_enable_t FULL_ENABLE = {
     .bridge = BRIDGE_PWM, .drive_q15 = Q15_ONE, .brake_q15 = Q15_ONE, .reason = REASON_NONE};
 
 void setUp(void)
@@ -28,13 +28,12 @@ void setUp(void)
     in.winding_temperature_cC = 2500;
     in.switch_temperature_cC = 2500;
     in.rotor_valid = true;
-    in.torque_enable = OPEN;
+    in.torque_enable = FULL_ENABLE;
 }
 
 void tearDown(void) {}
 
-/* One step of a motor whose current follows the reference: it is measured as it was last asked for.
- */
+/* One step; the measured current of the next step is this step's setpoint. */
 static torque_output_t step(void)
 {
     const torque_output_t out = torque_step(&state, &config, &in);
@@ -51,7 +50,7 @@ static torque_output_t run(int milliseconds)
     return step();
 }
 
-void test_a_driving_demand_ends_as_the_current_that_makes_it(void)
+void test_driving_demand_gives_the_current_of_its_torque(void)
 {
     in.drive_torque_mNm = 30000;
     const torque_output_t out = run(200);
@@ -65,7 +64,7 @@ void test_a_driving_demand_ends_as_the_current_that_makes_it(void)
     TEST_ASSERT_FALSE(out.stop_lamp);
 }
 
-void test_a_braking_demand_within_the_optimum_is_the_motor_s_alone(void)
+void test_motor_brakes_alone_below_the_loss_optimum(void)
 {
     in.brake_torque_mNm = 30000;
     const torque_output_t out = run(200);
@@ -77,7 +76,7 @@ void test_a_braking_demand_within_the_optimum_is_the_motor_s_alone(void)
     TEST_ASSERT_TRUE(out.stop_lamp);
 }
 
-void test_while_the_motor_is_on_its_way_to_a_torque_it_can_give_the_rate_is_the_reason(void)
+void test_reason_is_torque_rate_while_the_torque_rises(void)
 {
     in.brake_torque_mNm = 30000;
     TEST_ASSERT_EQUAL_INT(REASON_TORQUE_RATE, run(10).reason);
@@ -86,7 +85,7 @@ void test_while_the_motor_is_on_its_way_to_a_torque_it_can_give_the_rate_is_the_
     TEST_ASSERT_EQUAL_INT(REASON_TORQUE_RATE, run(10).reason);
 }
 
-void test_a_braking_demand_beyond_the_optimum_is_shared_and_the_reason_is_named(void)
+void test_braking_demand_above_the_loss_optimum_is_split_with_reason_loss_optimum(void)
 {
     in.speed_mrad_s = mrad_s_of_rpm(50.0);
     in.brake_torque_mNm = 60000;
@@ -96,20 +95,22 @@ void test_a_braking_demand_beyond_the_optimum_is_shared_and_the_reason_is_named(
     TEST_ASSERT_EQUAL_INT(REASON_LOSS_OPTIMUM, out.reason);
 }
 
-void test_while_the_motor_follows_its_rate_the_sum_of_both_brakes_never_exceeds_the_demand(void)
+void test_motor_plus_hydraulic_torque_never_exceeds_the_demand_during_a_stop(void)
 {
+    hydraulic_model_t brake; /* the vehicle's hydraulic brake, with dead time and lag */
+    hydraulic_model_init(&brake);
     in.brake_torque_mNm = 60000;
     for (int n = 0; n < 300; n++) {
-        in.speed_mrad_s -= 50; /* through the optimum and the hand-over down to standstill */
+        in.speed_mrad_s -= 50; /* past loss optimum and blend-out down to standstill */
         in.speed_mrad_s = in.speed_mrad_s < 0 ? 0 : in.speed_mrad_s;
         const torque_output_t out = step();
-        /* What the hydraulic brake is told comes later: what counts is what it has made of it. */
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(
-            60000, hydraulic_model_torque_mNm(&state.blending.hydraulic) - out.command_mNm);
+        hydraulic_model_step(&brake, &config, out.hydraulic_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(60000,
+                                        hydraulic_model_torque_mNm(&brake) - out.command_mNm);
     }
 }
 
-void test_at_the_end_of_a_stop_the_hydraulic_brake_holds_alone(void)
+void test_hydraulic_brake_brakes_alone_below_the_blend_out_speed(void)
 {
     in.brake_torque_mNm = 20000;
     run(100);
@@ -120,20 +121,20 @@ void test_at_the_end_of_a_stop_the_hydraulic_brake_holds_alone(void)
     TEST_ASSERT_EQUAL_INT(REASON_BLEND_OUT, out.reason);
 }
 
-void test_a_motor_without_current_is_replaced_by_the_hydraulic_brake(void)
+void test_hydraulic_brake_replaces_a_motor_without_current(void)
 {
     in.brake_torque_mNm = 30000;
     torque_output_t out = {0};
     for (int n = 0; n < 200; n++) {
-        out = torque_step(&state, &config, &in); /* the measured current stays nothing */
+        out = torque_step(&state, &config, &in); /* the measured current stays zero */
     }
-    /* Iron drags with 0.7038 Nm/A * 2.0095 A = 1.414 Nm; 2 Nm are tolerated: 30 - 1.414 - 2
-     * = 26.586 Nm. */
+    /* Iron loss brakes with 0.7038 Nm/A * 2.0095 A = 1.414 Nm, and 2 Nm of shortfall are tolerated:
+     * 30 - 1.414 - 2 = 26.586 Nm. */
     TEST_ASSERT_INT32_WITHIN(20, -1414, out.estimate_mNm);
     TEST_ASSERT_INT32_WITHIN(20, 26586, out.hydraulic_mNm);
 }
 
-void test_losing_the_torque_enable_hands_the_demand_over_in_the_same_step(void)
+void test_zero_torque_enable_moves_the_demand_to_the_hydraulic_brake_in_one_step(void)
 {
     in.brake_torque_mNm = 30000;
     run(200);
@@ -148,7 +149,7 @@ void test_losing_the_torque_enable_hands_the_demand_over_in_the_same_step(void)
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, out.reason);
 }
 
-void test_a_demand_beyond_both_brakes_is_named(void)
+void test_demand_beyond_both_brakes_has_reason_hydraulic_limit(void)
 {
     config.brake.max_hydraulic_torque_mNm = 50000;
     in.brake_torque_mNm = 80000;
@@ -159,7 +160,7 @@ void test_a_demand_beyond_both_brakes_is_named(void)
     TEST_ASSERT_EQUAL_INT32(50000, out.hydraulic_mNm);
 }
 
-void test_a_demand_that_is_no_longer_refreshed_fades_out_of_both_brakes(void)
+void test_both_brakes_release_at_the_torque_rate_after_a_demand_timeout(void)
 {
     in.brake_torque_mNm = 60000;
     run(200);
@@ -173,7 +174,7 @@ void test_a_demand_that_is_no_longer_refreshed_fades_out_of_both_brakes(void)
     TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, last.reason);
 }
 
-void test_the_phase_current_limit_is_the_reason_when_it_is_what_stands_in_the_way_in_the_end(void)
+void test_reason_is_phase_current_where_that_limit_is_the_tightest(void)
 {
     in.drive_torque_mNm = 30000;
     run(200);
@@ -181,7 +182,7 @@ void test_the_phase_current_limit_is_the_reason_when_it_is_what_stands_in_the_wa
     TEST_ASSERT_EQUAL_INT(REASON_PHASE_CURRENT, step().reason);
 }
 
-void test_a_voltage_limit_is_reported_when_nothing_else_bounds_the_torque(void)
+void test_reason_is_voltage_only_while_no_other_limit_bounds_the_torque(void)
 {
     in.drive_torque_mNm = 10000;
     run(200);
@@ -191,7 +192,7 @@ void test_a_voltage_limit_is_reported_when_nothing_else_bounds_the_torque(void)
     TEST_ASSERT_EQUAL_INT(REASON_MAX_TORQUE, run(200).reason);
 }
 
-void test_the_estimate_is_that_of_the_measured_current_and_not_of_the_command(void)
+void test_torque_estimate_is_that_of_the_measured_current(void)
 {
     in.drive_torque_mNm = 30000;
     in.current.q_mA = -10000;
@@ -199,9 +200,8 @@ void test_the_estimate_is_that_of_the_measured_current_and_not_of_the_command(vo
     TEST_ASSERT_INT32_WITHIN(30, -8452, torque_step(&state, &config, &in).estimate_mNm);
 }
 
-/* A driver, a battery and a motor of any kind, changing at random; the vehicle's mass keeps only
- * the speed smooth. */
-static void random_world(random_t *random)
+/* Demand, battery, temperatures and torque enable jump at random; the speed changes slowly. */
+static void random_conditions(random_t *random)
 {
     if (random_chance(random, 0.02)) {
         in.drive_torque_mNm =
@@ -215,7 +215,7 @@ static void random_world(random_t *random)
         in.bus_voltage_mV = random_between(random, 35000, 60000);
         in.winding_temperature_cC = random_between(random, -2000, 16000);
         in.rotor_valid = random_chance(random, 0.9);
-        in.torque_enable = OPEN;
+        in.torque_enable = FULL_ENABLE;
         if (random_chance(random, 0.2)) {
             in.torque_enable.drive_q15 = (int16_t)random_between(random, 0, Q15_ONE);
             in.torque_enable.brake_q15 = (int16_t)random_between(random, 0, Q15_ONE);
@@ -225,19 +225,19 @@ static void random_world(random_t *random)
     in.speed_mrad_s = q_clamp(in.speed_mrad_s + random_between(random, -300, 300), 0, 70000);
 }
 
-void test_no_limit_ever_turns_a_torque_round_or_lets_it_grow_beyond_the_demand(void)
+void test_command_stays_between_zero_its_last_value_and_the_demand(void)
 {
     random_t random = random_seeded(1);
     int32_t before_mNm = 0;
     for (int n = 0; n < 200000; n++) {
-        random_world(&random);
+        random_conditions(&random);
         const torque_output_t out = step();
-        const int32_t driver_mNm =
+        const int32_t demand_mNm =
             in.brake_torque_mNm > 0 ? -in.brake_torque_mNm : in.drive_torque_mNm;
-        /* Forward only, so braking is negative. The command lies between where it was, nothing and
-         * the demand. */
-        const int32_t low = q_min(q_min(before_mNm, 0), driver_mNm);
-        const int32_t high = q_max(q_max(before_mNm, 0), driver_mNm);
+        /* The speed is positive, so braking is negative. The command lies within the range of its
+         * last value, zero and the demand. */
+        const int32_t low = q_min(q_min(before_mNm, 0), demand_mNm);
+        const int32_t high = q_max(q_max(before_mNm, 0), demand_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(low, out.command_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(high, out.command_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.hydraulic_mNm);
@@ -246,7 +246,7 @@ void test_no_limit_ever_turns_a_torque_round_or_lets_it_grow_beyond_the_demand(v
     }
 }
 
-void test_a_braking_demand_is_met_by_the_two_brakes_together_once_the_motor_has_arrived(void)
+void test_both_brakes_together_settle_on_the_braking_demand(void)
 {
     random_t random = random_seeded(2);
     for (int n = 0; n < 300; n++) {
@@ -257,8 +257,7 @@ void test_a_braking_demand_is_met_by_the_two_brakes_together_once_the_motor_has_
         in.winding_temperature_cC = random_between(&random, -2000, 16000);
         config.brake.strategy = random_between(&random, 0, 2);
         const torque_output_t out = run(110);
-        /* At the very beginning the hydraulic brake may be asked for what the motor is still on its
-         * way to. */
+        /* In the beginning the sum may exceed the demand: the motor's torque is still rising. */
         const torque_output_t settled = run(600);
         TEST_ASSERT_EQUAL_INT32(in.brake_torque_mNm, settled.hydraulic_mNm - settled.command_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(in.brake_torque_mNm,
@@ -266,9 +265,9 @@ void test_a_braking_demand_is_met_by_the_two_brakes_together_once_the_motor_has_
     }
 }
 
-void test_no_number_from_outside_leads_to_undefined_behaviour(void)
+void test_outputs_are_bounded_for_any_input(void)
 {
-    /* The assertion is the sanitizer's; here only what must hold even then. */
+    /* The sanitizer build detects undefined behaviour; the assertions are bounds of the outputs. */
     random_t random = random_seeded(3);
     for (int n = 0; n < 100000; n++) {
         in.drive_torque_mNm = random_wild(&random);
@@ -293,8 +292,8 @@ void test_no_number_from_outside_leads_to_undefined_behaviour(void)
     }
 }
 
-/* What the motor takes from the battery with the measured current, W, by circuit laws: i = i_t +
- * v(i_t) / R_i, by iteration, which shrinks an error by w L / R_i, a hundredth, every time. */
+/* Terminal power at the measured current, W, from the circuit i = i_t + v(i_t) / R_i. Each
+ * iteration reduces the error by w L / R_i, a hundredth. */
 static double drawn_w(void)
 {
     const reference_motor_t m =
@@ -310,11 +309,11 @@ static double drawn_w(void)
     return reference_point(&m, i_dt, i_qt).power_w;
 }
 
-/* Half of the fold-back's width inside the end of the voltage half of the current flows, and it is
- * found from the torque of now. Without a hydraulic brake, for which the motor would have to wait.
- * Steps below a milliampere are none: 8 * 18.4 V * 1 mA/32 A = 4.6 mV, 0.8 % of the half width; and
- * the inverse of a power is as good as a millinewtonmetre. */
-void test_half_way_to_the_end_of_the_battery_s_voltage_half_of_its_current_flows(void)
+/* Half of the fold-back's width inside the end of the voltage, half of the current is allowed.
+ * Without a hydraulic brake, whose estimate would bound the motor. Tolerance: the integrator stops
+ * below a step of 1 mA, 8 * 18.4 V * 1 mA/32 A = 4.6 mV or 0.8 % of the half width, and the torque
+ * of a power is rounded to 1 mN m. */
+void test_half_of_the_battery_current_is_allowed_at_half_of_the_foldback_width(void)
 {
     config.brake.max_hydraulic_torque_mNm = 0;
     const int32_t half_width_mV =
@@ -337,9 +336,9 @@ void test_half_way_to_the_end_of_the_battery_s_voltage_half_of_its_current_flows
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * 1268.3, 31.25 * 1e-3 * in.bus_voltage_mV, drawn_w());
 }
 
-/* Started again in the middle of a stop, at 2.6 m/s^2 and near the end of the battery's voltage:
- * without a message nobody brakes. */
-void test_a_new_start_knows_nothing_of_the_last_one(void)
+/* Initialised again during a stop, at 2.6 m/s^2 and at the end of the battery's voltage, without a
+ * message: both brakes release. */
+void test_init_resets_demand_limits_and_stop_lamp(void)
 {
     in.brake_torque_mNm = 30000;
     in.bus_voltage_mV = config.battery.max_voltage_mV;

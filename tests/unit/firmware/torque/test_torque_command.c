@@ -69,7 +69,7 @@ static void assert_command(int32_t command_mNm, reason_t reason, torque_command_
     TEST_ASSERT_EQUAL_INT(reason, out.reason);
 }
 
-void test_torque_rises_and_falls_at_its_rate_and_says_so_until_it_has_arrived(void)
+void test_torque_rises_and_falls_at_its_rate_with_reason_torque_rate(void)
 {
     assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 1000, 0));
     assert_command(800, REASON_TORQUE_RATE, step(FORWARD, 1000, 0));
@@ -85,43 +85,42 @@ void test_braking_acts_against_the_rotation(void)
     assert_command(10000, REASON_NONE, settle(BACKWARD, 0, 10000));
 }
 
-void test_driving_forward_and_backward_obeys_the_driving_limit(void)
+void test_driving_limit_bounds_driving_in_both_directions(void)
 {
     assert_command(30000, REASON_NONE, settle(FORWARD, 30000, 0));
     assert_command(40000, REASON_MAX_TORQUE, settle(FORWARD, 60000, 0));
     assert_command(-40000, REASON_MAX_TORQUE, settle(BACKWARD, -60000, 0));
 }
 
-void test_from_standstill_the_driving_limit_holds_in_both_directions(void)
+void test_driving_limit_bounds_both_signs_of_torque_at_standstill(void)
 {
     assert_command(40000, REASON_MAX_TORQUE, settle(0, 60000, 0));
     assert_command(-40000, REASON_MAX_TORQUE, settle(0, -60000, 0));
 }
 
-void test_braking_with_the_drive_pedal_obeys_the_limit_of_braking(void)
+void test_braking_limit_bounds_a_drive_demand_against_the_rotation(void)
 {
     assert_command(-25000, REASON_CHARGE_CURRENT, settle(FORWARD, -60000, 0));
     assert_command(25000, REASON_CHARGE_CURRENT, settle(BACKWARD, 60000, 0));
     capability.driving =
-        limit_init(0, REASON_MAX_SPEED); /* a driving-side reason does not take the brake away */
+        limit_init(0, REASON_MAX_SPEED); /* a driving limit does not bound braking */
     assert_command(-25000, REASON_CHARGE_CURRENT, settle(FORWARD, -60000, 0));
 }
 
-/* However slow the wheel turns: against the rotation means power out of the motor. */
-void test_a_drive_demand_against_the_slowest_rotation_obeys_the_limit_of_braking(void)
+/* At any speed but zero, torque against the rotation is braking. */
+void test_braking_limit_bounds_a_drive_demand_against_the_smallest_speed(void)
 {
     assert_command(-25000, REASON_CHARGE_CURRENT, settle(1, -100000, 0));
     assert_command(25000, REASON_CHARGE_CURRENT, settle(-1, 100000, 0));
 }
 
-/* Brake blending counts a backward torque as braking at standstill (test_brake_blending.c), so it
- * must be one. */
-void test_at_standstill_braking_is_torque_backwards(void)
+/* Brake blending counts a negative torque as braking at standstill (test_brake_blending.c). */
+void test_braking_torque_is_negative_at_standstill(void)
 {
     assert_command(-5000, REASON_NONE, settle(0, 0, 5000));
 }
 
-void test_each_direction_of_power_has_its_own_permission(void)
+void test_driving_and_braking_have_separate_torque_enables(void)
 {
     torque_enable.drive_q15 = 8192; /* a quarter of 40 Nm */
     torque_enable.reason = REASON_ROTOR_UNCERTAIN;
@@ -133,7 +132,7 @@ void test_each_direction_of_power_has_its_own_permission(void)
     assert_command(-6250, REASON_ROTOR_UNCERTAIN, settle(FORWARD, -60000, 0));
 }
 
-void test_a_torque_enable_taken_away_lets_the_torque_leave_at_its_rate(void)
+void test_torque_falls_at_its_rate_after_the_torque_enable_is_withdrawn(void)
 {
     settle(FORWARD, 30000, 0);
     torque_enable.drive_q15 = 0;
@@ -142,25 +141,25 @@ void test_a_torque_enable_taken_away_lets_the_torque_leave_at_its_rate(void)
     assert_command(0, REASON_TORQUE_ENABLE, settle(FORWARD, 30000, 0));
 }
 
-void test_a_bridge_that_stops_switching_ends_the_command_at_once(void)
+void test_command_is_zero_in_one_step_when_the_bridge_stops_switching(void)
 {
-    const bridge_mode_t silent[] = {BRIDGE_OFF, BRIDGE_SHORT};
+    const bridge_mode_t without_pwm[] = {BRIDGE_OFF, BRIDGE_SHORT};
     for (int k = 0; k < 2; k++) {
         torque_enable.bridge = BRIDGE_PWM;
         settle(FORWARD, 30000, 0);
-        torque_enable.bridge = silent[k];
+        torque_enable.bridge = without_pwm[k];
         torque_enable.reason = REASON_OVERCURRENT;
         assert_command(0, REASON_OVERCURRENT, step(FORWARD, 30000, 0));
         assert_command(0, REASON_OVERCURRENT, step(FORWARD, 0, 10000));
         assert_command(0, REASON_NONE, step(FORWARD, 0, 0));
-        /* and afterwards it starts again from nothing */
+        /* After that the command rises again from zero. */
         torque_enable.bridge = BRIDGE_PWM;
         assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 30000, 0));
         torque_command_init(&state);
     }
 }
 
-void test_a_limit_only_shrinks_the_demand_and_never_turns_it_round(void)
+void test_command_stays_between_zero_and_the_demand_under_random_limits(void)
 {
     random_t random = random_seeded(1);
     for (int n = 0; n < 20000; n++) {
@@ -194,38 +193,37 @@ void test_the_command_never_changes_faster_than_the_rate_while_the_bridge_switch
     }
 }
 
-/* ---- the voltage that is left ---- */
+/* ---- torque rate near the voltage limit ---- */
 
-/* 0.96 and 0.89 of the circle's square in Q15 are 31457 and 29163. */
-void test_a_torque_grows_at_its_full_rate_as_long_as_there_is_voltage(void)
+/* voltage_use_q15 is a square: 29163 and 31457 are 0.89 and 0.96 of that of the largest voltage. */
+void test_torque_rises_at_its_full_rate_up_to_voltage_use_0_89(void)
 {
     voltage_use_q15 = 29163;
     assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 10000, 0));
     assert_command(800, REASON_TORQUE_RATE, step(FORWARD, 10000, 0));
 }
 
-void test_it_grows_the_slower_the_less_voltage_is_left(void)
+void test_torque_rate_falls_with_the_remaining_voltage(void)
 {
-    voltage_use_q15 = 30310; /* half-way */
+    voltage_use_q15 = 30310; /* the middle of 29163 and 31457 */
     assert_command(200, REASON_TORQUE_RATE, step(FORWARD, 10000, 0));
     assert_command(-200, REASON_TORQUE_RATE, (settle(FORWARD, 0, 0), step(FORWARD, 0, 10000)));
 }
 
-void test_without_voltage_it_is_given_back_and_the_reason_is_named(void)
+void test_torque_falls_with_reason_voltage_above_voltage_use_0_96(void)
 {
     settle(FORWARD, 0, 10000);
     voltage_use_q15 = 31457;
     assert_command(-10000, REASON_NONE, step(FORWARD, 0, 10000));
-    assert_command(-10000, REASON_VOLTAGE,
-                   step(FORWARD, 0, 20000)); /* not given back yet, but no more */
-    voltage_use_q15 = 32768;                 /* 1311 beyond, of 2294: 400 * 1311/2294 = 228.6 */
+    assert_command(-10000, REASON_VOLTAGE, step(FORWARD, 0, 20000)); /* neither rises nor falls */
+    voltage_use_q15 = 32768; /* 1311 above 31457, width 2294: 400 * 1311/2294 = 228.6 */
     assert_command(-9771, REASON_VOLTAGE, step(FORWARD, 0, 10000));
     voltage_use_q15 = INT32_MAX;
     assert_command(-9371, REASON_VOLTAGE, step(FORWARD, 0, 10000));
     assert_command(0, REASON_VOLTAGE, settle(FORWARD, 0, 10000));
 }
 
-void test_a_torque_falls_at_its_full_rate_whatever_the_voltage(void)
+void test_torque_falls_at_its_full_rate_at_any_voltage_use(void)
 {
     settle(FORWARD, 10000, 0);
     voltage_use_q15 = 31457;

@@ -1,79 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
-#include "model.h"
-#include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
 #include "torque/current_setpoint.h"
 #include "torque/loss_maps.h"
-#include "torque/torque_limits.h"
+#include "torque_limits_rig.h"
 #include "unity.h"
 
-static config_t config;
-static torque_limits_input_t world;
-static int32_t winding_temperature_cC;
-
-/* The tightest lines of a step. */
-typedef struct {
-    limit_t driving;      /* torque in the direction of rotation */
-    limit_t regenerating; /* against it, whatever the strategy */
-    limit_t optimal;      /* and not beyond the loss optimum */
-} bounds_t;
-
-static torque_limits_state_t state;
-static torque_limits_t table;
-
-static bounds_t bounds_of(const motor_model_t *model)
-{
-    torque_limits_state_t now = state; /* the fold-back stays where it is */
-    torque_limits_step(&now, model, &world, &table);
-    const bounds_t out = {
-        .driving = torque_limits_tightest(table.driving, TORQUE_LINE_COUNT),
-        .regenerating = torque_limits_tightest(table.braking, TORQUE_LINE_LOSS_OPTIMUM),
-        .optimal = torque_limits_tightest(table.braking, TORQUE_LINE_ELECTRIC_RATED),
-    };
-    return out;
-}
-
-/* Fold-back as it is after a while at this voltage. */
-static void settle_foldback(void)
-{
-    const motor_model_t model = model_at(&config, 0, 2500);
-    for (int n = 0; n < 20000; n++) {
-        torque_limits_step(&state, &model, &world, &table);
-    }
-}
-
-/* 53 V, cool, a battery that takes and gives whatever it is asked for: what is left are the motor's
- * own limits. */
 void setUp(void)
 {
-    config = paper_vehicle_without_i_d();
-    world.bus_voltage_mV = 53000;
-    world.phase_voltage_mV = 1000000; /* no voltage limit: feasible_torque.h has its own tests */
-    world.bms_charge_current_mA = 1000000;
-    world.bms_discharge_current_mA = 1000000;
-    winding_temperature_cC = 2500;
-    world.switch_temperature_cC = 2500;
-    world.bus_current_mA = 0;
-    world.rotor_valid = true;
-    world.abs_active = false;
-    world.brake_demand_mNm = 0;
-    world.torque_enable.drive_q15 = Q15_ONE;
-    world.torque_enable.brake_q15 = Q15_ONE;
-    torque_limits_init(&state, &table);
-    state.charge.allowed_q6_mA = 1 << 30;
-    state.discharge.allowed_q6_mA = 1 << 30;
+    rig_up(paper_vehicle_without_i_d());
 }
 
 void tearDown(void) {}
-
-static bounds_t at_speed(int32_t speed_mrad_s)
-{
-    const motor_model_t model = model_at(&config, speed_mrad_s, winding_temperature_cC);
-    return bounds_of(&model);
-}
 
 static bounds_t at_rpm(double rpm)
 {
@@ -93,8 +33,8 @@ static double torque_at_power_mNm(double rpm, double power_w)
 {
     const reference_motor_t motor =
         reference_motor(&config, mrad_s_of_rpm(rpm), winding_temperature_cC);
-    const double idle_qt = -motor.w_rad_s * motor.psi_wb * motor.iron_siemens;
-    double near_a = idle_qt; /* about no terminal current */
+    const double idle_qt_a = -motor.w_rad_s * motor.psi_wb * motor.iron_siemens;
+    double near_a = idle_qt_a; /* close to zero terminal current */
     double far_a = power_w < 0.0 ? -200.0 : 200.0;
     for (int n = 0; n < 200; n++) {
         const double middle_a = 0.5 * (near_a + far_a);
@@ -106,7 +46,7 @@ static double torque_at_power_mNm(double rpm, double power_w)
     return fabs(reference_point_without_i_d(&motor, far_a).torque_nm) * 1e3;
 }
 
-void test_with_nothing_in_the_way_the_motor_gives_its_largest_torque_both_ways(void)
+void test_without_other_limits_max_torque_bounds_driving_and_braking(void)
 {
     const bounds_t out = at_rpm(150.0); /* T_opt is 74.7 Nm there */
     assert_limit(40000, REASON_MAX_TORQUE, out.driving);
@@ -114,7 +54,7 @@ void test_with_nothing_in_the_way_the_motor_gives_its_largest_torque_both_ways(v
     assert_limit(40000, REASON_MAX_TORQUE, out.optimal);
 }
 
-void test_below_its_speed_the_loss_optimum_bounds_only_the_optimal_limit(void)
+void test_loss_optimum_bounds_only_the_optimal_braking_torque(void)
 {
     const bounds_t out = at_rpm(50.0);
     assert_limit(40000, REASON_MAX_TORQUE, out.driving);
@@ -127,7 +67,7 @@ void test_below_its_speed_the_loss_optimum_bounds_only_the_optimal_limit(void)
     TEST_ASSERT_INT32_WITHIN(24190 / 20, 24190, out.optimal.torque_mNm);
 }
 
-void test_at_the_shaft_friction_brakes_on_top_of_the_optimum_at_the_airgap(void)
+void test_friction_adds_to_the_airgap_optimum_at_the_shaft(void)
 {
     const int32_t without_mNm = at_rpm(50.0).optimal.torque_mNm;
     config.motor.friction_torque_mNm = 700;
@@ -135,7 +75,7 @@ void test_at_the_shaft_friction_brakes_on_top_of_the_optimum_at_the_airgap(void)
     TEST_ASSERT_INT32_WITHIN(2, without_mNm + 700, at_rpm(-50.0).optimal.torque_mNm);
 }
 
-void test_the_power_limit_bites_at_speed_in_both_directions(void)
+void test_power_limit_bounds_driving_and_braking_at_high_speed(void)
 {
     /* 2094 W at 600 r/min = 62.832 rad/s: 33.327 Nm */
     const bounds_t out = at_rpm(600.0);
@@ -143,7 +83,7 @@ void test_the_power_limit_bites_at_speed_in_both_directions(void)
     assert_limit(33327, REASON_MAX_POWER, out.regenerating);
 }
 
-void test_the_phase_current_limit_bites_and_the_iron_current_counts_for_the_brake(void)
+void test_phase_current_limit_includes_the_iron_current(void)
 {
     config.motor.max_phase_current_mA = 30000;
     /* The reserve leaves 255/256 of 30 A, 29.883 A. Standstill: 3/2 * 23 * 0.0204 * 29.883 =
@@ -156,16 +96,16 @@ void test_the_phase_current_limit_bites_and_the_iron_current_counts_for_the_brak
     assert_limit(22807, REASON_PHASE_CURRENT, at_rpm(300.0).regenerating);
 }
 
-void test_the_charge_current_of_the_pack_is_shared_and_bounds_only_braking(void)
+void test_charge_current_of_the_pack_is_divided_by_the_wheels_and_bounds_only_braking(void)
 {
-    world.bms_charge_current_mA = 40000; /* four wheels: 10 A * 53 V = 530 W each */
+    conditions.bms_charge_current_mA = 40000; /* four wheels: 10 A * 53 V = 530 W each */
     const bounds_t out = at_rpm(300.0);
     assert_limit((int32_t)lround(torque_at_power_mNm(300.0, -530.0)), REASON_CHARGE_CURRENT,
                  out.regenerating);
     assert_limit(40000, REASON_MAX_TORQUE, out.driving);
 }
 
-void test_the_configured_charge_current_bounds_what_the_battery_offers(void)
+void test_configured_charge_current_bounds_the_current_the_bms_allows(void)
 {
     config.battery.max_charge_current_mA = 8000; /* 424 W */
     const bounds_t out = at_rpm(300.0);
@@ -173,20 +113,20 @@ void test_the_configured_charge_current_bounds_what_the_battery_offers(void)
                  out.regenerating);
 }
 
-void test_with_hall_sensors_the_charge_limit_keeps_back_what_the_open_angle_may_return(void)
+void test_with_hall_sensors_the_charge_limit_is_reduced_by_the_power_of_the_angle_error(void)
 {
-    /* 640 r/min: w = 1541.5 rad/s, 31.45 V; at 20 kHz the angle is open by 1541.5/40000 = 38.5
-     * mrad. A voltage that is met with d amperes of field weakening at this torque costs
-     * 3/2 * 31.45 V * d * 0.0385: the limit is as much smaller. */
+    /* 640 r/min: w = 1541.5 rad/s, EMF 31.45 V. At 20 kHz half a period is an angle of
+     * 1541.5/40000 = 38.5 mrad. With field weakening of d amperes this angle error returns up to
+     * 3/2 * 31.45 V * d * 0.0385 more power, by which the limit is reduced. */
     config.battery.max_charge_current_mA = 10000;
-    world.phase_voltage_mV = 28500;
+    conditions.phase_voltage_mV = 28500;
     config.rotor.sensor = CONFIG_ROTOR_HALL;
     const limit_t with_hall = at_rpm(640.0).regenerating;
     TEST_ASSERT_EQUAL_INT(REASON_CHARGE_CURRENT, with_hall.reason);
     config.rotor.sensor = CONFIG_ROTOR_ANGLE;
-    const limit_t known = at_rpm(640.0).regenerating;
+    const limit_t with_angle = at_rpm(640.0).regenerating;
     const reference_motor_t m = reference_motor(&config, mrad_s_of_rpm(640.0), 2500);
-    /* i_d at the voltage's ellipse, by bisection on the circuit at the torque that was found. */
+    /* i_d on the voltage ellipse at the torque limit, by bisection on the circuit. */
     const double i_qt_a = -with_hall.torque_mNm * 1e-3 / (1.5 * m.pole_pairs * m.psi_wb);
     double d_a = 0.0;
     double deep_a = -60.0;
@@ -204,95 +144,96 @@ void test_with_hall_sensors_the_charge_limit_keeps_back_what_the_open_angle_may_
     const double kept_w = 1.5 * m.w_rad_s * m.psi_wb * -d_a * m.w_rad_s / 40000.0;
     config.battery.max_charge_current_mA = (int32_t)lround(10000.0 * (1.0 - kept_w / 530.0));
     TEST_ASSERT_INT32_WITHIN(60, at_rpm(640.0).regenerating.torque_mNm, with_hall.torque_mNm);
-    TEST_ASSERT_TRUE(known.torque_mNm > with_hall.torque_mNm + 500);
+    TEST_ASSERT_TRUE(with_angle.torque_mNm > with_hall.torque_mNm + 500);
 }
 
-void test_a_full_battery_leaves_only_the_drag_that_returns_nothing(void)
+void test_zero_charge_current_leaves_only_the_iron_drag(void)
 {
-    /* At 300 r/min iron drags with 1.778 Nm at no terminal current: it heats the motor, not the
-     * battery. */
-    world.bms_charge_current_mA = 0;
+    /* At 300 r/min and zero terminal current iron loss brakes with 1.778 Nm. It heats the motor and
+     * returns no power to the battery. */
+    conditions.bms_charge_current_mA = 0;
     assert_limit(1778, REASON_CHARGE_CURRENT, at_rpm(300.0).regenerating);
-    world.bms_charge_current_mA = INT32_MIN;
+    conditions.bms_charge_current_mA = INT32_MIN;
     assert_limit(1778, REASON_CHARGE_CURRENT, at_rpm(300.0).regenerating);
 }
 
-void test_a_full_battery_does_not_forbid_to_hold_a_vehicle_that_rolls_back(void)
+void test_zero_charge_current_does_not_bound_braking_near_standstill(void)
 {
-    /* At 0.2 rad/s the EMF is 94 mV: 3/2 * 0.094^2/(4 * 0.031) = 0.11 W at the most, less than the
-     * inverter burns. Refusing torque for that would let a vehicle on a slope run away backwards.
-     */
-    world.bms_charge_current_mA = 0;
+    /* At 0.2 rad/s the EMF is 94 mV. The motor returns at most 3/2 * 0.094^2/(4 * 0.031) = 0.11 W,
+     * less than the inverter's losses. Zero torque would let a vehicle roll back on a slope. */
+    conditions.bms_charge_current_mA = 0;
     assert_limit(40000, REASON_MAX_TORQUE, at_speed(-200).regenerating);
     assert_limit(40000, REASON_MAX_TORQUE, at_speed(200).regenerating);
     assert_limit(40000, REASON_MAX_TORQUE, at_speed(0).regenerating);
 }
 
-void test_a_bus_near_its_upper_voltage_folds_the_charge_current_back(void)
+void test_charge_current_folds_back_near_max_voltage(void)
 {
-    /* Half-way between 57.232 V and 58.4 V: half of 50 A at 57.816 V is 1445.4 W. */
-    world.bus_voltage_mV = (config.battery.foldback_voltage_mV + config.battery.max_voltage_mV) / 2;
-    settle_foldback();
+    /* The middle between 57.232 V and 58.4 V: half of 50 A at 57.816 V is 1445.4 W. */
+    conditions.bus_voltage_mV =
+        (config.battery.foldback_voltage_mV + config.battery.max_voltage_mV) / 2;
+    settle_foldback(20000);
     const bounds_t half = at_rpm(450.0);
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, half.regenerating.reason);
     TEST_ASSERT_DOUBLE_WITHIN(100.0, torque_at_power_mNm(450.0, -1445.4),
                               half.regenerating.torque_mNm);
     assert_limit(40000, REASON_MAX_TORQUE, half.driving);
-    world.bus_voltage_mV = config.battery.max_voltage_mV;
-    settle_foldback();
+    conditions.bus_voltage_mV = config.battery.max_voltage_mV;
+    settle_foldback(20000);
     const limit_t none = at_rpm(450.0).regenerating;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_HIGH, none.reason);
     TEST_ASSERT_DOUBLE_WITHIN(100.0, torque_at_power_mNm(450.0, -1e-9), none.torque_mNm);
 }
 
-void test_the_discharge_current_of_the_pack_is_shared_and_bounds_driving(void)
+void test_discharge_current_of_the_pack_is_divided_by_the_wheels_and_bounds_driving(void)
 {
-    world.bms_discharge_current_mA = 40000; /* 530 W each */
+    conditions.bms_discharge_current_mA = 40000; /* 530 W each */
     const bounds_t out = at_rpm(300.0);
     assert_limit((int32_t)lround(torque_at_power_mNm(300.0, 530.0)), REASON_DISCHARGE_CURRENT,
                  out.driving);
     assert_limit(40000, REASON_MAX_TORQUE, out.regenerating);
 }
 
-void test_a_bus_near_its_lower_voltage_folds_the_discharge_current_back(void)
+void test_discharge_current_folds_back_near_min_voltage(void)
 {
     /* The fold-back is as wide as the upper one, 1.168 V above 40 V; half of 62.5 A at 40.584 V is
      * 1268.3 W. */
-    world.bus_voltage_mV = 40584;
-    settle_foldback();
+    conditions.bus_voltage_mV = 40584;
+    settle_foldback(20000);
     const bounds_t half = at_rpm(300.0);
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_LOW, half.driving.reason);
     TEST_ASSERT_DOUBLE_WITHIN(100.0, torque_at_power_mNm(300.0, 1268.25), half.driving.torque_mNm);
     assert_limit(40000, REASON_MAX_TORQUE, half.regenerating);
-    world.bus_voltage_mV = 40000;
-    settle_foldback();
+    conditions.bus_voltage_mV = 40000;
+    settle_foldback(20000);
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_LOW, at_rpm(300.0).driving.reason);
     TEST_ASSERT_LESS_OR_EQUAL_INT32(100, at_rpm(300.0).driving.torque_mNm);
-    state.discharge.allowed_q6_mA = 62500 * 64;
-    world.bus_current_mA = 62500;
-    world.bus_voltage_mV = 38830; /* a width below the end, whatever was allowed before */
+    open_foldback();
+    conditions.bus_current_mA = 62500;
+    conditions.bus_voltage_mV = 38830; /* one width below the end: zero in the first step */
     assert_limit(0, REASON_BUS_VOLTAGE_LOW, at_rpm(300.0).driving);
 }
 
-/* Against the rotation the power returned grows to the optimum, falls, and beyond T_zero is drawn:
- * at 5 r/min 40 Nm take 3/2 0.031 56.8^2 = 150 W of copper and give 21 W. */
-void test_braking_that_draws_power_obeys_the_discharge_limit(void)
+/* Returned power grows with braking torque up to the optimum, then falls. Beyond T_zero the motor
+ * draws power: at 5 r/min and 40 Nm 3/2 * 0.031 * 56.8^2 = 150 W of copper loss, 21 W mechanical.
+ */
+void test_braking_that_draws_power_is_bounded_by_the_discharge_limit(void)
 {
     assert_limit(40000, REASON_MAX_TORQUE, at_rpm(5.0).regenerating);
-    world.bms_discharge_current_mA = 4000; /* 53 W each */
+    conditions.bms_discharge_current_mA = 4000; /* 53 W each */
     const bounds_t out = at_rpm(5.0);
     TEST_ASSERT_EQUAL_INT(REASON_DISCHARGE_CURRENT, out.regenerating.reason);
     const reference_motor_t m = reference_motor(&config, mrad_s_of_rpm(5.0), 2500);
     const double i_qt_a = -out.regenerating.torque_mNm * 1e-3 / (1.5 * m.pole_pairs * m.psi_wb);
     TEST_ASSERT_DOUBLE_WITHIN(0.3, 53.0, reference_point_without_i_d(&m, i_qt_a).power_w);
-    /* Where braking returns power it costs nothing to have no discharge current at all. */
-    world.bms_discharge_current_mA = 0;
+    /* At 300 r/min braking returns power: a discharge limit of zero does not bound it. */
+    conditions.bms_discharge_current_mA = 0;
     assert_limit(40000, REASON_MAX_TORQUE, at_rpm(300.0).regenerating);
 }
 
 void test_a_hot_winding_derates_both_directions(void)
 {
-    winding_temperature_cC = 14000; /* half-way between 130 and 150 degC */
+    winding_temperature_cC = 14000; /* the middle between 130 and 150 degC */
     assert_limit(20000, REASON_WINDING_TEMPERATURE, at_rpm(150.0).driving);
     assert_limit(20000, REASON_WINDING_TEMPERATURE, at_rpm(150.0).regenerating);
     winding_temperature_cC = 15000;
@@ -304,16 +245,16 @@ void test_hot_switches_derate_both_directions(void)
 {
     config.drive.derate_switch_temperature_cC = 8000;
     config.drive.max_switch_temperature_cC = 10000;
-    world.switch_temperature_cC = 9500; /* a quarter is left */
+    conditions.switch_temperature_cC = 9500; /* a quarter of 20 K below the upper end */
     assert_limit(10000, REASON_SWITCH_TEMPERATURE, at_rpm(150.0).driving);
     assert_limit(10000, REASON_SWITCH_TEMPERATURE, at_rpm(150.0).regenerating);
 }
 
-void test_the_speed_limit_cuts_the_drive_and_never_the_brake(void)
+void test_speed_limit_bounds_driving_and_never_braking(void)
 {
-    /* The drive fades over the last 1/32 of 67.021 rad/s, from 64.927 on; half at 65.974, where
-     * 2094 W leave more than half of 40 Nm. The brake goes on at the power limit, 2094 W / 65.974
-     * and, beyond the limit, / 80. */
+    /* Driving torque falls to zero over the last 1/32 of 67.021 rad/s, from 64.927 on. It is half
+     * at 65.974, where 2094 W allow more than half of 40 Nm. Braking torque stays at the power
+     * limit, 2094 W / 65.974 and, beyond the speed limit, 2094 W / 80. */
     const bounds_t half = at_speed(65974);
     assert_limit(20000, REASON_MAX_SPEED, half.driving);
     assert_limit(31740, REASON_MAX_POWER, half.regenerating);
@@ -322,30 +263,30 @@ void test_the_speed_limit_cuts_the_drive_and_never_the_brake(void)
     assert_limit(26175, REASON_MAX_POWER, beyond.regenerating);
 }
 
-void test_without_a_rotor_angle_there_is_no_torque(void)
+void test_torque_is_zero_without_a_valid_rotor_angle(void)
 {
-    world.rotor_valid = false;
+    conditions.rotor_valid = false;
     const bounds_t out = at_rpm(150.0);
     assert_limit(0, REASON_ROTOR_UNCERTAIN, out.driving);
     assert_limit(0, REASON_ROTOR_UNCERTAIN, out.regenerating);
     assert_limit(0, REASON_ROTOR_UNCERTAIN, out.optimal);
 }
 
-static void random_world(random_t *random)
+static void random_conditions(random_t *random)
 {
-    world.bus_voltage_mV = random_between(random, 0, 70000);
-    world.bms_charge_current_mA = random_between(random, -10000, 300000);
-    world.bms_discharge_current_mA = random_between(random, -10000, 300000);
+    conditions.bus_voltage_mV = random_between(random, 0, 70000);
+    conditions.bms_charge_current_mA = random_between(random, -10000, 300000);
+    conditions.bms_discharge_current_mA = random_between(random, -10000, 300000);
     winding_temperature_cC = random_between(random, -4000, 20000);
-    world.switch_temperature_cC = random_between(random, -4000, 12000);
-    world.rotor_valid = random_chance(random, 0.95);
+    conditions.switch_temperature_cC = random_between(random, -4000, 12000);
+    conditions.rotor_valid = random_chance(random, 0.95);
 }
 
-void test_limits_are_magnitudes_whatever_the_world_is_like(void)
+void test_limits_are_magnitudes_up_to_max_torque_under_random_conditions(void)
 {
     random_t random = random_seeded(1);
     for (int n = 0; n < 50000; n++) {
-        random_world(&random);
+        random_conditions(&random);
         const bounds_t out = at_speed(random_between(&random, -100000, 100000));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.driving.torque_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.regenerating.torque_mNm);
@@ -358,11 +299,11 @@ void test_limits_are_magnitudes_whatever_the_world_is_like(void)
     }
 }
 
-void test_forward_and_backward_are_equally_limited(void)
+void test_limits_are_symmetric_in_the_direction_of_rotation(void)
 {
     random_t random = random_seeded(2);
     for (int n = 0; n < 20000; n++) {
-        random_world(&random);
+        random_conditions(&random);
         const int32_t speed_mrad_s = random_between(&random, 1, 100000);
         const bounds_t forward = at_speed(speed_mrad_s);
         const bounds_t backward = at_speed(-speed_mrad_s);
@@ -373,15 +314,15 @@ void test_forward_and_backward_are_equally_limited(void)
     }
 }
 
-void test_a_worse_battery_never_allows_more(void)
+void test_smaller_battery_currents_never_raise_a_limit(void)
 {
     random_t random = random_seeded(3);
     for (int n = 0; n < 20000; n++) {
-        random_world(&random);
+        random_conditions(&random);
         const int32_t speed_mrad_s = random_between(&random, -100000, 100000);
         const bounds_t before = at_speed(speed_mrad_s);
-        world.bms_charge_current_mA -= random_between(&random, 0, 50000);
-        world.bms_discharge_current_mA -= random_between(&random, 0, 50000);
+        conditions.bms_charge_current_mA -= random_between(&random, 0, 50000);
+        conditions.bms_discharge_current_mA -= random_between(&random, 0, 50000);
         const bounds_t after = at_speed(speed_mrad_s);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.driving.torque_mNm, after.driving.torque_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.regenerating.torque_mNm,
@@ -389,21 +330,21 @@ void test_a_worse_battery_never_allows_more(void)
     }
 }
 
-void test_hotter_switches_and_a_hotter_winding_never_allow_more_torque(void)
+void test_higher_temperatures_never_raise_a_limit(void)
 {
     config.drive.derate_switch_temperature_cC = 8000;
     config.drive.max_switch_temperature_cC = 10000;
     random_t random = random_seeded(4);
     for (int n = 0; n < 20000; n++) {
-        random_world(&random);
-        world.bms_charge_current_mA =
-            1000000; /* heat lowers the returned power, so the charge limit relaxes */
-        world.bms_discharge_current_mA = 1000000;
-        world.bus_voltage_mV = 53000;
+        random_conditions(&random);
+        /* No charge limit: heat lowers the returned power and would raise it. */
+        conditions.bms_charge_current_mA = 1000000;
+        conditions.bms_discharge_current_mA = 1000000;
+        conditions.bus_voltage_mV = 53000;
         const int32_t speed_mrad_s = random_between(&random, -60000, 60000);
         const bounds_t before = at_speed(speed_mrad_s);
         winding_temperature_cC += random_between(&random, 0, 5000);
-        world.switch_temperature_cC += random_between(&random, 0, 5000);
+        conditions.switch_temperature_cC += random_between(&random, 0, 5000);
         const bounds_t after = at_speed(speed_mrad_s);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.driving.torque_mNm, after.driving.torque_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(before.regenerating.torque_mNm,
@@ -412,12 +353,12 @@ void test_hotter_switches_and_a_hotter_winding_never_allow_more_torque(void)
     }
 }
 
-void test_no_permitted_braking_torque_charges_the_battery_beyond_its_limit(void)
+void test_no_permitted_braking_torque_exceeds_the_charge_current(void)
 {
     random_t random = random_seeded(5);
     for (int n = 0; n < 50000; n++) {
-        world.bus_voltage_mV = random_between(&random, 40000, 57000);
-        world.bms_charge_current_mA = random_between(&random, 0, 200000);
+        conditions.bus_voltage_mV = random_between(&random, 40000, 57000);
+        conditions.bms_charge_current_mA = random_between(&random, 0, 200000);
         winding_temperature_cC = random_between(&random, -2000, 13000);
         const int32_t speed_mrad_s = random_between(&random, 900, 67000);
         const limit_t limit = at_speed(speed_mrad_s).regenerating;
@@ -427,11 +368,10 @@ void test_no_permitted_braking_torque_charges_the_battery_beyond_its_limit(void)
         const double i_qt = -torque_nm / (1.5 * motor.pole_pairs * motor.psi_wb);
         const double returned_w = -reference_point_without_i_d(&motor, i_qt).power_w;
         const double share_ma =
-            fmin(world.bms_charge_current_mA / 4.0, config.battery.max_charge_current_mA);
-        const double allowed_w = share_ma * 1e-3 * world.bus_voltage_mV * 1e-3;
-        /* Currents in whole milliamperes and voltages in whole millivolts: half a watt of two
-         * thousand; and the speed below which charging is not worth limiting, 0.1 % of the largest
-         * power. */
+            fmin(conditions.bms_charge_current_mA / 4.0, config.battery.max_charge_current_mA);
+        const double allowed_w = share_ma * 1e-3 * conditions.bus_voltage_mV * 1e-3;
+        /* Whole milliamperes and millivolts: half a watt of two thousand. Charge power below 0.1 %
+         * of the largest power, 2.1 W, is not limited. */
         TEST_ASSERT_TRUE(returned_w <= allowed_w + 0.5 + 2.1);
     }
 }

@@ -1,70 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
 
-#include "model.h"
-#include "paper_vehicle.h"
 #include "random_values.h"
 #include "reference_motor.h"
 #include "torque/current_setpoint.h"
-#include "torque/torque_limits.h"
+#include "torque_limits_rig.h"
 #include "unity.h"
 
-static config_t config;
-static torque_limits_input_t world;
-static int32_t winding_temperature_cC;
-
-/* The tightest lines of a step. */
-typedef struct {
-    limit_t driving;      /* torque in the direction of rotation */
-    limit_t regenerating; /* against it, whatever the strategy */
-    limit_t optimal;      /* and not beyond the loss optimum */
-} bounds_t;
-
-static torque_limits_state_t state;
-static torque_limits_t table;
-
-static bounds_t bounds_of(const motor_model_t *model)
-{
-    torque_limits_state_t now = state; /* the fold-back stays where it is */
-    torque_limits_step(&now, model, &world, &table);
-    const bounds_t out = {
-        .driving = torque_limits_tightest(table.driving, TORQUE_LINE_COUNT),
-        .regenerating = torque_limits_tightest(table.braking, TORQUE_LINE_LOSS_OPTIMUM),
-        .optimal = torque_limits_tightest(table.braking, TORQUE_LINE_ELECTRIC_RATED),
-    };
-    return out;
-}
-
-/* A cool motor on a battery that takes and gives whatever it is asked for. */
 void setUp(void)
 {
-    config = salient_vehicle();
-    world.bus_voltage_mV = 53000;
-    world.phase_voltage_mV = 1000000; /* no voltage limit: feasible_torque.h has its own tests */
-    world.bms_charge_current_mA = 1000000;
-    world.bms_discharge_current_mA = 1000000;
-    winding_temperature_cC = 2500;
-    world.switch_temperature_cC = 2500;
-    world.bus_current_mA = 0;
-    world.rotor_valid = true;
-    world.abs_active = false;
-    world.brake_demand_mNm = 0;
-    world.torque_enable.drive_q15 = Q15_ONE;
-    world.torque_enable.brake_q15 = Q15_ONE;
-    torque_limits_init(&state, &table);
-    state.charge.allowed_q6_mA = 1 << 30;
-    state.discharge.allowed_q6_mA = 1 << 30;
+    rig_up(salient_vehicle());
 }
 
 void tearDown(void) {}
-
-static bounds_t at_speed(int32_t speed_mrad_s)
-{
-    const motor_model_t model = model_at(&config, speed_mrad_s, winding_temperature_cC);
-    return bounds_of(&model);
-}
-
-/* ---- a salient motor, with the i_d of its map and whatever field weakening adds ---- */
 
 static motor_current_t currents_of(const motor_model_t *model, int32_t torque_mNm)
 {
@@ -73,8 +21,8 @@ static motor_current_t currents_of(const motor_model_t *model, int32_t torque_mN
     return out;
 }
 
-/* The power at the terminals, W, of a shaft torque as the current reference makes it: from the
- * circuit, in double precision. */
+/* Terminal power, W, of a shaft torque with the current setpoint of current_setpoint_step(), from
+ * the circuit in double precision. */
 static double power_of_torque_w(const motor_model_t *model, int32_t torque_mNm)
 {
     const motor_current_t i = currents_of(model, torque_mNm);
@@ -86,21 +34,21 @@ static double power_of_torque_w(const motor_model_t *model, int32_t torque_mNm)
     return reference_point(&m, i.d_mA * 1e-3 + g * m.l_q_h * i_qt_a, i_qt_a).power_w;
 }
 
-static void random_salient_world(random_t *random)
+static void random_salient_conditions(random_t *random)
 {
     config.motor.max_phase_current_mA = random_between(random, 150000, 400000);
     config.battery.max_charge_current_mA = 2000000;
     config.battery.max_discharge_current_mA = 2000000;
-    world.bus_voltage_mV = random_between(random, 42000, 57000);
-    world.bms_charge_current_mA = random_between(random, 0, 4000000);
-    world.bms_discharge_current_mA = random_between(random, 0, 4000000);
+    conditions.bus_voltage_mV = random_between(random, 42000, 57000);
+    conditions.bms_charge_current_mA = random_between(random, 0, 4000000);
+    conditions.bms_discharge_current_mA = random_between(random, 0, 4000000);
     winding_temperature_cC = random_between(random, -2000, 12900);
 }
 
-void test_a_salient_motor_is_allowed_what_its_best_angle_makes_of_the_phase_current(void)
+void test_phase_current_limit_of_a_salient_motor_is_the_torque_at_the_best_current_angle(void)
 {
-    /* 250 A at standstill, by scanning the angle: the map's points are 32.8 Nm apart, which costs
-     * less than 0.5 %; the reserve of the current costs 0.5 % more. */
+    /* 250 A at standstill, by scanning the current angle. Interpolation between the map's points,
+     * 32.8 Nm apart, costs less than 0.5 %, the current reserve another 0.5 %. */
     config = salient_vehicle();
     config.motor.max_phase_current_mA = 250000;
     double best_nm = 0.0;
@@ -115,13 +63,13 @@ void test_a_salient_motor_is_allowed_what_its_best_angle_makes_of_the_phase_curr
     TEST_ASSERT_EQUAL_INT32(limit.torque_mNm, at_speed(0).regenerating.torque_mNm);
 }
 
-void test_what_a_salient_motor_is_allowed_fits_into_the_current_circle(void)
+void test_current_of_the_torque_limit_of_a_salient_motor_is_within_the_current_circle(void)
 {
     random_t random = random_seeded(6);
     config = salient_vehicle();
-    int bit = 0;
+    int bounded = 0;
     for (int n = 0; n < 20000; n++) {
-        random_salient_world(&random);
+        random_salient_conditions(&random);
         const motor_model_t model =
             model_at(&config, random_between(&random, -1200000, 1200000), winding_temperature_cC);
         const int32_t forward = model.speed_mrad_s >= 0 ? 1 : -1;
@@ -129,41 +77,41 @@ void test_what_a_salient_motor_is_allowed_fits_into_the_current_circle(void)
         const limit_t limits[] = {out.driving, out.regenerating};
         for (int k = 0; k < 2; k++) {
             if (limits[k].torque_mNm == 0) {
-                continue; /* field weakening alone may fill the circle */
+                continue; /* i_d alone may take the whole current circle */
             }
             const int32_t torque_mNm = limits[k].torque_mNm * forward * (k == 0 ? 1 : -1);
             const motor_current_t i = currents_of(&model, torque_mNm);
             const double share = hypot(i.d_mA, i.q_mA) / config.motor.max_phase_current_mA;
             TEST_ASSERT_TRUE(share <= 1.002);
             if (limits[k].reason == REASON_PHASE_CURRENT) {
-                bit++;
-                TEST_ASSERT_TRUE(share >= 0.99); /* and the circle is used */
+                bounded++;
+                TEST_ASSERT_TRUE(share >= 0.99); /* the limit uses the current circle */
             }
         }
     }
-    TEST_ASSERT_GREATER_THAN_INT(2000, bit);
+    TEST_ASSERT_GREATER_THAN_INT(2000, bounded);
 }
 
-void test_no_torque_of_a_salient_motor_charges_or_drains_the_battery_beyond_its_limits(void)
+void test_torque_limits_of_a_salient_motor_keep_the_battery_within_its_currents(void)
 {
     random_t random = random_seeded(7);
     config = salient_vehicle();
-    config.rotor.sensor = CONFIG_ROTOR_ANGLE; /* nothing kept back for an open angle */
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE; /* no power reserve for an angle error */
     int charging = 0;
     int draining = 0;
     for (int n = 0; n < 20000; n++) {
-        random_salient_world(&random);
+        random_salient_conditions(&random);
         const motor_model_t model =
             model_at(&config, random_between(&random, 60000, 1150000), winding_temperature_cC);
         const bounds_t out = bounds_of(&model);
-        const double volts = world.bus_voltage_mV * 1e-3;
+        const double volts = conditions.bus_voltage_mV * 1e-3;
         const double returned_w = -power_of_torque_w(&model, -out.regenerating.torque_mNm);
         const double drawn_w = power_of_torque_w(&model, out.driving.torque_mNm);
         const double most_returned_w =
-            fmin(world.bms_charge_current_mA, 4.0 * 2000000) * 0.25e-3 * volts;
+            fmin(conditions.bms_charge_current_mA, 4.0 * 2000000) * 0.25e-3 * volts;
         const double most_drawn_w =
-            fmin(world.bms_discharge_current_mA, 4.0 * 2000000) * 0.25e-3 * volts;
-        /* 0.1 % of the 80 kW the motor has: roundings, and what is not worth limiting. */
+            fmin(conditions.bms_discharge_current_mA, 4.0 * 2000000) * 0.25e-3 * volts;
+        /* 0.1 % of 80 kW: roundings, and charge power too small to be limited. */
         TEST_ASSERT_TRUE(returned_w <= most_returned_w + 80.0);
         if (out.regenerating.reason == REASON_CHARGE_CURRENT && returned_w > 0.0) {
             charging++;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * model.h: the motor model of a configuration for tests, and its binary scales in SI units.
+ * torque_model.h: the motor model of a configuration for tests, and its binary scales in SI units.
  */
-#ifndef TEST_TORQUE_MODEL_H
-#define TEST_TORQUE_MODEL_H
+#ifndef TORQUE_MODEL_H
+#define TORQUE_MODEL_H
 
 #include <math.h>
 

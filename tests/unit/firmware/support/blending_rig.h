@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * split.h: the paper's vehicle before its brake blending, with round numbers: a motor that gives
- * what it is asked for and may give 50 N m, of which 24 are the best, a hydraulic brake that is
- * where it is told to be. Included once in a program.
+ * blending_rig.h: brake blending of the paper's vehicle with round numbers: a torque limit of
+ * 50 N m, a loss optimum of 24 N m, a hydraulic brake without delay. Included once in a program.
  */
-#ifndef TEST_TORQUE_SPLIT_H
-#define TEST_TORQUE_SPLIT_H
+#ifndef BLENDING_RIG_H
+#define BLENDING_RIG_H
 
 #include "paper_vehicle.h"
+#include "random_values.h"
 #include "torque/brake_blending.h"
 #include "unity.h"
 
@@ -19,12 +19,12 @@ static torque_limits_t limits;
 static torque_limits_state_t limits_state;
 static bool abs_active;
 static struct {
-    limit_t regenerating; /* what bounds the motor whatever the strategy */
-    limit_t optimal;      /* what returns the most */
+    limit_t regenerating; /* braking torque without the lines of a strategy */
+    limit_t optimal;      /* braking torque at the loss optimum */
 } capability;
 static brake_blending_input_t in;
 
-static inline void before_blending(void)
+static inline void rig_up(void)
 {
     config = paper_vehicle();
     config.brake.strategy = CONFIG_STRATEGY_SERIES_OPTIMAL;
@@ -34,8 +34,7 @@ static inline void before_blending(void)
     config.brake.shortfall_band_mNm = 2000;
     config.brake.blend_out_start_mrad_s = 2618;
     config.brake.blend_out_end_mrad_s = 838;
-    config.brake.hydraulic_dead_time_ms =
-        0; /* the split itself: the hydraulic brake is where it is told to be */
+    config.brake.hydraulic_dead_time_ms = 0; /* the hydraulic brake follows its command at once */
     config.brake.hydraulic_time_constant_ms = 0;
     config.brake.hydraulic_rate_mNm_s = 2000000000;
     brake_blending_init(&state);
@@ -47,7 +46,7 @@ static inline void before_blending(void)
     in.demand_mNm = 0;
     in.speed_mrad_s = FAST_mrad_s;
     in.motor_command_mNm = 0;
-    in.motor_growth_mNm = 1000000; /* as far as it is asked for, soon enough */
+    in.motor_growth_mNm = 1000000; /* the motor's torque rate is unlimited */
     in.motor_achieved_mNm = 0;
     in.torque_enable.bridge = BRIDGE_PWM;
     in.torque_enable.drive_q15 = Q15_ONE;
@@ -55,8 +54,8 @@ static inline void before_blending(void)
     in.torque_enable.reason = REASON_NONE;
 }
 
-/* The lines as torque_limits_step() makes them, with the two bounds above for what depends on the
- * motor. */
+/* The lines as torque_limits_step() writes them, with `capability` for the lines that depend on
+ * the motor. */
 static inline void write_limits(void)
 {
     limit_t *line = limits.braking;
@@ -86,11 +85,28 @@ static inline void assert_split(int32_t electric_mNm, int32_t hydraulic_mNm, rea
     TEST_ASSERT_EQUAL_INT(reason, out.reason);
 }
 
-/* The motor does what it is asked for, braking at the present direction of rotation. */
+/* The motor's torque is its command, against the present direction of rotation. */
 static inline void motor_follows(int32_t electric_mNm)
 {
     in.motor_command_mNm = in.speed_mrad_s >= 0 ? -electric_mNm : electric_mNm;
     in.motor_achieved_mNm = in.motor_command_mNm;
+}
+
+/* Any strategy, limits, demand and speed; in one of twenty cases with the anti-lock system active,
+ * in one of five with a partial torque enable. */
+static inline void random_conditions(random_t *random)
+{
+    config.brake.strategy = random_between(random, 0, 2);
+    config.brake.max_hydraulic_torque_mNm = 1000000;
+    capability.regenerating = limit_init(random_between(random, 0, 60000), REASON_MAX_POWER);
+    capability.optimal = capability.regenerating;
+    limit_tighten(&capability.optimal, random_between(random, 0, 80000), REASON_LOSS_OPTIMUM);
+    in.demand_mNm = random_between(random, 0, 300000);
+    in.speed_mrad_s = random_between(random, -70000, 70000);
+    abs_active = random_chance(random, 0.05);
+    in.torque_enable.brake_q15 =
+        (int16_t)(random_chance(random, 0.2) ? random_between(random, 0, Q15_ONE) : Q15_ONE);
+    in.torque_enable.reason = REASON_TORQUE_ENABLE;
 }
 
 #endif
