@@ -1,40 +1,108 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "digest.h"
 
+static uint32_t rotated(uint32_t x, unsigned left)
+{
+    return (x << left) | (x >> (32U - left));
+}
+
+/* MurmurHash3 (Appleby, 32 bits): for a given state another word gives another state. */
+static void add_unsigned(digest_t *digest, uint32_t value)
+{
+    const uint32_t mixed = rotated(value * 0xCC9E2D51U, 15) * 0x1B873593U;
+    digest->state = rotated(digest->state ^ mixed, 13) * 5U + 0xE6546B64U;
+    digest->words++;
+}
+
 static void add(digest_t *digest, int32_t value)
 {
-    static const uint32_t TABLE[16] = {/* of four bits: the polynomial 0xEDB88320 */
-                                       0x00000000, 0x1DB71064, 0x3B6E20C8, 0x26D930AC,
-                                       0x76DC4190, 0x6B6B51F4, 0x4DB26158, 0x5005713C,
-                                       0xEDB88320, 0xF00F9344, 0xD6D6A3E8, 0xCB61B38C,
-                                       0x9B64C2B0, 0x86D3D2D4, 0xA00AE278, 0xBDBDF21C};
-    uint32_t crc = digest->crc ^ (uint32_t)value;
-    for (int nibble = 0; nibble < 8; nibble++) {
-        crc = (crc >> 4) ^ TABLE[crc & 15U];
-    }
-    digest->crc = crc;
+    add_unsigned(digest, (uint32_t)value);
+}
+
+static void add_flag(digest_t *digest, bool is_set)
+{
+    add(digest, is_set ? 1 : 0);
+}
+
+static void add_dq(digest_t *digest, dq_t x)
+{
+    add(digest, x.d);
+    add(digest, x.q);
 }
 
 void digest_begin(digest_t *digest)
 {
-    digest->crc = 0xFFFFFFFFU;
+    digest->state = 0;
+    digest->words = 0;
+}
+
+static void add_current(digest_t *digest, const foc_period_t *current)
+{
+    const rotor_out_t *rotor = &current->rotor;
+    add(digest, rotor->theta_turn);
+    add(digest, rotor->speed_q32);
+    add(digest, rotor->age_periods);
+    add(digest, rotor->faults);
+    add_flag(digest, rotor->valid);
+    add_dq(digest, current->i_reference_pu);
+    add_dq(digest, dq_of(current->i_pu));
+    add(digest, current->voltage.unsaturated_d);
+    add(digest, current->voltage.unsaturated_q);
+    add_dq(digest, dq_of(current->voltage.applied));
+    add(digest, current->current_sum_pu);
 }
 
 void digest_fast(digest_t *digest, const fast_output_t *out, const fast_report_t *report)
 {
+    const foc_report_t *foc = &report->foc;
     for (int x = 0; x < 3; x++) {
         add(digest, out->compare_counts[x]);
     }
     add(digest, (int32_t)out->bridge);
-    add(digest, dq_of(report->foc.current.i_pu).d);
-    add(digest, dq_of(report->foc.current.i_pu).q);
-    add(digest, (int32_t)(report->foc.sums.power_pu & INT32_MAX));
-    add(digest, report->foc.current.rotor.speed_q32);
-    add(digest, report->foc.current.rotor.theta_turn);
+    add_current(digest, &foc->current);
+    add_unsigned(digest, foc->sums.i_d_pu);
+    add_unsigned(digest, foc->sums.i_q_pu);
+    add_unsigned(digest, foc->sums.power_pu);
+    add_unsigned(digest, foc->sums.v_dc_pu);
+    add_unsigned(digest, foc->step_count);
+    add(digest, foc->v_dc_pu);
+    add(digest, foc->i_d_weakening_pu);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        add(digest, foc->offset_q4[x]);
+    }
+    add(digest, foc->quadrant_transitions);
+    add(digest, foc->quadrant_step);
+    add_flag(digest, foc->offsets_done);
     add(digest, (int32_t)report->monitor.trip);
 }
 
-void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint_t *command)
+static void add_gains(digest_t *digest, const pi_gains_t *gains)
+{
+    add(digest, gains->proportional_q10);
+    add(digest, gains->integral_q15);
+    add(digest, gains->anti_windup_q15);
+}
+
+static void add_setpoint(digest_t *digest, const foc_setpoint_t *foc)
+{
+    const current_tuning_t *tuning = &foc->tuning;
+    add(digest, foc->sequence);
+    add_dq(digest, foc->i_reference_pu);
+    add(digest, foc->i_d_sampling_correction_pu);
+    add_gains(digest, &tuning->d);
+    add_gains(digest, &tuning->q);
+    add(digest, tuning->w_l_d_q10);
+    add(digest, tuning->w_l_q_q10);
+    add(digest, tuning->forward_d_q25);
+    add(digest, tuning->forward_q_q25);
+    add(digest, q_pair_x(tuning->advance.v));
+    add(digest, q_pair_y(tuning->advance.v));
+    add(digest, foc->dead_time_slope.alpha_q8);
+    add(digest, foc->dead_time_slope.beta_q8);
+    add_flag(digest, foc->calibrate_offsets);
+}
+
+void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint_t *setpoint)
 {
     add(digest, out->motor_torque_command_mNm);
     add(digest, out->motor_torque_estimate_mNm);
@@ -47,19 +115,25 @@ void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint
     add(digest, out->bus_current_mA);
     add(digest, (int32_t)out->torque_reason);
     add(digest, (int32_t)out->available_reason);
+    add(digest, (int32_t)out->hydraulic_reason);
     add(digest, (int32_t)out->fault_reason);
     add(digest, (int32_t)out->mode);
-    add(digest, out->stop_lamp ? 1 : 0);
-    add(digest, out->standstill ? 1 : 0);
-    add(digest, command->foc.sequence);
-    add(digest, command->foc.i_reference_pu.d);
-    add(digest, command->foc.i_reference_pu.q);
-    add(digest, command->foc.i_d_sampling_correction_pu);
-    add(digest, command->foc.dead_time_slope.alpha_q8);
-    add(digest, (int32_t)command->torque_enable.bridge);
+    add_flag(digest, out->stop_lamp);
+    add_flag(digest, out->standstill);
+    add_setpoint(digest, &setpoint->foc);
+    add(digest, (int32_t)setpoint->monitor.safe_bridge);
+    add_flag(digest, setpoint->monitor.clear_trip);
+    add(digest, (int32_t)setpoint->torque_enable.bridge);
+    add(digest, setpoint->torque_enable.drive_q15);
+    add(digest, setpoint->torque_enable.brake_q15);
+    add(digest, (int32_t)setpoint->torque_enable.reason);
+    add(digest, setpoint->slow_step_count);
 }
 
 uint32_t digest_end(const digest_t *digest)
 {
-    return digest->crc ^ 0xFFFFFFFFU;
+    uint32_t x = digest->state ^ digest->words;
+    x = (x ^ (x >> 16)) * 0x85EBCA6BU;
+    x = (x ^ (x >> 13)) * 0xC2B2AE35U;
+    return x ^ (x >> 16);
 }

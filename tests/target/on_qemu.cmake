@@ -91,6 +91,22 @@ set(HUBFOC_OTHER_CORE cortex-m0plus)
 set(HUBFOC_OTHER_CORE_OPTIONS -Os)
 add_subdirectory(other_core cortex_m0plus)
 
+# ---- the whole urban cycle ----
+
+# The inputs are written by a program of the host preset, which drives the simulated vehicle.
+set(HUBFOC_RECORD_CYCLE "${PROJECT_SOURCE_DIR}/build/host/tests/target/hubfoc_record_cycle" CACHE FILEPATH
+  "The host preset's program that records the urban cycle")
+hubfoc_add_target_program(NAME replay_cycle
+  SOURCES replay_cycle.c cycle.c digest.c print.c print_target.c ${module_sources}
+    "${PROJECT_SOURCE_DIR}/firmware/config/generated/lu2013.c")
+target_include_directories(replay_cycle PRIVATE ${module_includes})
+add_test(NAME whole_cycle_is_the_hosts_bit_for_bit
+  COMMAND "${CMAKE_COMMAND}" "-DRECORDER=${HUBFOC_RECORD_CYCLE}" "-DCYCLE=${cycle_points}"
+    "-DELF=$<TARGET_FILE:replay_cycle>" "-DQEMU=${HUBFOC_QEMU}"
+    "-DLIMIT=${HUBFOC_LIMIT_PLUGIN},instructions=30000000000"
+    -P "${CMAKE_CURRENT_LIST_DIR}/whole_cycle.cmake")
+set_tests_properties(whole_cycle_is_the_hosts_bit_for_bit PROPERTIES LABELS "target;full" TIMEOUT 900)
+
 # ---- counted instructions ----
 
 # Exact, so a test: the current loop and the fast step within their budgets on all three cores (tools/benchmark).

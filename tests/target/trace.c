@@ -12,7 +12,7 @@
 #include "print.h"
 #include "wheel.h"
 
-enum { FAST_STEPS = 24000, FAST_A_SLOW_STEP = 20, MODES = MODE_FAULT + 1 };
+enum { FAST_STEPS = 24000, FAST_A_SLOW_STEP = 20 };
 
 typedef struct story story_t;
 struct story {
@@ -91,10 +91,13 @@ static void drive_and_brake(wheel_t *wheel, slow_input_t *in, int32_t ms)
     wheel->speed_q32 = ms * 20000;
 }
 
+/* The pedal is up until the controller runs. */
 static void reverse(wheel_t *wheel, slow_input_t *in, int32_t ms)
 {
     enabled_at_room_temperature(in, ms);
-    in->drive_torque_mNm = ms % 400 < 200 ? -15000 : 15000;
+    if (ms > 220) {
+        in->drive_torque_mNm = ms % 400 < 200 ? -15000 : 15000;
+    }
     wheel->speed_q32 = (600 - ms) * 25000;
 }
 
@@ -192,17 +195,6 @@ static const story_t STORIES[] = {
      random_codes, true},
 };
 
-static void print_number(uint32_t value, uint32_t base)
-{
-    char digits[12] = {0};
-    int at = 11;
-    do {
-        digits[--at] = "0123456789ABCDEF"[value % base];
-        value /= base;
-    } while (value > 0);
-    print(&digits[at]);
-}
-
 static void force(wheel_t *wheel, fast_setpoint_t *command)
 {
     command->torque_enable.bridge = BRIDGE_PWM;
@@ -211,7 +203,7 @@ static void force(wheel_t *wheel, fast_setpoint_t *command)
     command->foc.i_reference_pu.q = (int16_t)((int32_t)wheel_random(wheel) - 32768);
 }
 
-static uint32_t tell(const story_t *story, uint32_t mode_steps[MODES])
+static uint32_t tell(const story_t *story, uint32_t mode_steps[PRINT_MODES])
 {
     static config_t config;
     static controller_t controller;
@@ -250,20 +242,9 @@ static uint32_t tell(const story_t *story, uint32_t mode_steps[MODES])
 int main(void)
 {
     for (size_t i = 0; i < sizeof STORIES / sizeof STORIES[0]; i++) {
-        uint32_t mode_steps[MODES] = {0};
+        uint32_t mode_steps[PRINT_MODES] = {0};
         const uint32_t crc = tell(&STORIES[i], mode_steps);
-        print_number(crc, 16);
-        print("  ");
-        print(STORIES[i].name);
-        for (int mode = 0; mode < MODES; mode++) {
-            if (mode_steps[mode] > 0) {
-                print(", ");
-                print(modes_text((modes_mode_t)mode));
-                print(" ");
-                print_number(mode_steps[mode], 10);
-            }
-        }
-        print("\n");
+        print_story(crc, STORIES[i].name, mode_steps);
     }
     return 0;
 }
