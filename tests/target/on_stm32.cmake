@@ -21,6 +21,19 @@ add_test(NAME stm32_image_is_laid_out_as_documented
   COMMAND "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}" "-DELF=$<TARGET_FILE:hubfoc_stm32f405>" "-DCONFIG=CONFIG_${config_symbol}"
     -P "${CMAKE_CURRENT_LIST_DIR}/check_layout.cmake")
 
+# ---- counted instructions ----
+
+# Exact, so a test: the PWM interrupt of this image within its budget, on a model of the chip (tools/benchmark).
+find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin" NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
+  DOC "Python of the project's private environment (./tools/dev setup makes it)")
+if(HUBFOC_PYTHON)
+  add_test(NAME pwm_interrupt_budget COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/benchmark/run.py" --only interrupt
+    --image "$<TARGET_FILE:hubfoc_stm32f405>" --output "${CMAKE_CURRENT_BINARY_DIR}/bench.json")
+else()
+  add_test(NAME pwm_interrupt_budget COMMAND "${CMAKE_COMMAND}" -DMISSING=python3 -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
+endif()
+set_tests_properties(pwm_interrupt_budget PROPERTIES TIMEOUT 300 LABELS target ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+
 # ---- the release ----
 
 add_test(NAME stm32_image_is_the_same_from_another_folder

@@ -129,8 +129,9 @@ help_bench() {
     cat <<'TEXT'
 Usage: tools/dev bench [--config NAME] [--no-simulation]
 
-Measures both step functions on emulated cores (instructions, code, stack), the firmware's size and
-the simulation's speed; prints them and writes build/bench.json. A missed budget is a failure.
+Measures both step functions on emulated cores (instructions, code, stack), the PWM interrupt of the
+flashable image on a model of its chip, the firmware's size and the simulation's speed; prints them
+and writes build/bench.json. A missed budget is a failure.
 TEXT
 }
 
@@ -184,7 +185,8 @@ Sets of Python packages in .dev/venv (python means all of them):
   sim       numpy, pydantic, cffi, rich     figures  matplotlib
   formats   pyarrow, asammdf                sweep    dask
   fmi       fmpy                            examples motulator, scipy
-  test      pytest, cantools                dev      ruff, mypy, clang-format, gcovr
+  test      pytest, cantools                bench    unicorn
+  dev       ruff, mypy, clang-format, gcovr
 TEXT
 }
 

@@ -10,7 +10,7 @@ readonly VENV="$ROOT/.dev/venv"
 readonly VENV_PYTHON="$VENV/bin/python"
 readonly REQUIREMENTS="$ROOT/tools/setup/requirements"
 # shellcheck disable=SC2034  # read by tools/dev
-readonly PYTHON_SETS=(sim figures formats sweep fmi examples test dev)
+readonly PYTHON_SETS=(sim figures formats sweep fmi examples bench test dev)
 
 # At least 3.11 (tomllib), and able to make an environment with pip in it. Debian's python3 without
 # python3-venv cannot, and fails only after it has made half of one.

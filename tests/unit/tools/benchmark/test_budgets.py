@@ -13,12 +13,13 @@ def test_the_reference_compiler_is_held_to_the_goal_and_another_to_a_twentieth_m
         == 336
     )
     assert run.goal_with("something else", goal).median_at_most == 336
-    rare = run.Budget("cortex-m4", run.FAST_STEP, 100, p99_at_most=200)
+    rare = run.Budget("cortex-m4", run.FAST_STEP, 100, p99_at_most=200, max_at_most=300)
     assert run.goal_with("something else", rare).p99_at_most == 210
+    assert run.goal_with("something else", rare).max_at_most == 315
 
 
 def test_a_goal_that_is_missed_says_so() -> None:
-    """By its median, by how far the dearest call lies above it, and by what 99 % of the calls take."""
+    """By its median, by how far the dearest call lies above it, and by what 99 % or all of the calls take."""
 
     def met(goal: run.Budget, median: int, p99: int, most: int) -> bool:
         return bool(run.verdict_of(goal, "x", {"median": median, "p99": p99, "max": most})["met"])
@@ -30,3 +31,6 @@ def test_a_goal_that_is_missed_says_so() -> None:
     rare = run.Budget("cortex-m4", run.FAST_STEP, 100, p99_at_most=200)
     assert met(rare, 100, 200, 300)
     assert not met(rare, 100, 201, 300)
+    bounded = run.Budget("cortex-m4", run.FAST_STEP, 100, max_at_most=300)
+    assert met(bounded, 100, 200, 300)
+    assert not met(bounded, 100, 200, 301)

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The model of the chip: instructions counted by hand, and the protection of its frames by an independent one."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from benchmark import build, elf, interrupt
+from benchmark.chip import TIM1_CR1, TIM1_RCR, TIM1_SR, TIM_DOWN, TIM_UPDATE, Chip
+from cantools.autosar.end_to_end import compute_profile2_crc
+
+# As in test_count.py: straight 11, loop(n) 2 n + 2, skipped 5 with two that are not taken, outer 14.
+PROGRAM = """
+#define ASM __attribute__((naked, noinline, used))
+ASM void straight(void) { __asm volatile(".rept 10\\n nop\\n .endr\\n bx lr"); }
+ASM void loop(void) { __asm volatile("movs r0, #7\\n 1: subs r0, #1\\n bne 1b\\n bx lr"); }
+ASM void skipped(void) { __asm volatile("cmp sp, #0\\n itt eq\\n moveq r0, #1\\n moveq r1, #2\\n bx lr"); }
+ASM void outer(void) { __asm volatile("push {r4, lr}\\n bl straight\\n pop {r4, pc}"); }
+ASM void wide(void) { __asm volatile("movw r0, #0x1234\\n movt r0, #0x4001\\n ldr.w r1, [r0]\\n str r1, [r0]\\n bx lr"); }
+__attribute__((noinline, used)) void background(void) { __asm volatile(""); }
+__attribute__((noinline, used)) void start(void) { for (;;) { background(); } }
+__attribute__((section(".table"), used)) void *const table[2] = {(void *)0x20001000, (void *)start};
+"""
+
+
+@pytest.fixture
+def chip(tmp_path: Path) -> tuple[Chip, dict[str, elf.Symbol]]:
+    """Link the program where the chip's flash is, and run it to its background."""
+    source, image = tmp_path / "program.c", tmp_path / "program.elf"
+    source.write_text(PROGRAM)
+    command = [build.PREFIX + "gcc", *build.CORES[0].flags, "-O2", "-nostdlib", "-Wl,-estart"]
+    command += [
+        "-Wl,--section-start=.table=0x08000000",
+        "-Wl,-Ttext=0x08000100",
+        "-Wl,-zmax-page-size=8",
+    ]
+    build.run([*command, str(source), "-o", str(image)], "linking")
+    symbols = elf.symbols(image)
+    made = Chip(image)
+    made.boot(symbols["background"].address)
+    return made, symbols
+
+
+@pytest.mark.parametrize(
+    ("name", "instructions"),
+    [("straight", 11), ("loop", 16), ("skipped", 5), ("outer", 14), ("wide", 5)],
+)
+def test_counts_are_those_made_by_hand(
+    chip: tuple[Chip, dict[str, elf.Symbol]], name: str, instructions: int
+) -> None:
+    core, symbols = chip
+    for _ in range(3):
+        assert core.call(symbols[name].address) == instructions
+
+
+def test_the_timer_updates_at_both_ends_until_its_repetition_counter_is_taken_over(
+    chip: tuple[Chip, dict[str, elf.Symbol]],
+) -> None:
+    """RM0090 section 17.3.3, as the firmware's start of the timer relies on."""
+    core, _ = chip
+    core.registers[TIM1_CR1] = 1
+
+    def directions(looks: int) -> list[bool]:
+        """Whether the count runs down, for every update in so many looks."""
+        seen = []
+        for _ in range(looks):
+            core.registers[TIM1_SR] = 0
+            core._timer_status()
+            if core.registers[TIM1_SR] & TIM_UPDATE:
+                seen.append(bool(core._read[TIM1_CR1]() & TIM_DOWN))
+        return seen
+
+    assert directions(4) == [True, False, True, False]
+    core.registers[TIM1_RCR] = 1
+    assert directions(7) == [True, True, True, True]
+
+
+def test_frames_carry_the_protection_that_an_independent_implementation_computes() -> None:
+    for counter in range(16):
+        entry = 0
+        for bit, part in {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}.items():
+            entry ^= part if counter & bit else 0
+        content = 0x0123456789AB << 16
+        identifier, data = interrupt._frame(0x140, counter, content)
+        assert identifier == 0x140
+        assert struct.unpack("<Q", data)[0] >> 16 == content >> 16
+        assert data[1] & 15 == counter
+        assert data[0] == compute_profile2_crc(data, entry ^ 0x40)
+
+
+def test_an_image_without_a_known_configuration_is_refused(
+    program: Callable[..., Path], tmp_path: Path
+) -> None:
+    with pytest.raises(build.BenchError, match="no image"):
+        interrupt.measure(tmp_path / "absent.elf")
+    with pytest.raises(build.BenchError, match="no configuration"):
+        interrupt.measure(program("int main(void) { return 0; }"))
