@@ -5,8 +5,7 @@
 #include "torque/demand.h"
 
 enum {
-    ARRIVAL_STEPS = 100,     /* ms within which the motor must come to what it is counted on for */
-    LIMIT_FILTER_LOG2 = 6,   /* 64 ms */
+    LIMIT_FILTER_LOG2 = 6,   /* 64 ms: of the extrapolation's own noise, whatever the vehicle */
     MOST_LIMIT_mNm = 8388608 /* of what is filtered */
 };
 
@@ -49,8 +48,8 @@ static motor_share_t motor_share(const config_t *config, const brake_blending_in
     }
     const int32_t commanded_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
     const int32_t achieved_mNm = braking_part(in->motor_achieved_mNm, in->speed_mrad_s);
-    const int32_t arriving_mNm =
-        q_saturate64((int64_t)commanded_mNm + (int64_t)in->motor_growth_mNm * ARRIVAL_STEPS);
+    const int32_t arriving_mNm = q_saturate64(
+        (int64_t)commanded_mNm + (int64_t)in->motor_growth_mNm * config->brake.motor_arrival_ms);
     const int32_t left_mNm = q_saturate64((int64_t)demand_rate_mNm_per_step(config) *
                                           config->brake.hydraulic_dead_time_ms);
     out.expected_mNm = q_max(q_min(electric_mNm, arriving_mNm), q_max(commanded_mNm - left_mNm, 0));

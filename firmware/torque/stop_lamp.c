@@ -4,10 +4,6 @@
 #include "core/q15.h"
 
 enum {
-    ON_MM_S2 = 1300,
-    OFF_MM_S2 = 700,
-    SPEED_FILTER_LOG2 = 6, /* 64 ms: a wheel's speed ripple is not the vehicle's deceleration */
-    DECEL_FILTER_LOG2 = 6,
     STEPS_PER_S = 1000,
     DECEL_MOST_MM_S2 = 1000000 /* 100 g: a wheel that jumps, not a vehicle that brakes */
 };
@@ -21,24 +17,26 @@ void stop_lamp_init(stop_lamp_state_t *state)
 bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t speed_mrad_s,
                     int32_t brake_demand_mNm)
 {
+    const config_brake_t *brake = &config->brake;
     const int32_t speed_q8 = q_saturate64((int64_t)q_abs(speed_mrad_s) * 256);
+    const int32_t filter_steps = 1 << brake->stop_lamp_filter_log2;
     if (!state->started) {
         state->started = true;
         state->speed_lp_q8_mrad_s = speed_q8;
     }
     const int32_t before_q8 = state->speed_lp_q8_mrad_s;
-    state->speed_lp_q8_mrad_s +=
-        (int32_t)(((int64_t)speed_q8 - before_q8) / (1 << SPEED_FILTER_LOG2));
+    state->speed_lp_q8_mrad_s += (speed_q8 - before_q8) / filter_steps; /* both are >= 0 */
     /* mrad/s per step * steps/s * um = nm/s^2 */
     const int64_t decel_nm_s2 = ((int64_t)before_q8 - state->speed_lp_q8_mrad_s) * STEPS_PER_S /
                                 256 * config->vehicle.wheel_radius_um;
     const int32_t raw_mm_s2 =
         q_clamp(q_saturate64(decel_nm_s2 / 1000000), -DECEL_MOST_MM_S2, DECEL_MOST_MM_S2);
-    const int32_t decel_mm_s2 = filter_step(&state->decel_lp_mm_s2, raw_mm_s2, DECEL_FILTER_LOG2);
+    const int32_t decel_mm_s2 =
+        filter_step(&state->decel_lp_mm_s2, raw_mm_s2, (unsigned)brake->stop_lamp_filter_log2);
 
-    if (brake_demand_mNm > 0 || decel_mm_s2 > ON_MM_S2) {
+    if (brake_demand_mNm > 0 || decel_mm_s2 > brake->stop_lamp_on_mm_s2) {
         state->lit = true;
-    } else if (decel_mm_s2 < OFF_MM_S2) {
+    } else if (decel_mm_s2 < brake->stop_lamp_off_mm_s2) {
         state->lit = false;
     }
     return state->lit;

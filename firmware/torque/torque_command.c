@@ -8,11 +8,6 @@
 #include "core/scaled.h"
 #include "torque/demand.h"
 
-enum {
-    NO_GROWTH_Q15 = 31457,        /* 0.96 */
-    FULL_GROWTH_INVERSE_Q9 = 7314 /* 1/0.07: full growth 0.07 below that */
-};
-
 void torque_command_init(torque_command_state_t *state)
 {
     state->command_mNm = 0;
@@ -29,8 +24,9 @@ static limit_t drive_limit(const torque_limits_t *limits, int32_t speed_mrad_s, 
 
 int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q15)
 {
-    const int32_t left_q15 = NO_GROWTH_Q15 - q_clamp(voltage_use_q15, 0, 2 * NO_GROWTH_Q15);
-    const int32_t share = q_limit(left_q15 * FULL_GROWTH_INVERSE_Q9, SCALED_ONE);
+    const int32_t end_q15 = config->brake.torque_growth_end_q15;
+    const int32_t left_q15 = end_q15 - q_clamp(voltage_use_q15, 0, 2 * end_q15);
+    const int32_t share = q_limit(left_q15 * config->brake.torque_growth_slope_q9, SCALED_ONE);
     return scaled_multiply(demand_rate_mNm_per_step(config), share);
 }
 

@@ -7,11 +7,6 @@
 #include "torque/feasible_torque.h"
 #include "torque/loss_maps.h"
 
-enum {
-    SPEED_FADE_DIVISOR = 32, /* driving torque fades out over this last part of the speed range */
-    ABS_HOLD_STEPS = 300     /* ms without anti-lock intervention before the motor brakes again */
-};
-
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
 {
     const torque_limits_state_t fresh = {.charge = {.allowed_q6_mA = INT32_MAX},
@@ -71,12 +66,13 @@ typedef struct {
 } battery_limit_t;
 
 static battery_limit_t battery_limit(foldback_state_t *state, const config_battery_t *battery,
-                                     int32_t most_mA, int32_t pack_mA, int32_t inside_mV,
-                                     int32_t flowing_mA, const reason_t reasons[2])
+                                     int32_t most_mA, int32_t pack_mA, int32_t width_mV,
+                                     int32_t inside_mV, int32_t flowing_mA,
+                                     const reason_t reasons[2])
 {
     const foldback_t foldback = {
         .most_mA = most_mA,
-        .width_mV = battery->max_voltage_mV - battery->foldback_voltage_mV,
+        .width_mV = width_mV,
         .span_mV = battery->max_voltage_mV - battery->min_voltage_mV,
     };
     const int32_t by_voltage_mA = foldback_step(state, &foldback, inside_mV, flowing_mA);
@@ -181,14 +177,16 @@ void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *con
             : limit_init(FEASIBLE_UNBOUNDED, REASON_ELECTRIC_SHARE);
 }
 
-limit_t torque_limits_anti_lock(torque_limits_state_t *state, bool abs_active)
+limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *config,
+                                bool abs_active)
 {
     if (abs_active) {
-        state->abs_hold_steps = ABS_HOLD_STEPS;
+        state->abs_hold_steps = config->brake.abs_hold_ms;
     } else if (state->abs_hold_steps > 0) {
         state->abs_hold_steps--;
     }
-    return limit_init(state->abs_hold_steps > 0 ? 0 : FEASIBLE_UNBOUNDED, REASON_ABS);
+    const bool away = abs_active || state->abs_hold_steps > 0;
+    return limit_init(away ? 0 : FEASIBLE_UNBOUNDED, REASON_ABS);
 }
 
 void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model,
@@ -203,20 +201,22 @@ void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model
     const int32_t returned_mA = q_max(-q_max(in->bus_current_mA, -INT32_MAX), 0);
     const battery_limit_t discharge = battery_limit(
         &state->discharge, battery, battery->max_discharge_current_mA, in->bms_discharge_current_mA,
+        battery->discharge_foldback_voltage_mV - battery->min_voltage_mV,
         bus_mV - battery->min_voltage_mV, drawn_mA, DISCHARGE);
     const battery_limit_t charge = battery_limit(
         &state->charge, battery, battery->max_charge_current_mA, in->bms_charge_current_mA,
-        battery->max_voltage_mV - bus_mV, returned_mA, CHARGE);
+        battery->max_voltage_mV - battery->foldback_voltage_mV, battery->max_voltage_mV - bus_mV,
+        returned_mA, CHARGE);
     const feasible_set_t set = feasible_set_at(model, in->phase_voltage_mV);
 
     common_lines(table, config, model, in);
     feasible_lines(table, &set, discharge, charge, bus_mV);
     const int32_t top_mrad_s = config->motor.max_speed_mrad_s;
-    table->driving[TORQUE_LINE_MAX_SPEED] =
-        share_line(config,
-                   limit_fade_q15(q_abs(model->speed_mrad_s),
-                                  top_mrad_s - top_mrad_s / SPEED_FADE_DIVISOR, top_mrad_s),
-                   REASON_MAX_SPEED);
+    const int32_t fade_mrad_s =
+        q15_share_of(top_mrad_s, (int16_t)config->motor.speed_fade_share_q15);
+    table->driving[TORQUE_LINE_MAX_SPEED] = share_line(
+        config, limit_fade_q15(q_abs(model->speed_mrad_s), top_mrad_s - fade_mrad_s, top_mrad_s),
+        REASON_MAX_SPEED);
     table->driving[TORQUE_LINE_ENABLE] =
         share_line(config, in->torque_enable.drive_q15, in->torque_enable.reason);
     table->braking[TORQUE_LINE_ENABLE] =
@@ -226,5 +226,5 @@ void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model
         scaled_shift(model->friction_b, -model->constants->torque_shift);
     torque_limits_strategy(table->braking, config, model->speed_mrad_s, optimum_mNm,
                            q_max(in->brake_demand_mNm, 0));
-    table->braking[TORQUE_LINE_ABS] = torque_limits_anti_lock(state, in->abs_active);
+    table->braking[TORQUE_LINE_ABS] = torque_limits_anti_lock(state, config, in->abs_active);
 }

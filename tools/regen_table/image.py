@@ -6,6 +6,7 @@ config.h, within the ranges config.h accepts, and seals them with the CRC-32 tha
 checks in BOOT.
 """
 
+import math
 import zlib
 from typing import Any
 
@@ -139,13 +140,17 @@ def _motor(drive: Drive) -> dict[str, Any]:
         "max_power_mW": nearest(motor.max_power_w * 1e3),
         "max_phase_current_mA": nearest(motor.max_phase_current_a * 1e3),
         "max_speed_mrad_s": nearest(motor.max_speed_rpm * RPM_TO_MRAD_S),
-        "derate_winding_temperature_cC": nearest((motor.max_winding_temperature_c - 20.0) * 1e2),
+        "speed_fade_share_q15": loops.fixed(motor.speed_fade_share, 15),
+        "derate_winding_temperature_cC": nearest(
+            relations.derate_winding_temperature_c(drive) * 1e2
+        ),
         "max_winding_temperature_cC": nearest(motor.max_winding_temperature_c * 1e2),
     }
 
 
 def _drive(drive: Drive) -> dict[str, Any]:
     inverter = drive.inverter
+    start = relations.derate_switch_temperature_c(drive)
     hottest = inverter.max_switch_temperature_c
     return {
         "current_full_scale_mA": nearest(inverter.current_full_scale_a * 1e3),
@@ -156,8 +161,8 @@ def _drive(drive: Drive) -> dict[str, Any]:
         "diode_drop_mV": nearest(inverter.diode_forward_voltage_v * 1e3),
         "min_pulse_counts": loops.min_pulse_counts(drive),
         "derate_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC
-        if hottest is None
-        else nearest((hottest - 20.0) * 1e2),
+        if start is None
+        else nearest(start * 1e2),
         "max_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC
         if hottest is None
         else nearest(hottest * 1e2),
@@ -179,7 +184,7 @@ def _battery(drive: Drive) -> dict[str, Any]:
     if battery.min_voltage_v >= foldback:
         raise ConfigurationError(
             f"battery.min_voltage_v: {battery.min_voltage_v:g} V, accepted: less than {foldback:.4g} V, "
-            f"where charging starts to fold back (2 % below max_voltage_v)"
+            f"where charging starts to fold back"
         )
     return {
         "driven_wheels": motors,
@@ -188,6 +193,9 @@ def _battery(drive: Drive) -> dict[str, Any]:
         "foldback_voltage_mV": nearest(foldback * 1e3),
         "max_voltage_mV": nearest(battery.max_voltage_v * 1e3),
         "min_voltage_mV": nearest(battery.min_voltage_v * 1e3),
+        "discharge_foldback_voltage_mV": nearest(
+            relations.discharge_foldback_voltage_v(drive) * 1e3
+        ),
         "overvoltage_trip_mV": nearest(trip * 1e3),
         "undervoltage_trip_mV": nearest(loops.undervoltage_trip_v(drive) * 1e3),
     }
@@ -195,6 +203,10 @@ def _battery(drive: Drive) -> dict[str, Any]:
 
 def _brake(drive: Drive) -> dict[str, Any]:
     brake, control = drive.brake, drive.control
+    growth_start, growth_end = control.torque_growth_voltage_use
+    band = brake.shortfall_band_nm
+    if band is None:
+        band = 0.05 * drive.motor.max_torque_nm
     return {
         "strategy": STRATEGIES[brake.strategy],
         "parallel_electric_share_q15": loops.fixed(brake.parallel_electric_share, 15),
@@ -206,8 +218,15 @@ def _brake(drive: Drive) -> dict[str, Any]:
         "blend_out_start_mrad_s": nearest(control.handover_start_rpm * RPM_TO_MRAD_S),
         "blend_out_end_mrad_s": nearest(control.handover_end_rpm * RPM_TO_MRAD_S),
         "torque_rate_mNm_s": nearest(control.torque_rate_nm_per_s * 1e3),
-        "shortfall_band_mNm": max(1, nearest(0.05 * drive.motor.max_torque_nm * 1e3)),
+        "shortfall_band_mNm": max(1, nearest(band * 1e3)),
         "demand_timeout_ms": nearest(control.demand_timeout_s * 1e3),
+        "motor_arrival_ms": nearest(brake.motor_arrival_s * 1e3),
+        "abs_hold_ms": nearest(brake.abs_hold_s * 1e3),
+        "torque_growth_end_q15": loops.fixed(growth_end, 15),
+        "torque_growth_slope_q9": loops.fixed(1.0 / (growth_end - growth_start), 9),
+        "stop_lamp_on_mm_s2": nearest(brake.stop_lamp_on_m_per_s2 * 1e3),
+        "stop_lamp_off_mm_s2": nearest(brake.stop_lamp_off_m_per_s2 * 1e3),
+        "stop_lamp_filter_log2": nearest(math.log2(brake.stop_lamp_filter_s * 1e3)),
     }
 
 

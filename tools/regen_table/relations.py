@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from regen_table.sections import Drive
 
 FOLDBACK_SHARE = 0.98  # of max_voltage_v, where the charge current begins to fold back
+DERATING_K = 20.0  # below the largest temperature, where derating begins
 EMF_TOLERANCE = 0.01  # flux linkage and voltages are not known any better
 
 
@@ -65,7 +66,29 @@ def warnings(drive: Drive) -> list[str]:
 
 def foldback_voltage_v(drive: Drive) -> float:
     """Bus voltage in V from which on the charge current folds back, to zero at max_voltage_v."""
-    return FOLDBACK_SHARE * drive.battery.max_voltage_v
+    wanted = drive.battery.charge_foldback_voltage_v
+    return FOLDBACK_SHARE * drive.battery.max_voltage_v if wanted is None else wanted
+
+
+def discharge_foldback_voltage_v(drive: Drive) -> float:
+    """Bus voltage in V below which the discharge current folds back, to zero at min_voltage_v."""
+    battery = drive.battery
+    wanted = battery.discharge_foldback_voltage_v
+    width = battery.max_voltage_v - foldback_voltage_v(drive)
+    return battery.min_voltage_v + width if wanted is None else wanted
+
+
+def derate_winding_temperature_c(drive: Drive) -> float:
+    """Winding temperature in degC where derating starts, to zero torque at the largest one."""
+    wanted = drive.motor.derate_winding_temperature_c
+    return drive.motor.max_winding_temperature_c - DERATING_K if wanted is None else wanted
+
+
+def derate_switch_temperature_c(drive: Drive) -> float | None:
+    """Switch temperature in degC where derating starts; None where switches are not watched."""
+    inverter = drive.inverter
+    hottest, wanted = inverter.max_switch_temperature_c, inverter.derate_switch_temperature_c
+    return hottest - DERATING_K if wanted is None and hottest is not None else wanted
 
 
 def omega_max(drive: Drive) -> float:
@@ -206,6 +229,55 @@ def _battery(drive: Drive) -> Iterator[str]:
         )
 
 
+def _foldback(drive: Drive) -> Iterator[str]:
+    battery = drive.battery
+    lowest, highest = battery.min_voltage_v, battery.max_voltage_v
+    for key in ("charge_foldback_voltage_v", "discharge_foldback_voltage_v"):
+        value = getattr(battery, key)
+        if value is not None and not lowest < value < highest:
+            yield (
+                f"battery.{key}: {value:g} V, accepted: more than min_voltage_v = {lowest:g} V "
+                f"and less than max_voltage_v = {highest:g} V"
+            )
+
+
+def _derating(drive: Drive) -> Iterator[str]:
+    motor, inverter = drive.motor, drive.inverter
+    if derate_winding_temperature_c(drive) >= motor.max_winding_temperature_c:
+        yield (
+            f"motor.derate_winding_temperature_c: {motor.derate_winding_temperature_c:g} degC, accepted: "
+            f"less than max_winding_temperature_c = {motor.max_winding_temperature_c:g} degC"
+        )
+    start, hottest = derate_switch_temperature_c(drive), inverter.max_switch_temperature_c
+    if start is None:
+        return
+    if hottest is None:
+        yield "inverter.max_switch_temperature_c: missing, accepted with derate_switch_temperature_c: where torque ends"
+    elif start >= hottest:
+        yield (
+            f"inverter.derate_switch_temperature_c: {start:g} degC, accepted: "
+            f"less than max_switch_temperature_c = {hottest:g} degC"
+        )
+
+
+def _stop_lamp(drive: Drive) -> Iterator[str]:
+    lit, dark = drive.brake.stop_lamp_on_m_per_s2, drive.brake.stop_lamp_off_m_per_s2
+    if dark > lit:
+        yield (
+            f"brake.stop_lamp_off_m_per_s2: {dark:g} m/s2, accepted: at most "
+            f"stop_lamp_on_m_per_s2 = {lit:g} m/s2"
+        )
+
+
+def _torque_growth(drive: Drive) -> Iterator[str]:
+    start, end = drive.control.torque_growth_voltage_use
+    if not (end >= 0.5 and end - start >= 0.01):
+        yield (
+            f"control.torque_growth_voltage_use: [{start:g}, {end:g}], accepted: [whole rate, none], "
+            "at least 0.01 apart, the second at least 0.5"
+        )
+
+
 def _grid(drive: Drive) -> Iterator[str]:
     lowest, highest = drive.table.temperature_range_c
     if highest - lowest < 1.0:
@@ -330,6 +402,6 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    _inductances, _iron, _torques, _currents, _battery, _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder,
-    _emf, _regeneration,
+    _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _torque_growth,
+    _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration,
 )  # fmt: skip

@@ -16,7 +16,7 @@ extern const config_t CONFIG_IPM400V;
 
 CONFIG_SECTION const config_t CONFIG_IPM400V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 6,
+    .format_version = 7,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ipm400v",
@@ -51,6 +51,9 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .max_phase_current_mA              = 200000, /* [mA] peak */
         /* [mrad/s] driving torque fades out here; braking torque does not */
         .max_speed_mrad_s                  = 1151917,
+        /* last part of the speed range over which driving torque fades out; 0: a step at its
+         * end; default 1/32 */
+        .speed_fade_share_q15              = 1024,
         .derate_winding_temperature_cC     = 13500, /* [cC] torque limit starts to shrink */
         .max_winding_temperature_cC        = 15500, /* [cC] torque limit reaches zero */
     },
@@ -121,14 +124,17 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
     },
     .battery = {
         /* motors that share the pack; limits below are one motor's share */
-        .driven_wheels            = 1,
-        .max_charge_current_mA    = 150000, /* [mA] 0: no regeneration into the battery */
-        .max_discharge_current_mA = 300000, /* [mA] */
-        .foldback_voltage_mV      = 394940, /* [mV] charge limit starts to shrink */
-        .max_voltage_mV           = 403000, /* [mV] charge limit reaches zero */
-        .min_voltage_mV           = 300000, /* [mV] discharge limit reaches zero */
-        .overvoltage_trip_mV      = 423150, /* [mV] bridge goes to its safe state */
-        .undervoltage_trip_mV     = 270000, /* [mV] bridge goes to its safe state */
+        .driven_wheels                 = 1,
+        .max_charge_current_mA         = 150000, /* [mA] 0: no regeneration into the battery */
+        .max_discharge_current_mA      = 300000, /* [mA] */
+        .foldback_voltage_mV           = 394940, /* [mV] charge limit starts to shrink */
+        .max_voltage_mV                = 403000, /* [mV] charge limit reaches zero */
+        .min_voltage_mV                = 300000, /* [mV] discharge limit reaches zero */
+        /* [mV] discharge limit starts to shrink; default as far above min_voltage_mV as
+         * foldback_voltage_mV lies below max_voltage_mV */
+        .discharge_foldback_voltage_mV = 308060,
+        .overvoltage_trip_mV           = 423150, /* [mV] bridge goes to its safe state */
+        .undervoltage_trip_mV          = 270000, /* [mV] bridge goes to its safe state */
     },
     .brake = {
         /* 0 parallel_ratio, 1 parallel_free_travel, 2 series_optimal */
@@ -149,9 +155,29 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .blend_out_end_mrad_s        = 9425, /* [mrad/s] no electric braking below this speed */
         /* [mNm/s] fastest change of motor torque that is asked for */
         .torque_rate_mNm_s           = 1500000,
-        /* [mNm] missing motor torque tolerated before the hydraulic brake fills it */
+        /* [mNm] missing motor torque tolerated before the hydraulic brake fills it; default 5
+         * % of motor.max_torque_mNm */
         .shortfall_band_mNm          = 5750,
-        .demand_timeout_ms           = 100, /* [ms] older demands count as lost */
+        .demand_timeout_ms           = 100, /* [ms] older demands count as lost; default 100 */
+        /* [ms] the motor is counted on for torque that it reaches within this time; raising:
+         * the hydraulic brake steps in later for a motor short of voltage; default 100 */
+        .motor_arrival_ms            = 100,
+        /* [ms] electric braking stays away this long after an anti-lock intervention; default
+         * 300 */
+        .abs_hold_ms                 = 300,
+        /* square of the voltage over its circle's at which the torque no longer grows;
+         * default 0.96 */
+        .torque_growth_end_q15       = 31457,
+        /* share of torque_rate_mNm_s for each unit of that square below its end; raising:
+         * whole rate nearer to the end; default 1/0.07 */
+        .torque_growth_slope_q9      = 7314,
+        /* [mm/s^2] deceleration without a braking demand above which the stop lamp is lit;
+         * default 1300 */
+        .stop_lamp_on_mm_s2          = 1300,
+        /* [mm/s^2] deceleration below which it is switched off; default 700 */
+        .stop_lamp_off_mm_s2         = 700,
+        /* time constant of its low-passes of speed and of deceleration, 2^this ms; default 6 */
+        .stop_lamp_filter_log2       = 6,
     },
     .vehicle = {
         .wheel_radius_um = 57500, /* [um] rolling radius */
@@ -456,5 +482,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0x40BAF677,
+    .crc32 = 0x96E11120,
 };

@@ -25,7 +25,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 6
+#define CONFIG_FORMAT_VERSION 7
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
 /* such as 33 torques and 19 speeds at 2 temperatures */
@@ -80,6 +80,9 @@
     X(max_phase_current_mA,                  100,       3000000,    "mA",     "peak") \
     X(max_speed_mrad_s,                      1000,      5000000,    "mrad/s", \
       "driving torque fades out here; braking torque does not") \
+    X(speed_fade_share_q15,                  0,         16384,      "1", \
+      "last part of the speed range over which driving torque fades out; 0: a step at its end; " \
+      "default 1/32") \
     X(derate_winding_temperature_cC,         0,         30000,      "cC", \
       "torque limit starts to shrink") \
     X(max_winding_temperature_cC,            1000,      30000,      "cC", \
@@ -174,6 +177,9 @@
       "charge limit reaches zero") \
     X(min_voltage_mV,                        1000,      2000000,    "mV", \
       "discharge limit reaches zero") \
+    X(discharge_foldback_voltage_mV,         1000,      2000000,    "mV", \
+      "discharge limit starts to shrink; default as far above min_voltage_mV as " \
+      "foldback_voltage_mV lies below max_voltage_mV") \
     X(overvoltage_trip_mV,                   1000,      2000000,    "mV", \
       "bridge goes to its safe state") \
     X(undervoltage_trip_mV,                  500,       2000000,    "mV", \
@@ -201,9 +207,27 @@
     X(torque_rate_mNm_s,                     100,       2000000000, "mNm/s", \
       "fastest change of motor torque that is asked for") \
     X(shortfall_band_mNm,                    1,         1000000,    "mNm", \
-      "missing motor torque tolerated before the hydraulic brake fills it") \
+      "missing motor torque tolerated before the hydraulic brake fills it; default 5 % of " \
+      "motor.max_torque_mNm") \
     X(demand_timeout_ms,                     5,         1000,       "ms", \
-      "older demands count as lost")
+      "older demands count as lost; default 100") \
+    X(motor_arrival_ms,                      1,         1000,       "ms", \
+      "the motor is counted on for torque that it reaches within this time; raising: the " \
+      "hydraulic brake steps in later for a motor short of voltage; default 100") \
+    X(abs_hold_ms,                           0,         10000,      "ms", \
+      "electric braking stays away this long after an anti-lock intervention; default 300") \
+    X(torque_growth_end_q15,                 16384,     32767,      "1", \
+      "square of the voltage over its circle's at which the torque no longer grows; default " \
+      "0.96") \
+    X(torque_growth_slope_q9,                512,       65535,      "1", \
+      "share of torque_rate_mNm_s for each unit of that square below its end; raising: whole " \
+      "rate nearer to the end; default 1/0.07") \
+    X(stop_lamp_on_mm_s2,                    100,       20000,      "mm/s^2", \
+      "deceleration without a braking demand above which the stop lamp is lit; default 1300") \
+    X(stop_lamp_off_mm_s2,                   0,         20000,      "mm/s^2", \
+      "deceleration below which it is switched off; default 700") \
+    X(stop_lamp_filter_log2,                 0,         10,         "", \
+      "time constant of its low-passes of speed and of deceleration, 2^this ms; default 6")
 
 #define CONFIG_VEHICLE_FIELDS(X) \
     X(wheel_radius_um,                       10000,     2000000,    "um",     "rolling radius") \

@@ -10,8 +10,8 @@
  *   - electric <= demand - estimate: the motor comes back no faster than the hydraulic brake goes;
  *   - the hydraulic command goes ahead: the motor's limit counts as much lower as it will have
  *     fallen in dead time plus lag, if it goes on falling as in the last 64 ms;
- *   - a motor whose torque does not grow, for want of voltage, is counted on for what it is
- *     commanded, not for what it may give.
+ *   - the motor is counted on for what it can reach within brake.motor_arrival, so one whose
+ *     torque does not grow, for want of voltage, for what it is commanded.
  * Figures: README, Two brakes. Source: Lu et al. 2013 section 3.2; in region I of its Fig. 5 the
  * motor keeps T_opt instead of leaving everything to the friction brake, which never returns less.
  */

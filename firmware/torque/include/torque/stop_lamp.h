@@ -2,9 +2,10 @@
 /*
  * stop_lamp.h: when electric braking must light the stop lamp.
  *
- * Any braking demand lights it. Deceleration without one (drive pedal released) lights it from 1.3
- * m/s^2 and clears it below 0.7 m/s^2: the thresholds that UN R13-H sets for passenger cars with
- * lift-off regeneration. Not legal advice.
+ * Any braking demand lights it. Deceleration without one (drive pedal released) lights it above
+ * brake.stop_lamp_on and clears it below brake.stop_lamp_off: 1.3 and 0.7 m/s^2 are the thresholds
+ * that UN R13-H sets for passenger cars with lift-off regeneration. Not legal advice. Two
+ * low-passes of brake.stop_lamp_filter keep a wheel's speed ripple from counting as deceleration.
  */
 #ifndef TORQUE_STOP_LAMP_H
 #define TORQUE_STOP_LAMP_H

@@ -4,8 +4,9 @@
  * braking, within the torque limits and no faster than the torque rate. 1 kHz.
  *
  * A growing torque takes voltage, for which field weakening needs some milliseconds. So the rate
- * falls with the voltage |u| against its circle U: whole up to u^2 = 0.89 U^2, a third at the
- * 0.94 U^2 that field weakening regulates, zero at 0.96 U^2; beyond, the torque shrinks in the same
+ * falls with the voltage |u| against its circle U, along a straight line over u^2/U^2 that ends at
+ * brake.torque_growth_end with brake.torque_growth_slope: as generated whole up to 0.89, a third at
+ * the 0.94 that field weakening regulates, zero at 0.96; beyond, the torque shrinks in the same
  * proportion. It goes by the measured voltage, so it also holds where the motor is not as
  * configured. Falling is never slowed down.
  */

@@ -58,7 +58,7 @@ typedef struct {
 
 typedef struct {
     foldback_state_t charge, discharge;
-    uint16_t abs_hold_steps; /* the motor stays out of the way this many steps longer */
+    int32_t abs_hold_steps; /* the motor stays out of the way this many steps longer */
 } torque_limits_state_t;
 
 typedef struct {
@@ -79,8 +79,10 @@ void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model
 void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *config,
                             int32_t speed_mrad_s, int32_t optimum_mNm, int32_t demand_mNm);
 
-/* The line ABS: zero while the anti-lock system is at work, and 300 ms longer. Once a step. */
-limit_t torque_limits_anti_lock(torque_limits_state_t *state, bool abs_active);
+/* The line ABS: zero while the anti-lock system is at work, and brake.abs_hold longer. Once a
+ * step. */
+limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *config,
+                                bool abs_active);
 
 /* The tightest of the lines before `end`. */
 limit_t torque_limits_tightest(const limit_t lines[TORQUE_LINE_COUNT], torque_line_t end);

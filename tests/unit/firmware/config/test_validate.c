@@ -243,10 +243,22 @@ void test_voltages_must_be_in_order(void)
     assert_relation("battery.min_voltage_mV < battery.foldback_voltage_mV");
     config.battery.foldback_voltage_mV = config.battery.max_voltage_mV;
     assert_relation("battery.foldback_voltage_mV < battery.max_voltage_mV");
+    config.battery.discharge_foldback_voltage_mV = config.battery.min_voltage_mV;
+    assert_relation("battery.min_voltage_mV < battery.discharge_foldback_voltage_mV");
+    config.battery.discharge_foldback_voltage_mV = config.battery.max_voltage_mV;
+    assert_relation("battery.discharge_foldback_voltage_mV < battery.max_voltage_mV");
     config.battery.overvoltage_trip_mV = config.battery.max_voltage_mV;
     assert_relation("battery.max_voltage_mV < battery.overvoltage_trip_mV");
     config.battery.overvoltage_trip_mV = config.drive.voltage_full_scale_mV;
     assert_relation("battery.overvoltage_trip_mV < drive.voltage_full_scale_mV");
+}
+
+void test_the_stop_lamp_must_not_go_out_above_what_lights_it(void)
+{
+    config.brake.stop_lamp_off_mm_s2 = config.brake.stop_lamp_on_mm_s2;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    config.brake.stop_lamp_off_mm_s2++;
+    assert_relation("brake.stop_lamp_off_mm_s2 <= brake.stop_lamp_on_mm_s2");
 }
 
 void test_pulses_and_dead_time_must_fit_into_the_period(void)

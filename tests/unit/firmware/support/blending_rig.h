@@ -68,7 +68,7 @@ static inline void write_limits(void)
     line[TORQUE_LINE_ENABLE] = limit_init(
         in.torque_enable.brake_q15 < Q15_ONE ? (int32_t)(enabled_mNm / 32768) : INT32_MAX,
         in.torque_enable.reason);
-    line[TORQUE_LINE_ABS] = torque_limits_anti_lock(&limits_state, abs_active);
+    line[TORQUE_LINE_ABS] = torque_limits_anti_lock(&limits_state, &config, abs_active);
 }
 
 static inline brake_blending_out_t step(void)

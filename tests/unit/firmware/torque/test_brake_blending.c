@@ -275,6 +275,22 @@ void test_electric_torque_is_zero_during_anti_lock_and_300_ms_after(void)
     assert_split(20000, 0, REASON_NONE, step());
 }
 
+void test_motor_returns_abs_hold_ms_after_anti_lock(void)
+{
+    in.demand_mNm = 20000;
+    const int32_t hold_ms[] = {100, 1, 0, 10000};
+    for (int k = 0; k < 4; k++) {
+        config.brake.abs_hold_ms = hold_ms[k];
+        abs_active = true;
+        assert_split(0, 20000, REASON_ABS, step());
+        abs_active = false;
+        for (int32_t n = 1; n < hold_ms[k]; n++) {
+            assert_split(0, 20000, REASON_ABS, step());
+        }
+        assert_split(20000, 0, REASON_NONE, step());
+    }
+}
+
 /* ---- torque enable and hydraulic limit ---- */
 
 void test_zero_torque_enable_moves_the_whole_demand_to_the_hydraulic_brake_in_one_step(void)

@@ -136,8 +136,12 @@ void test_motor_that_cannot_gain_torque_counts_with_its_command(void)
     assert_split(20000 - 15000, 15000, REASON_TORQUE_RATE, step());
     in.motor_growth_mNm = -400; /* falling */
     TEST_ASSERT_EQUAL_INT32(15000, step().hydraulic_mNm);
-    in.motor_growth_mNm = 10; /* 1 N m in the 100 ms of dead time and lag */
+    in.motor_growth_mNm = 10; /* 1 N m in the 100 ms of motor_arrival */
     TEST_ASSERT_EQUAL_INT32(14000, step().hydraulic_mNm);
+    config.brake.motor_arrival_ms = 500; /* five in half a second */
+    TEST_ASSERT_EQUAL_INT32(10000, step().hydraulic_mNm);
+    config.brake.motor_arrival_ms = 1;
+    TEST_ASSERT_EQUAL_INT32(14990, step().hydraulic_mNm);
 }
 
 /* The hydraulic brake replaces half of the motor's torque. This must not reduce the motor's

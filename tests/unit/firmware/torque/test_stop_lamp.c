@@ -52,6 +52,28 @@ void test_lamp_stays_lit_until_deceleration_falls_below_700_mm_s2(void)
     TEST_ASSERT_FALSE(decelerate(1.0, 1000, 1.0));
 }
 
+void test_lamp_thresholds_are_the_configured_ones(void)
+{
+    config.brake.stop_lamp_on_mm_s2 = 2500;
+    config.brake.stop_lamp_off_mm_s2 = 2000;
+    TEST_ASSERT_FALSE(decelerate(2.49, 1000, 1.0));
+    TEST_ASSERT_TRUE(decelerate(2.51, 1000, 1.0));
+    TEST_ASSERT_TRUE(decelerate(2.01, 1000, 1.0));
+    TEST_ASSERT_FALSE(decelerate(1.99, 1000, 1.0));
+}
+
+void test_lamp_filter_has_the_configured_time_constant(void)
+{
+    /* Half of a step after 1.678 time constants: of 256 ms 430 ms, of 1 ms two steps. */
+    config.brake.stop_lamp_filter_log2 = 8;
+    TEST_ASSERT_FALSE(decelerate(2.6, 410, 1.0));
+    TEST_ASSERT_TRUE(decelerate(2.6, 40, 1.0));
+    config.brake.stop_lamp_filter_log2 = 0;
+    stop_lamp_init(&state);
+    decelerate(0.0, 1, 1.0);
+    TEST_ASSERT_TRUE(decelerate(2.6, 2, 1.0));
+}
+
 void test_twice_the_threshold_lights_the_lamp_after_about_107_ms(void)
 {
     /* The step response of two low-passes of 64 ms in series is one half after 1.678 time

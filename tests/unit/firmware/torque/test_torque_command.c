@@ -230,3 +230,16 @@ void test_torque_falls_at_its_full_rate_at_any_voltage_use(void)
     assert_command(9600, REASON_TORQUE_RATE, step(FORWARD, 0, 0));
     assert_command(9200, REASON_TORQUE_RATE, step(FORWARD, 0, 0));
 }
+
+/* The rate falls along a line over u^2/U^2: with its end at 0.8 and a slope of ten, whole below 0.7
+ * and half at 0.75. */
+void test_torque_growth_follows_the_configured_line(void)
+{
+    config.brake.torque_growth_end_q15 = 26214;     /* 0.8 */
+    config.brake.torque_growth_slope_q9 = 10 * 512; /* per unit of u^2/U^2 */
+    TEST_ASSERT_EQUAL_INT32(RATE, torque_command_growth_mNm(&config, 22937)); /* 0.7 */
+    TEST_ASSERT_INT32_WITHIN(1, RATE / 2, torque_command_growth_mNm(&config, 24576));
+    TEST_ASSERT_EQUAL_INT32(0, torque_command_growth_mNm(&config, 26214));
+    TEST_ASSERT_INT32_WITHIN(1, -RATE / 2, torque_command_growth_mNm(&config, 27853)); /* 0.85 */
+    TEST_ASSERT_EQUAL_INT32(-RATE, torque_command_growth_mNm(&config, INT32_MAX));
+}

@@ -196,8 +196,8 @@ void test_discharge_current_of_the_pack_is_divided_by_the_wheels_and_bounds_driv
 
 void test_discharge_current_folds_back_near_min_voltage(void)
 {
-    /* The fold-back is as wide as the upper one, 1.168 V above 40 V; half of 62.5 A at 40.584 V is
-     * 1268.3 W. */
+    /* As generated the fold-back is as wide as the upper one, 1.168 V above 40 V; half of 62.5 A at
+     * 40.584 V is 1268.3 W. */
     conditions.bus_voltage_mV = 40584;
     settle_foldback(20000);
     const bounds_t half = at_rpm(300.0);
@@ -212,6 +212,22 @@ void test_discharge_current_folds_back_near_min_voltage(void)
     conditions.bus_current_mA = 62500;
     conditions.bus_voltage_mV = 38830; /* one width below the end: zero in the first step */
     assert_limit(0, REASON_BUS_VOLTAGE_LOW, at_rpm(300.0).driving);
+}
+
+void test_each_fold_back_has_its_own_width(void)
+{
+    config.battery.discharge_foldback_voltage_mV = 42000; /* half is allowed at 41 V: 1281.25 W */
+    conditions.bus_voltage_mV = 41000;
+    settle_foldback(20000);
+    const limit_t half = at_rpm(300.0).driving;
+    TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_LOW, half.reason);
+    TEST_ASSERT_DOUBLE_WITHIN(100.0, torque_at_power_mNm(300.0, 1281.25), half.torque_mNm);
+    TEST_ASSERT_INT32_WITHIN(64 * 50, 64 * 31250, state.discharge.allowed_q6_mA);
+    config.battery.foldback_voltage_mV = 56400; /* 2 V wide; a quarter of 50 A at 57.9 V */
+    conditions.bus_voltage_mV = 57900;
+    settle_foldback(20000);
+    TEST_ASSERT_INT32_WITHIN(64 * 50, 64 * 12500, state.charge.allowed_q6_mA);
+    TEST_ASSERT_EQUAL_INT32(64 * 62500, state.discharge.allowed_q6_mA);
 }
 
 /* Returned power grows with braking torque up to the optimum, then falls. Beyond T_zero the motor
@@ -261,6 +277,18 @@ void test_speed_limit_bounds_driving_and_never_braking(void)
     const bounds_t beyond = at_speed(80000);
     assert_limit(0, REASON_MAX_SPEED, beyond.driving);
     assert_limit(26175, REASON_MAX_POWER, beyond.regenerating);
+}
+
+void test_drive_fades_over_speed_fade_share(void)
+{
+    config.motor.max_speed_mrad_s = 64000;
+    config.motor.speed_fade_share_q15 = 8192; /* a quarter: from 48 rad/s on, 30 N m left at 52 */
+    assert_limit(40000, REASON_MAX_TORQUE, at_speed(48000).driving);
+    assert_limit(30000, REASON_MAX_SPEED, at_speed(52000).driving);
+    assert_limit(0, REASON_MAX_SPEED, at_speed(64000).driving);
+    config.motor.speed_fade_share_q15 = 0; /* a step: 2094 W / 64 rad/s up to the end */
+    assert_limit(32719, REASON_MAX_POWER, at_speed(64000).driving);
+    assert_limit(0, REASON_MAX_SPEED, at_speed(64001).driving);
 }
 
 void test_torque_is_zero_without_a_valid_rotor_angle(void)

@@ -208,6 +208,59 @@ def test_what_the_controller_cannot_hold_is_refused_by_name(
     assert str(caught.value).startswith(expected), str(caught.value)
 
 
+# Optional keys of the paper's vehicle: what the field holds without the key, a value, what it holds then.
+OPTIONAL_KEYS = [
+    ("motor.speed_fade_share", "motor.speed_fade_share_q15", 1024, 0.25, 8192),
+    (
+        "motor.derate_winding_temperature_c",
+        "motor.derate_winding_temperature_cC",
+        13000,
+        120.0,
+        12000,
+    ),
+    (
+        "inverter.derate_switch_temperature_c",
+        "drive.derate_switch_temperature_cC",
+        13000,
+        90.5,
+        9050,
+    ),
+    ("battery.charge_foldback_voltage_v", "battery.foldback_voltage_mV", 57232, 56.0, 56000),
+    (
+        "battery.discharge_foldback_voltage_v",
+        "battery.discharge_foldback_voltage_mV",
+        41168,
+        45.0,
+        45000,
+    ),
+    # as far above 40 V as charge's fold-back begins below 58.4 V
+    (
+        "battery.charge_foldback_voltage_v",
+        "battery.discharge_foldback_voltage_mV",
+        41168,
+        56.0,
+        42400,
+    ),
+    ("brake.shortfall_band_nm", "brake.shortfall_band_mNm", 2000, 3.5, 3500),
+    ("brake.motor_arrival_s", "brake.motor_arrival_ms", 100, 0.25, 250),
+    ("brake.abs_hold_s", "brake.abs_hold_ms", 300, 0.1, 100),
+    ("brake.stop_lamp_on_m_per_s2", "brake.stop_lamp_on_mm_s2", 1300, 1.5, 1500),
+    ("brake.stop_lamp_off_m_per_s2", "brake.stop_lamp_off_mm_s2", 700, 0.5, 500),
+    ("brake.stop_lamp_filter_s", "brake.stop_lamp_filter_log2", 6, 0.1, 7),
+    ("control.torque_growth_voltage_use", "brake.torque_growth_end_q15", 31457, [0.7, 0.9], 29491),
+    ("control.torque_growth_voltage_use", "brake.torque_growth_slope_q9", 7314, [0.7, 0.9], 2560),
+]
+
+
+@pytest.mark.parametrize(("key", "field", "default", "value", "expected"), OPTIONAL_KEYS)
+def test_an_optional_key_takes_the_place_of_its_default(
+    change: Change, key: str, field: str, default: int, value: object, expected: int
+) -> None:
+    section, name = field.split(".")
+    assert getattr(getattr(unpack(image.build(change({}))), section), name) == default
+    assert getattr(getattr(unpack(image.build(change({key: value}))), section), name) == expected
+
+
 @pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_checked_in_files_are_what_their_toml_generates(path: Path) -> None:
     generate.check(schema.load(path), GENERATED)

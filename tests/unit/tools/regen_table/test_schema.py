@@ -116,6 +116,42 @@ def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change
             "control.field_weakening_current_a: 80 A, accepted: at most motor.max_phase",
         ),
         (
+            {"battery.charge_foldback_voltage_v": 58.4},
+            "battery.charge_foldback_voltage_v: 58.4 V, accepted: more than min_voltage_v = 40 V "
+            "and less than max_voltage_v = 58.4 V",
+        ),
+        (
+            {"battery.discharge_foldback_voltage_v": 40.0},
+            "battery.discharge_foldback_voltage_v: 40 V, accepted: more than min_voltage_v = 40 V",
+        ),
+        (
+            {"motor.derate_winding_temperature_c": 150.0},
+            "motor.derate_winding_temperature_c: 150 degC, accepted: less than max_winding_temperature_c = 150",
+        ),
+        (
+            {"inverter.derate_switch_temperature_c": 150.0},
+            "inverter.derate_switch_temperature_c: 150 degC, accepted: less than max_switch_temperature_c = 150",
+        ),
+        (
+            {
+                "inverter.derate_switch_temperature_c": 100.0,
+                "inverter.max_switch_temperature_c": None,
+            },
+            "inverter.max_switch_temperature_c: missing, accepted with derate_switch_temperature_c",
+        ),
+        (
+            {"brake.stop_lamp_off_m_per_s2": 1.4},
+            "brake.stop_lamp_off_m_per_s2: 1.4 m/s2, accepted: at most stop_lamp_on_m_per_s2 = 1.3 m/s2",
+        ),
+        (
+            {"brake.abs_hold_s": 11.0},
+            "brake.abs_hold_s: 11.0 is not accepted, accepted: a number from 0 to 10 s",
+        ),
+        (
+            {"control.torque_growth_voltage_use": [0.96, 0.89]},
+            "control.torque_growth_voltage_use: [0.96, 0.89], accepted: [whole rate, none], at least 0.01 apart",
+        ),
+        (
             {"rotor.hall_edges_deg": [0.0, 60.0, 120.0, 240.0, 180.0, 300.0]},
             "rotor.hall_edges_deg: accepted: six edges",
         ),
