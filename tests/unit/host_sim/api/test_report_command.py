@@ -26,9 +26,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def call(folder: Path) -> Call:
     def run_it(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "hubsim", *map(str, arguments)]
-        return subprocess.run(
-            command, cwd=folder, capture_output=True, text=True, timeout=200, check=False
-        )
+        return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
     return run_it
 

@@ -66,7 +66,7 @@ def browse(path: Path, *arguments: str) -> str:
         )
     profile = path.parent / "profile"
     command = [str(BROWSER), *QUIET, f"--user-data-dir={profile}", *arguments, path.as_uri()]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=True).stdout
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
 @pytest.mark.parametrize("width", [1280, 400])
