@@ -14,6 +14,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = Path(__file__).resolve().parent
+IMAGES = ROOT / "firmware" / "config" / "generated"
 MODULES = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
 PREFIX = "arm-none-eabi-"
 PLUGIN_INTERFACES = (1, 4, 3, 2, 5)
@@ -74,36 +75,41 @@ def run(command: list[str], what: str, **options: float) -> str:
     return done.stdout + done.stderr
 
 
-def sources(config: str) -> list[Path]:
-    """Everything that goes into the measured program."""
-    image = ROOT / "firmware" / "config" / "generated" / f"{config}.c"
-    if not image.is_file():
-        raise BenchError(
-            f"no configuration firmware/config/generated/{config}.c; ./tools/dev table makes it"
-        )
+def configurations() -> list[str]:
+    """Names of the configurations that are checked in, in alphabetical order."""
+    return sorted(path.stem for path in IMAGES.glob("*.c"))
+
+
+def sources(program: str) -> list[Path]:
+    """Everything that goes into a measured program, besides a configuration."""
     modules = [
         path for module in MODULES for path in sorted((ROOT / "firmware" / module).glob("*.c"))
     ]
     port = ROOT / "hal" / "qemu_mps2"
     return [
         *modules,
-        image,
         port / "semihost.c",
         port / "startup.c",
-        *sorted((HERE / "target").glob("*.c")),
+        *sorted((HERE / program).glob("*.c")),
     ]
 
 
-def compile_program(core: Core, config: str, directory: Path) -> Path:
-    """Compile and link for one core.
+def compile_program(core: Core, program: str, configs: list[str], directory: Path) -> list[Path]:
+    """Compile a program for one core and link it with each of the configurations.
 
-    Returns the ELF. The compiler leaves its stack figures in the same directory.
+    Returns the ELFs, in the order of the configurations. The compiler leaves its stack figures in
+    the same directory.
     """
     compiler = tool(PREFIX + "gcc", "gcc-arm-none-eabi")
+    images = [IMAGES / f"{config}.c" for config in configs]
+    for config, image in zip(configs, images, strict=True):
+        if not image.is_file():
+            raise BenchError(
+                f"no configuration firmware/config/generated/{config}.c; ./tools/dev table makes it"
+            )
     shutil.rmtree(directory, ignore_errors=True)
     directory.mkdir(parents=True)
     port = ROOT / "hal" / "qemu_mps2"
-    symbol = "".join(c if c.isalnum() else "_" for c in config).upper()
     includes = [ROOT / "firmware" / module / "include" for module in MODULES] + [
         port,
         ROOT / "tests" / "unit" / "firmware" / "support",
@@ -118,7 +124,7 @@ def compile_program(core: Core, config: str, directory: Path) -> Path:
         "-fno-common",
     ]
     common += ["-fcallgraph-info=su", "-include", str(ROOT / "hal" / "cortex_m" / "saturate.h")]
-    common += [f"-I{path}" for path in includes] + [f"-DCONFIG_{symbol}=CONFIG_IMAGE"]
+    common += [f"-I{path}" for path in includes]
 
     def compile_one(source: Path) -> str:
         target = directory / f"{source.parent.name}_{source.stem}.o"
@@ -129,8 +135,8 @@ def compile_program(core: Core, config: str, directory: Path) -> Path:
         return str(target)
 
     with ThreadPoolExecutor(max_workers=2) as pool:
-        objects = list(pool.map(compile_one, sources(config)))
-    elf = directory / "ride.elf"
+        objects = list(pool.map(compile_one, sources(program)))
+        config_objects = list(pool.map(compile_one, images))
     link = [
         "-nostartfiles",
         "--specs=nano.specs",
@@ -138,8 +144,17 @@ def compile_program(core: Core, config: str, directory: Path) -> Path:
         "-Wl,--gc-sections",
         "-Wl,--defsym=link_stack_size=0x4000",
     ]
-    run([compiler, *core.flags, *link, *objects, "-lm", "-o", str(elf)], f"linking for {core.name}")
-    return elf
+    programs = []
+    for config, config_object in zip(configs, config_objects, strict=True):
+        elf = directory / f"{program}_{config}.elf"
+        symbol = "".join(c if c.isalnum() else "_" for c in config).upper()
+        alias = f"-Wl,--defsym=CONFIG_IMAGE=CONFIG_{symbol}"
+        run(
+            [compiler, *core.flags, *link, alias, *objects, config_object, "-lm", "-o", str(elf)],
+            f"linking {program} with {config} for {core.name}",
+        )
+        programs.append(elf)
+    return programs
 
 
 def compile_plugin(interface: int, directory: Path) -> Path:

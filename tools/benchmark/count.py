@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import statistics
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from benchmark import build
 from benchmark.elf import Function
 
 SECONDS_AT_MOST = 240.0
+CALLS_AT_LEAST = 1000
 
 
 @dataclass(frozen=True)
@@ -47,8 +49,11 @@ def _window(name: str, functions: dict[str, Function]) -> str:
     return ":".join([name, hex(functions[name].address), *map(hex, ends)])
 
 
-def emulator_command(core: build.Core, elf: Path) -> list[str]:
-    """Return the emulator's command line, with semihosting, without which the program's first request would abort it."""
+def emulator_command(core: build.Core, elf: Path, arguments: Sequence[str] = ()) -> list[str]:
+    """Return the emulator's command line, with semihosting, without which the program's first request would abort it.
+
+    arguments: ``name=NUMBER``, for the emulated program.
+    """
     emulator = build.tool("qemu-system-arm", "qemu-system-arm")
     quiet = [
         "-display",
@@ -58,7 +63,7 @@ def emulator_command(core: build.Core, elf: Path) -> list[str]:
         "-serial",
         "null",
         "-semihosting-config",
-        "enable=on,target=native",
+        ",".join(["enable=on,target=native", *(f"arg={text}" for text in ("ride", *arguments))]),
     ]
     return [emulator, "-M", core.machine, *quiet, "-kernel", str(elf)]
 
@@ -86,6 +91,36 @@ def loadable_plugin(core: build.Core, elf: Path, directory: Path) -> Path:
     )
 
 
+def calls(
+    core: build.Core,
+    elf: Path,
+    plugin: Path,
+    functions: dict[str, Function],
+    names: list[str],
+    begin: str,
+    arguments: Sequence[str] = (),
+) -> dict[str, list[int]]:
+    """Instructions of every call of the named functions after ``begin`` was called, in their order."""
+    result = elf.with_suffix(".counts")
+    options = [str(plugin), f"out={result}", f"from={functions[begin].address:#x}"]
+    options += [f"fn={_window(name, functions)}" for name in names]
+    build.run(
+        [*emulator_command(core, elf, arguments), "-plugin", ",".join(options)],
+        f"{elf.stem} on {core.name}",
+        timeout_s=SECONDS_AT_MOST,
+    )
+    found: dict[str, list[int]] = {name: [] for name in names}
+    for line in result.read_text().splitlines():
+        name, value = line.split()
+        found[name].append(int(value))
+    for name, values in found.items():
+        if len(values) < CALLS_AT_LEAST:
+            raise build.BenchError(
+                f"{name}: counted {len(values)} calls on {core.name}, fewer than {CALLS_AT_LEAST} prove nothing"
+            )
+    return found
+
+
 def count(
     core: build.Core,
     elf: Path,
@@ -94,22 +129,17 @@ def count(
     names: list[str],
     begin: str,
 ) -> dict[str, Count]:
-    """Instructions of every call of the named functions after ``begin`` was called."""
-    result = elf.with_suffix(".counts")
-    options = [str(plugin), f"out={result}", f"from={functions[begin].address:#x}"]
-    options += [f"fn={_window(name, functions)}" for name in names]
-    build.run(
-        [*emulator_command(core, elf), "-plugin", ",".join(options)],
-        f"the ride on {core.name}",
+    """Summary of every call of the named functions after ``begin`` was called."""
+    found = calls(core, elf, plugin, functions, names, begin)
+    return {name: summary(values) for name, values in found.items()}
+
+
+def state_with(core: build.Core, elf: Path, index: int) -> dict[str, int]:
+    """Return a state of the envelope, as the program itself describes it."""
+    text = build.run(
+        emulator_command(core, elf, [f"states={index + 1}", f"show={index}"]),
+        f"the state with index {index}",
         timeout_s=SECONDS_AT_MOST,
     )
-    found: dict[str, list[int]] = {name: [] for name in names}
-    for line in result.read_text().splitlines():
-        name, value = line.split()
-        found[name].append(int(value))
-    for name, values in found.items():
-        if len(values) < 1000:
-            raise build.BenchError(
-                f"{name}: counted {len(values)} calls on {core.name}, fewer than 1000 prove nothing"
-            )
-    return {name: summary(values) for name, values in found.items()}
+    fields = [line.partition("=") for line in text.splitlines()]
+    return {name: int(value) for name, _, value in fields}

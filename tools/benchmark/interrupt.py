@@ -2,7 +2,7 @@
 """Instructions of the PWM interrupt of the flashable image, from its entry to its return.
 
 The linked ELF runs on a model of the chip (chip.py), with a motor on its bridge and a vehicle on
-its CAN bus: start-up and calibration, then the same ride as tools/benchmark/target/ride.c, through
+its CAN bus: start-up and calibration, then the same ride as tools/benchmark/ride/ride.c, through
 standstill, both directions and the voltage limit, with demands to drive and to brake that change
 every 50 ms.
 """
@@ -44,7 +44,7 @@ class Random:
 
 @dataclass
 class Motor:
-    """The motor of tools/benchmark/target/motor.c on an averaged bridge: rotor frame, peak phase quantities."""
+    """The motor of tools/benchmark/ride/motor.c on an averaged bridge: rotor frame, peak phase quantities."""
 
     table: dict[str, dict[str, Any]]
     bus_v: float

@@ -2,8 +2,8 @@
 /*
  * ride.c: the program whose steps are counted. The firmware's two steps in a closed loop with
  * motor.h: started up, enabled, then a ride through standstill, both directions and into the
- * voltage limit, with demands for driving and braking that change every 50 ms. ride_measure() marks
- * where counting begins; the last line says where the ride went.
+ * voltage limit, with demands for driving and braking that change every 50 ms. begin_measuring()
+ * marks where counting begins; the last line says where the ride went.
  */
 #include <stddef.h>
 
@@ -13,10 +13,10 @@
 
 enum { START_ms = 300, RIDE_ms = 1200, DEMAND_ms = 50 };
 
-void ride_measure(void);
+void begin_measuring(void);
 
 /* The plugin waits for this address; the empty statement keeps the call from vanishing. */
-__attribute__((noinline, noclone)) void ride_measure(void)
+__attribute__((noinline, noclone)) void begin_measuring(void)
 {
     __asm volatile("");
 }
@@ -77,7 +77,7 @@ int main(void)
     const double bus_V = 0.95e-3 * config->battery.foldback_voltage_mV;
     for (int ms = 0; ms < START_ms + RIDE_ms; ms++) {
         if (ms == START_ms) {
-            ride_measure();
+            begin_measuring();
         }
         const double w_rad_s = speed_at(config, ms) * config->motor.pole_pairs;
         for (int i = 0; i < fast; i++) {

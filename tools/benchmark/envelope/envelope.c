@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * envelope.c: the slow step over the whole envelope. Every call of controller_slow_step() gets a
+ * state drawn at random: speed up to 110 % of the highest one, bus voltage from half the smallest
+ * to beyond the trip, demands, currents, voltages, temperatures (broken sensors included), limits
+ * of the battery (zero included), anti-lock, switched off, faults; the three strategies and the
+ * three rotor sensors. A quarter of the calls begins anew with a controller that has just come to
+ * RUN; the others walk on, half of them at an operating point near the one before.
+ *
+ * Options on the emulated command line: states=N (100 000), show=I prints the state with index I
+ * in plain text and ends.
+ */
+#include <math.h>
+#include <stddef.h>
+
+#include "config_image.h"
+#include "controller/controller.h"
+#include "semihost.h"
+
+enum { STATES = 100000, START_STEPS = 600, SENSORS = 3, STRATEGIES = 3 };
+
+void begin_measuring(void);
+
+/* The plugin waits for this address; the empty statement keeps the call from vanishing. */
+__attribute__((noinline, noclone)) void begin_measuring(void)
+{
+    __asm volatile("");
+}
+
+/* One rotor sensor: its configuration, and a controller that has just come to RUN with it. */
+typedef struct {
+    config_t config;
+    controller_slow_t slow;
+    fast_setpoint_t to_fast;
+    fast_report_t to_slow;
+    slow_input_t in;
+} start_t;
+
+static start_t starts[SENSORS];
+static start_t now;
+
+/* ---- random numbers: xorshift32 (Marsaglia 2003) ---- */
+
+static uint32_t random_state = 2463534242U;
+
+static double share(void)
+{
+    random_state ^= random_state << 13;
+    random_state ^= random_state >> 17;
+    random_state ^= random_state << 5;
+    return (double)(random_state >> 8) / 16777216.0;
+}
+
+static double between(double lowest, double highest)
+{
+    return lowest + (highest - lowest) * share();
+}
+
+static int chance(double probability)
+{
+    return share() < probability;
+}
+
+/* ---- one state ---- */
+
+static int32_t speed_q32(const config_t *config, double rad_s)
+{
+    return (int32_t)(rad_s * config->motor.pole_pairs / 6.283185307179586 /
+                     config->drive.pwm_frequency_Hz * 4294967296.0);
+}
+
+static double bus_mV(const config_battery_t *battery)
+{
+    const double kind = share();
+    const double span = battery->max_voltage_mV - battery->min_voltage_mV;
+    if (kind < 0.6) {
+        return between(battery->min_voltage_mV, battery->max_voltage_mV);
+    }
+    if (kind < 0.7) {
+        return battery->max_voltage_mV + between(-0.1, 0.1) * span;
+    }
+    if (kind < 0.8) {
+        return battery->min_voltage_mV + between(-0.1, 0.1) * span;
+    }
+    return between(0.5 * battery->min_voltage_mV, 1.05 * battery->overvoltage_trip_mV);
+}
+
+static int32_t temperature_cC(int32_t most_cC)
+{
+    const double kind = share();
+    if (kind < 0.02) {
+        return chance(0.5) ? -30000 : 100000;
+    }
+    return (int32_t)(kind < 0.3 ? most_cC + between(-3000.0, 1500.0) : between(-4000.0, most_cC));
+}
+
+static int32_t pack_mA(int32_t motor_mA, int32_t wheels)
+{
+    const double kind = share();
+    const double whole = (double)motor_mA * wheels;
+    return (int32_t)(kind < 0.4   ? whole
+                     : kind < 0.6 ? 0.0
+                     : kind < 0.7 ? between(-0.1, 0.1) * whole
+                                  : between(0.0, 1.2) * whole);
+}
+
+static void draw_demand(slow_input_t *in, const config_t *config)
+{
+    const double kind = share();
+    const double most = 1.2 * config->motor.max_torque_mNm;
+    const double both = most + config->brake.max_hydraulic_torque_mNm;
+    in->drive_torque_mNm = kind < 0.45 ? (int32_t)between(-most, most) : 0;
+    in->brake_torque_mNm = kind > 0.55 ? (int32_t)between(0.0, kind < 0.8 ? most : both) : 0;
+    in->demand_age_ms = chance(0.03) ? 1000U : (uint32_t)between(0.0, 10.0);
+}
+
+static void draw_slow(slow_input_t *in, const config_t *config)
+{
+    const config_battery_t *battery = &config->battery;
+    draw_demand(in, config);
+    in->bms_charge_current_mA = pack_mA(battery->max_charge_current_mA, battery->driven_wheels);
+    in->bms_discharge_current_mA =
+        pack_mA(battery->max_discharge_current_mA, battery->driven_wheels);
+    in->winding_temperature_cC = temperature_cC(config->motor.max_winding_temperature_cC);
+    in->switch_temperature_cC = temperature_cC(config->drive.max_switch_temperature_cC);
+    in->enable = !chance(0.03);
+    in->abs_active = chance(0.03);
+}
+
+/* A wheel's speed and the bus voltage, as the fast loop reports them. */
+static void draw_point(fast_report_t *report, const config_t *config)
+{
+    const double most_rad_s = 1.1e-3 * config->motor.max_speed_mrad_s;
+    const double speed = chance(0.05) ? 0.0 : between(-most_rad_s, most_rad_s);
+    const double bus_pu = bus_mV(&config->battery) / config->drive.voltage_full_scale_mV;
+    report->foc.current.rotor.speed_q32 = speed_q32(config, speed);
+    report->foc.v_dc_pu = (int32_t)(32768.0 * (bus_pu < 1.0 ? bus_pu : 1.0));
+}
+
+/* Currents and voltages: half of the time what was asked for, else anything inside the circles. */
+static void draw_electrical(fast_report_t *report, const config_t *config, dq_t asked)
+{
+    const double most_pu = 1.05 * config->current_loop.max_current_pu_q15;
+    const double length = most_pu * share();
+    const double angle = between(-3.141592653589793, 3.141592653589793);
+    const dq_t any = {.d = (int32_t)(length * cos(angle)), .q = (int32_t)(length * sin(angle))};
+    const dq_t i = chance(0.5) ? asked : any;
+    const double used = 32767.0 * (chance(0.3) ? 1.0 : share());
+    const double at = between(-3.141592653589793, 3.141592653589793);
+    const dq_t u = {.d = (int32_t)(used * cos(at)), .q = (int32_t)(used * sin(at))};
+    foc_report_t *foc = &report->foc;
+    foc->current.i_pu = dq16_of(i);
+    foc->current.voltage.applied = dq16_of(u);
+    foc->current.voltage.unsaturated_d = u.d;
+    foc->current.voltage.unsaturated_q = chance(0.2) ? 2 * u.q : u.q;
+    foc->current.current_sum_pu = (int32_t)between(-100.0, 100.0);
+    foc->i_d_weakening_pu =
+        chance(0.5) ? 0 : (int32_t)(-share() * config->current_loop.field_weakening_current_pu_q15);
+    foc->current.rotor.valid = !chance(0.02);
+    foc->current.rotor.faults = (uint16_t)(foc->current.rotor.faults + (chance(0.002) ? 1 : 0));
+}
+
+/* A millisecond of periods with the report's present values. */
+static void add_periods(fast_report_t *report, const config_t *config)
+{
+    foc_report_t *foc = &report->foc;
+    const uint32_t periods =
+        (uint32_t)(config->drive.pwm_frequency_Hz / 1000) + (uint32_t)(chance(0.1) ? 1 : 0);
+    const dq_t i = dq_of(foc->current.i_pu);
+    const dq_t u = dq_of(foc->current.voltage.applied);
+    foc->step_count += periods;
+    foc->sums.i_d_pu += periods * (uint32_t)i.d;
+    foc->sums.i_q_pu += periods * (uint32_t)i.q;
+    foc->sums.power_pu += periods * (uint32_t)((u.d * i.d + u.q * i.q) >> 15);
+    foc->sums.v_dc_pu += periods * (uint32_t)foc->v_dc_pu;
+}
+
+static slow_output_t step(start_t *at)
+{
+    return controller_slow_step(&at->slow, &at->config, &at->to_slow, &at->in, &at->to_fast);
+}
+
+/* Calm at the battery's middle, switched on: through self-test and calibration into RUN. */
+static modes_mode_t start_with(start_t *start, int32_t sensor)
+{
+    static controller_t whole;
+    start->config = CONFIG_IMAGE;
+    config_t *config = &start->config;
+    config->rotor.sensor = sensor;
+    controller_init(&whole, config);
+    start->slow = whole.slow;
+    start->to_fast = controller_initial_setpoint(config);
+    start->to_slow = controller_initial_report(config);
+    start->to_slow.foc.offsets_done = true;
+    start->to_slow.foc.current.rotor.valid = true;
+    const slow_input_t calm = {
+        .bms_charge_current_mA = INT32_MAX,
+        .bms_discharge_current_mA = INT32_MAX,
+        .winding_temperature_cC = 2500,
+        .switch_temperature_cC = 2500,
+        .enable = true,
+        .selftest_passed = true,
+        .config_accepted = true,
+    };
+    start->in = calm;
+    slow_output_t out = {.mode = MODE_BOOT};
+    for (int ms = 0; ms < START_STEPS; ms++) {
+        add_periods(&start->to_slow, config);
+        out = step(start);
+    }
+    return out.mode;
+}
+
+/* ---- a state in plain text ---- */
+
+static void print_number(const char *name, int32_t value)
+{
+    char digits[12];
+    char *at = &digits[sizeof digits - 1];
+    *at = '\0';
+    uint32_t rest = value < 0 ? 0U - (uint32_t)value : (uint32_t)value;
+    do {
+        *--at = (char)('0' + (char)(rest % 10U));
+        rest /= 10U;
+    } while (rest > 0U);
+    if (value < 0) {
+        *--at = '-';
+    }
+    semihost_print(name);
+    semihost_print("=");
+    semihost_print(at);
+    semihost_print("\n");
+}
+
+static void show(const slow_output_t *out)
+{
+    const slow_input_t *in = &now.in;
+    const foc_report_t *foc = &now.to_slow.foc;
+    print_number("speed_mrad_s", out->speed_mrad_s);
+    print_number("bus_voltage_mV", out->bus_voltage_mV);
+    print_number("drive_torque_mNm", in->drive_torque_mNm);
+    print_number("brake_torque_mNm", in->brake_torque_mNm);
+    print_number("demand_age_ms", (int32_t)in->demand_age_ms);
+    print_number("bms_charge_current_mA", in->bms_charge_current_mA);
+    print_number("bms_discharge_current_mA", in->bms_discharge_current_mA);
+    print_number("winding_temperature_cC", in->winding_temperature_cC);
+    print_number("switch_temperature_cC", in->switch_temperature_cC);
+    print_number("enable", in->enable);
+    print_number("abs_active", in->abs_active);
+    print_number("rotor_valid", foc->current.rotor.valid);
+    print_number("i_d_mA", out->i_d_mA);
+    print_number("i_q_mA", out->i_q_mA);
+    print_number("i_d_weakening_pu", foc->i_d_weakening_pu);
+    print_number("strategy", now.config.brake.strategy);
+    print_number("sensor", now.config.rotor.sensor);
+    print_number("mode", (int32_t)out->mode);
+    print_number("motor_torque_command_mNm", out->motor_torque_command_mNm);
+    print_number("torque_reason", (int32_t)out->torque_reason);
+}
+
+static void begin_anew(void)
+{
+    const start_t *start = &starts[(int)(share() * SENSORS) % SENSORS];
+    const int32_t strategy = (int32_t)(share() * STRATEGIES) % STRATEGIES;
+    now = *start;
+    now.config.brake.strategy = strategy;
+}
+
+int main(void)
+{
+    for (int32_t sensor = 0; sensor < SENSORS; sensor++) {
+        const modes_mode_t mode = start_with(&starts[sensor], sensor);
+        if (mode != MODE_RUN) {
+            semihost_print("envelope: start-up ended in ");
+            semihost_print(modes_text(mode));
+            semihost_print("\n");
+            return 1;
+        }
+    }
+    const uint32_t states = semihost_option("states", STATES);
+    const uint32_t shown = semihost_option("show", UINT32_MAX);
+    slow_output_t out = {.mode = MODE_FAULT};
+    uint32_t running = 0;
+    begin_measuring();
+    for (uint32_t n = 0; n < states; n++) {
+        const int anew = n == 0 || out.mode == MODE_FAULT || chance(0.25);
+        if (anew) {
+            begin_anew();
+        }
+        if (anew || chance(0.5)) {
+            draw_point(&now.to_slow, &now.config);
+            draw_slow(&now.in, &now.config);
+        }
+        draw_electrical(&now.to_slow, &now.config, now.to_fast.foc.i_reference_pu);
+        add_periods(&now.to_slow, &now.config);
+        out = step(&now);
+        running += out.mode == MODE_RUN || out.mode == MODE_LIMP ? 1U : 0U;
+        if (n == shown) {
+            show(&out);
+            return 0;
+        }
+    }
+    /* A program whose states are nearly all switched off would count the wrong thing. */
+    print_number("running", (int32_t)running);
+    print_number("states", (int32_t)states);
+    return running > states / 10U * 8U ? 0 : 1;
+}
