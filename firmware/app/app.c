@@ -51,6 +51,7 @@ static struct {
     double_buffer_t from_slow; /* low side background, high side millisecond */
     snapshot_t snapshot[2];
 
+    fast_input_t fast_input;             /* PWM period; zero what the rotor sensor does not give */
     volatile uint32_t fast_cycles_worst; /* PWM period */
     supervisor_t supervisor;             /* background, like everything below */
     can_link_t can;
@@ -91,8 +92,10 @@ static void start_control(const config_t *config)
 void app_boot(void)
 {
     const snapshot_t empty = {.counts = {0}};
+    const fast_input_t no_input = {.power_stage_fault = false};
     app.config = NULL;
     app.fast_cycles_worst = 0;
+    app.fast_input = no_input;
     app.fast_missing_ms = 0;
     app.restarting = false;
     app.snapshot[0] = empty;
@@ -138,6 +141,37 @@ static fast_report_t *fast_report(void)
     return &app.fast_report[high];
 }
 
+static void read_rotor_sensor(const config_t *config, fast_input_t *in)
+{
+    switch (config->rotor.sensor) {
+    case CONFIG_ROTOR_HALL:
+        in->hall_state = rotor_sensor_hall_state();
+        break;
+    case CONFIG_ROTOR_ENCODER: {
+        const rotor_sensor_encoder_t encoder = rotor_sensor_encoder();
+        in->encoder.count = encoder.count;
+        in->encoder.index_count = encoder.index_count;
+        in->encoder.index = encoder.index;
+        break;
+    }
+    default: /* CONFIG_ROTOR_ANGLE; config_validate() refuses other values */
+        in->rotor_angle_turn = rotor_sensor_angle_turn();
+        break;
+    }
+}
+
+static void read_inputs(const config_t *config, fast_input_t *in)
+{
+    analog_sample_t sample;
+    analog_read(&sample);
+    in->phase_current_code[0] = sample.phase_current_code[0];
+    in->phase_current_code[1] = sample.phase_current_code[1];
+    in->phase_current_code[2] = sample.phase_current_code[2];
+    in->bus_voltage_code = sample.bus_voltage_code;
+    in->power_stage_fault = inverter_fault();
+    read_rotor_sensor(config, in);
+}
+
 void app_pwm_period_isr(void)
 {
     const config_t *config = app.config;
@@ -145,22 +179,10 @@ void app_pwm_period_isr(void)
         return;
     }
     const uint32_t begin_cycles = time_cycles();
-    const analog_sample_t sample = analog_read();
-    const rotor_sensor_encoder_t encoder = rotor_sensor_encoder();
-    const fast_input_t in = {
-        .phase_current_code = {sample.phase_current_code[0], sample.phase_current_code[1],
-                               sample.phase_current_code[2]},
-        .bus_voltage_code = sample.bus_voltage_code,
-        .rotor_angle_turn = rotor_sensor_angle_turn(),
-        .encoder = {.count = encoder.count,
-                    .index_count = encoder.index_count,
-                    .index = encoder.index},
-        .hall_state = rotor_sensor_hall_state(),
-        .power_stage_fault = inverter_fault(),
-    };
+    read_inputs(config, &app.fast_input);
     const fast_setpoint_t *from_slow = &app.fast_setpoint[double_buffer_high(&app.to_fast)];
-    const fast_output_t out =
-        controller_fast_step(&app.controller.fast, config, from_slow, &in, fast_report());
+    const fast_output_t out = controller_fast_step(&app.controller.fast, config, from_slow,
+                                                   &app.fast_input, fast_report());
     inverter_set(inverter_mode(out.bridge), out.compare_counts);
     double_buffer_mark(&app.from_fast);
 

@@ -126,12 +126,11 @@ void inverter_clear_fault(void)
     board.tripped = false;
 }
 
-analog_sample_t analog_read(void)
+void analog_read(analog_sample_t *sample)
 {
-    analog_sample_t sample = {.bus_voltage_code = board.sample.bus_voltage_code};
-    memcpy(sample.phase_current_code, board.sample.phase_current_code,
-           sizeof sample.phase_current_code);
-    return sample;
+    memcpy(sample->phase_current_code, board.sample.phase_current_code,
+           sizeof sample->phase_current_code);
+    sample->bus_voltage_code = board.sample.bus_voltage_code;
 }
 
 int32_t analog_winding_temperature_cC(void)

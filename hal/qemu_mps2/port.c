@@ -102,14 +102,12 @@ void inverter_clear_fault(void)
     MAILBOX->tripped = 0;
 }
 
-analog_sample_t analog_read(void)
+void analog_read(analog_sample_t *sample)
 {
-    const analog_sample_t sample = {
-        .phase_current_code = {MAILBOX->phase_current_code[0], MAILBOX->phase_current_code[1],
-                               MAILBOX->phase_current_code[2]},
-        .bus_voltage_code = MAILBOX->bus_voltage_code,
-    };
-    return sample;
+    for (int x = 0; x < 3; x++) {
+        sample->phase_current_code[x] = MAILBOX->phase_current_code[x];
+    }
+    sample->bus_voltage_code = MAILBOX->bus_voltage_code;
 }
 
 int32_t analog_winding_temperature_cC(void)

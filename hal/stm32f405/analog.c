@@ -85,14 +85,12 @@ static uint16_t current_code(uint32_t raw)
     return (uint16_t)(BOARD_CURRENT_INVERTED != 0 ? CODE_LARGEST - raw : raw);
 }
 
-analog_sample_t analog_read(void)
+void analog_read(analog_sample_t *sample)
 {
-    const analog_sample_t sample = {
-        .phase_current_code = {current_code(ADC1->JDR1), current_code(ADC2->JDR1),
-                               current_code(ADC3->JDR1)},
-        .bus_voltage_code = (uint16_t)ADC1->JDR2,
-    };
-    return sample;
+    sample->phase_current_code[0] = current_code(ADC1->JDR1);
+    sample->phase_current_code[1] = current_code(ADC2->JDR1);
+    sample->phase_current_code[2] = current_code(ADC3->JDR1);
+    sample->bus_voltage_code = (uint16_t)ADC1->JDR2;
 }
 
 int32_t analog_winding_temperature_cC(void)

@@ -154,12 +154,15 @@ void inverter_start(void)
     analog_start();
 }
 
-/* Read twice per PWM period, so the pin (active low) without a call. */
+/* Active low. */
+static inline bool driver_fault(void)
+{
+    return (BOARD_DRIVER_FAULT.port->IDR & (1U << BOARD_DRIVER_FAULT.number)) == 0;
+}
+
 static inline bool fault(void)
 {
-    const uint32_t driver_pins = BOARD_DRIVER_FAULT.port->IDR;
-    return tripped || (TIM1->SR & TIM_SR_BIF) != 0 ||
-           (driver_pins & (1U << BOARD_DRIVER_FAULT.number)) == 0;
+    return tripped || (TIM1->SR & TIM_SR_BIF) != 0 || driver_fault();
 }
 
 static void switch_off(void)
@@ -169,36 +172,58 @@ static void switch_off(void)
 
 /* Compare beyond the top holds the high side on; equal to the top would switch it off for one count
  * and two dead times. */
-static uint32_t register_value(uint16_t compare_counts)
+static uint32_t register_value(uint16_t compare_counts, uint32_t top)
 {
-    return compare_counts >= top_counts ? top_counts + 1U : compare_counts;
+    return compare_counts + (compare_counts >= top ? 1U : 0U);
 }
 
-void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
+static void write_compare(const uint16_t compare_counts[3])
 {
-    const bool on = (mode == INVERTER_MODE_PWM || mode == INVERTER_MODE_SHORT) && !fault();
-    if (!on) {
-        switch_off();
-        armed = false;
-        return;
-    }
-    const bool follow = mode == INVERTER_MODE_PWM;
-    TIM1->CCR1 = follow ? register_value(compare_counts[0]) : 0U;
-    TIM1->CCR2 = follow ? register_value(compare_counts[1]) : 0U;
-    TIM1->CCR3 = follow ? register_value(compare_counts[2]) : 0U;
-    /* The outputs are enabled when the first compare values have become active, one period after
-     * they were written: the old ones, from before the bridge was switched off, must never be seen.
-     * Once enabled they stay so until switch_off() or a break: there is nothing to enable again. */
-    const uint32_t bdtr = TIM1->BDTR;
-    if (armed && (bdtr & TIM_BDTR_MOE) == 0U) {
-        TIM1->BDTR = bdtr | TIM_BDTR_MOE;
-        /* A break between the look at the top and this must not be undone by it: the timer takes an
-         * enable as soon as the input is inactive again. */
+    const uint32_t top = top_counts;
+    TIM1->CCR1 = register_value(compare_counts[0], top);
+    TIM1->CCR2 = register_value(compare_counts[1], top);
+    TIM1->CCR3 = register_value(compare_counts[2], top);
+}
+
+/* The outputs are enabled when the first compare values have become active, one period after they
+ * were written: the old ones, from before the bridge was switched off, must never be seen. Once
+ * enabled they stay so until switch_off() or a break: there is nothing to enable again. */
+static void enable_outputs(void)
+{
+    if (armed && (TIM1->BDTR & TIM_BDTR_MOE) == 0U) {
+        TIM1->BDTR |= TIM_BDTR_MOE;
+        /* A break between the look at it and this must not be undone: the timer takes an enable as
+         * soon as the input is inactive again. */
         if (fault()) {
             switch_off();
         }
     }
     armed = true;
+}
+
+/* Whatever is not the usual period of a bridge that is switching. */
+static void change_mode(inverter_mode_t mode, const uint16_t compare_counts[3])
+{
+    static const uint16_t LOW_SIDES_ON[3] = {0, 0, 0};
+    if ((mode == INVERTER_MODE_PWM || mode == INVERTER_MODE_SHORT) && !fault()) {
+        write_compare(mode == INVERTER_MODE_PWM ? compare_counts : LOW_SIDES_ON);
+        enable_outputs();
+    } else {
+        switch_off();
+        armed = false;
+    }
+}
+
+/* Enabled outputs imply that neither a break nor inverter_trip() has come since: both disable them.
+ */
+void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3])
+{
+    const bool enabled = (TIM1->BDTR & TIM_BDTR_MOE) != 0U;
+    if (mode == INVERTER_MODE_PWM && enabled && !driver_fault()) {
+        write_compare(compare_counts);
+    } else {
+        change_mode(mode, compare_counts);
+    }
 }
 
 void inverter_trip(void)

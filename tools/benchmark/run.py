@@ -51,7 +51,7 @@ class Budget:
     max_at_most: int | None = None
 
 
-INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 460, max_at_most=840)
+INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 430, max_at_most=805)
 """From entry to return on the linked image."""
 BUDGETS = (
     Budget("cortex-m4", CURRENT_LOOP, 155, 1.06),

@@ -24,7 +24,7 @@ typedef struct {
 } analog_sample_t;
 
 /* The sample of this PWM period. Only from app_pwm_period_isr(). */
-analog_sample_t analog_read(void);
+void analog_read(analog_sample_t *sample);
 
 /* Hundredths of a degree Celsius, -4000 .. 20000 or ANALOG_TEMPERATURE_BROKEN_cC, from the latest
  * sample, unfiltered. Any context. */

@@ -115,7 +115,9 @@ void test_the_up_call_sees_the_sample_of_its_own_period(void)
 {
     (void)start(20000);
     host_step();
-    TEST_ASSERT_EQUAL_UINT16(plant.samples, analog_read().phase_current_code[0]);
+    analog_sample_t sample;
+    analog_read(&sample);
+    TEST_ASSERT_EQUAL_UINT16(plant.samples, sample.phase_current_code[0]);
     TEST_ASSERT_TRUE(rotor_sensor_init(ROTOR_SENSOR_HALL));
     TEST_ASSERT_EQUAL_UINT8(5, rotor_sensor_hall_state());
     TEST_ASSERT_EQUAL_UINT16(0, rotor_sensor_angle_turn());

@@ -62,10 +62,10 @@ static memory_window_t unused(int calls)
     return out;
 }
 
-static analog_sample_t read_analog(int calls)
+static void read_analog(analog_sample_t *sample, int calls)
 {
     (void)calls;
-    return board.sample;
+    *sample = board.sample;
 }
 
 static void set(inverter_mode_t mode, const uint16_t compare_counts[3], int calls)
@@ -255,6 +255,18 @@ void test_an_angle_that_is_not_known_yet_is_not_driven_by(void)
     vehicle_sends(true, false, 100);
     TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
     board.at_index = true;
+    vehicle_sends(true, false, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
+}
+
+void test_with_an_absolute_angle_neither_halls_nor_counts_are_read(void)
+{
+    board.config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+    board.config.crc32 = config_crc32(&board.config, (uint32_t)offsetof(config_t, crc32));
+    rotor_sensor_hall_state_StopIgnore(); /* from here on a call of it fails */
+    rotor_sensor_encoder_Stub(NULL);
+    app_boot();
+    milliseconds(300);
     vehicle_sends(true, false, 100);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
 }
