@@ -41,7 +41,7 @@ def tree(tmp_path: Path) -> Path:
     root = tmp_path / "tree"
     configuration = b"the configuration"
     banner = f"hubfoc {VERSION} ({COMMIT[:12]}) on stm32f405".encode()
-    unit = f'<fmiModelDescription version="{VERSION}"/>'
+    unit = f'<fmiModelDescription generationTool="hubfoc {VERSION} ({COMMIT[:12]})"/>'
     files = {
         "firmware/config/generated/lu2013.bin": configuration,
         "firmware/config/generated/other.bin": b"another one",
@@ -123,11 +123,13 @@ def test_firmware_with_another_configuration_is_refused(tree: Path) -> None:
         collect.check(parts_of(tree), VERSION, COMMIT, "other")
 
 
-def test_a_unit_of_another_version_is_refused(tree: Path) -> None:
+@pytest.mark.parametrize("origin", [f"0.0.9 ({COMMIT[:12]})", f"{VERSION} (ffffffffffff)"])
+def test_a_unit_of_another_version_or_commit_is_refused(tree: Path, origin: str) -> None:
     name = collect.UNITS[-1]
+    description = f'<fmiModelDescription generationTool="hubfoc {origin}"/>'
     with zipfile.ZipFile(tree / "build/host/host_sim/fmu" / name, "w") as archive:
-        archive.writestr("modelDescription.xml", '<fmiModelDescription version="0.0.9"/>')
-    with pytest.raises(collect.ReleaseError, match=f"fmu/{name}: version 0.0.9, not {VERSION}"):
+        archive.writestr("modelDescription.xml", description)
+    with pytest.raises(collect.ReleaseError, match=re.escape(f"fmu/{name}: is of hubfoc {origin}")):
         collect.check(parts_of(tree), VERSION, COMMIT, "lu2013")
 
 

@@ -1,12 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# hubfoc_commit_header(TARGET app/commit.h): a header with HUBFOC_COMMIT as a string, for one target.
-#
-# Written anew when git has moved on or a source of the firmware has changed, by the rules of the build, so that a build
-# with nothing to do stays one.
-function(hubfoc_commit_header target name)
-  set(directory "${CMAKE_CURRENT_BINARY_DIR}/commit")
-  set(header "${directory}/${name}")
-  set(stamp "${directory}/stamp")
+# hubfoc_commit_files(VARIABLE): the files that change when git moves on, for rules whose product
+# names the commit. Empty without git.
+function(hubfoc_commit_files variable)
   set(watched "")
   find_program(HUBFOC_GIT git DOC "Tells the firmware its commit; without it the commit is unknown")
   if(HUBFOC_GIT AND EXISTS "${PROJECT_SOURCE_DIR}/.git")
@@ -19,6 +14,18 @@ function(hubfoc_commit_header target name)
       endif()
     endforeach()
   endif()
+  set(${variable} ${watched} PARENT_SCOPE)
+endfunction()
+
+# hubfoc_commit_header(TARGET app/commit.h): a header with HUBFOC_COMMIT as a string, for one target.
+#
+# Written anew when git has moved on or a source of the firmware has changed, by the rules of the
+# build, so that a build with nothing to do stays one.
+function(hubfoc_commit_header target name)
+  set(directory "${CMAKE_CURRENT_BINARY_DIR}/commit")
+  set(header "${directory}/${name}")
+  set(stamp "${directory}/stamp")
+  hubfoc_commit_files(watched)
   file(GLOB_RECURSE sources "${PROJECT_SOURCE_DIR}/firmware/*.[ch]" "${PROJECT_SOURCE_DIR}/hal/*.[ch]")
   set(script "${PROJECT_SOURCE_DIR}/tools/cmake/commit.cmake")
   # Now too: whoever reads the sources without building them (clang-tidy) needs the header.

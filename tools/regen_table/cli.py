@@ -14,15 +14,29 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from regen_table import BATTERIES, STRATEGIES, __version__, installation
+from regen_table import BATTERIES, STRATEGIES, installation
 from regen_table.errors import CheckFailedError, ConfigurationError
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
     """Answers a wrong call with one line, as everything else here."""
 
     def error(self, message: str) -> NoReturn:
+        """Say what is wrong and exit with status 2."""
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+class ShowVersion(argparse.Action):
+    """The option --version of both commands."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str) -> None:
+        text = "show version and commit, and exit"
+        super().__init__(option_strings, dest, nargs=0, default=argparse.SUPPRESS, help=text)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        """Ask git only now."""
+        print(installation.identity(parser.prog))
+        parser.exit()
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -157,13 +171,13 @@ def _add_date(command: argparse.ArgumentParser) -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = _Parser(
+    parser = Parser(
         prog="regen_table",
         description="Loss models, optimum, configuration and table generator of hubfoc.",
     )
-    parser.add_argument("--version", action="version", version=f"regen_table {__version__}")
+    parser.add_argument("--version", action=ShowVersion)
     commands = parser.add_subparsers(
-        title="commands", required=True, metavar="COMMAND", parser_class=_Parser
+        title="commands", required=True, metavar="COMMAND", parser_class=Parser
     )
 
     def add(name: str, text: str, several: bool = False) -> argparse.ArgumentParser:

@@ -74,15 +74,16 @@ def version() -> str:
 def commit() -> str:
     """Return the commit, with "+" behind it where tracked files were changed.
 
-    HUBFOC_COMMIT in the environment comes before what git says; where there is neither, as in an
-    archive of the sources: "unknown". tools/cmake/commit.cmake gives the firmware the same.
+    An installed distribution names the one it was built from. Else HUBFOC_COMMIT in the environment
+    comes first, then what git says, then what ``git archive`` wrote into an archive of the sources;
+    where there is none of them: "unknown". tools/cmake/commit.cmake gives the firmware the same.
     """
     if INSTALLED:
         return _record()["commit"]
     if named := os.environ.get("HUBFOC_COMMIT"):
         return named
     if not (ROOT / ".git").exists():  # the project may lie in the checkout of something else
-        return UNKNOWN
+        return _archived()
     import subprocess  # noqa: PLC0415, few callers want a commit
 
     question = ("describe", "--always", "--dirty=+", "--exclude=*", "--abbrev=40")
@@ -92,6 +93,26 @@ def commit() -> str:
     except (OSError, subprocess.SubprocessError):
         return UNKNOWN
     return done.stdout.strip() if done.returncode == 0 and done.stdout.strip() else UNKNOWN
+
+
+def short(commit: str) -> str:
+    """Return a commit as the firmware has it: twelve digits, and "+" behind changed files."""
+    found = re.fullmatch(r"([0-9a-f]{1,12})[0-9a-f]*(\+?)", commit)
+    return "".join(found.groups()) if found else UNKNOWN
+
+
+def identity(program: str) -> str:
+    """Return program, version and commit in the words of the firmware's banner."""
+    return f"{program} {version()} ({short(commit())})"
+
+
+def _archived() -> str:
+    """Return the commit that ``git archive`` put in place of the file's format string."""
+    try:
+        text = (ROOT / "tools" / "cmake" / "archived_commit").read_text(encoding="ascii").strip()
+    except OSError:
+        return UNKNOWN
+    return text if re.fullmatch(r"[0-9a-f]{40}", text) else UNKNOWN
 
 
 def _record() -> dict[str, str]:

@@ -12,7 +12,6 @@ import argparse
 import hashlib
 import json
 import os
-import re
 import shutil
 import sys
 import tempfile
@@ -66,7 +65,8 @@ def parts(root: Path, build: Path, wheel: Path, version: str) -> dict[str, Path]
 def check(found: dict[str, Path], version: str, commit: str, config: str) -> None:
     """Refuse parts that do not belong together."""
     image = found[f"hubfoc-{version}-{PORT}.bin"].read_bytes()
-    banner = f"hubfoc {version} ({_short(commit)}) on {PORT}".encode()
+    identity = f"hubfoc {version} ({installation.short(commit)})"
+    banner = f"{identity} on {PORT}".encode()
     if banner not in image:
         raise ReleaseError(
             f"hubfoc-{version}-{PORT}.bin: is not {banner.decode()!r}; build it again"
@@ -77,19 +77,13 @@ def check(found: dict[str, Path], version: str, commit: str, config: str) -> Non
     for name in UNITS:
         with zipfile.ZipFile(found[f"fmu/{name}"]) as unit:
             described = ElementTree.fromstring(unit.read("modelDescription.xml"))
-        if described.get("version") != version:
-            raise ReleaseError(f"fmu/{name}: version {described.get('version')}, not {version}")
+        if described.get("generationTool") != identity:
+            raise ReleaseError(f"fmu/{name}: is of {described.get('generationTool')}")
     (wheel,) = (name for name in found if name.endswith(".whl"))
     with zipfile.ZipFile(found[wheel]) as archive:
         record = json.loads(archive.read("regen_table/data/build.json"))
     if record != {"version": version, "commit": commit}:
         raise ReleaseError(f"{wheel}: is of {record['version']} ({record['commit']})")
-
-
-def _short(commit: str) -> str:
-    """Return a commit as the firmware has it: twelve digits, and "+" behind changed files."""
-    found = re.fullmatch(r"([0-9a-f]{12})[0-9a-f]*(\+?)", commit)
-    return "".join(found.groups()) if found else "unknown"
 
 
 def sums(directory: Path) -> Iterator[str]:

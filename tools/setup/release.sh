@@ -38,8 +38,8 @@ cmd_release() {
     SOURCE_DATE_EPOCH=$(git -C "$ROOT" log -1 --format=%ct 2>/dev/null || echo 0)
     export SOURCE_DATE_EPOCH
     configure stm32f405 "HUBFOC_CONFIG=$DEFAULT_CONFIG"
-    # Changed files besides the firmware's make a "+" too.
-    rm -f "$ROOT/build/stm32f405/firmware/app/commit/stamp"
+    # Changed files besides those that the rules know make a "+" too.
+    rm -f "$ROOT/build/stm32f405/firmware/app/commit/stamp" "$ROOT"/build/host/host_sim/fmu/*.fmu
     build_targets stm32f405 hubfoc_stm32f405
     configure_host HUBFOC_FMU=ON "HUBFOC_FMU_CONFIG=$ROOT/tools/motors/$DEFAULT_CONFIG.toml"
     build_targets host fmu

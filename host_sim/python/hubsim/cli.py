@@ -13,12 +13,12 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn, TypeAlias
+from typing import TypeAlias
 
 from regen_table import installation
+from regen_table.cli import Parser, ShowVersion
 from regen_table.errors import ConfigurationError
 
-from hubsim import __version__
 from hubsim.errors import HubsimError
 
 DEFAULT_CONFIG = installation.ROOT / "tools" / "motors" / "lu2013.toml"
@@ -45,14 +45,6 @@ EXAMPLES = (
 _SCENARIO = "a built-in scenario ('hubsim list') or a TOML file"
 
 Commands: TypeAlias = "argparse._SubParsersAction[Parser]"
-
-
-class Parser(argparse.ArgumentParser):
-    """Answers a wrong call with one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Say what is wrong and exit with status 2."""
-        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -92,7 +84,7 @@ def parser() -> Parser:
         epilog="\n  ".join(["for example:", *EXAMPLES]),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    out.add_argument("--version", action="version", version=f"hubsim {__version__}")
+    out.add_argument("--version", action=ShowVersion)
     commands = out.add_subparsers(
         title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
     )

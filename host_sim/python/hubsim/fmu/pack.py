@@ -81,11 +81,12 @@ def _zip(entries: Mapping[str, bytes], path: Path) -> None:
 def _page(unit: Description) -> str:
     """Return the documentation.
 
-    Its origin is version, configuration and CRC: commit and date would make other bytes of the same
-    unit.
+    Its origin is version, commit, configuration and CRC; a date would make other bytes of the same
+    sources.
     """
     origin = {
         "version": installation.version(),
+        "commit": installation.short(installation.commit()),
         "configuration": unit.config.name,
         "configuration_crc32": provenance.crc32(unit.config.image),
     }

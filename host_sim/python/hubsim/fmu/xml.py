@@ -7,7 +7,8 @@ And the build description of FMI 3.0.
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 
-from hubsim import __version__
+from regen_table import installation
+
 from hubsim.fmu.description import CODE, FIXED, FLAG, INPUT, OUTPUT, REAL, Description, Variable
 from hubsim.fmu.units import base_powers
 
@@ -27,9 +28,9 @@ def model_description(unit: Description, fmi: int, sources: Sequence[str]) -> st
             "modelName": unit.identifier,
             "guid" if fmi == 2 else "instantiationToken": unit.token,
             "description": unit.text,
-            "version": __version__,
+            "version": installation.version(),
             "license": "Apache-2.0",
-            "generationTool": f"hubfoc {__version__}",
+            "generationTool": installation.identity("hubfoc"),
             "variableNamingConvention": "structured",
         },
     )

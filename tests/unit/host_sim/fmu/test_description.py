@@ -22,6 +22,7 @@ from hubsim.fmu.description import (
     describe,
 )
 from hubsim.fmu.pack import c_table
+from regen_table import installation
 
 LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 
@@ -63,6 +64,13 @@ def test_inputs_and_outputs_of_both_steps_are_in_the_controller(controller: Desc
     ]
     assert [v.name for v in controller.variables] == expected
     assert controller.step_s == hubsim.Controller(LU2013).period_s
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_unit_names_version_and_commit(fmi: int, controller: Description) -> None:
+    root = ET.fromstring(xml.model_description(controller, fmi, ["table.c"]))
+    assert root.get("version") == installation.version()
+    assert root.get("generationTool") == installation.identity("hubfoc")
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -2,6 +2,7 @@
 """Where the packages find files and what they call themselves."""
 
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -30,12 +31,56 @@ def test_commit_is_that_of_the_checkout(monkeypatch: pytest.MonkeyPatch) -> None
     if done.returncode == 0:
         assert commit.removesuffix("+") == done.stdout.strip()
     else:  # sources without their history
-        assert commit == "unknown"
+        assert re.fullmatch(r"unknown|[0-9a-f]{40}", commit)
 
 
 def test_a_caller_can_say_which_commit_an_archive_is_of(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HUBFOC_COMMIT", "0123456789ab")
     assert installation.commit.__wrapped__() == "0123456789ab"
+
+
+@pytest.mark.parametrize(
+    ("commit", "shown"),
+    [
+        ("0123456789abcdef0123456789abcdef01234567", "0123456789ab"),
+        ("0123456789abcdef0123456789abcdef01234567+", "0123456789ab+"),
+        ("unknown", "unknown"),
+    ],
+)
+def test_identity_is_in_the_words_of_the_firmwares_banner(
+    monkeypatch: pytest.MonkeyPatch, commit: str, shown: str
+) -> None:
+    monkeypatch.setattr(installation, "commit", lambda: commit)
+    assert installation.identity("hubsim") == f"hubsim {installation.version()} ({shown})"
+
+
+def test_an_archive_of_the_sources_names_its_commit_everywhere(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """In a checkout that is small: the files that know commits, and one more."""
+    monkeypatch.delenv("HUBFOC_COMMIT", raising=False)
+    names = (".gitattributes", "tools/cmake/archived_commit", "tools/cmake/commit.cmake")
+    checkout, archive = tmp_path / "checkout", tmp_path / "archive"
+    for name in names:
+        (checkout / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(REPOSITORY / name, checkout / name)
+    git = ("git", "-C", str(checkout), "-c", "user.name=a", "-c", "user.email=a@b")
+    subprocess.run(["git", "init", "-q", str(checkout)], check=True)
+    subprocess.run([*git, "add", "."], check=True)
+    subprocess.run([*git, "commit", "-q", "-m", "x"], check=True)
+    head = subprocess.run([*git, "rev-parse", "HEAD"], capture_output=True, text=True, check=True)
+    archive.mkdir()
+    packed = subprocess.run([*git, "archive", "HEAD"], capture_output=True, check=True).stdout
+    subprocess.run(["tar", "-x", "-C", str(archive)], input=packed, check=True)
+
+    commit = head.stdout.strip()
+    for root, expected in ((archive, commit), (checkout, commit)):
+        monkeypatch.setattr(installation, "ROOT", root)
+        assert installation.commit.__wrapped__() == expected
+        header = tmp_path / "commit.h"
+        command = ["cmake", f"-DSOURCE={root}", f"-DOUTPUT={header}"]
+        subprocess.run([*command, "-P", str(root / "tools/cmake/commit.cmake")], check=True)
+        assert f'"{commit[:12]}"' in header.read_text(encoding="utf-8")
 
 
 def test_a_folder_inside_somebody_elses_checkout_has_no_commit(
