@@ -174,7 +174,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         .fault = watch->fault,
         .safe_bridge = watch->safe_bridge,
     };
-    return modes_step(&slow->modes, &modes_in);
+    return modes_step(&slow->modes, config, &modes_in);
 }
 
 static torque_output_t step_torque(controller_slow_t *slow, const config_t *config,

@@ -65,7 +65,8 @@ static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *i
     return state->acknowledge_steps > 0;
 }
 
-static void advance(modes_state_t *state, const modes_input_t *in, bool acknowledged)
+static void advance(modes_state_t *state, const config_modes_t *config, const modes_input_t *in,
+                    bool acknowledged)
 {
     switch (state->mode) {
     case MODE_BOOT:
@@ -76,7 +77,7 @@ static void advance(modes_state_t *state, const modes_input_t *in, bool acknowle
     case MODE_SELFTEST:
         if (in->selftest_passed) {
             enter(state, MODE_OFFSET_CAL);
-        } else if (state->steps >= MODES_SELFTEST_TIMEOUT_STEPS) {
+        } else if (state->steps >= config->selftest_timeout_ms) {
             fail(state, REASON_SELFTEST_FAILED);
         }
         break;
@@ -124,7 +125,8 @@ static void advance(modes_state_t *state, const modes_input_t *in, bool acknowle
     }
 }
 
-static torque_enable_t torque_enable_of(const modes_state_t *state, const modes_input_t *in)
+static torque_enable_t torque_enable_of(const modes_state_t *state, const config_modes_t *config,
+                                        const modes_input_t *in)
 {
     torque_enable_t out = {
         .bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_TORQUE_ENABLE};
@@ -141,7 +143,7 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const modes_
         break;
     case MODE_LIMP:
         out.bridge = BRIDGE_PWM;
-        out.drive_q15 = in->enable ? MODES_LIMP_DRIVE_Q15 : 0;
+        out.drive_q15 = in->enable ? (int16_t)config->limp_drive_share_q15 : 0;
         out.brake_q15 = Q15_ONE;
         out.reason = in->warning_reason;
         break;
@@ -164,19 +166,19 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const modes_
     return out;
 }
 
-modes_output_t modes_step(modes_state_t *state, const modes_input_t *in)
+modes_output_t modes_step(modes_state_t *state, const config_t *config, const modes_input_t *in)
 {
     const bool acknowledged = acknowledgement_pending(state, in);
     state->steps = (uint16_t)q_min(state->steps + 1, UINT16_MAX);
     if (in->fault != REASON_NONE && state->mode != MODE_BOOT) {
         fail(state, in->fault);
     } else {
-        advance(state, in, acknowledged);
+        advance(state, &config->modes, in, acknowledged);
     }
     const modes_output_t out = {
         .mode = state->mode,
         .fault = state->fault,
-        .torque_enable = torque_enable_of(state, in),
+        .torque_enable = torque_enable_of(state, &config->modes, in),
         .calibrate_offsets = state->mode == MODE_OFFSET_CAL && in->safe_bridge == BRIDGE_OFF,
         .clear_trip = acknowledged,
     };

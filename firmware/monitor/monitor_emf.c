@@ -5,6 +5,7 @@
 #include "core/divide.h"
 #include "core/q15.h"
 
+/* Mathematics, not taste: at 4 U the error of e turns it by 15 degrees (README, Angle check). */
 enum { MARGIN = 4, MOST_CURRENT_mA = 10000000 };
 
 static int64_t larger(int64_t a, int64_t b)
@@ -55,14 +56,15 @@ static bool contradicted(const config_t *config, const monitor_emf_input_t *in, 
 bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,
                       const monitor_emf_input_t *in)
 {
+    const int32_t most = config->monitor.angle_fault_time_ms;
     bool judged = false;
     const bool wrong = contradicted(config, in, &judged);
     if (!in->switching || !in->rotor_valid) {
         state->level = 0;
     } else if (judged && wrong && !in->voltage_limited) {
-        state->level = (uint16_t)q_min(state->level + 1, MONITOR_EMF_STEPS);
+        state->level = (uint16_t)q_min(state->level + 1, most);
     } else if (state->level > 0) {
         state->level--;
     }
-    return state->level >= MONITOR_EMF_STEPS;
+    return state->level >= most;
 }

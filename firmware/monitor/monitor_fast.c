@@ -17,6 +17,7 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config)
         .overvoltage_pu = q_scale(config->battery.overvoltage_trip_mV, 32768,
                                   config->drive.voltage_full_scale_mV),
         .stale_limit_periods = stale_limit_periods,
+        .trip_periods = config->monitor.overcurrent_periods,
         .periods_left = stale_limit_periods,
     };
     *state = fresh;

@@ -21,8 +21,9 @@ bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s,
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(speed_mrad_s));
     const int64_t emf_peak_mV = w_mrad_s * config->motor.flux_linkage_nWb / 1000000000;
     const int64_t line_mV = emf_peak_mV * 1732 / 1000;
-    const int64_t limit_mV =
-        now == BRIDGE_SHORT ? (int64_t)bus_voltage_mV * 9 / 10 : bus_voltage_mV;
+    const int64_t limit_mV = now == BRIDGE_SHORT ? (int64_t)bus_voltage_mV *
+                                                       config->monitor.short_release_permille / 1000
+                                                 : bus_voltage_mV;
     return line_mV >= limit_mV ? BRIDGE_SHORT : BRIDGE_OFF;
 }
 
@@ -49,7 +50,7 @@ static bool torque_unwanted(const config_t *config, const monitor_slow_input_t *
 static int32_t rotor_qualify_steps(const config_t *config)
 {
     return q_scale(config->motor.max_torque_mNm, 1000, config->brake.torque_rate_mNm_s) +
-           MONITOR_ROTOR_STEPS;
+           config->monitor.rotor_fault_time_ms;
 }
 
 static bool flow_broken(monitor_slow_state_t *state, const config_t *config,
@@ -75,36 +76,38 @@ static reason_t voltage_fault(const config_t *config, const monitor_slow_input_t
                : REASON_NONE;
 }
 
-static reason_t one_temperature_fault(int32_t temperature_cC, int32_t limit_cC, reason_t broken,
-                                      reason_t hot)
+static reason_t one_temperature_fault(const config_monitor_t *config, int32_t temperature_cC,
+                                      int32_t limit_cC, reason_t broken, reason_t hot)
 {
     if (limit_cC >= MONITOR_TEMPERATURE_OFF_cC) {
         return REASON_NONE;
     }
-    if (temperature_cC > MONITOR_HOTTEST_cC || temperature_cC < MONITOR_COLDEST_cC) {
+    if (temperature_cC > config->highest_temperature_cC ||
+        temperature_cC < config->lowest_temperature_cC) {
         return broken;
     }
-    return temperature_cC > limit_cC + MONITOR_OVERTEMPERATURE_cC ? hot : REASON_NONE;
+    return temperature_cC > limit_cC + config->overtemperature_margin_cC ? hot : REASON_NONE;
 }
 
 static reason_t temperature_fault(const config_t *config, const monitor_slow_input_t *in)
 {
-    const reason_t winding =
-        one_temperature_fault(in->winding_temperature_cC, config->motor.max_winding_temperature_cC,
-                              REASON_WINDING_SENSOR, REASON_WINDING_OVERTEMPERATURE);
+    const reason_t winding = one_temperature_fault(
+        &config->monitor, in->winding_temperature_cC, config->motor.max_winding_temperature_cC,
+        REASON_WINDING_SENSOR, REASON_WINDING_OVERTEMPERATURE);
     return winding != REASON_NONE
                ? winding
-               : one_temperature_fault(in->switch_temperature_cC,
+               : one_temperature_fault(&config->monitor, in->switch_temperature_cC,
                                        config->drive.max_switch_temperature_cC,
                                        REASON_SWITCH_SENSOR, REASON_SWITCH_OVERTEMPERATURE);
 }
 
 /* A skipped sector is a warning for a while: one may be dirt, a dead sensor makes one every
  * electrical turn. */
-static bool rotor_warning(monitor_slow_state_t *state, uint16_t rotor_faults)
+static bool rotor_warning(monitor_slow_state_t *state, const config_t *config,
+                          uint16_t rotor_faults)
 {
     if (rotor_faults != state->last_rotor_faults) {
-        state->warning_steps = MONITOR_ROTOR_WARNING_STEPS;
+        state->warning_steps = (uint16_t)config->monitor.rotor_warning_time_ms;
     } else if (state->warning_steps > 0) {
         state->warning_steps--;
     }
@@ -159,12 +162,13 @@ static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
 monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
                                    const monitor_slow_input_t *in)
 {
+    const int32_t sensor_time_ms = config->monitor.sensor_fault_time_ms;
     const bool sum_wrong = qualified(&state->sum_steps,
                                      in->offsets_known && q_abs(in->current_sum_pu) >
                                                               config->monitor.current_sum_pu_q15,
-                                     MONITOR_QUALIFY_STEPS);
-    const bool sensor_wrong = qualified(
-        &state->sensor_steps, in->switching && in->current_saturated, MONITOR_QUALIFY_STEPS);
+                                     sensor_time_ms);
+    const bool sensor_wrong =
+        qualified(&state->sensor_steps, in->switching && in->current_saturated, sensor_time_ms);
     const bool rotor_wrong = qualified(&state->rotor_steps, in->switching && !in->rotor_valid,
                                        rotor_qualify_steps(config));
     const monitor_emf_input_t emf = emf_input(in);
@@ -172,26 +176,26 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const bool torque_wrong =
         qualified(&state->torque_steps, in->switching && torque_unwanted(config, in),
                   config->monitor.torque_fault_time_ms);
-    const bool flow_wrong =
-        qualified(&state->flow_steps, flow_broken(state, config, in->fast_step_count),
-                  MONITOR_QUALIFY_STEPS / 4);
+    const bool flow_wrong = qualified(
+        &state->flow_steps, flow_broken(state, config, in->fast_step_count), MONITOR_FLOW_STEPS);
     const reason_t voltage = voltage_fault(config, in);
-    const bool voltage_wrong =
-        qualified(&state->voltage_steps, voltage != REASON_NONE, MONITOR_QUALIFY_STEPS / 4);
+    const bool voltage_wrong = qualified(&state->voltage_steps, voltage != REASON_NONE,
+                                         config->monitor.voltage_fault_time_ms);
     const reason_t temperature = temperature_fault(config, in);
     const bool temperature_wrong =
-        qualified(&state->temperature_steps, temperature != REASON_NONE, MONITOR_QUALIFY_STEPS);
+        qualified(&state->temperature_steps, temperature != REASON_NONE, sensor_time_ms);
 
     const monitor_speed_input_t turning = speed_input(in);
     const int32_t speed_mrad_s = monitor_speed_step(&state->speed, config, &turning);
 
     monitor_output_t out = {
         .fault = REASON_NONE,
-        .warning = rotor_warning(state, in->rotor_faults) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
+        .warning =
+            rotor_warning(state, config, in->rotor_faults) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
         .safe_bridge =
             monitor_safe_bridge(config, speed_mrad_s, in->bus_voltage_mV, state->safe_bridge),
         .offsets_plausible = offsets_plausible(config, in->offset_q4),
-        .standstill = speed_mrad_s < MONITOR_SPEED_STANDSTILL_mrad_s,
+        .standstill = speed_mrad_s < config->monitor.standstill_mrad_s,
     };
     state->safe_bridge = out.safe_bridge;
     state->steps++;

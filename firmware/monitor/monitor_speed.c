@@ -127,15 +127,16 @@ static bool emf_shows(monitor_speed_state_t *state, const config_t *config,
     const bool off = in->bridge == BRIDGE_OFF;
     const bool blind =
         !in->rotor_valid || q_abs(in->speed_mrad_s) < config->brake.blend_out_end_mrad_s;
+    const int32_t qualified = config->monitor.diode_fault_time_ms;
     if (off && blind) {
         const int32_t up = flows(config, in->offsets_known, square_mA2(in)) ? 1 : -1;
-        state->diode_steps = q_clamp(state->diode_steps + up, 0, MONITOR_SPEED_DIODE_STEPS);
+        state->diode_steps = q_clamp(state->diode_steps + up, 0, qualified);
     } else {
         state->diode_steps = 0;
     }
     const bool first_over = off && blind && over && !state->overvoltage_seen;
     state->overvoltage_seen = over && (state->overvoltage_seen || first_over);
-    return first_over || state->diode_steps == MONITOR_SPEED_DIODE_STEPS;
+    return first_over || state->diode_steps == qualified;
 }
 
 /* w = v / (sqrt(3) psi), mechanical, and 2 % more, so that it is beyond the limit after all
@@ -162,7 +163,7 @@ int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
     } else {
         const bool too_early = in->bridge == BRIDGE_SHORT && state->windows < 2;
         const int32_t deceleration_mm_s2 =
-            in->rotor_valid ? MONITOR_SPEED_TYRE_GRIP_mm_s2 : MONITOR_SPEED_COASTING_mm_s2;
+            in->rotor_valid ? config->monitor.tyre_grip_mm_s2 : config->monitor.coasting_mm_s2;
         const int64_t fall = too_early ? 0 : fall_urad_s(config, deceleration_mm_s2);
         state->bound_urad_s = larger(state->bound_urad_s - fall, said_urad_s);
     }

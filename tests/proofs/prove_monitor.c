@@ -7,8 +7,8 @@
 /* With as many periods of overcurrent as it takes there is a trip. */
 static bool invariant(const monitor_fast_state_t *state)
 {
-    return state->overcurrent_periods >= 0 && state->overcurrent_periods <= MONITOR_TRIP_PERIODS &&
-           (state->trip != REASON_NONE || state->overcurrent_periods < MONITOR_TRIP_PERIODS) &&
+    return state->overcurrent_periods >= 0 && state->overcurrent_periods <= state->trip_periods &&
+           (state->trip != REASON_NONE || state->overcurrent_periods < state->trip_periods) &&
            state->periods_left >= 0 && state->periods_left <= state->stale_limit_periods;
 }
 
@@ -18,8 +18,9 @@ static monitor_fast_state_t any_state(void)
         .overcurrent_square = nondet_uint32(),
         .overvoltage_pu = any_within(0, 32768),
         .stale_limit_periods = any_within(0, 100000 / 1000 * MONITOR_STALE_STEPS),
+        .trip_periods = any_within(1, 16),
         .trip = (reason_t)nondet_uint8(),
-        .overcurrent_periods = any_within(0, MONITOR_TRIP_PERIODS),
+        .overcurrent_periods = any_within(0, 16),
         .periods_left = any_within(0, 100000 / 1000 * MONITOR_STALE_STEPS),
         .last_slow_step = nondet_uint16(),
     };

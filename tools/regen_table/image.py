@@ -94,6 +94,10 @@ def fields(drive: Drive) -> Values:
         "battery": _battery(drive),
         "brake": _brake(drive),
         "vehicle": _vehicle(drive),
+        "modes": {
+            "limp_drive_share_q15": loops.fixed(drive.control.limp_drive_share, 15),
+            "selftest_timeout_ms": nearest(drive.control.selftest_timeout_s * 1e3),
+        },
         "monitor": _monitor(drive),
         "regen_map": {
             "speed_points": table.torque_mNm.shape[1],
@@ -242,12 +246,31 @@ def _vehicle(drive: Drive) -> dict[str, Any]:
 
 
 def _monitor(drive: Drive) -> dict[str, Any]:
+    monitor, full = drive.monitor, drive.inverter.current_full_scale_a
     # Three independent samples in the sum: four standard deviations of it, above 5 % of the range.
-    noise = 4.0 * 3.0**0.5 * drive.sensors.current_noise_a / drive.inverter.current_full_scale_a
+    noise = 4.0 * 3.0**0.5 * drive.sensors.current_noise_a / full
+    summed = 0.05 + noise if monitor.current_sum_a is None else monitor.current_sum_a / full
+    torque = monitor.torque_tolerance_nm
+    if torque is None:
+        torque = max(0.1 * drive.motor.max_torque_nm, 0.5)
     return {
         "overcurrent_pu_q15": loops.fixed(loops.overcurrent_pu(drive), 15),
-        "current_sum_pu_q15": loops.fixed(0.05 + noise, 15),
-        "offset_tolerance_codes": loops.OFFSET_TOLERANCE_CODES,
-        "torque_tolerance_mNm": nearest(max(0.1 * drive.motor.max_torque_nm, 0.5) * 1e3),
-        "torque_fault_time_ms": 50,
+        "overcurrent_periods": monitor.overcurrent_periods,
+        "current_sum_pu_q15": loops.fixed(summed, 15),
+        "offset_tolerance_codes": monitor.offset_tolerance_codes,
+        "torque_tolerance_mNm": nearest(torque * 1e3),
+        "torque_fault_time_ms": nearest(monitor.torque_fault_time_s * 1e3),
+        "sensor_fault_time_ms": nearest(monitor.sensor_fault_time_s * 1e3),
+        "voltage_fault_time_ms": nearest(monitor.voltage_fault_time_s * 1e3),
+        "rotor_fault_time_ms": nearest(monitor.rotor_fault_time_s * 1e3),
+        "angle_fault_time_ms": nearest(monitor.angle_fault_time_s * 1e3),
+        "rotor_warning_time_ms": nearest(monitor.rotor_warning_time_s * 1e3),
+        "diode_fault_time_ms": nearest(monitor.diode_fault_time_s * 1e3),
+        "overtemperature_margin_cC": nearest(monitor.overtemperature_margin_k * 1e2),
+        "lowest_temperature_cC": nearest(monitor.lowest_temperature_c * 1e2),
+        "highest_temperature_cC": nearest(monitor.highest_temperature_c * 1e2),
+        "tyre_grip_mm_s2": nearest(monitor.tyre_grip_m_per_s2 * 1e3),
+        "coasting_mm_s2": nearest(monitor.coasting_m_per_s2 * 1e3),
+        "standstill_mrad_s": nearest(monitor.standstill_rpm * RPM_TO_MRAD_S),
+        "short_release_permille": nearest(monitor.short_release_share * 1e3),
     }

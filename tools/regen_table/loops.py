@@ -20,12 +20,6 @@ FIELD_WEAKENING_AIM = 0.97  # of the voltage circle, as in foc/modulation_index.
 ROUNDING_COUNTS = 2  # as in foc/modulation.c
 SETTLING_S = 0.5e-6  # of a shunt amplifier after its low side begins to conduct
 DEAD_TIME_ZONE_MIN = 128.0 / 32768.0  # as in config.h
-OFFSET_TOLERANCE_CODES = (
-    200  # by which a current sensor's zero may lie beside the middle of the converter's range
-)
-# Of half the converter's range, 2047 codes: what a sensor with the worst zero still tells. A
-# clipped sample hides the real current.
-OVERCURRENT_SHARE_MAX = (2047 - OFFSET_TOLERANCE_CODES) / 2048
 
 
 @dataclass(frozen=True)
@@ -54,7 +48,8 @@ def undervoltage_trip_v(drive: Drive) -> float:
 
     The lowest one the gains are scaled for.
     """
-    return 0.9 * drive.battery.min_voltage_v
+    wanted = drive.monitor.undervoltage_v
+    return 0.9 * drive.battery.min_voltage_v if wanted is None else wanted
 
 
 def pwm_period_counts(drive: Drive) -> int:
@@ -238,8 +233,15 @@ def current_loop(drive: Drive) -> dict[str, int]:
     if trip < 1.05 * largest:
         raise ConfigurationError(
             f"motor.max_phase_current_a: {motor.max_phase_current_a:g} A, accepted: at most "
-            f"{OVERCURRENT_SHARE_MAX / 1.05 * base.current_a:.4g} A, so that the overcurrent trip still lies inside "
+            f"{trip / 1.05 * base.current_a:.4g} A, 5 % below the overcurrent trip, which lies inside "
             f"inverter.current_full_scale_a = {base.current_a:g} A"
+        )
+    wanted = drive.monitor.overcurrent_a
+    if wanted is not None and trip > overcurrent_share_max(drive):
+        raise ConfigurationError(
+            f"monitor.overcurrent_a: {wanted:g} A, accepted: at most {overcurrent_share_max(drive) * base.current_a:.4g} A, "
+            f"what a sensor shows of inverter.current_full_scale_a = {base.current_a:g} A whose zero is off by "
+            f"monitor.offset_tolerance_codes = {drive.monitor.offset_tolerance_codes}"
         )
     limit = modulation_limit(drive)
     return {
@@ -261,15 +263,23 @@ def current_loop(drive: Drive) -> dict[str, int]:
     }
 
 
+def overcurrent_share_max(drive: Drive) -> float:
+    """Return what a sensor with the worst zero still shows of half the converter's range, 2047 codes.
+
+    A clipped sample hides the real current.
+    """
+    return (2047 - drive.monitor.offset_tolerance_codes) / 2048
+
+
 def overcurrent_pu(drive: Drive) -> float:
     """Per-unit length of the current vector that trips.
 
-    30 % above the largest asked for, inside the converter's range.
+    As configured, or 30 % above the largest asked for, inside the converter's range.
     """
-    return min(
-        OVERCURRENT_SHARE_MAX,
-        1.3 * drive.motor.max_phase_current_a / drive.inverter.current_full_scale_a,
-    )
+    full, wanted = drive.inverter.current_full_scale_a, drive.monitor.overcurrent_a
+    if wanted is not None:
+        return wanted / full
+    return min(overcurrent_share_max(drive), 1.3 * drive.motor.max_phase_current_a / full)
 
 
 def field_weakening_gain(drive: Drive) -> float:

@@ -109,7 +109,9 @@ def overvoltage_trip_v(drive: Drive) -> float:
 
     What battery and board stand, and the board can still see.
     """
-    return min(1.05 * drive.battery.max_voltage_v, 0.98 * drive.inverter.voltage_full_scale_v)
+    wanted = drive.monitor.overvoltage_v
+    stands = min(1.05 * drive.battery.max_voltage_v, 0.98 * drive.inverter.voltage_full_scale_v)
+    return stands if wanted is None else wanted
 
 
 def lowest_open_circuit_v(drive: Drive) -> float:
@@ -269,6 +271,27 @@ def _stop_lamp(drive: Drive) -> Iterator[str]:
         )
 
 
+def _trips(drive: Drive) -> Iterator[str]:
+    battery, monitor, inverter = drive.battery, drive.monitor, drive.inverter
+    seen = 0.999 * inverter.voltage_full_scale_v
+    high, low = monitor.overvoltage_v, monitor.undervoltage_v
+    if high is not None and not battery.max_voltage_v < high <= seen:
+        yield (
+            f"monitor.overvoltage_v: {high:g} V, accepted: more than battery.max_voltage_v = {battery.max_voltage_v:g} V, "
+            f"at most {seen:.4g} V of inverter.voltage_full_scale_v = {inverter.voltage_full_scale_v:g} V"
+        )
+    if low is not None and low >= battery.min_voltage_v:
+        yield (
+            f"monitor.undervoltage_v: {low:g} V, accepted: "
+            f"less than battery.min_voltage_v = {battery.min_voltage_v:g} V"
+        )
+    if monitor.coasting_m_per_s2 > monitor.tyre_grip_m_per_s2:
+        yield (
+            f"monitor.coasting_m_per_s2: {monitor.coasting_m_per_s2:g} m/s2, accepted: "
+            f"at most tyre_grip_m_per_s2 = {monitor.tyre_grip_m_per_s2:g} m/s2"
+        )
+
+
 def _torque_growth(drive: Drive) -> Iterator[str]:
     start, end = drive.control.torque_growth_voltage_use
     if not (end >= 0.5 and end - start >= 0.01):
@@ -402,6 +425,6 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _torque_growth,
+    _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _trips, _torque_growth,
     _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration,
 )  # fmt: skip

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """A drive and the sections of its TOML file: every key, its unit, its accepted range.
 
-One class a section, one line a key; those that only the simulated plant reads are in
-``plant_sections``. All classes are strict (no text taken for a number), frozen,
-and refuse unknown keys and non-finite numbers. An optional key that is absent switches its feature
+One class a section, one line a key; [monitor] is in ``monitor_section``, what only the simulated
+plant reads in ``plant_sections``. All classes are strict (no text taken for a number), frozen, and
+refuse unknown keys and non-finite numbers. An optional key that is absent switches its feature
 off or has the default given in its line; no key is ever guessed.
 """
 
@@ -13,6 +13,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field
 
 from regen_table.errors import ConfigurationError
+from regen_table.monitor_section import Monitor
 from regen_table.plant_sections import (
     Bms,
     Bus,
@@ -289,6 +290,12 @@ class Control(Section):
             description="square of the voltage over its circle's: torque grows at its whole rate below the first, no more above the second",
         ),
     ] = (0.89, 0.96)
+    limp_drive_share: Annotated[
+        float, number(0.0, 1.0, "1", "of the driving torque, left after a warning")
+    ] = 0.3
+    selftest_timeout_s: Annotated[
+        float, number(0.01, 60.0, "s", "a self-test without a result is a fault")
+    ] = 1.0
 
 
 class Table(Section):
@@ -355,6 +362,7 @@ class Drive(Section):
     control: Control
     table: Table
     rotor: Rotor = Rotor()
+    monitor: Monitor = Monitor()
     sensors: Sensors = Sensors()
     bus: Bus = Bus()
     bms: Bms = Bms()

@@ -185,13 +185,55 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
         .wheel_position  = 0,
     },
+    .modes = {
+        /* share of motor.max_torque_mNm left for driving in LIMP, after a warning; braking is
+         * not reduced; default 0.3 */
+        .limp_drive_share_q15 = 9830,
+        .selftest_timeout_ms  = 1000, /* [ms] SELFTEST without a result is a fault; default 1000 */
+    },
     .monitor = {
-        /* [pu] length of the current vector that trips, the peak of three sinusoidal phases */
-        .overcurrent_pu_q15     = 29552,
-        .current_sum_pu_q15     = 1638, /* [pu] largest |i_a + i_b + i_c| */
-        .offset_tolerance_codes = 200, /* distance of a current sensor's zero from mid-range */
-        .torque_tolerance_mNm   = 11500, /* [mNm] estimate against permitted torque */
-        .torque_fault_time_ms   = 50, /* [ms] how long the torque may be wrong */
+        /* [pu] length of the current vector that trips, the peak of three sinusoidal phases;
+         * default 1.3 times motor.max_phase_current_mA */
+        .overcurrent_pu_q15        = 29552,
+        /* PWM periods in a row that it takes; 1: a single disturbed sample trips; default 2 */
+        .overcurrent_periods       = 2,
+        .current_sum_pu_q15        = 1638, /* [pu] largest |i_a + i_b + i_c| */
+        .offset_tolerance_codes    = 200, /* distance of a current sensor's zero from mid-range */
+        .torque_tolerance_mNm      = 11500, /* [mNm] estimate against permitted torque */
+        .torque_fault_time_ms      = 50, /* [ms] how long the torque may be wrong; default 50 */
+        /* [ms] qualify time of current sum, saturated current sensor and temperature; default
+         * 20 */
+        .sensor_fault_time_ms      = 20,
+        /* [ms] qualify time of the low-passed bus voltage; default 5 */
+        .voltage_fault_time_ms     = 5,
+        /* [ms] time for an invalid rotor angle to become valid again once the torque is zero;
+         * default 250 */
+        .rotor_fault_time_ms       = 250,
+        /* [ms] steps with an implausible angle more than with a plausible one; default 20 */
+        .angle_fault_time_ms       = 20,
+        /* [ms] heal time of the rotor sensor's warning, and so of LIMP; default 10000 */
+        .rotor_warning_time_ms     = 10000,
+        /* [ms] qualify time of a diode current in freewheel, which shows a turning wheel;
+         * default 20 */
+        .diode_fault_time_ms       = 20,
+        /* [cC] above the end of the derating, where a temperature is a fault; default 1000 */
+        .overtemperature_margin_cC = 1000,
+        /* [cC] below it a temperature sensor counts as broken; default -6000 */
+        .lowest_temperature_cC     = -6000,
+        /* [cC] above it a temperature sensor counts as broken; default 29000 */
+        .highest_temperature_cC    = 29000,
+        /* [mm/s^2] largest deceleration of the vehicle: the speed upper bound falls no faster
+         * while the rotor sensor is valid; default 11768 */
+        .tyre_grip_mm_s2           = 11768,
+        /* [mm/s^2] smallest deceleration of the coasting vehicle: the speed upper bound falls
+         * no faster while it is not; default 98 */
+        .coasting_mm_s2            = 98,
+        /* [mrad/s] speed upper bound below which the wheel counts as at standstill; default
+         * 300 */
+        .standstill_mrad_s         = 300,
+        /* [permille] of the speed where it begins, below which an active short circuit ends;
+         * default 900 */
+        .short_release_permille    = 900,
     },
     .regen_map = {
         .speed_points          = 47, /* points along speed, from standstill */
@@ -482,5 +524,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0x96E11120,
+    .crc32 = 0x250F333A,
 };

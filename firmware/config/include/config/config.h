@@ -236,9 +236,19 @@
     X(wheel_position,                        0,         3,          "", \
       "address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right")
 
+#define CONFIG_MODES_FIELDS(X) \
+    X(limp_drive_share_q15,                  0,         32767,      "1", \
+      "share of motor.max_torque_mNm left for driving in LIMP, after a warning; braking is not " \
+      "reduced; default 0.3") \
+    X(selftest_timeout_ms,                   10,        60000,      "ms", \
+      "SELFTEST without a result is a fault; default 1000")
+
 #define CONFIG_MONITOR_FIELDS(X) \
     X(overcurrent_pu_q15,                    164,       32767,      "pu", \
-      "length of the current vector that trips, the peak of three sinusoidal phases") \
+      "length of the current vector that trips, the peak of three sinusoidal phases; default " \
+      "1.3 times motor.max_phase_current_mA") \
+    X(overcurrent_periods,                   1,         16,         "1", \
+      "PWM periods in a row that it takes; 1: a single disturbed sample trips; default 2") \
     X(current_sum_pu_q15,                    16,        32767,      "pu", \
       "largest |i_a + i_b + i_c|") \
     X(offset_tolerance_codes,                1,         1024,       "1", \
@@ -246,7 +256,36 @@
     X(torque_tolerance_mNm,                  1,         1000000,    "mNm", \
       "estimate against permitted torque") \
     X(torque_fault_time_ms,                  1,         1000,       "ms", \
-      "how long the torque may be wrong")
+      "how long the torque may be wrong; default 50") \
+    X(sensor_fault_time_ms,                  1,         1000,       "ms", \
+      "qualify time of current sum, saturated current sensor and temperature; default 20") \
+    X(voltage_fault_time_ms,                 1,         1000,       "ms", \
+      "qualify time of the low-passed bus voltage; default 5") \
+    X(rotor_fault_time_ms,                   1,         10000,      "ms", \
+      "time for an invalid rotor angle to become valid again once the torque is zero; default " \
+      "250") \
+    X(angle_fault_time_ms,                   1,         1000,       "ms", \
+      "steps with an implausible angle more than with a plausible one; default 20") \
+    X(rotor_warning_time_ms,                 1,         60000,      "ms", \
+      "heal time of the rotor sensor's warning, and so of LIMP; default 10000") \
+    X(diode_fault_time_ms,                   1,         1000,       "ms", \
+      "qualify time of a diode current in freewheel, which shows a turning wheel; default 20") \
+    X(overtemperature_margin_cC,             0,         5000,       "cC", \
+      "above the end of the derating, where a temperature is a fault; default 1000") \
+    X(lowest_temperature_cC,                 -20000,    0,          "cC", \
+      "below it a temperature sensor counts as broken; default -6000") \
+    X(highest_temperature_cC,                10000,     29998,      "cC", \
+      "above it a temperature sensor counts as broken; default 29000") \
+    X(tyre_grip_mm_s2,                       1000,      20000,      "mm/s^2", \
+      "largest deceleration of the vehicle: the speed upper bound falls no faster while the " \
+      "rotor sensor is valid; default 11768") \
+    X(coasting_mm_s2,                        1,         2000,       "mm/s^2", \
+      "smallest deceleration of the coasting vehicle: the speed upper bound falls no faster " \
+      "while it is not; default 98") \
+    X(standstill_mrad_s,                     10,        5000,       "mrad/s", \
+      "speed upper bound below which the wheel counts as at standstill; default 300") \
+    X(short_release_permille,                500,       999,        "permille", \
+      "of the speed where it begins, below which an active short circuit ends; default 900")
 
 #define CONFIG_REGEN_MAP_FIELDS(X) \
     X(speed_points,                          2,         65,         "1", \
@@ -324,6 +363,10 @@ typedef struct {
 } config_vehicle_t;
 
 typedef struct {
+    CONFIG_MODES_FIELDS(CONFIG_SCALAR_MEMBER)
+} config_modes_t;
+
+typedef struct {
     CONFIG_MONITOR_FIELDS(CONFIG_SCALAR_MEMBER)
 } config_monitor_t;
 
@@ -351,6 +394,7 @@ typedef struct {
     config_battery_t battery;
     config_brake_t brake;
     config_vehicle_t vehicle;
+    config_modes_t modes;
     config_monitor_t monitor;
     config_regen_map_t regen_map;
     config_current_map_t current_map;

@@ -16,6 +16,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "config/config.h"
 #include "core/reason.h"
 #include "core/torque_enable.h"
 
@@ -31,12 +32,11 @@ typedef enum {
 } modes_mode_t;
 
 enum {
-    MODES_SELFTEST_TIMEOUT_STEPS = 1000,   /* 1 s */
-    MODES_CALIBRATION_TIMEOUT_STEPS = 500, /* 0.5 s; the average itself takes about 50 ms */
+    /* 0.5 s; the average of 1024 PWM periods takes at most 256 ms */
+    MODES_CALIBRATION_TIMEOUT_STEPS = 500,
     MODES_CALIBRATION_SETTLE_STEPS = 5,
-    MODES_ACKNOWLEDGE_STEPS =
-        50, /* how long an acknowledgement waits for the monitor to report no fault */
-    MODES_LIMP_DRIVE_Q15 = 9830 /* 30 % of the driving torque */
+    /* how long an acknowledgement waits for the monitor to report no fault */
+    MODES_ACKNOWLEDGE_STEPS = 50
 };
 
 typedef struct {
@@ -76,7 +76,7 @@ typedef struct {
 void modes_init(modes_state_t *state);
 
 /* 1 kHz. */
-modes_output_t modes_step(modes_state_t *state, const modes_input_t *in);
+modes_output_t modes_step(modes_state_t *state, const config_t *config, const modes_input_t *in);
 
 /* "RUN" and so on; never NULL. */
 const char *modes_text(modes_mode_t mode);

@@ -24,19 +24,12 @@
 #include "monitor/monitor_speed.h"
 
 enum {
-    MONITOR_QUALIFY_STEPS = 20, /* qualify time of a slow condition, ms */
-    MONITOR_ROTOR_STEPS =
-        250, /* ms for an invalid angle to become valid again, once the torque is zero */
-    MONITOR_TRIP_PERIODS =
-        2, /* qualify time of an over-current, PWM periods: rejects one disturbed sample */
-    MONITOR_ROTOR_WARNING_STEPS = 10000, /* heal time of the rotor sensor's warning, ms */
-    MONITOR_STALE_STEPS = 4,             /* ms without a slow step until the fast loop trips */
-    MONITOR_OVERTEMPERATURE_cC = 1000,   /* above the end of the derating */
-    MONITOR_HOTTEST_cC = 29000, /* outside these two a temperature is implausible: the sensor's line
-                                   is open */
-    MONITOR_COLDEST_cC = -6000, /* or shorted (hal/analog.h reports 29999 for either) */
-    MONITOR_TEMPERATURE_OFF_cC =
-        30000 /* this limit in the configuration is off: there may be no sensor */
+    /* Between the two loops, which the program fixes: ms without a slow step until the fast loop
+     * trips, ms with the wrong count of fast steps. */
+    MONITOR_STALE_STEPS = 4,
+    MONITOR_FLOW_STEPS = 5,
+    /* this limit in the configuration is off: there may be no sensor */
+    MONITOR_TEMPERATURE_OFF_cC = 30000
 };
 
 /* ---- fast ---- */
@@ -46,6 +39,7 @@ typedef struct {
     uint32_t overcurrent_square; /* Q30 of the current base */
     int32_t overvoltage_pu;      /* Q15 of the voltage base */
     int32_t stale_limit_periods; /* PWM periods without a slow step */
+    int32_t trip_periods;        /* qualify time of an over-current */
     /* State. */
     reason_t trip;
     int32_t overcurrent_periods;
@@ -131,7 +125,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
 /*
  * Safe state of the bridge: freewheel while the rectified back-EMF is below the bus voltage,
  * sqrt(3) psi w_e < v_dc, else active short circuit, because the diodes would charge the bus
- * without control. `now` gives the hysteresis: the short circuit is left only 10 % below the limit.
+ * without control. `now` gives the hysteresis: the short circuit is left below
+ * monitor.short_release of the limit.
  * speed_mrad_s: the speed upper bound, monitor_speed_step().
  */
 bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s,

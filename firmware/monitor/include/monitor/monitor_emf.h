@@ -8,7 +8,8 @@
  * is (0, w psi) at the right angle, in the estimated frame. The angle is implausible if e is more
  * than 45 degrees away from the q axis, or if e_q and the speed have opposite signs. It is checked
  * only where w psi >= 4 U, U the uncertainty of e, and while the voltage is not limited. The error
- * is qualified by MONITOR_EMF_STEPS more implausible than plausible steps. README, Angle check.
+ * is qualified by monitor.angle_fault_time more implausible than plausible steps. README, Angle
+ * check.
  */
 #ifndef MONITOR_MONITOR_EMF_H
 #define MONITOR_MONITOR_EMF_H
@@ -17,8 +18,6 @@
 #include <stdint.h>
 
 #include "config/config.h"
-
-enum { MONITOR_EMF_STEPS = 20 };
 
 typedef struct {
     uint16_t level;

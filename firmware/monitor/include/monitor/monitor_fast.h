@@ -19,7 +19,7 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
     const uint32_t square = q_pair_square(in->i_pu.v);
     if (square > state->overcurrent_square) {
         state->overcurrent_periods++;
-        if (state->overcurrent_periods >= MONITOR_TRIP_PERIODS) {
+        if (state->overcurrent_periods >= state->trip_periods) {
             return REASON_OVERCURRENT;
         }
     } else {

@@ -4,8 +4,8 @@
  * loop, 1 kHz.
  *
  * The bound is the largest of
- *   - the valid sensor's speed, and the bound of the step before less TYRE_GRIP (1.2 g), or less
- *     COASTING (0.01 g) while the sensor is not valid;
+ *   - the valid sensor's speed, and the bound of the step before less monitor.tyre_grip, or less
+ *     monitor.coasting while the sensor is not valid;
  *   - during an active short circuit, the speed from the quadrant transitions of the current
  * vector;
  *   - in freewheel with a blind sensor, the speed at which the EMF reaches the bus voltage, once a
@@ -21,14 +21,8 @@
 #include "config/config.h"
 #include "core/torque_enable.h"
 
-enum {
-    MONITOR_SPEED_WINDOW_QUARTERS = 16,
-    MONITOR_SPEED_WINDOW_STEPS = 100,
-    MONITOR_SPEED_DIODE_STEPS = 20,        /* qualify time of a diode current in freewheel, ms */
-    MONITOR_SPEED_STANDSTILL_mrad_s = 300, /* a turn in 20 s */
-    MONITOR_SPEED_TYRE_GRIP_mm_s2 = 11768,
-    MONITOR_SPEED_COASTING_mm_s2 = 98
-};
+/* A measurement ends after so many quadrant transitions or ms: its resolution, not a limit. */
+enum { MONITOR_SPEED_WINDOW_QUARTERS = 16, MONITOR_SPEED_WINDOW_STEPS = 100 };
 
 typedef struct {
     int64_t bound_urad_s;

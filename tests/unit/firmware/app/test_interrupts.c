@@ -367,7 +367,7 @@ void test_firmware_that_fails_its_crc_ends_in_fault_and_says_so_on_can(void)
 {
     board.firmware_crc32++;
     app_boot();
-    milliseconds(MODES_SELFTEST_TIMEOUT_STEPS + 50);
+    milliseconds(CONFIG_IMAGE.modes.selftest_timeout_ms + 50);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
     TEST_ASSERT_EQUAL_UINT8(REASON_SELFTEST_FAILED, board.last_state.data[2]);
     TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, board.mode);

@@ -137,6 +137,7 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
 #define CHECK_BRAKE(name, lowest, highest, unit, text) CHECK_SCALAR(brake, name, lowest, highest)
 #define CHECK_VEHICLE(name, lowest, highest, unit, text)                                           \
     CHECK_SCALAR(vehicle, name, lowest, highest)
+#define CHECK_MODES(name, lowest, highest, unit, text) CHECK_SCALAR(modes, name, lowest, highest)
 #define CHECK_MONITOR(name, lowest, highest, unit, text)                                           \
     CHECK_SCALAR(monitor, name, lowest, highest)
 #define CHECK_MAP(name, lowest, highest, unit, text) CHECK_SCALAR(regen_map, name, lowest, highest)
@@ -157,6 +158,7 @@ void test_every_field_is_held_to_the_range_of_the_header(void)
     CONFIG_BATTERY_FIELDS(CHECK_BATTERY)
     CONFIG_BRAKE_FIELDS(CHECK_BRAKE)
     CONFIG_VEHICLE_FIELDS(CHECK_VEHICLE)
+    CONFIG_MODES_FIELDS(CHECK_MODES)
     CONFIG_MONITOR_FIELDS(CHECK_MONITOR)
     CONFIG_REGEN_MAP_FIELDS(CHECK_MAP)
     CONFIG_REGEN_MAP_ARRAY(CHECK_MAP_ARRAY)
@@ -259,6 +261,15 @@ void test_the_stop_lamp_must_not_go_out_above_what_lights_it(void)
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
     config.brake.stop_lamp_off_mm_s2++;
     assert_relation("brake.stop_lamp_off_mm_s2 <= brake.stop_lamp_on_mm_s2");
+}
+
+void test_a_vehicle_does_not_coast_to_a_stop_faster_than_its_tyres_can_brake(void)
+{
+    config.monitor.coasting_mm_s2 = 2000;
+    config.monitor.tyre_grip_mm_s2 = 2000;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    config.monitor.tyre_grip_mm_s2 = 1999;
+    assert_relation("monitor.coasting_mm_s2 <= monitor.tyre_grip_mm_s2");
 }
 
 void test_pulses_and_dead_time_must_fit_into_the_period(void)

@@ -51,7 +51,7 @@ void test_boot_is_not_left_without_an_accepted_configuration(void)
 void test_a_self_test_that_does_not_pass_within_a_second_is_a_fault(void)
 {
     reach(MODE_SELFTEST);
-    assert_mode(MODE_SELFTEST, run(MODES_SELFTEST_TIMEOUT_STEPS - 1));
+    assert_mode(MODE_SELFTEST, run(config.modes.selftest_timeout_ms - 1));
     const modes_output_t out = step();
     assert_mode(MODE_FAULT, out);
     TEST_ASSERT_EQUAL_INT(REASON_SELFTEST_FAILED, out.fault);
@@ -172,7 +172,7 @@ void test_the_valve_of_every_mode_is_that_of_the_table(void)
         {MODE_OFFSET_CAL, BRIDGE_OFF, 0, 0, REASON_TORQUE_ENABLE},
         {MODE_READY, BRIDGE_OFF, 0, 0, REASON_TORQUE_ENABLE},
         {MODE_RUN, BRIDGE_PWM, Q15_ONE, Q15_ONE, REASON_NONE},
-        {MODE_LIMP, BRIDGE_PWM, MODES_LIMP_DRIVE_Q15, Q15_ONE, REASON_ROTOR_UNCERTAIN},
+        {MODE_LIMP, BRIDGE_PWM, 9830, Q15_ONE, REASON_ROTOR_UNCERTAIN},
         {MODE_FAULT, BRIDGE_OFF, 0, 0, REASON_OVERCURRENT},
     };
     for (int k = 0; k < 7; k++) {
@@ -185,9 +185,25 @@ void test_the_valve_of_every_mode_is_that_of_the_table(void)
     }
 }
 
-void test_limp_leaves_thirty_per_cent_of_the_drive(void)
+void test_limp_leaves_the_configured_share_of_the_drive(void)
 {
-    TEST_ASSERT_INT_WITHIN(33, 32768 * 3 / 10, MODES_LIMP_DRIVE_Q15);
+    const int16_t shares_q15[] = {9830, 0, 16384, Q15_ONE};
+    for (int k = 0; k < 4; k++) {
+        reach(MODE_LIMP);
+        config.modes.limp_drive_share_q15 = shares_q15[k];
+        const torque_enable_t out = step().torque_enable;
+        TEST_ASSERT_EQUAL_INT16(shares_q15[k], out.drive_q15);
+        TEST_ASSERT_EQUAL_INT16(Q15_ONE, out.brake_q15);
+    }
+}
+
+void test_self_test_may_take_the_configured_time(void)
+{
+    reach(MODE_SELFTEST);
+    config.modes.selftest_timeout_ms = 50;
+    assert_mode(MODE_SELFTEST, run(49));
+    assert_mode(MODE_FAULT, step());
+    TEST_ASSERT_EQUAL_INT(REASON_SELFTEST_FAILED, state.fault);
 }
 
 void test_where_the_bridge_rests_it_rests_in_the_safe_state(void)

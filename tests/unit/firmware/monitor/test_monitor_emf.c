@@ -124,7 +124,7 @@ void test_parameters_that_are_wrong_are_not_blamed_on_the_rotor(void)
         const double i_q = random_real(&random, -75.0, 75.0);
         const monitor_emf_input_t in =
             seen(rpm, i_d, i_q, random_real(&random, -15.0, 15.0), &truth);
-        state.level = MONITOR_EMF_STEPS - 1;
+        state.level = (uint16_t)(config.monitor.angle_fault_time_ms - 1);
         TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, &in));
     }
 }
@@ -280,6 +280,6 @@ void test_no_number_from_outside_leads_to_undefined_behaviour(void)
             .rotor_valid = true,
         };
         (void)monitor_emf_step(&state, &config, &in);
-        TEST_ASSERT_TRUE(state.level <= MONITOR_EMF_STEPS);
+        TEST_ASSERT_TRUE(state.level <= config.monitor.angle_fault_time_ms);
     }
 }

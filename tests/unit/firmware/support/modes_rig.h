@@ -7,8 +7,10 @@
 
 #include "core/q15.h"
 #include "modes/modes.h"
+#include "paper_vehicle.h"
 #include "unity.h"
 
+static config_t config;
 static modes_state_t state;
 static modes_input_t in;
 
@@ -31,13 +33,14 @@ static const modes_input_t CALM = {
 
 static inline void start(void)
 {
+    config = paper_vehicle();
     modes_init(&state);
     in = CALM;
 }
 
 static inline modes_output_t step(void)
 {
-    return modes_step(&state, &in);
+    return modes_step(&state, &config, &in);
 }
 
 static inline modes_output_t run(int milliseconds)

@@ -144,6 +144,19 @@ def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change
             "brake.stop_lamp_off_m_per_s2: 1.4 m/s2, accepted: at most stop_lamp_on_m_per_s2 = 1.3 m/s2",
         ),
         (
+            {"monitor.overvoltage_v": 58.4},
+            "monitor.overvoltage_v: 58.4 V, accepted: more than battery.max_voltage_v = 58.4 V, "
+            "at most 61.74 V of inverter.voltage_full_scale_v = 61.8 V",
+        ),
+        (
+            {"monitor.undervoltage_v": 40.0},
+            "monitor.undervoltage_v: 40 V, accepted: less than battery.min_voltage_v = 40 V",
+        ),
+        (
+            {"monitor.tyre_grip_m_per_s2": 1.5, "monitor.coasting_m_per_s2": 1.6},
+            "monitor.coasting_m_per_s2: 1.6 m/s2, accepted: at most tyre_grip_m_per_s2 = 1.5 m/s2",
+        ),
+        (
             {"brake.abs_hold_s": 11.0},
             "brake.abs_hold_s: 11.0 is not accepted, accepted: a number from 0 to 10 s",
         ),

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Times, margins and tolerances of the monitor are those of the configuration. */
+#include "monitor/monitor_fast.h"
+#include "watched.h"
+
+static const monitor_slow_input_t HEALTHY = {
+    .offsets_known = true,
+    .rotor_valid = true,
+    .bus_voltage_mV = 53000,
+    .winding_temperature_cC = 2500,
+    .switch_temperature_cC = 2500,
+    .offset_q4 = {2048 * 16, 2048 * 16, 2048 * 16},
+    .bridge = BRIDGE_PWM,
+    .switching = true,
+};
+
+void setUp(void)
+{
+    watch(&HEALTHY);
+}
+
+void tearDown(void) {}
+
+void test_sensor_fault_time_qualifies_currents_and_temperatures(void)
+{
+    config.monitor.sensor_fault_time_ms = 7;
+    in.current_sum_pu = 32767;
+    assert_fault_after(7, REASON_CURRENT_SUM);
+    in.current_saturated = true;
+    assert_fault_after(7, REASON_CURRENT_SENSOR);
+    in.winding_temperature_cC = 29999;
+    assert_fault_after(7, REASON_WINDING_SENSOR);
+}
+
+void test_voltage_fault_time_qualifies_the_bus_voltage(void)
+{
+    config.monitor.voltage_fault_time_ms = 40;
+    in.bus_voltage_mV = config.battery.overvoltage_trip_mV + 1;
+    assert_fault_after(40, REASON_BUS_OVERVOLTAGE);
+    in.bus_voltage_mV = config.battery.undervoltage_trip_mV - 1;
+    assert_fault_after(40, REASON_BUS_UNDERVOLTAGE);
+}
+
+void test_rotor_fault_time_begins_after_the_torque_ramp(void)
+{
+    config.motor.max_torque_mNm = 40000;
+    config.brake.torque_rate_mNm_s = 400000; /* 100 ms to zero */
+    config.monitor.rotor_fault_time_ms = 30;
+    in.rotor_valid = false;
+    assert_fault_after(100 + 30, REASON_ROTOR_LOST);
+}
+
+void test_angle_fault_time_qualifies_an_angle_against_the_back_emf(void)
+{
+    const monitor_emf_input_t turned = {
+        .u_d_mV = 14076, /* the EMF of 30 rad/s, 30 * 23 * 20.4 mV, on the wrong axis */
+        .bus_voltage_mV = 53000,
+        .speed_mrad_s = 30000,
+        .switching = true,
+        .rotor_valid = true,
+    };
+    monitor_emf_state_t level = {.level = 0};
+    config.monitor.angle_fault_time_ms = 5;
+    for (int n = 1; n < 5; n++) {
+        TEST_ASSERT_FALSE(monitor_emf_step(&level, &config, &turned));
+    }
+    TEST_ASSERT_TRUE(monitor_emf_step(&level, &config, &turned));
+}
+
+void test_rotor_warning_time_heals_the_warning(void)
+{
+    config.monitor.rotor_warning_time_ms = 25;
+    in.rotor_faults = 1;
+    for (int n = 0; n < 25; n++) {
+        TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
+    }
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
+}
+
+void test_overtemperature_margin_lies_above_the_end_of_the_derating(void)
+{
+    config.motor.max_winding_temperature_cC = 15000;
+    config.monitor.overtemperature_margin_cC = 250;
+    in.winding_temperature_cC = 15251;
+    assert_fault_after(20, REASON_WINDING_OVERTEMPERATURE);
+    in.winding_temperature_cC = 15250;
+    assert_never_a_fault();
+}
+
+void test_temperatures_beyond_the_configured_ends_are_of_a_broken_sensor(void)
+{
+    config.monitor.lowest_temperature_cC = -4500;
+    config.monitor.highest_temperature_cC = 20000;
+    in.switch_temperature_cC = -4501;
+    assert_fault_after(20, REASON_SWITCH_SENSOR);
+    in.switch_temperature_cC = -4500;
+    assert_never_a_fault();
+    in.switch_temperature_cC = 20001;
+    assert_fault_after(20, REASON_SWITCH_SENSOR);
+}
+
+/* What the bound falls by in a second, rad/s, from 60 rad/s at a wheel of 0.25 m. */
+static int32_t fall_in_a_second_mrad_s(bool rotor_valid)
+{
+    monitor_speed_state_t bound = {.windows = 0};
+    monitor_speed_input_t seen = {.speed_mrad_s = 60000,
+                                  .rotor_valid = true,
+                                  .offsets_known = true,
+                                  .bridge = BRIDGE_PWM,
+                                  .bus_voltage_mV = 53000};
+    const int32_t before_mrad_s = monitor_speed_step(&bound, &config, &seen);
+    seen.speed_mrad_s = 0;
+    seen.rotor_valid = rotor_valid;
+    int32_t now_mrad_s = before_mrad_s;
+    for (int n = 0; n < 1000; n++) {
+        now_mrad_s = monitor_speed_step(&bound, &config, &seen);
+    }
+    return before_mrad_s - now_mrad_s;
+}
+
+void test_the_speed_bound_falls_with_tyre_grip_or_coasting(void)
+{
+    config.monitor.tyre_grip_mm_s2 = 5000; /* 5 m/s^2 over 0.25 m */
+    config.monitor.coasting_mm_s2 = 500;
+    TEST_ASSERT_INT32_WITHIN(20, 20000, fall_in_a_second_mrad_s(true));
+    TEST_ASSERT_INT32_WITHIN(20, 2000, fall_in_a_second_mrad_s(false));
+}
+
+void test_standstill_is_below_the_configured_speed(void)
+{
+    config.monitor.standstill_mrad_s = 1000;
+    in.speed_mrad_s = 1000;
+    TEST_ASSERT_FALSE(step().standstill);
+    in.speed_mrad_s = 999;
+    TEST_ASSERT_TRUE(run(1000).standstill);
+}
+
+void test_diode_fault_time_qualifies_a_current_in_freewheel(void)
+{
+    monitor_speed_state_t bound = {.windows = 0};
+    const monitor_speed_input_t conducting = {.rotor_valid = false,
+                                              .offsets_known = true,
+                                              .bridge = BRIDGE_OFF,
+                                              .i_q_mA = 30000,
+                                              .bus_voltage_mV = 53000};
+    config.monitor.diode_fault_time_ms = 3;
+    TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&bound, &config, &conducting));
+    TEST_ASSERT_EQUAL_INT32(0, monitor_speed_step(&bound, &config, &conducting));
+    /* 53 V / (sqrt(3) 20.4 mWb 23) = 65.2 rad/s, and 2 % more */
+    TEST_ASSERT_INT32_WITHIN(200, 66520, monitor_speed_step(&bound, &config, &conducting));
+}
+
+void test_a_short_circuit_is_left_at_the_configured_share_of_its_limit(void)
+{
+    config.monitor.short_release_permille = 750;
+    const int32_t limit_mrad_s = 65217; /* 53 V / (sqrt(3) 20.4 mWb 23) */
+    TEST_ASSERT_EQUAL_INT(
+        BRIDGE_SHORT, monitor_safe_bridge(&config, limit_mrad_s * 76 / 100, 53000, BRIDGE_SHORT));
+    TEST_ASSERT_EQUAL_INT(
+        BRIDGE_OFF, monitor_safe_bridge(&config, limit_mrad_s * 74 / 100, 53000, BRIDGE_SHORT));
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF,
+                          monitor_safe_bridge(&config, limit_mrad_s * 99 / 100, 53000, BRIDGE_OFF));
+}
+
+void test_an_over_current_trips_after_the_configured_periods_in_a_row(void)
+{
+    const int32_t most[] = {1, 4, 16};
+    for (int k = 0; k < 3; k++) {
+        config.monitor.overcurrent_periods = most[k];
+        monitor_fast_state_t fast;
+        monitor_fast_init(&fast, &config);
+        const monitor_command_t command = {.safe_bridge = BRIDGE_OFF, .clear_trip = false};
+        monitor_fast_input_t seen = {.v_dc_pu = 28102, .switching = false};
+        for (int32_t n = 0; n < 3 * most[k]; n++) { /* never so many in a row */
+            const bool last = n % most[k] == most[k] - 1;
+            seen.i_pu.v = q_pair(0, last ? 0 : config.monitor.overcurrent_pu_q15 + 1);
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_fast_step(&fast, &command, &seen));
+        }
+        seen.i_pu.v = q_pair(0, config.monitor.overcurrent_pu_q15 + 1);
+        for (int32_t n = 1; n < most[k]; n++) {
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_fast_step(&fast, &command, &seen));
+        }
+        TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, monitor_fast_step(&fast, &command, &seen));
+    }
+}

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the independent monitor tolerates, and for how long; every key has a default."""
+
+from typing import Annotated
+
+from regen_table.plant_sections import Section, number
+
+
+class Monitor(Section):
+    """Trips, tolerances, qualify and heal times."""
+
+    overcurrent_a: Annotated[
+        float | None,
+        number(
+            0.1,
+            4000.0,
+            "A",
+            "length of the current vector that trips; absent: 1.3 times max_phase_current_a, within the converter's range",
+        ),
+    ] = None
+    overcurrent_periods: Annotated[
+        int, number(1, 16, "1", "PWM periods in a row that an over-current takes")
+    ] = 2
+    overvoltage_v: Annotated[
+        float | None,
+        number(
+            1.0,
+            2000.0,
+            "V",
+            "bus voltage that trips; absent: 5 % above max_voltage_v, within 98 % of voltage_full_scale_v",
+        ),
+    ] = None
+    undervoltage_v: Annotated[
+        float | None,
+        number(
+            0.5,
+            2000.0,
+            "V",
+            "bus voltage that trips while switching; absent: 10 % below min_voltage_v",
+        ),
+    ] = None
+    current_sum_a: Annotated[
+        float | None,
+        number(
+            0.01,
+            4000.0,
+            "A",
+            "largest |i_a + i_b + i_c|; absent: 5 % of current_full_scale_a and what the sensors' noise adds",
+        ),
+    ] = None
+    offset_tolerance_codes: Annotated[
+        int, number(1, 1024, "1", "a current sensor's zero from the middle of its range")
+    ] = 200
+    torque_tolerance_nm: Annotated[
+        float | None,
+        number(
+            0.001,
+            1000.0,
+            "N m",
+            "more torque than commanded; absent: 10 % of max_torque_nm, at least 0.5 N m",
+        ),
+    ] = None
+    torque_fault_time_s: Annotated[
+        float, number(0.001, 1.0, "s", "how long the torque may be wrong")
+    ] = 0.05
+    sensor_fault_time_s: Annotated[
+        float,
+        number(0.001, 1.0, "s", "of current sum, saturated current sensor and temperature"),
+    ] = 0.02
+    voltage_fault_time_s: Annotated[
+        float, number(0.001, 1.0, "s", "of the low-passed bus voltage")
+    ] = 0.005
+    rotor_fault_time_s: Annotated[
+        float, number(0.001, 10.0, "s", "of an invalid rotor angle, once the torque is zero")
+    ] = 0.25
+    angle_fault_time_s: Annotated[
+        float, number(0.001, 1.0, "s", "of an angle that contradicts the back-EMF")
+    ] = 0.02
+    rotor_warning_time_s: Annotated[
+        float, number(0.001, 60.0, "s", "heal time of the rotor sensor's warning, and so of LIMP")
+    ] = 10.0
+    diode_fault_time_s: Annotated[
+        float, number(0.001, 1.0, "s", "of a diode current in freewheel")
+    ] = 0.02
+    overtemperature_margin_k: Annotated[
+        float,
+        number(0.0, 50.0, "K", "above the end of the derating, where a temperature is a fault"),
+    ] = 10.0
+    lowest_temperature_c: Annotated[
+        float, number(-200.0, 0.0, "degC", "below it a temperature sensor counts as broken")
+    ] = -60.0
+    highest_temperature_c: Annotated[
+        float, number(100.0, 299.98, "degC", "above it a temperature sensor counts as broken")
+    ] = 290.0
+    tyre_grip_m_per_s2: Annotated[
+        float,
+        number(1.0, 20.0, "m/s2", "largest deceleration of the vehicle, for the speed upper bound"),
+    ] = 11.768
+    coasting_m_per_s2: Annotated[
+        float,
+        number(0.001, 2.0, "m/s2", "smallest deceleration of the coasting vehicle, likewise"),
+    ] = 0.098
+    standstill_rpm: Annotated[
+        float, number(0.1, 47.0, "r/min", "below it the wheel counts as at standstill")
+    ] = 2.865
+    short_release_share: Annotated[
+        float,
+        number(
+            0.5,
+            0.999,
+            "1",
+            "of the speed where it begins, below which an active short circuit ends",
+        ),
+    ] = 0.9
