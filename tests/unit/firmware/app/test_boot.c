@@ -16,7 +16,7 @@ static config_t config;
 static bool rotor_sensor_there;
 static volatile uint32_t window[16];
 
-/* A board on which everything is in order; single tests change one thing. */
+/* A board without any fault; each test changes one condition. */
 static void expect_board(bool clock_good, const void *configuration, uint32_t configuration_bytes,
                          uint32_t firmware_crc32)
 {
@@ -58,7 +58,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_a_sound_board_with_a_good_configuration_may_control(void)
+void test_board_without_a_fault_may_control(void)
 {
     expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
     expect_ports(INVERTER_OK);
@@ -86,7 +86,7 @@ static memory_window_t give_away_memory(int calls)
     return unused;
 }
 
-void test_the_memory_is_tested_before_anything_may_interrupt(void)
+void test_memory_is_tested_before_interrupts_are_enabled(void)
 {
     line_may_interrupt = false;
     expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
@@ -97,7 +97,7 @@ void test_the_memory_is_tested_before_anything_may_interrupt(void)
     TEST_ASSERT_TRUE(line_may_interrupt);
 }
 
-void test_a_board_without_the_sensor_that_the_configuration_names_may_not_control(void)
+void test_board_without_the_configured_rotor_sensor_may_not_control(void)
 {
     config.rotor.encoder_counts = 4096;
     for (int32_t sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_ENCODER; sensor++) {
@@ -113,8 +113,8 @@ void test_a_board_without_the_sensor_that_the_configuration_names_may_not_contro
     }
 }
 
-/* No expectation for inverter or rotor: a call would fail the test. */
-void test_a_refused_configuration_starts_neither_bridge_nor_rotor_sensor_and_names_the_field(void)
+/* Without an expectation for inverter and rotor sensor, a call of either fails the test. */
+void test_refused_configuration_starts_neither_bridge_nor_rotor_sensor(void)
 {
     config.motor.pole_pairs = 0;
     config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
@@ -125,7 +125,7 @@ void test_a_refused_configuration_starts_neither_bridge_nor_rotor_sensor_and_nam
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_RANGE, report.config_result.code);
 }
 
-void test_an_erased_sector_is_refused(void)
+void test_erased_flash_sector_is_refused(void)
 {
     uint8_t erased[sizeof(config_t)];
     memset(erased, 0xFF, sizeof erased);
@@ -135,7 +135,7 @@ void test_an_erased_sector_is_refused(void)
     TEST_ASSERT_FALSE(boot_config_accepted(&report));
 }
 
-void test_a_sector_too_small_for_the_image_is_refused_without_being_read(void)
+void test_sector_smaller_than_the_image_is_refused_unread(void)
 {
     expect_board(true, &config, sizeof config - 4, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
@@ -143,7 +143,7 @@ void test_a_sector_too_small_for_the_image_is_refused_without_being_read(void)
     TEST_ASSERT_FALSE(boot_may_control(&report));
 }
 
-void test_without_its_clock_the_board_starts_nothing_that_needs_exact_time(void)
+void test_without_the_crystal_clock_inverter_and_can_are_not_started(void)
 {
     expect_board(false, &config, sizeof config, (uint32_t)GOOD_CRC32);
     const boot_report_t report = boot_run();
@@ -151,7 +151,7 @@ void test_without_its_clock_the_board_starts_nothing_that_needs_exact_time(void)
     TEST_ASSERT_FALSE(boot_may_control(&report));
 }
 
-void test_firmware_that_is_not_what_was_built_fails_the_self_test_but_may_report_it(void)
+void test_wrong_firmware_crc_fails_the_self_test_and_is_reported(void)
 {
     expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32 + 1U);
     expect_ports(INVERTER_OK);
@@ -160,7 +160,7 @@ void test_firmware_that_is_not_what_was_built_fails_the_self_test_but_may_report
     TEST_ASSERT_TRUE(boot_may_control(&report));
 }
 
-void test_a_configuration_that_this_boards_timer_cannot_realise_is_refused(void)
+void test_configuration_beyond_the_board_s_timer_is_refused(void)
 {
     static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNSUPPORTED,
                                             INVERTER_DEAD_TIME_UNSUPPORTED, INVERTER_TIMER_UNREADY,

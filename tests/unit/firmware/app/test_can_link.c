@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Frames through the pump as through a pipe: what they mean is tested with the node
- * (firmware/comms). */
+/* Transfer of frames between the CAN port and the node. Tests of their content: firmware/comms. */
 #include "app/can_link.h"
 #include "mock_can.h"
 #include "unity.h"
@@ -75,13 +74,13 @@ static void arrive(uint8_t counter, int32_t drive_torque_mNm)
 
 /* Identifiers from the DBC: Demand 0x100, the rear left wheel +2; BatteryLimits 0x140 for every
  * wheel. */
-void test_only_what_is_meant_for_this_wheel_is_let_through(void)
+void test_filter_accepts_only_frames_for_this_wheel(void)
 {
     TEST_ASSERT_EQUAL_HEX16(0x102, accepted[0]);
     TEST_ASSERT_EQUAL_HEX16(0x140, accepted[1]);
 }
 
-void test_a_demand_arrives_whole_and_with_its_time(void)
+void test_demand_is_received_with_its_time(void)
 {
     arrive(7, 1000);
     arrive(8, 2000);
@@ -93,7 +92,7 @@ void test_a_demand_arrives_whole_and_with_its_time(void)
     TEST_ASSERT_FALSE(can_link_receive(&can_link, 43));
 }
 
-void test_silence_is_noticed_without_any_frame(void)
+void test_timeout_is_reported_without_any_frame(void)
 {
     const messages_battery_t full = {.charge_current_mA = 20000, .discharge_current_mA = 90000};
     for (uint8_t counter = 0; counter < 3; counter++) {
@@ -105,7 +104,7 @@ void test_silence_is_noticed_without_any_frame(void)
     TEST_ASSERT_EQUAL_INT32(0, can_link.node.command.battery.charge_current_mA);
 }
 
-void test_a_flooded_bus_is_read_in_portions(void)
+void test_number_of_frames_per_call_is_bounded(void)
 {
     for (uint8_t i = 0; i < 16; i++) {
         arrive(i, i);
@@ -115,7 +114,7 @@ void test_a_flooded_bus_is_read_in_portions(void)
 }
 
 /* In a second: state and brake 100 times, drive 50 times, power and health 10 times each. */
-void test_everything_leaves_in_its_cycle_with_free_mailboxes(void)
+void test_every_message_is_sent_in_its_cycle_with_free_mailboxes(void)
 {
     const messages_output_t output = {.mode = 3};
     int count[5] = {0};
@@ -138,9 +137,9 @@ void test_everything_leaves_in_its_cycle_with_free_mailboxes(void)
     TEST_ASSERT_EQUAL_INT(10, count[4]);
 }
 
-/* Three mailboxes, five messages due at once: the most urgent first, the others when the mailboxes
- * are empty again. */
-void test_what_the_mailboxes_do_not_take_leaves_with_the_next_pass(void)
+/* Three mailboxes and five messages due: the three most urgent are sent first, the others when the
+ * mailboxes are empty again. */
+void test_messages_without_a_free_mailbox_are_sent_in_the_next_call(void)
 {
     const messages_output_t output = {.mode = 3};
     free_mailboxes = 3;
@@ -156,9 +155,9 @@ void test_what_the_mailboxes_do_not_take_leaves_with_the_next_pass(void)
     TEST_ASSERT_EQUAL_HEX16(0x192, sent[4].identifier);
 }
 
-/* The transceiver may get its supply after the controller; the port joins by itself and until then
- * takes nothing. */
-void test_a_controller_that_is_on_the_bus_late_receives_and_sends_from_then_on(void)
+/* The transceiver may be supplied later than the controller. Until then the port accepts no frame.
+ */
+void test_can_works_after_a_late_start_of_the_transceiver(void)
 {
     starts = false;
     TEST_ASSERT_FALSE(can_link_init(&can_link, MESSAGES_FRONT_LEFT, PACK, 0));
@@ -174,7 +173,7 @@ void test_a_controller_that_is_on_the_bus_late_receives_and_sends_from_then_on(v
     TEST_ASSERT_EQUAL_INT(MESSAGES_SENT, sent_count);
 }
 
-void test_every_output_of_the_controller_is_handed_over_as_it_is(void)
+void test_every_output_of_the_controller_is_passed_unchanged(void)
 {
     const slow_output_t output = {
         .motor_torque_command_mNm = -1,

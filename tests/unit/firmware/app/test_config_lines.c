@@ -56,7 +56,7 @@ void test_an_array_is_one_line(void)
     TEST_ASSERT_EQUAL_STRING(expected.chars, field("rotor.edge_turn", 0));
 }
 
-void test_a_prefix_chooses_a_section_and_its_lines_end(void)
+void test_prefix_selects_the_lines_of_a_section(void)
 {
     uint32_t count = 0;
     while (field("battery.", count) != NULL) {
@@ -66,15 +66,15 @@ void test_a_prefix_chooses_a_section_and_its_lines_end(void)
     TEST_ASSERT_EQUAL_UINT32(sizeof(config_battery_t) / sizeof(int32_t), count);
 }
 
-void test_a_field_that_is_not_there_has_no_line(void)
+void test_unknown_field_has_no_line(void)
 {
     TEST_ASSERT_NULL(field("motor.pole_pear", 0));
     TEST_ASSERT_NULL(field("motor.pole_pairs", 1));
 }
 
-/* Every number after each space of each line, plus what is left out on purpose, makes the whole
- * structure: a section that is added to it and forgotten here is noticed. */
-void test_nothing_but_the_maps_and_the_head_is_left_out(void)
+/* The numbers in all lines plus the omitted fields have the size of the whole structure, so that a
+ * new section without lines fails this test. */
+void test_only_maps_and_header_have_no_lines(void)
 {
     size_t numbers = 0;
     for (uint32_t i = 0; field("", i) != NULL; i++) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pump between shell and serial line. What the words say is tested with app/report, typing with
+/* Transfer between shell and serial line. Tests of the texts: test_report.c; of the input:
  * comms/shell. */
 #include <string.h>
 
 #include "app/console.h"
-#include "config_image.h"
+#include "boot_fixture.h"
 #include "mock_flash.h"
 #include "mock_inverter.h"
 #include "mock_serial.h"
@@ -41,15 +41,8 @@ static bool type(uint8_t *byte, int calls)
 
 void setUp(void)
 {
-    const boot_report_t good = {.clock_good = true,
-                                .ram_good = true,
-                                .firmware_good = true,
-                                .config_result = {.field = ""},
-                                .config = &CONFIG_IMAGE};
-    boot = good;
-    const slow_output_t idle = {
-        .mode = MODE_READY, .torque_reason = REASON_TORQUE_ENABLE, .bus_voltage_mV = 53012};
-    output = idle;
+    boot = successful_boot();
+    output = output_in_ready();
     const report_status_t running = {.output = &output, .node = &node, .control = true};
     status = running;
     console_init(&console, &boot);
@@ -91,7 +84,7 @@ static int times_shown(const char *words)
     return times;
 }
 
-void test_the_greeting_is_the_banner_and_what_the_self_tests_found(void)
+void test_greeting_is_the_banner_and_the_result_of_the_self_tests(void)
 {
     console_greet(&console);
     pump(0);
@@ -126,8 +119,8 @@ void test_every_command_that_help_lists_has_an_answer(void)
     TEST_ASSERT_EQUAL_INT(0, times_shown("unknown"));
 }
 
-/* More than a thousand bytes through a buffer of a thousand. */
-void test_the_whole_configuration_is_shown_without_a_gap_on_a_slow_line(void)
+/* An answer of more than a thousand bytes through a buffer of a thousand. */
+void test_whole_configuration_is_printed_on_a_slow_line(void)
 {
     line_takes = 7;
     type_and_wait("config\r");
@@ -137,7 +130,7 @@ void test_the_whole_configuration_is_shown_without_a_gap_on_a_slow_line(void)
     TEST_ASSERT_EQUAL_UINT32(0, console.shell.dropped_lines);
 }
 
-void test_two_commands_typed_at_once_are_both_answered_in_their_order(void)
+void test_two_commands_in_one_input_are_answered_in_order(void)
 {
     type_and_wait("version\rstatus\r");
     const char *version = strstr(screen, "\nhubfoc ");
@@ -145,7 +138,7 @@ void test_two_commands_typed_at_once_are_both_answered_in_their_order(void)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(version, "\nREADY, "), screen);
 }
 
-void test_watching_shows_a_line_a_second_until_a_key_is_hit(void)
+void test_watch_prints_a_line_per_second_until_a_key_is_pressed(void)
 {
     keys = "watch\r";
     for (uint32_t ms = 0; ms <= 3500; ms++) {
@@ -159,7 +152,7 @@ void test_watching_shows_a_line_a_second_until_a_key_is_hit(void)
     TEST_ASSERT_EQUAL_INT(3, times_shown("READY, "));
 }
 
-void test_the_status_is_of_now_not_of_when_the_key_was_hit(void)
+void test_status_is_that_at_the_time_of_printing(void)
 {
     keys = "watch\r";
     pump(0);
@@ -169,7 +162,7 @@ void test_the_status_is_of_now_not_of_when_the_key_was_hit(void)
     TEST_ASSERT_EQUAL_INT(0, times_shown("READY, "));
 }
 
-void test_a_line_that_takes_one_byte_at_a_time_loses_nothing(void)
+void test_no_byte_is_lost_on_a_line_that_takes_one_byte_at_a_time(void)
 {
     line_takes = 1;
     console_greet(&console);
@@ -178,7 +171,7 @@ void test_a_line_that_takes_one_byte_at_a_time_loses_nothing(void)
     TEST_ASSERT_EQUAL_UINT32(0, console.shell.dropped_lines);
 }
 
-void test_a_line_that_takes_nothing_costs_whole_lines_and_they_are_counted(void)
+void test_lines_are_discarded_whole_and_counted_on_a_blocked_line(void)
 {
     line_takes = 0;
     for (int i = 0; i < 50; i++) {

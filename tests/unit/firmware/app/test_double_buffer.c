@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The claims of double_buffer.h, over every interleaving that one core can make of them: the low
- * side's work is cut into steps, and before each the high side runs 0, 1 or 2 times, to its end, as
- * an interrupt does.
+ * The guarantees of double_buffer.h over every interleaving on one core. Before each step of the
+ * low-priority side the high-priority side runs 0, 1 or 2 times to its end, as an interrupt does.
  */
 #include "app/double_buffer.h"
 #include "unity.h"
@@ -10,7 +9,7 @@
 enum { STEPS = 8, INTERLEAVINGS = 6561 /* 3^STEPS */ };
 
 typedef struct {
-    int first, second; /* always written equal; different means read half written */
+    int first, second; /* always written equal; a difference shows a partly written value */
 } payload_t;
 
 static double_buffer_t pair;
@@ -27,7 +26,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_each_side_always_owns_one_of_the_two(void)
+void test_each_side_owns_one_of_the_two_buffers(void)
 {
     for (int i = 0; i < 5; i++) {
         TEST_ASSERT_EQUAL_UINT(1, double_buffer_low(&pair) + double_buffer_high(&pair));
@@ -35,7 +34,7 @@ void test_each_side_always_owns_one_of_the_two(void)
     }
 }
 
-void test_what_the_low_side_hands_over_is_what_the_high_side_reads(void)
+void test_high_side_reads_the_value_the_low_side_has_written(void)
 {
     for (int value = 1; value < 10; value++) {
         buffer[double_buffer_low(&pair)] = (payload_t){value, value};
@@ -74,7 +73,7 @@ static int digit(int interleaving, int place)
     return interleaving % 3;
 }
 
-void test_the_low_side_never_reads_a_half_written_value_and_never_an_older_one(void)
+void test_low_side_never_reads_a_partly_written_or_older_value(void)
 {
     for (int interleaving = 0; interleaving < INTERLEAVINGS; interleaving++) {
         setUp();
@@ -97,7 +96,7 @@ void test_the_low_side_never_reads_a_half_written_value_and_never_an_older_one(v
     }
 }
 
-void test_the_high_side_never_reads_a_half_written_value_and_never_an_older_one(void)
+void test_high_side_never_reads_a_partly_written_or_older_value(void)
 {
     for (int interleaving = 0; interleaving < INTERLEAVINGS; interleaving++) {
         setUp();
@@ -117,7 +116,7 @@ void test_the_high_side_never_reads_a_half_written_value_and_never_an_older_one(
     }
 }
 
-void test_without_something_new_nothing_is_exchanged(void)
+void test_buffers_are_not_swapped_without_a_new_value(void)
 {
     high_side_writes(1);
     TEST_ASSERT_TRUE(double_buffer_take(&pair));

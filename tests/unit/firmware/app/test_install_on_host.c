@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A configuration that comes over the serial line into the whole application on the simulated
+/* Installing a configuration over the serial line, with the whole application on the simulated
  * board. */
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "board_rig.h"
 #include "config/validate.h"
 #include "hal/flash.h"
 #include "hal/inverter.h"
-#include "story.h"
 #include "unity.h"
 
 void setUp(void) {}
@@ -45,11 +45,11 @@ static config_t another_configuration(void)
     return config;
 }
 
-void test_a_configuration_sent_over_the_serial_line_at_rest_is_the_one_of_the_next_start(void)
+void test_configuration_installed_at_standstill_is_used_after_the_restart(void)
 {
     const config_t another = another_configuration();
     connect(&CONFIG_IMAGE);
-    story.speed_q32 = 0;
+    sensors.speed_q32 = 0;
     app_boot();
     run_for(10000);
     TEST_ASSERT_FALSE(host_watchdog_bit());
@@ -62,7 +62,7 @@ void test_a_configuration_sent_over_the_serial_line_at_rest_is_the_one_of_the_ne
                                  host_serial_output());
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"),
                                  host_serial_output());
-    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, seen[seen_count - 1].mode);
+    TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, commands[command_count - 1].mode);
     TEST_ASSERT_TRUE_MESSAGE(host_watchdog_bit(), "it is the watchdog that restarts the core");
 
     static config_t kept;
@@ -75,7 +75,7 @@ void test_a_configuration_sent_over_the_serial_line_at_rest_is_the_one_of_the_ne
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "configuration accepted"));
 }
 
-void test_a_board_without_a_configuration_takes_one(void)
+void test_board_without_a_configuration_accepts_one(void)
 {
     config_t erased;
     memset(&erased, 0xFF, sizeof erased);
@@ -88,12 +88,12 @@ void test_a_board_without_a_configuration_takes_one(void)
     TEST_ASSERT_EQUAL_MEMORY(&CONFIG_IMAGE, flash_configuration().begin, sizeof CONFIG_IMAGE);
 }
 
-static bool is_as_it_was(void)
+static bool configuration_unchanged(void)
 {
     return memcmp(&CONFIG_IMAGE, flash_configuration().begin, sizeof CONFIG_IMAGE) == 0;
 }
 
-void test_a_refused_configuration_changes_nothing_and_the_wheel_goes_on(void)
+void test_refused_configuration_leaves_the_stored_one_and_the_controller_running(void)
 {
     config_t damaged = another_configuration();
     damaged.motor.pole_pairs++;
@@ -105,7 +105,7 @@ void test_a_refused_configuration_changes_nothing_and_the_wheel_goes_on(void)
     run_for(2000);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "configuration refused: crc32"),
                                  host_serial_output());
-    TEST_ASSERT_TRUE(is_as_it_was());
+    TEST_ASSERT_TRUE(configuration_unchanged());
     TEST_ASSERT_FALSE(host_watchdog_bit());
     TEST_ASSERT_TRUE(app_finish());
 }
@@ -123,29 +123,29 @@ static void assert_refused(void)
     TEST_ASSERT_NOT_NULL_MESSAGE(
         strstr(host_serial_output(), "refused: only with the wheel known to be at rest"),
         host_serial_output());
-    TEST_ASSERT_TRUE(is_as_it_was());
+    TEST_ASSERT_TRUE(configuration_unchanged());
     TEST_ASSERT_FALSE(host_watchdog_bit());
 }
 
-void test_a_wheel_that_turns_takes_no_configuration(void)
+void test_install_is_refused_while_the_wheel_turns(void)
 {
     const config_t another = another_configuration();
-    connect(&CONFIG_IMAGE); /* the story's wheel turns */
+    connect(&CONFIG_IMAGE); /* with a turning rotor */
     app_boot();
     run_for(10000);
     install(&another);
     assert_refused();
 }
 
-/* The speed that is shown then is nothing, after a quarter of a second of dead reckoning; but
- * nobody has seen it stop. */
-void test_a_wheel_that_turned_when_its_halls_were_lost_takes_no_configuration(void)
+/* The displayed speed is zero after a quarter of a second of dead reckoning, but no sensor has
+ * shown a standstill. */
+void test_install_is_refused_after_hall_loss_at_speed(void)
 {
     const config_t another = another_configuration();
     connect(&CONFIG_IMAGE);
     app_boot();
     run_for(10000);
-    story.halls_off = true;
+    sensors.halls_off = true;
     run_for(20000);
     host_serial_type("status\r");
     run_for(200);
@@ -155,17 +155,17 @@ void test_a_wheel_that_turned_when_its_halls_were_lost_takes_no_configuration(vo
     assert_refused();
 }
 
-/* A new board on a bench: halls at their pull-ups, no motor, no current. Nothing was ever seen to
- * turn. */
-void test_a_board_with_no_motor_and_no_sensor_takes_a_configuration(void)
+/* A new board without a motor: hall inputs at their pull-ups, zero current, and no sensor has ever
+ * shown a speed. */
+void test_board_without_motor_and_sensor_accepts_a_configuration(void)
 {
     const config_t another = another_configuration();
     connect(&CONFIG_IMAGE);
-    story.halls_off = true;
+    sensors.halls_off = true;
     app_boot();
     run_for(10000);
     install(&another);
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(host_serial_output(), "written, restarting"),
                                  host_serial_output());
-    TEST_ASSERT_FALSE(is_as_it_was());
+    TEST_ASSERT_FALSE(configuration_unchanged());
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Receiving and judging a configuration; the memory and the bridge are mocks. The whole way is in
- * test_on_host.c. */
+/* Receiving and validating a configuration with mocks of memory and bridge. With the whole
+ * application: test_install_on_host.c. */
 #include <string.h>
 
 #include "app/installer.h"
@@ -35,7 +35,7 @@ static void type_byte(uint8_t byte, uint8_t *sum)
     type(text);
 }
 
-/* As objcopy does it: sixteen bytes a record. */
+/* Sixteen bytes a record, as objcopy writes it. */
 static void send(const config_t *config, uint32_t size_bytes)
 {
     const uint8_t *bytes = (const uint8_t *)config;
@@ -62,7 +62,7 @@ static void assert_says(const char *words)
     TEST_ASSERT_NOT_NULL_MESSAGE(strstr(line.chars, words), line.chars);
 }
 
-void test_a_whole_configuration_is_accepted_and_named(void)
+void test_complete_configuration_is_accepted_with_its_name(void)
 {
     send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
     TEST_ASSERT_EQUAL_INT(INSTALLER_ACCEPTED, installer.state);
@@ -103,7 +103,7 @@ void test_a_damaged_record_is_refused_by_number_after_the_last_one(void)
     assert_says("refused: record 2: wrong checksum; the configuration is as it was");
 }
 
-void test_silence_or_control_c_gives_up_and_before_that_nothing_is_lost(void)
+void test_timeout_or_control_c_cancels_the_reception(void)
 {
     installer_open(&installer, 1000);
     installer_receive(&installer, ':', 2000);
@@ -135,7 +135,7 @@ static flash_status_t write_configuration(const void *bytes, uint32_t size_bytes
     return FLASH_OK;
 }
 
-void test_the_bridge_goes_off_before_the_memory_is_touched(void)
+void test_bridge_is_switched_off_before_the_memory_is_written(void)
 {
     send(&CONFIG_IMAGE, sizeof CONFIG_IMAGE);
     tripped = false;
@@ -147,7 +147,7 @@ void test_the_bridge_goes_off_before_the_memory_is_touched(void)
     flash_write_configuration_StubWithCallback(NULL);
 }
 
-void test_a_memory_that_fails_is_said(void)
+void test_memory_failure_is_reported(void)
 {
     static const flash_status_t FAILURES[] = {FLASH_TOO_LARGE, FLASH_ERASE_FAILED,
                                               FLASH_WRITE_FAILED, FLASH_UNSUPPORTED};

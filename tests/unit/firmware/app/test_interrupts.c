@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The application's two up-calls and its background, one call at a time, with every function of
- * hal/ replaced. */
+/* The application's two interrupt handlers and its background function, with mocks of every
+ * function of hal/. */
 #include <string.h>
 
 #include "app/app.h"
@@ -201,8 +201,7 @@ static void milliseconds(int count)
     }
 }
 
-/* The vehicle's message, ten times a second is enough for no timeout; counter and CRC as they must
- * be. */
+/* The vehicle's demand message every 10 ms, with valid counter and CRC. */
 static void vehicle_sends(bool enable, bool fault_reset, int duration_ms)
 {
     static uint8_t counter;
@@ -220,11 +219,11 @@ static void vehicle_sends(bool enable, bool fault_reset, int duration_ms)
 
 static modes_mode_t mode_on_can(void)
 {
-    return (modes_mode_t)(board.last_state.data[1] >>
-                          4); /* hubfoc.dbc: WheelState.mode, bits 12 .. 15 */
+    /* hubfoc.dbc: WheelState.mode, bits 12 .. 15 */
+    return (modes_mode_t)(board.last_state.data[1] >> 4);
 }
 
-void test_from_boot_to_ready_with_the_bridge_off_all_the_way(void)
+void test_bridge_is_off_from_boot_to_ready(void)
 {
     app_boot();
     TEST_ASSERT_TRUE(board.inverter_started);
@@ -236,7 +235,7 @@ void test_from_boot_to_ready_with_the_bridge_off_all_the_way(void)
     TEST_ASSERT_EQUAL_INT(300 * board.config.drive.pwm_frequency_Hz / 1000, board.sets);
 }
 
-void test_enabled_over_can_the_bridge_switches(void)
+void test_bridge_switches_after_enable_over_can(void)
 {
     app_boot();
     milliseconds(300);
@@ -245,7 +244,7 @@ void test_enabled_over_can_the_bridge_switches(void)
     TEST_ASSERT_EQUAL_INT(INVERTER_MODE_PWM, board.mode);
 }
 
-void test_an_angle_that_is_not_known_yet_is_not_driven_by(void)
+void test_run_waits_for_the_encoder_index(void)
 {
     board.config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     board.config.rotor.encoder_counts = 65536;
@@ -259,11 +258,11 @@ void test_an_angle_that_is_not_known_yet_is_not_driven_by(void)
     TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
 }
 
-void test_with_an_absolute_angle_neither_halls_nor_counts_are_read(void)
+void test_neither_halls_nor_encoder_are_read_with_an_angle_sensor(void)
 {
     board.config.rotor.sensor = CONFIG_ROTOR_ANGLE;
     board.config.crc32 = config_crc32(&board.config, (uint32_t)offsetof(config_t, crc32));
-    rotor_sensor_hall_state_StopIgnore(); /* from here on a call of it fails */
+    rotor_sensor_hall_state_StopIgnore(); /* from here on a call fails the test */
     rotor_sensor_encoder_Stub(NULL);
     app_boot();
     milliseconds(300);
@@ -271,7 +270,7 @@ void test_with_an_absolute_angle_neither_halls_nor_counts_are_read(void)
     TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
 }
 
-void test_with_a_refused_configuration_the_interrupts_do_nothing_and_the_watchdog_is_fed(void)
+void test_interrupts_have_no_effect_with_a_refused_configuration(void)
 {
     board.config.crc32 ^= 1U;
     app_boot();
@@ -282,7 +281,7 @@ void test_with_a_refused_configuration_the_interrupts_do_nothing_and_the_watchdo
     TEST_ASSERT_FALSE(app_finish());
 }
 
-void test_the_hardwares_fault_is_latched_and_released_only_with_an_acknowledgement(void)
+void test_hardware_fault_is_latched_until_an_acknowledgement(void)
 {
     app_boot();
     milliseconds(300);
@@ -301,7 +300,7 @@ void test_the_hardwares_fault_is_latched_and_released_only_with_an_acknowledgeme
     TEST_ASSERT_TRUE(app_finish());
 }
 
-void test_the_watchdog_is_fed_in_every_window_while_all_is_at_work(void)
+void test_watchdog_is_fed_once_in_every_window(void)
 {
     app_boot();
     milliseconds(SUPERVISOR_WINDOW_STEPS); /* the first window begins somewhere */
@@ -310,7 +309,7 @@ void test_the_watchdog_is_fed_in_every_window_while_all_is_at_work(void)
     TEST_ASSERT_INT_WITHIN(1, 40, board.feedings);
 }
 
-void test_the_watchdog_starves_when_either_loop_stops(void)
+void test_watchdog_is_not_fed_when_either_loop_stops(void)
 {
     app_boot();
     milliseconds(100);
@@ -330,9 +329,8 @@ void test_the_watchdog_starves_when_either_loop_stops(void)
     TEST_ASSERT_EQUAL_INT(0, board.feedings);
 }
 
-/* The timer would go on with the last compare values, and nobody else is left to switch it off
- * before the watchdog. */
-void test_a_fast_loop_that_stops_is_switched_off_by_the_slow_one_within_four_milliseconds(void)
+/* Otherwise the timer would continue with the last compare values until the watchdog bites. */
+void test_slow_loop_switches_the_bridge_off_4_ms_after_the_fast_loop_stops(void)
 {
     app_boot();
     milliseconds(300);
@@ -345,8 +343,8 @@ void test_a_fast_loop_that_stops_is_switched_off_by_the_slow_one_within_four_mil
     TEST_ASSERT_TRUE(board.fault);
 }
 
-/* Nor may an acknowledgement release the bridge while nothing could switch it off again. */
-void test_a_fast_loop_that_comes_back_finds_its_fault_latched(void)
+/* An acknowledgement must not enable the bridge while the fast loop is stopped. */
+void test_fault_stays_latched_when_the_fast_loop_continues(void)
 {
     app_boot();
     milliseconds(300);
@@ -363,7 +361,7 @@ void test_a_fast_loop_that_comes_back_finds_its_fault_latched(void)
     TEST_ASSERT_EQUAL_INT(MODE_READY, mode_on_can());
 }
 
-void test_firmware_that_fails_its_crc_ends_in_fault_and_says_so_on_can(void)
+void test_wrong_firmware_crc_leads_to_fault_on_can(void)
 {
     board.firmware_crc32++;
     app_boot();

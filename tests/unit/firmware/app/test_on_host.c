@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The whole application, main loop included, on the simulated board, against the controller driven
- * directly with the same inputs: the exchange between the contexts must not change a single number.
+ * The whole application, main loop included, on the simulated board, against the two controller
+ * steps called directly with the same inputs: every bridge command must be equal.
  */
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "app/app.h"
+#include "board_rig.h"
 #include "comms/messages.h"
 #include "config/validate.h"
 #include "config_image.h"
@@ -16,18 +17,17 @@
 #include "hal/time.h"
 #include "hal/upcall.h"
 #include "host/port.h"
-#include "story.h"
 #include "unity.h"
 
 enum { MESSAGE_PERIOD_ms = 10 };
 
-/* Enabled after 0.5 s; then drive, brake and let go in turn. */
+/* Enabled after 0.5 s; then driving, braking and zero demand for 0.2 s each. */
 static messages_demand_t demand_at(uint32_t now_ms)
 {
-    const uint32_t act = now_ms / 200 % 3;
+    const uint32_t phase = now_ms / 200 % 3;
     const messages_demand_t demand = {
-        .drive_torque_mNm = act == 0 ? 5000 : 0,
-        .brake_torque_mNm = act == 1 ? 15000 : 0,
+        .drive_torque_mNm = phase == 0 ? 5000 : 0,
+        .brake_torque_mNm = phase == 1 ? 15000 : 0,
         .enable = now_ms >= 500,
     };
     return demand;
@@ -67,28 +67,28 @@ static inverter_mode_t expected_mode(bridge_mode_t bridge)
                                     : INVERTER_MODE_OFF;
 }
 
-/* The two steps by hand, data carried across by assignment, as the bench does it. */
-static void assert_same_as_driven_directly(void)
+/* Calls the two steps directly and copies the messages by assignment, as the bench does. */
+static void assert_equal_to_direct_steps(void)
 {
     const config_t *config = &CONFIG_IMAGE;
     static controller_t controller;
     controller_init(&controller, config);
     fast_setpoint_t fast_setpoint = controller_initial_setpoint(config);
     fast_report_t fast_report = controller_initial_report(config);
-    begin_story();
-    (void)tell(&story); /* the board looks once at start-up */
+    start_sensors();
+    (void)next_sample(&sensors); /* the board samples once at start-up */
     fast_output_t out = {.bridge = BRIDGE_OFF};
     messages_demand_t demand = {0};
     uint32_t demand_ms = 0, now_ms = 0, sent_ms = 0;
-    int messages_heard = 0;
+    int messages_received = 0;
     bool received = false;
     int running = 0;
     for (int period = 0; period < PERIODS; period++) {
-        TEST_ASSERT_EQUAL_INT(expected_mode(out.bridge), seen[period].mode);
-        TEST_ASSERT_EQUAL_MEMORY(out.compare_counts, seen[period].compare_counts,
+        TEST_ASSERT_EQUAL_INT(expected_mode(out.bridge), commands[period].mode);
+        TEST_ASSERT_EQUAL_MEMORY(out.compare_counts, commands[period].compare_counts,
                                  sizeof out.compare_counts);
         running += out.bridge == BRIDGE_PWM ? 1 : 0;
-        const host_sample_t s = tell(&story);
+        const host_sample_t s = next_sample(&sensors);
         const fast_input_t in = {
             .phase_current_code = {s.phase_current_code[0], s.phase_current_code[1],
                                    s.phase_current_code[2]},
@@ -119,29 +119,30 @@ static void assert_same_as_driven_directly(void)
         }
         if (now_ms - sent_ms >= MESSAGE_PERIOD_ms) {
             sent_ms = now_ms;
-            messages_heard++;
-            if (messages_heard >= E2E_QUALIFYING_FRAMES) { /* those before are not trusted yet */
+            messages_received++;
+            if (messages_received >= E2E_QUALIFYING_FRAMES) { /* the sender is qualified */
                 demand = demand_at(now_ms);
                 demand_ms = now_ms;
                 received = true;
             }
         }
     }
-    TEST_ASSERT_TRUE_MESSAGE(running > PERIODS / 4, "the story must reach RUN to prove anything");
+    TEST_ASSERT_TRUE_MESSAGE(running > PERIODS / 4,
+                             "the bridge must switch for a quarter of the periods");
 }
 
 void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_through_interrupts_buffers_and_can_the_bridge_gets_the_same_numbers_in_every_period(void)
+void test_bridge_commands_equal_those_of_the_direct_steps_in_every_period(void)
 {
     run_application();
-    TEST_ASSERT_EQUAL_INT(PERIODS, seen_count);
-    assert_same_as_driven_directly();
+    TEST_ASSERT_EQUAL_INT(PERIODS, command_count);
+    assert_equal_to_direct_steps();
 }
 
-void test_the_watchdog_is_content_through_all_of_it_and_the_run_ends_well(void)
+void test_watchdog_does_not_bite_and_the_run_ends_in_run_mode(void)
 {
     run_application();
     TEST_ASSERT_FALSE(host_watchdog_bit());
@@ -150,17 +151,16 @@ void test_the_watchdog_is_content_through_all_of_it_and_the_run_ends_well(void)
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "result: RUN, "));
 }
 
-void test_a_run_can_be_repeated_from_boot_and_repeats_itself(void)
+void test_second_run_from_boot_gives_the_same_commands(void)
 {
-    static seen_t first[PERIODS];
+    static bridge_command_t first[PERIODS];
     run_application();
-    memcpy(first, seen, sizeof first);
+    memcpy(first, commands, sizeof first);
     run_application();
-    TEST_ASSERT_EQUAL_MEMORY(first, seen, sizeof first);
+    TEST_ASSERT_EQUAL_MEMORY(first, commands, sizeof first);
 }
 
-void test_a_corrupt_configuration_boots_to_a_refusal_that_names_the_field_and_the_bridge_never_moves(
-    void)
+void test_corrupt_configuration_is_refused_with_its_field_and_the_bridge_stays_off(void)
 {
     config_t config = CONFIG_IMAGE;
     config.battery.max_voltage_mV++;
@@ -171,14 +171,14 @@ void test_a_corrupt_configuration_boots_to_a_refusal_that_names_the_field_and_th
     while (time_running()) {
         app_background();
     }
-    TEST_ASSERT_EQUAL_INT(0, seen_count);
+    TEST_ASSERT_EQUAL_INT(0, command_count);
     TEST_ASSERT_FALSE(app_finish());
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "configuration refused: crc32"));
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "BOOT, bridge off"));
     TEST_ASSERT_FALSE(host_watchdog_bit());
 }
 
-void test_a_board_without_its_crystal_says_so_and_stays_in_boot(void)
+void test_board_without_its_crystal_reports_it_and_stays_in_boot(void)
 {
     connect(&CONFIG_IMAGE);
     host_break_clock(true);
@@ -187,7 +187,7 @@ void test_a_board_without_its_crystal_says_so_and_stays_in_boot(void)
     while (time_running()) {
         app_background();
     }
-    TEST_ASSERT_EQUAL_INT(0, seen_count);
+    TEST_ASSERT_EQUAL_INT(0, command_count);
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "clock fault"));
 }
 
@@ -204,8 +204,8 @@ void test_the_shell_answers_while_the_wheel_turns(void)
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), " rad/s, "));
 }
 
-/* One firmware for four wheels: the address is the configuration's. */
-void test_a_wheel_listens_and_speaks_under_the_address_in_its_configuration(void)
+/* One firmware for four wheels: the configuration holds the wheel's address. */
+void test_can_identifiers_are_those_of_the_configured_wheel(void)
 {
     for (int32_t wheel = MESSAGES_FRONT_LEFT; wheel <= MESSAGES_REAR_RIGHT; wheel++) {
         config_t config = CONFIG_IMAGE;

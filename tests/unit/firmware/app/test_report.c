@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "app/report.h"
-#include "config_image.h"
+#include "boot_fixture.h"
 #include "unity.h"
 
 static boot_report_t boot;
@@ -15,15 +15,8 @@ static size_t page_length;
 
 void setUp(void)
 {
-    const boot_report_t good = {.clock_good = true,
-                                .ram_good = true,
-                                .firmware_good = true,
-                                .config_result = {.field = ""},
-                                .config = &CONFIG_IMAGE};
-    boot = good;
-    const slow_output_t idle = {
-        .mode = MODE_READY, .torque_reason = REASON_TORQUE_ENABLE, .bus_voltage_mV = 53012};
-    output = idle;
+    boot = successful_boot();
+    output = output_in_ready();
     const messages_battery_t pack = {.charge_current_mA = 1000, .discharge_current_mA = 1000};
     node_init(&node, MESSAGES_FRONT_LEFT, pack, 0);
     const report_status_t running = {.output = &output,
@@ -91,7 +84,7 @@ void test_the_banner_names_program_configuration_checksum_and_wheel(void)
     assert_in_line(messages_wheel_text((messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position));
 }
 
-void test_a_refused_configuration_is_not_named_in_the_banner_since_its_name_may_be_garbage(void)
+void test_banner_does_not_print_the_name_of_a_refused_configuration(void)
 {
     boot.config_result.code = CONFIG_RESULT_MAGIC;
     boot.config = NULL; /* would crash if it were read */
@@ -99,14 +92,14 @@ void test_a_refused_configuration_is_not_named_in_the_banner_since_its_name_may_
     TEST_ASSERT_NULL(strstr(line.chars, "configuration"));
 }
 
-void test_after_a_good_start_three_lines_say_so(void)
+void test_successful_boot_prints_three_lines(void)
 {
     read_boot();
     TEST_ASSERT_EQUAL_STRING(
         "self-test RAM: good\nself-test firmware CRC: good\nconfiguration accepted\n", page);
 }
 
-void test_a_refused_field_is_named_with_its_value_and_what_would_be_accepted(void)
+void test_refused_field_is_printed_with_its_value_and_range(void)
 {
     const config_result_t result = {.code = CONFIG_RESULT_RANGE,
                                     .field = "motor.pole_pairs",
@@ -118,7 +111,7 @@ void test_a_refused_field_is_named_with_its_value_and_what_would_be_accepted(voi
     assert_on_page("configuration refused: motor.pole_pairs is 0, accepted 1 .. 60\n");
 }
 
-void test_a_broken_relation_and_a_wrong_checksum_are_named(void)
+void test_violated_relation_and_wrong_checksum_are_printed(void)
 {
     boot.config_result.code = CONFIG_RESULT_RELATION;
     boot.config_result.field = "a < b";
@@ -130,7 +123,7 @@ void test_a_broken_relation_and_a_wrong_checksum_are_named(void)
     assert_on_page("configuration refused: crc32 is not what this firmware expects\n");
 }
 
-void test_failed_self_tests_and_clocks_are_said(void)
+void test_failed_self_tests_and_clock_are_printed(void)
 {
     boot.clock_good = false;
     boot.ram_good = false;
@@ -143,7 +136,7 @@ void test_failed_self_tests_and_clocks_are_said(void)
     assert_on_page("restarted by the watchdog");
 }
 
-void test_each_way_in_which_the_ports_can_refuse_has_words_of_its_own(void)
+void test_every_refusal_of_a_port_has_its_own_text(void)
 {
     static const inverter_status_t BAD[] = {INVERTER_FREQUENCY_UNSUPPORTED,
                                             INVERTER_DEAD_TIME_UNSUPPORTED, INVERTER_TIMER_UNREADY,
@@ -159,7 +152,7 @@ void test_each_way_in_which_the_ports_can_refuse_has_words_of_its_own(void)
     }
 }
 
-void test_status_shows_mode_reason_and_numbers_in_si_units(void)
+void test_status_prints_mode_reason_and_values_in_si_units(void)
 {
     output.mode = MODE_RUN;
     output.torque_reason = REASON_LOSS_OPTIMUM;
@@ -173,7 +166,7 @@ void test_status_shows_mode_reason_and_numbers_in_si_units(void)
     assert_in_line("demand NO_DATA");
 }
 
-void test_a_latched_fault_is_shown_instead_of_the_limit(void)
+void test_latched_fault_is_printed_instead_of_the_limit(void)
 {
     output.mode = MODE_FAULT;
     output.fault_reason = REASON_OVERCURRENT;
@@ -182,7 +175,7 @@ void test_a_latched_fault_is_shown_instead_of_the_limit(void)
     TEST_ASSERT_NULL(strstr(line.chars, reason_text(REASON_TORQUE_ENABLE)));
 }
 
-void test_without_control_the_status_says_boot_and_reads_nothing_else(void)
+void test_status_without_control_is_only_boot(void)
 {
     status.control = false;
     status.output = NULL;
@@ -195,7 +188,7 @@ void test_without_control_the_status_says_boot_and_reads_nothing_else(void)
     TEST_ASSERT_FALSE(report_can(&status, 1, &line));
 }
 
-void test_the_longest_status_is_not_cut_off(void)
+void test_longest_status_is_complete(void)
 {
     output.mode = MODE_OFFSET_CAL;
     output.torque_reason = REASON_ELECTRIC_RATED; /* the longest text of all */
@@ -210,7 +203,7 @@ void test_the_longest_status_is_not_cut_off(void)
     TEST_ASSERT_EQUAL_STRING("NO_DATA", &line.chars[line.length - strlen("NO_DATA")]);
 }
 
-void test_every_way_in_which_a_frame_can_be_wrong_has_its_count(void)
+void test_every_kind_of_frame_error_has_its_count(void)
 {
     const messages_demand_t demand = {.enable = true};
     for (uint8_t counter = 0; counter < 3; counter++) {
@@ -227,14 +220,14 @@ void test_every_way_in_which_a_frame_can_be_wrong_has_its_count(void)
     assert_on_page("bus on, foreign frames 0\n");
 }
 
-void test_a_bus_that_is_off_is_said(void)
+void test_bus_off_is_printed(void)
 {
     status.bus_off = true;
     TEST_ASSERT_TRUE(report_can(&status, 2, &line));
     assert_in_line("bus off");
 }
 
-void test_a_configuration_is_shown_with_its_identity_first_and_then_the_fields_asked_for(void)
+void test_configuration_is_printed_with_its_identity_first(void)
 {
     TEST_ASSERT_TRUE(report_config(&boot, "motor.pole", 0, &line));
     assert_in_line(CONFIG_IMAGE.name);
@@ -250,7 +243,7 @@ void test_a_configuration_is_shown_with_its_identity_first_and_then_the_fields_a
     TEST_ASSERT_FALSE(report_config(&boot, "motor.pole", 2, &line));
 }
 
-void test_of_a_refused_configuration_only_the_refusal_is_shown(void)
+void test_only_the_refusal_of_a_refused_configuration_is_printed(void)
 {
     boot.config_result.code = CONFIG_RESULT_CRC;
     boot.config_result.field = "crc32";

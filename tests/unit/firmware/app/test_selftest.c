@@ -14,7 +14,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_sound_memory_passes_whatever_it_held_before(void)
+void test_working_memory_passes_with_any_previous_content(void)
 {
     for (uint32_t i = 0; i < WORDS; i++) {
         window[i] = 0xFFFFFFFFU / (i + 1U);
@@ -24,7 +24,7 @@ void test_sound_memory_passes_whatever_it_held_before(void)
     TEST_ASSERT_TRUE(selftest_ram(window, 0));
 }
 
-void test_nothing_outside_the_window_is_touched(void)
+void test_no_byte_outside_the_window_is_changed(void)
 {
     window[0] = 0xA5A5A5A5U;
     window[WORDS - 1] = 0x5A5A5A5AU;
@@ -33,9 +33,8 @@ void test_nothing_outside_the_window_is_touched(void)
     TEST_ASSERT_EQUAL_HEX32(0x5A5A5A5AU, window[WORDS - 1]);
 }
 
-/* A broken address line, for real: the host's own address translation shows one page at two places.
- */
-void test_memory_in_which_two_addresses_reach_the_same_cell_fails(void)
+/* A broken address line: the host maps one page at two addresses. */
+void test_memory_with_two_addresses_of_one_cell_fails(void)
 {
     const size_t page = (size_t)sysconf(_SC_PAGESIZE);
     FILE *file = tmpfile();
@@ -49,14 +48,14 @@ void test_memory_in_which_two_addresses_reach_the_same_cell_fails(void)
     volatile uint32_t *words = (volatile uint32_t *)(void *)base;
     TEST_ASSERT_TRUE(selftest_ram(words, (uint32_t)(page / 4)));
     TEST_ASSERT_FALSE(selftest_ram(words, (uint32_t)(2 * page / 4)));
-    TEST_ASSERT_FALSE(
-        selftest_ram(&words[page / 4 - 1], (uint32_t)(page / 4 + 1))); /* only the ends coincide */
+    TEST_ASSERT_FALSE(selftest_ram(&words[page / 4 - 1],
+                                   (uint32_t)(page / 4 + 1))); /* overlap only at the ends */
     (void)munmap(base, 2 * page);
     (void)fclose(file);
 }
 
 /* The published check value: CRC-32 of "123456789". */
-void test_an_image_is_accepted_with_its_own_crc_and_no_other(void)
+void test_image_is_accepted_only_with_its_crc(void)
 {
     TEST_ASSERT_TRUE(selftest_firmware("123456789", 9, 0xCBF43926U));
     TEST_ASSERT_FALSE(selftest_firmware("123456789", 9, 0xCBF43927U));

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* That the CRC is AUTOSAR's is shown against another implementation in test_frames.py; here is what
- * it finds, and the receiver. */
+/* End-to-end protection: errors that the CRC detects, and the receiver's states. test_frames.py
+ * compares the CRC with another implementation of AUTOSAR's profile 2. */
 #include <string.h>
 
 #include "comms/e2e.h"
@@ -12,13 +12,13 @@ static e2e_receiver_t receiver;
 
 void setUp(void)
 {
-    memset(&receiver, 0xA5, sizeof receiver); /* so that what is not initialised shows */
+    memset(&receiver, 0xA5, sizeof receiver); /* uninitialised fields are visible */
     e2e_receiver_init(&receiver, TIMEOUT_ms);
 }
 
 void tearDown(void) {}
 
-/* ---- what the CRC finds ---- */
+/* ---- errors that the CRC detects ---- */
 
 /* Bits in the order in which CAN sends them: byte 0 first, the highest bit of a byte first. */
 static void flip(uint8_t *data, uint32_t bit)
@@ -38,7 +38,7 @@ static void begin(uint8_t *data, uint8_t counter)
     e2e_protect(data, IDENTIFIER, counter);
 }
 
-void test_what_was_protected_is_intact_and_keeps_its_content(void)
+void test_protected_frame_passes_the_check_with_its_content(void)
 {
     for (uint8_t counter = 0; counter < 16; counter++) {
         uint8_t data[E2E_FRAME_BYTES];
@@ -50,16 +50,15 @@ void test_what_was_protected_is_intact_and_keeps_its_content(void)
     }
 }
 
-void test_only_the_low_half_of_the_counter_is_sent(void)
+void test_low_four_bits_of_the_counter_are_sent(void)
 {
     uint8_t data[E2E_FRAME_BYTES];
     begin(data, 0xF3);
     TEST_ASSERT_EQUAL_HEX8(0x53, data[1]);
 }
 
-/* 64 + 2 016 + 41 664 patterns, the ones that change the counter and with it the data id among
- * them. */
-void test_every_one_two_or_three_wrong_bits_are_found(void)
+/* 64 + 2 016 + 41 664 patterns, including those that change the counter and so the data id. */
+void test_crc_detects_every_one_two_or_three_bit_errors(void)
 {
     uint8_t data[E2E_FRAME_BYTES];
     begin(data, 6);
@@ -81,7 +80,7 @@ void test_every_one_two_or_three_wrong_bits_are_found(void)
     TEST_ASSERT_TRUE(e2e_intact(data, IDENTIFIER));
 }
 
-void test_every_odd_number_of_wrong_bits_is_found(void)
+void test_crc_detects_every_odd_number_of_bit_errors(void)
 {
     uint32_t random = 1;
     for (int i = 0; i < 100000; i++) {
@@ -102,7 +101,7 @@ void test_every_odd_number_of_wrong_bits_is_found(void)
     }
 }
 
-void test_every_burst_of_up_to_eight_wrong_bits_is_found_wherever_it_begins(void)
+void test_crc_detects_every_burst_of_up_to_eight_bits(void)
 {
     for (uint32_t first = 0; first < BITS; first++) {
         for (uint32_t pattern = 1; pattern < 256; pattern += 2) {
@@ -118,7 +117,7 @@ void test_every_burst_of_up_to_eight_wrong_bits_is_found_wherever_it_begins(void
     }
 }
 
-void test_a_frame_under_any_other_identifier_with_another_low_byte_is_refused(void)
+void test_frame_with_another_low_byte_of_the_identifier_is_refused(void)
 {
     for (uint8_t counter = 0; counter < 16; counter++) {
         uint8_t data[E2E_FRAME_BYTES];
@@ -129,7 +128,7 @@ void test_a_frame_under_any_other_identifier_with_another_low_byte_is_refused(vo
     }
 }
 
-void test_a_bus_that_is_stuck_at_zero_or_one_makes_no_intact_frame(void)
+void test_frames_of_only_zeros_or_ones_are_refused(void)
 {
     uint8_t data[E2E_FRAME_BYTES];
     memset(data, 0, sizeof data);
@@ -155,7 +154,7 @@ static void qualify(void)
     TEST_ASSERT_EQUAL_INT(E2E_OK, receive(2, 20));
 }
 
-void test_a_new_sender_is_believed_from_its_third_frame_in_order(void)
+void test_sender_is_qualified_by_its_third_frame_in_order(void)
 {
     TEST_ASSERT_EQUAL_INT(E2E_NO_DATA, receiver.link);
     TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, receive(9, 0));
@@ -166,7 +165,7 @@ void test_a_new_sender_is_believed_from_its_third_frame_in_order(void)
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.used);
 }
 
-void test_the_counter_runs_on_from_fifteen_to_zero(void)
+void test_counter_wraps_from_fifteen_to_zero(void)
 {
     qualify();
     for (uint32_t i = 3; i < 100; i++) {
@@ -176,8 +175,8 @@ void test_the_counter_runs_on_from_fifteen_to_zero(void)
     TEST_ASSERT_EQUAL_UINT32(0, receiver.counts.lost);
 }
 
-/* Each of the sixteen steps, against what the header says: 0 repeats, 1 goes on, 2 and 3 have lost,
- * the rest jumps. */
+/* Each of the sixteen counter steps (e2e.h): 0 repeated, 1 in order, 2 and 3 lost, others wrong
+ * sequence. */
 void test_every_step_of_the_counter_has_its_status(void)
 {
     for (uint32_t step = 0; step < 16; step++) {
@@ -195,7 +194,7 @@ void test_every_step_of_the_counter_has_its_status(void)
     }
 }
 
-void test_after_a_jump_two_more_frames_in_order_are_needed(void)
+void test_sender_requalifies_after_a_jump_with_two_frames_in_order(void)
 {
     qualify();
     TEST_ASSERT_EQUAL_INT(E2E_WRONG_SEQUENCE, receive(8, 30));
@@ -204,7 +203,7 @@ void test_after_a_jump_two_more_frames_in_order_are_needed(void)
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.wrong_sequence);
 }
 
-void test_a_repetition_changes_nothing_and_the_next_frame_is_in_order(void)
+void test_repeated_frame_does_not_break_the_sequence(void)
 {
     qualify();
     TEST_ASSERT_EQUAL_INT(E2E_REPEATED, receive(2, 30));
@@ -214,7 +213,7 @@ void test_a_repetition_changes_nothing_and_the_next_frame_is_in_order(void)
     TEST_ASSERT_EQUAL_UINT32(2, receiver.counts.repeated);
 }
 
-void test_a_damaged_frame_counts_once_as_damaged_and_once_as_lost(void)
+void test_damaged_frame_counts_as_damaged_and_as_lost(void)
 {
     qualify();
     uint8_t data[E2E_FRAME_BYTES];
@@ -227,7 +226,7 @@ void test_a_damaged_frame_counts_once_as_damaged_and_once_as_lost(void)
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.lost);
 }
 
-void test_an_implausible_frame_is_as_good_as_lost_and_damage_is_found_first(void)
+void test_implausible_frame_counts_as_lost_and_the_crc_is_checked_first(void)
 {
     qualify();
     uint8_t data[E2E_FRAME_BYTES];
@@ -240,7 +239,7 @@ void test_an_implausible_frame_is_as_good_as_lost_and_damage_is_found_first(void
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.damaged);
 }
 
-void test_silence_times_out_once_at_the_timeout_and_not_before(void)
+void test_missing_frames_time_out_once_at_the_timeout(void)
 {
     TEST_ASSERT_FALSE(e2e_timed_out(&receiver, 1000)); /* who has never spoken cannot fall silent */
     qualify();
@@ -251,7 +250,7 @@ void test_silence_times_out_once_at_the_timeout_and_not_before(void)
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.timeouts);
 }
 
-void test_a_late_frame_is_not_used_even_if_its_counter_goes_on(void)
+void test_frame_after_the_timeout_is_not_used(void)
 {
     qualify();
     TEST_ASSERT_EQUAL_INT(E2E_NOT_QUALIFIED, receive(3, 20 + TIMEOUT_ms));
@@ -260,7 +259,7 @@ void test_a_late_frame_is_not_used_even_if_its_counter_goes_on(void)
     TEST_ASSERT_EQUAL_INT(E2E_OK, receive(5, 40 + TIMEOUT_ms));
 }
 
-void test_a_stuck_sender_times_out_and_is_never_believed_again_while_it_is_stuck(void)
+void test_sender_with_a_stuck_counter_times_out_and_does_not_requalify(void)
 {
     qualify();
     bool timed_out = false;
@@ -273,9 +272,9 @@ void test_a_stuck_sender_times_out_and_is_never_believed_again_while_it_is_stuck
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.used);
 }
 
-/* Two in order, a jump, two in order, a jump: never three, so nothing of it may be used and the
- * silence must show. */
-void test_a_sender_that_keeps_jumping_times_out_however_much_it_talks(void)
+/* Two frames in order and a jump, repeated: never three in order, so no frame is used and the
+ * timeout is reported. */
+void test_sender_with_repeated_jumps_times_out(void)
 {
     qualify();
     bool timed_out = false;
@@ -289,7 +288,7 @@ void test_a_sender_that_keeps_jumping_times_out_however_much_it_talks(void)
     TEST_ASSERT_EQUAL_UINT32(1, receiver.counts.used);
 }
 
-void test_the_clock_may_wrap(void)
+void test_timeout_is_correct_over_a_wrap_of_the_clock(void)
 {
     const uint32_t start_ms = UINT32_MAX - 14U;
     (void)receive(0, start_ms);
@@ -299,7 +298,7 @@ void test_the_clock_may_wrap(void)
     TEST_ASSERT_TRUE(e2e_timed_out(&receiver, start_ms + 20U + TIMEOUT_ms));
 }
 
-void test_errors_are_everything_that_went_wrong(void)
+void test_error_count_is_the_sum_of_all_errors(void)
 {
     const e2e_counts_t counts = {.used = 1000,
                                  .lost = 500,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Intel HEX as the specification and objcopy write it; checksums in the literals were worked out by
- * hand. */
+/* Intel HEX as in the specification and as objcopy writes it; checksums in the literals are
+ * computed by hand. */
 #include <string.h>
 
 #include "comms/intel_hex.h"
@@ -20,7 +20,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* How many characters it took until the end was seen; 0 if it was not. */
+/* Returns the number of characters up to the end record, 0 without one. */
 static uint32_t receive(const char *text)
 {
     for (uint32_t i = 0; text[i] != '\0'; i++) {
@@ -39,8 +39,8 @@ static void assert_refused(const char *text, intel_hex_problem_t problem, uint32
     TEST_ASSERT_EQUAL_UINT32_MESSAGE(record, hex.record, text);
 }
 
-/* The example that every description of the format shows: 16 bytes at 0x0100, checksum 0x40. */
-void test_the_well_known_record_is_read(void)
+/* The example of the format's specification: 16 bytes at 0x0100, checksum 0x40. */
+void test_example_record_is_read(void)
 {
     static const uint8_t EXPECTED[16] = {0x21, 0x46, 0x01, 0x36, 0x01, 0x21, 0x47, 0x01,
                                          0x36, 0x00, 0x7E, 0xFE, 0x09, 0xD2, 0x19, 0x01};
@@ -52,7 +52,7 @@ void test_the_well_known_record_is_read(void)
 }
 
 /* 0x00FF, then 0x0010 * 16 + 0: the byte after it. */
-void test_a_segment_counts_in_sixteens(void)
+void test_segment_address_is_in_units_of_16_bytes(void)
 {
     TEST_ASSERT_TRUE(receive(":0100FF0041BF\n:020000020010EC\n:0100000042BD\n" END_RECORD) > 0);
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_GOOD, hex.problem);
@@ -61,7 +61,7 @@ void test_a_segment_counts_in_sixteens(void)
     TEST_ASSERT_EQUAL_HEX8(0x42, image[1]);
 }
 
-void test_every_problem_has_words_of_its_own(void)
+void test_every_error_has_its_own_text(void)
 {
     for (int one = INTEL_HEX_GOOD; one <= INTEL_HEX_TOO_LARGE; one++) {
         for (int other = INTEL_HEX_GOOD; other < one; other++) {
@@ -71,7 +71,7 @@ void test_every_problem_has_words_of_its_own(void)
     }
 }
 
-void test_small_letters_blank_lines_and_comments_between_records_do_not_matter(void)
+void test_lower_case_blank_lines_and_comments_between_records_are_accepted(void)
 {
     TEST_ASSERT_TRUE(receive("; hello\n\n:02000000aB0152\r\r\n\n:01000200 EE0F") == 0);
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_CHARACTER, hex.problem); /* but a blank within one does */
@@ -83,7 +83,7 @@ void test_small_letters_blank_lines_and_comments_between_records_do_not_matter(v
 
 /* 0x0800 4000, where the configuration lies, as objcopy writes it from an ELF file: linear address
  * and start address. */
-void test_data_may_begin_anywhere_and_cross_an_extended_address(void)
+void test_data_may_start_at_any_address_and_cross_an_extended_address(void)
 {
     TEST_ASSERT_TRUE(receive(":020000040800F2\n:02FFFE001122CE\n:020000040801F1\n:020000003344"
                              "87\n"
@@ -95,7 +95,7 @@ void test_data_may_begin_anywhere_and_cross_an_extended_address(void)
     TEST_ASSERT_EQUAL_HEX8_ARRAY(EXPECTED, image, 4);
 }
 
-void test_every_single_wrong_digit_of_a_record_is_noticed(void)
+void test_every_single_wrong_digit_is_an_error(void)
 {
     static const char GOOD[] = ":0300100001020EDC\n" END_RECORD;
     TEST_ASSERT_TRUE(receive(GOOD) > 0);
@@ -117,7 +117,7 @@ void test_every_single_wrong_digit_of_a_record_is_noticed(void)
     }
 }
 
-void test_what_is_wrong_is_named_with_its_record_and_the_rest_is_swallowed_to_the_end(void)
+void test_error_has_its_record_number_and_the_rest_is_ignored_up_to_the_end(void)
 {
     assert_refused(":0100000011EE\n:0100010022DD\n" END_RECORD, INTEL_HEX_CHECKSUM, 2);
     assert_refused(":0100000011EE\n:01000200"
@@ -131,7 +131,7 @@ void test_what_is_wrong_is_named_with_its_record_and_the_rest_is_swallowed_to_th
     assert_refused(":0100000400FB\n" END_RECORD, INTEL_HEX_TYPE, 1);
 }
 
-void test_nothing_is_written_beyond_the_buffer_nor_after_a_problem(void)
+void test_no_byte_is_written_beyond_the_buffer_or_after_an_error(void)
 {
     uint8_t guarded[CAPACITY];
     memset(guarded, 0xEE, sizeof guarded);
@@ -147,7 +147,7 @@ void test_nothing_is_written_beyond_the_buffer_nor_after_a_problem(void)
     }
 }
 
-void test_an_end_whose_checksum_is_wrong_is_no_end(void)
+void test_end_record_with_a_wrong_checksum_is_an_error(void)
 {
     TEST_ASSERT_EQUAL_UINT32(0, receive(":0100000011EE\n:00000001FE\n"));
     TEST_ASSERT_EQUAL_INT(INTEL_HEX_CHECKSUM, hex.problem);

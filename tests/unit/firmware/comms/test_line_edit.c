@@ -9,7 +9,7 @@ static text_t echo;
 
 void setUp(void)
 {
-    memset(&edit, 0xA5, sizeof edit); /* so that what is not initialised shows */
+    memset(&edit, 0xA5, sizeof edit); /* uninitialised fields are visible */
     line_edit_init(&edit);
     text_clear(&echo);
 }
@@ -31,7 +31,7 @@ static void assert_line(const char *expected, const char *keys)
     TEST_ASSERT_EQUAL_STRING(expected, edit.line);
 }
 
-void test_what_is_typed_is_echoed_and_is_the_line(void)
+void test_typed_characters_are_echoed_and_form_the_line(void)
 {
     assert_line("config motor", "config motor\r");
     TEST_ASSERT_EQUAL_STRING("config motor\r\n", echo.chars);
@@ -48,12 +48,12 @@ void test_every_printable_character_can_be_typed(void)
     }
 }
 
-void test_a_line_feed_may_be_the_very_first_key(void)
+void test_line_feed_as_first_key_is_an_empty_line(void)
 {
     assert_line("", "\n");
 }
 
-void test_blanks_around_the_words_are_dropped_and_those_between_are_kept(void)
+void test_leading_and_trailing_blanks_are_removed(void)
 {
     assert_line("a  b", "   a  b  \r");
     assert_line("", "     \r");
@@ -71,26 +71,26 @@ void test_return_line_feed_and_both_end_one_line_each(void)
     TEST_ASSERT_EQUAL_INT(LINE_EDIT_ENDED, type("\r"));
 }
 
-void test_backspace_and_delete_take_one_character_back_and_never_more_than_there_are(void)
+void test_backspace_and_delete_remove_one_character(void)
 {
     assert_line("status", "\b\x7Fstax\btus\r");
     TEST_ASSERT_EQUAL_STRING("stax\b \btus\r\n", echo.chars);
     assert_line("ab", "abc\x7F\r");
 }
 
-void test_control_u_takes_everything_back(void)
+void test_control_u_clears_the_line(void)
 {
     assert_line("new", "old words\x15new\r");
     TEST_ASSERT_NOT_NULL(strstr(echo.chars, "\r\x1B[K" LINE_EDIT_PROMPT "new"));
 }
 
-void test_control_c_gives_up_and_the_next_line_is_empty(void)
+void test_control_c_cancels_the_line(void)
 {
     TEST_ASSERT_EQUAL_INT(LINE_EDIT_CANCELLED, type("half\x03"));
     assert_line("", "\r");
 }
 
-void test_the_arrow_up_brings_the_last_line_back_for_editing(void)
+void test_arrow_up_restores_the_last_line(void)
 {
     assert_line("status", "status\r");
     assert_line("status", "\x1B[A\r");
@@ -99,7 +99,7 @@ void test_the_arrow_up_brings_the_last_line_back_for_editing(void)
     assert_line("statuses", "\x1B[A\r");
 }
 
-void test_an_empty_line_is_not_remembered(void)
+void test_empty_line_is_not_stored_as_last_line(void)
 {
     assert_line("status", "status\r");
     assert_line("", "\r");
@@ -107,9 +107,9 @@ void test_an_empty_line_is_not_remembered(void)
     assert_line("status", "\x1B[A\r");
 }
 
-void test_other_keys_do_nothing(void)
+void test_other_keys_have_no_effect(void)
 {
-    assert_line("", "\x1B[A\r"); /* nothing to bring back yet */
+    assert_line("", "\x1B[A\r"); /* no last line yet */
     text_clear(&echo);
     assert_line("ab", "a\x1B[@\x1B[~\x1B[B\x1B[C\x1B[D\x1B[1;5C\x1B[3~\t\x01\x07"
                       "b\r");
@@ -121,13 +121,13 @@ void test_other_keys_do_nothing(void)
     TEST_ASSERT_EQUAL_UINT32(0, echo.length);
 }
 
-void test_a_lonely_escape_does_not_swallow_the_next_key(void)
+void test_single_escape_does_not_consume_the_next_key(void)
 {
     assert_line("ab", "a\x1B"
                       "b\r");
 }
 
-void test_a_full_line_rings_and_keeps_what_it_has(void)
+void test_full_line_sends_a_bell_and_keeps_its_content(void)
 {
     char keys[LINE_EDIT_CHARS + 1];
     memset(keys, 'k', LINE_EDIT_CHARS);
@@ -143,7 +143,7 @@ void test_a_full_line_rings_and_keeps_what_it_has(void)
 }
 
 /* One key's echo must fit a text, whatever has been typed. */
-void test_the_longest_echo_of_one_key_is_not_cut_off(void)
+void test_longest_echo_of_one_key_is_complete(void)
 {
     char keys[LINE_EDIT_CHARS + 1];
     memset(keys, 'k', LINE_EDIT_CHARS);
@@ -158,7 +158,7 @@ void test_the_longest_echo_of_one_key_is_not_cut_off(void)
     TEST_ASSERT_EQUAL_STRING(keys, &echo.chars[echo.length - LINE_EDIT_CHARS]);
 }
 
-void test_any_bytes_at_all_leave_a_line_within_its_bounds(void)
+void test_line_stays_within_its_bounds_for_any_bytes(void)
 {
     uint32_t random = 7;
     for (int i = 0; i < 200000; i++) {

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The layout is compared with the DBC in test_frames.py, by decoding; here is what the C promises
- * by itself. */
+/* Packing and unpacking of messages in C. test_frames.py compares the layout with the DBC. */
 #include "comms/generated/hubfoc.h"
 #include "comms/messages.h"
 #include "unity.h"
@@ -47,9 +46,9 @@ void test_a_wheel_is_the_lowest_two_bits_of_the_identifier(void)
     }
 }
 
-/* On CAN the lower identifier wins, and the last wheel's urgent message goes before the first one's
- * less urgent. */
-void test_what_is_more_urgent_has_the_lower_identifier_whatever_the_wheel(void)
+/* On CAN the lower identifier wins: an urgent message of any wheel precedes a less urgent one of
+ * any other. */
+void test_more_urgent_messages_have_lower_identifiers_for_every_wheel(void)
 {
     for (int kind = 1; kind < MESSAGES_KINDS; kind++) {
         TEST_ASSERT_TRUE(messages_identifier((messages_kind_t)(kind - 1), MESSAGES_REAR_RIGHT) <
@@ -57,9 +56,8 @@ void test_what_is_more_urgent_has_the_lower_identifier_whatever_the_wheel(void)
     }
 }
 
-/* Values of whole steps, so that nothing is rounded; 200 is a reason that this version need not
- * know. */
-void test_what_a_wheel_says_about_state_and_brake_comes_back_on_the_vehicles_side(void)
+/* Values are whole steps, so that none is rounded; 200 is a reason unknown to this version. */
+void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
 {
     const messages_output_t meant = {
         .motor_torque_estimate_mNm = -39900,
@@ -93,7 +91,7 @@ void test_what_a_wheel_says_about_state_and_brake_comes_back_on_the_vehicles_sid
     }
 }
 
-void test_what_is_not_that_wheels_state_or_brake_is_not_read(void)
+void test_state_and_brake_of_other_wheels_or_messages_are_refused(void)
 {
     const messages_output_t meant = {.hydraulic_torque_mNm = 1000, .mode = 3};
     messages_output_t back = {.mode = 1};
@@ -108,7 +106,7 @@ void test_what_is_not_that_wheels_state_or_brake_is_not_read(void)
     TEST_ASSERT_EQUAL_UINT8(1, back.mode);
 }
 
-void test_a_demand_comes_back_as_it_was_meant(void)
+void test_demand_unpacks_to_the_packed_values(void)
 {
     static const int32_t DRIVE_mNm[] = {-20000000, -12300, -100, 0, 100, 40000, 20000000};
     static const int32_t BRAKE_mNm[] = {0, 100, 12300, 20000000};
@@ -136,7 +134,7 @@ void test_a_demand_comes_back_as_it_was_meant(void)
     }
 }
 
-void test_the_batterys_limits_come_back_as_they_were_meant(void)
+void test_battery_limits_unpack_to_the_packed_values(void)
 {
     static const int32_t CURRENT_mA[] = {0, 100, 123400, 32000000};
     for (uint32_t c = 0; c < 4; c++) {
@@ -166,7 +164,7 @@ static bool demand_is_read(int32_t drive_steps, uint32_t brake_steps)
 }
 
 /* 200 000 steps of 0.1 N m are the DBC's 20 000 N m; the field could hold more. */
-void test_a_demand_beyond_the_range_is_refused_and_the_end_of_the_range_is_not(void)
+void test_demand_above_its_range_is_refused(void)
 {
     TEST_ASSERT_TRUE(demand_is_read(200000, 200000));
     TEST_ASSERT_TRUE(demand_is_read(-200000, 0));
@@ -214,7 +212,7 @@ void test_a_frame_of_another_length_is_refused(void)
     }
 }
 
-void test_received_kinds_cannot_be_sent(void)
+void test_received_messages_cannot_be_sent(void)
 {
     const messages_output_t output = {.mode = 4};
     TEST_ASSERT_EQUAL_UINT8(

@@ -11,7 +11,7 @@ static node_t node;
 
 void setUp(void)
 {
-    memset(&node, 0xA5, sizeof node); /* so that what is not initialised shows */
+    memset(&node, 0xA5, sizeof node); /* uninitialised fields are visible */
     node_init(&node, MESSAGES_REAR_RIGHT, PACK, 0);
 }
 
@@ -52,14 +52,14 @@ static void assert_demand_is_still_of(uint32_t time_ms, uint32_t now_ms)
 
 /* ---- the demand ---- */
 
-void test_before_the_first_frame_there_is_no_torque_no_enable_and_no_age(void)
+void test_before_the_first_frame_torque_is_zero_and_disabled(void)
 {
     TEST_ASSERT_EQUAL_INT32(0, node.command.demand.drive_torque_mNm);
     TEST_ASSERT_FALSE(node.command.demand.enable);
     TEST_ASSERT_EQUAL_UINT32(UINT32_MAX, node_demand_age_ms(&node.command, 5));
 }
 
-void test_a_demand_is_taken_with_its_time_once_the_sender_is_qualified(void)
+void test_demand_of_a_qualified_sender_applies_with_its_time(void)
 {
     TEST_ASSERT_FALSE(receive_demand(5, 1000, 0));
     TEST_ASSERT_FALSE(receive_demand(6, 2000, 10));
@@ -68,7 +68,7 @@ void test_a_demand_is_taken_with_its_time_once_the_sender_is_qualified(void)
     assert_demand_is_still_of(20, 27);
 }
 
-void test_a_damaged_demand_does_not_make_the_demand_younger(void)
+void test_damaged_demand_does_not_reset_the_age(void)
 {
     qualify_demand();
     messages_frame_t frame = demand_frame(3, 9000);
@@ -78,7 +78,7 @@ void test_a_damaged_demand_does_not_make_the_demand_younger(void)
     TEST_ASSERT_EQUAL_UINT32(1, node.demand.counts.damaged);
 }
 
-void test_a_stuck_counter_does_not_make_the_demand_younger(void)
+void test_stuck_counter_does_not_reset_the_age(void)
 {
     qualify_demand();
     for (uint32_t ms = 30; ms < 1000; ms += DEMAND_CYCLE_ms) {
@@ -89,7 +89,7 @@ void test_a_stuck_counter_does_not_make_the_demand_younger(void)
     TEST_ASSERT_TRUE(node.demand.counts.timeouts > 0);
 }
 
-void test_a_jumping_counter_does_not_make_the_demand_younger(void)
+void test_jumping_counter_does_not_reset_the_age(void)
 {
     qualify_demand();
     uint8_t counter = 2;
@@ -101,7 +101,7 @@ void test_a_jumping_counter_does_not_make_the_demand_younger(void)
     TEST_ASSERT_TRUE(node.demand.counts.wrong_sequence > 0);
 }
 
-void test_a_late_demand_does_not_make_the_demand_younger_until_the_sender_has_qualified_again(void)
+void test_late_demand_resets_the_age_only_after_requalification(void)
 {
     qualify_demand();
     const uint32_t late_ms = 20 + NODE_TIMEOUT_CYCLES * DEMAND_CYCLE_ms;
@@ -114,7 +114,7 @@ void test_a_late_demand_does_not_make_the_demand_younger_until_the_sender_has_qu
     TEST_ASSERT_EQUAL_UINT32(0, node_demand_age_ms(&node.command, late_ms + 20));
 }
 
-void test_two_lost_demands_in_a_row_are_forgiven(void)
+void test_two_lost_demands_in_a_row_are_tolerated(void)
 {
     qualify_demand();
     TEST_ASSERT_TRUE(receive_demand(5, 9000, 50));
@@ -122,7 +122,7 @@ void test_two_lost_demands_in_a_row_are_forgiven(void)
     TEST_ASSERT_EQUAL_UINT32(2, node.demand.counts.lost);
 }
 
-void test_a_demand_beyond_the_range_is_counted_and_does_not_make_the_demand_younger(void)
+void test_demand_above_its_range_is_an_error_and_does_not_reset_the_age(void)
 {
     qualify_demand();
     messages_frame_t frame = demand_frame(3, 0);
@@ -136,7 +136,7 @@ void test_a_demand_beyond_the_range_is_counted_and_does_not_make_the_demand_youn
     TEST_ASSERT_EQUAL_UINT32(1, node.demand.counts.implausible);
 }
 
-void test_the_demand_for_another_wheel_is_not_for_this_one(void)
+void test_demand_for_another_wheel_is_ignored(void)
 {
     qualify_demand();
     const messages_demand_t demand = {.drive_torque_mNm = 9000, .enable = true};
@@ -150,8 +150,8 @@ void test_the_demand_for_another_wheel_is_not_for_this_one(void)
     assert_demand_is_still_of(20, 30);
 }
 
-/* A clock of 32 bits wraps after 49 days; a demand must not look fresh because of that. */
-void test_a_demand_of_long_ago_is_forgotten_before_the_clock_comes_round(void)
+/* A clock of 32 bits wraps after 49 days. An old demand must not appear new after that. */
+void test_old_demand_stays_old_over_a_wrap_of_the_clock(void)
 {
     qualify_demand();
     const uint32_t forgotten_ms = 20 + NODE_DEMAND_EXPIRY_ms;
@@ -165,14 +165,14 @@ void test_a_demand_of_long_ago_is_forgotten_before_the_clock_comes_round(void)
 
 /* ---- the battery ---- */
 
-void test_without_a_battery_management_the_configurations_limits_hold_for_ever(void)
+void test_configured_battery_limits_apply_without_a_bms(void)
 {
     TEST_ASSERT_FALSE(node_tick(&node, 1000000));
     TEST_ASSERT_EQUAL_INT32(PACK.charge_current_mA, node.command.battery.charge_current_mA);
     TEST_ASSERT_EQUAL_INT32(PACK.discharge_current_mA, node.command.battery.discharge_current_mA);
 }
 
-void test_a_battery_that_falls_silent_takes_no_charge_until_it_has_qualified_again(void)
+void test_charge_limit_is_zero_after_a_bms_timeout_until_requalification(void)
 {
     TEST_ASSERT_FALSE(receive_battery(0, 10000, 0));
     TEST_ASSERT_FALSE(receive_battery(1, 10000, BATTERY_CYCLE_ms));
@@ -190,9 +190,8 @@ void test_a_battery_that_falls_silent_takes_no_charge_until_it_has_qualified_aga
     TEST_ASSERT_EQUAL_INT32(8000, node.command.battery.charge_current_mA);
 }
 
-/* The silence ends with a frame, and nothing was called in between: it has to be noticed all the
- * same. */
-void test_a_silence_that_nobody_looked_at_still_takes_the_charge_away(void)
+/* A frame arrives after the timeout without a step in between: the timeout still applies. */
+void test_bms_timeout_between_two_calls_sets_the_charge_limit_to_zero(void)
 {
     for (uint8_t i = 0; i < 3; i++) {
         (void)receive_battery(i, 10000, i * BATTERY_CYCLE_ms);
@@ -201,7 +200,7 @@ void test_a_silence_that_nobody_looked_at_still_takes_the_charge_away(void)
     TEST_ASSERT_EQUAL_INT32(0, node.command.battery.charge_current_mA);
 }
 
-void test_a_battery_that_sends_nonsense_is_as_good_as_silent(void)
+void test_battery_limits_above_their_range_count_as_missing(void)
 {
     for (uint8_t i = 0; i < 3; i++) {
         (void)receive_battery(i, 10000, i * BATTERY_CYCLE_ms);
@@ -231,7 +230,7 @@ static bool next_is(messages_kind_t kind, uint8_t counter, uint32_t now_ms,
            e2e_intact(frame.data, frame.identifier);
 }
 
-void test_no_message_is_sent_before_its_time_and_the_urgent_comes_first(void)
+void test_messages_are_sent_in_their_cycle_and_in_order_of_urgency(void)
 {
     const messages_output_t output = {.mode = 3};
     messages_frame_t frame;
@@ -244,7 +243,7 @@ void test_no_message_is_sent_before_its_time_and_the_urgent_comes_first(void)
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 1, 20, &output));
 }
 
-void test_what_was_not_sent_is_offered_again_with_the_same_counter_and_new_values(void)
+void test_unsent_message_is_offered_again_with_the_same_counter_and_new_values(void)
 {
     messages_output_t output = {.mode = 3};
     messages_frame_t first;
@@ -257,8 +256,8 @@ void test_what_was_not_sent_is_offered_again_with_the_same_counter_and_new_value
     TEST_ASSERT_EQUAL_HEX8(0x60, second.data[1]);
 }
 
-/* A bus that was gone for a second gets the newest values once, not a hundred old ones. */
-void test_after_a_gap_nothing_is_caught_up(void)
+/* After a second without transmission the newest values are sent once. */
+void test_missed_cycles_are_not_sent_later(void)
 {
     const messages_output_t output = {.mode = 3};
     messages_frame_t frame;
@@ -273,9 +272,8 @@ void test_after_a_gap_nothing_is_caught_up(void)
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 1, 1010, &output));
 }
 
-/* Called every 3 ms, a message of 10 ms leaves 100 times a second all the same: its time does not
- * drift. */
-void test_a_pump_that_is_not_on_time_does_not_slow_the_cycle_down(void)
+/* With a call every 3 ms, a message with a cycle of 10 ms is still sent 100 times a second. */
+void test_irregular_calls_do_not_lengthen_the_cycle(void)
 {
     const messages_output_t output = {.mode = 3};
     int states = 0;
@@ -289,7 +287,7 @@ void test_a_pump_that_is_not_on_time_does_not_slow_the_cycle_down(void)
     TEST_ASSERT_EQUAL_INT(300, states);
 }
 
-void test_the_cycle_goes_on_when_the_clock_wraps(void)
+void test_cycle_continues_over_a_wrap_of_the_clock(void)
 {
     const uint32_t start_ms = UINT32_MAX - 500U;
     node_init(&node, MESSAGES_REAR_RIGHT, PACK, start_ms);
@@ -312,7 +310,7 @@ static void assert_sent_changes_nothing(void)
     TEST_ASSERT_EQUAL_MEMORY(&before, &node, sizeof before);
 }
 
-void test_only_a_frame_that_was_offered_can_have_been_sent_and_only_once(void)
+void test_only_an_offered_frame_can_be_marked_as_sent_and_only_once(void)
 {
     const messages_output_t output = {.mode = 3};
     messages_frame_t frame;
@@ -326,7 +324,7 @@ void test_only_a_frame_that_was_offered_can_have_been_sent_and_only_once(void)
 }
 
 /* WheelHealth: demand_link bits 12 and 13, battery_link 14 and 15, errors in bytes 6 and 7. */
-void test_the_wheel_reports_its_receivers(void)
+void test_wheel_health_reports_the_receivers_states(void)
 {
     qualify_demand();
     (void)receive_demand(2, 0, 25);

@@ -17,7 +17,7 @@ static uint32_t screen_bytes;
 
 void setUp(void)
 {
-    memset(&shell, 0xA5, sizeof shell); /* so that what is not initialised shows */
+    memset(&shell, 0xA5, sizeof shell); /* uninitialised fields are visible */
     shell_init(&shell, COMMANDS, COMMANDS_COUNT);
     screen_bytes = 0;
     screen[0] = '\0';
@@ -32,7 +32,7 @@ static void type(const char *keys)
     }
 }
 
-/* The owner: answers what is asked, one line. */
+/* The application: answers a command with one line. */
 static bool answer_one(void)
 {
     shell_request_t asked;
@@ -55,7 +55,7 @@ static bool answer_one(void)
     return true;
 }
 
-/* A line that takes at most so many bytes at a time. */
+/* A serial line that takes a bounded number of bytes at a time. */
 static void carry(uint32_t at_most)
 {
     const char *bytes;
@@ -101,21 +101,21 @@ void test_a_command_without_words_gets_none(void)
     assert_screen("echo\r\n<>\r\n> ");
 }
 
-void test_an_empty_line_gets_a_prompt_and_nothing_else(void)
+void test_empty_line_gets_only_a_prompt(void)
 {
     type("\r");
     run();
     assert_screen("\r\n> ");
 }
 
-void test_an_unknown_word_is_named(void)
+void test_answer_to_an_unknown_command_contains_it(void)
 {
     type("bogus words\r");
     run();
     assert_screen("bogus words\r\nbogus: unknown; help lists the commands\r\n> ");
 }
 
-void test_neither_a_part_of_a_command_nor_more_than_it_is_the_command(void)
+void test_prefix_or_extension_of_a_command_is_unknown(void)
 {
     type("ech\rechoes\r");
     run();
@@ -169,21 +169,21 @@ static void assert_counted_to_a_thousand(void)
     TEST_ASSERT_EQUAL_STRING("> ", at);
 }
 
-void test_an_answer_far_longer_than_the_buffer_arrives_complete(void)
+void test_answer_longer_than_the_buffer_is_complete(void)
 {
     type("count\r");
     run();
     assert_counted_to_a_thousand();
 }
 
-void test_also_over_a_line_that_takes_one_byte_at_a_time(void)
+void test_long_answer_is_complete_over_a_line_that_takes_one_byte_at_a_time(void)
 {
     type("count\r");
     run_with(1);
     assert_counted_to_a_thousand();
 }
 
-void test_what_is_typed_during_an_answer_waits_for_its_end(void)
+void test_input_during_an_answer_is_processed_after_it(void)
 {
     type("echo first\recho second\recho third\r");
     run();
@@ -200,7 +200,7 @@ void test_the_shells_own_answers_follow_each_other_too(void)
                   "echoes\r\nechoes: unknown; help lists the commands\r\n> ");
 }
 
-void test_control_c_ends_an_answer_and_forgets_what_was_typed_ahead(void)
+void test_control_c_ends_an_answer_and_discards_pending_input(void)
 {
     type("count\r");
     TEST_ASSERT_TRUE(answer_one());
@@ -213,7 +213,7 @@ void test_control_c_ends_an_answer_and_forgets_what_was_typed_ahead(void)
     TEST_ASSERT_NULL(strstr(screen, "never"));
 }
 
-void test_more_typed_ahead_than_there_is_room_for_is_dropped_not_written_elsewhere(void)
+void test_pending_input_beyond_its_buffer_is_discarded(void)
 {
     type("count\r");
     for (int i = 0; i < 10000; i++) {
@@ -224,7 +224,7 @@ void test_more_typed_ahead_than_there_is_room_for_is_dropped_not_written_elsewhe
     TEST_ASSERT_EQUAL_UINT32(LINE_EDIT_CHARS, shell.edit.length);
 }
 
-void test_lines_nobody_asked_for_come_whole(void)
+void test_unsolicited_lines_are_complete(void)
 {
     text_t line;
     text_clear(&line);
@@ -234,7 +234,7 @@ void test_lines_nobody_asked_for_come_whole(void)
     assert_screen("hello\r\n");
 }
 
-void test_lines_that_find_no_room_are_dropped_whole_and_counted(void)
+void test_unsolicited_lines_that_do_not_fit_are_discarded_and_counted(void)
 {
     text_t line;
     text_clear(&line);
@@ -278,7 +278,7 @@ void test_a_line_of_the_full_length_keeps_its_end(void)
     TEST_ASSERT_EQUAL_STRING("x\r\n", &screen[screen_bytes - 3]);
 }
 
-void test_nothing_is_asked_while_there_is_no_room_for_an_answer(void)
+void test_no_command_is_processed_without_space_for_an_answer(void)
 {
     text_t line;
     text_clear(&line);
@@ -293,7 +293,7 @@ void test_nothing_is_asked_while_there_is_no_room_for_an_answer(void)
     TEST_ASSERT_NOT_NULL(strstr(screen, "<x>"));
 }
 
-void test_more_taken_than_was_waiting_does_no_harm(void)
+void test_taking_more_bytes_than_pending_is_bounded(void)
 {
     type("a");
     shell_sent(&shell, 100000);
@@ -303,7 +303,7 @@ void test_more_taken_than_was_waiting_does_no_harm(void)
     TEST_ASSERT_EQUAL_UINT32(1, shell_pending(&shell, &bytes));
 }
 
-void test_any_bytes_at_all_are_survived(void)
+void test_shell_accepts_any_bytes(void)
 {
     uint32_t random = 3;
     for (int i = 0; i < 200000; i++) {

@@ -8,13 +8,13 @@ static text_t text;
 
 void setUp(void)
 {
-    memset(&text, 0xA5, sizeof text); /* so that what is not initialised shows */
+    memset(&text, 0xA5, sizeof text); /* uninitialised fields are visible */
     text_clear(&text);
 }
 
 void tearDown(void) {}
 
-void test_integers_are_written_as_people_write_them_up_to_both_ends_of_the_range(void)
+void test_integers_are_written_in_decimal_up_to_both_ends_of_the_range(void)
 {
     text_add_integer(&text, 0);
     text_add(&text, " ");
@@ -26,7 +26,7 @@ void test_integers_are_written_as_people_write_them_up_to_both_ends_of_the_range
     TEST_ASSERT_EQUAL_STRING("0 -7 2147483647 -2147483648", text.chars);
 }
 
-void test_milli_units_are_written_with_a_point_and_keep_their_zeros(void)
+void test_milli_units_are_written_with_a_point_and_trailing_zeros(void)
 {
     text_add_decimal(&text, 53012, 3);
     text_add(&text, " ");
@@ -46,7 +46,7 @@ void test_hexadecimal_has_always_eight_digits(void)
     TEST_ASSERT_EQUAL_STRING("0x0000BEEF", text.chars);
 }
 
-void test_what_does_not_fit_is_cut_off_and_the_line_stays_terminated(void)
+void test_text_is_truncated_at_its_buffer_and_stays_terminated(void)
 {
     for (int i = 0; i < 100; i++) {
         text_add(&text, "0123456789");
@@ -61,7 +61,7 @@ void test_a_cleared_line_is_an_empty_string(void)
     TEST_ASSERT_EQUAL_UINT32(0, text.length);
 }
 
-void test_columns_line_up_and_words_never_touch(void)
+void test_columns_are_aligned_and_separated_by_a_blank(void)
 {
     text_add(&text, "a");
     text_add_until(&text, 4);
@@ -71,7 +71,7 @@ void test_columns_line_up_and_words_never_touch(void)
     TEST_ASSERT_EQUAL_STRING("a   b c", text.chars);
 }
 
-void test_a_column_beyond_the_end_fills_the_line_and_no_more(void)
+void test_column_beyond_the_end_fills_the_line(void)
 {
     text_add_until(&text, 10000);
     TEST_ASSERT_EQUAL_UINT32(TEXT_CAPACITY - 1, text.length);

@@ -36,7 +36,7 @@ void test_milliamperes_to_per_unit_saturate_at_full_scale(void)
     TEST_ASSERT_EQUAL_INT16(-32768, bases_current_pu_q15(&config, INT32_MIN));
 }
 
-void test_current_there_and_back_is_within_one_lsb(void)
+void test_current_to_per_unit_and_back_is_within_one_lsb(void)
 {
     const double lsb_mA = 165000.0 / 32768.0;
     config.drive.current_full_scale_mA = 165000;

@@ -49,7 +49,7 @@ static uint32_t crc32_msb_first(const uint8_t *bytes, size_t size)
     return reflected(crc, 32) ^ UINT32_MAX;
 }
 
-void test_it_agrees_with_an_independent_implementation_on_every_length_up_to_a_page(void)
+void test_crc_equals_an_independent_implementation_at_every_length_up_to_a_page(void)
 {
     uint8_t bytes[300];
     uint32_t x = 12345;

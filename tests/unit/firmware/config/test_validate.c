@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The validator: every field at both ends of its range and one beyond, every relation, every way an
- * image can be damaged. */
+/* The validator: every field at both ends of its range and one beyond, every relation between
+ * fields, and damaged images. */
 #include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -38,7 +38,7 @@ void test_the_papers_vehicle_is_accepted(void)
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, result.code);
 }
 
-void test_a_longer_memory_than_the_image_is_fine(void)
+void test_memory_longer_than_the_image_is_accepted(void)
 {
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, config_validate(&CONFIG_LU2013, UINT32_MAX).code);
 }
@@ -56,7 +56,7 @@ void test_a_shorter_image_is_refused_without_being_read(void)
     }
 }
 
-void test_wrong_magic_version_and_size_are_told_apart(void)
+void test_wrong_magic_version_and_size_have_separate_codes(void)
 {
     config.magic ^= 1U;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_MAGIC, sealed_result().code);
@@ -87,7 +87,7 @@ void test_any_single_flipped_bit_is_refused(void)
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, config_validate(&config, sizeof(config)).code);
 }
 
-void test_a_name_must_be_there_and_end(void)
+void test_name_must_not_be_empty_and_must_be_terminated(void)
 {
     config.name[0] = '\0';
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_NAME, sealed_result().code);
@@ -195,7 +195,7 @@ void test_a_surface_magnet_motor_has_one_inductance(void)
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
 }
 
-void test_current_limits_must_leave_the_trip_its_room(void)
+void test_overcurrent_trip_must_be_above_the_phase_current_limit(void)
 {
     config.motor.max_phase_current_mA = config.drive.current_full_scale_mA;
     assert_relation("motor.max_phase_current_mA");
@@ -206,9 +206,9 @@ void test_current_limits_must_leave_the_trip_its_room(void)
         "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15");
 }
 
-/* 12 bits, 2048 in the middle: a zero 200 codes beside it leaves 1847 codes of 16 to the end, an
- * over-current beyond which the converter cannot show. */
-void test_the_overcurrent_trip_must_lie_where_a_sample_can_reach_it(void)
+/* 12 bits, zero current at code 2048. With an offset of 200 codes the ADC saturates 1847 codes of
+ * 16 above zero: a larger overcurrent limit could not trip. */
+void test_overcurrent_trip_must_be_within_the_adc_range(void)
 {
     config.monitor.offset_tolerance_codes = 200;
     config.monitor.overcurrent_pu_q15 = 1847 * 16;
@@ -217,8 +217,8 @@ void test_the_overcurrent_trip_must_lie_where_a_sample_can_reach_it(void)
     assert_relation("monitor.overcurrent_pu_q15 within the converter's range");
 }
 
-/* And so must the over-voltage's, whose last code is 4095 of 4096. */
-void test_the_overvoltage_trip_must_lie_where_a_sample_can_reach_it(void)
+/* The ADC saturates at code 4095 of 4096: a larger overvoltage limit could not trip. */
+void test_overvoltage_trip_must_be_within_the_adc_range(void)
 {
     config.battery.overvoltage_trip_mV =
         config.drive.voltage_full_scale_mV - config.drive.voltage_full_scale_mV / 4096;
@@ -227,7 +227,7 @@ void test_the_overvoltage_trip_must_lie_where_a_sample_can_reach_it(void)
 
 /* 2 pi 20 kHz / 16 = 7854 rad/s electrical, for 23 pole pairs 341.477 rad/s; the winding is made
  * small enough to allow it. */
-void test_the_largest_speed_must_lie_within_its_base(void)
+void test_max_speed_must_be_within_the_speed_base(void)
 {
     config.current_loop.inductance_d_pu_q16 = 1;
     config.current_loop.inductance_q_pu_q16 = 1;
@@ -286,7 +286,7 @@ void test_pulses_and_dead_time_must_fit_into_the_period(void)
     assert_relation("drive.dead_time_ns, with drive.diode_drop_mV");
 }
 
-void test_the_handover_ends_below_where_it_starts(void)
+void test_blend_out_must_end_below_its_start(void)
 {
     config.brake.blend_out_end_mrad_s = config.brake.blend_out_start_mrad_s + 1;
     assert_relation("brake.blend_out_end_mrad_s <= brake.blend_out_start_mrad_s");
@@ -351,7 +351,7 @@ void test_the_winding_s_time_constant_must_be_longer_than_four_periods(void)
                 config.current_loop.proportional_q_pu_q16 * 64.0, "L / R");
 }
 
-void test_hall_sectors_must_be_in_order_and_thirty_to_ninety_degrees_wide(void)
+void test_hall_sectors_must_be_ordered_and_30_to_90_degrees_wide(void)
 {
     const int32_t edge = config.rotor.edge_turn[2];
     config.rotor.edge_turn[2] = config.rotor.edge_turn[1] + 5460; /* 29.99 degrees */
@@ -363,7 +363,7 @@ void test_hall_sectors_must_be_in_order_and_thirty_to_ninety_degrees_wide(void)
     assert_relation("rotor.edge_turn");
 }
 
-void test_an_encoder_must_be_fine_enough_and_its_index_sharp_enough(void)
+void test_encoder_must_have_enough_counts_and_a_narrow_index(void)
 {
     config.rotor.encoder_counts = 0;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code); /* no encoder, no demand on it */
@@ -381,7 +381,7 @@ void test_an_encoder_must_be_fine_enough_and_its_index_sharp_enough(void)
     assert_relation("rotor.encoder_index_tolerance_counts");
 }
 
-void test_nobody_brakes_electrically_where_halls_have_lost_the_speed(void)
+void test_blend_out_must_end_above_the_lowest_hall_speed(void)
 {
     /* One electrical turn a second of 23 pole pairs: 2 pi / 23 = 0.27318 rad/s. */
     config.brake.blend_out_end_mrad_s = 274;
@@ -393,13 +393,13 @@ void test_nobody_brakes_electrically_where_halls_have_lost_the_speed(void)
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
 }
 
-void test_the_map_of_i_d_has_a_point_of_no_torque(void)
+void test_d_current_map_must_have_a_point_at_zero_torque(void)
 {
     config.current_map.torque_points = 4;
     assert_relation("current_map.torque_points odd");
 }
 
-void test_the_maps_fit_into_the_room_there_is(void)
+void test_maps_must_fit_their_arrays(void)
 {
     config.current_map.torque_points = 33;
     config.current_map.speed_points = 19;
@@ -416,9 +416,9 @@ void test_the_maps_fit_into_the_room_there_is(void)
     assert_relation("regen_map.speed_points * regen_map.temperature_points within the table");
 }
 
-void test_no_stored_i_d_may_eat_the_flux_that_makes_the_torque(void)
+void test_d_currents_of_the_map_must_leave_a_quarter_of_the_flux(void)
 {
-    /* psi = 20.4 mWb; with L_q - L_d = 0.1 mH three quarters of it are gone at 153 A. */
+    /* psi = 20.4 mWb: with L_q - L_d = 0.1 mH, i_d = 153 A cancels three quarters of it. */
     config.motor.type = CONFIG_MOTOR_IPMSM;
     config.motor.q_inductance_nH = config.motor.d_inductance_nH + 100000;
     config.current_map.current_d_mA[CONFIG_CURRENT_MAP_POINTS_MAX - 1] = 152999;

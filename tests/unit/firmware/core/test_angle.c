@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Angles: every one of the 65 536. */
+/* Sine, cosine and angle differences at all 65 536 angles. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -22,7 +22,7 @@ void test_sine_and_cosine_are_within_one_lsb_of_the_exact_value_at_every_angle(v
     }
 }
 
-void test_the_four_quarter_turns_are_exact_but_for_plus_one_which_saturates(void)
+void test_sine_and_cosine_are_exact_at_quarter_turns_and_plus_one_saturates(void)
 {
     static const int32_t EXPECTED[4][2] = {
         {0, 32767}, {32767, 0}, {0, -32768}, {-32768, 0}}; /* sin, cos */
@@ -35,7 +35,7 @@ void test_the_four_quarter_turns_are_exact_but_for_plus_one_which_saturates(void
 
 void test_sine_and_cosine_always_lie_on_the_unit_circle(void)
 {
-    /* Each component may be 1 LSB from the truth, so the radius by sqrt 2. */
+    /* Each component is within 1 LSB, so the radius within sqrt 2. */
     for (uint32_t theta = 0; theta < 65536U; theta++) {
         const sincos_t out = angle_sincos((uint16_t)theta);
         const double radius = hypot(out.sin, out.cos);
@@ -43,7 +43,7 @@ void test_sine_and_cosine_always_lie_on_the_unit_circle(void)
     }
 }
 
-void test_sine_and_cosine_are_never_large_together(void)
+void test_sum_of_sine_and_cosine_magnitudes_is_at_most_sqrt_2(void)
 {
     /* |sin| + |cos| <= sqrt 2 and 1 LSB each: the proofs of the rotations (tests/proofs) rely on
      * it. */
@@ -63,7 +63,7 @@ void test_the_table_holds_cosine_and_sine_rounded_down(void)
     }
 }
 
-void test_the_difference_of_two_angles_goes_the_short_way_round(void)
+void test_difference_of_two_angles_is_within_half_a_turn(void)
 {
     TEST_ASSERT_EQUAL_INT16(0, angle_difference(1234, 1234));
     TEST_ASSERT_EQUAL_INT16(2, angle_difference(1, 65535)); /* forward across zero */
@@ -73,7 +73,7 @@ void test_the_difference_of_two_angles_goes_the_short_way_round(void)
         -32768, angle_difference(32768, 0)); /* half a turn has no short way: the negative one */
 }
 
-void test_adding_a_difference_to_the_start_arrives_for_every_pair_on_a_grid(void)
+void test_angle_plus_difference_is_the_other_angle_for_every_pair_on_a_grid(void)
 {
     for (uint32_t a = 0; a < 65536U; a += 257U) {
         for (uint32_t b = 0; b < 65536U; b += 251U) {

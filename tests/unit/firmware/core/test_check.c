@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Assertions: silent when they hold, one call with module and number when they do not. */
+/* Assertions: no call while the condition is true, one call with module and number otherwise. */
 #include "core/check.h"
 #include "unity.h"
 
@@ -22,13 +22,13 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_a_condition_that_holds_says_nothing(void)
+void test_true_condition_does_not_call_the_handler(void)
 {
     CHECK(CHECK_MODULE_FOC, 12, 1 + 1 == 2);
     TEST_ASSERT_EQUAL_INT(0, calls);
 }
 
-void test_a_condition_that_fails_names_its_module_and_number_once(void)
+void test_false_condition_calls_the_handler_once_with_module_and_number(void)
 {
     CHECK(CHECK_MODULE_TORQUE, 345, 1 + 1 == 3);
     TEST_ASSERT_EQUAL_INT(1, calls);

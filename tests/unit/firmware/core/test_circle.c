@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The circle without a square root: every component, and circles of many radii. */
+/* The remaining component of a vector on a circle, by table: every component, many radii. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -15,7 +15,7 @@ static double true_other(double radius, double x)
     return sqrt(fmax(radius * radius - x * x, 0.0));
 }
 
-void test_the_result_exceeds_the_circle_by_no_more_than_the_rounding_of_the_table(void)
+void test_result_exceeds_the_circle_by_at_most_the_rounding_of_the_table(void)
 {
     for (int32_t x = -32768; x <= 32768; x++) {
         const double y = circle_other_q15(x);
@@ -24,7 +24,7 @@ void test_the_result_exceeds_the_circle_by_no_more_than_the_rounding_of_the_tabl
     }
 }
 
-void test_it_falls_short_by_at_most_the_documented_share(void)
+void test_result_is_below_the_circle_by_at_most_the_documented_share(void)
 {
     for (int32_t x = -31784; x <= 31784; x++) { /* |x| < 0.97 */
         const double exact = true_other(32768.0, x);
@@ -32,7 +32,7 @@ void test_it_falls_short_by_at_most_the_documented_share(void)
     }
 }
 
-void test_it_is_even_and_falls_with_the_magnitude(void)
+void test_result_is_even_and_falls_with_the_magnitude(void)
 {
     for (int32_t x = 0; x < INT16_MAX; x++) {
         TEST_ASSERT_EQUAL_INT32(circle_other_q15(x), circle_other_q15(-x));
@@ -40,7 +40,7 @@ void test_it_is_even_and_falls_with_the_magnitude(void)
     }
 }
 
-void test_nothing_is_left_at_the_ends_and_everything_at_zero(void)
+void test_result_is_zero_at_both_ends_and_full_scale_at_zero(void)
 {
     TEST_ASSERT_EQUAL_INT32(0, circle_other_q15(INT16_MIN));
     TEST_ASSERT_LESS_OR_EQUAL(256, circle_other_q15(INT16_MAX)); /* sqrt(2 * 2^-15) = 256 LSB */
@@ -75,7 +75,7 @@ void test_a_vector_limited_to_a_circle_of_any_radius_stays_inside_for_every_comp
     }
 }
 
-void test_a_circle_of_any_radius_is_used_well(void)
+void test_limited_vector_uses_the_circle_within_1_percent(void)
 {
     /* 0.8 % of the interpolation, 4 LSB of the share (its reciprocal and its rounding), which the
      * slope of the circle x/y turns into y, and 2 LSB of the product. */
@@ -92,7 +92,7 @@ void test_a_circle_of_any_radius_is_used_well(void)
     }
 }
 
-void test_the_circle_keeps_the_radius_it_was_given(void)
+void test_circle_stores_its_radius_exactly(void)
 {
     /* Every radius that a configuration may hold (config.h), from half a per cent up. */
     for (int32_t radius = 164; radius <= Q15_ONE; radius++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Quotients by constants: equal to the language's division everywhere they could differ, and at
- * random. */
+/* Quotients by constants equal the C operator's, at multiples of the divisor, at the ends of the
+ * range and at random. */
 #include "core/divide.h"
 #include "unity.h"
 
@@ -23,8 +23,8 @@ static void assert_is_quotient(unsigned k, int64_t x)
     TEST_ASSERT_EQUAL_INT64(x / CASES[k].n, CASES[k].division(x));
 }
 
-/* x / n jumps at the multiples of n: there an error of the reciprocal shows first, and the larger x
- * is the sooner. */
+/* x / n changes at the multiples of n, where an error of the reciprocal shows first. The error
+ * grows with x. */
 static void assert_around(unsigned k, int64_t multiple)
 {
     for (int64_t beside = -2; beside <= 2; beside++) {
@@ -45,7 +45,7 @@ void test_the_quotient_changes_exactly_at_multiples_of_the_divisor(void)
     }
 }
 
-void test_powers_of_two_and_their_neighbours(void)
+void test_quotients_at_powers_of_two_and_their_neighbours(void)
 {
     for (unsigned k = 0; k < CASE_COUNT; k++) {
         for (unsigned bit = 2; bit < 63; bit++) {
@@ -54,7 +54,7 @@ void test_powers_of_two_and_their_neighbours(void)
     }
 }
 
-void test_the_ends_of_the_range(void)
+void test_quotients_at_the_ends_of_the_range(void)
 {
     for (unsigned k = 0; k < CASE_COUNT; k++) {
         for (int64_t i = 0; i < 3000; i++) {
@@ -65,7 +65,7 @@ void test_the_ends_of_the_range(void)
     }
 }
 
-void test_random_numbers_of_every_length(void)
+void test_quotients_of_random_numbers_of_every_length(void)
 {
     uint64_t random = 1;
     for (unsigned i = 0; i < 60000; i++) {

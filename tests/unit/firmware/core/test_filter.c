@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The low-pass against the exponential it stands for. */
+/* The low-pass against the exponential step response. */
 #include <math.h>
 
 #include "core/filter.h"
@@ -21,7 +21,7 @@ void test_a_step_follows_the_exponential(void)
     }
 }
 
-void test_it_settles_exactly_on_any_constant_from_either_side(void)
+void test_output_settles_exactly_on_any_constant_from_both_sides(void)
 {
     static const int32_t TARGETS[] = {-32768, -777, -1, 0, 1, 5, 12345, 32767};
     for (unsigned i = 0; i < sizeof(TARGETS) / sizeof(TARGETS[0]); i++) {
@@ -37,7 +37,7 @@ void test_it_settles_exactly_on_any_constant_from_either_side(void)
     }
 }
 
-void test_after_a_reset_it_stands_where_it_was_put(void)
+void test_reset_sets_the_output(void)
 {
     filter_t filter;
     for (int32_t x = -32768; x <= 32767; x++) {

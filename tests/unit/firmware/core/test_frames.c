@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The three frames are three types: mistaking one for another must not compile, and that is decided
- * at compile time. */
+/* The three frames are three types, so that a vector of one is not accepted as one of another; the
+ * assertions are of the compiler. */
 #include "core/frames.h"
 #include "unity.h"
 
@@ -20,7 +20,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_frames_hold_nothing_but_their_components(void)
+void test_frames_have_no_padding(void)
 {
     TEST_ASSERT_EQUAL_UINT(3 * sizeof(int32_t), sizeof(abc_t));
     TEST_ASSERT_EQUAL_UINT(2 * sizeof(int32_t), sizeof(ab_t));

@@ -9,7 +9,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_every_place_of_the_axis_is_index_and_fraction(void)
+void test_index_and_fraction_give_every_position_of_the_axis(void)
 {
     for (int32_t step_log2 = 0; step_log2 <= 8; step_log2++) {
         const int32_t step = 1 << step_log2;
@@ -24,7 +24,7 @@ void test_every_place_of_the_axis_is_index_and_fraction(void)
     }
 }
 
-void test_outside_the_axis_the_nearest_end_counts(void)
+void test_position_is_clamped_to_the_ends_of_the_axis(void)
 {
     static const int32_t BELOW[] = {INT32_MIN, -1000, -1, 0};
     static const int32_t ABOVE[] = {1792, 1793, 100000, INT32_MAX}; /* 7 intervals of 256 */
@@ -38,7 +38,7 @@ void test_outside_the_axis_the_nearest_end_counts(void)
     }
 }
 
-void test_the_widest_grid_locates_the_largest_argument(void)
+void test_largest_grid_locates_the_largest_argument(void)
 {
     const grid_position_t p = grid_locate(INT32_MAX, 65, 20);
     TEST_ASSERT_EQUAL_INT32(63, p.index);

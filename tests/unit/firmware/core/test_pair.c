@@ -43,7 +43,7 @@ static void check(int32_t ax, int32_t ay, int32_t bx, int32_t by)
     TEST_ASSERT_EQUAL_INT32(-1000 + ay * by, q_pair_mac_y(-1000, a, b));
 }
 
-void test_every_combination_of_ends_and_middles(void)
+void test_operations_at_every_combination_of_ends_and_middles(void)
 {
     for (int ax = 0; ax < VALUE_COUNT; ax++) {
         for (int ay = 0; ay < VALUE_COUNT; ay++) {
@@ -56,13 +56,13 @@ void test_every_combination_of_ends_and_middles(void)
     }
 }
 
-void test_sums_and_differences_inside_the_range(void)
+void test_sums_and_differences_are_exact_inside_the_range(void)
 {
     assert_pair(32767, -32768, q_pair_add(q_pair(32000, -32000), q_pair(767, -768)));
     assert_pair(-32768, 32767, q_pair_difference(q_pair(-32000, 32000), q_pair(768, -767)));
 }
 
-void test_a_pair_of_shifted_words(void)
+void test_pair_of_shifted_words_has_their_upper_halves(void)
 {
     assert_pair(-3, 2, Q_PAIR_SHIFTED(-(5 << 21) - 1 + (3 << 21), 21, 2 * 65536 + 65535));
     assert_pair(-1, -1, Q_PAIR_SHIFTED(-1, 22, -1));
@@ -74,7 +74,7 @@ void test_a_constant_pair_has_its_components(void)
     assert_pair(-32768, 32767, pair);
 }
 
-void test_the_lower_halves_are_multiplied_with_their_signs(void)
+void test_product_of_the_lower_halves_is_signed(void)
 {
     TEST_ASSERT_EQUAL_INT32(10 - 6, q_mac_lower(10, 0x7FFF0002, (int32_t)0x8000FFFDU));
 }

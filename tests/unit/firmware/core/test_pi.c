@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The PI controller: gains in their formats, and the integrator when it is updated with what was
- * realised. */
+/* The PI controller: formats of the gains, and the integrator's update with the applied output. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -64,7 +63,7 @@ void test_the_output_before_the_limit_may_exceed_one_and_does_not_wrap(void)
     TEST_ASSERT_INT32_WITHIN(64, -17 * 32768, output(&low, &gains, -32768));
 }
 
-void test_without_a_limit_the_integrator_sums_the_error_exactly(void)
+void test_integrator_sums_the_error_exactly_without_a_limit(void)
 {
     const pi_gains_t gains = gains_of(1.0, 0.125);
     pi_state_t state = {0};
@@ -86,11 +85,10 @@ void test_an_error_of_one_lsb_is_never_lost(void)
     TEST_ASSERT_EQUAL_INT32(-1000, state.integrator_q30);
 }
 
-/* With the actuator at its limit, u_real = k_p e_r + I defines the error e_r that would just have
- * produced it. The integrator follows I' = I + k_i e_r = I + k_i (u_real - I) / k_p: it tends to
- * u_real with the regulator's own time constant k_p / k_i, whatever the error is and however long
- * the limit lasts. */
-void test_at_the_limit_the_integrator_tends_to_the_limit_and_stays_there(void)
+/* With the actuator at its limit, u_real = k_p e_r + I defines the conditioned error e_r that gives
+ * the applied output. The integrator follows I' = I + k_i e_r = I + k_i (u_real - I) / k_p: it
+ * tends to u_real with the time constant k_p / k_i, for any error and any duration of the limit. */
+void test_integrator_settles_at_the_limit_of_the_output(void)
 {
     const pi_gains_t gains = gains_of(2.0, 0.05);
     pi_state_t state = {0};
@@ -105,10 +103,10 @@ void test_at_the_limit_the_integrator_tends_to_the_limit_and_stays_there(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.002, 0.25, integrator_of(&state));
 }
 
-void test_the_conditioned_error_holds_when_four_times_the_limit_is_asked_for(void)
+void test_integrator_settles_at_the_limit_with_four_times_its_output(void)
 {
-    /* k_p = 4 and a full-scale error ask for 3.1 more than there is: still I tends to the limit,
-     * not beyond. */
+    /* k_p = 4 and a full-scale error give an output of 3.1 above the limit. The integrator still
+     * tends to the limit. */
     const pi_gains_t gains = gains_of(4.0, 0.05);
     pi_state_t state = {0};
     double expected = 0.0;
@@ -121,7 +119,7 @@ void test_the_conditioned_error_holds_when_four_times_the_limit_is_asked_for(voi
     }
 }
 
-void test_the_limit_is_left_at_once_when_the_error_changes_its_sign(void)
+void test_output_leaves_the_limit_in_the_first_step_after_the_error_changes_sign(void)
 {
     const pi_gains_t gains = gains_of(2.0, 0.05);
     pi_state_t state = {0};
@@ -129,7 +127,7 @@ void test_the_limit_is_left_at_once_when_the_error_changes_its_sign(void)
         const int32_t u = output(&state, &gains, 20000);
         pi_update(&state, &gains, 20000, u, q_clamp(u, -16384, 16384));
     }
-    /* The integrator stands at the limit, 0.5; -0.05 of error takes 0.1 off it in the very next
+    /* The integrator is at the limit, 0.5. An error of -0.05 lowers the output by 0.1 in the next
      * step. */
     TEST_ASSERT_INT32_WITHIN(70, 16384 - 3277, output(&state, &gains, -1638));
 }

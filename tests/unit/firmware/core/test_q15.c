@@ -7,7 +7,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-/* The ends, their neighbours, zero, halves and a few of no special kind. */
+/* The ends, their neighbours, zero, halves and a few others. */
 static const int16_t CORNERS[] = {-32768, -32767, -32766, -16385, -16384, -16383, -12345, -257,
                                   -2,     -1,     0,      1,      2,      3,      255,    9999,
                                   16383,  16384,  16385,  32765,  32766,  32767};
@@ -102,7 +102,7 @@ void test_a_product_is_the_exact_one_rounded_to_nearest_with_halves_upwards(void
     }
 }
 
-void test_minus_one_times_minus_one_saturates_and_is_the_only_product_that_does(void)
+void test_only_minus_one_times_minus_one_saturates(void)
 {
     TEST_ASSERT_EQUAL_INT16(32767, q15_multiply(-32768, -32768));
     TEST_ASSERT_EQUAL_INT16(32767, q15_multiply(-32768, -32767));
@@ -123,7 +123,7 @@ void test_sums_and_differences_saturate_and_never_wrap(void)
     }
 }
 
-void test_a_share_of_a_quantity_is_rounded_towards_zero_and_never_grows(void)
+void test_share_of_a_quantity_is_rounded_towards_zero(void)
 {
     static const int32_t VALUES[] = {INT32_MIN, -1000000, -32769, -3,       -1,       0,
                                      1,         2,        40000,  16777217, INT32_MAX};
@@ -139,7 +139,7 @@ void test_a_share_of_a_quantity_is_rounded_towards_zero_and_never_grows(void)
     }
 }
 
-void test_scaling_has_a_64_bit_product_and_saturates(void)
+void test_scaling_uses_a_64_bit_product_and_saturates(void)
 {
     TEST_ASSERT_EQUAL_INT32(123456789, q_scale(123456789, 2000000000, 2000000000));
     TEST_ASSERT_EQUAL_INT32(-3, q_scale(7, -1, 2)); /* -3.5 towards zero */

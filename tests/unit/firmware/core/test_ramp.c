@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The ramp at the ends of int32 and on the way. */
+/* The rate limiter, also at the ends of int32. */
 #include "core/ramp.h"
 #include "unity.h"
 
@@ -7,7 +7,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_it_moves_by_the_step_and_arrives_exactly(void)
+void test_output_moves_by_the_step_and_ends_exactly_at_the_target(void)
 {
     TEST_ASSERT_EQUAL_INT32(13, ramp_step(10, 20, 3));
     TEST_ASSERT_EQUAL_INT32(7, ramp_step(10, -20, 3));
@@ -17,13 +17,13 @@ void test_it_moves_by_the_step_and_arrives_exactly(void)
     TEST_ASSERT_EQUAL_INT32(5, ramp_step(5, 5, 3));
 }
 
-void test_a_step_of_zero_stands_still(void)
+void test_output_is_constant_with_a_step_of_zero(void)
 {
     TEST_ASSERT_EQUAL_INT32(10, ramp_step(10, 20, 0));
     TEST_ASSERT_EQUAL_INT32(10, ramp_step(10, -20, 0));
 }
 
-void test_the_farthest_pair_of_values_neither_wraps_nor_overflows(void)
+void test_ramp_between_the_ends_of_int32_does_not_overflow(void)
 {
     TEST_ASSERT_EQUAL_INT32(INT32_MIN + 100, ramp_step(INT32_MIN, INT32_MAX, 100));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX - 100, ramp_step(INT32_MAX, INT32_MIN, 100));
@@ -31,7 +31,7 @@ void test_the_farthest_pair_of_values_neither_wraps_nor_overflows(void)
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, ramp_step(INT32_MAX - 1, INT32_MAX, INT32_MAX));
 }
 
-void test_it_takes_exactly_as_many_steps_as_the_distance_asks_for(void)
+void test_number_of_steps_is_the_distance_over_the_step_rounded_up(void)
 {
     for (int32_t step = 1; step < 50; step += 7) {
         int32_t value = -317;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reasons are part of the protocol: the numbers are frozen here. */
+/* Reasons are part of the CAN protocol: their published numbers must not change. */
 #include <string.h>
 
 #include "core/reason.h"
@@ -9,7 +9,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-/* Written down a second time on purpose: a renumbered code must break this list. */
+/* An independent copy of the list: this test fails when a number changes. */
 typedef struct {
     int number;
     reason_t reason;
@@ -58,7 +58,7 @@ static const frozen_t FROZEN[] = {
 };
 enum { FROZEN_COUNT = sizeof(FROZEN) / sizeof(FROZEN[0]) };
 
-void test_no_published_number_has_moved(void)
+void test_published_numbers_are_unchanged(void)
 {
     for (int i = 0; i < FROZEN_COUNT; i++) {
         TEST_ASSERT_EQUAL_INT(FROZEN[i].number, FROZEN[i].reason);
@@ -78,7 +78,7 @@ void test_every_reason_has_a_text_of_its_own(void)
     }
 }
 
-void test_a_number_outside_the_list_is_said_to_be_unknown(void)
+void test_text_of_a_number_outside_the_list_is_unknown(void)
 {
     static const int UNKNOWN[] = {40, 63, 200, 255};
     for (unsigned i = 0; i < sizeof(UNKNOWN) / sizeof(UNKNOWN[0]); i++) {
@@ -86,7 +86,7 @@ void test_a_number_outside_the_list_is_said_to_be_unknown(void)
     }
 }
 
-void test_limits_and_faults_are_told_apart_by_their_number(void)
+void test_numbers_distinguish_limits_and_faults(void)
 {
     TEST_ASSERT_TRUE((int)REASON_HYDRAULIC_LIMIT < (int)REASON_FIRST_FAULT);
     TEST_ASSERT_EQUAL_INT((int)REASON_FIRST_FAULT, (int)REASON_CONFIG_INVALID);

@@ -17,7 +17,7 @@ static int64_t any_size(random_t *random, int bits)
     return (int64_t)(random_u64(random) >> (64 - random_between(random, 1, bits)));
 }
 
-void test_a_root_is_within_the_promised_error_of_the_real_one(void)
+void test_root_is_within_the_documented_error(void)
 {
     random_t random = random_seeded(1);
     for (int n = 0; n < ROUNDS; n++) {
@@ -30,7 +30,7 @@ void test_a_root_is_within_the_promised_error_of_the_real_one(void)
     TEST_ASSERT_INT32_WITHIN(1, 1, scaled_root(1));
 }
 
-void test_a_ratio_is_within_the_promised_error_or_saturates(void)
+void test_ratio_is_within_the_documented_error_or_saturates(void)
 {
     random_t random = random_seeded(2);
     for (int n = 0; n < ROUNDS; n++) {

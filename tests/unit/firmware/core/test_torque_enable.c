@@ -7,7 +7,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_a_valve_of_zeros_is_closed(void)
+void test_torque_enable_of_zeros_permits_no_torque(void)
 {
     const torque_enable_t zero = {0};
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, zero.bridge);

@@ -10,7 +10,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* ---- the way up ---- */
+/* ---- start-up ---- */
 
 void test_from_boot_to_ready_in_the_order_of_the_diagram(void)
 {
@@ -22,9 +22,9 @@ void test_from_boot_to_ready_in_the_order_of_the_diagram(void)
     assert_mode(MODE_RUN, step());
 }
 
-void test_ready_is_not_left_without_a_known_rotor_angle_and_says_so(void)
+void test_ready_waits_for_a_valid_rotor_angle_with_reason_rotor_uncertain(void)
 {
-    reach(MODE_READY);
+    start_in(MODE_READY);
     in.enable = true;
     in.rotor_valid = false;
     assert_mode(MODE_READY, run(100000));
@@ -41,7 +41,7 @@ void test_boot_is_not_left_without_an_accepted_configuration(void)
     in.config_accepted = false;
     in.enable = true;
     assert_mode(MODE_BOOT, run(100000));
-    in.fault = REASON_OVERCURRENT; /* and nothing else is looked at before */
+    in.fault = REASON_OVERCURRENT; /* other inputs have no effect yet */
     assert_mode(MODE_BOOT, step());
     in.fault = REASON_NONE;
     in.config_accepted = true;
@@ -50,7 +50,7 @@ void test_boot_is_not_left_without_an_accepted_configuration(void)
 
 void test_a_self_test_that_does_not_pass_within_a_second_is_a_fault(void)
 {
-    reach(MODE_SELFTEST);
+    start_in(MODE_SELFTEST);
     assert_mode(MODE_SELFTEST, run(config.modes.selftest_timeout_ms - 1));
     const modes_output_t out = step();
     assert_mode(MODE_FAULT, out);
@@ -60,15 +60,15 @@ void test_a_self_test_that_does_not_pass_within_a_second_is_a_fault(void)
 void test_offsets_are_calibrated_in_their_mode_and_in_no_other(void)
 {
     for (modes_mode_t mode = MODE_BOOT; mode <= MODE_FAULT; mode++) {
-        reach(mode);
+        start_in(mode);
         TEST_ASSERT_EQUAL(mode == MODE_OFFSET_CAL, step().calibrate_offsets);
     }
 }
 
-void test_the_answer_of_an_earlier_calibration_is_not_taken_for_the_new_one(void)
+void test_offset_calibration_waits_for_a_new_result(void)
 {
-    reach(MODE_OFFSET_CAL);
-    in.offsets_done = true; /* still says so from last time */
+    start_in(MODE_OFFSET_CAL);
+    in.offsets_done = true; /* flag of an earlier calibration */
     assert_mode(MODE_OFFSET_CAL, run(MODES_CALIBRATION_SETTLE_STEPS - 1));
     in.offsets_done = false; /* the fast loop has begun */
     assert_mode(MODE_OFFSET_CAL, run(100));
@@ -78,7 +78,7 @@ void test_the_answer_of_an_earlier_calibration_is_not_taken_for_the_new_one(void
 
 void test_implausible_offsets_are_a_fault(void)
 {
-    reach(MODE_OFFSET_CAL);
+    start_in(MODE_OFFSET_CAL);
     in.offsets_plausible = false;
     assert_mode(MODE_OFFSET_CAL, run(50)); /* not before they are done */
     in.offsets_done = true;
@@ -87,9 +87,9 @@ void test_implausible_offsets_are_a_fault(void)
     TEST_ASSERT_EQUAL_INT(REASON_OFFSET_IMPLAUSIBLE, out.fault);
 }
 
-void test_a_calibration_that_never_ends_is_a_fault_after_half_a_second(void)
+void test_offset_calibration_times_out_after_half_a_second(void)
 {
-    reach(MODE_OFFSET_CAL);
+    start_in(MODE_OFFSET_CAL);
     assert_mode(MODE_OFFSET_CAL, run(MODES_CALIBRATION_TIMEOUT_STEPS - 1));
     const modes_output_t out = step();
     assert_mode(MODE_FAULT, out);
@@ -98,9 +98,9 @@ void test_a_calibration_that_never_ends_is_a_fault_after_half_a_second(void)
 
 /* ---- running ---- */
 
-void test_a_pressed_drive_pedal_at_switch_on_waits_for_its_release_and_a_brake_pedal_does_not(void)
+void test_run_waits_for_a_zero_drive_demand_but_not_for_a_zero_brake_demand(void)
 {
-    reach(MODE_READY);
+    start_in(MODE_READY);
     in.enable = true;
     in.torque_demanded = true;
     in.drive_demanded = true;
@@ -111,21 +111,21 @@ void test_a_pressed_drive_pedal_at_switch_on_waits_for_its_release_and_a_brake_p
     assert_mode(MODE_RUN, run(1000));
 }
 
-void test_switching_off_at_rest_leads_back_to_ready(void)
+void test_disable_at_standstill_leads_to_ready(void)
 {
     const modes_mode_t running[] = {MODE_RUN, MODE_LIMP};
     for (int k = 0; k < 2; k++) {
-        reach(running[k]);
+        start_in(running[k]);
         in.enable = false;
         assert_mode(MODE_READY, step());
     }
 }
 
-void test_switching_off_while_rolling_takes_the_drive_and_leaves_the_electric_brake(void)
+void test_disable_while_rolling_sets_the_drive_enable_to_zero_and_keeps_the_brake_enable(void)
 {
     const modes_mode_t running[] = {MODE_RUN, MODE_LIMP};
     for (int k = 0; k < 2; k++) {
-        reach(running[k]);
+        start_in(running[k]);
         in.rolling = true;
         in.enable = false;
         const modes_output_t out = run(10000);
@@ -141,7 +141,7 @@ void test_switching_off_while_rolling_takes_the_drive_and_leaves_the_electric_br
 
 void test_a_warning_leads_to_limp_and_its_end_back_to_run(void)
 {
-    reach(MODE_RUN);
+    start_in(MODE_RUN);
     in.warning = true;
     in.warning_reason = REASON_ROTOR_UNCERTAIN;
     assert_mode(MODE_LIMP, step());
@@ -150,16 +150,16 @@ void test_a_warning_leads_to_limp_and_its_end_back_to_run(void)
     assert_mode(MODE_RUN, step());
 }
 
-void test_a_warning_at_rest_changes_nothing(void)
+void test_warning_in_ready_has_no_effect(void)
 {
-    reach(MODE_READY);
+    start_in(MODE_READY);
     in.warning = true;
     assert_mode(MODE_READY, run(100));
 }
 
 /* ---- torque_enable, mode by mode ---- */
 
-void test_the_valve_of_every_mode_is_that_of_the_table(void)
+void test_torque_enable_of_every_mode_is_that_of_the_table(void)
 {
     static const struct {
         modes_mode_t mode;
@@ -176,7 +176,7 @@ void test_the_valve_of_every_mode_is_that_of_the_table(void)
         {MODE_FAULT, BRIDGE_OFF, 0, 0, REASON_OVERCURRENT},
     };
     for (int k = 0; k < 7; k++) {
-        reach(TABLE[k].mode);
+        start_in(TABLE[k].mode);
         const torque_enable_t out = step().torque_enable;
         TEST_ASSERT_EQUAL_INT(TABLE[k].bridge, out.bridge);
         TEST_ASSERT_EQUAL_INT16(TABLE[k].drive_q15, out.drive_q15);
@@ -185,11 +185,11 @@ void test_the_valve_of_every_mode_is_that_of_the_table(void)
     }
 }
 
-void test_limp_leaves_the_configured_share_of_the_drive(void)
+void test_limp_enables_the_configured_share_of_the_driving_torque(void)
 {
     const int16_t shares_q15[] = {9830, 0, 16384, Q15_ONE};
     for (int k = 0; k < 4; k++) {
-        reach(MODE_LIMP);
+        start_in(MODE_LIMP);
         config.modes.limp_drive_share_q15 = shares_q15[k];
         const torque_enable_t out = step().torque_enable;
         TEST_ASSERT_EQUAL_INT16(shares_q15[k], out.drive_q15);
@@ -197,33 +197,32 @@ void test_limp_leaves_the_configured_share_of_the_drive(void)
     }
 }
 
-void test_self_test_may_take_the_configured_time(void)
+void test_self_test_times_out_after_the_configured_time(void)
 {
-    reach(MODE_SELFTEST);
+    start_in(MODE_SELFTEST);
     config.modes.selftest_timeout_ms = 50;
     assert_mode(MODE_SELFTEST, run(49));
     assert_mode(MODE_FAULT, step());
     TEST_ASSERT_EQUAL_INT(REASON_SELFTEST_FAILED, state.fault);
 }
 
-void test_where_the_bridge_rests_it_rests_in_the_safe_state(void)
+void test_bridge_is_in_the_safe_state_in_ready_and_fault(void)
 {
-    reach(MODE_READY);
+    start_in(MODE_READY);
     in.safe_bridge = BRIDGE_SHORT;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().torque_enable.bridge);
-    reach(MODE_FAULT);
+    start_in(MODE_FAULT);
     in.safe_bridge = BRIDGE_SHORT;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().torque_enable.bridge);
     in.safe_bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step().torque_enable.bridge);
 }
 
-/* A controller that restarts in a fast vehicle: off, its diodes would rectify the EMF, and what
- * flows through them would be taken for the sensors' zero. */
-void test_while_the_emf_would_drive_a_current_the_sensors_are_not_calibrated_and_the_bridge_is_safe(
-    void)
+/* A controller that restarts at high speed: in freewheel the diodes rectify the EMF, and their
+ * current would be calibrated as the sensors' offset. */
+void test_no_offset_calibration_in_active_short_circuit(void)
 {
-    reach(MODE_SELFTEST);
+    start_in(MODE_SELFTEST);
     in.safe_bridge = BRIDGE_SHORT;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().torque_enable.bridge);
     in.selftest_passed = true;
@@ -240,9 +239,9 @@ void test_while_the_emf_would_drive_a_current_the_sensors_are_not_calibrated_and
     TEST_ASSERT_TRUE(out.calibrate_offsets);
 }
 
-void test_a_calibration_that_is_interrupted_by_the_emf_begins_anew(void)
+void test_offset_calibration_restarts_after_an_active_short_circuit(void)
 {
-    reach(MODE_OFFSET_CAL);
+    start_in(MODE_OFFSET_CAL);
     in.offsets_done = false;
     (void)run(MODES_CALIBRATION_TIMEOUT_STEPS - 10);
     in.safe_bridge = BRIDGE_SHORT;

@@ -11,10 +11,10 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_a_fault_in_any_mode_after_boot_closes_the_valve_in_the_same_step(void)
+void test_fault_in_any_mode_after_boot_sets_the_torque_enable_to_zero_in_the_same_step(void)
 {
     for (modes_mode_t mode = MODE_SELFTEST; mode <= MODE_LIMP; mode++) {
-        reach(mode);
+        start_in(mode);
         in.fault = REASON_BUS_OVERVOLTAGE;
         const modes_output_t out = step();
         assert_mode(MODE_FAULT, out);
@@ -26,25 +26,25 @@ void test_a_fault_in_any_mode_after_boot_closes_the_valve_in_the_same_step(void)
     }
 }
 
-void test_the_first_fault_keeps_its_name(void)
+void test_reason_of_the_first_fault_is_kept(void)
 {
-    reach(MODE_FAULT);
+    start_in(MODE_FAULT);
     in.fault = REASON_BUS_UNDERVOLTAGE;
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, run(10).fault);
 }
 
 void test_a_fault_never_clears_itself(void)
 {
-    reach(MODE_FAULT);
+    start_in(MODE_FAULT);
     in.enable = true;
     const modes_output_t out = run(100000);
     assert_mode(MODE_FAULT, out);
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, out.fault);
 }
 
-void test_an_acknowledgement_at_rest_starts_again_from_the_self_test_and_recalibrates(void)
+void test_acknowledgement_at_standstill_restarts_from_the_self_test(void)
 {
-    reach(MODE_FAULT);
+    start_in(MODE_FAULT);
     in.fault_reset = true;
     const modes_output_t out = step();
     assert_mode(MODE_SELFTEST, out);
@@ -57,13 +57,13 @@ void test_an_acknowledgement_at_rest_starts_again_from_the_self_test_and_recalib
 
 void test_an_acknowledgement_with_a_refused_configuration_leads_back_to_boot(void)
 {
-    reach(MODE_FAULT);
+    start_in(MODE_FAULT);
     in.config_accepted = false;
     in.fault_reset = true;
     assert_mode(MODE_BOOT, step());
 }
 
-void test_a_reset_line_that_was_high_all_along_acknowledges_nothing(void)
+void test_fault_reset_needs_a_rising_edge(void)
 {
     in.fault_reset = true;
     run(10);
@@ -77,9 +77,9 @@ void test_a_reset_line_that_was_high_all_along_acknowledges_nothing(void)
     assert_mode(MODE_SELFTEST, step());
 }
 
-void test_an_acknowledgement_while_rolling_does_not_count_not_even_later(void)
+void test_acknowledgement_while_rolling_is_ignored(void)
 {
-    reach(MODE_FAULT);
+    start_in(MODE_FAULT);
     in.rolling = true;
     in.fault_reset = true;
     assert_mode(MODE_FAULT, run(10));
@@ -87,9 +87,9 @@ void test_an_acknowledgement_while_rolling_does_not_count_not_even_later(void)
     assert_mode(MODE_FAULT, run(1000));
 }
 
-void test_an_acknowledgement_with_torque_demanded_does_not_count_not_even_later(void)
+void test_acknowledgement_with_a_torque_demand_is_ignored(void)
 {
-    reach(MODE_FAULT);
+    start_in(MODE_FAULT);
     in.torque_demanded = true;
     in.fault_reset = true;
     assert_mode(MODE_FAULT, run(10));
@@ -97,10 +97,10 @@ void test_an_acknowledgement_with_torque_demanded_does_not_count_not_even_later(
     assert_mode(MODE_FAULT, run(1000));
 }
 
-void test_an_acknowledgement_waits_a_moment_for_the_monitor_to_be_content_again(void)
+void test_acknowledgement_waits_for_the_fault_to_clear(void)
 {
-    reach(MODE_FAULT);
-    in.fault = REASON_OVERCURRENT; /* the fast loop has not looked again yet */
+    start_in(MODE_FAULT);
+    in.fault = REASON_OVERCURRENT; /* until the fast loop has cleared its trip */
     in.fault_reset = true;
     for (int n = 0; n < MODES_ACKNOWLEDGE_STEPS - 1; n++) {
         const modes_output_t out = step();
@@ -111,9 +111,9 @@ void test_an_acknowledgement_waits_a_moment_for_the_monitor_to_be_content_again(
     assert_mode(MODE_SELFTEST, step());
 }
 
-void test_an_acknowledgement_does_not_wait_for_ever(void)
+void test_acknowledgement_expires(void)
 {
-    reach(MODE_FAULT);
+    start_in(MODE_FAULT);
     in.fault = REASON_OVERCURRENT;
     in.fault_reset = true;
     run(MODES_ACKNOWLEDGE_STEPS);
@@ -123,9 +123,9 @@ void test_an_acknowledgement_does_not_wait_for_ever(void)
     assert_mode(MODE_FAULT, run(1000));
 }
 
-void test_a_torque_demand_during_the_wait_withdraws_the_acknowledgement(void)
+void test_torque_demand_cancels_a_waiting_acknowledgement(void)
 {
-    reach(MODE_FAULT);
+    start_in(MODE_FAULT);
     in.fault = REASON_OVERCURRENT;
     in.fault_reset = true;
     run(10);
@@ -136,16 +136,16 @@ void test_a_torque_demand_during_the_wait_withdraws_the_acknowledgement(void)
     assert_mode(MODE_FAULT, run(1000));
 }
 
-void test_after_an_acknowledged_fault_the_next_one_gets_its_own_name(void)
+void test_next_fault_after_an_acknowledgement_has_its_own_reason(void)
 {
-    reach(MODE_FAULT);
+    start_in(MODE_FAULT);
     in.fault_reset = true;
     run(20);
     in.fault = REASON_CURRENT_SUM;
     TEST_ASSERT_EQUAL_INT(REASON_CURRENT_SUM, step().fault);
 }
 
-/* ---- whatever happens ---- */
+/* ---- random inputs ---- */
 
 static void random_input(random_t *random)
 {
@@ -163,7 +163,7 @@ static void random_input(random_t *random)
     in.safe_bridge = random_chance(random, 0.9) ? BRIDGE_OFF : BRIDGE_SHORT;
 }
 
-void test_whatever_happens_the_bridge_switches_only_in_run_and_limp(void)
+void test_bridge_switches_only_in_run_and_limp_under_random_inputs(void)
 {
     random_t random = random_seeded(1);
     int running = 0;
@@ -177,16 +177,15 @@ void test_whatever_happens_the_bridge_switches_only_in_run_and_limp(void)
             TEST_ASSERT_EQUAL_INT16(0, out.torque_enable.drive_q15);
             TEST_ASSERT_EQUAL_INT16(0, out.torque_enable.brake_q15);
         }
-        const bool open =
+        const bool full =
             out.torque_enable.drive_q15 == Q15_ONE && out.torque_enable.brake_q15 == Q15_ONE;
-        TEST_ASSERT_EQUAL(open, out.torque_enable.reason == REASON_NONE);
+        TEST_ASSERT_EQUAL(full, out.torque_enable.reason == REASON_NONE);
         TEST_ASSERT_EQUAL(out.mode == MODE_FAULT, out.fault != REASON_NONE);
     }
-    TEST_ASSERT_GREATER_THAN_INT(10000,
-                                 running); /* the walk has been everywhere, not only in a corner */
+    TEST_ASSERT_GREATER_THAN_INT(10000, running);
 }
 
-void test_whatever_happens_fault_is_left_only_at_rest_without_demand_soon_after_a_rising_edge(void)
+void test_fault_ends_only_at_standstill_without_demand_after_a_rising_edge(void)
 {
     random_t random = random_seeded(2);
     int since_edge = 1000;
@@ -208,7 +207,7 @@ void test_whatever_happens_fault_is_left_only_at_rest_without_demand_soon_after_
     TEST_ASSERT_GREATER_THAN_INT(100, left);
 }
 
-void test_a_new_start_knows_nothing_of_the_last_one(void)
+void test_init_clears_the_fault(void)
 {
     memset(&state, 0xFF, sizeof state);
     modes_init(&state);

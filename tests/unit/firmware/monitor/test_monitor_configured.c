@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Times, margins and tolerances of the monitor are those of the configuration. */
 #include "monitor/monitor_fast.h"
-#include "watched.h"
+#include "monitor_rig.h"
 
 static const monitor_slow_input_t HEALTHY = {
     .offsets_known = true,
@@ -16,7 +16,7 @@ static const monitor_slow_input_t HEALTHY = {
 
 void setUp(void)
 {
-    watch(&HEALTHY);
+    rig_up(&HEALTHY);
 }
 
 void tearDown(void) {}

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rotor's angle against the back-EMF: a motor in double precision, seen in a frame that is
- * turned against it. */
+/* The plausibility of the rotor angle by the back-EMF: a motor in double precision, in a dq frame
+ * with an angle error. */
 #include "monitor/monitor.h"
 
 #include <math.h>
@@ -14,13 +14,13 @@ static const double PI = 3.14159265358979323846;
 static config_t config;
 static monitor_emf_state_t state;
 
-/* What the plant may differ in from the configuration. */
+/* Parameters of the motor relative to the configuration. */
 typedef struct {
     double resistance, inductance, flux; /* factors */
-    double dead_time_share;              /* of its voltage, uncompensated, in the worst direction */
-} truth_t;
+    double dead_time_share;              /* uncompensated share of the dead-time voltage */
+} plant_t;
 
-static const truth_t AS_CONFIGURED = {1.0, 1.0, 1.0, 0.0};
+static const plant_t AS_CONFIGURED = {1.0, 1.0, 1.0, 0.0};
 
 void setUp(void)
 {
@@ -30,18 +30,18 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* Steady state at a mechanical speed with currents in the true frame; the estimated frame lies
- * offset_deg ahead. */
-static monitor_emf_input_t seen(double rpm, double i_d_a, double i_q_a, double offset_deg,
-                                const truth_t *truth)
+/* Steady state at a mechanical speed; currents in the rotor's dq frame. The estimated frame leads
+ * it by offset_deg. */
+static monitor_emf_input_t measured(double rpm, double i_d_a, double i_q_a, double offset_deg,
+                                    const plant_t *plant)
 {
     const config_motor_t *m = &config.motor;
     const double w = rpm * 2.0 * PI / 60.0 * m->pole_pairs;
-    const double r = 1e-6 * m->phase_resistance_uOhm * truth->resistance;
-    const double l_d = 1e-9 * m->d_inductance_nH * truth->inductance;
-    const double l_q = 1e-9 * m->q_inductance_nH * truth->inductance;
-    const double psi = 1e-9 * m->flux_linkage_nWb * truth->flux;
-    const double dead_v = truth->dead_time_share * 4.0 / 3.0 * 1e-9 * config.drive.dead_time_ns *
+    const double r = 1e-6 * m->phase_resistance_uOhm * plant->resistance;
+    const double l_d = 1e-9 * m->d_inductance_nH * plant->inductance;
+    const double l_q = 1e-9 * m->q_inductance_nH * plant->inductance;
+    const double psi = 1e-9 * m->flux_linkage_nWb * plant->flux;
+    const double dead_v = plant->dead_time_share * 4.0 / 3.0 * 1e-9 * config.drive.dead_time_ns *
                           config.drive.pwm_frequency_Hz * 53.0;
     const double u_d = r * i_d_a - w * l_q * i_q_a + dead_v;
     const double u_q = r * i_q_a + w * (l_d * i_d_a + psi);
@@ -72,8 +72,7 @@ static int time_to_fault(const monitor_emf_input_t *in)
     return -1;
 }
 
-void test_an_angle_sixty_degrees_beside_the_truth_is_seen_in_20_ms_at_any_speed_and_current_that_is_judged(
-    void)
+void test_angle_error_of_60_degrees_is_a_fault_within_20_ms_at_every_checked_speed_and_current(void)
 {
     static const double OFFSETS_DEG[] = {60.0, -60.0, 90.0, -120.0, 180.0};
     for (int o = 0; o < 5; o++) {
@@ -81,7 +80,7 @@ void test_an_angle_sixty_degrees_beside_the_truth_is_seen_in_20_ms_at_any_speed_
             for (double i_q = -60.0; i_q <= 60.0; i_q += 20.0) {
                 for (int back = -1; back <= 1; back += 2) {
                     const monitor_emf_input_t in =
-                        seen(back * rpm, -20.0, i_q, OFFSETS_DEG[o], &AS_CONFIGURED);
+                        measured(back * rpm, -20.0, i_q, OFFSETS_DEG[o], &AS_CONFIGURED);
                     const int expected = fabs(i_q) < 50.0 || rpm > 300.0 ? 20 : 0;
                     TEST_ASSERT_TRUE(expected == 0 || time_to_fault(&in) == 20);
                 }
@@ -90,30 +89,30 @@ void test_an_angle_sixty_degrees_beside_the_truth_is_seen_in_20_ms_at_any_speed_
     }
 }
 
-/* The promises of the header: 57 r/min without current; 172 with 60 A of i_q. */
-void test_the_speed_from_which_an_angle_is_judged_is_the_derived_one(void)
+/* monitor_emf.h: 57 r/min at zero current, 172 r/min at i_q = 60 A. */
+void test_check_starts_at_the_derived_speed(void)
 {
     /* U = 2/3 * 1 us * 20 kHz * 53 V = 0.707 V; 4 U / psi / 23 = 57.5 r/min. */
-    const monitor_emf_input_t slow = seen(56.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
-    const monitor_emf_input_t fast = seen(59.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
+    const monitor_emf_input_t slow = measured(56.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
+    const monitor_emf_input_t fast = measured(59.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&slow));
     TEST_ASSERT_EQUAL_INT(20, time_to_fault(&fast));
     /* 4 (0.707 + 0.0155 * 60 + w * 19 uH * 60) = w * 20.4 mWb: w = 6.548 / 0.01584 = 413 rad/s =
      * 171.6 r/min. */
-    const monitor_emf_input_t slower = seen(169.0, 0.0, 60.0, 90.0, &AS_CONFIGURED);
-    const monitor_emf_input_t faster = seen(174.0, 0.0, 60.0, 90.0, &AS_CONFIGURED);
+    const monitor_emf_input_t slower = measured(169.0, 0.0, 60.0, 90.0, &AS_CONFIGURED);
+    const monitor_emf_input_t faster = measured(174.0, 0.0, 60.0, 90.0, &AS_CONFIGURED);
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&slower));
     TEST_ASSERT_EQUAL_INT(20, time_to_fault(&faster));
 }
 
-/* 120 degC and a bridge, a saturated or badly measured inductance, warm or wrong magnets, half of
- * the dead time's voltage, and a rotor estimate 15 degrees beside: nothing that a healthy vehicle
- * shows is blamed. */
-void test_parameters_that_are_wrong_are_not_blamed_on_the_rotor(void)
+/* Parameter errors of a healthy vehicle are no fault: resistance at 120 degC with the bridge's,
+ * saturated or badly measured inductance, warm or wrong magnets, half of the dead-time voltage, and
+ * a rotor angle error of 15 degrees. */
+void test_parameter_errors_are_no_fault(void)
 {
     random_t random = random_seeded(3);
     for (int n = 0; n < 200000; n++) {
-        const truth_t truth = {
+        const plant_t plant = {
             .resistance = random_real(&random, 0.7, 1.5),
             .inductance = random_real(&random, 0.75, 1.25),
             .flux = random_real(&random, 0.7, 1.3),
@@ -123,15 +122,15 @@ void test_parameters_that_are_wrong_are_not_blamed_on_the_rotor(void)
         const double i_d = random_real(&random, -40.0, 10.0);
         const double i_q = random_real(&random, -75.0, 75.0);
         const monitor_emf_input_t in =
-            seen(rpm, i_d, i_q, random_real(&random, -15.0, 15.0), &truth);
+            measured(rpm, i_d, i_q, random_real(&random, -15.0, 15.0), &plant);
         state.level = (uint16_t)(config.monitor.angle_fault_time_ms - 1);
         TEST_ASSERT_FALSE(monitor_emf_step(&state, &config, &in));
     }
 }
 
-/* A sense of rotation taken for the other one: the EMF turns in the estimated frame at twice the
- * speed. */
-void test_a_reversed_sense_of_rotation_is_seen_in_40_ms(void)
+/* The speed estimate has the wrong sign: the EMF rotates in the estimated frame at twice the speed.
+ */
+void test_reversed_direction_of_rotation_is_a_fault_within_40_ms(void)
 {
     for (double rpm = 100.0; rpm <= 640.0; rpm += 13.0) {
         state.level = 0;
@@ -141,22 +140,22 @@ void test_a_reversed_sense_of_rotation_is_seen_in_40_ms(void)
         while (!fault && n < 1000) {
             n++;
             monitor_emf_input_t in =
-                seen(rpm, 0.0, 0.0, 2.0 * w * 1e-3 * n * 180.0 / PI, &AS_CONFIGURED);
+                measured(rpm, 0.0, 0.0, 2.0 * w * 1e-3 * n * 180.0 / PI, &AS_CONFIGURED);
             in.speed_mrad_s = -in.speed_mrad_s;
             fault = monitor_emf_step(&state, &config, &in);
         }
-        /* Three of four on average; where two turns a look come close to a whole or a half number
-         * the phase creeps. */
+        /* On average three of four evaluations count against the angle. The phase changes slowly
+         * where two turns per evaluation are close to a multiple of a quarter turn. */
         const double turns = 2.0 * w * 1e-3 / (2.0 * PI);
-        const double creep = fabs(turns - floor(turns * 4.0 + 0.5) / 4.0);
+        const double phase_step = fabs(turns - floor(turns * 4.0 + 0.5) / 4.0);
         TEST_ASSERT_TRUE(fault);
-        TEST_ASSERT_TRUE(n <= 48 || creep < 0.03);
+        TEST_ASSERT_TRUE(n <= 48 || phase_step < 0.03);
     }
 }
 
-void test_without_a_voltage_of_its_own_or_with_an_angle_known_to_be_wrong_nothing_is_judged(void)
+void test_check_is_off_without_pwm_at_the_voltage_limit_and_with_an_invalid_angle(void)
 {
-    monitor_emf_input_t in = seen(400.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
+    monitor_emf_input_t in = measured(400.0, 0.0, 0.0, 90.0, &AS_CONFIGURED);
     in.switching = false;
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&in));
     in.switching = true;
@@ -167,35 +166,34 @@ void test_without_a_voltage_of_its_own_or_with_an_angle_known_to_be_wrong_nothin
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&in));
 }
 
-void test_a_motor_without_any_emf_is_no_motor_with_a_good_angle(void)
+void test_zero_voltage_at_speed_is_a_fault(void)
 {
-    monitor_emf_input_t in = seen(400.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    monitor_emf_input_t in = measured(400.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
     in.u_d_mV = 0;
     in.u_q_mV = 0;
     TEST_ASSERT_EQUAL_INT(20, time_to_fault(&in));
 }
 
-/* The demagnetising current shortens the voltage across by w L_d i_d, and that is part of the EMF
- * again: with i_d at 0.6 psi/L_d, 161 A, taken the wrong way round it would be two tenths of the
- * EMF backwards. Judged from psi w >= 4 (R/2 + w L/4) i on: 26 V of 40.8 at 2000 rad/s without dead
- * time. */
-void test_a_demagnetising_current_of_more_than_half_the_flux_is_no_wrong_angle(void)
+/* A negative i_d reduces the terminal voltage by w L_d i_d, which the check adds to the EMF again.
+ * With i_d = -0.6 psi/L_d, -161 A, and the opposite sign the EMF would be -0.2 psi w. The check
+ * acts from psi w >= 4 (R/2 + w L/4) i on: 26 V of 40.8 V at 2000 rad/s without dead time. */
+void test_demagnetising_current_of_60_percent_of_the_flux_is_no_fault(void)
 {
     config.drive.dead_time_ns = 0;
     const double i_d = -0.6 * config.motor.flux_linkage_nWb / config.motor.d_inductance_nH;
     const double rpm = 2000.0 * 60.0 / (2.0 * PI) / config.motor.pole_pairs;
     for (int back = -1; back <= 1; back += 2) {
-        const monitor_emf_input_t right = seen(back * rpm, i_d, 0.0, 0.0, &AS_CONFIGURED);
+        const monitor_emf_input_t right = measured(back * rpm, i_d, 0.0, 0.0, &AS_CONFIGURED);
         TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&right));
-        const monitor_emf_input_t wrong = seen(back * rpm, i_d, 0.0, 180.0, &AS_CONFIGURED);
-        TEST_ASSERT_EQUAL_INT(20, time_to_fault(&wrong)); /* and it is judged */
+        const monitor_emf_input_t wrong = measured(back * rpm, i_d, 0.0, 180.0, &AS_CONFIGURED);
+        TEST_ASSERT_EQUAL_INT(20, time_to_fault(&wrong)); /* the check is active at this point */
     }
 }
 
-void test_where_there_is_no_emf_there_is_nothing_to_judge_not_even_with_an_ideal_bridge(void)
+void test_check_is_off_at_standstill_also_without_dead_time(void)
 {
     config.drive.dead_time_ns = 0;
-    const monitor_emf_input_t in = seen(0.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
+    const monitor_emf_input_t in = measured(0.0, 0.0, 0.0, 0.0, &AS_CONFIGURED);
     TEST_ASSERT_EQUAL_INT(-1, time_to_fault(&in));
 }
 
@@ -208,10 +206,10 @@ static int steps_to_fault(const monitor_emf_input_t *wrong)
     return n;
 }
 
-void test_doubts_that_have_passed_do_not_count(void)
+void test_qualify_counter_restarts_after_a_healthy_interval(void)
 {
-    const monitor_emf_input_t wrong = seen(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
-    monitor_emf_input_t right = seen(400.0, 0.0, 10.0, 0.0, &AS_CONFIGURED);
+    const monitor_emf_input_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
+    monitor_emf_input_t right = measured(400.0, 0.0, 10.0, 0.0, &AS_CONFIGURED);
     for (int n = 0; n < 10; n++) {
         (void)monitor_emf_step(&state, &config, &wrong);
     }
@@ -219,19 +217,19 @@ void test_doubts_that_have_passed_do_not_count(void)
         (void)monitor_emf_step(&state, &config, &right);
     }
     TEST_ASSERT_EQUAL_INT(20, steps_to_fault(&wrong));
-    /* Nor do those of before the bridge stopped, or before the angle was lost. */
-    for (int why = 0; why < 2; why++) {
-        right.switching = why != 0;
-        right.rotor_valid = why != 1;
+    /* The counter also starts again when the bridge stops switching or the angle is invalid. */
+    for (int k = 0; k < 2; k++) {
+        right.switching = k != 0;
+        right.rotor_valid = k != 1;
         (void)monitor_emf_step(&state, &config, &right);
         TEST_ASSERT_EQUAL_INT(20, steps_to_fault(&wrong));
     }
 }
 
-void test_a_fault_is_forgotten_when_the_angle_is_right_again(void)
+void test_fault_heals_in_the_first_step_with_a_plausible_angle(void)
 {
-    const monitor_emf_input_t wrong = seen(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
-    const monitor_emf_input_t right = seen(400.0, 0.0, 10.0, 0.0, &AS_CONFIGURED);
+    const monitor_emf_input_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
+    const monitor_emf_input_t right = measured(400.0, 0.0, 10.0, 0.0, &AS_CONFIGURED);
     for (int n = 0; n < 100000; n++) {
         (void)monitor_emf_step(&state, &config, &wrong);
     }
@@ -242,11 +240,11 @@ void test_a_fault_is_forgotten_when_the_angle_is_right_again(void)
     TEST_ASSERT_EQUAL_INT(0, n);
 }
 
-void test_the_slow_monitor_makes_a_fault_of_it(void)
+void test_slow_monitor_reports_the_fault(void)
 {
     monitor_slow_state_t slow;
     monitor_slow_init(&slow);
-    const monitor_emf_input_t wrong = seen(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
+    const monitor_emf_input_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
     monitor_slow_input_t in = {
         .rotor_valid = true,
         .switching = true,
@@ -264,9 +262,9 @@ void test_the_slow_monitor_makes_a_fault_of_it(void)
     }
 }
 
-void test_no_number_from_outside_leads_to_undefined_behaviour(void)
+void test_any_input_is_accepted(void)
 {
-    /* The assertion is the sanitizer's. */
+    /* The sanitizer build detects undefined behaviour. */
     random_t random = random_seeded(5);
     for (int n = 0; n < 100000; n++) {
         const monitor_emf_input_t in = {

@@ -68,7 +68,7 @@ void test_a_healthy_drive_never_trips(void)
 }
 
 /* LIMIT of length in any direction: the 3-4-5 triangle and the axes. */
-void test_an_over_current_in_any_direction_trips_in_its_second_period(void)
+void test_overcurrent_at_any_angle_trips_in_its_second_period(void)
 {
     static const int32_t DIRECTION[8][2] = {{5, 0}, {0, 5},  {-5, 0},  {0, -5},
                                             {3, 4}, {-4, 3}, {-3, -4}, {4, -3}};
@@ -81,7 +81,7 @@ void test_an_over_current_in_any_direction_trips_in_its_second_period(void)
     }
 }
 
-void test_the_longest_vector_that_can_be_measured_counts_as_an_over_current(void)
+void test_largest_measurable_current_vector_trips_with_the_largest_limit(void)
 {
     /* Components saturate at 1, also with the largest limit there may be. */
     config.monitor.overcurrent_pu_q15 = INT16_MAX;
@@ -95,13 +95,13 @@ void test_the_longest_vector_that_can_be_measured_counts_as_an_over_current(void
     }
 }
 
-void test_a_current_just_at_its_limit_may_last(void)
+void test_current_at_the_limit_never_trips(void)
 {
     set_current(0, -LIMIT);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
 }
 
-void test_single_spikes_do_not_add_up_to_an_over_current(void)
+void test_single_samples_above_the_limit_do_not_trip(void)
 {
     for (int n = 0; n < 1000; n++) {
         set_current(0, n % 2 == 0 ? INT16_MAX : 0);
@@ -110,7 +110,7 @@ void test_single_spikes_do_not_add_up_to_an_over_current(void)
     }
 }
 
-void test_an_over_current_that_turns_is_still_one(void)
+void test_rotating_overcurrent_trips(void)
 {
     set_current(0, LIMIT + 1);
     step();
@@ -118,7 +118,7 @@ void test_an_over_current_that_turns_is_still_one(void)
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
 }
 
-void test_an_over_voltage_trips_at_once(void)
+void test_overvoltage_trips_in_one_period(void)
 {
     in.v_dc_pu = BELOW_TRIP_V;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
@@ -126,20 +126,20 @@ void test_an_over_voltage_trips_at_once(void)
     TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
 }
 
-void test_an_over_voltage_trips_whether_the_bridge_switches_or_not(void)
+void test_overvoltage_trips_with_and_without_pwm(void)
 {
     in.switching = false;
     in.v_dc_pu = ABOVE_TRIP_V;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
 }
 
-void test_the_power_stage_s_own_fault_line_trips_at_once(void)
+void test_power_stage_fault_line_trips_in_one_period(void)
 {
     in.power_stage_fault = true;
     TEST_ASSERT_EQUAL_INT(REASON_HARDWARE_BREAK, step());
 }
 
-void test_a_slow_reach_that_is_silent_for_four_of_its_steps_trips_while_the_bridge_switches(void)
+void test_four_missed_slow_steps_trip_while_the_bridge_switches(void)
 {
     step(); /* sees a new count */
     for (int n = 0; n < MONITOR_STALE_STEPS * PERIODS_PER_SLOW; n++) {
@@ -148,19 +148,19 @@ void test_a_slow_reach_that_is_silent_for_four_of_its_steps_trips_while_the_brid
     TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step());
 }
 
-void test_a_slow_reach_that_is_silent_does_no_harm_to_a_bridge_at_rest(void)
+void test_missed_slow_steps_do_not_trip_without_pwm(void)
 {
     in.switching = false;
     for (int n = 0; n < 100000; n++) {
         TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
     }
-    /* nor is what was missed then counted when switching begins */
+    /* Steps missed before the bridge switches do not count afterwards. */
     in.switching = true;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
 }
 
-void test_one_step_of_the_slow_reach_starts_its_time_anew(void)
+void test_one_slow_step_restarts_the_timeout(void)
 {
     for (int k = 0; k < 10; k++) {
         in.slow_step_count++;
@@ -170,7 +170,7 @@ void test_one_step_of_the_slow_reach_starts_its_time_anew(void)
     }
 }
 
-void test_a_trip_stays_after_its_cause_has_gone(void)
+void test_trip_is_latched(void)
 {
     in.power_stage_fault = true;
     step();
@@ -178,7 +178,7 @@ void test_a_trip_stays_after_its_cause_has_gone(void)
     TEST_ASSERT_EQUAL_INT(REASON_HARDWARE_BREAK, run(100000));
 }
 
-void test_the_first_trip_keeps_its_name(void)
+void test_reason_of_the_first_trip_is_kept(void)
 {
     in.v_dc_pu = ABOVE_TRIP_V;
     step();
@@ -187,7 +187,7 @@ void test_the_first_trip_keeps_its_name(void)
     TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, run(100));
 }
 
-void test_an_acknowledgement_clears_a_trip_whose_cause_has_gone(void)
+void test_acknowledgement_clears_a_trip_without_a_cause(void)
 {
     in.power_stage_fault = true;
     step();
@@ -198,7 +198,7 @@ void test_an_acknowledgement_clears_a_trip_whose_cause_has_gone(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
 }
 
-void test_an_acknowledgement_does_not_hide_a_cause_that_is_still_there(void)
+void test_acknowledgement_does_not_clear_a_trip_with_a_present_cause(void)
 {
     in.power_stage_fault = true;
     step();
@@ -212,7 +212,7 @@ void test_an_acknowledgement_does_not_hide_a_cause_that_is_still_there(void)
     TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
 }
 
-void test_an_over_current_that_outlasts_an_acknowledgement_trips_again(void)
+void test_overcurrent_trips_again_after_an_acknowledgement(void)
 {
     set_current(0, LIMIT + 1);
     run(2);
@@ -222,7 +222,7 @@ void test_an_over_current_that_outlasts_an_acknowledgement_trips_again(void)
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, run(2));
 }
 
-void test_a_new_start_forgets_everything(void)
+void test_init_clears_the_trip(void)
 {
     in.power_stage_fault = true;
     step();
@@ -231,9 +231,8 @@ void test_a_new_start_forgets_everything(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100));
 }
 
-/* A trip that is acknowledged leaves nothing behind: the next over-current, too, is one in its
- * second period. */
-void test_after_an_acknowledgement_an_over_current_trips_in_its_second_period_again(void)
+/* Acknowledging a trip resets the debounce: the next over-current trips in its second period. */
+void test_acknowledgement_resets_the_overcurrent_debounce(void)
 {
     set_current(LIMIT + 5, 0);
     (void)step();
@@ -244,7 +243,7 @@ void test_after_an_acknowledgement_an_over_current_trips_in_its_second_period_ag
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
 }
 
-void test_the_trip_voltage_itself_is_still_allowed(void)
+void test_bus_voltage_at_the_trip_voltage_does_not_trip(void)
 {
     in.v_dc_pu = state.overvoltage_pu;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step());

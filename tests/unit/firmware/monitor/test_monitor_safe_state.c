@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the slow watcher holds for safe where the bridge may not switch, and whether the wheel
- * stands. */
-#include "watched.h"
+/* The slow monitor's safe state, freewheel or active short circuit, and its standstill flag. */
+#include "monitor_rig.h"
 
 static const monitor_slow_input_t HEALTHY = {.offsets_known = true,
                                              .rotor_valid = true,
@@ -11,12 +10,12 @@ static const monitor_slow_input_t HEALTHY = {.offsets_known = true,
 
 void setUp(void)
 {
-    watch(&HEALTHY);
+    rig_up(&HEALTHY);
 }
 
 void tearDown(void) {}
 
-void test_the_choice_is_remembered_from_step_to_step(void)
+void test_safe_state_has_hysteresis_from_step_to_step(void)
 {
     in.speed_mrad_s = mrad_s_of_rpm(640.0);
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);
@@ -29,7 +28,7 @@ void test_the_choice_is_remembered_from_step_to_step(void)
 }
 
 /* At 70 rad/s the paper's motor makes 56.9 V between its terminals. */
-void test_a_rotor_that_is_lost_above_the_limit_leaves_the_short_as_what_is_safe(void)
+void test_safe_state_stays_active_short_circuit_after_rotor_loss_above_the_limit(void)
 {
     in.speed_mrad_s = 70000;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(10).safe_bridge);
@@ -39,14 +38,14 @@ void test_a_rotor_that_is_lost_above_the_limit_leaves_the_short_as_what_is_safe(
     in.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(1000).safe_bridge);
     TEST_ASSERT_FALSE(step().standstill);
-    /* Shorted, it shows no current: it stands, or there is no motor. Two windows of 100 ms, and a
-     * step to see the first. */
+    /* Zero current in the active short circuit means standstill, or no motor. Two windows of 100
+     * ms, and one step before the first. */
     in.bridge = BRIDGE_SHORT;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(201).safe_bridge);
     TEST_ASSERT_TRUE(step().standstill);
 }
 
-void test_a_current_of_the_open_bridge_or_its_over_voltage_is_what_the_short_is_safe_against(void)
+void test_current_or_overvoltage_in_freewheel_selects_the_active_short_circuit(void)
 {
     in.speed_mrad_s = 0;
     in.rotor_valid = false;
@@ -65,7 +64,7 @@ void test_a_current_of_the_open_bridge_or_its_over_voltage_is_what_the_short_is_
     TEST_ASSERT_FALSE(step().standstill);
 }
 
-void test_a_wheel_stands_below_a_turn_in_twenty_seconds(void)
+void test_standstill_is_a_speed_below_0_3_rad_s(void)
 {
     in.speed_mrad_s = 299;
     TEST_ASSERT_TRUE(step().standstill);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "monitor_rig.h"
 #include "random_values.h"
-#include "watched.h"
 
 enum {
     TOLERANCE_mNm = 4000,
@@ -31,7 +31,7 @@ static const monitor_slow_input_t HEALTHY = {
 
 void setUp(void)
 {
-    watch(&HEALTHY);
+    rig_up(&HEALTHY);
     config.monitor.torque_tolerance_mNm = TOLERANCE_mNm;
     config.monitor.torque_fault_time_ms = TORQUE_TIME_ms;
     config.monitor.offset_tolerance_codes = 200;
@@ -52,7 +52,7 @@ void test_a_healthy_drive_has_neither_fault_nor_warning(void)
     }
 }
 
-void test_a_trip_of_the_fast_part_is_a_fault_at_once(void)
+void test_trip_of_the_fast_monitor_is_a_fault_in_the_same_step(void)
 {
     in.fast_trip = REASON_OVERCURRENT;
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step().fault);
@@ -60,7 +60,7 @@ void test_a_trip_of_the_fast_part_is_a_fault_at_once(void)
 
 /* ---- currents ---- */
 
-void test_currents_that_do_not_add_up_to_zero_are_a_fault(void)
+void test_sum_of_phase_currents_away_from_zero_is_a_fault(void)
 {
     in.current_sum_pu = config.monitor.current_sum_pu_q15 + 1;
     assert_fault_after(20, REASON_CURRENT_SUM);
@@ -70,14 +70,14 @@ void test_currents_that_do_not_add_up_to_zero_are_a_fault(void)
     assert_never_a_fault();
 }
 
-void test_a_sum_of_sensors_whose_zeros_are_not_known_yet_is_no_fault(void)
+void test_current_sum_is_no_fault_before_the_offsets_are_known(void)
 {
     in.current_sum_pu = 32767;
     in.offsets_known = false;
     assert_never_a_fault();
 }
 
-void test_a_sum_that_is_wrong_now_and_then_is_noise(void)
+void test_occasional_deviations_of_the_current_sum_are_no_fault(void)
 {
     for (int n = 0; n < 1000; n++) {
         in.current_sum_pu = n % 20 == 19 ? 0 : config.monitor.current_sum_pu_q15 + 1;
@@ -85,7 +85,7 @@ void test_a_sum_that_is_wrong_now_and_then_is_noise(void)
     }
 }
 
-void test_a_sensor_at_the_end_of_its_range_is_a_fault_while_the_bridge_switches(void)
+void test_adc_saturation_is_a_fault_while_the_bridge_switches(void)
 {
     in.current_saturated = true;
     assert_fault_after(20, REASON_CURRENT_SENSOR);
@@ -94,7 +94,7 @@ void test_a_sensor_at_the_end_of_its_range_is_a_fault_while_the_bridge_switches(
     assert_never_a_fault();
 }
 
-void test_zero_current_codes_are_plausible_within_the_tolerance_and_not_beyond(void)
+void test_current_offsets_are_plausible_within_the_tolerance(void)
 {
     for (int x = 0; x < 3; x++) {
         const int32_t edge[] = {-OFFSET_TOLERANCE_Q4, OFFSET_TOLERANCE_Q4};
@@ -110,10 +110,10 @@ void test_zero_current_codes_are_plausible_within_the_tolerance_and_not_beyond(v
 
 /* ---- rotor ---- */
 
-void test_a_lost_rotor_is_a_fault_while_the_bridge_switches(void)
+void test_invalid_rotor_angle_is_a_fault_while_the_bridge_switches(void)
 {
     in.rotor_valid = false;
-    /* 40 Nm leave at 400 Nm/s in 100 ms; only after them may the valve close. */
+    /* 40 Nm fall to zero at 400 Nm/s in 100 ms. The torque enable is withdrawn only after that. */
     config.motor.max_torque_mNm = 40000;
     config.brake.torque_rate_mNm_s = 400000;
     assert_fault_after(100 + 250, REASON_ROTOR_LOST);
@@ -122,7 +122,7 @@ void test_a_lost_rotor_is_a_fault_while_the_bridge_switches(void)
     assert_never_a_fault();
 }
 
-void test_a_skipped_hall_sector_is_a_warning_of_ten_seconds_and_no_fault(void)
+void test_skipped_hall_sector_is_a_warning_for_ten_seconds(void)
 {
     in.rotor_faults = 1;
     for (int n = 0; n < 10000; n++) {
@@ -133,7 +133,7 @@ void test_a_skipped_hall_sector_is_a_warning_of_ten_seconds_and_no_fault(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
 }
 
-void test_a_dead_hall_sensor_keeps_the_warning_up_for_ever(void)
+void test_dead_hall_sensor_keeps_the_warning(void)
 {
     in.rotor_faults = 1;
     for (int n = 1; n < 1000000; n++) { /* a sector in ten milliseconds: the counter wraps */
@@ -144,7 +144,7 @@ void test_a_dead_hall_sensor_keeps_the_warning_up_for_ever(void)
 
 /* ---- bus voltage ---- */
 
-void test_over_voltage_is_a_fault_whether_the_bridge_switches_or_not(void)
+void test_overvoltage_is_a_fault_with_and_without_pwm(void)
 {
     in.bus_voltage_mV = 60565;
     assert_fault_after(5, REASON_BUS_OVERVOLTAGE);
@@ -155,7 +155,7 @@ void test_over_voltage_is_a_fault_whether_the_bridge_switches_or_not(void)
     assert_never_a_fault();
 }
 
-void test_under_voltage_is_a_fault_only_while_the_bridge_switches(void)
+void test_undervoltage_is_a_fault_only_while_the_bridge_switches(void)
 {
     in.bus_voltage_mV = 35999;
     assert_fault_after(5, REASON_BUS_UNDERVOLTAGE);
@@ -210,7 +210,7 @@ void test_less_torque_than_commanded_is_no_fault(void)
     assert_never_a_fault();
 }
 
-void test_torque_of_a_bridge_at_rest_is_nobody_s_fault(void)
+void test_torque_without_pwm_is_no_fault(void)
 {
     torque(0, -20000); /* a short brakes */
     in.switching = false;
@@ -219,7 +219,7 @@ void test_torque_of_a_bridge_at_rest_is_nobody_s_fault(void)
 
 /* ---- program flow ---- */
 
-void test_a_fast_loop_that_stands_still_is_a_fault_after_five_milliseconds(void)
+void test_stopped_fast_loop_is_a_fault_after_five_milliseconds(void)
 {
     step();
     fast_steps_per_slow = 0;
@@ -230,7 +230,7 @@ void test_a_fast_loop_that_stands_still_is_a_fault_after_five_milliseconds(void)
     fast_steps_per_slow = FAST_PER_SLOW;
 }
 
-void test_the_fast_loop_may_be_a_quarter_off_its_rate_and_no_more(void)
+void test_fast_loop_rate_within_25_percent_is_no_fault(void)
 {
     const uint16_t good[] = {15, 25};
     const uint16_t bad[] = {14, 26, 40};
@@ -254,27 +254,27 @@ void test_a_single_late_slow_step_is_no_fault(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(100).fault);
 }
 
-void test_the_first_step_cannot_know_how_far_the_fast_loop_had_counted(void)
+void test_first_step_does_not_check_the_fast_loop_s_count(void)
 {
-    in.fast_step_count = 12345;
+    in.fast_step_count = 12345; /* the first step has no count to compare with */
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(10).fault);
     setUp();
     fast_steps_per_slow = 0;
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(5).fault); /* the first of these five does not count */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(5).fault); /* the first step is not checked */
     TEST_ASSERT_EQUAL_INT(REASON_PROGRAM_FLOW, step().fault);
     fast_steps_per_slow = FAST_PER_SLOW;
 }
 
-void test_every_verdict_is_counted_so_that_a_watchdog_can_see_the_monitor_live(void)
+void test_monitor_counts_its_steps_for_the_watchdog(void)
 {
     const uint16_t before = state.steps;
     run(100);
     TEST_ASSERT_EQUAL_UINT16((uint16_t)(before + 100), state.steps);
 }
 
-/* ---- which of several ---- */
+/* ---- priority of several faults ---- */
 
-void test_a_cause_is_named_before_its_consequences(void)
+void test_cause_has_priority_over_its_consequences(void)
 {
     const reason_t order[] = {REASON_OVERCURRENT,        REASON_PROGRAM_FLOW,
                               REASON_CURRENT_SENSOR,     REASON_CURRENT_SUM,
@@ -305,9 +305,9 @@ void test_a_cause_is_named_before_its_consequences(void)
     TEST_ASSERT_EQUAL_INT(order[7], step().fault);
 }
 
-void test_no_number_from_outside_leads_to_undefined_behaviour(void)
+void test_any_input_is_accepted(void)
 {
-    /* The assertion is the sanitizer's. */
+    /* The sanitizer build detects undefined behaviour. */
     random_t random = random_seeded(2);
     for (int n = 0; n < 100000; n++) {
         in.current_sum_pu = random_wild(&random);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Temperatures: 10 K above where no torque is left is a fault, and so is one that none can be. */
-#include "watched.h"
+/* Temperatures: faults 10 K above the end of derating, and outside the sensor's range. */
+#include "monitor_rig.h"
 
 static const monitor_slow_input_t HEALTHY = {
     .rotor_valid = true,
@@ -11,7 +11,7 @@ static const monitor_slow_input_t HEALTHY = {
 
 void setUp(void)
 {
-    watch(&HEALTHY);
+    rig_up(&HEALTHY);
     config.motor.max_winding_temperature_cC = 15000;
     config.drive.max_switch_temperature_cC = 10000;
 }
@@ -34,7 +34,7 @@ void test_overheated_switches_are_a_fault(void)
     assert_never_a_fault();
 }
 
-void test_what_no_winding_and_no_switch_can_be_is_a_broken_sensor(void)
+void test_temperatures_outside_the_sensor_range_are_a_sensor_fault(void)
 {
     int32_t *const temperatures[] = {&in.winding_temperature_cC, &in.switch_temperature_cC};
     const reason_t broken[] = {REASON_WINDING_SENSOR, REASON_SWITCH_SENSOR};
@@ -53,7 +53,7 @@ void test_what_no_winding_and_no_switch_can_be_is_a_broken_sensor(void)
     }
 }
 
-void test_a_sensor_whose_limit_is_off_may_be_missing(void)
+void test_missing_sensor_is_no_fault_with_its_limit_switched_off(void)
 {
     config.motor.max_winding_temperature_cC = 30000;
     config.drive.max_switch_temperature_cC = 30000;

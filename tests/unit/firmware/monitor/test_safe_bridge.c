@@ -25,7 +25,7 @@ static bridge_mode_t choose(double line_emf_over_bus, int32_t bus_mV, bridge_mod
     return monitor_safe_bridge(&config, direction * (int32_t)lround(omega * 1e3), bus_mV, now);
 }
 
-void test_off_is_chosen_while_the_rectified_emf_is_below_the_bus_and_short_above(void)
+void test_freewheel_below_and_active_short_circuit_above_an_emf_of_the_bus_voltage(void)
 {
     random_t random = random_seeded(1);
     for (int n = 0; n < 10000; n++) {
@@ -42,7 +42,7 @@ void test_off_is_chosen_while_the_rectified_emf_is_below_the_bus_and_short_above
     }
 }
 
-void test_a_short_is_left_only_ten_per_cent_below_the_limit(void)
+void test_active_short_circuit_ends_ten_percent_below_its_limit(void)
 {
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, choose(0.95, 53000, BRIDGE_SHORT, 1));
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, choose(0.901, 53000, BRIDGE_SHORT, 1));
@@ -50,7 +50,7 @@ void test_a_short_is_left_only_ten_per_cent_below_the_limit(void)
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, choose(0.95, 53000, BRIDGE_OFF, 1));
 }
 
-void test_the_paper_s_vehicle_may_freewheel_below_622_rpm_at_its_nominal_voltage(void)
+void test_freewheel_limit_of_the_paper_s_vehicle_is_622_rpm_at_53_V(void)
 {
     /* sqrt(3) * 0.0204 * 23 * omega = 53 V at omega = 65.217 rad/s = 622.8 r/min */
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF,
@@ -59,7 +59,7 @@ void test_the_paper_s_vehicle_may_freewheel_below_622_rpm_at_its_nominal_voltage
                           monitor_safe_bridge(&config, mrad_s_of_rpm(624.0), 53000, BRIDGE_OFF));
 }
 
-void test_a_standing_wheel_may_always_freewheel_unless_there_is_no_voltage_at_all(void)
+void test_freewheel_at_standstill_at_any_positive_bus_voltage(void)
 {
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, monitor_safe_bridge(&config, 0, 1, BRIDGE_OFF));
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, monitor_safe_bridge(&config, 0, 53000, BRIDGE_SHORT));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * modes_rig.h: a state machine at rest, and the ordinary way to each of its modes.
+ * modes_rig.h: the state machine of the modes after init, and the input sequence that leads to each
+ * mode.
  */
 #ifndef MODES_RIG_H
 #define MODES_RIG_H
@@ -14,7 +15,7 @@ static config_t config;
 static modes_state_t state;
 static modes_input_t in;
 
-/* Everything is well, nobody asks for anything. */
+/* No fault, no demand, standstill. */
 static const modes_input_t CALM = {
     .config_accepted = true,
     .selftest_passed = true,
@@ -51,8 +52,8 @@ static inline modes_output_t run(int milliseconds)
     return step();
 }
 
-/* Start, and walk the ordinary way to a mode. Leaves `in` as it must be to stay there. */
-static inline void reach(modes_mode_t mode)
+/* Starts and steps to a mode. Leaves `in` as it must be to stay in that mode. */
+static inline void start_in(modes_mode_t mode)
 {
     start();
     switch (mode) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * story.h: a board that lives through the same story every time, for tests of the whole application
- * on the simulated board. One motor, seen through its sensors only; included once in a program.
+ * board_rig.h: a reproducible sequence of sensor samples and a record of the bridge's commands, for
+ * tests of the whole application on the simulated board. Included once in a program.
  */
-#ifndef TEST_APP_STORY_H
-#define TEST_APP_STORY_H
+#ifndef BOARD_RIG_H
+#define BOARD_RIG_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -17,32 +17,32 @@
 
 enum { PERIODS = 40000 };
 
-/* A motor seen through its sensors only: halls that turn, currents that wander. Equal seeds, equal
- * stories. */
+/* Pseudo-random phase currents, a rotor of slowly changing speed, constant bus voltage. Equal seeds
+ * give equal samples. */
 typedef struct {
     uint32_t random;
     uint32_t angle_q32;
     int32_t speed_q32;
     uint16_t bus_code;
-    bool halls_off; /* their plug */
-} story_t;
+    bool halls_off; /* hall sensors unplugged */
+} sensors_t;
 
 typedef struct {
     inverter_mode_t mode;
     uint16_t compare_counts[3];
-} seen_t;
+} bridge_command_t;
 
-static story_t story;
-static seen_t seen[PERIODS];
-static int seen_count;
+static sensors_t sensors;
+static bridge_command_t commands[PERIODS];
+static int command_count;
 
-static inline uint32_t next_random(story_t *s)
+static inline uint32_t next_random(sensors_t *s)
 {
     s->random = s->random * 1664525U + 1013904223U; /* Numerical Recipes' generator */
     return s->random >> 16;
 }
 
-static inline host_sample_t tell(story_t *s)
+static inline host_sample_t next_sample(sensors_t *s)
 {
     static const uint8_t HALL_OF_SECTOR[6] = {5, 1, 3, 2, 6, 4};
     host_sample_t out = {.winding_temperature_cC = 2500,
@@ -62,35 +62,36 @@ static inline host_sample_t tell(story_t *s)
 
 static inline host_sample_t sample(void *context)
 {
-    return tell(context);
+    return next_sample(context);
 }
 
 static inline void drive(void *context, inverter_mode_t mode, const uint16_t compare_counts[3])
 {
     (void)context;
-    if (seen_count < PERIODS) {
-        seen[seen_count].mode = mode;
-        memcpy(seen[seen_count].compare_counts, compare_counts, sizeof seen[0].compare_counts);
-        seen_count++;
+    if (command_count < PERIODS) {
+        commands[command_count].mode = mode;
+        memcpy(commands[command_count].compare_counts, compare_counts,
+               sizeof commands[0].compare_counts);
+        command_count++;
     }
 }
 
-static inline void begin_story(void)
+static inline void start_sensors(void)
 {
     const config_t *c = &CONFIG_IMAGE;
     const int32_t v_dc_mV = (c->battery.min_voltage_mV + c->battery.foldback_voltage_mV) / 2;
-    story =
-        (story_t){.random = 12345,
-                  .speed_q32 = 8000000,
-                  .bus_code = (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};
+    sensors = (sensors_t){.random = 12345,
+                          .speed_q32 = 8000000,
+                          .bus_code =
+                              (uint16_t)((int64_t)v_dc_mV * 4096 / c->drive.voltage_full_scale_mV)};
 }
 
 static inline void connect(const config_t *config)
 {
-    const host_plant_t plant = {.context = &story, .sample = sample, .drive = drive};
-    begin_story();
-    seen_count = 0;
-    memset(seen, 0, sizeof seen);
+    const host_plant_t plant = {.context = &sensors, .sample = sample, .drive = drive};
+    start_sensors();
+    command_count = 0;
+    memset(commands, 0, sizeof commands);
     host_connect(&plant, config, sizeof *config);
 }
 

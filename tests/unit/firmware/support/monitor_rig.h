@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * watched.h: the slow watcher of the paper's vehicle and what it is shown; `in` may be changed
- * between steps, and a fault's condition is taken back by showing a healthy drive again. Included
- * once in a program.
+ * monitor_rig.h: the slow monitor of the paper's vehicle and its input `in`, which a test changes
+ * between steps. recover() restores the input of a healthy drive. Included once in a program.
  */
-#ifndef TEST_MONITOR_WATCHED_H
-#define TEST_MONITOR_WATCHED_H
+#ifndef MONITOR_RIG_H
+#define MONITOR_RIG_H
 
 #include "monitor/monitor.h"
 #include "paper_vehicle.h"
@@ -19,7 +18,7 @@ static monitor_slow_input_t in;
 static monitor_slow_input_t healthy;
 static uint16_t fast_steps_per_slow;
 
-static inline void watch(const monitor_slow_input_t *as_healthy)
+static inline void rig_up(const monitor_slow_input_t *as_healthy)
 {
     config = paper_vehicle();
     monitor_slow_init(&state);
@@ -49,8 +48,7 @@ static inline void recover(void)
     in.fast_step_count = count;
 }
 
-/* The condition that `in` describes now is a fault after exactly `milliseconds`, and none once it
- * has gone. */
+/* The condition in `in` is a fault after exactly `milliseconds`, and no fault after recover(). */
 static inline void assert_fault_after(int milliseconds, reason_t fault)
 {
     for (int n = 1; n < milliseconds; n++) {
@@ -59,8 +57,7 @@ static inline void assert_fault_after(int milliseconds, reason_t fault)
     TEST_ASSERT_EQUAL_INT(fault, step().fault);
     TEST_ASSERT_EQUAL_INT(fault, run(100).fault);
     recover();
-    TEST_ASSERT_EQUAL_INT(REASON_NONE,
-                          step().fault); /* remembering a fault is the business of modes */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().fault); /* modes latches a fault, not the monitor */
 }
 
 static inline void assert_never_a_fault(void)
