@@ -5,9 +5,9 @@
  *
  * The expected shares are the ideal ones: steady states of the loss equations integrated over the
  * stop (the table in IDEAL below; tools/regen_table computes the same). The simulation differs from
- * them for physical reasons: the battery's RC branch has not settled within a stop (its 10 mohm
- * cost less), the hydraulic brake comes 0.1 s late while the motor already brakes, and electric
- * braking hands over below 25 r/min.
+ * them for physical reasons: the battery's RC branch does not settle within a stop (its 10 mohm
+ * cost less), the hydraulic brake is delayed by 0.1 s, and electric braking blends out below
+ * 25 r/min.
  */
 #include <math.h>
 #include <stdio.h>
@@ -63,7 +63,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-static void stores_what_the_steady_states_promise(int32_t strategy)
+static void assert_stored_share(int32_t strategy)
 {
     for (int d = 0; d < DEMANDS; d++) {
         const stop_t stop = quarter_stop(strategy, DEMAND_NM[d]);
@@ -76,22 +76,22 @@ static void stores_what_the_steady_states_promise(int32_t strategy)
     }
 }
 
-void test_parallel_ratio_stores_what_the_steady_states_promise(void)
+void test_energy_stored_by_parallel_ratio_matches_the_steady_states(void)
 {
-    stores_what_the_steady_states_promise(CONFIG_STRATEGY_PARALLEL_RATIO);
+    assert_stored_share(CONFIG_STRATEGY_PARALLEL_RATIO);
 }
 
-void test_parallel_free_travel_stores_what_the_steady_states_promise(void)
+void test_energy_stored_by_parallel_free_travel_matches_the_steady_states(void)
 {
-    stores_what_the_steady_states_promise(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL);
+    assert_stored_share(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL);
 }
 
-void test_series_optimal_stores_what_the_steady_states_promise(void)
+void test_energy_stored_by_series_optimal_matches_the_steady_states(void)
 {
-    stores_what_the_steady_states_promise(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    assert_stored_share(CONFIG_STRATEGY_SERIES_OPTIMAL);
 }
 
-void test_series_optimal_is_never_beaten(void)
+void test_series_optimal_stores_at_least_as_much_as_the_parallel_strategies(void)
 {
     const double demands_nm[] = {10.0, 30.0, 50.0, 90.0};
     for (int d = 0; d < 4; d++) {
@@ -106,7 +106,7 @@ void test_series_optimal_is_never_beaten(void)
     }
 }
 
-void test_four_wheels_stop_as_one_wheel_with_a_quarter_of_everything(void)
+void test_four_wheels_stop_as_one_wheel_of_a_quarter_vehicle(void)
 {
     const bench_params_t four = fixture_vehicle();
     const stop_t whole = stop_with(&four, CONFIG_STRATEGY_SERIES_OPTIMAL, 60.0);
@@ -116,18 +116,18 @@ void test_four_wheels_stop_as_one_wheel_with_a_quarter_of_everything(void)
     TEST_ASSERT_TRUE(whole.residual < 1e-4);
 }
 
-void test_the_stopping_distance_is_v_squared_over_two_a_and_the_brakes_delay(void)
+void test_stopping_distance_is_v_squared_over_two_a_plus_the_delay(void)
 {
     for (int s = 0; s < STRATEGIES; s++) {
         const double deceleration = 4.0 * 60.0 / 0.25 / 660.0;
         const double ideal_m = SPEED * SPEED / (2.0 * deceleration);
         const double distance_m = quarter_stop(s, 60.0).distance_m;
-        /* Brakes act within 0.15 s; none may brake harder than asked by more than a per cent. */
+        /* The brakes act within 0.15 s. The deceleration exceeds the demand by at most 1 %. */
         TEST_ASSERT_TRUE(distance_m > 0.99 * ideal_m && distance_m < ideal_m + 0.15 * SPEED);
     }
 }
 
-void test_a_hot_winding_gets_less_and_series_knows_it(void)
+void test_series_optimal_reduces_the_torque_of_a_hot_winding(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     const double cold = stop_with(&params, CONFIG_STRATEGY_SERIES_OPTIMAL, 40.0).stored_per_cent;
@@ -139,14 +139,14 @@ void test_a_hot_winding_gets_less_and_series_knows_it(void)
     TEST_ASSERT_TRUE(hot > hot_free);
 }
 
-void test_motor_and_hydraulic_brake_together_are_the_demand_through_the_hand_over(void)
+void test_sum_of_both_brakes_is_the_demand_during_blend_out(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 4.0;
     params.driver.brake_demand_nm = 30.0;
     const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
     bench_t *bench = fixture_start(&params, &config);
-    fixture_run(bench, 0.4); /* past the build-up */
+    fixture_run(bench, 0.4); /* until the brakes have settled */
     double worst_nm = 0.0;
     while (bench->vehicle.speed_m_per_s > 0.02) {
         const double impulse_before = bench->wheel[0].totals.torque_impulse_nms;
@@ -158,7 +158,7 @@ void test_motor_and_hydraulic_brake_together_are_the_demand_through_the_hand_ove
     TEST_ASSERT_TRUE(worst_nm < 9.0); /* 0.22 m/s^2: not felt as a jolt */
 }
 
-void test_a_standing_vehicle_stays_and_takes_nothing_from_the_battery(void)
+void test_vehicle_at_standstill_stays_and_draws_no_energy(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 3.0;

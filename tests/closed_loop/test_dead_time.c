@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What dead time does to the phase currents at 50 r/min and the torque of 10 A (with the iron's
- * share and i_d 11.1 A flow), with a bridge that switches every edge by itself: dead intervals,
- * diodes and the ripple of the PWM as they are, not as a mean over the period.
+ * Effect of dead time on the phase currents at 50 r/min and the torque of 10 A (11.1 A with iron
+ * current and i_d). The bridge model switches every edge: dead intervals, diodes and PWM ripple are
+ * simulated, not their means over the period.
  */
 #include <complex.h>
 #include <math.h>
@@ -66,8 +66,7 @@ static harmonics_t harmonics(bool compensated)
     return out;
 }
 
-void test_compensation_cuts_the_fifth_and_seventh_harmonic_at_least_by_half_and_leaves_the_torque(
-    void)
+void test_dead_time_compensation_halves_the_fifth_and_seventh_harmonic_at_the_same_torque(void)
 {
     const harmonics_t without = harmonics(false);
     const harmonics_t with = harmonics(true);

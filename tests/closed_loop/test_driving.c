@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Torque that is asked for is torque at the wheel: both directions, all speeds, either rotor
- * sensor. */
+/* The wheel's torque follows the demand: both directions, all speeds, ideal angle and hall sensors.
+ */
 #include <math.h>
 #include <stdio.h>
 
@@ -11,8 +11,8 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-/* Mean airgap torque over a time while the speed is held, as on a test bench. */
-static double held_torque_nm(bench_t *bench, double time_s)
+/* Mean airgap torque over a time at constant speed, as on a test bench. */
+static double torque_at_speed_nm(bench_t *bench, double time_s)
 {
     const double before_nms = bench->wheel[0].totals.torque_impulse_nms;
     const double speed = bench->vehicle.speed_m_per_s;
@@ -41,12 +41,12 @@ static void follows(int32_t sensor, double tolerance_nm)
         for (int t = 0; t < 4; t++) {
             bench_t *bench = at_speed(speeds_rpm[s], sensor);
             bench->params.driver.drive_demand_nm = torques_nm[t];
-            held_torque_nm(bench, 0.3);
-            const double torque_nm = held_torque_nm(bench, 0.2);
+            torque_at_speed_nm(bench, 0.3);
+            const double torque_nm = torque_at_speed_nm(bench, 0.2);
             char text[96];
             snprintf(text, sizeof(text), "%g N m at %g r/min", torques_nm[t], speeds_rpm[s]);
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(tolerance_nm, torques_nm[t], torque_nm, text);
-            /* What the controller believes it makes is what the plant says it makes. */
+            /* The controller's torque estimate against the plant's torque. */
             TEST_ASSERT_DOUBLE_WITHIN_MESSAGE(tolerance_nm, torque_nm,
                                               1e-3 * bench->wheel[0].slow.motor_torque_estimate_mNm,
                                               text);
@@ -69,10 +69,10 @@ void test_torque_rises_no_faster_than_the_configured_rate(void)
     bench_t *bench = at_speed(200.0, CONFIG_ROTOR_ANGLE);
     bench->params.driver.drive_demand_nm = 36.0;
     const double rate_nm_per_s = 1e-3 * bench->config.brake.torque_rate_mNm_s;
-    const double after_half_nm = held_torque_nm(bench, 0.5 * 36.0 / rate_nm_per_s) * 2.0;
+    const double after_half_nm = torque_at_speed_nm(bench, 0.5 * 36.0 / rate_nm_per_s) * 2.0;
     TEST_ASSERT_DOUBLE_WITHIN(3.0, 18.0, after_half_nm); /* a ramp's mean is half its end */
-    held_torque_nm(bench, 0.1);
-    TEST_ASSERT_DOUBLE_WITHIN(0.4, 36.0, held_torque_nm(bench, 0.1));
+    torque_at_speed_nm(bench, 0.1);
+    TEST_ASSERT_DOUBLE_WITHIN(0.4, 36.0, torque_at_speed_nm(bench, 0.1));
 }
 
 void test_the_bus_current_estimate_is_the_battery_current(void)
@@ -81,15 +81,15 @@ void test_the_bus_current_estimate_is_the_battery_current(void)
     for (int t = 0; t < 2; t++) {
         bench_t *bench = at_speed(350.0, CONFIG_ROTOR_ANGLE);
         bench->params.driver.drive_demand_nm = torques_nm[t];
-        held_torque_nm(bench, 0.3);
-        /* The estimate knows the motor's terminals, not the bridge's own loss (some 40 W on 53 V).
+        torque_at_speed_nm(bench, 0.3);
+        /* The estimate is of the motor's terminals, without the bridge's losses (40 W at 53 V).
          */
         TEST_ASSERT_DOUBLE_WITHIN(1.5, bench->battery.current_a,
                                   1e-3 * bench->wheel[0].slow.bus_current_mA);
     }
 }
 
-void test_a_vehicle_starts_from_rest_with_hall_sensors_at_any_rotor_position(void)
+void test_vehicle_starts_from_standstill_with_hall_sensors_at_any_rotor_position(void)
 {
     for (int k = 0; k < 12; k++) {
         bench_params_t params = fixture_quarter_vehicle();
@@ -106,7 +106,7 @@ void test_a_vehicle_starts_from_rest_with_hall_sensors_at_any_rotor_position(voi
     }
 }
 
-void test_noise_and_misplaced_halls_cost_little_energy_and_no_fault(void)
+void test_noise_and_misplaced_halls_cause_no_fault_and_little_energy_loss(void)
 {
     double stored_j[2];
     for (int n = 0; n < 2; n++) {

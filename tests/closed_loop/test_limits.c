@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Limits in closed loop: a full pack, a weak pack, a hot winding, above base speed, a fault at
- * speed. */
+/* Limits in closed loop: full battery, weak battery, hot winding, speeds above base speed, a fault
+ * at speed. */
 #include <math.h>
 
 #include "unity.h"
@@ -10,7 +10,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_a_full_battery_is_braked_hydraulically_and_says_why(void)
+void test_full_battery_is_braked_hydraulically_with_its_reason(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 9.0;
@@ -22,8 +22,9 @@ void test_a_full_battery_is_braked_hydraulically_and_says_why(void)
     TEST_ASSERT_EQUAL_INT(REASON_CHARGE_CURRENT, bench->wheel[0].slow.available_reason);
     fixture_run_to_standstill(bench, 30.0);
     const ledger_t ledger = bench_ledger(bench);
-    /* The iron drags, whatever anybody wants; all else is the hydraulic brake's, and the cells get
-     * nothing. */
+    /* Iron loss brakes in any case. The hydraulic brake has the rest, and the cells are not
+     * charged.
+     */
     TEST_ASSERT_TRUE(ledger.hydraulic_j + ledger.iron_j > 0.99 * bench->kinetic_before_j);
     TEST_ASSERT_TRUE(ledger.hydraulic_j > 0.9 * bench->kinetic_before_j);
     TEST_ASSERT_TRUE(-ledger.chemical_j < 0.001 * bench->kinetic_before_j);
@@ -32,7 +33,7 @@ void test_a_full_battery_is_braked_hydraulically_and_says_why(void)
     TEST_ASSERT_TRUE(bench->vehicle.distance_m < ideal_m + 0.15 * 9.0);
 }
 
-void test_a_weak_battery_is_not_pulled_below_its_limit(void)
+void test_weak_battery_stays_above_min_voltage(void)
 {
     bench_params_t params = fixture_vehicle();
     params.run.initial_speed_m_per_s = 3.0;
@@ -51,9 +52,9 @@ void test_a_weak_battery_is_not_pulled_below_its_limit(void)
     TEST_ASSERT_FALSE(bench->battery.collapsed);
 }
 
-/* A pack of 1 ohm at 40 to 41 V: the law from voltage to current has a gain of 214 A/V, so that a
- * millisecond of delay would make it swing by a step of the torque rate, 0.4 Nm, for ever. */
-void test_a_weak_battery_is_drawn_from_steadily(void)
+/* A pack of 1 ohm at 40 to 41 V: without an integrator the fold-back's gain of 214 A/V and a delay
+ * of 1 ms would give a limit cycle of one step of the torque rate, 0.4 Nm. */
+void test_weak_battery_is_drawn_from_without_a_limit_cycle(void)
 {
     bench_params_t params = fixture_vehicle();
     params.run.initial_speed_m_per_s = 3.0;
@@ -76,7 +77,7 @@ void test_a_weak_battery_is_drawn_from_steadily(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
 }
 
-void test_a_winding_at_its_limit_gives_no_torque_and_the_hydraulic_brake_takes_over(void)
+void test_winding_at_its_limit_gives_zero_torque_and_the_hydraulic_brake_brakes(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 8.0;
@@ -91,7 +92,7 @@ void test_a_winding_at_its_limit_gives_no_torque_and_the_hydraulic_brake_takes_o
 }
 
 /* 60 km/h is 636 r/min: 54.1 V of EMF between lines, more than the battery has. */
-void test_braking_above_base_speed_stays_controlled(void)
+void test_braking_above_base_speed_follows_the_demand(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 60.0 / 3.6;
@@ -110,7 +111,7 @@ void test_braking_above_base_speed_stays_controlled(void)
     TEST_ASSERT_TRUE(fabs(ledger.residual_j) < 1e-4 * ledger.turned_over_j);
 }
 
-void test_a_power_stage_that_goes_off_below_base_speed_leaves_a_freely_rolling_wheel(void)
+void test_freewheel_below_base_speed_leaves_only_the_iron_drag(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 10.0;
@@ -118,7 +119,7 @@ void test_a_power_stage_that_goes_off_below_base_speed_leaves_a_freely_rolling_w
     const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 0.3);
-    bench->wheel[0].winding.temperature_c = 290.0; /* a fault that closes the valve */
+    bench->wheel[0].winding.temperature_c = 290.0; /* a fault: the bridge freewheels */
     fixture_run(bench, 0.2);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, bench->wheel[0].active.bridge);
     const ledger_t before = bench_ledger(bench);
@@ -126,8 +127,7 @@ void test_a_power_stage_that_goes_off_below_base_speed_leaves_a_freely_rolling_w
     const ledger_t after = bench_ledger(bench);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, after.copper_j - before.copper_j);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, after.chemical_j - before.chemical_j);
-    /* Only the iron drags: 1.5 (w psi)^2 / R_i, a little less for the iron branch's own inductance
-     * drop. */
+    /* Only iron loss brakes: 1.5 (w psi)^2 / R_i, reduced by the iron branch's inductance drop. */
     const double w = bench_wheel_speed_rad_s(bench) * 23.0;
     const double r_i = 1.5 + 0.006 * w;
     const double iron_w = 1.5 * w * w * 0.0204 * 0.0204 / r_i;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The rotor sensor goes where the magnets' EMF exceeds the bus: the bridge must not open before the
- * wheel is slow enough, and must open then, because the short brakes the harder the slower the
- * wheel is.
+ * Loss of the rotor sensor where the EMF exceeds the bus voltage: the bridge must stay in active
+ * short circuit until the speed is below the freewheel limit, and must freewheel then, because the
+ * braking torque of the short circuit rises with falling speed.
  */
 #include <math.h>
 #include <stdio.h>
@@ -17,7 +17,7 @@ void tearDown(void) {}
 static const double G_M_PER_S2 = 9.81;
 static const double LEFT_AT_SHARE = 0.9; /* of the limit */
 
-/* What has become of the encoder. */
+/* Faults of the encoder. */
 typedef enum {
     JUMPS,      /* once, by more than a quarter of its counts, and counts on */
     FALLS_QUIET /* and counts no more */
@@ -50,7 +50,7 @@ static void lose_encoder(bench_t *bench, loss_t loss)
     }
 }
 
-/* The speed at which the rectified EMF reaches the bus of a rested battery. */
+/* The speed at which the rectified EMF is the open-circuit voltage of the battery. */
 static double limit_rad_s(const char *name)
 {
     const bench_t *bench = with_encoder(name, 30.0);
@@ -58,8 +58,8 @@ static double limit_rad_s(const char *name)
     return bench->battery.terminal_v / (sqrt(3.0) * motor->flux_linkage_wb * motor->pole_pairs);
 }
 
-/* What the diodes give back of the short's current, psi / L_d, when the bridge opens: 3/4 L_d i^2,
- * and half as much again that the EMF adds while the current falls. */
+/* Energy that the diodes return of the short-circuit current psi / L_d when the bridge opens:
+ * 3/4 L_d i^2, and half of that again from the EMF while the current falls. */
 static double field_j(const bench_t *bench)
 {
     const pmsm_params_t *motor = &bench->params.motor;
@@ -75,7 +75,7 @@ typedef struct {
     bridge_mode_t bridge;
 } outcome_t;
 
-static outcome_t begin(const bench_t *bench, double limit)
+static outcome_t start_at(const bench_t *bench, double limit)
 {
     const outcome_t out = {
         .limit_rad_s = limit,
@@ -118,7 +118,7 @@ static void change_speed(bench_t *bench, double from_rad_s, double to_rad_s, dou
     }
 }
 
-static void say(const char *name, const outcome_t *out, char text[static 200])
+static void print_result(const char *name, const outcome_t *out, char text[static 200])
 {
     snprintf(text, 200,
              "%s: %.3f J charged; opened %d times, first at %.3f; shorted %d times, first at %.3f "
@@ -136,7 +136,7 @@ static void say(const char *name, const outcome_t *out, char text[static 200])
  * g takes 0.29 m/s of the limit's 16.3, 1.8 %, and 0.3 % of rounding. ipm400v turns 464 times: 15
  * ms, 0.15 m/s of 62, 0.2 %, and 1.2 %.
  */
-static void assert_opens_in_time(const char *name)
+static void assert_freewheel_below_the_limit(const char *name)
 {
     const double limit = limit_rad_s(name);
     bench_t *bench = with_encoder(name, 1.05 * limit);
@@ -146,10 +146,10 @@ static void assert_opens_in_time(const char *name)
     const double ageing =
         (1.5 * four_turns_s + 2e-3) * G_M_PER_S2 / (limit * bench->params.vehicle.wheel_radius_m);
     lose_encoder(bench, FALLS_QUIET);
-    outcome_t out = begin(bench, limit);
+    outcome_t out = start_at(bench, limit);
     change_speed(bench, 1.05 * limit, 0.1 * limit, G_M_PER_S2, &out);
     char text[200];
-    say(name, &out, text);
+    print_result(name, &out, text);
     TEST_ASSERT_NOT_EQUAL(REASON_NONE, bench->wheel[0].slow.fault_reason);
     TEST_ASSERT_EQUAL_INT_MESSAGE(1, out.times_shorted, text);
     TEST_ASSERT_EQUAL_INT_MESSAGE(1, out.times_opened, text);
@@ -158,33 +158,33 @@ static void assert_opens_in_time(const char *name)
     TEST_ASSERT_TRUE_MESSAGE(out.opened_at_share > LEFT_AT_SHARE * (1.0 - rounding) - ageing, text);
 }
 
-void test_the_paper_s_motor_is_not_rectified_and_opens_before_its_short_brakes_hard(void)
+void test_bridge_of_the_paper_s_motor_freewheels_in_time_below_the_limit(void)
 {
-    assert_opens_in_time("lu2013");
+    assert_freewheel_below_the_limit("lu2013");
 }
 
-void test_the_interior_magnet_motor_is_not_rectified_and_opens_in_time(void)
+void test_bridge_of_the_interior_magnet_motor_freewheels_in_time_below_the_limit(void)
 {
-    assert_opens_in_time("ipm400v");
+    assert_freewheel_below_the_limit("ipm400v");
 }
 
-void test_an_encoder_that_starts_anew_does_not_open_the_bridge_above_the_limit(void)
+void test_restarted_encoder_does_not_cause_freewheel_above_the_limit(void)
 {
     const char *const names[] = {"lu2013", "ipm400v"};
     for (int k = 0; k < 2; k++) {
         const double limit = limit_rad_s(names[k]);
         bench_t *bench = with_encoder(names[k], 1.05 * limit);
         lose_encoder(bench, JUMPS);
-        outcome_t out = begin(bench, limit);
+        outcome_t out = start_at(bench, limit);
         change_speed(bench, 1.05 * limit, 1.05 * limit + 0.01,
                      0.01 * bench->params.vehicle.wheel_radius_m, &out);
         char text[200];
-        say(names[k], &out, text);
+        print_result(names[k], &out, text);
         TEST_ASSERT_EQUAL_INT_MESSAGE(0, out.times_opened, text);
     }
 }
 
-/* ---- a wheel without a sensor is driven beyond the limit by the others, or by a hill ---- */
+/* ---- a wheel without a sensor exceeds the limit, driven by the other wheels or downhill ---- */
 
 /*
  * Its last speed is half the limit, so the bridge is open, and nothing but the diodes' current
@@ -196,14 +196,14 @@ static void assert_shorts_when_the_diodes_conduct(const char *name)
     const double limit = limit_rad_s(name);
     bench_t *bench = with_encoder(name, 0.5 * limit);
     lose_encoder(bench, FALLS_QUIET);
-    outcome_t out = begin(bench, limit);
+    outcome_t out = start_at(bench, limit);
     bench->params.driver.brake_demand_nm = 5.0;
     bench_refresh(bench);
     change_speed(bench, 0.5 * limit, 0.7 * limit, 0.2 * G_M_PER_S2, &out);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, out.bridge);
     change_speed(bench, 0.7 * limit, 1.3 * limit, 0.2 * G_M_PER_S2, &out);
     char text[200];
-    say(name, &out, text);
+    print_result(name, &out, text);
     TEST_ASSERT_EQUAL_INT_MESSAGE(BRIDGE_SHORT, out.bridge, text);
     TEST_ASSERT_EQUAL_INT_MESSAGE(1, out.times_shorted, text);
     TEST_ASSERT_TRUE_MESSAGE(out.shorted_at_share > 1.0 && out.shorted_at_share < 1.1, text);
@@ -212,7 +212,7 @@ static void assert_shorts_when_the_diodes_conduct(const char *name)
     TEST_ASSERT_EQUAL_INT_MESSAGE(1, out.times_shorted, text);
 }
 
-void test_a_current_through_the_diodes_of_the_open_bridge_shorts_it(void)
+void test_diode_current_in_freewheel_selects_the_active_short_circuit(void)
 {
     assert_shorts_when_the_diodes_conduct("lu2013");
     assert_shorts_when_the_diodes_conduct("ipm400v");

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The torque that is commanded is the torque that is made: every drive, both directions of
- * rotation, driving and braking, cold, warm and hot, at speeds up to the largest and torques up and
- * down again, so that an operating point which only the way to it reaches is found, too. Torque is
- * the mean of the airgap torque, friction taken off, over whole turns and many PWM periods.
+ * The torque equals its command: every drive, both directions of rotation, driving and braking,
+ * cold, warm and hot, at speeds up to the largest. The torques rise and fall, so that operating
+ * points that depend on the previous one are included. Torque is the mean airgap torque minus
+ * friction, over whole turns and many PWM periods.
  *
- * More braking than asked for, or less than promised, is what nobody must get: 1 % of the rated
- * torque. That includes the iron branch's own current, which a bridge that holds its voltage for a
- * period T shows turned by w T/2: at 11 000 r/min w L_q i_q w T/2 / R_i, 0.75 % of i_q.
+ * Tolerance: 1 % of the rated torque. It includes the phase shift of the iron current by w T/2,
+ * since the bridge's voltage is constant for a period T: at 11 000 r/min w L_q i_q w T/2 / R_i,
+ * 0.75 % of i_q.
  */
 #include <math.h>
 #include <stdio.h>
@@ -115,31 +115,31 @@ static void check_drive(const char *name)
     }
 }
 
-void test_the_papers_wheel_motor_gives_the_commanded_torque_at_every_speed_and_temperature(void)
+void test_torque_of_lu2013_equals_its_command_at_every_speed_and_temperature(void)
 {
     check_drive("lu2013");
 }
 
-void test_the_scooters_motor_gives_the_commanded_torque_at_every_speed_and_temperature(void)
+void test_torque_of_scooter48v_equals_its_command_at_every_speed_and_temperature(void)
 {
     check_drive("scooter48v");
 }
 
-void test_the_bicycles_motor_gives_the_commanded_torque_at_every_speed_and_temperature(void)
+void test_torque_of_ebike36v_equals_its_command_at_every_speed_and_temperature(void)
 {
     check_drive("ebike36v");
 }
 
-void test_the_interior_magnet_motor_gives_the_commanded_torque_at_every_speed_and_temperature(void)
+void test_torque_of_ipm400v_equals_its_command_at_every_speed_and_temperature(void)
 {
     check_drive("ipm400v");
 }
 
-/* The voltage that the present torque needs goes away at once: the reserve of 3 %, and with it the
- * regulation of i_q. What is too much must be gone within 0.1 s, and the torque be regulated again:
- * at the end it is what is commanded. Without the d axis giving back what it takes beyond 98 % of
- * the circle, 60 N m at 7800 r/min become more than 110 meanwhile. */
-void test_a_bus_that_sags_while_the_interior_magnet_motor_brakes_leaves_no_torque_behind(void)
+/* A step of the bus voltage below the voltage of the present torque takes the reserve of 3 %, and
+ * with it the control of i_q. The excess torque must be zero within 0.1 s, and the torque equal to
+ * its command at the end. Without the d-axis voltage reserve beyond 98 % of the circle, 60 N m at
+ * 7800 r/min would rise above 110 N m. */
+void test_excess_torque_after_a_bus_voltage_drop_is_zero_within_100_ms(void)
 {
     static const double SPEED_RAD_S[] = {628.0, 733.0, 816.0, 890.0, 995.0, 1100.0};
     static const double LEFT[] = {0.97, 0.94, 0.9};
@@ -180,10 +180,10 @@ void test_a_bus_that_sags_while_the_interior_magnet_motor_brakes_leaves_no_torqu
     }
 }
 
-/* More inductance than the configuration knows takes more voltage than the bound allows for: then
- * the torque stops growing by the measured voltage. Less torque than commanded is the arbiter's to
- * fill; more must stay what the wrong number itself makes. */
-void test_an_inductance_a_tenth_larger_than_configured_makes_no_runaway(void)
+/* A larger inductance than configured takes more voltage than the torque bound assumes: the
+ * measured voltage use then stops the rise of the torque. The hydraulic brake covers the shortfall.
+ * Excess torque must be no more than the parameter error itself gives. */
+void test_inductance_10_percent_above_configuration_gives_at_most_10_percent_more_torque(void)
 {
     static const double SPEED_SHARE[] = {0.5, 0.6, 0.7, 0.8, 0.9, 1.0};
     for (int s = 0; s < 6; s++) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Braking down through 636 r/min, 60 km/h: up there the back-EMF of 31.3 V is longer than the
- * voltage circle (0.92 * 53 V/sqrt 3 = 28.1 V), so only demagnetising current keeps the bridge in
- * charge of the motor. All the while the pack's charge limit is small enough to bite.
+ * Braking from 636 r/min, 60 km/h: the back-EMF of 31.3 V is above the largest voltage (0.92 *
+ * 53 V/sqrt 3 = 28.1 V), so the current can be controlled only with field weakening. The pack's
+ * charge limit bounds the torque during the whole ramp.
  */
 #include <math.h>
 #include <stddef.h>
@@ -140,26 +140,25 @@ static void check_ramps(int32_t sensor)
     }
 }
 
-void test_a_braking_ramp_above_base_speed_keeps_the_charge_limit_with_a_known_angle(void)
+void test_braking_ramp_above_base_speed_keeps_the_charge_limit_with_an_angle_sensor(void)
 {
     check_ramps(CONFIG_ROTOR_ANGLE);
 }
 
-void test_a_braking_ramp_above_base_speed_keeps_the_charge_limit_with_hall_sensors(void)
+void test_braking_ramp_above_base_speed_keeps_the_charge_limit_with_hall_sensors(void)
 {
     check_ramps(CONFIG_ROTOR_HALL);
 }
 
-void test_a_controller_that_believes_in_a_larger_limit_is_seen_to_exceed_the_real_one(void)
+void test_larger_configured_charge_limit_exceeds_the_real_one(void)
 {
     const config_t config = configuration(CONFIG_ROTOR_ANGLE, 17.0);
     TEST_ASSERT_TRUE(brake(&config, 40.0, 25.0, 15.0).longest_beyond_s > 0.1);
 }
 
-/* 10 A take 1.2 V off 32.8 V: a bridge without enough voltage cannot hold the current, and the
- * watcher does not let it run. */
-void test_with_too_little_field_weakening_the_motor_cannot_be_held_and_the_controller_does_not_stay_in_run(
-    void)
+/* Field weakening of 10 A lowers 32.8 V by 1.2 V. That is not enough voltage to control the
+ * current, and the monitor ends RUN. */
+void test_too_little_field_weakening_current_ends_run_above_base_speed(void)
 {
     static bench_t bench;
     bench_params_t params = fixture_quarter_vehicle();
@@ -170,7 +169,7 @@ void test_with_too_little_field_weakening_the_motor_cannot_be_held_and_the_contr
     const driver_trace_t none = {.points = 0};
     bench_init(&bench, &params, &config, &none);
     TEST_ASSERT_EQUAL_INT(BENCH_NOT_RUN, bench_start(&bench));
-    /* Slower, where 25.8 V of back-EMF leave voltage, the same controller runs. */
+    /* At a back-EMF of 25.8 V the same controller runs. */
     params.run.initial_speed_m_per_s = 50.0 / 3.6;
     bench_init(&bench, &params, &config, &none);
     TEST_ASSERT_EQUAL_INT(BENCH_READY, bench_start(&bench));
