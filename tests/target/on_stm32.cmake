@@ -37,7 +37,9 @@ set_tests_properties(pwm_interrupt_budget PROPERTIES TIMEOUT 300 LABELS target E
 # ---- the release ----
 
 add_test(NAME stm32_image_is_the_same_from_another_folder
-  COMMAND "${CMAKE_COMMAND}" "-DSOURCE=${PROJECT_SOURCE_DIR}" "-DBUILD=${PROJECT_BINARY_DIR}" -DNAME=hubfoc_stm32f405
-    "-DCONFIG=${HUBFOC_CONFIG}" "-DWORK=${CMAKE_CURRENT_BINARY_DIR}/rebuild" -P "${CMAKE_CURRENT_LIST_DIR}/rebuild.cmake")
+  COMMAND "${CMAKE_COMMAND}" "-DSOURCE=${PROJECT_SOURCE_DIR}" "-DBUILD=${PROJECT_BINARY_DIR}" -DTARGET=hubfoc_stm32f405
+    "-DOPTIONS=-DHUBFOC_CONFIG=${HUBFOC_CONFIG}" -DPRESET=stm32f405 "-DWORK=${CMAKE_CURRENT_BINARY_DIR}/rebuild"
+    "-DFILES=hubfoc_stm32f405.bin hubfoc_stm32f405.hex hubfoc_stm32f405_config.bin"
+    -P "${CMAKE_CURRENT_LIST_DIR}/rebuild.cmake")
 set_tests_properties(stm32_image_is_the_same_from_another_folder PROPERTIES LABELS target TIMEOUT 600)
 set_tests_properties(stm32_image_is_laid_out_as_documented PROPERTIES TIMEOUT 60)

@@ -1,25 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DSOURCE=<repository> -DBUILD=<its build directory> -DNAME=hubfoc_stm32f405 -DCONFIG=lu2013 -DWORK=<scratch> -P rebuild.cmake
+# cmake -DSOURCE=<repository> -DBUILD=<its build directory> -DPRESET=stm32f405 -DTARGET=<target>
+#       -DOPTIONS="-DNAME=value ..." -DFILES="<file below BUILD> ..." -DWORK=<scratch> -P rebuild.cmake
 #
-# The same sources, compiled by the same compiler in a folder with another name and depth, give the same flashable files,
-# byte for byte. The commit is handed over, because the copy has no history. So does the ELF, except where a compiler cache
-# rewrites the names of sources in the information for debuggers.
+# The same sources, compiled by the same compiler in a folder with another name and depth, give the
+# same files, byte for byte. The commit is handed over, because the copy has no history. The ELF of
+# the firmware is the same too, except where a compiler cache rewrites the names of sources in the
+# information for debuggers.
 cmake_minimum_required(VERSION 3.25)
 file(READ "${BUILD}/firmware/app/commit/app/commit.h" header)
 if(NOT header MATCHES "HUBFOC_COMMIT \"([^\"]+)\"")
   message(FATAL_ERROR "rebuild: no commit in app/commit.h")
 endif()
 set(ENV{HUBFOC_COMMIT} "${CMAKE_MATCH_1}")
+separate_arguments(OPTIONS)
+separate_arguments(FILES)
 
 # Compiled anew: a compiler cache would only show that it gives back what it was given.
 set(ENV{CCACHE_DISABLE} 1)
 set(copy "${WORK}/somewhere else/deeper")
 file(REMOVE_RECURSE "${WORK}")
 file(MAKE_DIRECTORY "${copy}")
-foreach(name IN ITEMS CMakeLists.txt CMakePresets.json firmware hal tests tools)
+foreach(name IN ITEMS CMakeLists.txt CMakePresets.json firmware hal host_sim tests tools)
   file(COPY "${SOURCE}/${name}" DESTINATION "${copy}")
 endforeach()
-foreach(command IN ITEMS "--preset;stm32f405;-DHUBFOC_CONFIG=${CONFIG}" "--build;--preset;stm32f405;--target;${NAME}")
+list(JOIN OPTIONS ";" options)
+foreach(command IN ITEMS "--preset;${PRESET};${options}" "--build;--preset;${PRESET};--target;${TARGET}")
   execute_process(COMMAND "${CMAKE_COMMAND}" ${command} WORKING_DIRECTORY "${copy}"
     RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(result)
@@ -27,9 +32,9 @@ foreach(command IN ITEMS "--preset;stm32f405;-DHUBFOC_CONFIG=${CONFIG}" "--build
   endif()
 endforeach()
 
-foreach(file IN ITEMS "${NAME}.bin" "${NAME}.hex" "${NAME}_config.bin")
+foreach(file IN LISTS FILES)
   file(SHA256 "${BUILD}/${file}" here)
-  file(SHA256 "${copy}/build/stm32f405/${file}" there)
+  file(SHA256 "${copy}/build/${PRESET}/${file}" there)
   if(NOT here STREQUAL there)
     message(FATAL_ERROR "rebuild: ${file}: ${here} here, ${there} in another folder")
   endif()
