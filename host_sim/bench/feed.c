@@ -37,54 +37,46 @@ static void switch_legs(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_w
     out->bridge = flow.bridge;
 }
 
-static void switch_bridge(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_world_t *world,
-                          double bus_voltage_v, pmsm_step_t *step, feed_flow_t *out)
-{
-    const inverter_t *inverter = &wheel->inverter;
-    const inverter_drive_t drive =
-        inverter_drive(inverter, duties(wheel, world), bus_voltage_v, wheel->zone_a);
-    step->series_resistance_ohm = inverter->pwm_resistance_ohm;
-    step->opposition = drive.opposition;
-    out->motor = pmsm_step(&wheel->machine, rotor, drive.legs, step);
-    out->bridge = inverter_pwm_flow(inverter, &drive, &out->motor);
-}
-
-/* The averaged bridge. */
+/* The averaged bridge, for duration_s. Switching or shorted it puts a voltage in front of the
+ * motor; one call for both, so that the motor's step becomes part of this function. */
 static void average_legs(const wheel_t *wheel, pmsm_state_t *rotor, const wheel_world_t *world,
-                         double bus_voltage_v, pmsm_step_t *step, feed_flow_t *out)
+                         double bus_voltage_v, double omega_rad_s, double duration_s,
+                         feed_flow_t *out)
 {
     const inverter_t *inverter = &wheel->inverter;
-    const plant_ab_t shorted = {0.0, 0.0};
-    switch (wheel->active.bridge) {
-    case BRIDGE_PWM:
-        switch_bridge(wheel, rotor, world, bus_voltage_v, step, out);
-        break;
-    case BRIDGE_SHORT:
-        step->series_resistance_ohm = inverter->short_resistance_ohm;
-        out->motor = pmsm_step(&wheel->machine, rotor, shorted, step);
-        out->bridge = inverter_short_flow(&out->motor);
-        break;
-    case BRIDGE_OFF:
-        step->series_resistance_ohm = inverter->diode_resistance_ohm;
+    pmsm_step_t step = {.omega_rad_s = omega_rad_s, .duration_s = duration_s};
+    if (wheel->active.bridge == BRIDGE_OFF) {
+        step.series_resistance_ohm = inverter->diode_resistance_ohm;
         out->motor = pmsm_step_rectified(
-            &wheel->machine, rotor, inverter_rectifier_ceiling_v(inverter, bus_voltage_v), step);
+            &wheel->machine, rotor, inverter_rectifier_ceiling_v(inverter, bus_voltage_v), &step);
         out->bridge = inverter_rectifier_flow(inverter, bus_voltage_v, &out->motor);
-        break;
+        return;
     }
+    const bool switches = wheel->active.bridge == BRIDGE_PWM;
+    inverter_drive_t drive = {.legs = {0.0, 0.0}};
+    step.series_resistance_ohm = inverter->short_resistance_ohm;
+    if (switches) {
+        drive = inverter_drive(inverter, duties(wheel, world), bus_voltage_v, wheel->zone_a);
+        step.series_resistance_ohm = inverter->pwm_resistance_ohm;
+        step.opposition = drive.opposition;
+    }
+    out->motor = pmsm_step(&wheel->machine, rotor, drive.legs, &step);
+    out->bridge = switches ? inverter_pwm_flow(inverter, &drive, &out->motor)
+                           : inverter_short_flow(&out->motor);
 }
 
 void feed_motor(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s,
                 double bus_voltage_v, feed_flow_t *out)
 {
-    pmsm_step_t step = {.omega_rad_s = speed_rad_s * world->params->motor.pole_pairs,
-                        .duration_s = world->step_s};
+    const double omega_rad_s = speed_rad_s * world->params->motor.pole_pairs;
     if (world->params->inverter.switching > 0.5) {
+        const pmsm_step_t step = {.omega_rad_s = omega_rad_s, .duration_s = world->step_s};
         const switching_watch_t watch = {.shunts = &wheel->shunts,
                                          .settling_s = world->params->sensors.shunt_settling_s};
         switch_legs(wheel, &wheel->rotor, world, bus_voltage_v, &step,
                     watch.settling_s > 0.0 ? &watch : NULL, out);
     } else {
-        average_legs(wheel, &wheel->rotor, world, bus_voltage_v, &step, out);
+        average_legs(wheel, &wheel->rotor, world, bus_voltage_v, omega_rad_s, world->step_s, out);
     }
 }
 
@@ -134,17 +126,16 @@ plant_abc_t feed_sampled(const wheel_t *wheel, const wheel_world_t *world, doubl
     pmsm_state_t rotor = wheel->rotor;
     shunts_t shunts = wheel->shunts;
     const double delay_s = sensors->sampling_delay_s;
-    pmsm_step_t step = {.omega_rad_s = wheel->motion.speed_rad_s * world->params->motor.pole_pairs};
+    const double omega_rad_s = wheel->motion.speed_rad_s * world->params->motor.pole_pairs;
     feed_flow_t nowhere;
     if (world->params->inverter.switching > 0.5) {
-        step.duration_s = world->step_s;
+        const pmsm_step_t step = {.omega_rad_s = omega_rad_s, .duration_s = world->step_s};
         const switching_watch_t watch = {.shunts = through_shunts ? &shunts : NULL,
                                          .settling_s = sensors->shunt_settling_s,
                                          .until_s = delay_s};
         switch_legs(wheel, &rotor, world, bus_voltage_v, &step, &watch, &nowhere);
     } else {
-        step.duration_s = delay_s;
-        average_legs(wheel, &rotor, world, bus_voltage_v, &step, &nowhere);
+        average_legs(wheel, &rotor, world, bus_voltage_v, omega_rad_s, delay_s, &nowhere);
         if (through_shunts) {
             follow(wheel, world, &shunts, wheel->rotor.terminal, rotor.terminal, delay_s);
         }

@@ -4,11 +4,8 @@
 #include <stddef.h>
 
 #include "plant/numbers.h"
-#include "pmsm_stages.h"
+#include "pmsm_linear.h"
 
-/* Largest turn of the rotor in one stage set, rad: the scheme's error is then below 1e-8 of the
- * current per period. */
-static const double LARGEST_TURN_RAD = 0.1;
 /* Coldest and hottest windings of a broken scenario still have copper in them. */
 static const double LEAST_SHARE = 0.05;
 
@@ -102,7 +99,7 @@ bool pmsm_is_resolved(const pmsm_t *machine, double series_resistance_ohm, doubl
 
 /* A rotor that turned more than once within a PWM period could not be controlled, but must not
  * leave its range. */
-static void turn_rotor(pmsm_state_t *state, const pmsm_step_t *step)
+static inline void turn_rotor(pmsm_state_t *state, const pmsm_step_t *step)
 {
     const double turns = step->omega_rad_s * step->duration_s * (1.0 / PLANT_TWO_PI);
     const double whole = turns >= 1.0 || turns <= -1.0 ? trunc(turns) : 0.0;
@@ -110,7 +107,7 @@ static void turn_rotor(pmsm_state_t *state, const pmsm_step_t *step)
 }
 
 /* The phasor is carried along by products; this takes their rounding off before it can grow. */
-static void straighten(pmsm_state_t *state)
+static inline void straighten(pmsm_state_t *state)
 {
     const double stretch =
         1.5 - 0.5 * (state->axis.cos * state->axis.cos + state->axis.sin * state->axis.sin);
@@ -118,11 +115,8 @@ static void straighten(pmsm_state_t *state)
     state->axis.sin *= stretch;
 }
 
-static double cog(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step)
+static double turn_through_cogs(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step)
 {
-    if (machine->cogging.amplitude_nm <= 0.0) {
-        return 0.0;
-    }
     const double turns =
         step->omega_rad_s * step->duration_s / (PLANT_TWO_PI * machine->params.pole_pairs);
     const double out_nms =
@@ -132,40 +126,56 @@ static double cog(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t 
     return out_nms;
 }
 
-double pmsm_turn(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step)
+static inline double cog(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step)
+{
+    return machine->cogging.amplitude_nm > 0.0 ? turn_through_cogs(machine, state, step) : 0.0;
+}
+
+static inline double turn(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step)
 {
     turn_rotor(state, step);
     straighten(state);
     return cog(machine, state, step);
 }
 
+double pmsm_turn(const pmsm_t *machine, pmsm_state_t *state, const pmsm_step_t *step)
+{
+    return turn(machine, state, step);
+}
+
+/* The step of nearly every period: one set, iron that does not saturate, no phase near the
+ * opposition's zone. False: it is another one, and nothing has changed. */
+static inline bool step_at_once(const equations_t *eq, pmsm_state_t *state, plant_ab_t u,
+                                const pmsm_step_t *step, pmsm_flow_t *flow)
+{
+    if (eq->machine->magnetics.saturates || pmsm_sets(eq, step) > 1) {
+        return false;
+    }
+    const linear_t linear = linear_of(eq, &step->opposition, state, u);
+    return linear_holds(&linear) &&
+           linear_advance(&linear, state, step->duration_s,
+                          plant_small_phasor(0.5 * eq->w * step->duration_s), flow);
+}
+
 pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u,
                       const pmsm_step_t *step)
 {
     const equations_t eq = equations_at(machine, step);
-    const pmsm_opposition_t *opposition = &step->opposition;
-    pmsm_flow_t flow = {.charge_as = {0.0, 0.0}};
-    const double turn_rad = fabs(eq.w) * step->duration_s;
-    const int sets = turn_rad <= LARGEST_TURN_RAD ? 1 : (int)ceil(turn_rad / LARGEST_TURN_RAD);
-    const double h = step->duration_s / sets;
-    const plant_phasor_t half_turn = plant_small_phasor(0.5 * eq.w * h);
-    for (int k = 0; k < sets; k++) {
-        if (machine->magnetics.saturates) {
-            pmsm_saturated_advance(machine, &eq, opposition, state, u, h, half_turn, &flow);
-        } else {
-            pmsm_straight_advance(&eq, opposition, state, u, h, half_turn, &flow);
-        }
+    pmsm_flow_t flow;
+    if (!step_at_once(&eq, state, u, step, &flow)) {
+        const equations_t at_this_speed = eq; /* so that eq itself needs no memory */
+        flow = pmsm_step_in_sets(&at_this_speed, state, u, step);
     }
-    const double cogging_nms = pmsm_turn(machine, state, step);
+    const double cogging_nms = turn(machine, state, step);
 
-    const double square_a2s = flow.copper_j;
-    flow.copper_j = 1.5 * machine->resistance_ohm * square_a2s;
-    flow.series_j = 1.5 * step->series_resistance_ohm * square_a2s;
+    const double square_a2s = 1.5 * flow.copper_j;
+    flow.copper_j = machine->resistance_ohm * square_a2s;
+    flow.series_j = step->series_resistance_ohm * square_a2s;
     flow.iron_j *= 1.5 * eq.share * eq.conductance_s;
     flow.torque_nms *= 1.5 * machine->params.pole_pairs;
     flow.torque_nms += cogging_nms;
     flow.source_j = 1.5 * (u.alpha * flow.charge_as.alpha + u.beta * flow.charge_as.beta) -
-                    opposition->volts * flow.opposed_as;
+                    step->opposition.volts * flow.opposed_as;
     return flow;
 }
 

@@ -82,6 +82,14 @@ static inline plant_phasor_t plant_small_phasor(double x)
     return out;
 }
 
+/* Half of an angle within a quarter turn of zero. */
+static inline plant_phasor_t plant_half_angle(plant_phasor_t x)
+{
+    const double half_cos = sqrt(0.5 + 0.5 * x.cos);
+    const plant_phasor_t out = {.cos = half_cos, .sin = 0.5 * x.sin / half_cos};
+    return out;
+}
+
 static inline plant_phasor_t plant_phasor_of_turn(double turn)
 {
     const plant_phasor_t out = {.cos = cos(turn * PLANT_TWO_PI), .sin = sin(turn * PLANT_TWO_PI)};
