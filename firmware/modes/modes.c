@@ -143,7 +143,7 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
         break;
     case MODE_LIMP:
         out.bridge = BRIDGE_PWM;
-        out.drive_q15 = in->enable ? (int16_t)config->limp_drive_share_q15 : 0;
+        out.drive_q15 = (int16_t)(in->enable ? config->limp_drive_share_q15 : 0);
         out.brake_q15 = Q15_ONE;
         out.reason = in->warning_reason;
         break;
