@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/reciprocal.h"
 
+#include "core/q15.h"
+
 /* round(2^30 / (2^15 + 512 k)): the reciprocal of [1, 2] in 64 steps, Q15; tests recompute every
  * entry. */
 /* clang-format off */
@@ -15,39 +17,43 @@ static const uint16_t RECIPROCAL_TABLE[65] = {
 };
 /* clang-format on */
 
+/* How far n, 1 .. 65535, must be shifted left for its highest bit to be bit 15. */
+static unsigned normalising_shift(uint32_t n)
+{
+#ifdef Q_TARGET_LEADING_ZEROS
+    return Q_TARGET_LEADING_ZEROS(n) - 16U;
+#else
+    unsigned shift = n < 0x0100U ? 8 : 0;
+    shift += n << shift < 0x1000U ? 4U : 0U;
+    shift += n << shift < 0x4000U ? 2U : 0U;
+    return shift + (n << shift < 0x8000U ? 1U : 0U);
+#endif
+}
+
+/* 2^30 / x for 2^15 <= x < 2^16. */
+static uint32_t mantissa_of(uint32_t x)
+{
+    const uint16_t *const point = &RECIPROCAL_TABLE[(x - 0x8000U) >> 9];
+    const uint32_t drop = (uint32_t)point[0] - point[1];
+    return point[0] - ((drop * (x & 511U) + 256U) >> 9);
+}
+
 reciprocal_t reciprocal_of(uint16_t n)
 {
-    uint32_t x = n == 0 ? 1U : n;
-    uint8_t shift = 0;
-    if (x < 0x0100U) {
-        x <<= 8;
-        shift = 8;
-    }
-    if (x < 0x1000U) {
-        x <<= 4;
-        shift = (uint8_t)(shift + 4U);
-    }
-    if (x < 0x4000U) {
-        x <<= 2;
-        shift = (uint8_t)(shift + 2U);
-    }
-    if (x < 0x8000U) {
-        x <<= 1;
-        shift = (uint8_t)(shift + 1U);
-    }
-    const uint32_t k = (x - 0x8000U) >> 9;
-    const uint32_t fraction = x & 511U;
-    const uint32_t drop = (uint32_t)RECIPROCAL_TABLE[k] - RECIPROCAL_TABLE[k + 1U];
+    const uint32_t least = n == 0 ? 1U : n;
+    const unsigned shift = normalising_shift(least);
     const reciprocal_t out = {
-        .mantissa = (uint16_t)(RECIPROCAL_TABLE[k] - ((drop * fraction + 256U) >> 9)),
-        .shift = shift,
+        .mantissa = (uint16_t)mantissa_of(least << shift),
+        .shift = (uint8_t)shift,
     };
     return out;
 }
 
 uint32_t reciprocal_scale(uint32_t x, uint16_t n)
 {
-    const reciprocal_t r = reciprocal_of(n);
-    /* 1/n = mantissa 2^shift / 2^30 */
-    return (uint32_t)(((uint64_t)x * r.mantissa) >> (30U - r.shift));
+    const uint32_t least = n == 0 ? 1U : n;
+    const unsigned shift = normalising_shift(least);
+    /* 1/n = mantissa 2^shift / 2^30, shift 0 .. 15. */
+    const uint64_t product = (uint64_t)x * mantissa_of(least << shift);
+    return (uint32_t)(product >> 32) << (2U + shift) | (uint32_t)product >> (30U - shift);
 }

@@ -35,6 +35,7 @@ enum {
     HALL_REVERSAL_DIVISOR = 67,   /* 15 ms: no rotor reverses within two sectors of less time */
     HALL_PLAUSIBLE_EDGES = 6,     /* in sequence end the ride-through */
     HALL_EDGE_WINDOW_TURN = 5461, /* 30 degrees: accepted deviation of an edge in ride-through */
+    HALL_FASTEST_Q31 = (1 << 29) - 1, /* a quarter turn per period: the widest sector in one */
     HALL_SECTORS = CONFIG_HALL_EDGES,
     HALL_NO_SECTOR = 7, /* of an impossible state */
     HALL_NO_READING = 255

@@ -18,6 +18,11 @@
 #define Q_TARGET_SATURATE(x, bits) ((int32_t)__builtin_arm_ssat((x), (bits)))
 #endif
 
+#if defined(__ARM_FEATURE_CLZ)
+/* Zero bits above the highest one of x > 0; core/reciprocal.c searches without it. */
+#define Q_TARGET_LEADING_ZEROS(x) ((unsigned)__builtin_clz(x))
+#endif
+
 /* -Os on a Cortex-M0+ would make calls of the saturations: twelve in a current step, at four to
  * five times their work. */
 #define Q_TARGET_INLINE static inline __attribute__((always_inline))

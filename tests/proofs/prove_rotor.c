@@ -32,17 +32,21 @@ static void any_rotor_configuration(config_t *config)
     ASSUME(turn == 65536U);
 }
 
+static bool within_quarter_turn(int32_t speed_q32)
+{
+    return speed_q32 >= -2 * HALL_FASTEST_Q31 && speed_q32 <= 2 * HALL_FASTEST_Q31;
+}
+
 static bool hall_invariant(const hall_t *hall, const config_t *config)
 {
     return hall->sector <= 5 && hall->sectors_timed <= 6 && hall->direction >= -1 &&
-           hall->direction <= 1 && hall->half_width_turn >= 2730 && hall->half_width_turn <= 8192 &&
+           hall->direction <= 1 && hall->span_q32 >> 17 >= 2730U && hall->span_q32 >> 17 <= 8192U &&
            hall->periods_since_edge >= 0 && hall->periods_since_edge <= 65535 &&
            hall->invalid_periods >= 0 && hall->invalid_periods <= 65535 &&
            hall->overdue_periods >= 0 && hall->overdue_periods <= hall->standstill_periods &&
            hall->bounce_periods >= 0 && hall->bounce_periods <= 65535 &&
-           hall->speed_q32 >= -INT32_MAX && hall->plausible_edges <= 6 &&
-           (!hall->ride_through || hall->plausible_edges < 6) &&
-           (!hall->ride_through || !hall->valid) && hall->edge_speed_q32 >= -INT32_MAX &&
+           within_quarter_turn(hall->speed_q32) && within_quarter_turn(hall->edge_speed_q32) &&
+           hall->plausible_edges <= 6 && (hall->valid || hall->plausible_edges < 6) &&
            hall->reversal_periods == config->drive.pwm_frequency_Hz / HALL_REVERSAL_DIVISOR &&
            hall->standstill_periods == config->drive.pwm_frequency_Hz / HALL_STANDSTILL_PER_S;
 }
@@ -52,8 +56,6 @@ static hall_t any_hall(const config_t *config)
     hall_t hall;
     hall.theta_q32 = nondet_uint32();
     hall.speed_q32 = nondet_int32();
-    hall.middle_turn = nondet_uint16();
-    hall.half_width_turn = nondet_int16();
     hall.begin_q32 = nondet_uint32();
     hall.span_q32 = nondet_uint32();
     hall.timed_turn = nondet_uint32();
@@ -75,7 +77,6 @@ static hall_t any_hall(const config_t *config)
     hall.edge_theta_q32 = nondet_uint32();
     hall.edge_speed_q32 = nondet_int32();
     hall.plausible_edges = nondet_uint8();
-    hall.ride_through = nondet_bool();
     hall.started = true;
     hall.valid = nondet_bool();
     ASSUME(hall_invariant(&hall, config));

@@ -31,14 +31,12 @@ typedef struct {
     uint32_t theta_q32;
     int32_t speed_q32;            /* turns per period, forward positive */
     uint32_t begin_q32, span_q32; /* the sector: begin .. begin + span */
-    uint16_t middle_turn;         /* of the present sector */
-    int16_t half_width_turn;
-    int32_t periods_since_edge; /* 0 .. 65 535 */
-    int32_t overdue_periods;    /* periods_since_edge beyond which the speed decays */
-    int32_t bounce_periods;     /* a reversal within these is a bounce; 0: speed unknown */
-    int32_t standstill_periods; /* 1/4 s */
-    int32_t reversal_periods;   /* 15 ms */
-    int32_t invalid_periods;    /* consecutive, in an impossible state */
+    int32_t periods_since_edge;   /* 0 .. 65 535 */
+    int32_t overdue_periods;      /* periods_since_edge beyond which the speed decays */
+    int32_t bounce_periods;       /* a reversal within these is a bounce; 0: speed unknown */
+    int32_t standstill_periods;   /* 1/4 s */
+    int32_t reversal_periods;     /* 15 ms */
+    int32_t invalid_periods;      /* consecutive, in an impossible state */
     uint16_t sector_periods[CONFIG_HALL_EDGES]; /* latest full crossing of each sector */
     uint32_t timed_turn, timed_periods; /* sums over the sectors timed in this movement, <= 6 */
     uint32_t edge_theta_q32;            /* at the last plausible edge */
@@ -49,9 +47,8 @@ typedef struct {
     uint8_t sectors_timed;   /* 0 .. 6 */
     int8_t direction;        /* of the last edge: +1, -1; 0 unknown */
     uint8_t plausible_edges; /* since the latest hall fault */
-    bool ride_through;       /* hall fault: dead reckoning */
     bool started;
-    bool valid;
+    bool valid; /* false once started: hall fault ride-through */
 } hall_t;
 
 /* angle_tracker.h */

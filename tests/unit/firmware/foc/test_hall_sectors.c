@@ -26,17 +26,17 @@ void tearDown(void) {}
 
 void test_six_steps_on_are_a_turn_and_a_step_back_undoes_one(void)
 {
-    uint8_t sector = 0;
     uint32_t turn = 0;
-    for (int k = 0; k < 6; k++) {
-        TEST_ASSERT_EQUAL_UINT8(sector, previous_sector(next_sector(sector)));
-        TEST_ASSERT_EQUAL_UINT16(
-            (uint16_t)(sector_start(&config, sector) + sector_width(&config, sector)),
-            sector_start(&config, next_sector(sector)));
-        turn += sector_width(&config, sector);
-        sector = next_sector(sector);
+    for (uint8_t sector = 0; sector < 6; sector++) {
+        for (uint8_t k = 0; k < 6; k++) {
+            const int32_t expected = k == 1 ? 1 : (k == 5 ? -1 : 0);
+            TEST_ASSERT_EQUAL_INT32(expected, sector_step(sector, (uint8_t)((sector + k) % 6)));
+        }
+        TEST_ASSERT_EQUAL_HEX32(sector_start_q32(&config, sector) +
+                                    ((uint32_t)sector_width_turn(&config, sector) << 16),
+                                sector_start_q32(&config, (uint8_t)((sector + 1) % 6)));
+        turn += sector_width_turn(&config, sector);
     }
-    TEST_ASSERT_EQUAL_UINT8(0, sector);
     TEST_ASSERT_EQUAL_UINT32(65536, turn);
 }
 
@@ -44,8 +44,8 @@ void test_an_angle_is_limited_to_the_sector_and_moved_no_further_than_to_its_bor
 {
     for (uint8_t sector = 0; sector < 6; sector++) {
         enter_sector(&hall, &config, sector);
-        const uint16_t start = sector_start(&config, sector);
-        const uint16_t width = sector_width(&config, sector);
+        const uint16_t start = (uint16_t)(sector_start_q32(&config, sector) >> 16);
+        const uint16_t width = sector_width_turn(&config, sector);
         for (uint32_t at = 0; at < 65536U; at += 13U) {
             hall.theta_q32 = at << 16;
             clamp_to_sector(&hall);
@@ -75,8 +75,8 @@ void test_the_speed_is_the_turn_of_the_last_six_sectors_over_their_time(void)
         uint8_t sector = (uint8_t)random_between(&random, 0, 5);
         for (int n = 0; n < 40; n++) {
             took[n] = random_between(&random, longest / 4, longest);
-            width[n] = sector_width(&config, sector);
-            time_sector(&hall, sector, sector_width(&config, sector), (uint16_t)took[n]);
+            width[n] = sector_width_turn(&config, sector);
+            time_sector(&hall, &config, sector, (int32_t)took[n]);
             double turn = 0.0;
             double periods = 0.0;
             for (int k = n; k >= 0 && k > n - 6; k--) {
@@ -89,7 +89,7 @@ void test_the_speed_is_the_turn_of_the_last_six_sectors_over_their_time(void)
             TEST_ASSERT_DOUBLE_WITHIN(
                 fabs(exact) * (8e-5 + (periods > 65535.0 ? 4.0 / 65536.0 : 0.0)) + 2.0, exact,
                 measured_speed_q32(&hall));
-            sector = hall.direction > 0 ? next_sector(sector) : previous_sector(sector);
+            sector = (uint8_t)((sector + (hall.direction > 0 ? 1 : 5)) % 6);
         }
     }
 }
@@ -111,13 +111,13 @@ void test_an_overdue_edge_takes_a_sixty_fourth_of_the_speed_and_a_quarter_of_a_s
     decay_overdue_speed(&hall);
     TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);
     TEST_ASSERT_EQUAL_INT(0, hall.direction);
-    TEST_ASSERT_EQUAL_UINT16(hall.middle_turn, hall.theta_q32 >> 16);
+    TEST_ASSERT_EQUAL_HEX32(middle_q32(&hall), hall.theta_q32);
 }
 
 void test_a_standstill_forgets_the_movement(void)
 {
     enter_sector(&hall, &config, 4);
-    time_sector(&hall, 3, sector_width(&config, 3), 100);
+    time_sector(&hall, &config, 3, 100);
     hall.speed_q32 = hall.edge_speed_q32 = 1000000;
     hall.direction = -1;
     hall.overdue_periods = 200;
@@ -130,6 +130,14 @@ void test_a_standstill_forgets_the_movement(void)
     TEST_ASSERT_EQUAL_INT32(hall.standstill_periods, hall.overdue_periods);
     TEST_ASSERT_EQUAL_UINT8(0, hall.sectors_timed);
     TEST_ASSERT_EQUAL_UINT32(0, hall.timed_turn + hall.timed_periods);
-    TEST_ASSERT_EQUAL_UINT16(hall.middle_turn, hall.theta_q32 >> 16);
+    TEST_ASSERT_EQUAL_HEX32(middle_q32(&hall), hall.theta_q32);
     TEST_ASSERT_EQUAL_UINT32(hall.theta_q32, hall.edge_theta_q32);
+}
+
+void test_no_measured_speed_is_beyond_a_quarter_turn_per_period(void)
+{
+    hall.timed_turn = 16384; /* the widest sector that a configuration may have */
+    hall.timed_periods = 1;
+    hall.direction = -1;
+    TEST_ASSERT_EQUAL_INT32(-((1 << 30) - 2), measured_speed_q32(&hall));
 }
