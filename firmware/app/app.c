@@ -7,6 +7,7 @@
 #include "app/can_link.h"
 #include "app/console.h"
 #include "app/double_buffer.h"
+#include "app/report_timer.h"
 #include "app/supervisor.h"
 #include "controller/controller.h"
 #include "hal/analog.h"
@@ -44,9 +45,9 @@ static struct {
     fast_setpoint_t fast_setpoint[2];
     double_buffer_t from_fast; /* low side millisecond, high side PWM period */
     fast_report_t fast_report[2];
-    unsigned fast_reports_in; /* PWM period; which of the two it kept up to date last */
-    uint32_t fast_missing_ms; /* millisecond; consecutive ones without a fast step */
-    double_buffer_t to_slow;  /* low side background, high side millisecond */
+    report_timer_t report_timer; /* PWM period */
+    uint32_t fast_missing_ms;    /* millisecond; consecutive ones without a fast step */
+    double_buffer_t to_slow;     /* low side background, high side millisecond */
     node_command_t commands[2];
     double_buffer_t from_slow; /* low side background, high side millisecond */
     snapshot_t snapshot[2];
@@ -75,9 +76,10 @@ static void start_control(const config_t *config)
     controller_init(&app.controller, config);
     for (int i = 0; i < 2; i++) {
         app.fast_setpoint[i] = controller_initial_setpoint(config);
-        app.fast_report[i] = controller_initial_report(config);
+        controller_fast_report(&app.controller.fast, &app.fast_report[i]);
     }
-    app.fast_reports_in = double_buffer_high(&app.from_fast);
+    report_timer_init(&app.report_timer, (uint32_t)config->drive.pwm_frequency_Hz,
+                      CONTROLLER_SLOW_RATE_HZ);
     supervisor_init(&app.supervisor, (uint32_t)config->drive.pwm_frequency_Hz,
                     CONTROLLER_SLOW_RATE_HZ);
     /* Without CAN the demand counts as lost, which is safe. */
@@ -128,17 +130,14 @@ static inverter_mode_t inverter_mode(bridge_mode_t bridge)
     return INVERTER_MODE_OFF; /* also for a number that is none of them */
 }
 
-/* The report goes on in the same structure until the slow side has taken it, and then in the other
- * one: a copy a millisecond instead of one a period. What is copied belongs to the slow side now,
- * which only reads it. */
-static fast_report_t *fast_report(void)
+/* The report is copied in the last period before the slow step takes it. */
+static void report_when_due(void)
 {
     const unsigned high = double_buffer_high(&app.from_fast);
-    if (high != app.fast_reports_in) {
-        app.fast_report[high] = app.fast_report[app.fast_reports_in];
-        app.fast_reports_in = high;
+    if (report_timer_is_due(&app.report_timer, high)) {
+        controller_fast_report(&app.controller.fast, &app.fast_report[high]);
+        double_buffer_mark(&app.from_fast);
     }
-    return &app.fast_report[high];
 }
 
 static void read_rotor_sensor(const config_t *config, fast_input_t *in)
@@ -181,10 +180,10 @@ void app_pwm_period_isr(void)
     const uint32_t begin_cycles = time_cycles();
     read_inputs(config, &app.fast_input);
     const fast_setpoint_t *from_slow = &app.fast_setpoint[double_buffer_high(&app.to_fast)];
-    const fast_output_t out = controller_fast_step(&app.controller.fast, config, from_slow,
-                                                   &app.fast_input, fast_report());
+    const fast_output_t out =
+        controller_fast_step(&app.controller.fast, config, from_slow, &app.fast_input);
     inverter_set(inverter_mode(out.bridge), out.compare_counts);
-    double_buffer_mark(&app.from_fast);
+    report_when_due();
 
     const uint32_t cycles = time_cycles() - begin_cycles;
     if (cycles > app.fast_cycles_worst) {
@@ -242,10 +241,10 @@ void app_millisecond_isr(void)
     snapshot->output = controller_slow_step(&app.controller.slow, config, from_fast, &in, to_fast);
     snapshot->winding_temperature_cC = in.winding_temperature_cC;
     snapshot->switch_temperature_cC = in.switch_temperature_cC;
-    snapshot->counts.fast_steps = (uint16_t)from_fast->foc.step_count;
-    snapshot->counts.slow_steps = to_fast->slow_step_count;
+    snapshot->counts.fast_steps = from_fast->sequence;
+    snapshot->counts.slow_steps = to_fast->sequence;
     snapshot->counts.monitor_steps = app.controller.slow.monitor.steps;
-    if (to_fast->monitor.clear_trip && app.fast_missing_ms == 0) {
+    if (to_fast->clear_trip && app.fast_missing_ms == 0) {
         inverter_clear_fault(); /* the hardware's latch is released with the monitor's, never on its
                                    own */
     }

@@ -26,6 +26,7 @@ void controller_init(controller_t *controller, const config_t *config)
 {
     foc_init(&controller->fast.foc, config);
     monitor_fast_init(&controller->fast.monitor, config);
+    controller->fast.bridge = BRIDGE_OFF;
     mean_values_init(&controller->slow.summary, nominal_v_dc_pu(config));
     controller->slow.modulation_limit_q15 = foc_modulation_limit_q15(&controller->fast.foc);
     torque_init(&controller->slow.torque, config);
@@ -33,37 +34,22 @@ void controller_init(controller_t *controller, const config_t *config)
     modes_init(&controller->slow.modes);
     controller->slow.last_command_mNm = 0;
     controller->slow.last_estimate_mNm = 0;
-    controller->slow.bridge = BRIDGE_OFF;
     controller->slow.step_count = 0;
-}
-
-static torque_enable_t torque_disabled(void)
-{
-    const torque_enable_t out = {
-        .bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_TORQUE_ENABLE};
-    return out;
 }
 
 fast_setpoint_t controller_initial_setpoint(const config_t *config)
 {
     foc_state_t fresh;
     foc_init(&fresh, config);
+    const int32_t highest_pu =
+        q_scale(config->battery.max_voltage_mV, 32768, config->drive.voltage_full_scale_mV);
     const fast_setpoint_t out = {
-        .foc = foc_initial_setpoint(&fresh, config),
-        .monitor = {.safe_bridge = BRIDGE_OFF, .clear_trip = false},
-        .torque_enable = torque_disabled(),
-        .slow_step_count = 0,
+        .tuning = current_tuning(config, foc_modulation_limit_q15(&fresh), highest_pu, 0,
+                                 config->motor.reference_temperature_cC),
+        .dead_time_slope = dead_time_slope_at(config, highest_pu),
+        .torque_enabled = false,
+        .safe_bridge = BRIDGE_OFF,
     };
-    return out;
-}
-
-fast_report_t controller_initial_report(const config_t *config)
-{
-    fast_report_t out = {.monitor = {.trip = REASON_NONE}};
-    out.foc.v_dc_pu = nominal_v_dc_pu(config);
-    for (int x = 0; x < SENSE_PHASES; x++) {
-        out.foc.offset_q4[x] = SENSE_CODE_MID * 16;
-    }
     return out;
 }
 
@@ -72,35 +58,46 @@ static uint16_t whole_counts(int32_t on_q16)
     return (uint16_t)((uint32_t)on_q16 >> 16);
 }
 
-fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config,
-                                   const fast_setpoint_t *from_slow, const fast_input_t *in,
-                                   fast_report_t *to_slow)
+/* What the bridge does; the only place that decides it. */
+static bridge_mode_t bridge_command(const fast_setpoint_t *setpoint, reason_t trip)
 {
-    const bool switching = from_slow->torque_enable.bridge == BRIDGE_PWM;
-    if (switching && fast->monitor.trip == REASON_NONE) {
-        foc_step(&fast->foc, &from_slow->foc, in, &to_slow->foc, config);
+    return setpoint->torque_enabled && trip == REASON_NONE ? BRIDGE_PWM : setpoint->safe_bridge;
+}
+
+fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config,
+                                   const fast_setpoint_t *setpoint, const fast_input_t *in)
+{
+    if (bridge_command(setpoint, fast->monitor.trip) == BRIDGE_PWM) {
+        foc_step(&fast->foc, config, setpoint, in);
     } else {
-        foc_idle_step(&fast->foc, &from_slow->foc, in, &to_slow->foc, config);
+        foc_idle_step(&fast->foc, config, setpoint, in);
     }
 
+    const foc_period_t *period = foc_latest(&fast->foc);
     const monitor_fast_input_t watched = {
-        .i_pu = to_slow->foc.current.i_pu,
-        .v_dc_pu = to_slow->foc.v_dc_pu,
+        .i_pu = period->i_pu,
+        .v_dc_pu = period->v_dc_pu,
         .power_stage_fault = in->power_stage_fault,
-        .switching = switching,
-        .slow_step_count = from_slow->slow_step_count,
+        .switching = setpoint->torque_enabled,
+        .clear_trip = setpoint->clear_trip,
+        .slow_step_count = setpoint->sequence,
     };
-    const reason_t trip = monitor_fast_step(&fast->monitor, &from_slow->monitor, &watched);
-    to_slow->monitor.trip = trip;
+    fast->bridge = bridge_command(setpoint, monitor_fast_step(&fast->monitor, &watched));
 
     const int32_t *on_q16 = foc_on_times_q16(&fast->foc);
     const fast_output_t out = {
         .compare_counts = {whole_counts(on_q16[0]), whole_counts(on_q16[1]),
                            whole_counts(on_q16[2])},
-        .bridge =
-            trip != REASON_NONE ? from_slow->monitor.safe_bridge : from_slow->torque_enable.bridge,
+        .bridge = fast->bridge,
     };
     return out;
+}
+
+void controller_fast_report(const controller_fast_t *fast, fast_report_t *report)
+{
+    foc_report(&fast->foc, report);
+    report->trip = fast->monitor.trip;
+    report->bridge = fast->bridge;
 }
 
 /* Bus current from the mean power: P = 3/2 u i, u = m limit v_dc/sqrt 3, so i_dc = sqrt(3)/2 limit
@@ -120,50 +117,46 @@ static int32_t phase_mV(int32_t share_q15, int32_t modulation_limit_q15, int32_t
 }
 
 static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const config_t *config,
-                                          const fast_report_t *from_fast, const slow_input_t *in,
+                                          const fast_report_t *report, const slow_input_t *in,
                                           int32_t speed_mrad_s, int32_t bus_mV)
 {
     const monitor_slow_input_t out = {
-        .fast_trip = from_fast->monitor.trip,
-        .current_sum_pu = from_fast->foc.current.current_sum_pu,
-        .offsets_known = from_fast->foc.offsets_done,
-        .current_saturated = slow->summary.latest.adc_saturated,
-        .rotor_valid = from_fast->foc.current.rotor.valid,
-        .rotor_faults = from_fast->foc.current.rotor.faults,
-        .fast_step_count = (uint16_t)from_fast->foc.step_count,
+        .fast_trip = report->trip,
+        .current_sum_pu = report->current_sum_pu,
+        .offsets_known = report->offsets_done,
+        .current_saturated = report->adc_saturated,
+        .rotor_valid = report->rotor_valid,
+        .rotor_faults = report->rotor_faults,
+        .fast_step_count = report->sequence,
         .bus_voltage_mV = bus_mV,
         .speed_mrad_s = speed_mrad_s,
         .winding_temperature_cC = in->winding_temperature_cC,
         .switch_temperature_cC = in->switch_temperature_cC,
-        .i_d_mA = bases_current_mA(config, dq_of(from_fast->foc.current.i_pu).d),
-        .i_q_mA = bases_current_mA(config, dq_of(from_fast->foc.current.i_pu).q),
-        .u_d_mV = phase_mV(dq_of(from_fast->foc.current.voltage.applied).d,
-                           slow->modulation_limit_q15, bus_mV),
-        .u_q_mV = phase_mV(dq_of(from_fast->foc.current.voltage.applied).q,
-                           slow->modulation_limit_q15, bus_mV),
-        .voltage_limited = slow->summary.latest.voltage_limited,
+        .i_d_mA = bases_current_mA(config, dq_of(report->i_pu).d),
+        .i_q_mA = bases_current_mA(config, dq_of(report->i_pu).q),
+        .u_d_mV = phase_mV(dq_of(report->u_pu).d, slow->modulation_limit_q15, bus_mV),
+        .u_q_mV = phase_mV(dq_of(report->u_pu).q, slow->modulation_limit_q15, bus_mV),
+        .voltage_limited = report->voltage_limited,
         .torque_command_mNm = slow->last_command_mNm,
         .torque_estimate_mNm = slow->last_estimate_mNm,
-        .offset_q4 = {from_fast->foc.offset_q4[0], from_fast->foc.offset_q4[1],
-                      from_fast->foc.offset_q4[2]},
-        .current_quarters = from_fast->foc.quadrant_transitions,
-        .quarter_step = from_fast->foc.quadrant_step,
-        .bridge = from_fast->monitor.trip != REASON_NONE ? slow->monitor.safe_bridge : slow->bridge,
-        .switching = slow->bridge == BRIDGE_PWM,
+        .offset_q4 = {report->offset_q4[0], report->offset_q4[1], report->offset_q4[2]},
+        .current_quarters = report->quadrant_transitions,
+        .quarter_step = report->quadrant_step,
+        .bridge = report->bridge,
     };
     return out;
 }
 
 static modes_output_t decide_mode(controller_slow_t *slow, const config_t *config,
-                                  const fast_report_t *from_fast, const slow_input_t *in,
+                                  const fast_report_t *report, const slow_input_t *in,
                                   const monitor_output_t *watch, int32_t speed_mrad_s)
 {
     const modes_input_t modes_in = {
         .config_accepted = in->config_accepted,
         .selftest_passed = in->selftest_passed,
-        .offsets_done = from_fast->foc.offsets_done,
+        .offsets_done = report->offsets_done,
         .offsets_plausible = watch->offsets_plausible,
-        .rotor_valid = from_fast->foc.current.rotor.valid,
+        .rotor_valid = report->rotor_valid,
         .rolling = q_abs(speed_mrad_s) > config->brake.blend_out_end_mrad_s,
         .enable = in->enable,
         .drive_demanded = in->drive_torque_mNm != 0,
@@ -178,7 +171,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
 }
 
 static torque_output_t step_torque(controller_slow_t *slow, const config_t *config,
-                                   const fast_report_t *from_fast, const slow_input_t *in,
+                                   const fast_report_t *report, const slow_input_t *in,
                                    const torque_enable_t *torque_enable, int32_t speed_mrad_s,
                                    int32_t bus_mV, const sampling_correction_t *sampling)
 {
@@ -196,10 +189,10 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
                 .d_mA = bases_current_mA(config, mean_pu.d),
                 .q_mA = bases_current_mA(config, mean_pu.q),
             },
-        .i_d_weakening_mA = bases_current_mA(config, from_fast->foc.i_d_weakening_pu),
-        .voltage_limited = slow->summary.latest.voltage_limited,
-        .voltage_use_q15 = slow->summary.latest.modulation_square_q15,
-        .rotor_valid = from_fast->foc.current.rotor.valid,
+        .i_d_weakening_mA = bases_current_mA(config, report->i_d_weakening_pu),
+        .voltage_limited = report->voltage_limited,
+        .voltage_use_q15 = report->voltage_use_q15,
+        .rotor_valid = report->rotor_valid,
         .bus_voltage_mV = bus_mV,
         .phase_voltage_mV = sampling_correction_mean_voltage(sampling, commanded_mV),
         .bms_charge_current_mA = in->bms_charge_current_mA,
@@ -227,40 +220,37 @@ static dq_t sampled_reference_pu(const config_t *config, const current_setpoint_
 }
 
 slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config,
-                                   const fast_report_t *from_fast, const slow_input_t *in,
-                                   fast_setpoint_t *to_fast)
+                                   const fast_report_t *report, const slow_input_t *in,
+                                   fast_setpoint_t *setpoint)
 {
-    const int32_t speed_mrad_s = bases_speed_mrad_s(config, from_fast->foc.current.rotor.speed_q32);
-    const mean_values_t summary =
-        mean_values_step(&slow->summary, &from_fast->foc, (uint16_t)from_fast->foc.step_count);
+    const int32_t speed_mrad_s = bases_speed_mrad_s(config, report->speed_q32);
+    const mean_values_t summary = mean_values_step(&slow->summary, report);
     const int32_t bus_mV = bases_bus_voltage_mV(config, summary.v_dc_pu);
 
     const monitor_slow_input_t watched =
-        monitor_input(slow, config, from_fast, in, speed_mrad_s, bus_mV);
+        monitor_input(slow, config, report, in, speed_mrad_s, bus_mV);
     const monitor_output_t watch = monitor_slow_step(&slow->monitor, config, &watched);
-    const modes_output_t modes = decide_mode(slow, config, from_fast, in, &watch, speed_mrad_s);
-    const int32_t speed_q32 = from_fast->foc.current.rotor.speed_q32;
+    const modes_output_t modes = decide_mode(slow, config, report, in, &watch, speed_mrad_s);
+    const int32_t speed_q32 = report->speed_q32;
     const sampling_correction_t sampling =
         sampling_correction_at(config, speed_q32, in->winding_temperature_cC);
-    const torque_output_t torque = step_torque(slow, config, from_fast, in, &modes.torque_enable,
+    const torque_output_t torque = step_torque(slow, config, report, in, &modes.torque_enable,
                                                speed_mrad_s, bus_mV, &sampling);
 
     slow->step_count++;
     slow->last_command_mNm = torque.command_mNm;
     slow->last_estimate_mNm = torque.estimate_mNm;
-    slow->bridge = modes.torque_enable.bridge;
-    to_fast->foc.sequence = slow->step_count;
-    to_fast->foc.i_reference_pu =
-        sampled_reference_pu(config, &torque.current, from_fast->foc.i_d_weakening_pu, &sampling);
-    to_fast->foc.i_d_sampling_correction_pu = sampling_correction_d_pu(&sampling);
-    to_fast->foc.tuning = current_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu,
-                                         speed_q32, in->winding_temperature_cC);
-    to_fast->foc.dead_time_slope = dead_time_slope_at(config, summary.v_dc_pu);
-    to_fast->foc.calibrate_offsets = modes.calibrate_offsets;
-    to_fast->monitor.safe_bridge = watch.safe_bridge;
-    to_fast->monitor.clear_trip = modes.clear_trip;
-    to_fast->torque_enable = modes.torque_enable;
-    to_fast->slow_step_count = slow->step_count;
+    setpoint->sequence = slow->step_count;
+    setpoint->i_reference_pu =
+        sampled_reference_pu(config, &torque.current, report->i_d_weakening_pu, &sampling);
+    setpoint->i_d_sampling_correction_pu = sampling_correction_d_pu(&sampling);
+    setpoint->tuning = current_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu,
+                                      speed_q32, in->winding_temperature_cC);
+    setpoint->dead_time_slope = dead_time_slope_at(config, summary.v_dc_pu);
+    setpoint->calibrate_offsets = modes.calibrate_offsets;
+    setpoint->torque_enabled = torque_enable_any(modes.torque_enable);
+    setpoint->safe_bridge = watch.safe_bridge;
+    setpoint->clear_trip = modes.clear_trip;
 
     const slow_output_t out = {
         .motor_torque_command_mNm = torque.command_mNm,

@@ -37,9 +37,9 @@ void foc_current_step(foc_current_state_t *restrict state, const uint16_t *restr
 
 /* The next period's field-weakening current. A change of it re-applies the setpoint, also when it
  * has just returned to zero. */
-static void weaken_field(foc_state_t *state, const config_t *config, foc_report_t *report)
+static void weaken_field(foc_state_t *state, const config_t *config)
 {
-    const voltage_out_t *voltage = &report->current.voltage;
+    const voltage_out_t *voltage = &state->period.voltage;
     const int32_t margin_q15 =
         field_weakening_margin_q15(q_pair_x(voltage->applied.v), voltage->unsaturated_q);
     if (margin_q15 < 0) {
@@ -50,71 +50,105 @@ static void weaken_field(foc_state_t *state, const config_t *config, foc_report_
                              config->current_loop.field_weakening_gain_pu_q15,
                              config->current_loop.field_weakening_current_pu_q15);
         state->sequence = FOC_NO_SETPOINT;
-        report->i_d_weakening_pu = field_weakening_current_pu(&state->weakening);
     }
 }
 
 /* A new setpoint that meets a hall edge waits one period, so that the two longest computations
  * never meet. */
-static bool setpoint_is_due(foc_state_t *state, const foc_period_t *period)
+static bool setpoint_is_due(foc_state_t *state)
 {
-    const bool edge = state->rotor.sensor == CONFIG_ROTOR_HALL && period->rotor.age_periods == 0;
+    const bool edge =
+        state->rotor.sensor == CONFIG_ROTOR_HALL && state->period.rotor.age_periods == 0;
     state->postponed = edge && !state->postponed;
     return !state->postponed;
 }
 
 /* |u| <= 1 and |i| <= 1.42: the sum of products is below 2^31. */
-static void add_sums(foc_sums_t *sums, const foc_period_t *period, int32_t v_dc_pu)
+static void add_sums(foc_sums_t *sums, const foc_period_t *period)
 {
     const q_pair_t i = period->i_pu.v;
     sums->i_d_pu += (uint32_t)q_pair_x(i);
     sums->i_q_pu += (uint32_t)q_pair_y(i);
     sums->power_pu += (uint32_t)(q_pair_dot(period->voltage.applied.v, i) >> 15);
-    sums->v_dc_pu += (uint32_t)v_dc_pu;
+    sums->v_dc_pu += (uint32_t)period->v_dc_pu;
 }
 
 /* What both kinds of period begin and end with. */
-static void begin_period(foc_state_t *state, const config_t *config, const foc_input_t *in,
-                         foc_report_t *report)
+static void begin_period(foc_state_t *state, const config_t *config, const foc_input_t *in)
 {
-    rotor_step(&state->rotor, config, in, &report->current.rotor);
-    report->step_count++;
+    rotor_step(&state->rotor, config, in, &state->period.rotor);
+    state->step_count++;
 }
 
-static void end_period(const foc_input_t *in, foc_report_t *report)
+static void end_period(foc_state_t *state, const foc_input_t *in)
 {
-    const int32_t v_dc_pu = q_saturate13(in->bus_voltage_code) * 8;
-    report->v_dc_pu = v_dc_pu;
-    add_sums(&report->sums, &report->current, v_dc_pu);
+    state->period.v_dc_pu = q_saturate13(in->bus_voltage_code) * 8;
+    add_sums(&state->sums, &state->period);
 }
 
-void foc_step(foc_state_t *state, const foc_setpoint_t *setpoint, const foc_input_t *in,
-              foc_report_t *report, const config_t *config)
+void foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
+              const foc_input_t *in)
 {
-    begin_period(state, config, in, report);
-    if (state->sequence != setpoint->sequence && setpoint_is_due(state, &report->current)) {
-        setpoint_apply(state, setpoint, &report->current);
+    begin_period(state, config, in);
+    if (state->sequence != setpoint->sequence && setpoint_is_due(state)) {
+        setpoint_apply(state, setpoint);
     }
-    foc_current_step(&state->current, in->phase_current_code, &report->current);
-    if (report->step_count % FIELD_WEAKENING_PERIODS == 0) {
-        weaken_field(state, config, report);
+    foc_current_step(&state->current, in->phase_current_code, &state->period);
+    if (state->step_count % FIELD_WEAKENING_PERIODS == 0) {
+        weaken_field(state, config);
     }
-    end_period(in, report);
+    end_period(state, in);
 }
 
-void foc_idle_step(foc_state_t *state, const foc_setpoint_t *setpoint, const foc_input_t *in,
-                   foc_report_t *report, const config_t *config)
+void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
+                   const foc_input_t *in)
 {
-    begin_period(state, config, in, report);
-    idle_step(state, setpoint->calibrate_offsets, in->phase_current_code, report);
-    end_period(in, report);
+    begin_period(state, config, in);
+    idle_step(state, setpoint->calibrate_offsets, in->phase_current_code);
+    end_period(state, in);
+}
+
+/* Phase currents of the period, recomputed from its dq vector. */
+static abc_t phase_currents(const foc_period_t *period)
+{
+    const ab_t i = transforms_inverse_park(period->i_pu, angle_rotation(period->rotor.theta_turn));
+    const int32_t beta_part = (i.beta * TRANSFORMS_SQRT3_2_Q15) >> 15;
+    const int32_t half_alpha = i.alpha >> 1;
+    const abc_t out = {.a = i.alpha, .b = beta_part - half_alpha, .c = -beta_part - half_alpha};
+    return out;
+}
+
+void foc_report(const foc_state_t *state, fast_report_t *report)
+{
+    const foc_period_t *period = &state->period;
+    const voltage_out_t *voltage = &period->voltage;
+    const sense_state_t *sense = &state->current.sense;
+    const dq_t applied = dq_of(voltage->applied);
+    report->sequence = (uint16_t)state->step_count;
+    report->sums = state->sums;
+    report->i_pu = period->i_pu;
+    report->u_pu = voltage->applied;
+    report->voltage_use_q15 = modulation_index_square_q15(applied.d, voltage->unsaturated_q);
+    report->voltage_limited =
+        voltage->unsaturated_q != applied.q || voltage->unsaturated_d != applied.d;
+    report->adc_saturated = sense_adc_saturated(sense->offset_q4, phase_currents(period));
+    report->current_sum_pu = period->current_sum_pu;
+    report->i_d_weakening_pu = field_weakening_current_pu(&state->weakening);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        report->offset_q4[x] = sense->offset_q4[x];
+    }
+    report->offsets_done = sense->calibrated;
+    report->speed_q32 = period->rotor.speed_q32;
+    report->rotor_valid = period->rotor.valid;
+    report->rotor_faults = period->rotor.faults;
+    report->quadrant_transitions = state->quadrant_transitions;
+    report->quadrant_step = state->quadrant_step;
 }
 
 void foc_init(foc_state_t *state, const config_t *config)
 {
     const foc_state_t zero = {0};
     *state = zero;
-    state->current.slope = dead_time_slope_nominal(config);
     state->current.modulation = modulation_init(config);
     reference_prefilter_init(&state->prefilter, config);
     current_predictor_init(&state->current.predictor, config);
@@ -128,18 +162,4 @@ void foc_init(foc_state_t *state, const config_t *config)
 int32_t foc_modulation_limit_q15(const foc_state_t *state)
 {
     return state->current.modulation.limit_q15;
-}
-
-foc_setpoint_t foc_initial_setpoint(const foc_state_t *state, const config_t *config)
-{
-    const int32_t highest_pu =
-        q_scale(config->battery.max_voltage_mV, 32768, config->drive.voltage_full_scale_mV);
-    const foc_setpoint_t setpoint = {
-        .i_reference_pu = {.d = 0, .q = 0},
-        .tuning = current_tuning(config, foc_modulation_limit_q15(state), highest_pu, 0,
-                                 config->motor.reference_temperature_cC),
-        .dead_time_slope = dead_time_slope_at(config, highest_pu),
-        .calibrate_offsets = false,
-    };
-    return setpoint;
 }

@@ -8,32 +8,28 @@
 #include "sense.h"
 #include "transforms.h"
 
-static void calibrate(foc_state_t *state, const uint16_t codes[SENSE_PHASES], foc_report_t *report)
+static void calibrate(foc_state_t *state, const uint16_t codes[SENSE_PHASES])
 {
     sense_state_t *sense = &state->current.sense;
     if (!state->calibrating) {
         sense_calibrate_restart(sense);
     }
     sense_calibrate_step(sense, codes);
-    for (int x = 0; x < SENSE_PHASES; x++) {
-        report->offset_q4[x] = sense->offset_q4[x];
-    }
-    report->offsets_done = sense->calibrated;
 }
 
 /* In an active short circuit the current vector turns with the magnets: forward counts up. A step
  * of two quadrants has no direction and does not count. At the speed base, 1/16 turn per period,
  * each quadrant is seen four times. */
-static void count_quadrants(foc_state_t *state, ab16_t i, foc_report_t *report)
+static void count_quadrants(foc_state_t *state, ab16_t i)
 {
     const uint32_t upper = q_pair_x(i.v) >= 0 ? 0 : 1;
     const uint32_t quadrant = q_pair_y(i.v) >= 0 ? upper : 3U - upper;
     const uint32_t step = (quadrant - state->quadrant) & 3U;
     state->quadrant = quadrant;
     if ((step & 1U) != 0) {
-        report->quadrant_transitions =
-            (uint16_t)(report->quadrant_transitions + (step == 1U ? 1U : UINT16_MAX));
-        report->quadrant_step = (uint16_t)report->step_count;
+        state->quadrant_transitions =
+            (uint16_t)(state->quadrant_transitions + (step == 1U ? 1U : UINT16_MAX));
+        state->quadrant_step = (uint16_t)state->step_count;
     }
 }
 
@@ -44,26 +40,24 @@ void idle_centre_on_times(foc_current_state_t *state)
     }
 }
 
-void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[SENSE_PHASES],
-               foc_report_t *report)
+void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[SENSE_PHASES])
 {
-    foc_period_t *period = &report->current;
+    foc_period_t *period = &state->period;
     const sense_out_t sensed = sense_step(&state->current.sense, codes, state->current.on_q16);
     const voltage_out_t no_voltage = {.unsaturated_d = 0};
     const dq_t no_current = {.d = 0};
     period->i_reference_pu = no_current;
     period->i_pu = transforms_park(sensed.i, angle_rotation(period->rotor.theta_turn));
-    count_quadrants(state, sensed.i, report);
+    count_quadrants(state, sensed.i);
     period->voltage = no_voltage;
     period->current_sum_pu = sensed.sum_pu;
     current_controller_reset(&state->current.controller);
     reference_prefilter_reset(&state->prefilter);
     current_predictor_reset(&state->current.predictor);
     state->weakening.current_q28 = 0;
-    report->i_d_weakening_pu = 0;
     idle_centre_on_times(&state->current);
     if (calibrate_offsets) {
-        calibrate(state, codes, report);
+        calibrate(state, codes);
     }
     state->calibrating = calibrate_offsets;
     state->sequence = FOC_NO_SETPOINT;

@@ -9,8 +9,7 @@
 #include "foc/foc.h"
 
 /* calibrate_offsets: also a sample of the offset calibration, which restarts when it was false. */
-void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[SENSE_PHASES],
-               foc_report_t *report);
+void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[SENSE_PHASES]);
 
 /* Half the period on every leg. */
 void idle_centre_on_times(foc_current_state_t *state);

@@ -14,7 +14,7 @@ static dq_t inside_circle(const circle_t *circle, int32_t d, int32_t q)
     return out;
 }
 
-void setpoint_apply(foc_state_t *state, const foc_setpoint_t *setpoint, foc_period_t *period)
+void setpoint_apply(foc_state_t *state, const fast_setpoint_t *setpoint)
 {
     foc_current_state_t *current = &state->current;
     const dq_t reference =
@@ -35,7 +35,7 @@ void setpoint_apply(foc_state_t *state, const foc_setpoint_t *setpoint, foc_peri
         target = current_predictor_target(&current->predictor, &change);
     }
     state->sequence = settled ? setpoint->sequence : FOC_NO_SETPOINT;
-    period->i_reference_pu = given;
+    state->period.i_reference_pu = given;
     current->reference_pu = dq16_of(given);
     current->gains = current_gains_of(&setpoint->tuning, current->predictor.weight_q15, target);
     current->advance = setpoint->tuning.advance;

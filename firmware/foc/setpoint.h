@@ -8,8 +8,8 @@
 
 #include "foc/foc.h"
 
-/* period->i_reference_pu becomes the setpoint plus the field-weakening current, prefiltered and
- * limited to the current circle with priority for d. */
-void setpoint_apply(foc_state_t *state, const foc_setpoint_t *setpoint, foc_period_t *period);
+/* state->period.i_reference_pu becomes the setpoint plus the field-weakening current, prefiltered
+ * and limited to the current circle with priority for d. */
+void setpoint_apply(foc_state_t *state, const fast_setpoint_t *setpoint);
 
 #endif

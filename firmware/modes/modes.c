@@ -128,11 +128,9 @@ static void advance(modes_state_t *state, const config_modes_t *config, const mo
 static torque_enable_t torque_enable_of(const modes_state_t *state, const config_modes_t *config,
                                         const modes_input_t *in)
 {
-    torque_enable_t out = {
-        .bridge = BRIDGE_OFF, .drive_q15 = 0, .brake_q15 = 0, .reason = REASON_TORQUE_ENABLE};
+    torque_enable_t out = {.drive_q15 = 0, .brake_q15 = 0, .reason = REASON_TORQUE_ENABLE};
     switch (state->mode) {
     case MODE_RUN:
-        out.bridge = BRIDGE_PWM;
         out.drive_q15 = Q15_ONE;
         out.brake_q15 = Q15_ONE;
         out.reason = REASON_NONE;
@@ -142,13 +140,11 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
         }
         break;
     case MODE_LIMP:
-        out.bridge = BRIDGE_PWM;
         out.drive_q15 = (int16_t)(in->enable ? config->limp_drive_share_q15 : 0);
         out.brake_q15 = Q15_ONE;
         out.reason = in->warning_reason;
         break;
     case MODE_FAULT:
-        out.bridge = in->safe_bridge;
         out.reason = state->fault;
         break;
     case MODE_BOOT:
@@ -156,10 +152,8 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
         break;
     case MODE_SELFTEST:
     case MODE_OFFSET_CAL:
-        out.bridge = in->safe_bridge;
         break;
     case MODE_READY:
-        out.bridge = in->safe_bridge;
         out.reason = in->rotor_valid ? REASON_TORQUE_ENABLE : REASON_ROTOR_UNCERTAIN;
         break;
     }

@@ -71,7 +71,7 @@ static reason_t voltage_fault(const config_t *config, const monitor_slow_input_t
     if (in->bus_voltage_mV > config->battery.overvoltage_trip_mV) {
         return REASON_BUS_OVERVOLTAGE;
     }
-    return in->switching && in->bus_voltage_mV < config->battery.undervoltage_trip_mV
+    return in->bridge == BRIDGE_PWM && in->bus_voltage_mV < config->battery.undervoltage_trip_mV
                ? REASON_BUS_UNDERVOLTAGE
                : REASON_NONE;
 }
@@ -135,7 +135,7 @@ static monitor_emf_input_t emf_input(const monitor_slow_input_t *in)
         .i_q_mA = in->i_q_mA,
         .bus_voltage_mV = in->bus_voltage_mV,
         .speed_mrad_s = in->speed_mrad_s,
-        .switching = in->switching,
+        .switching = in->bridge == BRIDGE_PWM,
         .voltage_limited = in->voltage_limited,
         .rotor_valid = in->rotor_valid,
     };
@@ -162,19 +162,20 @@ static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
 monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
                                    const monitor_slow_input_t *in)
 {
+    const bool switching = in->bridge == BRIDGE_PWM;
     const int32_t sensor_time_ms = config->monitor.sensor_fault_time_ms;
     const bool sum_wrong = qualified(&state->sum_steps,
                                      in->offsets_known && q_abs(in->current_sum_pu) >
                                                               config->monitor.current_sum_pu_q15,
                                      sensor_time_ms);
     const bool sensor_wrong =
-        qualified(&state->sensor_steps, in->switching && in->current_saturated, sensor_time_ms);
-    const bool rotor_wrong = qualified(&state->rotor_steps, in->switching && !in->rotor_valid,
-                                       rotor_qualify_steps(config));
+        qualified(&state->sensor_steps, switching && in->current_saturated, sensor_time_ms);
+    const bool rotor_wrong =
+        qualified(&state->rotor_steps, switching && !in->rotor_valid, rotor_qualify_steps(config));
     const monitor_emf_input_t emf = emf_input(in);
     const bool angle_wrong = monitor_emf_step(&state->emf, config, &emf);
     const bool torque_wrong =
-        qualified(&state->torque_steps, in->switching && torque_unwanted(config, in),
+        qualified(&state->torque_steps, switching && torque_unwanted(config, in),
                   config->monitor.torque_fault_time_ms);
     const bool flow_wrong = qualified(
         &state->flow_steps, flow_broken(state, config, in->fast_step_count), MONITOR_FLOW_STEPS);

@@ -43,7 +43,7 @@ static motor_share_t motor_share(const config_t *config, const brake_blending_in
                                  int32_t electric_mNm)
 {
     motor_share_t out = {.expected_mNm = 0, .shortfall_mNm = 0};
-    if (in->torque_enable.bridge != BRIDGE_PWM) {
+    if (!torque_enable_any(in->torque_enable)) {
         return out;
     }
     const int32_t commanded_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);

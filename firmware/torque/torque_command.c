@@ -35,7 +35,7 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
                                          const torque_command_input_t *in)
 {
     torque_command_out_t out = {.command_mNm = 0, .reason = REASON_NONE};
-    if (in->torque_enable.bridge != BRIDGE_PWM) {
+    if (!torque_enable_any(in->torque_enable)) {
         out.reason =
             in->drive_mNm != 0 || in->electric_mNm != 0 ? in->torque_enable.reason : REASON_NONE;
         state->command_mNm = 0;

@@ -111,7 +111,7 @@ typedef enum { VALUE, RATE } kind_t;
     X("speed_estimate_rad_per_s", VALUE, "rad/s", \
       "controller: mechanical speed", 1e-3 * w->slow.speed_mrad_s) \
     X("theta_estimate_turn", VALUE, "turn", \
-      "controller: electrical angle", (double)w->to_slow.foc.current.rotor.theta_turn / 65536.0) \
+      "controller: electrical angle", (double)foc_latest(&w->controller.fast.foc)->rotor.theta_turn / 65536.0) \
     X("current_d_estimate_a", VALUE, "A", \
       "controller: direct-axis current, low-passed", 1e-3 * w->slow.i_d_mA) \
     X("current_q_estimate_a", VALUE, "A", \

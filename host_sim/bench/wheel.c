@@ -36,7 +36,6 @@ void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index)
     *wheel = empty;
     controller_init(&wheel->controller, world->config);
     wheel->to_fast = controller_initial_setpoint(world->config);
-    wheel->to_slow = controller_initial_report(world->config);
     wheel->active = bridge_off();
     wheel->next = bridge_off();
     wheel->rotor = pmsm_at_rest(params->run.rotor_turn + index * params->run.rotor_spread_turn);
@@ -151,10 +150,14 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
         .selftest_passed = true,
         .config_accepted = true,
     };
-    wheel->slow = wheel->coupling != NULL
-                      ? wheel->coupling->millisecond(wheel->coupling->context, &in)
-                      : controller_slow_step(&wheel->controller.slow, world->config,
-                                             &wheel->to_slow, &in, &wheel->to_fast);
+    if (wheel->coupling != NULL) {
+        wheel->slow = wheel->coupling->millisecond(wheel->coupling->context, &in);
+    } else {
+        fast_report_t report;
+        controller_fast_report(&wheel->controller.fast, &report);
+        wheel->slow = controller_slow_step(&wheel->controller.slow, world->config, &report, &in,
+                                           &wheel->to_fast);
+    }
     hydraulic_brake_command(&world->params->brake, &wheel->brake,
                             (double)wheel->slow.hydraulic_torque_mNm / MILLI);
     const pmsm_step_t period = {.omega_rad_s =
@@ -197,8 +200,8 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
         wheel->active = wheel->coupling->period(wheel->coupling->context, &in);
         return;
     }
-    wheel->next = controller_fast_step(&wheel->controller.fast, world->config, &wheel->to_fast, &in,
-                                       &wheel->to_slow);
+    wheel->next =
+        controller_fast_step(&wheel->controller.fast, world->config, &wheel->to_fast, &in);
 }
 
 wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s,

@@ -17,7 +17,6 @@ void joined_init(joined_t *joined, const config_t *config)
     joined->config = *config;
     controller_init(&joined->controller, &joined->config);
     joined->to_fast = controller_initial_setpoint(&joined->config);
-    joined->to_slow = controller_initial_report(&joined->config);
 }
 
 void joined_fast(joined_t *joined, const int32_t *in, int32_t *out)
@@ -34,8 +33,8 @@ void joined_fast(joined_t *joined, const int32_t *in, int32_t *out)
         .hall_state = (uint8_t)in[IN_hall_state],
         .power_stage_fault = in[IN_power_stage_fault] != 0,
     };
-    const fast_output_t done = controller_fast_step(&joined->controller.fast, &joined->config,
-                                                    &joined->to_fast, &sampled, &joined->to_slow);
+    const fast_output_t done =
+        controller_fast_step(&joined->controller.fast, &joined->config, &joined->to_fast, &sampled);
     out[OUT_compare_counts_a] = done.compare_counts[0];
     out[OUT_compare_counts_b] = done.compare_counts[1];
     out[OUT_compare_counts_c] = done.compare_counts[2];
@@ -61,7 +60,9 @@ void joined_slow(joined_t *joined, const int32_t *in, int32_t *out)
         .selftest_passed = in[IN_selftest_passed] != 0,
         .config_accepted = in[IN_config_accepted] != 0,
     };
+    fast_report_t report;
+    controller_fast_report(&joined->controller.fast, &report);
     const slow_output_t done = controller_slow_step(&joined->controller.slow, &joined->config,
-                                                    &joined->to_slow, &world, &joined->to_fast);
+                                                    &report, &world, &joined->to_fast);
     EXCHANGE_SLOW_OUTPUTS(GIVE)
 }

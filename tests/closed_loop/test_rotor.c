@@ -89,11 +89,11 @@ typedef struct {
 
 static bool rotor_fault_reported(const bench_t *bench)
 {
-    return bench->wheel[0].to_slow.foc.current.rotor.faults != 0 ||
-           !bench->wheel[0].to_slow.foc.current.rotor.valid;
+    return foc_latest(&bench->wheel[0].controller.fast.foc)->rotor.faults != 0 ||
+           !foc_latest(&bench->wheel[0].controller.fast.foc)->rotor.valid;
 }
 
-static void record_millisecond(bench_t *bench, double demand_nm, dying_t *out)
+static void record_millisecond(bench_t *bench, double demand_nm, hall_fault_t *out)
 {
     const double before_nm = 1e-3 * bench->wheel[0].slow.motor_torque_command_mNm;
     const double before_nms = bench->wheel[0].totals.torque_impulse_nms;
@@ -107,8 +107,8 @@ static void record_millisecond(bench_t *bench, double demand_nm, dying_t *out)
 }
 
 /* sensor: bit mask of the stuck sensor. */
-static dying_t stick_hall(double rpm, double demand_nm, double sensor, bool high,
-                          double share_of_turn)
+static hall_fault_t stick_hall(double rpm, double demand_nm, double sensor, bool high,
+                               double share_of_turn)
 {
     bench_params_t params = at_speed(rpm);
     const config_t config =
@@ -126,7 +126,7 @@ static dying_t stick_hall(double rpm, double demand_nm, double sensor, bool high
     *(high ? &bench->params.sensors.hall_stuck_high : &bench->params.sensors.hall_stuck_low) =
         sensor;
     bench_refresh(bench);
-    dying_t out = {.fault_periods = 0};
+    hall_fault_t out = {.fault_periods = 0};
     /* First by periods until the report, then again by milliseconds for the torque. */
     const bench_t before = *bench;
     while (!rotor_fault_reported(bench) && out.fault_periods < 100000) {
@@ -152,8 +152,8 @@ static void assert_ramp_after_a_hall_fault(double demand_nm)
     for (int s = 0; s < 4; s++) {
         for (int sensor = 0; sensor < 3; sensor++) {
             for (int high = 0; high <= 1; high++) {
-                const dying_t found = stick_hall(speeds_rpm[s], demand_nm, 1 << sensor, high != 0,
-                                                 0.1 + 0.3 * sensor);
+                const hall_fault_t found = stick_hall(speeds_rpm[s], demand_nm, 1 << sensor,
+                                                      high != 0, 0.1 + 0.3 * sensor);
                 char text[160];
                 snprintf(text, sizeof(text),
                          "hall %c stuck %s at %g r/min: fault after %d periods, zero %.3f s later, "
@@ -231,10 +231,10 @@ void test_torque_falls_to_zero_after_lost_encoder_counts(void)
     bench_t *bench = with_encoder(300.0, 77.0, 77.0, false);
     bench->params.driver.drive_demand_nm = 20.0;
     fixture_run(bench, 0.5);
-    TEST_ASSERT_EQUAL_UINT16(0, bench->wheel[0].to_slow.foc.current.rotor.faults);
+    TEST_ASSERT_EQUAL_UINT16(0, foc_latest(&bench->wheel[0].controller.fast.foc)->rotor.faults);
     bench->params.encoder.lost_counts = 15.0;
     fixture_run(bench, 0.45); /* two turns of 0.2 s at the least */
-    TEST_ASSERT_TRUE(bench->wheel[0].to_slow.foc.current.rotor.faults > 0);
+    TEST_ASSERT_TRUE(foc_latest(&bench->wheel[0].controller.fast.foc)->rotor.faults > 0);
     fixture_run(bench, 0.5);
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_LOST, bench->wheel[0].first_fault);
 }
@@ -251,7 +251,7 @@ static void assert_ramp_after_an_encoder_jump(double rpm, double demand_nm, doub
     }
     fixture_run(bench, 0.3);
     bench->wheel[0].shaft.lost_counts += lost_counts;
-    dying_t found = {.fault_periods = 0};
+    hall_fault_t found = {.fault_periods = 0};
     for (int ms = 0; ms < 100; ms++) {
         record_millisecond(bench, demand_nm, &found);
     }
@@ -263,7 +263,8 @@ static void assert_ramp_after_an_encoder_jump(double rpm, double demand_nm, doub
     /* As with a dead hall sensor: at most the iron's drag, and a ramp of 0.4 Nm/ms. */
     TEST_ASSERT_TRUE_MESSAGE(found.against_nm < 2.5 && found.beyond_nm < 4.0, text);
     TEST_ASSERT_TRUE_MESSAGE(found.steepest_nm_per_ms <= 0.401, text);
-    TEST_ASSERT_TRUE_MESSAGE(bench->wheel[0].to_slow.foc.current.rotor.faults > 0, text);
+    TEST_ASSERT_TRUE_MESSAGE(foc_latest(&bench->wheel[0].controller.fast.foc)->rotor.faults > 0,
+                             text);
 }
 
 void test_torque_falls_in_a_ramp_with_the_last_angle_after_an_encoder_jump(void)

@@ -8,12 +8,12 @@
 #include "foc/sampling_correction.h"
 #include "vectors.h"
 
-/* The mean values need one sine and cosine; they get those of any angle, without the checker having
- * to read their table. */
-#include "foc.c"
+/* The report needs one sine and cosine; it gets those of any angle, without the checker having to
+ * read their table. */
 #define angle_rotation(theta_turn) ((void)(theta_turn), any_rotation())
-#include "mean_values.c"
+#include "foc.c"
 #undef angle_rotation
+#include "mean_values.c"
 
 enum { LONGEST_CURRENT_PU = 32767, LONGEST_VOLTAGE = 32767 };
 
@@ -23,48 +23,62 @@ void prove_add_sums(void)
     /* A sampled current of any components, a voltage in the circle. */
     const dq_t i = {.d = any_within(-32768, 32767), .q = any_within(-32768, 32767)};
     const foc_period_t period = {.i_pu = dq16_of(i),
-                                 .voltage = {.applied = dq16_of(any_vector(LONGEST_VOLTAGE))}};
+                                 .voltage = {.applied = dq16_of(any_vector(LONGEST_VOLTAGE))},
+                                 .v_dc_pu = any_within(0, 32760)};
     const foc_sums_t before = {.i_d_pu = nondet_uint32(),
                                .i_q_pu = nondet_uint32(),
                                .power_pu = nondet_uint32(),
                                .v_dc_pu = nondet_uint32()};
     foc_sums_t sums = before;
-    const int32_t v_dc_pu = any_within(0, 32760);
-    add_sums(&sums, &period, v_dc_pu);
+    add_sums(&sums, &period);
     PROMISE(sums.i_d_pu - before.i_d_pu == (uint32_t)i.d);
-    PROMISE(sums.v_dc_pu - before.v_dc_pu == (uint32_t)v_dc_pu);
+    PROMISE(sums.v_dc_pu - before.v_dc_pu == (uint32_t)period.v_dc_pu);
+    PROOF_END();
+}
+
+void prove_report(void)
+{
+    static foc_state_t state;
+    const foc_period_t period = {
+        .rotor = {.theta_turn = nondet_uint16()},
+        .i_pu = dq16_of(any_vector(LONGEST_CURRENT_PU)),
+        .voltage = {.unsaturated_d = nondet_int32(),
+                    .unsaturated_q = nondet_int32(),
+                    .applied = dq16_of(any_vector(LONGEST_VOLTAGE))},
+    };
+    state.period = period;
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        state.current.sense.offset_q4[x] = any_within(0, SENSE_CODE_MAX * 16);
+    }
+    state.weakening.current_q28 = any_within(-32767 * 8192, 0);
+    fast_report_t report;
+    foc_report(&state, &report);
+    PROMISE(report.voltage_use_q15 >= 0 && report.voltage_use_q15 <= 65536);
+    PROMISE(report.i_d_weakening_pu <= 0 && report.i_d_weakening_pu >= -32767);
     PROOF_END();
 }
 
 void prove_mean_values(void)
 {
-    foc_report_t report = {
-        .current = {.rotor = {.theta_turn = nondet_uint16()},
-                    .i_pu = dq16_of(any_vector(LONGEST_CURRENT_PU)),
-                    .voltage = {.unsaturated_d = nondet_int32(),
-                                .unsaturated_q = nondet_int32(),
-                                .applied = dq16_of(any_vector(LONGEST_VOLTAGE))}},
+    const fast_report_t report = {
+        .sequence = nondet_uint16(),
         .sums = {.i_d_pu = nondet_uint32(),
                  .i_q_pu = nondet_uint32(),
                  .power_pu = nondet_uint32(),
                  .v_dc_pu = nondet_uint32()},
     };
-    for (int x = 0; x < SENSE_PHASES; x++) {
-        report.offset_q4[x] = any_within(0, SENSE_CODE_MAX * 16);
-    }
     mean_values_state_t state = {
         .sums = {.i_d_pu = nondet_uint32(),
                  .i_q_pu = nondet_uint32(),
                  .power_pu = nondet_uint32(),
                  .v_dc_pu = nondet_uint32()},
-        .fast_step_count = nondet_uint16(),
+        .sequence = nondet_uint16(),
     };
     state.latest.v_dc_pu = nondet_int32();
-    const uint16_t before = state.fast_step_count;
-    const uint16_t now = nondet_uint16();
-    const mean_values_t out = mean_values_step(&state, &report, now);
-    PROMISE(state.fast_step_count == now);
-    PROMISE(now != before || out.v_dc_pu == state.latest.v_dc_pu);
+    const uint16_t before = state.sequence;
+    const mean_values_t out = mean_values_step(&state, &report);
+    PROMISE(state.sequence == report.sequence);
+    PROMISE(report.sequence != before || out.v_dc_pu == state.latest.v_dc_pu);
     PROOF_END();
 }
 

@@ -35,6 +35,7 @@ static monitor_fast_input_t any_input(void)
         .v_dc_pu = any_within(0, 32760),
         .power_stage_fault = nondet_bool(),
         .switching = nondet_bool(),
+        .clear_trip = nondet_bool(),
         .slow_step_count = nondet_uint16(),
     };
     return out;
@@ -45,10 +46,9 @@ void prove_monitor_fast(void)
     monitor_fast_state_t state = any_state();
     const monitor_fast_state_t before = state;
     const monitor_fast_input_t in = any_input();
-    const monitor_command_t command = {.safe_bridge = BRIDGE_OFF, .clear_trip = nondet_bool()};
-    const reason_t wrong = monitor_fast_step(&state, &command, &in);
+    const reason_t wrong = monitor_fast_step(&state, &in);
     PROMISE(wrong == state.trip);
-    PROMISE(before.trip == REASON_NONE || command.clear_trip || wrong == before.trip);
+    PROMISE(before.trip == REASON_NONE || in.clear_trip || wrong == before.trip);
     PROMISE(!in.power_stage_fault || wrong != REASON_NONE);
     PROMISE(in.v_dc_pu <= state.overvoltage_pu || wrong != REASON_NONE);
     PROMISE(invariant(&state));

@@ -41,20 +41,19 @@ static void apply_any_setpoint(int32_t radius)
         q_pair(any_within(-32768, 32767), any_within(-32768, 32767));
     state.current.predictor.predicted_pu.v =
         q_pair(any_within(-32768, 32767), any_within(-32768, 32767));
-    const foc_setpoint_t setpoint = {
+    const fast_setpoint_t setpoint = {
         .sequence = nondet_uint16(),
         .i_d_sampling_correction_pu = nondet_int32(),
         .i_reference_pu = {.d = nondet_int16(), .q = nondet_int16()},
         .tuning = no_tuning(),
     };
-    foc_period_t period;
-    setpoint_apply(&state, &setpoint, &period);
+    setpoint_apply(&state, &setpoint);
     const dq_t reference = prefilter->reference_pu;
     PROMISE(reference.d >= -radius && reference.d <= radius);
     PROMISE(setpoint.i_reference_pu.q >= 0
                 ? reference.q >= 0 && reference.q <= setpoint.i_reference_pu.q
                 : reference.q <= 0 && reference.q >= setpoint.i_reference_pu.q);
-    const dq_t given = period.i_reference_pu;
+    const dq_t given = state.period.i_reference_pu;
     PROMISE(given.d >= -radius && given.d <= radius && given.q >= -radius && given.q <= radius);
     if (state.sequence == FOC_NO_SETPOINT) {
         PROMISE(!prefilter->settled); /* the next period looks again */

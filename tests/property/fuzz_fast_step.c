@@ -184,20 +184,18 @@ static slow_input_t take_slow_input(bytes_t *bytes)
 static void take_command(fast_setpoint_t *command, const config_t *config,
                          int32_t modulation_limit_q15, bytes_t *bytes)
 {
-    command->foc.i_reference_pu.d = (int16_t)take16(bytes);
-    command->foc.i_reference_pu.q = (int16_t)take16(bytes);
-    command->foc.tuning = current_tuning(
+    command->i_reference_pu.d = (int16_t)take16(bytes);
+    command->i_reference_pu.q = (int16_t)take16(bytes);
+    command->tuning = current_tuning(
         config, modulation_limit_q15, take_within(bytes, -32768, 32767),
         take_within(bytes, INT32_MIN, INT32_MAX), take_within(bytes, INT32_MIN, INT32_MAX));
-    command->foc.i_d_sampling_correction_pu = take_within(bytes, INT32_MIN, INT32_MAX);
-    command->foc.dead_time_slope =
-        dead_time_slope_at(config, take_within(bytes, INT32_MIN, INT32_MAX));
-    command->foc.calibrate_offsets = (take8(bytes) & 7U) == 0;
-    command->torque_enable.bridge = (bridge_mode_t)(take8(bytes) % 3U);
-    command->monitor.safe_bridge = (take8(bytes) & 1U) != 0 ? BRIDGE_SHORT : BRIDGE_OFF;
-    command->monitor.clear_trip = (take8(bytes) & 7U) == 0;
-    command->slow_step_count++;
-    command->foc.sequence++;
+    command->i_d_sampling_correction_pu = take_within(bytes, INT32_MIN, INT32_MAX);
+    command->dead_time_slope = dead_time_slope_at(config, take_within(bytes, INT32_MIN, INT32_MAX));
+    command->calibrate_offsets = (take8(bytes) & 7U) == 0;
+    command->torque_enabled = take8(bytes) % 3U == 1U;
+    command->safe_bridge = (take8(bytes) & 1U) != 0 ? BRIDGE_SHORT : BRIDGE_OFF;
+    command->clear_trip = (take8(bytes) & 7U) == 0;
+    command->sequence++;
 }
 
 static fast_input_t take_fast_input(bytes_t *bytes)
@@ -222,18 +220,21 @@ static fast_input_t take_fast_input(bytes_t *bytes)
 static void check_fast(const config_t *config, const fast_setpoint_t *command,
                        const fast_report_t *report, const fast_output_t *out)
 {
-    const bool tripped = report->monitor.trip != REASON_NONE;
+    const bool tripped = report->trip != REASON_NONE;
     promise(!tripped || out->bridge != BRIDGE_PWM, "a tripped bridge does not switch");
-    promise(tripped || out->bridge == command->torque_enable.bridge,
-            "without a trip the bridge follows its command");
+    promise((out->bridge == BRIDGE_PWM) == (command->torque_enabled && !tripped),
+            "without a trip the bridge follows the enable");
+    promise(out->bridge == BRIDGE_PWM || out->bridge == command->safe_bridge,
+            "a bridge that does not switch is in its safe state");
+    promise(report->bridge == out->bridge, "what the bridge does is reported");
     for (int x = 0; x < 3; x++) {
         const int32_t on = out->compare_counts[x];
         promise(on >= config->drive.min_pulse_counts, "the low side keeps its shortest pulse");
         promise(on <= config->drive.pwm_period_counts - config->drive.min_pulse_counts,
                 "so does the high side");
     }
-    promise(report->foc.i_d_weakening_pu <= 0, "field weakening only takes flux away");
-    promise(report->foc.i_d_weakening_pu >= -config->current_loop.field_weakening_current_pu_q15,
+    promise(report->i_d_weakening_pu <= 0, "field weakening only takes flux away");
+    promise(report->i_d_weakening_pu >= -config->current_loop.field_weakening_current_pu_q15,
             "up to its limit");
 }
 
@@ -257,15 +258,15 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     controller_t controller;
     controller_init(&controller, &config);
     fast_setpoint_t command = controller_initial_setpoint(&config);
-    fast_report_t report = controller_initial_report(&config);
     const bool with_slow_loop = (take8(&bytes) & 1U) != 0;
     int steps = 0;
     while (bytes.left > 0 && steps < MOST_STEPS) {
         const uint8_t what = take8(&bytes);
         if (what < 64 && with_slow_loop) {
             const slow_input_t in = take_slow_input(&bytes);
-            report.foc.offsets_done =
-                true; /* a thousand samples are more than an input has to spare */
+            fast_report_t report;
+            controller_fast_report(&controller.fast, &report);
+            report.offsets_done = true; /* a thousand samples are more than an input has to spare */
             for (int repeat = what % 8; repeat >= 0; repeat--) {
                 const slow_output_t out =
                     controller_slow_step(&controller.slow, &config, &report, &in, &command);
@@ -277,7 +278,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         const fast_input_t in = take_fast_input(&bytes);
         for (int repeat = take_repeats(what, &bytes); repeat >= 0; repeat--) {
             const fast_output_t out =
-                controller_fast_step(&controller.fast, &config, &command, &in, &report);
+                controller_fast_step(&controller.fast, &config, &command, &in);
+            fast_report_t report;
+            controller_fast_report(&controller.fast, &report);
             check_fast(&config, &command, &report, &out);
             steps++;
         }

@@ -3,17 +3,17 @@
 
 #include <stdlib.h>
 
+#include "field_weakening.h"
 #include "foc/foc.h"
 #include "foc/mean_values.h"
 #include "foc/sampling_correction.h"
+#include "foc/tuning.h"
 
 struct loop_s {
     config_t config;
     foc_state_t foc;
-    foc_setpoint_t setpoint;
-    foc_report_t report;
+    fast_setpoint_t setpoint;
     mean_values_state_t summary;
-    uint16_t steps;
     int32_t periods_to_slow_step;
     int32_t winding_temperature_cC;
 };
@@ -26,7 +26,11 @@ loop_t *loop_new(const config_t *config)
     }
     loop->config = *config;
     foc_init(&loop->foc, &loop->config);
-    loop->setpoint = foc_initial_setpoint(&loop->foc, &loop->config);
+    const int32_t highest_pu =
+        q_scale(config->battery.max_voltage_mV, 32768, config->drive.voltage_full_scale_mV);
+    loop->setpoint.tuning = current_tuning(&loop->config, foc_modulation_limit_q15(&loop->foc),
+                                           highest_pu, 0, config->motor.reference_temperature_cC);
+    loop->setpoint.dead_time_slope = dead_time_slope_at(&loop->config, highest_pu);
     loop->winding_temperature_cC = config->motor.reference_temperature_cC;
     return loop;
 }
@@ -62,26 +66,27 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .hall_state = in->hall_state,
     };
     if (run) {
-        foc_step(&loop->foc, &loop->setpoint, &sampled, &loop->report, &loop->config);
+        foc_step(&loop->foc, &loop->config, &loop->setpoint, &sampled);
     } else {
-        foc_idle_step(&loop->foc, &loop->setpoint, &sampled, &loop->report, &loop->config);
+        foc_idle_step(&loop->foc, &loop->config, &loop->setpoint, &sampled);
     }
-    loop->steps++;
     if (--loop->periods_to_slow_step <= 0) {
         loop->periods_to_slow_step = loop->config.drive.pwm_frequency_Hz / 1000;
-        const mean_values_t summary = mean_values_step(&loop->summary, &loop->report, loop->steps);
+        fast_report_t report;
+        foc_report(&loop->foc, &report);
+        const mean_values_t summary = mean_values_step(&loop->summary, &report);
         loop->setpoint.tuning =
             current_tuning(&loop->config, foc_modulation_limit_q15(&loop->foc), summary.v_dc_pu,
-                           loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
+                           report.speed_q32, loop->winding_temperature_cC);
         loop->setpoint.dead_time_slope = dead_time_slope_at(&loop->config, summary.v_dc_pu);
-        const sampling_correction_t sampling = sampling_correction_at(
-            &loop->config, loop->report.current.rotor.speed_q32, loop->winding_temperature_cC);
+        const sampling_correction_t sampling =
+            sampling_correction_at(&loop->config, report.speed_q32, loop->winding_temperature_cC);
         loop->setpoint.i_d_sampling_correction_pu = sampling_correction_d_pu(&sampling);
         loop->setpoint.sequence++;
     }
-    const foc_report_t *report = &loop->report;
-    const voltage_out_t *voltage = &report->current.voltage;
-    const dq_t i = dq_of(report->current.i_pu);
+    const foc_period_t *period = foc_latest(&loop->foc);
+    const voltage_out_t *voltage = &period->voltage;
+    const dq_t i = dq_of(period->i_pu);
     const dq_t u = dq_of(voltage->applied);
     const loop_output_t out = {
         .compare_counts = {(uint16_t)(loop->foc.current.on_q16[0] >> 16),
@@ -89,17 +94,17 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
                            (uint16_t)(loop->foc.current.on_q16[2] >> 16)},
         .i_d_pu = i.d,
         .i_q_pu = i.q,
-        .reference_d_pu = report->current.i_reference_pu.d,
-        .reference_q_pu = report->current.i_reference_pu.q,
+        .reference_d_pu = period->i_reference_pu.d,
+        .reference_q_pu = period->i_reference_pu.q,
         .u_d_pu = u.d,
         .u_q_pu = u.q,
-        .weakening_pu = loop->report.i_d_weakening_pu,
+        .weakening_pu = field_weakening_current_pu(&loop->foc.weakening),
         .power_pu = loop->summary.latest.power_pu,
         .modulation_limit_q15 = foc_modulation_limit_q15(&loop->foc),
-        .speed_q32 = report->current.rotor.speed_q32,
-        .theta_turn = report->current.rotor.theta_turn,
+        .speed_q32 = period->rotor.speed_q32,
+        .theta_turn = period->rotor.theta_turn,
         .limited = voltage->unsaturated_d != u.d || voltage->unsaturated_q != u.q,
-        .rotor_valid = report->current.rotor.valid,
+        .rotor_valid = period->rotor.valid,
     };
     return out;
 }

@@ -36,44 +36,54 @@ void digest_begin(digest_t *digest)
     digest->words = 0;
 }
 
-static void add_current(digest_t *digest, const foc_period_t *current)
+static void add_period(digest_t *digest, const foc_period_t *period)
 {
-    const rotor_out_t *rotor = &current->rotor;
+    const rotor_out_t *rotor = &period->rotor;
     add(digest, rotor->theta_turn);
-    add(digest, rotor->speed_q32);
     add(digest, rotor->age_periods);
-    add(digest, rotor->faults);
-    add_flag(digest, rotor->valid);
-    add_dq(digest, current->i_reference_pu);
-    add_dq(digest, dq_of(current->i_pu));
-    add(digest, current->voltage.unsaturated_d);
-    add(digest, current->voltage.unsaturated_q);
-    add_dq(digest, dq_of(current->voltage.applied));
-    add(digest, current->current_sum_pu);
+    add_dq(digest, period->i_reference_pu);
+    add(digest, period->voltage.unsaturated_d);
+    add(digest, period->voltage.unsaturated_q);
+    add(digest, period->v_dc_pu);
 }
 
-void digest_fast(digest_t *digest, const fast_output_t *out, const fast_report_t *report)
+static void add_report(digest_t *digest, const fast_report_t *report)
 {
-    const foc_report_t *foc = &report->foc;
+    add(digest, report->sequence);
+    add_unsigned(digest, report->sums.i_d_pu);
+    add_unsigned(digest, report->sums.i_q_pu);
+    add_unsigned(digest, report->sums.power_pu);
+    add_unsigned(digest, report->sums.v_dc_pu);
+    add_dq(digest, dq_of(report->i_pu));
+    add_dq(digest, dq_of(report->u_pu));
+    add(digest, report->voltage_use_q15);
+    add_flag(digest, report->voltage_limited);
+    add_flag(digest, report->adc_saturated);
+    add(digest, report->current_sum_pu);
+    add(digest, report->i_d_weakening_pu);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        add(digest, report->offset_q4[x]);
+    }
+    add_flag(digest, report->offsets_done);
+    add(digest, report->speed_q32);
+    add_flag(digest, report->rotor_valid);
+    add(digest, report->rotor_faults);
+    add(digest, report->quadrant_transitions);
+    add(digest, report->quadrant_step);
+    add(digest, (int32_t)report->trip);
+    add(digest, (int32_t)report->bridge);
+}
+
+void digest_fast(digest_t *digest, const fast_output_t *out, const controller_fast_t *fast)
+{
+    fast_report_t report;
+    controller_fast_report(fast, &report);
     for (int x = 0; x < 3; x++) {
         add(digest, out->compare_counts[x]);
     }
     add(digest, (int32_t)out->bridge);
-    add_current(digest, &foc->current);
-    add_unsigned(digest, foc->sums.i_d_pu);
-    add_unsigned(digest, foc->sums.i_q_pu);
-    add_unsigned(digest, foc->sums.power_pu);
-    add_unsigned(digest, foc->sums.v_dc_pu);
-    add_unsigned(digest, foc->step_count);
-    add(digest, foc->v_dc_pu);
-    add(digest, foc->i_d_weakening_pu);
-    for (int x = 0; x < SENSE_PHASES; x++) {
-        add(digest, foc->offset_q4[x]);
-    }
-    add(digest, foc->quadrant_transitions);
-    add(digest, foc->quadrant_step);
-    add_flag(digest, foc->offsets_done);
-    add(digest, (int32_t)report->monitor.trip);
+    add_period(digest, foc_latest(&fast->foc));
+    add_report(digest, &report);
 }
 
 static void add_gains(digest_t *digest, const pi_gains_t *gains)
@@ -83,12 +93,12 @@ static void add_gains(digest_t *digest, const pi_gains_t *gains)
     add(digest, gains->anti_windup_q15);
 }
 
-static void add_setpoint(digest_t *digest, const foc_setpoint_t *foc)
+static void add_setpoint(digest_t *digest, const fast_setpoint_t *setpoint)
 {
-    const current_tuning_t *tuning = &foc->tuning;
-    add(digest, foc->sequence);
-    add_dq(digest, foc->i_reference_pu);
-    add(digest, foc->i_d_sampling_correction_pu);
+    const current_tuning_t *tuning = &setpoint->tuning;
+    add(digest, setpoint->sequence);
+    add_dq(digest, setpoint->i_reference_pu);
+    add(digest, setpoint->i_d_sampling_correction_pu);
     add_gains(digest, &tuning->d);
     add_gains(digest, &tuning->q);
     add(digest, tuning->w_l_d_q10);
@@ -97,9 +107,12 @@ static void add_setpoint(digest_t *digest, const foc_setpoint_t *foc)
     add(digest, tuning->forward_q_q25);
     add(digest, q_pair_x(tuning->advance.v));
     add(digest, q_pair_y(tuning->advance.v));
-    add(digest, foc->dead_time_slope.alpha_q8);
-    add(digest, foc->dead_time_slope.beta_q8);
-    add_flag(digest, foc->calibrate_offsets);
+    add(digest, setpoint->dead_time_slope.alpha_q8);
+    add(digest, setpoint->dead_time_slope.beta_q8);
+    add_flag(digest, setpoint->calibrate_offsets);
+    add_flag(digest, setpoint->torque_enabled);
+    add_flag(digest, setpoint->clear_trip);
+    add(digest, (int32_t)setpoint->safe_bridge);
 }
 
 void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint_t *setpoint)
@@ -120,14 +133,7 @@ void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint
     add(digest, (int32_t)out->mode);
     add_flag(digest, out->stop_lamp);
     add_flag(digest, out->standstill);
-    add_setpoint(digest, &setpoint->foc);
-    add(digest, (int32_t)setpoint->monitor.safe_bridge);
-    add_flag(digest, setpoint->monitor.clear_trip);
-    add(digest, (int32_t)setpoint->torque_enable.bridge);
-    add(digest, setpoint->torque_enable.drive_q15);
-    add(digest, setpoint->torque_enable.brake_q15);
-    add(digest, (int32_t)setpoint->torque_enable.reason);
-    add(digest, setpoint->slow_step_count);
+    add_setpoint(digest, setpoint);
 }
 
 uint32_t digest_end(const digest_t *digest)

@@ -17,8 +17,8 @@ typedef struct {
 
 void digest_begin(digest_t *digest);
 
-/* What a fast step hands to the bridge and to the slow loop. */
-void digest_fast(digest_t *digest, const fast_output_t *out, const fast_report_t *report);
+/* What a fast step hands to the bridge, its latest period, and what it would report. */
+void digest_fast(digest_t *digest, const fast_output_t *out, const controller_fast_t *fast);
 
 /* What a slow step hands to the vehicle and to the fast loop. */
 void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint_t *setpoint);

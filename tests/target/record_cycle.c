@@ -23,7 +23,6 @@ typedef struct {
     const config_t *config;
     controller_t controller;
     fast_setpoint_t setpoint;
-    fast_report_t report;
     fast_output_t next;
     digest_t digest;
     uint32_t mode_steps[PRINT_MODES];
@@ -44,8 +43,8 @@ static fast_output_t period(void *context, const fast_input_t *in)
     const cycle_fast_t kept = cycle_of_fast(in);
     TEST_ASSERT_EQUAL_INT(1, fwrite(&kept, sizeof kept, 1, r->file));
     const fast_output_t active = r->next;
-    r->next = controller_fast_step(&r->controller.fast, r->config, &r->setpoint, in, &r->report);
-    digest_fast(&r->digest, &r->next, &r->report);
+    r->next = controller_fast_step(&r->controller.fast, r->config, &r->setpoint, in);
+    digest_fast(&r->digest, &r->next, &r->controller.fast);
     return active;
 }
 
@@ -54,8 +53,10 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     recorded_t *r = context;
     const cycle_slow_t kept = cycle_of_slow(in);
     TEST_ASSERT_EQUAL_INT(1, fwrite(&kept, sizeof kept, 1, r->file));
+    fast_report_t report;
+    controller_fast_report(&r->controller.fast, &report);
     const slow_output_t out =
-        controller_slow_step(&r->controller.slow, r->config, &r->report, in, &r->setpoint);
+        controller_slow_step(&r->controller.slow, r->config, &report, in, &r->setpoint);
     digest_slow(&r->digest, &out, &r->setpoint);
     r->mode_steps[out.mode]++;
     return out;
@@ -104,7 +105,6 @@ static void test_the_cycle_is_driven_and_kept(void)
     recorded.config = &config;
     controller_init(&recorded.controller, &config);
     recorded.setpoint = controller_initial_setpoint(&config);
-    recorded.report = controller_initial_report(&config);
     recorded.next.bridge = BRIDGE_OFF;
     digest_begin(&recorded.digest);
     recorded.file = fopen(CYCLE_FILE, "wb");

@@ -73,7 +73,6 @@ int main(void)
     }
     controller_init(&controller, &CONFIG_LU2013);
     fast_setpoint_t setpoint = controller_initial_setpoint(&CONFIG_LU2013);
-    fast_report_t report = controller_initial_report(&CONFIG_LU2013);
     digest_begin(&digest);
     for (const void *unit = source_next(&source); unit != NULL; unit = source_next(&source)) {
         cycle_fast_t fast;
@@ -81,8 +80,8 @@ int main(void)
         if (!cycle_is_slow(&fast)) {
             const fast_input_t in = cycle_fast_input(&fast);
             const fast_output_t out =
-                controller_fast_step(&controller.fast, &CONFIG_LU2013, &setpoint, &in, &report);
-            digest_fast(&digest, &out, &report);
+                controller_fast_step(&controller.fast, &CONFIG_LU2013, &setpoint, &in);
+            digest_fast(&digest, &out, &controller.fast);
             continue;
         }
         cycle_slow_t slow;
@@ -94,6 +93,8 @@ int main(void)
         }
         memcpy((unsigned char *)&slow + CYCLE_UNIT_BYTES, unit, CYCLE_UNIT_BYTES);
         const slow_input_t in = cycle_slow_input(&slow);
+        fast_report_t report;
+        controller_fast_report(&controller.fast, &report);
         const slow_output_t out =
             controller_slow_step(&controller.slow, &CONFIG_LU2013, &report, &in, &setpoint);
         digest_slow(&digest, &out, &setpoint);

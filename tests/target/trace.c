@@ -197,10 +197,10 @@ static const story_t STORIES[] = {
 
 static void force(wheel_t *wheel, fast_setpoint_t *command)
 {
-    command->torque_enable.bridge = BRIDGE_PWM;
-    command->monitor.clear_trip = true;
-    command->foc.i_reference_pu.d = (int16_t)((int32_t)wheel_random(wheel) - 32768);
-    command->foc.i_reference_pu.q = (int16_t)((int32_t)wheel_random(wheel) - 32768);
+    command->torque_enabled = true;
+    command->clear_trip = true;
+    command->i_reference_pu.d = (int16_t)((int32_t)wheel_random(wheel) - 32768);
+    command->i_reference_pu.q = (int16_t)((int32_t)wheel_random(wheel) - 32768);
 }
 
 static uint32_t tell(const story_t *story, uint32_t mode_steps[PRINT_MODES])
@@ -211,7 +211,6 @@ static uint32_t tell(const story_t *story, uint32_t mode_steps[PRINT_MODES])
     story->configure(&config);
     controller_init(&controller, &config);
     fast_setpoint_t fast_setpoint = controller_initial_setpoint(&config);
-    fast_report_t fast_report = controller_initial_report(&config);
     wheel_t wheel = {.random = 2013, .bus_code = 3500, .noise_codes = 6};
     slow_input_t slow_in = {.config_accepted = true, .selftest_passed = true};
     digest_t digest;
@@ -222,11 +221,13 @@ static uint32_t tell(const story_t *story, uint32_t mode_steps[PRINT_MODES])
             story->disturb(&wheel, &in);
         }
         const fast_output_t out =
-            controller_fast_step(&controller.fast, &config, &fast_setpoint, &in, &fast_report);
-        digest_fast(&digest, &out, &fast_report);
+            controller_fast_step(&controller.fast, &config, &fast_setpoint, &in);
+        digest_fast(&digest, &out, &controller.fast);
         wheel_step(&wheel, &config, &out);
         if (step % FAST_A_SLOW_STEP == 0) {
             story->world(&wheel, &slow_in, step / FAST_A_SLOW_STEP);
+            fast_report_t fast_report;
+            controller_fast_report(&controller.fast, &fast_report);
             const slow_output_t slow = controller_slow_step(&controller.slow, &config, &fast_report,
                                                             &slow_in, &fast_setpoint);
             digest_slow(&digest, &slow, &fast_setpoint);

@@ -15,6 +15,7 @@
 
 #include "config_image.h"
 #include "controller/controller.h"
+#include "foc/modulation_index.h"
 #include "semihost.h"
 
 enum { STATES = 100000, START_STEPS = 600, SENSORS = 3, STRATEGIES = 3 };
@@ -33,6 +34,7 @@ typedef struct {
     controller_slow_t slow;
     fast_setpoint_t to_fast;
     fast_report_t to_slow;
+    int32_t v_dc_pu; /* bus voltage of every period, Q15 of the voltage base */
     slow_input_t in;
 } start_t;
 
@@ -128,13 +130,14 @@ static void draw_slow(slow_input_t *in, const config_t *config)
 }
 
 /* A wheel's speed and the bus voltage, as the fast loop reports them. */
-static void draw_point(fast_report_t *report, const config_t *config)
+static void draw_point(start_t *at)
 {
+    const config_t *config = &at->config;
     const double most_rad_s = 1.1e-3 * config->motor.max_speed_mrad_s;
     const double speed = chance(0.05) ? 0.0 : between(-most_rad_s, most_rad_s);
     const double bus_pu = bus_mV(&config->battery) / config->drive.voltage_full_scale_mV;
-    report->foc.current.rotor.speed_q32 = speed_q32(config, speed);
-    report->foc.v_dc_pu = (int32_t)(32768.0 * (bus_pu < 1.0 ? bus_pu : 1.0));
+    at->to_slow.speed_q32 = speed_q32(config, speed);
+    at->v_dc_pu = (int32_t)(32768.0 * (bus_pu < 1.0 ? bus_pu : 1.0));
 }
 
 /* Currents and voltages: half of the time what was asked for, else anything inside the circles. */
@@ -148,36 +151,39 @@ static void draw_electrical(fast_report_t *report, const config_t *config, dq_t 
     const double used = 32767.0 * (chance(0.3) ? 1.0 : share());
     const double at = between(-3.141592653589793, 3.141592653589793);
     const dq_t u = {.d = (int32_t)(used * cos(at)), .q = (int32_t)(used * sin(at))};
-    foc_report_t *foc = &report->foc;
-    foc->current.i_pu = dq16_of(i);
-    foc->current.voltage.applied = dq16_of(u);
-    foc->current.voltage.unsaturated_d = u.d;
-    foc->current.voltage.unsaturated_q = chance(0.2) ? 2 * u.q : u.q;
-    foc->current.current_sum_pu = (int32_t)between(-100.0, 100.0);
-    foc->i_d_weakening_pu =
+    const int32_t unsaturated_q = chance(0.2) ? 2 * u.q : u.q;
+    report->i_pu = dq16_of(i);
+    report->u_pu = dq16_of(u);
+    report->voltage_use_q15 = modulation_index_square_q15(u.d, unsaturated_q);
+    report->voltage_limited = unsaturated_q != u.q;
+    report->current_sum_pu = (int32_t)between(-100.0, 100.0);
+    report->i_d_weakening_pu =
         chance(0.5) ? 0 : (int32_t)(-share() * config->current_loop.field_weakening_current_pu_q15);
-    foc->current.rotor.valid = !chance(0.02);
-    foc->current.rotor.faults = (uint16_t)(foc->current.rotor.faults + (chance(0.002) ? 1 : 0));
+    report->rotor_valid = !chance(0.02);
+    report->rotor_faults = (uint16_t)(report->rotor_faults + (chance(0.002) ? 1 : 0));
 }
 
 /* A millisecond of periods with the report's present values. */
-static void add_periods(fast_report_t *report, const config_t *config)
+static void add_periods(start_t *at)
 {
-    foc_report_t *foc = &report->foc;
+    fast_report_t *report = &at->to_slow;
     const uint32_t periods =
-        (uint32_t)(config->drive.pwm_frequency_Hz / 1000) + (uint32_t)(chance(0.1) ? 1 : 0);
-    const dq_t i = dq_of(foc->current.i_pu);
-    const dq_t u = dq_of(foc->current.voltage.applied);
-    foc->step_count += periods;
-    foc->sums.i_d_pu += periods * (uint32_t)i.d;
-    foc->sums.i_q_pu += periods * (uint32_t)i.q;
-    foc->sums.power_pu += periods * (uint32_t)((u.d * i.d + u.q * i.q) >> 15);
-    foc->sums.v_dc_pu += periods * (uint32_t)foc->v_dc_pu;
+        (uint32_t)(at->config.drive.pwm_frequency_Hz / 1000) + (uint32_t)(chance(0.1) ? 1 : 0);
+    const dq_t i = dq_of(report->i_pu);
+    const dq_t u = dq_of(report->u_pu);
+    report->sequence = (uint16_t)(report->sequence + periods);
+    report->sums.i_d_pu += periods * (uint32_t)i.d;
+    report->sums.i_q_pu += periods * (uint32_t)i.q;
+    report->sums.power_pu += periods * (uint32_t)((u.d * i.d + u.q * i.q) >> 15);
+    report->sums.v_dc_pu += periods * (uint32_t)at->v_dc_pu;
 }
 
 static slow_output_t step(start_t *at)
 {
-    return controller_slow_step(&at->slow, &at->config, &at->to_slow, &at->in, &at->to_fast);
+    const slow_output_t out =
+        controller_slow_step(&at->slow, &at->config, &at->to_slow, &at->in, &at->to_fast);
+    at->to_slow.bridge = at->to_fast.torque_enabled ? BRIDGE_PWM : at->to_fast.safe_bridge;
+    return out;
 }
 
 /* Calm at the battery's middle, switched on: through self-test and calibration into RUN. */
@@ -190,9 +196,12 @@ static modes_mode_t start_with(start_t *start, int32_t sensor)
     controller_init(&whole, config);
     start->slow = whole.slow;
     start->to_fast = controller_initial_setpoint(config);
-    start->to_slow = controller_initial_report(config);
-    start->to_slow.foc.offsets_done = true;
-    start->to_slow.foc.current.rotor.valid = true;
+    controller_fast_report(&whole.fast, &start->to_slow);
+    start->to_slow.offsets_done = true;
+    start->to_slow.rotor_valid = true;
+    start->v_dc_pu =
+        (int32_t)(16384.0 * (config->battery.min_voltage_mV + config->battery.max_voltage_mV) /
+                  config->drive.voltage_full_scale_mV);
     const slow_input_t calm = {
         .bms_charge_current_mA = INT32_MAX,
         .bms_discharge_current_mA = INT32_MAX,
@@ -205,7 +214,7 @@ static modes_mode_t start_with(start_t *start, int32_t sensor)
     start->in = calm;
     slow_output_t out = {.mode = MODE_BOOT};
     for (int ms = 0; ms < START_STEPS; ms++) {
-        add_periods(&start->to_slow, config);
+        add_periods(start);
         out = step(start);
     }
     return out.mode;
@@ -235,7 +244,7 @@ static void print_number(const char *name, int32_t value)
 static void show(const slow_output_t *out)
 {
     const slow_input_t *in = &now.in;
-    const foc_report_t *foc = &now.to_slow.foc;
+    const fast_report_t *report = &now.to_slow;
     print_number("speed_mrad_s", out->speed_mrad_s);
     print_number("bus_voltage_mV", out->bus_voltage_mV);
     print_number("drive_torque_mNm", in->drive_torque_mNm);
@@ -247,10 +256,10 @@ static void show(const slow_output_t *out)
     print_number("switch_temperature_cC", in->switch_temperature_cC);
     print_number("enable", in->enable);
     print_number("abs_active", in->abs_active);
-    print_number("rotor_valid", foc->current.rotor.valid);
+    print_number("rotor_valid", report->rotor_valid);
     print_number("i_d_mA", out->i_d_mA);
     print_number("i_q_mA", out->i_q_mA);
-    print_number("i_d_weakening_pu", foc->i_d_weakening_pu);
+    print_number("i_d_weakening_pu", report->i_d_weakening_pu);
     print_number("strategy", now.config.brake.strategy);
     print_number("sensor", now.config.rotor.sensor);
     print_number("mode", (int32_t)out->mode);
@@ -288,11 +297,11 @@ int main(void)
             begin_anew();
         }
         if (anew || chance(0.5)) {
-            draw_point(&now.to_slow, &now.config);
+            draw_point(&now);
             draw_slow(&now.in, &now.config);
         }
-        draw_electrical(&now.to_slow, &now.config, now.to_fast.foc.i_reference_pu);
-        add_periods(&now.to_slow, &now.config);
+        draw_electrical(&now.to_slow, &now.config, now.to_fast.i_reference_pu);
+        add_periods(&now);
         out = step(&now);
         running += out.mode == MODE_RUN || out.mode == MODE_LIMP ? 1U : 0U;
         if (n == shown) {

@@ -68,7 +68,6 @@ int main(void)
     static controller_t controller;
     controller_init(&controller, config);
     fast_setpoint_t fast_setpoint = controller_initial_setpoint(config);
-    fast_report_t fast_report = controller_initial_report(config);
     motor_t motor = {.random = 1};
     fast_output_t active = {.bridge = BRIDGE_OFF};
     uint32_t random = 7;
@@ -83,10 +82,12 @@ int main(void)
         for (int i = 0; i < fast; i++) {
             const fast_input_t in = motor_sample(&motor, config, bus_V);
             const fast_output_t next =
-                controller_fast_step(&controller.fast, config, &fast_setpoint, &in, &fast_report);
+                controller_fast_step(&controller.fast, config, &fast_setpoint, &in);
             motor_step(&motor, config, &active, bus_V, w_rad_s);
             active = next;
         }
+        fast_report_t fast_report;
+        controller_fast_report(&controller.fast, &fast_report);
         const slow_input_t in = input_at(config, ms, &random);
         const slow_output_t out =
             controller_slow_step(&controller.slow, config, &fast_report, &in, &fast_setpoint);

@@ -15,10 +15,10 @@
  * either direction.
  *
  * Low to high: the low side fills its buffer completely, then double_buffer_swap(). High to low:
- * the high side fills its buffer completely at every run and says double_buffer_mark(); the low
- * side calls double_buffer_take() and then reads its buffer. If the high side runs between the two
- * stores of take(), its mark is lost and that value is seen one run later; a value is never seen
- * twice as new, and the values seen never go backwards in time.
+ * the high side fills its buffer completely, whenever it has something new, and then calls
+ * double_buffer_mark(); the low side calls double_buffer_take() and then reads its buffer. If the
+ * high side runs between the two stores of take(), its mark is lost and that value is seen one run
+ * later; a value is never seen twice as new, and the values seen never go backwards in time.
  *
  * Memory order: a core observes its own accesses in program order, also across interrupt entry and
  * return, so no barrier instruction is needed; only the compiler must not move buffer accesses

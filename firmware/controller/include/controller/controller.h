@@ -4,15 +4,17 @@
  *
  * The microcontroller, the bench, the FMU and the Python API all drive this and nothing below it:
  *
- *     controller_init(&c, config)                       once, with a configuration
- * config_validate() accepted controller_fast_step(&c.fast, config, ...)        once per PWM period,
- * from the ADC interrupt controller_slow_step(&c.slow, config, ...)        once per millisecond,
- * from a lower-priority context
+ *     controller_init()          once, with a configuration that config_validate() accepted
  *
- * Between the two loops lies exactly one structure each way, fast_setpoint_t and fast_report_t.
- * Whoever calls the steps carries them across (app/ through double buffers, the bench by
- * assignment). Nothing here reads a clock, touches hardware or allocates; equal inputs give equal
- * outputs, bit for bit, on every machine.
+ *     controller_fast_step()     once per PWM period, from the ADC interrupt
+ *
+ *     controller_fast_report()   there too, in the last period before a slow step
+ *
+ *     controller_slow_step()     once per millisecond, from a lower-priority context
+ *
+ * Between the two loops lies exactly one message each way (foc/exchange.h): fast_setpoint_t and
+ * fast_report_t. Whoever calls the steps carries them across. Nothing here reads a clock, touches
+ * hardware or allocates; equal inputs give equal outputs, bit for bit, on every machine.
  *
  * Timing the caller must provide: the ADC samples in the middle of the low-side interval (top of
  * the centre-aligned count); compare values returned by a step become effective at the next update,
@@ -31,9 +33,11 @@
 #include "config/config.h"
 #include "core/reason.h"
 #include "core/torque_enable.h"
+#include "foc/exchange.h"
 #include "foc/foc.h"
 #include "foc/mean_values.h"
 #include "foc/sampling_correction.h"
+#include "foc/tuning.h"
 #include "modes/modes.h"
 #include "monitor/monitor.h"
 #include "torque/torque.h"
@@ -93,24 +97,10 @@ typedef struct {
                       for */
 } slow_output_t;
 
-/* Slow to fast: setpoint, torque enable, and everything that would cost the fast loop a division.
- */
-typedef struct {
-    foc_setpoint_t foc;
-    monitor_command_t monitor;
-    torque_enable_t torque_enable;
-    uint16_t slow_step_count;
-} fast_setpoint_t;
-
-/* Fast to slow: what really happened. */
-typedef struct {
-    foc_report_t foc;
-    monitor_fast_report_t monitor;
-} fast_report_t;
-
 typedef struct {
     foc_state_t foc;
     monitor_fast_state_t monitor;
+    bridge_mode_t bridge; /* commanded in the latest period */
 } controller_fast_t;
 
 typedef struct {
@@ -121,7 +111,6 @@ typedef struct {
     modes_state_t modes;
     int32_t last_command_mNm;
     int32_t last_estimate_mNm;
-    bridge_mode_t bridge; /* permitted in the last step */
     uint16_t step_count;
 } controller_slow_t;
 
@@ -132,20 +121,20 @@ typedef struct {
 
 void controller_init(controller_t *controller, const config_t *config);
 
-/* The structures a side may act on before the other side has stepped for the first time: bridge
- * off, no torque. */
+/* For use before the first slow step: no torque, bridge off. */
 fast_setpoint_t controller_initial_setpoint(const config_t *config);
-fast_report_t controller_initial_report(const config_t *config);
 
-/* to_slow: one structure for the whole life of the controller, from
- * controller_initial_report(). It carries running sums, and fields that seldom change are
- * only written when they do; the other side may be given a copy. */
+/* Once per PWM period. */
 fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config,
-                                   const fast_setpoint_t *from_slow, const fast_input_t *in,
-                                   fast_report_t *to_slow);
+                                   const fast_setpoint_t *setpoint, const fast_input_t *in);
 
+/* What the fast loop did, after its latest step. In the context of controller_fast_step(), in the
+ * last period before each slow step. */
+void controller_fast_report(const controller_fast_t *fast, fast_report_t *report);
+
+/* Once per millisecond. */
 slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config,
-                                   const fast_report_t *from_fast, const slow_input_t *in,
-                                   fast_setpoint_t *to_fast);
+                                   const fast_report_t *report, const slow_input_t *in,
+                                   fast_setpoint_t *setpoint);
 
 #endif

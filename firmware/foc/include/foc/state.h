@@ -14,9 +14,7 @@
 #include "core/circle.h"
 #include "core/frames.h"
 #include "core/pi.h"
-#include "foc/tuning.h"
-
-enum { SENSE_PHASES = 3, SENSE_CODE_MID = 2048 /* zero current, 12 bit */ };
+#include "foc/exchange.h"
 
 /* sense.h */
 typedef struct {
@@ -152,14 +150,44 @@ typedef struct {
     sense_state_t sense;
 } foc_current_state_t;
 
+/* Rotor estimate at the sample. */
 typedef struct {
+    uint16_t theta_turn; /* electrical, 65 536 = one turn */
+    int32_t speed_q32;   /* electrical turns per PWM period, forward positive */
+    int32_t age_periods; /* since the last hall edge or count, 0 .. 65 535; 0: absolute angle */
+    uint16_t faults;     /* wrapping count of readings that a healthy sensor cannot give */
+    bool valid;          /* the angle may be used for torque; the speed is that of the angle */
+} rotor_out_t;
+
+/* Voltage of one period in modulation units, Q15. */
+typedef struct {
+    int32_t unsaturated_d, unsaturated_q; /* before the voltage circle, |.| < 50 */
+    dq16_t applied;                       /* inside the unit circle */
+} voltage_out_t;
+
+/* One period: what was measured and what was done. */
+typedef struct {
+    rotor_out_t rotor;
+    dq_t i_reference_pu; /* prefiltered, inside the current circle */
+    dq16_t i_pu;         /* sampled current, Q15 of the current base; components saturate at 1 */
+    voltage_out_t voltage;
+    int32_t current_sum_pu; /* of the three readings */
+    int32_t v_dc_pu;        /* Q15 of the voltage base */
+} foc_period_t;
+
+typedef struct {
+    foc_period_t period; /* the latest */
     rotor_state_t rotor;
     foc_current_state_t current;
     circle_t current_circle;
     reference_prefilter_t prefilter;
     field_weakening_t weakening;
-    int32_t sequence;  /* of the setpoint in use, or FOC_NO_SETPOINT */
-    uint32_t quadrant; /* of the current vector with the bridge off, 0 .. 3 */
+    foc_sums_t sums;
+    uint32_t step_count;           /* periods since the start, wrapping */
+    int32_t sequence;              /* of the setpoint in use, or FOC_NO_SETPOINT */
+    uint32_t quadrant;             /* of the current vector with the bridge off, 0 .. 3 */
+    uint16_t quadrant_transitions; /* wrapping; forward counts up */
+    uint16_t quadrant_step;        /* step_count at the latest of them */
     bool calibrating;
     bool postponed; /* a new setpoint waited for a period with a hall edge */
 } foc_state_t;

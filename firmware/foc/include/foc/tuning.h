@@ -12,22 +12,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "core/angle.h"
-#include "core/pi.h"
-
-typedef struct {
-    pi_gains_t d, q;
-    int32_t w_l_d_q10, w_l_q_q10; /* decoupling: w L I_base, sign of speed, |.| < 16 */
-    int32_t forward_d_q25;        /* feed-forward: zero */
-    int32_t forward_q_q25;        /* feed-forward: back-EMF w psi, sign of speed, |.| <= 8 */
-    rotation_t advance;           /* electrical angle of 1.5 periods */
-} current_tuning_t;
-
-/* Slope of the dead-time correction over the current: 1 and sqrt(3)/2 over the zone around zero
- * current, 0 .. 65 000. */
-typedef struct {
-    int32_t alpha_q8, beta_q8;
-} dead_time_slope_t;
+#include "foc/exchange.h"
 
 /*
  * modulation_limit_q15: foc_modulation_limit_q15(). v_dc_pu: Q15 of the voltage base; values below

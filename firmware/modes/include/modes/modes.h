@@ -17,6 +17,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/bridge.h"
 #include "core/reason.h"
 #include "core/torque_enable.h"
 
@@ -52,8 +53,9 @@ typedef struct {
     bool fault_reset;
     bool warning; /* monitor: an error that does not forbid braking */
     reason_t warning_reason;
-    reason_t fault;            /* monitor: REASON_NONE or a fault code */
-    bridge_mode_t safe_bridge; /* the monitor's safe state, for modes without PWM */
+    reason_t fault; /* monitor: REASON_NONE or a fault code */
+    bridge_mode_t
+        safe_bridge; /* the monitor's safe state: offsets are averaged in freewheel only */
 } modes_input_t;
 
 typedef struct {

@@ -17,9 +17,9 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/bridge.h"
 #include "core/frames.h"
 #include "core/reason.h"
-#include "core/torque_enable.h"
 #include "monitor/monitor_emf.h"
 #include "monitor/monitor_speed.h"
 
@@ -48,21 +48,13 @@ typedef struct {
 } monitor_fast_state_t;
 
 typedef struct {
-    bridge_mode_t safe_bridge; /* monitor_safe_bridge() for the present speed bound and voltage */
-    bool clear_trip;           /* the fault has been acknowledged */
-} monitor_command_t;
-
-typedef struct {
     dq16_t i_pu;     /* Q15 of the current base, components saturated */
     int32_t v_dc_pu; /* Q15 of the voltage base */
     bool power_stage_fault;
-    bool switching; /* the bridge is in PWM mode */
+    bool switching;  /* torque is enabled: slow steps must come */
+    bool clear_trip; /* the fault has been acknowledged */
     uint16_t slow_step_count;
 } monitor_fast_input_t;
-
-typedef struct {
-    reason_t trip; /* latched, REASON_NONE when healthy */
-} monitor_fast_report_t;
 
 void monitor_fast_init(monitor_fast_state_t *state, const config_t *config);
 
@@ -105,8 +97,7 @@ typedef struct {
     uint16_t current_quarters;   /* quadrant transitions of the current vector while not switching,
                                     wrapping */
     uint16_t quarter_step;       /* fast_step_count at the latest of them */
-    bridge_mode_t bridge;        /* actual mode since the last step */
-    bool switching;              /* the enable permitted PWM */
+    bridge_mode_t bridge;        /* what the bridge does */
 } monitor_slow_input_t;
 
 typedef struct {

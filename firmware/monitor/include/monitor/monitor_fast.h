@@ -42,12 +42,11 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
 
 /* The trip, latched; REASON_NONE when healthy. */
 static inline reason_t monitor_fast_step(monitor_fast_state_t *state,
-                                         const monitor_command_t *command,
                                          const monitor_fast_input_t *in)
 {
     /* Without a trip the counters advance; with one they rest, so they cannot run over. */
     if (state->trip != REASON_NONE) {
-        if (!command->clear_trip) {
+        if (!in->clear_trip) {
             return state->trip;
         }
         state->trip = REASON_NONE;

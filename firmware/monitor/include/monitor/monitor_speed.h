@@ -19,7 +19,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "core/torque_enable.h"
+#include "core/bridge.h"
 
 /* A measurement ends after so many quadrant transitions or ms: its resolution, not a limit. */
 enum { MONITOR_SPEED_WINDOW_QUARTERS = 16, MONITOR_SPEED_WINDOW_STEPS = 100 };

@@ -67,7 +67,6 @@ typedef struct {
     /* The firmware. */
     controller_t controller;
     fast_setpoint_t to_fast;
-    fast_report_t to_slow;
     slow_output_t slow;
     fast_output_t active;             /* what the bridge does in this period */
     fast_output_t next;               /* from the next one on */

@@ -17,7 +17,6 @@ typedef struct {
     config_t config;
     controller_t controller;
     fast_setpoint_t to_fast;
-    fast_report_t to_slow;
 } joined_t;
 
 /* config: accepted by config_validate(). */

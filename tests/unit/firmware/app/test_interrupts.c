@@ -329,6 +329,27 @@ void test_watchdog_is_not_fed_when_either_loop_stops(void)
     TEST_ASSERT_EQUAL_INT(0, board.feedings);
 }
 
+/* In whatever period it happens: the slow step's report is never older than the latest period. */
+void test_next_slow_step_reports_a_trip_of_the_latest_period(void)
+{
+    const int fast = board.config.drive.pwm_frequency_Hz / 1000;
+    for (int early = 0; early < fast; early++) {
+        setUp();
+        app_boot();
+        milliseconds(300);
+        vehicle_sends(true, false, 50);
+        for (int k = 0; k < fast; k++) {
+            board.fault = k >= fast - 1 - early;
+            app_pwm_period_isr();
+        }
+        TEST_ASSERT_NOT_EQUAL_INT(MODE_FAULT, mode_on_can());
+        app_millisecond_isr();
+        board.now_ms += 10; /* the state's message is due */
+        app_background();
+        TEST_ASSERT_EQUAL_INT(MODE_FAULT, mode_on_can());
+    }
+}
+
 /* Otherwise the timer would continue with the last compare values until the watchdog bites. */
 void test_slow_loop_switches_the_bridge_off_4_ms_after_the_fast_loop_stops(void)
 {

@@ -111,9 +111,9 @@ void test_calibrated_offsets_are_the_codes_at_rest_and_read_as_no_current(void)
     put_codes(2148, 1948, 2198); /* 100, -100 and 150 codes off: within the tolerance of 200 */
     rig_run(&rig, 200);
     TEST_ASSERT_EQUAL_INT(MODE_READY, rig.out.mode);
-    TEST_ASSERT_EQUAL_INT32(2148 * 16, rig.to_slow.foc.offset_q4[0]);
-    TEST_ASSERT_EQUAL_INT32(1948 * 16, rig.to_slow.foc.offset_q4[1]);
-    TEST_ASSERT_EQUAL_INT32(2198 * 16, rig.to_slow.foc.offset_q4[2]);
+    TEST_ASSERT_EQUAL_INT32(2148 * 16, rig.to_slow.offset_q4[0]);
+    TEST_ASSERT_EQUAL_INT32(1948 * 16, rig.to_slow.offset_q4[1]);
+    TEST_ASSERT_EQUAL_INT32(2198 * 16, rig.to_slow.offset_q4[2]);
     TEST_ASSERT_EQUAL_INT32(0, rig.out.i_d_mA);
     TEST_ASSERT_EQUAL_INT32(0, rig.out.i_q_mA);
 }
@@ -230,8 +230,8 @@ void test_the_torque_demand_reaches_the_current_loop_as_a_per_unit_reference(voi
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT32(20000, rig.out.motor_torque_command_mNm);
     /* 20 Nm / 0.7038 Nm/A = 28.417 A of 165 A = 5643.5 in Q15 */
-    TEST_ASSERT_INT_WITHIN(5, 5643, rig.to_fast.foc.i_reference_pu.q);
-    TEST_ASSERT_EQUAL_INT(0, rig.to_fast.foc.i_reference_pu.d);
+    TEST_ASSERT_INT_WITHIN(5, 5643, rig.to_fast.i_reference_pu.q);
+    TEST_ASSERT_EQUAL_INT(0, rig.to_fast.i_reference_pu.d);
 }
 
 void test_braking_torque_the_motor_does_not_make_is_moved_to_the_hydraulic_brake(void)

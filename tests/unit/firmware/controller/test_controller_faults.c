@@ -43,6 +43,35 @@ static void assert_fault(reason_t reason)
     TEST_ASSERT_NOT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
 }
 
+void test_the_bridge_switches_with_the_enable_and_without_a_trip_and_is_safe_otherwise(void)
+{
+    static const bridge_mode_t SAFE[] = {BRIDGE_OFF, BRIDGE_SHORT};
+    for (int k = 0; k < 8; k++) {
+        const bool enabled = (k & 1) != 0;
+        const bool tripped = (k & 2) != 0;
+        rig_start_running(&rig);
+        rig.to_fast.torque_enabled = enabled;
+        rig.to_fast.safe_bridge = SAFE[k >> 2];
+        rig.fast_in.power_stage_fault = tripped;
+        rig_fast(&rig);
+        TEST_ASSERT_EQUAL_INT(enabled && !tripped ? BRIDGE_PWM : SAFE[k >> 2], rig.pwm.bridge);
+        TEST_ASSERT_EQUAL_INT(rig.pwm.bridge, rig.to_slow.bridge);
+    }
+}
+
+void test_a_rolling_wheel_too_fast_for_freewheel_is_shorted_in_every_mode_without_torque(void)
+{
+    rig_start(&rig);
+    rig_set_speed_rpm(&rig, 1.2 * rig.config.motor.max_speed_mrad_s * 60e-3 / 6.2832);
+    rig.slow_in.selftest_passed = false; /* SELFTEST, then FAULT */
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_SELFTEST, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, rig.pwm.bridge);
+    rig_run(&rig, 2000);
+    TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, rig.pwm.bridge);
+}
+
 void test_an_over_current_stops_the_bridge_in_the_period_that_confirms_it(void)
 {
     put_over_current();
@@ -53,7 +82,7 @@ void test_an_over_current_stops_the_bridge_in_the_period_that_confirms_it(void)
     put_codes(2048, 2048, 2048);
     rig_fast(&rig);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
-    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, rig.to_slow.monitor.trip);
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, rig.to_slow.trip);
 }
 
 void test_after_a_trip_the_current_loop_rests_even_before_the_slow_reach_has_noticed(void)
@@ -62,7 +91,7 @@ void test_after_a_trip_the_current_loop_rests_even_before_the_slow_reach_has_not
     rig_fast(&rig);
     rig_fast(&rig);
     rig_fast(&rig);
-    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.to_fast.torque_enable.bridge);
+    TEST_ASSERT_TRUE(rig.to_fast.torque_enabled);
     for (int x = 0; x < 3; x++) {
         TEST_ASSERT_EQUAL_UINT16(rig.config.drive.pwm_period_counts / 2, rig.pwm.compare_counts[x]);
     }
@@ -223,13 +252,13 @@ void test_an_acknowledged_trip_is_forgotten_by_both_reaches_and_the_sensors_are_
     rig_run(&rig, 3);
     TEST_ASSERT_NOT_EQUAL_INT(MODE_FAULT, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
-    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.to_slow.monitor.trip);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.to_slow.trip);
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode); /* still enabled */
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
-    TEST_ASSERT_EQUAL_INT32(2060 * 16, rig.to_slow.foc.offset_q4[0]);
-    TEST_ASSERT_EQUAL_INT32(2050 * 16, rig.to_slow.foc.offset_q4[1]);
-    TEST_ASSERT_EQUAL_INT32(2040 * 16, rig.to_slow.foc.offset_q4[2]);
+    TEST_ASSERT_EQUAL_INT32(2060 * 16, rig.to_slow.offset_q4[0]);
+    TEST_ASSERT_EQUAL_INT32(2050 * 16, rig.to_slow.offset_q4[1]);
+    TEST_ASSERT_EQUAL_INT32(2040 * 16, rig.to_slow.offset_q4[2]);
 }
 
 void test_an_acknowledgement_while_the_wheel_turns_or_torque_is_demanded_does_nothing(void)

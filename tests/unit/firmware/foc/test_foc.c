@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "field_weakening.h"
-#include "foc/mean_values.h"
 #include "sense.h"
 
 #include "foc_rig.h"
@@ -17,14 +16,6 @@ void setUp(void)
 }
 
 void tearDown(void) {}
-
-/* What the slow loop makes of the report when it holds `steps` steps. */
-static mean_values_t summed_up(uint16_t steps)
-{
-    mean_values_state_t summary;
-    mean_values_init(&summary, 0);
-    return mean_values_step(&summary, &report, steps);
-}
 
 /* Phase currents of a rotor-frame current, as codes. */
 static void set_current(double d_pu, double q_pu, uint16_t theta_turn)
@@ -57,7 +48,7 @@ void test_without_run_the_legs_are_centred_and_nothing_is_integrated(void)
     }
     TEST_ASSERT_EQUAL_INT32(0, foc.current.controller.d.integrator_q30);
     TEST_ASSERT_EQUAL_INT32(0, foc.current.controller.q.integrator_q30);
-    TEST_ASSERT_EQUAL_INT32(0, dq_of(report.current.voltage.applied).q);
+    TEST_ASSERT_EQUAL_INT32(0, dq_of(period->voltage.applied).q);
 }
 
 void test_currents_are_measured_with_and_without_run_in_the_rotor_frame(void)
@@ -70,8 +61,8 @@ void test_currents_are_measured_with_and_without_run_in_the_rotor_frame(void)
             step(run != 0);
             /* Half a code of 16 LSB in each of two phases reaches dq amplified by at most 2/sqrt 3
              * * sqrt 3. */
-            TEST_ASSERT_DOUBLE_WITHIN(20.0, -0.1 * 32768.0, dq_of(report.current.i_pu).d);
-            TEST_ASSERT_DOUBLE_WITHIN(20.0, 0.25 * 32768.0, dq_of(report.current.i_pu).q);
+            TEST_ASSERT_DOUBLE_WITHIN(20.0, -0.1 * 32768.0, dq_of(period->i_pu).d);
+            TEST_ASSERT_DOUBLE_WITHIN(20.0, 0.25 * 32768.0, dq_of(period->i_pu).q);
         }
     }
 }
@@ -95,7 +86,7 @@ void test_quarter_turns_of_the_current_are_counted_while_the_bridge_rests(void)
     turn_current(8 * 5, 1, false);
     TEST_ASSERT_EQUAL_UINT16(before + 20, report.quadrant_transitions);
     /* The vector has just come into the first quarter, or one period ago. */
-    TEST_ASSERT_UINT32_WITHIN(1, report.step_count, report.quadrant_step);
+    TEST_ASSERT_UINT32_WITHIN(1, report.sequence, report.quadrant_step);
     turn_current(8 * 7, -1, false);
     TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.quadrant_transitions);
     const uint16_t step_before = report.quadrant_step;
@@ -195,7 +186,7 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
         TEST_ASSERT_TRUE(weakening_pu <= 0 && weakening_pu >= -6000);
     }
     TEST_ASSERT_EQUAL_INT32(-6000, field_weakening_current_pu(&foc.weakening));
-    TEST_ASSERT_TRUE(summed_up(1).voltage_limited);
+    TEST_ASSERT_TRUE(report.voltage_limited);
     TEST_ASSERT_EQUAL_INT32(-6000, report.i_d_weakening_pu);
     step(false);
     TEST_ASSERT_EQUAL_INT32(0, report.i_d_weakening_pu);
@@ -214,7 +205,7 @@ void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_wi
     for (int n = 0; n < 2000; n++) {
         step(true);
     }
-    TEST_ASSERT_EQUAL_INT32(-6000, report.current.i_reference_pu.d);
+    TEST_ASSERT_EQUAL_INT32(-6000, period->i_reference_pu.d);
     setpoint.tuning.forward_q_q25 = 0;
     setpoint.tuning.d.proportional_q10 =
         1; /* no current follows here, and the regulator must not ask for voltage because of it */
@@ -225,17 +216,17 @@ void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_wi
         step(true);
     }
     TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening));
-    TEST_ASSERT_EQUAL_INT32(0, report.current.i_reference_pu.d);
+    TEST_ASSERT_EQUAL_INT32(0, period->i_reference_pu.d);
 }
 
 void test_the_limit_flag_says_whether_the_circle_bit_in_this_period(void)
 {
     setpoint.tuning.forward_q_q25 = 20000 * 1024;
     step(true);
-    TEST_ASSERT_FALSE(summed_up(1).voltage_limited);
+    TEST_ASSERT_FALSE(report.voltage_limited);
     setpoint.tuning.forward_q_q25 = 33000 * 1024;
     step(true);
-    TEST_ASSERT_TRUE(summed_up(1).voltage_limited);
+    TEST_ASSERT_TRUE(report.voltage_limited);
 }
 
 void test_offsets_are_averaged_on_command_and_taken_over_once(void)
@@ -253,8 +244,8 @@ void test_offsets_are_averaged_on_command_and_taken_over_once(void)
     TEST_ASSERT_EQUAL_INT32(2040 * 16, report.offset_q4[1]);
     TEST_ASSERT_EQUAL_INT32(2049 * 16, report.offset_q4[2]);
     step(false);
-    TEST_ASSERT_EQUAL_INT32(0, dq_of(report.current.i_pu).d);
-    TEST_ASSERT_EQUAL_INT32(0, report.current.current_sum_pu);
+    TEST_ASSERT_EQUAL_INT32(0, dq_of(period->i_pu).d);
+    TEST_ASSERT_EQUAL_INT32(0, period->current_sum_pu);
     setpoint.calibrate_offsets = false;
     step(false);
     setpoint.calibrate_offsets = true; /* a new setpoint starts anew */
@@ -283,33 +274,33 @@ void test_the_power_report_is_voltage_times_current(void)
     setpoint.tuning.d.integral_q15 = 0; /* no drift from the half code of rounding */
     setpoint.tuning.q.integral_q15 = 0;
     step(true);
-    const dq_t u = dq_of(report.current.voltage.applied);
-    const dq_t i = dq_of(report.current.i_pu);
-    /* One period, from nothing: its sum is its mean. */
+    const dq_t u = dq_of(period->voltage.applied);
+    const dq_t i = dq_of(period->i_pu);
+    /* One period: the sums are its values. */
     TEST_ASSERT_DOUBLE_WITHIN(1.0, (u.d * (double)i.d + u.q * (double)i.q) / 32768.0,
-                              summed_up(1).power_pu);
-    TEST_ASSERT_EQUAL_INT32(i.q, summed_up(1).i_pu.q);
-    TEST_ASSERT_EQUAL_INT32(in.bus_voltage_code * 8, summed_up(1).v_dc_pu);
+                              (int32_t)report.sums.power_pu);
+    TEST_ASSERT_EQUAL_INT32(i.q, (int32_t)report.sums.i_q_pu);
+    TEST_ASSERT_EQUAL_INT32(in.bus_voltage_code * 8, (int32_t)report.sums.v_dc_pu);
 }
 
 void test_the_bus_voltage_is_eight_a_code_and_codes_beyond_twelve_bits_are_clamped(void)
 {
     in.bus_voltage_code = 1000;
     step(false);
-    TEST_ASSERT_EQUAL_INT32(8000, report.v_dc_pu);
+    TEST_ASSERT_EQUAL_INT32(8000, period->v_dc_pu);
     in.bus_voltage_code = 65535;
     step(false);
-    TEST_ASSERT_EQUAL_INT32(4095 * 8, report.v_dc_pu);
+    TEST_ASSERT_EQUAL_INT32(4095 * 8, period->v_dc_pu);
 }
 
 void test_a_current_converter_at_its_end_is_reported(void)
 {
     step(true);
-    TEST_ASSERT_FALSE(summed_up(1).adc_saturated);
+    TEST_ASSERT_FALSE(report.adc_saturated);
     codes[0] = 4095;
     codes[1] = 0;
     step(true);
-    TEST_ASSERT_TRUE(summed_up(2).adc_saturated);
+    TEST_ASSERT_TRUE(report.adc_saturated);
 }
 
 void test_two_controllers_in_one_process_do_not_know_of_each_other(void)
@@ -317,9 +308,7 @@ void test_two_controllers_in_one_process_do_not_know_of_each_other(void)
     foc_state_t alone = foc;
     foc_state_t other;
     foc_init(&other, &config);
-    foc_report_t report_alone = report;
-    foc_report_t report_other = report;
-    foc_setpoint_t stir = setpoint;
+    fast_setpoint_t stir = setpoint;
     stir.i_reference_pu.q = -7000;
     setpoint.i_reference_pu.q = 2000;
     const foc_input_t others_in = {.phase_current_code = {1000, 3000, 2500},
@@ -328,15 +317,15 @@ void test_two_controllers_in_one_process_do_not_know_of_each_other(void)
                                    .hall_state = 3};
     for (int n = 0; n < 100; n++) {
         in.rotor_angle_turn = (uint16_t)(in.rotor_angle_turn + 500U);
-        foc_step(&alone, &setpoint, &in, &report_alone, &config);
+        foc_step(&alone, &config, &setpoint, &in);
     }
     in.rotor_angle_turn = 0;
     for (int n = 0; n < 100; n++) {
         in.rotor_angle_turn = (uint16_t)(in.rotor_angle_turn + 500U);
-        foc_step(&other, &stir, &others_in, &report_other, &config);
+        foc_step(&other, &config, &stir, &others_in);
         step(true);
     }
     TEST_ASSERT_EQUAL_INT32_ARRAY(alone.current.on_q16, foc.current.on_q16, 3);
-    TEST_ASSERT_EQUAL_UINT32(report_alone.sums.power_pu, report.sums.power_pu);
-    TEST_ASSERT_EQUAL_INT32(report_alone.current.rotor.speed_q32, report.current.rotor.speed_q32);
+    TEST_ASSERT_EQUAL_UINT32(alone.sums.power_pu, report.sums.power_pu);
+    TEST_ASSERT_EQUAL_INT32(alone.period.rotor.speed_q32, foc.period.rotor.speed_q32);
 }

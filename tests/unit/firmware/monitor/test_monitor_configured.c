@@ -11,7 +11,6 @@ static const monitor_slow_input_t HEALTHY = {
     .switch_temperature_cC = 2500,
     .offset_q4 = {2048 * 16, 2048 * 16, 2048 * 16},
     .bridge = BRIDGE_PWM,
-    .switching = true,
 };
 
 void setUp(void)
@@ -169,17 +168,16 @@ void test_an_over_current_trips_after_the_configured_periods_in_a_row(void)
         config.monitor.overcurrent_periods = most[k];
         monitor_fast_state_t fast;
         monitor_fast_init(&fast, &config);
-        const monitor_command_t command = {.safe_bridge = BRIDGE_OFF, .clear_trip = false};
         monitor_fast_input_t seen = {.v_dc_pu = 28102, .switching = false};
         for (int32_t n = 0; n < 3 * most[k]; n++) { /* never so many in a row */
             const bool last = n % most[k] == most[k] - 1;
             seen.i_pu.v = q_pair(0, last ? 0 : config.monitor.overcurrent_pu_q15 + 1);
-            TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_fast_step(&fast, &command, &seen));
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_fast_step(&fast, &seen));
         }
         seen.i_pu.v = q_pair(0, config.monitor.overcurrent_pu_q15 + 1);
         for (int32_t n = 1; n < most[k]; n++) {
-            TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_fast_step(&fast, &command, &seen));
+            TEST_ASSERT_EQUAL_INT(REASON_NONE, monitor_fast_step(&fast, &seen));
         }
-        TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, monitor_fast_step(&fast, &command, &seen));
+        TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, monitor_fast_step(&fast, &seen));
     }
 }

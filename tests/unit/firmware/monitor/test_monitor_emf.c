@@ -247,7 +247,7 @@ void test_slow_monitor_reports_the_fault(void)
     const monitor_emf_input_t wrong = measured(400.0, 0.0, 10.0, 90.0, &AS_CONFIGURED);
     monitor_slow_input_t in = {
         .rotor_valid = true,
-        .switching = true,
+        .bridge = BRIDGE_PWM,
         .bus_voltage_mV = wrong.bus_voltage_mV,
         .speed_mrad_s = wrong.speed_mrad_s,
         .i_d_mA = wrong.i_d_mA,

@@ -13,7 +13,6 @@ enum {
 
 static config_t config;
 static monitor_fast_state_t state;
-static monitor_command_t command;
 static monitor_fast_input_t in;
 
 static const monitor_fast_input_t HEALTHY = {
@@ -31,8 +30,6 @@ void setUp(void)
     config.battery.overvoltage_trip_mV = 60564;
     config.drive.voltage_full_scale_mV = 61800;
     monitor_fast_init(&state, &config);
-    command.safe_bridge = BRIDGE_OFF;
-    command.clear_trip = false;
     in = HEALTHY;
 }
 
@@ -45,7 +42,7 @@ static void set_current(int32_t d, int32_t q)
 
 static reason_t step(void)
 {
-    return monitor_fast_step(&state, &command, &in);
+    return monitor_fast_step(&state, &in);
 }
 
 /* The slow loop steps every 20 periods, as it should. */
@@ -192,9 +189,9 @@ void test_acknowledgement_clears_a_trip_without_a_cause(void)
     in.power_stage_fault = true;
     step();
     in = HEALTHY;
-    command.clear_trip = true;
+    in.clear_trip = true;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
-    command.clear_trip = false;
+    in.clear_trip = false;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
 }
 
@@ -202,13 +199,13 @@ void test_acknowledgement_does_not_clear_a_trip_with_a_present_cause(void)
 {
     in.power_stage_fault = true;
     step();
-    command.clear_trip = true;
+    in.clear_trip = true;
     for (int n = 0; n < 100; n++) {
         TEST_ASSERT_EQUAL_INT(REASON_HARDWARE_BREAK, step());
     }
     setUp();
     in.v_dc_pu = ABOVE_TRIP_V;
-    command.clear_trip = true;
+    in.clear_trip = true;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_OVERVOLTAGE, step());
 }
 
@@ -216,9 +213,9 @@ void test_overcurrent_trips_again_after_an_acknowledgement(void)
 {
     set_current(0, LIMIT + 1);
     run(2);
-    command.clear_trip = true;
+    in.clear_trip = true;
     run(1000);
-    command.clear_trip = false;
+    in.clear_trip = false;
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, run(2));
 }
 
@@ -237,9 +234,9 @@ void test_acknowledgement_resets_the_overcurrent_debounce(void)
     set_current(LIMIT + 5, 0);
     (void)step();
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
-    command.clear_trip = true;
+    in.clear_trip = true;
     TEST_ASSERT_EQUAL_INT(REASON_NONE, step());
-    command.clear_trip = false;
+    in.clear_trip = false;
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
 }
 

@@ -2,11 +2,8 @@
 /* The slow monitor's safe state, freewheel or active short circuit, and its standstill flag. */
 #include "monitor_rig.h"
 
-static const monitor_slow_input_t HEALTHY = {.offsets_known = true,
-                                             .rotor_valid = true,
-                                             .bus_voltage_mV = 53000,
-                                             .switching = true,
-                                             .bridge = BRIDGE_PWM};
+static const monitor_slow_input_t HEALTHY = {
+    .offsets_known = true, .rotor_valid = true, .bus_voltage_mV = 53000, .bridge = BRIDGE_PWM};
 
 void setUp(void)
 {
@@ -34,7 +31,6 @@ void test_safe_state_stays_active_short_circuit_after_rotor_loss_above_the_limit
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(10).safe_bridge);
     in.speed_mrad_s = 0;
     in.rotor_valid = false;
-    in.switching = false;
     in.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(1000).safe_bridge);
     TEST_ASSERT_FALSE(step().standstill);
@@ -49,7 +45,6 @@ void test_current_or_overvoltage_in_freewheel_selects_the_active_short_circuit(v
 {
     in.speed_mrad_s = 0;
     in.rotor_valid = false;
-    in.switching = false;
     in.bridge = BRIDGE_OFF;
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(100).safe_bridge);
     in.i_q_mA = 20000;
@@ -57,7 +52,6 @@ void test_current_or_overvoltage_in_freewheel_selects_the_active_short_circuit(v
     setUp();
     in.speed_mrad_s = 0;
     in.rotor_valid = false;
-    in.switching = false;
     in.bridge = BRIDGE_OFF;
     in.bus_voltage_mV = 60565;
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step().safe_bridge);

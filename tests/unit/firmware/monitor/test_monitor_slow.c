@@ -26,7 +26,6 @@ static const monitor_slow_input_t HEALTHY = {
     .torque_estimate_mNm = 10000,
     .offset_q4 = {MID_OFFSET_Q4, MID_OFFSET_Q4, MID_OFFSET_Q4},
     .bridge = BRIDGE_PWM,
-    .switching = true,
 };
 
 void setUp(void)
@@ -90,7 +89,7 @@ void test_adc_saturation_is_a_fault_while_the_bridge_switches(void)
     in.current_saturated = true;
     assert_fault_after(20, REASON_CURRENT_SENSOR);
     in.current_saturated = true;
-    in.switching = false;
+    in.bridge = BRIDGE_OFF;
     assert_never_a_fault();
 }
 
@@ -118,7 +117,7 @@ void test_invalid_rotor_angle_is_a_fault_while_the_bridge_switches(void)
     config.brake.torque_rate_mNm_s = 400000;
     assert_fault_after(100 + 250, REASON_ROTOR_LOST);
     in.rotor_valid = false;
-    in.switching = false;
+    in.bridge = BRIDGE_OFF;
     assert_never_a_fault();
 }
 
@@ -149,7 +148,7 @@ void test_overvoltage_is_a_fault_with_and_without_pwm(void)
     in.bus_voltage_mV = 60565;
     assert_fault_after(5, REASON_BUS_OVERVOLTAGE);
     in.bus_voltage_mV = 60565;
-    in.switching = false;
+    in.bridge = BRIDGE_OFF;
     assert_fault_after(5, REASON_BUS_OVERVOLTAGE);
     in.bus_voltage_mV = 60564;
     assert_never_a_fault();
@@ -160,7 +159,7 @@ void test_undervoltage_is_a_fault_only_while_the_bridge_switches(void)
     in.bus_voltage_mV = 35999;
     assert_fault_after(5, REASON_BUS_UNDERVOLTAGE);
     in.bus_voltage_mV = 35999;
-    in.switching = false;
+    in.bridge = BRIDGE_OFF;
     assert_never_a_fault();
     in.bus_voltage_mV = 36000;
     assert_never_a_fault();
@@ -213,7 +212,7 @@ void test_less_torque_than_commanded_is_no_fault(void)
 void test_torque_without_pwm_is_no_fault(void)
 {
     torque(0, -20000); /* a short brakes */
-    in.switching = false;
+    in.bridge = BRIDGE_OFF;
     assert_never_a_fault();
 }
 

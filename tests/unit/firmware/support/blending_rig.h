@@ -48,7 +48,6 @@ static inline void rig_up(void)
     in.motor_command_mNm = 0;
     in.motor_growth_mNm = 1000000; /* the motor's torque rate is unlimited */
     in.motor_achieved_mNm = 0;
-    in.torque_enable.bridge = BRIDGE_PWM;
     in.torque_enable.drive_q15 = Q15_ONE;
     in.torque_enable.brake_q15 = Q15_ONE;
     in.torque_enable.reason = REASON_NONE;

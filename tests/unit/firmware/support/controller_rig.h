@@ -47,7 +47,7 @@ static inline void rig_start(rig_t *rig)
     rig->config.rotor.sensor = CONFIG_ROTOR_ANGLE;
     controller_init(&rig->controller, &rig->config);
     rig->to_fast = controller_initial_setpoint(&rig->config);
-    rig->to_slow = controller_initial_report(&rig->config);
+    controller_fast_report(&rig->controller.fast, &rig->to_slow);
     rig->slow_in.bms_charge_current_mA = 1000000;
     rig->slow_in.bms_discharge_current_mA = 1000000;
     rig->slow_in.winding_temperature_cC = 2500;
@@ -74,7 +74,7 @@ static inline void rig_slow(rig_t *rig)
 
 static inline void rig_follow(rig_t *rig)
 {
-    const dq_t i = rig->to_fast.foc.i_reference_pu;
+    const dq_t i = rig->to_fast.i_reference_pu;
     rig->dither_codes += 0.618;
     rig->dither_codes -= floor(rig->dither_codes);
     for (int x = 0; x < 3; x++) {
@@ -92,8 +92,9 @@ static inline void rig_fast(rig_t *rig)
     if (rig->follows) {
         rig_follow(rig);
     }
-    rig->pwm = controller_fast_step(&rig->controller.fast, &rig->config, &rig->to_fast,
-                                    &rig->fast_in, &rig->to_slow);
+    rig->pwm =
+        controller_fast_step(&rig->controller.fast, &rig->config, &rig->to_fast, &rig->fast_in);
+    controller_fast_report(&rig->controller.fast, &rig->to_slow);
 }
 
 static inline void rig_run(rig_t *rig, int milliseconds)

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "foc/foc.h"
+#include "foc/tuning.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;
@@ -17,15 +18,24 @@ enum { PERIOD_COUNTS = 4200 };
 
 static config_t config;
 static foc_state_t foc;
-static foc_setpoint_t setpoint;
-static foc_report_t report;
+static fast_setpoint_t setpoint;
+static fast_report_t report;
+static const foc_period_t *const period = &foc.period;
 static foc_input_t in;
 static uint16_t *const codes = in.phase_current_code;
 
 static inline void restart(void)
 {
     foc_init(&foc, &config);
-    setpoint = foc_initial_setpoint(&foc, &config);
+    const int32_t highest_pu =
+        q_scale(config.battery.max_voltage_mV, 32768, config.drive.voltage_full_scale_mV);
+    const fast_setpoint_t at_rest = {
+        .tuning = current_tuning(&config, foc_modulation_limit_q15(&foc), highest_pu, 0,
+                                 config.motor.reference_temperature_cC),
+        .dead_time_slope = dead_time_slope_at(&config, highest_pu),
+    };
+    setpoint = at_rest;
+    foc_report(&foc, &report);
 }
 
 static inline void rig_up(void)
@@ -39,17 +49,13 @@ static inline void rig_up(void)
     in.bus_voltage_code = 3513; /* 53 V of 61.8 V */
     in.rotor_angle_turn = 0;
     in.hall_state = 5;
-    memset(&report, 0, sizeof(report));
-    for (int x = 0; x < 3; x++) {
-        report.offset_q4[x] = 2048 * 16;
-    }
     restart();
 }
 
 /* The slow loop numbers its setpoints. */
 static inline void step(bool run)
 {
-    static foc_setpoint_t previous;
+    static fast_setpoint_t previous;
     if (memcmp(&previous.tuning, &setpoint.tuning, sizeof(previous.tuning)) != 0 ||
         memcmp(&previous.i_reference_pu, &setpoint.i_reference_pu,
                sizeof(previous.i_reference_pu)) != 0) {
@@ -57,10 +63,11 @@ static inline void step(bool run)
         previous = setpoint;
     }
     if (run) {
-        foc_step(&foc, &setpoint, &in, &report, &config);
+        foc_step(&foc, &config, &setpoint, &in);
     } else {
-        foc_idle_step(&foc, &setpoint, &in, &report, &config);
+        foc_idle_step(&foc, &config, &setpoint, &in);
     }
+    foc_report(&foc, &report);
 }
 
 #endif

@@ -74,10 +74,7 @@ static inline void rig_up(config_t vehicle)
         .bms_discharge_current_mA = 1000000,
         .switch_temperature_cC = 2500,
         .rotor_valid = true,
-        .torque_enable = {.bridge = BRIDGE_PWM,
-                          .drive_q15 = Q15_ONE,
-                          .brake_q15 = Q15_ONE,
-                          .reason = REASON_NONE},
+        .torque_enable = {.drive_q15 = Q15_ONE, .brake_q15 = Q15_ONE, .reason = REASON_NONE},
     };
     conditions = calm;
     torque_limits_init(&state, &table);

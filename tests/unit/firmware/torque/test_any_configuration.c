@@ -92,9 +92,9 @@ static void random_input(random_t *random, torque_input_t *in)
     in->switch_temperature_cC = random_wild(random);
     in->i_d_weakening_mA = random_wild(random);
     in->rotor_valid = random_chance(random, 0.9);
-    in->torque_enable.bridge = random_chance(random, 0.9) ? BRIDGE_PWM : BRIDGE_OFF;
-    in->torque_enable.drive_q15 = (int16_t)random_between(random, 0, Q15_ONE);
-    in->torque_enable.brake_q15 = (int16_t)random_between(random, 0, Q15_ONE);
+    const int32_t most_q15 = random_chance(random, 0.9) ? Q15_ONE : 0;
+    in->torque_enable.drive_q15 = (int16_t)random_between(random, 0, most_q15);
+    in->torque_enable.brake_q15 = (int16_t)random_between(random, 0, most_q15);
     in->torque_enable.reason = REASON_TORQUE_ENABLE;
 }
 

@@ -142,7 +142,7 @@ void test_achieved_plus_hydraulic_torque_never_exceeds_the_demand(void)
         const int32_t achieved_mNm = random_between(&random, 0, commanded_mNm);
         in.motor_command_mNm = -commanded_mNm * forward;
         in.motor_achieved_mNm = -achieved_mNm * forward;
-        in.torque_enable.bridge = BRIDGE_PWM;
+        in.torque_enable.drive_q15 = Q15_ONE;
         const brake_blending_out_t out = step();
         TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.electric_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(in.demand_mNm, out.hydraulic_mNm);
@@ -298,20 +298,10 @@ void test_zero_torque_enable_moves_the_whole_demand_to_the_hydraulic_brake_in_on
     in.demand_mNm = 20000;
     motor_follows(20000);
     TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
-    in.torque_enable.bridge = BRIDGE_OFF;
+    in.torque_enable.drive_q15 = 0;
     in.torque_enable.brake_q15 = 0;
     in.torque_enable.reason = REASON_OVERCURRENT;
     assert_split(0, 20000, REASON_OVERCURRENT, step());
-    in.torque_enable.bridge = BRIDGE_SHORT;
-    assert_split(0, 20000, REASON_OVERCURRENT, step());
-}
-
-void test_freewheel_gives_the_whole_demand_to_the_hydraulic_brake_despite_a_full_enable(void)
-{
-    in.demand_mNm = 20000;
-    motor_follows(20000);
-    in.torque_enable.bridge = BRIDGE_OFF;
-    TEST_ASSERT_EQUAL_INT32(20000, step().hydraulic_mNm);
 }
 
 void test_partial_torque_enable_is_a_share_of_max_torque(void)

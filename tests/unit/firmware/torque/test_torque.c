@@ -13,7 +13,7 @@ static torque_state_t state;
 static torque_input_t in;
 
 static const torque_enable_t FULL_ENABLE = {
-    .bridge = BRIDGE_PWM, .drive_q15 = Q15_ONE, .brake_q15 = Q15_ONE, .reason = REASON_NONE};
+    .drive_q15 = Q15_ONE, .brake_q15 = Q15_ONE, .reason = REASON_NONE};
 
 void setUp(void)
 {
@@ -138,7 +138,6 @@ void test_zero_torque_enable_moves_the_demand_to_the_hydraulic_brake_in_one_step
 {
     in.brake_torque_mNm = 30000;
     run(200);
-    in.torque_enable.bridge = BRIDGE_OFF;
     in.torque_enable.drive_q15 = 0;
     in.torque_enable.brake_q15 = 0;
     in.torque_enable.reason = REASON_OVERCURRENT;

@@ -25,7 +25,6 @@ void setUp(void)
     capability.driving = limit_init(40000, REASON_MAX_TORQUE);
     capability.regenerating = limit_init(25000, REASON_CHARGE_CURRENT);
     torque_limits_init(&limits_state, &limits);
-    torque_enable.bridge = BRIDGE_PWM;
     torque_enable.drive_q15 = Q15_ONE;
     torque_enable.brake_q15 = Q15_ONE;
     torque_enable.reason = REASON_NONE;
@@ -143,20 +142,17 @@ void test_torque_falls_at_its_rate_after_the_torque_enable_is_withdrawn(void)
 
 void test_command_is_zero_in_one_step_when_the_bridge_stops_switching(void)
 {
-    const bridge_mode_t without_pwm[] = {BRIDGE_OFF, BRIDGE_SHORT};
-    for (int k = 0; k < 2; k++) {
-        torque_enable.bridge = BRIDGE_PWM;
-        settle(FORWARD, 30000, 0);
-        torque_enable.bridge = without_pwm[k];
-        torque_enable.reason = REASON_OVERCURRENT;
-        assert_command(0, REASON_OVERCURRENT, step(FORWARD, 30000, 0));
-        assert_command(0, REASON_OVERCURRENT, step(FORWARD, 0, 10000));
-        assert_command(0, REASON_NONE, step(FORWARD, 0, 0));
-        /* After that the command rises again from zero. */
-        torque_enable.bridge = BRIDGE_PWM;
-        assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 30000, 0));
-        torque_command_init(&state);
-    }
+    settle(FORWARD, 30000, 0);
+    const torque_enable_t full = torque_enable;
+    torque_enable.drive_q15 = 0;
+    torque_enable.brake_q15 = 0;
+    torque_enable.reason = REASON_OVERCURRENT;
+    assert_command(0, REASON_OVERCURRENT, step(FORWARD, 30000, 0));
+    assert_command(0, REASON_OVERCURRENT, step(FORWARD, 0, 10000));
+    assert_command(0, REASON_NONE, step(FORWARD, 0, 0));
+    /* and afterwards it starts again from zero */
+    torque_enable = full;
+    assert_command(400, REASON_TORQUE_RATE, step(FORWARD, 30000, 0));
 }
 
 void test_command_stays_between_zero_and_the_demand_under_random_limits(void)

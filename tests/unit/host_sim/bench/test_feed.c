@@ -75,7 +75,7 @@ static seen_t drive(void)
                  apart_a(without(wheel->sampled_a, longest(wheel->active.compare_counts)), truth));
         out.fixed_a = fmax(out.fixed_a, apart_a(without(wheel->sampled_a, 2), truth));
         out.all_a = fmax(out.all_a, apart_a(wheel->sampled_a, truth));
-        const dq_t measured = dq_of(wheel->to_slow.foc.current.i_pu);
+        const dq_t measured = dq_of(foc_latest(&wheel->controller.fast.foc)->i_pu);
         const double measured_a = hypot(measured.d, measured.q) / 32768.0 * base_a;
         out.firmware_a = fmax(out.firmware_a, fabs(measured_a - length_a(truth)));
         out.current_a = fmax(out.current_a, length_a(truth));

@@ -44,10 +44,9 @@ void test_a_changed_reference_reaches_the_current_after_the_delay_and_not_before
     static bench_t twin;
     twin = *bench;
     bench_refresh(&twin);
-    wheel->to_fast.foc.i_reference_pu.q =
-        (int16_t)(wheel->to_fast.foc.i_reference_pu.q + 2000); /* 10 A */
-    wheel->to_fast.foc.sequence++; /* a setpoint is applied when its number changes */
-    bench_period(bench);           /* samples and computes */
+    wheel->to_fast.i_reference_pu.q = (int16_t)(wheel->to_fast.i_reference_pu.q + 2000); /* 10 A */
+    wheel->to_fast.sequence++; /* a setpoint is applied when its number changes */
+    bench_period(bench);       /* samples and computes */
     bench_period(&twin);
     TEST_ASSERT_EQUAL_DOUBLE(twin.wheel[0].rotor.i_t.q, wheel->rotor.i_t.q);
     bench_period(bench); /* acts */
@@ -57,15 +56,15 @@ void test_a_changed_reference_reaches_the_current_after_the_delay_and_not_before
 
 void test_slow_steps_come_every_twenty_periods(void)
 {
-    uint16_t last = wheel->to_fast.slow_step_count;
+    uint16_t last = wheel->to_fast.sequence;
     int64_t at = -1;
     for (int k = 0; k < 400; k++) {
         bench_period(bench);
-        if (wheel->to_fast.slow_step_count != last) {
-            TEST_ASSERT_EQUAL_UINT16((uint16_t)(last + 1U), wheel->to_fast.slow_step_count);
+        if (wheel->to_fast.sequence != last) {
+            TEST_ASSERT_EQUAL_UINT16((uint16_t)(last + 1U), wheel->to_fast.sequence);
             TEST_ASSERT_TRUE(at < 0 || bench->period - at == 20);
             at = bench->period;
-            last = wheel->to_fast.slow_step_count;
+            last = wheel->to_fast.sequence;
         }
     }
     TEST_ASSERT_TRUE(at > 0);

@@ -111,7 +111,6 @@ void test_by_name_and_by_structure_are_the_same_controller(void)
     controller_t direct;
     controller_init(&direct, &config);
     fast_setpoint_t to_fast = controller_initial_setpoint(&config);
-    fast_report_t to_slow = controller_initial_report(&config);
     slow_output_t slow = {.mode = MODE_BOOT};
     int32_t fast_out[EXCHANGE_FAST_OUTPUT_COUNT];
     int32_t slow_out[EXCHANGE_SLOW_OUTPUT_COUNT];
@@ -120,11 +119,12 @@ void test_by_name_and_by_structure_are_the_same_controller(void)
         step(&joined, n, fast_out, slow_out);
         if (n % STEPS_PER_MS == 0) {
             const slow_input_t in = slow_input(n);
-            slow = controller_slow_step(&direct.slow, &config, &to_slow, &in, &to_fast);
+            fast_report_t report;
+            controller_fast_report(&direct.fast, &report);
+            slow = controller_slow_step(&direct.slow, &config, &report, &in, &to_fast);
         }
         const fast_input_t in = fast_input(n);
-        const fast_output_t fast =
-            controller_fast_step(&direct.fast, &config, &to_fast, &in, &to_slow);
+        const fast_output_t fast = controller_fast_step(&direct.fast, &config, &to_fast, &in);
         const int32_t fast_expected[] = {fast.compare_counts[0], fast.compare_counts[1],
                                          fast.compare_counts[2], (int32_t)fast.bridge};
         const int32_t slow_expected[] = {slow.motor_torque_command_mNm,

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * bridge.h: what the six switches do.
+ *
+ * OFF: all open, freewheel; the diodes conduct only while the rectified back-EMF exceeds the bus
+ * voltage. PWM: as the compare values say. SHORT: the three low-side switches closed, active short
+ * circuit (ASC): no bus current, braking torque of the short-circuited machine.
+ */
+#ifndef CORE_BRIDGE_H
+#define CORE_BRIDGE_H
+
+typedef enum { BRIDGE_OFF = 0, BRIDGE_PWM = 1, BRIDGE_SHORT = 2 } bridge_mode_t;
+
+#endif

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * exchange.h: the two messages between the slow and the fast loop, one each way. Plain values:
+ * whoever calls the steps carries them across; nobody keeps one as state.
+ *
+ * Currents are Q15 of the current base, bus voltages Q15 of the voltage base, phase voltages Q15 of
+ * the voltage circle (modulation units). The fields `trip`, `bridge`, `safe_bridge` and
+ * `clear_trip` belong to the controller, which decides what the bridge does; the current loop does
+ * not use them.
+ */
+#ifndef FOC_EXCHANGE_H
+#define FOC_EXCHANGE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/angle.h"
+#include "core/bridge.h"
+#include "core/frames.h"
+#include "core/pi.h"
+#include "core/reason.h"
+
+enum { SENSE_PHASES = 3, SENSE_CODE_MID = 2048 /* zero current, 12 bit */ };
+
+/* Coefficients of the current controller for one bus voltage, speed and winding temperature. Per
+ * unit of current to modulation units. */
+typedef struct {
+    pi_gains_t d, q;
+    int32_t w_l_d_q10, w_l_q_q10; /* decoupling: w L I_base, sign of speed, |.| < 16 */
+    int32_t forward_d_q25;        /* feed-forward: zero */
+    int32_t forward_q_q25;        /* feed-forward: back-EMF w psi, sign of speed, |.| <= 8 */
+    rotation_t advance;           /* electrical angle of 1.5 periods */
+} current_tuning_t;
+
+/* Slope of the dead-time correction over the current: 1 and sqrt(3)/2 over the zone around zero
+ * current, 0 .. 65 000. */
+typedef struct {
+    int32_t alpha_q8, beta_q8;
+} dead_time_slope_t;
+
+/* Slow to fast, once per slow step. */
+typedef struct {
+    uint16_t sequence;   /* slow steps since the start, wrapping: a new number is a new setpoint */
+    dq_t i_reference_pu; /* sampled current, 16 bits */
+    int32_t i_d_sampling_correction_pu; /* mean minus sampled i_d at zero mean current */
+    current_tuning_t tuning;            /* for the present bus voltage and speed */
+    dead_time_slope_t dead_time_slope;  /* for the present bus voltage */
+    bool calibrate_offsets;    /* average the current sensors' zeros; only with the bridge off */
+    bool torque_enabled;       /* any torque is permitted: the bridge switches without a trip */
+    bool clear_trip;           /* the fault has been acknowledged */
+    bridge_mode_t safe_bridge; /* BRIDGE_OFF or BRIDGE_SHORT: without enable, or with a trip */
+} fast_setpoint_t;
+
+/* Running sums since the start, wrapping: a difference over n periods is their exact mean. */
+typedef struct {
+    uint32_t i_d_pu, i_q_pu;
+    uint32_t power_pu; /* u_d i_d + u_q i_q, Q15 */
+    uint32_t v_dc_pu;
+} foc_sums_t;
+
+/* Fast to slow: the sums, and the latest period. */
+typedef struct {
+    uint16_t sequence; /* PWM periods since the start, wrapping */
+    foc_sums_t sums;
+    dq16_t i_pu;                     /* sampled current */
+    dq16_t u_pu;                     /* applied voltage */
+    int32_t voltage_use_q15;         /* square of the modulation index wanted, 0 .. 65 536 */
+    bool voltage_limited;            /* the voltage circle shortened the voltage */
+    bool adc_saturated;              /* a current converter in use is at an end of its range */
+    int32_t current_sum_pu;          /* of the three readings */
+    int32_t i_d_weakening_pu;        /* field-weakening current added to the reference, <= 0 */
+    int32_t offset_q4[SENSE_PHASES]; /* zero-current codes * 16 */
+    bool offsets_done;
+    int32_t speed_q32;     /* electrical turns per period, forward positive */
+    bool rotor_valid;      /* the angle may be used for torque */
+    uint16_t rotor_faults; /* wrapping count of readings that a healthy sensor cannot give */
+    uint16_t quadrant_transitions; /* of the current vector while not switching, wrapping; forward
+                                      counts up */
+    uint16_t quadrant_step;        /* `sequence` at the latest of them */
+    reason_t trip;                 /* of the fast monitor, latched; REASON_NONE when healthy */
+    bridge_mode_t bridge;          /* what the bridge was commanded to do */
+} fast_report_t;
+
+#endif

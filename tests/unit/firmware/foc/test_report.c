@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the fast loop reports of its latest period. */
+#include "core/angle.h"
+#include "foc/foc.h"
+#include "sense.h"
+#include "transforms.h"
+#include "unity.h"
+
+extern const config_t CONFIG_LU2013;
+
+static foc_state_t foc;
+
+void setUp(void)
+{
+    foc_init(&foc, &CONFIG_LU2013);
+}
+
+void tearDown(void) {}
+
+static fast_report_t reported(void)
+{
+    fast_report_t report;
+    foc_report(&foc, &report);
+    return report;
+}
+
+static void set_applied(int32_t d, int32_t q)
+{
+    const dq_t applied = {.d = d, .q = q};
+    foc.period.voltage.applied = dq16_of(applied);
+}
+
+void test_before_the_first_period_nothing_is_limited_and_the_offsets_are_the_middle(void)
+{
+    const fast_report_t report = reported();
+    TEST_ASSERT_EQUAL_UINT16(0, report.sequence);
+    TEST_ASSERT_FALSE(report.voltage_limited);
+    TEST_ASSERT_FALSE(report.adc_saturated);
+    TEST_ASSERT_FALSE(report.offsets_done);
+    TEST_ASSERT_EQUAL_INT32(SENSE_CODE_MID * 16, report.offset_q4[2]);
+}
+
+void test_the_voltage_was_limited_when_either_axis_got_less_than_it_wanted(void)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        foc.period.voltage.unsaturated_d = 100;
+        foc.period.voltage.unsaturated_q = 200;
+        set_applied(axis == 1 ? 99 : 100, axis == 2 ? 199 : 200);
+        TEST_ASSERT_EQUAL_INT(axis != 0, reported().voltage_limited);
+    }
+}
+
+/* A converter at its end is found at every angle of the rotor, through sense_step() and Park as in
+ * the fast step; one code inside its range is not, and neither is an end reading that was not used.
+ */
+void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle(void)
+{
+    static const uint16_t ENDS[2] = {0, SENSE_CODE_MAX};
+    sense_state_t sense;
+    sense_init(&sense);
+    for (uint32_t theta = 0; theta < 65536U; theta += 331U) {
+        foc.period.rotor.theta_turn = (uint16_t)theta;
+        for (int phase = 0; phase < 3; phase++) {
+            for (int unused = 0; unused < 3; unused++) {
+                const int32_t on[3] = {unused == 0, unused == 1, unused == 2};
+                for (int e = 0; e < 2; e++) {
+                    for (int inside = 0; inside <= 1; inside++) {
+                        uint16_t codes[3] = {2000, 2048, 2080};
+                        codes[phase] = (uint16_t)(ENDS[e] + (e == 0 ? inside : -inside));
+                        /* The third one is worked out: halves, so that it stays inside its own
+                         * range. */
+                        for (int x = 0; x < 3; x++) {
+                            if (x != phase) {
+                                codes[x] = (uint16_t)(2048 + (2048 - codes[phase]) / 2);
+                            }
+                        }
+                        foc.period.i_pu = transforms_park(sense_step(&sense, codes, on).i,
+                                                          angle_rotation((uint16_t)theta));
+                        const bool seen = reported().adc_saturated;
+                        if (phase != unused) {
+                            TEST_ASSERT_EQUAL_INT(inside == 0, seen);
+                        }
+                    }
+                }
+                uint16_t codes[3] = {2000, 2050, 2040};
+                codes[unused] = SENSE_CODE_MAX;
+                foc.period.i_pu = transforms_park(sense_step(&sense, codes, on).i,
+                                                  angle_rotation((uint16_t)theta));
+                TEST_ASSERT_FALSE(reported().adc_saturated);
+            }
+        }
+    }
+}
+
+void test_the_use_of_the_voltage_is_its_square_with_q_unsaturated(void)
+{
+    set_applied(16384, 28377);                /* a half, sqrt 3 / 2 */
+    foc.period.voltage.unsaturated_q = 28377; /* sqrt 3 / 2 */
+    TEST_ASSERT_INT32_WITHIN(2, 32768, reported().voltage_use_q15);
+    foc.period.voltage.unsaturated_q = 100000; /* counts as one */
+    TEST_ASSERT_INT32_WITHIN(4, 8192 + 32766, reported().voltage_use_q15);
+    set_applied(0, 28377);
+    foc.period.voltage.unsaturated_q = 0;
+    TEST_ASSERT_EQUAL_INT32(0, reported().voltage_use_q15);
+}
