@@ -29,8 +29,7 @@ enum {
 typedef struct {
     slow_output_t output;
     supervisor_counts_t counts;
-    int32_t winding_temperature_cC;
-    int32_t switch_temperature_cC;
+    wheel_temperatures_t temperature;
 } snapshot_t;
 
 /* The one instance: interrupts have no other way to find their data. Each member has one writer,
@@ -60,9 +59,9 @@ static struct {
     bool restarting; /* the watchdog is no longer fed */
 } app;
 
-static messages_battery_t pack_limits(const config_t *config)
+static battery_limits_t pack_limits(const config_t *config)
 {
-    const messages_battery_t limits = {
+    const battery_limits_t limits = {
         .charge_current_mA =
             q_scale(config->battery.max_charge_current_mA, config->battery.driven_wheels, 1),
         .discharge_current_mA =
@@ -194,16 +193,11 @@ void app_pwm_period_isr(void)
 static slow_input_t slow_input(const node_command_t *command)
 {
     const slow_input_t in = {
-        .drive_torque_mNm = command->demand.drive_torque_mNm,
-        .brake_torque_mNm = command->demand.brake_torque_mNm,
+        .demand = command->demand,
         .demand_age_ms = node_demand_age_ms(command, time_ms()),
-        .bms_charge_current_mA = command->battery.charge_current_mA,
-        .bms_discharge_current_mA = command->battery.discharge_current_mA,
-        .winding_temperature_cC = analog_winding_temperature_cC(),
-        .switch_temperature_cC = analog_switch_temperature_cC(),
-        .enable = command->demand.enable,
-        .abs_active = command->demand.abs_active,
-        .fault_reset = command->demand.fault_reset,
+        .bms = command->bms,
+        .temperature = {.winding_cC = analog_winding_temperature_cC(),
+                        .switch_cC = analog_switch_temperature_cC()},
         .selftest_passed = boot_selftest_passed(&app.boot),
         .config_accepted = true, /* otherwise no slow step runs */
     };
@@ -239,8 +233,7 @@ void app_millisecond_isr(void)
 
     snapshot_t *snapshot = &app.snapshot[double_buffer_high(&app.from_slow)];
     snapshot->output = controller_slow_step(&app.controller.slow, config, from_fast, &in, to_fast);
-    snapshot->winding_temperature_cC = in.winding_temperature_cC;
-    snapshot->switch_temperature_cC = in.switch_temperature_cC;
+    snapshot->temperature = in.temperature;
     snapshot->counts.fast_steps = from_fast->sequence;
     snapshot->counts.slow_steps = to_fast->sequence;
     snapshot->counts.monitor_steps = app.controller.slow.monitor.steps;
@@ -312,9 +305,7 @@ void app_background(void)
             app.commands[double_buffer_low(&app.to_slow)] = app.can.node.command;
             double_buffer_swap(&app.to_slow);
         }
-        const messages_output_t output = can_link_output(
-            &snapshot->output, snapshot->winding_temperature_cC, snapshot->switch_temperature_cC);
-        can_link_transmit(&app.can, now_ms, &output);
+        can_link_transmit(&app.can, now_ms, &snapshot->output, &snapshot->temperature);
     }
     const report_status_t status = status_of(snapshot);
     console_pump(&app.console, now_ms, &status);
@@ -331,7 +322,7 @@ bool app_finish(void)
     text_t line;
     text_clear(&line);
     text_add(&line, good ? "result: " : "result: FAILED, ");
-    text_add(&line, status.control ? modes_text(snapshot->output.mode) : "BOOT");
+    text_add(&line, status.control ? operating_mode_text(snapshot->output.mode) : "BOOT");
     if (status.control) {
         text_add(&line, ", ");
         text_add(&line, reason_text(snapshot->output.fault_reason));

@@ -5,8 +5,7 @@
 
 enum { FRAMES_PER_PASS = 8 /* bounds the time of a pass on a flooded bus */ };
 
-bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t pack,
-                   uint32_t now_ms)
+bool can_link_init(can_link_t *link, messages_wheel_t wheel, battery_limits_t pack, uint32_t now_ms)
 {
     uint16_t accepted[MESSAGES_RECEIVED];
     node_accepted(wheel, accepted);
@@ -37,34 +36,11 @@ static bool transmit(const messages_frame_t *frame)
     return can_transmit(&sent);
 }
 
-void can_link_transmit(can_link_t *link, uint32_t now_ms, const messages_output_t *output)
+void can_link_transmit(can_link_t *link, uint32_t now_ms, const slow_output_t *output,
+                       const wheel_temperatures_t *temperature)
 {
     messages_frame_t frame;
-    while (node_next(&link->node, now_ms, output, &frame) && transmit(&frame)) {
+    while (node_next(&link->node, now_ms, output, temperature, &frame) && transmit(&frame)) {
         node_sent(&link->node, now_ms);
     }
-}
-
-messages_output_t can_link_output(const slow_output_t *output, int32_t winding_temperature_cC,
-                                  int32_t switch_temperature_cC)
-{
-    const messages_output_t output_message = {
-        .motor_torque_command_mNm = output->motor_torque_command_mNm,
-        .motor_torque_estimate_mNm = output->motor_torque_estimate_mNm,
-        .hydraulic_torque_mNm = output->hydraulic_torque_mNm,
-        .electric_brake_available_mNm = output->electric_brake_available_mNm,
-        .speed_mrad_s = output->speed_mrad_s,
-        .i_q_mA = output->i_q_mA,
-        .bus_voltage_mV = output->bus_voltage_mV,
-        .bus_current_mA = output->bus_current_mA,
-        .winding_temperature_cC = winding_temperature_cC,
-        .switch_temperature_cC = switch_temperature_cC,
-        .torque_reason = output->torque_reason,
-        .available_reason = output->available_reason,
-        .hydraulic_reason = output->hydraulic_reason,
-        .fault_reason = output->fault_reason,
-        .mode = (uint8_t)output->mode,
-        .stop_lamp = output->stop_lamp,
-    };
-    return output_message;
 }

@@ -130,7 +130,7 @@ void report_status(const report_status_t *status, text_t *line)
         return;
     }
     const slow_output_t *o = status->output;
-    text_add(line, modes_text(o->mode));
+    text_add(line, operating_mode_text(o->mode));
     text_add(line, ", ");
     text_add(line,
              reason_text(o->fault_reason != REASON_NONE ? o->fault_reason : o->torque_reason));

@@ -83,7 +83,7 @@ static uint32_t magnitude_steps(int32_t milli, int32_t step, int32_t highest)
     return (uint32_t)steps(milli, step, 0, highest);
 }
 
-bool messages_read_demand(const messages_frame_t *frame, messages_demand_t *demand)
+bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand)
 {
     struct hubfoc_demand_t raw;
     if (frame->length != E2E_FRAME_BYTES ||
@@ -100,7 +100,7 @@ bool messages_read_demand(const messages_frame_t *frame, messages_demand_t *dema
     return true;
 }
 
-bool messages_read_battery(const messages_frame_t *frame, messages_battery_t *battery)
+bool messages_read_battery(const messages_frame_t *frame, battery_limits_t *limits)
 {
     struct hubfoc_battery_limits_t raw;
     if (frame->length != E2E_FRAME_BYTES ||
@@ -109,18 +109,18 @@ bool messages_read_battery(const messages_frame_t *frame, messages_battery_t *ba
         !hubfoc_battery_limits_discharge_current_a_is_in_range(raw.discharge_current_a)) {
         return false;
     }
-    battery->charge_current_mA = (int32_t)raw.charge_current_a * CURRENT_STEP_mA;
-    battery->discharge_current_mA = (int32_t)raw.discharge_current_a * CURRENT_STEP_mA;
+    limits->charge_current_mA = (int32_t)raw.charge_current_a * CURRENT_STEP_mA;
+    limits->discharge_current_mA = (int32_t)raw.discharge_current_a * CURRENT_STEP_mA;
     return true;
 }
 
-static bool read_state(const messages_frame_t *frame, messages_output_t *o)
+static bool read_state(const messages_frame_t *frame, slow_output_t *o)
 {
     struct hubfoc_wheel_state_t raw;
     if (hubfoc_wheel_state_unpack(&raw, frame->data, frame->length) != 0) {
         return false;
     }
-    o->mode = raw.mode;
+    o->mode = (operating_mode_t)raw.mode;
     o->fault_reason = (reason_t)raw.fault_reason;
     o->motor_torque_estimate_mNm = raw.motor_torque_estimate_nm * TORQUE_STEP_mNm;
     o->speed_mrad_s = raw.speed_rad_s * SPEED_STEP_mrad_s;
@@ -128,7 +128,7 @@ static bool read_state(const messages_frame_t *frame, messages_output_t *o)
     return true;
 }
 
-static bool read_brake(const messages_frame_t *frame, messages_output_t *o)
+static bool read_brake(const messages_frame_t *frame, slow_output_t *o)
 {
     struct hubfoc_wheel_brake_t raw;
     if (hubfoc_wheel_brake_unpack(&raw, frame->data, frame->length) != 0) {
@@ -142,7 +142,7 @@ static bool read_brake(const messages_frame_t *frame, messages_output_t *o)
 }
 
 bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel,
-                          messages_output_t *output)
+                          slow_output_t *output)
 {
     if (frame->length != E2E_FRAME_BYTES) {
         return false;
@@ -161,7 +161,7 @@ static messages_frame_t new_frame(messages_kind_t kind, messages_wheel_t wheel)
     return frame;
 }
 
-messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel_t wheel,
+messages_frame_t messages_demand(const wheel_demand_t *demand, messages_wheel_t wheel,
                                  uint8_t counter)
 {
     const struct hubfoc_demand_t raw = {
@@ -177,13 +177,13 @@ messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel
     return frame;
 }
 
-messages_frame_t messages_battery(const messages_battery_t *battery, uint8_t counter)
+messages_frame_t messages_battery(const battery_limits_t *limits, uint8_t counter)
 {
     const struct hubfoc_battery_limits_t raw = {
         .charge_current_a =
-            magnitude_steps(battery->charge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
+            magnitude_steps(limits->charge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
         .discharge_current_a =
-            magnitude_steps(battery->discharge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
+            magnitude_steps(limits->discharge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
     };
     messages_frame_t frame = new_frame(MESSAGES_BATTERY_LIMITS, MESSAGES_FRONT_LEFT);
     (void)hubfoc_battery_limits_pack(frame.data, &raw, sizeof frame.data);
@@ -191,10 +191,10 @@ messages_frame_t messages_battery(const messages_battery_t *battery, uint8_t cou
     return frame;
 }
 
-static void put_state(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
+static void put_state(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_state_t raw = {
-        .mode = o->mode & MODE_MASK,
+        .mode = (uint8_t)((uint32_t)o->mode & MODE_MASK),
         .fault_reason = (uint8_t)o->fault_reason,
         .motor_torque_estimate_nm =
             signed_steps(o->motor_torque_estimate_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
@@ -204,7 +204,7 @@ static void put_state(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
     (void)hubfoc_wheel_state_pack(data, &raw, E2E_FRAME_BYTES);
 }
 
-static void put_brake(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
+static void put_brake(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_brake_t raw = {
         .hydraulic_torque_nm =
@@ -217,7 +217,7 @@ static void put_brake(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
     (void)hubfoc_wheel_brake_pack(data, &raw, E2E_FRAME_BYTES);
 }
 
-static void put_drive(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
+static void put_drive(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_drive_t raw = {
         .torque_reason = (uint8_t)o->torque_reason,
@@ -228,7 +228,7 @@ static void put_drive(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
     (void)hubfoc_wheel_drive_pack(data, &raw, E2E_FRAME_BYTES);
 }
 
-static void put_power(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
+static void put_power(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_power_t raw = {
         .bus_voltage_v = (uint16_t)magnitude_steps(o->bus_voltage_mV, VOLTAGE_STEP_mV, VOLTAGE_MAX),
@@ -242,20 +242,21 @@ static int16_t temperature_steps(int32_t temperature_cC)
     return (int16_t)steps(temperature_cC, TEMPERATURE_STEP_cC, TEMPERATURE_MIN, TEMPERATURE_MAX);
 }
 
-static void put_health(uint8_t data[E2E_FRAME_BYTES], const messages_output_t *o)
+static void put_health(uint8_t data[E2E_FRAME_BYTES], const wheel_temperatures_t *temperature,
+                       const messages_links_t *links)
 {
     const struct hubfoc_wheel_health_t raw = {
-        .demand_link = (uint8_t)o->demand_link,
-        .battery_link = (uint8_t)o->battery_link,
-        .winding_temperature_c = temperature_steps(o->winding_temperature_cC),
-        .switch_temperature_c = temperature_steps(o->switch_temperature_cC),
-        .demand_errors = (uint8_t)(o->demand_errors & 0xFFU),
-        .battery_errors = (uint8_t)(o->battery_errors & 0xFFU),
+        .demand_link = (uint8_t)links->demand,
+        .battery_link = (uint8_t)links->battery,
+        .winding_temperature_c = temperature_steps(temperature->winding_cC),
+        .switch_temperature_c = temperature_steps(temperature->switch_cC),
+        .demand_errors = (uint8_t)(links->demand_errors & 0xFFU),
+        .battery_errors = (uint8_t)(links->battery_errors & 0xFFU),
     };
     (void)hubfoc_wheel_health_pack(data, &raw, E2E_FRAME_BYTES);
 }
 
-messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output,
+messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *values,
                                  messages_wheel_t wheel, uint8_t counter)
 {
     if ((uint32_t)kind < MESSAGES_RECEIVED || (uint32_t)kind >= MESSAGES_KINDS) {
@@ -265,19 +266,19 @@ messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *
     messages_frame_t frame = new_frame(kind, wheel);
     switch (kind) {
     case MESSAGES_WHEEL_STATE:
-        put_state(frame.data, output);
+        put_state(frame.data, values->output);
         break;
     case MESSAGES_WHEEL_BRAKE:
-        put_brake(frame.data, output);
+        put_brake(frame.data, values->output);
         break;
     case MESSAGES_WHEEL_DRIVE:
-        put_drive(frame.data, output);
+        put_drive(frame.data, values->output);
         break;
     case MESSAGES_WHEEL_POWER:
-        put_power(frame.data, output);
+        put_power(frame.data, values->output);
         break;
     case MESSAGES_WHEEL_HEALTH:
-        put_health(frame.data, output);
+        put_health(frame.data, values->temperature, &values->links);
         break;
     case MESSAGES_DEMAND:
     case MESSAGES_BATTERY_LIMITS:

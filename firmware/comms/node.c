@@ -12,10 +12,10 @@ static messages_kind_t sent_kind(uint32_t index)
     return (messages_kind_t)(MESSAGES_RECEIVED + index);
 }
 
-void node_init(node_t *node, messages_wheel_t wheel, messages_battery_t pack, uint32_t now_ms)
+void node_init(node_t *node, messages_wheel_t wheel, battery_limits_t pack, uint32_t now_ms)
 {
     const node_t zero = {
-        .wheel = wheel, .pack = pack, .command = {.battery = pack}, .offered = MESSAGES_KINDS};
+        .wheel = wheel, .pack = pack, .command = {.bms = pack}, .offered = MESSAGES_KINDS};
     *node = zero;
     e2e_receiver_init(&node->demand, NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_DEMAND));
     e2e_receiver_init(&node->battery,
@@ -32,8 +32,8 @@ static bool is_usable(e2e_status_t status)
 
 static bool expire_battery_limits(node_t *node)
 {
-    node->command.battery.charge_current_mA = 0;
-    node->command.battery.discharge_current_mA = node->pack.discharge_current_mA;
+    node->command.bms.charge_current_mA = 0;
+    node->command.bms.discharge_current_mA = node->pack.discharge_current_mA;
     return true;
 }
 
@@ -54,7 +54,7 @@ bool node_tick(node_t *node, uint32_t now_ms)
 
 static bool receive_demand(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
 {
-    messages_demand_t demand;
+    wheel_demand_t demand;
     const bool plausible = messages_read_demand(frame, &demand);
     if (!is_usable(e2e_receive(&node->demand, frame->data, frame->identifier, plausible, now_ms))) {
         return false;
@@ -67,13 +67,13 @@ static bool receive_demand(node_t *node, const messages_frame_t *frame, uint32_t
 
 static bool receive_battery(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
 {
-    messages_battery_t battery;
+    battery_limits_t battery;
     const bool plausible = messages_read_battery(frame, &battery);
     if (!is_usable(
             e2e_receive(&node->battery, frame->data, frame->identifier, plausible, now_ms))) {
         return false;
     }
-    node->command.battery = battery;
+    node->command.bms = battery;
     return true;
 }
 
@@ -96,20 +96,23 @@ static bool is_due(uint32_t due_ms, uint32_t now_ms)
            UINT32_MAX / 2U; /* not in the future, also when the clock has wrapped in between */
 }
 
-bool node_next(node_t *node, uint32_t now_ms, const messages_output_t *output,
-               messages_frame_t *frame)
+bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
+               const wheel_temperatures_t *temperature, messages_frame_t *frame)
 {
     for (uint32_t i = 0; i < MESSAGES_SENT; i++) {
         if (!is_due(node->due_ms[i], now_ms)) {
             continue;
         }
-        messages_output_t complete = *output;
-        complete.demand_link = node->demand.link;
-        complete.battery_link = node->battery.link;
-        complete.demand_errors = e2e_errors(&node->demand.counts);
-        complete.battery_errors = e2e_errors(&node->battery.counts);
+        const messages_values_t values = {
+            .output = output,
+            .temperature = temperature,
+            .links = {.demand = node->demand.link,
+                      .battery = node->battery.link,
+                      .demand_errors = e2e_errors(&node->demand.counts),
+                      .battery_errors = e2e_errors(&node->battery.counts)},
+        };
         node->offered = sent_kind(i);
-        *frame = messages_output(node->offered, &complete, node->wheel, node->counter[i]);
+        *frame = messages_output(node->offered, &values, node->wheel, node->counter[i]);
         return true;
     }
     node->offered = MESSAGES_KINDS;

@@ -130,8 +130,8 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const c
         .fast_step_count = report->sequence,
         .bus_voltage_mV = bus_mV,
         .speed_mrad_s = speed_mrad_s,
-        .winding_temperature_cC = in->winding_temperature_cC,
-        .switch_temperature_cC = in->switch_temperature_cC,
+        .winding_temperature_cC = in->temperature.winding_cC,
+        .switch_temperature_cC = in->temperature.switch_cC,
         .i_d_mA = bases_current_mA(config, dq_of(report->i_pu).d),
         .i_q_mA = bases_current_mA(config, dq_of(report->i_pu).q),
         .u_d_mV = phase_mV(dq_of(report->u_pu).d, slow->modulation_limit_q15, bus_mV),
@@ -158,10 +158,10 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         .offsets_plausible = watch->offsets_plausible,
         .rotor_valid = report->rotor_valid,
         .rolling = q_abs(speed_mrad_s) > config->brake.blend_out_end_mrad_s,
-        .enable = in->enable,
-        .drive_demanded = in->drive_torque_mNm != 0,
-        .torque_demanded = in->drive_torque_mNm != 0 || in->brake_torque_mNm > 0,
-        .fault_reset = in->fault_reset,
+        .enable = in->demand.enable,
+        .drive_demanded = in->demand.drive_torque_mNm != 0,
+        .torque_demanded = in->demand.drive_torque_mNm != 0 || in->demand.brake_torque_mNm > 0,
+        .fault_reset = in->demand.fault_reset,
         .warning = watch->warning != REASON_NONE,
         .warning_reason = watch->warning,
         .fault = watch->fault,
@@ -179,10 +179,10 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
     const int32_t commanded_mV =
         phase_mV(SLOW_MODULATION_INDEX_Q15, slow->modulation_limit_q15, bus_mV);
     const torque_input_t torque_in = {
-        .drive_torque_mNm = in->drive_torque_mNm,
-        .brake_torque_mNm = in->brake_torque_mNm,
+        .drive_torque_mNm = in->demand.drive_torque_mNm,
+        .brake_torque_mNm = in->demand.brake_torque_mNm,
         .demand_age_ms = in->demand_age_ms,
-        .abs_active = in->abs_active,
+        .abs_active = in->demand.abs_active,
         .speed_mrad_s = speed_mrad_s,
         .current =
             {
@@ -195,10 +195,10 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .rotor_valid = report->rotor_valid,
         .bus_voltage_mV = bus_mV,
         .phase_voltage_mV = sampling_correction_mean_voltage(sampling, commanded_mV),
-        .bms_charge_current_mA = in->bms_charge_current_mA,
-        .bms_discharge_current_mA = in->bms_discharge_current_mA,
-        .winding_temperature_cC = in->winding_temperature_cC,
-        .switch_temperature_cC = in->switch_temperature_cC,
+        .bms_charge_current_mA = in->bms.charge_current_mA,
+        .bms_discharge_current_mA = in->bms.discharge_current_mA,
+        .winding_temperature_cC = in->temperature.winding_cC,
+        .switch_temperature_cC = in->temperature.switch_cC,
         .torque_enable = *torque_enable,
     };
     return torque_step(&slow->torque, config, &torque_in);
@@ -233,7 +233,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     const modes_output_t modes = decide_mode(slow, config, report, in, &watch, speed_mrad_s);
     const int32_t speed_q32 = report->speed_q32;
     const sampling_correction_t sampling =
-        sampling_correction_at(config, speed_q32, in->winding_temperature_cC);
+        sampling_correction_at(config, speed_q32, in->temperature.winding_cC);
     const torque_output_t torque = step_torque(slow, config, report, in, &modes.torque_enable,
                                                speed_mrad_s, bus_mV, &sampling);
 
@@ -245,7 +245,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         sampled_reference_pu(config, &torque.current, report->i_d_weakening_pu, &sampling);
     setpoint->i_d_sampling_correction_pu = sampling_correction_d_pu(&sampling);
     setpoint->tuning = current_tuning(config, slow->modulation_limit_q15, summary.v_dc_pu,
-                                      speed_q32, in->winding_temperature_cC);
+                                      speed_q32, in->temperature.winding_cC);
     setpoint->dead_time_slope = dead_time_slope_at(config, summary.v_dc_pu);
     setpoint->calibrate_offsets = modes.calibrate_offsets;
     setpoint->torque_enabled = torque_enable_any(modes.torque_enable);

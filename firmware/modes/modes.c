@@ -12,28 +12,7 @@ void modes_init(modes_state_t *state)
     state->reset_before = false;
 }
 
-const char *modes_text(modes_mode_t mode)
-{
-    switch (mode) {
-    case MODE_BOOT:
-        return "BOOT";
-    case MODE_SELFTEST:
-        return "SELFTEST";
-    case MODE_OFFSET_CAL:
-        return "OFFSET_CAL";
-    case MODE_READY:
-        return "READY";
-    case MODE_RUN:
-        return "RUN";
-    case MODE_LIMP:
-        return "LIMP";
-    case MODE_FAULT:
-        return "FAULT";
-    }
-    return "unknown mode";
-}
-
-static void enter(modes_state_t *state, modes_mode_t mode)
+static void enter(modes_state_t *state, operating_mode_t mode)
 {
     state->mode = mode;
     state->steps = 0;

@@ -29,7 +29,7 @@ void board_start(board_t *board, const config_t *config)
                    .winding_temperature_cC = ROOM_TEMPERATURE_cC,
                    .switch_temperature_cC = ROOM_TEMPERATURE_cC},
         .active = {.bridge = BRIDGE_OFF},
-        .received = {.mode = (uint8_t)MODE_BOOT},
+        .received = {.mode = MODE_BOOT},
     };
     *board = at_rest;
     e2e_receiver_init(&board->state_link, TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_WHEEL_STATE));
@@ -65,27 +65,18 @@ static void send(board_t *board, const messages_frame_t *frame)
     host_can_send(sent);
 }
 
-/* What the vehicle and the battery have to say in this millisecond. */
-static void say(board_t *board, const slow_input_t *in)
+/* The messages of the vehicle and of the battery that are due in this millisecond. */
+static void send_messages(board_t *board, const slow_input_t *in)
 {
     board->queued_count = 0;
     const uint32_t demand_cycle_ms = messages_cycle_ms(MESSAGES_DEMAND);
     if (board->now_ms % demand_cycle_ms == 0 && in->demand_age_ms < demand_cycle_ms) {
-        const messages_demand_t demand = {
-            .drive_torque_mNm = in->drive_torque_mNm,
-            .brake_torque_mNm = in->brake_torque_mNm,
-            .enable = in->enable,
-            .abs_active = in->abs_active,
-            .fault_reset = in->fault_reset,
-        };
         const messages_frame_t frame =
-            messages_demand(&demand, board->wheel, board->demand_counter++);
+            messages_demand(&in->demand, board->wheel, board->demand_counter++);
         send(board, &frame);
     }
     if (board->now_ms % messages_cycle_ms(MESSAGES_BATTERY_LIMITS) == 0) {
-        const messages_battery_t battery = {in->bms_charge_current_mA,
-                                            in->bms_discharge_current_mA};
-        const messages_frame_t frame = messages_battery(&battery, board->battery_counter++);
+        const messages_frame_t frame = messages_battery(&in->bms, board->battery_counter++);
         send(board, &frame);
     }
 }
@@ -97,13 +88,13 @@ static e2e_receiver_t *link_of(board_t *board, uint16_t identifier)
                : &board->brake_link;
 }
 
-static void hear(board_t *board)
+static void receive_messages(board_t *board)
 {
     can_frame_t received;
     while (host_can_receive(&received)) {
         messages_frame_t frame = {.identifier = received.identifier, .length = received.length};
         memcpy(frame.data, received.data, sizeof frame.data);
-        messages_output_t message = board->received;
+        slow_output_t message = board->received;
         if (!messages_read_output(&frame, board->wheel, &message)) {
             continue; /* of no interest to the plant */
         }
@@ -115,36 +106,20 @@ static void hear(board_t *board)
     }
 }
 
-static slow_output_t output_of(const messages_output_t *received)
-{
-    const slow_output_t out = {
-        .motor_torque_estimate_mNm = received->motor_torque_estimate_mNm,
-        .hydraulic_torque_mNm = received->hydraulic_torque_mNm,
-        .electric_brake_available_mNm = received->electric_brake_available_mNm,
-        .speed_mrad_s = received->speed_mrad_s,
-        .available_reason = received->available_reason,
-        .hydraulic_reason = received->hydraulic_reason,
-        .fault_reason = received->fault_reason,
-        .mode = (modes_mode_t)received->mode,
-        .stop_lamp = received->stop_lamp,
-    };
-    return out;
-}
-
 /* The main loop runs before the interrupt, so that what was received now is acted upon now, and
  * after it. */
 static slow_output_t millisecond(void *context, const slow_input_t *in)
 {
     board_t *board = context;
-    board->sample.winding_temperature_cC = in->winding_temperature_cC;
-    board->sample.switch_temperature_cC = in->switch_temperature_cC;
-    say(board, in);
+    board->sample.winding_temperature_cC = in->temperature.winding_cC;
+    board->sample.switch_temperature_cC = in->temperature.switch_cC;
+    send_messages(board, in);
     app_background();
     host_millisecond();
     board->now_ms++;
     app_background();
-    hear(board);
-    return output_of(&board->received);
+    receive_messages(board);
+    return board->received;
 }
 
 wheel_coupling_t board_coupling(board_t *board)

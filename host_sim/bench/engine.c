@@ -214,7 +214,7 @@ static int not_run(hubsim_t *sim)
         if (wheel->slow.mode != MODE_RUN) {
             return handle_fail(sim, HUBSIM_FAILED,
                                "the controller of wheel %d stays in %s before the run begins: %s",
-                               k, modes_text(wheel->slow.mode),
+                               k, operating_mode_text(wheel->slow.mode),
                                reason_text(wheel->slow.fault_reason));
         }
     }

@@ -5,8 +5,8 @@
 
 #include "bench/engine.h"
 #include "bench/parameters.h"
+#include "core/operating_mode.h"
 #include "core/reason.h"
-#include "modes/modes.h"
 
 int hubsim_parameter_count(void)
 {
@@ -45,7 +45,7 @@ double hubsim_parameter_highest(int index)
 
 const char *hubsim_mode_text(int mode)
 {
-    return modes_text((modes_mode_t)mode);
+    return operating_mode_text((operating_mode_t)mode);
 }
 
 const char *hubsim_reason_text(int reason)

@@ -137,16 +137,15 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
     wheel->fault.offset_a =
         world->params->wheel[wheel->index].current_offset_a + order->current_drift_a;
     const slow_input_t in = {
-        .drive_torque_mNm = rounded(order->drive_nm, MILLI),
-        .brake_torque_mNm = rounded(order->brake_nm, MILLI),
+        .demand = {.drive_torque_mNm = rounded(order->drive_nm, MILLI),
+                   .brake_torque_mNm = rounded(order->brake_nm, MILLI),
+                   .enable = order->enable,
+                   .abs_active = order->abs_active},
         .demand_age_ms = (uint32_t)rounded(order->demand_age_s, MILLI),
-        .bms_charge_current_mA = rounded(order->charge_limit_a, MILLI),
-        .bms_discharge_current_mA = rounded(order->discharge_limit_a, MILLI),
-        .winding_temperature_cC = rounded(measured_winding_c(wheel, world->params), CENTI),
-        .switch_temperature_cC = rounded(wheel->switches.temperature_c, CENTI),
-        .enable = order->enable,
-        .abs_active = order->abs_active,
-        .fault_reset = false,
+        .bms = {.charge_current_mA = rounded(order->charge_limit_a, MILLI),
+                .discharge_current_mA = rounded(order->discharge_limit_a, MILLI)},
+        .temperature = {.winding_cC = rounded(measured_winding_c(wheel, world->params), CENTI),
+                        .switch_cC = rounded(wheel->switches.temperature_c, CENTI)},
         .selftest_passed = true,
         .config_accepted = true,
     };

@@ -47,16 +47,16 @@ void joined_fast(joined_t *joined, const int32_t *in, int32_t *out)
 void joined_slow(joined_t *joined, const int32_t *in, int32_t *out)
 {
     const slow_input_t world = {
-        .drive_torque_mNm = in[IN_drive_torque_mNm],
-        .brake_torque_mNm = in[IN_brake_torque_mNm],
+        .demand.drive_torque_mNm = in[IN_drive_torque_mNm],
+        .demand.brake_torque_mNm = in[IN_brake_torque_mNm],
         .demand_age_ms = (uint32_t)in[IN_demand_age_ms],
-        .bms_charge_current_mA = in[IN_bms_charge_current_mA],
-        .bms_discharge_current_mA = in[IN_bms_discharge_current_mA],
-        .winding_temperature_cC = in[IN_winding_temperature_cC],
-        .switch_temperature_cC = in[IN_switch_temperature_cC],
-        .enable = in[IN_enable] != 0,
-        .abs_active = in[IN_abs_active] != 0,
-        .fault_reset = in[IN_fault_reset] != 0,
+        .bms.charge_current_mA = in[IN_bms_charge_current_mA],
+        .bms.discharge_current_mA = in[IN_bms_discharge_current_mA],
+        .temperature.winding_cC = in[IN_winding_temperature_cC],
+        .temperature.switch_cC = in[IN_switch_temperature_cC],
+        .demand.enable = in[IN_enable] != 0,
+        .demand.abs_active = in[IN_abs_active] != 0,
+        .demand.fault_reset = in[IN_fault_reset] != 0,
         .selftest_passed = in[IN_selftest_passed] != 0,
         .config_accepted = in[IN_config_accepted] != 0,
     };

@@ -163,16 +163,18 @@ static slow_input_t take_slow_input(bytes_t *bytes)
 {
     const uint8_t flags = take8(bytes);
     const slow_input_t in = {
-        .drive_torque_mNm = (flags & 1U) != 0 ? take_within(bytes, INT32_MIN, INT32_MAX) : 0,
-        .brake_torque_mNm = (flags & 2U) != 0 ? take_within(bytes, INT32_MIN, INT32_MAX) : 0,
+        .demand = {.drive_torque_mNm =
+                       (flags & 1U) != 0 ? take_within(bytes, INT32_MIN, INT32_MAX) : 0,
+                   .brake_torque_mNm =
+                       (flags & 2U) != 0 ? take_within(bytes, INT32_MIN, INT32_MAX) : 0,
+                   .enable = (flags & 8U) == 0,
+                   .abs_active = (flags & 16U) != 0,
+                   .fault_reset = (flags & 32U) != 0},
         .demand_age_ms = (flags & 4U) != 0 ? take32(bytes) : 0,
-        .bms_charge_current_mA = take_within(bytes, INT32_MIN, INT32_MAX),
-        .bms_discharge_current_mA = take_within(bytes, INT32_MIN, INT32_MAX),
-        .winding_temperature_cC = take_within(bytes, INT32_MIN, INT32_MAX),
-        .switch_temperature_cC = take_within(bytes, INT32_MIN, INT32_MAX),
-        .enable = (flags & 8U) == 0,
-        .abs_active = (flags & 16U) != 0,
-        .fault_reset = (flags & 32U) != 0,
+        .bms.charge_current_mA = take_within(bytes, INT32_MIN, INT32_MAX),
+        .bms.discharge_current_mA = take_within(bytes, INT32_MIN, INT32_MAX),
+        .temperature.winding_cC = take_within(bytes, INT32_MIN, INT32_MAX),
+        .temperature.switch_cC = take_within(bytes, INT32_MIN, INT32_MAX),
         .selftest_passed = (flags & 64U) == 0,
         .config_accepted = (flags & 128U) == 0,
     };

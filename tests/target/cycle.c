@@ -45,17 +45,17 @@ fast_input_t cycle_fast_input(const cycle_fast_t *kept)
 cycle_slow_t cycle_of_slow(const slow_input_t *in)
 {
     const cycle_slow_t out = {
-        .drive_torque_mNm = in->drive_torque_mNm,
-        .brake_torque_mNm = in->brake_torque_mNm,
+        .drive_torque_mNm = in->demand.drive_torque_mNm,
+        .brake_torque_mNm = in->demand.brake_torque_mNm,
         .demand_age_ms = in->demand_age_ms,
-        .flags = (uint8_t)(SLOW_STEP | flag(in->enable, ENABLE) | flag(in->abs_active, ABS_ACTIVE) |
-                           flag(in->fault_reset, FAULT_RESET) |
+        .flags = (uint8_t)(SLOW_STEP | flag(in->demand.enable, ENABLE) | flag(in->demand.abs_active, ABS_ACTIVE) |
+                           flag(in->demand.fault_reset, FAULT_RESET) |
                            flag(in->selftest_passed, SELFTEST_PASSED) |
                            flag(in->config_accepted, CONFIG_ACCEPTED)),
-        .bms_charge_current_mA = in->bms_charge_current_mA,
-        .bms_discharge_current_mA = in->bms_discharge_current_mA,
-        .winding_temperature_cC = in->winding_temperature_cC,
-        .switch_temperature_cC = in->switch_temperature_cC,
+        .bms_charge_current_mA = in->bms.charge_current_mA,
+        .bms_discharge_current_mA = in->bms.discharge_current_mA,
+        .winding_temperature_cC = in->temperature.winding_cC,
+        .switch_temperature_cC = in->temperature.switch_cC,
     };
     return out;
 }
@@ -68,16 +68,16 @@ bool cycle_is_slow(const cycle_fast_t *unit)
 slow_input_t cycle_slow_input(const cycle_slow_t *kept)
 {
     const slow_input_t out = {
-        .drive_torque_mNm = kept->drive_torque_mNm,
-        .brake_torque_mNm = kept->brake_torque_mNm,
+        .demand.drive_torque_mNm = kept->drive_torque_mNm,
+        .demand.brake_torque_mNm = kept->brake_torque_mNm,
         .demand_age_ms = kept->demand_age_ms,
-        .bms_charge_current_mA = kept->bms_charge_current_mA,
-        .bms_discharge_current_mA = kept->bms_discharge_current_mA,
-        .winding_temperature_cC = kept->winding_temperature_cC,
-        .switch_temperature_cC = kept->switch_temperature_cC,
-        .enable = (kept->flags & ENABLE) != 0,
-        .abs_active = (kept->flags & ABS_ACTIVE) != 0,
-        .fault_reset = (kept->flags & FAULT_RESET) != 0,
+        .bms.charge_current_mA = kept->bms_charge_current_mA,
+        .bms.discharge_current_mA = kept->bms_discharge_current_mA,
+        .temperature.winding_cC = kept->winding_temperature_cC,
+        .temperature.switch_cC = kept->switch_temperature_cC,
+        .demand.enable = (kept->flags & ENABLE) != 0,
+        .demand.abs_active = (kept->flags & ABS_ACTIVE) != 0,
+        .demand.fault_reset = (kept->flags & FAULT_RESET) != 0,
         .selftest_passed = (kept->flags & SELFTEST_PASSED) != 0,
         .config_accepted = (kept->flags & CONFIG_ACCEPTED) != 0,
     };

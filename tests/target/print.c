@@ -20,7 +20,7 @@ void print_story(uint32_t crc, const char *name, const uint32_t mode_steps[PRINT
     for (int mode = 0; mode < PRINT_MODES; mode++) {
         if (mode_steps[mode] > 0) {
             print(", ");
-            print(modes_text((modes_mode_t)mode));
+            print(operating_mode_text((operating_mode_t)mode));
             print(" ");
             print_number(mode_steps[mode], 10);
         }

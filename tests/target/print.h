@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-#include "modes/modes.h"
+#include "core/operating_mode.h"
 
 enum { PRINT_MODES = MODE_FAULT + 1 };
 

@@ -74,20 +74,20 @@ static void with_interior_magnets(config_t *config)
 static void enabled_at_room_temperature(slow_input_t *in, int32_t ms)
 {
     in->demand_age_ms = 0;
-    in->bms_charge_current_mA = 200000;
-    in->bms_discharge_current_mA = 400000;
-    in->winding_temperature_cC = 2500 + ms;
-    in->switch_temperature_cC = 3000 + 2 * ms;
-    in->enable = ms > 200;
-    in->drive_torque_mNm = 0;
-    in->brake_torque_mNm = 0;
+    in->bms.charge_current_mA = 200000;
+    in->bms.discharge_current_mA = 400000;
+    in->temperature.winding_cC = 2500 + ms;
+    in->temperature.switch_cC = 3000 + 2 * ms;
+    in->demand.enable = ms > 200;
+    in->demand.drive_torque_mNm = 0;
+    in->demand.brake_torque_mNm = 0;
 }
 
 static void drive_and_brake(wheel_t *wheel, slow_input_t *in, int32_t ms)
 {
     enabled_at_room_temperature(in, ms);
-    in->drive_torque_mNm = ms % 600 > 300 ? 20000 : 0;
-    in->brake_torque_mNm = ms % 600 > 100 && ms % 600 <= 300 ? ms * 50 : 0;
+    in->demand.drive_torque_mNm = ms % 600 > 300 ? 20000 : 0;
+    in->demand.brake_torque_mNm = ms % 600 > 100 && ms % 600 <= 300 ? ms * 50 : 0;
     wheel->speed_q32 = ms * 20000;
 }
 
@@ -96,7 +96,7 @@ static void reverse(wheel_t *wheel, slow_input_t *in, int32_t ms)
 {
     enabled_at_room_temperature(in, ms);
     if (ms > 220) {
-        in->drive_torque_mNm = ms % 400 < 200 ? -15000 : 15000;
+        in->demand.drive_torque_mNm = ms % 400 < 200 ? -15000 : 15000;
     }
     wheel->speed_q32 = (600 - ms) * 25000;
 }
@@ -104,10 +104,10 @@ static void reverse(wheel_t *wheel, slow_input_t *in, int32_t ms)
 static void hot_and_full(wheel_t *wheel, slow_input_t *in, int32_t ms)
 {
     enabled_at_room_temperature(in, ms);
-    in->winding_temperature_cC = 9000 + 6 * ms;
-    in->bms_charge_current_mA = 40000 - 30 * ms > 0 ? 40000 - 30 * ms : 0;
-    in->brake_torque_mNm = 60000;
-    in->abs_active = ms % 250 > 200;
+    in->temperature.winding_cC = 9000 + 6 * ms;
+    in->bms.charge_current_mA = 40000 - 30 * ms > 0 ? 40000 - 30 * ms : 0;
+    in->demand.brake_torque_mNm = 60000;
+    in->demand.abs_active = ms % 250 > 200;
     wheel->speed_q32 = 15000000 - ms * 8000;
     wheel->bus_code = (uint16_t)(3500 + ms / 4);
 }
@@ -116,10 +116,10 @@ static void hot_and_full(wheel_t *wheel, slow_input_t *in, int32_t ms)
 static void faults_and_recoveries(wheel_t *wheel, slow_input_t *in, int32_t ms)
 {
     enabled_at_room_temperature(in, ms);
-    in->brake_torque_mNm = ms % 400 < 150 ? 30000 : 0;
+    in->demand.brake_torque_mNm = ms % 400 < 150 ? 30000 : 0;
     in->demand_age_ms = ms % 300 > 250 ? (uint32_t)(ms % 300) : 0;
-    in->fault_reset = ms % 100 > 50;
-    in->enable = ms > 200 && ms % 400 < 300;
+    in->demand.fault_reset = ms % 100 > 50;
+    in->demand.enable = ms > 200 && ms % 400 < 300;
     wheel->speed_q32 = ms % 400 < 200 ? 3000000 : 0;
 }
 
@@ -127,16 +127,16 @@ static void faults_and_recoveries(wheel_t *wheel, slow_input_t *in, int32_t ms)
 static void chaos(wheel_t *wheel, slow_input_t *in, int32_t ms)
 {
     const int32_t roll = (int32_t)wheel_random(wheel);
-    in->drive_torque_mNm = (roll - 32768) * 100;
-    in->brake_torque_mNm = (int32_t)wheel_random(wheel) * 100;
+    in->demand.drive_torque_mNm = (roll - 32768) * 100;
+    in->demand.brake_torque_mNm = (int32_t)wheel_random(wheel) * 100;
     in->demand_age_ms = roll % 16 == 0 ? UINT32_MAX : 0;
-    in->bms_charge_current_mA = (int32_t)wheel_random(wheel) * 100;
-    in->bms_discharge_current_mA = (int32_t)wheel_random(wheel) * 100;
-    in->winding_temperature_cC = (int32_t)(wheel_random(wheel) % 20000U) - 5000;
-    in->switch_temperature_cC = (int32_t)(wheel_random(wheel) % 20000U) - 5000;
-    in->enable = ms > 200 && roll % 64 != 0;
-    in->abs_active = roll % 8 == 1;
-    in->fault_reset = roll % 2 == 1;
+    in->bms.charge_current_mA = (int32_t)wheel_random(wheel) * 100;
+    in->bms.discharge_current_mA = (int32_t)wheel_random(wheel) * 100;
+    in->temperature.winding_cC = (int32_t)(wheel_random(wheel) % 20000U) - 5000;
+    in->temperature.switch_cC = (int32_t)(wheel_random(wheel) % 20000U) - 5000;
+    in->demand.enable = ms > 200 && roll % 64 != 0;
+    in->demand.abs_active = roll % 8 == 1;
+    in->demand.fault_reset = roll % 2 == 1;
     wheel->speed_q32 = (roll - 32768) * 8000;
 }
 

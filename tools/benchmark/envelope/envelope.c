@@ -111,8 +111,8 @@ static void draw_demand(slow_input_t *in, const config_t *config)
     const double kind = share();
     const double most = 1.2 * config->motor.max_torque_mNm;
     const double both = most + config->brake.max_hydraulic_torque_mNm;
-    in->drive_torque_mNm = kind < 0.45 ? (int32_t)between(-most, most) : 0;
-    in->brake_torque_mNm = kind > 0.55 ? (int32_t)between(0.0, kind < 0.8 ? most : both) : 0;
+    in->demand.drive_torque_mNm = kind < 0.45 ? (int32_t)between(-most, most) : 0;
+    in->demand.brake_torque_mNm = kind > 0.55 ? (int32_t)between(0.0, kind < 0.8 ? most : both) : 0;
     in->demand_age_ms = chance(0.03) ? 1000U : (uint32_t)between(0.0, 10.0);
 }
 
@@ -120,13 +120,13 @@ static void draw_slow(slow_input_t *in, const config_t *config)
 {
     const config_battery_t *battery = &config->battery;
     draw_demand(in, config);
-    in->bms_charge_current_mA = pack_mA(battery->max_charge_current_mA, battery->driven_wheels);
-    in->bms_discharge_current_mA =
+    in->bms.charge_current_mA = pack_mA(battery->max_charge_current_mA, battery->driven_wheels);
+    in->bms.discharge_current_mA =
         pack_mA(battery->max_discharge_current_mA, battery->driven_wheels);
-    in->winding_temperature_cC = temperature_cC(config->motor.max_winding_temperature_cC);
-    in->switch_temperature_cC = temperature_cC(config->drive.max_switch_temperature_cC);
-    in->enable = !chance(0.03);
-    in->abs_active = chance(0.03);
+    in->temperature.winding_cC = temperature_cC(config->motor.max_winding_temperature_cC);
+    in->temperature.switch_cC = temperature_cC(config->drive.max_switch_temperature_cC);
+    in->demand.enable = !chance(0.03);
+    in->demand.abs_active = chance(0.03);
 }
 
 /* A wheel's speed and the bus voltage, as the fast loop reports them. */
@@ -187,7 +187,7 @@ static slow_output_t step(start_t *at)
 }
 
 /* Calm at the battery's middle, switched on: through self-test and calibration into RUN. */
-static modes_mode_t start_with(start_t *start, int32_t sensor)
+static operating_mode_t start_with(start_t *start, int32_t sensor)
 {
     static controller_t whole;
     start->config = CONFIG_IMAGE;
@@ -203,11 +203,11 @@ static modes_mode_t start_with(start_t *start, int32_t sensor)
         (int32_t)(16384.0 * (config->battery.min_voltage_mV + config->battery.max_voltage_mV) /
                   config->drive.voltage_full_scale_mV);
     const slow_input_t calm = {
-        .bms_charge_current_mA = INT32_MAX,
-        .bms_discharge_current_mA = INT32_MAX,
-        .winding_temperature_cC = 2500,
-        .switch_temperature_cC = 2500,
-        .enable = true,
+        .bms.charge_current_mA = INT32_MAX,
+        .bms.discharge_current_mA = INT32_MAX,
+        .temperature.winding_cC = 2500,
+        .temperature.switch_cC = 2500,
+        .demand.enable = true,
         .selftest_passed = true,
         .config_accepted = true,
     };
@@ -247,15 +247,15 @@ static void show(const slow_output_t *out)
     const fast_report_t *report = &now.to_slow;
     print_number("speed_mrad_s", out->speed_mrad_s);
     print_number("bus_voltage_mV", out->bus_voltage_mV);
-    print_number("drive_torque_mNm", in->drive_torque_mNm);
-    print_number("brake_torque_mNm", in->brake_torque_mNm);
+    print_number("drive_torque_mNm", in->demand.drive_torque_mNm);
+    print_number("brake_torque_mNm", in->demand.brake_torque_mNm);
     print_number("demand_age_ms", (int32_t)in->demand_age_ms);
-    print_number("bms_charge_current_mA", in->bms_charge_current_mA);
-    print_number("bms_discharge_current_mA", in->bms_discharge_current_mA);
-    print_number("winding_temperature_cC", in->winding_temperature_cC);
-    print_number("switch_temperature_cC", in->switch_temperature_cC);
-    print_number("enable", in->enable);
-    print_number("abs_active", in->abs_active);
+    print_number("bms_charge_current_mA", in->bms.charge_current_mA);
+    print_number("bms_discharge_current_mA", in->bms.discharge_current_mA);
+    print_number("winding_temperature_cC", in->temperature.winding_cC);
+    print_number("switch_temperature_cC", in->temperature.switch_cC);
+    print_number("enable", in->demand.enable);
+    print_number("abs_active", in->demand.abs_active);
     print_number("rotor_valid", report->rotor_valid);
     print_number("i_d_mA", out->i_d_mA);
     print_number("i_q_mA", out->i_q_mA);
@@ -278,10 +278,10 @@ static void begin_anew(void)
 int main(void)
 {
     for (int32_t sensor = 0; sensor < SENSORS; sensor++) {
-        const modes_mode_t mode = start_with(&starts[sensor], sensor);
+        const operating_mode_t mode = start_with(&starts[sensor], sensor);
         if (mode != MODE_RUN) {
             semihost_print("envelope: start-up ended in ");
-            semihost_print(modes_text(mode));
+            semihost_print(operating_mode_text(mode));
             semihost_print("\n");
             return 1;
         }

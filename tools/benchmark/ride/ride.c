@@ -47,15 +47,12 @@ static slow_input_t input_at(const config_t *config, int ms, uint32_t *random)
     }
     const int32_t most = config->motor.max_torque_mNm;
     const slow_input_t in = {
-        .drive_torque_mNm = share_of_256 > 0 ? most / 256 * share_of_256 : 0,
-        .brake_torque_mNm = share_of_256 < 0 ? most / 256 * -share_of_256 * 2 : 0,
-        .bms_charge_current_mA =
-            config->battery.max_charge_current_mA * config->battery.driven_wheels,
-        .bms_discharge_current_mA =
-            config->battery.max_discharge_current_mA * config->battery.driven_wheels,
-        .winding_temperature_cC = 2500 + 4 * ms,
-        .switch_temperature_cC = 2500 + 2 * ms,
-        .enable = ms > START_ms / 2,
+        .demand = {.drive_torque_mNm = share_of_256 > 0 ? most / 256 * share_of_256 : 0,
+                   .brake_torque_mNm = share_of_256 < 0 ? most / 256 * -share_of_256 * 2 : 0,
+                   .enable = ms > START_ms / 2},
+        .bms = {config->battery.max_charge_current_mA * config->battery.driven_wheels,
+                config->battery.max_discharge_current_mA * config->battery.driven_wheels},
+        .temperature = {.winding_cC = 2500 + 4 * ms, .switch_cC = 2500 + 2 * ms},
         .selftest_passed = true,
         .config_accepted = true,
     };

@@ -10,7 +10,6 @@
 #include <stdint.h>
 
 #include "comms/node.h"
-#include "controller/controller.h"
 
 typedef struct {
     node_t node;
@@ -18,17 +17,14 @@ typedef struct {
 
 /* pack: the configuration's limits, of the whole pack. False if the CAN controller is not on the
  * bus yet; frames are exchanged as soon as it is. */
-bool can_link_init(can_link_t *link, messages_wheel_t wheel, messages_battery_t pack,
+bool can_link_init(can_link_t *link, messages_wheel_t wheel, battery_limits_t pack,
                    uint32_t now_ms);
 
 /* Processes received frames, at most eight a call; true if link->node.command has changed. */
 bool can_link_receive(can_link_t *link, uint32_t now_ms);
 
 /* Sends the frames that are due, as many as the CAN controller takes. */
-void can_link_transmit(can_link_t *link, uint32_t now_ms, const messages_output_t *output);
-
-/* The quantities that the wheel sends; temperatures as the ports report them. */
-messages_output_t can_link_output(const slow_output_t *output, int32_t winding_temperature_cC,
-                                  int32_t switch_temperature_cC);
+void can_link_transmit(can_link_t *link, uint32_t now_ms, const slow_output_t *output,
+                       const wheel_temperatures_t *temperature);
 
 #endif

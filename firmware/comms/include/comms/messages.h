@@ -4,10 +4,10 @@
  * knows it is generated.
  *
  * One wheel's messages differ from another's in two bits of the identifier (and in the data id,
- * e2e.h), so one DBC is for all of them. Structures hold SI milli-units, named as in the
- * controller; a frame holds whole steps of 0.1 N m, 0.1 A, 0.1 V, 0.1 degrees and 0.01 rad/s. What
- * is sent is rounded to the nearest step and kept within the DBC's range, except that the
- * available braking torque is rounded down, so that it is never overstated.
+ * e2e.h), so one DBC is for all of them. The structures are the controller's own
+ * (core/slow_messages.h), in SI milli-units; a frame holds whole steps of 0.1 N m, 0.1 A, 0.1 V,
+ * 0.1 degrees and 0.01 rad/s. What is sent is rounded to the nearest step and kept within the DBC's
+ * range, except that the available braking torque is rounded down, so that it is never overstated.
  *
  * Signs: torque, speed and current are positive when they drive forward; braking torques are
  * magnitudes >= 0; the bus current is positive out of the battery. Pure; any context.
@@ -19,7 +19,7 @@
 #include <stdint.h>
 
 #include "comms/e2e.h"
-#include "core/reason.h"
+#include "core/slow_messages.h"
 
 /* The numbers are part of the protocol: the lowest two bits of the identifier, so that on a crowded
  * bus an urgent message of any wheel has priority over a less urgent one of every other. */
@@ -54,43 +54,20 @@ typedef struct {
     uint8_t data[E2E_FRAME_BYTES];
 } messages_frame_t;
 
+/* State of the receivers, for WheelHealth: what comms adds to the controller's values. */
 typedef struct {
-    int32_t drive_torque_mNm; /* signed, -20 000 000 .. 20 000 000, at this wheel */
-    int32_t
-        brake_torque_mNm; /* 0 .. 20 000 000, at this wheel, motor and hydraulic brake together */
-    bool enable;
-    bool abs_active;
-    bool fault_reset;
-} messages_demand_t;
-
-typedef struct {
-    int32_t charge_current_mA;    /* whole pack, 0 .. 32 000 000 */
-    int32_t discharge_current_mA; /* whole pack, 0 .. 32 000 000 */
-} messages_battery_t;
-
-/* All quantities that one wheel sends. Out-of-range values are sent as the end of the range. */
-typedef struct {
-    int32_t motor_torque_command_mNm;
-    int32_t motor_torque_estimate_mNm;
-    int32_t hydraulic_torque_mNm;
-    int32_t electric_brake_available_mNm;
-    int32_t speed_mrad_s;
-    int32_t i_q_mA;
-    int32_t bus_voltage_mV;
-    int32_t bus_current_mA;
-    int32_t winding_temperature_cC; /* 29 999 or more: sensor broken, sent as 300 degrees */
-    int32_t switch_temperature_cC;  /* likewise */
-    reason_t torque_reason;
-    reason_t available_reason;
-    reason_t hydraulic_reason;
-    reason_t fault_reason;
-    uint8_t mode; /* the number of modes.h, 0 .. 15 */
-    bool stop_lamp;
-    e2e_link_t demand_link;
-    e2e_link_t battery_link;
+    e2e_link_t demand;
+    e2e_link_t battery;
     uint32_t demand_errors;
     uint32_t battery_errors;
-} messages_output_t;
+} messages_links_t;
+
+/* All that one wheel sends. Out-of-range values are sent as the end of the range. */
+typedef struct {
+    const slow_output_t *output;
+    const wheel_temperatures_t *temperature; /* 29 999 or more is sent as 300 degrees */
+    messages_links_t links;
+} messages_values_t;
 
 /* "front left" and so on; never NULL. */
 const char *messages_wheel_text(messages_wheel_t wheel);
@@ -101,23 +78,24 @@ uint16_t messages_identifier(messages_kind_t kind, messages_wheel_t wheel);
 uint32_t messages_cycle_ms(messages_kind_t kind);
 
 /* Decodes a frame; its protection is checked by e2e_receive(). False, and the structure
- * untouched, if the length is wrong or a value is outside the DBC's range. */
-bool messages_read_demand(const messages_frame_t *frame, messages_demand_t *demand);
-bool messages_read_battery(const messages_frame_t *frame, messages_battery_t *battery);
+ * untouched, if the length is wrong or a value is outside the DBC's range: torques up to
+ * 20 000 N m, currents up to 32 000 A. */
+bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand);
+bool messages_read_battery(const messages_frame_t *frame, battery_limits_t *limits);
 
 /* For simulators of vehicle and battery: a complete, protected frame. */
-messages_frame_t messages_demand(const messages_demand_t *demand, messages_wheel_t wheel,
+messages_frame_t messages_demand(const wheel_demand_t *demand, messages_wheel_t wheel,
                                  uint8_t counter);
-messages_frame_t messages_battery(const messages_battery_t *battery, uint8_t counter);
+messages_frame_t messages_battery(const battery_limits_t *limits, uint8_t counter);
 
 /* Decodes for the vehicle's side: the fields that this kind of frame carries, in whole
  * steps; the others are left as they are. False, and the structure untouched, if it is neither
  * WHEEL_STATE nor WHEEL_BRAKE of that wheel. */
 bool messages_read_output(const messages_frame_t *frame, messages_wheel_t wheel,
-                          messages_output_t *output);
+                          slow_output_t *output);
 
 /* One of the sent kinds, complete and protected; an empty frame for the received ones. */
-messages_frame_t messages_output(messages_kind_t kind, const messages_output_t *output,
+messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *values,
                                  messages_wheel_t wheel, uint8_t counter);
 
 #endif

@@ -29,10 +29,10 @@ enum {
         10000 /* longer than any timeout of the controller, shorter than the clock's wrap */
 };
 
-/* The vehicle's command, an input of the slow step. */
+/* What the vehicle sends, as the slow step takes it (slow_input_t). */
 typedef struct {
-    messages_demand_t demand;
-    messages_battery_t battery;
+    wheel_demand_t demand;
+    battery_limits_t bms;
     uint32_t demand_time_ms; /* when the demand arrived */
     bool demand_known;       /* received less than NODE_DEMAND_EXPIRY_ms ago */
 } node_command_t;
@@ -40,7 +40,7 @@ typedef struct {
 typedef struct {
     messages_wheel_t wheel;
     node_command_t command;
-    messages_battery_t pack; /* limits before the first BatteryLimits frame */
+    battery_limits_t pack; /* limits before the first BatteryLimits frame */
     e2e_receiver_t demand;
     e2e_receiver_t battery;
     uint32_t foreign; /* received frames with other identifiers */
@@ -50,7 +50,7 @@ typedef struct {
 } node_t;
 
 /* pack: the configuration's limits of the whole pack. */
-void node_init(node_t *node, messages_wheel_t wheel, messages_battery_t pack, uint32_t now_ms);
+void node_init(node_t *node, messages_wheel_t wheel, battery_limits_t pack, uint32_t now_ms);
 
 /* The identifiers that a receive filter has to pass. */
 void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_RECEIVED]);
@@ -63,9 +63,9 @@ bool node_tick(node_t *node, uint32_t now_ms);
 bool node_receive(node_t *node, const messages_frame_t *frame, uint32_t now_ms);
 
 /* The most urgent frame that is due; false if there is none. The same one again until node_sent().
- * The links' states and errors in `output` are filled in here. */
-bool node_next(node_t *node, uint32_t now_ms, const messages_output_t *output,
-               messages_frame_t *frame);
+ */
+bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
+               const wheel_temperatures_t *temperature, messages_frame_t *frame);
 
 /* The CAN controller has taken the frame of the last node_next(). */
 void node_sent(node_t *node, uint32_t now_ms);

@@ -31,7 +31,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
-#include "core/reason.h"
+#include "core/slow_messages.h"
 #include "core/torque_enable.h"
 #include "foc/exchange.h"
 #include "foc/foc.h"
@@ -53,49 +53,6 @@ typedef struct {
                                    config.drive.pwm_period_counts (= always on) */
     bridge_mode_t bridge;
 } fast_output_t;
-
-/* Inputs of the slow step. Demands come from CAN or the pedal and are already unpacked; limits come
- * from the BMS. */
-typedef struct {
-    int32_t drive_torque_mNm; /* signed, positive forward; torque at this wheel */
-    int32_t
-        brake_torque_mNm;   /* magnitude >= 0, at this wheel: motor and hydraulic brake together */
-    uint32_t demand_age_ms; /* since the last valid demand; beyond config.brake.demand_timeout_ms it
-                               counts as lost */
-    int32_t bms_charge_current_mA;    /* what the pack takes now, whole pack, magnitude >= 0 */
-    int32_t bms_discharge_current_mA; /* what the pack gives now, whole pack, magnitude >= 0 */
-    int32_t winding_temperature_cC;
-    int32_t switch_temperature_cC;
-    bool enable;          /* the driver has switched the vehicle on */
-    bool abs_active;      /* anti-lock system at work: the motor must get out of the way */
-    bool fault_reset;     /* rising edge acknowledges a latched fault; honoured only without torque
-                             demand */
-    bool selftest_passed; /* the port's own power-up checks; stays true afterwards */
-    bool config_accepted; /* config_validate() has accepted it at boot; with a refused configuration
-                           * no step may be called at all, this keeps the mode in BOOT when that
-                           * comes late */
-} slow_input_t;
-
-typedef struct {
-    int32_t motor_torque_command_mNm;     /* signed: what the current loop is asked for now */
-    int32_t motor_torque_estimate_mNm;    /* signed: from measured currents, at the shaft */
-    int32_t hydraulic_torque_mNm;         /* command to the hydraulic brake, magnitude >= 0 */
-    int32_t electric_brake_available_mNm; /* what the motor could take over now, magnitude >= 0 */
-    int32_t speed_mrad_s;                 /* mechanical, signed */
-    int32_t i_d_mA, i_q_mA;               /* measured, peak phase values, low-passed */
-    int32_t bus_voltage_mV;
-    int32_t bus_current_mA; /* estimate from realised voltage and measured current, positive out of
-                               the battery */
-    reason_t torque_reason; /* what bounds the motor torque in the demanded direction */
-    reason_t available_reason; /* what bounds electric_brake_available_mNm */
-    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT: motor and hydraulic brake together cannot
-                                  meet the demand */
-    reason_t fault_reason;     /* the latched fault, REASON_NONE when healthy */
-    modes_mode_t mode;
-    bool stop_lamp;
-    bool standstill; /* nothing says that the wheel turns, and no speed that was seen is unaccounted
-                      for */
-} slow_output_t;
 
 typedef struct {
     foc_state_t foc;

@@ -18,19 +18,9 @@
 
 #include "config/config.h"
 #include "core/bridge.h"
+#include "core/operating_mode.h"
 #include "core/reason.h"
 #include "core/torque_enable.h"
-
-typedef enum {
-    MODE_BOOT = 0,
-    MODE_SELFTEST = 1,
-    MODE_OFFSET_CAL = 2,
-    MODE_READY = 3, /* bridge in its safe state; RUN needs enable, a released drive pedal and a
-                       known angle */
-    MODE_RUN = 4,
-    MODE_LIMP = 5, /* reduced driving torque after a warning; braking is not reduced */
-    MODE_FAULT = 6
-} modes_mode_t;
 
 enum {
     /* 0.5 s; the average of 1024 PWM periods takes at most 256 ms */
@@ -59,7 +49,7 @@ typedef struct {
 } modes_input_t;
 
 typedef struct {
-    modes_mode_t mode;
+    operating_mode_t mode;
     reason_t fault;             /* latched, the first one */
     uint16_t steps;             /* in this mode, saturating */
     uint16_t acknowledge_steps; /* left of a pending acknowledgement */
@@ -67,7 +57,7 @@ typedef struct {
 } modes_state_t;
 
 typedef struct {
-    modes_mode_t mode;
+    operating_mode_t mode;
     reason_t fault; /* latched, REASON_NONE when healthy */
     torque_enable_t torque_enable;
     bool calibrate_offsets;
@@ -79,8 +69,5 @@ void modes_init(modes_state_t *state);
 
 /* 1 kHz. */
 modes_output_t modes_step(modes_state_t *state, const config_t *config, const modes_input_t *in);
-
-/* "RUN" and so on; never NULL. */
-const char *modes_text(modes_mode_t mode);
 
 #endif

@@ -27,9 +27,9 @@ enum { BOARD_QUEUED_MAX = 2 };
 
 typedef struct {
     messages_wheel_t wheel;
-    host_sample_t sample;       /* what the sensors see at this top */
-    fast_output_t active;       /* what the bridge does from this top on */
-    messages_output_t received; /* last output received from the wheel */
+    host_sample_t sample;   /* what the sensors see at this top */
+    fast_output_t active;   /* what the bridge does from this top on */
+    slow_output_t received; /* last output received from the wheel */
     e2e_receiver_t state_link, brake_link;
     uint32_t now_ms;
     uint8_t demand_counter, battery_counter;

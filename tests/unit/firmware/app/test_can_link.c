@@ -4,7 +4,9 @@
 #include "mock_can.h"
 #include "unity.h"
 
-static const messages_battery_t PACK = {.charge_current_mA = 50000, .discharge_current_mA = 150000};
+static const battery_limits_t PACK = {.charge_current_mA = 50000, .discharge_current_mA = 150000};
+
+static const wheel_temperatures_t TEMPERATURE = {2500, 2500};
 
 static can_link_t can_link;
 static uint16_t accepted[MESSAGES_RECEIVED];
@@ -62,7 +64,7 @@ void tearDown(void) {}
 
 static void arrive(uint8_t counter, int32_t drive_torque_mNm)
 {
-    const messages_demand_t demand = {.drive_torque_mNm = drive_torque_mNm, .enable = true};
+    const wheel_demand_t demand = {.drive_torque_mNm = drive_torque_mNm, .enable = true};
     const messages_frame_t frame = messages_demand(&demand, MESSAGES_REAR_LEFT, counter);
     can_frame_t *to = &waiting[waiting_count++];
     to->identifier = frame.identifier;
@@ -94,14 +96,14 @@ void test_demand_is_received_with_its_time(void)
 
 void test_timeout_is_reported_without_any_frame(void)
 {
-    const messages_battery_t full = {.charge_current_mA = 20000, .discharge_current_mA = 90000};
+    const battery_limits_t full = {.charge_current_mA = 20000, .discharge_current_mA = 90000};
     for (uint8_t counter = 0; counter < 3; counter++) {
         const messages_frame_t frame = messages_battery(&full, counter);
         (void)node_receive(&can_link.node, &frame, 100);
     }
-    TEST_ASSERT_EQUAL_INT32(20000, can_link.node.command.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(20000, can_link.node.command.bms.charge_current_mA);
     TEST_ASSERT_TRUE(can_link_receive(&can_link, 100000));
-    TEST_ASSERT_EQUAL_INT32(0, can_link.node.command.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(0, can_link.node.command.bms.charge_current_mA);
 }
 
 void test_number_of_frames_per_call_is_bounded(void)
@@ -116,13 +118,13 @@ void test_number_of_frames_per_call_is_bounded(void)
 /* In a second: state and brake 100 times, drive 50 times, power and health 10 times each. */
 void test_every_message_is_sent_in_its_cycle_with_free_mailboxes(void)
 {
-    const messages_output_t output = {.mode = 3};
+    const slow_output_t output = {.mode = MODE_READY};
     int count[5] = {0};
     for (uint32_t ms = 1; ms <= 1000; ms++) {
         sent_count = 0;
         free_mailboxes = 64;
-        can_link_transmit(&can_link, ms, &output);
-        can_link_transmit(&can_link, ms, &output);
+        can_link_transmit(&can_link, ms, &output, &TEMPERATURE);
+        can_link_transmit(&can_link, ms, &output, &TEMPERATURE);
         for (int i = 0; i < sent_count; i++) {
             TEST_ASSERT_EQUAL_UINT8(8, sent[i].length);
             TEST_ASSERT_TRUE(sent[i].identifier >= 0x182 && sent[i].identifier <= 0x192);
@@ -141,15 +143,15 @@ void test_every_message_is_sent_in_its_cycle_with_free_mailboxes(void)
  * mailboxes are empty again. */
 void test_messages_without_a_free_mailbox_are_sent_in_the_next_call(void)
 {
-    const messages_output_t output = {.mode = 3};
+    const slow_output_t output = {.mode = MODE_READY};
     free_mailboxes = 3;
-    can_link_transmit(&can_link, 100, &output);
+    can_link_transmit(&can_link, 100, &output, &TEMPERATURE);
     TEST_ASSERT_EQUAL_INT(3, sent_count);
     TEST_ASSERT_EQUAL_HEX16(0x182, sent[0].identifier);
     TEST_ASSERT_EQUAL_HEX16(0x186, sent[1].identifier);
     TEST_ASSERT_EQUAL_HEX16(0x18A, sent[2].identifier);
     free_mailboxes = 3;
-    can_link_transmit(&can_link, 101, &output);
+    can_link_transmit(&can_link, 101, &output, &TEMPERATURE);
     TEST_ASSERT_EQUAL_INT(5, sent_count);
     TEST_ASSERT_EQUAL_HEX16(0x18E, sent[3].identifier);
     TEST_ASSERT_EQUAL_HEX16(0x192, sent[4].identifier);
@@ -161,51 +163,14 @@ void test_can_works_after_a_late_start_of_the_transceiver(void)
 {
     starts = false;
     TEST_ASSERT_FALSE(can_link_init(&can_link, MESSAGES_FRONT_LEFT, PACK, 0));
-    const messages_output_t output = {.mode = 3};
+    const slow_output_t output = {.mode = MODE_READY};
     free_mailboxes = 0;
-    can_link_transmit(&can_link, 1000, &output);
+    can_link_transmit(&can_link, 1000, &output, &TEMPERATURE);
     TEST_ASSERT_EQUAL_INT(0, sent_count);
     free_mailboxes = 64;
     arrive(1, 1);
     (void)can_link_receive(&can_link, 2000);
-    can_link_transmit(&can_link, 2000, &output);
+    can_link_transmit(&can_link, 2000, &output, &TEMPERATURE);
     TEST_ASSERT_EQUAL_INT(1, delivered);
     TEST_ASSERT_EQUAL_INT(MESSAGES_SENT, sent_count);
-}
-
-void test_every_output_of_the_controller_is_passed_unchanged(void)
-{
-    const slow_output_t output = {
-        .motor_torque_command_mNm = -1,
-        .motor_torque_estimate_mNm = -2,
-        .hydraulic_torque_mNm = 3,
-        .electric_brake_available_mNm = 4,
-        .speed_mrad_s = 5,
-        .i_q_mA = -6,
-        .bus_voltage_mV = 7,
-        .bus_current_mA = -8,
-        .torque_reason = REASON_ABS,
-        .available_reason = REASON_BLEND_OUT,
-        .hydraulic_reason = REASON_HYDRAULIC_LIMIT,
-        .fault_reason = REASON_OVERCURRENT,
-        .mode = MODE_LIMP,
-        .stop_lamp = true,
-    };
-    const messages_output_t frame = can_link_output(&output, 9, 10);
-    TEST_ASSERT_EQUAL_INT32(-1, frame.motor_torque_command_mNm);
-    TEST_ASSERT_EQUAL_INT32(-2, frame.motor_torque_estimate_mNm);
-    TEST_ASSERT_EQUAL_INT32(3, frame.hydraulic_torque_mNm);
-    TEST_ASSERT_EQUAL_INT32(4, frame.electric_brake_available_mNm);
-    TEST_ASSERT_EQUAL_INT32(5, frame.speed_mrad_s);
-    TEST_ASSERT_EQUAL_INT32(-6, frame.i_q_mA);
-    TEST_ASSERT_EQUAL_INT32(7, frame.bus_voltage_mV);
-    TEST_ASSERT_EQUAL_INT32(-8, frame.bus_current_mA);
-    TEST_ASSERT_EQUAL_INT32(9, frame.winding_temperature_cC);
-    TEST_ASSERT_EQUAL_INT32(10, frame.switch_temperature_cC);
-    TEST_ASSERT_EQUAL_INT(REASON_ABS, frame.torque_reason);
-    TEST_ASSERT_EQUAL_INT(REASON_BLEND_OUT, frame.available_reason);
-    TEST_ASSERT_EQUAL_INT(REASON_HYDRAULIC_LIMIT, frame.hydraulic_reason);
-    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, frame.fault_reason);
-    TEST_ASSERT_EQUAL_UINT8(MODE_LIMP, frame.mode);
-    TEST_ASSERT_TRUE(frame.stop_lamp);
 }

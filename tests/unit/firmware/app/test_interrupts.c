@@ -206,7 +206,7 @@ static void vehicle_sends(bool enable, bool fault_reset, int duration_ms)
 {
     static uint8_t counter;
     for (int ms = 0; ms < duration_ms; ms += 10) {
-        const messages_demand_t demand = {.enable = enable, .fault_reset = fault_reset};
+        const wheel_demand_t demand = {.enable = enable, .fault_reset = fault_reset};
         const messages_frame_t sent = messages_demand(
             &demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position, counter++);
         can_frame_t frame = {.identifier = sent.identifier, .length = sent.length};
@@ -217,10 +217,10 @@ static void vehicle_sends(bool enable, bool fault_reset, int duration_ms)
     }
 }
 
-static modes_mode_t mode_on_can(void)
+static operating_mode_t mode_on_can(void)
 {
     /* hubfoc.dbc: WheelState.mode, bits 12 .. 15 */
-    return (modes_mode_t)(board.last_state.data[1] >> 4);
+    return (operating_mode_t)(board.last_state.data[1] >> 4);
 }
 
 void test_bridge_is_off_from_boot_to_ready(void)

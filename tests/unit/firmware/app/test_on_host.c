@@ -22,10 +22,10 @@
 enum { MESSAGE_PERIOD_ms = 10 };
 
 /* Enabled after 0.5 s; then driving, braking and zero demand for 0.2 s each. */
-static messages_demand_t demand_at(uint32_t now_ms)
+static wheel_demand_t demand_at(uint32_t now_ms)
 {
     const uint32_t phase = now_ms / 200 % 3;
-    const messages_demand_t demand = {
+    const wheel_demand_t demand = {
         .drive_torque_mNm = phase == 0 ? 5000 : 0,
         .brake_torque_mNm = phase == 1 ? 15000 : 0,
         .enable = now_ms >= 500,
@@ -35,7 +35,7 @@ static messages_demand_t demand_at(uint32_t now_ms)
 
 static can_frame_t message(uint32_t now_ms)
 {
-    const messages_demand_t demand = demand_at(now_ms);
+    const wheel_demand_t demand = demand_at(now_ms);
     const messages_frame_t sent =
         messages_demand(&demand, (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position,
                         (uint8_t)(now_ms / MESSAGE_PERIOD_ms));
@@ -77,7 +77,7 @@ static void assert_equal_to_direct_steps(void)
     start_sensors();
     (void)next_sample(&sensors); /* the board samples once at start-up */
     fast_output_t out = {.bridge = BRIDGE_OFF};
-    messages_demand_t demand = {0};
+    wheel_demand_t demand = {0};
     uint32_t demand_ms = 0, now_ms = 0, sent_ms = 0;
     int messages_received = 0;
     bool received = false;
@@ -100,16 +100,11 @@ static void assert_equal_to_direct_steps(void)
         if ((period + 1) % (config->drive.pwm_frequency_Hz / CONTROLLER_SLOW_RATE_HZ) == 0) {
             now_ms++;
             const slow_input_t slow_in = {
-                .drive_torque_mNm = demand.drive_torque_mNm,
-                .brake_torque_mNm = demand.brake_torque_mNm,
+                .demand = demand,
                 .demand_age_ms = received ? now_ms - demand_ms : UINT32_MAX,
-                .bms_charge_current_mA =
-                    config->battery.max_charge_current_mA * config->battery.driven_wheels,
-                .bms_discharge_current_mA =
-                    config->battery.max_discharge_current_mA * config->battery.driven_wheels,
-                .winding_temperature_cC = s.winding_temperature_cC,
-                .switch_temperature_cC = s.switch_temperature_cC,
-                .enable = demand.enable,
+                .bms = {config->battery.max_charge_current_mA * config->battery.driven_wheels,
+                        config->battery.max_discharge_current_mA * config->battery.driven_wheels},
+                .temperature = {s.winding_temperature_cC, s.switch_temperature_cC},
                 .selftest_passed = true,
                 .config_accepted = true,
             };

@@ -17,7 +17,7 @@ void setUp(void)
 {
     boot = successful_boot();
     output = output_in_ready();
-    const messages_battery_t pack = {.charge_current_mA = 1000, .discharge_current_mA = 1000};
+    const battery_limits_t pack = {.charge_current_mA = 1000, .discharge_current_mA = 1000};
     node_init(&node, MESSAGES_FRONT_LEFT, pack, 0);
     const report_status_t running = {.output = &output,
                                      .node = &node,
@@ -205,7 +205,7 @@ void test_longest_status_is_complete(void)
 
 void test_every_kind_of_frame_error_has_its_count(void)
 {
-    const messages_demand_t demand = {.enable = true};
+    const wheel_demand_t demand = {.enable = true};
     for (uint8_t counter = 0; counter < 3; counter++) {
         const messages_frame_t frame = messages_demand(&demand, MESSAGES_FRONT_LEFT, counter);
         (void)node_receive(&node, &frame, 10);

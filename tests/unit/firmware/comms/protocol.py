@@ -56,7 +56,7 @@ class Comms:
         self.ffi.cdef(declarations)
         self.lib: CValue = self.ffi.dlopen(str(library))
 
-    def struct(self, name: str, **values: int) -> CValue:
+    def struct(self, name: str, **values: CValue) -> CValue:
         """Return a structure with the given members, the others zero."""
         made = self.ffi.new(f"{name} *")
         for member, value in values.items():

@@ -179,7 +179,7 @@ def test_no_reason_is_left_without_a_value_table(database: Database) -> None:
 
 
 def test_modes_have_the_firmware_s_numbers_and_names(database: Database) -> None:
-    modes = enumerators("modes/include/modes/modes.h", "MODE")
+    modes = enumerators("core/include/core/operating_mode.h", "MODE")
     assert len(modes) >= 7
     assert choices("WheelState", "mode", database) == modes
 

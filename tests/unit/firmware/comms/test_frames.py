@@ -27,7 +27,7 @@ KINDS = {
     "WheelHealth": "MESSAGES_WHEEL_HEALTH",
 }
 
-# Member of messages_output_t, and the signal it becomes: message, name, milli-units (or hundredths)
+# Member of slow_output_t or, with a dot, of messages_values_t; and the signal it becomes: message, name, milli-units (or hundredths)
 # of one unit.
 PHYSICAL = {
     "motor_torque_command_mNm": ("WheelDrive", "motor_torque_command_nm", 1000),
@@ -38,8 +38,8 @@ PHYSICAL = {
     "i_q_mA": ("WheelDrive", "current_q_a", 1000),
     "bus_voltage_mV": ("WheelPower", "bus_voltage_v", 1000),
     "bus_current_mA": ("WheelPower", "bus_current_a", 1000),
-    "winding_temperature_cC": ("WheelHealth", "winding_temperature_c", 100),
-    "switch_temperature_cC": ("WheelHealth", "switch_temperature_c", 100),
+    "temperature.winding_cC": ("WheelHealth", "winding_temperature_c", 100),
+    "temperature.switch_cC": ("WheelHealth", "switch_temperature_c", 100),
 }
 NUMBERS = {
     "torque_reason": ("WheelDrive", "torque_reason"),
@@ -48,10 +48,10 @@ NUMBERS = {
     "fault_reason": ("WheelState", "fault_reason"),
     "mode": ("WheelState", "mode"),
     "stop_lamp": ("WheelState", "stop_lamp"),
-    "demand_link": ("WheelHealth", "demand_link"),
-    "battery_link": ("WheelHealth", "battery_link"),
-    "demand_errors": ("WheelHealth", "demand_errors"),
-    "battery_errors": ("WheelHealth", "battery_errors"),
+    "links.demand": ("WheelHealth", "demand_link"),
+    "links.battery": ("WheelHealth", "battery_link"),
+    "links.demand_errors": ("WheelHealth", "demand_errors"),
+    "links.battery_errors": ("WheelHealth", "battery_errors"),
 }
 
 
@@ -69,8 +69,14 @@ def content(frame: CValue) -> bytes:
 
 
 def output_frame(comms: Comms, message: str, wheel: int, counter: int, **values: int) -> CValue:
-    output = comms.struct("messages_output_t", **values)
-    return comms.lib.messages_output(comms.number(KINDS[message]), output, wheel, counter)
+    """Return a frame with these values, the others zero."""
+    output, temperature = comms.struct("slow_output_t"), comms.struct("wheel_temperatures_t")
+    sent = comms.struct("messages_values_t", output=output, temperature=temperature)
+    parts = {"": output, "temperature": temperature, "links": sent.links}
+    for name, value in values.items():
+        part, _, member = name.rpartition(".")
+        setattr(parts[part], member, value)
+    return comms.lib.messages_output(comms.number(KINDS[message]), sent, wheel, counter)
 
 
 def values_in(database: Database, frame: CValue) -> dict[str, float]:
@@ -95,10 +101,10 @@ def signal_of(database: Database, message: str, signal: str) -> Signal:
 def frames(comms: Comms) -> Iterator[tuple[str, int, int, CValue]]:
     """Yield one frame of every message, wheel and counter: name, wheel, counter, frame."""
     demand = comms.struct(
-        "messages_demand_t", drive_torque_mNm=-12300, brake_torque_mNm=456700, enable=True
+        "wheel_demand_t", drive_torque_mNm=-12300, brake_torque_mNm=456700, enable=True
     )
     battery = comms.struct(
-        "messages_battery_t", charge_current_mA=123400, discharge_current_mA=567800
+        "battery_limits_t", charge_current_mA=123400, discharge_current_mA=567800
     )
     for counter in range(16):
         yield "BatteryLimits", 0, counter, comms.lib.messages_battery(battery, counter)
@@ -252,7 +258,7 @@ def test_a_quantity_beyond_its_range_is_sent_as_the_end_of_the_dbc_s_range(
 
 @pytest.mark.parametrize(
     "member",
-    ["motor_torque_command_mNm", "speed_mrad_s", "bus_current_mA", "winding_temperature_cC"],
+    ["motor_torque_command_mNm", "speed_mrad_s", "bus_current_mA", "temperature.winding_cC"],
 )
 def test_rounding_is_symmetric_so_that_forward_and_reverse_are_the_same(
     member: str, comms: Comms, database: Database
@@ -283,15 +289,15 @@ def test_a_number_arrives_as_it_is_in_the_width_of_its_field(
 
 
 def test_counts_of_errors_wrap_and_do_not_stop(comms: Comms, database: Database) -> None:
-    got = decoded(comms, database, "WheelHealth", demand_errors=256 + 7, battery_errors=2**32 - 1)
+    errors = {"links.demand_errors": 256 + 7, "links.battery_errors": 2**32 - 1}
+    got = decoded(comms, database, "WheelHealth", **errors)
     assert (got["demand_errors"], got["battery_errors"]) == (7, 255)
 
 
 def test_a_broken_temperature_sensor_is_300_degrees(comms: Comms, database: Database) -> None:
     """hal/analog.h reports 29 999 hundredths for a sensor that is broken or not there."""
-    got = decoded(
-        comms, database, "WheelHealth", winding_temperature_cC=29999, switch_temperature_cC=29999
-    )
+    broken = {"temperature.winding_cC": 29999, "temperature.switch_cC": 29999}
+    got = decoded(comms, database, "WheelHealth", **broken)
     assert (got["winding_temperature_c"], got["switch_temperature_c"]) == (300.0, 300.0)
 
 
@@ -319,7 +325,7 @@ def test_a_demand_made_by_another_tool_is_read_exactly(comms: Comms, database: D
             "Demand",
             {"drive_torque_nm": drive / 10, "brake_torque_nm": brake / 10, **flags},
         )
-        demand = comms.struct("messages_demand_t")
+        demand = comms.struct("wheel_demand_t")
         assert comms.lib.messages_read_demand(frame, demand)
         assert (demand.drive_torque_mNm, demand.brake_torque_mNm) == (100 * drive, 100 * brake)
         assert {name: int(getattr(demand, name)) for name in flags} == flags
@@ -337,7 +343,7 @@ def test_battery_limits_made_by_another_tool_are_read_exactly(
             "BatteryLimits",
             {"charge_current_a": charge / 10, "discharge_current_a": discharge / 10},
         )
-        battery = comms.struct("messages_battery_t")
+        battery = comms.struct("battery_limits_t")
         assert comms.lib.messages_read_battery(frame, battery)
         assert (battery.charge_current_mA, battery.discharge_current_mA) == (
             100 * charge,
@@ -364,8 +370,8 @@ def test_the_range_that_is_accepted_is_the_dbc_s(
         if other.name not in (signal, "crc", "counter")
     }
     read, kind = {
-        "Demand": (comms.lib.messages_read_demand, "messages_demand_t"),
-        "BatteryLimits": (comms.lib.messages_read_battery, "messages_battery_t"),
+        "Demand": (comms.lib.messages_read_demand, "wheel_demand_t"),
+        "BatteryLimits": (comms.lib.messages_read_battery, "battery_limits_t"),
     }[message]
     step = float(described.conversion.scale)
     lowest, highest = described.minimum, described.maximum

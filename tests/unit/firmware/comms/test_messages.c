@@ -8,6 +8,14 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
+static messages_frame_t frame_of(messages_kind_t kind, const slow_output_t *output,
+                                 messages_wheel_t wheel, uint8_t counter)
+{
+    const wheel_temperatures_t temperature = {2500, 2500};
+    const messages_values_t values = {.output = output, .temperature = &temperature};
+    return messages_output(kind, &values, wheel, counter);
+}
+
 static const messages_wheel_t WHEELS[] = {MESSAGES_FRONT_LEFT, MESSAGES_FRONT_RIGHT,
                                           MESSAGES_REAR_LEFT, MESSAGES_REAR_RIGHT};
 
@@ -59,7 +67,7 @@ void test_more_urgent_messages_have_lower_identifiers_for_every_wheel(void)
 /* Values are whole steps, so that none is rounded; 200 is a reason unknown to this version. */
 void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
 {
-    const messages_output_t meant = {
+    const slow_output_t meant = {
         .motor_torque_estimate_mNm = -39900,
         .hydraulic_torque_mNm = 123400,
         .electric_brake_available_mNm = 40000,
@@ -67,13 +75,13 @@ void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
         .available_reason = (reason_t)3,
         .hydraulic_reason = (reason_t)200,
         .fault_reason = (reason_t)7,
-        .mode = 5,
+        .mode = MODE_LIMP,
         .stop_lamp = true,
     };
     for (uint32_t w = 0; w < 4; w++) {
-        messages_output_t back = {.i_q_mA = 77};
-        const messages_frame_t state = messages_output(MESSAGES_WHEEL_STATE, &meant, WHEELS[w], 9);
-        const messages_frame_t brake = messages_output(MESSAGES_WHEEL_BRAKE, &meant, WHEELS[w], 9);
+        slow_output_t back = {.i_q_mA = 77};
+        const messages_frame_t state = frame_of(MESSAGES_WHEEL_STATE, &meant, WHEELS[w], 9);
+        const messages_frame_t brake = frame_of(MESSAGES_WHEEL_BRAKE, &meant, WHEELS[w], 9);
         TEST_ASSERT_TRUE(messages_read_output(&state, WHEELS[w], &back));
         TEST_ASSERT_EQUAL_INT(0, back.hydraulic_torque_mNm);
         TEST_ASSERT_TRUE(messages_read_output(&brake, WHEELS[w], &back));
@@ -93,14 +101,13 @@ void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
 
 void test_state_and_brake_of_other_wheels_or_messages_are_refused(void)
 {
-    const messages_output_t meant = {.hydraulic_torque_mNm = 1000, .mode = 3};
-    messages_output_t back = {.mode = 1};
-    messages_frame_t frame = messages_output(MESSAGES_WHEEL_BRAKE, &meant, MESSAGES_REAR_LEFT, 0);
+    const slow_output_t meant = {.hydraulic_torque_mNm = 1000, .mode = MODE_READY};
+    slow_output_t back = {.mode = MODE_SELFTEST};
+    messages_frame_t frame = frame_of(MESSAGES_WHEEL_BRAKE, &meant, MESSAGES_REAR_LEFT, 0);
     TEST_ASSERT_FALSE(messages_read_output(&frame, MESSAGES_REAR_RIGHT, &back));
     frame.length = 7;
     TEST_ASSERT_FALSE(messages_read_output(&frame, MESSAGES_REAR_LEFT, &back));
-    const messages_frame_t drive =
-        messages_output(MESSAGES_WHEEL_DRIVE, &meant, MESSAGES_REAR_LEFT, 0);
+    const messages_frame_t drive = frame_of(MESSAGES_WHEEL_DRIVE, &meant, MESSAGES_REAR_LEFT, 0);
     TEST_ASSERT_FALSE(messages_read_output(&drive, MESSAGES_REAR_LEFT, &back));
     TEST_ASSERT_EQUAL_INT(0, back.hydraulic_torque_mNm);
     TEST_ASSERT_EQUAL_UINT8(1, back.mode);
@@ -113,7 +120,7 @@ void test_demand_unpacks_to_the_packed_values(void)
     for (uint32_t d = 0; d < 7; d++) {
         for (uint32_t b = 0; b < 4; b++) {
             for (uint32_t flags = 0; flags < 8; flags++) {
-                const messages_demand_t meant = {
+                const wheel_demand_t meant = {
                     .drive_torque_mNm = DRIVE_mNm[d],
                     .brake_torque_mNm = BRAKE_mNm[b],
                     .enable = (flags & 1U) != 0,
@@ -121,7 +128,7 @@ void test_demand_unpacks_to_the_packed_values(void)
                     .fault_reset = (flags & 4U) != 0,
                 };
                 const messages_frame_t frame = messages_demand(&meant, MESSAGES_FRONT_RIGHT, 5);
-                messages_demand_t read;
+                wheel_demand_t read;
                 TEST_ASSERT_TRUE(e2e_intact(frame.data, frame.identifier));
                 TEST_ASSERT_TRUE(messages_read_demand(&frame, &read));
                 TEST_ASSERT_EQUAL_INT32(meant.drive_torque_mNm, read.drive_torque_mNm);
@@ -139,9 +146,9 @@ void test_battery_limits_unpack_to_the_packed_values(void)
     static const int32_t CURRENT_mA[] = {0, 100, 123400, 32000000};
     for (uint32_t c = 0; c < 4; c++) {
         for (uint32_t d = 0; d < 4; d++) {
-            const messages_battery_t meant = {CURRENT_mA[c], CURRENT_mA[d]};
+            const battery_limits_t meant = {CURRENT_mA[c], CURRENT_mA[d]};
             const messages_frame_t frame = messages_battery(&meant, 15);
-            messages_battery_t read;
+            battery_limits_t read;
             TEST_ASSERT_TRUE(e2e_intact(frame.data, frame.identifier));
             TEST_ASSERT_TRUE(messages_read_battery(&frame, &read));
             TEST_ASSERT_EQUAL_INT32(meant.charge_current_mA, read.charge_current_mA);
@@ -156,7 +163,7 @@ static bool demand_is_read(int32_t drive_steps, uint32_t brake_steps)
                                         .brake_torque_nm = brake_steps};
     messages_frame_t frame = {.length = 8};
     (void)hubfoc_demand_pack(frame.data, &raw, sizeof frame.data);
-    messages_demand_t demand = {.drive_torque_mNm = 7};
+    wheel_demand_t demand = {.drive_torque_mNm = 7};
     const bool read = messages_read_demand(&frame, &demand);
     TEST_ASSERT_TRUE_MESSAGE(read || demand.drive_torque_mNm == 7,
                              "a refused frame must leave everything as it was");
@@ -182,7 +189,7 @@ static bool battery_is_read(uint32_t charge_steps, uint32_t discharge_steps)
                                                 .discharge_current_a = discharge_steps};
     messages_frame_t frame = {.length = 8};
     (void)hubfoc_battery_limits_pack(frame.data, &raw, sizeof frame.data);
-    messages_battery_t battery = {7, 7};
+    battery_limits_t battery = {7, 7};
     const bool read = messages_read_battery(&frame, &battery);
     TEST_ASSERT_TRUE(read || (battery.charge_current_mA == 7 && battery.discharge_current_mA == 7));
     return read;
@@ -198,15 +205,15 @@ void test_battery_limits_beyond_the_range_are_refused(void)
 
 void test_a_frame_of_another_length_is_refused(void)
 {
-    const messages_demand_t demand = {.enable = true};
-    const messages_battery_t battery = {1000, 1000};
+    const wheel_demand_t demand = {.enable = true};
+    const battery_limits_t battery = {1000, 1000};
     for (uint8_t length = 0; length < 8; length++) {
         messages_frame_t frame = messages_demand(&demand, MESSAGES_FRONT_LEFT, 0);
-        messages_demand_t read_demand;
+        wheel_demand_t read_demand;
         frame.length = length;
         TEST_ASSERT_FALSE(messages_read_demand(&frame, &read_demand));
         frame = messages_battery(&battery, 0);
-        messages_battery_t read_battery;
+        battery_limits_t read_battery;
         frame.length = length;
         TEST_ASSERT_FALSE(messages_read_battery(&frame, &read_battery));
     }
@@ -214,11 +221,9 @@ void test_a_frame_of_another_length_is_refused(void)
 
 void test_received_messages_cannot_be_sent(void)
 {
-    const messages_output_t output = {.mode = 4};
+    const slow_output_t output = {.mode = MODE_RUN};
+    TEST_ASSERT_EQUAL_UINT8(0, frame_of(MESSAGES_DEMAND, &output, MESSAGES_FRONT_LEFT, 0).length);
     TEST_ASSERT_EQUAL_UINT8(
-        0, messages_output(MESSAGES_DEMAND, &output, MESSAGES_FRONT_LEFT, 0).length);
-    TEST_ASSERT_EQUAL_UINT8(
-        0, messages_output(MESSAGES_BATTERY_LIMITS, &output, MESSAGES_FRONT_LEFT, 0).length);
-    TEST_ASSERT_EQUAL_UINT8(
-        0, messages_output(MESSAGES_KINDS, &output, MESSAGES_FRONT_LEFT, 0).length);
+        0, frame_of(MESSAGES_BATTERY_LIMITS, &output, MESSAGES_FRONT_LEFT, 0).length);
+    TEST_ASSERT_EQUAL_UINT8(0, frame_of(MESSAGES_KINDS, &output, MESSAGES_FRONT_LEFT, 0).length);
 }

@@ -4,7 +4,7 @@
 #include "comms/node.h"
 #include "unity.h"
 
-static const messages_battery_t PACK = {.charge_current_mA = 50000, .discharge_current_mA = 150000};
+static const battery_limits_t PACK = {.charge_current_mA = 50000, .discharge_current_mA = 150000};
 enum { DEMAND_CYCLE_ms = 10, BATTERY_CYCLE_ms = 100 }; /* the DBC's */
 
 static node_t node;
@@ -19,7 +19,7 @@ void tearDown(void) {}
 
 static messages_frame_t demand_frame(uint8_t counter, int32_t drive_torque_mNm)
 {
-    const messages_demand_t demand = {.drive_torque_mNm = drive_torque_mNm, .enable = true};
+    const wheel_demand_t demand = {.drive_torque_mNm = drive_torque_mNm, .enable = true};
     return messages_demand(&demand, MESSAGES_REAR_RIGHT, counter);
 }
 
@@ -31,7 +31,7 @@ static bool receive_demand(uint8_t counter, int32_t drive_torque_mNm, uint32_t n
 
 static bool receive_battery(uint8_t counter, int32_t charge_current_mA, uint32_t now_ms)
 {
-    const messages_battery_t battery = {charge_current_mA, 90000};
+    const battery_limits_t battery = {charge_current_mA, 90000};
     const messages_frame_t frame = messages_battery(&battery, counter);
     return node_receive(&node, &frame, now_ms);
 }
@@ -139,7 +139,7 @@ void test_demand_above_its_range_is_an_error_and_does_not_reset_the_age(void)
 void test_demand_for_another_wheel_is_ignored(void)
 {
     qualify_demand();
-    const messages_demand_t demand = {.drive_torque_mNm = 9000, .enable = true};
+    const wheel_demand_t demand = {.drive_torque_mNm = 9000, .enable = true};
     messages_frame_t frame = messages_demand(&demand, MESSAGES_REAR_LEFT, 3);
     TEST_ASSERT_FALSE(node_receive(&node, &frame, 30));
     TEST_ASSERT_EQUAL_UINT32(1, node.foreign);
@@ -168,8 +168,8 @@ void test_old_demand_stays_old_over_a_wrap_of_the_clock(void)
 void test_configured_battery_limits_apply_without_a_bms(void)
 {
     TEST_ASSERT_FALSE(node_tick(&node, 1000000));
-    TEST_ASSERT_EQUAL_INT32(PACK.charge_current_mA, node.command.battery.charge_current_mA);
-    TEST_ASSERT_EQUAL_INT32(PACK.discharge_current_mA, node.command.battery.discharge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(PACK.charge_current_mA, node.command.bms.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(PACK.discharge_current_mA, node.command.bms.discharge_current_mA);
 }
 
 void test_charge_limit_is_zero_after_a_bms_timeout_until_requalification(void)
@@ -177,17 +177,17 @@ void test_charge_limit_is_zero_after_a_bms_timeout_until_requalification(void)
     TEST_ASSERT_FALSE(receive_battery(0, 10000, 0));
     TEST_ASSERT_FALSE(receive_battery(1, 10000, BATTERY_CYCLE_ms));
     TEST_ASSERT_TRUE(receive_battery(2, 10000, 2 * BATTERY_CYCLE_ms));
-    TEST_ASSERT_EQUAL_INT32(10000, node.command.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(10000, node.command.bms.charge_current_mA);
     const uint32_t silent_ms = 2 * BATTERY_CYCLE_ms + NODE_TIMEOUT_CYCLES * BATTERY_CYCLE_ms;
     TEST_ASSERT_FALSE(node_tick(&node, silent_ms - 1));
     TEST_ASSERT_TRUE(node_tick(&node, silent_ms));
-    TEST_ASSERT_EQUAL_INT32(0, node.command.battery.charge_current_mA);
-    TEST_ASSERT_EQUAL_INT32(PACK.discharge_current_mA, node.command.battery.discharge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(PACK.discharge_current_mA, node.command.bms.discharge_current_mA);
     (void)receive_battery(3, 8000, silent_ms + 100);
     (void)receive_battery(4, 8000, silent_ms + 200);
-    TEST_ASSERT_EQUAL_INT32(0, node.command.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_current_mA);
     TEST_ASSERT_TRUE(receive_battery(5, 8000, silent_ms + 300));
-    TEST_ASSERT_EQUAL_INT32(8000, node.command.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(8000, node.command.bms.charge_current_mA);
 }
 
 /* A frame arrives after the timeout without a step in between: the timeout still applies. */
@@ -197,7 +197,7 @@ void test_bms_timeout_between_two_calls_sets_the_charge_limit_to_zero(void)
         (void)receive_battery(i, 10000, i * BATTERY_CYCLE_ms);
     }
     TEST_ASSERT_TRUE(receive_battery(3, 10000, 5000));
-    TEST_ASSERT_EQUAL_INT32(0, node.command.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_current_mA);
 }
 
 void test_battery_limits_above_their_range_count_as_missing(void)
@@ -205,7 +205,7 @@ void test_battery_limits_above_their_range_count_as_missing(void)
     for (uint8_t i = 0; i < 3; i++) {
         (void)receive_battery(i, 10000, i * BATTERY_CYCLE_ms);
     }
-    const messages_battery_t battery = {0, 0};
+    const battery_limits_t battery = {0, 0};
     for (uint32_t k = 3; k < 20; k++) {
         messages_frame_t frame = messages_battery(&battery, (uint8_t)(k & 15U));
         frame.data[2] = 0xFF; /* 0x7FFFF = 52 428.7 A, more than the 32 000 A of the DBC */
@@ -214,17 +214,23 @@ void test_battery_limits_above_their_range_count_as_missing(void)
         e2e_protect(frame.data, frame.identifier, (uint8_t)(k & 15U));
         (void)node_receive(&node, &frame, k * BATTERY_CYCLE_ms);
     }
-    TEST_ASSERT_EQUAL_INT32(0, node.command.battery.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_current_mA);
     TEST_ASSERT_EQUAL_UINT32(17, node.battery.counts.implausible);
 }
 
 /* ---- transmission ---- */
 
+static bool next_frame(uint32_t now_ms, const slow_output_t *output, messages_frame_t *frame)
+{
+    static const wheel_temperatures_t TEMPERATURE = {2500, 2500};
+    return node_next(&node, now_ms, output, &TEMPERATURE, frame);
+}
+
 static bool next_is(messages_kind_t kind, uint8_t counter, uint32_t now_ms,
-                    const messages_output_t *output)
+                    const slow_output_t *output)
 {
     messages_frame_t frame;
-    return node_next(&node, now_ms, output, &frame) &&
+    return next_frame(now_ms, output, &frame) &&
            frame.identifier == messages_identifier(kind, MESSAGES_REAR_RIGHT) &&
            (frame.data[1] & E2E_COUNTER_MASK) == counter &&
            e2e_intact(frame.data, frame.identifier);
@@ -232,25 +238,25 @@ static bool next_is(messages_kind_t kind, uint8_t counter, uint32_t now_ms,
 
 void test_messages_are_sent_in_their_cycle_and_in_order_of_urgency(void)
 {
-    const messages_output_t output = {.mode = 3};
+    const slow_output_t output = {.mode = MODE_READY};
     messages_frame_t frame;
-    TEST_ASSERT_FALSE(node_next(&node, 9, &output, &frame));
+    TEST_ASSERT_FALSE(next_frame(9, &output, &frame));
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 0, 10, &output));
     node_sent(&node, 10);
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_BRAKE, 0, 10, &output));
     node_sent(&node, 10);
-    TEST_ASSERT_FALSE(node_next(&node, 19, &output, &frame));
+    TEST_ASSERT_FALSE(next_frame(19, &output, &frame));
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 1, 20, &output));
 }
 
 void test_unsent_message_is_offered_again_with_the_same_counter_and_new_values(void)
 {
-    messages_output_t output = {.mode = 3};
+    slow_output_t output = {.mode = MODE_READY};
     messages_frame_t first;
     messages_frame_t second;
-    TEST_ASSERT_TRUE(node_next(&node, 10, &output, &first));
-    output.mode = 6;
-    TEST_ASSERT_TRUE(node_next(&node, 17, &output, &second));
+    TEST_ASSERT_TRUE(next_frame(10, &output, &first));
+    output.mode = MODE_FAULT;
+    TEST_ASSERT_TRUE(next_frame(17, &output, &second));
     TEST_ASSERT_EQUAL_HEX16(first.identifier, second.identifier);
     TEST_ASSERT_EQUAL_HEX8(0x30, first.data[1]); /* WheelState.mode is bits 12 .. 15 */
     TEST_ASSERT_EQUAL_HEX8(0x60, second.data[1]);
@@ -259,27 +265,27 @@ void test_unsent_message_is_offered_again_with_the_same_counter_and_new_values(v
 /* After a second without transmission the newest values are sent once. */
 void test_missed_cycles_are_not_sent_later(void)
 {
-    const messages_output_t output = {.mode = 3};
+    const slow_output_t output = {.mode = MODE_READY};
     messages_frame_t frame;
     int sent = 0;
-    while (node_next(&node, 1000, &output, &frame)) {
+    while (next_frame(1000, &output, &frame)) {
         node_sent(&node, 1000);
         sent++;
         TEST_ASSERT_TRUE(sent <= MESSAGES_SENT);
     }
     TEST_ASSERT_EQUAL_INT(MESSAGES_SENT, sent);
-    TEST_ASSERT_FALSE(node_next(&node, 1009, &output, &frame));
+    TEST_ASSERT_FALSE(next_frame(1009, &output, &frame));
     TEST_ASSERT_TRUE(next_is(MESSAGES_WHEEL_STATE, 1, 1010, &output));
 }
 
 /* With a call every 3 ms, a message with a cycle of 10 ms is still sent 100 times a second. */
 void test_irregular_calls_do_not_lengthen_the_cycle(void)
 {
-    const messages_output_t output = {.mode = 3};
+    const slow_output_t output = {.mode = MODE_READY};
     int states = 0;
     for (uint32_t ms = 0; ms <= 3000; ms += 3) {
         messages_frame_t frame;
-        while (node_next(&node, ms, &output, &frame)) {
+        while (next_frame(ms, &output, &frame)) {
             states += node.offered == MESSAGES_WHEEL_STATE ? 1 : 0;
             node_sent(&node, ms);
         }
@@ -291,11 +297,11 @@ void test_cycle_continues_over_a_wrap_of_the_clock(void)
 {
     const uint32_t start_ms = UINT32_MAX - 500U;
     node_init(&node, MESSAGES_REAR_RIGHT, PACK, start_ms);
-    const messages_output_t output = {.mode = 3};
+    const slow_output_t output = {.mode = MODE_READY};
     int states = 0;
     for (uint32_t k = 0; k <= 1000; k++) {
         messages_frame_t frame;
-        while (node_next(&node, start_ms + k, &output, &frame)) {
+        while (next_frame(start_ms + k, &output, &frame)) {
             states += node.offered == MESSAGES_WHEEL_STATE ? 1 : 0;
             node_sent(&node, start_ms + k);
         }
@@ -312,14 +318,14 @@ static void assert_sent_changes_nothing(void)
 
 void test_only_an_offered_frame_can_be_marked_as_sent_and_only_once(void)
 {
-    const messages_output_t output = {.mode = 3};
+    const slow_output_t output = {.mode = MODE_READY};
     messages_frame_t frame;
     assert_sent_changes_nothing();
-    TEST_ASSERT_TRUE(node_next(&node, 10, &output, &frame));
+    TEST_ASSERT_TRUE(next_frame(10, &output, &frame));
     node_sent(&node, 10);
     assert_sent_changes_nothing();
-    TEST_ASSERT_TRUE(node_next(&node, 10, &output, &frame));
-    TEST_ASSERT_FALSE(node_next(&node, 9, &output, &frame)); /* offered, and then no longer due */
+    TEST_ASSERT_TRUE(next_frame(10, &output, &frame));
+    TEST_ASSERT_FALSE(next_frame(9, &output, &frame)); /* offered, and then no longer due */
     assert_sent_changes_nothing();
 }
 
@@ -331,9 +337,9 @@ void test_wheel_health_reports_the_receivers_states(void)
     (void)receive_battery(0, 0, 25);
     (void)receive_battery(0, 0, 26);
     (void)receive_battery(0, 0, 27);
-    const messages_output_t output = {.mode = 3};
+    const slow_output_t output = {.mode = MODE_READY};
     messages_frame_t frame;
-    while (node_next(&node, 100, &output, &frame) && node.offered != MESSAGES_WHEEL_HEALTH) {
+    while (next_frame(100, &output, &frame) && node.offered != MESSAGES_WHEEL_HEALTH) {
         node_sent(&node, 100);
     }
     TEST_ASSERT_EQUAL_INT(MESSAGES_WHEEL_HEALTH, node.offered);

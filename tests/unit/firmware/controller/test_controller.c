@@ -15,17 +15,17 @@ void tearDown(void) {}
 
 void test_start_up_goes_through_self_test_and_calibration_to_ready_and_run_in_this_order(void)
 {
-    modes_mode_t seen[8];
+    operating_mode_t seen[8];
     int count = 0;
     for (int n = 0; n < 200; n++) {
-        rig.slow_in.enable = n >= 150;
+        rig.slow_in.demand.enable = n >= 150;
         rig_run(&rig, 1);
         if (count == 0 || seen[count - 1] != rig.out.mode) {
             TEST_ASSERT_LESS_THAN_INT(8, count);
             seen[count++] = rig.out.mode;
         }
     }
-    const modes_mode_t order[] = {MODE_SELFTEST, MODE_OFFSET_CAL, MODE_READY, MODE_RUN};
+    const operating_mode_t order[] = {MODE_SELFTEST, MODE_OFFSET_CAL, MODE_READY, MODE_RUN};
     TEST_ASSERT_EQUAL_INT(4, count);
     for (int k = 0; k < 4; k++) {
         TEST_ASSERT_EQUAL_INT(order[k], seen[k]);
@@ -34,13 +34,13 @@ void test_start_up_goes_through_self_test_and_calibration_to_ready_and_run_in_th
 
 void test_with_the_drive_pedal_pressed_switching_on_waits_for_its_release(void)
 {
-    rig.slow_in.enable = true;
-    rig.slow_in.drive_torque_mNm = -1;
+    rig.slow_in.demand.enable = true;
+    rig.slow_in.demand.drive_torque_mNm = -1;
     rig_run(&rig, 500);
     TEST_ASSERT_EQUAL_INT(MODE_READY, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
-    rig.slow_in.drive_torque_mNm = 0;
-    rig.slow_in.brake_torque_mNm = 10000;
+    rig.slow_in.demand.drive_torque_mNm = 0;
+    rig.slow_in.demand.brake_torque_mNm = 10000;
     rig_run(&rig, 1);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
 }
@@ -48,7 +48,7 @@ void test_with_the_drive_pedal_pressed_switching_on_waits_for_its_release(void)
 void test_the_bridge_does_not_switch_before_run(void)
 {
     while (rig.out.mode != MODE_RUN) {
-        rig.slow_in.enable = true;
+        rig.slow_in.demand.enable = true;
         for (int k = 0; k < RIG_FAST_PER_SLOW; k++) {
             rig_fast(&rig);
             TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
@@ -74,7 +74,7 @@ void test_calibration_averages_1024_samples_which_take_51_2_ms(void)
 
 void test_before_anything_is_known_the_hydraulic_brake_takes_every_braking_demand(void)
 {
-    rig.slow_in.brake_torque_mNm = 20000;
+    rig.slow_in.demand.brake_torque_mNm = 20000;
     for (int n = 0; n < 200; n++) {
         rig_run(&rig, 1);
         TEST_ASSERT_EQUAL_INT32(20000, rig.out.hydraulic_torque_mNm);
@@ -87,8 +87,8 @@ void test_before_anything_is_known_the_hydraulic_brake_takes_every_braking_deman
 void test_a_refused_configuration_keeps_the_controller_in_boot_with_the_bridge_off(void)
 {
     rig.slow_in.config_accepted = false;
-    rig.slow_in.enable = true;
-    rig.slow_in.brake_torque_mNm = 20000;
+    rig.slow_in.demand.enable = true;
+    rig.slow_in.demand.brake_torque_mNm = 20000;
     rig_set_speed_rpm(&rig, 300.0);
     rig_run(&rig, 1000);
     TEST_ASSERT_EQUAL_INT(MODE_BOOT, rig.out.mode);
@@ -174,7 +174,7 @@ static void start_running_at(double angle_turn)
     rig_start(&rig);
     rig.config.current_loop.field_weakening_current_pu_q15 = 0;
     controller_init(&rig.controller, &rig.config);
-    rig.slow_in.enable = true;
+    rig.slow_in.demand.enable = true;
     rig.angle_turn = angle_turn;
     rig_run(&rig, 300);
 }
@@ -210,7 +210,7 @@ void test_each_phase_gets_its_own_compare_value(void)
      * same. So with the others in turn. */
     for (int phase = 0; phase < 3; phase++) {
         start_running_at(0.25 + phase / 3.0);
-        rig.slow_in.drive_torque_mNm = 20000;
+        rig.slow_in.demand.drive_torque_mNm = 20000;
         rig_run(&rig, 100);
         const uint16_t *counts = rig.pwm.compare_counts;
         const uint16_t least = counts[phase];
@@ -226,7 +226,7 @@ void test_the_torque_demand_reaches_the_current_loop_as_a_per_unit_reference(voi
 {
     rig_start_running(&rig);
     rig.follows = true;
-    rig.slow_in.drive_torque_mNm = 20000;
+    rig.slow_in.demand.drive_torque_mNm = 20000;
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT32(20000, rig.out.motor_torque_command_mNm);
     /* 20 Nm / 0.7038 Nm/A = 28.417 A of 165 A = 5643.5 in Q15 */
@@ -239,7 +239,7 @@ void test_braking_torque_the_motor_does_not_make_is_moved_to_the_hydraulic_brake
     rig_start_running(&rig);
     rig_set_speed_rpm(&rig, 300.0);
     rig_run(&rig, 300);
-    rig.slow_in.brake_torque_mNm = 30000;
+    rig.slow_in.demand.brake_torque_mNm = 30000;
     rig_run(&rig, 300); /* the currents stay at zero, whatever the compare values: the voltage runs
                            to its limit */
     TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
@@ -250,7 +250,7 @@ void test_a_demand_that_goes_stale_fades_at_the_torque_rate(void)
 {
     rig_start_running(&rig);
     rig.follows = true;
-    rig.slow_in.drive_torque_mNm = 10000;
+    rig.slow_in.demand.drive_torque_mNm = 10000;
     rig_run(&rig, 100);
     rig.slow_in.demand_age_ms = 101;
     rig_run(&rig, 10);
@@ -265,13 +265,13 @@ void test_switching_off_while_rolling_keeps_the_electric_brake(void)
     rig.follows = true;
     rig_set_speed_rpm(&rig, 300.0);
     rig_run(&rig, 300);
-    rig.slow_in.enable = false;
-    rig.slow_in.brake_torque_mNm = 20000;
+    rig.slow_in.demand.enable = false;
+    rig.slow_in.demand.brake_torque_mNm = 20000;
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
     TEST_ASSERT_EQUAL_INT32(-20000, rig.out.motor_torque_command_mNm);
-    rig.slow_in.brake_torque_mNm = 0;
-    rig.slow_in.drive_torque_mNm = 20000;
+    rig.slow_in.demand.brake_torque_mNm = 0;
+    rig.slow_in.demand.drive_torque_mNm = 20000;
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
     TEST_ASSERT_EQUAL_INT(REASON_TORQUE_ENABLE, rig.out.torque_reason);

@@ -10,7 +10,7 @@ void setUp(void)
     rig_start_running(&rig);
     rig_set_speed_rpm(&rig, 300.0);
     rig_run(&rig, 300);
-    rig.slow_in.brake_torque_mNm = 20000;
+    rig.slow_in.demand.brake_torque_mNm = 20000;
     rig_run(&rig, 20);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
@@ -172,10 +172,10 @@ void test_a_hall_sensor_set_that_says_nothing_sensible_ends_torque_and_then_the_
     rig.config.rotor.sensor = CONFIG_ROTOR_HALL;
     controller_init(&rig.controller, &rig.config);
     rig.fast_in.hall_state = 5;
-    rig.slow_in.enable = true;
+    rig.slow_in.demand.enable = true;
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
-    rig.slow_in.drive_torque_mNm = 4000;
+    rig.slow_in.demand.drive_torque_mNm = 4000;
     rig_run(&rig, 20);
     TEST_ASSERT_EQUAL_INT32(4000, rig.out.motor_torque_command_mNm);
     rig.fast_in.hall_state = 7;
@@ -200,7 +200,7 @@ void test_currents_that_do_not_add_up_end_in_a_fault(void)
 
 void test_torque_nobody_asked_for_ends_in_a_fault(void)
 {
-    rig.slow_in.brake_torque_mNm = 0;
+    rig.slow_in.demand.brake_torque_mNm = 0;
     rig_set_speed_rpm(&rig, 0.0);
     rig.angle_turn = 0.25;
     rig_run(&rig, 300);
@@ -228,7 +228,7 @@ static void trip(void)
 /* Rest, no demand: what an acknowledgement asks for. */
 static void come_to_rest(void)
 {
-    rig.slow_in.brake_torque_mNm = 0;
+    rig.slow_in.demand.brake_torque_mNm = 0;
     rig_set_speed_rpm(&rig, 0.0);
     rig_run(&rig, 500);
 }
@@ -248,7 +248,7 @@ void test_an_acknowledged_trip_is_forgotten_by_both_reaches_and_the_sensors_are_
     trip();
     come_to_rest();
     put_codes(2060, 2050, 2040); /* the sensors have drifted with the heat */
-    rig.slow_in.fault_reset = true;
+    rig.slow_in.demand.fault_reset = true;
     rig_run(&rig, 3);
     TEST_ASSERT_NOT_EQUAL_INT(MODE_FAULT, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
@@ -264,13 +264,13 @@ void test_an_acknowledged_trip_is_forgotten_by_both_reaches_and_the_sensors_are_
 void test_an_acknowledgement_while_the_wheel_turns_or_torque_is_demanded_does_nothing(void)
 {
     trip();
-    rig.slow_in.fault_reset = true; /* rolling, braking */
+    rig.slow_in.demand.fault_reset = true; /* rolling, braking */
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
-    rig.slow_in.fault_reset = false;
+    rig.slow_in.demand.fault_reset = false;
     come_to_rest();
-    rig.slow_in.drive_torque_mNm = 1;
-    rig.slow_in.fault_reset = true;
+    rig.slow_in.demand.drive_torque_mNm = 1;
+    rig.slow_in.demand.fault_reset = true;
     rig_run(&rig, 100);
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
 }
@@ -280,7 +280,7 @@ void test_an_acknowledgement_of_a_fault_that_persists_leaves_it_standing(void)
     trip();
     come_to_rest();
     rig.fast_in.power_stage_fault = true;
-    rig.slow_in.fault_reset = true;
+    rig.slow_in.demand.fault_reset = true;
     for (int n = 0; n < 200; n++) {
         rig_run(&rig, 1);
         TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);

@@ -17,20 +17,21 @@ void tearDown(void) {}
 static void randomise(random_t *random, slow_input_t *slow, fast_input_t *fast)
 {
     const bool wild = random_chance(random, 2e-4);
-    slow->drive_torque_mNm = wild ? random_wild(random) : random_between(random, -40000, 40000);
+    slow->demand.drive_torque_mNm =
+        wild ? random_wild(random) : random_between(random, -40000, 40000);
     if (random_chance(random, 0.1)) {
-        slow->drive_torque_mNm = 0; /* the pedal must be released once before RUN */
+        slow->demand.drive_torque_mNm = 0; /* the pedal must be released once before RUN */
     }
-    slow->brake_torque_mNm =
+    slow->demand.brake_torque_mNm =
         wild ? random_wild(random) : q_max(random_between(random, -40000, 40000), 0);
     slow->demand_age_ms = (uint32_t)random_between(random, 0, 150);
-    slow->bms_charge_current_mA = random_wild(random);
-    slow->bms_discharge_current_mA = random_wild(random);
-    slow->winding_temperature_cC =
+    slow->bms.charge_current_mA = random_wild(random);
+    slow->bms.discharge_current_mA = random_wild(random);
+    slow->temperature.winding_cC =
         wild ? random_wild(random) : random_between(random, -4000, 15000);
-    slow->switch_temperature_cC = wild ? random_wild(random) : random_between(random, -4000, 15000);
-    slow->enable = random_chance(random, 0.99);
-    slow->abs_active = random_chance(random, 0.01);
+    slow->temperature.switch_cC = wild ? random_wild(random) : random_between(random, -4000, 15000);
+    slow->demand.enable = random_chance(random, 0.99);
+    slow->demand.abs_active = random_chance(random, 0.01);
     for (int x = 0; x < 3; x++) {
         fast->phase_current_code[x] =
             (uint16_t)(wild ? random_between(random, 0, 4095) : random_between(random, 2040, 2056));
@@ -51,9 +52,9 @@ static void randomise(random_t *random, slow_input_t *slow, fast_input_t *fast)
 /* The driver sees the fault: foot off, key turned. */
 static void acknowledge(slow_input_t *slow, int step)
 {
-    slow->drive_torque_mNm = 0;
-    slow->brake_torque_mNm = 0;
-    slow->fault_reset = step % 2 == 0;
+    slow->demand.drive_torque_mNm = 0;
+    slow->demand.brake_torque_mNm = 0;
+    slow->demand.fault_reset = step % 2 == 0;
 }
 
 void test_whatever_happens_the_bridge_switches_only_in_run_and_the_compares_stay_in_range(void)
@@ -67,7 +68,7 @@ void test_whatever_happens_the_bridge_switches_only_in_run_and_the_compares_stay
         rig.config.rotor.encoder_counts = 4096;
         rig.fast_in.hall_state = 5;
         for (int n = 0; n < 30000; n++) {
-            const modes_mode_t before = rig.out.mode;
+            const operating_mode_t before = rig.out.mode;
             for (int k = 0; k < RIG_FAST_PER_SLOW; k++) {
                 randomise(&random, &rig.slow_in, &rig.fast_in);
                 rig.pwm = controller_fast_step(&rig.controller.fast, &rig.config, &rig.to_fast,
@@ -170,8 +171,8 @@ void test_two_wheels_in_one_process_do_not_know_each_other(void)
     rig_start_running(&alone);
     rig_start(&left);
     rig_start(&right);
-    left.slow_in.enable = true;
-    right.slow_in.enable = true;
+    left.slow_in.demand.enable = true;
+    right.slow_in.demand.enable = true;
     rig_set_speed_rpm(&right, -200.0);
     for (int n = 0; n < 100; n++) {
         rig_run(&left, 1);

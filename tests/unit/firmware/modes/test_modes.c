@@ -1,6 +1,4 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <string.h>
-
 #include "modes_rig.h"
 
 void setUp(void)
@@ -59,7 +57,7 @@ void test_a_self_test_that_does_not_pass_within_a_second_is_a_fault(void)
 
 void test_offsets_are_calibrated_in_their_mode_and_in_no_other(void)
 {
-    for (modes_mode_t mode = MODE_BOOT; mode <= MODE_FAULT; mode++) {
+    for (operating_mode_t mode = MODE_BOOT; mode <= MODE_FAULT; mode++) {
         start_in(mode);
         TEST_ASSERT_EQUAL(mode == MODE_OFFSET_CAL, step().calibrate_offsets);
     }
@@ -113,7 +111,7 @@ void test_run_waits_for_a_zero_drive_demand_but_not_for_a_zero_brake_demand(void
 
 void test_disable_at_standstill_leads_to_ready(void)
 {
-    const modes_mode_t running[] = {MODE_RUN, MODE_LIMP};
+    const operating_mode_t running[] = {MODE_RUN, MODE_LIMP};
     for (int k = 0; k < 2; k++) {
         start_in(running[k]);
         in.enable = false;
@@ -123,7 +121,7 @@ void test_disable_at_standstill_leads_to_ready(void)
 
 void test_disable_while_rolling_sets_the_drive_enable_to_zero_and_keeps_the_brake_enable(void)
 {
-    const modes_mode_t running[] = {MODE_RUN, MODE_LIMP};
+    const operating_mode_t running[] = {MODE_RUN, MODE_LIMP};
     for (int k = 0; k < 2; k++) {
         start_in(running[k]);
         in.rolling = true;
@@ -161,7 +159,7 @@ void test_warning_in_ready_has_no_effect(void)
 void test_torque_enable_of_every_mode_is_that_of_the_table(void)
 {
     static const struct {
-        modes_mode_t mode;
+        operating_mode_t mode;
         int16_t drive_q15, brake_q15;
         reason_t reason;
     } TABLE[] = {
@@ -233,15 +231,4 @@ void test_offset_calibration_restarts_after_an_active_short_circuit(void)
     assert_mode(MODE_OFFSET_CAL, run(MODES_CALIBRATION_TIMEOUT_STEPS - 10));
     in.offsets_done = true;
     assert_mode(MODE_READY, step());
-}
-
-void test_every_mode_has_a_name(void)
-{
-    for (modes_mode_t mode = MODE_BOOT; mode <= MODE_FAULT; mode++) {
-        TEST_ASSERT_TRUE(strcmp("unknown mode", modes_text(mode)) != 0);
-        for (modes_mode_t other = MODE_BOOT; other < mode; other++) {
-            TEST_ASSERT_TRUE(strcmp(modes_text(other), modes_text(mode)) != 0);
-        }
-    }
-    TEST_ASSERT_EQUAL_STRING("unknown mode", modes_text((modes_mode_t)99));
 }

@@ -13,7 +13,7 @@ void tearDown(void) {}
 
 void test_fault_in_any_mode_after_boot_sets_the_torque_enable_to_zero_in_the_same_step(void)
 {
-    for (modes_mode_t mode = MODE_SELFTEST; mode <= MODE_LIMP; mode++) {
+    for (operating_mode_t mode = MODE_SELFTEST; mode <= MODE_LIMP; mode++) {
         start_in(mode);
         in.fault = REASON_BUS_OVERVOLTAGE;
         const modes_output_t out = step();
@@ -190,7 +190,7 @@ void test_fault_ends_only_at_standstill_without_demand_after_a_rising_edge(void)
     int since_edge = 1000;
     int left = 0;
     for (int n = 0; n < 200000; n++) {
-        const modes_mode_t before = state.mode;
+        const operating_mode_t before = state.mode;
         const bool reset_before = in.fault_reset;
         random_input(&random);
         since_edge = in.fault_reset && !reset_before ? 0 : since_edge + 1;

@@ -48,10 +48,10 @@ static inline void rig_start(rig_t *rig)
     controller_init(&rig->controller, &rig->config);
     rig->to_fast = controller_initial_setpoint(&rig->config);
     controller_fast_report(&rig->controller.fast, &rig->to_slow);
-    rig->slow_in.bms_charge_current_mA = 1000000;
-    rig->slow_in.bms_discharge_current_mA = 1000000;
-    rig->slow_in.winding_temperature_cC = 2500;
-    rig->slow_in.switch_temperature_cC = 2500;
+    rig->slow_in.bms.charge_current_mA = 1000000;
+    rig->slow_in.bms.discharge_current_mA = 1000000;
+    rig->slow_in.temperature.winding_cC = 2500;
+    rig->slow_in.temperature.switch_cC = 2500;
     rig->slow_in.selftest_passed = true;
     rig->slow_in.config_accepted = true;
     rig->fast_in.bus_voltage_code = rig_bus_code(rig, 53.0);
@@ -111,7 +111,7 @@ static inline void rig_run(rig_t *rig, int milliseconds)
 static inline void rig_start_running(rig_t *rig)
 {
     rig_start(rig);
-    rig->slow_in.enable = true;
+    rig->slow_in.demand.enable = true;
     rig_run(rig, 100);
 }
 

@@ -53,7 +53,7 @@ static inline modes_output_t run(int milliseconds)
 }
 
 /* Starts and steps to a mode. Leaves `in` as it must be to stay in that mode. */
-static inline void start_in(modes_mode_t mode)
+static inline void start_in(operating_mode_t mode)
 {
     start();
     switch (mode) {
@@ -91,9 +91,9 @@ static inline void start_in(modes_mode_t mode)
     TEST_ASSERT_EQUAL_INT(mode, state.mode);
 }
 
-static inline void assert_mode(modes_mode_t mode, modes_output_t out)
+static inline void assert_mode(operating_mode_t mode, modes_output_t out)
 {
-    TEST_ASSERT_EQUAL_STRING(modes_text(mode), modes_text(out.mode));
+    TEST_ASSERT_EQUAL_STRING(operating_mode_text(mode), operating_mode_text(out.mode));
 }
 
 #endif

@@ -32,7 +32,7 @@ typedef struct {
     unsigned reports_taken;
     node_t node;
     fast_output_t next;
-    int32_t winding_temperature_cC, switch_temperature_cC;
+    wheel_temperatures_t temperature;
     uint32_t now_ms;
     int switching_periods, braking_commands;
     bool has_report;
@@ -76,27 +76,20 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
     deliver_frames(t);
     t->now_ms++;
     const node_command_t *command = &t->node.command;
-    const slow_input_t heard = {
-        .drive_torque_mNm = command->demand.drive_torque_mNm,
-        .brake_torque_mNm = command->demand.brake_torque_mNm,
+    const slow_input_t received = {
+        .demand = command->demand,
         .demand_age_ms = node_demand_age_ms(command, t->now_ms),
-        .bms_charge_current_mA = command->battery.charge_current_mA,
-        .bms_discharge_current_mA = command->battery.discharge_current_mA,
-        .winding_temperature_cC = t->winding_temperature_cC,
-        .switch_temperature_cC = t->switch_temperature_cC,
-        .enable = command->demand.enable,
-        .abs_active = command->demand.abs_active,
-        .fault_reset = command->demand.fault_reset,
+        .bms = command->bms,
+        .temperature = t->temperature,
         .selftest_passed = true,
         .config_accepted = true,
     };
     /* The board's temperatures are sampled with the currents, so the next millisecond sees them. */
-    t->winding_temperature_cC = in->winding_temperature_cC;
-    t->switch_temperature_cC = in->switch_temperature_cC;
+    t->temperature = in->temperature;
     t->reports_taken += t->has_report ? 1U : 0U;
     t->has_report = false;
     const slow_output_t expected =
-        controller_slow_step(&t->controller.slow, t->config, &t->report, &heard, &t->to_fast);
+        controller_slow_step(&t->controller.slow, t->config, &t->report, &received, &t->to_fast);
     if (t->board.brake_link.link == E2E_VALID && t->board.brake_link.refreshed_ms == t->now_ms) {
         TEST_ASSERT_INT_WITHIN(50, expected.hydraulic_torque_mNm,
                                out.hydraulic_torque_mNm); /* half a step */
@@ -113,8 +106,8 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
 static void start_twin(const config_t *config)
 {
     const int32_t wheels = config->battery.driven_wheels;
-    const messages_battery_t pack = {config->battery.max_charge_current_mA * wheels,
-                                     config->battery.max_discharge_current_mA * wheels};
+    const battery_limits_t pack = {config->battery.max_charge_current_mA * wheels,
+                                   config->battery.max_discharge_current_mA * wheels};
     memset(&twin, 0, sizeof twin);
     board_start(&twin.board, config);
     twin.through_board = board_coupling(&twin.board);
@@ -126,8 +119,8 @@ static void start_twin(const config_t *config)
     report_timer_init(&twin.report_timer, (uint32_t)config->drive.pwm_frequency_Hz,
                       CONTROLLER_SLOW_RATE_HZ);
     twin.next.bridge = BRIDGE_OFF;
-    twin.winding_temperature_cC = twin.board.sample.winding_temperature_cC;
-    twin.switch_temperature_cC = twin.board.sample.switch_temperature_cC;
+    twin.temperature.winding_cC = twin.board.sample.winding_temperature_cC;
+    twin.temperature.switch_cC = twin.board.sample.switch_temperature_cC;
 }
 
 static bench_params_t moving_vehicle(double speed_m_per_s)

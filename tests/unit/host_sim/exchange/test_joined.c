@@ -47,16 +47,16 @@ static fast_input_t fast_input(uint32_t n)
 static slow_input_t slow_input(uint32_t n)
 {
     const slow_input_t out = {
-        .drive_torque_mNm = n > 3000 ? (int32_t)(scrambled(n) % 40000) - 20000 : 0,
-        .brake_torque_mNm = n > 5000 ? (int32_t)(scrambled(n + 7) % 40000) : 0,
+        .demand.drive_torque_mNm = n > 3000 ? (int32_t)(scrambled(n) % 40000) - 20000 : 0,
+        .demand.brake_torque_mNm = n > 5000 ? (int32_t)(scrambled(n + 7) % 40000) : 0,
         .demand_age_ms = scrambled(n + 8) % 10,
-        .bms_charge_current_mA = 200000,
-        .bms_discharge_current_mA = 150000,
-        .winding_temperature_cC = 4000,
-        .switch_temperature_cC = 5000,
-        .enable = true,
-        .abs_active = n % 700 == 0,
-        .fault_reset = n % 900 == 0,
+        .bms.charge_current_mA = 200000,
+        .bms.discharge_current_mA = 150000,
+        .temperature.winding_cC = 4000,
+        .temperature.switch_cC = 5000,
+        .demand.enable = true,
+        .demand.abs_active = n % 700 == 0,
+        .demand.fault_reset = n % 900 == 0,
         .selftest_passed = true,
         .config_accepted = true,
     };
@@ -76,18 +76,12 @@ static void fast_array(const fast_input_t *in, int32_t *out)
 
 static void slow_array(const slow_input_t *in, int32_t *out)
 {
-    const int32_t values[] = {in->drive_torque_mNm,
-                              in->brake_torque_mNm,
-                              (int32_t)in->demand_age_ms,
-                              in->bms_charge_current_mA,
-                              in->bms_discharge_current_mA,
-                              in->winding_temperature_cC,
-                              in->switch_temperature_cC,
-                              in->enable,
-                              in->abs_active,
-                              in->fault_reset,
-                              in->selftest_passed,
-                              in->config_accepted};
+    const int32_t values[] = {in->demand.drive_torque_mNm,  in->demand.brake_torque_mNm,
+                              (int32_t)in->demand_age_ms,   in->bms.charge_current_mA,
+                              in->bms.discharge_current_mA, in->temperature.winding_cC,
+                              in->temperature.switch_cC,    in->demand.enable,
+                              in->demand.abs_active,        in->demand.fault_reset,
+                              in->selftest_passed,          in->config_accepted};
     memcpy(out, values, sizeof(values));
 }
 

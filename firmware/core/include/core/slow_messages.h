@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * slow_messages.h: what goes into the slow step and what comes out of it, once per millisecond.
+ *
+ * Plain values that everyone passes on as they are: the application and the CAN messages (comms),
+ * the simulator, the FMU and Python (host_sim/exchange has the list of names, units and ranges).
+ *
+ * Signs: motor torque, current and speed are positive when they drive forward; braking torques and
+ * the limits of the pack are magnitudes >= 0; the bus current is positive out of the battery.
+ */
+#ifndef CORE_SLOW_MESSAGES_H
+#define CORE_SLOW_MESSAGES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "core/operating_mode.h"
+#include "core/reason.h"
+
+/* What the vehicle demands of this wheel: the CAN message Demand, or a pedal. */
+typedef struct {
+    int32_t drive_torque_mNm; /* signed, positive forward */
+    int32_t brake_torque_mNm; /* magnitude >= 0, motor and hydraulic brake together */
+    bool enable;              /* the driver has switched the vehicle on */
+    bool abs_active;          /* anti-lock system at work: the motor must get out of the way */
+    bool fault_reset;         /* rising edge acknowledges a latched fault; honoured only without
+                                 torque demand */
+} wheel_demand_t;
+
+/* What the battery management allows now, of the whole pack: the CAN message BatteryLimits. */
+typedef struct {
+    int32_t charge_current_mA;    /* magnitude >= 0 */
+    int32_t discharge_current_mA; /* magnitude >= 0 */
+} battery_limits_t;
+
+/* As the board measures them; 29 999 or more: sensor broken or not connected. */
+typedef struct {
+    int32_t winding_cC;
+    int32_t switch_cC;
+} wheel_temperatures_t;
+
+typedef struct {
+    wheel_demand_t demand;
+    uint32_t demand_age_ms; /* since the last valid demand; beyond config.brake.demand_timeout_ms
+                               it counts as lost */
+    battery_limits_t bms;
+    wheel_temperatures_t temperature;
+    bool selftest_passed; /* the board's own power-up checks; stays true afterwards */
+    bool config_accepted; /* config_validate() has accepted it at boot; with a refused
+                             configuration no step may be called at all, this keeps the mode in
+                             BOOT when that comes late */
+} slow_input_t;
+
+typedef struct {
+    int32_t motor_torque_command_mNm;     /* signed: what the current loop is asked for now */
+    int32_t motor_torque_estimate_mNm;    /* signed: from measured currents, at the shaft */
+    int32_t hydraulic_torque_mNm;         /* command to the hydraulic brake, magnitude >= 0 */
+    int32_t electric_brake_available_mNm; /* what the motor could take over now, magnitude >= 0 */
+    int32_t speed_mrad_s;                 /* mechanical, signed */
+    int32_t i_d_mA, i_q_mA;               /* measured, peak phase values, low-passed */
+    int32_t bus_voltage_mV;
+    int32_t bus_current_mA;    /* estimate from realised voltage and measured current */
+    reason_t torque_reason;    /* what bounds the motor torque in the demanded direction */
+    reason_t available_reason; /* what bounds electric_brake_available_mNm */
+    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT: motor and hydraulic brake together
+                                  cannot meet the demand */
+    reason_t fault_reason;     /* the latched fault, REASON_NONE when healthy */
+    operating_mode_t mode;
+    bool stop_lamp;
+    bool standstill; /* nothing says that the wheel turns, and no speed that was seen is
+                        unaccounted for */
+} slow_output_t;
+
+#endif
