@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The part of the library's face that needs no vehicle: what can be set, and words for codes. */
+/* The part of the library's interface that needs no vehicle: what can be set, and words for codes.
+ */
 #include <stdbool.h>
 #include <stddef.h>
 

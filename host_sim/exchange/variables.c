@@ -2,22 +2,37 @@
 #include "exchange/variables.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { CODE_MID = 2048, CODES = 4096, TURN_STEPS = 65536 };
 
-#define LINE(label, member, kind, conversion, lowest, highest, what, meaning)                      \
+#define LINE(message, label, raw, where, kind, conversion, lowest, highest, start, what, meaning)  \
     {.name = #label,                                                                               \
-     .raw_name = #member,                                                                          \
+     .raw_name = #raw,                                                                             \
      .unit = (what),                                                                               \
      .text = (meaning),                                                                            \
      .type = EXCHANGE_##kind,                                                                      \
      .scale = EXCHANGE_##conversion,                                                               \
      .lowest_raw = (lowest),                                                                       \
-     .highest_raw = (highest)},
-static const variable_info_t FAST_INPUTS[] = {EXCHANGE_FAST_INPUTS(LINE)};
-static const variable_info_t FAST_OUTPUTS[] = {EXCHANGE_FAST_OUTPUTS(LINE)};
-static const variable_info_t SLOW_INPUTS[] = {EXCHANGE_SLOW_INPUTS(LINE)};
-static const variable_info_t SLOW_OUTPUTS[] = {EXCHANGE_SLOW_OUTPUTS(LINE)};
+     .highest_raw = (highest),                                                                     \
+     .start_raw = (start),                                                                         \
+     .member = #where,                                                                             \
+     .offset = offsetof(message, where),                                                           \
+     .bytes = sizeof(((message *)NULL)->where)},
+#define FAST_INPUT_LINE(...) LINE(fast_input_t, __VA_ARGS__)
+#define FAST_OUTPUT_LINE(...) LINE(fast_output_t, __VA_ARGS__)
+#define SLOW_INPUT_LINE(...) LINE(slow_input_t, __VA_ARGS__)
+#define SLOW_OUTPUT_LINE(...) LINE(slow_output_t, __VA_ARGS__)
+static const variable_info_t FAST_INPUTS[] = {EXCHANGE_FAST_INPUTS(FAST_INPUT_LINE)};
+static const variable_info_t FAST_OUTPUTS[] = {EXCHANGE_FAST_OUTPUTS(FAST_OUTPUT_LINE)};
+static const variable_info_t SLOW_INPUTS[] = {EXCHANGE_SLOW_INPUTS(SLOW_INPUT_LINE)};
+static const variable_info_t SLOW_OUTPUTS[] = {EXCHANGE_SLOW_OUTPUTS(SLOW_OUTPUT_LINE)};
+
+_Static_assert((int)EXCHANGE_FAST_INPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
+                   (int)EXCHANGE_FAST_OUTPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
+                   (int)EXCHANGE_SLOW_INPUT_COUNT <= (int)EXCHANGE_PORT_MAX &&
+                   (int)EXCHANGE_SLOW_OUTPUT_COUNT <= (int)EXCHANGE_PORT_MAX,
+               "arrays of a port are too short");
 
 int variables_count(exchange_port_t port)
 {
@@ -39,6 +54,52 @@ variable_info_t variables_info(exchange_port_t port, int index)
     static const variable_info_t *const LISTS[EXCHANGE_PORTS] = {FAST_INPUTS, FAST_OUTPUTS,
                                                                  SLOW_INPUTS, SLOW_OUTPUTS};
     return LISTS[port][index];
+}
+
+/* Members of one and two bytes are unsigned or bool, those of four bytes int32_t, uint32_t or an
+ * enumeration, whose values all fit int32_t. */
+static void store(unsigned char *at, size_t bytes, int32_t value)
+{
+    const uint8_t one = (uint8_t)value;
+    const uint16_t two = (uint16_t)value;
+    if (bytes == sizeof(one)) {
+        memcpy(at, &one, sizeof(one));
+    } else if (bytes == sizeof(two)) {
+        memcpy(at, &two, sizeof(two));
+    } else {
+        memcpy(at, &value, sizeof(value));
+    }
+}
+
+static int32_t load(const unsigned char *at, size_t bytes)
+{
+    uint16_t two;
+    int32_t four;
+    if (bytes == 1) {
+        return *at;
+    }
+    if (bytes == sizeof(two)) {
+        memcpy(&two, at, sizeof(two));
+        return two;
+    }
+    memcpy(&four, at, sizeof(four));
+    return four;
+}
+
+void variables_to_message(exchange_port_t port, const int32_t *raw, void *message)
+{
+    for (int k = 0; k < variables_count(port); k++) {
+        const variable_info_t info = variables_info(port, k);
+        store((unsigned char *)message + info.offset, info.bytes, raw[k]);
+    }
+}
+
+void variables_from_message(exchange_port_t port, const void *message, int32_t *raw)
+{
+    for (int k = 0; k < variables_count(port); k++) {
+        const variable_info_t info = variables_info(port, k);
+        raw[k] = load((const unsigned char *)message + info.offset, info.bytes);
+    }
 }
 
 variables_affine_t variables_affine(exchange_scale_t scale, const config_t *config)

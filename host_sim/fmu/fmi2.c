@@ -16,7 +16,7 @@ typedef struct {
     char *name;
 } component_t;
 
-static void say(void *context, const char *message)
+static void log_error(void *context, const char *message)
 {
     const component_t *component = context;
     const fmi2CallbackFunctions *callbacks = component->callbacks;
@@ -72,7 +72,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
     component->name = calloc(strlen(name) + 1, 1);
     if (component->name != NULL && fmuType == fmi2CoSimulation) {
         memcpy(component->name, name, strlen(name));
-        component->instance = instance_new(fmuGUID, say, component);
+        component->instance = instance_new(fmuGUID, log_error, component);
     }
     if (component->instance == NULL) {
         free(component->name);

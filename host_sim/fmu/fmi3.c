@@ -16,7 +16,7 @@ typedef struct {
     fmi3LogMessageCallback log;
 } unit_t;
 
-static void say(void *context, const char *message)
+static void log_error(void *context, const char *message)
 {
     const unit_t *unit = context;
     if (unit->log != NULL) {
@@ -76,7 +76,7 @@ fmi3Instance fmi3InstantiateCoSimulation(
     }
     unit->environment = instanceEnvironment;
     unit->log = logMessage;
-    unit->instance = instance_new(instantiationToken, say, unit);
+    unit->instance = instance_new(instantiationToken, log_error, unit);
     if (unit->instance == NULL) {
         free(unit);
         return NULL;

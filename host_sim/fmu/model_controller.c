@@ -7,11 +7,11 @@
 #include <string.h>
 
 #include "config/validate.h"
-#include "exchange/joined.h"
+#include "exchange/controller_instance.h"
 #include "exchange/variables.h"
 #include "fmu/model.h"
 
-enum { PORT_MAX = 32, NAME_LENGTH = 80 };
+enum { NAME_LENGTH = 80 };
 static const double ROUNDING = 1e-6; /* of a period: periods are counted, not added up */
 
 static const char *const PORT_NAME[EXCHANGE_PORTS] = {"fast_input", "fast_output", "slow_input",
@@ -19,14 +19,15 @@ static const char *const PORT_NAME[EXCHANGE_PORTS] = {"fast_input", "fast_output
 
 /* What changes while it runs. */
 typedef struct {
-    joined_t joined;
+    controller_instance_t controller;
     int64_t periods, slow_steps;
-    int32_t raw[EXCHANGE_PORTS][PORT_MAX];
+    int32_t raw[EXCHANGE_PORTS][EXCHANGE_PORT_MAX];
 } running_t;
 
 struct model {
     running_t run;
-    int place[EXCHANGE_PORTS][PORT_MAX]; /* of a port's variable in the table; -1: not in it */
+    int index[EXCHANGE_PORTS]
+             [EXCHANGE_PORT_MAX]; /* of a port's variable in the table; -1: not in it */
     const char *error;
 };
 
@@ -49,7 +50,7 @@ const char *model_error(const model_t *model)
     return model->error;
 }
 
-static int place_of(const char *port, const char *name)
+static int index_of(const char *port, const char *name)
 {
     char wanted[NAME_LENGTH];
     snprintf(wanted, sizeof(wanted), "%s.%s", port, name);
@@ -63,7 +64,7 @@ static int place_of(const char *port, const char *name)
 
 static variables_affine_t affine_of(const model_t *model, const variable_info_t *info)
 {
-    return variables_affine(info->scale, &model->run.joined.config);
+    return variables_affine(info->scale, &model->run.controller.config);
 }
 
 static double setting(const char *wanted)
@@ -77,22 +78,22 @@ static double setting(const char *wanted)
 }
 
 /* A variable that is not in the table has the value of a setting of its name. */
-static void take(model_t *model, exchange_port_t port, const double *values)
+static void read_inputs(model_t *model, exchange_port_t port, const double *values)
 {
     for (int k = 0; k < variables_count(port); k++) {
         const variable_info_t info = variables_info(port, k);
-        const int place = model->place[port][k];
-        const double value = place >= 0 ? values[place] : setting(info.name);
+        const int index = model->index[port][k];
+        const double value = index >= 0 ? values[index] : setting(info.name);
         model->run.raw[port][k] = variables_to_raw(&info, affine_of(model, &info), value);
     }
 }
 
-static void give(const model_t *model, exchange_port_t port, double *values)
+static void write_outputs(const model_t *model, exchange_port_t port, double *values)
 {
     for (int k = 0; k < variables_count(port); k++) {
         const variable_info_t info = variables_info(port, k);
-        if (model->place[port][k] >= 0) {
-            values[model->place[port][k]] =
+        if (model->index[port][k] >= 0) {
+            values[model->index[port][k]] =
                 variables_from_raw(affine_of(model, &info), model->run.raw[port][k]);
         }
     }
@@ -108,15 +109,15 @@ bool model_begin(model_t *model, double *values)
         model->error = "the unit's configuration is refused by the firmware: the unit is damaged";
         return false;
     }
-    joined_init(&model->run.joined, &config);
+    controller_instance_init(&model->run.controller, &config);
     for (int port = 0; port < EXCHANGE_PORTS; port++) {
         for (int k = 0; k < variables_count((exchange_port_t)port); k++) {
-            model->place[port][k] =
-                place_of(PORT_NAME[port], variables_info((exchange_port_t)port, k).name);
+            model->index[port][k] =
+                index_of(PORT_NAME[port], variables_info((exchange_port_t)port, k).name);
         }
     }
-    give(model, EXCHANGE_PORT_FAST_OUTPUT, values);
-    give(model, EXCHANGE_PORT_SLOW_OUTPUT, values);
+    write_outputs(model, EXCHANGE_PORT_FAST_OUTPUT, values);
+    write_outputs(model, EXCHANGE_PORT_SLOW_OUTPUT, values);
     return true;
 }
 
@@ -131,22 +132,22 @@ bool model_set(model_t *model, int index, double value)
 bool model_advance(model_t *model, double until_s, double *values)
 {
     running_t *run = &model->run;
-    const double rate_hz = run->joined.config.drive.pwm_frequency_Hz;
+    const double rate_hz = run->controller.config.drive.pwm_frequency_Hz;
     const double per_slow = rate_hz / CONTROLLER_SLOW_RATE_HZ;
-    take(model, EXCHANGE_PORT_FAST_INPUT, values);
-    take(model, EXCHANGE_PORT_SLOW_INPUT, values);
+    read_inputs(model, EXCHANGE_PORT_FAST_INPUT, values);
+    read_inputs(model, EXCHANGE_PORT_SLOW_INPUT, values);
     while ((double)run->periods + ROUNDING < until_s * rate_hz) {
         if ((double)run->periods + ROUNDING >= (double)run->slow_steps * per_slow) {
             run->slow_steps++;
-            joined_slow(&run->joined, run->raw[EXCHANGE_PORT_SLOW_INPUT],
-                        run->raw[EXCHANGE_PORT_SLOW_OUTPUT]);
+            controller_instance_slow_step(&run->controller, run->raw[EXCHANGE_PORT_SLOW_INPUT],
+                                          run->raw[EXCHANGE_PORT_SLOW_OUTPUT]);
         }
-        joined_fast(&run->joined, run->raw[EXCHANGE_PORT_FAST_INPUT],
-                    run->raw[EXCHANGE_PORT_FAST_OUTPUT]);
+        controller_instance_fast_step(&run->controller, run->raw[EXCHANGE_PORT_FAST_INPUT],
+                                      run->raw[EXCHANGE_PORT_FAST_OUTPUT]);
         run->periods++;
     }
-    give(model, EXCHANGE_PORT_FAST_OUTPUT, values);
-    give(model, EXCHANGE_PORT_SLOW_OUTPUT, values);
+    write_outputs(model, EXCHANGE_PORT_FAST_OUTPUT, values);
+    write_outputs(model, EXCHANGE_PORT_SLOW_OUTPUT, values);
     return true;
 }
 

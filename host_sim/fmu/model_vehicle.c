@@ -12,7 +12,7 @@ enum { NAME_LENGTH = 96 };
 struct model {
     hubsim_t *sim;
     int outputs;
-    int *places; /* in the table, of the outputs in the order they are sampled */
+    int *indices; /* in the table, of the outputs in the order they are sampled */
     double *row;
     const char *error;
 };
@@ -25,9 +25,9 @@ model_t *model_new(void)
     }
     model->error = "";
     model->sim = hubsim_new();
-    model->places = calloc((size_t)MODEL_VARIABLE_COUNT, sizeof(*model->places));
+    model->indices = calloc((size_t)MODEL_VARIABLE_COUNT, sizeof(*model->indices));
     model->row = calloc((size_t)MODEL_VARIABLE_COUNT, sizeof(*model->row));
-    if (model->sim == NULL || model->places == NULL || model->row == NULL) {
+    if (model->sim == NULL || model->indices == NULL || model->row == NULL) {
         model_delete(model);
         return NULL;
     }
@@ -38,7 +38,7 @@ void model_delete(model_t *model)
 {
     if (model != NULL) {
         hubsim_delete(model->sim);
-        free(model->places);
+        free(model->indices);
         free(model->row);
         free(model);
     }
@@ -49,7 +49,7 @@ const char *model_error(const model_t *model)
     return model->error;
 }
 
-static bool judge(model_t *model, int status)
+static bool succeeded(model_t *model, int status)
 {
     if (status < HUBSIM_OK) {
         model->error = hubsim_error(model->sim);
@@ -59,15 +59,16 @@ static bool judge(model_t *model, int status)
 
 static bool set_everything(model_t *model, const double *values)
 {
-    bool out = judge(model, hubsim_set_voltage_curve(model->sim, MODEL_CURVE_SOC, MODEL_CURVE_V,
-                                                     MODEL_CURVE_POINTS)) &&
-               judge(model, hubsim_load_config(model->sim, MODEL_CONFIG, MODEL_CONFIG_BYTES));
+    bool out = succeeded(model, hubsim_set_voltage_curve(model->sim, MODEL_CURVE_SOC, MODEL_CURVE_V,
+                                                         MODEL_CURVE_POINTS)) &&
+               succeeded(model, hubsim_load_config(model->sim, MODEL_CONFIG, MODEL_CONFIG_BYTES));
     for (int k = 0; out && k < MODEL_SETTING_COUNT; k++) {
-        out = judge(model, hubsim_set(model->sim, MODEL_SETTINGS[k].name, MODEL_SETTINGS[k].value));
+        out = succeeded(model,
+                        hubsim_set(model->sim, MODEL_SETTINGS[k].name, MODEL_SETTINGS[k].value));
     }
     for (int k = 0; out && k < MODEL_VARIABLE_COUNT; k++) {
         if (MODEL_VARIABLES[k].role != MODEL_OUTPUT) {
-            out = judge(model, hubsim_set(model->sim, MODEL_VARIABLES[k].name, values[k]));
+            out = succeeded(model, hubsim_set(model->sim, MODEL_VARIABLES[k].name, values[k]));
         }
     }
     return out;
@@ -93,39 +94,39 @@ static bool choose_outputs(model_t *model)
             signal++;
         }
         chosen[model->outputs] = signal; /* one that is not there is out of range, and refused */
-        model->places[model->outputs] = k;
+        model->indices[model->outputs] = k;
         model->outputs++;
     }
-    const bool out = judge(model, hubsim_choose(model->sim, chosen, model->outputs));
+    const bool out = succeeded(model, hubsim_choose(model->sim, chosen, model->outputs));
     free(chosen);
     return out;
 }
 
 static bool sample(model_t *model, double *values)
 {
-    if (!judge(model, hubsim_sample(model->sim, model->row))) {
+    if (!succeeded(model, hubsim_sample(model->sim, model->row))) {
         return false;
     }
     for (int k = 0; k < model->outputs; k++) {
-        values[model->places[k]] = model->row[k];
+        values[model->indices[k]] = model->row[k];
     }
     return true;
 }
 
 bool model_begin(model_t *model, double *values)
 {
-    return set_everything(model, values) && judge(model, hubsim_start(model->sim)) &&
+    return set_everything(model, values) && succeeded(model, hubsim_start(model->sim)) &&
            choose_outputs(model) && sample(model, values);
 }
 
 bool model_set(model_t *model, int index, double value)
 {
-    return judge(model, hubsim_set(model->sim, MODEL_VARIABLES[index].name, value));
+    return succeeded(model, hubsim_set(model->sim, MODEL_VARIABLES[index].name, value));
 }
 
 bool model_advance(model_t *model, double until_s, double *values)
 {
-    return judge(model, hubsim_advance(model->sim, until_s)) && sample(model, values);
+    return succeeded(model, hubsim_advance(model->sim, until_s)) && sample(model, values);
 }
 
 size_t model_state_bytes(void)
@@ -135,10 +136,10 @@ size_t model_state_bytes(void)
 
 bool model_save(model_t *model, void *state)
 {
-    return judge(model, hubsim_save(model->sim, state));
+    return succeeded(model, hubsim_save(model->sim, state));
 }
 
 bool model_restore(model_t *model, const void *state)
 {
-    return judge(model, hubsim_restore(model->sim, state));
+    return succeeded(model, hubsim_restore(model->sim, state));
 }

@@ -48,7 +48,8 @@ cycle_slow_t cycle_of_slow(const slow_input_t *in)
         .drive_torque_mNm = in->demand.drive_torque_mNm,
         .brake_torque_mNm = in->demand.brake_torque_mNm,
         .demand_age_ms = in->demand_age_ms,
-        .flags = (uint8_t)(SLOW_STEP | flag(in->demand.enable, ENABLE) | flag(in->demand.abs_active, ABS_ACTIVE) |
+        .flags = (uint8_t)(SLOW_STEP | flag(in->demand.enable, ENABLE) |
+                           flag(in->demand.abs_active, ABS_ACTIVE) |
                            flag(in->demand.fault_reset, FAULT_RESET) |
                            flag(in->selftest_passed, SELFTEST_PASSED) |
                            flag(in->config_accepted, CONFIG_ACCEPTED)),

@@ -24,24 +24,14 @@ from hubsim.errors import HubsimError
 from hubsim.variables import Values, Variable
 
 SLOW_RATE_HZ = 1000
-# Initial inputs: a healthy board at room temperature, and a battery that leaves the limits
-# to the configuration.
-FIRST_VALUES = {
-    "selftest_passed": 1.0,
-    "config_accepted": 1.0,
-    "winding_temperature_c": 25.0,
-    "switch_temperature_c": 25.0,
-    "bms_charge_current_a": 2e6,
-    "bms_discharge_current_a": 2e6,
-}
 
 
 class Controller:
     """The whole controller of one wheel. Not for two threads at the same time.
 
-    Inputs that a step does not name keep the value they had; before that they are zero, except that
-    the self-test has passed, the configuration is accepted, temperatures are 25 degC and the
-    battery's limits are the configuration's own. Currents and voltages go through the converter
+    Inputs that a step does not name keep the value they had; before that they have the start values
+    of the list: zero, except that the self-test has passed, the configuration is accepted,
+    temperatures are 25 degC and the battery's limits are the configuration's own. Currents and voltages go through the converter
     codes of the firmware: what lies beyond the full scale saturates.
 
     Parameters
@@ -71,7 +61,7 @@ class Controller:
     def reset(self) -> None:
         """Begin as after power-up, with the same configuration.
 
-        Inputs go back to their first values.
+        Inputs go back to their start values.
         """
         image = self.configuration.image
         self._check(
@@ -127,6 +117,11 @@ class Controller:
             raise HubsimError(f"variable {index} of port {port}: there is none")
         return float(zero[0]), float(per_unit[0])
 
+    def start(self, port: int, index: int) -> float:
+        """Return the start value of an input, in engineering units."""
+        zero, per_unit = self.scale(port, index)
+        return (variables.of_port(port)[index].start_raw - zero) / per_unit
+
     def save(self) -> bytes:
         """Return everything the controller remembers.
 
@@ -178,14 +173,10 @@ class _Step:
         self._call_raw = getattr(lib, f"hubsim_controller_{name}_step_raw")
 
     def reset(self) -> None:
-        """Give every input its first value."""
+        """Give every input its start value."""
         for k, variable in enumerate(self._in):
-            first = FIRST_VALUES.get(variable.name, 0.0)
-            zero, per_unit = self._owner.scale(self._port, k)
-            self._values[k] = first
-            self._raw_values[k] = min(
-                max(round(zero + first * per_unit), variable.lowest_raw), variable.highest_raw
-            )
+            self._values[k] = self._owner.start(self._port, k)
+            self._raw_values[k] = variable.start_raw
 
     def engineering(self, inputs: dict[str, float]) -> Values:
         for name, value in inputs.items():

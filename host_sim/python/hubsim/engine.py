@@ -3,7 +3,7 @@
 
 Parameters, configuration and signals by name, rows as NumPy arrays.
 
-The declarations are read from the library's own headers (bench/engine.h, exchange/face.h), so this
+The declarations are read from the library's own headers (bench/engine.h, exchange/controller_api.h), so this
 module cannot disagree with them. Calls into the engine release the interpreter's lock: runs in
 several threads use several cores.
 """
@@ -27,7 +27,7 @@ ROOT = installation.ROOT
 HEADERS = (
     ROOT / "host_sim" / "bench" / "include" / "bench" / "engine.h",
     ROOT / "host_sim" / "bench" / "include" / "bench" / "external.h",
-    ROOT / "host_sim" / "exchange" / "include" / "exchange" / "face.h",
+    ROOT / "host_sim" / "exchange" / "include" / "exchange" / "controller_api.h",
 )
 LIBRARY = Path("host_sim") / "libhubsim_engine.so"
 _BUILT_IN = Path(__file__).resolve().parent / LIBRARY.name

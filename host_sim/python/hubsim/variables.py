@@ -18,7 +18,8 @@ class Variable:
 
     ``unit`` is spelt as the FMI standard spells units, "1" for a share, "" for a flag or a code.
     ``kind`` is REAL, FLAG (0 or 1) or CODE. The raw value is the firmware's own integer, from
-    ``lowest_raw`` to ``highest_raw``.
+    ``lowest_raw`` to ``highest_raw``; an input begins with ``start_raw``. ``member`` is where it is
+    in the firmware's message, ``demand.enable`` for instance.
     """
 
     name: str
@@ -28,6 +29,8 @@ class Variable:
     kind: int
     lowest_raw: int
     highest_raw: int
+    start_raw: int
+    member: str
 
 
 @cache
@@ -43,6 +46,8 @@ def of_port(port: int) -> tuple[Variable, ...]:
             int(lib.hubsim_variable_type(port, k)),
             int(lib.hubsim_variable_lowest_raw(port, k)),
             int(lib.hubsim_variable_highest_raw(port, k)),
+            int(lib.hubsim_variable_start_raw(port, k)),
+            text_of(lib.hubsim_variable_member(port, k)),
         )
         for k in range(lib.hubsim_variable_count(port))
     )

@@ -1,131 +1,142 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * variables.h: the inputs and outputs of the controller's two steps by name, in engineering units
- * and raw.
+ * variables.h: the one list of the inputs and outputs of the controller's two steps: names,
+ * units, ranges, meanings, and where each of them is in the firmware's messages.
  *
- *     X(name_unit, raw name, type, scale, lowest raw, highest raw, "unit", "meaning")
+ *     X(name_unit, raw name, member, type, scale, lowest, highest, start, "unit", "meaning")
  *
- * The raw name is the member of controller.h's exchange structs (with a phase's letter in place of
- * an index, an underscore in place of a dot), the raw value the integer the firmware works with.
- * scale says how the two belong together, variables_scale() puts it in numbers: raw = zero +
- * engineering * per_unit. type is what the variable is to a tool: REAL, FLAG or CODE (an integer
- * that stands for something). Everything that offers a controller to other programs reads these
- * lists, so a variable has one name, one unit and one meaning everywhere.
+ * member is the member of fast_input_t, fast_output_t, slow_input_t or slow_output_t; a test
+ * compares the list with these structures. The raw value is the integer in that member; lowest,
+ * highest and start (of an input) are raw. scale says how raw and engineering values belong
+ * together, variables_affine() gives the numbers: raw = zero + engineering * per_unit. type is
+ * what the variable is to a tool: REAL, FLAG or CODE (an integer that stands for something).
  *
- * Signs as in controller.h: motor torque, current and speed are positive driving forward, braking
- * torques are magnitudes, phase current is positive into the motor.
+ * Everything that offers a controller to other programs (Python, FMU) reads these lists, so a
+ * variable has one name, one unit and one meaning everywhere. Signs: core/slow_messages.h.
  */
 #ifndef EXCHANGE_VARIABLES_H
 #define EXCHANGE_VARIABLES_H
 
-#include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "controller/controller.h"
 
 /* clang-format off */
+
 #define EXCHANGE_FAST_INPUTS(X) \
-    X(phase_a_a,         phase_current_code_a, REAL, CURRENT_CODE, 0, 4095,  "A", \
+    X(phase_a_a, phase_current_code_a, phase_current_code[0], \
+      REAL, CURRENT_CODE, 0, 4095, 2048, "A", \
       "current into phase a at the sampling instant") \
-    X(phase_b_a,         phase_current_code_b, REAL, CURRENT_CODE, 0, 4095,  "A", \
+    X(phase_b_a, phase_current_code_b, phase_current_code[1], \
+      REAL, CURRENT_CODE, 0, 4095, 2048, "A", \
       "current into phase b at the sampling instant") \
-    X(phase_c_a,         phase_current_code_c, REAL, CURRENT_CODE, 0, 4095,  "A", \
+    X(phase_c_a, phase_current_code_c, phase_current_code[2], \
+      REAL, CURRENT_CODE, 0, 4095, 2048, "A", \
       "current into phase c at the sampling instant") \
-    X(bus_voltage_v,     bus_voltage_code,     REAL, VOLTAGE_CODE, 0, 4095,  "V", \
+    X(bus_voltage_v, bus_voltage_code, bus_voltage_code, REAL, VOLTAGE_CODE, 0, 4095, 0, "V", \
       "DC bus voltage at the sampling instant") \
-    X(rotor_angle_turn,  rotor_angle_turn,     REAL, TURN,         0, 65535, "turn", \
+    X(rotor_angle_turn, rotor_angle_turn, rotor_angle_turn, REAL, TURN, 0, 65535, 0, "turn", \
       "electrical angle of the rotor, any number of turns; read with an angle sensor only") \
-    X(encoder_count,       encoder_count,       CODE, PLAIN,       0, 65535, "", \
+    X(encoder_count, encoder_count, encoder.count, CODE, PLAIN, 0, 65535, 0, "", \
       "free running, four to a line; read with an encoder only") \
-    X(encoder_index_count, encoder_index_count, CODE, PLAIN,       0, 65535, "", \
+    X(encoder_index_count, encoder_index_count, encoder.index_count, CODE, PLAIN, 0, 65535, 0, "", \
       "the count at the latest index pulse") \
-    X(encoder_index,       encoder_index,       FLAG, PLAIN,       0, 1,     "", \
+    X(encoder_index, encoder_index, encoder.index, FLAG, PLAIN, 0, 1, 0, "", \
       "an index pulse came since the last period") \
-    X(hall_state,        hall_state,           CODE, PLAIN,        0, 7,     "", \
+    X(hall_state, hall_state, hall_state, CODE, PLAIN, 0, 7, 0, "", \
       "bit 0 hall A, bit 1 B, bit 2 C; read with hall sensors only") \
-    X(power_stage_fault, power_stage_fault,    FLAG, PLAIN,        0, 1,     "", \
+    X(power_stage_fault, power_stage_fault, power_stage_fault, FLAG, PLAIN, 0, 1, 0, "", \
       "gate driver or break input active")
 
 #define EXCHANGE_FAST_OUTPUTS(X) \
-    X(duty_a, compare_counts_a, REAL, DUTY,  0, 65535, "1", \
-      "share of the period in which the upper switch of phase a is on, from the next " \
-      "period on") \
-    X(duty_b, compare_counts_b, REAL, DUTY,  0, 65535, "1", \
-      "share of the period in which the upper switch of phase b is on, from the next " \
-      "period on") \
-    X(duty_c, compare_counts_c, REAL, DUTY,  0, 65535, "1", \
-      "share of the period in which the upper switch of phase c is on, from the next " \
-      "period on") \
-    X(bridge, bridge,           CODE, PLAIN, 0, 2,     "", \
-      "0 all switches off, 1 pulse-width modulation, 2 the three lower switches on")
+    X(duty_a, compare_counts_a, compare_counts[0], REAL, DUTY, 0, 65535, 0, "1", \
+      "share of the next period in which the high-side switch of phase a is on") \
+    X(duty_b, compare_counts_b, compare_counts[1], REAL, DUTY, 0, 65535, 0, "1", \
+      "share of the next period in which the high-side switch of phase b is on") \
+    X(duty_c, compare_counts_c, compare_counts[2], REAL, DUTY, 0, 65535, 0, "1", \
+      "share of the next period in which the high-side switch of phase c is on") \
+    X(bridge, bridge, bridge, CODE, PLAIN, 0, 2, 0, "", \
+      "0 freewheel: all switches off, 1 pulse-width modulation, 2 active short circuit")
 
 #define EXCHANGE_SLOW_INPUTS(X) \
-    X(drive_torque_nm, drive_torque_mNm, REAL, MILLI, INT32_MIN, INT32_MAX, "N.m", \
+    X(drive_torque_nm, drive_torque_mNm, demand.drive_torque_mNm, \
+      REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
       "driving torque demanded of this wheel, positive forward") \
-    X(brake_torque_nm, brake_torque_mNm, REAL, MILLI, 0, INT32_MAX, "N.m", \
+    X(brake_torque_nm, brake_torque_mNm, demand.brake_torque_mNm, \
+      REAL, MILLI, 0, INT32_MAX, 0, "N.m", \
       "braking torque demanded of this wheel, motor and hydraulic brake together, magnitude") \
-    X(demand_age_s,            demand_age_ms,            REAL, MILLI, 0,         INT32_MAX, "s", \
+    X(demand_age_s, demand_age_ms, demand_age_ms, REAL, MILLI, 0, INT32_MAX, 0, "s", \
       "time since the last valid demand") \
-    X(bms_charge_current_a,    bms_charge_current_mA,    REAL, MILLI, 0,         INT32_MAX, "A", \
+    X(bms_charge_current_a, bms_charge_current_mA, bms.charge_current_mA, \
+      REAL, MILLI, 0, INT32_MAX, 2000000000, "A", \
       "what the whole pack takes now, magnitude") \
-    X(bms_discharge_current_a, bms_discharge_current_mA, REAL, MILLI, 0,         INT32_MAX, "A", \
+    X(bms_discharge_current_a, bms_discharge_current_mA, bms.discharge_current_mA, \
+      REAL, MILLI, 0, INT32_MAX, 2000000000, "A", \
       "what the whole pack gives now, magnitude") \
-    X(winding_temperature_c, winding_temperature_cC, REAL, CENTI, -30000, 100000, "degC", \
+    X(winding_temperature_c, winding_temperature_cC, temperature.winding_cC, \
+      REAL, CENTI, -30000, 100000, 2500, "degC", \
       "of the motor's winding") \
-    X(switch_temperature_c, switch_temperature_cC, REAL, CENTI, -30000, 100000, "degC", \
+    X(switch_temperature_c, switch_temperature_cC, temperature.switch_cC, \
+      REAL, CENTI, -30000, 100000, 2500, "degC", \
       "of the inverter's switches") \
-    X(enable,                  enable,                   FLAG, PLAIN, 0,         1,         "", \
+    X(enable, enable, demand.enable, FLAG, PLAIN, 0, 1, 0, "", \
       "the driver has switched the vehicle on") \
-    X(abs_active,              abs_active,               FLAG, PLAIN, 0,         1,         "", \
+    X(abs_active, abs_active, demand.abs_active, FLAG, PLAIN, 0, 1, 0, "", \
       "the anti-lock system is at work: the motor gets out of its way") \
-    X(fault_reset,             fault_reset,              FLAG, PLAIN, 0,         1,         "", \
+    X(fault_reset, fault_reset, demand.fault_reset, FLAG, PLAIN, 0, 1, 0, "", \
       "its rising edge acknowledges a latched fault") \
-    X(selftest_passed,         selftest_passed,          FLAG, PLAIN, 0,         1,         "", \
+    X(selftest_passed, selftest_passed, selftest_passed, FLAG, PLAIN, 0, 1, 1, "", \
       "the hardware's power-up checks have passed") \
-    X(config_accepted,         config_accepted,          FLAG, PLAIN, 0,         1,         "", \
+    X(config_accepted, config_accepted, config_accepted, FLAG, PLAIN, 0, 1, 1, "", \
       "the configuration was accepted at boot")
 
 #define EXCHANGE_SLOW_OUTPUTS(X) \
-    X(motor_torque_command_nm, motor_torque_command_mNm, REAL, MILLI, INT32_MIN, INT32_MAX, "N.m", \
-      "airgap torque the current loop is asked for now, signed") \
-    X(motor_torque_estimate_nm, motor_torque_estimate_mNm, REAL, MILLI, INT32_MIN, INT32_MAX, "N.m", \
-      "airgap torque worked out from measured currents, signed") \
-    X(hydraulic_torque_nm, hydraulic_torque_mNm, REAL, MILLI, INT32_MIN, INT32_MAX, "N.m", \
+    X(motor_torque_command_nm, motor_torque_command_mNm, motor_torque_command_mNm, \
+      REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
+      "torque the current loop is asked for now, at the shaft, signed") \
+    X(motor_torque_estimate_nm, motor_torque_estimate_mNm, motor_torque_estimate_mNm, \
+      REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
+      "torque at the shaft, from measured currents, signed") \
+    X(hydraulic_torque_nm, hydraulic_torque_mNm, hydraulic_torque_mNm, \
+      REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
       "command to the hydraulic brake, magnitude") \
-    X(electric_brake_available_nm, electric_brake_available_mNm, REAL, MILLI, INT32_MIN, INT32_MAX, "N.m", \
+    X(electric_brake_available_nm, electric_brake_available_mNm, electric_brake_available_mNm, \
+      REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
       "braking torque the motor could take over now, magnitude") \
-    X(speed_rad_per_s, speed_mrad_s, REAL, MILLI, INT32_MIN, INT32_MAX, "rad/s", \
+    X(speed_rad_per_s, speed_mrad_s, speed_mrad_s, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "rad/s", \
       "mechanical speed, estimated") \
-    X(current_d_a, i_d_mA, REAL, MILLI, INT32_MIN, INT32_MAX, "A", \
+    X(current_d_a, i_d_mA, i_d_mA, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "A", \
       "direct-axis current, peak phase value, measured and low-passed") \
-    X(current_q_a, i_q_mA, REAL, MILLI, INT32_MIN, INT32_MAX, "A", \
+    X(current_q_a, i_q_mA, i_q_mA, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "A", \
       "quadrature-axis current, peak phase value, measured and low-passed") \
-    X(bus_voltage_v, bus_voltage_mV, REAL, MILLI, INT32_MIN, INT32_MAX, "V", \
+    X(bus_voltage_v, bus_voltage_mV, bus_voltage_mV, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "V", \
       "DC bus voltage, measured") \
-    X(bus_current_a, bus_current_mA, REAL, MILLI, INT32_MIN, INT32_MAX, "A", \
+    X(bus_current_a, bus_current_mA, bus_current_mA, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "A", \
       "DC bus current, estimated, positive out of the battery") \
-    X(torque_reason, torque_reason, CODE, PLAIN, 0, 255, "", \
+    X(torque_reason, torque_reason, torque_reason, CODE, PLAIN, 0, 255, 0, "", \
       "what limits the motor torque; 0: none") \
-    X(available_reason, available_reason, CODE, PLAIN, 0, 255, "", \
+    X(available_reason, available_reason, available_reason, CODE, PLAIN, 0, 255, 0, "", \
       "what bounds the electric braking torque that is available") \
-    X(hydraulic_reason, hydraulic_reason, CODE, PLAIN, 0, 255, "", \
+    X(hydraulic_reason, hydraulic_reason, hydraulic_reason, CODE, PLAIN, 0, 255, 0, "", \
       "not 0: motor and hydraulic brake together cannot meet the demand") \
-    X(fault_reason, fault_reason, CODE, PLAIN, 0, 255, "", \
+    X(fault_reason, fault_reason, fault_reason, CODE, PLAIN, 0, 255, 0, "", \
       "the latched fault; 0: healthy") \
-    X(mode, mode, CODE, PLAIN, 0, 6, "", \
+    X(mode, mode, mode, CODE, PLAIN, 0, 6, 0, "", \
       "0 boot, 1 self-test, 2 offset calibration, 3 ready, 4 run, 5 limp, 6 fault") \
-    X(stop_lamp, stop_lamp, FLAG, PLAIN, 0, 1, "", \
+    X(stop_lamp, stop_lamp, stop_lamp, FLAG, PLAIN, 0, 1, 0, "", \
       "the stop lamp is to be lit") \
-    X(standstill, standstill, FLAG, PLAIN, 0, 1, "", \
+    X(standstill, standstill, standstill, FLAG, PLAIN, 0, 1, 0, "", \
       "nothing says that the wheel turns, and no speed that was seen is unaccounted for")
 /* clang-format on */
 
-#define EXCHANGE_COUNT_LINE(name, raw, type, scale, lowest, highest, unit, text) +1
+#define EXCHANGE_COUNT_LINE(...) +1
 enum {
     EXCHANGE_FAST_INPUT_COUNT = 0 EXCHANGE_FAST_INPUTS(EXCHANGE_COUNT_LINE),
     EXCHANGE_FAST_OUTPUT_COUNT = 0 EXCHANGE_FAST_OUTPUTS(EXCHANGE_COUNT_LINE),
     EXCHANGE_SLOW_INPUT_COUNT = 0 EXCHANGE_SLOW_INPUTS(EXCHANGE_COUNT_LINE),
-    EXCHANGE_SLOW_OUTPUT_COUNT = 0 EXCHANGE_SLOW_OUTPUTS(EXCHANGE_COUNT_LINE)
+    EXCHANGE_SLOW_OUTPUT_COUNT = 0 EXCHANGE_SLOW_OUTPUTS(EXCHANGE_COUNT_LINE),
+    EXCHANGE_PORT_MAX = 32 /* no port has more variables */
 };
 #undef EXCHANGE_COUNT_LINE
 
@@ -152,12 +163,19 @@ typedef struct {
     const char *name, *raw_name, *unit, *text;
     exchange_type_t type;
     exchange_scale_t scale;
-    int32_t lowest_raw, highest_raw;
+    int32_t lowest_raw, highest_raw, start_raw;
+    const char *member; /* of the port's message */
+    size_t offset, bytes;
 } variable_info_t;
 
 /* 0 <= index < variables_count(port) */
 int variables_count(exchange_port_t port);
 variable_info_t variables_info(exchange_port_t port, int index);
+
+/* Between the port's message and its raw values in the order of the list. raw: variables_count()
+ * values, each within its range. */
+void variables_to_message(exchange_port_t port, const int32_t *raw, void *message);
+void variables_from_message(exchange_port_t port, const void *message, int32_t *raw);
 
 /* raw = zero + engineering * per_unit, with the full scales of a configuration. */
 typedef struct {

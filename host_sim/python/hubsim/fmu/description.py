@@ -12,7 +12,7 @@ from pathlib import Path
 from hubsim import configuration, plant, run
 from hubsim import variables as ports
 from hubsim.configuration import Configuration
-from hubsim.controller import FIRST_VALUES, Controller
+from hubsim.controller import Controller
 from hubsim.engine import parameters
 from hubsim.errors import HubsimError
 from hubsim.fmu import units
@@ -108,7 +108,6 @@ def _controller(config: Configuration) -> Description:
     for name, port in (("fast_input", ports.FAST_INPUT), ("slow_input", ports.SLOW_INPUT)):
         for k, v in enumerate(ports.of_port(port)):
             zero, per_unit = controller.scale(port, k)
-            start = FIRST_VALUES.get(v.name, 0.0)
             edges = (
                 ()
                 if v.unit in {"turn", ""}
@@ -126,7 +125,7 @@ def _controller(config: Configuration) -> Description:
                     INPUT,
                     units.known(v.unit),
                     v.text,
-                    start,
+                    controller.start(port, k),
                     lowest,
                     highest,
                 )

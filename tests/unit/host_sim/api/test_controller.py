@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The controller alone.
 
-Every member of the exchange structs is there, and the steps are the firmware's.
+Every member of the messages is in the list, and the steps are the firmware's.
 """
 
 import math
@@ -15,39 +15,66 @@ from hubsim.engine import ROOT
 PORTS = {
     "foc_input_t": ("firmware/foc/include/foc/foc.h", "fast_input"),
     "fast_output_t": ("firmware/controller/include/controller/controller.h", "fast_output"),
-    "slow_input_t": ("firmware/controller/include/controller/controller.h", "slow_input"),
-    "slow_output_t": ("firmware/controller/include/controller/controller.h", "slow_output"),
+    "slow_input_t": ("firmware/core/include/core/slow_messages.h", "slow_input"),
+    "slow_output_t": ("firmware/core/include/core/slow_messages.h", "slow_output"),
 }
 
 
 def bodies() -> dict[str, str]:
-    """Return the structures that the exchange structs are made of, by name."""
+    """Return the structures that the messages are made of, by name."""
     headers = {header for header, _ in PORTS.values()}
     text = "".join((ROOT / header).read_text(encoding="utf-8") for header in headers)
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     return {name: body for body, name in re.findall(r"typedef struct \{([^}]*)\} (\w+);", text)}
 
 
-def members(struct: str) -> set[str]:
-    """Return the members of a C structure.
+def members(struct: str) -> list[str]:
+    """Return the members of a C structure, those of a structure inside it with a dot.
 
-    Of an array of three phases one for each, of a structure its own.
+    Of an array of three phases each element.
     """
-    known, found = bodies(), set()
+    known, found = bodies(), []
     for line in known[struct].split(";"):
         inner = line.split()[0] if line.split() else ""
         if inner in known:
-            found |= {f"{line.split()[1]}_{name}" for name in members(inner)}
+            found += [f"{line.split()[1]}.{name}" for name in members(inner)]
             continue
         for name, size in re.findall(r"(\w+)(\[\w+\])?\s*(?=,|$)", line.strip()):
-            found |= {f"{name}_{phase}" for phase in "abc"} if size else {name}
+            found += [f"{name}[{k}]" for k in range(3)] if size else [name]
     return found
 
 
 @pytest.mark.parametrize("struct", PORTS)
-def test_every_member_of_the_exchange_structs_has_a_name_here(struct: str) -> None:
+def test_the_list_has_every_member_of_the_messages_once(struct: str) -> None:
     _, port = PORTS[struct]
-    assert {v.raw_name for v in hubsim.Controller.variables()[port]} == members(struct)
+    listed = [v.member for v in hubsim.Controller.variables()[port]]
+    assert sorted(listed) == sorted(members(struct))
+
+
+def test_a_raw_name_ends_as_its_member_does() -> None:
+    """Raw names are those of the firmware: same quantity, same unit."""
+    for port in hubsim.Controller.variables().values():
+        for v in port:
+            last = re.sub(
+                r"\[([012])\]$", lambda k: "_" + "abc"[int(k[1])], v.member.split(".")[-1]
+            )
+            assert v.raw_name.endswith(last.rpartition("_")[2]), v
+
+
+def test_inputs_start_as_a_healthy_board_at_rest(angle_config: hubsim.Configuration) -> None:
+    controller = hubsim.Controller(angle_config)
+    expected = {
+        "selftest_passed": 1.0,
+        "config_accepted": 1.0,
+        "winding_temperature_c": 25.0,
+        "switch_temperature_c": 25.0,
+        "bms_charge_current_a": 2e6,
+        "bms_discharge_current_a": 2e6,
+    }
+    for port in (variables.FAST_INPUT, variables.SLOW_INPUT):
+        for k, v in enumerate(variables.of_port(port)):
+            assert controller.start(port, k) == expected.pop(v.name, 0.0), v.name
+    assert expected == {}
 
 
 def test_names_carry_their_units() -> None:

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "face.h"
+#include "unit_functions.h"
 #include "unity.h"
 
 enum { STEPS = 60, WARM_UP = 20 };
@@ -19,14 +19,14 @@ static void *unit;
 
 void setUp(void)
 {
-    face_message[0] = '\0';
-    unit = face_new(MODEL_TOKEN);
+    unit_message[0] = '\0';
+    unit = unit_new(MODEL_TOKEN);
     TEST_ASSERT_NOT_NULL(unit);
 }
 
 void tearDown(void)
 {
-    face_delete(unit);
+    unit_delete(unit);
     unit = NULL;
 }
 
@@ -68,8 +68,8 @@ static void drive(void *driven, double now_s, double size)
                                      ? size * SET[k].of_size * (1.0 + now_s)
                                      : 1.0;
             TEST_ASSERT_TRUE_MESSAGE(
-                face_set(driven, (uint32_t)place + 1, MODEL_VARIABLES[place].type, value),
-                face_message);
+                unit_set(driven, (uint32_t)place + 1, MODEL_VARIABLES[place].type, value),
+                unit_message);
         }
     }
 }
@@ -78,7 +78,7 @@ static void read_all(void *from, double *values)
 {
     for (int k = 0; k < MODEL_VARIABLE_COUNT; k++) {
         TEST_ASSERT_TRUE_MESSAGE(
-            face_get(from, (uint32_t)k + 1, MODEL_VARIABLES[k].type, &values[k]), face_message);
+            unit_get(from, (uint32_t)k + 1, MODEL_VARIABLES[k].type, &values[k]), unit_message);
     }
 }
 
@@ -94,7 +94,7 @@ static double *run(void *driven, int first, int last, double size)
     TEST_ASSERT_NOT_NULL(rows);
     for (int k = first; k < last; k++) {
         drive(driven, k * STEP_S, size);
-        TEST_ASSERT_TRUE_MESSAGE(face_step(driven, k * STEP_S, STEP_S), face_message);
+        TEST_ASSERT_TRUE_MESSAGE(unit_step(driven, k * STEP_S, STEP_S), unit_message);
         read_all(driven, rows + (size_t)(k - first) * (size_t)MODEL_VARIABLE_COUNT);
     }
     return rows;
@@ -107,7 +107,7 @@ static void assert_same_bits(const double *expected, const double *found, int ro
 
 void test_a_run_moves_and_can_be_run_again_after_a_reset(void)
 {
-    TEST_ASSERT_TRUE_MESSAGE(face_begin(unit, 0.0), face_message);
+    TEST_ASSERT_TRUE_MESSAGE(unit_begin(unit, 0.0), unit_message);
     double *const first = run(unit, 0, STEPS, 1.0);
     const double *const last_row = first + (size_t)(STEPS - 1) * (size_t)MODEL_VARIABLE_COUNT;
     int moved = 0;
@@ -115,9 +115,9 @@ void test_a_run_moves_and_can_be_run_again_after_a_reset(void)
         moved += MODEL_VARIABLES[k].role == MODEL_OUTPUT && last_row[k] != first[k];
     }
     TEST_ASSERT_GREATER_THAN_INT(2, moved);
-    TEST_ASSERT_TRUE(face_terminate(unit));
-    TEST_ASSERT_TRUE(face_reset(unit));
-    TEST_ASSERT_TRUE(face_begin(unit, 0.0));
+    TEST_ASSERT_TRUE(unit_terminate(unit));
+    TEST_ASSERT_TRUE(unit_reset(unit));
+    TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     double *const again = run(unit, 0, STEPS, 1.0);
     assert_same_bits(first, again, STEPS);
     free(first);
@@ -126,49 +126,49 @@ void test_a_run_moves_and_can_be_run_again_after_a_reset(void)
 
 void test_units_in_one_process_know_nothing_of_each_other(void)
 {
-    TEST_ASSERT_TRUE(face_begin(unit, 0.0));
+    TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     double *const alone = run(unit, 0, STEPS, 1.0);
-    void *const one = face_new_without_log(MODEL_TOKEN);
-    void *const other = face_new(MODEL_TOKEN);
-    TEST_ASSERT_TRUE(face_begin(one, 0.0) && face_begin(other, 0.0));
+    void *const one = unit_new_without_log(MODEL_TOKEN);
+    void *const other = unit_new(MODEL_TOKEN);
+    TEST_ASSERT_TRUE(unit_begin(one, 0.0) && unit_begin(other, 0.0));
     for (int k = 0; k < STEPS; k++) {
         double *const row = run(one, k, k + 1, 1.0);
         free(run(other, k, k + 1, 0.5));
         assert_same_bits(alone + (size_t)k * (size_t)MODEL_VARIABLE_COUNT, row, 1);
         free(row);
     }
-    face_delete(other);
-    face_delete(one);
+    unit_delete(other);
+    unit_delete(one);
     free(alone);
 }
 
 void test_a_state_goes_on_bit_for_bit_here_and_in_another_unit(void)
 {
-    TEST_ASSERT_TRUE(face_begin(unit, 0.0));
+    TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     free(run(unit, 0, WARM_UP, 1.0));
     void *state = NULL;
-    TEST_ASSERT_TRUE_MESSAGE(face_get_state(unit, &state), face_message);
+    TEST_ASSERT_TRUE_MESSAGE(unit_get_state(unit, &state), unit_message);
     double *const expected = run(unit, WARM_UP, STEPS, 1.0);
-    TEST_ASSERT_TRUE_MESSAGE(face_set_state(unit, state), face_message);
+    TEST_ASSERT_TRUE_MESSAGE(unit_set_state(unit, state), unit_message);
     double *const here = run(unit, WARM_UP, STEPS, 1.0);
     assert_same_bits(expected, here, STEPS - WARM_UP);
     free(here);
 
-    const size_t size = face_state_bytes(unit, state);
+    const size_t size = unit_state_bytes(unit, state);
     unsigned char *const bytes = malloc(size);
     TEST_ASSERT_NOT_NULL(bytes);
-    TEST_ASSERT_TRUE(face_to_bytes(unit, state, bytes, size));
-    face_free_state(unit, &state);
+    TEST_ASSERT_TRUE(unit_to_bytes(unit, state, bytes, size));
+    unit_free_state(unit, &state);
     TEST_ASSERT_NULL(state);
-    face_free_state(unit, &state);
+    unit_free_state(unit, &state);
 
-    void *const fresh = face_new(MODEL_TOKEN);
-    TEST_ASSERT_TRUE_MESSAGE(face_from_bytes(fresh, bytes, size, &state), face_message);
-    TEST_ASSERT_TRUE_MESSAGE(face_set_state(fresh, state), face_message);
+    void *const fresh = unit_new(MODEL_TOKEN);
+    TEST_ASSERT_TRUE_MESSAGE(unit_from_bytes(fresh, bytes, size, &state), unit_message);
+    TEST_ASSERT_TRUE_MESSAGE(unit_set_state(fresh, state), unit_message);
     double *const elsewhere = run(fresh, WARM_UP, STEPS, 1.0);
     assert_same_bits(expected, elsewhere, STEPS - WARM_UP);
-    face_free_state(fresh, &state);
-    face_delete(fresh);
+    unit_free_state(fresh, &state);
+    unit_delete(fresh);
     free(elsewhere);
     free(expected);
     free(bytes);
@@ -176,87 +176,87 @@ void test_a_state_goes_on_bit_for_bit_here_and_in_another_unit(void)
 
 void test_bytes_that_are_no_state_are_refused(void)
 {
-    TEST_ASSERT_TRUE(face_begin(unit, 0.0));
+    TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     void *state = NULL;
     void *back = NULL;
-    TEST_ASSERT_TRUE(face_get_state(unit, &state));
-    const size_t size = face_state_bytes(unit, state);
+    TEST_ASSERT_TRUE(unit_get_state(unit, &state));
+    const size_t size = unit_state_bytes(unit, state);
     unsigned char *const bytes = malloc(size);
     TEST_ASSERT_NOT_NULL(bytes);
-    TEST_ASSERT_FALSE(face_to_bytes(unit, state, bytes, size - 1));
-    TEST_ASSERT_TRUE(face_to_bytes(unit, state, bytes, size));
-    TEST_ASSERT_FALSE(face_from_bytes(unit, bytes, size - 1, &back));
-    TEST_ASSERT_FALSE(face_from_bytes(unit, bytes, 0, &back));
+    TEST_ASSERT_FALSE(unit_to_bytes(unit, state, bytes, size - 1));
+    TEST_ASSERT_TRUE(unit_to_bytes(unit, state, bytes, size));
+    TEST_ASSERT_FALSE(unit_from_bytes(unit, bytes, size - 1, &back));
+    TEST_ASSERT_FALSE(unit_from_bytes(unit, bytes, 0, &back));
     for (size_t at = 0; at < size; at += size / 50 + 1) {
         bytes[at] ^= 0x10;
-        TEST_ASSERT_FALSE(face_from_bytes(unit, bytes, size, &back));
+        TEST_ASSERT_FALSE(unit_from_bytes(unit, bytes, size, &back));
         bytes[at] ^= 0x10;
     }
     TEST_ASSERT_NULL(back);
-    TEST_ASSERT_FALSE(face_set_state(unit, NULL));
-    TEST_ASSERT_TRUE(face_from_bytes(unit, bytes, size, &state)); /* into one that is there */
-    face_free_state(unit, &state);
+    TEST_ASSERT_FALSE(unit_set_state(unit, NULL));
+    TEST_ASSERT_TRUE(unit_from_bytes(unit, bytes, size, &state)); /* into one that is there */
+    unit_free_state(unit, &state);
     free(bytes);
 }
 
 void test_calls_out_of_order_are_refused_and_do_no_harm(void)
 {
-    TEST_ASSERT_NULL(face_new("{another}"));
-    TEST_ASSERT_NULL(face_new(NULL));
-    TEST_ASSERT_NULL(face_new_without_log(""));
-    TEST_ASSERT_NULL(face_new_of_another_kind());
-    face_delete(NULL);
-    TEST_ASSERT_FALSE(face_step(unit, 0.0, STEP_S));
-    TEST_ASSERT_FALSE(face_exit(unit));
-    TEST_ASSERT_FALSE(face_terminate(unit));
-    TEST_ASSERT_FALSE(face_enter(unit, NAN));
-    TEST_ASSERT_TRUE(face_enter(unit, 0.0));
-    TEST_ASSERT_FALSE(face_enter(unit, 0.0));
-    TEST_ASSERT_FALSE(face_step(unit, 0.0, STEP_S));
-    TEST_ASSERT_TRUE(face_exit(unit));
-    TEST_ASSERT_FALSE(face_exit(unit));
+    TEST_ASSERT_NULL(unit_new("{another}"));
+    TEST_ASSERT_NULL(unit_new(NULL));
+    TEST_ASSERT_NULL(unit_new_without_log(""));
+    TEST_ASSERT_NULL(unit_new_of_another_kind());
+    unit_delete(NULL);
+    TEST_ASSERT_FALSE(unit_step(unit, 0.0, STEP_S));
+    TEST_ASSERT_FALSE(unit_exit(unit));
+    TEST_ASSERT_FALSE(unit_terminate(unit));
+    TEST_ASSERT_FALSE(unit_enter(unit, NAN));
+    TEST_ASSERT_TRUE(unit_enter(unit, 0.0));
+    TEST_ASSERT_FALSE(unit_enter(unit, 0.0));
+    TEST_ASSERT_FALSE(unit_step(unit, 0.0, STEP_S));
+    TEST_ASSERT_TRUE(unit_exit(unit));
+    TEST_ASSERT_FALSE(unit_exit(unit));
     const double steps_s[] = {0.0, -STEP_S, NAN, INFINITY, -INFINITY};
     for (size_t k = 0; k < sizeof(steps_s) / sizeof(steps_s[0]); k++) {
-        TEST_ASSERT_FALSE(face_step(unit, 0.0, steps_s[k]));
+        TEST_ASSERT_FALSE(unit_step(unit, 0.0, steps_s[k]));
     }
-    TEST_ASSERT_FALSE(face_step(unit, NAN, STEP_S));
-    TEST_ASSERT_FALSE(face_step(unit, 1.0, STEP_S));
-    TEST_ASSERT_TRUE(face_step(unit, 0.0, 1e-9)); /* shorter than a PWM period */
-    TEST_ASSERT_TRUE(face_terminate(unit));
-    TEST_ASSERT_FALSE(face_step(unit, 1e-9, STEP_S));
-    TEST_ASSERT_FALSE(face_terminate(unit));
-    void *const never_begun = face_new(MODEL_TOKEN);
+    TEST_ASSERT_FALSE(unit_step(unit, NAN, STEP_S));
+    TEST_ASSERT_FALSE(unit_step(unit, 1.0, STEP_S));
+    TEST_ASSERT_TRUE(unit_step(unit, 0.0, 1e-9)); /* shorter than a PWM period */
+    TEST_ASSERT_TRUE(unit_terminate(unit));
+    TEST_ASSERT_FALSE(unit_step(unit, 1e-9, STEP_S));
+    TEST_ASSERT_FALSE(unit_terminate(unit));
+    void *const never_begun = unit_new(MODEL_TOKEN);
     void *state = NULL;
-    TEST_ASSERT_TRUE(face_get_state(never_begun, &state));
-    TEST_ASSERT_TRUE(face_set_state(never_begun, state));
-    face_free_state(never_begun, &state);
-    face_delete(never_begun);
+    TEST_ASSERT_TRUE(unit_get_state(never_begun, &state));
+    TEST_ASSERT_TRUE(unit_set_state(never_begun, state));
+    unit_free_state(never_begun, &state);
+    unit_delete(never_begun);
 }
 
 void test_references_and_types_that_are_not_there_are_refused(void)
 {
-    TEST_ASSERT_TRUE(face_begin(unit, 0.0));
+    TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     const uint32_t wrong[] = {(uint32_t)MODEL_VARIABLE_COUNT + 1, 0x7fffffffU, 0x80000000U,
                               UINT32_MAX};
     for (size_t k = 0; k < sizeof(wrong) / sizeof(wrong[0]); k++) {
         for (model_type_t type = MODEL_REAL; type <= MODEL_CODE; type++) {
             double value = 0.0;
-            TEST_ASSERT_FALSE(face_get(unit, wrong[k], type, &value));
-            TEST_ASSERT_FALSE(face_set(unit, wrong[k], type, 0.0));
+            TEST_ASSERT_FALSE(unit_get(unit, wrong[k], type, &value));
+            TEST_ASSERT_FALSE(unit_set(unit, wrong[k], type, 0.0));
         }
     }
     for (int k = 0; k < MODEL_VARIABLE_COUNT; k++) {
         const model_type_t other = MODEL_VARIABLES[k].type == MODEL_REAL ? MODEL_CODE : MODEL_REAL;
         double value = 0.0;
-        TEST_ASSERT_FALSE(face_get(unit, (uint32_t)k + 1, other, &value));
-        TEST_ASSERT_FALSE(face_set(unit, (uint32_t)k + 1, other, 0.0));
+        TEST_ASSERT_FALSE(unit_get(unit, (uint32_t)k + 1, other, &value));
+        TEST_ASSERT_FALSE(unit_set(unit, (uint32_t)k + 1, other, 0.0));
         if (!changes_during_a_run(k)) {
             TEST_ASSERT_FALSE(
-                face_set(unit, (uint32_t)k + 1, MODEL_VARIABLES[k].type, MODEL_VARIABLES[k].start));
+                unit_set(unit, (uint32_t)k + 1, MODEL_VARIABLES[k].type, MODEL_VARIABLES[k].start));
         }
     }
     double now_s = -1.0;
-    TEST_ASSERT_TRUE(face_get(unit, 0, MODEL_REAL, &now_s));
+    TEST_ASSERT_TRUE(unit_get(unit, 0, MODEL_REAL, &now_s));
     TEST_ASSERT_EQUAL_DOUBLE(0.0, now_s);
 }
 
@@ -277,26 +277,26 @@ static size_t extremes(model_type_t type, const double **values)
 
 static void try_during_a_run(int k, double value)
 {
-    TEST_ASSERT_TRUE(face_reset(unit));
-    TEST_ASSERT_TRUE(face_begin(unit, 0.0));
+    TEST_ASSERT_TRUE(unit_reset(unit));
+    TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     drive(unit, 0.0, 1.0);
-    TEST_ASSERT_TRUE(face_step(unit, 0.0, STEP_S));
-    if (face_set(unit, (uint32_t)k + 1, MODEL_VARIABLES[k].type, value)) {
+    TEST_ASSERT_TRUE(unit_step(unit, 0.0, STEP_S));
+    if (unit_set(unit, (uint32_t)k + 1, MODEL_VARIABLES[k].type, value)) {
         double *const rows = calloc(1, all_bytes());
-        if (face_step(unit, STEP_S, STEP_S)) {
+        if (unit_step(unit, STEP_S, STEP_S)) {
             read_all(unit, rows);
         }
         free(rows);
     } else {
-        TEST_ASSERT_NOT_EQUAL(0, face_message[0]);
+        TEST_ASSERT_NOT_EQUAL(0, unit_message[0]);
     }
 }
 
 static void try_before_a_run(int k, double value)
 {
-    TEST_ASSERT_TRUE(face_reset(unit));
-    if (face_set(unit, (uint32_t)k + 1, MODEL_VARIABLES[k].type, value) && face_begin(unit, 0.0)) {
-        face_step(unit, 0.0, STEP_S);
+    TEST_ASSERT_TRUE(unit_reset(unit));
+    if (unit_set(unit, (uint32_t)k + 1, MODEL_VARIABLES[k].type, value) && unit_begin(unit, 0.0)) {
+        unit_step(unit, 0.0, STEP_S);
     }
 }
 
@@ -312,17 +312,17 @@ void test_any_number_is_taken_or_refused(void)
             }
         }
         if (MODEL_VARIABLES[k].type == MODEL_REAL && is_settable(k)) {
-            TEST_ASSERT_TRUE(face_reset(unit));
-            TEST_ASSERT_FALSE(face_set(unit, (uint32_t)k + 1, MODEL_REAL, NAN));
-            TEST_ASSERT_FALSE(face_set(unit, (uint32_t)k + 1, MODEL_REAL, INFINITY));
+            TEST_ASSERT_TRUE(unit_reset(unit));
+            TEST_ASSERT_FALSE(unit_set(unit, (uint32_t)k + 1, MODEL_REAL, NAN));
+            TEST_ASSERT_FALSE(unit_set(unit, (uint32_t)k + 1, MODEL_REAL, INFINITY));
         }
     }
 }
 
 void test_what_the_unit_does_not_offer_it_refuses(void)
 {
-    TEST_ASSERT_NULL(face_offers_too_much(unit));
-    TEST_ASSERT_TRUE(face_begin(unit, 0.0));
-    TEST_ASSERT_NULL(face_offers_too_much(unit));
-    TEST_ASSERT_NOT_NULL(strstr(face_message, "not offered by this unit"));
+    TEST_ASSERT_NULL(unit_offers_too_much(unit));
+    TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
+    TEST_ASSERT_NULL(unit_offers_too_much(unit));
+    TEST_ASSERT_NOT_NULL(strstr(unit_message, "not offered by this unit"));
 }

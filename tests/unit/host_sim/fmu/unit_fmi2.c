@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "face.h"
+#include "unit_functions.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -7,7 +7,7 @@
 
 #include "fmi2Functions.h"
 
-char face_message[FACE_MESSAGE_LENGTH];
+char unit_message[UNIT_MESSAGE_LENGTH];
 
 static void listen(fmi2ComponentEnvironment environment, fmi2String name, fmi2Status status,
                    fmi2String category, fmi2String message, ...)
@@ -18,67 +18,67 @@ static void listen(fmi2ComponentEnvironment environment, fmi2String name, fmi2St
     (void)category;
     va_list arguments;
     va_start(arguments, message);
-    vsnprintf(face_message, sizeof(face_message), message, arguments);
+    vsnprintf(unit_message, sizeof(unit_message), message, arguments);
     va_end(arguments);
 }
 
 static const fmi2CallbackFunctions LISTENING = {.logger = listen};
 static const fmi2CallbackFunctions DEAF = {.logger = NULL};
 
-void *face_new(const char *token)
+void *unit_new(const char *token)
 {
     return fmi2Instantiate("a unit", fmi2CoSimulation, token, "file:///nowhere", &LISTENING,
                            fmi2False, fmi2True);
 }
 
-void *face_new_of_another_kind(void)
+void *unit_new_of_another_kind(void)
 {
     return fmi2Instantiate("a unit", fmi2ModelExchange, MODEL_TOKEN, NULL, &LISTENING, fmi2False,
                            fmi2True);
 }
 
-void *face_new_without_log(const char *token)
+void *unit_new_without_log(const char *token)
 {
     return fmi2Instantiate(NULL, fmi2CoSimulation, token, NULL, &DEAF, fmi2False, fmi2False);
 }
 
-void face_delete(void *unit)
+void unit_delete(void *unit)
 {
     fmi2FreeInstance(unit);
 }
 
-bool face_enter(void *unit, double start_s)
+bool unit_enter(void *unit, double start_s)
 {
     return fmi2SetupExperiment(unit, fmi2False, 0.0, start_s, fmi2False, 0.0) == fmi2OK &&
            fmi2EnterInitializationMode(unit) == fmi2OK;
 }
 
-bool face_exit(void *unit)
+bool unit_exit(void *unit)
 {
     return fmi2ExitInitializationMode(unit) == fmi2OK;
 }
 
-bool face_begin(void *unit, double start_s)
+bool unit_begin(void *unit, double start_s)
 {
-    return face_enter(unit, start_s) && face_exit(unit);
+    return unit_enter(unit, start_s) && unit_exit(unit);
 }
 
-bool face_step(void *unit, double from_s, double step_s)
+bool unit_step(void *unit, double from_s, double step_s)
 {
     return fmi2DoStep(unit, from_s, step_s, fmi2False) == fmi2OK;
 }
 
-bool face_terminate(void *unit)
+bool unit_terminate(void *unit)
 {
     return fmi2Terminate(unit) == fmi2OK;
 }
 
-bool face_reset(void *unit)
+bool unit_reset(void *unit)
 {
     return fmi2Reset(unit) == fmi2OK;
 }
 
-bool face_get(void *unit, uint32_t reference, model_type_t type, double *value)
+bool unit_get(void *unit, uint32_t reference, model_type_t type, double *value)
 {
     fmi2Real real = 0.0;
     fmi2Integer code = 0;
@@ -101,7 +101,7 @@ bool face_get(void *unit, uint32_t reference, model_type_t type, double *value)
     return status == fmi2OK;
 }
 
-bool face_set(void *unit, uint32_t reference, model_type_t type, double value)
+bool unit_set(void *unit, uint32_t reference, model_type_t type, double value)
 {
     const fmi2Real real = value;
     switch (type) {
@@ -119,39 +119,39 @@ bool face_set(void *unit, uint32_t reference, model_type_t type, double value)
     return false;
 }
 
-bool face_get_state(void *unit, void **state)
+bool unit_get_state(void *unit, void **state)
 {
     return fmi2GetFMUstate(unit, state) == fmi2OK;
 }
 
-bool face_set_state(void *unit, void *state)
+bool unit_set_state(void *unit, void *state)
 {
     return fmi2SetFMUstate(unit, state) == fmi2OK;
 }
 
-void face_free_state(void *unit, void **state)
+void unit_free_state(void *unit, void **state)
 {
     fmi2FreeFMUstate(unit, state);
 }
 
-size_t face_state_bytes(void *unit, void *state)
+size_t unit_state_bytes(void *unit, void *state)
 {
     size_t out = 0;
     fmi2SerializedFMUstateSize(unit, state, &out);
     return out;
 }
 
-bool face_to_bytes(void *unit, void *state, unsigned char *bytes, size_t size)
+bool unit_to_bytes(void *unit, void *state, unsigned char *bytes, size_t size)
 {
     return fmi2SerializeFMUstate(unit, state, (fmi2Byte *)bytes, size) == fmi2OK;
 }
 
-bool face_from_bytes(void *unit, const unsigned char *bytes, size_t size, void **state)
+bool unit_from_bytes(void *unit, const unsigned char *bytes, size_t size, void **state)
 {
     return fmi2DeSerializeFMUstate(unit, (const fmi2Byte *)bytes, size, state) == fmi2OK;
 }
 
-const char *face_offers_too_much(void *unit)
+const char *unit_offers_too_much(void *unit)
 {
     const fmi2ValueReference reference = 1;
     const fmi2Integer order = 1;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Driven by name the controller does what it does driven through its structures, and it can be
  * copied at any moment. */
-#include "exchange/joined.h"
+#include "exchange/controller_instance.h"
 
 #include <string.h>
 
@@ -85,23 +85,24 @@ static void slow_array(const slow_input_t *in, int32_t *out)
     memcpy(out, values, sizeof(values));
 }
 
-static void step(joined_t *joined, uint32_t n, int32_t fast_out[], int32_t slow_out[])
+static void step(controller_instance_t *instance, uint32_t n, int32_t fast_out[],
+                 int32_t slow_out[])
 {
     int32_t in[EXCHANGE_SLOW_INPUT_COUNT];
     if (n % STEPS_PER_MS == 0) {
         const slow_input_t slow = slow_input(n);
         slow_array(&slow, in);
-        joined_slow(joined, in, slow_out);
+        controller_instance_slow_step(instance, in, slow_out);
     }
     const fast_input_t fast = fast_input(n);
     fast_array(&fast, in);
-    joined_fast(joined, in, fast_out);
+    controller_instance_fast_step(instance, in, fast_out);
 }
 
 void test_by_name_and_by_structure_are_the_same_controller(void)
 {
-    static joined_t joined;
-    joined_init(&joined, &config);
+    static controller_instance_t instance;
+    controller_instance_init(&instance, &config);
     controller_t direct;
     controller_init(&direct, &config);
     fast_setpoint_t to_fast = controller_initial_setpoint(&config);
@@ -110,7 +111,7 @@ void test_by_name_and_by_structure_are_the_same_controller(void)
     int32_t slow_out[EXCHANGE_SLOW_OUTPUT_COUNT];
     bool has_switched = false;
     for (uint32_t n = 0; n < STEPS; n++) {
-        step(&joined, n, fast_out, slow_out);
+        step(&instance, n, fast_out, slow_out);
         if (n % STEPS_PER_MS == 0) {
             const slow_input_t in = slow_input(n);
             fast_report_t report;
@@ -147,13 +148,13 @@ void test_by_name_and_by_structure_are_the_same_controller(void)
 
 void test_a_copy_goes_on_exactly_where_the_original_was(void)
 {
-    static joined_t original;
-    static joined_t copy;
+    static controller_instance_t original;
+    static controller_instance_t copy;
     int32_t fast_out[EXCHANGE_FAST_OUTPUT_COUNT];
     int32_t slow_out[EXCHANGE_SLOW_OUTPUT_COUNT];
     int32_t fast_copy[EXCHANGE_FAST_OUTPUT_COUNT];
     int32_t slow_copy[EXCHANGE_SLOW_OUTPUT_COUNT];
-    joined_init(&original, &config);
+    controller_instance_init(&original, &config);
     for (uint32_t n = 0; n < STEPS / 2; n++) {
         step(&original, n, fast_out, slow_out);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "exchange/face.h"
+#include "exchange/controller_api.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -9,22 +9,14 @@
 #include <string.h>
 
 #include "config/validate.h"
-#include "exchange/joined.h"
+#include "exchange/controller_instance.h"
 #include "exchange/variables.h"
 
-enum { FACE_OK = 0, FACE_REFUSED = -1, ERROR_LENGTH = 300 };
-
-/* No port has more variables than this. */
-enum { PORT_MAX = 32 };
-_Static_assert((int)EXCHANGE_FAST_INPUT_COUNT <= (int)PORT_MAX &&
-                   (int)EXCHANGE_SLOW_INPUT_COUNT <= (int)PORT_MAX &&
-                   (int)EXCHANGE_FAST_OUTPUT_COUNT <= (int)PORT_MAX &&
-                   (int)EXCHANGE_SLOW_OUTPUT_COUNT <= (int)PORT_MAX,
-               "arrays of a port are too short");
+enum { API_OK = 0, API_REFUSED = -1, ERROR_LENGTH = 300 };
 
 struct hubsim_controller {
     bool has_config;
-    joined_t joined;
+    controller_instance_t instance;
     char error[ERROR_LENGTH];
 };
 
@@ -74,6 +66,16 @@ int32_t hubsim_variable_highest_raw(int port, int index)
     return is_variable(port, index) ? variables_info((exchange_port_t)port, index).highest_raw : 0;
 }
 
+int32_t hubsim_variable_start_raw(int port, int index)
+{
+    return is_variable(port, index) ? variables_info((exchange_port_t)port, index).start_raw : 0;
+}
+
+const char *hubsim_variable_member(int port, int index)
+{
+    return is_variable(port, index) ? variables_info((exchange_port_t)port, index).member : NULL;
+}
+
 hubsim_controller_t *hubsim_controller_new(void)
 {
     return calloc(1, sizeof(hubsim_controller_t));
@@ -95,7 +97,7 @@ static int refuse(hubsim_controller_t *controller, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(controller->error, sizeof(controller->error), format, arguments);
     va_end(arguments);
-    return FACE_REFUSED;
+    return API_REFUSED;
 }
 
 int hubsim_controller_load_config(hubsim_controller_t *controller, const void *image,
@@ -112,27 +114,27 @@ int hubsim_controller_load_config(hubsim_controller_t *controller, const void *i
     if (result.code != CONFIG_RESULT_OK) {
         return refuse(controller, "configuration refused: %s", result.field);
     }
-    joined_init(&controller->joined, &config);
+    controller_instance_init(&controller->instance, &config);
     controller->has_config = true;
-    return FACE_OK;
+    return API_OK;
 }
 
 int hubsim_controller_scale(const hubsim_controller_t *controller, int port, int index,
                             double *zero, double *per_unit)
 {
     if (!controller->has_config || !is_variable(port, index)) {
-        return FACE_REFUSED;
+        return API_REFUSED;
     }
     const variable_info_t info = variables_info((exchange_port_t)port, index);
-    const variables_affine_t affine = variables_affine(info.scale, &controller->joined.config);
+    const variables_affine_t affine = variables_affine(info.scale, &controller->instance.config);
     *zero = affine.zero;
     *per_unit = affine.per_unit;
-    return FACE_OK;
+    return API_OK;
 }
 
 int32_t hubsim_controller_fast_rate_hz(const hubsim_controller_t *controller)
 {
-    return controller->has_config ? controller->joined.config.drive.pwm_frequency_Hz : 0;
+    return controller->has_config ? controller->instance.config.drive.pwm_frequency_Hz : 0;
 }
 
 static int check_raw(hubsim_controller_t *controller, exchange_port_t port, const int32_t *in)
@@ -147,7 +149,7 @@ static int check_raw(hubsim_controller_t *controller, exchange_port_t port, cons
                           (long)info.lowest_raw, (long)info.highest_raw);
         }
     }
-    return FACE_OK;
+    return API_OK;
 }
 
 static int to_raw(hubsim_controller_t *controller, exchange_port_t port, const double *in,
@@ -161,10 +163,10 @@ static int to_raw(hubsim_controller_t *controller, exchange_port_t port, const d
         if (!isfinite(in[k])) {
             return refuse(controller, "%s: not a finite number", info.name);
         }
-        raw[k] = variables_to_raw(&info, variables_affine(info.scale, &controller->joined.config),
+        raw[k] = variables_to_raw(&info, variables_affine(info.scale, &controller->instance.config),
                                   in[k]);
     }
-    return FACE_OK;
+    return API_OK;
 }
 
 static void from_raw(const hubsim_controller_t *controller, exchange_port_t port,
@@ -172,7 +174,7 @@ static void from_raw(const hubsim_controller_t *controller, exchange_port_t port
 {
     for (int k = 0; k < variables_count(port); k++) {
         const exchange_scale_t scale = variables_info(port, k).scale;
-        out[k] = variables_from_raw(variables_affine(scale, &controller->joined.config), raw[k]);
+        out[k] = variables_from_raw(variables_affine(scale, &controller->instance.config), raw[k]);
     }
 }
 
@@ -180,8 +182,8 @@ int hubsim_controller_fast_step_raw(hubsim_controller_t *controller, const int32
                                     int32_t *out)
 {
     const int status = check_raw(controller, EXCHANGE_PORT_FAST_INPUT, in);
-    if (status == FACE_OK) {
-        joined_fast(&controller->joined, in, out);
+    if (status == API_OK) {
+        controller_instance_fast_step(&controller->instance, in, out);
     }
     return status;
 }
@@ -190,19 +192,19 @@ int hubsim_controller_slow_step_raw(hubsim_controller_t *controller, const int32
                                     int32_t *out)
 {
     const int status = check_raw(controller, EXCHANGE_PORT_SLOW_INPUT, in);
-    if (status == FACE_OK) {
-        joined_slow(&controller->joined, in, out);
+    if (status == API_OK) {
+        controller_instance_slow_step(&controller->instance, in, out);
     }
     return status;
 }
 
 int hubsim_controller_fast_step(hubsim_controller_t *controller, const double *in, double *out)
 {
-    int32_t raw_in[PORT_MAX];
-    int32_t raw_out[PORT_MAX];
+    int32_t raw_in[EXCHANGE_PORT_MAX];
+    int32_t raw_out[EXCHANGE_PORT_MAX];
     const int status = to_raw(controller, EXCHANGE_PORT_FAST_INPUT, in, raw_in);
-    if (status == FACE_OK) {
-        joined_fast(&controller->joined, raw_in, raw_out);
+    if (status == API_OK) {
+        controller_instance_fast_step(&controller->instance, raw_in, raw_out);
         from_raw(controller, EXCHANGE_PORT_FAST_OUTPUT, raw_out, out);
     }
     return status;
@@ -210,11 +212,11 @@ int hubsim_controller_fast_step(hubsim_controller_t *controller, const double *i
 
 int hubsim_controller_slow_step(hubsim_controller_t *controller, const double *in, double *out)
 {
-    int32_t raw_in[PORT_MAX];
-    int32_t raw_out[PORT_MAX];
+    int32_t raw_in[EXCHANGE_PORT_MAX];
+    int32_t raw_out[EXCHANGE_PORT_MAX];
     const int status = to_raw(controller, EXCHANGE_PORT_SLOW_INPUT, in, raw_in);
-    if (status == FACE_OK) {
-        joined_slow(&controller->joined, raw_in, raw_out);
+    if (status == API_OK) {
+        controller_instance_slow_step(&controller->instance, raw_in, raw_out);
         from_raw(controller, EXCHANGE_PORT_SLOW_OUTPUT, raw_out, out);
     }
     return status;
@@ -222,26 +224,26 @@ int hubsim_controller_slow_step(hubsim_controller_t *controller, const double *i
 
 uint32_t hubsim_controller_state_bytes(void)
 {
-    return (uint32_t)sizeof(joined_t);
+    return (uint32_t)sizeof(controller_instance_t);
 }
 
 int hubsim_controller_save(const hubsim_controller_t *controller, void *state)
 {
     if (!controller->has_config) {
-        return FACE_REFUSED;
+        return API_REFUSED;
     }
-    memcpy(state, &controller->joined, sizeof(joined_t));
-    return FACE_OK;
+    memcpy(state, &controller->instance, sizeof(controller_instance_t));
+    return API_OK;
 }
 
 int hubsim_controller_restore(hubsim_controller_t *controller, const void *state)
 {
-    joined_t found;
+    controller_instance_t found;
     memcpy(&found, state, sizeof(found));
     if (config_validate(&found.config, (uint32_t)sizeof(found.config)).code != CONFIG_RESULT_OK) {
         return refuse(controller, "these bytes are no controller's state");
     }
-    controller->joined = found;
+    controller->instance = found;
     controller->has_config = true;
-    return FACE_OK;
+    return API_OK;
 }

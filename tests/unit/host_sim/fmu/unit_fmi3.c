@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "face.h"
+#include "unit_functions.h"
 
 #include <string.h>
 
 #include "fmi3Functions.h"
 
-char face_message[FACE_MESSAGE_LENGTH];
+char unit_message[UNIT_MESSAGE_LENGTH];
 
 static void listen(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category,
                    fmi3String message)
@@ -13,7 +13,7 @@ static void listen(fmi3InstanceEnvironment environment, fmi3Status status, fmi3S
     (void)environment;
     (void)status;
     (void)category;
-    strncpy(face_message, message, sizeof(face_message) - 1);
+    strncpy(unit_message, message, sizeof(unit_message) - 1);
 }
 
 static void *instantiate(const char *name, const char *token, fmi3LogMessageCallback log)
@@ -22,12 +22,12 @@ static void *instantiate(const char *name, const char *token, fmi3LogMessageCall
                                        fmi3False, NULL, 0, NULL, log, NULL);
 }
 
-void *face_new(const char *token)
+void *unit_new(const char *token)
 {
     return instantiate("a unit", token, listen);
 }
 
-void *face_new_of_another_kind(void)
+void *unit_new_of_another_kind(void)
 {
     void *const scheduled = fmi3InstantiateScheduledExecution(
         "a unit", MODEL_TOKEN, NULL, fmi3False, fmi3True, NULL, listen, NULL, NULL, NULL);
@@ -36,32 +36,32 @@ void *face_new_of_another_kind(void)
                                                             fmi3True, NULL, listen);
 }
 
-void *face_new_without_log(const char *token)
+void *unit_new_without_log(const char *token)
 {
     return instantiate(NULL, token, NULL);
 }
 
-void face_delete(void *unit)
+void unit_delete(void *unit)
 {
     fmi3FreeInstance(unit);
 }
 
-bool face_enter(void *unit, double start_s)
+bool unit_enter(void *unit, double start_s)
 {
     return fmi3EnterInitializationMode(unit, fmi3False, 0.0, start_s, fmi3False, 0.0) == fmi3OK;
 }
 
-bool face_exit(void *unit)
+bool unit_exit(void *unit)
 {
     return fmi3ExitInitializationMode(unit) == fmi3OK;
 }
 
-bool face_begin(void *unit, double start_s)
+bool unit_begin(void *unit, double start_s)
 {
-    return face_enter(unit, start_s) && face_exit(unit);
+    return unit_enter(unit, start_s) && unit_exit(unit);
 }
 
-bool face_step(void *unit, double from_s, double step_s)
+bool unit_step(void *unit, double from_s, double step_s)
 {
     fmi3Boolean event = fmi3True;
     fmi3Boolean ends = fmi3True;
@@ -72,17 +72,17 @@ bool face_step(void *unit, double from_s, double step_s)
     return out && !event && !ends && !early && reached_s == from_s + step_s;
 }
 
-bool face_terminate(void *unit)
+bool unit_terminate(void *unit)
 {
     return fmi3Terminate(unit) == fmi3OK;
 }
 
-bool face_reset(void *unit)
+bool unit_reset(void *unit)
 {
     return fmi3Reset(unit) == fmi3OK;
 }
 
-bool face_get(void *unit, uint32_t reference, model_type_t type, double *value)
+bool unit_get(void *unit, uint32_t reference, model_type_t type, double *value)
 {
     fmi3Float64 real = 0.0;
     fmi3Int32 code = 0;
@@ -105,7 +105,7 @@ bool face_get(void *unit, uint32_t reference, model_type_t type, double *value)
     return status == fmi3OK;
 }
 
-bool face_set(void *unit, uint32_t reference, model_type_t type, double value)
+bool unit_set(void *unit, uint32_t reference, model_type_t type, double value)
 {
     const fmi3Float64 real = value;
     switch (type) {
@@ -123,39 +123,39 @@ bool face_set(void *unit, uint32_t reference, model_type_t type, double value)
     return false;
 }
 
-bool face_get_state(void *unit, void **state)
+bool unit_get_state(void *unit, void **state)
 {
     return fmi3GetFMUState(unit, state) == fmi3OK;
 }
 
-bool face_set_state(void *unit, void *state)
+bool unit_set_state(void *unit, void *state)
 {
     return fmi3SetFMUState(unit, state) == fmi3OK;
 }
 
-void face_free_state(void *unit, void **state)
+void unit_free_state(void *unit, void **state)
 {
     fmi3FreeFMUState(unit, state);
 }
 
-size_t face_state_bytes(void *unit, void *state)
+size_t unit_state_bytes(void *unit, void *state)
 {
     size_t out = 0;
     fmi3SerializedFMUStateSize(unit, state, &out);
     return out;
 }
 
-bool face_to_bytes(void *unit, void *state, unsigned char *bytes, size_t size)
+bool unit_to_bytes(void *unit, void *state, unsigned char *bytes, size_t size)
 {
     return fmi3SerializeFMUState(unit, state, bytes, size) == fmi3OK;
 }
 
-bool face_from_bytes(void *unit, const unsigned char *bytes, size_t size, void **state)
+bool unit_from_bytes(void *unit, const unsigned char *bytes, size_t size, void **state)
 {
     return fmi3DeserializeFMUState(unit, bytes, size, state) == fmi3OK;
 }
 
-const char *face_offers_too_much(void *unit)
+const char *unit_offers_too_much(void *unit)
 {
     const fmi3ValueReference reference = 1;
     const fmi3Float64 value = 1.0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The face for other languages: what is refused, in which words, and that a refused call changes
- * nothing. */
-#include "exchange/face.h"
+/* The interface for other languages: what is refused, in which words, and that a refused call
+ * changes nothing. */
+#include "exchange/controller_api.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * face.h: one controller alone as a library for other languages, for whoever brings a plant of
- * their own.
+ * controller_api.h: one controller alone as a library for other languages, for whoever brings a
+ * plant of their own.
  *
  * Plain declarations only, so that a foreign-function reader (cffi and the like) can take this file
  * as it is, less the lines that begin with '#'. Part of the same library as bench/engine.h. Nothing
@@ -14,8 +14,8 @@
  * refused and no step is made. Functions that can fail return 0 or a negative number;
  * hubsim_controller_error() then says why in one line.
  */
-#ifndef EXCHANGE_FACE_H
-#define EXCHANGE_FACE_H
+#ifndef EXCHANGE_CONTROLLER_API_H
+#define EXCHANGE_CONTROLLER_API_H
 
 #include <stdint.h>
 
@@ -37,6 +37,10 @@ const char *hubsim_variable_text(int port, int index);
 int hubsim_variable_type(int port, int index);
 int32_t hubsim_variable_lowest_raw(int port, int index);
 int32_t hubsim_variable_highest_raw(int port, int index);
+int32_t hubsim_variable_start_raw(int port, int index); /* of an input */
+
+/* The member of fast_input_t, slow_input_t and so on, such as "demand.enable". */
+const char *hubsim_variable_member(int port, int index);
 
 typedef struct hubsim_controller hubsim_controller_t;
 
