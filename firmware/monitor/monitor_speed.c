@@ -134,8 +134,8 @@ static bool emf_shows(monitor_speed_state_t *state, const config_t *config,
     } else {
         state->diode_steps = 0;
     }
-    const bool first_over = off && blind && over && !state->overvoltage_seen;
-    state->overvoltage_seen = over && (state->overvoltage_seen || first_over);
+    const bool first_over = off && blind && over && !state->overvoltage_used;
+    state->overvoltage_used = over && (state->overvoltage_used || first_over);
     return first_over || state->diode_steps == qualified;
 }
 

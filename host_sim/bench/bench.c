@@ -97,7 +97,7 @@ static void begin_accounts(bench_t *bench)
     bench->chassis = level;
     const motion_t motion = moving(bench);
     motion_roll(&bench->road, &motion);
-    aids_begin(&bench->aids, &bench->params, bench->wheel, bench->wheels);
+    abs_unit_begin(&bench->abs_unit, &bench->params, bench->wheel, bench->wheels);
     const bms_state_t none_sent = {.next_s = 0.0};
     bench->limits = none_sent;
     bench->kinetic_before_j = kinetic_energy_j(bench);
@@ -164,8 +164,8 @@ static void slow_step(bench_t *bench)
                         bench->wheels, bench->vehicle.speed_m_per_s, bench->time_s, SLOW_STEP_S);
     }
     note_braking(bench);
-    aids_step(&bench->aids, &bench->world, bench->wheel, bench->wheels, &bench->vehicle,
-              bench->demand.brake_nm, bench->time_s, SLOW_STEP_S);
+    abs_unit_step(&bench->abs_unit, &bench->world, bench->wheel, bench->wheels, &bench->vehicle,
+                  bench->demand.brake_nm, bench->time_s, SLOW_STEP_S);
     const bms_limits_t limits =
         bms_step(&params->bms, &bench->limits, &params->battery, &bench->battery, bench->time_s);
     const wheel_order_t order = {
@@ -180,7 +180,7 @@ static void slow_step(bench_t *bench)
         .time_s = bench->time_s,
         .enable = bench->speed_prescribed || params->driver.enable > 0.5,
         .abs_active = !bench->speed_prescribed &&
-                      (params->driver.abs_active > 0.5 || bench->aids.anti_lock.at_work),
+                      (params->driver.abs_active > 0.5 || bench->abs_unit.anti_lock.at_work),
     };
     for (int k = 0; k < bench->wheels; k++) {
         wheel_slow(&bench->wheel[k], &bench->world, &order);

@@ -129,7 +129,7 @@ static hubsim_wheel_t wheel_now(const wheel_t *wheel, const external_wheel_t *ow
         .encoder_count = (int32_t)own->sampled.encoder.count,
     };
     for (int i = 0; i < 3; i++) {
-        out.phase_current_seen_a[i] =
+        out.phase_current_measured_a[i] =
             ((double)own->sampled.phase_current_code[i] - MIDDLE) * amperes_per_code;
     }
     return out;
@@ -147,7 +147,7 @@ int hubsim_external_read(hubsim_t *sim, hubsim_vehicle_t *vehicle, hubsim_wheel_
         .time_s = bench->time_s,
         .speed_m_per_s = bench->vehicle.speed_m_per_s,
         .bus_voltage_v = bench->bus.voltage_v,
-        .bus_voltage_seen_v =
+        .bus_voltage_measured_v =
             (double)sampled->bus_voltage_code * params->sensors.voltage_full_scale_v / CODES,
         .battery_voltage_v = bench->battery.terminal_v,
         .battery_current_a = bench->battery.current_a,
@@ -156,7 +156,7 @@ int hubsim_external_read(hubsim_t *sim, hubsim_vehicle_t *vehicle, hubsim_wheel_
         .charge_limit_a = bench->limits.sent.charge_a,
         .discharge_limit_a = bench->limits.sent.discharge_a,
         .enable = params->driver.enable > 0.5,
-        .anti_lock_at_work = params->driver.abs_active > 0.5 || bench->aids.anti_lock.at_work,
+        .anti_lock_at_work = params->driver.abs_active > 0.5 || bench->abs_unit.anti_lock.at_work,
     };
     *vehicle = out;
     for (int k = 0; k < bench->wheels; k++) {

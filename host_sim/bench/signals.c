@@ -37,12 +37,12 @@ typedef enum { VALUE, RATE } kind_t;
     X("bms.discharge_a", VALUE, "A", \
       "discharge limit sent to the controllers", b->limits.sent.discharge_a) \
     X("anti_lock.at_work", VALUE, "", \
-      "1: the anti-lock system has raised its flag", b->aids.anti_lock.at_work ? 1.0 : 0.0) \
+      "1: the anti-lock system has raised its flag", b->abs_unit.anti_lock.at_work ? 1.0 : 0.0) \
     X("anti_lock.failed", VALUE, "", \
       "1: switched itself off, a wheel's sensor shows zero", \
-      b->aids.anti_lock.failed ? 1.0 : 0.0) \
+      b->abs_unit.anti_lock.failed ? 1.0 : 0.0) \
     X("anti_lock.reference_m_per_s", VALUE, "m/s", \
-      "of the vehicle, as the system takes it", b->aids.anti_lock.reference_m_per_s) \
+      "of the vehicle, as the system takes it", b->abs_unit.anti_lock.reference_m_per_s) \
     X("battery.chemical_w", RATE, "W", \
       "power drawn from the cells, mean over the row", b->booked.chemical_j) \
     X("battery.loss_w", RATE, "W", \

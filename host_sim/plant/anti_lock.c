@@ -5,11 +5,10 @@
 
 #include "plant/numbers.h"
 
-static const double RIM_FILTER_S = 0.015; /* teeth make steps of a rim's speed */
-/* From locked on ice (mu 0.05) a wheel of any vehicle is back within this; a silence that lasts
- * longer is the sensor's. */
-static const double SILENCE_S = 2.0;
-/* A rim that gains less does not come back soon: its brake is let go on. */
+static const double RIM_FILTER_S = 0.015; /* the teeth of the ring make steps of the speed */
+/* A wheel locked on ice (mu 0.05) turns again within this time; a longer zero is the sensor's. */
+static const double ZERO_SPEED_TIME_S = 2.0;
+/* Below this acceleration of the rim its pressure is reduced further. */
 static const double RECOVERING_M_PER_S2 = 2.0;
 static const double RUNNING_M_PER_S = 3.0; /* every ring gives pulses here */
 
@@ -26,52 +25,52 @@ const char *anti_lock_objection(const anti_lock_params_t *params)
     return NULL;
 }
 
-static double fastest(const anti_lock_sight_t *sight)
+static double fastest(const anti_lock_input_t *in)
 {
     double out = 0.0;
-    for (int k = 0; k < sight->wheels; k++) {
-        out = plant_max(out, sight->rim_m_per_s[k]);
+    for (int k = 0; k < in->wheels; k++) {
+        out = plant_max(out, in->rim_m_per_s[k]);
     }
     return out;
 }
 
-/* Without brakes wheels can only be too fast. */
-static double slowest(const anti_lock_sight_t *sight)
+/* The reference without braking, when wheels can only spin too fast. */
+static double slowest(const anti_lock_input_t *in)
 {
-    double out = fastest(sight);
-    for (int k = 0; k < sight->wheels; k++) {
-        out = plant_min(out, sight->rim_m_per_s[k]);
+    double out = fastest(in);
+    for (int k = 0; k < in->wheels; k++) {
+        out = plant_min(out, in->rim_m_per_s[k]);
     }
     return out;
 }
 
-static void refer(const anti_lock_params_t *params, anti_lock_t *state,
-                  const anti_lock_sight_t *sight, double step_s)
+static void update_reference(const anti_lock_params_t *params, anti_lock_t *state,
+                             const anti_lock_input_t *in, double step_s)
 {
-    if (!sight->brakes) {
-        state->reference_m_per_s = slowest(sight);
+    if (!in->brakes) {
+        state->reference_m_per_s = slowest(in);
         return;
     }
-    const double fallen = state->reference_m_per_s +
-                          (sight->acceleration_m_per_s2 - params->margin_m_per_s2) * step_s;
-    state->reference_m_per_s = plant_max(plant_max(fastest(sight), fallen), 0.0);
+    const double fallen =
+        state->reference_m_per_s + (in->acceleration_m_per_s2 - params->margin_m_per_s2) * step_s;
+    state->reference_m_per_s = plant_max(plant_max(fastest(in), fallen), 0.0);
 }
 
-static void look(anti_lock_t *state, const anti_lock_sight_t *sight, double step_s)
+static void sample_speeds(anti_lock_t *state, const anti_lock_input_t *in, double step_s)
 {
-    for (int k = 0; k < sight->wheels; k++) {
+    for (int k = 0; k < in->wheels; k++) {
         anti_lock_wheel_t *w = &state->wheel[k];
-        const double rate = (sight->rim_m_per_s[k] - w->rim_m_per_s) / step_s;
+        const double rate = (in->rim_m_per_s[k] - w->rim_m_per_s) / step_s;
         w->rim_m_per_s2 += (rate - w->rim_m_per_s2) * plant_min(step_s / RIM_FILTER_S, 1.0);
-        w->rim_m_per_s = sight->rim_m_per_s[k];
-        const bool silent = sight->rim_m_per_s[k] <= 0.0 && fastest(sight) > RUNNING_M_PER_S;
+        w->rim_m_per_s = in->rim_m_per_s[k];
+        const bool silent = in->rim_m_per_s[k] <= 0.0 && fastest(in) > RUNNING_M_PER_S;
         w->silent_s = silent ? w->silent_s + step_s : 0.0;
-        state->failed = state->failed || w->silent_s > SILENCE_S;
+        state->failed = state->failed || w->silent_s > ZERO_SPEED_TIME_S;
     }
 }
 
-static hydraulic_valve_t decide(const anti_lock_params_t *params, const anti_lock_t *state,
-                                const anti_lock_wheel_t *w)
+static hydraulic_valve_t valve_for(const anti_lock_params_t *params, const anti_lock_t *state,
+                                   const anti_lock_wheel_t *w)
 {
     const double slip = 1.0 - w->rim_m_per_s / state->reference_m_per_s;
     if (slip > params->slip_dump && w->rim_m_per_s2 < RECOVERING_M_PER_S2) {
@@ -83,7 +82,7 @@ static hydraulic_valve_t decide(const anti_lock_params_t *params, const anti_loc
     return state->at_work ? HYDRAULIC_VALVE_BUILD : HYDRAULIC_VALVE_OPEN;
 }
 
-static void leave_alone(anti_lock_t *state, int wheels)
+static void open_all(anti_lock_t *state, int wheels)
 {
     for (int k = 0; k < wheels; k++) {
         state->wheel[k].valve = HYDRAULIC_VALVE_OPEN;
@@ -91,27 +90,28 @@ static void leave_alone(anti_lock_t *state, int wheels)
 }
 
 void anti_lock_step(const anti_lock_params_t *params, anti_lock_t *state,
-                    const anti_lock_sight_t *sight, double step_s)
+                    const anti_lock_input_t *in, double step_s)
 {
-    look(state, sight, step_s);
-    refer(params, state, sight, step_s);
-    const bool may_work = params->active > 0.5 && !state->failed && sight->brakes &&
+    sample_speeds(state, in, step_s);
+    update_reference(params, state, in, step_s);
+    const bool may_work = params->active > 0.5 && !state->failed && in->brakes &&
                           state->reference_m_per_s > params->lowest_speed_m_per_s;
-    bool helps = false;
+    bool intervenes = false;
     if (may_work) {
-        for (int k = 0; k < sight->wheels; k++) {
+        for (int k = 0; k < in->wheels; k++) {
             anti_lock_wheel_t *w = &state->wheel[k];
-            w->valve = decide(params, state, w);
+            w->valve = valve_for(params, state, w);
             state->at_work = state->at_work || w->valve == HYDRAULIC_VALVE_DUMP;
         }
-        for (int k = 0; k < sight->wheels; k++) {
-            helps = helps || state->wheel[k].valve == HYDRAULIC_VALVE_DUMP || sight->wanting[k];
+        for (int k = 0; k < in->wheels; k++) {
+            intervenes =
+                intervenes || state->wheel[k].valve == HYDRAULIC_VALVE_DUMP || in->below_command[k];
         }
     } else {
-        leave_alone(state, sight->wheels);
+        open_all(state, in->wheels);
     }
-    state->quiet_s = helps ? 0.0 : state->quiet_s + step_s;
-    if (state->failed || !sight->brakes || state->quiet_s > params->release_s) {
+    state->quiet_s = intervenes ? 0.0 : state->quiet_s + step_s;
+    if (state->failed || !in->brakes || state->quiet_s > params->release_s) {
         state->at_work = false;
     }
 }

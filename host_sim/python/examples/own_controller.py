@@ -123,8 +123,8 @@ def with_own(config: hubsim.Configuration) -> Stop:
             share = min(1.0, max(0.0, speed / BLEND_OUT_RAD_S))
             electric = share * min(now.brake_demand_nm, most)
             duty = foc.step(
-                now.phase_current_seen_a[0].tolist(), float(now.rotor_turn[0]),
-                motor.pole_pairs * speed, now.bus_voltage_seen_v,
+                now.phase_current_measured_a[0].tolist(), float(now.rotor_turn[0]),
+                motor.pole_pairs * speed, now.bus_voltage_measured_v,
                 foc.quadrature_current_a(-electric),
             )  # fmt: skip
             now = plant.step(duty, hydraulic_nm=now.brake_demand_nm - electric)

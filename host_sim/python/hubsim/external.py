@@ -61,9 +61,9 @@ class Measurement:
         return float(self._vehicle["bus_voltage_v"])
 
     @property
-    def bus_voltage_seen_v(self) -> float:
+    def bus_voltage_measured_v(self) -> float:
         """The same as its converter shows it, V."""
-        return float(self._vehicle["bus_voltage_seen_v"])
+        return float(self._vehicle["bus_voltage_measured_v"])
 
     @property
     def battery_voltage_v(self) -> float:
@@ -111,9 +111,9 @@ class Measurement:
         return self._of("phase_current_a")
 
     @property
-    def phase_current_seen_a(self) -> Floats:
+    def phase_current_measured_a(self) -> Floats:
         """The same as the converters show them, A, shape (wheels, 3)."""
-        return self._of("phase_current_seen_a")
+        return self._of("phase_current_measured_a")
 
     @property
     def rotor_turn(self) -> Floats:

@@ -34,7 +34,7 @@ typedef struct {
     int32_t diode_steps;
     uint16_t window_quarters,
         window_periods;    /* beginning of the window: transition count and period */
-    bool overvoltage_seen; /* already used for the bound */
+    bool overvoltage_used; /* this overvoltage has already raised the bound */
 } monitor_speed_state_t;
 
 enum { MONITOR_SPEED_UNKNOWN = -1 };

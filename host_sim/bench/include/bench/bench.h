@@ -18,7 +18,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "bench/aids.h"
+#include "bench/abs_unit.h"
 #include "bench/ledger.h"
 #include "bench/motion.h"
 #include "bench/parameters.h"
@@ -47,7 +47,7 @@ typedef struct {
     bms_state_t limits;
     vehicle_state_t vehicle;
     chassis_state_t chassis;
-    aids_t aids;
+    abs_unit_t abs_unit;
     driver_state_t driver;
     driver_demand_t demand;
     double demand_age_s;     /* of the message the controllers have */

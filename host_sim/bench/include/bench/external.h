@@ -30,32 +30,32 @@ typedef struct {
 
 /* One wheel at the top of the count, the boundary of two PWM periods. */
 typedef struct {
-    double phase_current_a[3];      /* A, in the wires */
-    double phase_current_seen_a[3]; /* A, as the converters of the current sensors show it */
-    double rotor_turn;              /* electrical, 0 <= angle < 1 */
-    double speed_rad_s;             /* mechanical */
-    double motor_torque_nm;         /* N m, airgap */
-    double hydraulic_torque_nm;     /* N m, what the brake can hold now, >= 0 */
-    double winding_temperature_c;   /* degC */
-    double switch_temperature_c;    /* degC */
-    int32_t hall_state;             /* bit 0 = A, 1 = B, 2 = C */
-    int32_t encoder_count;          /* 0 without an encoder */
+    double phase_current_a[3];          /* A, in the wires */
+    double phase_current_measured_a[3]; /* A, as the converters of the current sensors show it */
+    double rotor_turn;                  /* electrical, 0 <= angle < 1 */
+    double speed_rad_s;                 /* mechanical */
+    double motor_torque_nm;             /* N m, airgap */
+    double hydraulic_torque_nm;         /* N m, what the brake can hold now, >= 0 */
+    double winding_temperature_c;       /* degC */
+    double switch_temperature_c;        /* degC */
+    int32_t hall_state;                 /* bit 0 = A, 1 = B, 2 = C */
+    int32_t encoder_count;              /* 0 without an encoder */
 } hubsim_wheel_t;
 
 /* The vehicle at that instant. */
 typedef struct {
-    double time_s;             /* since the start of the run */
-    double speed_m_per_s;      /* positive forward */
-    double bus_voltage_v;      /* V, at the bridges */
-    double bus_voltage_seen_v; /* V, as the converter shows it */
-    double battery_voltage_v;  /* V, at the terminals, mean of the last period */
-    double battery_current_a;  /* A, positive out of the pack, mean of the last period */
-    double drive_demand_nm;    /* N m a wheel, from the driver's pedal */
-    double brake_demand_nm;    /* N m a wheel, >= 0 */
-    double charge_limit_a;     /* A, what the battery management allows into the pack */
-    double discharge_limit_a;  /* A, and out of it */
-    int32_t enable;            /* the driver's switch */
-    int32_t anti_lock_at_work; /* motors are asked to make no torque */
+    double time_s;                 /* since the start of the run */
+    double speed_m_per_s;          /* positive forward */
+    double bus_voltage_v;          /* V, at the bridges */
+    double bus_voltage_measured_v; /* V, as the converter shows it */
+    double battery_voltage_v;      /* V, at the terminals, mean of the last period */
+    double battery_current_a;      /* A, positive out of the pack, mean of the last period */
+    double drive_demand_nm;        /* N m a wheel, from the driver's pedal */
+    double brake_demand_nm;        /* N m a wheel, >= 0 */
+    double charge_limit_a;         /* A, what the battery management allows into the pack */
+    double discharge_limit_a;      /* A, and out of it */
+    int32_t enable;                /* the driver's switch */
+    int32_t anti_lock_at_work;     /* motors are asked to make no torque */
 } hubsim_vehicle_t;
 
 /*

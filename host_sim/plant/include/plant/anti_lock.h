@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * anti_lock.h: the vehicle's anti-lock system: it sees wheel speeds, works the hydraulic brakes'
- * valves and raises a flag.
+ * anti_lock.h: the vehicle's anti-lock system: from wheel speeds and acceleration to the valves of
+ * the hydraulic brakes and the flag "anti-lock active".
  *
- * Reference: how fast the vehicle is, as far as wheels and an accelerometer can tell,
+ * Reference speed of the vehicle from the wheel speeds and an accelerometer:
  *
  *     v = max(fastest rim, v + (a - margin) dt)        slip = (v - rim) / v
  *
- * so that four wheels that lock at the same time do not pass for a vehicle that stops. Each wheel
- * for itself: above slip_dump and still getting slower its pressure is let go; above slip_hold, or
- * with a rim that falls faster than any vehicle could, it is kept; else it rises, slowly once the
- * system has been at work. With thresholds on both sides of the slip at which the tyre's force is
- * greatest the wheel goes round about that slip. The flag is up from the first valve that releases
- * until every wheel has reached its command for release_s. Below lowest_speed_m_per_s the system
- * leaves the brakes alone: a wheel may stop there. A wheel whose sensor shows zero for as long as
- * no road explains has lost its sensor: the system switches itself off for good.
+ * The second term keeps it up when all wheels lock at the same time. Each wheel is controlled by
+ * itself. Above slip_dump, while the rim decelerates, its pressure is reduced. Above slip_hold, or
+ * with a rim deceleration above that of any vehicle, it is held. Otherwise it is built up, at a
+ * limited rate while the flag is set. With thresholds on both sides of the slip of largest tyre
+ * force the wheel oscillates about that slip. The flag is set from the first reduction until every
+ * brake has followed its command for release_s. Below lowest_speed_m_per_s all valves are open: a
+ * wheel may stop there. A wheel sensor that shows zero for longer than a locked wheel can has
+ * failed: the system switches off for the rest of the run.
  *
  * Source: Robert Bosch GmbH, "Brakes, Brake Control and Driver Assistance Systems", Springer 2014,
  * chapters on ABS (build, hold, reduce; thresholds of slip and rim acceleration; reference speed).
@@ -31,19 +31,19 @@
 #define ANTI_LOCK_PARAMETERS(X) \
     X(active,                     0.0, 1.0,  "", \
       "1: the vehicle has the system, 0: wheels lock where the road allows it") \
-    X(slip_hold,                  0.0, 1.0,  "1",     "slip from which pressure is kept") \
+    X(slip_hold,                  0.0, 1.0,  "1",     "slip from which pressure is held") \
     X(slip_dump,                  0.0, 1.0,  "1", \
-      "slip from which pressure is let go; at or above slip_hold") \
+      "slip from which pressure is reduced; at or above slip_hold") \
     X(rim_deceleration_m_per_s2,  0.0, 1e3,  "m/s2", \
-      "fall of a rim's speed from which pressure is kept whatever the slip") \
+      "fall of a rim's speed from which pressure is held at any slip") \
     X(build_rate_nm_per_s,        1.0, 1e6,  "N m/s", \
-      "rise of a brake's torque while the system is at work") \
-    X(dump_rate_nm_per_s,         1.0, 1e6,  "N m/s", "fall of it while pressure is let go") \
+      "rise of a brake's torque while the flag is set") \
+    X(dump_rate_nm_per_s,         1.0, 1e6,  "N m/s", "fall of it while pressure is reduced") \
     X(margin_m_per_s2,            0.0, 100.0, "m/s2", \
-      "the reference may fall by so much more than the accelerometer says") \
-    X(lowest_speed_m_per_s,       0.0, 100.0, "m/s",  "below, the brakes are left alone") \
+      "largest fall of the reference above the measured deceleration") \
+    X(lowest_speed_m_per_s,       0.0, 100.0, "m/s",  "below, all valves are open") \
     X(release_s,                  0.0, 10.0, "s", \
-      "the flag stays up so long after the last help")
+      "the flag stays set this long after the last intervention")
 /* clang-format on */
 
 enum { ANTI_LOCK_WHEELS_MAX = 16 };
@@ -67,20 +67,19 @@ typedef struct {
     bool failed;  /* has switched itself off */
 } anti_lock_t;
 
-/* What the system sees. */
 typedef struct {
     const double *rim_m_per_s; /* magnitude, of each wheel's sensor */
-    const bool *wanting;       /* of each wheel: its brake has not reached its command yet */
+    const bool *below_command; /* of each wheel: the brake's torque is below its command */
     int wheels;
     double acceleration_m_per_s2; /* of the body, in the direction of travel */
-    bool brakes;                  /* the driver does */
-} anti_lock_sight_t;
+    bool brakes;                  /* the driver brakes */
+} anti_lock_input_t;
 
-/* Why these parameters make no system, in one line; NULL: they do, or it is not active. */
+/* Why the parameters are refused, in one line; NULL if they are accepted or the system is off. */
 const char *anti_lock_objection(const anti_lock_params_t *params);
 
-/* Once a millisecond or so; valves and flag are in the state. */
+/* About 1 kHz; valves and flag are in the state. */
 void anti_lock_step(const anti_lock_params_t *params, anti_lock_t *state,
-                    const anti_lock_sight_t *sight, double step_s);
+                    const anti_lock_input_t *in, double step_s);
 
 #endif

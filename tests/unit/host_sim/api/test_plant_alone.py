@@ -16,7 +16,7 @@ def plant(config: hubsim.Configuration) -> hubsim.Plant:
 
 def test_a_measurement_has_a_row_for_each_wheel(plant: hubsim.Plant) -> None:
     now = plant.measure()
-    assert now.phase_current_a.shape == now.phase_current_seen_a.shape == (4, 3)
+    assert now.phase_current_a.shape == now.phase_current_measured_a.shape == (4, 3)
     for values in (now.rotor_turn, now.speed_rad_s, now.motor_torque_nm, now.hall_state):
         assert values.shape == (4,)
     assert now.time_s == 0.0

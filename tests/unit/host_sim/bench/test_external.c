@@ -197,15 +197,15 @@ void test_sensors_show_the_currents_as_their_converters_do(void)
     const sensors_params_t *sensors = &outside->bench.params.sensors;
     const double step_a = 2.0 * sensors->current_full_scale_a / exp2(sensors->adc_bits);
     for (int i = 0; i < 3; i++) {
-        const double error_a = wheels[0].phase_current_seen_a[i] - wheels[0].phase_current_a[i];
+        const double error_a = wheels[0].phase_current_measured_a[i] - wheels[0].phase_current_a[i];
         TEST_ASSERT_DOUBLE_WITHIN(step_a + 6.0 * sensors->current_noise_a +
                                       fabs(sensors->current_offset_a),
                                   0.0, error_a);
-        const double codes = wheels[0].phase_current_seen_a[i] / step_a;
+        const double codes = wheels[0].phase_current_measured_a[i] / step_a;
         TEST_ASSERT_DOUBLE_WITHIN(1e-9, round(codes), codes);
     }
     TEST_ASSERT_TRUE(fabs(wheels[0].phase_current_a[0]) > 1.0);
-    TEST_ASSERT_DOUBLE_WITHIN(0.5, vehicle.bus_voltage_v, vehicle.bus_voltage_seen_v);
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, vehicle.bus_voltage_v, vehicle.bus_voltage_measured_v);
 }
 
 void test_calls_out_of_order_and_commands_that_are_none_are_refused_in_words(void)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The anti-lock system by itself: reference, valves, flag, and a sensor that shows zero. */
+/* The anti-lock system alone: reference speed, valves, flag, and a failed speed sensor. */
 #include "plant/anti_lock.h"
 
 #include <math.h>
@@ -11,8 +11,8 @@ static const double STEP_S = 1e-3;
 static anti_lock_params_t params;
 static anti_lock_t state;
 static double rim[4];
-static bool wanting[4];
-static anti_lock_sight_t sight;
+static bool below_command[4];
+static anti_lock_input_t in;
 
 void setUp(void)
 {
@@ -26,17 +26,17 @@ void setUp(void)
                                       .lowest_speed_m_per_s = 1.5,
                                       .release_s = 0.2};
     const anti_lock_t fresh = {.at_work = false};
-    const anti_lock_sight_t brakes = {.rim_m_per_s = rim,
-                                      .wanting = wanting,
+    const anti_lock_input_t brakes = {.rim_m_per_s = rim,
+                                      .below_command = below_command,
                                       .wheels = 4,
                                       .acceleration_m_per_s2 = 0.0,
                                       .brakes = true};
     params = usual;
     state = fresh;
-    sight = brakes;
+    in = brakes;
     for (int k = 0; k < 4; k++) {
         rim[k] = 10.0;
-        wanting[k] = false;
+        below_command[k] = false;
         state.wheel[k].rim_m_per_s = 10.0;
     }
 }
@@ -46,11 +46,11 @@ void tearDown(void) {}
 static void run(double duration_s)
 {
     for (int k = 0; k < (int)lround(duration_s / STEP_S); k++) {
-        anti_lock_step(&params, &state, &sight, STEP_S);
+        anti_lock_step(&params, &state, &in, STEP_S);
     }
 }
 
-/* A wheel brought to another speed slowly enough to be nothing but slip. */
+/* Changes the speed of a wheel slowly, so that only the slip threshold acts. */
 static void bring(int wheel, double to_m_per_s)
 {
     const double from = rim[wheel];
@@ -60,7 +60,7 @@ static void bring(int wheel, double to_m_per_s)
     }
 }
 
-void test_wheels_that_roll_are_left_alone(void)
+void test_valves_are_open_for_rolling_wheels(void)
 {
     run(1.0);
     for (int k = 0; k < 4; k++) {
@@ -70,7 +70,7 @@ void test_wheels_that_roll_are_left_alone(void)
     TEST_ASSERT_EQUAL_DOUBLE(10.0, state.reference_m_per_s);
 }
 
-void test_slip_decides_for_each_wheel_by_itself(void)
+void test_slip_thresholds_act_on_each_wheel_by_itself(void)
 {
     bring(2, 9.2); /* 8 % */
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_HOLD, state.wheel[2].valve);
@@ -83,7 +83,7 @@ void test_slip_decides_for_each_wheel_by_itself(void)
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_BUILD, state.wheel[3].valve);
 }
 
-void test_a_wheel_on_its_way_back_keeps_what_pressure_it_has(void)
+void test_pressure_of_an_accelerating_wheel_is_held(void)
 {
     bring(1, 8.0);
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_DUMP, state.wheel[1].valve);
@@ -95,7 +95,7 @@ void test_a_wheel_on_its_way_back_keeps_what_pressure_it_has(void)
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_HOLD, state.wheel[1].valve);
 }
 
-void test_a_rim_that_falls_faster_than_any_vehicle_is_held_before_it_slips(void)
+void test_pressure_is_held_at_high_rim_deceleration_before_the_slip_threshold(void)
 {
     for (int k = 0; k < 15; k++) {
         rim[0] -= 30.0 * STEP_S; /* 0.45 m/s: 4.5 % */
@@ -104,9 +104,9 @@ void test_a_rim_that_falls_faster_than_any_vehicle_is_held_before_it_slips(void)
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_HOLD, state.wheel[0].valve);
 }
 
-void test_four_wheels_that_lock_together_do_not_pass_for_a_vehicle_that_stops(void)
+void test_reference_stays_up_when_all_wheels_lock(void)
 {
-    sight.acceleration_m_per_s2 = -1.0;
+    in.acceleration_m_per_s2 = -1.0;
     run(0.01);
     for (int k = 0; k < 4; k++) {
         rim[k] = 4.0;
@@ -119,23 +119,23 @@ void test_four_wheels_that_lock_together_do_not_pass_for_a_vehicle_that_stops(vo
     }
 }
 
-void test_a_wheel_that_spins_up_under_the_motor_calls_nobody(void)
+void test_wheel_spin_does_not_activate_anti_lock(void)
 {
-    sight.brakes = false;
+    in.brakes = false;
     bring(0, 20.0);
     TEST_ASSERT_EQUAL_DOUBLE(10.0, state.reference_m_per_s);
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_OPEN, state.wheel[1].valve);
     TEST_ASSERT_FALSE(state.at_work);
 }
 
-void test_the_flag_falls_when_every_wheel_has_had_what_it_was_told_for_a_while(void)
+void test_flag_is_cleared_after_every_brake_has_followed_its_command_for_release_s(void)
 {
     bring(2, 8.5);
     rim[2] = 10.0;
-    wanting[2] = true;
+    below_command[2] = true;
     run(1.0);
     TEST_ASSERT_TRUE(state.at_work);
-    wanting[2] = false;
+    below_command[2] = false;
     run(0.19);
     TEST_ASSERT_TRUE(state.at_work);
     run(0.02);
@@ -143,17 +143,17 @@ void test_the_flag_falls_when_every_wheel_has_had_what_it_was_told_for_a_while(v
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_OPEN, state.wheel[0].valve);
 }
 
-void test_the_flag_falls_with_the_pedal(void)
+void test_flag_is_cleared_when_the_driver_stops_braking(void)
 {
     bring(2, 8.5);
     TEST_ASSERT_TRUE(state.at_work);
-    sight.brakes = false;
+    in.brakes = false;
     run(STEP_S);
     TEST_ASSERT_FALSE(state.at_work);
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_OPEN, state.wheel[2].valve);
 }
 
-void test_a_slow_vehicle_may_lock_its_wheels(void)
+void test_valves_are_open_below_lowest_speed(void)
 {
     for (int k = 0; k < 4; k++) {
         bring(k, 1.4);
@@ -164,7 +164,7 @@ void test_a_slow_vehicle_may_lock_its_wheels(void)
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_OPEN, state.wheel[3].valve);
 }
 
-void test_a_wheel_that_shows_nothing_for_too_long_switches_the_system_off_for_good(void)
+void test_wheel_sensor_at_zero_for_too_long_switches_anti_lock_off(void)
 {
     rim[1] = 0.0;
     run(1.9);
@@ -181,7 +181,7 @@ void test_a_wheel_that_shows_nothing_for_too_long_switches_the_system_off_for_go
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_OPEN, state.wheel[0].valve);
 }
 
-void test_switched_off_it_does_nothing(void)
+void test_valves_stay_open_with_anti_lock_off(void)
 {
     params.active = 0.0;
     bring(0, 2.0);
@@ -189,7 +189,7 @@ void test_switched_off_it_does_nothing(void)
     TEST_ASSERT_FALSE(state.at_work);
 }
 
-void test_thresholds_that_cannot_be_are_named(void)
+void test_impossible_thresholds_are_refused_with_their_key(void)
 {
     TEST_ASSERT_NULL(anti_lock_objection(&params));
     params.slip_dump = 0.05;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sensors that fail and the anti-lock system, on the vehicle with its controllers. */
-#include "bench/aids.h"
+/* Sensor failures and the anti-lock system, on the vehicle with its controllers. */
+#include "bench/abs_unit.h"
 
 #include <math.h>
 
@@ -37,14 +37,14 @@ static double mean_brake_nm(const bench_t *bench)
     return out;
 }
 
-void test_a_broken_winding_sensor_takes_that_motor_away_and_the_hydraulic_brake_its_place(void)
+void test_hydraulic_brake_replaces_a_motor_with_a_broken_winding_sensor(void)
 {
-    for (int way = 0; way < 2; way++) {
+    for (int k = 0; k < 2; k++) {
         bench_t *bench = fixture_start(&params, &config);
         fixture_run(bench, 0.5);
         TEST_ASSERT_DOUBLE_WITHIN(1.0, 40.0, mean_brake_nm(bench));
-        bench->params.wheel[1].winding_sensor_open = way == 0 ? 1.0 : 0.0;
-        bench->params.wheel[1].winding_sensor_shorted = way == 0 ? 0.0 : 1.0;
+        bench->params.wheel[1].winding_sensor_open = k == 0 ? 1.0 : 0.0;
+        bench->params.wheel[1].winding_sensor_shorted = k == 0 ? 0.0 : 1.0;
         bench_refresh(bench);
         fixture_run(bench, 0.6);
         TEST_ASSERT_EQUAL_INT(REASON_WINDING_SENSOR, bench->wheel[1].first_fault);
@@ -55,7 +55,7 @@ void test_a_broken_winding_sensor_takes_that_motor_away_and_the_hydraulic_brake_
     }
 }
 
-void test_a_sensor_that_reads_too_hot_derates_a_cold_motor_and_the_demand_is_kept(void)
+void test_sensor_that_reads_too_hot_derates_the_motor_at_the_same_total_torque(void)
 {
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 0.5);
@@ -73,7 +73,7 @@ void test_a_sensor_that_reads_too_hot_derates_a_cold_motor_and_the_demand_is_kep
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 40.0, mean_brake_nm(bench));
 }
 
-void test_a_late_sensor_lets_a_winding_overshoot_by_its_lag(void)
+void test_winding_overshoots_its_limit_by_the_lag_of_the_sensor(void)
 {
     params.thermal.active = 1.0;
     params.thermal.winding_heat_capacity_j_per_k = 20.0;
@@ -82,8 +82,8 @@ void test_a_late_sensor_lets_a_winding_overshoot_by_its_lag(void)
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 2.0);
     const wheel_t *wheel = &bench->wheel[0];
-    /* Heat is steady, so the temperature is a ramp of P / C and the sensor lags behind by lag times
-     * that. */
+    /* Constant power: the temperature is a ramp of P / C, and the sensor's error is its lag times
+     * P / C. */
     const double slope_k_per_s = wheel->totals.copper_j / bench->time_s / 20.0;
     TEST_ASSERT_TRUE(slope_k_per_s > 3.0);
     TEST_ASSERT_DOUBLE_WITHIN(0.3 * slope_k_per_s, 0.5 * slope_k_per_s,
@@ -101,7 +101,7 @@ static void brake_on_ice(double active)
     params.anti_lock.active = active;
 }
 
-void test_on_ice_the_anti_lock_system_keeps_wheels_turning_and_stops_shorter_than_locked_ones(void)
+void test_anti_lock_on_ice_keeps_wheels_turning_and_shortens_the_stop(void)
 {
     double way_m[2];
     for (int active = 0; active < 2; active++) {
@@ -125,25 +125,26 @@ void test_on_ice_the_anti_lock_system_keeps_wheels_turning_and_stops_shorter_tha
         }
         way_m[active] = bench->vehicle.distance_m;
         TEST_ASSERT_TRUE(active == 1 ? slowest_share > 0.6 : slowest_share <= 0.0);
-        TEST_ASSERT_TRUE(active == 0 || torque_nm < 1.0); /* the flag has sent the motors away */
+        TEST_ASSERT_TRUE(active == 0 ||
+                         torque_nm < 1.0); /* the flag sets the motor torque to zero */
         TEST_ASSERT_TRUE(residual(bench) < 1e-6);
     }
     TEST_ASSERT_TRUE(way_m[1] < 0.97 * way_m[0]);
 }
 
-void test_on_dry_road_the_system_is_never_at_work(void)
+void test_anti_lock_is_never_active_on_dry_road(void)
 {
     brake_on_ice(1.0);
     params.road.friction = 1.0;
     bench_t *bench = fixture_start(&params, &config);
     for (int k = 0; k < 40000; k++) {
         bench_period(bench);
-        TEST_ASSERT_FALSE(bench->aids.anti_lock.at_work);
+        TEST_ASSERT_FALSE(bench->abs_unit.anti_lock.at_work);
     }
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 80.0, mean_brake_nm(bench));
 }
 
-void test_a_dead_wheel_sensor_switches_the_system_off_and_all_brakes_come_back(void)
+void test_dead_wheel_sensor_switches_anti_lock_off_and_all_brakes_act(void)
 {
     brake_on_ice(1.0);
     params.road.friction = 1.0;
@@ -154,10 +155,10 @@ void test_a_dead_wheel_sensor_switches_the_system_off_and_all_brakes_come_back(v
     bench->params.wheel[2].speed_sensor_dead = 1.0;
     bench_refresh(bench);
     fixture_run(bench, 0.5);
-    TEST_ASSERT_TRUE(bench->aids.anti_lock.at_work); /* it takes the wheel for locked */
+    TEST_ASSERT_TRUE(bench->abs_unit.anti_lock.at_work); /* the wheel counts as locked */
     TEST_ASSERT_TRUE(bench->wheel[2].brake_capacity_nm < 1.0);
     fixture_run(bench, 2.7);
-    TEST_ASSERT_TRUE(bench->aids.anti_lock.failed);
-    TEST_ASSERT_FALSE(bench->aids.anti_lock.at_work);
+    TEST_ASSERT_TRUE(bench->abs_unit.anti_lock.failed);
+    TEST_ASSERT_FALSE(bench->abs_unit.anti_lock.at_work);
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 50.0, mean_brake_nm(bench));
 }
