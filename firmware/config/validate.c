@@ -197,6 +197,11 @@ static bool overcurrent_can_be_seen(const config_monitor_t *monitor)
     return monitor->overcurrent_pu_q15 <= (2047 - monitor->offset_tolerance_codes) * 16;
 }
 
+static int32_t square_q15(int32_t x_q15)
+{
+    return (x_q15 * x_q15) >> 15;
+}
+
 /* At every stored i_d a quarter of the magnets' flux is left to make torque with, see
  * motor_model.h. */
 static bool flux_left_everywhere(const config_t *c)
@@ -268,6 +273,8 @@ static config_result_t check_relations(const config_t *c)
          "battery.overvoltage_trip_mV < drive.voltage_full_scale_mV less one code"},
         {c->brake.blend_out_end_mrad_s <= c->brake.blend_out_start_mrad_s,
          "brake.blend_out_end_mrad_s <= brake.blend_out_start_mrad_s"},
+        {c->brake.torque_growth_end_q15 > square_q15(c->current_loop.modulation_target_pu_q15),
+         "brake.torque_growth_end_q15 > square of current_loop.modulation_target_pu_q15"},
         {c->brake.stop_lamp_off_mm_s2 <= c->brake.stop_lamp_on_mm_s2,
          "brake.stop_lamp_off_mm_s2 <= brake.stop_lamp_on_mm_s2"},
         {c->monitor.coasting_mm_s2 <= c->monitor.tyre_grip_mm_s2,

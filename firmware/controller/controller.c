@@ -3,16 +3,7 @@
 
 #include "config/bases.h"
 #include "core/q15.h"
-#include "foc/modulation_index.h"
 #include "monitor/monitor_fast.h"
-
-/* The bounds keep 0.8 % below the index at which the fast loop begins to weaken the field, which
- * then only trims. Near i_d = -psi/L_d more weakening does not lower the voltage of a torque: a
- * trim that begins at a bound drifts on to the current circle and gives less torque than commanded
- * (ipm400v, 120 degC, 4600 r/min: 2.2 % less without the reserve). */
-enum {
-    SLOW_MODULATION_INDEX_Q15 = MODULATION_INDEX_TARGET_Q15 - (MODULATION_INDEX_TARGET_Q15 >> 7)
-};
 
 /* Until the first sample nothing is known: the middle of the battery's range. */
 static int32_t nominal_v_dc_pu(const config_t *config)
@@ -176,8 +167,11 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
                                    int32_t bus_mV, const sampling_correction_t *sampling)
 {
     const dq_t mean_pu = sampling_correction_to_mean(sampling, slow->summary.latest.i_pu);
-    const int32_t commanded_mV =
-        phase_mV(SLOW_MODULATION_INDEX_Q15, slow->modulation_limit_q15, bus_mV);
+    /* With a reserve below the index at which the fast loop begins to weaken the field (README,
+     * Voltage reserve). */
+    const int32_t index_q15 = config->current_loop.modulation_target_pu_q15 -
+                              config->current_loop.modulation_reserve_pu_q15;
+    const int32_t commanded_mV = phase_mV(index_q15, slow->modulation_limit_q15, bus_mV);
     const torque_input_t torque_in = {
         .drive_torque_mNm = in->demand.drive_torque_mNm,
         .brake_torque_mNm = in->demand.brake_torque_mNm,

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * field_weakening.h: demagnetising d current at the voltage limit, driving and braking alike. An
- * integrator of the voltage margin: less margin than 3 % lowers i_d, more returns it to zero.
+ * integrator of the voltage margin: a voltage above current_loop.modulation_target lowers i_d, one
+ * below returns it to zero.
  * Every fourth PWM period, because the margin changes with the speed.
  */
 #ifndef FOC_FIELD_WEAKENING_H
@@ -19,10 +20,19 @@ static inline int32_t field_weakening_current_pu(const field_weakening_t *state)
     return state->current_q28 >> 13;
 }
 
-/* Remaining squared voltage, -1.06 .. 0.94. d: applied; q: unsaturated; modulation units. */
-static inline int32_t field_weakening_margin_q15(int32_t d, int32_t q)
+static inline void field_weakening_init(field_weakening_t *state, const config_t *config)
 {
-    return MODULATION_INDEX_TARGET_SQUARE_Q15 - modulation_index_square_q15(d, q);
+    const int32_t target_q15 = config->current_loop.modulation_target_pu_q15;
+    state->current_q28 = 0;
+    state->target_square_q15 = (target_q15 * target_q15 + (1 << 14)) >> 15;
+}
+
+/* Remaining squared voltage, below the target's: -1.75 .. 0.96. d: applied; q: unsaturated;
+ * modulation units. */
+static inline int32_t field_weakening_margin_q15(const field_weakening_t *state, int32_t d,
+                                                 int32_t q)
+{
+    return state->target_square_q15 - modulation_index_square_q15(d, q);
 }
 
 /* Four periods. gain_q15: current per unit of missing squared voltage and period, 0 .. 32 767; the

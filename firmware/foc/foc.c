@@ -40,8 +40,8 @@ void foc_current_step(foc_current_state_t *restrict state, const uint16_t *restr
 static void weaken_field(foc_state_t *state, const config_t *config)
 {
     const voltage_out_t *voltage = &state->period.voltage;
-    const int32_t margin_q15 =
-        field_weakening_margin_q15(q_pair_x(voltage->applied.v), voltage->unsaturated_q);
+    const int32_t margin_q15 = field_weakening_margin_q15(
+        &state->weakening, q_pair_x(voltage->applied.v), voltage->unsaturated_q);
     if (margin_q15 < 0) {
         current_controller_keep_reserve(&state->current.controller, voltage);
     }
@@ -152,6 +152,7 @@ void foc_init(foc_state_t *state, const config_t *config)
     state->current.modulation = modulation_init(config);
     reference_prefilter_init(&state->prefilter, config);
     current_predictor_init(&state->current.predictor, config);
+    field_weakening_init(&state->weakening, config);
     state->current_circle = circle_init(config->current_loop.max_current_pu_q15);
     sense_init(&state->current.sense);
     rotor_init(&state->rotor, config);

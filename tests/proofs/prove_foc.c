@@ -145,10 +145,11 @@ void prove_d_axis_reserve(void)
 void prove_field_weakening(void)
 {
     const int32_t most = any_within(0, 32767);
-    field_weakening_t state = {.current_q28 = nondet_int32()};
+    field_weakening_t state = {.current_q28 = nondet_int32(),
+                               .target_square_q15 = any_within(8192, 31469)};
     ASSUME(state.current_q28 <= 0 && state.current_q28 >= -most * 8192);
     const int32_t margin_q15 =
-        field_weakening_margin_q15(any_within(-32768, 32768), nondet_int32());
+        field_weakening_margin_q15(&state, any_within(-32768, 32768), nondet_int32());
     field_weakening_step(&state, margin_q15, any_within(0, 32767), most);
     PROMISE(field_weakening_current_pu(&state) <= 0);
     PROMISE(field_weakening_current_pu(&state) >= -most);

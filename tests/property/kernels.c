@@ -286,9 +286,10 @@ triple_t kernel_dead_time(kernel_dead_time_t dead_time, pair_t i)
 int32_t kernel_field_weakening(int32_t current_q28, pair_t wanted, int32_t gain_q15,
                                int32_t most_q15)
 {
-    field_weakening_t state = {.current_q28 = current_q28};
-    field_weakening_step(&state, field_weakening_margin_q15(q_saturate16(wanted.x), wanted.y),
-                         gain_q15, most_q15);
+    /* The index as generated, 0.9689. */
+    field_weakening_t state = {.current_q28 = current_q28, .target_square_q15 = 30760};
+    const int32_t margin_q15 = field_weakening_margin_q15(&state, q_saturate16(wanted.x), wanted.y);
+    field_weakening_step(&state, margin_q15, gain_q15, most_q15);
     return state.current_q28;
 }
 

@@ -16,7 +16,6 @@ from regen_table.schema import Drive
 
 MODULATION_MAX = 0.98
 FIELD_WEAKENING_BANDWIDTH_HZ = 30.0
-FIELD_WEAKENING_AIM = 0.97  # of the voltage circle, as in foc/modulation_index.h
 ROUNDING_COUNTS = 2  # as in foc/modulation.c
 SETTLING_S = 0.5e-6  # of a shunt amplifier after its low side begins to conduct
 DEAD_TIME_ZONE_MIN = 128.0 / 32768.0  # as in config.h
@@ -243,7 +242,7 @@ def current_loop(drive: Drive) -> dict[str, int]:
             f"what a sensor shows of inverter.current_full_scale_a = {base.current_a:g} A whose zero is off by "
             f"monitor.offset_tolerance_codes = {drive.monitor.offset_tolerance_codes}"
         )
-    limit = modulation_limit(drive)
+    limit, target = modulation_limit(drive), fixed(control.modulation_target, 15)
     return {
         "bandwidth_Hz": nearest(control.current_bandwidth_hz),
         "proportional_d_pu_q16": fixed(gains.proportional["d"], 16),
@@ -254,6 +253,10 @@ def current_loop(drive: Drive) -> dict[str, int]:
         "inductance_q_pu_q16": fixed(gains.inductance["q"], 16),
         "flux_pu_q16": fixed(gains.flux, 16),
         "modulation_limit_pu_q15": math.floor(limit * 32768),
+        "modulation_target_pu_q15": target,
+        "modulation_reserve_pu_q15": target // 128
+        if control.modulation_reserve is None
+        else fixed(control.modulation_reserve, 15),
         "max_current_pu_q15": fixed(largest, 15),
         "field_weakening_gain_pu_q15": fixed(field_weakening_gain(drive), 15),
         "field_weakening_current_pu_q15": fixed(
@@ -286,8 +289,8 @@ def field_weakening_gain(drive: Drive) -> float:
     """Per-unit demagnetising current added per PWM period and unit of missing squared voltage.
 
     Voltages u are shares of the circle's radius, limit v_dc / sqrt(3). The regulator integrates
-    aim^2 - u^2. In the steady state one ampere of i_d moves u by up to omega L_d sqrt(3) / (limit
-    v_dc) and its square by 2 aim times that, so the loop's bandwidth is the gain times f_pwm 2 aim
+    target^2 - u^2. In the steady state one ampere of i_d moves u by up to omega L_d sqrt(3) / (limit
+    v_dc) and its square by 2 target times that, so the loop's bandwidth is the gain times f_pwm 2 target
     omega L_d I_base sqrt(3) / (limit v_dc). It is set to 30 Hz at the largest speed and the lowest
     bus voltage, where it is fastest, well below the current loop's. Zero when field weakening is
     off.
@@ -298,7 +301,7 @@ def field_weakening_gain(drive: Drive) -> float:
     reactance = relations.omega_max(drive) * drive.motor.d_inductance_h
     slope = (
         2.0
-        * FIELD_WEAKENING_AIM
+        * drive.control.modulation_target
         * reactance
         * base.current_a
         / phase_voltage_limit_v(drive, drive.battery.min_voltage_v)

@@ -299,6 +299,12 @@ def _torque_growth(drive: Drive) -> Iterator[str]:
             f"control.torque_growth_voltage_use: [{start:g}, {end:g}], accepted: [whole rate, none], "
             "at least 0.01 apart, the second at least 0.5"
         )
+    target = drive.control.modulation_target
+    if end <= target**2 + 0.001:
+        yield (
+            f"control.torque_growth_voltage_use: no growth from {end:g} on, accepted: beyond the "
+            f"square {target**2:.4g} of modulation_target = {target:g}, which the voltage is regulated to"
+        )
 
 
 def _grid(drive: Drive) -> Iterator[str]:

@@ -283,6 +283,19 @@ class Control(Section):
         number(1e-3, 3000.0, "A", "absent: what the dead time can extinguish, t_d v_dc / L"),
     ] = None
     demand_timeout_s: Annotated[float, number(0.005, 1.0, "s", "older demands count as lost")] = 0.1
+    modulation_target: Annotated[
+        float,
+        number(0.5, 0.98, "1", "share of the voltage circle that field weakening regulates to"),
+    ] = 0.96887
+    modulation_reserve: Annotated[
+        float | None,
+        number(
+            0.0,
+            0.099,
+            "1",
+            "of the circle: the torque limits keep this much below; absent: 1/128 of modulation_target",
+        ),
+    ] = None
     torque_growth_voltage_use: Annotated[
         tuple[VoltageUse, VoltageUse],
         Field(

@@ -96,6 +96,13 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .flux_pu_q16                    = 169907, /* [pu] omega_base psi / V_base, back-EMF */
         /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
         .modulation_limit_pu_q15        = 30068,
+        /* [pu] |u| that field weakening regulates, over that circle's radius; the rest is for
+         * the loop's dynamics; raising: more torque at high speed, slower in changing it;
+         * default 0.9689 */
+        .modulation_target_pu_q15       = 31748,
+        /* [pu] the torque limits keep |u| this much below the target, which field weakening
+         * then only trims; default 1/128 of the target */
+        .modulation_reserve_pu_q15      = 248,
         .max_current_pu_q15             = 14895, /* [pu] largest |i| the loop is asked for */
         /* [pu] current per unit of missing squared voltage and period; 0: no field weakening;
          * raising: faster, less damped */
@@ -293,5 +300,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x67948A20,
+    .crc32 = 0xDFA398B6,
 };

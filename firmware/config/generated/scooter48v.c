@@ -96,6 +96,13 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .flux_pu_q16                    = 154416, /* [pu] omega_base psi / V_base, back-EMF */
         /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
         .modulation_limit_pu_q15        = 28779,
+        /* [pu] |u| that field weakening regulates, over that circle's radius; the rest is for
+         * the loop's dynamics; raising: more torque at high speed, slower in changing it;
+         * default 0.9689 */
+        .modulation_target_pu_q15       = 31748,
+        /* [pu] the torque limits keep |u| this much below the target, which field weakening
+         * then only trims; default 1/128 of the target */
+        .modulation_reserve_pu_q15      = 248,
         .max_current_pu_q15             = 19859, /* [pu] largest |i| the loop is asked for */
         /* [pu] current per unit of missing squared voltage and period; 0: no field weakening;
          * raising: faster, less damped */
@@ -287,5 +294,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x2B2E0EF7,
+    .crc32 = 0x0E871142,
 };

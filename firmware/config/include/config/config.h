@@ -131,6 +131,13 @@
       "omega_base psi / V_base, back-EMF") \
     X(modulation_limit_pu_q15,               8192,      32767,      "pu", \
       "largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window") \
+    X(modulation_target_pu_q15,              16384,     32112,      "pu", \
+      "|u| that field weakening regulates, over that circle's radius; the rest is for the " \
+      "loop's dynamics; raising: more torque at high speed, slower in changing it; default " \
+      "0.9689") \
+    X(modulation_reserve_pu_q15,             0,         3276,       "pu", \
+      "the torque limits keep |u| this much below the target, which field weakening then only " \
+      "trims; default 1/128 of the target") \
     X(max_current_pu_q15,                    164,       32767,      "pu", \
       "largest |i| the loop is asked for") \
     X(field_weakening_gain_pu_q15,           0,         32767,      "pu", \

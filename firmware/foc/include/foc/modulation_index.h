@@ -9,9 +9,6 @@
 
 #include "core/q15.h"
 
-/* Field weakening keeps the index at 97 % of the circle; the rest is for the loop's dynamics. */
-enum { MODULATION_INDEX_TARGET_Q15 = 31748, MODULATION_INDEX_TARGET_SQUARE_Q15 = 30760 };
-
 /* Square of the index, Q15, 0 .. 65 536; q saturates at 1. d: applied, q: unsaturated voltage in
  * modulation units, so that more than 1 tells a lack of voltage. */
 static inline int32_t modulation_index_square_q15(int32_t d, int32_t q)

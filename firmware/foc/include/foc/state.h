@@ -125,7 +125,8 @@ typedef struct {
 
 /* field_weakening.h */
 typedef struct {
-    int32_t current_q28; /* -limit .. 0 */
+    int32_t current_q28;       /* -limit .. 0 */
+    int32_t target_square_q15; /* of the modulation index; constant */
 } field_weakening_t;
 
 /* modulation.h: constants */

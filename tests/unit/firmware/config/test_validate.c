@@ -263,6 +263,16 @@ void test_the_stop_lamp_must_not_go_out_above_what_lights_it(void)
     assert_relation("brake.stop_lamp_off_mm_s2 <= brake.stop_lamp_on_mm_s2");
 }
 
+void test_torque_must_still_grow_at_the_voltage_that_field_weakening_regulates(void)
+{
+    config.current_loop.modulation_target_pu_q15 = 29491; /* 0.9; its square is 26541 in Q15 */
+    config.brake.torque_growth_end_q15 = 26542;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    config.current_loop.modulation_target_pu_q15 = 29491;
+    config.brake.torque_growth_end_q15 = 26541;
+    assert_relation("brake.torque_growth_end_q15 > square");
+}
+
 void test_a_vehicle_does_not_coast_to_a_stop_faster_than_its_tyres_can_brake(void)
 {
     config.monitor.coasting_mm_s2 = 2000;

@@ -201,6 +201,27 @@ void test_before_the_first_sample_the_middle_of_the_battery_s_range_is_assumed(v
     TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
 }
 
+/* Voltage bound of the driving torque, at 560 r/min and 50 V: about 30 N m. */
+static int32_t voltage_bound_mNm(int32_t target_q15, int32_t reserve_q15)
+{
+    rig_start(&rig);
+    rig.config.current_loop.modulation_target_pu_q15 = target_q15;
+    rig.config.current_loop.modulation_reserve_pu_q15 = reserve_q15;
+    rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 50.0);
+    rig_set_speed_rpm(&rig, 560.0);
+    rig_run(&rig, 100);
+    return rig.controller.slow.torque.table.driving[TORQUE_LINE_VOLTAGE].torque_mNm;
+}
+
+void test_torque_limits_count_on_the_modulation_target_less_its_reserve(void)
+{
+    const int32_t whole_mNm = voltage_bound_mNm(31748, 0);
+    const int32_t less_mNm = voltage_bound_mNm(31748, 248);
+    TEST_ASSERT_TRUE(0 < less_mNm && less_mNm < whole_mNm);
+    TEST_ASSERT_EQUAL_INT32(less_mNm, voltage_bound_mNm(31500, 0));
+    TEST_ASSERT_EQUAL_INT32(less_mNm, voltage_bound_mNm(32112, 612));
+}
+
 /* ---- what is commanded ---- */
 
 void test_each_phase_gets_its_own_compare_value(void)

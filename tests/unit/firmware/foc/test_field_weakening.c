@@ -2,16 +2,22 @@
 /* The demagnetising current: comes when the voltage runs out, goes when it is back, never beyond
  * its limits. */
 #include "field_weakening.h"
+#include "paper_vehicle.h"
 #include "unity.h"
 
-void setUp(void) {}
+static config_t config;
+
+void setUp(void)
+{
+    config = paper_vehicle();
+}
 
 void tearDown(void) {}
 
 /* With the voltage before its limit. */
 static void step(field_weakening_t *state, int32_t d, int32_t q, int32_t gain, int32_t most)
 {
-    field_weakening_step(state, field_weakening_margin_q15(q_saturate16(d), q), gain, most);
+    field_weakening_step(state, field_weakening_margin_q15(state, q_saturate16(d), q), gain, most);
 }
 
 static int32_t after(field_weakening_t *state, int steps, int32_t d, int32_t q, int32_t gain,
@@ -25,13 +31,15 @@ static int32_t after(field_weakening_t *state, int steps, int32_t d, int32_t q, 
 
 void test_with_voltage_to_spare_there_is_none(void)
 {
-    field_weakening_t state = {0};
+    field_weakening_t state;
+    field_weakening_init(&state, &config);
     TEST_ASSERT_EQUAL_INT32(0, after(&state, 1000, 0, 20000, 500, 8000));
 }
 
 void test_beyond_the_circle_it_grows_and_stops_at_its_limit(void)
 {
-    field_weakening_t state = {0};
+    field_weakening_t state;
+    field_weakening_init(&state, &config);
     int32_t before = 0;
     for (int n = 0; n < 200; n++) {
         const int32_t now = after(&state, 1, 0, 40000, 5000, 8000);
@@ -43,26 +51,28 @@ void test_beyond_the_circle_it_grows_and_stops_at_its_limit(void)
 
 void test_it_returns_to_exactly_zero(void)
 {
-    field_weakening_t state = {0};
+    field_weakening_t state;
+    field_weakening_init(&state, &config);
     after(&state, 1000, 0, 40000, 5000, 8000);
     TEST_ASSERT_EQUAL_INT32(0, after(&state, 1000, 0, 0, 5000, 8000));
 }
 
 void test_one_step_is_four_periods_of_gain_times_missing_squared_voltage(void)
 {
-    /* |u|^2 = 1 in either axis is the circle; the aim leaves 3 % of the voltage, 30760/32768 of its
-     * square. */
-    field_weakening_t state = {0};
+    /* |u|^2 = 1 in either axis is the circle; the target as generated is 0.96887 of the voltage. */
+    field_weakening_t state;
+    field_weakening_init(&state, &config);
     step(&state, 32767, 0, 1000, 32767);
-    const double missing = 32767.0 * 32767.0 / 32768.0 - MODULATION_INDEX_TARGET_SQUARE_Q15;
+    const double missing = 32767.0 * 32767.0 / 32768.0 - 0.96887 * 0.96887 * 32768.0;
     TEST_ASSERT_DOUBLE_WITHIN(4.0 * 2.0 * 1000.0, 4.0 * -missing * 1000.0,
                               4.0 * state.current_q28); /* Q30 */
 }
 
 void test_driving_and_braking_are_treated_alike(void)
 {
-    field_weakening_t forward = {0};
-    field_weakening_t backward = {0};
+    field_weakening_t forward;
+    field_weakening_init(&forward, &config);
+    field_weakening_t backward = forward;
     for (int n = 0; n < 50; n++) {
         step(&forward, -9000, 31000, 700, 8000);
         step(&backward, -9000, -31000, 700, 8000);
@@ -74,7 +84,8 @@ void test_driving_and_braking_are_treated_alike(void)
 
 void test_a_limit_or_a_gain_of_zero_switches_it_off(void)
 {
-    field_weakening_t state = {0};
+    field_weakening_t state;
+    field_weakening_init(&state, &config);
     TEST_ASSERT_EQUAL_INT32(0, after(&state, 100, 0, 100000, 32767, 0));
     TEST_ASSERT_EQUAL_INT32(0, after(&state, 100, 0, 100000, 0, 32767));
 }
@@ -82,7 +93,8 @@ void test_a_limit_or_a_gain_of_zero_switches_it_off(void)
 void test_the_largest_voltages_and_gains_do_not_overflow(void)
 {
     static const int32_t VOLTAGES[] = {INT32_MIN, -600000, -32769, 32768, 600000, INT32_MAX};
-    field_weakening_t state = {0};
+    field_weakening_t state;
+    field_weakening_init(&state, &config);
     for (int d = 0; d < 6; d++) {
         for (int q = 0; q < 6; q++) {
             for (int n = 0; n < 4; n++) {
@@ -92,4 +104,15 @@ void test_the_largest_voltages_and_gains_do_not_overflow(void)
             }
         }
     }
+}
+
+/* At a target of 0.8 a voltage of 0.81 of the circle demands a current, one of 0.79 does not. */
+void test_voltage_is_regulated_to_the_configured_target(void)
+{
+    config.current_loop.modulation_target_pu_q15 = 26214;
+    field_weakening_t state;
+    field_weakening_init(&state, &config);
+    TEST_ASSERT_EQUAL_INT32(0, after(&state, 10, 0, 25887, 500, 8000));
+    TEST_ASSERT_TRUE(after(&state, 10, 0, 26542, 500, 8000) < 0);
+    TEST_ASSERT_INT32_WITHIN(1, 0, field_weakening_margin_q15(&state, 26214, 0));
 }

@@ -23,9 +23,3 @@ void test_a_q_voltage_beyond_the_circle_counts_as_one(void)
                             modulation_index_square_q15(0, 1000000));
     TEST_ASSERT_EQUAL_INT32(65536, modulation_index_square_q15(-32768, INT32_MIN));
 }
-
-void test_the_target_of_the_index_and_of_its_square_agree(void)
-{
-    TEST_ASSERT_EQUAL_INT32(MODULATION_INDEX_TARGET_SQUARE_Q15,
-                            modulation_index_square_q15(0, MODULATION_INDEX_TARGET_Q15) + 1);
-}

@@ -165,6 +165,10 @@ def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change
             "control.torque_growth_voltage_use: [0.96, 0.89], accepted: [whole rate, none], at least 0.01 apart",
         ),
         (
+            {"control.torque_growth_voltage_use": [0.8, 0.93]},
+            "control.torque_growth_voltage_use: no growth from 0.93 on, accepted: beyond the square 0.9387",
+        ),
+        (
             {"rotor.hall_edges_deg": [0.0, 60.0, 120.0, 240.0, 180.0, 300.0]},
             "rotor.hall_edges_deg: accepted: six edges",
         ),
