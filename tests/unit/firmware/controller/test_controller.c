@@ -13,7 +13,7 @@ void tearDown(void) {}
 
 /* ---- start-up ---- */
 
-void test_start_up_goes_through_self_test_and_calibration_to_ready_and_run_in_this_order(void)
+void test_start_up_passes_self_test_calibration_and_ready_before_run(void)
 {
     operating_mode_t seen[8];
     int count = 0;
@@ -32,7 +32,7 @@ void test_start_up_goes_through_self_test_and_calibration_to_ready_and_run_in_th
     }
 }
 
-void test_with_the_drive_pedal_pressed_switching_on_waits_for_its_release(void)
+void test_run_waits_for_a_zero_drive_demand(void)
 {
     rig.slow_in.demand.enable = true;
     rig.slow_in.demand.drive_torque_mNm = -1;
@@ -72,7 +72,7 @@ void test_calibration_averages_1024_samples_which_take_51_2_ms(void)
     TEST_ASSERT_INT_WITHIN(2, 55, milliseconds);
 }
 
-void test_before_anything_is_known_the_hydraulic_brake_takes_every_braking_demand(void)
+void test_hydraulic_brake_has_the_whole_demand_before_run(void)
 {
     rig.slow_in.demand.brake_torque_mNm = 20000;
     for (int n = 0; n < 200; n++) {
@@ -106,7 +106,7 @@ static void put_codes(uint16_t a, uint16_t b, uint16_t c)
     rig.fast_in.phase_current_code[2] = c;
 }
 
-void test_calibrated_offsets_are_the_codes_at_rest_and_read_as_no_current(void)
+void test_current_at_the_calibrated_offsets_is_zero(void)
 {
     put_codes(2148, 1948, 2198); /* 100, -100 and 150 codes off: within the tolerance of 200 */
     rig_run(&rig, 200);
@@ -118,7 +118,7 @@ void test_calibrated_offsets_are_the_codes_at_rest_and_read_as_no_current(void)
     TEST_ASSERT_EQUAL_INT32(0, rig.out.i_q_mA);
 }
 
-void test_sensors_that_are_all_off_to_one_side_calibrate_like_others(void)
+void test_offsets_of_equal_sign_are_calibrated(void)
 {
     put_codes(2238, 2238, 2238); /* the sum of what is read before is 28 % of full scale */
     rig_run(&rig, 200);
@@ -137,9 +137,9 @@ void test_an_offset_beyond_the_tolerance_is_a_fault(void)
     }
 }
 
-/* ---- what is measured ---- */
+/* ---- measured values ---- */
 
-void test_codes_become_volts_amperes_and_radians_per_second(void)
+void test_codes_are_converted_to_volts_amperes_and_rad_per_second(void)
 {
     rig_start_running(&rig);
     rig_set_speed_rpm(&rig, 300.0);
@@ -150,7 +150,7 @@ void test_codes_become_volts_amperes_and_radians_per_second(void)
     TEST_ASSERT_INT32_WITHIN(30, 48000, rig.out.bus_voltage_mV); /* two converter codes */
 }
 
-void test_phase_currents_become_d_and_q_in_the_frame_of_the_rotor(void)
+void test_phase_currents_are_transformed_to_d_and_q(void)
 {
     /* The rotor stands at 90 electrical degrees, where d is the beta axis and q is minus alpha. i_a
      * = -40 A and i_b = i_c = 20 A are alpha = -40 A: i_d = 0, i_q = 40 A. */
@@ -179,7 +179,7 @@ static void start_running_at(double angle_turn)
     rig_run(&rig, 300);
 }
 
-void test_the_bus_current_is_that_of_the_voltage_made_and_the_current_measured(void)
+void test_bus_current_is_that_of_applied_voltage_and_measured_current(void)
 {
     /* 40 A of i_q against a reference of none: the loop answers with all the voltage there is, u_q
      * = -limit v_dc/sqrt 3. P = 3/2 u_q i_q, so i_dc = -sqrt(3)/2 * limit * 40 A, into the battery.
@@ -194,7 +194,7 @@ void test_the_bus_current_is_that_of_the_voltage_made_and_the_current_measured(v
                              rig.out.bus_current_mA);
 }
 
-void test_before_the_first_sample_the_middle_of_the_battery_s_range_is_assumed(void)
+void test_initial_bus_voltage_is_the_middle_of_the_battery_s_range(void)
 {
     rig_slow(&rig);
     TEST_ASSERT_INT32_WITHIN(2, (40000 + 58400) / 2, rig.out.bus_voltage_mV);
@@ -255,7 +255,7 @@ void test_the_torque_demand_reaches_the_current_loop_as_a_per_unit_reference(voi
     TEST_ASSERT_EQUAL_INT(0, rig.to_fast.i_reference_pu.d);
 }
 
-void test_braking_torque_the_motor_does_not_make_is_moved_to_the_hydraulic_brake(void)
+void test_missing_motor_torque_is_moved_to_the_hydraulic_brake(void)
 {
     rig_start_running(&rig);
     rig_set_speed_rpm(&rig, 300.0);
@@ -267,7 +267,7 @@ void test_braking_torque_the_motor_does_not_make_is_moved_to_the_hydraulic_brake
     TEST_ASSERT_EQUAL_INT32(30000, rig.out.hydraulic_torque_mNm);
 }
 
-void test_a_demand_that_goes_stale_fades_at_the_torque_rate(void)
+void test_demand_decays_at_the_torque_rate_after_a_timeout(void)
 {
     rig_start_running(&rig);
     rig.follows = true;
@@ -280,7 +280,7 @@ void test_a_demand_that_goes_stale_fades_at_the_torque_rate(void)
     TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
 }
 
-void test_switching_off_while_rolling_keeps_the_electric_brake(void)
+void test_disable_while_rolling_keeps_electric_braking(void)
 {
     rig_start_running(&rig);
     rig.follows = true;

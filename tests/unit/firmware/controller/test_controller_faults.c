@@ -59,7 +59,7 @@ void test_the_bridge_switches_with_the_enable_and_without_a_trip_and_is_safe_oth
     }
 }
 
-void test_a_rolling_wheel_too_fast_for_freewheel_is_shorted_in_every_mode_without_torque(void)
+void test_active_short_circuit_above_the_freewheel_limit_in_every_mode_without_torque(void)
 {
     rig_start(&rig);
     rig_set_speed_rpm(&rig, 1.2 * rig.config.motor.max_speed_mrad_s * 60e-3 / 6.2832);
@@ -72,7 +72,7 @@ void test_a_rolling_wheel_too_fast_for_freewheel_is_shorted_in_every_mode_withou
     TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, rig.pwm.bridge);
 }
 
-void test_an_over_current_stops_the_bridge_in_the_period_that_confirms_it(void)
+void test_overcurrent_stops_the_bridge_in_its_second_period(void)
 {
     put_over_current();
     rig_fast(&rig);
@@ -85,7 +85,7 @@ void test_an_over_current_stops_the_bridge_in_the_period_that_confirms_it(void)
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, rig.to_slow.trip);
 }
 
-void test_after_a_trip_the_current_loop_rests_even_before_the_slow_reach_has_noticed(void)
+void test_current_loop_is_idle_after_a_trip_before_the_next_slow_step(void)
 {
     put_over_current();
     rig_fast(&rig);
@@ -97,7 +97,7 @@ void test_after_a_trip_the_current_loop_rests_even_before_the_slow_reach_has_not
     }
 }
 
-void test_after_a_trip_the_hydraulic_brake_has_the_whole_demand_in_the_next_slow_step(void)
+void test_hydraulic_brake_has_the_whole_demand_one_slow_step_after_a_trip(void)
 {
     put_over_current();
     rig_fast(&rig);
@@ -115,7 +115,7 @@ void test_the_power_stage_s_fault_stops_the_bridge_in_the_same_period(void)
     assert_fault(REASON_HARDWARE_BREAK);
 }
 
-void test_an_over_voltage_stops_the_bridge_in_the_same_period(void)
+void test_overvoltage_stops_the_bridge_in_the_same_period(void)
 {
     rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 60.7); /* trips at 60.564 V */
     rig_fast(&rig);
@@ -124,7 +124,7 @@ void test_an_over_voltage_stops_the_bridge_in_the_same_period(void)
     assert_fault(REASON_BUS_OVERVOLTAGE);
 }
 
-void test_above_the_speed_whose_emf_exceeds_the_bus_a_trip_shorts_the_motor_instead(void)
+void test_trip_selects_active_short_circuit_above_the_freewheel_limit(void)
 {
     /* at 640 r/min and 53 V, sqrt(3) psi w = 54.5 V */
     rig_set_speed_rpm(&rig, 640.0);
@@ -141,7 +141,7 @@ void test_above_the_speed_whose_emf_exceeds_the_bus_a_trip_shorts_the_motor_inst
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
 }
 
-void test_a_slow_reach_that_falls_silent_lets_the_fast_reach_stop_the_bridge(void)
+void test_fast_loop_stops_the_bridge_when_the_slow_loop_stops(void)
 {
     /* four of its steps, 80 periods, may be missing; the step before the first of them is still on
      * its way */
@@ -156,7 +156,7 @@ void test_a_slow_reach_that_falls_silent_lets_the_fast_reach_stop_the_bridge(voi
     assert_fault(REASON_PROGRAM_FLOW);
 }
 
-void test_a_fast_reach_that_falls_silent_is_a_fault_after_five_milliseconds(void)
+void test_stopped_fast_loop_is_a_fault_after_five_milliseconds(void)
 {
     for (int n = 0; n < 4; n++) {
         rig_slow(&rig);
@@ -166,7 +166,7 @@ void test_a_fast_reach_that_falls_silent_is_a_fault_after_five_milliseconds(void
     assert_fault(REASON_PROGRAM_FLOW);
 }
 
-void test_a_hall_sensor_set_that_says_nothing_sensible_ends_torque_and_then_the_mode(void)
+void test_invalid_hall_states_end_torque_in_a_ramp_and_then_run(void)
 {
     rig_start(&rig);
     rig.config.rotor.sensor = CONFIG_ROTOR_HALL;
@@ -179,26 +179,26 @@ void test_a_hall_sensor_set_that_says_nothing_sensible_ends_torque_and_then_the_
     rig_run(&rig, 20);
     TEST_ASSERT_EQUAL_INT32(4000, rig.out.motor_torque_command_mNm);
     rig.fast_in.hall_state = 7;
-    rig_run(&rig, 8); /* 64 periods are 3.2 ms; then the torque leaves at 0.4 Nm a step */
+    rig_run(&rig, 8); /* 64 periods are 3.2 ms; then the torque falls by 0.4 Nm a step */
     TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
     TEST_ASSERT_LESS_THAN_INT32(4000, rig.out.motor_torque_command_mNm);
     TEST_ASSERT_GREATER_THAN_INT32(0, rig.out.motor_torque_command_mNm);
     rig_run(&rig, 10);
     TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
     TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
-    rig_run(&rig, 360); /* 40 Nm would have taken 100 ms to leave, and a doubt may heal for 250 */
+    rig_run(&rig, 360); /* 40 Nm would need 100 ms, and a fault may heal for 250 ms */
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(REASON_ROTOR_LOST, rig.out.fault_reason);
 }
 
-void test_currents_that_do_not_add_up_end_in_a_fault(void)
+void test_current_sum_away_from_zero_leads_to_fault(void)
 {
     put_codes(2048 + 150, 2048, 2048); /* 7.3 % of full scale; 5 % are allowed */
     rig_run(&rig, 22);
     assert_fault(REASON_CURRENT_SUM);
 }
 
-void test_torque_nobody_asked_for_ends_in_a_fault(void)
+void test_torque_without_a_command_leads_to_fault(void)
 {
     rig.slow_in.demand.brake_torque_mNm = 0;
     rig_set_speed_rpm(&rig, 0.0);
@@ -225,7 +225,7 @@ static void trip(void)
     assert_fault(REASON_OVERCURRENT);
 }
 
-/* Rest, no demand: what an acknowledgement asks for. */
+/* Standstill and zero demand, the conditions of an acknowledgement. */
 static void come_to_rest(void)
 {
     rig.slow_in.demand.brake_torque_mNm = 0;
@@ -233,7 +233,7 @@ static void come_to_rest(void)
     rig_run(&rig, 500);
 }
 
-void test_a_fault_stays_until_it_is_acknowledged_however_long_all_has_been_well(void)
+void test_fault_is_latched_until_an_acknowledgement(void)
 {
     trip();
     come_to_rest();
@@ -242,8 +242,7 @@ void test_a_fault_stays_until_it_is_acknowledged_however_long_all_has_been_well(
     TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, rig.out.fault_reason);
 }
 
-void test_an_acknowledged_trip_is_forgotten_by_both_reaches_and_the_sensors_are_calibrated_anew(
-    void)
+void test_acknowledgement_clears_the_trip_in_both_loops_and_recalibrates(void)
 {
     trip();
     come_to_rest();
@@ -261,7 +260,7 @@ void test_an_acknowledged_trip_is_forgotten_by_both_reaches_and_the_sensors_are_
     TEST_ASSERT_EQUAL_INT32(2040 * 16, rig.to_slow.offset_q4[2]);
 }
 
-void test_an_acknowledgement_while_the_wheel_turns_or_torque_is_demanded_does_nothing(void)
+void test_acknowledgement_while_rolling_or_with_a_demand_is_ignored(void)
 {
     trip();
     rig.slow_in.demand.fault_reset = true; /* rolling, braking */
@@ -275,7 +274,7 @@ void test_an_acknowledgement_while_the_wheel_turns_or_torque_is_demanded_does_no
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, rig.out.mode);
 }
 
-void test_an_acknowledgement_of_a_fault_that_persists_leaves_it_standing(void)
+void test_acknowledgement_of_a_present_fault_has_no_effect(void)
 {
     trip();
     come_to_rest();

@@ -49,7 +49,7 @@ static void randomise(random_t *random, slow_input_t *slow, fast_input_t *fast)
     fast->power_stage_fault = wild && random_chance(random, 0.1);
 }
 
-/* The driver sees the fault: foot off, key turned. */
+/* Zero demand, then a rising edge of fault_reset. */
 static void acknowledge(slow_input_t *slow, int step)
 {
     slow->demand.drive_torque_mNm = 0;
@@ -57,7 +57,7 @@ static void acknowledge(slow_input_t *slow, int step)
     slow->demand.fault_reset = step % 2 == 0;
 }
 
-void test_whatever_happens_the_bridge_switches_only_in_run_and_the_compares_stay_in_range(void)
+void test_bridge_switches_only_in_run_and_compare_values_stay_in_range(void)
 {
     random_t random = random_seeded(1);
     for (int sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_ENCODER; sensor++) {
@@ -98,7 +98,7 @@ void test_whatever_happens_the_bridge_switches_only_in_run_and_the_compares_stay
                 TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
             }
         }
-        /* The walk has been on both sides of the valve. */
+        /* The run contains periods with and without PWM. */
         TEST_ASSERT_GREATER_THAN_INT(30000, switched);
         TEST_ASSERT_GREATER_THAN_INT(5, faults);
     }
@@ -123,7 +123,7 @@ static void assert_same_slow(const slow_output_t *a, const slow_output_t *b)
     TEST_ASSERT_EQUAL(a->stop_lamp, b->stop_lamp);
 }
 
-void test_equal_inputs_give_equal_outputs_whatever_the_memory_held_before(void)
+void test_outputs_depend_only_on_inputs_after_init(void)
 {
     static rig_t other;
     for (int sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_ENCODER; sensor++) {
@@ -163,7 +163,7 @@ void test_equal_inputs_give_equal_outputs_whatever_the_memory_held_before(void)
     }
 }
 
-void test_two_wheels_in_one_process_do_not_know_each_other(void)
+void test_two_controllers_in_one_process_are_independent(void)
 {
     static rig_t alone;
     static rig_t left;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tracker loop: no steady error, the designed bandwidth. */
+/* The tracking loop: zero steady-state error at constant speed, bandwidth as designed. */
 #include <math.h>
 
 #include "angle_tracker.h"
@@ -36,7 +36,7 @@ static uint16_t step(double turns)
     return (uint16_t)(tracker.theta_q32 >> 16);
 }
 
-void test_at_constant_speed_there_is_no_steady_error(void)
+void test_steady_state_error_is_zero_at_constant_speed(void)
 {
     static const double SPEEDS[] = {0.0001, 0.002, 0.0123, 0.05, -0.0123, -0.05};
     for (int s = 0; s < 6; s++) {
@@ -63,7 +63,7 @@ void test_at_constant_speed_there_is_no_steady_error(void)
 
 /* With e the angle error after the correction, the loop is z^2 - (2 - kp - ki) z + (1 - kp) = 0.
  * Double-precision twin. */
-void test_a_step_of_the_angle_is_followed_as_designed(void)
+void test_step_response_of_the_angle_is_the_designed_one(void)
 {
     const double kp = config.rotor.pll_proportional_q16 / 65536.0;
     const double ki = config.rotor.pll_integral_q24 / 16777216.0;
@@ -106,7 +106,7 @@ void test_the_bandwidth_is_the_designed_one(void)
     }
 }
 
-void test_the_loop_is_stable_at_the_largest_gains_a_configuration_may_hold(void)
+void test_loop_is_stable_at_the_largest_valid_gains(void)
 {
     config.rotor.pll_proportional_q16 = 65536;
     config.rotor.pll_integral_q24 = 16777216;

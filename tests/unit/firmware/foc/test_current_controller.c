@@ -26,7 +26,7 @@ static current_tuning_t plain_tuning(void)
     return current_tuning(&config, 27493, 28102, 0, config.motor.reference_temperature_cC);
 }
 
-/* The voltages of a period in plain numbers; without delay compensation. */
+/* The voltages of a period, without delay compensation. */
 typedef struct {
     int32_t unsaturated_d, unsaturated_q;
     dq_t applied;
@@ -48,7 +48,7 @@ static voltages_t step(const current_tuning_t *tuning, int32_t d, int32_t q, int
     return out;
 }
 
-void test_without_error_and_speed_there_is_no_voltage(void)
+void test_voltage_is_zero_at_zero_error_and_speed(void)
 {
     const current_tuning_t tuning = plain_tuning();
     for (int n = 0; n < 100; n++) {
@@ -58,7 +58,7 @@ void test_without_error_and_speed_there_is_no_voltage(void)
     }
 }
 
-void test_at_speed_without_current_the_voltage_is_the_back_emf(void)
+void test_voltage_at_zero_current_is_the_back_emf(void)
 {
     const current_tuning_t tuning =
         current_tuning(&config, 27493, 28102, 20000000, config.motor.reference_temperature_cC);
@@ -79,7 +79,7 @@ void test_cross_coupling_has_the_sign_of_the_motor_equations(void)
     TEST_ASSERT_INT32_WITHIN(1, 1500, out.applied.q);
 }
 
-void test_the_d_axis_takes_its_voltage_first_and_q_gets_what_the_circle_leaves(void)
+void test_d_axis_has_priority_and_q_has_the_remaining_voltage(void)
 {
     current_tuning_t tuning = plain_tuning();
     tuning.d.proportional_q10 = 1024;
@@ -109,7 +109,7 @@ void test_the_unsaturated_voltage_is_reported(void)
     TEST_ASSERT_EQUAL_INT32(32767, out.applied.d);
 }
 
-void test_each_integrator_is_updated_with_the_applied_voltage_and_its_own_gains(void)
+void test_each_integrator_is_updated_with_the_applied_voltage(void)
 {
     /* In one step an integrator advances by k_i e + k_i/k_p (1 - k_p e) where k_p e is too much by
      * a half, by k_i e where not. */
@@ -167,7 +167,7 @@ void test_currents_at_the_ends_of_their_formats_do_not_overflow(void)
     }
 }
 
-void test_the_reserve_reduces_the_d_integrator_by_what_exceeds_98_per_cent(void)
+void test_voltage_reserve_reduces_the_d_integrator_by_the_excess_over_98_percent(void)
 {
     static const int32_t WANTED[] = {-40000, -33000, -32257, -32256, -1000, 0,
                                      5000,   32256,  32257,  33000,  60000};
@@ -183,7 +183,7 @@ void test_the_reserve_reduces_the_d_integrator_by_what_exceeds_98_per_cent(void)
     }
 }
 
-void test_the_next_voltage_leaves_q_at_least_17_per_cent(void)
+void test_voltage_reserve_leaves_at_least_17_percent_for_q(void)
 {
     const current_tuning_t tuning = plain_tuning();
     state.d.integrator_q30 = 1 << 29;

@@ -9,7 +9,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_the_prediction_is_the_middle_of_each_period_between_the_designed_samples(void)
+void test_predicted_current_is_that_in_the_middle_of_each_period(void)
 {
     for (int k = 1; k < BANDWIDTHS;
          k++) { /* the first is slower than rounding lets it be expected */
@@ -28,14 +28,14 @@ void test_the_prediction_is_the_middle_of_each_period_between_the_designed_sampl
             }
             const dq_t expected = dq_of(current_predictor_step(&predictor));
             const double come = 0.5 * (designed(b, n + 1) + designed(b, n + 2));
-            /* What rounding leaves undone: below 1/lag, 16 LSB, of each change. */
+            /* Remainder by rounding: below 1/lag, 16 LSB, of each change. */
             TEST_ASSERT_DOUBLE_WITHIN(32.0, before.d + come * (after.d - before.d), expected.d);
             TEST_ASSERT_DOUBLE_WITHIN(32.0, before.q + come * (after.q - before.q), expected.q);
         }
     }
 }
 
-void test_weight_and_target_give_the_current_in_the_middle_of_the_period_the_voltage_acts_in(void)
+void test_delay_compensation_gives_the_current_in_the_middle_of_the_period_of_the_voltage(void)
 {
     for (int k = 0; k < BANDWIDTHS; k++) {
         config.current_loop.bandwidth_Hz = BANDWIDTHS_Hz[k];
@@ -70,7 +70,7 @@ void test_the_predicted_mean_may_differ_from_the_reference(void)
     TEST_ASSERT_INT_WITHIN(4, 3000, dq_of(current_predictor_step(&predictor)).q);
 }
 
-void test_the_lag_is_at_least_a_sixteenth_and_a_bandwidth_beyond_the_range_counts_as_its_end(void)
+void test_lag_is_at_least_a_sixteenth_and_the_bandwidth_is_clamped(void)
 {
     config.current_loop.bandwidth_Hz = 10;
     start();
@@ -88,7 +88,7 @@ void test_the_lag_is_at_least_a_sixteenth_and_a_bandwidth_beyond_the_range_count
     TEST_ASSERT_EQUAL_INT32(fastest.minus_b2_q15, prefilter.minus_b2_q15);
 }
 
-void test_every_coefficient_is_in_the_range_that_the_proofs_assume(void)
+void test_coefficients_are_in_the_range_that_the_proofs_assume(void)
 {
     static const int32_t FREQUENCIES_Hz[] = {4000, 20000, 100000};
     for (int k = 0; k < 3; k++) {
@@ -111,7 +111,7 @@ void test_every_coefficient_is_in_the_range_that_the_proofs_assume(void)
     }
 }
 
-void test_a_reset_predicts_zero_and_starts_anew(void)
+void test_predicted_current_is_zero_after_a_reset(void)
 {
     start();
     reference_prefilter_t fresh = prefilter;

@@ -30,7 +30,7 @@ static double trim_counts(dead_time_slope_t slope, int32_t current_pu)
     return modulation_dead_time(slope, i).a / 32768.0 * modulation_dead_time_counts(&config);
 }
 
-void test_the_full_correction_is_the_share_of_the_period_that_dead_time_takes(void)
+void test_full_correction_is_the_dead_time_as_a_share_of_the_period(void)
 {
     /* 1 us * 20 kHz = 2 % of 4200 counts. */
     TEST_ASSERT_EQUAL_INT32(84, modulation_dead_time_counts(&config));
@@ -44,7 +44,7 @@ void test_the_full_correction_is_the_share_of_the_period_that_dead_time_takes(vo
     TEST_ASSERT_EQUAL_INT32(41, modulation_dead_time_counts(&config)); /* 41.41 */
 }
 
-void test_the_diodes_drop_is_given_back_as_a_share_of_the_batterys_middle_voltage(void)
+void test_diode_drop_is_corrected_as_a_share_of_the_battery_s_middle_voltage(void)
 {
     /* The leg misses 2 % of v_dc + 2 V_f. At 40 V that is 0.8 V + 4 % of V_f; a count is worth 40 V
      * / 4200. */
@@ -64,7 +64,7 @@ void test_the_diodes_drop_is_given_back_as_a_share_of_the_batterys_middle_voltag
     }
 }
 
-void test_the_largest_dead_time_and_drop_there_may_be_give_an_eighth_of_the_longest_period(void)
+void test_largest_valid_dead_time_and_drop_give_an_eighth_of_the_longest_period(void)
 {
     config.battery.min_voltage_mV = 1000;
     config.battery.max_voltage_mV = 3000;
@@ -83,7 +83,7 @@ void test_positive_current_lengthens_the_high_side_pulse(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(slope, 0));
 }
 
-void test_inside_the_zone_it_is_proportional(void)
+void test_correction_is_proportional_inside_the_zone(void)
 {
     const dead_time_slope_t slope = dead_time_slope_nominal(&config);
     for (int32_t i = -655; i <= 655; i++) {
@@ -93,7 +93,7 @@ void test_inside_the_zone_it_is_proportional(void)
     }
 }
 
-void test_it_is_bounded_and_monotone_for_every_current_and_zone(void)
+void test_correction_is_bounded_and_monotonic_for_every_current_and_zone(void)
 {
     static const int32_t ZONES[] = {128, 129, 655, 5000, 32767};
     for (int z = 0; z < 5; z++) {
@@ -151,7 +151,7 @@ void test_the_longest_current_vector_does_not_overflow_in_any_direction(void)
     }
 }
 
-void test_no_dead_time_needs_no_correction(void)
+void test_correction_is_zero_without_dead_time(void)
 {
     config.drive.dead_time_ns = 0;
     const dead_time_slope_t slope = dead_time_slope_nominal(&config);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Incremental encoder: a shaft that turns as told, its counts and its index, and what the estimate
- * makes of them. */
+/* Incremental encoder: a simulated shaft, its counts and its index, and the estimate from them. */
 #include <math.h>
 
 #include "encoder.h"
@@ -68,7 +67,7 @@ static void turn_for(double turns, double turns_a_period)
     }
 }
 
-/* How far the estimate lies ahead of the truth, electrical turns. */
+/* Error of the estimate, electrical turns, positive ahead of the true angle. */
 static double angle_error_turns(void)
 {
     const double truth =
@@ -85,7 +84,7 @@ static double count_turns(void)
 static const double SPEEDS[] = {2e-5, 1e-4, 5e-4, -2e-5, -5e-4}; /* mechanical, 24 to 600 r/min */
 enum { SPEED_COUNT = sizeof(SPEEDS) / sizeof(SPEEDS[0]) };
 
-void test_before_the_index_nothing_may_be_driven_and_the_first_index_makes_the_angle_valid(void)
+void test_angle_is_invalid_before_the_first_index(void)
 {
     for (int s = 0; s < SPEED_COUNT; s++) {
         restart();
@@ -99,7 +98,7 @@ void test_before_the_index_nothing_may_be_driven_and_the_first_index_makes_the_a
     }
 }
 
-void test_a_shaft_at_rest_is_in_the_middle_of_its_count(void)
+void test_angle_at_standstill_is_the_middle_of_the_count(void)
 {
     configure(1000, 0); /* 23 pole pairs: a count is 8 degrees electrical */
     turn_for(0.5, 1e-4);
@@ -112,7 +111,7 @@ void test_a_shaft_at_rest_is_in_the_middle_of_its_count(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.02 * count_turns(), 0.0, error - floor(error + 0.5));
 }
 
-void test_the_first_index_moves_the_angle_and_leaves_the_speed(void)
+void test_first_index_corrects_the_angle_and_not_the_speed(void)
 {
     configure(65536, 0);
     shaft_turns =
@@ -129,9 +128,8 @@ void test_the_first_index_moves_the_angle_and_leaves_the_speed(void)
     }
 }
 
-/* Counts that are no power of two, counters that wrap inside a turn, both directions of counting.
- */
-void test_the_angle_never_drifts_and_is_wrong_by_a_count_and_a_half_at_most(void)
+/* Numbers of counts that are no power of two, counters that wrap within a turn, both directions. */
+void test_angle_error_is_at_most_one_and_a_half_counts_without_drift(void)
 {
     static const int32_t COUNTS[] = {1000, 4096, 10000, 65536};
     for (int c = 0; c < 4; c++) {
@@ -153,7 +151,7 @@ void test_the_angle_never_drifts_and_is_wrong_by_a_count_and_a_half_at_most(void
     }
 }
 
-void test_at_constant_speed_the_tracking_loop_finds_the_speed_and_the_angle_between_counts(void)
+void test_tracking_loop_interpolates_between_counts_at_constant_speed(void)
 {
     for (int s = 0; s < SPEED_COUNT; s++) {
         restart();
@@ -174,7 +172,7 @@ void test_at_constant_speed_the_tracking_loop_finds_the_speed_and_the_angle_betw
     }
 }
 
-void test_however_fast_the_speed_changes_the_angle_is_wrong_by_counts_not_by_the_loops_lag(void)
+void test_angle_error_during_acceleration_is_bounded_in_counts(void)
 {
     turn_for(2.0, 2e-4);
     /* A locking wheel: 240 r/min to nothing in 25 ms. The loop of 50 Hz alone would lie a / w^2 =
@@ -186,7 +184,7 @@ void test_however_fast_the_speed_changes_the_angle_is_wrong_by_counts_not_by_the
     }
 }
 
-void test_rocking_over_the_index_is_no_fault(void)
+void test_reversals_over_the_index_are_no_fault(void)
 {
     turn_for(1.37, 1e-4);
     for (int n = 0; n < 20000; n++) {
@@ -197,14 +195,14 @@ void test_rocking_over_the_index_is_no_fault(void)
     TEST_ASSERT_EQUAL_UINT16(0, encoder.faults);
 }
 
-void test_counts_that_are_lost_or_invented_end_the_angles_validity_until_two_pulses_agree(void)
+void test_lost_or_extra_counts_invalidate_the_angle_until_two_index_pulses_agree(void)
 {
     for (int sign = -1; sign <= 1; sign += 2) {
         restart();
         turn_for(1.5, 1e-4);
         lost_counts = sign * 30; /* 61 degrees electrical */
         turn_for(0.2, 1e-4);
-        TEST_ASSERT_TRUE(encoder.valid); /* nobody can know yet */
+        TEST_ASSERT_TRUE(encoder.valid); /* not detected before the index */
         turn_for(0.8, 1e-4);
         TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
         TEST_ASSERT_FALSE(encoder.valid);
@@ -215,7 +213,7 @@ void test_counts_that_are_lost_or_invented_end_the_angles_validity_until_two_pul
     }
 }
 
-void test_a_count_lost_now_and_then_adds_up_until_it_is_seen(void)
+void test_single_lost_counts_add_up_to_a_fault(void)
 {
     turn_for(1.5, 1e-4);
     int turns = 0;
@@ -228,7 +226,7 @@ void test_a_count_lost_now_and_then_adds_up_until_it_is_seen(void)
     TEST_ASSERT_EQUAL_INT(5, turns);
 }
 
-void test_a_false_index_pulse_takes_the_validity_away_and_the_true_ones_bring_it_back(void)
+void test_false_index_pulse_invalidates_the_angle_until_two_pulses_agree(void)
 {
     turn_for(1.5, 1e-4);
     const uint16_t here = counter_at(shaft_turns);
@@ -237,7 +235,7 @@ void test_a_false_index_pulse_takes_the_validity_away_and_the_true_ones_bring_it
     encoder_step(&encoder, &config, &spark);
     TEST_ASSERT_FALSE(encoder.valid);
     TEST_ASSERT_EQUAL_UINT16(1, encoder.faults);
-    turn_for(1.0, 1e-4); /* true, but contradicts the spark */
+    turn_for(1.0, 1e-4); /* correct, but contradicts the false pulse */
     TEST_ASSERT_FALSE(encoder.valid);
     TEST_ASSERT_EQUAL_UINT16(2, encoder.faults);
     turn_for(1.0, 1e-4);
@@ -245,7 +243,7 @@ void test_a_false_index_pulse_takes_the_validity_away_and_the_true_ones_bring_it
     TEST_ASSERT_DOUBLE_WITHIN(1.6 * count_turns(), 0.0, angle_error_turns());
 }
 
-void test_an_index_that_stops_coming_is_counted_every_turn_and_leaves_the_angle_good(void)
+void test_missing_index_is_a_warning_per_turn_and_the_angle_stays_valid(void)
 {
     turn_for(1.5, 1e-4);
     for (int n = 0; n < 30000; n++) {
@@ -258,9 +256,9 @@ void test_an_index_that_stops_coming_is_counted_every_turn_and_leaves_the_angle_
     TEST_ASSERT_EQUAL_UINT16(3, encoder.faults);
 }
 
-/* Half an electrical turn in a period is the border between forwards and backwards: 4096 counts and
- * 23 pole pairs, 89 counts. */
-void test_a_jump_of_more_than_half_an_electrical_turn_is_one_that_no_rotor_makes(void)
+/* A change by half an electrical turn in a period has no direction: with 4096 counts and 23 pole
+ * pairs, 89 counts. */
+void test_jump_of_half_an_electrical_turn_in_a_period_is_a_fault(void)
 {
     for (int beyond = 0; beyond <= 1; beyond++) {
         restart();
@@ -274,7 +272,7 @@ void test_a_jump_of_more_than_half_an_electrical_turn_is_one_that_no_rotor_makes
 
 /* After an index that contradicted the counts one that agrees makes the angle good again, from
  * whichever side it is met: at the same place, a turn forwards, or a turn backwards. */
-void test_an_index_that_agrees_makes_a_contradicted_angle_valid_again(void)
+void test_next_agreeing_index_makes_the_angle_valid_again(void)
 {
     static const int32_t AWAY[] = {0, 4096, -4096};
     for (int a = 0; a < 3; a++) {
@@ -302,7 +300,7 @@ void test_an_index_that_agrees_makes_a_contradicted_angle_valid_again(void)
 /* Between two counts the tracked angle goes on: the raw count is wrong by 1/sqrt 12 of a count
  * (root of the mean square). The loop leaves a beat of at most a tenth of that; half as much is
  * asked for. */
-void test_between_two_counts_the_angle_is_better_than_the_count(void)
+void test_tracked_angle_is_more_accurate_than_the_count(void)
 {
     configure(1000, 0);
     turn_for(2.0, 7.3e-5);
@@ -317,8 +315,7 @@ void test_between_two_counts_the_angle_is_better_than_the_count(void)
 
 /* An angle to let the torque go with, and a speed that does not vanish: the counts go on from where
  * the rotor is. */
-void test_a_jump_that_no_rotor_makes_is_not_followed_and_the_angle_goes_on_until_the_index_is_seen(
-    void)
+void test_angle_continues_with_the_last_speed_after_an_impossible_jump(void)
 {
     turn_for(1.5, 1e-4);
     const int32_t speed_q32 = encoder.tracker.speed_q32;
@@ -338,7 +335,7 @@ void test_a_jump_that_no_rotor_makes_is_not_followed_and_the_angle_goes_on_until
     TEST_ASSERT_DOUBLE_WITHIN(1.6 * count_turns(), 0.0, angle_error_turns());
 }
 
-void test_the_age_counts_the_periods_without_a_count(void)
+void test_age_is_the_number_of_periods_without_a_count(void)
 {
     turn_for(1.5, 1e-4);
     TEST_ASSERT_TRUE(encoder.age_periods <= (int32_t)(1.0 / (1e-4 * 4096)) + 1);
@@ -351,7 +348,7 @@ void test_the_age_counts_the_periods_without_a_count(void)
     TEST_ASSERT_INT32_WITHIN(100, 0, encoder.tracker.speed_q32);
 }
 
-void test_standing_between_two_counts_with_a_trembling_track_makes_no_speed_worth_the_name(void)
+void test_dither_between_two_counts_gives_less_than_1_rpm(void)
 {
     turn_for(1.5, 1e-4);
     double largest = 0.0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The demagnetising current: comes when the voltage runs out, goes when it is back, never beyond
- * its limits. */
+/* Field weakening: i_d falls above the voltage limit, returns to zero below it, and stays within
+ * its limit. */
 #include "field_weakening.h"
 #include "paper_vehicle.h"
 #include "unity.h"
@@ -29,14 +29,14 @@ static int32_t after(field_weakening_t *state, int steps, int32_t d, int32_t q, 
     return field_weakening_current_pu(state);
 }
 
-void test_with_voltage_to_spare_there_is_none(void)
+void test_field_weakening_current_is_zero_below_the_voltage_limit(void)
 {
     field_weakening_t state;
     field_weakening_init(&state, &config);
     TEST_ASSERT_EQUAL_INT32(0, after(&state, 1000, 0, 20000, 500, 8000));
 }
 
-void test_beyond_the_circle_it_grows_and_stops_at_its_limit(void)
+void test_field_weakening_current_grows_above_the_voltage_limit_up_to_its_own(void)
 {
     field_weakening_t state;
     field_weakening_init(&state, &config);
@@ -49,7 +49,7 @@ void test_beyond_the_circle_it_grows_and_stops_at_its_limit(void)
     TEST_ASSERT_EQUAL_INT32(-8000, before);
 }
 
-void test_it_returns_to_exactly_zero(void)
+void test_field_weakening_current_returns_to_exactly_zero(void)
 {
     field_weakening_t state;
     field_weakening_init(&state, &config);
@@ -57,7 +57,7 @@ void test_it_returns_to_exactly_zero(void)
     TEST_ASSERT_EQUAL_INT32(0, after(&state, 1000, 0, 0, 5000, 8000));
 }
 
-void test_one_step_is_four_periods_of_gain_times_missing_squared_voltage(void)
+void test_one_step_is_four_periods_of_gain_times_the_missing_squared_voltage(void)
 {
     /* |u|^2 = 1 in either axis is the circle; the target as generated is 0.96887 of the voltage. */
     field_weakening_t state;
@@ -68,7 +68,7 @@ void test_one_step_is_four_periods_of_gain_times_missing_squared_voltage(void)
                               4.0 * state.current_q28); /* Q30 */
 }
 
-void test_driving_and_braking_are_treated_alike(void)
+void test_field_weakening_is_symmetric_in_the_sign_of_the_voltage(void)
 {
     field_weakening_t forward;
     field_weakening_init(&forward, &config);
@@ -82,7 +82,7 @@ void test_driving_and_braking_are_treated_alike(void)
     TEST_ASSERT_TRUE(forward.current_q28 < 0);
 }
 
-void test_a_limit_or_a_gain_of_zero_switches_it_off(void)
+void test_limit_or_gain_of_zero_switches_field_weakening_off(void)
 {
     field_weakening_t state;
     field_weakening_init(&state, &config);

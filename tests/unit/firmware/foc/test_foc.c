@@ -28,7 +28,7 @@ static void set_current(double d_pu, double q_pu, uint16_t theta_turn)
 }
 
 /* The stator voltage the compare values make, share of u_dc. */
-static void realised(double *alpha, double *beta)
+static void applied(double *alpha, double *beta)
 {
     const double on[3] = {foc.current.on_q16[0] >> 16, foc.current.on_q16[1] >> 16,
                           foc.current.on_q16[2] >> 16};
@@ -36,7 +36,7 @@ static void realised(double *alpha, double *beta)
     *beta = (on[1] - on[2]) / sqrt(3.0) / PERIOD_COUNTS;
 }
 
-void test_without_run_the_legs_are_centred_and_nothing_is_integrated(void)
+void test_idle_step_centres_the_legs_and_does_not_integrate(void)
 {
     set_current(0.2, 0.3, 0);
     setpoint.i_reference_pu.q = 9000;
@@ -79,7 +79,7 @@ static void turn_current(int periods, int direction, bool permitted)
     }
 }
 
-void test_quarter_turns_of_the_current_are_counted_while_the_bridge_rests(void)
+void test_quadrant_transitions_are_counted_in_the_idle_step(void)
 {
     turn_current(8, 1, false); /* wherever it was before */
     const uint16_t before = report.quadrant_transitions;
@@ -103,7 +103,7 @@ void test_quarter_turns_of_the_current_are_counted_while_the_bridge_rests(void)
     TEST_ASSERT_EQUAL_UINT16((uint16_t)(before - 8), report.quadrant_transitions);
 }
 
-void test_a_current_that_leaps_across_the_middle_counts_as_no_turn(void)
+void test_current_step_across_two_quadrants_does_not_count(void)
 {
     set_current(0.3, 0.1, 0);
     step(false);
@@ -115,7 +115,7 @@ void test_a_current_that_leaps_across_the_middle_counts_as_no_turn(void)
     }
 }
 
-void test_the_back_emf_is_put_where_the_rotor_will_be_one_and_a_half_periods_later(void)
+void test_voltage_angle_is_advanced_by_one_and_a_half_periods(void)
 {
     const double speed_turns = 0.0123; /* 641 r/min of 23 pole pairs */
     for (uint32_t theta = 0; theta < 65536U; theta += 1013U) {
@@ -132,14 +132,14 @@ void test_the_back_emf_is_put_where_the_rotor_will_be_one_and_a_half_periods_lat
             0.5 * speed_turns * 20000.0 * 2.0 * PI * config.motor.flux_linkage_nWb * 1e-9 / v_dc_V;
         double alpha = 0.0;
         double beta = 0.0;
-        realised(&alpha, &beta);
+        applied(&alpha, &beta);
         /* One count of each leg, 1/4200, is what the modulator may be off. */
         TEST_ASSERT_DOUBLE_WITHIN(1.2 / PERIOD_COUNTS, -emf * sin(angle), alpha);
         TEST_ASSERT_DOUBLE_WITHIN(1.2 / PERIOD_COUNTS, emf * cos(angle), beta);
     }
 }
 
-void test_a_positive_q_error_makes_voltage_a_quarter_turn_ahead_of_the_rotor(void)
+void test_positive_q_error_gives_voltage_a_quarter_turn_ahead_of_the_rotor(void)
 {
     setpoint.i_reference_pu.q = 3000;
     for (uint32_t theta = 0; theta < 65536U; theta += 4096U) {
@@ -149,14 +149,14 @@ void test_a_positive_q_error_makes_voltage_a_quarter_turn_ahead_of_the_rotor(voi
         step(true);
         double alpha = 0.0;
         double beta = 0.0;
-        realised(&alpha, &beta);
+        applied(&alpha, &beta);
         const double angle = theta * 2.0 * PI / 65536.0;
         TEST_ASSERT_TRUE(-alpha * sin(angle) + beta * cos(angle) > 0.05);
         TEST_ASSERT_DOUBLE_WITHIN(0.001, 0.0, alpha * cos(angle) + beta * sin(angle));
     }
 }
 
-void test_a_start_after_a_rest_remembers_nothing(void)
+void test_idle_step_resets_the_integrators(void)
 {
     setpoint.i_reference_pu.q = 5000;
     step(true);
@@ -174,7 +174,7 @@ void test_a_start_after_a_rest_remembers_nothing(void)
     TEST_ASSERT_EQUAL_INT32_ARRAY(first, foc.current.on_q16, 3);
 }
 
-void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_and_back(void)
+void test_missing_voltage_raises_field_weakening_up_to_its_limit(void)
 {
     config.current_loop.field_weakening_gain_pu_q15 = 2000;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
@@ -195,8 +195,7 @@ void test_running_out_of_voltage_brings_demagnetising_current_up_to_its_limit_an
     TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening)); /* a rest forgets it */
 }
 
-void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_without_a_new_command(
-    void)
+void test_field_weakening_returns_without_a_new_setpoint(void)
 {
     config.current_loop.field_weakening_gain_pu_q15 = 2000;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
@@ -219,7 +218,7 @@ void test_demagnetising_current_that_is_no_longer_needed_leaves_the_reference_wi
     TEST_ASSERT_EQUAL_INT32(0, period->i_reference_pu.d);
 }
 
-void test_the_limit_flag_says_whether_the_circle_bit_in_this_period(void)
+void test_limited_flag_is_set_in_periods_at_the_voltage_limit(void)
 {
     setpoint.tuning.forward_q_q25 = 20000 * 1024;
     step(true);
@@ -229,7 +228,7 @@ void test_the_limit_flag_says_whether_the_circle_bit_in_this_period(void)
     TEST_ASSERT_TRUE(report.voltage_limited);
 }
 
-void test_offsets_are_averaged_on_command_and_taken_over_once(void)
+void test_offsets_are_averaged_and_applied_once_per_command(void)
 {
     codes[0] = 2060;
     codes[1] = 2040;
@@ -253,7 +252,7 @@ void test_offsets_are_averaged_on_command_and_taken_over_once(void)
     TEST_ASSERT_FALSE(report.offsets_done);
 }
 
-void test_offsets_that_are_asked_for_again_after_a_drive_are_measured_again(void)
+void test_offsets_are_measured_again_on_a_second_command(void)
 {
     setpoint.calibrate_offsets = true;
     for (int n = 0; n < (1 << SENSE_CALIBRATION_LOG2); n++) {
@@ -283,7 +282,7 @@ void test_the_power_report_is_voltage_times_current(void)
     TEST_ASSERT_EQUAL_INT32(in.bus_voltage_code * 8, (int32_t)report.sums.v_dc_pu);
 }
 
-void test_the_bus_voltage_is_eight_a_code_and_codes_beyond_twelve_bits_are_clamped(void)
+void test_bus_voltage_is_eight_lsb_per_code_and_codes_are_clamped_to_12_bits(void)
 {
     in.bus_voltage_code = 1000;
     step(false);
@@ -293,7 +292,7 @@ void test_the_bus_voltage_is_eight_a_code_and_codes_beyond_twelve_bits_are_clamp
     TEST_ASSERT_EQUAL_INT32(4095 * 8, period->v_dc_pu);
 }
 
-void test_a_current_converter_at_its_end_is_reported(void)
+void test_adc_saturation_is_reported(void)
 {
     step(true);
     TEST_ASSERT_FALSE(report.adc_saturated);
@@ -303,7 +302,7 @@ void test_a_current_converter_at_its_end_is_reported(void)
     TEST_ASSERT_TRUE(report.adc_saturated);
 }
 
-void test_two_controllers_in_one_process_do_not_know_of_each_other(void)
+void test_two_instances_in_one_process_are_independent(void)
 {
     foc_state_t alone = foc;
     foc_state_t other;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Healthy hall sensors: what the estimate makes of a rotor that turns, stops, turns round, and of
- * sensors that bounce. */
+/* Healthy hall sensors: the estimate of a rotor that turns, stops and reverses, and with bouncing
+ * sensors. */
 #include "hall_rig.h"
 
 void setUp(void)
@@ -10,7 +10,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_the_first_state_puts_the_angle_into_the_middle_of_its_sector(void)
+void test_first_angle_is_the_middle_of_the_sector(void)
 {
     for (int k = 0; k < 6; k++) {
         restart();
@@ -22,7 +22,7 @@ void test_the_first_state_puts_the_angle_into_the_middle_of_its_sector(void)
     }
 }
 
-void test_at_constant_speed_the_speed_is_known_to_one_period_in_a_turn(void)
+void test_speed_error_is_one_period_per_turn_at_constant_speed(void)
 {
     /* N = 1/speed periods make a turn; counting them is off by at most one: relative error 1/N (and
      * 8e-5 of the reciprocal). */
@@ -37,7 +37,7 @@ void test_at_constant_speed_the_speed_is_known_to_one_period_in_a_turn(void)
     }
 }
 
-void test_at_constant_speed_the_angle_follows_within_two_periods_worth_of_movement(void)
+void test_angle_error_is_within_two_periods_at_constant_speed(void)
 {
     /* An edge is seen up to one period late; until the next edge, a sixth of a turn later, a speed
      * that is wrong by 1/N adds a sixth of a period's movement. */
@@ -52,7 +52,7 @@ void test_at_constant_speed_the_angle_follows_within_two_periods_worth_of_moveme
     }
 }
 
-void test_at_constant_speed_the_angle_is_right_on_average(void)
+void test_mean_angle_error_is_zero_at_constant_speed(void)
 {
     /* An edge lies half a period before the sample that shows it, on average; not to allow for it
      * would be 0.5 here. */
@@ -80,7 +80,7 @@ static void misplace_sensors(void)
     }
 }
 
-void test_calibrated_misplaced_sensors_are_as_good_as_well_placed_ones(void)
+void test_calibrated_misplaced_sensors_have_the_errors_of_ideal_ones(void)
 {
     misplace_sensors();
     for (int k = 0; k < 6; k++) {
@@ -96,7 +96,7 @@ void test_calibrated_misplaced_sensors_are_as_good_as_well_placed_ones(void)
     }
 }
 
-void test_misplaced_sensors_that_nobody_calibrated_do_not_disturb_the_speed(void)
+void test_uncalibrated_misplaced_sensors_do_not_disturb_the_speed(void)
 {
     misplace_sensors(); /* the configuration still says 60 degrees each */
     for (int s = 0; s < SPEED_COUNT; s++) {
@@ -111,7 +111,7 @@ void test_misplaced_sensors_that_nobody_calibrated_do_not_disturb_the_speed(void
     }
 }
 
-void test_the_estimate_never_leaves_the_reported_sector_while_the_speed_changes(void)
+void test_angle_stays_in_the_reported_sector_while_the_speed_changes(void)
 {
     for (int n = 0; n < 60000; n++) {
         turn(0.012 * sin(n * 2.0 * 3.14159265358979323846 / 30000.0)); /* two reversals */
@@ -123,7 +123,7 @@ void test_the_estimate_never_leaves_the_reported_sector_while_the_speed_changes(
 
 /* At a speed at which a rotor can turn round within a sector: 0.0005 turns a period are 10
  * electrical turns a second. */
-void test_after_a_reversal_the_speed_has_the_new_sign_after_two_edges(void)
+void test_speed_has_the_new_sign_two_edges_after_a_reversal(void)
 {
     turn_for(40000, 0.0005);
     const int sector_before = true_sector();
@@ -135,7 +135,7 @@ void test_after_a_reversal_the_speed_has_the_new_sign_after_two_edges(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.0005 / 300.0, -0.0005, speed_turns());
 }
 
-void test_a_rotor_that_swings_about_an_edge_never_has_a_speed(void)
+void test_speed_is_zero_for_a_rotor_oscillating_about_an_edge(void)
 {
     theta_turns = 1.0 / 6.0;
     turn(0.0);
@@ -148,7 +148,7 @@ void test_a_rotor_that_swings_about_an_edge_never_has_a_speed(void)
     }
 }
 
-void test_without_edges_the_speed_dies_away_and_a_quarter_of_a_second_is_standstill(void)
+void test_speed_decays_without_edges_and_is_zero_after_250_ms(void)
 {
     turn_for(40000, 0.0005);
     double before = fabs(speed_turns());
@@ -163,7 +163,7 @@ void test_without_edges_the_speed_dies_away_and_a_quarter_of_a_second_is_standst
     TEST_ASSERT_DOUBLE_WITHIN(1.0 / 12.0 + 1e-4, 0.0, angle_error_turns());
 }
 
-void test_a_rotor_that_stops_is_not_believed_to_turn_for_longer_than_a_few_sectors(void)
+void test_speed_decays_within_a_few_sectors_after_a_stop(void)
 {
     /* A sector took 333 periods. Twice that later the speed decays by 1/64 a period: 1 % is left
      * after 64 ln 100 = 295. */
@@ -187,7 +187,7 @@ static void bounce(int times, double speed_turns_per_period)
     }
 }
 
-void test_a_bounce_between_two_good_states_changes_nothing(void)
+void test_bounce_between_two_valid_states_has_no_effect(void)
 {
     for (int s = 0; s < SPEED_COUNT; s++) {
         restart();
@@ -208,7 +208,7 @@ void test_a_bounce_between_two_good_states_changes_nothing(void)
 
 /* At 50 kHz a turn whose sectors take just less than the quarter of a second that is standing has
  * more periods than 16 bits. */
-void test_a_turn_of_more_periods_than_sixteen_bits_has_its_speed(void)
+void test_speed_is_correct_for_a_turn_of_more_than_65536_periods(void)
 {
     const int sector_periods = 11500;
     config.drive.pwm_frequency_Hz = 50000;
@@ -230,7 +230,7 @@ void test_only_the_three_sensor_bits_are_read(void)
     TEST_ASSERT_TRUE(hall.valid);
 }
 
-void test_a_wait_of_hours_wraps_no_counter(void)
+void test_no_counter_wraps_during_hours_without_an_edge(void)
 {
     turn_for(200000, 0.0);
     TEST_ASSERT_EQUAL_INT32(0, hall.speed_q32);

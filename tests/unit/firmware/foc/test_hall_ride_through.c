@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Hall sensors that contradict themselves: noticed, not believed, and the angle goes on so that the
- * torque can leave. */
+/* Hall fault ride-through: contradicting sensors are detected, and dead reckoning continues the
+ * angle so that the torque can fall in a ramp. */
 #include "hall_rig.h"
 
 void setUp(void)
@@ -10,7 +10,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_an_impossible_state_is_ridden_through_like_a_bounce(void)
+void test_short_impossible_state_is_ignored_like_a_bounce(void)
 {
     turn_for(4000, 0.005);
     for (int n = 0; n < HALL_INVALID_PERIODS - 1; n++) {
@@ -22,9 +22,8 @@ void test_an_impossible_state_is_ridden_through_like_a_bounce(void)
     }
 }
 
-/* Whatever a doubt began with: six edges in order end it, not fewer, and the angle has not got lost
- * meanwhile. */
-static void heals_after_six_edges(double speed)
+/* Six edges in order end a ride-through, with the correct angle. */
+static void assert_healed_after_six_edges(double speed)
 {
     TEST_ASSERT_FALSE(hall.valid);
     int edges = 0;
@@ -41,7 +40,7 @@ static void heals_after_six_edges(double speed)
     TEST_ASSERT_DOUBLE_WITHIN(2.0 * fabs(speed) + 1e-4, 0.0, angle_error_turns());
 }
 
-void test_an_impossible_state_that_lasts_is_believed_and_a_turn_in_order_heals_it(void)
+void test_lasting_impossible_state_is_a_fault_that_heals_after_a_turn_in_order(void)
 {
     for (int state = 0; state <= 7; state += 7) {
         restart();
@@ -54,12 +53,12 @@ void test_an_impossible_state_that_lasts_is_believed_and_a_turn_in_order_heals_i
         TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
         /* Dead reckoning: 64 periods with a speed known to 0.5 %, and a period of the last edge. */
         TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.0, angle_error_turns());
-        heals_after_six_edges(0.005);
+        assert_healed_after_six_edges(0.005);
     }
 }
 
-/* Edges in order around a state that no rotor makes are not a turn in order. */
-void test_an_impossible_state_in_a_doubt_begins_the_count_of_edges_anew(void)
+/* An impossible state during a ride-through restarts the count of edges. */
+void test_impossible_state_during_ride_through_restarts_the_count_of_edges(void)
 {
     turn_for(4000, 0.005);
     for (int n = 0; n < HALL_INVALID_PERIODS; n++) {
@@ -72,10 +71,10 @@ void test_an_impossible_state_in_a_doubt_begins_the_count_of_edges_anew(void)
     }
     theta_turns += 0.005;
     hall_step(&hall, &config, 7);
-    heals_after_six_edges(0.005);
+    assert_healed_after_six_edges(0.005);
 }
 
-void test_an_edge_that_bounces_in_doubt_counts_once(void)
+void test_bouncing_edge_during_ride_through_counts_once(void)
 {
     turn_for(4000, 0.005);
     for (int n = 0; n < HALL_INVALID_PERIODS; n++) {
@@ -94,14 +93,15 @@ void test_an_edge_that_bounces_in_doubt_counts_once(void)
             hall_step(&hall, &config, STATE_OF_SECTOR[left]);
         }
     }
-    TEST_ASSERT_INT_WITHIN(1, 6, edges + 1); /* the last one ends the doubt before it can bounce */
+    TEST_ASSERT_INT_WITHIN(1, 6,
+                           edges + 1); /* the last edge ends the ride-through before it bounces */
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 0.0, angle_error_turns());
 }
 
-/* 40 Nm leave at 400 Nm/s in 0.1 s, 2000 periods; the speed is known to a period in a turn of 200,
- * so ten turns are known to 0.05. An angle that stood still meanwhile would turn what is left of
- * the torque round, and a blind wheel would drive. */
-void test_with_all_sensors_gone_the_angle_goes_on_for_as_long_as_the_torque_needs_to_leave(void)
+/* 40 Nm fall to zero at 400 Nm/s in 0.1 s, 2000 periods. The speed is known to one period in a turn
+ * of 200, so the angle of ten turns to 0.05. With a constant angle the remaining torque would
+ * change its sign and drive the wheel. */
+void test_dead_reckoning_lasts_for_the_torque_ramp_after_loss_of_all_sensors(void)
 {
     for (int state = 0; state <= 7; state += 7) {
         restart();
@@ -115,8 +115,7 @@ void test_with_all_sensors_gone_the_angle_goes_on_for_as_long_as_the_torque_need
     }
 }
 
-void test_a_standstill_with_a_possible_state_heals_a_doubt_and_one_with_an_impossible_state_does_not(
-    void)
+void test_standstill_heals_a_fault_only_with_a_valid_state(void)
 {
     turn_for(4000, 0.005);
     for (int n = 0; n < 20000; n++) {
@@ -129,7 +128,7 @@ void test_a_standstill_with_a_possible_state_heals_a_doubt_and_one_with_an_impos
     assert_inside_sector();
 }
 
-void test_before_the_first_good_state_the_angle_is_not_valid(void)
+void test_angle_is_invalid_before_the_first_valid_state(void)
 {
     hall_step(&hall, &config, 0);
     TEST_ASSERT_FALSE(hall.valid);
@@ -139,23 +138,24 @@ void test_before_the_first_good_state_the_angle_is_not_valid(void)
     TEST_ASSERT_TRUE(hall.valid);
 }
 
-void test_a_skipped_sector_is_counted_and_a_turn_in_order_heals_it(void)
+void test_skipped_sector_is_counted_and_heals_after_a_turn_in_order(void)
 {
     for (int back = -1; back <= 1; back += 2) {
         for (int jump = 2; jump <= 4; jump++) {
             restart();
             turn_for(4000, back * 0.005);
-            hall_step(&hall, &config,
-                      STATE_OF_SECTOR[(true_sector() + jump) % 6]); /* a spark, one period long */
+            hall_step(
+                &hall, &config,
+                STATE_OF_SECTOR[(true_sector() + jump) % 6]); /* a disturbance of one period */
             TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
             theta_turns += back * 0.005;
             TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, angle_error_turns());
-            heals_after_six_edges(back * 0.005);
+            assert_healed_after_six_edges(back * 0.005);
         }
     }
 }
 
-void test_a_reversal_that_no_rotor_can_make_is_a_doubt_and_not_followed(void)
+void test_impossible_reversal_starts_ride_through(void)
 {
     turn_for(4000, 0.005); /* a sector in 33 periods */
     const int sector = true_sector();
@@ -168,12 +168,12 @@ void test_a_reversal_that_no_rotor_can_make_is_a_doubt_and_not_followed(void)
     TEST_ASSERT_EQUAL_UINT16(1, hall.faults);
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 0.0, angle_error_turns());
     TEST_ASSERT_DOUBLE_WITHIN(0.005 * 0.01, 0.005, speed_turns());
-    heals_after_six_edges(0.005);
+    assert_healed_after_six_edges(0.005);
 }
 
-/* From when it fails until half a second later: the angle never gets lost, so that the torque can
- * leave in its ramp. */
-void test_with_a_stuck_sensor_the_angle_goes_on_and_is_never_believed_again(void)
+/* For half a second after the failure the angle error stays bounded, so that the torque can fall in
+ * a ramp. */
+void test_stuck_sensor_keeps_a_bounded_angle_error_and_never_heals(void)
 {
     for (int sensor = 0; sensor < 3; sensor++) {
         for (int stuck = 0; stuck <= 1; stuck++) {
@@ -202,14 +202,14 @@ void test_with_a_stuck_sensor_the_angle_goes_on_and_is_never_believed_again(void
                             TEST_ASSERT_DOUBLE_WITHIN(most, 0.0, angle_error_turns());
                         }
                     }
-                    TEST_ASSERT_TRUE(worst < 0.36); /* until it is noticed: two sectors */
+                    TEST_ASSERT_TRUE(worst < 0.36); /* until it is detected: two sectors */
                 }
             }
         }
     }
 }
 
-void test_a_stuck_sensor_is_noticed_within_one_electrical_turn(void)
+void test_stuck_sensor_is_detected_within_one_electrical_turn(void)
 {
     for (int sensor = 0; sensor < 3; sensor++) {
         for (int stuck = 0; stuck <= 1; stuck++) {
@@ -234,9 +234,8 @@ void test_a_stuck_sensor_is_noticed_within_one_electrical_turn(void)
     }
 }
 
-/* The speed that was, for as long as it takes through one and a half sectors of 1/6 turn, and no
- * edge: 50 periods of 0.005 turns. */
-void test_a_stop_that_no_rotor_can_make_is_noticed_half_a_sector_beyond_its_end(void)
+/* No edge for one and a half sectors of 1/6 turn at the last speed: 50 periods of 0.005 turns. */
+void test_impossible_stop_is_detected_half_a_sector_beyond_the_sector(void)
 {
     turn_for(4000, 0.005);
     int32_t since_edge = hall.periods_since_edge;
@@ -248,8 +247,8 @@ void test_a_stop_that_no_rotor_can_make_is_noticed_half_a_sector_beyond_its_end(
     TEST_ASSERT_INT32_WITHIN(1, 51, since_edge);
 }
 
-/* From 100 turns a second to nothing within two sectors: a dead set of sensors, not a rotor. */
-void test_a_stop_that_no_rotor_can_make_is_a_doubt_and_a_standstill_heals_it(void)
+/* From 100 turns a second to zero within two sectors: dead sensors. */
+void test_impossible_stop_starts_ride_through_and_heals_at_standstill(void)
 {
     turn_for(4000, 0.005);
     turn_for(2 * 34 + 34, 0.0);

@@ -24,7 +24,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_six_steps_on_are_a_turn_and_a_step_back_undoes_one(void)
+void test_six_sector_steps_are_a_turn(void)
 {
     uint32_t turn = 0;
     for (uint8_t sector = 0; sector < 6; sector++) {
@@ -54,7 +54,7 @@ void test_an_angle_is_limited_to_the_sector_and_moved_no_further_than_to_its_bor
             TEST_ASSERT_LESS_OR_EQUAL(width, inside);
             if (was < width - 1) {
                 TEST_ASSERT_EQUAL_UINT16(was, inside);
-            } else { /* the nearer border */
+            } else { /* the closer border */
                 const bool beyond_the_end = was - width < 65536 - was;
                 TEST_ASSERT_INT_WITHIN(2, beyond_the_end ? width : 0, inside);
             }
@@ -94,8 +94,7 @@ void test_the_speed_is_the_turn_of_the_last_six_sectors_over_their_time(void)
     }
 }
 
-void test_an_overdue_edge_takes_a_sixty_fourth_of_the_speed_and_a_quarter_of_a_second_all_of_it(
-    void)
+void test_speed_decays_by_a_64th_per_period_of_an_overdue_edge_and_is_zero_after_250_ms(void)
 {
     enter_sector(&hall, &config, 2);
     hall.speed_q32 = 6400000;
@@ -114,7 +113,7 @@ void test_an_overdue_edge_takes_a_sixty_fourth_of_the_speed_and_a_quarter_of_a_s
     TEST_ASSERT_EQUAL_HEX32(middle_q32(&hall), hall.theta_q32);
 }
 
-void test_a_standstill_forgets_the_movement(void)
+void test_standstill_clears_the_sector_times(void)
 {
     enter_sector(&hall, &config, 4);
     time_sector(&hall, &config, 3, 100);
@@ -134,7 +133,7 @@ void test_a_standstill_forgets_the_movement(void)
     TEST_ASSERT_EQUAL_UINT32(hall.theta_q32, hall.edge_theta_q32);
 }
 
-void test_no_measured_speed_is_beyond_a_quarter_turn_per_period(void)
+void test_measured_speed_is_at_most_a_quarter_turn_per_period(void)
 {
     hall.timed_turn = 16384; /* the widest sector that a configuration may have */
     hall.timed_periods = 1;

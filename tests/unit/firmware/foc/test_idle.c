@@ -11,7 +11,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_an_idle_step_resets_what_a_drive_left_behind(void)
+void test_idle_step_resets_the_controller_state(void)
 {
     setpoint.i_reference_pu.q = 5000;
     for (int n = 0; n < 100; n++) {

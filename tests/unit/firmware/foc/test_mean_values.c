@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the slow loop makes of the fast loop's sums. */
+/* Mean values of the averaging window from the fast loop's sums. */
 #include <string.h>
 
 #include "foc/mean_values.h"
@@ -26,14 +26,14 @@ static void add(int32_t d, int32_t q, int32_t power, int32_t v_dc)
     report.sequence++;
 }
 
-void test_before_the_first_step_the_given_bus_voltage_and_no_current_count(void)
+void test_initial_means_are_the_given_bus_voltage_and_zero_current(void)
 {
     const mean_values_t out = mean_values_step(&state, &report);
     TEST_ASSERT_EQUAL_INT32(12345, out.v_dc_pu);
     TEST_ASSERT_EQUAL_INT32(0, out.i_pu.q);
 }
 
-void test_each_look_has_the_mean_of_its_own_steps_only(void)
+void test_each_window_has_the_mean_of_its_own_steps(void)
 {
     for (int look = 0; look < 4; look++) {
         int32_t sum = 0;
@@ -49,7 +49,7 @@ void test_each_look_has_the_mean_of_its_own_steps_only(void)
     }
 }
 
-void test_without_a_new_step_the_last_mean_stays(void)
+void test_mean_is_unchanged_without_a_new_step(void)
 {
     add(-300, 400, 500, 28000);
     (void)mean_values_step(&state, &report);

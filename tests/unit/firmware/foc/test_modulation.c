@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Modulation: line voltages, margins, and the limit that makes clamping superfluous. */
+/* Modulation: line voltages, shortest pulses, and the voltage limit. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -41,7 +41,7 @@ static ab_t vector(double length, double angle)
     return u;
 }
 
-void test_no_voltage_is_half_a_period_on_every_leg(void)
+void test_zero_voltage_is_half_a_period_on_every_leg(void)
 {
     for (int p = 0; p < PERIOD_COUNT; p++) {
         const modulation_t modulation = modulation_of(PERIODS[p], PERIODS[p] / 20, 0, 32767);
@@ -113,7 +113,7 @@ void test_a_vector_on_the_circle_with_the_largest_trim_leaves_the_shortest_pulse
     }
 }
 
-void test_the_wanted_limit_is_kept_when_there_is_room_for_it(void)
+void test_configured_limit_applies_where_the_pulses_allow_it(void)
 {
     /* The limit is moved to the next whole scale below: by less than sqrt 3 / period. */
     const modulation_t modulation = modulation_of(4200, 100, 0, 26000);

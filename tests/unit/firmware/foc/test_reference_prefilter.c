@@ -9,9 +9,9 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_the_sampled_loop_answers_a_prefiltered_change_as_designed_at_every_sample(void)
+void test_response_to_a_prefiltered_step_is_the_designed_one_at_every_sample(void)
 {
-    /* i[n+2] = i[n+1] + K (r[n] - i[n]): what gains and delay make of winding and regulator. */
+    /* i[n+2] = i[n+1] + K (r[n] - i[n]): winding, current controller and delay. */
     for (int k = 0; k < BANDWIDTHS; k++) {
         config.current_loop.bandwidth_Hz = BANDWIDTHS_Hz[k];
         start();
@@ -33,13 +33,13 @@ void test_the_sampled_loop_answers_a_prefiltered_change_as_designed_at_every_sam
     }
 }
 
-void test_without_the_prefilter_the_loop_is_a_twentieth_ahead_at_the_first_sample(void)
+void test_without_the_prefilter_the_response_deviates_by_5_percent_at_the_first_sample(void)
 {
     const double b = half_period(1000);
     TEST_ASSERT_TRUE(b * b * (1.0 - b * b) - designed(b, 2) > 0.05);
 }
 
-void test_every_sequence_of_references_is_answered_as_the_sum_of_its_changes(void)
+void test_response_to_any_references_is_the_superposition_of_step_responses(void)
 {
     config.current_loop.bandwidth_Hz = 1000;
     start();
@@ -64,7 +64,7 @@ void test_every_sequence_of_references_is_answered_as_the_sum_of_its_changes(voi
     }
 }
 
-void test_it_settles_in_the_third_period_after_a_change_and_not_before(void)
+void test_output_settles_in_the_third_period_after_a_step(void)
 {
     start();
     const dq_t reference = {.d = 100, .q = -7000};

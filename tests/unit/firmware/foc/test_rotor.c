@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which sensor is read, and what is made of it. */
+/* Selection of the configured rotor sensor, and its angle, speed and faults. */
 #include <math.h>
 #include <string.h>
 
@@ -45,7 +45,7 @@ static rotor_out_t step(double turns)
     return look((uint16_t)((int64_t)floor(turns * 65536.0) & 0xFFFF), 0, &NO_ENCODER);
 }
 
-void test_the_first_angle_is_taken_as_it_is(void)
+void test_first_angle_is_the_sensor_s_angle(void)
 {
     const rotor_out_t seen = step(0.7);
     TEST_ASSERT_INT32_WITHIN(1, 0, angle_difference(seen.theta_turn, (uint16_t)(0.7 * 65536.0)));
@@ -85,8 +85,8 @@ void test_an_encoder_is_read_only_when_the_configuration_says_so(void)
 }
 
 /* An encoder at constant speed, one count of 4096 a period, for 30 time constants of the loop, and
- * then a spark for an index. */
-void test_an_encoder_s_speed_age_and_faults_are_told(void)
+ * then a false index pulse. */
+void test_encoder_speed_age_and_faults_are_reported(void)
 {
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     config.rotor.encoder_counts = 4096;
@@ -112,7 +112,7 @@ void test_an_encoder_s_speed_age_and_faults_are_told(void)
 }
 
 /* A fiftieth of a turn a period, 400 turns a second, for 30 time constants of the loop. */
-void test_an_absolute_angle_has_a_speed_and_no_faults(void)
+void test_absolute_angle_has_a_speed_and_no_faults(void)
 {
     for (int n = 0; n < 2000; n++) {
         (void)step(0.02 * n);
@@ -121,13 +121,12 @@ void test_an_absolute_angle_has_a_speed_and_no_faults(void)
     TEST_ASSERT_EQUAL_UINT16(0, out.faults);
 }
 
-void test_a_new_start_of_the_halls_knows_nothing_of_the_last_one(void)
+void test_init_resets_the_hall_estimate(void)
 {
     config.rotor.sensor = CONFIG_ROTOR_HALL;
     memset(&rotor, 0xA5, sizeof rotor);
     rotor_init(&rotor, &config);
     TEST_ASSERT_FALSE(rotor.hall.started);
-    TEST_ASSERT_FALSE(
-        look(0, 7, &NO_ENCODER).valid); /* an impossible state says nothing of the angle */
+    TEST_ASSERT_FALSE(look(0, 7, &NO_ENCODER).valid); /* an impossible state gives no angle */
     TEST_ASSERT_EQUAL_UINT16(0, out.faults);
 }

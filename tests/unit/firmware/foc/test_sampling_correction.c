@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is sampled beside what is meant, against a motor fed in steps, integrated in double
- * precision. */
+/* Difference between sampled and mean current, against a motor with a stepwise constant voltage,
+ * integrated in double precision. */
 #include "foc/sampling_correction.h"
 
 #include <math.h>
@@ -54,7 +54,7 @@ static seen_t period(const machine_t *m, double turn, double u_d, double u_q, do
 
 /* The steady state with about this mean current. Where a period ends is linear in where it begins;
  * it must be the same. */
-static seen_t fed(const machine_t *m, double turn, double i_d, double i_q)
+static seen_t stepped_supply(const machine_t *m, double turn, double i_d, double i_q)
 {
     const double w = 2.0 * PI * turn;
     const double longer =
@@ -88,7 +88,7 @@ static void check(const config_t *config, double turn, double i_d, double i_q)
         .l_q = config->current_loop.inductance_q_pu_q16 * per_w,
         .psi = config->current_loop.flux_pu_q16 * per_w,
     };
-    const seen_t seen = fed(&machine, turn, i_d, i_q);
+    const seen_t seen = stepped_supply(&machine, turn, i_d, i_q);
     const sampling_correction_t at = sampling_correction_at(
         config, (int32_t)lround(turn * 4294967296.0), config->motor.reference_temperature_cC);
     const dq_t mean = {.d = (int32_t)lround(seen.mean_d * 32768.0),
@@ -108,7 +108,7 @@ static void check(const config_t *config, double turn, double i_d, double i_q)
                             sampling_correction_d_pu(&at));
 }
 
-void test_a_current_is_sampled_where_a_motor_fed_in_steps_has_it(void)
+void test_sampled_current_is_that_of_a_motor_with_stepwise_constant_voltage(void)
 {
     const config_t config = salient_vehicle();
     const double turns[] = {0.005, 0.01, 0.02, 0.03, 0.05, -0.02, -0.05};
@@ -119,7 +119,7 @@ void test_a_current_is_sampled_where_a_motor_fed_in_steps_has_it(void)
     }
 }
 
-void test_at_standstill_sample_and_mean_are_the_same(void)
+void test_sampled_and_mean_current_are_equal_at_standstill(void)
 {
     const config_t config = paper_vehicle();
     const sampling_correction_t at = sampling_correction_at(&config, 0, 2500);
@@ -130,7 +130,7 @@ void test_at_standstill_sample_and_mean_are_the_same(void)
     TEST_ASSERT_EQUAL_INT32(20000, sampling_correction_mean_voltage(&at, 20000));
 }
 
-void test_a_voltage_that_stands_still_while_the_rotor_turns_is_shorter_by_its_sinc(void)
+void test_mean_voltage_in_the_rotor_frame_is_reduced_by_sinc(void)
 {
     const config_t config = paper_vehicle();
     for (double turn = -0.05; turn <= 0.05; turn += 0.005) {
@@ -143,7 +143,7 @@ void test_a_voltage_that_stands_still_while_the_rotor_turns_is_shorter_by_its_si
     }
 }
 
-void test_no_speed_and_no_temperature_leads_out_of_the_formats(void)
+void test_correction_stays_in_its_format_at_any_speed_and_temperature(void)
 {
     const config_t config = salient_vehicle();
     const int32_t extremes[] = {INT32_MIN, -1, 0, 1, INT32_MAX};

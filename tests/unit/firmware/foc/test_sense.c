@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* From codes to currents: which phase is reconstructed, what adds up, what counts as saturated, and
- * the offsets. */
+/* From ADC codes to currents: the reconstructed phase, the current sum, ADC saturation, offsets. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -31,7 +30,7 @@ static void check_vector(double a, double b_less_c, ab16_t i)
     TEST_ASSERT_DOUBLE_WITHIN(0.53, fmax(beta, -32768.0), q_pair_y(i.v));
 }
 
-void test_mid_range_is_no_current_and_the_ends_are_full_scale(void)
+void test_mid_range_is_zero_current_and_the_ends_are_full_scale(void)
 {
     /* 2048 codes = 1.0 = 32768: 16 a code. Phase c is longest on and worked out from a and b. */
     const int32_t on[3] = {100, 200, 300};
@@ -44,7 +43,7 @@ void test_mid_range_is_no_current_and_the_ends_are_full_scale(void)
     check_vector(-32768.0, 2047.0 * 16.0 - 16.0, sense_step(&state, ends, on).i);
 }
 
-void test_the_phase_with_the_longest_on_time_is_worked_out_from_the_other_two(void)
+void test_phase_with_the_longest_on_time_is_reconstructed_from_the_others(void)
 {
     static const int32_t ON[6][3] = {{9, 5, 1}, {9, 1, 5}, {5, 9, 1},
                                      {1, 9, 5}, {5, 1, 9}, {1, 5, 9}};
@@ -59,7 +58,7 @@ void test_the_phase_with_the_longest_on_time_is_worked_out_from_the_other_two(vo
     }
 }
 
-void test_on_a_tie_the_earlier_phase_is_worked_out(void)
+void test_earlier_phase_is_reconstructed_on_a_tie(void)
 {
     static const int32_t ON[4][3] = {{7, 7, 7}, {7, 7, 1}, {7, 1, 7}, {1, 7, 7}};
     static const int EARLIER[4] = {0, 0, 0, 1};
@@ -85,7 +84,7 @@ void test_all_codes_give_the_vector_of_their_phases_unless_it_saturates(void)
     }
 }
 
-void test_a_current_at_an_end_of_its_converter_s_range_is_seen_and_one_code_inside_is_not(void)
+void test_adc_saturation_is_detected_at_the_end_codes_only(void)
 {
     /* Zeros away from mid-range: what code 0 and code 4095 stand for moves with them. */
     static const int32_t OFFSETS[3][3] = {
@@ -164,7 +163,7 @@ void test_the_highest_codes_do_not_overflow_the_sum(void)
     TEST_ASSERT_EQUAL_INT32(4095 * 16, state.offset_q4[2]);
 }
 
-void test_samples_after_the_calibration_change_nothing(void)
+void test_samples_after_the_calibration_do_not_change_the_offsets(void)
 {
     calibrate(2100, 2100, 2100);
     calibrate(0, 0, 0);

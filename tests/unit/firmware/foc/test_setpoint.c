@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the fast reach makes of a setpoint: the reference, its limits, and the current that dead
- * time is compensated for. */
+/* How the fast loop applies a setpoint: prefilter, current limits, and the current used for
+ * dead-time compensation. */
 #include <math.h>
 
 #include "current_predictor.h"
@@ -64,7 +64,7 @@ void test_a_change_of_reference_is_prefiltered_over_two_periods(void)
     }
 }
 
-void test_dead_time_is_compensated_for_the_predicted_current(void)
+void test_dead_time_compensation_uses_the_predicted_current(void)
 {
     config.drive.dead_time_ns = 1000;
     config.drive.diode_drop_mV = 0;
@@ -108,7 +108,7 @@ void test_a_start_after_an_idle_period_predicts_from_zero(void)
                               dq_of(current_predictor_step(&foc.current.predictor)).q);
 }
 
-void test_demagnetising_current_grows_by_gain_times_missing_square_in_every_period(void)
+void test_field_weakening_current_grows_by_gain_times_missing_square_in_every_period(void)
 {
     config.current_loop.field_weakening_gain_pu_q15 = 20;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
@@ -152,7 +152,7 @@ void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
     TEST_ASSERT_EQUAL_INT32(4000, period->voltage.unsaturated_q); /* the last one was inside */
 }
 
-void test_a_setpoint_that_meets_a_hall_edge_waits_one_period_and_not_longer(void)
+void test_setpoint_in_the_period_of_a_hall_edge_is_applied_one_period_later(void)
 {
     config.rotor.sensor = CONFIG_ROTOR_HALL;
     restart();

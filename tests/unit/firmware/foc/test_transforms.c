@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Park and back: known vectors, round trips and the largest inputs. Maximum errors over millions of
- * inputs are the property tests' business. */
+/* Park and inverse Park: known vectors, round trips and the largest inputs. The property tests give
+ * maximum errors over millions of inputs. */
 #include <math.h>
 #include <stdlib.h>
 

@@ -59,7 +59,7 @@ void test_gains_in_modulation_units_are_the_configured_volts_over_the_unit(void)
     }
 }
 
-void test_the_integral_gain_follows_the_winding_as_copper_does_and_the_proportional_does_not(void)
+void test_integral_gain_follows_the_winding_resistance_and_proportional_gain_does_not(void)
 {
     const int32_t reference_cC = config.motor.reference_temperature_cC;
     const current_tuning_t before = current_tuning(&config, 27493, 28102, 0, reference_cC);
@@ -116,7 +116,7 @@ void test_the_angle_is_advanced_by_one_and_a_half_periods(void)
     }
 }
 
-void test_a_bus_voltage_below_a_sixteenth_counts_as_a_sixteenth(void)
+void test_bus_voltage_is_clamped_to_at_least_a_sixteenth(void)
 {
     const current_tuning_t lowest =
         current_tuning(&config, 27493, 2048, 1000000, config.motor.reference_temperature_cC);

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * controller_rig.h: a controller with somebody who calls its two steps on time and carries the
- * exchange across.
+ * controller_rig.h: a controller whose two steps are called at their rates, with the messages
+ * between them.
  *
- * There is no motor: codes are what the test says they are, or, if it says so, those of the current
- * that is asked for, and only the rotor's angle moves on. Whether a motor then does what it should
- * is asked in tests/closed_loop.
+ * There is no motor: a test sets the codes, or selects those of the setpoint's current (`follows`).
+ * Only the rotor angle advances. With a motor: tests/closed_loop.
  */
 #ifndef CONTROLLER_RIG_H
 #define CONTROLLER_RIG_H

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * hall_rig.h: a rotor that turns as told, three hall sensors on it, and the estimate that is made
- * of them.
+ * hall_rig.h: a simulated rotor with three hall sensors, and the hall estimate.
  */
 #ifndef HALL_RIG_H
 #define HALL_RIG_H
@@ -40,7 +39,7 @@ static inline int true_sector(void)
     return sector;
 }
 
-/* How far the estimate lies ahead of the truth, turns. */
+/* Error of the estimate, turns, positive ahead of the true angle. */
 static inline double angle_error_turns(void)
 {
     const double estimate = hall.theta_q32 / 4294967296.0;

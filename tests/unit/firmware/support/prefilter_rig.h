@@ -39,7 +39,7 @@ typedef struct {
     dq_t target_pu;    /* of the delay compensation */
 } shaped_t;
 
-/* What foc.c does with a reference in a period. */
+/* One period of the reference as foc.c computes it. */
 static inline shaped_t shape(reference_prefilter_t *of, current_predictor_t *by, dq_t reference,
                              dq_t settled)
 {
