@@ -21,7 +21,8 @@
 #include "config/config.h"
 #include "foc/foc.h"
 
-enum { ENCODER_OVERDUE_DIVISOR = 8 /* an index is missing 1/8 turn beyond a whole one */ };
+/* An index is missing 1/8 turn beyond a whole one: geometry, wider than any index pulse. */
+enum { ENCODER_OVERDUE_DIVISOR = 8 };
 
 /* Only with config.rotor.sensor = CONFIG_ROTOR_ENCODER. Divides. */
 void encoder_init(encoder_t *encoder, const config_t *config);

@@ -24,6 +24,8 @@
 #include "config/config.h"
 #include "foc/state.h"
 
+/* Geometry of six sectors, and times in which no rotor turns back or stops. The validator's
+ * relation of the blend-out speed to halls and the rotor's proofs rest on them. */
 enum {
     HALL_STANDSTILL_PER_S = 4,    /* no edge for 1/4 s: standstill */
     HALL_INVALID_PERIODS = 64,    /* debounce of an impossible state */

@@ -4,7 +4,8 @@
 #include "monitor/monitor.h"
 
 enum {
-    FLOW_TOLERANCE_SHARE = 4, /* fast steps in a slow step may differ by a quarter */
+    FLOW_TOLERANCE_SHARE = 4, /* fast steps in a slow step may differ by a quarter: of the
+                                 program's own timing, not of a vehicle's */
     OFFSET_SCALE = 16,        /* offsets are codes * 16 */
     OFFSET_MID_CODE = 2048
 };

@@ -43,7 +43,8 @@ static int32_t speed_of_mrad_s(const config_t *config, int32_t quarters, int32_t
     return q_saturate64(turned / (INT64_C(10) * periods * config->motor.pole_pairs));
 }
 
-/* Is a short's current no more than twice what this speed drives? */
+/* Is a short's current no more than twice what this speed drives? Twice, because a decaying direct
+ * current must not pass for a turning one: of the method, not of a vehicle. */
 static bool fits(const config_t *config, int32_t speed_mrad_s, int32_t peak_mA)
 {
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, speed_mrad_s);
@@ -99,7 +100,8 @@ static void look_at_short(monitor_speed_state_t *state, const config_t *config,
                                                                 : in->fast_step_count);
 }
 
-/* The latest window, unless it is more than an eighth below the one before: then that one. */
+/* The latest window, unless it is more than an eighth below the one before: then that one. An
+ * eighth is two of a window's sixteen transitions. */
 static int32_t measured(const monitor_speed_state_t *state)
 {
     const int32_t latest_mrad_s = state->window_mrad_s[0];

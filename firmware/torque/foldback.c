@@ -4,6 +4,7 @@
 #include "core/q15.h"
 #include "core/scaled.h"
 
+/* Mathematics: the loop's gain, and what lets it leave zero (README, Fold-back). */
 enum { STEPS_LOG2 = 3, LEAVE_ZERO_LOG2 = 6, FRACTION_LOG2 = FOLDBACK_FRACTION_LOG2 };
 
 int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32_t inside_mV,
