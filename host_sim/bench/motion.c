@@ -18,6 +18,7 @@ motion_world_t motion_world(const bench_params_t *params, double step_s)
                                params->chassis.wheel_inertia_kg_m2 / (radius_m * radius_m);
     out.body = out.vehicle;
     out.body.mass_kg -= rotating_kg;
+    out.body.per_mass_1_per_kg = 1.0 / out.body.mass_kg;
     out.chassis = chassis_on_road(&params->chassis, out.vehicle.mass_kg, out.vehicle.weight_n,
                                   out.vehicle.slope_n, step_s);
     return out;
@@ -68,7 +69,7 @@ double motion_expected_rad_s(const motion_world_t *world, const motion_t *motion
         return rim->speed_rad_s + 0.5 * step_s * rim->acceleration_rad_s2;
     }
     return vehicle_expected_speed_m_per_s(motion->vehicle, step_s) *
-           (1.0 / world->vehicle.wheel_radius_m);
+           world->vehicle.per_radius_1_per_m;
 }
 
 static motion_flow_t roll(const motion_world_t *world, const motion_t *motion,
@@ -83,7 +84,7 @@ static motion_flow_t roll(const motion_world_t *world, const motion_t *motion,
         .road = vehicle_step(&world->vehicle, motion->vehicle, &load, wheel_world->step_s),
         .tyre_j = 0.0,
     };
-    const double per_radius = 1.0 / world->vehicle.wheel_radius_m;
+    const double per_radius = world->vehicle.per_radius_1_per_m;
     for (int k = 0; k < motion->count; k++) {
         motion->wheels[k].motion.speed_rad_s = motion->vehicle->speed_m_per_s * per_radius;
         wheel_settle(&motion->wheels[k], wheel_world, &flow[k],

@@ -59,9 +59,12 @@ void recorder_begin(recorder_t *recorder, const bench_t *bench)
 
 bool recorder_is_due(const recorder_t *recorder, const bench_t *bench)
 {
+    if (recorder->signals == 0) {
+        return false;
+    }
     const double intervals =
         (bench->time_s - recorder->begin_s) / bench->params.run.record_interval_s;
-    return recorder->signals > 0 && intervals + ROUNDING >= (double)recorder->rows;
+    return intervals + ROUNDING >= (double)recorder->rows;
 }
 
 void recorder_write(recorder_t *recorder, const bench_t *bench, double *row)

@@ -25,11 +25,12 @@ battery_state_t battery_init(const battery_params_t *params, double step_s)
 battery_source_t battery_source(const battery_params_t *params, const battery_state_t *state)
 {
     /* Mean of u_c over the step: i R_t (1 - mean_decay) + u_c mean_decay. */
+    const double cells_v = curve_at(&params->open_circuit_voltage_v, state->soc);
     const battery_source_t out = {
-        .open_v = curve_at(&params->open_circuit_voltage_v, state->soc) -
-                  state->polarisation_v * state->mean_decay,
+        .open_v = cells_v - state->polarisation_v * state->mean_decay,
         .resistance_ohm = params->series_resistance_ohm +
                           params->polarisation_resistance_ohm * (1.0 - state->mean_decay),
+        .cells_v = cells_v,
     };
     return out;
 }
@@ -43,24 +44,22 @@ double battery_current_a(double open_v, double resistance_ohm, double power_w, b
 }
 
 battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *state,
-                             double current_a)
+                             const battery_source_t *source, double current_a)
 {
-    const double h = state->step_s;
     const double i = current_a;
-    const double r_t = params->polarisation_resistance_ohm;
-    const double u_oc = curve_at(&params->open_circuit_voltage_v, state->soc);
-    const battery_source_t source = battery_source(params, state);
+    const double charge_as = i * state->step_s;
     const double stored_before_j = battery_stored_j(params, state);
+    const double settled_v = i * params->polarisation_resistance_ohm;
     const double mean_polarisation_v =
-        i * r_t * (1.0 - state->mean_decay) + state->polarisation_v * state->mean_decay;
-    state->polarisation_v = i * r_t * (1.0 - state->decay) + state->polarisation_v * state->decay;
-    state->soc -= i * h / (params->capacity_ah * AS_PER_AH);
+        settled_v * (1.0 - state->mean_decay) + state->polarisation_v * state->mean_decay;
+    state->polarisation_v = settled_v * (1.0 - state->decay) + state->polarisation_v * state->decay;
+    state->soc -= charge_as / (params->capacity_ah * AS_PER_AH);
     state->current_a = i;
-    state->terminal_v = source.open_v - source.resistance_ohm * i;
+    state->terminal_v = source->open_v - source->resistance_ohm * i;
     const battery_flow_t out = {
-        .chemical_j = u_oc * i * h,
-        .terminal_j = state->terminal_v * i * h,
-        .heat_j = (params->series_resistance_ohm * i + mean_polarisation_v) * i * h -
+        .chemical_j = source->cells_v * charge_as,
+        .terminal_j = state->terminal_v * charge_as,
+        .heat_j = (params->series_resistance_ohm * i + mean_polarisation_v) * charge_as -
                   (battery_stored_j(params, state) - stored_before_j),
     };
     return out;
@@ -72,7 +71,7 @@ battery_flow_t battery_step(const battery_params_t *params, battery_state_t *sta
     const battery_source_t source = battery_source(params, state);
     const double power_w = terminal_j * (1.0 / state->step_s);
     return battery_carry(
-        params, state,
+        params, state, &source,
         battery_current_a(source.open_v, source.resistance_ohm, power_w, &state->collapsed));
 }
 

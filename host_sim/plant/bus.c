@@ -27,7 +27,7 @@ static bus_flow_t without_capacitor(const bus_params_t *params, bus_state_t *sta
     const double i = battery_current_a(source.open_v, source.resistance_ohm + cable_ohm,
                                        dc_j * (1.0 / battery->step_s), &battery->collapsed);
     const bus_flow_t out = {
-        .battery = battery_carry(battery_params, battery, i),
+        .battery = battery_carry(battery_params, battery, &source, i),
         .cable_j = cable_ohm * i * i * battery->step_s,
     };
     state->voltage_v = battery->terminal_v - cable_ohm * i;
@@ -41,7 +41,9 @@ static bus_flow_t disconnected(const bus_params_t *params, bus_state_t *state,
     const double square = state->voltage_v * state->voltage_v - 2.0 * dc_j / params->capacitance_f;
     state->collapsed = state->collapsed || square < 0.0;
     state->voltage_v = sqrt(plant_max(square, 0.0));
-    const bus_flow_t out = {.battery = battery_carry(battery_params, battery, 0.0), .cable_j = 0.0};
+    const battery_source_t source = battery_source(battery_params, battery);
+    const bus_flow_t out = {.battery = battery_carry(battery_params, battery, &source, 0.0),
+                            .cable_j = 0.0};
     return out;
 }
 
@@ -74,7 +76,7 @@ bus_flow_t bus_step(const bus_params_t *params, bus_state_t *state,
 
     const double pack_a = i + c * (state->voltage_v - before) / h;
     const double stored_j = 0.5 * c * (state->voltage_v * state->voltage_v - before * before);
-    bus_flow_t out = {.battery = battery_carry(battery_params, battery, pack_a)};
+    bus_flow_t out = {.battery = battery_carry(battery_params, battery, &source, pack_a)};
     /* Resistances heat by the mean square of the pack's current: more than battery_carry() counts
      * for its mean. */
     const double heat_j = source.open_v * pack_a * h - mean_v * i * h - stored_j;

@@ -64,6 +64,9 @@ static double limited_by_valve(const hydraulic_brake_state_t *state, double chan
 double hydraulic_brake_step(hydraulic_brake_state_t *state)
 {
     const double left_nm = state->target_nm - state->torque_nm;
+    if (left_nm == 0.0 && state->valve == HYDRAULIC_VALVE_OPEN) {
+        return state->torque_nm * state->gain;
+    }
     /* A lag never arrives: its last steps would be too small for full speed (subnormal numbers). */
     const double wanted_nm = fabs(left_nm) > ARRIVED_NM ? left_nm * state->approach : left_nm;
     const double largest_rise_nm =

@@ -20,6 +20,8 @@ vehicle_t vehicle_on_road(const vehicle_params_t *params, const road_params_t *r
         .weight_n = weight_n * cosine,
         .slope_n = weight_n * road->slope * cosine,
         .rise = road->slope * cosine,
+        .per_mass_1_per_kg = 1.0 / params->mass_kg,
+        .per_radius_1_per_m = 1.0 / params->wheel_radius_m,
     };
     return out;
 }
@@ -33,22 +35,20 @@ double vehicle_drag_n(const vehicle_t *vehicle, double speed_m_per_s)
 vehicle_flow_t vehicle_step(const vehicle_t *vehicle, vehicle_state_t *state,
                             const vehicle_load_t *load, double step_s)
 {
-    /* Divided first, so that no division waits for the torque. */
-    const double per_mass_1_per_kg = 1.0 / vehicle->mass_kg;
-    const double per_radius_1_per_m = 1.0 / vehicle->wheel_radius_m;
-    const double per_step_hz = 1.0 / step_s;
+    const double per_step_hz = 1.0 / step_s; /* divided first: no division waits for the torque */
     const double before = state->speed_m_per_s;
     const double drag_n = vehicle_drag_n(vehicle, vehicle_expected_speed_m_per_s(state, step_s));
-    const double capacity_n = vehicle->rolling_n + load->friction_capacity_nm * per_radius_1_per_m;
+    const double capacity_n =
+        vehicle->rolling_n + load->friction_capacity_nm * vehicle->per_radius_1_per_m;
 
-    const double impulse_ns =
-        load->torque_impulse_nms * per_radius_1_per_m - (drag_n + vehicle->slope_n) * step_s;
-    const double unhindered = before + impulse_ns * per_mass_1_per_kg;
+    const double impulse_ns = load->torque_impulse_nms * vehicle->per_radius_1_per_m -
+                              (drag_n + vehicle->slope_n) * step_s;
+    const double unhindered = before + impulse_ns * vehicle->per_mass_1_per_kg;
     const double most_ns = capacity_n * step_s;
     const double to_stand_ns = -unhindered * vehicle->mass_kg;
     const double friction_ns = plant_clamp(to_stand_ns, -most_ns, most_ns);
     const double after =
-        friction_ns == to_stand_ns ? 0.0 : unhindered + friction_ns * per_mass_1_per_kg;
+        friction_ns == to_stand_ns ? 0.0 : unhindered + friction_ns * vehicle->per_mass_1_per_kg;
     const double mean = 0.5 * (before + after);
     const double way_m = mean * step_s;
 

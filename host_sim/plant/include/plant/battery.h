@@ -66,6 +66,7 @@ battery_state_t battery_init(const battery_params_t *params, double step_s);
 typedef struct {
     double open_v;
     double resistance_ohm;
+    double cells_v; /* open-circuit voltage of the cells, which the chemical energy is of */
 } battery_source_t;
 
 battery_source_t battery_source(const battery_params_t *params, const battery_state_t *state);
@@ -74,9 +75,10 @@ battery_source_t battery_source(const battery_params_t *params, const battery_st
  * when it cannot. */
 double battery_current_a(double open_v, double resistance_ohm, double power_w, bool *collapsed);
 
-/* Advance one step in which current_a flowed out of the pack. */
+/* Advance one step in which current_a flowed out of the pack. source: battery_source() of the same
+ * state; whoever found the current has it. */
 battery_flow_t battery_carry(const battery_params_t *params, battery_state_t *state,
-                             double current_a);
+                             const battery_source_t *source, double current_a);
 
 /* terminal_j: energy drawn at the terminals during this step. */
 battery_flow_t battery_step(const battery_params_t *params, battery_state_t *state,

@@ -81,6 +81,7 @@ typedef struct {
     double weight_n;  /* square to the road */
     double slope_n;
     double rise; /* height gained on a metre of way */
+    double per_mass_1_per_kg, per_radius_1_per_m;
 } vehicle_t;
 
 vehicle_t vehicle_on_road(const vehicle_params_t *params, const road_params_t *road);

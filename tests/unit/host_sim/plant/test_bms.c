@@ -69,7 +69,8 @@ void test_the_charge_limit_ends_where_the_settled_voltage_would_reach_the_end_of
         battery.decay = exp(-2.5e-3 / 30.0);
         battery.mean_decay = -expm1(-2.5e-3 / 30.0) / (2.5e-3 / 30.0);
         for (int n = 0; n < 20; n++) {
-            battery_carry(&pack, &battery, -2.0 / 0.022);
+            const battery_source_t source = battery_source(&pack, &battery);
+            battery_carry(&pack, &battery, &source, -2.0 / 0.022);
         }
     }
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 55.0, battery.terminal_v);
