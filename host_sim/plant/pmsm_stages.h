@@ -6,6 +6,8 @@
 #ifndef PMSM_STAGES_H
 #define PMSM_STAGES_H
 
+#include <stdbool.h>
+
 #include "plant/numbers.h"
 #include "plant/pmsm.h"
 
@@ -164,10 +166,11 @@ static inline double opposed_a(plant_dq_t share, plant_dq_t terminal)
 pmsm_flow_t pmsm_step_in_sets(const equations_t *eq, pmsm_state_t *state, plant_ab_t u,
                               const pmsm_step_t *step);
 
-/* pmsm_straight.c: one set. */
+/* pmsm_straight.c: one set. try_linear: false where the linear step is known to leave its bounds.
+ */
 void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *opposition,
                            pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn,
-                           pmsm_flow_t *flow);
+                           bool try_linear, pmsm_flow_t *flow);
 
 /* pmsm_saturated.c: one set of four stages; an implicit step of  d(flux)/dt = drive - r i - j w
  * flux  from i_t = before. */

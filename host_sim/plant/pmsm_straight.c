@@ -6,13 +6,6 @@
 
 #include "pmsm_linear.h"
 
-/* The current in the wires with the i_t that a set has come to: its last stage's is one order less
- * exact, but belongs to the balance. */
-static inline plant_dq_t terminal_at(const equations_t *eq, plant_dq_t u, plant_dq_t i_t)
-{
-    return along(i_t, eq->conductance_s, along(u, -eq->resistance_ohm, i_t));
-}
-
 static inline double largest_a(plant_abc_t i)
 {
     return plant_max(plant_max(fabs(i.a), fabs(i.b)), fabs(i.c));
@@ -40,11 +33,85 @@ static inside_t inside_of(const equations_t *eq, const pmsm_opposition_t *opposi
     return out;
 }
 
-/* opposed_share() as one function: structs of two numbers travel in registers, inlined five times
- * it would not be. */
-static plant_dq_t share_at(double per_zone, plant_dq_t current, plant_phasor_t axis)
+/* The directions of the phases' axes in the rotor's frame, and the voltage there, at one instant.
+ */
+typedef struct {
+    plant_dq_t a, b, c;
+    plant_dq_t u;       /* V */
+    plant_dq_t at_once; /* current of u through the iron branch, as a share of the zone */
+} instant_t;
+
+/* What does not change within a set. */
+typedef struct {
+    const equations_t *eq;
+    double against_v;           /* opposition of a whole share, negative */
+    double own_per_zone;        /* 1 - G R, for a share of the zone */
+    plant_dq_t against_a_per_s; /* the same as a slope of i_t */
+} zone_t;
+
+static zone_t zone_of(const equations_t *eq, const pmsm_opposition_t *opposition)
 {
-    return opposed_share(per_zone, current, axis);
+    const double against_v = -opposition->volts;
+    const zone_t out = {
+        .eq = eq,
+        .against_v = against_v,
+        .own_per_zone = (1.0 - eq->conductance_s * eq->resistance_ohm) / opposition->zone_a,
+        .against_a_per_s = {.d = eq->share * against_v * eq->machine->magnetics.per_l_d,
+                            .q = eq->share * against_v * eq->machine->magnetics.per_l_q},
+    };
+    return out;
+}
+
+static inline instant_t instant_of(const equations_t *eq, double per_zone, plant_ab_t u,
+                                   plant_phasor_t axis)
+{
+    const plant_ab_t axis_b = {.alpha = -0.5, .beta = 0.5 * PLANT_SQRT3};
+    const plant_dq_t a = {.d = axis.cos, .q = -axis.sin};
+    const plant_dq_t b = plant_park(axis_b, axis);
+    const plant_dq_t u_dq = plant_park(u, axis);
+    const double at_once = eq->conductance_s * per_zone;
+    const instant_t out = {
+        .a = a,
+        .b = b,
+        .c = {.d = -a.d - b.d, .q = -a.q - b.q},
+        .u = u_dq,
+        .at_once = {.d = at_once * u_dq.d, .q = at_once * u_dq.q},
+    };
+    return out;
+}
+
+static inline double dot(plant_dq_t x, plant_dq_t y)
+{
+    return x.d * y.d + x.q * y.q;
+}
+
+/* opposed_share() of the current that would flow without opposition. Every stage waits for this one
+ * of the stage before, so it takes few operations after another. */
+static inline plant_dq_t share_at(const zone_t *zone, const instant_t *at, plant_dq_t i_t)
+{
+    const plant_dq_t zones = along(at->at_once, zone->own_per_zone, i_t);
+    const double a = 2.0 / 3.0 * plant_clamp(dot(at->a, zones), -1.0, 1.0);
+    const double b = 2.0 / 3.0 * plant_clamp(dot(at->b, zones), -1.0, 1.0);
+    const double c = 2.0 / 3.0 * plant_clamp(dot(at->c, zones), -1.0, 1.0);
+    const plant_dq_t out = {.d = a * at->a.d + b * at->b.d + c * at->c.d,
+                            .q = a * at->a.q + b * at->b.q + c * at->c.q};
+    return out;
+}
+
+/* di_t/dt */
+static inline plant_dq_t slope_at(const zone_t *zone, const instant_t *at, plant_dq_t i_t,
+                                  plant_dq_t share)
+{
+    const plant_dq_t free = straight_stage_at(zone->eq, at->u, i_t).slope;
+    const plant_dq_t out = {.d = free.d + zone->against_a_per_s.d * share.d,
+                            .q = free.q + zone->against_a_per_s.q * share.q};
+    return out;
+}
+
+static inline stage_t stage_of(const zone_t *zone, const instant_t *at, plant_dq_t i_t,
+                               plant_dq_t share)
+{
+    return straight_stage_at(zone->eq, along(at->u, zone->against_v, share), i_t);
 }
 
 /* A set where a phase's current passes through the opposition's zone. */
@@ -52,47 +119,46 @@ static void advance_in_zone(const equations_t *eq, const pmsm_opposition_t *oppo
                             pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn,
                             pmsm_flow_t *flow)
 {
+    const zone_t zone = zone_of(eq, opposition);
     const double per_zone = 1.0 / opposition->zone_a;
-    const double against_v = -opposition->volts;
     const stage_axes_t axes = stage_axes(state->axis, half_turn);
-    const plant_dq_t u_start = plant_park(u, axes.start);
-    const plant_dq_t u_middle = plant_park(u, axes.middle);
-    const plant_dq_t u_end = plant_park(u, axes.end);
+    const instant_t at_start = instant_of(eq, per_zone, u, axes.start);
+    const instant_t at_middle = instant_of(eq, per_zone, u, axes.middle);
+    const instant_t at_end = instant_of(eq, per_zone, u, axes.end);
 
     const plant_dq_t i1 = state->i_t;
-    const plant_dq_t share1 = share_at(per_zone, terminal_at(eq, u_start, i1), axes.start);
-    const stage_t s1 = straight_stage_at(eq, along(u_start, against_v, share1), i1);
-    const plant_dq_t i2 = along(i1, 0.5 * h, s1.slope);
-    const plant_dq_t share2 = share_at(per_zone, terminal_at(eq, u_middle, i2), axes.middle);
-    const stage_t s2 = straight_stage_at(eq, along(u_middle, against_v, share2), i2);
-    const plant_dq_t i3 = along(i1, 0.5 * h, s2.slope);
-    const plant_dq_t share3 = share_at(per_zone, terminal_at(eq, u_middle, i3), axes.middle);
-    const stage_t s3 = straight_stage_at(eq, along(u_middle, against_v, share3), i3);
-    const plant_dq_t i4 = along(i1, h, s3.slope);
-    const plant_dq_t share4 = share_at(per_zone, terminal_at(eq, u_end, i4), axes.end);
-    const stage_t s4 = straight_stage_at(eq, along(u_end, against_v, share4), i4);
+    const plant_dq_t share1 = share_at(&zone, &at_start, i1);
+    const plant_dq_t slope1 = slope_at(&zone, &at_start, i1, share1);
+    const plant_dq_t i2 = along(i1, 0.5 * h, slope1);
+    const plant_dq_t slope2 = slope_at(&zone, &at_middle, i2, share_at(&zone, &at_middle, i2));
+    const plant_dq_t i3 = along(i1, 0.5 * h, slope2);
+    const plant_dq_t slope3 = slope_at(&zone, &at_middle, i3, share_at(&zone, &at_middle, i3));
+    const plant_dq_t i4 = along(i1, h, slope3);
+    const plant_dq_t slope4 = slope_at(&zone, &at_end, i4, share_at(&zone, &at_end, i4));
 
     /* Energies by Simpson's rule over the states of the step, its middle by Hermite's cubic: where
      * the zone's slope acts like a large resistance, the stages are too far from them. */
     const double sixth = h * (1.0 / 6.0);
-    const plant_dq_t end = after(i1, sixth, &s1, &s2, &s3, &s4);
-    const plant_dq_t share_end = share_at(per_zone, terminal_at(eq, u_end, end), axes.end);
-    const stage_t last = straight_stage_at(eq, along(u_end, against_v, share_end), end);
-    const plant_dq_t middle = {.d = 0.5 * (i1.d + end.d) + 0.125 * h * (s1.slope.d - last.slope.d),
-                               .q = 0.5 * (i1.q + end.q) + 0.125 * h * (s1.slope.q - last.slope.q)};
-    const plant_dq_t share_middle =
-        share_at(per_zone, terminal_at(eq, u_middle, middle), axes.middle);
-    const stage_t half = straight_stage_at(eq, along(u_middle, against_v, share_middle), middle);
-    const wires_t wires = wires_of(&s1, &half, &half, &last, &axes);
+    const plant_dq_t end = {.d = i1.d + sixth * simpson(slope1.d, slope2.d, slope3.d, slope4.d),
+                            .q = i1.q + sixth * simpson(slope1.q, slope2.q, slope3.q, slope4.q)};
+    const plant_dq_t share_end = share_at(&zone, &at_end, end);
+    const plant_dq_t slope_end = slope_at(&zone, &at_end, end, share_end);
+    const plant_dq_t middle = {.d = 0.5 * (i1.d + end.d) + 0.125 * h * (slope1.d - slope_end.d),
+                               .q = 0.5 * (i1.q + end.q) + 0.125 * h * (slope1.q - slope_end.q)};
+    const plant_dq_t share_middle = share_at(&zone, &at_middle, middle);
+    const stage_t first = stage_of(&zone, &at_start, i1, share1);
+    const stage_t half = stage_of(&zone, &at_middle, middle, share_middle);
+    const stage_t last = stage_of(&zone, &at_end, end, share_end);
+    const wires_t wires = wires_of(&first, &half, &half, &last, &axes);
     state->i_t = end;
     state->axis = axes.end;
     state->terminal = wires.end;
     book_charge(charge_of(&wires, sixth), flow);
     flow->rectified_as += rectified_of(&wires, sixth);
     flow->opposed_as +=
-        integral(sixth, opposed_a(share1, s1.terminal), opposed_a(share_middle, half.terminal),
+        integral(sixth, opposed_a(share1, first.terminal), opposed_a(share_middle, half.terminal),
                  opposed_a(share_end, last.terminal));
-    book_heat_and_torque(&s1, &half, &half, &last, sixth, flow);
+    book_heat_and_torque(&first, &half, &half, &last, sixth, flow);
 }
 
 static void add(pmsm_flow_t *flow, const pmsm_flow_t *part)
@@ -138,12 +204,12 @@ static bool advance_inside(const equations_t *eq, const pmsm_opposition_t *oppos
 
 void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *opposition,
                            pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn,
-                           pmsm_flow_t *flow)
+                           bool try_linear, pmsm_flow_t *flow)
 {
     const linear_t linear = linear_of(eq, opposition, state, u);
     const bool is_outside = linear_holds(&linear);
     pmsm_flow_t part;
-    if (is_outside && linear_advance(&linear, state, h, half_turn, &part)) {
+    if (try_linear && is_outside && linear_advance(&linear, state, h, half_turn, &part)) {
         add(flow, &part);
     } else if (is_outside || !advance_inside(eq, opposition, &linear, state, h, half_turn, flow)) {
         advance_in_zone(eq, opposition, state, u, h, half_turn, flow);

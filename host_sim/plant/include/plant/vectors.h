@@ -69,15 +69,16 @@ static inline plant_phasor_t plant_turned(plant_phasor_t x, plant_phasor_t by)
     return out;
 }
 
-/* exp(j x) for |x| <= 0.25 rad, by series: error below 1e-14, a fifth of the library's cost. */
+/* exp(j x) for |x| <= 0.25 rad, by series, summed in pairs: error below 1e-14, a fifth of the
+ * library's cost. */
 static inline plant_phasor_t plant_small_phasor(double x)
 {
     const double s = x * x;
+    const double ss = s * s;
     const double sin_part =
-        1.0 + s * (-1.0 / 6 + s * (1.0 / 120 + s * (-1.0 / 5040 + s * (1.0 / 362880))));
-    const double cos_part =
-        1.0 + s * (-1.0 / 2 +
-                   s * (1.0 / 24 + s * (-1.0 / 720 + s * (1.0 / 40320 - s * (1.0 / 3628800)))));
+        (1.0 - s * (1.0 / 6)) + ss * ((1.0 / 120 - s * (1.0 / 5040)) + ss * (1.0 / 362880));
+    const double cos_part = (1.0 - s * (1.0 / 2)) + ss * ((1.0 / 24 - s * (1.0 / 720)) +
+                                                          ss * (1.0 / 40320 - s * (1.0 / 3628800)));
     const plant_phasor_t out = {.cos = cos_part, .sin = x * sin_part};
     return out;
 }
