@@ -15,25 +15,17 @@ int32_t scaled_root(int64_t x)
     if (x <= 0) {
         return 0;
     }
-    uint64_t rest = (uint64_t)x;
-    uint32_t shift = 0;
-    if (rest >> 32 == 0) {
-        uint32_t n = (uint32_t)rest;
-        for (uint32_t width = 8; width > 0; width >>= 1) {
-            if (n >> (32U - 2U * width) == 0) {
-                n <<= 2U * width;
-                shift += width;
-            }
-        }
-        return (int32_t)(root_of_normalised(n) >> shift);
+    /* An even number of digits to the left: root of the leading 32, shifted back by half as many.
+     */
+    const uint32_t high = (uint32_t)((uint64_t)x >> 32);
+    const uint32_t low = (uint32_t)x;
+    if (high == 0) {
+        const uint32_t shift = scaled_leading_zeros(low) & ~1U;
+        return (int32_t)(root_of_normalised(low << shift) >> (shift >> 1));
     }
-    for (uint32_t width = 8; width > 0; width >>= 1) {
-        if (rest >> (32U + 2U * width - 2U) != 0) {
-            rest >>= 2U * width;
-            shift += width;
-        }
-    }
-    return (int32_t)(root_of_normalised((uint32_t)rest) << shift);
+    const uint32_t shift = scaled_leading_zeros(high) & ~1U;
+    const uint32_t leading = (high << shift) | ((low >> 1) >> (31U - shift));
+    return (int32_t)(root_of_normalised(leading) << (16U - (shift >> 1)));
 }
 
 int32_t scaled_constant(int64_t value, int64_t divisor, int32_t shift)

@@ -11,7 +11,7 @@ enum {
     BILLION = 1000000000,
     FRICTION_FULL_MRAD_S = 500, /* Coulomb friction is whole from here on */
     MOST_b = 1 << 26,           /* of any coefficient: products and sums stay within 32 bits */
-    MOST_CURRENT_b = 1 << 25,
+    MOST_CURRENT_b = MOTOR_MODEL_MOST_CURRENT_b,
     SIZE_LOG2 = 22, /* the largest value of a quantity lies in [2^22, 2^23) */
     LARGEST_RISE_cK = 100000
 };
@@ -155,6 +155,7 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
         m.iron_current_b = q_min(scaled_multiply(m.emf_b, conductance), MOST_CURRENT_b);
         m.one_plus_a2 = q_min(SCALED_ONE + scaled_multiply(m.cross_d, m.cross_q), MOST_b);
         m.inverse_one_plus_a2 = scaled_ratio(SCALED_ONE, m.one_plus_a2);
+        m.flux_per_x = scaled_multiply(m.saliency_b, m.cross_q);
     }
     m.friction_b = friction_b(k, w_b, q_abs(speed_mrad_s));
     m.voltage_q_b = within_b(m.emf_b + scaled_multiply(m.resistance_b, m.iron_current_b));
@@ -162,12 +163,6 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
                                  scaled_multiply(m.reactance_d_b, m.cross_q));
     m.voltage_q_per_d = within_b(m.reactance_d_b + scaled_multiply(m.resistance_b, m.cross_d));
     return m;
-}
-
-int32_t motor_model_current_b(const motor_constants_t *constants, int32_t current_mA)
-{
-    return q_clamp(scaled_shift(current_mA, constants->current_shift), -MOST_CURRENT_b,
-                   MOST_CURRENT_b);
 }
 
 /* The magnets' flux, and what saliency adds to it through i_dt. */
@@ -189,24 +184,18 @@ int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at)
 
 int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, int32_t d_b)
 {
-    const int32_t per_pole_b =
-        scaled_multiply(airgap_b, model->constants->torque_inverse_q24); /* flux times i_qt */
+    /* (flux + change x) x = per_pole: the root that is zero at zero torque. */
+    const int32_t per_pole_b = scaled_multiply(airgap_b, model->constants->torque_inverse_q24);
     const int32_t least_b = model->flux_b / 4;
-    motor_point_t at = {.d_b = d_b, .x_b = 0};
-    const int32_t without_b = flux_at_b(model, at);
-    at.x_b = q_limit(scaled_ratio(per_pole_b, q_max(without_b, least_b)), MOST_CURRENT_b);
-    const int steps = model->saliency_b != 0 && model->cross_q != 0 ? 2 : 0;
-    for (int step = 0; step < steps; step++) {
-        /* i_qt moves the flux a little through the iron branch: Newton's method. */
-        const int32_t flux_b = flux_at_b(model, at);
-        const bool enough = flux_b > least_b;
-        const int32_t missing_b = per_pole_b - scaled_multiply(flux_b, at.x_b);
-        const int32_t slope_b = q_max(2 * flux_b - without_b, least_b);
-        at.x_b = q_limit(enough ? at.x_b + scaled_ratio(missing_b, slope_b)
-                                : scaled_ratio(per_pole_b, least_b),
-                         MOST_CURRENT_b);
+    const motor_point_t without_x = {.d_b = d_b, .x_b = 0};
+    const int32_t flux_b = q_max(flux_at_b(model, without_x), least_b);
+    if (model->flux_per_x == 0) {
+        return q_limit(scaled_ratio(per_pole_b, flux_b), MOST_CURRENT_b);
     }
-    return at.x_b;
+    const int32_t root_b =
+        scaled_root((int64_t)flux_b * flux_b + 4 * (int64_t)model->flux_per_x * per_pole_b);
+    const int32_t twice_b = q_max(flux_b + root_b, 2 * least_b);
+    return q_limit(scaled_ratio(per_pole_b, twice_b >> 1), MOST_CURRENT_b);
 }
 
 int32_t motor_model_shaft_mNm(const motor_model_t *model, int32_t airgap_b)
@@ -224,7 +213,7 @@ int32_t motor_model_airgap_of_shaft_b(const motor_model_t *model, int32_t shaft_
            model->friction_b;
 }
 
-static motor_point_t point_of(const motor_model_t *model, motor_current_t i)
+motor_point_t motor_model_point(const motor_model_t *model, motor_current_t i)
 {
     const int32_t along_mA = model->speed_mrad_s >= 0 ? i.q_mA : -q_max(i.q_mA, -INT32_MAX);
     motor_point_t at = {.d_b = motor_model_current_b(model->constants, i.d_mA), .x_b = 0};
@@ -233,9 +222,9 @@ static motor_point_t point_of(const motor_model_t *model, motor_current_t i)
     return at;
 }
 
-int32_t motor_model_torque_mNm(const motor_model_t *model, motor_current_t i)
+int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at)
 {
-    return motor_model_shaft_mNm(model, motor_model_airgap_b(model, point_of(model, i)));
+    return motor_model_shaft_mNm(model, motor_model_airgap_b(model, at));
 }
 
 int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t i_d_mA)
@@ -247,10 +236,9 @@ int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm,
     return model->speed_mrad_s >= 0 ? along_mA : -along_mA;
 }
 
-int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_current_t i, int32_t bus_mV)
+int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at, int32_t bus_mV)
 {
     const motor_constants_t *k = model->constants;
-    const motor_point_t at = point_of(model, i);
     const int64_t sum = (int64_t)motor_model_u_d_b(model, at) * at.d_b +
                         (int64_t)motor_model_u_q_b(model, at) * motor_model_i_q_b(model, at);
     const int32_t power_b = q_saturate64((sum >> 24) * 3 / 2);

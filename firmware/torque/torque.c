@@ -35,13 +35,14 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
 {
     const motor_model_t model =
         motor_model_at(&state->motor, config, in->speed_mrad_s, in->winding_temperature_cC);
-    const int32_t achieved_mNm = motor_model_torque_mNm(&model, in->current);
+    const motor_point_t flowing = motor_model_point(&model, in->current);
+    const int32_t achieved_mNm = motor_model_torque_mNm(&model, flowing);
     const demand_t demand = demand_step(&state->demand, config, in->drive_torque_mNm,
                                         in->brake_torque_mNm, in->demand_age_ms);
     const torque_limits_input_t limited_by = {
         .brake_demand_mNm = demand.brake_mNm,
         .bus_voltage_mV = in->bus_voltage_mV,
-        .bus_current_mA = motor_model_bus_current_mA(&model, in->current, in->bus_voltage_mV),
+        .bus_current_mA = motor_model_bus_current_mA(&model, flowing, in->bus_voltage_mV),
         .phase_voltage_mV = in->phase_voltage_mV,
         .bms_charge_current_mA = in->bms_charge_current_mA,
         .bms_discharge_current_mA = in->bms_discharge_current_mA,

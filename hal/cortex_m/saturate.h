@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * saturate.h: the one instruction that core/q15.h would like for its clamps, where the core has it,
- * and its inlining.
+ * saturate.h: the instructions that core/q15.h and core/scaled.h would like, where the core has
+ * them: saturation and leading zeros, and their inlining.
  *
  * The toolchain file puts this header in front of every translation unit of the Arm ports. The
  * meaning is exactly that of the portable definition in q15.h; tests/target runs the same traces
@@ -19,7 +19,8 @@
 #endif
 
 #if defined(__ARM_FEATURE_CLZ)
-/* Zero bits above the highest one of x > 0; core/reciprocal.c searches without it. */
+/* Zero bits above the highest one of x > 0; core/reciprocal.c and core/scaled.h
+ * search without it. */
 #define Q_TARGET_LEADING_ZEROS(x) ((unsigned)__builtin_clz(x))
 #endif
 

@@ -53,6 +53,23 @@ static inline int32_t scaled_ratio(int32_t n, int32_t d)
     return n < 0 ? -(int32_t)quotient : (int32_t)quotient;
 }
 
+/* Zero digits of x > 0 before its first one. A port may supply its core's instruction. */
+static inline uint32_t scaled_leading_zeros(uint32_t x)
+{
+#ifdef Q_TARGET_LEADING_ZEROS
+    return Q_TARGET_LEADING_ZEROS(x);
+#else
+    uint32_t zeros = 0;
+    for (uint32_t width = 16; width > 0; width >>= 1) {
+        if (x >> (32U - width) == 0) {
+            x <<= width;
+            zeros += width;
+        }
+    }
+    return zeros;
+#endif
+}
+
 /* The square root of x, 0 <= x < 2^62; relative error below 2^-14, at most one unit below 2^16. */
 int32_t scaled_root(int64_t x);
 

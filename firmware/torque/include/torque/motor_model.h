@@ -18,6 +18,8 @@
 #include "config/config.h"
 #include "core/scaled.h"
 
+enum { MOTOR_MODEL_MOST_CURRENT_b = 1 << 25 };
+
 /* Made once from the configuration: 1 unit_b = 2^-shift of the milli-unit. Values only: as part of
  * the controller's state they may be copied, saved and restored elsewhere. */
 typedef struct {
@@ -49,6 +51,7 @@ typedef struct {
     int32_t resistance_b;                 /* R_a */
     int32_t cross_d, cross_q;             /* w L / R_i */
     int32_t one_plus_a2, inverse_one_plus_a2;
+    int32_t flux_per_x;     /* (L_d - L_q) w L_q / R_i: flux that i_qt adds through i_dt */
     int32_t iron_current_b; /* w psi / R_i */
     int32_t friction_b;     /* >= 0, against the rotation */
     /* u_q = voltage_q + per_x i_qt + per_d i_d */
@@ -72,27 +75,34 @@ void motor_constants_init(motor_constants_t *constants, const config_t *config);
 motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
                              int32_t speed_mrad_s, int32_t winding_temperature_cC);
 
-/* Shaft torque of terminal currents. */
-int32_t motor_model_torque_mNm(const motor_model_t *model, motor_current_t i);
+/* The point of terminal currents. */
+motor_point_t motor_model_point(const motor_model_t *model, motor_current_t i);
 
-/* Terminal i_q that makes a shaft torque together with a terminal i_d, within twice the phase
- * current limit. A quarter of the magnets' flux is counted on at least: less is left only by an i_d
- * against the saliency, where a torque would take current without bound. What is asked for then is
- * finite and of the right sign: the torque falls short, it never flips. */
+/* Shaft torque of a point. */
+int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at);
+
+/* Terminal i_q that makes a shaft torque together with a terminal i_d, within eight times the phase
+ * current limit. At least a quarter of the magnets' flux is counted on, and half of what is there
+ * at this i_d: less is left only by an i_d or an i_q against the saliency, where no current makes
+ * the torque. The current is then finite and of the right sign: the torque falls short. */
 int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t i_d_mA);
 
-/* Direct current of terminal currents at a bus voltage, positive out of the battery; the inverter's
- * loss not included. */
-int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_current_t i, int32_t bus_mV);
+/* Direct current of a point at a bus voltage, positive out of the battery; the inverter's loss not
+ * included. */
+int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at, int32_t bus_mV);
 
 /* ---- in binary scales ---- */
 
-/* Clamped to eight times the phase current limit and more. */
-int32_t motor_model_current_b(const motor_constants_t *constants, int32_t current_mA);
+/* Clamped to four times the phase current limit and more. current_shift is positive. */
+static inline int32_t motor_model_current_b(const motor_constants_t *constants, int32_t current_mA)
+{
+    const int32_t shift = constants->current_shift;
+    return q_limit(current_mA, MOTOR_MODEL_MOST_CURRENT_b >> shift) * (int32_t)(1U << shift);
+}
 
 static inline int32_t motor_model_current_mA(const motor_constants_t *constants, int32_t current_b)
 {
-    return scaled_shift(current_b, -constants->current_shift);
+    return current_b >> constants->current_shift;
 }
 
 /* Airgap torque of a point, along the rotation. */

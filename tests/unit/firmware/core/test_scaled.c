@@ -30,6 +30,15 @@ void test_root_is_within_the_documented_error(void)
     TEST_ASSERT_INT32_WITHIN(1, 1, scaled_root(1));
 }
 
+void test_leading_zeros_are_those_of_every_power_of_two_and_of_what_lies_below_it(void)
+{
+    for (uint32_t digit = 0; digit < 32; digit++) {
+        TEST_ASSERT_EQUAL_UINT32(31U - digit, scaled_leading_zeros(UINT32_C(1) << digit));
+        TEST_ASSERT_EQUAL_UINT32(31U - digit,
+                                 scaled_leading_zeros((UINT32_C(2) << digit) - UINT32_C(1)));
+    }
+}
+
 void test_ratio_is_within_the_documented_error_or_saturates(void)
 {
     random_t random = random_seeded(2);
