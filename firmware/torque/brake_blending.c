@@ -68,9 +68,12 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const int32_t demand_mNm = q_max(in->demand_mNm, 0);
 
     /* How the limit moves by itself, without the demand that a share is of. */
-    const limit_t moving = torque_limits_tightest(limits->braking, TORQUE_LINE_ELECTRIC_SHARE);
+    const limit_t moving = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_ELECTRIC_SHARE);
     const int32_t fall_mNm = coming_fall_mNm(state, brake, moving.torque_mNm);
-    const limit_t available = torque_limits_tightest(limits->braking, TORQUE_LINE_COUNT);
+    const limit_t others =
+        torque_limits_tightest(limits->braking, TORQUE_LINE_ELECTRIC_SHARE, TORQUE_LINE_COUNT);
+    limit_t available = moving;
+    limit_tighten(&available, others.torque_mNm, others.reason);
 
     limit_t electric = limit_init(demand_mNm, REASON_NONE);
     limit_tighten(&electric, available.torque_mNm, available.reason);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/loss_maps.h"
 
-#include <stddef.h>
-
 #include "core/grid.h"
 #include "core/q15.h"
 
@@ -29,48 +27,53 @@ loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
                                  int32_t winding_temperature_cC)
 {
     const config_current_map_t *map = &config->current_map;
+    const grid_position_t speed =
+        grid_locate(q_abs(speed_mrad_s), map->speed_points, map->speed_step_log2);
+    const int32_t layer_points = map->speed_points * map->torque_points;
+    /* The middle point is zero torque; at most 32 steps of 2^20 mNm before it. */
+    const int32_t half = (int32_t)(UINT32_C(1) << map->torque_step_log2);
     loss_maps_row_t row = {
-        .map = map,
-        .layer = map->current_d_mA,
-        .speed = grid_locate(q_abs(speed_mrad_s), map->speed_points, map->speed_step_log2),
-        .temperature = {.index = 0, .fraction_q20 = 0},
+        .line_mA = &map->current_d_mA[speed.index * map->torque_points],
+        .next_speed = map->torque_points,
+        .next_temperature = 0,
+        .speed_q20 = speed.fraction_q20,
+        .temperature_q20 = 0,
+        .points = map->torque_points,
+        .step_log2 = map->torque_step_log2,
+        .zero_mNm = (map->torque_points / 2) * half,
     };
     if (map->temperature_points > 1) {
-        const int32_t above_origin_cC =
-            q_saturate64((int64_t)winding_temperature_cC - map->temperature_origin_cC);
-        row.temperature =
-            grid_locate(above_origin_cC, map->temperature_points, map->temperature_step_log2);
-        const size_t layer_points = (size_t)map->speed_points * (size_t)map->torque_points;
-        row.layer = &map->current_d_mA[(size_t)row.temperature.index * layer_points];
+        const grid_position_t temperature =
+            grid_locate(q_saturate64((int64_t)winding_temperature_cC - map->temperature_origin_cC),
+                        map->temperature_points, map->temperature_step_log2);
+        row.line_mA += temperature.index * layer_points;
+        row.next_temperature = layer_points;
+        row.temperature_q20 = temperature.fraction_q20;
     }
     return row;
 }
 
-/* One layer of equal temperature, read between four of its points. */
-static int32_t layer_d_mA(const loss_maps_row_t *row, const int32_t *layer, grid_position_t t)
+/* At one point along torque: between two speeds, then between two temperatures. */
+static inline int32_t at_torque_mA(const loss_maps_row_t *row, const int32_t *point_mA)
 {
-    const int32_t *slow = &layer[row->speed.index * row->map->torque_points + t.index];
-    const int32_t *fast = slow + row->map->torque_points;
-    const int32_t at_slow_mA = grid_interpolate(slow[0], slow[1], t.fraction_q20);
-    const int32_t at_fast_mA = grid_interpolate(fast[0], fast[1], t.fraction_q20);
-    return grid_interpolate(at_slow_mA, at_fast_mA, row->speed.fraction_q20);
+    const int32_t cold_mA =
+        grid_interpolate(point_mA[0], point_mA[row->next_speed], row->speed_q20);
+    if (row->temperature_q20 == 0) {
+        return cold_mA;
+    }
+    const int32_t *hot = point_mA + row->next_temperature;
+    const int32_t hot_mA = grid_interpolate(hot[0], hot[row->next_speed], row->speed_q20);
+    return grid_interpolate(cold_mA, hot_mA, row->temperature_q20);
 }
 
 int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm)
 {
-    const config_current_map_t *map = row->map;
-    /* The middle point is zero torque; at most 32 steps of 2^20 mNm before it. */
-    const int32_t zero_mNm =
-        (map->torque_points / 2) * (int32_t)(UINT32_C(1) << map->torque_step_log2);
-    const grid_position_t t = grid_locate(q_saturate64((int64_t)along_mNm + zero_mNm),
-                                          map->torque_points, map->torque_step_log2);
-    const int32_t at_cold_mA = layer_d_mA(row, row->layer, t);
-    if (row->temperature.fraction_q20 == 0) {
-        return at_cold_mA;
-    }
-    const size_t layer_points = (size_t)map->speed_points * (size_t)map->torque_points;
-    const int32_t at_hot_mA = layer_d_mA(row, row->layer + layer_points, t);
-    return grid_interpolate(at_cold_mA, at_hot_mA, row->temperature.fraction_q20);
+    const grid_position_t torque =
+        grid_locate(q_saturate64((int64_t)along_mNm + row->zero_mNm), row->points, row->step_log2);
+    const int32_t *point_mA = &row->line_mA[torque.index];
+    const int32_t below_mA = at_torque_mA(row, point_mA);
+    const int32_t above_mA = at_torque_mA(row, point_mA + 1);
+    return grid_interpolate(below_mA, above_mA, torque.fraction_q20);
 }
 
 int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,

@@ -93,6 +93,8 @@ void motor_constants_init(motor_constants_t *constants, const config_t *config)
         .torque_factor_q24 = (3 * motor->pole_pairs) << (24 - factor_shift),
         .torque_inverse_q24 = scaled_constant(1, INT64_C(3) * motor->pole_pairs, 24 + factor_shift),
         .current_most_b = scaled_shift(motor->max_phase_current_mA, c),
+        .weakening_most_b = scaled_shift(
+            bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15), c),
         .negligible_power_b = scaled_constant(INT64_C(2) * motor->max_power_mW, 3, v + c - 24),
         .hall_angle_b =
             config->rotor.sensor == CONFIG_ROTOR_HALL
@@ -196,6 +198,14 @@ int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, 
         scaled_root((int64_t)flux_b * flux_b + 4 * (int64_t)model->flux_per_x * per_pole_b);
     const int32_t twice_b = q_max(flux_b + root_b, 2 * least_b);
     return q_limit(scaled_ratio(per_pole_b, twice_b >> 1), MOST_CURRENT_b);
+}
+
+int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at)
+{
+    const int32_t least_b = model->flux_b / 4;
+    const int32_t slope_b =
+        q_max(flux_at_b(model, at) + scaled_multiply(model->flux_per_x, at.x_b), least_b);
+    return q_limit(scaled_ratio(-scaled_multiply(model->saliency_b, at.x_b), slope_b), MOST_b);
 }
 
 int32_t motor_model_shaft_mNm(const motor_model_t *model, int32_t airgap_b)

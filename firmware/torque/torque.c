@@ -35,6 +35,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
 {
     const motor_model_t model =
         motor_model_at(&state->motor, config, in->speed_mrad_s, in->winding_temperature_cC);
+    const feasible_set_t set = feasible_set_at(&model, in->phase_voltage_mV);
     const motor_point_t flowing = motor_model_point(&model, in->current);
     const int32_t achieved_mNm = motor_model_torque_mNm(&model, flowing);
     const demand_t demand = demand_step(&state->demand, config, in->drive_torque_mNm,
@@ -43,7 +44,6 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .brake_demand_mNm = demand.brake_mNm,
         .bus_voltage_mV = in->bus_voltage_mV,
         .bus_current_mA = motor_model_bus_current_mA(&model, flowing, in->bus_voltage_mV),
-        .phase_voltage_mV = in->phase_voltage_mV,
         .bms_charge_current_mA = in->bms_charge_current_mA,
         .bms_discharge_current_mA = in->bms_discharge_current_mA,
         .switch_temperature_cC = in->switch_temperature_cC,
@@ -51,7 +51,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .abs_active = in->abs_active,
         .torque_enable = in->torque_enable,
     };
-    torque_limits_step(&state->limits, &model, &limited_by, &state->table);
+    torque_limits_step(&state->limits, &set, &limited_by, &state->table);
     const brake_blending_input_t braking = {
         .demand_mNm = demand.brake_mNm,
         .speed_mrad_s = in->speed_mrad_s,
@@ -72,7 +72,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const torque_command_out_t limited =
         torque_command_step(&state->command, config, &state->table, &wanted);
     const current_setpoint_t current =
-        current_setpoint_step(&model, limited.command_mNm, in->i_d_weakening_mA);
+        current_setpoint_step(&set, limited.command_mNm, in->i_d_weakening_mA);
 
     const torque_output_t out = {
         .current = current,

@@ -18,8 +18,8 @@ void torque_command_init(torque_command_state_t *state)
 static limit_t drive_limit(const torque_limits_t *limits, int32_t speed_mrad_s, int32_t drive_mNm)
 {
     const bool against = (speed_mrad_s > 0 && drive_mNm < 0) || (speed_mrad_s < 0 && drive_mNm > 0);
-    return against ? torque_limits_tightest(limits->braking, TORQUE_LINE_LOSS_OPTIMUM)
-                   : torque_limits_tightest(limits->driving, TORQUE_LINE_COUNT);
+    return against ? torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM)
+                   : torque_limits_tightest(limits->driving, 0, TORQUE_LINE_COUNT);
 }
 
 int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q15)

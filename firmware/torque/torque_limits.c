@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 #include "core/q15.h"
-#include "torque/feasible_torque.h"
 #include "torque/loss_maps.h"
 
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
@@ -29,13 +28,13 @@ bool torque_limits_deferrable(torque_line_t line)
     return line < TORQUE_LINE_COUNT && DEFERRABLE[line];
 }
 
-limit_t torque_limits_tightest(const limit_t lines[TORQUE_LINE_COUNT], torque_line_t end)
+limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end)
 {
-    limit_t out = lines[0];
-    for (torque_line_t line = 1; line < end; line++) {
-        limit_tighten(&out, lines[line].torque_mNm, lines[line].reason);
+    const limit_t *tightest = &lines[begin];
+    for (const limit_t *line = tightest + 1; line < &lines[end]; line++) {
+        tightest = line->torque_mNm < tightest->torque_mNm ? line : tightest;
     }
-    return out;
+    return *tightest;
 }
 
 /* A share of the motor's largest torque; from one on there is no bound. */
@@ -117,26 +116,25 @@ static void common_lines(torque_limits_t *out, const config_t *config, const mot
 static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
                            battery_limit_t discharge, battery_limit_t charge, int32_t bus_mV)
 {
-    limit_t *drive = out->driving;
-    limit_t *brake = out->braking;
-    const int32_t cap_mNm =
-        q_min(drive[TORQUE_LINE_MAX_TORQUE].torque_mNm, drive[TORQUE_LINE_MAX_POWER].torque_mNm);
-    drive[TORQUE_LINE_PHASE_CURRENT] =
-        limit_init(feasible_by_current_mNm(set, SIDE_DRIVING), REASON_PHASE_CURRENT);
-    brake[TORQUE_LINE_PHASE_CURRENT] =
-        limit_init(feasible_by_current_mNm(set, SIDE_BRAKING), REASON_PHASE_CURRENT);
-    drive[TORQUE_LINE_VOLTAGE] =
-        limit_init(feasible_by_voltage_mNm(set, SIDE_DRIVING), REASON_VOLTAGE);
-    brake[TORQUE_LINE_VOLTAGE] =
-        limit_init(feasible_by_voltage_mNm(set, SIDE_BRAKING), REASON_VOLTAGE);
-    drive[TORQUE_LINE_DRAWN] =
-        limit_init(feasible_by_drawn_mNm(set, SIDE_DRIVING, cap_mNm, discharge.current_mA, bus_mV),
-                   discharge.reason);
-    brake[TORQUE_LINE_DRAWN] =
-        limit_init(feasible_by_drawn_mNm(set, SIDE_BRAKING, cap_mNm, discharge.current_mA, bus_mV),
-                   discharge.reason);
-    brake[TORQUE_LINE_RETURNED] = limit_init(
-        feasible_by_returned_mNm(set, cap_mNm, charge.current_mA, bus_mV), charge.reason);
+    const motor_model_t *model = set->model;
+    const int32_t drawn_b = feasible_power_b(model, discharge.current_mA, bus_mV);
+    const int32_t returned_b = feasible_power_b(model, charge.current_mA, bus_mV);
+    const int32_t cap_mNm = q_min(out->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm,
+                                  out->driving[TORQUE_LINE_MAX_POWER].torque_mNm);
+    static const side_t SIDES[2] = {SIDE_DRIVING, SIDE_BRAKING};
+    for (int k = 0; k < 2; k++) {
+        limit_t *line = k == 0 ? out->driving : out->braking;
+        const feasible_side_t side = feasible_side_at(set, SIDES[k], cap_mNm);
+        line[TORQUE_LINE_PHASE_CURRENT] =
+            limit_init(feasible_by_current_mNm(&side), REASON_PHASE_CURRENT);
+        line[TORQUE_LINE_VOLTAGE] = limit_init(feasible_by_voltage_mNm(&side), REASON_VOLTAGE);
+        line[TORQUE_LINE_DRAWN] =
+            limit_init(feasible_by_drawn_mNm(&side, drawn_b), discharge.reason);
+        if (SIDES[k] == SIDE_BRAKING) {
+            line[TORQUE_LINE_RETURNED] =
+                limit_init(feasible_by_returned_mNm(&side, returned_b), charge.reason);
+        }
+    }
 }
 
 /* Zero at and below the end speed, even where the range has no width or ends at standstill. */
@@ -189,9 +187,10 @@ limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *co
     return limit_init(away ? 0 : FEASIBLE_UNBOUNDED, REASON_ABS);
 }
 
-void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model,
+void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
                         const torque_limits_input_t *in, torque_limits_t *table)
 {
+    const motor_model_t *model = set->model;
     static const reason_t DISCHARGE[2] = {REASON_DISCHARGE_CURRENT, REASON_BUS_VOLTAGE_LOW};
     static const reason_t CHARGE[2] = {REASON_CHARGE_CURRENT, REASON_BUS_VOLTAGE_HIGH};
     const config_t *config = model->config;
@@ -207,10 +206,9 @@ void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model
         &state->charge, battery, battery->max_charge_current_mA, in->bms_charge_current_mA,
         battery->max_voltage_mV - battery->foldback_voltage_mV, battery->max_voltage_mV - bus_mV,
         returned_mA, CHARGE);
-    const feasible_set_t set = feasible_set_at(model, in->phase_voltage_mV);
 
     common_lines(table, config, model, in);
-    feasible_lines(table, &set, discharge, charge, bus_mV);
+    feasible_lines(table, set, discharge, charge, bus_mV);
     const int32_t top_mrad_s = config->motor.max_speed_mrad_s;
     const int32_t fade_mrad_s =
         q15_share_of(top_mrad_s, (int16_t)config->motor.speed_fade_share_q15);

@@ -26,9 +26,11 @@ int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
  * entries zero: i_d = 0 control.
  */
 typedef struct {
-    const config_current_map_t *map;
-    const int32_t *layer; /* of the next lower temperature in the map */
-    grid_position_t speed, temperature;
+    const int32_t *line_mA; /* next lower speed and temperature, from the first torque on */
+    int32_t next_speed, next_temperature; /* entries between two of them */
+    int32_t speed_q20, temperature_q20;   /* share of the next one */
+    int32_t points, step_log2;            /* along torque */
+    int32_t zero_mNm;                     /* from the first point to zero torque */
 } loss_maps_row_t;
 
 /* Where the map is read at a speed and a winding temperature: once a step. */

@@ -33,6 +33,7 @@ typedef struct {
     int32_t torque_factor_q24;  /* torque_b = flux_b i_qt_b torque_factor */
     int32_t torque_inverse_q24; /* 1 / torque_factor */
     int32_t current_most_b;     /* motor.max_phase_current */
+    int32_t weakening_most_b;   /* current_loop.field_weakening_current */
     int32_t negligible_power_b; /* a thousandth of motor.max_power, two thirds of it */
     int32_t hall_angle_b;       /* half a period's turn for a unit of speed; 0: no halls */
 } motor_constants_t;
@@ -110,6 +111,9 @@ int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at);
 
 /* i_qt that makes an airgap torque with a terminal i_d, both along the rotation. */
 int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, int32_t d_b);
+
+/* By how much i_qt changes with i_d at a constant torque; zero without saliency. */
+int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at);
 
 /* Terminal i_q of a point, and i_qt of terminal currents. */
 static inline int32_t motor_model_i_q_b(const motor_model_t *model, motor_point_t at)

@@ -15,9 +15,9 @@
 
 #include "config/config.h"
 #include "core/torque_enable.h"
+#include "torque/feasible_torque.h"
 #include "torque/foldback.h"
 #include "torque/limit.h"
-#include "torque/motor_model.h"
 
 /* X(identifier, deferrable: handed over to the hydraulic brake as fast as that arrives) */
 #define TORQUE_LINES(X)                                                                            \
@@ -45,10 +45,8 @@ typedef enum { TORQUE_LINES(TORQUE_LINE_ENUM) TORQUE_LINE_COUNT } torque_line_t;
 typedef struct {
     int32_t brake_demand_mNm; /* magnitude; the share of a parallel brake is one of it */
     int32_t bus_voltage_mV;
-    int32_t phase_voltage_mV;      /* peak phase: what the current loop may ask for and still has a
-                                      reserve; mean over the period, >= 0 */
-    int32_t bus_current_mA;        /* of this motor, positive out of the battery */
-    int32_t bms_charge_current_mA; /* whole pack, magnitude; negative counts as 0 */
+    int32_t bus_current_mA;           /* of this motor, positive out of the battery */
+    int32_t bms_charge_current_mA;    /* whole pack, magnitude; negative counts as 0 */
     int32_t bms_discharge_current_mA; /* whole pack, magnitude */
     int32_t switch_temperature_cC;
     bool rotor_valid;
@@ -71,7 +69,7 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
 
 /* table: from torque_limits_init(); lines that a strategy or a side does not have stay unbounded.
  */
-void torque_limits_step(torque_limits_state_t *state, const motor_model_t *model,
+void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
                         const torque_limits_input_t *in, torque_limits_t *table);
 
 /* The lines of the braking strategy, LOSS_OPTIMUM to ELECTRIC_SHARE. optimum_mNm: shaft torque that
@@ -84,8 +82,8 @@ void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *con
 limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *config,
                                 bool abs_active);
 
-/* The tightest of the lines before `end`. */
-limit_t torque_limits_tightest(const limit_t lines[TORQUE_LINE_COUNT], torque_line_t end);
+/* The tightest of the lines from `begin` to the one before `end`; on a tie the first. */
+limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end);
 
 /* Deferrable: handed over to the hydraulic brake as fast as that arrives; else at once. */
 bool torque_limits_deferrable(torque_line_t line);

@@ -21,6 +21,7 @@ typedef struct {
 static config_t config;
 static torque_limits_input_t conditions;
 static int32_t winding_temperature_cC;
+static int32_t phase_mV;
 static torque_limits_state_t state;
 static torque_limits_t table;
 
@@ -28,11 +29,12 @@ static torque_limits_t table;
 static inline bounds_t bounds_of(const motor_model_t *model)
 {
     torque_limits_state_t copy = state;
-    torque_limits_step(&copy, model, &conditions, &table);
+    const feasible_set_t set = feasible_set_at(model, phase_mV);
+    torque_limits_step(&copy, &set, &conditions, &table);
     const bounds_t out = {
-        .driving = torque_limits_tightest(table.driving, TORQUE_LINE_COUNT),
-        .regenerating = torque_limits_tightest(table.braking, TORQUE_LINE_LOSS_OPTIMUM),
-        .optimal = torque_limits_tightest(table.braking, TORQUE_LINE_ELECTRIC_RATED),
+        .driving = torque_limits_tightest(table.driving, 0, TORQUE_LINE_COUNT),
+        .regenerating = torque_limits_tightest(table.braking, 0, TORQUE_LINE_LOSS_OPTIMUM),
+        .optimal = torque_limits_tightest(table.braking, 0, TORQUE_LINE_ELECTRIC_RATED),
     };
     return out;
 }
@@ -47,8 +49,9 @@ static inline bounds_t at_speed(int32_t speed_mrad_s)
 static inline void settle_foldback(int steps)
 {
     const motor_model_t model = model_at(&config, 0, 2500);
+    const feasible_set_t set = feasible_set_at(&model, phase_mV);
     for (int n = 0; n < steps; n++) {
-        torque_limits_step(&state, &model, &conditions, &table);
+        torque_limits_step(&state, &set, &conditions, &table);
     }
 }
 
@@ -67,9 +70,9 @@ static inline void rig_up(config_t vehicle)
 {
     config = vehicle;
     winding_temperature_cC = 2500;
+    phase_mV = 1000000; /* no voltage limit: test_feasible_torque.c */
     const torque_limits_input_t calm = {
         .bus_voltage_mV = 53000,
-        .phase_voltage_mV = 1000000, /* no voltage limit: test_feasible_torque.c */
         .bms_charge_current_mA = 1000000,
         .bms_discharge_current_mA = 1000000,
         .switch_temperature_cC = 2500,

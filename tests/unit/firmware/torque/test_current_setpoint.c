@@ -10,10 +10,12 @@
 #include "unity.h"
 
 static config_t config;
+static int32_t phase_mV;
 
 void setUp(void)
 {
     config = paper_vehicle_without_i_d();
+    phase_mV = 10000000; /* the voltage always suffices */
 }
 
 void tearDown(void) {}
@@ -22,7 +24,8 @@ void tearDown(void) {}
 static current_setpoint_t weakened(int32_t speed_mrad_s, int32_t torque_mNm, int32_t weakening_mA)
 {
     const motor_model_t model = model_at(&config, speed_mrad_s, 2500);
-    return current_setpoint_step(&model, torque_mNm, weakening_mA);
+    const feasible_set_t set = feasible_set_at(&model, phase_mV);
+    return current_setpoint_step(&set, torque_mNm, weakening_mA);
 }
 
 static current_setpoint_t reference(int32_t speed_mrad_s, int32_t torque_mNm)

@@ -23,8 +23,11 @@ typedef struct {
 static range_t voltage_range(const motor_model_t *model, int32_t phase_mV)
 {
     const feasible_set_t set = feasible_set_at(model, phase_mV);
-    const int32_t driving_mNm = feasible_by_voltage_mNm(&set, SIDE_DRIVING);
-    const int32_t braking_mNm = feasible_by_voltage_mNm(&set, SIDE_BRAKING);
+    const int32_t cap_mNm = 2 * config.motor.max_torque_mNm;
+    const feasible_side_t driving = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
+    const feasible_side_t braking = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
+    const int32_t driving_mNm = feasible_by_voltage_mNm(&driving);
+    const int32_t braking_mNm = feasible_by_voltage_mNm(&braking);
     const bool forward = model->speed_mrad_s >= 0;
     const range_t out = {.lowest_mNm = forward ? -braking_mNm : -driving_mNm,
                          .highest_mNm = forward ? driving_mNm : braking_mNm};

@@ -119,7 +119,7 @@ void test_with_hall_sensors_the_charge_limit_is_reduced_by_the_power_of_the_angl
      * 1541.5/40000 = 38.5 mrad. With field weakening of d amperes this angle error returns up to
      * 3/2 * 31.45 V * d * 0.0385 more power, by which the limit is reduced. */
     config.battery.max_charge_current_mA = 10000;
-    conditions.phase_voltage_mV = 28500;
+    phase_mV = 28500;
     config.rotor.sensor = CONFIG_ROTOR_HALL;
     const limit_t with_hall = at_rpm(640.0).regenerating;
     TEST_ASSERT_EQUAL_INT(REASON_CHARGE_CURRENT, with_hall.reason);

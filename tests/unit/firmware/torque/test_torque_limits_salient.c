@@ -16,7 +16,8 @@ void tearDown(void) {}
 
 static motor_current_t currents_of(const motor_model_t *model, int32_t torque_mNm)
 {
-    const current_setpoint_t i = current_setpoint_step(model, torque_mNm, 0);
+    const feasible_set_t set = feasible_set_at(model, phase_mV);
+    const current_setpoint_t i = current_setpoint_step(&set, torque_mNm, 0);
     const motor_current_t out = {.d_mA = i.i_d_mA, .q_mA = i.i_q_mA};
     return out;
 }
