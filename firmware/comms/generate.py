@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write what is made from hubfoc.dbc: generated/hubfoc.h, generated/hubfoc.c and the message table of README.md.
+"""Write what is made from hubfoc.dbc.
+
+generated/hubfoc.h, generated/hubfoc.c and the message table of README.md.
 
 cantools' code, with two changes: without the date, so that equal protocols make equal files, and
 without the range checks of physical values, which are the only floating point in it and which
@@ -14,6 +16,7 @@ import os
 import re
 import sys
 import tempfile
+import textwrap
 from pathlib import Path
 
 import cantools
@@ -28,6 +31,7 @@ END = "<!-- end -->\n"
 
 WHEELS = 4
 BIT_RATE_PER_S = 500_000
+LINE_COLUMNS = 100
 # Start, identifier, control, CRC, delimiters, acknowledge, end and intermission of a classic data
 # frame (ISO 11898-1).
 OVERHEAD_BITS = 47
@@ -50,7 +54,7 @@ def load(path: Path = DBC) -> Database:
 
 
 def without_phys_range(text: str) -> str:
-    """Take out declarations, with their comments, and definitions of the checks that compute in floating point."""
+    """Take out what the checks that compute in floating point are, with their comments."""
     text = re.sub(
         r"/\*\*\n(?: \*[^\n]*\n)*? \*/\nbool \w+_is_in_phys_range\(double value\);\n\n", "", text
     )
@@ -110,14 +114,18 @@ def tables(database: Database) -> str:
     for message in database.messages:
         each = "" if message.senders == ["battery"] else " + wheel"
         lines.append(
-            f"| `0x{message.frame_id:03X}`{each} | {message.name} | {message.senders[0]} | {cycle_ms(message)} ms |\n"
+            f"| `0x{message.frame_id:03X}`{each} | {message.name} | {message.senders[0]} |"
+            f" {cycle_ms(message)} ms |\n"
         )
-    lines.append(
-        f"\nWith the most bit stuffing there can be, one wheel takes {100 * load_share(database, 1):.1f} % of a bus of "
-        f"{BIT_RATE_PER_S // 1000} kbit/s, four wheels {100 * load_share(database, WHEELS):.1f} %, the battery's message included.\n"
+    load = (
+        "With the most bit stuffing there can be, one wheel takes"
+        f" {100 * load_share(database, 1):.1f} % of a bus of {BIT_RATE_PER_S // 1000} kbit/s, four"
+        f" wheels {100 * load_share(database, WHEELS):.1f} %, the battery's message included."
     )
+    lines.append(f"\n{textwrap.fill(load, LINE_COLUMNS)}\n")
     for message in database.messages:
-        lines.append(f"\n**{message.name}**: {message.comment}\n\n")
+        about = textwrap.fill(f"**{message.name}**: {message.comment}", LINE_COLUMNS)
+        lines.append(f"\n{about}\n\n")
         lines.append(
             "| signal | bits | step | range | unit | meaning |\n|---|---|---|---|---|---|\n"
         )
@@ -134,7 +142,8 @@ def readme(database: Database, text: str) -> str:
     _, end, after = rest.partition(END)
     if not end:
         raise SystemExit(
-            f"{README.name}: the lines {BEGIN.strip()} and {END.strip()} that enclose the message table are missing"
+            f"{README.name}: the lines {BEGIN.strip()} and {END.strip()} that enclose the message"
+            " table are missing"
         )
     return f"{before}{BEGIN}\n{tables(database)}\n{END}{after}"
 
@@ -175,7 +184,8 @@ def main() -> int:
     if only_check:
         for path in stale:
             print(
-                f"{path.relative_to(MODULE)} is not what hubfoc.dbc makes; run tools/dev python firmware/comms/generate.py",
+                f"{path.relative_to(MODULE)} is not what hubfoc.dbc makes; run tools/dev python"
+                " firmware/comms/generate.py",
                 file=sys.stderr,
             )
         return 1 if stale else 0

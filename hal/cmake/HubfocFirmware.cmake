@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-# hubfoc_add_firmware(NAME hubfoc_stm32f405 LINKER_SCRIPT link.ld PORT hubfoc_port_stm32f405 STACK_BYTES 4096
+# hubfoc_add_firmware(NAME hubfoc_stm32f405 LINKER_SCRIPT link.ld PORT hubfoc_port_stm32f405
+# STACK_BYTES 4096
 #                     INTERRUPTS lowest_handler ... highest_handler)
 #
-# The firmware of one port: <name>.elf with its CRC filled in, <name>.bin, <name>.hex, and <name>_config.bin and
-# <name>_config.hex, the configuration alone. Prints the size of what was linked and, where there is a Python, the worst-case depth of the stack,
-# which fails the build if STACK_BYTES are not enough for main() and one of each interrupt on top of each other.
+# The firmware of one port: <name>.elf with its CRC filled in, <name>.bin, <name>.hex, and
+# <name>_config.bin and <name>_config.hex, the configuration alone. Prints the size of what was
+# linked and, where there is a Python, the worst-case depth of the stack, which fails the build if
+# STACK_BYTES are not enough for main() and one of each interrupt on top of each other.
 set(HUBFOC_SEAL "${CMAKE_CURRENT_LIST_DIR}/seal_image.cmake")
 find_program(HUBFOC_REPORT_PYTHON python3 DOC "Any Python 3.11 or newer, for the stack report")
 
@@ -19,25 +21,29 @@ function(hubfoc_add_firmware)
   add_executable(${F_NAME})
   target_link_libraries(${F_NAME} PRIVATE hubfoc_app_main hubfoc_app ${F_PORT} hubfoc_config_image)
   target_link_options(${F_NAME} PRIVATE -nostartfiles --specs=nano.specs "-T${F_LINKER_SCRIPT}"
-    "-Wl,--defsym=link_stack_size=${F_STACK_BYTES}" "-Wl,-Map=${PROJECT_BINARY_DIR}/${F_NAME}.map" -Wl,--print-memory-usage)
-  set_target_properties(${F_NAME} PROPERTIES SUFFIX .elf RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}"
+    "-Wl,--defsym=link_stack_size=${F_STACK_BYTES}" "-Wl,-Map=${PROJECT_BINARY_DIR}/${F_NAME}.map"
+    -Wl,--print-memory-usage)
+  set_target_properties(${F_NAME} PROPERTIES SUFFIX .elf
+    RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}"
     LINK_DEPENDS "${F_LINKER_SCRIPT}")
   if(HUBFOC_REPORT_PYTHON)
     list(TRANSFORM F_INTERRUPTS PREPEND "--interrupt=" OUTPUT_VARIABLE interrupts)
-    set(stack_report "${HUBFOC_REPORT_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/benchmark/stack_report.py"
+    set(stack_report "${HUBFOC_REPORT_PYTHON}"
+      "${PROJECT_SOURCE_DIR}/tools/benchmark/stack_report.py"
       "--elf=${PROJECT_BINARY_DIR}/${F_NAME}.elf" "--objects=${PROJECT_BINARY_DIR}/firmware"
       "--objects=${PROJECT_BINARY_DIR}/hal" --limit=${F_STACK_BYTES} --root=main ${interrupts})
   else()
     set(stack_report "${CMAKE_COMMAND}" -E echo "No stack report: no python3")
   endif()
   set(stem "${PROJECT_BINARY_DIR}/${F_NAME}")
-  # BIN from HEX: an empty .data has its address in RAM once the image is sealed, and straight from the ELF the file would
-  # be filled up to there, 400 MB.
+  # BIN from HEX: an empty .data has its address in RAM once the image is sealed, and straight from
+  # the ELF the file would be filled up to there, 400 MB.
   add_custom_command(TARGET ${F_NAME} POST_BUILD
     COMMAND "${CMAKE_COMMAND}" "-DELF=${stem}.elf" "-DOBJCOPY=${CMAKE_OBJCOPY}" -P "${HUBFOC_SEAL}"
     COMMAND "${CMAKE_OBJCOPY}" -O ihex "${stem}.elf" "${stem}.hex"
     COMMAND "${CMAKE_OBJCOPY}" -I ihex -O binary --gap-fill 0xFF "${stem}.hex" "${stem}.bin"
-    COMMAND "${CMAKE_OBJCOPY}" -O binary --only-section=.hubfoc_config "${stem}.elf" "${stem}_config.bin"
+    COMMAND "${CMAKE_OBJCOPY}" -O binary --only-section=.hubfoc_config "${stem}.elf"
+    "${stem}_config.bin"
     COMMAND "${CMAKE_OBJCOPY}" -I binary -O ihex "${stem}_config.bin" "${stem}_config.hex"
     COMMAND "${CMAKE_SIZE}" --format=berkeley "${stem}.elf"
     COMMAND ${stack_report}

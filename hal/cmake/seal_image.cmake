@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DELF=firmware.elf -DOBJCOPY=arm-none-eabi-objcopy -P seal_image.cmake
 #
-# Fills the section .image_crc with the CRC-32 (IEEE 802.3, as zlib's) of everything between link_image_begin and
-# link_image_end, so that the firmware can check itself at every start. A script of CMake's own, because the firmware
-# must build with a cross compiler alone: no Python, no host compiler.
+# Fills the section .image_crc with the CRC-32 (IEEE 802.3, as zlib's) of everything between
+# link_image_begin and link_image_end, so that the firmware can check itself at every start. A
+# script of CMake's own, because the firmware must build with a cross compiler alone: no Python, no
+# host compiler.
 cmake_minimum_required(VERSION 3.25)
 include("${CMAKE_CURRENT_LIST_DIR}/write_bytes.cmake")
 
@@ -21,7 +22,8 @@ function(run)
 endfunction()
 
 # The bytes that are checked: all loaded sections but those that lie outside the image.
-run("${OBJCOPY}" -O binary --remove-section=.boot_vectors --remove-section=.hubfoc_config --remove-section=.image_crc
+run("${OBJCOPY}" -O binary --remove-section=.boot_vectors --remove-section=.hubfoc_config
+  --remove-section=.image_crc
   "${ELF}" "${ELF}.image")
 file(READ "${ELF}.image" bytes HEX)
 file(REMOVE "${ELF}.image")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # write_bytes(OBJCOPY FILE HEX): a file of exactly the bytes in the string of hexadecimal digits.
 #
-# CMake's own file(WRITE) cannot write a zero byte; objcopy can, from Intel HEX (records of sixteen bytes, each with
-# length, address, type and a checksum that makes the sum of all bytes zero). An address has 16 bits: a record of type 4
-# gives the upper half at every 64 KiB.
+# CMake's own file(WRITE) cannot write a zero byte; objcopy can, from Intel HEX (records of sixteen
+# bytes, each with length, address, type and a checksum that makes the sum of all bytes zero). An
+# address has 16 bits: a record of type 4 gives the upper half at every 64 KiB.
 function(write_bytes OBJCOPY FILE HEX)
   string(REGEX MATCHALL "................................|..+" records "${HEX}")
   set(text "")
@@ -14,7 +14,8 @@ function(write_bytes OBJCOPY FILE HEX)
     math(EXPR low "${address} & 0xFFFF")
     if(low EQUAL 0)
       math(EXPR high "${address} >> 16")
-      math(EXPR sum "((-(6 + (${high} >> 8) + (${high} & 255))) & 255) + 256" OUTPUT_FORMAT HEXADECIMAL)
+      math(EXPR sum "((-(6 + (${high} >> 8) + (${high} & 255))) & 255) + 256"
+        OUTPUT_FORMAT HEXADECIMAL)
       math(EXPR high "${high} + 65536" OUTPUT_FORMAT HEXADECIMAL)
       string(SUBSTRING "${sum}" 3 2 sum)
       string(SUBSTRING "${high}" 3 4 high)
@@ -38,7 +39,8 @@ function(write_bytes OBJCOPY FILE HEX)
   endforeach()
   string(TOUPPER "${text}:00000001FF\n" text)
   file(WRITE "${FILE}.hex" "${text}")
-  execute_process(COMMAND "${OBJCOPY}" -I ihex -O binary "${FILE}.hex" "${FILE}" COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND "${OBJCOPY}" -I ihex -O binary "${FILE}.hex" "${FILE}"
+    COMMAND_ERROR_IS_FATAL ANY)
   file(REMOVE "${FILE}.hex")
   file(SIZE "${FILE}" written)
   if(NOT written EQUAL address)

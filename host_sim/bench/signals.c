@@ -10,7 +10,7 @@ typedef enum { VALUE, RATE } kind_t;
 
 /* clang-format off */
 /* X(name, kind, unit, meaning, expression of the bench b) */
-#define BENCH_SIGNALS(X)                                                                                               \
+#define BENCH_SIGNALS(X) \
     X("time_s", VALUE, "s", "since the run began", b->time_s) \
     X("driver.reference_m_per_s", VALUE, "m/s", \
       "speed the driver is to follow", b->demand.reference_m_per_s) \
@@ -49,7 +49,7 @@ typedef enum { VALUE, RATE } kind_t;
       "heat in the battery, mean over the row", b->booked.battery_j)
 
 /* X(name, kind, unit, meaning, expression of the wheel w) */
-#define WHEEL_SIGNALS(X)                                                                                               \
+#define WHEEL_SIGNALS(X) \
     X("motor_torque_nm", RATE, "N.m", \
       "airgap torque, positive driving forward, mean over the row", \
       w->totals.torque_impulse_nms) \
@@ -111,7 +111,8 @@ typedef enum { VALUE, RATE } kind_t;
     X("speed_estimate_rad_per_s", VALUE, "rad/s", \
       "controller: mechanical speed", 1e-3 * w->slow.speed_mrad_s) \
     X("theta_estimate_turn", VALUE, "turn", \
-      "controller: electrical angle", (double)foc_latest(&w->controller.fast.foc)->rotor.theta_turn / 65536.0) \
+      "controller: electrical angle", \
+      (double)foc_latest(&w->controller.fast.foc)->rotor.theta_turn / 65536.0) \
     X("current_d_estimate_a", VALUE, "A", \
       "controller: direct-axis current, low-passed", 1e-3 * w->slow.i_d_mA) \
     X("current_q_estimate_a", VALUE, "A", \

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A copy of tools/dev in an empty directory, on a machine that is as bare, or as complete, as a test pretends.
+"""A copy of tools/dev in an empty directory, on a machine that is as bare, or as complete, as a
+test pretends.
 
 What it would install comes from a pretended apt-get that only writes down how it was called, so
 nothing outside the temporary directory is touched.
@@ -24,7 +25,8 @@ needs_headers = unittest.skipUnless(
 
 # What the set-up looks for, hidden from the command so that every machine looks equally bare to it.
 HIDDEN = (
-    "apt-get", "apt-cache", "sudo", "arm-none-eabi-gcc", "qemu-system-arm", "clang-tidy", "shellcheck", "ninja", "openocd",
+    "apt-get", "apt-cache", "sudo", "arm-none-eabi-gcc", "qemu-system-arm", "clang-tidy",
+    "shellcheck", "ninja", "openocd",
     "chromium", "chromium-headless-shell", "google-chrome",
 )  # fmt: skip
 
@@ -37,7 +39,8 @@ case "$*" in *" install "*) ;; *) exit 0 ;; esac
 [ -z "$APT_BROKEN" ] || { echo "E: pretended failure" >&2; exit 100; }
 for package in "$@"; do
     case $package in
-        gcc-arm-none-eabi) printf '#!/bin/sh\\necho /pretended/nano.specs\\n' > "$APT_BIN/arm-none-eabi-gcc" ;;
+        gcc-arm-none-eabi)
+            printf '#!/bin/sh\\necho /pretended/nano.specs\\n' > "$APT_BIN/arm-none-eabi-gcc" ;;
         chromium-headless-shell) printf '#!/bin/sh\\n' > "$APT_BIN/chromium-headless-shell" ;;
         qemu-system-arm) printf '#!/bin/sh\\n' > "$APT_BIN/qemu-system-arm" ;;
         *) continue ;;
@@ -55,22 +58,27 @@ case "$*" in
         mkdir -p "build/$2"
         printf 'CMAKE_HOME_DIRECTORY:INTERNAL=%s\\n' "$PWD" > "build/$2/CMakeCache.txt"
         for option in "$@"; do
-            case $option in -D*) echo "${option#-D}" | sed 's/=/:STRING=/' >> "build/$2/CMakeCache.txt" ;; esac
+            case $option in
+                -D*) echo "${option#-D}" | sed 's/=/:STRING=/' >> "build/$2/CMakeCache.txt" ;;
+            esac
         done
         touch "build/$2/build.ninja" ;;
-    *" --target hubfoc_"*) touch "build/$3/$5.elf"; printf 'Linking\\nMemory region: pretended\\n' ;;
+    *" --target hubfoc_"*) touch "build/$3/$5.elf"
+        printf 'Linking\\nMemory region: pretended\\n' ;;
     *"$BROKEN_BUILD"*) [ -z "$BROKEN_BUILD" ] || { echo "main.c:1: error: pretended"; exit 1; } ;;
 esac
 """
 
-# Lists two tests a preset; runs what the combined list names, and fails one of the preset it is told to.
+# Lists two tests a preset; runs what the combined list names, and fails one of the preset it is
+# told to.
 PRETENDED_CTEST = """#!/bin/sh
 echo "ctest $*" >> "$CALLS"
 case "$*" in
     "--preset "*) cat <<JSON
 {"backtraceGraph": {"files": ["$PWD/tests/unit/CMakeLists.txt"], "nodes": [{"file": 0}]}, "tests": [
  {"name": "physics", "command": ["physics"], "backtrace": 0, "properties": []},
- {"name": "whole_cycle", "command": ["cycle"], "properties": [{"name": "LABELS", "value": ["full"]}]}]}
+ {"name": "whole_cycle", "command": ["cycle"],
+   "properties": [{"name": "LABELS", "value": ["full"]}]}]}
 JSON
     exit 0 ;;
 esac
@@ -97,7 +105,7 @@ class DevFixture(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Make a directory with the ordinary programs of this machine, but none of the hidden ones."""
+        """Make a directory with this machine's ordinary programs, but none of the hidden ones."""
         temporary = tempfile.TemporaryDirectory()
         cls.addClassCleanup(temporary.cleanup)
         cls.ordinary = Path(temporary.name)
@@ -162,7 +170,9 @@ class DevFixture(unittest.TestCase):
         return {"APT_CALLS": str(self.base / "calls"), "APT_BIN": str(self.bin)}
 
     def pretend_everything_is_installed(self) -> tuple[str, dict[str, str]]:
-        """Return a PATH and an environment in which every tool is there and only writes down its calls."""
+        """Return a PATH and an environment in which every tool is there and only writes down its
+        calls.
+        """
         path = self.bare_path()
         for name in (
             "arm-none-eabi-gcc",
@@ -203,7 +213,9 @@ class DevFixture(unittest.TestCase):
         return path, {"CALLS": str(self.base / "calls")}
 
     def calls(self, program: str) -> list[str]:
-        """Return the arguments of every call of a program, but for questions about its version and paths."""
+        """Return the arguments of every call of a program, but for questions about its version and
+        paths.
+        """
         lines = (self.base / "calls").read_text().splitlines()
         calls = [line.partition(" ")[2] for line in lines if line.startswith(program + " ")]
         return [call for call in calls if "version" not in call and "print-file-name" not in call]

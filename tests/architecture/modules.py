@@ -73,7 +73,9 @@ def includes_in(text: str) -> list[tuple[str, str]]:
 
 
 def code_only(text: str) -> str:
-    """Return C text with comments, strings and characters blanked, so that only code can be found in it."""
+    """Return C text with comments, strings and characters blanked, so that only code can be found
+    in it.
+    """
     pattern = re.compile(
         r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.DOTALL
     )

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tools/dev flash over a serial line, against a pseudo terminal that answers as the firmware's shell does."""
+"""tools/dev flash over a serial line, against a pseudo terminal that answers as the firmware's
+shell does.
+"""
 
 import os
 import pty
@@ -14,7 +16,9 @@ class DevSerialTest(DevFixture):
     """The other end of the line is a thread."""
 
     def send_over_serial(self, *answers: bytes) -> tuple[subprocess.CompletedProcess[str], bytes]:
-        """Flash a configuration over a line whose other end answers the shell's command, and then the image, as told."""
+        """Flash a configuration over a line whose other end answers the shell's command, and then
+        the image, as told.
+        """
         path, environment = self.pretend_everything_is_installed()
         (self.home / "firmware/config/generated").mkdir(parents=True)
         (self.home / "firmware/config/generated/lu2013.c").touch()

@@ -76,7 +76,8 @@ class SetupTest(DevFixture):
         shutil.copytree(ROOT / ".ci", self.home / ".ci")
         write_program(self.home / "tools/dev", '#!/bin/sh\necho "dev $*" >> "$CALLS"\n')
         calls = self.base / "calls"
-        subprocess.run([str(self.home / ".ci/run")], env={"CALLS": str(calls), "PATH": os.environ["PATH"]},
+        subprocess.run([str(self.home / ".ci/run")],
+            env={"CALLS": str(calls), "PATH": os.environ["PATH"]},
                        timeout=60, check=True)  # fmt: skip
         self.assertEqual(calls.read_text().splitlines(), ["dev sim", "dev test"])
         shown = re.findall(

@@ -34,7 +34,8 @@ def test_the_emulator_ends_with_the_test_that_started_it(tmp_path: Path) -> None
     emulator = tmp_path / "qemu"
     # It writes down its process and runs on, deaf to everything that can be ignored.
     write_program(
-        emulator, f"#!/bin/sh\ntrap '' TERM INT HUP\necho $$ > {number}.new\nmv {number}.new {number}\n"
+        emulator,
+        f"#!/bin/sh\ntrap '' TERM INT HUP\necho $$ > {number}.new\nmv {number}.new {number}\n"
         "while :; do sleep 0.1; done\n",
     )  # fmt: skip
     test = subprocess.Popen(

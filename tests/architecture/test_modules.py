@@ -42,9 +42,11 @@ MODULES_HERE = [module for module in MAY_INCLUDE if (FIRMWARE / module).is_dir()
 HEADERS = [
     (
         module,
-        path.name
-        if path.parent == FIRMWARE / module
-        else path.relative_to(FIRMWARE / module / "include").as_posix(),
+        (
+            path.name
+            if path.parent == FIRMWARE / module
+            else path.relative_to(FIRMWARE / module / "include").as_posix()
+        ),
     )
     for module in MODULES_HERE
     for path in files_of(module)
@@ -174,7 +176,10 @@ def test_a_header_of_the_hardware_interface_stands_alone(header: str) -> None:
 
 def test_a_vector_of_one_frame_is_no_argument_for_another() -> None:
     options = [*include_options("foc"), f"-I{FIRMWARE / 'foc'}"]
-    text = '#include "transforms.h"\ndq16_t f({0} x, rotation_t a);\ndq16_t f({0} x, rotation_t a) {{ return transforms_park(x, a); }}\n'
+    text = (
+        '#include "transforms.h"\ndq16_t f({0} x, rotation_t a);\ndq16_t f({0} x, rotation_t a) {{'
+        " return transforms_park(x, a); }}\n"
+    )
     assert compile_text(text.format("ab16_t"), options).returncode == 0
     for wrong in ("dq16_t", "dq_t", "abc_t"):
         assert "incompatible type" in compile_text(text.format(wrong), options).stderr

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the compiler made of the pure modules: no state of their own, no recursion, nothing dear in the fast loop.
+"""What the compiler made of the pure modules: no state of their own, no recursion, nothing dear in
+the fast loop.
 
 The source can hide a division in a macro, recursion behind three functions and a global behind a
 static; object files cannot. The modules are compiled here, each file by itself, with the host's
@@ -253,7 +254,7 @@ def disassemble(path: Path) -> dict[str, Function]:
 
 
 def call_tree(objects: list[Path], root: str) -> tuple[dict[str, Function], set[str]]:
-    """Return every function that `root` can reach, and the names that are in none of the objects."""
+    """Return every function that `root` can reach, and the names that are in no object."""
     by_object = {path: disassemble(path) for path in objects}
     exported = {
         name: path

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Write drives and what ``regen_table`` answers about them as a C++ header: ``optimum_values.py OUT.hpp``.
+"""Write drives and what ``regen_table`` answers about them as a C++ header: ``optimum_values.py
+OUT.hpp``.
 
 The drives' numbers come straight from the TOML files and the random drives of the Python tests, the
 answers from ``solve`` and ``evaluate``. Torques and speeds of either sign; NaN where an answer is
@@ -65,7 +66,9 @@ def drive_row(drive: schema.Drive) -> Row:
 
 
 def answers(drives: list[schema.Drive]) -> tuple[list[Row], list[Row]]:
-    """Return what ``solve`` and ``evaluate`` say, once with i_d = 0 and once with both currents free, of every drive."""
+    """Return what ``solve`` and ``evaluate`` say, once with i_d = 0 and once with both currents
+    free, of every drive.
+    """
     rng = np.random.default_rng(20131)
     solved: list[Row] = []
     evaluated: list[Row] = []

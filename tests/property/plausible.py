@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plausible drives of either type at random, always the same ones, for the tests in Python and in C++."""
+"""Plausible drives of either type at random, always the same ones, for the tests in Python and in
+C++.
+"""
 
 from typing import Any
 

@@ -123,8 +123,7 @@ static void test_calibrated_current_is_right_to_half_a_per_cent_of_full_scale_at
     }
 }
 
-static void
-test_compensation_halves_the_fifth_and_seventh_harmonic_and_torque_stays_right_to_one_per_cent()
+static void test_compensation_halves_fifth_and_seventh_harmonic_and_keeps_torque_to_one_per_cent()
 {
     const config_t without = paper_config(false);
     const config_t with = paper_config(true);
@@ -229,8 +228,7 @@ int main()
 {
     UNITY_BEGIN();
     RUN_TEST(test_calibrated_current_is_right_to_half_a_per_cent_of_full_scale_at_any_speed);
-    RUN_TEST(
-        test_compensation_halves_the_fifth_and_seventh_harmonic_and_torque_stays_right_to_one_per_cent);
+    RUN_TEST(test_compensation_halves_fifth_and_seventh_harmonic_and_keeps_torque_to_one_per_cent);
     RUN_TEST(
         test_compensation_with_dead_time_and_zone_thirty_per_cent_wrong_still_halves_the_harmonics);
     RUN_TEST(test_power_estimate_is_copper_loss_plus_torque_times_speed);

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 # Tests on the emulated core.
 #
-#   hubfoc_add_target_program(NAME x SOURCES ... LIBRARIES ... [OPTIONS ...])   an ELF for mps2-an386, no firmware in it
-#   hubfoc_add_qemu_test(NAME x ELF file-or-target [ARGUMENTS ..] [MACHINE ..] [SERIAL n] [MILLIONS n] [EXPECT_EXIT n]
+#   hubfoc_add_target_program(NAME x SOURCES ... LIBRARIES ... [OPTIONS ...])   an ELF for
+#     mps2-an386, no firmware in it
+#   hubfoc_add_qemu_test(NAME x ELF file-or-target [ARGUMENTS ..] [MACHINE ..] [SERIAL n]
+#     [MILLIONS n] [EXPECT_EXIT n]
 #                        [EXPECT regex ...] [SAME_AS program] [LABELS ...])
-#       MILLIONS of emulated instructions are the limit: the verdict is the same on a busy machine. The limit in time follows
+#       MILLIONS of emulated instructions are the limit: the verdict is the same on a busy
+#         machine. The limit in time follows
 #       from it, ten times what an idle machine takes (a thousand millions a second).
-#   hubfoc_add_unit_test(...)   the host's function of that name, so that the folders of tests/unit can be used as they are
+#   hubfoc_add_unit_test(...)   the host's function of that name, so that the folders of
+#     tests/unit can be used as they are
 
 find_program(HUBFOC_QEMU qemu-system-arm)
 find_program(HUBFOC_HOST_CC NAMES cc gcc clang)
@@ -15,7 +19,8 @@ set(HUBFOC_RUN_ON_QEMU "${CMAKE_CURRENT_LIST_DIR}/run_on_qemu.cmake")
 # The plugin that counts instructions, in the version of the interface that this emulator accepts.
 set(HUBFOC_LIMIT_PLUGIN "${CMAKE_CURRENT_BINARY_DIR}/limit.so")
 if(HUBFOC_QEMU AND HUBFOC_HOST_CC)
-  execute_process(COMMAND "${HUBFOC_QEMU}" --version OUTPUT_VARIABLE qemu_version COMMAND_ERROR_IS_FATAL ANY)
+  execute_process(COMMAND "${HUBFOC_QEMU}" --version OUTPUT_VARIABLE qemu_version
+    COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX MATCH "[0-9]+[.][0-9]+" qemu_version "${qemu_version}")
   set(interface 1)
   foreach(since IN ITEMS 9.0=2 9.1=3 9.2=4)
@@ -26,21 +31,24 @@ if(HUBFOC_QEMU AND HUBFOC_HOST_CC)
     endif()
   endforeach()
   add_custom_command(OUTPUT "${HUBFOC_LIMIT_PLUGIN}"
-    COMMAND "${HUBFOC_HOST_CC}" -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC -DQEMU_PLUGIN_API=${interface}
+    COMMAND "${HUBFOC_HOST_CC}" -std=c11 -O2 -Wall -Wextra -Werror -shared -fPIC
+    -DQEMU_PLUGIN_API=${interface}
       "${CMAKE_CURRENT_LIST_DIR}/limit.c" -o "${HUBFOC_LIMIT_PLUGIN}"
     DEPENDS "${CMAKE_CURRENT_LIST_DIR}/limit.c" VERBATIM)
   add_custom_target(hubfoc_limit_plugin ALL DEPENDS "${HUBFOC_LIMIT_PLUGIN}")
 endif()
 
 function(hubfoc_add_qemu_test)
-  cmake_parse_arguments(T "" "NAME;ELF;MACHINE;SERIAL;MILLIONS;EXPECT_EXIT;SAME_AS" "ARGUMENTS;EXPECT;LABELS" ${ARGN})
+  cmake_parse_arguments(T "" "NAME;ELF;MACHINE;SERIAL;MILLIONS;EXPECT_EXIT;SAME_AS"
+    "ARGUMENTS;EXPECT;LABELS" ${ARGN})
   if(TARGET ${T_ELF})
     set(T_ELF "$<TARGET_FILE:${T_ELF}>")
   endif()
   if(NOT T_MILLIONS)
     set(T_MILLIONS 6000)
   endif()
-  set(definitions "-DELF=${T_ELF}" "-DQEMU=${HUBFOC_QEMU}" "-DLIMIT=${HUBFOC_LIMIT_PLUGIN},instructions=${T_MILLIONS}000000")
+  set(definitions "-DELF=${T_ELF}" "-DQEMU=${HUBFOC_QEMU}"
+    "-DLIMIT=${HUBFOC_LIMIT_PLUGIN},instructions=${T_MILLIONS}000000")
   foreach(option IN ITEMS MACHINE SERIAL EXPECT_EXIT SAME_AS)
     if(DEFINED T_${option})
       list(APPEND definitions "-D${option}=${T_${option}}")
@@ -49,7 +57,8 @@ function(hubfoc_add_qemu_test)
   list(JOIN T_ARGUMENTS " " arguments)
   list(JOIN T_EXPECT "|||" expect)
   add_test(NAME ${T_NAME}
-    COMMAND "${CMAKE_COMMAND}" ${definitions} "-DARGUMENTS=${arguments}" "-DEXPECT=${expect}" -P "${HUBFOC_RUN_ON_QEMU}")
+    COMMAND "${CMAKE_COMMAND}" ${definitions} "-DARGUMENTS=${arguments}" "-DEXPECT=${expect}"
+    -P "${HUBFOC_RUN_ON_QEMU}")
   math(EXPR seconds "${T_MILLIONS} / 100")
   if(seconds LESS 60)
     set(seconds 60)
@@ -57,7 +66,8 @@ function(hubfoc_add_qemu_test)
   set_tests_properties(${T_NAME} PROPERTIES TIMEOUT ${seconds} LABELS "target;${T_LABELS}")
 endfunction()
 
-# Start-up, semihosting and the C library's calls: compiled once for each set of flags, which belong to a folder.
+# Start-up, semihosting and the C library's calls: compiled once for each set of flags, which belong
+# to a folder.
 function(hubfoc_target_core result)
   string(MD5 flags "${CMAKE_C_FLAGS}")
   set(name "hubfoc_target_core_${flags}")
@@ -73,21 +83,26 @@ function(hubfoc_add_target_program)
   hubfoc_target_core(core)
   add_executable(${P_NAME} ${P_SOURCES})
   target_link_libraries(${P_NAME} PRIVATE ${core} ${P_LIBRARIES} hubfoc_warnings)
-  target_include_directories(${P_NAME} PRIVATE $<TARGET_PROPERTY:hubfoc_qemu_core,INTERFACE_INCLUDE_DIRECTORIES>)
+  target_include_directories(${P_NAME}
+    PRIVATE $<TARGET_PROPERTY:hubfoc_qemu_core,INTERFACE_INCLUDE_DIRECTORIES>)
   target_compile_options(${P_NAME} PRIVATE ${P_OPTIONS})
   # A test's worth of stack; the linker script's own is the firmware's.
-  target_link_options(${P_NAME} PRIVATE -nostartfiles --specs=nano.specs "-T${HUBFOC_QEMU_LINKER_SCRIPT}"
+  target_link_options(${P_NAME} PRIVATE -nostartfiles --specs=nano.specs
+    "-T${HUBFOC_QEMU_LINKER_SCRIPT}"
     -Wl,--defsym=link_stack_size=0x20000 ${P_OPTIONS})
-  set_target_properties(${P_NAME} PROPERTIES SUFFIX .elf LINK_DEPENDS "${HUBFOC_QEMU_LINKER_SCRIPT}")
+  set_target_properties(${P_NAME} PROPERTIES SUFFIX .elf
+    LINK_DEPENDS "${HUBFOC_QEMU_LINKER_SCRIPT}")
 endfunction()
 
-# The firmware in a unit test is compiled for the Cortex-M4. The test's own arithmetic is in double precision, which that
-# core does in software, ten times as long as what is tested: so tests are compiled for the Cortex-M7, whose instruction
-# set contains the M4's and whose unit has double precision, and run on a board with that.
+# The firmware in a unit test is compiled for the Cortex-M4. The test's own arithmetic is in double
+# precision, which that core does in software, ten times as long as what is tested: so tests are
+# compiled for the Cortex-M7, whose instruction set contains the M4's and whose unit has double
+# precision, and run on a board with that.
 set(HUBFOC_TEST_CORE -mcpu=cortex-m7 -mfpu=fpv5-d16)
 set(HUBFOC_TEST_MACHINE mps2-an500)
 
-# Needs Ruby for the runners; without it there is nothing to add, and tests/target says so with a failing test.
+# Needs Ruby for the runners; without it there is nothing to add, and tests/target says so with a
+# failing test.
 function(hubfoc_add_unit_test)
   cmake_parse_arguments(T "" "NAME;TIMEOUT" "SOURCES;LIBRARIES;MOCKS;LABELS" ${ARGN})
   if(T_MOCKS)
@@ -97,7 +112,8 @@ function(hubfoc_add_unit_test)
   cmake_path(ABSOLUTE_PATH test)
   set(runner "${CMAKE_CURRENT_BINARY_DIR}/${T_NAME}_runner.c")
   add_custom_command(OUTPUT "${runner}"
-    COMMAND "${HUBFOC_RUBY}" -W0 --disable=gems "${UNITY_DIR}/auto/generate_test_runner.rb" "${HUBFOC_CMOCK_YML}" "${test}" "${runner}"
+    COMMAND "${HUBFOC_RUBY}" -W0 --disable=gems "${UNITY_DIR}/auto/generate_test_runner.rb"
+    "${HUBFOC_CMOCK_YML}" "${test}" "${runner}"
     DEPENDS "${test}" "${HUBFOC_CMOCK_YML}" VERBATIM)
   set_source_files_properties("${runner}" PROPERTIES COMPILE_OPTIONS "-w")
   foreach(source IN LISTS T_SOURCES)
@@ -107,10 +123,13 @@ function(hubfoc_add_unit_test)
     else()
       set(core ${HUBFOC_TEST_CORE})
     endif()
-    set_source_files_properties("${source}" PROPERTIES COMPILE_OPTIONS "-Wno-missing-prototypes;${core}")
+    set_source_files_properties("${source}"
+      PROPERTIES COMPILE_OPTIONS "-Wno-missing-prototypes;${core}")
   endforeach()
-  hubfoc_add_target_program(NAME target_${T_NAME} SOURCES ${T_SOURCES} "${runner}" LIBRARIES unity_target ${T_LIBRARIES})
+  hubfoc_add_target_program(NAME target_${T_NAME} SOURCES ${T_SOURCES} "${runner}"
+    LIBRARIES unity_target ${T_LIBRARIES})
   target_link_options(target_${T_NAME} PRIVATE ${HUBFOC_TEST_CORE})
-  hubfoc_add_qemu_test(NAME target_${T_NAME} ELF target_${T_NAME} MACHINE ${HUBFOC_TEST_MACHINE} MILLIONS 40000
+  hubfoc_add_qemu_test(NAME target_${T_NAME} ELF target_${T_NAME} MACHINE ${HUBFOC_TEST_MACHINE}
+    MILLIONS 40000
     EXPECT "Tests 0 Failures 0 Ignored" LABELS unit)
 endfunction()

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# cmake -DNM=arm-none-eabi-nm -DELF=hubfoc_stm32f405.elf -DCONFIG=CONFIG_LU2013 -P check_layout.cmake
+# cmake -DNM=arm-none-eabi-nm -DELF=hubfoc_stm32f405.elf -DCONFIG=CONFIG_LU2013 -P
+# check_layout.cmake
 #
-# Facts about the flashable image that no compiler checks: what has to be where (hal/stm32f405/link.ld and board.h).
+# Facts about the flashable image that no compiler checks: what has to be where
+# (hal/stm32f405/link.ld and board.h).
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND "${NM}" "${ELF}" OUTPUT_VARIABLE symbols COMMAND_ERROR_IS_FATAL ANY)
 

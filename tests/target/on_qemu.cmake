@@ -2,7 +2,8 @@
 # What runs on mps2-an386.
 
 find_program(HUBFOC_RUBY ruby)
-find_path(CMOCK_DIR lib/cmock.rb HINTS "${PROJECT_SOURCE_DIR}/.dev/cmock/usr/share/cmock" "/usr/share/cmock" NO_DEFAULT_PATH
+find_path(CMOCK_DIR lib/cmock.rb HINTS "${PROJECT_SOURCE_DIR}/.dev/cmock/usr/share/cmock"
+  "/usr/share/cmock" NO_DEFAULT_PATH
   NO_CMAKE_FIND_ROOT_PATH)
 set(missing "")
 foreach(needed IN ITEMS HUBFOC_QEMU HUBFOC_HOST_CC HUBFOC_RUBY CMOCK_DIR)
@@ -10,42 +11,54 @@ foreach(needed IN ITEMS HUBFOC_QEMU HUBFOC_HOST_CC HUBFOC_RUBY CMOCK_DIR)
     list(APPEND missing ${needed})
   endif()
 endforeach()
-# The firmware itself needs none of these, so a machine without them may configure; its tests then say so.
-add_test(NAME target_prerequisites COMMAND "${CMAKE_COMMAND}" "-DMISSING=${missing}" -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
+# The firmware itself needs none of these, so a machine without them may configure; its tests then
+# say so.
+add_test(NAME target_prerequisites COMMAND "${CMAKE_COMMAND}" "-DMISSING=${missing}"
+  -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
 set_tests_properties(target_prerequisites PROPERTIES TIMEOUT 60)
 
 # ---- the firmware ----
 
 hubfoc_add_qemu_test(NAME firmware_boots ELF hubfoc_qemu
-  EXPECT "hubfoc ${PROJECT_VERSION} [(]([0-9a-f]+[+]?|unknown)[)] on qemu_mps2, configuration ${HUBFOC_CONFIG} 0x[0-9A-F]+" "self-test RAM: good" "self-test firmware CRC: good"
+  EXPECT "${banner} on qemu_mps2, configuration ${HUBFOC_CONFIG} 0x[0-9A-F]+"
+         "self-test RAM: good" "self-test firmware CRC: good"
          "configuration accepted" "result: READY, no limit")
 hubfoc_add_qemu_test(NAME firmware_keeps_its_watchdog_fed ELF hubfoc_qemu ARGUMENTS run_ms=10000
   EXPECT "result: READY, no limit")
-hubfoc_add_qemu_test(NAME firmware_with_a_dead_timer_is_caught_by_the_watchdog ELF hubfoc_qemu ARGUMENTS tick_fault=1 EXPECT_EXIT 1
+hubfoc_add_qemu_test(NAME firmware_with_a_dead_timer_is_caught_by_the_watchdog ELF hubfoc_qemu
+  ARGUMENTS tick_fault=1 EXPECT_EXIT 1
   EXPECT "watchdog: not fed in time")
-hubfoc_add_qemu_test(NAME firmware_latches_a_fault_of_the_power_stage ELF hubfoc_qemu ARGUMENTS power_stage_fault=1 EXPECT_EXIT 1
+hubfoc_add_qemu_test(NAME firmware_latches_a_fault_of_the_power_stage ELF hubfoc_qemu
+  ARGUMENTS power_stage_fault=1 EXPECT_EXIT 1
   EXPECT "result: FAILED, FAULT, power stage reported a fault")
-hubfoc_add_qemu_test(NAME firmware_without_its_clock_stays_in_boot ELF hubfoc_qemu ARGUMENTS clock_fault=1 EXPECT_EXIT 1
+hubfoc_add_qemu_test(NAME firmware_without_its_clock_stays_in_boot ELF hubfoc_qemu
+  ARGUMENTS clock_fault=1 EXPECT_EXIT 1
   EXPECT "clock fault" "result: FAILED, BOOT")
 
 # damaged(NAME SECTION OFFSET): a copy of the firmware with one wrong byte.
 function(damaged name section offset)
   add_custom_command(OUTPUT "${name}.elf"
-    COMMAND "${CMAKE_COMMAND}" "-DELF=$<TARGET_FILE:hubfoc_qemu>" "-DBAD=${CMAKE_CURRENT_BINARY_DIR}/${name}.elf" "-DSECTION=${section}"
+    COMMAND "${CMAKE_COMMAND}" "-DELF=$<TARGET_FILE:hubfoc_qemu>"
+    "-DBAD=${CMAKE_CURRENT_BINARY_DIR}/${name}.elf" "-DSECTION=${section}"
       -DOFFSET=${offset} "-DOBJCOPY=${CMAKE_OBJCOPY}" "-DHAL_CMAKE=${PROJECT_SOURCE_DIR}/hal/cmake"
       -P "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/damage.cmake"
-    DEPENDS hubfoc_qemu "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/damage.cmake" "${PROJECT_SOURCE_DIR}/hal/cmake/write_bytes.cmake"
+    DEPENDS hubfoc_qemu "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/damage.cmake"
+    "${PROJECT_SOURCE_DIR}/hal/cmake/write_bytes.cmake"
     VERBATIM)
   add_custom_target(${name} ALL DEPENDS "${name}.elf")
 endfunction()
 damaged(damaged_configuration .hubfoc_config 100)
 damaged(damaged_magic .hubfoc_config 0)
-damaged(damaged_code .text 28) # a reserved entry of the vector table (ARMv7-M, B1.5.3): nobody but the checksum reads it
-hubfoc_add_qemu_test(NAME firmware_refuses_a_damaged_configuration ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_configuration.elf" EXPECT_EXIT 1
+# A reserved entry of the vector table (ARMv7-M, B1.5.3): nobody but the checksum reads it.
+damaged(damaged_code .text 28)
+hubfoc_add_qemu_test(NAME firmware_refuses_a_damaged_configuration
+  ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_configuration.elf" EXPECT_EXIT 1
   EXPECT "configuration refused: crc32" "BOOT, bridge off" "result: FAILED, BOOT")
-hubfoc_add_qemu_test(NAME firmware_refuses_what_is_no_configuration ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_magic.elf" EXPECT_EXIT 1
+hubfoc_add_qemu_test(NAME firmware_refuses_what_is_no_configuration
+  ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_magic.elf" EXPECT_EXIT 1
   EXPECT "configuration refused: magic" "result: FAILED, BOOT")
-hubfoc_add_qemu_test(NAME firmware_finds_one_wrong_byte_in_itself ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_code.elf" ARGUMENTS run_ms=1200
+hubfoc_add_qemu_test(NAME firmware_finds_one_wrong_byte_in_itself
+  ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_code.elf" ARGUMENTS run_ms=1200
   EXPECT_EXIT 1 EXPECT "self-test firmware CRC: FAILED" "result: FAILED, FAULT, self-test failed")
 
 # ---- the same stories on host and target ----
@@ -61,25 +74,32 @@ foreach(module IN LISTS modules)
 endforeach()
 list(TRANSFORM trace_sources PREPEND "${CMAKE_CURRENT_LIST_DIR}/" OUTPUT_VARIABLE trace_files)
 list(TRANSFORM module_includes PREPEND "-I" OUTPUT_VARIABLE include_options)
-file(GLOB_RECURSE module_headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/firmware/*/include/*.h" "${CMAKE_CURRENT_LIST_DIR}/*.h")
+file(GLOB_RECURSE module_headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/firmware/*/include/*.h"
+  "${CMAKE_CURRENT_LIST_DIR}/*.h")
 
 set(trace_on_host "${CMAKE_CURRENT_BINARY_DIR}/trace_on_host")
 if(HUBFOC_HOST_CC)
-  set(host_files ${trace_files} "${CMAKE_CURRENT_LIST_DIR}/print_host.c" ${module_sources} "${config_image}")
+  set(host_files ${trace_files} "${CMAKE_CURRENT_LIST_DIR}/print_host.c" ${module_sources}
+    "${config_image}")
   add_custom_command(OUTPUT trace_on_host
-    COMMAND "${HUBFOC_HOST_CC}" -std=c11 -O2 ${include_options} "-I${PROJECT_SOURCE_DIR}/tests/unit/firmware/support" "-D${trace_definitions}"
+    COMMAND "${HUBFOC_HOST_CC}" -std=c11 -O2 ${include_options}
+    "-I${PROJECT_SOURCE_DIR}/tests/unit/firmware/support" "-D${trace_definitions}"
       ${host_files} -o trace_on_host
     DEPENDS ${host_files} ${module_headers} VERBATIM)
   add_custom_target(hubfoc_trace_on_host ALL DEPENDS trace_on_host)
 endif()
 
-# trace(NAME OPTION...): the stories, compiled for the emulated core with these options, against the host.
+# trace(NAME OPTION...): the stories, compiled for the emulated core with these options, against the
+# host.
 function(trace name)
   hubfoc_add_target_program(NAME ${name} OPTIONS ${ARGN}
-    SOURCES ${trace_files} "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/print_target.c" ${module_sources} "${config_image}")
-  target_include_directories(${name} PRIVATE ${module_includes} "${PROJECT_SOURCE_DIR}/tests/unit/firmware/support")
+    SOURCES ${trace_files} "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/print_target.c" ${module_sources}
+    "${config_image}")
+  target_include_directories(${name} PRIVATE ${module_includes}
+    "${PROJECT_SOURCE_DIR}/tests/unit/firmware/support")
   target_compile_definitions(${name} PRIVATE ${trace_definitions})
-  hubfoc_add_qemu_test(NAME ${name}_is_the_hosts_bit_for_bit ELF ${name} MILLIONS 30000 SAME_AS "${trace_on_host}")
+  hubfoc_add_qemu_test(NAME ${name}_is_the_hosts_bit_for_bit ELF ${name} MILLIONS 30000
+    SAME_AS "${trace_on_host}")
 endfunction()
 trace(trace_cortex_m4)
 trace(trace_cortex_m4_portable -U__ARM_FEATURE_SAT) # q15.h's own clamps instead of SSAT
@@ -94,7 +114,8 @@ add_subdirectory(other_core cortex_m0plus)
 # ---- the whole urban cycle ----
 
 # The inputs are written by a program of the host preset, which drives the simulated vehicle.
-set(HUBFOC_RECORD_CYCLE "${PROJECT_SOURCE_DIR}/build/host/tests/target/hubfoc_record_cycle" CACHE FILEPATH
+set(HUBFOC_RECORD_CYCLE "${PROJECT_SOURCE_DIR}/build/host/tests/target/hubfoc_record_cycle"
+  CACHE FILEPATH
   "The host preset's program that records the urban cycle")
 hubfoc_add_target_program(NAME replay_cycle
   SOURCES replay_cycle.c cycle.c digest.c print.c print_target.c ${module_sources}
@@ -105,20 +126,26 @@ add_test(NAME whole_cycle_is_the_hosts_bit_for_bit
     "-DELF=$<TARGET_FILE:replay_cycle>" "-DQEMU=${HUBFOC_QEMU}"
     "-DLIMIT=${HUBFOC_LIMIT_PLUGIN},instructions=30000000000"
     -P "${CMAKE_CURRENT_LIST_DIR}/whole_cycle.cmake")
-set_tests_properties(whole_cycle_is_the_hosts_bit_for_bit PROPERTIES LABELS "target;full" TIMEOUT 900)
+set_tests_properties(whole_cycle_is_the_hosts_bit_for_bit PROPERTIES LABELS "target;full"
+  TIMEOUT 900)
 
 # ---- counted instructions ----
 
-# Exact, so a test: the current loop and both steps within their budgets (tools/benchmark), the slow step in few of the states.
-find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin" NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
+# Exact, so a test: the current loop and both steps within their budgets (tools/benchmark), the slow
+# step in few of the states.
+find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
+  NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
   DOC "Python of the project's private environment (./tools/dev setup makes it)")
 if(HUBFOC_PYTHON)
-  add_test(NAME instruction_budgets COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/benchmark/run.py" --no-simulation --only steps --states 4000
+  add_test(NAME instruction_budgets COMMAND "${HUBFOC_PYTHON}"
+    "${PROJECT_SOURCE_DIR}/tools/benchmark/run.py" --no-simulation --only steps --states 4000
     --output "${CMAKE_CURRENT_BINARY_DIR}/bench.json")
 else()
-  add_test(NAME instruction_budgets COMMAND "${CMAKE_COMMAND}" -DMISSING=python3 -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
+  add_test(NAME instruction_budgets COMMAND "${CMAKE_COMMAND}" -DMISSING=python3
+    -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
 endif()
-set_tests_properties(instruction_budgets PROPERTIES TIMEOUT 900 LABELS target ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+set_tests_properties(instruction_budgets PROPERTIES TIMEOUT 900 LABELS target
+  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 
 # ---- the unit tests of the pure modules ----
 
@@ -128,7 +155,8 @@ if(HUBFOC_RUBY AND CMOCK_DIR)
   add_library(unity_target STATIC "${UNITY_DIR}/src/unity.c")
   target_include_directories(unity_target SYSTEM PUBLIC "${UNITY_DIR}/src")
   target_compile_options(unity_target PRIVATE ${HUBFOC_TEST_CORE})
-  target_compile_definitions(unity_target PUBLIC UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64 UNITY_OUTPUT_CHAR=target_putchar
+  target_compile_definitions(unity_target PUBLIC UNITY_INCLUDE_DOUBLE UNITY_SUPPORT_64
+    UNITY_OUTPUT_CHAR=target_putchar
     "UNITY_OUTPUT_CHAR_HEADER_DECLARATION=target_putchar(int)")
   foreach(module IN LISTS modules)
     if(EXISTS "${PROJECT_SOURCE_DIR}/tests/unit/firmware/${module}/CMakeLists.txt")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# The flashable image itself, on QEMU's netduinoplus2: the same chip, of which the emulator has core, memories and serial
-# lines, but no clock control. So it shows what a board with a dead crystal does: report and stay in BOOT.
+# The flashable image itself, on QEMU's netduinoplus2: the same chip, of which the emulator has
+# core, memories and serial lines, but no clock control. So it shows what a board with a dead
+# crystal does: report and stay in BOOT.
 set(missing "")
 foreach(needed IN ITEMS HUBFOC_QEMU HUBFOC_HOST_CC)
   if(NOT ${needed})
@@ -8,38 +9,50 @@ foreach(needed IN ITEMS HUBFOC_QEMU HUBFOC_HOST_CC)
   endif()
 endforeach()
 add_test(NAME target_prerequisites
-  COMMAND "${CMAKE_COMMAND}" "-DMISSING=${missing}" -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
+  COMMAND "${CMAKE_COMMAND}" "-DMISSING=${missing}"
+  -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
 set_tests_properties(target_prerequisites PROPERTIES TIMEOUT 60)
 
-hubfoc_add_qemu_test(NAME stm32_without_its_crystal_reports_and_stays_in_boot ELF hubfoc_stm32f405 MACHINE netduinoplus2 SERIAL 3
+hubfoc_add_qemu_test(NAME stm32_without_its_crystal_reports_and_stays_in_boot ELF hubfoc_stm32f405
+  MACHINE netduinoplus2 SERIAL 3
   MILLIONS 600 EXPECT_EXIT limit
-  EXPECT "hubfoc ${PROJECT_VERSION} [(]([0-9a-f]+[+]?|unknown)[)] on stm32f405, configuration ${HUBFOC_CONFIG} 0x[0-9A-F]+" "clock fault: the crystal did not start"
+  EXPECT "${banner} on stm32f405, configuration ${HUBFOC_CONFIG} 0x[0-9A-F]+"
+         "clock fault: the crystal did not start"
          "self-test RAM: good" "self-test firmware CRC: good" "configuration accepted")
 
 # layout(NAME EXPRESSION...): facts about the linked image, from its symbols.
 add_test(NAME stm32_image_is_laid_out_as_documented
-  COMMAND "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}" "-DELF=$<TARGET_FILE:hubfoc_stm32f405>" "-DCONFIG=CONFIG_${config_symbol}"
+  COMMAND "${CMAKE_COMMAND}" "-DNM=${CMAKE_NM}" "-DELF=$<TARGET_FILE:hubfoc_stm32f405>"
+  "-DCONFIG=CONFIG_${config_symbol}"
     -P "${CMAKE_CURRENT_LIST_DIR}/check_layout.cmake")
 
 # ---- counted instructions ----
 
-# Exact, so a test: the PWM interrupt of this image within its budget, on a model of the chip (tools/benchmark).
-find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin" NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
+# Exact, so a test: the PWM interrupt of this image within its budget, on a model of the chip
+# (tools/benchmark).
+find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
+  NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
   DOC "Python of the project's private environment (./tools/dev setup makes it)")
 if(HUBFOC_PYTHON)
-  add_test(NAME pwm_interrupt_budget COMMAND "${HUBFOC_PYTHON}" "${PROJECT_SOURCE_DIR}/tools/benchmark/run.py" --only interrupt
+  add_test(NAME pwm_interrupt_budget COMMAND "${HUBFOC_PYTHON}"
+    "${PROJECT_SOURCE_DIR}/tools/benchmark/run.py" --only interrupt
     --image "$<TARGET_FILE:hubfoc_stm32f405>" --output "${CMAKE_CURRENT_BINARY_DIR}/bench.json")
 else()
-  add_test(NAME pwm_interrupt_budget COMMAND "${CMAKE_COMMAND}" -DMISSING=python3 -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
+  add_test(NAME pwm_interrupt_budget COMMAND "${CMAKE_COMMAND}" -DMISSING=python3
+    -P "${CMAKE_CURRENT_LIST_DIR}/prerequisites.cmake")
 endif()
-set_tests_properties(pwm_interrupt_budget PROPERTIES TIMEOUT 300 LABELS target ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
+set_tests_properties(pwm_interrupt_budget PROPERTIES TIMEOUT 300 LABELS target
+  ENVIRONMENT "PYTHONDONTWRITEBYTECODE=1")
 
 # ---- the release ----
 
 add_test(NAME stm32_image_is_the_same_from_another_folder
-  COMMAND "${CMAKE_COMMAND}" "-DSOURCE=${PROJECT_SOURCE_DIR}" "-DBUILD=${PROJECT_BINARY_DIR}" -DTARGET=hubfoc_stm32f405
-    "-DOPTIONS=-DHUBFOC_CONFIG=${HUBFOC_CONFIG}" -DPRESET=stm32f405 "-DWORK=${CMAKE_CURRENT_BINARY_DIR}/rebuild"
+  COMMAND "${CMAKE_COMMAND}" "-DSOURCE=${PROJECT_SOURCE_DIR}" "-DBUILD=${PROJECT_BINARY_DIR}"
+  -DTARGET=hubfoc_stm32f405
+    "-DOPTIONS=-DHUBFOC_CONFIG=${HUBFOC_CONFIG}" -DPRESET=stm32f405
+    "-DWORK=${CMAKE_CURRENT_BINARY_DIR}/rebuild"
     "-DFILES=hubfoc_stm32f405.bin hubfoc_stm32f405.hex hubfoc_stm32f405_config.bin"
     -P "${CMAKE_CURRENT_LIST_DIR}/rebuild.cmake")
-set_tests_properties(stm32_image_is_the_same_from_another_folder PROPERTIES LABELS target TIMEOUT 600)
+set_tests_properties(stm32_image_is_the_same_from_another_folder PROPERTIES LABELS target
+  TIMEOUT 600)
 set_tests_properties(stm32_image_is_laid_out_as_documented PROPERTIES TIMEOUT 60)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DSOURCE=<repository> -DBUILD=<its build directory> -DPRESET=stm32f405 -DTARGET=<target>
-#       -DOPTIONS="-DNAME=value ..." -DFILES="<file below BUILD> ..." -DWORK=<scratch> -P rebuild.cmake
+#       -DOPTIONS="-DNAME=value ..." -DFILES="<file below BUILD> ..." -DWORK=<scratch> -P
+#         rebuild.cmake
 #
 # The same sources, compiled by the same compiler in a folder with another name and depth, give the
 # same files, byte for byte. The commit is handed over, because the copy has no history. The ELF of
@@ -24,7 +25,8 @@ foreach(name IN ITEMS CMakeLists.txt CMakePresets.json firmware hal host_sim tes
   file(COPY "${SOURCE}/${name}" DESTINATION "${copy}")
 endforeach()
 list(JOIN OPTIONS ";" options)
-foreach(command IN ITEMS "--preset;${PRESET};${options}" "--build;--preset;${PRESET};--target;${TARGET}")
+foreach(command IN ITEMS "--preset;${PRESET};${options}"
+  "--build;--preset;${PRESET};--target;${TARGET}")
   execute_process(COMMAND "${CMAKE_COMMAND}" ${command} WORKING_DIRECTORY "${copy}"
     RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(result)

@@ -18,7 +18,7 @@ IMAGES = ROOT / "firmware" / "config" / "generated"
 MODULES = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
 PREFIX = "arm-none-eabi-"
 PLUGIN_INTERFACES = (1, 4, 3, 2, 5)
-"""Versions of QEMU's plugin interface, tried in this order: 1 is that of QEMU 7 and 8, 4 that of QEMU 10."""
+"""Versions of QEMU's plugin interface, tried in turn: 1 of QEMU 7 and 8, 4 of QEMU 10."""
 
 
 class BenchError(Exception):

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The STM32F405 around the flashable image: a core emulated by Unicorn, and the peripherals that the image uses.
+"""The STM32F405 around the flashable image.
+
+A core emulated by Unicorn, and the peripherals that the image uses.
 
 The image runs as it was linked, from its reset vector. Modelled of the peripherals is what the
 firmware waits for, reads or acts on; every other register stores what is written. Time does not
@@ -208,7 +210,7 @@ class Chip:
             self.blocks[key] += 1
 
     def _length(self, address: int, size: int) -> int:
-        """Count the instructions in a stretch of code; those of two halfwords begin with 11101, 11110 or 11111."""
+        """Count instructions in code; those of two halfwords begin with 11101, 11110 or 11111."""
         code = self._core.mem_read(address, size)
         at = count = 0
         while at < size:
@@ -256,7 +258,7 @@ class Chip:
         return self.call(handler)
 
     def take_pending(self) -> int:
-        """Call the exceptions that software has made pending, PendSV and SysTick. Returns their instructions."""
+        """Call the pending exceptions, PendSV and SysTick; return their instructions."""
         pending = self.registers.get(SCB_ICSR, 0)
         self.registers[SCB_ICSR] = 0
         total = 0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Instruction counts: run a program on the emulator with the counting plugin and read what it wrote."""
+"""Instruction counts: run a program on the emulator and read what the plugin counted."""
 
 from __future__ import annotations
 
@@ -44,13 +44,16 @@ def _window(name: str, functions: dict[str, Function]) -> str:
     jumps = [function.name for function in functions.values() if name in function.jumps]
     if jumps or not ends:
         raise build.BenchError(
-            f"{name}: left by a jump from {', '.join(jumps) or 'nowhere'}, so its end cannot be seen"
+            f"{name}: left by a jump from {', '.join(jumps) or 'nowhere'}, so its end cannot be"
+            " seen"
         )
     return ":".join([name, hex(functions[name].address), *map(hex, ends)])
 
 
 def emulator_command(core: build.Core, elf: Path, arguments: Sequence[str] = ()) -> list[str]:
-    """Return the emulator's command line, with semihosting, without which the program's first request would abort it.
+    """Return the emulator's command line.
+
+    With semihosting, without which the program's first request would abort the emulator.
 
     arguments: ``name=NUMBER``, for the emulated program.
     """
@@ -100,7 +103,7 @@ def calls(
     begin: str,
     arguments: Sequence[str] = (),
 ) -> dict[str, list[int]]:
-    """Instructions of every call of the named functions after ``begin`` was called, in their order."""
+    """Return instructions of every call of the functions after ``begin`` was called, in order."""
     result = elf.with_suffix(".counts")
     options = [str(plugin), f"out={result}", f"from={functions[begin].address:#x}"]
     options += [f"fn={_window(name, functions)}" for name in names]
@@ -116,7 +119,8 @@ def calls(
     for name, values in found.items():
         if len(values) < CALLS_AT_LEAST:
             raise build.BenchError(
-                f"{name}: counted {len(values)} calls on {core.name}, fewer than {CALLS_AT_LEAST} prove nothing"
+                f"{name}: counted {len(values)} calls on {core.name}, fewer than {CALLS_AT_LEAST}"
+                " prove nothing"
             )
     return found
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the linker produced, read back through binutils: functions, calls, data they refer to, stack they push.
+"""What the linker produced, read back through binutils.
+
+Functions, calls, data they refer to, stack they push.
 
 Standard library only: the stack report runs after every link, also on machines without the
 project's environment.
@@ -41,7 +43,7 @@ class Function:
     jumps: set[str] = field(default_factory=set)
     """Functions it leaves to by a jump, so that their return goes to its own caller."""
     words: set[int] = field(default_factory=set)
-    """Constants in its literal pool or built by movw/movt: among them the addresses of data it uses."""
+    """Constants in its literal pool or built by movw/movt: among them addresses of its data."""
     pushed_bytes: int = 0
     """Stack that its instructions take, by the instructions themselves."""
     indirect: bool = False

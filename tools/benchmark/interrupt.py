@@ -44,7 +44,7 @@ class Random:
 
 @dataclass
 class Motor:
-    """The motor of tools/benchmark/ride/motor.c on an averaged bridge: rotor frame, peak phase quantities."""
+    """The motor of ride/motor.c on an averaged bridge: rotor frame, peak phase quantities."""
 
     table: dict[str, dict[str, Any]]
     bus_v: float
@@ -131,7 +131,7 @@ def _frame(identifier: int, counter: int, content: int) -> tuple[int, bytes]:
 
 @dataclass
 class Vehicle:
-    """What the bus says: a demand every 10 ms and the battery's limits, as in the benchmark's ride."""
+    """CAN messages: a demand every 10 ms and the battery's limits, as in the benchmark's ride."""
 
     table: dict[str, dict[str, Any]]
     share_of_256: int = 0

@@ -73,7 +73,7 @@ FEW_STATES = 4000
 def size_of(
     start: str, functions: dict[str, elf.Function], symbols: dict[str, elf.Symbol]
 ) -> dict[str, int]:
-    """Bytes of everything a call of ``start`` can execute, and of the constant tables that this code refers to."""
+    """Return bytes of all code that a call of ``start`` can reach, and of the tables it uses."""
     names = elf.reachable(start, functions)
     words = {word for name in names for word in functions[name].words}
     constants = [s for s in symbols.values() if not s.is_code and s.address < RAM_BEGINS]
@@ -87,7 +87,10 @@ def size_of(
 def measure_ride(
     core: build.Core, config: str, directory: Path, plugin: Path | None
 ) -> tuple[dict[str, Any], Path]:
-    """Measure the fast loop on one core, in a closed loop; return also the plugin, which the next core can use."""
+    """Measure the fast loop on one core, in a closed loop.
+
+    Return also the plugin, which the next core can use.
+    """
     program = build.compile_program(core, "ride", [config], directory)[0]
     functions = elf.functions(program)
     symbols = elf.symbols(program)
@@ -109,7 +112,10 @@ def measure_ride(
 def measure_envelope(
     core: build.Core, directory: Path, plugin: Path, states: int
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Measure the slow step in random states: of all configurations together, and of each with its worst state."""
+    """Measure the slow step in random states.
+
+    Of all configurations together, and of each with its worst state.
+    """
     configs = build.configurations()
     everything: list[int] = []
     each: dict[str, Any] = {}
@@ -241,7 +247,10 @@ def first_line(command: list[str]) -> str:
 def show(console: Console, report: dict[str, Any]) -> None:
     """Print what was measured."""
     table = Table(
-        title=f"Instructions a call: fast loop in a closed loop with {report['config']}, slow step over the envelope",
+        title=(
+            f"Instructions a call: fast loop in a closed loop with {report['config']}, slow step"
+            " over the envelope"
+        ),
         title_justify="left",
     )
     for heading in (
@@ -278,7 +287,8 @@ def show(console: Console, report: dict[str, Any]) -> None:
     for config, value in report["envelope"].items():
         state = ", ".join(f"{name} {number}" for name, number in value["worst_state"].items())
         console.print(
-            f"Slow step, {config}, {value['calls']} states: median {value['median']}, 99 % {value['p99']}, worst {value['max']} at {state}"
+            f"Slow step, {config}, {value['calls']} states: median {value['median']}, 99 %"
+            f" {value['p99']}, worst {value['max']} at {state}"
         )
 
 
@@ -303,7 +313,10 @@ def show_budgets(console: Console, budgets: list[dict[str, Any]]) -> None:
         amount = (
             f"{verdict['bytes']} of {verdict['bytes_at_most']} bytes"
             if "bytes" in verdict
-            else f"{verdict['median']} of {verdict['median_at_most']} instructions, max/median {verdict['spread']}"
+            else (
+                f"{verdict['median']} of {verdict['median_at_most']} instructions, max/median"
+                f" {verdict['spread']}"
+            )
         )
         if verdict.get("p99_at_most") is not None:
             amount += f", 99 % within {verdict['p99']} of {verdict['p99_at_most']}"
@@ -319,11 +332,13 @@ def show_sizes(console: Console, report: dict[str, Any]) -> None:
     for port, size in report["firmware_bytes"].items():
         if size:
             console.print(
-                f"Firmware {port}: {size['text']} bytes of code and constants, {size['data'] + size['bss']} of RAM with the stack"
+                f"Firmware {port}: {size['text']} bytes of code and constants,"
+                f" {size['data'] + size['bss']} of RAM with the stack"
             )
     if report["simulation"]:
         console.print(
-            f"Simulation: {report['simulation']['realtime_factor_four_wheels']} times real time, four wheels on one core"
+            f"Simulation: {report['simulation']['realtime_factor_four_wheels']} times real time,"
+            " four wheels on one core"
         )
 
 

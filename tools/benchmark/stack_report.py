@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Worst-case depth of the stack, from the compiler's own figures and the call graph of the linked program.
+"""Worst-case depth of the stack.
+
+From the compiler's own figures and the call graph of the linked program.
 
 ``python3 stack_report.py --elf firmware.elf --objects DIR --limit BYTES --root main --interrupt
 adc_handler ...``
@@ -26,7 +28,10 @@ if __package__ in (None, ""):
 from benchmark import elf as elf_reader
 
 EXCEPTION_FRAME_BYTES = 8 * 4 + 4
-"""Eight registers and, at worst, a word of alignment (ARMv7-M, B1.5.6); no floating-point state: the firmware uses none."""
+"""Eight registers and, at worst, a word of alignment (ARMv7-M, B1.5.6).
+
+No floating-point state: the firmware uses none.
+"""
 
 _NODE = re.compile(r'node: \{ title: "([^"]+)" label: "([^"]*)"')
 _BYTES = re.compile(r"(\d+) bytes \((\w+)[^)]*\)")
@@ -144,7 +149,8 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"{path.bytes:7d}  {name}: {' > '.join(path.functions[1:])}")
     if total > options.limit:
         print(
-            f"stack_report: {options.elf.name}: {total} bytes may be needed, {options.limit} are there",
+            f"stack_report: {options.elf.name}: {total} bytes may be needed, {options.limit} are"
+            " there",
             file=sys.stderr,
         )
         return 1

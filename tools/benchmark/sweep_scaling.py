@@ -22,7 +22,7 @@ from hubsim.sweep import conduct, plan, store, work
 
 @dataclass(frozen=True)
 class Measured:
-    """One sweep: runs, wall time until the last, and runs a second once the first batch was back."""
+    """One sweep: runs, wall time until the last, and runs a second after the first batch."""
 
     workers: int
     runs: int
@@ -88,10 +88,12 @@ def main() -> int:
     else:
         for sweep in (one, more):
             print(
-                f"{sweep.workers} worker(s): {sweep.runs} stops in {sweep.seconds:.1f} s, {sweep.runs_per_second:.2f} a second"
+                f"{sweep.workers} worker(s): {sweep.runs} stops in {sweep.seconds:.1f} s,"
+                f" {sweep.runs_per_second:.2f} a second"
             )
         print(
-            f"ratio {found['ratio']:.2f}; 1000 stops on {more.workers}: {1000.0 / more.runs_per_second:.0f} s; same table: {same}"
+            f"ratio {found['ratio']:.2f}; 1000 stops on {more.workers}:"
+            f" {1000.0 / more.runs_per_second:.0f} s; same table: {same}"
         )
     return 0 if same else 1
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # hubfoc_add_module(NAME core SOURCES a.c b.c DEPENDS hubfoc_config)
 #
-# One static library per module. Only <module>/include is visible to others, and only through a link dependency, so an
-# include that breaks the order of dependency does not compile.
+# One static library per module. Only <module>/include is visible to others, and only through a link
+# dependency, so an include that breaks the order of dependency does not compile.
 function(hubfoc_add_module)
   cmake_parse_arguments(MODULE "" "NAME" "SOURCES;DEPENDS" ${ARGN})
   add_library(hubfoc_${MODULE_NAME} STATIC ${MODULE_SOURCES})

@@ -13,21 +13,24 @@ get_cmake_property(cached CACHE_VARIABLES)
 foreach(variable IN LISTS cached)
   if(variable MATCHES "^(HUBFOC_.*|RUBY_EXECUTABLE|CMOCK_DIR|Eigen3_DIR)$")
     get_property(type CACHE ${variable} PROPERTY TYPE)
-    if(type MATCHES "^(FILEPATH|PATH)$" AND IS_ABSOLUTE "${${variable}}" AND NOT EXISTS "${${variable}}")
+    if(type MATCHES "^(FILEPATH|PATH)$" AND IS_ABSOLUTE "${${variable}}"
+      AND NOT EXISTS "${${variable}}")
       unset(${variable} CACHE)
     endif()
   endif()
 endforeach()
 
 # Python of the project's private environment; empty where there is none.
-find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin" NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
+find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
+  NO_DEFAULT_PATH NO_CMAKE_FIND_ROOT_PATH
   DOC "Python of the project's private environment (./tools/dev setup makes it)")
 
 # hubfoc_require_test_tools(): what the host's tests cannot be built without.
 macro(hubfoc_require_test_tools)
   find_program(RUBY_EXECUTABLE ruby)
   find_path(CMOCK_DIR lib/cmock.rb
-    HINTS "${PROJECT_SOURCE_DIR}/.dev/cmock/usr/share/cmock" "${PROJECT_SOURCE_DIR}/.dev/cmock" "/usr/share/cmock"
+    HINTS "${PROJECT_SOURCE_DIR}/.dev/cmock/usr/share/cmock" "${PROJECT_SOURCE_DIR}/.dev/cmock"
+    "/usr/share/cmock"
     DOC "CMock with vendor/unity" NO_DEFAULT_PATH)
   find_package(Eigen3 3.3 QUIET NO_MODULE)
   set(missing "")
@@ -41,7 +44,8 @@ macro(hubfoc_require_test_tools)
     list(APPEND missing "Eigen")
   endif()
   foreach(package IN ITEMS numpy pytest fmpy)
-    file(GLOB found "${PROJECT_SOURCE_DIR}/.dev/venv/lib/python3*/site-packages/${package}-*.dist-info")
+    file(GLOB found
+      "${PROJECT_SOURCE_DIR}/.dev/venv/lib/python3*/site-packages/${package}-*.dist-info")
     if(NOT HUBFOC_PYTHON OR NOT found)
       list(APPEND missing "the Python environment .dev/venv with ${package}")
       break()
@@ -50,6 +54,7 @@ macro(hubfoc_require_test_tools)
   if(missing)
     list(JOIN missing ", " missing)
     # The space keeps CMake from wrapping the line.
-    message(FATAL_ERROR " The tests need: ${missing}. './tools/dev setup' installs them; '-D HUBFOC_TESTS=OFF' builds the simulator alone.")
+    message(FATAL_ERROR " The tests need: ${missing}. './tools/dev setup' installs them; "
+      "'-D HUBFOC_TESTS=OFF' builds the simulator alone.")
   endif()
 endmacro()

@@ -20,7 +20,9 @@ set(HUBFOC_CPU_FLAGS "-mcpu=${HUBFOC_CPU} -mthumb")
 if(HUBFOC_CPU STREQUAL "cortex-m4")
   string(APPEND HUBFOC_CPU_FLAGS " -mfpu=fpv4-sp-d16 -mfloat-abi=hard")
 endif()
-set(CMAKE_C_FLAGS_INIT "${HUBFOC_CPU_FLAGS} -ffunction-sections -fdata-sections -fno-common -include \"${CMAKE_CURRENT_LIST_DIR}/../../hal/cortex_m/saturate.h\"")
+string(CONCAT CMAKE_C_FLAGS_INIT
+  "${HUBFOC_CPU_FLAGS} -ffunction-sections -fdata-sections -fno-common "
+  "-include \"${CMAKE_CURRENT_LIST_DIR}/../../hal/cortex_m/saturate.h\"")
 set(CMAKE_ASM_FLAGS_INIT "${HUBFOC_CPU_FLAGS}")
 set(CMAKE_EXE_LINKER_FLAGS_INIT "${HUBFOC_CPU_FLAGS} -Wl,--gc-sections -Wl,--fatal-warnings")
 set(CMAKE_C_FLAGS_RELEASE_INIT "-O2 -g")

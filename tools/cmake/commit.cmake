@@ -12,7 +12,8 @@ set(commit "$ENV{HUBFOC_COMMIT}")
 if(commit STREQUAL "" AND EXISTS "${SOURCE}/.git")
   find_program(git git)
   if(git)
-    execute_process(COMMAND "${git}" -C "${SOURCE}" --no-optional-locks describe --always --dirty=+ --exclude=* --abbrev=40
+    execute_process(COMMAND "${git}" -C "${SOURCE}" --no-optional-locks describe --always --dirty=+
+      --exclude=* --abbrev=40
       OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
   endif()
 endif()
@@ -26,7 +27,9 @@ else()
   set(commit "unknown")
 endif()
 
-set(text "/* SPDX-License-Identifier: Apache-2.0 */\n/* Written by tools/cmake/commit.cmake. */\n#define HUBFOC_COMMIT \"${commit}\"\n")
+string(CONCAT text "/* SPDX-License-Identifier: Apache-2.0 */\n"
+  "/* Written by tools/cmake/commit.cmake. */\n"
+  "#define HUBFOC_COMMIT \"${commit}\"\n")
 set(before "")
 if(EXISTS "${OUTPUT}")
   file(READ "${OUTPUT}" before)

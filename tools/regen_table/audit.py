@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the optimal regenerative torque map loses: the table read exactly as the firmware reads it, against the optimum itself.
+"""What the optimal regenerative torque map loses.
+
+The table read exactly as the firmware reads it, against the optimum itself.
 
 A grid is refused by the energy it loses to interpolation and quantisation over stops and cycles,
 not by its looks.
@@ -79,7 +81,7 @@ def table_capability_nm(
 def grid_losses(
     drive: Drive, table: RegenMap, made: Production = braking.ZERO_D_CURRENT
 ) -> list[GridLoss]:
-    """Energy lost to the grid over a hard stop from top speed, a stop at rated torque, and every shipped cycle."""
+    """Energy lost to the grid: a hard stop, a stop at rated torque, and every shipped cycle."""
     return [_loss(drive, table, made, *manoeuvre) for manoeuvre in _manoeuvres(drive)]
 
 
@@ -93,7 +95,7 @@ def suffices(drive: Drive, table: RegenMap, made: Production) -> bool:
 
 @lru_cache(maxsize=8)
 def _manoeuvres(drive: Drive) -> list[tuple[str, Array, Array, Array]]:
-    """Return name, mechanical speeds in rad/s, seconds and braking demands in N m of every manoeuvre."""
+    """Return name, mechanical rad/s, seconds and braking demands in N m of every manoeuvre."""
     top = drive.motor.max_speed_rpm * np.pi / 30.0
     speed = (np.arange(_SPEEDS) + 0.5) * top / _SPEEDS
     hardest = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
@@ -132,7 +134,7 @@ def _loss(
     seconds: Array,
     demand: Array,
 ) -> GridLoss:
-    """Energy lost in one manoeuvre at its worst temperature, relative to what the exact optimum returns.
+    """Energy lost in one manoeuvre at its worst temperature, over what the optimum returns.
 
     Below handover_end_rpm the motor does not brake: no loss there.
     """
@@ -165,7 +167,9 @@ def _loss(
 def worst_power_loss(
     drive: Drive, table: RegenMap, made: Production = braking.ZERO_D_CURRENT
 ) -> float:
-    """Largest relative loss of regenerated power, inside torque and power limits, at any temperature and any speed.
+    """Largest relative loss of regenerated power at any temperature and any speed.
+
+    Inside torque and power limits.
 
     From the blend-out speed; where no torque returns energy the loss is zero.
     """
@@ -207,9 +211,13 @@ def refuse_lossy_grid(
     remedy = (
         "more points or a narrower table.temperature_range_c"
         if found is None
-        else f"the smallest grid that suffices is speed_points = {found[0]}, temperature_points = {found[1]}"
+        else (
+            f"the smallest grid that suffices is speed_points = {found[0]}, temperature_points ="
+            f" {found[1]}"
+        )
     )
     raise ConfigurationError(
-        f"table.speed_points, table.temperature_points: the grid loses {worst.relative:.3%} of the energy of the {worst.manoeuvre} at "
-        f"{worst.winding_temperature_c:.0f} degC, accepted: at most {ENERGY_LOSS_MAX:.2%}; {remedy}"
+        f"table.speed_points, table.temperature_points: the grid loses {worst.relative:.3%} of the"
+        f" energy of the {worst.manoeuvre} at {worst.winding_temperature_c:.0f} degC, accepted: at"
+        f" most {ENERGY_LOSS_MAX:.2%}; {remedy}"
     )

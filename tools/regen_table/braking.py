@@ -26,7 +26,7 @@ class Region(enum.StrEnum):
 
 
 def torque_limit_nm(drive: Drive, speed_rad_s: ArrayLike) -> Array:
-    """Largest torque magnitude in N m that max_torque_nm and max_power_w allow at a mechanical speed."""
+    """Largest torque magnitude in N m by max_torque_nm and max_power_w at a mechanical speed."""
     speed = np.abs(np.asarray(speed_rad_s, dtype=np.float64))
     by_power = np.divide(
         drive.motor.max_power_w, speed, out=np.full_like(speed, np.inf), where=speed > 0.0
@@ -35,7 +35,7 @@ def torque_limit_nm(drive: Drive, speed_rad_s: ArrayLike) -> Array:
 
 
 def capability_nm(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike) -> Array:
-    """Braking torque magnitude in N m that returns the most energy, inside the torque and power limits."""
+    """Braking torque magnitude in N m of most energy, inside the torque and power limits."""
     best = optimum.closed_form(motor, inverter, np.asarray(speed_rad_s) * motor.pole_pairs)
     return np.minimum(np.abs(best.torque_optimal_nm), torque_limit_nm(drive, speed_rad_s))
 
@@ -61,7 +61,9 @@ def electric_torque_nm(
 def region(
     drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike, demand_nm: ArrayLike
 ) -> np.typing.NDArray[np.str_]:
-    """Classify braking demands (magnitudes in N m) by the regions of Fig. 5: an array of "I", "II", "III" or "IV".
+    """Classify braking demands (magnitudes in N m) by the regions of Fig. 5.
+
+    Returns an array of "I", "II", "III" or "IV".
 
     Beyond T_zero a demand is in region I whatever the limits are, down to standstill.
     """
@@ -74,7 +76,9 @@ def region(
 
 
 def paper_optimum_nm(motor: Machine, speed_rad_s: ArrayLike) -> Array:
-    """Optimum of the paper's (21) without its limits: no iron loss, no inverter; p omega psi^2 / (2 R), N m, magnitude.
+    """Optimum of the paper's (21) without its limits, N m, magnitude.
+
+    No iron loss, no inverter: p omega psi^2 / (2 R).
 
     1.5 because psi is the peak phase flux; the printed equation needs sqrt(3/2) of it.
     """

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a motor's hall edges and an encoder's index lie, from a recording of a wheel that was spun by hand.
+"""Where a motor's hall edges and an encoder's index lie.
+
+From a recording of a wheel that was spun by hand.
 
 The bridge is off, so that what is seen between the motor's wires is its back-EMF, which gives
 the angle of the rotor: no motion is commanded and no torque made. Two differential channels on the
@@ -42,7 +44,7 @@ WIDEST_SPREAD_DEG = 6.0
 
 @dataclass(frozen=True)
 class Place:
-    """A mean electrical angle in degrees, how many edges it is made of, and how far the farthest lies beside it."""
+    """A mean electrical angle in degrees, from how many edges, and the farthest one's distance."""
 
     angle_deg: float
     edges: int
@@ -58,7 +60,7 @@ class Calibration:
 
 
 def load(path: Path) -> dict[str, Array]:
-    """Read a recording: one row a sample, columns by name, voltages in V and logic levels 0 or 1."""
+    """Read a recording: a row a sample, columns by name, voltages in V, logic levels 0 or 1."""
     what = (
         f"a table with the columns {', '.join(VOLTAGES)} and either {', '.join(HALLS)} or {INDEX}"
     )
@@ -84,7 +86,9 @@ def _suits(columns: Sequence[str]) -> bool:
 
 
 def rotor_angle_turn(v_ab_v: Array, v_bc_v: Array) -> Array:
-    """Return the electrical angle in turns, continuous, from the EMF between the wires; NaN where there is too little of it.
+    """Return the electrical angle in turns, continuous, from the EMF between the wires.
+
+    NaN where there is too little EMF.
 
     Parameters
     ----------
@@ -129,12 +133,14 @@ def hall_edges(angle_turn: Array, state: npt.NDArray[np.int64]) -> tuple[Place, 
         here, there = int(state[k]), int(state[k + 1])
         if here not in STATES or there not in STATES:
             raise ConfigurationError(
-                f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a time"
+                f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a"
+                " time"
             )
         left, entered = STATES.index(here), STATES.index(there)
         if (entered - left) % 6 not in {1, 5}:
             raise ConfigurationError(
-                f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a time"
+                f"halls: state {here} to {there} at row {k + 2}, accepted: one sensor changing at a"
+                " time"
             )
         if math.isfinite(_between(angle_turn, k)):
             found[entered if (entered - left) % 6 == 1 else left].append(_between(angle_turn, k))
@@ -145,7 +151,8 @@ def hall_edges(angle_turn: Array, state: npt.NDArray[np.int64]) -> tuple[Place, 
     ]
     if not math.isclose(sum(widths), 360.0) or not all(30.0 <= width <= 90.0 for width in widths):
         raise ConfigurationError(
-            "halls: not in forward order, 30 to 90 deg apart; swap two hall lines or two motor wires"
+            "halls: not in forward order, 30 to 90 deg apart; swap two hall lines or two motor"
+            " wires"
         )
     return places
 
@@ -180,6 +187,7 @@ def as_toml(found: Calibration) -> str:
     if found.index is not None:
         lines += ['sensor = "encoder"'] if not found.hall_edges else []
         lines.append(
-            f"encoder_index_deg = {found.index.angle_deg:.1f}  # {found.index.edges} pulses, within {found.index.spread_deg:.1f} deg"
+            f"encoder_index_deg = {found.index.angle_deg:.1f}  # {found.index.edges} pulses, within"
+            f" {found.index.spread_deg:.1f} deg"
         )
     return "\n".join(lines)

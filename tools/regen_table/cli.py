@@ -95,7 +95,8 @@ def _numbers(lowest: float, highest: float, unit: str) -> Callable[[str], list[f
             values = [math.nan]
         if not all(lowest <= value <= highest for value in values):
             raise argparse.ArgumentTypeError(
-                f"{text!r}, accepted: numbers from {lowest:g} to {highest:g} {unit}, separated by commas"
+                f"{text!r}, accepted: numbers from {lowest:g} to {highest:g} {unit}, separated by"
+                " commas"
             )
         return values
 
@@ -252,7 +253,10 @@ def _parser() -> argparse.ArgumentParser:
         "--battery",
         choices=BATTERIES,
         default=BATTERIES[0],
-        help="the battery's RC branch in steady state at every instant (default), or at rest before the stop and moving",
+        help=(
+            "the battery's RC branch in steady state at every instant (default), or at rest before"
+            " the stop and moving"
+        ),
     )
     _add_answer(command)
 
@@ -285,7 +289,10 @@ def _parser() -> argparse.ArgumentParser:
         help="hall edges and encoder index from a recording",
         description="Hall edges and encoder index from a recording.",
     )
-    columns = "v_ab_v, v_bc_v, hall_a, hall_b, hall_c and/or index, of a wheel spun by hand with the bridge off"
+    columns = (
+        "v_ab_v, v_bc_v, hall_a, hall_b, hall_c and/or index, of a wheel spun by hand with the"
+        " bridge off"
+    )
     command.add_argument("recording", type=Path, metavar="FILE.csv", help=columns)
     command.set_defaults(command="calibrate")
     return parser

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the commands of the command line do: one function a command, from its options to its exit code.
+"""What the commands do: one function a command, from its options to its exit code.
 
 Loaded after the arguments have been understood, because NumPy and pydantic take longer to load than
 an explanation may take to appear.
@@ -50,7 +50,8 @@ def run_generate(options: argparse.Namespace) -> int:
         files[options.report] = report.as_json(found, origin)
     paths = outputs.write_files(files, make_directories=True)
     if options.plots:
-        from regen_table import figures  # noqa: PLC0415, Matplotlib takes longer to load than all else takes to run
+        # Matplotlib takes longer to load than all else takes to run.
+        from regen_table import figures  # noqa: PLC0415
 
         with _about(options.config):
             paths += figures.draw_all(drive, options.output or generate.FIGURES)
@@ -194,7 +195,7 @@ def run_figures(options: argparse.Namespace) -> int:
 
 
 def _temperatures(drive: schema.Drive, given: list[float] | None) -> list[float]:
-    """Return the winding temperatures asked for, refusing those at which the copper law is meaningless."""
+    """Return the winding temperatures, refusing those at which the copper law is meaningless."""
     found = [drive.motor.reference_temperature_c] if given is None else given
     return [_one_temperature(drive, value) for value in found]
 
@@ -206,7 +207,8 @@ def _one_temperature(drive: schema.Drive, given: float | None) -> float:
     )
     if share <= 0.0:
         raise ConfigurationError(
-            f"--winding-temperature-c: {value:g} degC leaves no resistance, accepted: temperatures that leave some"
+            f"--winding-temperature-c: {value:g} degC leaves no resistance, accepted: temperatures"
+            " that leave some"
         )
     return value
 
@@ -214,7 +216,7 @@ def _one_temperature(drive: schema.Drive, given: float | None) -> float:
 def _answer(
     options: argparse.Namespace, drive: schema.Drive, records: Sequence[Any], columns: list[str]
 ) -> None:
-    """Print records as JSON, or some of their keys as a table, and write them into a file on request."""
+    """Print records as JSON, or some of their keys as a table; write them on request."""
     if options.output is not None:
         outputs.check_writable(options.output)
         content = {"provenance": _origin(drive, options.date), "results": records}

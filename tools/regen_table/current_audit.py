@@ -33,7 +33,9 @@ _POWER_SPEEDS, _POWER_TEMPERATURES = 36, 5
 
 @dataclass(frozen=True)
 class CurrentLoss:
-    """What a table costs in one manoeuvre at the worst temperature, relative to the energy at the bus, against least loss.
+    """What a table costs in one manoeuvre at the worst temperature, against least loss.
+
+    Relative to the energy at the bus.
 
     Attributes
     ----------
@@ -53,7 +55,10 @@ class CurrentLoss:
 
 @dataclass(frozen=True, eq=False)
 class _Reference:
-    """Points of a manoeuvre, shape (points,) or (temperatures, points), and the least power of each, shape of the latter."""
+    """Points of a manoeuvre and the least power of each.
+
+    Shape (points,) or (temperatures, points); the powers have the latter.
+    """
 
     manoeuvre: str
     motor: models.Machine
@@ -65,7 +70,9 @@ class _Reference:
 
 @lru_cache(maxsize=8)
 def choose(drive: Drive) -> CurrentMap:
-    """Return the smallest grid that loses at most 0.01 % of any manoeuvre's energy and 0.05 % of braking power anywhere.
+    """Return the smallest grid that loses little enough.
+
+    At most 0.01 % of any manoeuvre's energy and 0.05 % of braking power anywhere.
 
     Driving and braking count apart. Should it take more points than the firmware holds, the
     grid that exceeds these least. More than 0.02 % of a whole manoeuvre is refused.
@@ -88,28 +95,32 @@ def choose(drive: Drive) -> CurrentMap:
     lost = _whole_loss(drive, best, references)
     if lost > audit.ENERGY_LOSS_MAX:
         raise ConfigurationError(
-            f"motor.q_inductance_h: the largest i_d map that the controller holds loses {lost:.3%} of the energy of a "
-            f"manoeuvre, accepted: at most {audit.ENERGY_LOSS_MAX:.2%} (a less salient motor, or a lower max_torque_nm)"
+            f"motor.q_inductance_h: the largest i_d map that the controller holds loses {lost:.3%}"
+            f" of the energy of a manoeuvre, accepted: at most {audit.ENERGY_LOSS_MAX:.2%} (a less"
+            " salient motor, or a lower max_torque_nm)"
         )
     return best
 
 
 @lru_cache(maxsize=8)
 def braking_table(drive: Drive) -> tables.RegenMap:
-    """Return the table of T_opt that belongs to the chosen i_d, on the grid that the drive names or on the smallest one."""
+    """Return the table of T_opt that belongs to the chosen i_d.
+
+    On the grid that the drive names or on the smallest one.
+    """
     points: tuple[int, int] | None = None
     if "auto" in {drive.table.speed_points, drive.table.temperature_points}:
         points = smallest_grid(drive)
         if points is None:
             raise ConfigurationError(
-                'table.speed_points, table.temperature_points: no grid suffices for "auto", accepted: a narrower '
-                "temperature_range_c, or numbers"
+                'table.speed_points, table.temperature_points: no grid suffices for "auto",'
+                " accepted: a narrower temperature_range_c, or numbers"
             )
     return current_map.regen_map(drive, choose(drive), points)
 
 
 def smallest_grid(drive: Drive, free: bool = False) -> tuple[int, int] | None:
-    """Return the least numbers of speeds and temperatures that suffice (audit), or None where none do.
+    """Return the least numbers of speeds and temperatures that suffice (audit), or None.
 
     A number that the drive names is kept, unless ``free``.
     """
@@ -125,7 +136,7 @@ def smallest_grid(drive: Drive, free: bool = False) -> tuple[int, int] | None:
 
 
 def _ends_of_optima(drive: Drive, currents: CurrentMap) -> Iterator[int]:
-    """Yield, for each step of speed, the points up to where every optimum is beyond max_torque_nm."""
+    """Yield, for each step of speed, the points until every optimum exceeds max_torque_nm."""
     motor = models.machine(drive, np.array([[t] for t in drive.table.temperature_range_c]))
     speed = np.linspace(0.0, 1.0, 257) * (drive.motor.max_speed_rpm * np.pi / 30.0)
     limit = 1.5 * drive.motor.max_torque_nm
@@ -152,7 +163,7 @@ def losses(drive: Drive, table: CurrentMap) -> list[CurrentLoss]:
 
 
 def worst_power_loss(drive: Drive, table: CurrentMap) -> float:
-    """Largest relative loss of braking power at any speed and temperature, at the best torque there."""
+    """Largest relative loss of braking power, at the best torque of any speed and temperature."""
     at = _braking_reference(drive)
     return _power_share(at, _stored_power(drive, table, at))
 
@@ -237,7 +248,10 @@ def _references(drive: Drive) -> list[_Reference]:
 
 @lru_cache(maxsize=8)
 def _braking_reference(drive: Drive) -> _Reference:
-    """Find the best braking inside torque and power limits from where the motor begins to brake up to the top speed."""
+    """Find the best braking inside torque and power limits.
+
+    From where the motor begins to brake up to the top speed.
+    """
     motor = models.machine(
         drive, np.linspace(*drive.table.temperature_range_c, _POWER_TEMPERATURES)[:, np.newaxis]
     )
@@ -287,7 +301,7 @@ def _stored_power(drive: Drive, table: CurrentMap, at: _Reference) -> Array:
 
 @lru_cache(maxsize=64)
 def _gridless_power(drive: Drive, layers: int, at: _Reference) -> Array:
-    """DC power in W with i_d exact over torque and speed, and linear between so many temperatures."""
+    """DC power in W with i_d exact over torque and speed, linear between the temperatures."""
     warm = current_map.temperatures_c(*current_map.temperature_axis(drive, layers), layers)
     exact = [
         _least(
@@ -311,7 +325,7 @@ def _loses_at_most(
     braked: _Reference,
     made: Callable[[_Reference], Array],
 ) -> bool:
-    """Whether a way to make torque loses at most a share of what is allowed, in power and in every manoeuvre."""
+    """Whether a way to make torque loses at most an allowed share, in power and manoeuvres."""
     return _power_share(braked, made(braked)) <= share * audit.POWER_LOSS_MAX and all(
         _energy_share(at, made(at)) <= share * audit.ENERGY_LOSS_MAX for at in references
     )
@@ -353,7 +367,9 @@ def _lost_w(at: _Reference, made: Array) -> Array:
 
 
 def bus_voltage_loss(drive: Drive) -> float:
-    """Largest relative power lost by leaving the bus voltage out: all speeds, both directions, lowest bus voltage.
+    """Largest relative power lost by leaving the bus voltage out.
+
+    All speeds, both directions, lowest bus voltage.
 
     Compared are the least power under the voltage limit, and the least power without it from which
     field weakening lowers i_d at constant torque until the voltage suffices.

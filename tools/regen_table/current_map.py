@@ -94,9 +94,10 @@ def points_over(drive: Drive, torque_step_log2: int, speed_step_log2: int) -> tu
         1000.0 * drive.motor.max_torque_nm,
         1000.0 * drive.motor.max_speed_rpm * math.pi / 30.0,
     )
-    return 2 * math.ceil(torque / 2.0**torque_step_log2 - 1e-12) + 1, math.ceil(
-        speed / 2.0**speed_step_log2 - 1e-12
-    ) + 1
+    return (
+        2 * math.ceil(torque / 2.0**torque_step_log2 - 1e-12) + 1,
+        math.ceil(speed / 2.0**speed_step_log2 - 1e-12) + 1,
+    )
 
 
 def compute(drive: Drive, torque_step_log2: int, speed_step_log2: int, layers: int) -> CurrentMap:
@@ -184,7 +185,9 @@ def state(
     torque_nm: ArrayLike,
     i_d: ArrayLike,
 ) -> models.State:
-    """Steady state of a torque with a given terminal i_d: i_q from the quadratic that the iron branch leaves.
+    """Steady state of a torque with a given terminal i_d.
+
+    i_q comes from the quadratic that the iron branch leaves.
 
     With i_dt = i_d + g L_q i_qt and s = L_q - L_d the torque is
     1.5 p i_qt (psi - s i_d - s g L_q i_qt).
@@ -208,7 +211,9 @@ def best_torque_nm(
     strongest_nm: ArrayLike,
     scans: int = joint.EXACT,
 ) -> Array:
-    """Braking torque magnitude in N m, at most ``strongest_nm``, that returns the most power with the stored i_d.
+    """Braking torque magnitude in N m that returns the most power with the stored i_d.
+
+    At most ``strongest_nm``.
 
     ``scans``: joint.EXACT, or joint.AUDIT where only the power matters.
     """
@@ -263,7 +268,7 @@ def production(table: CurrentMap) -> braking.Production:
 def regen_map(
     drive: Drive, currents: CurrentMap, points: tuple[int, int] | None = None
 ) -> tables.RegenMap:
-    """Return the braking table that belongs to the stored i_d: its optimum at every point, unclamped.
+    """Return the braking table of the stored i_d: its optimum at every point, unclamped.
 
     The grid reaches up to the top speed, as without i_d, unless it loses too much power somewhere.
     It does for a salient motor, whose optimum runs away at the speed where the power loses its

@@ -50,7 +50,7 @@ class CycleEnergies:
 
     @property
     def losses(self) -> dict[str, float]:
-        """Everything that became heat on the way between the cells and the road, hydraulic brake included, in J."""
+        """Heat between the cells and the road, hydraulic brake included, in J."""
         names = ("copper", "iron", "inverter", "battery", "friction", "hydraulic")
         return {name: getattr(self, name) for name in names}
 
@@ -74,7 +74,7 @@ class CycleResult:
 
 
 def load(path: Path, top_speed_kmh: float | None = None) -> Cycle:
-    """Read a trace with the columns ``time_s`` and ``speed_km_h``; lines that begin with # are comments.
+    """Read a trace with the columns ``time_s`` and ``speed_km_h``; # begins a comment line.
 
     ``top_speed_kmh`` scales the speeds so that the fastest one becomes it (None: as they are).
     """
@@ -93,14 +93,15 @@ def load(path: Path, top_speed_kmh: float | None = None) -> Cycle:
         or not np.any(speed > 0.0)
     ):
         raise ConfigurationError(
-            f"{path}: accepted: at least two samples, rising time_s, speed_km_h >= 0 and not always 0"
+            f"{path}: accepted: at least two samples, rising time_s, speed_km_h >= 0 and not"
+            " always 0"
         )
     factor = 1.0 if top_speed_kmh is None else top_speed_kmh / 3.6 / float(np.max(speed))
     return Cycle(path.stem, time, speed * factor)
 
 
 def shipped(drive: Drive) -> list[Cycle]:
-    """Return the cycles that come with the simulator, slowed down where they exceed the drive's own top speed."""
+    """Return the simulator's cycles, slowed down where they exceed the drive's top speed."""
     top = drive.motor.max_speed_rpm * np.pi / 30.0 * drive.vehicle.wheel_radius_m
     found = [load(path) for path in sorted(DIRECTORY.glob("*.csv"))]
     return [
@@ -120,7 +121,7 @@ class Demand:
 
 
 def demand(drive: Drive, cycle: Cycle) -> Demand:
-    """Compute what a cycle asks of every driven wheel, from mass, rolling resistance and air drag."""
+    """Compute what a cycle asks of a driven wheel: mass, rolling resistance and air drag."""
     vehicle = drive.vehicle
     share = np.arange(PARTS + 1) / PARTS
     time = cycle.time_s[:-1, np.newaxis] + np.diff(cycle.time_s)[:, np.newaxis] * share
@@ -213,8 +214,10 @@ def run(
         energy_j=energies,
         while_driving_j=part(~brakes),
         while_braking_j=part(brakes),
-        braking_share_stored=energies.battery_returned / energies.braking_at_wheels
-        if energies.braking_at_wheels > 0.0
-        else 0.0,
+        braking_share_stored=(
+            energies.battery_returned / energies.braking_at_wheels
+            if energies.braking_at_wheels > 0.0
+            else 0.0
+        ),
         residual_relative=residual / max(energies.traction, 1e-9),
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Proof by interval arithmetic that no quantity of the fast loop saturates inside the operating envelope.
+"""Proof by interval arithmetic: no quantity of the fast loop saturates in the envelope.
 
 The envelope: bus voltage from undervoltage to overvoltage trip, electrical speed up to 5 % above
 the largest, currents and current errors up to the converter's range. Every quantity below is the
@@ -10,7 +10,7 @@ format holds, voltages being shares of the voltage circle.
 import math
 from dataclasses import dataclass
 
-from regen_table import loops, relations
+from regen_table import derived, loops
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
@@ -59,7 +59,7 @@ def both_signs(magnitude: float) -> Interval:
 
 @dataclass(frozen=True)
 class Proof:
-    """A quantity, the interval it stays in, what its format holds, and what to change where it is too large or small."""
+    """A quantity, its interval, what its format holds, and what to change where it is outside."""
 
     quantity: str
     found: Interval
@@ -94,13 +94,16 @@ def proofs(drive: Drive) -> list[Proof]:
     ]
     if not found[-1].holds:
         return found
-    bus = Interval(loops.undervoltage_trip_v(drive), relations.overvoltage_trip_v(drive))
+    bus = Interval(loops.undervoltage_trip_v(drive), derived.overvoltage_trip_v(drive))
     per_volt = bus.reciprocal() * (
         drive.inverter.voltage_full_scale_v * math.sqrt(3.0) / limit
     )  # volts per unit to shares of the circle
-    speed = both_signs(SPEED_RESERVE * relations.omega_max(drive) / base.speed_rad_s)
+    speed = both_signs(SPEED_RESERVE * derived.omega_max(drive) / base.speed_rad_s)
     gains = loops.per_unit_gains(drive)
-    smaller = "lower control.current_bandwidth_hz or inverter.current_full_scale_a / voltage_full_scale_v, or raise battery.min_voltage_v"
+    smaller = (
+        "lower control.current_bandwidth_hz or inverter.current_full_scale_a /"
+        " voltage_full_scale_v, or raise battery.min_voltage_v"
+    )
     larger = (
         "raise control.current_bandwidth_hz or inverter.current_full_scale_a / voltage_full_scale_v"
     )
@@ -182,6 +185,7 @@ def refuse_overflow(found: list[Proof]) -> None:
                 else proof.too_large
             )
             raise ConfigurationError(
-                f"{proof.quantity}: {proof.found.low:.4g} to {proof.found.high:.4g} inside the operating envelope, accepted: "
-                f"{proof.allowed.low:.4g} to {proof.allowed.high:.4g} ({remedy})"
+                f"{proof.quantity}: {proof.found.low:.4g} to {proof.found.high:.4g} inside the"
+                f" operating envelope, accepted: {proof.allowed.low:.4g} to"
+                f" {proof.allowed.high:.4g} ({remedy})"
             )

@@ -39,7 +39,7 @@ def draw_all(drive: Drive, directory: Path) -> list[Path]:
 
 
 def reference(drive: Drive) -> tuple[models.Machine, models.Bridge, float]:
-    """Return motor and bridge at the reference temperature, and the top speed in mechanical rad/s."""
+    """Return motor and bridge at the reference temperature, and top speed (mechanical rad/s)."""
     return (
         models.machine(drive, drive.motor.reference_temperature_c),
         models.bridge(drive),
@@ -53,7 +53,10 @@ def rpm(speed_rad_s: Array) -> Array:
 
 
 def power_over_current(drive: Drive) -> Figure:
-    """Fig. 3: input power over braking current at fixed speeds, for a salient motor along the angle of least loss."""
+    """Fig. 3: input power over braking current at fixed speeds.
+
+    For a salient motor along the angle of least loss.
+    """
     motor, inverter, top = reference(drive)
     made, (axes,) = plotting.figure(
         "Fig. 3   Power over braking current at constant speed", width=8.4
@@ -137,7 +140,10 @@ def _points(drive: Drive) -> int:
 
 
 def current_over_speed(drive: Drive) -> Figure:
-    """Fig. 4: current of most returned power and of the boundary to plugging, with and without the paper's neglects."""
+    """Fig. 4: current of most returned power and of the boundary to plugging.
+
+    With and without the paper's neglects.
+    """
     motor, inverter, _ = reference(drive)
     speed = shown_speeds(drive)
     omega = speed * motor.pole_pairs
@@ -244,7 +250,8 @@ def regions(drive: Drive) -> Figure:
         xlabel="speed, r/min", ylabel="braking torque, N·m", xlim=(0.0, x[-1]), ylim=(0.0, ceiling)
     )
     plotting.legend_below(made, axes, columns=2)
-    axes.text(0.99, 0.02, "III motor alone · II, I motor gives T_opt, brake the rest · IV limited motor and brake",
+    axes.text(0.99, 0.02, "III motor alone · II, I motor gives T_opt, brake the rest · "
+              "IV limited motor and brake",
               transform=axes.transAxes, ha="right", fontsize=8)  # fmt: skip
     return made
 
@@ -319,7 +326,8 @@ def torque_ramp(drive: Drive) -> Figure:
     resistance = drive.battery.series_resistance_ohm + drive.battery.polarisation_resistance_ohm
     pack = models.battery_steady(_any_voltage(drive), resistance, state.dc_power_w)
     made, (upper, lower) = plotting.figure(
-        f"Fig. 12   Ramp of braking torque at {float(rpm(np.array(speed))):.0f} r/min, limits left out",
+        f"Fig. 12   Ramp of braking torque at {float(rpm(np.array(speed))):.0f} r/min, limits"
+        " left out",
         rows=2,
         height=5.2,
     )
@@ -346,14 +354,14 @@ def torque_ramp(drive: Drive) -> Figure:
 
 
 def _any_voltage(drive: Drive) -> float:
-    """Open-circuit voltage in V, at half charge where it depends on charge and none is configured."""
+    """Open-circuit voltage in V, at half charge where it depends on an unknown charge."""
     return models.open_circuit_voltage_v(
         drive, drive.battery.initial_soc if drive.battery.initial_soc is not None else 0.5
     )
 
 
 def boundary_lines(drive: Drive) -> Figure:
-    """Fig. 13: T_zero and T_opt over speed at three winding temperatures, with the paper's (20) and (21)."""
+    """Fig. 13: T_zero and T_opt over speed at three temperatures, with the paper's (20), (21)."""
     _, inverter, _ = reference(drive)
     speed = shown_speeds(drive)
     made, axes_pair = plotting.figure(

@@ -177,7 +177,8 @@ def energy_flow(drive: Drive) -> Figure:
             ideal.production(drive),
         )
         axes.set_title(
-            f"{STRATEGY_NAMES[strategy]}: {result.braking_share_stored:.1%} of the braking work stored",
+            f"{STRATEGY_NAMES[strategy]}: {result.braking_share_stored:.1%} of the braking work"
+            " stored",
             loc="left",
         )
         _flow(axes, result)
@@ -240,8 +241,9 @@ def _leaving(x: float, below: float, energy: float, total: float, colour: str) -
     half = 0.45 * max(energy / total, 0.01)
     end, top, middle = x + 0.75, 1.2 * total, 0.5 * (below + 1.2 * total)
     curve = [
-        (x, below), (x + 0.5, below), (end + half, below), (end + half, middle), (end + half, top), (end - half, top),
-        (end - half, middle + energy), (end - half, below + energy), (x + 0.3, below + energy), (x, below + energy), (x, below),
+        (x, below), (x + 0.5, below), (end + half, below), (end + half, middle), (end + half, top),
+        (end - half, top), (end - half, middle + energy), (end - half, below + energy),
+        (x + 0.3, below + energy), (x, below + energy), (x, below),
     ]  # fmt: skip
     codes = [
         Outline.MOVETO,

@@ -89,7 +89,8 @@ def check(drive: Drive, directory: Path) -> None:
             raise CheckFailedError(f"{path}: cannot be read: {error.strerror}") from error
         if not same:
             raise CheckFailedError(
-                f"{path}: differs from what its TOML file generates; renew it with ./tools/dev table"
+                f"{path}: differs from what its TOML file generates; renew it with ./tools/dev"
+                " table"
             )
 
 

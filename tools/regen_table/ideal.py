@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How an ideal controller makes torque: with i_d = 0 as in the paper, or with the i_d of least loss.
+"""How an ideal controller makes torque: with i_d = 0 as in the paper, or of least loss.
 
 Surface magnets: i_d = 0, the paper's closed form. Salient motors: both currents, because i_d = 0
 would waste most of what the motor can do. Points inside the drive's limits then take the i_d that
@@ -32,7 +32,9 @@ def production(drive: Drive) -> braking.Production:
 
 @dataclass(frozen=True)
 class Lines:
-    """Best braking without limits over speed: torques are magnitudes in N m, currents peak phase magnitudes in A.
+    """Best braking without limits over speed.
+
+    Torques are magnitudes in N m, currents peak phase magnitudes in A.
 
     NaN where there is none within three times the drive's phase current.
     """
@@ -44,7 +46,10 @@ class Lines:
 
 
 def lines(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: ArrayLike) -> Lines:
-    """Return the torque of most returned power, and the one beyond it at which no power flows, at mechanical speeds."""
+    """Return the torque of most returned power, and the larger one of zero power.
+
+    At mechanical speeds in rad/s.
+    """
     omega = np.asarray(speed_rad_s) * motor.pole_pairs
     if not salient(drive):
         best = optimum.closed_form(motor, inverter, omega)
@@ -80,7 +85,7 @@ def state(
 
 
 def meeting_rad_s(drive: Drive, motor: Machine, inverter: Bridge) -> float:
-    """Mechanical speed from which on the limits, not the optimum, decide how much the motor brakes."""
+    """Mechanical speed above which the limits, not the optimum, bound the motor's braking."""
     top = drive.motor.max_speed_rpm * np.pi / 30.0
     made = production(drive)
     low, high = 0.0, top

@@ -10,7 +10,7 @@ import math
 import zlib
 from typing import Any
 
-from regen_table import __version__, current_audit, envelope, layout, loops, margins, relations
+from regen_table import __version__, current_audit, derived, envelope, layout, loops, margins
 from regen_table.errors import ConfigurationError
 from regen_table.loops import nearest
 from regen_table.schema import Drive
@@ -58,13 +58,14 @@ def generator_version() -> int:
 
 
 def checked_fields(drive: Drive) -> Values:
-    """Return every field of every section in the header's order, refusing what the header does not accept."""
+    """Return every field of every section in the header's order; refuse out-of-range values."""
     header, values = layout.load(), fields(drive)
     for section, known in header.sections.items():
         odd = set(known) ^ set(values.get(section, {}))
         if odd:
             raise ConfigurationError(
-                f"config.h and this generator disagree about {section}.{min(odd)}: one of them is newer"
+                f"config.h and this generator disagree about {section}.{min(odd)}: one of them is"
+                " newer"
             )
         for name, info in known.items():
             value = values[section][name]
@@ -72,7 +73,8 @@ def checked_fields(drive: Drive) -> Values:
                 if not info.lowest <= item <= info.highest:
                     unit = f" {info.unit}" if info.unit not in {"", "1"} else ""
                     raise ConfigurationError(
-                        f"{section}.{name}: {item}{unit} does not fit the controller, accepted: {info.lowest} to {info.highest}{unit}"
+                        f"{section}.{name}: {item}{unit} does not fit the controller, accepted:"
+                        f" {info.lowest} to {info.highest}{unit}"
                     )
     return {
         section: {name: values[section][name] for name in known}
@@ -145,16 +147,14 @@ def _motor(drive: Drive) -> dict[str, Any]:
         "max_phase_current_mA": nearest(motor.max_phase_current_a * 1e3),
         "max_speed_mrad_s": nearest(motor.max_speed_rpm * RPM_TO_MRAD_S),
         "speed_fade_share_q15": loops.fixed(motor.speed_fade_share, 15),
-        "derate_winding_temperature_cC": nearest(
-            relations.derate_winding_temperature_c(drive) * 1e2
-        ),
+        "derate_winding_temperature_cC": nearest(derived.derate_winding_temperature_c(drive) * 1e2),
         "max_winding_temperature_cC": nearest(motor.max_winding_temperature_c * 1e2),
     }
 
 
 def _drive(drive: Drive) -> dict[str, Any]:
     inverter = drive.inverter
-    start = relations.derate_switch_temperature_c(drive)
+    start = derived.derate_switch_temperature_c(drive)
     hottest = inverter.max_switch_temperature_c
     return {
         "current_full_scale_mA": nearest(inverter.current_full_scale_a * 1e3),
@@ -164,12 +164,12 @@ def _drive(drive: Drive) -> dict[str, Any]:
         "dead_time_ns": nearest(inverter.dead_time_s * 1e9),
         "diode_drop_mV": nearest(inverter.diode_forward_voltage_v * 1e3),
         "min_pulse_counts": loops.min_pulse_counts(drive),
-        "derate_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC
-        if start is None
-        else nearest(start * 1e2),
-        "max_switch_temperature_cC": SWITCH_TEMPERATURE_OFF_CC
-        if hottest is None
-        else nearest(hottest * 1e2),
+        "derate_switch_temperature_cC": (
+            SWITCH_TEMPERATURE_OFF_CC if start is None else nearest(start * 1e2)
+        ),
+        "max_switch_temperature_cC": (
+            SWITCH_TEMPERATURE_OFF_CC if hottest is None else nearest(hottest * 1e2)
+        ),
     }
 
 
@@ -177,18 +177,19 @@ def _battery(drive: Drive) -> dict[str, Any]:
     battery, motors, trip = (
         drive.battery,
         drive.vehicle.driven_wheels,
-        relations.overvoltage_trip_v(drive),
+        derived.overvoltage_trip_v(drive),
     )
     if trip <= battery.max_voltage_v:
         raise ConfigurationError(
-            f"inverter.voltage_full_scale_v: {drive.inverter.voltage_full_scale_v:g} V, accepted: more than "
-            f"{battery.max_voltage_v / 0.98:.4g} V, so that the board can see battery.max_voltage_v being exceeded"
+            f"inverter.voltage_full_scale_v: {drive.inverter.voltage_full_scale_v:g} V, accepted:"
+            f" more than {battery.max_voltage_v / 0.98:.4g} V, so that the board can see"
+            " battery.max_voltage_v being exceeded"
         )
-    foldback = relations.foldback_voltage_v(drive)
+    foldback = derived.foldback_voltage_v(drive)
     if battery.min_voltage_v >= foldback:
         raise ConfigurationError(
-            f"battery.min_voltage_v: {battery.min_voltage_v:g} V, accepted: less than {foldback:.4g} V, "
-            f"where charging starts to fold back"
+            f"battery.min_voltage_v: {battery.min_voltage_v:g} V, accepted: less than"
+            f" {foldback:.4g} V, where charging starts to fold back"
         )
     return {
         "driven_wheels": motors,
@@ -197,9 +198,7 @@ def _battery(drive: Drive) -> dict[str, Any]:
         "foldback_voltage_mV": nearest(foldback * 1e3),
         "max_voltage_mV": nearest(battery.max_voltage_v * 1e3),
         "min_voltage_mV": nearest(battery.min_voltage_v * 1e3),
-        "discharge_foldback_voltage_mV": nearest(
-            relations.discharge_foldback_voltage_v(drive) * 1e3
-        ),
+        "discharge_foldback_voltage_mV": nearest(derived.discharge_foldback_voltage_v(drive) * 1e3),
         "overvoltage_trip_mV": nearest(trip * 1e3),
         "undervoltage_trip_mV": nearest(loops.undervoltage_trip_v(drive) * 1e3),
     }

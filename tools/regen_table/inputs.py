@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Input files: text, and tables of numbers, with one line for everything that can be wrong with them."""
+"""Input files: text and tables of numbers; one line says what is wrong with them."""
 
 import csv
 from collections.abc import Callable
@@ -45,8 +45,8 @@ def read_text(path: Path, most_bytes: int, what: str) -> str:
 def read_table(path: Path, what: str, suits: Callable[[list[str]], bool]) -> dict[str, list[str]]:
     """Return the columns of a CSV file by their headings, cells as text.
 
-    Lines that begin with # are comments. Refused are headings that do not suit and a row that is too
-    short or too long.
+    Lines that begin with # are comments. Refused are headings that do not suit and a row that is
+    too short or too long.
     """
     text = read_text(path, MAX_TABLE_BYTES, what)
     lines = (line for line in text.splitlines() if line.strip() and not line.startswith("#"))
@@ -61,7 +61,8 @@ def read_table(path: Path, what: str, suits: Callable[[list[str]], bool]) -> dic
     for number, row in enumerate(body, start=1):
         if len(row) != len(names):
             raise ConfigurationError(
-                f"{path}: row {number} has {len(row)} cells and the heading {len(names)}, accepted: {what}"
+                f"{path}: row {number} has {len(row)} cells and the heading {len(names)}, accepted:"
+                f" {what}"
             )
     return dict(
         zip(names, map(list, zip(*body, strict=True)) if body else ([] for _ in names), strict=True)

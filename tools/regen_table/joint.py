@@ -45,7 +45,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Point:
-    """Result of a search: the state, its electromagnetic torque in N m, and whether it respects the limits."""
+    """Result of a search: the state, its electromagnetic torque (N m), and whether it is legal."""
 
     state: State
     torque_nm: Array
@@ -84,7 +84,9 @@ def best_braking(
     max_torque_nm: ArrayLike = np.inf,
     scans: int = EXACT,
 ) -> Point:
-    """Find the braking torque, at most ``max_torque_nm`` strong, and the currents that return the most DC power.
+    """Find the braking torque and the currents that return the most DC power.
+
+    At most ``max_torque_nm`` strong.
 
     Where no torque returns energy this is the torque that wastes least (no current, if the voltage
     limit allows it).
@@ -168,7 +170,10 @@ class _Problem:
         )
 
     def best_direct_current(self, torque: Array, scans: int = EXACT) -> tuple[Array, Array]:
-        """Return i_dt in A of least DC power for each torque, and that power (or the violation above _INFEASIBLE)."""
+        """Return i_dt in A of least DC power for each torque, and that power.
+
+        Where limits are violated, the violation above _INFEASIBLE.
+        """
         if torque.shape == self.shape and torque.size > _BLOCK:
             parts = [
                 self._part(block).best_direct_current(torque.ravel()[block], scans)
@@ -245,7 +250,7 @@ def shrink(
     first: int,
     scans: int = EXACT,
 ) -> tuple[Array, Array]:
-    """Minimise a function of one variable inside [low, high], elementwise; returns (argument, value).
+    """Minimise a function of one variable in [low, high], elementwise; (argument, value).
 
     A scan with ``first`` points, then scans of 9 points between the neighbours of the best one so
     far, each four times finer. With ``scans`` = EXACT the interval ends below a few parts in 1e8 of

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The memory layout and the accepted ranges of config_t, read from firmware/config/include/config/config.h.
+"""The memory layout and the accepted ranges of config_t.
+
+Read from firmware/config/include/config/config.h.
 
 That header is the only place that knows them. ``config_header`` expands it, through a C
 preprocessor or, in an installed distribution, once and for all when that was built; cffi computes
@@ -61,7 +63,8 @@ def load(header: Path = HEADER) -> Layout:
     """Read the header, once in the life of the process."""
     if sys.byteorder != "little":
         raise ConfigurationError(
-            "configuration images are little endian, as the microcontroller is; so must this machine be"
+            "configuration images are little endian, as the microcontroller is; so must this"
+            " machine be"
         )
     return parse(config_header.expanded(header), header)
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Gains and per-unit constants of the fast loop (margins.py judges their stability, envelope.py their formats).
+"""Gains and per-unit constants of the fast loop.
+
+margins.py judges their stability, envelope.py their formats.
 
 Bases: current I_base = current_full_scale, bus voltage V_base = voltage_full_scale, electrical
 speed omega_base = 2 pi f_pwm / 16. The configuration stores gains relative to V_base; once a
@@ -10,7 +12,7 @@ shares of the voltage circle's radius.
 import math
 from dataclasses import dataclass
 
-from regen_table import relations
+from regen_table import derived, relations
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
@@ -57,7 +59,9 @@ def pwm_period_counts(drive: Drive) -> int:
 
 
 def min_pulse_counts(drive: Drive) -> int:
-    """Return the timer counts that the low side of every leg conducts at least before and after the top of the count.
+    """Return the timer counts for which every low side conducts at least.
+
+    Before and after the top of the count.
 
     What the gate driver and its bootstrap supply need. Without a word from the configuration, twice
     the dead time, and at least a microsecond.
@@ -91,7 +95,9 @@ def dead_time_counts(drive: Drive) -> int:
 
 
 def modulation_limit(drive: Drive) -> float:
-    """Largest modulation |u| / (v_dc / sqrt(3)) that leaves the shortest pulse and the shunts' sampling window.
+    """Largest modulation that leaves the shortest pulse and the shunts' sampling window.
+
+    Modulation is abs(u) / (v_dc / sqrt(3)).
 
     Min/max injection centres the three phases: the largest compare value is period/2 (1 + span /
     v_dc), and the line-to-line span of a voltage vector is at most sqrt(3) |u|, which is the
@@ -115,13 +121,13 @@ def phase_voltage_limit_v(drive: Drive, bus_voltage_v: float) -> float:
 
 
 def weakening_warning(drive: Drive) -> str | None:
-    """Return one line when i_d cannot hold the top speed's back-EMF at the lowest bus voltage, else None.
+    """Return a line when i_d cannot hold the top speed's EMF at the lowest bus voltage, or None.
 
     The motor then brakes however little torque is asked for: not refused, because the vehicle comes
     there only on an empty pack, but whoever builds it must know.
     """
     motor, lowest = drive.motor, drive.battery.min_voltage_v
-    emf, made = relations.line_emf_v(drive), modulation_limit(drive) * lowest
+    emf, made = derived.line_emf_v(drive), modulation_limit(drive) * lowest
     weakening = drive.control.field_weakening_current_a or 0.0
     short_circuit_a = motor.flux_linkage_wb / motor.d_inductance_h
     left = emf * max(1.0 - weakening / short_circuit_a, 0.0)
@@ -131,11 +137,15 @@ def weakening_warning(drive: Drive) -> str | None:
     reached = made / left * motor.max_speed_rpm
     remedy = f"{needed:.4g} A would be enough"
     if needed > motor.max_phase_current_a:
-        remedy = f"not even max_phase_current_a = {motor.max_phase_current_a:g} A would be enough, {needed:.4g} A would"
+        remedy = (
+            f"not even max_phase_current_a = {motor.max_phase_current_a:g} A would be enough,"
+            f" {needed:.4g} A would"
+        )
     return (
-        f"control.field_weakening_current_a: {weakening:g} A leave {left:.4g} V of back-EMF between lines at "
-        f"{motor.max_speed_rpm:g} r/min, above the {made:.4g} V that the bridge makes of battery.min_voltage_v = {lowest:g} V: "
-        f"torque is not controlled there beyond {reached:.4g} r/min; {remedy}"
+        f"control.field_weakening_current_a: {weakening:g} A leave {left:.4g} V of back-EMF between"
+        f" lines at {motor.max_speed_rpm:g} r/min, above the {made:.4g} V that the bridge makes of"
+        f" battery.min_voltage_v = {lowest:g} V: torque is not controlled there beyond"
+        f" {reached:.4g} r/min; {remedy}"
     )
 
 
@@ -148,7 +158,9 @@ class AxisGains:
 
 
 def axis_gains(drive: Drive, inductance_h: float) -> AxisGains:
-    """Return the gains that make one axis follow like a first-order pole at omega_c behind a delay of 1.5 periods.
+    """Return the gains that make one axis follow like a first-order pole at omega_c.
+
+    Behind a delay of 1.5 periods.
 
     The winding under a held voltage is (1 - p) / (R (z - p)), p = exp(-R T / L) (R with one switch,
     at the reference temperature). With k_i / k_p = 1 - p the regulator's zero lies on that pole,
@@ -173,7 +185,10 @@ def axis_gains(drive: Drive, inductance_h: float) -> AxisGains:
 
 
 def resistance_ratio(drive: Drive, winding_temperature_c: float) -> float:
-    """Return the winding's resistance over that at its reference temperature, which is what the firmware scales k_i by."""
+    """Return the winding's resistance over that at its reference temperature.
+
+    The firmware scales k_i by it.
+    """
     rise = winding_temperature_c - drive.motor.reference_temperature_c
     return 1.0 + drive.motor.resistance_temperature_coefficient_per_k * rise
 
@@ -231,16 +246,17 @@ def current_loop(drive: Drive) -> dict[str, int]:
     largest, trip = motor.max_phase_current_a / base.current_a, overcurrent_pu(drive)
     if trip < 1.05 * largest:
         raise ConfigurationError(
-            f"motor.max_phase_current_a: {motor.max_phase_current_a:g} A, accepted: at most "
-            f"{trip / 1.05 * base.current_a:.4g} A, 5 % below the overcurrent trip, which lies inside "
-            f"inverter.current_full_scale_a = {base.current_a:g} A"
+            f"motor.max_phase_current_a: {motor.max_phase_current_a:g} A, accepted: at most"
+            f" {trip / 1.05 * base.current_a:.4g} A, 5 % below the overcurrent trip, which lies"
+            f" inside inverter.current_full_scale_a = {base.current_a:g} A"
         )
     wanted = drive.monitor.overcurrent_a
     if wanted is not None and trip > overcurrent_share_max(drive):
         raise ConfigurationError(
-            f"monitor.overcurrent_a: {wanted:g} A, accepted: at most {overcurrent_share_max(drive) * base.current_a:.4g} A, "
-            f"what a sensor shows of inverter.current_full_scale_a = {base.current_a:g} A whose zero is off by "
-            f"monitor.offset_tolerance_codes = {drive.monitor.offset_tolerance_codes}"
+            f"monitor.overcurrent_a: {wanted:g} A, accepted: at most"
+            f" {overcurrent_share_max(drive) * base.current_a:.4g} A, what a sensor shows of"
+            f" inverter.current_full_scale_a = {base.current_a:g} A whose zero is off by"
+            f" monitor.offset_tolerance_codes = {drive.monitor.offset_tolerance_codes}"
         )
     limit, target = modulation_limit(drive), fixed(control.modulation_target, 15)
     return {
@@ -267,7 +283,7 @@ def current_loop(drive: Drive) -> dict[str, int]:
 
 
 def overcurrent_share_max(drive: Drive) -> float:
-    """Return what a sensor with the worst zero still shows of half the converter's range, 2047 codes.
+    """Return what a sensor with the worst zero shows at least of half its range, 2047 codes.
 
     A clipped sample hides the real current.
     """
@@ -289,16 +305,16 @@ def field_weakening_gain(drive: Drive) -> float:
     """Per-unit demagnetising current added per PWM period and unit of missing squared voltage.
 
     Voltages u are shares of the circle's radius, limit v_dc / sqrt(3). The regulator integrates
-    target^2 - u^2. In the steady state one ampere of i_d moves u by up to omega L_d sqrt(3) / (limit
-    v_dc) and its square by 2 target times that, so the loop's bandwidth is the gain times f_pwm 2 target
-    omega L_d I_base sqrt(3) / (limit v_dc). It is set to 30 Hz at the largest speed and the lowest
-    bus voltage, where it is fastest, well below the current loop's. Zero when field weakening is
-    off.
+    target^2 - u^2. In the steady state one ampere of i_d moves u by up to omega L_d sqrt(3) /
+    (limit v_dc) and its square by 2 target times that, so the loop's bandwidth is the gain times
+    f_pwm 2 target omega L_d I_base sqrt(3) / (limit v_dc). It is set to 30 Hz at the largest speed
+    and the lowest bus voltage, where it is fastest, well below the current loop's. Zero when field
+    weakening is off.
     """
     if not drive.control.field_weakening_current_a:
         return 0.0
     base = bases(drive)
-    reactance = relations.omega_max(drive) * drive.motor.d_inductance_h
+    reactance = derived.omega_max(drive) * drive.motor.d_inductance_h
     slope = (
         2.0
         * drive.control.modulation_target
@@ -311,7 +327,7 @@ def field_weakening_gain(drive: Drive) -> float:
 
 
 def rotor(drive: Drive) -> dict[str, int | list[int]]:
-    """Fill config_rotor_t: a second-order tracking loop with both poles at the bandwidth's rad/s (damping 1)."""
+    """Fill config_rotor_t: a tracking loop with both poles at the bandwidth (damping 1)."""
     natural = 2.0 * math.pi * drive.rotor.pll_bandwidth_hz * bases(drive).period_s
     return {
         "sensor": {"angle": 0, "hall": 1, "encoder": 2}[drive.rotor.sensor],

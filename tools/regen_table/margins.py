@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The current loop as it really runs: sampled, delayed, with a cold and a hot winding. Margins, bandwidth, step response.
+"""Margins, bandwidth and step response of the current loop.
+
+As it really runs: sampled, delayed, with a cold and a hot winding.
 
 The currents are sampled once per PWM period T; the voltage computed from them takes effect one
 period later and is held for one: on average 1.5 periods of delay. In the z domain, per axis and
@@ -69,7 +71,9 @@ class Loop:
 
 
 def reference_shape(bandwidth_hz: float, period_s: float) -> tuple[float, float, float]:
-    """Return the shares of a reference and of the two before it that the regulator is given, as in foc/reference_prefilter.h.
+    """Return the prefilter's coefficients b0, b1, b2, as in foc/reference_prefilter.h.
+
+    They weigh a reference and the two before it.
 
     The design divided by the loop, in the z domain, with b = exp(-omega_c T / 2), a = b^2. The
     samples 1 - b, 1 - a b, 1 - a^2 b .. of the designed step response belong to
@@ -84,7 +88,7 @@ def reference_shape(bandwidth_hz: float, period_s: float) -> tuple[float, float,
 
 
 def frequency_response(loop: Loop) -> dict[str, float]:
-    """Margins of one loop: crossover and bandwidth in Hz, phase margin in degrees, gain margin as a factor."""
+    """Margins of one loop: crossover, bandwidth in Hz; phase in degrees, gain as a factor."""
     frequency = np.geomspace(1e-5 / loop.period_s, 0.5 / loop.period_s, 40_001)[:-1]
     z = np.exp(2j * np.pi * frequency * loop.period_s)
     winding = (1.0 - loop.pole) / (loop.resistance_ohm * z * (z - loop.pole))
@@ -117,7 +121,10 @@ def _first_crossing(frequency: models.Array, values: models.Array) -> float:
 
 
 def step_response(loop: Loop, samples: int) -> models.Array:
-    """Return the current at each sample after a step of one ampere in the reference, from standstill; A, shape (samples,)."""
+    """Return the current in A at each sample after a step of one ampere, shape (samples,).
+
+    The step is in the reference, from standstill.
+    """
     current = np.zeros(samples)
     applied, integrator, gain = 0.0, 0.0, (1.0 - loop.pole) / loop.resistance_ohm
     for k in range(samples - 1):
@@ -141,7 +148,10 @@ def designed_step(bandwidth_hz: float, period_s: float, samples: int) -> models.
 
 @lru_cache(maxsize=8)
 def current_loop(drive: Drive) -> list[Margins]:
-    """Margins of both axes with a cold, a reference and a hot winding, whose temperature the integral gain knows."""
+    """Margins of both axes with a cold, a reference and a hot winding.
+
+    The integral gain knows their temperature.
+    """
     period, bandwidth = 1.0 / drive.inverter.pwm_frequency_hz, drive.control.current_bandwidth_hz
     temperatures = (
         drive.table.temperature_range_c[0],
@@ -178,7 +188,9 @@ def current_loop(drive: Drive) -> list[Margins]:
 
 
 def refuse_thin_margins(drive: Drive, found: list[Margins]) -> None:
-    """Raise ConfigurationError when no gain makes the loop what was asked for, or when it is too near to instability.
+    """Raise ConfigurationError when no gain makes the loop what was asked for.
+
+    Or when it is too near to instability.
 
     The first bites first: K = a (1 - a) is at most a quarter, at omega_c T = 0.69, and the loop
     answers no faster than that.
@@ -189,8 +201,9 @@ def refuse_thin_margins(drive: Drive, found: list[Margins]) -> None:
     )
     if wanted > largest:
         raise ConfigurationError(
-            f"control.current_bandwidth_hz: {wanted:g} Hz, accepted: at most {math.floor(largest)} Hz, a twelfth "
-            f"of inverter.pwm_frequency_hz: faster poles meet those that the delay of 1.5 periods makes"
+            f"control.current_bandwidth_hz: {wanted:g} Hz, accepted: at most {math.floor(largest)}"
+            " Hz, a twelfth of inverter.pwm_frequency_hz: faster poles meet those that the delay"
+            " of 1.5 periods makes"
         )
     worst = min(found, key=lambda m: m.phase_margin_deg)
     if (
@@ -198,6 +211,7 @@ def refuse_thin_margins(drive: Drive, found: list[Margins]) -> None:
         or min(m.gain_margin for m in found) < GAIN_MARGIN_MIN
     ):
         raise ConfigurationError(
-            f"control.current_bandwidth_hz: leaves a phase margin of {worst.phase_margin_deg:.1f} deg and a gain margin of "
-            f"{min(m.gain_margin for m in found):.2f}, accepted: at least {PHASE_MARGIN_MIN_DEG:g} deg and {GAIN_MARGIN_MIN:g}"
+            f"control.current_bandwidth_hz: leaves a phase margin of {worst.phase_margin_deg:.1f}"
+            f" deg and a gain margin of {min(m.gain_margin for m in found):.2f}, accepted: at least"
+            f" {PHASE_MARGIN_MIN_DEG:g} deg and {GAIN_MARGIN_MIN:g}"
         )

@@ -76,7 +76,7 @@ class Bridge:
 
 @dataclass(frozen=True)
 class State:
-    """A steady state; every attribute is an array of the broadcast shape of speed, currents and temperature.
+    """A steady state; arrays of the broadcast shape of speed, currents and temperature.
 
     Powers in W are positive out of the battery; ``torque_nm`` is the electromagnetic torque, before
     friction.
@@ -108,7 +108,7 @@ class State:
 
 
 def machine(drive: Drive, winding_temperature_c: ArrayLike) -> Machine:
-    """Return the motor of a drive at a winding temperature in degC (magnets taken at the same temperature)."""
+    """Return the motor of a drive at a winding temperature in degC, magnets included."""
     motor = drive.motor
     rise = np.asarray(winding_temperature_c, dtype=np.float64) - motor.reference_temperature_c
     a0, a1 = motor.iron_loss_resistance_ohm or (np.inf, 0.0)
@@ -129,7 +129,7 @@ def machine(drive: Drive, winding_temperature_c: ArrayLike) -> Machine:
 
 
 def widened(motor: Machine) -> Machine:
-    """Return a motor whose temperature arrays have one more trailing axis, for candidates of a search."""
+    """Return a motor whose temperature arrays have a trailing axis for a search's candidates."""
     temperature, resistance, flux = (
         np.asarray(values)[..., np.newaxis]
         for values in (motor.winding_temperature_c, motor.resistance_ohm, motor.flux_wb)
@@ -166,7 +166,7 @@ def bridge(drive: Drive) -> Bridge:
 def torque_currents(
     motor: Machine, omega: ArrayLike, i_d: ArrayLike, i_q: ArrayLike
 ) -> tuple[Array, Array]:
-    """Return (i_dt, i_qt) in A, what terminal currents leave for torque after the iron-loss branch."""
+    """Return (i_dt, i_qt) in A, the terminal currents less those of the iron-loss branch."""
     g = motor.iron_ratio(omega)
     i_qt = (i_q - g * motor.flux_wb - g * motor.d_inductance_h * i_d) / (
         1.0 + g * g * motor.d_inductance_h * motor.q_inductance_h
@@ -187,7 +187,7 @@ def terminal_currents(
 def evaluate(
     motor: Machine, inverter: Bridge, omega: ArrayLike, i_d: ArrayLike, i_q: ArrayLike
 ) -> State:
-    """Evaluate the steady state of terminal currents (A, peak phase) at an electrical speed (rad/s)."""
+    """Evaluate the steady state of terminal currents (A, peak) at an electrical speed (rad/s)."""
     i_dt, i_qt = torque_currents(motor, omega, i_d, i_q)
     omega, i_d, i_q, i_dt, i_qt, *_ = np.broadcast_arrays(
         omega, i_d, i_q, i_dt, i_qt, motor.resistance_ohm
@@ -239,7 +239,9 @@ class BatteryState:
 def battery_steady(
     open_circuit_v: float, resistance_ohm: float, power_w: ArrayLike
 ) -> BatteryState:
-    """Solve u_b i_b = power for a battery behind R = R_s + R_t; NaN beyond the largest power u_oc^2 / (4 R).
+    """Solve u_b i_b = power for a battery behind R = R_s + R_t.
+
+    NaN beyond the largest power u_oc^2 / (4 R).
 
     i_b = 2 P / (u_oc + sqrt(u_oc^2 - 4 R P)) is the root without cancellation, right for R = 0 too.
     """
@@ -262,6 +264,7 @@ def open_circuit_voltage_v(drive: Drive, soc: float | None = None) -> float:
     soc = drive.battery.initial_soc if soc is None else soc
     if soc is None:
         raise ConfigurationError(
-            "battery.initial_soc: missing, needed where open_circuit_voltage_v depends on the state of charge"
+            "battery.initial_soc: missing, needed where open_circuit_voltage_v depends on the state"
+            " of charge"
         )
     return float(np.interp(soc, [point[0] for point in curve], [point[1] for point in curve]))

@@ -15,7 +15,8 @@ class Monitor(Section):
             0.1,
             4000.0,
             "A",
-            "length of the current vector that trips; absent: 1.3 times max_phase_current_a, within the converter's range",
+            "length of the current vector that trips; absent: 1.3 times max_phase_current_a, within"
+            " the converter's range",
         ),
     ] = None
     overcurrent_periods: Annotated[
@@ -27,7 +28,8 @@ class Monitor(Section):
             1.0,
             2000.0,
             "V",
-            "bus voltage that trips; absent: 5 % above max_voltage_v, within 98 % of voltage_full_scale_v",
+            "bus voltage that trips; absent: 5 % above max_voltage_v, within 98 % of"
+            " voltage_full_scale_v",
         ),
     ] = None
     undervoltage_v: Annotated[
@@ -45,7 +47,8 @@ class Monitor(Section):
             0.01,
             4000.0,
             "A",
-            "largest |i_a + i_b + i_c|; absent: 5 % of current_full_scale_a and what the sensors' noise adds",
+            "largest |i_a + i_b + i_c|; absent: 5 % of current_full_scale_a and what the sensors'"
+            " noise adds",
         ),
     ] = None
     offset_tolerance_codes: Annotated[

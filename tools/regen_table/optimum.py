@@ -24,7 +24,7 @@ from regen_table.models import Array, ArrayLike, Bridge, Machine, terminal_curre
 
 @dataclass(frozen=True)
 class Optimum:
-    """Optimum with i_d = 0 and its neighbours; arrays of the broadcast shape of speed and temperature.
+    """Optimum with i_d = 0 and its neighbours; arrays over speed and temperature, broadcast.
 
     Torques are signed like the motor's (braking a forward rotation is negative) and
     electromagnetic.

@@ -29,7 +29,7 @@ _DESCRIPTORS = {"/dev/stdin": 0, "/dev/stdout": 1, "/dev/stderr": 2}
 
 @dataclass(frozen=True)
 class _Target:
-    """What a name stands for: the file to replace, or (``replaced`` is None) a stream to write to."""
+    """What a name stands for: the file to replace, or (``replaced`` is None) a stream."""
 
     name: Path
     replaced: Path | None
@@ -37,7 +37,7 @@ class _Target:
 
 
 def check_writable(path: Path) -> None:
-    """Raise OutputError for a name that cannot be written, before the work whose result goes there."""
+    """Raise OutputError for a name that cannot be written, before the work begins."""
     with _one_line(path):
         _check(_target(path))
 
@@ -83,7 +83,7 @@ def write_files(wanted: Mapping[Path, bytes], make_directories: bool = False) ->
 
 
 def write_with(path: Path, write: Callable[[Path], object], suffix: str = "") -> None:
-    """Let ``write`` make a file under a temporary name that ends in ``suffix``, then put it in place.
+    """Let ``write`` make a temporary file that ends in ``suffix``, then put it in place.
 
     For a stream the temporary file is copied into it.
     """

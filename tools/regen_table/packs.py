@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a trace of power does to the battery: its RC branch settled at every instant, or as the state that it is.
+"""What a trace of power does to the battery.
+
+Its RC branch settled at every instant, or as the state that it is.
 
 A settled branch is the steady state, R_s + R_t in series, right where the power changes slowly
 against R_t C_t. A stop is over long before that: a branch at rest takes next to no loss at first,
@@ -27,7 +29,9 @@ __all__ = ["BATTERIES", "DYNAMIC", "SETTLED", "Flow", "dynamic", "flow"]
 
 @dataclass(frozen=True)
 class Flow:
-    """Energies of a trace in J, positive out of the cells: chemical = terminal + heat + what is left in C_t at the end.
+    """Energies of a trace in J, positive out of the cells.
+
+    chemical = terminal + heat + what is left in C_t at the end.
 
     What is left in C_t becomes heat in R_t afterwards.
     """
@@ -65,7 +69,7 @@ def dynamic(
     power_w: Array,
     seconds: Array,
 ) -> Flow:
-    """Carry a trace through a pack whose RC branch (R_t in ohm, C_t in F) is at rest when it begins.
+    """Carry a trace through a pack whose RC branch (R_t in ohm, C_t in F) begins at rest.
 
     The current is constant within a step and such that the step's energy is the one asked for. With
     x = h / (R_t C_t) and g = (1 - exp(-x)) / x the branch's mean voltage is then exactly g u_c + (1

@@ -58,7 +58,9 @@ class Bms(Section):
         tuple[Temperature, Temperature] | None,
         Field(
             strict=False,
-            description="[no charge below, all charge from here on]; absent: cells are never too cold",
+            description=(
+                "[no charge below, all charge from here on]; absent: cells are never too cold"
+            ),
         ),
     ] = None
     period_s: Annotated[float, number(0.0, 10.0, "s", "of the message; 0: every millisecond")] = 0.0
@@ -99,7 +101,7 @@ class Thermal(Section):
 
 
 class Chassis(Section):
-    """Wheels and axles: read by the simulated plant only, and only where a scenario lets wheels slip."""
+    """Wheels and axles: for the simulated plant, where a scenario lets wheels slip."""
 
     wheel_inertia_kg_m2: Annotated[
         float,

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where an output comes from: version, commit, configuration with its CRC, scenario, seed and date.
 
-Every JSON, Parquet, MDF and HTML file holds these. The generated C source and its image do not: they
-depend on the TOML file alone. Standard library only.
+Every JSON, Parquet, MDF and HTML file holds these. The generated C source and its image do not:
+they depend on the TOML file alone. Standard library only.
 """
 
 import os

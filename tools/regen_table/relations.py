@@ -10,10 +10,9 @@ import itertools
 import math
 from collections.abc import Callable, Iterator
 
+from regen_table import derived
 from regen_table.sections import Drive
 
-FOLDBACK_SHARE = 0.98  # of max_voltage_v, where the charge current begins to fold back
-DERATING_K = 20.0  # below the largest temperature, where derating begins
 EMF_TOLERANCE = 0.01  # flux linkage and voltages are not known any better
 
 
@@ -29,137 +28,40 @@ def warnings(drive: Drive) -> list[str]:
     """Return one line for everything that works, but not as promised."""
     found = []
     motor, battery = drive.motor, drive.battery
-    reachable = largest_torque_nm(drive, motor.max_phase_current_a)
+    reachable = derived.largest_torque_nm(drive, motor.max_phase_current_a)
     if motor.max_torque_nm > reachable:
         found.append(
             f"motor.max_torque_nm: {motor.max_torque_nm:g} N m is never reached: "
             f"max_phase_current_a = {motor.max_phase_current_a:g} A gives {reachable:.4g} N m"
         )
-    emf, bus = line_emf_v(drive), lowest_open_circuit_v(drive)
+    emf, bus = derived.line_emf_v(drive), derived.lowest_open_circuit_v(drive)
     if emf > bus:
         found.append(
-            f"motor.max_speed_rpm: the back-EMF there is {emf:.4g} V between lines, above the battery's {bus:.4g} V: "
-            "current flows into the battery when the bridge is off"
+            f"motor.max_speed_rpm: the back-EMF there is {emf:.4g} V between lines, above the"
+            f" battery's {bus:.4g} V: current flows into the battery when the bridge is off"
         )
     if drive.brake.electric_rated_torque_nm > motor.max_torque_nm:
         found.append(
-            f"brake.electric_rated_torque_nm: {drive.brake.electric_rated_torque_nm:g} N m is more than "
-            f"motor.max_torque_nm = {motor.max_torque_nm:g} N m"
+            f"brake.electric_rated_torque_nm: {drive.brake.electric_rated_torque_nm:g} N m is more"
+            f" than motor.max_torque_nm = {motor.max_torque_nm:g} N m"
         )
     if battery.max_charge_current_a == 0.0:
         found.append("battery.max_charge_current_a: 0 A leaves no regeneration at all")
-    rest, foldback = initial_open_circuit_v(drive), foldback_voltage_v(drive)
+    rest, foldback = derived.initial_open_circuit_v(drive), derived.foldback_voltage_v(drive)
     if rest is not None and rest >= foldback:
         key = "open_circuit_voltage_v" if battery.initial_soc is None else "initial_soc"
         found.append(
-            f"battery.{key}: the pack rests at {rest:.4g} V when work begins, inside the fold-back of the charge current, "
-            f"{foldback:.4g} V to max_voltage_v = {battery.max_voltage_v:g} V: next to no regeneration until it is discharged"
+            f"battery.{key}: the pack rests at {rest:.4g} V when work begins, inside the fold-back"
+            f" of the charge current, {foldback:.4g} V to max_voltage_v = {battery.max_voltage_v:g}"
+            " V: next to no regeneration until it is discharged"
         )
     if drive.inverter.max_switch_temperature_c is None:
         found.append(
-            "inverter.max_switch_temperature_c: absent, so switches of any temperature carry up to max_phase_current_a = "
-            f"{motor.max_phase_current_a:g} A and a broken sensor is not noticed; the winding is derated up to "
-            f"{motor.max_winding_temperature_c:g} degC"
+            "inverter.max_switch_temperature_c: absent, so switches of any temperature carry up to"
+            f" max_phase_current_a = {motor.max_phase_current_a:g} A and a broken sensor is not"
+            f" noticed; the winding is derated up to {motor.max_winding_temperature_c:g} degC"
         )
     return found
-
-
-def foldback_voltage_v(drive: Drive) -> float:
-    """Bus voltage in V from which on the charge current folds back, to zero at max_voltage_v."""
-    wanted = drive.battery.charge_foldback_voltage_v
-    return FOLDBACK_SHARE * drive.battery.max_voltage_v if wanted is None else wanted
-
-
-def discharge_foldback_voltage_v(drive: Drive) -> float:
-    """Bus voltage in V below which the discharge current folds back, to zero at min_voltage_v."""
-    battery = drive.battery
-    wanted = battery.discharge_foldback_voltage_v
-    width = battery.max_voltage_v - foldback_voltage_v(drive)
-    return battery.min_voltage_v + width if wanted is None else wanted
-
-
-def derate_winding_temperature_c(drive: Drive) -> float:
-    """Winding temperature in degC where derating starts, to zero torque at the largest one."""
-    wanted = drive.motor.derate_winding_temperature_c
-    return drive.motor.max_winding_temperature_c - DERATING_K if wanted is None else wanted
-
-
-def derate_switch_temperature_c(drive: Drive) -> float | None:
-    """Switch temperature in degC where derating starts; None where switches are not watched."""
-    inverter = drive.inverter
-    hottest, wanted = inverter.max_switch_temperature_c, inverter.derate_switch_temperature_c
-    return hottest - DERATING_K if wanted is None and hottest is not None else wanted
-
-
-def omega_max(drive: Drive) -> float:
-    """Largest electrical speed in rad/s."""
-    return drive.motor.max_speed_rpm * math.pi / 30.0 * drive.motor.pole_pairs
-
-
-def line_emf_v(drive: Drive) -> float:
-    """Peak line-to-line back-EMF at the largest speed in V.
-
-    What a bridge that is off rectifies onto the bus.
-    """
-    return math.sqrt(3.0) * drive.motor.flux_linkage_wb * omega_max(drive)
-
-
-def overvoltage_trip_v(drive: Drive) -> float:
-    """Bus voltage in V at which the bridge must leave.
-
-    What battery and board stand, and the board can still see.
-    """
-    wanted = drive.monitor.overvoltage_v
-    stands = min(1.05 * drive.battery.max_voltage_v, 0.98 * drive.inverter.voltage_full_scale_v)
-    return stands if wanted is None else wanted
-
-
-def lowest_open_circuit_v(drive: Drive) -> float:
-    """Open-circuit voltage in V, at the lowest listed state of charge where it depends on it."""
-    voltage = drive.battery.open_circuit_voltage_v
-    return voltage if isinstance(voltage, float | int) else voltage[0][1]
-
-
-def nominal_open_circuit_v(drive: Drive) -> float:
-    """Open-circuit voltage in V at half charge, or the one there is where it does not depend on it."""
-    return _open_circuit_v(drive, 0.5)
-
-
-def initial_open_circuit_v(drive: Drive) -> float | None:
-    """Open-circuit voltage in V where work begins; None where initial_soc would say and is absent."""
-    battery = drive.battery
-    if not isinstance(battery.open_circuit_voltage_v, float | int) and battery.initial_soc is None:
-        return None
-    return _open_circuit_v(drive, 0.0 if battery.initial_soc is None else battery.initial_soc)
-
-
-def _open_circuit_v(drive: Drive, wanted_soc: float) -> float:
-    """Open-circuit voltage in V at a state of charge, the ends of the curve counting beyond it."""
-    voltage = drive.battery.open_circuit_voltage_v
-    if isinstance(voltage, float | int):
-        return voltage
-    for (soc, volts), (next_soc, next_volts) in itertools.pairwise(voltage):
-        if soc <= wanted_soc <= next_soc:
-            return volts + (next_volts - volts) * (wanted_soc - soc) / (next_soc - soc)
-    return voltage[0][1] if voltage[0][0] > wanted_soc else voltage[-1][1]
-
-
-def largest_torque_nm(drive: Drive, current_a: float) -> float:
-    """Largest torque in N m of a peak phase current at standstill, where no iron-loss current flows.
-
-    T = 1.5 p (psi + (L_d - L_q) i_d) i_q on the circle i_d^2 + i_q^2 = I^2. With d = L_q - L_d the
-    best i_d solves 2 d i_d^2 - psi i_d - d I^2 = 0; the root below is the one with the larger
-    torque for either sign of d.
-    """
-    motor = drive.motor
-    saliency = motor.q_inductance_h - motor.d_inductance_h
-    psi = motor.flux_linkage_wb
-    i_d = 0.0
-    if saliency != 0.0:
-        root = math.sqrt(psi * psi + 8.0 * (saliency * current_a) ** 2)
-        i_d = -2.0 * saliency * current_a * current_a / (psi + root)
-    i_q = math.sqrt(max(current_a * current_a - i_d * i_d, 0.0))
-    return 1.5 * motor.pole_pairs * (psi - saliency * i_d) * i_q
 
 
 def _inductances(drive: Drive) -> Iterator[str]:
@@ -178,25 +80,35 @@ def _iron(drive: Drive) -> Iterator[str]:
         drive.motor.iron_loss_resistance_ohm is not None
         and sum(drive.motor.iron_loss_resistance_ohm) == 0.0
     ):
-        yield "motor.iron_loss_resistance_ohm: [0, 0] would short-circuit the motor, accepted: a0 + a1 > 0, or no such key for no iron loss"
+        yield (
+            "motor.iron_loss_resistance_ohm: [0, 0] would short-circuit the motor, accepted: a0 +"
+            " a1 > 0, or no such key for no iron loss"
+        )
 
 
 def _torques(drive: Drive) -> Iterator[str]:
     motor = drive.motor
     if motor.rated_torque_nm > motor.max_torque_nm:
-        yield f"motor.rated_torque_nm: {motor.rated_torque_nm:g} N m, accepted: at most max_torque_nm = {motor.max_torque_nm:g} N m"
-    reachable = largest_torque_nm(drive, motor.max_phase_current_a)
+        yield (
+            f"motor.rated_torque_nm: {motor.rated_torque_nm:g} N m, accepted: at most max_torque_nm"
+            f" = {motor.max_torque_nm:g} N m"
+        )
+    reachable = derived.largest_torque_nm(drive, motor.max_phase_current_a)
     if motor.rated_torque_nm > reachable:
         yield (
-            f"motor.rated_torque_nm: {motor.rated_torque_nm:g} N m, accepted: at most {reachable:.4g} N m, "
-            f"which is what max_phase_current_a = {motor.max_phase_current_a:g} A gives"
+            f"motor.rated_torque_nm: {motor.rated_torque_nm:g} N m, accepted: at most"
+            f" {reachable:.4g} N m, which is what max_phase_current_a ="
+            f" {motor.max_phase_current_a:g} A gives"
         )
 
 
 def _currents(drive: Drive) -> Iterator[str]:
     weakening, largest = drive.control.field_weakening_current_a, drive.motor.max_phase_current_a
     if weakening is not None and weakening > largest:
-        yield f"control.field_weakening_current_a: {weakening:g} A, accepted: at most motor.max_phase_current_a = {largest:g} A"
+        yield (
+            f"control.field_weakening_current_a: {weakening:g} A, accepted: at most"
+            f" motor.max_phase_current_a = {largest:g} A"
+        )
 
 
 def _battery(drive: Drive) -> Iterator[str]:
@@ -207,27 +119,40 @@ def _battery(drive: Drive) -> Iterator[str]:
         battery.open_circuit_voltage_v,
     )
     if lowest >= highest:
-        yield f"battery.min_voltage_v: {lowest:g} V, accepted: less than max_voltage_v = {highest:g} V"
+        yield (
+            f"battery.min_voltage_v: {lowest:g} V, accepted: less than max_voltage_v ="
+            f" {highest:g} V"
+        )
     if isinstance(voltage, float | int):
         if not lowest <= voltage <= highest:
             yield (
-                f"battery.open_circuit_voltage_v: {voltage:g} V, accepted: from min_voltage_v = {lowest:g} V "
-                f"to max_voltage_v = {highest:g} V"
+                f"battery.open_circuit_voltage_v: {voltage:g} V, accepted: from min_voltage_v ="
+                f" {lowest:g} V to max_voltage_v = {highest:g} V"
             )
         return
     if len(voltage) < 2:
-        yield "battery.open_circuit_voltage_v: one point, accepted: at least two [soc, V] points, or one number"
+        yield (
+            "battery.open_circuit_voltage_v: one point, accepted: at least two [soc, V] points, or"
+            " one number"
+        )
         return
     pairs = list(itertools.pairwise(voltage))
     if any(b[0] <= a[0] or b[1] < a[1] for a, b in pairs):
-        yield "battery.open_circuit_voltage_v: accepted: soc rising and voltage not falling from point to point"
+        yield (
+            "battery.open_circuit_voltage_v: accepted: soc rising and voltage not falling from"
+            " point to point"
+        )
     if voltage[0][1] > highest or voltage[-1][1] < lowest:
-        yield f"battery.open_circuit_voltage_v: accepted: a curve that meets min_voltage_v = {lowest:g} V to max_voltage_v = {highest:g} V"
-    rest = initial_open_circuit_v(drive)
+        yield (
+            "battery.open_circuit_voltage_v: accepted: a curve that meets min_voltage_v ="
+            f" {lowest:g} V to max_voltage_v = {highest:g} V"
+        )
+    rest = derived.initial_open_circuit_v(drive)
     if rest is not None and not lowest <= rest <= highest:
         yield (
-            f"battery.initial_soc: {battery.initial_soc:g}, where the pack rests at {rest:.4g} V, accepted: a charge that rests from "
-            f"min_voltage_v = {lowest:g} V to max_voltage_v = {highest:g} V"
+            f"battery.initial_soc: {battery.initial_soc:g}, where the pack rests at {rest:.4g} V,"
+            f" accepted: a charge that rests from min_voltage_v = {lowest:g} V to max_voltage_v ="
+            f" {highest:g} V"
         )
 
 
@@ -245,16 +170,20 @@ def _foldback(drive: Drive) -> Iterator[str]:
 
 def _derating(drive: Drive) -> Iterator[str]:
     motor, inverter = drive.motor, drive.inverter
-    if derate_winding_temperature_c(drive) >= motor.max_winding_temperature_c:
+    if derived.derate_winding_temperature_c(drive) >= motor.max_winding_temperature_c:
         yield (
-            f"motor.derate_winding_temperature_c: {motor.derate_winding_temperature_c:g} degC, accepted: "
-            f"less than max_winding_temperature_c = {motor.max_winding_temperature_c:g} degC"
+            f"motor.derate_winding_temperature_c: {motor.derate_winding_temperature_c:g} degC,"
+            f" accepted: less than max_winding_temperature_c = {motor.max_winding_temperature_c:g}"
+            " degC"
         )
-    start, hottest = derate_switch_temperature_c(drive), inverter.max_switch_temperature_c
+    start, hottest = derived.derate_switch_temperature_c(drive), inverter.max_switch_temperature_c
     if start is None:
         return
     if hottest is None:
-        yield "inverter.max_switch_temperature_c: missing, accepted with derate_switch_temperature_c: where torque ends"
+        yield (
+            "inverter.max_switch_temperature_c: missing, accepted with derate_switch_temperature_c:"
+            " where torque ends"
+        )
     elif start >= hottest:
         yield (
             f"inverter.derate_switch_temperature_c: {start:g} degC, accepted: "
@@ -277,8 +206,9 @@ def _trips(drive: Drive) -> Iterator[str]:
     high, low = monitor.overvoltage_v, monitor.undervoltage_v
     if high is not None and not battery.max_voltage_v < high <= seen:
         yield (
-            f"monitor.overvoltage_v: {high:g} V, accepted: more than battery.max_voltage_v = {battery.max_voltage_v:g} V, "
-            f"at most {seen:.4g} V of inverter.voltage_full_scale_v = {inverter.voltage_full_scale_v:g} V"
+            f"monitor.overvoltage_v: {high:g} V, accepted: more than battery.max_voltage_v ="
+            f" {battery.max_voltage_v:g} V, at most {seen:.4g} V of inverter.voltage_full_scale_v ="
+            f" {inverter.voltage_full_scale_v:g} V"
         )
     if low is not None and low >= battery.min_voltage_v:
         yield (
@@ -296,21 +226,25 @@ def _torque_growth(drive: Drive) -> Iterator[str]:
     start, end = drive.control.torque_growth_voltage_use
     if not (end >= 0.5 and end - start >= 0.01):
         yield (
-            f"control.torque_growth_voltage_use: [{start:g}, {end:g}], accepted: [whole rate, none], "
-            "at least 0.01 apart, the second at least 0.5"
+            f"control.torque_growth_voltage_use: [{start:g}, {end:g}], accepted: [whole rate,"
+            " none], at least 0.01 apart, the second at least 0.5"
         )
     target = drive.control.modulation_target
     if end <= target**2 + 0.001:
         yield (
             f"control.torque_growth_voltage_use: no growth from {end:g} on, accepted: beyond the "
-            f"square {target**2:.4g} of modulation_target = {target:g}, which the voltage is regulated to"
+            f"square {target**2:.4g} of modulation_target = {target:g}, which the voltage is "
+            "regulated to"
         )
 
 
 def _grid(drive: Drive) -> Iterator[str]:
     lowest, highest = drive.table.temperature_range_c
     if highest - lowest < 1.0:
-        yield f"table.temperature_range_c: [{lowest:g}, {highest:g}], accepted: [lowest, highest], at least 1 degC apart"
+        yield (
+            f"table.temperature_range_c: [{lowest:g}, {highest:g}], accepted: [lowest, highest], at"
+            " least 1 degC apart"
+        )
 
 
 def _temperatures(drive: Drive) -> Iterator[str]:
@@ -322,9 +256,15 @@ def _temperatures(drive: Drive) -> Iterator[str]:
         highest - motor.reference_temperature_c
     )
     if resistance < 0.1:
-        yield f"table.temperature_range_c: {lowest:g} degC leave {resistance:.2g} of the resistance, accepted: a lowest that leaves 0.1"
+        yield (
+            f"table.temperature_range_c: {lowest:g} degC leave {resistance:.2g} of the resistance,"
+            " accepted: a lowest that leaves 0.1"
+        )
     if flux < 0.1:
-        yield f"table.temperature_range_c: {highest:g} degC leave {flux:.2g} of the flux, accepted: a highest that leaves 0.1"
+        yield (
+            f"table.temperature_range_c: {highest:g} degC leave {flux:.2g} of the flux, accepted: a"
+            " highest that leaves 0.1"
+        )
 
 
 def _handover(drive: Drive) -> Iterator[str]:
@@ -340,16 +280,20 @@ def _hall(drive: Drive) -> Iterator[str]:
     edges = drive.rotor.hall_edges_deg
     widths = [(b - a) % 360.0 for a, b in zip(edges, (*edges[1:], edges[0]), strict=True)]
     if not math.isclose(sum(widths), 360.0) or not all(30.0 <= width <= 90.0 for width in widths):
-        yield "rotor.hall_edges_deg: accepted: six edges in forward order, 30 to 90 deg apart, once around"
+        yield (
+            "rotor.hall_edges_deg: accepted: six edges in forward order, 30 to 90 deg apart, once"
+            " around"
+        )
 
 
 def _hall_hand_over(drive: Drive) -> Iterator[str]:
-    """Below one electrical turn a second a sector of 90 deg may last the quarter second that halls take for standstill."""
+    """Below a turn a second, halls take a sector of 90 deg (a quarter second) for standstill."""
     slowest = 60.0 / drive.motor.pole_pairs
     if drive.rotor.sensor == "hall" and drive.control.handover_end_rpm < slowest:
         yield (
-            f"control.handover_end_rpm: {drive.control.handover_end_rpm:g} r/min, accepted: at least {slowest:.4g} r/min, "
-            f"down to which halls know the speed of a motor with {drive.motor.pole_pairs} pole pairs"
+            f"control.handover_end_rpm: {drive.control.handover_end_rpm:g} r/min, accepted: at"
+            f" least {slowest:.4g} r/min, down to which halls know the speed of a motor with"
+            f" {drive.motor.pole_pairs} pole pairs"
         )
 
 
@@ -358,31 +302,45 @@ def _encoder(drive: Drive) -> Iterator[str]:
     if rotor.sensor != "encoder":
         return
     if rotor.encoder_counts is None:
-        yield 'rotor.encoder_counts: missing, accepted with sensor = "encoder": counts in a mechanical turn, four to a line'
+        yield (
+            'rotor.encoder_counts: missing, accepted with sensor = "encoder": counts in a'
+            " mechanical turn, four to a line"
+        )
         return
     if rotor.encoder_index_deg is None:
-        yield 'rotor.encoder_index_deg: missing, accepted with sensor = "encoder": the electrical angle at the index, 0 to 360 deg'
+        yield (
+            'rotor.encoder_index_deg: missing, accepted with sensor = "encoder": the electrical'
+            " angle at the index, 0 to 360 deg"
+        )
     if rotor.encoder_counts < 32 * pole_pairs:
         yield (
-            f"rotor.encoder_counts: {rotor.encoder_counts}, accepted: at least {32 * pole_pairs}, 32 for each of {pole_pairs} pole pairs"
+            f"rotor.encoder_counts: {rotor.encoder_counts}, accepted: at least {32 * pole_pairs},"
+            f" 32 for each of {pole_pairs} pole pairs"
         )
     widest = rotor.encoder_counts // (12 * pole_pairs)
     if rotor.encoder_index_tolerance_counts > widest:
         yield (
-            f"rotor.encoder_index_tolerance_counts: {rotor.encoder_index_tolerance_counts}, accepted: at most {widest}, 30 deg electrical"
+            f"rotor.encoder_index_tolerance_counts: {rotor.encoder_index_tolerance_counts},"
+            f" accepted: at most {widest}, 30 deg electrical"
         )
 
 
 def _emf(drive: Drive) -> Iterator[str]:
-    emf, trip = line_emf_v(drive), overvoltage_trip_v(drive)
+    emf, trip = derived.line_emf_v(drive), derived.overvoltage_trip_v(drive)
     if emf <= trip:
         return
-    where = f"motor.max_speed_rpm: the back-EMF at {drive.motor.max_speed_rpm:g} r/min is {emf:.4g} V between lines"
+    where = (
+        f"motor.max_speed_rpm: the back-EMF at {drive.motor.max_speed_rpm:g} r/min is {emf:.4g} V"
+        " between lines"
+    )
     per_volt = emf / drive.motor.flux_linkage_wb
     weakening = drive.control.field_weakening_current_a or 0.0
     if weakening == 0.0:
         allowed = drive.motor.max_speed_rpm * trip / emf
-        yield f"{where}, accepted: at most the bus limit of {trip:.4g} V ({allowed:.4g} r/min), or control.field_weakening_current_a > 0"
+        yield (
+            f"{where}, accepted: at most the bus limit of {trip:.4g} V ({allowed:.4g} r/min), or"
+            " control.field_weakening_current_a > 0"
+        )
         return
     weakened = per_volt * max(
         drive.motor.flux_linkage_wb - drive.motor.d_inductance_h * weakening, 0.0
@@ -391,8 +349,9 @@ def _emf(drive: Drive) -> Iterator[str]:
     if weakened > lowest:
         needed = (drive.motor.flux_linkage_wb - lowest / per_volt) / drive.motor.d_inductance_h
         yield (
-            f"{where}, above the bus limit of {trip:.4g} V; control.field_weakening_current_a = {weakening:g} A weakens it to "
-            f"{weakened:.4g} V, accepted: at most battery.min_voltage_v = {lowest:g} V, which takes {needed:.4g} A"
+            f"{where}, above the bus limit of {trip:.4g} V; control.field_weakening_current_a ="
+            f" {weakening:g} A weakens it to {weakened:.4g} V, accepted: at most"
+            f" battery.min_voltage_v = {lowest:g} V, which takes {needed:.4g} A"
         )
 
 
@@ -415,7 +374,7 @@ def _regeneration(drive: Drive) -> Iterator[str]:
     a0, a1 = motor.iron_loss_resistance_ohm or (math.inf, 0.0)
     best = 0.0
     for step in range(1, 257):
-        omega = omega_max(drive) * step / 256
+        omega = derived.omega_max(drive) * step / 256
         iron = omega / (a0 + a1 * omega)
         best = max(
             best,
@@ -425,12 +384,14 @@ def _regeneration(drive: Drive) -> Iterator[str]:
         )
     if best <= threshold:
         yield (
-            f"motor.max_speed_rpm: no regeneration at any speed up to {motor.max_speed_rpm:g} r/min: the back-EMF stays below "
-            f"{best:.3g} V and the bridge's own drop is {threshold:.3g} V, accepted: a drive that can return energy somewhere"
+            f"motor.max_speed_rpm: no regeneration at any speed up to {motor.max_speed_rpm:g}"
+            f" r/min: the back-EMF stays below {best:.3g} V and the bridge's own drop is"
+            f" {threshold:.3g} V, accepted: a drive that can return energy somewhere"
         )
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _trips, _torque_growth,
-    _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder, _emf, _regeneration,
+    _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _trips,
+    _torque_growth, _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder, _emf,
+    _regeneration,
 )  # fmt: skip

@@ -73,8 +73,9 @@ def warnings(drive: Drive, found: Report) -> list[str]:
         lines.append(weakening)
     if found.power_loss_worst > audit.POWER_LOSS_MAX:
         lines.append(
-            f"table.speed_points, table.temperature_points: at one speed above {found.power_loss_from_rpm:g} r/min the grid "
-            f"loses {found.power_loss_worst:.1%} of the braking power; more points lose less"
+            "table.speed_points, table.temperature_points: at one speed above"
+            f" {found.power_loss_from_rpm:g} r/min the grid loses {found.power_loss_worst:.1%} of"
+            " the braking power; more points lose less"
         )
     return lines
 
@@ -90,18 +91,25 @@ def as_text(report: Report) -> str:
     reached = [m.bandwidth_hz for m in report.margins]
     tightest = max(report.formats, key=_filled)
     lines = [
-        f"{report.name}: current loop: phase margin {worst.phase_margin_deg:.1f} deg, gain margin "
-        f"{min(m.gain_margin for m in report.margins):.2f}, bandwidth {max(reached):.0f} Hz with a cold and "
-        f"{min(reached):.0f} Hz with a hot winding, {report.bandwidth_hz:g} Hz designed",
-        f"{report.name}: number formats: {len(report.formats)} quantities proved, fullest {tightest.quantity} at {_filled(tightest):.0%}",
+        (
+            f"{report.name}: current loop: phase margin {worst.phase_margin_deg:.1f} deg, gain"
+            f" margin {min(m.gain_margin for m in report.margins):.2f}, bandwidth"
+            f" {max(reached):.0f} Hz with a cold and {min(reached):.0f} Hz with a hot winding,"
+            f" {report.bandwidth_hz:g} Hz designed"
+        ),
+        (
+            f"{report.name}: number formats: {len(report.formats)} quantities proved, fullest"
+            f" {tightest.quantity} at {_filled(tightest):.0%}"
+        ),
     ]
     lines += [
-        f"{report.name}: grid: {loss.manoeuvre}: {loss.lost_j:.3g} J of {loss.returned_j:.4g} J lost, {loss.relative:.4%}, at worst "
-        f"({loss.winding_temperature_c:.0f} degC)"
+        f"{report.name}: grid: {loss.manoeuvre}: {loss.lost_j:.3g} J of {loss.returned_j:.4g} J"
+        f" lost, {loss.relative:.4%}, at worst ({loss.winding_temperature_c:.0f} degC)"
         for loss in report.grid_losses
     ]
     lines.append(
-        f"{report.name}: grid: {report.power_loss_worst:.3%} of the power lost at worst above {report.power_loss_from_rpm:g} r/min"
+        f"{report.name}: grid: {report.power_loss_worst:.3%} of the power lost at worst above"
+        f" {report.power_loss_from_rpm:g} r/min"
     )
     dear = max(report.d_current_losses, key=lambda loss: loss.without_d_current)
     columns, rows, layers = report.d_current_points
@@ -110,13 +118,14 @@ def as_text(report: Report) -> str:
         for name in ("temperature", "stored")
     )
     lines.append(
-        f"{report.name}: i_d: {columns} x {rows} x {layers} points over torque, speed and temperature lose {stored:.4%} of the energy of "
-        f"any manoeuvre, {temperature:.4%} of it to the few temperatures, and {report.d_current_power_loss_worst:.3%} of the braking power "
-        f"anywhere"
+        f"{report.name}: i_d: {columns} x {rows} x {layers} points over torque, speed and"
+        f" temperature lose {stored:.4%} of the energy of any manoeuvre, {temperature:.4%} of it to"
+        f" the few temperatures, and {report.d_current_power_loss_worst:.3%} of the braking power"
+        " anywhere"
     )
     lines.append(
-        f"{report.name}: i_d: i_d = 0 would lose {dear.without_d_current:.2%} ({dear.manoeuvre}), bus voltage as an axis would save "
-        f"{report.bus_voltage_loss:.3%}"
+        f"{report.name}: i_d: i_d = 0 would lose {dear.without_d_current:.2%} ({dear.manoeuvre}),"
+        f" bus voltage as an axis would save {report.bus_voltage_loss:.3%}"
     )
     return "\n".join(lines)
 

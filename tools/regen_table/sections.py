@@ -105,7 +105,7 @@ class Motor(Section):
 
 
 class Inverter(Section):
-    """A two-level bridge of MOSFETs (or of switches described as resistances) and its measuring ranges."""
+    """A two-level bridge of MOSFETs (or resistive switches) and its measuring ranges."""
 
     switch_resistance_ohm: Annotated[float, number(0.0, 10.0, "ohm", "one switch, conducting")]
     diode_forward_voltage_v: Annotated[float, number(0.0, 10.0, "V", "diode drop at zero current")]
@@ -129,7 +129,8 @@ class Inverter(Section):
             0.0,
             2e-5,
             "s",
-            "what the low side conducts at least before the top of the count; absent: max(1 us, 2 dead times)",
+            "what the low side conducts at least before the top of the count; absent: max(1 us, 2"
+            " dead times)",
         ),
     ] = None
     max_switch_temperature_c: Annotated[
@@ -176,7 +177,8 @@ class Battery(Section):
             1.0,
             1900.0,
             "V",
-            "discharge current starts to fold back; absent: as far above min_voltage_v as charge's lies below max_voltage_v",
+            "discharge current starts to fold back; absent: as far above min_voltage_v as charge's"
+            " lies below max_voltage_v",
         ),
     ] = None
 
@@ -231,7 +233,8 @@ class Brake(Section):
             0.001,
             1e3,
             "N m",
-            "missing motor torque tolerated before the hydraulic brake fills it; absent: 5 % of motor.max_torque_nm",
+            "missing motor torque tolerated before the hydraulic brake fills it; absent: 5 % of"
+            " motor.max_torque_nm",
         ),
     ] = None
     motor_arrival_s: Annotated[
@@ -259,7 +262,8 @@ class Brake(Section):
             0.001,
             1.024,
             "s",
-            "time constant of its low-passes of speed and deceleration, to the nearest power of two of milliseconds",
+            "time constant of its low-passes of speed and deceleration, to the nearest power of two"
+            " of milliseconds",
         ),
     ] = 0.064
 
@@ -293,14 +297,18 @@ class Control(Section):
             0.0,
             0.099,
             "1",
-            "of the circle: the torque limits keep this much below; absent: 1/128 of modulation_target",
+            "of the circle: the torque limits keep this much below; absent: 1/128 of "
+            "modulation_target",
         ),
     ] = None
     torque_growth_voltage_use: Annotated[
         tuple[VoltageUse, VoltageUse],
         Field(
             strict=False,
-            description="square of the voltage over its circle's: torque grows at its whole rate below the first, no more above the second",
+            description=(
+                "square of the voltage over its circle's: torque grows at its whole rate below the"
+                " first, no more above the second"
+            ),
         ),
     ] = (0.89, 0.96)
     limp_drive_share: Annotated[
@@ -332,7 +340,10 @@ class Rotor(Section):
     sensor: Annotated[
         Literal["hall", "encoder", "angle"],
         Field(
-            description="three hall sensors, an incremental encoder with index, or an absolute electrical angle"
+            description=(
+                "three hall sensors, an incremental encoder with index, or an absolute electrical"
+                " angle"
+            )
         ),
     ] = "angle"
     hall_edges_deg: Annotated[
@@ -390,10 +401,14 @@ class Drive(Section):
         return self._name
 
     def named(self, name: str) -> Self:
-        """Return the same drive under another name: a letter, then letters, digits, - and _, at most 31."""
+        """Return the same drive under another name.
+
+        A letter, then letters, digits, - and _, at most 31.
+        """
         if not _NAME.fullmatch(name):
             raise ConfigurationError(
-                f"configuration name {name!r}: must be a letter followed by at most 30 letters, digits, '-' or '_'"
+                f"configuration name {name!r}: must be a letter followed by at most 30 letters,"
+                " digits, '-' or '_'"
             )
         copy = self.model_copy()
         copy._name = name

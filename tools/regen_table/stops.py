@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The ideal stop: constant demand at every driven wheel from a speed to standstill, steady state at every speed.
+"""The ideal stop: constant demand at every driven wheel, from a speed to standstill.
+
+Steady state at every speed.
 
 No delay, no blend-out, no drag: what remains is how the losses depend on the share that the motor
 takes. For a given speed trace the pointwise optimum is the best over time, so series_optimal bounds

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The optimal regenerative torque map: unclamped T_opt over mechanical speed and winding temperature.
+"""The optimal regenerative torque map: T_opt over mechanical speed and temperature.
+
+Unclamped; temperature is the winding's.
 
 Both axes have steps that are powers of two.
 """
@@ -88,13 +90,14 @@ def _grid(drive: Drive, speed_points: int, temperature_points: int) -> RegenMap:
         steps.append(step_log2(span, points, smallest))
         if steps[-1] > largest:
             raise ConfigurationError(
-                f"table.{key}: {points}, accepted: at least {points_over(span, largest)} up to {reaches}"
+                f"table.{key}: {points}, accepted: at least {points_over(span, largest)} up to"
+                f" {reaches}"
             )
     capacity = _capacity()
     if speed_points * temperature_points > capacity:
         raise ConfigurationError(
-            f"table.speed_points, table.temperature_points: {speed_points} x {temperature_points}, accepted: at most "
-            f"{capacity} points in all"
+            f"table.speed_points, table.temperature_points: {speed_points} x {temperature_points},"
+            f" accepted: at most {capacity} points in all"
         )
     zeros = np.zeros((temperature_points, speed_points), np.int32)
     return RegenMap(steps[0], steps[1], round(lowest * 100.0), zeros)
@@ -112,8 +115,8 @@ def _capacity() -> int:
 def grids(drive: Drive, further_speed_points: Iterable[int] = ()) -> list[tuple[int, int]]:
     """Return numbers of speeds and temperatures worth trying, the smallest grids first.
 
-    A step is a power of two, so a few numbers of points make all the grids there are: the least that
-    reach the end of the axis with each step. A number that the drive names is the only one.
+    A step is a power of two, so a few numbers of points make all the grids there are: the least
+    that reach the end of the axis with each step. A number that the drive names is the only one.
     """
     lowest, highest = drive.table.temperature_range_c
     speeds = _numbers_of_points(

@@ -121,8 +121,8 @@ def run_chosen(
         )
     for preset in presets:
         print("\n".join(closing_lines(preset, tests, results)))
-    failed = [name for name in presets
-              if not all_passed([test for test in tests if test.preset == name], results)]  # fmt: skip
+    by_preset = {name: [test for test in tests if test.preset == name] for name in presets}
+    failed = [name for name, mine in by_preset.items() if not all_passed(mine, results)]
     failed += [f"{name} (build)" for name in options.not_built.split(",") if name]
     sys.stdout.flush()
     if failed:
@@ -200,7 +200,9 @@ def quick(suite: Suite, revision: str) -> bool:
                 explained.add(path)
         unknown += [
             test for test in tests
-            if "python" in test.labels and not (suite.opened / test.full_name).is_file() and test not in mine
+            if "python" in test.labels
+            and not (suite.opened / test.full_name).is_file()
+            and test not in mine
         ]  # fmt: skip
         wanted += mine
         affordable = in_time(mine, suite, QUICK_S / 2)
@@ -225,11 +227,12 @@ def quick(suite: Suite, revision: str) -> bool:
         print(f"Left out for want of time: {len(left)} tests: {shown}{more}.")
     if unknown:
         print(
-            f"Left out, as what they read is known only after './tools/dev test': "
+            "Left out, as what they read is known only after './tools/dev test': "
             f"{len(unknown)} Python tests."
         )
     print(
-        f"The build with sanitizers was left out. All of this took {time.monotonic() - begin:.0f} s."
+        "The build with sanitizers was left out. All of this took"
+        f" {time.monotonic() - begin:.0f} s."
     )
     for preset in sorted({test.preset for test in done}, key=PRESETS.index):
         print("\n".join(closing_lines(preset, done, results)))

@@ -16,16 +16,19 @@ missing_browser() { browser_is_there || ! apt_knows "$BROWSER_PACKAGE" || echo "
 
 ensure_browser() {
     browser_is_there && return
-    if have apt-get && ! apt_knows "$BROWSER_PACKAGE" && ! apt_has_lists && can_administer "$BROWSER_PACKAGE"; then
+    if have apt-get && ! apt_knows "$BROWSER_PACKAGE" && ! apt_has_lists &&
+        can_administer "$BROWSER_PACKAGE"; then
         run_logged "Updating the package lists" apt-update apt_get update ||
             fail "apt-get update failed"
     fi
     if ! have apt-get || ! apt_knows "$BROWSER_PACKAGE"; then
-        inform "$(system_name) has no package $BROWSER_PACKAGE: the test report_in_browser will fail until 'chromium' or 'google-chrome' is on PATH"
+        inform "$(system_name) has no package $BROWSER_PACKAGE: the test report_in_browser will" \
+            "fail until 'chromium' or 'google-chrome' is on PATH"
         return
     fi
     can_administer "$BROWSER_PACKAGE" ||
-        fail "neither root nor sudo here; let an administrator run: apt-get update && apt-get install -y --no-install-recommends $BROWSER_PACKAGE"
+        fail "neither root nor sudo here; let an administrator run: apt-get update && apt-get" \
+            "install -y --no-install-recommends $BROWSER_PACKAGE"
     inform "This machine ($(system_name)) lacks: $BROWSER_PACKAGE"
     apt_install "$BROWSER_PACKAGE" || fail "apt-get could not install $BROWSER_PACKAGE"
     hash -r

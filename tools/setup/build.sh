@@ -25,7 +25,8 @@ list_tools() {
     for name in cmake ninja gcc g++ clang ruby cbmc arm-none-eabi-gcc qemu-system-arm clang-tidy; do
         path=$(command -v "$name") && readlink -f "$path"
     done
-    for path in "$CMOCK_PREFIX"/usr/share/cmock/lib/cmock.rb /usr/share/cmock/lib/cmock.rb "$CBMC_PREFIX"/cbmc \
+    for path in "$CMOCK_PREFIX"/usr/share/cmock/lib/cmock.rb /usr/share/cmock/lib/cmock.rb \
+        "$CBMC_PREFIX"/cbmc \
         /usr/include/eigen3 /usr/local/include/eigen3 \
         "$VENV"/pyvenv.cfg "$VENV"/lib/python*/site-packages/{fmpy,pytest}-*.dist-info; do
         [[ -e $path ]] && printf '%s\n' "$path"
@@ -47,7 +48,8 @@ configure() {
     if [[ -f $directory/CMakeCache.txt ]]; then
         if ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$ROOT" "$directory/CMakeCache.txt"; then
             options=(--fresh)
-        elif [[ $directory/build.ninja -nt $ROOT/CMakePresets.json && ! $TOOLS -nt $directory/build.ninja ]] &&
+        elif [[ $directory/build.ninja -nt $ROOT/CMakePresets.json &&
+            ! $TOOLS -nt $directory/build.ninja ]] &&
             variables_are "$directory/CMakeCache.txt" "$@"; then
             return
         fi

@@ -39,7 +39,8 @@ ensure_cbmc() {
         inform "This machine ($(system_name)) lacks: cbmc"
         apt_install cbmc || fail "apt-get could not install cbmc"
     else
-        inform "This machine ($(system_name)) lacks: cbmc; it goes into .dev/cbmc, outside the system's packages"
+        inform "This machine ($(system_name)) lacks: cbmc; it goes into .dev/cbmc, outside the" \
+            "system's packages"
         run_logged "Fetching cbmc" cbmc install_cbmc_privately ||
             fail "cbmc could not be fetched (on Ubuntu it is in the component universe)"
     fi

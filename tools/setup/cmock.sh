@@ -19,16 +19,19 @@ cmock_is_there() {
 ensure_cmock() {
     cmock_is_there && return
     have apt-get ||
-        fail "CMock is missing; put a copy of it (with vendor/unity) where $CMOCK_PREFIX/usr/share/cmock/lib/cmock.rb is its generator"
+        fail "CMock is missing; put a copy of it (with vendor/unity) where" \
+            "$CMOCK_PREFIX/usr/share/cmock/lib/cmock.rb is its generator"
     update_lists_for cmock
     if apt_knows cmock && can_administer cmock; then
         inform "This machine ($(system_name)) lacks: cmock"
         apt_install cmock || fail "apt-get could not install cmock"
     else
-        inform "This machine ($(system_name)) lacks: cmock; it goes into .dev/cmock, outside the system's packages"
+        inform "This machine ($(system_name)) lacks: cmock; it goes into .dev/cmock, outside the" \
+            "system's packages"
         run_logged "Fetching cmock" cmock unpack_privately "$CMOCK_PREFIX" cmock ||
             fail "cmock could not be fetched (on Ubuntu it is in the component universe)"
     fi
     cmock_is_there ||
-        fail "cmock was installed but its generator is not where it should be (.dev/cmock or /usr/share/cmock)"
+        fail "cmock was installed but its generator is not where it should be (.dev/cmock or" \
+            "/usr/share/cmock)"
 }

@@ -50,10 +50,15 @@ report_progress() {
 # The messages of apt, pip and git when there is no network, as opposed to a file that no longer
 # exists.
 reports_no_network() {
-    grep -qE 'Could not (resolve|connect)|Temporary failure (resolving|in name resolution)|Name or service not known|Unable to connect|Connection (timed out|refused)|Network is unreachable|NewConnectionError|NameResolutionError' "$1"
+    grep -qE -e 'Could not (resolve|connect)|Temporary failure (resolving|in name resolution)' \
+        -e 'Name or service not known|Unable to connect|Connection (timed out|refused)' \
+        -e 'Network is unreachable|NewConnectionError|NameResolutionError' "$1"
 }
 
-fail_without_network() { fail "$1: the package archive cannot be reached; is there a network? (${2#"$ROOT"/} has the details)"; }
+fail_without_network() {
+    fail "$1: the package archive cannot be reached; is there a network?" \
+        "(${2#"$ROOT"/} has the details)"
+}
 
 # run_logged LABEL LOGNAME COMMAND...: the output goes to a log; its last lines are shown only if
 # the command fails. Where the cause is a missing network, one line is shown instead. The command
@@ -68,7 +73,8 @@ run_logged() {
     reporter=$!
     # shellcheck disable=SC2064  # the number is meant to be put in now
     trap "kill $reporter 2>/dev/null; exit 130" INT
-    "$@" >"$log" 2>&1 </dev/null 9>&- || status=$? # 9 is the set-up lock, which a service that apt starts must not keep
+    # 9 is the set-up lock, which a service that apt starts must not keep.
+    "$@" >"$log" 2>&1 </dev/null 9>&- || status=$?
     kill "$reporter" 2>/dev/null || true
     wait "$reporter" 2>/dev/null || true
     trap 'exit 130' INT

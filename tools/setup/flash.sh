@@ -22,7 +22,9 @@ flash_openocd() {
 # flash_pyocd all|config IMAGE
 flash_pyocd() {
     local what=$1 image=$2 pyocd=$VENV/bin/pyocd arguments=("$2.hex")
-    if [[ $what == config ]]; then arguments=(--base-address "$(config_address "$image.elf")" "${image}_config.bin"); fi
+    if [[ $what == config ]]; then
+        arguments=(--base-address "$(config_address "$image.elf")" "${image}_config.bin")
+    fi
     ensure sim
     if [[ ! -x $pyocd ]]; then
         run_logged "Installing pyOCD into .dev/venv" pyocd install_pyocd ||
@@ -30,11 +32,14 @@ flash_pyocd() {
     fi
     # pyOCD reports success also if it found no pack, so its list of targets is checked.
     if ! pyocd_knows_target "$pyocd"; then
-        run_logged "Fetching pyOCD's device pack for $PYOCD_TARGET" pyocd-pack "$pyocd" pack install "$PYOCD_TARGET" || true
+        run_logged "Fetching pyOCD's device pack for $PYOCD_TARGET" pyocd-pack "$pyocd" pack \
+            install "$PYOCD_TARGET" || true
         pyocd_knows_target "$pyocd" ||
-            fail "flash: pyOCD could not fetch its pack for $PYOCD_TARGET; OpenOCD needs none: tools/dev flash --with openocd"
+            fail "flash: pyOCD could not fetch its pack for $PYOCD_TARGET; OpenOCD needs none:" \
+                "tools/dev flash --with openocd"
     fi
-    flash_with "any that pyOCD knows" "$pyocd" flash --target "$PYOCD_TARGET" --no-wait "${arguments[@]}"
+    flash_with "any that pyOCD knows" "$pyocd" flash --target "$PYOCD_TARGET" --no-wait \
+        "${arguments[@]}"
 }
 
 # pyOCD may bring packages of its own but not change the version of one of the project's.
@@ -103,8 +108,10 @@ flash_with() {
         inform "Flashed and verified; the board has been reset"
         return
     fi
-    if grep -qiE 'no .*debug probe|no j-link device|unable to find a matching|^error: open failed' "$log"; then
-        fail "flash: no debug probe found (looked for: $probes); is it plugged in, and may this user open USB devices?"
+    if grep -qiE 'no .*debug probe|no j-link device|unable to find a matching|^error: open failed' \
+        "$log"; then
+        fail "flash: no debug probe found (looked for: $probes); is it plugged in, and may this" \
+            "user open USB devices?"
     fi
     tail -n 20 "$log" | sed 's/^/    /' >&2
     fail "flash: failed; the details are in ${log#"$ROOT"/}"

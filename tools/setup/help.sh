@@ -13,7 +13,7 @@ work.
   sim                           the urban cycle with three braking strategies: energies and report
   test [--quick] [FOLDER...]    all tests: host, host with sanitizers, emulated Cortex-M4
   table CONFIG.toml [-o DIR]    configuration and torque table of one vehicle, as C and binary
-  firmware [PORT]               ELF, BIN, HEX, sizes, depth of the stack; stm32f405 (default) or qemu
+  firmware [PORT]               ELF, BIN, HEX, sizes, stack; stm32f405 (default) or qemu
   flash [PORT]                  firmware onto a board through a debug probe
   hubsim ARGUMENT...            the simulator's own command
   python ARGUMENT...            the project's Python, with hubsim and regen_table importable

@@ -4,7 +4,9 @@
 
 # tracked PATTERN...: files of a kind, new ones included, null-terminated. Generated ones stay as
 # their generator wrote them.
-tracked() { git -C "$ROOT" ls-files --cached --others --exclude-standard -z -- "$@" ':!:**/generated/**'; }
+tracked() {
+    git -C "$ROOT" ls-files --cached --others --exclude-standard -z -- "$@" ':!:**/generated/**'
+}
 
 format_all() {
     (cd "$ROOT" &&

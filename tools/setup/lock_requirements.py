@@ -110,7 +110,10 @@ def lock_text(source: Path, answers: dict[str, dict[str, Package]]) -> str:
         names |= closure(list(lines(source)), packages, python)
     text = [
         "# SPDX-License-Identifier: Apache-2.0",
-        f"# Generated from {source.name} by tools/setup/lock_requirements.py: all that it needs, with",
+        (
+            f"# Generated from {source.name} by tools/setup/lock_requirements.py: all that it"
+            " needs, with"
+        ),
         f"# the hashes of the wheels for CPython {PYTHONS[0]} to {PYTHONS[-1]} on x86-64 Linux.",
     ]
     for name in sorted(names):

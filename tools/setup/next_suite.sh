@@ -13,7 +13,8 @@ readonly DEBIAN_NEXT_SUITE=trixie
 # way.
 debian_archive() {
     # shellcheck disable=SC2016  # the dollars are apt's
-    apt-get indextargets --format '$(REPO_URI) $(ORIGIN) $(COMPONENT) $(CODENAME)' 'Identifier: Packages' 2>/dev/null |
+    apt-get indextargets --format '$(REPO_URI) $(ORIGIN) $(COMPONENT) $(CODENAME)' \
+        'Identifier: Packages' 2>/dev/null |
         awk '$2 == "Debian" && $3 == "main" && $4 !~ /-/ { print $1; exit }'
 }
 

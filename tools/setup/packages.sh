@@ -52,7 +52,8 @@ missing_checks() {
 missing_openocd() { have openocd || echo openocd; }
 
 cmake_is_recent() {
-    have cmake && version_at_least "$(cmake --version | awk 'NR == 1 { print $3 }')" "$CMAKE_MINIMUM"
+    have cmake &&
+        version_at_least "$(cmake --version | awk 'NR == 1 { print $3 }')" "$CMAKE_MINIMUM"
 }
 
 # header_is_there PATH: where distributions put the headers of C++ libraries.
@@ -70,7 +71,11 @@ newlib_is_there() {
 }
 
 fuzzer_is_there() {
-    have clang && [[ "$(clang -print-file-name="libclang_rt.fuzzer-$(uname -m).a")$(clang -print-file-name=libclang_rt.fuzzer.a)" == */* ]]
+    local own plain
+    have clang || return
+    own=$(clang -print-file-name="libclang_rt.fuzzer-$(uname -m).a")
+    plain=$(clang -print-file-name=libclang_rt.fuzzer.a)
+    [[ $own$plain == */* ]]
 }
 
 missing_packages() {
@@ -80,7 +85,8 @@ missing_packages() {
 
 system_name() {
     # A subshell, because the file defines plain names such as VERSION.
-    (. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME:-unknown system}") || echo "unknown system"
+    (. /etc/os-release 2>/dev/null && echo "${PRETTY_NAME:-unknown system}") ||
+        echo "unknown system"
 }
 
 # can_administer PACKAGE...: may we change this machine? Root may; others need sudo, which asks for
@@ -98,7 +104,8 @@ as_root() {
 
 # Waits for another apt to end instead of failing, and asks no questions.
 apt_get() {
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=600 -o Acquire::Retries=3 "$@"
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=600 \
+        -o Acquire::Retries=3 "$@"
 }
 
 # A fresh image has none.
@@ -119,10 +126,12 @@ apt_install() {
         fi
         break
     done
-    run_logged "Installing with apt-get" apt-install apt_get install --no-install-recommends "$@" && return
+    run_logged "Installing with apt-get" apt-install apt_get install --no-install-recommends "$@" &&
+        return
     inform "Trying once more with new package lists"
     run_logged "Updating the package lists" apt-update apt_get update &&
-        run_logged "Installing with apt-get" apt-install apt_get install --no-install-recommends "$@"
+        run_logged "Installing with apt-get" apt-install apt_get install --no-install-recommends \
+            "$@"
 }
 
 # ensure_packages GROUP...
@@ -131,14 +140,17 @@ ensure_packages() {
     missing=$(missing_packages "$@")
     [[ -z $missing ]] && return
     have apt-get ||
-        fail "missing (names of the Debian packages): $missing; install them by the means of $(system_name) and run again"
+        fail "missing (names of the Debian packages): $missing; install them by the means of" \
+            "$(system_name) and run again"
     # shellcheck disable=SC2086  # a list of package names, one word each
     can_administer $missing ||
-        fail "neither root nor sudo here; let an administrator run: apt-get update && apt-get install -y --no-install-recommends $missing"
+        fail "neither root nor sudo here; let an administrator run: apt-get update && apt-get" \
+            "install -y --no-install-recommends $missing"
     inform "This machine ($(system_name)) lacks: $missing"
     # shellcheck disable=SC2086  # a list of package names, one word each
     apt_install $missing ||
-        fail "apt-get could not install: $missing (on Ubuntu they are in the components main and universe)"
+        fail "apt-get could not install: $missing (on Ubuntu they are in the components main and" \
+            "universe)"
     hash -r
     left=$(missing_packages "$@")
     [[ -z $left ]] ||
@@ -148,6 +160,7 @@ ensure_packages() {
 # An old cmake earlier on PATH hides the one just installed.
 explain_shadowed_cmake() {
     [[ " $1 " == *" cmake "* ]] && have cmake &&
-        printf ' (PATH finds %s first, which is older than %s)' "$(command -v cmake)" "$CMAKE_MINIMUM"
+        printf ' (PATH finds %s first, which is older than %s)' "$(command -v cmake)" \
+            "$CMAKE_MINIMUM"
     return 0
 }

@@ -37,7 +37,8 @@ check_venv() {
         shift
     fi
     for set in "$@"; do files+=("$REQUIREMENTS/$set.txt"); done
-    [[ -x $VENV_PYTHON ]] && "$VENV_PYTHON" -I "$ROOT/tools/setup/check_venv.py" "${option[@]}" "$ROOT" "${files[@]}"
+    [[ -x $VENV_PYTHON ]] &&
+        "$VENV_PYTHON" -I "$ROOT/tools/setup/check_venv.py" "${option[@]}" "$ROOT" "${files[@]}"
 }
 
 venv_is_ready() { check_venv "$@" >/dev/null 2>&1; }
@@ -67,7 +68,8 @@ write_pth() {
 fill_venv() {
     local set options=()
     for set in "$@"; do options+=(-r "$REQUIREMENTS/$set.txt"); done
-    "$VENV_PYTHON" -m pip install --disable-pip-version-check --no-input --progress-bar off --only-binary=:all: \
+    "$VENV_PYTHON" -m pip install --disable-pip-version-check --no-input --progress-bar off \
+        --only-binary=:all: \
         --no-deps --require-hashes "${options[@]}"
 }
 
@@ -87,10 +89,12 @@ ensure_venv() {
     if ! venv_belongs_here; then
         python=$(find_python) ||
             fail "no Python 3.11 or newer that can make an environment (venv, ensurepip) was found"
-        run_logged "Making the Python environment .dev/venv ($("$python" -V))" venv make_venv "$python" ||
+        run_logged "Making the Python environment .dev/venv ($("$python" -V))" venv make_venv \
+            "$python" ||
             fail "the Python environment could not be made"
     fi
-    inform "Python packages into .dev/venv: $(direct_requirements "$@") and their dependencies, pinned in tools/setup/requirements"
+    inform "Python packages into .dev/venv: $(direct_requirements "$@") and their dependencies," \
+        "pinned in tools/setup/requirements"
     run_logged "Installing the Python packages" pip fill_venv "$@" ||
         fail "the Python packages could not be installed"
     venv_is_ready "$@" ||
@@ -102,7 +106,8 @@ ensure_venv() {
 ensure_svd() {
     compgen -G "$ROOT/.dev/svd/pyocd-*.whl" >/dev/null && return
     run_logged "Fetching the vendor's description of the chip" svd \
-        "$VENV_PYTHON" -m pip download --disable-pip-version-check --no-input --no-deps --require-hashes \
+        "$VENV_PYTHON" -m pip download --disable-pip-version-check --no-input --no-deps \
+            --require-hashes \
         -r "$ROOT/tests/unit/hal/requirements-svd.txt" -d "$ROOT/.dev/svd" ||
         fail "the description of the chip could not be fetched"
 }

@@ -33,7 +33,8 @@ cmd_release() {
     done
     ensure build host arm sim fmi test
     if [[ -z $trial ]] && ! is_a_commit; then
-        usage_fail "release: not the files of a commit; commit them, or --trial (tools/dev release --help)"
+        usage_fail "release: not the files of a commit; commit them, or --trial (tools/dev" \
+            "release --help)"
     fi
     SOURCE_DATE_EPOCH=$(git -C "$ROOT" log -1 --format=%ct 2>/dev/null || echo 0)
     export SOURCE_DATE_EPOCH

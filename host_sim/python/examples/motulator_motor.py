@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The firmware on somebody else's motor: motulator's synchronous machine and solver, hubfoc's controller.
+"""The firmware on somebody else's motor.
+
+motulator's synchronous machine and solver, hubfoc's controller.
 
     ./tools/dev python host_sim/python/examples/motulator_motor.py
 
@@ -52,7 +54,10 @@ class Firmware:
         self._boot(pole_pairs, speed_rad_s)
 
     def _boot(self, pole_pairs: int, speed_rad_s: float) -> None:
-        """Let the controller calibrate and find the turning rotor with the bridge off, which motulator has no model of."""
+        """Let the controller calibrate and find the turning rotor with the bridge off.
+
+        motulator has no model of that bridge.
+        """
         turns_per_period = pole_pairs * speed_rad_s / (2.0 * np.pi) * self.period_s
         periods = round(BOOT_S / self.period_s)
         for n in range(-periods, 0):

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A plant of one's own around the controller of one wheel, in a page: a motor on a dynamometer that holds the speed.
+"""A plant of one's own around the controller of one wheel, in a page.
+
+A motor on a dynamometer that holds the speed.
 
     ./tools/dev python host_sim/python/examples/own_plant.py
 
@@ -33,7 +35,7 @@ PWM = 1.0
 
 @dataclass
 class Motor:
-    """Currents in A (peak phase values) and electrical angle in rad of a motor that turns at ``speed_rad_s``."""
+    """Phase currents in A (peak) and angle in rad of a motor that turns at ``speed_rad_s``."""
 
     resistance_ohm: float
     inductance_h: float
@@ -81,7 +83,7 @@ class Motor:
 def main(
     speed_rad_s: float = 20.0, brake_nm: float = 20.0, duration_s: float = 0.5
 ) -> tuple[float, float]:
-    """Brake for a while; print and return the torque of the motor and what the controller believes it is, N m."""
+    """Brake for a while; print and return the motor's torque and the controller's estimate, N m."""
     config = hubsim.load_configuration(DRIVE, SIMPLE)
     assert config.drive is not None
     m = config.drive.motor

@@ -18,7 +18,7 @@ SPEED_KMH = 40.0
 
 
 def stop(strategy: str) -> tuple[float, hubsim.Recording]:
-    """Stop the vehicle and return the share of its kinetic energy that the cells got (1), and what was recorded."""
+    """Stop the vehicle; return the share (1) of its energy that the cells got, and a recording."""
     config = hubsim.load_configuration(DRIVE, {"brake.strategy": strategy})
     with hubsim.Bench(
         config,

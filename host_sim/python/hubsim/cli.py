@@ -37,10 +37,14 @@ EXAMPLES = (
     "hubsim run stop --set initial_speed_kmh=40 --set demand_nm=60 --json stop.json --mdf stop.mf4",
     "hubsim run contactor --set plant.bus.capacitance_f=2e-3",
     "hubsim compare stop stop --set-b plant.motor.phase_resistance_ohm=0.032 --relative 0.04",
-    "hubsim sweep stop --vary 'demand_nm=range(5,120,24)' "
-    "--vary brake.strategy=series_optimal,parallel_ratio --output grid.parquet",
-    "hubsim sweep stop --vary 'plant.vehicle.mass_kg=normal(660,30)' --runs 1000 --output "
-    "draws.csv",
+    (
+        "hubsim sweep stop --vary 'demand_nm=range(5,120,24)' "
+        "--vary brake.strategy=series_optimal,parallel_ratio --output grid.parquet"
+    ),
+    (
+        "hubsim sweep stop --vary 'plant.vehicle.mass_kg=normal(660,30)' --runs 1000 --output "
+        "draws.csv"
+    ),
 )
 _SCENARIO = "a built-in scenario ('hubsim list') or a TOML file"
 
@@ -108,8 +112,10 @@ def _add_common(command: Parser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="a key of the scenario (also events.NAME.key, criteria.NAME.key), section.key of the "
-        "drive, or plant.section.key of the simulated world alone; repeatable",
+        help=(
+            "a key of the scenario (also events.NAME.key, criteria.NAME.key), section.key of the "
+            "drive, or plant.section.key of the simulated world alone; repeatable"
+        ),
     )
 
 
@@ -134,8 +140,10 @@ def _add_run(commands: Commands) -> None:
     command = commands.add_parser(
         "run",
         help="one run of a scenario",
-        description="Run a scenario, show where the energy went and whether the scenario's "
-        "criteria are met. Exit status 1 if not.",
+        description=(
+            "Run a scenario, show where the energy went and whether the scenario's "
+            "criteria are met. Exit status 1 if not."
+        ),
     )
     command.add_argument("scenario", metavar="SCENARIO", help=_SCENARIO)
     _add_common(command)
@@ -173,9 +181,11 @@ def _add_sweep(commands: Commands) -> None:
     command = commands.add_parser(
         "sweep",
         help="many runs of a scenario with keys that vary, into one table",
-        description="Run a scenario over a grid of keys, over random draws, or both. An interrupted "
-        "sweep goes on with the same command. Exit status 1 if a run could not be done or did not "
-        "meet the scenario's criteria.",
+        description=(
+            "Run a scenario over a grid of keys, over random draws, or both. An interrupted sweep"
+            " goes on with the same command. Exit status 1 if a run could not be done or did not"
+            " meet the scenario's criteria."
+        ),
     )
     command.add_argument("scenario", metavar="SCENARIO", help=_SCENARIO)
     _add_common(command)
@@ -186,8 +196,11 @@ def _add_sweep(commands: Commands) -> None:
         default=[],
         metavar="KEY=SPEC",
         required=True,
-        help="a key as --set takes it, and a,b,... or range(first,last,count) for a grid; "
-        "normal(mean,deviation), uniform(lowest,highest) or choice(a,b,...) for draws; repeatable",
+        help=(
+            "a key as --set takes it, and a,b,... or range(first,last,count) for a grid;"
+            " normal(mean,deviation), uniform(lowest,highest) or choice(a,b,...) for draws;"
+            " repeatable"
+        ),
     )
     command.add_argument("--runs", type=int, metavar="N", help="draws, for each point of the grid")
     command.add_argument(
@@ -230,9 +243,11 @@ def _add_compare(commands: Commands) -> None:
     command = commands.add_parser(
         "compare",
         help="two results or two runs side by side",
-        description="Compare figures and signals of two results (JSON, CSV, Parquet) or of two "
-        "scenarios that are run now. Exit status 1 if anything that both have is further apart "
-        "than the tolerances allow.",
+        description=(
+            "Compare figures and signals of two results (JSON, CSV, Parquet) or of two "
+            "scenarios that are run now. Exit status 1 if anything that both have is further apart "
+            "than the tolerances allow."
+        ),
     )
     command.add_argument(
         "first", metavar="A", help="a file that 'hubsim run' wrote, or a scenario to run"
@@ -301,9 +316,11 @@ def _add_report(commands: Commands) -> None:
     command = commands.add_parser(
         "report",
         help="one page from the results of runs",
-        description="Make one self-contained page from results written by "
-        "'hubsim run --json RUN.json', each with what was recorded beside it "
-        "('--parquet RUN.parquet' or '--csv RUN.csv', the same name).",
+        description=(
+            "Make one self-contained page from results written by "
+            "'hubsim run --json RUN.json', each with what was recorded beside it "
+            "('--parquet RUN.parquet' or '--csv RUN.csv', the same name)."
+        ),
     )
     command.add_argument(
         "results",

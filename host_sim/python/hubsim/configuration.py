@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a controller is configured with and a plant is made of.
 
-A drive's TOML file, or the image a controller is flashed with. Images are computed once for a drive,
-whatever its braking strategy.
+A drive's TOML file, or the image a controller is flashed with. Images are computed once for a
+drive, whatever its braking strategy.
 """
 
 import threading

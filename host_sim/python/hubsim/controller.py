@@ -31,8 +31,9 @@ class Controller:
 
     Inputs that a step does not name keep the value they had; before that they have the start values
     of the list: zero, except that the self-test has passed, the configuration is accepted,
-    temperatures are 25 degC and the battery's limits are the configuration's own. Currents and voltages go through the converter
-    codes of the firmware: what lies beyond the full scale saturates.
+    temperatures are 25 degC and the battery's limits are the configuration's own. Currents and
+    voltages go through the converter codes of the firmware: what lies beyond the full scale
+    saturates.
 
     Parameters
     ----------

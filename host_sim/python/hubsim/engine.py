@@ -3,9 +3,9 @@
 
 Parameters, configuration and signals by name, rows as NumPy arrays.
 
-The declarations are read from the library's own headers (bench/engine.h, exchange/controller_api.h), so this
-module cannot disagree with them. Calls into the engine release the interpreter's lock: runs in
-several threads use several cores.
+The declarations are read from the library's own headers (bench/engine.h,
+exchange/controller_api.h), so this module cannot disagree with them. Calls into the engine release
+the interpreter's lock: runs in several threads use several cores.
 """
 
 import os

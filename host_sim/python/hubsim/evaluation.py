@@ -322,5 +322,6 @@ def _evaluate_reasons(name: str, criterion: Criterion, codes: Value) -> Criterio
     remarks = [f"missing: {', '.join(absent)}"] if absent else []
     remarks += [f"appeared: {', '.join(unwanted)}"] if unwanted else []
     found = ", ".join(reasons.identifier(code) for code in sorted(present))
-    return CriterionResult(name, not remarks, float(len(absent) + len(unwanted)), at_most=0.0, text=criterion.text,
+    return CriterionResult(name, not remarks, float(len(absent) + len(unwanted)), at_most=0.0,
+        text=criterion.text,
                    remark="; ".join([*remarks, f"seen: {found}"]))  # fmt: skip

@@ -12,8 +12,10 @@ times). Rows hold NaN outside the window of a criterion; the reductions ignore i
 
 Only the syntax listed in ``_check`` is accepted, before the run, and every name is known before the
 run, so that the signals it needs are recorded. That, element-wise logic and NaN windows are why no
-evaluator from a package is used: simpleeval's guards refuse arrays in ``*``, ``**``, ``and`` and
-``not``, and numexpr knows neither dotted names nor reductions that ignore NaN.
+evaluator from a package is used. simpleeval refuses arrays in ``*``, ``**``, ``and`` and ``not``.
+numexpr knows neither dotted names nor reductions that ignore NaN. asteval accepts a language with
+loops, calls and attributes, which would have to be forbidden one by one, and its ``and`` asks an
+array for a single truth value.
 """
 
 import ast
@@ -126,10 +128,12 @@ FUNCTIONS: dict[str, Function] = {
     ),
 }
 _ARITHMETIC: Mapping[type[ast.operator], Callable[[Any, Any], Any]] = {
-    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv, ast.Pow: operator.pow,
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul,
+    ast.Div: operator.truediv, ast.Pow: operator.pow,
 }  # fmt: skip
 _COMPARISONS: Mapping[type[ast.cmpop], Callable[[Any, Any], Any]] = {
-    ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge, ast.Eq: operator.eq, ast.NotEq: operator.ne,
+    ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge,
+    ast.Eq: operator.eq, ast.NotEq: operator.ne,
 }  # fmt: skip
 
 

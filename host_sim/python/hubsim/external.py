@@ -168,8 +168,8 @@ class Measurement:
 class Plant:
     """One simulated vehicle that waits for somebody else's controllers.
 
-    Not for two threads at the same time. The firmware's controllers bring the vehicle to its initial speed without torque and are then
-    taken away. From then on ``step`` is one PWM period.
+    Not for two threads at the same time. The firmware's controllers bring the vehicle to its
+    initial speed without torque and are then taken away. From then on ``step`` is one PWM period.
 
     Parameters
     ----------

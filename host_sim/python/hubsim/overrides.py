@@ -4,8 +4,8 @@
 Without a dot it is a key of the scenario (``demand_nm=60``); ``events.NAME.key`` and
 ``criteria.NAME.key`` are the scenario's too. ``section.key`` changes the drive's file before
 anything is made of it, for plant and controller alike (``battery.initial_soc=0.5``).
-``plant.section.key`` changes the simulated world alone and leaves the controller's configuration as it is
-(``plant.motor.phase_resistance_ohm=0.04``).
+``plant.section.key`` changes the simulated world alone and leaves the controller's configuration as
+it is (``plant.motor.phase_resistance_ohm=0.04``).
 """
 
 import tomllib

@@ -72,7 +72,9 @@ def parameters(drive: Drive) -> dict[str, float]:
         "motor.pole_pairs": motor.pole_pairs,
         "motor.phase_resistance_ohm": motor.phase_resistance_ohm,
         "motor.reference_temperature_c": motor.reference_temperature_c,
-        "motor.resistance_temperature_coefficient_per_k": motor.resistance_temperature_coefficient_per_k,
+        "motor.resistance_temperature_coefficient_per_k": (
+            motor.resistance_temperature_coefficient_per_k
+        ),
         "motor.d_inductance_h": motor.d_inductance_h,
         "motor.q_inductance_h": motor.q_inductance_h,
         "motor.flux_linkage_wb": motor.flux_linkage_wb,

@@ -68,7 +68,9 @@ _CSV = (
     ),
 )
 _PARQUET = (
-    "DataLoad Parquet", (("default", {"prevTimestamp": "time_s", "radioIndexChecked": "0", "parseDateTime": "0", "dateFromat": ""}),)
+    "DataLoad Parquet", (("default", {
+        "prevTimestamp": "time_s", "radioIndexChecked": "0", "parseDateTime": "0", "dateFromat": "",
+    }),)
 )  # fmt: skip
 
 

@@ -25,9 +25,8 @@ from hubsim.results import RunResult
 TIME = "time_s"
 NO_DATE = datetime(2000, 1, 1, tzinfo=UTC)  # of a result without an origin
 _MADE = (
-    "<FHcomment><TX>{about}</TX><tool_id>hubsim</tool_id><tool_vendor>hubfoc</tool_vendor><tool_version>"
-    + __version__
-    + "</tool_version></FHcomment>"
+    "<FHcomment><TX>{about}</TX><tool_id>hubsim</tool_id><tool_vendor>hubfoc</tool_vendor>"
+    f"<tool_version>{__version__}</tool_version></FHcomment>"
 )
 
 

@@ -76,7 +76,9 @@ class Peripheral:
 
 
 def svd_text() -> bytes:
-    """Read the SVD of the family from the cache or from the pinned and hashed wheel that carries it."""
+    """Read the SVD of the family from the cache or from the pinned and hashed wheel that carries
+    it.
+    """
     wheels = sorted(CACHE.glob("pyocd-*.whl"))
     if not wheels:
         CACHE.mkdir(parents=True, exist_ok=True)
@@ -132,7 +134,9 @@ def svd(device: ET.Element) -> dict[str, Peripheral]:
 
 
 def field_mask(register: dict[str, int], name: str) -> int | None:
-    """Mask of a field; the SVD splits some fields into bits, NAME0, NAME1 and so on, which are put together."""
+    """Mask of a field; the SVD splits some fields into bits, NAME0, NAME1 and so on, which are put
+    together.
+    """
     if name in register:
         return register[name]
     bits = [

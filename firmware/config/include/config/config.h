@@ -306,7 +306,7 @@
     X(temperature_origin_cC,                 -10000,    20000,      "cC", \
       "winding temperature of the first point")
 
-/* Row after row of equal temperature: torque[t * speed_points + s]; unused entries at the end are 0. */
+/* Row after row of equal temperature: torque[t * speed_points + s]; unused entries are 0. */
 #define CONFIG_REGEN_MAP_ARRAY(Y) \
     Y(torque_mNm, CONFIG_REGEN_POINTS_MAX,   -100000000, 100000000, "mNm", \
       "unclamped braking torque that returns the most energy with the i_d of current_map, " \
@@ -329,8 +329,8 @@
     X(temperature_origin_cC,                 -10000,    20000,      "cC", \
       "winding temperature of the first point")
 
-/* Layer after layer of equal temperature, row after row of equal speed: current_d[(w * speed_points + s) * torque_points + t];
- * unused entries at the end are 0. */
+/* Layer after layer of equal temperature, row after row of equal speed:
+ * current_d[(w * speed_points + s) * torque_points + t]; unused entries at the end are 0. */
 #define CONFIG_CURRENT_MAP_ARRAY(Y) \
     Y(current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000, 3000000, "mA", \
       "terminal i_d of least loss, before field weakening; all 0: i_d = 0")

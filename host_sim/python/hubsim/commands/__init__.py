@@ -29,8 +29,8 @@ def progress_bar(unit: str = "s") -> Progress:
     """Return a progress display on stderr that is silent where stderr is no terminal."""
     console = Console(stderr=True)
     return Progress(
-        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn(unit), TimeRemainingColumn(),
-        console=console, transient=True, disable=not console.is_terminal,
+        TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn(unit),
+        TimeRemainingColumn(), console=console, transient=True, disable=not console.is_terminal,
     )  # fmt: skip
 
 
@@ -43,5 +43,6 @@ def warn_of(result: RunResult) -> None:
             file=sys.stderr,
         )
     for name, at_s in result.missed.items():
-        print(f"hubsim: warning: {result.cycle}: event {name} at {at_s:g} s never came: the run ended at {result.duration_s:g} s",
+        print(f"hubsim: warning: {result.cycle}: event {name} at {at_s:g} s never came: "
+              f"the run ended at {result.duration_s:g} s",
               file=sys.stderr)  # fmt: skip

@@ -22,10 +22,12 @@ from hubsim.errors import HubsimError
 
 DEFAULT_SIGNALS = (
     "time_s", "driver.*", "vehicle.*", "battery.*", "bus.*",
-    "wheel*.motor_torque_nm", "wheel*.hydraulic_torque_nm", "wheel*.command_nm", "wheel*.estimate_nm", "wheel*.available_nm",
-    "wheel*.current_?_a", "wheel*.dc_w", "wheel*.shaft_w", "wheel*.copper_w", "wheel*.iron_w", "wheel*.inverter_w",
-    "wheel*.winding_temperature_c", "wheel*.switch_temperature_c", "wheel*.speed_estimate_rad_per_s", "wheel*.reason", "wheel*.mode",
-    "wheel*.speed_rad_per_s", "wheel*.valve", "anti_lock.*",
+    "wheel*.motor_torque_nm", "wheel*.hydraulic_torque_nm", "wheel*.command_nm",
+    "wheel*.estimate_nm", "wheel*.available_nm", "wheel*.current_?_a", "wheel*.dc_w",
+    "wheel*.shaft_w", "wheel*.copper_w", "wheel*.iron_w", "wheel*.inverter_w",
+    "wheel*.winding_temperature_c", "wheel*.switch_temperature_c",
+    "wheel*.speed_estimate_rad_per_s", "wheel*.reason", "wheel*.mode", "wheel*.speed_rad_per_s",
+    "wheel*.valve", "anti_lock.*",
 )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from hubsim.errors import HubsimError
 
 def main(options: argparse.Namespace) -> int:
     """Do the command and return the exit status."""
-    from hubsim import comparison  # noqa: PLC0415, the report's modules are needed by this command only
+    from hubsim import comparison  # noqa: PLC0415, only here
 
     settings = overrides.parse(options.settings)
     name, chosen, beside = scenario.load(options.scenario, settings.scenario)

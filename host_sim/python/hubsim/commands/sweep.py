@@ -34,8 +34,9 @@ def main(options: argparse.Namespace) -> int:
     )
     work.check(job, next(found.points()))
     described = {
-        "hubsim": __version__, "scenario": options.scenario, "config": options.config.name, "strategy": options.strategy,
-        "set": options.settings, "vary": options.vary, "runs": found.runs, "seed": options.seed, "collect": options.collect,
+        "hubsim": __version__, "scenario": options.scenario, "config": options.config.name,
+        "strategy": options.strategy, "set": options.settings, "vary": options.vary,
+        "runs": found.runs, "seed": options.seed, "collect": options.collect,
     }  # fmt: skip
     kept = store.Store(
         options.output,

@@ -25,8 +25,8 @@ FIXED, TUNABLE, INPUT, OUTPUT = "FIXED", "TUNABLE", "INPUT", "OUTPUT"
 # What others in a co-simulation want to drive; everything else about the simulated world is a
 # parameter.
 VEHICLE_INPUTS = frozenset({
-    "driver.brake_demand_nm", "driver.drive_demand_nm", "driver.demand_age_s", "driver.silent", "driver.enable",
-    "driver.abs_active", "road.slope", "road.wind_m_per_s", "bus.contactor_open",
+    "driver.brake_demand_nm", "driver.drive_demand_nm", "driver.demand_age_s", "driver.silent",
+    "driver.enable", "driver.abs_active", "road.slope", "road.wind_m_per_s", "bus.contactor_open",
 })  # fmt: skip
 # Read once, when the run begins.
 VEHICLE_FIXED = frozenset(
@@ -41,8 +41,9 @@ VEHICLE_FIXED = frozenset(
 # Of no use here, or not to be changed without the configuration: there is no speed trace, and the
 # importer ends the run.
 VEHICLE_SETTINGS = frozenset({
-    "driver.follow_trace", "driver.bandwidth_rad_per_s", "driver.preview_s", "driver.most_drive_nm", "driver.most_brake_nm",
-    "run.stop_at_standstill", "run.record_interval_s", "vehicle.driven_wheels", "inverter.pwm_frequency_hz",
+    "driver.follow_trace", "driver.bandwidth_rad_per_s", "driver.preview_s",
+    "driver.most_drive_nm", "driver.most_brake_nm", "run.stop_at_standstill",
+    "run.record_interval_s", "vehicle.driven_wheels", "inverter.pwm_frequency_hz",
 })  # fmt: skip
 
 

@@ -30,7 +30,9 @@ def platform_folder(fmi: int) -> str:
 
 
 def source_files(listed: Iterable[Path], table: Path) -> dict[str, Path]:
-    """Return name below sources/ and file, for C files in modules (``.../MODULE/FILE.c``), their headers and the table.
+    """Return files by their names below sources/.
+
+    C files in modules (``.../MODULE/FILE.c``), their headers and the table.
 
     Headers keep the names they are included by, so that sources/ is the only include directory.
     """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Elements of HTML and SVG, and numbers as a page writes them.
 
-Text is escaped exactly once: a plain ``str`` is text, a ``Markup`` is an element. A number has a real
-minus sign, a dash where it is not known, and as many digits as mean something.
+Text is escaped exactly once: a plain ``str`` is text, a ``Markup`` is an element. A number has a
+real minus sign, a dash where it is not known, and as many digits as mean something.
 """
 
 import html

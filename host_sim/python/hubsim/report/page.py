@@ -23,27 +23,38 @@ _HERE = Path(__file__).parent
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 
 HOW_TO_READ = (
-    "The braking work at the wheels is what brakes and motors take from the motion; the flow "
-    "picture shows what becomes of it.",
-    "Between strategies that drive alike, the better one has the thicker arrow back into the "
-    "battery. The way out to the "
-    "wheels is the same for all.",
-    "A motor that brakes harder than its best torque returns less, because copper loss grows with "
-    "the square of the "
-    "current. The series strategy stops at that torque.",
-    "In the torque panel the filled areas are stacked: motor and hydraulic brake together make "
-    "the demand.",
-    "The strips show when a limit made the torque smaller than the demand, with the reason that "
-    "the controller reports.",
-    "The residual compares sources, sinks and storage over the whole run. It is an error of the "
-    "simulation, not of the vehicle.",
+    (
+        "The braking work at the wheels is what brakes and motors take from the motion; the flow "
+        "picture shows what becomes of it."
+    ),
+    (
+        "Between strategies that drive alike, the better one has the thicker arrow back into the "
+        "battery. The way out to the "
+        "wheels is the same for all."
+    ),
+    (
+        "A motor that brakes harder than its best torque returns less, because copper loss grows"
+        " with the square of the current. The series strategy stops at that torque."
+    ),
+    (
+        "In the torque panel the filled areas are stacked: motor and hydraulic brake together make "
+        "the demand."
+    ),
+    (
+        "The strips show when a limit made the torque smaller than the demand, with the reason that"
+        " the controller reports."
+    ),
+    (
+        "The residual compares sources, sinks and storage over the whole run. It is an error of the"
+        " simulation, not of the vehicle."
+    ),
 )
 
 
 IDEAL = (
-    "The ideal stop has the same demand, initial speed and winding temperature: steady state of the "
-    "motor at every speed, no delay, no blend-out, no limit of the charge current, no air drag and "
-    "no rolling resistance, the battery at rest before the stop."
+    "The ideal stop has the same demand, initial speed and winding temperature: steady state of the"
+    " motor at every speed, no delay, no blend-out, no limit of the charge current, no air drag and"
+    " no rolling resistance, the battery at rest before the stop."
 )
 
 

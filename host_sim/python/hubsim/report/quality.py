@@ -41,7 +41,7 @@ def _mean_of_wheels(run: RunLike, name: str) -> Array | None:
 
 
 def jerk_m_per_s3(run: RunLike) -> Array | None:
-    """Return the change of acceleration in a second, shape (samples,), from means between samples."""
+    """Return jerk, shape (samples,), from means between samples."""
     acceleration = reading.signal(run, "vehicle.acceleration_m_per_s2")
     if acceleration is None:
         return None

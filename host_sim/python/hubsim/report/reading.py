@@ -16,7 +16,8 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 
-# What the page draws, by the engine's names ("*" for the wheels); anything else that was recorded is left alone.
+# What the page draws, by the engine's names ("*" for the wheels); anything else that was recorded
+# is left alone.
 SIGNALS = (
     "driver.reference_m_per_s",
     "driver.drive_nm",

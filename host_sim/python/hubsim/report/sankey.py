@@ -188,8 +188,9 @@ def _rising(leaving: Exit, top: float, flow: Flow, fade: str, end: float) -> Mar
     low, high = leaving.middle - 0.5 * leaving.width, leaving.middle + 0.5 * leaving.width
     start, point, outer = low - TURN, min(0.4 * leaving.width, POINT), TURN + leaving.width
     outline = _path(
-        "M", start - FADE, top, "H", start, "A", TURN, TURN, "0 0 0", low, top - TURN, "V", end + point, "L", leaving.middle, end,
-        "L", high, end + point, "V", top - TURN, "A", outer, outer, "0 0 1", start, top + leaving.width, "H", start - FADE, "Z",
+        "M", start - FADE, top, "H", start, "A", TURN, TURN, "0 0 0", low, top - TURN, "V",
+        end + point, "L", leaving.middle, end, "L", high, end + point, "V", top - TURN, "A", outer,
+        outer, "0 0 1", start, top + leaving.width, "H", start - FADE, "Z",
     )  # fmt: skip
     when = "while driving" if flow.split else "over the whole run"
     return join(
@@ -260,9 +261,10 @@ def _falling(
     start, outer, point = near + sign * TURN, TURN + width, min(0.4 * width, POINT)
     one, other = ("0", "1") if sign > 0.0 else ("1", "0")
     outline = _path(
-        "M", start + sign * FADE, bottom, "H", start, "A", TURN, TURN, f"0 0 {one}", near, bottom + TURN, "V", end - point,
-        "L", 0.5 * (near + far), end, "L", far, end - point, "V", bottom + TURN,
-        "A", outer, outer, f"0 0 {other}", start, bottom - width, "H", start + sign * FADE, "Z",
+        "M", start + sign * FADE, bottom, "H", start, "A", TURN, TURN, f"0 0 {one}", near,
+        bottom + TURN, "V", end - point, "L", 0.5 * (near + far), end, "L", far, end - point, "V",
+        bottom + TURN, "A", outer, outer, f"0 0 {other}", start, bottom - width, "H",
+        start + sign * FADE, "Z",
     )  # fmt: skip
     when = "while braking" if flow.split and not flow.net else "over the whole run"
     return join(

@@ -112,7 +112,7 @@ def thinned(x_px: Array, y_px: Array) -> list[tuple[float, float]]:
 
 
 def pieces(*curves: Array) -> list[slice]:
-    """Return where all curves of shape (samples,) have values, as slices of at least two samples."""
+    """Return where all curves have values, as slices of at least two samples."""
     valid = np.logical_and.reduce([np.isfinite(curve) for curve in curves])
     edges = np.flatnonzero(np.diff(np.concatenate(([False], valid, [False])).astype(np.int8)))
     return [slice(int(begin), int(end)) for begin, end in edges.reshape(-1, 2) if end - begin > 1]

@@ -85,9 +85,7 @@ def describe(curves: Sequence[CurveLike]) -> str:
             f"{markup.significant(demand)} N·m {markup.percent(stored)}"
             for demand, stored in zip(curve.demand_nm, curve.stored, strict=True)
         )
-        said.append(
-            f"{reading.STRATEGIES[curve.strategy].title if curve.strategy in reading.STRATEGIES else curve.strategy}: {points}."
-        )
+        said.append(f"{_title(curve.strategy)}: {points}.")
     return " ".join(said)
 
 
@@ -100,7 +98,10 @@ def table(curves: Sequence[CurveLike]) -> Markup:
     for demand in demands:
         cells = [element("td", _cell(curve, demand)) for curve in curves]
         rows.append(element("tr", element("th", f"{demand:g}", scope="row"), *cells))
-    caption = "Simulated: stored share of the kinetic energy in %, in brackets by how many percentage points it lies above the ideal"
+    caption = (
+        "Simulated: stored share of the kinetic energy in %, in brackets by how many percentage"
+        " points it lies above the ideal"
+    )
     drawn = element(
         "table",
         element("caption", caption),
@@ -126,7 +127,10 @@ def _title(strategy: str) -> str:
 
 
 def _tooltip(curve: CurveLike, place: int) -> Markup:
-    text = f"{_title(curve.strategy)}, {markup.significant(curve.demand_nm[place])} N·m: {markup.percent(curve.stored[place])}"
+    text = (
+        f"{_title(curve.strategy)}, {markup.significant(curve.demand_nm[place])} N·m:"
+        f" {markup.percent(curve.stored[place])}"
+    )
     return element("title", text)
 
 
@@ -141,7 +145,8 @@ def _labels(curves: Sequence[CurveLike], y: float) -> list[Markup]:
     """Name the curves in the order of their values at the largest demand."""
     ranked = sorted(curves, key=lambda curve: curve.ideal[-1], reverse=True)
     return [
-        element("text", f"— {_title(curve.strategy)}", x=RIGHT - 6.0, y=y + LABEL_PITCH * place, text_anchor="end",
+        element("text", f"— {_title(curve.strategy)}", x=RIGHT - 6.0, y=y + LABEL_PITCH * place,
+                text_anchor="end",
                 class_=f"key {accent(curve.strategy)}")
         for place, curve in enumerate(ranked)
     ]  # fmt: skip

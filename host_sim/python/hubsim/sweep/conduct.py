@@ -3,9 +3,9 @@
 
 Batches handed to Dask's workers, kept as they come back, joined when all are there.
 
-Without an address the workers are processes of this machine, one for each core; a single one is this
-process itself, without Dask. With an address they are whatever the scheduler has, which must be able
-to import hubsim and to find the built engine (HUBFOC_BUILD_DIR).
+Without an address the workers are processes of this machine, one for each core; a single one is
+this process itself, without Dask. With an address they are whatever the scheduler has, which must
+be able to import hubsim and to find the built engine (HUBFOC_BUILD_DIR).
 """
 
 import math
@@ -49,7 +49,8 @@ def workers(address: str | None, processes: int | None) -> Iterator[Client]:
     # second sweep gives no warning.
     with (
         dask_config.set({"distributed.worker.daemon": True}),
-        LocalCluster(n_workers=processes or os.cpu_count() or 1, threads_per_worker=1, host="127.0.0.1",
+        LocalCluster(n_workers=processes or os.cpu_count() or 1, threads_per_worker=1,
+            host="127.0.0.1",
                      dashboard_address="127.0.0.1:0", silence_logs=50) as cluster,
         Client(cluster) as client,
     ):  # fmt: skip

@@ -29,7 +29,10 @@ _ARGUMENTS = {
     "normal": "normal(mean,deviation)",
     "uniform": "uniform(lowest,highest)",
 }
-ACCEPTED = "a,b,... or range(first,last,count) or normal(mean,deviation) or uniform(lowest,highest) or choice(a,b,...)"
+ACCEPTED = (
+    "a,b,... or range(first,last,count) or normal(mean,deviation) or uniform(lowest,highest) or"
+    " choice(a,b,...)"
+)
 
 
 @dataclass(frozen=True)

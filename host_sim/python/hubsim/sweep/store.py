@@ -62,7 +62,8 @@ class Store:
         if note.is_file():
             found = _fingerprint(note)
             if found != self._described["fingerprint"]:
-                raise HubsimError(f"{self._directory}: holds parts of another sweep, accepted: the same command, another --output or "
+                raise HubsimError(f"{self._directory}: holds parts of another sweep, "
+                                  "accepted: the same command, another --output or "
                                   "--restart")  # fmt: skip
             return {int(path.stem) for path in self._directory.glob("[0-9]*.parquet")}
         files.make_directory(self._directory)

@@ -81,6 +81,8 @@ def reasons() -> dict[int, str]:
 
 
 def enumerators(header: str, prefix: str) -> dict[int, str]:
-    """Return number and name, without the prefix, of the enumerators of a firmware header that begin so."""
+    """Return number and name, without the prefix, of the enumerators of a firmware header that
+    begin so.
+    """
     text = (FIRMWARE / header).read_text(encoding="utf-8")
     return {int(number): name for name, number in re.findall(rf"\b{prefix}_(\w+) = (\d+)", text)}

@@ -27,7 +27,8 @@ KINDS = {
     "WheelHealth": "MESSAGES_WHEEL_HEALTH",
 }
 
-# Member of slow_output_t or, with a dot, of messages_values_t; and the signal it becomes: message, name, milli-units (or hundredths)
+# Member of slow_output_t or, with a dot, of messages_values_t; and the signal it becomes: message,
+# name, milli-units (or hundredths)
 # of one unit.
 PHYSICAL = {
     "motor_torque_command_mNm": ("WheelDrive", "motor_torque_command_nm", 1000),

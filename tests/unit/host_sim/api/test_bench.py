@@ -141,7 +141,9 @@ def test_the_events_of_a_scenario_happen_here_too(
 
 
 def bench_slope(recording: hubsim.Recording) -> float:
-    """Return the deceleration over the last part that a slope of 10 % makes, rolling and air taken off."""
+    """Return the deceleration over the last part that a slope of 10 % makes, rolling and air taken
+    off.
+    """
     late = recording["time_s"] > 0.4
     return (
         float(-np.mean(recording["vehicle.acceleration_m_per_s2"][late]))

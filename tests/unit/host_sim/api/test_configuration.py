@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A configuration comes from a TOML file or from an image, and what is wrong with either is said in one line."""
+"""A configuration comes from a TOML file or from an image, and what is wrong with either is said in
+one line.
+"""
 
 from pathlib import Path
 

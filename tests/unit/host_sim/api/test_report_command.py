@@ -34,8 +34,9 @@ def call(folder: Path) -> Call:
 @pytest.fixture(scope="module")
 def result(call: Call) -> str:
     made = call(
-        "run", "stop", "--set", "initial_speed_kmh=20", "--set", "demand_nm=60", "--strategy", "series_optimal", "--signals", "*",
-        "--json", "one.json", "--parquet", "one.parquet", "--csv", "two.csv",
+        "run", "stop", "--set", "initial_speed_kmh=20", "--set", "demand_nm=60", "--strategy",
+        "series_optimal", "--signals", "*", "--json", "one.json", "--parquet", "one.parquet",
+        "--csv", "two.csv",
     )  # fmt: skip
     assert made.returncode == 0, made.stderr
     return "one.json"

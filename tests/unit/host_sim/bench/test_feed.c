@@ -93,8 +93,7 @@ void test_ideal_shunts_show_the_current_whatever_is_chosen(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, seen.fixed_a);
 }
 
-void test_near_full_voltage_the_firmwares_choice_is_right_where_two_fixed_shunts_or_all_three_are_not(
-    void)
+void test_near_full_voltage_the_chosen_shunts_are_right_where_two_fixed_or_all_three_are_not(void)
 {
     params.sensors.shunt_settling_s = 0.3e-6;
     const seen_t seen = drive();

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The units run in FMPy, and their numbers are those of the bench and of the controller, bit for bit."""
+"""The units run in FMPy, and their numbers are those of the bench and of the controller, bit for
+bit.
+"""
 
 import itertools
 import sys

@@ -21,19 +21,24 @@ RUN = """
 import json, sys
 import matplotlib
 matplotlib.use("Agg")
-cells = [cell for cell in json.load(open(sys.argv[1], encoding="utf-8"))["cells"] if cell["cell_type"] == "code"]
+notebook = json.load(open(sys.argv[1], encoding="utf-8"))
+cells = [cell for cell in notebook["cells"] if cell["cell_type"] == "code"]
 names = {}
 for number, cell in enumerate(cells):
     exec(compile("".join(cell["source"]), f"code cell {number}", "exec"), names)
 assert names["hubsim"].__file__.startswith(sys.prefix), names["hubsim"].__file__
-figures = {name: value for name, value in names.items() if isinstance(value, matplotlib.figure.Figure)}
+Figure = matplotlib.figure.Figure
+figures = {name: value for name, value in names.items() if isinstance(value, Figure)}
+curves = names["simulated"]
 for name, figure in figures.items():
     figure.savefig(f"{name}.png")
 print("RESULTS " + json.dumps({
-    "figures": {name: sum(len(axes.get_lines()) for axes in figure.axes) for name, figure in figures.items()},
+    "figures": {
+        name: sum(len(axes.get_lines()) for axes in figure.axes) for name, figure in figures.items()
+    },
     "optimum": {int(rpm): float(best) for rpm, best in names["optimum"].items()},
-    "stored": {curve.strategy: dict(zip(curve.demand_nm, curve.stored)) for curve in names["simulated"]},
-    "ideal": {curve.strategy: dict(zip(curve.demand_nm, curve.settled)) for curve in names["simulated"]},
+    "stored": {curve.strategy: dict(zip(curve.demand_nm, curve.stored)) for curve in curves},
+    "ideal": {curve.strategy: dict(zip(curve.demand_nm, curve.settled)) for curve in curves},
 }))
 """
 
@@ -68,7 +73,7 @@ def test_the_papers_three_figures_are_drawn(results: dict[str, Any], installed: 
 
 
 def test_the_optimum_is_the_papers_equation(results: dict[str, Any]) -> None:
-    """Equation (20), T = 3 p^2 psi^2 omega / 4 R, holds where the iron and the bridge lose little."""
+    """Equation (20), T = 3 p^2 psi^2 omega / 4 R, holds where iron and bridge lose little."""
     assert results["optimum"].keys() == {"50", "100", "150"}
     best = [results["optimum"][rpm] for rpm in ("50", "100", "150")]
     assert best == sorted(best)
@@ -77,7 +82,9 @@ def test_the_optimum_is_the_papers_equation(results: dict[str, Any]) -> None:
 
 
 def test_simulated_stops_are_the_ideal_ones(results: dict[str, Any]) -> None:
-    """Within the figures of the README: a settled battery stores up to 1.6 % less than a rested one."""
+    """Within the figures of the README: a settled battery stores up to 1.6 % less than a rested
+    one.
+    """
     assert results["stored"].keys() == {"parallel_ratio", "parallel_free_travel", "series_optimal"}
     for strategy, stored in results["stored"].items():
         for demand, share in stored.items():

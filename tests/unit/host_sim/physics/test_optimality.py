@@ -29,7 +29,8 @@ def returned(
     with monkeypatch.context() as patch:
         patch.setattr(configuration, "image_of", scaled)
         keys = {
-            "initial_speed_kmh": SPEED_KMH, "demand_nm": demand_nm, "winding_temperature_c": temperature_c, "record_interval_s": 10.0
+            "initial_speed_kmh": SPEED_KMH, "demand_nm": demand_nm,
+            "winding_temperature_c": temperature_c, "record_interval_s": 10.0
         }  # fmt: skip
         engine = started(quarter(), keys)
     with engine:
@@ -37,7 +38,9 @@ def returned(
 
 
 def share_where_the_table_matters(demand_nm: float, factor: float, temperature_c: float) -> float:
-    """Return the kinetic energy (1) below the speed at which the table allows as much as the demand or the motor does."""
+    """Return the kinetic energy (1) below the speed at which the table allows as much as the demand
+    or the motor does.
+    """
     best = stops.optimum_map(quarter(), temperature_c)
     bound = factor * best.optimal_nm < np.minimum(demand_nm, best.limit_nm)
     fastest = float(np.max(best.speed_rad_s[bound])) * best.wheel_radius_m
@@ -49,7 +52,9 @@ def share_where_the_table_matters(demand_nm: float, factor: float, temperature_c
 def test_no_multiple_of_the_table_returns_more(
     monkeypatch: pytest.MonkeyPatch, demand_nm: float, temperature_c: float
 ) -> None:
-    """From 120 N m, where the table or the motor's limit always decides, to 20, where the table does so below 40 r/min only."""
+    """From 120 N m, where the table or the motor's limit always decides, to 20, where the table
+    does so below 40 r/min only.
+    """
     best = returned(monkeypatch, demand_nm, 1.0, temperature_c)
     found = {factor: returned(monkeypatch, demand_nm, factor, temperature_c) for factor in FACTORS}
     assert max(found.values()) <= best * 1.001

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steady states of the simulated drive, firmware and all, against the closed loss models of regen_table."""
+"""Steady states of the simulated drive, firmware and all, against the closed loss models of
+regen_table.
+"""
 
 import math
 

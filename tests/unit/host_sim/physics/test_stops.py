@@ -168,10 +168,12 @@ def test_half_the_step_changes_the_energy_of_a_stop_by_less_than_a_ten_thousandt
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_half_the_step_moves_a_stop_at_any_demand_by_less_than_a_ten_thousandth_of_the_kinetic_energy(
+def test_half_the_step_moves_a_stop_by_less_than_a_ten_thousandth_of_its_energy(
     strategy: str,
 ) -> None:
-    """Also where the motor brakes with 1 N m and its currents are inside the dead time's undecided zone half the time."""
+    """Also where the motor brakes with 1 N m and its currents are inside the dead time's undecided
+    zone half the time.
+    """
     for demand in DEMANDS_NM:
         whole, half = (
             share(quarter(strategy), demand, {"run.pieces": pieces}) for pieces in (1.0, 2.0)

@@ -277,7 +277,8 @@ def test_a_criterion_about_nothing_is_refused_with_file_and_key(
     assert done.returncode == 1
     assert (
         done.stderr
-        == "hubsim: mine.toml: criteria.short.value: no quantity 'run.distanse_m', did you mean run.distance_m?\n"
+        == "hubsim: mine.toml: criteria.short.value: no quantity 'run.distanse_m', did you mean"
+        " run.distance_m?\n"
     )
     assert list(tmp_path.iterdir()) == [path]
 
@@ -308,7 +309,8 @@ def test_list_explains_events_and_criteria(hubsim: Hubsim) -> None:
 
 
 HEAVY = {
-    "asammdf", "cffi", "dask", "distributed", "matplotlib", "numpy", "pandas", "pyarrow", "pydantic", "rich", "scipy",
+    "asammdf", "cffi", "dask", "distributed", "matplotlib", "numpy", "pandas", "pyarrow",
+    "pydantic", "rich", "scipy",
 }  # fmt: skip
 
 

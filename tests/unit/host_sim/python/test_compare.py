@@ -40,7 +40,8 @@ def test_another_grid_of_times_is_met_along_straight_lines() -> None:
 
 @pytest.mark.parametrize(
     ("tolerance", "within"),
-    [(Tolerance(), False), (Tolerance(absolute=0.5), True), (Tolerance(absolute=0.49), False), (Tolerance(relative=0.05), True),
+    [(Tolerance(), False), (Tolerance(absolute=0.5), True), (Tolerance(absolute=0.49), False),
+        (Tolerance(relative=0.05), True),
      (Tolerance(relative=0.04), False), (Tolerance(0.3, 0.02), True)],
 )  # fmt: skip
 def test_tolerances_are_absolute_and_of_the_peak(tolerance: Tolerance, within: bool) -> None:
@@ -98,7 +99,8 @@ def test_two_runs_are_done_and_compared(hubsim: Hubsim, tmp_path: Path) -> None:
     )  # the same currents through twice the resistance
     assert not copper["within"]
     assert found["distance_m"]["within"]
-    chosen = hubsim("compare", "stop", "stop", *QUICK, "--set-b", "plant.motor.phase_resistance_ohm=0.062", "--relative", "0.03", "--only",
+    chosen = hubsim("compare", "stop", "stop", *QUICK, "--set-b",
+        "plant.motor.phase_resistance_ohm=0.062", "--relative", "0.03", "--only",
                     "distance_m,vehicle.speed*", "--all")  # fmt: skip
     assert chosen.returncode == 0, chosen.stdout
     assert "vehicle.speed_m_per_s" in chosen.stdout

@@ -25,9 +25,11 @@ NAMES = [
 TIME = np.arange(0.0, 1.0001, 0.1)
 RESULT = RunResult(
     cycle="made up", strategy="series_optimal", vehicle="none", wheels=2, names=NAMES,
-    rows=np.stack([TIME, 10.0 - 10.0 * TIME, -20.0 * np.minimum(TIME / 0.5, 1.0), -30.0 * np.minimum(TIME / 0.5, 1.0),
+    rows=np.stack([TIME, 10.0 - 10.0 * TIME, -20.0 * np.minimum(TIME / 0.5, 1.0),
+        -30.0 * np.minimum(TIME / 0.5, 1.0),
                    np.where(TIME > 0.55, 11.0, 0.0), np.zeros(11)], axis=1),
-    account_j={"energy.copper_j": 5.0, "energy.turned_over_j": 100.0, "energy.residual_j": 1e-3, "energy.chemical_j": -40.0,
+    account_j={"energy.copper_j": 5.0, "energy.turned_over_j": 100.0, "energy.residual_j": 1e-3,
+        "energy.chemical_j": -40.0,
                "braking.chemical_j": -40.0, "braking.hydraulic_j": 10.0, "braking.shaft_j": -70.0},
     duration_s=1.0, distance_m=5.0, kinetic_energy_j=100.0, soc=(0.5, 0.6), stopped=True, cpu_s=0.1,
     parameters={"vehicle.mass_kg": 2.0},
@@ -185,8 +187,10 @@ def test_names_that_there_are_not_are_refused_before_the_run(drive: Drive) -> No
     for value, message in (
         (
             "max(vehicle.sped_m_per_s)",
-            "criteria.it.value: no quantity 'vehicle.sped_m_per_s', did you mean "
-            "vehicle.speed_m_per_s?",
+            (
+                "criteria.it.value: no quantity 'vehicle.sped_m_per_s', did you mean "
+                "vehicle.speed_m_per_s?"
+            ),
         ),
         ("plant.vehicle.mas_kg", "did you mean plant.vehicle.mass_kg?"),
         ("colour", "no quantity 'colour', 'hubsim list --signals'"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events and pedal traces against a vehicle that only notes what is set, and against the real one."""
+"""Events and pedal traces against a vehicle that notes what is set, and against the real one."""
 
 import math
 from pathlib import Path
@@ -117,8 +117,10 @@ def test_a_pedal_over_time_reaches_the_controllers_of_the_real_vehicle(drive: Dr
 def test_a_run_with_events_repeats_to_the_last_byte(drive: Drive, tmp_path: Path) -> None:
     path = tmp_path / "two.toml"
     path.write_text(
-        'initial_speed_kmh = 20\ndemand_nm = 30.0\nmax_duration_s = 0.8\n[events.a]\nat_s = 0.2\ninject = "abs"\nuntil_s = 0.4\n'
-        "[events.b]\nat_s = 0.3\nover_s = 0.1\nset.driver.brake_demand_nm = 50.0\n", encoding="utf-8",
+        'initial_speed_kmh = 20\ndemand_nm = 30.0\nmax_duration_s = 0.8\n'
+        '[events.a]\nat_s = 0.2\ninject = "abs"\nuntil_s = 0.4\n'
+        "[events.b]\nat_s = 0.3\nover_s = 0.1\nset.driver.brake_demand_nm = 50.0\n",
+        encoding="utf-8",
     )  # fmt: skip
     plant = {"sensors.current_noise_a": 0.4}
     name, chosen, beside = scenario.load(str(path), {})

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The layout for PlotJuggler, held against what that program reads, and against what can be recorded."""
+"""The layout for PlotJuggler, held against what that program reads, and against what can be
+recorded.
+"""
 
 import itertools
 import re
@@ -112,7 +114,9 @@ def test_plotjuggler_knows_every_element_and_every_attribute(recording: str | No
     assert root.tag == "root"
     check(root)
     tabs = root.findall("tabbed_widget/Tab")
-    assert int(root.find("tabbed_widget/currentTabIndex").attrib["index"]) < len(tabs)  # type: ignore[union-attr]
+    current = root.find("tabbed_widget/currentTabIndex")
+    assert current is not None
+    assert int(current.attrib["index"]) < len(tabs)
     for splitter in root.iter(
         "DockSplitter"
     ):  # PlotJuggler reads as many sizes, and fills as many areas, as "count" says

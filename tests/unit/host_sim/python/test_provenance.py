@@ -17,7 +17,8 @@ from regen_table import installation, provenance, schema
 DATE = "2026-03-01T10:20:30Z"
 QUICK = ("--set", "initial_speed_kmh=5", "--set", "demand_nm=60", "--set", "seed=7")
 KEYS = {
-    "program", "version", "commit", "configuration", "configuration_crc32", "scenario", "seed", "date",
+    "program", "version", "commit", "configuration", "configuration_crc32", "scenario", "seed",
+    "date",
 }  # fmt: skip
 
 

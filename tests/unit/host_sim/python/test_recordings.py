@@ -113,7 +113,8 @@ def test_the_same_seed_gives_the_same_recordings_and_another_one_does_not(
 
 
 def test_all_recordings_of_one_call_hold_the_same_signals(hubsim: Hubsim, tmp_path: Path) -> None:
-    done = hubsim("run", "stop", "--set", "initial_speed_kmh=5", "--signals", "time_s,vehicle.*", "--csv", "a.csv",
+    done = hubsim("run", "stop", "--set", "initial_speed_kmh=5", "--signals", "time_s,vehicle.*",
+        "--csv", "a.csv",
                   "--parquet", "a.parquet", "--mdf", "a.mf4", "--layout", "a.xml")  # fmt: skip
     assert done.returncode == 0, done.stderr
     names = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()[0].split(",")

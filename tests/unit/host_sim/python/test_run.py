@@ -257,7 +257,9 @@ def test_energy_is_conserved_in_every_scenario_with_every_effect_on(
     [name for name in EFFECTS if name.startswith(("motor.q_sat", "motor.cogging_t", "sensors."))],
 )
 def test_each_effect_is_switched_on_by_name(drive: Drive, effect: str) -> None:
-    """One at a time it moves the run, and with the others at their values but itself off, it does not."""
+    """One at a time it moves the run, and with the others at their values but itself off, it does
+    not.
+    """
     name, loaded, beside = scenario.load("stop", {"max_duration_s": 1.0, "noise": False})
     other = {"motor.cogging_per_turn": 276.0} if "cogging" in effect else {}
     off, on = (

@@ -33,8 +33,9 @@ STRATEGIES = ("parallel_ratio", "parallel_free_travel", "series_optimal")
 
 # ECE-15: s and km/h.
 ECE15 = (
-    (0, 0), (11, 0), (15, 15), (23, 15), (28, 0), (49, 0), (54, 15), (56, 15), (61, 32), (85, 32), (96, 0), (117, 0), (122, 15),
-    (124, 15), (133, 35), (135, 35), (143, 50), (155, 50), (163, 35), (176, 35), (188, 0), (195, 0),
+    (0, 0), (11, 0), (15, 15), (23, 15), (28, 0), (49, 0), (54, 15), (56, 15), (61, 32), (85, 32),
+    (96, 0), (117, 0), (122, 15), (124, 15), (133, 35), (135, 35), (143, 50), (155, 50), (163, 35),
+    (176, 35), (188, 0), (195, 0),
 )  # fmt: skip
 
 
@@ -51,7 +52,9 @@ class Run:
 
 
 def electric_torque(strategy: str, demand: Array, speed_rad_s: Array) -> tuple[Array, Array]:
-    """Braking torque of one motor in N·m for a demand, both as magnitudes, and the reason why it is less."""
+    """Braking torque of one motor in N·m for a demand, both as magnitudes, and the reason why it is
+    less.
+    """
     best = np.minimum(OPTIMUM_NM_PER_RAD_S * speed_rad_s, MOST_NM)
     offered, reason = {
         "parallel_ratio": (
@@ -121,8 +124,10 @@ def drive(strategy: str = "series_optimal", mass_kg: float = MASS_KG, cycle: str
         "energy_j": energy,
         "while_driving_j": while_driving,
         "while_braking_j": while_braking,
-        "residual_relative": abs(energy["traction"] - returned - heat - energy["stored_kinetic"])
-        / energy["traction"],
+        "residual_relative": (
+            abs(energy["traction"] - returned - heat - energy["stored_kinetic"])
+            / energy["traction"]
+        ),
         "braking_share_stored": returned / work,
         "reason_texts": dict(TEXTS),
     }

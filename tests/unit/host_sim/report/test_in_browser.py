@@ -23,8 +23,9 @@ BROWSER = next(
     filter(None, map(shutil.which, ("chromium-headless-shell", "chromium", "google-chrome"))), None
 )
 QUIET = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update",
-    "--disable-sync", "--disable-quic", "--hide-scrollbars",
+    "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--disable-quic", "--hide-scrollbars",
 )  # fmt: skip
 
 # What sticks out: of the page, of its picture. Tables may be wider than a telephone: they scroll in
@@ -41,11 +42,13 @@ addEventListener("load", () => {
       if (own.left < box.left - 8 || own.right > box.right + 8) out.push(text.textContent);
     }
   }
-  parent.postMessage(JSON.stringify({ scroll: document.documentElement.scrollWidth, wide, out }), "*");
+  parent.postMessage(JSON.stringify({ scroll: document.documentElement.scrollWidth, wide, out }),
+      "*");
 });
 """
 # A window cannot be as narrow as a telephone; a frame in it can.
-FRAME = """<!DOCTYPE html><title></title><script>addEventListener("message", (event) => { document.title = event.data; });</script>
+FRAME = """<!DOCTYPE html><title></title>
+<script>addEventListener("message", (event) => { document.title = event.data; });</script>
 <iframe src="index.html" style="width: %dpx; height: 2000px; border: 0"></iframe>
 """
 

@@ -31,9 +31,7 @@ def test_a_scale_of_one_value_still_has_a_span() -> None:
     assert axis.high - axis.low >= 5.0
 
 
-def test_thinning_keeps_every_peak_and_draws_no_more_than_four_points_in_two_thirds_of_a_pixel() -> (
-    None
-):
+def test_thinning_keeps_every_peak_in_four_points_for_two_thirds_of_a_pixel() -> None:
     random = np.random.default_rng(3)
     x = np.linspace(38.0, 392.0, 20_000)
     y = random.uniform(0.0, 100.0, x.size)

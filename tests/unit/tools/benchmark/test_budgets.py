@@ -19,7 +19,9 @@ def test_the_reference_compiler_is_held_to_the_goal_and_another_to_a_twentieth_m
 
 
 def test_a_goal_that_is_missed_says_so() -> None:
-    """By its median, by how far the dearest call lies above it, and by what 99 % or all of the calls take."""
+    """By its median, by how far the dearest call lies above it, and by what 99 % or all of the
+    calls take.
+    """
 
     def met(goal: run.Budget, median: int, p99: int, most: int) -> bool:
         return bool(run.verdict_of(goal, "x", {"median": median, "p99": p99, "max": most})["met"])

@@ -13,13 +13,16 @@ from benchmark import build, count, elf
 # IT, two that are not taken but are fetched, the return. outer: push, call, pop: 3 around
 # straight's 11.
 PROGRAM = """
-__attribute__((naked, noinline)) void straight(void) { __asm volatile(".rept 10\\n nop\\n .endr\\n bx lr"); }
-__attribute__((naked, noinline)) void loop(int n) { __asm volatile("nop\\n 1: subs r0, #1\\n bne 1b\\n bx lr" ::: "r0"); }
-__attribute__((naked, noinline)) void skipped(void) { __asm volatile("cmp sp, #0\\n itt eq\\n moveq r0, #1\\n moveq r1, #2\\n bx lr"); }
-__attribute__((naked, noinline)) void outer(void) { __asm volatile("push {r4, lr}\\n bl straight\\n pop {r4, pc}"); }
+#define NAKED __attribute__((naked, noinline))
+NAKED void straight(void) { __asm volatile(".rept 10\\n nop\\n .endr\\n bx lr"); }
+NAKED void loop(int n) { __asm volatile("nop\\n 1: subs r0, #1\\n bne 1b\\n bx lr" ::: "r0"); }
+NAKED void skipped(void) {
+    __asm volatile("cmp sp, #0\\n itt eq\\n moveq r0, #1\\n moveq r1, #2\\n bx lr");
+}
+NAKED void outer(void) { __asm volatile("push {r4, lr}\\n bl straight\\n pop {r4, pc}"); }
 __attribute__((noinline)) void begin(void) { __asm volatile(""); }
 int main(void) {
-    for (int i = 0; i < 100; i++) { straight(); loop(7); skipped(); outer(); } /* before begin(): must not count */
+    for (int i = 0; i < 100; i++) { straight(); loop(7); skipped(); outer(); } /* not counted */
     begin();
     for (int i = 1; i <= 1001; i++) { straight(); loop(i); skipped(); outer(); }
     return 0;

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The model of the chip: instructions counted by hand, and the protection of its frames by an independent one."""
+"""The model of the chip: instructions counted by hand, and the protection of its frames by an
+independent one.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +14,20 @@ from benchmark import build, elf, interrupt
 from benchmark.chip import TIM1_CR1, TIM1_RCR, TIM1_SR, TIM_DOWN, TIM_UPDATE, Chip
 from cantools.autosar.end_to_end import compute_profile2_crc
 
-# As in test_count.py: straight 11, loop(n) 2 n + 2, skipped 5 with two that are not taken, outer 14.
+# As in test_count.py: straight 11, loop(n) 2 n + 2, skipped 5 with two that are not taken, outer
+# 14.
 PROGRAM = """
 #define ASM __attribute__((naked, noinline, used))
 ASM void straight(void) { __asm volatile(".rept 10\\n nop\\n .endr\\n bx lr"); }
 ASM void loop(void) { __asm volatile("movs r0, #7\\n 1: subs r0, #1\\n bne 1b\\n bx lr"); }
-ASM void skipped(void) { __asm volatile("cmp sp, #0\\n itt eq\\n moveq r0, #1\\n moveq r1, #2\\n bx lr"); }
+ASM void skipped(void) {
+    __asm volatile("cmp sp, #0\\n itt eq\\n moveq r0, #1\\n moveq r1, #2\\n bx lr");
+}
 ASM void outer(void) { __asm volatile("push {r4, lr}\\n bl straight\\n pop {r4, pc}"); }
-ASM void wide(void) { __asm volatile("movw r0, #0x1234\\n movt r0, #0x4001\\n ldr.w r1, [r0]\\n str r1, [r0]\\n bx lr"); }
+ASM void wide(void) {
+    __asm volatile("movw r0, #0x1234\\n movt r0, #0x4001\\n"
+                   "ldr.w r1, [r0]\\n str r1, [r0]\\n bx lr");
+}
 __attribute__((noinline, used)) void background(void) { __asm volatile(""); }
 __attribute__((noinline, used)) void start(void) { for (;;) { background(); } }
 __attribute__((section(".table"), used)) void *const table[2] = {(void *)0x20001000, (void *)start};

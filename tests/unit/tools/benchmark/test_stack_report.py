@@ -14,10 +14,16 @@ from benchmark import elf, stack_report
 CHAIN = """
 #define ASM __attribute__((naked, noinline))
 ASM void leaf(void) { __asm volatile("str r4, [sp, #-4]!\\n pop {r4}\\n bx lr"); }
-ASM void middle(void) { __asm volatile("push {r4, lr}\\n sub sp, #104\\n bl leaf\\n add sp, #104\\n pop {r4, pc}"); }
-ASM void other(void) { __asm volatile("stmdb sp!, {r4-r8, lr}\\n bl leaf\\n ldmia sp!, {r4-r8, pc}"); }
+ASM void middle(void) {
+    __asm volatile("push {r4, lr}\\n sub sp, #104\\n bl leaf\\n add sp, #104\\n pop {r4, pc}");
+}
+ASM void other(void) {
+    __asm volatile("stmdb sp!, {r4-r8, lr}\\n bl leaf\\n ldmia sp!, {r4-r8, pc}");
+}
 ASM void top(void) { __asm volatile("push {r4, lr}\\n bl middle\\n bl other\\n pop {r4, pc}"); }
-ASM void handler(void) { __asm volatile("push {r0-r3, r5, lr}\\n bl other\\n pop {r0-r3, r5, pc}"); }
+ASM void handler(void) {
+    __asm volatile("push {r0-r3, r5, lr}\\n bl other\\n pop {r0-r3, r5, pc}");
+}
 int main(void) { top(); handler(); return 0; }
 """
 
@@ -41,7 +47,8 @@ def test_the_compilers_own_figure_counts_where_the_instructions_show_less(
     program: Callable[..., Path], tmp_path: Path
 ) -> None:
     image = program(
-        "__attribute__((noinline)) int f(int n) { volatile char b[300]; b[n] = 1; return b[0]; } int main(void) { return f(3); }"
+        "__attribute__((noinline)) int f(int n) { volatile char b[300]; b[n] = 1; return b[0]; }"
+        " int main(void) { return f(3); }"
     )
     frames = stack_report.compiled_frames([tmp_path])
     assert frames["f"] >= 300
@@ -50,7 +57,8 @@ def test_the_compilers_own_figure_counts_where_the_instructions_show_less(
 
 def test_recursion_has_no_bound(program: Callable[..., Path]) -> None:
     image = program(
-        "__attribute__((noinline)) int f(int n) { return n ? f(n - 1) * f(n / 3) + 1 : 1; } int main(void) { return f(9); }"
+        "__attribute__((noinline)) int f(int n) { return n ? f(n - 1) * f(n / 3) + 1 : 1; } int"
+        " main(void) { return f(9); }"
     )
     with pytest.raises(stack_report.StackError, match="recursion: f -> f"):
         stack_report.worst_path("main", elf.functions(image), {})
@@ -64,7 +72,8 @@ def test_a_call_through_a_pointer_has_no_bound(program: Callable[..., Path]) -> 
 
 def test_stack_of_variable_size_has_no_bound(program: Callable[..., Path], tmp_path: Path) -> None:
     program(
-        "__attribute__((noinline)) int f(int n) { volatile char b[n]; b[0] = 1; return b[0]; } int main(void) { return f(3); }"
+        "__attribute__((noinline)) int f(int n) { volatile char b[n]; b[0] = 1; return b[0]; } int"
+        " main(void) { return f(3); }"
     )
     with pytest.raises(stack_report.StackError, match="variable size"):
         stack_report.compiled_frames([tmp_path])

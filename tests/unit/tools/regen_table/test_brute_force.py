@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``solve`` against brute force over fine current grids, with the circuit written down a second time.
+"""``solve`` against brute force over fine current grids, with the circuit written down a second
+time.
 
 The reference below is in POWER-INVARIANT quantities, solves the iron-loss branch as a linear system
 instead of by a formula, and finds every optimum by scanning: nothing but the circuit laws is shared
 with the package.
 """
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -94,7 +96,9 @@ class Circuit:
 
 
 def zoom_1d(cost: Callable[[Array], Array], low: float, high: float) -> float:
-    """Return the argument of the smallest cost, by grids of 401 points that narrow around the best one."""
+    """Return the argument of the smallest cost, by grids of 401 points that narrow around the best
+    one.
+    """
     for _ in range(14):
         x = np.linspace(low, high, 401)
         best = int(np.argmin(cost(x)))
@@ -103,7 +107,8 @@ def zoom_1d(cost: Callable[[Array], Array], low: float, high: float) -> float:
 
 
 def zoom_2d(cost: Callable[[Array, Array], Array], half: float) -> tuple[float, float]:
-    """Return (i_d, i_q) of the smallest cost in a square: for every i_d of a narrowing grid, a narrowing grid of i_q.
+    """Return (i_d, i_q) of the smallest cost in a square: for every i_d of a narrowing grid, a
+    narrowing grid of i_q.
 
     A square grid would not do: on a limit that slants through it, the best point is the one next to
     the limit, not the one next to the optimum.
@@ -129,12 +134,16 @@ def zoom_2d(cost: Callable[[Array, Array], Array], half: float) -> tuple[float, 
 
 
 def close(found: float, expected: float, scale: float) -> bool:
-    """Within 0.1 %, or within rounding of the drive's own size where the expected value is next to nothing."""
+    """Within 0.1 %, or within rounding of the drive's own size where the expected value is next to
+    nothing.
+    """
     return abs(found - expected) <= TOLERANCE * abs(expected) + 1e-7 * scale
 
 
 def circuit_of(drive: schema.Drive, rng: np.random.Generator) -> tuple[Circuit, float, float]:
-    """Return a drive's circuit at a random speed (r/min) and winding temperature (degC), and these two."""
+    """Return a drive's circuit at a random speed (r/min) and winding temperature (degC), and these
+    two.
+    """
     speed, temperature = (
         float(drive.motor.max_speed_rpm * rng.uniform(0.03, 1.0)),
         float(rng.uniform(-20.0, 150.0)),
@@ -269,7 +278,8 @@ def check_joint(drive: schema.Drive, rng: np.random.Generator) -> None:
         return np.where(worst > 1e-9, 1e30 * (1.0 + worst), found[what])
 
     for suffix, strongest in (("", 1e9), ("_limited", limit)):
-        best = circuit.powers(*zoom_2d(lambda a, b, s=strongest: cost(a, b, "dc", s), K * most))  # type: ignore[misc]
+        bounded = functools.partial(cost, what="dc", strongest=strongest)
+        best = circuit.powers(*zoom_2d(bounded, K * most))
         found = record["dc_power_w" + suffix]
         # The scan can only be worse than the truth: it never beats what was solved, and comes
         # within 0.1 % of it.

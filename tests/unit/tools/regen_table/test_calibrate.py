@@ -18,7 +18,9 @@ SAMPLE_S = 1e-4
 
 
 def spun(speed_turn_per_s: Array) -> dict[str, Array]:
-    """Return what the channels show of a wheel at electrical speeds in turns per second, one a sample."""
+    """Return what the channels show of a wheel at electrical speeds in turns per second, one a
+    sample.
+    """
     turns = 0.13 + np.cumsum(speed_turn_per_s) * SAMPLE_S
     theta, emf = 2.0 * math.pi * turns, 0.02 * 2.0 * math.pi * speed_turn_per_s
     a, b, c = (-emf * np.sin(theta - k * 2.0 * math.pi / 3.0) for k in range(3))
@@ -49,7 +51,9 @@ def beside_deg(one: float, other: float) -> float:
 def test_edges_are_found_to_half_a_degree_in_either_direction_while_the_wheel_slows_down(
     direction: float,
 ) -> None:
-    """At 40 turns a second a sample is 1.4 deg, of which the middle is taken, and there are dozens of edges."""
+    """At 40 turns a second a sample is 1.4 deg, of which the middle is taken, and there are dozens
+    of edges.
+    """
     found = calibrate.calibrate(spun(direction * slowing_down()))
     for place, truth in zip(found.hall_edges, EDGES_DEG, strict=True):
         assert beside_deg(place.angle_deg, truth) < 0.5

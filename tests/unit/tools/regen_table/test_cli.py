@@ -112,7 +112,7 @@ def test_stop_answers_one_object_a_demand_and_strategy(capsys: pytest.CaptureFix
         40.0,
     ]
     assert len(answer(capsys, *arguments, "--strategy", "all")) == 6
-    (first, _) = answer(capsys, *arguments)
+    first, _ = answer(capsys, *arguments)
     assert first["strategy"] == "series_optimal"
     assert first["kinetic_energy_j"] == pytest.approx(sum(first["energy_j"].values()), rel=1e-9)
 
@@ -199,7 +199,10 @@ IMPOSSIBLE = {
     "negative resistance": (
         "phase_resistance_ohm",
         "-0.031",
-        "motor.phase_resistance_ohm: -0.031 is not accepted, accepted: a number from 1e-05 to 100 ohm",
+        (
+            "motor.phase_resistance_ohm: -0.031 is not accepted, accepted: a number from 1e-05 to"
+            " 100 ohm"
+        ),
     ),
     "torque beyond the current": (
         "max_phase_current_a",

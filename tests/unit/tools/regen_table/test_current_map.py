@@ -63,9 +63,7 @@ def test_the_stored_current_costs_no_braking_power_anywhere(drive: schema.Drive)
     assert current_audit.worst_power_loss(drive, current_audit.choose(drive)) <= 5e-4
 
 
-def test_temperature_is_an_axis_where_the_magnets_weaken_or_iron_loss_decides_and_none_elsewhere() -> (
-    None
-):
+def test_temperature_is_an_axis_only_where_magnets_weaken_or_iron_loss_decides() -> None:
     layers = {
         path.stem: current_audit.choose(schema.load(path)).current_d_mA.shape[0] for path in MOTORS
     }
@@ -97,7 +95,9 @@ def test_a_drive_whose_map_cannot_be_fine_enough_is_refused(
     monkeypatch.setattr(current_audit, "_grids", lambda drive, layers: [(20, 20)])
     with pytest.raises(
         ConfigurationError,
-        match=r"^motor.q_inductance_h: .* loses \d+\.\d+% of the energy .* accepted: at most 0\.02%",
+        match=(
+            r"^motor.q_inductance_h: .* loses \d+\.\d+% of the energy .* accepted: at most 0\.02%"
+        ),
     ):
         current_audit.choose.__wrapped__(drive)
 
@@ -159,8 +159,11 @@ def test_points_beside_the_curve_lose_less_than_points_on_it(path: Path) -> None
     table = dataclasses.replace(
         beside, current_d_mA=np.rint(1000.0 * on).astype(np.int32)[np.newaxis]
     )
-    speed, torque = np.meshgrid(np.linspace(0.0, 1.0, 41)[1:] * drive.motor.max_speed_rpm * math.pi / 30.0,
-                                np.linspace(-1.0, 1.0, 81) * drive.motor.max_torque_nm)  # fmt: skip
+    top_rad_s = drive.motor.max_speed_rpm * math.pi / 30.0
+    speed, torque = np.meshgrid(
+        np.linspace(0.0, 1.0, 41)[1:] * top_rad_s,
+        np.linspace(-1.0, 1.0, 81) * drive.motor.max_torque_nm,
+    )
     best = least(torque, speed).state.dc_power_w
     lost = [
         float(

@@ -46,7 +46,8 @@ def test_the_layout_is_the_compilers(tmp_path: Path) -> None:
         for name in fields:
             offset = header.ffi.offsetof("config_t", section, name)
             checks.append(
-                f'_Static_assert(offsetof(config_t, {section}.{name}) == {offset}, "{section}.{name}");'
+                f"_Static_assert(offsetof(config_t, {section}.{name}) == {offset},"
+                f' "{section}.{name}");'
             )
     source = tmp_path / "layout.c"
     source.write_text(
@@ -216,7 +217,8 @@ def test_what_the_controller_cannot_hold_is_refused_by_name(
     assert str(caught.value).startswith(expected), str(caught.value)
 
 
-# Optional keys of the paper's vehicle: what the field holds without the key, a value, what it holds then.
+# Optional keys of the paper's vehicle: what the field holds without the key, a value, what it holds
+# then.
 OPTIONAL_KEYS = [
     ("motor.speed_fade_share", "motor.speed_fade_share_q15", 1024, 0.25, 8192),
     (

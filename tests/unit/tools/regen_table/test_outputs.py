@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Output files are complete or absent, links stay links, streams are written to and never replaced."""
+"""Output files are complete or absent, links stay links, streams are never replaced."""
 
 import os
 import re
@@ -87,7 +87,9 @@ def test_a_fifo_is_written_to_and_stays_a_fifo(tmp_path: Path, write: Writer) ->
 
 
 def test_a_device_is_written_to_and_never_replaced(tmp_path: Path, write: Writer) -> None:
-    """Through a link in a directory of our own: a writer that replaces what a name stands for would harm that only."""
+    """Through a link in a directory of our own: a writer that replaces what a name stands for would
+    harm that only.
+    """
     link = tmp_path / "null"
     link.symlink_to("/dev/null")
     before = Path("/dev/null").stat()

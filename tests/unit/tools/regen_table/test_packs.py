@@ -34,7 +34,8 @@ def overvoltage(found: packs.Flow, power_w: float) -> float:
 @pytest.mark.parametrize("power_w", [-6000.0, -300.0, 4000.0])
 @pytest.mark.parametrize("duration_s", [2.0, 12.0, 90.0])
 def test_constant_power_follows_its_closed_solution(power_w: float, duration_s: float) -> None:
-    """Without R_s the current is P / (u_oc - u), so C du/dt = P/(u_oc - u) - u/R, whose time integrates by partial fractions.
+    """Without R_s the current is P / (u_oc - u), so C du/dt = P/(u_oc - u) - u/R, whose time
+    integrates by partial fractions.
 
     (u_oc - u) / [(u - a)(u - b)] with a, b the roots of u^2 - u_oc u + P R.
     """
@@ -147,9 +148,11 @@ def test_the_series_optimum_stays_the_best_with_a_branch_that_moves(
         top = 0.9 * drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
         for demand in drive.motor.rated_torque_nm * np.array([0.7, 4.0]):
             stored = {
-                s: stops.stop(
-                    drive, s, float(demand), top, 80.0, battery="dynamic"
-                ).stored_share_of_kinetic
+                s: (
+                    stops.stop(
+                        drive, s, float(demand), top, 80.0, battery="dynamic"
+                    ).stored_share_of_kinetic
+                )
                 for s in STRATEGIES
             }
             assert stored["series_optimal"] >= max(stored.values()) - 1e-9

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Properties that any right loss model has, on the paper's vehicle and on two hundred random drives."""
+"""Properties that any right loss model has, on the paper's vehicle and on two hundred random
+drives.
+"""
 
 import math
 from collections.abc import Callable

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every number of README.md that shows an error of the paper, computed again from the circuit, to its last digit."""
+"""Every number of README.md that shows an error of the paper, computed again from the circuit, to
+its last digit.
+"""
 
 import math
 import re
@@ -186,13 +188,17 @@ STATED: list[tuple[str, Numbers]] = [
         evidence_of_peak_flux,
     ),
     (
-        rf"sqrt\(3/2\) \* 0\.0204 = {N} Wb\. With 0\.0204 in \(21\), T_opt at 100 r/min is {N} instead of {N} N m",
+        (
+            rf"sqrt\(3/2\) \* 0\.0204 = {N} Wb\. With 0\.0204 in \(21\), T_opt at 100 r/min is {N}"
+            rf" instead of {N} N m"
+        ),
         flux_in_equation_21,
     ),
     (rf'it gives {N} "W", a gain, where {N} W are lost', battery_bracket),
     (rf"It gives {N} W instead of {N} W\.", printed_iron_loss),
     (
-        rf"in the inverter, {N} W instead of \+{N} W, and the optimum would move to {N} N m at 25 r/min, "
+        rf"in the inverter, {N} W instead of \+{N} W, and the optimum would move to {N} N m at 25"
+        r" r/min, "
         rf"where {N} % less power comes back than at the right {N} N m",
         signed_inverter_loss,
     ),
@@ -202,7 +208,10 @@ STATED: list[tuple[str, Numbers]] = [
         smaller_than_21,
     ),
     (
-        rf"-20 N m take {N} A, not the {N} A of T/\(1\.5 p psi\): a controller without that term brakes with {N} N m",
+        (
+            rf"-20 N m take {N} A, not the {N} A of T/\(1\.5 p psi\): a controller without that"
+            rf" term brakes with {N} N m"
+        ),
         torque_to_current,
     ),
     (rf"a stop from 40 km/h stores {N}, {N} and {N} % less at 40, 60 and 120 N m", region_one),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from regen_table import loops, relations, schema
+from regen_table import derived, loops, relations, schema
 from regen_table.errors import ConfigurationError
 
 MOTORS = Path(__file__).resolve().parents[4] / "tools" / "motors"
@@ -60,7 +60,10 @@ def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change
         ),
         (
             {"motor.phase_resistance_ohm": -0.03},
-            "motor.phase_resistance_ohm: -0.03 is not accepted, accepted: a number from 1e-05 to 100 ohm",
+            (
+                "motor.phase_resistance_ohm: -0.03 is not accepted, accepted: a number from 1e-05"
+                " to 100 ohm"
+            ),
         ),
         (
             {"motor.d_inductance_h": 0.0},
@@ -117,8 +120,10 @@ def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change
         ),
         (
             {"battery.charge_foldback_voltage_v": 58.4},
-            "battery.charge_foldback_voltage_v: 58.4 V, accepted: more than min_voltage_v = 40 V "
-            "and less than max_voltage_v = 58.4 V",
+            (
+                "battery.charge_foldback_voltage_v: 58.4 V, accepted: more than min_voltage_v = 40"
+                " V and less than max_voltage_v = 58.4 V"
+            ),
         ),
         (
             {"battery.discharge_foldback_voltage_v": 40.0},
@@ -126,11 +131,17 @@ def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change
         ),
         (
             {"motor.derate_winding_temperature_c": 150.0},
-            "motor.derate_winding_temperature_c: 150 degC, accepted: less than max_winding_temperature_c = 150",
+            (
+                "motor.derate_winding_temperature_c: 150 degC, accepted: less than"
+                " max_winding_temperature_c = 150"
+            ),
         ),
         (
             {"inverter.derate_switch_temperature_c": 150.0},
-            "inverter.derate_switch_temperature_c: 150 degC, accepted: less than max_switch_temperature_c = 150",
+            (
+                "inverter.derate_switch_temperature_c: 150 degC, accepted: less than"
+                " max_switch_temperature_c = 150"
+            ),
         ),
         (
             {
@@ -141,12 +152,17 @@ def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change
         ),
         (
             {"brake.stop_lamp_off_m_per_s2": 1.4},
-            "brake.stop_lamp_off_m_per_s2: 1.4 m/s2, accepted: at most stop_lamp_on_m_per_s2 = 1.3 m/s2",
+            (
+                "brake.stop_lamp_off_m_per_s2: 1.4 m/s2, accepted: at most stop_lamp_on_m_per_s2 ="
+                " 1.3 m/s2"
+            ),
         ),
         (
             {"monitor.overvoltage_v": 58.4},
-            "monitor.overvoltage_v: 58.4 V, accepted: more than battery.max_voltage_v = 58.4 V, "
-            "at most 61.74 V of inverter.voltage_full_scale_v = 61.8 V",
+            (
+                "monitor.overvoltage_v: 58.4 V, accepted: more than battery.max_voltage_v = 58.4 V,"
+                " at most 61.74 V of inverter.voltage_full_scale_v = 61.8 V"
+            ),
         ),
         (
             {"monitor.undervoltage_v": 40.0},
@@ -162,11 +178,15 @@ def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change
         ),
         (
             {"control.torque_growth_voltage_use": [0.96, 0.89]},
-            "control.torque_growth_voltage_use: [0.96, 0.89], accepted: [whole rate, none], at least 0.01 apart",
+            (
+                "control.torque_growth_voltage_use: [0.96, 0.89], accepted: [whole rate, none], at"
+                " least 0.01 apart"
+            ),
         ),
         (
             {"control.torque_growth_voltage_use": [0.8, 0.93]},
-            "control.torque_growth_voltage_use: no growth from 0.93 on, accepted: beyond the square 0.9387",
+            "control.torque_growth_voltage_use: no growth from 0.93 on, accepted: "
+            "beyond the square 0.9387",
         ),
         (
             {"rotor.hall_edges_deg": [0.0, 60.0, 120.0, 240.0, 180.0, 300.0]},
@@ -207,7 +227,7 @@ def test_reluctance_torque_counts_towards_the_largest_torque(change: Change) -> 
     best = max(
         1.5 * 23 * (flux + saliency * 75.0 * math.sin(a)) * 75.0 * math.cos(a) for a in angles
     )
-    assert relations.largest_torque_nm(drive, 75.0) == pytest.approx(best, rel=1e-6)
+    assert derived.largest_torque_nm(drive, 75.0) == pytest.approx(best, rel=1e-6)
 
 
 def test_a_back_emf_that_would_destroy_the_bridge_is_refused_unless_it_is_weakened(

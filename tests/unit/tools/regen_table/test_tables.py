@@ -23,6 +23,7 @@ from regen_table import (
     cli,
     current_audit,
     current_map,
+    derived,
     envelope,
     image,
     layout,
@@ -30,7 +31,6 @@ from regen_table import (
     margins,
     models,
     optimum,
-    relations,
     report,
     schema,
     tables,
@@ -57,7 +57,8 @@ def test_the_generator_reads_the_table_exactly_as_the_firmware_does(
     )
     ffi = cffi.FFI()
     ffi.cdef(
-        "int32_t loss_maps_torque_mNm(const void *config, int32_t speed_mrad_s, int32_t winding_temperature_cC);"
+        "int32_t loss_maps_torque_mNm(const void *config, int32_t speed_mrad_s, int32_t"
+        " winding_temperature_cC);"
     )
     firmware: Any = ffi.dlopen(str(library))
     drive = schema.load(path)
@@ -147,8 +148,11 @@ def test_a_grid_that_is_too_coarse_is_refused_with_the_smallest_one_that_suffice
 
     with pytest.raises(
         ConfigurationError,
-        match=r"^table\.speed_points, .* loses 0\.\d+% of the energy of the \w+ at \d+ degC, accepted: at most 0\.02%; "
-        r"the smallest grid that suffices is speed_points = \d+, temperature_points = \d+$",
+        match=(
+            r"^table\.speed_points, .* loses 0\.\d+% of the energy of the \w+ at \d+ degC,"
+            r" accepted: at most 0\.02%; "
+            r"the smallest grid that suffices is speed_points = \d+, temperature_points = \d+$"
+        ),
     ) as refused:
         report.collect(drive(9, 2))
     speeds, temperatures = (int(n) for n in re.findall(r"points = (\d+)", str(refused.value)))
@@ -183,7 +187,7 @@ def test_a_grid_beyond_the_room_or_the_steps_of_the_controller_is_refused_by_the
 
 
 def test_a_fast_motor_whose_d_current_hardly_depends_on_speed_is_accepted() -> None:
-    """Two speeds would do for its i_d, but a step of the controller's axis is at most 2^20 mrad/s."""
+    """Two speeds would do for its i_d, but a step of the axis is at most 2^20 mrad/s."""
     tree = tomllib.loads((ROOT / "tools" / "motors" / "ipm400v.toml").read_text(encoding="utf-8"))
     tree["motor"] |= {
         "type": "spmsm",
@@ -337,9 +341,12 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(
     ffi = cffi.FFI()
     ffi.cdef("""
         typedef struct { int32_t proportional_q10, integral_q15, anti_windup_q15; } pi_gains_t;
-        typedef struct { pi_gains_t d, q; int32_t w_l_d_q10, w_l_q_q10, forward_d_q25, forward_q_q25; int32_t rest[8]; } tuning_t;
-        tuning_t current_tuning(const void *config, int32_t limit_q15, int32_t v_dc_pu, int32_t speed_q32,
-                                     int32_t winding_temperature_cC);
+        typedef struct {
+            pi_gains_t d, q;
+            int32_t w_l_d_q10, w_l_q_q10, forward_d_q25, forward_q_q25, rest[8];
+        } tuning_t;
+        tuning_t current_tuning(const void *config, int32_t limit_q15, int32_t v_dc_pu,
+                                        int32_t speed_q32, int32_t winding_temperature_cC);
     """)
     firmware: Any = ffi.dlopen(str(library))
     drive = schema.load(path)
@@ -349,7 +356,7 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(
     limit = config.current_loop.modulation_limit_pu_q15
     full_scale, base = drive.inverter.voltage_full_scale_v, loops.bases(drive)
     largest: dict[str, float] = {}
-    buses = np.linspace(loops.undervoltage_trip_v(drive), relations.overvoltage_trip_v(drive), 7)
+    buses = np.linspace(loops.undervoltage_trip_v(drive), derived.overvoltage_trip_v(drive), 7)
     for winding_c in (drive.table.temperature_range_c[0], drive.motor.max_winding_temperature_c):
         for bus, share in itertools.product(buses, (-1.0, -0.5, 0.1, 1.0)):
             omega = share * drive.motor.max_speed_rpm * math.pi / 30.0 * drive.motor.pole_pairs
@@ -441,7 +448,9 @@ def test_a_grid_too_coarse_is_refused_before_anything_is_written(
     )
     with pytest.raises(
         ConfigurationError,
-        match=r"^table\.speed_points, table\.temperature_points: the grid loses 0\.\d+% of the energy",
+        match=(
+            r"^table\.speed_points, table\.temperature_points: the grid loses 0\.\d+% of the energy"
+        ),
     ):
         report.collect(schema.load(coarse))
     assert cli.main(["generate", str(coarse), "-o", str(tmp_path / "out")]) == 1

@@ -33,7 +33,8 @@ set_tests_properties(whole_cycle PROPERTIES LABELS full)
 """
 PRESETS = """
 {"version": 6,
- "configurePresets": [{"name": "host", "generator": "Ninja", "binaryDir": "${sourceDir}/build/host"}],
+ "configurePresets": [{"name": "host", "generator": "Ninja",
+  "binaryDir": "${sourceDir}/build/host"}],
  "buildPresets": [{"name": "host", "configurePreset": "host"}],
  "testPresets": [{"name": "host", "configurePreset": "host"}]}
 """
@@ -46,11 +47,15 @@ FILES = {
     "data/unread.csv": "1,2\n",
     "tests/unit/CMakeLists.txt": TESTS,
     "tests/unit/first.c": '#include "limit.h"\nint main(void) { return LIMIT != 3; }\n',
-    "tests/unit/second.c": "#include <stdlib.h>\n#include <string.h>\n"
-    'int main(void) { return strcmp(getenv("ANSWER"), "a b"); }\n',
+    "tests/unit/second.c": (
+        "#include <stdlib.h>\n#include <string.h>\n"
+        'int main(void) { return strcmp(getenv("ANSWER"), "a b"); }\n'
+    ),
     "tests/unit/reader.py": "import helper\nassert helper.rows() == 1\n",
-    "tests/unit/helper.py": "import pathlib\n"
-    "def rows(): return len(pathlib.Path(__file__).parents[2].joinpath('data/table.csv').read_text().split())\n",
+    "tests/unit/helper.py": (
+        "import pathlib\ndef rows(): return"
+        " len(pathlib.Path(__file__).parents[2].joinpath('data/table.csv').read_text().split())\n"
+    ),
 }
 
 
@@ -67,10 +72,10 @@ class Project:
         # An interpreter as the project's environment starts it, with the hook of its .pth file.
         self.write(
             "build/python",
-            f"#!/bin/sh\nPYTHONPATH={place}/tools exec {sys.executable} -c "
-            '\'import os, runpy, sys; "HUBFOC_OPENED" in os.environ and __import__("run_tests.opened");'
-            " sys.argv.pop(0); sys.path.insert(0, os.path.dirname(sys.argv[0]));"
-            ' runpy.run_path(sys.argv[0])\' "$@"\n',
+            f"#!/bin/sh\nPYTHONPATH={place}/tools exec {sys.executable} -c 'import os, runpy, sys;"
+            ' "HUBFOC_OPENED" in os.environ and __import__("run_tests.opened"); sys.argv.pop(0);'
+            " sys.path.insert(0, os.path.dirname(sys.argv[0])); runpy.run_path(sys.argv[0])'"
+            ' "$@"\n',
         )
         (place / "build/python").chmod(0o755)
         self.git("init", "-q")

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What absent keys of a drive stand for, and single numbers that follow from several keys.
+
+Plain scalar arithmetic, so that the simulator, which reads the same files, loads nothing more.
+"""
+
+import itertools
+import math
+
+from regen_table.sections import Drive
+
+FOLDBACK_SHARE = 0.98  # of max_voltage_v, where the charge current begins to fold back
+DERATING_K = 20.0  # below the largest temperature, where derating begins
+
+
+def foldback_voltage_v(drive: Drive) -> float:
+    """Bus voltage in V from which on the charge current folds back, to zero at max_voltage_v."""
+    wanted = drive.battery.charge_foldback_voltage_v
+    return FOLDBACK_SHARE * drive.battery.max_voltage_v if wanted is None else wanted
+
+
+def discharge_foldback_voltage_v(drive: Drive) -> float:
+    """Bus voltage in V below which the discharge current folds back, to zero at min_voltage_v."""
+    battery = drive.battery
+    wanted = battery.discharge_foldback_voltage_v
+    width = battery.max_voltage_v - foldback_voltage_v(drive)
+    return battery.min_voltage_v + width if wanted is None else wanted
+
+
+def derate_winding_temperature_c(drive: Drive) -> float:
+    """Winding temperature in degC where derating starts, to zero torque at the largest one."""
+    wanted = drive.motor.derate_winding_temperature_c
+    return drive.motor.max_winding_temperature_c - DERATING_K if wanted is None else wanted
+
+
+def derate_switch_temperature_c(drive: Drive) -> float | None:
+    """Switch temperature in degC where derating starts; None where switches are not watched."""
+    inverter = drive.inverter
+    hottest, wanted = inverter.max_switch_temperature_c, inverter.derate_switch_temperature_c
+    return hottest - DERATING_K if wanted is None and hottest is not None else wanted
+
+
+def omega_max(drive: Drive) -> float:
+    """Largest electrical speed in rad/s."""
+    return drive.motor.max_speed_rpm * math.pi / 30.0 * drive.motor.pole_pairs
+
+
+def line_emf_v(drive: Drive) -> float:
+    """Peak line-to-line back-EMF at the largest speed in V.
+
+    What a bridge that is off rectifies onto the bus.
+    """
+    return math.sqrt(3.0) * drive.motor.flux_linkage_wb * omega_max(drive)
+
+
+def overvoltage_trip_v(drive: Drive) -> float:
+    """Bus voltage in V at which the bridge must leave.
+
+    What battery and board stand, and the board can still see.
+    """
+    wanted = drive.monitor.overvoltage_v
+    stands = min(1.05 * drive.battery.max_voltage_v, 0.98 * drive.inverter.voltage_full_scale_v)
+    return stands if wanted is None else wanted
+
+
+def lowest_open_circuit_v(drive: Drive) -> float:
+    """Open-circuit voltage in V, at the lowest listed state of charge where it depends on it."""
+    voltage = drive.battery.open_circuit_voltage_v
+    return voltage if isinstance(voltage, float | int) else voltage[0][1]
+
+
+def initial_open_circuit_v(drive: Drive) -> float | None:
+    """Open-circuit voltage in V where work begins, clamped; None where initial_soc is absent."""
+    voltage, wanted_soc = drive.battery.open_circuit_voltage_v, drive.battery.initial_soc
+    if isinstance(voltage, float | int):
+        return voltage
+    if wanted_soc is None:
+        return None
+    for (soc, volts), (next_soc, next_volts) in itertools.pairwise(voltage):
+        if soc <= wanted_soc <= next_soc:
+            return volts + (next_volts - volts) * (wanted_soc - soc) / (next_soc - soc)
+    return voltage[0][1] if voltage[0][0] > wanted_soc else voltage[-1][1]
+
+
+def largest_torque_nm(drive: Drive, current_a: float) -> float:
+    """Largest torque in N m of a peak phase current at standstill, without iron loss.
+
+    T = 1.5 p (psi + (L_d - L_q) i_d) i_q on the circle i_d^2 + i_q^2 = I^2. With d = L_q - L_d the
+    best i_d solves 2 d i_d^2 - psi i_d - d I^2 = 0; the root below is the one with the larger
+    torque for either sign of d.
+    """
+    motor = drive.motor
+    saliency = motor.q_inductance_h - motor.d_inductance_h
+    psi = motor.flux_linkage_wb
+    i_d = 0.0
+    if saliency != 0.0:
+        root = math.sqrt(psi * psi + 8.0 * (saliency * current_a) ** 2)
+        i_d = -2.0 * saliency * current_a * current_a / (psi + root)
+    i_q = math.sqrt(max(current_a * current_a - i_d * i_d, 0.0))
+    return 1.5 * motor.pole_pairs * (psi - saliency * i_d) * i_q
