@@ -30,6 +30,7 @@ typedef struct {
     slow_output_t output;
     supervisor_counts_t counts;
     wheel_temperatures_t temperature;
+    torque_limits_t limits;
 } snapshot_t;
 
 /* The one instance: interrupts have no other way to find their data. Each member has one writer,
@@ -92,7 +93,7 @@ static void start_control(const config_t *config)
 
 void app_boot(void)
 {
-    const snapshot_t empty = {.counts = {0}};
+    static const snapshot_t empty = {.counts = {0}}; /* too large for the stack */
     const fast_input_t no_input = {.power_stage_fault = false};
     app.config = NULL;
     app.fast_cycles_worst = 0;
@@ -234,6 +235,7 @@ void app_millisecond_isr(void)
     snapshot_t *snapshot = &app.snapshot[double_buffer_high(&app.from_slow)];
     snapshot->output = controller_slow_step(&app.controller.slow, config, from_fast, &in, to_fast);
     snapshot->temperature = in.temperature;
+    snapshot->limits = *controller_limits(&app.controller.slow);
     snapshot->counts.fast_steps = from_fast->sequence;
     snapshot->counts.slow_steps = to_fast->sequence;
     snapshot->counts.monitor_steps = app.controller.slow.monitor.steps;
@@ -255,6 +257,7 @@ static report_status_t status_of(const snapshot_t *snapshot)
 {
     const report_status_t status = {
         .output = &snapshot->output,
+        .limits = &snapshot->limits,
         .node = &app.can.node,
         .fast_cycles_worst = app.fast_cycles_worst,
         .stack_free_bytes = memory_stack_free_bytes(),

@@ -3,11 +3,12 @@
 
 #include "hal/serial.h"
 
-enum { STATUS, WATCH, CAN, BOOT, CONFIG, VERSION, INSTALL, COMMANDS_COUNT };
+enum { STATUS, WATCH, LIMITS, CAN, BOOT, CONFIG, VERSION, INSTALL, COMMANDS_COUNT };
 
 static const shell_command_t COMMANDS[COMMANDS_COUNT] = {
     [STATUS] = {"status", "", "mode, reason, torque, speed, bus"},
     [WATCH] = {"watch", "", "the status every second, until the next key"},
+    [LIMITS] = {"limits", "", "every torque limit, which one is the tightest, and why"},
     [CAN] = {"can", "", "received frames and errors of each sender"},
     [BOOT] = {"boot", "", "what the self-tests found"},
     [CONFIG] = {"config", "[PREFIX]", "the configuration's fields that begin so"},
@@ -24,6 +25,15 @@ static bool answer_boot(const console_t *console, uint32_t number, text_t *line)
     return true;
 }
 
+/* The whole answer shows the table of one slow step, however long the line takes. */
+static bool answer_limits(console_t *console, uint32_t number, text_t *line)
+{
+    if (number == 0 && console->status.control) {
+        console->limits = *console->status.limits;
+    }
+    return report_limits(&console->status, &console->limits, number, line);
+}
+
 static bool answer(console_t *console, const shell_request_t *asked, text_t *line)
 {
     switch (asked->command) {
@@ -34,6 +44,8 @@ static bool answer(console_t *console, const shell_request_t *asked, text_t *lin
         console->watching = true;
         text_add(line, "any key ends it");
         return asked->number == 0;
+    case LIMITS:
+        return answer_limits(console, asked->number, line);
     case CAN:
         return report_can(&console->status, asked->number, line);
     case BOOT:

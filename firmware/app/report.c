@@ -5,6 +5,7 @@
 
 #include "app/commit.h"
 #include "app/config_lines.h"
+#include "torque/feasible_torque.h"
 
 #if !defined(HUBFOC_VERSION) || !defined(HUBFOC_PORT_NAME)
 #error "HUBFOC_VERSION and HUBFOC_PORT_NAME come from the build"
@@ -150,6 +151,79 @@ void report_status(const report_status_t *status, text_t *line)
     text_add_integer(line, (int32_t)status->stack_free_bytes);
     text_add(line, " B free, demand ");
     text_add(line, e2e_link_text(status->node->demand.link));
+}
+
+enum { DRIVING_COLUMN = 16, BRAKING_COLUMN = 30, REASON_COLUMN = 44 };
+
+static void add_winner(text_t *line, const char *side, const limit_t lines[TORQUE_LINE_COUNT])
+{
+    const torque_line_t tightest = torque_limits_tightest_line(lines);
+    text_add(line, side);
+    text_add_decimal(line, lines[tightest].torque_mNm, 3);
+    text_add(line, " N m, ");
+    text_add(line, torque_limits_line_text(tightest));
+    text_add(line, ": ");
+    text_add(line, reason_text(lines[tightest].reason));
+}
+
+static void add_bound(text_t *line, const limit_t lines[TORQUE_LINE_COUNT], torque_line_t at)
+{
+    if (lines[at].torque_mNm == FEASIBLE_UNBOUNDED) {
+        text_add(line, "-");
+        return;
+    }
+    text_add_decimal(line, lines[at].torque_mNm, 3);
+    text_add(line, at == torque_limits_tightest_line(lines) ? " *" : "");
+}
+
+/* A line has one reason; a side that it does not bound has none. */
+static void add_limit(text_t *line, const torque_limits_t *limits, torque_line_t at)
+{
+    const limit_t *driving = &limits->driving[at];
+    const limit_t *braking = &limits->braking[at];
+    text_add(line, torque_limits_line_text(at));
+    text_add_until(line, DRIVING_COLUMN);
+    add_bound(line, limits->driving, at);
+    text_add_until(line, BRAKING_COLUMN);
+    add_bound(line, limits->braking, at);
+    if (driving->torque_mNm != FEASIBLE_UNBOUNDED || braking->torque_mNm != FEASIBLE_UNBOUNDED) {
+        text_add_until(line, REASON_COLUMN);
+        text_add(line, reason_text(braking->torque_mNm != FEASIBLE_UNBOUNDED ? braking->reason
+                                                                             : driving->reason));
+    }
+}
+
+bool report_limits(const report_status_t *status, const torque_limits_t *limits, uint32_t number,
+                   text_t *line)
+{
+    enum { DRIVING, BRAKING, HEADING, FIRST_LINE };
+    if (!status->control) {
+        text_add(line, NO_CONTROL);
+        return number == 0;
+    }
+    switch (number) {
+    case DRIVING:
+        add_winner(line, "driving ", limits->driving);
+        return true;
+    case BRAKING:
+        add_winner(line, "braking ", limits->braking);
+        return true;
+    case HEADING:
+        text_add(line, "line");
+        text_add_until(line, DRIVING_COLUMN);
+        text_add(line, "driving N m");
+        text_add_until(line, BRAKING_COLUMN);
+        text_add(line, "braking N m");
+        text_add_until(line, REASON_COLUMN);
+        text_add(line, "reason");
+        return true;
+    default:
+        if (number - FIRST_LINE >= TORQUE_LINE_COUNT) {
+            return false;
+        }
+        add_limit(line, limits, (torque_line_t)(number - FIRST_LINE));
+        return true;
+    }
 }
 
 static void add_count(text_t *line, const char *words, uint32_t count)

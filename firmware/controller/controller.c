@@ -213,6 +213,11 @@ static dq_t sampled_reference_pu(const config_t *config, const current_setpoint_
     return out;
 }
 
+const torque_limits_t *controller_limits(const controller_slow_t *slow)
+{
+    return &slow->torque.table;
+}
+
 slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config,
                                    const fast_report_t *report, const slow_input_t *in,
                                    fast_setpoint_t *setpoint)

@@ -37,6 +37,27 @@ limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque
     return *tightest;
 }
 
+torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT])
+{
+    torque_line_t out = (torque_line_t)0;
+    for (torque_line_t line = 1; line < TORQUE_LINE_COUNT; line++) {
+        if (lines[line].torque_mNm < lines[out].torque_mNm) {
+            out = line;
+        }
+    }
+    return out;
+}
+
+const char *torque_limits_line_text(torque_line_t line)
+{
+    static const char *const TEXTS[TORQUE_LINE_COUNT] = {
+#define TORQUE_LINE_TEXT(name, deferrable) [TORQUE_LINE_##name] = #name,
+        TORQUE_LINES(TORQUE_LINE_TEXT)
+#undef TORQUE_LINE_TEXT
+    };
+    return line < TORQUE_LINE_COUNT ? TEXTS[line] : "unknown line";
+}
+
 /* A share of the motor's largest torque; from one on there is no bound. */
 static limit_t share_line(const config_t *config, int32_t share_q15, reason_t reason)
 {

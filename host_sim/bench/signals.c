@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "bench/signals.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -148,11 +149,27 @@ typedef struct {
 static const line_t VEHICLE_LINES[] = {BENCH_SIGNALS(LINE)};
 static const line_t ACCOUNT_LINES[] = {LEDGER_LIST(LEDGER_LINE) LEDGER_LIST(BRAKING_LINE)};
 static const line_t WHEEL_LINES[] = {WHEEL_SIGNALS(LINE)};
+/* Of the table of torque limits: the tightest bound of each side, and both bounds of each line,
+ * whose names begin with "limit_" and the line's. */
+static const line_t TIGHTEST_LINES[] = {
+    {"limit_driving_nm", VALUE, "N.m", "controller: tightest bound of the driving torque"},
+    {"limit_driving_reason", VALUE, "", "controller: its reason"},
+    {"limit_braking_nm", VALUE, "N.m", "controller: tightest bound of the motor's braking torque"},
+    {"limit_braking_reason", VALUE, "", "controller: its reason"}};
+static const line_t BOUND_LINES[] = {
+    {"driving_nm", VALUE, "N.m",
+     "controller: driving bound of this line of the limits, 2147483.6: none"},
+    {"braking_nm", VALUE, "N.m",
+     "controller: braking bound of this line of the limits, 2147483.6: none"}};
 
 enum {
     VEHICLE_COUNT = sizeof(VEHICLE_LINES) / sizeof(VEHICLE_LINES[0]),
     ACCOUNT_COUNT = sizeof(ACCOUNT_LINES) / sizeof(ACCOUNT_LINES[0]),
-    WHEEL_COUNT = sizeof(WHEEL_LINES) / sizeof(WHEEL_LINES[0]),
+    OWN_COUNT = sizeof(WHEEL_LINES) / sizeof(WHEEL_LINES[0]),
+    TIGHTEST_COUNT = sizeof(TIGHTEST_LINES) / sizeof(TIGHTEST_LINES[0]),
+    SIDES = sizeof(BOUND_LINES) / sizeof(BOUND_LINES[0]),
+    FIRST_BOUND = OWN_COUNT + TIGHTEST_COUNT,
+    WHEEL_COUNT = FIRST_BOUND + SIDES * TORQUE_LINE_COUNT,
     FIRST_OF_WHEELS = VEHICLE_COUNT + ACCOUNT_COUNT
 };
 _Static_assert(FIRST_OF_WHEELS + BENCH_WHEELS_MAX * WHEEL_COUNT <= SIGNALS_MAX,
@@ -163,6 +180,12 @@ int signals_count(const bench_t *bench)
     return (int)FIRST_OF_WHEELS + bench->wheels * (int)WHEEL_COUNT;
 }
 
+/* Of a wheel's signal, its place among them. */
+static int of_wheel(int index)
+{
+    return (index - (int)FIRST_OF_WHEELS) % (int)WHEEL_COUNT;
+}
+
 static const line_t *line_at(int index)
 {
     if (index < (int)VEHICLE_COUNT) {
@@ -171,7 +194,26 @@ static const line_t *line_at(int index)
     if (index < (int)FIRST_OF_WHEELS) {
         return &ACCOUNT_LINES[index - (int)VEHICLE_COUNT];
     }
-    return &WHEEL_LINES[(index - (int)FIRST_OF_WHEELS) % (int)WHEEL_COUNT];
+    const int place = of_wheel(index);
+    if (place < (int)OWN_COUNT) {
+        return &WHEEL_LINES[place];
+    }
+    return place < (int)FIRST_BOUND ? &TIGHTEST_LINES[place - (int)OWN_COUNT]
+                                    : &BOUND_LINES[(place - (int)FIRST_BOUND) % (int)SIDES];
+}
+
+/* "limit_max_torque_", the line's name in small letters; "" for other signals. */
+static void prefix_of(int index, char prefix[NAME_LENGTH])
+{
+    prefix[0] = '\0';
+    const int bound = of_wheel(index) - (int)FIRST_BOUND;
+    if (bound >= 0) {
+        snprintf(prefix, NAME_LENGTH, "limit_%s_",
+                 torque_limits_line_text((torque_line_t)(bound / (int)SIDES)));
+        for (char *at = prefix; *at != '\0'; at++) {
+            *at = (char)tolower((unsigned char)*at);
+        }
+    }
 }
 
 void signals_name(const bench_t *bench, int index, char *name, size_t size)
@@ -180,8 +222,10 @@ void signals_name(const bench_t *bench, int index, char *name, size_t size)
     if (index < (int)FIRST_OF_WHEELS) {
         snprintf(name, size, "%s", line_at(index)->name);
     } else {
-        snprintf(name, size, "wheel%d.%s", (index - (int)FIRST_OF_WHEELS) / (int)WHEEL_COUNT,
-                 line_at(index)->name);
+        char prefix[NAME_LENGTH];
+        prefix_of(index, prefix);
+        snprintf(name, size, "wheel%d.%s%s", (index - (int)FIRST_OF_WHEELS) / (int)WHEEL_COUNT,
+                 prefix, line_at(index)->name);
     }
 }
 
@@ -220,7 +264,9 @@ int signals_group(int index)
     if (index < (int)FIRST_OF_WHEELS) {
         return index < (int)VEHICLE_COUNT ? SIGNALS_OF_VEHICLE : SIGNALS_OF_ACCOUNTS;
     }
-    return (int)SIGNALS_OF_FIRST_WHEEL + (index - (int)FIRST_OF_WHEELS) / (int)WHEEL_COUNT;
+    const int first =
+        of_wheel(index) < (int)OWN_COUNT ? SIGNALS_OF_FIRST_WHEEL : SIGNALS_OF_FIRST_LIMITS;
+    return first + (index - (int)FIRST_OF_WHEELS) / (int)WHEEL_COUNT;
 }
 
 /* The values of one group in the order of its lines; written one after the other, so that the
@@ -247,6 +293,25 @@ static void read_wheel(const wheel_t *w, double *to)
     WHEEL_SIGNALS(READ)
 }
 
+static double *read_tightest(const limit_t lines[TORQUE_LINE_COUNT], double *to)
+{
+    const torque_line_t tightest = torque_limits_tightest_line(lines);
+    *to++ = 1e-3 * lines[tightest].torque_mNm;
+    *to++ = (double)lines[tightest].reason;
+    return to;
+}
+
+static void read_limits(const wheel_t *w, double *to)
+{
+    const torque_limits_t *table = controller_limits(&w->controller.slow);
+    to = read_tightest(table->driving, to);
+    to = read_tightest(table->braking, to);
+    for (int line = 0; line < (int)TORQUE_LINE_COUNT; line++) {
+        *to++ = 1e-3 * table->driving[line].torque_mNm;
+        *to++ = 1e-3 * table->braking[line].torque_mNm;
+    }
+}
+
 void signals_read_group(const bench_t *bench, int group, double values[SIGNALS_MAX])
 {
     switch (group) {
@@ -257,8 +322,14 @@ void signals_read_group(const bench_t *bench, int group, double values[SIGNALS_M
         read_accounts(bench, values + VEHICLE_COUNT);
         break;
     default: {
-        const int wheel = group - (int)SIGNALS_OF_FIRST_WHEEL;
-        read_wheel(&bench->wheel[wheel], values + FIRST_OF_WHEELS + wheel * (int)WHEEL_COUNT);
+        const bool own = group < (int)SIGNALS_OF_FIRST_LIMITS;
+        const int wheel = group - (int)(own ? SIGNALS_OF_FIRST_WHEEL : SIGNALS_OF_FIRST_LIMITS);
+        double *to = values + FIRST_OF_WHEELS + wheel * (int)WHEEL_COUNT;
+        if (own) {
+            read_wheel(&bench->wheel[wheel], to);
+        } else {
+            read_limits(&bench->wheel[wheel], to + OWN_COUNT);
+        }
         break;
     }
     }

@@ -4,6 +4,7 @@
  *
  *     status            mode, reason, torque, speed, bus, once
  *     watch             the same every second, until a key is typed
+ *     limits            every torque limit, which one is the tightest, and why
  *     can               received frames and errors of each sender
  *     boot              what the self-tests found
  *     config [PREFIX]   the configuration's fields
@@ -32,6 +33,7 @@ typedef struct {
     shell_t shell;
     const boot_report_t *boot;
     report_status_t status; /* of the latest pump */
+    torque_limits_t limits; /* in the answer that is being printed */
     uint32_t watched_ms;
     uint32_t now_ms; /* of the latest pump */
     bool watching;

@@ -16,12 +16,13 @@
 /* Present values for the lines below. */
 typedef struct {
     const slow_output_t *output;
+    const torque_limits_t *limits;
     const node_t *node;
     uint32_t
         fast_cycles_worst; /* of app_pwm_period_isr() since the start; 0 if the core cannot count */
     uint32_t stack_free_bytes;
     bool bus_off;
-    bool control; /* the control steps run; otherwise `output` and `node` are meaningless */
+    bool control; /* the control steps run; otherwise the pointers are meaningless */
 } report_status_t;
 
 /* Program, version, commit and port. */
@@ -41,6 +42,12 @@ bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line);
 
 /* Mode, reason, torque, speed, bus, and how much of the core is used, in one line. */
 void report_status(const report_status_t *status, text_t *line);
+
+/* The table of torque limits (torque_limits.h): the tightest bound for driving and for braking with
+ * its reason, then one line for each line of the table with both bounds in N m; "-" is no bound,
+ * the tightest has a "*". `limits` must be the same table for all lines of an answer. */
+bool report_limits(const report_status_t *status, const torque_limits_t *limits, uint32_t number,
+                   text_t *line);
 
 /* One line for each sender that this wheel receives, with its error counts since the start. */
 bool report_can(const report_status_t *status, uint32_t number, text_t *line);

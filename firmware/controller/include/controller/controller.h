@@ -89,6 +89,10 @@ fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *conf
  * last period before each slow step. */
 void controller_fast_report(const controller_fast_t *fast, fast_report_t *report);
 
+/* The table of all torque limits of the latest slow step, for shell, log and report. In the context
+ * of controller_slow_step(). */
+const torque_limits_t *controller_limits(const controller_slow_t *slow);
+
 /* Once per millisecond. */
 slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *config,
                                    const fast_report_t *report, const slow_input_t *in,

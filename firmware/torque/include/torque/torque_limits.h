@@ -85,6 +85,12 @@ limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *co
 /* The tightest of the lines from `begin` to the one before `end`; on a tie the first. */
 limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end);
 
+/* The line of the tightest bound; on a tie the first. For those who look at the table. */
+torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT]);
+
+/* "MAX_TORQUE" and so on; "unknown line" for a number not in the list. Never NULL. */
+const char *torque_limits_line_text(torque_line_t line);
+
 /* Deferrable: handed over to the hydraulic brake as fast as that arrives; else at once. */
 bool torque_limits_deferrable(torque_line_t line);
 

@@ -30,14 +30,16 @@ bool signals_is_rate(const bench_t *bench, int index);
 /* Index of a name, -1: there is none. */
 int signals_find(const bench_t *bench, const char *name);
 
-/* Signals are read by groups: vehicle, accounts ("energy." and "braking."), each wheel. */
+/* Signals are read by groups: vehicle, accounts ("energy." and "braking."), each wheel, and the
+ * table of torque limits of each wheel ("wheel0.limit_"). */
 enum {
     SIGNALS_OF_VEHICLE,
     SIGNALS_OF_ACCOUNTS,
     SIGNALS_OF_FIRST_WHEEL,
-    SIGNALS_GROUPS_MAX = SIGNALS_OF_FIRST_WHEEL + BENCH_WHEELS_MAX
+    SIGNALS_OF_FIRST_LIMITS = SIGNALS_OF_FIRST_WHEEL + BENCH_WHEELS_MAX,
+    SIGNALS_GROUPS_MAX = SIGNALS_OF_FIRST_LIMITS + BENCH_WHEELS_MAX
 };
-enum { SIGNALS_MAX = 1024 };
+enum { SIGNALS_MAX = 2048 };
 
 int signals_group(int index);
 

@@ -14,6 +14,7 @@ static console_t console;
 static boot_report_t boot;
 static slow_output_t output;
 static node_t node;
+static torque_limits_t limits;
 static report_status_t status;
 static char screen[65536];
 static uint32_t screen_bytes, line_takes;
@@ -43,7 +44,10 @@ void setUp(void)
 {
     boot = successful_boot();
     output = output_in_ready();
-    const report_status_t running = {.output = &output, .node = &node, .control = true};
+    torque_limits_state_t state;
+    torque_limits_init(&state, &limits);
+    const report_status_t running = {
+        .output = &output, .limits = &limits, .node = &node, .control = true};
     status = running;
     console_init(&console, &boot);
     screen_bytes = 0;
@@ -96,8 +100,8 @@ void test_greeting_is_the_banner_and_the_result_of_the_self_tests(void)
 void test_every_command_that_help_lists_has_an_answer(void)
 {
     type_and_wait("help\r");
-    static const char *const NAMES[] = {"help", "reasons", "status",  "watch",  "can",
-                                        "boot", "config",  "version", "install"};
+    static const char *const NAMES[] = {"help", "reasons", "status", "watch",   "limits",
+                                        "can",  "boot",    "config", "version", "install"};
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
         text_t line_begin;
         text_clear(&line_begin);
@@ -117,6 +121,43 @@ void test_every_command_that_help_lists_has_an_answer(void)
     type_and_wait("config motor.pole\r");
     assert_shows("\r\nmotor.pole_pairs ");
     TEST_ASSERT_EQUAL_INT(0, times_shown("unknown"));
+}
+
+void test_limits_are_printed_with_the_tightest_first(void)
+{
+    limits.driving[TORQUE_LINE_ROTOR] = limit_init(0, REASON_ROTOR_UNCERTAIN);
+    limits.braking[TORQUE_LINE_ABS] = limit_init(0, REASON_ABS);
+    type_and_wait("limits\r");
+    assert_shows("\ndriving 0.000 N m, ROTOR: ");
+    assert_shows("\nbraking 0.000 N m, ABS: ");
+    TEST_ASSERT_EQUAL_INT(2, times_shown(" * "));
+}
+
+/* The line takes a few bytes a pass, and every pass brings the table of another slow step. */
+void test_an_answer_to_limits_shows_the_table_of_one_slow_step(void)
+{
+    line_takes = 7;
+    keys = "limits\r";
+    for (int32_t pass = 0; pass < 1000; pass++) {
+        for (torque_line_t at = 0; at < TORQUE_LINE_COUNT; at++) {
+            limits.driving[at] = limit_init(1000 * pass, REASON_MAX_TORQUE);
+            limits.braking[at] = limits.driving[at];
+        }
+        pump(0);
+    }
+    TEST_ASSERT_TRUE(console_drained(&console));
+    text_t value;
+    text_clear(&value);
+    const char *first = strstr(screen, "driving ");
+    TEST_ASSERT_NOT_NULL(first);
+    first += strlen("driving ");
+    for (size_t i = 0; first[i] != ' '; i++) {
+        const char digit[2] = {first[i], '\0'};
+        text_add(&value, digit);
+    }
+    text_add(&value, " ");
+    /* The two winners, and both columns of the sixteen lines. */
+    TEST_ASSERT_EQUAL_INT(2 + 2 * (int)TORQUE_LINE_COUNT, times_shown(value.chars));
 }
 
 /* An answer of more than a thousand bytes through a buffer of a thousand. */

@@ -192,12 +192,15 @@ void test_the_shell_answers_while_the_wheel_turns(void)
     connect(&CONFIG_IMAGE);
     app_boot();
     host_run_for(10000);
-    host_serial_type("boot\rstatus\r");
+    host_serial_type("boot\rstatus\rlimits\r");
     while (time_running()) {
         app_background();
     }
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "self-test RAM: good"));
     TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), " rad/s, "));
+    /* Nothing is demanded yet, so torque is not enabled in either direction. */
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "driving 0.000 N m, "));
+    TEST_ASSERT_NOT_NULL(strstr(host_serial_output(), "\nENABLE          0.000"));
 }
 
 /* One firmware for four wheels: the configuration holds the wheel's address. */

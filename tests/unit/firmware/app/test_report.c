@@ -3,6 +3,7 @@
 
 #include "app/report.h"
 #include "boot_fixture.h"
+#include "torque/feasible_torque.h"
 #include "unity.h"
 
 static boot_report_t boot;
@@ -186,6 +187,98 @@ void test_status_without_control_is_only_boot(void)
     TEST_ASSERT_TRUE(report_can(&status, 0, &line));
     assert_in_line("BOOT, bridge off");
     TEST_ASSERT_FALSE(report_can(&status, 1, &line));
+}
+
+/* ---- torque limits ---- */
+
+/* The table as it is before the first step, which has no bound. */
+static torque_limits_t unbounded(void)
+{
+    torque_limits_state_t state;
+    torque_limits_t limits;
+    torque_limits_init(&state, &limits);
+    return limits;
+}
+
+static void read_limits(const torque_limits_t *limits)
+{
+    for (uint32_t i = 0; report_limits(&status, limits, i, &line); i++) {
+        keep();
+    }
+}
+
+void test_limits_begin_with_the_tightest_of_each_side_and_its_reason(void)
+{
+    torque_limits_t limits = unbounded();
+    limits.driving[TORQUE_LINE_MAX_TORQUE] = limit_init(40000, REASON_MAX_TORQUE);
+    limits.braking[TORQUE_LINE_MAX_TORQUE] = limit_init(40000, REASON_MAX_TORQUE);
+    limits.driving[TORQUE_LINE_WINDING] = limit_init(12345, REASON_WINDING_TEMPERATURE);
+    limits.braking[TORQUE_LINE_WINDING] = limit_init(12345, REASON_WINDING_TEMPERATURE);
+    limits.braking[TORQUE_LINE_LOSS_OPTIMUM] = limit_init(9000, REASON_LOSS_OPTIMUM);
+    read_limits(&limits);
+    assert_on_page("driving 12.345 N m, WINDING: winding temperature derating\n"
+                   "braking 9.000 N m, LOSS_OPTIMUM: more torque would return less energy\n"
+                   "line            driving N m   braking N m   reason\n");
+    assert_on_page("MAX_TORQUE      40.000        40.000        motor torque limit\n");
+    assert_on_page("WINDING         12.345 *      12.345        winding temperature derating\n");
+    assert_on_page(
+        "LOSS_OPTIMUM    -             9.000 *       more torque would return less energy\n");
+    assert_on_page("ABS             -             -\n");
+}
+
+void test_every_line_of_the_table_is_shown_once_with_both_bounds_and_its_reason(void)
+{
+    torque_limits_t limits = unbounded();
+    for (int at = 0; at < (int)TORQUE_LINE_COUNT; at++) {
+        limits.driving[at] = limit_init(2000 + at, (reason_t)(at + 1));
+        limits.braking[at] = limit_init(1000 + at, (reason_t)(at + 1));
+    }
+    read_limits(&limits);
+    const char *from = page;
+    for (int at = 0; at < (int)TORQUE_LINE_COUNT; at++) {
+        text_t shown;
+        text_clear(&shown);
+        text_add(&shown, "\n");
+        text_add(&shown, torque_limits_line_text((torque_line_t)at));
+        text_add_until(&shown, 17);
+        text_add_decimal(&shown, 2000 + at, 3);
+        text_add(&shown, at == 0 ? " *" : "");
+        text_add_until(&shown, 31);
+        text_add_decimal(&shown, 1000 + at, 3);
+        text_add(&shown, at == 0 ? " *" : "");
+        text_add_until(&shown, 45);
+        text_add(&shown, reason_text((reason_t)(at + 1)));
+        text_add(&shown, "\n");
+        from = strstr(from, shown.chars);
+        TEST_ASSERT_NOT_NULL_MESSAGE(from, shown.chars);
+        from++;
+    }
+}
+
+void test_the_reason_of_a_line_that_bounds_driving_alone_is_shown(void)
+{
+    torque_limits_t limits = unbounded();
+    limits.driving[TORQUE_LINE_MAX_SPEED] = limit_init(0, REASON_MAX_SPEED);
+    read_limits(&limits);
+    assert_on_page("MAX_SPEED       0.000 *       -             speed limit\n");
+}
+
+void test_the_largest_bound_and_the_longest_reason_are_complete(void)
+{
+    torque_limits_t limits = unbounded();
+    limits.braking[TORQUE_LINE_ELECTRIC_RATED] =
+        limit_init(FEASIBLE_UNBOUNDED - 1, REASON_ELECTRIC_RATED);
+    read_limits(&limits);
+    assert_on_page("2147483.646 *");
+    assert_on_page("rated electric braking torque of the parallel brake\n");
+}
+
+void test_limits_without_control_are_only_boot(void)
+{
+    status.control = false;
+    TEST_ASSERT_TRUE(report_limits(&status, NULL, 0, &line));
+    assert_in_line("BOOT, bridge off");
+    TEST_ASSERT_FALSE(report_limits(&status, NULL, 1, &line));
 }
 
 void test_longest_status_is_complete(void)

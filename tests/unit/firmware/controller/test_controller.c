@@ -267,6 +267,22 @@ void test_missing_motor_torque_is_moved_to_the_hydraulic_brake(void)
     TEST_ASSERT_EQUAL_INT32(30000, rig.out.hydraulic_torque_mNm);
 }
 
+void test_shown_reason_is_that_of_the_tightest_line(void)
+{
+    rig_start_running(&rig);
+    rig.follows = true;
+    rig.slow_in.temperature.winding_cC = (rig.config.motor.derate_winding_temperature_cC +
+                                          rig.config.motor.max_winding_temperature_cC) /
+                                         2;
+    rig.slow_in.demand.drive_torque_mNm = 2 * rig.config.motor.max_torque_mNm;
+    rig_run(&rig, 500);
+    const limit_t *driving = controller_limits(&rig.controller.slow)->driving;
+    const torque_line_t tightest = torque_limits_tightest_line(driving);
+    TEST_ASSERT_EQUAL_INT(TORQUE_LINE_WINDING, tightest);
+    TEST_ASSERT_EQUAL_INT(driving[tightest].reason, rig.out.torque_reason);
+    TEST_ASSERT_EQUAL_INT32(driving[tightest].torque_mNm, rig.out.motor_torque_command_mNm);
+}
+
 void test_demand_decays_at_the_torque_rate_after_a_timeout(void)
 {
     rig_start_running(&rig);

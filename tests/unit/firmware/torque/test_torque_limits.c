@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include <math.h>
+#include <string.h>
 
 #include "random_values.h"
 #include "reference_motor.h"
@@ -402,4 +403,33 @@ void test_no_permitted_braking_torque_exceeds_the_charge_current(void)
          * of the largest power, 2.1 W, is not limited. */
         TEST_ASSERT_TRUE(returned_w <= allowed_w + 0.5 + 2.1);
     }
+}
+
+/* ---- looking at the table ---- */
+
+void test_the_tightest_line_is_the_one_whose_reason_wins_also_on_a_tie(void)
+{
+    random_t random = random_seeded(11);
+    for (int n = 0; n < 20000; n++) {
+        limit_t lines[TORQUE_LINE_COUNT];
+        for (int at = 0; at < (int)TORQUE_LINE_COUNT; at++) {
+            lines[at] = limit_init(random_between(&random, 0, 5), (reason_t)(at + 1));
+        }
+        const limit_t winner = torque_limits_tightest(lines, (torque_line_t)0, TORQUE_LINE_COUNT);
+        const torque_line_t line = torque_limits_tightest_line(lines);
+        TEST_ASSERT_EQUAL_INT32(winner.torque_mNm, lines[line].torque_mNm);
+        TEST_ASSERT_EQUAL_INT(winner.reason, lines[line].reason);
+    }
+}
+
+void test_every_line_has_a_name_of_its_own(void)
+{
+    for (int at = 0; at < (int)TORQUE_LINE_COUNT; at++) {
+        for (int other = 0; other < at; other++) {
+            TEST_ASSERT_TRUE(strcmp(torque_limits_line_text((torque_line_t)at),
+                                    torque_limits_line_text((torque_line_t)other)) != 0);
+        }
+    }
+    TEST_ASSERT_EQUAL_STRING("LOSS_OPTIMUM", torque_limits_line_text(TORQUE_LINE_LOSS_OPTIMUM));
+    TEST_ASSERT_EQUAL_STRING("unknown line", torque_limits_line_text(TORQUE_LINE_COUNT));
 }

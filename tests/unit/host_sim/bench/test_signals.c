@@ -2,6 +2,7 @@
 /* Everything that can be watched has one name and one value. */
 #include "bench/signals.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "unity.h"
@@ -94,6 +95,47 @@ void test_signals_are_the_values_of_their_names(void)
                              value_of("braking.copper_j"));
     TEST_ASSERT_EQUAL_DOUBLE((double)MODE_RUN, value_of("wheel3.mode"));
     TEST_ASSERT_EQUAL_DOUBLE(25.0, value_of("wheel2.winding_temperature_c"));
+}
+
+/* By hand from the controller's table: names follow its lines, values are in N m. */
+void test_the_table_of_torque_limits_can_be_recorded_line_by_line(void)
+{
+    const torque_limits_t *table = controller_limits(&bench->wheel[2].controller.slow);
+    TEST_ASSERT_EQUAL_DOUBLE(1e-3 * table->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm,
+                             value_of("wheel2.limit_max_torque_driving_nm"));
+    TEST_ASSERT_EQUAL_DOUBLE(1e-3 * table->braking[TORQUE_LINE_LOSS_OPTIMUM].torque_mNm,
+                             value_of("wheel2.limit_loss_optimum_braking_nm"));
+    TEST_ASSERT_EQUAL_DOUBLE(1e-3 * table->braking[TORQUE_LINE_ABS].torque_mNm,
+                             value_of("wheel2.limit_abs_braking_nm"));
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, 2147483.6, value_of("wheel2.limit_loss_optimum_driving_nm"));
+    for (int line = 0; line < (int)TORQUE_LINE_COUNT; line++) {
+        const int first = signals_find(bench, "wheel2.limit_max_torque_driving_nm") + 2 * line;
+        TEST_ASSERT_EQUAL_DOUBLE(1e-3 * table->driving[line].torque_mNm,
+                                 signals_read(bench, first));
+        TEST_ASSERT_EQUAL_DOUBLE(1e-3 * table->braking[line].torque_mNm,
+                                 signals_read(bench, first + 1));
+    }
+}
+
+void test_the_tightest_bound_is_recorded_with_its_reason(void)
+{
+    const char *const sides[] = {"driving", "braking"};
+    for (int s = 0; s < 2; s++) {
+        char name[NAME_LENGTH];
+        snprintf(name, sizeof(name), "wheel1.limit_%s_nm", sides[s]);
+        const double bound_nm = value_of(name);
+        snprintf(name, sizeof(name), "wheel1.limit_%s_reason", sides[s]);
+        const int reason = (int)value_of(name);
+        const torque_limits_t *table = controller_limits(&bench->wheel[1].controller.slow);
+        const limit_t *lines = s == 0 ? table->driving : table->braking;
+        bool is_there = false;
+        for (int line = 0; line < (int)TORQUE_LINE_COUNT; line++) {
+            TEST_ASSERT_TRUE(bound_nm <= 1e-3 * lines[line].torque_mNm);
+            is_there = is_there || (bound_nm == 1e-3 * lines[line].torque_mNm &&
+                                    reason == (int)lines[line].reason);
+        }
+        TEST_ASSERT_TRUE(is_there);
+    }
 }
 
 void test_phase_currents_add_up_to_zero_and_turn_into_d_and_q(void)
