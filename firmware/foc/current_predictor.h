@@ -84,9 +84,8 @@ Q_TARGET_INLINE dq16_t current_predictor_step(current_predictor_t *predictor)
 {
     const dq16_t predicted = predictor->predicted_pu;
     const q_pair_t remaining = q_pair_difference(predictor->settled_pu.v, predicted.v);
-    const int32_t step_d_q31 = predictor->lag_q16 * q_pair_x(remaining);
-    const int32_t step_q_q31 = predictor->lag_q16 * q_pair_y(remaining);
-    predictor->predicted_pu.v = q_pair_add(predicted.v, Q_PAIR_SHIFTED(step_d_q31, 16, step_q_q31));
+    predictor->predicted_pu.v =
+        q_pair_add(predicted.v, q_pair_scale(remaining, predictor->lag_q16));
     return predicted;
 }
 

@@ -99,7 +99,6 @@ void encoder_step(encoder_t *encoder, const config_t *config, const encoder_inpu
     }
     encoder->last_count = in->count;
     encoder->position_counts += moved_counts;
-    encoder->age_periods = moved_counts != 0 ? 0 : q_min(encoder->age_periods + 1, UINT16_MAX);
     if (in->index) {
         process_index(encoder, encoder->position_counts +
                                    encoder->sign * difference(in->index_count, in->count));

@@ -4,8 +4,7 @@
  *
  * Input: a free-running 16-bit count of all four edges of a line, and the count captured at the
  * index pulse. The angle is the count since the index times the electrical angle of one count, plus
- * the configured angle at the index. Output: theta_turn, tracker.speed_q32, age_periods, faults,
- * valid.
+ * the configured angle at the index. Output: theta_turn, tracker.speed_q32, faults, valid.
  *
  * Validity: false until the first index; false after an index pulse outside
  * encoder_index_tolerance_counts of its expected place, until the next one confirms; false after a

@@ -15,24 +15,25 @@
 
 enum { FIELD_WEAKENING_PERIODS = 4 };
 
-void foc_current_step(foc_current_state_t *restrict state, const uint16_t *restrict codes,
-                      foc_period_t *restrict period)
+void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict codes)
 {
-    const sense_out_t sensed = sense_step(&state->sense, codes, state->on_q16);
+    foc_current_state_t *const current = &state->current;
+    foc_period_t *const period = &state->period;
+    const sense_out_t sensed = sense_step(&current->sense, codes, current->on_q16);
     period->current_sum_pu = sensed.sum_pu;
     const rotation_t angle = angle_rotation(period->rotor.theta_turn);
     const dq16_t i = transforms_park(sensed.i, angle);
     period->i_pu = i;
-    current_controller_step(&state->controller, &state->gains, state->reference_pu, i,
+    current_controller_step(&current->controller, &current->gains, current->reference_pu, i,
                             &period->voltage);
 
     /* The voltage acts in the next period: on average 1.5 periods after the sample. */
-    const rotation_t angle_applied = transforms_advance(angle, state->advance);
+    const rotation_t angle_applied = transforms_advance(angle, current->advance);
     const ab_t u = transforms_inverse_park(period->voltage.applied, angle_applied);
-    const dq16_t predicted = current_predictor_step(&state->predictor);
+    const dq16_t predicted = current_predictor_step(&current->predictor);
     const ab_t i_applied = transforms_inverse_park(predicted, angle_applied);
-    const abc_t trim = modulation_dead_time(state->slope, i_applied);
-    modulation_step(&state->modulation, u, trim, state->on_q16);
+    const abc_t trim = modulation_dead_time(current->slope, i_applied);
+    modulation_step(&current->modulation, u, trim, current->on_q16);
 }
 
 /* The next period's field-weakening current. A change of it re-applies the setpoint, also when it
@@ -57,8 +58,8 @@ static void weaken_field(foc_state_t *state, const config_t *config)
  * never meet. */
 static bool setpoint_is_due(foc_state_t *state)
 {
-    const bool edge =
-        state->rotor.sensor == CONFIG_ROTOR_HALL && state->period.rotor.age_periods == 0;
+    const rotor_state_t *rotor = &state->rotor;
+    const bool edge = rotor->sensor == CONFIG_ROTOR_HALL && rotor->hall.periods_since_edge == 0;
     state->postponed = edge && !state->postponed;
     return !state->postponed;
 }
@@ -73,11 +74,11 @@ static void add_sums(foc_sums_t *sums, const foc_period_t *period)
     sums->v_dc_pu += (uint32_t)period->v_dc_pu;
 }
 
-/* What both kinds of period begin and end with. */
-static void begin_period(foc_state_t *state, const config_t *config, const foc_input_t *in)
+/* What both kinds of period begin and end with. Returns the number of this period. */
+static uint32_t begin_period(foc_state_t *state, const config_t *config, const foc_input_t *in)
 {
     rotor_step(&state->rotor, config, in, &state->period.rotor);
-    state->step_count++;
+    return ++state->step_count;
 }
 
 static void end_period(foc_state_t *state, const foc_input_t *in)
@@ -89,12 +90,12 @@ static void end_period(foc_state_t *state, const foc_input_t *in)
 void foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
               const foc_input_t *in)
 {
-    begin_period(state, config, in);
+    const uint32_t step_count = begin_period(state, config, in);
     if (state->sequence != setpoint->sequence && setpoint_is_due(state)) {
         setpoint_apply(state, setpoint);
     }
-    foc_current_step(&state->current, in->phase_current_code, &state->period);
-    if (state->step_count % FIELD_WEAKENING_PERIODS == 0) {
+    foc_current_step(state, in->phase_current_code);
+    if (step_count % FIELD_WEAKENING_PERIODS == 0) {
         weaken_field(state, config);
     }
     end_period(state, in);
@@ -103,7 +104,7 @@ void foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t 
 void foc_idle_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,
                    const foc_input_t *in)
 {
-    begin_period(state, config, in);
+    (void)begin_period(state, config, in);
     idle_step(state, setpoint->calibrate_offsets, in->phase_current_code);
     end_period(state, in);
 }

@@ -13,20 +13,20 @@ void rotor_init(rotor_state_t *state, const config_t *config)
     encoder_init(&state->encoder, config);
 }
 
-rotor_out_t rotor_other_step(rotor_state_t *state, const config_t *config, const foc_input_t *in)
+void rotor_other_step(rotor_state_t *state, const config_t *config, const foc_input_t *in,
+                      rotor_out_t *out)
 {
-    rotor_out_t out = {.age_periods = 0, .faults = 0, .valid = true};
     if (state->sensor == CONFIG_ROTOR_ENCODER) {
         encoder_step(&state->encoder, config, &in->encoder);
-        out.theta_turn = state->encoder.theta_turn;
-        out.speed_q32 = state->encoder.tracker.speed_q32;
-        out.age_periods = state->encoder.age_periods;
-        out.faults = state->encoder.faults;
-        out.valid = state->encoder.valid;
+        out->theta_turn = state->encoder.theta_turn;
+        out->speed_q32 = state->encoder.tracker.speed_q32;
+        out->faults = state->encoder.faults;
+        out->valid = state->encoder.valid;
     } else {
         angle_tracker_step(&state->tracker, config, in->rotor_angle_turn);
-        out.theta_turn = (uint16_t)(state->tracker.theta_q32 >> 16);
-        out.speed_q32 = state->tracker.speed_q32;
+        out->theta_turn = (uint16_t)(state->tracker.theta_q32 >> 16);
+        out->speed_q32 = state->tracker.speed_q32;
+        out->faults = 0;
+        out->valid = true;
     }
-    return out;
 }

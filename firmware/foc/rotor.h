@@ -17,7 +17,8 @@
 void rotor_init(rotor_state_t *state, const config_t *config);
 
 /* Encoder or absolute angle. */
-rotor_out_t rotor_other_step(rotor_state_t *state, const config_t *config, const foc_input_t *in);
+void rotor_other_step(rotor_state_t *state, const config_t *config, const foc_input_t *in,
+                      rotor_out_t *out);
 
 /* out: always the same structure; unchanged fields are not written. */
 static inline void rotor_step(rotor_state_t *state, const config_t *config, const foc_input_t *in,
@@ -25,7 +26,7 @@ static inline void rotor_step(rotor_state_t *state, const config_t *config, cons
 {
     hall_t *hall = &state->hall;
     if (state->sensor != CONFIG_ROTOR_HALL) {
-        *out = rotor_other_step(state, config, in);
+        rotor_other_step(state, config, in, out);
         return;
     }
     if (!hall_extrapolate(hall, in->hall_state)) {
@@ -35,7 +36,6 @@ static inline void rotor_step(rotor_state_t *state, const config_t *config, cons
         out->valid = hall->valid;
     }
     out->theta_turn = (uint16_t)(hall->theta_q32 >> 16);
-    out->age_periods = hall->periods_since_edge;
 }
 
 #endif

@@ -53,8 +53,8 @@ Q_TARGET_INLINE sense_out_t sense_step(const sense_state_t *state,
     }
     const int32_t difference = q_saturate17(b_less_c);
     const int32_t doubled_beta =
-        difference + ((difference * SENSE_TWO_INV_SQRT3_LESS_ONE_Q17) >> 17);
-    const int32_t beta = q_saturate16((doubled_beta + 1) >> 1);
+        q_mac_q17(difference + 1, difference, SENSE_TWO_INV_SQRT3_LESS_ONE_Q17);
+    const int32_t beta = q_saturate16(doubled_beta >> 1);
     const sense_out_t out = {
         .i = {.v = q_pair(q_saturate16(alpha), beta)},
         .sum_pu = sum,

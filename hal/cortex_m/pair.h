@@ -81,6 +81,22 @@ PAIR_INLINE int32_t q_mac_lower(int32_t sum, int32_t a, int32_t b)
         return out;                                                                                \
     }
 
+PAIR_INLINE int32_t q_mac_q17(int32_t sum, int32_t a, int32_t b_q17)
+{
+    int32_t out;
+    __asm("smmla %0, %1, %2, %3" : "=r"(out) : "r"(a), "r"(b_q17 << 15), "r"(sum));
+    return out;
+}
+
+PAIR_INLINE q_pair_t q_pair_scale(q_pair_t a, int32_t factor_q16)
+{
+    int32_t x;
+    int32_t y;
+    __asm("smulwb %0, %1, %2" : "=r"(x) : "r"(factor_q16), "r"(a.xy));
+    __asm("smulwt %0, %1, %2" : "=r"(y) : "r"(factor_q16), "r"(a.xy));
+    return q_pair(x, y);
+}
+
 PAIR_TO_PAIR(q_pair_add, "sadd16")
 PAIR_TO_PAIR(q_pair_difference, "ssub16")
 PAIR_TO_PAIR(q_pair_subtract, "qsub16")

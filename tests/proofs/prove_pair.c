@@ -83,6 +83,24 @@ void prove_pair_sums(void)
     PROOF_END();
 }
 
+/* SMULWB and SMULWT give the upper 32 of a product's 48 bits, SMMLA with b 2^15 the upper word of
+ * 2^32 sum + 2^15 a b: the portable functions' own expressions, as long as these do not overflow.
+ */
+void prove_pair_scale(void)
+{
+    const q_pair_t a = q_pair(any_within(-32768, 32767), any_within(-32768, 32767));
+    const q_pair_t scaled = q_pair_scale(a, any_within(0, 65535));
+    PROMISE(q_pair_x(scaled) >= -32768 && q_pair_x(scaled) <= 32767);
+    PROMISE(q_pair_y(scaled) >= -32768 && q_pair_y(scaled) <= 32767);
+    PROOF_END();
+}
+
+void prove_mac_q17(void)
+{
+    (void)q_mac_q17(any_within(-131072, 131072), any_within(-65536, 65535), any_within(0, 32767));
+    PROOF_END();
+}
+
 /* SMUAD, SMUADX, SMUSD, SMUSDX, SMLABB, SMLATT compute the portable functions' own expressions
  * modulo 2^32 (DDI 0403). They agree as long as these do not overflow: never but for the excluded
  * sum. */

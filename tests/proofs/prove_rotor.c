@@ -118,7 +118,7 @@ void prove_angle_tracker(void)
     const foc_input_t in = {.rotor_angle_turn = nondet_uint16(), .hall_state = nondet_uint8()};
     rotor_out_t out;
     rotor_step(&state, &config, &in, &out);
-    PROMISE(out.valid && out.age_periods == 0);
+    PROMISE(out.valid && out.faults == 0);
     PROOF_END();
 }
 
@@ -127,8 +127,7 @@ void prove_angle_tracker(void)
 static bool encoder_invariant(const encoder_t *encoder)
 {
     return encoder->position_counts >= -INT32_C(200000) &&
-           encoder->position_counts <= INT32_C(200000) && encoder->age_periods >= 0 &&
-           encoder->age_periods <= 65535;
+           encoder->position_counts <= INT32_C(200000);
 }
 
 void prove_encoder(void)
@@ -157,7 +156,6 @@ void prove_encoder(void)
     encoder.tracker.started = nondet_bool();
     encoder.theta_turn = nondet_uint16();
     encoder.position_counts = nondet_int32();
-    encoder.age_periods = nondet_int32();
     encoder.last_count = nondet_uint16();
     encoder.faults = nondet_uint16();
     encoder.started = nondet_bool();

@@ -298,7 +298,10 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
 {
     const current_tuning_t loop_tuning = tuning_of(tuning);
     const dq_t no_target = {.d = 0, .q = 0};
-    foc_current_state_t state = {
+    foc_state_t foc = {
+        .period = {.i_reference_pu = dq_from(reference), .rotor = {.theta_turn = theta_turn}},
+    };
+    const foc_current_state_t state = {
         .gains = current_gains_of(&loop_tuning, 0, no_target),
         .advance = loop_tuning.advance,
         .reference_pu = dq16_from(reference),
@@ -306,19 +309,17 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
         .controller = integrators_of(loop->integrator_q30),
         .modulation = modulation_from(&loop->svpwm),
         .slope = slope_of(loop->dead_time),
+        .predictor = {.settled_pu = dq16_from(reference), .predicted_pu = dq16_from(reference)},
         .on_q16 = {loop->on_q16[0], loop->on_q16[1], loop->on_q16[2]},
     };
-    state.predictor.settled_pu = dq16_from(reference);
-    state.predictor.predicted_pu = state.predictor.settled_pu;
-    foc_period_t period = {.i_reference_pu = dq_from(reference),
-                           .rotor = {.theta_turn = theta_turn}};
-    foc_current_step(&state, codes, &period);
+    foc.current = state;
+    foc_current_step(&foc, codes);
     for (int x = 0; x < 3; x++) {
-        loop->on_q16[x] = state.on_q16[x];
+        loop->on_q16[x] = foc.current.on_q16[x];
     }
     const kernel_loop_out_t result = {
-        .i_dq = pair_of_dq(dq_of(period.i_pu)),
-        .voltage = voltage_of(period.voltage, &state.controller),
+        .i_dq = pair_of_dq(dq_of(foc.period.i_pu)),
+        .voltage = voltage_of(foc.period.voltage, &foc.current.controller),
     };
     loop->integrator_q30 = result.voltage.integrator_q30;
     return result;

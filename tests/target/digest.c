@@ -40,7 +40,6 @@ static void add_period(digest_t *digest, const foc_period_t *period)
 {
     const rotor_out_t *rotor = &period->rotor;
     add(digest, rotor->theta_turn);
-    add(digest, rotor->age_periods);
     add_dq(digest, period->i_reference_pu);
     add(digest, period->voltage.unsaturated_d);
     add(digest, period->voltage.unsaturated_q);

@@ -93,6 +93,18 @@ Q_TARGET_INLINE int32_t q_pair_im(q_pair_t a, q_pair_t b)
     return a.x * b.y + a.y * b.x;
 }
 
+/* a times a factor 0 .. 65 535, of which the whole part is kept: Q16 gives the format of a. */
+Q_TARGET_INLINE q_pair_t q_pair_scale(q_pair_t a, int32_t factor_q16)
+{
+    return q_pair((factor_q16 * a.x) >> 16, (factor_q16 * a.y) >> 16);
+}
+
+/* sum + a b / 2^17, rounded down; b 0 .. 32 767, the product and the result within 32 bits. */
+Q_TARGET_INLINE int32_t q_mac_q17(int32_t sum, int32_t a, int32_t b_q17)
+{
+    return sum + ((a * b_q17) >> 17);
+}
+
 /* sum + the lower halves of a and b, signed, multiplied; the result must be within 32 bits. */
 Q_TARGET_INLINE int32_t q_mac_lower(int32_t sum, int32_t a, int32_t b)
 {

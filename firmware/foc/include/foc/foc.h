@@ -82,8 +82,7 @@ static inline const int32_t *foc_on_times_q16(const foc_state_t *state)
 }
 
 /* The current controller from codes to on-times; a function of its own so that its cost can be
- * counted. period: rotor and reference are inputs, the rest is written. */
-void foc_current_step(foc_current_state_t *restrict state, const uint16_t *restrict codes,
-                      foc_period_t *restrict period);
+ * counted. Of state->period the rotor and the reference are inputs, the rest is written. */
+void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict codes);
 
 #endif

@@ -72,7 +72,6 @@ typedef struct {
     uint16_t theta_turn;
     uint32_t base_q32; /* angle of position 0: origin_q32, or the predicted angle after a jump */
     int32_t position_counts; /* forward from the last index; arbitrary origin before the first */
-    int32_t age_periods;     /* since a count, at most 65 535 */
     uint16_t last_count;
     uint16_t faults; /* wrapping */
     bool started;
@@ -155,7 +154,6 @@ typedef struct {
 typedef struct {
     uint16_t theta_turn; /* electrical, 65 536 = one turn */
     int32_t speed_q32;   /* electrical turns per PWM period, forward positive */
-    int32_t age_periods; /* since the last hall edge or count, 0 .. 65 535; 0: absolute angle */
     uint16_t faults;     /* wrapping count of readings that a healthy sensor cannot give */
     bool valid;          /* the angle may be used for torque; the speed is that of the angle */
 } rotor_out_t;
@@ -178,8 +176,8 @@ typedef struct {
 
 typedef struct {
     foc_period_t period; /* the latest */
-    rotor_state_t rotor;
     foc_current_state_t current;
+    rotor_state_t rotor;
     circle_t current_circle;
     reference_prefilter_t prefilter;
     field_weakening_t weakening;

@@ -28,15 +28,15 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
     if (in->v_dc_pu > state->overvoltage_pu) {
         return REASON_BUS_OVERVOLTAGE;
     }
-    if (in->slow_step_count == state->last_slow_step && in->switching) {
-        if (state->periods_left == 0) {
-            return REASON_PROGRAM_FLOW;
-        }
-        state->periods_left--;
-        return REASON_NONE;
+    int32_t periods_left = state->periods_left - 1;
+    if (in->slow_step_count != state->last_slow_step || !in->switching) {
+        state->last_slow_step = in->slow_step_count;
+        periods_left = state->stale_limit_periods;
     }
-    state->last_slow_step = in->slow_step_count;
-    state->periods_left = state->stale_limit_periods;
+    if (periods_left < 0) {
+        return REASON_PROGRAM_FLOW;
+    }
+    state->periods_left = periods_left;
     return REASON_NONE;
 }
 

@@ -2,6 +2,8 @@
 /* Pairs of 16 bits: ends of the range, and the products of complex numbers. */
 #include "core/pair.h"
 
+#include <math.h>
+
 #include "unity.h"
 
 static const int32_t VALUES[] = {-32768, -32767, -12345, -1, 0, 1, 7, 23170, 32766, 32767};
@@ -40,6 +42,11 @@ static void check(int32_t ax, int32_t ay, int32_t bx, int32_t by)
     TEST_ASSERT_EQUAL_INT32(ax * by - ay * bx, q_pair_cross(a, b));
     TEST_ASSERT_EQUAL_UINT32((uint32_t)(ax * ax) + (uint32_t)(ay * ay), q_pair_square(a));
     TEST_ASSERT_EQUAL_INT32(1000 + ax * bx, q_pair_mac_x(1000, a, b));
+    const int32_t factor_q16 = 2 * (by & 32767) + 1;
+    assert_pair((int32_t)floor(factor_q16 * ax / 65536.0),
+                (int32_t)floor(factor_q16 * ay / 65536.0), q_pair_scale(a, factor_q16));
+    TEST_ASSERT_EQUAL_INT32(ax + (int32_t)floor(ay * (double)factor_q16 / 131072.0),
+                            q_mac_q17(ax, ay, factor_q16));
     TEST_ASSERT_EQUAL_INT32(-1000 + ay * by, q_pair_mac_y(-1000, a, b));
 }
 
