@@ -152,7 +152,7 @@ static int64_t speed_of_bus_urad_s(const config_t *config, int32_t bus_voltage_m
 int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
                            const monitor_speed_input_t *in)
 {
-    const int64_t said_urad_s = INT64_C(1000) * q_abs(in->speed_mrad_s);
+    const int64_t sensor_urad_s = INT64_C(1000) * q_abs(in->speed_mrad_s);
     if (in->bridge == BRIDGE_SHORT) {
         look_at_short(state, config, in);
     } else {
@@ -161,13 +161,13 @@ int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
     const int32_t measured_mrad_s = measured(state);
     if (measured_mrad_s != MONITOR_SPEED_UNKNOWN) {
         state->bound_urad_s =
-            larger(INT64_C(1000) * measured_mrad_s, in->rotor_valid ? said_urad_s : 0);
+            larger(INT64_C(1000) * measured_mrad_s, in->rotor_valid ? sensor_urad_s : 0);
     } else {
         const bool too_early = in->bridge == BRIDGE_SHORT && state->windows < 2;
         const int32_t deceleration_mm_s2 =
             in->rotor_valid ? config->monitor.tyre_grip_mm_s2 : config->monitor.coasting_mm_s2;
         const int64_t fall = too_early ? 0 : fall_urad_s(config, deceleration_mm_s2);
-        state->bound_urad_s = larger(state->bound_urad_s - fall, said_urad_s);
+        state->bound_urad_s = larger(state->bound_urad_s - fall, sensor_urad_s);
     }
     if (emf_shows(state, config, in)) {
         state->bound_urad_s =

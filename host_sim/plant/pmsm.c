@@ -179,8 +179,7 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u,
     return flow;
 }
 
-/* i_t after an implicit step of  L di/dt = drive - r i - j w L i,  drive holding everything else.
- */
+/* i_t after one implicit step of L di/dt = drive - r i - j w L i; drive: all other voltages. */
 static plant_dq_t implicit_step(const pmsm_t *machine, const equations_t *eq, plant_dq_t before,
                                 double h, double r, plant_dq_t drive)
 {

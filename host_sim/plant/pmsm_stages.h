@@ -172,8 +172,12 @@ void pmsm_straight_advance(const equations_t *eq, const pmsm_opposition_t *oppos
                            pmsm_state_t *state, plant_ab_t u, double h, plant_phasor_t half_turn,
                            bool try_linear, pmsm_flow_t *flow);
 
-/* pmsm_saturated.c: one set of four stages; an implicit step of  d(flux)/dt = drive - r i - j w
- * flux  from i_t = before. */
+/* pmsm_saturated.c: one set of four stages.
+ *
+ * pmsm_saturated_implicit(): one implicit step from i_t = before of
+ *
+ *     d(flux)/dt = drive - r i - j w flux
+ */
 void pmsm_saturated_advance(const pmsm_t *machine, const equations_t *eq,
                             const pmsm_opposition_t *opposition, pmsm_state_t *state, plant_ab_t u,
                             double h, plant_phasor_t half_turn, pmsm_flow_t *flow);

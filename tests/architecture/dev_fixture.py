@@ -85,10 +85,10 @@ esac
 tests=$(sed -n 's/^add_test(.==.\\([^]]*\\)\\].*/\\1/p' CTestTestfile.cmake)
 total=$(echo "$tests" | wc -l) number=0
 for name in $tests; do
-    number=$((number + 1)) verdict=Passed
-    [ "$name" != "$BROKEN_TEST:physics" ] || verdict='***Failed'
+    number=$((number + 1)) outcome=Passed
+    [ "$name" != "$BROKEN_TEST:physics" ] || outcome='***Failed'
     echo "$name" >> "$CALLS.tests"
-    echo "$number/$total Test #$number: $name ......   $verdict    0.01 sec"
+    echo "$number/$total Test #$number: $name ......   $outcome    0.01 sec"
 done
 """
 

@@ -31,13 +31,13 @@ class DevSerialTest(DevFixture):
         board, line = pty.openpty()
         self.addCleanup(os.close, board)
         self.addCleanup(os.close, line)
-        heard = b""
+        received = b""
 
         def answer() -> None:
-            nonlocal heard
+            nonlocal received
             for waits_for, words in zip((b"install\r", b":00000001FF"), answers, strict=False):
-                while waits_for not in heard:
-                    heard += os.read(board, 4096)
+                while waits_for not in received:
+                    received += os.read(board, 4096)
                 os.write(board, words)
 
         listener = threading.Thread(target=answer, daemon=True)
@@ -48,16 +48,16 @@ class DevSerialTest(DevFixture):
             environment=environment,
         )
         listener.join(timeout=10)
-        return result, heard
+        return result, received
 
     PROMPT = b"> install\r\nsend the configuration as Intel HEX; ^C gives up\r\n> "
 
     def test_a_configuration_goes_over_the_serial_line_as_it_was_built(self) -> None:
-        result, heard = self.send_over_serial(
+        result, received = self.send_over_serial(
             self.PROMPT, b"accepted: configuration x\r\nwritten, restarting\r\n"
         )
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn(":0100000011EE\n:00000001FF", heard.decode().replace("\r", ""))
+        self.assertIn(":0100000011EE\n:00000001FF", received.decode().replace("\r", ""))
         self.assertEqual(result.stderr.splitlines()[-1], "Written; the board restarts with it")
 
     def test_what_the_board_says_against_a_configuration_is_passed_on(self) -> None:

@@ -67,8 +67,8 @@ def test_the_pure_modules_have_no_known_defects() -> None:
         )
         for part in halves(sources)
     ]
-    said = [job.communicate()[0] for job in jobs]
-    assert not any(job.returncode for job in jobs), "\n".join(said)
+    outputs = [job.communicate()[0] for job in jobs]
+    assert not any(job.returncode for job in jobs), "\n".join(outputs)
 
 
 def halves(items: list[str]) -> list[list[str]]:

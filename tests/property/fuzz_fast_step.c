@@ -2,9 +2,8 @@
 /*
  * The whole controller under a coverage-guided fuzzer: any configuration the validator accepts, any
  * codes, any order of fast and slow steps. Address and undefined-behaviour sanitizers watch the
- * arithmetic; the promises checked here are those that must hold whatever happens: on-times the
- * timer can make, a sampling window on every leg while switching, a valve that never opens a
- * tripped bridge.
+ * arithmetic. The checks here are properties of every run: on-times within the timer's range, a
+ * sampling window on every leg while switching, and no PWM after a trip.
  *
  * The input is read as a string of bytes. The first ones choose one of the configurations that come
  * with the project and change its fields, each to any value of its range, and a change that breaks

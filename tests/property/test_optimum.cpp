@@ -74,21 +74,21 @@ struct Breakdown {
 };
 
 void check_breakdown(const Drive &drive, const Circuit &at, const Vector2d &i,
-                     const Breakdown &said, double share, double power_share)
+                     const Breakdown &result, double share, double power_share)
 {
     const double power = at.dc_power_W(i);
     const circuit::Pack pack = circuit::pack(drive, drive.driven_wheels * power);
     const double all_W = drive.max_power_W;
     // Where the current limit is the strongest torque, the torque does not tell i_d from a little
     // more or less of it.
-    check_close("current_error_A", (Vector2d(said.d_A, said.q_A) - i).norm(), 0.0, 1.0,
+    check_close("current_error_A", (Vector2d(result.d_A, result.q_A) - i).norm(), 0.0, 1.0,
                 1e3 * share * i.norm() + EXACT * drive.max_current_A);
-    check_close("dc_W", said.dc_W, power, power_share, all_W);
-    check_close("battery_W", said.battery_W, pack.chemical_W, power_share, all_W);
-    check_close("loss_battery_W", said.loss_battery_W, pack.loss_W, share, all_W);
-    check_close("copper_W", said.copper_W, at.copper_W(i), share, all_W);
-    check_close("iron_W", said.iron_W, at.iron_W(i), share, all_W);
-    check_close("inverter_W", said.inverter_W, at.inverter_W(i), share, all_W);
+    check_close("dc_W", result.dc_W, power, power_share, all_W);
+    check_close("battery_W", result.battery_W, pack.chemical_W, power_share, all_W);
+    check_close("loss_battery_W", result.loss_battery_W, pack.loss_W, share, all_W);
+    check_close("copper_W", result.copper_W, at.copper_W(i), share, all_W);
+    check_close("iron_W", result.iron_W, at.iron_W(i), share, all_W);
+    check_close("inverter_W", result.inverter_W, at.inverter_W(i), share, all_W);
 }
 
 Breakdown breakdown(const values::Solved &s)
@@ -110,73 +110,73 @@ Breakdown breakdown(const values::Evaluated &e)
             e.loss_copper_w, e.loss_iron_w, e.loss_inverter_w, e.loss_battery_w};
 }
 
-void check_closed_form(const values::Solved &said)
+void check_closed_form(const values::Solved &result)
 {
-    const Drive &drive = drive_of(said);
-    const Circuit at = circuit_of(said);
+    const Drive &drive = drive_of(result);
+    const Circuit at = circuit_of(result);
     const std::string name = drive.name;
     SHOW(name);
     const auto best = at.best_without_d_current();
     const Vector2d i = best.value_or(Vector2d(0.0, 0.0));
-    CHECK(said.regeneration_possible == best.has_value());
-    check_close("torque_optimal_nm", said.torque_optimal_nm, at.torque_Nm(i), EXACT,
+    CHECK(result.regeneration_possible == best.has_value());
+    check_close("torque_optimal_nm", result.torque_optimal_nm, at.torque_Nm(i), EXACT,
                 drive.max_torque_Nm);
-    check_close("torque_idle_nm", said.torque_idle_nm, at.torque_Nm(Vector2d::Zero()), EXACT,
+    check_close("torque_idle_nm", result.torque_idle_nm, at.torque_Nm(Vector2d::Zero()), EXACT,
                 drive.max_torque_Nm);
-    check_breakdown(drive, at, i, breakdown(said), EXACT, EXACT);
+    check_breakdown(drive, at, i, breakdown(result), EXACT, EXACT);
     if (best) {
         const auto zero = circuit::minimum(
             at.direction() * at.torque_Nm, {},
             {no_d_current(drive), 1.0 / drive.max_power_W * at.dc_power_W}, 3.0 * i.norm(), STARTS);
         if (CHECK(zero.has_value())) {
-            check_close("torque_zero_nm", said.torque_zero_nm, at.torque_Nm(zero->at), EXACT,
+            check_close("torque_zero_nm", result.torque_zero_nm, at.torque_Nm(zero->at), EXACT,
                         drive.max_torque_Nm);
         }
     }
-    const double strongest = torque_limit_Nm(drive, said.speed_rpm * PI / 30.0);
+    const double strongest = torque_limit_Nm(drive, result.speed_rpm * PI / 30.0);
     const double clamped = std::clamp(at.torque_Nm(i), -strongest, strongest);
     const auto clamped_i = at.of_torque_without_d_current(clamped);
     if (!CHECK(clamped_i.has_value())) {
         return;
     }
-    check_close("torque_optimal_limited_nm", said.torque_optimal_limited_nm, clamped, EXACT,
+    check_close("torque_optimal_limited_nm", result.torque_optimal_limited_nm, clamped, EXACT,
                 drive.max_torque_Nm);
-    check_breakdown(drive, at, *clamped_i, limited(said), EXACT, EXACT);
+    check_breakdown(drive, at, *clamped_i, limited(result), EXACT, EXACT);
 }
 
-void check_joint(const values::Solved &said)
+void check_joint(const values::Solved &result)
 {
-    const Drive &drive = drive_of(said);
-    const Circuit at = circuit_of(said);
+    const Drive &drive = drive_of(result);
+    const Circuit at = circuit_of(result);
     const std::string name = drive.name;
     SHOW(name);
     const std::vector<Form> electrical = electrical_limits(drive, at);
-    const double speed = said.speed_rpm * PI / 30.0;
+    const double speed = result.speed_rpm * PI / 30.0;
     const auto best = circuit::minimum(
         at.dc_power_W, joined(electrical, braking_limits(drive, at, 1e3 * drive.max_torque_Nm)), {},
         drive.max_current_A, STARTS);
     if (!CHECK(best.has_value())) {
         return;
     }
-    CHECK(said.regeneration_possible == (best->value < 0.0));
-    check_close("torque_optimal_nm", said.torque_optimal_nm, at.torque_Nm(best->at), SEARCHED,
+    CHECK(result.regeneration_possible == (best->value < 0.0));
+    check_close("torque_optimal_nm", result.torque_optimal_nm, at.torque_Nm(best->at), SEARCHED,
                 drive.max_torque_Nm);
-    check_breakdown(drive, at, best->at, breakdown(said), SEARCHED, SEARCHED_POWER);
+    check_breakdown(drive, at, best->at, breakdown(result), SEARCHED, SEARCHED_POWER);
     const auto clamped = circuit::minimum(
         at.dc_power_W, joined(electrical, braking_limits(drive, at, torque_limit_Nm(drive, speed))),
         {}, drive.max_current_A, STARTS);
     if (!CHECK(clamped.has_value())) {
         return;
     }
-    check_close("torque_optimal_limited_nm", said.torque_optimal_limited_nm,
+    check_close("torque_optimal_limited_nm", result.torque_optimal_limited_nm,
                 at.torque_Nm(clamped->at), SEARCHED, drive.max_torque_Nm);
-    check_breakdown(drive, at, clamped->at, limited(said), SEARCHED, SEARCHED_POWER);
+    check_breakdown(drive, at, clamped->at, limited(result), SEARCHED, SEARCHED_POWER);
     const auto edge =
         circuit::minimum(at.direction() / drive.max_torque_Nm * at.torque_Nm,
                          joined(electrical, {1.0 / drive.max_power_W * at.dc_power_W}), {},
                          drive.max_current_A, STARTS);
     if (CHECK(edge.has_value())) {
-        check_close("torque_zero_nm", said.torque_zero_nm, at.torque_Nm(edge->at), SEARCHED,
+        check_close("torque_zero_nm", result.torque_zero_nm, at.torque_Nm(edge->at), SEARCHED,
                     drive.max_torque_Nm);
     }
 }
@@ -186,11 +186,11 @@ void check_joint(const values::Solved &said)
 static void test_solve_without_d_current_gives_the_stationary_points_of_the_circuit()
 {
     int possible = 0, asked = 0;
-    for (const values::Solved &said : values::SOLVED) {
-        if (!said.free_d_current) {
-            check_closed_form(said);
+    for (const values::Solved &result : values::SOLVED) {
+        if (!result.free_d_current) {
+            check_closed_form(result);
             asked++;
-            possible += said.regeneration_possible ? 1 : 0;
+            possible += result.regeneration_possible ? 1 : 0;
         }
     }
     CHECK(asked == 200);
@@ -200,9 +200,9 @@ static void test_solve_without_d_current_gives_the_stationary_points_of_the_circ
 static void test_solve_with_both_currents_gives_the_least_power_inside_all_limits()
 {
     int asked = 0;
-    for (const values::Solved &said : values::SOLVED) {
-        if (said.free_d_current && asked++ % EVERY == 0) {
-            check_joint(said);
+    for (const values::Solved &result : values::SOLVED) {
+        if (result.free_d_current && asked++ % EVERY == 0) {
+            check_joint(result);
         }
     }
     CHECK(asked == 200);
@@ -211,22 +211,22 @@ static void test_solve_with_both_currents_gives_the_least_power_inside_all_limit
 static void test_evaluate_gives_the_least_power_that_makes_a_torque()
 {
     int asked = 0, driving = 0;
-    for (const values::Evaluated &said : values::EVALUATED) {
-        if (said.free_d_current && !said.inside_limits) {
+    for (const values::Evaluated &result : values::EVALUATED) {
+        if (result.free_d_current && !result.inside_limits) {
             continue; // no currents inside the limits make it: nothing is promised but that it is
-                      // said
+                      // stated
         }
         if (asked++ % EVERY != 0) {
             continue;
         }
-        const Drive &drive = drive_of(said);
-        const Circuit at = circuit_of(said);
+        const Drive &drive = drive_of(result);
+        const Circuit at = circuit_of(result);
         const std::string name = drive.name;
         SHOW(name);
-        std::optional<Vector2d> i = at.of_torque_without_d_current(said.torque_nm);
-        if (said.free_d_current) {
+        std::optional<Vector2d> i = at.of_torque_without_d_current(result.torque_nm);
+        if (result.free_d_current) {
             const Form asked_for =
-                1.0 / drive.max_torque_Nm * at.torque_Nm + -said.torque_nm / drive.max_torque_Nm;
+                1.0 / drive.max_torque_Nm * at.torque_Nm + -result.torque_nm / drive.max_torque_Nm;
             const auto best = circuit::minimum(at.dc_power_W, electrical_limits(drive, at),
                                                {asked_for}, drive.max_current_A, STARTS);
             if (!CHECK(best.has_value())) {
@@ -237,13 +237,13 @@ static void test_evaluate_gives_the_least_power_that_makes_a_torque()
         if (!CHECK(i.has_value())) {
             continue;
         }
-        driving += said.torque_nm * said.speed_rpm > 0.0 ? 1 : 0;
-        const double share = said.free_d_current ? SEARCHED : EXACT;
-        check_breakdown(drive, at, *i, breakdown(said), share,
-                        said.free_d_current ? SEARCHED_POWER : EXACT);
-        check_close("voltage_d_v", said.voltage_d_v, at.voltage_V(*i)[0], share,
+        driving += result.torque_nm * result.speed_rpm > 0.0 ? 1 : 0;
+        const double share = result.free_d_current ? SEARCHED : EXACT;
+        check_breakdown(drive, at, *i, breakdown(result), share,
+                        result.free_d_current ? SEARCHED_POWER : EXACT);
+        check_close("voltage_d_v", result.voltage_d_v, at.voltage_V(*i)[0], share,
                     drive.open_circuit_V);
-        check_close("voltage_q_v", said.voltage_q_v, at.voltage_V(*i)[1], share,
+        check_close("voltage_q_v", result.voltage_q_v, at.voltage_V(*i)[1], share,
                     drive.open_circuit_V);
     }
     CHECK(asked > 300);

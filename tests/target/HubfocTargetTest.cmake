@@ -6,7 +6,7 @@
 #   hubfoc_add_qemu_test(NAME x ELF file-or-target [ARGUMENTS ..] [MACHINE ..] [SERIAL n]
 #     [MILLIONS n] [EXPECT_EXIT n]
 #                        [EXPECT regex ...] [SAME_AS program] [LABELS ...])
-#       MILLIONS of emulated instructions are the limit: the verdict is the same on a busy
+#       MILLIONS of emulated instructions are the limit: the result is the same on a busy
 #         machine. The limit in time follows
 #       from it, ten times what an idle machine takes (a thousand millions a second).
 #   hubfoc_add_unit_test(...)   the host's function of that name, so that the folders of

@@ -4,7 +4,7 @@
  *
  *     -plugin limit.so,instructions=NUMBER[,report=on]
  *
- * The verdict does not depend on how fast or how busy the machine is. The emulated program is
+ * The result does not depend on the speed or the load of the machine. The emulated program is
  * stopped at the end of the first block of code beyond the number, with exit status 124 and a line
  * on stderr. report: print the number of instructions when the emulator ends by itself.
  *

@@ -39,7 +39,7 @@ class Function:
     calls: set[str] = field(default_factory=set)
     """Functions it calls or jumps to."""
     return_sites: dict[str, list[int]] = field(default_factory=dict)
-    """Called function -> addresses of the instructions behind the calls."""
+    """Called function -> addresses of the instructions following the calls."""
     jumps: set[str] = field(default_factory=set)
     """Functions it leaves to by a jump, so that their return goes to its own caller."""
     words: set[int] = field(default_factory=set)
@@ -88,12 +88,12 @@ def _pushed(mnemonic: str, operands: str) -> int:
     return int(match.group(1)) if match and name.startswith("str") else 0
 
 
-def _note_jump_or_call(function: Function, mnemonic: str, operands: str, behind: int) -> None:
+def _note_jump_or_call(function: Function, mnemonic: str, operands: str, following: int) -> None:
     name = mnemonic.removesuffix(".w").removesuffix(".n")
     target = _TARGET.search(operands)
     if name == "bl" and target:
         function.calls.add(target.group(2))
-        function.return_sites.setdefault(target.group(2), []).append(behind)
+        function.return_sites.setdefault(target.group(2), []).append(following)
     elif name == "blx" and not target:
         function.indirect = True
     elif (

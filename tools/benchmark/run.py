@@ -157,7 +157,7 @@ def goal_with(compiler: str, budget: Budget) -> Budget:
     )
 
 
-def verdict_of(budget: Budget, config: str, value: dict[str, Any]) -> dict[str, Any]:
+def outcome_of(budget: Budget, config: str, value: dict[str, Any]) -> dict[str, Any]:
     """Compare one function's counts with its budget."""
     spread = value["max"] / value["median"]
     met = (
@@ -182,13 +182,13 @@ def judge(
 ) -> list[dict[str, Any]]:
     """Compare with the budgets. envelope: the slow step of each configuration on the first core."""
     goals = [goal_with(compiler, budget) for budget in BUDGETS]
-    verdicts = [
-        verdict_of(goal, config, cores[goal.core]["instructions"][goal.function]) for goal in goals
+    outcomes = [
+        outcome_of(goal, config, cores[goal.core]["instructions"][goal.function]) for goal in goals
     ]
     slow = goal_with(compiler, SLOW_BUDGET)
-    verdicts += [verdict_of(slow, name, value) for name, value in envelope.items()]
+    outcomes += [outcome_of(slow, name, value) for name, value in envelope.items()]
     size = sum(cores["cortex-m4"]["size_bytes"][CURRENT_LOOP].values())
-    verdicts.append(
+    outcomes.append(
         {
             "core": "cortex-m4",
             "config": config,
@@ -198,7 +198,7 @@ def judge(
             "met": size <= LOOP_BYTES_AT_MOST,
         }
     )
-    return verdicts
+    return outcomes
 
 
 def firmware_size(image: Path) -> dict[str, int] | None:
@@ -309,22 +309,22 @@ def show_interrupt(console: Console, measured: dict[str, Any]) -> None:
 
 def show_budgets(console: Console, budgets: list[dict[str, Any]]) -> None:
     """Print which budgets are met."""
-    for verdict in budgets:
+    for outcome in budgets:
         amount = (
-            f"{verdict['bytes']} of {verdict['bytes_at_most']} bytes"
-            if "bytes" in verdict
+            f"{outcome['bytes']} of {outcome['bytes_at_most']} bytes"
+            if "bytes" in outcome
             else (
-                f"{verdict['median']} of {verdict['median_at_most']} instructions, max/median"
-                f" {verdict['spread']}"
+                f"{outcome['median']} of {outcome['median_at_most']} instructions, max/median"
+                f" {outcome['spread']}"
             )
         )
-        if verdict.get("p99_at_most") is not None:
-            amount += f", 99 % within {verdict['p99']} of {verdict['p99_at_most']}"
-        if verdict.get("max_at_most") is not None:
-            amount += f", worst {verdict['max']} of {verdict['max_at_most']}"
-        name = FUNCTIONS.get(verdict["function"], "PWM interrupt")
-        what = f"{verdict['core']} {name}, {verdict['config']}"
-        console.print(f"{'met   ' if verdict['met'] else 'MISSED'}  {what}: {amount}")
+        if outcome.get("p99_at_most") is not None:
+            amount += f", 99 % within {outcome['p99']} of {outcome['p99_at_most']}"
+        if outcome.get("max_at_most") is not None:
+            amount += f", worst {outcome['max']} of {outcome['max_at_most']}"
+        name = FUNCTIONS.get(outcome["function"], "PWM interrupt")
+        what = f"{outcome['core']} {name}, {outcome['config']}"
+        console.print(f"{'met   ' if outcome['met'] else 'MISSED'}  {what}: {amount}")
 
 
 def show_sizes(console: Console, report: dict[str, Any]) -> None:
@@ -351,22 +351,22 @@ def write_json(path: Path, report: dict[str, Any]) -> None:
 
 
 def measure_interrupt(image: Path, compiler: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Measure the PWM interrupt of the linked image; returns it and its verdict."""
+    """Measure the PWM interrupt of the linked image; returns it and its outcome."""
     measured = interrupt.measure(image)
     goal = goal_with(compiler, INTERRUPT_BUDGET)
-    return measured, verdict_of(goal, measured["config"], measured["instructions"])
+    return measured, outcome_of(goal, measured["config"], measured["instructions"])
 
 
 def bench_interrupt(options: argparse.Namespace) -> int:
     """Only the PWM interrupt."""
     compiler = first_line([build.PREFIX + "gcc", "--version"])
-    measured, verdict = measure_interrupt(options.image, compiler)
-    report = {"compiler": compiler, "interrupt": measured, "budgets": [verdict]}
+    measured, outcome = measure_interrupt(options.image, compiler)
+    report = {"compiler": compiler, "interrupt": measured, "budgets": [outcome]}
     write_json(options.output, report)
     console = Console(stderr=False, width=None if sys.stdout.isatty() else 132)
     show_interrupt(console, measured)
-    show_budgets(console, [verdict])
-    return 0 if verdict["met"] else 1
+    show_budgets(console, [outcome])
+    return 0 if outcome["met"] else 1
 
 
 def bench(options: argparse.Namespace) -> int:
@@ -401,9 +401,9 @@ def bench(options: argparse.Namespace) -> int:
     }
     if options.only != "steps":
         console.print(f"{IMAGE_CORE} ...", style="dim")
-        measured, verdict = measure_interrupt(options.image, compiler)
+        measured, outcome = measure_interrupt(options.image, compiler)
         report["interrupt"] = measured
-        report["budgets"].append(verdict)
+        report["budgets"].append(outcome)
     write_json(options.output, report)
     show(console, report)
     if "interrupt" in report:

@@ -88,9 +88,9 @@ def dynamic(
     )
     voltage = chemical = heat = 0.0
     for power, step, decay, mean in zip(power_w, seconds, decays, means, strict=True):
-        behind = series_ohm + (1.0 - mean) * resistance
+        internal_ohm = series_ohm + (1.0 - mean) * resistance
         current = float(
-            models.battery_steady(open_circuit_v - mean * voltage, behind, power).current_a
+            models.battery_steady(open_circuit_v - mean * voltage, internal_ohm, power).current_a
         )
         chemical += open_circuit_v * current * step
         heat += (

@@ -147,8 +147,8 @@ def main(points: tuple[tuple[float, float], ...] = POINTS) -> list[dict[str, flo
         torques = on_motulator(config, speed_rad_s, brake_nm) | {
             "bench": on_bench(config, speed_rad_s, brake_nm)
         }
-        said = ", ".join(f"{name} {torque:.3f}" for name, torque in torques.items())
-        print(f"{speed_rad_s:g} rad/s, brake {brake_nm:g} N m: {said} N m")
+        listing = ", ".join(f"{name} {torque:.3f}" for name, torque in torques.items())
+        print(f"{speed_rad_s:g} rad/s, brake {brake_nm:g} N m: {listing} N m")
         found.append(torques)
     return found
 

@@ -6,13 +6,14 @@
  * For two contexts of one core, of which one (the high side: an interrupt) may interrupt the other
  * (the low side: a lower interrupt or the background) at any instruction, and never the other way
  * round. At any time each side owns one of the two buffers. Only the low side exchanges them, by
- * one store of one byte. So:
+ * one store of one byte.
  *
- *   - The high side reads the index at its start and it cannot change before its end, because the
- * low side does not run meanwhile. Its buffer is its own for the whole run.
- *   - The low side's buffer is its own until it exchanges them itself; the high side, running in
- * between any number of times, uses only the other one. Nothing is ever read half written, in
- * either direction.
+ * The high side reads the index at its start. It cannot change before its end, because the low side
+ * does not run meanwhile: the high side owns its buffer for its whole run.
+ *
+ * The low side owns its buffer until it exchanges the two itself. The high side may run any number
+ * of times in between and uses only the other one. So no value is read partly written, in either
+ * direction.
  *
  * Low to high: the low side fills its buffer completely, then double_buffer_swap(). High to low:
  * the high side fills its buffer completely, whenever it has something new, and then calls

@@ -6,8 +6,7 @@
  * The bound is the largest of
  *   - the valid sensor's speed, and the bound of the step before less monitor.tyre_grip, or less
  *     monitor.coasting while the sensor is not valid;
- *   - during an active short circuit, the speed from the quadrant transitions of the current
- * vector;
+ *   - in active short circuit, the speed from the quadrant transitions of the current vector;
  *   - in freewheel with a blind sensor, the speed at which the EMF reaches the bus voltage, once a
  *     diode current or a bus voltage above the trip has been qualified.
  * No current during a short circuit: standstill. Derivation and conditions: README, Speed bound.

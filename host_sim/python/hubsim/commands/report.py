@@ -22,9 +22,10 @@ def main(options: argparse.Namespace) -> int:
         name: options.config or engine.ROOT / "tools" / "motors" / f"{name}.toml" for name in names
     }
     known = {name: path for name, path in configs.items() if options.config or path.is_file()}
-    nothing = overrides.Overrides()
+    no_overrides = overrides.Overrides()
     maps = {
-        name: stops.optimum_map(overrides.load_drive(path, nothing)) for name, path in known.items()
+        name: stops.optimum_map(overrides.load_drive(path, no_overrides))
+        for name, path in known.items()
     }
     curves: list[report.CurveLike] = []
     if options.stops:

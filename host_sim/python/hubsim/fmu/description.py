@@ -85,11 +85,11 @@ class Description:
     @property
     def token(self) -> str:
         """What tells whether a description and a binary belong together."""
-        said = (
+        described = (
             repr((self.kind, self.variables, sorted(self.settings.items()), self.curve)).encode()
             + self.config.image
         )
-        return "{" + hashlib.sha256(said).hexdigest()[:32] + "}"
+        return "{" + hashlib.sha256(described).hexdigest()[:32] + "}"
 
 
 def describe(kind: str, path: Path) -> Description:

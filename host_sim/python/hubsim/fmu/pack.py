@@ -93,14 +93,14 @@ def _page(unit: Description) -> str:
         "configuration_crc32": provenance.crc32(unit.config.image),
     }
     meta = "".join(f'<meta name="hubfoc-{key}" content="{text}">' for key, text in origin.items())
-    said = ", ".join(f"{key.replace('_', ' ')} {text}" for key, text in origin.items())
+    origin_text = ", ".join(f"{key.replace('_', ' ')} {text}" for key, text in origin.items())
     rows = "\n".join(
         f"<tr><td>{v.name}<td>{v.role.lower()}<td>{v.unit}<td>{v.text}" for v in unit.variables
     )
     return (
         f'<!DOCTYPE html>\n<html lang="en"><meta charset="utf-8">{meta}'
         f"<title>{unit.identifier}</title>\n<h1>{unit.identifier}</h1>\n"
-        f"<p>{unit.text}\n<p>hubfoc, {said}\n"
+        f"<p>{unit.text}\n<p>hubfoc, {origin_text}\n"
         f"<table><tr><th>variable<th>role<th>unit<th>meaning\n{rows}\n</table></html>\n"
     )
 

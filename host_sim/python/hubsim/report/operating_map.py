@@ -89,7 +89,7 @@ def draw(run: RunLike, best: MapLike, chart: Chart, identity: str, title: str) -
             for px, py in zip(chart.x.px(found[0]), chart.y.px(found[1]), strict=True)
         )
         marks = element("path", d=dots, class_="dots")
-    said = element(
+    caption = element(
         "text",
         "no braking",
         x=0.5 * (LEFT + RIGHT),
@@ -102,7 +102,7 @@ def draw(run: RunLike, best: MapLike, chart: Chart, identity: str, title: str) -
         element("defs", inside),
         chart.frame("wheel speed, r/min", "Motor's braking torque, N·m", _KEYS),
         element("g", *curves, marks, clip_path=f"url(#{clip})"),
-        said if found is None else "",
+        caption if found is None else "",
         class_="traces chart",
     )  # fmt: skip
 

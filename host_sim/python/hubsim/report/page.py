@@ -247,24 +247,24 @@ def _flows(runs: list[RunLike], identity: str, called: str) -> Markup:
             else element("p", "not known", class_="soft")
         )
         figures.append(element("figure", element("figcaption", element("h3", title)), drawn))
-    said = [
+    sentences = [
         "Along the upper lane energy goes from the battery to the wheels, along the lower lane it "
         "comes back. Widths are to one scale."
     ]
     if any(flow.net for flow in known):
-        said.append(
+        sentences.append(
             "Where there is no upper lane, the battery gave nothing for driving: the vehicle's "
             "own motion is the source."
         )
     if any(flow.split for flow in known):
-        said.append(
+        sentences.append(
             "Losses are booked by what the driver does at that moment; the battery's part "
             "includes what its polarisation keeps."
         )
     if not all(flow.split for flow in known):
         where = " where no work at the wheels is named" if any(flow.split for flow in known) else ""
-        said.append(f"Losses are those of the whole run, driving and braking together{where}.")
-    return _block("Energy flow", " ".join(said), figures)
+        sentences.append(f"Losses are those of the whole run, driving and braking together{where}.")
+    return _block("Energy flow", " ".join(sentences), figures)
 
 
 def _points(runs: list[RunLike], identity: str, called: str, extras: Extras) -> Markup:
@@ -415,12 +415,12 @@ def _origin(runs: Sequence[RunLike]) -> Markup:
         "seed": "seed",
         "date": "date",
     }
-    said = [
+    sentences = [
         element("li", f"{title} ", element("code", found[key]))
         for key, title in titles.items()
         if key in found
     ]
-    return element("ul", *said, class_="origin", aria_label="Origin")
+    return element("ul", *sentences, class_="origin", aria_label="Origin")
 
 
 def _footer(command: str, runs: Sequence[RunLike], *, upright: bool) -> Markup:

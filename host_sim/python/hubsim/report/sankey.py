@@ -46,19 +46,19 @@ def describe(flow: Flow) -> str:
             or "nothing"
         )
 
-    said = []
+    sentences = []
     if not flow.net:
-        said.append(
+        sentences.append(
             f"{markup.kilojoules(flow.drawn_j)} from the battery's cells lose on the way to the "
             f"wheels: {listed(flow.upper)}."
         )
-        said.append(f"The road takes: {listed(flow.road)}.")
+        sentences.append(f"The road takes: {listed(flow.road)}.")
     if flow.joining:
-        said.append(f"The vehicle gives: {listed(flow.joining)}.")
-    said.append(f"Braking loses: {listed(flow.lower)}.")
+        sentences.append(f"The vehicle gives: {listed(flow.joining)}.")
+    sentences.append(f"Braking loses: {listed(flow.lower)}.")
     verb = "go back into the cells" if flow.returned_j >= 0.0 else "more are drawn from the cells"
-    said.append(f"{markup.kilojoules(abs(flow.returned_j))} {verb}.")
-    return " ".join(said)
+    sentences.append(f"{markup.kilojoules(abs(flow.returned_j))} {verb}.")
+    return " ".join(sentences)
 
 
 def _path(*commands: str | float) -> str:

@@ -79,14 +79,14 @@ def unsettled(curves: Sequence[CurveLike]) -> float:
 
 def describe(curves: Sequence[CurveLike]) -> str:
     """Say every simulated point in words."""
-    said = []
+    sentences = []
     for curve in curves:
         points = ", ".join(
             f"{markup.significant(demand)} N·m {markup.percent(stored)}"
             for demand, stored in zip(curve.demand_nm, curve.stored, strict=True)
         )
-        said.append(f"{_title(curve.strategy)}: {points}.")
-    return " ".join(said)
+        sentences.append(f"{_title(curve.strategy)}: {points}.")
+    return " ".join(sentences)
 
 
 def table(curves: Sequence[CurveLike]) -> Markup:

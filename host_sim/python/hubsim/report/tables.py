@@ -58,11 +58,11 @@ def stored_share(run: RunLike) -> float:
 
     Worked out where the run does not say.
     """
-    said = reading.as_number(run.summary.get("braking_share_stored"))
+    summary_share = reading.as_number(run.summary.get("braking_share_stored"))
     work = reading.energy_j(run, "braking_at_wheels")
     return (
-        said
-        if math.isfinite(said) or not work > 0.0
+        summary_share
+        if math.isfinite(summary_share) or not work > 0.0
         else reading.energy_j(run, "battery_returned") / work
     )
 

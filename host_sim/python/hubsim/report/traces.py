@@ -23,7 +23,7 @@ LANE = 9.0
 LANE_PITCH = 27.0
 AXIS = 32.0
 DENSE_S = 400.0  # longer runs are drawn with finer lines
-CONSTANT = 1e-6  # a quantity that varies less, relative, is said instead of drawn
+CONSTANT = 1e-6  # a quantity that varies less, relative, is described in words instead of drawn
 FIRST_FAULT = 64  # reason codes from here on are faults
 
 
@@ -116,19 +116,21 @@ def draw(run: RunLike, shared: Layout, identity: str, title: str) -> Markup:
 
 def describe(run: RunLike, shared: Layout) -> str:
     """Say the extremes of every curve in words."""
-    said = []
+    sentences = []
     for panel, _, _ in shared.panels:
         for curve in panel.curves:
             values = (curve.value or curve.of)(run)
             if values is not None:
                 low, high = float(np.nanmin(values)), float(np.nanmax(values))
                 name = f"{panel.title}, {curve.name}" if len(panel.curves) > 1 else panel.title
-                said.append(
+                sentences.append(
                     f"{name}: {markup.significant(low)} to {markup.significant(high)} {panel.unit}."
                 )
     for code, text, _ in shared.reasons:
-        said.append(f"Torque limited by: {text}, for {markup.significant(_lasting(run, code))} s.")
-    return " ".join(said)
+        sentences.append(
+            f"Torque limited by: {text}, for {markup.significant(_lasting(run, code))} s."
+        )
+    return " ".join(sentences)
 
 
 def readout(run: RunLike, shared: Layout, samples: int = 400) -> dict[str, object] | None:
@@ -291,14 +293,14 @@ def _constant(run: RunLike, panel: Panel, top: float) -> Markup:
         )
         levels.setdefault(level, []).append(curve)
     if len(levels) == 1 and len(panel.curves) > 1:
-        said = [element("tspan", next(iter(levels)), class_="key", dx="10")]
+        sentences = [element("tspan", next(iter(levels)), class_="key", dx="10")]
     else:
-        said = [
+        sentences = [
             element("tspan", f"{curve.name} {level}", class_=f"key {curve.style}", dx="10")
             for level, curves in levels.items()
             for curve in curves
         ]
-    return element("text", title, *said, x=0.0, y=top - 10.0)
+    return element("text", title, *sentences, x=0.0, y=top - 10.0)
 
 
 def _heading(panel: Panel, top: float) -> Markup:

@@ -116,10 +116,10 @@ def _texts(path: Path) -> list[str]:
 def _fingerprint(note: Path) -> object:
     """Return whose parts a directory holds; None where its note cannot be understood."""
     try:
-        said = json.loads(files.read_text(note))
+        stored = json.loads(files.read_text(note))
     except (ValueError, RecursionError):
         return None
-    return said.get("fingerprint") if isinstance(said, dict) else None
+    return stored.get("fingerprint") if isinstance(stored, dict) else None
 
 
 def as_table(rows: Sequence[Row]) -> pa.Table:

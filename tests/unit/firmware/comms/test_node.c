@@ -309,7 +309,7 @@ void test_cycle_continues_over_a_wrap_of_the_clock(void)
     TEST_ASSERT_EQUAL_INT(100, states);
 }
 
-static void assert_sent_changes_nothing(void)
+static void assert_sent_has_no_effect(void)
 {
     const node_t before = node;
     node_sent(&node, 10);
@@ -320,13 +320,13 @@ void test_only_an_offered_frame_can_be_marked_as_sent_and_only_once(void)
 {
     const slow_output_t output = {.mode = MODE_READY};
     messages_frame_t frame;
-    assert_sent_changes_nothing();
+    assert_sent_has_no_effect();
     TEST_ASSERT_TRUE(next_frame(10, &output, &frame));
     node_sent(&node, 10);
-    assert_sent_changes_nothing();
+    assert_sent_has_no_effect();
     TEST_ASSERT_TRUE(next_frame(10, &output, &frame));
     TEST_ASSERT_FALSE(next_frame(9, &output, &frame)); /* offered, and then no longer due */
-    assert_sent_changes_nothing();
+    assert_sent_has_no_effect();
 }
 
 /* WheelHealth: demand_link bits 12 and 13, battery_link 14 and 15, errors in bytes 6 and 7. */

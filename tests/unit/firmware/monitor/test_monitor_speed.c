@@ -376,9 +376,9 @@ void test_bound_is_at_least_the_valid_sensor_speed_for_any_input(void)
         in.quarter_step = (uint16_t)random_between(&random, 0, UINT16_MAX);
         in.fast_step_count = (uint16_t)random_between(&random, 0, UINT16_MAX);
         in.bus_voltage_mV = random_wild(&random);
-        const int64_t held = monitor_speed_step(&state, &config, &in);
-        TEST_ASSERT_TRUE(held >= 0);
-        TEST_ASSERT_TRUE(!in.rotor_valid || held >= llabs((long long)in.speed_mrad_s) - 1);
+        const int64_t bounded = monitor_speed_step(&state, &config, &in);
+        TEST_ASSERT_TRUE(bounded >= 0);
+        TEST_ASSERT_TRUE(!in.rotor_valid || bounded >= llabs((long long)in.speed_mrad_s) - 1);
         if (random_chance(&random, 0.01)) {
             state.bound_urad_s = 0;
         }

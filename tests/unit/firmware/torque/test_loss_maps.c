@@ -147,10 +147,17 @@ void test_map_stays_within_the_range_of_its_points(void)
 
 /*
  * The stored points of the paper's vehicle against physics section 3, i_d = 0, in power-invariant
- * quantities: c1 = sqrt(2/3) [(6/pi) V_f delta + 3 (k_on + k_off) f_s / pi],  c2 = R_ak delta +
- * R_ds (1 - delta), delta = 2 t_d f_s;  A = R + R_i a^2/(1 + a^2) + c2,  B = w psi/(1 + a^2), i_opt
- * = -(B - c1)/(2 A). Inverter of tools/motors/lu2013.toml: R_ds 3.3 mOhm, V_f 0.8 V, R_ak 5 mOhm,
- * t_d 1 us, f_s 20 kHz, k 5 uJ/A each.
+ * quantities:
+ *
+ *     delta = 2 t_d f_s
+ *     c1 = sqrt(2/3) [(6/pi) V_f delta + 3 (k_on + k_off) f_s / pi]
+ *     c2 = R_ak delta + R_ds (1 - delta)
+ *     A = R + R_i a^2/(1 + a^2) + c2
+ *     B = w psi/(1 + a^2)
+ *     i_opt = -(B - c1)/(2 A)
+ *
+ * Inverter of tools/motors/lu2013.toml: R_ds 3.3 mOhm, V_f 0.8 V, R_ak 5 mOhm, t_d 1 us, f_s
+ * 20 kHz, k 5 uJ/A each.
  */
 static double optimal_torque_nm(const reference_motor_t *m)
 {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A configuration comes from a TOML file or from an image, and what is wrong with either is said in
+"""A configuration comes from a TOML file or from an image, and an error of either is reported in
 one line.
 """
 
@@ -34,7 +34,7 @@ def test_a_setting_changes_the_drive_and_the_image(config: hubsim.Configuration)
 
 
 @pytest.mark.parametrize(
-    ("path", "settings", "said"),
+    ("path", "settings", "message"),
     [
         ("nowhere.toml", None, "nowhere.toml: file not found"),
         ("nowhere.bin", None, "nowhere.bin: file not found"),
@@ -45,11 +45,11 @@ def test_a_setting_changes_the_drive_and_the_image(config: hubsim.Configuration)
     ],
 )
 def test_mistakes_are_one_line_that_names_them(
-    path: str, settings: dict[str, float] | None, said: str
+    path: str, settings: dict[str, float] | None, message: str
 ) -> None:
     with pytest.raises(hubsim.HubsimError) as caught:
         hubsim.load_configuration(path, settings)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 

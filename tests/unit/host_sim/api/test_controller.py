@@ -218,7 +218,7 @@ def test_reset_is_power_up(angle_config: hubsim.Configuration) -> None:
 
 
 @pytest.mark.parametrize(
-    ("step", "inputs", "said"),
+    ("step", "inputs", "message"),
     [
         ("fast_step", {"phase_a": 1.0}, "phase_a: no such input, accepted: phase_a_a"),
         ("fast_step", {"phase_a_a": math.nan}, "phase_a_a: not a finite number"),
@@ -233,13 +233,13 @@ def test_reset_is_power_up(angle_config: hubsim.Configuration) -> None:
     ],
 )
 def test_what_cannot_be_an_input_is_refused_by_name(
-    angle_config: hubsim.Configuration, step: str, inputs: dict[str, float], said: str
+    angle_config: hubsim.Configuration, step: str, inputs: dict[str, float], message: str
 ) -> None:
     controller = hubsim.Controller(angle_config)
     before = controller.save()
     with pytest.raises(hubsim.HubsimError) as caught:
         getattr(controller, step)(**inputs)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert controller.save() == before
 
 

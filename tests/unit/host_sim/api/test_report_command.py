@@ -89,7 +89,7 @@ def test_a_result_without_a_recording_still_has_its_energies(
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "said"),
+    ("name", "content", "message"),
     [
         ("no.json", None, "no.json: file not found"),
         ("text.json", "not JSON", "text.json: not JSON"),
@@ -99,13 +99,13 @@ def test_a_result_without_a_recording_still_has_its_energies(
     ],
 )
 def test_what_is_no_result_is_named_and_no_page_is_left(
-    name: str, content: str | None, said: str, call: Call, folder: Path
+    name: str, content: str | None, message: str, call: Call, folder: Path
 ) -> None:
     if content is not None:
         (folder / name).write_text(content, encoding="utf-8")
     made = call("report", name, "-o", "none.html")
     assert made.returncode == 1
-    assert said in made.stderr
+    assert message in made.stderr
     assert made.stderr.count("\n") == 1
     assert not (folder / "none.html").exists()
 

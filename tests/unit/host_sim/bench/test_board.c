@@ -62,9 +62,9 @@ static void deliver_frames(twin_t *t)
 {
     (void)node_tick(&t->node, t->now_ms);
     for (uint32_t i = 0; i < t->board.queued_count; i++) {
-        const can_frame_t *said = &t->board.queued[i];
-        messages_frame_t frame = {.identifier = said->identifier, .length = said->length};
-        memcpy(frame.data, said->data, sizeof frame.data);
+        const can_frame_t *queued = &t->board.queued[i];
+        messages_frame_t frame = {.identifier = queued->identifier, .length = queued->length};
+        memcpy(frame.data, queued->data, sizeof frame.data);
         (void)node_receive(&t->node, &frame, t->now_ms);
     }
 }

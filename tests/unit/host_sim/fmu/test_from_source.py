@@ -22,10 +22,10 @@ KINDS = ("controller", "vehicle")
 def test_the_binary_needs_nothing_but_the_c_library(kind: str, fmi: int, tmp_path: Path) -> None:
     folder = Path(fmpy.extract(str(path_of(kind, fmi)), str(tmp_path)))
     (binary,) = folder.glob("binaries/*/*.so")
-    said = subprocess.run(
+    listing = subprocess.run(
         ["readelf", "-d", str(binary)], capture_output=True, text=True, check=True
     ).stdout
-    needed = {line.split("[")[1].rstrip("]") for line in said.splitlines() if "(NEEDED)" in line}
+    needed = {line.split("[")[1].rstrip("]") for line in listing.splitlines() if "(NEEDED)" in line}
     assert needed <= {"libc.so.6", "libm.so.6"}
     names = subprocess.run(
         ["nm", "-D", "--defined-only", str(binary)], capture_output=True, text=True, check=True

@@ -181,10 +181,10 @@ const char *unit_offers_too_much(void *unit)
     if (fmi2GetStatus(unit, fmi2DoStepStatus, &status) == fmi2OK) {
         return "fmi2GetStatus";
     }
-    const bool nothing_asked = fmi2GetString(unit, NULL, 0, NULL) == fmi2OK &&
-                               fmi2GetReal(unit, NULL, 0, NULL) == fmi2OK &&
-                               fmi2SetDebugLogging(unit, fmi2True, 0, NULL) == fmi2OK;
+    const bool accepts_zero_values = fmi2GetString(unit, NULL, 0, NULL) == fmi2OK &&
+                                     fmi2GetReal(unit, NULL, 0, NULL) == fmi2OK &&
+                                     fmi2SetDebugLogging(unit, fmi2True, 0, NULL) == fmi2OK;
     const bool known =
         strcmp(fmi2GetVersion(), "2.0") == 0 && strcmp(fmi2GetTypesPlatform(), "default") == 0;
-    return nothing_asked && known ? NULL : "nothing: it refuses what asks for nothing";
+    return accepts_zero_values && known ? NULL : "nothing: it refuses what asks for nothing";
 }

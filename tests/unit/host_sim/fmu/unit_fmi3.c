@@ -187,10 +187,10 @@ const char *unit_offers_too_much(void *unit)
     if (fmi3GetContinuousStates(unit, found, 1) == fmi3OK) {
         return "fmi3GetContinuousStates";
     }
-    const bool nothing_asked = fmi3GetString(unit, NULL, 0, NULL, 0) == fmi3OK &&
-                               fmi3GetFloat64(unit, NULL, 0, NULL, 0) == fmi3OK &&
-                               fmi3SetDebugLogging(unit, fmi3True, 0, NULL) == fmi3OK;
-    return nothing_asked && strcmp(fmi3GetVersion(), "3.0") == 0
+    const bool accepts_zero_values = fmi3GetString(unit, NULL, 0, NULL, 0) == fmi3OK &&
+                                     fmi3GetFloat64(unit, NULL, 0, NULL, 0) == fmi3OK &&
+                                     fmi3SetDebugLogging(unit, fmi3True, 0, NULL) == fmi3OK;
+    return accepts_zero_values && strcmp(fmi3GetVersion(), "3.0") == 0
                ? NULL
                : "nothing: it refuses what asks for nothing";
 }

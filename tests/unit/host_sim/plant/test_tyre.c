@@ -78,9 +78,9 @@ void test_a_sticking_tyre_is_a_spring_that_holds(void)
     /* A push of 1 mm on the standing wheel: little against mu / s0 = 5 mm, so most of it is spring.
      */
     hold(0.9, 1e-3 / (200 * STEP_S), 0.0, 200);
-    const double held_n = hold(0.9, 0.0, 0.0, 1);
-    TEST_ASSERT_TRUE(held_n > 0.85 * LOAD_N * 180.0 * 1e-3 && held_n <= LOAD_N * 180.0 * 1e-3);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, held_n, hold(0.9, 0.0, 0.0, 1000000)); /* 50 s without creep */
+    const double force_n = hold(0.9, 0.0, 0.0, 1);
+    TEST_ASSERT_TRUE(force_n > 0.85 * LOAD_N * 180.0 * 1e-3 && force_n <= LOAD_N * 180.0 * 1e-3);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, force_n, hold(0.9, 0.0, 0.0, 1000000)); /* 50 s without creep */
 }
 
 void test_over_a_cycle_the_contact_only_ever_takes_energy(void)

@@ -91,8 +91,8 @@ def test_two_runs_are_done_and_compared(hubsim: Hubsim, tmp_path: Path) -> None:
     )
     assert other.returncode == 1
     assert "DIFFERS" in other.stdout
-    said = json.loads((tmp_path / "d.json").read_text(encoding="utf-8"))
-    found = {d["name"]: d for d in said["differences"]}
+    written_json = json.loads((tmp_path / "d.json").read_text(encoding="utf-8"))
+    found = {d["name"]: d for d in written_json["differences"]}
     copper = found["energy_j.copper"]
     assert copper["second"] / copper["first"] == pytest.approx(
         2.0, rel=0.03

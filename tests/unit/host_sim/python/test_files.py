@@ -215,8 +215,8 @@ def test_an_input_that_is_no_text_is_one_line(
         path.symlink_to("/dev/null")
     else:
         path.write_bytes(bytes(range(256)) if kind == "binary" else bytes(1000))
-    said = [a.replace("{input}", str(tmp_path / "input")) for a in arguments]
-    assert call(*said) == 1
+    filled = [a.replace("{input}", str(tmp_path / "input")) for a in arguments]
+    assert call(*filled) == 1
     error = capsys.readouterr().err
     assert error.startswith("hubsim: ")
     assert error.count("\n") == 1

@@ -120,9 +120,12 @@ def test_summary_sweep_and_comparison_hold_theirs(tmp_path: Path) -> None:
     metadata = pq.read_schema(grid).metadata
     assert json.loads(metadata[b"provenance"]) == expected(seed=5)
 
-    said = str(tmp_path / "difference.json")
-    assert cli.main(["compare", "stop", "stop", *QUICK, "--json", said, "--date", DATE]) == 0
-    compared = json.loads(Path(said).read_text(encoding="utf-8"))
+    difference_path = str(tmp_path / "difference.json")
+    assert (
+        cli.main(["compare", "stop", "stop", *QUICK, "--json", difference_path, "--date", DATE])
+        == 0
+    )
+    compared = json.loads(Path(difference_path).read_text(encoding="utf-8"))
     assert compared["provenance"]["date"] == DATE
     assert [side["provenance"] for side in compared["sides"]] == [expected(), expected()]
     assert len(compared["differences"]) > 10
@@ -163,9 +166,9 @@ def test_reasons_and_modes_of_a_measurement_convert_to_their_texts(written: Path
             assert [s.decode() for s in shown] == [text(code) for code in codes]
             assert len(set(codes)) > 1 or name == "mode"
             known = json.loads(table.schema.field(f"wheel0.{name}").metadata[b"codes"])
-            assert {int(code): said for code, said in known.items()}[int(codes[0])] == text(
-                codes[0]
-            )
+            assert {int(code): difference_path for code, difference_path in known.items()}[
+                int(codes[0])
+            ] == text(codes[0])
         conversion = file.get("wheel0.reason", raw=True).conversion
     converted = conversion.convert(np.array(sorted(reasons.codes().values()), dtype=float))
     texts = [engine.reason_text(code) for code in sorted(reasons.codes().values())]

@@ -161,9 +161,9 @@ def test_control_c_leaves_what_is_needed_to_go_on(tmp_path: Path) -> None:
         ):
             time.sleep(0.2)
         running.send_signal(signal.SIGINT)
-        _, said = running.communicate(timeout=60)
+        _, printed = running.communicate(timeout=60)
     assert running.returncode == 130
-    assert "the same command goes on where it stopped" in said
+    assert "the same command goes on where it stopped" in printed
     assert list(parts.glob("0*.parquet"))
     assert not (tmp_path / "out.parquet").exists()
 

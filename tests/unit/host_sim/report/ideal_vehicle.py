@@ -131,7 +131,7 @@ def drive(strategy: str = "series_optimal", mass_kg: float = MASS_KG, cycle: str
         "braking_share_stored": returned / work,
         "reason_texts": dict(TEXTS),
     }
-    held = {
+    intervals = {
         "driver.drive_nm": np.where(braking, 0.0, wanted),
         "driver.brake_nm": demand,
         "battery.voltage_v": CELLS_V - BATTERY_OHM * amperes,
@@ -144,7 +144,7 @@ def drive(strategy: str = "series_optimal", mass_kg: float = MASS_KG, cycle: str
         "wheel0.winding_temperature_c": 25.0 + np.cumsum(copper) * STEP_S / 3000.0,
         "wheel0.reason": reason.astype(np.float64),
     }
-    signals = {name: np.append(values, values[-1]) for name, values in held.items()}
+    signals = {name: np.append(values, values[-1]) for name, values in intervals.items()}
     signals |= {
         "driver.reference_m_per_s": speed,
         "vehicle.speed_m_per_s": speed - 0.02 * np.sin(time) * (speed > 0.0),

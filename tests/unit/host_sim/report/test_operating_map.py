@@ -69,8 +69,8 @@ def test_axes_have_units_and_a_run_without_braking_still_has_its_map() -> None:
     drawn = documents.read(
         operating_map.draw(run, best, operating_map.layout([run], best), "p", "points")
     )
-    said = drawn.words()
-    assert "r/min" in said and "N·m" in said
-    assert "no braking" in said
+    texts = drawn.words()
+    assert "r/min" in texts and "N·m" in texts
+    assert "no braking" in texts
     del run.signals["wheel0.motor_torque_nm"]
     assert operating_map.operating_points(run, RADIUS_M) is None

@@ -169,9 +169,9 @@ def test_returns_of_nothing_and_of_less_than_nothing_are_shown_as_such() -> None
     run.summary["while_braking_j"]["copper"] += lost
     energy["battery_returned"] = 0.0
     run.summary["braking_share_stored"] = 0.0
-    nothing = written([run])
-    assert cells(nothing)["Returned to the battery"] == ["kJ", "0.00"]
-    assert "Share of the series optimum" not in cells(nothing)  # nothing to compare it with
+    page_without_return = written([run])
+    assert cells(page_without_return)["Returned to the battery"] == ["kJ", "0.00"]
+    assert "Share of the series optimum" not in cells(page_without_return)  # there is no other run
     energy["battery_returned"] = -4000.0
     run.summary["while_braking_j"]["copper"] += 4000.0
     run.summary["braking_share_stored"] = -4000.0 / energy["braking_at_wheels"]

@@ -24,7 +24,7 @@ def test_a_goal_that_is_missed_says_so() -> None:
     """
 
     def met(goal: run.Budget, median: int, p99: int, most: int) -> bool:
-        return bool(run.verdict_of(goal, "x", {"median": median, "p99": p99, "max": most})["met"])
+        return bool(run.outcome_of(goal, "x", {"median": median, "p99": p99, "max": most})["met"])
 
     even = run.Budget("cortex-m4", run.CURRENT_LOOP, 100, 1.05)
     assert met(even, 100, 104, 105)

@@ -342,8 +342,8 @@ def test_the_firmwares_own_validator_accepts_every_shipped_image(tmp_path: Path)
     )
     ffi = cffi.FFI()
     ffi.cdef("""
-        typedef struct { int code; const char *field; int32_t value, lowest, highest; } verdict_t;
-        verdict_t config_validate(const void *config, uint32_t size_bytes);
+        typedef struct { int code; const char *field; int32_t value, lowest, highest; } outcome_t;
+        outcome_t config_validate(const void *config, uint32_t size_bytes);
     """)
     firmware: Any = ffi.dlopen(str(library))
     for path in sorted(GENERATED.glob("*.bin")):

@@ -61,8 +61,10 @@ def test_the_charge_at_constant_power_is_the_integral_over_the_branchs_voltage(
     found = constant(power_w, 10.0, 4000)
 
     def current(u: float) -> float:
-        behind = OPEN_V - u
-        return (behind - math.sqrt(behind**2 - 4.0 * SERIES_OHM * power_w)) / (2.0 * SERIES_OHM)
+        internal_drop_v = OPEN_V - u
+        return (internal_drop_v - math.sqrt(internal_drop_v**2 - 4.0 * SERIES_OHM * power_w)) / (
+            2.0 * SERIES_OHM
+        )
 
     def charge(u: float) -> float:
         return current(u) * CAPACITANCE_F / (current(u) - u / RESISTANCE_OHM)

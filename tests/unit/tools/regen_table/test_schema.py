@@ -393,8 +393,8 @@ def test_a_top_speed_that_field_weakening_cannot_hold_on_an_empty_pack_is_warned
     assert needed == pytest.approx(0.0204 / 76e-6 * (1.0 - made / emf), rel=1e-3)
     speed = float(re.findall(r"beyond ([\d.]+) r/min", line)[0])
     for factor, warned in ((0.99, False), (1.03, True)):
-        held = loops.weakening_warning(change({"motor.max_speed_rpm": factor * speed}))
-        assert (held is not None) is warned
+        warning = loops.weakening_warning(change({"motor.max_speed_rpm": factor * speed}))
+        assert (warning is not None) is warned
     enough = {"motor.max_phase_current_a": 100.0, "control.field_weakening_current_a": needed}
     assert loops.weakening_warning(change(enough)) is None
     assert "0 A leave 54.47 V" in str(

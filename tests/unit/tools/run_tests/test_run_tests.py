@@ -161,12 +161,12 @@ def test_a_folder_s_tests_are_those_that_its_lists_define(project: Project) -> N
     assert needed == ["all"]
     assert len(started(project.run("--presets", "host", "tests/unit"))) == 3
     assert len(started(project.run("--presets", "host", "unit"))) == 3
-    nothing = project.run("--presets", "host", "include", status=1)
-    assert started(nothing) == []
+    empty_run = project.run("--presets", "host", "include", status=1)
+    assert started(empty_run) == []
     needed = project.run("--presets", "host", "--list-targets", "unit").split()
     assert needed == ["tests/unit/first", "tests/unit/second"]
     assert project.run("--presets", "host", "--list-targets", "tools") == ""
-    # A test that needs nothing built.
+    # A test that needs no build.
     needed = project.run("--presets", "host", "--list-targets", "tests/unit/reader.py").split()
     assert needed == ["build.ninja"]
     project.command("cmake", "--build", "--preset", "host", "--target", *needed)
