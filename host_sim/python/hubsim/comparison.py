@@ -12,9 +12,9 @@ from pathlib import Path
 from regen_table.schema import Drive
 from rich.progress import Progress, TaskID
 
-from hubsim import cycles, evaluation, files, report, results_files, run, stops
+from hubsim import cycles, evaluation, files, report, run, stops
 from hubsim.errors import HubsimError
-from hubsim.results import SIGNAL_POINTS_MAX, RunResult, realtime_factor
+from hubsim.results import SIGNAL_POINTS_MAX, RunResult, as_json, criteria_object, realtime_factor
 from hubsim.scenario import Scenario
 
 PAGE, SUMMARY = "index.html", "summary.json"
@@ -95,12 +95,12 @@ def write(
     """Write page and summary; return the lines for the user."""
     factor = realtime_factor(results)
     runs = [
-        {"provenance": result.origin} | result.run_object | results_files.criteria_object(result)
+        {"provenance": result.origin} | result.run_object | criteria_object(result)
         for result in results
     ]
     summary = {"provenance": results[0].origin, "runs": runs, "realtime_factor": factor}
     report.write_report(list(results), directory, beside)
-    files.write_text(directory / SUMMARY, results_files.as_json(summary))
+    files.write_text(directory / SUMMARY, as_json(summary))
     wheels = results[0].wheels
     return [
         f"{wheels} wheels at {factor:.0f} times real time on one core ({wheels * factor:.0f} for "

@@ -12,10 +12,11 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from hubsim import commands, difference, files, overrides, results_files, run, scenario
+from hubsim import commands, difference, files, overrides, run, scenario
 from hubsim.commands.run import DEFAULT_SIGNALS
 from hubsim.difference import Difference, Side, Tolerance
 from hubsim.errors import HubsimError
+from hubsim.results import as_json, json_object
 
 
 def main(options: argparse.Namespace) -> int:
@@ -44,7 +45,7 @@ def main(options: argparse.Namespace) -> int:
             "sides": [{"name": s.name, "provenance": s.origin} for s in (first, second)],
             "differences": [d.as_object() for d in found],
         }
-        files.write_text(options.json, results_files.as_json(written))
+        files.write_text(options.json, as_json(written))
     apart = [d for d in found if not d.within]
     _print(first.name, second.name, found if options.all else apart)
     alone = difference.only_in_one(first, second)
@@ -74,9 +75,7 @@ def _side(options: argparse.Namespace, name: str, extra: Sequence[str]) -> Side:
     commands.warn_of(result)
     signals = {signal: result.signal(signal) for signal in result.names}
     label = " ".join([title, *extra]) if extra else title
-    return Side(
-        label, difference.figures_of(results_files.run_object(result)), signals, result.origin
-    )
+    return Side(label, difference.figures_of(json_object(result)), signals, result.origin)
 
 
 def _print(first: str, second: str, found: Sequence[Difference]) -> None:

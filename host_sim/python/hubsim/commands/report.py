@@ -6,9 +6,9 @@ from dataclasses import replace
 
 from regen_table import provenance
 
-from hubsim import commands, engine, files, overrides, results_files, run, scenario
+from hubsim import commands, engine, files, overrides, run, scenario
 from hubsim.errors import HubsimError
-from hubsim.results import RunResult
+from hubsim.results import RunResult, load_result
 
 
 def main(options: argparse.Namespace) -> int:
@@ -16,7 +16,7 @@ def main(options: argparse.Namespace) -> int:
     from hubsim import comparison, report, stops  # noqa: PLC0415, few commands need them
 
     files.check_writable(options.output)
-    found = [_with_origin(results_files.load(path), options.date) for path in options.results]
+    found = [_with_origin(load_result(path), options.date) for path in options.results]
     names = list(dict.fromkeys(result.vehicle for result in found))
     configs = {
         name: options.config or engine.ROOT / "tools" / "motors" / f"{name}.toml" for name in names

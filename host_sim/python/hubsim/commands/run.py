@@ -13,12 +13,12 @@ from hubsim import (
     files,
     overrides,
     recordings,
-    results_files,
     run,
     scenario,
     stops,
 )
 from hubsim.errors import HubsimError
+from hubsim.results import as_json, json_object
 
 DEFAULT_SIGNALS = (
     "time_s", "driver.*", "vehicle.*", "battery.*", "bus.*",
@@ -68,7 +68,7 @@ def main(options: argparse.Namespace) -> int:
     recorded = result.only(run.matching(result.names, patterns)) if wanted else result
     recordings.write_all(recorded, wanted)
     if options.json:
-        files.write_text(options.json, results_files.as_json(results_files.run_object(result)))
+        files.write_text(options.json, as_json(json_object(result)))
     console.print_table([result])
     failed = [outcome.name for outcome in evaluated if not outcome.passed]
     if evaluated:

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hubsim import evaluation, results_files, run, scenario, stops
+from hubsim import evaluation, run, scenario, stops
 from hubsim.engine import ROOT
+from hubsim.results import load_result
 from regen_table import schema
 
 Call = Callable[..., subprocess.CompletedProcess[str]]
@@ -45,7 +46,7 @@ def result(call: Call) -> str:
 def test_a_result_read_back_is_the_run(result: str, folder: Path) -> None:
     name, chosen, beside = scenario.load("stop", {"initial_speed_kmh": 20.0, "demand_nm": 60.0})
     drive = schema.load(ROOT / "tools" / "motors" / "lu2013.toml")
-    found = results_files.load(folder / result)
+    found = load_result(folder / result)
     expected = run.simulate(name, drive, chosen, beside, ["*"], date=found.origin["date"])
     assert found.names == expected.names
     assert np.array_equal(found.rows, expected.rows)
@@ -57,9 +58,7 @@ def test_a_result_read_back_is_the_run(result: str, folder: Path) -> None:
     (folder / "two.json").write_text(
         (folder / result).read_text(encoding="utf-8"), encoding="utf-8"
     )
-    assert np.allclose(
-        results_files.load(folder / "two.json").rows, expected.rows, rtol=1e-8, atol=0.0
-    )
+    assert np.allclose(load_result(folder / "two.json").rows, expected.rows, rtol=1e-8, atol=0.0)
 
 
 def test_a_page_is_made_of_results(result: str, call: Call, folder: Path) -> None:

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hubsim import cycles, overrides, results_files, run, scenario
-from hubsim.results import RunResult
+from hubsim import cycles, overrides, run, scenario
+from hubsim.results import RunResult, as_json, json_object
 from hubsim.results import realtime_factor as run_together
 from regen_table import models, optimum, schema
 from regen_table.schema import Drive
@@ -213,7 +213,7 @@ def test_a_clock_that_has_not_moved_leaves_no_infinity_in_the_json(
     """A busy machine may run a thread so shortly that its processor time does not count."""
     honest = simulate(drive, "stop", "series_optimal", max_duration_s=0.1)
     result = dataclasses.replace(honest, cpu_s=cpu_s)
-    found = json.loads(results_files.as_json(results_files.run_object(result)))
+    found = json.loads(as_json(json_object(result)))
     assert found["realtime_factor"] == 0.0
     assert math.isfinite(run_together([honest, result])) and run_together([result]) == 0.0
 
