@@ -4,7 +4,8 @@
 Functions, calls, data they refer to, stack they push.
 
 Standard library only: the stack report runs after every link, also on machines without the
-project's environment.
+project's environment. pyelftools would have to be there and would replace ``symbols`` alone: calls
+and the stack that instructions take come from the disassembly, which it does not make.
 """
 
 from __future__ import annotations
