@@ -4,10 +4,10 @@
 #include "core/q15.h"
 
 enum {
-    CORRECTIONS = 2,         /* of i_d, for a power */
+    CORRECTIONS = 1,         /* of i_d, for a power */
     NEWTON_STEPS = 2,        /* along the current circle */
     TANGENTS = 2,            /* to the torque's hyperbola */
-    VOLTAGE_CORRECTIONS = 5, /* of i_d, where the map's is the one that flows */
+    VOLTAGE_CORRECTIONS = 4, /* of i_d, where the map's is the one that flows */
     CIRCLE_PASSES = 3,
     SMALL_b = 1 << 8,
     CIRCLE_RESERVE_LOG2 = 8, /* 0.4 % */
@@ -103,12 +103,13 @@ static int32_t d_at_b(const feasible_set_t *set, motor_point_t at)
 
 /* The point of the same torque at which the voltage suffices: along the tangent of the torque's
  * hyperbola to the ellipse, then back to the torque. */
-static motor_point_t weakened(const feasible_set_t *set, int32_t airgap_b, motor_point_t at)
+static motor_point_t weakened(const feasible_set_t *set, int32_t airgap_b, motor_point_t at,
+                              int tangents)
 {
     const motor_model_t *m = set->model;
     const int32_t highest_b = at.d_b;
     const int32_t lowest_b = q_min(set->weakest_d_b, highest_b);
-    const int passes = m->saliency_b != 0 ? TANGENTS : 1;
+    const int passes = m->saliency_b != 0 ? tangents : 1;
     for (int pass = 0; pass < passes; pass++) {
         const line_t line = line_from(m, at, SCALED_ONE, motor_model_x_per_d(m, at));
         int32_t change_b = 0;
@@ -284,7 +285,7 @@ motor_point_t feasible_point(const feasible_set_t *set, int32_t airgap_b)
         at.d_b = circle_d_b(set, airgap_b, at.d_b);
         at.x_b = motor_model_x_of_airgap_b(m, airgap_b, at.d_b);
     }
-    return voltage_suffices(set, at) ? at : weakened(set, airgap_b, at);
+    return voltage_suffices(set, at) ? at : weakened(set, airgap_b, at, TANGENTS);
 }
 
 feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t cap_mNm)
@@ -294,7 +295,7 @@ feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t
     const int32_t airgap_b = (int32_t)sign * q_min(shaft_b, MOST_TORQUE_b) + m->friction_b;
     feasible_side_t out = {.set = set, .sign = (int32_t)sign, .cap = with_map(set, airgap_b)};
     if (!voltage_suffices(set, out.cap)) {
-        out.cap = weakened(set, airgap_b, out.cap);
+        out.cap = weakened(set, airgap_b, out.cap, 1); /* a first guess */
     }
     return out;
 }

@@ -173,9 +173,9 @@ static int32_t flux_at_b(const motor_model_t *model, motor_point_t at)
     if (model->saliency_b == 0) {
         return model->flux_b;
     }
+    /* Below 2^28, so that the product stays below 2^30. */
     const int32_t i_dt_b = at.d_b + scaled_multiply(model->cross_q, at.x_b);
-    return within_b(model->flux_b +
-                    scaled_multiply(model->saliency_b, q_clamp(i_dt_b, -MOST_b, MOST_b)));
+    return within_b(model->flux_b + scaled_multiply(model->saliency_b, i_dt_b));
 }
 
 int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at)

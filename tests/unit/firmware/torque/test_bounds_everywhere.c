@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The torque bounds by battery power of all shipped configurations, against the circuit of
+ * Torque bounds and current setpoints of all shipped configurations, against the circuit of
  * reference_motor.h in double precision: random speeds up to 110 %, temperatures, bus voltages and
- * current limits. The power at the bound must be the power limit within 1 % of rated torque and
- * 0.2 % of the largest power.
+ * current limits. The power at the bound must be the power limit within 0.1 % of rated torque and
+ * 0.1 % of the largest power.
  */
 #include "random_values.h"
 #include "reference_motor.h"
+#include "torque/current_setpoint.h"
 #include "torque/feasible_torque.h"
 #include "torque/loss_maps.h"
 #include "torque_model.h"
@@ -14,7 +15,7 @@
 
 extern const config_t CONFIG_LU2013, CONFIG_EBIKE36V, CONFIG_SCOOTER48V, CONFIG_IPM400V;
 
-enum { STATES = 250, HALVINGS = 30 };
+enum { STATES = 500, HALVINGS = 30 };
 
 typedef struct {
     const config_t *config;
@@ -90,8 +91,8 @@ static double drawn_w(const drive_t *drive, double shaft_nm)
 /* The power crosses its limit between a slightly smaller and a slightly larger torque. */
 static void assert_bound(const drive_t *drive, double shaft_nm, double sign, double limit_w)
 {
-    const double step_nm = 1e-5 * drive->config->motor.rated_torque_mNm;
-    const double power_w = 2e-6 * drive->config->motor.max_power_mW;
+    const double step_nm = 1e-6 * drive->config->motor.rated_torque_mNm;
+    const double power_w = 1e-6 * drive->config->motor.max_power_mW;
     const double inside_w = sign * drawn_w(drive, shaft_nm - sign * step_nm);
     const double beyond_w = sign * drawn_w(drive, shaft_nm + sign * step_nm);
     TEST_ASSERT_TRUE(inside_w <= sign * limit_w + power_w);
@@ -159,5 +160,134 @@ void test_charge_bounds_with_an_angle_sensor_match_the_circuit(void)
         config_t config = *configs[c];
         config.rotor.sensor = CONFIG_ROTOR_ANGLE;
         compare(&config, (uint64_t)(10 + c));
+    }
+}
+
+/* A point of terminal currents of the circuit. */
+static reference_point_t of_terminal(const drive_t *drive, double d_a, double q_a)
+{
+    const reference_motor_t *m = &drive->motor;
+    const double g = m->w_rad_s * m->iron_siemens;
+    const double x = (q_a - g * (m->l_d_h * d_a + m->psi_wb)) / (1.0 + g * g * m->l_d_h * m->l_q_h);
+    return reference_point(m, d_a + g * m->l_q_h * x, x);
+}
+
+static drive_t any_drive(const config_t *config, random_t *random, int32_t *phase_mV)
+{
+    const config_battery_t *battery = &config->battery;
+    drive_t drive = {
+        .config = config,
+        .speed_mrad_s = random_between(random, 1000, config->motor.max_speed_mrad_s / 10 * 11),
+        .winding_cC = random_between(random, -2000, 14000),
+    };
+    *phase_mV =
+        (int32_t)(0.55 * random_between(random, battery->min_voltage_mV, battery->max_voltage_mV));
+    drive.phase_v = 1e-3 * *phase_mV;
+    drive.motor = reference_motor(config, drive.speed_mrad_s, drive.winding_cC);
+    return drive;
+}
+
+/* On the circle with 0.4 % in reserve: maximum torque per ampere by golden section, and where the
+ * voltage does not suffice there, by bisection down to where it does or field weakening ends. */
+static double by_current_nm(const drive_t *drive, double sign)
+{
+    const double most_a = 1e-3 * drive->config->motor.max_phase_current_mA * (1.0 - 1.0 / 256.0);
+    const reference_motor_t *m = &drive->motor;
+    const double saliency_h = m->l_d_h - m->l_q_h;
+    double low_a = -most_a;
+    double high_a = most_a;
+    for (int n = 0; n < 80; n++) {
+        const double a = low_a + 0.382 * (high_a - low_a);
+        const double b = low_a + 0.618 * (high_a - low_a);
+        const double at_a = (m->psi_wb + saliency_h * a) * sqrt(most_a * most_a - a * a);
+        const double at_b = (m->psi_wb + saliency_h * b) * sqrt(most_a * most_a - b * b);
+        if (at_a > at_b) {
+            high_a = b;
+        } else {
+            low_a = a;
+        }
+    }
+    double inside_a = fmin(fmax(drive->weakest_a, -most_a), low_a);
+    double d_a = low_a;
+    for (int n = 0; n < HALVINGS; n++) {
+        const double q_a = sign * sqrt(fmax(most_a * most_a - d_a * d_a, 0.0));
+        if (volts(drive, of_terminal(drive, d_a, q_a)) <= drive->phase_v) {
+            if (n == 0) {
+                break;
+            }
+            inside_a = d_a;
+        } else {
+            low_a = d_a;
+        }
+        d_a = 0.5 * (inside_a + low_a);
+    }
+    const double q_a = sign * sqrt(fmax(most_a * most_a - d_a * d_a, 0.0));
+    return fmax(sign * (of_terminal(drive, d_a, q_a).torque_nm - friction_nm(drive)), 0.0);
+}
+
+void test_phase_current_bounds_of_every_configuration_match_a_bisection_on_the_circuit(void)
+{
+    const config_t *const configs[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V,
+                                       &CONFIG_IPM400V};
+    for (int c = 0; c < 4; c++) {
+        random_t random = random_seeded((uint64_t)(20 + c));
+        for (int n = 0; n < STATES; n++) {
+            int32_t phase_mV = 0;
+            drive_t drive = any_drive(configs[c], &random, &phase_mV);
+            const motor_model_t model = model_at(configs[c], drive.speed_mrad_s, drive.winding_cC);
+            const feasible_set_t set = feasible_set_at(&model, phase_mV);
+            drive.weakest_a = 1e-3 * model_current_mA(&model, set.weakest_d_b);
+            const int32_t most_mNm = configs[c]->motor.max_torque_mNm;
+            for (int sign = -1; sign <= 1; sign += 2) {
+                const feasible_side_t side =
+                    feasible_side_at(&set, sign > 0 ? SIDE_DRIVING : SIDE_BRAKING, most_mNm);
+                TEST_ASSERT_DOUBLE_WITHIN(2e-3 * most_mNm, 1e3 * by_current_nm(&drive, sign),
+                                          feasible_by_current_mNm(&side));
+            }
+        }
+    }
+}
+
+/* Between the bounds of voltage and current the setpoint makes the torque, and where the map's i_d
+ * needs more voltage than there is, all of the voltage is in use. */
+void test_setpoints_on_the_voltage_ellipse_make_the_torque_with_the_voltage_there_is(void)
+{
+    const config_t *const configs[] = {&CONFIG_LU2013, &CONFIG_IPM400V};
+    for (int c = 0; c < 2; c++) {
+        random_t random = random_seeded((uint64_t)(30 + c));
+        int on_ellipse = 0;
+        for (int n = 0; n < 4 * STATES; n++) {
+            int32_t phase_mV = 0;
+            drive_t drive = any_drive(configs[c], &random, &phase_mV);
+            const motor_model_t model = model_at(configs[c], drive.speed_mrad_s, drive.winding_cC);
+            const feasible_set_t set = feasible_set_at(&model, phase_mV);
+            drive.weakest_a = 1e-3 * model_current_mA(&model, set.weakest_d_b);
+            const double sign = random_chance(&random, 0.5) ? 1.0 : -1.0;
+            const feasible_side_t side = feasible_side_at(
+                &set, sign > 0.0 ? SIDE_DRIVING : SIDE_BRAKING, configs[c]->motor.max_torque_mNm);
+            const int32_t bound_mNm =
+                q_min(q_min(feasible_by_voltage_mNm(&side), feasible_by_current_mNm(&side)),
+                      configs[c]->motor.max_torque_mNm);
+            const int32_t torque_mNm = (int32_t)(sign * random_fraction(&random) * bound_mNm);
+            const current_setpoint_t i = current_setpoint_step(&set, torque_mNm, 0);
+            const double airgap_nm = 1e-3 * torque_mNm + friction_nm(&drive);
+            const reference_point_t wanted = at_torque(&drive, airgap_nm);
+            if (volts(&drive, wanted) > 1.0001 * drive.phase_v ||
+                hypot(wanted.i_d_a, wanted.i_q_a) > 1e-3 * configs[c]->motor.max_phase_current_mA) {
+                continue; /* near no load the ellipse may leave torques out, beside its ends */
+            }
+            const reference_point_t at = of_terminal(&drive, 1e-3 * i.i_d_mA, 1e-3 * i.i_q_mA);
+            TEST_ASSERT_DOUBLE_WITHIN(1e-3 * configs[c]->motor.max_torque_mNm, 1e3 * airgap_nm,
+                                      1e3 * at.torque_nm);
+            TEST_ASSERT_TRUE(volts(&drive, at) <= 1.002 * drive.phase_v);
+            const double map_a =
+                1e-3 * loss_maps_d_current_mA(configs[c], drive.speed_mrad_s, drive.winding_cC,
+                                              (int32_t)lround(1e3 * airgap_nm));
+            if (volts(&drive, at_d(&drive, map_a, airgap_nm)) > 1.005 * drive.phase_v) {
+                on_ellipse++;
+                TEST_ASSERT_TRUE(volts(&drive, at) >= 0.998 * drive.phase_v);
+            }
+        }
+        TEST_ASSERT_GREATER_THAN_INT(STATES / 4, on_ellipse);
     }
 }
