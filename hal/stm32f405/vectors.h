@@ -5,8 +5,8 @@
 #define STM32F405_VECTORS_H
 
 void reset_handler(void); /* startup.c */
-void fault_handler(
-    void); /* inverter.c: NMI, hard, memory, bus and usage fault, and every unexpected interrupt */
+/* inverter.c: NMI, hard, memory, bus and usage fault, and every unexpected interrupt. */
+void fault_handler(void);
 void systick_handler(void); /* time.c */
 void adc_handler(void);     /* analog.c */
 void usart3_handler(void);  /* serial.c */

@@ -18,8 +18,8 @@
 enum { ANALOG_TEMPERATURE_BROKEN_cC = 29999 };
 
 typedef struct {
-    uint16_t
-        phase_current_code[3]; /* 2048 = no current, rising with current into the motor; a, b, c */
+    /* Phases a, b, c: 2048 = zero current, rising with current into the motor. */
+    uint16_t phase_current_code[3];
     uint16_t bus_voltage_code; /* 4096 = full scale */
 } analog_sample_t;
 

@@ -18,8 +18,8 @@ typedef struct {
     const slow_output_t *output;
     const torque_limits_t *limits;
     const node_t *node;
-    uint32_t
-        fast_cycles_worst; /* of app_pwm_period_isr() since the start; 0 if the core cannot count */
+    /* Of app_pwm_period_isr() since the start; 0 if the core cannot count. */
+    uint32_t fast_cycles_worst;
     uint32_t stack_free_bytes;
     bool bus_off;
     bool control; /* the control steps run; otherwise the pointers are meaningless */

@@ -64,8 +64,8 @@ typedef struct {
 typedef struct {
     e2e_link_t link;
     uint32_t timeout_ms;
-    uint32_t
-        refreshed_ms; /* time of the last frame that was used, or of the first of a new start */
+    /* Time of the last frame that was used, or of the first one after a timeout. */
+    uint32_t refreshed_ms;
     uint8_t counter;  /* of the last frame that was intact and not a repetition */
     uint8_t in_order; /* frames since the order was last broken, up to E2E_QUALIFYING_FRAMES */
     e2e_counts_t counts;

@@ -44,8 +44,8 @@ typedef struct {
     bool warning; /* monitor: an error that does not forbid braking */
     reason_t warning_reason;
     reason_t fault; /* monitor: REASON_NONE or a fault code */
-    bridge_mode_t
-        safe_bridge; /* the monitor's safe state: offsets are averaged in freewheel only */
+    /* The monitor's safe state: offsets are averaged in freewheel only. */
+    bridge_mode_t safe_bridge;
 } modes_input_t;
 
 typedef struct {
