@@ -13,8 +13,8 @@
 #include "config/config.h"
 #include "core/frames.h"
 #include "core/q15.h"
+#include "foc/exchange.h"
 #include "foc/state.h"
-#include "foc/tuning.h"
 #include "reference_prefilter.h"
 
 /* Divides. */

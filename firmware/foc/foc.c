@@ -161,7 +161,7 @@ void foc_init(foc_state_t *state, const config_t *config)
     idle_centre_on_times(&state->current);
 }
 
-int32_t foc_modulation_limit_q15(const foc_state_t *state)
+int32_t foc_modulation_limit_q15(const config_t *config)
 {
-    return state->current.modulation.limit_q15;
+    return modulation_init(config).limit_q15;
 }

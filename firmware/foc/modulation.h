@@ -19,8 +19,8 @@
 #include "config/config.h"
 #include "core/frames.h"
 #include "core/q15.h"
+#include "foc/exchange.h"
 #include "foc/state.h"
-#include "foc/tuning.h"
 
 /* For the configured period, shortest pulse and dead time; the circle of the configuration is
  * reduced if the shortest pulse and the correction need it, never below a quarter. Divides. */

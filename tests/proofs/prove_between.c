@@ -4,8 +4,7 @@
  * Vectors within a circle are taken as within its octagon, the larger set.
  */
 #include "core/angle.h"
-#include "foc/mean_values.h"
-#include "foc/sampling_correction.h"
+#include "sampling_correction.h"
 #include "vectors.h"
 
 /* The report needs one sine and cosine; it gets those of any angle, without the checker having to
@@ -13,7 +12,7 @@
 #define angle_rotation(theta_turn) ((void)(theta_turn), any_rotation())
 #include "foc.c"
 #undef angle_rotation
-#include "mean_values.c"
+#include "operating_point.c"
 
 enum { LONGEST_CURRENT_PU = 32767, LONGEST_VOLTAGE = 32767 };
 
@@ -67,18 +66,18 @@ void prove_mean_values(void)
                  .power_pu = nondet_uint32(),
                  .v_dc_pu = nondet_uint32()},
     };
-    mean_values_state_t state = {
+    operating_point_state_t state = {
         .sums = {.i_d_pu = nondet_uint32(),
                  .i_q_pu = nondet_uint32(),
                  .power_pu = nondet_uint32(),
                  .v_dc_pu = nondet_uint32()},
         .sequence = nondet_uint16(),
+        .v_dc_pu = nondet_int32(),
     };
-    state.latest.v_dc_pu = nondet_int32();
-    const uint16_t before = state.sequence;
-    const mean_values_t out = mean_values_step(&state, &report);
+    const operating_point_state_t before = state;
+    average(&state, &report);
     PROMISE(state.sequence == report.sequence);
-    PROMISE(report.sequence != before || out.v_dc_pu == state.latest.v_dc_pu);
+    PROMISE(report.sequence != before.sequence || state.v_dc_pu == before.v_dc_pu);
     PROOF_END();
 }
 
@@ -105,8 +104,8 @@ static void any_motor(void)
 void prove_sampling_correction_at(void)
 {
     any_motor();
-    const sampling_correction_t at =
-        sampling_correction_at(&config, nondet_int32(), nondet_int32());
+    const sampling_correction_t at = sampling_correction_at(
+        &config, sampling_correction_magnets_pu(&config), nondet_int32(), nondet_int32());
     PROMISE(at.gain_q24 >= 0 && at.gain_q24 <= 1 << 20);
     PROMISE(at.inverse_q24 >= 0 && at.inverse_q24 <= at.gain_q24);
     PROMISE(at.magnets_pu >= 0 && at.magnets_pu <= 16 * 32768);
@@ -125,6 +124,9 @@ void prove_sampling_correction(void)
     PROMISE(x.q >= 0 ? mean.q >= 0 && mean.q <= x.q : mean.q <= 0 && mean.q >= x.q);
     PROMISE(x.q >= 0 ? sampled.q >= x.q : sampled.q <= x.q);
     PROMISE(mean.d >= -163841 && mean.d <= 163841 && sampled.d >= -163841 && sampled.d <= 172033);
+    const int32_t change = any_within(-32767, 0);
+    const int32_t mean_change = sampling_correction_mean_change(&at, change);
+    PROMISE(mean_change <= 0 && mean_change >= change);
     const int32_t offset = sampling_correction_d_pu(&at);
     PROMISE(offset <= 0 && offset >= -32767);
     const int32_t commanded = any_within(0, INT32_MAX);

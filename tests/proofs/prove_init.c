@@ -6,9 +6,9 @@
  */
 #include "config/config.h"
 #include "encoder.h"
-#include "foc/tuning.h"
 #include "modulation.h"
 #include "proof.h"
+#include "tuning.h"
 
 static bool usable(const pi_gains_t *gains)
 {
@@ -49,13 +49,9 @@ void prove_dead_time_counts(void)
     config.drive.diode_drop_mV = any_within(0, 5000);
     config.battery.min_voltage_mV = any_within(1000, 2000000);
     config.battery.max_voltage_mV = any_within(1000, 2000000);
-    config.current_loop.dead_time_zone_pu_q15 = any_within(128, 32767);
     const int32_t counts = modulation_dead_time_counts(&config);
-    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
     PROMISE(counts >=
             0); /* and an eighth of the longest period at most, 2048: the validator's relation */
-    PROMISE(slope.alpha_q8 >= 0 && slope.alpha_q8 <= 65000);
-    PROMISE(slope.beta_q8 >= 0 && slope.beta_q8 <= 56292);
     PROOF_END();
 }
 

@@ -15,6 +15,7 @@
 #include <string.h>
 
 #include "controller/controller.h"
+#include "tuning.h"
 /* The source, because of what it keeps to itself: FIELDS and check_relations(). */
 #include "validate.c"
 
@@ -274,7 +275,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                 check_slow(&config, &out);
             }
         } else if (what < 64) {
-            take_command(&command, &config, controller.slow.modulation_limit_q15, &bytes);
+            take_command(&command, &config, foc_modulation_limit_q15(&config), &bytes);
         }
         const fast_input_t in = take_fast_input(&bytes);
         for (int repeat = take_repeats(what, &bytes); repeat >= 0; repeat--) {

@@ -10,6 +10,7 @@
 #include "modulation.h"
 #include "sense.h"
 #include "transforms.h"
+#include "tuning.h"
 
 static pair_t pair_of_angle(rotation_t angle)
 {
@@ -265,7 +266,9 @@ triple_t kernel_svpwm(const kernel_svpwm_t *svpwm, pair_t u, triple_t trim_q15)
 
 kernel_dead_time_t kernel_dead_time_init(const config_t *config)
 {
-    const dead_time_slope_t slope = dead_time_slope_nominal(config);
+    const int32_t middle_mV = (config->battery.min_voltage_mV + config->battery.max_voltage_mV) / 2;
+    const dead_time_slope_t slope =
+        dead_time_slope_at(config, q_scale(middle_mV, 32768, config->drive.voltage_full_scale_mV));
     const kernel_dead_time_t out = {modulation_dead_time_counts(config), slope.alpha_q8,
                                     slope.beta_q8};
     return out;

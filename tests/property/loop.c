@@ -3,17 +3,15 @@
 
 #include <stdlib.h>
 
+#include "controller/operating_point.h"
 #include "field_weakening.h"
 #include "foc/foc.h"
-#include "foc/mean_values.h"
-#include "foc/sampling_correction.h"
-#include "foc/tuning.h"
 
 struct loop_s {
     config_t config;
     foc_state_t foc;
     fast_setpoint_t setpoint;
-    mean_values_state_t summary;
+    operating_point_state_t operating_point;
     int32_t periods_to_slow_step;
     int32_t winding_temperature_cC;
 };
@@ -26,11 +24,8 @@ loop_t *loop_new(const config_t *config)
     }
     loop->config = *config;
     foc_init(&loop->foc, &loop->config);
-    const int32_t highest_pu =
-        q_scale(config->battery.max_voltage_mV, 32768, config->drive.voltage_full_scale_mV);
-    loop->setpoint.tuning = current_tuning(&loop->config, foc_modulation_limit_q15(&loop->foc),
-                                           highest_pu, 0, config->motor.reference_temperature_cC);
-    loop->setpoint.dead_time_slope = dead_time_slope_at(&loop->config, highest_pu);
+    operating_point_init(&loop->operating_point, &loop->config);
+    operating_point_initial_setpoint(&loop->config, &loop->setpoint);
     loop->winding_temperature_cC = config->motor.reference_temperature_cC;
     return loop;
 }
@@ -74,14 +69,11 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         loop->periods_to_slow_step = loop->config.drive.pwm_frequency_Hz / 1000;
         fast_report_t report;
         foc_report(&loop->foc, &report);
-        const mean_values_t summary = mean_values_step(&loop->summary, &report);
-        loop->setpoint.tuning =
-            current_tuning(&loop->config, foc_modulation_limit_q15(&loop->foc), summary.v_dc_pu,
-                           report.speed_q32, loop->winding_temperature_cC);
-        loop->setpoint.dead_time_slope = dead_time_slope_at(&loop->config, summary.v_dc_pu);
-        const sampling_correction_t sampling =
-            sampling_correction_at(&loop->config, report.speed_q32, loop->winding_temperature_cC);
-        loop->setpoint.i_d_sampling_correction_pu = sampling_correction_d_pu(&sampling);
+        (void)operating_point_of(&loop->operating_point, &loop->config, &report,
+                                 loop->winding_temperature_cC);
+        const dq_t reference_pu = loop->setpoint.i_reference_pu;
+        operating_point_setpoint(&loop->operating_point, &loop->config, 0, 0, &loop->setpoint);
+        loop->setpoint.i_reference_pu = reference_pu;
         loop->setpoint.sequence++;
     }
     const foc_period_t *period = foc_latest(&loop->foc);
@@ -99,8 +91,8 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .u_d_pu = u.d,
         .u_q_pu = u.q,
         .weakening_pu = field_weakening_current_pu(&loop->foc.weakening),
-        .power_pu = loop->summary.latest.power_pu,
-        .modulation_limit_q15 = foc_modulation_limit_q15(&loop->foc),
+        .power_pu = loop->operating_point.power_pu,
+        .modulation_limit_q15 = foc_modulation_limit_q15(&loop->config),
         .speed_q32 = period->rotor.speed_q32,
         .theta_turn = period->rotor.theta_turn,
         .limited = voltage->unsaturated_d != u.d || voltage->unsaturated_q != u.q,

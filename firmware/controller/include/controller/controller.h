@@ -31,13 +31,11 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "controller/operating_point.h"
 #include "core/slow_messages.h"
 #include "core/torque_enable.h"
 #include "foc/exchange.h"
 #include "foc/foc.h"
-#include "foc/mean_values.h"
-#include "foc/sampling_correction.h"
-#include "foc/tuning.h"
 #include "modes/modes.h"
 #include "monitor/monitor.h"
 #include "torque/torque.h"
@@ -61,8 +59,7 @@ typedef struct {
 } controller_fast_t;
 
 typedef struct {
-    mean_values_state_t summary;
-    int32_t modulation_limit_q15; /* radius of the voltage circle, share of u_dc/sqrt 3 */
+    operating_point_state_t operating_point;
     torque_state_t torque;
     monitor_slow_state_t monitor;
     modes_state_t modes;

@@ -49,8 +49,8 @@ typedef struct {
 /* config: accepted by config_validate(). Divides. */
 void foc_init(foc_state_t *state, const config_t *config);
 
-/* Radius of the voltage circle as a share of u_dc/sqrt 3, Q15, 8192 .. 32 767. Constant. */
-int32_t foc_modulation_limit_q15(const foc_state_t *state);
+/* Radius of the voltage circle as a share of u_dc/sqrt 3, Q15, 8192 .. 32 767. Divides. */
+int32_t foc_modulation_limit_q15(const config_t *config);
 
 /* One PWM period with the bridge switching: controls the current and modulates. */
 void foc_step(foc_state_t *state, const config_t *config, const fast_setpoint_t *setpoint,

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "foc/tuning.h"
+#include "tuning.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;

@@ -6,6 +6,7 @@
 
 #include "modulation.h"
 #include "random_values.h"
+#include "tuning.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;
@@ -22,6 +23,14 @@ void setUp(void)
 }
 
 void tearDown(void) {}
+
+/* At the middle of the battery's voltage range. */
+static dead_time_slope_t middle_slope(void)
+{
+    const int32_t middle_mV = (config.battery.min_voltage_mV + config.battery.max_voltage_mV) / 2;
+    return dead_time_slope_at(&config,
+                              q_scale(middle_mV, 32768, config.drive.voltage_full_scale_mV));
+}
 
 /* Phase a is the alpha axis. */
 static double trim_counts(dead_time_slope_t slope, int32_t current_pu)
@@ -77,7 +86,7 @@ void test_largest_valid_dead_time_and_drop_give_an_eighth_of_the_longest_period(
 
 void test_positive_current_lengthens_the_high_side_pulse(void)
 {
-    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
+    const dead_time_slope_t slope = middle_slope();
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 84.0, trim_counts(slope, 20000));
     TEST_ASSERT_DOUBLE_WITHIN(0.01, -84.0, trim_counts(slope, -20000));
     TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(slope, 0));
@@ -85,7 +94,7 @@ void test_positive_current_lengthens_the_high_side_pulse(void)
 
 void test_correction_is_proportional_inside_the_zone(void)
 {
-    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
+    const dead_time_slope_t slope = middle_slope();
     for (int32_t i = -655; i <= 655; i++) {
         /* The slope 1/zone is kept to 1/2^16 of one unit per LSB: 0.3 % here, and one LSB of Q15 is
          * rounded away. */
@@ -98,7 +107,7 @@ void test_correction_is_bounded_and_monotonic_for_every_current_and_zone(void)
     static const int32_t ZONES[] = {128, 129, 655, 5000, 32767};
     for (int z = 0; z < 5; z++) {
         config.current_loop.dead_time_zone_pu_q15 = ZONES[z];
-        const dead_time_slope_t slope = dead_time_slope_nominal(&config);
+        const dead_time_slope_t slope = middle_slope();
         double before = -85.0;
         for (int32_t i = -32768; i <= 32767; i++) {
             const double trim = trim_counts(slope, i);
@@ -111,7 +120,7 @@ void test_correction_is_bounded_and_monotonic_for_every_current_and_zone(void)
 
 void test_each_phase_is_trimmed_by_the_sign_of_its_own_current(void)
 {
-    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
+    const dead_time_slope_t slope = middle_slope();
     for (int k = 0; k < 3600; k++) {
         const double angle = k * 3.14159265358979323846 / 1800.0;
         const ab_t i = {(int32_t)lround(20000.0 * cos(angle)),
@@ -134,7 +143,7 @@ void test_each_phase_is_trimmed_by_the_sign_of_its_own_current(void)
 void test_the_longest_current_vector_does_not_overflow_in_any_direction(void)
 {
     config.current_loop.dead_time_zone_pu_q15 = 128;
-    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
+    const dead_time_slope_t slope = middle_slope();
     for (int k = 0; k < 36000; k++) {
         const double angle = k * 3.14159265358979323846 / 18000.0;
         const ab_t i = {(int32_t)lround(32768.0 * cos(angle)),
@@ -154,7 +163,7 @@ void test_the_longest_current_vector_does_not_overflow_in_any_direction(void)
 void test_correction_is_zero_without_dead_time(void)
 {
     config.drive.dead_time_ns = 0;
-    const dead_time_slope_t slope = dead_time_slope_nominal(&config);
+    const dead_time_slope_t slope = middle_slope();
     for (int32_t i = -32768; i <= 32767; i += 5) {
         TEST_ASSERT_EQUAL_DOUBLE(0.0, trim_counts(slope, i));
     }

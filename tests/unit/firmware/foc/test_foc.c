@@ -122,7 +122,7 @@ void test_voltage_angle_is_advanced_by_one_and_a_half_periods(void)
         restart();
         in.rotor_angle_turn = (uint16_t)theta;
         setpoint.tuning = current_tuning(
-            &config, foc_modulation_limit_q15(&foc), 3513 * 8,
+            &config, foc_modulation_limit_q15(&config), 3513 * 8,
             (int32_t)lround(speed_turns * 0.5 * 4294967296.0), /* half: inside the circle */
             config.motor.reference_temperature_cC);
         step(true);

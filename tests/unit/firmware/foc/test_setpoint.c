@@ -73,7 +73,9 @@ void test_dead_time_compensation_uses_the_predicted_current(void)
     setpoint.i_reference_pu.q = (int32_t)step_pu;
     in.rotor_angle_turn = 16384;            /* q along -a: the whole current flows in phase a */
     setpoint.tuning.q.proportional_q10 = 1; /* no voltage but the compensation */
-    setpoint.dead_time_slope = dead_time_slope_nominal(&config);
+    const int32_t middle_mV = (config.battery.min_voltage_mV + config.battery.max_voltage_mV) / 2;
+    setpoint.dead_time_slope =
+        dead_time_slope_at(&config, q_scale(middle_mV, 32768, config.drive.voltage_full_scale_mV));
     setpoint.tuning.q.integral_q15 = 0;
     const double b = half_period();
     double left = 0.5 * (1.0 + b);

@@ -8,8 +8,9 @@
 
 #include <string.h>
 
+#include "controller/operating_point.h"
 #include "foc/foc.h"
-#include "foc/tuning.h"
+#include "tuning.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;
@@ -27,14 +28,9 @@ static uint16_t *const codes = in.phase_current_code;
 static inline void restart(void)
 {
     foc_init(&foc, &config);
-    const int32_t highest_pu =
-        q_scale(config.battery.max_voltage_mV, 32768, config.drive.voltage_full_scale_mV);
-    const fast_setpoint_t at_rest = {
-        .tuning = current_tuning(&config, foc_modulation_limit_q15(&foc), highest_pu, 0,
-                                 config.motor.reference_temperature_cC),
-        .dead_time_slope = dead_time_slope_at(&config, highest_pu),
-    };
+    const fast_setpoint_t at_rest = {.sequence = 0};
     setpoint = at_rest;
+    operating_point_initial_setpoint(&config, &setpoint);
     foc_report(&foc, &report);
 }
 

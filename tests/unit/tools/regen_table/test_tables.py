@@ -331,7 +331,7 @@ def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(
         f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "foc")
     ]
     sources = [
-        str(ROOT / "firmware" / "foc" / "tuning.c"),
+        str(ROOT / "firmware" / "controller" / "tuning.c"),
         *map(str, (ROOT / "firmware" / "core").glob("*.c")),
     ]
     subprocess.run(

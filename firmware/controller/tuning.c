@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "foc/tuning.h"
+#include "tuning.h"
 
 #include "config/bases.h"
 #include "core/q15.h"
@@ -77,8 +77,10 @@ current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit
 
 /* The zone is configured for the middle of the battery's range and proportional to v_dc + 2 V_f;
  * here twice both. */
-static dead_time_slope_t slope_at(const config_t *config, int64_t twice_v_dc_mV)
+dead_time_slope_t dead_time_slope_at(const config_t *config, int32_t v_dc_pu)
 {
+    const int32_t twice_pu = 2 * q_clamp(v_dc_pu, LOWEST_BUS_PU, 32768);
+    const int64_t twice_v_dc_mV = q_scale(twice_pu, config->drive.voltage_full_scale_mV, 32768);
     const int64_t twice_drops_mV = INT64_C(4) * config->drive.diode_drop_mV;
     const int64_t middle_mV =
         (int64_t)config->battery.min_voltage_mV + config->battery.max_voltage_mV + twice_drops_mV;
@@ -91,16 +93,4 @@ static dead_time_slope_t slope_at(const config_t *config, int64_t twice_v_dc_mV)
         .beta_q8 = (int32_t)(((uint32_t)alpha_q8 * SQRT3_2_Q15 + (1U << 14)) >> 15),
     };
     return out;
-}
-
-dead_time_slope_t dead_time_slope_at(const config_t *config, int32_t v_dc_pu)
-{
-    const int32_t twice_pu = 2 * q_clamp(v_dc_pu, LOWEST_BUS_PU, 32768);
-    return slope_at(config, q_scale(twice_pu, config->drive.voltage_full_scale_mV, 32768));
-}
-
-dead_time_slope_t dead_time_slope_nominal(const config_t *config)
-{
-    return slope_at(config,
-                    (int64_t)config->battery.min_voltage_mV + config->battery.max_voltage_mV);
 }

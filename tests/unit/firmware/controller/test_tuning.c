@@ -2,7 +2,7 @@
 /* Coefficients for bus voltage, speed and winding temperature. */
 #include <math.h>
 
-#include "foc/tuning.h"
+#include "tuning.h"
 #include "unity.h"
 
 extern const config_t CONFIG_LU2013;

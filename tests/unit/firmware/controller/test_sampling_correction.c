@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Difference between sampled and mean current, against a motor with a stepwise constant voltage,
  * integrated in double precision. */
-#include "foc/sampling_correction.h"
+#include "sampling_correction.h"
 
 #include <math.h>
 
@@ -19,6 +19,13 @@ typedef struct {
 typedef struct {
     double sampled_d, sampled_q, mean_d, mean_q; /* of 1.0 */
 } seen_t;
+
+static sampling_correction_t correction(const config_t *config, int32_t speed_q32,
+                                        int32_t winding_temperature_cC)
+{
+    return sampling_correction_at(config, sampling_correction_magnets_pu(config), speed_q32,
+                                  winding_temperature_cC);
+}
 
 void setUp(void) {}
 
@@ -89,8 +96,8 @@ static void check(const config_t *config, double turn, double i_d, double i_q)
         .psi = config->current_loop.flux_pu_q16 * per_w,
     };
     const seen_t seen = stepped_supply(&machine, turn, i_d, i_q);
-    const sampling_correction_t at = sampling_correction_at(
-        config, (int32_t)lround(turn * 4294967296.0), config->motor.reference_temperature_cC);
+    const sampling_correction_t at = correction(config, (int32_t)lround(turn * 4294967296.0),
+                                                config->motor.reference_temperature_cC);
     const dq_t mean = {.d = (int32_t)lround(seen.mean_d * 32768.0),
                        .q = (int32_t)lround(seen.mean_q * 32768.0)};
     const dq_t found = sampling_correction_to_sampled(&at, mean);
@@ -103,6 +110,9 @@ static void check(const config_t *config, double turn, double i_d, double i_q)
     const dq_t back = sampling_correction_to_mean(&at, found);
     TEST_ASSERT_INT32_WITHIN(2, mean.d, back.d);
     TEST_ASSERT_INT32_WITHIN(2, mean.q, back.q);
+    const dq_t weakened = {.d = found.d - 3000, .q = found.q};
+    TEST_ASSERT_INT32_WITHIN(1, sampling_correction_to_mean(&at, weakened).d - back.d,
+                             sampling_correction_mean_change(&at, -3000));
     const dq_t no_sample = {.d = 0, .q = 0};
     TEST_ASSERT_EQUAL_INT32(q_clamp(sampling_correction_to_mean(&at, no_sample).d, -32767, 0),
                             sampling_correction_d_pu(&at));
@@ -122,7 +132,7 @@ void test_sampled_current_is_that_of_a_motor_with_stepwise_constant_voltage(void
 void test_sampled_and_mean_current_are_equal_at_standstill(void)
 {
     const config_t config = paper_vehicle();
-    const sampling_correction_t at = sampling_correction_at(&config, 0, 2500);
+    const sampling_correction_t at = correction(&config, 0, 2500);
     const dq_t i = {.d = -12345, .q = 23456};
     TEST_ASSERT_EQUAL_INT32(i.d, sampling_correction_to_sampled(&at, i).d);
     TEST_ASSERT_EQUAL_INT32(i.q, sampling_correction_to_sampled(&at, i).q);
@@ -135,7 +145,7 @@ void test_mean_voltage_in_the_rotor_frame_is_reduced_by_sinc(void)
     const config_t config = paper_vehicle();
     for (double turn = -0.05; turn <= 0.05; turn += 0.005) {
         const sampling_correction_t at =
-            sampling_correction_at(&config, (int32_t)lround(turn * 4294967296.0), 2500);
+            correction(&config, (int32_t)lround(turn * 4294967296.0), 2500);
         const double half = PI * turn;
         const double share = fabs(half) < 1e-9 ? 1.0 : sin(half) / half;
         TEST_ASSERT_DOUBLE_WITHIN(4.0, 20000.0 * share,
@@ -149,8 +159,7 @@ void test_correction_stays_in_its_format_at_any_speed_and_temperature(void)
     const int32_t extremes[] = {INT32_MIN, -1, 0, 1, INT32_MAX};
     for (int s = 0; s < 5; s++) {
         for (int t = 0; t < 5; t++) {
-            const sampling_correction_t at =
-                sampling_correction_at(&config, extremes[s], extremes[t]);
+            const sampling_correction_t at = correction(&config, extremes[s], extremes[t]);
             TEST_ASSERT_TRUE(at.gain_q24 >= 0 && at.gain_q24 <= 1 << 20);
             TEST_ASSERT_TRUE(at.inverse_q24 >= 0 && at.inverse_q24 <= at.gain_q24);
             TEST_ASSERT_TRUE(at.magnets_pu >= 0 && at.magnets_pu <= 16 * 32768);

@@ -6,8 +6,8 @@
  * Voltages are in modulation units: 1.0 is the radius of the voltage circle,
  * modulation_limit * u_dc / sqrt 3. Gains: README, Current controller.
  */
-#ifndef FOC_TUNING_H
-#define FOC_TUNING_H
+#ifndef CONTROLLER_TUNING_H
+#define CONTROLLER_TUNING_H
 
 #include <stdint.h>
 
@@ -24,8 +24,5 @@ current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit
 
 /* v_dc_pu: clamped to 1/16 .. 1. */
 dead_time_slope_t dead_time_slope_at(const config_t *config, int32_t v_dc_pu);
-
-/* The same at the middle of the battery's voltage range. */
-dead_time_slope_t dead_time_slope_nominal(const config_t *config);
 
 #endif

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * operating_point.h: the translation between the two loops, 1 kHz. The slow loop computes with
+ * means in SI units, the fast loop with samples per unit; only this module knows both. Each
+ * quantity crosses once each way:
+ *
+ *     fast_report_t  --> operating_point_of()        --> speed, mean currents, voltages
+ *
+ *     fast_setpoint_t <-- operating_point_setpoint() <-- mean currents to control
+ *
+ * Equations: README.
+ */
+#ifndef CONTROLLER_OPERATING_POINT_H
+#define CONTROLLER_OPERATING_POINT_H
+
+#include <stdint.h>
+
+#include "config/config.h"
+#include "core/frames.h"
+#include "foc/exchange.h"
+
+/* sampling_correction.h: at one speed and winding temperature */
+typedef struct {
+    int32_t gain_q24;    /* g, 0 .. 2^20 (1/16: 7 periods per electrical turn) */
+    int32_t inverse_q24; /* g/(1 + g): from sampled to mean */
+    int32_t magnets_pu;  /* psi/L_d, Q15 of the current base, at most 16 */
+} sampling_correction_t;
+
+/* Complete only so that a caller can own one; no other module reads a member. */
+typedef struct {
+    /* Since the start. */
+    int32_t modulation_limit_q15; /* foc_modulation_limit_q15() */
+    int32_t magnets_pu;           /* psi/L_d at the reference temperature, Q15 */
+    /* At the previous report. */
+    foc_sums_t sums;
+    uint16_t sequence;
+    /* At this one. */
+    dq_t i_pu;        /* means of the averaging window, sampled currents */
+    int32_t power_pu; /* of u_d i_d + u_q i_q */
+    int32_t v_dc_pu;
+    int32_t speed_q32;
+    int32_t winding_temperature_cC;
+    sampling_correction_t sampling;
+} operating_point_state_t;
+
+/* Currents and phase voltages are peak values in the rotor frame. */
+typedef struct {
+    int32_t speed_mrad_s; /* mechanical, signed */
+    /* Means over the averaging window, the periods since the previous report. */
+    int32_t i_d_mA, i_q_mA;
+    int32_t bus_voltage_mV;
+    int32_t bus_current_mA; /* out of the battery positive; from phase voltage and current */
+    /* Of the latest period. */
+    int32_t i_d_weakening_mA; /* mean current that field weakening adds to i_d, <= 0 */
+    int32_t phase_voltage_mV; /* mean that may be commanded, a reserve below field weakening */
+    int32_t latest_i_d_mA, latest_i_q_mA; /* sampled */
+    int32_t latest_u_d_mV, latest_u_q_mV; /* applied */
+} operating_point_t;
+
+/* Until the first report the bus voltage is the middle of the battery's range, the currents are
+ * zero. Divides. */
+void operating_point_init(operating_point_state_t *state, const config_t *config);
+
+/* report: at most 40 000 periods after the previous one; the same one again leaves the means
+ * unchanged. winding_temperature_cC: any. Divides. */
+operating_point_t operating_point_of(operating_point_state_t *state, const config_t *config,
+                                     const fast_report_t *report, int32_t winding_temperature_cC);
+
+/* Writes reference, sampling correction, tuning and dead-time slope for the operating point of the
+ * latest operating_point_of(). i_d_mA, i_q_mA: mean currents without the field-weakening current,
+ * saturated at the current base. Divides. */
+void operating_point_setpoint(const operating_point_state_t *state, const config_t *config,
+                              int32_t i_d_mA, int32_t i_q_mA, fast_setpoint_t *setpoint);
+
+/* The same for zero current and speed at the highest bus voltage, where the gains are smallest:
+ * before the first report. */
+void operating_point_initial_setpoint(const config_t *config, fast_setpoint_t *setpoint);
+
+#endif

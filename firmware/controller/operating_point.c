@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "controller/operating_point.h"
+
+#include "config/bases.h"
+#include "core/q15.h"
+#include "foc/foc.h"
+#include "sampling_correction.h"
+#include "tuning.h"
+
+enum { SQRT3_Q15 = 56756 /* 32 768 sqrt(3) */ };
+
+static int32_t per_unit_of_mV(const config_t *config, int32_t voltage_mV)
+{
+    return q_scale(voltage_mV, 32768, config->drive.voltage_full_scale_mV);
+}
+
+void operating_point_init(operating_point_state_t *state, const config_t *config)
+{
+    const int32_t middle_mV = (config->battery.min_voltage_mV + config->battery.max_voltage_mV) / 2;
+    const operating_point_state_t fresh = {
+        .modulation_limit_q15 = foc_modulation_limit_q15(config),
+        .magnets_pu = sampling_correction_magnets_pu(config),
+        .v_dc_pu = per_unit_of_mV(config, middle_mV),
+    };
+    *state = fresh;
+}
+
+/* The difference of two wrapping sums, as long as it is below 2^31. */
+static int32_t mean(uint32_t now, uint32_t before, int32_t periods)
+{
+    const uint32_t rise = now - before;
+    return (rise <= INT32_MAX ? (int32_t)rise : -(int32_t)(UINT32_MAX - rise) - 1) / periods;
+}
+
+static void average(operating_point_state_t *state, const fast_report_t *report)
+{
+    const int32_t periods = (uint16_t)(report->sequence - state->sequence);
+    if (periods > 0) {
+        const foc_sums_t *now = &report->sums;
+        const foc_sums_t *before = &state->sums;
+        state->i_pu.d = mean(now->i_d_pu, before->i_d_pu, periods);
+        state->i_pu.q = mean(now->i_q_pu, before->i_q_pu, periods);
+        state->power_pu = mean(now->power_pu, before->power_pu, periods);
+        state->v_dc_pu = mean(now->v_dc_pu, before->v_dc_pu, periods);
+        state->sums = *now;
+        state->sequence = report->sequence;
+    }
+}
+
+/* P = 3/2 u i with u = m limit v_dc/sqrt 3: i_dc = sqrt(3)/2 limit I_base (m i). */
+static int32_t bus_current_mA(const operating_point_state_t *state, const config_t *config)
+{
+    const int32_t in_circle_mA =
+        q_scale(bases_current_mA(config, state->power_pu), state->modulation_limit_q15, 32768);
+    return q_scale(in_circle_mA, 866025, 1000000);
+}
+
+/* A share of the voltage circle in volts: u = m limit v_dc/sqrt 3. */
+static int32_t phase_mV(const operating_point_state_t *state, int32_t share_q15, int32_t bus_mV)
+{
+    return q_scale(q_scale(share_q15, state->modulation_limit_q15, 32768), bus_mV, SQRT3_Q15);
+}
+
+/* With a reserve below the index at which the fast loop begins to weaken the field (README,
+ * Voltage reserve). */
+static int32_t phase_voltage_mV(const operating_point_state_t *state, const config_t *config,
+                                int32_t bus_mV)
+{
+    const int32_t index_q15 = config->current_loop.modulation_target_pu_q15 -
+                              config->current_loop.modulation_reserve_pu_q15;
+    return sampling_correction_mean_voltage(&state->sampling, phase_mV(state, index_q15, bus_mV));
+}
+
+operating_point_t operating_point_of(operating_point_state_t *state, const config_t *config,
+                                     const fast_report_t *report, int32_t winding_temperature_cC)
+{
+    average(state, report);
+    state->speed_q32 = report->speed_q32;
+    state->winding_temperature_cC = winding_temperature_cC;
+    state->sampling = sampling_correction_at(config, state->magnets_pu, report->speed_q32,
+                                             winding_temperature_cC);
+    const sampling_correction_t *sampling = &state->sampling;
+    const dq_t i_pu = sampling_correction_to_mean(sampling, state->i_pu);
+    const int32_t bus_mV = bases_bus_voltage_mV(config, state->v_dc_pu);
+    const dq_t latest_i = dq_of(report->i_pu);
+    const dq_t latest_u = dq_of(report->u_pu);
+    const operating_point_t out = {
+        .speed_mrad_s = bases_speed_mrad_s(config, report->speed_q32),
+        .i_d_mA = bases_current_mA(config, i_pu.d),
+        .i_q_mA = bases_current_mA(config, i_pu.q),
+        .bus_voltage_mV = bus_mV,
+        .bus_current_mA = bus_current_mA(state, config),
+        .i_d_weakening_mA = bases_current_mA(
+            config, sampling_correction_mean_change(sampling, report->i_d_weakening_pu)),
+        .phase_voltage_mV = phase_voltage_mV(state, config, bus_mV),
+        .latest_i_d_mA = bases_current_mA(config, latest_i.d),
+        .latest_i_q_mA = bases_current_mA(config, latest_i.q),
+        .latest_u_d_mV = phase_mV(state, latest_u.d, bus_mV),
+        .latest_u_q_mV = phase_mV(state, latest_u.q, bus_mV),
+    };
+    return out;
+}
+
+void operating_point_setpoint(const operating_point_state_t *state, const config_t *config,
+                              int32_t i_d_mA, int32_t i_q_mA, fast_setpoint_t *setpoint)
+{
+    const dq_t mean_pu = {.d = bases_current_pu_q15(config, i_d_mA),
+                          .q = bases_current_pu_q15(config, i_q_mA)};
+    const dq_t sampled_pu = sampling_correction_to_sampled(&state->sampling, mean_pu);
+    setpoint->i_reference_pu.d = q_saturate16(sampled_pu.d);
+    setpoint->i_reference_pu.q = q_saturate16(sampled_pu.q);
+    setpoint->i_d_sampling_correction_pu = sampling_correction_d_pu(&state->sampling);
+    setpoint->tuning = current_tuning(config, state->modulation_limit_q15, state->v_dc_pu,
+                                      state->speed_q32, state->winding_temperature_cC);
+    setpoint->dead_time_slope = dead_time_slope_at(config, state->v_dc_pu);
+}
+
+void operating_point_initial_setpoint(const config_t *config, fast_setpoint_t *setpoint)
+{
+    operating_point_state_t at_rest;
+    operating_point_init(&at_rest, config);
+    at_rest.v_dc_pu = per_unit_of_mV(config, config->battery.max_voltage_mV);
+    at_rest.winding_temperature_cC = config->motor.reference_temperature_cC;
+    operating_point_setpoint(&at_rest, config, 0, 0, setpoint);
+}
