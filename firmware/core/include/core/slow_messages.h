@@ -57,7 +57,7 @@ typedef struct {
     int32_t hydraulic_torque_mNm;         /* command to the hydraulic brake, magnitude >= 0 */
     int32_t electric_brake_available_mNm; /* what the motor could take over now, magnitude >= 0 */
     int32_t speed_mrad_s;                 /* mechanical, signed */
-    int32_t i_d_mA, i_q_mA;               /* measured, peak phase values, low-passed */
+    int32_t i_d_mA, i_q_mA;               /* mean over the latest millisecond, peak phase values */
     int32_t bus_voltage_mV;
     int32_t bus_current_mA;    /* estimate from realised voltage and measured current */
     reason_t torque_reason;    /* what bounds the motor torque in the demanded direction */
