@@ -46,12 +46,13 @@ set_tests_properties(pwm_interrupt_budget PROPERTIES TIMEOUT 300 LABELS target
 
 # ---- the release ----
 
+set(image "${PROJECT_BINARY_DIR}/hubfoc_stm32f405")
+
 add_test(NAME stm32_image_is_the_same_from_another_folder
   COMMAND "${CMAKE_COMMAND}" "-DSOURCE=${PROJECT_SOURCE_DIR}" "-DBUILD=${PROJECT_BINARY_DIR}"
-  -DTARGET=hubfoc_stm32f405
-    "-DOPTIONS=-DHUBFOC_CONFIG=${HUBFOC_CONFIG}" -DPRESET=stm32f405
+    -DTARGET=hubfoc_stm32f405 -DPRESET=stm32f405 "-DOPTIONS=-DHUBFOC_CONFIG=${HUBFOC_CONFIG}"
+    "-DFILES=${image}.bin;${image}.hex;${image}_config.bin"
     "-DWORK=${CMAKE_CURRENT_BINARY_DIR}/rebuild"
-    "-DFILES=hubfoc_stm32f405.bin hubfoc_stm32f405.hex hubfoc_stm32f405_config.bin"
     -P "${CMAKE_CURRENT_LIST_DIR}/rebuild.cmake")
 set_tests_properties(stm32_image_is_the_same_from_another_folder PROPERTIES LABELS target
   TIMEOUT 600)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # cmake -DSOURCE=<repository> -DBUILD=<its build directory> -DPRESET=stm32f405 -DTARGET=<target>
-#       -DOPTIONS="-DNAME=value ..." -DFILES="<file below BUILD> ..." -DWORK=<scratch> -P
-#         rebuild.cmake
+#       -DOPTIONS="-DNAME=value ..." "-DFILES=<file below BUILD>;..." -DWORK=<scratch>
+#       -P rebuild.cmake
 #
 # The same sources, compiled by the same compiler in a folder with another name and depth, give the
 # same files, byte for byte. The commit is handed over, because the copy has no history. The ELF of
@@ -14,7 +14,6 @@ if(NOT header MATCHES "HUBFOC_COMMIT \"([^\"]+)\"")
 endif()
 set(ENV{HUBFOC_COMMIT} "${CMAKE_MATCH_1}")
 separate_arguments(OPTIONS)
-separate_arguments(FILES)
 
 # Compiled anew: a compiler cache would only show that it gives back what it was given.
 set(ENV{CCACHE_DISABLE} 1)
@@ -34,8 +33,9 @@ foreach(command IN ITEMS "--preset;${PRESET};${options}"
   endif()
 endforeach()
 
-foreach(file IN LISTS FILES)
-  file(SHA256 "${BUILD}/${file}" here)
+foreach(path IN LISTS FILES)
+  file(RELATIVE_PATH file "${BUILD}" "${path}")
+  file(SHA256 "${path}" here)
   file(SHA256 "${copy}/build/${PRESET}/${file}" there)
   if(NOT here STREQUAL there)
     message(FATAL_ERROR "rebuild: ${file}: ${here} here, ${there} in another folder")
