@@ -29,7 +29,7 @@ def _slow_loop(sheet: Sheet) -> None:
     sheet.text((805, 235), "i_d, i_q", "start", GREY)
 
     down = sheet.box(Box(710, 275, 170, 46, "fast_setpoint_t\nsetpoint, gains"))
-    up = sheet.box(Box(140, 275, 170, 46, "fast_report_t\nmeans, speed, trip"))
+    up = sheet.box(Box(140, 275, 170, 46, "fast_report_t\nsums, speed, trip"))
     enable = sheet.box(Box(510, 275, 160, 46, "modes\ntorque enable"), WATCH)
     monitor = sheet.box(Box(350, 275, 120, 46, "monitor\nfault, warning"), WATCH)
     sheet.arrow(setpoint.bottom, down.top)
@@ -52,7 +52,7 @@ def _fast_loop(sheet: Sheet) -> None:
     modulation = sheet.box(Box(710, 425, 170, 50, "modulation\nSVPWM, dead time"))
     rotor = sheet.box(Box(140, 505, 200, 45, "rotor estimate\nangle, speed"))
     prefilter = sheet.box(Box(370, 505, 170, 45, "reference prefilter,\ncurrent predictor"))
-    trip = sheet.box(Box(570, 505, 160, 45, "monitor: fast trip,\nbridge mode"), WATCH)
+    trip = sheet.box(Box(570, 505, 160, 45, "monitor: fast trip,\nbridge command"), WATCH)
     for one, two in ((sense, park), (park, control), (control, inverse), (inverse, modulation)):
         sheet.arrow(one.right, two.left)
     sheet.arrow((305, 505), park.bottom)
