@@ -127,11 +127,12 @@ TEXT
 
 help_bench() {
     cat <<'TEXT'
-Usage: tools/dev bench [--config NAME] [--no-simulation]
+Usage: tools/dev bench [--config NAME] [--no-simulation] [--update-readme]
 
 Measures both step functions on emulated cores (instructions, code, stack), the PWM interrupt of the
 flashable image on a model of its chip, the firmware's size and the simulation's speed; prints them
-and writes build/bench.json. A missed budget is a failure.
+and writes build/bench.json. A missed budget is a failure, and so is a table of instructions in
+firmware/foc/README.md that is out of date; --update-readme writes it.
 TEXT
 }
 

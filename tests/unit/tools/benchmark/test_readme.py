@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The README's table of instructions against a report."""
+
+from benchmark import readme
+
+TEXT = """Text | stays | as it is.
+
+| function | core | min | median | 99 % | max | budget |
+|---|---|---|---|---|---|---|
+| `foc_current_step` | cortex-m4 | 100 | 101 | 102 | 103 | median 105 |
+| `pwm_interrupt` | stm32f405 | 300 | 400 | 600 | 700 | max 800 |
+| `foc_current_step` | cortex-m3 | 1 | 2 | 3 | 4 | none |
+"""
+
+
+def counts(least: int, median: int, p99: int, most: int) -> dict[str, int]:
+    return {"calls": 9, "min": least, "median": median, "p99": p99, "max": most}
+
+
+REPORT = {
+    "cores": {"cortex-m4": {"instructions": {"foc_current_step": counts(100, 104, 105, 106)}}},
+    "interrupt": {"instructions": counts(300, 401, 602, 703)},
+}
+
+
+def test_rows_that_were_counted_are_replaced_and_the_others_stay() -> None:
+    text = readme.updated(TEXT, REPORT)
+    assert "| `foc_current_step` | cortex-m4 | 100 | 104 | 105 | 106 | median 105 |" in text
+    assert "| `pwm_interrupt` | stm32f405 | 300 | 401 | 602 | 703 | max 800 |" in text
+    assert "| `foc_current_step` | cortex-m3 | 1 | 2 | 3 | 4 | none |" in text
+    assert text.startswith("Text | stays | as it is.")
+    assert readme.updated(text, REPORT) == text
+
+
+def test_a_row_is_out_of_date_when_a_figure_is_off_by_more_than_two_per_cent() -> None:
+    complaints = readme.out_of_date(TEXT, REPORT)
+    assert len(complaints) == 1
+    assert complaints[0].startswith("foc_current_step, cortex-m4: shown [100, 101, 102, 103]")
+    assert readme.out_of_date(readme.updated(TEXT, REPORT), REPORT) == []
+
+
+def test_the_projects_readme_has_the_rows_that_the_benchmark_counts() -> None:
+    rows = {(match[1], match[2]) for match in readme._ROW.finditer(readme.README.read_text())}
+    assert rows == {
+        ("foc_current_step", "cortex-m4"),
+        ("foc_current_step", "cortex-m3"),
+        ("foc_current_step", "cortex-m0plus"),
+        ("controller_fast_step", "cortex-m4"),
+        ("pwm_interrupt", "stm32f405"),
+    }
