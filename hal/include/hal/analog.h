@@ -4,7 +4,7 @@
  *
  * The three phase currents are sampled at the same instant, at the top of the centre-aligned count,
  * when the low-side switches carry them. Codes are right-aligned 12-bit. Full scales are properties
- * of the board and stand in the configuration (drive.current_full_scale_mA,
+ * of the board and are given in the configuration (drive.current_full_scale_mA,
  * drive.voltage_full_scale_mV); ports do not scale.
  */
 #ifndef HAL_ANALOG_H

@@ -20,8 +20,8 @@
 typedef enum {
     INVERTER_MODE_OFF = 0, /* all six switches off; takes effect at once */
     INVERTER_MODE_PWM = 1, /* legs follow the compare values */
-    INVERTER_MODE_SHORT =
-        2 /* three low sides on, three high sides off; compare values are ignored */
+    /* Active short circuit: low sides on, high sides off; compare values are ignored. */
+    INVERTER_MODE_SHORT = 2
 } inverter_mode_t;
 
 typedef struct {
@@ -37,7 +37,7 @@ typedef enum {
                                        more than 0.1 % */
     INVERTER_DEAD_TIME_UNSUPPORTED, /* longer than the timer can make, or shorter than the board's
                                        switches need */
-    INVERTER_TIMER_UNREADY,         /* the timer does not update where it should, or not at all */
+    INVERTER_TIMER_UNREADY,         /* the timer's update event is missing or at the wrong count */
     INVERTER_CONVERTER_UNREADY      /* the analog converters did not start */
 } inverter_status_t;
 
@@ -49,13 +49,12 @@ inverter_status_t inverter_init(const inverter_settings_t *settings);
  * switches it on. */
 void inverter_start(void);
 
-/* Mode and compare values from the next top on. Only from app_pwm_period_isr(). compare_counts are
- * 0
- * .. top; larger ones act as top. Ignored while a fault is latched. */
+/* Mode and compare values from the next top on. Only from app_pwm_period_isr(). Range of
+ * compare_counts: 0 to top; larger values act as top. Ignored while a fault is latched. */
 void inverter_set(inverter_mode_t mode, const uint16_t compare_counts[3]);
 
-/* All six switches off at once, and latched as a fault. Any context, also
- * from fault handlers and before inverter_init(). */
+/* Switches all six switches off at once and latches a fault. Any context, also from fault handlers
+ * and before inverter_init(). */
 void inverter_trip(void);
 
 /* True from the moment the break input acted or inverter_trip() was called until

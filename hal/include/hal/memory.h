@@ -22,8 +22,8 @@ memory_window_t memory_unused(void);
  * interrupts start. */
 void memory_mark_stack(void);
 
-/* Bytes that the stack has never reached since; 0 if it was never marked. Takes longer the more is
- * free: background. */
+/* Bytes that the stack has not used since memory_mark_stack(); 0 if it was never called. Background
+ * context: the time grows with the number of free bytes. */
 uint32_t memory_stack_free_bytes(void);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * serial.h: one asynchronous serial line, 8 data bits, no parity, for banner, status and
- * shell.
+ * serial.h: one asynchronous serial line, 8 data bits, no parity, for banner, status and shell.
  *
  * Never blocks. Background context only.
  */

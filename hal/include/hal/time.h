@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * time.h: clocks and the millisecond.
+ * time.h: core clock, millisecond tick and cycle counter.
  */
 #ifndef HAL_TIME_H
 #define HAL_TIME_H

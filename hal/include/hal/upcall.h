@@ -9,13 +9,14 @@
  * loop only. Neither is re-entered. The exchange between the three contexts (firmware/app
  * double_buffer.h) relies on this order.
  *
- * Neither is called before inverter_start() respectively time_start_tick() has been.
+ * app_pwm_period_isr() is called only after inverter_start(), app_millisecond_isr() only after
+ * time_start_tick().
  */
 #ifndef HAL_UPCALL_H
 #define HAL_UPCALL_H
 
 /* Once per PWM period, as soon as the samples taken at the top of the centre-aligned count are
- * converted. Whatever it hands to inverter_set() before the next top takes effect there. */
+ * converted. Values given to inverter_set() before the next top take effect at that top. */
 void app_pwm_period_isr(void);
 
 /* Once per millisecond. */

@@ -9,13 +9,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* timeout_ms 1 .. 4000, made by an oscillator of its own, which may be 47 % fast or slow: between
- * two thirds of that time and twice as long. */
+/* timeout_ms: 1 to 4000. The watchdog has an oscillator of its own, which may be up to 47 % fast or
+ * slow, so the real timeout lies between two thirds and twice this value. */
 void watchdog_start(uint32_t timeout_ms);
 
 void watchdog_feed(void);
 
-/* Did the watchdog cause the last reset? Constant until the next one. */
+/* True if the watchdog caused the last reset; constant until the next reset. */
 bool watchdog_caused_reset(void);
 
 #endif

@@ -25,17 +25,18 @@ typedef struct {
     bool was_watchdog;  /* the watchdog caused this start */
     config_result_t config_result;
     inverter_status_t inverter; /* set only with an accepted configuration and a good clock */
-    bool rotor_sensor_missing;  /* the board has none of the kind that the configuration names;
-                                   set likewise */
+    bool rotor_sensor_missing;  /* the board lacks the sensor kind that the configuration names;
+                                   set under the same condition as `inverter` */
     const config_t *config;     /* the image in flash; only to be used if `config_result` is good */
 } boot_report_t;
 
+/* Runs the whole start-up once and returns what it found. */
 boot_report_t boot_run(void);
 
 /* Accepted by the validator, feasible for the port's timers, and the rotor sensor is present. */
 bool boot_config_accepted(const boot_report_t *report);
 
-/* RAM and firmware. */
+/* True if RAM and the firmware's CRC are good. */
 bool boot_selftest_passed(const boot_report_t *report);
 
 /* True if the control steps may run: configuration accepted and clock good. After a failed

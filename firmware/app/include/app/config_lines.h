@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * config_lines.h: the fields of a configuration as lines of text, "motor.pole_pairs 4", named as in
- * the TOML's image and in the validator's refusals; the unit is in the name. The maps themselves
- * are left out: hundreds of numbers help nobody.
+ * the TOML's image and in the validator's refusals; the unit is in the name. The maps are
+ * left out, because each holds hundreds of numbers.
  */
 #ifndef APP_CONFIG_LINES_H
 #define APP_CONFIG_LINES_H

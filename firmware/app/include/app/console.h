@@ -10,10 +10,10 @@
  *     config [PREFIX]   the configuration's fields
  *     version           program, version, commit, port
  *     install           another configuration, as Intel HEX (installer.h)
- *     help, reasons     the shell's own
+ *     help, reasons     commands of the shell itself (shell.h)
  *
- * Background context; never blocks. A line that is not an answer is dropped whole, and counted,
- * when the buffer is full.
+ * Background context; never blocks. When the buffer is full, a line that is not part of an answer
+ * is dropped as a whole and counted.
  */
 #ifndef APP_CONSOLE_H
 #define APP_CONSOLE_H
@@ -33,21 +33,23 @@ typedef struct {
     shell_t shell;
     const boot_report_t *boot;
     report_status_t status; /* of the latest pump */
-    torque_limits_t limits; /* in the answer that is being printed */
-    uint32_t watched_ms;
-    uint32_t now_ms; /* of the latest pump */
-    bool watching;
+    torque_limits_t limits; /* copy for the answer that is being printed */
+    uint32_t watched_ms;    /* time of the latest line of `watch` */
+    uint32_t now_ms;        /* of the latest pump */
+    bool watching;          /* `watch` repeats the status line */
     installer_t installer;
 } console_t;
 
 /* boot: must stay valid; may be filled in later. */
 void console_init(console_t *console, const boot_report_t *boot);
 
-/* The banner, and what the self-tests found. */
+/* Prints the banner and the results of the self-tests. */
 void console_greet(console_t *console);
 
+/* Prints the status line once, without a command. */
 void console_status(console_t *console, const report_status_t *status);
 
+/* Prints one line that is not an answer to a command. */
 void console_print(console_t *console, const text_t *line);
 
 /* True if all output has been given to the serial line. */
@@ -56,7 +58,8 @@ bool console_drained(const console_t *console);
 /* True once, when a configuration has been received and accepted. */
 bool console_has_accepted(console_t *console);
 
-/* Background context, every pass: received bytes to the shell, its output to the line. */
+/* Background context, every pass: passes received bytes to the shell and its output to the serial
+ * line. */
 void console_pump(console_t *console, uint32_t now_ms, const report_status_t *status);
 
 #endif

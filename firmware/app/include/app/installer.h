@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * installer.h: another configuration over the serial line: receive, check, replace.
+ * installer.h: replaces the configuration in flash by one received over the serial line.
  *
  *     installer_open()    from here on all received bytes go to the installer
  *     installer_receive()    Intel HEX (comms/intel_hex.h) of one whole config_t
@@ -22,7 +22,8 @@
 #include "config/validate.h"
 #include "hal/flash.h"
 
-enum { INSTALLER_TIMEOUT_ms = 3000 /* without a byte, then it is cancelled */ };
+/* Reception is cancelled after this time without a byte. */
+enum { INSTALLER_TIMEOUT_ms = 3000 };
 
 typedef enum {
     INSTALLER_CLOSED = 0,
@@ -36,8 +37,8 @@ typedef struct {
     installer_state_t state;
     intel_hex_t hex;
     config_result_t config_result;
-    uint32_t received_ms;
-    union { /* aligned as config_t */
+    uint32_t received_ms; /* time of the latest byte */
+    union {               /* aligned as config_t */
         config_t config;
         uint8_t bytes[sizeof(config_t)];
     } image;
@@ -45,20 +46,21 @@ typedef struct {
 
 void installer_init(installer_t *installer);
 
+/* Starts reception; the timeout counts from now_ms. */
 void installer_open(installer_t *installer, uint32_t now_ms);
 
-/* Any byte while INSTALLER_RECEIVING. */
+/* One received byte; to be called for every byte while the state is INSTALLER_RECEIVING. */
 void installer_receive(installer_t *installer, uint8_t byte, uint32_t now_ms);
 
-/* Every pass of the background: timeout. */
+/* Background context, every pass: checks the timeout. */
 void installer_tick(installer_t *installer, uint32_t now_ms);
 
-/* The result as one line; for all states but CLOSED and RECEIVING. */
+/* Writes the result as one line. Not in the states CLOSED and RECEIVING. */
 void installer_text(const installer_t *installer, text_t *line);
 
-/* Only with INSTALLER_ACCEPTED and the wheel at rest; no control step may run any more, because the
- * configuration that it reads is erased. False, with the reason in `line`, if the memory could not
- * be written. */
+/* Writes the received configuration to flash. Preconditions: INSTALLER_ACCEPTED, the wheel at
+ * standstill, and no control step runs any more, because the configuration that it reads is erased.
+ * False, with the reason in `line`, if the memory could not be written. */
 bool installer_write(const installer_t *installer, text_t *line);
 
 #endif

@@ -18,7 +18,8 @@ typedef struct {
     const slow_output_t *output;
     const torque_limits_t *limits;
     const node_t *node;
-    /* Of app_pwm_period_isr() since the start; 0 if the core cannot count. */
+    /* Longest app_pwm_period_isr() since the start, core clock cycles; 0 if the core cannot count.
+     */
     uint32_t fast_cycles_worst;
     uint32_t stack_free_bytes;
     bool bus_off;
@@ -32,20 +33,20 @@ void report_version(text_t *line);
 void report_identity(const config_t *config, text_t *line);
 void report_refusal(const config_result_t *result, text_t *line);
 
-/* Program, version, commit and port, and which configuration, if it was accepted: a refused one may
- * have garbage for a name. */
+/* Program, version, commit and port; also the name of the configuration if it was accepted. The
+ * name of a refused configuration is not printed, because it may contain arbitrary bytes. */
 void report_banner(const boot_report_t *boot, text_t *line);
 
-/* Results of the self-tests, and the field for which a configuration was refused. `number` counts
- * from 0; false: no more. */
+/* Line `number` (from 0) of the results of the self-tests, with the field for which a
+ * configuration was refused. False if there is no such line; likewise below. */
 bool report_boot(const boot_report_t *boot, uint32_t number, text_t *line);
 
-/* Mode, reason, torque, speed, bus, and how much of the core is used, in one line. */
+/* Mode, reason, torque, speed, bus, and load of the core, in one line. */
 void report_status(const report_status_t *status, text_t *line);
 
 /* The table of torque limits (torque_limits.h): the tightest bound for driving and for braking with
- * its reason, then one line for each line of the table with both bounds in N m; "-" is no bound,
- * the tightest has a "*". `limits` must be the same table for all lines of an answer. */
+ * its reason, then one line for each line of the table with both bounds in N m; "-" means
+ * unbounded, "*" marks the tightest. `limits` must be the same table for all lines of an answer. */
 bool report_limits(const report_status_t *status, const torque_limits_t *limits, uint32_t number,
                    text_t *line);
 

@@ -3,10 +3,11 @@
  * report_timer.h: in which PWM periods the fast loop's report is copied for the slow step. PWM
  * interrupt, once per period.
  *
- * The slow step's timer is not the PWM's, so that each watches the other: between two slow steps
- * there are n - 1 to n + 1 periods, n the whole part of their number in a millisecond. The report
- * is due from the period n - 1 after the slow step on, until it is taken: two copies or three in a
- * millisecond, and the slow step's report is always of the latest period.
+ * The slow step has a timer of its own, independent of the PWM timer, so that each can be checked
+ * against the other. Between two slow steps there are therefore n - 1 to n + 1 PWM periods, where n
+ * is the number of whole periods in a millisecond. The report is due in period n - 1 after a slow
+ * step and in every later one until the slow step takes it: two or three copies per millisecond,
+ * and the report that the slow step takes is always that of the latest period.
  */
 #ifndef APP_REPORT_TIMER_H
 #define APP_REPORT_TIMER_H
@@ -15,12 +16,12 @@
 #include <stdint.h>
 
 typedef struct {
-    uint32_t due_periods;
-    uint32_t periods; /* since the slow step took a report */
-    unsigned buffer;  /* of the double buffer, in the latest period */
+    uint32_t due_periods; /* n - 1 */
+    uint32_t periods;     /* since the slow step took a report */
+    unsigned buffer;      /* of the double buffer, in the latest period */
 } report_timer_t;
 
-/* At least two fast steps in a slow one. Divides. */
+/* Background context, once; divides. fast_rate_Hz >= 2 slow_rate_Hz. */
 static inline void report_timer_init(report_timer_t *timer, uint32_t fast_rate_Hz,
                                      uint32_t slow_rate_Hz)
 {
@@ -29,7 +30,8 @@ static inline void report_timer_init(report_timer_t *timer, uint32_t fast_rate_H
     timer->buffer = 0;
 }
 
-/* buffer: double_buffer_high(), which changes when the slow step takes a report. */
+/* Once per PWM period; true if the report is to be copied in this period. buffer:
+ * double_buffer_high(), which changes when the slow step takes a report. */
 static inline bool report_timer_is_due(report_timer_t *timer, unsigned buffer)
 {
     if (buffer != timer->buffer) {

@@ -2,8 +2,8 @@
 /*
  * supervisor.h: decides whether the watchdog is fed. Background context.
  *
- * It is fed if since the last time the slow loop has stepped, the fast loop has stepped at the PWM
- * frequency within a quarter (the two run from different timers), and the monitor has stepped. A
+ * It is fed if, since the last feeding, the slow loop and the monitor have stepped and the rate of
+ * fast steps was within +-25 % of the PWM frequency (the two loops run from different timers). A
  * latched fault does not stop the feeding: the bridge is then in its safe state, and a restart
  * would lose the reason.
  */
@@ -15,11 +15,11 @@
 
 enum {
     SUPERVISOR_WINDOW_STEPS = 5, /* slow steps between two feedings, 5 ms */
-    SUPERVISOR_TIMEOUT_ms =
-        25 /* of the watchdog: three windows even if its oscillator is 47 % too fast */
+    /* Of the watchdog: more than three windows even if its oscillator is 47 % fast. */
+    SUPERVISOR_TIMEOUT_ms = 25
 };
 
-/* Present counts; they wrap. */
+/* Number of steps made so far; the counts wrap. */
 typedef struct {
     uint16_t fast_steps;
     uint16_t slow_steps;
@@ -27,8 +27,8 @@ typedef struct {
 } supervisor_counts_t;
 
 typedef struct {
-    supervisor_counts_t last;
-    uint32_t fast_least; /* fast steps in a window, in proportion to its slow steps */
+    supervisor_counts_t last; /* at the latest feeding */
+    uint32_t fast_least;      /* smallest and largest permitted fast steps per window */
     uint32_t fast_most;
 } supervisor_t;
 

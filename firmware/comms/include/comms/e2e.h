@@ -9,8 +9,8 @@
  * The data id is never sent. It is entry [counter] of a list of sixteen, exclusive-or the low byte
  * of the identifier, so that a frame under another message's or another wheel's identifier is
  * refused. The list was chosen so that, a wrong counter and therefore a wrong data id included,
- * every one, two or three wrong bits of the 64 and every burst of up to eight wrong bits are found,
- * which profile 2 by itself does not promise; the tests try them all.
+ * every one, two or three wrong bits of the 64 and every burst of up to eight wrong bits are
+ * detected. Profile 2 alone does not guarantee this; the tests check every such error.
  *
  * The receiver, one for each received message:
  *
@@ -53,7 +53,7 @@ typedef enum {
 /* Since the start; they wrap. */
 typedef struct {
     uint32_t used;
-    uint32_t lost; /* never arrived, or damaged and then noticed by the counter too */
+    uint32_t lost; /* missing according to the counter; includes damaged frames */
     uint32_t repeated;
     uint32_t wrong_sequence;
     uint32_t implausible;
@@ -71,10 +71,10 @@ typedef struct {
     e2e_counts_t counts;
 } e2e_receiver_t;
 
-/* Writes counter and CRC; everything else must be in place. */
+/* Writes counter and CRC into a frame whose other content is complete. */
 void e2e_protect(uint8_t data[E2E_FRAME_BYTES], uint16_t identifier, uint8_t counter);
 
-/* Is the CRC right for this content under this identifier? */
+/* True if the CRC matches this content and identifier. */
 bool e2e_intact(const uint8_t data[E2E_FRAME_BYTES], uint16_t identifier);
 
 /* timeout_ms: at most ten cycle times, because after sixteen the counter has wrapped and shows no
@@ -89,7 +89,7 @@ e2e_status_t e2e_receive(e2e_receiver_t *receiver, const uint8_t data[E2E_FRAME_
 /* Background context, every pass, with or without a frame. True once: when the timeout expires. */
 bool e2e_timed_out(e2e_receiver_t *receiver, uint32_t now_ms);
 
-/* Frames refused for whatever reason, and timeouts. */
+/* Sum of all refused frames and timeouts. */
 uint32_t e2e_errors(const e2e_counts_t *counts);
 
 /* "VALID" and so on; never NULL. */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * intel_hex.h: an image that arrives as Intel HEX text, one character at a time, into a buffer of
- * the owner's.
+ * intel_hex.h: decodes an image from Intel HEX text, one character at a time, into a buffer of the
+ * caller.
  *
- * What is read is what objcopy and every programmer write: records ":", length, address, type, data
- * and a checksum that makes the sum of all bytes zero, in hexadecimal digits. Data records must
- * follow each other without a gap, wherever the first one begins; an extended address may lie
+ * Accepts the subset that objcopy and device programmers write: records ":", length, address, type,
+ * data and a checksum that makes the sum of all bytes zero, in hexadecimal digits. Data records
+ * must follow each other without a gap, wherever the first one begins; an extended address may lie
  * between them, a start address is ignored. Characters between records, such as line ends, are
  * skipped. The first error is kept with the number of its record, and data after it are ignored;
  * the text always ends with the end-of-file record, so that the rest of a damaged one does not
@@ -32,21 +32,21 @@ enum { INTEL_HEX_HEAD_BYTES = 4, INTEL_HEX_DATA_MAX = 255 };
 typedef struct {
     uint8_t *to;
     uint32_t capacity_bytes;
-    uint32_t size_bytes; /* in place so far */
+    uint32_t size_bytes; /* written so far */
     intel_hex_problem_t problem;
     uint32_t record; /* number of the record that is being read, of the first bad one after a
                         problem; from 1 */
 
     bool in_record;
-    bool half;      /* the first digit of a byte is known */
-    uint8_t digit;  /* and this is it */
-    uint8_t sum;    /* of the record's bytes */
-    uint32_t bytes; /* of the record so far */
+    bool half;      /* the first digit of a byte has been received ... */
+    uint8_t digit;  /* ... and has this value */
+    uint8_t sum;    /* of the record's bytes, modulo 256 */
+    uint32_t bytes; /* of the record, received so far */
     uint32_t records;
     uint8_t head[INTEL_HEX_HEAD_BYTES]; /* length, address, type */
     uint8_t data[INTEL_HEX_DATA_MAX];
-    uint32_t segment;      /* what the address of a record is added to */
-    uint32_t next_address; /* where the next data have to begin, once there were any */
+    uint32_t segment;      /* base address: the address of a record is relative to it */
+    uint32_t next_address; /* required address of the next data, after the first data record */
 } intel_hex_t;
 
 void intel_hex_init(intel_hex_t *hex, uint8_t *to, uint32_t capacity_bytes);

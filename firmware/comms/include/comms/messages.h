@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * messages.h: from physical quantities to frames and back. The layout is hubfoc.dbc's; the C that
- * knows it is generated.
+ * messages.h: encodes physical quantities into CAN frames and decodes them. hubfoc.dbc defines the
+ * layout; the C code for it is generated from that file.
  *
  * One wheel's messages differ from another's in two bits of the identifier (and in the data id,
  * e2e.h), so one DBC is for all of them. The structures are the controller's own
@@ -62,7 +62,7 @@ typedef struct {
     uint32_t battery_errors;
 } messages_links_t;
 
-/* All that one wheel sends. Out-of-range values are sent as the end of the range. */
+/* Everything that one wheel sends. Out-of-range values are sent as the end of the range. */
 typedef struct {
     const slow_output_t *output;
     const wheel_temperatures_t *temperature; /* 29 999 or more is sent as 300 degrees */

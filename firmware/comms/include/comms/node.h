@@ -24,9 +24,10 @@
 #include "comms/messages.h"
 
 enum {
-    NODE_TIMEOUT_CYCLES = 5, /* without a usable frame, then the sender has to qualify again */
-    NODE_DEMAND_EXPIRY_ms =
-        10000 /* longer than any timeout of the controller, shorter than the clock's wrap */
+    /* Cycle times without a usable frame after which the sender has to qualify again. */
+    NODE_TIMEOUT_CYCLES = 5,
+    /* Longer than any timeout of the controller, shorter than the clock's wrap. */
+    NODE_DEMAND_EXPIRY_ms = 10000
 };
 
 /* What the vehicle sends, as the slow step takes it (slow_input_t). */
@@ -59,7 +60,7 @@ void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_RECEIVE
  */
 bool node_tick(node_t *node, uint32_t now_ms);
 
-/* Every received frame. True if the command has changed. */
+/* Background context, once for each received frame. True if the command has changed. */
 bool node_receive(node_t *node, const messages_frame_t *frame, uint32_t now_ms);
 
 /* The most urgent frame that is due; false if there is none. The same one again until node_sent().

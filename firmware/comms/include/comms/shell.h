@@ -4,7 +4,7 @@
  *
  * The owner passes received bytes to shell_receive(), answers shell_next_request(), sends the bytes
  * of shell_pending() and reports them with shell_sent(), at any rate. Pure: no clock, no hardware,
- * no allocation, no pointers to functions (the depth of the stack stays countable). The commands
+ * no allocation, no pointers to functions (so the stack depth can be computed). The commands
  * are the owner's list and two of the shell's own: help, made from that list, and reasons, made
  * from core/reason.h. An answer is made line by line, and the next line is requested only when the
  * buffer has space for it, so an answer may be longer than the buffer. Keys typed meanwhile are

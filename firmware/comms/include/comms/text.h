@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * text.h: lines of text in a buffer of fixed size, without stdio. What does not fit is cut off;
- * always terminated.
+ * text.h: lines of text in a buffer of fixed size, without stdio. Text that does not fit
+ * is cut off; the text is always zero-terminated.
  */
 #ifndef COMMS_TEXT_H
 #define COMMS_TEXT_H

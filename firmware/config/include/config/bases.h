@@ -51,14 +51,14 @@ static inline int32_t bases_electrical_mrad_s(const config_t *config, int32_t sp
 }
 
 /*
- * The voltage that dead time takes out of every phase, as a share of the bus voltage in 1e-9.
+ * Voltage that each phase loses by dead time, as a share of the bus voltage, in 1e-9.
  *
  * With i > 0 the leg lies at -V_f in both dead intervals of a period. In one of them the high side
  * was to conduct, which loses v_dc + V_f, in the other one the low side, which loses V_f; with i <
  * 0 the same the other way round:
  *     t_d f_pwm (v_dc + 2 V_f)        over v_dc        t_d f_pwm (1 + 2 V_f / v_dc)
- * v_dc is (battery.min_voltage_mV + battery.max_voltage_mV) / 2 here: with 0.8 V at 45 to 58 V
- * instead of 49.2 V, 0.5 % beside.
+ * v_dc is taken as (battery.min_voltage_mV + battery.max_voltage_mV) / 2. For V_f = 0.8 V and a bus
+ * between 45 and 58 V the error of the share is at most 0.5 %.
  */
 static inline int64_t bases_dead_time_share_1e9(const config_t *config)
 {
@@ -69,9 +69,9 @@ static inline int64_t bases_dead_time_share_1e9(const config_t *config)
     return dead_1e9 + (dead_1e9 * drops_mV + twice_v_dc_mV / 2) / twice_v_dc_mV;
 }
 
-/* The share, in 1e-8, that a winding at a temperature leaves of what changes by a coefficient from
- * the reference temperature on. Between a tenth and the value 1000 K up, whatever a broken
- * thermistor says. */
+/* 1 + coefficient (T - T_reference) in 1e-8: the factor by which a quantity with a linear
+ * temperature coefficient changes. T - T_reference is limited to +-1000 K and the result to at
+ * least 0.1, so that a broken thermistor cannot make the factor zero or negative. */
 static inline int64_t bases_share_at_1e8(const config_t *config, int32_t coefficient_ppm_K,
                                          int32_t winding_temperature_cC)
 {
@@ -80,7 +80,7 @@ static inline int64_t bases_share_at_1e8(const config_t *config, int32_t coeffic
     const int64_t most_cK = 100000;
     const int64_t within_cK =
         rise_cK > most_cK ? most_cK : (rise_cK < -most_cK ? -most_cK : rise_cK);
-    /* ppm/K times hundredths of a kelvin is 1e-8; up to 11. */
+    /* ppm/K times hundredths of a kelvin is 1e-8; the factor is at most 11. */
     const int64_t share_1e8 = INT64_C(100000000) + within_cK * coefficient_ppm_K;
     const int64_t floor_1e8 = INT64_C(10000000);
     return share_1e8 > floor_1e8 ? share_1e8 : floor_1e8;

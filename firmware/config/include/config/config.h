@@ -389,9 +389,9 @@ typedef struct {
 
 typedef struct {
     uint32_t magic; /* CONFIG_MAGIC */
-    uint32_t
-        format_version;  /* CONFIG_FORMAT_VERSION: changes whenever this header's layout changes */
-    uint32_t size_bytes; /* sizeof(config_t) */
+    /* CONFIG_FORMAT_VERSION; changes whenever the layout of this header changes. */
+    uint32_t format_version;
+    uint32_t size_bytes;           /* sizeof(config_t) */
     uint32_t generator_version;    /* 0x00MMmmpp of tools/regen_table */
     char name[CONFIG_NAME_LENGTH]; /* of the TOML file, zero padded, always zero terminated */
     config_motor_t motor;

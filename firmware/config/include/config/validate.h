@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * validate.h: may the firmware run with this configuration?
+ * validate.h: checks whether the firmware may run with a configuration.
  *
  * Called once in BOOT and by every host tool that loads an image; never in a control step. Checks,
  * in this order: magic, format version, size, CRC-32, name termination, the range of every field
@@ -23,7 +23,7 @@ typedef enum {
     CONFIG_RESULT_RELATION
 } config_result_code_t;
 
-/* What is wrong, in terms a person can act on. */
+/* The first failed check. */
 typedef struct {
     config_result_code_t code;
     const char *field; /* "motor.pole_pairs", or the broken relation; never NULL */

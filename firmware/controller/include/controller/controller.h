@@ -2,7 +2,8 @@
 /*
  * controller.h: one wheel's whole controller as one value and two steps.
  *
- * The microcontroller, the bench, the FMU and the Python API all drive this and nothing below it:
+ * The application on the microcontroller, the bench, the FMU and the Python API all use this
+ * interface:
  *
  *     controller_init()          once, with a configuration that config_validate() accepted
  *
@@ -13,8 +14,8 @@
  *     controller_slow_step()     once per millisecond, from a lower-priority context
  *
  * Between the two loops lies exactly one message each way (foc/exchange.h): fast_setpoint_t and
- * fast_report_t. Whoever calls the steps carries them across. Nothing here reads a clock, touches
- * hardware or allocates; equal inputs give equal outputs, bit for bit, on every machine.
+ * fast_report_t. The caller of the steps transfers them. No function here reads a clock, accesses
+ * hardware or allocates memory; equal inputs give bit-identical outputs on every machine.
  *
  * Timing the caller must provide: the ADC samples in the middle of the low-side interval (top of
  * the centre-aligned count); compare values returned by a step become effective at the next update,
@@ -82,8 +83,8 @@ fast_setpoint_t controller_initial_setpoint(const config_t *config);
 fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config,
                                    const fast_setpoint_t *setpoint, const fast_input_t *in);
 
-/* What the fast loop did, after its latest step. In the context of controller_fast_step(), in the
- * last period before each slow step. */
+/* Fills the report with the state after the latest fast step. In the context of
+ * controller_fast_step(), in the last period before each slow step. */
 void controller_fast_report(const controller_fast_t *fast, fast_report_t *report);
 
 /* The table of all torque limits of the latest slow step, for shell, log and report. In the context

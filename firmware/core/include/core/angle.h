@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * angle.h: electrical angles as uint16_t (65 536 = one turn, wrapping is the arithmetic of the
- * type) and their sine and cosine.
+ * angle.h: electrical angles as uint16_t (65 536 = one turn, so they wrap by unsigned arithmetic)
+ * and their sine and cosine. Fast loop.
  */
 #ifndef CORE_ANGLE_H
 #define CORE_ANGLE_H
@@ -24,7 +24,7 @@ enum { ANGLE_QUARTER_TURN = 16384, ANGLE_TABLE_POINTS = 256 /* a turn */ };
 
 extern const q_pair_t ANGLE_TABLE[ANGLE_TABLE_POINTS];
 
-/* b - a, the short way round, -32768 .. 32767: positive when b is ahead of a in the forward
+/* b - a modulo one turn, -32768 .. 32767: positive when b is ahead of a in the forward
  * direction. */
 static inline int16_t angle_difference(uint16_t b, uint16_t a)
 {
@@ -56,7 +56,7 @@ Q_TARGET_INLINE rotation_t angle_rotation(uint16_t theta_turn)
     return out;
 }
 
-/* The same, unpacked. */
+/* As angle_rotation(), unpacked. */
 static inline sincos_t angle_sincos(uint16_t theta_turn)
 {
     const rotation_t rotation = angle_rotation(theta_turn);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * bridge.h: what the six switches do.
+ * bridge.h: modes of the inverter bridge.
  *
  * OFF: all open, freewheel; the diodes conduct only while the rectified back-EMF exceeds the bus
- * voltage. PWM: as the compare values say. SHORT: the three low-side switches closed, active short
- * circuit (ASC): no bus current, braking torque of the short-circuited machine.
+ * voltage. PWM: switched by the compare values. SHORT: the three low-side switches closed, active
+ * short circuit (ASC): no bus current, braking torque of the short-circuited machine.
  */
 #ifndef CORE_BRIDGE_H
 #define CORE_BRIDGE_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * check.h: assertions for what can only be a programming error or a broken memory cell.
+ * check.h: assertions, for conditions that only a programming error or a memory fault can break.
  *
  * They stay on in release. Each has its module and a stable number; all end in one handler,
  * supplied by app/ (or by a test), which switches the bridge off. Errors that a sensor, a message
@@ -22,7 +22,7 @@ typedef enum {
     CHECK_MODULE_APP = 8
 } check_module_t;
 
-/* Must not return. */
+/* Called on a failed check; must not return. Any context. */
 void check_failed(check_module_t module, uint16_t number);
 
 #define CHECK(module, number, condition) ((condition) ? (void)0 : check_failed((module), (number)))

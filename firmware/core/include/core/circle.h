@@ -36,8 +36,8 @@ typedef struct {
     int32_t inverse_q14; /* 2^29 / radius_q15, rounded up, so that the result is rounded down */
 } circle_t;
 
-/* radius_q15 >= 164 (half a per cent, the least of config.h), smaller values count as that.
- * Divides: for initialisation. */
+/* radius_q15 >= 164 (half a per cent, the least of config.h), smaller values are raised
+ * to it. Divides: for initialisation only. */
 static inline circle_t circle_init(int32_t radius_q15)
 {
     const int32_t radius = q_clamp(radius_q15, 164, Q15_ONE);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * divide.h: a 64-bit quotient by one of the constants that lie between units, without a division.
+ * divide.h: 64-bit quotients by the powers of ten between units, without a division.
  *
  * A 32-bit core has no instruction for 64-bit divisions and calls a routine of 60 to 150
  * instructions, whatever the divisor. These multiply by the reciprocal instead, in about 30, and

@@ -3,8 +3,8 @@
  * frames.h: phase, stator and rotor frame as three types that do not convert implicitly.
  *
  * Amplitude-invariant everywhere: a balanced set of peak value X has |alpha-beta| = |dq| = X.
- * Components are per-unit Q15, 1.0 = 32768. Phases are within 16 bits. The
- * packed types hold vectors whose components are saturated to 16 bits (pair.h).
+ * Components are per-unit Q15, 1.0 = 32768. Phase values fit 16 bits. The packed types hold vectors
+ * whose components are saturated to 16 bits (pair.h).
  */
 #ifndef CORE_FRAMES_H
 #define CORE_FRAMES_H

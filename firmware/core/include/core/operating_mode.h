@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * operating_mode.h: the states of a controller. modes.h says how it gets from one to another.
+ * operating_mode.h: operating modes of a controller. modes.h describes the transitions.
  *
  * The numbers are part of the protocol (hubfoc.dbc): append, never renumber, never reuse.
  */

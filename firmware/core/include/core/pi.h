@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * pi.h: proportional-integral controller whose anti-windup is fed with the applied output. Fast
- * loop, two calls a PWM period and axis.
- *
- * Two calls a step, so that anti-windup cannot be left out:
+ * pi.h: proportional-integral controller with anti-windup by back-calculation. Fast loop, once per
+ * PWM period and axis, in two calls:
  *
  *     u = pi_output_q25(&pi, &gains, error, forward)       unsaturated output, with feed-forward
  *     pi_update(&pi, &gains, error, u, u_realised)         update with the applied output
@@ -55,7 +53,7 @@ Q_TARGET_INLINE void pi_update(pi_state_t *state, const pi_gains_t *gains, int32
     if (missing != 0) {
         integrator_q30 += gains->anti_windup_q15 * q_saturate18(missing);
     }
-    /* 2^30 + 2^29 + 2^29, each less a little. */
+    /* Magnitude below 2^30 + 2^29 + 2^29, so the sum above does not overflow. */
     state->integrator_q30 = q_saturate31(integrator_q30);
 }
 

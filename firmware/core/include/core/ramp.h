@@ -9,8 +9,8 @@
 
 #include "core/q15.h"
 
-/* The value one step later: moved towards the target by at most `step` (>= 0), never past it.
- * Differences saturate, so any pair of int32_t values is allowed. */
+/* Returns the value after one step: `value` moved towards the target by at most `step` (>= 0),
+ * never past it. Differences saturate, so any pair of int32_t values is allowed. */
 static inline int32_t ramp_step(int32_t value, int32_t target, int32_t step)
 {
     const int64_t distance = (int64_t)target - value;

@@ -53,7 +53,7 @@ static inline int32_t scaled_ratio(int32_t n, int32_t d)
     return n < 0 ? -(int32_t)quotient : (int32_t)quotient;
 }
 
-/* Zero digits of x > 0 before its first one. A port may supply its core's instruction. */
+/* Number of leading zero bits of x, x > 0. A port may supply its core's instruction. */
 static inline uint32_t scaled_leading_zeros(uint32_t x)
 {
 #ifdef Q_TARGET_LEADING_ZEROS

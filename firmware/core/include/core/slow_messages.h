@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * slow_messages.h: what goes into the slow step and what comes out of it, once per millisecond.
+ * slow_messages.h: input and output of the slow step, once per millisecond.
  *
- * Plain values that everyone passes on as they are: the application and the CAN messages (comms),
- * the simulator, the FMU and Python (host_sim/exchange has the list of names, units and ranges).
+ * Plain values. The application, the CAN messages (comms), the simulator, the FMU and Python use
+ * these structures without a copy of their own (names, units and ranges: host_sim/exchange).
  *
  * Signs: motor torque, current and speed are positive when they drive forward; braking torques and
  * the limits of the pack are magnitudes >= 0; the bus current is positive out of the battery.
@@ -22,7 +22,7 @@ typedef struct {
     int32_t drive_torque_mNm; /* signed, positive forward */
     int32_t brake_torque_mNm; /* magnitude >= 0, motor and hydraulic brake together */
     bool enable;              /* the driver has switched the vehicle on */
-    bool abs_active;          /* anti-lock system at work: the motor must get out of the way */
+    bool abs_active;          /* the anti-lock system intervenes: electric braking must stop */
     bool fault_reset;         /* rising edge acknowledges a latched fault; honoured only without
                                  torque demand */
 } wheel_demand_t;
@@ -33,7 +33,7 @@ typedef struct {
     int32_t discharge_current_mA; /* magnitude >= 0 */
 } battery_limits_t;
 
-/* As the board measures them; 29 999 or more: sensor broken or not connected. */
+/* Measured by the board; 29 999 or more: sensor broken or not connected. */
 typedef struct {
     int32_t winding_cC;
     int32_t switch_cC;
@@ -46,20 +46,20 @@ typedef struct {
     battery_limits_t bms;
     wheel_temperatures_t temperature;
     bool selftest_passed; /* the board's own power-up checks; stays true afterwards */
-    bool config_accepted; /* config_validate() has accepted it at boot; with a refused
-                             configuration no step may be called at all, this keeps the mode in
-                             BOOT when that comes late */
+    bool config_accepted; /* config_validate() has accepted it at boot. With a refused one no step
+                             may be called; false keeps the mode in BOOT while the check is
+                             pending */
 } slow_input_t;
 
 typedef struct {
-    int32_t motor_torque_command_mNm;     /* signed: what the current loop is asked for now */
+    int32_t motor_torque_command_mNm;     /* signed: present torque setpoint */
     int32_t motor_torque_estimate_mNm;    /* signed: from measured currents, at the shaft */
     int32_t hydraulic_torque_mNm;         /* command to the hydraulic brake, magnitude >= 0 */
-    int32_t electric_brake_available_mNm; /* what the motor could take over now, magnitude >= 0 */
+    int32_t electric_brake_available_mNm; /* braking torque limit of the motor, magnitude >= 0 */
     int32_t speed_mrad_s;                 /* mechanical, signed */
     int32_t i_d_mA, i_q_mA;               /* mean over the latest millisecond, peak phase values */
     int32_t bus_voltage_mV;
-    int32_t bus_current_mA;    /* estimate from realised voltage and measured current */
+    int32_t bus_current_mA;    /* estimate from applied voltage and measured current */
     reason_t torque_reason;    /* what bounds the motor torque in the demanded direction */
     reason_t available_reason; /* what bounds electric_brake_available_mNm */
     reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT: motor and hydraulic brake together
@@ -67,8 +67,7 @@ typedef struct {
     reason_t fault_reason;     /* the latched fault, REASON_NONE when healthy */
     operating_mode_t mode;
     bool stop_lamp;
-    bool standstill; /* nothing says that the wheel turns, and no speed that was seen is
-                        unaccounted for */
+    bool standstill; /* the speed upper bound is below monitor.standstill (monitor_speed.h) */
 } slow_output_t;
 
 #endif

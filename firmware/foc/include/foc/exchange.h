@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * exchange.h: the two messages between the slow and the fast loop, one each way. Plain values:
- * whoever calls the steps carries them across; nobody keeps one as state.
+ * the caller of the steps transfers them; no module keeps one as state.
  *
  * Currents are Q15 of the current base, bus voltages Q15 of the voltage base, phase voltages Q15 of
  * the voltage circle (modulation units). The fields `trip`, `bridge`, `safe_bridge` and

@@ -23,10 +23,10 @@
 #include "core/torque_enable.h"
 
 enum {
-    /* 0.5 s; the average of 1024 PWM periods takes at most 256 ms */
+    /* 0.5 s; averaging over 1024 PWM periods takes at most 256 ms. */
     MODES_CALIBRATION_TIMEOUT_STEPS = 500,
     MODES_CALIBRATION_SETTLE_STEPS = 5,
-    /* how long an acknowledgement waits for the monitor to report no fault */
+    /* Slow steps within which the monitor must report no fault after an acknowledgement. */
     MODES_ACKNOWLEDGE_STEPS = 50
 };
 

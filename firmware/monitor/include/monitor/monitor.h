@@ -4,7 +4,7 @@
  * bounds, names a fault or warning, and selects the bridge's safe state. It never computes torque.
  *
  * Fast part (every PWM period): length of the current vector, bus over-voltage, the power stage's
- * own fault line. A trip is latched, and the bridge goes to the safe state in the same period,
+ * fault line. A trip is latched, and the bridge goes to the safe state in the same period,
  * independently of the slow loop. Slow part (1 kHz): sum of currents, saturated sensors, bus
  * voltage, temperatures, rotor, its angle against the back-EMF (monitor_emf.h), torque against the
  * command, program flow (each loop counts the other's steps), and the upper bound of the wheel
@@ -24,11 +24,11 @@
 #include "monitor/monitor_speed.h"
 
 enum {
-    /* Between the two loops, which the program fixes: ms without a slow step until the fast loop
-     * trips, ms with the wrong count of fast steps. */
+    /* Milliseconds without a slow step after which the fast loop trips. */
     MONITOR_STALE_STEPS = 4,
+    /* Milliseconds with a wrong number of fast steps after which the slow loop reports a fault. */
     MONITOR_FLOW_STEPS = 5,
-    /* this limit in the configuration is off: there may be no sensor */
+    /* A temperature limit of this value is switched off, for example if there is no sensor. */
     MONITOR_TEMPERATURE_OFF_cC = 30000
 };
 
@@ -78,8 +78,8 @@ typedef struct {
 typedef struct {
     reason_t fast_trip;
     int32_t current_sum_pu; /* Q15 */
-    bool
-        offsets_known; /* the offsets are calibrated; the sum of currents is checked from then on */
+    /* The offsets are calibrated; the sum of currents is checked from then on. */
+    bool offsets_known;
     bool current_saturated;
     bool rotor_valid;
     uint16_t rotor_faults;
@@ -89,7 +89,7 @@ typedef struct {
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
     int32_t i_d_mA, i_q_mA;      /* of the latest period, peak phase, estimated frame */
-    int32_t u_d_mV, u_q_mV;      /* likewise, as realised */
+    int32_t u_d_mV, u_q_mV;      /* likewise, as applied */
     bool voltage_limited;        /* likewise */
     int32_t torque_command_mNm;  /* of the last step, signed */
     int32_t torque_estimate_mNm; /* signed */
@@ -97,7 +97,7 @@ typedef struct {
     uint16_t current_quarters;   /* quadrant transitions of the current vector while not switching,
                                     wrapping */
     uint16_t quarter_step;       /* fast_step_count at the latest of them */
-    bridge_mode_t bridge;        /* what the bridge does */
+    bridge_mode_t bridge;        /* actual mode */
 } monitor_slow_input_t;
 
 typedef struct {
@@ -105,7 +105,7 @@ typedef struct {
     reason_t warning; /* REASON_NONE, or the reason for reduced driving torque (LIMP) */
     bridge_mode_t safe_bridge;
     bool offsets_plausible;
-    bool standstill; /* the speed upper bound is below a turn in 20 s (monitor_speed.h) */
+    bool standstill; /* the speed upper bound is below monitor.standstill */
 } monitor_output_t;
 
 void monitor_slow_init(monitor_slow_state_t *state);

@@ -23,8 +23,8 @@ typedef struct {
     uint16_t level;
 } monitor_emf_state_t;
 
-/* Of the same PWM period, in the estimated frame: peak phase quantities, terminal voltage as
- * realised. */
+/* Of the same PWM period, in the estimated frame: peak phase quantities, applied
+ * terminal voltage. */
 typedef struct {
     int32_t u_d_mV, u_q_mV;
     int32_t i_d_mA, i_q_mA;

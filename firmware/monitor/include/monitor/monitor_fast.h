@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * monitor_fast.h: the fast part of the watcher (monitor.h), once per PWM period from the fast step.
+ * monitor_fast.h: the fast part of the monitor (monitor.h), once per PWM period in the fast step.
  */
 #ifndef MONITOR_MONITOR_FAST_H
 #define MONITOR_MONITOR_FAST_H
 
 #include "monitor/monitor.h"
 
-/* The first condition for a trip that holds now. */
+/* Reason of the first trip condition that is true in this period, or REASON_NONE. */
 static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
                                          const monitor_fast_input_t *in)
 {
@@ -44,7 +44,7 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
 static inline reason_t monitor_fast_step(monitor_fast_state_t *state,
                                          const monitor_fast_input_t *in)
 {
-    /* Without a trip the counters advance; with one they rest, so they cannot run over. */
+    /* The counters do not advance while tripped, so they cannot overflow. */
     if (state->trip != REASON_NONE) {
         if (!in->clear_trip) {
             return state->trip;

@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * brake_blending.h: how a braking demand is split between motor and hydraulic brake. 1 kHz.
+ * brake_blending.h: splits a braking demand between motor and hydraulic brake. 1 kHz.
  *
  * The motor brakes up to its torque limits (torque_limits.h, which hold the strategy as well), the
- * hydraulic brake is asked for the rest, up to its own limit. Motor torque that was asked for and
- * did not come, beyond brake.shortfall_band, is moved to the hydraulic brake at once.
+ * hydraulic brake is asked for the rest, up to its own limit. The part of the
+ * motor torque command that the motor does not make, beyond brake.shortfall_band, is added to the
+ * hydraulic command at once.
  *
  * The hydraulic brake is late, and its torque is estimated (hydraulic_model.h). So
- *   - electric <= demand - estimate: the motor comes back no faster than the hydraulic brake goes;
- *   - the hydraulic command goes ahead: the motor's limit counts as much lower as it will have
- *     fallen in dead time plus lag, if it goes on falling as in the last 64 ms;
- *   - the motor is counted on for what it can reach within brake.motor_arrival, so one whose
- *     torque does not grow, for want of voltage, for what it is commanded.
+ *   - electric <= demand - estimate: the motor torque rises no faster than the hydraulic torque
+ *     falls;
+ *   - the hydraulic command is predictive: it uses the motor limit expected after dead time plus
+ *     lag, if the limit goes on falling as in the last 64 ms;
+ *   - the motor counts with the torque that it can reach within brake.motor_arrival, which is its
+ *     present command if the torque cannot rise for lack of voltage.
  * Figures: README, Two brakes. Source: Lu et al. 2013 section 3.2; in region I of its Fig. 5 the
  * motor keeps T_opt instead of leaving everything to the friction brake, which never returns less.
  */
@@ -29,7 +31,7 @@
 
 typedef struct {
     hydraulic_model_t hydraulic;
-    filter_t limit_lp_mNm; /* the strategy's limit, as it was lately */
+    filter_t limit_lp_mNm; /* low-passed limit of the strategy */
 } brake_blending_state_t;
 
 typedef struct {
@@ -43,11 +45,11 @@ typedef struct {
 } brake_blending_input_t;
 
 typedef struct {
-    int32_t electric_mNm;  /* what the motor is asked for, magnitude >= 0, before the torque rate;
-                              within `available` */
+    int32_t electric_mNm;  /* torque demanded of the motor, magnitude >= 0, before the torque rate
+                              limit; at most `available` */
     int32_t hydraulic_mNm; /* magnitude >= 0 */
-    limit_t available; /* what the motor could take over under this strategy, and what bounds it */
-    reason_t reason;   /* why electric is less than the demand; REASON_NONE when it is not */
+    limit_t available;     /* largest electric torque under this strategy, and its reason */
+    reason_t reason;       /* why electric is below the demand; REASON_NONE if it is not */
     reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT when the two together fall short of the
                                   demand */
 } brake_blending_out_t;

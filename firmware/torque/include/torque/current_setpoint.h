@@ -6,7 +6,7 @@
  *          voltage ellipse's where that is lower
  *     i_q  from the torque, that i_d and the fast loop's field-weakening trim (motor_model.h)
  *
- * The ellipse comes from the model; the trim makes up for what the motor is not as configured.
+ * The ellipse is computed with the motor model; the trim corrects errors of its parameters.
  */
 #ifndef TORQUE_CURRENT_SETPOINT_H
 #define TORQUE_CURRENT_SETPOINT_H
@@ -27,8 +27,8 @@ typedef struct {
 /*
  * torque_mNm: signed shaft torque, within the limits of torque_limits.h. i_d_weakening_mA: the trim
  * that the fast loop reports, <= 0 (values above count as 0). i_d with the trim stays above minus
- * current_loop.field_weakening_current, or above i_d itself where that is lower. Inside the circle
- * of motor.max_phase_current i_q gives way to i_d: |torque| gets smaller, i_q keeps its sign.
+ * current_loop.field_weakening_current, or above i_d itself where that is lower. The circle of
+ * motor.max_phase_current limits i_q after i_d: |torque| gets smaller, i_q keeps its sign.
  */
 current_setpoint_t current_setpoint_step(const feasible_set_t *set, int32_t torque_mNm,
                                          int32_t i_d_weakening_mA);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * demand.h: from what the driver asked to a demand the other modules rely on.
+ * demand.h: checks the demanded torques and replaces a demand that is out of date. 1 kHz.
  *
- * Negative braking demands count as zero, a braking demand cuts the driving torque, and a demand
- * that is no longer refreshed decays to zero at the torque rate instead of being held: the driver's
- * own hydraulic circuit does not pass through this controller.
+ * Negative braking demands count as zero. A braking demand sets the driving torque to zero. After
+ * brake.demand_timeout without a new demand the torques fall to zero at the torque rate; the
+ * driver's hydraulic circuit remains, because it does not pass through this controller.
  */
 #ifndef TORQUE_DEMAND_H
 #define TORQUE_DEMAND_H

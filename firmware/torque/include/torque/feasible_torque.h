@@ -4,8 +4,8 @@
  * speed, temperature and bus voltage, and the currents that make them. Derivations: README,
  * Feasible torque.
  *
- * At every torque i_d is the minimum-loss map's, or where the voltage does not suffice with it, the
- * i_d at which the voltage ellipse is met, no further than field weakening goes. All bounds are
+ * At every torque i_d is the minimum-loss map's, or where that needs too much voltage, the i_d on
+ * the voltage ellipse, limited to the range of field weakening. All bounds are
  * magnitudes of shaft torque, mN m, >= 0; FEASIBLE_UNBOUNDED where there is none up to the cap.
  * Closed form with a fixed number of corrections of i_d. Precision 0.2 % of max_torque.
  */
@@ -31,8 +31,8 @@ typedef struct {
     int32_t best_d_b;        /* maximum torque per ampere on the current circle */
 } feasible_set_t;
 
-/* One side of the set, with the point of the largest torque that the motor may make there anyway:
- * a bound beyond it is not solved. */
+/* One direction of torque, with the point of the largest torque that the other limits permit:
+ * bounds beyond it are not computed. */
 typedef struct {
     const feasible_set_t *set;
     int32_t sign; /* 1 driving, -1 braking */
@@ -45,22 +45,23 @@ feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage
 /* cap_mNm: magnitude of a shaft torque, >= 0. */
 feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t cap_mNm);
 
-/* Up to where some pair of currents keeps the voltage within its circle. */
+/* Largest torque for which currents exist that keep the voltage within its circle. */
 int32_t feasible_by_voltage_mNm(const feasible_side_t *side);
 
-/* Up to where |i| stays within motor.max_phase_current: maximum torque per ampere on the current
+/* Largest torque with |i| within motor.max_phase_current: maximum torque per ampere on the current
  * circle, or where the voltage ellipse meets the circle. */
 int32_t feasible_by_current_mNm(const feasible_side_t *side);
 
 /* The power of a battery current, for the two bounds below. */
 int32_t feasible_power_b(const motor_model_t *model, int32_t current_mA, int32_t bus_mV);
 
-/* Up to where a motor that drives, or brakes beyond the torque that returns the most, draws no more
- * than a power, or than a negligible one (a thousandth of motor.max_power). */
+/* Largest torque, in driving or in braking beyond the torque of largest regeneration, at which the
+ * motor draws at most power_b or a thousandth of motor.max_power, whichever is larger. */
 int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b);
 
-/* Up to where braking returns no more than a power. Unbounded where even the best torque returns a
- * negligible power. With hall sensors the power that a late edge may add is counted as returned. */
+/* Largest braking torque that returns at most power_b. Unbounded where even the torque of largest
+ * regeneration returns a negligible power. With hall sensors the additional power that the angle
+ * error of a late edge may return is included. */
 int32_t feasible_by_returned_mNm(const feasible_side_t *side, int32_t power_b);
 
 /* The point of an airgap torque within the bounds, along the rotation: the map's i_d; on the

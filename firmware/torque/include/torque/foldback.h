@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * foldback.h: how much current a motor may draw, or return, near an end of the battery's voltage.
- * 1 kHz.
+ * foldback.h: limit of the current that a motor draws or returns near an end of the battery's
+ * voltage range. 1 kHz.
  *
- * An integrator of the voltage error that does not follow commands and other limits. In the steady
- * state a straight line: the whole current one width inside the end, none at the end itself. Gain
+ * The limit is an integrator of the voltage error, independent of commands and other limits. In the
+ * steady state it is a straight line over the voltage: the full current one width inside the end,
+ * zero at the end. Gain
  * and stability: README, Fold-back.
  */
 #ifndef TORQUE_FOLDBACK_H
@@ -13,7 +14,7 @@
 #include <stdint.h>
 
 typedef struct {
-    int32_t most_mA;  /* away from the end of the voltage, >= 0 */
+    int32_t most_mA;  /* limit away from the end of the voltage range, >= 0 */
     int32_t width_mV; /* >= 1 */
     int32_t span_mV;  /* >= 1: the whole range of the battery's voltage */
 } foldback_t;
@@ -24,9 +25,9 @@ typedef struct {
     int32_t allowed_q6_mA; /* 0 .. most, six more bits */
 } foldback_state_t;
 
-/* inside_mV: distance of the voltage from its end, positive inside. flowing_mA: this motor's share
- * of the current now, >= 0: where the voltage asks for less, what was allowed beyond it is given up
- * first (anti-windup). Returns the current allowed now, 0 .. most; 0 from one width outside on. */
+/* inside_mV: distance of the voltage from its end, positive inside. flowing_mA: present
+ * current of this motor, >= 0; a falling limit first drops to this current (anti-windup). Returns
+ * the current limit, 0 .. most_mA; zero from one width outside the end on. */
 int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32_t inside_mV,
                       int32_t flowing_mA);
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * hydraulic_model.h: what the hydraulic brake has made of its commands, estimated. 1 kHz.
+ * hydraulic_model.h: estimate of the hydraulic brake torque from its commands. 1 kHz.
  *
  *     command -> dead time -> first-order lag, no faster than a rate in either direction
  *
- * with brake.hydraulic_dead_time_ms, hydraulic_time_constant_ms and hydraulic_rate_mNm_s. Nobody
- * measures the brake's torque here: the model knows no pads, no temperature and no air. Whoever
- * uses it must be right with 30 % more or less.
+ * with brake.hydraulic_dead_time_ms, hydraulic_time_constant_ms and hydraulic_rate_mNm_s. The
+ * brake torque is not measured, and the model contains neither the pads nor temperature nor air in
+ * the fluid. Users of the estimate must tolerate an error of +-30 %.
  */
 #ifndef TORQUE_HYDRAULIC_MODEL_H
 #define TORQUE_HYDRAULIC_MODEL_H
@@ -18,7 +18,7 @@
 enum { HYDRAULIC_MODEL_DEAD_TIME_MOST_ms = 250 };
 
 typedef struct {
-    int32_t commands_mNm[HYDRAULIC_MODEL_DEAD_TIME_MOST_ms + 1]; /* those whose time has not come */
+    int32_t commands_mNm[HYDRAULIC_MODEL_DEAD_TIME_MOST_ms + 1]; /* within the dead time */
     int32_t next;
     int32_t torque_q6_mNm; /* six more bits: the lag's last step is below 1/64 of it */
 } hydraulic_model_t;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * limit.h: a bound that remembers who set it. Magnitudes >= 0: a limit can shrink a torque to
- * zero, never flip it.
+ * limit.h: a bound of the torque's magnitude together with its reason. Bounds are >= 0: a limit can
+ * reduce a torque to zero but cannot change its sign.
  */
 #ifndef TORQUE_LIMIT_H
 #define TORQUE_LIMIT_H
@@ -33,8 +33,8 @@ static inline void limit_tighten(limit_t *limit, int32_t torque_mNm, reason_t re
     }
 }
 
-/* Share in Q15 that falls linearly from one at `full` to zero at `none`; works in either
- * direction of x. full = none is a step: one up to and including it. */
+/* Share in Q15 that falls linearly from one at `full` to zero at `none`; `full` may be below or
+ * above `none`. full = none is a step: one for x <= full, else zero. */
 static inline int32_t limit_fade_q15(int32_t x, int32_t full, int32_t none)
 {
     if (full <= none) {

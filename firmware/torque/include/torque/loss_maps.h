@@ -33,7 +33,7 @@ typedef struct {
     int32_t zero_mNm;                     /* from the first point to zero torque */
 } loss_maps_row_t;
 
-/* Where the map is read at a speed and a winding temperature: once a step. */
+/* Position in the map for a speed and a winding temperature. Once per slow step. */
 loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
                                  int32_t winding_temperature_cC);
 

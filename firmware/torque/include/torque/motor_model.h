@@ -83,9 +83,10 @@ motor_point_t motor_model_point(const motor_model_t *model, motor_current_t i);
 int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at);
 
 /* Terminal i_q that makes a shaft torque together with a terminal i_d, within eight times the phase
- * current limit. At least a quarter of the magnets' flux is counted on, and half of what is there
- * at this i_d: less is left only by an i_d or an i_q against the saliency, where no current makes
- * the torque. The current is then finite and of the right sign: the torque falls short. */
+ * current limit. The effective flux is taken as at least a quarter of the magnet flux and at least
+ * half of the flux at this i_d. It is lower only where i_d or i_q acts against the saliency; no
+ * current makes the torque there, and the result is finite, of the right sign, and makes less
+ * torque. */
 int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t i_d_mA);
 
 /* Direct current of a point at a bus voltage, positive out of the battery; the inverter's loss not
@@ -94,7 +95,7 @@ int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at,
 
 /* ---- in binary scales ---- */
 
-/* Clamped to four times the phase current limit and more. current_shift is positive. */
+/* Clamped to a limit of at least four times the phase current limit. current_shift > 0. */
 static inline int32_t motor_model_current_b(const motor_constants_t *constants, int32_t current_mA)
 {
     const int32_t shift = constants->current_shift;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * stop_lamp.h: when electric braking must light the stop lamp.
+ * stop_lamp.h: lights the stop lamp for braking demands and for electric deceleration.
  *
  * Any braking demand lights it. Deceleration without one (drive pedal released) lights it above
  * brake.stop_lamp_on and clears it below brake.stop_lamp_off: 1.3 and 0.7 m/s^2 are the thresholds
  * that UN R13-H sets for passenger cars with lift-off regeneration. Not legal advice. Two
- * low-passes of brake.stop_lamp_filter keep a wheel's speed ripple from counting as deceleration.
+ * low-passes with the time constant brake.stop_lamp_filter suppress the ripple of the wheel speed.
  */
 #ifndef TORQUE_STOP_LAMP_H
 #define TORQUE_STOP_LAMP_H

@@ -30,13 +30,14 @@ typedef struct {
     /* Measured by the fast loop */
     int32_t speed_mrad_s; /* mechanical, signed */
     motor_current_t current;
-    int32_t i_d_weakening_mA; /* what field weakening adds to i_d now, <= 0 */
+    int32_t i_d_weakening_mA; /* present field-weakening part of i_d, <= 0 */
     bool voltage_limited;
-    int32_t voltage_use_q15; /* square of the wanted phase voltage over that of the largest one */
+    int32_t voltage_use_q15; /* square of the modulation index (unsaturated voltage), 0 .. 65 536 */
     bool rotor_valid;
     int32_t bus_voltage_mV;
-    int32_t phase_voltage_mV; /* peak phase: what the current loop may ask for and still has a
-                                 reserve, >= 0 */
+    int32_t
+        phase_voltage_mV; /* peak phase: largest voltage that leaves the current loop its reserve,
+                             >= 0 */
     /* Limits and temperatures */
     int32_t bms_charge_current_mA;    /* whole pack, magnitude; negative counts as 0 */
     int32_t bms_discharge_current_mA; /* whole pack, magnitude */
@@ -51,7 +52,7 @@ typedef struct {
     int32_t estimate_mNm;      /* signed, from measured currents, at the shaft */
     int32_t hydraulic_mNm;     /* magnitude >= 0 */
     reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT when the demand cannot be met */
-    limit_t available;         /* electric braking the motor could take over now */
+    limit_t available;         /* present limit of electric braking torque */
     reason_t reason;           /* what bounds the motor torque in the demanded direction */
     bool demand_timed_out;
     bool stop_lamp;
@@ -61,13 +62,13 @@ typedef struct {
     motor_constants_t motor;
     demand_state_t demand;
     torque_limits_state_t limits;
-    torque_limits_t table; /* of the last step, for shell and log; nothing reads it here */
+    torque_limits_t table; /* of the last step; output for shell and log only */
     brake_blending_state_t blending;
     torque_command_state_t command;
     stop_lamp_state_t lamp;
 } torque_state_t;
 
-/* config stays where it is as long as the state is used. */
+/* config: must stay valid as long as the state is used. */
 void torque_init(torque_state_t *state, const config_t *config);
 
 torque_output_t torque_step(torque_state_t *state, const config_t *config,

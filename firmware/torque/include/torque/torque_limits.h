@@ -2,10 +2,10 @@
 /*
  * torque_limits.h: every limit of the motor torque, as one line each of one ordered table. 1 kHz.
  *
- * A line is a bound in mN m at the shaft, for driving and for braking, with its reason. Lines do
- * not know each other; the tightest wins, on a tie the earlier one, and its reason is the one
- * shown. Shares (derating, speed, torque enable) are of motor.max_torque. The table: README, Torque
- * limits.
+ * A line is a bound in mN m at the shaft, for driving and for braking, with its reason. Lines are
+ * independent of each other; the tightest applies, on a tie the earlier one, and its reason is the
+ * one shown. Shares (derating, speed, torque enable) are of motor.max_torque. The table: README,
+ * Torque limits.
  */
 #ifndef TORQUE_TORQUE_LIMITS_H
 #define TORQUE_TORQUE_LIMITS_H
@@ -43,7 +43,7 @@ typedef enum { TORQUE_LINES(TORQUE_LINE_ENUM) TORQUE_LINE_COUNT } torque_line_t;
 #undef TORQUE_LINE_ENUM
 
 typedef struct {
-    int32_t brake_demand_mNm; /* magnitude; the share of a parallel brake is one of it */
+    int32_t brake_demand_mNm; /* magnitude; a parallel brake takes a share of it */
     int32_t bus_voltage_mV;
     int32_t bus_current_mA;           /* of this motor, positive out of the battery */
     int32_t bms_charge_current_mA;    /* whole pack, magnitude; negative counts as 0 */
@@ -56,19 +56,20 @@ typedef struct {
 
 typedef struct {
     foldback_state_t charge, discharge;
-    int32_t abs_hold_steps; /* the motor stays out of the way this many steps longer */
+    int32_t abs_hold_steps; /* remaining slow steps without electric braking */
 } torque_limits_state_t;
 
 typedef struct {
-    limit_t
-        driving[TORQUE_LINE_COUNT]; /* torque in the direction of rotation, or from standstill */
-    limit_t braking[TORQUE_LINE_COUNT]; /* torque against the rotation */
+    /* Torque in the direction of rotation, or from standstill. */
+    limit_t driving[TORQUE_LINE_COUNT];
+    /* Torque against the direction of rotation. */
+    limit_t braking[TORQUE_LINE_COUNT];
 } torque_limits_t;
 
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
 
-/* table: from torque_limits_init(); lines that a strategy or a side does not have stay unbounded.
- */
+/* table: from torque_limits_init(); lines that the strategy or the direction does not use stay
+ * unbounded. Slow loop, once per step. */
 void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
                         const torque_limits_input_t *in, torque_limits_t *table);
 
@@ -77,21 +78,22 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
 void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *config,
                             int32_t speed_mrad_s, int32_t optimum_mNm, int32_t demand_mNm);
 
-/* The line ABS: zero while the anti-lock system is at work, and brake.abs_hold longer. Once a
- * step. */
+/* The line ABS: zero while the anti-lock system intervenes and for brake.abs_hold_ms afterwards.
+ * Slow loop, once per step. */
 limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *config,
                                 bool abs_active);
 
 /* The tightest of the lines from `begin` to the one before `end`; on a tie the first. */
 limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end);
 
-/* The line of the tightest bound; on a tie the first. For those who look at the table. */
+/* The line of the tightest bound; on a tie the first. For display of the table. */
 torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT]);
 
 /* "MAX_TORQUE" and so on; "unknown line" for a number not in the list. Never NULL. */
 const char *torque_limits_line_text(torque_line_t line);
 
-/* Deferrable: handed over to the hydraulic brake as fast as that arrives; else at once. */
+/* True if the motor torque above this line falls only as fast as the hydraulic brake replaces it;
+ * false if it falls at once. */
 bool torque_limits_deferrable(torque_line_t line);
 
 #endif
