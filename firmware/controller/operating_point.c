@@ -7,7 +7,10 @@
 #include "sampling_correction.h"
 #include "tuning.h"
 
-enum { SQRT3_Q15 = 56756 /* 32 768 sqrt(3) */ };
+enum {
+    SQRT3_HALF_Q15 = 28378,   /* 32 768 sqrt(3)/2 */
+    INVERSE_SQRT3_Q16 = 37837 /* 65 536/sqrt(3) */
+};
 
 static int32_t per_unit_of_mV(const config_t *config, int32_t voltage_mV)
 {
@@ -52,13 +55,14 @@ static int32_t bus_current_mA(const operating_point_state_t *state, const config
 {
     const int32_t in_circle_mA =
         q_scale(bases_current_mA(config, state->power_pu), state->modulation_limit_q15, 32768);
-    return q_scale(in_circle_mA, 866025, 1000000);
+    return q_scale(in_circle_mA, SQRT3_HALF_Q15, 32768);
 }
 
 /* A share of the voltage circle in volts: u = m limit v_dc/sqrt 3. */
 static int32_t phase_mV(const operating_point_state_t *state, int32_t share_q15, int32_t bus_mV)
 {
-    return q_scale(q_scale(share_q15, state->modulation_limit_q15, 32768), bus_mV, SQRT3_Q15);
+    const int32_t share_of_bus_q15 = q_scale(share_q15, state->modulation_limit_q15, 32768);
+    return q_scale(q_scale(share_of_bus_q15, bus_mV, 32768), INVERSE_SQRT3_Q16, 65536);
 }
 
 /* With a reserve below the index at which the fast loop begins to weaken the field (README,

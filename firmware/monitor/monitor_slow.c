@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "config/bases.h"
+#include "core/divide.h"
 #include "core/q15.h"
 #include "monitor/monitor.h"
 
@@ -20,8 +21,8 @@ bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s,
                                   int32_t bus_voltage_mV, bridge_mode_t now)
 {
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(speed_mrad_s));
-    const int64_t emf_peak_mV = w_mrad_s * config->motor.flux_linkage_nWb / 1000000000;
-    const int64_t line_mV = emf_peak_mV * 1732 / 1000;
+    const int64_t emf_peak_mV = divide_by_billion(w_mrad_s * config->motor.flux_linkage_nWb);
+    const int64_t line_mV = divide_by_thousand(emf_peak_mV * 1732);
     const int64_t limit_mV = now == BRIDGE_SHORT ? (int64_t)bus_voltage_mV *
                                                        config->monitor.short_release_permille / 1000
                                                  : bus_voltage_mV;

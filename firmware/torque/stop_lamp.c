@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/stop_lamp.h"
 
+#include "core/divide.h"
 #include "core/q15.h"
 
 enum {
@@ -30,7 +31,7 @@ bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t sp
     const int64_t decel_nm_s2 = ((int64_t)before_q8 - state->speed_lp_q8_mrad_s) * STEPS_PER_S /
                                 256 * config->vehicle.wheel_radius_um;
     const int32_t raw_mm_s2 =
-        q_clamp(q_saturate64(decel_nm_s2 / 1000000), -DECEL_MOST_MM_S2, DECEL_MOST_MM_S2);
+        q_clamp(q_saturate64(divide_by_million(decel_nm_s2)), -DECEL_MOST_MM_S2, DECEL_MOST_MM_S2);
     const int32_t decel_mm_s2 =
         filter_step(&state->decel_lp_mm_s2, raw_mm_s2, (unsigned)brake->stop_lamp_filter_log2);
 

@@ -59,7 +59,7 @@ BUDGETS = (
     Budget("cortex-m3", CURRENT_LOOP, 176),
     Budget("cortex-m0plus", CURRENT_LOOP, 345),
 )
-SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 12000, max_at_most=15500)
+SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 11500, max_at_most=15000)
 """Of every configuration in every state of the envelope."""
 LOOP_BYTES_AT_MOST = 2048
 REFERENCE_GCC = 12
