@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * proof.h: what every proof uses. A proof is a function without arguments; its inputs are
- * nondet_*() values, which the model checker (CBMC) takes to be every value of the type at once.
- * ASSUME says what the header under proof demands of its caller, PROMISE what it promises; that
- * nothing overflows, shifts too far or leaves an array is checked besides.
+ * proof.h: macros and inputs of the proofs. A proof is a function without arguments; its inputs are
+ * nondet_*() values, for which the model checker (CBMC) considers every value of the type.
+ * ASSUME states a precondition of the function under proof, PROVE a postcondition. The checker also
+ * proves that no arithmetic overflows, no shift is too wide and no array index is out of bounds.
  *
- * With PROOF_EXPECT_REACHED only one thing is claimed: that the end of the proof is never reached.
- * The checker must find a way there. A proof whose assumptions contradict each other proves
- * nothing, and that is how it is found out.
+ * With PROOF_EXPECT_REACHED the only assertion is that the end of the proof is never reached, and
+ * the checker must refute it. This detects assumptions that contradict each other, with which every
+ * postcondition would hold.
  */
 #ifndef PROOF_H
 #define PROOF_H
@@ -19,10 +19,10 @@
 #define ASSUME(condition) __CPROVER_assume(condition)
 
 #ifdef PROOF_EXPECT_REACHED
-#define PROMISE(condition) ((void)(condition))
+#define PROVE(condition) ((void)(condition))
 #define PROOF_END() assert(0 && "the end of the proof is reached")
 #else
-#define PROMISE(condition) assert(condition)
+#define PROVE(condition) assert(condition)
 #define PROOF_END() ((void)0)
 #endif
 
@@ -34,7 +34,7 @@ uint32_t nondet_uint32(void);
 int64_t nondet_int64(void);
 bool nondet_bool(void);
 
-/* Any value of lowest .. highest. */
+/* Any value from `lowest` to `highest`. */
 static inline int32_t any_within(int32_t lowest, int32_t highest)
 {
     const int32_t x = nondet_int32();

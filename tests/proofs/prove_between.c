@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Between the loops: the sums of the fast loop and the mean values the slow loop makes of them.
- * Vectors within a circle are taken as within its octagon, the larger set.
+ * Messages between the loops: the sums of the fast loop and the mean values that the slow loop
+ * computes from them. Vectors within a circle are assumed within its octagon, the larger set.
  */
 #include "core/angle.h"
 #include "sampling_correction.h"
 #include "vectors.h"
 
-/* The report needs one sine and cosine; it gets those of any angle, without the checker having to
- * read their table. */
+/* The report uses one sine and cosine; the proof replaces them by any values possible, so that the
+ * checker need not read their table. */
 #define angle_rotation(theta_turn) ((void)(theta_turn), any_rotation())
 #include "foc.c"
 #undef angle_rotation
@@ -16,7 +16,7 @@
 
 enum { LONGEST_CURRENT_PU = 32767, LONGEST_VOLTAGE = 32767 };
 
-/* The sums wrap by intention, so they are unsigned; what is added must not. */
+/* The sums wrap by design and are unsigned; the addends must not overflow. */
 void prove_add_sums(void)
 {
     /* A sampled current of any components, a voltage in the circle. */
@@ -30,8 +30,8 @@ void prove_add_sums(void)
                                .v_dc_pu = nondet_uint32()};
     foc_sums_t sums = before;
     add_sums(&sums, &period);
-    PROMISE(sums.i_d_pu - before.i_d_pu == (uint32_t)i.d);
-    PROMISE(sums.v_dc_pu - before.v_dc_pu == (uint32_t)period.v_dc_pu);
+    PROVE(sums.i_d_pu - before.i_d_pu == (uint32_t)i.d);
+    PROVE(sums.v_dc_pu - before.v_dc_pu == (uint32_t)period.v_dc_pu);
     PROOF_END();
 }
 
@@ -52,8 +52,8 @@ void prove_report(void)
     state.weakening.current_q28 = any_within(-32767 * 8192, 0);
     fast_report_t report;
     foc_report(&state, &report);
-    PROMISE(report.voltage_use_q15 >= 0 && report.voltage_use_q15 <= 65536);
-    PROMISE(report.i_d_weakening_pu <= 0 && report.i_d_weakening_pu >= -32767);
+    PROVE(report.voltage_use_q15 >= 0 && report.voltage_use_q15 <= 65536);
+    PROVE(report.i_d_weakening_pu <= 0 && report.i_d_weakening_pu >= -32767);
     PROOF_END();
 }
 
@@ -76,18 +76,18 @@ void prove_mean_values(void)
     };
     const operating_point_state_t before = state;
     average(&state, &report);
-    PROMISE(state.sequence == report.sequence);
-    PROMISE(report.sequence != before.sequence || state.v_dc_pu == before.v_dc_pu);
+    PROVE(state.sequence == report.sequence);
+    PROVE(report.sequence != before.sequence || state.v_dc_pu == before.v_dc_pu);
     PROOF_END();
 }
 
-/* One step: the mean is what was added, whichever way the sum has wrapped. With more it is that
- * divided. */
+/* After one fast step the mean is the value added, also where the sum has wrapped; after more steps
+ * it is the difference of the sums divided by their number. */
 void prove_difference_of_wrapping_sums(void)
 {
     const int32_t added = nondet_int32();
     const uint32_t before = nondet_uint32();
-    PROMISE(mean(before + (uint32_t)added, before, 1) == added);
+    PROVE(mean(before + (uint32_t)added, before, 1) == added);
     PROOF_END();
 }
 
@@ -106,9 +106,9 @@ void prove_sampling_correction_at(void)
     any_motor();
     const sampling_correction_t at = sampling_correction_at(
         &config, sampling_correction_magnets_pu(&config), nondet_int32(), nondet_int32());
-    PROMISE(at.gain_q24 >= 0 && at.gain_q24 <= 1 << 20);
-    PROMISE(at.inverse_q24 >= 0 && at.inverse_q24 <= at.gain_q24);
-    PROMISE(at.magnets_pu >= 0 && at.magnets_pu <= 16 * 32768);
+    PROVE(at.gain_q24 >= 0 && at.gain_q24 <= 1 << 20);
+    PROVE(at.inverse_q24 >= 0 && at.inverse_q24 <= at.gain_q24);
+    PROVE(at.magnets_pu >= 0 && at.magnets_pu <= 16 * 32768);
     PROOF_END();
 }
 
@@ -121,16 +121,16 @@ void prove_sampling_correction(void)
     const dq_t x = {.d = any_within(-131072, 131072), .q = any_within(-131072, 131072)};
     const dq_t mean = sampling_correction_to_mean(&at, x);
     const dq_t sampled = sampling_correction_to_sampled(&at, x);
-    PROMISE(x.q >= 0 ? mean.q >= 0 && mean.q <= x.q : mean.q <= 0 && mean.q >= x.q);
-    PROMISE(x.q >= 0 ? sampled.q >= x.q : sampled.q <= x.q);
-    PROMISE(mean.d >= -163841 && mean.d <= 163841 && sampled.d >= -163841 && sampled.d <= 172033);
+    PROVE(x.q >= 0 ? mean.q >= 0 && mean.q <= x.q : mean.q <= 0 && mean.q >= x.q);
+    PROVE(x.q >= 0 ? sampled.q >= x.q : sampled.q <= x.q);
+    PROVE(mean.d >= -163841 && mean.d <= 163841 && sampled.d >= -163841 && sampled.d <= 172033);
     const int32_t change = any_within(-32767, 0);
     const int32_t mean_change = sampling_correction_mean_change(&at, change);
-    PROMISE(mean_change <= 0 && mean_change >= change);
+    PROVE(mean_change <= 0 && mean_change >= change);
     const int32_t offset = sampling_correction_d_pu(&at);
-    PROMISE(offset <= 0 && offset >= -32767);
+    PROVE(offset <= 0 && offset >= -32767);
     const int32_t commanded = any_within(0, INT32_MAX);
     const int32_t voltage = sampling_correction_mean_voltage(&at, commanded);
-    PROMISE(voltage >= 0 && voltage <= commanded);
+    PROVE(voltage >= 0 && voltage <= commanded);
     PROOF_END();
 }

@@ -16,22 +16,21 @@ void prove_q15(void)
     const int16_t a = nondet_int16();
     const int16_t b = nondet_int16();
     const int16_t saturated = q15_saturate(x);
-    PROMISE(x < Q15_MIN || x > Q15_ONE || saturated == x);
-    PROMISE(x >= Q15_MIN || saturated == Q15_MIN);
-    PROMISE(x <= Q15_ONE || saturated == Q15_ONE);
-    PROMISE(q_saturate31(x) >= -1073741824 && q_saturate31(x) <= 1073741823);
-    PROMISE(q_abs(x) >= 0);
+    PROVE(x < Q15_MIN || x > Q15_ONE || saturated == x);
+    PROVE(x >= Q15_MIN || saturated == Q15_MIN);
+    PROVE(x <= Q15_ONE || saturated == Q15_ONE);
+    PROVE(q_saturate31(x) >= -1073741824 && q_saturate31(x) <= 1073741823);
+    PROVE(q_abs(x) >= 0);
     const int32_t most = any_within(0, INT32_MAX);
     const int32_t limited = q_limit(x, most);
-    PROMISE(limited >= -most && limited <= most);
-    PROMISE(limited == x || (x > most && limited == most) || (x < -most && limited == -most));
+    PROVE(limited >= -most && limited <= most);
+    PROVE(limited == x || (x > most && limited == most) || (x < -most && limited == -most));
     const int32_t sum = a + b;
-    PROMISE(q15_add(a, b) == sum || sum < Q15_MIN || sum > Q15_ONE);
+    PROVE(q15_add(a, b) == sum || sum < Q15_MIN || sum > Q15_ONE);
     const int32_t difference = a - b;
-    PROMISE(q15_subtract(a, b) == difference || difference < Q15_MIN || difference > Q15_ONE);
-    const int16_t product =
-        q15_multiply(a, b); /* nothing overflows; its value is tested in tests/unit */
-    PROMISE(a != 0 || product == 0);
+    PROVE(q15_subtract(a, b) == difference || difference < Q15_MIN || difference > Q15_ONE);
+    const int16_t product = q15_multiply(a, b); /* no overflow; its value is tested in tests/unit */
+    PROVE(a != 0 || product == 0);
     PROOF_END();
 }
 
@@ -40,10 +39,10 @@ void prove_q15_slow(void)
     const int32_t value = nondet_int32();
     const int16_t share_q15 = nondet_int16();
     const int32_t share = q15_share_of(value, share_q15);
-    PROMISE(value != 0 || share == 0);
+    PROVE(value != 0 || share == 0);
     const int64_t x = nondet_int64();
     const int32_t saturated = q_saturate64(x);
-    PROMISE(saturated == x || x > INT32_MAX || x < INT32_MIN);
+    PROVE(saturated == x || x > INT32_MAX || x < INT32_MIN);
     PROOF_END();
 }
 
@@ -51,8 +50,8 @@ void prove_angle(void)
 {
     const uint16_t theta = nondet_uint16();
     const sincos_t out = angle_sincos(theta);
-    PROMISE(out.sin >= -32768 && out.sin <= 32768);
-    PROMISE(out.cos >= -32768 && out.cos <= 32768);
+    PROVE(out.sin >= -32768 && out.sin <= 32768);
+    PROVE(out.cos >= -32768 && out.cos <= 32768);
     PROOF_END();
 }
 
@@ -61,7 +60,7 @@ void prove_angle_difference(void)
     const uint16_t a = nondet_uint16();
     const uint16_t b = nondet_uint16();
     const int32_t difference = angle_difference(b, a);
-    PROMISE((uint16_t)((int32_t)a + difference + 65536) == b);
+    PROVE((uint16_t)((int32_t)a + difference + 65536) == b);
     PROOF_END();
 }
 
@@ -69,14 +68,14 @@ void prove_circle(void)
 {
     const int32_t x = any_within(-32768, 32768);
     const int32_t y = circle_other_q15(x);
-    PROMISE(y >= 0 && y <= 32767); /* how near to the circle is tested for every x in tests/unit */
+    PROVE(y >= 0 && y <= 32767); /* accuracy: tested for every x in tests/unit */
     PROOF_END();
 }
 
 void prove_circle_of_any_radius(void)
 {
     const int32_t radius = any_within(164, Q15_ONE);
-    /* What circle_init() makes of it: the reciprocal, rounded up. */
+    /* As circle_init() computes it: the reciprocal, rounded up. */
     circle_t circle;
     circle.radius_q15 = radius;
     circle.inverse_q14 = any_within((1 << 29) / Q15_ONE, (1 << 29) / 164 + 1);
@@ -85,7 +84,7 @@ void prove_circle_of_any_radius(void)
     const int32_t x = any_within(-Q15_ONE, Q15_ONE);
     ASSUME(x >= -radius && x <= radius);
     const int32_t y = circle_other(&circle, x);
-    PROMISE(y >= 0 && y <= radius);
+    PROVE(y >= 0 && y <= radius);
     PROOF_END();
 }
 
@@ -100,13 +99,12 @@ void prove_pi(void)
     const int32_t error = any_within(-32768, 32767);
     const int32_t forward_q25 = any_within(-46 * (1 << 25), 46 * (1 << 25));
     const int32_t u_q25 = pi_output_q25(&state, &gains, error, forward_q25);
-    PROMISE(u_q25 - forward_q25 >= -17 * (1 << 25) && u_q25 - forward_q25 <= 17 * (1 << 25));
-    /* Whatever the actuator could do, and cross-coupling and back-EMF on top of what the regulator
-     * wants. */
+    PROVE(u_q25 - forward_q25 >= -17 * (1 << 25) && u_q25 - forward_q25 <= 17 * (1 << 25));
+    /* Any applied voltage; unsaturated voltage including cross-coupling and back-EMF. */
     const int32_t wanted = any_within(-64 * 32768, 64 * 32768);
     const int32_t realised = any_within(-32768, 32768);
     pi_update(&state, &gains, error, wanted, realised);
-    PROMISE(state.integrator_q30 >= -(1 << 30) && state.integrator_q30 <= (1 << 30) - 1);
+    PROVE(state.integrator_q30 >= -(1 << 30) && state.integrator_q30 <= (1 << 30) - 1);
     PROOF_END();
 }
 
@@ -114,11 +112,11 @@ void prove_reciprocal(void)
 {
     const uint16_t n = nondet_uint16();
     const reciprocal_t r = reciprocal_of(n);
-    PROMISE(r.mantissa >= 16384 && r.mantissa <= 32768);
-    PROMISE(r.shift <= 15);
+    PROVE(r.mantissa >= 16384 && r.mantissa <= 32768);
+    PROVE(r.shift <= 15);
     const uint32_t x = nondet_uint32();
     const uint32_t quotient = reciprocal_scale(x, n);
-    PROMISE(quotient <= x);
+    PROVE(quotient <= x);
     PROOF_END();
 }
 
@@ -127,12 +125,12 @@ void prove_grid(void)
     const int32_t points = any_within(2, 65);
     const int32_t step_log2 = any_within(0, 20);
     const grid_position_t at = grid_locate(nondet_int32(), points, step_log2);
-    PROMISE(at.index >= 0 && at.index <= points - 2);
-    PROMISE(at.fraction_q20 >= 0 && at.fraction_q20 <= GRID_WHOLE_Q20);
+    PROVE(at.index >= 0 && at.index <= points - 2);
+    PROVE(at.fraction_q20 >= 0 && at.fraction_q20 <= GRID_WHOLE_Q20);
     const int32_t largest = (1 << 30) - 1;
     const int32_t a = any_within(-largest, largest);
     const int32_t b = any_within(-largest, largest);
-    PROMISE(grid_interpolate(a, b, 0) == a && grid_interpolate(a, b, GRID_WHOLE_Q20) == b);
+    PROVE(grid_interpolate(a, b, 0) == a && grid_interpolate(a, b, GRID_WHOLE_Q20) == b);
     (void)grid_interpolate(a, b, any_within(0, GRID_WHOLE_Q20));
     PROOF_END();
 }
@@ -146,14 +144,13 @@ void prove_filter_and_ramp(void)
     const int32_t x = any_within(-most, most);
     for (int n = 0; n < 2; n++) {
         const int32_t y = filter_step(&filter, x, shift);
-        PROMISE(y >= -most - 1 && y <= most);
+        PROVE(y >= -most - 1 && y <= most);
     }
     const int32_t value = nondet_int32();
     const int32_t target = nondet_int32();
     const int32_t step = any_within(0, INT32_MAX);
     const int32_t next = ramp_step(value, target, step);
-    PROMISE(target >= value ? (next >= value && next <= target)
-                            : (next <= value && next >= target));
-    PROMISE((int64_t)next - value <= step && (int64_t)value - next <= step);
+    PROVE(target >= value ? (next >= value && next <= target) : (next <= value && next >= target));
+    PROVE((int64_t)next - value <= step && (int64_t)value - next <= step);
     PROOF_END();
 }

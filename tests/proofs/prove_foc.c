@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The boxes of the fast loop: nothing overflows for any input their headers allow, every limiter
- * stays inside its limits, every pulse inside the period. Where a vector is bounded by a circle,
- * the proof uses the tangents of the circle that matter: they bound a larger set.
+ * The modules of the fast loop: no overflow for any input that their headers allow, the output of
+ * every limiter within its limits, every pulse within the period. Where a circle bounds a vector,
+ * the proof uses some of the circle's tangents, which bound a larger set.
  */
 #include "config/config.h"
 #include "core/angle.h"
@@ -21,12 +21,12 @@ void prove_sense(void)
     int32_t on[3];
     for (int x = 0; x < 3; x++) {
         state.offset_q4[x] = any_within(0, SENSE_CODE_MAX * 16);
-        codes[x] = nondet_uint16(); /* the header asks for 12 bits; even 16 do no harm */
+        codes[x] = nondet_uint16(); /* the header permits 12 bits; 16 are proved */
         on[x] = nondet_int32();
     }
     const sense_out_t out = sense_step(&state, codes, on);
-    PROMISE(q_pair_x(out.i.v) >= -32768 && q_pair_x(out.i.v) <= 32767);
-    PROMISE(q_pair_y(out.i.v) >= -32768 && q_pair_y(out.i.v) <= 32767);
+    PROVE(q_pair_x(out.i.v) >= -32768 && q_pair_x(out.i.v) <= 32767);
+    PROVE(q_pair_y(out.i.v) >= -32768 && q_pair_y(out.i.v) <= 32767);
     const abc_t phases = {.a = any_within(-65536, 65535),
                           .b = any_within(-65536, 65535),
                           .c = any_within(-65536, 65535)};
@@ -43,14 +43,14 @@ void prove_sense_calibration(void)
     for (int x = 0; x < 3; x++) {
         codes[x] = nondet_uint16();
         state.sum[x] = nondet_uint32();
-        /* What so many samples can have made. */
+        /* Largest sum of so many samples. */
         ASSUME(state.sum[x] <= (uint32_t)state.samples * SENSE_CODE_MAX);
         state.offset_q4[x] = any_within(0, SENSE_CODE_MAX * 16);
     }
     sense_calibrate_step(&state, codes);
     for (int x = 0; x < 3; x++) {
-        PROMISE(state.offset_q4[x] >= 0 && state.offset_q4[x] <= SENSE_CODE_MAX * 16);
-        PROMISE(state.calibrated || state.sum[x] <= (uint32_t)state.samples * SENSE_CODE_MAX);
+        PROVE(state.offset_q4[x] >= 0 && state.offset_q4[x] <= SENSE_CODE_MAX * 16);
+        PROVE(state.calibrated || state.sum[x] <= (uint32_t)state.samples * SENSE_CODE_MAX);
     }
     PROOF_END();
 }
@@ -59,7 +59,7 @@ void prove_park(void)
 {
     const ab16_t x = {.v = q_pair(any_within(-32768, 32767), any_within(-32768, 32767))};
     const dq_t out = dq_of(transforms_park(x, any_rotation()));
-    PROMISE(out.d >= -32768 && out.d <= 32767 && out.q >= -32768 && out.q <= 32767);
+    PROVE(out.d >= -32768 && out.d <= 32767 && out.q >= -32768 && out.q <= 32767);
     PROOF_END();
 }
 
@@ -73,8 +73,8 @@ void prove_inverse_park(void)
 void prove_advance(void)
 {
     const rotation_t out = transforms_advance(any_rotation(), any_rotation());
-    PROMISE(q_pair_x(out.v) >= -32768 && q_pair_x(out.v) <= 32767);
-    PROMISE(q_pair_y(out.v) >= -32768 && q_pair_y(out.v) <= 32767);
+    PROVE(q_pair_x(out.v) >= -32768 && q_pair_x(out.v) <= 32767);
+    PROVE(q_pair_y(out.v) >= -32768 && q_pair_y(out.v) <= 32767);
     PROOF_END();
 }
 
@@ -113,16 +113,16 @@ void prove_current_controller(void)
     voltage_out_t out;
     current_controller_step(&state, &gains, dq16_of(any_dq()), dq16_of(any_dq()), &out);
     const dq_t applied = dq_of(out.applied);
-    PROMISE(applied.d >= -32768 && applied.d <= 32767);
-    PROMISE(applied.q >= -32767 && applied.q <= 32767);
-    /* The limiter: never longer and never of the other sign. That circle_other_q15() leaves q what
+    PROVE(applied.d >= -32768 && applied.d <= 32767);
+    PROVE(applied.q >= -32767 && applied.q <= 32767);
+    /* The limiter lengthens no component and changes no sign. That circle_other_q15() leaves q what
      * is inside the circle is tested for every d in tests/unit. */
-    PROMISE(out.unsaturated_d >= 0 ? applied.d >= 0 && applied.d <= out.unsaturated_d
-                                   : applied.d <= 0 && applied.d >= out.unsaturated_d);
-    PROMISE(out.unsaturated_q >= 0 ? applied.q >= 0 && applied.q <= out.unsaturated_q
-                                   : applied.q <= 0 && applied.q >= out.unsaturated_q);
-    PROMISE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
-    PROMISE(state.q.integrator_q30 >= -(1 << 30) && state.q.integrator_q30 <= (1 << 30) - 1);
+    PROVE(out.unsaturated_d >= 0 ? applied.d >= 0 && applied.d <= out.unsaturated_d
+                                 : applied.d <= 0 && applied.d >= out.unsaturated_d);
+    PROVE(out.unsaturated_q >= 0 ? applied.q >= 0 && applied.q <= out.unsaturated_q
+                                 : applied.q <= 0 && applied.q >= out.unsaturated_q);
+    PROVE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
+    PROVE(state.q.integrator_q30 >= -(1 << 30) && state.q.integrator_q30 <= (1 << 30) - 1);
     PROOF_END();
 }
 
@@ -136,9 +136,9 @@ void prove_d_axis_reserve(void)
     const int32_t before_q30 = state.d.integrator_q30;
     const voltage_out_t last = {.unsaturated_d = any_within(-50 * 32768, 50 * 32768)};
     current_controller_keep_reserve(&state, &last);
-    PROMISE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
-    PROMISE(last.unsaturated_d >= 0 ? state.d.integrator_q30 <= before_q30
-                                    : state.d.integrator_q30 >= before_q30);
+    PROVE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
+    PROVE(last.unsaturated_d >= 0 ? state.d.integrator_q30 <= before_q30
+                                  : state.d.integrator_q30 >= before_q30);
     PROOF_END();
 }
 
@@ -151,8 +151,8 @@ void prove_field_weakening(void)
     const int32_t margin_q15 =
         field_weakening_margin_q15(&state, any_within(-32768, 32768), nondet_int32());
     field_weakening_step(&state, margin_q15, any_within(0, 32767), most);
-    PROMISE(field_weakening_current_pu(&state) <= 0);
-    PROMISE(field_weakening_current_pu(&state) >= -most);
+    PROVE(field_weakening_current_pu(&state) <= 0);
+    PROVE(field_weakening_current_pu(&state) >= -most);
     PROOF_END();
 }
 
@@ -183,12 +183,12 @@ static ab_t any_predicted_current(void)
 
 void prove_dead_time(void)
 {
-    /* The steepest slopes dead_time_slope_at() makes: any flatter ones overflow less. */
+    /* The steepest slopes of dead_time_slope_at(); the products of smaller ones are smaller. */
     const dead_time_slope_t steepest = {.alpha_q8 = 65000, .beta_q8 = 56292};
     const abc_t shares = modulation_dead_time(steepest, any_predicted_current());
-    PROMISE(shares.a >= -32768 && shares.a <= 32767);
-    PROMISE(shares.b >= -32768 && shares.b <= 32767);
-    PROMISE(shares.c >= -32767 && shares.c <= 32768);
+    PROVE(shares.a >= -32768 && shares.a <= 32767);
+    PROVE(shares.b >= -32768 && shares.b <= 32767);
+    PROVE(shares.c >= -32767 && shares.c <= 32768);
     PROOF_END();
 }
 
@@ -212,8 +212,8 @@ void prove_predicted_current(void)
     };
     const dq_t out = dq_of(current_predictor_step(&state));
     const dq_t next = dq_of(state.predicted_pu);
-    PROMISE(out.d == predicted.d && out.q == predicted.q);
-    PROMISE(between(predicted.d, next.d, settled.d) && between(predicted.q, next.q, settled.q));
+    PROVE(out.d == predicted.d && out.q == predicted.q);
+    PROVE(between(predicted.d, next.d, settled.d) && between(predicted.q, next.q, settled.q));
     PROOF_END();
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where the fast loop gets its numbers from: initialisation, and the tuning that the slow loop
- * makes every millisecond. With every field anywhere in the validator's range nothing overflows,
- * and what comes out is in the ranges that the proofs of the boxes assume.
+ * Coefficients of the fast loop: initialisation, and the tuning that the slow loop computes every
+ * millisecond. For every field in the validator's range no arithmetic overflows, and the results
+ * are in the ranges that the proofs of the modules assume.
  */
 #include "config/config.h"
 #include "encoder.h"
@@ -32,11 +32,11 @@ void prove_tuning(void)
     config.motor.reference_temperature_cC = any_within(-5000, 15000);
     const current_tuning_t out = current_tuning(&config, any_within(8192, 32767), nondet_int32(),
                                                 nondet_int32(), nondet_int32());
-    PROMISE(usable(&out.d) && usable(&out.q));
-    PROMISE(out.w_l_d_q10 >= -16383 && out.w_l_d_q10 <= 16383);
-    PROMISE(out.w_l_q_q10 >= -16383 && out.w_l_q_q10 <= 16383);
-    PROMISE(out.forward_d_q25 == 0 && out.forward_q_q25 >= -(1 << 28) &&
-            out.forward_q_q25 <= 1 << 28);
+    PROVE(usable(&out.d) && usable(&out.q));
+    PROVE(out.w_l_d_q10 >= -16383 && out.w_l_d_q10 <= 16383);
+    PROVE(out.w_l_q_q10 >= -16383 && out.w_l_q_q10 <= 16383);
+    PROVE(out.forward_d_q25 == 0 && out.forward_q_q25 >= -(1 << 28) &&
+          out.forward_q_q25 <= 1 << 28);
     PROOF_END();
 }
 
@@ -50,8 +50,8 @@ void prove_dead_time_counts(void)
     config.battery.min_voltage_mV = any_within(1000, 2000000);
     config.battery.max_voltage_mV = any_within(1000, 2000000);
     const int32_t counts = modulation_dead_time_counts(&config);
-    PROMISE(counts >=
-            0); /* and an eighth of the longest period at most, 2048: the validator's relation */
+    PROVE(counts >=
+          0); /* and an eighth of the longest period at most, 2048: the validator's relation */
     PROOF_END();
 }
 
@@ -64,8 +64,8 @@ void prove_dead_time_slope(void)
     config.battery.max_voltage_mV = any_within(1000, 2000000);
     config.current_loop.dead_time_zone_pu_q15 = any_within(128, 32767);
     const dead_time_slope_t out = dead_time_slope_at(&config, nondet_int32());
-    PROMISE(out.alpha_q8 >= 0 && out.alpha_q8 <= 65000);
-    PROMISE(out.beta_q8 >= 0 && out.beta_q8 <= 56292);
+    PROVE(out.alpha_q8 >= 0 && out.alpha_q8 <= 65000);
+    PROVE(out.beta_q8 >= 0 && out.beta_q8 <= 56292);
     PROOF_END();
 }
 
@@ -76,10 +76,10 @@ void prove_modulation_of(void)
     const int32_t trim = any_within(0, 2048);
     ASSUME(min_pulse * 5 <= period && trim * 8 <= period);
     const modulation_t out = modulation_of(period, min_pulse, trim, any_within(8192, 32767));
-    PROMISE(out.trim_doubled_counts >= 0 && out.trim_doubled_counts <= 4096);
-    PROMISE(out.beta_counts >= 61 && out.beta_counts <= 16384);
-    PROMISE(out.alpha_counts >= 106 && out.alpha_counts <= 28378);
-    PROMISE(out.limit_q15 <= 32767);
+    PROVE(out.trim_doubled_counts >= 0 && out.trim_doubled_counts <= 4096);
+    PROVE(out.beta_counts >= 61 && out.beta_counts <= 16384);
+    PROVE(out.alpha_counts >= 106 && out.alpha_counts <= 28378);
+    PROVE(out.limit_q15 <= 32767);
     PROOF_END();
 }
 
@@ -95,7 +95,7 @@ void prove_encoder_init(void)
     ASSUME(config.rotor.encoder_counts >= 32 * config.motor.pole_pairs);
     encoder_t out;
     encoder_init(&out, &config);
-    PROMISE(out.max_counts >= 16 && out.max_counts <= out.counts / 2);
-    PROMISE(out.count_turn >= 1 && out.count_turn <= 2049);
+    PROVE(out.max_counts >= 16 && out.max_counts <= out.counts / 2);
+    PROVE(out.count_turn >= 1 && out.count_turn <= 2049);
     PROOF_END();
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The modulator as modulation_of() sets it up: every vector in the circle, with every trim, keeps
- * the shortest pulse. */
+/* The modulator with the constants of modulation_of(): for every vector in the circle and every
+ * dead-time correction no pulse is shorter than the minimum. */
 #include "modulation.h"
 #include "proof.h"
 #include "transforms.h"
@@ -19,7 +19,8 @@ static ab_t any_vector_in_circle(void)
 static void prove_pulses_of(int32_t period, int32_t min_pulse, int32_t trim_counts)
 {
     const modulation_t modulation = modulation_of(period, min_pulse, trim_counts, 32767);
-    /* A pulse is linear in its trim: it is shortest or longest at an end of it. */
+    /* The pulse is linear in the correction, so it is shortest or longest at an end of its range.
+     */
     const abc_t trim = {.a = nondet_bool() ? 32767 : -32768,
                         .b = nondet_bool() ? 32767 : -32768,
                         .c = nondet_bool() ? 32768 : -32767};
@@ -27,7 +28,7 @@ static void prove_pulses_of(int32_t period, int32_t min_pulse, int32_t trim_coun
     modulation_step(&modulation, any_vector_in_circle(), trim, on_q16);
     for (int x = 0; x < 3; x++) {
         const int32_t on = on_q16[x] >> 16;
-        PROMISE(on >= min_pulse && on <= period - min_pulse);
+        PROVE(on >= min_pulse && on <= period - min_pulse);
     }
 }
 

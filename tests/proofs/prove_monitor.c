@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The fast part of the watcher: whatever it sees, it trips when a promise is broken, and a trip
- * stays until it is cleared. */
+/* The fast part of the monitor: for every input it trips on a power-stage fault and on
+ * over-voltage, and a trip is latched until it is cleared. */
 #include "monitor/monitor_fast.h"
 #include "vectors.h"
 
-/* With as many periods of overcurrent as it takes there is a trip. */
+/* After trip_periods of over-current there is a trip. */
 static bool invariant(const monitor_fast_state_t *state)
 {
     return state->overcurrent_periods >= 0 && state->overcurrent_periods <= state->trip_periods &&
@@ -47,10 +47,10 @@ void prove_monitor_fast(void)
     const monitor_fast_state_t before = state;
     const monitor_fast_input_t in = any_input();
     const reason_t wrong = monitor_fast_step(&state, &in);
-    PROMISE(wrong == state.trip);
-    PROMISE(before.trip == REASON_NONE || in.clear_trip || wrong == before.trip);
-    PROMISE(!in.power_stage_fault || wrong != REASON_NONE);
-    PROMISE(in.v_dc_pu <= state.overvoltage_pu || wrong != REASON_NONE);
-    PROMISE(invariant(&state));
+    PROVE(wrong == state.trip);
+    PROVE(before.trip == REASON_NONE || in.clear_trip || wrong == before.trip);
+    PROVE(!in.power_stage_fault || wrong != REASON_NONE);
+    PROVE(in.v_dc_pu <= state.overvoltage_pu || wrong != REASON_NONE);
+    PROVE(invariant(&state));
     PROOF_END();
 }

@@ -39,7 +39,7 @@ void prove_pair_pack(void)
     const int32_t x = any_within(-32768, 32767);
     const int32_t y = any_within(-32768, 32767);
     const uint32_t word = ((uint32_t)x & 0xFFFFU) | (uint32_t)y << 16;
-    PROMISE(same(q_pair(x, y), word));
+    PROVE(same(q_pair(x, y), word));
     PROOF_END();
 }
 
@@ -50,11 +50,11 @@ void prove_pair_shifted(void)
     const int32_t x = nondet_int32();
     ASSUME(x >> 21 >= -32768 && x >> 21 <= 32767);
     const uint32_t by_21 = ((uint32_t)y & 0xFFFF0000U) | ((uint32_t)(x >> 21) & 0xFFFFU);
-    PROMISE(same(Q_PAIR_SHIFTED(x, 21, y), by_21));
+    PROVE(same(Q_PAIR_SHIFTED(x, 21, y), by_21));
     const uint32_t by_22 = ((uint32_t)y & 0xFFFF0000U) | ((uint32_t)(x >> 22) & 0xFFFFU);
-    PROMISE(same(Q_PAIR_SHIFTED(x, 22, y), by_22));
+    PROVE(same(Q_PAIR_SHIFTED(x, 22, y), by_22));
     const uint32_t by_16 = ((uint32_t)y & 0xFFFF0000U) | ((uint32_t)(x >> 16) & 0xFFFFU);
-    PROMISE(same(Q_PAIR_SHIFTED(x, 16, y), by_16));
+    PROVE(same(Q_PAIR_SHIFTED(x, 16, y), by_16));
     PROOF_END();
 }
 
@@ -66,20 +66,20 @@ void prove_pair_sums(void)
     const int32_t sum_x = lower(a) + lower(b);
     const int32_t sum_y = upper(a) + upper(b);
     if (sum_x >= -32768 && sum_x <= 32767 && sum_y >= -32768 && sum_y <= 32767) {
-        PROMISE(same(q_pair_add(unpacked(a), unpacked(b)), packed(sum_x, sum_y)));
+        PROVE(same(q_pair_add(unpacked(a), unpacked(b)), packed(sum_x, sum_y)));
     }
     const int32_t difference_x = lower(a) - lower(b);
     const int32_t difference_y = upper(a) - upper(b);
     if (difference_x >= -32768 && difference_x <= 32767 && difference_y >= -32768 &&
         difference_y <= 32767) {
-        PROMISE(
+        PROVE(
             same(q_pair_difference(unpacked(a), unpacked(b)), packed(difference_x, difference_y)));
     }
     const int32_t x =
         difference_x > 32767 ? 32767 : (difference_x < -32768 ? -32768 : difference_x);
     const int32_t y =
         difference_y > 32767 ? 32767 : (difference_y < -32768 ? -32768 : difference_y);
-    PROMISE(same(q_pair_subtract(unpacked(a), unpacked(b)), packed(x, y)));
+    PROVE(same(q_pair_subtract(unpacked(a), unpacked(b)), packed(x, y)));
     PROOF_END();
 }
 
@@ -90,8 +90,8 @@ void prove_pair_scale(void)
 {
     const q_pair_t a = q_pair(any_within(-32768, 32767), any_within(-32768, 32767));
     const q_pair_t scaled = q_pair_scale(a, any_within(0, 65535));
-    PROMISE(q_pair_x(scaled) >= -32768 && q_pair_x(scaled) <= 32767);
-    PROMISE(q_pair_y(scaled) >= -32768 && q_pair_y(scaled) <= 32767);
+    PROVE(q_pair_x(scaled) >= -32768 && q_pair_x(scaled) <= 32767);
+    PROVE(q_pair_y(scaled) >= -32768 && q_pair_y(scaled) <= 32767);
     PROOF_END();
 }
 
@@ -102,8 +102,8 @@ void prove_mac_q17(void)
 }
 
 /* SMUAD, SMUADX, SMUSD, SMUSDX, SMLABB, SMLATT compute the portable functions' own expressions
- * modulo 2^32 (DDI 0403). They agree as long as these do not overflow: never but for the excluded
- * sum. */
+ * modulo 2^32 (DDI 0403). They agree unless these overflow, which only the excluded sum does.
+ */
 void prove_pair_products(void)
 {
     const q_pair_t a = q_pair(any_within(-32768, 32767), any_within(-32768, 32767));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rotor estimates: whatever the sensors say, in whatever order, nothing overflows and no index
- * leaves its array. The hall estimate is proved by induction: from any state that its invariant
+ * Rotor estimates: for any sequence of sensor readings no arithmetic overflows and no index leaves
+ * its array. The hall estimate is proved by induction: from any state that its invariant
  * allows one step leads to another such state.
  */
 #include "config/config.h"
@@ -10,7 +10,7 @@
 #include "proof.h"
 #include "rotor.h"
 
-/* A configuration as the validator lets it through, as far as a rotor estimate reads it. */
+/* Any configuration that the validator accepts, as far as the rotor estimates read it. */
 static void any_rotor_configuration(config_t *config)
 {
     config->drive.pwm_frequency_Hz = any_within(4000, 100000);
@@ -90,8 +90,8 @@ void prove_hall_begin(void)
     hall_t hall;
     hall_init(&hall, &config);
     hall_step(&hall, &config, nondet_uint8());
-    PROMISE(!hall.started || hall_invariant(&hall, &config));
-    PROMISE(!hall.valid || hall.started);
+    PROVE(!hall.started || hall_invariant(&hall, &config));
+    PROVE(!hall.valid || hall.started);
     PROOF_END();
 }
 
@@ -101,7 +101,7 @@ void prove_hall_step(void)
     any_rotor_configuration(&config);
     hall_t hall = any_hall(&config);
     hall_step(&hall, &config, nondet_uint8());
-    PROMISE(hall_invariant(&hall, &config));
+    PROVE(hall_invariant(&hall, &config));
     PROOF_END();
 }
 
@@ -118,12 +118,12 @@ void prove_angle_tracker(void)
     const foc_input_t in = {.rotor_angle_turn = nondet_uint16(), .hall_state = nondet_uint8()};
     rotor_out_t out;
     rotor_step(&state, &config, &in, &out);
-    PROMISE(out.valid && out.faults == 0);
+    PROVE(out.valid && out.faults == 0);
     PROOF_END();
 }
 
-/* From any state with a bounded position, whatever counter and index say: nothing overflows, and
- * the position stays bounded. */
+/* From any state with a bounded position and for any counter and index: no overflow, and the
+ * position stays bounded. */
 static bool encoder_invariant(const encoder_t *encoder)
 {
     return encoder->position_counts >= -INT32_C(200000) &&
@@ -165,6 +165,6 @@ void prove_encoder(void)
     const encoder_input_t in = {
         .count = nondet_uint16(), .index_count = nondet_uint16(), .index = nondet_bool()};
     encoder_step(&encoder, &config, &in);
-    PROMISE(encoder_invariant(&encoder));
+    PROVE(encoder_invariant(&encoder));
     PROOF_END();
 }

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Between the boxes of the fast loop: how a setpoint is applied.
+ * Fast loop: a setpoint is applied.
  */
 #include "core/circle.h"
 #include "current_predictor.h"
 #include "proof.h"
 #include "reference_prefilter.h"
 
-/* circle_other() by its contract, which prove_circle_of_any_radius() proves of every circle that
- * circle_init() makes: for any |x| up to the radius some result from zero to the radius. Its
- * products would take the checker a minute. */
+/* circle_other() replaced by its specification, which prove_circle_of_any_radius() proves for every
+ * circle of circle_init(): for |x| up to the radius the result is within zero and the radius. The
+ * function's own products would take the checker a minute. */
 static int32_t circle_other_by_contract(const circle_t *circle, int32_t x)
 {
-    PROMISE(circle->radius_q15 >= 164 && circle->radius_q15 <= Q15_ONE);
-    PROMISE(circle->inverse_q14 == (1 << 29) / circle->radius_q15 + 1);
-    PROMISE(x >= -circle->radius_q15 && x <= circle->radius_q15);
+    PROVE(circle->radius_q15 >= 164 && circle->radius_q15 <= Q15_ONE);
+    PROVE(circle->inverse_q14 == (1 << 29) / circle->radius_q15 + 1);
+    PROVE(x >= -circle->radius_q15 && x <= circle->radius_q15);
     return any_within(0, circle->radius_q15);
 }
 #define circle_other circle_other_by_contract
@@ -49,17 +49,17 @@ static void apply_any_setpoint(int32_t radius)
     };
     setpoint_apply(&state, &setpoint);
     const dq_t reference = prefilter->reference_pu;
-    PROMISE(reference.d >= -radius && reference.d <= radius);
-    PROMISE(setpoint.i_reference_pu.q >= 0
-                ? reference.q >= 0 && reference.q <= setpoint.i_reference_pu.q
-                : reference.q <= 0 && reference.q >= setpoint.i_reference_pu.q);
+    PROVE(reference.d >= -radius && reference.d <= radius);
+    PROVE(setpoint.i_reference_pu.q >= 0
+              ? reference.q >= 0 && reference.q <= setpoint.i_reference_pu.q
+              : reference.q <= 0 && reference.q >= setpoint.i_reference_pu.q);
     const dq_t given = state.period.i_reference_pu;
-    PROMISE(given.d >= -radius && given.d <= radius && given.q >= -radius && given.q <= radius);
+    PROVE(given.d >= -radius && given.d <= radius && given.q >= -radius && given.q <= radius);
     if (state.sequence == FOC_NO_SETPOINT) {
-        PROMISE(!prefilter->settled); /* the next period looks again */
+        PROVE(!prefilter->settled); /* the next period checks again */
     } else {
-        PROMISE(state.sequence == setpoint.sequence && given.d == reference.d &&
-                given.q == reference.q);
+        PROVE(state.sequence == setpoint.sequence && given.d == reference.d &&
+              given.q == reference.q);
     }
 }
 
@@ -75,7 +75,8 @@ void prove_reference_in_the_largest_circle(void)
     PROOF_END();
 }
 
-/* The largest coefficients of the initialisation (tests/unit): smaller ones overflow less. */
+/* The largest coefficients of the initialisation (tests/unit); the products of smaller ones are
+ * smaller. */
 void prove_change_of_reference(void)
 {
     reference_prefilter_t prefilter = {
@@ -93,12 +94,12 @@ void prove_change_of_reference(void)
     };
     const dq_t reference = {.d = any_within(-32768, 32768), .q = any_within(-32768, 32768)};
     const reference_change_t change = reference_prefilter_take(&prefilter, reference);
-    PROMISE(prefilter.reference_pu.d == reference.d && prefilter.reference_pu.q == reference.q);
+    PROVE(prefilter.reference_pu.d == reference.d && prefilter.reference_pu.q == reference.q);
     const dq_t out = reference_prefilter_output(&prefilter, &change);
     current_predictor_change(&predictor, &change, reference, true);
     (void)current_predictor_target(&predictor, &change);
-    PROMISE(out.d >= -131072 && out.d <= 131072);
-    PROMISE(out.q >= -131072 && out.q <= 131072);
-    PROMISE(!prefilter.settled || (out.d == reference.d && out.q == reference.q));
+    PROVE(out.d >= -131072 && out.d <= 131072);
+    PROVE(out.q >= -131072 && out.q <= 131072);
+    PROVE(!prefilter.settled || (out.d == reference.d && out.q == reference.q));
     PROOF_END();
 }

@@ -2,9 +2,9 @@
 /*
  * The slow loop's tables: with any grid that the validator accepts every read lies inside the part
  * of the table that is in use, and every interpolation is between values that core/grid.h takes:
- * entries within the validator's bounds, or what was interpolated between them. Of its functions
- * only their promises are taken: a position is any on its axis, and what is interpolated is
- * anything within the bounds of its ends.
+ * entries within the validator's bounds, or what was interpolated between them. Its
+ * functions are replaced by their specification: a position is any on its axis, and an interpolated
+ * value is any between its two ends.
  */
 #include "config/config.h"
 #include "core/grid.h"
@@ -20,9 +20,9 @@ static void check_read(const int32_t *at)
     if (__CPROVER_same_object(at, table)) {
         const int32_t beyond_bytes =
             (int32_t)(__CPROVER_POINTER_OFFSET(at) - __CPROVER_POINTER_OFFSET(table));
-        PROMISE(beyond_bytes >= 0 && beyond_bytes < used * (int32_t)sizeof(int32_t));
+        PROVE(beyond_bytes >= 0 && beyond_bytes < used * (int32_t)sizeof(int32_t));
     } else {
-        PROMISE(*at >= -largest && *at <= largest);
+        PROVE(*at >= -largest && *at <= largest);
     }
 }
 
@@ -37,7 +37,7 @@ static int32_t any_interpolation(const int32_t *a, const int32_t *b)
 static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2)
 {
     (void)x;
-    PROMISE(points >= 2 && step_log2 >= 0 && step_log2 <= 20);
+    PROVE(points >= 2 && step_log2 >= 0 && step_log2 <= 20);
     const grid_position_t out = {.index = any_within(0, points - 2),
                                  .fraction_q20 = any_within(0, GRID_WHOLE_Q20)};
     return out;
@@ -124,6 +124,6 @@ void prove_regen_map(void)
     largest = LARGEST_TORQUE_MNM;
     used = map->speed_points * map->temperature_points;
     ASSUME(used <= CONFIG_REGEN_POINTS_MAX);
-    PROMISE(loss_maps_torque_mNm(&config, nondet_int32(), nondet_int32()) >= 0);
+    PROVE(loss_maps_torque_mNm(&config, nondet_int32(), nondet_int32()) >= 0);
     PROOF_END();
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * digest.h: one number for a long story: MurmurHash3 over the fields of both steps' outputs, each
- * as 32 bits. Not over the structures, whose padding and enumeration sizes are each compiler's own.
+ * digest.h: one hash of a whole run: MurmurHash3 over the fields of both steps' outputs, each as 32
+ * bits. Field by field, because padding and size of enumerations depend on the compiler.
  */
 #ifndef TARGET_DIGEST_H
 #define TARGET_DIGEST_H
@@ -17,10 +17,10 @@ typedef struct {
 
 void digest_begin(digest_t *digest);
 
-/* What a fast step hands to the bridge, its latest period, and what it would report. */
+/* Adds the outputs of a fast step: bridge command, latest period, and report. */
 void digest_fast(digest_t *digest, const fast_output_t *out, const controller_fast_t *fast);
 
-/* What a slow step hands to the vehicle and to the fast loop. */
+/* Adds the outputs of a slow step to the vehicle and to the fast loop. */
 void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint_t *setpoint);
 
 uint32_t digest_end(const digest_t *digest);

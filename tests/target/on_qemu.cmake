@@ -61,7 +61,7 @@ hubfoc_add_qemu_test(NAME firmware_finds_one_wrong_byte_in_itself
   ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_code.elf" ARGUMENTS run_ms=1200
   EXPECT_EXIT 1 EXPECT "self-test firmware CRC: FAILED" "result: FAILED, FAULT, self-test failed")
 
-# ---- the same stories on host and target ----
+# ---- the same input sequences on host and target ----
 
 set(module_sources "")
 set(module_includes "")
@@ -89,8 +89,8 @@ if(HUBFOC_HOST_CC)
   add_custom_target(hubfoc_trace_on_host ALL DEPENDS trace_on_host)
 endif()
 
-# trace(NAME OPTION...): the stories, compiled for the emulated core with these options, against the
-# host.
+# trace(NAME OPTION...): compares the sequences, compiled for the emulated core with these options,
+# with those on the host.
 function(trace name)
   hubfoc_add_target_program(NAME ${name} OPTIONS ${ARGN}
     SOURCES ${trace_files} "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/print_target.c" ${module_sources}

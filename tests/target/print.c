@@ -12,7 +12,7 @@ static void print_number(uint32_t value, uint32_t base)
     print(&digits[at]);
 }
 
-void print_story(uint32_t crc, const char *name, const uint32_t mode_steps[PRINT_MODES])
+void print_trace(uint32_t crc, const char *name, const uint32_t mode_steps[PRINT_MODES])
 {
     print_number(crc, 16);
     print("  ");

@@ -13,6 +13,6 @@ enum { PRINT_MODES = MODE_FAULT + 1 };
 void print(const char *text);
 
 /* "CRC  name, MODE steps, ...": the digest in hexadecimal, and the modes that were reached. */
-void print_story(uint32_t crc, const char *name, const uint32_t mode_steps[PRINT_MODES]);
+void print_trace(uint32_t crc, const char *name, const uint32_t mode_steps[PRINT_MODES]);
 
 #endif

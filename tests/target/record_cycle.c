@@ -124,7 +124,7 @@ static void test_the_cycle_is_driven_and_kept(void)
     }
     TEST_ASSERT_EQUAL_INT(0, fclose(recorded.file));
     TEST_ASSERT_TRUE(worst_m_per_s * M_PER_S_IN_KMH < TOLERANCE_KMH);
-    print_story(digest_end(&recorded.digest), CYCLE_NAME, recorded.mode_steps);
+    print_trace(digest_end(&recorded.digest), CYCLE_NAME, recorded.mode_steps);
 }
 
 int main(int count, char **arguments)

@@ -100,6 +100,6 @@ int main(void)
         digest_slow(&digest, &out, &setpoint);
         mode_steps[out.mode]++;
     }
-    print_story(digest_end(&digest), CYCLE_NAME, mode_steps);
+    print_trace(digest_end(&digest), CYCLE_NAME, mode_steps);
     return 0;
 }

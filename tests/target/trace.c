@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The same long stories for both step functions, run on the host and on the emulated core: prints
- * one CRC-32 a story over every output of every step, and a count of the modes that were reached,
- * so that a story that goes nowhere is seen.
+ * Fixed input sequences for both step functions, run on the host and on the emulated core. Prints
+ * for each sequence a 32-bit hash over every output of every step, and the number of slow steps in
+ * each operating mode, which shows that the sequence reaches the modes it is meant for.
  */
 #include <stddef.h>
 #include <string.h>
@@ -12,17 +12,19 @@
 #include "print.h"
 #include "wheel.h"
 
-enum { FAST_STEPS = 24000, FAST_A_SLOW_STEP = 20 };
+enum { FAST_STEPS = 24000, FAST_STEPS_A_SLOW_STEP = 20 };
 
-typedef struct story story_t;
-struct story {
+typedef struct sequence sequence_t;
+struct sequence {
     const char *name;
     void (*configure)(config_t *config);
-    void (*world)(wheel_t *wheel, slow_input_t *in,
-                  int32_t ms);                         /* 1 kHz: demands, temperatures, speed */
-    void (*disturb)(wheel_t *wheel, fast_input_t *in); /* every period, may be NULL */
-    bool forced; /* the bridge is ordered to switch whatever the modes say, trips are forgotten,
-                    references are random */
+    /* 1 kHz: demands, temperatures and speed. */
+    void (*set_inputs)(wheel_t *wheel, slow_input_t *in, int32_t ms);
+    /* Every PWM period; may be NULL. */
+    void (*disturb)(wheel_t *wheel, fast_input_t *in);
+    /* The torque enable is set in every mode, trips are cleared at once, and the current references
+     * are random. */
+    bool forced;
 };
 
 /* ---- configurations ---- */
@@ -69,7 +71,7 @@ static void with_interior_magnets(config_t *config)
     config->current_loop.inductance_q_pu_q16 = config->current_loop.inductance_d_pu_q16 * 2;
 }
 
-/* ---- worlds ---- */
+/* ---- inputs ---- */
 
 static void enabled_at_room_temperature(slow_input_t *in, int32_t ms)
 {
@@ -112,7 +114,7 @@ static void hot_and_full(wheel_t *wheel, slow_input_t *in, int32_t ms)
     wheel->bus_code = (uint16_t)(3500 + ms / 4);
 }
 
-/* Demand lost, hardware fault, acknowledgement, over and over. */
+/* Demand timeout, hardware fault and acknowledgement, periodically. */
 static void faults_and_recoveries(wheel_t *wheel, slow_input_t *in, int32_t ms)
 {
     enabled_at_room_temperature(in, ms);
@@ -123,8 +125,8 @@ static void faults_and_recoveries(wheel_t *wheel, slow_input_t *in, int32_t ms)
     wheel->speed_q32 = ms % 400 < 200 ? 3000000 : 0;
 }
 
-/* Anything a port can deliver, in any order. */
-static void chaos(wheel_t *wheel, slow_input_t *in, int32_t ms)
+/* Random values within and beyond the range of every input. */
+static void random_inputs(wheel_t *wheel, slow_input_t *in, int32_t ms)
 {
     const int32_t roll = (int32_t)wheel_random(wheel);
     in->demand.drive_torque_mNm = (roll - 32768) * 100;
@@ -142,7 +144,7 @@ static void chaos(wheel_t *wheel, slow_input_t *in, int32_t ms)
 
 /* ---- disturbances ---- */
 
-static void break_now_and_then(wheel_t *wheel, fast_input_t *in)
+static void random_power_stage_faults(wheel_t *wheel, fast_input_t *in)
 {
     in->power_stage_fault = wheel_random(wheel) % 4001U == 0;
 }
@@ -161,8 +163,7 @@ static void random_codes(wheel_t *wheel, fast_input_t *in)
     in->power_stage_fault = wheel_random(wheel) % 997U == 0;
 }
 
-/* Calm enough to keep running, wild enough to reach every clamp: bursts of random codes, trips
- * acknowledged. */
+/* Random codes in a few periods only, so that the controller keeps running and its limiters act. */
 static void bursts(wheel_t *wheel, fast_input_t *in)
 {
     if (wheel_random(wheel) % 50U == 0) {
@@ -175,7 +176,7 @@ static void bursts(wheel_t *wheel, fast_input_t *in)
     }
 }
 
-static const story_t STORIES[] = {
+static const sequence_t SEQUENCES[] = {
     {"as generated, drive and brake", as_generated, drive_and_brake, NULL, false},
     {"angle sensor, drive and brake", with_angle_sensor, drive_and_brake, NULL, false},
     {"encoder, drive and brake", with_an_encoder, drive_and_brake, NULL, false},
@@ -184,14 +185,16 @@ static const story_t STORIES[] = {
     {"field weakening, free travel, hot, full battery", with_field_weakening_and_free_travel,
      hot_and_full, NULL, false},
     {"interior magnets, reverse", with_interior_magnets, reverse, NULL, false},
-    {"faults and recoveries", with_angle_sensor, faults_and_recoveries, break_now_and_then, false},
+    {"faults and recoveries", with_angle_sensor, faults_and_recoveries, random_power_stage_faults,
+     false},
     {"bursts of noise", with_halls_and_ratio, drive_and_brake, bursts, false},
-    {"chaos on halls", with_halls_and_ratio, chaos, random_codes, false},
-    {"chaos on an angle sensor", with_interior_magnets, chaos, random_codes, false},
-    {"chaos on an encoder", with_an_encoder, chaos, random_codes, false},
-    {"forced through chaos on an encoder", with_an_encoder, chaos, random_codes, true},
-    {"forced through chaos on halls", with_halls_and_ratio, chaos, random_codes, true},
-    {"forced through chaos on an angle sensor", with_field_weakening_and_free_travel, chaos,
+    {"random inputs, hall sensors", with_halls_and_ratio, random_inputs, random_codes, false},
+    {"random inputs, angle sensor", with_interior_magnets, random_inputs, random_codes, false},
+    {"random inputs, encoder", with_an_encoder, random_inputs, random_codes, false},
+    {"forced, random inputs, encoder", with_an_encoder, random_inputs, random_codes, true},
+    {"forced, random inputs, hall sensors", with_halls_and_ratio, random_inputs, random_codes,
+     true},
+    {"forced, random inputs, angle sensor", with_field_weakening_and_free_travel, random_inputs,
      random_codes, true},
 };
 
@@ -203,12 +206,12 @@ static void force(wheel_t *wheel, fast_setpoint_t *command)
     command->i_reference_pu.q = (int16_t)((int32_t)wheel_random(wheel) - 32768);
 }
 
-static uint32_t tell(const story_t *story, uint32_t mode_steps[PRINT_MODES])
+static uint32_t run(const sequence_t *sequence, uint32_t mode_steps[PRINT_MODES])
 {
     static config_t config;
     static controller_t controller;
     config = CONFIG_IMAGE;
-    story->configure(&config);
+    sequence->configure(&config);
     controller_init(&controller, &config);
     fast_setpoint_t fast_setpoint = controller_initial_setpoint(&config);
     wheel_t wheel = {.random = 2013, .bus_code = 3500, .noise_codes = 6};
@@ -217,21 +220,21 @@ static uint32_t tell(const story_t *story, uint32_t mode_steps[PRINT_MODES])
     digest_begin(&digest);
     for (int32_t step = 1; step <= FAST_STEPS; step++) {
         fast_input_t in = wheel_sample(&wheel);
-        if (story->disturb != NULL && step > 4000) {
-            story->disturb(&wheel, &in);
+        if (sequence->disturb != NULL && step > 4000) {
+            sequence->disturb(&wheel, &in);
         }
         const fast_output_t out =
             controller_fast_step(&controller.fast, &config, &fast_setpoint, &in);
         digest_fast(&digest, &out, &controller.fast);
         wheel_step(&wheel, &config, &out);
-        if (step % FAST_A_SLOW_STEP == 0) {
-            story->world(&wheel, &slow_in, step / FAST_A_SLOW_STEP);
+        if (step % FAST_STEPS_A_SLOW_STEP == 0) {
+            sequence->set_inputs(&wheel, &slow_in, step / FAST_STEPS_A_SLOW_STEP);
             fast_report_t fast_report;
             controller_fast_report(&controller.fast, &fast_report);
             const slow_output_t slow = controller_slow_step(&controller.slow, &config, &fast_report,
                                                             &slow_in, &fast_setpoint);
             digest_slow(&digest, &slow, &fast_setpoint);
-            if (story->forced) {
+            if (sequence->forced) {
                 force(&wheel, &fast_setpoint);
             }
             mode_steps[slow.mode]++;
@@ -242,10 +245,10 @@ static uint32_t tell(const story_t *story, uint32_t mode_steps[PRINT_MODES])
 
 int main(void)
 {
-    for (size_t i = 0; i < sizeof STORIES / sizeof STORIES[0]; i++) {
+    for (size_t i = 0; i < sizeof SEQUENCES / sizeof SEQUENCES[0]; i++) {
         uint32_t mode_steps[PRINT_MODES] = {0};
-        const uint32_t crc = tell(&STORIES[i], mode_steps);
-        print_story(crc, STORIES[i].name, mode_steps);
+        const uint32_t crc = run(&SEQUENCES[i], mode_steps);
+        print_trace(crc, SEQUENCES[i].name, mode_steps);
     }
     return 0;
 }

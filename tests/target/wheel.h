@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * wheel.h: a wheel for comparing machines, not for believing in: three windings that follow the
- * compare values like a resistance with an inductance, a back-EMF that turns with the rotor, all in
- * integers, so that host and emulated core compute the same. It closes the loop, so that the
- * controller goes through its regulators and limits as on a vehicle.
+ * wheel.h: a simplified wheel for comparing host and emulated core, not an accurate one: three
+ * windings that follow the compare values like a resistance with an inductance, a back-EMF that
+ * turns with the rotor, all in integers, so that both compute the same. It closes the loop, so that
+ * the controllers and limits act as on a vehicle.
  */
 #ifndef TARGET_WHEEL_H
 #define TARGET_WHEEL_H
@@ -25,10 +25,10 @@ typedef struct {
 /* Uniform 16 bits; Numerical Recipes' generator. */
 uint32_t wheel_random(wheel_t *wheel);
 
-/* What the board measures now. */
+/* Measurements of the present period. */
 fast_input_t wheel_sample(wheel_t *wheel);
 
-/* One PWM period under this output. */
+/* One PWM period with this output. */
 void wheel_step(wheel_t *wheel, const config_t *config, const fast_output_t *out);
 
 #endif
