@@ -132,7 +132,7 @@ int32_t feasible_by_voltage_mNm(const feasible_side_t *side)
 {
     const feasible_set_t *set = side->set;
     const motor_model_t *m = set->model;
-    if (voltage_suffices(set, side->cap)) {
+    if (side->cap_has_voltage) {
         return FEASIBLE_UNBOUNDED;
     }
     motor_point_t at = {.d_b = set->weakest_d_b, .x_b = 0};
@@ -204,7 +204,10 @@ static motor_point_t circle_and_ellipse(const feasible_side_t *side, motor_point
 int32_t feasible_by_current_mNm(const feasible_side_t *side)
 {
     const motor_model_t *m = side->set->model;
-    int32_t i_q_b = 0;
+    int32_t i_q_b = motor_model_i_q_b(m, side->cap);
+    if (side->cap_has_voltage && square(side->cap.d_b) + square(i_q_b) <= square(circle_b(m))) {
+        return FEASIBLE_UNBOUNDED;
+    }
     motor_point_t at = on_circle(m, side->sign, side->set->best_d_b, &i_q_b);
     if (!voltage_suffices(side->set, at)) {
         at = circle_and_ellipse(side, at, i_q_b);
@@ -294,8 +297,10 @@ feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t
     const int32_t shaft_b = scaled_shift(cap_mNm, m->constants->torque_shift);
     const int32_t airgap_b = (int32_t)sign * q_min(shaft_b, MOST_TORQUE_b) + m->friction_b;
     feasible_side_t out = {.set = set, .sign = (int32_t)sign, .cap = with_map(set, airgap_b)};
-    if (!voltage_suffices(set, out.cap)) {
+    out.cap_has_voltage = voltage_suffices(set, out.cap);
+    if (!out.cap_has_voltage) {
         out.cap = weakened(set, airgap_b, out.cap, 1); /* a first guess */
+        out.cap_has_voltage = voltage_suffices(set, out.cap);
     }
     return out;
 }

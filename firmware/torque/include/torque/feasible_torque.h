@@ -37,6 +37,7 @@ typedef struct {
     const feasible_set_t *set;
     int32_t sign; /* 1 driving, -1 braking */
     motor_point_t cap;
+    bool cap_has_voltage;
 } feasible_side_t;
 
 /* phase_voltage_mV: peak phase, mean over the period, >= 0. */
