@@ -7,7 +7,7 @@
 #include "field_weakening.h"
 #include "reference_prefilter.h"
 
-static dq_t inside_circle(const circle_t *circle, int32_t d, int32_t q)
+Q_TARGET_INLINE dq_t inside_circle(const circle_t *circle, int32_t d, int32_t q)
 {
     const int32_t limited_d = q_limit(d, circle->radius_q15);
     const dq_t out = {.d = limited_d, .q = q_limit(q, circle_other(circle, limited_d))};
@@ -25,16 +25,18 @@ void setpoint_apply(foc_state_t *state, const fast_setpoint_t *setpoint)
         q_limit(setpoint->i_d_sampling_correction_pu, FOC_SAMPLING_CORRECTION_PU);
     const dq_t mean = {.d = q_saturate16(reference.d + correction), .q = reference.q};
     const reference_change_t change = reference_prefilter_take(&state->prefilter, reference);
-    const bool settled = state->prefilter.settled;
-    current_predictor_change(&current->predictor, &change, mean, !settled);
     dq_t given = reference;
     dq_t target = reference;
-    if (!settled) {
+    if (state->prefilter.settled) {
+        state->sequence = setpoint->sequence;
+        current_predictor_change(&current->predictor, &change, mean, false);
+    } else {
+        state->sequence = FOC_NO_SETPOINT;
+        current_predictor_change(&current->predictor, &change, mean, true);
         const dq_t shaped = reference_prefilter_output(&state->prefilter, &change);
         given = inside_circle(&state->current_circle, shaped.d, shaped.q);
         target = current_predictor_target(&current->predictor, &change);
     }
-    state->sequence = settled ? setpoint->sequence : FOC_NO_SETPOINT;
     state->period.i_reference_pu = given;
     current->reference_pu = dq16_of(given);
     current->gains = current_gains_of(&setpoint->tuning, current->predictor.weight_q15, target);

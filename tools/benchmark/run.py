@@ -55,7 +55,7 @@ INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 430, max_at_most=800)
 """From entry to return on the linked image."""
 BUDGETS = (
     Budget("cortex-m4", CURRENT_LOOP, 155, 1.06),
-    Budget("cortex-m4", FAST_STEP, 268, p99_at_most=490, max_at_most=600),
+    Budget("cortex-m4", FAST_STEP, 268, p99_at_most=460, max_at_most=600),
     Budget("cortex-m3", CURRENT_LOOP, 176),
     Budget("cortex-m0plus", CURRENT_LOOP, 345),
 )
