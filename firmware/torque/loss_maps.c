@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/loss_maps.h"
 
+#include <stddef.h>
+
 #include "core/grid.h"
 #include "core/q15.h"
 
@@ -29,11 +31,11 @@ loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
     const config_current_map_t *map = &config->current_map;
     const grid_position_t speed =
         grid_locate(q_abs(speed_mrad_s), map->speed_points, map->speed_step_log2);
-    const int32_t layer_points = map->speed_points * map->torque_points;
+    const size_t layer_points = (size_t)map->speed_points * (size_t)map->torque_points;
     /* The middle point is zero torque; at most 32 steps of 2^20 mNm before it. */
     const int32_t half = (int32_t)(UINT32_C(1) << map->torque_step_log2);
     loss_maps_row_t row = {
-        .line_mA = &map->current_d_mA[speed.index * map->torque_points],
+        .line_mA = &map->current_d_mA[(size_t)speed.index * (size_t)map->torque_points],
         .next_speed = map->torque_points,
         .next_temperature = 0,
         .speed_q20 = speed.fraction_q20,
@@ -46,8 +48,8 @@ loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
         const grid_position_t temperature =
             grid_locate(q_saturate64((int64_t)winding_temperature_cC - map->temperature_origin_cC),
                         map->temperature_points, map->temperature_step_log2);
-        row.line_mA += temperature.index * layer_points;
-        row.next_temperature = layer_points;
+        row.line_mA += (size_t)temperature.index * layer_points;
+        row.next_temperature = (int32_t)layer_points;
         row.temperature_q20 = temperature.fraction_q20;
     }
     return row;
