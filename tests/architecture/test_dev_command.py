@@ -118,7 +118,7 @@ class DevCommandTest(DevFixture):
         )
         self.assertEqual(result.returncode, 0, result.stdout)
 
-    def test_it_finds_its_home_through_a_link_and_from_another_directory(self) -> None:
+    def test_command_works_through_a_link_and_from_another_directory(self) -> None:
         link = self.base / "hubfoc"
         link.symlink_to(self.home / "tools/dev")
         result = subprocess.run(
@@ -126,7 +126,7 @@ class DevCommandTest(DevFixture):
         )
         self.assertEqual((result.returncode, result.stderr), (0, ""))
 
-    def test_setup_asks_apt_for_exactly_what_is_missing_and_the_second_run_for_nothing(
+    def test_setup_installs_only_missing_packages(
         self,
     ) -> None:
         path, apt = self.bare_path(), self.pretend_apt()
@@ -237,7 +237,7 @@ class DevCommandTest(DevFixture):
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
         self.assertIn("qemu-system-arm", result.stderr)
 
-    def test_on_a_system_without_apt_that_has_everything_it_just_works(self) -> None:
+    def test_setup_without_apt_succeeds_when_no_package_is_missing(self) -> None:
         path = self.bare_path()
         write_program(self.bin / "qemu-system-arm", "#!/bin/sh\n")
         self.assertEqual(self.run_dev("setup", "qemu", path=path).returncode, 0)

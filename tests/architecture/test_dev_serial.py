@@ -60,7 +60,7 @@ class DevSerialTest(DevFixture):
         self.assertIn(":0100000011EE\n:00000001FF", received.decode().replace("\r", ""))
         self.assertEqual(result.stderr.splitlines()[-1], "Written; the board restarts with it")
 
-    def test_what_the_board_says_against_a_configuration_is_passed_on(self) -> None:
+    def test_refusal_by_the_board_is_reported(self) -> None:
         result, _ = self.send_over_serial(
             self.PROMPT, b"refused: record 1: wrong checksum; the configuration is as it was\r\n"
         )
@@ -69,7 +69,7 @@ class DevSerialTest(DevFixture):
             "tools/dev: flash: refused: record 1: wrong checksum", result.stderr.splitlines()[-1]
         )
 
-    def test_a_wheel_that_is_not_at_rest_is_passed_on_too(self) -> None:
+    def test_moving_wheel_is_reported(self) -> None:
         result, _ = self.send_over_serial(
             self.PROMPT, b"accepted: configuration x\r\nrefused: only with the wheel at rest\r\n"
         )

@@ -71,7 +71,7 @@ def test_every_directory_of_the_firmware_is_a_module_of_the_plan() -> None:
 
 
 @pytest.mark.parametrize("module", MODULES_HERE)
-def test_a_module_includes_only_the_modules_before_it(module: str) -> None:
+def test_module_includes_only_modules_of_lower_layers(module: str) -> None:
     allowed = {module, *MAY_INCLUDE[module]}
     wrong = []
     for path in files_of(module):

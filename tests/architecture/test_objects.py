@@ -133,21 +133,21 @@ def undefined(symbols: list[tuple[Path, str, str]]) -> set[str]:
     return {name for _, letter, name in symbols if letter == "U"} - defined
 
 
-def test_no_pure_module_keeps_anything_in_memory_of_its_own(host_objects: list[Path]) -> None:
+def test_pure_modules_have_no_static_data(host_objects: list[Path]) -> None:
     assert writable(symbols_of("nm", host_objects)) == []
 
 
-def test_no_pure_module_keeps_anything_in_memory_of_its_own_on_the_target(
+def test_pure_modules_have_no_static_data_on_the_target(
     arm_objects: list[Path],
 ) -> None:
     assert writable(symbols_of("arm-none-eabi-nm", arm_objects)) == []
 
 
-def test_pure_modules_call_nothing_but_each_other(host_objects: list[Path]) -> None:
+def test_pure_modules_call_only_each_other(host_objects: list[Path]) -> None:
     assert undefined(symbols_of("nm", host_objects)) <= COMPILER_SUPPORT | CHECK_HANDLER
 
 
-def test_pure_modules_call_nothing_but_each_other_and_integer_arithmetic_on_the_target(
+def test_pure_modules_call_only_each_other_and_integer_arithmetic_on_the_target(
     arm_objects: list[Path],
 ) -> None:
     outside = undefined(symbols_of("arm-none-eabi-nm", arm_objects))
@@ -188,7 +188,7 @@ def cycle_in(calls: Calls) -> list[str]:
     )
 
 
-def test_no_function_calls_itself_not_even_through_others(host_objects: list[Path]) -> None:
+def test_no_direct_or_indirect_recursion(host_objects: list[Path]) -> None:
     calls: Calls = {}
     for path in host_objects:
         for source, targets in calls_in(
@@ -291,7 +291,7 @@ def dear(function: Function) -> list[str]:
     ]
 
 
-def test_the_fast_loop_neither_divides_nor_calls_what_it_cannot_know(
+def test_fast_loop_has_no_division_and_no_unknown_call(
     arm_objects: list[Path],
 ) -> None:
     reached, outside = call_tree(arm_objects, FAST_ROOT)
@@ -302,7 +302,7 @@ def test_the_fast_loop_neither_divides_nor_calls_what_it_cannot_know(
     assert outside <= FAST_HELPERS
 
 
-def test_the_search_finds_a_division_three_calls_away(tmp_path: Path) -> None:
+def test_the_search_finds_a_division_three_calls_deep(tmp_path: Path) -> None:
     if shutil.which("arm-none-eabi-gcc") is None:
         pytest.fail("no arm-none-eabi-gcc here; tools/dev setup arm installs it")
     source = tmp_path / "deep.c"

@@ -86,7 +86,7 @@ def test_the_top_level_holds_what_the_design_names_and_nothing_beside_it() -> No
     assert {"CMakeLists.txt", "README.md", "LICENSE", "firmware", "hal", "tests", "tools"} <= top
 
 
-def test_no_file_grows_into_two_modules() -> None:
+def test_no_file_is_longer_than_the_limit() -> None:
     lengths = {name: text.count("\n") for name, text in own_text().items() if CODE.search(name)}
     assert {name: lines for name, lines in lengths.items() if lines > LONGEST_FILE} == {}
 
@@ -127,7 +127,7 @@ def test_text_is_clean() -> None:
             assert found(re.compile(r"^.*\t"), {name: text}) == [], "indented with tabs"
 
 
-def test_no_file_knows_a_machine_it_was_written_on() -> None:
+def test_no_file_names_the_machine_it_was_written_on() -> None:
     assert found(MACHINE_PATH, own_text()) == []
 
 

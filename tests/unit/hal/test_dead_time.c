@@ -8,7 +8,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_the_code_means_what_the_reference_manual_says_at_the_ends_of_its_four_ranges(void)
+void test_code_agrees_with_the_reference_manual_at_the_ends_of_its_four_ranges(void)
 {
     TEST_ASSERT_EQUAL_UINT32(0, dead_time_clocks(0x00));
     TEST_ASSERT_EQUAL_UINT32(127, dead_time_clocks(0x7F));
@@ -21,7 +21,7 @@ void test_the_code_means_what_the_reference_manual_says_at_the_ends_of_its_four_
 }
 
 /* By brute force over all 256 codes: nothing shorter would do. */
-void test_the_dead_time_is_never_shorter_than_asked_and_no_code_would_be_closer(void)
+void test_dead_time_is_the_shortest_one_not_below_the_setting(void)
 {
     for (uint32_t ns = 0; ns <= 6000; ns++) {
         const uint64_t asked_ps = (uint64_t)ns * 1000;
@@ -38,7 +38,7 @@ void test_the_dead_time_is_never_shorter_than_asked_and_no_code_would_be_closer(
     }
 }
 
-void test_a_dead_time_beyond_the_generator_is_refused_and_leaves_the_code_alone(void)
+void test_dead_time_beyond_the_generator_is_refused_and_the_code_unchanged(void)
 {
     uint8_t code = 0x5A;
     TEST_ASSERT_TRUE(

@@ -78,7 +78,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_nothing_is_called_before_it_was_started(void)
+void test_no_up_call_before_start(void)
 {
     for (int i = 0; i < 100; i++) {
         host_step();
@@ -87,8 +87,7 @@ void test_nothing_is_called_before_it_was_started(void)
     TEST_ASSERT_EQUAL_INT(0, slow_calls);
 }
 
-void test_the_millisecond_comes_a_thousand_times_a_second_also_when_the_frequency_is_no_multiple(
-    void)
+void test_tick_rate_is_1_khz_also_when_the_pwm_frequency_is_no_multiple(void)
 {
     (void)start(17500);
     for (int i = 0; i < 17500; i++) {
@@ -99,7 +98,7 @@ void test_the_millisecond_comes_a_thousand_times_a_second_also_when_the_frequenc
     TEST_ASSERT_EQUAL_UINT32(1000, time_ms());
 }
 
-void test_what_was_set_in_one_period_acts_from_the_next_top_on(void)
+void test_compare_values_act_from_the_next_top_on(void)
 {
     (void)start(20000);
     compare_to_set = 1234;
@@ -133,14 +132,14 @@ void test_the_up_call_sees_the_sample_of_its_own_period(void)
     TEST_ASSERT_TRUE(rotor_sensor_encoder().index);
 }
 
-void test_a_rotor_sensor_can_be_taken_away(void)
+void test_rotor_sensor_can_be_removed(void)
 {
     (void)start(20000);
     host_take_rotor_sensor_away(true);
     TEST_ASSERT_FALSE(rotor_sensor_init(ROTOR_SENSOR_HALL));
 }
 
-void test_a_fault_keeps_the_bridge_off_until_its_cause_is_gone_and_it_was_cleared(void)
+void test_fault_keeps_the_bridge_off_until_cause_is_gone_and_fault_cleared(void)
 {
     (void)start(20000);
     host_step();
@@ -187,7 +186,7 @@ void test_only_accepted_identifiers_arrive(void)
     TEST_ASSERT_FALSE(can_receive(&frame));
 }
 
-void test_a_starved_watchdog_bites_and_a_fed_one_does_not(void)
+void test_watchdog_resets_only_when_it_is_not_fed(void)
 {
     time_start_tick();
     watchdog_start(10);
@@ -202,7 +201,7 @@ void test_a_starved_watchdog_bites_and_a_fed_one_does_not(void)
     TEST_ASSERT_TRUE(host_watchdog_bit());
 }
 
-void test_the_configurations_memory_holds_the_image_and_is_erased_behind_it(void)
+void test_configuration_sector_contains_the_image_and_is_erased_after_it(void)
 {
     const flash_image_t image = flash_configuration();
     const uint8_t *bytes = image.begin;
@@ -215,7 +214,7 @@ void test_the_configurations_memory_holds_the_image_and_is_erased_behind_it(void
     TEST_ASSERT_EQUAL_INT(FLASH_TOO_LARGE, flash_write_configuration(bytes, HOST_FLASH_BYTES + 4));
 }
 
-void test_the_run_ends_after_as_many_periods_as_were_asked_for(void)
+void test_run_ends_after_the_requested_number_of_periods(void)
 {
     (void)start(20000);
     host_run_for(40);

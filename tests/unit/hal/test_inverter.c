@@ -104,7 +104,7 @@ static void assert_pwm(void)
     }
 }
 
-void test_started_it_updates_once_a_period_and_at_the_top(void)
+void test_timer_updates_once_per_period_at_the_top(void)
 {
     begin();
     TEST_ASSERT_TRUE(analog_started);
@@ -114,7 +114,7 @@ void test_started_it_updates_once_a_period_and_at_the_top(void)
     }
 }
 
-void test_a_timer_without_its_clock_is_not_believed(void)
+void test_timer_without_clock_is_reported_as_unready(void)
 {
     timer1_stop_clock();
     TEST_ASSERT_EQUAL_INT(INVERTER_TIMER_UNREADY, init_with_dead_time(1000));
@@ -140,7 +140,7 @@ void test_after_start_up_every_gate_is_driven_low(void)
     TEST_ASSERT_EQUAL_HEX32(0, TIM1->CCER & 0xAAAU); /* CC1P .. CC3NP (17.4.9): active is high */
 }
 
-void test_switched_on_the_gates_follow_the_new_values_and_never_the_old_ones(void)
+void test_after_switching_on_gates_follow_only_the_new_compare_values(void)
 {
     begin();
     inverter_set(INVERTER_MODE_PWM, COMPARE);
@@ -153,7 +153,7 @@ void test_switched_on_the_gates_follow_the_new_values_and_never_the_old_ones(voi
     assert_pwm();
 }
 
-void test_switched_off_is_off_at_once(void)
+void test_switching_off_takes_effect_at_once(void)
 {
     begin();
     period(INVERTER_MODE_PWM, COMPARE);
@@ -163,7 +163,7 @@ void test_switched_off_is_off_at_once(void)
     assert_off();
 }
 
-void test_the_short_is_three_low_sides_from_the_next_top_on(void)
+void test_short_circuit_closes_low_sides_from_the_next_top_on(void)
 {
     begin();
     period(INVERTER_MODE_PWM, COMPARE);
@@ -175,7 +175,7 @@ void test_the_short_is_three_low_sides_from_the_next_top_on(void)
     assert_short();
 }
 
-void test_the_short_out_of_off_never_shows_a_high_side(void)
+void test_short_circuit_from_off_never_drives_a_high_side(void)
 {
     begin();
     period(INVERTER_MODE_PWM, COMPARE);
@@ -189,7 +189,7 @@ void test_the_short_out_of_off_never_shows_a_high_side(void)
     assert_short();
 }
 
-void test_a_break_switches_off_without_software_and_stays_until_it_is_released(void)
+void test_break_input_switches_off_without_software_and_is_latched(void)
 {
     begin();
     period(INVERTER_MODE_PWM, COMPARE);
@@ -226,7 +226,7 @@ void test_the_gate_drivers_fault_switches_off_and_is_not_released_while_it_lasts
     TEST_ASSERT_TRUE(inverter_fault());
 }
 
-void test_a_trip_is_off_at_once_and_latched(void)
+void test_trip_switches_off_at_once_and_is_latched(void)
 {
     begin();
     period(INVERTER_MODE_PWM, COMPARE);
@@ -240,7 +240,7 @@ void test_a_trip_is_off_at_once_and_latched(void)
 }
 
 /* Below 2.7 V the flash cannot be read at this speed; the chip's own reset comes a volt later. */
-void test_a_supply_that_falls_interrupts_everything_as_a_fault(void)
+void test_falling_supply_voltage_interrupts_as_a_fault(void)
 {
     begin();
     TEST_ASSERT_EQUAL_HEX32(6, (PWR->CR & PWR_CR_PLS) >> PWR_CR_PLS_Pos);
@@ -251,7 +251,7 @@ void test_a_supply_that_falls_interrupts_everything_as_a_fault(void)
     TEST_ASSERT_FALSE(inverter_fault());
 }
 
-void test_a_supply_that_is_low_from_the_start_is_a_fault_until_it_is_not(void)
+void test_low_supply_at_start_is_a_fault_until_it_recovers(void)
 {
     PWR->CSR = PWR_CSR_PVDO;
     begin();
@@ -267,7 +267,7 @@ void test_a_supply_that_is_low_from_the_start_is_a_fault_until_it_is_not(void)
 
 /* Pull-up and wire make microseconds of it; the fault would be latched and nobody would know why.
  */
-void test_a_break_input_that_rises_slowly_at_start_up_is_no_fault(void)
+void test_slowly_rising_break_input_at_start_up_is_no_fault(void)
 {
     timer1_break_rises_after(3);
     timer1_reset();
@@ -275,7 +275,7 @@ void test_a_break_input_that_rises_slowly_at_start_up_is_no_fault(void)
     TEST_ASSERT_FALSE(inverter_fault());
 }
 
-void test_a_break_input_that_is_low_for_good_is_one(void)
+void test_permanently_low_break_input_is_a_fault(void)
 {
     timer1_break_rises_after(1000);
     timer1_reset();

@@ -22,7 +22,7 @@ static double celsius_at(double code)
     return 1.0 / (1.0 / 298.15 + log(code / (4096.0 - code)) / 3380.0) - 273.15;
 }
 
-void test_half_the_supply_means_25_degrees(void)
+void test_half_the_supply_voltage_is_25_degrees(void)
 {
     TEST_ASSERT_INT32_WITHIN(5, 2500, ntc_temperature_cC(2048, BROKEN_cC));
 }
@@ -46,7 +46,7 @@ void test_a_winding_beyond_its_limit_is_hot_and_not_broken(void)
     }
 }
 
-void test_temperature_falls_with_the_code_without_a_step_back(void)
+void test_temperature_falls_monotonically_with_the_code(void)
 {
     int32_t before = ntc_temperature_cC(64, BROKEN_cC);
     for (int32_t code = 65; code <= 3929; code++) {
@@ -56,7 +56,7 @@ void test_temperature_falls_with_the_code_without_a_step_back(void)
     }
 }
 
-void test_a_torn_or_shorted_sensor_is_reported_as_broken(void)
+void test_open_or_shorted_sensor_is_reported_as_broken(void)
 {
     TEST_ASSERT_EQUAL_INT32(BROKEN_cC, ntc_temperature_cC(0, BROKEN_cC));
     TEST_ASSERT_EQUAL_INT32(BROKEN_cC, ntc_temperature_cC((int32_t)code_at(197.5), BROKEN_cC));

@@ -205,7 +205,7 @@ def members(structure: str) -> list[str]:
     ]
 
 
-def test_every_peripheral_is_where_the_chip_has_it(
+def test_every_peripheral_has_the_base_address_of_the_chip(
     svd: dict[str, Peripheral], tmp_path: Path
 ) -> None:
     found = evaluate({name: f"(size_t){name}" for name in instances()}, tmp_path)

@@ -12,7 +12,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_bytes_come_out_in_the_order_they_went_in_over_many_turns_of_the_ring(void)
+void test_ring_keeps_byte_order_over_many_wraps(void)
 {
     uint8_t next_in = 0;
     uint8_t next_out = 0;
@@ -32,7 +32,7 @@ void test_bytes_come_out_in_the_order_they_went_in_over_many_turns_of_the_ring(v
     }
 }
 
-void test_a_full_ring_refuses_and_an_empty_one_has_nothing_to_give(void)
+void test_full_ring_refuses_and_empty_ring_returns_false(void)
 {
     uint8_t byte = 0x77;
     TEST_ASSERT_FALSE(ring_get(&ring, &byte));

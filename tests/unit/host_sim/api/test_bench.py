@@ -90,7 +90,7 @@ def test_a_pedal_can_move_during_the_run(config: hubsim.Configuration) -> None:
     )
 
 
-def test_plant_and_belief_can_differ(
+def test_plant_and_controller_parameters_can_differ(
     config: hubsim.Configuration, angle_config: hubsim.Configuration
 ) -> None:
     with hubsim.Bench(config, plant={"motor.phase_resistance_ohm": 0.05}, **STOP) as bench:

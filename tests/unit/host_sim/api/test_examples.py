@@ -50,7 +50,7 @@ def test_strategies_come_near_the_ideal_stop() -> None:
 
 
 @pytest.mark.parametrize(("speed_rad_s", "brake_nm"), [(20.0, 20.0), (35.0, 5.0)])
-def test_the_page_long_motor_makes_the_torque_the_controller_means(
+def test_example_motor_makes_the_torque_of_the_controllers_model(
     speed_rad_s: float, brake_nm: float
 ) -> None:
     motor_nm, estimate_nm = example("own_plant").main(speed_rad_s, brake_nm)

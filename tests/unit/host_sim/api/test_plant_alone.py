@@ -72,7 +72,7 @@ def test_hydraulic_brakes_alone_stop_the_vehicle_on_the_way_that_mass_and_torque
             plant.step(LEVEL)
 
 
-def test_what_happens_in_a_scenario_happens_here(config: hubsim.Configuration) -> None:
+def test_scenario_events_act_on_the_external_bench(config: hubsim.Configuration) -> None:
     with hubsim.Plant(
         config, initial_speed_kmh=20.0, max_duration_s=0.2,
         demand_trace_nm=[[0.0, 0.0], [0.05, 0.0], [0.1, 30.0]],

@@ -18,7 +18,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_a_run_begins_at_speed_with_running_controllers_and_empty_books(void)
+void test_run_begins_at_speed_with_running_controllers_and_zero_accounts(void)
 {
     params.run.initial_speed_m_per_s = 11.0;
     const bench_t *bench = fixture_start(&params, &config);
@@ -39,7 +39,7 @@ void test_a_run_begins_at_speed_with_running_controllers_and_empty_books(void)
     }
 }
 
-void test_backwards_works_as_forwards(void)
+void test_reverse_driving_mirrors_forward_driving(void)
 {
     params.run.initial_speed_m_per_s = -5.0;
     params.driver.brake_demand_nm = 30.0;
@@ -51,7 +51,7 @@ void test_backwards_works_as_forwards(void)
     TEST_ASSERT_TRUE(bench_braking_ledger(bench, &now).chemical_j < 0.0);
 }
 
-void test_nothing_is_lost_while_driving_braking_and_climbing(void)
+void test_energy_balance_closes_while_driving_braking_and_climbing(void)
 {
     params.road.slope = 0.02;
     params.road.air_density_kg_per_m3 = 1.2;
@@ -79,7 +79,7 @@ void test_nothing_is_lost_while_driving_braking_and_climbing(void)
 
 /* 5 m/s down 10 % for a second: m g h = 660 * 9.81 * 5 * 0.0995 = 3221 J, and more as it gains
  * speed. */
-void test_a_descent_turns_over_what_the_height_gives(void)
+void test_energy_balance_of_a_descent_contains_the_potential_energy(void)
 {
     params.road.slope = -0.1;
     params.run.initial_speed_m_per_s = 5.0;
@@ -142,7 +142,7 @@ void test_a_change_of_parameters_during_the_run_takes_effect_after_a_refresh(voi
                               bench->vehicle.acceleration_m_per_s2);
 }
 
-void test_a_controller_that_does_not_come_up_is_reported_and_not_run(void)
+void test_controller_that_does_not_reach_ready_is_reported_and_not_run(void)
 {
     params.sensors.current_offset_a = 60.0; /* more than any healthy sensor has */
     const driver_trace_t none = {.points = 0};

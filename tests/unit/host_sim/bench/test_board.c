@@ -241,7 +241,7 @@ void test_a_stop_through_the_board_is_the_stop_of_the_bench_but_for_the_time_tha
                               through.chemical_j);
 }
 
-void test_an_application_that_refuses_its_configuration_never_moves_the_vehicle(void)
+void test_refused_configuration_never_moves_the_vehicle(void)
 {
     const config_t good =
         fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);

@@ -88,7 +88,7 @@ void test_a_speed_error_is_corrected_and_what_remains_is_integrated(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 660.0 * 0.1 * STEP_S * 0.25 / WHEELS, second - first);
 }
 
-void test_pedals_at_their_end_do_not_wind_the_driver_up(void)
+void test_driver_model_has_anti_windup_at_full_pedal(void)
 {
     const double time_s[] = {0.0, 1000.0};
     const double speed[] = {20.0, 20.0};
@@ -100,7 +100,7 @@ void test_pedals_at_their_end_do_not_wind_the_driver_up(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, ask(&trace, 21.0, 1.0).drive_nm);
 }
 
-void test_a_vehicle_that_is_to_stand_is_held_on_a_slope_and_left_alone_on_the_flat(void)
+void test_stopped_vehicle_is_braked_on_a_slope_but_not_on_the_flat(void)
 {
     const double time_s[] = {0.0, 10.0};
     const double speed[] = {0.0, 0.0};

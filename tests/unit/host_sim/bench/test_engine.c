@@ -84,7 +84,7 @@ void test_a_full_buffer_stops_the_clock_and_the_run_goes_on_from_there(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.07, rows[3]);
 }
 
-void test_a_run_that_is_to_end_at_standstill_says_so(void)
+void test_run_that_ends_at_standstill_reports_it(void)
 {
     load_vehicle();
     set("run.stop_at_standstill", 1.0);
@@ -112,7 +112,7 @@ static void start_braking(void)
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_choose(sim, chosen, CHOSEN));
 }
 
-void test_whoever_keeps_the_clock_gets_the_same_rows(void)
+void test_rows_do_not_depend_on_who_advances_the_clock(void)
 {
     static double run[ROWS][CHOSEN];
     static double sampled[ROWS][CHOSEN];
@@ -157,7 +157,7 @@ void test_a_saved_vehicle_goes_on_where_it_was_in_another_handle_too(void)
     TEST_ASSERT_EQUAL_INT(0, memcmp(first, elsewhere, sizeof(first)));
 }
 
-void test_calls_out_of_order_are_refused_in_words(void)
+void test_calls_out_of_order_are_refused_with_a_message(void)
 {
     int64_t written = 0;
     double remaining_s = 0.0;
@@ -192,7 +192,7 @@ void test_a_refused_configuration_is_reported_with_the_field(void)
     TEST_ASSERT_NOT_NULL(strstr(hubsim_error(sim), "size_bytes"));
 }
 
-void test_a_pack_that_breaks_down_under_load_ends_the_run_in_words(void)
+void test_collapse_of_the_pack_voltage_ends_the_run_with_a_message(void)
 {
     load_vehicle();
     set("driver.drive_demand_nm", 30.0);
@@ -239,7 +239,7 @@ void test_every_edge_and_parts_of_a_period_exclude_each_other_before_a_run_and_i
     TEST_ASSERT_EQUAL_DOUBLE(0.0, value);
 }
 
-void test_effects_that_cannot_be_are_refused_in_words_before_a_run_and_in_it(void)
+void test_impossible_effects_are_refused_with_a_message_before_and_during_a_run(void)
 {
     static const struct {
         const char *name;

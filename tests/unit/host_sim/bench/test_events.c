@@ -27,7 +27,7 @@ static double residual(const bench_t *bench)
     return fabs(ledger.residual_j) / ledger.turned_over_j;
 }
 
-void test_a_contactor_that_opens_at_full_regeneration_lifts_the_bus_until_the_firmware_lets_go(void)
+void test_contactor_opening_at_full_regeneration_raises_the_bus_until_the_firmware_trips(void)
 {
     params.bus.capacitance_f = 1e-3;
     params.bus.cable_resistance_ohm = 0.002;
@@ -70,7 +70,7 @@ void test_a_contactor_cannot_open_where_there_is_no_capacitor(void)
     TEST_ASSERT_NOT_NULL(bench_objection(bench, &changed));
 }
 
-void test_silence_on_the_bus_ages_the_last_demand(void)
+void test_demand_age_grows_without_can_frames(void)
 {
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 0.3);
@@ -86,7 +86,7 @@ void test_silence_on_the_bus_ages_the_last_demand(void)
     TEST_ASSERT_EQUAL_DOUBLE(10.0, bench->demand.brake_nm);
 }
 
-void test_a_dead_brake_of_one_wheel_leaves_the_others_theirs(void)
+void test_failed_brake_of_one_wheel_does_not_affect_the_others(void)
 {
     params = fixture_vehicle();
     params.run.initial_speed_m_per_s = 10.0;
@@ -113,7 +113,7 @@ void test_a_current_sensor_that_drifts_after_calibration_is_off_by_rate_times_ti
     TEST_ASSERT_DOUBLE_WITHIN(2.1e-3, 4.02, bench->wheel[0].fault.offset_a);
 }
 
-void test_a_broken_hall_plug_is_noticed_by_that_wheel_alone(void)
+void test_broken_hall_connector_is_detected_by_that_wheel_only(void)
 {
     params = fixture_vehicle();
     params.run.initial_speed_m_per_s = 3.0;
@@ -128,7 +128,7 @@ void test_a_broken_hall_plug_is_noticed_by_that_wheel_alone(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
 }
 
-void test_a_held_temperature_follows_its_parameter_under_way(void)
+void test_fixed_temperature_follows_its_parameter_during_the_run(void)
 {
     bench_t *bench = fixture_start(&params, &config);
     const double cold_ohm = bench->wheel[0].machine.resistance_ohm;

@@ -208,7 +208,7 @@ void test_sensors_show_the_currents_as_their_converters_do(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.5, vehicle.bus_voltage_v, vehicle.bus_voltage_measured_v);
 }
 
-void test_calls_out_of_order_and_commands_that_are_none_are_refused_in_words(void)
+void test_calls_out_of_order_and_invalid_commands_are_refused_with_a_message(void)
 {
     hubsim_command_t commands[BENCH_WHEELS_MAX] = {command_of(0.5, 0.5, 0.5)};
     hubsim_vehicle_t vehicle;

@@ -36,7 +36,7 @@ void test_the_residual_is_what_was_drawn_less_every_sink_and_every_gain(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, ledger_residual_j(&l));
 }
 
-void test_work_on_the_way_is_no_part_of_the_balance(void)
+void test_intermediate_work_is_not_part_of_the_balance(void)
 {
     ledger_t l = distinct();
     const double before_j = ledger_residual_j(&l);

@@ -28,7 +28,7 @@ static double residual(const bench_t *bench)
     return fabs(ledger.residual_j) / ledger.turned_over_j;
 }
 
-void test_the_momentum_of_body_and_wheels_changes_by_what_motors_brakes_and_road_do(void)
+void test_momentum_change_equals_the_impulse_of_motors_brakes_and_road(void)
 {
     params.road.air_density_kg_per_m3 = 1.2;
     params.road.slope = 0.03;
@@ -64,7 +64,7 @@ void test_the_momentum_of_body_and_wheels_changes_by_what_motors_brakes_and_road
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(change_ns), torque_nms / radius_m - road_ns, change_ns);
 }
 
-void test_the_momentum_of_rolling_wheels_balances_likewise(void)
+void test_momentum_balance_closes_for_rolling_wheels(void)
 {
     params.road.friction = 0.0;
     bench_t *bench = fixture_start(&params, &config);
@@ -79,7 +79,7 @@ void test_the_momentum_of_rolling_wheels_balances_likewise(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(change_ns), torque_nms / 0.25, change_ns);
 }
 
-void test_nothing_is_lost_between_wheels_that_slip_and_the_road(void)
+void test_energy_balance_closes_for_slipping_wheels(void)
 {
     params.wheel[0].road_friction = 0.15;
     params.driver.brake_demand_nm = 250.0;
@@ -95,7 +95,7 @@ void test_nothing_is_lost_between_wheels_that_slip_and_the_road(void)
     TEST_ASSERT_TRUE(residual(bench) < 1e-5);
 }
 
-void test_plenty_of_grip_moves_as_rolling_does(void)
+void test_high_friction_reproduces_rolling_wheels(void)
 {
     params.road.friction = 3.0;
     params.tyre.bristle_stiffness_per_m = 2000.0;
@@ -126,7 +126,7 @@ void test_on_a_split_road_the_wheels_on_ice_lock_and_the_others_roll(void)
     TEST_ASSERT_TRUE(residual(bench) < 1e-5);
 }
 
-void test_a_road_that_turns_to_ice_takes_the_grip_at_once(void)
+void test_change_to_ice_acts_on_the_tyre_force_at_once(void)
 {
     params.driver.brake_demand_nm = 200.0;
     bench_t *bench = fixture_start(&params, &config);
@@ -165,7 +165,7 @@ void test_whether_wheels_slip_is_decided_before_the_run_and_needs_tyres(void)
     TEST_ASSERT_NULL(motion_objection(&params));
 }
 
-void test_with_every_effect_on_a_ten_thousandth_at_most_is_unaccounted_for(void)
+void test_energy_residual_is_below_1e_4_with_every_effect_on(void)
 {
     params.road.friction = 0.9;
     params.wheel[0].road_friction = 0.3;

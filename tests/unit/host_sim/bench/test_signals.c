@@ -44,7 +44,7 @@ void test_every_name_is_there_once(void)
     }
 }
 
-void test_what_is_watched_and_what_is_set_never_have_the_same_name(void)
+void test_signals_and_parameters_have_different_names(void)
 {
     char name[NAME_LENGTH];
     for (int k = 0; k < signals_count(bench); k++) {
@@ -151,7 +151,7 @@ void test_phase_currents_add_up_to_zero_and_turn_into_d_and_q(void)
     TEST_ASSERT_TRUE(square > 100.0);
 }
 
-void test_the_wheels_are_told_apart(void)
+void test_signals_of_each_wheel_are_independent(void)
 {
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, bench->wheel[0].rotor.theta_turn,
                               value_of("wheel0.theta_turn"));

@@ -22,7 +22,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_what_the_firmware_computes_acts_one_period_later(void)
+void test_compare_values_act_one_period_after_their_computation(void)
 {
     for (int k = 0; k < 100; k++) {
         const fast_output_t computed = wheel->next;
@@ -70,7 +70,7 @@ void test_slow_steps_come_every_twenty_periods(void)
     TEST_ASSERT_TRUE(at > 0);
 }
 
-void test_what_the_bus_gave_is_heat_work_and_field(void)
+void test_bus_energy_equals_heat_work_and_field_energy(void)
 {
     bench->params.driver.drive_demand_nm = 25.0;
     const wheel_totals_t before = wheel->totals;

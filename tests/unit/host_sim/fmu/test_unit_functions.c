@@ -124,7 +124,7 @@ void test_a_run_moves_and_can_be_run_again_after_a_reset(void)
     free(again);
 }
 
-void test_units_in_one_process_know_nothing_of_each_other(void)
+void test_units_in_one_process_are_independent(void)
 {
     TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     double *const alone = run(unit, 0, STEPS, 1.0);
@@ -319,7 +319,7 @@ void test_any_number_is_taken_or_refused(void)
     }
 }
 
-void test_what_the_unit_does_not_offer_it_refuses(void)
+void test_unsupported_functions_are_refused(void)
 {
     TEST_ASSERT_NULL(unit_offers_too_much(unit));
     TEST_ASSERT_TRUE(unit_begin(unit, 0.0));

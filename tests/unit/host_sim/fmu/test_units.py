@@ -183,7 +183,7 @@ def test_a_saved_unit_goes_on_where_it_was_as_state_and_as_bytes(kind: str, fmi:
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-def test_two_units_in_one_process_do_not_know_of_each_other(fmi: int) -> None:
+def test_two_units_in_one_process_are_independent(fmi: int) -> None:
     with (
         Unit(path_of("vehicle", fmi), STARTS) as one,
         Unit(path_of("vehicle", fmi), STARTS | {"driver.brake_demand_nm": 5.0}) as other,

@@ -40,7 +40,7 @@ static double discharge_at(double soc)
     return bms_limits(&params, &pack, &battery).discharge_a;
 }
 
-void test_limits_fade_to_nothing_into_a_full_pack_and_out_of_an_empty_one(void)
+void test_charge_and_discharge_limits_fall_to_zero_at_full_and_empty_pack(void)
 {
     TEST_ASSERT_EQUAL_DOUBLE(200.0, charge_at(0.9));
     TEST_ASSERT_EQUAL_DOUBLE(250.0, discharge_at(0.9));
@@ -97,7 +97,7 @@ void test_cold_cells_take_less_and_give_the_same(void)
     TEST_ASSERT_EQUAL_DOUBLE(200.0, charge_at(0.9));
 }
 
-void test_the_message_counts_in_whole_steps_towards_caution(void)
+void test_message_values_are_rounded_to_the_safe_side(void)
 {
     params.current_step_a = 7.0;
     TEST_ASSERT_EQUAL_DOUBLE(196.0, charge_at(0.9));

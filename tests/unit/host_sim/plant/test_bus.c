@@ -136,7 +136,7 @@ void test_with_the_contactor_open_braking_power_lifts_the_capacitor(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.5, battery.soc);
 }
 
-void test_an_empty_bus_says_so(void)
+void test_discharged_bus_is_reported(void)
 {
     params.contactor_open = 1.0;
     double pack_heat_j;

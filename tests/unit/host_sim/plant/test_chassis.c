@@ -59,7 +59,7 @@ void test_standing_on_a_slope_the_moments_about_both_axles_vanish(void)
                               front_n * 2.0);
 }
 
-void test_an_axle_that_would_lift_carries_nothing_and_the_other_everything(void)
+void test_lifting_axle_has_zero_load_and_the_other_the_whole_weight(void)
 {
     TEST_ASSERT_EQUAL_DOUBLE(0.0, load_n(2, -30.0, 0.0));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.5 * MASS_KG * G, load_n(0, -30.0, 0.0));

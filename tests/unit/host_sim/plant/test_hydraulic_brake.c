@@ -33,7 +33,7 @@ static void run_ms(int ms, double command_nm)
     }
 }
 
-void test_nothing_happens_before_the_dead_time(void)
+void test_torque_is_unchanged_during_the_dead_time(void)
 {
     run_ms(40, 100.0);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, brake.torque_nm);
@@ -66,7 +66,7 @@ void test_the_rate_bounds_both_directions(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, at_release_nm - 50.0, brake.torque_nm);
 }
 
-void test_no_command_gives_more_than_the_brake_has_or_less_than_nothing(void)
+void test_brake_torque_stays_between_zero_and_its_maximum(void)
 {
     run_ms(3000, 1e9);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 300.0, brake.torque_nm);

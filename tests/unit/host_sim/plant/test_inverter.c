@@ -124,7 +124,7 @@ void test_dead_time_takes_its_share_of_the_bus_against_the_current_of_each_leg(v
 /* 2 A in phase a, no other voltage: the error voltage must take the current to zero and leave it
  * there, whether the current answers through the inductance alone or also at once through the iron
  * branch. */
-void test_a_leg_at_rest_is_clamped_and_does_not_hunt(void)
+void test_leg_with_zero_current_is_clamped_without_limit_cycle(void)
 {
     const pmsm_params_t machines[] = {plain_machine(), salient_machine()};
     for (int m = 0; m < 2; m++) {

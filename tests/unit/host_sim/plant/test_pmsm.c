@@ -95,7 +95,7 @@ void test_a_voltage_settles_at_the_currents_of_the_iron_loss_circuit(void)
     }
 }
 
-void test_a_standing_rotor_is_a_resistance_and_an_inductance(void)
+void test_locked_rotor_is_a_resistance_and_an_inductance(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);

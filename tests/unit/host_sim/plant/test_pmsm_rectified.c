@@ -57,7 +57,7 @@ void test_below_the_bus_nothing_flows_and_only_the_iron_drags(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, flow.source_j);
 }
 
-void test_without_iron_loss_a_blocked_machine_does_not_brake(void)
+void test_without_iron_loss_there_is_no_torque_below_conduction(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -133,7 +133,7 @@ void test_the_rectified_current_is_that_of_the_phasor_circuit(void)
                               hypot(resistive, reactive));
 }
 
-void test_current_left_over_from_switching_flows_into_the_bus_and_dies(void)
+void test_residual_current_decays_into_the_bus(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);

@@ -113,7 +113,7 @@ void test_a_small_current_rises_with_the_inductance_of_the_operating_point(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-4 * rise_a, 1e-7 / (0.25 * params.d_inductance_h), rise_a);
 }
 
-void test_an_ampere_makes_less_torque_under_load_where_magnets_fill_the_iron(void)
+void test_torque_per_ampere_falls_under_load_where_magnets_saturate_the_iron(void)
 {
     const pmsm_params_t params = saturating_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -260,7 +260,7 @@ void test_cogging_is_in_the_torque_of_every_way_to_feed_the_machine(void)
     }
 }
 
-void test_machines_that_cannot_be_are_named(void)
+void test_impossible_machines_are_refused_with_the_parameter(void)
 {
     pmsm_params_t params = saturating_machine();
     TEST_ASSERT_NULL(pmsm_objection(&params));

@@ -46,7 +46,7 @@ void test_no_current_is_mid_range_and_full_scale_is_half_the_range(void)
     TEST_ASSERT_EQUAL_UINT16(2048, seen.bus_voltage_code);
 }
 
-void test_beyond_its_range_a_converter_stands_at_the_end(void)
+void test_converter_saturates_at_the_ends_of_its_range(void)
 {
     const plant_abc_t current = {.a = 400.0, .b = -400.0, .c = 0.0};
     const sensors_sample_t seen = sample(current, 99.0, 0.0);

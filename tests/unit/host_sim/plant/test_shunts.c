@@ -89,7 +89,7 @@ void test_dead_time_belongs_to_the_diode_that_carries_the_current(void)
         1e-9, window(-30.0, half_low_s - dead_s, PERIOD_S * 0.95 + dead_s, TAU_S), s.output_a[1]);
 }
 
-void test_a_leg_that_stays_up_shows_nothing_and_one_that_stays_down_everything(void)
+void test_shunt_reads_zero_at_full_duty_and_the_whole_current_at_zero_duty(void)
 {
     const plant_abc_t duty = {.a = 1.0, .b = 0.0, .c = 0.5};
     const shunts_t s = settled(duty, 1e-6, TAU_S);

@@ -196,7 +196,7 @@ void test_closed_low_sides_brake_as_a_short_circuit_does(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6 * fabs(torque_nm), torque_nm, last.torque_nms / step.duration_s);
 }
 
-void test_a_leg_without_current_ends_in_the_dead_time_and_does_not_hunt(void)
+void test_zero_current_in_the_dead_time_causes_no_limit_cycle(void)
 {
     /* Standing rotor, equal duties: no voltage anywhere, no current may appear out of dead times
      * and diodes. */

@@ -16,7 +16,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_without_faults_it_tells_the_temperature_to_the_bit(void)
+void test_reading_is_exact_without_faults(void)
 {
     temperature_sensor_t sensor = temperature_sensor_at(25.0);
     TEST_ASSERT_EQUAL_DOUBLE(83.123456789,
@@ -47,7 +47,7 @@ void test_offset_and_gain_are_of_what_is_reported(void)
                               temperature_sensor_step(&params, &sensor, 100.0, false, 1e-3));
 }
 
-void test_an_open_or_shorted_line_is_hotter_than_any_limit_and_heals(void)
+void test_open_or_shorted_line_reads_above_every_limit_until_repaired(void)
 {
     temperature_sensor_t sensor = temperature_sensor_at(25.0);
     params.open = 1.0;

@@ -73,7 +73,7 @@ void test_a_locked_wheel_pulls_with_sliding_friction_and_less_on_ice(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * LOAD_N, -0.7 * 0.15 * LOAD_N, hold(0.15, -200.0, 0.0, 20000));
 }
 
-void test_a_sticking_tyre_is_a_spring_that_holds(void)
+void test_tyre_in_adhesion_is_a_spring(void)
 {
     /* A push of 1 mm on the standing wheel: little against mu / s0 = 5 mm, so most of it is spring.
      */

@@ -74,8 +74,7 @@ void test_two_edges_are_needed_and_a_speed_is_a_tooth_old(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.02, 10.0, after(10.0, 0.4 * pitch_s));
 }
 
-void test_a_wheel_that_stops_is_held_to_a_tooth_in_the_time_that_passed_and_then_called_standing(
-    void)
+void test_after_a_stop_the_reported_speed_decays_to_zero(void)
 {
     after(30.0, 0.2);
     double last = 31.0;
@@ -93,13 +92,13 @@ void test_a_wheel_that_stops_is_held_to_a_tooth_in_the_time_that_passed_and_then
     TEST_ASSERT_INT_WITHIN(6, 63, shown);
 }
 
-void test_below_its_lowest_speed_it_shows_nothing(void)
+void test_reading_is_zero_below_the_lowest_speed(void)
 {
     TEST_ASSERT_EQUAL_DOUBLE(0.0, after(1.9, 2.0));
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 2.1, after(2.1, 2.0));
 }
 
-void test_a_dead_sensor_shows_nothing_and_begins_anew_when_it_heals(void)
+void test_failed_sensor_reads_zero_and_restarts_after_recovery(void)
 {
     after(30.0, 0.2);
     time_s += STEP_S;

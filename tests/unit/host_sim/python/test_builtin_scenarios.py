@@ -62,7 +62,7 @@ def test_criteria_are_met_and_energy_is_conserved(
 
 
 @pytest.mark.parametrize("name", scenario.builtin_names())
-def test_criteria_notice_a_world_in_which_they_are_not_met(
+def test_criteria_fail_in_a_simulation_that_violates_them(
     hubsim: Hubsim, tmp_path: Path, name: str
 ) -> None:
     setting, criterion = SABOTAGE[name]

@@ -112,7 +112,7 @@ def test_the_table_relates_the_strategies_to_the_series_optimum(drive: Drive, ho
     )
 
 
-def test_a_place_that_cannot_be_written_is_refused_before_any_work(tmp_path: Path) -> None:
+def test_unwritable_output_is_refused_before_the_run(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
     with pytest.raises(HubsimError, match="cannot be made"):
         comparison.check_output(tmp_path / "file")

@@ -90,7 +90,7 @@ def evaluated(
         ({"value": "run.distance_m / (run.stopped - 1)", "at_most": 1.0}, False, math.inf),
     ],
 )
-def test_a_value_is_held_against_its_limits(
+def test_value_is_compared_with_its_limits(
     drive: Drive, criterion: dict[str, Any], passed: bool, value: float
 ) -> None:
     outcome = evaluated(drive, **criterion)

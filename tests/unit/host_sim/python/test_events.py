@@ -56,7 +56,7 @@ def test_a_ramp_leads_from_wherever_the_parameter_is() -> None:
     assert (times[-1], values[-1]) == (pytest.approx(1.01), 60.0)
 
 
-def test_what_has_an_end_is_as_it_was_before() -> None:
+def test_parameter_is_restored_after_the_end_of_an_event() -> None:
     timeline = Timeline({"abs": Event(at_s=1.0, until_s=1.5, inject="abs")}, {})
     assert played(timeline, Notebook(driver__abs_active=0.25), 3.0) == [
         (1.0, "driver.abs_active", 1.0),

@@ -50,7 +50,7 @@ def value(text: str) -> Value:
         ("max(x)\n  + 1", 5.0),
     ],
 )
-def test_a_formula_comes_to_what_paper_and_pencil_say(text: str, expected: float) -> None:
+def test_formula_has_the_value_computed_by_hand(text: str, expected: float) -> None:
     found = value(text)
     assert found.shape == ()
     assert float(found) == pytest.approx(expected)

@@ -199,7 +199,7 @@ def test_a_sweep_refuses_a_format_that_it_does_not_write(
     ],
 )
 @pytest.mark.parametrize("kind", ["binary", "directory", "zeros", "device"])
-def test_an_input_that_is_no_text_is_one_line(
+def test_input_that_is_no_text_is_reported_in_one_line(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],

@@ -6,7 +6,7 @@ from hubsim.errors import HubsimError
 from regen_table.errors import ConfigurationError
 
 
-def test_a_key_goes_to_the_one_it_belongs_to() -> None:
+def test_key_is_assigned_to_scenario_or_drive() -> None:
     found = overrides.parse(
         [
             "demand_nm=60",

@@ -165,7 +165,7 @@ def test_a_layout_loads_the_recording_that_it_was_written_with() -> None:
     assert loaded[0].attrib["ID"] == "DataLoad CSV"
 
 
-def test_no_telling_signal_falls_out_of_the_layout() -> None:
+def test_every_important_signal_is_in_the_layout() -> None:
     shown = curves(plotjuggler.layout(listing.signal_names()))
     for signal in (
         "driver.reference_m_per_s",

@@ -163,7 +163,7 @@ def test_a_recorded_power_adds_up_to_the_account(drive: Drive) -> None:
     )  # the last row to the end
 
 
-def test_a_controller_that_gives_up_is_named_with_reason_and_time(drive: Drive) -> None:
+def test_controller_fault_is_reported_with_reason_and_time(drive: Drive) -> None:
     name, loaded, beside = scenario.load(
         "stop", {"demand_nm": 40.0, "max_duration_s": 1.0, "stop_at_standstill": False}
     )

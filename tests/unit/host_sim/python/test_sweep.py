@@ -105,7 +105,7 @@ def test_the_same_sweep_gives_the_same_bytes_on_any_number_of_workers(
     assert (tmp_path / "a.parquet").read_bytes() == whole
 
 
-def test_a_sweep_that_was_interrupted_goes_on_and_gives_the_same_bytes(
+def test_resumed_sweep_gives_the_same_bytes(
     tmp_path: Path, whole: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun = fresh(tmp_path, "a.parquet")
@@ -128,14 +128,14 @@ def test_a_scheduler_elsewhere_does_the_work(tmp_path: Path, whole: bytes) -> No
     assert (tmp_path / "a.parquet").read_bytes() == whole
 
 
-def test_two_sweeps_at_a_time_do_not_mind_each_other() -> None:
+def test_two_concurrent_sweeps_are_independent() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with conduct.workers(None, 1) as one, conduct.workers(None, 1) as other:
             assert one.submit(int, "1").result() + other.submit(int, "2").result() == 3
 
 
-def test_control_c_leaves_what_is_needed_to_go_on(tmp_path: Path) -> None:
+def test_sweep_interrupted_by_control_c_can_be_resumed(tmp_path: Path) -> None:
     command = [
         sys.executable,
         "-m",

@@ -7,7 +7,7 @@ from tests.unit.host_sim.report import documents
 from tests.unit.host_sim.report.ideal_vehicle import drive, three
 
 
-def test_a_vehicle_that_does_what_it_is_told_has_no_torque_error() -> None:
+def test_torque_error_is_zero_when_the_demand_is_met() -> None:
     for run in three():
         error = quality.torque_error_nm(run)
         assert error is not None
@@ -23,7 +23,7 @@ def test_missing_braking_is_a_positive_error_of_its_size() -> None:
     assert quality.root_mean_square(error) == pytest.approx(3.0)
 
 
-def test_a_standing_vehicle_has_no_torque_error() -> None:
+def test_torque_error_is_zero_at_standstill() -> None:
     run = drive()
     error = quality.torque_error_nm(run)
     assert error is not None

@@ -66,7 +66,7 @@ def test_the_index_is_found_where_it_lies() -> None:
     assert beside_deg(found.index.angle_deg, INDEX_DEG) < 1.0
 
 
-def test_a_wheel_that_turns_round_on_the_way_does_no_harm() -> None:
+def test_reversal_of_the_wheel_does_not_change_the_calibration() -> None:
     speed = 40.0 * np.cos(np.arange(40_000) * SAMPLE_S * 2.0)
     table = spun(speed)
     del table["index"]  # turning back its other end comes first

@@ -166,7 +166,7 @@ def test_stop_answers_one_object_a_demand_and_strategy(capsys: pytest.CaptureFix
         ([], "the following arguments are required: COMMAND"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(
+def test_error_is_reported_in_one_line(
     capsys: pytest.CaptureFixture[str], arguments: list[str], expected: str
 ) -> None:
     try:
@@ -322,7 +322,7 @@ def unreadable(tmp_path: Path, kind: str) -> Path:
         *("rows of different lengths", "one row", "standing still"),
     ],
 )
-def test_a_file_that_is_none_of_ours_is_one_line(
+def test_foreign_file_is_reported_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, kind: str
 ) -> None:
     path = str(unreadable(tmp_path, kind))

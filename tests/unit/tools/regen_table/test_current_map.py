@@ -183,7 +183,7 @@ def test_reverse_reads_the_mirrored_torque(drive: schema.Drive) -> None:
     )
 
 
-def test_the_braking_table_that_goes_with_it_loses_next_to_nothing(drive: schema.Drive) -> None:
+def test_braking_table_of_the_map_loses_negligible_energy(drive: schema.Drive) -> None:
     table = current_audit.choose(drive)
     losses = audit.grid_losses(
         drive, current_map.regen_map(drive, table), current_map.production(table)
@@ -247,7 +247,7 @@ def test_the_generator_reads_the_map_exactly_as_the_firmware_does(
     assert np.rint(found * 1000.0).astype(int).tolist() == expected
 
 
-def test_the_firmware_makes_every_torque_with_the_power_the_generator_promised(
+def test_power_of_every_torque_in_the_firmware_is_that_of_the_generator(
     tmp_path: Path, drive: schema.Drive
 ) -> None:
     """The current setpoint, compiled, against the model.

@@ -102,7 +102,7 @@ def test_the_per_unit_gains_are_the_textbooks(paper: schema.Drive) -> None:
     assert loop.flux_pu_q16 / 65536 == pytest.approx(7853.9816 * 0.0204 / 61.8, rel=1e-5)
 
 
-def test_the_dead_time_zone_is_what_the_dead_time_can_extinguish(change: Change) -> None:
+def test_dead_time_zone_is_the_current_that_decays_within_the_dead_time(change: Change) -> None:
     def zone_a(changes: dict[str, Any]) -> float:
         return (
             float(unpack(image.build(change(changes))).current_loop.dead_time_zone_pu_q15)
@@ -122,7 +122,7 @@ def test_the_dead_time_zone_is_what_the_dead_time_can_extinguish(change: Change)
 
 
 @pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
-def test_the_modulation_limit_counts_on_the_dead_time_that_the_image_gives_back(path: Path) -> None:
+def test_modulation_limit_includes_the_dead_time_correction(path: Path) -> None:
     # dead_time_init() from the image's integers: t_d f (1 + 2 V_f / ((v_min + v_max) / 2)) of the
     # period, to the nearest count.
     drive = schema.load(path)
@@ -208,7 +208,7 @@ def test_the_largest_modulation_leaves_the_shortest_pulse_and_two_sampled_legs(p
         ),
     ],
 )
-def test_what_the_controller_cannot_hold_is_refused_by_name(
+def test_values_beyond_the_controllers_formats_are_refused_by_name(
     change: Change, changes: dict[str, Any], expected: str
 ) -> None:
     drive = change(changes)

@@ -223,7 +223,7 @@ STATED: list[tuple[str, Numbers]] = [
 @pytest.mark.parametrize(
     ("pattern", "numbers"), STATED, ids=[numbers.__name__ for _, numbers in STATED]
 )
-def test_what_the_readme_says_is_what_the_circuit_does(
+def test_figures_of_the_readme_agree_with_the_circuit(
     paper: schema.Drive, pattern: str, numbers: Numbers
 ) -> None:
     found = re.search(pattern, README)

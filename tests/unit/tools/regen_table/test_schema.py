@@ -230,7 +230,7 @@ def test_reluctance_torque_counts_towards_the_largest_torque(change: Change) -> 
     assert derived.largest_torque_nm(drive, 75.0) == pytest.approx(best, rel=1e-6)
 
 
-def test_a_back_emf_that_would_destroy_the_bridge_is_refused_unless_it_is_weakened(
+def test_back_emf_above_the_bridge_rating_is_refused_without_field_weakening(
     change: Change,
 ) -> None:
     # Line to line peak: sqrt(3) * 0.0204 Wb * 23 * 2 pi / 60 * n. The bus limit of 60.56 V is met
@@ -316,7 +316,7 @@ def test_a_name_that_is_no_c_identifier_is_refused(tmp_path: Path) -> None:
         schema.load(path)
 
 
-def test_what_works_but_not_as_promised_is_warned_about(change: Change) -> None:
+def test_drive_that_cannot_meet_its_data_is_warned_about(change: Change) -> None:
     assert [
         line.partition(":")[0]
         for line in relations.warnings(change({"motor.max_speed_rpm": 600.0}))

@@ -78,7 +78,7 @@ def test_the_generator_reads_the_table_exactly_as_the_firmware_does(
 
 
 @pytest.mark.parametrize("path", MOTORS, ids=lambda path: path.stem)
-def test_the_stored_table_loses_next_to_nothing(path: Path) -> None:
+def test_stored_table_loses_negligible_energy(path: Path) -> None:
     drive = schema.load(path)
     currents = current_audit.choose(drive)
     table, made = current_map.regen_map(drive, currents), current_map.production(currents)
@@ -247,7 +247,7 @@ def test_gains_and_shape_of_the_reference_follow_the_design_at_every_sample(
     assert np.cumsum(shape) == pytest.approx([1.0 / (b * b * (1.0 + b)), 1.0 / b, 1.0], rel=1e-12)
 
 
-def test_an_unshaped_reference_is_answered_too_soon(paper: schema.Drive) -> None:
+def test_without_prefilter_the_response_is_faster_than_designed(paper: schema.Drive) -> None:
     gains = loops.axis_gains(paper, paper.motor.q_inductance_h)
     resistance = paper.motor.phase_resistance_ohm + paper.inverter.switch_resistance_ohm
     loop = margins.Loop(

@@ -136,7 +136,7 @@ def test_all_but_the_full_ones_run_longest_first_and_the_times_of_one_run_order_
     assert "100% tests passed, 0 tests failed out of 4" in full
 
 
-def test_programs_that_have_not_been_built_are_targets_all_the_same(project: Project) -> None:
+def test_programs_not_built_yet_are_targets(project: Project) -> None:
     project.run("--presets", "host")
     built = project.root / "build/host/tests/unit"
     for name in ("first", "second"):
@@ -194,7 +194,7 @@ def test_quick_builds_and_runs_what_reads_the_changed_file(
     assert (f"No test is known to read: {changed}." in output) == (not expected)
 
 
-def test_quick_builds_before_it_runs_and_names_what_it_cannot_know(project: Project) -> None:
+def test_quick_builds_first_and_selects_tests_of_unknown_inputs(project: Project) -> None:
     project.write("include/limit.h", "#define LIMIT 4\n")
     output = project.run("--quick", status=1)
     assert "first (Failed)" in output
@@ -211,7 +211,7 @@ def test_quick_knows_a_test_that_was_added_since_the_last_configure(project: Pro
     assert "host:third" in started(output)
 
 
-def test_quick_says_what_the_time_was_too_short_for(project: Project) -> None:
+def test_quick_names_the_tests_left_out_for_time(project: Project) -> None:
     project.run("--presets", "host")
     (project.root / "build/test/costs.json").write_text('{"host:first": 100.0}', encoding="utf-8")
     project.write("include/limit.h", "#define LIMIT 3 /* again */\n")
@@ -220,7 +220,7 @@ def test_quick_says_what_the_time_was_too_short_for(project: Project) -> None:
     assert "Left out for want of time: 1 tests: host:first." in output
 
 
-def test_the_graph_follows_contents_and_not_mere_order(project: Project) -> None:
+def test_graph_ignores_order_only_dependencies(project: Project) -> None:
     directory = project.root / "build/host"
     graph = BuildGraph(directory)
     affected = graph.affected({project.root / "include/limit.h"})
