@@ -115,9 +115,9 @@ typedef enum { VALUE, RATE } kind_t;
       "controller: electrical angle", \
       (double)foc_latest(&w->controller.fast.foc)->rotor.theta_turn / 65536.0) \
     X("current_d_estimate_a", VALUE, "A", \
-      "controller: direct-axis current, low-passed", 1e-3 * w->slow.i_d_mA) \
+      "controller: direct-axis current, mean of a slow step", 1e-3 * w->slow.i_d_mA) \
     X("current_q_estimate_a", VALUE, "A", \
-      "controller: quadrature-axis current, low-passed", 1e-3 * w->slow.i_q_mA) \
+      "controller: quadrature-axis current, mean of a slow step", 1e-3 * w->slow.i_q_mA) \
     X("voltage_estimate_v", VALUE, "V", "controller: bus voltage", 1e-3 * w->slow.bus_voltage_mV) \
     X("bus_current_estimate_a", VALUE, "A", \
       "controller: bus current, positive out of the battery", 1e-3 * w->slow.bus_current_mA) \

@@ -609,7 +609,7 @@ struct hubfoc_wheel_drive_t {
     int32_t motor_torque_command_nm;
 
     /**
-     * Torque-producing current, measured, peak phase value, low-passed.
+     * Torque-producing current, peak phase value, mean of a slow step.
      *
      * Range: -60000..60000 (-6000..6000 A)
      * Scale: 0.1

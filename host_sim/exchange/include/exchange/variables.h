@@ -107,9 +107,9 @@
     X(speed_rad_per_s, speed_mrad_s, speed_mrad_s, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "rad/s", \
       "mechanical speed, estimated") \
     X(current_d_a, i_d_mA, i_d_mA, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "A", \
-      "direct-axis current, peak phase value, measured and low-passed") \
+      "direct-axis current, peak phase value, mean of a slow step") \
     X(current_q_a, i_q_mA, i_q_mA, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "A", \
-      "quadrature-axis current, peak phase value, measured and low-passed") \
+      "quadrature-axis current, peak phase value, mean of a slow step") \
     X(bus_voltage_v, bus_voltage_mV, bus_voltage_mV, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "V", \
       "DC bus voltage, measured") \
     X(bus_current_a, bus_current_mA, bus_current_mA, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "A", \
