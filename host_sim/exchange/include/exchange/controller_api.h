@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * controller_api.h: one controller alone as a library for other languages, for whoever brings a
- * plant of their own.
+ * controller_api.h: one controller as a library for other languages, for use with a plant model of
+ * the caller.
  *
  * Plain declarations only, so that a foreign-function reader (cffi and the like) can take this file
- * as it is, less the lines that begin with '#'. Part of the same library as bench/engine.h. Nothing
- * prints, exits or keeps anything outside the handle; any number of handles may be at work at the
- * same time, one thread each.
+ * as it is, less the lines that begin with '#'. Part of the same library as bench/engine.h. No
+ * function prints, exits or keeps state outside the handle; any number of handles may be used at
+ * the same time, one thread each.
  *
  * Inputs and outputs are arrays in the order of hubsim_variable_name(port, 0 ...), in engineering
- * units (double) or raw (int32_t, what the firmware works with). An engineering value beyond its
+ * units (double) or raw (int32_t, the firmware's values). An engineering value beyond its
  * range saturates, as a converter does; a value that is no number, or a raw value out of range, is
  * refused and no step is made. Functions that can fail return 0 or a negative number;
- * hubsim_controller_error() then says why in one line.
+ * hubsim_controller_error() then returns the reason as one line.
  */
 #ifndef EXCHANGE_CONTROLLER_API_H
 #define EXCHANGE_CONTROLLER_API_H
@@ -48,10 +48,11 @@ typedef struct hubsim_controller hubsim_controller_t;
 hubsim_controller_t *hubsim_controller_new(void);
 void hubsim_controller_delete(hubsim_controller_t *controller);
 
-/* The last failure in words; never NULL, valid until the next call on this handle. */
+/* The last failure as text; never NULL, valid until the next call on this handle. */
 const char *hubsim_controller_error(const hubsim_controller_t *controller);
 
-/* Begin anew with an image of config_t, which the firmware's own validator may refuse. */
+/* Initialises the controller with an image of config_t; fails if the firmware's validator refuses
+ * it. */
 int hubsim_controller_load_config(hubsim_controller_t *controller, const void *image,
                                   uint32_t size_bytes);
 
@@ -59,9 +60,10 @@ int hubsim_controller_load_config(hubsim_controller_t *controller, const void *i
 int hubsim_controller_scale(const hubsim_controller_t *controller, int port, int index,
                             double *zero, double *per_unit);
 
-/* The PWM rate the configuration asks for; 0 without one. */
+/* PWM frequency of the configuration; 0 if none is loaded. */
 int32_t hubsim_controller_fast_rate_hz(const hubsim_controller_t *controller);
 
+/* One step each; in and out in engineering units or raw. */
 int hubsim_controller_fast_step(hubsim_controller_t *controller, const double *in, double *out);
 int hubsim_controller_slow_step(hubsim_controller_t *controller, const double *in, double *out);
 int hubsim_controller_fast_step_raw(hubsim_controller_t *controller, const int32_t *in,
@@ -69,7 +71,7 @@ int hubsim_controller_fast_step_raw(hubsim_controller_t *controller, const int32
 int hubsim_controller_slow_step_raw(hubsim_controller_t *controller, const int32_t *in,
                                     int32_t *out);
 
-/* Everything the controller remembers, as bytes that mean something to this very library only. */
+/* The whole state of the controller as bytes, valid for the same build of this library only. */
 uint32_t hubsim_controller_state_bytes(void);
 int hubsim_controller_save(const hubsim_controller_t *controller, void *state);
 int hubsim_controller_restore(hubsim_controller_t *controller, const void *state);

@@ -3,9 +3,10 @@
  * controller_instance.h: one controller with its configuration and the setpoint from its slow to
  * its fast step, driven through arrays in the order of variables.h.
  *
- * A value without pointers: copied, compared and written to a file as bytes, it goes on exactly
- * where it was. The caller provides the timing that controller.h asks for: the fast step at the
- * PWM rate, the slow step at 1 kHz, first in the period in which a millisecond begins.
+ * A value without pointers: it can be copied, compared and written to a file as bytes, and a copy
+ * continues with identical results. The caller provides the timing that controller.h asks for: the
+ * fast step at the PWM rate, the slow step at 1 kHz, first in the period in which a millisecond
+ * begins.
  */
 #ifndef EXCHANGE_CONTROLLER_INSTANCE_H
 #define EXCHANGE_CONTROLLER_INSTANCE_H

@@ -7,9 +7,9 @@
  *
  * member is the member of fast_input_t, fast_output_t, slow_input_t or slow_output_t; a test
  * compares the list with these structures. The raw value is the integer in that member; lowest,
- * highest and start (of an input) are raw. scale says how raw and engineering values belong
- * together, variables_affine() gives the numbers: raw = zero + engineering * per_unit. type is
- * what the variable is to a tool: REAL, FLAG or CODE (an integer that stands for something).
+ * highest and start (of an input) are raw. scale names the conversion between raw and engineering
+ * values; variables_affine() returns its coefficients: raw = zero + engineering * per_unit. type is
+ * the kind of variable for a tool: REAL, FLAG or CODE (an integer with enumerated meaning).
  *
  * Everything that offers a controller to other programs (Python, FMU) reads these lists, so a
  * variable has one name, one unit and one meaning everywhere. Signs: core/slow_messages.h.
@@ -70,20 +70,20 @@
       "time since the last valid demand") \
     X(bms_charge_current_a, bms_charge_current_mA, bms.charge_current_mA, \
       REAL, MILLI, 0, INT32_MAX, 2000000000, "A", \
-      "what the whole pack takes now, magnitude") \
+      "present charge current limit of the whole pack, magnitude") \
     X(bms_discharge_current_a, bms_discharge_current_mA, bms.discharge_current_mA, \
       REAL, MILLI, 0, INT32_MAX, 2000000000, "A", \
-      "what the whole pack gives now, magnitude") \
+      "present discharge current limit of the whole pack, magnitude") \
     X(winding_temperature_c, winding_temperature_cC, temperature.winding_cC, \
       REAL, CENTI, -30000, 100000, 2500, "degC", \
-      "of the motor's winding") \
+      "temperature of the motor winding") \
     X(switch_temperature_c, switch_temperature_cC, temperature.switch_cC, \
       REAL, CENTI, -30000, 100000, 2500, "degC", \
-      "of the inverter's switches") \
+      "temperature of the inverter switches") \
     X(enable, enable, demand.enable, FLAG, PLAIN, 0, 1, 0, "", \
       "the driver has switched the vehicle on") \
     X(abs_active, abs_active, demand.abs_active, FLAG, PLAIN, 0, 1, 0, "", \
-      "the anti-lock system is at work: the motor gets out of its way") \
+      "the anti-lock system intervenes: electric braking stops") \
     X(fault_reset, fault_reset, demand.fault_reset, FLAG, PLAIN, 0, 1, 0, "", \
       "its rising edge acknowledges a latched fault") \
     X(selftest_passed, selftest_passed, selftest_passed, FLAG, PLAIN, 0, 1, 1, "", \
@@ -94,7 +94,7 @@
 #define EXCHANGE_SLOW_OUTPUTS(X) \
     X(motor_torque_command_nm, motor_torque_command_mNm, motor_torque_command_mNm, \
       REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
-      "torque the current loop is asked for now, at the shaft, signed") \
+      "present torque setpoint of the current loop, at the shaft, signed") \
     X(motor_torque_estimate_nm, motor_torque_estimate_mNm, motor_torque_estimate_mNm, \
       REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
       "torque at the shaft, from measured currents, signed") \
@@ -103,7 +103,7 @@
       "command to the hydraulic brake, magnitude") \
     X(electric_brake_available_nm, electric_brake_available_mNm, electric_brake_available_mNm, \
       REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
-      "braking torque the motor could take over now, magnitude") \
+      "present limit of the electric braking torque, magnitude") \
     X(speed_rad_per_s, speed_mrad_s, speed_mrad_s, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "rad/s", \
       "mechanical speed, estimated") \
     X(current_d_a, i_d_mA, i_d_mA, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "A", \
@@ -115,9 +115,9 @@
     X(bus_current_a, bus_current_mA, bus_current_mA, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "A", \
       "DC bus current, estimated, positive out of the battery") \
     X(torque_reason, torque_reason, torque_reason, CODE, PLAIN, 0, 255, 0, "", \
-      "what limits the motor torque; 0: none") \
+      "reason of the limit of the motor torque; 0: no limit") \
     X(available_reason, available_reason, available_reason, CODE, PLAIN, 0, 255, 0, "", \
-      "what bounds the electric braking torque that is available") \
+      "reason of the limit of the electric braking torque") \
     X(hydraulic_reason, hydraulic_reason, hydraulic_reason, CODE, PLAIN, 0, 255, 0, "", \
       "not 0: motor and hydraulic brake together cannot meet the demand") \
     X(fault_reason, fault_reason, fault_reason, CODE, PLAIN, 0, 255, 0, "", \
@@ -127,7 +127,7 @@
     X(stop_lamp, stop_lamp, stop_lamp, FLAG, PLAIN, 0, 1, 0, "", \
       "the stop lamp is to be lit") \
     X(standstill, standstill, standstill, FLAG, PLAIN, 0, 1, 0, "", \
-      "nothing says that the wheel turns, and no speed that was seen is unaccounted for")
+      "the upper bound of the wheel speed is below monitor.standstill")
 /* clang-format on */
 
 #define EXCHANGE_COUNT_LINE(...) +1
@@ -172,8 +172,8 @@ typedef struct {
 int variables_count(exchange_port_t port);
 variable_info_t variables_info(exchange_port_t port, int index);
 
-/* Between the port's message and its raw values in the order of the list. raw: variables_count()
- * values, each within its range. */
+/* Conversion between a port's message and its raw values in the order of the list. raw:
+ * variables_count() values, each within its range. */
 void variables_to_message(exchange_port_t port, const int32_t *raw, void *message);
 void variables_from_message(exchange_port_t port, const void *message, int32_t *raw);
 
@@ -183,8 +183,9 @@ typedef struct {
 } variables_affine_t;
 variables_affine_t variables_affine(exchange_scale_t scale, const config_t *config);
 
-/* To the nearest raw value, halves up; what lies outside the raw range saturates as a converter
- * does, an angle wraps. A value that is no number becomes the lowest raw value; ask before. */
+/* Rounds to the nearest raw value, halves up. Values outside the raw range saturate as in a
+ * converter; an angle wraps. NaN becomes the lowest raw value; the caller checks for
+ * it before. */
 int32_t variables_to_raw(const variable_info_t *info, variables_affine_t affine, double value);
 
 double variables_from_raw(variables_affine_t affine, int32_t raw);
