@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * modelled_wait.h: stands before every file of the port under test, in the place of its wait.h:
- * while the port waits for hardware, the model's hardware goes on. The debugger's registers are not
- * at the chip's address, which the address sanitizer needs for itself.
+ * modelled_wait.h: included before every file of the port under test in place of its wait.h: while
+ * the port waits for hardware, the model of the hardware advances. The debugger's registers are not
+ * at the chip's address, because the address sanitizer uses that range.
  */
 #ifndef STM32F405_WAIT_H
 #define STM32F405_WAIT_H

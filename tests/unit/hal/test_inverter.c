@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The flashable port's bridge, its code unchanged, on a model of the timer: what the gates see. */
+/* The flashable port's bridge, its code unchanged, on a model of the timer: gate signals. */
 #include "analog_start.h"
 #include "board.h"
 #include "hal/inverter.h"
@@ -62,8 +62,8 @@ void setUp(void)
 
 void tearDown(void) {}
 
-/* One period: the interrupt at the top says what is to be done, then the count goes down, up, and
- * to the next top. */
+/* One period: the interrupt at the top sets mode and compare values, then the count goes down, up,
+ * and to the next top. */
 static void period(inverter_mode_t mode, const uint16_t compare_counts[3])
 {
     inverter_set(mode, compare_counts);
@@ -239,7 +239,8 @@ void test_trip_switches_off_at_once_and_is_latched(void)
     TEST_ASSERT_TRUE(inverter_fault());
 }
 
-/* Below 2.7 V the flash cannot be read at this speed; the chip's own reset comes a volt later. */
+/* Below 2.7 V the flash cannot be read at this speed; the chip's reset threshold is one volt lower.
+ */
 void test_falling_supply_voltage_interrupts_as_a_fault(void)
 {
     begin();
@@ -265,8 +266,7 @@ void test_low_supply_at_start_is_a_fault_until_it_recovers(void)
     TEST_ASSERT_FALSE(inverter_fault());
 }
 
-/* Pull-up and wire make microseconds of it; the fault would be latched and nobody would know why.
- */
+/* Pull-up and wiring delay the edge by microseconds, which must not latch a fault. */
 void test_slowly_rising_break_input_at_start_up_is_no_fault(void)
 {
     timer1_break_rises_after(3);

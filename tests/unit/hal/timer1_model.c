@@ -143,7 +143,8 @@ gates_t timer1_gates(uint32_t count)
     return gates;
 }
 
-/* Every look lets half a period pass, which is far more than in truth: nothing may depend on fewer.
+/* Every read advances the model by half a period, much more than on the chip; no code may depend on
+ * less.
  */
 bool wait_for(const volatile uint32_t *reg, uint32_t mask, uint32_t value, uint32_t looks)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * timer1_model.h: TIM1 of the STM32F405 and what hangs on it, as far as hal/stm32f405/inverter.c
- * uses it, on a host: memory at the chip's addresses, and the rules of RM0090 section 17 by which
- * it changes.
+ * timer1_model.h: TIM1 of the STM32F405 and the circuits connected to it, as far as
+ * hal/stm32f405/inverter.c uses it, on a host: memory at the chip's addresses, and the rules of
+ * RM0090 section 17 by which it changes.
  *
  *     update     the repetition counter counts ends of the count; at 0 it is loaded from RCR, the
  *                preloaded compare values become active and UIF is set (17.3.2, 17.3.3)
@@ -12,7 +12,7 @@
  *                (17.3.12)
  *     SR         a flag is cleared by writing 0; writing 1 leaves it
  *
- * Steps are half periods. Memory cannot see a write, so timer1_settle() works out what one did to
+ * Steps are half periods. Memory does not detect a write, so timer1_settle() computes its effect on
  * SR and MOE.
  */
 #ifndef TIMER1_MODEL_H
@@ -37,7 +37,7 @@ void timer1_set_driver_fault_pin(bool high);
  * does. */
 void timer1_break_rises_after(uint32_t half_periods);
 
-/* The counter stands still whatever CEN says: a timer without its clock. */
+/* Stops the counter independently of CEN: a timer without its clock. */
 void timer1_stop_clock(void);
 
 void timer1_half_period(void);
@@ -47,7 +47,7 @@ void timer1_settle(void);
 bool timer1_at_top(void);
 bool timer1_updated(void);
 
-/* What the gates see while the count is at this value. */
+/* Gate signals while the count is at this value. */
 gates_t timer1_gates(uint32_t count);
 
 #endif

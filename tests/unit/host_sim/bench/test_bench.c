@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The vehicle as a whole: how a run begins, that nothing is lost, that it repeats. */
+/* The whole vehicle: start of a run, energy balance, reproducibility. */
 #include "bench/bench.h"
 
 #include <math.h>

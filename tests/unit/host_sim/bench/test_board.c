@@ -2,7 +2,7 @@
 /*
  * The application on its simulated board against the two step functions called directly: in every
  * period of a drive that the application itself controls, the bridge must get the same numbers; and
- * the drive must be the bench's.
+ * the drive must agree with the bench.
  */
 #include "bench/board.h"
 
@@ -16,11 +16,10 @@
 #include "unity.h"
 #include "vehicle_fixture.h"
 
-/* Cycle of the demand and of the brake's command: what CAN makes older, each. */
+/* Cycle time of the demand and of the brake command, the delay that CAN adds to each. */
 static const double CYCLE_S = 0.010;
 
-/* The twin: the pure modules alone, fed with what the sensors saw and with the frames the vehicle
- * sent. */
+/* Reference: the pure modules alone, with the same sensor values and the frames of the vehicle. */
 typedef struct {
     board_t board;
     wheel_coupling_t through_board;
@@ -130,7 +129,7 @@ static bench_params_t moving_vehicle(double speed_m_per_s)
     return params;
 }
 
-/* A bench whose one wheel has this coupling; NULL: the bench's own way. */
+/* A bench whose one wheel has this coupling; NULL: the bench's default. */
 static bench_start_t start(const bench_params_t *params, const config_t *config,
                            const wheel_coupling_t *coupling)
 {
@@ -140,7 +139,7 @@ static bench_start_t start(const bench_params_t *params, const config_t *config,
     return bench_start(&bench);
 }
 
-/* Brakes beyond what the motor gives, lets go, drives, brakes gently to the end. */
+/* Brakes beyond the motor's limit, releases the brake, drives, brakes gently to the end. */
 static void drive_about(void)
 {
     bench.params.driver.brake_demand_nm = 75.03; /* between two steps of the message */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The driver: reads the trace, knows the road, corrects what is left, keeps within the pedals. */
+/* The driver model: speed trace, feed-forward of the road load, feedback, limits of the pedals. */
 #include "bench/driver.h"
 
 #include <math.h>

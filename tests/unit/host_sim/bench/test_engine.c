@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The library's face: order of calls, names, ranges, refusals in words, rows. */
+/* The library's interface: order of calls, names, ranges, error messages, rows. */
 #include "bench/engine.h"
 
 #include <math.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What can happen to a vehicle under way, each by the name of its parameter, and what the firmware
- * makes of it. */
+/* Events during a run, each set by a parameter, and the reaction of the firmware. */
 #include "bench/bench.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The plant alone: what the firmware decided, given from outside, moves the vehicle to the last
- * bit as the firmware does; what is not accepted is refused in words. */
+/* The plant alone: with the firmware's outputs as external inputs the vehicle moves
+ * bit-identically; invalid inputs are refused with a message. */
 #include "bench/external.h"
 
 #include <math.h>

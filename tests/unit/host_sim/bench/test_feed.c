@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the converters see: late samples, shunts that have no time, and a firmware that chooses two
- * of three. */
+/* Inputs of the converters: late samples, shunts with too short a window, and a firmware that
+ * chooses two of three shunts. */
 #include "bench/feed.h"
 
 #include <math.h>

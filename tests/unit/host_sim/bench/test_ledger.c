@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The books: what balances, and what a change adds. */
+/* Energy accounts: residual, and sum of changes. */
 #include "bench/ledger.h"
 
 #include <string.h>
@@ -12,7 +12,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-/* Every entry another power of two: a sum tells which entries are in it. */
+/* Every entry is a different power of two, so a sum identifies its entries. */
 static ledger_t distinct(void)
 {
     double values[ENTRIES];

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Wheels that can slip: momentum, energy, locking, split roads, and that much grip is as rolling.
- */
+/* Wheels with slip: momentum, energy, locking, split friction, and the limit of high friction. */
 #include "bench/bench.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Everything that can be watched has one name and one value. */
+/* Every signal has one name and one value. */
 #include "bench/signals.h"
 
 #include <stdio.h>

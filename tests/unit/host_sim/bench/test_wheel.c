@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One wheel: the timing of the loop, its accounts, its sensors' truth. */
+/* One wheel: timing of the loop, energy accounts, sensor values. */
 #include "bench/wheel.h"
 
 #include <math.h>
