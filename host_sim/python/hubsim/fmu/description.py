@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a unit has inside and outside.
 
-Its variables with role, type, unit and start value, for both kinds of unit.
+Its variables with role, type, unit of measure and start value, for both kinds of unit. The standard
+wants units of measure as powers of SI base units, with factor and offset. The engine's lists write
+them as names with powers, multiplied with a dot or a blank, divided with a slash; every slash
+divides by what follows up to the next one.
 """
 
 import hashlib
+import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,7 +20,6 @@ from hubsim.configuration import Configuration
 from hubsim.controller import Controller
 from hubsim.engine import parameters
 from hubsim.errors import HubsimError
-from hubsim.fmu import units
 from hubsim.scenario import Scenario
 
 KINDS = ("controller", "vehicle")
@@ -45,6 +49,26 @@ VEHICLE_SETTINGS = frozenset({
     "driver.most_drive_nm", "driver.most_brake_nm", "run.stop_at_standstill",
     "run.record_interval_s", "vehicle.driven_wheels", "inverter.pwm_frequency_hz",
 })  # fmt: skip
+
+_BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+_DERIVED: dict[str, dict[str, float]] = {
+    "Hz": {"s": -1},
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "W": {"kg": 1, "m": 2, "s": -3},
+    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
+    "ohm": {"kg": 1, "m": 2, "s": -3, "A": -2},
+    "H": {"kg": 1, "m": 2, "s": -2, "A": -2},
+    "F": {"kg": -1, "m": -2, "s": 4, "A": 2},
+    "Wb": {"kg": 1, "m": 2, "s": -2, "A": -1},
+    "turn": {"rad": 1, "factor": 2.0 * math.pi},
+    "deg": {"rad": 1, "factor": math.pi / 180.0},
+    "h": {"s": 1, "factor": 3600.0},
+    "min": {"s": 1, "factor": 60.0},
+}
+_DEGREE = {"degC": {"K": 1.0, "offset": 273.15}}  # of a temperature, never part of another unit
+_TOKEN = re.compile(r"([A-Za-z]+)(\d*)")
 
 
 @dataclass(frozen=True)
@@ -124,7 +148,7 @@ def _controller(config: Configuration) -> Description:
                     f"{name}.{v.name}",
                     kinds[v.kind],
                     INPUT,
-                    units.known(v.unit),
+                    standard_unit(v.unit),
                     v.text,
                     controller.start(port, k),
                     lowest,
@@ -133,7 +157,7 @@ def _controller(config: Configuration) -> Description:
             )
     for name, port in (("fast_output", ports.FAST_OUTPUT), ("slow_output", ports.SLOW_OUTPUT)):
         found += [
-            Variable(f"{name}.{v.name}", kinds[v.kind], OUTPUT, units.known(v.unit), v.text)
+            Variable(f"{name}.{v.name}", kinds[v.kind], OUTPUT, standard_unit(v.unit), v.text)
             for v in ports.of_port(port)
         ]
     text = (
@@ -167,7 +191,7 @@ def _vehicle(config: Configuration) -> Description:
                 name,
                 kind,
                 role,
-                units.known(p.unit),
+                standard_unit(p.unit),
                 p.text or _words(name),
                 starts[name],
                 p.lowest,
@@ -175,7 +199,7 @@ def _vehicle(config: Configuration) -> Description:
             )
         )
     for name, (unit, text) in meanings.items():
-        found.append(Variable(name, REAL if unit else CODE, OUTPUT, units.known(unit), text))
+        found.append(Variable(name, REAL if unit else CODE, OUTPUT, standard_unit(unit), text))
     text = (
         f"hubfoc: the simulated vehicle {config.name}, {wheels} wheels with a complete controller "
         "each, on one battery and one road. "
@@ -204,3 +228,49 @@ def _of_wheel(name: str) -> int:
     """Return the wheel a parameter belongs to, -1 for all."""
     section = name.partition(".")[0].removeprefix("wheel")
     return int(section) if section.isdigit() else -1
+
+
+def standard_unit(unit: str) -> str:
+    """Return a unit of the engine's lists as the standard spells it.
+
+    "" for a share, a code or a flag.
+    """
+    spelt = unit.replace(" ", ".")
+    if spelt in {"", "1"}:
+        return ""
+    base_powers(spelt)
+    return spelt
+
+
+def base_powers(unit: str) -> dict[str, float]:
+    """Return the powers of base units, with ``factor`` and ``offset``.
+
+    Value in SI = factor * value + offset.
+    """
+    if unit in _DEGREE:
+        return _DEGREE[unit]
+    above, *below = unit.split("/")
+    found: dict[str, float] = {}
+    parts = [(above, 1)] + [(part, -1) for part in below]
+    for part, sign in parts:
+        for name in part.split("."):
+            if name != "1":
+                _multiply(found, name, sign, unit)
+    return {
+        key: power for key, power in found.items() if power != (1.0 if key == "factor" else 0.0)
+    }
+
+
+def _multiply(found: dict[str, float], name: str, sign: int, unit: str) -> None:
+    token = _TOKEN.fullmatch(name)
+    if token is None or (token[1] not in _DERIVED and token[1] not in _BASE):
+        raise HubsimError(
+            f"unit {unit!r}: {name!r} is no unit of model descriptions, accepted: "
+            f"{', '.join([*_BASE, *_DERIVED, *_DEGREE])}"
+        )
+    power = sign * int(token[2] or "1")
+    for key, value in _DERIVED.get(token[1], {token[1]: 1.0}).items():
+        if key == "factor":
+            found["factor"] = found.get("factor", 1.0) * value**power
+        else:
+            found[key] = found.get(key, 0.0) + power * value

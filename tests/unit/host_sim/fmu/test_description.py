@@ -10,7 +10,6 @@ from pathlib import Path
 import hubsim
 import pytest
 from hubsim.engine import ROOT
-from hubsim.fmu import units, xml
 from hubsim.fmu.description import (
     FIXED,
     INPUT,
@@ -19,9 +18,11 @@ from hubsim.fmu.description import (
     VEHICLE_INPUTS,
     VEHICLE_SETTINGS,
     Description,
+    base_powers,
     describe,
+    standard_unit,
 )
-from hubsim.fmu.pack import c_table
+from hubsim.fmu.pack import c_table, model_description
 from regen_table import installation
 
 LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
@@ -68,7 +69,7 @@ def test_inputs_and_outputs_of_both_steps_are_in_the_controller(controller: Desc
 
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_a_unit_names_version_and_commit(fmi: int, controller: Description) -> None:
-    root = ET.fromstring(xml.model_description(controller, fmi, ["table.c"]))
+    root = ET.fromstring(model_description(controller, fmi, ["table.c"]))
     assert root.get("version") == installation.version()
     assert root.get("generationTool") == installation.identity("hubfoc")
 
@@ -78,7 +79,7 @@ def test_every_variable_says_what_it_is_in_its_unit(
     fmi: int, vehicle: Description, controller: Description
 ) -> None:
     for unit in (vehicle, controller):
-        root = ET.fromstring(xml.model_description(unit, fmi, ["table.c"]))
+        root = ET.fromstring(model_description(unit, fmi, ["table.c"]))
         defined = {element.get("name") for element in root.iter("Unit")}
         listed = root.find("ModelVariables")
         assert listed is not None
@@ -102,14 +103,14 @@ def test_every_variable_says_what_it_is_in_its_unit(
     ],
 )
 def test_units_are_powers_of_base_units(unit: str, powers: dict[str, float]) -> None:
-    assert units.base_powers(unit) == powers
+    assert base_powers(unit) == powers
 
 
 def test_what_is_no_unit_is_named() -> None:
-    assert units.known("N m s") == "N.m.s"
-    assert units.known("1") == units.known("") == ""
+    assert standard_unit("N m s") == "N.m.s"
+    assert standard_unit("1") == standard_unit("") == ""
     with pytest.raises(hubsim.HubsimError, match="furlong"):
-        units.known("furlong/s")
+        standard_unit("furlong/s")
 
 
 def test_another_configuration_is_another_unit(vehicle: Description, tmp_path: Path) -> None:
