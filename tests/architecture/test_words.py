@@ -25,7 +25,7 @@ HYDRAULIC = re.compile("(?<![A-Za-z])val" + "ves?(?![A-Za-z])", re.IGNORECASE)
 HYDRAULIC_FILES = re.compile(
     r"(?:^|/)(?:test_)?(?:abs_unit|anti_lock|hydraulic_brake)\.[ch]$|^host_sim/plant/README\.md$"
     r"|^host_sim/bench/signals\.c$"
-    r"|^host_sim/python/hubsim/(?:commands/run\.py|scenarios/mu_\w+\.toml)$"
+    r"|^host_sim/python/hubsim/(?:commands\.py|scenarios/mu_\w+\.toml)$"
 )
 # Ordinary words of a sentence, also of the sentence that is a test's name, but no parts of a name.
 NOT_IN_NAMES = frozenset(

@@ -55,8 +55,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the process's exit status."""
     options = parser().parse_args(arguments)
     try:
-        command = importlib.import_module(f"hubsim.commands.{options.command}")
-        status = int(command.main(options))
+        commands = importlib.import_module("hubsim.commands")
+        status = int(commands.COMMANDS[options.command](options))
         sys.stdout.flush()
     except (HubsimError, ConfigurationError) as error:
         print(f"hubsim: {error}", file=sys.stderr)

@@ -9,8 +9,7 @@ import xml.etree.ElementTree as ET
 from dataclasses import dataclass, field
 
 import pytest
-from hubsim import plotjuggler
-from hubsim.commands import list as listing
+from hubsim import commands, plotjuggler
 
 
 @dataclass(frozen=True)
@@ -108,7 +107,7 @@ def curves(text: str) -> list[str]:
 
 @pytest.mark.parametrize("recording", [None, "run.csv"])
 def test_plotjuggler_knows_every_element_and_every_attribute(recording: str | None) -> None:
-    text = plotjuggler.layout(listing.signal_names(), recording)
+    text = plotjuggler.layout(commands.signal_names(), recording)
     assert text.startswith("<?xml version='1.0' encoding='UTF-8'?>\n<root>")
     root = ET.fromstring(text)
     assert root.tag == "root"
@@ -129,7 +128,7 @@ def test_plotjuggler_knows_every_element_and_every_attribute(recording: str | No
 
 
 def test_a_misspelt_setting_is_noticed() -> None:
-    text = plotjuggler.layout(listing.signal_names())
+    text = plotjuggler.layout(commands.signal_names())
     for right, wrong in (
         ("prevTimestamp", "time_axis"),
         ("flip_x", "flipx"),
@@ -142,7 +141,7 @@ def test_a_misspelt_setting_is_noticed() -> None:
 
 
 def test_the_layout_is_made_of_the_signals_that_there_are() -> None:
-    known = listing.signal_names()
+    known = commands.signal_names()
     text = plotjuggler.layout(known)
     root = ET.fromstring(text)
     assert set(curves(text)) <= set(known)
@@ -166,7 +165,7 @@ def test_a_layout_loads_the_recording_that_it_was_written_with() -> None:
 
 
 def test_every_important_signal_is_in_the_layout() -> None:
-    shown = curves(plotjuggler.layout(listing.signal_names()))
+    shown = curves(plotjuggler.layout(commands.signal_names()))
     for signal in (
         "driver.reference_m_per_s",
         "vehicle.speed_m_per_s",
@@ -190,5 +189,5 @@ def test_a_layout_leaves_out_what_was_not_recorded() -> None:
 
 def test_the_layout_in_the_package_is_up_to_date() -> None:
     assert plotjuggler.PATH.read_text(encoding="utf-8") == plotjuggler.layout(
-        listing.signal_names()
+        commands.signal_names()
     )
