@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from run_tests import choose, ctest
+from run_tests.choose import BuildGraph
 from run_tests.ctest import Result, Test
-from run_tests.graph import BuildGraph
 
 ROOT = Path(__file__).resolve().parents[2]
 PRESETS = ("host", "host-asan", "stm32f405", "qemu")

@@ -8,8 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from run_tests.choose import BuildGraph
 from run_tests.ctest import Test as CTest
-from run_tests.graph import BuildGraph
 
 ROOT = Path(__file__).resolve().parents[4]
 
