@@ -14,7 +14,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tools"))
 
-from regen_table import config_header, installation
+from regen_table import installation, layout
 
 
 def main(directory: Path) -> None:
@@ -22,7 +22,7 @@ def main(directory: Path) -> None:
     directory.mkdir(parents=True, exist_ok=True)
     record = {"version": installation.version(), "commit": installation.commit()}
     (directory / "build.json").write_text(json.dumps(record) + "\n", encoding="utf-8")
-    (directory / "config_header.i").write_text(config_header.expanded(), encoding="utf-8")
+    (directory / "config_header.i").write_text(layout.expanded(), encoding="utf-8")
 
 
 if __name__ == "__main__":

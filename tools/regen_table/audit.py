@@ -14,12 +14,12 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from regen_table import braking, cycles, models
+from regen_table import braking, ideal_cycles, models
 from regen_table.braking import Production
 from regen_table.errors import ConfigurationError
 from regen_table.models import Array, ArrayLike
 from regen_table.schema import Drive
-from regen_table.tables import RegenMap
+from regen_table.torque_map import RegenMap
 
 ENERGY_LOSS_MAX = 2e-4
 POWER_LOSS_MAX = 1e-3
@@ -111,8 +111,8 @@ def _manoeuvres(drive: Drive) -> list[tuple[str, Array, Array, Array]]:
             ("stop at rated torque", drive.motor.rated_torque_nm),
         )
     ]
-    for cycle in cycles.shipped(drive):
-        asked = cycles.demand(drive, cycle)
+    for cycle in ideal_cycles.shipped(drive):
+        asked = ideal_cycles.demand(drive, cycle)
         brakes = (asked.torque_nm < 0.0) & (asked.speed_rad_s > 0.0)
         found.append(
             (

@@ -15,16 +15,14 @@ from typing import Any
 from regen_table import (
     STRATEGIES,
     calibrate,
-    cycles,
     generate,
     ideal,
+    ideal_cycles,
     image,
+    installation,
     outputs,
     points,
-    provenance,
-    report,
     schema,
-    stops,
 )
 from regen_table.errors import ConfigurationError
 
@@ -41,13 +39,13 @@ def run_generate(options: argparse.Namespace) -> int:
     """Write C source and image, a report and figures on request, and print what was found."""
     drive = schema.load(options.config)
     with _about(options.config):
-        found = report.collect(drive)
+        found = generate.make_report(drive)
         made = generate.artefacts(drive)
     directory = options.output or generate.GENERATED
     files = {directory / name: content for name, content in made.files.items()}
     if options.report:
-        origin = provenance.provenance(drive.name, made.image, date=options.date)
-        files[options.report] = report.as_json(found, origin)
+        origin = installation.provenance(drive.name, made.image, date=options.date)
+        files[options.report] = generate.report_json(found, origin)
     paths = outputs.write_files(files, make_directories=True)
     if options.plots:
         # Matplotlib takes longer to load than all else takes to run.
@@ -55,9 +53,9 @@ def run_generate(options: argparse.Namespace) -> int:
 
         with _about(options.config):
             paths += figures.draw_all(drive, options.output or generate.FIGURES)
-    for warning in report.warnings(drive, found):  # last: an error is one line
+    for warning in generate.warnings(drive, found):  # last: an error is one line
         print(f"{options.config}: warning: {warning}", file=sys.stderr)
-    print(report.as_text(found))
+    print(generate.report_text(found))
     for path in paths:
         print(path)
     return 0
@@ -142,7 +140,7 @@ def run_stop(options: argparse.Namespace) -> int:
     warm = _one_temperature(drive, options.winding_temperature_c)
     with _about(options.config):
         found = [
-            stops.stop(
+            ideal.stop(
                 drive, name, demand, options.initial_speed_kmh, warm, options.soc, options.battery
             )
             for name in (STRATEGIES if strategy == "all" else [strategy])
@@ -168,10 +166,10 @@ def run_cycle(options: argparse.Namespace) -> int:
     """Print an ideal cycle under every strategy."""
     drive = schema.load(options.config)
     warm = _one_temperature(drive, options.winding_temperature_c)
-    trace = cycles.load(options.trace, options.top_speed_kmh)
+    trace = ideal_cycles.load(options.trace, options.top_speed_kmh)
     with _about(options.config):
         found = [
-            cycles.run(drive, trace, strategy, warm, options.soc, ideal.production(drive))
+            ideal_cycles.run(drive, trace, strategy, warm, options.soc, ideal.production(drive))
             for strategy in STRATEGIES
         ]
     _answer(
@@ -237,7 +235,7 @@ def _origin(drive: schema.Drive, date: str | None) -> dict[str, Any]:
         raw = image.build(drive)
     except ConfigurationError:
         raw = None
-    return provenance.provenance(drive.name, raw, date=date)
+    return installation.provenance(drive.name, raw, date=date)
 
 
 def _cell(value: object) -> str:

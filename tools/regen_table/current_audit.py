@@ -16,7 +16,7 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from regen_table import audit, braking, current_map, cycles, joint, layout, models, tables
+from regen_table import audit, braking, current_map, ideal_cycles, joint, layout, models, torque_map
 from regen_table.current_map import CurrentMap
 from regen_table.errors import ConfigurationError
 from regen_table.models import Array
@@ -103,7 +103,7 @@ def choose(drive: Drive) -> CurrentMap:
 
 
 @lru_cache(maxsize=8)
-def braking_table(drive: Drive) -> tables.RegenMap:
+def braking_table(drive: Drive) -> torque_map.RegenMap:
     """Return the table of T_opt that belongs to the chosen i_d.
 
     On the grid that the drive names or on the smallest one.
@@ -129,7 +129,7 @@ def smallest_grid(drive: Drive, free: bool = False) -> tuple[int, int] | None:
         drive = drive.model_copy(update={"table": auto}).named(drive.name)
     currents = choose(drive)
     made = current_map.production(currents)
-    for points in tables.grids(drive, _ends_of_optima(drive, currents)):
+    for points in torque_map.grids(drive, _ends_of_optima(drive, currents)):
         if audit.suffices(drive, current_map.regen_map(drive, currents, points), made):
             return points
     return None
@@ -143,8 +143,8 @@ def _ends_of_optima(drive: Drive, currents: CurrentMap) -> Iterator[int]:
     best = current_map.best_torque_nm(motor, models.bridge(drive), currents, speed, limit)
     beyond = np.flatnonzero(np.all(best >= drive.motor.max_torque_nm, axis=0))
     if beyond.size:
-        for step in range(*tables.SPEED_STEP_LOG2):
-            yield tables.points_over(1000.0 * float(speed[beyond[0]]), step)
+        for step in range(*torque_map.SPEED_STEP_LOG2):
+            yield torque_map.points_over(1000.0 * float(speed[beyond[0]]), step)
 
 
 def losses(drive: Drive, table: CurrentMap) -> list[CurrentLoss]:
@@ -171,7 +171,7 @@ def worst_power_loss(drive: Drive, table: CurrentMap) -> float:
 def _layers(drive: Drive, references: list[_Reference], braked: _Reference) -> int:
     """Return how many temperatures are worth it."""
     for layers in LAYERS:
-        if current_map.temperature_axis(drive, layers)[1] > tables.TEMPERATURE_STEP_LOG2[1]:
+        if current_map.temperature_axis(drive, layers)[1] > torque_map.TEMPERATURE_STEP_LOG2[1]:
             continue
         made = partial(_gridless_power, drive, layers)
         if _loses_at_most(TEMPERATURE_SHARE, references, braked, made):
@@ -213,8 +213,8 @@ def _references(drive: Drive) -> list[_Reference]:
         "hard stop": (speed, np.ones(_SPEEDS), -strongest),
         "full acceleration": (speed, np.ones(_SPEEDS), strongest),
     }
-    for cycle in cycles.shipped(drive):
-        asked = cycles.demand(drive, cycle)
+    for cycle in ideal_cycles.shipped(drive):
+        asked = ideal_cycles.demand(drive, cycle)
         moving, brakes = asked.speed_rad_s > 0.0, asked.torque_nm < 0.0
         brakes_on = (
             asked.speed_rad_s >= drive.control.handover_end_rpm * np.pi / 30.0

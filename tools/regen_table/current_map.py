@@ -22,7 +22,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from regen_table import audit, braking, joint, models, optimum, tables
+from regen_table import audit, braking, joint, models, optimum, torque_map
 from regen_table.models import Array, ArrayLike
 from regen_table.schema import Drive
 
@@ -82,9 +82,9 @@ def temperature_axis(drive: Drive, points: int) -> tuple[int, int]:
     """
     lowest, highest = drive.table.temperature_range_c
     if points == 1:
-        return round(50.0 * (lowest + highest)), tables.TEMPERATURE_STEP_LOG2[0]
-    return round(100.0 * lowest), tables.step_log2(
-        100.0 * (highest - lowest), points, tables.TEMPERATURE_STEP_LOG2[0]
+        return round(50.0 * (lowest + highest)), torque_map.TEMPERATURE_STEP_LOG2[0]
+    return round(100.0 * lowest), torque_map.step_log2(
+        100.0 * (highest - lowest), points, torque_map.TEMPERATURE_STEP_LOG2[0]
     )
 
 
@@ -267,21 +267,21 @@ def production(table: CurrentMap) -> braking.Production:
 
 def regen_map(
     drive: Drive, currents: CurrentMap, points: tuple[int, int] | None = None
-) -> tables.RegenMap:
+) -> torque_map.RegenMap:
     """Return the braking table of the stored i_d: its optimum at every point, unclamped.
 
     The grid reaches up to the top speed, as without i_d, unless it loses too much power somewhere.
     It does for a salient motor, whose optimum runs away at the speed where the power loses its
     minimum (it is stored up to a bound then): a finer grid that ends where every optimum is beyond
     max_torque_nm is better, because from there on the limits decide, and the firmware takes the
-    nearest edge. ``points`` as in tables.regen_map().
+    nearest edge. ``points`` as in torque_map.regen_map().
     """
-    plain = tables.regen_map(drive, points)
+    plain = torque_map.regen_map(drive, points)
     made = production(currents)
     whole = _filled(drive, currents, plain, plain.speed_step_log2)
     if audit.worst_power_loss(drive, whole, made) <= audit.POWER_LOSS_MAX:
         return whole
-    for step in range(tables.SPEED_STEP_LOG2[0], plain.speed_step_log2):
+    for step in range(torque_map.SPEED_STEP_LOG2[0], plain.speed_step_log2):
         short = _filled(drive, currents, plain, step)
         if np.all(short.torque_mNm[:, -1] >= 1000.0 * drive.motor.max_torque_nm):
             return min(whole, short, key=lambda table: audit.worst_power_loss(drive, table, made))
@@ -289,8 +289,8 @@ def regen_map(
 
 
 def _filled(
-    drive: Drive, currents: CurrentMap, plain: tables.RegenMap, step_log2: int
-) -> tables.RegenMap:
+    drive: Drive, currents: CurrentMap, plain: torque_map.RegenMap, step_log2: int
+) -> torque_map.RegenMap:
     """Fill a braking table with another distance of its speeds.
 
     At standstill the closed form's continuation below zero.

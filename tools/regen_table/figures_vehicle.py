@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path as Outline
 
-from regen_table import STRATEGIES, braking, cycles, ideal, models, plotting, stops
+from regen_table import STRATEGIES, braking, ideal, ideal_cycles, models, plotting
 from regen_table.plotting import BLUE, GREEN, GREY, ORANGE, RED, STRATEGY_COLOURS, STRATEGY_NAMES
 from regen_table.schema import Drive
 
@@ -130,7 +130,7 @@ def stored_share(drive: Drive) -> Figure:
     for strategy in STRATEGIES:
         stored = [
             100.0
-            * stops.stop(
+            * ideal.stop(
                 drive,
                 strategy,
                 float(demand),
@@ -162,13 +162,13 @@ def stored_share(drive: Drive) -> Figure:
 def energy_flow(drive: Drive) -> Figure:
     """Fig. 10: where the energy of the urban cycle goes under the three strategies."""
     top_kmh = drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
-    trace = cycles.load(cycles.DIRECTORY / "ece15.csv")
+    trace = ideal_cycles.load(ideal_cycles.DIRECTORY / "ece15.csv")
     factor = min(1.0, top_kmh / URBAN_CYCLE_TOP_KMH)
-    trace = cycles.Cycle(trace.name, trace.time_s, trace.speed_m_s * factor)
+    trace = ideal_cycles.Cycle(trace.name, trace.time_s, trace.speed_m_s * factor)
     title = f"Fig. 10   Energy flow over the urban cycle (ECE-15, speeds × {factor:.2f})"
     made, panels = plotting.figure(title, rows=3, width=10.5, height=9.5)
     for axes, strategy in zip(panels, STRATEGIES, strict=True):
-        result = cycles.run(
+        result = ideal_cycles.run(
             drive,
             trace,
             strategy,
@@ -185,7 +185,7 @@ def energy_flow(drive: Drive) -> Figure:
     return made
 
 
-def _flow(axes: Axes, result: cycles.CycleResult) -> None:
+def _flow(axes: Axes, result: ideal_cycles.CycleResult) -> None:
     """Draw one flow from left to right: the band is what is left, what leaves it bends up."""
     out, back = result.while_driving_j, result.while_braking_j
     exits = [

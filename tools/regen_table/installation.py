@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the packages find what is not Python, and which version and commit they are.
 
+Also what every output says of its origin: version, commit, configuration with its CRC, scenario,
+seed and date stand in every JSON, Parquet, MDF and HTML file. The generated C source and its image
+have none of it: they depend on the TOML file alone. Standard library only.
+
 In the repository that is the repository itself. An installed distribution carries a copy of the few
 files needed, at the same places below ``regen_table/data``, and a record of the build.
 """
@@ -8,14 +12,19 @@ files needed, at the same places below ``regen_table/data``, and a record of the
 import json
 import os
 import re
+from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
+from typing import Any
+
+from regen_table.errors import ConfigurationError
 
 _DATA = Path(__file__).resolve().parent / "data"
 INSTALLED = (_DATA / "build.json").is_file()
 ROOT = _DATA if INSTALLED else Path(__file__).resolve().parents[2]
 
 UNKNOWN = "unknown"
+EPOCH_VARIABLE = "SOURCE_DATE_EPOCH"
 
 
 # Packages that only some commands need, and the extra of the distribution that brings them.
@@ -104,6 +113,69 @@ def short(commit: str) -> str:
 def identity(program: str) -> str:
     """Return program, version and commit in the words of the firmware's banner."""
     return f"{program} {version()} ({short(commit())})"
+
+
+def provenance(
+    configuration: str | None = None,
+    image: bytes | None = None,
+    *,
+    scenario: str | None = None,
+    seed: int | None = None,
+    date: str | None = None,
+) -> dict[str, Any]:
+    """Return the origin of an output as an object for JSON; None becomes null.
+
+    Parameters
+    ----------
+    configuration : str, optional
+        Name of the configuration.
+    image : bytes, optional
+        Its binary image, as the firmware holds it; its CRC-32 is the field ``crc32``.
+    scenario, seed : optional
+        Of a simulated run.
+    date : str, optional
+        ISO 8601. Absent: SOURCE_DATE_EPOCH, or else the clock.
+    """
+    return {
+        "program": "hubfoc",
+        "version": version(),
+        "commit": commit(),
+        "configuration": configuration,
+        "configuration_crc32": None if image is None else crc32(image),
+        "scenario": scenario,
+        "seed": seed,
+        "date": timestamp(date),
+    }
+
+
+def crc32(image: bytes) -> str:
+    """Return the CRC-32 that an image ends with, as the generated C file writes it."""
+    return f"0x{int.from_bytes(image[-4:], 'little'):08X}"
+
+
+def timestamp(given: str | None = None) -> str:
+    """Return a date as ISO 8601 in UTC, to the second.
+
+    The one given (ISO 8601, UTC where it names no zone), else SOURCE_DATE_EPOCH, else the clock.
+    """
+    if given is not None:
+        try:
+            moment = datetime.fromisoformat(given)
+        except ValueError:
+            raise ConfigurationError(
+                f"date: {given!r}, accepted: ISO 8601, as in 2026-01-31T12:00:00Z"
+            ) from None
+        moment = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
+    elif epoch := os.environ.get(EPOCH_VARIABLE):
+        try:
+            moment = datetime.fromtimestamp(int(epoch), UTC)
+        except (ValueError, OverflowError, OSError):
+            raise ConfigurationError(
+                f"{EPOCH_VARIABLE}: {epoch!r}, accepted: seconds since 1970 as a whole number"
+            ) from None
+    else:
+        moment = datetime.now(UTC)
+    return moment.astimezone(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
 def _archived() -> str:

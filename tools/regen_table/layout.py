@@ -3,23 +3,35 @@
 
 Read from firmware/config/include/config/config.h.
 
-That header is the only place that knows them. ``config_header`` expands it, through a C
-preprocessor or, in an installed distribution, once and for all when that was built; cffi computes
-the layout from the result, so a field added there appears here without a change.
+That header is the only place that knows them. It is run through the C preprocessor of whatever
+compiler is at hand (``$CC``, cc, gcc, clang or arm-none-eabi-gcc), and cffi computes the layout
+from the result, so a field added there appears here without a change. An installed distribution has
+the expanded text instead of the header (host_sim/python/bake.py) and needs no compiler; where that
+is written there is no cffi, so that it is imported only where a layout is computed.
 """
 
+import os
 import re
+import shlex
+import shutil
+import subprocess
 import sys
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import cffi
-
-from regen_table import config_header
-from regen_table.config_header import HEADER
+from regen_table import installation
 from regen_table.errors import ConfigurationError
+
+if TYPE_CHECKING:
+    import cffi
+
+HEADER = installation.ROOT / "firmware" / "config" / "include" / "config" / "config.h"
+# What an installed distribution has in the place of the header.
+EXPANDED = installation.ROOT / "config_header.i"
+LISTS_BEGIN = "regen_lists_begin"
+_COMPILERS = ("cc", "gcc", "clang", "arm-none-eabi-gcc")
 
 
 @dataclass(frozen=True)
@@ -48,7 +60,7 @@ class Layout:
         Value of every object-like integer macro CONFIG_*.
     """
 
-    ffi: cffi.FFI
+    ffi: "cffi.FFI"
     sections: dict[str, dict[str, FieldInfo]]
     constants: dict[str, int] = field(default_factory=dict)
 
@@ -66,25 +78,27 @@ def load(header: Path = HEADER) -> Layout:
             "configuration images are little endian, as the microcontroller is; so must this"
             " machine be"
         )
-    return parse(config_header.expanded(header), header)
+    return parse(expanded(header), header)
 
 
 def parse(text: str, header: Path = HEADER) -> Layout:
     """Compute the layout from the expanded header; ``header`` names it in messages."""
-    declarations, _, expanded = text.partition(config_header.LISTS_BEGIN)
+    import cffi  # noqa: PLC0415, see above
+
+    declarations, _, lists = text.partition(LISTS_BEGIN)
     ffi = cffi.FFI()
     try:
         ffi.cdef(re.sub(r"_Static_assert\s*\(.*?\)\s*;", "", declarations, flags=re.DOTALL))
-        sections = _sections(ffi, expanded)
+        sections = _sections(ffi, lists)
     except (cffi.CDefError, cffi.FFIError, KeyError) as error:
         raise ConfigurationError(
             f"{header}: not understood: {' '.join(str(error).split())}"
         ) from error
-    pairs = re.findall(r'regen_constant\("(\w+)",\s*(0[xX][0-9a-fA-F]+|\d+)[uUlL]*\);', expanded)
+    pairs = re.findall(r'regen_constant\("(\w+)",\s*(0[xX][0-9a-fA-F]+|\d+)[uUlL]*\);', lists)
     return Layout(ffi, sections, {name: int(value, 0) for name, value in pairs})
 
 
-def _sections(ffi: cffi.FFI, expanded: str) -> dict[str, dict[str, FieldInfo]]:
+def _sections(ffi: "cffi.FFI", lists: str) -> dict[str, dict[str, FieldInfo]]:
     """Order the expanded field lists into the sections of config_t."""
     members = {
         name: _struct_fields(info.type)
@@ -93,7 +107,7 @@ def _sections(ffi: cffi.FFI, expanded: str) -> dict[str, dict[str, FieldInfo]]:
     sections: dict[str, dict[str, FieldInfo]] = {
         name: {} for name, fields in members.items() if fields
     }
-    for part in expanded.split("regen_list(")[1:]:
+    for part in lists.split("regen_list(")[1:]:
         macro = part[1 : part.index('"', 1)]
         for field_text in re.findall(r"regen_field\((.*?)\) regen_end", part, flags=re.DOTALL):
             name, count, lowest, highest, unit, text = _split(field_text)
@@ -144,3 +158,57 @@ def _integer(text: str) -> int:
     if not re.fullmatch(r"[-+]?\s*(0[xX][0-9a-fA-F]+|\d+)", text):
         raise KeyError(f"{text} is not a whole number")
     return int(text.replace(" ", ""), 0)
+
+
+def expanded(header: Path = HEADER) -> str:
+    """Return the declarations, then what stands in the field lists and constants."""
+    if installation.INSTALLED and header == HEADER:
+        return EXPANDED.read_text(encoding="utf-8")
+    try:
+        text = header.read_text(encoding="utf-8")
+    except OSError as error:
+        raise ConfigurationError(f"{header}: cannot be read: {error.strerror}") from error
+    lists = re.findall(
+        r"^#define\s+(CONFIG_\w+_(?:FIELDS|ARRAY))\((\w)\)", text, flags=re.MULTILINE
+    )
+    constants = [
+        name
+        for name in re.findall(r"^#define\s+(CONFIG_\w+)[ \t]+\S", text, flags=re.MULTILINE)
+        if not name.endswith(("_MEMBER", "_FIELDS", "_ARRAY"))
+    ]
+    # Standard headers say nothing about the layout, and cffi knows the fixed-width types by itself.
+    bare = re.sub(r"^\s*#\s*include\s*<[^>]*>", "", text, flags=re.MULTILINE)
+    source = [bare, LISTS_BEGIN]
+    source.append(
+        "#define REGEN_SCALAR(name, lowest, highest, unit, text) "
+        "regen_field(name, 0, lowest, highest, unit, text) regen_end"
+    )
+    source.append(
+        "#define REGEN_ARRAY(name, count, lowest, highest, unit, text) "
+        "regen_field(name, count, lowest, highest, unit, text) regen_end"
+    )
+    source += [
+        f'regen_list("{name}"); {name}({"REGEN_SCALAR" if letter == "X" else "REGEN_ARRAY"})'
+        for name, letter in lists
+    ]
+    source += [f'regen_constant("{name}", {name});' for name in constants]
+    return _preprocess("\n".join(source) + "\n", header)
+
+
+def _preprocess(source: str, header: Path) -> str:
+    """Run the first C preprocessor found over a text."""
+    named = os.environ.get("CC")
+    candidates = [shlex.split(named)] if named else []
+    candidates += [[name] for name in _COMPILERS]
+    command = next((c for c in candidates if shutil.which(c[0])), None)
+    if command is None:
+        raise ConfigurationError(
+            f"no C preprocessor found to read {header.name}: "
+            f"install one of {', '.join(_COMPILERS)} or set CC"
+        )
+    arguments = [*command, "-E", "-P", "-x", "c", "-I", str(header.parents[1]), "-"]
+    done = subprocess.run(arguments, input=source, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        reason = next(iter(done.stderr.strip().splitlines()), "no message")
+        raise ConfigurationError(f"{header}: {command[0]} refused it: {reason}")
+    return done.stdout

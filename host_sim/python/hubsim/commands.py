@@ -12,7 +12,7 @@ from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from regen_table import installation, provenance
+from regen_table import installation
 from regen_table.schema import Drive
 from rich import box
 from rich.console import Console
@@ -275,7 +275,7 @@ def compare_runs(options: argparse.Namespace) -> int:
         raise HubsimError(f"{options.first} and {options.second}: nothing in common to compare")
     if options.json:
         written = {
-            "provenance": provenance.provenance(date=options.date),
+            "provenance": installation.provenance(date=options.date),
             "sides": [{"name": s.name, "provenance": s.origin} for s in (first, second)],
             "differences": [d.as_object() for d in found],
         }
@@ -448,7 +448,7 @@ def _with_origin(result: RunResult, date: str | None) -> RunResult:
     """Return a result with an origin: its own, or that of this call where its file holds none."""
     if result.origin:
         return result
-    made = provenance.provenance(result.vehicle, scenario=result.cycle, date=date)
+    made = installation.provenance(result.vehicle, scenario=result.cycle, date=date)
     return replace(result, origin=made)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from regen_table import image, provenance
+from regen_table import image, installation
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
@@ -218,7 +218,7 @@ def origin_of(
         raw = configuration.image_of(drive)
     except ConfigurationError as error:
         raise HubsimError(f"{drive.name}: {error}") from error
-    return provenance.provenance(drive.name, raw, scenario=name, seed=scenario.seed, date=date)
+    return installation.provenance(drive.name, raw, scenario=name, seed=scenario.seed, date=date)
 
 
 def _faults(engine: Engine, wheels: int) -> list[Fault]:

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from regen_table import braking, models, packs
-from regen_table import stops as ideal
+from regen_table import braking, ideal, models, packs
 from regen_table.errors import ConfigurationError
 from regen_table.ideal import lines
 from regen_table.schema import Drive

@@ -10,7 +10,7 @@ import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
-from regen_table import installation, provenance
+from regen_table import installation
 
 from hubsim import files
 from hubsim.errors import HubsimError
@@ -236,7 +236,7 @@ def _page(unit: Description) -> str:
         "version": installation.version(),
         "commit": installation.short(installation.commit()),
         "configuration": unit.config.name,
-        "configuration_crc32": provenance.crc32(unit.config.image),
+        "configuration_crc32": installation.crc32(unit.config.image),
     }
     meta = "".join(f'<meta name="hubfoc-{key}" content="{text}">' for key, text in origin.items())
     origin_text = ", ".join(f"{key.replace('_', ' ')} {text}" for key, text in origin.items())

@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from regen_table import provenance
+from regen_table import installation
 from regen_table.errors import ConfigurationError
 from regen_table.schema import Drive
 
@@ -72,7 +72,7 @@ def origin(job: Job, seed: int, date: str | None) -> dict[str, Any]:
     """Return the provenance of a sweep: that of its drive as the file has it, and its own seed."""
     drive = _plain_drive(job.config)
     name = Path(job.scenario).stem
-    return provenance.provenance(
+    return installation.provenance(
         drive.name, configuration.image_of(drive), scenario=name, seed=seed, date=date
     )
 

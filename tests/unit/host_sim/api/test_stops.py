@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 from hubsim import configuration, run, scenario, stops
 from hubsim.engine import ROOT
-from regen_table import image, joint, models, schema
-from regen_table import stops as ideal
+from regen_table import ideal, image, joint, models, schema
 from regen_table.schema import Drive
 
 LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"

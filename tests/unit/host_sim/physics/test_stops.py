@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import pytest
 from one_wheel import accounts, quarter, started, stopped
-from regen_table import stops
+from regen_table import ideal
 from regen_table.schema import Drive
 
 DEMANDS_NM = (5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 120.0)
@@ -36,8 +36,8 @@ def share(drive: Drive, demand_nm: float, plant: dict[str, float] | None = None)
         return found
 
 
-def ideal(drive: Drive, demand_nm: float, battery: str = "dynamic") -> float:
-    return stops.stop(
+def ideal_share(drive: Drive, demand_nm: float, battery: str = "dynamic") -> float:
+    return ideal.stop(
         drive, drive.brake.strategy, demand_nm, 40.0, 25.0, battery=battery
     ).stored_share_of_kinetic
 
@@ -66,7 +66,7 @@ def test_a_stop_returns_what_the_ideal_one_does_to_a_hundredth_of_the_kinetic_en
     drive = quarter(strategy, sensor="hall")
     for demand in DEMANDS_NM:
         assert share(drive, demand, plant) == pytest.approx(
-            ideal(drive, demand, battery), abs=PER_CENT
+            ideal_share(drive, demand, battery), abs=PER_CENT
         ), demand
 
 
@@ -124,14 +124,14 @@ def test_what_parts_a_stop_from_the_ideal_one_has_names(demand_nm: float, strate
         / (0.5 * drive.vehicle.mass_kg * speed**2)
     )
     assert to_standstill - at_once == pytest.approx(
-        work * ideal(drive, demand_nm), abs=0.1 * PER_CENT
+        work * ideal_share(drive, demand_nm), abs=0.1 * PER_CENT
     )
-    assert at_once == pytest.approx(ideal(drive, demand_nm), abs=0.5 * PER_CENT)
+    assert at_once == pytest.approx(ideal_share(drive, demand_nm), abs=0.5 * PER_CENT)
 
 
 def test_an_ideal_with_a_settled_battery_is_left_behind() -> None:
     drive = quarter("parallel_free_travel")
-    assert share(drive, 40.0) > ideal(drive, 40.0, "settled") + PER_CENT
+    assert share(drive, 40.0) > ideal_share(drive, 40.0, "settled") + PER_CENT
 
 
 @pytest.mark.parametrize(

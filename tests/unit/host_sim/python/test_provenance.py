@@ -12,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 from asammdf import MDF
 from hubsim import cli, configuration, engine, reasons
-from regen_table import installation, provenance, schema
+from regen_table import installation, schema
 
 DATE = "2026-03-01T10:20:30Z"
 QUICK = ("--set", "initial_speed_kmh=5", "--set", "demand_nm=60", "--set", "seed=7")
@@ -31,7 +31,7 @@ def expected(scenario: str = "stop", seed: int = 7, changes: str = "") -> dict[s
         "version": installation.version(),
         "commit": installation.commit(),
         "configuration": "lu2013",
-        "configuration_crc32": provenance.crc32(configuration.image_of(drive)),
+        "configuration_crc32": installation.crc32(configuration.image_of(drive)),
         "scenario": scenario,
         "seed": seed,
         "date": DATE,

@@ -13,7 +13,7 @@ from typing import Any
 import cffi
 import numpy as np
 import pytest
-from regen_table import audit, current_audit, current_map, image, joint, models, schema, tables
+from regen_table import audit, current_audit, current_map, image, joint, models, schema, torque_map
 from regen_table.errors import ConfigurationError
 from regen_table.models import Array
 
@@ -139,11 +139,11 @@ def test_a_motor_that_idles_takes_the_least_power(drive: schema.Drive) -> None:
 )
 def test_points_beside_the_curve_lose_less_than_points_on_it(path: Path) -> None:
     drive = schema.load(path)
-    torque_step = tables.step_log2(2000.0 * drive.motor.max_torque_nm, 9, 0)
+    torque_step = torque_map.step_log2(2000.0 * drive.motor.max_torque_nm, 9, 0)
     beside = current_map.compute(
         drive,
         torque_step,
-        tables.step_log2(drive.motor.max_speed_rpm * math.pi / 30.0 * 1000.0, 5, 6),
+        torque_map.step_log2(drive.motor.max_speed_rpm * math.pi / 30.0 * 1000.0, 5, 6),
         1,
     )
     motor, inverter = (

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from regen_table import braking, current_audit, cycles, ideal, joint, models, schema, stops
+from regen_table import braking, current_audit, ideal, ideal_cycles, joint, models, schema
 
 ROOT = Path(__file__).resolve().parents[4]
 MOTORS = sorted((ROOT / "tools" / "motors").glob("*.toml"))
@@ -74,11 +74,11 @@ def test_a_salient_motors_stop_and_cycle_return_what_the_least_loss_does(path: P
         made.state(motor, inverter, speed, -torque).dc_power_w <= best + 1e-3 * np.abs(best)
     )
     demand = 0.7 * drive.motor.max_torque_nm
-    stopped = stops.stop(drive, "series_optimal", demand, 20.0, 60.0)
+    stopped = ideal.stop(drive, "series_optimal", demand, 20.0, 60.0)
     assert abs(stopped.residual_relative) < 1e-9
-    trace = cycles.load(cycles.DIRECTORY / "ece15.csv", 30.0)
+    trace = ideal_cycles.load(ideal_cycles.DIRECTORY / "ece15.csv", 30.0)
     free, zero = (
-        cycles.run(drive, trace, "series_optimal", 60.0, made=way).energy_j.battery_returned
+        ideal_cycles.run(drive, trace, "series_optimal", 60.0, made=way).energy_j.battery_returned
         for way in (made, braking.ZERO_D_CURRENT)
     )
     assert free > zero

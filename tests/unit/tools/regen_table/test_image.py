@@ -16,7 +16,7 @@ from typing import Any
 import cffi
 import numpy as np
 import pytest
-from regen_table import cli, config_header, generate, image, layout, loops, schema
+from regen_table import cli, generate, image, layout, loops, schema
 from regen_table.errors import CheckFailedError, ConfigurationError
 
 ROOT = Path(__file__).resolve().parents[4]
@@ -33,7 +33,7 @@ def unpack(raw: bytes) -> Any:  # noqa: ANN401, a cffi pointer
 
 
 def test_every_line_of_the_header_is_found() -> None:
-    text = config_header.HEADER.read_text(encoding="utf-8")
+    text = layout.HEADER.read_text(encoding="utf-8")
     lines = re.findall(r"^    [XY]\((\w+),", text, flags=re.MULTILINE)
     found = [name for fields in layout.load().sections.values() for name in fields]
     assert sorted(found) == sorted(lines)

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from regen_table import outputs, provenance
+from regen_table import installation, outputs
 from regen_table.errors import ConfigurationError, OutputError
 
 TOOLS = Path(outputs.__file__).resolve().parents[1]
@@ -225,20 +225,20 @@ def test_provenance_takes_the_given_date_then_the_environment_s_then_the_clock_s
 ) -> None:
     image = bytes(8) + (0x573C2186).to_bytes(4, "little")
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
-    found = provenance.provenance("lu2013", image, scenario="stop", seed=3)
+    found = installation.provenance("lu2013", image, scenario="stop", seed=3)
     assert found["date"] == "1970-01-02T00:00:00Z"
     assert found["configuration_crc32"] == "0x573C2186"
     assert (found["configuration"], found["scenario"], found["seed"]) == ("lu2013", "stop", 3)
     assert re.fullmatch(r"[0-9a-f]{40}\+?|unknown", found["commit"])
-    assert provenance.timestamp("2026-01-31T13:00:00+01:00") == "2026-01-31T12:00:00Z"
-    assert provenance.timestamp("2026-01-31") == "2026-01-31T00:00:00Z"
+    assert installation.timestamp("2026-01-31T13:00:00+01:00") == "2026-01-31T12:00:00Z"
+    assert installation.timestamp("2026-01-31") == "2026-01-31T00:00:00Z"
     monkeypatch.delenv("SOURCE_DATE_EPOCH")
-    assert provenance.timestamp() > "2026"
+    assert installation.timestamp() > "2026"
 
 
 def test_a_date_that_is_none_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ConfigurationError, match="accepted: ISO 8601"):
-        provenance.timestamp("yesterday")
+        installation.timestamp("yesterday")
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")
     with pytest.raises(ConfigurationError, match="accepted: seconds since 1970"):
-        provenance.timestamp()
+        installation.timestamp()

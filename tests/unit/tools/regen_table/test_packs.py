@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from regen_table import STRATEGIES, models, packs, schema, stops
+from regen_table import STRATEGIES, ideal, models, packs, schema
 from scipy import integrate
 
 Change = Callable[[dict[str, Any]], schema.Drive]
@@ -121,7 +121,7 @@ def test_a_branch_that_moves_lies_between_one_that_has_settled_and_none(
     for demand in DEMANDS_NM:
 
         def share(changes: dict[str, Any], battery: str, demand: float = demand) -> float:
-            found = stops.stop(change(changes), strategy, demand, 40.0, 25.0, battery=battery)
+            found = ideal.stop(change(changes), strategy, demand, 40.0, 25.0, battery=battery)
             assert abs(found.residual_relative) < 1e-9
             return found.stored_share_of_kinetic
 
@@ -139,7 +139,7 @@ def test_a_branch_that_moves_lies_between_one_that_has_settled_and_none(
         assert off == pytest.approx(
             share({"battery.polarisation_resistance_ohm": 0.0}, "settled"), rel=1e-12
         )
-    energies = stops.stop(drive, strategy, 40.0, 40.0, 25.0, battery="dynamic").energy_j
+    energies = ideal.stop(drive, strategy, 40.0, 40.0, 25.0, battery="dynamic").energy_j
     assert 0.0 < energies.polarisation < energies.battery
 
 
@@ -151,7 +151,7 @@ def test_the_series_optimum_stays_the_best_with_a_branch_that_moves(
         for demand in drive.motor.rated_torque_nm * np.array([0.7, 4.0]):
             stored = {
                 s: (
-                    stops.stop(
+                    ideal.stop(
                         drive, s, float(demand), top, 80.0, battery="dynamic"
                     ).stored_share_of_kinetic
                 )

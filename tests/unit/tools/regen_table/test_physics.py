@@ -9,7 +9,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from regen_table import STRATEGIES, braking, cycles, joint, models, optimum, points, schema, stops
+from regen_table import (
+    STRATEGIES,
+    braking,
+    ideal,
+    ideal_cycles,
+    joint,
+    models,
+    optimum,
+    points,
+    schema,
+)
 
 Change = Callable[[dict[str, Any]], schema.Drive]
 SPEEDS_RPM = (25.0, 50.0, 100.0, 150.0, 300.0, 424.4)
@@ -37,7 +47,7 @@ def test_a_stop_from_40_km_h_stores_what_was_derived_by_hand(
     paper: schema.Drive, strategy: str
 ) -> None:
     for demand, percent in zip(DEMANDS_NM, STORED_PERCENT[strategy], strict=True):
-        result = stops.stop(paper, strategy, demand, 40.0, 25.0)
+        result = ideal.stop(paper, strategy, demand, 40.0, 25.0)
         assert 100.0 * result.stored_share_of_kinetic == pytest.approx(percent, abs=0.06)
         assert result.kinetic_energy_j == pytest.approx(0.5 * 660.0 * (40.0 / 3.6) ** 2)
         # s = m v^2 / 2 F, F = 4 T / r
@@ -310,7 +320,7 @@ def test_no_strategy_beats_the_series_optimum(random_drives: list[schema.Drive])
         top = 0.9 * drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
         for demand in drive.motor.rated_torque_nm * np.array([0.2, 0.7, 1.5, 4.0]):
             stored = {
-                s: stops.stop(drive, s, float(demand), top, 80.0).stored_share_of_kinetic
+                s: ideal.stop(drive, s, float(demand), top, 80.0).stored_share_of_kinetic
                 for s in STRATEGIES
             }
             assert stored["series_optimal"] >= max(stored.values()) - 1e-9
@@ -332,8 +342,8 @@ def test_scaling_the_best_torque_never_returns_more(paper: schema.Drive) -> None
 
 def test_a_cycle_balances_and_braking_more_electrically_returns_more(paper: schema.Drive) -> None:
     time = np.array([0.0, 10.0, 20.0, 28.0, 40.0])
-    trace = cycles.Cycle("trapezium", time, np.array([0.0, 10.0, 10.0, 0.0, 0.0]))
-    results = {s: cycles.run(paper, trace, s, 25.0) for s in STRATEGIES}
+    trace = ideal_cycles.Cycle("trapezium", time, np.array([0.0, 10.0, 10.0, 0.0, 0.0]))
+    results = {s: ideal_cycles.run(paper, trace, s, 25.0) for s in STRATEGIES}
     for result in results.values():
         assert abs(result.residual_relative) < 1e-9
     returned = [results[s].energy_j.battery_returned for s in STRATEGIES]

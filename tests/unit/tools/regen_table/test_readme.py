@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from regen_table import braking, current_audit, current_map, models, optimum, points, schema, stops
+from regen_table import braking, current_audit, current_map, ideal, models, optimum, points, schema
 
 ROOT = Path(__file__).resolve().parents[4]
 README = " ".join(
@@ -174,7 +174,7 @@ def hot_winding(drive: schema.Drive) -> tuple[float, ...]:
 
 def unsettled_battery(drive: schema.Drive) -> tuple[float, ...]:
     settled, dynamic = (
-        stops.stop(drive, "series_optimal", 40.0, 40.0, WARM_C, battery=b)
+        ideal.stop(drive, "series_optimal", 40.0, 40.0, WARM_C, battery=b)
         for b in ("settled", "dynamic")
     )
     return (100.0 * (dynamic.stored_share_of_kinetic - settled.stored_share_of_kinetic),)

@@ -25,15 +25,15 @@ from regen_table import (
     current_map,
     derived,
     envelope,
+    generate,
     image,
     layout,
     loops,
     margins,
     models,
     optimum,
-    report,
     schema,
-    tables,
+    torque_map,
 )
 from regen_table.errors import ConfigurationError
 
@@ -119,7 +119,7 @@ def test_surface_magnets_keep_their_unclamped_optimum_up_to_the_top_speed(path: 
 
 
 def test_without_i_d_the_table_is_the_closed_form_at_its_points(paper: schema.Drive) -> None:
-    table = tables.regen_map(paper)
+    table = torque_map.regen_map(paper)
     for row, warm in enumerate(table.temperatures_c):
         best = optimum.closed_form(
             models.machine(paper, float(warm)), models.bridge(paper), table.speeds_rad_s * 23
@@ -129,7 +129,7 @@ def test_without_i_d_the_table_is_the_closed_form_at_its_points(paper: schema.Dr
 
 
 def test_a_grid_is_refused_by_the_energy_it_loses(paper: schema.Drive) -> None:
-    losses = report.collect(paper).grid_losses
+    losses = generate.make_report(paper).grid_losses
     audit.refuse_lossy_grid(losses)
     lossy = dataclasses.replace(losses[0], relative=3e-4)
     with pytest.raises(
@@ -154,14 +154,14 @@ def test_a_grid_that_is_too_coarse_is_refused_with_the_smallest_one_that_suffice
             r"the smallest grid that suffices is speed_points = \d+, temperature_points = \d+$"
         ),
     ) as refused:
-        report.collect(drive(9, 2))
+        generate.make_report(drive(9, 2))
     speeds, temperatures = (int(n) for n in re.findall(r"points = (\d+)", str(refused.value)))
-    report.collect(drive(speeds, temperatures))
+    generate.make_report(drive(speeds, temperatures))
     for fewer in {
         (s, t) for s in range(2, 66) for t in range(2, 18) if s * t < speeds * temperatures
     }:
         with pytest.raises(ConfigurationError, match=r"the grid loses"):
-            report.collect(drive(*fewer))
+            generate.make_report(drive(*fewer))
     chosen = current_audit.braking_table(drive("auto", "auto"))
     assert chosen.torque_mNm.shape == (temperatures, speeds)
     assert current_audit.braking_table(drive(9, "auto")).torque_mNm.shape[1] == 9
@@ -199,7 +199,7 @@ def test_a_fast_motor_whose_d_current_hardly_depends_on_speed_is_accepted() -> N
     del tree["motor"]["iron_loss_resistance_ohm"]
     tree["table"] |= {"speed_points": "auto", "temperature_points": "auto"}
     drive = schema.parse(tree, "fast", "fast.toml")
-    report.collect(drive)
+    generate.make_report(drive)
     image.build(drive)
     table = current_audit.choose(drive)
     assert table.speed_step_log2 == 20
@@ -452,7 +452,7 @@ def test_a_grid_too_coarse_is_refused_before_anything_is_written(
             r"^table\.speed_points, table\.temperature_points: the grid loses 0\.\d+% of the energy"
         ),
     ):
-        report.collect(schema.load(coarse))
+        generate.make_report(schema.load(coarse))
     assert cli.main(["generate", str(coarse), "-o", str(tmp_path / "out")]) == 1
     errors = capsys.readouterr().err.splitlines()
     assert len(errors) == 1
