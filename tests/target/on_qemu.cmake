@@ -138,7 +138,7 @@ find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
   DOC "Python of the project's private environment (./tools/dev setup makes it)")
 if(HUBFOC_PYTHON)
   add_test(NAME instruction_budgets COMMAND "${HUBFOC_PYTHON}"
-    "${PROJECT_SOURCE_DIR}/tools/benchmark/run.py" --no-simulation --only steps --states 4000
+    "${PROJECT_SOURCE_DIR}/tools/benchmark/measure.py" --no-simulation --only steps --states 4000
     --output "${CMAKE_CURRENT_BINARY_DIR}/bench.json")
 else()
   add_test(NAME instruction_budgets COMMAND "${CMAKE_COMMAND}" -DMISSING=python3

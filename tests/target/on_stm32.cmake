@@ -35,7 +35,7 @@ find_program(HUBFOC_PYTHON python3 HINTS "${PROJECT_SOURCE_DIR}/.dev/venv/bin"
   DOC "Python of the project's private environment (./tools/dev setup makes it)")
 if(HUBFOC_PYTHON)
   add_test(NAME pwm_interrupt_budget COMMAND "${HUBFOC_PYTHON}"
-    "${PROJECT_SOURCE_DIR}/tools/benchmark/run.py" --only interrupt
+    "${PROJECT_SOURCE_DIR}/tools/benchmark/measure.py" --only interrupt
     --image "$<TARGET_FILE:hubfoc_stm32f405>" --output "${CMAKE_CURRENT_BINARY_DIR}/bench.json")
 else()
   add_test(NAME pwm_interrupt_budget COMMAND "${CMAKE_COMMAND}" -DMISSING=python3

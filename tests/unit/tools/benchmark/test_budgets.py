@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 """Budgets belong to a release of the compiler."""
 
-from benchmark import run
+from benchmark import measure
 
 
 def test_reference_compiler_must_meet_the_goal_and_others_within_5_per_cent() -> None:
     """First lines as Debian 12 and 13 print them."""
-    goal = run.Budget("cortex-m0plus", run.CURRENT_LOOP, 320, 1.05)
-    assert run.goal_with("arm-none-eabi-gcc (15:12.2.rel1-1) 12.2.1 20221205", goal) == goal
+    goal = measure.Budget("cortex-m0plus", measure.CURRENT_LOOP, 320, 1.05)
+    assert measure.goal_with("arm-none-eabi-gcc (15:12.2.rel1-1) 12.2.1 20221205", goal) == goal
     assert (
-        run.goal_with("arm-none-eabi-gcc (15:14.2.rel1-1) 14.2.1 20241119", goal).median_at_most
+        measure.goal_with("arm-none-eabi-gcc (15:14.2.rel1-1) 14.2.1 20241119", goal).median_at_most
         == 336
     )
-    assert run.goal_with("something else", goal).median_at_most == 336
-    rare = run.Budget("cortex-m4", run.FAST_STEP, 100, p99_at_most=200, max_at_most=300)
-    assert run.goal_with("something else", rare).p99_at_most == 210
-    assert run.goal_with("something else", rare).max_at_most == 315
+    assert measure.goal_with("something else", goal).median_at_most == 336
+    rare = measure.Budget("cortex-m4", measure.FAST_STEP, 100, p99_at_most=200, max_at_most=300)
+    assert measure.goal_with("something else", rare).p99_at_most == 210
+    assert measure.goal_with("something else", rare).max_at_most == 315
 
 
 def test_missed_goal_is_reported() -> None:
@@ -23,16 +23,18 @@ def test_missed_goal_is_reported() -> None:
     calls take.
     """
 
-    def met(goal: run.Budget, median: int, p99: int, most: int) -> bool:
-        return bool(run.outcome_of(goal, "x", {"median": median, "p99": p99, "max": most})["met"])
+    def met(goal: measure.Budget, median: int, p99: int, most: int) -> bool:
+        return bool(
+            measure.outcome_of(goal, "x", {"median": median, "p99": p99, "max": most})["met"]
+        )
 
-    even = run.Budget("cortex-m4", run.CURRENT_LOOP, 100, 1.05)
+    even = measure.Budget("cortex-m4", measure.CURRENT_LOOP, 100, 1.05)
     assert met(even, 100, 104, 105)
     assert not met(even, 101, 104, 105)
     assert not met(even, 100, 104, 106)
-    rare = run.Budget("cortex-m4", run.FAST_STEP, 100, p99_at_most=200)
+    rare = measure.Budget("cortex-m4", measure.FAST_STEP, 100, p99_at_most=200)
     assert met(rare, 100, 200, 300)
     assert not met(rare, 100, 201, 300)
-    bounded = run.Budget("cortex-m4", run.FAST_STEP, 100, max_at_most=300)
+    bounded = measure.Budget("cortex-m4", measure.FAST_STEP, 100, max_at_most=300)
     assert met(bounded, 100, 200, 300)
     assert not met(bounded, 100, 200, 301)
