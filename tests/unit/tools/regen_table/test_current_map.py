@@ -277,11 +277,13 @@ def test_power_of_every_torque_in_the_firmware_is_that_of_the_generator(
     ffi.cdef("""
         typedef struct { int64_t words[32]; } constants_t;
         typedef struct { const void *constants, *config; int32_t words[20]; } model_t;
+        typedef struct { int64_t words[16]; } set_t;
         typedef struct { int32_t d_mA, q_mA; bool limited; } current_t;
         void motor_constants_init(constants_t *constants, const void *config);
         model_t motor_model_at(const constants_t *constants, const void *config,
                                int32_t speed_mrad_s, int32_t winding_temperature_cC);
-        current_t current_setpoint_step(const model_t *model, int32_t torque_mNm,
+        set_t feasible_set_at(const model_t *model, int32_t phase_voltage_mV);
+        current_t current_setpoint_step(const set_t *set, int32_t torque_mNm,
                                         int32_t i_d_weakening_mA);
     """)
     firmware: Any = ffi.dlopen(str(library))
@@ -297,6 +299,7 @@ def test_power_of_every_torque_in_the_firmware_is_that_of_the_generator(
             "model_t *",
             firmware.motor_model_at(constants, raw, round(speed * 1000.0), round(warm * 100.0)),
         )
+        feasible = ffi.new("set_t *", firmware.feasible_set_at(model, 1_000_000))  # no limit
         turning = float(np.clip(speed, -0.5, 0.5)) / 0.5
         friction = turning * motor.friction_nm + motor.viscous_nm_s * speed
         limit = models.evaluate(
@@ -308,7 +311,7 @@ def test_power_of_every_torque_in_the_firmware_is_that_of_the_generator(
         ).torque_nm
         for asked in np.linspace(-1.0, 1.0, 9) * drive.motor.max_torque_nm:
             torque = float(np.clip(asked, limit.min(), limit.max()))
-            i = firmware.current_setpoint_step(model, round((asked - friction) * 1000.0), 0)
+            i = firmware.current_setpoint_step(feasible, round((asked - friction) * 1000.0), 0)
             assert i.limited == (abs(asked - torque) > 1e-2 * drive.motor.max_torque_nm)
             assert math.hypot(i.d_mA, i.q_mA) <= 1000.0 * most + 1.0
             made = models.evaluate(
