@@ -151,7 +151,8 @@ def read(
 ) -> Array:
     """Read i_d in A in whole numbers, as the controller would.
 
-    Linear, rounded, the edges counting beyond the grid.
+    Linear, between two speeds, then two temperatures, then two torques, each rounded; the edges
+    count beyond the grid.
     """
     layers, rows, columns = table.current_d_mA.shape
     turning = np.where(np.asarray(speed_rad_s) < 0.0, -1.0, 1.0)
@@ -163,19 +164,24 @@ def read(
     entries = table.current_d_mA.astype(np.int64).ravel()
     corner = s * columns + t
 
-    def layer(first: audit.Whole) -> audit.Whole:
-        slow = audit.between(entries[first], entries[first + 1], t_part, table.torque_step_log2)
-        first = first + columns
-        fast = audit.between(entries[first], entries[first + 1], t_part, table.torque_step_log2)
+    def at_speed(first: audit.Whole) -> audit.Whole:
+        slow, fast = entries[first], entries[first + columns]
         return audit.between(slow, fast, s_part, table.speed_step_log2)
 
-    if layers == 1:
-        return np.asarray(layer(corner) / 1000.0)
-    above = np.asarray(winding_temperature_c) * 100.0 - table.temperature_origin_cC
-    w, w_part = audit.locate(above, layers, table.temperature_step_log2)
-    corner = corner + w * (rows * columns)
-    cold, warm = layer(corner), layer(corner + rows * columns)
-    return np.asarray(audit.between(cold, warm, w_part, table.temperature_step_log2) / 1000.0)
+    def at_torque(first: audit.Whole) -> audit.Whole:
+        cold = at_speed(first)
+        if layers == 1:
+            return cold
+        hot = at_speed(first + rows * columns)
+        return audit.between(cold, hot, w_part, table.temperature_step_log2)
+
+    w_part = np.zeros_like(t_part)
+    if layers > 1:
+        above = np.asarray(winding_temperature_c) * 100.0 - table.temperature_origin_cC
+        w, w_part = audit.locate(above, layers, table.temperature_step_log2)
+        corner = corner + w * (rows * columns)
+    found = audit.between(at_torque(corner), at_torque(corner + 1), t_part, table.torque_step_log2)
+    return np.asarray(found / 1000.0)
 
 
 def state(
