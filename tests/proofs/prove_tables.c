@@ -13,15 +13,17 @@
 static const int32_t *table;
 static int32_t used;
 static int32_t largest; /* magnitude of an entry that the validator accepts */
+static bool values;     /* also checks the values of local variables */
 
-/* Interpolations between what has been interpolated are not reads. */
+/* Interpolations between what has been interpolated are not reads. Their values take the checker
+ * most of its time, because it considers the table as well. */
 static void check_read(const int32_t *at)
 {
     if (__CPROVER_same_object(at, table)) {
         const int32_t beyond_bytes =
             (int32_t)(__CPROVER_POINTER_OFFSET(at) - __CPROVER_POINTER_OFFSET(table));
         PROVE(beyond_bytes >= 0 && beyond_bytes < used * (int32_t)sizeof(int32_t));
-    } else {
+    } else if (values) {
         PROVE(*at >= -largest && *at <= largest);
     }
 }
@@ -77,6 +79,7 @@ static void check_current_map(int32_t layers)
     largest = LARGEST_CURRENT_MA;
     used = map->torque_points * map->speed_points * map->temperature_points;
     ASSUME(used <= CONFIG_CURRENT_MAP_POINTS_MAX);
+    values = layers == 2; /* these take every path */
     (void)loss_maps_d_current_mA(&config, nondet_int32(), nondet_int32(), nondet_int32());
 }
 
@@ -122,6 +125,7 @@ void prove_regen_map(void)
     map->temperature_origin_cC = any_within(-10000, 20000);
     table = map->torque_mNm;
     largest = LARGEST_TORQUE_MNM;
+    values = true;
     used = map->speed_points * map->temperature_points;
     ASSUME(used <= CONFIG_REGEN_POINTS_MAX);
     PROVE(loss_maps_torque_mNm(&config, nondet_int32(), nondet_int32()) >= 0);
