@@ -63,11 +63,13 @@ static inline line_t line_from(const motor_model_t *m, motor_point_t at, int32_t
  * the least voltage where it does not meet it. */
 static bool ellipse_root(const feasible_set_t *set, const line_t *line, int32_t sign, int32_t *t_b)
 {
-    const int64_t half =
-        ((int64_t)line->slope_d * line->u_d + (int64_t)line->slope_q * line->u_q) >> 24;
+    /* Within 32 bits, so that their products stay within 64. */
+    const int64_t half = q_saturate64(
+        ((int64_t)line->slope_d * line->u_d + (int64_t)line->slope_q * line->u_q) >> 24);
     const int32_t squared =
         q_max(q_saturate64((square(line->slope_d) + square(line->slope_q)) >> 24), 1);
-    const int64_t excess = (square(line->u_d) + square(line->u_q) - set->voltage_squared) >> 24;
+    const int64_t excess =
+        q_saturate64((square(line->u_d) + square(line->u_q) - set->voltage_squared) >> 24);
     const int64_t under_root = half * half - squared * excess;
     const int32_t distance = sign * scaled_root(under_root);
     *t_b = clamped_b(scaled_ratio(q_saturate64(distance - half), squared));
@@ -309,7 +311,7 @@ feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t
 
 /* The sum u_d i_d + u_q i_q over i_qt at a fixed i_d: a x^2 + b x + c. */
 typedef struct {
-    int64_t a, b, c;
+    int64_t a, b, c; /* within 32 bits, so that b^2 + 4 a c stays within 64 */
 } power_t;
 
 static power_t power_at(const motor_model_t *m, int32_t d_b)
@@ -319,10 +321,11 @@ static power_t power_at(const motor_model_t *m, int32_t d_b)
     const int32_t u_q_b = m->voltage_q_b + scaled_multiply(m->voltage_q_per_d, d_b);
     const power_t out = {
         .a = multiply64_b(m->voltage_q_per_x, m->one_plus_a2),
-        .b = ((int64_t)m->voltage_q_per_x * i_q_b + (int64_t)u_q_b * m->one_plus_a2 -
-              (int64_t)m->reactance_q_b * d_b) >>
-             24,
-        .c = ((int64_t)u_d_b * d_b + (int64_t)u_q_b * i_q_b) >> 24,
+        .b = clamped_b(
+            q_saturate64(((int64_t)m->voltage_q_per_x * i_q_b + (int64_t)u_q_b * m->one_plus_a2 -
+                          (int64_t)m->reactance_q_b * d_b) >>
+                         24)),
+        .c = clamped_b(q_saturate64(((int64_t)u_d_b * d_b + (int64_t)u_q_b * i_q_b) >> 24)),
     };
     return out;
 }
@@ -347,10 +350,11 @@ static int32_t uncertain_b(const motor_model_t *m, motor_point_t at)
     if (m->constants->hall_angle_b == 0) {
         return 0;
     }
-    const int32_t i_q_b = motor_model_i_q_b(m, at);
+    const int32_t i_q_b = clamped_b(motor_model_i_q_b(m, at));
     const int32_t saliency = m->reactance_d_b - m->reactance_q_b;
-    const int32_t across_b = scaled_multiply(m->emf_b + scaled_multiply(saliency, at.d_b), at.d_b) -
-                             scaled_multiply(scaled_multiply(saliency, i_q_b), i_q_b);
+    const int32_t u_q_b = clamped_b(m->emf_b + scaled_multiply(saliency, at.d_b));
+    const int32_t u_d_b = clamped_b(scaled_multiply(saliency, i_q_b));
+    const int32_t across_b = scaled_multiply(u_q_b, at.d_b) - scaled_multiply(u_d_b, i_q_b);
     const int32_t angle_b = scaled_multiply(m->speed_b, m->constants->hall_angle_b);
     return multiply64_b(q_abs(across_b), angle_b);
 }

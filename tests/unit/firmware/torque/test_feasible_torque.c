@@ -193,3 +193,41 @@ void test_voltage_bounds_are_zero_at_zero_voltage_and_high_speed(void)
         TEST_ASSERT_EQUAL_INT32(0, limit.highest_mNm);
     }
 }
+
+/* Inductances of nearly a henry: reactances and the iron loss' share reach the ends of their
+ * ranges, and products of the quadratic equations the ends of 64 bits (the sanitizers see it). */
+void test_bounds_of_an_extreme_reactance_are_magnitudes(void)
+{
+    config = salient_vehicle();
+    config.motor.d_inductance_nH = 294967752;
+    config.motor.q_inductance_nH = 828192455;
+    config.motor.iron_loss_resistance_mOhm = 15000;
+    config.motor.iron_loss_resistance_slope_nOhm_s = 20000000;
+    config.motor.flux_linkage_nWb = 66000000;
+    config.motor.flux_coefficient_ppm_K = -10000;
+    config.current_loop.field_weakening_current_pu_q15 = 19895;
+    config.motor.pole_pairs = 3;
+    config.motor.max_phase_current_mA = 200000;
+    config.motor.max_speed_mrad_s = 1151917;
+    config.battery.max_voltage_mV = 403000;
+    for (int k = 0; k < CONFIG_CURRENT_MAP_POINTS_MAX; k++) {
+        config.current_map.current_d_mA[k] = -3000000;
+    }
+    random_t random = random_seeded(7);
+    for (int n = 0; n < 20000; n++) {
+        const motor_model_t model = model_at(&config, random_wild(&random), random_wild(&random));
+        const feasible_set_t set = feasible_set_at(&model, random_between(&random, 0, 400000));
+        const int32_t cap_mNm = random_between(&random, 0, 10 * config.motor.max_torque_mNm);
+        const feasible_side_t driving = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
+        const feasible_side_t braking = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
+        const int32_t power_b =
+            feasible_power_b(&model, random_between(&random, 0, 500000), 400000);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_voltage_mNm(&driving));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_voltage_mNm(&braking));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_current_mNm(&driving));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_current_mNm(&braking));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_drawn_mNm(&driving, power_b));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_drawn_mNm(&braking, power_b));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_returned_mNm(&braking, power_b));
+    }
+}
