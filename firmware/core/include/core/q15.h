@@ -135,10 +135,12 @@ static inline int16_t q15_subtract(int16_t a, int16_t b)
     return q15_saturate((int32_t)a - b);
 }
 
-/* int64_t to int32_t, saturated. */
+/* int64_t to int32_t, saturated: the lower half, where the upper one only repeats its sign. */
 static inline int32_t q_saturate64(int64_t x)
 {
-    return x > INT32_MAX ? INT32_MAX : (x < INT32_MIN ? INT32_MIN : (int32_t)x);
+    const int32_t low = (int32_t)x;
+    const int32_t high = (int32_t)(x >> 32);
+    return low >> 31 == high ? low : (high >> 31) ^ INT32_MAX;
 }
 
 /* value * share, share in Q15, for physical quantities of the slow loop; rounded towards zero,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * scaled.h: arithmetic on quantities in binary scales, for the slow loop. No 64-bit division: the
- * quotient takes four 32-bit ones, the root two.
+ * quotient takes one 32-bit one, the root two.
  *
  * A binary scale is a unit divided by a power of two, chosen at start so that a quantity uses 23
  * bits (firmware/torque/README.md, Binary scales). Ratios of two such units carry 24 fraction bits.
@@ -27,30 +27,8 @@ static inline int32_t scaled_shift(int32_t x, int32_t shift)
     if (shift <= 0) {
         return x >> q_min(-shift, 31);
     }
-    return q_saturate64((int64_t)x * (int64_t)(UINT64_C(1) << shift));
-}
-
-/* n 2^24 / d, d > 0; relative error below 2^-15, rounded towards zero, saturated at +-2^30. */
-static inline int32_t scaled_ratio(int32_t n, int32_t d)
-{
-    uint32_t rest = n < 0 ? 0U - (uint32_t)n : (uint32_t)n;
-    uint32_t by = (uint32_t)d;
-    if (by >= (UINT32_C(1) << 24)) {
-        by >>= 8;
-        rest >>= 8;
-    }
-    if (rest >> 6 >= by) {
-        return n < 0 ? -(1 << 30) : 1 << 30;
-    }
-    uint32_t quotient = rest / by;
-    rest -= quotient * by;
-    for (int digit = 0; digit < 3; digit++) {
-        rest <<= 8;
-        const uint32_t next = rest / by;
-        rest -= next * by;
-        quotient = (quotient << 8) + next;
-    }
-    return n < 0 ? -(int32_t)quotient : (int32_t)quotient;
+    const int32_t shifted = (int32_t)((uint32_t)x << shift);
+    return shifted >> shift == x ? shifted : (x >> 31) ^ INT32_MAX;
 }
 
 /* Number of leading zero bits of x, x > 0. A port may supply its core's instruction. */
@@ -68,6 +46,37 @@ static inline uint32_t scaled_leading_zeros(uint32_t x)
     }
     return zeros;
 #endif
+}
+
+/* Upper half of a 64-bit product. */
+static inline uint32_t scaled_upper(uint32_t a, uint32_t b)
+{
+    return (uint32_t)(((uint64_t)a * b) >> 32);
+}
+
+/*
+ * n 2^24 / d to nearest, d > 0; relative error below 2^-27. A quotient beyond +-2^29 is some number
+ * of its sign between 2^29 and 2^30.
+ *
+ * d is shifted until its highest bit is bit 31. A division gives 16 digits of its reciprocal, with a
+ * relative error e, |e| < 2^-15; one step of Newton's method leaves e^2.
+ */
+static inline int32_t scaled_ratio(int32_t n, int32_t d)
+{
+    const uint32_t sign = (uint32_t)(n >> 31); /* all ones for n < 0 */
+    const uint32_t magnitude = ((uint32_t)n ^ sign) - sign;
+    const uint32_t n_zeros = scaled_leading_zeros(magnitude | 1U);
+    const uint32_t d_zeros = scaled_leading_zeros((uint32_t)d);
+    const uint32_t by = (uint32_t)d << d_zeros;
+    const uint32_t rough = UINT32_MAX / (by >> 16);                      /* 2^48 / by (1 + e) */
+    const uint32_t less = 0U - (uint32_t)(((uint64_t)rough * by) >> 17); /* 2^31 (1 - e) */
+    const uint32_t inverse = (uint32_t)(((uint64_t)rough * less) >> 16); /* 2^63 / by */
+    const uint32_t product = scaled_upper(magnitude << n_zeros, inverse);
+    const uint32_t shift = n_zeros - d_zeros + 5U; /* wraps below zero */
+    if (shift >= 31U) {
+        return shift >> 31 == 0 ? 0 : (int32_t)(((UINT32_C(1) << 30) ^ sign) - sign);
+    }
+    return (int32_t)(((((product >> 1 >> shift) + 1U) >> 1) ^ sign) - sign);
 }
 
 /* The square root of x, 0 <= x < 2^62; relative error below 2^-14, at most one unit below 2^16. */

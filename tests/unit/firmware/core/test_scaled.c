@@ -49,12 +49,22 @@ void test_ratio_is_within_the_documented_error_or_saturates(void)
         const int32_t x = sign * (int32_t)any_size(&random, 31);
         const double ratio = (double)x * SCALED_ONE / d;
         const int32_t found = scaled_ratio(x, d);
-        if (fabs(ratio) < 0.9 * (1 << 30)) {
-            TEST_ASSERT_DOUBLE_WITHIN(257.0 + fabs(ratio) / 32768.0, ratio, found);
+        if (fabs(ratio) < 1 << 29) {
+            TEST_ASSERT_DOUBLE_WITHIN(0.5 + fabs(ratio) / (1 << 27), ratio, found);
         } else {
-            TEST_ASSERT_TRUE((double)found * sign >= 0.89 * (1 << 30) && found <= 1 << 30);
+            TEST_ASSERT_TRUE(found * sign >= 1 << 29 && found * sign <= 1 << 30);
         }
     }
+}
+
+void test_ratio_of_the_ends_of_the_range(void)
+{
+    TEST_ASSERT_EQUAL_INT32(0, scaled_ratio(0, 1));
+    TEST_ASSERT_EQUAL_INT32(SCALED_ONE, scaled_ratio(1, 1));
+    TEST_ASSERT_EQUAL_INT32(-SCALED_ONE, scaled_ratio(-INT32_MAX, INT32_MAX));
+    TEST_ASSERT_EQUAL_INT32(-SCALED_ONE / 2, scaled_ratio(-(1 << 29), 1 << 30));
+    TEST_ASSERT_EQUAL_INT32(-(1 << 30), scaled_ratio(INT32_MIN, 1));
+    TEST_ASSERT_EQUAL_INT32(0, scaled_ratio(1, INT32_MAX));
 }
 
 void test_products_and_shifts_round_down_and_saturate(void)
@@ -64,6 +74,8 @@ void test_products_and_shifts_round_down_and_saturate(void)
     TEST_ASSERT_EQUAL_INT32(12, scaled_shift(3, 2));
     TEST_ASSERT_EQUAL_INT32(-2, scaled_shift(-7, -2));
     TEST_ASSERT_EQUAL_INT32(INT32_MAX, scaled_shift(1 << 20, 15));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, scaled_shift(-(1 << 20) - 1, 11));
+    TEST_ASSERT_EQUAL_INT32(INT32_MIN, scaled_shift(-(1 << 20), 11));
     TEST_ASSERT_EQUAL_INT32(-1, scaled_shift(INT32_MIN, -62));
 }
 
