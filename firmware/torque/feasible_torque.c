@@ -12,6 +12,7 @@ enum {
     SMALL_b = 1 << 8,
     CIRCLE_RESERVE_LOG2 = 8, /* 0.4 % */
     MOST_TORQUE_b = 1 << 29,
+    MOST_COEFFICIENT = 1 << 29,
     MOST_b = MOTOR_MODEL_MOST_CURRENT_b
 };
 
@@ -23,6 +24,17 @@ static int32_t clamped_b(int32_t x)
 static int32_t multiply64_b(int64_t a, int64_t b)
 {
     return q_saturate64((a * b) >> 24);
+}
+
+static int32_t within(int32_t x)
+{
+    return q_limit(x, 1 << 26);
+}
+
+/* Of a quadratic equation: the products under its root stay below 2^62. */
+static int32_t coefficient(int64_t x)
+{
+    return q_limit(q_saturate64(x), MOST_COEFFICIENT);
 }
 
 static int64_t square(int32_t x)
@@ -63,16 +75,15 @@ static inline line_t line_from(const motor_model_t *m, motor_point_t at, int32_t
  * the least voltage where it does not meet it. */
 static bool ellipse_root(const feasible_set_t *set, const line_t *line, int32_t sign, int32_t *t_b)
 {
-    /* Within 32 bits, so that their products stay within 64. */
-    const int64_t half = q_saturate64(
+    const int32_t half = coefficient(
         ((int64_t)line->slope_d * line->u_d + (int64_t)line->slope_q * line->u_q) >> 24);
     const int32_t squared =
-        q_max(q_saturate64((square(line->slope_d) + square(line->slope_q)) >> 24), 1);
-    const int64_t excess =
-        q_saturate64((square(line->u_d) + square(line->u_q) - set->voltage_squared) >> 24);
-    const int64_t under_root = half * half - squared * excess;
+        q_max(coefficient((square(line->slope_d) + square(line->slope_q)) >> 24), 1);
+    const int32_t excess =
+        coefficient((square(line->u_d) + square(line->u_q) - set->voltage_squared) >> 24);
+    const int64_t under_root = square(half) - (int64_t)squared * excess;
     const int32_t distance = sign * scaled_root(under_root);
-    *t_b = clamped_b(scaled_ratio(q_saturate64(distance - half), squared));
+    *t_b = clamped_b(scaled_ratio(distance - half, squared));
     return under_root >= 0;
 }
 
@@ -146,7 +157,7 @@ int32_t feasible_by_voltage_mNm(const feasible_side_t *side)
          * flows: the secant method on the difference. */
         const int32_t map_b = map_d_b(set, motor_model_airgap_b(m, at));
         const int32_t error_b = q_min(map_b, set->weakest_d_b) - at.d_b;
-        if (error_b == 0) {
+        if (q_abs(error_b) < SMALL_b) {
             break;
         }
         const int32_t change_b = error_before_b - error_b;
@@ -190,14 +201,19 @@ static motor_point_t circle_and_ellipse(const feasible_side_t *side, motor_point
     const int32_t highest_b = at.d_b;
     const int32_t lowest_b = q_max(q_min(set->weakest_d_b, highest_b), -circle_b(m));
     for (int pass = 0; pass < NEWTON_STEPS; pass++) {
-        const int32_t q_per_d = q_limit(scaled_ratio(side->sign * -at.d_b, q_abs(i_q_b)), 1 << 27);
-        const line_t line = line_from(
-            m, at, SCALED_ONE, scaled_multiply(m->inverse_one_plus_a2, q_per_d - m->cross_d));
+        /* Along the tangent, as long as i_q. */
+        const int32_t d_per_t = q_abs(i_q_b);
+        const int32_t q_per_t = -side->sign * at.d_b;
+        const line_t line =
+            line_from(m, at, d_per_t,
+                      scaled_multiply(m->inverse_one_plus_a2,
+                                      q_per_t - scaled_multiply(m->cross_d, d_per_t)));
         const int64_t excess = square(line.u_d) + square(line.u_q) - set->voltage_squared;
         const int64_t half_slope =
             ((int64_t)line.u_d * line.slope_d + (int64_t)line.u_q * line.slope_q) >> 24;
-        const int32_t step_b =
+        const int32_t t =
             scaled_ratio(q_saturate64(excess >> 25), q_max(q_saturate64(half_slope), 1));
+        const int32_t step_b = scaled_multiply(q_limit(t, 2 * SCALED_ONE), d_per_t);
         at = on_circle(m, side->sign, q_clamp(at.d_b - step_b, lowest_b, highest_b), &i_q_b);
     }
     return at;
@@ -258,6 +274,23 @@ static int32_t circle_d_b(const feasible_set_t *set, int32_t airgap_b, int32_t m
 
 /* ---- points ---- */
 
+/* Coefficients below 2^26 and an i_d below 2^25: a sum of two products is below 2^29. */
+static feasible_power_t power_of(const motor_model_t *m)
+{
+    const feasible_power_t out = {
+        .a = within(scaled_multiply(m->voltage_q_per_x, m->one_plus_a2)),
+        .b = within(scaled_multiply(m->voltage_q_per_x, m->iron_current_b) +
+                    scaled_multiply(m->voltage_q_b, m->one_plus_a2)),
+        .b_d = within(scaled_multiply(m->voltage_q_per_x, m->cross_d) +
+                      scaled_multiply(m->voltage_q_per_d, m->one_plus_a2) - m->reactance_q_b),
+        .c = within(scaled_multiply(m->voltage_q_b, m->iron_current_b)),
+        .c_d = within(scaled_multiply(m->voltage_q_b, m->cross_d) +
+                      scaled_multiply(m->voltage_q_per_d, m->iron_current_b)),
+        .c_dd = within(m->resistance_b + scaled_multiply(m->voltage_q_per_d, m->cross_d)),
+    };
+    return out;
+}
+
 feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage_mV)
 {
     const motor_constants_t *k = model->constants;
@@ -265,6 +298,7 @@ feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage
     const int32_t whole_b = scaled_ratio(model->flux_b, q_max(k->inductance_d_b, 1));
     const feasible_set_t out = {
         .model = model,
+        .power = power_of(model),
         .row = loss_maps_row_at(model->config, model->speed_mrad_s, model->winding_temperature_cC),
         .voltage_squared =
             square(clamped_b(scaled_shift(q_max(phase_voltage_mV, 0), k->voltage_shift))),
@@ -309,30 +343,26 @@ feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t
 
 /* ---- battery power ---- */
 
-/* The sum u_d i_d + u_q i_q over i_qt at a fixed i_d: a x^2 + b x + c. */
+/* At a fixed i_d: a x^2 + b x + c. */
 typedef struct {
-    int64_t a, b, c; /* within 32 bits, so that b^2 + 4 a c stays within 64 */
+    int32_t a, b, c;
 } power_t;
 
-static power_t power_at(const motor_model_t *m, int32_t d_b)
+static power_t power_at(const feasible_set_t *set, int32_t d_b)
 {
-    const int32_t i_q_b = m->iron_current_b + scaled_multiply(m->cross_d, d_b);
-    const int32_t u_d_b = scaled_multiply(m->resistance_b, d_b);
-    const int32_t u_q_b = m->voltage_q_b + scaled_multiply(m->voltage_q_per_d, d_b);
+    const feasible_power_t *p = &set->power;
     const power_t out = {
-        .a = multiply64_b(m->voltage_q_per_x, m->one_plus_a2),
-        .b = clamped_b(
-            q_saturate64(((int64_t)m->voltage_q_per_x * i_q_b + (int64_t)u_q_b * m->one_plus_a2 -
-                          (int64_t)m->reactance_q_b * d_b) >>
-                         24)),
-        .c = clamped_b(q_saturate64(((int64_t)u_d_b * d_b + (int64_t)u_q_b * i_q_b) >> 24)),
+        .a = p->a,
+        .b = p->b + scaled_multiply(p->b_d, d_b),
+        .c = p->c + scaled_multiply(p->c_d + scaled_multiply(p->c_dd, d_b), d_b),
     };
     return out;
 }
 
 static int64_t power_of_x_b(const power_t *p, int32_t x_b)
 {
-    return (((((p->a * x_b) >> 24) + p->b) * x_b) >> 24) + p->c;
+    const int64_t per_x = (((int64_t)p->a * x_b) >> 24) + p->b;
+    return ((per_x * x_b) >> 24) + p->c;
 }
 
 /* Two thirds of current times voltage: the sum of the dq products of peak quantities. */
@@ -365,24 +395,24 @@ int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
     const int32_t most_b =
         side->sign > 0 ? power_b : q_max(power_b, m->constants->negligible_power_b);
     motor_point_t at = side->cap;
-    power_t p = power_at(m, at.d_b);
+    power_t p = power_at(side->set, at.d_b);
     if (power_of_x_b(&p, at.x_b) <= most_b) {
         return FEASIBLE_UNBOUNDED;
     }
     for (int pass = 0;; pass++) {
-        const int64_t left = most_b - p.c;
-        const int32_t sum = q_saturate64(p.b + scaled_root(p.b * p.b + 4 * p.a * left));
+        const int32_t left = coefficient((int64_t)most_b - p.c);
+        const int32_t sum = p.b + scaled_root(square(p.b) + 4 * (int64_t)p.a * left);
         if (side->sign > 0) {
-            at.x_b = left <= 0 ? 0 : scaled_ratio(q_saturate64(2 * left), q_max(sum, 1));
+            at.x_b = left <= 0 ? 0 : scaled_ratio(2 * left, q_max(sum, 1));
         } else {
-            at.x_b = -scaled_ratio(sum, q_max(q_saturate64(2 * p.a), 1));
+            at.x_b = -scaled_ratio(sum, q_max(2 * p.a, 1));
         }
         at.x_b = clamped_b(at.x_b);
         if (pass == CORRECTIONS) {
             return magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
         at.d_b = d_at_b(side->set, at);
-        p = power_at(m, at.d_b);
+        p = power_at(side->set, at.d_b);
     }
 }
 
@@ -390,23 +420,24 @@ int32_t feasible_by_returned_mNm(const feasible_side_t *side, int32_t power_b)
 {
     const motor_model_t *m = side->set->model;
     motor_point_t at = side->cap;
-    power_t p = power_at(m, at.d_b);
-    const int64_t vertex_b = 2 * ((p.a * at.x_b) >> 24) + p.b;
+    power_t p = power_at(side->set, at.d_b);
+    const int64_t vertex_b = 2 * (((int64_t)p.a * at.x_b) >> 24) + p.b;
     if (vertex_b >= 0 && power_of_x_b(&p, at.x_b) - uncertain_b(m, at) >= -(int64_t)power_b) {
         return FEASIBLE_UNBOUNDED; /* more and more comes back up to the cap, and not too much */
     }
     for (int pass = 0;; pass++) {
-        const int64_t left = p.c + power_b - uncertain_b(m, at);
-        const int64_t under_root = p.b * p.b - 4 * p.a * left;
-        const int32_t sum = q_max(q_saturate64(p.b + scaled_root(under_root)), 1);
-        at.x_b = left <= 0 ? 0 : -clamped_b(scaled_ratio(q_saturate64(2 * left), sum));
+        const int32_t left = coefficient((int64_t)p.c + power_b - uncertain_b(m, at));
+        const int64_t under_root = square(p.b) - 4 * (int64_t)p.a * left;
+        const int32_t sum = q_max(p.b + scaled_root(under_root), 1);
+        at.x_b = left <= 0 ? 0 : -clamped_b(scaled_ratio(2 * left, sum));
         if (pass == CORRECTIONS) {
-            const int64_t least = p.c + q_max(power_b, m->constants->negligible_power_b);
-            return p.b <= 0 || under_root < 0 || p.b * p.b < 4 * p.a * least
+            const int32_t least =
+                coefficient((int64_t)p.c + q_max(power_b, m->constants->negligible_power_b));
+            return p.b <= 0 || under_root < 0 || square(p.b) < 4 * (int64_t)p.a * least
                        ? FEASIBLE_UNBOUNDED
                        : magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
         at.d_b = d_at_b(side->set, at);
-        p = power_at(m, at.d_b);
+        p = power_at(side->set, at.d_b);
     }
 }

@@ -145,6 +145,8 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
         .one_plus_a2 = SCALED_ONE,
         .inverse_one_plus_a2 = SCALED_ONE,
     };
+    m.x_per_airgap_q23 =
+        scaled_multiply(k->torque_inverse_q24, scaled_ratio(1 << 23, q_max(m.flux_b, 1)));
     m.emf_b = within_b(scaled_multiply(w_b, m.flux_b));
     const int64_t iron_q16_b = k->iron_q16_b + (((int64_t)w_b * k->iron_slope_q16_b) >> 24);
     if (iron_q16_b > 0) {
@@ -186,14 +188,15 @@ int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at)
 
 int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, int32_t d_b)
 {
+    if (model->saliency_b == 0) {
+        const int64_t x_b = ((int64_t)airgap_b * model->x_per_airgap_q23) >> 23;
+        return q_limit(q_saturate64(x_b), MOST_CURRENT_b);
+    }
     /* (flux + change x) x = per_pole: the root that is zero at zero torque. */
     const int32_t per_pole_b = scaled_multiply(airgap_b, model->constants->torque_inverse_q24);
     const int32_t least_b = model->flux_b / 4;
     const motor_point_t without_x = {.d_b = d_b, .x_b = 0};
     const int32_t flux_b = q_max(flux_at_b(model, without_x), least_b);
-    if (model->flux_per_x == 0) {
-        return q_limit(scaled_ratio(per_pole_b, flux_b), MOST_CURRENT_b);
-    }
     const int32_t root_b =
         scaled_root((int64_t)flux_b * flux_b + 4 * (int64_t)model->flux_per_x * per_pole_b);
     const int32_t twice_b = q_max(flux_b + root_b, 2 * least_b);

@@ -8,8 +8,8 @@
 
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
 {
-    const torque_limits_state_t fresh = {.charge = {.allowed_q6_mA = INT32_MAX},
-                                         .discharge = {.allowed_q6_mA = INT32_MAX},
+    const torque_limits_state_t fresh = {.charge = {.allowed_q24 = SCALED_ONE},
+                                         .discharge = {.allowed_q24 = SCALED_ONE},
                                          .abs_hold_steps = 0};
     *state = fresh;
     for (torque_line_t line = 0; line < TORQUE_LINE_COUNT; line++) {

@@ -58,8 +58,8 @@ static inline uint32_t scaled_upper(uint32_t a, uint32_t b)
  * n 2^24 / d to nearest, d > 0; relative error below 2^-27. A quotient beyond +-2^29 is some number
  * of its sign between 2^29 and 2^30.
  *
- * d is shifted until its highest bit is bit 31. A division gives 16 digits of its reciprocal, with a
- * relative error e, |e| < 2^-15; one step of Newton's method leaves e^2.
+ * d is shifted until its highest bit is bit 31. A division gives 16 digits of its reciprocal, with
+ * a relative error e, |e| < 2^-15; one step of Newton's method leaves e^2.
  */
 static inline int32_t scaled_ratio(int32_t n, int32_t d)
 {

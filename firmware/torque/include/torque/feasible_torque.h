@@ -22,9 +22,15 @@
 
 typedef enum { SIDE_DRIVING = 1, SIDE_BRAKING = -1 } side_t;
 
+/* The sum u_d i_d + u_q i_q over i_qt = x: a x^2 + (b + b_d d) x + c + (c_d + c_dd d) d. */
+typedef struct {
+    int32_t a, b, b_d, c, c_d, c_dd;
+} feasible_power_t;
+
 /* Once a slow step, for bounds and setpoint. The model must outlive it. */
 typedef struct {
     const motor_model_t *model;
+    feasible_power_t power;
     loss_maps_row_t row;
     int64_t voltage_squared; /* of the largest |u|, binary scale */
     int32_t weakest_d_b;     /* the i_d that field weakening goes down to, <= 0 */

@@ -19,10 +19,8 @@ typedef struct {
     int32_t span_mV;  /* >= 1: the whole range of the battery's voltage */
 } foldback_t;
 
-enum { FOLDBACK_FRACTION_LOG2 = 6 };
-
 typedef struct {
-    int32_t allowed_q6_mA; /* 0 .. most, six more bits */
+    int32_t allowed_q24; /* share of `most` that is allowed, 0 .. 2^24 */
 } foldback_state_t;
 
 /* inside_mV: distance of the voltage from its end, positive inside. flowing_mA: present

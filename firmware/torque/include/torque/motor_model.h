@@ -47,6 +47,7 @@ typedef struct {
     int32_t winding_temperature_cC;
     int32_t speed_b;                      /* electrical, magnitude */
     int32_t flux_b, saliency_b;           /* psi; L_d - L_q */
+    int32_t x_per_airgap_q23;             /* i_qt of a torque, without saliency */
     int32_t emf_b;                        /* w psi */
     int32_t reactance_d_b, reactance_q_b; /* w L */
     int32_t resistance_b;                 /* R_a */

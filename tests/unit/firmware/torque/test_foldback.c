@@ -17,13 +17,13 @@ void tearDown(void) {}
 /* The current after one step at this voltage, from a state that allows now_mA. */
 static int32_t next(int32_t inside_mV, int32_t now_mA)
 {
-    foldback_state_t state = {.allowed_q6_mA = now_mA * 64};
+    foldback_state_t state = {.allowed_q24 = (int32_t)(16777216.0 * now_mA / 62500.0)};
     return foldback_step(&state, &LOW, inside_mV, now_mA);
 }
 
 void test_limit_opens_in_half_a_second_and_is_zero_one_width_outside(void)
 {
-    foldback_state_t state = {.allowed_q6_mA = 0};
+    foldback_state_t state = {.allowed_q24 = 0};
     int32_t allowed_mA = 0;
     for (int n = 0; n < 500; n++) {
         allowed_mA = foldback_step(&state, &LOW, 9000, 0);
@@ -54,7 +54,7 @@ void test_limit_approaches_the_steady_state_line_without_overshoot(void)
 void test_steady_state_limit_is_independent_of_the_motor_current(void)
 {
     /* A bus voltage that does not depend on the current, and zero current: still the line's. */
-    foldback_state_t state = {.allowed_q6_mA = 62500 * 64};
+    foldback_state_t state = {.allowed_q24 = 1 << 24};
     int32_t allowed_mA = 0;
     for (int n = 0; n < 20000; n++) {
         allowed_mA = foldback_step(&state, &LOW, 584, 0);
@@ -71,7 +71,7 @@ void test_current_settles_on_the_line_for_any_pack_resistance(void)
     for (double r_ohm = 0.02; r_ohm < 3.0; r_ohm *= 1.5) {
         double delayed_mA[3] = {0.0, 0.0, 0.0};
         int32_t command_mA = 0;
-        foldback_state_t state = {.allowed_q6_mA = 0};
+        foldback_state_t state = {.allowed_q24 = 0};
         double lowest_mA = 1e9;
         double highest_mA = 0.0;
         double volts = 53.0;
@@ -103,7 +103,7 @@ void test_limit_is_zero_for_a_largest_current_of_zero(void)
     const foldback_t none = {.most_mA = 0, .width_mV = 1168, .span_mV = 18400};
     const int32_t inside_mV[] = {1000, INT32_MAX, INT32_MIN};
     for (int k = 0; k < 3; k++) {
-        foldback_state_t state = {.allowed_q6_mA = 64000};
+        foldback_state_t state = {.allowed_q24 = 1 << 20};
         TEST_ASSERT_EQUAL_INT32(0, foldback_step(&state, &none, inside_mV[k], 1000));
     }
 }

@@ -223,12 +223,12 @@ void test_each_fold_back_has_its_own_width(void)
     const limit_t half = at_rpm(300.0).driving;
     TEST_ASSERT_EQUAL_INT(REASON_BUS_VOLTAGE_LOW, half.reason);
     TEST_ASSERT_DOUBLE_WITHIN(100.0, torque_at_power_mNm(300.0, 1281.25), half.torque_mNm);
-    TEST_ASSERT_INT32_WITHIN(64 * 50, 64 * 31250, state.discharge.allowed_q6_mA);
+    TEST_ASSERT_INT32_WITHIN(1 << 14, 1 << 23, state.discharge.allowed_q24); /* 31.25 of 62.5 A */
     config.battery.foldback_voltage_mV = 56400; /* 2 V wide; a quarter of 50 A at 57.9 V */
     conditions.bus_voltage_mV = 57900;
     settle_foldback(20000);
-    TEST_ASSERT_INT32_WITHIN(64 * 50, 64 * 12500, state.charge.allowed_q6_mA);
-    TEST_ASSERT_EQUAL_INT32(64 * 62500, state.discharge.allowed_q6_mA);
+    TEST_ASSERT_INT32_WITHIN(1 << 14, 1 << 22, state.charge.allowed_q24); /* 12.5 of 50 A */
+    TEST_ASSERT_EQUAL_INT32(1 << 24, state.discharge.allowed_q24);
 }
 
 /* Returned power grows with braking torque up to the optimum, then falls. Beyond T_zero the motor
