@@ -14,3 +14,13 @@ __version__ = installation.version()
 STRATEGIES = ("parallel_ratio", "parallel_free_travel", "series_optimal")  # of brake blending
 SETTLED, DYNAMIC = "settled", "dynamic"  # how the battery's RC branch is carried through a trace
 BATTERIES = (SETTLED, DYNAMIC)
+# limits that an ideal stop can keep, by name (limited_stop)
+STOP_LIMITS = (
+    "phase_current",
+    "voltage",
+    "charge_current",
+    "fold_back",
+    "winding_temperature",
+    "torque_rate",
+    "blend_out",
+)

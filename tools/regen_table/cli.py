@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NoReturn
 
-from regen_table import BATTERIES, STRATEGIES, installation
+from regen_table import BATTERIES, STOP_LIMITS, STRATEGIES, installation
 from regen_table.errors import CheckFailedError, ConfigurationError
 
 
@@ -101,6 +101,16 @@ def _numbers(lowest: float, highest: float, unit: str) -> Callable[[str], list[f
         return values
 
     return parse
+
+
+def _limits(text: str) -> tuple[str, ...]:
+    """Return the limits that a list names."""
+    names = tuple(STOP_LIMITS if text == "all" else text.split(","))
+    if not set(names) <= set(STOP_LIMITS):
+        raise argparse.ArgumentTypeError(
+            f"{text!r}, accepted: all, or some of {', '.join(STOP_LIMITS)}, separated by commas"
+        )
+    return names
 
 
 def _number(lowest: float, highest: float, unit: str) -> Callable[[str], float]:
@@ -257,6 +267,21 @@ def _parser() -> argparse.ArgumentParser:
             "the battery's RC branch in steady state at every instant (default), or at rest before"
             " the stop and moving"
         ),
+    )
+    command.add_argument(
+        "--limits",
+        type=_limits,
+        metavar="LIST",
+        help=(
+            "keep the drive's limits: all, or some of "
+            + ", ".join(STOP_LIMITS)
+            + "; with --battery dynamic. The demand then contains the bearings' friction"
+        ),
+    )
+    command.add_argument(
+        "--open-circuit-voltage-v",
+        type=_number(1.0, 1900.0, "V"),
+        help="in the place of the file's, where that is one number",
     )
     _add_answer(command)
 

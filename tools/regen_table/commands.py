@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from regen_table import (
+    DYNAMIC,
     STRATEGIES,
     calibrate,
     generate,
@@ -20,6 +21,7 @@ from regen_table import (
     ideal_cycles,
     image,
     installation,
+    limited_stop,
     outputs,
     points,
     schema,
@@ -138,11 +140,20 @@ def run_stop(options: argparse.Namespace) -> int:
     drive = schema.load(options.config)
     strategy = options.strategy or drive.brake.strategy
     warm = _one_temperature(drive, options.winding_temperature_c)
+    if options.limits is not None and options.battery != DYNAMIC:
+        raise ConfigurationError(f"--limits: accepted: with --battery {DYNAMIC}")
+    if options.open_circuit_voltage_v is not None:
+        drive = _with_voltage(drive, options.open_circuit_voltage_v)
+
+    def one(name: str, demand: float) -> ideal.Stop | limited_stop.LimitedStop:
+        at = (drive, name, demand, options.initial_speed_kmh, warm, options.soc)
+        if options.limits is None:
+            return ideal.stop(*at, options.battery)
+        return limited_stop.stop(*at, options.limits)
+
     with _about(options.config):
         found = [
-            ideal.stop(
-                drive, name, demand, options.initial_speed_kmh, warm, options.soc, options.battery
-            )
+            one(name, demand)
             for name in (STRATEGIES if strategy == "all" else [strategy])
             for demand in options.demand_nm
         ]
@@ -160,6 +171,17 @@ def run_stop(options: argparse.Namespace) -> int:
         ],
     )
     return 0
+
+
+def _with_voltage(drive: schema.Drive, voltage_v: float) -> schema.Drive:
+    """Return the drive with another open-circuit voltage, where that is one number."""
+    if not isinstance(drive.battery.open_circuit_voltage_v, float | int):
+        raise ConfigurationError(
+            "--open-circuit-voltage-v: accepted: with a drive whose open_circuit_voltage_v does "
+            "not depend on the state of charge; with others: --soc"
+        )
+    battery = drive.battery.model_copy(update={"open_circuit_voltage_v": voltage_v})
+    return drive.model_copy(update={"battery": battery})
 
 
 def run_cycle(options: argparse.Namespace) -> int:

@@ -14,6 +14,7 @@ from regen_table import cli
 
 ROOT = Path(__file__).resolve().parents[4]
 PAPER = ROOT / "tools" / "motors" / "lu2013.toml"
+SCOOTER = ROOT / "tools" / "motors" / "scooter48v.toml"
 CYCLE = ROOT / "host_sim" / "cycles" / "ece15.csv"
 STOP = ["stop", str(PAPER), "--initial-speed-kmh", "40", "--demand-nm"]
 POINT = {
@@ -117,6 +118,24 @@ def test_stop_answers_one_object_a_demand_and_strategy(capsys: pytest.CaptureFix
     assert first["kinetic_energy_j"] == pytest.approx(sum(first["energy_j"].values()), rel=1e-9)
 
 
+def test_stop_inside_the_limits_says_what_kept_the_motor_from_more(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """At 58 V the pack takes 200 (58.4 - 58)/(1.168 + 2.4) = 22.4 A, 1.3 of some 6 kW."""
+    arguments = [*STOP, "40", "--battery", "dynamic", "--open-circuit-voltage-v", "58", "--json"]
+    (free,) = answer(capsys, *arguments)
+    (found,) = answer(capsys, *arguments, "--limits", "all")
+    assert found["stored_share_of_kinetic"] < 0.6 * free["stored_share_of_kinetic"]
+    assert max(found["hydraulic_by_reason_j"], key=found["hydraulic_by_reason_j"].get) == (
+        "fold_back"
+    )
+    (some,) = answer(capsys, *arguments, "--limits", "blend_out,torque_rate")
+    assert some["limits"] == ["torque_rate", "blend_out"]
+    assert some["stored_share_of_kinetic"] == pytest.approx(
+        free["stored_share_of_kinetic"], abs=0.005
+    )
+
+
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
@@ -154,6 +173,22 @@ def test_stop_answers_one_object_a_demand_and_strategy(capsys: pytest.CaptureFix
                 "best",
             ],
             "argument --strategy: invalid choice",
+        ),
+        (
+            [*STOP, "1", "--battery", "dynamic", "--limits", "voltage,luck"],
+            "argument --limits: 'voltage,luck', accepted: all, or some of phase_current, voltage",
+        ),
+        ([*STOP, "1", "--limits", "all"], "--limits: accepted: with --battery dynamic"),
+        (
+            [
+                "stop",
+                str(SCOOTER),
+                *STOP[2:],
+                "1",
+                "--open-circuit-voltage-v",
+                "400",
+            ],
+            "--open-circuit-voltage-v: accepted: with a drive whose open_circuit_voltage_v",
         ),
         (["cycle", str(PAPER), "--trace", "nowhere.csv"], "nowhere.csv: file not found"),
         (
