@@ -61,4 +61,5 @@ void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[
     }
     state->calibrating = calibrate_offsets;
     state->sequence = FOC_NO_SETPOINT;
+    state->postponed = true; /* a start applies its setpoint at once, also at a hall edge */
 }

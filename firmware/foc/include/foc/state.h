@@ -188,7 +188,8 @@ typedef struct {
     uint16_t quadrant_transitions; /* wrapping; forward counts up */
     uint16_t quadrant_step;        /* step_count at the latest of them */
     bool calibrating;
-    bool postponed; /* a new setpoint waited for a period with a hall edge */
+    bool postponed; /* a new setpoint has waited for a hall edge; true at a start, which never waits
+                     */
 } foc_state_t;
 
 #endif

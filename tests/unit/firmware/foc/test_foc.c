@@ -282,6 +282,46 @@ void test_the_power_report_is_voltage_times_current(void)
     TEST_ASSERT_EQUAL_INT32(in.bus_voltage_code * 8, (int32_t)report.sums.v_dc_pu);
 }
 
+/* Hall states of a forward turn. */
+static const uint8_t FORWARD[6] = {5, 1, 3, 2, 6, 4};
+
+static void with_hall_sensors(void)
+{
+    config.rotor.sensor = CONFIG_ROTOR_HALL;
+    restart();
+}
+
+void test_a_new_setpoint_that_meets_a_hall_edge_waits_one_period(void)
+{
+    with_hall_sensors();
+    for (int n = 0; n < 100; n++) {
+        step(true);
+    }
+    setpoint.i_reference_pu.q = 3000;
+    setpoint.sequence++;
+    in.hall_state = FORWARD[1];
+    foc_step(&foc, &config, &setpoint, &in);
+    TEST_ASSERT_EQUAL_INT32(0, dq_of(foc.current.reference_pu).q);
+    foc_step(&foc, &config, &setpoint, &in);
+    TEST_ASSERT_GREATER_THAN_INT32(2000, dq_of(foc.current.reference_pu).q);
+}
+
+/* What an earlier run left, e.g. the feed-forward of its speed, must not act once more. */
+void test_a_start_that_meets_a_hall_edge_applies_its_setpoint_at_once(void)
+{
+    with_hall_sensors();
+    setpoint.i_reference_pu.q = 3000;
+    for (int n = 0; n < 100; n++) {
+        step(true);
+    }
+    step(false);
+    setpoint.i_reference_pu.q = -5000;
+    setpoint.sequence++;
+    in.hall_state = FORWARD[1];
+    foc_step(&foc, &config, &setpoint, &in);
+    TEST_ASSERT_LESS_THAN_INT32(-3000, dq_of(foc.current.reference_pu).q);
+}
+
 void test_bus_voltage_is_eight_lsb_per_code_and_codes_are_clamped_to_12_bits(void)
 {
     in.bus_voltage_code = 1000;
