@@ -180,9 +180,9 @@ void app_pwm_period_isr(void)
     const uint32_t begin_cycles = time_cycles();
     read_inputs(config, &app.fast_input);
     const fast_setpoint_t *from_slow = &app.fast_setpoint[double_buffer_high(&app.to_fast)];
-    const fast_output_t out =
+    const fast_output_t *out =
         controller_fast_step(&app.controller.fast, config, from_slow, &app.fast_input);
-    inverter_set(inverter_mode(out.bridge), out.compare_counts);
+    inverter_set(inverter_mode(out->bridge), out->compare_counts);
     report_when_due();
 
     const uint32_t cycles = time_cycles() - begin_cycles;

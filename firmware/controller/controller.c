@@ -4,11 +4,25 @@
 #include "core/q15.h"
 #include "monitor/monitor_fast.h"
 
+static uint16_t whole_counts(int32_t on_q16)
+{
+    return (uint16_t)((uint32_t)on_q16 >> 16);
+}
+
+static void update_output(controller_fast_t *fast, bridge_mode_t bridge)
+{
+    const int32_t *on_q16 = foc_on_times_q16(&fast->foc);
+    for (int x = 0; x < SENSE_PHASES; x++) {
+        fast->output.compare_counts[x] = whole_counts(on_q16[x]);
+    }
+    fast->output.bridge = bridge;
+}
+
 void controller_init(controller_t *controller, const config_t *config)
 {
     foc_init(&controller->fast.foc, config);
     monitor_fast_init(&controller->fast.monitor, config);
-    controller->fast.bridge = BRIDGE_OFF;
+    update_output(&controller->fast, BRIDGE_OFF);
     operating_point_init(&controller->slow.operating_point, config);
     torque_init(&controller->slow.torque, config);
     monitor_slow_init(&controller->slow.monitor);
@@ -25,21 +39,17 @@ fast_setpoint_t controller_initial_setpoint(const config_t *config)
     return out;
 }
 
-static uint16_t whole_counts(int32_t on_q16)
-{
-    return (uint16_t)((uint32_t)on_q16 >> 16);
-}
-
 /* What the bridge does; the only place that decides it. */
-static bridge_mode_t bridge_command(const fast_setpoint_t *setpoint, reason_t trip)
+static bridge_mode_t bridge_command(const fast_setpoint_t *setpoint, bool enabled, reason_t trip)
 {
-    return setpoint->torque_enabled && trip == REASON_NONE ? BRIDGE_PWM : setpoint->safe_bridge;
+    return enabled && trip == REASON_NONE ? BRIDGE_PWM : setpoint->safe_bridge;
 }
 
-fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config,
-                                   const fast_setpoint_t *setpoint, const fast_input_t *in)
+const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_t *config,
+                                          const fast_setpoint_t *setpoint, const fast_input_t *in)
 {
-    if (bridge_command(setpoint, fast->monitor.trip) == BRIDGE_PWM) {
+    const bool enabled = setpoint->torque_enabled;
+    if (bridge_command(setpoint, enabled, fast->monitor.trip) == BRIDGE_PWM) {
         foc_step(&fast->foc, config, setpoint, in);
     } else {
         foc_idle_step(&fast->foc, config, setpoint, in);
@@ -50,26 +60,20 @@ fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *conf
         .i_pu = period->i_pu,
         .v_dc_pu = period->v_dc_pu,
         .power_stage_fault = in->power_stage_fault,
-        .switching = setpoint->torque_enabled,
+        .switching = enabled,
         .clear_trip = setpoint->clear_trip,
         .slow_step_count = setpoint->sequence,
     };
-    fast->bridge = bridge_command(setpoint, monitor_fast_step(&fast->monitor, &watched));
-
-    const int32_t *on_q16 = foc_on_times_q16(&fast->foc);
-    const fast_output_t out = {
-        .compare_counts = {whole_counts(on_q16[0]), whole_counts(on_q16[1]),
-                           whole_counts(on_q16[2])},
-        .bridge = fast->bridge,
-    };
-    return out;
+    const reason_t trip = monitor_fast_step(&fast->monitor, &watched);
+    update_output(fast, bridge_command(setpoint, enabled, trip));
+    return &fast->output;
 }
 
 void controller_fast_report(const controller_fast_t *fast, fast_report_t *report)
 {
     foc_report(&fast->foc, report);
     report->trip = fast->monitor.trip;
-    report->bridge = fast->bridge;
+    report->bridge = fast->output.bridge;
 }
 
 static monitor_slow_input_t monitor_input(const controller_slow_t *slow,

@@ -61,9 +61,10 @@ Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict stat
     const int32_t integral_d_q30 = state->d.integrator_q30;
     const int32_t base_d_q25 = gains->forward_d_q25 + (integral_d_q30 >> 5);
     const int32_t p_d_q25 = q_pair_mac_x(base_d_q25, gains->d_gain_q10, error);
-    const int32_t u_d = q_pair_mac_y(p_d_q25, gains->d_gain_q10, i.v) >> 10;
+    const int32_t u_d_q25 = q_pair_mac_y(p_d_q25, gains->d_gain_q10, i.v);
+    const int32_t u_d = u_d_q25 >> 10;
     const int32_t applied_d = q_saturate16(u_d);
-    out->unsaturated_d = u_d;
+    out->unsaturated_d_q25 = u_d_q25;
     int32_t next_d_q30 = q_pair_mac_x(integral_d_q30, gains->integral_q15, error);
     if (applied_d != u_d) {
         next_d_q30 += q_pair_x(gains->anti_windup_q15) * q_saturate18(applied_d - u_d);
@@ -73,19 +74,28 @@ Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict stat
     const int32_t integral_q_q30 = state->q.integrator_q30;
     const int32_t base_q_q25 = gains->forward_q_q25 + (integral_q_q30 >> 5);
     const int32_t p_q_q25 = q_pair_mac_y(base_q_q25, gains->q_gain_q10, error);
-    const int32_t u_q = q_pair_mac_x(p_q_q25, gains->q_gain_q10, i.v) >> 10;
-    const uint32_t limit_q = (uint32_t)circle_other_q15(applied_d);
-    int32_t applied_q = u_q;
-    out->unsaturated_q = u_q;
+    const int32_t u_q_q25 = q_pair_mac_x(p_q_q25, gains->q_gain_q10, i.v);
+    const int32_t limit_q = circle_other_q15(applied_d);
+    int32_t applied_q_q25 = u_q_q25;
+    out->unsaturated_q_q25 = u_q_q25;
     int32_t next_q_q30 = q_pair_mac_y(integral_q_q30, gains->integral_q15, error);
-    if ((uint32_t)u_q + limit_q > 2U * limit_q) {
-        const int32_t sign = u_q >> 31;
-        applied_q = ((int32_t)limit_q ^ sign) - sign;
-        next_q_q30 += q_pair_y(gains->anti_windup_q15) * q_saturate18(applied_q - u_q);
+    /* Outside -limit .. limit, as one unsigned comparison in Q25. */
+    if ((uint32_t)u_q_q25 + ((uint32_t)limit_q << 10) > (uint32_t)limit_q << 11) {
+        const int32_t sign = u_q_q25 >> 31;
+        const int32_t applied_q = (limit_q ^ sign) - sign;
+        applied_q_q25 = applied_q * 1024;
+        next_q_q30 += q_pair_y(gains->anti_windup_q15) * q_saturate18(applied_q - (u_q_q25 >> 10));
     }
     state->q.integrator_q30 = q_saturate31(next_q_q30);
 
-    out->applied.v = q_pair(applied_d, applied_q);
+    out->applied.v = q_pair_of_q25(applied_d, applied_q_q25);
+}
+
+/* The voltage before the circle, Q15. */
+static inline dq_t voltage_unsaturated(const voltage_out_t *voltage)
+{
+    const dq_t out = {.d = voltage->unsaturated_d_q25 >> 10, .q = voltage->unsaturated_q_q25 >> 10};
+    return out;
 }
 
 /*
@@ -96,8 +106,8 @@ Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict stat
 static inline void current_controller_keep_reserve(current_controller_t *state,
                                                    const voltage_out_t *last)
 {
-    const int32_t excess =
-        last->unsaturated_d - q_limit(last->unsaturated_d, CURRENT_CONTROLLER_D_LIMIT_Q15);
+    const int32_t u_d = voltage_unsaturated(last).d;
+    const int32_t excess = u_d - q_limit(u_d, CURRENT_CONTROLLER_D_LIMIT_Q15);
     /* Both within 31 bits. */
     state->d.integrator_q30 = q_saturate31(state->d.integrator_q30 - q_saturate16(excess) * 32768);
 }

@@ -24,7 +24,7 @@ void foc_current_step(foc_state_t *restrict state, const uint16_t *restrict code
     const rotation_t angle = angle_rotation(period->rotor.theta_turn);
     const dq16_t i = transforms_park(sensed.i, angle);
     period->i_pu = i;
-    current_controller_step(&current->controller, &current->gains, current->reference_pu, i,
+    current_controller_step(&current->controller, &current->gains, period->i_reference_pu, i,
                             &period->voltage);
 
     /* The voltage acts in the next period: on average 1.5 periods after the sample. */
@@ -42,7 +42,7 @@ static void weaken_field(foc_state_t *state, const config_t *config)
 {
     const voltage_out_t *voltage = &state->period.voltage;
     const int32_t margin_q15 = field_weakening_margin_q15(
-        &state->weakening, q_pair_x(voltage->applied.v), voltage->unsaturated_q);
+        &state->weakening, q_pair_x(voltage->applied.v), voltage_unsaturated(voltage).q);
     if (margin_q15 < 0) {
         current_controller_keep_reserve(&state->current.controller, voltage);
     }
@@ -125,13 +125,13 @@ void foc_report(const foc_state_t *state, fast_report_t *report)
     const voltage_out_t *voltage = &period->voltage;
     const sense_state_t *sense = &state->current.sense;
     const dq_t applied = dq_of(voltage->applied);
+    const dq_t unsaturated = voltage_unsaturated(voltage);
     report->sequence = (uint16_t)state->step_count;
     report->sums = state->sums;
     report->i_pu = period->i_pu;
     report->u_pu = voltage->applied;
-    report->voltage_use_q15 = modulation_index_square_q15(applied.d, voltage->unsaturated_q);
-    report->voltage_limited =
-        voltage->unsaturated_q != applied.q || voltage->unsaturated_d != applied.d;
+    report->voltage_use_q15 = modulation_index_square_q15(applied.d, unsaturated.q);
+    report->voltage_limited = unsaturated.q != applied.q || unsaturated.d != applied.d;
     report->adc_saturated = sense_adc_saturated(sense->offset_q4, phase_currents(period));
     report->current_sum_pu = period->current_sum_pu;
     report->i_d_weakening_pu = field_weakening_current_pu(&state->weakening);

@@ -53,13 +53,16 @@ void hall_process_event(hall_t *hall, const config_t *config, uint8_t sensors);
 static inline bool hall_extrapolate(hall_t *hall, uint8_t sensors)
 {
     const int32_t periods = hall->periods_since_edge;
-    const uint32_t theta_q32 = hall->theta_q32 + (uint32_t)hall->speed_q32;
-    if (sensors != hall->steady_sensors || periods >= hall->overdue_periods ||
-        theta_q32 - hall->begin_q32 > hall->span_q32) {
+    const bool overdue = periods >= hall->overdue_periods;
+    if (sensors != hall->steady_sensors || overdue) {
         return false;
     }
-    hall->periods_since_edge = periods + 1;
+    const uint32_t theta_q32 = hall->theta_q32 + (uint32_t)hall->speed_q32;
+    if (theta_q32 - hall->begin_q32 > hall->span_q32) {
+        return false;
+    }
     hall->theta_q32 = theta_q32;
+    hall->periods_since_edge = periods + 1;
     return true;
 }
 

@@ -44,8 +44,8 @@ void idle_step(foc_state_t *state, bool calibrate_offsets, const uint16_t codes[
 {
     foc_period_t *period = &state->period;
     const sense_out_t sensed = sense_step(&state->current.sense, codes, state->current.on_q16);
-    const voltage_out_t no_voltage = {.unsaturated_d = 0};
-    const dq_t no_current = {.d = 0};
+    const voltage_out_t no_voltage = {.unsaturated_d_q25 = 0};
+    const dq16_t no_current = {.v = q_pair(0, 0)};
     period->i_reference_pu = no_current;
     period->i_pu = transforms_park(sensed.i, angle_rotation(period->rotor.theta_turn));
     count_quadrants(state, sensed.i);

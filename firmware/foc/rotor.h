@@ -20,16 +20,18 @@ void rotor_init(rotor_state_t *state, const config_t *config);
 void rotor_other_step(rotor_state_t *state, const config_t *config, const foc_input_t *in,
                       rotor_out_t *out);
 
-/* out: always the same structure; unchanged fields are not written. */
+/* out: always the same structure; unchanged fields are not written. The sensor is looked up only
+ * in a period with an event; without hall sensors that is every period, because hall_init() leaves
+ * an edge overdue. */
 static inline void rotor_step(rotor_state_t *state, const config_t *config, const foc_input_t *in,
                               rotor_out_t *out)
 {
     hall_t *hall = &state->hall;
-    if (state->sensor != CONFIG_ROTOR_HALL) {
-        rotor_other_step(state, config, in, out);
-        return;
-    }
     if (!hall_extrapolate(hall, in->hall_state)) {
+        if (state->sensor != CONFIG_ROTOR_HALL) {
+            rotor_other_step(state, config, in, out);
+            return;
+        }
         hall_process_event(hall, config, in->hall_state);
         out->speed_q32 = hall->speed_q32;
         out->faults = hall->faults;

@@ -44,8 +44,12 @@ Q_TARGET_INLINE sense_out_t sense_step(const sense_state_t *state,
     const int32_t sum = a + b + c;
     int32_t alpha = a;
     int32_t b_less_c = b - c;
-    if (on_q16[0] >= on_q16[1] && on_q16[0] >= on_q16[2]) {
-        alpha -= sum;
+    if (on_q16[0] >= on_q16[1]) {
+        if (on_q16[0] >= on_q16[2]) {
+            alpha -= sum;
+        } else {
+            b_less_c += sum;
+        }
     } else if (on_q16[1] >= on_q16[2]) {
         b_less_c -= sum;
     } else {

@@ -37,8 +37,7 @@ void setpoint_apply(foc_state_t *state, const fast_setpoint_t *setpoint)
         given = inside_circle(&state->current_circle, shaped.d, shaped.q);
         target = current_predictor_target(&current->predictor, &change);
     }
-    state->period.i_reference_pu = given;
-    current->reference_pu = dq16_of(given);
+    state->period.i_reference_pu = dq16_of(given);
     current->gains = current_gains_of(&setpoint->tuning, current->predictor.weight_q15, target);
     current->advance = setpoint->tuning.advance;
     current->slope = setpoint->dead_time_slope;

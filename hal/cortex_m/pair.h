@@ -40,6 +40,13 @@ PAIR_INLINE q_pair_t q_pair(int32_t x, int32_t y)
     return out;
 }
 
+PAIR_INLINE q_pair_t q_pair_of_q25(int32_t x, int32_t y_q25)
+{
+    q_pair_t out;
+    __asm("pkhbt %0, %1, %2, lsl #6" : "=r"(out.xy) : "r"(x), "r"(y_q25));
+    return out;
+}
+
 PAIR_INLINE int32_t q_pair_x(q_pair_t a)
 {
     return (int16_t)a.xy;

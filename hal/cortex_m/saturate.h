@@ -16,6 +16,7 @@
 /* x clamped to a signed number of `bits` bits. The built-in behind __ssat of <arm_acle.h>, whose
  * macro does not survive -Wconversion; GCC and Clang both have it. */
 #define Q_TARGET_SATURATE(x, bits) ((int32_t)__builtin_arm_ssat((x), (bits)))
+#define Q_TARGET_POSITIVE(x) ((int32_t)__builtin_arm_usat((x), 31))
 #endif
 
 #if defined(__ARM_FEATURE_CLZ)

@@ -200,7 +200,7 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
         return;
     }
     wheel->next =
-        controller_fast_step(&wheel->controller.fast, world->config, &wheel->to_fast, &in);
+        *controller_fast_step(&wheel->controller.fast, world->config, &wheel->to_fast, &in);
 }
 
 wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s,

@@ -15,8 +15,8 @@ void controller_instance_fast_step(controller_instance_t *instance, const int32_
 {
     fast_input_t sampled;
     variables_to_message(EXCHANGE_PORT_FAST_INPUT, in, &sampled);
-    const fast_output_t output = controller_fast_step(&instance->controller.fast, &instance->config,
-                                                      &instance->to_fast, &sampled);
+    const fast_output_t output = *controller_fast_step(
+        &instance->controller.fast, &instance->config, &instance->to_fast, &sampled);
     variables_from_message(EXCHANGE_PORT_FAST_OUTPUT, &output, out);
 }
 

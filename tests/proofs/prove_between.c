@@ -53,8 +53,8 @@ void prove_report(void)
     const foc_period_t period = {
         .rotor = {.theta_turn = nondet_uint16()},
         .i_pu = dq16_of(any_vector(LONGEST_CURRENT_PU)),
-        .voltage = {.unsaturated_d = nondet_int32(),
-                    .unsaturated_q = nondet_int32(),
+        .voltage = {.unsaturated_d_q25 = nondet_int32(),
+                    .unsaturated_q_q25 = nondet_int32(),
                     .applied = dq16_of(any_vector(LONGEST_VOLTAGE))},
     };
     state.period = period;

@@ -113,20 +113,21 @@ void prove_current_controller(void)
     voltage_out_t out;
     current_controller_step(&state, &gains, dq16_of(any_dq()), dq16_of(any_dq()), &out);
     const dq_t applied = dq_of(out.applied);
+    const dq_t unsaturated = voltage_unsaturated(&out);
     PROVE(applied.d >= -32768 && applied.d <= 32767);
     PROVE(applied.q >= -32767 && applied.q <= 32767);
     /* The limiter lengthens no component and changes no sign. That circle_other_q15() leaves q what
      * is inside the circle is tested for every d in tests/unit. */
-    PROVE(out.unsaturated_d >= 0 ? applied.d >= 0 && applied.d <= out.unsaturated_d
-                                 : applied.d <= 0 && applied.d >= out.unsaturated_d);
-    PROVE(out.unsaturated_q >= 0 ? applied.q >= 0 && applied.q <= out.unsaturated_q
-                                 : applied.q <= 0 && applied.q >= out.unsaturated_q);
+    PROVE(unsaturated.d >= 0 ? applied.d >= 0 && applied.d <= unsaturated.d
+                             : applied.d <= 0 && applied.d >= unsaturated.d);
+    PROVE(unsaturated.q >= 0 ? applied.q >= 0 && applied.q <= unsaturated.q
+                             : applied.q <= 0 && applied.q >= unsaturated.q);
     PROVE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
     PROVE(state.q.integrator_q30 >= -(1 << 30) && state.q.integrator_q30 <= (1 << 30) - 1);
     PROOF_END();
 }
 
-/* unsaturated_d as far as current_controller_step() makes it, see README.md: below 50 units. */
+/* unsaturated_d_q25 as far as current_controller_step() makes it, see README.md: below 50 units. */
 void prove_d_axis_reserve(void)
 {
     current_controller_t state = {
@@ -134,11 +135,11 @@ void prove_d_axis_reserve(void)
         .q = {.integrator_q30 = 0},
     };
     const int32_t before_q30 = state.d.integrator_q30;
-    const voltage_out_t last = {.unsaturated_d = any_within(-50 * 32768, 50 * 32768)};
+    const voltage_out_t last = {.unsaturated_d_q25 = any_within(-50 * (1 << 25), 50 * (1 << 25))};
     current_controller_keep_reserve(&state, &last);
     PROVE(state.d.integrator_q30 >= -(1 << 30) && state.d.integrator_q30 <= (1 << 30) - 1);
-    PROVE(last.unsaturated_d >= 0 ? state.d.integrator_q30 <= before_q30
-                                  : state.d.integrator_q30 >= before_q30);
+    PROVE(last.unsaturated_d_q25 >= 0 ? state.d.integrator_q30 <= before_q30
+                                      : state.d.integrator_q30 >= before_q30);
     PROOF_END();
 }
 

@@ -33,13 +33,16 @@ static bool same(q_pair_t a, uint32_t word)
     return q_pair_x(a) == lower(word) && q_pair_y(a) == upper(word);
 }
 
-/* PKHBT with LSL #16. */
+/* PKHBT with LSL #16 and, for a number in Q25, LSL #6. */
 void prove_pair_pack(void)
 {
     const int32_t x = any_within(-32768, 32767);
     const int32_t y = any_within(-32768, 32767);
     const uint32_t word = ((uint32_t)x & 0xFFFFU) | (uint32_t)y << 16;
     PROVE(same(q_pair(x, y), word));
+    const int32_t y_q25 = any_within(-(1 << 25), (1 << 25) - 1);
+    const uint32_t by_6 = ((uint32_t)x & 0xFFFFU) | ((uint32_t)y_q25 << 6 & 0xFFFF0000U);
+    PROVE(same(q_pair_of_q25(x, y_q25), by_6));
     PROOF_END();
 }
 

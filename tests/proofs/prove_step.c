@@ -53,7 +53,7 @@ static void apply_any_setpoint(int32_t radius)
     PROVE(setpoint.i_reference_pu.q >= 0
               ? reference.q >= 0 && reference.q <= setpoint.i_reference_pu.q
               : reference.q <= 0 && reference.q >= setpoint.i_reference_pu.q);
-    const dq_t given = state.period.i_reference_pu;
+    const dq_t given = dq_of(state.period.i_reference_pu);
     PROVE(given.d >= -radius && given.d <= radius && given.q >= -radius && given.q <= radius);
     if (state.sequence == FOC_NO_SETPOINT) {
         PROVE(!prefilter->settled); /* the next period checks again */

@@ -280,7 +280,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         const fast_input_t in = take_fast_input(&bytes);
         for (int repeat = take_repeats(what, &bytes); repeat >= 0; repeat--) {
             const fast_output_t out =
-                controller_fast_step(&controller.fast, &config, &command, &in);
+                *controller_fast_step(&controller.fast, &config, &command, &in);
             fast_report_t report;
             controller_fast_report(&controller.fast, &report);
             check_fast(&config, &command, &report, &out);

@@ -214,7 +214,7 @@ static current_controller_t integrators_of(pair_t integrator_q30)
 static kernel_voltage_t voltage_of(voltage_out_t out, const current_controller_t *state)
 {
     const kernel_voltage_t voltage = {
-        .wanted = {out.unsaturated_d, out.unsaturated_q},
+        .wanted = pair_of_dq(voltage_unsaturated(&out)),
         .realised = pair_of_dq(dq_of(out.applied)),
         .integrator_q30 = {state->d.integrator_q30, state->q.integrator_q30},
     };
@@ -302,12 +302,11 @@ kernel_loop_out_t kernel_loop(kernel_loop_t *loop, const kernel_tuning_t *tuning
     const current_tuning_t loop_tuning = tuning_of(tuning);
     const dq_t no_target = {.d = 0, .q = 0};
     foc_state_t foc = {
-        .period = {.i_reference_pu = dq_from(reference), .rotor = {.theta_turn = theta_turn}},
+        .period = {.i_reference_pu = dq16_from(reference), .rotor = {.theta_turn = theta_turn}},
     };
     const foc_current_state_t state = {
         .gains = current_gains_of(&loop_tuning, 0, no_target),
         .advance = loop_tuning.advance,
-        .reference_pu = dq16_from(reference),
         .sense = sense_of(loop->offset_q4),
         .controller = integrators_of(loop->integrator_q30),
         .modulation = modulation_from(&loop->svpwm),

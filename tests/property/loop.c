@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "controller/operating_point.h"
+#include "current_controller.h"
 #include "field_weakening.h"
 #include "foc/foc.h"
 
@@ -80,14 +81,15 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
     const voltage_out_t *voltage = &period->voltage;
     const dq_t i = dq_of(period->i_pu);
     const dq_t u = dq_of(voltage->applied);
+    const dq_t unsaturated = voltage_unsaturated(voltage);
     const loop_output_t out = {
         .compare_counts = {(uint16_t)(loop->foc.current.on_q16[0] >> 16),
                            (uint16_t)(loop->foc.current.on_q16[1] >> 16),
                            (uint16_t)(loop->foc.current.on_q16[2] >> 16)},
         .i_d_pu = i.d,
         .i_q_pu = i.q,
-        .reference_d_pu = period->i_reference_pu.d,
-        .reference_q_pu = period->i_reference_pu.q,
+        .reference_d_pu = dq_of(period->i_reference_pu).d,
+        .reference_q_pu = dq_of(period->i_reference_pu).q,
         .u_d_pu = u.d,
         .u_q_pu = u.q,
         .weakening_pu = field_weakening_current_pu(&loop->foc.weakening),
@@ -95,7 +97,7 @@ loop_output_t loop_step(loop_t *loop, const loop_input_t *in, bool run)
         .modulation_limit_q15 = foc_modulation_limit_q15(&loop->config),
         .speed_q32 = period->rotor.speed_q32,
         .theta_turn = period->rotor.theta_turn,
-        .limited = voltage->unsaturated_d != u.d || voltage->unsaturated_q != u.q,
+        .limited = unsaturated.d != u.d || unsaturated.q != u.q,
         .rotor_valid = period->rotor.valid,
     };
     return out;

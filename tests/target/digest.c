@@ -40,9 +40,9 @@ static void add_period(digest_t *digest, const foc_period_t *period)
 {
     const rotor_out_t *rotor = &period->rotor;
     add(digest, rotor->theta_turn);
-    add_dq(digest, period->i_reference_pu);
-    add(digest, period->voltage.unsaturated_d);
-    add(digest, period->voltage.unsaturated_q);
+    add_dq(digest, dq_of(period->i_reference_pu));
+    add(digest, period->voltage.unsaturated_d_q25 >> 10);
+    add(digest, period->voltage.unsaturated_q_q25 >> 10);
     add(digest, period->v_dc_pu);
 }
 

@@ -43,7 +43,7 @@ static fast_output_t period(void *context, const fast_input_t *in)
     const cycle_fast_t kept = cycle_of_fast(in);
     TEST_ASSERT_EQUAL_INT(1, fwrite(&kept, sizeof kept, 1, r->file));
     const fast_output_t active = r->next;
-    r->next = controller_fast_step(&r->controller.fast, r->config, &r->setpoint, in);
+    r->next = *controller_fast_step(&r->controller.fast, r->config, &r->setpoint, in);
     digest_fast(&r->digest, &r->next, &r->controller.fast);
     return active;
 }

@@ -80,7 +80,7 @@ int main(void)
         if (!cycle_is_slow(&fast)) {
             const fast_input_t in = cycle_fast_input(&fast);
             const fast_output_t out =
-                controller_fast_step(&controller.fast, &CONFIG_LU2013, &setpoint, &in);
+                *controller_fast_step(&controller.fast, &CONFIG_LU2013, &setpoint, &in);
             digest_fast(&digest, &out, &controller.fast);
             continue;
         }

@@ -224,7 +224,7 @@ static uint32_t run(const sequence_t *sequence, uint32_t mode_steps[PRINT_MODES]
             sequence->disturb(&wheel, &in);
         }
         const fast_output_t out =
-            controller_fast_step(&controller.fast, &config, &fast_setpoint, &in);
+            *controller_fast_step(&controller.fast, &config, &fast_setpoint, &in);
         digest_fast(&digest, &out, &controller.fast);
         wheel_step(&wheel, &config, &out);
         if (step % FAST_STEPS_A_SLOW_STEP == 0) {

@@ -51,13 +51,13 @@ class Budget:
     max_at_most: int | None = None
 
 
-INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 430, max_at_most=800)
+INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 395, max_at_most=770)
 """From entry to return on the linked image."""
 BUDGETS = (
-    Budget("cortex-m4", CURRENT_LOOP, 155, 1.06),
-    Budget("cortex-m4", FAST_STEP, 268, p99_at_most=460, max_at_most=600),
-    Budget("cortex-m3", CURRENT_LOOP, 176),
-    Budget("cortex-m0plus", CURRENT_LOOP, 345),
+    Budget("cortex-m4", CURRENT_LOOP, 151, 1.05),
+    Budget("cortex-m4", FAST_STEP, 253, p99_at_most=450, max_at_most=540),
+    Budget("cortex-m3", CURRENT_LOOP, 175),
+    Budget("cortex-m0plus", CURRENT_LOOP, 342),
 )
 SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 11500, max_at_most=15000)
 """Of every configuration in every state of the envelope."""

@@ -79,7 +79,7 @@ int main(void)
         for (int i = 0; i < fast; i++) {
             const fast_input_t in = motor_sample(&motor, config, bus_V);
             const fast_output_t next =
-                controller_fast_step(&controller.fast, config, &fast_setpoint, &in);
+                *controller_fast_step(&controller.fast, config, &fast_setpoint, &in);
             motor_step(&motor, config, &active, bus_V, w_rad_s);
             active = next;
         }

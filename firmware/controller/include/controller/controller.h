@@ -56,7 +56,7 @@ typedef struct {
 typedef struct {
     foc_state_t foc;
     monitor_fast_state_t monitor;
-    bridge_mode_t bridge; /* commanded in the latest period */
+    fast_output_t output; /* of the latest period */
 } controller_fast_t;
 
 typedef struct {
@@ -79,9 +79,9 @@ void controller_init(controller_t *controller, const config_t *config);
 /* For use before the first slow step: no torque, bridge off. */
 fast_setpoint_t controller_initial_setpoint(const config_t *config);
 
-/* Once per PWM period. */
-fast_output_t controller_fast_step(controller_fast_t *fast, const config_t *config,
-                                   const fast_setpoint_t *setpoint, const fast_input_t *in);
+/* Once per PWM period. Returns the output; the next step overwrites it. */
+const fast_output_t *controller_fast_step(controller_fast_t *fast, const config_t *config,
+                                          const fast_setpoint_t *setpoint, const fast_input_t *in);
 
 /* Fills the report with the state after the latest fast step. In the context of
  * controller_fast_step(), in the last period before each slow step. */

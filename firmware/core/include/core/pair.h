@@ -35,6 +35,12 @@ Q_TARGET_INLINE q_pair_t q_pair(int32_t x, int32_t y)
     return out;
 }
 
+/* y_q25 in Q15; it must then be within 16 bits. */
+Q_TARGET_INLINE q_pair_t q_pair_of_q25(int32_t x, int32_t y_q25)
+{
+    return q_pair(x, y_q25 >> 10);
+}
+
 Q_TARGET_INLINE int32_t q_pair_x(q_pair_t a)
 {
     return a.x;

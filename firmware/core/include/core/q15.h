@@ -50,10 +50,14 @@ static inline int32_t q_max(int32_t a, int32_t b)
     return a > b ? a : b;
 }
 
-/* max(x, 0) and min(x, 0) without a condition. */
+/* max(x, 0) and min(x, 0) without a condition; a port may supply the first as one instruction. */
+#ifndef Q_TARGET_POSITIVE
+#define Q_TARGET_POSITIVE(x) ((x) & ~((x) >> 31))
+#endif
+
 Q_TARGET_INLINE int32_t q_positive(int32_t x)
 {
-    return x & ~(x >> 31);
+    return Q_TARGET_POSITIVE(x);
 }
 
 Q_TARGET_INLINE int32_t q_negative(int32_t x)

@@ -26,11 +26,11 @@ typedef struct {
 
 /* hall.h. Angles in turns; periods are PWM periods. */
 typedef struct {
+    int32_t speed_q32; /* turns per period, forward positive */
     uint32_t theta_q32;
-    int32_t speed_q32;            /* turns per period, forward positive */
-    uint32_t begin_q32, span_q32; /* the sector: begin .. begin + span */
     int32_t periods_since_edge;   /* 0 .. 65 535 */
     int32_t overdue_periods;      /* periods_since_edge beyond which the speed decays */
+    uint32_t begin_q32, span_q32; /* the sector: begin .. begin + span */
     int32_t bounce_periods;       /* a reversal within these is a bounce; 0: speed unknown */
     int32_t standstill_periods;   /* 1/4 s */
     int32_t reversal_periods;     /* 15 ms */
@@ -140,7 +140,6 @@ typedef struct {
 typedef struct {
     current_gains_t gains;   /* of the setpoint in use, delay compensated */
     rotation_t advance;      /* of the setpoint in use */
-    dq16_t reference_pu;     /* prefiltered */
     dead_time_slope_t slope; /* of the setpoint in use */
     current_controller_t controller;
     modulation_t modulation;
@@ -158,17 +157,17 @@ typedef struct {
     bool valid;          /* the angle may be used for torque; the speed is that of the angle */
 } rotor_out_t;
 
-/* Voltage of one period in modulation units, Q15. */
+/* Voltage of one period in modulation units. */
 typedef struct {
-    int32_t unsaturated_d, unsaturated_q; /* before the voltage circle, |.| < 50 */
-    dq16_t applied;                       /* inside the unit circle */
+    int32_t unsaturated_d_q25, unsaturated_q_q25; /* before the voltage circle, |.| < 50 */
+    dq16_t applied;                               /* Q15, inside the unit circle */
 } voltage_out_t;
 
 /* One period: what was measured and what was done. */
 typedef struct {
     rotor_out_t rotor;
-    dq_t i_reference_pu; /* prefiltered, inside the current circle */
-    dq16_t i_pu;         /* sampled current, Q15 of the current base; components saturate at 1 */
+    dq16_t i_reference_pu; /* prefiltered, inside the current circle */
+    dq16_t i_pu;           /* sampled current, Q15 of the current base; components saturate at 1 */
     voltage_out_t voltage;
     int32_t current_sum_pu; /* of the three readings */
     int32_t v_dc_pu;        /* Q15 of the voltage base */

@@ -96,7 +96,7 @@ static void assert_equal_to_direct_steps(void)
                 config->rotor.sensor == CONFIG_ROTOR_HALL ? (uint16_t)0 : s.rotor_angle_turn,
             .hall_state = config->rotor.sensor == CONFIG_ROTOR_HALL ? s.hall_state : (uint8_t)0,
         };
-        out = controller_fast_step(&controller.fast, config, &fast_setpoint, &in);
+        out = *controller_fast_step(&controller.fast, config, &fast_setpoint, &in);
         if ((period + 1) % (config->drive.pwm_frequency_Hz / CONTROLLER_SLOW_RATE_HZ) == 0) {
             now_ms++;
             const slow_input_t slow_in = {

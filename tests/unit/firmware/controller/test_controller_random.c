@@ -71,8 +71,8 @@ void test_bridge_switches_only_in_run_and_compare_values_stay_in_range(void)
             const operating_mode_t before = rig.out.mode;
             for (int k = 0; k < RIG_FAST_PER_SLOW; k++) {
                 randomise(&random, &rig.slow_in, &rig.fast_in);
-                rig.pwm = controller_fast_step(&rig.controller.fast, &rig.config, &rig.to_fast,
-                                               &rig.fast_in);
+                rig.pwm = *controller_fast_step(&rig.controller.fast, &rig.config, &rig.to_fast,
+                                                &rig.fast_in);
                 controller_fast_report(&rig.controller.fast, &rig.to_slow);
                 if (rig.pwm.bridge == BRIDGE_PWM) {
                     switched++;
@@ -143,10 +143,10 @@ void test_outputs_depend_only_on_inputs_after_init(void)
                 randomise(&random, &rig.slow_in, &rig.fast_in);
                 other.slow_in = rig.slow_in;
                 other.fast_in = rig.fast_in;
-                const fast_output_t a = controller_fast_step(&rig.controller.fast, &rig.config,
-                                                             &rig.to_fast, &rig.fast_in);
-                const fast_output_t b = controller_fast_step(&other.controller.fast, &other.config,
-                                                             &other.to_fast, &other.fast_in);
+                const fast_output_t a = *controller_fast_step(&rig.controller.fast, &rig.config,
+                                                              &rig.to_fast, &rig.fast_in);
+                const fast_output_t b = *controller_fast_step(&other.controller.fast, &other.config,
+                                                              &other.to_fast, &other.fast_in);
                 controller_fast_report(&rig.controller.fast, &rig.to_slow);
                 controller_fast_report(&other.controller.fast, &other.to_slow);
                 TEST_ASSERT_EQUAL_UINT16_ARRAY(a.compare_counts, b.compare_counts, 3);

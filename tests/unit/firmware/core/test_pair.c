@@ -75,6 +75,14 @@ void test_pair_of_shifted_words_has_their_upper_halves(void)
     assert_pair(-1, -1, Q_PAIR_SHIFTED(-1, 22, -1));
 }
 
+void test_a_number_in_q25_is_rounded_down_to_q15(void)
+{
+    assert_pair(-32768, 32767, q_pair_of_q25(-32768, (1 << 25) - 1));
+    assert_pair(5, -32768, q_pair_of_q25(5, -(1 << 25)));
+    assert_pair(-1, -1, q_pair_of_q25(-1, -1));
+    assert_pair(0, 0, q_pair_of_q25(0, 1023));
+}
+
 void test_a_constant_pair_has_its_components(void)
 {
     static const q_pair_t pair = Q_PAIR_INIT(-32768, 32767);

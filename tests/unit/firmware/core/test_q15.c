@@ -56,6 +56,15 @@ void test_other_saturations_keep_their_bits(void)
     }
 }
 
+void test_positive_and_negative_part_add_up_to_the_number(void)
+{
+    static const int32_t X[] = {INT32_MIN, INT32_MIN + 1, -32768, -1, 0, 1, 32767, INT32_MAX};
+    for (unsigned k = 0; k < sizeof(X) / sizeof(X[0]); k++) {
+        TEST_ASSERT_EQUAL_INT32(X[k] > 0 ? X[k] : 0, q_positive(X[k]));
+        TEST_ASSERT_EQUAL_INT32(X[k] < 0 ? X[k] : 0, q_negative(X[k]));
+    }
+}
+
 void test_clamp_minimum_and_maximum_work_at_the_ends_of_int32(void)
 {
     TEST_ASSERT_EQUAL_INT32(-5, q_clamp(INT32_MIN, -5, 7));

@@ -28,8 +28,7 @@ static current_tuning_t plain_tuning(void)
 
 /* The voltages of a period, without delay compensation. */
 typedef struct {
-    int32_t unsaturated_d, unsaturated_q;
-    dq_t applied;
+    dq_t unsaturated, applied;
 } voltages_t;
 
 static voltage_out_t period;
@@ -42,8 +41,7 @@ static voltages_t step(const current_tuning_t *tuning, int32_t d, int32_t q, int
     const dq_t i = {.d = i_d, .q = i_q};
     const current_gains_t gains = current_gains_of(tuning, 0, no_target);
     current_controller_step(&state, &gains, dq16_of(reference), dq16_of(i), &period);
-    const voltages_t out = {.unsaturated_d = period.unsaturated_d,
-                            .unsaturated_q = period.unsaturated_q,
+    const voltages_t out = {.unsaturated = voltage_unsaturated(&period),
                             .applied = dq_of(period.applied)};
     return out;
 }
@@ -104,8 +102,8 @@ void test_the_unsaturated_voltage_is_reported(void)
     tuning.d.proportional_q10 = 2048;
     tuning.q.proportional_q10 = 4096;
     const voltages_t out = step(&tuning, 20000, -20000, 0, 0);
-    TEST_ASSERT_EQUAL_INT32(40000, out.unsaturated_d);
-    TEST_ASSERT_EQUAL_INT32(-80000, out.unsaturated_q);
+    TEST_ASSERT_EQUAL_INT32(40000, out.unsaturated.d);
+    TEST_ASSERT_EQUAL_INT32(-80000, out.unsaturated.q);
     TEST_ASSERT_EQUAL_INT32(32767, out.applied.d);
 }
 
@@ -173,8 +171,8 @@ void test_voltage_reserve_reduces_the_d_integrator_by_the_excess_over_98_percent
                                      5000,   32256,  32257,  33000,  60000};
     static const int32_t BEYOND[] = {-7744, -744, -1, 0, 0, 0, 0, 0, 1, 744, 27744};
     for (int n = 0; n < 11; n++) {
-        const voltage_out_t last = {
-            .unsaturated_d = WANTED[n], .unsaturated_q = 0, .applied = {.v = q_pair(0, 0)}};
+        const voltage_out_t last = {.unsaturated_d_q25 = WANTED[n] * 1024,
+                                    .applied = {.v = q_pair(0, 0)}};
         state.d.integrator_q30 = 12345;
         state.q.integrator_q30 = -777;
         current_controller_keep_reserve(&state, &last);
@@ -190,7 +188,7 @@ void test_voltage_reserve_leaves_at_least_17_percent_for_q(void)
     voltages_t out = step(&tuning, 30000, 20000, 0, 0); /* far more than there is */
     TEST_ASSERT_EQUAL_INT32(32767, out.applied.d);
     TEST_ASSERT_LESS_THAN_INT32(300, out.applied.q);
-    for (int n = 0; n < 10 && out.unsaturated_d > CURRENT_CONTROLLER_D_LIMIT_Q15; n++) {
+    for (int n = 0; n < 10 && out.unsaturated.d > CURRENT_CONTROLLER_D_LIMIT_Q15; n++) {
         current_controller_keep_reserve(&state, &period);
         out = step(&tuning, 1000, 20000, 0, 0);
     }

@@ -204,7 +204,7 @@ void test_field_weakening_returns_without_a_new_setpoint(void)
     for (int n = 0; n < 2000; n++) {
         step(true);
     }
-    TEST_ASSERT_EQUAL_INT32(-6000, period->i_reference_pu.d);
+    TEST_ASSERT_EQUAL_INT32(-6000, dq_of(period->i_reference_pu).d);
     setpoint.tuning.forward_q_q25 = 0;
     setpoint.tuning.d.proportional_q10 =
         1; /* no current follows here, and the regulator must not ask for voltage because of it */
@@ -215,7 +215,7 @@ void test_field_weakening_returns_without_a_new_setpoint(void)
         step(true);
     }
     TEST_ASSERT_EQUAL_INT32(0, field_weakening_current_pu(&foc.weakening));
-    TEST_ASSERT_EQUAL_INT32(0, period->i_reference_pu.d);
+    TEST_ASSERT_EQUAL_INT32(0, dq_of(period->i_reference_pu).d);
 }
 
 void test_limited_flag_is_set_in_periods_at_the_voltage_limit(void)
@@ -301,9 +301,9 @@ void test_a_new_setpoint_that_meets_a_hall_edge_waits_one_period(void)
     setpoint.sequence++;
     in.hall_state = FORWARD[1];
     foc_step(&foc, &config, &setpoint, &in);
-    TEST_ASSERT_EQUAL_INT32(0, dq_of(foc.current.reference_pu).q);
+    TEST_ASSERT_EQUAL_INT32(0, dq_of(period->i_reference_pu).q);
     foc_step(&foc, &config, &setpoint, &in);
-    TEST_ASSERT_GREATER_THAN_INT32(2000, dq_of(foc.current.reference_pu).q);
+    TEST_ASSERT_GREATER_THAN_INT32(2000, dq_of(period->i_reference_pu).q);
 }
 
 /* What an earlier run left, e.g. the feed-forward of its speed, must not act once more. */
@@ -319,7 +319,7 @@ void test_a_start_that_meets_a_hall_edge_applies_its_setpoint_at_once(void)
     setpoint.sequence++;
     in.hall_state = FORWARD[1];
     foc_step(&foc, &config, &setpoint, &in);
-    TEST_ASSERT_LESS_THAN_INT32(-3000, dq_of(foc.current.reference_pu).q);
+    TEST_ASSERT_LESS_THAN_INT32(-3000, dq_of(period->i_reference_pu).q);
 }
 
 void test_bus_voltage_is_eight_lsb_per_code_and_codes_are_clamped_to_12_bits(void)

@@ -43,8 +43,8 @@ void test_before_the_first_period_nothing_is_limited_and_the_offsets_are_the_mid
 void test_the_voltage_was_limited_when_either_axis_got_less_than_it_wanted(void)
 {
     for (int axis = 0; axis < 3; axis++) {
-        foc.period.voltage.unsaturated_d = 100;
-        foc.period.voltage.unsaturated_q = 200;
+        foc.period.voltage.unsaturated_d_q25 = 100 * 1024;
+        foc.period.voltage.unsaturated_q_q25 = 200 * 1024;
         set_applied(axis == 1 ? 99 : 100, axis == 2 ? 199 : 200);
         TEST_ASSERT_EQUAL_INT(axis != 0, reported().voltage_limited);
     }
@@ -94,12 +94,12 @@ void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle
 
 void test_the_use_of_the_voltage_is_its_square_with_q_unsaturated(void)
 {
-    set_applied(16384, 28377);                /* a half, sqrt 3 / 2 */
-    foc.period.voltage.unsaturated_q = 28377; /* sqrt 3 / 2 */
+    set_applied(16384, 28377);                           /* a half, sqrt 3 / 2 */
+    foc.period.voltage.unsaturated_q_q25 = 28377 * 1024; /* sqrt 3 / 2 */
     TEST_ASSERT_INT32_WITHIN(2, 32768, reported().voltage_use_q15);
-    foc.period.voltage.unsaturated_q = 100000; /* counts as one */
+    foc.period.voltage.unsaturated_q_q25 = 100000 * 1024; /* counts as one */
     TEST_ASSERT_INT32_WITHIN(4, 8192 + 32766, reported().voltage_use_q15);
     set_applied(0, 28377);
-    foc.period.voltage.unsaturated_q = 0;
+    foc.period.voltage.unsaturated_q_q25 = 0 * 1024;
     TEST_ASSERT_EQUAL_INT32(0, reported().voltage_use_q15);
 }

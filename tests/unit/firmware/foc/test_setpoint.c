@@ -3,6 +3,7 @@
  * dead-time compensation. */
 #include <math.h>
 
+#include "current_controller.h"
 #include "current_predictor.h"
 #include "field_weakening.h"
 #include "foc_rig.h"
@@ -33,20 +34,20 @@ void test_a_setpoint_is_applied_when_its_number_changes(void)
     setpoint.sequence = 7;
     setpoint.i_reference_pu.q = 5000;
     run_periods(3);
-    TEST_ASSERT_EQUAL_INT32(5000, period->i_reference_pu.q);
+    TEST_ASSERT_EQUAL_INT32(5000, dq_of(period->i_reference_pu).q);
     setpoint.i_reference_pu.q = 6000;
     setpoint.tuning.q.proportional_q10 = 1;
     run_periods(3);
-    TEST_ASSERT_EQUAL_INT32(5000, period->i_reference_pu.q);
+    TEST_ASSERT_EQUAL_INT32(5000, dq_of(period->i_reference_pu).q);
     TEST_ASSERT_NOT_EQUAL(1, q_pair_y(foc.current.gains.q_gain_q10));
     setpoint.sequence = 8;
     run_periods(3);
-    TEST_ASSERT_EQUAL_INT32(6000, period->i_reference_pu.q);
+    TEST_ASSERT_EQUAL_INT32(6000, dq_of(period->i_reference_pu).q);
     TEST_ASSERT_EQUAL(1, q_pair_y(foc.current.gains.q_gain_q10));
     foc_idle_step(&foc, &config, &setpoint, &in);
-    TEST_ASSERT_EQUAL_INT32(0, period->i_reference_pu.q);
+    TEST_ASSERT_EQUAL_INT32(0, dq_of(period->i_reference_pu).q);
     run_periods(3); /* the same one again, after a rest */
-    TEST_ASSERT_EQUAL_INT32(6000, period->i_reference_pu.q);
+    TEST_ASSERT_EQUAL_INT32(6000, dq_of(period->i_reference_pu).q);
 }
 
 void test_a_change_of_reference_is_prefiltered_over_two_periods(void)
@@ -58,8 +59,8 @@ void test_a_change_of_reference_is_prefiltered_over_two_periods(void)
     const double share[4] = {1.0 / (b * b * (1.0 + b)), 1.0 / b, 1.0, 1.0};
     for (int n = 0; n < 4; n++) {
         run_periods(1);
-        TEST_ASSERT_DOUBLE_WITHIN(1.0, -2000.0 * share[n], period->i_reference_pu.d);
-        TEST_ASSERT_DOUBLE_WITHIN(1.0, 5000.0 * share[n], period->i_reference_pu.q);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, -2000.0 * share[n], dq_of(period->i_reference_pu).d);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, 5000.0 * share[n], dq_of(period->i_reference_pu).q);
         TEST_ASSERT_EQUAL_INT32(n >= 2 ? 7 : FOC_NO_SETPOINT, foc.sequence);
     }
 }
@@ -144,14 +145,16 @@ void test_the_reference_is_kept_inside_the_current_circle_with_d_first(void)
         for (int n = 0; n < 3;
              n++) { /* what exceeds a change in its second period does not exceed the circle */
             step(true);
-            const double d = period->voltage.unsaturated_d;
-            const double q = period->voltage.unsaturated_q;
+            const double d = voltage_unsaturated(&period->voltage).d;
+            const double q = voltage_unsaturated(&period->voltage).q;
             TEST_ASSERT_TRUE(hypot(d, q) <= most + 2.0);
             TEST_ASSERT_TRUE(q * WANTED[k][1] >= 0.0); /* a limit never turns the torque round */
         }
-        TEST_ASSERT_EQUAL_INT32(q_clamp(WANTED[k][0], -most, most), period->voltage.unsaturated_d);
+        TEST_ASSERT_EQUAL_INT32(q_clamp(WANTED[k][0], -most, most),
+                                voltage_unsaturated(&period->voltage).d);
     }
-    TEST_ASSERT_EQUAL_INT32(4000, period->voltage.unsaturated_q); /* the last one was inside */
+    TEST_ASSERT_EQUAL_INT32(4000,
+                            voltage_unsaturated(&period->voltage).q); /* the last one was inside */
 }
 
 void test_setpoint_in_the_period_of_a_hall_edge_is_applied_one_period_later(void)
@@ -163,8 +166,8 @@ void test_setpoint_in_the_period_of_a_hall_edge_is_applied_one_period_later(void
     setpoint.i_reference_pu.q = 5000;
     in.hall_state = 1; /* the next sector */
     run_periods(1);
-    TEST_ASSERT_EQUAL_INT32(0, period->i_reference_pu.q);
+    TEST_ASSERT_EQUAL_INT32(0, dq_of(period->i_reference_pu).q);
     in.hall_state = 3; /* another edge at once: no second period of waiting */
     run_periods(1);
-    TEST_ASSERT_NOT_EQUAL(0, period->i_reference_pu.q);
+    TEST_ASSERT_NOT_EQUAL(0, dq_of(period->i_reference_pu).q);
 }

@@ -92,7 +92,7 @@ static inline void rig_fast(rig_t *rig)
         rig_follow(rig);
     }
     rig->pwm =
-        controller_fast_step(&rig->controller.fast, &rig->config, &rig->to_fast, &rig->fast_in);
+        *controller_fast_step(&rig->controller.fast, &rig->config, &rig->to_fast, &rig->fast_in);
     controller_fast_report(&rig->controller.fast, &rig->to_slow);
 }
 

@@ -45,7 +45,7 @@ static fast_output_t period(void *context, const fast_input_t *in)
     twin_t *t = context;
     const fast_output_t out = t->through_board.period(t->through_board.context, in);
     const fast_output_t expected = t->next;
-    t->next = controller_fast_step(&t->controller.fast, t->config, &t->to_fast, in);
+    t->next = *controller_fast_step(&t->controller.fast, t->config, &t->to_fast, in);
     /* As the application does: where a run begins anew, its millisecond comes early. */
     if (report_timer_is_due(&t->report_timer, t->reports_taken)) {
         controller_fast_report(&t->controller.fast, &t->report);

@@ -119,7 +119,7 @@ void test_by_name_and_by_structure_are_the_same_controller(void)
             slow = controller_slow_step(&direct.slow, &config, &report, &in, &to_fast);
         }
         const fast_input_t in = fast_input(n);
-        const fast_output_t fast = controller_fast_step(&direct.fast, &config, &to_fast, &in);
+        const fast_output_t fast = *controller_fast_step(&direct.fast, &config, &to_fast, &in);
         const int32_t fast_expected[] = {fast.compare_counts[0], fast.compare_counts[1],
                                          fast.compare_counts[2], (int32_t)fast.bridge};
         const int32_t slow_expected[] = {slow.motor_torque_command_mNm,
