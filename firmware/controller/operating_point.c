@@ -9,7 +9,7 @@
 
 enum {
     SQRT3_HALF_Q15 = 28378,   /* 32 768 sqrt(3)/2 */
-    INVERSE_SQRT3_Q16 = 37837 /* 65 536/sqrt(3) */
+    INVERSE_SQRT3_Q15 = 18919 /* 32 768/sqrt(3) */
 };
 
 static int32_t per_unit_of_mV(const config_t *config, int32_t voltage_mV)
@@ -54,15 +54,15 @@ static void average(operating_point_state_t *state, const fast_report_t *report)
 static int32_t bus_current_mA(const operating_point_state_t *state, const config_t *config)
 {
     const int32_t in_circle_mA =
-        q_scale(bases_current_mA(config, state->power_pu), state->modulation_limit_q15, 32768);
-    return q_scale(in_circle_mA, SQRT3_HALF_Q15, 32768);
+        q15_product(bases_current_mA(config, state->power_pu), state->modulation_limit_q15);
+    return q15_product(in_circle_mA, SQRT3_HALF_Q15);
 }
 
 /* A share of the voltage circle in volts: u = m limit v_dc/sqrt 3. */
 static int32_t phase_mV(const operating_point_state_t *state, int32_t share_q15, int32_t bus_mV)
 {
-    const int32_t share_of_bus_q15 = q_scale(share_q15, state->modulation_limit_q15, 32768);
-    return q_scale(q_scale(share_of_bus_q15, bus_mV, 32768), INVERSE_SQRT3_Q16, 65536);
+    const int32_t share_of_bus_q15 = q15_product(share_q15, state->modulation_limit_q15);
+    return q15_product(q15_product(share_of_bus_q15, bus_mV), INVERSE_SQRT3_Q15);
 }
 
 /* With a reserve below the index at which the fast loop begins to weaken the field (README,

@@ -3,6 +3,7 @@
 
 #include "config/bases.h"
 #include "core/q15.h"
+#include "core/scaled.h"
 
 enum { LARGEST_GAIN_Q24 = 1 << 20, LARGEST_MAGNETS_PU = 16 * 32768 };
 
@@ -23,12 +24,12 @@ sampling_correction_t sampling_correction_at(const config_t *config, int32_t mag
     /* At most half a turn: 2^38 times 2^22, and Q60 to Q24. */
     const int64_t gain_q24 = (turn_q20 * turn_q20 * TURN_SQUARED_TWELFTH_Q20) >> 36;
     const int32_t within_q24 = gain_q24 < LARGEST_GAIN_Q24 ? (int32_t)gain_q24 : LARGEST_GAIN_Q24;
-    const int64_t share_1e8 =
-        bases_share_at_1e8(config, config->motor.flux_coefficient_ppm_K, winding_temperature_cC);
+    const int64_t share_q24 =
+        bases_share_at_q24(config, config->motor.flux_coefficient_ppm_K, winding_temperature_cC);
     const sampling_correction_t out = {
         .gain_q24 = within_q24,
-        .inverse_q24 = (int32_t)(((int64_t)within_q24 << 24) / ((1 << 24) + within_q24)),
-        .magnets_pu = q_min(q_saturate64(magnets_pu * share_1e8 / 100000000), LARGEST_MAGNETS_PU),
+        .inverse_q24 = scaled_ratio(within_q24, SCALED_ONE + within_q24),
+        .magnets_pu = q_min(q_saturate64((magnets_pu * share_q24) >> 24), LARGEST_MAGNETS_PU),
     };
     return out;
 }

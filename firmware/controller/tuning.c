@@ -3,6 +3,7 @@
 
 #include "config/bases.h"
 #include "core/q15.h"
+#include "core/scaled.h"
 
 enum {
     LOWEST_BUS_PU = 2048, /* 1/16 */
@@ -12,13 +13,13 @@ enum {
     SQRT3_2_Q15 = 28378
 };
 
-/* sqrt(3) in Q15 */
-static const int32_t SQRT3_Q15 = 56756;
+/* sqrt(3) in Q25 */
+static const int32_t SQRT3_Q25 = 58117981;
 
-/* gain (volts per unit, `bits` fraction bits) * factor (Q12) with `out` fraction bits. */
-static int64_t scaled(int32_t gain, unsigned bits, int64_t factor_q12, unsigned out)
+/* gain (volts per unit, `bits` fraction bits) * factor (Q22) with `out` fraction bits. */
+static int64_t scaled(int32_t gain, unsigned bits, int32_t factor_q22, unsigned out)
 {
-    return ((int64_t)gain * factor_q12) >> (bits + 12U - out);
+    return ((int64_t)gain * factor_q22) >> (bits + 22U - out);
 }
 
 static int32_t gain_within(int64_t x, int32_t largest)
@@ -33,16 +34,16 @@ static int32_t coupling_q10(int64_t reactance_q40)
     return q_clamp(reactance_q10, -LARGEST_COUPLING_Q10, LARGEST_COUPLING_Q10);
 }
 
-static pi_gains_t axis_gains(int32_t proportional_q16, int32_t integral_q24, int64_t factor_q12)
+static pi_gains_t axis_gains(int32_t proportional_q16, int32_t integral_q24, int32_t factor_q22)
 {
-    const int64_t proportional_q10 = (scaled(proportional_q16, 16, factor_q12, 11) + 1) >> 1;
-    const int64_t integral_q15 = scaled(integral_q24, 24, factor_q12, 15);
-    /* k_i / k_p does not depend on the bus voltage: Q24 over Q16 is Q8, made Q15. */
-    const int64_t anti_windup_q15 = (int64_t)integral_q24 * 128 / proportional_q16;
+    const int64_t proportional_q10 = (scaled(proportional_q16, 16, factor_q22, 11) + 1) >> 1;
+    const int64_t integral_q15 = scaled(integral_q24, 24, factor_q22, 15);
+    /* k_i / k_p does not depend on the bus voltage: Q24 over Q20 is Q4, times 2^24. */
+    const int32_t anti_windup_q28 = scaled_ratio(integral_q24, proportional_q16 * 16);
     const pi_gains_t gains = {
         .proportional_q10 = gain_within(proportional_q10, PI_LARGEST_PROPORTIONAL_Q10),
         .integral_q15 = gain_within(integral_q15, PI_LARGEST_INTEGRAL_Q15),
-        .anti_windup_q15 = gain_within(anti_windup_q15, PI_LARGEST_ANTI_WINDUP_Q15),
+        .anti_windup_q15 = gain_within(anti_windup_q28 >> 13, PI_LARGEST_ANTI_WINDUP_Q15),
     };
     return gains;
 }
@@ -51,8 +52,9 @@ current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit
                                 int32_t v_dc_pu, int32_t speed_q32, int32_t winding_temperature_cC)
 {
     /* Volts per unit to modulation: V_base / (limit u_dc / sqrt 3) = sqrt 3 / (limit v_dc_pu). */
-    const int64_t circle_q30 = (int64_t)q_max(v_dc_pu, LOWEST_BUS_PU) * modulation_limit_q15;
-    const int64_t factor_q12 = ((int64_t)SQRT3_Q15 << 27) / circle_q30;
+    const int32_t circle_q27 =
+        (int32_t)(((int64_t)q_clamp(v_dc_pu, LOWEST_BUS_PU, 32768) * modulation_limit_q15) >> 3);
+    const int32_t factor_q22 = scaled_ratio(SQRT3_Q25, circle_q27);
     const config_current_loop_t *loop = &config->current_loop;
     const int32_t integral_d_q24 =
         bases_at_winding_temperature(config, loop->integral_d_pu_q24, winding_temperature_cC);
@@ -60,13 +62,13 @@ current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit
         bases_at_winding_temperature(config, loop->integral_q_pu_q24, winding_temperature_cC);
     /* Speed in units of its base, 1/16 turn per period = 2^28 in Q32; kept to 24 fraction bits. */
     const int32_t speed_q24 = speed_q32 >> 4;
-    const int64_t l_d_q16 = scaled(loop->inductance_d_pu_q16, 16, factor_q12, 16);
-    const int64_t l_q_q16 = scaled(loop->inductance_q_pu_q16, 16, factor_q12, 16);
-    const int64_t psi_q16 = scaled(loop->flux_pu_q16, 16, factor_q12, 16);
+    const int64_t l_d_q16 = scaled(loop->inductance_d_pu_q16, 16, factor_q22, 16);
+    const int64_t l_q_q16 = scaled(loop->inductance_q_pu_q16, 16, factor_q22, 16);
+    const int64_t psi_q16 = scaled(loop->flux_pu_q16, 16, factor_q22, 16);
     const uint16_t advance_turn = (uint16_t)(((int64_t)speed_q32 * ADVANCE_HALF_PERIODS) >> 17);
     const current_tuning_t tuning = {
-        .d = axis_gains(loop->proportional_d_pu_q16, integral_d_q24, factor_q12),
-        .q = axis_gains(loop->proportional_q_pu_q16, integral_q_q24, factor_q12),
+        .d = axis_gains(loop->proportional_d_pu_q16, integral_d_q24, factor_q22),
+        .q = axis_gains(loop->proportional_q_pu_q16, integral_q_q24, factor_q22),
         .w_l_d_q10 = coupling_q10(l_d_q16 * speed_q24),
         .w_l_q_q10 = coupling_q10(l_q_q16 * speed_q24),
         .forward_q_q25 = q_clamp(q_saturate64((psi_q16 * speed_q24) >> 15), -(1 << 28), 1 << 28),
@@ -80,14 +82,13 @@ current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit
 dead_time_slope_t dead_time_slope_at(const config_t *config, int32_t v_dc_pu)
 {
     const int32_t twice_pu = 2 * q_clamp(v_dc_pu, LOWEST_BUS_PU, 32768);
-    const int64_t twice_v_dc_mV = q_scale(twice_pu, config->drive.voltage_full_scale_mV, 32768);
-    const int64_t twice_drops_mV = INT64_C(4) * config->drive.diode_drop_mV;
-    const int64_t middle_mV =
-        (int64_t)config->battery.min_voltage_mV + config->battery.max_voltage_mV + twice_drops_mV;
-    const int64_t zone_pu_mV =
-        config->current_loop.dead_time_zone_pu_q15 * (twice_v_dc_mV + twice_drops_mV);
+    const int32_t twice_v_dc_mV = q15_product(twice_pu, config->drive.voltage_full_scale_mV);
+    const int32_t twice_drops_mV = 4 * config->drive.diode_drop_mV;
+    const int32_t middle_mV =
+        config->battery.min_voltage_mV + config->battery.max_voltage_mV + twice_drops_mV;
+    const int32_t share_q24 = scaled_ratio(middle_mV, twice_v_dc_mV + twice_drops_mV);
     const int32_t alpha_q8 =
-        q_min(q_saturate64(8388608 * middle_mV / zone_pu_mV), LARGEST_SLOPE_Q8);
+        q_min(share_q24 / (2 * config->current_loop.dead_time_zone_pu_q15), LARGEST_SLOPE_Q8);
     const dead_time_slope_t out = {
         .alpha_q8 = alpha_q8,
         .beta_q8 = (int32_t)(((uint32_t)alpha_q8 * SQRT3_2_Q15 + (1U << 14)) >> 15),

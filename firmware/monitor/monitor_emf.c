@@ -8,6 +8,8 @@
 /* Mathematics, not taste: at 4 U the error of e turns it by 15 degrees (README, Angle check). */
 enum { MARGIN = 4, MOST_CURRENT_mA = 10000000 };
 
+static const int64_t NV_PER_MV = 1000000;
+
 static int64_t larger(int64_t a, int64_t b)
 {
     return a > b ? a : b;
@@ -28,29 +30,28 @@ static bool contradicted(const config_t *config, const monitor_emf_input_t *in, 
 {
     const config_motor_t *motor = &config->motor;
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, in->speed_mrad_s);
-    const int64_t emf_mV = divide_by_billion(w_mrad_s * motor->flux_linkage_nWb);
+    const int64_t emf_nV = divide_by_thousand(w_mrad_s * motor->flux_linkage_nWb);
     const int64_t x_d_uOhm = reactance_uOhm(w_mrad_s, motor->d_inductance_nH);
     const int64_t x_q_uOhm = reactance_uOhm(w_mrad_s, motor->q_inductance_nH);
     const int64_t i_d_mA = q_clamp(in->i_d_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA);
     const int64_t i_q_mA = q_clamp(in->i_q_mA, -MOST_CURRENT_mA, MOST_CURRENT_mA);
 
-    /* uOhm * mA = 1e-6 mV. |i_d| + |i_q| is never less than |i|. */
-    const int64_t e_d_mV =
-        in->u_d_mV - divide_by_million(motor->phase_resistance_uOhm * i_d_mA - x_q_uOhm * i_q_mA);
-    const int64_t e_q_mV =
-        in->u_q_mV - divide_by_million(motor->phase_resistance_uOhm * i_q_mA + x_d_uOhm * i_d_mA);
+    /* uOhm * mA = nV. |i_d| + |i_q| is never less than |i|. */
+    const int64_t e_d_nV =
+        in->u_d_mV * NV_PER_MV - (motor->phase_resistance_uOhm * i_d_mA - x_q_uOhm * i_q_mA);
+    const int64_t e_q_nV =
+        in->u_q_mV * NV_PER_MV - (motor->phase_resistance_uOhm * i_q_mA + x_d_uOhm * i_d_mA);
     const int64_t x_uOhm = larger(magnitude(x_d_uOhm), magnitude(x_q_uOhm));
     const int64_t i_mA = magnitude(i_d_mA) + magnitude(i_q_mA);
-    /* ns * Hz = 1e-9 of the bus voltage. */
-    const int64_t dead_ppm =
-        divide_by_thousand((int64_t)config->drive.dead_time_ns * config->drive.pwm_frequency_Hz);
-    const int64_t uncertain_mV =
-        divide_by_million((motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA) +
-        divide_by_million(dead_ppm * in->bus_voltage_mV) * 2 / 3;
+    /* Two thirds of the dead times' share: ns * Hz = 1e-9, in 1e-6 of the bus voltage. */
+    const int64_t dead_two_thirds =
+        config->drive.dead_time_ns * config->drive.pwm_frequency_Hz / 1500;
+    const int64_t uncertain_nV = (motor->phase_resistance_uOhm / 2 + x_uOhm / 4) * i_mA +
+                                 dead_two_thirds * in->bus_voltage_mV;
 
-    *judged = magnitude(emf_mV) >= MARGIN * larger(uncertain_mV, 1);
-    const int64_t along_mV = emf_mV >= 0 ? e_q_mV : -e_q_mV;
-    return magnitude(e_d_mV) >= along_mV;
+    *judged = magnitude(emf_nV) >= MARGIN * larger(uncertain_nV, NV_PER_MV);
+    const int64_t along_nV = emf_nV >= 0 ? e_q_nV : -e_q_nV;
+    return magnitude(e_d_nV) >= along_nV;
 }
 
 bool monitor_emf_step(monitor_emf_state_t *state, const config_t *config,

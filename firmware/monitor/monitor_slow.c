@@ -172,8 +172,9 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                                      sensor_time_ms);
     const bool sensor_wrong =
         qualified(&state->sensor_steps, switching && in->current_saturated, sensor_time_ms);
-    const bool rotor_wrong =
-        qualified(&state->rotor_steps, switching && !in->rotor_valid, rotor_qualify_steps(config));
+    const bool rotor_missing = switching && !in->rotor_valid;
+    const bool rotor_wrong = qualified(&state->rotor_steps, rotor_missing,
+                                       rotor_missing ? rotor_qualify_steps(config) : 1);
     const monitor_emf_input_t emf = emf_input(in);
     const bool angle_wrong = monitor_emf_step(&state->emf, config, &emf);
     const bool torque_wrong =

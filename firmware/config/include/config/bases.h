@@ -19,20 +19,22 @@
 
 #include "config/config.h"
 #include "core/q15.h"
+#include "core/scaled.h"
 
 static inline int32_t bases_current_mA(const config_t *config, int32_t current_pu_q15)
 {
-    return q_scale(current_pu_q15, config->drive.current_full_scale_mA, 32768);
+    return q15_product(current_pu_q15, config->drive.current_full_scale_mA);
 }
 
 static inline int16_t bases_current_pu_q15(const config_t *config, int32_t current_mA)
 {
-    return q15_saturate(q_scale(current_mA, 32768, config->drive.current_full_scale_mA));
+    const int32_t ratio_q24 = scaled_ratio(current_mA, config->drive.current_full_scale_mA);
+    return q15_saturate((ratio_q24 + (1 << 8)) >> 9);
 }
 
 static inline int32_t bases_bus_voltage_mV(const config_t *config, int32_t voltage_pu_q15)
 {
-    return q_scale(voltage_pu_q15, config->drive.voltage_full_scale_mV, 32768);
+    return q15_product(voltage_pu_q15, config->drive.voltage_full_scale_mV);
 }
 
 /* Electrical speed as the fast loop keeps it, turns per PWM period in Q32, to mechanical mrad/s.
@@ -69,21 +71,20 @@ static inline int64_t bases_dead_time_share_1e9(const config_t *config)
     return dead_1e9 + (dead_1e9 * drops_mV + twice_v_dc_mV / 2) / twice_v_dc_mV;
 }
 
-/* 1 + coefficient (T - T_reference) in 1e-8: the factor by which a quantity with a linear
- * temperature coefficient changes. T - T_reference is limited to +-1000 K and the result to at
- * least 0.1, so that a broken thermistor cannot make the factor zero or negative. */
-static inline int64_t bases_share_at_1e8(const config_t *config, int32_t coefficient_ppm_K,
+/* 1 + coefficient (T - T_reference), 24 fraction bits: the factor by which a quantity with a linear
+ * temperature coefficient, |ppm/K| <= 10 000, changes. T - T_reference is limited to +-1000 K and
+ * the result to at least 0.1, so that a broken thermistor cannot make the factor zero or negative.
+ */
+static inline int32_t bases_share_at_q24(const config_t *config, int32_t coefficient_ppm_K,
                                          int32_t winding_temperature_cC)
 {
-    const int64_t rise_cK =
-        (int64_t)winding_temperature_cC - config->motor.reference_temperature_cC;
-    const int64_t most_cK = 100000;
-    const int64_t within_cK =
-        rise_cK > most_cK ? most_cK : (rise_cK < -most_cK ? -most_cK : rise_cK);
-    /* ppm/K times hundredths of a kelvin is 1e-8; the factor is at most 11. */
-    const int64_t share_1e8 = INT64_C(100000000) + within_cK * coefficient_ppm_K;
-    const int64_t floor_1e8 = INT64_C(10000000);
-    return share_1e8 > floor_1e8 ? share_1e8 : floor_1e8;
+    const int32_t most_cK = 100000;
+    const int32_t rise_cK = q_limit(
+        q_saturate64((int64_t)winding_temperature_cC - config->motor.reference_temperature_cC),
+        most_cK);
+    /* ppm/K times hundredths of a kelvin is 1e-8: 2^56 / 1e8, and the upper half of the product. */
+    const int64_t change = INT64_C(720575940) * (rise_cK * coefficient_ppm_K);
+    return q_max(SCALED_ONE + (int32_t)(change >> 32), SCALED_ONE / 10);
 }
 
 /* A winding's resistance, or a gain proportional to one, at a winding temperature, from its value
@@ -92,9 +93,8 @@ static inline int32_t bases_at_winding_temperature(const config_t *config, int32
                                                    int32_t winding_temperature_cC)
 {
     const int32_t coefficient_ppm_K = config->motor.resistance_coefficient_ppm_K;
-    return q_saturate64(at_reference *
-                        bases_share_at_1e8(config, coefficient_ppm_K, winding_temperature_cC) /
-                        INT64_C(100000000));
+    const int32_t share_q24 = bases_share_at_q24(config, coefficient_ppm_K, winding_temperature_cC);
+    return q_saturate64(((int64_t)at_reference * share_q24) >> 24);
 }
 
 /* The magnets' flux linkage, peak phase, with magnets as warm as the winding (as the stored tables
@@ -102,9 +102,8 @@ static inline int32_t bases_at_winding_temperature(const config_t *config, int32
 static inline int32_t bases_flux_nWb(const config_t *config, int32_t winding_temperature_cC)
 {
     const int32_t coefficient_ppm_K = config->motor.flux_coefficient_ppm_K;
-    return q_saturate64(config->motor.flux_linkage_nWb *
-                        bases_share_at_1e8(config, coefficient_ppm_K, winding_temperature_cC) /
-                        INT64_C(100000000));
+    const int32_t share_q24 = bases_share_at_q24(config, coefficient_ppm_K, winding_temperature_cC);
+    return q_saturate64(((int64_t)config->motor.flux_linkage_nWb * share_q24) >> 24);
 }
 
 #endif

@@ -154,6 +154,12 @@ static inline int32_t q15_share_of(int32_t value, int16_t share_q15)
     return q_saturate64((int64_t)value * share_q15 / 32768);
 }
 
+/* a * b / 32768 with a 64-bit product, rounded down and saturated to int32_t. */
+static inline int32_t q15_product(int32_t a, int32_t b)
+{
+    return q_saturate64(((int64_t)a * b) >> 15);
+}
+
 /* (a * b) / c with a 64-bit product, rounded towards zero and saturated to int32_t. c must not be
  * 0. For the slow loop only: it divides. */
 static inline int32_t q_scale(int32_t a, int32_t b, int32_t c)
