@@ -173,6 +173,7 @@ static void slow_step(bench_t *bench)
         .brake_nm = bench->demand.brake_nm,
         .charge_limit_a = limits.charge_a,
         .discharge_limit_a = limits.discharge_a,
+        .peak_charge_a = limits.peak_charge_a,
         .demand_age_s = bench->demand_age_s,
         .current_drift_a =
             bench->speed_prescribed ? 0.0 : params->sensors.current_drift_a_per_s * bench->time_s,

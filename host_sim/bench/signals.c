@@ -37,6 +37,8 @@ typedef enum { VALUE, RATE } kind_t;
     X("bms.charge_a", VALUE, "A", "charge limit sent to the controllers", b->limits.sent.charge_a) \
     X("bms.discharge_a", VALUE, "A", \
       "discharge limit sent to the controllers", b->limits.sent.discharge_a) \
+    X("bms.charge_peak_a", VALUE, "A", \
+      "short-time charge limit sent to the controllers, 0: none", b->limits.sent.peak_charge_a) \
     X("anti_lock.at_work", VALUE, "", \
       "1: the anti-lock system has raised its flag", b->abs_unit.anti_lock.at_work ? 1.0 : 0.0) \
     X("anti_lock.failed", VALUE, "", \
@@ -56,6 +58,11 @@ typedef enum { VALUE, RATE } kind_t;
       w->totals.torque_impulse_nms) \
     X("hydraulic_torque_nm", RATE, "N.m", \
       "positive against forward motion, mean over the row", w->totals.hydraulic_impulse_nms) \
+    X("braking_torque_nm", RATE, "N.m", \
+      "hydraulic brake less airgap torque, positive against forward motion, mean over the row", \
+      w->totals.hydraulic_impulse_nms - w->totals.torque_impulse_nms) \
+    X("hydraulic_reported_nm", VALUE, "N.m", \
+      "hydraulic torque as its sensor reports it", w->brake_sensor.report.torque_nm) \
     X("dc_w", RATE, "W", "power taken from the bus, mean over the row", w->totals.dc_j) \
     X("shaft_w", RATE, "W", \
       "power of the motor at the wheel, positive driving, mean over the row", w->totals.shaft_j) \

@@ -57,6 +57,7 @@ void wheel_begin(wheel_t *wheel, const wheel_world_t *world)
     wheel->heat_iron_j = 0.0;
     wheel->heat_switches_j = 0.0;
     wheel->brake = hydraulic_brake_init(&params->brake, world->step_s);
+    wheel->brake_sensor = brake_sensor_init();
     const bool active = thermal->active > 0.5;
     const thermal_row_t motor = {
         .inner_j_per_k = active ? thermal->winding_heat_capacity_j_per_k : 0.0,
@@ -136,6 +137,8 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
     warm(wheel, world);
     wheel->fault.offset_a =
         world->params->wheel[wheel->index].current_offset_a + order->current_drift_a;
+    const brake_sensor_report_t brake = brake_sensor_step(
+        &world->params->brake_sensor, &wheel->brake_sensor, wheel->brake_capacity_nm);
     const slow_input_t in = {
         .demand = {.drive_torque_mNm = rounded(order->drive_nm, MILLI),
                    .brake_torque_mNm = rounded(order->brake_nm, MILLI),
@@ -143,7 +146,11 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
                    .abs_active = order->abs_active},
         .demand_age_ms = (uint32_t)rounded(order->demand_age_s, MILLI),
         .bms = {.charge_current_mA = rounded(order->charge_limit_a, MILLI),
-                .discharge_current_mA = rounded(order->discharge_limit_a, MILLI)},
+                .discharge_current_mA = rounded(order->discharge_limit_a, MILLI),
+                .charge_peak_current_mA = rounded(order->peak_charge_a, MILLI)},
+        .hydraulic = {.torque_mNm = rounded(brake.torque_nm, MILLI),
+                      .age_ms = (uint32_t)brake.age_ms,
+                      .valid = brake.valid},
         .temperature = {.winding_cC = rounded(measured_winding_c(wheel, world->params), CENTI),
                         .switch_cC = rounded(wheel->switches.temperature_c, CENTI)},
         .selftest_passed = true,

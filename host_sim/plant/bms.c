@@ -53,6 +53,7 @@ bms_limits_t bms_limits(const bms_params_t *params, const battery_params_t *pack
     const bms_limits_t out = {
         .charge_a = in_steps(plant_min(charge_a, full_a), params->current_step_a),
         .discharge_a = in_steps(plant_min(discharge_a, empty_a), params->current_step_a),
+        .peak_charge_a = in_steps(params->peak_charge_a, params->current_step_a),
     };
     return out;
 }

@@ -31,7 +31,17 @@ typedef struct {
 typedef struct {
     int32_t charge_current_mA;    /* magnitude >= 0 */
     int32_t discharge_current_mA; /* magnitude >= 0 */
+    /* Magnitude >= 0, for as long as the hydraulic brake takes to come; 0: not given. The CAN
+     * message BatteryPeak. */
+    int32_t charge_peak_current_mA;
 } battery_limits_t;
+
+/* The measured torque of this wheel's hydraulic brake: the CAN message HydraulicFeedback. */
+typedef struct {
+    int32_t torque_mNm; /* magnitude */
+    uint32_t age_ms;    /* since it was received */
+    bool valid;         /* received, and the sensor takes it for plausible */
+} hydraulic_feedback_t;
 
 /* Measured by the board; 29 999 or more: sensor broken or not connected. */
 typedef struct {
@@ -44,6 +54,7 @@ typedef struct {
     uint32_t demand_age_ms; /* since the last valid demand; beyond config.brake.demand_timeout_ms
                                it counts as lost */
     battery_limits_t bms;
+    hydraulic_feedback_t hydraulic;
     wheel_temperatures_t temperature;
     bool selftest_passed; /* the board's own power-up checks; stays true afterwards */
     bool config_accepted; /* config_validate() has accepted it at boot. With a refused one no step

@@ -16,6 +16,7 @@
 #include "plant/anti_lock.h"
 #include "plant/battery.h"
 #include "plant/bms.h"
+#include "plant/brake_sensor.h"
 #include "plant/bus.h"
 #include "plant/chassis.h"
 #include "plant/encoder.h"
@@ -81,6 +82,7 @@ typedef struct {
     vehicle_params_t vehicle;
     road_params_t road;
     hydraulic_brake_params_t brake;
+    brake_sensor_params_t brake_sensor;
     sensors_params_t sensors;
     encoder_params_t encoder;
     thermal_params_t thermal;

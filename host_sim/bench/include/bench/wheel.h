@@ -77,6 +77,7 @@ typedef struct {
     encoder_shaft_t shaft;
     hydraulic_brake_state_t brake;
     double brake_capacity_nm;
+    brake_sensor_state_t brake_sensor;
     thermal_t winding, switches; /* with housing and heat sink */
     inverter_t inverter;         /* at the switches' temperature */
     switching_t switching;       /* the same, edge by edge */
@@ -121,7 +122,7 @@ void wheel_refresh(wheel_t *wheel, const wheel_world_t *world);
 /* What the millisecond brings to every wheel alike. */
 typedef struct {
     double drive_nm, brake_nm;
-    double charge_limit_a, discharge_limit_a;
+    double charge_limit_a, discharge_limit_a, peak_charge_a;
     double demand_age_s;
     double current_drift_a; /* what the current sensors' offset has grown by */
     double speed_rad_s;     /* mechanical */

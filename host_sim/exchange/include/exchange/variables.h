@@ -74,6 +74,16 @@
     X(bms_discharge_current_a, bms_discharge_current_mA, bms.discharge_current_mA, \
       REAL, MILLI, 0, INT32_MAX, 2000000000, "A", \
       "present discharge current limit of the whole pack, magnitude") \
+    X(bms_charge_peak_current_a, bms_charge_peak_current_mA, bms.charge_peak_current_mA, \
+      REAL, MILLI, 0, INT32_MAX, 0, "A", \
+      "charge current of the whole pack allowed for a short time, magnitude; 0: not given") \
+    X(hydraulic_feedback_nm, hydraulic_feedback_mNm, hydraulic.torque_mNm, \
+      REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
+      "measured torque of the hydraulic brake, magnitude") \
+    X(hydraulic_feedback_age_s, hydraulic_feedback_age_ms, hydraulic.age_ms, \
+      REAL, MILLI, 0, INT32_MAX, 0, "s", "time since it was received") \
+    X(hydraulic_feedback_valid, hydraulic_feedback_valid, hydraulic.valid, \
+      FLAG, PLAIN, 0, 1, 0, "", "it was received and its sensor takes it for plausible") \
     X(winding_temperature_c, winding_temperature_cC, temperature.winding_cC, \
       REAL, CENTI, -30000, 100000, 2500, "degC", \
       "temperature of the motor winding") \

@@ -28,7 +28,9 @@
       "no charge below; not watched unless below full_charge_c") \
     X(full_charge_c,    -60.0,  100.0, "degC", "all charge from here on") \
     X(period_s,          0.0,   10.0,  "s",    "of the message; 0: every millisecond") \
-    X(current_step_a,    0.0,   1e3,   "A",    "resolution of the message; 0: none")
+    X(current_step_a,    0.0,   1e3,   "A",    "resolution of the message; 0: none") \
+    X(peak_charge_a,     0.0,   1e6,   "A", \
+      "charge current allowed for a short time, which the message gives too; 0: it gives none")
 /* clang-format on */
 
 typedef struct {
@@ -38,6 +40,7 @@ typedef struct {
 /* Magnitudes, whole pack. */
 typedef struct {
     double charge_a, discharge_a;
+    double peak_charge_a; /* 0: not given */
 } bms_limits_t;
 
 typedef struct {

@@ -116,3 +116,13 @@ void test_between_messages_the_last_one_holds(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, bms_step(&params, &state, &pack, &battery, 0.199).charge_a);
     TEST_ASSERT_EQUAL_DOUBLE(200.0, bms_step(&params, &state, &pack, &battery, 0.201).charge_a);
 }
+
+void test_the_short_time_limit_is_sent_as_given_whatever_the_pack_takes_for_long(void)
+{
+    params.peak_charge_a = 150.25;
+    params.current_step_a = 0.5;
+    battery.soc = 1.0;
+    TEST_ASSERT_EQUAL_DOUBLE(150.0, bms_limits(&params, &pack, &battery).peak_charge_a);
+    params.peak_charge_a = 0.0;
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, bms_limits(&params, &pack, &battery).peak_charge_a);
+}
