@@ -14,17 +14,17 @@ void torque_init(torque_state_t *state, const config_t *config)
     stop_lamp_init(&state->lamp);
 }
 
-/* The reason a person wants to read: the braking side's while braking, the torque limit's while
- * driving, and the phase limits when those are what stands in the way in the end. */
+/* The reason of the table's tightest line where it bounds the torque: the braking side's while
+ * braking, else the driving side's. Without one, what shortens the current or delays the torque. */
 static reason_t visible_reason(const demand_t *demand, const brake_blending_out_t *split,
                                const torque_command_out_t *limited,
                                const current_setpoint_t *current, bool voltage_limited)
 {
-    if (current->limited) {
-        return REASON_PHASE_CURRENT;
-    }
     const reason_t reason =
         demand->brake_mNm > 0 && split->reason != REASON_NONE ? split->reason : limited->reason;
+    if (current->limited && (reason == REASON_NONE || reason == REASON_TORQUE_RATE)) {
+        return REASON_PHASE_CURRENT;
+    }
     if (reason == REASON_NONE && voltage_limited) {
         return REASON_VOLTAGE;
     }

@@ -35,15 +35,14 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
                                          const torque_command_input_t *in)
 {
     torque_command_out_t out = {.command_mNm = 0, .reason = REASON_NONE};
-    if (!torque_enable_any(in->torque_enable)) {
-        out.reason =
-            in->drive_mNm != 0 || in->electric_mNm != 0 ? in->torque_enable.reason : REASON_NONE;
-        state->command_mNm = 0;
-        return out;
-    }
     const limit_t bound = drive_limit(limits, in->speed_mrad_s, in->drive_mNm);
     limit_t driving = limit_init(q_abs(in->drive_mNm), REASON_NONE);
     limit_tighten(&driving, bound.torque_mNm, bound.reason);
+    if (!torque_enable_any(in->torque_enable)) {
+        out.reason = in->electric_mNm != 0 ? in->torque_enable.reason : driving.reason;
+        state->command_mNm = 0;
+        return out;
+    }
     const int32_t drive_part_mNm = in->drive_mNm >= 0 ? driving.torque_mNm : -driving.torque_mNm;
     const int32_t brake_part_mNm = in->speed_mrad_s >= 0 ? -in->electric_mNm : in->electric_mNm;
     const int32_t target_mNm = drive_part_mNm + brake_part_mNm;

@@ -353,3 +353,73 @@ void test_init_resets_demand_limits_and_stop_lamp(void)
     TEST_ASSERT_EQUAL_INT32(0, out.hydraulic_mNm);
     TEST_ASSERT_FALSE(out.stop_lamp);
 }
+
+/* ---- the shown reason ---- */
+
+static void draw_state(random_t *random)
+{
+    in.speed_mrad_s = random_chance(random, 0.1) ? 0 : random_between(random, -90000, 90000);
+    in.bus_voltage_mV = random_between(random, 38000, 61000);
+    in.phase_voltage_mV = random_between(random, 5000, 100000);
+    in.bms_charge_current_mA = random_chance(random, 0.2) ? 0 : random_between(random, 0, 200000);
+    in.bms_discharge_current_mA =
+        random_chance(random, 0.2) ? 0 : random_between(random, 0, 400000);
+    in.winding_temperature_cC = random_between(random, 0, 16000);
+    in.switch_temperature_cC = random_between(random, 0, 20000);
+    in.i_d_weakening_mA = random_chance(random, 0.5) ? 0 : random_between(random, -60000, 0);
+    in.voltage_limited = random_chance(random, 0.3);
+    in.rotor_valid = random_chance(random, 0.9);
+    in.abs_active = random_chance(random, 0.1);
+    in.torque_enable.drive_q15 = random_chance(random, 0.8) ? Q15_ONE : 0;
+    in.torque_enable.brake_q15 = random_chance(random, 0.8) ? Q15_ONE : 0;
+    in.torque_enable.reason = REASON_TORQUE_ENABLE;
+    const bool brakes = random_chance(random, 0.5);
+    in.brake_torque_mNm = brakes ? random_between(random, 1, 150000) : 0;
+    in.drive_torque_mNm = brakes ? 0 : random_between(random, -100000, 100000);
+}
+
+/* Where the command lies on the tightest line of the table and the demand beyond it, that line's
+ * reason is shown, whatever else limits. */
+void test_the_reason_shown_on_a_bound_is_that_of_the_table_s_tightest_line(void)
+{
+    random_t random = random_seeded(11);
+    int on_bound[256] = {0};
+    for (int n = 0; n < 20000; n++) {
+        if (n % 100 == 0) {
+            config.brake.strategy = n / 100 % 3;
+            config.motor.max_phase_current_mA = n / 100 % 2 == 0 ? 20000 : 90000;
+            torque_init(&state, &config);
+        }
+        draw_state(&random);
+        torque_output_t out = run(1);
+        for (int more = 0; more < 20 && random_chance(&random, 0.9); more++) {
+            out = step();
+        }
+        const int32_t demand_mNm =
+            in.brake_torque_mNm > 0 ? in.brake_torque_mNm : q_abs(in.drive_torque_mNm);
+        const bool against = (int64_t)in.drive_torque_mNm * in.speed_mrad_s < 0;
+        const limit_t winner =
+            in.brake_torque_mNm > 0
+                ? torque_limits_tightest(state.table.braking, 0, TORQUE_LINE_COUNT)
+                : (against
+                       ? torque_limits_tightest(state.table.braking, 0, TORQUE_LINE_LOSS_OPTIMUM)
+                       : torque_limits_tightest(state.table.driving, 0, TORQUE_LINE_COUNT));
+        if (demand_mNm > winner.torque_mNm && q_abs(out.command_mNm) == winner.torque_mNm) {
+            TEST_ASSERT_EQUAL_INT(winner.reason, out.reason);
+            on_bound[winner.reason]++;
+        }
+    }
+    static const reason_t MET[] = {REASON_VOLTAGE,
+                                   REASON_PHASE_CURRENT,
+                                   REASON_CHARGE_CURRENT,
+                                   REASON_DISCHARGE_CURRENT,
+                                   REASON_TORQUE_ENABLE,
+                                   REASON_ROTOR_UNCERTAIN,
+                                   REASON_ABS,
+                                   REASON_WINDING_TEMPERATURE,
+                                   REASON_SWITCH_TEMPERATURE,
+                                   REASON_LOSS_OPTIMUM};
+    for (unsigned k = 0; k < sizeof MET / sizeof MET[0]; k++) {
+        TEST_ASSERT_GREATER_THAN_INT(10, on_bound[MET[k]]);
+    }
+}
