@@ -60,12 +60,14 @@ Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict stat
 
     const int32_t integral_d_q30 = state->d.integrator_q30;
     const int32_t base_d_q25 = gains->forward_d_q25 + (integral_d_q30 >> 5);
-    const int32_t p_d_q25 = q_pair_mac_x(base_d_q25, gains->d_gain_q10, error);
-    const int32_t u_d_q25 = q_pair_mac_y(p_d_q25, gains->d_gain_q10, i.v);
+    const q_pair_t d_gain_q10 = q_pair_load(&gains->d_gain_q10);
+    const int32_t p_d_q25 = q_pair_mac_x(base_d_q25, d_gain_q10, error);
+    const int32_t u_d_q25 = q_pair_mac_y(p_d_q25, d_gain_q10, i.v);
     const int32_t u_d = u_d_q25 >> 10;
     const int32_t applied_d = q_saturate16(u_d);
     out->unsaturated_d_q25 = u_d_q25;
-    int32_t next_d_q30 = q_pair_mac_x(integral_d_q30, gains->integral_q15, error);
+    const q_pair_t integral_q15 = q_pair_load(&gains->integral_q15);
+    int32_t next_d_q30 = q_pair_mac_x(integral_d_q30, integral_q15, error);
     if (applied_d != u_d) {
         next_d_q30 += q_pair_x(gains->anti_windup_q15) * q_saturate18(applied_d - u_d);
     }
@@ -73,12 +75,13 @@ Q_TARGET_INLINE void current_controller_step(current_controller_t *restrict stat
 
     const int32_t integral_q_q30 = state->q.integrator_q30;
     const int32_t base_q_q25 = gains->forward_q_q25 + (integral_q_q30 >> 5);
-    const int32_t p_q_q25 = q_pair_mac_y(base_q_q25, gains->q_gain_q10, error);
-    const int32_t u_q_q25 = q_pair_mac_x(p_q_q25, gains->q_gain_q10, i.v);
+    const q_pair_t q_gain_q10 = q_pair_load(&gains->q_gain_q10);
+    const int32_t p_q_q25 = q_pair_mac_y(base_q_q25, q_gain_q10, error);
+    const int32_t u_q_q25 = q_pair_mac_x(p_q_q25, q_gain_q10, i.v);
     const int32_t limit_q = circle_other_q15(applied_d);
     int32_t applied_q_q25 = u_q_q25;
     out->unsaturated_q_q25 = u_q_q25;
-    int32_t next_q_q30 = q_pair_mac_y(integral_q_q30, gains->integral_q15, error);
+    int32_t next_q_q30 = q_pair_mac_y(integral_q_q30, integral_q15, error);
     /* Outside -limit .. limit, as one unsigned comparison in Q25. */
     if ((uint32_t)u_q_q25 + ((uint32_t)limit_q << 10) > (uint32_t)limit_q << 11) {
         const int32_t sign = u_q_q25 >> 31;

@@ -83,7 +83,8 @@ static inline void current_predictor_reset(current_predictor_t *predictor)
 Q_TARGET_INLINE dq16_t current_predictor_step(current_predictor_t *predictor)
 {
     const dq16_t predicted = predictor->predicted_pu;
-    const q_pair_t remaining = q_pair_difference(predictor->settled_pu.v, predicted.v);
+    const q_pair_t remaining =
+        q_pair_difference(q_pair_load(&predictor->settled_pu.v), predicted.v);
     predictor->predicted_pu.v =
         q_pair_add(predicted.v, q_pair_scale(remaining, predictor->lag_q16));
     return predicted;

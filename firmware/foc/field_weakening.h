@@ -11,8 +11,8 @@
 #include <stdint.h>
 
 #include "core/q15.h"
-#include "foc/modulation_index.h"
 #include "foc/state.h"
+#include "modulation_index.h"
 
 /* The current to add to the d reference, Q15, <= 0. */
 static inline int32_t field_weakening_current_pu(const field_weakening_t *state)

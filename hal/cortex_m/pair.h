@@ -3,7 +3,8 @@
  * pair.h: core/pair.h with the packed 16-bit instructions of ARMv7E-M (Cortex-M4, M7; Arm DDI 0403,
  * A7.7): x in the lower half of a word, y in the upper half. Included by saturate.h in front of
  * every translation unit; cores without these instructions use the portable definition, whose
- * results are the same bit for bit (tests/proofs/prove_pair.c, tests/target).
+ * results are the same bit for bit (tests/proofs/prove_pair.c, tests/target). A Cortex-M3 uses that
+ * with LDRD.
  */
 #ifndef HAL_CORTEX_M_PAIR_H
 #define HAL_CORTEX_M_PAIR_H
@@ -55,6 +56,11 @@ PAIR_INLINE int32_t q_pair_x(q_pair_t a)
 PAIR_INLINE int32_t q_pair_y(q_pair_t a)
 {
     return a.xy >> 16;
+}
+
+static inline q_pair_t q_pair_load(const q_pair_t *from)
+{
+    return *from;
 }
 
 PAIR_INLINE int32_t q_mac_lower(int32_t sum, int32_t a, int32_t b)
@@ -118,6 +124,12 @@ PAIR_INLINE uint32_t q_pair_square(q_pair_t a)
 {
     return (uint32_t)q_pair_dot(a, a);
 }
+
+#elif defined(__ARM_ARCH_7M__)
+
+/* Two words by one instruction, which the compiler's scheduling would separate. */
+#define Q_TARGET_LOAD_TWO(first, second, from)                                                     \
+    __asm("ldrd %0, %1, %2" : "=&r"(first), "=r"(second) : "o"(*(from)))
 
 #endif
 

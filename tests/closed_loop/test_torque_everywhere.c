@@ -135,6 +135,38 @@ void test_torque_of_ipm400v_equals_its_command_at_every_speed_and_temperature(vo
     check_drive("ipm400v");
 }
 
+/* Where voltage and current limit together, with a hot winding. A field-weakening current that grew
+ * without need would take i_q with it, up to the current circle: the torque would sag while its
+ * command stays. */
+void test_full_torque_of_a_hot_ipm400v_at_480_rad_per_s_stays(void)
+{
+    static const double SIGN[] = {1.0, -1.0};
+    for (int k = 0; k < 2; k++) {
+        const config_t config = fixture_drive_config("ipm400v");
+        const stand_t stand =
+            turning("ipm400v", 480.0 / (config.motor.max_speed_mrad_s * 1e-3), 120.0);
+        const double circle_a = config.motor.max_phase_current_mA * 1e-3;
+        double first_d_a = 0.0;
+        for (int n = 0; n < 6; n++) {
+            const mean_t mean = settled(&stand, SIGN[k] * stand.most_nm);
+            const wheel_t *wheel = &stand.bench->wheel[0];
+            const double d_a = wheel->slow.i_d_mA * 1e-3;
+            first_d_a = n == 0 ? d_a : first_d_a;
+            char text[160];
+            snprintf(text, sizeof(text),
+                     "after %.1f s: command %.2f N m, torque %.2f, i_d %.1f A of %.0f, reason %d",
+                     stand.bench->time_s, mean.command_nm, mean.torque_nm, d_a, circle_a,
+                     wheel->slow.torque_reason);
+            TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, wheel->first_fault, text);
+            TEST_ASSERT_TRUE_MESSAGE(fabs(mean.torque_nm - mean.command_nm) <=
+                                         SHARE_OF_RATED *
+                                             fmax(stand.rated_nm, fabs(mean.command_nm)),
+                                     text);
+            TEST_ASSERT_TRUE_MESSAGE(fabs(d_a - first_d_a) <= 0.01 * circle_a, text);
+        }
+    }
+}
+
 /* A step of the bus voltage below the voltage of the present torque takes the reserve of 3 %, and
  * with it the control of i_q. The excess torque must be zero within 0.1 s, and the torque equal to
  * its command at the end. Without the d-axis voltage reserve beyond 98 % of the circle, 60 N m at

@@ -56,8 +56,8 @@ INTERRUPT_BUDGET = Budget(IMAGE_CORE, INTERRUPT, 395, max_at_most=770)
 BUDGETS = (
     Budget("cortex-m4", CURRENT_LOOP, 151, 1.05),
     Budget("cortex-m4", FAST_STEP, 253, p99_at_most=450, max_at_most=540),
-    Budget("cortex-m3", CURRENT_LOOP, 175),
-    Budget("cortex-m0plus", CURRENT_LOOP, 342),
+    Budget("cortex-m3", CURRENT_LOOP, 168),
+    Budget("cortex-m0plus", CURRENT_LOOP, 349),
 )
 SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 11500, max_at_most=15000)
 """Of every configuration in every state of the envelope."""

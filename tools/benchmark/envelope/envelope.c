@@ -15,7 +15,6 @@
 
 #include "config_image.h"
 #include "controller/controller.h"
-#include "foc/modulation_index.h"
 #include "semihost.h"
 
 enum { STATES = 100000, START_STEPS = 600, SENSORS = 3, STRATEGIES = 3 };
@@ -154,7 +153,8 @@ static void draw_electrical(fast_report_t *report, const config_t *config, dq_t 
     const int32_t unsaturated_q = chance(0.2) ? 2 * u.q : u.q;
     report->i_pu = dq16_of(i);
     report->u_pu = dq16_of(u);
-    report->voltage_use_q15 = modulation_index_square_q15(u.d, unsaturated_q);
+    const int32_t q = q_saturate16(unsaturated_q);
+    report->voltage_use_q15 = (int32_t)(((uint32_t)(u.d * u.d) + (uint32_t)(q * q)) >> 15);
     report->voltage_limited = unsaturated_q != u.q;
     report->current_sum_pu = (int32_t)between(-100.0, 100.0);
     report->i_d_weakening_pu =

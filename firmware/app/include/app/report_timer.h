@@ -7,7 +7,9 @@
  * against the other. Between two slow steps there are therefore n - 1 to n + 1 PWM periods, where n
  * is the number of whole periods in a millisecond. The report is due in period n - 1 after a slow
  * step and in every later one until the slow step takes it: two or three copies per millisecond,
- * and the report that the slow step takes is always that of the latest period.
+ * and the report that the slow step takes is always that of the latest period. A single copy, in
+ * period n, would be missing each time the slow step comes a period early, and be a period old each
+ * time it comes late.
  */
 #ifndef APP_REPORT_TIMER_H
 #define APP_REPORT_TIMER_H

@@ -47,7 +47,7 @@ Q_TARGET_INLINE rotation_t angle_rotation(uint16_t theta_turn)
     const int32_t delta_q21 = delta_q37 >> 16;
     const int32_t square_q42 = delta_q21 * delta_q21 + (1 << 21);
     const q_pair_t small_q21 = Q_PAIR_SHIFTED(square_q42, 22, delta_q37);
-    const q_pair_t point = ANGLE_TABLE[theta_turn >> 8];
+    const q_pair_t point = q_pair_load(&ANGLE_TABLE[theta_turn >> 8]);
     const int32_t cos_q36 = q_pair_dot(small_q21, point);
     const int32_t sin_q31 = q_pair_cross(small_q21, point) >> 5;
     const rotation_t out = {

@@ -51,6 +51,18 @@ Q_TARGET_INLINE int32_t q_pair_y(q_pair_t a)
     return a.y;
 }
 
+/* The pair in memory, by one instruction where a port supplies it. */
+Q_TARGET_INLINE q_pair_t q_pair_load(const q_pair_t *from)
+{
+#ifdef Q_TARGET_LOAD_TWO
+    q_pair_t out;
+    Q_TARGET_LOAD_TWO(out.x, out.y, from);
+    return out;
+#else
+    return *from;
+#endif
+}
+
 /* a + b; both sums must be within 16 bits. */
 Q_TARGET_INLINE q_pair_t q_pair_add(q_pair_t a, q_pair_t b)
 {

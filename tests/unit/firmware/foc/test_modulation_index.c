@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "foc/modulation_index.h"
+#include "modulation_index.h"
 
 #include "unity.h"
 
