@@ -41,6 +41,7 @@ EXAMPLES = (
         "hubsim sweep stop --vary 'demand_nm=range(5,120,24)' "
         "--vary brake.strategy=series_optimal,parallel_ratio --output grid.parquet"
     ),
+    "hubsim stops --count 40 --output stops",
     (
         "hubsim sweep stop --vary 'plant.vehicle.mass_kg=normal(660,30)' --runs 1000 --output "
         "draws.csv"
@@ -92,7 +93,7 @@ def parser() -> Parser:
     commands = out.add_subparsers(
         title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
     )
-    for add in (_add_run, _add_sim, _add_sweep, _add_compare, _add_list, _add_report):
+    for add in (_add_run, _add_sim, _add_sweep, _add_stops, _add_compare, _add_list, _add_report):
         add(commands)
     return out
 
@@ -235,6 +236,37 @@ def _add_sweep(commands: Commands) -> None:
         "--restart",
         action="store_true",
         help="begin anew instead of going on with what an interrupted sweep left",
+    )
+    _add_date(command)
+
+
+def _add_stops(commands: Commands) -> None:
+    text = "stops of the drives that come along beside the ideal inside the same limits"
+    command = commands.add_parser(
+        "stops",
+        help=text,
+        description=(
+            f"{text[0].upper()}{text[1:]}: state of charge, demand, speed and winding temperature "
+            "in a Latin hypercube for each drive. Exit status 1 if a stop stores more or less than "
+            "it should, or has a fault."
+        ),
+    )
+    command.add_argument(
+        "--count", type=int, default=1040, metavar="N", help="of all drives; default: 1040"
+    )
+    command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
+    command.add_argument(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes on this machine; default: one for each core",
+    )
+    command.add_argument(
+        "--output",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="for stops.csv, its origin stops.json, stops.svg and stops.png",
     )
     _add_date(command)
 

@@ -225,6 +225,18 @@ def sweep_runs(options: argparse.Namespace) -> int:
     return 0 if conduct.is_clean(table) else 1
 
 
+def compare_stops(options: argparse.Namespace) -> int:
+    """Do ``hubsim stops``: many stops beside the ideal inside the same limits."""
+    # Matplotlib takes longer to load than most commands take.
+    from hubsim import stored_share_report  # noqa: PLC0415
+
+    with progress_bar("stops") as bar:
+        found = stored_share_report.make(options, bar)
+    for line in stored_share_report.summary(found):
+        print(line)
+    return 0 if all(o.within for o in found if o.comparable) else 1
+
+
 def _place(name: str) -> str:
     """Return the scenario by a name that is the same in any directory."""
     return name if name in scenario.builtin_names() else str(Path(name).resolve())
@@ -456,6 +468,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "run": run_scenario,
     "sim": run_strategies,
     "sweep": sweep_runs,
+    "stops": compare_stops,
     "compare": compare_runs,
     "list": list_names,
     "report": write_report,

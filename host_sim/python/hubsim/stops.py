@@ -20,7 +20,7 @@ from regen_table.ideal import lines
 from regen_table.schema import Drive
 
 from hubsim import configuration, run
-from hubsim.engine import Rows
+from hubsim.engine import Engine, Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario
 
@@ -168,6 +168,20 @@ def simulate(
     return curves
 
 
+def as_one_wheel(engine: Engine, drive: Drive) -> None:
+    """Leave one wheel with its share of mass and battery of a vehicle that has not begun."""
+    wheels = drive.vehicle.driven_wheels
+    for names, factor in ((_SHARED, 1.0 / wheels), (_AGAINST, float(wheels))):
+        for name in names:
+            engine.set(name, factor * engine.get(name))
+    engine.set("vehicle.driven_wheels", 1.0)
+    engine.load_config(
+        configuration.changed_image(
+            configuration.image_of(drive), {("battery", "driven_wheels"): 1}
+        )
+    )
+
+
 def _ideal(drive: Drive, demands_nm: Sequence[float], battery: str) -> tuple[float, ...]:
     found = (
         ideal.stop(drive, drive.brake.strategy, demand, SPEED_KMH, TEMPERATURE_C, battery=battery)
@@ -180,7 +194,6 @@ def _stored(
     drive: Drive, demands_nm: Sequence[float], progress: Callable[[], None] | None
 ) -> list[float]:
     """Return the stored share of the kinetic energy for every demand."""
-    wheels = drive.vehicle.driven_wheels
     standing = Scenario(
         initial_speed_kmh=SPEED_KMH,
         drag=False,
@@ -189,15 +202,7 @@ def _stored(
     )
     engine, _ = run.prepare(drive, standing, Path(), {})
     with engine:
-        for names, factor in ((_SHARED, 1.0 / wheels), (_AGAINST, float(wheels))):
-            for name in names:
-                engine.set(name, factor * engine.get(name))
-        engine.set("vehicle.driven_wheels", 1.0)
-        engine.load_config(
-            configuration.changed_image(
-                configuration.image_of(drive), {("battery", "driven_wheels"): 1}
-            )
-        )
+        as_one_wheel(engine, drive)
         engine.start()
         begun, found = engine.save(), []
         for demand in demands_nm:

@@ -319,7 +319,10 @@ HEAVY = {
     [
         ("--help",),
         ("--version",),
-        *((name, "--help") for name in ("run", "sim", "sweep", "compare", "list", "report")),
+        *(
+            (name, "--help")
+            for name in ("run", "sim", "sweep", "stops", "compare", "list", "report")
+        ),
         ("run", "stop", "--colour"),
     ],
 )

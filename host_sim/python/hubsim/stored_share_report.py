@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a sweep of stops leaves behind: table, origin and picture, and what there is to say."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from regen_table import installation, plotting
+from rich.progress import Progress
+
+from hubsim import files, stored_share
+from hubsim.errors import HubsimError
+from hubsim.results import as_json
+from hubsim.stored_share import NOT_STARTED, SLOW_SHARE, TOLERANCE, TOLERANCE_SLOW, Outcome
+
+SHOWN_PERCENT = 3.0  # what lies beyond is drawn on the edge
+PERCENT = 100.0
+
+
+def make(options: argparse.Namespace, bar: Progress) -> list[Outcome]:
+    """Measure the stops that the command asks for and write everything into its folder."""
+    for name, value, least in (
+        ("--count", options.count, 1),
+        ("--workers", options.workers, 1),
+        ("--seed", options.seed, 0),
+    ):
+        if value is not None and value < least:
+            raise HubsimError(f"{name} {value}: accepted: a whole number from {least}")
+    files.make_directory(options.output)
+    cases = stored_share.draw(stored_share.DRIVES, options.count, options.seed)
+    task = bar.add_task("stops", total=len(cases))
+    found = stored_share.sweep(cases, options.workers, lambda: bar.advance(task))
+    origin = installation.provenance(scenario="stops", seed=options.seed, date=options.date)
+    content = {"provenance": origin, "summary": summary(found)}
+    files.write_text(options.output / "stops.csv", stored_share.as_csv(found))
+    files.write_text(options.output / "stops.json", as_json(content))
+    draw(found, options.output)
+    return found
+
+
+def worst(outcomes: Sequence[Outcome], count: int = 5) -> list[Outcome]:
+    """Return the comparable stops with the largest |difference| for their tolerance."""
+    compared = [outcome for outcome in outcomes if outcome.comparable]
+    return sorted(compared, key=lambda o: abs(o.difference) / o.tolerance, reverse=True)[:count]
+
+
+def summary(outcomes: Sequence[Outcome]) -> list[str]:
+    """Return what there is to say about a sweep, a line each."""
+    lines = []
+    for name in dict.fromkeys(outcome.drive for outcome in outcomes):
+        here = [outcome for outcome in outcomes if outcome.drive == name]
+        compared = [outcome for outcome in here if outcome.comparable]
+        faulted = sum(bool(outcome.first_fault) for outcome in here)
+        started = [o.difference for o in compared if o.first_fault != NOT_STARTED]
+        lines.append(
+            f"{name}: {sum(o.within for o in compared)} of {len(compared)} within the tolerance, "
+            f"{100.0 * min(started, default=0.0):+.2f} to {100.0 * max(started, default=0.0):+.2f} "
+            f"% of the kinetic energy; {len(here) - len(compared)} without any currents inside "
+            f"the limits; {faulted} with a fault; ripple at most "
+            f"{100.0 * max(o.ripple_share_of_rated for o in here):.2f} % of rated"
+        )
+    for o in worst(outcomes):
+        lines.append(
+            f"worst: stop {o.number}, {o.drive}, {o.demand_nm:g} N m from {o.initial_speed_kmh:.1f}"
+            f" km/h, {o.winding_temperature_c:.0f} degC, charge {o.soc:.3f}, {o.open_circuit_v:.1f}"
+            f" V: {100.0 * o.stored:.2f} instead of {100.0 * o.ideal:.2f} %"
+            f" ({o.first_fault or o.reason})"
+        )
+    return lines
+
+
+def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
+    """Write stops.svg and stops.png."""
+    names = list(dict.fromkeys(outcome.drive for outcome in outcomes))
+    made, panels = plotting.figure(
+        "Stored share of the kinetic energy, firmware less ideal", 2, (len(names) + 1) // 2,
+        10.0, 7.0,
+    )  # fmt: skip
+    groups = (
+        (f"from {SLOW_SHARE:.0%} of the largest speed on", False, plotting.BLUE, TOLERANCE),
+        (f"below {SLOW_SHARE:.0%}", True, plotting.ORANGE, TOLERANCE_SLOW),
+    )
+    for name, axes in zip(names, panels, strict=False):
+        for text, slow, colour, tolerance in groups:
+            here = [
+                o
+                for o in outcomes
+                if o.drive == name and o.comparable and (o.speed_share_of_top < SLOW_SHARE) == slow
+            ]
+            found = np.clip([PERCENT * o.difference for o in here], -SHOWN_PERCENT, SHOWN_PERCENT)
+            axes.plot([o.open_circuit_v for o in here], found, ".", color=colour, label=text)
+            for bound in (-tolerance, tolerance):
+                axes.axhline(PERCENT * bound, color=colour, linewidth=0.8)
+        axes.set(title=name, xlabel="open-circuit voltage, V", ylabel="% of the kinetic energy")
+        axes.set_ylim(-1.05 * SHOWN_PERCENT, 1.05 * SHOWN_PERCENT)
+    plotting.legend_below(made, panels[0], 2)
+    return plotting.save({"stops": made}, directory)

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stops over the whole range of battery, demand, speed and temperature, beside the ideal.
+
+Forty of them here; the thousand of test_large_stop_sweep.py are in host_sim/stored_share.
+"""
+
+from hubsim import stored_share
+from stop_bounds import compared, misses
+
+COUNT, SEED = 40, 2
+
+
+def test_a_stop_stores_what_the_limits_allow() -> None:
+    cases = stored_share.draw(stored_share.DRIVES, COUNT, SEED)
+    found = compared(stored_share.sweep(cases, processes=1))
+    assert len(found) >= COUNT - 4
+    assert {outcome.drive for outcome in found} == set(stored_share.DRIVES)
+    assert misses(found) == []
+    # Most of them are inside the tolerance that is the aim of all.
+    assert sum(outcome.within for outcome in found) >= 0.85 * len(found)
