@@ -36,7 +36,7 @@ NOBODY = 65534
 class DevCommandTest(DevFixture):
     """Each test has its own copy of the command in a directory that holds nothing else."""
 
-    def test_help_names_every_command_and_installs_nothing(self) -> None:
+    def test_help_lists_every_command_and_does_not_install(self) -> None:
         for arguments in (["--help"], ["-h"], ["help"]):
             result = self.run_dev(*arguments)
             self.assertEqual((result.returncode, result.stderr), (0, ""))
@@ -44,7 +44,7 @@ class DevCommandTest(DevFixture):
                 self.assertRegex(result.stdout, rf"(?m)^  {command}\b")
         self.assertEqual(self.contents(), self.before)
 
-    def test_every_command_has_a_help_of_its_own_that_installs_nothing(self) -> None:
+    def test_every_command_has_its_own_help_and_help_does_not_install(self) -> None:
         for command in COMMANDS:
             for arguments in ([command, "--help"], ["help", command]):
                 result = self.run_dev(*arguments)
@@ -54,23 +54,23 @@ class DevCommandTest(DevFixture):
                 )
         self.assertEqual(self.contents(), self.before)
 
-    def test_without_a_command_the_help_goes_to_stderr_and_the_status_says_wrong_usage(
+    def test_without_a_command_help_is_printed_to_stderr_with_the_usage_exit_status(
         self,
     ) -> None:
         result = self.run_dev()
         self.assertEqual((result.returncode, result.stdout), (USAGE, ""))
         self.assertIn("Usage:", result.stderr)
 
-    def test_an_unknown_command_is_named(self) -> None:
+    def test_an_unknown_command_is_an_error_that_names_it(self) -> None:
         self.assert_refused(self.run_dev("simm"), "simm", "--help")
 
-    def test_a_surplus_argument_is_named(self) -> None:
+    def test_a_surplus_argument_is_an_error_that_names_it(self) -> None:
         for command in ("sim", "bench", "report", "format", "lint"):
             self.assert_refused(self.run_dev(command, "surplus"), command, "surplus")
         self.assert_refused(self.run_dev("firmware", "qemu", "surplus"), "surplus")
         self.assert_refused(self.run_dev("clean", "surplus"), "surplus")
 
-    def test_an_unknown_option_or_group_is_named(self) -> None:
+    def test_an_unknown_option_or_group_is_an_error_that_names_it(self) -> None:
         self.assert_refused(self.run_dev("table", "--wrong"), "--wrong")
         self.assert_refused(self.run_dev("flash", "--wrong"), "--wrong")
         self.assert_refused(self.run_dev("clean", "--wrong"), "--wrong")
@@ -80,12 +80,12 @@ class DevCommandTest(DevFixture):
         )
         self.assert_refused(self.run_dev("setup", "wrong"), "wrong", "build", "arm", "qemu")
 
-    def test_a_missing_configuration_file_is_named_before_anything_is_installed(self) -> None:
+    def test_a_missing_configuration_file_is_an_error_before_installation(self) -> None:
         self.assert_refused(self.run_dev("table", "absent.toml"), "absent.toml", "no such file")
         self.assert_refused(self.run_dev("table"), "CONFIG.toml")
         self.assert_refused(self.run_dev("table", "-o"), "-o")
 
-    def test_an_unknown_port_or_probe_is_answered_with_the_known_ones(self) -> None:
+    def test_an_unknown_port_or_probe_is_an_error_that_lists_the_known_ones(self) -> None:
         self.assert_refused(self.run_dev("firmware", "avr"), "avr", "stm32f405", "qemu")
         self.assert_refused(self.run_dev("flash", "avr"), "avr", "stm32f405")
         self.assert_refused(self.run_dev("flash", "qemu"), "qemu", "emulator")
@@ -103,7 +103,7 @@ class DevCommandTest(DevFixture):
     @unittest.skipUnless(
         shutil.which("shellcheck"), "no shellcheck here; tools/dev setup checks installs it"
     )
-    def test_the_shell_scripts_have_no_known_defects(self) -> None:
+    def test_shell_scripts_pass_shellcheck(self) -> None:
         scripts = [
             "tools/dev",
             ".ci/run",
@@ -159,7 +159,7 @@ class DevCommandTest(DevFixture):
             self.apt_installs(),
         )
 
-    def test_a_browser_is_installed_where_the_system_has_one(self) -> None:
+    def test_a_browser_is_installed_if_the_package_manager_offers_one(self) -> None:
         path, apt = self.bare_path(), self.pretend_apt()
         for _ in range(2):
             result = self.run_dev("setup", "browser", path=path, environment=apt)
@@ -168,7 +168,7 @@ class DevCommandTest(DevFixture):
             [call.split()[-1] for call in self.apt_installs()], ["chromium-headless-shell"]
         )
 
-    def test_where_the_system_has_no_browser_one_line_names_the_test_that_will_fail(self) -> None:
+    def test_without_a_browser_package_one_line_names_the_test_that_fails(self) -> None:
         path, apt = self.bare_path(), self.pretend_apt()
         write_program(self.bin / "apt-cache", "#!/bin/sh\nexit 1\n")
         result = self.run_dev("setup", "browser", path=path, environment=apt)
@@ -191,7 +191,7 @@ class DevCommandTest(DevFixture):
         self.assertIn(".dev/log/", result.stderr)
         self.assertIn("qemu-system-arm", result.stderr.splitlines()[-1])
 
-    def test_without_a_network_one_line_says_so(self) -> None:
+    def test_without_a_network_the_error_is_one_line(self) -> None:
         apt = self.pretend_apt()
         write_program(self.bin / "apt-cache", "#!/bin/sh\nexit 1\n")
         result = self.run_dev(
@@ -204,7 +204,7 @@ class DevCommandTest(DevFixture):
             result.stderr.splitlines()[-1],
         )
 
-    def test_a_package_that_does_not_bring_its_tool_is_not_called_installed(self) -> None:
+    def test_a_package_without_its_tool_is_not_reported_as_installed(self) -> None:
         result = self.run_dev(
             "setup", "checks", path=self.bare_path(), environment=self.pretend_apt()
         )
@@ -214,7 +214,7 @@ class DevCommandTest(DevFixture):
             result.stderr.splitlines()[-1],
         )
 
-    def test_without_root_and_sudo_one_line_says_what_an_administrator_has_to_type(self) -> None:
+    def test_without_root_and_sudo_the_error_shows_the_command_for_an_administrator(self) -> None:
         path, apt = self.bare_path(), self.pretend_apt()
         (self.bin / "sudo").unlink()
         user = None
@@ -231,7 +231,7 @@ class DevCommandTest(DevFixture):
         )
         self.assertEqual(self.apt_installs(), [])
 
-    def test_on_a_system_without_apt_one_line_names_what_is_missing(self) -> None:
+    def test_without_apt_the_error_lists_the_missing_packages_in_one_line(self) -> None:
         result = self.run_dev("setup", "qemu", path=self.bare_path())
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
@@ -270,7 +270,7 @@ class DevCommandTest(DevFixture):
         self.assertNotIn("left out", again.stdout)
 
     @needs_headers
-    def test_a_failing_preset_fails_the_command_and_the_others_run_all_the_same(self) -> None:
+    def test_a_failing_preset_fails_the_command_and_the_other_presets_still_run(self) -> None:
         path, environment = self.pretend_everything_is_installed()
         broken = environment | {"BROKEN_BUILD": "--build --preset stm32f405", "BROKEN_TEST": "host"}
         result = self.run_dev("test", path=path, environment=broken)
@@ -286,7 +286,7 @@ class DevCommandTest(DevFixture):
             result.stderr.splitlines()[-1], "tools/dev: failed: host stm32f405 (build)"
         )
 
-    def test_a_wrong_choice_of_tests_is_answered_before_anything_is_installed(self) -> None:
+    def test_an_invalid_test_selection_is_an_error_before_installation(self) -> None:
         self.assert_refused(self.run_dev("test", "--wrong"), "--wrong", "tools/dev test --help")
         self.assert_refused(self.run_dev("test", "absent/folder"), "no folder 'absent/folder'")
         self.assert_refused(self.run_dev("test", "--since"), "--since")
@@ -294,7 +294,7 @@ class DevCommandTest(DevFixture):
         self.assert_refused(self.run_dev("test", "--quick", "--full"), "--quick")
         self.assert_refused(self.run_dev("test", "--quick", "tools"), "--quick")
 
-    def test_firmware_is_built_for_the_vehicle_that_was_named_and_for_the_paper_s_otherwise(
+    def test_firmware_is_built_for_the_named_vehicle_and_by_default_for_lu2013(
         self,
     ) -> None:
         path, environment = self.pretend_everything_is_installed()
@@ -329,7 +329,7 @@ class DevCommandTest(DevFixture):
         )
         self.assertIn("absent", result.stderr)
 
-    def test_a_table_is_made_where_it_is_wanted_with_the_plots_that_are_wanted(self) -> None:
+    def test_table_writes_the_requested_files_and_plots_to_the_given_directory(self) -> None:
         path, environment = self.pretend_everything_is_installed()
         (self.base / "mine.toml").touch()
         for arguments in ([], ["-o", "there"], ["--plots"], ["-o", "there", "--plots"]):
@@ -342,7 +342,7 @@ class DevCommandTest(DevFixture):
                 " ".join(["-m regen_table generate mine.toml", *arguments]),
             )
 
-    def test_hubsim_gets_its_arguments_unchanged_after_the_engine_is_up_to_date(self) -> None:
+    def test_hubsim_receives_its_arguments_unchanged_after_the_engine_is_built(self) -> None:
         path, environment = self.pretend_everything_is_installed()
         result = self.run_dev(
             "hubsim", "run", "stop", "--set", "a b=1", path=path, environment=environment

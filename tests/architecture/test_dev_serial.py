@@ -52,7 +52,7 @@ class DevSerialTest(DevFixture):
 
     PROMPT = b"> install\r\nsend the configuration as Intel HEX; ^C gives up\r\n> "
 
-    def test_a_configuration_goes_over_the_serial_line_as_it_was_built(self) -> None:
+    def test_a_configuration_is_sent_over_the_serial_line_unchanged(self) -> None:
         result, received = self.send_over_serial(
             self.PROMPT, b"accepted: configuration x\r\nwritten, restarting\r\n"
         )

@@ -17,7 +17,7 @@ class SetupTest(DevFixture):
     """Commands in any order, each with what it needs."""
 
     @needs_headers
-    def test_sim_and_test_pass_in_any_order_because_what_is_missing_leads_to_a_new_configure(
+    def test_sim_and_test_pass_in_any_order_as_a_missing_tool_triggers_a_new_configure(
         self,
     ) -> None:
         path, environment = self.pretend_everything_is_installed()
@@ -47,7 +47,7 @@ class SetupTest(DevFixture):
         self.assertEqual(configured("test"), [])
 
     @needs_headers
-    def test_each_command_asks_only_for_the_python_packages_that_it_uses(self) -> None:
+    def test_each_command_installs_only_the_python_packages_that_it_uses(self) -> None:
         path, environment = self.pretend_everything_is_installed()
         (self.base / "mine.toml").touch()
         every = {file.stem for file in (ROOT / "tools/setup/requirements").glob("*.txt")}
@@ -89,7 +89,7 @@ class SetupTest(DevFixture):
 class RequirementsTest(unittest.TestCase):
     """The lists of Python packages and their lock files."""
 
-    def test_every_package_has_one_version_and_hashes_and_no_place_it_comes_from(self) -> None:
+    def test_every_package_is_pinned_with_hashes_and_without_a_registry_address(self) -> None:
         folder = ROOT / "tools/setup/requirements"
         versions: dict[str, str] = {}
         for file in sorted(folder.glob("*.txt")):
@@ -110,7 +110,7 @@ class RequirementsTest(unittest.TestCase):
             {file.stem for file in folder.glob("*.txt")},
         )
 
-    def test_a_missing_package_is_answered_with_a_set_that_contains_it(self) -> None:
+    def test_the_error_for_a_missing_package_names_a_set_that_contains_it(self) -> None:
         for package, extra in installation.EXTRAS.items():
             answer = installation.missing(ModuleNotFoundError(name=f"{package}.part"))
             command = re.search(r"'\./tools/dev setup (\w+)'", answer)
@@ -141,7 +141,7 @@ class PlainCMakeTest(unittest.TestCase):
             cwd=self.home, capture_output=True, text=True, timeout=60, check=False,
         )  # fmt: skip
 
-    def test_what_the_tests_miss_is_named_in_one_line_with_the_command_that_installs_it(
+    def test_missing_test_tools_are_listed_in_one_line_with_the_command_that_installs_them(
         self,
     ) -> None:
         result = self.configure()
@@ -151,7 +151,7 @@ class PlainCMakeTest(unittest.TestCase):
         for words in (".dev/venv", "'./tools/dev setup'", "HUBFOC_TESTS=OFF"):
             self.assertIn(words, lines[0])
 
-    def test_the_simulator_is_configured_without_them_and_ctest_fails_for_want_of_tests(
+    def test_without_the_test_tools_the_simulator_is_configured_and_ctest_fails(
         self,
     ) -> None:
         result = self.configure("-D", "HUBFOC_TESTS=OFF")

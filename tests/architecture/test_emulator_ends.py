@@ -29,7 +29,7 @@ def wait_until(condition: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
-def test_the_emulator_ends_with_the_test_that_started_it(tmp_path: Path) -> None:
+def test_the_emulator_is_terminated_when_its_test_ends(tmp_path: Path) -> None:
     number = tmp_path / "number"
     emulator = tmp_path / "qemu"
     # It writes down its process and runs on, deaf to everything that can be ignored.

@@ -52,14 +52,14 @@ def last(options: list[str], *kinds: str) -> str:
     return [option for option in options if option.startswith(kinds)][-1]
 
 
-def test_the_engine_is_compiled_from_all_of_the_firmware_and_the_plant() -> None:
+def test_the_engine_contains_all_sources_of_the_pure_modules_and_the_plant() -> None:
     compiled = set(commands())
     assert {path for module in PURE for path in sources_of(module)} <= compiled
     assert set((ROOT / "host_sim" / "plant").glob("*.c")) <= compiled
 
 
 @pytest.mark.skipif(compiler()[0] != "GNU", reason="other compilers get no such options")
-def test_everything_but_the_rare_paths_of_the_motor_is_optimised_together() -> None:
+def test_all_sources_but_the_motors_rare_paths_are_link_time_optimised() -> None:
     apart = set()
     for path, options in commands().items():
         assert last(options, "-O") == "-O3", path
@@ -84,7 +84,7 @@ def functions() -> set[str]:
     return {line.split()[-1] for line in listed.splitlines() if " t " in line.lower()}
 
 
-def test_the_motors_rare_paths_are_calls() -> None:
+def test_the_motors_rare_paths_are_not_inlined() -> None:
     assert {
         "pmsm_step_in_sets",
         "pmsm_straight_advance",
@@ -96,5 +96,5 @@ def test_the_motors_rare_paths_are_calls() -> None:
     compiler()[0] != "GNU" or not compiler()[1].startswith(REFERENCE_GCC),
     reason="another release may decide otherwise",
 )
-def test_the_motors_common_step_is_no_call() -> None:
+def test_the_motors_common_step_is_inlined() -> None:
     assert "pmsm_step" not in functions()

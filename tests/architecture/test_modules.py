@@ -65,7 +65,7 @@ def compile_text(text: str, options: list[str]) -> subprocess.CompletedProcess[s
     return subprocess.run(command, input=text, capture_output=True, text=True, check=False)
 
 
-def test_every_directory_of_the_firmware_is_a_module_of_the_plan() -> None:
+def test_every_firmware_directory_is_a_known_module() -> None:
     assert {path.name for path in FIRMWARE.iterdir() if path.is_dir()} <= set(MAY_INCLUDE)
     assert set(PURE) <= set(MODULES_HERE)
 
@@ -90,7 +90,7 @@ def test_module_includes_only_modules_of_lower_layers(module: str) -> None:
     assert not wrong
 
 
-def test_only_app_sees_the_hardware_interface_and_no_port_sees_the_firmware() -> None:
+def test_only_app_includes_the_hardware_interface_and_no_port_includes_firmware() -> None:
     assert [module for module in MAY_INCLUDE if "hal" in MAY_INCLUDE[module]] == ["app"]
     for path in sorted((ROOT / "hal").rglob("*.[ch]")):
         names = {
@@ -101,7 +101,7 @@ def test_only_app_sees_the_hardware_interface_and_no_port_sees_the_firmware() ->
         assert not names & set(MAY_INCLUDE), path.relative_to(ROOT)
 
 
-def test_the_hardware_interface_is_small() -> None:
+def test_a_header_of_the_hardware_interface_has_at_most_12_functions() -> None:
     """At most twelve functions a header: whoever writes a port can see the end of it."""
     assert HAL_HEADERS
     for header in HAL_HEADERS:
@@ -111,7 +111,7 @@ def test_the_hardware_interface_is_small() -> None:
 
 
 @pytest.mark.parametrize("module", PURE)
-def test_a_pure_module_uses_no_more_of_the_library_than_integer_types(module: str) -> None:
+def test_a_pure_module_includes_only_the_library_headers_of_integer_types(module: str) -> None:
     wrong = [
         f"{path.relative_to(ROOT)}: <{name}>"
         for path in files_of(module)
@@ -122,7 +122,7 @@ def test_a_pure_module_uses_no_more_of_the_library_than_integer_types(module: st
 
 
 @pytest.mark.parametrize("reason", FORBIDDEN)
-def test_a_pure_module_has_no(reason: str) -> None:
+def test_a_pure_module_contains_no(reason: str) -> None:
     wrong = []
     for module in PURE:
         for path in files_of(module):
@@ -149,32 +149,32 @@ def test_a_pure_module_has_no(reason: str) -> None:
         ("compiler-dependent code", "#pragma GCC optimize"),
     ],
 )
-def test_the_search_finds_what_it_looks_for(reason: str, line: str) -> None:
+def test_the_search_finds_every_forbidden_pattern(reason: str, line: str) -> None:
     assert re.search(FORBIDDEN[reason], code_only(line))
 
 
-def test_the_search_does_not_read_comments_and_strings() -> None:
+def test_the_search_ignores_comments_and_strings() -> None:
     text = 'int x; /* a double\n malloc */ // goto\nconst char *y = "float \\" 0.5";'
     assert not any(re.search(pattern, code_only(text)) for pattern in FORBIDDEN.values())
     assert len(code_only(text)) == len(text)
 
 
 @pytest.mark.parametrize(("module", "header"), HEADERS)
-def test_a_header_stands_alone_and_may_be_included_twice(module: str, header: str) -> None:
+def test_a_header_compiles_on_its_own_and_when_included_twice(module: str, header: str) -> None:
     options = [*include_options(module), f"-I{FIRMWARE / module}"]
     result = compile_text(f'#include "{header}"\n#include "{header}"\n', options)
     assert result.returncode == 0, result.stderr
 
 
 @pytest.mark.parametrize("header", HAL_HEADERS)
-def test_a_header_of_the_hardware_interface_stands_alone(header: str) -> None:
+def test_a_header_of_the_hardware_interface_compiles_on_its_own(header: str) -> None:
     result = compile_text(
         f'#include "{header}"\n#include "{header}"\n', [f"-I{ROOT / 'hal/include'}"]
     )
     assert result.returncode == 0, result.stderr
 
 
-def test_a_vector_of_one_frame_is_no_argument_for_another() -> None:
+def test_a_vector_of_one_frame_is_rejected_where_another_is_expected() -> None:
     options = [*include_options("foc"), f"-I{FIRMWARE / 'foc'}"]
     text = (
         '#include "transforms.h"\ndq16_t f({0} x, rotation_t a);\ndq16_t f({0} x, rotation_t a) {{'
@@ -185,7 +185,7 @@ def test_a_vector_of_one_frame_is_no_argument_for_another() -> None:
         assert "incompatible type" in compile_text(text.format(wrong), options).stderr
 
 
-def test_a_module_cannot_be_compiled_with_an_include_it_must_not_have() -> None:
+def test_a_forbidden_include_fails_to_compile() -> None:
     """The same wall in the build itself.
 
     Each target sees only the headers of the modules before it.
@@ -205,7 +205,7 @@ def test_a_module_cannot_be_compiled_with_an_include_it_must_not_have() -> None:
         assert named <= {module, *MAY_INCLUDE[module]}, module
 
 
-def test_every_module_says_what_it_is_for() -> None:
+def test_every_module_has_a_readme_with_its_purpose() -> None:
     missing = [module for module in MODULES_HERE if not (FIRMWARE / module / "README.md").is_file()]
     assert not missing
 

@@ -74,7 +74,7 @@ def parts_of(tree: Path) -> dict[str, Path]:
     return found
 
 
-def test_a_release_has_every_part_under_its_version_with_its_sum(
+def test_a_release_contains_every_part_with_version_and_checksum(
     tree: Path, tmp_path: Path
 ) -> None:
     found = parts_of(tree)
@@ -97,7 +97,7 @@ def test_a_release_has_every_part_under_its_version_with_its_sum(
     subprocess.run(["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=folder, check=True)
 
 
-def test_a_release_takes_the_place_of_the_one_before(tree: Path, tmp_path: Path) -> None:
+def test_a_release_replaces_the_previous_one(tree: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out" / f"hubfoc-{VERSION}"
     folder.mkdir(parents=True)
     (folder / "old").touch()
@@ -124,7 +124,7 @@ def test_firmware_with_another_configuration_is_refused(tree: Path) -> None:
 
 
 @pytest.mark.parametrize("origin", [f"0.0.9 ({COMMIT[:12]})", f"{VERSION} (ffffffffffff)"])
-def test_a_unit_of_another_version_or_commit_is_refused(tree: Path, origin: str) -> None:
+def test_an_fmu_of_another_version_or_commit_is_refused(tree: Path, origin: str) -> None:
     name = collect.UNITS[-1]
     description = f'<fmiModelDescription generationTool="hubfoc {origin}"/>'
     with zipfile.ZipFile(tree / "build/host/host_sim/fmu" / name, "w") as archive:
@@ -141,7 +141,7 @@ def test_a_wheel_of_another_commit_is_refused(tree: Path) -> None:
         collect.check(parts_of(tree), VERSION, COMMIT, "lu2013")
 
 
-def test_a_missing_part_is_named(tree: Path) -> None:
+def test_a_missing_part_is_an_error_that_names_it(tree: Path) -> None:
     (tree / "build/stm32f405/hubfoc_stm32f405.hex").unlink()
     with pytest.raises(collect.ReleaseError, match=r"stm32f405\.hex: .* is missing"):
         parts_of(tree)
@@ -215,7 +215,7 @@ SOURCE = re.compile(
 )
 
 
-def test_every_source_says_its_licence_generated_ones_too() -> None:
+def test_every_source_file_has_an_spdx_licence_generated_files_included() -> None:
     names = [name for name in map(name_of, git_files()) if SOURCE.search(name)]
     assert len(names) > 300
     assert any("/generated/" in name for name in names)

@@ -80,7 +80,7 @@ def found(pattern: re.Pattern[str], texts: dict[str, str]) -> list[str]:
     ]
 
 
-def test_the_top_level_holds_what_the_design_names_and_nothing_beside_it() -> None:
+def test_the_top_level_contains_exactly_the_entries_of_the_design() -> None:
     top = {name_of(path).split("/", maxsplit=1)[0] for path in git_files()}
     assert top <= TOP_LEVEL
     assert {"CMakeLists.txt", "README.md", "LICENSE", "firmware", "hal", "tests", "tools"} <= top
@@ -117,7 +117,7 @@ def test_no_line_of_prose_is_longer_than_a_hundred_columns() -> None:
     assert found(re.compile(rf"^.{{{LONGEST_LINE + 1},}}$"), texts) == []
 
 
-def test_text_is_clean() -> None:
+def test_text_has_no_trailing_blanks_tabs_or_carriage_returns() -> None:
     for name, text in own_text().items():
         assert "\r" not in text, f"{name}: carriage return"
         assert text == "" or text.endswith("\n"), f"{name}: no newline at the end"
@@ -127,18 +127,18 @@ def test_text_is_clean() -> None:
             assert found(re.compile(r"^.*\t"), {name: text}) == [], "indented with tabs"
 
 
-def test_no_file_names_the_machine_it_was_written_on() -> None:
+def test_no_file_contains_a_path_of_the_development_machine() -> None:
     assert found(MACHINE_PATH, own_text()) == []
 
 
-def test_no_file_names_a_host_but_those_of_cited_documents() -> None:
+def test_no_file_contains_a_host_name_other_than_of_cited_documents() -> None:
     places = found(HOST, own_text())
     assert [
         place for place in places if not KNOWN_HOSTS.search(place.rsplit(" ", maxsplit=1)[1])
     ] == []
 
 
-def test_nothing_is_left_unfinished() -> None:
+def test_no_file_contains_a_marker_of_unfinished_work() -> None:
     assert found(UNFINISHED, own_text()) == []
 
 
@@ -154,7 +154,7 @@ def test_nothing_is_left_unfinished() -> None:
         (UNFINISHED, "returns a dum" + "my value"),
     ],
 )
-def test_the_search_finds_what_it_looks_for(pattern: re.Pattern[str], line: str) -> None:
+def test_the_search_finds_every_forbidden_pattern(pattern: re.Pattern[str], line: str) -> None:
     assert pattern.search(line)
 
 
@@ -168,5 +168,5 @@ def test_the_search_finds_what_it_looks_for(pattern: re.Pattern[str], line: str)
         (UNFINISHED, "a stubborn wheel; todo = [root]"),
     ],
 )
-def test_the_search_does_not_find_what_it_should_not(pattern: re.Pattern[str], line: str) -> None:
+def test_the_search_permits_ordinary_text(pattern: re.Pattern[str], line: str) -> None:
     assert not pattern.search(line)

@@ -57,7 +57,7 @@ def test_text_contains_no_private_metaphor() -> None:
     assert found(METAPHORS, own_text()) == []
 
 
-def test_only_hydraulic_brakes_have_these_parts() -> None:
+def test_only_files_of_hydraulic_brakes_use_the_term_of_their_parts() -> None:
     texts = {name: text for name, text in own_text().items() if not HYDRAULIC_FILES.search(name)}
     assert found(HYDRAULIC, texts) == []
 
@@ -95,6 +95,6 @@ def test_the_search_reads_names_only_outside_comments_and_strings() -> None:
     assert refused(["test_command_is_held", "ROOM_TEMPERATURE_cC", "withheld_n"]) == []
 
 
-def test_every_permitted_file_is_one_of_the_repository() -> None:
+def test_every_permitted_file_exists() -> None:
     names = [name for name in own_text() if HYDRAULIC_FILES.search(name)]
     assert len(names) >= len({"abs_unit.c", "anti_lock.c", "hydraulic_brake.c"})

@@ -10,7 +10,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_full_battery_is_braked_hydraulically_with_its_reason(void)
+void test_with_a_full_battery_the_hydraulic_brake_takes_over_with_its_reason(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 9.0;
@@ -54,7 +54,7 @@ void test_weak_battery_stays_above_min_voltage(void)
 
 /* A pack of 1 ohm at 40 to 41 V: without an integrator the fold-back's gain of 214 A/V and a delay
  * of 1 ms would give a limit cycle of one step of the torque rate, 0.4 Nm. */
-void test_weak_battery_is_drawn_from_without_a_limit_cycle(void)
+void test_weak_battery_current_has_no_limit_cycle(void)
 {
     bench_params_t params = fixture_vehicle();
     params.run.initial_speed_m_per_s = 3.0;
@@ -77,7 +77,7 @@ void test_weak_battery_is_drawn_from_without_a_limit_cycle(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
 }
 
-void test_winding_at_its_limit_gives_zero_torque_and_the_hydraulic_brake_brakes(void)
+void test_at_the_winding_limit_motor_torque_is_zero_and_the_hydraulic_brake_acts(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 8.0;

@@ -96,7 +96,7 @@ static bench_params_t vehicle_that_follows(void)
     return params;
 }
 
-static void test_the_cycle_is_driven_and_kept(void)
+static void test_the_cycle_is_simulated_and_recorded(void)
 {
     const config_t config = fixture_drive_config("lu2013");
     const bench_params_t params = vehicle_that_follows();
@@ -135,6 +135,6 @@ int main(int count, char **arguments)
     }
     cycle_path = arguments[1];
     UNITY_BEGIN();
-    RUN_TEST(test_the_cycle_is_driven_and_kept);
+    RUN_TEST(test_the_cycle_is_simulated_and_recorded);
     return UNITY_END();
 }

@@ -8,7 +8,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_code_agrees_with_the_reference_manual_at_the_ends_of_its_four_ranges(void)
+void test_code_equals_the_reference_manual_at_the_ends_of_its_four_ranges(void)
 {
     TEST_ASSERT_EQUAL_UINT32(0, dead_time_clocks(0x00));
     TEST_ASSERT_EQUAL_UINT32(127, dead_time_clocks(0x7F));

@@ -110,7 +110,7 @@ void test_compare_values_act_from_the_next_top_on(void)
     TEST_ASSERT_EQUAL_UINT16(1234, plant.first_compare);
 }
 
-void test_the_up_call_sees_the_sample_of_its_own_period(void)
+void test_the_up_call_reads_the_sample_of_its_own_period(void)
 {
     (void)start(20000);
     host_step();
@@ -162,7 +162,7 @@ void test_fault_keeps_the_bridge_off_until_cause_is_gone_and_fault_cleared(void)
     TEST_ASSERT_EQUAL_INT(INVERTER_MODE_OFF, plant.mode);
 }
 
-void test_settings_that_no_port_could_realise_are_refused(void)
+void test_settings_outside_the_range_of_every_port_are_refused(void)
 {
     inverter_settings_t settings = {
         .pwm_frequency_Hz = 20000, .pwm_period_counts = 4200, .dead_time_ns = 6001};

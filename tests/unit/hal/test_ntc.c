@@ -38,7 +38,7 @@ void test_every_code_gives_the_formulas_temperature_within_the_stated_error(void
 
 /* The thermistor's curve hangs through between the table's points: what is read is never too cold.
  */
-void test_a_winding_beyond_its_limit_is_hot_and_not_broken(void)
+void test_a_temperature_above_the_winding_limit_is_no_sensor_fault(void)
 {
     for (int32_t code = 64; code <= (int32_t)code_at(150.0); code++) {
         const double error = 0.01 * ntc_temperature_cC(code, BROKEN_cC) - celsius_at(code);

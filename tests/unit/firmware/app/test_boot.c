@@ -58,7 +58,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_board_without_a_fault_may_control(void)
+void test_a_board_without_fault_starts_control(void)
 {
     expect_board(true, &config, sizeof config, (uint32_t)GOOD_CRC32);
     expect_ports(INVERTER_OK);
@@ -97,7 +97,7 @@ void test_memory_is_tested_before_interrupts_are_enabled(void)
     TEST_ASSERT_TRUE(line_may_interrupt);
 }
 
-void test_board_without_the_configured_rotor_sensor_may_not_control(void)
+void test_a_board_without_the_configured_rotor_sensor_does_not_start_control(void)
 {
     config.rotor.encoder_counts = 4096;
     for (int32_t sensor = CONFIG_ROTOR_ANGLE; sensor <= CONFIG_ROTOR_ENCODER; sensor++) {

@@ -138,7 +138,7 @@ void test_bridge_commands_equal_those_of_the_direct_steps_in_every_period(void)
     assert_equal_to_direct_steps();
 }
 
-void test_watchdog_does_not_bite_and_the_run_ends_in_run_mode(void)
+void test_watchdog_does_not_reset_and_the_final_mode_is_run(void)
 {
     run_application();
     TEST_ASSERT_FALSE(host_watchdog_bit());

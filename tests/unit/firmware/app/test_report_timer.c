@@ -46,7 +46,7 @@ static run_t run(uint32_t fast_rate_Hz, double phase, double late)
     return out;
 }
 
-void test_the_report_is_of_the_latest_period_and_copied_at_most_three_times_a_step(void)
+void test_the_report_is_that_of_the_latest_period_and_copied_at_most_three_times_a_step(void)
 {
     static const uint32_t RATES_Hz[] = {4000, 15500, 16000, 20000, 20001, 24700, 40000};
     for (int k = 0; k < 7; k++) {
@@ -58,12 +58,12 @@ void test_the_report_is_of_the_latest_period_and_copied_at_most_three_times_a_st
     }
 }
 
-void test_a_slow_step_that_is_late_by_a_period_finds_the_latest_one_too(void)
+void test_a_slow_step_late_by_one_period_reads_the_latest_report(void)
 {
     TEST_ASSERT_EQUAL_INT(0, run(20000, 0.3, 0.9).oldest_periods);
 }
 
-void test_a_report_that_is_not_taken_stays_due(void)
+void test_an_uncopied_report_stays_due(void)
 {
     report_timer_t timer;
     report_timer_init(&timer, 20000, 1000);

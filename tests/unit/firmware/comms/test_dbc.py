@@ -32,7 +32,7 @@ def test_the_messages_are_those_of_the_protocol(database: Database) -> None:
     ]
 
 
-def test_everything_a_brake_system_looks_for_is_there(database: Database) -> None:
+def test_every_signal_required_by_a_brake_system_exists(database: Database) -> None:
     names = {signal.name for _, signal in signals(database)}
     assert names >= {
         *("drive_torque_nm", "brake_torque_nm", "abs_active", "enable", "fault_reset"),
@@ -61,7 +61,7 @@ def test_everything_a_brake_system_looks_for_is_there(database: Database) -> Non
     }
 
 
-def test_every_message_is_a_classic_frame_of_eight_bytes_with_a_comment_a_cycle_and_a_sender(
+def test_every_message_has_eight_bytes_a_comment_a_cycle_and_a_sender(
     database: Database,
 ) -> None:
     for message in database.messages:
@@ -92,7 +92,7 @@ def test_every_signal_has_a_comment_a_range_and_a_receiver(database: Database) -
         assert signal.minimum < signal.maximum, where
 
 
-def test_every_physical_signal_has_the_unit_that_its_name_says_and_numbers_have_none(
+def test_every_physical_signal_has_the_unit_of_its_suffix_and_numbers_have_none(
     database: Database,
 ) -> None:
     for message, signal in signals(database):
@@ -119,21 +119,21 @@ def bits_of(signal: Signal) -> set[int]:
     return set(range(signal.start, signal.start + signal.length))
 
 
-def test_no_two_signals_share_a_bit_and_none_leaves_the_frame(database: Database) -> None:
+def test_signals_do_not_overlap_and_lie_inside_the_frame(database: Database) -> None:
     for message in database.messages:
         for one, other in combinations(message.signals, 2):
             assert not bits_of(one) & bits_of(other), f"{message.name}: {one.name}, {other.name}"
         assert max(max(bits_of(signal)) for signal in message.signals) < 8 * message.length
 
 
-def test_checksum_and_counter_are_where_profile_2_has_them(database: Database) -> None:
+def test_checksum_and_counter_are_at_the_positions_of_profile_2(database: Database) -> None:
     for message in database.messages:
         crc, counter = message.get_signal_by_name("crc"), message.get_signal_by_name("counter")
         assert (crc.start, crc.length) == (0, 8), message.name
         assert (counter.start, counter.length) == (8, 4), message.name
 
 
-def test_limits_and_demands_leave_module_for_the_largest_drive_the_configuration_accepts(
+def test_ranges_of_limits_and_demands_cover_the_largest_accepted_drive(
     database: Database,
 ) -> None:
     """20 kN m and 5000 rad/s are the ends of config.h's ranges.
@@ -171,7 +171,7 @@ def test_reasons_have_the_firmware_s_numbers_and_names(
     assert choices(message, signal, database) == reasons()
 
 
-def test_no_reason_is_left_without_a_value_table(database: Database) -> None:
+def test_every_reason_signal_has_a_value_table(database: Database) -> None:
     for message, signal in signals(database):
         assert signal.name.endswith("_reason") == (
             signal.choices is not None and 64 in signal.choices
@@ -185,7 +185,7 @@ def test_modes_have_the_firmware_s_numbers_and_names(database: Database) -> None
 
 
 @pytest.mark.parametrize("signal", ["demand_link", "battery_link"])
-def test_links_have_the_firmware_s_numbers_and_names(signal: str, database: Database) -> None:
+def test_link_states_have_the_firmware_s_numbers_and_names(signal: str, database: Database) -> None:
     links = enumerators("comms/include/comms/e2e.h", "E2E")
     expected = {
         number: name
@@ -196,7 +196,7 @@ def test_links_have_the_firmware_s_numbers_and_names(signal: str, database: Data
     assert choices("WheelHealth", signal, database) == expected
 
 
-def test_the_file_keeps_to_what_every_tool_reads() -> None:
+def test_the_file_uses_only_constructs_that_every_tool_reads() -> None:
     text = DBC.read_bytes().decode("ascii")
     assert "\r" not in text
     after_names = text.partition("BS_:")[2]
@@ -216,6 +216,6 @@ def test_names_are_short_enough_for_every_tool(database: Database) -> None:
         assert VECTOR_NAME.fullmatch(signal.name), signal.name
 
 
-def test_every_node_says_who_it_is(database: Database) -> None:
+def test_every_node_has_a_comment(database: Database) -> None:
     assert {node.name for node in database.nodes} == {"vehicle", "battery", "wheel"}
     assert all(node.comment for node in database.nodes)

@@ -135,7 +135,7 @@ def test_every_message_of_every_wheel_passes_an_independent_profile_2_check(comm
     assert count == 16 * (1 + 4 * 6)
 
 
-def test_the_checksum_of_random_content_is_the_independent_one(comms: Comms) -> None:
+def test_checksums_of_random_content_equal_an_independent_implementation(comms: Comms) -> None:
     dice = random.Random(1)
     for _ in range(2000):
         identifier, counter = dice.randrange(0x800), dice.randrange(16)
@@ -180,7 +180,7 @@ def test_the_sixteen_data_ids_of_a_message_differ(comms: Comms) -> None:
         assert len(found) == 16
 
 
-def test_the_readme_prints_the_list_of_data_ids() -> None:
+def test_the_readme_contains_the_list_of_data_ids() -> None:
     printed = " ".join(f"{data_id(0, counter):02X}" for counter in range(16))
     assert f"\n    {printed}\n" in (MODULE / "README.md").read_text(encoding="utf-8")
 
@@ -189,7 +189,9 @@ def test_the_readme_prints_the_list_of_data_ids() -> None:
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_identifiers_and_cycles_are_the_dbc_s(name: str, comms: Comms, database: Database) -> None:
+def test_identifiers_and_cycles_equal_those_of_the_dbc(
+    name: str, comms: Comms, database: Database
+) -> None:
     message: Message = database.get_message_by_name(name)
     for wheel in WHEELS.values():
         offset = 0 if name == "BatteryLimits" else wheel
@@ -200,7 +202,7 @@ def test_identifiers_and_cycles_are_the_dbc_s(name: str, comms: Comms, database:
     assert comms.lib.messages_cycle_ms(comms.number(KINDS[name])) == message.cycle_time
 
 
-def test_wheels_have_the_numbers_that_the_dbc_tells_its_readers(comms: Comms) -> None:
+def test_wheels_have_the_numbers_of_the_dbc(comms: Comms) -> None:
     text = DBC.read_text(encoding="utf-8")
     for name, number in WHEELS.items():
         assert comms.number(f"MESSAGES_{name}") == number
@@ -219,7 +221,7 @@ def test_one_dbc_decodes_every_wheel(name: str, comms: Comms, all_wheels: Databa
 
 
 @pytest.mark.parametrize("member", PHYSICAL)
-def test_a_quantity_arrives_within_half_a_step_and_alone(
+def test_a_quantity_is_transferred_within_half_a_step_and_changes_no_other(
     member: str, comms: Comms, database: Database
 ) -> None:
     """Random values over the whole range; every other quantity of the message must stay zero."""
@@ -244,7 +246,7 @@ def test_a_quantity_arrives_within_half_a_step_and_alone(
 
 
 @pytest.mark.parametrize("member", PHYSICAL)
-def test_a_quantity_beyond_its_range_is_sent_as_the_end_of_the_dbc_s_range(
+def test_a_quantity_beyond_its_range_saturates_at_the_end_of_the_dbc_range(
     member: str, comms: Comms, database: Database
 ) -> None:
     message, name, per_unit = PHYSICAL[member]
@@ -261,9 +263,7 @@ def test_a_quantity_beyond_its_range_is_sent_as_the_end_of_the_dbc_s_range(
     "member",
     ["motor_torque_command_mNm", "speed_mrad_s", "bus_current_mA", "temperature.winding_cC"],
 )
-def test_rounding_is_symmetric_so_that_forward_and_reverse_are_the_same(
-    member: str, comms: Comms, database: Database
-) -> None:
+def test_rounding_is_symmetric_in_the_sign(member: str, comms: Comms, database: Database) -> None:
     message, name, per_unit = PHYSICAL[member]
     for value in (*range(1, 120), 4999, 9876):
         plus = decoded(comms, database, message, **{member: value})[name]
@@ -275,7 +275,7 @@ def test_rounding_is_symmetric_so_that_forward_and_reverse_are_the_same(
 
 
 @pytest.mark.parametrize("member", NUMBERS)
-def test_a_number_arrives_as_it_is_in_the_width_of_its_field(
+def test_an_integer_is_transferred_unchanged_in_the_width_of_its_field(
     member: str, comms: Comms, database: Database
 ) -> None:
     message, name = NUMBERS[member]
@@ -289,7 +289,7 @@ def test_a_number_arrives_as_it_is_in_the_width_of_its_field(
         }
 
 
-def test_counts_of_errors_wrap_and_do_not_stop(comms: Comms, database: Database) -> None:
+def test_error_counters_wrap(comms: Comms, database: Database) -> None:
     errors = {"links.demand_errors": 256 + 7, "links.battery_errors": 2**32 - 1}
     got = decoded(comms, database, "WheelHealth", **errors)
     assert (got["demand_errors"], got["battery_errors"]) == (7, 255)
@@ -361,7 +361,7 @@ def test_battery_limits_made_by_another_tool_are_read_exactly(
         ("BatteryLimits", "discharge_current_a"),
     ],
 )
-def test_the_range_that_is_accepted_is_the_dbc_s(
+def test_the_accepted_range_equals_that_of_the_dbc(
     message: str, signal: str, comms: Comms, database: Database
 ) -> None:
     described = signal_of(database, message, signal)

@@ -39,7 +39,7 @@ def run_generator(module: Path, *arguments: str) -> subprocess.CompletedProcess[
     )
 
 
-def test_code_and_tables_are_what_the_dbc_makes() -> None:
+def test_code_and_tables_equal_those_generated_from_the_dbc() -> None:
     result = run_generator(MODULE, "--check")
     assert result.returncode == 0, result.stderr
 
@@ -60,7 +60,9 @@ def copy(tmp_path: Path) -> Path:
     return module
 
 
-def test_a_changed_message_is_noticed_in_code_and_tables_and_mended_by_one_run(copy: Path) -> None:
+def test_a_changed_message_is_detected_in_code_and_tables_and_updated_by_one_run(
+    copy: Path,
+) -> None:
     dbc = copy / "hubfoc.dbc"
     dbc.write_text(
         dbc.read_text(encoding="utf-8").replace("16|19@1- (0.1,0)", "17|19@1- (0.1,0)", 1),
@@ -76,7 +78,7 @@ def test_a_changed_message_is_noticed_in_code_and_tables_and_mended_by_one_run(c
     assert run_generator(copy, "--check").returncode == 0
 
 
-def test_signals_that_overlap_are_refused_in_one_line_and_nothing_is_written(copy: Path) -> None:
+def test_overlapping_signals_are_refused_in_one_line_without_output(copy: Path) -> None:
     before = {path: path.read_bytes() for path in copy.rglob("*.[ch]")}
     dbc = copy / "hubfoc.dbc"
     dbc.write_text(
@@ -90,7 +92,7 @@ def test_signals_that_overlap_are_refused_in_one_line_and_nothing_is_written(cop
     assert not list(copy.rglob("hubfoc.[ch]?*"))
 
 
-def test_a_missing_dbc_is_named_in_one_line(copy: Path) -> None:
+def test_a_missing_dbc_is_an_error_in_one_line(copy: Path) -> None:
     (copy / "hubfoc.dbc").unlink()
     missing = run_generator(copy)
     assert missing.returncode == 1
@@ -111,7 +113,7 @@ def test_the_generated_code_compiles_without_a_warning_and_without_floating_poin
         assert not re.search(r"\b(?:float|double)\b", path.read_text(encoding="utf-8")), path.name
 
 
-def test_the_generated_code_does_not_change_from_day_to_day() -> None:
+def test_the_generated_code_does_not_depend_on_the_date() -> None:
     for path in (MODULE / "generated").iterdir():
         assert not re.search(
             r"\b(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun) \w{3} +\d", path.read_text(encoding="utf-8")
@@ -142,7 +144,7 @@ def longest_frame(length_bytes: int) -> int:
     return len(sent) + 1 + 2 + 7 + 3
 
 
-def test_the_load_of_the_bus_is_what_the_readme_says(database: Database) -> None:
+def test_the_bus_load_equals_that_of_the_readme(database: Database) -> None:
     bits = longest_frame(8)
     assert bits == 135
     one = 0.0
@@ -159,7 +161,7 @@ def test_the_load_of_the_bus_is_what_the_readme_says(database: Database) -> None
     assert four < 0.5
 
 
-def test_the_readme_names_every_message_and_signal(database: Database) -> None:
+def test_the_readme_lists_every_message_and_signal(database: Database) -> None:
     readme = (MODULE / "README.md").read_text(encoding="utf-8")
     for message in database.messages:
         assert re.search(
@@ -169,7 +171,7 @@ def test_the_readme_names_every_message_and_signal(database: Database) -> None:
             assert f"`{signal.name}`" in readme, signal.name
 
 
-def test_the_readme_s_line_decodes_every_wheel(tmp_path: Path) -> None:
+def test_the_example_of_the_readme_decodes_every_wheel(tmp_path: Path) -> None:
     """The command is run as it stands there, with a recorded line in the place of the bus."""
     readme = (MODULE / "README.md").read_text(encoding="utf-8")
     line = re.search(

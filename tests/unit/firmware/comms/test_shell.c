@@ -94,7 +94,7 @@ void test_a_command_is_echoed_answered_and_followed_by_the_prompt(void)
     assert_screen("echo two words\r\n<two words>\r\n> ");
 }
 
-void test_a_command_without_words_gets_none(void)
+void test_a_command_without_arguments_gets_none(void)
 {
     type("echo\r");
     run();

@@ -148,7 +148,7 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
 #define CHECK_CURRENT_ARRAY(name, count, lowest, highest, unit, text)                              \
     CHECK_ARRAY(current_map, name, count, lowest, highest)
 
-void test_every_field_is_held_to_the_range_of_the_header(void)
+void test_every_field_is_checked_against_the_range_of_the_header(void)
 {
     CONFIG_MOTOR_FIELDS(CHECK_MOTOR)
     CONFIG_DRIVE_FIELDS(CHECK_DRIVE)
@@ -255,7 +255,7 @@ void test_voltages_must_be_in_order(void)
     assert_relation("battery.overvoltage_trip_mV < drive.voltage_full_scale_mV");
 }
 
-void test_the_stop_lamp_must_not_go_out_above_what_lights_it(void)
+void test_stop_lamp_off_threshold_must_not_exceed_its_on_threshold(void)
 {
     config.brake.stop_lamp_off_mm_s2 = config.brake.stop_lamp_on_mm_s2;
     TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);

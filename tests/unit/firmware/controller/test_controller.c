@@ -213,7 +213,7 @@ static int32_t voltage_bound_mNm(int32_t target_q15, int32_t reserve_q15)
     return rig.controller.slow.torque.table.driving[TORQUE_LINE_VOLTAGE].torque_mNm;
 }
 
-void test_torque_limits_count_on_the_modulation_target_less_its_reserve(void)
+void test_torque_limits_use_the_modulation_target_less_its_reserve(void)
 {
     const int32_t whole_mNm = voltage_bound_mNm(31748, 0);
     const int32_t less_mNm = voltage_bound_mNm(31748, 248);

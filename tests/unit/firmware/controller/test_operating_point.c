@@ -46,7 +46,7 @@ static void add(int32_t d, int32_t q, int32_t power, int32_t v_dc)
 
 /* ---- means ---- */
 
-void test_before_the_first_report_the_bus_is_the_batterys_middle_and_the_current_zero(void)
+void test_initial_bus_voltage_is_the_batterys_middle_and_initial_current_zero(void)
 {
     const operating_point_t at = step();
     TEST_ASSERT_EQUAL_INT32(15000, at.bus_voltage_mV);
@@ -147,7 +147,7 @@ static const double TURNS[] = {0.0, 0.002, 0.01, 0.0123, -0.03, 0.06};
 
 /* The fast loop holds its samples at the reference plus the field-weakening current: the mean is
  * then the setpoint plus the mean weakening current, whatever the speed. */
-void test_a_setpoint_comes_back_as_the_mean_current_and_the_weakening_is_counted_once(void)
+void test_a_setpoint_is_reported_as_mean_current_with_the_weakening_share_once(void)
 {
     for (int n = 0; n < 6; n++) {
         for (int32_t weakening = -6000; weakening <= 0; weakening += 3000) {

@@ -9,7 +9,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_no_published_number_has_moved(void)
+void test_published_numbers_are_unchanged(void)
 {
     static const operating_mode_t FROZEN[] = {MODE_BOOT, MODE_SELFTEST, MODE_OFFSET_CAL, MODE_READY,
                                               MODE_RUN,  MODE_LIMP,     MODE_FAULT};

@@ -174,7 +174,7 @@ void test_idle_step_resets_the_integrators(void)
     TEST_ASSERT_EQUAL_INT32_ARRAY(first, foc.current.on_q16, 3);
 }
 
-void test_missing_voltage_raises_field_weakening_up_to_its_limit(void)
+void test_a_voltage_shortfall_raises_field_weakening_up_to_its_limit(void)
 {
     config.current_loop.field_weakening_gain_pu_q15 = 2000;
     config.current_loop.field_weakening_current_pu_q15 = 6000;
@@ -264,7 +264,7 @@ void test_offsets_are_measured_again_on_a_second_command(void)
     TEST_ASSERT_FALSE(report.offsets_done);
 }
 
-void test_the_power_report_is_voltage_times_current(void)
+void test_the_reported_power_is_voltage_times_current(void)
 {
     setpoint.i_reference_pu.d = -3000;
     setpoint.i_reference_pu.q = 6000;

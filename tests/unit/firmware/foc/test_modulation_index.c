@@ -7,7 +7,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_the_square_is_that_of_the_vector_in_the_circle(void)
+void test_the_square_is_that_of_the_vector_limited_to_the_circle(void)
 {
     for (int32_t d = -32768; d <= 32767; d += 331) {
         for (int32_t q = -32768; q <= 32767; q += 337) {

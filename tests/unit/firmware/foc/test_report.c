@@ -30,7 +30,7 @@ static void set_applied(int32_t d, int32_t q)
     foc.period.voltage.applied = dq16_of(applied);
 }
 
-void test_before_the_first_period_nothing_is_limited_and_the_offsets_are_the_middle(void)
+void test_the_initial_report_is_unlimited_with_mid_range_offsets(void)
 {
     const fast_report_t report = reported();
     TEST_ASSERT_EQUAL_UINT16(0, report.sequence);
@@ -40,7 +40,7 @@ void test_before_the_first_period_nothing_is_limited_and_the_offsets_are_the_mid
     TEST_ASSERT_EQUAL_INT32(SENSE_CODE_MID * 16, report.offset_q4[2]);
 }
 
-void test_the_voltage_was_limited_when_either_axis_got_less_than_it_wanted(void)
+void test_limited_flag_is_set_if_either_axis_is_saturated(void)
 {
     for (int axis = 0; axis < 3; axis++) {
         foc.period.voltage.unsaturated_d_q25 = 100 * 1024;
@@ -53,7 +53,7 @@ void test_the_voltage_was_limited_when_either_axis_got_less_than_it_wanted(void)
 /* A converter at its end is found at every angle of the rotor, through sense_step() and Park as in
  * the fast step; one code inside its range is not, and neither is an end reading that was not used.
  */
-void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle(void)
+void test_adc_saturation_is_reported_at_every_angle(void)
 {
     static const uint16_t ENDS[2] = {0, SENSE_CODE_MAX};
     sense_state_t sense;
@@ -92,7 +92,7 @@ void test_a_converter_that_was_used_and_stands_at_its_end_is_seen_at_every_angle
     }
 }
 
-void test_the_use_of_the_voltage_is_its_square_with_q_unsaturated(void)
+void test_voltage_use_is_the_squared_magnitude_with_unsaturated_q(void)
 {
     set_applied(16384, 28377);                           /* a half, sqrt 3 / 2 */
     foc.period.voltage.unsaturated_q_q25 = 28377 * 1024; /* sqrt 3 / 2 */

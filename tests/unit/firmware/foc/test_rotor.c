@@ -52,7 +52,7 @@ void test_first_angle_is_the_sensor_s_angle(void)
     TEST_ASSERT_TRUE(seen.valid);
 }
 
-void test_hall_sensors_are_read_only_when_the_configuration_says_so(void)
+void test_hall_sensors_are_read_only_if_configured(void)
 {
     config.rotor.sensor = CONFIG_ROTOR_HALL;
     for (int k = 0; k < 6; k++) {
@@ -64,7 +64,7 @@ void test_hall_sensors_are_read_only_when_the_configuration_says_so(void)
     TEST_ASSERT_TRUE(seen.valid);
 }
 
-void test_an_encoder_is_read_only_when_the_configuration_says_so(void)
+void test_an_encoder_is_read_only_if_configured(void)
 {
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     config.rotor.encoder_counts = 4096;
@@ -107,7 +107,7 @@ void test_encoder_speed_and_faults_are_reported(void)
 }
 
 /* A fiftieth of a turn a period, 400 turns a second, for 30 time constants of the loop. */
-void test_absolute_angle_has_a_speed_and_no_faults(void)
+void test_absolute_angle_sensor_gives_a_speed_and_no_faults(void)
 {
     for (int n = 0; n < 2000; n++) {
         (void)step(0.02 * n);

@@ -49,7 +49,7 @@ void test_q_leads_d_by_a_quarter_turn(void)
     }
 }
 
-void test_park_and_back_returns_the_vector_at_every_angle(void)
+void test_park_and_inverse_park_return_the_vector_at_every_angle(void)
 {
     /* Each direction rounds down (1 LSB) and uses sine and cosine within 1.5 LSB of Q15, which at
      * length 25 000 is 1.6 LSB of the result for two terms; twice that. */
@@ -84,7 +84,7 @@ void test_the_longest_measured_vector_saturates_its_components_at_every_angle(vo
     }
 }
 
-void test_advancing_an_angle_is_adding_the_angles(void)
+void test_advancing_an_angle_equals_adding_the_angles(void)
 {
     /* Two products of factors that are each 1.5 LSB off the truth, rounded down: 1.5 sqrt 2 * 2
      * + 1. */

@@ -126,7 +126,7 @@ void test_bound_falls_at_1_2_g_with_a_valid_sensor_and_at_0_01_g_without(void)
     }
 }
 
-void test_bound_is_zero_while_no_sensor_has_shown_a_speed(void)
+void test_bound_is_zero_before_any_sensor_has_measured_a_speed(void)
 {
     in.rotor_valid = false;
     in.bridge = BRIDGE_OFF;
@@ -162,7 +162,7 @@ void test_quadrant_transitions_of_the_short_circuit_current_give_the_speed(void)
     }
 }
 
-void test_larger_speed_of_a_valid_sensor_wins_over_that_of_the_current(void)
+void test_a_valid_sensor_speed_above_that_of_the_current_applies(void)
 {
     in.speed_mrad_s = 60000;
     run_short(300, 40.0);
@@ -172,7 +172,7 @@ void test_larger_speed_of_a_valid_sensor_wins_over_that_of_the_current(void)
     TEST_ASSERT_INT32_WITHIN(200, 40000, bound_mrad_s);
 }
 
-void test_larger_speed_of_the_current_wins_over_a_stuck_valid_sensor(void)
+void test_a_current_speed_above_that_of_a_stuck_sensor_applies(void)
 {
     in.speed_mrad_s = 70000;
     run(1);

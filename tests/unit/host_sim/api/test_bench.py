@@ -19,7 +19,7 @@ LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 STOP: dict[str, Any] = {"initial_speed_kmh": 10.0, "demand_nm": 30.0, "stop_at_standstill": True}
 
 
-def test_a_run_is_the_one_of_the_command_to_the_last_bit(config: hubsim.Configuration) -> None:
+def test_a_run_is_bit_identical_to_that_of_the_command(config: hubsim.Configuration) -> None:
     with hubsim.Bench(config, "stop", **STOP) as bench:
         recording = bench.run()
     name, chosen, beside = scenario.load("stop", STOP)
@@ -28,7 +28,7 @@ def test_a_run_is_the_one_of_the_command_to_the_last_bit(config: hubsim.Configur
     assert np.array_equal(recording.rows, expected.rows)
 
 
-def test_a_scenarios_events_happen_on_the_bench_as_in_the_command(
+def test_events_of_a_scenario_have_the_same_effect_as_in_the_command(
     config: hubsim.Configuration, tmp_path: Path
 ) -> None:
     path = tmp_path / "stab.toml"
@@ -47,7 +47,7 @@ def test_a_scenarios_events_happen_on_the_bench_as_in_the_command(
     assert recording["wheel0.command_nm"][-1] == 0.0
 
 
-def test_signals_are_arrays_with_units(config: hubsim.Configuration) -> None:
+def test_signals_are_arrays_and_have_units(config: hubsim.Configuration) -> None:
     with hubsim.Bench(
         config, record=("time_s", "vehicle.*", "wheel0.motor_torque_nm"), **STOP
     ) as bench:
@@ -65,7 +65,7 @@ def test_signals_are_arrays_with_units(config: hubsim.Configuration) -> None:
         _ = recording["battery.soc"]
 
 
-def test_steps_of_any_length_make_the_same_run(config: hubsim.Configuration) -> None:
+def test_the_result_is_independent_of_the_step_length(config: hubsim.Configuration) -> None:
     with hubsim.Bench(config, record=("time_s", "vehicle.speed_m_per_s"), **STOP) as whole:
         at_once = whole.run(0.3).rows
     with hubsim.Bench(config, record=("time_s", "vehicle.speed_m_per_s"), **STOP) as pieces:
@@ -77,7 +77,7 @@ def test_steps_of_any_length_make_the_same_run(config: hubsim.Configuration) -> 
     assert np.array_equal(at_once, in_pieces)
 
 
-def test_a_pedal_can_move_during_the_run(config: hubsim.Configuration) -> None:
+def test_a_pedal_can_be_set_during_the_run(config: hubsim.Configuration) -> None:
     with hubsim.Bench(config, initial_speed_kmh=20.0, drag=False) as bench:
         coasting = bench.run(0.5)
         bench.set("driver.brake_demand_nm", 25.0)
@@ -106,7 +106,7 @@ def test_plant_and_controller_parameters_can_differ(
     assert np.min(weak) == pytest.approx(-10.0, rel=0.03)
 
 
-def test_mistakes_are_one_line(config: hubsim.Configuration, tmp_path: Path) -> None:
+def test_errors_are_reported_in_one_line(config: hubsim.Configuration, tmp_path: Path) -> None:
     image = tmp_path / "x.bin"
     image.write_bytes(config.image)
     mistakes: list[Callable[[], object]] = [
@@ -123,7 +123,7 @@ def test_mistakes_are_one_line(config: hubsim.Configuration, tmp_path: Path) -> 
         assert "\n" not in str(caught.value)
 
 
-def test_the_events_of_a_scenario_happen_here_too(
+def test_events_of_a_scenario_are_applied_at_their_times(
     config: hubsim.Configuration, tmp_path: Path
 ) -> None:
     path = tmp_path / "slope.toml"

@@ -13,7 +13,7 @@ LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 IMAGE = ROOT / "firmware" / "config" / "generated" / "lu2013.bin"
 
 
-def test_a_drive_and_its_flashed_image_are_the_same_configuration(
+def test_drive_file_and_flashed_image_give_the_same_configuration(
     config: hubsim.Configuration,
 ) -> None:
     image = hubsim.load_configuration(IMAGE)
@@ -23,7 +23,7 @@ def test_a_drive_and_its_flashed_image_are_the_same_configuration(
     assert image.drive is None
 
 
-def test_a_setting_changes_the_drive_and_the_image(config: hubsim.Configuration) -> None:
+def test_an_override_changes_the_drive_and_the_image(config: hubsim.Configuration) -> None:
     other = hubsim.load_configuration(
         LU2013, {"vehicle.mass_kg": 700.0, "motor.iron_loss_resistance_ohm": None}
     )
@@ -44,7 +44,7 @@ def test_a_setting_changes_the_drive_and_the_image(config: hubsim.Configuration)
         (str(IMAGE), {"vehicle.mass_kg": 1.0}, "an image cannot be changed"),
     ],
 )
-def test_mistakes_are_one_line_that_names_them(
+def test_errors_are_reported_in_one_line_with_the_cause(
     path: str, settings: dict[str, float] | None, message: str
 ) -> None:
     with pytest.raises(hubsim.HubsimError) as caught:
@@ -53,7 +53,7 @@ def test_mistakes_are_one_line_that_names_them(
     assert "\n" not in str(caught.value)
 
 
-def test_an_image_the_firmware_refuses_is_refused_in_its_words(
+def test_an_image_refused_by_the_firmware_is_reported_with_the_firmwares_text(
     config: hubsim.Configuration, tmp_path: Path
 ) -> None:
     damaged = bytearray(config.image)

@@ -45,13 +45,13 @@ def members(struct: str) -> list[str]:
 
 
 @pytest.mark.parametrize("struct", PORTS)
-def test_the_list_has_every_member_of_the_messages_once(struct: str) -> None:
+def test_the_list_contains_every_member_of_the_messages_once(struct: str) -> None:
     _, port = PORTS[struct]
     listed = [v.member for v in hubsim.Controller.variables()[port]]
     assert sorted(listed) == sorted(members(struct))
 
 
-def test_a_raw_name_ends_as_its_member_does() -> None:
+def test_a_raw_name_has_the_suffix_of_its_member() -> None:
     """Raw names are those of the firmware: same quantity, same unit."""
     for port in hubsim.Controller.variables().values():
         for v in port:
@@ -61,7 +61,9 @@ def test_a_raw_name_ends_as_its_member_does() -> None:
             assert v.raw_name.endswith(last.rpartition("_")[2]), v
 
 
-def test_inputs_start_as_a_healthy_board_at_rest(angle_config: hubsim.Configuration) -> None:
+def test_initial_inputs_are_those_of_a_healthy_board_at_standstill(
+    angle_config: hubsim.Configuration,
+) -> None:
     controller = hubsim.Controller(angle_config)
     expected = {
         "selftest_passed": 1.0,
@@ -77,7 +79,7 @@ def test_inputs_start_as_a_healthy_board_at_rest(angle_config: hubsim.Configurat
     assert expected == {}
 
 
-def test_names_carry_their_units() -> None:
+def test_names_end_in_their_units() -> None:
     endings = {
         "A": "_a",
         "V": "_v",
@@ -106,7 +108,7 @@ def boot(controller: hubsim.Controller, until_s: float = 0.4) -> hubsim.Values:
     return slow
 
 
-def test_a_controller_boots_calibrates_and_runs(angle_config: hubsim.Configuration) -> None:
+def test_a_controller_boots_calibrates_and_reaches_run(angle_config: hubsim.Configuration) -> None:
     controller = hubsim.Controller(angle_config)
     slow = boot(controller)
     assert controller.mode_text(slow.mode) == "RUN"
@@ -135,7 +137,7 @@ def behaviour(controller: hubsim.Controller) -> list[hubsim.Values]:
     return found
 
 
-def test_a_driving_demand_becomes_voltage_in_the_right_direction(
+def test_a_driving_demand_gives_voltage_of_the_correct_sign(
     angle_config: hubsim.Configuration,
 ) -> None:
     """At angle 0 the q axis is at right angles to phase a.
@@ -152,7 +154,7 @@ def test_a_driving_demand_becomes_voltage_in_the_right_direction(
     assert fast.duty_b > fast.duty_a > fast.duty_c
 
 
-def test_inputs_keep_their_value_until_they_are_named_again(
+def test_inputs_keep_their_value_until_they_are_set_again(
     angle_config: hubsim.Configuration,
 ) -> None:
     one, other = hubsim.Controller(angle_config), hubsim.Controller(angle_config)
@@ -165,7 +167,9 @@ def test_inputs_keep_their_value_until_they_are_named_again(
     assert behaviour(one) == behaviour(other)
 
 
-def test_raw_and_engineering_steps_are_the_same(angle_config: hubsim.Configuration) -> None:
+def test_raw_and_engineering_steps_give_the_same_outputs(
+    angle_config: hubsim.Configuration,
+) -> None:
     one, other = hubsim.Controller(angle_config), hubsim.Controller(angle_config)
     scales = {
         v.name: (v, *one.scale(variables.FAST_INPUT, k))
@@ -191,7 +195,9 @@ def test_raw_and_engineering_steps_are_the_same(angle_config: hubsim.Configurati
     assert behaviour(one) == behaviour(other)
 
 
-def test_a_saved_controller_goes_on_where_it_was(angle_config: hubsim.Configuration) -> None:
+def test_a_restored_controller_continues_from_the_saved_state(
+    angle_config: hubsim.Configuration,
+) -> None:
     controller = hubsim.Controller(angle_config)
     boot(controller, 0.2)
     state = controller.save()
@@ -208,7 +214,7 @@ def test_a_saved_controller_goes_on_where_it_was(angle_config: hubsim.Configurat
         controller.restore(bytes(len(state)))
 
 
-def test_reset_is_power_up(angle_config: hubsim.Configuration) -> None:
+def test_reset_gives_the_state_after_power_up(angle_config: hubsim.Configuration) -> None:
     controller = hubsim.Controller(angle_config)
     fresh = behaviour(controller)
     boot(controller, 0.2)
@@ -232,7 +238,7 @@ def test_reset_is_power_up(angle_config: hubsim.Configuration) -> None:
         ("slow_step_raw", {"enable": 2}, "enable: 2, accepted: 0 to 1"),
     ],
 )
-def test_what_cannot_be_an_input_is_refused_by_name(
+def test_an_invalid_input_is_refused_with_its_name(
     angle_config: hubsim.Configuration, step: str, inputs: dict[str, float], message: str
 ) -> None:
     controller = hubsim.Controller(angle_config)
@@ -243,7 +249,9 @@ def test_what_cannot_be_an_input_is_refused_by_name(
     assert controller.save() == before
 
 
-def test_outputs_that_do_not_exist_name_those_that_do(angle_config: hubsim.Configuration) -> None:
+def test_the_error_for_an_unknown_output_lists_the_known_ones(
+    angle_config: hubsim.Configuration,
+) -> None:
     values = hubsim.Controller(angle_config).fast_step()
     assert list(values) == ["duty_a", "duty_b", "duty_c", "bridge"]
     with pytest.raises(AttributeError, match="duty_a"):

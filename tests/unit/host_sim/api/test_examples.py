@@ -23,21 +23,21 @@ def example(name: str) -> Any:  # noqa: ANN401, a module
     return module
 
 
-def test_every_example_is_tested_here_and_named_in_the_readme() -> None:
+def test_every_example_is_tested_and_listed_in_the_readme() -> None:
     found = {path.stem for path in EXAMPLES.glob("*.py")}
     assert found == {"strategies", "own_plant", "own_controller", "motulator_motor"}
     readme = (EXAMPLES / "README.md").read_text(encoding="utf-8")
     assert all(f"{name}.py" in readme for name in found)
 
 
-def test_an_example_runs_from_anywhere_as_a_program(tmp_path: Path) -> None:
+def test_an_example_runs_as_a_program_from_any_directory(tmp_path: Path) -> None:
     command = [sys.executable, str(EXAMPLES / "own_plant.py")]
     result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     assert "mode RUN" in result.stdout
 
 
-def test_strategies_come_near_the_ideal_stop() -> None:
+def test_energies_of_the_strategies_are_close_to_the_ideal_stop() -> None:
     """Stored share of the kinetic energy at 40 N m.
 
     Steady-state figures of regen_table, dynamics give up to 1.6 % more.
@@ -50,7 +50,7 @@ def test_strategies_come_near_the_ideal_stop() -> None:
 
 
 @pytest.mark.parametrize(("speed_rad_s", "brake_nm"), [(20.0, 20.0), (35.0, 5.0)])
-def test_example_motor_makes_the_torque_of_the_controllers_model(
+def test_torque_of_the_example_motor_equals_that_of_the_controllers_model(
     speed_rad_s: float, brake_nm: float
 ) -> None:
     motor_nm, estimate_nm = example("own_plant").main(speed_rad_s, brake_nm)
@@ -58,14 +58,14 @@ def test_example_motor_makes_the_torque_of_the_controllers_model(
     assert estimate_nm == pytest.approx(motor_nm, rel=0.01)
 
 
-def test_on_motulators_motor_torques_agree_within_one_per_cent() -> None:
+def test_torque_on_motulators_motor_agrees_within_1_percent() -> None:
     module = example("motulator_motor")
     for (_, brake_nm), torques in zip(module.POINTS, module.main(), strict=True):
         for name in ("command", "estimate", "motulator", "bench"):
             assert torques[name] == pytest.approx(-brake_nm, rel=0.01), name
 
 
-def test_a_textbook_controller_stops_the_vehicle_about_as_the_firmware_does() -> None:
+def test_a_textbook_controller_stops_the_vehicle_within_tolerance_of_the_firmware() -> None:
     """Both brake with 60 N m from 30 km/h; the firmware brings its demand in at a limited rate.
 
     A quarter of the vehicle, 165 kg on a wheel of 0.25 m, needs 165 v^2 r / 2 / 60 N m of way.

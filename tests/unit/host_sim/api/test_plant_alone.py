@@ -27,7 +27,7 @@ def test_a_measurement_has_a_row_for_each_wheel(plant: hubsim.Plant) -> None:
     assert not now.anti_lock_at_work
 
 
-def test_a_measurement_stays_as_it_was(plant: hubsim.Plant) -> None:
+def test_a_returned_measurement_is_not_changed_by_later_steps(plant: hubsim.Plant) -> None:
     before = plant.measure()
     turn = before.rotor_turn.copy()
     after = plant.step(LEVEL)
@@ -36,7 +36,7 @@ def test_a_measurement_stays_as_it_was(plant: hubsim.Plant) -> None:
     assert not np.array_equal(after.rotor_turn, turn)
 
 
-def test_shorted_motors_brake_and_open_ones_do_not(config: hubsim.Configuration) -> None:
+def test_active_short_circuit_brakes_and_freewheel_does_not(config: hubsim.Configuration) -> None:
     """Of an open motor only the iron brakes: its loss 3/2 (omega psi)^2 / R_i over the speed."""
     torque_nm = {}
     for bridge in (external.SHORT, external.OFF):
@@ -54,7 +54,7 @@ def test_shorted_motors_brake_and_open_ones_do_not(config: hubsim.Configuration)
     )
 
 
-def test_hydraulic_brakes_alone_stop_the_vehicle_on_the_way_that_mass_and_torque_say(
+def test_stopping_distance_of_the_hydraulic_brakes_follows_from_mass_and_torque(
     plant: hubsim.Plant,
 ) -> None:
     with plant:
@@ -96,7 +96,7 @@ def test_scenario_events_act_on_the_external_bench(config: hubsim.Configuration)
         ({"duty": "full"}, "duty"),
     ],
 )
-def test_what_is_no_command_is_refused_and_nothing_moves(
+def test_an_invalid_command_is_refused_and_time_does_not_advance(
     plant: hubsim.Plant, arguments: dict[str, object], message: str
 ) -> None:
     with pytest.raises(hubsim.HubsimError, match=message):
@@ -104,6 +104,6 @@ def test_what_is_no_command_is_refused_and_nothing_moves(
     assert plant.measure().time_s == 0.0
 
 
-def test_only_delays_that_exist_are_accepted(config: hubsim.Configuration) -> None:
+def test_only_delays_of_zero_or_one_period_are_accepted(config: hubsim.Configuration) -> None:
     with pytest.raises(hubsim.HubsimError, match="delay_periods: 2, accepted: 0 or 1"):
         hubsim.Plant(config, delay_periods=2, max_duration_s=1.0)

@@ -43,7 +43,7 @@ def result(call: Call) -> str:
     return "one.json"
 
 
-def test_a_result_read_back_is_the_run(result: str, folder: Path) -> None:
+def test_a_result_read_back_equals_the_run(result: str, folder: Path) -> None:
     name, chosen, beside = scenario.load("stop", {"initial_speed_kmh": 20.0, "demand_nm": 60.0})
     drive = schema.load(ROOT / "tools" / "motors" / "lu2013.toml")
     found = load_result(folder / result)
@@ -61,7 +61,7 @@ def test_a_result_read_back_is_the_run(result: str, folder: Path) -> None:
     assert np.allclose(load_result(folder / "two.json").rows, expected.rows, rtol=1e-8, atol=0.0)
 
 
-def test_a_page_is_made_of_results(result: str, call: Call, folder: Path) -> None:
+def test_a_page_is_written_from_result_files(result: str, call: Call, folder: Path) -> None:
     made = call("report", result, "-o", "page.html")
     assert made.returncode == 0, made.stderr
     text = (folder / "page.html").read_text(encoding="utf-8")
@@ -76,7 +76,7 @@ def test_a_page_is_made_of_results(result: str, call: Call, folder: Path) -> Non
     assert "Stops: how much" not in text
 
 
-def test_a_result_without_a_recording_still_has_its_energies(
+def test_a_result_without_a_recording_shows_its_energies(
     result: str, call: Call, folder: Path
 ) -> None:
     (folder / "alone.json").write_text(
@@ -97,7 +97,7 @@ def test_a_result_without_a_recording_still_has_its_energies(
         ("odd.json", json.dumps({"duration_s": "long"}), "odd.json: not a result of a run"),
     ],
 )
-def test_what_is_no_result_is_named_and_no_page_is_left(
+def test_an_invalid_result_is_an_error_that_names_it_and_no_page_is_written(
     name: str, content: str | None, message: str, call: Call, folder: Path
 ) -> None:
     if content is not None:
@@ -109,7 +109,9 @@ def test_what_is_no_result_is_named_and_no_page_is_left(
     assert not (folder / "none.html").exists()
 
 
-def test_a_damaged_recording_is_named(result: str, call: Call, folder: Path) -> None:
+def test_a_damaged_recording_is_an_error_that_names_the_file(
+    result: str, call: Call, folder: Path
+) -> None:
     for suffix, content in ((".csv", "time_s,x\n1,2\nthree,4\n"), (".parquet", "no table")):
         (folder / "bad.json").write_text(
             (folder / result).read_text(encoding="utf-8"), encoding="utf-8"

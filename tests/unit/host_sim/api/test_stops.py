@@ -24,7 +24,7 @@ def drives() -> list[Drive]:
     return [drive for drive in found if drive is not None]
 
 
-def test_images_of_drives_that_differ_in_strategy_are_those_of_the_generator(
+def test_images_for_each_strategy_equal_those_of_the_generator(
     drives: list[Drive],
 ) -> None:
     assert len(drives) == 3
@@ -34,7 +34,7 @@ def test_images_of_drives_that_differ_in_strategy_are_those_of_the_generator(
     assert len({configuration.image_of(drive) for drive in drives}) == 3
 
 
-def test_one_wheel_with_its_share_of_everything_stands_for_the_vehicle(drives: list[Drive]) -> None:
+def test_one_wheel_with_its_share_of_the_vehicle_gives_the_same_stop(drives: list[Drive]) -> None:
     for drive, curve in zip(drives, stops.simulate(drives, (15.0, 60.0)), strict=True):
         for demand, stored in zip(curve.demand_nm, curve.stored, strict=True):
             settings = {"initial_speed_kmh": stops.SPEED_KMH, "demand_nm": demand, "drag": False}
@@ -44,7 +44,9 @@ def test_one_wheel_with_its_share_of_everything_stands_for_the_vehicle(drives: l
             assert stored == pytest.approx(share, abs=2e-4), (curve.strategy, demand)
 
 
-def test_simulated_stops_lie_near_the_ideal_and_series_is_never_beaten(drives: list[Drive]) -> None:
+def test_simulated_stops_are_close_to_the_ideal_and_series_optimal_stores_the_most(
+    drives: list[Drive],
+) -> None:
     """The step's own error is below 1e-5 (physics/test_stops.py)."""
     curves = {curve.strategy: curve for curve in stops.simulate(drives)}
     for drive in drives:
@@ -73,7 +75,7 @@ def test_simulated_stops_lie_near_the_ideal_and_series_is_never_beaten(drives: l
             assert best > share - 1e-5
 
 
-def test_the_map_is_the_optimum_of_the_table(drives: list[Drive]) -> None:
+def test_the_map_equals_the_optimum_of_the_table(drives: list[Drive]) -> None:
     """At 100 and 300 r/min.
 
     Figures of the steady-state model, twice as much to get nothing, and the motor's own limits.
@@ -88,7 +90,7 @@ def test_the_map_is_the_optimum_of_the_table(drives: list[Drive]) -> None:
     assert found.wheel_radius_m == 0.25
 
 
-def test_the_map_of_buried_magnets_is_made_with_the_i_d_of_least_loss() -> None:
+def test_the_map_of_a_salient_motor_uses_the_minimum_loss_d_current() -> None:
     """The scooter near 60 r/min, by brute force over torque.
 
     Where too much current would be needed the line is off the map.

@@ -39,7 +39,7 @@ void test_run_begins_at_speed_with_running_controllers_and_zero_accounts(void)
     }
 }
 
-void test_reverse_driving_mirrors_forward_driving(void)
+void test_driving_in_reverse_is_symmetric_to_driving_forward(void)
 {
     params.run.initial_speed_m_per_s = -5.0;
     params.driver.brake_demand_nm = 30.0;
@@ -92,7 +92,7 @@ void test_energy_balance_of_a_descent_contains_the_potential_energy(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, 0.0, ledger.residual_j / ledger.turned_over_j);
 }
 
-void test_braking_accounts_hold_what_happened_while_the_brake_pedal_was_pressed(void)
+void test_braking_accounts_cover_the_time_with_the_brake_pedal_pressed(void)
 {
     params.run.initial_speed_m_per_s = 8.0;
     bench_t *bench = fixture_start(&params, &config);
@@ -151,7 +151,7 @@ void test_controller_that_does_not_reach_ready_is_reported_and_not_run(void)
     TEST_ASSERT_EQUAL_INT(BENCH_NOT_RUN, bench_start(&bench));
 }
 
-void test_a_winding_that_the_period_cannot_resolve_is_refused(void)
+void test_a_winding_time_constant_below_the_resolution_of_the_period_is_refused(void)
 {
     params.motor.phase_resistance_ohm = 2.0; /* 2 ohm * 50 us against 76 uH */
     const driver_trace_t none = {.points = 0};

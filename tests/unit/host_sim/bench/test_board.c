@@ -171,7 +171,7 @@ static void assert_the_same_in_every_period(const config_t *config, const bench_
     TEST_ASSERT_FALSE(host_watchdog_bit());
 }
 
-void test_with_an_angle_sensor_the_bridge_gets_the_same_numbers_through_the_board_as_directly(void)
+void test_bridge_commands_of_application_and_direct_steps_are_equal_with_an_angle_sensor(void)
 {
     const config_t config =
         fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
@@ -179,7 +179,7 @@ void test_with_an_angle_sensor_the_bridge_gets_the_same_numbers_through_the_boar
     assert_the_same_in_every_period(&config, &params);
 }
 
-void test_with_halls_the_bridge_gets_the_same_numbers_through_the_board_as_directly(void)
+void test_bridge_commands_of_application_and_direct_steps_are_equal_with_hall_sensors(void)
 {
     const config_t config =
         fixture_config_with_sensor(CONFIG_STRATEGY_PARALLEL_FREE_TRAVEL, CONFIG_ROTOR_HALL);
@@ -187,7 +187,7 @@ void test_with_halls_the_bridge_gets_the_same_numbers_through_the_board_as_direc
     assert_the_same_in_every_period(&config, &params);
 }
 
-void test_with_an_encoder_the_bridge_gets_the_same_numbers_through_the_board_as_directly(void)
+void test_bridge_commands_of_application_and_direct_steps_are_equal_with_an_encoder(void)
 {
     config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
@@ -223,7 +223,7 @@ static stop_t stop_with(const wheel_coupling_t *coupling, const config_t *config
  * and by a thousandth or two of itself, and the battery may miss the power of a cycle at the start:
  * T w <= 50 N m * 20 rad/s = 1 kW.
  */
-void test_a_stop_through_the_board_is_the_stop_of_the_bench_but_for_the_time_that_can_takes(void)
+void test_a_stop_with_the_application_equals_that_of_the_bench_except_for_the_can_delay(void)
 {
     const config_t config =
         fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
@@ -240,7 +240,7 @@ void test_a_stop_through_the_board_is_the_stop_of_the_bench_but_for_the_time_tha
                               through.chemical_j);
 }
 
-void test_refused_configuration_never_moves_the_vehicle(void)
+void test_vehicle_stays_at_standstill_with_a_refused_configuration(void)
 {
     const config_t good =
         fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);

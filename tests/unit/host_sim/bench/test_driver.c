@@ -39,7 +39,7 @@ static driver_demand_t ask(const driver_trace_t *trace, double speed, double tim
     return driver_step(&params, &state, trace, &vehicle, WHEELS, speed, time_s, STEP_S);
 }
 
-void test_the_trace_is_straight_between_its_points_and_level_outside(void)
+void test_the_trace_is_linear_between_its_points_and_constant_outside(void)
 {
     const double time_s[] = {0.0, 10.0, 20.0, 20.5};
     const double speed[] = {0.0, 5.0, 5.0, 0.0};
@@ -64,7 +64,7 @@ void test_at_steady_speed_the_demand_is_the_road_load(void)
     TEST_ASSERT_EQUAL_DOUBLE(10.0, demand.reference_m_per_s);
 }
 
-void test_slowing_down_is_braking_with_mass_times_deceleration_less_road_load(void)
+void test_braking_demand_is_mass_times_deceleration_less_road_load(void)
 {
     const double time_s[] = {0.0, 10.0};
     const double speed[] = {10.0, 0.0};
@@ -75,7 +75,7 @@ void test_slowing_down_is_braking_with_mass_times_deceleration_less_road_load(vo
     TEST_ASSERT_EQUAL_DOUBLE(0.0, demand.drive_nm);
 }
 
-void test_a_speed_error_is_corrected_and_what_remains_is_integrated(void)
+void test_speed_error_is_corrected_by_a_proportional_and_an_integral_part(void)
 {
     const double time_s[] = {0.0, 100.0};
     const double speed[] = {5.0, 5.0};
@@ -114,7 +114,7 @@ void test_stopped_vehicle_is_braked_on_a_slope_but_not_on_the_flat(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, demand.drive_nm);
 }
 
-void test_constant_pedals_are_where_the_scenario_puts_them_and_braking_cuts_driving(void)
+void test_constant_pedals_are_those_of_the_scenario_and_braking_has_priority(void)
 {
     const driver_trace_t none = {.points = 0};
     params.follow_trace = 0.0;

@@ -47,7 +47,7 @@ static void load_vehicle(void)
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_load_config(sim, &config, sizeof(config)));
 }
 
-void test_a_vehicle_runs_and_its_signals_are_read_by_name(void)
+void test_signals_of_a_running_vehicle_are_read_by_name(void)
 {
     load_vehicle();
     set("driver.brake_demand_nm", 20.0);
@@ -66,7 +66,7 @@ void test_a_vehicle_runs_and_its_signals_are_read_by_name(void)
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_NAME, hubsim_value(sim, "vehicle.colour", &speed));
 }
 
-void test_a_full_buffer_stops_the_clock_and_the_run_goes_on_from_there(void)
+void test_a_full_buffer_pauses_the_run_and_reading_it_resumes_the_run(void)
 {
     load_vehicle();
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_start(sim));
@@ -112,7 +112,7 @@ static void start_braking(void)
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_choose(sim, chosen, CHOSEN));
 }
 
-void test_rows_do_not_depend_on_who_advances_the_clock(void)
+void test_recorded_rows_are_independent_of_the_step_length(void)
 {
     static double run[ROWS][CHOSEN];
     static double sampled[ROWS][CHOSEN];
@@ -131,7 +131,7 @@ void test_rows_do_not_depend_on_who_advances_the_clock(void)
     TEST_ASSERT_EQUAL_INT(0, memcmp(run, sampled, sizeof(run)));
 }
 
-void test_a_saved_vehicle_goes_on_where_it_was_in_another_handle_too(void)
+void test_a_restored_vehicle_continues_from_the_saved_state_also_in_another_handle(void)
 {
     double first[CHOSEN];
     double again[CHOSEN];
@@ -170,7 +170,7 @@ void test_calls_out_of_order_are_refused_with_a_message(void)
     TEST_ASSERT_EQUAL_INT(0, hubsim_signal_count(sim));
 }
 
-void test_bad_names_and_values_are_refused_with_what_is_accepted(void)
+void test_invalid_names_and_values_are_refused_with_the_accepted_ones(void)
 {
     TEST_ASSERT_EQUAL_INT(HUBSIM_BAD_NAME, hubsim_set(sim, "motor.colour", 1.0));
     TEST_ASSERT_EQUAL_STRING("motor.colour: no such parameter", hubsim_error(sim));
@@ -220,7 +220,7 @@ void test_a_contactor_is_not_opened_without_a_capacitor_or_before_the_run(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, value);
 }
 
-void test_every_edge_and_parts_of_a_period_exclude_each_other_before_a_run_and_in_it(void)
+void test_switching_bridge_and_partial_periods_exclude_each_other_before_and_during_a_run(void)
 {
     load_vehicle();
     set("inverter.switching", 1.0);

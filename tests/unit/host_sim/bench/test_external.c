@@ -79,7 +79,7 @@ static void same(double expected, double actual)
 
 /* The firmware's vehicle is a period ahead: the hydraulic torque that it asks for there is given
  * with the step before. */
-void test_the_firmwares_decisions_given_from_outside_move_the_vehicle_to_the_last_bit(void)
+void test_external_commands_equal_to_the_firmwares_give_a_bit_identical_run(void)
 {
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_external_take(outside, 1));
     const int wheels = hubsim_external_wheels(outside);
@@ -170,7 +170,7 @@ static double rise_after_one_step(int delay_periods)
     return current_a[1] - current_a[0];
 }
 
-void test_duties_act_at_once_or_a_period_later(void)
+void test_duties_act_without_delay_or_one_period_later(void)
 {
     const bench_params_t *params = &outside->bench.params;
     const double volts = 0.05 * 2.0 / 3.0 * outside->bench.bus.voltage_v;
@@ -186,7 +186,7 @@ void test_duties_act_at_once_or_a_period_later(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, rise_after_one_step(1));
 }
 
-void test_sensors_show_the_currents_as_their_converters_do(void)
+void test_sensor_currents_are_quantised_as_by_their_converters(void)
 {
     TEST_ASSERT_EQUAL_INT(HUBSIM_OK, hubsim_external_take(outside, 0));
     const hubsim_command_t some = command_of(0.6, 0.5, 0.45);

@@ -85,7 +85,7 @@ static seen_t drive(void)
     return out;
 }
 
-void test_ideal_shunts_show_the_current_whatever_is_chosen(void)
+void test_ideal_shunts_measure_the_current_with_any_choice_of_phases(void)
 {
     const seen_t seen = drive();
     TEST_ASSERT_TRUE(seen.current_a > 15.0);
@@ -93,7 +93,7 @@ void test_ideal_shunts_show_the_current_whatever_is_chosen(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, seen.fixed_a);
 }
 
-void test_near_full_voltage_the_chosen_shunts_are_right_where_two_fixed_or_all_three_are_not(void)
+void test_near_full_voltage_only_the_chosen_shunts_measure_without_error(void)
 {
     /* The torque limits keep no voltage back: the drive runs at its full modulation. */
     config.current_loop.modulation_reserve_pu_q15 = 0;
@@ -113,7 +113,7 @@ void test_near_full_voltage_the_chosen_shunts_are_right_where_two_fixed_or_all_t
     TEST_ASSERT_DOUBLE_WITHIN(0.3, 15.0, seen.torque_nm);
 }
 
-void test_the_switching_bridge_gives_the_firmware_the_same_shunts(void)
+void test_with_the_switching_bridge_the_chosen_shunts_have_the_least_error(void)
 {
     params.sensors.shunt_settling_s = 0.3e-6;
     params.inverter.switching = 1.0;
@@ -169,7 +169,7 @@ static double late_share(double switching)
     return out;
 }
 
-void test_a_late_sample_meets_the_ripple_of_the_switching_bridge_only(void)
+void test_a_late_sample_contains_ripple_only_with_the_switching_bridge(void)
 {
     params.driver.drive_demand_nm = 30.0;
     const double averaged = late_share(0.0);

@@ -24,7 +24,7 @@ static ledger_t distinct(void)
     return out;
 }
 
-void test_the_residual_is_what_was_drawn_less_every_sink_and_every_gain(void)
+void test_the_residual_is_drawn_energy_minus_sinks_and_stored_energy(void)
 {
     ledger_t l = distinct();
     const double sinks_j = l.copper_j + l.iron_j + l.conduction_j + l.diode_j + l.switching_j +
@@ -36,7 +36,7 @@ void test_the_residual_is_what_was_drawn_less_every_sink_and_every_gain(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, ledger_residual_j(&l));
 }
 
-void test_intermediate_work_is_not_part_of_the_balance(void)
+void test_intermediate_work_does_not_enter_the_balance(void)
 {
     ledger_t l = distinct();
     const double before_j = ledger_residual_j(&l);

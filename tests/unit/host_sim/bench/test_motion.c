@@ -94,7 +94,7 @@ void test_energy_balance_closes_for_slipping_wheels(void)
     TEST_ASSERT_TRUE(residual(bench) < 1e-5);
 }
 
-void test_high_friction_reproduces_rolling_wheels(void)
+void test_high_friction_gives_the_result_of_rolling_wheels(void)
 {
     params.road.friction = 3.0;
     params.tyre.bristle_stiffness_per_m = 2000.0;
@@ -109,7 +109,7 @@ void test_high_friction_reproduces_rolling_wheels(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * fabs(returned_j), bench_ledger(bench).chemical_j, returned_j);
 }
 
-void test_on_a_split_road_the_wheels_on_ice_lock_and_the_others_roll(void)
+void test_on_split_friction_the_wheels_on_ice_lock_and_the_others_roll(void)
 {
     params.wheel[0].road_friction = 0.1;
     params.wheel[2].road_friction = 0.1;
@@ -139,7 +139,7 @@ void test_change_to_ice_acts_on_the_tyre_force_at_once(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, bench->wheel[1].motion.speed_rad_s);
 }
 
-void test_braked_wheels_hold_a_slope_without_creeping(void)
+void test_braked_wheels_stand_still_on_a_slope(void)
 {
     params.run.initial_speed_m_per_s = 0.0;
     params.road.slope = 0.1; /* 160 N a wheel, 40 N m */
@@ -150,7 +150,7 @@ void test_braked_wheels_hold_a_slope_without_creeping(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, settled_m, bench->vehicle.distance_m);
 }
 
-void test_whether_wheels_slip_is_decided_before_the_run_and_needs_tyres(void)
+void test_wheel_slip_is_selected_before_the_run_and_requires_tyre_data(void)
 {
     bench_t *bench = fixture_start(&params, &config);
     bench_params_t changed = bench->params;

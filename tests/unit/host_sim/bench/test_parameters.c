@@ -16,7 +16,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_every_name_is_there_once_and_is_found(void)
+void test_names_are_unique_and_found(void)
 {
     for (int k = 0; k < parameters_count(); k++) {
         TEST_ASSERT_EQUAL_INT_MESSAGE(k, parameters_find(parameters_info(k).name),
@@ -26,7 +26,7 @@ void test_every_name_is_there_once_and_is_found(void)
     TEST_ASSERT_EQUAL_INT(-1, parameters_find(""));
 }
 
-void test_every_parameter_has_a_place_of_its_own(void)
+void test_no_two_parameters_share_a_member(void)
 {
     for (int k = 0; k < parameters_count(); k++) {
         const parameter_info_t info = parameters_info(k);
@@ -41,7 +41,7 @@ void test_every_parameter_has_a_place_of_its_own(void)
     }
 }
 
-void test_both_ends_of_a_range_are_accepted_and_nothing_beyond(void)
+void test_both_ends_of_a_range_are_accepted_and_values_beyond_are_refused(void)
 {
     for (int k = 0; k < parameters_count(); k++) {
         const parameter_info_t info = parameters_info(k);
@@ -56,7 +56,7 @@ void test_both_ends_of_a_range_are_accepted_and_nothing_beyond(void)
     }
 }
 
-void test_names_end_in_the_member_they_set(void)
+void test_names_end_in_the_name_of_their_member(void)
 {
     TEST_ASSERT_TRUE(parameters_set(&params, parameters_find("motor.pole_pairs"), 23.0));
     TEST_ASSERT_TRUE(parameters_set(&params, parameters_find("road.slope"), 0.05));

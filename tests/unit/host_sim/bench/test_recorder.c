@@ -38,7 +38,7 @@ static int index_of(const char *wanted)
     return -1;
 }
 
-void test_rows_come_at_the_interval_from_the_start_on(void)
+void test_rows_are_recorded_at_the_interval_from_time_zero(void)
 {
     const int chosen[] = {index_of("time_s")};
     double row[1];
@@ -56,7 +56,7 @@ void test_rows_come_at_the_interval_from_the_start_on(void)
     TEST_ASSERT_EQUAL_INT(51, rows);
 }
 
-void test_a_recorded_power_adds_up_to_its_account(void)
+void test_the_integral_of_a_recorded_power_is_its_account(void)
 {
     const int chosen[] = {index_of("wheel0.copper_w"), index_of("battery.chemical_w"),
                           index_of("wheel0.motor_torque_nm")};
@@ -81,7 +81,7 @@ void test_a_recorded_power_adds_up_to_its_account(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, bench->wheel[0].totals.torque_impulse_nms, sum[2]);
 }
 
-void test_a_rate_is_zero_before_time_has_passed(void)
+void test_a_rate_is_zero_at_time_zero(void)
 {
     const int chosen[] = {index_of("wheel0.copper_w")};
     double row[1] = {99.0};
@@ -91,7 +91,7 @@ void test_a_rate_is_zero_before_time_has_passed(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, row[0]);
 }
 
-void test_unknown_signals_are_refused_and_nothing_is_chosen(void)
+void test_unknown_signals_are_refused_and_the_selection_stays_empty(void)
 {
     const int good[] = {0, 1};
     const int bad[] = {0, 100000};

@@ -30,7 +30,7 @@ static double value_of(const char *wanted)
     return signals_read(bench, index);
 }
 
-void test_every_name_is_there_once(void)
+void test_names_are_unique(void)
 {
     char a[NAME_LENGTH];
     char b[NAME_LENGTH];
@@ -59,7 +59,7 @@ static bool ends_with(const char *name, const char *end)
     return length >= strlen(end) && strcmp(name + length - strlen(end), end) == 0;
 }
 
-void test_the_unit_is_the_one_at_the_end_of_the_name_and_every_signal_says_what_it_is(void)
+void test_the_unit_is_that_of_the_suffix_and_every_signal_has_a_description(void)
 {
     /* The longest ending counts, so it comes first. */
     static const char *const UNITS[][2] = {{"_m_per_s2", "m/s2"}, {"_rad_per_s", "rad/s"},
@@ -138,7 +138,7 @@ void test_the_tightest_bound_is_recorded_with_its_reason(void)
     }
 }
 
-void test_phase_currents_add_up_to_zero_and_turn_into_d_and_q(void)
+void test_phase_currents_sum_to_zero_and_transform_to_d_and_q(void)
 {
     const double a = value_of("wheel1.phase_a_a");
     const double b = value_of("wheel1.phase_b_a");

@@ -54,7 +54,7 @@ static braking_t brake(double demand_nm, double switching, double delay_s)
     return out;
 }
 
-void test_the_firmware_brakes_alike_on_both_bridges(void)
+void test_braking_on_averaged_and_switching_bridge_agrees(void)
 {
     const double demands_nm[] = {15.0, 40.0};
     for (int k = 0; k < 2; k++) {
@@ -74,7 +74,7 @@ void test_the_firmware_brakes_alike_on_both_bridges(void)
  * the braking torque too large by 3/2 p psi of that. Sampled half a dead time later, the firmware
  * does on this bridge what it does on the averaged one.
  */
-void test_a_sample_at_the_top_of_the_count_is_half_a_dead_time_early(void)
+void test_a_sample_at_the_counter_top_is_early_by_half_a_dead_time(void)
 {
     const bench_params_t params = fixture_quarter_vehicle();
     const double half_dead_s = 0.5 * params.inverter.dead_time_s;

@@ -34,7 +34,7 @@ void test_compare_values_act_one_period_after_their_computation(void)
     }
 }
 
-void test_a_changed_reference_reaches_the_current_after_the_delay_and_not_before(void)
+void test_the_current_responds_to_a_reference_step_exactly_after_the_delay(void)
 {
     /* Between two slow steps the reference stands still: change it by hand, and compare with a twin
      * that keeps it. */
@@ -54,7 +54,7 @@ void test_a_changed_reference_reaches_the_current_after_the_delay_and_not_before
     TEST_ASSERT_TRUE(wheel->rotor.i_t.q - twin.wheel[0].rotor.i_t.q > 0.5);
 }
 
-void test_slow_steps_come_every_twenty_periods(void)
+void test_one_slow_step_runs_every_twenty_periods(void)
 {
     uint16_t last = wheel->to_fast.sequence;
     int64_t at = -1;
@@ -88,7 +88,7 @@ void test_bus_energy_equals_heat_work_and_field_energy(void)
     TEST_ASSERT_DOUBLE_WITHIN(3e-6 * dc_j, dc_j, heat_j + now->shaft_j - before.shaft_j + field_j);
 }
 
-void test_a_first_fault_is_remembered_with_its_time(void)
+void test_the_first_fault_is_recorded_with_its_time(void)
 {
     TEST_ASSERT_EQUAL_INT(REASON_NONE, wheel->first_fault);
     fixture_run(bench, 0.1);
@@ -99,7 +99,7 @@ void test_a_first_fault_is_remembered_with_its_time(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.05, 0.12, wheel->first_fault_s);
 }
 
-void test_heat_warms_the_winding_when_the_model_is_on(void)
+void test_losses_heat_the_winding_with_the_thermal_model_on(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 6.0;

@@ -28,7 +28,7 @@ void tearDown(void)
     hubsim_controller_delete(controller);
 }
 
-void test_the_ports_have_the_sizes_the_tests_below_rely_on(void)
+void test_the_ports_have_the_sizes_assumed_by_these_tests(void)
 {
     TEST_ASSERT_EQUAL_INT(FAST_INPUTS, hubsim_variable_count(HUBSIM_PORT_FAST_INPUT));
     TEST_ASSERT_EQUAL_INT(FAST_OUTPUTS, hubsim_variable_count(HUBSIM_PORT_FAST_OUTPUT));
@@ -40,7 +40,7 @@ void test_the_ports_have_the_sizes_the_tests_below_rely_on(void)
                             hubsim_controller_fast_rate_hz(controller));
 }
 
-void test_without_a_configuration_there_is_no_step(void)
+void test_a_step_without_a_configuration_is_refused(void)
 {
     hubsim_controller_t *fresh = hubsim_controller_new();
     const double in[FAST_INPUTS] = {0.0};
@@ -51,7 +51,7 @@ void test_without_a_configuration_there_is_no_step(void)
     hubsim_controller_delete(fresh);
 }
 
-void test_a_damaged_configuration_is_refused_and_the_old_one_stays(void)
+void test_a_damaged_configuration_is_refused_and_the_previous_one_stays(void)
 {
     config_t damaged = config;
     damaged.motor.pole_pairs++;
@@ -62,7 +62,7 @@ void test_a_damaged_configuration_is_refused_and_the_old_one_stays(void)
                             hubsim_controller_fast_rate_hz(controller));
 }
 
-void test_a_value_that_is_no_number_is_refused_by_name_and_no_step_is_made(void)
+void test_a_nan_is_refused_with_its_name_and_no_step_runs(void)
 {
     const uint32_t size = hubsim_controller_state_bytes();
     void *before = malloc(size);
@@ -86,7 +86,7 @@ void test_a_value_that_is_no_number_is_refused_by_name_and_no_step_is_made(void)
     free(after);
 }
 
-void test_bytes_that_are_no_state_are_refused(void)
+void test_invalid_state_bytes_are_refused(void)
 {
     void *state = calloc(1, hubsim_controller_state_bytes());
     TEST_ASSERT_EQUAL_INT(-1, hubsim_controller_restore(controller, state));
@@ -95,7 +95,7 @@ void test_bytes_that_are_no_state_are_refused(void)
     free(state);
 }
 
-void test_engineering_and_raw_steps_are_the_same_step(void)
+void test_engineering_and_raw_steps_give_the_same_outputs(void)
 {
     hubsim_controller_t *other = hubsim_controller_new();
     TEST_ASSERT_EQUAL_INT(0, hubsim_controller_load_config(other, &config, sizeof(config)));

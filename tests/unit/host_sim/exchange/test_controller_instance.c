@@ -102,7 +102,7 @@ static void step(controller_instance_t *instance, uint32_t n, int32_t fast_out[]
     controller_instance_fast_step(instance, in, fast_out);
 }
 
-void test_by_name_and_by_structure_are_the_same_controller(void)
+void test_access_by_name_and_by_structure_give_the_same_outputs(void)
 {
     static controller_instance_t instance;
     controller_instance_init(&instance, &config);
@@ -149,7 +149,7 @@ void test_by_name_and_by_structure_are_the_same_controller(void)
     TEST_ASSERT_EQUAL_INT(MODE_FAULT, slow.mode);
 }
 
-void test_a_copy_goes_on_exactly_where_the_original_was(void)
+void test_a_copy_continues_bit_identically_to_the_original(void)
 {
     static controller_instance_t original;
     static controller_instance_t copy;

@@ -37,7 +37,7 @@ static int32_t raw_of(exchange_port_t port, const char *name, double value)
     return variables_to_raw(&info, variables_affine(info.scale, &config), value);
 }
 
-void test_every_name_and_raw_name_is_there_once_in_its_port_and_says_what_it_is(void)
+void test_names_and_raw_names_are_unique_in_their_port_and_have_descriptions(void)
 {
     for (int p = 0; p < EXCHANGE_PORTS; p++) {
         const exchange_port_t port = (exchange_port_t)p;
@@ -55,7 +55,7 @@ void test_every_name_and_raw_name_is_there_once_in_its_port_and_says_what_it_is(
     }
 }
 
-void test_codes_are_those_of_a_faultless_converter_of_the_same_full_scale(void)
+void test_adc_codes_are_those_of_an_ideal_converter_of_the_same_full_scale(void)
 {
     const sensors_params_t params = {
         .current_full_scale_a = 1e-3 * config.drive.current_full_scale_mA,
@@ -83,7 +83,7 @@ void test_codes_are_those_of_a_faultless_converter_of_the_same_full_scale(void)
     }
 }
 
-void test_an_angle_may_have_any_number_of_turns(void)
+void test_an_angle_of_several_turns_wraps(void)
 {
     for (int turns = -3; turns <= 3; turns++) {
         TEST_ASSERT_EQUAL_INT(16384,
@@ -92,7 +92,7 @@ void test_an_angle_may_have_any_number_of_turns(void)
     TEST_ASSERT_EQUAL_INT(0, raw_of(EXCHANGE_PORT_FAST_INPUT, "rotor_angle_turn", -1e-9));
 }
 
-void test_thousandths_and_hundredths_are_what_the_names_say(void)
+void test_scale_factors_are_those_of_the_unit_suffixes(void)
 {
     TEST_ASSERT_EQUAL_INT(-12346, raw_of(EXCHANGE_PORT_SLOW_INPUT, "drive_torque_nm", -12.3456));
     TEST_ASSERT_EQUAL_INT(2500, raw_of(EXCHANGE_PORT_SLOW_INPUT, "winding_temperature_c", 25.0));
@@ -100,7 +100,7 @@ void test_thousandths_and_hundredths_are_what_the_names_say(void)
     TEST_ASSERT_EQUAL_INT(1, raw_of(EXCHANGE_PORT_SLOW_INPUT, "enable", 1.0));
 }
 
-void test_what_lies_beyond_the_raw_range_saturates(void)
+void test_values_beyond_the_raw_range_saturate(void)
 {
     TEST_ASSERT_EQUAL_INT(INT32_MAX, raw_of(EXCHANGE_PORT_SLOW_INPUT, "drive_torque_nm", 1e300));
     TEST_ASSERT_EQUAL_INT(INT32_MIN, raw_of(EXCHANGE_PORT_SLOW_INPUT, "drive_torque_nm", -1e300));
@@ -109,7 +109,7 @@ void test_what_lies_beyond_the_raw_range_saturates(void)
     TEST_ASSERT_EQUAL_INT(1, raw_of(EXCHANGE_PORT_SLOW_INPUT, "enable", 7.0));
 }
 
-void test_every_raw_value_survives_the_way_to_engineering_units_and_back(void)
+void test_raw_to_engineering_and_back_is_the_identity(void)
 {
     for (int p = 0; p < EXCHANGE_PORTS; p++) {
         for (int k = 0; k < variables_count((exchange_port_t)p); k++) {

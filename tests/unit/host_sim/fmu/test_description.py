@@ -38,7 +38,7 @@ def controller() -> Description:
     return describe("controller", LU2013)
 
 
-def test_everything_that_can_be_set_or_watched_is_in_the_vehicle(vehicle: Description) -> None:
+def test_the_vehicle_fmu_contains_every_parameter_and_signal(vehicle: Description) -> None:
     names = [v.name for v in vehicle.variables]
     assert len(names) == len(set(names))
     assert set(hubsim.parameters()) == {
@@ -48,7 +48,7 @@ def test_everything_that_can_be_set_or_watched_is_in_the_vehicle(vehicle: Descri
         assert set(bench.signals()) == {v.name for v in vehicle.variables if v.role == OUTPUT}
 
 
-def test_the_names_with_a_role_exist(vehicle: Description) -> None:
+def test_every_variable_with_a_causality_exists(vehicle: Description) -> None:
     assert set(hubsim.parameters()) >= VEHICLE_INPUTS | VEHICLE_FIXED | VEHICLE_SETTINGS
     roles = {v.name: v.role for v in vehicle.variables}
     assert roles["driver.brake_demand_nm"] == INPUT
@@ -56,7 +56,9 @@ def test_the_names_with_a_role_exist(vehicle: Description) -> None:
     assert "wheel7.current_offset_a" in vehicle.settings
 
 
-def test_inputs_and_outputs_of_both_steps_are_in_the_controller(controller: Description) -> None:
+def test_the_controller_fmu_contains_inputs_and_outputs_of_both_steps(
+    controller: Description,
+) -> None:
     ports = hubsim.Controller.variables()
     expected = [
         f"{port}.{v.name}"
@@ -68,14 +70,14 @@ def test_inputs_and_outputs_of_both_steps_are_in_the_controller(controller: Desc
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_a_unit_names_version_and_commit(fmi: int, controller: Description) -> None:
+def test_the_description_contains_version_and_commit(fmi: int, controller: Description) -> None:
     root = ET.fromstring(model_description(controller, fmi, ["table.c"]))
     assert root.get("version") == installation.version()
     assert root.get("generationTool") == installation.identity("hubfoc")
 
 
 @pytest.mark.parametrize("fmi", [2, 3])
-def test_every_variable_says_what_it_is_in_its_unit(
+def test_every_variable_has_a_description_and_a_unit(
     fmi: int, vehicle: Description, controller: Description
 ) -> None:
     for unit in (vehicle, controller):
@@ -106,14 +108,14 @@ def test_units_are_powers_of_base_units(unit: str, powers: dict[str, float]) -> 
     assert base_powers(unit) == powers
 
 
-def test_what_is_no_unit_is_named() -> None:
+def test_an_invalid_physical_unit_is_an_error_that_names_it() -> None:
     assert standard_unit("N m s") == "N.m.s"
     assert standard_unit("1") == standard_unit("") == ""
     with pytest.raises(hubsim.HubsimError, match="furlong"):
         standard_unit("furlong/s")
 
 
-def test_another_configuration_is_another_unit(vehicle: Description, tmp_path: Path) -> None:
+def test_the_token_depends_on_the_configuration(vehicle: Description, tmp_path: Path) -> None:
     other = tmp_path / "heavy.toml"
     other.write_text(
         LU2013.read_text(encoding="utf-8").replace("mass_kg = 660.0", "mass_kg = 700.0"),

@@ -19,7 +19,7 @@ KINDS = ("controller", "vehicle")
 
 
 @pytest.mark.parametrize(("kind", "fmi"), itertools.product(KINDS, VERSIONS))
-def test_the_binary_needs_nothing_but_the_c_library(kind: str, fmi: int, tmp_path: Path) -> None:
+def test_the_binary_links_only_the_c_library(kind: str, fmi: int, tmp_path: Path) -> None:
     folder = Path(fmpy.extract(str(path_of(kind, fmi)), str(tmp_path)))
     (binary,) = folder.glob("binaries/*/*.so")
     listing = subprocess.run(
@@ -37,7 +37,7 @@ def test_the_binary_needs_nothing_but_the_c_library(kind: str, fmi: int, tmp_pat
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-def test_built_from_its_own_sources_a_unit_gives_the_same_numbers(
+def test_an_fmu_built_from_its_own_sources_gives_the_same_outputs(
     fmi: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(

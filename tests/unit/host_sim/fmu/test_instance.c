@@ -129,14 +129,14 @@ static double get(uint32_t reference)
     return value;
 }
 
-void test_another_units_token_makes_no_instance(void)
+void test_instantiation_with_another_token_fails(void)
 {
     TEST_ASSERT_NULL(instance_new("{other}", listen, last_message));
     TEST_ASSERT_NULL(instance_new(NULL, NULL, NULL));
     TEST_ASSERT_NOT_NULL(strstr(last_message, "do not belong together"));
 }
 
-void test_time_is_the_importers_and_the_models_begins_at_zero(void)
+void test_start_time_is_set_by_the_importer_and_model_time_starts_at_zero(void)
 {
     begin(10.0);
     TEST_ASSERT_EQUAL_DOUBLE(10.0, get(0));
@@ -146,7 +146,7 @@ void test_time_is_the_importers_and_the_models_begins_at_zero(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0 + 3.0 * 2.0 * 0.5, get(AT_X));
 }
 
-void test_a_step_that_does_not_begin_where_the_last_one_ended_is_refused(void)
+void test_a_step_must_start_at_the_end_of_the_previous_step(void)
 {
     TEST_ASSERT_FALSE(instance_step(instance, 0.0, 1.0));
     begin(0.0);
@@ -159,7 +159,7 @@ void test_a_step_that_does_not_begin_where_the_last_one_ended_is_refused(void)
     TEST_ASSERT_EQUAL_DOUBLE(7.0, get(AT_X));
 }
 
-void test_a_clock_of_today_may_be_added_up_or_multiplied(void)
+void test_communication_times_from_unix_time_on_may_be_summed_or_multiplied(void)
 {
     const double today_s = 1.8e9;
     begin(today_s);
@@ -170,7 +170,7 @@ void test_a_clock_of_today_may_be_added_up_or_multiplied(void)
     TEST_ASSERT_FALSE(instance_step(instance, today_s + 0.999, 1e-3));
 }
 
-void test_outputs_during_initialization_are_those_of_the_present_inputs(void)
+void test_outputs_during_initialization_follow_the_present_inputs(void)
 {
     TEST_ASSERT_TRUE(instance_enter_initialization(instance, 0.0));
     TEST_ASSERT_EQUAL_DOUBLE(1.0, get(AT_X));
@@ -182,7 +182,7 @@ void test_outputs_during_initialization_are_those_of_the_present_inputs(void)
     TEST_ASSERT_EQUAL_INT(2, begun);
 }
 
-void test_what_may_be_set_depends_on_role_and_stage(void)
+void test_settable_variables_depend_on_causality_and_state(void)
 {
     TEST_ASSERT_FALSE(instance_set(instance, AT_X, MODEL_REAL, 1.0));
     begin(0.0);
@@ -203,7 +203,7 @@ void test_what_may_be_set_depends_on_role_and_stage(void)
     TEST_ASSERT_FALSE(instance_step(instance, 0.0, 1.0));
 }
 
-void test_references_and_types_that_do_not_exist_are_refused(void)
+void test_unknown_value_references_and_types_are_refused(void)
 {
     double value = 0.0;
     TEST_ASSERT_FALSE(instance_get(instance, VARIABLES + 1, MODEL_REAL, &value));
@@ -212,7 +212,7 @@ void test_references_and_types_that_do_not_exist_are_refused(void)
     TEST_ASSERT_FALSE(instance_set(instance, 0, MODEL_REAL, 1.0));
 }
 
-void test_a_model_that_cannot_begin_or_go_on_says_why(void)
+void test_a_model_that_fails_to_start_or_continue_logs_the_cause(void)
 {
     TEST_ASSERT_TRUE(instance_set(instance, AT_START, MODEL_REAL, -1.0));
     TEST_ASSERT_TRUE(instance_enter_initialization(instance, 0.0));
@@ -225,7 +225,7 @@ void test_a_model_that_cannot_begin_or_go_on_says_why(void)
     TEST_ASSERT_EQUAL_STRING("x: left its range", last_message);
 }
 
-void test_a_state_is_everything(void)
+void test_a_saved_state_contains_the_complete_instance(void)
 {
     instance_state_t *state = NULL;
     begin(0.0);
@@ -242,7 +242,7 @@ void test_a_state_is_everything(void)
     instance_free_state(state);
 }
 
-void test_a_state_in_bytes_goes_on_in_another_instance(void)
+void test_a_serialised_state_continues_in_another_instance(void)
 {
     instance_state_t *state = NULL;
     instance_state_t *back = NULL;
@@ -270,7 +270,7 @@ void test_a_state_in_bytes_goes_on_in_another_instance(void)
     TEST_ASSERT_FALSE(instance_set_state(instance, NULL));
 }
 
-void test_a_reset_is_a_new_instance(void)
+void test_a_reset_gives_the_state_of_a_new_instance(void)
 {
     begin(0.0);
     TEST_ASSERT_TRUE(instance_set(instance, AT_RATE, MODEL_REAL, 20.0));

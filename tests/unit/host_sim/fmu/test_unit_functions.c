@@ -105,7 +105,7 @@ static void assert_same_bits(const double *expected, const double *found, int ro
     TEST_ASSERT_EQUAL_MEMORY(expected, found, (size_t)rows * all_bytes());
 }
 
-void test_a_run_moves_and_can_be_run_again_after_a_reset(void)
+void test_a_run_advances_and_can_be_repeated_after_a_reset(void)
 {
     TEST_ASSERT_TRUE_MESSAGE(unit_begin(unit, 0.0), unit_message);
     double *const first = run(unit, 0, STEPS, 1.0);
@@ -124,7 +124,7 @@ void test_a_run_moves_and_can_be_run_again_after_a_reset(void)
     free(again);
 }
 
-void test_units_in_one_process_are_independent(void)
+void test_instances_in_one_process_are_independent(void)
 {
     TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     double *const alone = run(unit, 0, STEPS, 1.0);
@@ -142,7 +142,7 @@ void test_units_in_one_process_are_independent(void)
     free(alone);
 }
 
-void test_a_state_goes_on_bit_for_bit_here_and_in_another_unit(void)
+void test_a_restored_state_continues_bit_identically_here_and_in_another_instance(void)
 {
     TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     free(run(unit, 0, WARM_UP, 1.0));
@@ -174,7 +174,7 @@ void test_a_state_goes_on_bit_for_bit_here_and_in_another_unit(void)
     free(bytes);
 }
 
-void test_bytes_that_are_no_state_are_refused(void)
+void test_invalid_state_bytes_are_refused(void)
 {
     TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     void *state = NULL;
@@ -199,7 +199,7 @@ void test_bytes_that_are_no_state_are_refused(void)
     free(bytes);
 }
 
-void test_calls_out_of_order_are_refused_and_do_no_harm(void)
+void test_calls_out_of_order_are_refused_and_leave_the_state_unchanged(void)
 {
     TEST_ASSERT_NULL(unit_new("{another}"));
     TEST_ASSERT_NULL(unit_new(NULL));
@@ -233,7 +233,7 @@ void test_calls_out_of_order_are_refused_and_do_no_harm(void)
     unit_delete(never_begun);
 }
 
-void test_references_and_types_that_are_not_there_are_refused(void)
+void test_unknown_value_references_and_types_are_refused(void)
 {
     TEST_ASSERT_TRUE(unit_begin(unit, 0.0));
     const uint32_t wrong[] = {(uint32_t)MODEL_VARIABLE_COUNT + 1, 0x7fffffffU, 0x80000000U,
@@ -300,7 +300,7 @@ static void try_before_a_run(int k, double value)
     }
 }
 
-void test_any_number_is_taken_or_refused(void)
+void test_any_number_is_accepted_or_refused_without_a_crash(void)
 {
     for (int k = 0; k < MODEL_VARIABLE_COUNT; k++) {
         const double *values = NULL;

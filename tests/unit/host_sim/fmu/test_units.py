@@ -27,7 +27,7 @@ EVENTS = (
 
 
 @pytest.mark.parametrize(("kind", "fmi"), itertools.product(KINDS, VERSIONS))
-def test_fmpy_finds_nothing_wrong_with_a_unit(kind: str, fmi: int) -> None:
+def test_fmpy_validates_every_fmu_without_a_finding(kind: str, fmi: int) -> None:
     assert validate_fmu(str(path_of(kind, fmi))) == []
 
 
@@ -40,7 +40,7 @@ def bench_trace() -> hubsim.Recording:
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-def test_a_vehicle_in_fmpy_reproduces_the_benchs_trace_to_the_last_bit(
+def test_a_vehicle_in_fmpy_is_bit_identical_to_the_bench(
     fmi: int, bench_trace: hubsim.Recording
 ) -> None:
     found = simulate_fmu(
@@ -58,7 +58,7 @@ def test_a_vehicle_in_fmpy_reproduces_the_benchs_trace_to_the_last_bit(
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-def test_inputs_and_tunable_parameters_that_change_do_what_they_do_on_the_bench(fmi: int) -> None:
+def test_changed_inputs_and_tunable_parameters_act_as_on_the_bench(fmi: int) -> None:
     with hubsim.Bench(
         LU2013, initial_speed_kmh=SPEED_KMH, demand_nm=35.0, record_interval_s=0.1
     ) as bench:
@@ -131,7 +131,7 @@ def controller_trace() -> tuple[
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-def test_a_controller_in_fmpy_is_the_controller_of_the_api_to_the_last_bit(
+def test_a_controller_in_fmpy_is_bit_identical_to_that_of_the_api(
     fmi: int,
     controller_trace: tuple[list[dict[str, float]], list[dict[str, float]], list[dict[str, float]]],
 ) -> None:
@@ -148,7 +148,9 @@ def test_a_controller_in_fmpy_is_the_controller_of_the_api_to_the_last_bit(
 
 
 @pytest.mark.parametrize(("kind", "fmi"), itertools.product(KINDS, VERSIONS))
-def test_a_saved_unit_goes_on_where_it_was_as_state_and_as_bytes(kind: str, fmi: int) -> None:
+def test_a_restored_fmu_continues_from_the_saved_state_and_from_serialised_bytes(
+    kind: str, fmi: int
+) -> None:
     starts = (
         STARTS
         if kind == "vehicle"
@@ -183,7 +185,7 @@ def test_a_saved_unit_goes_on_where_it_was_as_state_and_as_bytes(kind: str, fmi:
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-def test_two_units_in_one_process_are_independent(fmi: int) -> None:
+def test_two_fmus_in_one_process_are_independent(fmi: int) -> None:
     with (
         Unit(path_of("vehicle", fmi), STARTS) as one,
         Unit(path_of("vehicle", fmi), STARTS | {"driver.brake_demand_nm": 5.0}) as other,
@@ -208,7 +210,7 @@ def test_two_units_in_one_process_are_independent(fmi: int) -> None:
     ],
 )
 @pytest.mark.parametrize("fmi", VERSIONS)
-def test_what_the_bench_would_refuse_the_unit_refuses(
+def test_values_refused_by_the_bench_are_refused_by_the_fmu(
     fmi: int, name: str, value: float, when: str
 ) -> None:
     starts = {name: value} if when == "before" else {}
@@ -217,7 +219,7 @@ def test_what_the_bench_would_refuse_the_unit_refuses(
         pytest.fail("accepted")
 
 
-def test_a_package_holds_what_the_standard_wants_and_no_header_of_the_standard() -> None:
+def test_a_package_contains_the_parts_of_the_standard_and_none_of_its_headers() -> None:
     import zipfile  # noqa: PLC0415
 
     for kind, fmi in itertools.product(KINDS, VERSIONS):

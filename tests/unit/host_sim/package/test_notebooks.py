@@ -53,7 +53,7 @@ def results(installed: Installed) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_is_valid_and_carries_no_outputs(path: Path) -> None:
+def test_a_notebook_is_valid_and_stored_without_outputs(path: Path) -> None:
     notebook = nbformat.read(path, as_version=4)  # type: ignore[no-untyped-call]
     nbformat.validate(notebook)
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
@@ -61,7 +61,7 @@ def test_a_notebook_is_valid_and_carries_no_outputs(path: Path) -> None:
     assert all(cell.outputs == [] and cell.execution_count is None for cell in code)
 
 
-def test_every_notebook_is_run_here() -> None:
+def test_every_notebook_is_executed() -> None:
     assert [path.stem for path in NOTEBOOKS] == ["paper_figures"]
 
 
@@ -72,7 +72,7 @@ def test_the_papers_three_figures_are_drawn(results: dict[str, Any], installed: 
         assert (installed.place / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_optimum_is_the_papers_equation(results: dict[str, Any]) -> None:
+def test_the_optimum_equals_the_papers_equation(results: dict[str, Any]) -> None:
     """Equation (20), T = 3 p^2 psi^2 omega / 4 R, holds where iron and bridge lose little."""
     assert results["optimum"].keys() == {"50", "100", "150"}
     best = [results["optimum"][rpm] for rpm in ("50", "100", "150")]
@@ -81,7 +81,7 @@ def test_the_optimum_is_the_papers_equation(results: dict[str, Any]) -> None:
     assert (best[2] - best[1]) / (best[1] - best[0]) == pytest.approx(1.0, abs=0.05)
 
 
-def test_simulated_stops_are_the_ideal_ones(results: dict[str, Any]) -> None:
+def test_simulated_stops_agree_with_the_ideal_ones(results: dict[str, Any]) -> None:
     """Within the figures of the README: a settled battery stores up to 1.6 % less than a rested
     one.
     """

@@ -41,14 +41,14 @@ def names_in(wheel: Path) -> set[str]:
         return set(archive.namelist())
 
 
-def test_wheel_serves_every_python_of_this_kind_of_machine(wheel: Path) -> None:
+def test_wheel_is_tagged_for_every_python_3_of_the_platform(wheel: Path) -> None:
     name, version, python, abi, platform = wheel.stem.split("-")
     assert (name, version) == ("hubfoc", installation.version())
     assert (python, abi) == ("py3", "none")
     assert platform.startswith("linux_")
 
 
-def test_wheel_has_every_module_both_markers_and_the_licence(wheel: Path) -> None:
+def test_wheel_contains_every_module_the_type_markers_and_the_licence(wheel: Path) -> None:
     inside = names_in(wheel)
     for package, directory in PACKAGES.items():
         modules = {
@@ -63,7 +63,7 @@ def test_wheel_has_every_module_both_markers_and_the_licence(wheel: Path) -> Non
     assert any(name.endswith(".dist-info/licenses/LICENSE") for name in inside)
 
 
-def test_wheel_names_no_place_of_the_machine_it_was_built_on(wheel: Path) -> None:
+def test_wheel_contains_no_path_of_the_build_machine(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         for name in archive.namelist():
             assert str(REPOSITORY).encode() not in archive.read(name), name
@@ -80,7 +80,7 @@ def imports_of(path: Path) -> set[str]:
     return found
 
 
-def test_wheel_asks_for_exactly_what_its_modules_import(wheel: Path) -> None:
+def test_requirements_of_the_wheel_are_exactly_the_imports_of_its_modules(wheel: Path) -> None:
     imported: set[str] = set()
     for name, directory in PACKAGES.items():
         for path in directory.rglob("*.py"):
@@ -93,7 +93,7 @@ def test_wheel_asks_for_exactly_what_its_modules_import(wheel: Path) -> None:
     assert set(installation.EXTRAS) == foreign - plain
 
 
-def test_installed_layout_of_the_configuration_is_the_headers(
+def test_installed_layout_of_the_configuration_equals_that_of_the_header(
     installed: Installed, capsys: pytest.CaptureFixture[str]
 ) -> None:
     exec(LAYOUT, {})  # the same words, here with the header and a compiler
@@ -102,7 +102,7 @@ def test_installed_layout_of_the_configuration_is_the_headers(
     assert live["size"] == layout.load().size_bytes > 1000
 
 
-def test_installed_generator_writes_what_the_repositorys_writes(installed: Installed) -> None:
+def test_installed_generator_writes_the_same_files_as_the_repository(installed: Installed) -> None:
     installed.run("regen_table", "generate", "lu2013", "-o", "generated")
     wanted = generate.artefacts(schema.load("lu2013")).files
     assert set(wanted) == {"lu2013.c", "lu2013.bin"}
@@ -122,7 +122,7 @@ def without_machine(path: Path) -> Any:  # noqa: ANN401, JSON of any shape
     return stripped(json.loads(path.read_text(encoding="utf-8")))
 
 
-def test_installed_simulator_computes_what_the_repositorys_build_computes(
+def test_installed_simulator_gives_the_results_of_the_repository_build(
     installed: Installed, tmp_path: Path
 ) -> None:
     settings = ["--set", "initial_speed_kmh=40", "--set", "demand_nm=40", "--config", "lu2013"]
@@ -134,7 +134,7 @@ def test_installed_simulator_computes_what_the_repositorys_build_computes(
     assert len(json.dumps(theirs)) > 1000
 
 
-def test_installed_simulator_knows_scenarios_cycles_drives_and_reasons(
+def test_installed_simulator_contains_scenarios_cycles_drives_and_reasons(
     installed: Installed,
 ) -> None:
     listed = installed.run("hubsim", "list")
@@ -150,7 +150,7 @@ def test_installed_simulator_knows_scenarios_cycles_drives_and_reasons(
     assert json.loads(installed.run("python", "-c", program)) == reasons.codes()
 
 
-def test_installed_version_and_commit_are_the_projects(installed: Installed) -> None:
+def test_installed_version_and_commit_equal_those_of_the_project(installed: Installed) -> None:
     for program in ("hubsim", "regen_table"):
         assert installed.run(program, "--version").strip() == installation.identity(program)
     program = (
@@ -163,7 +163,7 @@ def test_installed_version_and_commit_are_the_projects(installed: Installed) -> 
     ]
 
 
-def test_report_is_written_where_the_caller_is(installed: Installed) -> None:
+def test_report_is_written_to_the_working_directory(installed: Installed) -> None:
     installed.run(
         "hubsim",
         "run",
@@ -180,7 +180,7 @@ def test_report_is_written_where_the_caller_is(installed: Installed) -> None:
     assert (installed.place / "one.mf4").stat().st_size > 1000
 
 
-def test_without_extras_the_rest_works_and_each_missing_one_is_named(bare: Installed) -> None:
+def test_without_extras_the_core_works_and_each_missing_extra_is_reported(bare: Installed) -> None:
     bare.run("hubsim", "run", "stop", "--csv", "stop.csv", "--json", "stop.json")
     bare.run(
         "regen_table", "solve", "lu2013", "--speed-rpm", "100", "--winding-temperature-c", "25"

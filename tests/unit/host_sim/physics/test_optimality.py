@@ -49,7 +49,7 @@ def share_where_the_table_matters(demand_nm: float, factor: float, temperature_c
 
 @pytest.mark.parametrize("temperature_c", [25.0, 120.0])
 @pytest.mark.parametrize("demand_nm", [20.0, 40.0, 60.0, 120.0])
-def test_no_multiple_of_the_table_returns_more(
+def test_no_scaling_of_the_table_returns_more_energy(
     monkeypatch: pytest.MonkeyPatch, demand_nm: float, temperature_c: float
 ) -> None:
     """From 120 N m, where the table or the motor's limit always decides, to 20, where the table

@@ -49,7 +49,7 @@ def model_at(drive: Drive, omega: float, current_d_a: float, torque_nm: float) -
 
 
 @pytest.mark.parametrize("rpm", SPEEDS_RPM)
-def test_torque_and_every_loss_are_those_of_the_models(rpm: float) -> None:
+def test_torque_and_every_loss_equal_those_of_the_closed_form_models(rpm: float) -> None:
     drive = quarter()
     for asked in TORQUES_NM:
         keys = {

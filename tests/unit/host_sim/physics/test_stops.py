@@ -56,7 +56,7 @@ def lead_and_error(series: Drive, other: Drive, demand_nm: float) -> tuple[float
 
 @pytest.mark.parametrize("strategy", ["parallel_free_travel", "series_optimal"])
 @pytest.mark.parametrize(("plant", "battery"), [({}, "dynamic"), (SETTLES_AT_ONCE, "settled")])
-def test_a_stop_returns_what_the_ideal_one_does_to_a_hundredth_of_the_kinetic_energy(
+def test_a_stop_returns_the_ideal_energy_within_1_percent_of_the_kinetic_energy(
     strategy: str, plant: dict[str, float], battery: str
 ) -> None:
     """Everything else as it is.
@@ -79,7 +79,9 @@ def to_the_end(strategy: str) -> Drive:
 
 
 @pytest.mark.parametrize("drive_of", [with_halls, quarter, to_the_end])
-def test_series_is_never_beaten_by_a_parallel_strategy(drive_of: Callable[[str], Drive]) -> None:
+def test_no_parallel_strategy_stores_more_than_series_optimal(
+    drive_of: Callable[[str], Drive],
+) -> None:
     """With halls or a perfect angle, with the hand-over or without.
 
     By no more than the step's own error.
@@ -95,7 +97,9 @@ def test_series_is_never_beaten_by_a_parallel_strategy(drive_of: Callable[[str],
     ("demand_nm", "strategy"),
     [(40.0, "parallel_free_travel"), (80.0, "series_optimal"), (120.0, "parallel_free_travel")],
 )
-def test_what_parts_a_stop_from_the_ideal_one_has_names(demand_nm: float, strategy: str) -> None:
+def test_the_difference_to_the_ideal_stop_is_the_sum_of_named_effects(
+    demand_nm: float, strategy: str
+) -> None:
     """Each cause off by name takes its part away.
 
     What is left are the motor's own rise and the iron loss that a d current saves.
@@ -129,7 +133,7 @@ def test_what_parts_a_stop_from_the_ideal_one_has_names(demand_nm: float, strate
     assert at_once == pytest.approx(ideal_share(drive, demand_nm), abs=0.5 * PER_CENT)
 
 
-def test_an_ideal_with_a_settled_battery_is_left_behind() -> None:
+def test_a_stop_stores_more_than_the_ideal_with_a_settled_battery() -> None:
     drive = quarter("parallel_free_travel")
     assert share(drive, 40.0) > ideal_share(drive, 40.0, "settled") + PER_CENT
 
@@ -158,7 +162,7 @@ def test_an_ideal_with_a_settled_battery_is_left_behind() -> None:
         },
     ],
 )
-def test_half_the_step_changes_the_energy_of_a_stop_by_less_than_a_ten_thousandth(
+def test_half_the_step_changes_the_energy_of_a_stop_by_less_than_1e_4(
     effects: dict[str, float],
 ) -> None:
     drive = quarter()
@@ -168,7 +172,7 @@ def test_half_the_step_changes_the_energy_of_a_stop_by_less_than_a_ten_thousandt
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_half_the_step_moves_a_stop_by_less_than_a_ten_thousandth_of_its_energy(
+def test_half_the_step_changes_a_simulated_stop_by_less_than_1e_4_of_its_energy(
     strategy: str,
 ) -> None:
     """Also where the motor brakes with 1 N m and its currents are inside the dead time's undecided

@@ -78,7 +78,7 @@ void test_slip_thresholds_act_on_each_wheel_by_itself(void)
     bring(2, 8.5); /* 15 % */
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_DUMP, state.wheel[2].valve);
     TEST_ASSERT_TRUE(state.at_work);
-    /* The flag makes the others rise at the system's rate only. */
+    /* While the flag is set the torque of the other wheels rises at the anti-lock rate only. */
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_BUILD, state.wheel[0].valve);
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_BUILD, state.wheel[3].valve);
 }
@@ -104,7 +104,7 @@ void test_pressure_is_held_at_high_rim_deceleration_before_the_slip_threshold(vo
     TEST_ASSERT_EQUAL_INT(HYDRAULIC_VALVE_HOLD, state.wheel[0].valve);
 }
 
-void test_reference_stays_up_when_all_wheels_lock(void)
+void test_reference_speed_does_not_collapse_when_all_wheels_lock(void)
 {
     in.acceleration_m_per_s2 = -1.0;
     run(0.01);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pack against its circuit: exact current, exact relaxation, and a balance that closes to
+/* Battery model against its circuit: exact current, exact relaxation, energy balance closed to
  * rounding. */
 #include "plant/battery.h"
 
@@ -27,7 +27,7 @@ void setUp(void)
 
 void tearDown(void) {}
 
-void test_the_first_instant_sees_the_series_resistance_only(void)
+void test_the_initial_voltage_drop_is_that_of_the_series_resistance(void)
 {
     const double power_w = 4000.0;
     battery_step(&params, &state, power_w * STEP_S);
@@ -64,7 +64,7 @@ void test_polarisation_relaxes_exponentially_at_rest(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.9, state.soc);
 }
 
-void test_chemical_energy_is_terminal_energy_heat_and_what_is_stored(void)
+void test_chemical_energy_is_the_sum_of_terminal_energy_heat_and_polarisation_energy(void)
 {
     const double stored_before_j = battery_stored_j(&params, &state);
     double chemical_j = 0.0;
@@ -85,7 +85,7 @@ void test_chemical_energy_is_terminal_energy_heat_and_what_is_stored(void)
     TEST_ASSERT_TRUE(heat_j > 0.0);
 }
 
-void test_charge_is_counted_in_ampere_seconds(void)
+void test_state_of_charge_is_the_integral_of_the_current(void)
 {
     params.series_resistance_ohm = 0.0;
     params.polarisation_resistance_ohm = 0.0;
@@ -107,7 +107,7 @@ void test_the_open_circuit_voltage_follows_its_curve(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 54.0, fresh.terminal_v);
 }
 
-void test_more_power_than_the_pack_has_is_noticed_and_the_largest_flows(void)
+void test_power_above_the_maximum_is_reported_and_limited_to_the_maximum(void)
 {
     const double largest_w = 53.0 * 53.0 / (4.0 * 0.012);
     battery_step(&params, &state, 0.999 * largest_w * STEP_S);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the battery management allows, limit by limit, and how its message comes. */
+/* Current limits of the battery management and the timing of its message. */
 #include "plant/bms.h"
 
 #include <math.h>
@@ -51,19 +51,19 @@ void test_charge_and_discharge_limits_fall_to_zero_at_full_and_empty_pack(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, discharge_at(0.0));
 }
 
-void test_without_a_fade_a_pack_takes_all_until_it_is_full(void)
+void test_without_derating_the_charge_limit_is_constant_up_to_full_charge(void)
 {
     params.fade_soc = 0.0;
     TEST_ASSERT_EQUAL_DOUBLE(200.0, charge_at(0.9999));
     TEST_ASSERT_EQUAL_DOUBLE(0.0, charge_at(1.0));
 }
 
-void test_the_charge_limit_ends_where_the_settled_voltage_would_reach_the_end_of_charge(void)
+void test_the_charge_limit_keeps_the_settled_voltage_below_the_end_of_charge(void)
 {
     params.max_voltage_v = 55.0;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 2.0 / 0.022, charge_at(0.9));
-    /* With that current for ten time constants of the RC branch the terminals are at the end, and
-     * not beyond. */
+    /* After ten time constants of the RC branch at that current the terminal voltage is the end
+     * voltage. */
     for (int k = 0; k < 10 * 30 * 20; k++) {
         battery.step_s = 2.5e-3;
         battery.decay = exp(-2.5e-3 / 30.0);
@@ -78,13 +78,13 @@ void test_the_charge_limit_ends_where_the_settled_voltage_would_reach_the_end_of
     TEST_ASSERT_EQUAL_DOUBLE(0.0, charge_at(0.9));
 }
 
-void test_the_discharge_limit_ends_where_the_settled_voltage_would_reach_the_end_of_discharge(void)
+void test_the_discharge_limit_keeps_the_settled_voltage_above_the_end_of_discharge(void)
 {
     params.min_voltage_v = 49.7;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 3.3 / 0.022, discharge_at(0.9));
 }
 
-void test_cold_cells_take_less_and_give_the_same(void)
+void test_cold_cells_reduce_the_charge_limit_and_not_the_discharge_limit(void)
 {
     params.coldest_charge_c = -5.0;
     params.full_charge_c = 15.0;
@@ -97,14 +97,14 @@ void test_cold_cells_take_less_and_give_the_same(void)
     TEST_ASSERT_EQUAL_DOUBLE(200.0, charge_at(0.9));
 }
 
-void test_message_values_are_rounded_to_the_safe_side(void)
+void test_message_values_are_rounded_towards_zero_current(void)
 {
     params.current_step_a = 7.0;
     TEST_ASSERT_EQUAL_DOUBLE(196.0, charge_at(0.9));
     TEST_ASSERT_EQUAL_DOUBLE(245.0, discharge_at(0.9));
 }
 
-void test_between_messages_the_last_one_holds(void)
+void test_limits_are_constant_between_messages(void)
 {
     params.period_s = 0.1;
     bms_state_t state = {.next_s = 0.0};

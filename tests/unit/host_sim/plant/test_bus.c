@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pack, cable, contactor and capacitor as one circuit: closed solutions, conservation, the
- * contactor's consequences. */
+/* Pack, cable, contactor and capacitor as one circuit: closed-form solutions, conservation of
+ * energy, an open contactor. */
 #include "plant/bus.h"
 
 #include <math.h>
@@ -46,7 +46,7 @@ static double run(int steps, double dc_j, double *pack_heat_j, double *cable_hea
     return left_j - (battery_stored_j(&pack, &battery) + bus_stored_j(&params, &bus) - stored_j);
 }
 
-void test_without_capacitor_and_cable_it_is_the_pack_alone_to_the_last_bit(void)
+void test_without_capacitor_and_cable_the_result_is_bit_identical_to_the_pack(void)
 {
     params.capacitance_f = 0.0;
     params.cable_resistance_ohm = 0.0;
@@ -60,7 +60,7 @@ void test_without_capacitor_and_cable_it_is_the_pack_alone_to_the_last_bit(void)
     }
 }
 
-void test_without_a_capacitor_the_cable_is_one_more_resistance(void)
+void test_without_a_capacitor_the_cable_is_a_series_resistance(void)
 {
     params.capacitance_f = 0.0;
     const bus_flow_t flow = bus_step(&params, &bus, &pack, &battery, 1000.0 * STEP_S);
@@ -70,10 +70,10 @@ void test_without_a_capacitor_the_cable_is_one_more_resistance(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 50.0 - 0.05 * i, bus.voltage_v);
 }
 
-void test_an_empty_capacitor_charges_exponentially_and_burns_as_much_as_it_stores(void)
+void test_charging_an_empty_capacitor_is_exponential_and_dissipates_the_stored_energy(void)
 {
-    /* RC charging: v = E (1 - exp(-t/RC)); of the energy drawn half is stored and half is heat,
-     * whatever the resistance. */
+    /* RC charging: v = E (1 - exp(-t/RC)); half of the energy drawn is stored and half is heat, at
+     * any resistance. */
     pack.polarisation_resistance_ohm = 0.0;
     battery = battery_init(&pack, STEP_S);
     bus.voltage_v = 0.0;
@@ -90,7 +90,7 @@ void test_an_empty_capacitor_charges_exponentially_and_burns_as_much_as_it_store
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.6 * heat_j, cable_heat_j + more_cable_j);
 }
 
-void test_a_steady_load_settles_where_the_circuit_without_capacitor_does(void)
+void test_the_steady_state_equals_that_of_the_circuit_without_capacitor(void)
 {
     pack.polarisation_resistance_ohm = 0.0;
     battery = battery_init(&pack, STEP_S);
@@ -102,7 +102,7 @@ void test_a_steady_load_settles_where_the_circuit_without_capacitor_does(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 50.0 - 0.05 * i, bus.voltage_v);
 }
 
-void test_no_energy_is_lost_for_any_load_and_time_constant(void)
+void test_energy_is_conserved_for_any_load_and_time_constant(void)
 {
     const double capacitances_f[] = {1e-6, 1e-4, 3e-3, 1.0};
     const double resistances_ohm[] = {0.0, 1e-3, 0.03, 0.3};
@@ -123,7 +123,7 @@ void test_no_energy_is_lost_for_any_load_and_time_constant(void)
     }
 }
 
-void test_with_the_contactor_open_braking_power_lifts_the_capacitor(void)
+void test_with_the_contactor_open_braking_power_charges_the_capacitor(void)
 {
     params.contactor_open = 1.0;
     double pack_heat_j;

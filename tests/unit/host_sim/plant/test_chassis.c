@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loads of the wheels: statics by hand. */
+/* Wheel loads against statics computed by hand. */
 #include "plant/chassis.h"
 
 #include <math.h>
@@ -33,7 +33,7 @@ static double load_n(int wheel, double acceleration_m_per_s2, double angle_rad)
     return chassis_load_n(&chassis, &state, wheel);
 }
 
-void test_at_rest_the_axles_share_the_weight(void)
+void test_at_standstill_the_axle_loads_sum_to_the_weight(void)
 {
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.3 * MASS_KG * G, load_n(0, 0.0, 0.0));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.3 * MASS_KG * G, load_n(1, 0.0, 0.0));
@@ -41,14 +41,14 @@ void test_at_rest_the_axles_share_the_weight(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.2 * MASS_KG * G, load_n(3, 0.0, 0.0));
 }
 
-void test_braking_moves_mass_times_deceleration_times_height_over_wheelbase_to_the_front(void)
+void test_load_transfer_is_mass_times_deceleration_times_height_over_wheelbase(void)
 {
     const double moved_n = MASS_KG * 4.0 * 0.5 / 2.0;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.3 * MASS_KG * G + 0.5 * moved_n, load_n(0, -4.0, 0.0));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.2 * MASS_KG * G - 0.5 * moved_n, load_n(2, -4.0, 0.0));
 }
 
-void test_standing_on_a_slope_the_moments_about_both_axles_vanish(void)
+void test_at_standstill_on_a_slope_the_moments_about_both_axles_are_zero(void)
 {
     const double angle = 0.2; /* uphill: the rear carries more */
     const double front_n = 2.0 * load_n(0, 0.0, angle);
@@ -76,7 +76,7 @@ void test_the_load_follows_the_acceleration_with_the_springs_time_constant(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, -4.0 * (1.0 - exp(-1.0)), state.filtered_m_per_s2);
 }
 
-void test_driven_wheels_sit_on_the_axle_they_are_said_to(void)
+void test_driven_wheels_are_on_the_configured_axle(void)
 {
     params.rear_driven = 1.0;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.2 * MASS_KG * G, load_n(0, 0.0, 0.0));

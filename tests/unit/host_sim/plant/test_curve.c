@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Straight lines between points, the nearest point outside. */
+/* Linear interpolation between points, clamped outside. */
 #include "plant/curve.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_values_lie_on_the_lines_between_the_points_and_stop_at_the_ends(void)
+void test_values_are_interpolated_linearly_and_clamped_at_the_ends(void)
 {
     const double x[] = {0.0, 1.0, 3.0};
     const double y[] = {10.0, 20.0, 0.0};
@@ -23,14 +23,14 @@ void test_values_lie_on_the_lines_between_the_points_and_stop_at_the_ends(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, curve_at(&curve, 99.0));
 }
 
-void test_a_constant_is_the_same_everywhere(void)
+void test_a_constant_has_the_same_value_for_any_argument(void)
 {
     const curve_t curve = curve_constant(53.0);
     TEST_ASSERT_EQUAL_DOUBLE(53.0, curve_at(&curve, -1.0));
     TEST_ASSERT_EQUAL_DOUBLE(53.0, curve_at(&curve, 1.0));
 }
 
-void test_points_that_do_not_rise_are_refused_and_change_nothing(void)
+void test_points_that_do_not_increase_are_refused_and_the_curve_is_unchanged(void)
 {
     curve_t curve = curve_constant(7.0);
     const double equal[] = {0.0, 0.0};

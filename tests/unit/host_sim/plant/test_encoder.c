@@ -28,7 +28,7 @@ static encoder_sample_t turn(double electrical)
     return encoder_read(&params, POLE_PAIRS, &shaft, electrical_turns - floor(electrical_turns));
 }
 
-void test_a_mechanical_turn_is_a_thousand_counts_either_way(void)
+void test_a_mechanical_turn_is_1000_counts_in_either_direction(void)
 {
     const uint16_t begin = turn(0.003).count;
     for (int n = 0; n < 50; n++) {
@@ -45,9 +45,9 @@ void test_a_mechanical_turn_is_a_thousand_counts_either_way(void)
     TEST_ASSERT_EQUAL_UINT16((uint16_t)(reversed - 40U), turn(0.0).count);
 }
 
-/* At 90 degrees electrical, a quarter of the first electrical turn: once a mechanical turn, with
- * the count of its front. */
-void test_the_index_comes_once_a_turn_at_its_angle(void)
+/* At 90 electrical degrees of the first electrical turn, once a mechanical turn, with the count of
+ * its leading edge. */
+void test_the_index_occurs_once_per_turn_at_its_angle(void)
 {
     int pulses = 0;
     for (int n = 0; n < 1500; n++) {
@@ -62,7 +62,7 @@ void test_the_index_comes_once_a_turn_at_its_angle(void)
     TEST_ASSERT_EQUAL_INT(3, pulses);
 }
 
-void test_turning_back_the_index_is_met_at_its_other_end(void)
+void test_in_reverse_the_index_occurs_at_its_other_edge(void)
 {
     encoder_sample_t forward = {.index = false};
     while (!forward.index) {
@@ -76,7 +76,7 @@ void test_turning_back_the_index_is_met_at_its_other_end(void)
     TEST_ASSERT_EQUAL_UINT16((uint16_t)(forward.index_count + 2U), back.index_count);
 }
 
-void test_counts_go_missing_between_two_pulses(void)
+void test_counts_can_be_lost_between_two_index_pulses(void)
 {
     params.lost_counts = 7.0;
     encoder_sample_t seen = {.index = false};
@@ -90,7 +90,7 @@ void test_counts_go_missing_between_two_pulses(void)
     TEST_ASSERT_EQUAL_UINT16((uint16_t)(first + 993U), seen.index_count);
 }
 
-void test_without_counts_there_is_no_encoder(void)
+void test_zero_counts_per_turn_means_no_encoder(void)
 {
     params.counts = 0.0;
     for (int n = 0; n < 1000; n++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A brake that is late: dead time, lag, rate, and never more than it has. */
+/* Hydraulic brake: dead time, first-order lag, rate and saturation. */
 #include "plant/hydraulic_brake.h"
 
 #include <math.h>
@@ -41,7 +41,7 @@ void test_torque_is_unchanged_during_the_dead_time(void)
     TEST_ASSERT_TRUE(brake.torque_nm > 0.0);
 }
 
-void test_after_it_the_torque_approaches_as_a_first_order_lag(void)
+void test_after_the_dead_time_the_torque_follows_as_a_first_order_lag(void)
 {
     run_ms(40 + 60, 100.0); /* one time constant */
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 100.0 * (1.0 - exp(-1.0)), brake.torque_nm);
@@ -55,11 +55,11 @@ void test_the_rate_bounds_both_directions(void)
 {
     params.hydraulic_rate_nm_per_s = 500.0;
     brake = hydraulic_brake_init(&params, STEP_S);
-    run_ms(40 + 100, 300.0); /* the lag alone would be far ahead */
+    run_ms(40 + 100, 300.0); /* the lag alone would give more */
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 50.0, brake.torque_nm);
     run_ms(400, 300.0);
     const double before_nm = brake.torque_nm;
-    run_ms(40, 0.0); /* what is still under way */
+    run_ms(40, 0.0); /* commands of the dead time still act */
     const double at_release_nm = brake.torque_nm;
     TEST_ASSERT_TRUE(at_release_nm >= before_nm);
     run_ms(100, 0.0);
@@ -75,7 +75,7 @@ void test_brake_torque_stays_between_zero_and_its_maximum(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.0, brake.torque_nm);
 }
 
-void test_a_brake_without_delay_and_lag_follows_at_once(void)
+void test_torque_equals_the_command_without_dead_time_and_lag(void)
 {
     params.hydraulic_dead_time_s = 0.0;
     params.hydraulic_time_constant_s = 0.0;
@@ -85,7 +85,7 @@ void test_a_brake_without_delay_and_lag_follows_at_once(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 120.0, hydraulic_brake_step(&brake));
 }
 
-void test_below_the_knee_the_torque_rises_at_the_knees_rate_and_falls_at_the_usual_one(void)
+void test_below_the_knee_the_rise_is_limited_to_the_knee_rate_and_the_fall_is_not(void)
 {
     params.hydraulic_dead_time_s = 0.0;
     params.hydraulic_time_constant_s = 0.0;
@@ -95,14 +95,13 @@ void test_below_the_knee_the_torque_rises_at_the_knees_rate_and_falls_at_the_usu
     brake = hydraulic_brake_init(&params, STEP_S);
     run_ms(50, 300.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 10.0, brake.torque_nm);
-    run_ms(50 + 100,
-           300.0); /* 20 N m after 100 ms, then 1000 N m/s; a step may straddle the knee */
+    run_ms(50 + 100, 300.0); /* 20 N m after 100 ms, then 1000 N m/s; a step may contain the knee */
     TEST_ASSERT_DOUBLE_WITHIN(0.06, 120.0, brake.torque_nm);
     run_ms(110, 0.0);
     TEST_ASSERT_DOUBLE_WITHIN(0.06, 10.0, brake.torque_nm);
 }
 
-void test_lost_friction_scales_the_torque_and_not_what_the_pressure_does(void)
+void test_lost_friction_scales_the_torque_and_not_the_pressure_dynamics(void)
 {
     run_ms(2000, 100.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 100.0, hydraulic_brake_step(&brake));
@@ -115,7 +114,7 @@ void test_lost_friction_scales_the_torque_and_not_what_the_pressure_does(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, hydraulic_brake_step(&brake));
 }
 
-/* At 100 N m with 200 N m commanded, through a valve for ten milliseconds: the torque then. */
+/* Torque after ten milliseconds with the valve, from 100 N m with 200 N m commanded. */
 static double through_valve(hydraulic_valve_t valve, double command_nm)
 {
     hydraulic_brake_params_t quick = params;
@@ -138,8 +137,7 @@ static double through_valve(hydraulic_valve_t valve, double command_nm)
     return brake.torque_nm;
 }
 
-void test_an_anti_lock_valve_builds_slowly_holds_and_lets_go_but_never_keeps_a_command_from_falling(
-    void)
+void test_anti_lock_valve_limits_pressure_build_up_and_never_a_falling_command(void)
 {
     const double passed_s = 200.0 * STEP_S;
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 200.0, through_valve(HYDRAULIC_VALVE_OPEN, 200.0));

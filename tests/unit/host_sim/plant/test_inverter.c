@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The bridge against the paper's loss integrals, and its own balance of energy. */
+/* Inverter model against the loss integrals of the paper, and its energy balance. */
 #include "plant/inverter.h"
 
 #include <math.h>
@@ -42,7 +42,7 @@ static pmsm_flow_t sinusoid(double amplitude_a, double angle)
     return out;
 }
 
-void test_losses_over_a_turn_are_the_papers_integrals(void)
+void test_losses_averaged_over_a_turn_equal_the_integrals_of_the_paper(void)
 {
     const double amplitude = 40.0;
     const int steps = 3600;
@@ -75,7 +75,7 @@ void test_losses_over_a_turn_are_the_papers_integrals(void)
                               switching_w);
 }
 
-void test_dc_energy_is_terminal_energy_and_all_losses(void)
+void test_dc_energy_is_the_sum_of_terminal_energy_and_losses(void)
 {
     const plant_abc_t duty = {.a = 0.81, .b = 0.33, .c = 0.42};
     for (int k = 0; k < 12; k++) {
@@ -93,7 +93,7 @@ void test_dc_energy_is_terminal_energy_and_all_losses(void)
     }
 }
 
-void test_an_ideal_bridge_gives_bus_voltage_times_duty(void)
+void test_output_of_an_ideal_bridge_is_bus_voltage_times_duty(void)
 {
     const inverter_params_t ideal = {.pwm_frequency_hz = 16000.0};
     const inverter_t bridge = inverter_model(&ideal, 25.0);
@@ -106,9 +106,8 @@ void test_an_ideal_bridge_gives_bus_voltage_times_duty(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, BUS_V * -0.2, legs.b - legs.c);
 }
 
-/* Each of a period's two dead times is lost to the bus, or won from it, as a whole: t_d f v_dc of
- * the mean voltage. */
-void test_dead_time_takes_its_share_of_the_bus_against_the_current_of_each_leg(void)
+/* Each of the two dead times of a period lowers or raises the mean voltage by t_d f v_dc. */
+void test_dead_time_voltage_error_opposes_the_current_of_each_leg(void)
 {
     const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
     const inverter_drive_t drive = inverter_drive(&inverter, half, BUS_V, NARROW_A);
@@ -121,9 +120,8 @@ void test_dead_time_takes_its_share_of_the_bus_against_the_current_of_each_leg(v
     TEST_ASSERT_EQUAL_DOUBLE(NARROW_A, drive.opposition.zone_a);
 }
 
-/* 2 A in phase a, no other voltage: the error voltage must take the current to zero and leave it
- * there, whether the current answers through the inductance alone or also at once through the iron
- * branch. */
+/* 2 A in phase a, zero terminal voltage: the error voltage must bring the current to zero and keep
+ * it there, with the inductance alone and with the iron branch in parallel. */
 void test_leg_with_zero_current_is_clamped_without_limit_cycle(void)
 {
     const pmsm_params_t machines[] = {plain_machine(), salient_machine()};
@@ -150,7 +148,7 @@ void test_leg_with_zero_current_is_clamped_without_limit_cycle(void)
     }
 }
 
-void test_a_shorted_bridge_moves_nothing_on_the_dc_side(void)
+void test_active_short_circuit_has_zero_dc_current(void)
 {
     const pmsm_flow_t flow = {.series_j = 0.25};
     const inverter_flow_t bridge = inverter_short_flow(&flow);
@@ -158,7 +156,7 @@ void test_a_shorted_bridge_moves_nothing_on_the_dc_side(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.25, bridge.conduction_j);
 }
 
-void test_diodes_that_rectify_keep_two_forward_voltages_of_what_they_pass(void)
+void test_rectifying_diodes_dissipate_two_forward_voltages_times_the_current(void)
 {
     const pmsm_flow_t flow = {.source_j = -1.0, .series_j = 0.02};
     const inverter_flow_t bridge = inverter_rectifier_flow(&inverter, BUS_V, &flow);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Iron that saturates: currents that are slopes of one energy, inductances in closed form, one flux
- * for every current. */
+/* Saturation: currents are gradients of one energy, inductances in closed form, one flux for every
+ * current. */
 #include "plant/magnetics.h"
 
 #include <math.h>
@@ -46,7 +46,7 @@ static double knees(double k)
     return cbrt(0.5 * k + root) + cbrt(0.5 * k - root);
 }
 
-void test_one_axis_alone_has_the_flux_and_the_inductance_of_the_closed_form(void)
+void test_flux_and_inductance_of_one_axis_equal_the_closed_form(void)
 {
     const magnetics_data_t data = iron(0.0, 0.0);
     const magnetics_t m = magnetics_of(&data);
@@ -66,7 +66,7 @@ void test_one_axis_alone_has_the_flux_and_the_inductance_of_the_closed_form(void
     }
 }
 
-void test_the_saturation_current_is_the_one_with_half_the_flux(void)
+void test_at_the_saturation_current_the_flux_is_half_the_linear_one(void)
 {
     const magnetics_data_t data = iron(0.7, 0.0);
     const magnetics_t m = magnetics_of(&data);
@@ -76,7 +76,7 @@ void test_the_saturation_current_is_the_one_with_half_the_flux(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-14, -0.5 * L_Q * I_SQ, magnetics_flux(&m, q).q);
 }
 
-void test_without_current_the_inductances_are_those_of_the_data_whatever_the_iron_does(void)
+void test_inductances_at_zero_current_equal_the_data_with_any_saturation(void)
 {
     const plant_dq_t none = {0.0, 0.0};
     for (int k = 0; k < 4; k++) {
@@ -101,7 +101,7 @@ static double energy_slope(const magnetics_t *m, plant_dq_t at, int axis)
     return (magnetics_energy_j(m, above) - magnetics_energy_j(m, below)) / (3.0 * h);
 }
 
-void test_currents_are_the_slopes_of_one_energy_so_inductances_are_reciprocal(void)
+void test_currents_are_gradients_of_one_energy_so_mutual_inductances_are_equal(void)
 {
     const double h = 1e-7;
     for (int k = 0; k < 4; k++) {
@@ -127,7 +127,7 @@ void test_currents_are_the_slopes_of_one_energy_so_inductances_are_reciprocal(vo
     }
 }
 
-void test_fluxes_over_currents_are_reciprocal_and_a_cycle_of_currents_gains_nothing(void)
+void test_flux_maps_are_reciprocal_and_a_closed_cycle_of_currents_has_zero_energy(void)
 {
     const double h = 1e-3;
     for (int k = 0; k < 4; k++) {
@@ -152,12 +152,11 @@ void test_fluxes_over_currents_are_reciprocal_and_a_cycle_of_currents_gains_noth
                 TEST_ASSERT_DOUBLE_WITHIN(1e-6 * L_Q, d_by_q, q_by_d);
             }
         }
-        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0,
-                                  around_j); /* against 2 J that the currents move to and fro */
+        TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, around_j); /* against 2 J exchanged */
     }
 }
 
-void test_every_current_has_its_flux_even_ten_times_beyond_the_knee(void)
+void test_flux_is_unique_for_currents_up_to_ten_times_the_knee(void)
 {
     for (int k = 0; k < 4; k++) {
         const magnetics_t m = magnetics_of(sample_of_iron(k));
@@ -170,7 +169,7 @@ void test_every_current_has_its_flux_even_ten_times_beyond_the_knee(void)
     }
 }
 
-void test_current_in_q_takes_flux_out_of_d_where_both_share_iron_that_magnets_fill(void)
+void test_q_current_reduces_d_flux_with_cross_saturation_and_magnet_flux(void)
 {
     const plant_dq_t i = {.d = 0.0, .q = 50.0};
     const magnetics_t shared = magnetics_of(sample_of_iron(2));
@@ -181,7 +180,7 @@ void test_current_in_q_takes_flux_out_of_d_where_both_share_iron_that_magnets_fi
     TEST_ASSERT_EQUAL_DOUBLE(0.0, magnetics_flux(&unfilled, i).d);
 }
 
-void test_magnets_that_fill_the_iron_let_it_saturate_sooner_one_way_than_the_other(void)
+void test_magnet_flux_makes_saturation_asymmetric_in_d_current(void)
 {
     const magnetics_t m = magnetics_of(sample_of_iron(3));
     const plant_dq_t with = {.d = 60.0, .q = 0.0};
@@ -189,7 +188,7 @@ void test_magnets_that_fill_the_iron_let_it_saturate_sooner_one_way_than_the_oth
     TEST_ASSERT_TRUE(magnetics_flux(&m, with).d < -0.8 * magnetics_flux(&m, against).d);
 }
 
-void test_iron_without_a_saturation_current_is_a_straight_line_whatever_else_is_said(void)
+void test_without_a_saturation_current_the_iron_is_linear_with_any_other_parameters(void)
 {
     magnetics_data_t data = iron(1.0, 10.0);
     data.d_saturation_a = 0.0;
@@ -201,7 +200,7 @@ void test_iron_without_a_saturation_current_is_a_straight_line_whatever_else_is_
     TEST_ASSERT_EQUAL_DOUBLE(L_Q * -400.0, magnetics_flux(&m, i).q);
 }
 
-void test_magnets_that_would_leave_no_iron_are_not_possible(void)
+void test_magnet_flux_beyond_full_saturation_is_refused(void)
 {
     magnetics_data_t data = iron(0.0, 0.28 * I_SD);
     TEST_ASSERT_TRUE(magnetics_is_possible(&data));

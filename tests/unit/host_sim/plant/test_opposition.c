@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A voltage against the current of each phase: closed solutions on a standing rotor, the order of
- * the scheme, the balance. */
+/* Voltage that opposes the current of each phase: closed-form solutions at standstill, order of the
+ * integration scheme, energy balance. */
 #include "plant/pmsm.h"
 
 #include <math.h>
@@ -24,7 +24,7 @@ static pmsm_step_t step_of(double omega_rad_s, double duration_s)
     return out;
 }
 
-/* A current along phase a of a rotor that stands at angle 0, left to itself. */
+/* Free decay of a current along phase a, rotor at standstill at angle 0. */
 static pmsm_state_t with_current(double current_a)
 {
     pmsm_state_t out = pmsm_at_rest(0.0);
@@ -35,7 +35,7 @@ static pmsm_state_t with_current(double current_a)
 
 /* Phases i, -i/2, -i/2: signs +, -, - are a vector of 4/3, so L di/dt = -R i - 4/3 V while all are
  * outside the zone. */
-void test_outside_the_zone_the_whole_voltage_stands_against_the_current(void)
+void test_outside_the_zone_the_full_voltage_opposes_the_current(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -59,9 +59,8 @@ void test_outside_the_zone_the_whole_voltage_stands_against_the_current(void)
     }
 }
 
-/* Inside, each phase has a resistance V/zone more. The corner of the zone lies in between, where b
- * and c are inside and a is not: their share is (2 + i/zone)/3. Three exponentials, one after the
- * other. */
+/* Inside the zone each phase has the additional resistance V/zone. While b and c are inside and a
+ * is outside, the factor is (2 + i/zone)/3. This gives three exponentials in sequence. */
 static double left_after(double time_s, double current_a, const pmsm_params_t *params)
 {
     const double more_ohm = VOLTS / ZONE_A;
@@ -83,14 +82,14 @@ static double left_after(double time_s, double current_a, const pmsm_params_t *p
     return i;
 }
 
-void test_the_current_ends_in_the_zone_as_three_exponentials_do(void)
+void test_the_current_in_the_zone_follows_three_exponentials(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
     const plant_ab_t zero = {0.0, 0.0};
     const double steps_s[] = {PERIOD_S, PERIOD_S / 10.0};
-    /* A corner inside a step costs up to an eighth of the change of slope times h^2: V/zone/L *
-     * (V/L) h^2 / 8, two thirds. */
+    /* A change of slope inside a step gives an error of up to an eighth of the change times h^2:
+     * V/zone/L * (V/L) h^2 / 8, two thirds. */
     const double tolerances_a[] = {0.04, 0.0004};
     for (int n = 0; n < 2; n++) {
         pmsm_state_t state = with_current(9.0);
@@ -106,7 +105,7 @@ void test_the_current_ends_in_the_zone_as_three_exponentials_do(void)
 }
 
 /* Rotor turning, iron loss, phases always inside the zone, at the largest zone a bench has: the
- * wires carry i_t + G e, and every joule of the source is accounted for. */
+ * terminal current is i_t + G e, and the energy balance of the source closes. */
 void test_energy_is_conserved_inside_the_zone(void)
 {
     const double w = 60.0;
@@ -144,12 +143,12 @@ void test_energy_is_conserved_inside_the_zone(void)
 }
 
 typedef struct {
-    double error_a;    /* largest, of what a sensor sees at the end of a period */
-    double residual;   /* of the energy turned over */
+    double error_a;    /* largest error of the terminal current at the end of a period */
+    double residual;   /* relative to the energy exchanged */
     double opposed_as; /* smallest of a step */
 } turning_t;
 
-/* Small currents on a turning rotor, phases in and out of the zone all the time: against steps an
+/* Small currents on a turning rotor, phases enter and leave the zone repeatedly: against steps an
  * eighth as long. */
 static turning_t turn(const pmsm_params_t *params, int pieces)
 {
@@ -185,14 +184,15 @@ static turning_t turn(const pmsm_params_t *params, int pieces)
     return out;
 }
 
-void test_small_currents_are_followed_through_the_zone_and_the_energy_balances(void)
+void test_small_currents_are_integrated_through_the_zone_with_a_closed_energy_balance(void)
 {
     const pmsm_params_t machines[] = {salient_machine(), saturating_machine()};
     for (int m = 0; m < 2; m++) {
         const turning_t whole = turn(&machines[m], 1);
         const turning_t half = turn(&machines[m], 2);
         TEST_ASSERT_TRUE(whole.error_a < 0.01);
-        TEST_ASSERT_TRUE(half.error_a < 0.35 * whole.error_a); /* corners: second order at worst */
+        TEST_ASSERT_TRUE(half.error_a <
+                         0.35 * whole.error_a); /* at changes of slope: second order at least */
         TEST_ASSERT_TRUE(whole.residual < 1e-4);
         TEST_ASSERT_TRUE(whole.opposed_as >= 0.0);
     }

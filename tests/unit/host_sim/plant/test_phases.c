@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Three windings on three legs: the same machine as in the rotor's frame, and what one leg alone
- * does. */
+/* Three-phase model against the dq model, and single legs. */
 #include "plant/phases.h"
 
 #include <math.h>
@@ -12,7 +11,7 @@ static const double STEP_S = 50e-6;
 static const double SERIES_OHM = 0.01;
 enum {
     PIECES = 4
-}; /* of a period: the comparison is of machines, not of what two schemes cut off */
+}; /* of a period: compares the models, not the truncation errors of two schemes */
 
 void setUp(void) {}
 
@@ -28,7 +27,7 @@ static void legs_at(plant_abc_t volts, phases_leg_t legs[PHASES])
     }
 }
 
-/* Both forms from the same start under the same voltages, a new vector every period, for half a
+/* Both models from the same state with the same voltages, a new vector every period, for half a
  * second. */
 static void compare(const pmsm_params_t *params, double omega_rad_s)
 {
@@ -75,7 +74,7 @@ static void compare(const pmsm_params_t *params, double omega_rad_s)
                               sum_abc.torque_nms);
 }
 
-void test_three_phases_and_the_rotors_frame_are_the_same_machine_to_a_millionth(void)
+void test_three_phase_and_dq_model_agree_within_1e_6(void)
 {
     const pmsm_params_t salient = salient_machine();
     const pmsm_params_t plain = plain_machine();
@@ -84,17 +83,17 @@ void test_three_phases_and_the_rotors_frame_are_the_same_machine_to_a_millionth(
     compare(&plain, 600.0);
 }
 
-void test_saturated_iron_and_cogging_are_the_same_in_three_phases_to_a_millionth(void)
+void test_three_phase_and_dq_model_agree_with_saturation_and_cogging_within_1e_6(void)
 {
     const pmsm_params_t saturating = saturating_machine();
     compare(&saturating, 300.0);
     compare(&saturating, 900.0);
 }
 
-void test_iron_that_follows_the_turning_flux_heats_as_the_steady_circuit_does(void)
+void test_iron_loss_with_rotating_flux_equals_that_of_the_steady_state_circuit(void)
 {
-    /* A rotating voltage, integrated until the start has died: then v = j w lambda, and both iron
-     * branches are one. */
+    /* A rotating voltage, integrated until the transient has decayed: then v = j w lambda, and both
+     * iron branches are equal. */
     const pmsm_params_t params = salient_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
     const double omega = 500.0;
@@ -123,7 +122,7 @@ void test_iron_that_follows_the_turning_flux_heats_as_the_steady_circuit_does(vo
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * iron_j[1], iron_j[1], iron_j[0]);
 }
 
-void test_an_open_leg_carries_nothing_and_its_end_shows_the_back_emf(void)
+void test_an_open_leg_has_zero_current_and_its_terminal_the_back_emf(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);

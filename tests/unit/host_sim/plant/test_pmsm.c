@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The machine against circuit laws: steady states in closed form, transients with exact solutions,
- * conservation. */
+/* Machine model against circuit laws: steady states in closed form, exact transients, conservation
+ * of energy. */
 #include "plant/pmsm.h"
 
 #include <math.h>
@@ -23,8 +23,8 @@ static pmsm_step_t step_of(double omega_rad_s, double duration_s)
 
 static const double FINE_S = 1e-6;
 
-/* Feed a voltage that turns with the rotor, finely enough to be a constant in its frame. Mean
- * current of the last step in *mean. */
+/* Applies a voltage that rotates with the rotor, in steps short enough to be constant in its frame.
+ * Mean current of the last step in *mean. */
 static pmsm_flow_t feed_turning(const pmsm_t *machine, pmsm_state_t *state, plant_dq_t u,
                                 double omega, double time_s, plant_dq_t *mean)
 {
@@ -65,7 +65,7 @@ static circuit_t circuit(const pmsm_params_t *p, double w, plant_dq_t i_t)
     return c;
 }
 
-void test_a_voltage_settles_at_the_currents_of_the_iron_loss_circuit(void)
+void test_steady_state_currents_equal_those_of_the_iron_loss_circuit(void)
 {
     const pmsm_params_t params = salient_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -76,7 +76,7 @@ void test_a_voltage_settles_at_the_currents_of_the_iron_loss_circuit(void)
             const circuit_t expected = circuit(&params, omegas[w], currents[k]);
             pmsm_state_t state = pmsm_at_rest(0.3);
             state.i_t = currents[k];
-            state.i_t.d += 5.0; /* and not because it began there */
+            state.i_t.d += 5.0; /* different from the initial value */
             plant_dq_t seen;
             const pmsm_flow_t flow =
                 feed_turning(&machine, &state, expected.u, omegas[w], 0.06, &seen);
@@ -95,7 +95,7 @@ void test_a_voltage_settles_at_the_currents_of_the_iron_loss_circuit(void)
     }
 }
 
-void test_locked_rotor_is_a_resistance_and_an_inductance(void)
+void test_locked_rotor_behaves_as_resistance_and_inductance(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -111,7 +111,7 @@ void test_locked_rotor_is_a_resistance_and_an_inductance(void)
     }
 }
 
-void test_the_series_resistance_takes_its_share_of_voltage_and_heat(void)
+void test_the_series_resistance_adds_its_voltage_drop_and_loss(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -131,7 +131,7 @@ void test_the_series_resistance_takes_its_share_of_voltage_and_heat(void)
                               flow.copper_j + flow.series_j);
 }
 
-void test_a_short_circuit_brakes_with_the_closed_formula(void)
+void test_short_circuit_torque_equals_the_closed_form(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -151,7 +151,7 @@ void test_a_short_circuit_brakes_with_the_closed_formula(void)
     }
 }
 
-void test_energy_is_conserved_in_every_period_of_a_wild_transient(void)
+void test_energy_is_conserved_in_every_period_of_a_large_transient(void)
 {
     const pmsm_params_t params = salient_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 80.0);
@@ -201,7 +201,7 @@ static double error_after_1_ms_a(const pmsm_params_t *params, int steps)
                       end[0].terminal.beta - end[1].terminal.beta));
 }
 
-void test_a_step_is_the_exact_solution_whatever_its_length(void)
+void test_a_step_of_any_length_is_the_exact_solution(void)
 {
     const pmsm_params_t round = round_machine();
     const pmsm_params_t salient = salient_machine();
@@ -210,7 +210,7 @@ void test_a_step_is_the_exact_solution_whatever_its_length(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, error_after_1_ms_a(&salient, 10));
 }
 
-void test_a_round_machine_is_the_limit_of_salient_ones(void)
+void test_a_non_salient_machine_is_the_limit_of_salient_ones(void)
 {
     pmsm_params_t params = round_machine();
     const pmsm_t round = pmsm_at_temperature(&params, 25.0);
@@ -230,7 +230,7 @@ void test_a_round_machine_is_the_limit_of_salient_ones(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, b.i_t.q, a.i_t.q);
 }
 
-void test_a_rotor_too_fast_for_one_stage_set_is_integrated_in_several(void)
+void test_a_fast_rotor_is_integrated_in_several_substeps(void)
 {
     const pmsm_params_t params = salient_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -249,7 +249,7 @@ void test_a_rotor_too_fast_for_one_stage_set_is_integrated_in_several(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, fine.theta_turn, coarse.theta_turn);
 }
 
-void test_turning_backwards_is_the_mirror_image_of_turning_forwards(void)
+void test_reverse_rotation_is_symmetric_to_forward_rotation(void)
 {
     const pmsm_params_t params = salient_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -276,8 +276,8 @@ void test_charge_and_rectified_charge_are_the_integrals_of_the_phase_currents(vo
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
     pmsm_state_t state = pmsm_at_rest(0.0);
     state.i_t.q = 10.0;
-    /* The voltage that keeps i_q = 10 A: then the phases are sinusoids, and a turn's rectified
-     * charge is 6 I / pi. */
+    /* With the voltage of i_q = 10 A the phase currents are sinusoidal, and the rectified charge of
+     * a turn is 6 I / pi. */
     const double w = 500.0;
     const plant_dq_t u = {.d = -w * params.q_inductance_h * 10.0,
                           .q = params.phase_resistance_ohm * 10.0 + w * params.flux_linkage_wb};
@@ -302,7 +302,7 @@ void test_charge_and_rectified_charge_are_the_integrals_of_the_phase_currents(vo
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 10.0 / w, quarter_as.beta);
 }
 
-void test_the_angle_counts_turns_and_stays_in_its_range_both_ways(void)
+void test_the_angle_wraps_and_turns_are_counted_in_both_directions(void)
 {
     const pmsm_params_t params = salient_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -322,7 +322,7 @@ void test_the_angle_counts_turns_and_stays_in_its_range_both_ways(void)
     }
 }
 
-void test_warm_copper_resists_more_and_warm_magnets_pull_less(void)
+void test_resistance_rises_and_torque_falls_with_temperature(void)
 {
     pmsm_params_t params = salient_machine();
     params.flux_temperature_coefficient_per_k = -0.0011;
@@ -331,7 +331,7 @@ void test_warm_copper_resists_more_and_warm_magnets_pull_less(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.02 * 0.89, warm.flux_wb);
 }
 
-void test_a_winding_quicker_than_the_period_is_not_resolved(void)
+void test_a_winding_time_constant_shorter_than_the_period_is_reported_as_unresolved(void)
 {
     pmsm_params_t params = salient_machine();
     const pmsm_t slow = pmsm_at_temperature(&params, 25.0);

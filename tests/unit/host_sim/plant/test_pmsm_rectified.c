@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The machine on a bridge that is off: diodes block until the EMF is higher than the bus, then feed
- * it. */
+/* Machine with the bridge in freewheel: diodes conduct when the line EMF exceeds the bus voltage.
+ */
 #include <math.h>
 
 #include "machines.h"
@@ -29,7 +29,7 @@ static double residual_j(const pmsm_params_t *params, const pmsm_flow_t *flow, d
            flow->torque_nms * omega / params->pole_pairs - gain_j;
 }
 
-void test_below_the_bus_nothing_flows_and_only_the_iron_drags(void)
+void test_with_an_emf_below_the_bus_the_current_is_zero_and_only_iron_loss_brakes(void)
 {
     const pmsm_params_t params = salient_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -43,7 +43,7 @@ void test_below_the_bus_nothing_flows_and_only_the_iron_drags(void)
         TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.charge_as.beta);
         TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.copper_j);
     }
-    /* With i = 0 the torque current is what the EMF drives through R_i: i_qt = -(w psi / R_i) / (1
+    /* With i = 0 the torque current is that of the EMF through R_i: i_qt = -(w psi / R_i) / (1
      * + a^2), i_dt = b i_qt */
     const double r_i =
         params.iron_loss_resistance_ohm + params.iron_loss_resistance_slope_ohm_s * w;
@@ -69,7 +69,7 @@ void test_without_iron_loss_there_is_no_torque_below_conduction(void)
     }
 }
 
-void test_conduction_begins_where_the_line_emf_passes_the_bus(void)
+void test_conduction_begins_where_the_line_emf_exceeds_the_bus_voltage(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -90,7 +90,7 @@ void test_conduction_begins_where_the_line_emf_passes_the_bus(void)
     }
 }
 
-void test_above_the_bus_the_machine_brakes_and_feeds_it_and_no_energy_is_lost(void)
+void test_with_an_emf_above_the_bus_the_machine_brakes_into_it_and_energy_is_conserved(void)
 {
     const pmsm_params_t machines[] = {salient_machine(), plain_machine()};
     for (int m = 0; m < 2; m++) {
@@ -113,7 +113,7 @@ void test_above_the_bus_the_machine_brakes_and_feeds_it_and_no_energy_is_lost(vo
 
 /* |i| where diodes hold |u| = U against the current: (w psi)^2 = (U + R i)^2 + (w L i)^2, a circuit
  * of one phase. */
-void test_the_rectified_current_is_that_of_the_phasor_circuit(void)
+void test_the_rectified_current_equals_that_of_the_phasor_circuit(void)
 {
     const pmsm_params_t params = plain_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);

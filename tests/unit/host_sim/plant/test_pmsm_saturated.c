@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The machine whose iron saturates and whose magnets cog: circuit laws and conservation as for the
- * straight one. */
+/* Machine model with saturation and cogging: circuit laws and conservation as for the linear model.
+ */
 #include <math.h>
 
 #include "machines.h"
@@ -20,7 +20,7 @@ static pmsm_step_t step_of(double omega_rad_s, double duration_s)
     return out;
 }
 
-/* What is left over of the energy of a wild transient, over the energy turned over. */
+/* Energy residual of a large transient, relative to the energy exchanged. */
 static double wild_residual(const pmsm_params_t *params, double step_s)
 {
     const pmsm_t machine = pmsm_at_temperature(params, 80.0);
@@ -45,18 +45,18 @@ static double wild_residual(const pmsm_params_t *params, double step_s)
     return fabs(residual_j - pmsm_magnetic_energy_j(&machine, &state)) / turned_over_j;
 }
 
-void test_energy_is_conserved_to_a_billionth_and_the_remainder_is_the_schemes_own(void)
+void test_energy_is_conserved_within_1e_9_and_the_residual_is_of_the_scheme(void)
 {
     const pmsm_params_t params = saturating_machine();
     const double coarse = wild_residual(&params, PERIOD_S);
     const double fine = wild_residual(&params, PERIOD_S / 16.0);
     TEST_ASSERT_TRUE(coarse < 2e-5);
     TEST_ASSERT_TRUE(fine < 1e-9);
-    TEST_ASSERT_TRUE(fine <
-                     coarse / 4096.0); /* three orders at least: nothing but the step is missing */
+    TEST_ASSERT_TRUE(
+        fine < coarse / 4096.0); /* third order at least: the residual is that of the step length */
 }
 
-void test_a_voltage_settles_at_the_currents_of_the_circuit_with_saturated_fluxes(void)
+void test_steady_state_currents_equal_those_of_the_circuit_with_saturated_fluxes(void)
 {
     pmsm_params_t params = saturating_machine();
     params.cogging_torque_nm = 0.0;
@@ -84,7 +84,7 @@ void test_a_voltage_settles_at_the_currents_of_the_circuit_with_saturated_fluxes
         }
         TEST_ASSERT_DOUBLE_WITHIN(2e-3, i_t.d, state.i_t.d);
         TEST_ASSERT_DOUBLE_WITHIN(2e-3, i_t.q, state.i_t.q);
-        /* Power through the gap over speed: v . i_t is all mechanical once nothing changes. */
+        /* Airgap power over speed: in the steady state v . i_t is entirely mechanical. */
         const double torque_nm = 1.5 * (v.d * i_t.d + v.q * i_t.q) * params.pole_pairs / w;
         TEST_ASSERT_DOUBLE_WITHIN(1e-4 * fabs(torque_nm) + 1e-4, torque_nm,
                                   last.torque_nms / fine_s);
@@ -93,10 +93,10 @@ void test_a_voltage_settles_at_the_currents_of_the_circuit_with_saturated_fluxes
     }
 }
 
-void test_a_small_current_rises_with_the_inductance_of_the_operating_point(void)
+void test_a_small_current_step_has_the_incremental_inductance_of_the_operating_point(void)
 {
-    /* Locked rotor, no resistance to speak of: di/dt = S v, S the slope of the currents at the flux
-     * that i_d holds. */
+    /* Locked rotor, negligible resistance: di/dt = S v, with S the derivative of the currents at
+     * the flux of i_d. */
     pmsm_params_t params = saturating_machine();
     params.phase_resistance_ohm = 1e-6;
     params.iron_loss_resistance_ohm = 0.0;
@@ -113,7 +113,7 @@ void test_a_small_current_rises_with_the_inductance_of_the_operating_point(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-4 * rise_a, 1e-7 / (0.25 * params.d_inductance_h), rise_a);
 }
 
-void test_torque_per_ampere_falls_under_load_where_magnets_saturate_the_iron(void)
+void test_torque_per_ampere_falls_under_load_with_saturation(void)
 {
     const pmsm_params_t params = saturating_machine();
     const pmsm_t machine = pmsm_at_temperature(&params, 25.0);
@@ -124,7 +124,7 @@ void test_torque_per_ampere_falls_under_load_where_magnets_saturate_the_iron(voi
     TEST_ASSERT_TRUE(pmsm_torque_nm(&machine, heavy) < 0.97 * 90.0 * straight_nm);
 }
 
-void test_parameters_of_a_saturation_that_is_off_change_no_bit(void)
+void test_parameters_of_a_disabled_saturation_have_no_effect_bit_for_bit(void)
 {
     const pmsm_params_t plain = salient_machine();
     pmsm_params_t off = plain;
@@ -147,7 +147,7 @@ void test_parameters_of_a_saturation_that_is_off_change_no_bit(void)
     }
 }
 
-void test_iron_that_saturates_far_beyond_the_currents_is_the_straight_machine(void)
+void test_with_a_very_large_saturation_current_the_machine_is_the_linear_one(void)
 {
     const pmsm_params_t plain = salient_machine();
     pmsm_params_t far = plain;
@@ -175,7 +175,7 @@ void test_iron_that_saturates_far_beyond_the_currents_is_the_straight_machine(vo
     TEST_ASSERT_TRUE(largest_a > 30.0);
 }
 
-void test_on_diodes_a_saturated_machine_settles_and_brakes_with_what_it_gives(void)
+void test_a_saturated_machine_on_diodes_settles_with_a_closed_power_balance(void)
 {
     pmsm_params_t params = saturating_machine();
     params.cogging_torque_nm = 0.0;
@@ -190,7 +190,7 @@ void test_on_diodes_a_saturated_machine_settles_and_brakes_with_what_it_gives(vo
     }
     TEST_ASSERT_TRUE(flow.torque_nms < 0.0);
     TEST_ASSERT_TRUE(flow.source_j < 0.0);
-    /* Settled: the field stands still, and what the shaft gives is heat and what the source takes.
+    /* Steady state: constant field energy; shaft power is heat plus the power of the source.
      */
     const double shaft_j = -flow.torque_nms * 900.0 / params.pole_pairs;
     TEST_ASSERT_DOUBLE_WITHIN(1e-3 * shaft_j, shaft_j, flow.copper_j + flow.iron_j - flow.source_j);
@@ -198,10 +198,10 @@ void test_on_diodes_a_saturated_machine_settles_and_brakes_with_what_it_gives(vo
     for (int k = 0; k < 4000; k++) {
         flow = pmsm_step_rectified(&machine, &state, 60.0, &step);
     }
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.copper_j); /* more than the back-EMF: nothing flows */
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.copper_j); /* above the back-EMF: zero current */
 }
 
-void test_cogging_has_no_mean_and_does_no_work_over_a_turn(void)
+void test_cogging_torque_has_zero_mean_and_zero_work_over_a_turn(void)
 {
     const cogging_t cogging = {.amplitude_nm = 1.5, .per_turn = 84.0, .phase_turn = 0.13};
     const double step_turn = 1.0 / 3000.0;
@@ -220,17 +220,17 @@ void test_cogging_has_no_mean_and_does_no_work_over_a_turn(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12 * 1.5 * 3000 * PERIOD_S, 0.0, impulse_nms);
 }
 
-void test_cogging_holds_a_shaft_at_rest_as_its_amplitude_and_phase_say(void)
+void test_cogging_holds_a_shaft_at_rest_up_to_its_amplitude(void)
 {
     const cogging_t cogging = {.amplitude_nm = 2.0, .per_turn = 12.0, .phase_turn = 0.0};
-    /* A quarter period on it pulls back with all it has; where it rests it pulls neither way. */
+    /* A quarter period away the torque is the full amplitude; at the rest position it is zero. */
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, -2.0 * PERIOD_S,
                               cogging_impulse_nms(&cogging, 0.25 / 12.0, 0.0, PERIOD_S));
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.0, cogging_impulse_nms(&cogging, 0.0, 0.0, PERIOD_S));
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 4.0 / 12.0, cogging_energy_j(&cogging, 0.5 / 12.0));
 }
 
-void test_cogging_is_in_the_torque_of_every_way_to_feed_the_machine(void)
+void test_cogging_torque_is_included_with_every_kind_of_supply(void)
 {
     pmsm_params_t params = salient_machine();
     const pmsm_t smooth = pmsm_at_temperature(&params, 25.0);
@@ -260,7 +260,7 @@ void test_cogging_is_in_the_torque_of_every_way_to_feed_the_machine(void)
     }
 }
 
-void test_impossible_machines_are_refused_with_the_parameter(void)
+void test_invalid_machine_data_are_refused_with_the_parameter(void)
 {
     pmsm_params_t params = saturating_machine();
     TEST_ASSERT_NULL(pmsm_objection(&params));

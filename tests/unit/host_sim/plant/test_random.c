@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Noise that repeats: moments of the distributions, independence of streams, sameness of seeds. */
+/* Repeatable noise: moments of the distributions, independence of streams, equality for equal
+ * seeds. */
 #include "plant/random.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the controller gets to see: codes, halls, angle, and the faults that can be switched on. */
+/* Sensor models: ADC codes, hall states, angle, and injected faults. */
 #include "plant/sensors.h"
 
 #include <math.h>
@@ -36,7 +36,7 @@ static sensors_sample_t sample(plant_abc_t current, double bus_v, double theta_t
     return sensors_sample(&sensors, &fault, &noise, current, bus_v, theta_turn);
 }
 
-void test_no_current_is_mid_range_and_full_scale_is_half_the_range(void)
+void test_zero_current_is_mid_range_and_full_scale_is_half_the_range(void)
 {
     const plant_abc_t current = {.a = 0.0, .b = 82.5, .c = -82.5};
     const sensors_sample_t seen = sample(current, 30.9, 0.0);
@@ -55,7 +55,7 @@ void test_converter_saturates_at_the_ends_of_its_range(void)
     TEST_ASSERT_EQUAL_UINT16(4095, seen.bus_voltage_code);
 }
 
-void test_a_code_is_wrong_by_half_a_step_at_most(void)
+void test_quantisation_error_is_at_most_half_a_step(void)
 {
     for (int k = -1500; k <= 1500; k++) {
         const plant_abc_t current = {.a = 0.1 * k, .b = 0.0, .c = 0.0};
@@ -65,7 +65,7 @@ void test_a_code_is_wrong_by_half_a_step_at_most(void)
     }
 }
 
-void test_a_coarser_converter_leaves_the_low_bits_zero(void)
+void test_a_converter_of_lower_resolution_has_zero_low_bits(void)
 {
     params.adc_bits = 10.0;
     for (int k = -300; k <= 300; k++) {
@@ -76,7 +76,7 @@ void test_a_coarser_converter_leaves_the_low_bits_zero(void)
     }
 }
 
-void test_offsets_are_those_of_phases_a_and_c_and_the_opposite_in_b(void)
+void test_the_offset_is_added_to_phases_a_and_c_and_subtracted_from_b(void)
 {
     params.current_offset_a = 16.5;
     const sensors_sample_t seen = sample(NO_CURRENT, 50.0, 0.0);
@@ -85,7 +85,7 @@ void test_offsets_are_those_of_phases_a_and_c_and_the_opposite_in_b(void)
     TEST_ASSERT_DOUBLE_WITHIN(1.0, 2048.0 + 204.8, (double)seen.phase_current_code[2]);
 }
 
-void test_halls_show_the_forward_order_one_sensor_changing_at_a_time(void)
+void test_hall_states_follow_the_forward_order_with_one_change_per_edge(void)
 {
     const uint8_t order[6] = {5, 1, 3, 2, 6, 4};
     const sensors_t sensors = sensors_init(&params);
@@ -97,7 +97,7 @@ void test_halls_show_the_forward_order_one_sensor_changing_at_a_time(void)
     }
 }
 
-/* Angle at which the state that follows edge k begins, found by looking. */
+/* Angle at which the state after edge k begins, found by search. */
 static double edge_deg(const sensors_t *sensors, uint8_t before, uint8_t after, double around_deg)
 {
     for (int k = -2000; k < 2000; k++) {
@@ -112,7 +112,7 @@ static double edge_deg(const sensors_t *sensors, uint8_t before, uint8_t after, 
     return NAN;
 }
 
-void test_misplaced_halls_switch_late_and_early_in_turn_even_across_angle_zero(void)
+void test_misplaced_halls_switch_alternately_late_and_early_also_across_angle_zero(void)
 {
     const uint8_t order[6] = {5, 1, 3, 2, 6, 4};
     params.hall_edge_0_deg = 357.0;
@@ -131,7 +131,7 @@ void test_the_angle_is_rounded_and_wraps_to_zero(void)
     TEST_ASSERT_EQUAL_UINT16(0, sample(NO_CURRENT, 50.0, 65535.6 / 65536.0).rotor_angle_turn);
 }
 
-void test_noise_has_the_given_deviation_and_no_mean(void)
+void test_noise_has_the_given_standard_deviation_and_zero_mean(void)
 {
     params.current_noise_a = 2.0;
     const sensors_t sensors = sensors_init(&params);
@@ -150,7 +150,7 @@ void test_noise_has_the_given_deviation_and_no_mean(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.04, 2.0, sqrt(square / samples));
 }
 
-void test_an_offset_that_comes_later_moves_a_and_c_up_and_b_down(void)
+void test_an_offset_drift_raises_a_and_c_and_lowers_b(void)
 {
     fault.offset_a = 165.0 * 100.0 / 2048.0; /* 100 codes */
     const sensors_sample_t seen = sample(NO_CURRENT, 50.0, 0.0);
@@ -159,7 +159,7 @@ void test_an_offset_that_comes_later_moves_a_and_c_up_and_b_down(void)
     TEST_ASSERT_EQUAL_UINT16(2148, seen.phase_current_code[2]);
 }
 
-void test_a_hall_line_to_ground_reads_low_and_a_broken_one_high_at_every_angle(void)
+void test_a_grounded_hall_line_reads_low_and_an_open_one_high_at_every_angle(void)
 {
     for (int k = 0; k < 6; k++) {
         const double theta_turn = (k + 0.5) / 6.0;

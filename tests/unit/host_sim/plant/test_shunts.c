@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What low-side shunts show: zero while the high side conducts, and little shortly after. */
+/* Low-side shunts: zero while the high side conducts, settling after it. */
 #include "plant/shunts.h"
 
 #include <math.h>
@@ -24,7 +24,7 @@ static shunts_period_t steady(plant_abc_t duty, double dead_s)
     return out;
 }
 
-/* Ten periods of the same: amplifiers at the top of the count. */
+/* Amplifier outputs at the counter top after ten equal periods. */
 static shunts_t settled(plant_abc_t duty, double dead_s, double tau_s)
 {
     shunts_t out = {.output_a = {0.0, 0.0, 0.0}};
@@ -35,8 +35,8 @@ static shunts_t settled(plant_abc_t duty, double dead_s, double tau_s)
     return out;
 }
 
-/* Driven for t on and the rest of the period off, in the steady state: i (1 - e^(-t/tau)) + what
- * was left, sampled half-way of on. */
+/* Steady state of a lag driven for t and off for the rest of the period, sampled in the middle of
+ * the on time: i (1 - e^(-t/tau)) plus the remainder of the period before. */
 static double window(double current_a, double low_before_s, double high_s, double tau_s)
 {
     const double low_after_s = PERIOD_S - high_s - low_before_s;
@@ -49,7 +49,7 @@ static double window(double current_a, double low_before_s, double high_s, doubl
     return current_a * gain;
 }
 
-void test_a_leg_with_time_enough_shows_its_current(void)
+void test_a_leg_with_a_long_window_is_measured_without_error(void)
 {
     const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
     const shunts_t s = settled(half, 0.0, TAU_S);
@@ -58,7 +58,7 @@ void test_a_leg_with_time_enough_shows_its_current(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-8, -10.0, shunts_output(&s).c);
 }
 
-void test_a_short_window_shows_the_share_that_the_time_constant_says(void)
+void test_a_short_window_gives_the_share_of_an_exponential_settling(void)
 {
     const double duties[] = {0.9, 0.97, 0.99, 0.999};
     for (int k = 0; k < 4; k++) {
@@ -75,14 +75,14 @@ void test_a_short_window_shows_the_share_that_the_time_constant_says(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.001, 40.0 * (1.0 - exp(-2.5)), s.output_a[0]);
 }
 
-void test_dead_time_belongs_to_the_diode_that_carries_the_current(void)
+void test_during_the_dead_time_the_conducting_diode_decides_the_shunt_current(void)
 {
     const double dead_s = 1e-6;
     const plant_abc_t duty = {.a = 0.95, .b = 0.95, .c = 0.1};
     const shunts_t s = settled(duty, dead_s, TAU_S);
     const double half_low_s = 0.5 * PERIOD_S * 0.05;
-    /* Into the motor: the low diode holds on for a dead time after the fall of the command's
-     * before; out of it: only the switch. */
+    /* Current into the motor: the low diode conducts during the dead times as well. Current out of
+     * the motor: only the switch conducts. */
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, window(40.0, half_low_s, PERIOD_S * 0.95 - dead_s, TAU_S),
                               s.output_a[0]);
     TEST_ASSERT_DOUBLE_WITHIN(
@@ -97,7 +97,7 @@ void test_shunt_reads_zero_at_full_duty_and_the_whole_current_at_zero_duty(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, -30.0, s.output_a[1]);
 }
 
-void test_a_later_sample_has_had_longer_to_settle(void)
+void test_a_later_sample_has_a_smaller_settling_error(void)
 {
     const plant_abc_t duty = {.a = 0.95, .b = 0.1, .c = 0.1};
     const shunts_t top = settled(duty, 0.0, TAU_S);
@@ -111,7 +111,7 @@ void test_a_later_sample_has_had_longer_to_settle(void)
                               too_late.output_a[0]);
 }
 
-void test_open_switches_show_only_what_comes_through_low_diodes_and_closed_ones_all(void)
+void test_shunts_measure_low_diode_currents_with_open_and_all_with_closed_switches(void)
 {
     const plant_abc_t none = {.a = 0.0, .b = 0.0, .c = 0.0};
     const shunts_period_t period = steady(none, 1e-6);

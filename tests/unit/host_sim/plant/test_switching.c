@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The bridge edge by edge: its own balance, what an edge loses, and the averaged bridge as its
- * mean. */
+/* Switching bridge: energy balance, loss of an edge, and agreement of its mean with the averaged
+ * bridge. */
 #include "plant/switching.h"
 
 #include <math.h>
@@ -39,7 +39,7 @@ static double work_j(const pmsm_flow_t *flow)
     return flow->torque_nms * step.omega_rad_s / machine.params.pole_pairs;
 }
 
-/* What the bus gave less heat, work and field. */
+/* Bus energy less heat, work and field energy. */
 static double residual_j(const switching_flow_t *flow, double field_before_j)
 {
     const double heat_j = flow->machine.copper_j + flow->machine.iron_j +
@@ -57,14 +57,14 @@ static plant_abc_t duty_at(double amplitude_v, double angle)
     return out;
 }
 
-void test_every_period_balances_at_any_current_and_dead_time(void)
+void test_energy_balance_closes_in_every_period_at_any_current_and_dead_time(void)
 {
     const double dead_times_s[] = {0.0, 1e-6, 3e-6};
     for (int d = 0; d < 3; d++) {
         params.dead_time_s = dead_times_s[d];
         const switching_t bridge = switching_model(&params, 25.0);
-        for (int level = 0; level < 4;
-             level++) { /* from almost no current, where legs float, to a lot */
+        for (int level = 0; level < 4; level++) { /* from small currents, where legs are
+                                                     undetermined in the dead time, to large ones */
             rotor = pmsm_at_rest(0.0);
             double turned_j = 0.0;
             double lost_j = 0.0;
@@ -144,25 +144,24 @@ static void check_agreement(double amplitude_v, double lead)
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * mean.switching_w, mean.switching_w, edge.switching_w);
 }
 
-void test_averaged_and_switching_bridge_agree_on_torque_and_every_loss_within_a_hundredth(void)
+void test_averaged_and_switching_bridge_agree_on_torque_and_losses_within_1_percent(void)
 {
     check_agreement(7.5, 1.85);
     check_agreement(13.0, 1.45);
     check_agreement(10.5, 1.85);
 }
 
-void test_open_switches_on_a_slow_rotor_let_nothing_through(void)
+void test_open_switches_below_the_emf_limit_have_zero_current(void)
 {
     const switching_t bridge = switching_model(&params, 25.0);
-    switching_off(&bridge, &machine, &rotor, BUS_V, &step,
-                  NULL); /* the iron's part of the current comes up */
+    switching_off(&bridge, &machine, &rotor, BUS_V, &step, NULL); /* the iron current builds up */
     for (int k = 0; k < 400; k++) {
         const switching_flow_t flow = switching_off(&bridge, &machine, &rotor, BUS_V, &step, NULL);
         TEST_ASSERT_EQUAL_DOUBLE(0.0, flow.bridge.dc_j);
     }
 }
 
-void test_open_switches_on_a_fast_rotor_rectify_into_the_bus_and_balance(void)
+void test_open_switches_above_the_emf_limit_rectify_with_a_closed_energy_balance(void)
 {
     const switching_t bridge = switching_model(&params, 25.0);
     step.omega_rad_s = 2500.0; /* line EMF of 87 V against 51.6 V */
@@ -180,7 +179,7 @@ void test_open_switches_on_a_fast_rotor_rectify_into_the_bus_and_balance(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-4 * into_bus_j, 0.0, lost_j);
 }
 
-void test_closed_low_sides_brake_as_a_short_circuit_does(void)
+void test_closed_low_sides_give_the_short_circuit_torque(void)
 {
     const pmsm_params_t motor = plain_machine();
     machine = pmsm_at_temperature(&motor, 25.0);
@@ -198,8 +197,8 @@ void test_closed_low_sides_brake_as_a_short_circuit_does(void)
 
 void test_zero_current_in_the_dead_time_causes_no_limit_cycle(void)
 {
-    /* Standing rotor, equal duties: no voltage anywhere, no current may appear out of dead times
-     * and diodes. */
+    /* Rotor at standstill, equal duties: zero line voltage, so dead times and diodes must cause no
+     * current. */
     step.omega_rad_s = 0.0;
     const switching_t bridge = switching_model(&params, 25.0);
     const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5};
@@ -211,12 +210,11 @@ void test_zero_current_in_the_dead_time_causes_no_limit_cycle(void)
 
 /* Until the first edge all low sides conduct: the machine in short circuit through the switches'
  * resistance. */
-void test_a_look_at_a_part_of_the_period_sees_the_currents_of_that_instant_and_the_shunts_follow(
-    void)
+void test_a_sample_inside_the_period_has_currents_and_shunts_of_that_instant(void)
 {
     const switching_t bridge = switching_model(&params, 25.0);
     const pmsm_params_t plain =
-        plain_machine(); /* what edges do to the iron is another matter (phases.h) */
+        plain_machine(); /* iron loss by switching edges is described in phases.h */
     machine = pmsm_at_temperature(&plain, 25.0);
     const plant_abc_t half = {.a = 0.5, .b = 0.5, .c = 0.5}; /* up from 12.5 us on */
     const double until_s = 8e-6;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A thermistor that is late, wrong or broken. */
+/* Thermistor with lag, offset, gain error and line faults. */
 #include "plant/temperature_sensor.h"
 
 #include <math.h>
@@ -23,7 +23,7 @@ void test_reading_is_exact_without_faults(void)
                              temperature_sensor_step(&params, &sensor, 83.123456789, false, 1e-3));
 }
 
-void test_a_step_of_temperature_arrives_exponentially_whatever_the_step_of_time(void)
+void test_step_response_is_exponential_for_any_step_length(void)
 {
     params.lag_s = 2.0;
     const double steps_s[] = {1e-3, 0.1};
@@ -38,7 +38,7 @@ void test_a_step_of_temperature_arrives_exponentially_whatever_the_step_of_time(
     }
 }
 
-void test_offset_and_gain_are_of_what_is_reported(void)
+void test_offset_and_gain_act_on_the_reported_temperature(void)
 {
     params.offset_k = -3.0;
     params.gain_error = 0.1;

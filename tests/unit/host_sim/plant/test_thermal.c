@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lumps of heat capacity: exact exponentials, right ends, every joule kept, and off means off. */
+/* Thermal network: exact exponentials, steady states, conservation of heat, disabled nodes. */
 #include "plant/thermal.h"
 
 #include <math.h>
@@ -26,7 +26,7 @@ static void heat(thermal_t *thermal, int steps, double inner_w, double outer_w, 
     }
 }
 
-void test_a_heated_lump_rises_exponentially_to_power_times_resistance(void)
+void test_a_heated_node_approaches_power_times_resistance_exponentially(void)
 {
     thermal_t lump = row(200.0, 0.5, 0.0, 0.0, 25.0); /* 100 s */
     heat(&lump, 100000, 80.0, 0.0, 25.0);
@@ -35,21 +35,21 @@ void test_a_heated_lump_rises_exponentially_to_power_times_resistance(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, 65.0, lump.temperature_c);
 }
 
-void test_without_an_outer_lump_its_resistance_is_in_series(void)
+void test_without_an_outer_node_its_resistance_is_in_series(void)
 {
     thermal_t lump = row(200.0, 0.3, 0.0, 0.2, 25.0);
-    heat(&lump, 100000, 80.0, 1000.0, 25.0); /* the outer heat is nobody's */
+    heat(&lump, 100000, 80.0, 1000.0, 25.0); /* heat of the disabled outer node */
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 25.0 + 40.0 * (1.0 - exp(-1.0)), lump.temperature_c);
 }
 
-void test_an_insulated_lump_keeps_every_joule(void)
+void test_an_insulated_node_stores_all_heat(void)
 {
     thermal_t lump = row(200.0, 0.0, 0.0, 0.0, 20.0);
     heat(&lump, 5000, 100.0, 0.0, -40.0);
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 22.5, lump.temperature_c);
 }
 
-void test_two_insulated_lumps_keep_every_joule_and_meet(void)
+void test_two_insulated_nodes_store_all_heat_and_reach_one_temperature(void)
 {
     thermal_t lumps = row(100.0, 0.5, 300.0, 0.0, 20.0);
     heat(&lumps, 3000, 100.0, 50.0, -40.0);
@@ -61,7 +61,7 @@ void test_two_insulated_lumps_keep_every_joule_and_meet(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 20.0 + 450.0 / 400.0, lumps.outer_c);
 }
 
-void test_two_lumps_settle_where_the_resistances_say(void)
+void test_the_steady_state_of_two_nodes_follows_from_the_resistances(void)
 {
     thermal_t lumps = row(10.0, 0.5, 50.0, 0.4, 25.0);
     heat(&lumps, 1000000, 60.0, 20.0, 10.0);
@@ -69,9 +69,8 @@ void test_two_lumps_settle_where_the_resistances_say(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 10.0 + 0.4 * 80.0 + 0.5 * 60.0, lumps.temperature_c);
 }
 
-/* An integration with a thousand times shorter steps, of the differential equations as they are
- * written. */
-void test_two_lumps_follow_their_differential_equations_for_fast_and_slow_ones(void)
+/* Reference: integration of the differential equations with steps a thousand times shorter. */
+void test_two_nodes_follow_their_differential_equations_for_any_time_constants(void)
 {
     const double inner_j_per_k[] = {100.0, 0.002}; /* the second: 1 ms against a step of 1 ms */
     for (int n = 0; n < 2; n++) {
@@ -96,7 +95,7 @@ void test_two_lumps_follow_their_differential_equations_for_fast_and_slow_ones(v
     }
 }
 
-void test_without_a_heat_capacity_the_temperature_stays(void)
+void test_without_a_heat_capacity_the_temperature_is_constant(void)
 {
     thermal_t lump = row(0.0, 0.5, 10.0, 1.0, 120.0);
     thermal_step(&lump, 1e6, 1e6, 25.0);

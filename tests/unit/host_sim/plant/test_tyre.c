@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The contact of tyre and road: its steady curve, its ends, sticking, and that it never makes
- * energy. */
+/* Tyre contact: steady-state curve, saturation, adhesion, and dissipation of energy. */
 #include "plant/tyre.h"
 
 #include <math.h>
@@ -48,7 +47,7 @@ static double steady_n(double friction, double slip_m_per_s, double rolling_m_pe
            (180.0 * u / g + 7.0 / (6.0 * 0.15) * fabs(rolling_m_per_s));
 }
 
-void test_steady_slip_gives_the_models_closed_curve_in_every_direction(void)
+void test_steady_state_slip_force_equals_the_closed_form_in_every_direction(void)
 {
     const double slips[] = {-8.0, -1.0, -0.1, -0.01, 0.02, 0.5, 3.0};
     for (int k = 0; k < 7; k++) {
@@ -60,14 +59,14 @@ void test_steady_slip_gives_the_models_closed_curve_in_every_direction(void)
     }
 }
 
-void test_at_little_slip_the_slope_is_stiffness_times_length_over_seven_sixths(void)
+void test_force_slope_at_small_slip_is_stiffness_times_length_over_seven_sixths(void)
 {
     const double slip = 1e-6;
     const double force_n = hold(1.0, slip * 10.0, 10.0, 200000);
     TEST_ASSERT_DOUBLE_WITHIN(0.01, 180.0 * 0.15 * 6.0 / 7.0, force_n / LOAD_N / slip);
 }
 
-void test_a_locked_wheel_pulls_with_sliding_friction_and_less_on_ice(void)
+void test_force_of_a_locked_wheel_is_sliding_friction_and_lower_on_ice(void)
 {
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * LOAD_N, -0.7 * 0.9 * LOAD_N, hold(0.9, -200.0, 0.0, 20000));
     TEST_ASSERT_DOUBLE_WITHIN(0.01 * LOAD_N, -0.7 * 0.15 * LOAD_N, hold(0.15, -200.0, 0.0, 20000));
@@ -75,7 +74,8 @@ void test_a_locked_wheel_pulls_with_sliding_friction_and_less_on_ice(void)
 
 void test_tyre_in_adhesion_is_a_spring(void)
 {
-    /* A push of 1 mm on the standing wheel: little against mu / s0 = 5 mm, so most of it is spring.
+    /* A displacement of 1 mm of the standing wheel: small against mu / s0 = 5 mm, so mostly
+     * elastic.
      */
     hold(0.9, 1e-3 / (200 * STEP_S), 0.0, 200);
     const double force_n = hold(0.9, 0.0, 0.0, 1);
@@ -83,7 +83,7 @@ void test_tyre_in_adhesion_is_a_spring(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, force_n, hold(0.9, 0.0, 0.0, 1000000)); /* 50 s without creep */
 }
 
-void test_over_a_cycle_the_contact_only_ever_takes_energy(void)
+void test_the_contact_dissipates_energy_over_every_cycle(void)
 {
     double work_j = 0.0;
     double lowest_j = 0.0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Frames: transforms undo each other, power is invariant, the short phasor is the phasor. */
+/* Frames: transforms are inverse to each other, power is invariant, the short phasor is exact. */
 #include "plant/vectors.h"
 
 #include "unity.h"
@@ -8,7 +8,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-void test_transforms_undo_each_other(void)
+void test_forward_and_inverse_transform_cancel(void)
 {
     const plant_ab_t x = {.alpha = 3.0, .beta = -7.0};
     const plant_ab_t back = plant_clarke(plant_inverse_clarke(x));
@@ -20,7 +20,7 @@ void test_transforms_undo_each_other(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-14, x.beta, again.beta);
 }
 
-void test_a_balanced_set_keeps_its_amplitude_and_a_common_part_vanishes(void)
+void test_transform_keeps_amplitude_and_rejects_the_common_mode(void)
 {
     for (int k = 0; k < 24; k++) {
         const double angle = PLANT_TWO_PI * k / 24.0;
@@ -33,7 +33,7 @@ void test_a_balanced_set_keeps_its_amplitude_and_a_common_part_vanishes(void)
     }
 }
 
-void test_power_is_three_halves_of_the_product(void)
+void test_power_is_three_halves_of_the_scalar_product(void)
 {
     const plant_ab_t u = {.alpha = 4.0, .beta = 1.0};
     const plant_ab_t i = {.alpha = -2.0, .beta = 3.0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The mass on its wheels: motions with closed solutions, clean stops, standing on slopes,
- * conservation of energy. */
+/* Vehicle motion: closed-form solutions, stops at exactly zero, standstill on slopes, conservation
+ * of energy. */
 #include "plant/vehicle.h"
 
 #include <math.h>
@@ -54,7 +54,7 @@ static energies_t drive(double torque_nm, double brake_nm, double time_s)
     return sum;
 }
 
-void test_a_torque_accelerates_by_force_over_mass(void)
+void test_acceleration_is_force_over_mass(void)
 {
     road.air_density_kg_per_m3 = 0.0;
     params.rolling_resistance = 0.0;
@@ -63,7 +63,7 @@ void test_a_torque_accelerates_by_force_over_mass(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 8.0, state.distance_m);
 }
 
-void test_air_alone_slows_as_the_hyperbola_says(void)
+void test_coast_down_by_air_drag_is_the_closed_form_hyperbola(void)
 {
     params.rolling_resistance = 0.0;
     state.speed_m_per_s = 15.0;
@@ -73,7 +73,7 @@ void test_air_alone_slows_as_the_hyperbola_says(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-4, log(1.0 + k * 15.0 * 60.0) / k, state.distance_m);
 }
 
-void test_a_constant_brake_stops_after_v_squared_over_two_a_and_exactly_at_zero(void)
+void test_stopping_distance_is_v_squared_over_two_a_and_the_final_speed_zero(void)
 {
     road.air_density_kg_per_m3 = 0.0;
     params.rolling_resistance = 0.0;
@@ -86,7 +86,7 @@ void test_a_constant_brake_stops_after_v_squared_over_two_a_and_exactly_at_zero(
     TEST_ASSERT_DOUBLE_WITHIN(1e-6, 0.5 * 660.0 * speed * speed, sum.friction_heat_j);
 }
 
-void test_backwards_is_the_mirror_image(void)
+void test_reverse_motion_is_symmetric_to_forward_motion(void)
 {
     state.speed_m_per_s = 8.0;
     drive(30.0, 20.0, 3.0);
@@ -98,7 +98,7 @@ void test_backwards_is_the_mirror_image(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, -forward.distance_m, state.distance_m);
 }
 
-void test_friction_holds_a_slope_up_to_its_capacity_and_no_further(void)
+void test_friction_holds_the_vehicle_on_a_slope_up_to_its_capacity(void)
 {
     road.slope = 0.10;
     const double pull_nm = 660.0 * 9.81 * 0.10 / sqrt(1.01) * 0.25;
@@ -112,7 +112,7 @@ void test_friction_holds_a_slope_up_to_its_capacity_and_no_further(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-5, -1.0 / 0.25 / 660.0 * 2.0, state.speed_m_per_s);
 }
 
-void test_rolling_resistance_holds_against_a_small_torque_and_yields_to_a_large_one(void)
+void test_vehicle_starts_only_above_the_torque_of_rolling_resistance(void)
 {
     const double rolling_nm = 0.014 * 660.0 * 9.81 * 0.25;
     drive(0.99 * rolling_nm, 0.0, 1.0);
@@ -121,7 +121,7 @@ void test_rolling_resistance_holds_against_a_small_torque_and_yields_to_a_large_
     TEST_ASSERT_TRUE(state.speed_m_per_s > 0.0);
 }
 
-void test_work_in_is_heat_height_and_motion_to_rounding(void)
+void test_work_is_the_sum_of_heat_potential_and_kinetic_energy_within_rounding(void)
 {
     road.slope = 0.03;
     state.speed_m_per_s = 10.0;
@@ -145,7 +145,7 @@ void test_work_in_is_heat_height_and_motion_to_rounding(void)
     TEST_ASSERT_TRUE(sum.drag_j > 0.0);
 }
 
-void test_wind_adds_to_the_speed_through_the_air_and_pushes_a_standing_vehicle(void)
+void test_wind_adds_to_the_air_speed_also_at_standstill(void)
 {
     road.wind_m_per_s = 5.0;
     const vehicle_t vehicle = vehicle_on_road(&params, &road);

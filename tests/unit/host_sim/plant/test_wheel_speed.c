@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A toothed ring: speed from pulses, as fine as the clock, and zero where there are none. */
+/* Toothed ring: speed from pulse times with the resolution of the clock, zero without pulses. */
 #include "plant/wheel_speed.h"
 
 #include <math.h>
@@ -40,14 +40,14 @@ static double after(double speed_rad_s, double duration_s)
     return seen;
 }
 
-void test_a_steady_speed_is_seen_as_exactly_as_the_clock_allows_both_ways(void)
+void test_constant_speed_is_measured_with_clock_resolution_in_both_directions(void)
 {
     const double speeds[] = {3.0, 17.0, 44.4, -44.4, 300.0};
     for (int n = 0; n < 5; n++) {
         setUp();
         after(speeds[n], 0.5);
-        /* A step of the clock in the time of the teeth that came since the last look: a
-         * millisecond's or one. */
+        /* One clock step of error in the time of the teeth since the last reading, at least one
+         * tooth. */
         const double pitch_s = TWO_PI / 48.0 / fabs(speeds[n]);
         const double between_s = fmax(pitch_s, STEP_S - pitch_s);
         for (int k = 0; k < 500; k++) {
@@ -57,7 +57,7 @@ void test_a_steady_speed_is_seen_as_exactly_as_the_clock_allows_both_ways(void)
     }
 }
 
-void test_without_a_clocks_steps_it_is_exact(void)
+void test_with_an_unquantised_clock_the_speed_is_exact(void)
 {
     params.clock_s = 0.0;
     after(30.0, 0.1);
@@ -66,7 +66,7 @@ void test_without_a_clocks_steps_it_is_exact(void)
     }
 }
 
-void test_two_edges_are_needed_and_a_speed_is_a_tooth_old(void)
+void test_speed_needs_two_edges_and_is_delayed_by_one_tooth(void)
 {
     const double pitch_s = TWO_PI / 48.0 / 10.0; /* 13.1 ms */
     TEST_ASSERT_EQUAL_DOUBLE(0.0, after(10.0, pitch_s));
@@ -111,7 +111,7 @@ void test_failed_sensor_reads_zero_and_restarts_after_recovery(void)
     TEST_ASSERT_DOUBLE_WITHIN(0.1, 30.0, after(30.0, 0.02));
 }
 
-void test_without_teeth_the_speed_is_seen_as_it_is(void)
+void test_without_teeth_the_reading_is_the_true_speed(void)
 {
     params.teeth = 0.0;
     TEST_ASSERT_EQUAL_DOUBLE(12.345, look(-12.345));

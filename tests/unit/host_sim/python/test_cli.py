@@ -17,7 +17,9 @@ Hubsim = Callable[..., subprocess.CompletedProcess[str]]
 QUICK = ("--set", "initial_speed_kmh=10", "--set", "demand_nm=60", "--set", "drag=false")
 
 
-def test_the_constant_demand_stop_writes_the_agreed_object(hubsim: Hubsim, tmp_path: Path) -> None:
+def test_json_of_the_constant_demand_stop_has_the_documented_keys(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
     done = hubsim(
         "run",
         "stop",
@@ -50,7 +52,7 @@ def test_the_constant_demand_stop_writes_the_agreed_object(hubsim: Hubsim, tmp_p
     assert "series_optimal" in done.stdout
 
 
-def test_the_csv_has_a_heading_with_units_and_a_row_for_every_interval(
+def test_csv_has_a_header_with_units_and_one_row_per_interval(
     hubsim: Hubsim, tmp_path: Path
 ) -> None:
     done = hubsim(
@@ -78,7 +80,7 @@ def test_the_csv_has_a_heading_with_units_and_a_row_for_every_interval(
     assert float(rows[-1][1]) < 0.2
 
 
-def test_the_same_call_writes_the_same_bytes(hubsim: Hubsim, tmp_path: Path) -> None:
+def test_repeated_calls_write_identical_bytes(hubsim: Hubsim, tmp_path: Path) -> None:
     for name in ("a.csv", "b.csv"):
         assert (
             hubsim(
@@ -89,7 +91,7 @@ def test_the_same_call_writes_the_same_bytes(hubsim: Hubsim, tmp_path: Path) -> 
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
 
-def test_list_shows_what_there_is(hubsim: Hubsim) -> None:
+def test_list_shows_scenarios_cycles_drives_and_reasons(hubsim: Hubsim) -> None:
     plain = hubsim("list").stdout
     for word in (
         "stop",
@@ -106,7 +108,7 @@ def test_list_shows_what_there_is(hubsim: Hubsim) -> None:
 
 
 @pytest.mark.parametrize("command", [(), ("run",), ("list",), ("sim",), ("sweep",), ("compare",)])
-def test_every_command_explains_itself(hubsim: Hubsim, command: tuple[str, ...]) -> None:
+def test_every_command_has_a_help_text(hubsim: Hubsim, command: tuple[str, ...]) -> None:
     done = hubsim(*command, "--help")
     assert done.returncode == 0
     assert "usage: hubsim" in done.stdout
@@ -156,7 +158,7 @@ def test_every_command_explains_itself(hubsim: Hubsim, command: tuple[str, ...])
         ),
     ],
 )
-def test_a_mistake_gets_one_line_and_leaves_nothing_behind(
+def test_an_error_is_one_line_and_leaves_no_output_file(
     hubsim: Hubsim, tmp_path: Path, arguments: tuple[str, ...], message: str
 ) -> None:
     extra = () if arguments[0] == "sim" or "--json" in arguments else ("--json", "out.json")
@@ -180,7 +182,7 @@ def test_a_mistake_gets_one_line_and_leaves_nothing_behind(
         ("run", "stop", "extra"),
     ],
 )
-def test_a_wrong_call_gets_one_line_and_its_own_exit_status(
+def test_a_usage_error_is_one_line_and_has_the_usage_exit_status(
     hubsim: Hubsim, arguments: tuple[str, ...]
 ) -> None:
     done = hubsim(*arguments)
@@ -189,7 +191,7 @@ def test_a_wrong_call_gets_one_line_and_its_own_exit_status(
     assert done.stderr.count("\n") == 1
 
 
-def test_a_drive_the_firmware_refuses_is_reported_with_the_field(
+def test_a_drive_refused_by_the_firmware_is_reported_with_the_field(
     hubsim: Hubsim, tmp_path: Path
 ) -> None:
     done = hubsim(
@@ -208,7 +210,9 @@ def test_a_drive_the_firmware_refuses_is_reported_with_the_field(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_vehicle_that_does_not_come_to_rest_is_reported(hubsim: Hubsim, tmp_path: Path) -> None:
+def test_a_vehicle_that_does_not_reach_standstill_is_reported(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
     done = hubsim(
         "run", "stop", "--set", "demand_nm=0", "--set", "max_duration_s=0.5", "--json", "out.json"
     )
@@ -260,7 +264,7 @@ def test_criteria_are_evaluated_printed_and_decide_the_exit_status(
     assert found["criteria"][0]["text"] == "short enough"
 
 
-def test_without_criteria_nothing_is_evaluated(hubsim: Hubsim, tmp_path: Path) -> None:
+def test_without_criteria_no_evaluation_is_printed(hubsim: Hubsim, tmp_path: Path) -> None:
     (tmp_path / "plain.toml").write_text(CRITERIA.partition("[events")[0], encoding="utf-8")
     done = hubsim("run", "plain.toml", "--json", "out.json")
     assert (done.returncode, done.stderr) == (0, "")
@@ -268,7 +272,7 @@ def test_without_criteria_nothing_is_evaluated(hubsim: Hubsim, tmp_path: Path) -
     assert "criteria" not in json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
 
 
-def test_a_criterion_about_nothing_is_refused_with_file_and_key(
+def test_a_criterion_of_an_unknown_signal_is_refused_with_file_and_key(
     hubsim: Hubsim, tmp_path: Path
 ) -> None:
     path = tmp_path / "mine.toml"
@@ -283,7 +287,7 @@ def test_a_criterion_about_nothing_is_refused_with_file_and_key(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_the_examples_of_the_help_are_calls_that_the_command_takes(hubsim: Hubsim) -> None:
+def test_examples_of_the_help_are_valid_calls(hubsim: Hubsim) -> None:
     text = hubsim("--help").stdout
     for example in cli.EXAMPLES:
         assert example in text
@@ -293,7 +297,7 @@ def test_the_examples_of_the_help_are_calls_that_the_command_takes(hubsim: Hubsi
     assert hubsim("list", "--criteria").returncode == 0
 
 
-def test_list_explains_events_and_criteria(hubsim: Hubsim) -> None:
+def test_list_describes_events_and_criteria(hubsim: Hubsim) -> None:
     text = hubsim("list", "--criteria").stdout
     for word in (
         "at_s",
@@ -326,7 +330,7 @@ HEAVY = {
         ("run", "stop", "--colour"),
     ],
 )
-def test_help_and_a_wrong_call_import_the_standard_library_alone(call: tuple[str, ...]) -> None:
+def test_help_and_usage_errors_import_only_the_standard_library(call: tuple[str, ...]) -> None:
     """Keep ``--help`` short: an import that a command needs belongs into the command."""
     code = (
         "import sys\nfrom hubsim.cli import main\n"
@@ -342,6 +346,6 @@ def test_help_and_a_wrong_call_import_the_standard_library_alone(call: tuple[str
     assert loaded.partition("own:")[2].split() == ["hubsim", "hubsim.cli", "hubsim.errors"]
 
 
-def test_the_names_in_the_help_are_those_of_the_modules() -> None:
+def test_names_in_the_help_equal_those_of_the_modules() -> None:
     assert cli.STRATEGIES == run.STRATEGIES
     assert set(cli.RECORDINGS) == set(recordings.WRITERS)

@@ -20,7 +20,7 @@ def side(**signals: np.ndarray) -> Side:
     return Side("made up", {}, {"time_s": TIME} | signals)
 
 
-def test_signals_are_compared_instant_by_instant() -> None:
+def test_signals_are_compared_at_every_time() -> None:
     (found,) = difference.compare(
         side(x=np.array([0.0, 1.0, 2.0, 3.0])), side(x=np.array([0.0, 1.5, 2.0, 3.0])), Tolerance()
     )
@@ -29,7 +29,7 @@ def test_signals_are_compared_instant_by_instant() -> None:
     assert (found.first, found.second) == (1.5, 1.625)
 
 
-def test_another_grid_of_times_is_met_along_straight_lines() -> None:
+def test_recordings_with_other_times_are_interpolated_linearly() -> None:
     finer = Side(
         "finer", {}, {"time_s": np.linspace(0.5, 2.5, 21), "x": 2.0 * np.linspace(0.5, 2.5, 21)}
     )
@@ -44,14 +44,16 @@ def test_another_grid_of_times_is_met_along_straight_lines() -> None:
         (Tolerance(relative=0.05), True),
      (Tolerance(relative=0.04), False), (Tolerance(0.3, 0.02), True)],
 )  # fmt: skip
-def test_tolerances_are_absolute_and_of_the_peak(tolerance: Tolerance, within: bool) -> None:
+def test_tolerances_are_absolute_or_relative_to_the_peak(
+    tolerance: Tolerance, within: bool
+) -> None:
     one, other = side(x=np.array([0.0, 1.0, 2.0, 10.0])), side(x=np.array([0.0, 1.5, 2.0, 10.0]))
     assert difference.compare(one, other, tolerance)[0].within is within
     ten, less = (Side(str(v), {"x": v}, {}) for v in (10.0, 9.5))
     assert difference.compare(ten, less, tolerance)[0].within is within
 
 
-def test_what_is_nowhere_a_number_in_one_of_them_only_differs() -> None:
+def test_a_signal_without_numbers_in_one_recording_differs() -> None:
     holed, whole = (
         side(x=np.array([0.0, math.nan, 2.0, 3.0])),
         side(x=np.array([0.0, 1.0, 2.0, 3.0])),
@@ -60,7 +62,7 @@ def test_what_is_nowhere_a_number_in_one_of_them_only_differs() -> None:
     assert difference.compare(holed, holed, Tolerance())[0].within
 
 
-def test_recordings_of_the_same_run_agree_whatever_they_are_written_as(hubsim: Hubsim) -> None:
+def test_recordings_of_one_run_agree_in_every_format(hubsim: Hubsim) -> None:
     assert (
         hubsim(
             "run", "stop", *QUICK, "--csv", "a.csv", "--parquet", "a.parquet", "--json", "a.json"
@@ -74,7 +76,7 @@ def test_recordings_of_the_same_run_agree_whatever_they_are_written_as(hubsim: H
     assert "nothing in common" in hubsim("compare", "a.json", "a.csv").stderr
 
 
-def test_two_runs_are_done_and_compared(hubsim: Hubsim, tmp_path: Path) -> None:
+def test_two_scenarios_are_run_and_compared(hubsim: Hubsim, tmp_path: Path) -> None:
     same = hubsim("compare", "stop", "stop", *QUICK)
     assert same.returncode == 0, same.stdout
     other = hubsim(
@@ -117,7 +119,7 @@ def test_two_runs_are_done_and_compared(hubsim: Hubsim, tmp_path: Path) -> None:
         ("a.parquet", "no table", "a.parquet: no parquet file of a run"),
     ],
 )
-def test_what_is_no_result_gets_one_line(
+def test_an_invalid_result_is_an_error_in_one_line(
     tmp_path: Path, name: str, text: str, message: str
 ) -> None:
     (tmp_path / name).write_text(text, encoding="utf-8")
@@ -127,13 +129,13 @@ def test_what_is_no_result_gets_one_line(
     assert "\n" not in str(caught.value)
 
 
-def test_recordings_without_a_time_in_common_are_refused() -> None:
+def test_recordings_without_common_times_are_refused() -> None:
     later = Side("later", {}, {"time_s": TIME + 10.0, "x": TIME})
     with pytest.raises(HubsimError, match="no time in common"):
         difference.compare(side(x=TIME), later, Tolerance())
 
 
-def test_a_mistake_of_the_call_gets_one_line(hubsim: Hubsim) -> None:
+def test_a_usage_error_is_one_line(hubsim: Hubsim) -> None:
     assert "none.csv: file not found" in hubsim("compare", "none.csv", "stop").stderr
     refused = hubsim("compare", "stop", "stop", "--relative", "-1")
     assert (refused.returncode, refused.stderr) == (

@@ -39,7 +39,7 @@ def drives(drive: Drive) -> list[Drive]:
     return out
 
 
-def test_page_and_summary_are_written_and_the_summary_has_the_agreed_shape(
+def test_page_and_summary_are_written_and_the_summary_has_the_documented_keys(
     drive: Drive, hop: Path, tmp_path: Path
 ) -> None:
     name, loaded, beside = scenario.load(str(hop), {})
@@ -75,7 +75,7 @@ def test_page_and_summary_are_written_and_the_summary_has_the_agreed_shape(
         assert r["residual_relative"] < 1e-4
 
 
-def test_runs_side_by_side_are_the_runs_alone(drive: Drive, hop: Path) -> None:
+def test_runs_of_a_comparison_equal_single_runs(drive: Drive, hop: Path) -> None:
     name, loaded, beside = scenario.load(str(hop), {})
     together = comparison.simulate_all(
         name, drives(drive), loaded, beside, {}, Progress(disable=True)
@@ -88,7 +88,7 @@ def test_runs_side_by_side_are_the_runs_alone(drive: Drive, hop: Path) -> None:
         assert alone.account_j == result.account_j
 
 
-def test_the_page_gets_at_most_as_many_points_as_it_can_show(drive: Drive) -> None:
+def test_the_page_contains_at_most_the_displayable_number_of_points(drive: Drive) -> None:
     for name in ("ece15", "udds"):
         _, loaded, beside = scenario.load(name, {})
         shown = comparison.recorded(loaded, beside)

@@ -15,7 +15,7 @@ def seconds_by_slope(cycle: cycles.Cycle) -> dict[str, float]:
     return out
 
 
-def test_ece15_has_the_breakdown_by_phases_that_the_regulation_states() -> None:
+def test_ece15_has_the_phases_of_the_regulation() -> None:
     # Idling 60 s, accelerations 36 s, steady speed 57 s, decelerations 25 + 9 s (clutch), gear
     # changes 8 s; of the latter 6 s lie at level speed and 2 s in the last deceleration.
     assert seconds_by_slope(cycles.load("ece15")) == {
@@ -26,14 +26,14 @@ def test_ece15_has_the_breakdown_by_phases_that_the_regulation_states() -> None:
     }
 
 
-def test_ece15_is_as_long_as_the_regulation_says() -> None:
+def test_ece15_has_duration_and_distance_of_the_regulation() -> None:
     cycle = cycles.load("ece15")
     assert cycle.duration_s == 195.0
     assert cycle.distance_m == pytest.approx(1013.0, rel=2e-3)
     assert max(cycle.speed_kmh) == 50.0
 
 
-def test_udds_has_the_published_length_way_and_peak() -> None:
+def test_udds_has_the_published_duration_distance_and_peak_speed() -> None:
     cycle = cycles.load("udds")
     assert cycle.duration_s == 1369.0
     assert cycle.distance_m == pytest.approx(7.45 * 1609.344, rel=1e-3)  # EPA: 7.45 miles
@@ -42,7 +42,7 @@ def test_udds_has_the_published_length_way_and_peak() -> None:
     assert steps == {1.0}
 
 
-def test_a_cycle_repeated_is_as_many_times_as_long() -> None:
+def test_a_repeated_cycle_has_a_multiple_of_the_length() -> None:
     once = cycles.load("ece15")
     thrice = once.repeated(3)
     assert thrice.duration_s == 3 * once.duration_s
@@ -50,13 +50,13 @@ def test_a_cycle_repeated_is_as_many_times_as_long() -> None:
     assert all(b > a for a, b in itertools.pairwise(thrice.time_s))
 
 
-def test_a_cycle_that_ends_moving_is_joined_without_a_jump_in_time() -> None:
+def test_a_cycle_that_ends_at_speed_repeats_without_a_gap_in_time() -> None:
     ramp = cycles.Cycle("ramp", (0.0, 10.0), (0.0, 30.0)).repeated(2)
     assert all(b > a for a, b in itertools.pairwise(ramp.time_s))
     assert ramp.speed_kmh == (0.0, 30.0, 0.0, 30.0)
 
 
-def test_a_file_beside_the_scenario_is_found(tmp_path: Path) -> None:
+def test_a_cycle_file_in_the_directory_of_the_scenario_is_found(tmp_path: Path) -> None:
     (tmp_path / "mine.csv").write_text(
         "# made up\ntime_s,speed_km_h\n0,0\n5,10\n", encoding="utf-8"
     )
@@ -89,7 +89,7 @@ def test_a_file_beside_the_scenario_is_found(tmp_path: Path) -> None:
         ("", ": 0 points, accepted: at least two"),
     ],
 )
-def test_a_mistake_in_a_file_gets_one_line_with_its_place(
+def test_an_error_in_a_file_is_one_line_with_its_position(
     tmp_path: Path, text: str, message: str
 ) -> None:
     path = tmp_path / "bad.csv"
@@ -99,7 +99,7 @@ def test_a_mistake_in_a_file_gets_one_line_with_its_place(
     assert str(caught.value) == f"{path}{message}"
 
 
-def test_what_is_no_text_or_not_there_gets_one_line(tmp_path: Path) -> None:
+def test_a_missing_or_binary_file_is_an_error_in_one_line(tmp_path: Path) -> None:
     binary = tmp_path / "binary.csv"
     binary.write_bytes(b"\xff\xfe\x00\x01")
     with pytest.raises(HubsimError, match="not UTF-8 text"):

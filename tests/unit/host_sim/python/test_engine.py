@@ -39,27 +39,27 @@ def recorded(drive: Drive, **keys: object) -> Rows:
         return engine.run(0.4)
 
 
-def test_the_same_seed_gives_the_same_bytes_in_any_thread(drive: Drive) -> None:
+def test_the_same_seed_gives_identical_bytes_in_any_thread(drive: Drive) -> None:
     alone = recorded(drive)
     with ThreadPoolExecutor(max_workers=3) as pool:
         together = [future.result() for future in [pool.submit(recorded, drive) for _ in range(3)]]
     assert all(rows.tobytes() == alone.tobytes() for rows in together)
 
 
-def test_another_seed_gives_other_noise_but_the_same_stop(drive: Drive) -> None:
+def test_another_seed_changes_the_noise_and_not_the_stop(drive: Drive) -> None:
     one, other = recorded(drive, seed=1), recorded(drive, seed=2)
     assert one.tobytes() != other.tobytes()
     assert np.max(np.abs(one[:, 1] - other[:, 1])) < 0.01  # m/s
 
 
-def test_a_run_in_pieces_is_the_run_in_one(drive: Drive) -> None:
+def test_a_run_in_several_calls_equals_a_run_in_one_call(drive: Drive) -> None:
     whole = recorded(drive)
     with vehicle(drive) as engine:
         pieces = np.concatenate([engine.run(t) for t in (0.1, 0.03, 0.17, 0.1)])
     assert pieces.tobytes() == whole.tobytes()
 
 
-def test_rows_come_at_the_recording_interval(drive: Drive) -> None:
+def test_rows_are_recorded_at_the_interval(drive: Drive) -> None:
     rows = recorded(drive, record_interval_s=0.02)
     assert rows.shape == (21, len(SIGNALS))
     assert rows[:, 0] == pytest.approx(np.arange(21) * 0.02)
@@ -87,18 +87,18 @@ def test_names_that_do_not_exist_are_refused(drive: Drive) -> None:
             engine.choose(["colour"])
 
 
-def test_a_refused_configuration_names_the_field() -> None:
+def test_the_error_for_a_refused_configuration_contains_the_field() -> None:
     with Engine() as engine, pytest.raises(HubsimError, match="configuration refused: size_bytes"):
         engine.load_config(b"no configuration")
 
 
-def test_the_words_for_modes_and_reasons_are_the_firmwares(drive: Drive) -> None:
+def test_texts_of_modes_and_reasons_are_those_of_the_firmware(drive: Drive) -> None:
     with vehicle(drive) as engine:
         assert engine.mode_text(engine.value("wheel0.mode")) == "RUN"
         assert engine.reason_text(67) == "phase over-current"
 
 
-def test_an_engine_that_is_not_built_is_said_in_one_line(
+def test_a_missing_engine_library_is_an_error_in_one_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("HUBFOC_BUILD_DIR", str(tmp_path))

@@ -114,7 +114,7 @@ def test_a_window_without_a_row_fails(drive: Drive) -> None:
         (60.0, 0.0, True, 0.0),
     ],
 )
-def test_settling_is_the_time_after_which_nothing_leaves_the_band(
+def test_settling_time_is_the_last_time_outside_the_band(
     drive: Drive, band: float, within_s: float, passed: bool, settled_s: float
 ) -> None:
     outcome = evaluated(
@@ -124,7 +124,7 @@ def test_settling_is_the_time_after_which_nothing_leaves_the_band(
     assert outcome.value == pytest.approx(settled_s)
 
 
-def test_what_is_still_outside_at_the_end_never_settles(drive: Drive) -> None:
+def test_a_signal_outside_the_band_at_the_end_has_no_settling_time(drive: Drive) -> None:
     outcome = evaluated(
         drive, value="vehicle.speed_m_per_s", settles_to=5.0, band=1.0, within_s=9.0
     )
@@ -154,13 +154,13 @@ def test_all_wheels_must_settle(drive: Drive) -> None:
         ),  # the other wheel shows NONE
     ],
 )
-def test_reasons_must_appear_or_must_not(
+def test_reasons_can_be_required_or_excluded(
     drive: Drive, criterion: dict[str, Any], passed: bool
 ) -> None:
     assert evaluated(drive, reasons="wheels.reason", **criterion).passed is passed
 
 
-def test_the_simulations_own_error_is_a_criterion_of_every_evaluated_run(drive: Drive) -> None:
+def test_the_energy_residual_is_a_criterion_of_every_evaluated_run(drive: Drive) -> None:
     chosen = Scenario.model_validate(
         {"max_duration_s": 1.0, "criteria": {"it": {"value": "run.distance_m", "at_most": 9}}}
     )
@@ -169,13 +169,13 @@ def test_the_simulations_own_error_is_a_criterion_of_every_evaluated_run(drive: 
     assert [v.passed for v in evaluation.evaluate(chosen, drive, leaking)] == [True, False]
 
 
-def test_without_criteria_nothing_is_evaluated(drive: Drive) -> None:
+def test_without_criteria_the_evaluation_is_empty(drive: Drive) -> None:
     assert (
         evaluation.evaluate(Scenario.model_validate({"max_duration_s": 1.0}), drive, RESULT) == []
     )
 
 
-def test_a_value_that_changes_over_time_is_no_value(drive: Drive) -> None:
+def test_a_criterion_on_a_time_series_without_reduction_is_refused(drive: Drive) -> None:
     with pytest.raises(
         HubsimError,
         match=r"criteria\.it: 'vehicle\.speed_m_per_s' changes over time, accepted: one number",
@@ -183,7 +183,7 @@ def test_a_value_that_changes_over_time_is_no_value(drive: Drive) -> None:
         evaluated(drive, value="vehicle.speed_m_per_s", at_most=1.0)
 
 
-def test_names_that_there_are_not_are_refused_before_the_run(drive: Drive) -> None:
+def test_unknown_names_are_refused_before_the_run(drive: Drive) -> None:
     for value, message in (
         (
             "max(vehicle.sped_m_per_s)",
@@ -203,7 +203,7 @@ def test_names_that_there_are_not_are_refused_before_the_run(drive: Drive) -> No
         assert message in str(caught.value)
 
 
-def test_the_reasons_are_the_firmwares(drive: Drive) -> None:
+def test_reasons_are_those_of_the_firmware(drive: Drive) -> None:
     from hubsim.engine import Engine  # noqa: PLC0415
 
     with Engine() as engine:

@@ -40,12 +40,12 @@ def played(
     return notebook.notes
 
 
-def test_a_step_happens_once_at_its_time() -> None:
+def test_a_step_is_applied_once_at_its_time() -> None:
     timeline = Timeline({"one": Event(at_s=0.5, set={"road.slope": 0.1})}, {})
     assert played(timeline, Notebook(), 10.0) == [(0.5, "road.slope", 0.1)]
 
 
-def test_a_ramp_leads_from_wherever_the_parameter_is() -> None:
+def test_a_ramp_starts_at_the_present_value_of_the_parameter() -> None:
     timeline = Timeline(
         {"more": Event(at_s=1.0, over_s=0.01, set={"driver.brake_demand_nm": 60.0})}, {}
     )
@@ -64,7 +64,7 @@ def test_parameter_is_restored_after_the_end_of_an_event() -> None:
     ]
 
 
-def test_events_happen_in_the_order_of_their_times_however_they_are_written() -> None:
+def test_events_are_applied_in_the_order_of_their_times() -> None:
     timeline = Timeline(
         {
             "late": Event(at_s=2.0, set={"road.slope": 0.2}),
@@ -75,7 +75,7 @@ def test_events_happen_in_the_order_of_their_times_however_they_are_written() ->
     assert [value for _, _, value in played(timeline, Notebook(), 3.0)] == [0.1, 0.2]
 
 
-def test_a_trace_is_followed_along_straight_lines_and_held_at_its_end() -> None:
+def test_a_trace_is_interpolated_linearly_and_constant_after_its_end() -> None:
     trace = [(0.0, 0.0), (0.004, 40.0), (0.006, 40.0), (0.008, 0.0)]
     notes = played(Timeline({}, {"driver.brake_demand_nm": trace}), Notebook(), 1.0)
     times, values = np.array([t for t, _, _ in notes]), np.array([v for _, _, v in notes])
@@ -84,7 +84,7 @@ def test_a_trace_is_followed_along_straight_lines_and_held_at_its_end() -> None:
     assert times[-1] == pytest.approx(0.008)
 
 
-def test_an_event_that_the_run_does_not_reach_is_missed() -> None:
+def test_an_event_after_the_end_of_the_run_is_reported_as_missed() -> None:
     timeline = Timeline({"never": Event(at_s=9.0, inject="abs")}, {})
     assert timeline.missed(5.0) == {"never": 9.0}
     assert timeline.missed(9.0) == {}
@@ -92,7 +92,7 @@ def test_an_event_that_the_run_does_not_reach_is_missed() -> None:
 
 
 @pytest.mark.parametrize("name", events.INJECTIONS)
-def test_every_injection_sets_parameters_that_there_are(name: str) -> None:
+def test_every_injection_sets_existing_parameters(name: str) -> None:
     for parameter, value in events.INJECTIONS[name].sets.items():
         known = engine.parameters()[parameter]
         assert known.lowest <= value <= known.highest
@@ -114,7 +114,7 @@ def test_a_pedal_over_time_reaches_the_controllers_of_the_real_vehicle(drive: Dr
     assert result.signal("driver.brake_nm") == pytest.approx(expected, abs=1e-6)
 
 
-def test_a_run_with_events_repeats_to_the_last_byte(drive: Drive, tmp_path: Path) -> None:
+def test_a_run_with_events_is_repeatable_bit_for_bit(drive: Drive, tmp_path: Path) -> None:
     path = tmp_path / "two.toml"
     path.write_text(
         'initial_speed_kmh = 20\ndemand_nm = 30.0\nmax_duration_s = 0.8\n'

@@ -50,18 +50,18 @@ def value(text: str) -> Value:
         ("max(x)\n  + 1", 5.0),
     ],
 )
-def test_formula_has_the_value_computed_by_hand(text: str, expected: float) -> None:
+def test_value_of_a_formula_equals_that_computed_by_hand(text: str, expected: float) -> None:
     found = value(text)
     assert found.shape == ()
     assert float(found) == pytest.approx(expected)
 
 
-def test_conditions_work_row_by_row() -> None:
+def test_conditions_are_evaluated_per_row() -> None:
     assert value("x > 0 and part.y_nm < 35").tolist() == [True, False, True, False]
     assert value("not x > 0 or part.y_nm == 40").tolist() == [False, True, False, True]
 
 
-def test_the_names_a_formula_needs_are_known_before_it_is_worked_out() -> None:
+def test_names_in_a_formula_are_extracted_before_evaluation() -> None:
     assert expression.read("max(wheels.t) - part.y_nm / two + part.y_nm").names == (
         "wheels.t",
         "part.y_nm",
@@ -73,7 +73,7 @@ def test_the_names_a_formula_needs_are_known_before_it_is_worked_out() -> None:
     "text",
     ["max(nothing)", "mean(nothing)", "final(nothing)", "at_min(x, nothing)", "integral(nothing)"],
 )
-def test_a_window_without_a_row_is_said_to_be_empty(text: str) -> None:
+def test_an_empty_window_is_reported(text: str) -> None:
     with pytest.raises(EmptyWindow):
         value(text)
 
@@ -98,7 +98,7 @@ def test_a_window_without_a_row_is_said_to_be_empty(text: str) -> None:
         ("1" + "+1" * 600, "longer than 1000 characters"),
     ],
 )
-def test_what_is_no_formula_gets_one_line(text: str, message: str) -> None:
+def test_an_invalid_formula_is_an_error_in_one_line(text: str, message: str) -> None:
     with pytest.raises(ExpressionError) as caught:
         expression.read(text)
     assert message in str(caught.value)

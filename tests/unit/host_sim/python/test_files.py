@@ -43,7 +43,7 @@ def call(*arguments: str | Path) -> int:
     return cli.main([str(argument) for argument in arguments])
 
 
-def test_a_file_replaces_what_was_there(tmp_path: Path) -> None:
+def test_an_existing_file_is_replaced(tmp_path: Path) -> None:
     path = tmp_path / "out.txt"
     path.write_text(OLD, encoding="utf-8")
     files.write_text(path, "new\n")
@@ -51,7 +51,7 @@ def test_a_file_replaces_what_was_there(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_failure_half_way_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+def test_a_failure_while_writing_leaves_only_the_old_file(tmp_path: Path) -> None:
     path = tmp_path / "out.txt"
     path.write_text(OLD, encoding="utf-8")
 
@@ -65,7 +65,7 @@ def test_a_failure_half_way_leaves_the_old_file_and_nothing_else(tmp_path: Path)
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_places_that_cannot_be_written_are_refused_in_one_line(tmp_path: Path) -> None:
+def test_unwritable_paths_are_refused_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(HubsimError, match="no directory"):
         files.check_writable(tmp_path / "none" / "out.txt")
     with pytest.raises(HubsimError, match="is a directory"):
@@ -73,7 +73,7 @@ def test_places_that_cannot_be_written_are_refused_in_one_line(tmp_path: Path) -
 
 
 @pytest.mark.parametrize("kind", ["csv", "json", "parquet", "mdf", "layout"])
-def test_a_full_device_is_one_line_and_stays_a_device(
+def test_a_full_device_is_an_error_in_one_line_and_stays_a_device(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str
 ) -> None:
     device = Path("/dev/full")
@@ -89,14 +89,14 @@ def test_a_full_device_is_one_line_and_stays_a_device(
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet", "mdf", "layout"])
-def test_the_null_device_takes_any_output_and_stays_a_device(kind: str) -> None:
+def test_the_null_device_accepts_any_output_and_stays_a_device(kind: str) -> None:
     device = Path("/dev/null")
     before = identity(device)
     assert call(*STOP, "--json", device, f"--{kind}", device) == 0
     assert identity(device) == before
 
 
-def test_a_fifo_gets_the_output_and_stays_a_fifo(tmp_path: Path) -> None:
+def test_output_to_a_fifo_is_written_and_the_fifo_kept(tmp_path: Path) -> None:
     fifo = tmp_path / "out.csv"
     os.mkfifo(fifo)
     before = identity(fifo)
@@ -111,7 +111,7 @@ def test_a_fifo_gets_the_output_and_stays_a_fifo(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("existing", [True, False])
-def test_a_link_stays_a_link_and_its_target_is_replaced(tmp_path: Path, existing: bool) -> None:
+def test_a_link_is_kept_and_its_target_replaced(tmp_path: Path, existing: bool) -> None:
     (tmp_path / "elsewhere").mkdir()
     target, link = tmp_path / "elsewhere" / "target.csv", tmp_path / "link.csv"
     link.symlink_to(Path("elsewhere") / "target.csv")
@@ -126,7 +126,7 @@ def test_a_link_stays_a_link_and_its_target_is_replaced(tmp_path: Path, existing
     assert sorted(tmp_path.rglob("*")) == sorted([link, target, target.parent])
 
 
-def test_a_run_that_fails_leaves_every_output_as_it_was(tmp_path: Path) -> None:
+def test_a_failed_run_leaves_every_output_unchanged(tmp_path: Path) -> None:
     outputs = {kind: tmp_path / f"out.{kind}" for kind in ("csv", "json", "parquet", "mdf")}
     for path in outputs.values():
         path.write_text(OLD, encoding="utf-8")
@@ -145,7 +145,7 @@ def test_one_file_for_two_outputs_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_standard_output_that_takes_no_more_is_one_line() -> None:
+def test_a_closed_standard_output_is_an_error_in_one_line() -> None:
     with Path("/dev/full").open("w", encoding="utf-8") as full:
         command = [sys.executable, "-m", "hubsim", "list"]
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
@@ -153,7 +153,7 @@ def test_the_standard_output_that_takes_no_more_is_one_line() -> None:
     assert done.stderr == "hubsim: standard output: No space left on device\n"
 
 
-def test_a_sweep_writes_csv_where_its_name_says_so(tmp_path: Path) -> None:
+def test_a_sweep_writes_csv_to_a_name_that_ends_in_csv(tmp_path: Path) -> None:
     sweep = ("sweep", "stop", "--set", "initial_speed_kmh=2", "--vary", "demand_nm=60,80")
     workers = ("--workers", "1")
     assert call(*sweep, "--output", tmp_path / "g.csv", *workers) == 0
@@ -174,7 +174,7 @@ def test_a_sweep_writes_csv_where_its_name_says_so(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["g", "g.txt", "g.json"])
-def test_a_sweep_refuses_a_format_that_it_does_not_write(
+def test_a_sweep_refuses_an_unsupported_format(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
     path = tmp_path / name
@@ -199,7 +199,7 @@ def test_a_sweep_refuses_a_format_that_it_does_not_write(
     ],
 )
 @pytest.mark.parametrize("kind", ["binary", "directory", "zeros", "device"])
-def test_input_that_is_no_text_is_reported_in_one_line(
+def test_binary_input_is_an_error_in_one_line(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -223,7 +223,7 @@ def test_input_that_is_no_text_is_reported_in_one_line(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_byte_order_mark_changes_nothing(tmp_path: Path) -> None:
+def test_a_byte_order_mark_is_ignored(tmp_path: Path) -> None:
     scenario = "initial_speed_kmh = 2.0\ndemand_nm = 60.0\nstop_at_standstill = true\n"
     drive = cli.DEFAULT_CONFIG.read_text(encoding="utf-8")
     for encoding in ("utf-8", "utf-8-sig"):
@@ -255,7 +255,7 @@ def test_a_byte_order_mark_changes_nothing(tmp_path: Path) -> None:
         ({"drive": cli.DEFAULT_CONFIG, "scenario": 5}, "no scenario '5', accepted: "),
     ],
 )
-def test_a_bench_with_wrong_arguments_says_what_is_accepted(
+def test_the_error_for_invalid_arguments_of_bench_lists_the_accepted_ones(
     arguments: dict[str, object], message: str
 ) -> None:
     with pytest.raises(HubsimError) as caught:

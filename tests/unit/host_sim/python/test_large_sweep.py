@@ -24,7 +24,7 @@ LARGEST_RESIDUAL = 1e-5
 LIMIT_S = 3000
 
 
-def test_every_vehicle_stops_and_stores_more_with_the_optimum(tmp_path: Path) -> None:
+def test_every_vehicle_stops_and_stores_most_with_series_optimal(tmp_path: Path) -> None:
     table = tmp_path / "stops.csv"
     options = [word for varied in VARIED for word in ("--vary", varied)]
     done = subprocess.run(

@@ -21,11 +21,11 @@ def test_key_is_assigned_to_scenario_or_drive() -> None:
     assert found.plant == {"motor.phase_resistance_ohm": 0.04}
 
 
-def test_the_last_setting_of_a_key_counts() -> None:
+def test_the_last_override_of_a_key_applies() -> None:
     assert overrides.parse(["demand_nm=1", "demand_nm=2"]).scenario == {"demand_nm": 2}
 
 
-def test_a_setting_of_the_drive_changes_the_drive_and_nothing_else() -> None:
+def test_an_override_of_the_drive_changes_only_the_drive() -> None:
     plain = overrides.load_drive(DEFAULT_CONFIG, overrides.Overrides())
     changed = overrides.load_drive(
         DEFAULT_CONFIG, overrides.parse(["motor.phase_resistance_ohm=0.04"])
@@ -54,13 +54,13 @@ def test_a_setting_of_the_drive_changes_the_drive_and_nothing_else() -> None:
         ),
     ],
 )
-def test_a_wrong_setting_gets_one_line(setting: str, message: str) -> None:
+def test_an_invalid_override_is_an_error_in_one_line(setting: str, message: str) -> None:
     with pytest.raises(HubsimError) as caught:
         overrides.parse([setting])
     assert str(caught.value) == message
 
 
-def test_a_wrong_key_or_value_of_the_drive_is_refused_by_the_drives_own_schema() -> None:
+def test_an_invalid_key_or_value_of_the_drive_is_refused_by_its_schema() -> None:
     with pytest.raises(
         ConfigurationError, match=r"motor\.pole_pear: unknown key, did you mean pole_pairs\?"
     ):

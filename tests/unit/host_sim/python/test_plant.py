@@ -13,7 +13,7 @@ OF_THE_RUN = (
 )
 
 
-def test_a_drive_decides_every_parameter_that_a_run_does_not(drive: Drive) -> None:
+def test_drive_and_run_together_set_every_parameter(drive: Drive) -> None:
     decided = set(plant.parameters(drive))
     known = {
         name for name in engine.parameters() if not name.startswith((*OF_THE_RUN, *plant.EVENTS))
@@ -21,7 +21,7 @@ def test_a_drive_decides_every_parameter_that_a_run_does_not(drive: Drive) -> No
     assert decided == known
 
 
-def test_the_paper_vehicle_arrives_in_the_plant_as_it_is_written(drive: Drive) -> None:
+def test_plant_parameters_of_lu2013_equal_those_of_its_file(drive: Drive) -> None:
     found = plant.parameters(drive)
     assert found["motor.pole_pairs"] == 23.0
     assert found["motor.flux_linkage_wb"] == 0.0204
@@ -31,7 +31,7 @@ def test_the_paper_vehicle_arrives_in_the_plant_as_it_is_written(drive: Drive) -
     assert plant.voltage_curve(drive) == ([0.0], [53.0])
 
 
-def test_every_value_lies_in_the_range_the_plant_accepts(drive: Drive) -> None:
+def test_every_value_is_in_the_accepted_range_of_the_plant(drive: Drive) -> None:
     for name, value in plant.parameters(drive).items():
         parameter = engine.parameters()[name]
         assert parameter.lowest <= value <= parameter.highest, name

@@ -106,7 +106,7 @@ def curves(text: str) -> list[str]:
 
 
 @pytest.mark.parametrize("recording", [None, "run.csv"])
-def test_plotjuggler_knows_every_element_and_every_attribute(recording: str | None) -> None:
+def test_every_element_and_attribute_is_one_of_plotjuggler(recording: str | None) -> None:
     text = plotjuggler.layout(commands.signal_names(), recording)
     assert text.startswith("<?xml version='1.0' encoding='UTF-8'?>\n<root>")
     root = ET.fromstring(text)
@@ -127,7 +127,7 @@ def test_plotjuggler_knows_every_element_and_every_attribute(recording: str | No
         assert sum(map(float, splitter.attrib["sizes"].split(";"))) == pytest.approx(1.0, abs=1e-5)
 
 
-def test_a_misspelt_setting_is_noticed() -> None:
+def test_a_misspelt_attribute_is_detected() -> None:
     text = plotjuggler.layout(commands.signal_names())
     for right, wrong in (
         ("prevTimestamp", "time_axis"),
@@ -140,7 +140,7 @@ def test_a_misspelt_setting_is_noticed() -> None:
             check(ET.fromstring(text.replace(right, wrong)))
 
 
-def test_the_layout_is_made_of_the_signals_that_there_are() -> None:
+def test_the_layout_contains_only_existing_signals() -> None:
     known = commands.signal_names()
     text = plotjuggler.layout(known)
     root = ET.fromstring(text)
@@ -156,7 +156,7 @@ def test_the_layout_is_made_of_the_signals_that_there_are() -> None:
         assert all(a["color"] != b["color"] for a, b in itertools.pairwise(found))
 
 
-def test_a_layout_loads_the_recording_that_it_was_written_with() -> None:
+def test_a_layout_refers_to_its_recording() -> None:
     assert list(ET.fromstring(plotjuggler.layout(["time_s", "wheel0.mode"])).iter("fileInfo")) == []
     root = ET.fromstring(plotjuggler.layout(["time_s", "wheel0.mode"], "../data/run.csv"))
     (loaded,) = root.iter("fileInfo")
@@ -181,7 +181,7 @@ def test_every_important_signal_is_in_the_layout() -> None:
         assert signal in shown
 
 
-def test_a_layout_leaves_out_what_was_not_recorded() -> None:
+def test_a_layout_omits_signals_that_were_not_recorded() -> None:
     assert curves(
         plotjuggler.layout(["time_s", "vehicle.speed_m_per_s", "wheel10.mode", "wheel2.mode"])
     ) == ["vehicle.speed_m_per_s", "wheel2.mode", "wheel10.mode"]

@@ -53,17 +53,17 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory
 
 
-def test_the_json_holds_its_origin(written: Path) -> None:
+def test_the_json_contains_its_provenance(written: Path) -> None:
     found = json.loads((written / "run.json").read_text(encoding="utf-8"))
     assert found["provenance"] == expected()
 
 
-def test_the_parquet_table_holds_its_origin(written: Path) -> None:
+def test_the_parquet_table_contains_its_provenance(written: Path) -> None:
     metadata = pq.read_schema(written / "run.parquet").metadata
     assert json.loads(metadata[b"provenance"]) == expected()
 
 
-def test_the_measurement_holds_its_origin_and_begins_at_its_date(written: Path) -> None:
+def test_the_mdf4_file_contains_its_provenance_and_starts_at_its_date(written: Path) -> None:
     with MDF(written / "run.mf4") as file:
         assert file.start_time == datetime.fromisoformat(DATE).astimezone(UTC)
         comment = file.header.comment
@@ -73,7 +73,7 @@ def test_the_measurement_holds_its_origin_and_begins_at_its_date(written: Path) 
     }
 
 
-def test_the_page_holds_its_origin_for_people_and_for_programs(written: Path) -> None:
+def test_the_page_contains_its_provenance_as_text_and_as_data(written: Path) -> None:
     text = (written / "run.html").read_text(encoding="utf-8")
     for key, value in expected().items():
         assert f'<meta name="hubfoc-{key}" content="{value}">' in text
@@ -81,7 +81,7 @@ def test_the_page_holds_its_origin_for_people_and_for_programs(written: Path) ->
             assert f"<code>{value}</code>" in text
 
 
-def test_a_page_of_a_result_without_an_origin_holds_that_of_the_call(
+def test_a_page_of_a_result_without_provenance_contains_that_of_the_call(
     tmp_path: Path, written: Path
 ) -> None:
     found = json.loads((written / "run.json").read_text(encoding="utf-8"))
@@ -94,7 +94,7 @@ def test_a_page_of_a_result_without_an_origin_holds_that_of_the_call(
         assert f'<meta name="hubfoc-{key}" content="{expected()[key]}">' in text
 
 
-def test_the_crc_is_that_of_the_controllers_image(tmp_path: Path) -> None:
+def test_the_crc_equals_that_of_the_controllers_image(tmp_path: Path) -> None:
     path = tmp_path / "run.json"
     changed = ("--set", "motor.max_phase_current_a=50", "--json", str(path))
     assert cli.main(["run", "stop", *QUICK, "--date", DATE, *changed]) == 0
@@ -103,7 +103,7 @@ def test_the_crc_is_that_of_the_controllers_image(tmp_path: Path) -> None:
     assert re.fullmatch(r"0x[0-9A-F]{8}", found["configuration_crc32"])
 
 
-def test_summary_sweep_and_comparison_hold_theirs(tmp_path: Path) -> None:
+def test_summary_sweep_and_comparison_contain_their_provenance(tmp_path: Path) -> None:
     (tmp_path / "hop.csv").write_text("time_s,speed_km_h\n0,0\n5,20\n9,0\n", encoding="utf-8")
     hop = tmp_path / "hop.toml"
     hop.write_text('cycle = "hop.csv"\nseed = 3\n', encoding="utf-8")
@@ -131,7 +131,7 @@ def test_summary_sweep_and_comparison_hold_theirs(tmp_path: Path) -> None:
     assert len(compared["differences"]) > 10
 
 
-def test_the_same_call_at_the_same_date_writes_the_same_bytes(tmp_path: Path) -> None:
+def test_repeated_calls_with_one_date_write_identical_bytes(tmp_path: Path) -> None:
     names = ("json", "parquet", "mf4")
     for side in ("a", "b"):
         outputs = [
@@ -148,7 +148,7 @@ def test_the_same_call_at_the_same_date_writes_the_same_bytes(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("call", [("run", "stop", *QUICK), ("compare", "stop", "stop", *QUICK)])
-def test_a_date_that_is_none_is_one_line(
+def test_an_invalid_date_is_an_error_in_one_line(
     capsys: pytest.CaptureFixture[str], call: tuple[str, ...]
 ) -> None:
     assert cli.main([*call, "--date", "yesterday"]) == 1

@@ -34,7 +34,9 @@ def result() -> RunResult:
     return run.simulate(name, drive, chosen, beside, ["time_s", *UNITS])
 
 
-def test_csv_has_the_names_with_units_and_nine_digits(result: RunResult, tmp_path: Path) -> None:
+def test_csv_has_names_with_units_and_nine_significant_digits(
+    result: RunResult, tmp_path: Path
+) -> None:
     recordings.write_csv(result, tmp_path / "a.csv")
     lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
     assert lines[0].split(",") == result.names
@@ -42,7 +44,7 @@ def test_csv_has_the_names_with_units_and_nine_digits(result: RunResult, tmp_pat
     assert np.loadtxt(lines[1:], delimiter=",") == pytest.approx(result.rows, rel=1e-8, abs=1e-12)
 
 
-def test_parquet_has_every_bit_and_every_unit(result: RunResult, tmp_path: Path) -> None:
+def test_parquet_stores_exact_values_and_units(result: RunResult, tmp_path: Path) -> None:
     recordings.write_parquet(result, tmp_path / "a.parquet")
     table = pq.read_table(tmp_path / "a.parquet")
     assert table.column_names == result.names
@@ -55,7 +57,7 @@ def test_parquet_has_every_bit_and_every_unit(result: RunResult, tmp_path: Path)
     assert table.schema.metadata[b"scenario"] == b"stop"
 
 
-def test_mdf4_has_every_bit_and_every_unit_on_one_time_axis(
+def test_mdf4_stores_exact_values_and_units_on_one_time_axis(
     result: RunResult, tmp_path: Path
 ) -> None:
     recordings.write_mdf(result, tmp_path / "a.mf4")
@@ -69,7 +71,7 @@ def test_mdf4_has_every_bit_and_every_unit_on_one_time_axis(
             assert channel.timestamps.tobytes() == result.signal("time_s").tobytes()
 
 
-def test_a_measurement_without_time_is_refused(result: RunResult, tmp_path: Path) -> None:
+def test_a_recording_without_time_is_refused(result: RunResult, tmp_path: Path) -> None:
     with pytest.raises(
         HubsimError, match=r"the signals do not include time_s, accepted: --signals with time_s"
     ):
@@ -78,7 +80,7 @@ def test_a_measurement_without_time_is_refused(result: RunResult, tmp_path: Path
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet", "mdf", "layout"])
-def test_the_same_run_writes_the_same_bytes_at_any_hour(
+def test_recordings_do_not_depend_on_the_time_of_day(
     result: RunResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
 ) -> None:
     clock_s = time.time
@@ -89,9 +91,7 @@ def test_the_same_run_writes_the_same_bytes_at_any_hour(
     assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
 
 
-def test_the_same_seed_gives_the_same_recordings_and_another_one_does_not(
-    hubsim: Hubsim, tmp_path: Path
-) -> None:
+def test_recordings_are_identical_for_the_same_seed_only(hubsim: Hubsim, tmp_path: Path) -> None:
     noisy = (
         "run",
         "stop",
@@ -112,7 +112,9 @@ def test_the_same_seed_gives_the_same_recordings_and_another_one_does_not(
         assert first != other, ending
 
 
-def test_all_recordings_of_one_call_hold_the_same_signals(hubsim: Hubsim, tmp_path: Path) -> None:
+def test_all_recordings_of_one_call_contain_the_same_signals(
+    hubsim: Hubsim, tmp_path: Path
+) -> None:
     done = hubsim("run", "stop", "--set", "initial_speed_kmh=5", "--signals", "time_s,vehicle.*",
         "--csv", "a.csv",
                   "--parquet", "a.parquet", "--mdf", "a.mf4", "--layout", "a.xml")  # fmt: skip
@@ -128,7 +130,7 @@ def test_all_recordings_of_one_call_hold_the_same_signals(hubsim: Hubsim, tmp_pa
     assert [file.attrib["filename"] for file in drawn.iter("fileInfo")] == ["a.csv"]
 
 
-def test_signals_without_a_recording_are_a_mistake(hubsim: Hubsim) -> None:
+def test_signals_without_a_recording_are_an_error(hubsim: Hubsim) -> None:
     done = hubsim("run", "stop", "--signals", "vehicle.*")
     assert (done.returncode, done.stderr) == (
         1,

@@ -80,7 +80,7 @@ def ideal_share(
 
 
 @pytest.mark.parametrize("strategy", run.STRATEGIES)
-def test_the_urban_cycle_is_followed_and_stores_what_the_steady_states_promise(
+def test_energy_stored_over_the_urban_cycle_matches_the_steady_states(
     drive: Drive, strategy: str
 ) -> None:
     result = simulate(drive, "ece15", strategy)
@@ -103,7 +103,7 @@ def test_the_urban_cycle_is_followed_and_stores_what_the_steady_states_promise(
     assert lowest < result.braking_share_stored < highest
 
 
-def test_five_minutes_of_udds_are_followed_without_a_fault(drive: Drive) -> None:
+def test_five_minutes_of_udds_run_without_a_fault(drive: Drive) -> None:
     result = simulate(drive, "udds", "series_optimal", max_duration_s=330.0)
     error_kmh = (
         result.signal("vehicle.speed_m_per_s") - result.signal("driver.reference_m_per_s")
@@ -113,7 +113,7 @@ def test_five_minutes_of_udds_are_followed_without_a_fault(drive: Drive) -> None
     assert result.residual_relative < 1e-4
 
 
-def test_a_stop_gives_the_kinetic_energy_and_the_distance(drive: Drive) -> None:
+def test_a_stop_has_the_kinetic_energy_and_distance_of_the_closed_form(drive: Drive) -> None:
     result = simulate(drive, "stop", "series_optimal", drag=False, demand_nm=60.0)
     assert result.kinetic_energy_j == pytest.approx(0.5 * 660.0 * (40.0 / 3.6) ** 2, rel=1e-12)
     assert result.stopped is True
@@ -124,7 +124,7 @@ def test_a_stop_gives_the_kinetic_energy_and_the_distance(drive: Drive) -> None:
     assert result.braking_work_j == pytest.approx(result.kinetic_energy_j, rel=1e-4)
 
 
-def test_the_energies_of_a_run_object_are_the_accounts(drive: Drive) -> None:
+def test_energies_of_the_run_object_equal_the_accounts(drive: Drive) -> None:
     result = simulate(drive, "stop", "parallel_ratio", demand_nm=50.0)
     energy = result.run_object["energy_j"]
     a = result.account_j
@@ -155,7 +155,7 @@ def test_the_energies_of_a_run_object_are_the_accounts(drive: Drive) -> None:
     assert a["energy.chemical_j"] == pytest.approx(heat + road + gained, abs=0.1)
 
 
-def test_a_recorded_power_adds_up_to_the_account(drive: Drive) -> None:
+def test_the_integral_of_a_recorded_power_is_its_account(drive: Drive) -> None:
     result = simulate(drive, "stop", "series_optimal", demand_nm=40.0, record_interval_s=0.01)
     to_the_last_row = float(np.sum(result.signal("battery.chemical_w")) * 0.01)
     assert to_the_last_row == pytest.approx(
@@ -180,7 +180,7 @@ def test_controller_fault_is_reported_with_reason_and_time(drive: Drive) -> None
     assert {fault.reason for fault in result.faults} == {"winding over-temperature"}
 
 
-def test_a_detuned_plant_leaves_the_controller_as_it_was(drive: Drive) -> None:
+def test_a_detuned_plant_does_not_change_the_controllers_configuration(drive: Drive) -> None:
     name, loaded, beside = scenario.load("stop", {"demand_nm": 40.0})
     plain = run.simulate(name, drive, loaded, beside, ())
     detuned = run.simulate(name, drive, loaded, beside, (), {"motor.phase_resistance_ohm": 0.062})
@@ -188,14 +188,16 @@ def test_a_detuned_plant_leaves_the_controller_as_it_was(drive: Drive) -> None:
     assert ratio == pytest.approx(2.0, rel=0.03)  # the same currents through twice the resistance
 
 
-def test_a_long_recording_is_thinned_out_for_the_report(drive: Drive) -> None:
+def test_a_long_recording_is_decimated_for_the_report(drive: Drive) -> None:
     result = simulate(drive, "stop", "series_optimal", record_interval_s=1e-3)
     assert len(result.rows) > 4000
     assert len(result.time_s) <= 4000
     assert all(len(values) == len(result.time_s) for values in result.signals.values())
 
 
-def test_a_cycle_beside_the_scenario_file_is_driven(drive: Drive, tmp_path: Path) -> None:
+def test_a_cycle_file_in_the_directory_of_the_scenario_is_used(
+    drive: Drive, tmp_path: Path
+) -> None:
     (tmp_path / "hop.csv").write_text(
         "time_s,speed_km_h\n0,0\n1,0\n5,12\n8,12\n12,0\n14,0\n", encoding="utf-8"
     )
@@ -207,9 +209,7 @@ def test_a_cycle_beside_the_scenario_file_is_driven(drive: Drive, tmp_path: Path
 
 
 @pytest.mark.parametrize("cpu_s", [0.0, 5e-324, 1e-300, -1e-6])
-def test_a_clock_that_has_not_moved_leaves_no_infinity_in_the_json(
-    drive: Drive, cpu_s: float
-) -> None:
+def test_a_zero_run_time_gives_no_infinity_in_the_json(drive: Drive, cpu_s: float) -> None:
     """A busy machine may run a thread so shortly that its processor time does not count."""
     honest = simulate(drive, "stop", "series_optimal", max_duration_s=0.1)
     result = dataclasses.replace(honest, cpu_s=cpu_s)
@@ -256,7 +256,7 @@ def test_energy_is_conserved_in_every_scenario_with_every_effect_on(
     "effect",
     [name for name in EFFECTS if name.startswith(("motor.q_sat", "motor.cogging_t", "sensors."))],
 )
-def test_each_effect_is_switched_on_by_name(drive: Drive, effect: str) -> None:
+def test_effects_are_selected_by_name(drive: Drive, effect: str) -> None:
     """One at a time it moves the run, and with the others at their values but itself off, it does
     not.
     """

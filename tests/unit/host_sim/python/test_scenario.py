@@ -7,23 +7,23 @@ from hubsim.errors import HubsimError
 
 
 @pytest.mark.parametrize("name", scenario.builtin_names())
-def test_every_built_in_scenario_is_valid_and_says_what_it_is(name: str) -> None:
+def test_every_built_in_scenario_is_valid_and_has_a_description(name: str) -> None:
     found, loaded, directory = scenario.load(name, {})
     assert found == name
     assert loaded.description
     assert directory.is_dir()
 
 
-def test_the_cycles_are_scaled_as_the_paper_does() -> None:
+def test_cycles_are_scaled_as_in_the_paper() -> None:
     assert scenario.load("ece15", {})[1].speed_scale == 60 / 80
     assert scenario.load("udds", {})[1].speed_scale == pytest.approx(60 / 91.25, abs=1e-7)
 
 
-def test_an_override_wins_over_the_file() -> None:
+def test_an_override_has_priority_over_the_file() -> None:
     assert scenario.load("stop", {"demand_nm": 60})[1].demand_nm == 60.0
 
 
-def test_a_scenario_of_ones_own_is_a_file(tmp_path: Path) -> None:
+def test_a_scenario_can_be_given_as_a_file(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text("initial_speed_kmh = 30.0\nmax_duration_s = 2.0\n", encoding="utf-8")
     name, loaded, directory = scenario.load(str(path), {})
@@ -52,7 +52,7 @@ def test_a_scenario_of_ones_own_is_a_file(tmp_path: Path) -> None:
         ({"initial_speed_kmh": True}, "--set initial_speed_kmh: True is not accepted"),
     ],
 )
-def test_a_wrong_override_gets_one_line_with_key_and_range(
+def test_an_invalid_override_is_an_error_in_one_line_with_key_and_range(
     overrides: dict[str, object], message: str
 ) -> None:
     with pytest.raises(HubsimError) as caught:
@@ -73,7 +73,9 @@ def test_a_wrong_override_gets_one_line_with_key_and_range(
         ),
     ],
 )
-def test_a_wrong_file_gets_one_line_with_its_name(tmp_path: Path, text: str, message: str) -> None:
+def test_an_invalid_file_is_an_error_in_one_line_with_its_name(
+    tmp_path: Path, text: str, message: str
+) -> None:
     path = tmp_path / "bad.toml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(HubsimError) as caught:
@@ -83,7 +85,7 @@ def test_a_wrong_file_gets_one_line_with_its_name(tmp_path: Path, text: str, mes
     assert "\n" not in str(caught.value)
 
 
-def test_what_is_no_scenario_is_answered_with_what_there_is(tmp_path: Path) -> None:
+def test_the_error_for_an_unknown_scenario_lists_the_known_ones(tmp_path: Path) -> None:
     with pytest.raises(
         HubsimError, match=r"no scenario 'stpo', accepted: .*stop, .*udds.* or a \.toml file"
     ):
@@ -121,7 +123,7 @@ def loaded(
     return scenario.load(str(path), overrides or {})[1]
 
 
-def test_sections_of_a_file_arrive_by_their_names(tmp_path: Path) -> None:
+def test_sections_of_a_file_are_read_by_name(tmp_path: Path) -> None:
     found = loaded(tmp_path, WHOLE)
     assert found.plant == {"battery.initial_soc": 0.5}
     assert found.drive_changes == {("brake", "strategy"): "parallel_ratio"}
@@ -166,7 +168,7 @@ def test_keys_inside_sections_can_be_overridden(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_a_wrong_key_inside_a_section_gets_one_line(
+def test_an_unknown_key_in_a_section_is_an_error_in_one_line(
     tmp_path: Path, key: str, value: object, message: str
 ) -> None:
     with pytest.raises(HubsimError) as caught:
@@ -249,7 +251,7 @@ def test_a_wrong_key_inside_a_section_gets_one_line(
         ),
     ],
 )
-def test_a_mistake_inside_a_section_gets_one_line_with_file_and_key(
+def test_an_error_in_a_section_is_one_line_with_file_and_key(
     tmp_path: Path, text: str, message: str
 ) -> None:
     with pytest.raises(HubsimError) as caught:

@@ -37,7 +37,7 @@ def fresh(directory: Path, name: str) -> store.Store:
     return store.Store(directory / name, {"what": "test"}, "0123")
 
 
-def test_a_row_is_the_run_that_hubsim_run_makes(hubsim: Hubsim, tmp_path: Path) -> None:
+def test_a_row_equals_the_result_of_hubsim_run(hubsim: Hubsim, tmp_path: Path) -> None:
     done = hubsim(
         "sweep",
         "stop",
@@ -96,9 +96,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     return (directory / "a.parquet").read_bytes()
 
 
-def test_the_same_sweep_gives_the_same_bytes_on_any_number_of_workers(
-    tmp_path: Path, whole: bytes
-) -> None:
+def test_results_do_not_depend_on_the_number_of_workers(tmp_path: Path, whole: bytes) -> None:
     table = conduct.conduct(JOB, PLAN, fresh(tmp_path, "a.parquet"), processes=2)
     assert table.num_rows == PLAN.runs == 9
     assert table["run"].to_pylist() == list(range(9))
@@ -121,7 +119,7 @@ def test_resumed_sweep_gives_the_same_bytes(
     assert list(tmp_path.iterdir()) == [tmp_path / "a.parquet"]
 
 
-def test_a_scheduler_elsewhere_does_the_work(tmp_path: Path, whole: bytes) -> None:
+def test_runs_can_be_executed_by_an_external_scheduler(tmp_path: Path, whole: bytes) -> None:
     with conduct.workers(None, 1) as client:
         address = str(client.scheduler_info()["address"])
         conduct.conduct(JOB, PLAN, fresh(tmp_path, "a.parquet"), address=address)
@@ -168,7 +166,7 @@ def test_sweep_interrupted_by_control_c_can_be_resumed(tmp_path: Path) -> None:
     assert not (tmp_path / "out.parquet").exists()
 
 
-def test_a_run_that_cannot_be_done_says_why_and_the_others_go_on(
+def test_a_failed_run_is_reported_with_its_cause_and_the_others_continue(
     hubsim: Hubsim, tmp_path: Path
 ) -> None:
     done = hubsim(
@@ -191,7 +189,7 @@ def test_a_run_that_cannot_be_done_says_why_and_the_others_go_on(
     assert "1 could not be run, the first because" in done.stdout
 
 
-def test_parts_of_another_sweep_are_not_mixed_in(tmp_path: Path, hubsim: Hubsim) -> None:
+def test_partial_results_of_another_sweep_are_refused(tmp_path: Path, hubsim: Hubsim) -> None:
     fresh(tmp_path, "out.parquet").open()
     arguments = (
         "sweep",
@@ -247,7 +245,7 @@ def test_parts_of_another_sweep_are_not_mixed_in(tmp_path: Path, hubsim: Hubsim)
         ),
     ],
 )
-def test_a_mistake_gets_one_line_before_any_work(
+def test_an_error_is_one_line_before_the_first_run(
     hubsim: Hubsim, tmp_path: Path, arguments: tuple[str, ...], message: str
 ) -> None:
     output = () if "--output" in arguments else ("--output", "out.parquet")
@@ -258,7 +256,7 @@ def test_a_mistake_gets_one_line_before_any_work(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_column_of_several_kinds_becomes_one() -> None:
+def test_a_column_of_mixed_types_is_converted_to_one_type() -> None:
     table = store.as_table(
         [{"run": 0, "a": 1, "b": True, "c": None}, {"run": 1, "a": 2.5, "b": "x", "d": 3}]
     )

@@ -7,7 +7,7 @@ from hubsim.errors import HubsimError
 from hubsim.sweep import plan
 
 
-def test_lists_and_ranges_make_a_grid_in_the_order_of_a_nested_loop() -> None:
+def test_lists_and_ranges_form_a_grid_in_nested_loop_order() -> None:
     found = plan.make(
         ["demand_nm=range(10,30,3)", "brake.strategy=parallel_ratio,series_optimal"], None, 1
     )
@@ -19,7 +19,7 @@ def test_lists_and_ranges_make_a_grid_in_the_order_of_a_nested_loop() -> None:
     ]
 
 
-def test_draws_are_made_anew_for_every_run_and_depend_on_seed_number_and_key_alone() -> None:
+def test_random_draws_of_a_run_depend_only_on_seed_number_and_key() -> None:
     texts = ["plant.vehicle.mass_kg=normal(660,20)", "demand_nm=10,20", "noise=choice(true,false)"]
     found = list(plan.make(texts, 5, 7).points())
     assert len(found) == 10
@@ -37,7 +37,7 @@ def test_draws_are_made_anew_for_every_run_and_depend_on_seed_number_and_key_alo
     ]
 
 
-def test_draws_have_the_distribution_they_are_said_to_have() -> None:
+def test_random_draws_have_the_stated_distribution() -> None:
     draws = 4000
     points = list(
         plan.make(["a=normal(100,5)", "b=uniform(-1,3)", "c=choice(1,2,2,2)"], draws, 3).points()
@@ -53,7 +53,7 @@ def test_draws_have_the_distribution_they_are_said_to_have() -> None:
     assert abs(np.corrcoef(a, b)[0, 1]) < 5 / math.sqrt(draws)
 
 
-def test_a_list_of_lists_is_a_grid_of_lists() -> None:
+def test_a_list_of_lists_gives_a_grid_of_lists() -> None:
     assert plan.read("motor.iron_loss_resistance_ohm=[1.5,0.006],[2.0,0.006]").values == (
         [1.5, 0.006],
         [2.0, 0.006],
@@ -90,7 +90,7 @@ def test_a_list_of_lists_is_a_grid_of_lists() -> None:
         ),
     ],
 )
-def test_a_mistake_gets_one_line(texts: list[str], draws: int | None, message: str) -> None:
+def test_an_error_is_one_line(texts: list[str], draws: int | None, message: str) -> None:
     with pytest.raises(HubsimError) as caught:
         plan.make(texts, draws, 1)
     assert message in str(caught.value)

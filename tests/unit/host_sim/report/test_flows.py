@@ -31,7 +31,7 @@ def check_balance(flow: Flow) -> None:
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_a_cycle_balances_and_its_losses_are_the_accounts(strategy: str) -> None:
+def test_the_diagram_of_a_cycle_balances_and_its_losses_equal_the_accounts(strategy: str) -> None:
     run = drive(strategy)
     flow = flow_of(run)
     check_balance(flow)
@@ -45,7 +45,7 @@ def test_a_cycle_balances_and_its_losses_are_the_accounts(strategy: str) -> None
     assert not flow.joining
 
 
-def test_the_way_out_to_the_wheels_is_the_same_for_all_strategies() -> None:
+def test_the_driving_lane_is_the_same_for_all_strategies() -> None:
     found = [flow_of(drive(strategy)) for strategy in STRATEGIES]
     for flow in found[1:]:
         assert [(part.name, round(part.energy_j, 3)) for part in flow.upper] == [
@@ -54,7 +54,7 @@ def test_the_way_out_to_the_wheels_is_the_same_for_all_strategies() -> None:
         assert flow.wheels_j == pytest.approx(found[0].wheels_j, rel=1e-9)
 
 
-def test_without_the_split_the_losses_are_those_of_the_whole_run_and_the_road_is_the_same() -> None:
+def test_without_the_split_losses_are_those_of_the_whole_run_and_road_load_is_unchanged() -> None:
     run = drive("series_optimal")
     known = flow_of(run)
     del run.summary["while_braking_j"]
@@ -67,7 +67,7 @@ def test_without_the_split_the_losses_are_those_of_the_whole_run_and_the_road_is
     assert flows.total(flow.road) == pytest.approx(flows.total(known.road), rel=1e-3)
 
 
-def test_without_drag_and_rolling_the_road_is_one_difference() -> None:
+def test_without_drag_and_rolling_resistance_the_road_load_is_one_difference() -> None:
     run = drive("series_optimal")
     known = flow_of(run)
     del run.summary["energy_j"]["drag"]
@@ -77,7 +77,7 @@ def test_without_drag_and_rolling_the_road_is_one_difference() -> None:
     assert flows.total(flow.road) == pytest.approx(flows.total(known.road), rel=1e-3)
 
 
-def test_polarisation_is_booked_with_the_battery_and_comes_in_where_it_gives() -> None:
+def test_polarisation_energy_belongs_to_the_battery_and_is_a_source_if_negative() -> None:
     run = drive("series_optimal")
     run.summary["energy_j"]["battery_returned"] -= 800.0  # kept by the polarisation
     kept = flow_of(run)
@@ -95,7 +95,7 @@ def test_polarisation_is_booked_with_the_battery_and_comes_in_where_it_gives() -
     )
 
 
-def test_a_stop_has_no_upper_lane_and_its_source_is_the_motion() -> None:
+def test_a_stop_has_no_driving_lane_and_its_source_is_kinetic_energy() -> None:
     run = drive("parallel_free_travel")
     energy = run.summary["energy_j"]
     for name, value in run.summary["while_driving_j"].items():
@@ -114,7 +114,7 @@ def test_a_stop_has_no_upper_lane_and_its_source_is_the_motion() -> None:
     assert {"air", "rolling"} <= {part.name for part in flow.lower}
 
 
-def test_what_coasting_gave_to_the_cells_counts_as_returned() -> None:
+def test_energy_stored_while_coasting_counts_as_returned() -> None:
     run = drive("parallel_free_travel")
     energy = run.summary["energy_j"]
     for name, value in run.summary["while_driving_j"].items():
@@ -132,7 +132,7 @@ def test_what_coasting_gave_to_the_cells_counts_as_returned() -> None:
     assert flow.returned_j == pytest.approx(energy["battery_returned"] + 700.0)
 
 
-def test_a_descent_that_feeds_the_road_too_still_balances() -> None:
+def test_the_diagram_of_a_descent_balances() -> None:
     run = drive("series_optimal")
     energy = run.summary["energy_j"]
     # The road takes more than the battery brings to the wheels.
@@ -144,7 +144,7 @@ def test_a_descent_that_feeds_the_road_too_still_balances() -> None:
     assert flow.turned_j == pytest.approx(0.0, abs=flows.NEGLIGIBLE * more)
 
 
-def test_braking_that_costs_energy_has_a_negative_return() -> None:
+def test_braking_that_draws_energy_has_negative_returned_energy() -> None:
     run = drive("parallel_ratio")
     run.summary["while_braking_j"]["copper"] += 9000.0
     run.summary["energy_j"]["battery_returned"] -= 9000.0
@@ -157,7 +157,7 @@ def test_braking_that_costs_energy_has_a_negative_return() -> None:
     "missing", ["traction", "braking_at_wheels", "battery_returned", "hydraulic"]
 )
 @pytest.mark.parametrize("how", [math.nan, "many", None])
-def test_without_a_main_energy_there_is_no_picture(missing: str, how: object) -> None:
+def test_without_a_main_energy_no_diagram_is_drawn(missing: str, how: object) -> None:
     run = drive("series_optimal")
     if how is None:
         del run.summary["energy_j"][missing]
@@ -166,7 +166,7 @@ def test_without_a_main_energy_there_is_no_picture(missing: str, how: object) ->
     assert flows.flow_of(run) is None
 
 
-def test_a_run_in_which_nothing_flows_has_no_picture() -> None:
+def test_a_run_without_energy_flow_has_no_diagram() -> None:
     run = drive("series_optimal")
     run.summary = {"energy_j": dict.fromkeys(run.summary["energy_j"], 0.0)}
     assert flows.flow_of(run) is None

@@ -73,7 +73,7 @@ def browse(path: Path, *arguments: str) -> str:
 
 
 @pytest.mark.parametrize("width", [1280, 400])
-def test_nothing_sticks_out_of_the_page_or_of_a_picture(written: Path, width: int) -> None:
+def test_no_element_exceeds_the_page_or_its_picture(written: Path, width: int) -> None:
     frame = written.with_name("frame.html")
     frame.write_text(FRAME % width, encoding="utf-8")
     seen = browse(frame, "--window-size=1400,2100", "--virtual-time-budget=5000", "--dump-dom")
@@ -86,7 +86,7 @@ def test_nothing_sticks_out_of_the_page_or_of_a_picture(written: Path, width: in
 
 
 @pytest.mark.parametrize("width", [1280, 400])
-def test_a_screenshot_shows_the_colours_of_what_it_is_about(written: Path, width: int) -> None:
+def test_a_screenshot_contains_the_colours_of_the_legend(written: Path, width: int) -> None:
     from PIL import Image  # noqa: PLC0415, comes with the plotting package
 
     shot = written.with_name("shot.png")
@@ -97,7 +97,7 @@ def test_a_screenshot_shows_the_colours_of_what_it_is_about(written: Path, width
     assert {(0, 135, 95), (213, 94, 0)} <= seen, "battery green and hydraulic orange"
 
 
-def test_on_paper_every_part_fits_its_sheet(written: Path) -> None:
+def test_in_print_every_part_fits_one_sheet(written: Path) -> None:
     """Signals on upright sheets, two strategies each, the rest on others.
 
     What does not fit is cut and makes more of them.
@@ -113,7 +113,7 @@ def test_on_paper_every_part_fits_its_sheet(written: Path) -> None:
     assert 3 <= upright.count(False) <= 4
 
 
-def test_one_run_takes_three_sheets_and_leaves_no_heading_alone(tmp_path: Path) -> None:
+def test_one_run_prints_on_three_sheets_with_headings_next_to_their_content(tmp_path: Path) -> None:
     """Result and criteria; energies and pictures; signals and the notes, upright."""
     run = drive(cycle="stop")
     run.summary["ideal_stop"] = IDEAL
@@ -128,7 +128,7 @@ def test_one_run_takes_three_sheets_and_leaves_no_heading_alone(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("width", [1280, 400])
-def test_one_run_fills_the_page_and_nothing_sticks_out(tmp_path: Path, width: int) -> None:
+def test_one_run_fills_the_page_without_overflow(tmp_path: Path, width: int) -> None:
     run = drive(cycle="stop")
     run.summary["ideal_stop"] = IDEAL
     run.summary["criteria"] = CRITERIA

@@ -16,7 +16,7 @@ from tests.unit.host_sim.report.ideal_vehicle import (
 )
 
 
-def test_points_are_those_moments_in_which_the_driver_brakes_and_the_vehicle_moves() -> None:
+def test_points_are_samples_with_a_braking_demand_and_nonzero_speed() -> None:
     run = drive("parallel_free_travel")
     found = operating_map.operating_points(run, RADIUS_M)
     assert found is not None
@@ -28,7 +28,7 @@ def test_points_are_those_moments_in_which_the_driver_brakes_and_the_vehicle_mov
     assert all((torque,) in pairs for torque in np.round(torque_nm, 9).tolist())
 
 
-def test_the_series_strategy_keeps_to_the_line_and_says_so() -> None:
+def test_points_of_series_optimal_lie_on_the_optimum_and_the_text_states_it() -> None:
     run = drive("series_optimal")
     found = operating_map.operating_points(run, RADIUS_M)
     assert found is not None
@@ -43,7 +43,7 @@ def test_the_series_strategy_keeps_to_the_line_and_says_so() -> None:
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_every_dot_lies_in_the_frame_where_its_values_are(strategy: str) -> None:
+def test_every_point_is_drawn_at_its_values_inside_the_frame(strategy: str) -> None:
     runs, best = three(), best_map()
     run = next(run for run in runs if run.strategy == strategy)
     chart = operating_map.layout(runs, best)
@@ -62,7 +62,7 @@ def test_every_dot_lies_in_the_frame_where_its_values_are(strategy: str) -> None
         assert operating_map.TOP <= y <= operating_map.BOTTOM
 
 
-def test_axes_have_units_and_a_run_without_braking_still_has_its_map() -> None:
+def test_axes_have_units_and_the_map_is_drawn_without_braking_points() -> None:
     run = drive()
     run.signals["driver.brake_nm"] = np.zeros(run.time_s.shape)
     best = best_map()

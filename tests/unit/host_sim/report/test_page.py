@@ -32,7 +32,7 @@ def cells(document: Node) -> dict[str, list[str]]:
     return rows
 
 
-def test_every_energy_of_every_strategy_stands_in_the_table_in_kilojoules() -> None:
+def test_the_table_contains_every_energy_of_every_strategy_in_kilojoules() -> None:
     runs = three()
     table = cells(written(runs))
     for row, key in {
@@ -50,7 +50,7 @@ def test_every_energy_of_every_strategy_stands_in_the_table_in_kilojoules() -> N
         assert values == [f"{run.summary['energy_j'][key] / 1e3:.2f}" for run in runs]
 
 
-def test_shares_are_per_cent_and_the_series_optimum_is_the_measure() -> None:
+def test_shares_are_in_per_cent_relative_to_series_optimal() -> None:
     runs = three()
     table = cells(written(runs))
     shares = [run.summary["braking_share_stored"] for run in runs]
@@ -64,13 +64,13 @@ def test_shares_are_per_cent_and_the_series_optimum_is_the_measure() -> None:
     assert cells(written(runs))["Residual"][1] == "2.5 · 10⁻⁵"
 
 
-def test_strategies_stand_from_the_least_to_the_best_in_whatever_order_they_come() -> None:
+def test_strategies_are_sorted_by_returned_energy_for_any_input_order() -> None:
     titles = [reading.STRATEGIES[name].title for name in STRATEGIES]
     headings = written(three()[::-1]).all("table")[0].all("thead")[0].all("th")
     assert [heading.words() for heading in headings][2:] == titles
 
 
-def test_every_cycle_has_its_section_and_its_own_optimum() -> None:
+def test_every_cycle_has_a_section_with_its_own_optimum() -> None:
     runs = [*three(), *[drive(strategy, cycle="udds") for strategy in STRATEGIES]]
     for run in runs[3:]:
         run.summary["energy_j"] = {
@@ -89,7 +89,7 @@ def test_every_cycle_has_its_section_and_its_own_optimum() -> None:
     } == targets
 
 
-def test_the_page_fetches_nothing() -> None:
+def test_the_page_loads_no_external_resource() -> None:
     text = page.document(three())
     document = documents.read(text)
     assert not re.search(
@@ -106,7 +106,7 @@ def test_the_page_fetches_nothing() -> None:
     assert policy.attributes["content"].startswith("default-src 'none'")
 
 
-def test_references_inside_the_page_find_their_one_target() -> None:
+def test_every_reference_inside_the_page_has_exactly_one_target() -> None:
     text = page.document([*three(), drive(cycle="udds")])
     document = documents.read(text)
     identities = Counter(
@@ -132,7 +132,7 @@ def test_pictures_have_titles_and_table_headings_have_scopes() -> None:
     assert document.all("meta")[0].attributes["charset"] == "utf-8"
 
 
-def test_names_with_special_characters_are_text() -> None:
+def test_names_with_special_characters_are_escaped() -> None:
     run = drive()
     run.cycle = run.strategy = run.vehicle = HOSTILE
     run.summary["reason_texts"] = {"1": HOSTILE, "2": HOSTILE}
@@ -145,7 +145,7 @@ def test_names_with_special_characters_are_text() -> None:
 
 
 @pytest.mark.parametrize("unknown", [math.nan, math.inf, None, "a lot", True])
-def test_what_is_not_a_number_is_a_dash(unknown: object) -> None:
+def test_values_that_are_no_numbers_are_shown_as_a_dash(unknown: object) -> None:
     run = drive()
     run.summary["energy_j"]["copper"] = unknown
     run.summary["residual_relative"] = unknown
@@ -154,7 +154,7 @@ def test_what_is_not_a_number_is_a_dash(unknown: object) -> None:
     assert table["Residual"] == ["%", "–"]
 
 
-def test_a_run_of_which_nothing_is_known_still_makes_a_page() -> None:
+def test_a_run_without_signals_and_energies_gives_a_page() -> None:
     run = drive()
     run.summary, run.signals, run.time_s = {}, {}, np.array([])
     document = written([run])
@@ -162,7 +162,7 @@ def test_a_run_of_which_nothing_is_known_still_makes_a_page() -> None:
     assert "No signals were recorded" in document.words()
 
 
-def test_returns_of_nothing_and_of_less_than_nothing_are_shown_as_such() -> None:
+def test_zero_and_negative_returned_energies_are_shown_with_their_sign() -> None:
     run = drive("parallel_ratio")
     energy = run.summary["energy_j"]
     lost = energy["battery_returned"]
@@ -181,7 +181,7 @@ def test_returns_of_nothing_and_of_less_than_nothing_are_shown_as_such() -> None
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_the_bar_of_the_braking_work_is_whole(strategy: str) -> None:
+def test_the_parts_of_the_braking_work_bar_sum_to_its_length(strategy: str) -> None:
     document = written([drive(strategy)])
     bar = document.all("article", "card")[0].all("svg")[0]
     rectangles = sorted(
@@ -194,7 +194,7 @@ def test_the_bar_of_the_braking_work_is_whole(strategy: str) -> None:
     assert bar.attributes["viewbox"] == "0 0 100.00 10"
 
 
-def test_signals_may_be_named_with_a_dot_an_underscore_or_shortly() -> None:
+def test_signal_names_are_accepted_with_dot_underscore_or_short() -> None:
     run = drive()
     short, flat = copy.deepcopy(run), copy.deepcopy(run)
     short.signals = {name.partition(".")[2]: values for name, values in run.signals.items()}
@@ -202,7 +202,7 @@ def test_signals_may_be_named_with_a_dot_an_underscore_or_shortly() -> None:
     assert page.document([short]) == page.document([run]) == page.document([flat])
 
 
-def test_a_long_run_with_noise_in_every_signal_stays_below_three_megabytes() -> None:
+def test_the_page_of_a_long_noisy_run_is_below_3_megabytes() -> None:
     random = np.random.default_rng(1)
     runs = three()
     for run in runs:
@@ -214,5 +214,5 @@ def test_a_long_run_with_noise_in_every_signal_stays_below_three_megabytes() -> 
     assert len(page.document(runs).encode()) < 3_000_000
 
 
-def test_equal_runs_make_equal_bytes() -> None:
+def test_equal_runs_give_identical_bytes() -> None:
     assert page.document(three()) == page.document(three())

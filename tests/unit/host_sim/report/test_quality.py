@@ -14,7 +14,7 @@ def test_torque_error_is_zero_when_the_demand_is_met() -> None:
         assert quality.largest(quality.while_braking(run, error)) < 1e-9
 
 
-def test_missing_braking_is_a_positive_error_of_its_size() -> None:
+def test_a_braking_shortfall_is_a_positive_torque_error() -> None:
     run = drive("parallel_ratio")
     run.signals["wheel0.hydraulic_torque_nm"] = run.signals["wheel0.hydraulic_torque_nm"] - 3.0
     error = quality.while_braking(run, quality.torque_error_nm(run))
@@ -32,7 +32,7 @@ def test_torque_error_is_zero_at_standstill() -> None:
     assert np.any(standing)
 
 
-def test_jerk_is_the_slope_of_the_acceleration() -> None:
+def test_jerk_is_the_derivative_of_the_acceleration() -> None:
     run = drive()
     run.signals["vehicle.acceleration_m_per_s2"] = np.where(
         run.time_s < 50.0, 0.0, -0.5 * (run.time_s - 50.0)
@@ -44,7 +44,7 @@ def test_jerk_is_the_slope_of_the_acceleration() -> None:
     assert np.allclose(jerk[run.time_s > 50.1], -0.5)
 
 
-def test_the_table_has_units_and_dashes_for_what_is_not_known() -> None:
+def test_the_table_has_units_and_dashes_for_missing_values() -> None:
     run = drive("parallel_ratio")
     del run.signals["vehicle.acceleration_m_per_s2"]
     table = documents.read(tables.braking_quality([run], "how well"))

@@ -80,7 +80,7 @@ def returned_width(picture: Picture) -> float:
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_what_flows_into_either_lane_flows_out_of_it(strategy: str) -> None:
+def test_inflow_equals_outflow_in_both_lanes(strategy: str) -> None:
     picture = measured(drive(strategy), three())
     turned = turned_width(picture)
     assert drawn_width(picture) == pytest.approx(picture.leaving("up") + turned, abs=HALF_PX)
@@ -89,7 +89,7 @@ def test_what_flows_into_either_lane_flows_out_of_it(strategy: str) -> None:
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_every_width_is_its_energy_at_one_scale(strategy: str) -> None:
+def test_every_width_is_proportional_to_its_energy(strategy: str) -> None:
     run, runs = drive(strategy), three()
     picture = measured(run, runs)
     assert picture.per_j == measured(runs[0], runs).per_j
@@ -106,7 +106,7 @@ def test_every_width_is_its_energy_at_one_scale(strategy: str) -> None:
         assert width == pytest.approx(part.energy_j * picture.per_j, abs=0.03)
 
 
-def test_a_battery_that_feeds_braking_fills_the_losses_from_its_side() -> None:
+def test_a_battery_that_supplies_braking_is_a_source_of_the_losses() -> None:
     run = drive("parallel_ratio")
     run.summary["while_braking_j"]["copper"] += 9000.0
     run.summary["energy_j"]["battery_returned"] -= 9000.0
@@ -120,7 +120,7 @@ def test_a_battery_that_feeds_braking_fills_the_losses_from_its_side() -> None:
     assert returned_width(picture) == 0.0
 
 
-def test_a_return_of_nothing_has_no_arrow_and_still_balances() -> None:
+def test_zero_returned_energy_has_no_arrow_and_the_diagram_balances() -> None:
     run = drive("series_optimal")
     returned = run.summary["energy_j"]["battery_returned"]
     run.summary["while_braking_j"]["hydraulic"] += returned
@@ -130,7 +130,7 @@ def test_a_return_of_nothing_has_no_arrow_and_still_balances() -> None:
     assert turned_width(picture) == pytest.approx(picture.leaving("down"), abs=HALF_PX)
 
 
-def test_a_stop_is_one_lane_from_the_motion_to_the_battery() -> None:
+def test_a_stop_is_one_lane_from_kinetic_energy_to_the_battery() -> None:
     run = drive("parallel_free_travel")
     run.summary["while_driving_j"] = dict.fromkeys(run.summary["while_driving_j"], 0.0)
     work = run.summary["energy_j"]["braking_at_wheels"]
@@ -151,7 +151,7 @@ def test_a_stop_is_one_lane_from_the_motion_to_the_battery() -> None:
 
 @pytest.mark.parametrize("bearing_j", [0.0, 6000.0])
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_labels_and_stems_stay_inside_and_stems_do_not_touch(
+def test_labels_and_leader_lines_stay_inside_and_leader_lines_do_not_touch(
     strategy: str, bearing_j: float
 ) -> None:
     run = drive(strategy)
@@ -172,7 +172,7 @@ def test_labels_and_stems_stay_inside_and_stems_do_not_touch(
             assert left - right > 2.0
 
 
-def test_labels_below_take_turns_in_two_rows_where_one_is_too_narrow() -> None:
+def test_lower_labels_alternate_between_two_rows_if_one_is_too_narrow() -> None:
     parts = tuple(flows.Part(f"part {place}", 100.0, "loss") for place in range(8))
     for lower, rows in ((parts, 2), (parts[:4], 1)):
         work = 1000.0 + flows.total(lower)
@@ -189,7 +189,7 @@ def test_labels_below_take_turns_in_two_rows_where_one_is_too_narrow() -> None:
             assert all(after - before >= lanes.NARROW for before, after in pairwise(sorted(row)))
 
 
-def test_the_picture_says_its_content_in_words() -> None:
+def test_the_diagram_has_a_text_alternative() -> None:
     picture = measured(drive("series_optimal"))
     svg = picture.node.all("svg")[0]
     assert svg.attributes["role"] == "img"

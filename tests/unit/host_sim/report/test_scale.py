@@ -5,7 +5,7 @@ from hubsim.report import scale
 
 
 @pytest.mark.parametrize("count", [2.0, 3.0, 5.0, 8.0])
-def test_steps_are_round_and_their_number_is_near_the_one_asked_for(count: float) -> None:
+def test_tick_steps_are_round_and_their_number_is_close_to_the_requested_one(count: float) -> None:
     for span in np.geomspace(1e-6, 1e9, 400):
         step = scale.round_step(float(span), count)
         mantissa = step / 10.0 ** np.floor(np.log10(step) + 1e-9)
@@ -14,7 +14,7 @@ def test_steps_are_round_and_their_number_is_near_the_one_asked_for(count: float
         assert count / 1.5 * 0.9 <= span / step <= 1.5 * count * (1.0 + 1e-6)
 
 
-def test_a_fitted_scale_holds_its_range_but_for_a_twentieth_of_a_step() -> None:
+def test_a_fitted_scale_covers_its_range_within_5_percent_of_a_step() -> None:
     random = np.random.default_rng(7)
     for _ in range(300):
         low, span = float(random.uniform(-300.0, 300.0)), float(10.0 ** random.uniform(-3.0, 3.0))
@@ -25,13 +25,13 @@ def test_a_fitted_scale_holds_its_range_but_for_a_twentieth_of_a_step() -> None:
         assert axis.ticks()[-1] == pytest.approx(axis.high, abs=1e-6 * axis.step)
 
 
-def test_a_scale_of_one_value_still_has_a_span() -> None:
+def test_a_scale_of_a_constant_has_a_nonzero_span() -> None:
     axis = scale.fitted(25.0, 25.0, 5.0, 3.0, 60.0, 0.0)
     assert axis.low < 25.0 < axis.high
     assert axis.high - axis.low >= 5.0
 
 
-def test_thinning_keeps_every_peak_in_four_points_for_two_thirds_of_a_pixel() -> None:
+def test_decimation_keeps_every_peak_with_four_points_per_column() -> None:
     random = np.random.default_rng(3)
     x = np.linspace(38.0, 392.0, 20_000)
     y = random.uniform(0.0, 100.0, x.size)
@@ -49,25 +49,25 @@ def test_thinning_keeps_every_peak_in_four_points_for_two_thirds_of_a_pixel() ->
         assert y[around].min() - 0.06 <= drawn.min() <= y[inside].min() + 0.06
 
 
-def test_a_straight_level_needs_two_points() -> None:
+def test_a_constant_curve_is_drawn_with_two_points() -> None:
     x = np.linspace(0.0, 300.0, 4000)
     assert scale.thinned(x, np.full(x.size, 12.0)) == [(0.0, 12.0), (300.0, 12.0)]
 
 
-def test_a_curve_is_broken_where_it_has_no_value_and_a_lonely_sample_is_not_drawn() -> None:
+def test_a_curve_has_gaps_at_missing_values_and_omits_isolated_samples() -> None:
     x = np.arange(12, dtype=np.float64)
     y = np.array([1, 2, 3, np.nan, 5, np.nan, 7, 8, np.nan, np.nan, 9, 4], dtype=np.float64)
     assert [(piece.start, piece.stop) for piece in scale.pieces(x, y)] == [(0, 3), (6, 8), (10, 12)]
     assert scale.line(x, y).count("M") == 3
 
 
-def test_nothing_to_draw_is_an_empty_path() -> None:
+def test_no_values_give_an_empty_path() -> None:
     x = np.arange(5, dtype=np.float64)
     assert scale.line(x, np.full(5, np.nan)) == ""
     assert scale.band(x, np.full(5, np.nan), np.zeros(5)) == ""
 
 
-def test_a_band_runs_along_one_curve_and_back_along_the_other() -> None:
+def test_a_band_is_the_polygon_between_two_curves() -> None:
     x = np.array([0.0, 10.0, 20.0])
     data = scale.band(x, np.array([5.0, 3.0, 5.0]), np.array([9.0, 9.0, 9.0]))
     assert data.startswith("M") and data.endswith("Z")

@@ -40,7 +40,7 @@ def table(document: Node, caption: str) -> dict[str, list[str]]:
     }
 
 
-def test_criteria_have_their_values_limits_and_results() -> None:
+def test_criteria_are_shown_with_value_limit_and_result() -> None:
     run = drive()
     run.summary["criteria"] = CRITERIA
     document = read(page.document([run]))
@@ -57,7 +57,7 @@ def test_criteria_have_their_values_limits_and_results() -> None:
     assert len(document.all("span", "missed")) == 2
 
 
-def test_criteria_of_several_runs_stand_side_by_side_with_limits_of_their_own() -> None:
+def test_criteria_of_several_runs_are_shown_in_columns_with_their_own_limits() -> None:
     runs = three()
     for place, run in enumerate(runs):
         run.summary["criteria"] = [CRITERIA[0] | {"at_most": 60.0 + place, "value": 50.0 + place}]
@@ -68,7 +68,7 @@ def test_criteria_of_several_runs_stand_side_by_side_with_limits_of_their_own() 
     ]
 
 
-def test_one_run_is_compared_with_the_ideal_stop_and_never_with_itself() -> None:
+def test_one_run_is_compared_with_the_ideal_stop_and_not_with_itself() -> None:
     run = drive()
     run.summary["ideal_stop"] = IDEAL
     document = read(page.document([run]))
@@ -97,7 +97,7 @@ def wheels(differing: float) -> Run:
     return run
 
 
-def test_wheels_that_do_the_same_are_one_curve_and_others_one_each() -> None:
+def test_equal_wheels_are_drawn_as_one_curve_and_different_ones_separately() -> None:
     same, other = panels.panels_of([wheels(0.0)]), panels.panels_of([wheels(0.5)])
     assert [panel.title for panel in same] == [panel.title for panel in panels.panels_of([drive()])]
     torque = next(panel for panel in other if panel.title == "Motor torque")
@@ -115,7 +115,7 @@ def test_wheels_that_do_the_same_are_one_curve_and_others_one_each() -> None:
     assert "the others do the same" in page.document([wheels(0.0)])
 
 
-def test_a_reason_of_any_wheel_is_shown() -> None:
+def test_a_reason_of_every_wheel_is_shown() -> None:
     run = wheels(0.5)
     run.signals["wheel2.reason"] = np.where(run.time_s < 10.0, 9.0, 0.0)
     shared = traces.layout([run])
@@ -124,7 +124,7 @@ def test_a_reason_of_any_wheel_is_shown() -> None:
     assert reading.wheels(run) == 4
 
 
-def test_the_bus_voltage_is_drawn_beside_the_batterys() -> None:
+def test_bus_and_battery_voltage_are_drawn_in_one_panel() -> None:
     run = drive()
     run.signals["bus.voltage_v"] = run.signals["battery.voltage_v"] + 1.0
     (panel,) = [panel for panel in panels.panels_of([run]) if panel.title == "Voltage"]
@@ -134,7 +134,7 @@ def test_the_bus_voltage_is_drawn_beside_the_batterys() -> None:
     assert np.allclose(bus - battery, 1.0)
 
 
-def test_the_signals_of_one_run_are_three_pictures_that_hold_every_panel_once() -> None:
+def test_signals_of_one_run_are_drawn_in_three_pictures_with_every_panel_once() -> None:
     run = drive()
     whole = traces.layout([run])
     groups = [traces.layout([run], group) for group in range(3)]
@@ -151,7 +151,7 @@ def test_the_signals_of_one_run_are_three_pictures_that_hold_every_panel_once() 
 
 
 @pytest.mark.parametrize("factor", [0.02, 1.0, 50.0])
-def test_labels_of_the_upper_lane_never_touch(factor: float) -> None:
+def test_labels_of_the_upper_lane_do_not_overlap(factor: float) -> None:
     """Seven exits of a small vehicle: alternating rows where one is too narrow."""
     run = drive()
     for phase in ("while_driving_j", "while_braking_j"):
@@ -169,7 +169,7 @@ def test_labels_of_the_upper_lane_never_touch(factor: float) -> None:
                 assert abs(other.middle - one.middle) >= lanes.NARROW - 1e-9
 
 
-def test_figures_and_units_read_as_printed() -> None:
+def test_figures_and_units_equal_those_of_the_printed_summary() -> None:
     assert [markup.figure(x) for x in (0.0, 0.8, 54.69684, -1.5, 1e-4, 5.1e-7)] == [
         "0", "0.8", "54.7", "−1.5", "1.0 · 10⁻⁴", "5.1 · 10⁻⁷",
     ]  # fmt: skip

@@ -6,7 +6,7 @@ from tests.unit.host_sim.report import documents
 from tests.unit.host_sim.report.ideal_extras import Curve, curves
 
 
-def test_every_simulated_stop_is_a_ring_at_its_place() -> None:
+def test_every_simulated_stop_is_drawn_as_a_circle_at_its_values() -> None:
     drawn = documents.read(stop_curves.draw(curves(), "s"))
     groups = drawn.all("g", "rings")
     assert [len(group.all("circle")) for group in groups] == [3, 3, 3]
@@ -22,14 +22,14 @@ def test_every_simulated_stop_is_a_ring_at_its_place() -> None:
     assert high < low, "more stored energy has to be higher up"
 
 
-def test_the_table_says_how_far_from_the_ideal() -> None:
+def test_the_table_contains_the_deviation_from_the_ideal() -> None:
     table = documents.read(stop_curves.table(curves()))
     rows = [[cell.words() for cell in row.all("td")] for row in table.all("tbody")[0].all("tr")]
     assert rows[1] == ["16.0 (+1.0)", "75.0 (+1.0)", "77.0 (+1.0)"]
     assert rows[0] == ["−14.0 (0.0)", "64.0 (0.0)", "64.0 (0.0)"]
 
 
-def test_a_strategy_of_another_name_and_a_missing_demand_are_no_obstacle() -> None:
+def test_unknown_strategies_and_missing_demands_are_accepted() -> None:
     odd = Curve("mine<b>", (5.0,), (0.5,), (0.5,), (5.0, 120.0), (0.5, 0.2))
     drawn = documents.read(stop_curves.draw([*curves(), odd], "s"))
     assert "mine<b>" in drawn.words()
@@ -43,5 +43,5 @@ def test_differences_are_taken_at_the_simulated_demands() -> None:
     assert stop_curves.differences(curve) == pytest.approx([0.3, -0.1])
 
 
-def test_a_battery_that_has_no_time_to_settle_is_said_in_numbers() -> None:
+def test_the_effect_of_an_unsettled_battery_is_stated_in_numbers() -> None:
     assert stop_curves.unsettled(curves()) == pytest.approx(0.007)

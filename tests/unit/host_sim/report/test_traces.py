@@ -21,7 +21,7 @@ def coordinates(node: Node) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]
     return np.array(numbers, dtype=np.float64).reshape(-1, 2)
 
 
-def test_scales_and_height_are_equal_in_all_columns() -> None:
+def test_scales_and_heights_are_equal_in_all_columns() -> None:
     runs = three()
     ticks = [
         [
@@ -35,7 +35,7 @@ def test_scales_and_height_are_equal_in_all_columns() -> None:
     assert len({column(run, runs).all("svg")[0].attributes["viewbox"] for run in runs}) == 1
 
 
-def test_a_curve_lies_where_its_values_are() -> None:
+def test_a_curve_is_drawn_at_its_values() -> None:
     run = drive()
     shared = traces.layout([run])
     assert shared is not None
@@ -68,7 +68,7 @@ def test_motor_and_hydraulic_areas_are_stacked_up_to_the_demand() -> None:
     assert coordinates(area)[:, 1].max() == pytest.approx(lowest, abs=0.1)
 
 
-def test_a_brake_that_holds_against_a_driving_motor_is_drawn_below_zero() -> None:
+def test_hydraulic_torque_against_a_driving_motor_is_drawn_below_zero() -> None:
     run = drive("parallel_ratio")
     driving = (run.time_s > 12.0) & (run.time_s < 14.0)
     run.signals["wheel0.hydraulic_torque_nm"] = np.where(driving, 10.0, 0.0)
@@ -86,7 +86,7 @@ def test_a_brake_that_holds_against_a_driving_motor_is_drawn_below_zero() -> Non
     assert there[:, 1].max() == pytest.approx(axis.at(-10.0), abs=0.1)
 
 
-def test_the_ground_is_shaded_exactly_while_the_driver_brakes() -> None:
+def test_the_background_is_shaded_exactly_while_the_driver_brakes() -> None:
     run = drive()
     shared = traces.layout([run])
     assert shared is not None
@@ -99,7 +99,7 @@ def test_the_ground_is_shaded_exactly_while_the_driver_brakes() -> None:
     assert end == pytest.approx(shared.time.at(96.0), abs=0.1)
 
 
-def test_every_reason_has_its_words_its_duration_and_a_strip_of_that_length() -> None:
+def test_every_reason_has_a_text_a_duration_and_a_bar_of_that_length() -> None:
     runs = three()
     shared = traces.layout(runs)
     assert shared is not None
@@ -121,7 +121,7 @@ def test_every_reason_has_its_words_its_duration_and_a_strip_of_that_length() ->
     assert "more torque would return less energy" in series.words()
 
 
-def test_a_fault_has_the_colour_of_faults() -> None:
+def test_a_fault_is_drawn_in_the_colour_of_faults() -> None:
     run = drive()
     run.signals["wheel0.reason"][100:200] = 67.0
     run.summary["reason_texts"]["67"] = "phase over-current"
@@ -129,20 +129,20 @@ def test_a_fault_has_the_colour_of_faults() -> None:
     assert [fault.words() for fault in faults] == ["phase over-current: 5.0 s"]
 
 
-def test_a_signal_that_one_run_lacks_is_said_to_be_missing_there() -> None:
+def test_a_signal_missing_in_one_run_is_marked_as_missing() -> None:
     runs = three()
     runs[1].signals["battery.current_a"] = np.full(runs[1].time_s.shape, np.nan)
     assert "not recorded" in column(runs[1], runs).words()
     assert "not recorded" not in column(runs[0], runs).words()
 
 
-def test_a_quantity_that_does_not_change_is_said_in_words() -> None:
+def test_a_constant_quantity_is_stated_as_text() -> None:
     run = drive()
     run.signals["wheel0.winding_temperature_c"] = np.full(run.time_s.shape, 25.0)
     assert "25.0 °C throughout" in column(run, [run]).words()
 
 
-def test_gaps_and_wild_values_never_reach_the_path() -> None:
+def test_gaps_and_non_finite_values_are_not_in_the_path() -> None:
     run = drive()
     run.signals["battery.voltage_v"][::7] = np.nan
     run.signals["battery.current_a"][50] = np.inf
@@ -151,7 +151,7 @@ def test_gaps_and_wild_values_never_reach_the_path() -> None:
         assert "inf" not in path.attributes["d"]
 
 
-def test_the_read_out_has_the_values_of_its_times() -> None:
+def test_the_cursor_read_out_shows_the_values_at_its_time() -> None:
     run = drive("parallel_ratio")
     shared = traces.layout([run])
     assert shared is not None
@@ -170,7 +170,7 @@ def test_the_read_out_has_the_values_of_its_times() -> None:
     assert data["left"] == traces.LEFT and data["right"] == pytest.approx(traces.RIGHT)
 
 
-def test_nothing_recorded_is_no_layout() -> None:
+def test_an_empty_recording_has_no_layout() -> None:
     run = drive()
     run.signals = {}
     assert traces.layout([run]) is None

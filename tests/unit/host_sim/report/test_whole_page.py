@@ -37,7 +37,7 @@ def whole() -> str:
     return page.document(runs, Extras({"lu2013": best_map()}, curves()))
 
 
-def test_everything_that_was_given_is_on_the_page() -> None:
+def test_the_page_contains_every_given_part() -> None:
     headings = [heading.words() for heading in documents.read(whole()).all("h2")]
     for wanted in (
         "Energy flow",
@@ -56,13 +56,13 @@ def test_everything_that_was_given_is_on_the_page() -> None:
         assert wanted in words, wanted
 
 
-def test_without_map_and_stops_their_parts_are_left_out() -> None:
+def test_without_map_and_stops_their_parts_are_omitted() -> None:
     words = documents.read(page.document(three())).words()
     assert "Where the motor brakes" not in words
     assert "Stops:" not in words
 
 
-def test_identities_are_unique_and_every_reference_finds_one() -> None:
+def test_ids_are_unique_and_every_reference_has_a_target() -> None:
     text = whole()
     identities = Counter(
         node.attributes["id"] for node in documents.read(text).all() if "id" in node.attributes
@@ -74,7 +74,7 @@ def test_identities_are_unique_and_every_reference_finds_one() -> None:
     assert references <= set(identities)
 
 
-def test_pictures_are_well_formed_and_made_of_what_svg_has() -> None:
+def test_pictures_are_well_formed_svg() -> None:
     pictures = re.findall(r"<svg.*?</svg>", whole(), flags=re.DOTALL)
     assert len(pictures) == 6 + 6 + 6 + 6 + 1  # bars, flows, points and traces of six runs, stops
     for text in pictures:
@@ -92,6 +92,6 @@ def test_pictures_are_well_formed_and_made_of_what_svg_has() -> None:
                 )
 
 
-def test_nothing_comes_from_outside() -> None:
+def test_the_page_is_self_contained() -> None:
     text = re.sub(r"^ *//.*$", "", whole(), flags=re.MULTILINE)
     assert not re.search(r"https?:|url\((?!#)|@import|src=|//[a-z]", text)

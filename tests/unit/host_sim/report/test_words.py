@@ -17,7 +17,7 @@ from hubsim.report import markup
         (math.inf, 2, "–"),
     ],
 )
-def test_a_fixed_number_has_a_real_minus_no_negative_zero_and_a_dash_for_the_unknown(
+def test_fixed_numbers_use_a_minus_sign_no_negative_zero_and_a_dash_for_missing_values(
     value: float, decimals: int, text: str
 ) -> None:
     assert markup.fixed(value, decimals) == text
@@ -43,9 +43,7 @@ def test_significant_digits_are_counted_from_the_first_one(value: float, text: s
         (math.nan, "–"),
     ],
 )
-def test_labels_of_energies_have_three_digits_or_are_whole_joules(
-    energy_j: float, text: str
-) -> None:
+def test_energy_labels_have_three_digits_or_whole_joules(energy_j: float, text: str) -> None:
     assert markup.kilojoules(energy_j) == text
 
 
@@ -59,5 +57,5 @@ def test_labels_of_energies_have_three_digits_or_are_whole_joules(
         (1e-5, "0.0010 %"),
     ],
 )
-def test_tiny_shares_are_written_with_a_power_of_ten(share: float, text: str) -> None:
+def test_very_small_shares_are_written_with_a_power_of_ten(share: float, text: str) -> None:
     assert markup.small_percent(share) == text

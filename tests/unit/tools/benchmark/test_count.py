@@ -39,7 +39,7 @@ def counts(program: Callable[..., Path], tmp_path: Path) -> dict[str, count.Coun
     return count.count(build.CORES[0], image, plugin, functions, NAMES, "begin")
 
 
-def test_counts_are_those_made_by_hand(counts: dict[str, count.Count]) -> None:
+def test_counts_equal_those_made_by_hand(counts: dict[str, count.Count]) -> None:
     assert counts["loop"] == count.Count(
         1001, 1 + 2 * 1 + 1, 1 + 2 * 501 + 1, 1 + 2 * 991 + 1, 1 + 2 * 1001 + 1
     )
@@ -49,13 +49,13 @@ def test_counts_are_those_made_by_hand(counts: dict[str, count.Count]) -> None:
     assert counts["straight"] == count.Count(2002, 11, 11, 11, 11)
 
 
-def test_the_share_of_99_percent_is_the_least_that_so_many_calls_keep() -> None:
+def test_the_99th_percentile_is_the_smallest_count_that_99_percent_do_not_exceed() -> None:
     """One of a hundred may lie beyond it, not two."""
     assert count.summary([9] + [5] * 99) == count.Count(100, 5, 5, 5, 9)
     assert count.summary([9, 8] + [5] * 98) == count.Count(100, 5, 5, 8, 9)
 
 
-def test_a_function_that_is_not_there_is_named(
+def test_a_missing_function_is_an_error_that_names_it(
     program: Callable[..., Path], tmp_path: Path
 ) -> None:
     image = program(PROGRAM)
@@ -65,7 +65,7 @@ def test_a_function_that_is_not_there_is_named(
         )
 
 
-def test_a_function_that_is_left_by_a_jump_is_refused(
+def test_a_function_that_returns_by_a_jump_is_refused(
     program: Callable[..., Path], tmp_path: Path
 ) -> None:
     tail = '__attribute__((noinline)) int inner(int x) { __asm volatile(""); return x + 1; }\n'

@@ -20,7 +20,7 @@ int main(int argc, char **argv) { (void)argv; return step(argc) + unused_by_step
 """
 
 
-def test_a_functions_size_is_its_code_its_callees_and_the_constants_it_refers_to(
+def test_size_of_a_function_includes_its_callees_and_constants(
     program: Callable[..., Path],
 ) -> None:
     image = program(TABLES, "-fno-ipa-cp", "-fno-ipa-sra")
@@ -31,7 +31,7 @@ def test_a_functions_size_is_its_code_its_callees_and_the_constants_it_refers_to
     assert size["tables"] == 50 * 2
 
 
-def test_every_call_knows_where_it_comes_back_to(program: Callable[..., Path]) -> None:
+def test_every_call_has_its_return_address(program: Callable[..., Path]) -> None:
     image = program(TABLES, "-fno-ipa-cp", "-fno-ipa-sra")
     functions = elf.functions(image)
     sites = functions["step"].return_sites["double_it"]

@@ -56,7 +56,7 @@ def chip(tmp_path: Path) -> tuple[Chip, dict[str, elf.Symbol]]:
     ("name", "instructions"),
     [("straight", 11), ("loop", 16), ("skipped", 5), ("outer", 14), ("wide", 5)],
 )
-def test_counts_are_those_made_by_hand(
+def test_counts_equal_those_made_by_hand(
     chip: tuple[Chip, dict[str, elf.Symbol]], name: str, instructions: int
 ) -> None:
     core, symbols = chip
@@ -64,7 +64,7 @@ def test_counts_are_those_made_by_hand(
         assert core.call(symbols[name].address) == instructions
 
 
-def test_the_timer_updates_at_both_ends_until_its_repetition_counter_is_taken_over(
+def test_the_timer_updates_at_both_ends_until_its_repetition_counter_is_loaded(
     chip: tuple[Chip, dict[str, elf.Symbol]],
 ) -> None:
     """RM0090 section 17.3.3, as the firmware's start of the timer relies on."""
@@ -86,7 +86,7 @@ def test_the_timer_updates_at_both_ends_until_its_repetition_counter_is_taken_ov
     assert directions(7) == [True, True, True, True]
 
 
-def test_frames_carry_the_protection_that_an_independent_implementation_computes() -> None:
+def test_frames_have_the_protection_of_an_independent_implementation() -> None:
     for counter in range(16):
         entry = 0
         for bit, part in {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}.items():

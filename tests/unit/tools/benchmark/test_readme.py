@@ -23,7 +23,7 @@ REPORT = {
 }
 
 
-def test_rows_that_were_counted_are_replaced_and_the_others_stay() -> None:
+def test_counted_rows_are_replaced_and_the_others_unchanged() -> None:
     text = readme.updated(TEXT, REPORT)
     assert "| `foc_current_step` | cortex-m4 | 100 | 104 | 105 | 106 | median 105 |" in text
     assert "| `pwm_interrupt` | stm32f405 | 300 | 401 | 602 | 703 | max 800 |" in text
@@ -32,14 +32,14 @@ def test_rows_that_were_counted_are_replaced_and_the_others_stay() -> None:
     assert readme.updated(text, REPORT) == text
 
 
-def test_a_row_is_out_of_date_when_a_figure_is_off_by_more_than_two_per_cent() -> None:
+def test_a_row_is_out_of_date_if_a_figure_deviates_by_more_than_2_percent() -> None:
     complaints = readme.out_of_date(TEXT, REPORT)
     assert len(complaints) == 1
     assert complaints[0].startswith("foc_current_step, cortex-m4: shown [100, 101, 102, 103]")
     assert readme.out_of_date(readme.updated(TEXT, REPORT), REPORT) == []
 
 
-def test_the_projects_readme_has_the_rows_that_the_benchmark_counts() -> None:
+def test_the_readme_contains_the_rows_of_the_benchmark() -> None:
     rows = {(match[1], match[2]) for match in readme._ROW.finditer(readme.README.read_text())}
     assert rows == {
         ("foc_current_step", "cortex-m4"),

@@ -28,7 +28,9 @@ int main(void) { top(); handler(); return 0; }
 """
 
 
-def test_the_deepest_chain_is_found_and_its_frames_add_up(program: Callable[..., Path]) -> None:
+def test_stack_use_is_the_sum_of_frames_of_the_deepest_call_chain(
+    program: Callable[..., Path],
+) -> None:
     functions = elf.functions(program(CHAIN))
     path = stack_report.worst_path("top", functions, {})
     assert path.functions == ("top", "middle", "leaf")
@@ -36,14 +38,14 @@ def test_the_deepest_chain_is_found_and_its_frames_add_up(program: Callable[...,
     assert stack_report.worst_path("other", functions, {}).bytes == 24 + 4
 
 
-def test_an_interrupt_adds_the_frame_that_the_core_pushes(
+def test_an_interrupt_adds_the_exception_frame(
     program: Callable[..., Path], tmp_path: Path
 ) -> None:
     rows = stack_report.report(program(CHAIN), [tmp_path], "top", ["handler"])
     assert rows[1][1].bytes == 24 + (24 + 4) + 36
 
 
-def test_the_compilers_own_figure_counts_where_the_instructions_show_less(
+def test_the_compilers_figure_applies_if_larger_than_that_of_the_instructions(
     program: Callable[..., Path], tmp_path: Path
 ) -> None:
     image = program(
@@ -55,7 +57,7 @@ def test_the_compilers_own_figure_counts_where_the_instructions_show_less(
     assert stack_report.worst_path("f", elf.functions(image), frames).bytes == frames["f"]
 
 
-def test_recursion_has_no_bound(program: Callable[..., Path]) -> None:
+def test_stack_of_a_recursion_is_unbounded(program: Callable[..., Path]) -> None:
     image = program(
         "__attribute__((noinline)) int f(int n) { return n ? f(n - 1) * f(n / 3) + 1 : 1; } int"
         " main(void) { return f(9); }"
@@ -64,13 +66,15 @@ def test_recursion_has_no_bound(program: Callable[..., Path]) -> None:
         stack_report.worst_path("main", elf.functions(image), {})
 
 
-def test_a_call_through_a_pointer_has_no_bound(program: Callable[..., Path]) -> None:
+def test_stack_of_a_call_through_a_pointer_is_unbounded(program: Callable[..., Path]) -> None:
     image = program("int (*volatile f)(void); int main(void) { return 1 + f(); }")
     with pytest.raises(stack_report.StackError, match="through a pointer"):
         stack_report.worst_path("main", elf.functions(image), {})
 
 
-def test_stack_of_variable_size_has_no_bound(program: Callable[..., Path], tmp_path: Path) -> None:
+def test_stack_of_a_variable_size_frame_is_unbounded(
+    program: Callable[..., Path], tmp_path: Path
+) -> None:
     program(
         "__attribute__((noinline)) int f(int n) { volatile char b[n]; b[0] = 1; return b[0]; } int"
         " main(void) { return f(3); }"
@@ -79,7 +83,7 @@ def test_stack_of_variable_size_has_no_bound(program: Callable[..., Path], tmp_p
         stack_report.compiled_frames([tmp_path])
 
 
-def test_too_little_stack_fails_the_link_step_and_says_how_much_is_missing(
+def test_too_little_stack_fails_the_link_step_with_the_missing_size(
     program: Callable[..., Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     image = program(CHAIN)

@@ -22,7 +22,7 @@ def call(*arguments: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_one_worker_and_two_make_the_same_table() -> None:
+def test_one_and_two_workers_give_the_same_table() -> None:
     done = call("--runs", "8", "--workers", "2", "--json")
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)

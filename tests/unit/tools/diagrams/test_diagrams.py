@@ -11,7 +11,7 @@ FIRMWARE = FOLDER.parents[1] / "firmware"
 
 
 @pytest.mark.parametrize("name", DIAGRAMS)
-def test_the_stored_file_is_what_the_script_draws(name: str) -> None:
+def test_the_stored_picture_is_up_to_date(name: str) -> None:
     """And a well-formed document with a title."""
     text = DIAGRAMS[name]().svg()
     assert (FOLDER / name).read_text(encoding="utf-8") == text
@@ -20,7 +20,7 @@ def test_the_stored_file_is_what_the_script_draws(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", DIAGRAMS)
-def test_text_fits_its_box_and_boxes_lie_apart_on_the_sheet(name: str) -> None:
+def test_text_fits_its_box_and_boxes_do_not_overlap(name: str) -> None:
     """By the width of an average character."""
     sheet = DIAGRAMS[name]()
     assert len(sheet.boxes) > 10
@@ -38,7 +38,7 @@ def test_text_fits_its_box_and_boxes_lie_apart_on_the_sheet(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", DIAGRAMS)
-def test_the_readme_shows_it(name: str) -> None:
+def test_the_readme_contains_the_picture(name: str) -> None:
     """By its path from firmware/."""
     readme = FIRMWARE / "README.md"
     assert f"](../tools/diagrams/{name})" in readme.read_text(encoding="utf-8")

@@ -245,7 +245,7 @@ def check_zero_d_current(drive: schema.Drive, rng: np.random.Generator) -> bool:
     return possible
 
 
-def test_every_value_of_solve_agrees_with_a_scan_over_the_current(
+def test_every_result_of_solve_agrees_with_a_scan_over_the_current(
     random_drives: list[schema.Drive],
 ) -> None:
     rng = np.random.default_rng(1)

@@ -48,7 +48,7 @@ def beside_deg(one: float, other: float) -> float:
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
-def test_edges_are_found_to_half_a_degree_in_either_direction_while_the_wheel_slows_down(
+def test_edges_of_a_decelerating_wheel_are_found_within_half_a_degree_in_either_direction(
     direction: float,
 ) -> None:
     """At 40 turns a second a sample is 1.4 deg, of which the middle is taken, and there are dozens
@@ -60,13 +60,13 @@ def test_edges_are_found_to_half_a_degree_in_either_direction_while_the_wheel_sl
         assert place.edges > 20
 
 
-def test_the_index_is_found_where_it_lies() -> None:
+def test_the_index_angle_is_found() -> None:
     found = calibrate.calibrate(spun(slowing_down()))
     assert found.index is not None
     assert beside_deg(found.index.angle_deg, INDEX_DEG) < 1.0
 
 
-def test_reversal_of_the_wheel_does_not_change_the_calibration() -> None:
+def test_reversal_of_the_direction_does_not_change_the_calibration() -> None:
     speed = 40.0 * np.cos(np.arange(40_000) * SAMPLE_S * 2.0)
     table = spun(speed)
     del table["index"]  # turning back its other end comes first
@@ -74,7 +74,7 @@ def test_reversal_of_the_wheel_does_not_change_the_calibration() -> None:
         assert beside_deg(place.angle_deg, truth) < 0.5
 
 
-def test_swapped_lines_are_refused_not_averaged() -> None:
+def test_swapped_lines_are_refused() -> None:
     table = spun(slowing_down())
     table["hall_a"], table["hall_b"] = table["hall_b"], table["hall_a"]
     with pytest.raises(ConfigurationError, match=r"swap two|order of the inverter"):
@@ -86,7 +86,7 @@ def test_a_short_recording_is_refused() -> None:
         calibrate.calibrate(spun(slowing_down()[:400]))
 
 
-def test_the_command_prints_lines_for_the_drives_file(
+def test_the_command_prints_lines_for_the_drive_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     table = spun(slowing_down())
@@ -103,7 +103,7 @@ def test_the_command_prints_lines_for_the_drives_file(
     assert "encoder_index_deg = " in out
 
 
-def test_a_file_without_the_channels_is_refused_in_one_line(
+def test_a_file_without_the_required_channels_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "other.csv"

@@ -48,7 +48,7 @@ def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> list[dict[str
 
 
 @pytest.mark.parametrize("joint", [[], ["--joint"]])
-def test_solve_answers_every_combination_in_the_agreed_keys(
+def test_solve_returns_every_combination_with_the_documented_keys(
     capsys: pytest.CaptureFixture[str], joint: list[str]
 ) -> None:
     found = answer(
@@ -71,7 +71,9 @@ def test_solve_answers_every_combination_in_the_agreed_keys(
         assert record["battery_power_w"] < 0.0
 
 
-def test_solve_says_where_no_torque_returns_energy(capsys: pytest.CaptureFixture[str]) -> None:
+def test_solve_marks_states_where_no_torque_returns_energy(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     slow, standing, fast = answer(capsys, "solve", str(PAPER), "--speed-rpm", "3,0,10", "--json")
     assert (
         slow["regeneration_possible"],
@@ -82,7 +84,7 @@ def test_solve_says_where_no_torque_returns_energy(capsys: pytest.CaptureFixture
     assert slow["dc_power_w"] == 0.0
 
 
-def test_evaluate_answers_every_combination_and_its_losses_add_up(
+def test_evaluate_returns_every_combination_with_losses_that_sum_up(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     found = answer(
@@ -96,7 +98,7 @@ def test_evaluate_answers_every_combination_and_its_losses_add_up(
         assert record["region"] == ("driving" if mechanical > 0.0 else "III")
 
 
-def test_evaluate_answers_null_where_no_current_makes_the_torque(
+def test_evaluate_returns_null_if_no_current_gives_the_torque(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     (record,) = answer(
@@ -106,7 +108,9 @@ def test_evaluate_answers_null_where_no_current_makes_the_torque(
     assert {"torque", "power", "phase_current", "phase_voltage"} <= set(record["limits_exceeded"])
 
 
-def test_stop_answers_one_object_a_demand_and_strategy(capsys: pytest.CaptureFixture[str]) -> None:
+def test_stop_returns_one_object_per_demand_and_strategy(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     arguments = ["stop", str(PAPER), "--initial-speed-kmh", "40", "--demand-nm", "20,40", "--json"]
     assert [r["demand_nm"] for r in answer(capsys, *arguments, "--strategy", "parallel_ratio")] == [
         20.0,
@@ -254,7 +258,7 @@ IMPOSSIBLE = {
 
 @pytest.mark.parametrize("command", ["generate", "check", "solve", "stop"])
 @pytest.mark.parametrize("what", IMPOSSIBLE)
-def test_an_impossible_drive_is_one_line_and_writes_nothing(
+def test_an_invalid_drive_is_an_error_in_one_line_without_output(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, what: str
 ) -> None:
     key, value, expected = IMPOSSIBLE[what]
@@ -277,7 +281,7 @@ def test_an_impossible_drive_is_one_line_and_writes_nothing(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_the_module_runs_as_a_command_and_explains_itself() -> None:
+def test_the_module_runs_as_a_command_with_a_help_text() -> None:
     done = subprocess.run(
         [sys.executable, "-m", "regen_table", "--help"], capture_output=True, text=True, check=False
     )
@@ -304,7 +308,7 @@ def test_the_module_runs_as_a_command_and_explains_itself() -> None:
     ],
     ids=lambda command: command[0],
 )
-def test_an_answer_in_a_file_holds_where_it_comes_from(
+def test_a_result_file_contains_its_provenance(
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -357,7 +361,7 @@ def unreadable(tmp_path: Path, kind: str) -> Path:
         *("rows of different lengths", "one row", "standing still"),
     ],
 )
-def test_foreign_file_is_reported_in_one_line(
+def test_a_file_of_another_format_is_an_error_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, kind: str
 ) -> None:
     path = str(unreadable(tmp_path, kind))
@@ -389,7 +393,7 @@ def test_a_byte_order_mark_is_accepted(tmp_path: Path, capsys: pytest.CaptureFix
 
 
 @pytest.mark.parametrize("option", ["--report", "--output", "-o"])
-def test_an_output_that_cannot_be_written_is_one_line(
+def test_an_unwritable_output_is_an_error_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], option: str
 ) -> None:
     (tmp_path / "full").symlink_to("/dev/full")
@@ -414,7 +418,7 @@ HEAVY = ("numpy", "scipy", "matplotlib", "pydantic", "cffi", "regen_table.comman
     "command",
     ["", "generate", "check", "solve", "evaluate", "stop", "cycle", "figures", "calibrate"],
 )
-def test_an_explanation_loads_no_library_that_takes_long_to_load(command: str) -> None:
+def test_help_imports_no_slow_library(command: str) -> None:
     code = (
         "import sys\nfrom regen_table import cli\n"
         f"try:\n    cli.main({[command, '--help'] if command else ['--help']!r})\n"
@@ -425,7 +429,7 @@ def test_an_explanation_loads_no_library_that_takes_long_to_load(command: str) -
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-def test_generate_keeps_its_findings_on_request(
+def test_generate_writes_its_report_on_request(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert (
@@ -454,7 +458,7 @@ def test_generate_keeps_its_findings_on_request(
     assert "phase margin" in capsys.readouterr().out
 
 
-def test_the_figures_are_drawn_twice_the_same_as_pictures_and_as_vectors(tmp_path: Path) -> None:
+def test_figures_are_reproducible_as_png_and_svg(tmp_path: Path) -> None:
     for name in ("first", "second"):
         assert cli.main(["figures", str(PAPER), "-o", str(tmp_path / name)]) == 0
     first, second = (

@@ -26,7 +26,7 @@ def drive(request: pytest.FixtureRequest) -> schema.Drive:
     return schema.load(request.param)
 
 
-def test_the_torque_is_exact_whatever_demagnetising_current_flows(
+def test_the_torque_is_exact_at_any_demagnetising_current(
     random_drives: list[schema.Drive],
 ) -> None:
     rng = np.random.default_rng(7)
@@ -46,7 +46,7 @@ def test_the_torque_is_exact_whatever_demagnetising_current_flows(
         assert np.all(np.abs(state.current_d_a - current) <= 1e-9 * drive.motor.max_phase_current_a)
 
 
-def test_few_points_come_within_a_hundredth_of_a_per_cent_of_the_least_loss(
+def test_few_points_suffice_for_1e_4_of_the_least_loss(
     drive: schema.Drive,
 ) -> None:
     table = current_audit.choose(drive)
@@ -59,11 +59,11 @@ def test_few_points_come_within_a_hundredth_of_a_per_cent_of_the_least_loss(
         assert loss.without_d_current >= -1e-9
 
 
-def test_the_stored_current_costs_no_braking_power_anywhere(drive: schema.Drive) -> None:
+def test_the_stored_current_does_not_reduce_braking_power_at_any_point(drive: schema.Drive) -> None:
     assert current_audit.worst_power_loss(drive, current_audit.choose(drive)) <= 5e-4
 
 
-def test_temperature_is_an_axis_only_where_magnets_weaken_or_iron_loss_decides() -> None:
+def test_temperature_is_an_axis_only_if_flux_or_iron_loss_depends_on_it() -> None:
     layers = {
         path.stem: current_audit.choose(schema.load(path)).current_d_mA.shape[0] for path in MOTORS
     }
@@ -71,7 +71,7 @@ def test_temperature_is_an_axis_only_where_magnets_weaken_or_iron_loss_decides()
     assert layers["ebike36v"] == layers["scooter48v"] == 1
 
 
-def test_a_smaller_grid_would_lose_more_than_is_allowed(drive: schema.Drive) -> None:
+def test_a_smaller_grid_exceeds_the_permitted_loss(drive: schema.Drive) -> None:
     chosen = current_audit.choose(drive)
     layers = chosen.current_d_mA.shape[0]
     for torque, speed in ((1, 0), (0, 1)):
@@ -88,7 +88,7 @@ def test_a_smaller_grid_would_lose_more_than_is_allowed(drive: schema.Drive) -> 
         assert energy > 1e-4 or current_audit.worst_power_loss(drive, coarse) > 5e-4
 
 
-def test_a_drive_whose_map_cannot_be_fine_enough_is_refused(
+def test_a_drive_whose_map_exceeds_its_maximum_size_is_refused(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     drive = schema.load(ROOT / "tools" / "motors" / "ipm400v.toml")
@@ -102,7 +102,7 @@ def test_a_drive_whose_map_cannot_be_fine_enough_is_refused(
         current_audit.choose.__wrapped__(drive)
 
 
-def test_leaving_the_bus_voltage_out_costs_less_than_a_tenth_of_a_per_cent(
+def test_neglecting_the_bus_voltage_costs_less_than_0_1_percent(
     drive: schema.Drive,
 ) -> None:
     assert current_audit.bus_voltage_loss(drive) < 1e-3
@@ -117,7 +117,7 @@ def power_of(drive: schema.Drive, speed: Array, torque: Array, current: Array) -
     return current_map.state(motor, inverter, speed * motor.pole_pairs, torque, current).dc_power_w
 
 
-def test_a_motor_that_idles_takes_the_least_power(drive: schema.Drive) -> None:
+def test_at_zero_torque_the_map_gives_the_least_power(drive: schema.Drive) -> None:
     table = current_audit.choose(drive)
     table = current_map.compute(drive, table.torque_step_log2, table.speed_step_log2, 1)
     speed, torque = table.speeds_rad_s, np.zeros(len(table.speeds_rad_s))
@@ -137,7 +137,7 @@ def test_a_motor_that_idles_takes_the_least_power(drive: schema.Drive) -> None:
 @pytest.mark.parametrize(
     "path", [p for p in MOTORS if schema.load(p).motor.type == "ipmsm"], ids=lambda path: path.stem
 )
-def test_points_beside_the_curve_lose_less_than_points_on_it(path: Path) -> None:
+def test_points_off_the_curve_give_a_smaller_loss_than_points_on_it(path: Path) -> None:
     drive = schema.load(path)
     torque_step = torque_map.step_log2(2000.0 * drive.motor.max_torque_nm, 9, 0)
     beside = current_map.compute(
@@ -174,7 +174,7 @@ def test_points_beside_the_curve_lose_less_than_points_on_it(path: Path) -> None
     assert 0.0 < lost[0] < 0.7 * lost[1]
 
 
-def test_reverse_reads_the_mirrored_torque(drive: schema.Drive) -> None:
+def test_reverse_rotation_uses_the_negated_torque(drive: schema.Drive) -> None:
     table = current_audit.choose(drive)
     torque = np.linspace(-1.0, 1.0, 41) * drive.motor.max_torque_nm
     speed = 0.37 * drive.motor.max_speed_rpm * math.pi / 30.0
@@ -191,7 +191,7 @@ def test_braking_table_of_the_map_loses_negligible_energy(drive: schema.Drive) -
     assert all(-1e-6 <= loss.relative <= 2e-4 for loss in losses), losses
 
 
-def test_its_optimum_is_the_joint_optimum_of_both_currents(drive: schema.Drive) -> None:
+def test_the_optimum_of_the_map_is_the_joint_optimum_of_both_currents(drive: schema.Drive) -> None:
     table = current_audit.choose(drive)
     motor, inverter = (
         models.machine(drive, float(np.mean(drive.table.temperature_range_c))),
@@ -211,7 +211,7 @@ def test_its_optimum_is_the_joint_optimum_of_both_currents(drive: schema.Drive) 
     assert np.all(made <= best.state.dc_power_w + 1e-3 * np.abs(best.state.dc_power_w))
 
 
-def test_the_generator_reads_the_map_exactly_as_the_firmware_does(
+def test_look_up_of_generator_and_firmware_is_bit_identical(
     tmp_path: Path, drive: schema.Drive
 ) -> None:
     library = tmp_path / "current_map.so"
@@ -247,7 +247,7 @@ def test_the_generator_reads_the_map_exactly_as_the_firmware_does(
     assert np.rint(found * 1000.0).astype(int).tolist() == expected
 
 
-def test_power_of_every_torque_in_the_firmware_is_that_of_the_generator(
+def test_power_at_every_torque_in_the_firmware_equals_that_of_the_generator(
     tmp_path: Path, drive: schema.Drive
 ) -> None:
     """The current setpoint, compiled, against the model.

@@ -45,7 +45,7 @@ def explained(made: Figure) -> set[tuple[str, str]]:
 
 @pytest.mark.parametrize("name", DRAWN)
 @pytest.mark.parametrize("vehicle", ["lu2013", "ebike36v"])
-def test_every_dashed_line_is_in_a_legend(vehicle: str, name: str) -> None:
+def test_every_dashed_line_has_a_legend_entry(vehicle: str, name: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         made = DRAWN[name](schema.load(MOTORS / f"{vehicle}.toml"))
@@ -69,7 +69,7 @@ def test_the_knee_of_figure_14_is_at_the_rated_braking_torque(paper: schema.Driv
     assert 40.0 in axes.get_xticks()
 
 
-def test_the_bands_of_figure_7_show_the_torque_and_the_speed_where_the_limits_begin(
+def test_bands_of_figure_7_begin_at_torque_and_speed_of_the_limits(
     paper: schema.Drive,
 ) -> None:
     _, free_travel, series, _ = figures_vehicle.electric_share(paper).axes
@@ -81,7 +81,7 @@ def test_the_bands_of_figure_7_show_the_torque_and_the_speed_where_the_limits_be
         assert np.max(edge[:, 0]) == pytest.approx(CORNER_RPM, rel=2e-3)
 
 
-def test_figure_11_ends_in_the_hyperbola_itself_and_has_a_contour_of_40_per_cent(
+def test_figure_11_ends_on_the_hyperbola_and_has_a_40_percent_contour(
     paper: schema.Drive,
 ) -> None:
     axes = figures.efficiency_map(paper).axes[0]
@@ -95,7 +95,7 @@ def test_figure_11_ends_in_the_hyperbola_itself_and_has_a_contour_of_40_per_cent
         assert power == pytest.approx(2094.0, rel=1e-9)
 
 
-def test_the_areas_of_figure_5_meet_without_a_gap_and_region_i_begins_at_standstill(
+def test_regions_of_figure_5_are_contiguous_and_region_i_begins_at_standstill(
     paper: schema.Drive,
 ) -> None:
     (axes,) = figures.regions(paper).axes

@@ -16,7 +16,7 @@ MOTORS = sorted((ROOT / "tools" / "motors").glob("*.toml"))
 SALIENT = [path for path in MOTORS if schema.load(path).motor.type == "ipmsm"]
 
 
-def test_surface_magnets_brake_with_the_papers_closed_form(paper: schema.Drive) -> None:
+def test_optimum_of_surface_magnets_is_the_closed_form_of_the_paper(paper: schema.Drive) -> None:
     assert ideal.production(paper) is braking.ZERO_D_CURRENT
     line = ideal.lines(
         paper,
@@ -36,7 +36,7 @@ def test_surface_magnets_brake_with_the_papers_closed_form(paper: schema.Drive) 
 
 
 @pytest.mark.parametrize("path", SALIENT, ids=lambda path: path.stem)
-def test_a_salient_motors_lines_are_the_optimum_and_the_zero_of_the_least_power(path: Path) -> None:
+def test_lines_of_a_salient_motor_are_optimum_and_zero_of_the_least_power(path: Path) -> None:
     drive = schema.load(path)
     motor, inverter = models.machine(drive, 60.0), models.bridge(drive)
     meeting = ideal.meeting_rad_s(drive, motor, inverter)
@@ -57,7 +57,9 @@ def test_a_salient_motors_lines_are_the_optimum_and_the_zero_of_the_least_power(
 
 
 @pytest.mark.parametrize("path", SALIENT, ids=lambda path: path.stem)
-def test_a_salient_motors_stop_and_cycle_return_what_the_least_loss_does(path: Path) -> None:
+def test_stop_and_cycle_of_a_salient_motor_return_the_energy_of_the_minimum_loss_current(
+    path: Path,
+) -> None:
     drive = schema.load(path)
     made, motor, inverter = (
         ideal.production(drive),

@@ -32,14 +32,14 @@ def unpack(raw: bytes) -> Any:  # noqa: ANN401, a cffi pointer
     return layout.load().ffi.from_buffer("config_t *", raw)
 
 
-def test_every_line_of_the_header_is_found() -> None:
+def test_every_field_of_the_header_is_parsed() -> None:
     text = layout.HEADER.read_text(encoding="utf-8")
     lines = re.findall(r"^    [XY]\((\w+),", text, flags=re.MULTILINE)
     found = [name for fields in layout.load().sections.values() for name in fields]
     assert sorted(found) == sorted(lines)
 
 
-def test_the_layout_is_the_compilers(tmp_path: Path) -> None:
+def test_the_layout_equals_that_of_the_compiler(tmp_path: Path) -> None:
     header = layout.load()
     checks = [f'_Static_assert(sizeof(config_t) == {header.size_bytes}, "");']
     for section, fields in header.sections.items():
@@ -62,7 +62,7 @@ def test_the_layout_is_the_compilers(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def test_the_image_is_sealed_the_way_the_firmware_checks_it(paper: schema.Drive) -> None:
+def test_the_crc_of_the_image_is_that_checked_by_the_firmware(paper: schema.Drive) -> None:
     raw = image.build(paper)
     packed = unpack(raw)
     assert raw[:4] == b"HFOC"
@@ -71,7 +71,7 @@ def test_the_image_is_sealed_the_way_the_firmware_checks_it(paper: schema.Drive)
     assert layout.load().ffi.string(packed.name) == b"lu2013"
 
 
-def test_the_papers_numbers_arrive_in_the_firmwares_units(paper: schema.Drive) -> None:
+def test_the_papers_data_are_converted_to_the_firmwares_units(paper: schema.Drive) -> None:
     packed = unpack(image.build(paper))
     assert packed.motor.pole_pairs == 23
     assert packed.motor.phase_resistance_uOhm == 31000
@@ -84,7 +84,7 @@ def test_the_papers_numbers_arrive_in_the_firmwares_units(paper: schema.Drive) -
     assert packed.drive.pwm_period_counts == 4200  # 168 MHz / (2 * 20 kHz)
 
 
-def test_the_per_unit_gains_are_the_textbooks(paper: schema.Drive) -> None:
+def test_the_per_unit_gains_equal_the_textbook_formulas(paper: schema.Drive) -> None:
     # Z = 165 A / 61.8 V, omega_c = 2 pi 1000, omega_base = 2 pi 20000 / 16, T = 50 us: 1 + 2
     # omega_c T = 1.6283185.
     loop = unpack(image.build(paper)).current_loop
@@ -139,7 +139,7 @@ def test_modulation_limit_includes_the_dead_time_correction(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
-def test_the_largest_modulation_leaves_the_shortest_pulse_and_two_sampled_legs(path: Path) -> None:
+def test_the_modulation_limit_keeps_the_minimum_pulse_and_two_sampled_legs(path: Path) -> None:
     # Min/max injection by its definition, at every angle, the dead-time trim against us in every
     # leg.
     drive = schema.load(path)
@@ -208,7 +208,7 @@ def test_the_largest_modulation_leaves_the_shortest_pulse_and_two_sampled_legs(p
         ),
     ],
 )
-def test_values_beyond_the_controllers_formats_are_refused_by_name(
+def test_values_outside_the_number_formats_are_refused_with_their_name(
     change: Change, changes: dict[str, Any], expected: str
 ) -> None:
     drive = change(changes)
@@ -295,7 +295,7 @@ OPTIONAL_KEYS = [
 
 
 @pytest.mark.parametrize(("key", "field", "default", "value", "expected"), OPTIONAL_KEYS)
-def test_an_optional_key_takes_the_place_of_its_default(
+def test_an_optional_key_replaces_its_default(
     change: Change, key: str, field: str, default: int, value: object, expected: int
 ) -> None:
     section, name = field.split(".")
@@ -304,7 +304,7 @@ def test_an_optional_key_takes_the_place_of_its_default(
 
 
 @pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
-def test_the_checked_in_files_are_what_their_toml_generates(path: Path) -> None:
+def test_the_stored_files_equal_those_generated_from_their_toml(path: Path) -> None:
     generate.check(schema.load(path), GENERATED)
 
 
@@ -332,7 +332,7 @@ def test_the_compiled_c_file_has_the_bytes_of_the_binary(tmp_path: Path, path: P
     assert section.read_bytes() == (GENERATED / f"{path.stem}.bin").read_bytes()
 
 
-def test_the_firmwares_own_validator_accepts_every_shipped_image(tmp_path: Path) -> None:
+def test_the_firmwares_validator_accepts_every_shipped_image(tmp_path: Path) -> None:
     library = tmp_path / "validate.so"
     includes = [f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core")]
     source = ROOT / "firmware" / "config" / "validate.c"
@@ -373,7 +373,7 @@ def test_a_stale_or_missing_file_is_reported_with_its_name(
         generate.check(paper, tmp_path)
 
 
-def test_a_failure_between_the_two_files_leaves_the_old_pair(
+def test_a_failure_between_two_files_keeps_both_old_files(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     old = {"a.c": b"old c", "a.bin": b"old bin"}
@@ -393,7 +393,7 @@ def test_a_failure_between_the_two_files_leaves_the_old_pair(
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == old
 
 
-def test_a_configuration_that_is_refused_writes_nothing(
+def test_a_refused_configuration_writes_no_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     broken = tmp_path / "broken.toml"
@@ -412,7 +412,7 @@ def test_a_configuration_that_is_refused_writes_nothing(
     assert not (tmp_path / "out").exists()
 
 
-def test_a_report_that_cannot_be_written_leaves_no_configuration_behind(
+def test_a_report_that_cannot_be_written_leaves_no_configuration_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     arguments = [

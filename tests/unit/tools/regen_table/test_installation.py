@@ -13,14 +13,14 @@ from regen_table.errors import ConfigurationError
 REPOSITORY = Path(__file__).resolve().parents[4]
 
 
-def test_version_is_that_of_the_top_cmake_project() -> None:
+def test_version_equals_that_of_the_top_cmake_project() -> None:
     text = (REPOSITORY / "CMakeLists.txt").read_text(encoding="utf-8")
     found = re.search(r"project\(\s*hubfoc\s+VERSION\s+([\d.]+)", text)
     assert found is not None
     assert installation.version() == found[1]
 
 
-def test_commit_is_that_of_the_checkout(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_commit_equals_that_of_the_checkout(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("HUBFOC_COMMIT", raising=False)
     done = subprocess.run(
         ["git", "-C", str(REPOSITORY), "rev-parse", "HEAD"],
@@ -34,7 +34,9 @@ def test_commit_is_that_of_the_checkout(monkeypatch: pytest.MonkeyPatch) -> None
         assert re.fullmatch(r"unknown|[0-9a-f]{40}", commit)
 
 
-def test_a_caller_can_say_which_commit_an_archive_is_of(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_commit_of_an_archive_can_be_given_by_the_caller(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setenv("HUBFOC_COMMIT", "0123456789ab")
     assert installation.commit.__wrapped__() == "0123456789ab"
 
@@ -47,14 +49,14 @@ def test_a_caller_can_say_which_commit_an_archive_is_of(monkeypatch: pytest.Monk
         ("unknown", "unknown"),
     ],
 )
-def test_identity_is_in_the_words_of_the_firmwares_banner(
+def test_identity_has_the_format_of_the_firmwares_banner(
     monkeypatch: pytest.MonkeyPatch, commit: str, shown: str
 ) -> None:
     monkeypatch.setattr(installation, "commit", lambda: commit)
     assert installation.identity("hubsim") == f"hubsim {installation.version()} ({shown})"
 
 
-def test_an_archive_of_the_sources_names_its_commit_everywhere(
+def test_a_source_archive_reports_its_commit_everywhere(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """In a checkout that is small: the files that know commits, and one more."""
@@ -83,7 +85,7 @@ def test_an_archive_of_the_sources_names_its_commit_everywhere(
         assert f'"{commit[:12]}"' in header.read_text(encoding="utf-8")
 
 
-def test_a_folder_inside_somebody_elses_checkout_has_no_commit(
+def test_a_directory_inside_another_checkout_has_no_commit(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.delenv("HUBFOC_COMMIT", raising=False)
@@ -94,7 +96,7 @@ def test_a_folder_inside_somebody_elses_checkout_has_no_commit(
     assert installation.commit.__wrapped__() == "unknown"
 
 
-def test_a_bare_name_is_a_drive_that_comes_along(
+def test_a_name_without_a_suffix_is_a_shipped_drive(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -104,7 +106,7 @@ def test_a_bare_name_is_a_drive_that_comes_along(
         schema.load("no_such_drive")
 
 
-def test_a_file_of_ones_own_comes_before_a_drive_that_comes_along(
+def test_a_local_file_has_priority_over_a_shipped_drive(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)

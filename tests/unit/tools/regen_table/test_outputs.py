@@ -30,7 +30,7 @@ def write(request: pytest.FixtureRequest) -> Writer:
     return WRITERS[str(request.param)]
 
 
-def test_a_regular_file_is_replaced_in_one_step_and_keeps_its_permissions(
+def test_a_regular_file_is_replaced_atomically_and_keeps_its_permissions(
     tmp_path: Path, write: Writer
 ) -> None:
     path = tmp_path / "out.csv"
@@ -44,7 +44,7 @@ def test_a_regular_file_is_replaced_in_one_step_and_keeps_its_permissions(
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_new_file_has_the_permissions_of_a_new_file(tmp_path: Path, write: Writer) -> None:
+def test_a_new_file_has_default_permissions(tmp_path: Path, write: Writer) -> None:
     mask = os.umask(0o027)
     try:
         write(tmp_path / "new", b"x")
@@ -54,7 +54,7 @@ def test_a_new_file_has_the_permissions_of_a_new_file(tmp_path: Path, write: Wri
 
 
 @pytest.mark.parametrize("exists", [True, False])
-def test_a_link_stays_a_link_and_its_target_is_replaced(
+def test_a_link_is_kept_and_its_target_replaced(
     tmp_path: Path, write: Writer, exists: bool
 ) -> None:
     place = tmp_path / "elsewhere"
@@ -72,7 +72,7 @@ def test_a_link_stays_a_link_and_its_target_is_replaced(
     assert list(place.iterdir()) == [target]
 
 
-def test_a_fifo_is_written_to_and_stays_a_fifo(tmp_path: Path, write: Writer) -> None:
+def test_a_fifo_is_written_and_not_replaced(tmp_path: Path, write: Writer) -> None:
     fifo = tmp_path / "fifo"
     os.mkfifo(fifo)
     found: list[bytes] = []
@@ -86,7 +86,7 @@ def test_a_fifo_is_written_to_and_stays_a_fifo(tmp_path: Path, write: Writer) ->
     assert list(tmp_path.iterdir()) == [fifo]
 
 
-def test_a_device_is_written_to_and_never_replaced(tmp_path: Path, write: Writer) -> None:
+def test_a_device_is_written_and_not_replaced(tmp_path: Path, write: Writer) -> None:
     """Through a link in a directory of our own: a writer that replaces what a name stands for would
     harm that only.
     """
@@ -101,7 +101,7 @@ def test_a_device_is_written_to_and_never_replaced(tmp_path: Path, write: Writer
     assert list(tmp_path.iterdir()) == [link]
 
 
-def test_a_full_device_is_one_line(tmp_path: Path, write: Writer) -> None:
+def test_a_full_device_is_an_error_in_one_line(tmp_path: Path, write: Writer) -> None:
     link = tmp_path / "full"
     link.symlink_to("/dev/full")
     with pytest.raises(OutputError) as refused:
@@ -110,7 +110,7 @@ def test_a_full_device_is_one_line(tmp_path: Path, write: Writer) -> None:
     assert link.is_symlink()
 
 
-def test_the_standard_output_keeps_what_was_written_before_and_after() -> None:
+def test_standard_output_keeps_text_written_before_and_after() -> None:
     code = (
         "from pathlib import Path\nfrom regen_table import outputs\nprint('before')\n"
         "outputs.write_text(Path('/dev/stdout'), 'between\\n')\nprint('after')\n"
@@ -131,7 +131,7 @@ def test_the_standard_output_keeps_what_was_written_before_and_after() -> None:
         ("x" * 300, "cannot be written: File name too long"),
     ],
 )
-def test_a_place_that_cannot_be_written_is_one_line_before_the_work(
+def test_an_unwritable_path_is_an_error_in_one_line_before_the_computation(
     tmp_path: Path, name: str, expected: str
 ) -> None:
     (tmp_path / "loop").symlink_to("loop")
@@ -144,7 +144,7 @@ def test_a_place_that_cannot_be_written_is_one_line_before_the_work(
 
 
 @pytest.mark.parametrize("forbidden", ["the file", "the directory"])
-def test_a_place_without_the_right_to_write_is_one_line(
+def test_a_path_without_write_permission_is_an_error_in_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, forbidden: str
 ) -> None:
     path = tmp_path / "kept"
@@ -158,7 +158,7 @@ def test_a_place_without_the_right_to_write_is_one_line(
     assert path.read_bytes() == b"kept"
 
 
-def test_a_writer_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
+def test_a_failed_writer_leaves_the_old_file(tmp_path: Path) -> None:
     path = tmp_path / "out"
     path.write_bytes(b"before")
 
@@ -172,7 +172,7 @@ def test_a_writer_that_fails_leaves_what_was_there(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_several_files_appear_together_or_not_at_all(tmp_path: Path) -> None:
+def test_several_files_are_replaced_together_or_not_at_all(tmp_path: Path) -> None:
     first, second = tmp_path / "first", tmp_path / "nowhere" / "second"
     first.write_bytes(b"before")
     with pytest.raises(OutputError):
@@ -183,7 +183,7 @@ def test_several_files_appear_together_or_not_at_all(tmp_path: Path) -> None:
     assert (first.read_bytes(), second.read_bytes()) == (b"after", b"after")
 
 
-def test_a_stream_that_fails_leaves_the_regular_files_as_they_were(tmp_path: Path) -> None:
+def test_a_failed_stream_leaves_the_regular_files_unchanged(tmp_path: Path) -> None:
     kept, full = tmp_path / "kept", tmp_path / "full"
     kept.write_bytes(b"before")
     full.symlink_to("/dev/full")
@@ -193,7 +193,7 @@ def test_a_stream_that_fails_leaves_the_regular_files_as_they_were(tmp_path: Pat
     assert sorted(tmp_path.iterdir()) == [full, kept]
 
 
-def test_where_a_move_fails_those_already_done_are_undone(
+def test_after_a_failed_rename_the_earlier_renames_are_reverted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     kept, new, last = (tmp_path / name for name in ("kept", "new", "last"))
@@ -212,7 +212,7 @@ def test_where_a_move_fails_those_already_done_are_undone(
     assert list(tmp_path.iterdir()) == [kept]
 
 
-def test_a_file_that_is_right_already_is_left_untouched(tmp_path: Path) -> None:
+def test_an_up_to_date_file_is_not_written(tmp_path: Path) -> None:
     path = tmp_path / "same"
     path.write_bytes(b"same")
     before = path.stat()
@@ -220,7 +220,7 @@ def test_a_file_that_is_right_already_is_left_untouched(tmp_path: Path) -> None:
     assert (before.st_ino, before.st_mtime_ns) == (path.stat().st_ino, path.stat().st_mtime_ns)
 
 
-def test_provenance_takes_the_given_date_then_the_environment_s_then_the_clock_s(
+def test_provenance_uses_given_date_then_environment_then_clock(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     image = bytes(8) + (0x573C2186).to_bytes(4, "little")
@@ -236,7 +236,7 @@ def test_provenance_takes_the_given_date_then_the_environment_s_then_the_clock_s
     assert installation.timestamp() > "2026"
 
 
-def test_a_date_that_is_none_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_invalid_date_is_an_error_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ConfigurationError, match="accepted: ISO 8601"):
         installation.timestamp("yesterday")
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "yesterday")

@@ -33,7 +33,7 @@ def overvoltage(found: packs.Flow, power_w: float) -> float:
 
 @pytest.mark.parametrize("power_w", [-6000.0, -300.0, 4000.0])
 @pytest.mark.parametrize("duration_s", [2.0, 12.0, 90.0])
-def test_constant_power_follows_its_closed_solution(power_w: float, duration_s: float) -> None:
+def test_constant_power_follows_the_closed_form(power_w: float, duration_s: float) -> None:
     """Without R_s the current is P / (u_oc - u), so C du/dt = P/(u_oc - u) - u/R, whose time
     integrates by partial fractions.
 
@@ -51,7 +51,7 @@ def test_constant_power_follows_its_closed_solution(power_w: float, duration_s: 
 
 
 @pytest.mark.parametrize("power_w", [-6000.0, 4000.0])
-def test_the_charge_at_constant_power_is_the_integral_over_the_branchs_voltage(
+def test_charge_at_constant_power_is_the_integral_over_the_branch_voltage(
     power_w: float,
 ) -> None:
     """The integral of i dt is that of i C du / (i - u/R).
@@ -82,7 +82,7 @@ def test_the_charge_at_constant_power_is_the_integral_over_the_branchs_voltage(
     )
 
 
-def test_one_long_step_is_the_settled_branch_and_no_time_is_none() -> None:
+def test_a_long_step_settles_the_branch_and_a_zero_step_has_no_effect() -> None:
     for power in (-6000.0, 4000.0):
         steady = models.battery_steady(OPEN_V, SERIES_OHM + RESISTANCE_OHM, power)
         long = constant(power, 1e9, 1)
@@ -94,7 +94,7 @@ def test_one_long_step_is_the_settled_branch_and_no_time_is_none() -> None:
         )
 
 
-def test_more_power_at_every_instant_stores_more() -> None:
+def test_more_power_at_every_time_stores_more_energy() -> None:
     rng = np.random.default_rng(8)
     for _ in range(100):
         seconds = rng.uniform(0.01, 4.0, 60)
@@ -114,7 +114,7 @@ def test_half_the_step_quarters_the_error() -> None:
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_a_branch_that_moves_lies_between_one_that_has_settled_and_none(
+def test_energy_with_a_dynamic_branch_lies_between_settled_and_no_branch(
     change: Change, strategy: str
 ) -> None:
     drive = change({})
@@ -143,7 +143,7 @@ def test_a_branch_that_moves_lies_between_one_that_has_settled_and_none(
     assert 0.0 < energies.polarisation < energies.battery
 
 
-def test_the_series_optimum_stays_the_best_with_a_branch_that_moves(
+def test_series_optimal_stores_the_most_with_a_dynamic_branch(
     random_drives: list[schema.Drive],
 ) -> None:
     for drive in random_drives[::40]:

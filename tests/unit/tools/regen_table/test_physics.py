@@ -35,7 +35,7 @@ STORED_PERCENT = {
 }
 
 
-def test_the_papers_vehicle_has_the_torques_derived_by_hand(paper: schema.Drive) -> None:
+def test_torques_of_the_papers_vehicle_equal_the_hand_derivation(paper: schema.Drive) -> None:
     for speed, optimal, zero in zip(SPEEDS_RPM, T_OPT_NM, T_ZERO_NM, strict=True):
         record = points.solve(paper, speed, 25.0, points.setting(paper))
         assert record["torque_optimal_nm"] == pytest.approx(optimal, rel=5e-4)
@@ -43,7 +43,7 @@ def test_the_papers_vehicle_has_the_torques_derived_by_hand(paper: schema.Drive)
 
 
 @pytest.mark.parametrize("strategy", STRATEGIES)
-def test_a_stop_from_40_km_h_stores_what_was_derived_by_hand(
+def test_energy_of_a_stop_from_40_km_h_equals_the_hand_derivation(
     paper: schema.Drive, strategy: str
 ) -> None:
     for demand, percent in zip(DEMANDS_NM, STORED_PERCENT[strategy], strict=True):
@@ -57,7 +57,7 @@ def test_a_stop_from_40_km_h_stores_what_was_derived_by_hand(
         assert abs(result.residual_relative) < 1e-9
 
 
-def test_a_hot_winding_takes_a_quarter_off_the_best_torque(paper: schema.Drive) -> None:
+def test_a_hot_winding_reduces_the_optimal_torque_by_a_quarter(paper: schema.Drive) -> None:
     cold, hot = (
         points.solve(paper, 150.0, warm, points.setting(paper))["torque_optimal_nm"]
         for warm in (25.0, 120.0)
@@ -98,7 +98,7 @@ def test_the_power_balance_closes_in_every_state(random_drives: list[schema.Driv
         assert np.all(np.abs(terminal - state.motor_power_w) <= 1e-9 * size)
 
 
-def test_no_loss_is_ever_negative(random_drives: list[schema.Drive]) -> None:
+def test_every_loss_is_non_negative(random_drives: list[schema.Drive]) -> None:
     rng = np.random.default_rng(4)
     for drive in random_drives:
         state = random_states(drive, rng)
@@ -111,7 +111,7 @@ def test_no_loss_is_ever_negative(random_drives: list[schema.Drive]) -> None:
             assert np.all(loss >= -1e-9 * drive.motor.max_power_w)
 
 
-def test_the_batterys_own_balance_closes_and_its_loss_grows_with_power() -> None:
+def test_battery_balance_closes_and_its_loss_grows_with_power() -> None:
     power = np.linspace(-5000.0, 12000.0, 1001)
     pack = models.battery_steady(53.0, 0.022, power)
     assert np.allclose(pack.terminal_voltage_v * pack.current_a, power, rtol=1e-12, atol=1e-9)
@@ -124,7 +124,7 @@ def test_the_batterys_own_balance_closes_and_its_loss_grows_with_power() -> None
     assert models.battery_steady(53.0, 0.0, 530.0).current_a == pytest.approx(10.0)
 
 
-def test_the_battery_does_not_move_the_optimum(change: Change) -> None:
+def test_the_battery_does_not_change_the_optimum(change: Change) -> None:
     base = change({})
     others: list[dict[str, Any]] = [
         {"battery.series_resistance_ohm": 0.0, "battery.polarisation_resistance_ohm": 0.0},
@@ -168,7 +168,9 @@ def test_the_boundaries_are_ordered_at_every_speed(random_drives: list[schema.Dr
         assert np.all(np.diff(np.abs(best.torque_optimal_nm), axis=0) <= 1e-12)
 
 
-def test_running_backwards_is_the_mirror_image(random_drives: list[schema.Drive]) -> None:
+def test_reverse_rotation_is_symmetric_to_forward_rotation(
+    random_drives: list[schema.Drive],
+) -> None:
     for drive in random_drives[::10]:
         for free in (False, True):
             how = points.setting(drive, free_d_current=free)
@@ -219,7 +221,7 @@ def test_without_iron_and_bridge_losses_the_optimum_is_half_of_the_short_circuit
         )
 
 
-def test_the_current_of_a_torque_makes_that_torque(random_drives: list[schema.Drive]) -> None:
+def test_the_current_of_a_torque_gives_that_torque(random_drives: list[schema.Drive]) -> None:
     for drive in random_drives:
         motor = models.machine(drive, 80.0)
         omega = (
@@ -235,7 +237,7 @@ def test_the_current_of_a_torque_makes_that_torque(random_drives: list[schema.Dr
         assert np.all(np.abs(made - torque) <= 1e-9 * drive.motor.rated_torque_nm)
 
 
-def test_a_free_d_current_never_costs_power_and_helps_a_salient_motor(
+def test_an_optimised_d_current_never_increases_loss_and_reduces_it_with_saliency(
     random_drives: list[schema.Drive],
 ) -> None:
     gains = []
@@ -269,7 +271,7 @@ def test_the_gain_of_the_papers_motor_from_a_d_current_is_a_fraction_of_a_per_ce
     assert zero["dc_power_w"] - free["dc_power_w"] == pytest.approx(1.6, abs=0.05)
 
 
-def test_the_limits_bound_what_is_solved_together(random_drives: list[schema.Drive]) -> None:
+def test_limits_apply_to_the_joint_optimum(random_drives: list[schema.Drive]) -> None:
     for drive in random_drives[::5]:
         motor, inverter = models.machine(drive, 60.0), models.bridge(drive)
         omega = (
@@ -293,7 +295,7 @@ def test_the_limits_bound_what_is_solved_together(random_drives: list[schema.Dri
         assert not np.any(impossible.feasible)
 
 
-def test_the_four_regions_lie_as_in_figure_5(paper: schema.Drive) -> None:
+def test_the_four_regions_are_those_of_figure_5(paper: schema.Drive) -> None:
     motor, inverter = models.machine(paper, 25.0), models.bridge(paper)
 
     def name(speed_rpm: float, demand: float) -> str:
@@ -315,7 +317,7 @@ def test_the_four_regions_lie_as_in_figure_5(paper: schema.Drive) -> None:
     assert [name(600.0, demand) for demand in (33.2, 33.4)] == ["III", "IV"]
 
 
-def test_no_strategy_beats_the_series_optimum(random_drives: list[schema.Drive]) -> None:
+def test_no_strategy_returns_more_than_series_optimal(random_drives: list[schema.Drive]) -> None:
     for drive in random_drives[::10]:
         top = 0.9 * drive.motor.max_speed_rpm * math.pi / 30.0 * drive.vehicle.wheel_radius_m * 3.6
         for demand in drive.motor.rated_torque_nm * np.array([0.2, 0.7, 1.5, 4.0]):
@@ -326,7 +328,7 @@ def test_no_strategy_beats_the_series_optimum(random_drives: list[schema.Drive])
             assert stored["series_optimal"] >= max(stored.values()) - 1e-9
 
 
-def test_scaling_the_best_torque_never_returns_more(paper: schema.Drive) -> None:
+def test_scaling_the_optimal_torque_never_returns_more(paper: schema.Drive) -> None:
     motor, inverter = models.machine(paper, 25.0), models.bridge(paper)
     speed = np.linspace(2.0, 60.0, 200)
     best = braking.capability_nm(paper, motor, inverter, speed)
@@ -340,7 +342,9 @@ def test_scaling_the_best_torque_never_returns_more(paper: schema.Drive) -> None
         assert np.all(power[factor][free] > power[1.0][free])
 
 
-def test_a_cycle_balances_and_braking_more_electrically_returns_more(paper: schema.Drive) -> None:
+def test_a_cycle_has_a_closed_balance_and_more_electric_braking_returns_more(
+    paper: schema.Drive,
+) -> None:
     time = np.array([0.0, 10.0, 20.0, 28.0, 40.0])
     trace = ideal_cycles.Cycle("trapezium", time, np.array([0.0, 10.0, 10.0, 0.0, 0.0]))
     results = {s: ideal_cycles.run(paper, trace, s, 25.0) for s in STRATEGIES}
@@ -353,7 +357,7 @@ def test_a_cycle_balances_and_braking_more_electrically_returns_more(paper: sche
     assert 28e3 < results["series_optimal"].energy_j.braking_at_wheels < 33e3
 
 
-def test_a_warm_magnet_weakens_the_emf_only_when_asked_to(change: Change) -> None:
+def test_emf_falls_with_temperature_only_with_a_flux_coefficient(change: Change) -> None:
     cold, hot = models.machine(change({}), 20.0), models.machine(change({}), 120.0)
     assert hot.flux_wb == cold.flux_wb
     drive = change({"motor.flux_temperature_coefficient_per_k": -0.0011})

@@ -234,7 +234,7 @@ def test_figures_of_the_readme_agree_with_the_circuit(
         assert agrees(printed, value), (printed, value)
 
 
-def test_every_erratum_has_its_number() -> None:
+def test_every_erratum_has_a_number() -> None:
     errata = README.partition("## Errata of the paper")[2].partition("## Figures")[0]
     entries = re.split(r" \d\. (?=\*\*)", errata)[1:]
     assert len(entries) == 9

@@ -27,11 +27,11 @@ def refusal(change: Change, changes: dict[str, Any]) -> str:
 
 
 @pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
-def test_every_vehicle_that_is_shipped_is_accepted_under_its_file_name(path: Path) -> None:
+def test_every_shipped_vehicle_is_accepted_and_named_like_its_file(path: Path) -> None:
     assert schema.load(path).name == path.stem
 
 
-def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change) -> None:
+def test_an_integer_is_accepted_for_a_real_key(change: Change) -> None:
     assert change({"motor.max_torque_nm": 40}).motor.max_torque_nm == 40.0
 
 
@@ -194,7 +194,7 @@ def test_a_whole_number_is_a_number_where_the_key_takes_fractions(change: Change
         ),
     ],
 )
-def test_a_mistake_is_answered_with_its_place_and_what_is_accepted(
+def test_an_error_names_the_key_and_the_accepted_range(
     change: Change, changes: dict[str, Any], expected: str
 ) -> None:
     assert refusal(change, changes).startswith(expected)
@@ -209,7 +209,7 @@ def test_surface_magnets_need_equal_inductances_and_interior_ones_do_not(change:
     )
 
 
-def test_a_rated_torque_that_the_current_limit_cannot_make_is_refused(change: Change) -> None:
+def test_a_rated_torque_beyond_the_current_limit_is_refused(change: Change) -> None:
     # 1.5 * 23 * 0.0204 Wb * 75 A = 52.8 N m
     assert "at most 52.79 N m" in refusal(
         change, {"motor.rated_torque_nm": 53.0, "motor.max_torque_nm": 60.0}
@@ -220,7 +220,7 @@ def test_a_rated_torque_that_the_current_limit_cannot_make_is_refused(change: Ch
     )
 
 
-def test_reluctance_torque_counts_towards_the_largest_torque(change: Change) -> None:
+def test_the_largest_torque_includes_reluctance_torque(change: Change) -> None:
     drive = change({"motor.q_inductance_h": 300e-6, "motor.type": "ipmsm"})
     angles = [math.radians(0.01 * step) for step in range(0, 18000)]
     flux, saliency = drive.motor.flux_linkage_wb, 300e-6 - 76e-6
@@ -251,7 +251,7 @@ def test_back_emf_above_the_bridge_rating_is_refused_without_field_weakening(
     assert f"which takes {expected:.4g} A" in refusal(change, drive)
 
 
-def test_a_drive_that_never_returns_energy_is_refused(change: Change) -> None:
+def test_a_drive_that_cannot_return_energy_is_refused(change: Change) -> None:
     # c1 = 3 (k_on + k_off) f / pi + dead-time diodes, 2/3 of it against psi * omega_max = 31.4 V
     assert "no regeneration at any speed" in refusal(
         change, {"inverter.turn_on_loss_j_per_a": 0.0025}
@@ -282,7 +282,7 @@ def test_a_drive_that_never_returns_energy_is_refused(change: Change) -> None:
         "nested",
     ],
 )
-def test_a_file_that_is_no_configuration_is_refused_in_one_line(
+def test_an_invalid_file_is_refused_in_one_line(
     tmp_path: Path, content: bytes, expected: str
 ) -> None:
     path = tmp_path / "broken.toml"
@@ -293,7 +293,7 @@ def test_a_file_that_is_no_configuration_is_refused_in_one_line(
     assert "\n" not in str(caught.value)
 
 
-def test_a_huge_file_is_refused_without_being_read(tmp_path: Path) -> None:
+def test_an_oversized_file_is_refused_unread(tmp_path: Path) -> None:
     path = tmp_path / "huge.toml"
     with path.open("wb") as file:
         file.truncate(200 * 1024 * 1024)
@@ -301,7 +301,7 @@ def test_a_huge_file_is_refused_without_being_read(tmp_path: Path) -> None:
         schema.load(path)
 
 
-def test_a_missing_file_and_a_directory_are_named(tmp_path: Path) -> None:
+def test_a_missing_file_or_a_directory_is_an_error_that_names_it(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match=r"nowhere\.toml: file not found"):
         schema.load(tmp_path / "nowhere.toml")
     with pytest.raises(ConfigurationError) as caught:
@@ -309,14 +309,14 @@ def test_a_missing_file_and_a_directory_are_named(tmp_path: Path) -> None:
     assert str(caught.value) == f"{tmp_path}: is a directory, a TOML file is needed"
 
 
-def test_a_name_that_is_no_c_identifier_is_refused(tmp_path: Path) -> None:
+def test_a_name_that_is_not_a_c_identifier_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "my motor.toml"
     path.write_bytes(PAPER.read_bytes())
     with pytest.raises(ConfigurationError, match="must be a letter followed by"):
         schema.load(path)
 
 
-def test_drive_that_cannot_meet_its_data_is_warned_about(change: Change) -> None:
+def test_a_drive_that_cannot_reach_its_rated_data_gives_a_warning(change: Change) -> None:
     assert [
         line.partition(":")[0]
         for line in relations.warnings(change({"motor.max_speed_rpm": 600.0}))
@@ -329,7 +329,7 @@ def test_drive_that_cannot_meet_its_data_is_warned_about(change: Change) -> None
     ]
 
 
-def test_a_pack_that_rests_inside_the_fold_back_is_warned_about_with_both_voltages(
+def test_a_rest_voltage_inside_the_fold_back_gives_a_warning_with_both_voltages(
     change: Change,
 ) -> None:
     assert (
@@ -359,7 +359,7 @@ def test_a_pack_that_rests_inside_the_fold_back_is_warned_about_with_both_voltag
 
 
 @pytest.mark.parametrize(("soc", "rest"), [(0.0, "38 V"), (1.0, "60 V")])
-def test_a_pack_that_begins_beyond_its_own_ends_is_refused(
+def test_an_initial_charge_outside_the_pack_voltages_is_refused(
     change: Change, soc: float, rest: str
 ) -> None:
     with pytest.raises(
@@ -373,7 +373,7 @@ def test_a_pack_that_begins_beyond_its_own_ends_is_refused(
         )
 
 
-def test_a_top_speed_that_field_weakening_cannot_hold_on_an_empty_pack_is_warned_about(
+def test_a_top_speed_beyond_field_weakening_at_min_voltage_gives_a_warning(
     change: Change,
 ) -> None:
     """What is left of the back-EMF, against what the bridge makes of the lowest voltage."""
@@ -402,14 +402,14 @@ def test_a_top_speed_that_field_weakening_cannot_hold_on_an_empty_pack_is_warned
     )
 
 
-def test_switches_without_a_temperature_limit_are_warned_about(change: Change) -> None:
+def test_switches_without_a_temperature_limit_give_a_warning(change: Change) -> None:
     found = relations.warnings(
         change({"motor.max_speed_rpm": 600.0, "inverter.max_switch_temperature_c": None})
     )
     assert [line.partition(":")[0] for line in found] == ["inverter.max_switch_temperature_c"]
 
 
-def test_no_shipped_drive_has_a_limit_switched_off_or_begins_with_a_full_pack() -> None:
+def test_every_shipped_drive_has_all_limits_on_and_no_full_pack_at_the_start() -> None:
     for path in sorted(PAPER.parent.glob("*.toml")):
         named = {line.partition(":")[0] for line in relations.warnings(schema.load(path))}
         assert named <= {"motor.max_speed_rpm"}

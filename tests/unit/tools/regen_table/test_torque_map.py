@@ -43,9 +43,7 @@ Change = Callable[[dict[str, Any]], schema.Drive]
 
 
 @pytest.mark.parametrize("path", MOTORS, ids=lambda path: path.stem)
-def test_the_generator_reads_the_table_exactly_as_the_firmware_does(
-    tmp_path: Path, path: Path
-) -> None:
+def test_look_up_of_generator_and_firmware_is_bit_identical(tmp_path: Path, path: Path) -> None:
     library = tmp_path / "regen_map.so"
     includes = [
         f"-I{ROOT / 'firmware' / module / 'include'}" for module in ("config", "core", "torque")
@@ -98,7 +96,7 @@ def test_stored_table_loses_negligible_energy(path: Path) -> None:
 @pytest.mark.parametrize(
     "path", [p for p in MOTORS if schema.load(p).motor.type == "spmsm"], ids=lambda path: path.stem
 )
-def test_surface_magnets_keep_their_unclamped_optimum_up_to_the_top_speed(path: Path) -> None:
+def test_surface_magnets_have_the_unclamped_optimum_up_to_the_top_speed(path: Path) -> None:
     # Read as the firmware reads it, and judged by the closed form with i_d = 0, which knows neither
     # table nor limits.
     drive = schema.load(path)
@@ -128,7 +126,7 @@ def test_without_i_d_the_table_is_the_closed_form_at_its_points(paper: schema.Dr
     assert np.all(table.torque_mNm[:, 0] < 0)  # the line goes on below zero at standstill
 
 
-def test_a_grid_is_refused_by_the_energy_it_loses(paper: schema.Drive) -> None:
+def test_a_grid_is_refused_according_to_its_energy_loss(paper: schema.Drive) -> None:
     losses = generate.make_report(paper).grid_losses
     audit.refuse_lossy_grid(losses)
     lossy = dataclasses.replace(losses[0], relative=3e-4)
@@ -139,7 +137,7 @@ def test_a_grid_is_refused_by_the_energy_it_loses(paper: schema.Drive) -> None:
         audit.refuse_lossy_grid([*losses, lossy])
 
 
-def test_a_grid_that_is_too_coarse_is_refused_with_the_smallest_one_that_suffices() -> None:
+def test_a_too_coarse_grid_is_refused_with_the_smallest_sufficient_one() -> None:
     bike = tomllib.loads((ROOT / "tools" / "motors" / "ebike36v.toml").read_text(encoding="utf-8"))
 
     def drive(speeds: int | str, temperatures: int | str) -> schema.Drive:
@@ -168,7 +166,7 @@ def test_a_grid_that_is_too_coarse_is_refused_with_the_smallest_one_that_suffice
     assert image.build(drive("auto", "auto"))[:-4] != image.build(drive(12, 5))[:-4]
 
 
-def test_a_grid_beyond_the_room_or_the_steps_of_the_controller_is_refused_by_the_names_in_the_file(
+def test_a_grid_beyond_array_size_or_resolution_is_refused_with_its_keys(
     change: Change,
 ) -> None:
     for changes, expected in (
@@ -186,7 +184,7 @@ def test_a_grid_beyond_the_room_or_the_steps_of_the_controller_is_refused_by_the
     image.build(change({"table.temperature_range_c": [-50.0, 290.0]}))
 
 
-def test_a_fast_motor_whose_d_current_hardly_depends_on_speed_is_accepted() -> None:
+def test_a_fast_motor_with_little_speed_dependence_of_i_d_is_accepted() -> None:
     """Two speeds would do for its i_d, but a step of the axis is at most 2^20 mrad/s."""
     tree = tomllib.loads((ROOT / "tools" / "motors" / "ipm400v.toml").read_text(encoding="utf-8"))
     tree["motor"] |= {
@@ -223,9 +221,7 @@ def test_an_ideal_loop_has_the_margins_of_an_integrator_with_delay_and_a_half() 
 
 
 @pytest.mark.parametrize("pole", np.linspace(0.05, 0.5, 10))
-def test_gains_and_shape_of_the_reference_follow_the_design_at_every_sample(
-    change: Change, pole: float
-) -> None:
+def test_step_response_equals_the_design_at_every_sample(change: Change, pole: float) -> None:
     frequency = 20e3
     bandwidth = pole * frequency / (2.0 * math.pi)
     drive = change({"control.current_bandwidth_hz": bandwidth})
@@ -258,7 +254,7 @@ def test_without_prefilter_the_response_is_faster_than_designed(paper: schema.Dr
     assert ahead[2] > 0.05
 
 
-def test_a_faster_loop_than_the_delay_allows_is_refused_and_the_fastest_is_not(
+def test_a_bandwidth_above_the_limit_of_the_delay_is_refused_and_the_limit_accepted(
     change: Change,
 ) -> None:
     fastest = change({"control.current_bandwidth_hz": 1591.0})
@@ -268,7 +264,7 @@ def test_a_faster_loop_than_the_delay_allows_is_refused_and_the_fastest_is_not(
         margins.refuse_thin_margins(faster, margins.current_loop(faster))
 
 
-def test_a_loop_with_a_cold_and_a_hot_winding_still_follows(paper: schema.Drive) -> None:
+def test_the_loop_is_stable_with_a_cold_and_a_hot_winding(paper: schema.Drive) -> None:
     found = margins.current_loop(paper)
     assert {(m.axis, m.winding_temperature_c) for m in found} == {
         (axis, t) for axis in "dq" for t in (-20.0, 25.0, 150.0)
@@ -279,7 +275,7 @@ def test_a_loop_with_a_cold_and_a_hot_winding_still_follows(paper: schema.Drive)
 
 
 @pytest.mark.parametrize("bandwidth", [500.0, 1000.0, 1590.0])
-def test_the_gain_margin_is_where_a_simulated_loop_begins_to_oscillate(
+def test_the_gain_margin_is_the_stability_limit_of_a_simulated_loop(
     change: Change, bandwidth: float
 ) -> None:
     drive = change({"control.current_bandwidth_hz": bandwidth})
@@ -307,7 +303,7 @@ def test_the_gain_margin_is_where_a_simulated_loop_begins_to_oscillate(
     assert grows(1.02 * found.gain_margin)
 
 
-def test_an_interval_holds_every_result_of_its_operations() -> None:
+def test_an_interval_contains_every_result_of_its_operations() -> None:
     rng = np.random.default_rng(6)
     for _ in range(2000):
         ends = np.sort(rng.uniform(-10.0, 10.0, (2, 2)), axis=1)
@@ -323,7 +319,7 @@ def test_an_interval_holds_every_result_of_its_operations() -> None:
 
 
 @pytest.mark.parametrize("path", MOTORS, ids=lambda path: path.stem)
-def test_the_firmwares_scaled_gains_stay_inside_the_proved_intervals(
+def test_the_firmwares_scaled_gains_are_inside_the_proved_intervals(
     tmp_path: Path, path: Path
 ) -> None:
     library = tmp_path / "loop.so"
@@ -416,12 +412,12 @@ BREAKS: dict[str, dict[str, Any]] = {
 }
 
 
-def test_every_format_has_a_drive_that_leaves_it(paper: schema.Drive) -> None:
+def test_every_number_format_can_be_exceeded_by_some_drive(paper: schema.Drive) -> None:
     assert {proof.quantity for proof in envelope.proofs(paper)} == set(BREAKS)
 
 
 @pytest.mark.parametrize("quantity", BREAKS)
-def test_a_quantity_that_leaves_its_format_is_refused_by_its_name(
+def test_a_quantity_outside_its_number_format_is_refused_with_its_name(
     change: Change, quantity: str
 ) -> None:
     proofs = {proof.quantity: proof for proof in envelope.proofs(change(BREAKS[quantity]))}
@@ -435,7 +431,7 @@ def test_a_quantity_that_leaves_its_format_is_refused_by_its_name(
         image.build(change(BREAKS[quantity]))
 
 
-def test_a_grid_too_coarse_is_refused_before_anything_is_written(
+def test_a_too_coarse_grid_is_refused_before_writing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     # T_opt of a motor whose copper dominates goes with 1 / R: over 150 K, R grows by 0.7, and a

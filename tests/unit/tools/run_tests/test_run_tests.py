@@ -120,7 +120,7 @@ def started(output: str) -> list[str]:
     return [line.split()[-1] for line in output.splitlines() if line.lstrip().startswith("Start ")]
 
 
-def test_all_but_the_full_ones_run_longest_first_and_the_times_of_one_run_order_the_next(
+def test_tests_run_longest_first_by_the_times_of_the_previous_run(
     project: Project,
 ) -> None:
     output = project.run("--presets", "host", "--setup-s", "1", "--build-s", "2")
@@ -147,7 +147,7 @@ def test_programs_not_built_yet_are_targets(project: Project) -> None:
     assert started(project.run("--quick")) == ["host:first"]
 
 
-def test_a_failing_test_is_named_under_its_preset_and_fails_the_run(project: Project) -> None:
+def test_a_failing_test_is_listed_under_its_preset_and_fails_the_run(project: Project) -> None:
     project.write("data/table.csv", "1,2\n3,4\n")
     output = project.run("--presets", "host", status=1)
     assert output.splitlines()[-1] == "tools/dev: failed: host"
@@ -155,7 +155,7 @@ def test_a_failing_test_is_named_under_its_preset_and_fails_the_run(project: Pro
     assert "The following tests FAILED:\n\treader (Failed)" in output
 
 
-def test_a_folder_s_tests_are_those_that_its_lists_define(project: Project) -> None:
+def test_the_tests_of_a_folder_are_those_of_its_cmake_lists(project: Project) -> None:
     # What the Python test reads is not known yet.
     needed = project.run("--presets", "host", "--list-targets", "unit").split()
     assert needed == ["all"]
@@ -182,7 +182,7 @@ def test_a_folder_s_tests_are_those_that_its_lists_define(project: Project) -> N
         ("data/unread.csv", []),
     ],
 )
-def test_quick_builds_and_runs_what_reads_the_changed_file(
+def test_quick_builds_and_runs_the_tests_that_read_a_changed_file(
     project: Project, changed: str, expected: list[str]
 ) -> None:
     project.run("--presets", "host")
@@ -203,7 +203,7 @@ def test_quick_builds_first_and_selects_tests_of_unknown_inputs(project: Project
     assert "the build failed" in project.run("--quick", status=1)
 
 
-def test_quick_knows_a_test_that_was_added_since_the_last_configure(project: Project) -> None:
+def test_quick_includes_a_test_added_since_the_last_configure(project: Project) -> None:
     project.run("--presets", "host")
     project.write("tests/unit/third.c", FILES["tests/unit/first.c"])
     project.write("tests/unit/CMakeLists.txt", TESTS.replace("first second", "first second third"))
@@ -211,7 +211,7 @@ def test_quick_knows_a_test_that_was_added_since_the_last_configure(project: Pro
     assert "host:third" in started(output)
 
 
-def test_quick_names_the_tests_left_out_for_time(project: Project) -> None:
+def test_quick_lists_the_tests_omitted_for_time(project: Project) -> None:
     project.run("--presets", "host")
     (project.root / "build/test/costs.json").write_text('{"host:first": 100.0}', encoding="utf-8")
     project.write("include/limit.h", "#define LIMIT 3 /* again */\n")
@@ -228,7 +228,7 @@ def test_graph_ignores_order_only_dependencies(project: Project) -> None:
     assert directory / "tests/unit/second" not in affected
 
 
-def test_a_test_names_its_files_in_arguments_parts_of_arguments_and_environment() -> None:
+def test_input_files_of_a_test_are_found_in_arguments_and_environment() -> None:
     test = CTest(
         "host",
         "boots",
