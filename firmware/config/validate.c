@@ -127,10 +127,10 @@ static bool encoder_index_sharp_enough(const config_t *c)
                                                           c->rotor.encoder_counts;
 }
 
-/* Halls lose the speed when no edge comes for a quarter of a second. A sector may be a quarter turn
- * wide, so above one electrical turn a second, 2 pi rad/s, there is always an edge in time. Below
- * it nobody may brake electrically. */
-static bool halls_know_the_blend_out(const config_t *c)
+/* Hall sensors measure no speed without an edge in a quarter of a second. A sector is at most a
+ * quarter turn wide, so above one electrical turn a second, 2 pi rad/s, edges are frequent enough.
+ * Electric braking must end above that speed. */
+static bool halls_measure_the_blend_out_speed(const config_t *c)
 {
     return c->rotor.sensor != CONFIG_ROTOR_HALL ||
            (int64_t)c->brake.blend_out_end_mrad_s * c->motor.pole_pairs >= 6284;
@@ -182,8 +182,8 @@ static bool time_constants_long_enough(const config_current_loop_t *loop)
            loop->integral_q_pu_q24 / 64 < loop->proportional_q_pu_q16;
 }
 
-/* The speed base is a sixteenth of an electrical turn in a PWM period: 2 pi f / 16. Beyond it the
- * rotor's angle is a guess. */
+/* The speed base is a sixteenth of an electrical turn in a PWM period: 2 pi f / 16. The rotor
+ * estimate is invalid beyond it. */
 static bool speed_within_base(const config_t *c)
 {
     return (int64_t)c->motor.max_speed_mrad_s * c->motor.pole_pairs * 1600 <=
@@ -251,7 +251,7 @@ static config_result_t check_relations(const config_t *c)
         {encoder_fine_enough(c), "rotor.encoder_counts at least 32 for each of motor.pole_pairs"},
         {encoder_index_sharp_enough(c),
          "rotor.encoder_index_tolerance_counts within 30 degrees electrical"},
-        {halls_know_the_blend_out(c),
+        {halls_measure_the_blend_out_speed(c),
          "brake.blend_out_end_mrad_s at least one electrical turn a second with halls"},
         {c->current_loop.field_weakening_current_pu_q15 <= c->current_loop.max_current_pu_q15,
          "current_loop.field_weakening_current_pu_q15 <= current_loop.max_current_pu_q15"},

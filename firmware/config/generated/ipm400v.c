@@ -26,7 +26,7 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .pole_pairs                        = 3, /* electrical turns in a mechanical turn */
         /* [uOhm] one phase, at reference_temperature_cC */
         .phase_resistance_uOhm             = 18000,
-        /* [cC] winding temperature at which the resistance holds */
+        /* [cC] winding temperature of phase_resistance_uOhm */
         .reference_temperature_cC          = 2500,
         /* [ppm/K] rise of resistance with temperature; copper 3930 */
         .resistance_coefficient_ppm_K      = 3930,
@@ -54,30 +54,31 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         /* last part of the speed range over which driving torque fades out; 0: a step at its
          * end; default 1/32 */
         .speed_fade_share_q15              = 1024,
-        .derate_winding_temperature_cC     = 13500, /* [cC] torque limit starts to shrink */
-        .max_winding_temperature_cC        = 15500, /* [cC] torque limit reaches zero */
+        .derate_winding_temperature_cC     = 13500, /* [cC] start of the derating */
+        /* [cC] end of the derating: torque limit zero */
+        .max_winding_temperature_cC        = 15500,
     },
     .drive = {
-        /* [mA] base of current: what half the converter's range stands for */
+        /* [mA] base of current: half the range of the converter */
         .current_full_scale_mA        = 280000,
-        /* [mV] base of voltage: what the converter's whole range stands for */
+        /* [mV] base of voltage: the whole range of the converter */
         .voltage_full_scale_mV        = 500000,
         /* [Hz] rate of the fast loop; base of speed is a sixteenth of it */
         .pwm_frequency_Hz             = 10000,
         /* timer counts from 0 to the top of the centre-aligned count */
         .pwm_period_counts            = 8400,
         .dead_time_ns                 = 500, /* [ns] between the two switches of a leg */
-        /* [mV] forward voltage of the freewheeling diodes, which dead time puts in the way of
-         * the current */
+        /* [mV] forward voltage of the freewheeling diodes, opposes the current during the
+         * dead time */
         .diode_drop_mV                = 1200,
         /* shortest low-side pulse: sampling window of the shunts */
         .min_pulse_counts             = 168,
-        .derate_switch_temperature_cC = 13000, /* [cC] torque limit starts to shrink */
-        .max_switch_temperature_cC    = 15000, /* [cC] torque limit reaches zero */
+        .derate_switch_temperature_cC = 13000, /* [cC] start of the derating */
+        .max_switch_temperature_cC    = 15000, /* [cC] end of the derating: torque limit zero */
     },
     .current_loop = {
-        /* [Hz] closed loop, first order after 1.5 periods of delay; the gains below and the
-         * shape of the reference realise it, dead-time compensation expects the current by it */
+        /* [Hz] closed loop, first order after 1.5 periods of delay; determines the gains
+         * below, the reference prefilter and the current predictor */
         .bandwidth_Hz                   = 500,
         /* [pu] k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped */
         .proportional_d_pu_q16          = 26819,
@@ -96,26 +97,28 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .flux_pu_q16                    = 33971, /* [pu] omega_base psi / V_base, back-EMF */
         /* [pu] largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window */
         .modulation_limit_pu_q15        = 31113,
-        /* [pu] |u| that field weakening regulates, over that circle's radius; the rest is for
-         * the loop's dynamics; raising: more torque at high speed, slower in changing it;
-         * default 0.9689 */
+        /* [pu] |u| regulated by field weakening, over the radius of that circle; the
+         * remaining voltage is for the loop's dynamics; raising: more torque at high speed,
+         * slower torque changes; default 0.9689 */
         .modulation_target_pu_q15       = 31748,
-        /* [pu] the torque limits keep |u| this much below the target, which field weakening
-         * then only trims; default 1/128 of the target */
+        /* [pu] distance of |u| below the target in the torque limits, so that field weakening
+         * only trims; default 1/128 of the target */
         .modulation_reserve_pu_q15      = 248,
-        .max_current_pu_q15             = 23406, /* [pu] largest |i| the loop is asked for */
-        /* [pu] current per unit of missing squared voltage and period; 0: no field weakening;
+        .max_current_pu_q15             = 23406, /* [pu] largest |i| of a current reference */
+        /* [pu] current per unit of excess squared voltage and period; 0: no field weakening;
          * raising: faster, less damped */
         .field_weakening_gain_pu_q15    = 146,
-        .field_weakening_current_pu_q15 = 19895, /* [pu] largest demagnetising current */
+        /* [pu] largest demagnetising current of field weakening */
+        .field_weakening_current_pu_q15 = 19895,
         /* [pu] current below which the dead-time compensation is proportional, at the middle
-         * of the battery's range; goes with the bus voltage */
+         * of the battery's range; proportional to the bus voltage */
         .dead_time_zone_pu_q15          = 128,
     },
     .rotor = {
         /* 0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index */
         .sensor                         = 0,
-        .pll_bandwidth_Hz               = 50, /* [Hz] tracking of the angle, for the record */
+        /* [Hz] bandwidth of the angle tracking loop; informative, the gains below realise it */
+        .pll_bandwidth_Hz               = 50,
         /* share of the angle error corrected in one PWM period */
         .pll_proportional_q16           = 4118,
         /* share of the angle error added to the speed in one PWM period */
@@ -123,8 +126,7 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         /* counts in a mechanical turn, four to a line; 0: no encoder */
         .encoder_counts                 = 0,
         .encoder_index_turn             = 0, /* [turn] electrical angle at the index pulse */
-        /* how far beside its place an index pulse is still the expected one: the width of the
-         * pulse */
+        /* largest distance of an index pulse from its expected count: the width of the pulse */
         .encoder_index_tolerance_counts = 4,
         .encoder_reversed               = 0, /* 1: the count falls when turning forward */
         .edge_turn = {0, 10923, 21845, 32768, 43691, 54613},
@@ -134,11 +136,13 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .driven_wheels                 = 1,
         .max_charge_current_mA         = 150000, /* [mA] 0: no regeneration into the battery */
         .max_discharge_current_mA      = 300000, /* [mA] */
-        .foldback_voltage_mV           = 394940, /* [mV] charge limit starts to shrink */
-        .max_voltage_mV                = 403000, /* [mV] charge limit reaches zero */
-        .min_voltage_mV                = 300000, /* [mV] discharge limit reaches zero */
-        /* [mV] discharge limit starts to shrink; default as far above min_voltage_mV as
-         * foldback_voltage_mV lies below max_voltage_mV */
+        .foldback_voltage_mV           = 394940, /* [mV] start of the charge current fold-back */
+        /* [mV] end of the charge current fold-back: limit zero */
+        .max_voltage_mV                = 403000,
+        /* [mV] end of the discharge current fold-back: limit zero */
+        .min_voltage_mV                = 300000,
+        /* [mV] start of the discharge current fold-back; default as far above min_voltage_mV
+         * as foldback_voltage_mV is below max_voltage_mV */
         .discharge_foldback_voltage_mV = 308060,
         .overvoltage_trip_mV           = 423150, /* [mV] bridge goes to its safe state */
         .undervoltage_trip_mV          = 270000, /* [mV] bridge goes to its safe state */
@@ -148,9 +152,10 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .strategy                    = 2,
         /* electric part of the whole demand (parallel_ratio) */
         .parallel_electric_share_q15 = 6554,
-        /* [mNm] electric torque before the hydraulic brake adds (parallel) */
+        /* [mNm] electric torque above which the hydraulic brake adds torque (parallel
+         * strategies) */
         .electric_rated_torque_mNm   = 70000,
-        /* [mNm] 0: no hydraulic brake under this controller's command */
+        /* [mNm] 0: no hydraulic brake commanded by this controller */
         .max_hydraulic_torque_mNm    = 700000,
         /* [ms] from a changed command until the hydraulic brake begins to move */
         .hydraulic_dead_time_ms      = 30,
@@ -160,23 +165,21 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         /* [mrad/s] electric braking starts to fade below this speed */
         .blend_out_start_mrad_s      = 24086,
         .blend_out_end_mrad_s        = 9425, /* [mrad/s] no electric braking below this speed */
-        /* [mNm/s] fastest change of motor torque that is asked for */
-        .torque_rate_mNm_s           = 1500000,
-        /* [mNm] missing motor torque tolerated before the hydraulic brake fills it; default 5
-         * % of motor.max_torque_mNm */
+        .torque_rate_mNm_s           = 1500000, /* [mNm/s] rate limit of the motor torque command */
+        /* [mNm] shortfall of motor torque tolerated before the hydraulic brake adds it;
+         * default 5 % of motor.max_torque_mNm */
         .shortfall_band_mNm          = 5750,
-        .demand_timeout_ms           = 100, /* [ms] older demands count as lost; default 100 */
-        /* [ms] the motor is counted on for torque that it reaches within this time; raising:
-         * the hydraulic brake steps in later for a motor short of voltage; default 100 */
+        /* [ms] largest age of a demand; an older one has timed out; default 100 */
+        .demand_timeout_ms           = 100,
+        /* [ms] torque that the motor reaches within this time counts as available; raising:
+         * the hydraulic brake adds torque later for a motor short of voltage; default 100 */
         .motor_arrival_ms            = 100,
-        /* [ms] electric braking stays away this long after an anti-lock intervention; default
-         * 300 */
+        /* [ms] time without electric braking after an anti-lock intervention; default 300 */
         .abs_hold_ms                 = 300,
-        /* square of the voltage over its circle's at which the torque no longer grows;
-         * default 0.96 */
+        /* squared modulation index at which the torque no longer grows; default 0.96 */
         .torque_growth_end_q15       = 31457,
-        /* share of torque_rate_mNm_s for each unit of that square below its end; raising:
-         * whole rate nearer to the end; default 1/0.07 */
+        /* share of torque_rate_mNm_s per unit of that square below its end; raising: full
+         * rate up to a higher modulation index; default 1/0.07 */
         .torque_growth_slope_q9      = 7314,
         /* [mm/s^2] deceleration without a braking demand above which the stop lamp is lit;
          * default 1300 */
@@ -193,30 +196,33 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .wheel_position  = 0,
     },
     .modes = {
-        /* share of motor.max_torque_mNm left for driving in LIMP, after a warning; braking is
-         * not reduced; default 0.3 */
+        /* share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking
+         * is not reduced; default 0.3 */
         .limp_drive_share_q15 = 9830,
         .selftest_timeout_ms  = 1000, /* [ms] SELFTEST without a result is a fault; default 1000 */
     },
     .monitor = {
-        /* [pu] length of the current vector that trips, the peak of three sinusoidal phases;
-         * default 1.3 times motor.max_phase_current_mA */
+        /* [pu] magnitude of the current vector that trips, peak; default 1.3 times
+         * motor.max_phase_current_mA */
         .overcurrent_pu_q15        = 29552,
-        /* PWM periods in a row that it takes; 1: a single disturbed sample trips; default 2 */
+        /* PWM periods in a row that trip; 1: a single disturbed sample trips; default 2 */
         .overcurrent_periods       = 2,
         .current_sum_pu_q15        = 1638, /* [pu] largest |i_a + i_b + i_c| */
-        .offset_tolerance_codes    = 200, /* distance of a current sensor's zero from mid-range */
-        .torque_tolerance_mNm      = 11500, /* [mNm] estimate against permitted torque */
-        .torque_fault_time_ms      = 50, /* [ms] how long the torque may be wrong; default 50 */
+        /* largest distance of a current sensor's offset from mid-range */
+        .offset_tolerance_codes    = 200,
+        /* [mNm] largest excess of the estimated over the permitted torque */
+        .torque_tolerance_mNm      = 11500,
+        /* [ms] qualify time of an implausible torque; default 50 */
+        .torque_fault_time_ms      = 50,
         /* [ms] qualify time of current sum, saturated current sensor and temperature; default
          * 20 */
         .sensor_fault_time_ms      = 20,
         /* [ms] qualify time of the low-passed bus voltage; default 5 */
         .voltage_fault_time_ms     = 5,
-        /* [ms] time for an invalid rotor angle to become valid again once the torque is zero;
-         * default 250 */
+        /* [ms] qualify time of an invalid rotor angle, from zero torque on; default 250 */
         .rotor_fault_time_ms       = 250,
-        /* [ms] steps with an implausible angle more than with a plausible one; default 20 */
+        /* [ms] qualify time of an implausible angle: steps with one less steps without;
+         * default 20 */
         .angle_fault_time_ms       = 20,
         /* [ms] heal time of the rotor sensor's warning, and so of LIMP; default 10000 */
         .rotor_warning_time_ms     = 10000,
@@ -339,12 +345,12 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
     },
     .current_map = {
         /* odd: points along torque in the direction of rotation, braking first; the middle
-         * one is no torque */
+         * one is zero torque */
         .torque_points         = 31,
         .torque_step_log2      = 13, /* distance of the points is 2^this mNm at the airgap */
         .speed_points          = 19, /* points along speed, from standstill */
         .speed_step_log2       = 16, /* distance of the points is 2^this mrad/s, mechanical */
-        /* points along winding temperature; 1: the map is the same at any */
+        /* points along winding temperature; 1: the map does not depend on it */
         .temperature_points    = 2,
         .temperature_step_log2 = 14, /* distance of the points is 2^this hundredths of a degree */
         .temperature_origin_cC = -2000, /* [cC] winding temperature of the first point */

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * config.h: config_t, everything one controller must know about its board, motor, battery and
- * vehicle.
+ * config.h: config_t, all parameters of one controller: board, motor, battery and vehicle.
  *
  * One constant image: written by tools/regen_table from a TOML file, linked into its own flash
  * section, replaceable without rebuilding the firmware, refused in BOOT unless config_validate()
- * accepts it. This header is the only place that knows its layout: the C structures, the
- * validator's ranges and the Python generator all come from the lists below, one line a field:
+ * accepts it. This header alone defines the layout: C structures, validator
+ * and Python generator are made from the lists below, one line a field:
  *
  *     X(name, smallest accepted value, largest accepted value, "unit",
  *       "meaning, meaning of zero, effect of raising")
@@ -54,7 +53,7 @@
     X(phase_resistance_uOhm,                 10,        100000000,  "uOhm", \
       "one phase, at reference_temperature_cC") \
     X(reference_temperature_cC,              -5000,     15000,      "cC", \
-      "winding temperature at which the resistance holds") \
+      "winding temperature of phase_resistance_uOhm") \
     X(resistance_coefficient_ppm_K,          0,         10000,      "ppm/K", \
       "rise of resistance with temperature; copper 3930") \
     X(d_inductance_nH,                       100,       1000000000, "nH",     "direct axis") \
@@ -84,15 +83,15 @@
       "last part of the speed range over which driving torque fades out; 0: a step at its end; " \
       "default 1/32") \
     X(derate_winding_temperature_cC,         0,         30000,      "cC", \
-      "torque limit starts to shrink") \
+      "start of the derating") \
     X(max_winding_temperature_cC,            1000,      30000,      "cC", \
-      "torque limit reaches zero")
+      "end of the derating: torque limit zero")
 
 #define CONFIG_DRIVE_FIELDS(X) \
     X(current_full_scale_mA,                 1000,      4000000,    "mA", \
-      "base of current: what half the converter's range stands for") \
+      "base of current: half the range of the converter") \
     X(voltage_full_scale_mV,                 5000,      2000000,    "mV", \
-      "base of voltage: what the converter's whole range stands for") \
+      "base of voltage: the whole range of the converter") \
     X(pwm_frequency_Hz,                      4000,      100000,     "Hz", \
       "rate of the fast loop; base of speed is a sixteenth of it") \
     X(pwm_period_counts,                     256,       16384,      "1", \
@@ -100,19 +99,18 @@
     X(dead_time_ns,                          0,         10000,      "ns", \
       "between the two switches of a leg") \
     X(diode_drop_mV,                         0,         5000,       "mV", \
-      "forward voltage of the freewheeling diodes, which dead time puts in the way of the " \
-      "current") \
+      "forward voltage of the freewheeling diodes, opposes the current during the dead time") \
     X(min_pulse_counts,                      0,         4096,       "1", \
       "shortest low-side pulse: sampling window of the shunts") \
     X(derate_switch_temperature_cC,          0,         30000,      "cC", \
-      "torque limit starts to shrink") \
+      "start of the derating") \
     X(max_switch_temperature_cC,             1000,      30000,      "cC", \
-      "torque limit reaches zero")
+      "end of the derating: torque limit zero")
 
 #define CONFIG_CURRENT_LOOP_FIELDS(X) \
     X(bandwidth_Hz,                          10,        10000,      "Hz", \
-      "closed loop, first order after 1.5 periods of delay; the gains below and the shape " \
-      "of the reference realise it, dead-time compensation expects the current by it") \
+      "closed loop, first order after 1.5 periods of delay; determines the gains below, the " \
+      "reference prefilter and the current predictor") \
     X(proportional_d_pu_q16,                 1,         1048576,    "pu", \
       "k_i / (1 - exp(-R T / L_d)), volts per ampere; raising: faster, less damped") \
     X(proportional_q_pu_q16,                 1,         1048576,    "pu", \
@@ -132,28 +130,28 @@
     X(modulation_limit_pu_q15,               8192,      32767,      "pu", \
       "largest |u| over u_dc/sqrt(3); below 1 keeps the sampling window") \
     X(modulation_target_pu_q15,              16384,     32112,      "pu", \
-      "|u| that field weakening regulates, over that circle's radius; the rest is for the " \
-      "loop's dynamics; raising: more torque at high speed, slower in changing it; default " \
-      "0.9689") \
+      "|u| regulated by field weakening, over the radius of that circle; the remaining " \
+      "voltage is for the loop's dynamics; raising: more torque at high speed, slower torque " \
+      "changes; default 0.9689") \
     X(modulation_reserve_pu_q15,             0,         3276,       "pu", \
-      "the torque limits keep |u| this much below the target, which field weakening then only " \
+      "distance of |u| below the target in the torque limits, so that field weakening only " \
       "trims; default 1/128 of the target") \
     X(max_current_pu_q15,                    164,       32767,      "pu", \
-      "largest |i| the loop is asked for") \
+      "largest |i| of a current reference") \
     X(field_weakening_gain_pu_q15,           0,         32767,      "pu", \
-      "current per unit of missing squared voltage and period; 0: no field weakening; " \
+      "current per unit of excess squared voltage and period; 0: no field weakening; " \
       "raising: faster, less damped") \
     X(field_weakening_current_pu_q15,        0,         32767,      "pu", \
-      "largest demagnetising current") \
+      "largest demagnetising current of field weakening") \
     X(dead_time_zone_pu_q15,                 128,       32767,        "pu", \
       "current below which the dead-time compensation is proportional, at the middle of " \
-      "the battery's range; goes with the bus voltage")
+      "the battery's range; proportional to the bus voltage")
 
 #define CONFIG_ROTOR_FIELDS(X) \
     X(sensor,                                0,         2,          "", \
       "0 absolute electrical angle, 1 three hall sensors, 2 incremental encoder with index") \
     X(pll_bandwidth_Hz,                      1,         1000,       "Hz", \
-      "tracking of the angle, for the record") \
+      "bandwidth of the angle tracking loop; informative, the gains below realise it") \
     X(pll_proportional_q16,                  1,         65536,      "1", \
       "share of the angle error corrected in one PWM period") \
     X(pll_integral_q24,                      1,         16777216,   "1", \
@@ -163,8 +161,7 @@
     X(encoder_index_turn,                    0,         65535,      "turn", \
       "electrical angle at the index pulse") \
     X(encoder_index_tolerance_counts,        0,         1024,       "1", \
-      "how far beside its place an index pulse is still the expected one: the width of the " \
-      "pulse") \
+      "largest distance of an index pulse from its expected count: the width of the pulse") \
     X(encoder_reversed,                      0,         1,          "", \
       "1: the count falls when turning forward")
 
@@ -179,14 +176,14 @@
       "0: no regeneration into the battery") \
     X(max_discharge_current_mA,              100,       2000000,    "mA",     "") \
     X(foldback_voltage_mV,                   1000,      2000000,    "mV", \
-      "charge limit starts to shrink") \
+      "start of the charge current fold-back") \
     X(max_voltage_mV,                        1000,      2000000,    "mV", \
-      "charge limit reaches zero") \
+      "end of the charge current fold-back: limit zero") \
     X(min_voltage_mV,                        1000,      2000000,    "mV", \
-      "discharge limit reaches zero") \
+      "end of the discharge current fold-back: limit zero") \
     X(discharge_foldback_voltage_mV,         1000,      2000000,    "mV", \
-      "discharge limit starts to shrink; default as far above min_voltage_mV as " \
-      "foldback_voltage_mV lies below max_voltage_mV") \
+      "start of the discharge current fold-back; default as far above min_voltage_mV as " \
+      "foldback_voltage_mV is below max_voltage_mV") \
     X(overvoltage_trip_mV,                   1000,      2000000,    "mV", \
       "bridge goes to its safe state") \
     X(undervoltage_trip_mV,                  500,       2000000,    "mV", \
@@ -198,9 +195,9 @@
     X(parallel_electric_share_q15,           0,         32767,      "1", \
       "electric part of the whole demand (parallel_ratio)") \
     X(electric_rated_torque_mNm,             0,         20000000,   "mNm", \
-      "electric torque before the hydraulic brake adds (parallel)") \
+      "electric torque above which the hydraulic brake adds torque (parallel strategies)") \
     X(max_hydraulic_torque_mNm,              0,         20000000,   "mNm", \
-      "0: no hydraulic brake under this controller's command") \
+      "0: no hydraulic brake commanded by this controller") \
     X(hydraulic_dead_time_ms,                0,         250,        "ms", \
       "from a changed command until the hydraulic brake begins to move") \
     X(hydraulic_time_constant_ms,            0,         2000,       "ms", \
@@ -212,23 +209,22 @@
     X(blend_out_end_mrad_s,                   0,         1000000,    "mrad/s", \
       "no electric braking below this speed") \
     X(torque_rate_mNm_s,                     100,       2000000000, "mNm/s", \
-      "fastest change of motor torque that is asked for") \
+      "rate limit of the motor torque command") \
     X(shortfall_band_mNm,                    1,         1000000,    "mNm", \
-      "missing motor torque tolerated before the hydraulic brake fills it; default 5 % of " \
+      "shortfall of motor torque tolerated before the hydraulic brake adds it; default 5 % of " \
       "motor.max_torque_mNm") \
     X(demand_timeout_ms,                     5,         1000,       "ms", \
-      "older demands count as lost; default 100") \
+      "largest age of a demand; an older one has timed out; default 100") \
     X(motor_arrival_ms,                      1,         1000,       "ms", \
-      "the motor is counted on for torque that it reaches within this time; raising: the " \
-      "hydraulic brake steps in later for a motor short of voltage; default 100") \
+      "torque that the motor reaches within this time counts as available; raising: the " \
+      "hydraulic brake adds torque later for a motor short of voltage; default 100") \
     X(abs_hold_ms,                           0,         10000,      "ms", \
-      "electric braking stays away this long after an anti-lock intervention; default 300") \
+      "time without electric braking after an anti-lock intervention; default 300") \
     X(torque_growth_end_q15,                 16384,     32767,      "1", \
-      "square of the voltage over its circle's at which the torque no longer grows; default " \
-      "0.96") \
+      "squared modulation index at which the torque no longer grows; default 0.96") \
     X(torque_growth_slope_q9,                512,       65535,      "1", \
-      "share of torque_rate_mNm_s for each unit of that square below its end; raising: whole " \
-      "rate nearer to the end; default 1/0.07") \
+      "share of torque_rate_mNm_s per unit of that square below its end; raising: full rate " \
+      "up to a higher modulation index; default 1/0.07") \
     X(stop_lamp_on_mm_s2,                    100,       20000,      "mm/s^2", \
       "deceleration without a braking demand above which the stop lamp is lit; default 1300") \
     X(stop_lamp_off_mm_s2,                   0,         20000,      "mm/s^2", \
@@ -245,34 +241,34 @@
 
 #define CONFIG_MODES_FIELDS(X) \
     X(limp_drive_share_q15,                  0,         32767,      "1", \
-      "share of motor.max_torque_mNm left for driving in LIMP, after a warning; braking is not " \
-      "reduced; default 0.3") \
+      "share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking is " \
+      "not reduced; default 0.3") \
     X(selftest_timeout_ms,                   10,        60000,      "ms", \
       "SELFTEST without a result is a fault; default 1000")
 
 #define CONFIG_MONITOR_FIELDS(X) \
     X(overcurrent_pu_q15,                    164,       32767,      "pu", \
-      "length of the current vector that trips, the peak of three sinusoidal phases; default " \
+      "magnitude of the current vector that trips, peak; default " \
       "1.3 times motor.max_phase_current_mA") \
     X(overcurrent_periods,                   1,         16,         "1", \
-      "PWM periods in a row that it takes; 1: a single disturbed sample trips; default 2") \
+      "PWM periods in a row that trip; 1: a single disturbed sample trips; default 2") \
     X(current_sum_pu_q15,                    16,        32767,      "pu", \
       "largest |i_a + i_b + i_c|") \
     X(offset_tolerance_codes,                1,         1024,       "1", \
-      "distance of a current sensor's zero from mid-range") \
+      "largest distance of a current sensor's offset from mid-range") \
     X(torque_tolerance_mNm,                  1,         1000000,    "mNm", \
-      "estimate against permitted torque") \
+      "largest excess of the estimated over the permitted torque") \
     X(torque_fault_time_ms,                  1,         1000,       "ms", \
-      "how long the torque may be wrong; default 50") \
+      "qualify time of an implausible torque; default 50") \
     X(sensor_fault_time_ms,                  1,         1000,       "ms", \
       "qualify time of current sum, saturated current sensor and temperature; default 20") \
     X(voltage_fault_time_ms,                 1,         1000,       "ms", \
       "qualify time of the low-passed bus voltage; default 5") \
     X(rotor_fault_time_ms,                   1,         10000,      "ms", \
-      "time for an invalid rotor angle to become valid again once the torque is zero; default " \
+      "qualify time of an invalid rotor angle, from zero torque on; default " \
       "250") \
     X(angle_fault_time_ms,                   1,         1000,       "ms", \
-      "steps with an implausible angle more than with a plausible one; default 20") \
+      "qualify time of an implausible angle: steps with one less steps without; default 20") \
     X(rotor_warning_time_ms,                 1,         60000,      "ms", \
       "heal time of the rotor sensor's warning, and so of LIMP; default 10000") \
     X(diode_fault_time_ms,                   1,         1000,       "ms", \
@@ -310,12 +306,12 @@
 #define CONFIG_REGEN_MAP_ARRAY(Y) \
     Y(torque_mNm, CONFIG_REGEN_POINTS_MAX,   -100000000, 100000000, "mNm", \
       "unclamped braking torque that returns the most energy with the i_d of current_map, " \
-      "magnitude; near standstill its line goes on below zero, which counts as 0")
+      "magnitude; near standstill negative by extrapolation, which counts as 0")
 
 #define CONFIG_CURRENT_MAP_FIELDS(X) \
     X(torque_points,                         3,         65,         "1", \
       "odd: points along torque in the direction of rotation, braking first; the middle " \
-      "one is no torque") \
+      "one is zero torque") \
     X(torque_step_log2,                      0,         20,         "", \
       "distance of the points is 2^this mNm at the airgap") \
     X(speed_points,                          2,         65,         "1", \
@@ -323,7 +319,7 @@
     X(speed_step_log2,                       6,         20,         "", \
       "distance of the points is 2^this mrad/s, mechanical") \
     X(temperature_points,                    1,         5,          "1", \
-      "points along winding temperature; 1: the map is the same at any") \
+      "points along winding temperature; 1: the map does not depend on it") \
     X(temperature_step_log2,                 6,         15,         "", \
       "distance of the points is 2^this hundredths of a degree") \
     X(temperature_origin_cC,                 -10000,    20000,      "cC", \
