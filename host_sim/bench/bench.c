@@ -131,7 +131,7 @@ double bench_wheel_speed_rad_s(const bench_t *bench)
     return bench->vehicle.speed_m_per_s / bench->params.vehicle.wheel_radius_m;
 }
 
-/* The demand changes with the slow step only, so the accounts need a look only when braking begins
+/* The demand changes with the slow step only, so the accounts are updated only when braking begins
  * or ends. */
 static void note_braking(bench_t *bench)
 {
@@ -188,7 +188,7 @@ static void slow_step(bench_t *bench)
     }
 }
 
-/* A vehicle whose speed somebody else decides. */
+/* A vehicle with an external speed. */
 static motion_flow_t carry(bench_t *bench, const wheel_flow_t *flow)
 {
     const motion_flow_t out = {.road = {.mean_speed_m_per_s = bench->vehicle.speed_m_per_s}};

@@ -69,7 +69,7 @@ driver_demand_t driver_step(const driver_params_t *params, driver_state_t *state
     }
     const double error = reference - speed_m_per_s;
     const double w_b = params->bandwidth_rad_per_s;
-    /* Nobody feeds rolling resistance forward into a vehicle that is to come to rest. */
+    /* No feed-forward of rolling resistance for a vehicle that must come to rest. */
     const double rolling_n = stays_still ? 0.0 : vehicle->rolling_n;
     const double known_n = vehicle->mass_kg * (ahead - reference) / params->preview_s +
                            vehicle_drag_n(vehicle, reference) + rolling_n + vehicle->slope_n;

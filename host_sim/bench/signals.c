@@ -5,9 +5,23 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "exchange/variables.h"
+
 enum { NAME_LENGTH = 80 };
 
 typedef enum { VALUE, RATE } kind_t;
+
+/* Texts of the controller's outputs: those of exchange/variables.h. */
+#define TEXT_MEMBER(label, raw, member, type, scale, lowest, highest, start, unit, meaning)        \
+    char label[sizeof(meaning)];
+#define TEXT_VALUE(label, raw, member, type, scale, lowest, highest, start, unit, meaning)         \
+    .label = (meaning),
+static const struct {
+    EXCHANGE_FAST_OUTPUTS(TEXT_MEMBER)
+    EXCHANGE_SLOW_OUTPUTS(TEXT_MEMBER)
+} OUTPUT_TEXT = {EXCHANGE_FAST_OUTPUTS(TEXT_VALUE) EXCHANGE_SLOW_OUTPUTS(TEXT_VALUE)};
+#undef TEXT_MEMBER
+#undef TEXT_VALUE
 
 /* clang-format off */
 /* X(name, kind, unit, meaning, expression of the bench b) */
@@ -95,52 +109,51 @@ typedef enum { VALUE, RATE } kind_t;
     X("tyre_n", VALUE, "N", \
       "force of the tyre, positive forward; 0 where wheels cannot slip", w->motion.force_n) \
     X("hydraulic_reason", VALUE, "", \
-      "why motor and hydraulic brake cannot meet the demand", (double)w->slow.hydraulic_reason) \
+      OUTPUT_TEXT.hydraulic_reason, (double)w->slow.hydraulic_reason) \
     X("housing_temperature_c", VALUE, "degC", "of the motor's housing", w->winding.outer_c) \
     X("heatsink_temperature_c", VALUE, "degC", "of the inverter's heat sink", w->switches.outer_c) \
     X("theta_turn", VALUE, "turn", "electrical angle of the rotor", w->rotor.theta_turn) \
     X("winding_temperature_c", VALUE, "degC", "of the winding", w->winding.temperature_c) \
     X("switch_temperature_c", VALUE, "degC", "of the switches", w->switches.temperature_c) \
     X("bridge", VALUE, "", \
-      "what the bridge does: 0 off, 1 pulse-width modulation, 2 short circuit", \
+      OUTPUT_TEXT.bridge, \
       (double)w->active.bridge) \
     X("command_nm", VALUE, "N.m", \
-      "controller: torque the current loop is asked for", \
+      OUTPUT_TEXT.motor_torque_command_nm, \
       1e-3 * w->slow.motor_torque_command_mNm) \
     X("estimate_nm", VALUE, "N.m", \
-      "controller: torque worked out from measured currents", \
+      OUTPUT_TEXT.motor_torque_estimate_nm, \
       1e-3 * w->slow.motor_torque_estimate_mNm) \
     X("hydraulic_command_nm", VALUE, "N.m", \
-      "controller: command to the hydraulic brake, magnitude", \
+      OUTPUT_TEXT.hydraulic_torque_nm, \
       1e-3 * w->slow.hydraulic_torque_mNm) \
     X("available_nm", VALUE, "N.m", \
-      "controller: braking torque the motor could add", \
+      OUTPUT_TEXT.electric_brake_available_nm, \
       1e-3 * w->slow.electric_brake_available_mNm) \
     X("speed_estimate_rad_per_s", VALUE, "rad/s", \
-      "controller: mechanical speed", 1e-3 * w->slow.speed_mrad_s) \
+      OUTPUT_TEXT.speed_rad_per_s, 1e-3 * w->slow.speed_mrad_s) \
     X("theta_estimate_turn", VALUE, "turn", \
-      "controller: electrical angle", \
+      "estimated electrical angle of the controller", \
       (double)foc_latest(&w->controller.fast.foc)->rotor.theta_turn / 65536.0) \
     X("current_d_estimate_a", VALUE, "A", \
-      "controller: direct-axis current, mean of a slow step", 1e-3 * w->slow.i_d_mA) \
+      OUTPUT_TEXT.current_d_a, 1e-3 * w->slow.i_d_mA) \
     X("current_q_estimate_a", VALUE, "A", \
-      "controller: quadrature-axis current, mean of a slow step", 1e-3 * w->slow.i_q_mA) \
-    X("voltage_estimate_v", VALUE, "V", "controller: bus voltage", 1e-3 * w->slow.bus_voltage_mV) \
+      OUTPUT_TEXT.current_q_a, 1e-3 * w->slow.i_q_mA) \
+    X("voltage_estimate_v", VALUE, "V", OUTPUT_TEXT.bus_voltage_v, 1e-3 * w->slow.bus_voltage_mV) \
     X("bus_current_estimate_a", VALUE, "A", \
-      "controller: bus current, positive out of the battery", 1e-3 * w->slow.bus_current_mA) \
+      OUTPUT_TEXT.bus_current_a, 1e-3 * w->slow.bus_current_mA) \
     X("reason", VALUE, "", \
-      "controller: what limits the motor torque, 0 none", (double)w->slow.torque_reason) \
+      OUTPUT_TEXT.torque_reason, (double)w->slow.torque_reason) \
     X("available_reason", VALUE, "", \
-      "controller: what bounds the braking torque available", (double)w->slow.available_reason) \
+      OUTPUT_TEXT.available_reason, (double)w->slow.available_reason) \
     X("fault_reason", VALUE, "", \
-      "controller: the latched fault, 0 healthy", (double)w->slow.fault_reason) \
+      OUTPUT_TEXT.fault_reason, (double)w->slow.fault_reason) \
     X("first_fault_reason", VALUE, "", \
       "the first fault of the run, 0 none", (double)w->first_fault) \
-    X("first_fault_s", VALUE, "s", "when it came", w->first_fault_s) \
+    X("first_fault_s", VALUE, "s", "time of the first fault", w->first_fault_s) \
     X("mode", VALUE, "", \
-      "controller: 0 boot, 1 self-test, 2 offset calibration, 3 ready, 4 run, 5 limp, 6 " \
-      "fault", (double)w->slow.mode) \
-    X("stop_lamp", VALUE, "", "controller: 1 the stop lamp is lit", w->slow.stop_lamp ? 1.0 : 0.0)
+      OUTPUT_TEXT.mode, (double)w->slow.mode) \
+    X("stop_lamp", VALUE, "", OUTPUT_TEXT.stop_lamp, w->slow.stop_lamp ? 1.0 : 0.0)
 
 /* clang-format on */
 
@@ -160,9 +173,9 @@ static const line_t WHEEL_LINES[] = {WHEEL_SIGNALS(LINE)};
  * whose names begin with "limit_" and the line's. */
 static const line_t TIGHTEST_LINES[] = {
     {"limit_driving_nm", VALUE, "N.m", "controller: tightest bound of the driving torque"},
-    {"limit_driving_reason", VALUE, "", "controller: its reason"},
+    {"limit_driving_reason", VALUE, "", "controller: reason of the tightest driving bound"},
     {"limit_braking_nm", VALUE, "N.m", "controller: tightest bound of the motor's braking torque"},
-    {"limit_braking_reason", VALUE, "", "controller: its reason"}};
+    {"limit_braking_reason", VALUE, "", "controller: reason of the tightest braking bound"}};
 static const line_t BOUND_LINES[] = {
     {"driving_nm", VALUE, "N.m",
      "controller: driving bound of this line of the limits, 2147483.6: none"},
@@ -277,7 +290,7 @@ int signals_group(int index)
 }
 
 /* The values of one group in the order of its lines; written one after the other, so that the
- * compiler makes them stores and no table of what most rows do not want. */
+ * compiler generates stores without a table. */
 #define READ(name, kind, unit, text, expression) *to++ = (expression);
 #define READ_RUN(name, text) *to++ = run.name;
 #define READ_BRAKING(name, text) *to++ = braking.name;

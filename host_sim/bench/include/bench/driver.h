@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * driver.h: who presses the pedals. One driver for the vehicle; the demand is the same at every
+ * driver.h: driver model. One driver for the vehicle; the demand is the same at every
  * driven wheel.
  *
- * Following a speed trace, the driver knows the vehicle: feed-forward of inertia (from the trace a
- * moment ahead), air drag, rolling resistance and slope, and a PI regulator on the speed error for
- * the rest,
+ * Following a speed trace, the driver uses a model of the vehicle: feed-forward of inertia (from
+ * the trace some time ahead), air drag, rolling resistance and slope, and a PI regulator on the
+ * speed error for the rest,
  *
  *     F = m a_ref + F_road(v_ref) + 2 m w_b e + m w_b^2 integral(e),
  *     torque = F r / driven wheels
@@ -30,7 +30,7 @@
     X(drive_demand_nm,     -1e5,  1e5,   "N m",   "at each driven wheel") \
     X(bandwidth_rad_per_s,  1e-3, 100.0, "rad/s", "w_b of the speed regulator") \
     X(preview_s,            1e-3, 10.0,  "s", \
-      "how far ahead the driver looks for the acceleration") \
+      "preview time of the driver for the acceleration") \
     X(most_drive_nm,        0.0,  1e5,   "N m",   "end of the drive pedal, at each driven wheel") \
     X(most_brake_nm,        0.0,  1e5,   "N m",   "end of the brake pedal, at each driven wheel") \
     X(demand_age_s,         0.0,  1e6,   "s", \
@@ -38,7 +38,7 @@
     X(silent,               0.0,  1.0,   "", \
       "1: no more messages, the controllers see the last demand grow old") \
     X(enable,               0.0,  1.0,   "",      "1: the vehicle is switched on") \
-    X(abs_active,           0.0,  1.0,   "",      "1: the anti-lock system is at work")
+    X(abs_active,           0.0,  1.0,   "",      "1: anti-lock intervention")
 /* clang-format on */
 
 typedef struct {

@@ -5,13 +5,13 @@
  *
  * Plain declarations only, so that a foreign-function reader (cffi and the like) can take this file
  * as it is, less the lines that begin with '#'. Functions that can fail return HUBSIM_OK or another
- * code of the enumeration below; hubsim_error() then says in one line what is wrong and what would
- * be accepted. No function prints, exits or keeps anything outside the handle, so any number of
+ * code of the enumeration below; hubsim_error() then returns one line with the error and the
+ * accepted values. No function prints, exits or keeps anything outside the handle, so any number of
  * handles may run at the same time, one thread each.
  *
  * Order of a run: hubsim_new, hubsim_set for every parameter, hubsim_set_voltage_curve,
  * hubsim_set_trace if there is one, hubsim_load_config, hubsim_start, hubsim_choose, hubsim_run
- * until it says HUBSIM_ENDED or enough time has passed, hubsim_value for the accounts,
+ * until it returns HUBSIM_ENDED or enough time has passed, hubsim_value for the accounts,
  * hubsim_delete. hubsim_set also works between calls of hubsim_run: that is how events happen.
  */
 #ifndef BENCH_ENGINE_H
@@ -21,13 +21,13 @@
 
 enum {
     HUBSIM_OK = 0,
-    HUBSIM_ENDED = 1,       /* the run came to the end its parameters ask for */
-    HUBSIM_FULL = 2,        /* no room for another row; call again with an empty buffer */
+    HUBSIM_ENDED = 1,       /* the run reached the end set by its parameters */
+    HUBSIM_FULL = 2,        /* no space for another row; call again with an empty buffer */
     HUBSIM_BAD_NAME = -1,   /* no parameter or signal of that name */
     HUBSIM_BAD_VALUE = -2,  /* outside the accepted range */
     HUBSIM_BAD_CONFIG = -3, /* refused by the firmware's own validator */
     HUBSIM_BAD_ORDER = -4,  /* something must be called first */
-    HUBSIM_FAILED = -5      /* the run cannot go on; hubsim_error() says why */
+    HUBSIM_FAILED = -5      /* the run cannot continue; hubsim_error() returns the cause */
 };
 
 typedef struct hubsim hubsim_t;
@@ -76,9 +76,9 @@ int hubsim_choose(hubsim_t *sim, const int *indices, int count);
 
 /*
  * Run for duration_s or until the run ends, and write rows of the chosen signals at every
- * run.record_interval_s. rows: room for `capacity` rows of as many doubles as signals were chosen;
- * *written: rows written. With HUBSIM_FULL the clock is at the row there was no room for;
- * *remaining_s is what is left of duration_s.
+ * run.record_interval_s. rows: space for `capacity` rows of as many doubles as signals were chosen;
+ * *written: rows written. With HUBSIM_FULL the clock is at the first row without space;
+ * *remaining_s is the remainder of duration_s.
  */
 int hubsim_run(hubsim_t *sim, double duration_s, double *rows, int64_t capacity, int64_t *written,
                double *remaining_s);

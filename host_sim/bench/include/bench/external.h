@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * external.h: the plant alone: a vehicle of engine.h whose bridges do what the caller says, for
- * whoever brings a controller of their own.
+ * external.h: the plant alone: a vehicle of engine.h whose bridges are commanded by the caller, for
+ * an external controller.
  *
  * hubsim_start() brings the vehicle to its initial speed with the firmware's controllers, which
- * make no torque. hubsim_external_take() puts the caller in their place; from then on
+ * give zero torque. hubsim_external_take() replaces them by the caller; from then on
  * hubsim_external_step() is one PWM period. Battery, bus, temperatures, brakes, sensors, driver,
  * anti-lock system and accounts are those that the firmware works with, so both can be compared on
- * the same run. The signals of engine.h that come from a controller stand still.
+ * the same run. Signals of engine.h that come from a controller are constant.
  *
  * Plain declarations only, as in engine.h. Motor signs: current into the motor is positive, torque
  * is positive where it drives forward.
@@ -55,7 +55,7 @@ typedef struct {
     double charge_limit_a;         /* A, what the battery management allows into the pack */
     double discharge_limit_a;      /* A, and out of it */
     int32_t enable;                /* the driver's switch */
-    int32_t anti_lock_at_work;     /* motors are asked to make no torque */
+    int32_t anti_lock_at_work;     /* motor torque must be zero */
 } hubsim_vehicle_t;
 
 /*
@@ -70,7 +70,7 @@ int hubsim_external_wheels(const hubsim_t *sim);
 /* One PWM period. commands: one for each wheel. HUBSIM_ENDED when the run is over. */
 int hubsim_external_step(hubsim_t *sim, const hubsim_command_t *commands);
 
-/* Where the vehicle is now, at the top of the count; wheels: room for all. */
+/* State of the vehicle at the top of the count; wheels: space for all. */
 int hubsim_external_read(hubsim_t *sim, hubsim_vehicle_t *vehicle, hubsim_wheel_t *wheels);
 
 #endif

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * feed.h: between bridge and motor of one wheel: what a period does to the motor, and what the
- * converters see of it.
+ * feed.h: between bridge and motor of one wheel: motor voltage of a period, and the inputs of the
+ * converters.
  *
- * Currents are sampled at the top of the count or sensors.sampling_delay_s after it. What the
- * bridge does from the top on is known there, so a late sample is calculated ahead on a copy of the
- * motor, with the averaged bridge or with every edge. With sensors.shunt_settling_s the converters
- * see the shunts' amplifiers (shunts.h) and not the wires. A wheel with a coupling of its own looks
- * ahead with what its bridge did in the period before.
+ * Currents are sampled at the top of the count or sensors.sampling_delay_s after it. The bridge
+ * commands from the top on are known there, so a late sample is calculated in advance on a copy of
+ * the motor, with the averaged bridge or with every edge. With sensors.shunt_settling_s the
+ * converters sample the amplifiers of the shunts (shunts.h) instead of the phase currents. A wheel
+ * with its own coupling uses the bridge commands of the previous period.
  */
 #ifndef BENCH_FEED_H
 #define BENCH_FEED_H

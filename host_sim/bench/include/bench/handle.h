@@ -14,11 +14,11 @@
 
 enum { HANDLE_ERROR_LENGTH = 400 };
 
-/* One wheel whose controller is somebody else's. */
+/* One wheel with an external controller. */
 typedef struct {
     fast_input_t sampled; /* by the sensors, at the last top of the count */
-    fast_output_t given;  /* what the bridge does next */
-    double hydraulic_nm;  /* what the hydraulic brake is asked for */
+    fast_output_t given;  /* bridge command of the next period */
+    double hydraulic_nm;  /* command of the hydraulic brake */
 } external_wheel_t;
 
 typedef struct {

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * parameters.h: everything about the simulated world that can be set, by name "section.name_unit";
- * what one wheel has of its own is "wheel0.name_unit" and so on.
+ * parameters.h: all parameters of the simulation, by name "section.name_unit"; those of one wheel
+ * are "wheel0.name_unit" and so on.
  *
  * The members come from the models' own lists (plant/parameter.h), so a name here is the name
- * there. This is plant truth; what a controller believes is its config_t. They are made from the
- * same TOML file, and a test may detune one.
+ * there. These are the parameters of the plant; those of a controller are its config_t. They are
+ * made from the same TOML file, and a test may detune one.
  */
 #ifndef BENCH_PARAMETERS_H
 #define BENCH_PARAMETERS_H

@@ -34,7 +34,7 @@ typedef struct {
     double duty_per_count;
 } wheel_world_t;
 
-/* Somebody else's controller in place of the two steps. */
+/* An external controller in place of the two steps. */
 typedef struct {
     void *context;
     /* The top of the count: what the sensors see; returns what the bridge does from now to the next
@@ -111,8 +111,8 @@ wheel_world_t wheel_world(const bench_params_t *params, const config_t *config);
 
 void wheel_init(wheel_t *wheel, const wheel_world_t *world, int index);
 
-/* A run begins: temperatures, brake and accounts as the parameters say; controller and rotor go on
- * as they are. */
+/* Start of a run: temperatures, brake and accounts from the parameters; controller and rotor are
+ * unchanged. */
 void wheel_begin(wheel_t *wheel, const wheel_world_t *world);
 
 /* After a change of parameters: everything of the wheel that was worked out from them, states
@@ -141,7 +141,7 @@ void wheel_sample(wheel_t *wheel, const wheel_world_t *world, double bus_voltage
 wheel_flow_t wheel_step(wheel_t *wheel, const wheel_world_t *world, double speed_rad_s,
                         double bus_voltage_v);
 
-/* What the vehicle made of it: speed in the middle of the period and the share of friction at work,
+/* Result of the vehicle model: speed in the middle of the period and the active share of friction,
  * -1 .. 1. */
 void wheel_settle(wheel_t *wheel, const wheel_world_t *world, const wheel_flow_t *flow,
                   double speed_rad_s, double friction_used);

@@ -129,13 +129,13 @@
     X(available_reason, available_reason, available_reason, CODE, PLAIN, 0, 255, 0, "", \
       "reason of the limit of the electric braking torque") \
     X(hydraulic_reason, hydraulic_reason, hydraulic_reason, CODE, PLAIN, 0, 255, 0, "", \
-      "not 0: motor and hydraulic brake together cannot meet the demand") \
+      "reason of a demand beyond motor and hydraulic brake; 0: demand met") \
     X(fault_reason, fault_reason, fault_reason, CODE, PLAIN, 0, 255, 0, "", \
       "the latched fault; 0: healthy") \
     X(mode, mode, mode, CODE, PLAIN, 0, 6, 0, "", \
       "0 boot, 1 self-test, 2 offset calibration, 3 ready, 4 run, 5 limp, 6 fault") \
     X(stop_lamp, stop_lamp, stop_lamp, FLAG, PLAIN, 0, 1, 0, "", \
-      "the stop lamp is to be lit") \
+      "1: the stop lamp is lit") \
     X(standstill, standstill, standstill, FLAG, PLAIN, 0, 1, 0, "", \
       "the upper bound of the wheel speed is below monitor.standstill")
 /* clang-format on */
