@@ -45,8 +45,8 @@ def _slow_loop(sheet: Sheet) -> None:
     sheet.text((600, 82), "hydraulic torque command", "start", GREY)
     sheet.text((805, 235), "i_d, i_q", "start", GREY)
 
-    down = sheet.box(Box(710, 275, 170, 46, "fast_setpoint_t\nsetpoint, gains"))
-    up = sheet.box(Box(140, 275, 170, 46, "fast_report_t\nsums, speed, trip"))
+    down = sheet.box(Box(710, 275, 170, 46, "operating_point\nfast_setpoint_t"))
+    up = sheet.box(Box(140, 275, 170, 46, "operating_point\nfast_report_t"))
     enable = sheet.box(Box(510, 275, 160, 46, "modes\ntorque enable"), WATCH)
     monitor = sheet.box(Box(350, 275, 120, 46, "monitor\nfault, warning"), WATCH)
     sheet.arrow(setpoint.bottom, down.top)
