@@ -9,8 +9,8 @@
  * proved in tests/proofs.
  *
  * HUBFOC_NATIVE_DIVISION, for the simulator's engine on a 64-bit host alone: the compiler's own
- * division by a constant, three instructions there. Both are x / n for every x, this one because C
- * says so, the other because it is proved; tests and proofs are built without it.
+ * division by a constant, three instructions there. Both are x / n for every x, this one by the C
+ * standard, the other by proof; tests and proofs are built without it.
  */
 #ifdef HUBFOC_NATIVE_DIVISION
 #define DIVIDE(x, reciprocal, n) ((x) / INT64_C(n))

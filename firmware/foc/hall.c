@@ -169,7 +169,7 @@ static void follow_plausible_edge(hall_t *hall, const config_t *config, uint8_t 
     }
 }
 
-/* True when the sensors may be believed again. */
+/* True when the sensors are valid again. */
 static bool ride_through_step(hall_t *hall, const config_t *config, uint8_t sector)
 {
     hall->theta_q32 += (uint32_t)hall->speed_q32;

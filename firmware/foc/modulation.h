@@ -5,7 +5,7 @@
  * The pulses are centred in the period: the low-side and the high-side margins are equal. Line
  * voltages are exact to one timer count. A vector inside the unit circle plus the largest dead-time
  * correction always keeps the shortest pulse (modulation_init()), so nothing is clamped here and
- * the current controller knows the voltage that is applied.
+ * the voltage of the current controller is the applied one.
  *
  * Dead-time compensation: a leg loses sign(i) t_d (v_dc + 2 V_f)/T of its mean voltage. The on-time
  * is corrected by that, proportionally to the current inside a zone around zero (README, Dead

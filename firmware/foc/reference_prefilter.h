@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * reference_prefilter.h: shapes a changed current reference so that the sampled closed loop answers
- * like the designed first-order system (two-degree-of-freedom control). Evaluated when a setpoint
- * is applied and in the two periods after a change.
+ * reference_prefilter.h: shapes a changed current reference so that the sampled closed loop has the
+ * step response of the designed first-order system (two-degree-of-freedom control). Evaluated when
+ * a setpoint is applied and in the two periods after a change.
  *
  *     r'[n] = b0 r[n] + b1 r[n-1] + b2 r[n-2]          b0 + b1 + b2 = 1
  *
@@ -18,8 +18,8 @@
 #include "core/frames.h"
 #include "foc/state.h"
 
-/* Smaller changes are not shaped, e.g. the steps of a torque ramp: the error is a twentieth of the
- * change, below half a code of a 12-bit converter. */
+/* Smaller changes are not shaped, e.g. the steps of a torque ramp: the error is 5 % of the change,
+ * below half a code of a 12-bit converter. */
 enum { REFERENCE_PREFILTER_THRESHOLD_PU = 128 };
 
 /* A reference and its change, Q15, |change| <= 2. */
@@ -30,7 +30,7 @@ typedef struct {
     dq_t before;    /* `now` of the previous evaluation */
 } reference_change_t;
 
-/* A bandwidth above w T = 1/2, which regen_table refuses, counts as that. Divides. */
+/* The bandwidth is clamped to w T = 1/2; regen_table refuses larger ones. Divides. */
 void reference_prefilter_init(reference_prefilter_t *prefilter, const config_t *config);
 
 static inline int32_t reference_prefilter_threshold(int32_t change)

@@ -26,9 +26,9 @@ static void fail(modes_state_t *state, reason_t fault)
     enter(state, MODE_FAULT);
 }
 
-/* A rising edge of fault_reset counts only at rest and without a torque demand. It stays pending
- * for a moment, because the fast loop must forget its trip and look again before the monitor can
- * be without a fault. */
+/* A rising edge of fault_reset is accepted only at standstill and without a torque demand. It stays
+ * pending for some steps, because the fast loop must clear its trip and check again before the
+ * monitor reports no fault. */
 static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *in)
 {
     const bool edge = in->fault_reset && !state->reset_before;
@@ -67,8 +67,8 @@ static void advance(modes_state_t *state, const config_modes_t *config, const mo
             break;
         }
         if (state->steps < MODES_CALIBRATION_SETTLE_STEPS) {
-            break; /* the fast loop has not seen the request yet: its answer would be of the last
-                      calibration */
+            break; /* the fast loop has not read the request yet: its result would be that of the
+                      last calibration */
         }
         if (in->offsets_done) {
             if (in->offsets_plausible) {

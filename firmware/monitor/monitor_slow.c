@@ -36,8 +36,8 @@ static bool qualified(uint16_t *steps, bool condition, int32_t limit)
     return *steps >= limit;
 }
 
-/* Torque that nobody asked for: more than the command in its direction, or any in the other. Less
- * torque than asked is not dangerous here: brake blending moves it to the hydraulic brake. */
+/* Torque beyond the command: more than commanded in its direction, or any in the other. A torque
+ * below the command is no hazard: brake blending adds it to the hydraulic command. */
 static bool torque_unwanted(const config_t *config, const monitor_slow_input_t *in)
 {
     const int64_t tolerance_mNm =

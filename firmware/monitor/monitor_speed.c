@@ -81,9 +81,9 @@ static void begin_window(monitor_speed_state_t *state, const monitor_speed_input
     state->window_periods = at_step;
 }
 
-/* What the currents of a short say. */
-static void look_at_short(monitor_speed_state_t *state, const config_t *config,
-                          const monitor_speed_input_t *in)
+/* Speed from the short-circuit currents. */
+static void measure_short_circuit(monitor_speed_state_t *state, const config_t *config,
+                                  const monitor_speed_input_t *in)
 {
     state->peak_square_mA2 = larger(state->peak_square_mA2, square_mA2(in));
     state->window_steps++;
@@ -127,16 +127,16 @@ static bool emf_shows(monitor_speed_state_t *state, const config_t *config,
 {
     const bool over = in->bus_voltage_mV > config->battery.overvoltage_trip_mV;
     const bool off = in->bridge == BRIDGE_OFF;
-    const bool blind =
+    const bool no_sensor_speed =
         !in->rotor_valid || q_abs(in->speed_mrad_s) < config->brake.blend_out_end_mrad_s;
     const int32_t qualified = config->monitor.diode_fault_time_ms;
-    if (off && blind) {
+    if (off && no_sensor_speed) {
         const int32_t up = flows(config, in->offsets_known, square_mA2(in)) ? 1 : -1;
         state->diode_steps = q_clamp(state->diode_steps + up, 0, qualified);
     } else {
         state->diode_steps = 0;
     }
-    const bool first_over = off && blind && over && !state->overvoltage_used;
+    const bool first_over = off && no_sensor_speed && over && !state->overvoltage_used;
     state->overvoltage_used = over && (state->overvoltage_used || first_over);
     return first_over || state->diode_steps == qualified;
 }
@@ -154,7 +154,7 @@ int32_t monitor_speed_step(monitor_speed_state_t *state, const config_t *config,
 {
     const int64_t sensor_urad_s = INT64_C(1000) * q_abs(in->speed_mrad_s);
     if (in->bridge == BRIDGE_SHORT) {
-        look_at_short(state, config, in);
+        measure_short_circuit(state, config, in);
     } else {
         leave_short(state, in);
     }

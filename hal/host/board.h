@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* board.h: what the two halves of the simulated board ask of each other. */
+/* board.h: functions between the two halves of the simulated board. */
 #ifndef HOST_BOARD_H
 #define HOST_BOARD_H
 

@@ -15,7 +15,7 @@ enum { COUNTS_MAX = 16384, DEAD_TIME_MAX_ns = 6000, MILLISECONDS_PER_SECOND = 10
 static struct {
     host_plant_t plant;
     host_sample_t sample; /* of this period */
-    inverter_mode_t mode; /* asked for; active from the next top on */
+    inverter_mode_t mode; /* requested; active from the next top on */
     uint16_t compare_counts[3];
     uint32_t frequency_Hz;
     uint32_t share_of_millisecond; /* counts up to frequency_Hz by 1000 a period */
@@ -50,7 +50,7 @@ void host_break_clock(bool broken)
     board.clock_broken = broken;
 }
 
-void host_take_rotor_sensor_away(bool missing)
+void host_remove_rotor_sensor(bool missing)
 {
     board.sensor_missing = missing;
 }

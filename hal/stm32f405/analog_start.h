@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* analog_start.h: what inverter.c asks of analog.c. */
+/* analog_start.h: functions of analog.c for inverter.c. */
 #ifndef STM32F405_ANALOG_START_H
 #define STM32F405_ANALOG_START_H
 

@@ -36,7 +36,7 @@ enum {
     BOARD_CHANNEL_BUS_VOLTAGE = 13,
     BOARD_CHANNEL_WINDING_TEMPERATURE = 14,
     BOARD_CHANNEL_SWITCH_TEMPERATURE = 3,
-    BOARD_HALL_FIRST_PIN = 6 /* A; B and C are the next two, so that one look sees all three */
+    BOARD_HALL_FIRST_PIN = 6 /* A; B and C are the next two, so that one read has all three */
 };
 
 enum { BOARD_AF_TIM1 = 1, BOARD_AF_TIM3 = 2, BOARD_AF_USART3 = 7, BOARD_AF_CAN1 = 9 };

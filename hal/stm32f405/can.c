@@ -28,10 +28,10 @@ _Static_assert(PRESCALER *QUANTA *BIT_RATE == CLOCK_CORE_Hz / CLOCK_APB1_DIVIDER
                "the bit rate must be exact");
 _Static_assert(IDENTIFIERS_MAX <= BANKS_USED * IDENTIFIERS_PER_BANK, "filter banks");
 
-/* On a bus that is held dominant the last wait runs out, and the watchdog, which bites after 17 ms
+/* On a bus that is held dominant the last wait runs out, and the watchdog, which resets after 17 ms
  * at the earliest, has been started before and is not fed until the control steps have run for 5
  * ms. */
-_Static_assert(LOOKS *WAIT_LOOK_CYCLES_MOST <= CLOCK_CORE_Hz / 1000 * START_MOST_ms,
+_Static_assert(LOOKS *WAIT_POLL_CYCLES_MOST <= CLOCK_CORE_Hz / 1000 * START_MOST_ms,
                "no restart because of the bus");
 
 static bool configured; /* filters and bit timing are in place */

@@ -8,8 +8,8 @@
 enum {
     CONFIGURATION_SECTOR = 1, /* 16 KiB at 0x0800 4000, see link.ld */
     PARALLELISM_32_BITS = 2,  /* allowed at 2.7 .. 3.6 V */
-    LOOKS_ERASE = 30000000,   /* 1 s and more; the data sheet says 0.5 s at most */
-    LOOKS_WORD = 100000       /* 3 ms; the data sheet says 0.1 ms */
+    POLLS_ERASE = 30000000,   /* 1 s and more; the data sheet says 0.5 s at most */
+    POLLS_WORD = 100000       /* 3 ms; the data sheet says 0.1 ms */
 };
 
 extern const uint32_t link_image_begin[];
@@ -42,11 +42,11 @@ uint32_t flash_firmware_crc32(void)
 /* the linker adds the long jump there */
 #define IN_RAM __attribute__((section(".ram_code"), noinline))
 
-IN_RAM static bool ram_wait(uint32_t looks)
+IN_RAM static bool ram_wait(uint32_t polls)
 {
     while ((FLASH->SR & FLASH_SR_BSY) != 0) {
         IWDG->KR = IWDG_KR_KEY_RELOAD;
-        if (looks-- == 0) {
+        if (polls-- == 0) {
             return false;
         }
     }
@@ -65,17 +65,17 @@ IN_RAM static flash_status_t ram_replace(volatile uint32_t *to, const uint32_t *
      * before the sector was erased would take the new words by itself (3.6.5). */
     const uint32_t access = FLASH->ACR;
     FLASH->ACR = access & ~(uint32_t)(FLASH_ACR_ICEN | FLASH_ACR_DCEN);
-    (void)ram_wait(LOOKS_WORD); /* drops errors left behind by a debugger */
+    (void)ram_wait(POLLS_WORD); /* drops errors left behind by a debugger */
     FLASH->CR = FLASH_CR_SER | ((uint32_t)CONFIGURATION_SECTOR << FLASH_CR_SNB_Pos) |
                 ((uint32_t)PARALLELISM_32_BITS << FLASH_CR_PSIZE_Pos);
     FLASH->CR |= FLASH_CR_STRT;
-    if (!ram_wait(LOOKS_ERASE)) {
+    if (!ram_wait(POLLS_ERASE)) {
         status = FLASH_ERASE_FAILED;
     }
     FLASH->CR = FLASH_CR_PG | ((uint32_t)PARALLELISM_32_BITS << FLASH_CR_PSIZE_Pos);
     for (uint32_t i = 0; i < words && status == FLASH_OK; i++) {
         to[i] = from[i];
-        if (!ram_wait(LOOKS_WORD) || to[i] != from[i]) {
+        if (!ram_wait(POLLS_WORD) || to[i] != from[i]) {
             status = FLASH_WRITE_FAILED;
         }
     }

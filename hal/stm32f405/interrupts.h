@@ -28,8 +28,8 @@ enum {
     PRIORITY_MILLISECOND = 8
 };
 /* The receiver holds one byte while the next arrives, 87 us at 115200 baud. The slow step alone
- * takes 21 000 instructions, 126 us at the very least: behind it a stream of bytes, as a
- * configuration is, loses some in every millisecond. */
+ * takes 21 000 instructions, 126 us at least: at a lower priority than that, a continuous stream of
+ * bytes, such as a configuration, would lose some in every millisecond. */
 _Static_assert(PRIORITY_PWM_PERIOD < PRIORITY_SERIAL && PRIORITY_SERIAL < PRIORITY_MILLISECOND,
                "no byte is lost");
 

@@ -5,8 +5,8 @@
  * One update event a period, at the overflow, that is at the top (17.3.3): the counter starts with
  * repetition counter 0, which gives an event at both ends, and the 1 that is written while it
  * counts up is taken over at the next top, so that from there on every second event is left out.
- * Editions of the manual disagree about which end it is, so inverter_init() looks. Channel 4 has no
- * pin: its reference rises one count before the top and starts the converters (17.4.2, MMS =
+ * Editions of the manual disagree about which end it is, so inverter_init() checks it. Channel 4
+ * has no pin: its reference rises one count before the top and starts the converters (17.4.2, MMS =
  * OC4REF). In the interrupt, 2 us later, the compare values written one period ago are active and
  * those written now become active at the next top.
  */
@@ -29,13 +29,13 @@ enum {
     PWM_MODE_2 = 7, /* active while count >= compare */
     TRIGGER_OUTPUT_OC4REF = 7,
     LOCK_LEVEL_1 = 1, /* dead time, break and idle states cannot be changed until the next reset */
-    LOOKS_PERIOD = 20000, /* 0.6 ms, more than a period of 4 kHz */
-    LOOKS_GATE_DRIVER =
+    POLLS_PERIOD = 20000, /* 0.6 ms, more than a period of 4 kHz */
+    POLLS_GATE_DRIVER =
         600000 /* 20 ms: the driver holds its fault line down while it starts, 10 ms at most */
 };
 
 static uint16_t top_counts;
-static bool armed; /* a mode other than OFF was asked for in the period before this one */
+static bool armed; /* a mode other than OFF was requested in the previous period */
 static volatile bool tripped;
 
 static bool frequency_fits(const inverter_settings_t *settings)
@@ -53,7 +53,7 @@ static void start_gate_driver(void)
     /* A driver that stays in fault is not an error here: inverter_fault() reports it for as long as
      * it lasts. */
     (void)wait_for(&BOARD_DRIVER_FAULT.port->IDR, 1U << BOARD_DRIVER_FAULT.number,
-                   1U << BOARD_DRIVER_FAULT.number, LOOKS_GATE_DRIVER);
+                   1U << BOARD_DRIVER_FAULT.number, POLLS_GATE_DRIVER);
 }
 
 static void connect_pins(void)
@@ -99,11 +99,11 @@ static void configure_timer(uint32_t dead_time_code)
 static bool wait_for_update(void)
 {
     TIM1->SR = ~(uint32_t)TIM_SR_UIF; /* the other flags are left alone by writing 1 */
-    return wait_for(&TIM1->SR, TIM_SR_UIF, TIM_SR_UIF, LOOKS_PERIOD);
+    return wait_for(&TIM1->SR, TIM_SR_UIF, TIM_SR_UIF, POLLS_PERIOD);
 }
 
-/* Starts the counter with its update at the top, and looks whether that is where it is: right after
- * an update at the top the counter counts down. False if not. The bridge is off all the while. */
+/* Starts the counter with its update at the top and verifies it: right after an update at the top
+ * the counter counts down. False if not. The bridge stays off. */
 static bool start_with_update_at_top(void)
 {
     TIM1->CR1 |= TIM_CR1_CEN;
@@ -192,8 +192,8 @@ static void enable_outputs(void)
 {
     if (armed && (TIM1->BDTR & TIM_BDTR_MOE) == 0U) {
         TIM1->BDTR |= TIM_BDTR_MOE;
-        /* A break between the look at it and this must not be undone: the timer takes an enable as
-         * soon as the input is inactive again. */
+        /* A break between its check and this write must not be undone: the timer accepts an enable
+         * as soon as the input is inactive again. */
         if (fault()) {
             switch_off();
         }

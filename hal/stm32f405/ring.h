@@ -3,8 +3,8 @@
  * ring.h: bytes between one writing and one reading context of a single core, without locks.
  *
  * Each index is written by one side only and as one aligned word. The compiler keeps the order of
- * the volatile accesses; a single core sees its own writes in order, so a byte is in place before
- * the index says so.
+ * the volatile accesses; a single core reads its own writes in order, so a byte is stored before
+ * the index is updated.
  */
 #ifndef STM32F405_RING_H
 #define STM32F405_RING_H

@@ -29,7 +29,7 @@ __attribute__((section(".boot_vectors"), used)) const vector_t boot_vectors[EXCE
     [2 ... EXCEPTIONS - 1] = {.handler = fault_handler},
 };
 
-/* In the checked image; VTOR wants it aligned to its size rounded up to a power of two: 98 words,
+/* In the checked image; VTOR requires alignment to its size rounded up to a power of two: 98 words,
  * 512 bytes. */
 __attribute__((section(".vectors"), used, aligned(512)))
 const vector_t vectors[EXCEPTIONS + INTERRUPT_COUNT] = {

@@ -21,8 +21,8 @@ enum { /* 8 MHz / 8 = 1 MHz, x 336 = 336 MHz, / 2 = 168 MHz for the core, / 7 = 
        PRESCALER_BY_2 = 4,    /* codes of PPRE1 and PPRE2 */
        PRESCALER_BY_4 = 5,
        SWITCH_PLL = 2,         /* code of SW and SWS */
-       LOOKS_CRYSTAL = 400000, /* 0.1 s; crystals need 2 .. 20 ms */
-       LOOKS_PLL = 20000       /* 6 ms; the data sheet says 0.3 ms */
+       POLLS_CRYSTAL = 400000, /* 0.1 s; crystals need 2 .. 20 ms */
+       POLLS_PLL = 20000       /* 6 ms; the data sheet says 0.3 ms */
 };
 _Static_assert(BOARD_CRYSTAL_Hz / PLL_M * PLL_N / 2 == CLOCK_CORE_Hz, "clock tree");
 
@@ -33,7 +33,7 @@ static bool start_crystal_and_pll(void)
 {
     /* The regulator is in scale 1 after reset, as 168 MHz needs. */
     RCC->CR |= RCC_CR_HSEON;
-    if (!wait_for(&RCC->CR, RCC_CR_HSERDY, RCC_CR_HSERDY, LOOKS_CRYSTAL)) {
+    if (!wait_for(&RCC->CR, RCC_CR_HSERDY, RCC_CR_HSERDY, POLLS_CRYSTAL)) {
         return false;
     }
     RCC->PLLCFGR = ((uint32_t)PLL_M << RCC_PLLCFGR_PLLM_Pos) |
@@ -41,7 +41,7 @@ static bool start_crystal_and_pll(void)
                    ((uint32_t)PLL_P_HALF_LESS_ONE << RCC_PLLCFGR_PLLP_Pos) | RCC_PLLCFGR_PLLSRC |
                    ((uint32_t)PLL_Q << RCC_PLLCFGR_PLLQ_Pos);
     RCC->CR |= RCC_CR_PLLON;
-    return wait_for(&RCC->CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY, LOOKS_PLL);
+    return wait_for(&RCC->CR, RCC_CR_PLLRDY, RCC_CR_PLLRDY, POLLS_PLL);
 }
 
 bool time_init(void)
@@ -51,7 +51,7 @@ bool time_init(void)
     if (!start_crystal_and_pll()) {
         return false;
     }
-    /* Wait states before the frequency, and only believed when read back (RM0090 section 3.5.1). */
+    /* Wait states before the frequency, verified by reading back (RM0090 section 3.5.1). */
     FLASH->ACR = FLASH_ACR_PRFTEN | FLASH_ACR_ICEN | FLASH_ACR_DCEN |
                  ((uint32_t)FLASH_WAIT_STATES << FLASH_ACR_LATENCY_Pos);
     if ((FLASH->ACR & FLASH_ACR_LATENCY) != (uint32_t)FLASH_WAIT_STATES << FLASH_ACR_LATENCY_Pos) {
@@ -61,13 +61,13 @@ bool time_init(void)
                 ((uint32_t)PRESCALER_BY_2 << RCC_CFGR_PPRE2_Pos);
     RCC->CFGR |= (uint32_t)SWITCH_PLL << RCC_CFGR_SW_Pos;
     on_crystal =
-        wait_for(&RCC->CFGR, RCC_CFGR_SWS, (uint32_t)SWITCH_PLL << RCC_CFGR_SWS_Pos, LOOKS_PLL);
+        wait_for(&RCC->CFGR, RCC_CFGR_SWS, (uint32_t)SWITCH_PLL << RCC_CFGR_SWS_Pos, POLLS_PLL);
     if (on_crystal) {
         RCC->CR |=
             RCC_CR_CSSON; /* a crystal that stops later raises NMI, which switches the bridge off */
     } else {
-        RCC->CFGR =
-            0; /* the buses undivided again, as clock_apb1_Hz() says and the serial line needs */
+        RCC->CFGR = 0; /* buses undivided again, as reported by clock_apb1_Hz() and needed by the
+                          serial line */
     }
     return on_crystal;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * wait.h: every wait for hardware in this port is bounded by a number of looks, so that a missing
+ * wait.h: every wait for hardware in this port is bounded by a number of polls, so that a missing
  * crystal, a shorted bus or an emulator without the peripheral leads to a report instead of a hang.
  *
- * One look takes at least five cycles (load, compare, count, branch): 0.3 us on the 16 MHz internal
+ * One poll takes at least five cycles (load, compare, count, branch): 0.3 us on the 16 MHz internal
  * oscillator that the core starts with, 30 ns at 168 MHz. On a register of the slowest bus, APB1 at
  * a quarter of the core's clock, it takes four times as long: up to four cycles to fall in step,
  * eight for the two of the access, and the loop's own.
@@ -14,17 +14,17 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-enum { WAIT_LOOK_CYCLES_MOST = 20 };
+enum { WAIT_POLL_CYCLES_MOST = 20 };
 
-/* True as soon as (*reg & mask) == value; false after `looks` looks. */
+/* True as soon as (*reg & mask) == value; false after `polls` polls. */
 static inline bool wait_for(const volatile uint32_t *reg, uint32_t mask, uint32_t value,
-                            uint32_t looks)
+                            uint32_t polls)
 {
-    while (looks > 0) {
+    while (polls > 0) {
         if ((*reg & mask) == value) {
             return true;
         }
-        looks--;
+        polls--;
     }
     return false;
 }

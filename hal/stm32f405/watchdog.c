@@ -24,7 +24,7 @@ void watchdog_start(uint32_t timeout_ms)
         ticks >>= 1;
         code++;
     }
-    DBGMCU->APB1_FZ |= DBGMCU_APB1_FZ_IWDG_STOP; /* stands still while a debugger holds the core */
+    DBGMCU->APB1_FZ |= DBGMCU_APB1_FZ_IWDG_STOP; /* stopped while a debugger halts the core */
     IWDG->KR = IWDG_KR_KEY_START;
     IWDG->KR = IWDG_KR_KEY_ENABLE_ACCESS;
     IWDG->PR = code;
@@ -40,8 +40,8 @@ void watchdog_feed(void)
 
 bool watchdog_caused_reset(void)
 {
-    /* Read and forgotten at the first call, so that a later reset by the button is not blamed on
-     * the watchdog. */
+    /* Read and cleared at the first call, so that a later reset by the button is not reported as
+     * one by the watchdog. */
     static bool known;
     static bool by_watchdog;
     if (!known) {

@@ -18,7 +18,7 @@ typedef struct {
  * variables. */
 memory_window_t memory_unused(void);
 
-/* Fills memory_unused() with the pattern that memory_stack_free_bytes() looks for. Once, before
+/* Fills memory_unused() with the pattern that memory_stack_free_bytes() searches. Once, before
  * interrupts start. */
 void memory_mark_stack(void);
 

@@ -24,7 +24,7 @@ uint32_t time_ms(void);
  * context. */
 uint32_t time_cycles(void);
 
-/* False once the port wants the program to end: never on a board; on the emulator and on the host
+/* False when the program must end: never on a board; on the emulator and on the host
  * after the requested time. */
 bool time_running(void);
 

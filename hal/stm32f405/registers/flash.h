@@ -40,7 +40,7 @@ typedef struct {
 #define FLASH_CR_STRT (1U << 16)
 #define FLASH_CR_LOCK (1U << 31)
 
-/* Not fields: what KEYR wants to see, one after the other (3.6.1). */
+/* Not fields: the key sequence of KEYR (3.6.1). */
 #define FLASH_UNLOCK_FIRST 0x45670123U
 #define FLASH_UNLOCK_SECOND 0xCDEF89ABU
 

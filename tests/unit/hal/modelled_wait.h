@@ -16,6 +16,6 @@
 #define DBGMCU (&modelled_debugger)
 extern dbgmcu_registers_t modelled_debugger;
 
-bool wait_for(const volatile uint32_t *reg, uint32_t mask, uint32_t value, uint32_t looks);
+bool wait_for(const volatile uint32_t *reg, uint32_t mask, uint32_t value, uint32_t polls);
 
 #endif

@@ -135,7 +135,7 @@ void test_the_up_call_reads_the_sample_of_its_own_period(void)
 void test_rotor_sensor_can_be_removed(void)
 {
     (void)start(20000);
-    host_take_rotor_sensor_away(true);
+    host_remove_rotor_sensor(true);
     TEST_ASSERT_FALSE(rotor_sensor_init(ROTOR_SENSOR_HALL));
 }
 
@@ -218,10 +218,10 @@ void test_run_ends_after_the_requested_number_of_periods(void)
 {
     (void)start(20000);
     host_run_for(40);
-    int looks = 0;
+    int polls = 0;
     while (time_running()) {
-        looks++;
+        polls++;
     }
-    TEST_ASSERT_EQUAL_INT(40, looks);
+    TEST_ASSERT_EQUAL_INT(40, polls);
     TEST_ASSERT_EQUAL_INT(40, fast_calls);
 }

@@ -146,11 +146,11 @@ gates_t timer1_gates(uint32_t count)
 /* Every read advances the model by half a period, much more than on the chip; no code may depend on
  * less.
  */
-bool wait_for(const volatile uint32_t *reg, uint32_t mask, uint32_t value, uint32_t looks)
+bool wait_for(const volatile uint32_t *reg, uint32_t mask, uint32_t value, uint32_t polls)
 {
-    enum { LOOKS_MAX = 64 };
+    enum { POLLS_MAX = 64 };
     timer1_settle();
-    for (uint32_t i = 0; i < looks && i < LOOKS_MAX; i++) {
+    for (uint32_t i = 0; i < polls && i < POLLS_MAX; i++) {
         if ((*reg & mask) == value) {
             return true;
         }

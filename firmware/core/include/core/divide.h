@@ -3,9 +3,9 @@
  * divide.h: 64-bit quotients by the powers of ten between units, without a division.
  *
  * A 32-bit core has no instruction for 64-bit divisions and calls a routine of 60 to 150
- * instructions, whatever the divisor. These multiply by the reciprocal instead, in about 30, and
- * are exact: each is x / n, rounded towards zero, for every int64_t x, INT64_MIN included (divide.c
- * has the proof). For the slow loop.
+ * instructions for any divisor. These multiply by the reciprocal instead, in about 30, and are
+ * exact: each is x / n, rounded towards zero, for every int64_t x, INT64_MIN included (divide.c has
+ * the proof). For the slow loop.
  */
 #ifndef CORE_DIVIDE_H
 #define CORE_DIVIDE_H

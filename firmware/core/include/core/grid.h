@@ -13,20 +13,20 @@
 
 enum { GRID_WHOLE_Q20 = 1 << 20 };
 
-/* Where on an axis: between point `index` and the next, fraction_q20 / 2^20 of the way (0 .. 2^20).
- * The widest step is 2^20, so the fraction is exact on every grid. */
+/* Position on an axis: point `index` plus the fraction fraction_q20 / 2^20 (0 .. 2^20) of the step
+ * to the next point. The widest step is 2^20, so the fraction is exact on every grid. */
 typedef struct {
     int32_t index;
     int32_t fraction_q20;
 } grid_position_t;
 
-/* x: distance from the first point, in the axis' unit. Outside the axis the nearest end counts (no
- * extrapolation). points >= 2; 0 <= step_log2 <= 20. */
+/* x: distance from the first point, in the axis' unit. Outside the axis clamped to the nearest end
+ * (no extrapolation). points >= 2; 0 <= step_log2 <= 20. */
 grid_position_t grid_locate(int32_t x, int32_t points, int32_t step_log2);
 
 /* a + (b - a) fraction_q20 / 2^20, rounded to nearest (halves upwards). |a|, |b| < 2^30, which is
  * ten times the largest entry of a map, so that the difference fits 32 bits: one product of up to
- * 2^51, between 0 and 2^20 (b - a). Rounding to integers does not leave two integers. */
+ * 2^51, between 0 and 2^20 (b - a). The result lies between a and b. */
 static inline int32_t grid_interpolate(int32_t a, int32_t b, int32_t fraction_q20)
 {
     return a + (int32_t)(((int64_t)(b - a) * fraction_q20 + GRID_WHOLE_Q20 / 2) >> 20);

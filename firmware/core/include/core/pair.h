@@ -4,8 +4,9 @@
  * a complex number x + j y. One to two instructions each where a port supplies them
  * (hal/cortex_m/pair.h); here the portable definition with the same results. Any context.
  *
- * Arguments named x and y must be within 16 bits; products are exact in 32 bits. q_pair_dot() and
- * q_pair_im() of (-32768, -32768) with itself is the only sum that overflows, and must not occur.
+ * Arguments named x and y must be within 16 bits; products are exact in 32 bits. Precondition of
+ * q_pair_dot() and q_pair_im(): not both arguments are (-32768, -32768), the only sum that
+ * overflows.
  */
 #ifndef CORE_PAIR_H
 #define CORE_PAIR_H
@@ -111,7 +112,7 @@ Q_TARGET_INLINE int32_t q_pair_im(q_pair_t a, q_pair_t b)
     return a.x * b.y + a.y * b.x;
 }
 
-/* a times a factor 0 .. 65 535, of which the whole part is kept: Q16 gives the format of a. */
+/* a times a factor 0 .. 65 535 over 2^16, rounded down. */
 Q_TARGET_INLINE q_pair_t q_pair_scale(q_pair_t a, int32_t factor_q16)
 {
     return q_pair((factor_q16 * a.x) >> 16, (factor_q16 * a.y) >> 16);

@@ -16,11 +16,11 @@
 #define Q15_ONE 32767 /* the largest value; 1.0 itself is not representable */
 #define Q15_MIN (-32768)
 
-/* The shifts below rely on it; the language leaves it to the compiler. */
+/* The shifts below assume it; in C it is implementation-defined. */
 _Static_assert((-3 >> 1) == -2, "right shift of a negative number must be arithmetic");
 
-/* How a kernel of the fast loop is declared. A port may supply one that inlines even where the
- * compiler is told to save space: for such short functions the call costs more of both. */
+/* Declaration of a kernel of the fast loop. A port may define it to force inlining also when
+ * optimising for size: a call costs more time and more code than such a short function. */
 #ifndef Q_TARGET_INLINE
 #define Q_TARGET_INLINE static inline
 #endif
@@ -71,9 +71,8 @@ static inline int32_t q_abs(int32_t x)
     return x >= 0 ? x : (x == INT32_MIN ? INT32_MAX : -x);
 }
 
-/* x clamped to what a signed number of `bits` bits can hold, 1 <= bits <= 31. The common case, that
- * x is unchanged when cut to that many bits, is tested first (for 16 bits a single instruction);
- * else the result is the largest number, with its bits inverted for negative x. */
+/* x saturated to the range of a signed number of `bits` bits, 1 <= bits <= 31. The common case, x
+ * inside the range, is tested first (for 16 bits a single instruction). */
 Q_TARGET_INLINE int32_t q_saturate_bits(int32_t x, unsigned bits)
 {
     const int32_t cut =
@@ -147,8 +146,8 @@ static inline int32_t q_saturate64(int64_t x)
     return low >> 31 == high ? low : (high >> 31) ^ INT32_MAX;
 }
 
-/* value * share, share in Q15, for physical quantities of the slow loop; rounded towards zero,
- * never grows. */
+/* value * share, share in Q15, for physical quantities of the slow loop; rounded towards zero, so
+ * never larger than value. */
 static inline int32_t q15_share_of(int32_t value, int16_t share_q15)
 {
     return q_saturate64((int64_t)value * share_q15 / 32768);

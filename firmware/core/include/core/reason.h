@@ -2,10 +2,10 @@
 /*
  * reason.h: codes of limits and faults.
  *
- * The code of the limit that determines a torque, or of the fault that switched the bridge off, is
- * shown unchanged on CAN, in the shell, the log and the report, so the numbers are part of the
- * protocol: append, never renumber, never reuse. Codes below 64 are limits of a healthy controller,
- * codes from 64 are faults.
+ * The code of the limit that determines a torque, or of the fault that switched the bridge off.
+ * CAN, shell, log and report show it unchanged, so the numbers are part of the protocol: append,
+ * never renumber, never reuse. Codes below 64 are limits of a healthy controller, codes from 64 are
+ * faults.
  */
 #ifndef CORE_REASON_H
 #define CORE_REASON_H

@@ -41,7 +41,7 @@ typedef struct {
     int32_t edge_speed_q32;             /* from there on */
     uint16_t faults;                    /* wrapping */
     uint8_t sector;                     /* 0 .. 5 */
-    uint8_t steady_sensors;  /* the reading without news; HALL_NO_READING: inspect every reading */
+    uint8_t steady_sensors;  /* unchanged reading that is skipped; HALL_NO_READING: none */
     uint8_t sectors_timed;   /* 0 .. 6 */
     int8_t direction;        /* of the last edge: +1, -1; 0 unknown */
     uint8_t plausible_edges; /* since the latest hall fault */

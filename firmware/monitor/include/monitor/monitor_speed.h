@@ -7,8 +7,8 @@
  *   - the valid sensor's speed, and the bound of the step before less monitor.tyre_grip, or less
  *     monitor.coasting while the sensor is not valid;
  *   - in active short circuit, the speed from the quadrant transitions of the current vector;
- *   - in freewheel with a blind sensor, the speed at which the EMF reaches the bus voltage, once a
- *     diode current or a bus voltage above the trip has been qualified.
+ *   - in freewheel, while the sensor is invalid or below the blend-out: the speed at which the
+ *     EMF reaches the bus voltage, once a diode current or an overvoltage has been qualified.
  * No current during a short circuit: standstill. Derivation and conditions: README, Speed bound.
  */
 #ifndef MONITOR_MONITOR_SPEED_H
@@ -20,7 +20,8 @@
 #include "config/config.h"
 #include "core/bridge.h"
 
-/* A measurement ends after so many quadrant transitions or ms: its resolution, not a limit. */
+/* Length of a measuring window: quadrant transitions or milliseconds, whichever is reached first.
+ * It sets the resolution of the measured speed. */
 enum { MONITOR_SPEED_WINDOW_QUARTERS = 16, MONITOR_SPEED_WINDOW_STEPS = 100 };
 
 typedef struct {

@@ -11,8 +11,8 @@
  *                         app_pwm_period_isr()
  *     when one is due     app_millisecond_isr()
  *
- * main() needs no change: every look at time_running() lets one period pass. Whoever has a clock of
- * its own, as the bench has, calls the two parts of a step itself instead.
+ * main() needs no change: every call of time_running() advances one period. A caller with its own
+ * clock, such as the bench, calls the two parts of a step itself instead.
  */
 #ifndef HOST_PORT_H
 #define HOST_PORT_H
@@ -36,31 +36,31 @@ typedef struct {
     int32_t switch_temperature_cC;
 } host_sample_t;
 
-/* The plant: two functions and whatever they need to know. */
+/* The plant: two functions and their context. */
 typedef struct {
     void *context;
     host_sample_t (*sample)(void *context);
-    /* What the bridge does during the period that begins now. */
+    /* Bridge mode and compare values of the period that begins now. */
     void (*drive)(void *context, inverter_mode_t mode, const uint16_t compare_counts[3]);
 } host_plant_t;
 
 enum { HOST_FLASH_BYTES = 16384, HOST_CAN_FRAMES = 32, HOST_SERIAL_BYTES = 65536 };
 
-/* Forgets everything, connects a plant and puts an image (of at most HOST_FLASH_BYTES) where the
- * configuration is looked for; the rest of that memory is erased. Before app_boot(). */
+/* Resets the port, connects a plant and stores an image (of at most HOST_FLASH_BYTES) at the
+ * address of the configuration; the rest of that memory is erased. Before app_boot(). */
 void host_connect(const host_plant_t *plant, const void *configuration, uint32_t size_bytes);
 
-/* How many PWM periods time_running() lets pass before it says no; 0 (also after host_connect()):
- * for ever. */
+/* Number of PWM periods after which time_running() returns false; 0 (also after host_connect()):
+ * never. */
 void host_run_for(uint32_t periods);
 
 /* Makes time_init() report a failed clock, as on a board without its crystal. */
 void host_break_clock(bool broken);
 
-/* Makes rotor_sensor_init() say that the board has no such sensor. */
-void host_take_rotor_sensor_away(bool missing);
+/* Makes rotor_sensor_init() report a missing sensor. */
+void host_remove_rotor_sensor(bool missing);
 
-/* Lets one PWM period pass. Interrupts that were not started are not called. */
+/* Advances one PWM period. Interrupts that were not started are not called. */
 void host_step(void);
 
 /* The two parts of it: the top of the count, and a millisecond of the clock, in whatever phase they

@@ -350,7 +350,7 @@ void test_next_slow_step_reports_a_trip_of_the_latest_period(void)
     }
 }
 
-/* Otherwise the timer would continue with the last compare values until the watchdog bites. */
+/* Otherwise the timer would continue with the last compare values until the watchdog resets. */
 void test_slow_loop_switches_the_bridge_off_4_ms_after_the_fast_loop_stops(void)
 {
     app_boot();

@@ -20,7 +20,7 @@ MODULE = FIRMWARE / "comms"
 DBC = MODULE / "hubfoc.dbc"
 
 WHEELS = {"FRONT_LEFT": 0, "FRONT_RIGHT": 1, "REAR_LEFT": 2, "REAR_RIGHT": 3}
-WHEEL_MASK = 0x7FC  # what of an identifier says which message it is
+WHEEL_MASK = 0x7FC  # bits of an identifier that select the message
 
 # A structure, an enumerator's or a function's value of the C, which has the types that the headers
 # give it.
@@ -38,7 +38,7 @@ class Comms:
     """The module's C: ``ffi`` for its types, ``lib`` for its functions."""
 
     def __init__(self, library: Path, bare: Path) -> None:
-        """Read the declarations out of the headers; nothing of them is repeated here."""
+        """Read the declarations from the headers."""
         for name in ("stdint.h", "stdbool.h"):  # cffi knows these types by itself
             (bare / name).write_text("", encoding="utf-8")
         compiler = shutil.which("cc") or shutil.which("gcc")

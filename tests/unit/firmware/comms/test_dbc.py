@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""hubfoc.dbc by itself: what a tool that knows only this file needs to find in it."""
+"""hubfoc.dbc by itself: contents that a tool with only this file needs."""
 
 import re
 from itertools import combinations
@@ -8,7 +8,7 @@ import pytest
 from cantools.database.can import Database, Message, Signal
 from protocol import DBC, WHEELS, enumerators, reasons
 
-# Suffix of a name, and the unit it promises.
+# Suffix of a name and its unit.
 UNITS = {"_nm": "Nm", "_rad_s": "rad/s", "_v": "V", "_a": "A", "_c": "degC"}
 
 # Sections that every tool reads (no VAL_TABLE_, SIG_GROUP_, EV_ and so on).

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames made by the firmware's C, read by cantools through the DBC, and the other way round.
+"""Frames packed by the firmware and decoded by cantools with the DBC, and vice versa.
 
 cantools computes CRC-8 AUTOSAR and profile 2 by itself, so checksum and layout have two independent
 implementations.
@@ -13,7 +13,7 @@ from cantools.autosar.end_to_end import apply_profile2_crc, check_profile2_crc, 
 from cantools.database.can import Database, Message, Signal
 from protocol import DBC, MODULE, WHEELS, Comms, CValue
 
-# The list of e2e.c once more: made of four entries, as its comment says.
+# The list of e2e.c, derived from four entries as in its comment.
 BASIS = {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}
 
 SENT = ["WheelState", "WheelBrake", "WheelDrive", "WheelPower", "WheelHealth"]
@@ -161,9 +161,9 @@ def test_frames_protected_by_the_independent_implementation_are_accepted_and_no_
 
 
 def test_the_sixteen_data_ids_of_a_message_differ(comms: Comms) -> None:
-    """Seen from outside: one content under sixteen counters.
+    """From frames only: one content with sixteen counter values.
 
-    Without the counter's own share, the ids are left.
+    Without the contribution of the counter the ids remain.
     """
     for name, wheel in (("WheelState", 0), ("WheelHealth", 3)):
         found = set()
@@ -296,13 +296,13 @@ def test_error_counters_wrap(comms: Comms, database: Database) -> None:
 
 
 def test_a_broken_temperature_sensor_is_300_degrees(comms: Comms, database: Database) -> None:
-    """hal/analog.h reports 29 999 hundredths for a sensor that is broken or not there."""
+    """hal/analog.h reports 29 999 hundredths for a broken or missing sensor."""
     broken = {"temperature.winding_cC": 29999, "temperature.switch_cC": 29999}
     got = decoded(comms, database, "WheelHealth", **broken)
     assert (got["winding_temperature_c"], got["switch_temperature_c"]) == (300.0, 300.0)
 
 
-# ---- what the vehicle and the battery say, made by cantools ----
+# ---- frames of vehicle and battery, packed by cantools ----
 
 
 def received(comms: Comms, database: Database, message: str, values: dict[str, float]) -> CValue:

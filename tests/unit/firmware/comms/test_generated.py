@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is made from hubfoc.dbc is up to date, compiles cleanly and has no floating point.
+"""Files generated from hubfoc.dbc are up to date, compile without warnings and contain no floating
+point.
 
-The README says what is so.
+Bus load and tables of the README agree with the DBC.
 """
 
 import re
@@ -46,7 +47,7 @@ def test_code_and_tables_equal_those_generated_from_the_dbc() -> None:
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
-    """Return a copy of the module in which things may be changed."""
+    """Return a copy of the module that a test may change."""
     module = tmp_path / "comms"
     (module / "generated").mkdir(parents=True)
     for name in (
@@ -172,7 +173,7 @@ def test_the_readme_lists_every_message_and_signal(database: Database) -> None:
 
 
 def test_the_example_of_the_readme_decodes_every_wheel(tmp_path: Path) -> None:
-    """The command is run as it stands there, with a recorded line in the place of the bus."""
+    """The command is run unchanged, with a recorded line in place of the bus."""
     readme = (MODULE / "README.md").read_text(encoding="utf-8")
     line = re.search(
         r"^ +candump can0 \| \./tools/dev python (-m cantools decode .*)$", readme, re.MULTILINE

@@ -31,7 +31,7 @@ void setUp(void) {}
 
 void tearDown(void) {}
 
-/* One period of a voltage that stands still, without resistance. In the rotor's frame
+/* One period of a constant stator voltage, without resistance. In the rotor's frame
  * d i_d/dt = (u_d + w l_q i_q)/l_d, d i_q/dt = (u_q - w l_d i_d - w psi)/l_q, u turning backwards
  * by w. Midpoint rule. */
 static seen_t period(const machine_t *m, double turn, double u_d, double u_q, double begin_d,

@@ -193,7 +193,7 @@ void test_stuck_sensor_keeps_a_bounded_angle_error_and_never_heals(void)
                         TEST_ASSERT_FALSE(late && hall.valid);
                         worst = fmax(worst, fabs(angle_error_turns()));
                         if (late) {
-                            /* At first the edge that the failure made may have been believed: a
+                            /* At first the edge caused by the failure may have been accepted: a
                              * sector. Eight turns later, a sector's time is known to a period, 6 v
                              * of it, which counts for a quarter and adds up over four dark sectors,
                              * v; a period for each edge, halves of both from turns before. */
