@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The functions of FMI 2.0 for co-simulation around an instance. The headers are the standard's
- * own; whoever builds the unit from source has them. What only model exchange or derivatives of
- * inputs need is not offered and says so.
+ * own; a build from source needs them. Functions of model exchange and input derivatives are not
+ * supported and return an error.
  */
 #include "fmi2Functions.h"
 #include "fmu/instance.h"
@@ -155,7 +155,7 @@ SETTER(Real, fmi2Real, MODEL_REAL)
 SETTER(Integer, fmi2Integer, MODEL_CODE)
 SETTER(Boolean, fmi2Boolean, MODEL_FLAG)
 
-/* Nothing is asked, nothing is wrong; anything else is not offered. */
+/* Success for zero variables; anything else is not supported. */
 static fmi2Status unless_empty(fmi2Component c, size_t count, const char *what)
 {
     return count == 0 ? fmi2OK : status_of(instance_refuse(in(c), what));
@@ -264,7 +264,7 @@ fmi2Status fmi2CancelStep(fmi2Component c)
     return status_of(instance_refuse(in(c), "cancelling a step"));
 }
 
-/* Steps are done when fmi2DoStep returns, so none of these has anything to tell. */
+/* Steps are complete when fmi2DoStep returns, so none of these has a status. */
 #define STATUS(name, ctype)                                                                        \
     fmi2Status fmi2Get##name(fmi2Component c, const fmi2StatusKind s, ctype *value)                \
     {                                                                                              \

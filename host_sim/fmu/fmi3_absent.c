@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What FMI 3.0 declares for every unit and this one has no use for: the standard wants all
- * functions to be there. Each says what it is that the unit does not offer; to read or write no
- * variables at all is always possible.
+ * Functions that FMI 3.0 requires and this FMU does not support: each logs the missing feature and
+ * returns an error. Reading or writing zero variables succeeds.
  */
 #include "fmi3Functions.h"
 #include "fmu/fmi3_instance.h"

@@ -36,7 +36,7 @@ static inline plant_dq_t along(plant_dq_t x, double factor, plant_dq_t y)
     return out;
 }
 
-/* What one stage of the scheme sees. */
+/* Inputs of one stage of the scheme. */
 typedef struct {
     plant_dq_t slope;    /* di_t/dt; where the iron saturates, of the flux */
     plant_dq_t terminal; /* i */

@@ -74,7 +74,7 @@ static void connect(const period_t *p, phases_leg_t legs[PHASES])
     }
 }
 
-/* Legs without a closed switch: the current's direction says which diode, without current the
+/* Legs without a closed switch: the sign of the current selects the diode; at zero current the
  * voltage does. */
 static void choose_diodes(period_t *p)
 {
@@ -209,7 +209,7 @@ static void pass(period_t *p, double duration_s)
     }
 }
 
-/* A switch that takes the current over or lets it go pays; one whose diode carries it does not. */
+/* Switching loss occurs if the switch starts or ends to conduct, not if its diode conducts. */
 static void operate(period_t *p, int x, gate_t gate)
 {
     const gate_t before = p->gate[x];

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A copy of tools/dev in an empty directory, on a machine that is as bare, or as complete, as a
-test pretends.
+"""A copy of tools/dev in an empty directory, with a simulated set of installed tools.
 
-What it would install comes from a pretended apt-get that only writes down how it was called, so
-nothing outside the temporary directory is touched.
+Packages are installed by a fake apt-get that records its calls, so nothing outside the temporary
+directory changes.
 """
 
 import os
@@ -17,21 +16,20 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 USAGE = 2
 
-# Headers are looked for where distributions put them, so they cannot be pretended.
+# Headers are searched in the system directories and cannot be simulated.
 needs_headers = unittest.skipUnless(
     any(Path(p, "include", "eigen3").exists() for p in ("/usr", "/usr/local")),
     "needs Eigen",
 )
 
-# What the set-up looks for, hidden from the command so that every machine looks equally bare to it.
+# Tools searched by the set-up, hidden from the command so that every machine starts without them.
 HIDDEN = (
     "apt-get", "apt-cache", "sudo", "arm-none-eabi-gcc", "qemu-system-arm", "clang-tidy",
     "shellcheck", "ninja", "openocd",
     "chromium", "chromium-headless-shell", "google-chrome",
 )  # fmt: skip
 
-# Writes down its arguments and, when told to install, puts the programs of known packages where
-# PATH finds them.
+# Records its arguments and, for an installation, adds the programs of known packages to the PATH.
 PRETENDED_APT_GET = """#!/bin/sh
 echo "$*" >> "$APT_CALLS"
 [ -z "$APT_OFFLINE" ] || echo "W: Failed to fetch x  Temporary failure resolving 'deb.example'" >&2
@@ -49,7 +47,7 @@ done
 chmod +x "$APT_BIN"/*
 """
 
-# Configures by leaving what a configured directory has; says what it was called with.
+# Configures by creating the files of a configured directory; records its arguments.
 PRETENDED_CMAKE = """#!/bin/sh
 echo "cmake $*" >> "$CALLS"
 case "$*" in
@@ -69,8 +67,7 @@ case "$*" in
 esac
 """
 
-# Lists two tests a preset; runs what the combined list names, and fails one of the preset it is
-# told to.
+# Lists two tests per preset; runs those of the combined list and fails one of a selected preset.
 PRETENDED_CTEST = """#!/bin/sh
 echo "ctest $*" >> "$CALLS"
 case "$*" in
@@ -105,7 +102,7 @@ class DevFixture(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Make a directory with this machine's ordinary programs, but none of the hidden ones."""
+        """Make a directory with the ordinary programs of this machine without the hidden ones."""
         temporary = tempfile.TemporaryDirectory()
         cls.addClassCleanup(temporary.cleanup)
         cls.ordinary = Path(temporary.name)
@@ -152,7 +149,8 @@ class DevFixture(unittest.TestCase):
         )
 
     def assert_refused(self, result: subprocess.CompletedProcess[str], *words: str) -> None:
-        """One line on stderr that holds the words, usage status, and the directory as it was."""
+        """Expect one line on stderr with these words, the usage exit status and an unchanged
+        directory."""
         self.assertEqual(result.returncode, USAGE, result.stderr)
         self.assertEqual(result.stdout, "")
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
@@ -170,9 +168,7 @@ class DevFixture(unittest.TestCase):
         return {"APT_CALLS": str(self.base / "calls"), "APT_BIN": str(self.bin)}
 
     def pretend_everything_is_installed(self) -> tuple[str, dict[str, str]]:
-        """Return a PATH and an environment in which every tool is there and only writes down its
-        calls.
-        """
+        """Return a PATH and an environment with fakes of all tools that record their calls."""
         path = self.bare_path()
         for name in (
             "arm-none-eabi-gcc",

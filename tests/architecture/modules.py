@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The modules of the firmware.
 
-Who may include whom, where their files are, and C text without comments and strings.
+Permitted includes, files of a module, and C text without comments and strings.
 """
 
 import re
@@ -24,8 +24,8 @@ MAY_INCLUDE: dict[str, tuple[str, ...]] = {
     "app": ("core", "config", "foc", "torque", "monitor", "modes", "comms", "controller", "hal"),
 }
 
-# State, configuration and inputs in, outputs out: nothing of the machine or the C library reaches
-# these.
+# Pure: state, configuration and inputs in, outputs out, without access to hardware or the C
+# library.
 PURE = ("core", "config", "foc", "torque", "monitor", "modes", "controller")
 
 WARNINGS = [
@@ -41,7 +41,7 @@ WARNINGS = [
     ),
     *("-Wstrict-prototypes", "-Wcast-align"),
 ]
-# ISO C and nothing else, which is what "no compiler extensions" means to a compiler.
+# ISO C without compiler extensions.
 STRICT_C = ["-std=c11", "-pedantic-errors", *WARNINGS]
 
 

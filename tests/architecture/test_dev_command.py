@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tools/dev at its edges.
+"""Errors, help and set-up of tools/dev.
 
-Help, wrong usage, and what it asks of a machine that misses something; offline, in seconds.
+Help, usage errors and missing packages; offline, in seconds.
 """
 
 import os
@@ -140,7 +140,7 @@ class DevCommandTest(DevFixture):
             re.findall(r"\S*(?:arm)\S*", installs[0]),
             ["gcc-arm-none-eabi", "libnewlib-arm-none-eabi", "qemu-system-arm"],
         )
-        # What is going to be installed is announced.
+        # The packages to be installed are printed first.
         self.assertRegex(
             first.stderr, r"lacks: gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"
         )
@@ -149,8 +149,7 @@ class DevCommandTest(DevFixture):
         self.assertEqual(second.returncode, 0, second.stderr)
         self.assertEqual(self.apt_installs(), installs)
 
-        # A tool that vanished since is noticed: nothing is remembered that the machine itself can
-        # tell.
+        # A tool removed meanwhile is detected: its presence is checked in every run.
         (self.bin / "qemu-system-arm").unlink()
         third = self.run_dev("setup", "arm", "qemu", path=path, environment=apt)
         self.assertEqual(third.returncode, 0, third.stderr)
@@ -253,7 +252,7 @@ class DevCommandTest(DevFixture):
         closing = result.stdout.splitlines()[-3 * len(presets) :]
         self.assertEqual(closing[0::3], [f"{preset}:" for preset in presets])
         self.assertEqual(set(closing[1::3]), {"100% tests passed, 0 tests failed out of 1"})
-        # What was left out, and how long everything took.
+        # The omitted tests and the times.
         self.assertIn(
             "4 tests labelled full were left out; ./tools/dev test --full runs them.", result.stdout
         )

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tools/dev flash over a serial line, against a pseudo terminal that answers as the firmware's
-shell does.
+"""tools/dev flash over a serial line, against a pseudo terminal that gives the answers of the
+firmware's shell.
 """
 
 import os
@@ -17,7 +17,7 @@ class DevSerialTest(DevFixture):
 
     def send_over_serial(self, *answers: bytes) -> tuple[subprocess.CompletedProcess[str], bytes]:
         """Flash a configuration over a line whose other end answers the shell's command, and then
-        the image, as told.
+        the image, with the given texts.
         """
         path, environment = self.pretend_everything_is_installed()
         (self.home / "firmware/config/generated").mkdir(parents=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tools/dev installs for which command, and what CMake says where it is missing."""
+"""Packages installed by tools/dev per command, and the messages of CMake for missing ones."""
 
 import os
 import re
@@ -14,7 +14,7 @@ from regen_table import installation
 
 
 class SetupTest(DevFixture):
-    """Commands in any order, each with what it needs."""
+    """Commands in any order, each with its requirements."""
 
     @needs_headers
     def test_sim_and_test_pass_in_any_order_as_a_missing_tool_triggers_a_new_configure(
@@ -39,7 +39,7 @@ class SetupTest(DevFixture):
         self.assertEqual(configured("test"), ["--preset host -DHUBFOC_TESTS=ON"])
         self.assertEqual(configured("sim"), [])
         self.assertEqual(configured("test"), [])
-        # A tool that CMake looks for arrives.
+        # A tool searched by CMake is installed.
         checker = self.home / ".dev/cbmc/cbmc"
         checker.parent.mkdir()
         checker.touch()

@@ -15,7 +15,7 @@ LONGEST_WAIT_S = 20.0
 
 
 def is_running(process: int) -> bool:
-    """Return False for a process that is gone or only waits to be reaped."""
+    """Return False for a process that has ended or is a zombie."""
     try:
         status = Path(f"/proc/{process}/stat").read_text(encoding="utf-8")
     except OSError:
@@ -32,7 +32,7 @@ def wait_until(condition: Callable[[], bool]) -> None:
 def test_the_emulator_is_terminated_when_its_test_ends(tmp_path: Path) -> None:
     number = tmp_path / "number"
     emulator = tmp_path / "qemu"
-    # It writes down its process and runs on, deaf to everything that can be ignored.
+    # It records its process number and continues, ignoring every signal that can be ignored.
     write_program(
         emulator,
         f"#!/bin/sh\ntrap '' TERM INT HUP\necho $$ > {number}.new\nmv {number}.new {number}\n"

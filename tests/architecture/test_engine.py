@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """How the simulation engine is compiled: for speed, and for the same bytes everywhere.
 
-Speed itself is not tested, because it depends on the machine and its load. What it rests on is: all
-of the firmware and the plant in one link-time optimisation, but for the motor's rare paths.
+Speed itself is not tested, because it depends on the machine and its load. Tested is its
+precondition: firmware and plant in one link-time optimisation, except for the motor's rare paths.
 """
 
 import json
@@ -17,8 +17,8 @@ from modules import PURE, ROOT, sources_of
 
 BUILD = Path(os.environ["HUBFOC_BUILD_DIR"])
 LIBRARY = BUILD / "host_sim" / "libhubsim_engine.so"
-# Steps that are not one linear set (plant/pmsm_sets.c): calls, so that they take no registers of
-# the common step.
+# Steps that are not one linear set (plant/pmsm_sets.c): not inlined, so that they use no registers
+# of the common step.
 RARE = {"pmsm_saturated.c", "pmsm_sets.c", "pmsm_straight.c"}
 # Results that depend on the processor or the order of operations, or on a recorded run.
 FORBIDDEN = re.compile(r"-(march|mcpu|mtune|mfma|mavx|ffast-math|funsafe|fassociative|fprofile)")
@@ -48,7 +48,7 @@ def commands() -> dict[Path, list[str]]:
 
 
 def last(options: list[str], *kinds: str) -> str:
-    """Return the option of these kinds that counts."""
+    """Return the effective option of these kinds."""
     return [option for option in options if option.startswith(kinds)][-1]
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The modules keep to their order of dependency.
 
-Includes run one way, the pure modules stay pure, every header stands alone.
+Includes run one way, the pure modules stay pure, every header compiles on its own.
 """
 
 import re
@@ -24,7 +24,7 @@ from modules import (
 
 PURE_LIBRARY_HEADERS = {"stdint.h", "stdbool.h", "stddef.h"}
 
-# Nothing here may appear in a pure module, each for its own reason.
+# Identifiers refused in a pure module, with the reason of each.
 FORBIDDEN = {
     "floating point": r"\b(?:float|double|_Complex|_Imaginary|_Float\w+)\b|\b\d+\.\d*[fFlL]?\b",
     "heap": r"\b(?:malloc|calloc|realloc|free|alloca)\b",
@@ -102,7 +102,7 @@ def test_only_app_includes_the_hardware_interface_and_no_port_includes_firmware(
 
 
 def test_a_header_of_the_hardware_interface_has_at_most_12_functions() -> None:
-    """At most twelve functions a header: whoever writes a port can see the end of it."""
+    """At most twelve functions a header keep a port small."""
     assert HAL_HEADERS
     for header in HAL_HEADERS:
         text = code_only((ROOT / "hal/include" / header).read_text(encoding="utf-8"))
@@ -186,9 +186,9 @@ def test_a_vector_of_one_frame_is_rejected_where_another_is_expected() -> None:
 
 
 def test_a_forbidden_include_fails_to_compile() -> None:
-    """The same wall in the build itself.
+    """The same rule enforced by the build.
 
-    Each target sees only the headers of the modules before it.
+    Each target has only the include paths of lower modules.
     """
     for target, forbidden in (
         ("torque", "foc/foc.h"),
@@ -211,7 +211,7 @@ def test_every_module_has_a_readme_with_its_purpose() -> None:
 
 
 def code_files_of(module: str) -> set[str]:
-    """Return the names of a module's sources and of headers that hold code of their own."""
+    """Return the names of a module's sources and of headers with inline functions."""
     headers = {
         path.stem
         for path in files_of(module)
@@ -230,6 +230,6 @@ def test_every_source_file_has_a_test_of_its_own(module: str) -> None:
 
 
 def test_the_files_of_a_module_are_found() -> None:
-    """Guards the tests above against looking at nothing."""
+    """Guards the tests above against an empty file list."""
     assert {"limit", "brake_blending", "motor_model"} <= code_files_of("torque")
     assert Path("foc/foc.h") in {Path(header) for _, header in HEADERS}

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the compiler made of the pure modules: no state of their own, no recursion, nothing dear in
-the fast loop.
+"""Object code of the pure modules: no static state, no recursion, no division in the fast loop.
 
 The source can hide a division in a macro, recursion behind three functions and a global behind a
 static; object files cannot. The modules are compiled here, each file by itself, with the host's
@@ -17,8 +16,8 @@ from pathlib import Path
 import pytest
 from modules import PURE, STRICT_C, include_options, sources_of
 
-# Called by the compiler on its own account: every C implementation, also a freestanding one,
-# provides these four for copying and clearing structures (GCC manual, "Standards"). They have no
+# Calls inserted by the compiler: every C implementation, also a freestanding one, provides these
+# four for copying and clearing structures (GCC manual, "Standards"). They have no
 # state and cannot fail. Modules cannot call them by name, because no module may include <string.h>.
 COMPILER_SUPPORT = {"memcpy", "memset", "memmove", "memcmp"}
 
@@ -52,7 +51,7 @@ ARM_INTEGER_HELPERS = {
         "__gnu_thumb1_case_si",
     ),
 }
-# What a fast step may call of them: no division.
+# Those permitted in a fast step: no division.
 FAST_HELPERS = {name for name in ARM_INTEGER_HELPERS if "div" not in name} | COMPILER_SUPPORT
 
 CORES = {
@@ -168,7 +167,7 @@ def calls_in(callgraph: str) -> Calls:
 
 
 def cycle_in(calls: Calls) -> list[str]:
-    """Return a chain of calls that comes back to where it began, or nothing."""
+    """Return a cycle of calls, or an empty list."""
     finished: set[str] = set()
 
     def search(function: str, path: list[str]) -> list[str]:
@@ -200,7 +199,7 @@ def test_no_direct_or_indirect_recursion(host_objects: list[Path]) -> None:
 
 
 def test_no_function_is_called_through_a_pointer(host_objects: list[Path]) -> None:
-    """Through a pointer anything may be called: the search above would see nothing."""
+    """The search above cannot follow calls through a pointer."""
     assert not [
         path.name
         for path in host_objects
@@ -279,8 +278,8 @@ def call_tree(objects: list[Path], root: str) -> tuple[dict[str, Function], set[
     return reached, outside
 
 
-def dear(function: Function) -> list[str]:
-    """Return the instructions no fast step may hold.
+def costly(function: Function) -> list[str]:
+    """Return the instructions refused in a fast step.
 
     Hardware division, floating point, calls through a pointer.
     """
@@ -297,8 +296,8 @@ def test_fast_loop_has_no_division_and_no_unknown_call(
     reached, outside = call_tree(arm_objects, FAST_ROOT)
     assert {"foc_current_step", "foc_step", "hall_process_event"} <= set(
         reached
-    )  # it has looked where it should
-    assert not {name: dear(function) for name, function in reached.items() if dear(function)}
+    )  # the expected functions were searched
+    assert not {name: costly(function) for name, function in reached.items() if costly(function)}
     assert outside <= FAST_HELPERS
 
 
@@ -320,5 +319,5 @@ def test_the_search_finds_a_division_three_calls_deep(tmp_path: Path) -> None:
         assert (
             outside & {"__aeabi_idiv", "__aeabi_idivmod"}
             if core == "cortex-m0plus"
-            else dear(reached[f"{path.name}:c"])
+            else costly(reached[f"{path.name}:c"])
         )

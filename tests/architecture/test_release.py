@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A release: parts that belong together in one folder with their sums, and the list of licences."""
+"""A release: parts of one version in one folder with checksums, and the list of licences."""
 
 import hashlib
 import importlib.util
@@ -37,7 +37,7 @@ collect = loaded()
 
 @pytest.fixture
 def tree(tmp_path: Path) -> Path:
-    """Make a repository with the outputs of a build, as small as they may be."""
+    """Make a repository with minimal outputs of a build."""
     root = tmp_path / "tree"
     configuration = b"the configuration"
     banner = f"hubfoc {VERSION} ({COMMIT[:12]}) on stm32f405".encode()

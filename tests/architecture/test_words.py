@@ -9,7 +9,7 @@ import pytest
 from modules import code_only
 from test_repository import found, own_text
 
-# Refused in names and in text. Written so that this file does not contain them.
+# Refused in names and in text. Split so that this file does not contain them.
 METAPHORS = re.compile(
     "|".join(
         rf"(?<![A-Za-z]){word}(?![A-Za-z])"

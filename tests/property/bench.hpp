@@ -5,7 +5,7 @@
  *
  * Timing as on the board: currents are sampled at the beginning of a period, the compare values
  * worked out from them act during the next one, and so does the bridge mode. The bridge is averaged
- * over a period; its voltage stands still in the stator frame while the rotor turns. Converters
+ * over a period; its voltage is constant in the stator frame while the rotor turns. Converters
  * have 12 bits. The motor is integrated by fourth-order Runge-Kutta steps of a tenth of a period,
  * whose error is far below an LSB. Every effect that is not named by a parameter is absent.
  */
@@ -37,8 +37,8 @@ struct Plant {
     Vector3d sensor_offset = Vector3d::Zero(); // of the three current sensors, share of full scale
 };
 
-// The motor of a configuration at a winding temperature, as the plant: what the controller believes
-// is true. Ideal switches.
+// The motor of a configuration at a winding temperature, as the plant: parameters equal to those of
+// the controller, ideal switches.
 Plant plant_of(const config_t &config, double winding_temperature_C, double v_dc_V,
                double speed_rpm);
 // The same with the paper's bridge (tools/motors/lu2013.toml): 1 us of dead time, 0.8 V diodes, 3.3
@@ -46,7 +46,7 @@ Plant plant_of(const config_t &config, double winding_temperature_C, double v_dc
 Plant with_bridge(Plant plant);
 
 // The paper's configuration with an absolute angle, so that only the current loop is in question;
-// without compensation the firmware believes in ideal switches.
+// without compensation its dead time and diode drop are zero.
 config_t paper_config(bool dead_time_compensation);
 
 // The same firmware behind a current converter of a `factor` times smaller range: its gains in

@@ -53,7 +53,7 @@ EXCEPTION_PENDSV, EXCEPTION_SYSTICK, EXCEPTION_ADC = 14, 15, 16 + 18
 
 @dataclass
 class Timer:
-    """TIM1's counter as the firmware sees it: at which end it is, and when it updates."""
+    """TIM1's counter: direction of the count and times of its updates."""
 
     at_top: bool = False
     repetitions: int = 0
@@ -141,7 +141,7 @@ class Chip:
         return value
 
     def _timer_status(self) -> int:
-        """While the firmware waits for an update, the count runs on by half a period a look."""
+        """While the firmware waits for an update, the count advances by half a period per poll."""
         status = self.registers.get(TIM1_SR, 0)
         if (
             not status & TIM_UPDATE
@@ -268,7 +268,7 @@ class Chip:
             total += self.interrupt(EXCEPTION_SYSTICK)
         return total
 
-    # ---- what the board sees ----
+    # ---- inputs of the board ----
 
     def sample(
         self, current_codes: tuple[int, int, int], bus_code: int, temperature_code: int

@@ -370,7 +370,7 @@ def bench_interrupt(options: argparse.Namespace) -> int:
 
 
 def bench(options: argparse.Namespace) -> int:
-    """Do what the command line asks for."""
+    """Run the command line."""
     directory = build.ROOT / "build" / "bench"
     cores: dict[str, Any] = {}
     plugin: Path | None = None

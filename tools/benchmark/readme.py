@@ -60,7 +60,7 @@ def out_of_date(text: str, report: dict[str, Any]) -> list[str]:
 def status(report: dict[str, Any], update: bool) -> int:
     """Bring the table up to date if asked to; else return 1, and say so, if it is not.
 
-    It is about one configuration and one release of the compiler; others say nothing about it.
+    It applies to one configuration and one release of the compiler.
     """
     if update:
         README.write_text(updated(README.read_text(), report))

@@ -52,7 +52,7 @@ def measure(runs: int, workers: int, output: Path) -> Measured:
 
 
 def main() -> int:
-    """Measure, say it, and check that both tables are the same."""
+    """Measure, print, and check that both tables are equal."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -49,7 +49,7 @@ function(hubfoc_add_unit_test)
   # Runners and mocks are the generators' business; the test itself is held to the project's
   # warnings.
   set_source_files_properties("${runner}" ${mock_sources} PROPERTIES COMPILE_OPTIONS "-w")
-  # Test functions are declared by the generated runner and by nobody else.
+  # Test functions are declared by the generated runner only.
   set_source_files_properties(${T_SOURCES} PROPERTIES COMPILE_OPTIONS "-Wno-missing-prototypes")
   # SYSTEM: clang-tidy leaves generated headers alone then, too.
   target_include_directories(${target} SYSTEM PRIVATE "${gen}")

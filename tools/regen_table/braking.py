@@ -43,7 +43,7 @@ def capability_nm(drive: Drive, motor: Machine, inverter: Bridge, speed_rad_s: A
 def electric_torque_nm(
     drive: Drive, strategy: str, demand_nm: ArrayLike, speed_rad_s: ArrayLike, capability: ArrayLike
 ) -> Array:
-    """Share the braking demand of one wheel: what the motor is asked for, magnitude in N m.
+    """Split the braking demand of one wheel: torque of the motor, magnitude in N m.
 
     parallel_ratio (the paper's scheme 1): a fixed share of the demand. parallel_free_travel (scheme
     2): all of it up to the rated electric torque. series_optimal: all of it up to the capability.
@@ -65,7 +65,7 @@ def region(
 
     Returns an array of "I", "II", "III" or "IV".
 
-    Beyond T_zero a demand is in region I whatever the limits are, down to standstill.
+    Beyond T_zero a demand is in region I for any limits, down to standstill.
     """
     best = optimum.closed_form(motor, inverter, np.asarray(speed_rad_s) * motor.pole_pairs)
     demand, limit = np.asarray(demand_nm), torque_limit_nm(drive, speed_rad_s)

@@ -137,7 +137,7 @@ _DEMANDS = _numbers(1e-3, 1e5, "N m")
 
 
 def _add_point(command: argparse.ArgumentParser) -> None:
-    """Add what says at which operating points."""
+    """Add the arguments of the operating points."""
     command.add_argument(
         "--speed-rpm", type=_SPEEDS, required=True, metavar="LIST", help="mechanical"
     )
@@ -161,7 +161,7 @@ def _add_point(command: argparse.ArgumentParser) -> None:
 
 
 def _add_answer(command: argparse.ArgumentParser) -> None:
-    """Add what says where an answer goes."""
+    """Add the arguments of the output."""
     command.add_argument("--json", action="store_true", help="an array of objects instead of text")
     command.add_argument(
         "--output",

@@ -252,7 +252,7 @@ def _answer(
 
 
 def _origin(drive: schema.Drive, date: str | None) -> dict[str, Any]:
-    """Return where an answer comes from; without a CRC where no configuration can be generated."""
+    """Return the provenance of a result; without a CRC where no configuration can be generated."""
     try:
         raw = image.build(drive)
     except ConfigurationError:

@@ -5,7 +5,7 @@ A grid is judged by what it loses to interpolation and quantisation: energy, ove
 cycles, and power, at every speed at which the drive brakes, cold, hot and in between. First come as
 few temperatures as keep within a share of that, with torque and speed taken exactly; then the
 fewest points of torque and speed. What does not depend on the grid is computed once a drive, like
-the choice itself, which image and report both ask for.
+the choice itself, used by image and report.
 """
 
 import itertools

@@ -302,7 +302,7 @@ def report_text(report: Report) -> str:
         f"{report.name}: grid: {report.power_loss_worst:.3%} of the power lost at worst above"
         f" {report.power_loss_from_rpm:g} r/min"
     )
-    dear = max(report.d_current_losses, key=lambda loss: loss.without_d_current)
+    costliest = max(report.d_current_losses, key=lambda loss: loss.without_d_current)
     columns, rows, layers = report.d_current_points
     temperature, stored = (
         max(getattr(loss, name) for loss in report.d_current_losses)
@@ -315,8 +315,8 @@ def report_text(report: Report) -> str:
         " anywhere"
     )
     lines.append(
-        f"{report.name}: i_d: i_d = 0 would lose {dear.without_d_current:.2%} ({dear.manoeuvre}),"
-        f" bus voltage as an axis would save {report.bus_voltage_loss:.3%}"
+        f"{report.name}: i_d: i_d = 0 would lose {costliest.without_d_current:.2%}"
+        f" ({costliest.manoeuvre}), bus voltage as an axis would save {report.bus_voltage_loss:.3%}"
     )
     return "\n".join(lines)
 

@@ -112,7 +112,7 @@ def shipped(drive: Drive) -> list[Cycle]:
 
 @dataclass(frozen=True)
 class Demand:
-    """What a cycle asks of one wheel; arrays of the shape (steps,)."""
+    """Demand of a cycle at one wheel; arrays of the shape (steps,)."""
 
     seconds: Array
     speed_rad_s: Array
@@ -121,7 +121,7 @@ class Demand:
 
 
 def demand(drive: Drive, cycle: Cycle) -> Demand:
-    """Compute what a cycle asks of a driven wheel: mass, rolling resistance and air drag."""
+    """Compute the demand of a cycle at a driven wheel: mass, rolling resistance and air drag."""
     vehicle = drive.vehicle
     share = np.arange(PARTS + 1) / PARTS
     time = cycle.time_s[:-1, np.newaxis] + np.diff(cycle.time_s)[:, np.newaxis] * share

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Input files: text and tables of numbers; one line says what is wrong with them."""
+"""Input files: text and tables of numbers; errors are reported in one line."""
 
 import csv
 from collections.abc import Callable

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the packages find what is not Python, and which version and commit they are.
 
-Also what every output says of its origin: version, commit, configuration with its CRC, scenario,
+Also the provenance of every output: version, commit, configuration with its CRC, scenario,
 seed and date stand in every JSON, Parquet, MDF and HTML file. The generated C source and its image
 have none of it: they depend on the TOML file alone. Standard library only.
 
@@ -81,10 +81,10 @@ def version() -> str:
 
 @cache
 def commit() -> str:
-    """Return the commit, with "+" behind it where tracked files were changed.
+    """Return the commit, followed by "+" if tracked files were changed.
 
     An installed distribution names the one it was built from. Else HUBFOC_COMMIT in the environment
-    comes first, then what git says, then what ``git archive`` wrote into an archive of the sources;
+    comes first, then that of git, then what ``git archive`` wrote into an archive of the sources;
     where there is none of them: "unknown". tools/cmake/commit.cmake gives the firmware the same.
     """
     if INSTALLED:
@@ -105,7 +105,7 @@ def commit() -> str:
 
 
 def short(commit: str) -> str:
-    """Return a commit as the firmware has it: twelve digits, and "+" behind changed files."""
+    """Return a commit as the firmware has it: twelve digits, and "+" for changed files."""
     found = re.fullmatch(r"([0-9a-f]{1,12})[0-9a-f]*(\+?)", commit)
     return "".join(found.groups()) if found else UNKNOWN
 

@@ -3,7 +3,7 @@
 
 Read from firmware/config/include/config/config.h.
 
-That header is the only place that knows them. It is run through the C preprocessor of whatever
+That header alone defines them. It is run through the C preprocessor of whatever
 compiler is at hand (``$CC``, cc, gcc, clang or arm-none-eabi-gcc), and cffi computes the layout
 from the result, so a field added there appears here without a change. An installed distribution has
 the expanded text instead of the header (host_sim/python/bake.py) and needs no compiler; where that
@@ -48,7 +48,7 @@ class FieldInfo:
 
 @dataclass(frozen=True)
 class Layout:
-    """Everything the header says.
+    """Contents of the header.
 
     Attributes
     ----------

@@ -123,8 +123,8 @@ def phase_voltage_limit_v(drive: Drive, bus_voltage_v: float) -> float:
 def weakening_warning(drive: Drive) -> str | None:
     """Return a line when i_d cannot hold the top speed's EMF at the lowest bus voltage, or None.
 
-    The motor then brakes however little torque is asked for: not refused, because the vehicle comes
-    there only on an empty pack, but whoever builds it must know.
+    The motor then brakes at any commanded torque: not refused, because it occurs only with an empty
+    pack, but the builder is warned.
     """
     motor, lowest = drive.motor, drive.battery.min_voltage_v
     emf, made = derived.line_emf_v(drive), modulation_limit(drive) * lowest
@@ -225,7 +225,7 @@ def dead_time_zone_pu(drive: Drive) -> float:
 
     During a dead interval the leg takes the voltage that the current's sign gives it, until the
     current has gone. Over a period the error is at most t_d f (v_dc + 2 V_f), which moves the
-    current by t_d (v_dc + 2 V_f) / L: whatever is smaller may end inside the interval. The smaller
+    current by t_d (v_dc + 2 V_f) / L: a smaller current may end inside the interval. The smaller
     inductance lets it end soonest. Not below 128 LSB, the noise of a 12-bit converter. This is for
     the middle of the battery's range; the firmware moves it with the bus voltage.
     """
@@ -293,7 +293,7 @@ def overcurrent_share_max(drive: Drive) -> float:
 def overcurrent_pu(drive: Drive) -> float:
     """Per-unit length of the current vector that trips.
 
-    As configured, or 30 % above the largest asked for, inside the converter's range.
+    As configured, or 30 % above the largest reference, inside the converter's range.
     """
     full, wanted = drive.inverter.current_full_scale_a, drive.monitor.overcurrent_a
     if wanted is not None:

@@ -150,7 +150,7 @@ def designed_step(bandwidth_hz: float, period_s: float, samples: int) -> models.
 def current_loop(drive: Drive) -> list[Margins]:
     """Margins of both axes with a cold, a reference and a hot winding.
 
-    The integral gain knows their temperature.
+    The integral gain follows their temperature.
     """
     period, bandwidth = 1.0 / drive.inverter.pwm_frequency_hz, drive.control.current_bandwidth_hz
     temperatures = (
@@ -188,11 +188,12 @@ def current_loop(drive: Drive) -> list[Margins]:
 
 
 def refuse_thin_margins(drive: Drive, found: list[Margins]) -> None:
-    """Raise ConfigurationError when no gain makes the loop what was asked for.
+    """Raise ConfigurationError if no gain gives the requested loop.
 
     Or when it is too near to instability.
 
-    The first bites first: K = a (1 - a) is at most a quarter, at omega_c T = 0.69, and the loop
+    The first is reached first: K = a (1 - a) is at most a quarter, at omega_c T = 0.69, and the
+    loop
     answers no faster than that.
     """
     wanted, largest = (

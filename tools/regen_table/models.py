@@ -239,7 +239,7 @@ class BatteryState:
 def battery_steady(
     open_circuit_v: float, resistance_ohm: float, power_w: ArrayLike
 ) -> BatteryState:
-    """Solve u_b i_b = power for a battery behind R = R_s + R_t.
+    """Solve u_b i_b = power for a battery with R = R_s + R_t in series.
 
     NaN beyond the largest power u_oc^2 / (4 R).
 

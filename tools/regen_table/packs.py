@@ -71,7 +71,7 @@ def dynamic(
 ) -> Flow:
     """Carry a trace through a pack whose RC branch (R_t in ohm, C_t in F) begins at rest.
 
-    The current is constant within a step and such that the step's energy is the one asked for. With
+    The current is constant within a step and gives the requested energy of the step. With
     x = h / (R_t C_t) and g = (1 - exp(-x)) / x the branch's mean voltage is then exactly g u_c + (1
     - g) R_t i, which makes the step a steady state behind u_oc - g u_c and R_s + (1 - g) R_t. It
     balances to rounding for any step: a long one is the settled branch.

@@ -40,7 +40,7 @@ class Bus(Section):
 
 
 class Bms(Section):
-    """What the battery management tells the controllers, on top of the pack's current limits.
+    """Limits sent by the battery management in addition to the pack's current limits.
 
     Read by the simulated plant only.
     """
@@ -119,7 +119,7 @@ class Chassis(Section):
         bool, Field(description="true: the driven wheels begin on the rear axle")
     ] = False
     pitch_time_constant_s: Annotated[
-        float, number(0.0, 10.0, "s", "lag of the load behind the acceleration; 0: none")
+        float, number(0.0, 10.0, "s", "lag of the load transfer to the acceleration; 0: none")
     ] = 0.0
 
 

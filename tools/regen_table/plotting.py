@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How figures look and how they are saved.
+"""Style and output of figures.
 
 One style, SVG and PNG of the same picture, the same bytes every time.
 """

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Relations between the keys of a drive: what no single range can express.
 
-A mistake refuses the drive (nobody could build or brake with it); a warning describes a drive that
+An error refuses the drive (it could not be built or could not brake); a warning describes a drive
+that
 works, but not as its numbers promise. Plain scalar arithmetic, so that the simulator, which reads
 the same files, loads nothing more for it.
 """
@@ -292,8 +293,8 @@ def _hall_hand_over(drive: Drive) -> Iterator[str]:
     if drive.rotor.sensor == "hall" and drive.control.handover_end_rpm < slowest:
         yield (
             f"control.handover_end_rpm: {drive.control.handover_end_rpm:g} r/min, accepted: at"
-            f" least {slowest:.4g} r/min, down to which halls know the speed of a motor with"
-            f" {drive.motor.pole_pairs} pole pairs"
+            f" least {slowest:.4g} r/min, down to which hall sensors measure the speed of a motor"
+            f" with {drive.motor.pole_pairs} pole pairs"
         )
 
 

@@ -240,7 +240,7 @@ class Brake(Section):
     motor_arrival_s: Annotated[
         float,
         number(
-            0.001, 1.0, "s", "the motor is counted on for torque that it reaches within this time"
+            0.001, 1.0, "s", "torque that the motor reaches within this time counts as available"
         ),
     ] = 0.1
     abs_hold_s: Annotated[
@@ -269,7 +269,7 @@ class Brake(Section):
 
 
 class Control(Section):
-    """What is asked of the control loops."""
+    """Requirements of the control loops."""
 
     current_bandwidth_hz: Annotated[float, number(10.0, 1e4, "Hz", "closed current loop")]
     torque_rate_nm_per_s: Annotated[

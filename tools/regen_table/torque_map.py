@@ -54,7 +54,7 @@ class RegenMap:
 def regen_map(drive: Drive, points: tuple[int, int] | None = None) -> RegenMap:
     """Compute the table of a drive: the closed form at every point, unclamped.
 
-    ``points``: numbers of speeds and temperatures, which must be given where the drive says "auto".
+    ``points``: numbers of speeds and temperatures, which must be given if the drive has "auto".
 
     Below the speed where regeneration begins the formula's current changes sign. Its torque is
     stored all the same, negative at standstill, because the curve is then straight through the

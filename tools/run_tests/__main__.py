@@ -102,7 +102,7 @@ def all_passed(tests: Sequence[Test], results: dict[str, Result]) -> bool:
 def run_chosen(
     suite: Suite, presets: Sequence[str], tests: list[Test], options: argparse.Namespace
 ) -> bool:
-    """Run the tests and print what ctest says, then the closing lines of each preset."""
+    """Run the tests and print the output of ctest, then the closing lines of each preset."""
     full = options.full
     long = [] if full else [test for test in tests if ctest.FULL_LABEL in test.labels]
     tests = [test for test in tests if test not in long]
@@ -224,7 +224,7 @@ def quick(suite: Suite, revision: str) -> bool:
     if left:
         shown = ", ".join(test.full_name for test in left[:12])
         more = f" and {len(left) - 12} more" if len(left) > 12 else ""
-        print(f"Left out for want of time: {len(left)} tests: {shown}{more}.")
+        print(f"Left out to save time: {len(left)} tests: {shown}{more}.")
     if unknown:
         print(
             "Left out, as what they read is known only after './tools/dev test': "
@@ -240,7 +240,7 @@ def quick(suite: Suite, revision: str) -> bool:
 
 
 def main() -> int:
-    """Run what the arguments ask for; the exit status is 1 if a test failed or none was found."""
+    """Run the selected tests; the exit status is 1 if a test failed or none was found."""
     parser = argparse.ArgumentParser(prog="run_tests")
     parser.add_argument("--presets", default=",".join(PRESETS), help="comma-separated")
     parser.add_argument("--full", action="store_true", help="with the tests labelled full")

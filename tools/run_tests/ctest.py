@@ -81,7 +81,7 @@ class Result:
 def _commands(build: Path) -> dict[str, tuple[str, ...]]:
     """Return the command of every test from the lists that CMake wrote.
 
-    ctest's own answer has none for a program that has not been built.
+    The output of ctest has none for a program that has not been built.
     """
     commands = {}
     for file in build.rglob("CTestTestfile.cmake"):

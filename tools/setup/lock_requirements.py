@@ -57,7 +57,7 @@ def pinned_now() -> dict[str, str]:
 
 
 def resolve(python: str, sources: list[Path], constraints: Path) -> dict[str, Package]:
-    """Return pip's answer for one Python version: every package of all sets, by name."""
+    """Return pip's resolution for one Python version: every package of all sets, by name."""
     command = [
         *(sys.executable, "-m", "pip", "install", "--dry-run", "--ignore-installed", "--quiet"),
         *("--report", "-", "--only-binary=:all:", "--implementation", "cp"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The firmware on somebody else's motor.
+"""The firmware with a motor model of motulator.
 
 motulator's synchronous machine and solver, hubfoc's controller.
 
@@ -7,7 +7,7 @@ motulator's synchronous machine and solver, hubfoc's controller.
 
 motulator (PyPI) simulates a drive as a continuous-time model and a discrete-time control system
 that is called once per sampling period. The firmware takes the place of that control system. Held
-at one speed, the torque that the controller is asked for, the torque it believes to make, the
+at one speed, the commanded torque, the estimated torque, the
 torque of motulator's machine and that of hubfoc's own plant have to be the same.
 """
 
@@ -86,7 +86,7 @@ class Firmware:
         return self.period_s, [fast.duty_a, fast.duty_b, fast.duty_c]
 
     def post_process(self) -> None:
-        """Do nothing more: what a control system is asked at the end."""
+        """Do nothing; called at the end of a simulation."""
 
 
 def on_motulator(

@@ -10,7 +10,7 @@ The motor is three equations in the rotor's frame, amplitude-invariant, without 
     L di_d/dt = u_d - R i_d + w L i_q        L di_q/dt = u_q - R i_q - w (L i_d + psi)        T =
     3/2 p psi i_q
 
-A bridge that is on applies duty times bus voltage, one period after the controller asked for it; a
+A bridge that is on applies duty times bus voltage, one period after its computation; a
 bridge that is off carries no current, because at this speed the back-EMF stays below the bus
 voltage.
 """
@@ -22,7 +22,7 @@ import numpy as np
 from hubsim.engine import ROOT
 
 DRIVE = ROOT / "tools" / "motors" / "lu2013.toml"
-# What the plant below has no model of, the controller shall not believe in either; an angle sensor
+# Effects without a model in this plant are switched off in the controller as well; an angle sensor
 # instead of halls.
 SIMPLE = {
     "motor.iron_loss_resistance_ohm": None,
@@ -104,7 +104,7 @@ def main(
         fast = controller.fast_step(
             phase_a_a=a, phase_b_a=b, phase_c_a=c, bus_voltage_v=BUS_V, rotor_angle_turn=turn
         )
-        motor.step(duty, controller.period_s)  # what was asked for one period ago
+        motor.step(duty, controller.period_s)  # duty of the previous period
         duty = [fast.duty_a, fast.duty_b, fast.duty_c] if fast.bridge == PWM else None
     assert slow is not None
     print(
@@ -115,7 +115,7 @@ def main(
         f"motor {motor.torque_nm:.3f} N m, controller's estimate "
         f"{slow.motor_torque_estimate_nm:.3f} N m"
     )
-    print(f"hydraulic brake asked for {slow.hydraulic_torque_nm:.3f} N m")
+    print(f"hydraulic brake command {slow.hydraulic_torque_nm:.3f} N m")
     return motor.torque_nm, slow.motor_torque_estimate_nm
 
 

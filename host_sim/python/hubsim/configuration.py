@@ -2,7 +2,7 @@
 """What a controller is configured with and a plant is made of.
 
 A drive's TOML file, or the image a controller is flashed with. Images are computed once for a
-drive, whatever its braking strategy.
+drive with any braking strategy.
 """
 
 import threading

@@ -120,5 +120,5 @@ def print_table(results: Sequence[RunResult]) -> None:
 
 
 def _console() -> Console:
-    """Return a console on stdout, unwrapped however narrow the terminal is said to be."""
+    """Return a console on stdout that does not wrap lines in a narrow terminal."""
     return Console(highlight=False, width=None if Console().is_terminal else 120)

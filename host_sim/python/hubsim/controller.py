@@ -124,7 +124,7 @@ class Controller:
         return (variables.of_port(port)[index].start_raw - zero) / per_unit
 
     def save(self) -> bytes:
-        """Return everything the controller remembers.
+        """Return the complete state of the controller.
 
         For ``restore`` under the same build of the library.
         """

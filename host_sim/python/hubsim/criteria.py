@@ -12,7 +12,7 @@ One section of the file is one criterion, of one of three kinds:
   or ANY_FAULT.
 
 ``from_s``, ``until_s`` and ``where`` make the window; limits and times may be formulas of
-parameters themselves, so that a criterion still says the right thing when a parameter is changed. A
+parameters themselves, so that a criterion stays correct when a parameter is changed. A
 window without a row fails its criterion.
 """
 

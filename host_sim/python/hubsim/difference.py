@@ -66,7 +66,7 @@ class Difference:
     within: bool
 
     def as_object(self) -> dict[str, Any]:
-        """Return it for a JSON file, which knows no NaN."""
+        """Return it for a JSON file, which has no NaN."""
         return {
             key: None if isinstance(value, float) and not math.isfinite(value) else value
             for key, value in vars(self).items()

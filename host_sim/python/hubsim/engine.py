@@ -164,7 +164,7 @@ class Engine:
         Returns
         -------
         array, shape (rows, chosen signals)
-            In the units of the signals' names. ``ended`` tells whether the run is over.
+            In the units of the signals' names. ``ended`` is true after the end of the run.
         """
         width = max(len(self._chosen), 1)
         capacity = int(duration_s / self.get("run.record_interval_s")) + 2 if self._chosen else 0

@@ -5,5 +5,5 @@
 class HubsimError(ValueError):
     """Something about the input or the run is wrong.
 
-    ``str()`` is one line that says what, where and what is accepted.
+    ``str()`` is one line with the error, its place and the accepted values.
     """

@@ -36,7 +36,7 @@ class CriterionResult:
     remark: str = ""
 
     def as_object(self) -> dict[str, Any]:
-        """Return it for a JSON file, which knows neither NaN nor infinity."""
+        """Return it for a JSON file, which has neither NaN nor infinity."""
         return {
             key: None if isinstance(value, float) and not math.isfinite(value) else value
             for key, value in vars(self).items()
@@ -140,7 +140,7 @@ class Evaluator:
     Parameters
     ----------
     result : RunResult
-        With every signal recorded that the formulas look at.
+        Every signal used by the formulas is recorded.
     constants : mapping
         Further quantities that a formula may name: keys of scenario and drive, times of events.
     """

@@ -36,7 +36,7 @@ class Injection:
 
 
 INJECTIONS: Mapping[str, Injection] = {
-    "abs": Injection({"driver.abs_active": 1.0}, "the anti-lock system is at work"),
+    "abs": Injection({"driver.abs_active": 1.0}, "anti-lock intervention"),
     "vehicle_off": Injection({"driver.enable": 0.0}, "the driver switches the vehicle off"),
     "can_silence": Injection(
         {"driver.silent": 1.0}, "no demand arrives any more; the last one stays and grows old"
@@ -50,14 +50,14 @@ INJECTIONS: Mapping[str, Injection] = {
         "the hall sensors' plugs are off: all lines at their pull-ups",
     ),
     "hydraulic_dead": Injection(
-        {"brake.torque_loss": 1.0}, "the hydraulic brakes make no torque, whatever their command"
+        {"brake.torque_loss": 1.0}, "hydraulic torque is zero at any command"
     ),
     "winding_sensor_open": Injection(
         {"winding_sensor.open": 1.0}, "the lines of the windings' temperature sensors are broken"
     ),
     "winding_sensor_shorted": Injection({"winding_sensor.shorted": 1.0}, "they are shorted"),
     "wheel_speed_lost": Injection(
-        {"wheel_speed.dead": 1.0}, "the anti-lock system sees no wheel turn any more"
+        {"wheel_speed.dead": 1.0}, "all wheel speed signals of the anti-lock system are zero"
     ),
     "no_charging": Injection(
         {"battery.max_charge_current_a": 0.0}, "the battery management allows no charging"

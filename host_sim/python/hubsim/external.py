@@ -77,12 +77,12 @@ class Measurement:
 
     @property
     def drive_demand_nm(self) -> float:
-        """What the driver's pedal asks for at each driven wheel, N m."""
+        """Driver's drive demand at each driven wheel, N m."""
         return float(self._vehicle["drive_demand_nm"])
 
     @property
     def brake_demand_nm(self) -> float:
-        """What the driver's brake pedal asks for at each driven wheel, N m, >= 0."""
+        """Driver's braking demand at each driven wheel, N m, >= 0."""
         return float(self._vehicle["brake_demand_nm"])
 
     @property
@@ -102,7 +102,7 @@ class Measurement:
 
     @property
     def anti_lock_at_work(self) -> bool:
-        """Whether the anti-lock system asks the motors to make no torque."""
+        """Whether an anti-lock intervention requires zero motor torque."""
         return bool(self._vehicle["anti_lock_at_work"])
 
     @property
@@ -166,7 +166,7 @@ class Measurement:
 
 
 class Plant:
-    """One simulated vehicle that waits for somebody else's controllers.
+    """One simulated vehicle for external controllers.
 
     Not for two threads at the same time. The firmware's controllers bring the vehicle to its
     initial speed without torque and are then taken away. From then on ``step`` is one PWM period.
@@ -243,7 +243,7 @@ class Plant:
             Share of the period in which the high side of each phase is on, 0 to 1; what lies
             outside is clamped, and all are rounded to the counts of the firmware's PWM timer.
         hydraulic_nm : float or array, shape (wheels,)
-            What the hydraulic brakes are asked for, N m, >= 0; reaches them with the next
+            Commands of the hydraulic brakes, N m, >= 0; effective with the next
             millisecond.
         bridge : int or array, shape (wheels,)
             ``PWM``; ``OFF``: all switches open, current flows through the diodes only; ``SHORT``:
@@ -275,7 +275,7 @@ class Plant:
         return now
 
     def __getitem__(self, name: str) -> float:
-        """Return a signal now, as ``hubsim.Bench`` does; those of a controller stand still."""
+        """Return a signal now, as ``hubsim.Bench`` does; those of a controller are constant."""
         return self._bench[name]
 
     def set(self, name: str, value: float) -> None:

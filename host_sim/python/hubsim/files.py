@@ -62,7 +62,7 @@ def check_distinct(paths: list[Path]) -> None:
 
 
 def make_directory(path: Path) -> None:
-    """Make a directory and its parents, or say why that is not possible."""
+    """Make a directory and its parents, or raise an error with the cause."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:

@@ -28,7 +28,7 @@ def listed(text: str, accepted: str) -> Any:  # noqa: ANN401, pydantic's own
 
 
 def listing(text: str, accepted: str) -> Any:  # noqa: ANN401, pydantic's own
-    """Describe a key that takes a list; TOML knows no tuples."""
+    """Describe a key with a list; TOML has no tuples."""
     return Field(strict=False, description=text, json_schema_extra={"accepted": accepted})
 
 

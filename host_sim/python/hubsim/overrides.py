@@ -60,7 +60,7 @@ def put(overrides: Overrides, key: str, value: Any) -> None:  # noqa: ANN401, wh
 
 
 def value_of(text: str) -> Any:  # noqa: ANN401, whatever TOML can say
-    """Read a value as TOML does; what TOML does not know is a text without its quotes."""
+    """Read a value as TOML does; any other text is a string without its quotes."""
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except (tomllib.TOMLDecodeError, KeyError):

@@ -28,7 +28,7 @@ EVENTS = (
     "wheel_speed.dead",
     *(f"wheel{k}." for k in range(16)),
 )
-# Effects that a drive's file says nothing of; a scenario or --set plant.… switches them on. All are
+# Effects that are not in a drive file; a scenario or --set plant.… switches them on. All are
 # off as they stand here, and what else a model needs has the value it will have then.
 EFFECTS = {
     "motor.d_saturation_current_a": 0.0,

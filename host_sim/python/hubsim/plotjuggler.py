@@ -53,7 +53,7 @@ _WHEEL = (
     ("wheel{k}.winding_temperature_c", "wheel{k}.switch_temperature_c"),
     ("wheel{k}.slip", "wheel{k}.reason", "wheel{k}.mode"),
 )
-# Okabe and Ito's colours, which most kinds of colour blindness can tell apart.
+# Okabe and Ito's colours, distinguishable with most kinds of colour blindness.
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999")
 
 

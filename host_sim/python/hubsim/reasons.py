@@ -39,7 +39,7 @@ def identifier(code: float) -> str:
 def meant(name: str) -> frozenset[int]:
     """Return the codes that a name in a criterion stands for.
 
-    ValueError says what would be accepted.
+    ValueError lists the accepted values.
     """
     if name == ANY_FAULT:
         return frozenset(code for code in codes().values() if code >= first_fault())

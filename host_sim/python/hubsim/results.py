@@ -174,7 +174,7 @@ class RunResult:
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The run object and what a report says besides.
+        """The run object and the additional fields of a report.
 
         Other sinks and storage, losses by what the driver does.
         """
@@ -224,7 +224,7 @@ def _times_real_time(simulated_s: float, cpu_s: float) -> float:
 def json_object(result: RunResult) -> dict[str, Any]:
     """Return a run as ``hubsim run --json`` writes it.
 
-    The summary's object and what a single run knows besides.
+    The summary object and the additional fields of a single run.
     """
     out = {"provenance": result.origin} | result.run_object
     out |= {"kinetic_energy_j": result.kinetic_energy_j}

@@ -145,7 +145,7 @@ def simulate(
     beside : Path
         Directory in which the scenario's own files are looked for.
     patterns : sequence of str
-        Signals to record besides those that the scenario's criteria look at; empty: none.
+        Signals to record besides those of the scenario's criteria; empty: none.
     progress : callable, optional
         Called with the simulated time and the planned end, both in s.
     formulas : sequence of str

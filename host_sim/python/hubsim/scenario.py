@@ -87,9 +87,7 @@ class Scenario(Section):
     driver_bandwidth_rad_per_s: Annotated[
         float, number(1e-3, 100.0, "of the driver's speed regulator, rad/s")
     ] = 2.0
-    driver_preview_s: Annotated[float, number(1e-3, 10.0, "how far ahead the driver looks, s")] = (
-        0.1
-    )
+    driver_preview_s: Annotated[float, number(1e-3, 10.0, "preview time of the driver, s")] = 0.1
     drive: Annotated[
         Named,
         listed("sections of the drive's file that differ in this scenario", "sections of keys"),
@@ -137,7 +135,7 @@ class Scenario(Section):
 
     @property
     def drive_changes(self) -> dict[tuple[str, str], Any]:
-        """What the drive's file is to say differently, by (section, key)."""
+        """Overrides of the drive file, by (section, key)."""
         return {
             (section, key): value
             for section, keys in self.drive.items()

@@ -88,7 +88,7 @@ class Values(Mapping[str, float]):
 
 
 def place(names: dict[str, int], name: str) -> int:
-    """Return where an input lies, or say which there are."""
+    """Return the position of an input, or raise an error that lists all inputs."""
     try:
         return names[name]
     except KeyError:

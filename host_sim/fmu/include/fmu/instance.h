@@ -35,7 +35,7 @@ bool instance_set(instance_t *instance, uint32_t reference, model_type_t type, d
 /* from_s has to be where the last step ended. */
 bool instance_step(instance_t *instance, double from_s, double step_s);
 
-/* What the standard knows and this unit cannot: says so and returns false. */
+/* For features of the standard that are not supported: logs it and returns false. */
 bool instance_refuse(instance_t *instance, const char *what);
 
 /* A state in bytes carries a check: bytes that are damaged or another unit's are refused. */

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * model.h: what is inside a unit for co-simulation, whatever the version of the standard around it.
+ * model.h: the model in an FMU for co-simulation, for any version of the standard.
  *
  * A unit is one model (model_controller.c or model_vehicle.c) and one table of its variables,
- * written when the unit is built (hubsim.fmu). instance.h keeps the variables' values and knows the
- * rules of the standard; a model sees arrays of all values in the order of the table, reads the
- * inputs in them and writes the outputs.
+ * written when the unit is built (hubsim.fmu). instance.h keeps the values of the variables and
+ * implements the state machine of the standard; a model gets arrays of all values in the order of
+ * the table, reads the inputs in them and writes the outputs.
  */
 #ifndef FMU_MODEL_H
 #define FMU_MODEL_H
@@ -32,8 +32,8 @@ typedef struct {
     double start;
 } model_variable_t;
 
-/* Written when the unit is built. MODEL_SETTINGS are what the model needs and nobody may change:
- * names and values. */
+/* Written when the unit is built. MODEL_SETTINGS are fixed parameters of the model: names and
+ * values. */
 typedef struct {
     const char *name;
     double value;

@@ -13,7 +13,7 @@
  *     chemical = terminal + heat + stored, to rounding.
  *
  * Source: Lu et al. 2013 eqs (15) to (19), (24) corrected. Beyond the largest power E^2/(4 R) the
- * voltage collapses: the current of largest power flows and `collapsed` says so.
+ * voltage collapses: the current is that of the largest power, and `collapsed` is set.
  */
 #ifndef PLANT_BATTERY_H
 #define PLANT_BATTERY_H
@@ -46,7 +46,7 @@ typedef struct {
     double polarisation_v; /* u_c */
     double terminal_v;     /* mean of the last step */
     double current_a;      /* of the last step, positive out of the pack */
-    bool collapsed;        /* more power was asked for than the pack can give, at some time */
+    bool collapsed;        /* the requested power has exceeded the largest one */
     /* Of the step length: */
     double step_s;
     double decay;      /* exp(-step/tau) */

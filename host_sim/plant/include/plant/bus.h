@@ -16,10 +16,10 @@
  * holds to rounding: the heat of the resistances is what the exact integral of v i_b leaves over,
  * never negative.
  *
- * Capacitance 0: no capacitor, the bridges sit on the cable's end; the contactor must then be
- * closed. With the contactor open the bridges' energy comes out of the capacitor and goes into it,
- * v^2 = v0^2 - 2 W / C; a capacitor that is asked for more than it holds is empty and `collapsed`
- * says so.
+ * Capacitance 0: no capacitor, the bridges are connected to the end of the cable; the contactor
+ * must then be closed. With the contactor open the bridges' energy comes out of the capacitor and
+ * goes into it, v^2 = v0^2 - 2 W / C; a request beyond its energy empties the capacitor and sets
+ * `collapsed`.
  */
 #ifndef PLANT_BUS_H
 #define PLANT_BUS_H
@@ -43,7 +43,7 @@ typedef struct {
 typedef struct {
     double
         voltage_v;  /* at the bridges: at the end of the last step; without a capacitor its mean */
-    bool collapsed; /* more energy was asked for than capacitor and pack could give, at some time */
+    bool collapsed; /* the requested energy has exceeded that of capacitor and pack */
 } bus_state_t;
 
 typedef struct {

@@ -10,8 +10,8 @@
  * road: loads end at 0 and at the whole weight.
  *
  * Wheels are counted from the front left: with two on an axle 0 and 1 are in front, 2 and 3 at the
- * rear; a vehicle with fewer driven wheels than that has them in front, or at the rear where
- * rear_driven says so.
+ * rear; a vehicle with fewer driven wheels than that has them in front, or at the rear with
+ * rear_driven.
  */
 #ifndef PLANT_CHASSIS_H
 #define PLANT_CHASSIS_H

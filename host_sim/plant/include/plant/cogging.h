@@ -7,7 +7,7 @@
  *
  * The torque is the slope of a stored energy, so its mean and its work over a turn are zero, and
  * a step's impulse is taken from the energies at its ends: impulse * speed = W before - W after,
- * whatever the step. A whole machine has n = least common multiple of slots and poles, a multiple
+ * for any step. A whole machine has n = least common multiple of slots and poles, a multiple
  * of the pole pairs; n = slots is a rotor's, n = poles a stator's imperfection. Source: Z. Q. Zhu,
  * D. Howe, "Influence of design parameters on cogging torque in permanent magnet machines", IEEE
  * Trans. Energy Conversion 15 (2000).

@@ -28,7 +28,7 @@
       "torque rises slowly up to here; 0: no knee") \
     X(knee_rate_nm_per_s,          0.0,  1e7, "N m/s", "of the rise below the knee") \
     X(torque_loss,                -0.5,  1.0, "1", \
-      "share of the torque lost; 1: dead, negative: bites harder")
+      "share of the torque lost; 1: no torque, negative: more torque than commanded")
 /* clang-format on */
 
 typedef struct {

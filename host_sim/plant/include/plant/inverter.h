@@ -17,9 +17,9 @@
  *
  * exactly. A current that ends within the dead time, which moves it by t_d (v_dc + 2 V_f)/L and a
  * share in the iron branch, loses its diode on the way: within that zone (inverter_zone_a()) s_x is
- * proportional to the current, so it is continuous, the integration sees it in every stage, and a
- * leg at rest clamps its current and does not hunt. Ripple that changes a current's sign between
- * the two edges of a period, and so undoes the loss, is left to switching.h: it is worth a
+ * proportional to the current, so it is continuous, every stage of the integration includes it, and
+ * a leg with zero current is clamped without a limit cycle. Ripple that changes a current's sign
+ * between the two edges of a period, and so undoes the loss, is left to switching.h: it is worth a
  * hundredth of a per cent of a stop's kinetic energy at 1 A and zero at 10 A.
  *
  * Off: the diodes rectify. Terminal current flows only where the line EMF exceeds v_dc + 2 V_f; the

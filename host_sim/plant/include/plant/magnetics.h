@@ -14,9 +14,9 @@
  *     a_d = 4 / (L_d^3 I_sd^2)        a_q = 4 / (L_q^3 I_sq^2)        a_c = share sqrt(a_d a_q)
  *     z_0 = L_d I_b
  *
- * and g_d = 1/L_d - 3 a_d z_0^2, g_q = 1/L_q: without current the machine has its inductances L_d
- * and L_q, whatever the iron does later. Both currents are slopes of one energy, so di_d/dpsi_q =
- * di_q/dpsi_d, the inductances are reciprocal and no cycle of currents gains anything; the
+ * and g_d = 1/L_d - 3 a_d z_0^2, g_q = 1/L_q: at zero current the machine has the inductances L_d
+ * and L_q with any saturation. Both currents are gradients of one energy, so di_d/dpsi_q =
+ * di_q/dpsi_d, the inductances are reciprocal and a closed cycle of currents has zero energy; the
  * co-energy psi . i - W has the fluxes as its slopes. W is convex for 0 <= share <= 1, g_d > 0 and
  * g_q > a_c z_0^2, and then has one flux for every current. Without bias I_s is the current whose
  * flux is half of L I_s. With bias, current in q also takes flux out of d: the torque for an ampere
@@ -34,7 +34,7 @@
 
 #include "plant/vectors.h"
 
-/* What a machine's data say about its iron. Currents 0: that axis does not saturate. */
+/* Saturation data of a machine. A current of 0: that axis does not saturate. */
 typedef struct {
     double d_inductance_h, q_inductance_h;
     double d_saturation_a, q_saturation_a; /* I_sd, I_sq */

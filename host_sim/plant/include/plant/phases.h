@@ -12,10 +12,10 @@
  * R_i is known for the flux that turns with the rotor, so its voltage is that of the turning flux,
  * w = j omega lambda: in the steady state that is v, and what edges of the bridge do to v in
  * between is not iron loss of this kind. With iron_sees_ripple it is v at every instant, the
- * circuit of pmsm.h to the letter; both then agree wherever all legs have the same resistance.
+ * exact circuit of pmsm.h; both then agree wherever all legs have the same resistance.
  *
- * A leg that does not conduct carries no current: its winding follows the turning flux while what
- * current it still has dies within microseconds; the energy of that little is open_j. Four-stage
+ * A leg that does not conduct carries no current: its winding follows the rotating flux while its
+ * remaining current decays within microseconds; the energy of that current is open_j. Four-stage
  * Runge-Kutta, energies by the same stages.
  */
 #ifndef PLANT_PHASES_H
@@ -63,8 +63,7 @@ phases_t phases_at(const pmsm_t *machine, double omega_rad_s);
 
 phases_state_t phases_from(const phases_t *phases, const pmsm_state_t *rotor);
 
-/* open_ohm for this state: a current dies the quicker the more the iron is saturated, and no step
- * would follow it. */
+/* open_ohm for this state: a current decays faster in saturated iron, too fast for the step. */
 double phases_open_ohm(const phases_t *phases, const phases_state_t *state);
 
 /* Back to the rotor's frame; the angle is the caller's to advance. */

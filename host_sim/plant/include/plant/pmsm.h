@@ -3,7 +3,7 @@
  * pmsm.h: a permanent-magnet synchronous machine with an iron-loss branch, in the rotor frame.
  *
  *     i = i_t + v / R_i        v = u - R i
- *     R = winding resistance + series resistance of whatever feeds it
+ *     R = winding resistance + series resistance of the supply
  *     L_d di_dt/dt = v_d + w L_q i_qt             L_q di_qt/dt = v_q - w (L_d i_dt + psi)
  *     T = 3/2 p [psi + (L_d - L_q) i_dt] i_qt
  *     R_i = a0 + a1 |w|, across the voltage v, after the drop on the resistance
@@ -93,7 +93,7 @@ typedef struct {
 
 typedef struct {
     plant_dq_t i_t;      /* A, the torque-producing current, after the iron-loss branch */
-    plant_ab_t terminal; /* A, in the wires: what a current sensor sees at this instant */
+    plant_ab_t terminal; /* A, terminal current at this instant, as measured by a current sensor */
     double theta_turn;   /* electrical, 0 <= theta < 1 */
     plant_phasor_t axis; /* exp(j theta) */
     double shaft_turn;   /* mechanical, 0 <= angle < 1; kept up where there is cogging */
@@ -145,10 +145,10 @@ pmsm_flow_t pmsm_step(const pmsm_t *machine, pmsm_state_t *state, plant_ab_t u,
                       const pmsm_step_t *step);
 
 /*
- * Fed by diodes: the source takes whatever voltage opposes the current, up to the magnitude
- * `ceiling_v` (peak phase), and as long as that is enough, no terminal current flows. First-order
- * implicit, unconditionally stable; energy the scheme would lose is credited to the source, where
- * the diodes would have carried it.
+ * Fed by diodes: the source voltage opposes the current, up to the magnitude `ceiling_v` (peak
+ * phase); while that suffices, the terminal current is zero. First-order implicit, unconditionally
+ * stable; energy the scheme would lose is credited to the source, where the diodes would have
+ * carried it.
  */
 pmsm_flow_t pmsm_step_rectified(const pmsm_t *machine, pmsm_state_t *state, double ceiling_v,
                                 const pmsm_step_t *step);

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * sensors.h: what a controller gets to see of one wheel, with the faults of real sensors.
+ * sensors.h: measurements of one wheel, with the faults of real sensors.
  *
  * Converter codes are right-aligned 12 bit, as the firmware's port delivers them (controller.h):
  * phase currents around 2048, rising with current into the motor; bus voltage from 0. A coarser
  * converter leaves the low bits zero. All samples are taken at one instant, the boundary of two PWM
  * periods or sampling_delay_s later; where the controller chooses two of three phases, all three
- * are offered. What the shunts show at that instant is the caller's to say (shunts.h).
+ * are offered. The caller provides the shunt currents at that instant (shunts.h).
  *
  * Halls: sector k = 0 .. 5 begins at edge k and shows 5, 1, 3, 2, 6, 4 (bit 0 = A, 1 = B, 2 = C),
- * sensors 120 degrees apart. Misplacement is the plant's alone: the controller knows hall_edges,
- * not the error.
+ * sensors 120 degrees apart. Misplacement is a parameter of the plant: the controller is configured
+ * with hall_edges, without the error.
  */
 #ifndef PLANT_SENSORS_H
 #define PLANT_SENSORS_H

@@ -11,9 +11,9 @@
  * otherwise,
  *
  * which is solved exactly for a driven current that is constant over an interval. A leg whose low
- * side conducts for less than some time constants before the sample shows too little; one that
- * never does shows zero. Which legs those are decides the modulation, and the firmware's choice
- * of two shunts out of three lives on it.
+ * side conducts for less than some time constants before the sample reads too little; one that
+ * never does reads zero. The modulation determines these legs, and the firmware chooses two of the
+ * three shunts accordingly.
  */
 #ifndef PLANT_SHUNTS_H
 #define PLANT_SHUNTS_H
@@ -28,8 +28,8 @@ typedef struct {
 void shunts_follow(shunts_t *shunts, int leg, double driven_a, double duration_s,
                    double settling_s);
 
-/* What the averaged bridge does in a period: legs rise at T (1 - d) / 2 and fall at T (1 + d) / 2,
- * as switching.h says, and currents run straight from one end to the other. */
+/* Averaged bridge in a period: legs rise at T (1 - d) / 2 and fall at T (1 + d) / 2, as in
+ * switching.h, and currents are linear over the period. */
 typedef struct {
     plant_abc_t duty;
     plant_abc_t begin_a, end_a; /* phase currents at both ends of the interval */

@@ -4,9 +4,9 @@
  *
  *     tau dT_s/dt = T - T_s          reported = T_s (1 + gain error) + offset,  degrees Celsius
  *
- * A line that is open or shorted lies outside the thermistor's range, and what a port reports then
- * is TEMPERATURE_SENSOR_BROKEN_C, hotter than any limit (hal/analog.h says the same). All
- * parameters 0: the temperature itself.
+ * An open or shorted line is outside the thermistor's range; a port then reports
+ * TEMPERATURE_SENSOR_BROKEN_C, above any limit (as in hal/analog.h). All parameters 0: the
+ * temperature itself.
  */
 #ifndef PLANT_TEMPERATURE_SENSOR_H
 #define PLANT_TEMPERATURE_SENSOR_H

@@ -7,9 +7,8 @@
  *     C2 dT2/dt = P2 + (T1 - T2) / R1 - (T2 - T_ambient) / R2
  *
  * Solved exactly for powers that are constant over the step (matrix exponential, worked out once).
- * R 0: no heat passes. C2 0: the outer lump is not there, the inner one is joined to the ambient by
- * R1 + R2, and P2 leaves unseen. C1 0: the temperatures are fixed, they stay whatever the scenario
- * set.
+ * R 0: no heat flow. C2 0: no outer node, the inner one is connected to the ambient by R1 + R2, and
+ * P2 has no effect. C1 0: the temperatures are constant, as set by the scenario.
  */
 #ifndef PLANT_THERMAL_H
 #define PLANT_THERMAL_H

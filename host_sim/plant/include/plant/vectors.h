@@ -3,9 +3,9 @@
  * vectors.h: the frames of a three-phase machine as types, double precision, SI,
  * amplitude-invariant.
  *
- * abc is the wires, ab (alpha, beta) the stator, dq the rotor. A vector of one frame is not a
- * vector of another, and the compiler knows it. The d axis lies on phase a at electrical angle 0;
- * power is P = 3/2 (u . i).
+ * abc are the phases, ab (alpha, beta) the stator frame, dq the rotor frame. The compiler rejects a
+ * vector of one frame in place of another. The d axis lies on phase a at electrical angle 0; power
+ * is P = 3/2 (u . i).
  */
 #ifndef PLANT_VECTORS_H
 #define PLANT_VECTORS_H

@@ -64,7 +64,7 @@ typedef struct {
 /* Work and heat of a step. */
 typedef struct {
     double mean_speed_m_per_s;
-    double friction_used; /* share of every friction capacity at work, -1 .. 1, positive against
+    double friction_used; /* active share of every friction capacity, -1 .. 1, positive against
                              forward motion */
     double drag_j;
     double rolling_j;

@@ -5,8 +5,8 @@
  * Every tooth gives an edge, whichever way the wheel turns. The unit stamps edges with a clock of
  * finite steps and divides: teeth since the last edge it used over the time between both stamps.
  * Between edges the wheel cannot be faster than one tooth in the time that has passed, so the speed
- * is limited to that, and below `lowest` it is zero: a passive sensor has no voltage there, and
- * nobody waits longer. After that two edges are needed for a speed. No teeth: the speed itself.
+ * is limited to that, and below `lowest` it is zero: a passive sensor has no signal there. After
+ * that two edges are needed for a speed. No teeth: the speed itself.
  */
 #ifndef PLANT_WHEEL_SPEED_H
 #define PLANT_WHEEL_SPEED_H

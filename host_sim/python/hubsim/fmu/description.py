@@ -26,7 +26,7 @@ KINDS = ("controller", "vehicle")
 REAL, FLAG, CODE = "REAL", "FLAG", "CODE"
 FIXED, TUNABLE, INPUT, OUTPUT = "FIXED", "TUNABLE", "INPUT", "OUTPUT"
 
-# What others in a co-simulation want to drive; everything else about the simulated world is a
+# Inputs for other models in a co-simulation; every other quantity of the plant is a
 # parameter.
 VEHICLE_INPUTS = frozenset({
     "driver.brake_demand_nm", "driver.drive_demand_nm", "driver.demand_age_s", "driver.silent",
@@ -87,7 +87,7 @@ class Variable:
 
 @dataclass(frozen=True)
 class Description:
-    """A unit. ``settings`` are values its model needs and nobody can change.
+    """An FMU. ``settings`` are fixed parameters of its model.
 
     ``curve`` is soc (1) and voltage (V).
     """
@@ -108,7 +108,7 @@ class Description:
 
     @property
     def token(self) -> str:
-        """What tells whether a description and a binary belong together."""
+        """Token that identifies a matching description and binary."""
         described = (
             repr((self.kind, self.variables, sorted(self.settings.items()), self.curve)).encode()
             + self.config.image
@@ -220,7 +220,7 @@ def _vehicle(config: Configuration) -> Description:
 
 
 def _words(name: str) -> str:
-    """Return what a name says by itself."""
+    """Return a description derived from a name."""
     return name.replace(".", ", ").replace("_", " ")
 
 

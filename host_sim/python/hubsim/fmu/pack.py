@@ -37,7 +37,7 @@ _TYPE = {
 
 
 def platform_folder(fmi: int) -> str:
-    """Return the folder below binaries/ that this machine's importers look into."""
+    """Return the folder below binaries/ of this platform."""
     machine = _MACHINE.get(platform.machine())
     if machine is None or platform.system() != "Linux":
         raise HubsimError(

@@ -53,7 +53,7 @@ def _plain(name: str, factor: float = 1.0, short: bool = True) -> Callable[[RunL
 
 
 def demand_nm(run: RunLike) -> Array | None:
-    """Torque the driver asks of one wheel, shape (samples,).
+    """Torque demand of one wheel, shape (samples,).
 
     The drive pedal, or negative for the brake pedal.
     """

@@ -11,7 +11,7 @@ import numpy as np
 from hubsim.report import reading
 from hubsim.report.reading import Array, RunLike
 
-STANDING_M_PER_S = 0.3  # a brake that holds a standing vehicle is not at work
+STANDING_M_PER_S = 0.3  # a brake that holds a stationary vehicle does no work
 
 
 def torque_error_nm(run: RunLike) -> Array | None:

@@ -3,6 +3,6 @@
 
 On Dask; one Parquet table as the result.
 
-``plan`` says which runs there are, ``work`` does some of them in one process, ``store`` keeps what
+``plan`` lists the runs, ``work`` executes some of them in one process, ``store`` keeps what
 is done so that a sweep that was interrupted goes on, ``conduct`` hands the work out.
 """

@@ -132,7 +132,7 @@ def is_clean(table: pa.Table) -> bool:
 
 
 def summary(table: pa.Table, keys: Sequence[str], output: Path) -> list[str]:
-    """Return what to tell the user about a finished sweep."""
+    """Return the message about a finished sweep."""
     errors = table["error"].drop_null() if "error" in table.column_names else pa.array([])
     lines = [f"{table.num_rows} runs over {', '.join(keys)}: {output}"]
     if "passed" in table.column_names:

@@ -149,7 +149,7 @@ def make(specifications: Sequence[str], draws: int | None, seed: int) -> Plan:
 
 
 def fingerprint(described: Mapping[str, Any]) -> str:
-    """Return what tells one sweep from another."""
+    """Return the identity of a sweep."""
     return hashlib.sha256(json.dumps(described, sort_keys=True, default=str).encode()).hexdigest()[
         :16
     ]

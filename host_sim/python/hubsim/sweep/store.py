@@ -33,7 +33,7 @@ WRITERS: Mapping[str, Callable[[pa.Table, Path], None]] = {
 
 
 def kind_of(output: Path) -> str:
-    """Return the format that an output's name asks for, or refuse it."""
+    """Return the format of an output by its name, or refuse it."""
     if output.suffix not in WRITERS:
         raise HubsimError(f"{output}: accepted: a name that ends in {' or '.join(WRITERS)}")
     return output.suffix

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bench from Python is the bench of ``hubsim run``.
 
-Same numbers, steps of any length, events between them.
+Same results, steps of any length, events between steps.
 """
 
 from collections.abc import Callable
@@ -83,7 +83,7 @@ def test_a_pedal_can_be_set_during_the_run(config: hubsim.Configuration) -> None
         bench.set("driver.brake_demand_nm", 25.0)
         assert bench.get("driver.brake_demand_nm") == 25.0
         braking = bench.run(0.5)
-    # 4 wheels, 25 N m at 0.25 m on 660 kg; the demand takes 63 ms to come at 400 N m/s.
+    # 4 wheels, 25 N m at 0.25 m on 660 kg; the demand rises for 63 ms at 400 N m/s.
     assert np.ptp(coasting["vehicle.speed_m_per_s"]) < 0.02
     assert braking["vehicle.acceleration_m_per_s2"][-1] == pytest.approx(
         -4 * 25.0 / 0.25 / 660.0, rel=0.01
@@ -141,9 +141,7 @@ def test_events_of_a_scenario_are_applied_at_their_times(
 
 
 def bench_slope(recording: hubsim.Recording) -> float:
-    """Return the deceleration over the last part that a slope of 10 % makes, rolling and air taken
-    off.
-    """
+    """Return the deceleration by a slope of 10 %, without rolling resistance and drag."""
     late = recording["time_s"] > 0.4
     return (
         float(-np.mean(recording["vehicle.acceleration_m_per_s2"][late]))

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A configuration comes from a TOML file or from an image, and an error of either is reported in
-one line.
-"""
+"""Configurations from TOML files and images; errors of either are reported in one line."""
 
 from pathlib import Path
 

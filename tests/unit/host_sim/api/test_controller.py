@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The controller alone.
 
-Every member of the messages is in the list, and the steps are the firmware's.
+The list has every member of the messages, and the steps are those of the firmware.
 """
 
 import math
@@ -21,7 +21,7 @@ PORTS = {
 
 
 def bodies() -> dict[str, str]:
-    """Return the structures that the messages are made of, by name."""
+    """Return the structures of the messages by name."""
     headers = {header for header, _ in PORTS.values()}
     text = "".join((ROOT / header).read_text(encoding="utf-8") for header in headers)
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
@@ -31,7 +31,7 @@ def bodies() -> dict[str, str]:
 def members(struct: str) -> list[str]:
     """Return the members of a C structure, those of a structure inside it with a dot.
 
-    Of an array of three phases each element.
+    An array of three phases gives one member per element.
     """
     known, found = bodies(), []
     for line in known[struct].split(";"):
@@ -98,7 +98,7 @@ def test_names_end_in_their_units() -> None:
 
 
 def boot(controller: hubsim.Controller, until_s: float = 0.4) -> hubsim.Values:
-    """Let a controller at standstill calibrate and be switched on."""
+    """Calibrate and enable a controller at standstill."""
     per_ms = round(1e-3 / controller.period_s)
     slow = controller.slow_step()
     for n in range(round(until_s / controller.period_s)):
@@ -117,9 +117,9 @@ def test_a_controller_boots_calibrates_and_reaches_run(angle_config: hubsim.Conf
 
 
 def behaviour(controller: hubsim.Controller) -> list[hubsim.Values]:
-    """Return what a controller does next.
+    """Return the next outputs of a controller.
 
-    Whatever it remembers shows in what it answers to a moving rotor and a demand.
+    Its complete state affects the outputs for a moving rotor and a demand.
     """
     found = []
     for n in range(400):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The examples run as a user starts them, and show what they say they show."""
+"""The examples run as started by a user and give the stated results."""
 
 import importlib.util
 import subprocess
@@ -66,14 +66,14 @@ def test_torque_on_motulators_motor_agrees_within_1_percent() -> None:
 
 
 def test_a_textbook_controller_stops_the_vehicle_within_tolerance_of_the_firmware() -> None:
-    """Both brake with 60 N m from 30 km/h; the firmware brings its demand in at a limited rate.
+    """Both brake with 60 N m from 30 km/h; the firmware limits the rate of its demand.
 
-    A quarter of the vehicle, 165 kg on a wheel of 0.25 m, needs 165 v^2 r / 2 / 60 N m of way.
+    A quarter of the vehicle, 165 kg on a wheel of 0.25 m, stops in 165 v^2 r / 2 / 60 N m.
     """
     found = example("own_controller").main()
     kinetic_j = 0.5 * 165.0 * (30.0 / 3.6) ** 2
     meant_m = kinetic_j * 0.25 / 60.0
-    iron_nm = 2.5  # at most so much brakes besides what the textbook controller means
+    iron_nm = 2.5  # bound of the additional braking torque (friction, drag)
     for stop in found.values():
         assert meant_m * 60.0 / (60.0 + iron_nm) < stop.distance_m < meant_m * 1.05
         assert 0.2 * kinetic_j < stop.hydraulic_j < 0.5 * kinetic_j

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The plant alone: shapes, signs, who decides what, and what is refused."""
+"""The plant without the firmware: shapes, signs, commands and refused input."""
 
 import hubsim
 import numpy as np
@@ -37,7 +37,7 @@ def test_a_returned_measurement_is_not_changed_by_later_steps(plant: hubsim.Plan
 
 
 def test_active_short_circuit_brakes_and_freewheel_does_not(config: hubsim.Configuration) -> None:
-    """Of an open motor only the iron brakes: its loss 3/2 (omega psi)^2 / R_i over the speed."""
+    """In freewheel only iron loss brakes: 3/2 (omega psi)^2 / R_i over the speed."""
     torque_nm = {}
     for bridge in (external.SHORT, external.OFF):
         with hubsim.Plant(config, initial_speed_kmh=20.0, max_duration_s=1.0) as plant:

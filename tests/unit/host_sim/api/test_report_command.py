@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""``hubsim report``: one page from what runs left behind, and one line about what cannot be one."""
+"""``hubsim report``: one page from result files, and errors in one line."""
 
 import json
 import subprocess

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stops at constant demand.
 
-The one wheel that is simulated stands for the vehicle, and the ideal bounds what it stores.
+One wheel is simulated in place of the vehicle; the ideal stop is the upper bound of its energy.
 """
 
 import hubsim
@@ -78,7 +78,7 @@ def test_simulated_stops_are_close_to_the_ideal_and_series_optimal_stores_the_mo
 def test_the_map_equals_the_optimum_of_the_table(drives: list[Drive]) -> None:
     """At 100 and 300 r/min.
 
-    Figures of the steady-state model, twice as much to get nothing, and the motor's own limits.
+    Figures of the steady-state model: optimum, zero at twice its torque, limits of the motor.
     """
     found = stops.optimum_map(drives[2])
     rpm = found.speed_rad_s * 30.0 / np.pi
@@ -93,7 +93,7 @@ def test_the_map_equals_the_optimum_of_the_table(drives: list[Drive]) -> None:
 def test_the_map_of_a_salient_motor_uses_the_minimum_loss_d_current() -> None:
     """The scooter near 60 r/min, by brute force over torque.
 
-    Where too much current would be needed the line is off the map.
+    Where the current limit is exceeded the line is outside the map.
     """
     drive = schema.load(ROOT / "tools" / "motors" / "scooter48v.toml")
     found = stops.optimum_map(drive)

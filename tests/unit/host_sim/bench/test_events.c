@@ -75,7 +75,7 @@ void test_demand_age_grows_without_can_frames(void)
     fixture_run(bench, 0.3);
     TEST_ASSERT_EQUAL_DOUBLE(0.0, bench->demand_age_s);
     bench->params.driver.silent = 1.0;
-    bench->params.driver.brake_demand_nm = 10.0; /* nobody hears it */
+    bench->params.driver.brake_demand_nm = 10.0; /* not received */
     fixture_run(bench, 0.05);
     TEST_ASSERT_DOUBLE_WITHIN(1.1e-3, 0.05, bench->demand_age_s);
     TEST_ASSERT_EQUAL_DOUBLE(40.0, bench->demand.brake_nm);

@@ -71,7 +71,7 @@ static hubsim_command_t switched(const wheel_t *wheel, const config_t *config)
     return out;
 }
 
-/* To the last bit. */
+/* Bit-identical. */
 static void same(double expected, double actual)
 {
     TEST_ASSERT_EQUAL_MEMORY(&expected, &actual, sizeof(expected));

@@ -102,7 +102,7 @@ void test_near_full_voltage_only_the_chosen_shunts_measure_without_error(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, seen.fault);
     /* At the full modulation of 0.919 the leg that is up longest is so for 0.96 of 50 us: 1 us at
      * the bottom before the sample, and a dead time of 1 us off that where its current comes out of
-     * the motor. It shows next to nothing of what it carries there. The second longest, on a tie,
+     * the motor. Its sample contains almost nothing of its current. The second longest, on a tie,
      * is up for (1 + 0.919 sqrt(3)/2) / 2 = 0.898: 2.5 us less 1 us, 5 time constants, 1 %. */
     TEST_ASSERT_TRUE(seen.chosen_a < 0.02 * seen.current_a);
     TEST_ASSERT_TRUE(seen.fixed_a > 0.06 * seen.current_a);

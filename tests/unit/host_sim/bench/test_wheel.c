@@ -36,7 +36,7 @@ void test_compare_values_act_one_period_after_their_computation(void)
 
 void test_the_current_responds_to_a_reference_step_exactly_after_the_delay(void)
 {
-    /* Between two slow steps the reference stands still: change it by hand, and compare with a twin
+    /* Between two slow steps the reference is constant: change it by hand, and compare with a twin
      * that keeps it. */
     while (bench->period % 20 != 2) {
         bench_period(bench);

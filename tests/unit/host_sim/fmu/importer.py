@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A unit as an importer sees it, whichever version of the standard it is of."""
+"""An FMU as used by an importer, for both versions of the standard."""
 
 import os
 import shutil

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a unit says about its variables.
+"""The model description of an FMU.
 
-Roles, units and start values come from the lists of the simulation itself.
+Causality, units and start values come from the lists of the simulation.
 """
 
 import xml.etree.ElementTree as ET

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A unit can be built from the sources in it alone, and then gives the same numbers.
+"""An FMU can be built from its own sources and then gives the same results.
 
-Its binary needs nothing but the C library.
+Its binary links only the C library.
 """
 
 import itertools
@@ -42,7 +42,7 @@ def test_an_fmu_built_from_its_own_sources_gives_the_same_outputs(
 ) -> None:
     monkeypatch.setenv(
         "CMAKE_GENERATOR", "Ninja"
-    )  # what the project builds with; a bare machine has no make
+    )  # the generator of the project; make may be missing
     path = path_of("vehicle", fmi)
     starts = {"run.initial_speed_m_per_s": 5.0, "driver.brake_demand_nm": 20.0}
     wanted = [

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rules of an instance, with a model that adds up what it is given: x grows by `rate` each
- * second. */
+/* State machine of an instance, with an integrator as model: dx/dt = rate. */
 #include "fmu/instance.h"
 
 #include <math.h>

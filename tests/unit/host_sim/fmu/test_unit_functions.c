@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A unit's own C files behind the functions of the standard, without an importer between: as a
- * program has to call them, and as one should not. With the sanitizers' preset every byte that is
- * read and written is watched.
+ * The C files of an FMU, called through the functions of the standard without an importer: correct
+ * and incorrect sequences of calls. The sanitizer preset checks every memory access.
  */
 #include <float.h>
 #include <math.h>
@@ -50,7 +49,7 @@ static int place_of(const char *name)
     return -1;
 }
 
-/* A foot on the pedal and a current in the motor: what makes either unit do something. */
+/* A pedal demand and a motor current: inputs that change the outputs of either FMU. */
 static void drive(void *driven, double now_s, double size)
 {
     static const struct {
@@ -194,7 +193,7 @@ void test_invalid_state_bytes_are_refused(void)
     }
     TEST_ASSERT_NULL(back);
     TEST_ASSERT_FALSE(unit_set_state(unit, NULL));
-    TEST_ASSERT_TRUE(unit_from_bytes(unit, bytes, size, &state)); /* into one that is there */
+    TEST_ASSERT_TRUE(unit_from_bytes(unit, bytes, size, &state)); /* into an existing instance */
     unit_free_state(unit, &state);
     free(bytes);
 }
@@ -260,7 +259,7 @@ void test_unknown_value_references_and_types_are_refused(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, now_s);
 }
 
-/* Whatever number comes in, a unit takes it or says no, and what it does then is defined. */
+/* An FMU accepts or refuses any number, and its behaviour stays defined. */
 static const double REALS[] = {1e300, -1e300, DBL_MAX,      5e-324,
                                -1.0,  1e9,    4294967296.0, -2147483649.0};
 static const double CODES[] = {2147483647.0, -2147483648.0, -1.0, 255.0};

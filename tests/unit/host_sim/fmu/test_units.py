@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The units run in FMPy, and their numbers are those of the bench and of the controller, bit for
-bit.
-"""
+"""The FMUs in FMPy give bit-identical results to the bench and the controller."""
 
 import itertools
 import sys

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The distribution installed as a user does it: a wheel in an environment outside the repository.
 
-No network is needed: the other packages that an installation asks for are lent by the environment
-that the tests run in, and no more than the wheel's own metadata name.
+No network is needed: the required packages are linked from the environment of the tests, and only
+those that the metadata of the wheel require.
 """
 
 import subprocess

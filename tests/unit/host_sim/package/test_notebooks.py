@@ -73,7 +73,7 @@ def test_the_papers_three_figures_are_drawn(results: dict[str, Any], installed: 
 
 
 def test_the_optimum_equals_the_papers_equation(results: dict[str, Any]) -> None:
-    """Equation (20), T = 3 p^2 psi^2 omega / 4 R, holds where iron and bridge lose little."""
+    """Equation (20), T = 3 p^2 psi^2 omega / 4 R, holds where iron and bridge losses are small."""
     assert results["optimum"].keys() == {"50", "100", "150"}
     best = [results["optimum"][rpm] for rpm in ("50", "100", "150")]
     assert best == sorted(best)

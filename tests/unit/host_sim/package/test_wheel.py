@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The wheel: what is in it, what it asks for, and that it computes what the repository computes."""
+"""The wheel: contents, requirements, and results equal to those of the repository."""
 
 import ast
 import json
@@ -19,7 +19,7 @@ PACKAGES = {
     "hubsim": REPOSITORY / "host_sim" / "python" / "hubsim",
     "regen_table": REPOSITORY / "tools" / "regen_table",
 }
-# Prints what is known of config_t, in an order of its own.
+# Prints the fields of config_t in a fixed order.
 LAYOUT = """
 import json
 from dataclasses import asdict
@@ -96,7 +96,7 @@ def test_requirements_of_the_wheel_are_exactly_the_imports_of_its_modules(wheel:
 def test_installed_layout_of_the_configuration_equals_that_of_the_header(
     installed: Installed, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    exec(LAYOUT, {})  # the same words, here with the header and a compiler
+    exec(LAYOUT, {})  # the same fields, read with the header and a compiler
     live = json.loads(capsys.readouterr().out)
     assert json.loads(installed.run("python", "-c", LAYOUT)) == live
     assert live["size"] == layout.load().size_bytes > 1000
@@ -202,6 +202,6 @@ def test_without_extras_the_core_works_and_each_missing_extra_is_reported(bare: 
         done = bare.call(*call)
         assert done.returncode == 1, done.stderr
         assert done.stderr.count("\n") == 1, done.stderr
-        # a sweep's table is a Parquet file, so either of two extras may be the first to be missed
+        # a sweep writes Parquet, so either of two extras may be reported first
         accepted = [extra, "formats"] if extra == "sweep" else [extra]
         assert any(f"pip install 'hubfoc[{name}]'" in done.stderr for name in accepted), done.stderr

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The paper's vehicle as one wheel with a quarter of everything.
 
-The same motion, shares and states of every part.
+Motion, energy shares and states are those of the whole vehicle.
 """
 
 from typing import Any
@@ -17,7 +17,7 @@ LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 def quarter(strategy: str = "series_optimal", sensor: str = "angle") -> Drive:
     """Return the drive with one wheel.
 
-    ``sensor`` "angle" leaves the hall sensors' share of the angle's error out.
+    ``sensor`` "angle" removes the angle error of the hall sensors.
     """
     drive = schema.load(LU2013)
     wheels = drive.vehicle.driven_wheels
@@ -65,7 +65,7 @@ def accounts(engine: Engine) -> dict[str, float]:
 
 
 def stopped(engine: Engine) -> float:
-    """Run to standstill and return what share of the kinetic energy came back into the cells."""
+    """Run to standstill and return the share of the kinetic energy stored in the cells."""
     speed = engine.value("vehicle.speed_m_per_s")
     kinetic_j = 0.5 * engine.get("vehicle.mass_kg") * speed**2
     while not engine.ended:

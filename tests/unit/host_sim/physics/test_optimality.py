@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The stored table is the optimum in simulation too: no other torque returns more on a stop."""
+"""The stored table is the optimum in simulation as well: no scaled table returns more on a stop."""
 
 import numpy as np
 import pytest
@@ -15,14 +15,14 @@ SPEED_KMH = 40.0
 def returned(
     monkeypatch: pytest.MonkeyPatch, demand_nm: float, factor: float, temperature_c: float
 ) -> float:
-    """Return the share of kinetic energy that comes back with the whole table multiplied."""
-    honest = configuration.image_of
+    """Return the stored share of kinetic energy with the whole table scaled."""
+    reference = configuration.image_of
 
     def scaled(drive: Drive) -> bytes:
         stored = image.fields(drive)["regen_map"]["torque_mNm"]
         assert isinstance(stored, list)
         return configuration.changed_image(
-            honest(drive),
+            reference(drive),
             {("regen_map", "torque_mNm"): [round(torque * factor) for torque in stored]},
         )
 
@@ -52,18 +52,18 @@ def share_where_the_table_matters(demand_nm: float, factor: float, temperature_c
 def test_no_scaling_of_the_table_returns_more_energy(
     monkeypatch: pytest.MonkeyPatch, demand_nm: float, temperature_c: float
 ) -> None:
-    """From 120 N m, where the table or the motor's limit always decides, to 20, where the table
-    does so below 40 r/min only.
+    """From 120 N m, always limited by table or motor, to 20 N m, limited by the table below 40
+    r/min only.
     """
     best = returned(monkeypatch, demand_nm, 1.0, temperature_c)
     found = {factor: returned(monkeypatch, demand_nm, factor, temperature_c) for factor in FACTORS}
     assert max(found.values()) <= best * 1.001
-    # The factor arrives at the motor, and nowhere but where the table decides.
+    # The factor acts on the motor torque only where the table is the limit.
     assert len({best, *found.values()}) == 1 + len(FACTORS)
     for factor, share in found.items():
         assert abs(share - best) < share_where_the_table_matters(
             demand_nm, min(factor, 1.0), temperature_c
         )
-    # A parabola has its top in the middle: twice as far from it costs more.
+    # A parabola around the maximum: twice the distance costs more.
     assert found[0.8] < found[0.9]
     assert found[1.2] < found[1.1]

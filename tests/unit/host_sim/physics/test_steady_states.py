@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Steady states of the simulated drive, firmware and all, against the closed loss models of
+"""Steady states of the simulated drive with firmware against the closed-form loss models of
 regen_table.
 """
 
@@ -15,18 +15,18 @@ from regen_table.schema import Drive
 SPEEDS_RPM = np.linspace(60.0, 420.0, 10)
 TORQUES_NM = (-38.0, -30.0, -22.0, -14.0, -6.0, 6.0, 14.0, 22.0, 30.0, 38.0)
 SETTLE_S, WINDOW_S = 0.6, 0.5
-# Off by name: the RC branch settles at once; a mass that no torque slows down is a roller.
+# Off by name: the RC branch settles at once; a very large mass keeps the speed constant.
 ON_A_ROLLER = {"vehicle.mass_kg": 1e6, "battery.polarisation_capacitance_f": 1e-3}
 
 
 def mean_d_current_a(drive: Drive, sampled_a: float, emf_v: float, omega: float) -> float:
-    """Take the place of the sample in the PWM period out of a d current.
+    """Remove the sampling error by the PWM ripple from a d current.
 
-    The bridge's voltage stands still in the stator while the rotor turns by w T: in the rotor's
-    frame it swings through
-    +-w T / 2, its d part through v w (t - T/2). At the period's end that is v w T / 2, so the
-    iron's current is v w T / (2 R_i) off its mean; the winding's is its integral, a parabola whose
-    end lies v w T^2 / (12 L) over its mean.
+    The voltage is constant in the stator frame while the rotor turns by w T: in the rotor frame it
+    varies by
+    +-w T / 2, its d part through v w (t - T/2). At the period's end that is v w T / 2, so the iron
+    current deviates from its mean by v w T / (2 R_i); the winding current is the integral, a
+    parabola whose end exceeds its mean by v w T^2 / (12 L).
     """
     period = 1.0 / drive.inverter.pwm_frequency_hz
     assert drive.motor.iron_loss_resistance_ohm is not None

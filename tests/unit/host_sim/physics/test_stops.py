@@ -23,7 +23,7 @@ IMMEDIATE = {
 
 
 def without_hand_over(drive: Drive) -> Drive:
-    """Let the motor brake to the end, as the ideal figures do."""
+    """Remove the blend-out at low speed, as in the ideal figures."""
     control = drive.control.model_copy(update={"handover_start_rpm": 1.0, "handover_end_rpm": 0.0})
     return drive.model_copy(update={"control": control})
 
@@ -43,7 +43,7 @@ def ideal_share(drive: Drive, demand_nm: float, battery: str = "dynamic") -> flo
 
 
 def lead_and_error(series: Drive, other: Drive, demand_nm: float) -> tuple[float, float]:
-    """Return by how much series is ahead, and what the step may have put into that.
+    """Return the advantage of series_optimal and the bound of its integration error.
 
     Twice the difference to half the step.
     """
@@ -59,9 +59,9 @@ def lead_and_error(series: Drive, other: Drive, demand_nm: float) -> tuple[float
 def test_a_stop_returns_the_ideal_energy_within_1_percent_of_the_kinetic_energy(
     strategy: str, plant: dict[str, float], battery: str
 ) -> None:
-    """Everything else as it is.
+    """All other effects are active.
 
-    Halls, the hand-over at low speed, a hydraulic brake that comes late.
+    Hall sensors, blend-out at low speed, delay of the hydraulic brake.
     """
     drive = quarter(strategy, sensor="hall")
     for demand in DEMANDS_NM:
@@ -82,9 +82,9 @@ def to_the_end(strategy: str) -> Drive:
 def test_no_parallel_strategy_stores_more_than_series_optimal(
     drive_of: Callable[[str], Drive],
 ) -> None:
-    """With halls or a perfect angle, with the hand-over or without.
+    """With halls or an ideal angle, with blend-out or without.
 
-    By no more than the step's own error.
+    Within the integration error of the step.
     """
     for demand in DEMANDS_NM:
         for strategy in ("parallel_ratio", "parallel_free_travel"):
@@ -100,23 +100,24 @@ def test_no_parallel_strategy_stores_more_than_series_optimal(
 def test_the_difference_to_the_ideal_stop_is_the_sum_of_named_effects(
     demand_nm: float, strategy: str
 ) -> None:
-    """Each cause off by name takes its part away.
+    """Switching off each named cause removes its part.
 
-    What is left are the motor's own rise and the iron loss that a d current saves.
+    The remainder is the torque rise of the motor and the iron loss saved by the d current.
     """
     drive = quarter(strategy)
     with_all = share(drive, demand_nm)
     to_standstill = share(without_hand_over(drive), demand_nm)
     at_once = share(without_hand_over(drive), demand_nm, IMMEDIATE)
-    # Down to standstill free travel pays for its 40 N m below T_zero; series never does.
+    # Without blend-out free travel draws energy with its 40 N m below T_zero; series_optimal never
+    # does.
     kept = with_all - to_standstill
     assert (
         kept > 0.5 * PER_CENT
         if (demand_nm, strategy) == (40.0, "parallel_free_travel")
         else abs(kept) < 0.3 * PER_CENT
     )
-    # For dead time and lag the hydraulic part of the demand is missing: its work at that speed is
-    # done later, shared.
+    # During dead time and lag the hydraulic part of the demand is missing; that work is done later
+    # by both brakes.
     brake, speed = drive.brake, 40.0 / 3.6
     late_s = brake.hydraulic_dead_time_s + brake.hydraulic_time_constant_s
     missing_nm = demand_nm - brake.electric_rated_torque_nm
@@ -175,8 +176,8 @@ def test_half_the_step_changes_the_energy_of_a_stop_by_less_than_1e_4(
 def test_half_the_step_changes_a_simulated_stop_by_less_than_1e_4_of_its_energy(
     strategy: str,
 ) -> None:
-    """Also where the motor brakes with 1 N m and its currents are inside the dead time's undecided
-    zone half the time.
+    """Includes 1 N m of motor torque, where the currents are inside the dead-time zone half of the
+    time.
     """
     for demand in DEMANDS_NM:
         whole, half = (

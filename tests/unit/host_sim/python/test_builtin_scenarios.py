@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every built-in scenario meets its criteria, and would not if the world were different.
+"""Every built-in scenario meets its criteria, and violates them with a changed plant.
 
-A criterion that cannot fail shows nothing.
+A criterion that cannot fail proves nothing.
 """
 
 import json
@@ -14,7 +14,7 @@ from hubsim import scenario
 
 Hubsim = Callable[..., subprocess.CompletedProcess[str]]
 
-# What to change in the world or in the events, and the criterion that must notice it.
+# Change of the plant or the events, and the criterion that must fail.
 SABOTAGE = {
     "contactor": ("plant.bus.capacitance_f=1e-3", "peak"),
     "demand_timeout": ("events.silence.until_s=1.05", "gone"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The command as a user meets it: answers, files, and one line for every mistake."""
+"""The command line: output, files, and one line for every error."""
 
 import csv
 import json
@@ -331,7 +331,7 @@ HEAVY = {
     ],
 )
 def test_help_and_usage_errors_import_only_the_standard_library(call: tuple[str, ...]) -> None:
-    """Keep ``--help`` short: an import that a command needs belongs into the command."""
+    """``--help`` must be fast: a command imports its libraries itself."""
     code = (
         "import sys\nfrom hubsim.cli import main\n"
         f"try:\n    main({list(call)!r})\nexcept SystemExit:\n    pass\n"

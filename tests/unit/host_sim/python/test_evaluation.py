@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Criteria evaluated on made-up recordings, where every answer is known."""
+"""Criteria evaluated on constructed recordings with known results."""
 
 import math
 from dataclasses import replace

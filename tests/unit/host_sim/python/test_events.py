@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Events and pedal traces against a vehicle that notes what is set, and against the real one."""
+"""Events and pedal traces with a vehicle that records its settings, and with the simulated one."""
 
 import math
 from pathlib import Path
@@ -14,7 +14,7 @@ from regen_table.schema import Drive
 
 
 class Notebook:
-    """Notes what is set, in place of a vehicle."""
+    """Records the settings in place of a vehicle."""
 
     def __init__(self, **values: float) -> None:
         self.values = {name.replace("__", "."): value for name, value in values.items()}

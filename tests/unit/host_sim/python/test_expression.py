@@ -40,7 +40,7 @@ def value(text: str) -> Value:
         ("at_min(part.y_nm, x)", 20.0),
         ("at_max(part.y_nm, x)", 40.0),
         ("max(change(part.y_nm))", 10.0),
-        ("integral(x)", -0.3 + 0.2 + 0.8),  # each value lasts from the row before to its own
+        ("integral(x)", -0.3 + 0.2 + 0.8),  # each value is valid from the previous row to its own
         ("max(min(x, 3))", 3.0),
         ("min(max(x, two, 0))", 2.0),
         ("max(hole)", 8.0),

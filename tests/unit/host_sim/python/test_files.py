@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Outputs of the command: what was there is still there, or is replaced as a whole.
+"""Outputs of the command: an existing file is unchanged or replaced as a whole.
 
 The devices are safe to write to: /dev/full and /dev/null keep nothing. Their identity is compared
 before and after, and a test that would replace one works on a link in its own directory.
@@ -34,7 +34,7 @@ OLD = "old content\n"
 
 
 def identity(path: Path) -> tuple[int, int, int, int]:
-    """Return what tells a file from one that has taken its place."""
+    """Return the identity of a file, which a replacement does not have."""
     found = path.lstat()
     return found.st_dev, found.st_ino, stat.S_IFMT(found.st_mode), found.st_rdev
 

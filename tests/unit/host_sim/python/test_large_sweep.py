@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Hundreds of stops from many speeds with many demands and masses, each with two strategies.
 
-What must hold for every one of them: energy is conserved, the vehicle stops without a fault, and
-the optimum stores more than the fixed split does.
+For each of them energy is conserved, the vehicle stops without a fault, and series_optimal stores
+more than the fixed split.
 """
 
 import csv
@@ -19,7 +19,7 @@ VARIED = (
     f"plant.vehicle.mass_kg={','.join(map(str, MASSES_KG))}",
     "brake.strategy=series_optimal,parallel_ratio",
 )
-# Of the energy that went through the vehicle (host_sim/README.md).
+# Relative to the energy exchanged (host_sim/README.md).
 LARGEST_RESIDUAL = 1e-5
 LIMIT_S = 3000
 

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The layout for PlotJuggler, held against what that program reads, and against what can be
-recorded.
-"""
+"""The layout for PlotJuggler against the format of that program and the recordable signals."""
 
 import itertools
 import re
@@ -14,9 +12,9 @@ from hubsim import commands, plotjuggler
 
 @dataclass(frozen=True)
 class Element:
-    """What PlotJuggler 3 reads of an element.
+    """Format of an element in PlotJuggler 3.
 
-    Attributes and what they may be; children and how many of each there may be.
+    Attributes with their values; children with their permitted number.
     """
 
     attributes: dict[str, str] = field(default_factory=dict)
@@ -27,8 +25,8 @@ MANY = 1000
 NUMBER = r"[0-9]+(\.[0-9]+)?"
 # From PlotJuggler's own readers: MainWindow::loadLayoutFromFile, loadPluginState and xmlLoadState,
 # TabbedPlotWidget::xmlLoadState, PlotDocker::xmlLoadState and restoreSplitter,
-# PlotWidget::xmlLoadState, DataLoadCSV and DataLoadParquet::xmlLoadState. They pass over what they
-# do not know, so that a misspelt name is a setting that is not made; only a check finds it.
+# PlotWidget::xmlLoadState, DataLoadCSV and DataLoadParquet::xmlLoadState. They ignore unknown
+# names, so a misspelt attribute has no effect and only a check finds it.
 FORMAT = {
     "root": Element(
         {},
@@ -39,8 +37,7 @@ FORMAT = {
             "previouslyLoaded_Datafiles": (0, 1),
         },
     ),
-    # The one window that is always there; one of another name is not found, and the program ends
-    # with a broken pointer.
+    # The main window always exists; the program crashes for a window of another name.
     "tabbed_widget": Element(
         {"name": "Main Window", "parent": "main_window"},
         {"Tab": (1, MANY), "currentTabIndex": (1, 1)},
@@ -118,7 +115,7 @@ def test_every_element_and_attribute_is_one_of_plotjuggler(recording: str | None
     assert int(current.attrib["index"]) < len(tabs)
     for splitter in root.iter(
         "DockSplitter"
-    ):  # PlotJuggler reads as many sizes, and fills as many areas, as "count" says
+    ):  # PlotJuggler reads "count" sizes and fills "count" areas
         assert (
             int(splitter.attrib["count"])
             == len(splitter)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every JSON, page, Parquet and MDF file says where it comes from."""
+"""Every JSON, page, Parquet and MDF file contains its provenance."""
 
 import json
 import re
@@ -23,7 +23,7 @@ KEYS = {
 
 
 def expected(scenario: str = "stop", seed: int = 7, changes: str = "") -> dict[str, Any]:
-    """Work the origin out from the image that the configuration becomes."""
+    """Derive the provenance from the image of the configuration."""
     drive = schema.load(cli.DEFAULT_CONFIG)
     assert not changes
     return {

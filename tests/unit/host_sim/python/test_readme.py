@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The README's commands do what it says, in its order, in an empty directory."""
+"""The README's commands give the described results, in its order, in an empty directory."""
 
 import shlex
 import subprocess

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings read back by other people's libraries: the same numbers, with their units."""
+"""Recordings read back by independent libraries: the same numbers with their units."""
 
 import subprocess
 import time

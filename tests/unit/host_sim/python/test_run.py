@@ -59,8 +59,8 @@ def ideal_share(
         "parallel_free_travel": np.minimum(demand, drive.brake.electric_rated_torque_nm),
         "series_optimal": np.minimum(demand, best),
     }[strategy]
-    # Near standstill the motor hands over to the hydraulic brake; there, braking electrically would
-    # cost energy.
+    # Near standstill the motor is blended out to the hydraulic brake; electric braking would draw
+    # energy there.
     rpm = v / vehicle.wheel_radius_m * 30.0 / np.pi
     control = drive.control
     electric *= np.clip(
@@ -93,9 +93,9 @@ def test_energy_stored_over_the_urban_cycle_matches_the_steady_states(
     assert result.distance_m == pytest.approx(0.75 * cycle.distance_m, rel=5e-3)
     assert result.residual_relative < 1e-4
     assert result.faults == []
-    # The battery's RC branch (30 s) takes no loss in a short braking and all of its steady loss in
-    # a long one: the share lies between those two. The driver looks ahead and rounds the corners of
-    # the trace, and brakes are late: 1 %.
+    # The battery's RC branch (30 s) has no loss in a short braking and its steady-state loss in a
+    # long one: the share lies between those two. Driver preview, rounded corners of the trace and
+    # brake delays: 1 %.
     series_ohm = drive.battery.series_resistance_ohm
     steady_ohm = series_ohm + drive.battery.polarisation_resistance_ohm
     lowest = ideal_share(drive, cycle, 0.75, strategy, steady_ohm) - 0.01
@@ -167,8 +167,8 @@ def test_controller_fault_is_reported_with_reason_and_time(drive: Drive) -> None
     name, loaded, beside = scenario.load(
         "stop", {"demand_nm": 40.0, "max_duration_s": 1.0, "stop_at_standstill": False}
     )
-    # An insulated winding of next to no heat capacity: too hot before the torque rate lets the
-    # current go.
+    # An insulated winding of very small heat capacity overheats before the torque rate permits zero
+    # current.
     plant = {
         "thermal.active": 1.0,
         "thermal.winding_heat_capacity_j_per_k": 0.02,
@@ -210,12 +210,12 @@ def test_a_cycle_file_in_the_directory_of_the_scenario_is_used(
 
 @pytest.mark.parametrize("cpu_s", [0.0, 5e-324, 1e-300, -1e-6])
 def test_a_zero_run_time_gives_no_infinity_in_the_json(drive: Drive, cpu_s: float) -> None:
-    """A busy machine may run a thread so shortly that its processor time does not count."""
-    honest = simulate(drive, "stop", "series_optimal", max_duration_s=0.1)
-    result = dataclasses.replace(honest, cpu_s=cpu_s)
+    """On a loaded machine the processor time of a short thread can be zero."""
+    reference = simulate(drive, "stop", "series_optimal", max_duration_s=0.1)
+    result = dataclasses.replace(reference, cpu_s=cpu_s)
     found = json.loads(as_json(json_object(result)))
     assert found["realtime_factor"] == 0.0
-    assert math.isfinite(run_together([honest, result])) and run_together([result]) == 0.0
+    assert math.isfinite(run_together([reference, result])) and run_together([result]) == 0.0
 
 
 EFFECTS = {
@@ -257,9 +257,7 @@ def test_energy_is_conserved_in_every_scenario_with_every_effect_on(
     [name for name in EFFECTS if name.startswith(("motor.q_sat", "motor.cogging_t", "sensors."))],
 )
 def test_effects_are_selected_by_name(drive: Drive, effect: str) -> None:
-    """One at a time it moves the run, and with the others at their values but itself off, it does
-    not.
-    """
+    """Each effect alone changes the run; switched off, its other parameters do not."""
     name, loaded, beside = scenario.load("stop", {"max_duration_s": 1.0, "noise": False})
     other = {"motor.cogging_per_turn": 276.0} if "cogging" in effect else {}
     off, on = (

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sweeps as a user makes them.
 
-The same table however it came about, and runs that are the runs of ``hubsim run``.
+The table does not depend on how it was computed, and its runs equal those of ``hubsim run``.
 """
 
 import json
@@ -90,7 +90,7 @@ def test_a_row_equals_the_result_of_hubsim_run(hubsim: Hubsim, tmp_path: Path) -
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    """Return the bytes of a sweep that nobody interrupted, on one worker."""
+    """Return the bytes of an uninterrupted sweep on one worker."""
     directory = tmp_path_factory.mktemp("whole")
     conduct.conduct(JOB, PLAN, fresh(directory, "a.parquet"), processes=1)
     return (directory / "a.parquet").read_bytes()
@@ -113,7 +113,7 @@ def test_resumed_sweep_gives_the_same_bytes(
     seen: list[int] = []
     again = fresh(tmp_path, "a.parquet")
     conduct.conduct(JOB, PLAN, again, processes=1, progress=lambda done, _: seen.append(done))
-    assert seen[0] == len(parts[1][0])  # what was done counts and is not done again
+    assert seen[0] == len(parts[1][0])  # completed runs are not repeated
     assert len(seen) == len(parts)
     assert (tmp_path / "a.parquet").read_bytes() == whole
     assert list(tmp_path.iterdir()) == [tmp_path / "a.parquet"]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reading back what was written: the page as a tree, SVG paths as points."""
+"""Reads written pages back: the page as a tree, SVG paths as points."""
 
 import math
 from dataclasses import dataclass, field
@@ -55,7 +55,7 @@ class _Reader(HTMLParser):
 
 
 def read(text: str) -> Node:
-    """Parse a page; every element must be closed in its turn."""
+    """Parse a page; elements must be closed in the correct order."""
     reader = _Reader()
     reader.feed(text)
     reader.close()
@@ -65,7 +65,7 @@ def read(text: str) -> Node:
 
 @dataclass
 class Step:
-    """One command of a path: where the pen goes, and the radius of an arc."""
+    """One command of a path: end point, and the radius of an arc."""
 
     command: str
     x: float

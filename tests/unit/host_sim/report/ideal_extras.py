@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A map and stops with sense in them, to draw.
+"""A plausible map and plausible stops for the report.
 
-The ideal vehicle's optimum, and curves that rise and fall.
+The ideal vehicle's optimum, and curves that increase and decrease.
 """
 
 from dataclasses import dataclass

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A vehicle without controllers, to have runs with sense in them.
+"""A vehicle without controllers that gives plausible runs.
 
 Steady-state machine, exact driving, instant brakes.
 
@@ -41,7 +41,7 @@ ECE15 = (
 
 @dataclass
 class Run:
-    """A run as the simulator hands it to the report."""
+    """A run in the form that the simulator gives to the report."""
 
     cycle: str
     strategy: str
@@ -71,7 +71,7 @@ def electric_torque(strategy: str, demand: Array, speed_rad_s: Array) -> tuple[A
 
 
 def drive(strategy: str = "series_optimal", mass_kg: float = MASS_KG, cycle: str = "ece15") -> Run:
-    """Drive the urban cycle, slowed by 60/80 as in the paper, and account for every joule."""
+    """Drive the urban cycle, slowed by 60/80 as in the paper, and compute its energy accounts."""
     points = np.array(ECE15, dtype=np.float64)
     time = np.arange(0.0, points[-1, 0] + 0.5 * STEP_S, STEP_S)
     speed = np.interp(time, points[:, 0], points[:, 1]) * 0.75 / 3.6

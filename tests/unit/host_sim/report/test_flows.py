@@ -15,12 +15,12 @@ def flow_of(run: Run) -> Flow:
 
 
 def check_balance(flow: Flow) -> None:
-    """What goes in comes out, in either lane, to what is left out as too small.
+    """Inflow equals outflow in both lanes, except for parts omitted as too small.
 
-    And no part is negative.
+    No part is negative.
     """
     largest = max(flow.drawn_j, flow.slowing_j, abs(flow.returned_j))
-    few = 10.0 * flows.NEGLIGIBLE * largest  # nothing unusual flows here
+    few = 10.0 * flows.NEGLIGIBLE * largest  # only the usual flows
     assert (
         abs(flow.drawn_j - flows.total(flow.upper) - flows.total(flow.road) - flow.turned_j) <= few
     )
@@ -79,7 +79,7 @@ def test_without_drag_and_rolling_resistance_the_road_load_is_one_difference() -
 
 def test_polarisation_energy_belongs_to_the_battery_and_is_a_source_if_negative() -> None:
     run = drive("series_optimal")
-    run.summary["energy_j"]["battery_returned"] -= 800.0  # kept by the polarisation
+    run.summary["energy_j"]["battery_returned"] -= 800.0  # stored in the polarisation
     kept = flow_of(run)
     check_balance(kept)
     assert kept.lower[-1].name == "battery"
@@ -135,7 +135,7 @@ def test_energy_stored_while_coasting_counts_as_returned() -> None:
 def test_the_diagram_of_a_descent_balances() -> None:
     run = drive("series_optimal")
     energy = run.summary["energy_j"]
-    # The road takes more than the battery brings to the wheels.
+    # The road load exceeds the battery energy at the wheels.
     more = 2.0 * energy["drag"] + energy["traction"]
     energy |= {"drag": energy["drag"] + more, "climbed": -more}
     flow = flow_of(run)

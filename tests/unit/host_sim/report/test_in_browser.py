@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page in a headless browser, at the widths of a desk and of a telephone, and on paper.
+"""The page in a headless browser, at the widths of a desktop and of a telephone, and in print.
 
-What can be said without a browser, test_whole_page.py says.
+Properties that need no browser are tested in test_whole_page.py.
 """
 
 import html
@@ -28,8 +28,8 @@ QUIET = (
     "--disable-quic", "--hide-scrollbars",
 )  # fmt: skip
 
-# What sticks out: of the page, of its picture. Tables may be wider than a telephone: they scroll in
-# a box of their own.
+# Elements that exceed the page or their picture. Tables may be wider than a telephone: they scroll
+# in their own box.
 MEASURE = """
 addEventListener("load", () => {
   const wide = document.documentElement.clientWidth;
@@ -46,7 +46,7 @@ addEventListener("load", () => {
       "*");
 });
 """
-# A window cannot be as narrow as a telephone; a frame in it can.
+# A window has a minimum width above that of a telephone; a frame has none.
 FRAME = """<!DOCTYPE html><title></title>
 <script>addEventListener("message", (event) => { document.title = event.data; });</script>
 <iframe src="index.html" style="width: %dpx; height: 2000px; border: 0"></iframe>
@@ -98,9 +98,9 @@ def test_a_screenshot_contains_the_colours_of_the_legend(written: Path, width: i
 
 
 def test_in_print_every_part_fits_one_sheet(written: Path) -> None:
-    """Signals on upright sheets, two strategies each, the rest on others.
+    """Signals on portrait sheets, two strategies each, the rest on others.
 
-    What does not fit is cut and makes more of them.
+    Content that does not fit is cut and increases their number.
     """
     sheets = written.with_name("sheets.pdf")
     browse(written, "--no-pdf-header-footer", f"--print-to-pdf={sheets}")
@@ -114,7 +114,7 @@ def test_in_print_every_part_fits_one_sheet(written: Path) -> None:
 
 
 def test_one_run_prints_on_three_sheets_with_headings_next_to_their_content(tmp_path: Path) -> None:
-    """Result and criteria; energies and pictures; signals and the notes, upright."""
+    """Result and criteria; energies and pictures; signals and notes, portrait."""
     run = drive(cycle="stop")
     run.summary["ideal_stop"] = IDEAL
     run.summary["criteria"] = CRITERIA

@@ -23,7 +23,7 @@ def test_points_are_samples_with_a_braking_demand_and_nonzero_speed() -> None:
     speed_rpm, torque_nm = found
     assert 0 < speed_rpm.size <= operating_map.MOST_POINTS
     assert np.all(speed_rpm > 0.0)
-    # The ideal vehicle's motor takes the whole demand up to 40 N m, which the cycle never asks for.
+    # The ideal vehicle's motor meets the whole demand up to 40 N m, which the cycle does not reach.
     pairs = set(zip(np.round(run.signals["driver.brake_nm"], 9).tolist(), strict=False))
     assert all((torque,) in pairs for torque in np.round(torque_nm, 9).tolist())
 
@@ -33,8 +33,8 @@ def test_points_of_series_optimal_lie_on_the_optimum_and_the_text_states_it() ->
     found = operating_map.operating_points(run, RADIUS_M)
     assert found is not None
     rpm, torque = found
-    # A sample of the torque is the mean of the step in which the vehicle slows down: half a step's
-    # speed of slack.
+    # A torque sample is the mean of a step during which the speed falls: tolerance of half a step
+    # of speed.
     assert np.all(torque <= OPTIMUM_NM_PER_RAD_S * rpm / operating_map.RPM + 1.0)
     assert "0.0 % of them beyond" in operating_map.describe(run, best_map())
     assert "0.0 % of them beyond" not in operating_map.describe(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The picture is measured as it was drawn: widths from the coordinates of the paths."""
+"""The diagram is measured from its paths: widths from coordinates."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -31,7 +31,7 @@ class Picture:
 
 
 def stem_width(path: list[Step]) -> float:
-    """Width of what leaves, after checking that it is as wide where it begins as where it ends."""
+    """Width of an outflow, after checking that start and end have the same width."""
     rises = [step.x for step in path if step.command == "V"]
     width = abs(rises[1] - rises[0])
     begin, end = path[0].y, path[-2].y

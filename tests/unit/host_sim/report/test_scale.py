@@ -40,7 +40,7 @@ def test_decimation_keeps_every_peak_with_four_points_per_column() -> None:
     points = scale.thinned(x, y)
     assert len(points) <= 4 * (1.5 * (392.0 - 38.0) + 1.0)
     assert (round(float(x[peak]), 1), 250.0) in points
-    # What is drawn of a few pixels has their true extremes; rounding moves points by up to 0.05.
+    # Decimated pixels keep their true extremes; rounding moves points by up to 0.05.
     drawn_x, drawn_y = np.array(points).T
     for left in range(40, 390, 25):
         inside, around = (x >= left) & (x < left + 2), (x >= left - 0.1) & (x < left + 2.1)

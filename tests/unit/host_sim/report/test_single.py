@@ -87,7 +87,7 @@ def test_one_run_is_compared_with_the_ideal_stop_and_not_with_itself() -> None:
 
 
 def wheels(differing: float) -> Run:
-    """Return a run of four wheels of which the last has other torques than the first."""
+    """Return a run of four wheels whose last wheel has different torques."""
     run = copy.deepcopy(drive())
     names = [name for name in run.signals if name.startswith("wheel0.")]
     for k in (1, 2, 3):
@@ -152,7 +152,7 @@ def test_signals_of_one_run_are_drawn_in_three_pictures_with_every_panel_once() 
 
 @pytest.mark.parametrize("factor", [0.02, 1.0, 50.0])
 def test_labels_of_the_upper_lane_do_not_overlap(factor: float) -> None:
-    """Seven exits of a small vehicle: alternating rows where one is too narrow."""
+    """Seven outflows of a small vehicle: alternating rows where one is too narrow."""
     run = drive()
     for phase in ("while_driving_j", "while_braking_j"):
         run.summary[phase]["iron"] *= factor

@@ -11,7 +11,7 @@ def test_every_simulated_stop_is_drawn_as_a_circle_at_its_values() -> None:
     groups = drawn.all("g", "rings")
     assert [len(group.all("circle")) for group in groups] == [3, 3, 3]
     first, second, _ = (float(ring.attributes["cx"]) for ring in groups[0].all("circle"))
-    # Straight scale: 5 and 40 N m lie as their distances from zero.
+    # Linear scale: positions of 5 and 40 N m are proportional to their values.
     assert (second - stop_curves.LEFT) / (first - stop_curves.LEFT) == pytest.approx(
         40.0 / 5.0, rel=1e-2
     )

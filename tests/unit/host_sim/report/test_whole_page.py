@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The page with everything in it.
 
-Nothing from outside, valid pictures, one target for every reference.
+Self-contained, valid pictures, one target for every reference.
 """
 
 import re

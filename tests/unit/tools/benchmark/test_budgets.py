@@ -19,9 +19,7 @@ def test_reference_compiler_must_meet_the_goal_and_others_within_5_per_cent() ->
 
 
 def test_missed_goal_is_reported() -> None:
-    """By its median, by how far the dearest call lies above it, and by what 99 % or all of the
-    calls take.
-    """
+    """By median, ratio of maximum to median, 99th percentile and maximum."""
 
     def met(goal: measure.Budget, median: int, p99: int, most: int) -> bool:
         return bool(

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The model of the chip: instructions counted by hand, and the protection of its frames by an
-independent one.
+"""The model of the chip: instructions counted by hand, frame protection by an independent
+implementation.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ __attribute__((section(".table"), used)) void *const table[2] = {(void *)0x20001
 
 @pytest.fixture
 def chip(tmp_path: Path) -> tuple[Chip, dict[str, elf.Symbol]]:
-    """Link the program where the chip's flash is, and run it to its background."""
+    """Link the program to the chip's flash address and run it until its background loop."""
     source, image = tmp_path / "program.c", tmp_path / "program.elf"
     source.write_text(PROGRAM)
     command = [build.PREFIX + "gcc", *build.CORES[0].flags, "-O2", "-nostdlib", "-Wl,-estart"]
@@ -67,12 +67,12 @@ def test_counts_equal_those_made_by_hand(
 def test_the_timer_updates_at_both_ends_until_its_repetition_counter_is_loaded(
     chip: tuple[Chip, dict[str, elf.Symbol]],
 ) -> None:
-    """RM0090 section 17.3.3, as the firmware's start of the timer relies on."""
+    """RM0090 section 17.3.3, assumed by the timer start of the firmware."""
     core, _ = chip
     core.registers[TIM1_CR1] = 1
 
     def directions(looks: int) -> list[bool]:
-        """Whether the count runs down, for every update in so many looks."""
+        """Direction of the count at every update within a number of samples."""
         seen = []
         for _ in range(looks):
             core.registers[TIM1_SR] = 0

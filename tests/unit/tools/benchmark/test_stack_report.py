@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The stack's depth against chains of calls whose frames are known."""
+"""Stack depth of call chains with known frames."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The measurement of a sweep's scaling does the runs it speaks of.
+"""The measurement of a sweep's scaling executes the stated runs.
 
-What a second of this machine is worth, it cannot know.
+The speed of the machine is not tested.
 """
 
 import json

@@ -3,8 +3,8 @@
 time.
 
 The reference below is in POWER-INVARIANT quantities, solves the iron-loss branch as a linear system
-instead of by a formula, and finds every optimum by scanning: nothing but the circuit laws is shared
-with the package.
+instead of by a formula, and finds every optimum by scanning: only the circuit laws are shared with
+the package.
 """
 
 import functools
@@ -40,7 +40,7 @@ class Circuit:
         return K * self.drive.motor.flux_linkage_wb
 
     def terminal(self, i_dt: Array | float, i_qt: Array | float) -> tuple[Array, Array]:
-        """Add what the iron takes to torque currents."""
+        """Add the iron currents to torque currents."""
         motor, w = self.drive.motor, self.omega
         v_d, v_q = -w * motor.q_inductance_h * i_qt, w * (motor.d_inductance_h * i_dt + self.flux())
         return np.asarray(i_dt + v_d * self.conductance()), np.asarray(
@@ -110,8 +110,8 @@ def zoom_2d(cost: Callable[[Array, Array], Array], half: float) -> tuple[float, 
     """Return (i_d, i_q) of the smallest cost in a square: for every i_d of a narrowing grid, a
     narrowing grid of i_q.
 
-    A square grid would not do: on a limit that slants through it, the best point is the one next to
-    the limit, not the one next to the optimum.
+    A square grid fails at an oblique limit: its best point is the one closest to the limit instead
+    of the optimum.
     """
     left, right, i_d, i_q = -half, half, 0.0, 0.0
     for outer in range(9):
@@ -134,8 +134,8 @@ def zoom_2d(cost: Callable[[Array, Array], Array], half: float) -> tuple[float, 
 
 
 def close(found: float, expected: float, scale: float) -> bool:
-    """Within 0.1 %, or within rounding of the drive's own size where the expected value is next to
-    nothing.
+    """Within 0.1 %, or within rounding relative to the drive's rating for very small expected
+    values.
     """
     return abs(found - expected) <= TOLERANCE * abs(expected) + 1e-7 * scale
 
@@ -191,8 +191,8 @@ def check_point(
             record[key + suffix],
             value,
         )
-    # As a vector: where the current limit makes the strongest torque, i_d is next to nothing and
-    # moves nothing.
+    # As a vector: at the largest torque of the current limit i_d is close to zero and without
+    # influence.
     current = math.hypot(found["i_d"], found["i_q"]) / K
     off = math.hypot(
         record["current_d_a" + suffix] - found["i_d"] / K,
@@ -260,8 +260,8 @@ def check_joint(drive: schema.Drive, rng: np.random.Generator) -> None:
     record = points.solve(drive, speed, temperature, points.setting(drive, free_d_current=True))
     most, voltage = drive.motor.max_phase_current_a, open_circuit(drive) / math.sqrt(3.0)
     limit = min(drive.motor.max_torque_nm, drive.motor.max_power_w / (speed * math.pi / 30.0))
-    # The optimum is flat in torque: a scan places the power better than the torque, whose error
-    # counts relative to all of it.
+    # The optimum is flat in torque: a scan places the power better than the torque, whose error is
+    # relative to the whole torque.
     torques = 20.0 * drive.motor.max_torque_nm
 
     def cost(i_d: Array, i_q: Array, what: str, strongest: float) -> Array:
@@ -281,8 +281,8 @@ def check_joint(drive: schema.Drive, rng: np.random.Generator) -> None:
         bounded = functools.partial(cost, what="dc", strongest=strongest)
         best = circuit.powers(*zoom_2d(bounded, K * most))
         found = record["dc_power_w" + suffix]
-        # The scan can only be worse than the truth: it never beats what was solved, and comes
-        # within 0.1 % of it.
+        # A scan can only be worse than the optimum: never better than the solution, and within 0.1
+        # % of it.
         assert found <= float(best["dc"]) + 1e-6 * drive.motor.max_power_w, (drive.name, suffix)
         check_point(drive, record, best, suffix)
         assert close(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A recording of a wheel spun by hand says where its halls and its index are."""
+"""Hall edges and index angle from a recording of a wheel turned by hand."""
 
 import math
 from pathlib import Path
@@ -18,9 +18,7 @@ SAMPLE_S = 1e-4
 
 
 def spun(speed_turn_per_s: Array) -> dict[str, Array]:
-    """Return what the channels show of a wheel at electrical speeds in turns per second, one a
-    sample.
-    """
+    """Return the channels of a wheel for electrical speeds in turns per second, one per sample."""
     turns = 0.13 + np.cumsum(speed_turn_per_s) * SAMPLE_S
     theta, emf = 2.0 * math.pi * turns, 0.02 * 2.0 * math.pi * speed_turn_per_s
     a, b, c = (-emf * np.sin(theta - k * 2.0 * math.pi / 3.0) for k in range(3))
@@ -69,7 +67,7 @@ def test_the_index_angle_is_found() -> None:
 def test_reversal_of_the_direction_does_not_change_the_calibration() -> None:
     speed = 40.0 * np.cos(np.arange(40_000) * SAMPLE_S * 2.0)
     table = spun(speed)
-    del table["index"]  # turning back its other end comes first
+    del table["index"]  # in reverse its other edge comes first
     for place, truth in zip(calibrate.calibrate(table).hall_edges, EDGES_DEG, strict=True):
         assert beside_deg(place.angle_deg, truth) < 0.5
 

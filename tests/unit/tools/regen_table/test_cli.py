@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The commands answer in the agreed keys, and everything wrong in one line with a non-zero exit."""
+"""Results of the commands have the documented keys; errors are one line and a non-zero exit
+status."""
 
 import json
 import re
@@ -104,7 +105,7 @@ def test_evaluate_returns_null_if_no_current_gives_the_torque(
     (record,) = answer(
         capsys, "evaluate", str(PAPER), "--speed-rpm", "600", "--torque-nm", "2000", "--json"
     )
-    assert record["battery_power_w"] is None  # beyond what the battery can give
+    assert record["battery_power_w"] is None  # beyond the maximum battery power
     assert {"torque", "power", "phase_current", "phase_voltage"} <= set(record["limits_exceeded"])
 
 
@@ -328,7 +329,7 @@ def test_a_result_file_contains_its_provenance(
 
 
 def unreadable(tmp_path: Path, kind: str) -> Path:
-    """Make a file that is neither a drive nor a recording."""
+    """Make a file that is neither a drive file nor a recording."""
     path = tmp_path / "given"
     if kind == "directory":
         path.mkdir()

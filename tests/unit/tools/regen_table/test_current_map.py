@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The stored demagnetising current.
 
-Exact torque, least loss on a few points, no need for the bus voltage.
+Exact torque, minimum loss with few points, independence of the bus voltage.
 """
 
 import dataclasses
@@ -125,7 +125,7 @@ def test_at_zero_torque_the_map_gives_the_least_power(drive: schema.Drive) -> No
     assert np.allclose(
         at * 1000.0, table.current_d_mA[0, :, table.current_d_mA.shape[2] // 2], rtol=0.0, atol=1e-6
     )
-    # Neighbours half an ampere away cost more: the points are minima, found here without the
+    # Neighbours half an ampere away cost more: so the points are minima, verified without the
     # search.
     for step in (-0.5, 0.5):
         assert np.all(
@@ -253,8 +253,8 @@ def test_power_at_every_torque_in_the_firmware_equals_that_of_the_generator(
     """The current setpoint, compiled, against the model.
 
     Torque within 0.2 %, and the DC power of the stored map, or the least within the phase current
-    limit where the map lies outside it. A torque that no current within the limit makes is
-    shortened to the largest that one makes.
+    limit where the map lies outside it. A torque beyond the current limit is reduced to the largest
+    one inside it.
     """
     library = tmp_path / "reference.so"
     includes = [

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the figures of the paper show: knees and corners where they are, every line explained."""
+"""Figures of the paper: positions of knees and corners, legends of all lines."""
 
 import math
 import warnings
@@ -89,7 +89,7 @@ def test_figure_11_ends_on_the_hyperbola_and_has_a_40_percent_contour(
     points = corners(contours(axes, filled=True)[0])
     limit = np.minimum(40.0, 2094.0 * 30.0 / math.pi / np.maximum(points[:, 0], 1.0))
     assert np.max(points[:, 1] - limit) <= 1e-9
-    for speed in np.linspace(CORNER_RPM, 640.0, 50):  # and comes up to it everywhere
+    for speed in np.linspace(CORNER_RPM, 640.0, 50):  # and approaches it everywhere
         near = points[np.abs(points[:, 0] - speed) < 3.0]
         power = np.max(near[:, 1] * near[:, 0]) * math.pi / 30.0
         assert power == pytest.approx(2094.0, rel=1e-9)

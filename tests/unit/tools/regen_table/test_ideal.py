@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How torque is made at best.
+"""The current of minimum loss for a torque.
 
 The paper's closed form for surface magnets, the least loss for salient motors.
 """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The image holds what the TOML says, in the header's layout and ranges.
+"""The image contains the values of the TOML in the header's layout and ranges.
 
 The C file and the binary are the same bytes.
 """
@@ -140,8 +140,8 @@ def test_modulation_limit_includes_the_dead_time_correction(path: Path) -> None:
 
 @pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_modulation_limit_keeps_the_minimum_pulse_and_two_sampled_legs(path: Path) -> None:
-    # Min/max injection by its definition, at every angle, the dead-time trim against us in every
-    # leg.
+    # Min/max injection by its definition at every angle, with the dead-time trim of unfavourable
+    # sign in every leg.
     drive = schema.load(path)
     packed = unpack(image.build(drive))
     period = packed.drive.pwm_period_counts
@@ -156,8 +156,8 @@ def test_the_modulation_limit_keeps_the_minimum_pulse_and_two_sampled_legs(path:
     centred = phases - (phases.max(axis=0) + phases.min(axis=0)) / 2.0
     compare = np.sort(period * (0.5 + centred) + trim, axis=0)
     assert compare[2].max() <= period - packed.drive.min_pulse_counts
-    # The leg with the longest high side is worked out from the other two: the second one must leave
-    # its sample.
+    # The leg with the longest high side is calculated from the other two: the second one must
+    # permit its sample.
     window = (drive.inverter.dead_time_s + 0.5e-6) * drive.inverter.pwm_timer_clock_hz
     assert compare[1].max() <= period - window
     tight = [
@@ -165,7 +165,7 @@ def test_the_modulation_limit_keeps_the_minimum_pulse_and_two_sampled_legs(path:
         compare[1].max() >= period - window - 4,
         modulation > 0.979,
     ]
-    assert any(tight)  # and gives nothing away
+    assert any(tight)  # and is not smaller than necessary
 
 
 @pytest.mark.parametrize(
@@ -426,7 +426,7 @@ def test_a_report_that_cannot_be_written_leaves_no_configuration_file(
     assert cli.main(arguments) == 1
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1
-    # root is refused by the file, anybody else by its directory
+    # the file refuses root, the directory any other user
     assert lines[0].startswith("/proc/report.json: ")
     assert "cannot be written" in lines[0]
     assert list((tmp_path / "out").iterdir()) == []

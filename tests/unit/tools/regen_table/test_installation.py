@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the packages find files and what they call themselves."""
+"""Search paths and identity of the packages."""
 
 import re
 import shutil
@@ -59,7 +59,7 @@ def test_identity_has_the_format_of_the_firmwares_banner(
 def test_a_source_archive_reports_its_commit_everywhere(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """In a checkout that is small: the files that know commits, and one more."""
+    """In a minimal checkout: the files that contain the commit, and one more."""
     monkeypatch.delenv("HUBFOC_COMMIT", raising=False)
     names = (".gitattributes", "tools/cmake/archived_commit", "tools/cmake/commit.cmake")
     checkout, archive = tmp_path / "checkout", tmp_path / "archive"

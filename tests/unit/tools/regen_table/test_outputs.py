@@ -87,8 +87,8 @@ def test_a_fifo_is_written_and_not_replaced(tmp_path: Path, write: Writer) -> No
 
 
 def test_a_device_is_written_and_not_replaced(tmp_path: Path, write: Writer) -> None:
-    """Through a link in a directory of our own: a writer that replaces what a name stands for would
-    harm that only.
+    """Through a link in the test's directory: a writer that replaces the target would damage only
+    this copy.
     """
     link = tmp_path / "null"
     link.symlink_to("/dev/null")
@@ -150,7 +150,7 @@ def test_a_path_without_write_permission_is_an_error_in_one_line(
     path = tmp_path / "kept"
     path.write_bytes(b"kept")
     closed = {"the file": path, "the directory": tmp_path}[forbidden]
-    # Root may write anywhere, so the answer of the operating system is replaced.
+    # Root may write anywhere, so the error of the operating system is simulated.
     monkeypatch.setattr(os, "access", lambda asked, _: Path(asked) != closed)
     for attempt in (outputs.check_writable, lambda p: outputs.write_bytes(p, b"x")):
         with pytest.raises(OutputError, match=r"^\S+/kept: (cannot be written|the directory)"):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A pack under a trace of power.
+"""A battery pack with a power trace.
 
-Against the closed solution at constant power, and what its RC branch cannot change.
+Closed form at constant power, and properties independent of the RC branch.
 """
 
 import math
@@ -56,7 +56,7 @@ def test_charge_at_constant_power_is_the_integral_over_the_branch_voltage(
 ) -> None:
     """The integral of i dt is that of i C du / (i - u/R).
 
-    R_s stands in i, the root of i (u_oc - u - R_s i) = P.
+    R_s is contained in i, the root of i (u_oc - u - R_s i) = P.
     """
     found = constant(power_w, 10.0, 4000)
 
@@ -127,7 +127,7 @@ def test_energy_with_a_dynamic_branch_lies_between_settled_and_no_branch(
 
         settled, moving = share({}, "settled"), share({}, "dynamic")
         assert settled < moving < share({"battery.polarisation_resistance_ohm": 0.0}, "settled")
-        # Time constants far below and far above the stop's own length are those two limits.
+        # Time constants far below and far above the duration of the stop are those two limits.
         assert share({"battery.polarisation_capacitance_f": 1e-3}, "dynamic") == pytest.approx(
             settled, abs=1e-7
         )

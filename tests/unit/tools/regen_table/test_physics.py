@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Properties that any right loss model has, on the paper's vehicle and on two hundred random
-drives.
-"""
+"""Properties of any correct loss model, for the paper's vehicle and two hundred random drives."""
 
 import math
 from collections.abc import Callable
@@ -164,7 +162,7 @@ def test_the_boundaries_are_ordered_at_every_speed(random_drives: list[schema.Dr
         assert np.all(best.torque_idle_nm <= 0.0)
         strictly = best.possible
         assert np.all(best.torque_zero_nm[strictly] < best.torque_optimal_nm[strictly])
-        # A hotter winding never asks for more torque.
+        # The optimum never rises with winding temperature.
         assert np.all(np.diff(np.abs(best.torque_optimal_nm), axis=0) <= 1e-12)
 
 
@@ -352,7 +350,7 @@ def test_a_cycle_has_a_closed_balance_and_more_electric_braking_returns_more(
         assert abs(result.residual_relative) < 1e-9
     returned = [results[s].energy_j.battery_returned for s in STRATEGIES]
     assert returned[0] < returned[1] <= returned[2] * (1.0 + 1e-9)
-    # The wheels must take off the kinetic energy less what drag takes: 0.5 * 660 kg * 100 m2/s2 =
+    # The wheels must remove the kinetic energy less the work of drag: 0.5 * 660 kg * 100 m2/s2 =
     # 33 kJ.
     assert 28e3 < results["series_optimal"].energy_j.braking_at_wheels < 33e3
 

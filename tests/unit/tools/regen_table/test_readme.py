@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Every number of README.md that shows an error of the paper, computed again from the circuit, to
-its last digit.
+"""Every number in README.md about an error of the paper, recomputed from the circuit to its last
+digit.
 """
 
 import math
@@ -138,7 +138,7 @@ def torque_to_current(drive: schema.Drive) -> tuple[float, ...]:
 
 
 def region_one(drive: schema.Drive) -> tuple[float, ...]:
-    """Share of a stop's energy lost when the motor rests beyond T_zero, over demands.
+    """Share of a stop's energy lost with zero motor torque beyond T_zero, over demands.
 
     The stop is 40 km/h, steps as there.
     """
@@ -241,7 +241,7 @@ def test_every_erratum_has_a_number() -> None:
     without = [
         entry for entry in entries if not any(re.search(pattern, entry) for pattern, _ in STATED)
     ]
-    # The factor that is kept shows no difference.
+    # The factor that is retained makes no difference.
     assert len(without) == 1
     assert without[0].startswith("**(13)** counts three switching events")
 

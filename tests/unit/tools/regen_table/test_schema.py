@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A drive's file is accepted as it is meant, or refused with one line that helps."""
+"""A drive file is read correctly or refused with one helpful line."""
 
 import math
 import re
@@ -376,7 +376,7 @@ def test_an_initial_charge_outside_the_pack_voltages_is_refused(
 def test_a_top_speed_beyond_field_weakening_at_min_voltage_gives_a_warning(
     change: Change,
 ) -> None:
-    """What is left of the back-EMF, against what the bridge makes of the lowest voltage."""
+    """Remaining back-EMF against the largest bridge voltage at the minimum bus voltage."""
     line = loops.weakening_warning(change({}))
     assert line is not None
     emf = math.sqrt(3.0) * 0.0204 * 23 * 640.0 * math.pi / 30.0

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The stored optimum as the firmware reads it.
 
-Bit for bit, and how little it loses; margins and number formats.
+Bit-identical look-up, loss of energy, stability margins and number formats.
 """
 
 import dataclasses
@@ -88,8 +88,8 @@ def test_stored_table_loses_negligible_energy(path: Path) -> None:
         "udds",
     }
     assert all(-1e-9 <= loss.relative <= 2e-4 for loss in losses)
-    # Electric braking has faded out at handover_end_rpm; from there on every regenerated watt
-    # counts.
+    # Electric braking has faded out at handover_end_rpm; from there on all regenerated power is
+    # included.
     assert audit.worst_power_loss(drive, table, made) <= 1e-3
 
 
@@ -97,8 +97,8 @@ def test_stored_table_loses_negligible_energy(path: Path) -> None:
     "path", [p for p in MOTORS if schema.load(p).motor.type == "spmsm"], ids=lambda path: path.stem
 )
 def test_surface_magnets_have_the_unclamped_optimum_up_to_the_top_speed(path: Path) -> None:
-    # Read as the firmware reads it, and judged by the closed form with i_d = 0, which knows neither
-    # table nor limits.
+    # Looked up as in the firmware and compared with the closed form with i_d = 0, without table and
+    # limits.
     drive = schema.load(path)
     table = current_map.regen_map(drive, current_audit.choose(drive))
     winding = np.linspace(table.temperatures_c[0], table.temperatures_c[-1], 65)[:, np.newaxis]
@@ -185,7 +185,7 @@ def test_a_grid_beyond_array_size_or_resolution_is_refused_with_its_keys(
 
 
 def test_a_fast_motor_with_little_speed_dependence_of_i_d_is_accepted() -> None:
-    """Two speeds would do for its i_d, but a step of the axis is at most 2^20 mrad/s."""
+    """Two speeds would suffice for its i_d, but a step of the axis is at most 2^20 mrad/s."""
     tree = tomllib.loads((ROOT / "tools" / "motors" / "ipm400v.toml").read_text(encoding="utf-8"))
     tree["motor"] |= {
         "type": "spmsm",
@@ -211,7 +211,7 @@ def test_an_ideal_loop_has_the_margins_of_an_integrator_with_delay_and_a_half() 
     for k in (0.05, 0.2, 0.4):
         found = margins.frequency_response(
             margins.Loop(1e-9, 1e-4, k * 10.0, 0.0, 1e-5)
-        )  # L / T = 10 ohm, next to no R
+        )  # L / T = 10 ohm, negligible R
         angle = 2.0 * math.asin(k / 2.0)
         assert found["crossover_hz"] == pytest.approx(angle / (2.0 * math.pi * 1e-5), rel=1e-3)
         assert found["phase_margin_deg"] == pytest.approx(
@@ -378,14 +378,13 @@ def test_the_firmwares_scaled_gains_are_inside_the_proved_intervals(
                 slack = 0.003 * max(abs(found.low), abs(found.high)) + 2.0 / 2048
                 assert found.low - slack <= value <= found.high + slack, (name, value, found)
                 largest[name] = max(largest.get(name, 0.0), abs(value))
-    # And the proof gives nothing away: at the corners of the envelope its ends are reached, but for
-    # the reserve of speed.
+    # The intervals are tight: corners of the envelope reach their ends, except for the speed
+    # reserve.
     for name, value in largest.items():
         assert value >= 0.9 * proved[f"current_loop.{name}"].high, name
 
 
-# What each format holds is left by one change of the paper's vehicle, each beyond what a sensible
-# drive has.
+# One change of the paper's vehicle exceeds each number format, each beyond a plausible drive.
 FAST = {
     "motor.max_speed_rpm": 3200.0,
     "motor.flux_linkage_wb": 0.0035,

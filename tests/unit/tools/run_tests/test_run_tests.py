@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""tools/run_tests on a small project of its own: two C tests, a Python test and a slow one."""
+"""tools/run_tests on a small project: two C tests, a Python test and a slow one."""
 
 import os
 import shutil
@@ -130,7 +130,7 @@ def test_tests_run_longest_first_by_the_times_of_the_previous_run(
     assert "Set-up took 1 s, building 2 s, testing" in output
     lines = output.splitlines()[-3:]
     assert lines[:2] == ["host:", "100% tests passed, 0 tests failed out of 3"]
-    # The Python test took longest, whatever was believed before.
+    # The Python test took longest, unlike the stored estimate.
     assert started(project.run("--presets", "host"))[0] == "host:reader"
     full = project.run("--presets", "host", "--full")
     assert "100% tests passed, 0 tests failed out of 4" in full
@@ -156,7 +156,7 @@ def test_a_failing_test_is_listed_under_its_preset_and_fails_the_run(project: Pr
 
 
 def test_the_tests_of_a_folder_are_those_of_its_cmake_lists(project: Project) -> None:
-    # What the Python test reads is not known yet.
+    # The input files of the Python test are unknown so far.
     needed = project.run("--presets", "host", "--list-targets", "unit").split()
     assert needed == ["all"]
     assert len(started(project.run("--presets", "host", "tests/unit"))) == 3
@@ -198,7 +198,7 @@ def test_quick_builds_first_and_selects_tests_of_unknown_inputs(project: Project
     project.write("include/limit.h", "#define LIMIT 4\n")
     output = project.run("--quick", status=1)
     assert "first (Failed)" in output
-    assert "1 Python tests" in output  # none has run yet, so nobody knows what it reads
+    assert "1 Python tests" in output  # none has run yet, so the input files are unknown
     project.write("include/limit.h", "#define LIMIT three\n")
     assert "the build failed" in project.run("--quick", status=1)
 
@@ -217,7 +217,7 @@ def test_quick_lists_the_tests_omitted_for_time(project: Project) -> None:
     project.write("include/limit.h", "#define LIMIT 3 /* again */\n")
     output = project.run("--quick")
     assert started(output) == []
-    assert "Left out for want of time: 1 tests: host:first." in output
+    assert "Left out to save time: 1 tests: host:first." in output
 
 
 def test_graph_ignores_order_only_dependencies(project: Project) -> None:
