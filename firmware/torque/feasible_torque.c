@@ -7,7 +7,7 @@ enum {
     CORRECTIONS = 1,         /* of i_d, for a power */
     NEWTON_STEPS = 2,        /* along the current circle */
     TANGENTS = 2,            /* to the torque's hyperbola */
-    VOLTAGE_CORRECTIONS = 4, /* of i_d, where the map's is the one that flows */
+    VOLTAGE_CORRECTIONS = 4, /* of i_d, where it is that of the map */
     CIRCLE_PASSES = 3,
     SMALL_b = 1 << 8,
     CIRCLE_RESERVE_LOG2 = 8, /* 0.4 % */
@@ -31,7 +31,7 @@ static int32_t within(int32_t x)
     return q_limit(x, 1 << 26);
 }
 
-/* Of a quadratic equation: the products under its root stay below 2^62. */
+/* Of a quadratic equation: keeps the products under its root below 2^62. */
 static int32_t coefficient(int64_t x)
 {
     return q_limit(q_saturate64(x), MOST_COEFFICIENT);
@@ -71,8 +71,8 @@ static inline line_t line_from(const motor_model_t *m, motor_point_t at, int32_t
     return out;
 }
 
-/* The t at which the line leaves the ellipse upwards (sign 1) or downwards (-1); false and the t of
- * the least voltage where it does not meet it. */
+/* The upper (sign 1) or lower (-1) intersection t of the line with the ellipse; without one false
+ * and the t of the least voltage. */
 static bool ellipse_root(const feasible_set_t *set, const line_t *line, int32_t sign, int32_t *t_b)
 {
     const int32_t half = coefficient(
@@ -101,7 +101,8 @@ static int32_t map_d_b(const feasible_set_t *set, int32_t airgap_b)
         k, loss_maps_row_d_mA(&set->row, scaled_shift(airgap_b, -k->torque_shift)));
 }
 
-/* i_d at a point's torque: the map's, or what the voltage ellipse leaves at this i_qt. */
+/* i_d at the torque of a point: that of the map, or that of the voltage ellipse at this i_qt if
+ * lower. */
 static int32_t d_at_b(const feasible_set_t *set, motor_point_t at)
 {
     at.d_b = map_d_b(set, motor_model_airgap_b(set->model, at));
@@ -133,7 +134,7 @@ static motor_point_t weakened(const feasible_set_t *set, int32_t airgap_b, motor
     return at;
 }
 
-/* The far end of the ellipse at an i_d; false where the voltage suffices for no current. */
+/* The far end of the ellipse at an i_d; false if the voltage suffices for no current. */
 static bool ellipse_end(const feasible_side_t *side, motor_point_t *at)
 {
     at->x_b = 0;
@@ -153,8 +154,8 @@ int32_t feasible_by_voltage_mNm(const feasible_side_t *side)
     int32_t before_b = at.d_b;
     int32_t error_before_b = 0;
     for (int pass = 0; exists && pass < VOLTAGE_CORRECTIONS; pass++) {
-        /* Where the map's i_d at this torque lies beyond field weakening's it is the one that
-         * flows: the secant method on the difference. */
+        /* Where the map's i_d at this torque is below that of field weakening, the map's applies:
+         * the secant method on the difference. */
         const int32_t map_b = map_d_b(set, motor_model_airgap_b(m, at));
         const int32_t error_b = q_min(map_b, set->weakest_d_b) - at.d_b;
         if (q_abs(error_b) < SMALL_b) {
@@ -176,7 +177,7 @@ int32_t feasible_by_voltage_mNm(const feasible_side_t *side)
 
 /* ---- the current circle ---- */
 
-/* A little inside the limit, which leaves the fast loop's field weakening some current. */
+/* Below the limit by a reserve for the fast loop's field weakening. */
 static int32_t circle_b(const motor_model_t *m)
 {
     return m->constants->current_most_b - (m->constants->current_most_b >> CIRCLE_RESERVE_LOG2);
@@ -247,8 +248,8 @@ static int32_t circle_best_d_b(const motor_model_t *m)
     return m->saliency_b < 0 ? -d_b : d_b;
 }
 
-/* The i_d on the circle that makes a torque beyond what the map's i_d leaves there, between the
- * map's and the best one. Near its maximum the torque is a parabola over i_d. */
+/* The i_d on the circle for a torque above the one at the map's i_d, between the map's i_d and that
+ * of maximum torque per ampere. Near its maximum the torque is a parabola over i_d. */
 static int32_t circle_d_b(const feasible_set_t *set, int32_t airgap_b, int32_t map_d_b)
 {
     const motor_model_t *m = set->model;
@@ -335,7 +336,7 @@ feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t
     feasible_side_t out = {.set = set, .sign = (int32_t)sign, .cap = with_map(set, airgap_b)};
     out.cap_has_voltage = voltage_suffices(set, out.cap);
     if (!out.cap_has_voltage) {
-        out.cap = weakened(set, airgap_b, out.cap, 1); /* a first guess */
+        out.cap = weakened(set, airgap_b, out.cap, 1); /* first iteration */
         out.cap_has_voltage = voltage_suffices(set, out.cap);
     }
     return out;
@@ -374,7 +375,7 @@ int32_t feasible_power_b(const motor_model_t *model, int32_t current_mA, int32_t
     return scaled_multiply(scaled_multiply(i_b, v_b), SCALED_ONE / 3 * 2);
 }
 
-/* Where currents turned by an uncertain angle return more, README, Uncertain angle. */
+/* Additional returned power by the angle error: README, Uncertain angle. */
 static int32_t uncertain_b(const motor_model_t *m, motor_point_t at)
 {
     if (m->constants->hall_angle_b == 0) {
@@ -423,7 +424,7 @@ int32_t feasible_by_returned_mNm(const feasible_side_t *side, int32_t power_b)
     power_t p = power_at(side->set, at.d_b);
     const int64_t vertex_b = 2 * (((int64_t)p.a * at.x_b) >> 24) + p.b;
     if (vertex_b >= 0 && power_of_x_b(&p, at.x_b) - uncertain_b(m, at) >= -(int64_t)power_b) {
-        return FEASIBLE_UNBOUNDED; /* more and more comes back up to the cap, and not too much */
+        return FEASIBLE_UNBOUNDED; /* the power returned up to the cap is below the bound */
     }
     for (int pass = 0;; pass++) {
         const int32_t left = coefficient((int64_t)p.c + power_b - uncertain_b(m, at));

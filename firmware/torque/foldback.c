@@ -4,7 +4,7 @@
 #include "core/q15.h"
 #include "core/scaled.h"
 
-/* Mathematics: the loop's gain, and what lets it leave zero (README, Fold-back). */
+/* Gain of the loop, and the offset that lets the limit rise from zero (README, Fold-back). */
 enum { STEPS_LOG2 = 3, LITTLE_q24 = SCALED_ONE / 64 };
 
 int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32_t inside_mV,

@@ -11,7 +11,7 @@ void hydraulic_model_init(hydraulic_model_t *model)
     *model = at_rest;
 }
 
-/* The command whose dead time is over. */
+/* The command at the end of its dead time. */
 static int32_t arrived_mNm(hydraulic_model_t *model, int32_t dead_time_ms, int32_t command_mNm)
 {
     const int32_t length = q_clamp(dead_time_ms, 0, HYDRAULIC_MODEL_DEAD_TIME_MOST_ms) + 1;

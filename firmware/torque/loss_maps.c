@@ -20,8 +20,8 @@ int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
     const int32_t *hot = cold + map->speed_points;
     const int32_t at_cold = grid_interpolate(cold[0], cold[1], s.fraction_q20);
     const int32_t at_hot = grid_interpolate(hot[0], hot[1], s.fraction_q20);
-    /* Below the speed where regeneration begins the stored line goes on below zero, so that it is
-     * straight where it begins. */
+    /* Below the speed where regeneration begins the stored torque is negative by extrapolation, so
+     * that the interpolation is exact there. */
     return q_max(grid_interpolate(at_cold, at_hot, t.fraction_q20), 0);
 }
 

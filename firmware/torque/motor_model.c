@@ -9,7 +9,7 @@
 enum {
     MILLION = 1000000,
     BILLION = 1000000000,
-    FRICTION_FULL_MRAD_S = 500, /* Coulomb friction is whole from here on */
+    FRICTION_FULL_MRAD_S = 500, /* full Coulomb friction from here on */
     MOST_b = 1 << 26,           /* of any coefficient: products and sums stay within 32 bits */
     MOST_CURRENT_b = MOTOR_MODEL_MOST_CURRENT_b,
     SIZE_LOG2 = 22, /* the largest value of a quantity lies in [2^22, 2^23) */
@@ -39,7 +39,7 @@ static int64_t larger(int64_t a, int64_t b)
     return a > b ? a : b;
 }
 
-/* The largest voltage that the scale has to hold: EMF and reactive drop at the highest speed, and
+/* Largest voltage of the scale: EMF and reactive drop at the highest speed, and
  * the battery's. */
 static int64_t largest_voltage_mV(const config_t *config, int64_t w_most_mrad_s)
 {
@@ -112,7 +112,7 @@ static int32_t friction_b(const motor_constants_t *k, int32_t w_b, int32_t speed
     return within_b(q_saturate64((coulomb_q8_b >> 8) + scaled_multiply(k->viscous_b, w_b)));
 }
 
-/* At least a tenth of its value at the reference, whatever a broken thermistor reads. */
+/* Clamped to at least a tenth of the reference value, also with a broken thermistor. */
 static int32_t at_temperature_b(int32_t reference_b, int32_t rise_q16_b, int32_t rise_cK)
 {
     const int32_t change_b = (int32_t)(((int64_t)rise_q16_b * rise_cK) >> 16);
@@ -150,7 +150,7 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
     m.emf_b = within_b(scaled_multiply(w_b, m.flux_b));
     const int64_t iron_q16_b = k->iron_q16_b + (((int64_t)w_b * k->iron_slope_q16_b) >> 24);
     if (iron_q16_b > 0) {
-        /* 2^40 / R_i, and through it everything that the iron loss adds. */
+        /* 2^40 / R_i, for all terms of the iron loss. */
         const uint32_t inverse_q32 = UINT32_MAX / (uint32_t)q_saturate64(iron_q16_b);
         const int32_t conductance =
             (int32_t)(inverse_q32 < (MOST_b >> 8) ? inverse_q32 << 8 : MOST_b);
@@ -169,7 +169,7 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
     return m;
 }
 
-/* The magnets' flux, and what saliency adds to it through i_dt. */
+/* Magnet flux plus the reluctance term (L_d - L_q) i_dt. */
 static int32_t flux_at_b(const motor_model_t *model, motor_point_t at)
 {
     if (model->saliency_b == 0) {

@@ -14,11 +14,11 @@ void torque_init(torque_state_t *state, const config_t *config)
     stop_lamp_init(&state->lamp);
 }
 
-/* The reason of the table's tightest line where it bounds the torque: the braking side's while
- * braking, else the driving side's. Without one, what shortens the current or delays the torque. */
-static reason_t visible_reason(const demand_t *demand, const brake_blending_out_t *split,
-                               const torque_command_out_t *limited,
-                               const current_setpoint_t *current, bool voltage_limited)
+/* Reason shown on CAN, shell and log: that of the table's tightest line, braking side while braking,
+ * else driving side. Without one, that of the phase current, voltage, torque rate or timeout. */
+static reason_t shown_reason(const demand_t *demand, const brake_blending_out_t *split,
+                             const torque_command_out_t *limited, const current_setpoint_t *current,
+                             bool voltage_limited)
 {
     const reason_t reason =
         demand->brake_mNm > 0 && split->reason != REASON_NONE ? split->reason : limited->reason;
@@ -81,7 +81,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .hydraulic_mNm = split.hydraulic_mNm,
         .hydraulic_reason = split.hydraulic_reason,
         .available = split.available,
-        .reason = visible_reason(&demand, &split, &limited, &current, in->voltage_limited),
+        .reason = shown_reason(&demand, &split, &limited, &current, in->voltage_limited),
         .demand_timed_out = demand.timed_out,
         .stop_lamp = stop_lamp_step(&state->lamp, config, in->speed_mrad_s, demand.brake_mNm),
     };

@@ -13,8 +13,8 @@ void torque_command_init(torque_command_state_t *state)
     state->command_mNm = 0;
 }
 
-/* A driving demand against the rotation is braking by the drive pedal: it feeds the battery and
- * obeys that side's limits; one along the rotation, or at standstill, obeys the driving side's. */
+/* A driving demand against the rotation regenerates and is bounded by the braking limits; one along
+ * the rotation or at standstill by the driving limits. */
 static limit_t drive_limit(const torque_limits_t *limits, int32_t speed_mrad_s, int32_t drive_mNm)
 {
     const bool against = (speed_mrad_s > 0 && drive_mNm < 0) || (speed_mrad_s < 0 && drive_mNm > 0);

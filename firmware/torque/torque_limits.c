@@ -58,7 +58,7 @@ const char *torque_limits_line_text(torque_line_t line)
     return line < TORQUE_LINE_COUNT ? TEXTS[line] : "unknown line";
 }
 
-/* A share of the motor's largest torque; from one on there is no bound. */
+/* A share of the motor's largest torque; a share of one or more is no bound. */
 static limit_t share_line(const config_t *config, int32_t share_q15, reason_t reason)
 {
     const int32_t part_mNm = (int32_t)(((int64_t)config->motor.max_torque_mNm * share_q15) >> 15);
@@ -79,7 +79,7 @@ static int32_t power_torque_mNm(const config_t *config, int32_t speed_abs_mrad_s
     return (int32_t)(power_mW / speed * 1000U + part_mNm);
 }
 
-/* A current limit of the battery for this motor, and why it is no more. */
+/* A current limit of the battery for this motor, and its reason. */
 typedef struct {
     int32_t current_mA;
     reason_t reason;
@@ -104,7 +104,7 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
     return out;
 }
 
-/* What bounds both sides alike. */
+/* Lines equal for driving and braking. */
 static void common_lines(torque_limits_t *out, const config_t *config, const motor_model_t *model,
                          const torque_limits_input_t *in)
 {
@@ -166,7 +166,7 @@ static int32_t blend_out_share_q15(const config_brake_t *brake, int32_t speed_ab
                           end_mrad_s);
 }
 
-/* A torque that fades with the blend-out, which is then its reason; `whole` where it does not. */
+/* A torque reduced by the blend-out, with that reason; `whole` without it. */
 static limit_t faded(int32_t torque_mNm, int32_t share_q15, int32_t whole_mNm, reason_t reason)
 {
     return share_q15 < Q15_ONE
@@ -174,8 +174,8 @@ static limit_t faded(int32_t torque_mNm, int32_t share_q15, int32_t whole_mNm, r
                : limit_init(whole_mNm, reason);
 }
 
-/* The strategy's lines, and the blend-out of what the strategy alone would ask for: a rating or a
- * share fades as a whole, the optimum is kept until the fading torque limit falls below it. */
+/* The lines of the strategy and their blend-out: a rating or a share is scaled; the loss optimum
+ * applies until the blend-out of max_torque falls below it. */
 void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *config,
                             int32_t speed_mrad_s, int32_t optimum_mNm, int32_t demand_mNm)
 {

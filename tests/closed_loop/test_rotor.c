@@ -190,7 +190,7 @@ void test_braking_torque_moves_to_the_hydraulic_brake_in_a_ramp_after_a_hall_fau
 /* ---- an encoder ---- */
 
 /* 4096 counts; index position in the configuration and in the plant. */
-static bench_t *with_encoder(double rpm, double index_deg, double believed_deg, bool reversed)
+static bench_t *with_encoder(double rpm, double index_deg, double configured_deg, bool reversed)
 {
     bench_params_t params = at_speed(rpm);
     params.encoder.counts = 4096.0;
@@ -200,7 +200,7 @@ static bench_t *with_encoder(double rpm, double index_deg, double believed_deg, 
     config_t config = fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_HALL);
     config.rotor.sensor = CONFIG_ROTOR_ENCODER;
     config.rotor.encoder_counts = 4096;
-    config.rotor.encoder_index_turn = (int32_t)lround(believed_deg / 360.0 * 65536.0);
+    config.rotor.encoder_index_turn = (int32_t)lround(configured_deg / 360.0 * 65536.0);
     return fixture_start(&params, &config);
 }
 

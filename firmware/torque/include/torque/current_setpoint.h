@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * current_setpoint.h: the currents that make a torque with the least loss. 1 kHz.
+ * current_setpoint.h: the currents of minimum loss for a torque. 1 kHz.
  *
- *     i_d  of the feasible set at the torque (feasible_torque.h): the minimum-loss map's, or the
- *          voltage ellipse's where that is lower
+ *     i_d  of the feasible set at the torque (feasible_torque.h): that of the minimum-loss map, or
+ *          of the voltage ellipse where lower
  *     i_q  from the torque, that i_d and the fast loop's field-weakening trim (motor_model.h)
  *
  * The ellipse is computed with the motor model; the trim corrects errors of its parameters.
@@ -21,7 +21,7 @@
 typedef struct {
     int32_t i_d_mA; /* without the trim, which the fast loop adds */
     int32_t i_q_mA; /* for the i_d with the trim */
-    bool limited;   /* the phase current limit shortened i_q */
+    bool limited;   /* i_q reduced by the phase current limit */
 } current_setpoint_t;
 
 /*

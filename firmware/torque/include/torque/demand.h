@@ -4,7 +4,7 @@
  *
  * Negative braking demands count as zero. A braking demand sets the driving torque to zero. After
  * brake.demand_timeout without a new demand the torques fall to zero at the torque rate; the
- * driver's hydraulic circuit remains, because it does not pass through this controller.
+ * driver's hydraulic circuit is independent of this controller.
  */
 #ifndef TORQUE_DEMAND_H
 #define TORQUE_DEMAND_H

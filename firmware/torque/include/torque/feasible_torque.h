@@ -4,10 +4,10 @@
  * speed, temperature and bus voltage, and the currents that make them. Derivations: README,
  * Feasible torque.
  *
- * At every torque i_d is the minimum-loss map's, or where that needs too much voltage, the i_d on
- * the voltage ellipse, limited to the range of field weakening. All bounds are
- * magnitudes of shaft torque, mN m, >= 0; FEASIBLE_UNBOUNDED where there is none up to the cap.
- * Closed form with a fixed number of corrections of i_d. Precision 0.2 % of max_torque.
+ * At every torque i_d is that of the minimum-loss map or, where that exceeds the voltage limit,
+ * that on the voltage ellipse, down to the limit of field weakening. All bounds are magnitudes of
+ * shaft torque, mN m, >= 0; FEASIBLE_UNBOUNDED: no bound up to the cap. Closed form with a fixed
+ * number of corrections of i_d. Precision 0.2 % of max_torque.
  */
 #ifndef TORQUE_FEASIBLE_TORQUE_H
 #define TORQUE_FEASIBLE_TORQUE_H
@@ -33,7 +33,7 @@ typedef struct {
     feasible_power_t power;
     loss_maps_row_t row;
     int64_t voltage_squared; /* of the largest |u|, binary scale */
-    int32_t weakest_d_b;     /* the i_d that field weakening goes down to, <= 0 */
+    int32_t weakest_d_b;     /* lowest i_d of field weakening, <= 0 */
     int32_t best_d_b;        /* maximum torque per ampere on the current circle */
 } feasible_set_t;
 
@@ -52,7 +52,7 @@ feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage
 /* cap_mNm: magnitude of a shaft torque, >= 0. */
 feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t cap_mNm);
 
-/* Largest torque for which currents exist that keep the voltage within its circle. */
+/* Largest torque with a current whose voltage is inside the voltage circle. */
 int32_t feasible_by_voltage_mNm(const feasible_side_t *side);
 
 /* Largest torque with |i| within motor.max_phase_current: maximum torque per ampere on the current

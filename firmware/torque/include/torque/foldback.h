@@ -5,8 +5,7 @@
  *
  * The limit is an integrator of the voltage error, independent of commands and other limits. In the
  * steady state it is a straight line over the voltage: the full current one width inside the end,
- * zero at the end. Gain
- * and stability: README, Fold-back.
+ * zero at the end. Gain and stability: README, Fold-back.
  */
 #ifndef TORQUE_FOLDBACK_H
 #define TORQUE_FOLDBACK_H

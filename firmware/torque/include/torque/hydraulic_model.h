@@ -28,7 +28,7 @@ void hydraulic_model_init(hydraulic_model_t *model);
 /* One millisecond with a command, 0 .. brake.max_hydraulic_torque_mNm. */
 void hydraulic_model_step(hydraulic_model_t *model, const config_t *config, int32_t command_mNm);
 
-/* The torque now, magnitude. */
+/* Present torque, magnitude. */
 static inline int32_t hydraulic_model_torque_mNm(const hydraulic_model_t *model)
 {
     return model->torque_q6_mNm / 64;

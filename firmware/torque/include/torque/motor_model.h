@@ -73,7 +73,7 @@ typedef struct {
 /* Divides; once at start. */
 void motor_constants_init(motor_constants_t *constants, const config_t *config);
 
-/* config: the one the constants were made from. */
+/* config: that of motor_constants_init(). */
 motor_model_t motor_model_at(const motor_constants_t *constants, const config_t *config,
                              int32_t speed_mrad_s, int32_t winding_temperature_cC);
 
@@ -85,8 +85,8 @@ int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at);
 
 /* Terminal i_q that makes a shaft torque together with a terminal i_d, within eight times the phase
  * current limit. The effective flux is taken as at least a quarter of the magnet flux and at least
- * half of the flux at this i_d. It is lower only where i_d or i_q acts against the saliency; no
- * current makes the torque there, and the result is finite, of the right sign, and makes less
+ * half of the flux at this i_d. It is lower only where i_d or i_q acts against the saliency; there
+ * no current gives the torque, and the result is finite, has the correct sign and gives less
  * torque. */
 int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t i_d_mA);
 
@@ -114,7 +114,7 @@ int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at);
 /* i_qt that makes an airgap torque with a terminal i_d, both along the rotation. */
 int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, int32_t d_b);
 
-/* By how much i_qt changes with i_d at a constant torque; zero without saliency. */
+/* Derivative of i_qt with respect to i_d at constant torque; zero without saliency. */
 int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at);
 
 /* Terminal i_q of a point, and i_qt of terminal currents. */

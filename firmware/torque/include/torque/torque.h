@@ -53,7 +53,7 @@ typedef struct {
     int32_t hydraulic_mNm;     /* magnitude >= 0 */
     reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT when the demand cannot be met */
     limit_t available;         /* present limit of electric braking torque */
-    reason_t reason;           /* what bounds the motor torque in the demanded direction */
+    reason_t reason;           /* of the limit of the motor torque in the demanded direction */
     bool demand_timed_out;
     bool stop_lamp;
 } torque_output_t;

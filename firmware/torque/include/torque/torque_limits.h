@@ -19,7 +19,7 @@
 #include "torque/foldback.h"
 #include "torque/limit.h"
 
-/* X(identifier, deferrable: handed over to the hydraulic brake as fast as that arrives) */
+/* X(identifier, deferrable: transferred to the hydraulic brake as fast as its torque rises) */
 #define TORQUE_LINES(X)                                                                            \
     X(MAX_TORQUE, false)                                                                           \
     X(MAX_POWER, false)                                                                            \
