@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * ledger.h: where every joule went.
+ * ledger.h: energy accounts of a run.
  *
- *     chemical = heat (copper, iron, conduction, diode, switching, bearing, hydraulic, battery,
- * cable)
- *                + tyre + drag + rolling + climbed + gained (kinetic, magnetic, polarisation, bus)
- * + residual
+ *     chemical = heat + tyre + drag + rolling + climbed + gained + residual
  *
- * Sums over all wheels since the start of the run; "gained" may be negative. The residual is what
- * the equation leaves over: the simulation's own error. shaft_j is what the motors did to the
- * wheels on the way (bearings taken off) and part of no balance; turned_over_j is what cells,
- * moving mass and height gave, each whenever it gave, the measure for the residual.
+ *     heat     copper, iron, conduction, diode, switching, bearing, hydraulic, battery, cable
+ *
+ *     gained   kinetic, magnetic, polarisation, bus
+ *
+ * Sums over all wheels since the start of the run; "gained" may be negative. The residual is the
+ * integration error of the simulation. shaft_j is the work of the motors on the wheels, bearing
+ * losses deducted, and not part of the balance. turned_over_j is the sum of all energies given by
+ * cells, moving mass and height: the reference of the residual.
  */
 #ifndef BENCH_LEDGER_H
 #define BENCH_LEDGER_H
@@ -33,11 +34,11 @@
     X(kinetic_j, "kinetic energy gained")                                                          \
     X(magnetic_j, "energy gained by the motors' magnetic fields")                                  \
     X(polarisation_j, "energy gained by the battery's polarisation")                               \
-    X(tyre_j, "heat of slipping tyres, and what their deflection holds")                           \
+    X(tyre_j, "heat of slipping tyres and energy of their deflection")                             \
     X(cable_j, "heat in the cable between battery and bus")                                        \
     X(bus_j, "energy gained by the bus capacitors")                                                \
-    X(turned_over_j, "what cells, moving mass and height gave, each whenever it gave")             \
-    X(residual_j, "the simulation's own error")
+    X(turned_over_j, "sum of all energies given by cells, moving mass and height")                 \
+    X(residual_j, "integration error of the simulation")
 
 #define LEDGER_MEMBER(name, text) double name;
 typedef struct {

@@ -7,8 +7,7 @@
  * low side conducts, switch or diode, and zero while the high side does. The amplifier follows
  * with one time constant,
  *
- *     tau d(output)/dt = driven - output,        driven = i while the low side conducts, 0
- * otherwise,
+ *     tau d(output)/dt = driven - output,        driven = i while the low side conducts, else 0,
  *
  * which is solved exactly for a driven current that is constant over an interval. A leg whose low
  * side conducts for less than some time constants before the sample reads too little; one that
