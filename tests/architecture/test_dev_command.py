@@ -30,7 +30,7 @@ COMMANDS = (
     "setup",
     "clean",
 )
-NOBODY = 65534
+UNPRIVILEGED = 65534
 
 
 class DevCommandTest(DevFixture):
@@ -218,9 +218,9 @@ class DevCommandTest(DevFixture):
         (self.bin / "sudo").unlink()
         user = None
         if os.geteuid() == 0:
-            user = NOBODY
+            user = UNPRIVILEGED
             for place in (self.home, self.home / "tools"):
-                os.chown(place, NOBODY, -1)
+                os.chown(place, UNPRIVILEGED, -1)
         result = self.run_dev("setup", "arm", path=path, user=user, environment=apt)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)

@@ -16,6 +16,9 @@ METAPHORS = re.compile(
         for word in (
             *("riv" + "ers?", "hou" + "se", "wi" + "sh(?:es|ed)?", "verd" + "icts?"),
             *("pati" + "ence", "dou" + "bts?", "(?:slow|fast)[ _]rea" + "ch(?:es)?"),
+            *("stands? in the w" + "ay", "counted o" + "n for", "get(?:s|ting)? to s" + "ee"),
+            *("belie" + "ve[sd]?", "some" + "body(?:'s)?", "no" + "body(?:'s)?", "bi" + "tes"),
+            *("to the last b" + "it", "to the let" + "ter", "next to noth" + "ing"),
         )
     ),
     re.IGNORECASE,
@@ -30,6 +33,13 @@ HYDRAULIC_FILES = re.compile(
 # Ordinary words of a sentence, also of the sentence that is a test's name, but no parts of a name.
 NOT_IN_NAMES = frozenset(
     ("told", "heard", "said", "held", "behind", "nearer", "nothing", "aids", "room")
+)
+# A test's name states the tested property; these words are of a narrative.
+NOT_IN_TEST_NAMES = frozenset(
+    (
+        *("told", "heard", "said", "says", "speaks", "knows", "looks", "stands", "sees", "wants"),
+        *("behind", "nearer", "beaten", "nothing", "mistake", "mistakes"),
+    )
 )
 PERMITTED_NAMES = re.compile(r"room_temperature|^test_", re.IGNORECASE)
 
@@ -70,6 +80,17 @@ def test_names_are_terms_of_the_field() -> None:
     assert {name: names for name, names in places.items() if names} == {}
 
 
+def test_names_of_tests_state_the_property() -> None:
+    names = {
+        match[1]
+        for name, text in own_text().items()
+        if name.startswith("tests/") and name.endswith((".c", ".py"))
+        for match in re.finditer(r"\b(?:void|def) (test_\w+)", text)
+    }
+    assert len(names) > len(NOT_IN_TEST_NAMES)
+    assert [name for name in sorted(names) if NOT_IN_TEST_NAMES & set(name.split("_"))] == []
+
+
 @pytest.mark.parametrize(
     "line",
     [
@@ -77,6 +98,8 @@ def test_names_are_terms_of_the_field() -> None:
         "SLOW_REA" + "CH",
         "a matter of pati" + "ence",
         "verd" + "ict_t x;",
+        "what stands in the w" + "ay",
+        "some" + "body's motor",
     ],
 )
 def test_the_search_finds_metaphors(line: str) -> None:

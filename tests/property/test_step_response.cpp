@@ -100,8 +100,8 @@ Answer step(Bench &bench, const config_t &design, double i_d_A, double from_A, d
     return answer;
 }
 
-// From several positions of the rotor, in both directions. The firmware may believe in another
-// design than it is compared with.
+// From several positions of the rotor, in both directions. The design of the
+// firmware may differ from the one of the comparison.
 Answer steps_from(double from_A, const config_t &config, const Point &point, const config_t &design)
 {
     Answer worst;

@@ -49,7 +49,7 @@ function(damaged name section offset)
 endfunction()
 damaged(damaged_configuration .hubfoc_config 100)
 damaged(damaged_magic .hubfoc_config 0)
-# A reserved entry of the vector table (ARMv7-M, B1.5.3): nobody but the checksum reads it.
+# A reserved entry of the vector table (ARMv7-M, B1.5.3): only the checksum reads it.
 damaged(damaged_code .text 28)
 hubfoc_add_qemu_test(NAME firmware_refuses_a_damaged_configuration
   ELF "${CMAKE_CURRENT_BINARY_DIR}/damaged_configuration.elf" EXPECT_EXIT 1

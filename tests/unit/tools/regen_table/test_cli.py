@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Results of the commands have the documented keys; errors are one line and a non-zero exit
-status."""
+"""Results have the documented keys; errors are one line and a non-zero exit status."""
 
 import json
 import re
@@ -72,9 +71,7 @@ def test_solve_returns_every_combination_with_the_documented_keys(
         assert record["battery_power_w"] < 0.0
 
 
-def test_solve_marks_states_where_no_torque_returns_energy(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_solve_marks_states_without_regeneration(capsys: pytest.CaptureFixture[str]) -> None:
     slow, standing, fast = answer(capsys, "solve", str(PAPER), "--speed-rpm", "3,0,10", "--json")
     assert (
         slow["regeneration_possible"],
@@ -109,9 +106,7 @@ def test_evaluate_returns_null_if_no_current_gives_the_torque(
     assert {"torque", "power", "phase_current", "phase_voltage"} <= set(record["limits_exceeded"])
 
 
-def test_stop_returns_one_object_per_demand_and_strategy(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_stop_returns_one_object_per_demand(capsys: pytest.CaptureFixture[str]) -> None:
     arguments = ["stop", str(PAPER), "--initial-speed-kmh", "40", "--demand-nm", "20,40", "--json"]
     assert [r["demand_nm"] for r in answer(capsys, *arguments, "--strategy", "parallel_ratio")] == [
         20.0,
@@ -123,7 +118,7 @@ def test_stop_returns_one_object_per_demand_and_strategy(
     assert first["kinetic_energy_j"] == pytest.approx(sum(first["energy_j"].values()), rel=1e-9)
 
 
-def test_stop_inside_the_limits_says_what_kept_the_motor_from_more(
+def test_stop_inside_the_limits_returns_the_limiting_reason(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """At 58 V the pack takes 200 (58.4 - 58)/(1.168 + 2.4) = 22.4 A, 1.3 of some 6 kW."""

@@ -94,7 +94,7 @@ def test_fold_back_ends_where_the_current_makes_its_own_voltage(change: Change) 
     assert free.motor_nm[k] == pytest.approx(-2094.0 / trace.speed_rad_s[k], rel=1e-6)
 
 
-def test_a_full_battery_takes_nothing(change: Change) -> None:
+def test_a_full_battery_stores_no_energy(change: Change) -> None:
     """The management fades the charge current over the last 2 % of charge."""
     found = limited_stop.stop(change({}), SERIES, 20.0, 40.0, 25.0, soc=1.0)
     assert found.stored_share_of_kinetic <= 0.0
