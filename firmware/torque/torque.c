@@ -14,8 +14,9 @@ void torque_init(torque_state_t *state, const config_t *config)
     stop_lamp_init(&state->lamp);
 }
 
-/* Reason shown on CAN, shell and log: that of the table's tightest line, braking side while braking,
- * else driving side. Without one, that of the phase current, voltage, torque rate or timeout. */
+/* Reason shown on CAN, shell and log: that of the table's tightest line, braking side while
+ * braking, else driving side. Without one, that of the phase current, voltage, torque rate or
+ * timeout. */
 static reason_t shown_reason(const demand_t *demand, const brake_blending_out_t *split,
                              const torque_command_out_t *limited, const current_setpoint_t *current,
                              bool voltage_limited)

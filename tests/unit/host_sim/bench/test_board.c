@@ -105,8 +105,9 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
 static void start_twin(const config_t *config)
 {
     const int32_t wheels = config->battery.driven_wheels;
-    const battery_limits_t pack = {config->battery.max_charge_current_mA * wheels,
-                                   config->battery.max_discharge_current_mA * wheels};
+    const battery_limits_t pack = {
+        .charge_current_mA = config->battery.max_charge_current_mA * wheels,
+        .discharge_current_mA = config->battery.max_discharge_current_mA * wheels};
     memset(&twin, 0, sizeof twin);
     board_start(&twin.board, config);
     twin.through_board = board_coupling(&twin.board);

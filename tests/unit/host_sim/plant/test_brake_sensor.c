@@ -67,7 +67,7 @@ void test_a_silent_sensor_leaves_its_last_message_to_grow_old(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, report.torque_nm);
 }
 
-void test_a_sensor_that_knows_of_its_fault_says_so(void)
+void test_a_sensor_fault_flag_makes_the_reading_invalid(void)
 {
     params.invalid = 1.0;
     TEST_ASSERT_FALSE(brake_sensor_step(&params, &state, 0.0).valid);
