@@ -197,6 +197,19 @@ static bool overcurrent_can_be_seen(const config_monitor_t *monitor)
     return monitor->overcurrent_pu_q15 <= (2047 - monitor->offset_tolerance_codes) * 16;
 }
 
+/* What the monitor would refuse as measured is not stored either. */
+static bool stored_offsets_plausible(const config_t *c)
+{
+    const int32_t tolerance_q4 = 16 * c->monitor.offset_tolerance_codes;
+    const int32_t offsets_q4[] = {c->drive.offset_a_q4, c->drive.offset_b_q4, c->drive.offset_c_q4};
+    bool good = true;
+    for (int x = 0; x < 3; x++) {
+        const int32_t beside_q4 = offsets_q4[x] - 32768;
+        good = good && beside_q4 <= tolerance_q4 && -beside_q4 <= tolerance_q4;
+    }
+    return good;
+}
+
 static int32_t square_q15(int32_t x_q15)
 {
     return (x_q15 * x_q15) >> 15;
@@ -267,6 +280,10 @@ static config_result_t check_relations(const config_t *c)
          "battery.foldback_voltage_mV < battery.max_voltage_mV"},
         {c->battery.max_voltage_mV < c->battery.overvoltage_trip_mV,
          "battery.max_voltage_mV < battery.overvoltage_trip_mV"},
+        {c->battery.overvoltage_trip_mV <= c->drive.device_voltage_mV,
+         "battery.overvoltage_trip_mV <= drive.device_voltage_mV"},
+        {stored_offsets_plausible(c),
+         "drive.offset_a_q4, _b_q4, _c_q4 within monitor.offset_tolerance_codes of mid-range"},
         /* The converter's last code is 4095 of 4096. */
         {(int64_t)c->battery.overvoltage_trip_mV * 4096 <
              (int64_t)c->drive.voltage_full_scale_mV * 4095,

@@ -63,6 +63,12 @@ def overvoltage_trip_v(drive: Drive) -> float:
     return stands if wanted is None else wanted
 
 
+def device_voltage_v(drive: Drive) -> float:
+    """Rating in V of switches and bus capacitors; the over-voltage trip where it is not given."""
+    wanted = drive.inverter.device_voltage_v
+    return overvoltage_trip_v(drive) if wanted is None else wanted
+
+
 def lowest_open_circuit_v(drive: Drive) -> float:
     """Open-circuit voltage in V, at the lowest listed state of charge where it depends on it."""
     voltage = drive.battery.open_circuit_voltage_v

@@ -99,6 +99,8 @@ def fields(drive: Drive) -> Values:
         "modes": {
             "limp_drive_share_q15": loops.fixed(drive.control.limp_drive_share, 15),
             "selftest_timeout_ms": nearest(drive.control.selftest_timeout_s * 1e3),
+            "coast_delay_ms": nearest(drive.control.coast_delay_s * 1e3),
+            "offset_wait_ms": nearest(drive.control.offset_wait_s * 1e3),
         },
         "monitor": _monitor(drive),
         "regen_map": {
@@ -170,6 +172,12 @@ def _drive(drive: Drive) -> dict[str, Any]:
         "max_switch_temperature_cC": (
             SWITCH_TEMPERATURE_OFF_CC if hottest is None else nearest(hottest * 1e2)
         ),
+        "device_voltage_mV": nearest(derived.device_voltage_v(drive) * 1e3),
+        "bus_capacitance_nF": nearest(inverter.bus_capacitance_f * 1e9),
+        **{
+            f"offset_{phase}_q4": nearest(code * 16.0)
+            for phase, code in zip("abc", inverter.current_offset_codes, strict=True)
+        },
     }
 
 
@@ -264,6 +272,7 @@ def _monitor(drive: Drive) -> dict[str, Any]:
         "rotor_fault_time_ms": nearest(monitor.rotor_fault_time_s * 1e3),
         "angle_fault_time_ms": nearest(monitor.angle_fault_time_s * 1e3),
         "rotor_warning_time_ms": nearest(monitor.rotor_warning_time_s * 1e3),
+        "battery_message_time_ms": nearest(monitor.battery_message_time_s * 1e3),
         "diode_fault_time_ms": nearest(monitor.diode_fault_time_s * 1e3),
         "overtemperature_margin_cC": nearest(monitor.overtemperature_margin_k * 1e2),
         "lowest_temperature_cC": nearest(monitor.lowest_temperature_c * 1e2),

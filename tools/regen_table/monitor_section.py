@@ -82,6 +82,16 @@ class Monitor(Section):
     rotor_warning_time_s: Annotated[
         float, number(0.001, 60.0, "s", "heal time of the rotor sensor's warning, and so of LIMP")
     ] = 10.0
+    battery_message_time_s: Annotated[
+        float,
+        number(
+            0.005,
+            10.0,
+            "s",
+            "an over-voltage waits this long for the message that the battery is disconnected"
+            " before it is a fault",
+        ),
+    ] = 0.3
     diode_fault_time_s: Annotated[
         float, number(0.001, 1.0, "s", "of a diode current in freewheel")
     ] = 0.02

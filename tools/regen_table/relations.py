@@ -56,6 +56,16 @@ def warnings(drive: Drive) -> list[str]:
             f" of the charge current, {foldback:.4g} V to max_voltage_v = {battery.max_voltage_v:g}"
             " V: next to no regeneration until it is discharged"
         )
+    if drive.inverter.device_voltage_v is None:
+        found.append(
+            "inverter.device_voltage_v: absent, taken as the over-voltage trip, "
+            f"{derived.overvoltage_trip_v(drive):.4g} V: give what switches and capacitors stand"
+        )
+    if drive.inverter.bus_capacitance_f == 0.0:
+        found.append(
+            "inverter.bus_capacitance_f: absent, taken as 0: an active short circuit ends only"
+            " without current"
+        )
     if drive.inverter.max_switch_temperature_c is None:
         found.append(
             "inverter.max_switch_temperature_c: absent, so switches of any temperature carry up to"
@@ -220,6 +230,23 @@ def _trips(drive: Drive) -> Iterator[str]:
         yield (
             f"monitor.coasting_m_per_s2: {monitor.coasting_m_per_s2:g} m/s2, accepted: "
             f"at most tyre_grip_m_per_s2 = {monitor.tyre_grip_m_per_s2:g} m/s2"
+        )
+
+
+def _devices(drive: Drive) -> Iterator[str]:
+    inverter, trip = drive.inverter, derived.overvoltage_trip_v(drive)
+    rating = inverter.device_voltage_v
+    if rating is not None and rating < trip:
+        yield (
+            f"inverter.device_voltage_v: {rating:g} V, accepted: at least {trip:.4g} V, where the"
+            " over-voltage trip lies"
+        )
+    tolerance = drive.monitor.offset_tolerance_codes
+    worst = max(inverter.current_offset_codes, key=lambda code: abs(code - 2048.0))
+    if abs(worst - 2048.0) > tolerance:
+        yield (
+            f"inverter.current_offset_codes: {worst:g}, accepted: {2048 - tolerance} to"
+            f" {2048 + tolerance}, within monitor.offset_tolerance_codes of the middle"
         )
 
 
@@ -393,6 +420,6 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
     _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _trips,
-    _torque_growth, _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder, _emf,
-    _regeneration,
+    _devices, _torque_growth, _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder,
+    _emf, _regeneration,
 )  # fmt: skip

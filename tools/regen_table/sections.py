@@ -34,6 +34,7 @@ IronCoefficient = Annotated[
 ]
 Degrees = Annotated[float, number(0.0, 360.0, "deg", "an electrical angle")]
 VoltageUse = Annotated[float, number(0.0, 0.99, "1", "square of the share of the circle")]
+OffsetCode = Annotated[float, number(0.0, 4095.0, "1", "a code of the 12-bit converter")]
 Volts = Annotated[float, number(1.0, 2000.0, "V", "a battery voltage")]
 SocPoint = Annotated[
     tuple[Annotated[float, number(0.0, 1.0, "1", "state of charge")], Volts], Field(strict=False)
@@ -141,6 +142,36 @@ class Inverter(Section):
         float | None,
         number(0.0, 250.0, "degC", "derating starts; absent: 20 K below max_switch_temperature_c"),
     ] = None
+    device_voltage_v: Annotated[
+        float | None,
+        number(
+            1.0,
+            2000.0,
+            "V",
+            "rating of switches and capacitors; absent: the over-voltage trip, which leaves no"
+            " room above it",
+        ),
+    ] = None
+    bus_capacitance_f: Annotated[
+        float,
+        number(
+            0.0,
+            1.0,
+            "F",
+            "of this inverter's bus capacitors; 0: unknown, a short circuit ends only without"
+            " current",
+        ),
+    ] = 0.0
+    current_offset_codes: Annotated[
+        tuple[OffsetCode, OffsetCode, OffsetCode],
+        Field(
+            strict=False,
+            description=(
+                "zero-current codes of the three current sensors, for a start on a wheel too fast"
+                " to measure them"
+            ),
+        ),
+    ] = (2048.0, 2048.0, 2048.0)
 
 
 class Battery(Section):
@@ -317,6 +348,25 @@ class Control(Section):
     selftest_timeout_s: Annotated[
         float, number(0.01, 60.0, "s", "a self-test without a result is a fault")
     ] = 1.0
+    coast_delay_s: Annotated[
+        float,
+        number(
+            0.0,
+            60.0,
+            "s",
+            "zero demand this long opens the bridge below the EMF limit; 0: it keeps switching",
+        ),
+    ] = 0.1
+    offset_wait_s: Annotated[
+        float,
+        number(
+            0.01,
+            60.0,
+            "s",
+            "a start on a wheel whose EMF drives a current waits this long, then takes the stored"
+            " offsets",
+        ),
+    ] = 0.1
 
 
 class Table(Section):

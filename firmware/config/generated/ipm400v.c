@@ -16,7 +16,7 @@ extern const config_t CONFIG_IPM400V;
 
 CONFIG_SECTION const config_t CONFIG_IPM400V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 7,
+    .format_version = 8,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ipm400v",
@@ -75,6 +75,17 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .min_pulse_counts             = 168,
         .derate_switch_temperature_cC = 13000, /* [cC] start of the derating */
         .max_switch_temperature_cC    = 15000, /* [cC] end of the derating: torque limit zero */
+        /* [mV] rating of the bridge's devices and capacitors, which the bus must never reach;
+         * not given: battery.overvoltage_trip_mV */
+        .device_voltage_mV            = 650000,
+        /* [nF] of this bridge's own bus capacitors, into which a short circuit that ends
+         * releases its energy; 0: unknown, a short circuit ends only without current */
+        .bus_capacitance_nF           = 500000,
+        /* [code/16] stored zero-current code of phase a, times 16: for a start on a wheel too
+         * fast to measure it; default the middle, 32768 */
+        .offset_a_q4                  = 32768,
+        .offset_b_q4                  = 32768, /* [code/16] likewise, phase b */
+        .offset_c_q4                  = 32768, /* [code/16] likewise, phase c */
     },
     .current_loop = {
         /* [Hz] closed loop, first order after 1.5 periods of delay; determines the gains
@@ -200,6 +211,12 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
          * is not reduced; default 0.3 */
         .limp_drive_share_q15 = 9830,
         .selftest_timeout_ms  = 1000, /* [ms] SELFTEST without a result is a fault; default 1000 */
+        /* [ms] zero demand this long opens the bridge below the EMF limit; 0: it keeps
+         * switching; default 100 */
+        .coast_delay_ms       = 100,
+        /* [ms] a start on a wheel whose EMF drives a current waits this long, then takes the
+         * stored offsets; default 100 */
+        .offset_wait_ms       = 100,
     },
     .monitor = {
         /* [pu] magnitude of the current vector that trips, peak; default 1.3 times
@@ -226,6 +243,9 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         .angle_fault_time_ms       = 20,
         /* [ms] heal time of the rotor sensor's warning, and so of LIMP; default 10000 */
         .rotor_warning_time_ms     = 10000,
+        /* [ms] an over-voltage waits this long for the message that the battery is
+         * disconnected before it is a fault; default 300 */
+        .battery_message_time_ms   = 300,
         /* [ms] qualify time of a diode current in freewheel, which shows a turning wheel;
          * default 20 */
         .diode_fault_time_ms       = 20,
@@ -537,5 +557,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0x0E1E2CD5,
+    .crc32 = 0x8F4FEAAA,
 };

@@ -24,7 +24,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 7
+#define CONFIG_FORMAT_VERSION 8
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
 /* such as 33 torques and 19 speeds at 2 temperatures */
@@ -105,7 +105,20 @@
     X(derate_switch_temperature_cC,          0,         30000,      "cC", \
       "start of the derating") \
     X(max_switch_temperature_cC,             1000,      30000,      "cC", \
-      "end of the derating: torque limit zero")
+      "end of the derating: torque limit zero") \
+    X(device_voltage_mV,                     1000,      2000000,    "mV", \
+      "rating of the bridge's devices and capacitors, which the bus must never reach; not " \
+      "given: battery.overvoltage_trip_mV") \
+    X(bus_capacitance_nF,                    0,         1000000000, "nF", \
+      "of this bridge's own bus capacitors, into which a short circuit that ends releases its " \
+      "energy; 0: unknown, a short circuit ends only without current") \
+    X(offset_a_q4,                           0,         65520,      "code/16", \
+      "stored zero-current code of phase a, times 16: for a start on a wheel too fast to measure " \
+      "it; default the middle, 32768") \
+    X(offset_b_q4,                           0,         65520,      "code/16", \
+      "likewise, phase b") \
+    X(offset_c_q4,                           0,         65520,      "code/16", \
+      "likewise, phase c")
 
 #define CONFIG_CURRENT_LOOP_FIELDS(X) \
     X(bandwidth_Hz,                          10,        10000,      "Hz", \
@@ -244,7 +257,13 @@
       "share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking is " \
       "not reduced; default 0.3") \
     X(selftest_timeout_ms,                   10,        60000,      "ms", \
-      "SELFTEST without a result is a fault; default 1000")
+      "SELFTEST without a result is a fault; default 1000") \
+    X(coast_delay_ms,                        0,         60000,      "ms", \
+      "zero demand this long opens the bridge below the EMF limit; 0: it keeps switching; " \
+      "default 100") \
+    X(offset_wait_ms,                        10,        60000,      "ms", \
+      "a start on a wheel whose EMF drives a current waits this long, then takes the stored " \
+      "offsets; default 100")
 
 #define CONFIG_MONITOR_FIELDS(X) \
     X(overcurrent_pu_q15,                    164,       32767,      "pu", \
@@ -271,6 +290,9 @@
       "qualify time of an implausible angle: steps with one less steps without; default 20") \
     X(rotor_warning_time_ms,                 1,         60000,      "ms", \
       "heal time of the rotor sensor's warning, and so of LIMP; default 10000") \
+    X(battery_message_time_ms,               5,         10000,      "ms", \
+      "an over-voltage waits this long for the message that the battery is disconnected before " \
+      "it is a fault; default 300") \
     X(diode_fault_time_ms,                   1,         1000,       "ms", \
       "qualify time of a diode current in freewheel, which shows a turning wheel; default 20") \
     X(overtemperature_margin_cC,             0,         5000,       "cC", \

@@ -282,6 +282,30 @@ void test_a_vehicle_does_not_coast_to_a_stop_faster_than_its_tyres_can_brake(voi
     assert_relation("monitor.coasting_mm_s2 <= monitor.tyre_grip_mm_s2");
 }
 
+void test_the_devices_must_stand_the_over_voltage_trip(void)
+{
+    config.drive.device_voltage_mV = config.battery.overvoltage_trip_mV;
+    TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+    config.drive.device_voltage_mV = config.battery.overvoltage_trip_mV - 1;
+    assert_relation("battery.overvoltage_trip_mV <= drive.device_voltage_mV");
+}
+
+void test_stored_offsets_must_be_as_plausible_as_measured_ones(void)
+{
+    int32_t *const offsets[] = {&config.drive.offset_a_q4, &config.drive.offset_b_q4,
+                                &config.drive.offset_c_q4};
+    const int32_t tolerance_q4 = 16 * config.monitor.offset_tolerance_codes;
+    for (int x = 0; x < 3; x++) {
+        for (int sign = -1; sign <= 1; sign += 2) {
+            *offsets[x] = 32768 + sign * tolerance_q4;
+            TEST_ASSERT_EQUAL_INT(CONFIG_RESULT_OK, sealed_result().code);
+            *offsets[x] += sign;
+            assert_relation("drive.offset_a_q4, _b_q4, _c_q4 within");
+            *offsets[x] = 32768;
+        }
+    }
+}
+
 void test_pulses_and_dead_time_must_fit_into_the_period(void)
 {
     config.drive.min_pulse_counts = config.drive.pwm_period_counts / 5 + 1;

@@ -165,6 +165,28 @@ def test_an_integer_is_accepted_for_a_real_key(change: Change) -> None:
             ),
         ),
         (
+            {"inverter.device_voltage_v": 60.0},
+            (
+                "inverter.device_voltage_v: 60 V, accepted: at least 60.56 V, where the"
+                " over-voltage trip lies"
+            ),
+        ),
+        (
+            {"inverter.current_offset_codes": [2048, 1847.9, 2248]},
+            (
+                "inverter.current_offset_codes: 1847.9, accepted: 1848 to 2248, within"
+                " monitor.offset_tolerance_codes of the middle"
+            ),
+        ),
+        (
+            {"inverter.bus_capacitance_f": 1.5},
+            "inverter.bus_capacitance_f: 1.5 is not accepted, accepted: a number from 0 to 1 F",
+        ),
+        (
+            {"control.coast_delay_s": -0.1},
+            "control.coast_delay_s: -0.1 is not accepted, accepted: a number from 0 to 60 s",
+        ),
+        (
             {"monitor.undervoltage_v": 40.0},
             "monitor.undervoltage_v: 40 V, accepted: less than battery.min_voltage_v = 40 V",
         ),
@@ -327,6 +349,22 @@ def test_a_drive_that_cannot_reach_its_rated_data_gives_a_warning(change: Change
         "motor.max_torque_nm",
         "motor.max_speed_rpm",
     ]
+
+
+def test_absent_keys_of_the_bus_give_a_warning_each(change: Change) -> None:
+    named = [
+        line.partition(":")[0]
+        for line in relations.warnings(
+            change(
+                {
+                    "motor.max_speed_rpm": 600.0,
+                    "inverter.device_voltage_v": None,
+                    "inverter.bus_capacitance_f": None,
+                }
+            )
+        )
+    ]
+    assert named == ["inverter.device_voltage_v", "inverter.bus_capacitance_f"]
 
 
 def test_a_rest_voltage_inside_the_fold_back_gives_a_warning_with_both_voltages(
