@@ -105,12 +105,14 @@ bool messages_read_battery(const messages_frame_t *frame, battery_limits_t *limi
     struct hubfoc_battery_limits_t raw;
     if (frame->length != E2E_FRAME_BYTES ||
         hubfoc_battery_limits_unpack(&raw, frame->data, frame->length) != 0 ||
+        !hubfoc_battery_limits_contactor_is_in_range(raw.contactor) ||
         !hubfoc_battery_limits_charge_current_a_is_in_range(raw.charge_current_a) ||
         !hubfoc_battery_limits_discharge_current_a_is_in_range(raw.discharge_current_a)) {
         return false;
     }
     limits->charge_current_mA = (int32_t)raw.charge_current_a * CURRENT_STEP_mA;
     limits->discharge_current_mA = (int32_t)raw.discharge_current_a * CURRENT_STEP_mA;
+    limits->contactor = (contactor_t)raw.contactor;
     return true;
 }
 
@@ -180,6 +182,7 @@ messages_frame_t messages_demand(const wheel_demand_t *demand, messages_wheel_t 
 messages_frame_t messages_battery(const battery_limits_t *limits, uint8_t counter)
 {
     const struct hubfoc_battery_limits_t raw = {
+        .contactor = (uint8_t)limits->contactor,
         .charge_current_a =
             magnitude_steps(limits->charge_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
         .discharge_current_a =

@@ -34,6 +34,7 @@ static bool expire_battery_limits(node_t *node)
 {
     node->command.bms.charge_current_mA = 0;
     node->command.bms.discharge_current_mA = node->pack.discharge_current_mA;
+    node->command.bms.contactor = CONTACTOR_NOT_REPORTED;
     return true;
 }
 

@@ -167,13 +167,15 @@ static void slow_step(bench_t *bench)
     abs_unit_step(&bench->abs_unit, &bench->world, bench->wheel, bench->wheels, &bench->vehicle,
                   bench->demand.brake_nm, bench->time_s, SLOW_STEP_S);
     const bms_limits_t limits =
-        bms_step(&params->bms, &bench->limits, &params->battery, &bench->battery, bench->time_s);
+        bms_step(&params->bms, &bench->limits, &params->battery, &bench->battery,
+                 params->bus.contactor_open > 0.5, bench->time_s);
     const wheel_order_t order = {
         .drive_nm = bench->demand.drive_nm,
         .brake_nm = bench->demand.brake_nm,
         .charge_limit_a = limits.charge_a,
         .discharge_limit_a = limits.discharge_a,
         .peak_charge_a = limits.peak_charge_a,
+        .contactor = bench->limits.contactor,
         .demand_age_s = bench->demand_age_s,
         .current_drift_a =
             bench->speed_prescribed ? 0.0 : params->sensors.current_drift_a_per_s * bench->time_s,

@@ -49,6 +49,9 @@ static const struct {
     X("driver.message_age_s", VALUE, "s", \
       "age of the demand the controllers have", b->demand_age_s) \
     X("bms.charge_a", VALUE, "A", "charge limit sent to the controllers", b->limits.sent.charge_a) \
+    X("bms.contactor", VALUE, "", \
+      "contactor as sent to the controllers: 0 not reported, 1 closed, 2 open", \
+      (double)b->limits.contactor) \
     X("bms.discharge_a", VALUE, "A", \
       "discharge limit sent to the controllers", b->limits.sent.discharge_a) \
     X("bms.charge_peak_a", VALUE, "A", \

@@ -5,6 +5,7 @@
 
 #include "plant/numbers.h"
 
+static const double SILENT = 0.5;      /* a switch given as a number */
 static const double ROUNDING_S = 1e-9; /* times are added up elsewhere */
 
 static double faded(double left_soc, double fade_soc)
@@ -59,10 +60,13 @@ bms_limits_t bms_limits(const bms_params_t *params, const battery_params_t *pack
 }
 
 bms_limits_t bms_step(const bms_params_t *params, bms_state_t *state, const battery_params_t *pack,
-                      const battery_state_t *battery, double time_s)
+                      const battery_state_t *battery, bool contactor_open, double time_s)
 {
     if (time_s + ROUNDING_S >= state->next_s) {
         state->sent = bms_limits(params, pack, battery);
+        state->contactor = params->contactor_silent > SILENT ? BMS_NOT_REPORTED
+                           : contactor_open                  ? BMS_OPEN
+                                                             : BMS_CLOSED;
         state->next_s = time_s + params->period_s;
     }
     return state->sent;

@@ -234,6 +234,7 @@ int hubfoc_battery_limits_pack(
 
     dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
     dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->contactor, 4u, 0x30u);
     dst_p[2] |= pack_left_shift_u32(src_p->charge_current_a, 0u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(src_p->charge_current_a, 8u, 0xffu);
     dst_p[4] |= pack_right_shift_u32(src_p->charge_current_a, 16u, 0x07u);
@@ -255,6 +256,7 @@ int hubfoc_battery_limits_unpack(
 
     dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
     dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->contactor = unpack_right_shift_u8(src_p[1], 4u, 0x30u);
     dst_p->charge_current_a = unpack_right_shift_u32(src_p[2], 0u, 0xffu);
     dst_p->charge_current_a |= unpack_left_shift_u32(src_p[3], 8u, 0xffu);
     dst_p->charge_current_a |= unpack_left_shift_u32(src_p[4], 16u, 0x07u);
@@ -284,6 +286,11 @@ bool hubfoc_battery_limits_crc_is_in_range(uint8_t value)
 bool hubfoc_battery_limits_counter_is_in_range(uint8_t value)
 {
     return (value <= 15u);
+}
+
+bool hubfoc_battery_limits_contactor_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
 }
 
 bool hubfoc_battery_limits_charge_current_a_is_in_range(uint32_t value)

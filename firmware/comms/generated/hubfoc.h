@@ -82,6 +82,10 @@ extern "C" {
 #define HUBFOC_WHEEL_HEALTH_CYCLE_TIME_MS (100u)
 
 /* Signal choices. */
+#define HUBFOC_BATTERY_LIMITS_CONTACTOR_NOT_REPORTED_CHOICE (0u)
+#define HUBFOC_BATTERY_LIMITS_CONTACTOR_CLOSED_CHOICE (1u)
+#define HUBFOC_BATTERY_LIMITS_CONTACTOR_OPEN_CHOICE (2u)
+
 #define HUBFOC_WHEEL_STATE_MODE_BOOT_CHOICE (0u)
 #define HUBFOC_WHEEL_STATE_MODE_SELFTEST_CHOICE (1u)
 #define HUBFOC_WHEEL_STATE_MODE_OFFSET_CAL_CHOICE (2u)
@@ -279,6 +283,7 @@ extern "C" {
 #define HUBFOC_DEMAND_BRAKE_TORQUE_NM_NAME "brake_torque_nm"
 #define HUBFOC_BATTERY_LIMITS_CRC_NAME "crc"
 #define HUBFOC_BATTERY_LIMITS_COUNTER_NAME "counter"
+#define HUBFOC_BATTERY_LIMITS_CONTACTOR_NAME "contactor"
 #define HUBFOC_BATTERY_LIMITS_CHARGE_CURRENT_A_NAME "charge_current_a"
 #define HUBFOC_BATTERY_LIMITS_DISCHARGE_CURRENT_A_NAME "discharge_current_a"
 #define HUBFOC_WHEEL_STATE_CRC_NAME "crc"
@@ -409,6 +414,15 @@ struct hubfoc_battery_limits_t {
      * Offset: 0
      */
     uint8_t counter;
+
+    /**
+     * State of the pack's main contactor. OPEN: no bridge may draw from the bus or return to it. NOT_REPORTED counts as CLOSED, except that an over-voltage is then a fault.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t contactor;
 
     /**
      * Largest current into the whole pack; a magnitude. 0: full or cold.
@@ -898,6 +912,15 @@ bool hubfoc_battery_limits_crc_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_battery_limits_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_battery_limits_contactor_is_in_range(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.

@@ -163,6 +163,7 @@ def _bms(drive: Drive) -> dict[str, float]:
         "bms.full_charge_c": full_c,
         "bms.period_s": bms.period_s,
         "bms.current_step_a": bms.current_step_a,
+        "bms.contactor_silent": 0.0,
     }
 
 

@@ -27,6 +27,13 @@ typedef struct {
                                  torque demand */
 } wheel_demand_t;
 
+/* State of the pack's main contactor; the numbers are part of the protocol. */
+typedef enum {
+    CONTACTOR_NOT_REPORTED = 0, /* counts as closed */
+    CONTACTOR_CLOSED = 1,
+    CONTACTOR_OPEN = 2
+} contactor_t;
+
 /* What the battery management allows now, of the whole pack: the CAN message BatteryLimits. */
 typedef struct {
     int32_t charge_current_mA;    /* magnitude >= 0 */
@@ -34,6 +41,7 @@ typedef struct {
     /* Magnitude >= 0, for as long as the hydraulic brake takes to come; 0: not given. The CAN
      * message BatteryPeak. */
     int32_t charge_peak_current_mA;
+    contactor_t contactor;
 } battery_limits_t;
 
 /* The measured torque of this wheel's hydraulic brake: the CAN message HydraulicFeedback. */

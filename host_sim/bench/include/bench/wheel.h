@@ -20,6 +20,7 @@
 
 #include "bench/parameters.h"
 #include "controller/controller.h"
+#include "plant/bms.h"
 #include "plant/random.h"
 #include "plant/switching.h"
 #include "plant/temperature_sensor.h"
@@ -123,6 +124,7 @@ void wheel_refresh(wheel_t *wheel, const wheel_world_t *world);
 typedef struct {
     double drive_nm, brake_nm;
     double charge_limit_a, discharge_limit_a, peak_charge_a;
+    bms_contactor_t contactor;
     double demand_age_s;
     double current_drift_a; /* what the current sensors' offset has grown by */
     double speed_rad_s;     /* mechanical */

@@ -74,6 +74,8 @@
     X(bms_discharge_current_a, bms_discharge_current_mA, bms.discharge_current_mA, \
       REAL, MILLI, 0, INT32_MAX, 2000000000, "A", \
       "present discharge current limit of the whole pack, magnitude") \
+    X(bms_contactor, bms_contactor, bms.contactor, CODE, PLAIN, 0, 2, 0, "", \
+      "the pack's main contactor: 0 not reported, 1 closed, 2 open") \
     X(bms_charge_peak_current_a, bms_charge_peak_current_mA, bms.charge_peak_current_mA, \
       REAL, MILLI, 0, INT32_MAX, 0, "A", \
       "charge current of the whole pack allowed for a short time, magnitude; 0: not given") \

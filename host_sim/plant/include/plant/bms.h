@@ -13,6 +13,8 @@
 #ifndef PLANT_BMS_H
 #define PLANT_BMS_H
 
+#include <stdbool.h>
+
 #include "plant/battery.h"
 #include "plant/parameter.h"
 
@@ -30,7 +32,9 @@
     X(period_s,          0.0,   10.0,  "s",    "of the message; 0: every millisecond") \
     X(current_step_a,    0.0,   1e3,   "A",    "resolution of the message; 0: none") \
     X(peak_charge_a,     0.0,   1e6,   "A", \
-      "charge current allowed for a short time, which the message gives too; 0: it gives none")
+      "charge current allowed for a short time, which the message gives too; 0: it gives none") \
+    X(contactor_silent,  0.0,   1.0,   "", \
+      "1: the message does not say whether the contactor is open")
 /* clang-format on */
 
 typedef struct {
@@ -43,16 +47,20 @@ typedef struct {
     double peak_charge_a; /* 0: not given */
 } bms_limits_t;
 
+typedef enum { BMS_NOT_REPORTED = 0, BMS_CLOSED = 1, BMS_OPEN = 2 } bms_contactor_t;
+
 typedef struct {
     bms_limits_t sent;
-    double next_s; /* time of the next message */
+    bms_contactor_t contactor; /* as sent */
+    double next_s;             /* time of the next message */
 } bms_state_t;
 
 bms_limits_t bms_limits(const bms_params_t *params, const battery_params_t *pack,
                         const battery_state_t *battery);
 
-/* Once a millisecond: the limits as the last message has them. time_s must not go back. */
+/* Once a millisecond: the limits as the last message has them; state->contactor likewise. time_s
+ * must not go back. */
 bms_limits_t bms_step(const bms_params_t *params, bms_state_t *state, const battery_params_t *pack,
-                      const battery_state_t *battery, double time_s);
+                      const battery_state_t *battery, bool contactor_open, double time_s);
 
 #endif

@@ -36,7 +36,7 @@ def test_every_signal_required_by_a_brake_system_exists(database: Database) -> N
     names = {signal.name for _, signal in signals(database)}
     assert names >= {
         *("drive_torque_nm", "brake_torque_nm", "abs_active", "enable", "fault_reset"),
-        *("charge_current_a", "discharge_current_a"),
+        *("charge_current_a", "discharge_current_a", "contactor"),
         *(
             "motor_torque_command_nm",
             "motor_torque_estimate_nm",

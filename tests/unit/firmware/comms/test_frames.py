@@ -105,7 +105,10 @@ def frames(comms: Comms) -> Iterator[tuple[str, int, int, CValue]]:
         "wheel_demand_t", drive_torque_mNm=-12300, brake_torque_mNm=456700, enable=True
     )
     battery = comms.struct(
-        "battery_limits_t", charge_current_mA=123400, discharge_current_mA=567800
+        "battery_limits_t",
+        charge_current_mA=123400,
+        discharge_current_mA=567800,
+        contactor=comms.lib.CONTACTOR_OPEN,
     )
     for counter in range(16):
         yield "BatteryLimits", 0, counter, comms.lib.messages_battery(battery, counter)
@@ -338,11 +341,16 @@ def test_battery_limits_made_by_another_tool_are_read_exactly(
     dice = random.Random(4)
     for _ in range(1000):
         charge, discharge = dice.randint(0, 320_000), dice.randint(0, 320_000)
+        contactor = dice.randint(0, 2)
         frame = received(
             comms,
             database,
             "BatteryLimits",
-            {"charge_current_a": charge / 10, "discharge_current_a": discharge / 10},
+            {
+                "charge_current_a": charge / 10,
+                "discharge_current_a": discharge / 10,
+                "contactor": contactor,
+            },
         )
         battery = comms.struct("battery_limits_t")
         assert comms.lib.messages_read_battery(frame, battery)
@@ -350,6 +358,7 @@ def test_battery_limits_made_by_another_tool_are_read_exactly(
             100 * charge,
             100 * discharge,
         )
+        assert battery.contactor == contactor
 
 
 @pytest.mark.parametrize(

@@ -146,13 +146,16 @@ void test_battery_limits_unpack_to_the_packed_values(void)
     static const int32_t CURRENT_mA[] = {0, 100, 123400, 32000000};
     for (uint32_t c = 0; c < 4; c++) {
         for (uint32_t d = 0; d < 4; d++) {
-            const battery_limits_t meant = {CURRENT_mA[c], CURRENT_mA[d]};
+            const battery_limits_t meant = {.charge_current_mA = CURRENT_mA[c],
+                                            .discharge_current_mA = CURRENT_mA[d],
+                                            .contactor = (contactor_t)(d % 3)};
             const messages_frame_t frame = messages_battery(&meant, 15);
             battery_limits_t read;
             TEST_ASSERT_TRUE(e2e_intact(frame.data, frame.identifier));
             TEST_ASSERT_TRUE(messages_read_battery(&frame, &read));
             TEST_ASSERT_EQUAL_INT32(meant.charge_current_mA, read.charge_current_mA);
             TEST_ASSERT_EQUAL_INT32(meant.discharge_current_mA, read.discharge_current_mA);
+            TEST_ASSERT_EQUAL_INT(meant.contactor, read.contactor);
         }
     }
 }
@@ -189,10 +192,23 @@ static bool battery_is_read(uint32_t charge_steps, uint32_t discharge_steps)
                                                 .discharge_current_a = discharge_steps};
     messages_frame_t frame = {.length = 8};
     (void)hubfoc_battery_limits_pack(frame.data, &raw, sizeof frame.data);
-    battery_limits_t battery = {7, 7};
+    battery_limits_t battery = {.charge_current_mA = 7, .discharge_current_mA = 7};
     const bool read = messages_read_battery(&frame, &battery);
     TEST_ASSERT_TRUE(read || (battery.charge_current_mA == 7 && battery.discharge_current_mA == 7));
     return read;
+}
+
+void test_a_contactor_state_that_does_not_exist_is_refused(void)
+{
+    for (uint8_t state = 0; state < 4; state++) {
+        const struct hubfoc_battery_limits_t raw = {.contactor = state};
+        messages_frame_t frame = {.length = 8};
+        (void)hubfoc_battery_limits_pack(frame.data, &raw, sizeof frame.data);
+        battery_limits_t battery = {.contactor = CONTACTOR_CLOSED};
+        TEST_ASSERT_EQUAL_INT(state <= CONTACTOR_OPEN, messages_read_battery(&frame, &battery));
+        TEST_ASSERT_EQUAL_INT(state <= CONTACTOR_OPEN ? state : CONTACTOR_CLOSED,
+                              battery.contactor);
+    }
 }
 
 void test_battery_limits_beyond_the_range_are_refused(void)
@@ -206,7 +222,7 @@ void test_battery_limits_beyond_the_range_are_refused(void)
 void test_a_frame_of_another_length_is_refused(void)
 {
     const wheel_demand_t demand = {.enable = true};
-    const battery_limits_t battery = {1000, 1000};
+    const battery_limits_t battery = {.charge_current_mA = 1000, .discharge_current_mA = 1000};
     for (uint8_t length = 0; length < 8; length++) {
         messages_frame_t frame = messages_demand(&demand, MESSAGES_FRONT_LEFT, 0);
         wheel_demand_t read_demand;

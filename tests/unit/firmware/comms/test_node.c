@@ -31,7 +31,9 @@ static bool receive_demand(uint8_t counter, int32_t drive_torque_mNm, uint32_t n
 
 static bool receive_battery(uint8_t counter, int32_t charge_current_mA, uint32_t now_ms)
 {
-    const battery_limits_t battery = {charge_current_mA, 90000};
+    const battery_limits_t battery = {.charge_current_mA = charge_current_mA,
+                                      .discharge_current_mA = 90000,
+                                      .contactor = CONTACTOR_OPEN};
     const messages_frame_t frame = messages_battery(&battery, counter);
     return node_receive(&node, &frame, now_ms);
 }
@@ -178,11 +180,13 @@ void test_charge_limit_is_zero_after_a_bms_timeout_until_requalification(void)
     TEST_ASSERT_FALSE(receive_battery(1, 10000, BATTERY_CYCLE_ms));
     TEST_ASSERT_TRUE(receive_battery(2, 10000, 2 * BATTERY_CYCLE_ms));
     TEST_ASSERT_EQUAL_INT32(10000, node.command.bms.charge_current_mA);
+    TEST_ASSERT_EQUAL_INT(CONTACTOR_OPEN, node.command.bms.contactor);
     const uint32_t silent_ms = 2 * BATTERY_CYCLE_ms + NODE_TIMEOUT_CYCLES * BATTERY_CYCLE_ms;
     TEST_ASSERT_FALSE(node_tick(&node, silent_ms - 1));
     TEST_ASSERT_TRUE(node_tick(&node, silent_ms));
     TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_current_mA);
     TEST_ASSERT_EQUAL_INT32(PACK.discharge_current_mA, node.command.bms.discharge_current_mA);
+    TEST_ASSERT_EQUAL_INT(CONTACTOR_NOT_REPORTED, node.command.bms.contactor);
     (void)receive_battery(3, 8000, silent_ms + 100);
     (void)receive_battery(4, 8000, silent_ms + 200);
     TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_current_mA);
@@ -205,7 +209,7 @@ void test_battery_limits_above_their_range_count_as_missing(void)
     for (uint8_t i = 0; i < 3; i++) {
         (void)receive_battery(i, 10000, i * BATTERY_CYCLE_ms);
     }
-    const battery_limits_t battery = {0, 0};
+    const battery_limits_t battery = {.charge_current_mA = 0, .discharge_current_mA = 0};
     for (uint32_t k = 3; k < 20; k++) {
         messages_frame_t frame = messages_battery(&battery, (uint8_t)(k & 15U));
         frame.data[2] = 0xFF; /* 0x7FFFF = 52 428.7 A, more than the 32 000 A of the DBC */

@@ -54,6 +54,7 @@ static slow_input_t slow_input(uint32_t n)
         .bms.discharge_current_mA = 150000,
         .bms.charge_peak_current_mA = 250000,
         .hydraulic = {.torque_mNm = 12000, .age_ms = n % 10, .valid = true},
+        .bms.contactor = n > 4000 ? CONTACTOR_CLOSED : CONTACTOR_NOT_REPORTED,
         .temperature.winding_cC = 4000,
         .temperature.switch_cC = 5000,
         .demand.enable = true,
@@ -78,13 +79,23 @@ static void fast_array(const fast_input_t *in, int32_t *out)
 
 static void slow_array(const slow_input_t *in, int32_t *out)
 {
-    const int32_t values[] = {
-        in->demand.drive_torque_mNm, in->demand.brake_torque_mNm,   (int32_t)in->demand_age_ms,
-        in->bms.charge_current_mA,   in->bms.discharge_current_mA,  in->bms.charge_peak_current_mA,
-        in->hydraulic.torque_mNm,    (int32_t)in->hydraulic.age_ms, in->hydraulic.valid,
-        in->temperature.winding_cC,  in->temperature.switch_cC,     in->demand.enable,
-        in->demand.abs_active,       in->demand.fault_reset,        in->selftest_passed,
-        in->config_accepted};
+    const int32_t values[] = {in->demand.drive_torque_mNm,
+                              in->demand.brake_torque_mNm,
+                              (int32_t)in->demand_age_ms,
+                              in->bms.charge_current_mA,
+                              in->bms.discharge_current_mA,
+                              (int32_t)in->bms.contactor,
+                              in->bms.charge_peak_current_mA,
+                              in->hydraulic.torque_mNm,
+                              (int32_t)in->hydraulic.age_ms,
+                              in->hydraulic.valid,
+                              in->temperature.winding_cC,
+                              in->temperature.switch_cC,
+                              in->demand.enable,
+                              in->demand.abs_active,
+                              in->demand.fault_reset,
+                              in->selftest_passed,
+                              in->config_accepted};
     memcpy(out, values, sizeof(values));
 }
 

@@ -104,17 +104,37 @@ void test_message_values_are_rounded_towards_zero_current(void)
     TEST_ASSERT_EQUAL_DOUBLE(245.0, discharge_at(0.9));
 }
 
+void test_message_gives_the_contactor_state_of_its_sending_or_none(void)
+{
+    params.period_s = 0.1;
+    bms_state_t state = {.next_s = 0.0};
+    (void)bms_step(&params, &state, &pack, &battery, false, 0.0);
+    TEST_ASSERT_EQUAL_INT(BMS_CLOSED, state.contactor);
+    (void)bms_step(&params, &state, &pack, &battery, true, 0.099);
+    TEST_ASSERT_EQUAL_INT(BMS_CLOSED, state.contactor);
+    (void)bms_step(&params, &state, &pack, &battery, true, 0.100);
+    TEST_ASSERT_EQUAL_INT(BMS_OPEN, state.contactor);
+    params.contactor_silent = 1.0;
+    (void)bms_step(&params, &state, &pack, &battery, true, 0.200);
+    TEST_ASSERT_EQUAL_INT(BMS_NOT_REPORTED, state.contactor);
+}
+
 void test_limits_are_constant_between_messages(void)
 {
     params.period_s = 0.1;
     bms_state_t state = {.next_s = 0.0};
-    TEST_ASSERT_EQUAL_DOUBLE(200.0, bms_step(&params, &state, &pack, &battery, 0.0).charge_a);
+    TEST_ASSERT_EQUAL_DOUBLE(200.0,
+                             bms_step(&params, &state, &pack, &battery, false, 0.0).charge_a);
     battery.soc = 1.0;
-    TEST_ASSERT_EQUAL_DOUBLE(200.0, bms_step(&params, &state, &pack, &battery, 0.099).charge_a);
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, bms_step(&params, &state, &pack, &battery, 0.100).charge_a);
+    TEST_ASSERT_EQUAL_DOUBLE(200.0,
+                             bms_step(&params, &state, &pack, &battery, false, 0.099).charge_a);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0,
+                             bms_step(&params, &state, &pack, &battery, false, 0.100).charge_a);
     battery.soc = 0.5;
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, bms_step(&params, &state, &pack, &battery, 0.199).charge_a);
-    TEST_ASSERT_EQUAL_DOUBLE(200.0, bms_step(&params, &state, &pack, &battery, 0.201).charge_a);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0,
+                             bms_step(&params, &state, &pack, &battery, false, 0.199).charge_a);
+    TEST_ASSERT_EQUAL_DOUBLE(200.0,
+                             bms_step(&params, &state, &pack, &battery, false, 0.201).charge_a);
 }
 
 void test_the_short_time_limit_is_sent_as_given_whatever_the_pack_takes_for_long(void)
