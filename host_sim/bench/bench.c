@@ -299,6 +299,11 @@ bench_start_t bench_start(bench_t *bench)
                           bench->world.step_s)) {
         return BENCH_UNRESOLVED;
     }
+    if (params->run.boots_rolling > 0.5) {
+        bench->vehicle.speed_m_per_s = params->run.initial_speed_m_per_s;
+        begin_accounts(bench);
+        return BENCH_READY;
+    }
     bench->speed_prescribed = true;
     bench->vehicle.speed_m_per_s = boot_speed_m_per_s(bench);
     while (!all_run(bench)) {

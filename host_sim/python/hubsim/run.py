@@ -102,6 +102,7 @@ def _scenario_parameters(drive: Drive, scenario: Scenario) -> dict[str, float]:
         "driver.enable": 1.0,
         "run.seed": float(scenario.seed),
         "run.initial_speed_m_per_s": scenario.initial_speed_kmh / cycles.KMH_PER_M_PER_S,
+        "run.boots_rolling": float(scenario.boots_rolling),
         "run.stop_at_standstill": float(scenario.stop_at_standstill),
         "run.record_interval_s": scenario.record_interval_s,
         "run.rotor_spread_turn": ROTOR_SPREAD_TURN,

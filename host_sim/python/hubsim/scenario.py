@@ -61,6 +61,15 @@ class Scenario(Section):
     drive_trace_nm: Annotated[
         Points | None, listing("instead of drive_nm: drive pedal over time, N m", _POINTS)
     ] = None
+    boots_rolling: Annotated[
+        bool,
+        Field(
+            description=(
+                "the controllers boot when the run begins, on wheels that turn at"
+                " initial_speed_kmh; false: at standstill, before it"
+            )
+        ),
+    ] = False
     stop_at_standstill: Annotated[
         bool, Field(description="the run ends when the vehicle stands")
     ] = False

@@ -35,6 +35,9 @@
     X(seed,                       0.0,  9007199254740992.0, "1", "of the sensors' noise") \
     X(initial_speed_m_per_s,   -100.0,  100.0, "m/s", \
       "the vehicle is brought to it before the run begins") \
+    X(boots_rolling,              0.0,  1.0,   "", \
+      "1: the controllers boot when the run begins, on wheels that turn already; 0: before it, " \
+      "at standstill") \
     X(stop_at_standstill,         0.0,  1.0,   "",    "1: the run ends when the vehicle stands") \
     X(record_interval_s,          1e-5, 1e3,   "s",   "distance of recorded rows") \
     X(pieces,                     0.0,  64.0,  "1", \

@@ -38,6 +38,7 @@ VEHICLE_FIXED = frozenset(
         "battery.initial_soc",
         "run.seed",
         "run.initial_speed_m_per_s",
+        "run.boots_rolling",
         "run.rotor_turn",
         "run.rotor_spread_turn",
     }
