@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import re
 import statistics
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from benchmark import build
@@ -13,6 +14,7 @@ from benchmark.elf import Function
 
 SECONDS_AT_MOST = 240.0
 CALLS_AT_LEAST = 1000
+REASONS = build.ROOT / "firmware" / "core" / "include" / "core" / "reason.h"
 
 
 @dataclass(frozen=True)
@@ -136,6 +138,21 @@ def count(
     """Summary of every call of the named functions after ``begin`` was called."""
     found = calls(core, elf, plugin, functions, names, begin)
     return {name: summary(values) for name, values in found.items()}
+
+
+def by_reason(core: build.Core, elf: Path, instructions: list[int]) -> dict[str, dict[str, int]]:
+    """Summarise the states of the envelope that show the same reason, by its name."""
+    text = build.run(
+        emulator_command(core, elf, [f"states={len(instructions)}", "reasons=1"]),
+        "the reasons of the states",
+        timeout_s=SECONDS_AT_MOST,
+    )
+    shown = [line[7:] for line in text.splitlines() if line.startswith("reason=")]
+    found = {
+        name: [n for n, reason in zip(instructions, shown, strict=True) if reason == number]
+        for number, name in re.findall(r"X\((\d+), (\w+),", REASONS.read_text(encoding="utf-8"))
+    }
+    return {name: asdict(summary(values)) for name, values in found.items() if values}
 
 
 def state_with(core: build.Core, elf: Path, index: int) -> dict[str, int]:

@@ -8,7 +8,7 @@
  * RUN; the others walk on, half of them at an operating point near the one before.
  *
  * Options on the emulated command line: states=N (100 000), show=I prints the state with index I
- * in plain text and ends.
+ * in plain text and ends, reasons=1 prints the reason shown in every state.
  */
 #include <math.h>
 #include <stddef.h>
@@ -288,6 +288,7 @@ int main(void)
     }
     const uint32_t states = semihost_option("states", STATES);
     const uint32_t shown = semihost_option("show", UINT32_MAX);
+    const bool reasons = semihost_option("reasons", 0) != 0;
     slow_output_t out = {.mode = MODE_FAULT};
     uint32_t running = 0;
     begin_measuring();
@@ -304,6 +305,9 @@ int main(void)
         add_periods(&now);
         out = step(&now);
         running += out.mode == MODE_RUN || out.mode == MODE_LIMP ? 1U : 0U;
+        if (reasons) {
+            print_number("reason", (int32_t)out.torque_reason);
+        }
         if (n == shown) {
             show(&out);
             return 0;
