@@ -150,6 +150,8 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .phase_voltage_mV = at->phase_voltage_mV,
         .bms_charge_current_mA = in->bms.charge_current_mA,
         .bms_discharge_current_mA = in->bms.discharge_current_mA,
+        .bms_charge_peak_mA = in->bms.charge_peak_current_mA,
+        .hydraulic = in->hydraulic,
         .winding_temperature_cC = in->temperature.winding_cC,
         .switch_temperature_cC = in->temperature.switch_cC,
         .torque_enable = *torque_enable,

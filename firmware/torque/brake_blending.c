@@ -5,13 +5,17 @@
 #include "torque/demand.h"
 
 enum {
+    ONE_Q6 = 64,
     LIMIT_FILTER_LOG2 = 6,   /* 64 ms: filters the noise of the extrapolation */
     MOST_LIMIT_mNm = 8388608 /* largest input of the filter */
 };
 
-void brake_blending_init(brake_blending_state_t *state)
+void brake_blending_init(brake_blending_state_t *state, const config_t *config)
 {
     hydraulic_model_init(&state->hydraulic);
+    hydraulic_feedback_init(&state->feedback, config);
+    state->bridged_q6_mNm = 0;
+    state->bridging_ms = 0;
     filter_reset(&state->limit_lp_mNm, 0, LIMIT_FILTER_LOG2);
 }
 
@@ -50,8 +54,11 @@ static motor_share_t motor_share(const config_t *config, const brake_blending_in
     const int32_t achieved_mNm = braking_part(in->motor_achieved_mNm, in->speed_mrad_s);
     const int32_t reachable_mNm = q_saturate64(
         (int64_t)commanded_mNm + (int64_t)in->motor_growth_mNm * config->brake.motor_arrival_ms);
-    const int32_t released_mNm = q_saturate64((int64_t)demand_rate_mNm_per_step(config) *
-                                              config->brake.hydraulic_dead_time_ms);
+    /* What it cannot release in the time in which the hydraulic torque builds up. */
+    const int32_t build_up_ms =
+        config->brake.hydraulic_dead_time_ms + config->brake.hydraulic_time_constant_ms;
+    const int32_t released_mNm =
+        q_saturate64((int64_t)demand_rate_mNm_per_step(config) * build_up_ms);
     out.expected_mNm =
         q_max(q_min(electric_mNm, reachable_mNm), q_max(commanded_mNm - released_mNm, 0));
     if (out.expected_mNm > 0) {
@@ -61,44 +68,97 @@ static motor_share_t motor_share(const config_t *config, const brake_blending_in
     return out;
 }
 
+/* A deferrable limit as the motor leaves it: at once where it rises; where it falls, kept for the
+ * dead time, then with the lag. In the blend-out range what is kept fades as well. The motor torque
+ * never rises above the limit by it. */
+static int32_t bridged_mNm(brake_blending_state_t *state, const config_brake_t *brake,
+                           int32_t limit_mNm, const brake_blending_input_t *in, bool measured)
+{
+    const int32_t within_q6 = q_min(limit_mNm, MOST_LIMIT_mNm) * ONE_Q6;
+    const int32_t made_mNm =
+        q_min(braking_part(in->motor_command_mNm, in->speed_mrad_s), MOST_LIMIT_mNm);
+    if (state->bridging_ms == 0) {
+        state->bridged_q6_mNm = q_min(state->bridged_q6_mNm, made_mNm * ONE_Q6);
+    }
+    if (within_q6 >= state->bridged_q6_mNm || brake->bridging_time_ms == 0) {
+        state->bridged_q6_mNm = within_q6;
+        state->bridging_ms = 0;
+        return limit_mNm;
+    }
+    const int32_t slower = measured ? 2 : 1;
+    const int32_t kept_ms = q_min(brake->hydraulic_dead_time_ms, brake->bridging_time_ms) * slower;
+    const int32_t rest_ms = brake->bridging_time_ms * slower - kept_ms;
+    int32_t above_q6 = state->bridged_q6_mNm - within_q6;
+    if (state->bridging_ms < kept_ms) {
+        state->bridging_ms++;
+    } else {
+        /* exp(-2.3) is a tenth */
+        above_q6 -= q_min(above_q6 / (rest_ms * 10 / 23 + 1) + 1, above_q6);
+    }
+    state->bridged_q6_mNm = within_q6 + above_q6;
+    const int32_t above_mNm = q_clamp(made_mNm - limit_mNm, 0, above_q6 / ONE_Q6);
+    const int32_t end_mrad_s = brake->blend_out_end_mrad_s;
+    const int32_t share_q15 = limit_fade_q15(
+        q_abs(in->speed_mrad_s), q_max(brake->blend_out_start_mrad_s, end_mrad_s + 1), end_mrad_s);
+    const int32_t faded_mNm = (int32_t)(((int64_t)above_mNm * share_q15) >> 15);
+    return limit_mNm + (share_q15 < Q15_ONE ? faded_mNm : above_mNm);
+}
+
+/* The command that makes a torque, of a brake of the learned gain. */
+static int32_t command_mNm(const hydraulic_feedback_state_t *brake, int32_t required_mNm,
+                           int32_t motor_mNm)
+{
+    const int32_t nominal_mNm = q_saturate64(((int64_t)required_mNm << 15) / brake->gain_q15);
+    if (!hydraulic_feedback_used(brake)) {
+        return nominal_mNm;
+    }
+    const int32_t uncertain_mNm =
+        (int32_t)(((int64_t)required_mNm * (brake->gain_q15 - brake->least_q15)) >> 15);
+    return q_saturate64((int64_t)nominal_mNm + q_min(uncertain_mNm, motor_mNm) / 2);
+}
+
 brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
                                          const torque_limits_t *limits,
                                          const brake_blending_input_t *in)
 {
     const config_brake_t *brake = &config->brake;
     const int32_t demand_mNm = q_max(in->demand_mNm, 0);
+    const torque_limits_classes_t bounds = torque_limits_classes(limits->braking);
+    const limit_t available = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_COUNT);
 
     /* Tightest of the lines that do not depend on the demand. */
-    const limit_t independent =
-        torque_limits_tightest(limits->braking, 0, TORQUE_LINE_ELECTRIC_SHARE);
-    const int32_t fall_mNm = expected_fall_mNm(state, brake, independent.torque_mNm);
-    const limit_t others =
-        torque_limits_tightest(limits->braking, TORQUE_LINE_ELECTRIC_SHARE, TORQUE_LINE_COUNT);
-    limit_t available = independent;
-    limit_tighten(&available, others.torque_mNm, others.reason);
-
-    limit_t electric = limit_init(demand_mNm, REASON_NONE);
-    limit_tighten(&electric, available.torque_mNm, available.reason);
-
+    const int32_t independent_mNm = q_min(bounds.hard_mNm, bounds.deferrable_mNm);
+    const int32_t fall_mNm = expected_fall_mNm(state, brake, independent_mNm);
     const int32_t expected_limit_mNm =
-        q_min(electric.torque_mNm, q_max(independent.torque_mNm - fall_mNm, 0));
+        q_min(q_min(demand_mNm, available.torque_mNm), q_max(independent_mNm - fall_mNm, 0));
     const motor_share_t motor = motor_share(config, in, expected_limit_mNm);
     const int32_t required_mNm =
         q_min(q_max(demand_mNm - motor.expected_mNm + motor.shortfall_mNm, 0), demand_mNm);
-    const int32_t hydraulic_mNm = q_min(required_mNm, brake->max_hydraulic_torque_mNm);
-    /* Hydraulic torque that covers a motor shortfall does not reduce the motor command. */
+    const int32_t commanded_mNm = command_mNm(&state->feedback, required_mNm, motor.expected_mNm);
+    const int32_t hydraulic_mNm = q_min(commanded_mNm, brake->max_hydraulic_torque_mNm);
     hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm);
-    const int32_t estimated_mNm =
-        q_max(hydraulic_model_torque_mNm(&state->hydraulic) - motor.shortfall_mNm, 0);
-    limit_tighten(&electric, demand_mNm - estimated_mNm, REASON_TORQUE_RATE);
+    const hydraulic_feedback_out_t now =
+        hydraulic_feedback_step(&state->feedback, config, &state->hydraulic, &in->hydraulic);
 
+    const int32_t share_mNm = limits->braking[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm;
+    const int32_t bound_mNm = q_min(q_min(bounds.hard_mNm, share_mNm),
+                                    bridged_mNm(state, brake, bounds.deferrable_mNm, in, now.used));
+    limit_t electric = limit_init(demand_mNm, REASON_NONE);
+    limit_tighten(&electric, bound_mNm, available.reason);
+    /* Hydraulic torque that covers a motor shortfall does not reduce the motor command. */
+    limit_tighten(&electric, demand_mNm - q_max(now.torque_mNm - motor.shortfall_mNm, 0),
+                  REASON_TORQUE_RATE);
+
+    const bool beyond = commanded_mNm > brake->max_hydraulic_torque_mNm;
     const brake_blending_out_t out = {
         .electric_mNm = electric.torque_mNm,
         .hydraulic_mNm = hydraulic_mNm,
+        .hydraulic_now_mNm = now.torque_mNm,
         .available = available,
         .reason = electric.reason,
-        .hydraulic_reason =
-            required_mNm > brake->max_hydraulic_torque_mNm ? REASON_HYDRAULIC_LIMIT : REASON_NONE,
+        .hydraulic_reason = beyond     ? REASON_HYDRAULIC_LIMIT
+                            : now.lost ? REASON_HYDRAULIC_FEEDBACK
+                                       : REASON_NONE,
     };
     return out;
 }

@@ -11,25 +11,38 @@ void hydraulic_model_init(hydraulic_model_t *model)
     *model = at_rest;
 }
 
-/* The command at the end of its dead time. */
-static int32_t arrived_mNm(hydraulic_model_t *model, int32_t dead_time_ms, int32_t command_mNm)
+/* The command of some milliseconds ago; 0: the one of this step. */
+static int32_t command_mNm_ago(const hydraulic_model_t *model, int32_t ago_ms)
 {
-    const int32_t length = q_clamp(dead_time_ms, 0, HYDRAULIC_MODEL_DEAD_TIME_MOST_ms) + 1;
-    model->commands_mNm[model->next] = command_mNm;
-    model->next = model->next + 1 < length ? model->next + 1 : 0;
-    return model->commands_mNm[model->next];
+    const int32_t at = model->next - q_clamp(ago_ms, 0, HYDRAULIC_MODEL_COMMANDS - 1);
+    return model->commands_mNm[at >= 0 ? at : at + HYDRAULIC_MODEL_COMMANDS];
+}
+
+static int32_t lag_step_q6(int32_t torque_q6, int32_t target_mNm, int32_t lag_ms,
+                           int32_t largest_q6)
+{
+    const int32_t change_q6 = (target_mNm * ONE_Q6 - torque_q6) / (lag_ms + 1);
+    return torque_q6 + q_limit(change_q6, largest_q6);
 }
 
 void hydraulic_model_step(hydraulic_model_t *model, const config_t *config, int32_t command_mNm)
 {
     const config_brake_t *brake = &config->brake;
-    const int32_t most_mNm = q_clamp(command_mNm, 0, brake->max_hydraulic_torque_mNm);
-    const int32_t target_q6 = arrived_mNm(model, brake->hydraulic_dead_time_ms, most_mNm) * ONE_Q6;
+    const int32_t dead_ms = brake->hydraulic_dead_time_ms;
+    const int32_t lag_ms = brake->hydraulic_time_constant_ms;
+    const int32_t report_ms = brake->hydraulic_report_delay_ms;
     const int32_t largest_q6 =
         q_max(brake->hydraulic_rate_mNm_s / STEPS_PER_S * ONE_Q6 +
                   brake->hydraulic_rate_mNm_s % STEPS_PER_S * ONE_Q6 / STEPS_PER_S,
               1);
-    const int32_t change_q6 =
-        (target_q6 - model->torque_q6_mNm) / (brake->hydraulic_time_constant_ms + 1);
-    model->torque_q6_mNm += q_clamp(change_q6, -largest_q6, largest_q6);
+    model->next = model->next + 1 < HYDRAULIC_MODEL_COMMANDS ? model->next + 1 : 0;
+    model->commands_mNm[model->next] = q_clamp(command_mNm, 0, brake->max_hydraulic_torque_mNm);
+    model->torque_q6_mNm =
+        lag_step_q6(model->torque_q6_mNm, command_mNm_ago(model, dead_ms), lag_ms, largest_q6);
+    model->early_q6_mNm =
+        lag_step_q6(model->early_q6_mNm, command_mNm_ago(model, dead_ms / 2 + report_ms),
+                    lag_ms / 2, largest_q6);
+    model->late_q6_mNm =
+        lag_step_q6(model->late_q6_mNm, command_mNm_ago(model, 2 * dead_ms + report_ms), 2 * lag_ms,
+                    largest_q6);
 }

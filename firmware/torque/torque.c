@@ -9,7 +9,7 @@ void torque_init(torque_state_t *state, const config_t *config)
     motor_constants_init(&state->motor, config);
     demand_init(&state->demand);
     torque_limits_init(&state->limits, &state->table);
-    brake_blending_init(&state->blending);
+    brake_blending_init(&state->blending, config);
     torque_command_init(&state->command);
     stop_lamp_init(&state->lamp);
 }
@@ -47,6 +47,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .bus_current_mA = motor_model_bus_current_mA(&model, flowing, in->bus_voltage_mV),
         .bms_charge_current_mA = in->bms_charge_current_mA,
         .bms_discharge_current_mA = in->bms_discharge_current_mA,
+        .bms_charge_peak_mA = in->bms_charge_peak_mA,
         .switch_temperature_cC = in->switch_temperature_cC,
         .rotor_valid = in->rotor_valid,
         .abs_active = in->abs_active,
@@ -59,6 +60,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .motor_command_mNm = state->command.command_mNm,
         .motor_growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15),
         .motor_achieved_mNm = achieved_mNm,
+        .hydraulic = in->hydraulic,
         .torque_enable = in->torque_enable,
     };
     const brake_blending_out_t split =

@@ -37,6 +37,20 @@ limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque
     return *tightest;
 }
 
+torque_limits_classes_t torque_limits_classes(const limit_t braking[TORQUE_LINE_COUNT])
+{
+    torque_limits_classes_t out = {.hard_mNm = FEASIBLE_UNBOUNDED,
+                                   .deferrable_mNm = FEASIBLE_UNBOUNDED};
+#define TORQUE_LINE_SORT(name, deferrable)                                                         \
+    if (TORQUE_LINE_##name != TORQUE_LINE_ELECTRIC_SHARE) {                                        \
+        int32_t *const class_mNm = (deferrable) ? &out.deferrable_mNm : &out.hard_mNm;             \
+        *class_mNm = q_min(*class_mNm, braking[TORQUE_LINE_##name].torque_mNm);                    \
+    }
+    TORQUE_LINES(TORQUE_LINE_SORT)
+#undef TORQUE_LINE_SORT
+    return out;
+}
+
 torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT])
 {
     torque_line_t out = (torque_line_t)0;
@@ -81,13 +95,13 @@ static int32_t power_torque_mNm(const config_t *config, int32_t speed_abs_mrad_s
 
 /* A current limit of the battery for this motor, and its reason. */
 typedef struct {
-    int32_t current_mA;
-    reason_t reason;
+    int32_t current_mA, peak_mA; /* lasting; for a short time, >= current_mA */
+    reason_t reason, peak_reason;
 } battery_limit_t;
 
 static battery_limit_t battery_limit(foldback_state_t *state, const config_battery_t *battery,
-                                     int32_t most_mA, int32_t pack_mA, int32_t width_mV,
-                                     int32_t inside_mV, int32_t flowing_mA,
+                                     int32_t most_mA, int32_t pack_mA, int32_t pack_peak_mA,
+                                     int32_t width_mV, int32_t inside_mV, int32_t flowing_mA,
                                      const reason_t reasons[2])
 {
     const foldback_t foldback = {
@@ -97,9 +111,13 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
     };
     const int32_t by_voltage_mA = foldback_step(state, &foldback, inside_mV, flowing_mA);
     const int32_t by_bms_mA = q_min(q_max(pack_mA, 0) / battery->driven_wheels, most_mA);
+    const int32_t by_peak_mA =
+        q_clamp(pack_peak_mA / battery->driven_wheels, by_bms_mA, q_max(most_mA, by_bms_mA));
     const battery_limit_t out = {
         .current_mA = q_min(by_voltage_mA, by_bms_mA),
+        .peak_mA = q_min(by_voltage_mA, by_peak_mA),
         .reason = by_voltage_mA < by_bms_mA ? reasons[1] : reasons[0],
+        .peak_reason = by_voltage_mA < by_peak_mA ? reasons[1] : reasons[0],
     };
     return out;
 }
@@ -154,6 +172,12 @@ static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
         if (SIDES[k] == SIDE_BRAKING) {
             line[TORQUE_LINE_RETURNED] =
                 limit_init(feasible_by_returned_mNm(&side, returned_b), charge.reason);
+            line[TORQUE_LINE_RETURNED_PEAK] = line[TORQUE_LINE_RETURNED];
+            if (charge.peak_mA != charge.current_mA) {
+                const int32_t peak_b = feasible_power_b(model, charge.peak_mA, bus_mV);
+                line[TORQUE_LINE_RETURNED_PEAK] =
+                    limit_init(feasible_by_returned_mNm(&side, peak_b), charge.peak_reason);
+            }
         }
     }
 }
@@ -221,12 +245,12 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     const int32_t returned_mA = q_max(-q_max(in->bus_current_mA, -INT32_MAX), 0);
     const battery_limit_t discharge = battery_limit(
         &state->discharge, battery, battery->max_discharge_current_mA, in->bms_discharge_current_mA,
-        battery->discharge_foldback_voltage_mV - battery->min_voltage_mV,
+        0, battery->discharge_foldback_voltage_mV - battery->min_voltage_mV,
         bus_mV - battery->min_voltage_mV, drawn_mA, DISCHARGE);
     const battery_limit_t charge = battery_limit(
         &state->charge, battery, battery->max_charge_current_mA, in->bms_charge_current_mA,
-        battery->max_voltage_mV - battery->foldback_voltage_mV, battery->max_voltage_mV - bus_mV,
-        returned_mA, CHARGE);
+        in->bms_charge_peak_mA, battery->max_voltage_mV - battery->foldback_voltage_mV,
+        battery->max_voltage_mV - bus_mV, returned_mA, CHARGE);
 
     common_lines(table, config, model, in);
     feasible_lines(table, set, discharge, charge, bus_mV);

@@ -69,6 +69,20 @@ def device_voltage_v(drive: Drive) -> float:
     return overvoltage_trip_v(drive) if wanted is None else wanted
 
 
+def bridging_time_s(drive: Drive) -> float:
+    """Time in s in which the motor hands a torque over; absent: nine tenths of the hydraulic."""
+    brake = drive.brake
+    if brake.bridging_time_s is not None:
+        return brake.bridging_time_s
+    return brake.hydraulic_dead_time_s + 2.3 * brake.hydraulic_time_constant_s
+
+
+def hydraulic_tolerance_nm(drive: Drive) -> float:
+    """Torque in N m that a report may be beside what the commands explain."""
+    wanted = drive.brake.hydraulic_tolerance_nm
+    return 0.05 * drive.brake.max_hydraulic_torque_nm if wanted is None else wanted
+
+
 def lowest_open_circuit_v(drive: Drive) -> float:
     """Open-circuit voltage in V, at the lowest listed state of charge where it depends on it."""
     voltage = drive.battery.open_circuit_voltage_v

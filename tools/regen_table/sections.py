@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A drive and the sections of its TOML file: every key, its unit, its accepted range.
 
-One class a section, one line a key; [monitor] is in ``monitor_section``, what only the simulated
-plant reads in ``plant_sections``. All classes are strict (no text taken for a number), frozen, and
-refuse unknown keys and non-finite numbers. An optional key that is absent switches its feature
-off or has the default given in its line; no key is ever guessed.
+One class a section, one line a key; [brake] is in ``brake_section``, [monitor] in
+``monitor_section``, what only the simulated plant reads in ``plant_sections``. All classes are
+strict (no text taken for a number), frozen, and refuse unknown keys and non-finite numbers. An
+optional key that is absent switches its feature off or has the default given in its line; no key is
+ever guessed.
 """
 
 import re
@@ -12,6 +13,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field
 
+from regen_table.brake_section import Brake
 from regen_table.errors import ConfigurationError
 from regen_table.monitor_section import Monitor
 from regen_table.plant_sections import (
@@ -230,73 +232,6 @@ class Vehicle(Section):
         Literal["front_left", "front_right", "rear_left", "rear_right"],
         Field(description="this controller's address on CAN"),
     ] = "front_left"
-
-
-class Brake(Section):
-    """How the braking demand is shared."""
-
-    strategy: Annotated[
-        Literal["parallel_ratio", "parallel_free_travel", "series_optimal"],
-        Field(description="what the vehicle is shipped with"),
-    ]
-    parallel_electric_share: Annotated[
-        float, number(0.0, 1.0, "1", "electric part of the whole demand (parallel_ratio)")
-    ]
-    electric_rated_torque_nm: Annotated[
-        float, number(0.0, 20e3, "N m", "electric torque before the hydraulic brake adds")
-    ]
-    hydraulic_dead_time_s: Annotated[float, number(0.0, 1.0, "s", "")]
-    hydraulic_time_constant_s: Annotated[float, number(1e-3, 2.0, "s", "")]
-    hydraulic_rate_nm_per_s: Annotated[float, number(0.1, 1e6, "N m/s", "")]
-    max_hydraulic_torque_nm: Annotated[float, number(0.0, 20e3, "N m", "per driven wheel; 0: none")]
-    hydraulic_knee_torque_nm: Annotated[
-        float,
-        number(
-            0.0, 20e3, "N m", "torque rises slowly up to here (simulated plant only); 0: no knee"
-        ),
-    ] = 0.0
-    hydraulic_knee_rate_nm_per_s: Annotated[
-        float, number(0.0, 1e6, "N m/s", "of the rise below the knee")
-    ] = 0.0
-    shortfall_band_nm: Annotated[
-        float | None,
-        number(
-            0.001,
-            1e3,
-            "N m",
-            "missing motor torque tolerated before the hydraulic brake fills it; absent: 5 % of"
-            " motor.max_torque_nm",
-        ),
-    ] = None
-    motor_arrival_s: Annotated[
-        float,
-        number(
-            0.001, 1.0, "s", "torque that the motor reaches within this time counts as available"
-        ),
-    ] = 0.1
-    abs_hold_s: Annotated[
-        float,
-        number(0.0, 10.0, "s", "no electric braking this long after an anti-lock intervention"),
-    ] = 0.3
-    stop_lamp_on_m_per_s2: Annotated[
-        float,
-        number(
-            0.1, 20.0, "m/s2", "deceleration without a braking demand above which the lamp is lit"
-        ),
-    ] = 1.3
-    stop_lamp_off_m_per_s2: Annotated[
-        float, number(0.0, 20.0, "m/s2", "deceleration below which the lamp is switched off")
-    ] = 0.7
-    stop_lamp_filter_s: Annotated[
-        float,
-        number(
-            0.001,
-            1.024,
-            "s",
-            "time constant of its low-passes of speed and deceleration, to the nearest power of two"
-            " of milliseconds",
-        ),
-    ] = 0.064
 
 
 class Control(Section):

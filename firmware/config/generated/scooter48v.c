@@ -173,6 +173,24 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         /* [ms] first-order lag of the hydraulic torque after the dead time; 0: none */
         .hydraulic_time_constant_ms  = 80,
         .hydraulic_rate_mNm_s        = 300000, /* [mNm/s] fastest change of hydraulic torque */
+        /* [ms] reports of the measured hydraulic torque that are missing or implausible for
+         * longer are not used; 0: none is used; default 50 */
+        .hydraulic_timeout_ms        = 50,
+        /* [ms] from the hydraulic torque to its report; default 10 */
+        .hydraulic_report_delay_ms   = 10,
+        /* the gain of the hydraulic brake is learned within 1 -+ this; 0: not learned;
+         * default 0.25 */
+        .hydraulic_gain_band_q15     = 8192,
+        /* [mNm] a report is implausible farther from what the commands explain; default 5 %
+         * of max_hydraulic_torque_mNm */
+        .hydraulic_tolerance_mNm     = 2500,
+        /* [ms] in which motor torque above a fallen deferrable limit goes down to a tenth,
+         * with feedback at most twice as long; 0: at once; default hydraulic_dead_time_ms and
+         * 2.3 hydraulic_time_constant_ms */
+        .bridging_time_ms            = 234,
+        /* 1: where the battery takes nothing, the motor brakes with what its own losses take;
+         * default 1 */
+        .loss_braking                = 1,
         /* [mrad/s] electric braking starts to fade below this speed */
         .blend_out_start_mrad_s      = 4189,
         .blend_out_end_mrad_s        = 1571, /* [mrad/s] no electric braking below this speed */
@@ -320,5 +338,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x6EC47F6D,
+    .crc32 = 0x3DC9B67A,
 };

@@ -217,6 +217,24 @@
       "first-order lag of the hydraulic torque after the dead time; 0: none") \
     X(hydraulic_rate_mNm_s,                  100,       2000000000, "mNm/s", \
       "fastest change of hydraulic torque") \
+    X(hydraulic_timeout_ms,                  0,         1000,       "ms", \
+      "reports of the measured hydraulic torque that are missing or implausible for longer are " \
+      "not used; 0: none is used; default 50") \
+    X(hydraulic_report_delay_ms,             0,         40,         "ms", \
+      "from the hydraulic torque to its report; default 10") \
+    X(hydraulic_gain_band_q15,               0,         16384,      "1", \
+      "the gain of the hydraulic brake is learned within 1 -+ this; 0: not learned; default " \
+      "0.25") \
+    X(hydraulic_tolerance_mNm,               1,         20000000,   "mNm", \
+      "a report is implausible farther from what the commands explain; default 5 % of " \
+      "max_hydraulic_torque_mNm") \
+    X(bridging_time_ms,                      0,         10000,      "ms", \
+      "in which motor torque above a fallen deferrable limit goes down to a tenth, with feedback " \
+      "at most twice as long; 0: at once; default hydraulic_dead_time_ms and 2.3 " \
+      "hydraulic_time_constant_ms") \
+    X(loss_braking,                          0,         1,          "", \
+      "1: where the battery takes nothing, the motor brakes with what its own losses take; " \
+      "default 1") \
     X(blend_out_start_mrad_s,                 0,         1000000,    "mrad/s", \
       "electric braking starts to fade below this speed") \
     X(blend_out_end_mrad_s,                   0,         1000000,    "mrad/s", \

@@ -35,6 +35,7 @@
     X(18, MAX_SPEED, "speed limit")                                                                \
     X(19, ROTOR_UNCERTAIN, "rotor angle not known well enough")                                    \
     X(20, HYDRAULIC_LIMIT, "hydraulic brake at its limit")                                         \
+    X(26, HYDRAULIC_FEEDBACK, "measured hydraulic torque missing or implausible")                  \
     X(64, CONFIG_INVALID, "configuration refused")                                                 \
     X(65, SELFTEST_FAILED, "self-test failed")                                                     \
     X(66, OFFSET_IMPLAUSIBLE, "current sensor offset out of range")                                \

@@ -6,13 +6,19 @@
  * hydraulic brake gets the rest, up to its own limit. A shortfall of the estimated below the
  * commanded motor torque, beyond brake.shortfall_band, is added to the hydraulic command at once.
  *
- * The hydraulic brake responds with a delay; its torque is estimated (hydraulic_model.h). So
- *   - electric <= demand - estimate: the motor torque rises no faster than the hydraulic torque
- *     falls;
+ * The hydraulic brake responds with a delay; its torque is measured (hydraulic_feedback.h) or
+ * estimated (hydraulic_model.h). So
+ *   - electric <= demand - hydraulic torque: the motor makes what the hydraulic brake does not make
+ *     yet, and its torque rises no faster than the hydraulic torque falls;
+ *   - above a falling deferrable limit the motor torque is kept for the dead time and then falls
+ *     with the lag, to a tenth within brake.bridging_time; with feedback, which knows a brake up to
+ *     twice as slow, up to twice as slowly. Hard limits hold at once;
  *   - the hydraulic command is predictive: it uses the motor limit expected after dead time plus
  *     lag, extrapolated with its slope of the last 64 ms;
  *   - the available motor torque is that reached within brake.motor_arrival; it is the present
- *     command if the voltage permits no rise.
+ *     command if the voltage permits no rise;
+ *   - with feedback the command is divided by the learned gain, and larger while the gain may be
+ *     less, by up to half the motor torque: the motor takes back at once what is too much.
  *
  * Figures: README, Brake blending. Source: Lu et al. 2013 section 3.2. Unlike there, in region I of
  * its Fig. 5 the motor brakes with T_opt instead of the friction brake alone, which never returns
@@ -27,12 +33,16 @@
 #include "config/config.h"
 #include "core/filter.h"
 #include "core/torque_enable.h"
+#include "torque/hydraulic_feedback.h"
 #include "torque/hydraulic_model.h"
 #include "torque/torque_limits.h"
 
 typedef struct {
     hydraulic_model_t hydraulic;
-    filter_t limit_lp_mNm; /* low-passed limit of the strategy */
+    hydraulic_feedback_state_t feedback;
+    filter_t limit_lp_mNm;  /* low-passed limit of the strategy */
+    int32_t bridged_q6_mNm; /* what is left of a deferrable limit that has fallen */
+    int32_t bridging_ms;    /* since it began to fall */
 } brake_blending_state_t;
 
 typedef struct {
@@ -42,18 +52,21 @@ typedef struct {
     int32_t motor_growth_mNm;   /* permitted change of its magnitude; negative: it must fall */
     int32_t motor_achieved_mNm; /* estimated from measured currents, signed */
     torque_enable_t torque_enable;
+    hydraulic_feedback_t hydraulic;
 } brake_blending_input_t;
 
 typedef struct {
     int32_t electric_mNm;  /* torque demanded of the motor, magnitude >= 0, before the torque rate
-                              limit; at most `available` */
+                              limit; above `available` only while a limit is bridged */
     int32_t hydraulic_mNm; /* magnitude >= 0 */
     limit_t available;     /* largest electric torque under this strategy, and its reason */
     reason_t reason;       /* of an electric torque below the demand; else REASON_NONE */
-    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT if both brakes cannot meet the demand */
+    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT if both brakes cannot meet the demand,
+                                  REASON_HYDRAULIC_FEEDBACK if feedback is lost */
+    int32_t hydraulic_now_mNm; /* measured or estimated torque of the hydraulic brake */
 } brake_blending_out_t;
 
-void brake_blending_init(brake_blending_state_t *state);
+void brake_blending_init(brake_blending_state_t *state, const config_t *config);
 
 brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
                                          const torque_limits_t *limits,

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * hydraulic_model.h: estimate of the hydraulic brake torque from its commands. 1 kHz.
+ * hydraulic_model.h: what a hydraulic brake of gain one makes of its commands. 1 kHz.
  *
  *     command -> dead time -> first-order lag, no faster than a rate in either direction
  *
- * with brake.hydraulic_dead_time_ms, hydraulic_time_constant_ms and hydraulic_rate_mNm_s. The
- * brake torque is not measured, and the model contains neither the pads nor temperature nor air in
- * the fluid. Users of the estimate must tolerate an error of +-30 %.
+ * with brake.hydraulic_dead_time_ms, hydraulic_time_constant_ms and hydraulic_rate_mNm_s. Two more
+ * models have half and twice the dead time and lag, as a report shows them that comes
+ * brake.hydraulic_report_delay later: what is reported of a brake whose lateness is known within
+ * these factors lies between them. Pads, temperature and air in the fluid are not modelled.
  */
 #ifndef TORQUE_HYDRAULIC_MODEL_H
 #define TORQUE_HYDRAULIC_MODEL_H
@@ -15,12 +16,18 @@
 
 #include "config/config.h"
 
-enum { HYDRAULIC_MODEL_DEAD_TIME_MOST_ms = 250 };
+enum {
+    HYDRAULIC_MODEL_DEAD_TIME_MOST_ms = 250,
+    HYDRAULIC_MODEL_REPORT_DELAY_MOST_ms = 40,
+    HYDRAULIC_MODEL_COMMANDS =
+        2 * HYDRAULIC_MODEL_DEAD_TIME_MOST_ms + HYDRAULIC_MODEL_REPORT_DELAY_MOST_ms + 1
+};
 
 typedef struct {
-    int32_t commands_mNm[HYDRAULIC_MODEL_DEAD_TIME_MOST_ms + 1]; /* within the dead time */
+    int32_t commands_mNm[HYDRAULIC_MODEL_COMMANDS]; /* of the last milliseconds */
     int32_t next;
-    int32_t torque_q6_mNm; /* six more bits: the lag's last step is below 1/64 of it */
+    /* Six more bits: the lag's last step is below 1/64 of it. */
+    int32_t torque_q6_mNm, early_q6_mNm, late_q6_mNm;
 } hydraulic_model_t;
 
 void hydraulic_model_init(hydraulic_model_t *model);
@@ -32,6 +39,17 @@ void hydraulic_model_step(hydraulic_model_t *model, const config_t *config, int3
 static inline int32_t hydraulic_model_torque_mNm(const hydraulic_model_t *model)
 {
     return model->torque_q6_mNm / 64;
+}
+
+/* Reported of a brake twice as early, and of one twice as late. */
+static inline int32_t hydraulic_model_early_mNm(const hydraulic_model_t *model)
+{
+    return model->early_q6_mNm / 64;
+}
+
+static inline int32_t hydraulic_model_late_mNm(const hydraulic_model_t *model)
+{
+    return model->late_q6_mNm / 64;
 }
 
 #endif

@@ -41,6 +41,8 @@ typedef struct {
     /* Limits and temperatures */
     int32_t bms_charge_current_mA;    /* whole pack, magnitude; negative counts as 0 */
     int32_t bms_discharge_current_mA; /* whole pack, magnitude */
+    int32_t bms_charge_peak_mA;       /* whole pack, for a short time; 0: not given */
+    hydraulic_feedback_t hydraulic;   /* measured torque of the hydraulic brake */
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
     torque_enable_t torque_enable;

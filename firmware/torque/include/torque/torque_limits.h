@@ -27,6 +27,7 @@
     X(VOLTAGE, false)                                                                              \
     X(DRAWN, true)                                                                                 \
     X(RETURNED, true)                                                                              \
+    X(RETURNED_PEAK, false)                                                                        \
     X(MAX_SPEED, true)                                                                             \
     X(WINDING, true)                                                                               \
     X(SWITCH, true)                                                                                \
@@ -48,6 +49,7 @@ typedef struct {
     int32_t bus_current_mA;           /* of this motor, positive out of the battery */
     int32_t bms_charge_current_mA;    /* whole pack, magnitude; negative counts as 0 */
     int32_t bms_discharge_current_mA; /* whole pack, magnitude */
+    int32_t bms_charge_peak_mA;       /* whole pack, for a short time; 0: not given */
     int32_t switch_temperature_cC;
     bool rotor_valid;
     bool abs_active;
@@ -85,6 +87,14 @@ limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *co
 
 /* The tightest of the lines from `begin` to the one before `end`; on a tie the first. */
 limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end);
+
+/* Tightest bounds of the braking side by class, mN m. */
+typedef struct {
+    int32_t hard_mNm;       /* applies at once */
+    int32_t deferrable_mNm; /* handed over, without ELECTRIC_SHARE, which follows the demand */
+} torque_limits_classes_t;
+
+torque_limits_classes_t torque_limits_classes(const limit_t braking[TORQUE_LINE_COUNT]);
 
 /* The line of the tightest bound; on a tie the first. For display of the table. */
 torque_line_t torque_limits_tightest_line(const limit_t lines[TORQUE_LINE_COUNT]);

@@ -37,7 +37,8 @@ static inline void rig_up(void)
     config.brake.hydraulic_dead_time_ms = 0; /* the hydraulic brake follows its command at once */
     config.brake.hydraulic_time_constant_ms = 0;
     config.brake.hydraulic_rate_mNm_s = 2000000000;
-    brake_blending_init(&state);
+    config.brake.bridging_time_ms = 0;
+    brake_blending_init(&state, &config);
     config.motor.max_torque_mNm = 50000;
     torque_limits_init(&limits_state, &limits);
     abs_active = false;

@@ -171,13 +171,13 @@ void test_split_is_symmetric_in_the_direction_of_rotation(void)
         in.speed_mrad_s = random_between(&random, 1, 70000);
         in.motor_command_mNm = random_between(&random, -60000, 60000);
         in.motor_achieved_mNm = random_between(&random, -60000, 60000);
-        brake_blending_init(&state);
+        brake_blending_init(&state, &config);
         torque_limits_init(&limits_state, &limits);
         const brake_blending_out_t forward = step();
         in.speed_mrad_s = -in.speed_mrad_s;
         in.motor_command_mNm = -in.motor_command_mNm;
         in.motor_achieved_mNm = -in.motor_achieved_mNm;
-        brake_blending_init(&state);
+        brake_blending_init(&state, &config);
         torque_limits_init(&limits_state, &limits);
         const brake_blending_out_t backward = step();
         TEST_ASSERT_EQUAL_INT32(forward.electric_mNm, backward.electric_mNm);

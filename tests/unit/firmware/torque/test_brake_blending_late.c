@@ -66,7 +66,7 @@ void test_motor_plus_hydraulic_torque_settle_on_the_demand(void)
         abs_active = false;
         config.brake.hydraulic_dead_time_ms = random_between(&random, 0, 250);
         config.brake.hydraulic_time_constant_ms = random_between(&random, 0, 300);
-        brake_blending_init(&state);
+        brake_blending_init(&state, &config);
         motor_mNm = random_between(&random, 0, 60000);
         brake_blending_out_t out = {0};
         for (int k = 0; k < 5000; k++) {
@@ -118,14 +118,15 @@ void test_slope_of_a_falling_limit_is_estimated_with_64_ms_time_constant(void)
     }
 }
 
-void test_falling_motor_torque_counts_with_its_value_after_the_dead_time(void)
+void test_falling_motor_torque_counts_with_its_value_after_dead_time_and_lag(void)
 {
     late_hydraulic_brake();
+    config.brake.torque_rate_mNm_s = 100000;
     in.demand_mNm = 24000;
     motor_follows(24000);
     TEST_ASSERT_EQUAL_INT32(0, step().hydraulic_mNm);
-    abs_active = true; /* the motor's torque falls by 400 mN m in each of 40 steps */
-    TEST_ASSERT_EQUAL_INT32(16000, step().hydraulic_mNm);
+    abs_active = true; /* the motor's torque falls by 100 mN m in each of 100 steps */
+    TEST_ASSERT_EQUAL_INT32(10000, step().hydraulic_mNm);
 }
 
 void test_motor_that_cannot_gain_torque_counts_with_its_command(void)
@@ -161,4 +162,94 @@ void test_lasting_motor_shortfall_is_covered_without_reducing_the_motor_command(
     }
     TEST_ASSERT_EQUAL_INT32(20000, motor_mNm);
     TEST_ASSERT_EQUAL_INT32(8000, out.hydraulic_mNm); /* shortfall 10 N m, 2 are tolerated */
+}
+
+/* ---- deferrable limits: the motor torque falls only as the hydraulic torque rises ---- */
+
+/* Dead time and 2.3 lags, in which a first-order lag has made nine tenths of its way. */
+enum { BRIDGING_ms = 40 + 138 };
+
+static int32_t least_sum_mNm, most_sum_mNm;
+
+/* Some steps of both brakes, and the range of their sum. */
+static void sum_of_brakes(int steps)
+{
+    least_sum_mNm = INT32_MAX;
+    most_sum_mNm = 0;
+    for (int n = 0; n < steps; n++) {
+        step_with_brakes();
+        const int32_t sum_mNm = motor_mNm + hydraulic_model_torque_mNm(&brake);
+        least_sum_mNm = q_min(least_sum_mNm, sum_mNm);
+        most_sum_mNm = q_max(most_sum_mNm, sum_mNm);
+    }
+}
+
+static void brake_with_the_motor_alone(void)
+{
+    rig_up();
+    late_hydraulic_brake();
+    config.brake.bridging_time_ms = BRIDGING_ms;
+    capability.optimal = limit_init(50000, REASON_LOSS_OPTIMUM);
+    in.demand_mNm = 30000;
+    motor_mNm = 30000;
+    sum_of_brakes(300);
+    TEST_ASSERT_EQUAL_INT32(30000, motor_mNm);
+}
+
+/* Without bridging the motor leaves 30 N m at 400 N m/s, in 75 ms, of which the hydraulic brake
+ * makes 30 N m (1 - exp(-35 ms/60 ms)) = 13.3 N m. */
+void test_motor_torque_above_a_fallen_deferrable_limit_stays_until_the_hydraulic_torque_comes(void)
+{
+    brake_with_the_motor_alone();
+    capability.optimal = limit_init(0, REASON_CHARGE_CURRENT);
+    sum_of_brakes(600);
+    /* Hydraulic torque rises at up to 500 N m/s, the motor torque falls at 400 N m/s. */
+    TEST_ASSERT_INT32_WITHIN(700, 30000, most_sum_mNm);
+    TEST_ASSERT_INT32_WITHIN(600, 30000, least_sum_mNm);
+    TEST_ASSERT_INT32_WITHIN(50, 0, motor_mNm);
+
+    brake_with_the_motor_alone();
+    config.brake.bridging_time_ms = 0;
+    capability.optimal = limit_init(0, REASON_CHARGE_CURRENT);
+    sum_of_brakes(600);
+    TEST_ASSERT_LESS_OR_EQUAL_INT32(13300 + 500, least_sum_mNm);
+}
+
+void test_a_hard_limit_is_obeyed_at_once_whatever_the_bridging_time(void)
+{
+    brake_with_the_motor_alone();
+    capability.regenerating = limit_init(5000, REASON_BUS_VOLTAGE_HIGH);
+    TEST_ASSERT_EQUAL_INT32(5000, step_with_brakes().electric_mNm);
+}
+
+/* A lag's tenth is left after 2.3 time constants. */
+void test_nine_tenths_of_a_bridged_torque_are_gone_after_the_bridging_time(void)
+{
+    brake_with_the_motor_alone();
+    capability.optimal = limit_init(0, REASON_CHARGE_CURRENT);
+    config.brake.max_hydraulic_torque_mNm = 0; /* nothing comes in its place */
+    config.brake.torque_rate_mNm_s = 20000000;
+    brake_blending_out_t out = {0};
+    for (int n = 0; n < BRIDGING_ms; n++) {
+        motor_follows(motor_mNm);
+        out = step();
+        motor_mNm = out.electric_mNm;
+        if (n < 40) {
+            TEST_ASSERT_INT32_WITHIN(2, 30000, motor_mNm);
+        }
+    }
+    TEST_ASSERT_INT32_WITHIN(300, 3000, out.electric_mNm);
+}
+
+void test_bridging_never_raises_the_motor_torque(void)
+{
+    brake_with_the_motor_alone();
+    in.demand_mNm = 10000; /* the driver brakes less, then the limit falls, then he brakes more */
+    sum_of_brakes(300);
+    capability.optimal = limit_init(0, REASON_CHARGE_CURRENT);
+    step_with_brakes();
+    in.demand_mNm = 40000;
+    for (int n = 0; n < 300; n++) {
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(10000, step_with_brakes().electric_mNm);
+    }
 }

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "torque/hydraulic_feedback.h"
+
+#include "core/q15.h"
+
+enum {
+    ONE_Q15 = 1 << 15,
+    SIGNIFICANT_LOG2 = 6, /* below a 64th of the largest torque a ratio says nothing */
+    MODEL_LOG2 = 4,
+    LEARN_LOG2 = 2, /* share of the way to a new interval that one report goes */
+    MOST_mNm = 1 << 25
+};
+
+static void forget_gain(hydraulic_feedback_state_t *state, const config_t *config)
+{
+    state->least_q15 = ONE_Q15 - config->brake.hydraulic_gain_band_q15;
+    state->gain_q15 = ONE_Q15;
+    state->most_q15 = ONE_Q15 + config->brake.hydraulic_gain_band_q15;
+}
+
+void hydraulic_feedback_init(hydraulic_feedback_state_t *state, const config_t *config)
+{
+    const hydraulic_feedback_state_t fresh = {.between_ms = 1};
+    *state = fresh;
+    forget_gain(state, config);
+}
+
+static int32_t times_q15(int32_t torque_mNm, int32_t gain_q15)
+{
+    return (int32_t)(((int64_t)torque_mNm * gain_q15) >> 15);
+}
+
+/* a / b in Q15, both >= 0, b > 0; up to 2.0. */
+static int32_t ratio_q15(int32_t a, int32_t b)
+{
+    uint32_t over = (uint32_t)q_min(a, MOST_mNm);
+    uint32_t under = (uint32_t)q_min(b, MOST_mNm);
+    while (over >= (UINT32_C(1) << 17)) {
+        over >>= 1;
+        under >>= 1;
+    }
+    return (int32_t)((over << 15) / (under > 0U ? under : 1U));
+}
+
+/* The reports that gains within the band explain, of a brake twice as early, as configured or twice
+ * as late. */
+typedef struct {
+    int32_t smaller_mNm, larger_mNm; /* of gain one */
+    int32_t least_mNm, most_mNm;
+} possible_t;
+
+static possible_t possible(const config_t *config, const hydraulic_model_t *model,
+                           int32_t reported_mNm)
+{
+    const int32_t early_mNm = hydraulic_model_early_mNm(model);
+    const int32_t late_mNm = hydraulic_model_late_mNm(model);
+    const int32_t band_q15 = config->brake.hydraulic_gain_band_q15;
+    possible_t out = {.smaller_mNm = q_min(q_min(early_mNm, late_mNm), reported_mNm),
+                      .larger_mNm = q_max(q_max(early_mNm, late_mNm), reported_mNm)};
+    out.least_mNm = times_q15(out.smaller_mNm, ONE_Q15 - band_q15);
+    out.most_mNm = times_q15(out.larger_mNm, ONE_Q15 + band_q15);
+    return out;
+}
+
+static int32_t towards(int32_t from, int32_t to)
+{
+    return from + (to - from) / (1 << LEARN_LOG2);
+}
+
+/* The interval moves to what this report leaves of it, the gain into the interval. */
+static void learn(hydraulic_feedback_state_t *state, const config_t *config,
+                  const possible_t *could, int32_t report_mNm)
+{
+    const config_brake_t *brake = &config->brake;
+    /* Resolution of the sensor, and of the models while they differ. */
+    const int32_t noise_mNm = (brake->max_hydraulic_torque_mNm >> (SIGNIFICANT_LOG2 + 3)) +
+                              ((could->larger_mNm - could->smaller_mNm) >> MODEL_LOG2);
+    if (could->larger_mNm < brake->max_hydraulic_torque_mNm >> SIGNIFICANT_LOG2) {
+        return;
+    }
+    const int32_t lowest_q15 = ONE_Q15 - brake->hydraulic_gain_band_q15;
+    const int32_t highest_q15 = ONE_Q15 + brake->hydraulic_gain_band_q15;
+    const int32_t at_least_q15 = q_clamp(
+        ratio_q15(q_max(report_mNm - noise_mNm, 0), could->larger_mNm), lowest_q15, highest_q15);
+    const int32_t at_most_q15 = could->smaller_mNm > 0
+                                    ? q_clamp(ratio_q15(report_mNm + noise_mNm, could->smaller_mNm),
+                                              lowest_q15, highest_q15)
+                                    : highest_q15;
+    if (at_least_q15 > state->least_q15) {
+        state->least_q15 = towards(state->least_q15, at_least_q15);
+        state->most_q15 = q_max(state->most_q15, state->least_q15);
+    }
+    if (at_most_q15 < state->most_q15) {
+        state->most_q15 = towards(state->most_q15, at_most_q15);
+        state->least_q15 = q_min(state->least_q15, state->most_q15);
+    }
+    state->gain_q15 = q_clamp(state->gain_q15, state->least_q15, state->most_q15);
+}
+
+/* Counts of the reports' age; true in the millisecond of a new one. */
+static bool arrived(hydraulic_feedback_state_t *state, const hydraulic_feedback_t *report)
+{
+    const int32_t age_ms =
+        report->age_ms < (uint32_t)INT32_MAX ? (int32_t)report->age_ms : INT32_MAX;
+    const bool is_new = report->valid && (!state->seen || age_ms <= state->since_ms);
+    if (is_new) {
+        state->between_ms = q_clamp(state->since_ms + 1 - age_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms);
+        state->since_ms = age_ms;
+        const int32_t torque_mNm = q_clamp(report->torque_mNm, 0, MOST_mNm);
+        state->change_mNm = state->seen ? torque_mNm - state->report_mNm : 0;
+        state->report_mNm = torque_mNm;
+        state->seen = true;
+    } else if (state->since_ms < INT32_MAX) {
+        state->since_ms++;
+    }
+    return is_new;
+}
+
+static bool plausible(const config_brake_t *brake, const possible_t *could,
+                      const hydraulic_feedback_t *report)
+{
+    return report->torque_mNm >= could->least_mNm - brake->hydraulic_tolerance_mNm &&
+           report->torque_mNm <= could->most_mNm + brake->hydraulic_tolerance_mNm;
+}
+
+static int32_t modelled_ago_mNm(const hydraulic_feedback_state_t *state, int32_t ago_ms)
+{
+    return state->model_mNm[(state->now - (uint32_t)ago_ms) % (HYDRAULIC_FEEDBACK_PAST_ms + 1)];
+}
+
+/* What the torque has become since the sensor saw it: as the model's change, where the reports
+ * changed the same way, and no more than at their slope. */
+static int32_t since_report_mNm(const hydraulic_feedback_state_t *state, int32_t ago_ms)
+{
+    const int32_t modelled_mNm =
+        times_q15(modelled_ago_mNm(state, 0) - modelled_ago_mNm(state, ago_ms), state->gain_q15);
+    const int32_t straight_mNm =
+        q_saturate64((int64_t)state->change_mNm * ago_ms) / state->between_ms;
+    if (modelled_mNm > 0) {
+        return q_clamp(straight_mNm, 0, modelled_mNm);
+    }
+    return q_clamp(straight_mNm, modelled_mNm, 0);
+}
+
+/* Qualify and heal time of the feedback. */
+static void watch(hydraulic_feedback_state_t *state, const config_t *config)
+{
+    const int32_t timeout_ms = config->brake.hydraulic_timeout_ms;
+    const bool missing = state->since_ms > timeout_ms;
+    if (state->good && !missing) {
+        state->bad_ms = 0;
+        state->heal_ms = q_max(state->heal_ms - 1, 0);
+        return;
+    }
+    state->bad_ms = q_min(state->bad_ms + 1, INT32_MAX - 1);
+    if (missing || state->bad_ms > timeout_ms || state->heal_ms > 0) {
+        state->heal_ms = HYDRAULIC_FEEDBACK_HEAL_ms;
+        if (!state->good) {
+            forget_gain(state, config);
+        }
+    }
+}
+
+hydraulic_feedback_out_t hydraulic_feedback_step(hydraulic_feedback_state_t *state,
+                                                 const config_t *config,
+                                                 const hydraulic_model_t *model,
+                                                 const hydraulic_feedback_t *report)
+{
+    const config_brake_t *brake = &config->brake;
+    const int32_t modelled_mNm = hydraulic_model_torque_mNm(model);
+    state->now = (state->now + 1U) % (HYDRAULIC_FEEDBACK_PAST_ms + 1);
+    state->model_mNm[state->now] = modelled_mNm;
+    if (brake->hydraulic_timeout_ms > 0 && arrived(state, report)) {
+        const possible_t could =
+            possible(config, model, modelled_ago_mNm(state, brake->hydraulic_report_delay_ms));
+        state->good = plausible(brake, &could, report);
+        if (state->good) {
+            learn(state, config, &could, state->report_mNm);
+        }
+    }
+    if (state->seen) {
+        watch(state, config);
+    }
+    hydraulic_feedback_out_t out = {
+        .used = hydraulic_feedback_used(state),
+        .torque_mNm = times_q15(modelled_mNm, state->gain_q15),
+    };
+    out.lost = state->seen && !out.used;
+    if (out.used) {
+        const int32_t ago_ms =
+            q_min(state->since_ms, HYDRAULIC_FEEDBACK_PAST_ms) + brake->hydraulic_report_delay_ms;
+        const int32_t change_mNm =
+            since_report_mNm(state, q_min(ago_ms, HYDRAULIC_FEEDBACK_PAST_ms));
+        out.torque_mNm = q_max(state->report_mNm + change_mNm, 0);
+    }
+    return out;
+}
