@@ -5,20 +5,22 @@
 #include "core/scaled.h"
 
 /* Gain of the loop, and the offset that lets the limit rise from zero (README, Fold-back). */
-enum { STEPS_LOG2 = 3, LITTLE_q24 = SCALED_ONE / 64 };
+enum { STEPS_LOG2 = 3, LITTLE_q24 = SCALED_ONE / 64, FLOWING_MOST = 8 };
 
 int32_t foldback_step(foldback_state_t *state, const foldback_t *foldback, int32_t inside_mV,
                       int32_t flowing_mA)
 {
+    const int32_t most_mA = q_clamp(foldback->most_mA, 1, INT32_MAX / FLOWING_MOST);
+    const int32_t flowing_q24 = scaled_ratio(q_limit(flowing_mA, FLOWING_MOST * most_mA), most_mA);
     const int32_t within_mV = q_limit(inside_mV, 4 * foldback->span_mV);
-    /* Distance of the voltage from the line, as a share of the range. */
+    /* Distance from the line of the voltage with the whole limit flowing, as a share of the range.
+     */
+    const int32_t unused_mV = scaled_multiply(foldback->rise_mV, state->allowed_q24 - flowing_q24);
     const int32_t line_mV = scaled_multiply(foldback->width_mV, state->allowed_q24);
-    const int32_t error_q24 = scaled_ratio(within_mV - line_mV, foldback->span_mV);
+    const int32_t error_q24 = scaled_ratio(within_mV - unused_mV - line_mV, foldback->span_mV);
     int32_t from_q24 = state->allowed_q24;
-    if (error_q24 < 0) {
-        const int32_t most_mA = q_max(foldback->most_mA, 1);
-        const int32_t flowing_q24 = scaled_ratio(q_clamp(flowing_mA, 0, most_mA), most_mA);
-        from_q24 = q_min(from_q24, flowing_q24 + LITTLE_q24);
+    if (error_q24 < 0 && inside_mV < 0) {
+        from_q24 = q_min(from_q24, q_max(flowing_q24, 0) + LITTLE_q24);
     }
     const int32_t change_q24 = scaled_multiply(from_q24 + LITTLE_q24, error_q24) >> STEPS_LOG2;
     state->allowed_q24 = q_clamp(from_q24 + change_q24, 0, SCALED_ONE);

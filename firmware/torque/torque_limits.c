@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "core/q15.h"
+#include "core/scaled.h"
 #include "torque/loss_maps.h"
 
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
@@ -99,15 +100,25 @@ typedef struct {
     reason_t reason, peak_reason;
 } battery_limit_t;
 
+/* How far a current of this motor moves the battery's voltage: mA uOhm / 10^6, by way of 2^20. */
+static int32_t pack_rise_mV(const config_battery_t *battery, int32_t current_mA)
+{
+    static const int32_t BINARY_TO_DECIMAL_q24 = 17592186; /* 2^20 / 10^6 */
+    const int64_t product = ((int64_t)current_mA * battery->resistance_uOhm) >> 20;
+    return scaled_multiply(q_saturate64(product), BINARY_TO_DECIMAL_q24);
+}
+
 static battery_limit_t battery_limit(foldback_state_t *state, const config_battery_t *battery,
                                      int32_t most_mA, int32_t pack_mA, int32_t pack_peak_mA,
                                      int32_t width_mV, int32_t inside_mV, int32_t flowing_mA,
                                      const reason_t reasons[2])
 {
+    const int32_t span_mV = battery->max_voltage_mV - battery->min_voltage_mV;
     const foldback_t foldback = {
         .most_mA = most_mA,
         .width_mV = width_mV,
-        .span_mV = battery->max_voltage_mV - battery->min_voltage_mV,
+        .span_mV = span_mV,
+        .rise_mV = q_min(pack_rise_mV(battery, most_mA), 4 * span_mV),
     };
     const int32_t by_voltage_mA = foldback_step(state, &foldback, inside_mV, flowing_mA);
     const int32_t by_bms_mA = q_min(q_max(pack_mA, 0) / battery->driven_wheels, most_mA);
@@ -241,8 +252,7 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     const config_t *config = model->config;
     const config_battery_t *battery = &config->battery;
     const int32_t bus_mV = q_clamp(in->bus_voltage_mV, 0, 2 * battery->overvoltage_trip_mV);
-    const int32_t drawn_mA = q_max(in->bus_current_mA, 0);
-    const int32_t returned_mA = q_max(-q_max(in->bus_current_mA, -INT32_MAX), 0);
+    const int32_t drawn_mA = q_max(in->bus_current_mA, -INT32_MAX);
     const battery_limit_t discharge = battery_limit(
         &state->discharge, battery, battery->max_discharge_current_mA, in->bms_discharge_current_mA,
         0, battery->discharge_foldback_voltage_mV - battery->min_voltage_mV,
@@ -250,7 +260,7 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
     const battery_limit_t charge = battery_limit(
         &state->charge, battery, battery->max_charge_current_mA, in->bms_charge_current_mA,
         in->bms_charge_peak_mA, battery->max_voltage_mV - battery->foldback_voltage_mV,
-        battery->max_voltage_mV - bus_mV, returned_mA, CHARGE);
+        battery->max_voltage_mV - bus_mV, -drawn_mA, CHARGE);
 
     common_lines(table, config, model, in);
     feasible_lines(table, set, discharge, charge, bus_mV);

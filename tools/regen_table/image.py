@@ -207,6 +207,7 @@ def _battery(drive: Drive) -> dict[str, Any]:
         "max_voltage_mV": nearest(battery.max_voltage_v * 1e3),
         "min_voltage_mV": nearest(battery.min_voltage_v * 1e3),
         "discharge_foldback_voltage_mV": nearest(derived.discharge_foldback_voltage_v(drive) * 1e3),
+        "resistance_uOhm": nearest(battery.series_resistance_ohm * motors * 1e6),
         "overvoltage_trip_mV": nearest(trip * 1e3),
         "undervoltage_trip_mV": nearest(loops.undervoltage_trip_v(drive) * 1e3),
     }

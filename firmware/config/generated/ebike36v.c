@@ -16,7 +16,7 @@ extern const config_t CONFIG_EBIKE36V;
 
 CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 8,
+    .format_version = 9,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ebike36v",
@@ -155,6 +155,10 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         /* [mV] start of the discharge current fold-back; default as far above min_voltage_mV
          * as foldback_voltage_mV is below max_voltage_mV */
         .discharge_foldback_voltage_mV = 30840,
+        /* [uOhm] series resistance of the pack times driven_wheels: voltage per ampere of one
+         * motor when all motors take the same; 0: not counted, the fold-back then overshoots
+         * its line */
+        .resistance_uOhm               = 90000,
         .overvoltage_trip_mV           = 44100, /* [mV] bridge goes to its safe state */
         .undervoltage_trip_mV          = 27000, /* [mV] bridge goes to its safe state */
     },
@@ -325,5 +329,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0xE9FDFD55,
+    .crc32 = 0x131EEE81,
 };

@@ -16,7 +16,7 @@ extern const config_t CONFIG_IPM400V;
 
 CONFIG_SECTION const config_t CONFIG_IPM400V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 8,
+    .format_version = 9,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ipm400v",
@@ -155,6 +155,10 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
         /* [mV] start of the discharge current fold-back; default as far above min_voltage_mV
          * as foldback_voltage_mV is below max_voltage_mV */
         .discharge_foldback_voltage_mV = 308060,
+        /* [uOhm] series resistance of the pack times driven_wheels: voltage per ampere of one
+         * motor when all motors take the same; 0: not counted, the fold-back then overshoots
+         * its line */
+        .resistance_uOhm               = 60000,
         .overvoltage_trip_mV           = 423150, /* [mV] bridge goes to its safe state */
         .undervoltage_trip_mV          = 270000, /* [mV] bridge goes to its safe state */
     },
@@ -575,5 +579,5 @@ CONFIG_SECTION const config_t CONFIG_IPM400V = {
             -224967, -234291, -243312,
         },
     },
-    .crc32 = 0xB9E3C93A,
+    .crc32 = 0x3580FF9B,
 };

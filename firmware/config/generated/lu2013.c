@@ -16,7 +16,7 @@ extern const config_t CONFIG_LU2013;
 
 CONFIG_SECTION const config_t CONFIG_LU2013 = {
     .magic = CONFIG_MAGIC,
-    .format_version = 8,
+    .format_version = 9,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "lu2013",
@@ -155,6 +155,10 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         /* [mV] start of the discharge current fold-back; default as far above min_voltage_mV
          * as foldback_voltage_mV is below max_voltage_mV */
         .discharge_foldback_voltage_mV = 41168,
+        /* [uOhm] series resistance of the pack times driven_wheels: voltage per ampere of one
+         * motor when all motors take the same; 0: not counted, the fold-back then overshoots
+         * its line */
+        .resistance_uOhm               = 48000,
         .overvoltage_trip_mV           = 60564, /* [mV] bridge goes to its safe state */
         .undervoltage_trip_mV          = 36000, /* [mV] bridge goes to its safe state */
     },
@@ -344,5 +348,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x40D2B7B8,
+    .crc32 = 0x79B2A506,
 };

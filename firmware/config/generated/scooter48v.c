@@ -16,7 +16,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 8,
+    .format_version = 9,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -155,6 +155,10 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         /* [mV] start of the discharge current fold-back; default as far above min_voltage_mV
          * as foldback_voltage_mV is below max_voltage_mV */
         .discharge_foldback_voltage_mV = 40092,
+        /* [uOhm] series resistance of the pack times driven_wheels: voltage per ampere of one
+         * motor when all motors take the same; 0: not counted, the fold-back then overshoots
+         * its line */
+        .resistance_uOhm               = 110000,
         .overvoltage_trip_mV           = 57330, /* [mV] bridge goes to its safe state */
         .undervoltage_trip_mV          = 35100, /* [mV] bridge goes to its safe state */
     },
@@ -338,5 +342,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x3DC9B67A,
+    .crc32 = 0xA5603982,
 };

@@ -24,7 +24,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 8
+#define CONFIG_FORMAT_VERSION 9
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
 /* such as 33 torques and 19 speeds at 2 temperatures */
@@ -197,6 +197,9 @@
     X(discharge_foldback_voltage_mV,         1000,      2000000,    "mV", \
       "start of the discharge current fold-back; default as far above min_voltage_mV as " \
       "foldback_voltage_mV is below max_voltage_mV") \
+    X(resistance_uOhm,                       0,         100000000,  "uOhm", \
+      "series resistance of the pack times driven_wheels: voltage per ampere of one motor when " \
+      "all motors take the same; 0: not counted, the fold-back then overshoots its line") \
     X(overvoltage_trip_mV,                   1000,      2000000,    "mV", \
       "bridge goes to its safe state") \
     X(undervoltage_trip_mV,                  500,       2000000,    "mV", \

@@ -186,6 +186,25 @@ void test_charge_current_folds_back_near_max_voltage(void)
     TEST_ASSERT_DOUBLE_WITHIN(100.0, torque_at_power_mNm(450.0, -1e-9), none.torque_mNm);
 }
 
+/* 57.5 V open circuit, 48 milliohm for a quarter of the pack: 0.9 V = (1.168 + 2.4) V I / 50 A
+ * leave 12.61 A, whatever flows when the voltage is measured: none, 10 A in or 20 A out. */
+void test_fold_back_counts_the_voltage_of_the_current_itself(void)
+{
+    config.battery.resistance_uOhm = 48000;
+    static const int32_t FLOWING_mA[3] = {0, -10000, 20000};
+    for (int k = 0; k < 3; k++) {
+        conditions.bus_current_mA = FLOWING_mA[k];
+        conditions.bus_voltage_mV = 57500 - 48 * FLOWING_mA[k] / 1000;
+        settle_foldback(20000);
+        TEST_ASSERT_DOUBLE_WITHIN(50.0, 12612.0, 50000.0 * state.charge.allowed_q24 / 16777216.0);
+    }
+    /* 41 V: 1 V = (1.168 + 3) V I / 62.5 A leave 15.0 A. */
+    conditions.bus_current_mA = 5000;
+    conditions.bus_voltage_mV = 41000 - 48 * 5;
+    settle_foldback(20000);
+    TEST_ASSERT_DOUBLE_WITHIN(60.0, 14995.0, 62500.0 * state.discharge.allowed_q24 / 16777216.0);
+}
+
 void test_discharge_current_of_the_pack_is_divided_by_the_wheels_and_bounds_driving(void)
 {
     conditions.bms_discharge_current_mA = 40000; /* 530 W each */
