@@ -197,6 +197,7 @@ static slow_input_t slow_input(const node_command_t *command)
         .demand = command->demand,
         .demand_age_ms = node_demand_age_ms(command, time_ms()),
         .bms = command->bms,
+        .hydraulic = node_hydraulic(command, time_ms()),
         .temperature = {.winding_cC = analog_winding_temperature_cC(),
                         .switch_cC = analog_switch_temperature_cC()},
         .selftest_passed = boot_selftest_passed(&app.boot),

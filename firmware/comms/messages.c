@@ -29,6 +29,10 @@ typedef struct {
 
 static const kind_t KINDS[MESSAGES_KINDS] = {
     [MESSAGES_DEMAND] = {HUBFOC_DEMAND_FRAME_ID, HUBFOC_DEMAND_CYCLE_TIME_MS, true},
+    [MESSAGES_HYDRAULIC_FEEDBACK] = {HUBFOC_HYDRAULIC_FEEDBACK_FRAME_ID,
+                                     HUBFOC_HYDRAULIC_FEEDBACK_CYCLE_TIME_MS, true},
+    [MESSAGES_BATTERY_PEAK] = {HUBFOC_BATTERY_PEAK_FRAME_ID, HUBFOC_BATTERY_PEAK_CYCLE_TIME_MS,
+                               false},
     [MESSAGES_BATTERY_LIMITS] = {HUBFOC_BATTERY_LIMITS_FRAME_ID,
                                  HUBFOC_BATTERY_LIMITS_CYCLE_TIME_MS, false},
     [MESSAGES_WHEEL_STATE] = {HUBFOC_WHEEL_STATE_FRAME_ID, HUBFOC_WHEEL_STATE_CYCLE_TIME_MS, true},
@@ -116,6 +120,31 @@ bool messages_read_battery(const messages_frame_t *frame, battery_limits_t *limi
     return true;
 }
 
+bool messages_read_peak(const messages_frame_t *frame, battery_limits_t *limits)
+{
+    struct hubfoc_battery_peak_t raw;
+    if (frame->length != E2E_FRAME_BYTES ||
+        hubfoc_battery_peak_unpack(&raw, frame->data, frame->length) != 0 ||
+        !hubfoc_battery_peak_charge_peak_current_a_is_in_range(raw.charge_peak_current_a)) {
+        return false;
+    }
+    limits->charge_peak_current_mA = (int32_t)raw.charge_peak_current_a * CURRENT_STEP_mA;
+    return true;
+}
+
+bool messages_read_hydraulic(const messages_frame_t *frame, hydraulic_feedback_t *feedback)
+{
+    struct hubfoc_hydraulic_feedback_t raw;
+    if (frame->length != E2E_FRAME_BYTES ||
+        hubfoc_hydraulic_feedback_unpack(&raw, frame->data, frame->length) != 0 ||
+        !hubfoc_hydraulic_feedback_measured_torque_nm_is_in_range(raw.measured_torque_nm)) {
+        return false;
+    }
+    feedback->torque_mNm = (int32_t)raw.measured_torque_nm * TORQUE_STEP_mNm;
+    feedback->valid = raw.torque_valid != 0;
+    return true;
+}
+
 static bool read_state(const messages_frame_t *frame, slow_output_t *o)
 {
     struct hubfoc_wheel_state_t raw;
@@ -190,6 +219,31 @@ messages_frame_t messages_battery(const battery_limits_t *limits, uint8_t counte
     };
     messages_frame_t frame = new_frame(MESSAGES_BATTERY_LIMITS, MESSAGES_FRONT_LEFT);
     (void)hubfoc_battery_limits_pack(frame.data, &raw, sizeof frame.data);
+    e2e_protect(frame.data, frame.identifier, counter);
+    return frame;
+}
+
+messages_frame_t messages_peak(const battery_limits_t *limits, uint8_t counter)
+{
+    const struct hubfoc_battery_peak_t raw = {
+        .charge_peak_current_a =
+            magnitude_steps(limits->charge_peak_current_mA, CURRENT_STEP_mA, BATTERY_CURRENT_MAX),
+    };
+    messages_frame_t frame = new_frame(MESSAGES_BATTERY_PEAK, MESSAGES_FRONT_LEFT);
+    (void)hubfoc_battery_peak_pack(frame.data, &raw, sizeof frame.data);
+    e2e_protect(frame.data, frame.identifier, counter);
+    return frame;
+}
+
+messages_frame_t messages_hydraulic(const hydraulic_feedback_t *feedback, messages_wheel_t wheel,
+                                    uint8_t counter)
+{
+    const struct hubfoc_hydraulic_feedback_t raw = {
+        .torque_valid = feedback->valid ? 1 : 0,
+        .measured_torque_nm = magnitude_steps(feedback->torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
+    };
+    messages_frame_t frame = new_frame(MESSAGES_HYDRAULIC_FEEDBACK, wheel);
+    (void)hubfoc_hydraulic_feedback_pack(frame.data, &raw, sizeof frame.data);
     e2e_protect(frame.data, frame.identifier, counter);
     return frame;
 }
@@ -284,7 +338,9 @@ messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *
         put_health(frame.data, values->temperature, &values->links);
         break;
     case MESSAGES_DEMAND:
+    case MESSAGES_HYDRAULIC_FEEDBACK:
     case MESSAGES_BATTERY_LIMITS:
+    case MESSAGES_BATTERY_PEAK:
     case MESSAGES_KINDS:
         break; /* received kinds, excluded above */
     }

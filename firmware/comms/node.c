@@ -4,6 +4,9 @@
 void node_accepted(messages_wheel_t wheel, uint16_t identifiers[MESSAGES_RECEIVED])
 {
     identifiers[MESSAGES_DEMAND] = messages_identifier(MESSAGES_DEMAND, wheel);
+    identifiers[MESSAGES_HYDRAULIC_FEEDBACK] =
+        messages_identifier(MESSAGES_HYDRAULIC_FEEDBACK, wheel);
+    identifiers[MESSAGES_BATTERY_PEAK] = messages_identifier(MESSAGES_BATTERY_PEAK, wheel);
     identifiers[MESSAGES_BATTERY_LIMITS] = messages_identifier(MESSAGES_BATTERY_LIMITS, wheel);
 }
 
@@ -20,6 +23,9 @@ void node_init(node_t *node, messages_wheel_t wheel, battery_limits_t pack, uint
     e2e_receiver_init(&node->demand, NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_DEMAND));
     e2e_receiver_init(&node->battery,
                       NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_BATTERY_LIMITS));
+    e2e_receiver_init(&node->hydraulic,
+                      NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_HYDRAULIC_FEEDBACK));
+    e2e_receiver_init(&node->peak, NODE_TIMEOUT_CYCLES * messages_cycle_ms(MESSAGES_BATTERY_PEAK));
     for (uint32_t i = 0; i < MESSAGES_SENT; i++) {
         node->due_ms[i] = now_ms + messages_cycle_ms(sent_kind(i));
     }
@@ -50,6 +56,14 @@ bool node_tick(node_t *node, uint32_t now_ms)
     if (e2e_timed_out(&node->battery, now_ms)) {
         changed = expire_battery_limits(node) || changed;
     }
+    if (e2e_timed_out(&node->peak, now_ms)) {
+        node->command.bms.charge_peak_current_mA = 0;
+        changed = true;
+    }
+    if (e2e_timed_out(&node->hydraulic, now_ms)) {
+        node->command.hydraulic.valid = false;
+        changed = true;
+    }
     return changed;
 }
 
@@ -74,7 +88,32 @@ static bool receive_battery(node_t *node, const messages_frame_t *frame, uint32_
             e2e_receive(&node->battery, frame->data, frame->identifier, plausible, now_ms))) {
         return false;
     }
+    battery.charge_peak_current_mA = node->command.bms.charge_peak_current_mA;
     node->command.bms = battery;
+    return true;
+}
+
+static bool receive_peak(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
+{
+    battery_limits_t limits = node->command.bms;
+    const bool plausible = messages_read_peak(frame, &limits);
+    if (!is_usable(e2e_receive(&node->peak, frame->data, frame->identifier, plausible, now_ms))) {
+        return false;
+    }
+    node->command.bms = limits;
+    return true;
+}
+
+static bool receive_hydraulic(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
+{
+    hydraulic_feedback_t feedback = {.valid = false};
+    const bool plausible = messages_read_hydraulic(frame, &feedback);
+    if (!is_usable(
+            e2e_receive(&node->hydraulic, frame->data, frame->identifier, plausible, now_ms))) {
+        return false;
+    }
+    node->command.hydraulic = feedback;
+    node->command.hydraulic_time_ms = now_ms;
     return true;
 }
 
@@ -86,6 +125,12 @@ bool node_receive(node_t *node, const messages_frame_t *frame, uint32_t now_ms)
     }
     if (frame->identifier == messages_identifier(MESSAGES_BATTERY_LIMITS, node->wheel)) {
         return receive_battery(node, frame, now_ms) || lapsed;
+    }
+    if (frame->identifier == messages_identifier(MESSAGES_HYDRAULIC_FEEDBACK, node->wheel)) {
+        return receive_hydraulic(node, frame, now_ms) || lapsed;
+    }
+    if (frame->identifier == messages_identifier(MESSAGES_BATTERY_PEAK, node->wheel)) {
+        return receive_peak(node, frame, now_ms) || lapsed;
     }
     node->foreign++;
     return lapsed;
@@ -138,4 +183,11 @@ void node_sent(node_t *node, uint32_t now_ms)
 uint32_t node_demand_age_ms(const node_command_t *command, uint32_t now_ms)
 {
     return command->demand_known ? now_ms - command->demand_time_ms : UINT32_MAX;
+}
+
+hydraulic_feedback_t node_hydraulic(const node_command_t *command, uint32_t now_ms)
+{
+    hydraulic_feedback_t out = command->hydraulic;
+    out.age_ms = now_ms - command->hydraulic_time_ms;
+    return out;
 }

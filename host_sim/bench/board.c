@@ -79,6 +79,16 @@ static void send_messages(board_t *board, const slow_input_t *in)
         const messages_frame_t frame = messages_battery(&in->bms, board->battery_counter++);
         send(board, &frame);
     }
+    if (in->bms.charge_peak_current_mA > 0 &&
+        board->now_ms % messages_cycle_ms(MESSAGES_BATTERY_PEAK) == 0) {
+        const messages_frame_t frame = messages_peak(&in->bms, board->peak_counter++);
+        send(board, &frame);
+    }
+    if (in->hydraulic.valid && in->hydraulic.age_ms == 0) {
+        const messages_frame_t frame =
+            messages_hydraulic(&in->hydraulic, board->wheel, board->hydraulic_counter++);
+        send(board, &frame);
+    }
 }
 
 static e2e_receiver_t *link_of(board_t *board, uint16_t identifier)

@@ -43,7 +43,7 @@ class Brake(Section):
             "reports of the hydraulic torque that are missing or implausible for longer are not"
             " used; 0: none is used",
         ),
-    ] = 0.05
+    ] = 0.07
     hydraulic_report_delay_s: Annotated[
         float, number(0.0, 0.04, "s", "from the hydraulic torque to its report")
     ] = 0.01

@@ -221,6 +221,77 @@ bool hubfoc_demand_brake_torque_nm_is_in_range(uint32_t value)
     return (value <= 200000u);
 }
 
+int hubfoc_hydraulic_feedback_pack(
+    uint8_t *dst_p,
+    const struct hubfoc_hydraulic_feedback_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->torque_valid, 4u, 0x10u);
+    dst_p[2] |= pack_left_shift_u32(src_p->measured_torque_nm, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->measured_torque_nm, 8u, 0xffu);
+    dst_p[4] |= pack_right_shift_u32(src_p->measured_torque_nm, 16u, 0x03u);
+
+    return (8);
+}
+
+int hubfoc_hydraulic_feedback_unpack(
+    struct hubfoc_hydraulic_feedback_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->torque_valid = unpack_right_shift_u8(src_p[1], 4u, 0x10u);
+    dst_p->measured_torque_nm = unpack_right_shift_u32(src_p[2], 0u, 0xffu);
+    dst_p->measured_torque_nm |= unpack_left_shift_u32(src_p[3], 8u, 0xffu);
+    dst_p->measured_torque_nm |= unpack_left_shift_u32(src_p[4], 16u, 0x03u);
+
+    return (0);
+}
+
+int hubfoc_hydraulic_feedback_init(struct hubfoc_hydraulic_feedback_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct hubfoc_hydraulic_feedback_t));
+
+    return 0;
+}
+
+bool hubfoc_hydraulic_feedback_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool hubfoc_hydraulic_feedback_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool hubfoc_hydraulic_feedback_torque_valid_is_in_range(uint8_t value)
+{
+    return (value <= 1u);
+}
+
+bool hubfoc_hydraulic_feedback_measured_torque_nm_is_in_range(uint32_t value)
+{
+    return (value <= 200000u);
+}
+
 int hubfoc_battery_limits_pack(
     uint8_t *dst_p,
     const struct hubfoc_battery_limits_t *src_p,
@@ -299,6 +370,70 @@ bool hubfoc_battery_limits_charge_current_a_is_in_range(uint32_t value)
 }
 
 bool hubfoc_battery_limits_discharge_current_a_is_in_range(uint32_t value)
+{
+    return (value <= 320000u);
+}
+
+int hubfoc_battery_peak_pack(
+    uint8_t *dst_p,
+    const struct hubfoc_battery_peak_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[2] |= pack_left_shift_u32(src_p->charge_peak_current_a, 0u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->charge_peak_current_a, 8u, 0xffu);
+    dst_p[4] |= pack_right_shift_u32(src_p->charge_peak_current_a, 16u, 0x07u);
+
+    return (8);
+}
+
+int hubfoc_battery_peak_unpack(
+    struct hubfoc_battery_peak_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->charge_peak_current_a = unpack_right_shift_u32(src_p[2], 0u, 0xffu);
+    dst_p->charge_peak_current_a |= unpack_left_shift_u32(src_p[3], 8u, 0xffu);
+    dst_p->charge_peak_current_a |= unpack_left_shift_u32(src_p[4], 16u, 0x07u);
+
+    return (0);
+}
+
+int hubfoc_battery_peak_init(struct hubfoc_battery_peak_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct hubfoc_battery_peak_t));
+
+    return 0;
+}
+
+bool hubfoc_battery_peak_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool hubfoc_battery_peak_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool hubfoc_battery_peak_charge_peak_current_a_is_in_range(uint32_t value)
 {
     return (value <= 320000u);
 }

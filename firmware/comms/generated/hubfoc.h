@@ -47,7 +47,9 @@ extern "C" {
 
 /* Frame ids. */
 #define HUBFOC_DEMAND_FRAME_ID (0x100u)
+#define HUBFOC_HYDRAULIC_FEEDBACK_FRAME_ID (0x120u)
 #define HUBFOC_BATTERY_LIMITS_FRAME_ID (0x140u)
+#define HUBFOC_BATTERY_PEAK_FRAME_ID (0x144u)
 #define HUBFOC_WHEEL_STATE_FRAME_ID (0x180u)
 #define HUBFOC_WHEEL_BRAKE_FRAME_ID (0x184u)
 #define HUBFOC_WHEEL_DRIVE_FRAME_ID (0x188u)
@@ -56,7 +58,9 @@ extern "C" {
 
 /* Frame lengths in bytes. */
 #define HUBFOC_DEMAND_LENGTH (8u)
+#define HUBFOC_HYDRAULIC_FEEDBACK_LENGTH (8u)
 #define HUBFOC_BATTERY_LIMITS_LENGTH (8u)
+#define HUBFOC_BATTERY_PEAK_LENGTH (8u)
 #define HUBFOC_WHEEL_STATE_LENGTH (8u)
 #define HUBFOC_WHEEL_BRAKE_LENGTH (8u)
 #define HUBFOC_WHEEL_DRIVE_LENGTH (8u)
@@ -65,7 +69,9 @@ extern "C" {
 
 /* Extended or standard frame types. */
 #define HUBFOC_DEMAND_IS_EXTENDED (0)
+#define HUBFOC_HYDRAULIC_FEEDBACK_IS_EXTENDED (0)
 #define HUBFOC_BATTERY_LIMITS_IS_EXTENDED (0)
+#define HUBFOC_BATTERY_PEAK_IS_EXTENDED (0)
 #define HUBFOC_WHEEL_STATE_IS_EXTENDED (0)
 #define HUBFOC_WHEEL_BRAKE_IS_EXTENDED (0)
 #define HUBFOC_WHEEL_DRIVE_IS_EXTENDED (0)
@@ -74,7 +80,9 @@ extern "C" {
 
 /* Frame cycle times in milliseconds. */
 #define HUBFOC_DEMAND_CYCLE_TIME_MS (10u)
+#define HUBFOC_HYDRAULIC_FEEDBACK_CYCLE_TIME_MS (20u)
 #define HUBFOC_BATTERY_LIMITS_CYCLE_TIME_MS (100u)
+#define HUBFOC_BATTERY_PEAK_CYCLE_TIME_MS (100u)
 #define HUBFOC_WHEEL_STATE_CYCLE_TIME_MS (10u)
 #define HUBFOC_WHEEL_BRAKE_CYCLE_TIME_MS (10u)
 #define HUBFOC_WHEEL_DRIVE_CYCLE_TIME_MS (20u)
@@ -270,7 +278,9 @@ extern "C" {
 
 /* Frame Names. */
 #define HUBFOC_DEMAND_NAME "Demand"
+#define HUBFOC_HYDRAULIC_FEEDBACK_NAME "HydraulicFeedback"
 #define HUBFOC_BATTERY_LIMITS_NAME "BatteryLimits"
+#define HUBFOC_BATTERY_PEAK_NAME "BatteryPeak"
 #define HUBFOC_WHEEL_STATE_NAME "WheelState"
 #define HUBFOC_WHEEL_BRAKE_NAME "WheelBrake"
 #define HUBFOC_WHEEL_DRIVE_NAME "WheelDrive"
@@ -285,11 +295,18 @@ extern "C" {
 #define HUBFOC_DEMAND_FAULT_RESET_NAME "fault_reset"
 #define HUBFOC_DEMAND_DRIVE_TORQUE_NM_NAME "drive_torque_nm"
 #define HUBFOC_DEMAND_BRAKE_TORQUE_NM_NAME "brake_torque_nm"
+#define HUBFOC_HYDRAULIC_FEEDBACK_CRC_NAME "crc"
+#define HUBFOC_HYDRAULIC_FEEDBACK_COUNTER_NAME "counter"
+#define HUBFOC_HYDRAULIC_FEEDBACK_TORQUE_VALID_NAME "torque_valid"
+#define HUBFOC_HYDRAULIC_FEEDBACK_MEASURED_TORQUE_NM_NAME "measured_torque_nm"
 #define HUBFOC_BATTERY_LIMITS_CRC_NAME "crc"
 #define HUBFOC_BATTERY_LIMITS_COUNTER_NAME "counter"
 #define HUBFOC_BATTERY_LIMITS_CONTACTOR_NAME "contactor"
 #define HUBFOC_BATTERY_LIMITS_CHARGE_CURRENT_A_NAME "charge_current_a"
 #define HUBFOC_BATTERY_LIMITS_DISCHARGE_CURRENT_A_NAME "discharge_current_a"
+#define HUBFOC_BATTERY_PEAK_CRC_NAME "crc"
+#define HUBFOC_BATTERY_PEAK_COUNTER_NAME "counter"
+#define HUBFOC_BATTERY_PEAK_CHARGE_PEAK_CURRENT_A_NAME "charge_peak_current_a"
 #define HUBFOC_WHEEL_STATE_CRC_NAME "crc"
 #define HUBFOC_WHEEL_STATE_COUNTER_NAME "counter"
 #define HUBFOC_WHEEL_STATE_MODE_NAME "mode"
@@ -394,6 +411,51 @@ struct hubfoc_demand_t {
 };
 
 /**
+ * Signals in message HydraulicFeedback.
+ *
+ * Measured torque of this wheel's hydraulic brake; optional. A controller that has never received it uses a model of the brake.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct hubfoc_hydraulic_feedback_t {
+    /**
+     * CRC-8, polynomial 0x2F, initial and final 0xFF, over bytes 1 to 7 and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * One more with every frame, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * 1: the sender takes the measured torque for plausible.
+     *
+     * Range: 0..1 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t torque_valid;
+
+    /**
+     * Hydraulic braking torque; a magnitude.
+     *
+     * Range: 0..200000 (0..20000 Nm)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    uint32_t measured_torque_nm;
+};
+
+/**
  * Signals in message BatteryLimits.
  *
  * Charge and discharge current limits of the pack. After a timeout the charge limit is zero; while no frame was ever received, the configuration's limits apply.
@@ -445,6 +507,42 @@ struct hubfoc_battery_limits_t {
      * Offset: 0
      */
     uint32_t discharge_current_a;
+};
+
+/**
+ * Signals in message BatteryPeak.
+ *
+ * Charge current that the pack takes for a short time, brake.bridging_time; optional. Without it, and after a timeout, the charge limit of BatteryLimits applies at once.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct hubfoc_battery_peak_t {
+    /**
+     * CRC-8, polynomial 0x2F, initial and final 0xFF, over bytes 1 to 7 and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * One more with every frame, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Largest current into the whole pack for a short time; a magnitude. 0: not given.
+     *
+     * Range: 0..320000 (0..32000 A)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    uint32_t charge_peak_current_a;
 };
 
 /**
@@ -863,6 +961,79 @@ bool hubfoc_demand_drive_torque_nm_is_in_range(int32_t value);
 bool hubfoc_demand_brake_torque_nm_is_in_range(uint32_t value);
 
 /**
+ * Pack message HydraulicFeedback.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int hubfoc_hydraulic_feedback_pack(
+    uint8_t *dst_p,
+    const struct hubfoc_hydraulic_feedback_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message HydraulicFeedback.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int hubfoc_hydraulic_feedback_unpack(
+    struct hubfoc_hydraulic_feedback_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from HydraulicFeedback.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int hubfoc_hydraulic_feedback_init(struct hubfoc_hydraulic_feedback_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_hydraulic_feedback_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_hydraulic_feedback_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_hydraulic_feedback_torque_valid_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_hydraulic_feedback_measured_torque_nm_is_in_range(uint32_t value);
+
+/**
  * Pack message BatteryLimits.
  *
  * @param[out] dst_p Buffer to pack the message into.
@@ -943,6 +1114,70 @@ bool hubfoc_battery_limits_charge_current_a_is_in_range(uint32_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_battery_limits_discharge_current_a_is_in_range(uint32_t value);
+
+/**
+ * Pack message BatteryPeak.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int hubfoc_battery_peak_pack(
+    uint8_t *dst_p,
+    const struct hubfoc_battery_peak_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message BatteryPeak.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int hubfoc_battery_peak_unpack(
+    struct hubfoc_battery_peak_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from BatteryPeak.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int hubfoc_battery_peak_init(struct hubfoc_battery_peak_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_battery_peak_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_battery_peak_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_battery_peak_charge_peak_current_a_is_in_range(uint32_t value);
 
 /**
  * Pack message WheelState.

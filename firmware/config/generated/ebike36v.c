@@ -178,8 +178,8 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .hydraulic_time_constant_ms  = 80,
         .hydraulic_rate_mNm_s        = 400000, /* [mNm/s] fastest change of hydraulic torque */
         /* [ms] reports of the measured hydraulic torque that are missing or implausible for
-         * longer are not used; 0: none is used; default 50 */
-        .hydraulic_timeout_ms        = 50,
+         * longer are not used; 0: none is used; default 70 */
+        .hydraulic_timeout_ms        = 70,
         /* [ms] from the hydraulic torque to its report; default 10 */
         .hydraulic_report_delay_ms   = 10,
         /* the gain of the hydraulic brake is learned within 1 -+ this; 0: not learned;
@@ -329,5 +329,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x131EEE81,
+    .crc32 = 0x11AA7FEC,
 };

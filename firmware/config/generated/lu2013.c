@@ -178,8 +178,8 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
         .hydraulic_time_constant_ms  = 60,
         .hydraulic_rate_mNm_s        = 2000000, /* [mNm/s] fastest change of hydraulic torque */
         /* [ms] reports of the measured hydraulic torque that are missing or implausible for
-         * longer are not used; 0: none is used; default 50 */
-        .hydraulic_timeout_ms        = 50,
+         * longer are not used; 0: none is used; default 70 */
+        .hydraulic_timeout_ms        = 70,
         /* [ms] from the hydraulic torque to its report; default 10 */
         .hydraulic_report_delay_ms   = 10,
         /* the gain of the hydraulic brake is learned within 1 -+ this; 0: not learned;
@@ -348,5 +348,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x79B2A506,
+    .crc32 = 0x7B06346B,
 };

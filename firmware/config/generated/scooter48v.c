@@ -178,8 +178,8 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .hydraulic_time_constant_ms  = 80,
         .hydraulic_rate_mNm_s        = 300000, /* [mNm/s] fastest change of hydraulic torque */
         /* [ms] reports of the measured hydraulic torque that are missing or implausible for
-         * longer are not used; 0: none is used; default 50 */
-        .hydraulic_timeout_ms        = 50,
+         * longer are not used; 0: none is used; default 70 */
+        .hydraulic_timeout_ms        = 70,
         /* [ms] from the hydraulic torque to its report; default 10 */
         .hydraulic_report_delay_ms   = 10,
         /* the gain of the hydraulic brake is learned within 1 -+ this; 0: not learned;
@@ -342,5 +342,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0xA5603982,
+    .crc32 = 0xA7D4A8EF,
 };

@@ -48,7 +48,7 @@ EFFECTS = {
     "wheel_speed.lowest_rad_per_s": 0.0,
     "anti_lock.active": 0.0,
     "brake_sensor.fitted": 0.0,
-    "brake_sensor.period_s": 0.01,
+    "brake_sensor.period_s": 0.02,
     "brake_sensor.delay_s": 0.01,
     "bms.peak_charge_a": 0.0,
     # about half and about all of the slip of greatest force on ice; see scenarios/mu_split.toml

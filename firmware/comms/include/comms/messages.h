@@ -32,9 +32,11 @@ typedef enum {
 
 /* In the order of arbitration: the lowest wins. */
 typedef enum {
-    MESSAGES_DEMAND,         /* received */
-    MESSAGES_BATTERY_LIMITS, /* received */
-    MESSAGES_WHEEL_STATE,    /* this and all that follow: sent */
+    MESSAGES_DEMAND,             /* received */
+    MESSAGES_HYDRAULIC_FEEDBACK, /* received */
+    MESSAGES_BATTERY_LIMITS,     /* received */
+    MESSAGES_BATTERY_PEAK,       /* received */
+    MESSAGES_WHEEL_STATE,        /* this and all that follow: sent */
     MESSAGES_WHEEL_BRAKE,
     MESSAGES_WHEEL_DRIVE,
     MESSAGES_WHEEL_POWER,
@@ -83,10 +85,19 @@ uint32_t messages_cycle_ms(messages_kind_t kind);
 bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand);
 bool messages_read_battery(const messages_frame_t *frame, battery_limits_t *limits);
 
+/* Only charge_peak_current_mA of the limits. */
+bool messages_read_peak(const messages_frame_t *frame, battery_limits_t *limits);
+
+/* Torque and `valid`; the age is the receiver's. */
+bool messages_read_hydraulic(const messages_frame_t *frame, hydraulic_feedback_t *feedback);
+
 /* For simulators of vehicle and battery: a complete, protected frame. */
 messages_frame_t messages_demand(const wheel_demand_t *demand, messages_wheel_t wheel,
                                  uint8_t counter);
 messages_frame_t messages_battery(const battery_limits_t *limits, uint8_t counter);
+messages_frame_t messages_peak(const battery_limits_t *limits, uint8_t counter);
+messages_frame_t messages_hydraulic(const hydraulic_feedback_t *feedback, messages_wheel_t wheel,
+                                    uint8_t counter);
 
 /* Decodes for the vehicle's side: the fields that this kind of frame carries, in whole
  * steps; the others are left as they are. False, and the structure untouched, if it is neither

@@ -8,6 +8,8 @@
  * effect. In particular they do not refresh command.demand_time_ms, so the age of the demand grows
  * and after config.brake.demand_timeout_ms the torque ramps to zero. Before the first BatteryLimits
  * frame the configuration's pack limits apply; after a timeout the charge limit is zero.
+ * BatteryPeak and HydraulicFeedback are optional: after a timeout the limit is not given, the
+ * torque not valid.
  *
  * Transmission: each message in its cycle (hubfoc.dbc), in the order of priority, one at a time,
  * with the newest values. A frame that the CAN controller does not take stays due; there is no
@@ -34,8 +36,10 @@ enum {
 typedef struct {
     wheel_demand_t demand;
     battery_limits_t bms;
-    uint32_t demand_time_ms; /* when the demand arrived */
-    bool demand_known;       /* received less than NODE_DEMAND_EXPIRY_ms ago */
+    hydraulic_feedback_t hydraulic; /* age_ms is not kept here */
+    uint32_t hydraulic_time_ms;     /* when it arrived */
+    uint32_t demand_time_ms;        /* when the demand arrived */
+    bool demand_known;              /* received less than NODE_DEMAND_EXPIRY_ms ago */
 } node_command_t;
 
 typedef struct {
@@ -44,6 +48,8 @@ typedef struct {
     battery_limits_t pack; /* limits before the first BatteryLimits frame */
     e2e_receiver_t demand;
     e2e_receiver_t battery;
+    e2e_receiver_t hydraulic;
+    e2e_receiver_t peak;
     uint32_t foreign; /* received frames with other identifiers */
     uint32_t due_ms[MESSAGES_SENT];
     uint8_t counter[MESSAGES_SENT];
@@ -70,6 +76,9 @@ bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
 
 /* The CAN controller has taken the frame of the last node_next(). */
 void node_sent(node_t *node, uint32_t now_ms);
+
+/* The measured hydraulic torque with its age; not valid if there is none. */
+hydraulic_feedback_t node_hydraulic(const node_command_t *command, uint32_t now_ms);
 
 /* Age of the demand in milliseconds; UINT32_MAX if there is none. */
 uint32_t node_demand_age_ms(const node_command_t *command, uint32_t now_ms);

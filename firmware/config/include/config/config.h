@@ -222,7 +222,7 @@
       "fastest change of hydraulic torque") \
     X(hydraulic_timeout_ms,                  0,         1000,       "ms", \
       "reports of the measured hydraulic torque that are missing or implausible for longer are " \
-      "not used; 0: none is used; default 50") \
+      "not used; 0: none is used; default 70") \
     X(hydraulic_report_delay_ms,             0,         40,         "ms", \
       "from the hydraulic torque to its report; default 10") \
     X(hydraulic_gain_band_q15,               0,         16384,      "1", \

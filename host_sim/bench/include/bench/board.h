@@ -23,7 +23,7 @@
 #include "hal/can.h"
 #include "host/port.h"
 
-enum { BOARD_QUEUED_MAX = 2 };
+enum { BOARD_QUEUED_MAX = 4 };
 
 typedef struct {
     messages_wheel_t wheel;
@@ -32,7 +32,7 @@ typedef struct {
     slow_output_t received; /* last output received from the wheel */
     e2e_receiver_t state_link, brake_link;
     uint32_t now_ms;
-    uint8_t demand_counter, battery_counter;
+    uint8_t demand_counter, battery_counter, peak_counter, hydraulic_counter;
     can_frame_t queued[BOARD_QUEUED_MAX]; /* to the wheel in this millisecond */
     uint32_t queued_count;
 } board_t;

@@ -74,12 +74,14 @@ static void arrive(uint8_t counter, int32_t drive_torque_mNm)
     }
 }
 
-/* Identifiers from the DBC: Demand 0x100, the rear left wheel +2; BatteryLimits 0x140 for every
- * wheel. */
+/* Identifiers from the DBC: Demand 0x100 and HydraulicFeedback 0x120, the rear left wheel +2;
+ * BatteryLimits 0x140 and BatteryPeak 0x144 for every wheel. */
 void test_filter_accepts_only_frames_for_this_wheel(void)
 {
     TEST_ASSERT_EQUAL_HEX16(0x102, accepted[0]);
-    TEST_ASSERT_EQUAL_HEX16(0x140, accepted[1]);
+    TEST_ASSERT_EQUAL_HEX16(0x122, accepted[1]);
+    TEST_ASSERT_EQUAL_HEX16(0x140, accepted[2]);
+    TEST_ASSERT_EQUAL_HEX16(0x144, accepted[3]);
 }
 
 void test_demand_is_received_with_its_time(void)

@@ -23,7 +23,9 @@ def signals(database: Database) -> list[tuple[Message, Signal]]:
 def test_the_messages_are_those_of_the_protocol(database: Database) -> None:
     assert [message.name for message in database.messages] == [
         "Demand",
+        "HydraulicFeedback",
         "BatteryLimits",
+        "BatteryPeak",
         "WheelState",
         "WheelBrake",
         "WheelDrive",

@@ -19,7 +19,9 @@ BASIS = {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}
 SENT = ["WheelState", "WheelBrake", "WheelDrive", "WheelPower", "WheelHealth"]
 KINDS = {
     "Demand": "MESSAGES_DEMAND",
+    "HydraulicFeedback": "MESSAGES_HYDRAULIC_FEEDBACK",
     "BatteryLimits": "MESSAGES_BATTERY_LIMITS",
+    "BatteryPeak": "MESSAGES_BATTERY_PEAK",
     "WheelState": "MESSAGES_WHEEL_STATE",
     "WheelBrake": "MESSAGES_WHEEL_BRAKE",
     "WheelDrive": "MESSAGES_WHEEL_DRIVE",
@@ -110,10 +112,14 @@ def frames(comms: Comms) -> Iterator[tuple[str, int, int, CValue]]:
         discharge_current_mA=567800,
         contactor=comms.lib.CONTACTOR_OPEN,
     )
+    hydraulic = comms.struct("hydraulic_feedback_t", torque_mNm=34500, valid=True)
     for counter in range(16):
         yield "BatteryLimits", 0, counter, comms.lib.messages_battery(battery, counter)
+        yield "BatteryPeak", 0, counter, comms.lib.messages_peak(battery, counter)
         for wheel in WHEELS.values():
             yield "Demand", wheel, counter, comms.lib.messages_demand(demand, wheel, counter)
+            measured = comms.lib.messages_hydraulic(hydraulic, wheel, counter)
+            yield "HydraulicFeedback", wheel, counter, measured
             for name in SENT:
                 values = {
                     "speed_mrad_s": 123450,
@@ -135,7 +141,7 @@ def test_every_message_of_every_wheel_passes_an_independent_profile_2_check(comm
         assert data[1] & 0x0F == counter, name
         assert check_profile2_crc(data, data_id(frame.identifier, counter)), (name, counter)
         count += 1
-    assert count == 16 * (1 + 4 * 6)
+    assert count == 16 * (2 + 4 * 7)
 
 
 def test_checksums_of_random_content_equal_an_independent_implementation(comms: Comms) -> None:
@@ -197,7 +203,7 @@ def test_identifiers_and_cycles_equal_those_of_the_dbc(
 ) -> None:
     message: Message = database.get_message_by_name(name)
     for wheel in WHEELS.values():
-        offset = 0 if name == "BatteryLimits" else wheel
+        offset = 0 if name.startswith("Battery") else wheel
         assert (
             comms.lib.messages_identifier(comms.number(KINDS[name]), wheel)
             == message.frame_id + offset

@@ -26,9 +26,9 @@ void test_identifiers_fit_eleven_bits_and_no_two_share_their_low_byte(void)
         for (int kind = 0; kind < MESSAGES_KINDS; kind++) {
             const uint16_t identifier = messages_identifier((messages_kind_t)kind, WHEELS[w]);
             TEST_ASSERT_TRUE(identifier < 0x800);
-            if (kind == MESSAGES_BATTERY_LIMITS && w > 0) {
+            if ((kind == MESSAGES_BATTERY_LIMITS || kind == MESSAGES_BATTERY_PEAK) && w > 0) {
                 TEST_ASSERT_EQUAL_HEX16(
-                    messages_identifier(MESSAGES_BATTERY_LIMITS, MESSAGES_FRONT_LEFT), identifier);
+                    messages_identifier((messages_kind_t)kind, MESSAGES_FRONT_LEFT), identifier);
                 continue;
             }
             TEST_ASSERT_FALSE_MESSAGE(seen[identifier & 0xFF], "two data ids would be equal");
@@ -242,4 +242,42 @@ void test_received_messages_cannot_be_sent(void)
     TEST_ASSERT_EQUAL_UINT8(
         0, frame_of(MESSAGES_BATTERY_LIMITS, &output, MESSAGES_FRONT_LEFT, 0).length);
     TEST_ASSERT_EQUAL_UINT8(0, frame_of(MESSAGES_KINDS, &output, MESSAGES_FRONT_LEFT, 0).length);
+}
+
+void test_hydraulic_feedback_and_battery_peak_unpack_to_the_packed_values(void)
+{
+    const int32_t steps_mNm[] = {0, 100, 34500, 20000000};
+    for (int k = 0; k < 4; k++) {
+        const hydraulic_feedback_t meant = {.torque_mNm = steps_mNm[k], .valid = k % 2 == 1};
+        const messages_frame_t frame = messages_hydraulic(&meant, MESSAGES_REAR_RIGHT, 7);
+        hydraulic_feedback_t read = {.torque_mNm = -1, .age_ms = 5};
+        TEST_ASSERT_EQUAL_HEX16(0x123, frame.identifier);
+        TEST_ASSERT_TRUE(messages_read_hydraulic(&frame, &read));
+        TEST_ASSERT_EQUAL_INT32(meant.torque_mNm, read.torque_mNm);
+        TEST_ASSERT_EQUAL_INT(meant.valid, read.valid);
+        TEST_ASSERT_EQUAL_UINT32(5, read.age_ms);
+
+        const battery_limits_t limits = {.charge_peak_current_mA = steps_mNm[k]};
+        const messages_frame_t peak = messages_peak(&limits, 3);
+        battery_limits_t got = {.charge_current_mA = 11, .discharge_current_mA = 12};
+        TEST_ASSERT_EQUAL_HEX16(0x144, peak.identifier);
+        TEST_ASSERT_TRUE(messages_read_peak(&peak, &got));
+        TEST_ASSERT_EQUAL_INT32(steps_mNm[k], got.charge_peak_current_mA);
+        TEST_ASSERT_EQUAL_INT32(11, got.charge_current_mA);
+    }
+}
+
+void test_hydraulic_feedback_and_battery_peak_beyond_the_range_are_refused(void)
+{
+    const struct hubfoc_hydraulic_feedback_t torque = {.measured_torque_nm = 200001};
+    const struct hubfoc_battery_peak_t current = {.charge_peak_current_a = 320001};
+    messages_frame_t frame = {.length = E2E_FRAME_BYTES};
+    (void)hubfoc_hydraulic_feedback_pack(frame.data, &torque, sizeof frame.data);
+    hydraulic_feedback_t feedback = {.torque_mNm = 7};
+    TEST_ASSERT_FALSE(messages_read_hydraulic(&frame, &feedback));
+    TEST_ASSERT_EQUAL_INT32(7, feedback.torque_mNm);
+    (void)hubfoc_battery_peak_pack(frame.data, &current, sizeof frame.data);
+    battery_limits_t limits = {.charge_peak_current_mA = 7};
+    TEST_ASSERT_FALSE(messages_read_peak(&frame, &limits));
+    TEST_ASSERT_EQUAL_INT32(7, limits.charge_peak_current_mA);
 }

@@ -352,11 +352,48 @@ void test_wheel_health_reports_the_receivers_states(void)
     TEST_ASSERT_EQUAL_UINT8(2, frame.data[7]);
 }
 
-void test_a_receive_filter_needs_two_identifiers(void)
+void test_a_receive_filter_needs_four_identifiers(void)
 {
     uint16_t identifiers[MESSAGES_RECEIVED];
     node_accepted(MESSAGES_FRONT_RIGHT, identifiers);
-    TEST_ASSERT_EQUAL_INT(2, MESSAGES_RECEIVED);
+    TEST_ASSERT_EQUAL_INT(4, MESSAGES_RECEIVED);
     TEST_ASSERT_EQUAL_HEX16(0x101, identifiers[0]);
-    TEST_ASSERT_EQUAL_HEX16(0x140, identifiers[1]);
+    TEST_ASSERT_EQUAL_HEX16(0x121, identifiers[1]);
+    TEST_ASSERT_EQUAL_HEX16(0x140, identifiers[2]);
+    TEST_ASSERT_EQUAL_HEX16(0x144, identifiers[3]);
+}
+
+/* ---- the optional messages ---- */
+
+void test_a_short_time_limit_is_kept_beside_the_lasting_one_and_ends_with_its_messages(void)
+{
+    const battery_limits_t limits = {.charge_peak_current_mA = 120000};
+    for (uint32_t k = 0; k < 3; k++) {
+        const messages_frame_t frame = messages_peak(&limits, (uint8_t)k);
+        (void)node_receive(&node, &frame, k * BATTERY_CYCLE_ms);
+        (void)receive_battery((uint8_t)k, 10000, k * BATTERY_CYCLE_ms);
+    }
+    TEST_ASSERT_EQUAL_INT32(120000, node.command.bms.charge_peak_current_mA);
+    TEST_ASSERT_EQUAL_INT32(10000, node.command.bms.charge_current_mA);
+    (void)receive_battery(3, 0, 3 * BATTERY_CYCLE_ms);
+    TEST_ASSERT_EQUAL_INT32(120000, node.command.bms.charge_peak_current_mA);
+    TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_current_mA);
+    TEST_ASSERT_TRUE(node_tick(&node, (2 + NODE_TIMEOUT_CYCLES) * BATTERY_CYCLE_ms));
+    TEST_ASSERT_EQUAL_INT32(0, node.command.bms.charge_peak_current_mA);
+}
+
+void test_hydraulic_feedback_has_an_age_and_becomes_invalid_with_its_messages(void)
+{
+    TEST_ASSERT_FALSE(node_hydraulic(&node.command, 5).valid);
+    const hydraulic_feedback_t measured = {.torque_mNm = 23400, .valid = true};
+    for (uint32_t k = 0; k < 3; k++) {
+        const messages_frame_t frame = messages_hydraulic(&measured, node.wheel, (uint8_t)k);
+        TEST_ASSERT_EQUAL_INT(k == 2, node_receive(&node, &frame, k * 20));
+    }
+    const hydraulic_feedback_t got = node_hydraulic(&node.command, 40 + 13);
+    TEST_ASSERT_TRUE(got.valid);
+    TEST_ASSERT_EQUAL_INT32(23400, got.torque_mNm);
+    TEST_ASSERT_EQUAL_UINT32(13, got.age_ms);
+    TEST_ASSERT_TRUE(node_tick(&node, 40 + NODE_TIMEOUT_CYCLES * 20));
+    TEST_ASSERT_FALSE(node_hydraulic(&node.command, 140).valid);
 }

@@ -261,7 +261,7 @@ OPTIONAL_KEYS = [
         56.0,
         42400,
     ),
-    ("brake.hydraulic_timeout_s", "brake.hydraulic_timeout_ms", 50, 0.0, 0),
+    ("brake.hydraulic_timeout_s", "brake.hydraulic_timeout_ms", 70, 0.0, 0),
     ("brake.hydraulic_report_delay_s", "brake.hydraulic_report_delay_ms", 10, 0.04, 40),
     ("brake.hydraulic_gain_band", "brake.hydraulic_gain_band_q15", 8192, 0.5, 16384),
     ("brake.hydraulic_tolerance_nm", "brake.hydraulic_tolerance_mNm", 15000, 7.5, 7500),
