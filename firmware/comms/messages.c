@@ -18,7 +18,9 @@ enum {
     VOLTAGE_MAX = 20000,
     TEMPERATURE_MIN = -1000,
     TEMPERATURE_MAX = 3000,
-    MODE_MASK = 0x0F
+    MODE_MASK = 0x0F,
+    DIRECTION_MASK = 0x03,
+    HYDRAULIC_REASON_MASK = 0x7F
 };
 
 typedef struct {
@@ -93,11 +95,13 @@ bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand)
     if (frame->length != E2E_FRAME_BYTES ||
         hubfoc_demand_unpack(&raw, frame->data, frame->length) != 0 ||
         !hubfoc_demand_drive_torque_nm_is_in_range(raw.drive_torque_nm) ||
+        !hubfoc_demand_direction_is_in_range(raw.direction) ||
         !hubfoc_demand_brake_torque_nm_is_in_range(raw.brake_torque_nm)) {
         return false;
     }
     demand->drive_torque_mNm = raw.drive_torque_nm * TORQUE_STEP_mNm;
     demand->brake_torque_mNm = (int32_t)raw.brake_torque_nm * TORQUE_STEP_mNm;
+    demand->direction = (drive_direction_t)raw.direction;
     demand->enable = raw.enable != 0;
     demand->abs_active = raw.abs_active != 0;
     demand->fault_reset = raw.fault_reset != 0;
@@ -167,6 +171,7 @@ static bool read_brake(const messages_frame_t *frame, slow_output_t *o)
     }
     o->hydraulic_torque_mNm = (int32_t)raw.hydraulic_torque_nm * TORQUE_STEP_mNm;
     o->electric_brake_available_mNm = (int32_t)raw.electric_brake_available_nm * TORQUE_STEP_mNm;
+    o->hydraulic_valid = raw.hydraulic_valid != 0;
     o->hydraulic_reason = (reason_t)raw.hydraulic_reason;
     o->available_reason = (reason_t)raw.available_reason;
     return true;
@@ -199,6 +204,7 @@ messages_frame_t messages_demand(const wheel_demand_t *demand, messages_wheel_t 
         .enable = demand->enable ? 1 : 0,
         .abs_active = demand->abs_active ? 1 : 0,
         .fault_reset = demand->fault_reset ? 1 : 0,
+        .direction = (uint8_t)((uint32_t)demand->direction & DIRECTION_MASK),
         .drive_torque_nm = signed_steps(demand->drive_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
         .brake_torque_nm = magnitude_steps(demand->brake_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
     };
@@ -268,7 +274,8 @@ static void put_brake(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
             magnitude_steps(o->hydraulic_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
         .electric_brake_available_nm =
             (uint32_t)q_clamp(o->electric_brake_available_mNm / TORQUE_STEP_mNm, 0, TORQUE_MAX),
-        .hydraulic_reason = (uint8_t)o->hydraulic_reason,
+        .hydraulic_reason = (uint8_t)((uint32_t)o->hydraulic_reason & HYDRAULIC_REASON_MASK),
+        .hydraulic_valid = o->hydraulic_valid ? 1 : 0,
         .available_reason = (uint8_t)o->available_reason,
     };
     (void)hubfoc_wheel_brake_pack(data, &raw, E2E_FRAME_BYTES);
@@ -277,6 +284,7 @@ static void put_brake(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 static void put_drive(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_drive_t raw = {
+        .direction = (uint8_t)((uint32_t)o->direction & DIRECTION_MASK),
         .torque_reason = (uint8_t)o->torque_reason,
         .motor_torque_command_nm =
             signed_steps(o->motor_torque_command_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
@@ -289,6 +297,7 @@ static void put_power(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
 {
     const struct hubfoc_wheel_power_t raw = {
         .bus_voltage_v = (uint16_t)magnitude_steps(o->bus_voltage_mV, VOLTAGE_STEP_mV, VOLTAGE_MAX),
+        .warning_reason = (uint8_t)o->warning_reason,
         .bus_current_a = signed_steps(o->bus_current_mA, CURRENT_STEP_mA, CURRENT_MAX),
     };
     (void)hubfoc_wheel_power_pack(data, &raw, E2E_FRAME_BYTES);

@@ -27,6 +27,7 @@ typedef struct {
 #define BATTERY(name, lowest, highest, unit, text) SCALAR(battery, name, lowest, highest)
 #define BRAKE(name, lowest, highest, unit, text) SCALAR(brake, name, lowest, highest)
 #define VEHICLE(name, lowest, highest, unit, text) SCALAR(vehicle, name, lowest, highest)
+#define DRIVER(name, lowest, highest, unit, text) SCALAR(driver, name, lowest, highest)
 #define MODES(name, lowest, highest, unit, text) SCALAR(modes, name, lowest, highest)
 #define MONITOR(name, lowest, highest, unit, text) SCALAR(monitor, name, lowest, highest)
 #define REGEN_MAP(name, lowest, highest, unit, text) SCALAR(regen_map, name, lowest, highest)
@@ -39,10 +40,11 @@ typedef struct {
 static const field_range_t FIELDS[] = {
     CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE) CONFIG_CURRENT_LOOP_FIELDS(CURRENT_LOOP)
         CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL) CONFIG_BATTERY_FIELDS(BATTERY)
-            CONFIG_BRAKE_FIELDS(BRAKE) CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_MODES_FIELDS(MODES)
-                CONFIG_MONITOR_FIELDS(MONITOR) CONFIG_REGEN_MAP_FIELDS(REGEN_MAP)
-                    CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY) CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
-                        CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
+            CONFIG_BRAKE_FIELDS(BRAKE) CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_DRIVER_FIELDS(DRIVER)
+                CONFIG_MODES_FIELDS(MODES) CONFIG_MONITOR_FIELDS(MONITOR)
+                    CONFIG_REGEN_MAP_FIELDS(REGEN_MAP) CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY)
+                        CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
+                            CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
 _Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t),
@@ -294,6 +296,8 @@ static config_result_t check_relations(const config_t *c)
          "brake.torque_growth_end_q15 > square of current_loop.modulation_target_pu_q15"},
         {c->brake.stop_lamp_off_mm_s2 <= c->brake.stop_lamp_on_mm_s2,
          "brake.stop_lamp_off_mm_s2 <= brake.stop_lamp_on_mm_s2"},
+        {c->driver.hold_torque_mNm <= c->brake.max_hydraulic_torque_mNm,
+         "driver.hold_torque_mNm <= brake.max_hydraulic_torque_mNm"},
         {c->monitor.coasting_mm_s2 <= c->monitor.tyre_grip_mm_s2,
          "monitor.coasting_mm_s2 <= monitor.tyre_grip_mm_s2"},
         {c->regen_map.speed_points * c->regen_map.temperature_points <= CONFIG_REGEN_POINTS_MAX,

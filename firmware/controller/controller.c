@@ -119,6 +119,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         .rotor_valid = report->rotor_valid,
         .rolling = q_abs(speed_mrad_s) > config->brake.blend_out_end_mrad_s,
         .enable = in->demand.enable,
+        .demand_lost = demand_is_lost(config, in->demand_age_ms),
         .drive_demanded = in->demand.drive_torque_mNm != 0,
         .torque_demanded = in->demand.drive_torque_mNm != 0 || in->demand.brake_torque_mNm > 0,
         .fault_reset = in->demand.fault_reset,
@@ -133,13 +134,15 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
 static torque_output_t step_torque(controller_slow_t *slow, const config_t *config,
                                    const fast_report_t *report, const slow_input_t *in,
                                    const torque_enable_t *torque_enable,
-                                   const operating_point_t *at)
+                                   const operating_point_t *at, bool standstill)
 {
     const torque_input_t torque_in = {
         .drive_torque_mNm = in->demand.drive_torque_mNm,
         .brake_torque_mNm = in->demand.brake_torque_mNm,
         .demand_age_ms = in->demand_age_ms,
+        .direction = in->demand.direction,
         .abs_active = in->demand.abs_active,
+        .standstill = standstill,
         .speed_mrad_s = at->speed_mrad_s,
         .current = {.d_mA = at->i_d_mA, .q_mA = at->i_q_mA},
         .i_d_weakening_mA = at->i_d_weakening_mA,
@@ -173,7 +176,8 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     const monitor_slow_input_t watched = monitor_input(slow, report, in, &at);
     const monitor_output_t watch = monitor_slow_step(&slow->monitor, config, &watched);
     const modes_output_t modes = decide_mode(slow, config, report, in, &watch, at.speed_mrad_s);
-    const torque_output_t torque = step_torque(slow, config, report, in, &modes.torque_enable, &at);
+    const torque_output_t torque =
+        step_torque(slow, config, report, in, &modes.torque_enable, &at, watch.standstill);
 
     slow->step_count++;
     slow->last_command_mNm = torque.command_mNm;
@@ -200,7 +204,10 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         .available_reason = torque.available.reason,
         .hydraulic_reason = torque.hydraulic_reason,
         .fault_reason = modes.fault,
+        .warning_reason = modes.warning,
         .mode = modes.mode,
+        .direction = torque.engaged,
+        .hydraulic_valid = torque.hydraulic_valid,
         .stop_lamp = torque.stop_lamp,
         .standstill = watch.standstill,
     };

@@ -7,6 +7,7 @@ void modes_init(modes_state_t *state)
 {
     state->mode = MODE_BOOT;
     state->fault = REASON_NONE;
+    state->warning = REASON_NONE;
     state->steps = 0;
     state->acknowledge_steps = 0;
     state->reset_before = false;
@@ -33,7 +34,11 @@ static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *i
 {
     const bool edge = in->fault_reset && !state->reset_before;
     state->reset_before = in->fault_reset;
-    const bool allowed = state->mode == MODE_FAULT && !in->torque_demanded && !in->rolling;
+    const bool quiet = !in->torque_demanded && !in->rolling;
+    const bool allowed = state->mode == MODE_FAULT && quiet;
+    if (edge && quiet) {
+        state->warning = REASON_NONE;
+    }
     if (!allowed) {
         state->acknowledge_steps = 0;
     } else if (edge) {
@@ -42,6 +47,14 @@ static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *i
         state->acknowledge_steps--;
     }
     return state->acknowledge_steps > 0;
+}
+
+static void latch_warning(modes_state_t *state, const modes_input_t *in)
+{
+    const bool runs = state->mode == MODE_RUN || state->mode == MODE_LIMP;
+    if (runs && in->enable && in->demand_lost) {
+        state->warning = REASON_DEMAND_TIMEOUT;
+    }
 }
 
 static void advance(modes_state_t *state, const config_modes_t *config, const modes_input_t *in,
@@ -81,7 +94,7 @@ static void advance(modes_state_t *state, const config_modes_t *config, const mo
         }
         break;
     case MODE_READY:
-        if (in->enable && !in->drive_demanded && in->rotor_valid) {
+        if (in->enable && !in->demand_lost && !in->drive_demanded && in->rotor_valid) {
             enter(state, MODE_RUN);
         }
         break;
@@ -148,9 +161,11 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const mo
     } else {
         advance(state, &config->modes, in, acknowledged);
     }
+    latch_warning(state, in);
     const modes_output_t out = {
         .mode = state->mode,
         .fault = state->fault,
+        .warning = state->warning != REASON_NONE ? state->warning : in->warning_reason,
         .torque_enable = torque_enable_of(state, &config->modes, in),
         .calibrate_offsets = state->mode == MODE_OFFSET_CAL && in->safe_bridge == BRIDGE_OFF,
         .clear_trip = acknowledged,

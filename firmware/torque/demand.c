@@ -8,8 +8,8 @@ enum { SLOW_STEPS_PER_S = 1000, LARGEST_DEMAND_mNm = 100000000 };
 
 void demand_init(demand_state_t *state)
 {
-    state->drive_mNm = 0;
-    state->brake_mNm = 0;
+    const demand_state_t none = {.lost_ms = INT32_MAX, .engaged = DRIVE_DIRECTION_NEUTRAL};
+    *state = none;
 }
 
 int32_t demand_rate_mNm_per_step(const config_t *config)
@@ -17,22 +17,79 @@ int32_t demand_rate_mNm_per_step(const config_t *config)
     return q_max(config->brake.torque_rate_mNm_s / SLOW_STEPS_PER_S, 1);
 }
 
-demand_t demand_step(demand_state_t *state, const config_t *config, int32_t drive_mNm,
-                     int32_t brake_mNm, uint32_t age_ms)
+/* An engaged direction stays, at any speed; another one is refused while the wheel turns against
+ * it. */
+static drive_direction_t engage(drive_direction_t engaged, const demand_input_t *in,
+                                int32_t largest_mrad_s)
 {
-    const bool timed_out = age_ms > (uint32_t)config->brake.demand_timeout_ms;
-    if (timed_out) {
-        const int32_t step = demand_rate_mNm_per_step(config);
-        state->drive_mNm = ramp_step(state->drive_mNm, 0, step);
-        state->brake_mNm = ramp_step(state->brake_mNm, 0, step);
-    } else {
-        state->brake_mNm = q_clamp(brake_mNm, 0, LARGEST_DEMAND_mNm);
-        state->drive_mNm = q_clamp(drive_mNm, -LARGEST_DEMAND_mNm, LARGEST_DEMAND_mNm);
+    const int32_t sign = drive_direction_sign(in->direction);
+    const bool turns_against =
+        sign > 0 ? in->speed_mrad_s < -largest_mrad_s : in->speed_mrad_s > largest_mrad_s;
+    const bool accepted = sign != 0 && (in->direction == engaged || !turns_against);
+    return accepted ? in->direction : DRIVE_DIRECTION_NEUTRAL;
+}
+
+/* Lift-off braking falls first, then what the pedal demands; together no faster than the torque
+ * rate. */
+static void fall(demand_state_t *state, int32_t step_mNm)
+{
+    const int32_t lift_off_mNm = ramp_step(state->lift_off_mNm, 0, step_mNm);
+    const int32_t left_mNm = step_mNm - (state->lift_off_mNm - lift_off_mNm);
+    state->lift_off_mNm = lift_off_mNm;
+    state->brake_mNm = ramp_step(state->brake_mNm, 0, left_mNm);
+}
+
+static demand_t lost_demand(demand_state_t *state, const config_t *config, const demand_input_t *in)
+{
+    const config_driver_t *driver = &config->driver;
+    state->lost_ms = q_saturate64((int64_t)state->lost_ms + 1);
+    const bool until_standstill = driver->no_other_brake != 0 && !in->standstill;
+    const bool kept = state->lost_ms <= driver->lost_hold_ms || until_standstill;
+    if (!kept) {
+        fall(state, demand_rate_mNm_per_step(config));
     }
     const demand_t out = {
-        .drive_mNm = state->brake_mNm > 0 ? 0 : state->drive_mNm,
+        .lift_off_mNm = in->abs_active ? 0 : state->lift_off_mNm,
         .brake_mNm = state->brake_mNm,
-        .timed_out = timed_out,
+        .engaged = state->engaged,
+        .reason = REASON_DEMAND_TIMEOUT,
+        .drive_withdrawn = true,
+        .lost = true,
+        .hydraulic_valid = kept,
     };
     return out;
+}
+
+static demand_t valid_demand(demand_state_t *state, const config_t *config,
+                             const demand_input_t *in)
+{
+    const int32_t wanted_mNm = q_clamp(in->drive_mNm, -LARGEST_DEMAND_mNm, LARGEST_DEMAND_mNm);
+    state->engaged = engage(state->engaged, in, config->driver.direction_change_mrad_s);
+    const int32_t sign = drive_direction_sign(state->engaged);
+    const int32_t along_mNm = wanted_mNm * sign;
+    state->lost_ms = 0;
+    state->brake_mNm = q_clamp(in->brake_mNm, 0, LARGEST_DEMAND_mNm);
+    state->lift_off_mNm = in->abs_active ? 0 : q_max(-along_mNm, 0);
+    const bool withdrawn = state->brake_mNm > 0 || sign == 0;
+    demand_t out = {
+        .drive_mNm = withdrawn || along_mNm < 0 ? 0 : wanted_mNm,
+        .lift_off_mNm = state->lift_off_mNm,
+        .brake_mNm = state->brake_mNm,
+        .engaged = state->engaged,
+        .reason = REASON_NONE,
+        .drive_withdrawn = withdrawn,
+        .hydraulic_valid = true,
+    };
+    if (sign == 0 && wanted_mNm != 0) {
+        out.reason = REASON_DRIVE_DIRECTION;
+    } else if (withdrawn && along_mNm > 0) {
+        out.reason = REASON_BRAKE_PRIORITY;
+    }
+    return out;
+}
+
+demand_t demand_step(demand_state_t *state, const config_t *config, const demand_input_t *in)
+{
+    return demand_is_lost(config, in->age_ms) ? lost_demand(state, config, in)
+                                              : valid_demand(state, config, in);
 }

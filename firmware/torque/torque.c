@@ -10,26 +10,52 @@ void torque_init(torque_state_t *state, const config_t *config)
     demand_init(&state->demand);
     torque_limits_init(&state->limits, &state->table);
     brake_blending_init(&state->blending, config);
+    hill_hold_init(&state->hold);
     torque_command_init(&state->command);
     stop_lamp_init(&state->lamp);
 }
 
 /* Reason shown on CAN, shell and log: that of the table's tightest line, braking side while
- * braking, else driving side. Without one, that of the phase current, voltage, torque rate or
- * timeout. */
+ * braking, else driving side. Without one, that of lift-off braking, phase current, voltage, torque
+ * rate, or of what withdraws the demand. */
 static reason_t shown_reason(const demand_t *demand, const brake_blending_out_t *split,
-                             const torque_command_out_t *limited, const current_setpoint_t *current,
-                             bool voltage_limited)
+                             const lift_off_t *lift_off, const torque_command_out_t *limited,
+                             const current_setpoint_t *current, bool voltage_limited)
 {
-    const reason_t reason =
+    reason_t reason =
         demand->brake_mNm > 0 && split->reason != REASON_NONE ? split->reason : limited->reason;
     if (current->limited && (reason == REASON_NONE || reason == REASON_TORQUE_RATE)) {
         return REASON_PHASE_CURRENT;
     }
+    reason = reason == REASON_NONE ? lift_off->reason : reason;
     if (reason == REASON_NONE && voltage_limited) {
         return REASON_VOLTAGE;
     }
-    return reason == REASON_NONE && demand->timed_out ? REASON_DEMAND_TIMEOUT : reason;
+    return reason == REASON_NONE ? demand->reason : reason;
+}
+
+/* Of braking, of lift-off below the blend-out speed, and of the hold, which the other two count
+ * for. */
+static int32_t hydraulic_command_mNm(const config_t *config, const brake_blending_out_t *split,
+                                     const lift_off_t *lift_off, int32_t hold_mNm)
+{
+    const int32_t braking_mNm =
+        q_saturate64((int64_t)split->hydraulic_mNm + lift_off->hydraulic_mNm);
+    return q_min(q_max(braking_mNm, hold_mNm), config->brake.max_hydraulic_torque_mNm);
+}
+
+static demand_input_t demand_input(const torque_input_t *in)
+{
+    const demand_input_t out = {
+        .drive_mNm = in->drive_torque_mNm,
+        .brake_mNm = in->brake_torque_mNm,
+        .age_ms = in->demand_age_ms,
+        .direction = in->direction,
+        .abs_active = in->abs_active,
+        .standstill = in->standstill,
+        .speed_mrad_s = in->speed_mrad_s,
+    };
+    return out;
 }
 
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
@@ -39,8 +65,8 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     const feasible_set_t set = feasible_set_at(&model, in->phase_voltage_mV);
     const motor_point_t flowing = motor_model_point(&model, in->current);
     const int32_t achieved_mNm = motor_model_torque_mNm(&model, flowing);
-    const demand_t demand = demand_step(&state->demand, config, in->drive_torque_mNm,
-                                        in->brake_torque_mNm, in->demand_age_ms);
+    const demand_input_t demanded = demand_input(in);
+    const demand_t demand = demand_step(&state->demand, config, &demanded);
     const torque_limits_input_t limited_by = {
         .brake_demand_mNm = demand.brake_mNm,
         .bus_voltage_mV = in->bus_voltage_mV,
@@ -65,27 +91,41 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     };
     const brake_blending_out_t split =
         brake_blending_step(&state->blending, config, &state->table, &braking);
+    const lift_off_t lift_off =
+        lift_off_split(&state->table, demand.lift_off_mNm, split.electric_mNm);
     const torque_command_input_t wanted = {
         .torque_enable = in->torque_enable,
         .speed_mrad_s = in->speed_mrad_s,
         .voltage_use_q15 = in->voltage_use_q15,
         .drive_mNm = demand.drive_mNm,
-        .electric_mNm = split.electric_mNm,
+        .electric_mNm = split.electric_mNm + lift_off.motor_mNm,
+        .drive_withdrawn = demand.drive_withdrawn,
     };
     const torque_command_out_t limited =
         torque_command_step(&state->command, config, &state->table, &wanted);
     const current_setpoint_t current =
         current_setpoint_step(&set, limited.command_mNm, in->i_d_weakening_mA);
 
+    const hill_hold_input_t standing = {
+        .demand_mNm = demand.brake_mNm + demand.lift_off_mNm,
+        .command_mNm = limited.command_mNm,
+        .drive_mNm = demand.drive_mNm,
+        .speed_mrad_s = in->speed_mrad_s,
+        .engaged = demand.engaged,
+        .standstill = in->standstill,
+    };
+    const int32_t hold_mNm = hill_hold_step(&state->hold, config, &standing);
+
     const torque_output_t out = {
         .current = current,
         .command_mNm = limited.command_mNm,
         .estimate_mNm = achieved_mNm,
-        .hydraulic_mNm = split.hydraulic_mNm,
-        .hydraulic_reason = split.hydraulic_reason,
+        .hydraulic_mNm = hydraulic_command_mNm(config, &split, &lift_off, hold_mNm),
+        .hydraulic_reason = hold_mNm > demand.brake_mNm ? REASON_HILL_HOLD : split.hydraulic_reason,
+        .hydraulic_valid = demand.hydraulic_valid,
         .available = split.available,
-        .reason = shown_reason(&demand, &split, &limited, &current, in->voltage_limited),
-        .demand_timed_out = demand.timed_out,
+        .reason = shown_reason(&demand, &split, &lift_off, &limited, &current, in->voltage_limited),
+        .engaged = demand.engaged,
         .stop_lamp = stop_lamp_step(&state->lamp, config, in->speed_mrad_s, demand.brake_mNm),
     };
     return out;

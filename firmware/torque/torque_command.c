@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/torque_command.h"
 
-#include <stdbool.h>
-
 #include "core/q15.h"
 #include "core/ramp.h"
 #include "core/scaled.h"
@@ -11,15 +9,35 @@
 void torque_command_init(torque_command_state_t *state)
 {
     state->command_mNm = 0;
+    state->braked = false;
 }
 
-/* A driving demand against the rotation regenerates and is bounded by the braking limits; one along
- * the rotation or at standstill by the driving limits. */
+static bool is_against(int32_t torque_mNm, int32_t speed_mrad_s)
+{
+    return (speed_mrad_s > 0 && torque_mNm < 0) || (speed_mrad_s < 0 && torque_mNm > 0);
+}
+
+/* What is left at once of the last command; the rate has no say in it. */
+static int32_t remaining_mNm(const torque_command_state_t *state, const torque_limits_t *limits,
+                             const torque_command_input_t *in)
+{
+    if (is_against(state->command_mNm, in->speed_mrad_s)) {
+        const int32_t most_mNm = limits->braking[TORQUE_LINE_ABS].torque_mNm;
+        return q_clamp(state->command_mNm, -most_mNm, most_mNm);
+    }
+    const bool is_wanted = (state->command_mNm > 0 && in->drive_mNm > 0) ||
+                           (state->command_mNm < 0 && in->drive_mNm < 0);
+    const bool has_turned_round = state->braked && !is_wanted;
+    return in->drive_withdrawn || has_turned_round ? 0 : state->command_mNm;
+}
+
+/* A driving demand against the rotation, by a wheel that rolls back, obeys the limits of braking;
+ * one along the rotation, or at standstill, obeys those of driving. */
 static limit_t drive_limit(const torque_limits_t *limits, int32_t speed_mrad_s, int32_t drive_mNm)
 {
-    const bool against = (speed_mrad_s > 0 && drive_mNm < 0) || (speed_mrad_s < 0 && drive_mNm > 0);
-    return against ? torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM)
-                   : torque_limits_tightest(limits->driving, 0, TORQUE_LINE_COUNT);
+    return is_against(drive_mNm, speed_mrad_s)
+               ? torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM)
+               : torque_limits_tightest(limits->driving, 0, TORQUE_LINE_COUNT);
 }
 
 int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q15)
@@ -40,9 +58,10 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
     limit_tighten(&driving, bound.torque_mNm, bound.reason);
     if (!torque_enable_any(in->torque_enable)) {
         out.reason = in->electric_mNm != 0 ? in->torque_enable.reason : driving.reason;
-        state->command_mNm = 0;
+        torque_command_init(state);
         return out;
     }
+    state->command_mNm = remaining_mNm(state, limits, in);
     const int32_t drive_part_mNm = in->drive_mNm >= 0 ? driving.torque_mNm : -driving.torque_mNm;
     const int32_t brake_part_mNm = in->speed_mrad_s >= 0 ? -in->electric_mNm : in->electric_mNm;
     const int32_t target_mNm = drive_part_mNm + brake_part_mNm;
@@ -52,6 +71,7 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
     const int32_t most_mNm = q_max(q_abs(state->command_mNm) + growth_mNm, 0);
     const int32_t within_mNm = q_clamp(target_mNm, -most_mNm, most_mNm);
     state->command_mNm = ramp_step(state->command_mNm, within_mNm, rate_mNm);
+    state->braked = is_against(state->command_mNm, in->speed_mrad_s);
     out.command_mNm = state->command_mNm;
     const bool by_voltage = within_mNm != target_mNm && growth_mNm <= 0;
     const reason_t on_the_way = by_voltage ? REASON_VOLTAGE : REASON_TORQUE_RATE;

@@ -148,6 +148,13 @@ static void note_braking(bench_t *bench)
     bench->is_braking = brakes;
 }
 
+/* The brake pedal as the brake system itself sees it, also while no demand is sent. */
+static double pedal_nm(const bench_t *bench)
+{
+    const driver_params_t *driver = &bench->params.driver;
+    return driver->follow_trace > 0.5 ? bench->demand.brake_nm : driver->brake_demand_nm;
+}
+
 static void slow_step(bench_t *bench)
 {
     const bench_params_t *params = &bench->params;
@@ -181,6 +188,8 @@ static void slow_step(bench_t *bench)
             bench->speed_prescribed ? 0.0 : params->sensors.current_drift_a_per_s * bench->time_s,
         .bus_voltage_v = bench->bus.voltage_v,
         .time_s = bench->time_s,
+        .direction = (drive_direction_t)params->driver.direction,
+        .pedal_nm = params->driver.own_brake_path > 0.5 ? pedal_nm(bench) : 0.0,
         .enable = bench->speed_prescribed || params->driver.enable > 0.5,
         .abs_active = !bench->speed_prescribed &&
                       (params->driver.abs_active > 0.5 || bench->abs_unit.anti_lock.at_work),

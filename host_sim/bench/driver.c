@@ -33,7 +33,7 @@ double driver_trace_at(const driver_trace_t *trace, int *cursor, double time_s)
 static driver_demand_t constant_pedals(const driver_params_t *params, double reference_m_per_s)
 {
     const driver_demand_t out = {
-        .drive_nm = params->brake_demand_nm > 0.0 ? 0.0 : params->drive_demand_nm,
+        .drive_nm = params->drive_demand_nm,
         .brake_nm = params->brake_demand_nm,
         .reference_m_per_s = reference_m_per_s,
     };

@@ -21,8 +21,9 @@ static slow_output_t millisecond(void *context, const slow_input_t *in)
 {
     (void)in;
     const external_wheel_t *wheel = context;
-    const slow_output_t out = {
-        .mode = MODE_RUN, .hydraulic_torque_mNm = (int32_t)lround(wheel->hydraulic_nm * MILLI)};
+    const slow_output_t out = {.mode = MODE_RUN,
+                               .hydraulic_torque_mNm = (int32_t)lround(wheel->hydraulic_nm * MILLI),
+                               .hydraulic_valid = true};
     return out;
 }
 

@@ -154,6 +154,11 @@ static const struct {
     X("first_fault_reason", VALUE, "", \
       "the first fault of the run, 0 none", (double)w->first_fault) \
     X("first_fault_s", VALUE, "s", "time of the first fault", w->first_fault_s) \
+    X("warning_reason", VALUE, "", \
+      OUTPUT_TEXT.warning_reason, (double)w->slow.warning_reason) \
+    X("direction", VALUE, "", OUTPUT_TEXT.direction, (double)w->slow.direction) \
+    X("hydraulic_valid", VALUE, "", \
+      OUTPUT_TEXT.hydraulic_valid, w->slow.hydraulic_valid ? 1.0 : 0.0) \
     X("mode", VALUE, "", \
       OUTPUT_TEXT.mode, (double)w->slow.mode) \
     X("stop_lamp", VALUE, "", OUTPUT_TEXT.stop_lamp, w->slow.stop_lamp ? 1.0 : 0.0)

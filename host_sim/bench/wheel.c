@@ -142,6 +142,7 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
     const slow_input_t in = {
         .demand = {.drive_torque_mNm = rounded(order->drive_nm, MILLI),
                    .brake_torque_mNm = rounded(order->brake_nm, MILLI),
+                   .direction = order->direction,
                    .enable = order->enable,
                    .abs_active = order->abs_active},
         .demand_age_ms = (uint32_t)rounded(order->demand_age_s, MILLI),
@@ -166,7 +167,9 @@ void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t 
                                            &wheel->to_fast);
     }
     hydraulic_brake_command(&world->params->brake, &wheel->brake,
-                            (double)wheel->slow.hydraulic_torque_mNm / MILLI);
+                            wheel->slow.hydraulic_valid
+                                ? (double)wheel->slow.hydraulic_torque_mNm / MILLI
+                                : order->pedal_nm);
     const pmsm_step_t period = {.omega_rad_s =
                                     wheel->motion.speed_rad_s * world->params->motor.pole_pairs,
                                 .duration_s = wheel->inverter.period_s,

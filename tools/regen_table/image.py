@@ -96,6 +96,7 @@ def fields(drive: Drive) -> Values:
         "battery": _battery(drive),
         "brake": _brake(drive),
         "vehicle": _vehicle(drive),
+        "driver": _driver(drive),
         "modes": {
             "limp_drive_share_q15": loops.fixed(drive.control.limp_drive_share, 15),
             "selftest_timeout_ms": nearest(drive.control.selftest_timeout_s * 1e3),
@@ -256,6 +257,18 @@ def _vehicle(drive: Drive) -> dict[str, Any]:
         "wheel_position": {"front_left": 0, "front_right": 1, "rear_left": 2, "rear_right": 3}[
             vehicle.wheel_position
         ],
+    }
+
+
+def _driver(drive: Drive) -> dict[str, Any]:
+    driver = drive.driver
+    turning = driver.direction_change_speed_m_per_s / drive.vehicle.wheel_radius_m
+    return {
+        "lost_hold_ms": nearest(driver.lost_demand_hold_s * 1e3),
+        "no_other_brake": int(driver.no_other_brake),
+        "direction_change_mrad_s": nearest(turning * 1e3),
+        "hold_torque_mNm": nearest((driver.hold_torque_nm or 0.0) * 1e3),
+        "hold_release_ms": nearest(driver.hold_release_s * 1e3),
     }
 
 

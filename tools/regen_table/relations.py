@@ -211,6 +211,15 @@ def _stop_lamp(drive: Drive) -> Iterator[str]:
         )
 
 
+def _hold(drive: Drive) -> Iterator[str]:
+    hold, most = drive.driver.hold_torque_nm, drive.brake.max_hydraulic_torque_nm
+    if hold is not None and hold > most:
+        yield (
+            f"driver.hold_torque_nm: {hold:g} N m, accepted: at most "
+            f"brake.max_hydraulic_torque_nm = {most:g} N m"
+        )
+
+
 def _trips(drive: Drive) -> Iterator[str]:
     battery, monitor, inverter = drive.battery, drive.monitor, drive.inverter
     seen = 0.999 * inverter.voltage_full_scale_v
@@ -419,7 +428,7 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
-    _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _trips,
-    _devices, _torque_growth, _grid, _temperatures, _handover, _hall, _hall_hand_over, _encoder,
-    _emf, _regeneration,
+    _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _hold,
+    _trips, _devices, _torque_growth, _grid, _temperatures, _handover, _hall, _hall_hand_over,
+    _encoder, _emf, _regeneration,
 )  # fmt: skip

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A drive and the sections of its TOML file: every key, its unit, its accepted range.
 
-One class a section, one line a key; [brake] is in ``brake_section``, [monitor] in
-``monitor_section``, what only the simulated plant reads in ``plant_sections``. All classes are
-strict (no text taken for a number), frozen, and refuse unknown keys and non-finite numbers. An
-optional key that is absent switches its feature off or has the default given in its line; no key is
-ever guessed.
+One class a section, one line a key; [brake] is in ``brake_section``, [driver] in
+``driver_section``, [monitor] in ``monitor_section``, what only the simulated plant reads in
+``plant_sections``. All classes are strict (no text taken for a number), frozen, and refuse unknown
+keys and non-finite numbers. An optional key that is absent switches its feature off or has the
+default given in its line; no key is ever guessed.
 """
 
 import re
@@ -14,6 +14,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field
 
 from regen_table.brake_section import Brake
+from regen_table.driver_section import Driver
 from regen_table.errors import ConfigurationError
 from regen_table.monitor_section import Monitor
 from regen_table.plant_sections import (
@@ -276,7 +277,7 @@ class Control(Section):
                 " first, no more above the second"
             ),
         ),
-    ] = (0.89, 0.96)
+    ] = (0.94, 0.96)
     limp_drive_share: Annotated[
         float, number(0.0, 1.0, "1", "of the driving torque, left after a warning")
     ] = 0.3
@@ -371,6 +372,7 @@ class Drive(Section):
     control: Control
     table: Table
     rotor: Rotor = Rotor()
+    driver: Driver = Driver()
     monitor: Monitor = Monitor()
     sensors: Sensors = Sensors()
     bus: Bus = Bus()

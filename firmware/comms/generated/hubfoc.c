@@ -136,6 +136,7 @@ int hubfoc_demand_pack(
     dst_p[2] |= pack_left_shift_u32(drive_torque_nm, 0u, 0xffu);
     dst_p[3] |= pack_right_shift_u32(drive_torque_nm, 8u, 0xffu);
     dst_p[4] |= pack_right_shift_u32(drive_torque_nm, 16u, 0x07u);
+    dst_p[4] |= pack_left_shift_u8(src_p->direction, 4u, 0x30u);
     dst_p[5] |= pack_left_shift_u32(src_p->brake_torque_nm, 0u, 0xffu);
     dst_p[6] |= pack_right_shift_u32(src_p->brake_torque_nm, 8u, 0xffu);
     dst_p[7] |= pack_right_shift_u32(src_p->brake_torque_nm, 16u, 0x03u);
@@ -168,6 +169,7 @@ int hubfoc_demand_unpack(
     }
 
     dst_p->drive_torque_nm = (int32_t)drive_torque_nm;
+    dst_p->direction = unpack_right_shift_u8(src_p[4], 4u, 0x30u);
     dst_p->brake_torque_nm = unpack_right_shift_u32(src_p[5], 0u, 0xffu);
     dst_p->brake_torque_nm |= unpack_left_shift_u32(src_p[6], 8u, 0xffu);
     dst_p->brake_torque_nm |= unpack_left_shift_u32(src_p[7], 16u, 0x03u);
@@ -214,6 +216,11 @@ bool hubfoc_demand_fault_reset_is_in_range(uint8_t value)
 bool hubfoc_demand_drive_torque_nm_is_in_range(int32_t value)
 {
     return ((value >= -200000) && (value <= 200000));
+}
+
+bool hubfoc_demand_direction_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
 }
 
 bool hubfoc_demand_brake_torque_nm_is_in_range(uint32_t value)
@@ -575,7 +582,8 @@ int hubfoc_wheel_brake_pack(
     dst_p[3] |= pack_left_shift_u32(src_p->electric_brake_available_nm, 6u, 0xc0u);
     dst_p[4] |= pack_right_shift_u32(src_p->electric_brake_available_nm, 2u, 0xffu);
     dst_p[5] |= pack_right_shift_u32(src_p->electric_brake_available_nm, 10u, 0xffu);
-    dst_p[6] |= pack_left_shift_u8(src_p->hydraulic_reason, 0u, 0xffu);
+    dst_p[6] |= pack_left_shift_u8(src_p->hydraulic_reason, 0u, 0x7fu);
+    dst_p[6] |= pack_left_shift_u8(src_p->hydraulic_valid, 7u, 0x80u);
     dst_p[7] |= pack_left_shift_u8(src_p->available_reason, 0u, 0xffu);
 
     return (8);
@@ -598,7 +606,8 @@ int hubfoc_wheel_brake_unpack(
     dst_p->electric_brake_available_nm = unpack_right_shift_u32(src_p[3], 6u, 0xc0u);
     dst_p->electric_brake_available_nm |= unpack_left_shift_u32(src_p[4], 2u, 0xffu);
     dst_p->electric_brake_available_nm |= unpack_left_shift_u32(src_p[5], 10u, 0xffu);
-    dst_p->hydraulic_reason = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
+    dst_p->hydraulic_reason = unpack_right_shift_u8(src_p[6], 0u, 0x7fu);
+    dst_p->hydraulic_valid = unpack_right_shift_u8(src_p[6], 7u, 0x80u);
     dst_p->available_reason = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
 
     return (0);
@@ -637,9 +646,12 @@ bool hubfoc_wheel_brake_electric_brake_available_nm_is_in_range(uint32_t value)
 
 bool hubfoc_wheel_brake_hydraulic_reason_is_in_range(uint8_t value)
 {
-    (void)value;
+    return (value <= 127u);
+}
 
-    return (true);
+bool hubfoc_wheel_brake_hydraulic_valid_is_in_range(uint8_t value)
+{
+    return (value <= 1u);
 }
 
 bool hubfoc_wheel_brake_available_reason_is_in_range(uint8_t value)
@@ -665,6 +677,7 @@ int hubfoc_wheel_drive_pack(
 
     dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
     dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u8(src_p->direction, 4u, 0x30u);
     dst_p[2] |= pack_left_shift_u8(src_p->torque_reason, 0u, 0xffu);
     motor_torque_command_nm = (uint32_t)src_p->motor_torque_command_nm;
     dst_p[3] |= pack_left_shift_u32(motor_torque_command_nm, 0u, 0xffu);
@@ -692,6 +705,7 @@ int hubfoc_wheel_drive_unpack(
 
     dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
     dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->direction = unpack_right_shift_u8(src_p[1], 4u, 0x30u);
     dst_p->torque_reason = unpack_right_shift_u8(src_p[2], 0u, 0xffu);
     motor_torque_command_nm = unpack_right_shift_u32(src_p[3], 0u, 0xffu);
     motor_torque_command_nm |= unpack_left_shift_u32(src_p[4], 8u, 0xffu);
@@ -736,6 +750,11 @@ bool hubfoc_wheel_drive_counter_is_in_range(uint8_t value)
     return (value <= 15u);
 }
 
+bool hubfoc_wheel_drive_direction_is_in_range(uint8_t value)
+{
+    return (value <= 2u);
+}
+
 bool hubfoc_wheel_drive_torque_reason_is_in_range(uint8_t value)
 {
     (void)value;
@@ -774,6 +793,7 @@ int hubfoc_wheel_power_pack(
     dst_p[4] |= pack_left_shift_u32(bus_current_a, 0u, 0xffu);
     dst_p[5] |= pack_right_shift_u32(bus_current_a, 8u, 0xffu);
     dst_p[6] |= pack_right_shift_u32(bus_current_a, 16u, 0x01u);
+    dst_p[7] |= pack_left_shift_u8(src_p->warning_reason, 0u, 0xffu);
 
     return (8);
 }
@@ -802,6 +822,7 @@ int hubfoc_wheel_power_unpack(
     }
 
     dst_p->bus_current_a = (int32_t)bus_current_a;
+    dst_p->warning_reason = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
 
     return (0);
 }
@@ -835,6 +856,13 @@ bool hubfoc_wheel_power_bus_voltage_v_is_in_range(uint16_t value)
 bool hubfoc_wheel_power_bus_current_a_is_in_range(int32_t value)
 {
     return ((value >= -60000) && (value <= 60000));
+}
+
+bool hubfoc_wheel_power_warning_reason_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
 }
 
 int hubfoc_wheel_health_pack(

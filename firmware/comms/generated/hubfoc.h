@@ -90,6 +90,10 @@ extern "C" {
 #define HUBFOC_WHEEL_HEALTH_CYCLE_TIME_MS (100u)
 
 /* Signal choices. */
+#define HUBFOC_DEMAND_DIRECTION_FORWARD_CHOICE (0u)
+#define HUBFOC_DEMAND_DIRECTION_REVERSE_CHOICE (1u)
+#define HUBFOC_DEMAND_DIRECTION_NEUTRAL_CHOICE (2u)
+
 #define HUBFOC_BATTERY_LIMITS_CONTACTOR_NOT_REPORTED_CHOICE (0u)
 #define HUBFOC_BATTERY_LIMITS_CONTACTOR_CLOSED_CHOICE (1u)
 #define HUBFOC_BATTERY_LIMITS_CONTACTOR_OPEN_CHOICE (2u)
@@ -123,6 +127,9 @@ extern "C" {
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_MAX_SPEED_CHOICE (18u)
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
+#define HUBFOC_WHEEL_STATE_FAULT_REASON_BRAKE_PRIORITY_CHOICE (21u)
+#define HUBFOC_WHEEL_STATE_FAULT_REASON_DRIVE_DIRECTION_CHOICE (22u)
+#define HUBFOC_WHEEL_STATE_FAULT_REASON_HILL_HOLD_CHOICE (23u)
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_CONFIG_INVALID_CHOICE (64u)
 #define HUBFOC_WHEEL_STATE_FAULT_REASON_SELFTEST_FAILED_CHOICE (65u)
@@ -164,6 +171,9 @@ extern "C" {
 #define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_MAX_SPEED_CHOICE (18u)
 #define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
 #define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
+#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_BRAKE_PRIORITY_CHOICE (21u)
+#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_DRIVE_DIRECTION_CHOICE (22u)
+#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_HILL_HOLD_CHOICE (23u)
 #define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
 #define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_CONFIG_INVALID_CHOICE (64u)
 #define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_SELFTEST_FAILED_CHOICE (65u)
@@ -205,6 +215,9 @@ extern "C" {
 #define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_MAX_SPEED_CHOICE (18u)
 #define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
 #define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
+#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_BRAKE_PRIORITY_CHOICE (21u)
+#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_DRIVE_DIRECTION_CHOICE (22u)
+#define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_HILL_HOLD_CHOICE (23u)
 #define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
 #define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_CONFIG_INVALID_CHOICE (64u)
 #define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_SELFTEST_FAILED_CHOICE (65u)
@@ -224,6 +237,10 @@ extern "C" {
 #define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_ROTOR_IMPLAUSIBLE_CHOICE (79u)
 #define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_WINDING_SENSOR_CHOICE (80u)
 #define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_SWITCH_SENSOR_CHOICE (81u)
+
+#define HUBFOC_WHEEL_DRIVE_DIRECTION_FORWARD_CHOICE (0u)
+#define HUBFOC_WHEEL_DRIVE_DIRECTION_REVERSE_CHOICE (1u)
+#define HUBFOC_WHEEL_DRIVE_DIRECTION_NEUTRAL_CHOICE (2u)
 
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_NONE_CHOICE (0u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_LOSS_OPTIMUM_CHOICE (1u)
@@ -246,6 +263,9 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_MAX_SPEED_CHOICE (18u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
+#define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_BRAKE_PRIORITY_CHOICE (21u)
+#define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_DRIVE_DIRECTION_CHOICE (22u)
+#define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_HILL_HOLD_CHOICE (23u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_CONFIG_INVALID_CHOICE (64u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_SELFTEST_FAILED_CHOICE (65u)
@@ -265,6 +285,50 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_ROTOR_IMPLAUSIBLE_CHOICE (79u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_WINDING_SENSOR_CHOICE (80u)
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_SWITCH_SENSOR_CHOICE (81u)
+
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_NONE_CHOICE (0u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_LOSS_OPTIMUM_CHOICE (1u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_MAX_TORQUE_CHOICE (2u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_MAX_POWER_CHOICE (3u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_PHASE_CURRENT_CHOICE (4u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_CHARGE_CURRENT_CHOICE (5u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_DISCHARGE_CURRENT_CHOICE (6u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_BUS_VOLTAGE_HIGH_CHOICE (7u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_BUS_VOLTAGE_LOW_CHOICE (8u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_WINDING_TEMPERATURE_CHOICE (9u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_SWITCH_TEMPERATURE_CHOICE (10u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_BLEND_OUT_CHOICE (11u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_TORQUE_RATE_CHOICE (12u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_VOLTAGE_CHOICE (13u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_ELECTRIC_SHARE_CHOICE (14u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_ELECTRIC_RATED_CHOICE (15u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_ABS_CHOICE (16u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_TORQUE_ENABLE_CHOICE (17u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_MAX_SPEED_CHOICE (18u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_BRAKE_PRIORITY_CHOICE (21u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_DRIVE_DIRECTION_CHOICE (22u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_HILL_HOLD_CHOICE (23u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_CONFIG_INVALID_CHOICE (64u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_SELFTEST_FAILED_CHOICE (65u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_OFFSET_IMPLAUSIBLE_CHOICE (66u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_OVERCURRENT_CHOICE (67u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_BUS_OVERVOLTAGE_CHOICE (68u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_BUS_UNDERVOLTAGE_CHOICE (69u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_WINDING_OVERTEMPERATURE_CHOICE (70u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_SWITCH_OVERTEMPERATURE_CHOICE (71u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_CURRENT_SUM_CHOICE (72u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_ROTOR_LOST_CHOICE (73u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_TORQUE_IMPLAUSIBLE_CHOICE (74u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_PROGRAM_FLOW_CHOICE (75u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_DEMAND_TIMEOUT_CHOICE (76u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_HARDWARE_BREAK_CHOICE (77u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_CURRENT_SENSOR_CHOICE (78u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_ROTOR_IMPLAUSIBLE_CHOICE (79u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_WINDING_SENSOR_CHOICE (80u)
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_SWITCH_SENSOR_CHOICE (81u)
 
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_NO_DATA_CHOICE (0u)
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_QUALIFYING_CHOICE (1u)
@@ -294,6 +358,7 @@ extern "C" {
 #define HUBFOC_DEMAND_ABS_ACTIVE_NAME "abs_active"
 #define HUBFOC_DEMAND_FAULT_RESET_NAME "fault_reset"
 #define HUBFOC_DEMAND_DRIVE_TORQUE_NM_NAME "drive_torque_nm"
+#define HUBFOC_DEMAND_DIRECTION_NAME "direction"
 #define HUBFOC_DEMAND_BRAKE_TORQUE_NM_NAME "brake_torque_nm"
 #define HUBFOC_HYDRAULIC_FEEDBACK_CRC_NAME "crc"
 #define HUBFOC_HYDRAULIC_FEEDBACK_COUNTER_NAME "counter"
@@ -319,9 +384,11 @@ extern "C" {
 #define HUBFOC_WHEEL_BRAKE_HYDRAULIC_TORQUE_NM_NAME "hydraulic_torque_nm"
 #define HUBFOC_WHEEL_BRAKE_ELECTRIC_BRAKE_AVAILABLE_NM_NAME "electric_brake_available_nm"
 #define HUBFOC_WHEEL_BRAKE_HYDRAULIC_REASON_NAME "hydraulic_reason"
+#define HUBFOC_WHEEL_BRAKE_HYDRAULIC_VALID_NAME "hydraulic_valid"
 #define HUBFOC_WHEEL_BRAKE_AVAILABLE_REASON_NAME "available_reason"
 #define HUBFOC_WHEEL_DRIVE_CRC_NAME "crc"
 #define HUBFOC_WHEEL_DRIVE_COUNTER_NAME "counter"
+#define HUBFOC_WHEEL_DRIVE_DIRECTION_NAME "direction"
 #define HUBFOC_WHEEL_DRIVE_TORQUE_REASON_NAME "torque_reason"
 #define HUBFOC_WHEEL_DRIVE_MOTOR_TORQUE_COMMAND_NM_NAME "motor_torque_command_nm"
 #define HUBFOC_WHEEL_DRIVE_CURRENT_Q_A_NAME "current_q_a"
@@ -329,6 +396,7 @@ extern "C" {
 #define HUBFOC_WHEEL_POWER_COUNTER_NAME "counter"
 #define HUBFOC_WHEEL_POWER_BUS_VOLTAGE_V_NAME "bus_voltage_v"
 #define HUBFOC_WHEEL_POWER_BUS_CURRENT_A_NAME "bus_current_a"
+#define HUBFOC_WHEEL_POWER_WARNING_REASON_NAME "warning_reason"
 #define HUBFOC_WHEEL_HEALTH_CRC_NAME "crc"
 #define HUBFOC_WHEEL_HEALTH_COUNTER_NAME "counter"
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_NAME "demand_link"
@@ -341,7 +409,7 @@ extern "C" {
 /**
  * Signals in message Demand.
  *
- * Torque demand to this wheel. When it is older than the configuration's demand timeout, the torque decays to zero at the torque rate.
+ * Torque demand to this wheel. When it is older than the configuration's demand timeout it is lost: driving torque ends at once, braking torque is kept for driver.lost_hold_ms and then falls to zero, while hydraulic_valid becomes 0.
  *
  * All signal values are as on the CAN bus.
  */
@@ -383,7 +451,7 @@ struct hubfoc_demand_t {
     uint8_t abs_active;
 
     /**
-     * A change from 0 to 1 acknowledges a latched fault; honoured only without torque demand and below the hand-over speed.
+     * A change from 0 to 1 acknowledges a latched fault or warning; honoured only without torque demand and below the hand-over speed.
      *
      * Range: 0..1 (0..1 -)
      * Scale: 1
@@ -392,13 +460,22 @@ struct hubfoc_demand_t {
     uint8_t fault_reset;
 
     /**
-     * Driving torque at this wheel, positive forward. Ignored while braking torque is demanded.
+     * Driving torque at this wheel, positive forward; against the direction it is lift-off braking. Driving torque is zero while braking torque is demanded.
      *
      * Range: -200000..200000 (-20000..20000 Nm)
      * Scale: 0.1
      * Offset: 0
      */
     int32_t drive_torque_nm;
+
+    /**
+     * Drive direction. Refused, as if NEUTRAL, while the wheel turns against it faster than driver.direction_change_mrad_s.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t direction;
 
     /**
      * Braking torque at this wheel, motor and hydraulic brake together; a magnitude.
@@ -662,13 +739,22 @@ struct hubfoc_wheel_brake_t {
     uint32_t electric_brake_available_nm;
 
     /**
-     * HYDRAULIC_LIMIT: motor and hydraulic brake together cannot meet the demand.
+     * HYDRAULIC_LIMIT: motor and hydraulic brake together cannot meet the demand. HILL_HOLD: the command holds the vehicle at standstill.
      *
-     * Range: 0..255 (0..255 -)
+     * Range: 0..127 (0..127 -)
      * Scale: 1
      * Offset: 0
      */
     uint8_t hydraulic_reason;
+
+    /**
+     * 0: the demand is lost or none came yet; the brake system must use its own path instead of hydraulic_torque_nm.
+     *
+     * Range: 0..1 (0..1 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t hydraulic_valid;
 
     /**
      * What limits electric_brake_available_nm.
@@ -707,6 +793,15 @@ struct hubfoc_wheel_drive_t {
     uint8_t counter;
 
     /**
+     * Direction in which driving torque is made now; NEUTRAL: none is.
+     *
+     * Range: 0..2 (0..2 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t direction;
+
+    /**
      * What limits the motor torque in the demanded direction.
      *
      * Range: 0..255 (0..255 -)
@@ -737,7 +832,7 @@ struct hubfoc_wheel_drive_t {
 /**
  * Signals in message WheelPower.
  *
- * The direct-current side of this controller.
+ * The direct-current side of this controller, and its warning.
  *
  * All signal values are as on the CAN bus.
  */
@@ -777,6 +872,15 @@ struct hubfoc_wheel_power_t {
      * Offset: 0
      */
     int32_t bus_current_a;
+
+    /**
+     * The latched warning, else the present one; NONE when there is none.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t warning_reason;
 };
 
 /**
@@ -950,6 +1054,15 @@ bool hubfoc_demand_fault_reset_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_demand_drive_torque_nm_is_in_range(int32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_demand_direction_is_in_range(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1368,6 +1481,15 @@ bool hubfoc_wheel_brake_hydraulic_reason_is_in_range(uint8_t value);
  *
  * @return true if in range, false otherwise.
  */
+bool hubfoc_wheel_brake_hydraulic_valid_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
 bool hubfoc_wheel_brake_available_reason_is_in_range(uint8_t value);
 
 /**
@@ -1424,6 +1546,15 @@ bool hubfoc_wheel_drive_crc_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_wheel_drive_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_drive_direction_is_in_range(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1524,6 +1655,15 @@ bool hubfoc_wheel_power_bus_voltage_v_is_in_range(uint16_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_wheel_power_bus_current_a_is_in_range(int32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_power_warning_reason_is_in_range(uint8_t value);
 
 /**
  * Pack message WheelHealth.

@@ -16,7 +16,7 @@ extern const config_t CONFIG_EBIKE36V;
 
 CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 9,
+    .format_version = 10,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "ebike36v",
@@ -213,7 +213,7 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .torque_growth_end_q15       = 31457,
         /* share of torque_rate_mNm_s per unit of that square below its end; raising: full
          * rate up to a higher modulation index; default 1/0.07 */
-        .torque_growth_slope_q9      = 7314,
+        .torque_growth_slope_q9      = 25600,
         /* [mm/s^2] deceleration without a braking demand above which the stop lamp is lit;
          * default 1300 */
         .stop_lamp_on_mm_s2          = 1300,
@@ -227,6 +227,22 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         .mass_g          = 105000, /* [g] for plausibility only */
         /* address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right */
         .wheel_position  = 0,
+    },
+    .driver = {
+        /* [ms] a braking demand is kept this long after it counts as lost; default 300 */
+        .lost_hold_ms            = 300,
+        /* 1: the vehicle has no brake but those that this controller commands, so a lost
+         * braking demand is kept until standstill */
+        .no_other_brake          = 0,
+        /* [mrad/s] a wheel that turns faster against a drive direction refuses it; default 3
+         * km/h */
+        .direction_change_mrad_s = 3292,
+        /* [mNm] hydraulic torque that holds the vehicle at standstill until it drives off; 0:
+         * none */
+        .hold_torque_mNm         = 0,
+        /* [ms] from the driving demand until the hold is gone at the latest, unless the
+         * vehicle rolls back; default 1000 */
+        .hold_release_ms         = 1000,
     },
     .modes = {
         /* share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking
@@ -329,5 +345,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0x11AA7FEC,
+    .crc32 = 0xD286E2B5,
 };

@@ -52,9 +52,7 @@ class Scenario(Section):
         float, number(-300.0, 300.0, "speed at which the run begins, km/h, negative backwards")
     ] = 0.0
     demand_nm: Annotated[float, number(0.0, 1e5, "without a cycle: held braking demand, N m")] = 0.0
-    drive_nm: Annotated[
-        float, number(-1e5, 1e5, "without a cycle or braking demand: held drive demand, N m")
-    ] = 0.0
+    drive_nm: Annotated[float, number(-1e5, 1e5, "without a cycle: held drive demand, N m")] = 0.0
     demand_trace_nm: Annotated[
         Points | None, listing("instead of demand_nm: brake pedal over time, N m", _POINTS)
     ] = None

@@ -24,7 +24,7 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 9
+#define CONFIG_FORMAT_VERSION 10
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
 /* such as 33 torques and 19 speeds at 2 temperatures */
@@ -273,6 +273,20 @@
     X(wheel_position,                        0,         3,          "", \
       "address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right")
 
+#define CONFIG_DRIVER_FIELDS(X) \
+    X(lost_hold_ms,                          0,         10000,      "ms", \
+      "a braking demand is kept this long after it counts as lost; default 300") \
+    X(no_other_brake,                        0,         1,          "", \
+      "1: the vehicle has no brake but those that this controller commands, so a lost braking " \
+      "demand is kept until standstill") \
+    X(direction_change_mrad_s,               0,         1000000,    "mrad/s", \
+      "a wheel that turns faster against a drive direction refuses it; default 3 km/h") \
+    X(hold_torque_mNm,                       0,         20000000,   "mNm", \
+      "hydraulic torque that holds the vehicle at standstill until it drives off; 0: none") \
+    X(hold_release_ms,                       10,        10000,      "ms", \
+      "from the driving demand until the hold is gone at the latest, unless the vehicle rolls " \
+      "back; default 1000")
+
 #define CONFIG_MODES_FIELDS(X) \
     X(limp_drive_share_q15,                  0,         32767,      "1", \
       "share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking is " \
@@ -409,6 +423,10 @@ typedef struct {
 } config_vehicle_t;
 
 typedef struct {
+    CONFIG_DRIVER_FIELDS(CONFIG_SCALAR_MEMBER)
+} config_driver_t;
+
+typedef struct {
     CONFIG_MODES_FIELDS(CONFIG_SCALAR_MEMBER)
 } config_modes_t;
 
@@ -440,6 +458,7 @@ typedef struct {
     config_battery_t battery;
     config_brake_t brake;
     config_vehicle_t vehicle;
+    config_driver_t driver;
     config_modes_t modes;
     config_monitor_t monitor;
     config_regen_map_t regen_map;

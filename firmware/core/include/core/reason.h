@@ -35,6 +35,9 @@
     X(18, MAX_SPEED, "speed limit")                                                                \
     X(19, ROTOR_UNCERTAIN, "rotor angle not known well enough")                                    \
     X(20, HYDRAULIC_LIMIT, "hydraulic brake at its limit")                                         \
+    X(21, BRAKE_PRIORITY, "a braking demand overrides the driving demand")                         \
+    X(22, DRIVE_DIRECTION, "drive direction neutral or refused at this speed")                     \
+    X(23, HILL_HOLD, "held at standstill until it drives off")                                     \
     X(26, HYDRAULIC_FEEDBACK, "measured hydraulic torque missing or implausible")                  \
     X(64, CONFIG_INVALID, "configuration refused")                                                 \
     X(65, SELFTEST_FAILED, "self-test failed")                                                     \

@@ -14,17 +14,20 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "core/drive_direction.h"
 #include "core/operating_mode.h"
 #include "core/reason.h"
 
 /* What the vehicle demands of this wheel: the CAN message Demand, or a pedal. */
 typedef struct {
-    int32_t drive_torque_mNm; /* signed, positive forward */
+    int32_t drive_torque_mNm; /* signed, positive forward; against `direction` it is lift-off
+                                 braking */
     int32_t brake_torque_mNm; /* magnitude >= 0, motor and hydraulic brake together */
-    bool enable;              /* the driver has switched the vehicle on */
-    bool abs_active;          /* the anti-lock system intervenes: electric braking must stop */
-    bool fault_reset;         /* rising edge acknowledges a latched fault; honoured only without
-                                 torque demand */
+    drive_direction_t direction;
+    bool enable;      /* the driver has switched the vehicle on */
+    bool abs_active;  /* the anti-lock system intervenes: electric braking must stop */
+    bool fault_reset; /* rising edge acknowledges a latched fault; honoured only without
+                         torque demand */
 } wheel_demand_t;
 
 /* State of the pack's main contactor; the numbers are part of the protocol. */
@@ -85,6 +88,10 @@ typedef struct {
                                   cannot meet the demand */
     reason_t fault_reason;     /* the latched fault, REASON_NONE when healthy */
     operating_mode_t mode;
+    reason_t warning_reason;     /* the latched warning, else the present one; REASON_NONE: none */
+    drive_direction_t direction; /* in which driving torque is made now; NEUTRAL: none is */
+    bool hydraulic_valid;        /* false: the demand is lost, the brake system must use its own
+                                    path instead of hydraulic_torque_mNm */
     bool stop_lamp;
     bool standstill; /* the speed upper bound is below monitor.standstill (monitor_speed.h) */
 } slow_output_t;

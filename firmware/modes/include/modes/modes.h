@@ -8,7 +8,8 @@
  *
  * BOOT is left only with an accepted configuration, READY only with a known rotor angle, FAULT only
  * on a rising edge of `fault_reset` while no torque is demanded, the monitor reports no fault and
- * the wheel is below the hand-over speed. A fault never clears itself.
+ * the wheel is below the hand-over speed. A fault never clears itself. A demand that was lost while
+ * torque was enabled leaves a warning, which the same acknowledgement clears.
  */
 #ifndef MODES_MODES_H
 #define MODES_MODES_H
@@ -38,6 +39,7 @@ typedef struct {
     bool rotor_valid;       /* the rotor's angle may be used for torque */
     bool rolling;           /* faster than the hand-over speed */
     bool enable;
+    bool demand_lost;     /* older than its timeout */
     bool torque_demanded; /* driving or braking */
     bool drive_demanded;  /* the drive pedal alone: must be released once before RUN */
     bool fault_reset;
@@ -51,6 +53,7 @@ typedef struct {
 typedef struct {
     operating_mode_t mode;
     reason_t fault;             /* latched, the first one */
+    reason_t warning;           /* latched, REASON_NONE or REASON_DEMAND_TIMEOUT */
     uint16_t steps;             /* in this mode, saturating */
     uint16_t acknowledge_steps; /* left of a pending acknowledgement */
     bool reset_before;
@@ -58,7 +61,8 @@ typedef struct {
 
 typedef struct {
     operating_mode_t mode;
-    reason_t fault; /* latched, REASON_NONE when healthy */
+    reason_t fault;   /* latched, REASON_NONE when healthy */
+    reason_t warning; /* the latched one, else the monitor's present one */
     torque_enable_t torque_enable;
     bool calibrate_offsets;
     bool clear_trip; /* an acknowledgement is pending: the fast loop clears its latched trip and

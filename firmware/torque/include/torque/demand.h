@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * demand.h: checks the demanded torques and replaces a demand that is out of date. 1 kHz.
+ * demand.h: what of the demanded torques counts now: validity, priorities, drive direction. 1 kHz.
  *
- * Negative braking demands count as zero. A braking demand sets the driving torque to zero. After
- * brake.demand_timeout without a new demand the torques fall to zero at the torque rate; the
- * driver's hydraulic circuit is independent of this controller.
+ * A demand older than brake.demand_timeout is lost. Its driving torque is zero at once. Its braking
+ * torque is kept for driver.lost_hold_ms, then it falls to zero at the torque rate, and the
+ * hydraulic command is no longer valid: the brake system takes its own path. With
+ * driver.no_other_brake it is kept until standstill instead.
+ *
+ * Braking has priority over driving. Driving torque acts only in the engaged direction; a driving
+ * demand against it is lift-off braking, a magnitude. README, Demand.
  */
 #ifndef TORQUE_DEMAND_H
 #define TORQUE_DEMAND_H
@@ -13,22 +17,45 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "core/drive_direction.h"
+#include "core/reason.h"
 
 typedef struct {
-    int32_t drive_mNm;
+    int32_t drive_mNm; /* signed, positive forward */
+    int32_t brake_mNm; /* magnitude; below 0 counts as 0 */
+    uint32_t age_ms;
+    drive_direction_t direction;
+    bool abs_active;      /* lift-off braking ends */
+    bool standstill;      /* by the monitor's speed upper bound */
+    int32_t speed_mrad_s; /* mechanical, signed */
+} demand_input_t;
+
+typedef struct {
+    int32_t lift_off_mNm; /* of the last valid demand, falling after its loss */
     int32_t brake_mNm;
+    int32_t lost_ms; /* slow steps since the loss, saturating */
+    drive_direction_t engaged;
 } demand_state_t;
 
 typedef struct {
-    int32_t drive_mNm; /* signed, positive forward; 0 while braking is demanded */
-    int32_t brake_mNm; /* magnitude >= 0 */
-    bool timed_out;
+    int32_t drive_mNm;    /* signed, in the engaged direction; 0 while a brake pedal is pressed */
+    int32_t lift_off_mNm; /* magnitude >= 0 */
+    int32_t brake_mNm;    /* magnitude >= 0, without lift_off_mNm */
+    drive_direction_t engaged;
+    reason_t reason; /* why driving torque is not as demanded, or why the demand is an old one */
+    bool drive_withdrawn; /* no driving torque is allowed: it must go at once, not at its rate */
+    bool lost;
+    bool hydraulic_valid;
 } demand_t;
 
 void demand_init(demand_state_t *state);
 
-demand_t demand_step(demand_state_t *state, const config_t *config, int32_t drive_mNm,
-                     int32_t brake_mNm, uint32_t age_ms);
+demand_t demand_step(demand_state_t *state, const config_t *config, const demand_input_t *in);
+
+static inline bool demand_is_lost(const config_t *config, uint32_t age_ms)
+{
+    return age_ms > (uint32_t)config->brake.demand_timeout_ms;
+}
 
 /* Largest change of a torque in one slow step, mNm, at least 1. */
 int32_t demand_rate_mNm_per_step(const config_t *config);

@@ -4,7 +4,7 @@
  * Currents and voltages are means over the PWM period.
  *
  *     demand -> torque limits -> brake blending -> torque command -> current setpoint
- *                                    '-> hydraulic torque command
+ *                                    '-> hill hold -> hydraulic torque command
  */
 #ifndef TORQUE_TORQUE_H
 #define TORQUE_TORQUE_H
@@ -17,6 +17,8 @@
 #include "torque/brake_blending.h"
 #include "torque/current_setpoint.h"
 #include "torque/demand.h"
+#include "torque/hill_hold.h"
+#include "torque/lift_off.h"
 #include "torque/stop_lamp.h"
 #include "torque/torque_command.h"
 #include "torque/torque_limits.h"
@@ -26,7 +28,9 @@ typedef struct {
     int32_t drive_torque_mNm; /* signed, positive forward */
     int32_t brake_torque_mNm; /* magnitude >= 0 */
     uint32_t demand_age_ms;
+    drive_direction_t direction;
     bool abs_active;
+    bool standstill; /* by the monitor's speed upper bound */
     /* Measured by the fast loop */
     int32_t speed_mrad_s; /* mechanical, signed */
     motor_current_t current;
@@ -53,10 +57,12 @@ typedef struct {
     int32_t command_mNm;       /* signed */
     int32_t estimate_mNm;      /* signed, from measured currents, at the shaft */
     int32_t hydraulic_mNm;     /* magnitude >= 0 */
-    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT when the demand cannot be met */
+    reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT when the demand cannot be met,
+                                  REASON_HILL_HOLD when more than it is commanded */
+    bool hydraulic_valid;      /* false: the demand is lost, the brake system takes its own path */
     limit_t available;         /* present limit of electric braking torque */
     reason_t reason;           /* of the limit of the motor torque in the demanded direction */
-    bool demand_timed_out;
+    drive_direction_t engaged; /* in which driving torque is made */
     bool stop_lamp;
 } torque_output_t;
 
@@ -66,6 +72,7 @@ typedef struct {
     torque_limits_state_t limits;
     torque_limits_t table; /* of the last step; output for shell and log only */
     brake_blending_state_t blending;
+    hill_hold_state_t hold;
     torque_command_state_t command;
     stop_lamp_state_t lamp;
 } torque_state_t;

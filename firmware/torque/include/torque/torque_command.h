@@ -3,16 +3,21 @@
  * torque_command.h: one signed motor torque from the driving demand and the electric part of
  * braking, within the torque limits and no faster than the torque rate. 1 kHz.
  *
+ * The rate is for comfort. At once, in one slow step, go: a driving torque that is withdrawn (brake
+ * pedal, lost demand, neutral), braking torque above the limit ABS, and braking torque that would
+ * drive because the wheel has come to rest or turned round.
+ *
  * A rising torque needs voltage, which field weakening makes available only after some
  * milliseconds. The rate limit for rising torque therefore falls with u^2/U^2, the square of the
  * modulation index, along a straight line: zero at brake.torque_growth_end, slope
- * brake.torque_growth_slope. Default values: full rate up to 0.89, one third at 0.94 (the setpoint
- * of field weakening), zero at 0.96, negative above (the torque falls). The voltage is the measured
- * one, so errors of the motor parameters have no effect. Falling torque is not limited by it.
+ * brake.torque_growth_slope. Default values: full rate up to 0.94 (the setpoint of field
+ * weakening), zero at 0.96, negative above (the torque falls). The voltage is the measured one, so
+ * errors of the motor parameters have no effect. Falling torque is not limited by it.
  */
 #ifndef TORQUE_TORQUE_COMMAND_H
 #define TORQUE_TORQUE_COMMAND_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "config/config.h"
@@ -21,6 +26,7 @@
 
 typedef struct {
     int32_t command_mNm; /* of the last step, signed */
+    bool braked;         /* it acted against the rotation */
 } torque_command_state_t;
 
 typedef struct {
@@ -28,7 +34,8 @@ typedef struct {
     int32_t speed_mrad_s;
     int32_t voltage_use_q15; /* u^2 / U^2 of the unsaturated voltage, >= 0 */
     int32_t drive_mNm;       /* demand, signed */
-    int32_t electric_mNm;    /* braking magnitude from brake blending, against the rotation */
+    int32_t electric_mNm;    /* braking magnitude, against the rotation */
+    bool drive_withdrawn;    /* a torque that drives goes at once */
 } torque_command_input_t;
 
 typedef struct {

@@ -26,8 +26,9 @@
     X(follow_trace,         0.0,  1.0,   "", \
       "1: follows the speed trace, 0: holds the pedals as below") \
     X(brake_demand_nm,      0.0,  1e5,   "N m", \
-      "at each driven wheel, magnitude; cuts the drive demand") \
-    X(drive_demand_nm,     -1e5,  1e5,   "N m",   "at each driven wheel") \
+      "at each driven wheel, magnitude") \
+    X(drive_demand_nm,     -1e5,  1e5,   "N m", \
+      "at each driven wheel; the controllers decide what it is worth while braking") \
     X(bandwidth_rad_per_s,  1e-3, 100.0, "rad/s", "w_b of the speed regulator") \
     X(preview_s,            1e-3, 10.0,  "s", \
       "preview time of the driver for the acceleration") \
@@ -37,6 +38,10 @@
       "age of the demands when they arrive at the controllers") \
     X(silent,               0.0,  1.0,   "", \
       "1: no more messages, the controllers see the last demand grow old") \
+    X(direction,            0.0,  2.0,   "", \
+      "drive direction selected: 0 forward, 1 reverse, 2 neutral") \
+    X(own_brake_path,       0.0,  1.0,   "", \
+      "1: the brakes follow the brake pedal where the controllers' command is not valid") \
     X(enable,               0.0,  1.0,   "",      "1: the vehicle is switched on") \
     X(abs_active,           0.0,  1.0,   "",      "1: anti-lock intervention")
 /* clang-format on */

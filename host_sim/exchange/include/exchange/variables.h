@@ -62,7 +62,8 @@
 #define EXCHANGE_SLOW_INPUTS(X) \
     X(drive_torque_nm, drive_torque_mNm, demand.drive_torque_mNm, \
       REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
-      "driving torque demanded of this wheel, positive forward") \
+      "driving torque demanded of this wheel, positive forward; lift-off braking where it is " \
+      "against the direction") \
     X(brake_torque_nm, brake_torque_mNm, demand.brake_torque_mNm, \
       REAL, MILLI, 0, INT32_MAX, 0, "N.m", \
       "braking torque demanded of this wheel, motor and hydraulic brake together, magnitude") \
@@ -94,6 +95,8 @@
       "temperature of the inverter switches") \
     X(enable, enable, demand.enable, FLAG, PLAIN, 0, 1, 0, "", \
       "the driver has switched the vehicle on") \
+    X(direction, direction, demand.direction, CODE, PLAIN, 0, 2, 0, "", \
+      "drive direction selected: 0 forward, 1 reverse, 2 neutral") \
     X(abs_active, abs_active, demand.abs_active, FLAG, PLAIN, 0, 1, 0, "", \
       "the anti-lock system intervenes: electric braking stops") \
     X(fault_reset, fault_reset, demand.fault_reset, FLAG, PLAIN, 0, 1, 0, "", \
@@ -134,8 +137,14 @@
       "reason of a demand beyond motor and hydraulic brake; 0: demand met") \
     X(fault_reason, fault_reason, fault_reason, CODE, PLAIN, 0, 255, 0, "", \
       "the latched fault; 0: healthy") \
+    X(warning_reason, warning_reason, warning_reason, CODE, PLAIN, 0, 255, 0, "", \
+      "the latched warning, else the present one; 0: none") \
     X(mode, mode, mode, CODE, PLAIN, 0, 6, 0, "", \
       "0 boot, 1 self-test, 2 offset calibration, 3 ready, 4 run, 5 limp, 6 fault") \
+    X(direction, direction, direction, CODE, PLAIN, 0, 2, 0, "", \
+      "in which driving torque is made: 0 forward, 1 reverse, 2 neutral") \
+    X(hydraulic_valid, hydraulic_valid, hydraulic_valid, FLAG, PLAIN, 0, 1, 0, "", \
+      "0: the demand is lost, the brake system takes its own path") \
     X(stop_lamp, stop_lamp, stop_lamp, FLAG, PLAIN, 0, 1, 0, "", \
       "1: the stop lamp is lit") \
     X(standstill, standstill, standstill, FLAG, PLAIN, 0, 1, 0, "", \

@@ -30,7 +30,8 @@ FIXED, TUNABLE, INPUT, OUTPUT = "FIXED", "TUNABLE", "INPUT", "OUTPUT"
 # parameter.
 VEHICLE_INPUTS = frozenset({
     "driver.brake_demand_nm", "driver.drive_demand_nm", "driver.demand_age_s", "driver.silent",
-    "driver.enable", "driver.abs_active", "road.slope", "road.wind_m_per_s", "bus.contactor_open",
+    "driver.enable", "driver.abs_active", "driver.direction", "road.slope", "road.wind_m_per_s",
+    "bus.contactor_open",
 })  # fmt: skip
 # Read once, when the run begins.
 VEHICLE_FIXED = frozenset(

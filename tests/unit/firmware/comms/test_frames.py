@@ -49,6 +49,9 @@ NUMBERS = {
     "available_reason": ("WheelBrake", "available_reason"),
     "hydraulic_reason": ("WheelBrake", "hydraulic_reason"),
     "fault_reason": ("WheelState", "fault_reason"),
+    "warning_reason": ("WheelPower", "warning_reason"),
+    "hydraulic_valid": ("WheelBrake", "hydraulic_valid"),
+    "direction": ("WheelDrive", "direction"),
     "mode": ("WheelState", "mode"),
     "stop_lamp": ("WheelState", "stop_lamp"),
     "links.demand": ("WheelHealth", "demand_link"),
@@ -329,6 +332,7 @@ def test_a_demand_made_by_another_tool_is_read_exactly(comms: Comms, database: D
     for _ in range(1000):
         drive, brake = dice.randint(-200_000, 200_000), dice.randint(0, 200_000)
         flags = {name: dice.randint(0, 1) for name in ("enable", "abs_active", "fault_reset")}
+        flags["direction"] = dice.randint(0, 2)
         frame = received(
             comms,
             database,
@@ -372,6 +376,7 @@ def test_battery_limits_made_by_another_tool_are_read_exactly(
     [
         ("Demand", "drive_torque_nm"),
         ("Demand", "brake_torque_nm"),
+        ("Demand", "direction"),
         ("BatteryLimits", "charge_current_a"),
         ("BatteryLimits", "discharge_current_a"),
     ],

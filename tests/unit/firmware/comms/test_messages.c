@@ -64,7 +64,7 @@ void test_more_urgent_messages_have_lower_identifiers_for_every_wheel(void)
     }
 }
 
-/* Values are whole steps, so that none is rounded; 200 is a reason unknown to this version. */
+/* Values are whole steps, so that none is rounded; 100 is a reason unknown to this version. */
 void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
 {
     const slow_output_t meant = {
@@ -73,9 +73,10 @@ void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
         .electric_brake_available_mNm = 40000,
         .speed_mrad_s = -12340,
         .available_reason = (reason_t)3,
-        .hydraulic_reason = (reason_t)200,
+        .hydraulic_reason = (reason_t)100,
         .fault_reason = (reason_t)7,
         .mode = MODE_LIMP,
+        .hydraulic_valid = true,
         .stop_lamp = true,
     };
     for (uint32_t w = 0; w < 4; w++) {
@@ -94,6 +95,7 @@ void test_wheel_state_and_brake_unpack_to_the_packed_values(void)
         TEST_ASSERT_EQUAL_INT(meant.hydraulic_reason, back.hydraulic_reason);
         TEST_ASSERT_EQUAL_INT(meant.fault_reason, back.fault_reason);
         TEST_ASSERT_EQUAL_UINT8(meant.mode, back.mode);
+        TEST_ASSERT_TRUE(back.hydraulic_valid);
         TEST_ASSERT_TRUE(back.stop_lamp);
         TEST_ASSERT_EQUAL_INT(77, back.i_q_mA);
     }
@@ -121,6 +123,7 @@ void test_demand_unpacks_to_the_packed_values(void)
         for (uint32_t b = 0; b < 4; b++) {
             for (uint32_t flags = 0; flags < 8; flags++) {
                 const wheel_demand_t meant = {
+                    .direction = (drive_direction_t)((d + b) % 3),
                     .drive_torque_mNm = DRIVE_mNm[d],
                     .brake_torque_mNm = BRAKE_mNm[b],
                     .enable = (flags & 1U) != 0,
@@ -133,6 +136,7 @@ void test_demand_unpacks_to_the_packed_values(void)
                 TEST_ASSERT_TRUE(messages_read_demand(&frame, &read));
                 TEST_ASSERT_EQUAL_INT32(meant.drive_torque_mNm, read.drive_torque_mNm);
                 TEST_ASSERT_EQUAL_INT32(meant.brake_torque_mNm, read.brake_torque_mNm);
+                TEST_ASSERT_EQUAL_INT(meant.direction, read.direction);
                 TEST_ASSERT_EQUAL(meant.enable, read.enable);
                 TEST_ASSERT_EQUAL(meant.abs_active, read.abs_active);
                 TEST_ASSERT_EQUAL(meant.fault_reset, read.fault_reset);

@@ -283,17 +283,26 @@ void test_shown_reason_is_that_of_the_tightest_line(void)
     TEST_ASSERT_EQUAL_INT32(driving[tightest].torque_mNm, rig.out.motor_torque_command_mNm);
 }
 
-void test_demand_decays_at_the_torque_rate_after_a_timeout(void)
+void test_lost_driving_demand_ends_at_once_with_a_warning(void)
 {
     rig_start_running(&rig);
     rig.follows = true;
     rig.slow_in.demand.drive_torque_mNm = 10000;
     rig_run(&rig, 100);
     rig.slow_in.demand_age_ms = 101;
-    rig_run(&rig, 10);
-    TEST_ASSERT_INT32_WITHIN(400, 6000, rig.out.motor_torque_command_mNm); /* 400 mNm a step */
-    rig_run(&rig, 100);
+    rig_run(&rig, 1);
     TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, rig.out.torque_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, rig.out.warning_reason);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    TEST_ASSERT_TRUE(rig.out.hydraulic_valid);
+    rig_run(&rig, rig.config.driver.lost_hold_ms);
+    TEST_ASSERT_FALSE(rig.out.hydraulic_valid);
+    rig.slow_in.demand_age_ms = 0;
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT32(10000, rig.out.motor_torque_command_mNm);
+    TEST_ASSERT_TRUE(rig.out.hydraulic_valid);
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, rig.out.warning_reason); /* latched */
 }
 
 void test_disable_while_rolling_keeps_electric_braking(void)

@@ -232,3 +232,75 @@ void test_offset_calibration_restarts_after_an_active_short_circuit(void)
     in.offsets_done = true;
     assert_mode(MODE_READY, step());
 }
+
+/* ---- lost demand ---- */
+
+void test_demand_lost_in_run_latches_a_warning_and_leaves_the_torque_enable(void)
+{
+    start_in(MODE_RUN);
+    in.demand_lost = true;
+    modes_output_t out = step();
+    assert_mode(MODE_RUN, out);
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, out.warning);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
+    TEST_ASSERT_EQUAL_INT16(Q15_ONE, out.torque_enable.drive_q15);
+    TEST_ASSERT_EQUAL_INT16(Q15_ONE, out.torque_enable.brake_q15);
+    in.demand_lost = false;
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, run(100000).warning);
+}
+
+void test_warning_is_acknowledged_at_rest_without_demand_once_the_demand_is_back(void)
+{
+    start_in(MODE_RUN);
+    in.demand_lost = true;
+    step();
+    in.fault_reset = true; /* still lost: it comes again at once */
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
+    in.demand_lost = false;
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning); /* not the edge */
+    in.fault_reset = false;
+    step();
+    in.rolling = true;
+    in.fault_reset = true;
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
+    in.fault_reset = false;
+    in.rolling = false;
+    in.torque_demanded = true;
+    step();
+    in.fault_reset = true;
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
+    in.fault_reset = false;
+    in.torque_demanded = false;
+    step();
+    in.fault_reset = true;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
+}
+
+void test_demand_that_is_not_there_before_run_is_no_warning_but_run_waits_for_it(void)
+{
+    start_in(MODE_READY);
+    in.enable = true;
+    in.demand_lost = true;
+    const modes_output_t out = run(1000);
+    assert_mode(MODE_READY, out);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, out.warning);
+    in.demand_lost = false;
+    assert_mode(MODE_RUN, step());
+    in.enable = false; /* switched off: the vehicle may stop sending */
+    in.rolling = true;
+    in.demand_lost = true;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, step().warning);
+}
+
+void test_monitor_s_warning_is_shown_beneath_the_latched_one(void)
+{
+    start_in(MODE_RUN);
+    in.warning = true;
+    in.warning_reason = REASON_ROTOR_UNCERTAIN;
+    TEST_ASSERT_EQUAL_INT(REASON_ROTOR_UNCERTAIN, step().warning);
+    in.demand_lost = true;
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
+    in.warning = false;
+    in.warning_reason = REASON_NONE;
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
+}

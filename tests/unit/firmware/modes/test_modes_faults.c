@@ -212,6 +212,7 @@ void test_init_clears_the_fault(void)
     modes_init(&state);
     TEST_ASSERT_EQUAL_INT(MODE_BOOT, state.mode);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, state.fault);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, state.warning);
     TEST_ASSERT_EQUAL_UINT16(0, state.steps);
     TEST_ASSERT_EQUAL_UINT16(0, state.acknowledge_steps);
     TEST_ASSERT_FALSE(state.reset_before);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "config/validate.h"
+#include "core/q15.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "torque/torque.h"
@@ -26,12 +27,14 @@ typedef struct {
 #define BRAKE(name, lowest, highest, unit, text) {offsetof(config_t, brake.name), lowest, highest},
 #define VEHICLE(name, lowest, highest, unit, text)                                                 \
     {offsetof(config_t, vehicle.name), lowest, highest},
+#define DRIVER(name, lowest, highest, unit, text)                                                  \
+    {offsetof(config_t, driver.name), lowest, highest},
 #define CURRENT_MAP(name, lowest, highest, unit, text)                                             \
     {offsetof(config_t, current_map.name), lowest, highest},
 
 static const field_t FIELDS[] = {CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE)
                                      CONFIG_BATTERY_FIELDS(BATTERY) CONFIG_BRAKE_FIELDS(BRAKE)
-                                         CONFIG_VEHICLE_FIELDS(VEHICLE)
+                                         CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_DRIVER_FIELDS(DRIVER)
                                              CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)};
 
 enum { FIELD_COUNT = sizeof FIELDS / sizeof FIELDS[0] };
@@ -66,6 +69,8 @@ static bool random_configuration(random_t *random, double changed, config_t *con
     if (config->motor.type == CONFIG_MOTOR_SPMSM) {
         config->motor.q_inductance_nH = config->motor.d_inductance_nH;
     }
+    config->driver.hold_torque_mNm =
+        q_min(config->driver.hold_torque_mNm, config->brake.max_hydraulic_torque_mNm);
     for (int k = 0; k < CONFIG_CURRENT_MAP_POINTS_MAX && random_chance(random, 0.999); k++) {
         config->current_map.current_d_mA[k] =
             (int32_t)(random_between(random, -1000, 1000) * exp(random_real(random, 0.0, 8.0)));
@@ -119,7 +124,7 @@ void test_outputs_are_bounded_for_every_valid_configuration_and_any_input(void)
     const double changed[] = {0.02, 0.08, 0.15};
     for (int k = 0; k < 3; k++) {
         int accepted = 0;
-        for (int n = 0; n < 4000; n++) {
+        for (int n = 0; n < 5000; n++) {
             config_t config;
             if (!random_configuration(&random, changed[k], &config)) {
                 continue;

@@ -1,25 +1,51 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include "core/q15.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
 #include "torque/demand.h"
 #include "unity.h"
 
+enum { TIMEOUT = 100, HOLD = 300, RATE = 400, ROLLING = 20000 };
+
 static config_t config;
 static demand_state_t state;
+static demand_input_t in;
 
 void setUp(void)
 {
+    const demand_input_t none = {.direction = DRIVE_DIRECTION_FORWARD};
     config = paper_vehicle();
-    config.brake.demand_timeout_ms = 100;
-    config.brake.torque_rate_mNm_s = 400000; /* 400 mNm in a step of 1 ms */
+    config.brake.demand_timeout_ms = TIMEOUT;
+    config.brake.torque_rate_mNm_s = RATE * 1000; /* in a step of 1 ms */
+    config.driver.lost_hold_ms = HOLD;
+    config.driver.no_other_brake = 0;
+    config.driver.direction_change_mrad_s = 3000;
+    in = none;
     demand_init(&state);
 }
 
 void tearDown(void) {}
 
+static demand_t step(int32_t drive_mNm, int32_t brake_mNm, uint32_t age_ms)
+{
+    in.drive_mNm = drive_mNm;
+    in.brake_mNm = brake_mNm;
+    in.age_ms = age_ms;
+    return demand_step(&state, &config, &in);
+}
+
 static demand_t fresh(int32_t drive_mNm, int32_t brake_mNm)
 {
-    return demand_step(&state, &config, drive_mNm, brake_mNm, 0);
+    return step(drive_mNm, brake_mNm, 0);
+}
+
+static demand_t silent(int milliseconds)
+{
+    demand_t out = step(in.drive_mNm, in.brake_mNm, TIMEOUT + 1);
+    for (int n = 1; n < milliseconds; n++) {
+        out = step(in.drive_mNm, in.brake_mNm, TIMEOUT + 1);
+    }
+    return out;
 }
 
 void test_a_fresh_demand_passes_unchanged(void)
@@ -27,16 +53,23 @@ void test_a_fresh_demand_passes_unchanged(void)
     const demand_t forward = fresh(12345, 0);
     TEST_ASSERT_EQUAL_INT32(12345, forward.drive_mNm);
     TEST_ASSERT_EQUAL_INT32(0, forward.brake_mNm);
-    TEST_ASSERT_FALSE(forward.timed_out);
-    TEST_ASSERT_EQUAL_INT32(-12345, fresh(-12345, 0).drive_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, forward.lift_off_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, forward.reason);
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_FORWARD, forward.engaged);
+    TEST_ASSERT_FALSE(forward.lost);
+    TEST_ASSERT_FALSE(forward.drive_withdrawn);
+    TEST_ASSERT_TRUE(forward.hydraulic_valid);
     TEST_ASSERT_EQUAL_INT32(20000, fresh(0, 20000).brake_mNm);
 }
 
-void test_driving_torque_is_zero_while_braking_is_demanded(void)
+void test_braking_has_priority_over_driving_with_reason_brake_priority(void)
 {
     const demand_t both = fresh(30000, 1);
     TEST_ASSERT_EQUAL_INT32(0, both.drive_mNm);
     TEST_ASSERT_EQUAL_INT32(1, both.brake_mNm);
+    TEST_ASSERT_TRUE(both.drive_withdrawn);
+    TEST_ASSERT_EQUAL_INT(REASON_BRAKE_PRIORITY, both.reason);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, fresh(0, 1).reason);
     TEST_ASSERT_EQUAL_INT32(30000, fresh(30000, 0).drive_mNm);
 }
 
@@ -48,60 +81,208 @@ void test_negative_braking_demand_counts_as_zero(void)
     TEST_ASSERT_EQUAL_INT32(0, fresh(0, INT32_MIN).brake_mNm);
 }
 
-void test_demand_times_out_one_millisecond_after_demand_timeout(void)
+/* ---- lift-off ---- */
+
+void test_drive_demand_against_the_direction_is_lift_off_braking(void)
 {
-    fresh(0, 20000);
-    TEST_ASSERT_FALSE(demand_step(&state, &config, 0, 20000, 100).timed_out);
-    TEST_ASSERT_TRUE(demand_step(&state, &config, 0, 20000, 101).timed_out);
-    TEST_ASSERT_TRUE(demand_step(&state, &config, 0, 20000, UINT32_MAX).timed_out);
+    demand_t out = fresh(-20000, 0);
+    TEST_ASSERT_EQUAL_INT32(0, out.drive_mNm);
+    TEST_ASSERT_EQUAL_INT32(20000, out.lift_off_mNm);
+    in.direction = DRIVE_DIRECTION_REVERSE;
+    out = fresh(20000, 0);
+    TEST_ASSERT_EQUAL_INT32(0, out.drive_mNm);
+    TEST_ASSERT_EQUAL_INT32(20000, out.lift_off_mNm);
+    TEST_ASSERT_EQUAL_INT32(-20000, fresh(-20000, 0).drive_mNm);
 }
 
-void test_braking_demand_decays_at_the_torque_rate_after_a_timeout(void)
+/* UN R13-H: applying the service brake must not reduce lift-off braking. */
+void test_brake_pedal_does_not_reduce_lift_off_braking(void)
+{
+    const demand_t out = fresh(-20000, 5000);
+    TEST_ASSERT_EQUAL_INT32(20000, out.lift_off_mNm);
+    TEST_ASSERT_EQUAL_INT32(5000, out.brake_mNm);
+}
+
+void test_anti_lock_intervention_ends_lift_off_braking_only(void)
+{
+    in.abs_active = true;
+    TEST_ASSERT_EQUAL_INT32(0, fresh(-20000, 5000).lift_off_mNm);
+    TEST_ASSERT_EQUAL_INT32(5000, fresh(-20000, 5000).brake_mNm);
+    in.abs_active = false;
+    fresh(-20000, 5000);
+    in.abs_active = true;
+    TEST_ASSERT_EQUAL_INT32(0, silent(1).lift_off_mNm);
+}
+
+/* ---- direction ---- */
+
+void test_direction_is_refused_while_the_wheel_turns_against_it(void)
+{
+    fresh(0, 0);
+    in.speed_mrad_s = ROLLING;
+    in.direction = DRIVE_DIRECTION_REVERSE;
+    demand_t out = fresh(-10000, 0);
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_NEUTRAL, out.engaged);
+    TEST_ASSERT_EQUAL_INT32(0, out.drive_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, out.lift_off_mNm);
+    TEST_ASSERT_TRUE(out.drive_withdrawn);
+    TEST_ASSERT_EQUAL_INT(REASON_DRIVE_DIRECTION, out.reason);
+    TEST_ASSERT_EQUAL_INT32(8000, fresh(-10000, 8000).brake_mNm); /* the brake always works */
+    in.speed_mrad_s = 3000;
+    out = fresh(-10000, 0);
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_REVERSE, out.engaged);
+    TEST_ASSERT_EQUAL_INT32(-10000, out.drive_mNm);
+}
+
+/* A vehicle in forward drive that rolls back on a slope still drives forward. */
+void test_engaged_direction_stays_while_the_vehicle_rolls_back(void)
+{
+    fresh(0, 0);
+    in.speed_mrad_s = -ROLLING;
+    const demand_t out = fresh(10000, 0);
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_FORWARD, out.engaged);
+    TEST_ASSERT_EQUAL_INT32(10000, out.drive_mNm);
+}
+
+void test_neutral_is_accepted_at_any_speed_and_left_in_the_direction_of_rolling(void)
+{
+    fresh(0, 0);
+    in.speed_mrad_s = ROLLING;
+    in.direction = DRIVE_DIRECTION_NEUTRAL;
+    const demand_t out = fresh(10000, 0);
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_NEUTRAL, out.engaged);
+    TEST_ASSERT_EQUAL_INT32(0, out.drive_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, fresh(-10000, 0).lift_off_mNm);
+    in.direction = DRIVE_DIRECTION_FORWARD;
+    TEST_ASSERT_EQUAL_INT32(10000, fresh(10000, 0).drive_mNm);
+}
+
+/* ---- loss ---- */
+
+void test_demand_is_lost_one_millisecond_after_demand_timeout(void)
 {
     fresh(0, 20000);
-    /* 400 mNm a step: 20 Nm take 50 steps. The demand of the old message is ignored. */
-    for (int n = 1; n <= 50; n++) {
-        const demand_t out = demand_step(&state, &config, 0, 20000, 101);
-        TEST_ASSERT_EQUAL_INT32(20000 - 400 * n, out.brake_mNm);
+    TEST_ASSERT_FALSE(step(0, 20000, TIMEOUT).lost);
+    TEST_ASSERT_TRUE(step(0, 20000, TIMEOUT + 1).lost);
+    TEST_ASSERT_TRUE(step(0, 20000, UINT32_MAX).lost);
+}
+
+void test_lost_driving_demand_is_zero_at_once(void)
+{
+    fresh(30000, 0);
+    const demand_t out = silent(1);
+    TEST_ASSERT_EQUAL_INT32(0, out.drive_mNm);
+    TEST_ASSERT_TRUE(out.drive_withdrawn);
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, out.reason);
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_FORWARD, out.engaged);
+}
+
+void test_lost_braking_demand_is_kept_for_its_time_and_falls_at_the_torque_rate(void)
+{
+    fresh(-1000, 20000);
+    demand_t out = silent(HOLD);
+    TEST_ASSERT_EQUAL_INT32(20000, out.brake_mNm);
+    TEST_ASSERT_EQUAL_INT32(1000, out.lift_off_mNm);
+    TEST_ASSERT_TRUE(out.hydraulic_valid);
+    /* 21 N m at 400 mN m a step: 52.5 steps. */
+    for (int n = 1; n <= 53; n++) {
+        out = silent(1);
+        const int32_t left_mNm = q_max(21000 - RATE * n, 0);
+        TEST_ASSERT_EQUAL_INT32(left_mNm, out.brake_mNm + out.lift_off_mNm);
+        TEST_ASSERT_FALSE(out.hydraulic_valid);
     }
-    TEST_ASSERT_EQUAL_INT32(0, demand_step(&state, &config, 0, 20000, 200).brake_mNm);
+    TEST_ASSERT_TRUE(silent(1).lost);
 }
 
-void test_driving_demand_of_either_sign_decays_at_the_torque_rate_after_a_timeout(void)
+/* The accelerator beneath a brake pedal that is released by the loss of the link. */
+void test_masked_driving_demand_stays_zero_when_the_braking_above_it_has_fallen(void)
 {
-    fresh(-1000, 0);
-    TEST_ASSERT_EQUAL_INT32(-600, demand_step(&state, &config, -1000, 0, 101).drive_mNm);
-    TEST_ASSERT_EQUAL_INT32(-200, demand_step(&state, &config, -1000, 0, 102).drive_mNm);
-    TEST_ASSERT_EQUAL_INT32(0, demand_step(&state, &config, -1000, 0, 103).drive_mNm);
+    fresh(40000, 5000);
+    for (int n = 0; n < 2 * HOLD; n++) {
+        TEST_ASSERT_EQUAL_INT32(0, silent(1).drive_mNm);
+    }
 }
 
-void test_demand_applies_again_in_the_first_step_after_a_timeout(void)
+void test_vehicle_without_another_brake_keeps_the_demand_until_standstill(void)
+{
+    config.driver.no_other_brake = 1;
+    fresh(0, 20000);
+    in.speed_mrad_s = 0; /* a locked wheel; the monitor's bound still says that it may roll */
+    demand_t out = silent(20 * HOLD);
+    TEST_ASSERT_EQUAL_INT32(20000, out.brake_mNm);
+    TEST_ASSERT_TRUE(out.hydraulic_valid);
+    in.standstill = true;
+    out = silent(1);
+    TEST_ASSERT_EQUAL_INT32(20000 - RATE, out.brake_mNm);
+}
+
+void test_demand_applies_again_in_the_first_step_after_its_loss(void)
 {
     fresh(0, 20000);
-    demand_step(&state, &config, 0, 20000, 101);
-    const demand_t back = demand_step(&state, &config, 0, 20000, 0);
+    silent(HOLD + 20);
+    const demand_t back = fresh(0, 20000);
     TEST_ASSERT_EQUAL_INT32(20000, back.brake_mNm);
-    TEST_ASSERT_FALSE(back.timed_out);
+    TEST_ASSERT_FALSE(back.lost);
+    TEST_ASSERT_TRUE(back.hydraulic_valid);
+    TEST_ASSERT_EQUAL_INT32(20000, silent(HOLD).brake_mNm); /* with the whole time again */
 }
 
-void test_demand_is_zero_before_the_first_message(void)
+void test_demand_is_zero_and_the_hydraulic_command_void_before_the_first_message(void)
 {
-    const demand_t out = demand_step(&state, &config, 30000, 20000, UINT32_MAX);
+    const demand_t out = step(30000, 20000, UINT32_MAX);
     TEST_ASSERT_EQUAL_INT32(0, out.drive_mNm);
     TEST_ASSERT_EQUAL_INT32(0, out.brake_mNm);
+    TEST_ASSERT_FALSE(out.hydraulic_valid);
+    TEST_ASSERT_EQUAL_INT(DRIVE_DIRECTION_NEUTRAL, out.engaged);
 }
 
-void test_demand_is_bounded_for_any_message(void)
+/* ---- any sequence ---- */
+
+static demand_input_t random_input(random_t *random)
+{
+    const demand_input_t out = {
+        .drive_mNm = (int32_t)random_u64(random),
+        .brake_mNm = random_chance(random, 0.5) ? 0 : (int32_t)random_u64(random),
+        .age_ms = random_chance(random, 0.9) ? 0 : (uint32_t)random_u64(random),
+        .direction = (drive_direction_t)random_between(random, 0, 3),
+        .abs_active = random_chance(random, 0.1),
+        .standstill = random_chance(random, 0.3),
+        .speed_mrad_s = (int32_t)random_u64(random),
+    };
+    return out;
+}
+
+static void assert_lawful(const demand_input_t *demanded, const demand_t *out)
+{
+    const int32_t sign = drive_direction_sign(out->engaged);
+    TEST_ASSERT_TRUE(out->brake_mNm >= 0 && out->brake_mNm <= 100000000); /* 100 kN m */
+    TEST_ASSERT_TRUE(out->lift_off_mNm >= 0 && out->lift_off_mNm <= 100000000);
+    TEST_ASSERT_INT32_WITHIN(100000000, 0, out->drive_mNm);
+    TEST_ASSERT_TRUE(out->drive_mNm == 0 || (out->brake_mNm == 0 && !out->lost));
+    TEST_ASSERT_TRUE(out->drive_mNm == 0 || out->lift_off_mNm == 0);
+    TEST_ASSERT_TRUE(out->drive_mNm * sign >= 0);
+    TEST_ASSERT_TRUE(!out->drive_withdrawn || out->drive_mNm == 0);
+    const bool all = out->drive_mNm - sign * out->lift_off_mNm == demanded->drive_mNm;
+    const bool too_much = demanded->drive_mNm != q_limit(demanded->drive_mNm, 100000000);
+    TEST_ASSERT_TRUE(all || too_much || demanded->abs_active || out->reason != REASON_NONE);
+}
+
+void test_outputs_obey_priority_direction_and_bounds_for_any_sequence(void)
 {
     random_t random = random_seeded(3);
-    for (int n = 0; n < 100000; n++) {
-        const demand_t out =
-            demand_step(&state, &config, (int32_t)random_u64(&random), (int32_t)random_u64(&random),
-                        (uint32_t)random_between(&random, 0, 200));
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.brake_mNm);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(100000000, out.brake_mNm); /* 100 kNm */
-        TEST_ASSERT_INT32_WITHIN(100000000, 0, out.drive_mNm);
-        TEST_ASSERT_TRUE(out.brake_mNm == 0 || out.drive_mNm == 0);
+    demand_t before = fresh(0, 0);
+    for (int n = 0; n < 200000; n++) {
+        in = random_input(&random);
+        if (random_chance(&random, 0.01)) {
+            config.driver.no_other_brake = random_between(&random, 0, 1);
+        }
+        const demand_t out = demand_step(&state, &config, &in);
+        assert_lawful(&in, &out);
+        if (out.lost) { /* an old demand never grows */
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(before.brake_mNm, out.brake_mNm);
+            TEST_ASSERT_EQUAL_INT(before.engaged, out.engaged);
+        }
+        before = out;
     }
 }
 

@@ -159,14 +159,19 @@ void test_demand_beyond_both_brakes_has_reason_hydraulic_limit(void)
     TEST_ASSERT_EQUAL_INT32(50000, out.hydraulic_mNm);
 }
 
-void test_both_brakes_release_at_the_torque_rate_after_a_demand_timeout(void)
+void test_both_brakes_are_kept_and_then_release_at_the_torque_rate_when_the_demand_is_lost(void)
 {
     in.brake_torque_mNm = 60000;
+    in.drive_torque_mNm = 40000; /* beneath it */
     run(200);
     in.demand_age_ms = 1000;
+    const torque_output_t kept = run(config.driver.lost_hold_ms);
+    TEST_ASSERT_EQUAL_INT32(60000, kept.hydraulic_mNm - kept.command_mNm);
+    TEST_ASSERT_TRUE(kept.hydraulic_valid);
     const torque_output_t first = step();
-    TEST_ASSERT_TRUE(first.demand_timed_out);
-    TEST_ASSERT_EQUAL_INT32(60000 - 400, first.hydraulic_mNm - first.command_mNm);
+    TEST_ASSERT_FALSE(first.hydraulic_valid);
+    /* The motor gives way at once, the hydraulic command by as much as the motor cannot. */
+    TEST_ASSERT_INT32_WITHIN(200, 60000 - 600, first.hydraulic_mNm - first.command_mNm);
     const torque_output_t last = run(200);
     TEST_ASSERT_EQUAL_INT32(0, last.hydraulic_mNm);
     TEST_ASSERT_EQUAL_INT32(0, last.command_mNm);
@@ -231,8 +236,10 @@ void test_command_stays_between_zero_its_last_value_and_the_demand(void)
     for (int n = 0; n < 200000; n++) {
         random_conditions(&random);
         const torque_output_t out = step();
-        const int32_t demand_mNm =
-            in.brake_torque_mNm > 0 ? -in.brake_torque_mNm : in.drive_torque_mNm;
+        const int32_t lift_off_mNm = q_max(-in.drive_torque_mNm, 0);
+        const int32_t demand_mNm = in.brake_torque_mNm > 0 || lift_off_mNm > 0
+                                       ? -in.brake_torque_mNm - lift_off_mNm
+                                       : in.drive_torque_mNm;
         /* The speed is positive, so braking is negative. The command lies within the range of its
          * last value, zero and the demand. */
         const int32_t low = q_min(q_min(before_mNm, 0), demand_mNm);
@@ -240,7 +247,10 @@ void test_command_stays_between_zero_its_last_value_and_the_demand(void)
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(low, out.command_mNm);
         TEST_ASSERT_LESS_OR_EQUAL_INT32(high, out.command_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, out.hydraulic_mNm);
-        TEST_ASSERT_LESS_OR_EQUAL_INT32(in.brake_torque_mNm, out.hydraulic_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(in.brake_torque_mNm + lift_off_mNm, out.hydraulic_mNm);
+        if (in.brake_torque_mNm > 0 && in.speed_mrad_s > 0) { /* no driving command while braking */
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(0, out.command_mNm);
+        }
         before_mNm = out.command_mNm;
     }
 }
@@ -376,6 +386,7 @@ static void draw_state(random_t *random)
     const bool brakes = random_chance(random, 0.5);
     in.brake_torque_mNm = brakes ? random_between(random, 1, 150000) : 0;
     in.drive_torque_mNm = brakes ? 0 : random_between(random, -100000, 100000);
+    in.direction = in.drive_torque_mNm < 0 ? DRIVE_DIRECTION_REVERSE : DRIVE_DIRECTION_FORWARD;
 }
 
 /* Where the command lies on the tightest line of the table and the demand beyond it, that line's
@@ -383,6 +394,7 @@ static void draw_state(random_t *random)
 void test_the_reason_shown_on_a_bound_is_that_of_the_table_s_tightest_line(void)
 {
     random_t random = random_seeded(11);
+    config.driver.direction_change_mrad_s = 1000000; /* none is refused */
     int on_bound[256] = {0};
     for (int n = 0; n < 20000; n++) {
         if (n % 100 == 0) {

@@ -114,13 +114,14 @@ void test_stopped_vehicle_is_braked_on_a_slope_but_not_on_the_flat(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, demand.drive_nm);
 }
 
-void test_constant_pedals_are_those_of_the_scenario_and_braking_has_priority(void)
+/* Which of the two counts is the controllers' decision. */
+void test_constant_pedals_are_both_where_the_scenario_puts_them(void)
 {
     const driver_trace_t none = {.points = 0};
     params.follow_trace = 0.0;
     params.drive_demand_nm = -12.0;
     TEST_ASSERT_EQUAL_DOUBLE(-12.0, ask(&none, 3.0, 0.0).drive_nm);
     params.brake_demand_nm = 25.0;
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, ask(&none, 3.0, 0.0).drive_nm);
+    TEST_ASSERT_EQUAL_DOUBLE(-12.0, ask(&none, 3.0, 0.0).drive_nm);
     TEST_ASSERT_EQUAL_DOUBLE(25.0, ask(&none, 3.0, 0.0).brake_nm);
 }

@@ -57,6 +57,7 @@ static slow_input_t slow_input(uint32_t n)
         .bms.contactor = n > 4000 ? CONTACTOR_CLOSED : CONTACTOR_NOT_REPORTED,
         .temperature.winding_cC = 4000,
         .temperature.switch_cC = 5000,
+        .demand.direction = (drive_direction_t)(n / 1000 % 3),
         .demand.enable = true,
         .demand.abs_active = n % 700 == 0,
         .demand.fault_reset = n % 900 == 0,
@@ -92,6 +93,7 @@ static void slow_array(const slow_input_t *in, int32_t *out)
                               in->temperature.winding_cC,
                               in->temperature.switch_cC,
                               in->demand.enable,
+                              (int32_t)in->demand.direction,
                               in->demand.abs_active,
                               in->demand.fault_reset,
                               in->selftest_passed,
@@ -149,7 +151,10 @@ void test_access_by_name_and_by_structure_give_the_same_outputs(void)
                                          (int32_t)slow.available_reason,
                                          (int32_t)slow.hydraulic_reason,
                                          (int32_t)slow.fault_reason,
+                                         (int32_t)slow.warning_reason,
                                          (int32_t)slow.mode,
+                                         (int32_t)slow.direction,
+                                         slow.hydraulic_valid,
                                          slow.stop_lamp,
                                          slow.standstill};
         TEST_ASSERT_EQUAL_INT32_ARRAY(fast_expected, fast_out, EXCHANGE_FAST_OUTPUT_COUNT);

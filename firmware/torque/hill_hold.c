@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "torque/hill_hold.h"
+
+#include "core/q15.h"
+#include "core/ramp.h"
+#include "torque/demand.h"
+
+void hill_hold_init(hill_hold_state_t *state)
+{
+    const hill_hold_state_t none = {.holds = false};
+    *state = none;
+}
+
+/* What the motor torque along the engaged direction leaves of the hold torque. */
+static int32_t beside_motor_mNm(const config_t *config, int32_t along_mNm)
+{
+    const int32_t whole_mNm = config->driver.hold_torque_mNm;
+    const int32_t released_mNm = q_min(whole_mNm, config->motor.max_torque_mNm / 4 * 3);
+    const int32_t left_mNm = q_max(released_mNm - q_max(along_mNm, 0), 0);
+    return q_scale(whole_mNm, left_mNm, q_max(released_mNm, 1));
+}
+
+static int32_t by_time_mNm(const config_driver_t *driver, int32_t release_ms)
+{
+    const int32_t left_ms = q_max(driver->hold_release_ms - release_ms, 0);
+    return q_scale(driver->hold_torque_mNm, left_ms, driver->hold_release_ms);
+}
+
+static void release(hill_hold_state_t *state, const config_t *config, const hill_hold_input_t *in)
+{
+    const int32_t sign = drive_direction_sign(in->engaged);
+    const int32_t along_mrad_s = q_limit(in->speed_mrad_s, INT32_MAX) * sign;
+    state->caught = state->caught || along_mrad_s < -config->monitor.standstill_mrad_s;
+    state->release_ms = q_min(state->release_ms + 1, config->driver.hold_release_ms);
+    const int32_t beside_mNm = beside_motor_mNm(config, q_limit(in->command_mNm, INT32_MAX) * sign);
+    const int32_t timed_mNm = by_time_mNm(&config->driver, state->release_ms);
+    state->torque_mNm = state->caught ? beside_mNm : q_min(beside_mNm, timed_mNm);
+    state->holds = state->torque_mNm > 0 && along_mrad_s <= config->monitor.standstill_mrad_s;
+}
+
+int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config,
+                       const hill_hold_input_t *in)
+{
+    const bool neutral = in->engaged == DRIVE_DIRECTION_NEUTRAL;
+    if (!state->holds && config->driver.hold_torque_mNm > 0 && in->standstill &&
+        in->demand_mNm > 0 && !neutral) {
+        const hill_hold_state_t begun = {.holds = true};
+        *state = begun;
+    }
+    if (!state->holds || neutral) {
+        state->holds = false;
+        state->torque_mNm = ramp_step(state->torque_mNm, 0, demand_rate_mNm_per_step(config));
+    } else if (in->drive_mNm != 0) {
+        release(state, config, in);
+    } else {
+        state->torque_mNm = config->driver.hold_torque_mNm;
+        state->release_ms = 0;
+        state->caught = false;
+    }
+    return state->torque_mNm;
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * hill_hold.h: hydraulic torque that holds a vehicle at standstill until it drives off. 1 kHz.
+ *
+ * It begins when the wheel stands (monitor's speed upper bound) while braking is demanded, and ends
+ * by a driving torque in the engaged direction or in neutral. While the motor torque T rises, it
+ * falls along driver.hold_torque (1 - T/T_r), T_r = min(driver.hold_torque, 3/4 motor.max_torque),
+ * and at the latest within driver.hold_release. A wheel that rolls back meanwhile is caught: full
+ * torque again, which only T takes away. Derivation: README, Standstill.
+ */
+#ifndef TORQUE_HILL_HOLD_H
+#define TORQUE_HILL_HOLD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "config/config.h"
+#include "core/drive_direction.h"
+
+typedef struct {
+    int32_t demand_mNm;  /* braking by pedal and lift-off, magnitude */
+    int32_t command_mNm; /* motor torque, signed */
+    int32_t drive_mNm;   /* driving demand, signed */
+    int32_t speed_mrad_s;
+    drive_direction_t engaged;
+    bool standstill; /* by the monitor's speed upper bound */
+} hill_hold_input_t;
+
+typedef struct {
+    int32_t torque_mNm; /* present hold torque, magnitude; 0: none */
+    int32_t release_ms; /* slow steps since the driving demand began, saturating */
+    bool holds;
+    bool caught; /* has rolled back during the release */
+} hill_hold_state_t;
+
+void hill_hold_init(hill_hold_state_t *state);
+
+/* Least torque of the hydraulic brake, magnitude, up to driver.hold_torque_mNm. */
+int32_t hill_hold_step(hill_hold_state_t *state, const config_t *config,
+                       const hill_hold_input_t *in);
+
+#endif

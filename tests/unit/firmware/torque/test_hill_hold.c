@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "paper_vehicle.h"
+#include "random_values.h"
+#include "torque/hill_hold.h"
+#include "unity.h"
+
+enum { HOLD = 30000, RELEASE = 1000, CREEP = 100, BACK = -1000 };
+
+static config_t config;
+static hill_hold_state_t state;
+static hill_hold_input_t in;
+
+void setUp(void)
+{
+    const hill_hold_input_t none = {.engaged = DRIVE_DIRECTION_FORWARD};
+    config = paper_vehicle();
+    config.motor.max_torque_mNm = 40000; /* three quarters of it: the torque that releases */
+    config.brake.torque_rate_mNm_s = 400000;
+    config.driver.hold_torque_mNm = HOLD;
+    config.driver.hold_release_ms = RELEASE;
+    config.monitor.standstill_mrad_s = 300;
+    in = none;
+    hill_hold_init(&state);
+}
+
+void tearDown(void) {}
+
+static int32_t step(void)
+{
+    return hill_hold_step(&state, &config, &in);
+}
+
+static void hold(void)
+{
+    in.standstill = true;
+    in.demand_mNm = 10000;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+    in.demand_mNm = 0;
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+}
+
+static int32_t drive(int32_t drive_mNm, int32_t command_mNm)
+{
+    in.drive_mNm = drive_mNm;
+    in.command_mNm = command_mNm;
+    return step();
+}
+
+void test_hold_begins_at_standstill_while_braking(void)
+{
+    in.demand_mNm = 10000;
+    TEST_ASSERT_EQUAL_INT32(0, step()); /* still rolls */
+    in.demand_mNm = 0;
+    in.standstill = true;
+    TEST_ASSERT_EQUAL_INT32(0, step()); /* came to rest by itself */
+    hold();
+    in.standstill = false; /* the vehicle is pushed */
+    TEST_ASSERT_EQUAL_INT32(HOLD, step());
+}
+
+void test_without_a_hold_torque_there_is_none(void)
+{
+    config.driver.hold_torque_mNm = 0;
+    in.standstill = true;
+    in.demand_mNm = 10000;
+    TEST_ASSERT_EQUAL_INT32(0, step());
+}
+
+/* A slope that pulls with G rolls the vehicle back if hold + T < G. hold = H (1 - T/T_r) with T_r
+ * = H here, so the sum is H at any T. */
+void test_hold_and_motor_torque_together_hold_the_slope_while_the_torque_rises(void)
+{
+    hold();
+    config.driver.hold_release_ms = 10000;
+    for (int32_t torque_mNm = 0; torque_mNm < HOLD; torque_mNm += 400) {
+        const int32_t hold_mNm = drive(40000, torque_mNm);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(HOLD - torque_mNm - HOLD / 10, hold_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(HOLD - torque_mNm, hold_mNm);
+    }
+    TEST_ASSERT_EQUAL_INT32(0, drive(40000, HOLD));
+    TEST_ASSERT_EQUAL_INT32(0, drive(0, 0));
+}
+
+void test_small_driving_torque_releases_within_the_release_time(void)
+{
+    hold();
+    for (int n = 0; n < RELEASE - 1; n++) {
+        TEST_ASSERT_GREATER_THAN_INT32(0, drive(1000, 1000));
+    }
+    TEST_ASSERT_EQUAL_INT32(0, drive(1000, 1000));
+}
+
+void test_wheel_that_rolls_back_is_caught_until_the_torque_suffices(void)
+{
+    hold();
+    for (int n = 0; n < RELEASE / 2; n++) {
+        drive(1000, 1000);
+    }
+    in.speed_mrad_s = BACK;
+    TEST_ASSERT_EQUAL_INT32(29000, drive(1000, 1000));
+    in.speed_mrad_s = 0;
+    for (int n = 0; n < 2 * RELEASE; n++) {
+        TEST_ASSERT_EQUAL_INT32(29000, drive(1000, 1000));
+    }
+    TEST_ASSERT_EQUAL_INT32(0, drive(40000, HOLD));
+}
+
+void test_wheel_that_drives_off_is_released_at_the_torque_rate(void)
+{
+    hold();
+    in.speed_mrad_s = 400;
+    const int32_t first_mNm = drive(10000, 10000);
+    TEST_ASSERT_EQUAL_INT32(first_mNm - 400, drive(10000, 10000));
+    TEST_ASSERT_EQUAL_INT32(first_mNm - 800, drive(0, 0)); /* also when the pedal is released */
+}
+
+void test_driver_who_changes_his_mind_is_held_again(void)
+{
+    hold();
+    drive(10000, 10000);
+    TEST_ASSERT_EQUAL_INT32(HOLD, drive(0, 9600));
+}
+
+void test_reverse_is_the_mirror_image(void)
+{
+    in.engaged = DRIVE_DIRECTION_REVERSE;
+    hold();
+    TEST_ASSERT_INT32_WITHIN(HOLD / RELEASE, 20000, drive(-40000, -10000));
+    in.speed_mrad_s = -BACK;
+    TEST_ASSERT_EQUAL_INT32(20000, drive(-40000, -10000));
+    TEST_ASSERT_TRUE(state.caught);
+}
+
+void test_neutral_releases_at_the_torque_rate_and_does_not_hold(void)
+{
+    hold();
+    in.engaged = DRIVE_DIRECTION_NEUTRAL;
+    TEST_ASSERT_EQUAL_INT32(HOLD - 400, step());
+    TEST_ASSERT_EQUAL_INT32(HOLD - 800, step());
+    in.demand_mNm = 10000;
+    TEST_ASSERT_EQUAL_INT32(HOLD - 1200, step());
+}
+
+void test_hold_is_between_zero_and_its_torque_for_any_input(void)
+{
+    random_t random = random_seeded(4);
+    for (int n = 0; n < 200000; n++) {
+        in.demand_mNm = random_chance(&random, 0.5) ? 0 : random_wild(&random);
+        in.command_mNm = random_wild(&random);
+        in.drive_mNm = random_chance(&random, 0.5) ? 0 : random_wild(&random);
+        in.speed_mrad_s = random_chance(&random, 0.5) ? CREEP : random_wild(&random);
+        in.engaged = (drive_direction_t)random_between(&random, 0, 2);
+        in.standstill = random_chance(&random, 0.5);
+        if (random_chance(&random, 0.001)) {
+            config.driver.hold_torque_mNm = random_between(&random, 0, 20000000);
+            config.motor.max_torque_mNm = random_between(&random, 10, 20000000);
+            hill_hold_init(&state);
+        }
+        const int32_t torque_mNm = step();
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, torque_mNm);
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(config.driver.hold_torque_mNm, torque_mNm);
+    }
+}

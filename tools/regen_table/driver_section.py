@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the controller makes of the driver's demands; every key has a default."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from regen_table.plant_sections import Section, number
+
+
+class Driver(Section):
+    """Lost demands, drive direction, hold at standstill."""
+
+    lost_demand_hold_s: Annotated[
+        float, number(0.0, 10.0, "s", "a braking demand is kept this long after it counts as lost")
+    ] = 0.3
+    no_other_brake: Annotated[
+        bool,
+        Field(
+            description=(
+                "the vehicle has no brake but those that this controller commands: a lost braking"
+                " demand is kept until standstill"
+            )
+        ),
+    ] = False
+    direction_change_speed_m_per_s: Annotated[
+        float,
+        number(0.0, 10.0, "m/s", "a drive direction is refused while rolling faster against it"),
+    ] = 0.833
+    hold_torque_nm: Annotated[
+        float | None,
+        number(
+            0.0,
+            20e3,
+            "N m",
+            "hydraulic torque that holds the vehicle at standstill until it drives off; absent: no"
+            " hold",
+        ),
+    ] = None
+    hold_release_s: Annotated[
+        float,
+        number(
+            0.01,
+            10.0,
+            "s",
+            "from the driving demand until the hold is gone at the latest, unless the vehicle rolls"
+            " back",
+        ),
+    ] = 1.0
