@@ -16,6 +16,7 @@ void brake_blending_init(brake_blending_state_t *state, const config_t *config)
     hydraulic_feedback_init(&state->feedback, config);
     state->bridged_q6_mNm = 0;
     state->bridging_ms = 0;
+    state->added_mNm = 0;
     filter_reset(&state->limit_lp_mNm, 0, LIMIT_FILTER_LOG2);
 }
 
@@ -136,7 +137,7 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
         q_min(q_max(demand_mNm - motor.expected_mNm + motor.shortfall_mNm, 0), demand_mNm);
     const int32_t commanded_mNm = command_mNm(&state->feedback, required_mNm, motor.expected_mNm);
     const int32_t hydraulic_mNm = q_min(commanded_mNm, brake->max_hydraulic_torque_mNm);
-    hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm);
+    hydraulic_model_step(&state->hydraulic, config, hydraulic_mNm + state->added_mNm);
     const hydraulic_feedback_out_t now =
         hydraulic_feedback_step(&state->feedback, config, &state->hydraulic, &in->hydraulic);
 
@@ -146,8 +147,8 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     limit_t electric = limit_init(demand_mNm, REASON_NONE);
     limit_tighten(&electric, bound_mNm, available.reason);
     /* Hydraulic torque that covers a motor shortfall does not reduce the motor command. */
-    limit_tighten(&electric, demand_mNm - q_max(now.torque_mNm - motor.shortfall_mNm, 0),
-                  REASON_TORQUE_RATE);
+    const int32_t taken_mNm = q_max(now.torque_mNm - motor.shortfall_mNm - state->added_mNm, 0);
+    limit_tighten(&electric, demand_mNm - taken_mNm, REASON_TORQUE_RATE);
 
     const bool beyond = commanded_mNm > brake->max_hydraulic_torque_mNm;
     const brake_blending_out_t out = {
@@ -161,4 +162,10 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
                                        : REASON_NONE,
     };
     return out;
+}
+
+void brake_blending_sent(brake_blending_state_t *state, const brake_blending_out_t *split,
+                         int32_t hydraulic_mNm)
+{
+    state->added_mNm = q_max(hydraulic_mNm - split->hydraulic_mNm, 0);
 }

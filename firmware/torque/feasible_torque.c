@@ -43,7 +43,7 @@ static int64_t square(int32_t x)
 }
 
 /* Magnitude of the shaft torque on a side, of an airgap torque along the rotation. */
-static int32_t magnitude_mNm(const feasible_side_t *side, int32_t airgap_b)
+int32_t feasible_magnitude_mNm(const feasible_side_t *side, int32_t airgap_b)
 {
     const motor_model_t *m = side->set->model;
     const int32_t shaft_b = side->sign * (airgap_b - m->friction_b);
@@ -172,7 +172,7 @@ int32_t feasible_by_voltage_mNm(const feasible_side_t *side)
         at.d_b = q_clamp(at.d_b + step_b, -m->constants->current_most_b, set->weakest_d_b);
         exists = ellipse_end(side, &at);
     }
-    return exists ? magnitude_mNm(side, motor_model_airgap_b(m, at)) : 0;
+    return exists ? feasible_magnitude_mNm(side, motor_model_airgap_b(m, at)) : 0;
 }
 
 /* ---- the current circle ---- */
@@ -231,7 +231,7 @@ int32_t feasible_by_current_mNm(const feasible_side_t *side)
     if (!voltage_suffices(side->set, at)) {
         at = circle_and_ellipse(side, at, i_q_b);
     }
-    return magnitude_mNm(side, motor_model_airgap_b(m, at));
+    return feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
 }
 
 /* Maximum torque per ampere on the circle: the i_d at which (psi + (L_d - L_q) i_d) i_q is
@@ -390,6 +390,12 @@ static int32_t uncertain_b(const motor_model_t *m, motor_point_t at)
     return multiply64_b(q_abs(across_b), angle_b);
 }
 
+int32_t feasible_drawn_b(const feasible_set_t *set, motor_point_t at)
+{
+    const power_t p = power_at(set, at.d_b);
+    return q_saturate64(power_of_x_b(&p, at.x_b) - uncertain_b(set->model, at));
+}
+
 int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
 {
     const motor_model_t *m = side->set->model;
@@ -410,7 +416,7 @@ int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
         }
         at.x_b = clamped_b(at.x_b);
         if (pass == CORRECTIONS) {
-            return magnitude_mNm(side, motor_model_airgap_b(m, at));
+            return feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
         at.d_b = d_at_b(side->set, at);
         p = power_at(side->set, at.d_b);
@@ -436,7 +442,7 @@ int32_t feasible_by_returned_mNm(const feasible_side_t *side, int32_t power_b)
                 coefficient((int64_t)p.c + q_max(power_b, m->constants->negligible_power_b));
             return p.b <= 0 || under_root < 0 || square(p.b) < 4 * (int64_t)p.a * least
                        ? FEASIBLE_UNBOUNDED
-                       : magnitude_mNm(side, motor_model_airgap_b(m, at));
+                       : feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
         at.d_b = d_at_b(side->set, at);
         p = power_at(side->set, at.d_b);

@@ -103,8 +103,9 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     };
     const torque_command_out_t limited =
         torque_command_step(&state->command, config, &state->table, &wanted);
-    const current_setpoint_t current =
-        current_setpoint_step(&set, limited.command_mNm, in->i_d_weakening_mA);
+    const current_setpoint_t current = loss_braking_setpoint(
+        &set, &state->table.losses, limited.command_mNm,
+        current_setpoint_step(&set, limited.command_mNm, in->i_d_weakening_mA));
 
     const hill_hold_input_t standing = {
         .demand_mNm = demand.brake_mNm + demand.lift_off_mNm,
@@ -115,12 +116,14 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .standstill = in->standstill,
     };
     const int32_t hold_mNm = hill_hold_step(&state->hold, config, &standing);
+    const int32_t hydraulic_mNm = hydraulic_command_mNm(config, &split, &lift_off, hold_mNm);
+    brake_blending_sent(&state->blending, &split, hydraulic_mNm);
 
     const torque_output_t out = {
         .current = current,
         .command_mNm = limited.command_mNm,
         .estimate_mNm = achieved_mNm,
-        .hydraulic_mNm = hydraulic_command_mNm(config, &split, &lift_off, hold_mNm),
+        .hydraulic_mNm = hydraulic_mNm,
         .hydraulic_reason = hold_mNm > demand.brake_mNm ? REASON_HILL_HOLD : split.hydraulic_reason,
         .hydraulic_valid = demand.hydraulic_valid,
         .available = split.available,

@@ -13,6 +13,8 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
                                          .discharge = {.allowed_q24 = SCALED_ONE},
                                          .abs_hold_steps = 0};
     *state = fresh;
+    const loss_braking_t no_losses = {.current_b = 0};
+    table->losses = no_losses;
     for (torque_line_t line = 0; line < TORQUE_LINE_COUNT; line++) {
         table->driving[line] = limit_init(FEASIBLE_UNBOUNDED, REASON_NONE);
         table->braking[line] = table->driving[line];
@@ -134,8 +136,8 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
 }
 
 /* Lines equal for driving and braking. */
-static void common_lines(torque_limits_t *out, const config_t *config, const motor_model_t *model,
-                         const torque_limits_input_t *in)
+static int32_t common_lines(torque_limits_t *out, const config_t *config,
+                            const motor_model_t *model, const torque_limits_input_t *in)
 {
     const config_motor_t *motor = &config->motor;
     const config_drive_t *drive = &config->drive;
@@ -143,16 +145,14 @@ static void common_lines(torque_limits_t *out, const config_t *config, const mot
     line[TORQUE_LINE_MAX_TORQUE] = limit_init(motor->max_torque_mNm, REASON_MAX_TORQUE);
     line[TORQUE_LINE_MAX_POWER] =
         limit_init(power_torque_mNm(config, q_abs(model->speed_mrad_s)), REASON_MAX_POWER);
-    line[TORQUE_LINE_WINDING] = share_line(config,
-                                           limit_fade_q15(model->winding_temperature_cC,
-                                                          motor->derate_winding_temperature_cC,
-                                                          motor->max_winding_temperature_cC),
-                                           REASON_WINDING_TEMPERATURE);
-    line[TORQUE_LINE_SWITCH] =
-        share_line(config,
-                   limit_fade_q15(in->switch_temperature_cC, drive->derate_switch_temperature_cC,
-                                  drive->max_switch_temperature_cC),
-                   REASON_SWITCH_TEMPERATURE);
+    const int32_t winding_q15 =
+        limit_fade_q15(model->winding_temperature_cC, motor->derate_winding_temperature_cC,
+                       motor->max_winding_temperature_cC);
+    const int32_t switch_q15 =
+        limit_fade_q15(in->switch_temperature_cC, drive->derate_switch_temperature_cC,
+                       drive->max_switch_temperature_cC);
+    line[TORQUE_LINE_WINDING] = share_line(config, winding_q15, REASON_WINDING_TEMPERATURE);
+    line[TORQUE_LINE_SWITCH] = share_line(config, switch_q15, REASON_SWITCH_TEMPERATURE);
     line[TORQUE_LINE_ROTOR] =
         limit_init(in->rotor_valid ? FEASIBLE_UNBOUNDED : 0, REASON_ROTOR_UNCERTAIN);
     static const torque_line_t COMMON[] = {TORQUE_LINE_MAX_TORQUE, TORQUE_LINE_MAX_POWER,
@@ -161,10 +161,12 @@ static void common_lines(torque_limits_t *out, const config_t *config, const mot
     for (size_t i = 0; i < sizeof COMMON / sizeof COMMON[0]; i++) {
         out->braking[COMMON[i]] = line[COMMON[i]];
     }
+    return q_min(winding_q15, switch_q15);
 }
 
 static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
-                           battery_limit_t discharge, battery_limit_t charge, int32_t bus_mV)
+                           battery_limit_t discharge, battery_limit_t charge, int32_t bus_mV,
+                           int32_t derating_q15)
 {
     const motor_model_t *model = set->model;
     const int32_t drawn_b = feasible_power_b(model, discharge.current_mA, bus_mV);
@@ -181,13 +183,16 @@ static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
         line[TORQUE_LINE_DRAWN] =
             limit_init(feasible_by_drawn_mNm(&side, drawn_b), discharge.reason);
         if (SIDES[k] == SIDE_BRAKING) {
+            out->losses = loss_braking_at(set, returned_b, derating_q15);
+            const int32_t by_map_mNm = feasible_by_returned_mNm(&side, returned_b);
             line[TORQUE_LINE_RETURNED] =
-                limit_init(feasible_by_returned_mNm(&side, returned_b), charge.reason);
+                limit_init(loss_braking_torque_mNm(&side, &out->losses, by_map_mNm), charge.reason);
             line[TORQUE_LINE_RETURNED_PEAK] = line[TORQUE_LINE_RETURNED];
             if (charge.peak_mA != charge.current_mA) {
                 const int32_t peak_b = feasible_power_b(model, charge.peak_mA, bus_mV);
-                line[TORQUE_LINE_RETURNED_PEAK] =
-                    limit_init(feasible_by_returned_mNm(&side, peak_b), charge.peak_reason);
+                const int32_t most_mNm = feasible_by_returned_mNm(&side, peak_b);
+                line[TORQUE_LINE_RETURNED_PEAK] = limit_init(
+                    q_max(most_mNm, line[TORQUE_LINE_RETURNED].torque_mNm), charge.peak_reason);
             }
         }
     }
@@ -262,8 +267,8 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
         in->bms_charge_peak_mA, battery->max_voltage_mV - battery->foldback_voltage_mV,
         battery->max_voltage_mV - bus_mV, -drawn_mA, CHARGE);
 
-    common_lines(table, config, model, in);
-    feasible_lines(table, set, discharge, charge, bus_mV);
+    const int32_t derating_q15 = common_lines(table, config, model, in);
+    feasible_lines(table, set, discharge, charge, bus_mV, derating_q15);
     const int32_t top_mrad_s = config->motor.max_speed_mrad_s;
     const int32_t fade_mrad_s =
         q15_share_of(top_mrad_s, (int16_t)config->motor.speed_fade_share_q15);

@@ -16,7 +16,8 @@ void test_with_a_full_battery_the_hydraulic_brake_takes_over_with_its_reason(voi
     params.run.initial_speed_m_per_s = 9.0;
     params.battery.initial_soc = 1.0;
     params.driver.brake_demand_nm = 40.0;
-    const config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    config_t config = fixture_config(CONFIG_STRATEGY_SERIES_OPTIMAL);
+    config.brake.loss_braking = 0;
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 0.5);
     TEST_ASSERT_EQUAL_INT(REASON_CHARGE_CURRENT, bench->wheel[0].slow.available_reason);

