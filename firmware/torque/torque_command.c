@@ -31,13 +31,17 @@ static int32_t remaining_mNm(const torque_command_state_t *state, const torque_l
     return in->drive_withdrawn || has_turned_round ? 0 : state->command_mNm;
 }
 
-/* A driving demand against the rotation, by a wheel that rolls back, obeys the limits of braking;
- * one along the rotation, or at standstill, obeys those of driving. */
+/* A driving demand against the rotation, by a wheel that rolls back, obeys the limits of braking
+ * but those of the strategy; one along the rotation, or at standstill, obeys those of driving. */
 static limit_t drive_limit(const torque_limits_t *limits, int32_t speed_mrad_s, int32_t drive_mNm)
 {
-    return is_against(drive_mNm, speed_mrad_s)
-               ? torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM)
-               : torque_limits_tightest(limits->driving, 0, TORQUE_LINE_COUNT);
+    if (!is_against(drive_mNm, speed_mrad_s)) {
+        return torque_limits_tightest(limits->driving, 0, TORQUE_LINE_COUNT);
+    }
+    limit_t out = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM);
+    const limit_t anti_lock = limits->braking[TORQUE_LINE_ABS];
+    limit_tighten(&out, anti_lock.torque_mNm, anti_lock.reason);
+    return out;
 }
 
 int32_t torque_command_growth_mNm(const config_t *config, int32_t voltage_use_q15)

@@ -411,12 +411,15 @@ void test_the_reason_shown_on_a_bound_is_that_of_the_table_s_tightest_line(void)
         const int32_t demand_mNm =
             in.brake_torque_mNm > 0 ? in.brake_torque_mNm : q_abs(in.drive_torque_mNm);
         const bool against = (int64_t)in.drive_torque_mNm * in.speed_mrad_s < 0;
-        const limit_t winner =
+        limit_t winner =
             in.brake_torque_mNm > 0
                 ? torque_limits_tightest(state.table.braking, 0, TORQUE_LINE_COUNT)
                 : (against
                        ? torque_limits_tightest(state.table.braking, 0, TORQUE_LINE_LOSS_OPTIMUM)
                        : torque_limits_tightest(state.table.driving, 0, TORQUE_LINE_COUNT));
+        if (in.brake_torque_mNm == 0 && against) {
+            limit_tighten(&winner, state.table.braking[TORQUE_LINE_ABS].torque_mNm, REASON_ABS);
+        }
         if (demand_mNm > winner.torque_mNm && q_abs(out.command_mNm) == winner.torque_mNm) {
             TEST_ASSERT_EQUAL_INT(winner.reason, out.reason);
             on_bound[winner.reason]++;

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Properties of the whole slow loop in random sequences of demands, ages, directions and flags. */
+#include <string.h>
+
+#include "paper_vehicle.h"
+#include "random_values.h"
+#include "reference_motor.h"
+#include "torque/torque.h"
+#include "unity.h"
+
+static config_t config;
+static torque_state_t state;
+static torque_input_t in;
+
+static const torque_enable_t FULL_ENABLE = {
+    .drive_q15 = Q15_ONE, .brake_q15 = Q15_ONE, .reason = REASON_NONE};
+
+void setUp(void)
+{
+    config = paper_vehicle();
+    config.brake.loss_braking = 0;
+    torque_init(&state, &config);
+    memset(&in, 0, sizeof in);
+    in.speed_mrad_s = mrad_s_of_rpm(150.0);
+    in.bus_voltage_mV = 53000;
+    in.phase_voltage_mV = 1000000;
+    in.bms_charge_current_mA = 1000000;
+    in.bms_discharge_current_mA = 1000000;
+    in.winding_temperature_cC = 2500;
+    in.switch_temperature_cC = 2500;
+    in.rotor_valid = true;
+    in.torque_enable = FULL_ENABLE;
+}
+
+void tearDown(void) {}
+
+/* One step; the measured current of the next step is this step's setpoint. */
+static torque_output_t step(void)
+{
+    const torque_output_t out = torque_step(&state, &config, &in);
+    in.current.d_mA = out.current.i_d_mA + in.i_d_weakening_mA;
+    in.current.q_mA = out.current.i_q_mA;
+    return out;
+}
+
+static void draw_demand(random_t *random)
+{
+    if (in.demand_age_ms == 0 && random_chance(random, 0.03)) {
+        in.drive_torque_mNm = random_between(random, -60000, 60000);
+        in.brake_torque_mNm = random_chance(random, 0.6) ? 0 : random_between(random, 0, 150000);
+        in.direction = (drive_direction_t)random_between(random, 0, 2);
+        in.abs_active = random_chance(random, 0.1);
+    }
+    const bool begins = random_chance(random, 0.002);
+    in.demand_age_ms =
+        begins || (in.demand_age_ms > 0 && random_chance(random, 0.998)) ? in.demand_age_ms + 1 : 0;
+    /* Through standstill, and to and fro around it. */
+    const int32_t step_mrad_s = random_chance(random, 0.01) ? 20000 : 100;
+    in.speed_mrad_s += random_between(random, -step_mrad_s, step_mrad_s);
+    in.speed_mrad_s = q_limit(in.speed_mrad_s, 40000);
+    in.standstill = q_abs(in.speed_mrad_s) < 300 && random_chance(random, 0.5);
+}
+
+static int32_t along_mNm(int32_t torque_mNm)
+{
+    return in.speed_mrad_s >= 0 ? torque_mNm : -torque_mNm;
+}
+
+void test_no_driving_torque_while_braking_or_lost_and_no_change_of_sign_in_any_sequence(void)
+{
+    random_t random = random_seeded(12);
+    config.driver.hold_torque_mNm = 60000;
+    int32_t before_mNm = 0;
+    int braked = 0;
+    int lost = 0;
+    for (int n = 0; n < 300000; n++) {
+        draw_demand(&random);
+        const torque_output_t out = step();
+        const bool is_lost = in.demand_age_ms > (uint32_t)config.brake.demand_timeout_ms;
+        const bool brakes = in.brake_torque_mNm > 0;
+        const int32_t sign = drive_direction_sign(out.engaged);
+        braked += brakes && out.command_mNm != 0 ? 1 : 0;
+        lost += is_lost ? 1 : 0;
+        if (brakes || is_lost || sign == 0) {
+            TEST_ASSERT_LESS_OR_EQUAL_INT32(0, along_mNm(out.command_mNm));
+        }
+        if (is_lost) { /* an old demand makes no torque grow that is there already */
+            TEST_ASSERT_TRUE(brakes || in.drive_torque_mNm * sign < 0 ||
+                             q_abs(out.command_mNm) <= q_abs(before_mNm));
+        }
+        /* Braking torque passes zero only on the way to a driving demand of its own sign. */
+        if (along_mNm(before_mNm) > 0 && in.drive_torque_mNm == 0) {
+            TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, along_mNm(out.command_mNm));
+        }
+        const int32_t drive_mNm =
+            !brakes && in.drive_torque_mNm * sign > 0 ? in.drive_torque_mNm : 0;
+        if (!brakes && !is_lost && out.command_mNm != drive_mNm) {
+            TEST_ASSERT_TRUE(out.reason != REASON_NONE || in.drive_torque_mNm * sign < 0);
+        }
+        TEST_ASSERT_TRUE(in.abs_active == false || along_mNm(out.command_mNm) >= 0);
+        before_mNm = out.command_mNm;
+    }
+    TEST_ASSERT_GREATER_THAN_INT(10000, braked);
+    TEST_ASSERT_GREATER_THAN_INT(10000, lost);
+}
