@@ -45,7 +45,9 @@ static demand_t lost_demand(demand_state_t *state, const config_t *config, const
     state->lost_ms = q_saturate64((int64_t)state->lost_ms + 1);
     const bool until_standstill = driver->no_other_brake != 0 && !in->standstill;
     const bool kept = state->lost_ms <= driver->lost_hold_ms || until_standstill;
-    if (!kept) {
+    /* The brake system's own path has a dead time as well. */
+    const int32_t handed_over_ms = driver->lost_hold_ms + config->brake.hydraulic_dead_time_ms;
+    if (!kept && state->lost_ms > handed_over_ms) {
         fall(state, demand_rate_mNm_per_step(config));
     }
     const demand_t out = {

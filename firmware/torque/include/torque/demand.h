@@ -3,9 +3,9 @@
  * demand.h: what of the demanded torques counts now: validity, priorities, drive direction. 1 kHz.
  *
  * A demand older than brake.demand_timeout is lost. Its driving torque is zero at once. Its braking
- * torque is kept for driver.lost_hold_ms, then it falls to zero at the torque rate, and the
- * hydraulic command is no longer valid: the brake system takes its own path. With
- * driver.no_other_brake it is kept until standstill instead.
+ * torque is kept for driver.lost_hold_ms, then the hydraulic command is no longer valid: the brake
+ * system takes its own path, and after the hydraulic dead time the braking torque falls to zero at
+ * the torque rate. With driver.no_other_brake it is kept until standstill instead.
  *
  * Braking has priority over driving. Driving torque acts only in the engaged direction; a driving
  * demand against it is lift-off braking, a magnitude. README, Demand.

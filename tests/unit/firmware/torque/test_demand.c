@@ -17,6 +17,7 @@ void setUp(void)
     config = paper_vehicle();
     config.brake.demand_timeout_ms = TIMEOUT;
     config.brake.torque_rate_mNm_s = RATE * 1000; /* in a step of 1 ms */
+    config.brake.hydraulic_dead_time_ms = 0;
     config.driver.lost_hold_ms = HOLD;
     config.driver.no_other_brake = 0;
     config.driver.direction_change_mrad_s = 3000;
@@ -192,6 +193,17 @@ void test_lost_braking_demand_is_kept_for_its_time_and_falls_at_the_torque_rate(
         TEST_ASSERT_FALSE(out.hydraulic_valid);
     }
     TEST_ASSERT_TRUE(silent(1).lost);
+}
+
+void test_braking_demand_stays_for_the_dead_time_of_the_path_that_replaces_it(void)
+{
+    config.brake.hydraulic_dead_time_ms = 40;
+    fresh(0, 20000);
+    silent(HOLD);
+    const demand_t out = silent(40);
+    TEST_ASSERT_EQUAL_INT32(20000, out.brake_mNm);
+    TEST_ASSERT_FALSE(out.hydraulic_valid);
+    TEST_ASSERT_EQUAL_INT32(20000 - RATE, silent(1).brake_mNm);
 }
 
 /* The accelerator beneath a brake pedal that is released by the loss of the link. */

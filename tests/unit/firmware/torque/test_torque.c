@@ -169,8 +169,8 @@ void test_both_brakes_are_kept_and_then_release_at_the_torque_rate_when_the_dema
     const torque_output_t kept = run(config.driver.lost_hold_ms);
     TEST_ASSERT_EQUAL_INT32(60000, kept.hydraulic_mNm - kept.command_mNm);
     TEST_ASSERT_TRUE(kept.hydraulic_valid);
+    TEST_ASSERT_FALSE(run(config.brake.hydraulic_dead_time_ms).hydraulic_valid);
     const torque_output_t first = step();
-    TEST_ASSERT_FALSE(first.hydraulic_valid);
     /* The motor gives way at once, the hydraulic command by as much as the motor cannot. */
     TEST_ASSERT_INT32_WITHIN(200, 60000 - 600, first.hydraulic_mNm - first.command_mNm);
     const torque_output_t last = run(200);
