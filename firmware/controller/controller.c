@@ -27,6 +27,7 @@ void controller_init(controller_t *controller, const config_t *config)
     torque_init(&controller->slow.torque, config);
     monitor_slow_init(&controller->slow.monitor);
     modes_init(&controller->slow.modes);
+    bridge_choice_init(&controller->slow.bridge_choice);
     controller->slow.last_command_mNm = 0;
     controller->slow.last_estimate_mNm = 0;
     controller->slow.step_count = 0;
@@ -76,7 +77,7 @@ void controller_fast_report(const controller_fast_t *fast, fast_report_t *report
     report->bridge = fast->output.bridge;
 }
 
-static monitor_slow_input_t monitor_input(const controller_slow_t *slow,
+static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const config_t *config,
                                           const fast_report_t *report, const slow_input_t *in,
                                           const operating_point_t *at)
 {
@@ -89,6 +90,10 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow,
         .rotor_faults = report->rotor_faults,
         .fast_step_count = report->sequence,
         .bus_voltage_mV = at->bus_voltage_mV,
+        .battery_open = in->bms.contactor == CONTACTOR_OPEN,
+        .charge_current_mA =
+            q_min(q_max(in->bms.charge_current_mA, 0) / config->battery.driven_wheels,
+                  config->battery.max_charge_current_mA),
         .speed_mrad_s = at->speed_mrad_s,
         .winding_temperature_cC = in->temperature.winding_cC,
         .switch_temperature_cC = in->temperature.switch_cC,
@@ -111,6 +116,9 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
                                   const fast_report_t *report, const slow_input_t *in,
                                   const monitor_output_t *watch, int32_t speed_mrad_s)
 {
+    const reason_t warning = watch->warning == REASON_NONE && slow->bridge_choice.overspeed
+                                 ? REASON_OVERSPEED
+                                 : watch->warning;
     const modes_input_t modes_in = {
         .config_accepted = in->config_accepted,
         .selftest_passed = in->selftest_passed,
@@ -123,10 +131,12 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         .drive_demanded = in->demand.drive_torque_mNm != 0,
         .torque_demanded = in->demand.drive_torque_mNm != 0 || in->demand.brake_torque_mNm > 0,
         .fault_reset = in->demand.fault_reset,
-        .warning = watch->warning != REASON_NONE,
-        .warning_reason = watch->warning,
+        .warning = warning != REASON_NONE,
+        .warning_reason = warning,
         .fault = watch->fault,
-        .safe_bridge = watch->safe_bridge,
+        .battery_lost = watch->battery_lost,
+        .emf_conducts = watch->emf_conducts,
+        .bridge = report->bridge,
     };
     return modes_step(&slow->modes, config, &modes_in);
 }
@@ -173,12 +183,26 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
 {
     const operating_point_t at =
         operating_point_of(&slow->operating_point, config, report, in->temperature.winding_cC);
-    const monitor_slow_input_t watched = monitor_input(slow, report, in, &at);
+    const monitor_slow_input_t watched = monitor_input(slow, config, report, in, &at);
     const monitor_output_t watch = monitor_slow_step(&slow->monitor, config, &watched);
     const modes_output_t modes = decide_mode(slow, config, report, in, &watch, at.speed_mrad_s);
     const torque_output_t torque =
         step_torque(slow, config, report, in, &modes.torque_enable, &at, watch.standstill);
 
+    const bridge_choice_input_t wanted = {
+        .torque_enabled = torque_enable_any(modes.torque_enable),
+        .torque_wanted = torque.command_mNm != 0 || in->demand.drive_torque_mNm != 0 ||
+                         in->demand.brake_torque_mNm > 0,
+        .torque_feasible = torque.current.feasible,
+        .rotor_valid = report->rotor_valid,
+        .bridge = report->bridge,
+        .safe_bridge = watch.safe_bridge,
+        .safe_torque_mNm = watch.safe_torque_mNm,
+        .emf_mV = watch.emf_mV,
+        .phase_voltage_mV = at.phase_voltage_mV,
+        .i_d_mA = at.latest_i_d_mA,
+        .i_q_mA = at.latest_i_q_mA,
+    };
     slow->step_count++;
     slow->last_command_mNm = torque.command_mNm;
     slow->last_estimate_mNm = torque.estimate_mNm;
@@ -186,9 +210,10 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     operating_point_setpoint(&slow->operating_point, config, torque.current.i_d_mA,
                              torque.current.i_q_mA, setpoint);
     setpoint->calibrate_offsets = modes.calibrate_offsets;
-    setpoint->torque_enabled = torque_enable_any(modes.torque_enable);
+    setpoint->torque_enabled =
+        bridge_choice_step(&slow->bridge_choice, config, &wanted) == BRIDGE_PWM;
     setpoint->safe_bridge = watch.safe_bridge;
-    setpoint->clear_trip = modes.clear_trip;
+    setpoint->clear_trip = modes.clear_trip || watch.release_trip;
 
     const slow_output_t out = {
         .motor_torque_command_mNm = torque.command_mNm,

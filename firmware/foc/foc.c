@@ -155,7 +155,7 @@ void foc_init(foc_state_t *state, const config_t *config)
     current_predictor_init(&state->current.predictor, config);
     field_weakening_init(&state->weakening, config);
     state->current_circle = circle_init(config->current_loop.max_current_pu_q15);
-    sense_init(&state->current.sense);
+    sense_init(&state->current.sense, &config->drive);
     rotor_init(&state->rotor, config);
     state->sequence = FOC_NO_SETPOINT;
     idle_centre_on_times(&state->current);

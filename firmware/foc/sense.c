@@ -3,10 +3,12 @@
 
 enum { HALF_CODE = 8 };
 
-void sense_init(sense_state_t *state)
+void sense_init(sense_state_t *state, const config_drive_t *config)
 {
+    const int32_t stored_q4[SENSE_PHASES] = {config->offset_a_q4, config->offset_b_q4,
+                                             config->offset_c_q4};
     for (int x = 0; x < SENSE_PHASES; x++) {
-        state->offset_q4[x] = SENSE_CODE_MID * 16;
+        state->offset_q4[x] = stored_q4[x];
         state->sum[x] = 0;
     }
     state->samples = 0;

@@ -27,7 +27,8 @@ typedef struct {
     int32_t sum_pu; /* i_a + i_b + i_c as read, Q15 */
 } sense_out_t;
 
-void sense_init(sense_state_t *state);
+/* The stored offsets are in use until a calibration is complete. */
+void sense_init(sense_state_t *state, const config_drive_t *config);
 
 /*
  * codes: 12 bit. on_q16: high-side on-times during this sample; on a tie the earlier phase is

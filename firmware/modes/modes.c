@@ -11,12 +11,14 @@ void modes_init(modes_state_t *state)
     state->steps = 0;
     state->acknowledge_steps = 0;
     state->reset_before = false;
+    state->offsets_stored = false;
 }
 
 static void enter(modes_state_t *state, operating_mode_t mode)
 {
     state->mode = mode;
     state->steps = 0;
+    state->quiet_steps = 0;
 }
 
 static void fail(modes_state_t *state, reason_t fault)
@@ -74,22 +76,27 @@ static void advance(modes_state_t *state, const config_modes_t *config, const mo
         }
         break;
     case MODE_OFFSET_CAL:
-        if (in->safe_bridge != BRIDGE_OFF) {
-            state->steps = 0; /* the EMF drives a current, through the short or else through diodes:
-                                 no zero to be seen */
+        if (in->emf_conducts) { /* no zero to be seen: after a while the stored offsets serve */
+            state->quiet_steps = 0;
+            if (state->steps >= config->offset_wait_ms) {
+                state->offsets_stored = true;
+                enter(state, MODE_READY);
+            }
             break;
         }
-        if (state->steps < MODES_CALIBRATION_SETTLE_STEPS) {
+        state->quiet_steps = (uint16_t)q_min(state->quiet_steps + 1, UINT16_MAX);
+        if (state->quiet_steps < MODES_CALIBRATION_SETTLE_STEPS) {
             break; /* the fast loop has not read the request yet: its result would be that of the
                       last calibration */
         }
         if (in->offsets_done) {
             if (in->offsets_plausible) {
+                state->offsets_stored = false;
                 enter(state, MODE_READY);
             } else {
                 fail(state, REASON_OFFSET_IMPLAUSIBLE);
             }
-        } else if (state->steps >= MODES_CALIBRATION_TIMEOUT_STEPS) {
+        } else if (state->quiet_steps >= MODES_CALIBRATION_TIMEOUT_STEPS) {
             fail(state, REASON_OFFSET_IMPLAUSIBLE);
         }
         break;
@@ -103,8 +110,11 @@ static void advance(modes_state_t *state, const config_modes_t *config, const mo
         if (!in->enable && !in->rolling) {
             enter(state, MODE_READY); /* never while rolling: switching off must not take the
                                          electric brake away */
-        } else if (in->warning != (state->mode == MODE_LIMP)) {
-            enter(state, in->warning ? MODE_LIMP : MODE_RUN);
+        } else {
+            const bool warning = in->warning || state->offsets_stored;
+            if (warning != (state->mode == MODE_LIMP)) {
+                enter(state, warning ? MODE_LIMP : MODE_RUN);
+            }
         }
         break;
     case MODE_FAULT:
@@ -115,6 +125,11 @@ static void advance(modes_state_t *state, const config_modes_t *config, const mo
         }
         break;
     }
+}
+
+static reason_t present_warning(const modes_state_t *state, const modes_input_t *in)
+{
+    return !in->warning && state->offsets_stored ? REASON_OFFSETS_STORED : in->warning_reason;
 }
 
 static torque_enable_t torque_enable_of(const modes_state_t *state, const config_modes_t *config,
@@ -134,7 +149,7 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
     case MODE_LIMP:
         out.drive_q15 = (int16_t)(in->enable ? config->limp_drive_share_q15 : 0);
         out.brake_q15 = Q15_ONE;
-        out.reason = in->warning_reason;
+        out.reason = present_warning(state, in);
         break;
     case MODE_FAULT:
         out.reason = state->fault;
@@ -149,13 +164,29 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
         out.reason = in->rotor_valid ? REASON_TORQUE_ENABLE : REASON_ROTOR_UNCERTAIN;
         break;
     }
+    if (in->battery_lost && torque_enable_any(out)) {
+        out.drive_q15 = 0;
+        out.brake_q15 = 0;
+        out.reason = in->warning_reason;
+    }
     return out;
+}
+
+/* Stored offsets are replaced by measured ones as soon as the open bridge of a coasting wheel shows
+ * zero current. */
+static bool calibrates_offsets(const modes_state_t *state, const modes_input_t *in)
+{
+    const bool coasts = state->offsets_stored && in->bridge == BRIDGE_OFF;
+    return (state->mode == MODE_OFFSET_CAL || coasts) && !in->emf_conducts;
 }
 
 modes_output_t modes_step(modes_state_t *state, const config_t *config, const modes_input_t *in)
 {
     const bool acknowledged = acknowledgement_pending(state, in);
     state->steps = (uint16_t)q_min(state->steps + 1, UINT16_MAX);
+    if (state->offsets_stored && in->offsets_done && in->offsets_plausible) {
+        state->offsets_stored = false;
+    }
     if (in->fault != REASON_NONE && state->mode != MODE_BOOT) {
         fail(state, in->fault);
     } else {
@@ -165,9 +196,9 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const mo
     const modes_output_t out = {
         .mode = state->mode,
         .fault = state->fault,
-        .warning = state->warning != REASON_NONE ? state->warning : in->warning_reason,
+        .warning = state->warning != REASON_NONE ? state->warning : present_warning(state, in),
         .torque_enable = torque_enable_of(state, &config->modes, in),
-        .calibrate_offsets = state->mode == MODE_OFFSET_CAL && in->safe_bridge == BRIDGE_OFF,
+        .calibrate_offsets = calibrates_offsets(state, in),
         .clear_trip = acknowledged,
     };
     return out;

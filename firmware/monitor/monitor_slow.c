@@ -17,18 +17,6 @@ void monitor_slow_init(monitor_slow_state_t *state)
     *state = zero;
 }
 
-bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s,
-                                  int32_t bus_voltage_mV, bridge_mode_t now)
-{
-    const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(speed_mrad_s));
-    const int64_t emf_peak_mV = divide_by_billion(w_mrad_s * config->motor.flux_linkage_nWb);
-    const int64_t line_mV = divide_by_thousand(emf_peak_mV * 1732);
-    const int64_t limit_mV = now == BRIDGE_SHORT ? (int64_t)bus_voltage_mV *
-                                                       config->monitor.short_release_permille / 1000
-                                                 : bus_voltage_mV;
-    return line_mV >= limit_mV ? BRIDGE_SHORT : BRIDGE_OFF;
-}
-
 /* Debounce: true once a condition has lasted for `limit` consecutive steps. */
 static bool qualified(uint16_t *steps, bool condition, int32_t limit)
 {
@@ -36,14 +24,42 @@ static bool qualified(uint16_t *steps, bool condition, int32_t limit)
     return *steps >= limit;
 }
 
-/* Torque beyond the command: more than commanded in its direction, or any in the other. A torque
- * below the command is no hazard: brake blending adds it to the hydraulic command. */
+/* Braking torque that no current within the limits may prevent: all of it where even the largest
+ * demagnetising current may leave more voltage than the bus has. Coarse: it contains what the
+ * torque limits count on (README, Natural torque). */
+int32_t monitor_forced_torque_mNm(const config_t *config, int32_t speed_mrad_s,
+                                  int32_t bus_voltage_mV)
+{
+    const config_motor_t *motor = &config->motor;
+    const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(speed_mrad_s));
+    const int64_t weakening_mA =
+        bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15);
+    const int64_t weakened_nWb =
+        motor->flux_linkage_nWb - divide_by_thousand(weakening_mA * motor->d_inductance_nH);
+    const int64_t left_mV = divide_by_billion(w_mrad_s * (weakened_nWb > 0 ? weakened_nWb : 0)) +
+                            divide_by_million(weakening_mA * motor->phase_resistance_uOhm) * 3 / 2;
+    const config_current_loop_t *loop = &config->current_loop;
+    const int32_t share_q15 =
+        q_scale(loop->modulation_limit_pu_q15,
+                loop->modulation_target_pu_q15 - loop->modulation_reserve_pu_q15, 32768);
+    const int64_t used_mV = q_scale(q_max(bus_voltage_mV, 0), share_q15, 32768);
+    return left_mV * 1732 > used_mV * 1000 * 7 / 8 ? motor->max_torque_mNm : 0;
+}
+
+/* Torque beyond the command: more than commanded in its direction, or any in the other, apart from
+ * the braking that the voltage forces. A torque below the command is no hazard: brake blending adds
+ * it to the hydraulic command. */
 static bool torque_unwanted(const config_t *config, const monitor_slow_input_t *in)
 {
     const int64_t tolerance_mNm =
         config->monitor.torque_tolerance_mNm; /* 64 bits: no input is trusted */
-    const int64_t high_mNm = q_max(in->torque_command_mNm, 0) + tolerance_mNm;
-    const int64_t low_mNm = q_min(in->torque_command_mNm, 0) - tolerance_mNm;
+    const int64_t forced_mNm =
+        monitor_forced_torque_mNm(config, in->speed_mrad_s, in->bus_voltage_mV);
+    const bool forwards = in->speed_mrad_s >= 0;
+    const int64_t high_mNm =
+        q_max(in->torque_command_mNm, 0) + tolerance_mNm + (forwards ? 0 : forced_mNm);
+    const int64_t low_mNm =
+        q_min(in->torque_command_mNm, 0) - tolerance_mNm - (forwards ? forced_mNm : 0);
     return in->torque_estimate_mNm > high_mNm || in->torque_estimate_mNm < low_mNm;
 }
 
@@ -68,14 +84,30 @@ static bool flow_broken(monitor_slow_state_t *state, const config_t *config,
     return q_abs(counted - expected) > expected / FLOW_TOLERANCE_SHARE;
 }
 
-static reason_t voltage_fault(const config_t *config, const monitor_slow_input_t *in)
+static bool undervoltage(const config_t *config, const monitor_slow_input_t *in)
 {
-    if (in->bus_voltage_mV > config->battery.overvoltage_trip_mV) {
-        return REASON_BUS_OVERVOLTAGE;
+    return in->bridge == BRIDGE_PWM && !in->battery_open &&
+           in->bus_voltage_mV < config->battery.undervoltage_trip_mV;
+}
+
+/* A bus that rises above its trip puts the bridge into its safe state at once, here or by the fast
+ * trip. An opening contactor does that, and the battery's message explains it later. */
+static bool overvoltage_unexplained(monitor_slow_state_t *state, const config_t *config,
+                                    const monitor_slow_input_t *in)
+{
+    const config_battery_t *battery = &config->battery;
+    const bool back =
+        in->bus_voltage_mV < (battery->max_voltage_mV + battery->overvoltage_trip_mV) / 2;
+    if (in->bus_voltage_mV > battery->overvoltage_trip_mV ||
+        in->fast_trip == REASON_BUS_OVERVOLTAGE) {
+        state->return_steps = MONITOR_BUS_RETURN_STEPS;
+    } else if (back && state->return_steps > 0) {
+        state->return_steps--;
     }
-    return in->bridge == BRIDGE_PWM && in->bus_voltage_mV < config->battery.undervoltage_trip_mV
-               ? REASON_BUS_UNDERVOLTAGE
-               : REASON_NONE;
+    state->release_trip = back && in->fast_trip == REASON_BUS_OVERVOLTAGE;
+    return qualified(&state->overvoltage_steps,
+                     state->return_steps > 0 && !back && !in->battery_open,
+                     config->monitor.battery_message_time_ms);
 }
 
 static reason_t one_temperature_fault(const config_monitor_t *config, int32_t temperature_cC,
@@ -161,6 +193,22 @@ static monitor_speed_input_t speed_input(const monitor_slow_input_t *in)
     return out;
 }
 
+static safe_state_input_t safe_state_input(const monitor_slow_state_t *state,
+                                           const monitor_slow_input_t *in, int32_t speed_mrad_s)
+{
+    const safe_state_input_t out = {
+        .speed_mrad_s = speed_mrad_s,
+        .winding_temperature_cC = in->winding_temperature_cC,
+        .bus_voltage_mV = in->bus_voltage_mV,
+        .battery_open = in->battery_open,
+        .charge_current_mA = in->charge_current_mA,
+        .i_d_mA = in->i_d_mA,
+        .i_q_mA = in->i_q_mA,
+        .bridge = state->safe_bridge,
+    };
+    return out;
+}
+
 monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
                                    const monitor_slow_input_t *in)
 {
@@ -182,9 +230,9 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                   config->monitor.torque_fault_time_ms);
     const bool flow_wrong = qualified(
         &state->flow_steps, flow_broken(state, config, in->fast_step_count), MONITOR_FLOW_STEPS);
-    const reason_t voltage = voltage_fault(config, in);
-    const bool voltage_wrong = qualified(&state->voltage_steps, voltage != REASON_NONE,
-                                         config->monitor.voltage_fault_time_ms);
+    const bool undervoltage_wrong = qualified(&state->voltage_steps, undervoltage(config, in),
+                                              config->monitor.voltage_fault_time_ms);
+    const bool overvoltage_wrong = overvoltage_unexplained(state, config, in);
     const reason_t temperature = temperature_fault(config, in);
     const bool temperature_wrong =
         qualified(&state->temperature_steps, temperature != REASON_NONE, sensor_time_ms);
@@ -192,19 +240,29 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const monitor_speed_input_t turning = speed_input(in);
     const int32_t speed_mrad_s = monitor_speed_step(&state->speed, config, &turning);
 
+    const safe_state_input_t letting_go = safe_state_input(state, in, speed_mrad_s);
+    const safe_state_t safe = safe_state_step(config, &letting_go);
+    const bool rotor_warns = rotor_warning(state, config, in->rotor_faults);
+    const bool battery_lost = in->battery_open || state->return_steps > 0;
+
     monitor_output_t out = {
         .fault = REASON_NONE,
-        .warning =
-            rotor_warning(state, config, in->rotor_faults) ? REASON_ROTOR_UNCERTAIN : REASON_NONE,
-        .safe_bridge =
-            monitor_safe_bridge(config, speed_mrad_s, in->bus_voltage_mV, state->safe_bridge),
+        .warning = battery_lost  ? REASON_BATTERY_DISCONNECTED
+                   : rotor_warns ? REASON_ROTOR_UNCERTAIN
+                                 : REASON_NONE,
+        .safe_bridge = safe.bridge,
+        .emf_conducts = safe.bridge != BRIDGE_OFF || safe.freewheel.current_mA > 0,
+        .emf_mV = safe.emf_mV,
+        .safe_torque_mNm = safe.torque_mNm,
+        .battery_lost = battery_lost,
+        .release_trip = state->release_trip,
         .offsets_plausible = offsets_plausible(config, in->offset_q4),
         .standstill = speed_mrad_s < config->monitor.standstill_mrad_s,
     };
     state->safe_bridge = out.safe_bridge;
     state->steps++;
     /* The first line that applies names the fault: causes before consequences. */
-    if (in->fast_trip != REASON_NONE) {
+    if (in->fast_trip != REASON_NONE && in->fast_trip != REASON_BUS_OVERVOLTAGE) {
         out.fault = in->fast_trip;
     } else if (flow_wrong) {
         out.fault = REASON_PROGRAM_FLOW;
@@ -212,8 +270,10 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         out.fault = REASON_CURRENT_SENSOR;
     } else if (sum_wrong) {
         out.fault = REASON_CURRENT_SUM;
-    } else if (voltage_wrong) {
-        out.fault = voltage;
+    } else if (overvoltage_wrong) {
+        out.fault = REASON_BUS_OVERVOLTAGE;
+    } else if (undervoltage_wrong) {
+        out.fault = REASON_BUS_UNDERVOLTAGE;
     } else if (rotor_wrong) {
         out.fault = REASON_ROTOR_LOST;
     } else if (angle_wrong) {

@@ -4,13 +4,14 @@
 #include "core/q15.h"
 
 enum {
-    CORRECTIONS = 1,         /* of i_d, for a power */
-    NEWTON_STEPS = 2,        /* along the current circle */
+    CORRECTIONS = 3,         /* of i_d, for a power */
+    NEWTON_STEPS = 4,        /* along the current circle */
     TANGENTS = 2,            /* to the torque's hyperbola */
     VOLTAGE_CORRECTIONS = 4, /* of i_d, where it is that of the map */
     CIRCLE_PASSES = 3,
     SMALL_b = 1 << 8,
     CIRCLE_RESERVE_LOG2 = 8, /* 0.4 % */
+    HOLDS_LOG2 = 4,          /* 3 % of the voltage: less than the fast loop's own reserve */
     MOST_TORQUE_b = 1 << 29,
     MOST_COEFFICIENT = 1 << 29,
     MOST_b = MOTOR_MODEL_MOST_CURRENT_b
@@ -92,6 +93,13 @@ static bool voltage_suffices(const feasible_set_t *set, motor_point_t at)
     const motor_model_t *m = set->model;
     return square(motor_model_u_d_b(m, at)) + square(motor_model_u_q_b(m, at)) <=
            set->voltage_squared;
+}
+
+bool feasible_holds(const feasible_set_t *set, motor_point_t at)
+{
+    const motor_model_t *m = set->model;
+    return square(motor_model_u_d_b(m, at)) + square(motor_model_u_q_b(m, at)) <=
+           set->voltage_squared + (set->voltage_squared >> HOLDS_LOG2);
 }
 
 static int32_t map_d_b(const feasible_set_t *set, int32_t airgap_b)

@@ -194,7 +194,7 @@ int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, 
     }
     /* (flux + change x) x = per_pole: the root that is zero at zero torque. */
     const int32_t per_pole_b = scaled_multiply(airgap_b, model->constants->torque_inverse_q24);
-    const int32_t least_b = q_max(model->flux_b / 4, 1);
+    const int32_t least_b = model->flux_b / 4;
     const motor_point_t without_x = {.d_b = d_b, .x_b = 0};
     const int32_t flux_b = q_max(flux_at_b(model, without_x), least_b);
     const int32_t root_b =
@@ -205,7 +205,7 @@ int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, 
 
 int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at)
 {
-    const int32_t least_b = q_max(model->flux_b / 4, 1);
+    const int32_t least_b = model->flux_b / 4;
     const int32_t slope_b =
         q_max(flux_at_b(model, at) + scaled_multiply(model->flux_per_x, at.x_b), least_b);
     return q_limit(scaled_ratio(-scaled_multiply(model->saliency_b, at.x_b), slope_b), MOST_b);

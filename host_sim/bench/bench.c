@@ -279,7 +279,8 @@ static bool all_run(const bench_t *bench)
 {
     bool out = true;
     for (int k = 0; k < bench->wheels; k++) {
-        out = out && bench->wheel[k].slow.mode == MODE_RUN;
+        const operating_mode_t mode = bench->wheel[k].slow.mode;
+        out = out && (mode == MODE_RUN || mode == MODE_LIMP);
     }
     return out;
 }

@@ -157,20 +157,23 @@ void test_larger_configured_charge_limit_exceeds_the_real_one(void)
 }
 
 /* Field weakening of 10 A lowers 32.8 V by 1.2 V. That is not enough voltage to control the
- * current, and the monitor ends RUN. */
-void test_too_little_field_weakening_current_ends_run_above_base_speed(void)
+ * current: the bridge opens, and the controller warns instead of braking against the voltage. */
+void test_too_little_field_weakening_current_opens_the_bridge_with_a_warning(void)
 {
-    static bench_t bench;
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = START_KM_H / 3.6;
     config_t config = configuration(CONFIG_ROTOR_ANGLE, 50.0);
     config.current_loop.field_weakening_current_pu_q15 = bases_current_pu_q15(&config, 10000);
-    config.crc32 = config_crc32(&config, (uint32_t)offsetof(config_t, crc32));
-    const driver_trace_t none = {.points = 0};
-    bench_init(&bench, &params, &config, &none);
-    TEST_ASSERT_EQUAL_INT(BENCH_NOT_RUN, bench_start(&bench));
-    /* At a back-EMF of 25.8 V the same controller runs. */
+    bench_t *bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.2);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, bench->wheel[0].active.bridge);
+    TEST_ASSERT_EQUAL_INT(MODE_LIMP, bench->wheel[0].slow.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
+    /* At a back-EMF of 25.8 V the same controller switches. */
     params.run.initial_speed_m_per_s = 50.0 / 3.6;
-    bench_init(&bench, &params, &config, &none);
-    TEST_ASSERT_EQUAL_INT(BENCH_READY, bench_start(&bench));
+    params.driver.brake_demand_nm = 10.0;
+    bench = fixture_start(&params, &config);
+    fixture_run(bench, 0.2);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, bench->wheel[0].slow.mode);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, bench->wheel[0].active.bridge);
 }

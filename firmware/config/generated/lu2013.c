@@ -120,7 +120,7 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
          * raising: faster, less damped */
         .field_weakening_gain_pu_q15    = 175,
         /* [pu] largest demagnetising current of field weakening */
-        .field_weakening_current_pu_q15 = 7944,
+        .field_weakening_current_pu_q15 = 13902,
         /* [pu] current below which the dead-time compensation is proportional, at the middle
          * of the battery's range; proportional to the bus voltage */
         .dead_time_zone_pu_q15          = 133,
@@ -364,5 +364,5 @@ CONFIG_SECTION const config_t CONFIG_LU2013 = {
             -7364, -7790, -7021, -8871, -9455,
         },
     },
-    .crc32 = 0x0AECC24B,
+    .crc32 = 0x31927F2C,
 };

@@ -32,6 +32,7 @@
 #include <stdint.h>
 
 #include "config/config.h"
+#include "controller/bridge_choice.h"
 #include "controller/operating_point.h"
 #include "core/slow_messages.h"
 #include "core/torque_enable.h"
@@ -64,6 +65,7 @@ typedef struct {
     torque_state_t torque;
     monitor_slow_state_t monitor;
     modes_state_t modes;
+    bridge_choice_state_t bridge_choice;
     int32_t last_command_mNm;
     int32_t last_estimate_mNm;
     uint16_t step_count;

@@ -39,6 +39,9 @@
     X(22, DRIVE_DIRECTION, "drive direction neutral or refused at this speed")                     \
     X(23, HILL_HOLD, "held at standstill until it drives off")                                     \
     X(26, HYDRAULIC_FEEDBACK, "measured hydraulic torque missing or implausible")                  \
+    X(27, OVERSPEED, "too fast for the bus voltage: no torque can be controlled")                  \
+    X(28, BATTERY_DISCONNECTED, "no battery on the bus")                                           \
+    X(29, OFFSETS_STORED, "current sensors: stored offsets, none measured yet")                    \
     X(64, CONFIG_INVALID, "configuration refused")                                                 \
     X(65, SELFTEST_FAILED, "self-test failed")                                                     \
     X(66, OFFSET_IMPLAUSIBLE, "current sensor offset out of range")                                \

@@ -45,16 +45,19 @@ typedef struct {
     bool fault_reset;
     bool warning; /* monitor: an error that does not forbid braking */
     reason_t warning_reason;
-    reason_t fault; /* monitor: REASON_NONE or a fault code */
-    /* The monitor's safe state: offsets are averaged in freewheel only. */
-    bridge_mode_t safe_bridge;
+    reason_t fault;       /* monitor: REASON_NONE or a fault code */
+    bool battery_lost;    /* no torque until the battery is back on the bus */
+    bool emf_conducts;    /* no zero current to be seen with the bridge in its safe state */
+    bridge_mode_t bridge; /* actual mode */
 } modes_input_t;
 
 typedef struct {
     operating_mode_t mode;
-    reason_t fault;             /* latched, the first one */
-    reason_t warning;           /* latched, REASON_NONE or REASON_DEMAND_TIMEOUT */
-    uint16_t steps;             /* in this mode, saturating */
+    reason_t fault;       /* latched, the first one */
+    reason_t warning;     /* latched, REASON_NONE or REASON_DEMAND_TIMEOUT */
+    uint16_t steps;       /* in this mode, saturating */
+    uint16_t quiet_steps; /* of OFFSET_CAL without a current that the EMF drives */
+    bool offsets_stored;  /* the stored offsets are in use: a warning until others are measured */
     uint16_t acknowledge_steps; /* left of a pending acknowledgement */
     bool reset_before;
 } modes_state_t;

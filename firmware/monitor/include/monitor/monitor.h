@@ -22,10 +22,13 @@
 #include "core/reason.h"
 #include "monitor/monitor_emf.h"
 #include "monitor/monitor_speed.h"
+#include "monitor/safe_state.h"
 
 enum {
     /* Milliseconds without a slow step after which the fast loop trips. */
     MONITOR_STALE_STEPS = 4,
+    /* Milliseconds without torque after a bus has come back from above its trip. */
+    MONITOR_BUS_RETURN_STEPS = 100,
     /* Milliseconds with a wrong number of fast steps after which the slow loop reports a fault. */
     MONITOR_FLOW_STEPS = 5,
     /* A temperature limit of this value is switched off, for example if there is no sensor. */
@@ -51,7 +54,7 @@ typedef struct {
     dq16_t i_pu;     /* Q15 of the current base, components saturated */
     int32_t v_dc_pu; /* Q15 of the voltage base */
     bool power_stage_fault;
-    bool switching;  /* torque is enabled: slow steps must come */
+    bool switching;  /* PWM: slow steps must come, and no current may exceed its limit */
     bool clear_trip; /* the fault has been acknowledged */
     uint16_t slow_step_count;
 } monitor_fast_input_t;
@@ -63,12 +66,15 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config);
 /* ---- slow ---- */
 
 typedef struct {
+    uint16_t overvoltage_steps; /* since the bus rose above the trip */
     uint16_t sum_steps, sensor_steps, rotor_steps, torque_steps, flow_steps, voltage_steps,
         temperature_steps;
     uint16_t last_fast_step;
     uint16_t last_rotor_faults;
     uint16_t warning_steps; /* left of the warning's heal time */
     uint16_t steps;         /* step count, wrapping: the watchdog is fed only while it advances */
+    bool release_trip;      /* the bus is back from above its trip */
+    uint16_t return_steps;  /* left until torque returns after that */
     bridge_mode_t safe_bridge;
     monitor_emf_state_t emf;
     monitor_speed_state_t speed;
@@ -85,6 +91,8 @@ typedef struct {
     uint16_t rotor_faults;
     uint16_t fast_step_count;
     int32_t bus_voltage_mV;
+    bool battery_open;         /* reported: the contactor is open */
+    int32_t charge_current_mA; /* that the battery takes from this wheel */
     int32_t speed_mrad_s;
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
@@ -104,6 +112,11 @@ typedef struct {
     reason_t fault;   /* REASON_NONE, or the reason to remove the torque enable */
     reason_t warning; /* REASON_NONE, or the reason for reduced driving torque (LIMP) */
     bridge_mode_t safe_bridge;
+    bool emf_conducts;       /* the EMF drives a current in the safe state: no zero to be seen */
+    int32_t emf_mV;          /* w psi at the speed upper bound, peak phase */
+    int32_t safe_torque_mNm; /* braking torque of the safe state, magnitude */
+    bool battery_lost;       /* no torque: the battery is disconnected, or the bus above its trip */
+    bool release_trip;       /* the bus is back: the fast loop forgets its over-voltage trip */
     bool offsets_plausible;
     bool standstill; /* the speed upper bound is below monitor.standstill */
 } monitor_output_t;
@@ -113,14 +126,9 @@ void monitor_slow_init(monitor_slow_state_t *state);
 monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *config,
                                    const monitor_slow_input_t *in);
 
-/*
- * Safe state of the bridge: freewheel while the rectified back-EMF is below the bus voltage,
- * sqrt(3) psi w_e < v_dc, else active short circuit, because the diodes would charge the bus
- * without control. `now` gives the hysteresis: the short circuit is left below
- * monitor.short_release of the limit.
- * speed_mrad_s: the speed upper bound, monitor_speed_step().
- */
-bridge_mode_t monitor_safe_bridge(const config_t *config, int32_t speed_mrad_s,
-                                  int32_t bus_voltage_mV, bridge_mode_t now);
+/* Braking torque that the voltage may force at a speed whatever is commanded: 0 or
+ * motor.max_torque. README, Natural torque. */
+int32_t monitor_forced_torque_mNm(const config_t *config, int32_t speed_mrad_s,
+                                  int32_t bus_voltage_mV);
 
 #endif

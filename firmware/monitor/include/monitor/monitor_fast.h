@@ -17,7 +17,7 @@ static inline reason_t monitor_fast_look(monitor_fast_state_t *state,
     /* The vector's length is the peak of the three phases; below 2, so its square in Q30 fits 32
      * bits unsigned. */
     const uint32_t square = q_pair_square(in->i_pu.v);
-    if (square > state->overcurrent_square) {
+    if (square > state->overcurrent_square && in->switching) {
         state->overcurrent_periods++;
         if (state->overcurrent_periods >= state->trip_periods) {
             return REASON_OVERCURRENT;

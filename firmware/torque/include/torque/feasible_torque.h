@@ -78,6 +78,9 @@ int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b);
  * error of a late edge may return is included. */
 int32_t feasible_by_returned_mNm(const feasible_side_t *side, int32_t power_b);
 
+/* Whether the voltage suffices for a point, the fast loop's own reserve included. */
+bool feasible_holds(const feasible_set_t *set, motor_point_t at);
+
 /* The point of an airgap torque within the bounds, along the rotation: the map's i_d; on the
  * current circle one between the map's and that of maximum torque per ampere; on the voltage
  * ellipse the ellipse's. */

@@ -146,6 +146,8 @@ void setUp(void)
 {
     memset(&board, 0, sizeof board);
     board.config = CONFIG_IMAGE;
+    board.config.modes.coast_delay_ms = 0; /* PWM also without demand */
+    board.config.crc32 = config_crc32(&board.config, (uint32_t)offsetof(config_t, crc32));
     board.firmware_crc32 = 0xCBF43926U; /* of "123456789", published */
     const config_t *c = &board.config;
     const int32_t v_dc_mV = (c->battery.min_voltage_mV + c->battery.foldback_voltage_mV) / 2;

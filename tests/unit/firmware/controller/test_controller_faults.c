@@ -59,9 +59,20 @@ void test_the_bridge_switches_with_the_enable_and_without_a_trip_and_is_safe_oth
     }
 }
 
+/* psi/L = 81.6 A instead of 268 A, which are admissible, and nothing may be charged. */
+static void with_admissible_short(void)
+{
+    rig.config.motor.d_inductance_nH = 250000;
+    rig.config.motor.q_inductance_nH = 250000;
+    rig.config.motor.max_phase_current_mA = 85000;
+    rig.config.drive.diode_drop_mV = 0;
+    rig.slow_in.bms.charge_current_mA = 0;
+}
+
 void test_active_short_circuit_above_the_freewheel_limit_in_every_mode_without_torque(void)
 {
     rig_start(&rig);
+    with_admissible_short();
     rig_set_speed_rpm(&rig, 1.2 * rig.config.motor.max_speed_mrad_s * 60e-3 / 6.2832);
     rig.slow_in.selftest_passed = false; /* SELFTEST, then FAULT */
     rig_run(&rig, 100);
@@ -121,11 +132,39 @@ void test_overvoltage_stops_the_bridge_in_the_same_period(void)
     rig_fast(&rig);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
     rig_slow(&rig);
+    TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT32(20000, rig.out.hydraulic_torque_mNm);
+    TEST_ASSERT_EQUAL_INT32(0, rig.out.motor_torque_command_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, rig.out.available_reason);
+    rig_run(&rig, 298);
+    TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    rig_run(&rig, 2);
     assert_fault(REASON_BUS_OVERVOLTAGE);
+}
+
+/* The battery's message explains the over-voltage; with the battery back the brake returns. */
+void test_an_opened_contactor_is_a_warning_and_the_brake_returns_by_itself(void)
+{
+    rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 60.7);
+    rig_run(&rig, 100);
+    rig.slow_in.bms.contactor = CONTACTOR_OPEN;
+    rig_run(&rig, 2000);
+    TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
+    TEST_ASSERT_EQUAL_INT32(20000, rig.out.hydraulic_torque_mNm);
+    rig.slow_in.bms.contactor = CONTACTOR_CLOSED;
+    rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 53.0);
+    rig_run(&rig, 110);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, rig.pwm.bridge);
+    TEST_ASSERT_TRUE(rig.out.motor_torque_command_mNm < 0);
 }
 
 void test_trip_selects_active_short_circuit_above_the_freewheel_limit(void)
 {
+    with_admissible_short();
     /* at 640 r/min and 53 V, sqrt(3) psi w = 54.5 V */
     rig_set_speed_rpm(&rig, 640.0);
     rig_run(&rig, 500);

@@ -8,6 +8,9 @@
 
 extern const config_t CONFIG_LU2013;
 
+static const config_drive_t MIDDLE = {
+    .offset_a_q4 = 32768, .offset_b_q4 = 32768, .offset_c_q4 = 32768};
+
 static foc_state_t foc;
 
 void setUp(void)
@@ -57,7 +60,7 @@ void test_adc_saturation_is_reported_at_every_angle(void)
 {
     static const uint16_t ENDS[2] = {0, SENSE_CODE_MAX};
     sense_state_t sense;
-    sense_init(&sense);
+    sense_init(&sense, &MIDDLE);
     for (uint32_t theta = 0; theta < 65536U; theta += 331U) {
         foc.period.rotor.theta_turn = (uint16_t)theta;
         for (int phase = 0; phase < 3; phase++) {

@@ -6,11 +6,14 @@
 #include "sense.h"
 #include "unity.h"
 
+static const config_drive_t MIDDLE = {
+    .offset_a_q4 = 32768, .offset_b_q4 = 32768, .offset_c_q4 = 32768};
+
 static sense_state_t state;
 
 void setUp(void)
 {
-    sense_init(&state);
+    sense_init(&state, &MIDDLE);
 }
 
 void tearDown(void) {}

@@ -203,34 +203,93 @@ void test_self_test_times_out_after_the_configured_time(void)
 
 /* A controller that restarts at high speed: in freewheel the diodes rectify the EMF, and their
  * current would be calibrated as the sensors' offset. */
-void test_no_offset_calibration_in_active_short_circuit(void)
+void test_no_offset_calibration_while_the_emf_drives_a_current(void)
 {
     start_in(MODE_SELFTEST);
-    in.safe_bridge = BRIDGE_SHORT;
+    in.emf_conducts = true;
     (void)step();
     in.selftest_passed = true;
     in.offsets_done = false;
-    for (int k = 0; k < 2 * MODES_CALIBRATION_TIMEOUT_STEPS; k++) {
+    for (int k = 1; k < config.modes.offset_wait_ms; k++) {
         const modes_output_t out = step();
-        assert_mode(MODE_OFFSET_CAL, out); /* no fault: it waits */
+        assert_mode(MODE_OFFSET_CAL, out);
         TEST_ASSERT_FALSE(out.calibrate_offsets);
     }
-    in.safe_bridge = BRIDGE_OFF;
+    in.emf_conducts = false;
     const modes_output_t out = step();
+    assert_mode(MODE_OFFSET_CAL, out);
     TEST_ASSERT_TRUE(out.calibrate_offsets);
 }
 
-void test_offset_calibration_restarts_after_an_active_short_circuit(void)
+void test_offset_calibration_restarts_after_a_current(void)
 {
     start_in(MODE_OFFSET_CAL);
+    config.modes.offset_wait_ms = 2 * MODES_CALIBRATION_TIMEOUT_STEPS;
     in.offsets_done = false;
     (void)run(MODES_CALIBRATION_TIMEOUT_STEPS - 10);
-    in.safe_bridge = BRIDGE_SHORT;
+    in.emf_conducts = true;
     TEST_ASSERT_FALSE(step().calibrate_offsets);
-    in.safe_bridge = BRIDGE_OFF;
+    in.emf_conducts = false;
     assert_mode(MODE_OFFSET_CAL, run(MODES_CALIBRATION_TIMEOUT_STEPS - 10));
     in.offsets_done = true;
     assert_mode(MODE_READY, step());
+}
+
+/* The wheel turns too fast for a zero current: the stored offsets serve, as a warning. */
+static void start_with_stored_offsets(void)
+{
+    start_in(MODE_OFFSET_CAL);
+    in.offsets_done = false;
+    in.emf_conducts = true;
+    in.enable = true;
+    in.bridge = BRIDGE_OFF;
+    assert_mode(MODE_OFFSET_CAL, run(config.modes.offset_wait_ms - 1));
+    assert_mode(MODE_READY, step());
+    assert_mode(MODE_RUN, step());
+    assert_mode(MODE_LIMP, step());
+}
+
+void test_start_above_the_emf_limit_runs_with_stored_offsets_and_a_warning(void)
+{
+    start_with_stored_offsets();
+    in.bridge = BRIDGE_PWM;
+    const modes_output_t out = run(1000);
+    assert_mode(MODE_LIMP, out);
+    TEST_ASSERT_EQUAL_INT(REASON_OFFSETS_STORED, out.torque_enable.reason);
+    TEST_ASSERT_EQUAL_INT16(Q15_ONE, out.torque_enable.brake_q15);
+    TEST_ASSERT_FALSE(out.calibrate_offsets);
+}
+
+void test_stored_offsets_are_replaced_when_the_wheel_coasts_below_the_emf_limit(void)
+{
+    start_with_stored_offsets();
+    in.emf_conducts = false;
+    in.bridge = BRIDGE_PWM;
+    TEST_ASSERT_FALSE(step().calibrate_offsets);
+    in.bridge = BRIDGE_OFF;
+    TEST_ASSERT_TRUE(step().calibrate_offsets);
+    in.offsets_done = true;
+    (void)step();
+    assert_mode(MODE_RUN, step());
+    TEST_ASSERT_FALSE(step().calibrate_offsets);
+}
+
+void test_without_a_battery_no_torque_is_enabled_and_the_mode_returns_by_itself(void)
+{
+    start_in(MODE_RUN);
+    in.enable = true;
+    in.warning = true;
+    in.warning_reason = REASON_BATTERY_DISCONNECTED;
+    in.battery_lost = true;
+    const modes_output_t out = step();
+    assert_mode(MODE_LIMP, out);
+    TEST_ASSERT_FALSE(torque_enable_any(out.torque_enable));
+    TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.torque_enable.reason);
+    in.warning = false;
+    in.warning_reason = REASON_NONE;
+    in.battery_lost = false;
+    assert_mode(MODE_RUN, step());
+    TEST_ASSERT_TRUE(torque_enable_any(step().torque_enable));
 }
 
 /* ---- lost demand ---- */

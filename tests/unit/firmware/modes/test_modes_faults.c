@@ -159,7 +159,13 @@ static void random_input(random_t *random)
     in.warning = random_chance(random, 0.1);
     in.warning_reason = in.warning ? REASON_ROTOR_UNCERTAIN : REASON_NONE;
     in.fault = random_chance(random, 0.02) ? REASON_CURRENT_SUM : REASON_NONE;
-    in.safe_bridge = random_chance(random, 0.9) ? BRIDGE_OFF : BRIDGE_SHORT;
+    in.emf_conducts = random_chance(random, 0.1);
+    in.battery_lost = random_chance(random, 0.1);
+    if (in.battery_lost) {
+        in.warning = true;
+        in.warning_reason = REASON_BATTERY_DISCONNECTED;
+    }
+    in.bridge = random_chance(random, 0.5) ? BRIDGE_OFF : BRIDGE_PWM;
 }
 
 void test_bridge_switches_only_in_run_and_limp_under_random_inputs(void)
@@ -170,7 +176,7 @@ void test_bridge_switches_only_in_run_and_limp_under_random_inputs(void)
         random_input(&random);
         const modes_output_t out = step();
         const bool may_switch = out.mode == MODE_RUN || out.mode == MODE_LIMP;
-        TEST_ASSERT_EQUAL(may_switch, torque_enable_any(out.torque_enable));
+        TEST_ASSERT_EQUAL(may_switch && !in.battery_lost, torque_enable_any(out.torque_enable));
         running += may_switch ? 1 : 0;
         if (!may_switch) {
             TEST_ASSERT_EQUAL_INT16(0, out.torque_enable.drive_q15);

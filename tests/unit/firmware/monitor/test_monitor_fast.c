@@ -78,6 +78,17 @@ void test_overcurrent_at_any_angle_trips_in_its_second_period(void)
     }
 }
 
+/* Without PWM the safe state's own current flows: nothing that a trip could end. */
+void test_no_overcurrent_while_the_bridge_does_not_switch(void)
+{
+    set_current(INT16_MAX, 0);
+    in.switching = false;
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000));
+    in.switching = true;
+    step();
+    TEST_ASSERT_EQUAL_INT(REASON_OVERCURRENT, step());
+}
+
 void test_largest_measurable_current_vector_trips_with_the_largest_limit(void)
 {
     /* Components saturate at 1, also with the largest limit there may be. */

@@ -145,13 +145,62 @@ void test_dead_hall_sensor_keeps_the_warning(void)
 
 void test_overvoltage_is_a_fault_with_and_without_pwm(void)
 {
-    in.bus_voltage_mV = 60565;
-    assert_fault_after(5, REASON_BUS_OVERVOLTAGE);
-    in.bus_voltage_mV = 60565;
-    in.bridge = BRIDGE_OFF;
-    assert_fault_after(5, REASON_BUS_OVERVOLTAGE);
     in.bus_voltage_mV = 60564;
     assert_never_a_fault();
+    in.bus_voltage_mV = 60565;
+    assert_fault_after(300, REASON_BUS_OVERVOLTAGE);
+    in.bus_voltage_mV = 60565;
+    in.bridge = BRIDGE_OFF;
+    assert_fault_after(300, REASON_BUS_OVERVOLTAGE);
+}
+
+/* An opening contactor: the bus rises at once, the battery's message comes later. */
+void test_overvoltage_ends_torque_at_once_and_is_no_fault_once_the_contactor_is_open(void)
+{
+    in.bus_voltage_mV = 61000;
+    in.fast_trip = REASON_BUS_OVERVOLTAGE;
+    in.bridge = BRIDGE_OFF;
+    for (int n = 0; n < 299; n++) {
+        const monitor_output_t out = step();
+        TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
+        TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.warning);
+        TEST_ASSERT_TRUE(out.battery_lost);
+        TEST_ASSERT_FALSE(out.release_trip);
+    }
+    in.battery_open = true;
+    const monitor_output_t out = run(10000);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, out.fault);
+    TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.warning);
+    TEST_ASSERT_TRUE(out.battery_lost);
+}
+
+void test_torque_returns_by_itself_a_tenth_of_a_second_after_the_bus_has_come_back(void)
+{
+    in.bus_voltage_mV = 61000;
+    in.fast_trip = REASON_BUS_OVERVOLTAGE;
+    (void)run(10);
+    in.bus_voltage_mV = 59482; /* the middle of 58.4 and 60.564 V */
+    TEST_ASSERT_FALSE(step().release_trip);
+    in.bus_voltage_mV = 59481;
+    TEST_ASSERT_TRUE(step().release_trip);
+    in.fast_trip = REASON_NONE;
+    TEST_ASSERT_TRUE(run(MONITOR_BUS_RETURN_STEPS - 1).battery_lost);
+    const monitor_output_t out = step();
+    TEST_ASSERT_FALSE(out.battery_lost);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, out.warning);
+}
+
+void test_an_open_contactor_alone_takes_the_torque_and_is_a_warning(void)
+{
+    in.battery_open = true;
+    const monitor_output_t out = step();
+    TEST_ASSERT_TRUE(out.battery_lost);
+    TEST_ASSERT_EQUAL_INT(REASON_BATTERY_DISCONNECTED, out.warning);
+    in.bus_voltage_mV = 20000; /* nothing holds the bus */
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, run(1000).fault);
+    in.battery_open = false;
+    in.bus_voltage_mV = 53000;
+    TEST_ASSERT_FALSE(step().battery_lost);
 }
 
 void test_undervoltage_is_a_fault_only_while_the_bridge_switches(void)

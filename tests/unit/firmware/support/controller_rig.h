@@ -44,6 +44,7 @@ static inline void rig_start(rig_t *rig)
     memset(rig, 0, sizeof *rig);
     rig->config = paper_vehicle();
     rig->config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+    rig->config.modes.coast_delay_ms = 0; /* the bridge switches without demand as well */
     controller_init(&rig->controller, &rig->config);
     rig->to_fast = controller_initial_setpoint(&rig->config);
     controller_fast_report(&rig->controller.fast, &rig->to_slow);

@@ -29,7 +29,7 @@ static const modes_input_t CALM = {
     .warning = false,
     .warning_reason = REASON_NONE,
     .fault = REASON_NONE,
-    .safe_bridge = BRIDGE_OFF,
+    .bridge = BRIDGE_OFF,
 };
 
 static inline void start(void)

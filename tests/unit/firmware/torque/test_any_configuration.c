@@ -93,10 +93,6 @@ static void random_input(random_t *random, torque_input_t *in)
     in->voltage_use_q15 = random_wild(random);
     in->bms_charge_current_mA = random_wild(random);
     in->bms_discharge_current_mA = random_wild(random);
-    in->bms_charge_peak_mA = random_wild(random);
-    in->hydraulic.torque_mNm = random_wild(random);
-    in->hydraulic.age_ms = (uint32_t)random_between(random, 0, 100);
-    in->hydraulic.valid = random_chance(random, 0.8);
     in->winding_temperature_cC = random_wild(random);
     in->switch_temperature_cC = random_wild(random);
     in->i_d_weakening_mA = random_wild(random);

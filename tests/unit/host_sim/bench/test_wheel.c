@@ -14,8 +14,9 @@ void setUp(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = 6.0;
-    const config_t config =
+    config_t config =
         fixture_config_with_sensor(CONFIG_STRATEGY_SERIES_OPTIMAL, CONFIG_ROTOR_ANGLE);
+    config.modes.coast_delay_ms = 0; /* PWM also without demand */
     bench = fixture_start(&params, &config);
     wheel = &bench->wheel[0];
 }

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * bridge_choice.h: whether the bridge switches or takes its safe state while torque is enabled.
+ * Slow loop, 1 kHz.
+ *
+ * PWM while currents within the limits can make the commanded torque; the safe state where they
+ * cannot. Without a command for modes.coast_delay, the open bridge as long as PWM could hold the
+ * EMF without a demagnetising current, so that closing it needs none either. README, Letting go.
+ */
+#ifndef CONTROLLER_BRIDGE_CHOICE_H
+#define CONTROLLER_BRIDGE_CHOICE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "config/config.h"
+#include "core/bridge.h"
+
+enum {
+    /* Steps without a feasible torque before the bridge leaves PWM: one may be a disturbed mean. */
+    BRIDGE_CHOICE_INFEASIBLE_STEPS = 2,
+    /* Steps until it tries PWM again: in freewheel the charging current lifts the bus. */
+    BRIDGE_CHOICE_RETRY_STEPS = 250,
+    /* Heal time of the warning. */
+    BRIDGE_CHOICE_OVERSPEED_STEPS = 1000
+};
+
+typedef struct {
+    uint16_t idle_steps;       /* that fit coasting, saturating */
+    uint16_t infeasible_steps; /* saturating */
+    uint16_t retry_steps;      /* left until PWM is tried again */
+    uint16_t overspeed_steps;  /* left of the warning's heal time */
+    bool overspeed;            /* warning: no current makes the commanded torque */
+} bridge_choice_state_t;
+
+typedef struct {
+    bool torque_enabled;  /* any share of torque */
+    bool torque_wanted;   /* demand or torque command is not zero */
+    bool torque_feasible; /* voltage and phase current suffice for it */
+    bool rotor_valid;     /* without it the bridge keeps switching, so that an observer sees */
+    bridge_mode_t bridge; /* actual mode */
+    bridge_mode_t safe_bridge;
+    int32_t safe_torque_mNm;  /* braking torque of the safe state, magnitude */
+    int32_t emf_mV;           /* w psi, peak phase */
+    int32_t phase_voltage_mV; /* peak phase: what PWM can make without a demagnetising current */
+    int32_t i_d_mA, i_q_mA;   /* of the latest period, peak phase */
+} bridge_choice_input_t;
+
+void bridge_choice_init(bridge_choice_state_t *state);
+
+/* BRIDGE_PWM or safe_bridge. */
+bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *config,
+                                 const bridge_choice_input_t *in);
+
+#endif

@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "monitor/safe_state.h"
+
+#include "config/bases.h"
+#include "core/divide.h"
+#include "core/q15.h"
+#include "core/scaled.h"
+
+enum {
+    INVERSE_SQRT3_Q16 = 37837, /* 65 536/sqrt(3) */
+    SQRT3_HALF_Q15 = 28378,    /* 32 768 sqrt(3)/2 */
+    LAST_CODE = 4095,          /* of 4096 */
+    MOST_mA = 10000000
+};
+
+/* One speed and temperature: EMF, and the ratios that the equations are written in. */
+typedef struct {
+    int32_t emf_mV;      /* w psi, peak phase */
+    int32_t line_mV;     /* sqrt(3) w psi */
+    int32_t infinite_mA; /* psi / L_d: the short circuit's current at high speed */
+    int32_t stall_mNm;   /* 3/2 p psi^2 / L_d: twice the largest torque of the short circuit */
+    int32_t rho_q24;     /* R / (w L_d), at most 64 */
+    int32_t sigma_q24;   /* L_q / L_d */
+} machine_t;
+
+static int32_t emf_mV_at(const config_t *config, int32_t speed_mrad_s)
+{
+    const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(speed_mrad_s));
+    return q_saturate64(divide_by_billion(w_mrad_s * config->motor.flux_linkage_nWb));
+}
+
+static int32_t line_mV_of(int32_t emf_mV)
+{
+    return q_saturate64(divide_by_thousand((int64_t)emf_mV * 1732));
+}
+
+static machine_t machine_at(const config_t *config, const safe_state_input_t *in)
+{
+    const config_motor_t *motor = &config->motor;
+    const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(in->speed_mrad_s));
+    const int32_t emf_mV = emf_mV_at(config, in->speed_mrad_s);
+    const int32_t x_uOhm = q_saturate64(divide_by_million(w_mrad_s * motor->d_inductance_nH));
+    const int32_t r_uOhm = bases_at_winding_temperature(config, motor->phase_resistance_uOhm,
+                                                        in->winding_temperature_cC);
+    const int32_t infinite_mA =
+        q_saturate64((int64_t)motor->flux_linkage_nWb * 1000 / motor->d_inductance_nH);
+    const int64_t flux_mA_nWb = (int64_t)motor->flux_linkage_nWb * infinite_mA; /* 1e-12 N m */
+    const machine_t out = {
+        .emf_mV = emf_mV,
+        .line_mV = line_mV_of(emf_mV),
+        .infinite_mA = infinite_mA,
+        .stall_mNm = q_saturate64(divide_by_billion(flux_mA_nWb * 3 / 2 * motor->pole_pairs)),
+        .rho_q24 = scaled_ratio(r_uOhm, q_max(x_uOhm, 1)),
+        .sigma_q24 = scaled_ratio(motor->q_inductance_nH, motor->d_inductance_nH),
+    };
+    return out;
+}
+
+static int32_t square_q24(int32_t x_q24)
+{
+    return q_saturate64(((int64_t)x_q24 * x_q24) >> 24);
+}
+
+static int32_t share_of(int32_t whole, int32_t share_q24)
+{
+    return q_saturate64(((int64_t)whole * share_q24) >> 24);
+}
+
+static int32_t root_q24(int64_t x_q24)
+{
+    return scaled_root(q_clamp(q_saturate64(x_q24), 0, INT32_MAX) * (INT64_C(1) << 24));
+}
+
+/* I / I_infinite of the short circuit, and its torque over 3/2 p psi^2/L_d:
+ * sqrt(rho^2 + sigma^2)/(rho^2 + sigma), rho times the square of that. */
+letting_go_t safe_state_short(const config_t *config, const safe_state_input_t *in)
+{
+    const machine_t m = machine_at(config, in);
+    const int64_t rho2 = square_q24(m.rho_q24);
+    const int64_t sigma2 = square_q24(m.sigma_q24);
+    const int32_t y_q24 =
+        scaled_ratio(root_q24(rho2 + sigma2), q_max(q_saturate64(rho2 + m.sigma_q24), 1));
+    const letting_go_t out = {
+        .torque_mNm = share_of(share_of(m.stall_mNm, m.rho_q24), square_q24(y_q24)),
+        .current_mA = share_of(m.infinite_mA, y_q24),
+        .charging_mA = 0,
+        .bus_mV = in->bus_voltage_mV,
+    };
+    return out;
+}
+
+/* I / I_infinite on the diodes at u = U/E below one. L_d = L_q:
+ * (rho^2 + 1) y^2 + 2 rho u y + u^2 - 1 = 0; otherwise without resistance, README. */
+static int32_t rectified_q24(const machine_t *m, int32_t u_q24)
+{
+    const int32_t u2 = square_q24(u_q24);
+    if (m->sigma_q24 == SCALED_ONE) {
+        const int32_t one_rho2 = q_saturate64((int64_t)SCALED_ONE + square_q24(m->rho_q24));
+        const int32_t root = root_q24((int64_t)one_rho2 - u2);
+        return scaled_ratio(q_max(root - share_of(m->rho_q24, u_q24), 0), one_rho2);
+    }
+    const int64_t sigma2 = square_q24(m->sigma_q24);
+    const int64_t u2_sigma2 = (u2 * sigma2) >> 24;
+    const int64_t b = sigma2 - 2 * ((u2 * (int64_t)m->sigma_q24) >> 24);
+    const int64_t under_root = ((b * b) >> 24) + 4 * (((SCALED_ONE - u2) * u2_sigma2) >> 24);
+    const int32_t gamma2 =
+        scaled_ratio(q_saturate64(2 * u2_sigma2), q_max(q_saturate64(b + root_q24(under_root)), 1));
+    return scaled_ratio(root_q24(gamma2 + sigma2), q_saturate64((int64_t)gamma2 + m->sigma_q24));
+}
+
+/* The bus voltage that the diodes see: a sensor at the end of its range shows a lower bound. */
+static bool bus_is_known(const config_t *config, int32_t bus_mV)
+{
+    return (int64_t)bus_mV * 4096 < (int64_t)config->drive.voltage_full_scale_mV * LAST_CODE;
+}
+
+letting_go_t safe_state_freewheel(const config_t *config, const safe_state_input_t *in)
+{
+    const int32_t emf_mV = emf_mV_at(config, in->speed_mrad_s);
+    const int32_t line_mV = line_mV_of(emf_mV);
+    const int32_t drops_mV = 2 * config->drive.diode_drop_mV;
+    const bool fixed_bus = !in->battery_open && bus_is_known(config, in->bus_voltage_mV);
+    letting_go_t out = {.bus_mV = in->bus_voltage_mV};
+    if ((int64_t)line_mV <= (int64_t)q_max(in->bus_voltage_mV, 0) + drops_mV) {
+        return out;
+    }
+    if (!fixed_bus) { /* nothing takes a current: the capacitors settle at the EMF */
+        out.bus_mV = line_mV - drops_mV;
+        return out;
+    }
+    const machine_t m = machine_at(config, in);
+    const int32_t u_mV = q_scale(in->bus_voltage_mV + drops_mV, INVERSE_SQRT3_Q16, 65536);
+    const int32_t u_q24 = q_clamp(scaled_ratio(u_mV, q_max(m.emf_mV, 1)), 0, SCALED_ONE);
+    const int32_t y_q24 = rectified_q24(&m, u_q24);
+    const int32_t ry_u = q_saturate64((int64_t)share_of(m.rho_q24, y_q24) + u_q24);
+    out.torque_mNm = share_of(m.stall_mNm, share_of(ry_u, y_q24));
+    out.current_mA = share_of(m.infinite_mA, y_q24);
+    out.charging_mA = q_scale(out.current_mA, SQRT3_HALF_Q15, 32768);
+    return out;
+}
+
+/* The current's 3/4 L i^2, and half as much from the EMF while it falls, raise C v^2/2: the bus
+ * stays a sixteenth below the devices' rating. nH (mA)^2 / nF = 1e-6 V^2. */
+static bool energy_fits(const config_t *config, const safe_state_input_t *in)
+{
+    const int64_t rating_mV = config->drive.device_voltage_mV;
+    const int64_t most_mV = rating_mV - rating_mV / 16;
+    const int64_t bus_mV =
+        bus_is_known(config, in->bus_voltage_mV) ? q_max(in->bus_voltage_mV, 0) : most_mV;
+    const int64_t margin_mV2 = most_mV * most_mV - bus_mV * bus_mV;
+    if (margin_mV2 <= 0) {
+        return false;
+    }
+    const int64_t l_nH = q_max(config->motor.d_inductance_nH, config->motor.q_inductance_nH);
+    const int32_t per_nF = q_saturate64(4 * margin_mV2 / (9 * l_nH));
+    const int64_t i_d_mA = q_limit(in->i_d_mA, MOST_mA);
+    const int64_t i_q_mA = q_limit(in->i_q_mA, MOST_mA);
+    return i_d_mA * i_d_mA + i_q_mA * i_q_mA <= (int64_t)per_nF * config->drive.bus_capacitance_nF;
+}
+
+static bool freewheel_admissible(const config_t *config, const safe_state_input_t *in,
+                                 const letting_go_t *off)
+{
+    return off->current_mA <= config->motor.max_phase_current_mA &&
+           off->charging_mA <= in->charge_current_mA &&
+           off->bus_mV < config->drive.device_voltage_mV;
+}
+
+/* With nothing admissible the devices' voltage decides: a bus that stays below it hurts less than
+ * a current that cannot be ended without raising it. */
+static bool prefers_short(const config_t *config, const safe_state_input_t *in,
+                          const letting_go_t *off, const letting_go_t *shorted)
+{
+    if (freewheel_admissible(config, in, off)) {
+        return shorted->current_mA <= config->motor.max_phase_current_mA &&
+               shorted->torque_mNm < off->torque_mNm;
+    }
+    return shorted->current_mA <= config->motor.max_phase_current_mA ||
+           off->bus_mV >= config->drive.device_voltage_mV;
+}
+
+safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *in)
+{
+    const bool was_short = in->bridge == BRIDGE_SHORT;
+    safe_state_t out = {.bridge = BRIDGE_OFF,
+                        .emf_mV = emf_mV_at(config, in->speed_mrad_s),
+                        .freewheel = safe_state_freewheel(config, in)};
+    letting_go_t off = out.freewheel;
+    if (was_short) {
+        safe_state_input_t lower = *in;
+        lower.bus_voltage_mV =
+            q_scale(in->bus_voltage_mV, config->monitor.short_release_permille, 1000);
+        off = safe_state_freewheel(config, &lower);
+    }
+    const bool quiet = off.current_mA == 0 && off.bus_mV < config->drive.device_voltage_mV;
+    if (quiet && !was_short) {
+        return out;
+    }
+    const letting_go_t shorted = safe_state_short(config, in);
+    const bool better = !quiet && prefers_short(config, in, &off, &shorted);
+    if (better || (was_short && !energy_fits(config, in))) {
+        out.bridge = BRIDGE_SHORT;
+        out.torque_mNm = shorted.torque_mNm;
+    } else {
+        out.torque_mNm = out.freewheel.torque_mNm;
+    }
+    return out;
+}

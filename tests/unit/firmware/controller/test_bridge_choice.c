@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* PWM or safe state while torque is enabled. */
+#include "controller/bridge_choice.h"
+#include "paper_vehicle.h"
+#include "unity.h"
+
+static config_t config;
+static bridge_choice_state_t state;
+static bridge_choice_input_t in;
+
+void setUp(void)
+{
+    config = paper_vehicle();
+    bridge_choice_init(&state);
+    const bridge_choice_input_t driving = {.torque_enabled = true,
+                                           .torque_wanted = true,
+                                           .torque_feasible = true,
+                                           .rotor_valid = true,
+                                           .bridge = BRIDGE_PWM,
+                                           .safe_bridge = BRIDGE_OFF,
+                                           .emf_mV = 10000,
+                                           .phase_voltage_mV = 27000};
+    in = driving;
+}
+
+void tearDown(void) {}
+
+static bridge_mode_t step(void)
+{
+    in.bridge = bridge_choice_step(&state, &config, &in);
+    return in.bridge;
+}
+
+static bridge_mode_t run(int steps)
+{
+    for (int n = 1; n < steps; n++) {
+        (void)step();
+    }
+    return step();
+}
+
+void test_a_demand_switches_in_the_same_step(void)
+{
+    in.bridge = BRIDGE_OFF;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
+}
+
+void test_without_enable_the_bridge_is_in_its_safe_state(void)
+{
+    in.torque_enabled = false;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step());
+    in.safe_bridge = BRIDGE_SHORT;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, step());
+}
+
+void test_the_bridge_opens_after_the_configured_time_without_demand(void)
+{
+    config.modes.coast_delay_ms = 70;
+    in.torque_wanted = false;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(69));
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step());
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(1000));
+    in.torque_wanted = true;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
+    in.torque_wanted = false;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(69));
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step());
+}
+
+void test_a_delay_of_zero_keeps_the_bridge_switching(void)
+{
+    config.modes.coast_delay_ms = 0;
+    in.torque_wanted = false;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(100000));
+}
+
+/* It opens up to 15/16 of the voltage that PWM makes, and closes where the EMF reaches all of it:
+ * before a demagnetising current is needed. */
+void test_the_open_bridge_closes_before_the_emf_needs_field_weakening(void)
+{
+    in.torque_wanted = false;
+    in.emf_mV = 25400; /* 0.941 */
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
+    in.emf_mV = 25200; /* 0.933 */
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(config.modes.coast_delay_ms));
+    in.emf_mV = 26999;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step());
+    in.emf_mV = 27000;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
+}
+
+void test_a_safe_state_that_brakes_is_no_coasting(void)
+{
+    in.torque_wanted = false;
+    in.safe_torque_mNm = 1;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
+    in.safe_torque_mNm = 0;
+    in.safe_bridge = BRIDGE_SHORT;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
+}
+
+void test_with_an_invalid_rotor_angle_the_bridge_keeps_switching(void)
+{
+    in.torque_wanted = false;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(1000));
+    in.rotor_valid = false;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
+}
+
+void test_an_infeasible_torque_takes_the_safe_state_and_warns_and_comes_back(void)
+{
+    in.torque_feasible = false;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step()); /* one may be a disturbed mean */
+    TEST_ASSERT_FALSE(state.overspeed);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step());
+    TEST_ASSERT_TRUE(state.overspeed);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(1000));
+    in.torque_feasible = true;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(BRIDGE_CHOICE_RETRY_STEPS - 1));
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
+    TEST_ASSERT_TRUE(state.overspeed);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(BRIDGE_CHOICE_OVERSPEED_STEPS));
+    TEST_ASSERT_FALSE(state.overspeed);
+}
+
+/* 7/8 of 75 A are 65.6 A. */
+void test_switching_does_not_begin_on_a_current_near_the_limit(void)
+{
+    in.bridge = BRIDGE_OFF;
+    in.i_d_mA = -40000;
+    in.i_q_mA = -52100; /* 65.7 A */
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(100));
+    in.i_q_mA = -51900; /* 65.5 A */
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
+    in.i_q_mA = -70000; /* and does not end on one */
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
+}
