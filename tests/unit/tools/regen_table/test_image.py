@@ -325,6 +325,13 @@ def test_an_optional_key_replaces_its_default(
     assert getattr(getattr(unpack(image.build(change({key: value}))), section), name) == expected
 
 
+def test_the_configured_resistance_is_that_of_the_pack_times_the_wheels(change: Change) -> None:
+    """12 milliohm, four wheels that all take the same: 48 mV for an ampere of one motor."""
+    assert unpack(image.build(change({}))).battery.resistance_uOhm == 48000
+    one = change({"vehicle.driven_wheels": 1, "battery.series_resistance_ohm": 0.02})
+    assert unpack(image.build(one)).battery.resistance_uOhm == 20000
+
+
 @pytest.mark.parametrize("path", sorted(MOTORS.glob("*.toml")), ids=lambda path: path.stem)
 def test_the_stored_files_equal_those_generated_from_their_toml(path: Path) -> None:
     generate.check(schema.load(path), GENERATED)
