@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hubsim import cli, reasons, run, stops, stored_share, stored_share_report
 from hubsim.engine import ROOT, Rows
+from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario
 from hubsim.stored_share import Case, Outcome
 
@@ -89,12 +90,24 @@ def test_a_stop_stores_what_the_whole_vehicle_stores() -> None:
     )
 
 
-def test_a_vehicle_that_cannot_reach_its_speed_without_a_fault_is_no_stop() -> None:
-    """640 r/min at 40 V: the back-EMF is beyond any voltage that field weakening can hold."""
+def test_a_stop_without_an_ideal_is_not_compared() -> None:
+    """640 r/min at 40 V: no currents inside the limits make so little torque."""
     found = stored_share.measure(0, Case("lu2013", 20.0, 60.3, 25.0, 0.5, 40.0))
-    assert found.first_fault
-    assert not found.within
+    assert found.impossible_s > 1.0
     assert not found.comparable
+
+
+def test_a_vehicle_that_cannot_reach_its_speed_without_a_fault_is_outside(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refused(*_: object) -> None:
+        raise HubsimError("the controller of wheel 0 stays in FAULT before the run begins")
+
+    monkeypatch.setattr(stored_share, "_simulated", refused)
+    found = stored_share.measure(0, Case("lu2013", 20.0, 40.0, 25.0, 0.5, 53.0))
+    assert (found.first_fault, found.stored) == (stored_share.NOT_STARTED, 0.0)
+    assert found.comparable
+    assert not found.within
 
 
 def test_the_table_reads_back() -> None:
