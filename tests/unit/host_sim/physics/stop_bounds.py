@@ -20,7 +20,7 @@ KNOWN = {
     # loss braking returns less than the fold-back would let it
     ("ebike36v", "BUS_VOLTAGE_HIGH"): 0.04,
     ("ebike36v", "LOSS_OPTIMUM"): 0.04,
-    ("lu2013", "BUS_VOLTAGE_HIGH"): 0.03,
+    ("lu2013", "BUS_VOLTAGE_HIGH"): 0.045,
 }
 # The fold-back's allowance settles slowly close to the end of the voltage range.
 KNOWN_ABOVE = {("lu2013", "BUS_VOLTAGE_HIGH"): 0.03}
