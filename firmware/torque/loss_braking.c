@@ -6,7 +6,7 @@
 #include "core/q15.h"
 
 enum {
-    CIRCLE_PASSES = 3, /* Newton's method along the circle; the slope is that of the EMF */
+    CIRCLE_PASSES = 2, /* Newton's method along the circle; the slope is that of the EMF */
     SETPOINT_PASSES = 2,
     CIRCLE_RESERVE_LOG2 = 8 /* as the other bounds keep it */
 };
@@ -80,7 +80,8 @@ current_setpoint_t loss_braking_setpoint(const feasible_set_t *set, const loss_b
         return current;
     }
     const int32_t highest_b = at.d_b;
-    for (int pass = 0; pass < SETPOINT_PASSES; pass++) {
+    const int passes = m->saliency_b != 0 ? SETPOINT_PASSES : 1;
+    for (int pass = 0; pass < passes; pass++) {
         /* q d^2 + e d + c draws what may be returned: the root below the map's i_d. */
         const int32_t twice_q = q_max(2 * set->power.c_dd, 1);
         const int32_t e = set->power.c_d + scaled_multiply(set->power.b_d, at.x_b) +
