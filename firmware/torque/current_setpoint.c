@@ -9,13 +9,13 @@ current_setpoint_t current_setpoint_step(const feasible_set_t *set, int32_t torq
     const motor_model_t *model = set->model;
     const motor_constants_t *k = model->constants;
     const int32_t most_mA = model->config->motor.max_phase_current_mA;
-    const int32_t weakest_mA = motor_model_current_mA(k, k->weakening_most_b);
-    const int32_t trim_mA = q_clamp(i_d_weakening_mA, -weakest_mA, 0);
+    const int32_t weakest_mA = motor_model_current_mA(k, set->weakest_d_b);
+    const int32_t trim_mA =
+        q_clamp(i_d_weakening_mA, -motor_model_current_mA(k, k->weakening_most_b), 0);
     const int32_t airgap_b = motor_model_airgap_of_shaft_b(model, torque_mNm);
     motor_point_t at = feasible_point(set, airgap_b);
     const int32_t wanted_mA = motor_model_current_mA(k, at.d_b);
-    const int32_t d_mA =
-        q_limit(q_max(wanted_mA + trim_mA, q_min(wanted_mA, -weakest_mA)), most_mA);
+    const int32_t d_mA = q_limit(q_max(wanted_mA + trim_mA, q_min(wanted_mA, weakest_mA)), most_mA);
     if (d_mA != wanted_mA) {
         at.d_b = motor_model_current_b(k, d_mA);
         at.x_b = motor_model_x_of_airgap_b(model, airgap_b, at.d_b);

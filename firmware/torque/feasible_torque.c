@@ -2,10 +2,12 @@
 #include "torque/feasible_torque.h"
 
 #include "core/q15.h"
+#include "torque/limit.h"
 
 enum {
-    CORRECTIONS = 3,         /* of i_d, for a power */
-    NEWTON_STEPS = 4,        /* along the current circle */
+    CORRECTIONS = 3,         /* of i_d, for a power; after the first only after a large change */
+    FAR_LOG2 = 5,            /* 3 % of the phase current */
+    NEWTON_STEPS = 3,        /* along the current circle */
     TANGENTS = 2,            /* to the torque's hyperbola */
     VOLTAGE_CORRECTIONS = 4, /* of i_d, where it is that of the map */
     CIRCLE_PASSES = 3,
@@ -200,15 +202,54 @@ static motor_point_t on_circle(const motor_model_t *m, int32_t sign, int32_t d_b
     return out;
 }
 
-/* Along the circle from the best i_d down to where the voltage suffices: Newton's method on
- * |u|^2 = U^2, which is nearly linear in i_d there. */
-static motor_point_t circle_and_ellipse(const feasible_side_t *side, motor_point_t at,
-                                        int32_t i_q_b)
+/* Where circle and ellipse meet without resistance and iron loss: the root of
+ * (X_d^2 - X_q^2) d^2 + 2 w psi X_d d + (w psi)^2 + (X_q I)^2 - U^2 for which i_d is highest. */
+static int32_t lossless_d_b(const feasible_set_t *set)
+{
+    const motor_model_t *m = set->model;
+    const int32_t u_d_most_b = clamped_b(scaled_multiply(m->reactance_q_b, circle_b(m)));
+    const int32_t u_q_most_b = clamped_b(scaled_multiply(m->reactance_d_b, circle_b(m)));
+    const int32_t emf_b = clamped_b(m->emf_b);
+    const int64_t a = (square(u_d_most_b) - square(u_q_most_b)) >> 23;
+    const int64_t b = ((int64_t)emf_b * u_q_most_b) >> 23;
+    const int64_t c = (square(emf_b) + square(u_d_most_b) - set->voltage_squared) >> 23;
+    const int32_t sum =
+        coefficient(b + scaled_root(square(coefficient(b)) +
+                                    (int64_t)coefficient(a) * q_max(coefficient(c), 0)));
+    const int32_t share = scaled_ratio(coefficient(c), q_max(sum, 1));
+    return -scaled_multiply(q_clamp(share, 0, SCALED_ONE - SCALED_ONE / 64), circle_b(m));
+}
+
+/* The angle along the circle to the ellipse, towards higher |u|, at most half a radian: on the line
+ * of its tangent |u|^2 to the second order, the circle bending towards the voltage of no current.
+ */
+static int32_t circle_root(const feasible_set_t *set, const line_t *line)
+{
+    const motor_model_t *m = set->model;
+    const int32_t half = coefficient(
+        ((int64_t)line->slope_d * line->u_d + (int64_t)line->slope_q * line->u_q) >> 24);
+    const int32_t excess =
+        coefficient((square(line->u_d) + square(line->u_q) - set->voltage_squared) >> 24);
+    const int64_t inwards = square(line->u_d) + (int64_t)line->u_q * (line->u_q - m->voltage_q_b);
+    const int32_t squared =
+        coefficient((square(line->slope_d) + square(line->slope_q) - inwards) >> 24);
+    const int32_t root = scaled_root(square(half) - (int64_t)squared * excess);
+    const int32_t t = half > 0 ? scaled_ratio(-excess, q_max(half + root, 1))
+                               : scaled_ratio(root - half, q_max(squared, 1));
+    return q_limit(t, SCALED_ONE / 2);
+}
+
+/* Along the circle from the best i_d down to where the voltage suffices: from the
+ * lossless point two steps to the second order. */
+static motor_point_t circle_and_ellipse(const feasible_side_t *side)
 {
     const feasible_set_t *set = side->set;
     const motor_model_t *m = set->model;
-    const int32_t highest_b = at.d_b;
+    const int32_t highest_b = set->best_d_b;
     const int32_t lowest_b = q_max(q_min(set->weakest_d_b, highest_b), -circle_b(m));
+    int32_t i_q_b = 0;
+    motor_point_t at =
+        on_circle(m, side->sign, q_clamp(lossless_d_b(set), lowest_b, highest_b), &i_q_b);
     for (int pass = 0; pass < NEWTON_STEPS; pass++) {
         /* Along the tangent, as long as i_q. */
         const int32_t d_per_t = q_abs(i_q_b);
@@ -217,13 +258,15 @@ static motor_point_t circle_and_ellipse(const feasible_side_t *side, motor_point
             line_from(m, at, d_per_t,
                       scaled_multiply(m->inverse_one_plus_a2,
                                       q_per_t - scaled_multiply(m->cross_d, d_per_t)));
-        const int64_t excess = square(line.u_d) + square(line.u_q) - set->voltage_squared;
-        const int64_t half_slope =
-            ((int64_t)line.u_d * line.slope_d + (int64_t)line.u_q * line.slope_q) >> 24;
-        const int32_t t =
-            scaled_ratio(q_saturate64(excess >> 25), q_max(q_saturate64(half_slope), 1));
-        const int32_t step_b = scaled_multiply(q_limit(t, 2 * SCALED_ONE), d_per_t);
-        at = on_circle(m, side->sign, q_clamp(at.d_b - step_b, lowest_b, highest_b), &i_q_b);
+        const int32_t t = circle_root(set, &line);
+        const int32_t bend = scaled_multiply(t, t) / 2;
+        int32_t d_b = at.d_b + scaled_multiply(t, d_per_t) - scaled_multiply(bend, at.d_b);
+        if (at.d_b < -d_per_t) {
+            const int32_t change_b = scaled_multiply(t, q_per_t) - scaled_multiply(bend, i_q_b);
+            const int32_t q_b = q_clamp(side->sign * (i_q_b + change_b), 1, circle_b(m));
+            d_b = -scaled_root(square(circle_b(m)) - square(q_b));
+        }
+        at = on_circle(m, side->sign, q_clamp(d_b, lowest_b, highest_b), &i_q_b);
     }
     return at;
 }
@@ -237,7 +280,7 @@ int32_t feasible_by_current_mNm(const feasible_side_t *side)
     }
     motor_point_t at = on_circle(m, side->sign, side->set->best_d_b, &i_q_b);
     if (!voltage_suffices(side->set, at)) {
-        at = circle_and_ellipse(side, at, i_q_b);
+        at = circle_and_ellipse(side);
     }
     return feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
 }
@@ -300,18 +343,46 @@ static feasible_power_t power_of(const motor_model_t *m)
     return out;
 }
 
+/* i_d of maximum torque per voltage, README, Feasible torque; resistance and iron loss not counted.
+ * Not needed, and then the most negative number, where it lies beyond the current circle. */
+static int32_t voltage_best_d_b(const motor_model_t *m, int32_t voltage_b)
+{
+    const int32_t l_d = m->constants->inductance_d_b;
+    if (m->saliency_b <= 0 && scaled_multiply(l_d, circle_b(m)) <= m->flux_b) {
+        return INT32_MIN;
+    }
+    const int32_t flux_b = q_min(scaled_ratio(voltage_b, q_max(m->speed_b, 1)), MOST_b);
+    const int32_t magnet = coefficient(((int64_t)m->flux_b * m->constants->inductance_q_b) >> 24);
+    const int32_t reluctance = coefficient(((int64_t)m->saliency_b * flux_b) >> 24);
+    const int32_t sum = magnet + scaled_root(square(magnet) + 8 * square(reluctance));
+    const int32_t d_flux_b =
+        scaled_multiply(2 * flux_b, q_limit(scaled_ratio(reluctance, q_max(sum, 1)), SCALED_ONE));
+    return scaled_ratio(clamped_b(d_flux_b) - m->flux_b, q_max(l_d, 1));
+}
+
+/* Down to maximum torque per voltage on the current circle; with a hot winding the part beyond
+ * current_loop.field_weakening_current fades out. */
+static int32_t weakest_d_b(const motor_model_t *m, int32_t voltage_b)
+{
+    const config_motor_t *motor = &m->config->motor;
+    const int32_t always_b = q_min(m->constants->weakening_most_b, circle_b(m));
+    const int32_t share_q15 =
+        limit_fade_q15(m->winding_temperature_cC, motor->derate_winding_temperature_cC,
+                       motor->max_winding_temperature_cC);
+    const int32_t more_b = scaled_multiply(circle_b(m) - always_b, share_q15 * 512);
+    return q_max(-(always_b + more_b), q_min(voltage_best_d_b(m, voltage_b), 0));
+}
+
 feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage_mV)
 {
-    const motor_constants_t *k = model->constants;
-    /* Not beyond the end of the magnets' flux, L_d i_d = -psi. */
-    const int32_t whole_b = scaled_ratio(model->flux_b, q_max(k->inductance_d_b, 1));
+    const int32_t voltage_b =
+        clamped_b(scaled_shift(q_max(phase_voltage_mV, 0), model->constants->voltage_shift));
     const feasible_set_t out = {
         .model = model,
         .power = power_of(model),
         .row = loss_maps_row_at(model->config, model->speed_mrad_s, model->winding_temperature_cC),
-        .voltage_squared =
-            square(clamped_b(scaled_shift(q_max(phase_voltage_mV, 0), k->voltage_shift))),
-        .weakest_d_b = -q_min(k->weakening_most_b, whole_b),
+        .voltage_squared = square(voltage_b),
+        .weakest_d_b = weakest_d_b(model, voltage_b),
         .best_d_b = circle_best_d_b(model),
     };
     return out;
@@ -404,6 +475,14 @@ int32_t feasible_drawn_b(const feasible_set_t *set, motor_point_t at)
     return q_saturate64(power_of_x_b(&p, at.x_b) - uncertain_b(set->model, at));
 }
 
+/* i_d follows the torque; true where it moves so far that the power needs another correction. */
+static bool corrected(const feasible_set_t *set, motor_point_t *at)
+{
+    const int32_t before_b = at->d_b;
+    at->d_b = d_at_b(set, *at);
+    return q_abs(at->d_b - before_b) > set->model->constants->current_most_b >> FAR_LOG2;
+}
+
 int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
 {
     const motor_model_t *m = side->set->model;
@@ -414,6 +493,7 @@ int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
     if (power_of_x_b(&p, at.x_b) <= most_b) {
         return FEASIBLE_UNBOUNDED;
     }
+    bool last = false;
     for (int pass = 0;; pass++) {
         const int32_t left = coefficient((int64_t)most_b - p.c);
         const int32_t sum = p.b + scaled_root(square(p.b) + 4 * (int64_t)p.a * left);
@@ -423,10 +503,10 @@ int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
             at.x_b = -scaled_ratio(sum, q_max(2 * p.a, 1));
         }
         at.x_b = clamped_b(at.x_b);
-        if (pass == CORRECTIONS) {
+        if (last) {
             return feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
-        at.d_b = d_at_b(side->set, at);
+        last = !corrected(side->set, &at) || pass == CORRECTIONS - 1;
         p = power_at(side->set, at.d_b);
     }
 }
@@ -440,19 +520,20 @@ int32_t feasible_by_returned_mNm(const feasible_side_t *side, int32_t power_b)
     if (vertex_b >= 0 && power_of_x_b(&p, at.x_b) - uncertain_b(m, at) >= -(int64_t)power_b) {
         return FEASIBLE_UNBOUNDED; /* the power returned up to the cap is below the bound */
     }
+    bool last = false;
     for (int pass = 0;; pass++) {
         const int32_t left = coefficient((int64_t)p.c + power_b - uncertain_b(m, at));
         const int64_t under_root = square(p.b) - 4 * (int64_t)p.a * left;
         const int32_t sum = q_max(p.b + scaled_root(under_root), 1);
         at.x_b = left <= 0 ? 0 : -clamped_b(scaled_ratio(2 * left, sum));
-        if (pass == CORRECTIONS) {
+        if (last) {
             const int32_t least =
                 coefficient((int64_t)p.c + q_max(power_b, m->constants->negligible_power_b));
             return p.b <= 0 || under_root < 0 || square(p.b) < 4 * (int64_t)p.a * least
                        ? FEASIBLE_UNBOUNDED
                        : feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
-        at.d_b = d_at_b(side->set, at);
+        last = !corrected(side->set, &at) || pass == CORRECTIONS - 1;
         p = power_at(side->set, at.d_b);
     }
 }

@@ -156,22 +156,22 @@ void test_larger_configured_charge_limit_exceeds_the_real_one(void)
     TEST_ASSERT_TRUE(brake(&config, 40.0, 25.0, 15.0).longest_beyond_s > 0.1);
 }
 
-/* Field weakening of 10 A lowers 32.8 V by 1.2 V. That is not enough voltage to control the
- * current: the bridge opens, and the controller warns instead of braking against the voltage. */
-void test_too_little_field_weakening_current_opens_the_bridge_with_a_warning(void)
+/* A fast loop's field weakening of 10 A lowers 32.8 V by 1.2 V, not below what the bus leaves. The
+ * setpoint's i_d, down to the current circle, does. */
+void test_setpoint_holds_the_voltage_with_little_field_weakening_of_the_fast_loop(void)
 {
     bench_params_t params = fixture_quarter_vehicle();
     params.run.initial_speed_m_per_s = START_KM_H / 3.6;
     config_t config = configuration(CONFIG_ROTOR_ANGLE, 50.0);
     config.current_loop.field_weakening_current_pu_q15 = bases_current_pu_q15(&config, 10000);
+    params.driver.brake_demand_nm = 10.0;
     bench_t *bench = fixture_start(&params, &config);
     fixture_run(bench, 0.2);
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, bench->wheel[0].active.bridge);
-    TEST_ASSERT_EQUAL_INT(MODE_LIMP, bench->wheel[0].slow.mode);
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, bench->wheel[0].active.bridge);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, bench->wheel[0].slow.mode);
     TEST_ASSERT_EQUAL_INT(REASON_NONE, bench->wheel[0].first_fault);
-    /* At a back-EMF of 25.8 V the same controller switches. */
+    /* At a back-EMF of 25.8 V none is needed. */
     params.run.initial_speed_m_per_s = 50.0 / 3.6;
-    params.driver.brake_demand_nm = 10.0;
     bench = fixture_start(&params, &config);
     fixture_run(bench, 0.2);
     TEST_ASSERT_EQUAL_INT(MODE_RUN, bench->wheel[0].slow.mode);

@@ -49,8 +49,7 @@ tables_voltage_t tables_voltage_limit(const config_t *config, int32_t speed_mrad
     const tables_voltage_t out = {
         .lowest_mNm = (forward ? -braking_mNm : -driving_mNm) + along_mNm,
         .highest_mNm = (forward ? driving_mNm : braking_mNm) + along_mNm,
-        .weakest_d_mA =
-            -bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15),
+        .weakest_d_mA = motor_model_current_mA(&constants, set.weakest_d_b),
     };
     return out;
 }

@@ -5,9 +5,10 @@
  * Feasible torque.
  *
  * At every torque i_d is that of the minimum-loss map or, where that exceeds the voltage limit,
- * that on the voltage ellipse, down to the limit of field weakening. All bounds are magnitudes of
- * shaft torque, mN m, >= 0; FEASIBLE_UNBOUNDED: no bound up to the cap. Closed form with a fixed
- * number of corrections of i_d. Precision 0.2 % of max_torque.
+ * that on the voltage ellipse, down to the current circle or to maximum torque per voltage. All
+ * bounds are magnitudes of shaft torque, mN m, >= 0; FEASIBLE_UNBOUNDED: no bound up to the cap.
+ * Closed form with a fixed number of corrections of i_d. Precision 0.2 % of max_torque; by power on
+ * the voltage ellipse 0.5 % of max_power.
  */
 #ifndef TORQUE_FEASIBLE_TORQUE_H
 #define TORQUE_FEASIBLE_TORQUE_H
@@ -33,7 +34,7 @@ typedef struct {
     feasible_power_t power;
     loss_maps_row_t row;
     int64_t voltage_squared; /* of the largest |u|, binary scale */
-    int32_t weakest_d_b;     /* lowest i_d of field weakening, <= 0 */
+    int32_t weakest_d_b;     /* lowest i_d, <= 0: README, Feasible torque */
     int32_t best_d_b;        /* maximum torque per ampere on the current circle */
 } feasible_set_t;
 

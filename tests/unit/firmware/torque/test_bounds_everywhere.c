@@ -3,7 +3,7 @@
  * Torque bounds and current setpoints of all shipped configurations, against the circuit of
  * reference_motor.h in double precision: random speeds up to 110 %, temperatures, bus voltages and
  * current limits. The power at the bound must be the power limit within 0.1 % of rated torque and
- * 0.1 % of the largest power.
+ * 0.1 % of the largest power, on the voltage ellipse 0.5 %.
  */
 #include "random_values.h"
 #include "reference_motor.h"
@@ -53,6 +53,14 @@ static double volts(const drive_t *drive, reference_point_t p)
                  m->resistance_ohm * p.i_q_a + w * (m->l_d_h * i_dt + m->psi_wb));
 }
 
+static reference_point_t at_map(const drive_t *drive, double airgap_nm)
+{
+    const double map_a =
+        1e-3 * loss_maps_d_current_mA(drive->config, drive->speed_mrad_s, drive->winding_cC,
+                                      (int32_t)lround(1e3 * airgap_nm));
+    return at_d(drive, map_a, airgap_nm);
+}
+
 /* With the map's i_d, or the i_d on the voltage limit, down to the largest field weakening. */
 static reference_point_t at_torque(const drive_t *drive, double airgap_nm)
 {
@@ -88,11 +96,19 @@ static double drawn_w(const drive_t *drive, double shaft_nm)
     return at_torque(drive, shaft_nm + friction_nm(drive)).power_w;
 }
 
+/* The tighter bound of voltage and phase current: beyond it no bound by power applies. */
+static int32_t by_currents_mNm(const feasible_side_t *side)
+{
+    return q_min(feasible_by_voltage_mNm(side), feasible_by_current_mNm(side));
+}
+
 /* The power crosses its limit between a slightly smaller and a slightly larger torque. */
 static void assert_bound(const drive_t *drive, double shaft_nm, double sign, double limit_w)
 {
     const double step_nm = 1e-6 * drive->config->motor.rated_torque_mNm;
-    const double power_w = 1e-6 * drive->config->motor.max_power_mW;
+    /* On the ellipse the corrections of i_d leave 0.5 %. */
+    const bool far = drive->phase_v < volts(drive, at_map(drive, shaft_nm + friction_nm(drive)));
+    const double power_w = (far ? 5e-6 : 1e-6) * drive->config->motor.max_power_mW;
     const double inside_w = sign * drawn_w(drive, shaft_nm - sign * step_nm);
     const double beyond_w = sign * drawn_w(drive, shaft_nm + sign * step_nm);
     TEST_ASSERT_TRUE(inside_w <= sign * limit_w + power_w);
@@ -126,7 +142,9 @@ static void compare(const config_t *config, uint64_t seed)
         const feasible_side_t brakes = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
         const int32_t by_drawn_mNm =
             feasible_by_drawn_mNm(&drives, feasible_power_b(&model, drawn_mA, bus_mV));
-        if (by_drawn_mNm > 0 && by_drawn_mNm < cap_mNm) {
+        /* Above the largest speed nothing drives. */
+        if (drive.speed_mrad_s < config->motor.max_speed_mrad_s && by_drawn_mNm > 0 &&
+            by_drawn_mNm < q_min(by_currents_mNm(&drives), cap_mNm)) {
             driving++;
             assert_bound(&drive, 1e-3 * by_drawn_mNm, 1.0, 1e-6 * drawn_mA * bus_mV);
         }
@@ -136,7 +154,7 @@ static void compare(const config_t *config, uint64_t seed)
         const int32_t returned_mA = random_between(&random, 0, battery->max_charge_current_mA);
         const int32_t by_returned_mNm =
             feasible_by_returned_mNm(&brakes, feasible_power_b(&model, returned_mA, bus_mV));
-        if (by_returned_mNm < cap_mNm) {
+        if (by_returned_mNm < q_min(by_currents_mNm(&brakes), cap_mNm)) {
             braking++;
             assert_bound(&drive, -1e-3 * by_returned_mNm, -1.0, -1e-6 * returned_mA * bus_mV);
         }
@@ -222,6 +240,9 @@ static double by_current_nm(const drive_t *drive, double sign)
         d_a = 0.5 * (inside_a + low_a);
     }
     const double q_a = sign * sqrt(fmax(most_a * most_a - d_a * d_a, 0.0));
+    if (volts(drive, of_terminal(drive, d_a, q_a)) > 1.001 * drive->phase_v) {
+        return -1.0; /* nowhere on the circle: bridge_choice.h opens the bridge */
+    }
     return fmax(sign * (of_terminal(drive, d_a, q_a).torque_nm - friction_nm(drive)), 0.0);
 }
 
@@ -245,6 +266,9 @@ void test_phase_current_bounds_of_every_configuration_match_a_bisection_on_the_c
                     feasible_side_at(&set, sign > 0 ? SIDE_DRIVING : SIDE_BRAKING, cap_mNm);
                 const int32_t found_mNm = feasible_by_current_mNm(&side);
                 const double wanted_mNm = 1e3 * by_current_nm(&drive, sign);
+                if (wanted_mNm < 0.0) {
+                    continue;
+                }
                 if (found_mNm == FEASIBLE_UNBOUNDED) {
                     TEST_ASSERT_TRUE(wanted_mNm >= 0.998 * cap_mNm);
                 } else {
@@ -288,7 +312,7 @@ void test_setpoints_on_the_voltage_ellipse_make_the_torque_with_the_voltage_ther
             const reference_point_t at = of_terminal(&drive, 1e-3 * i.i_d_mA, 1e-3 * i.i_q_mA);
             TEST_ASSERT_DOUBLE_WITHIN(1e-3 * configs[c]->motor.max_torque_mNm, 1e3 * airgap_nm,
                                       1e3 * at.torque_nm);
-            TEST_ASSERT_TRUE(volts(&drive, at) <= 1.002 * drive.phase_v);
+            TEST_ASSERT_TRUE(volts(&drive, at) <= 1.004 * drive.phase_v);
             const double map_a =
                 1e-3 * loss_maps_d_current_mA(configs[c], drive.speed_mrad_s, drive.winding_cC,
                                               (int32_t)lround(1e3 * airgap_nm));

@@ -113,16 +113,19 @@ void test_d_current_setpoint_excludes_the_field_weakening_current(void)
                             weakened(100000, 50000, 40000).i_d_mA); /* counts as zero */
 }
 
-void test_map_and_field_weakening_together_do_not_exceed_the_larger_of_the_two(void)
+void test_map_and_field_weakening_together_stay_on_the_current_circle(void)
 {
-    /* Field weakening of up to 121.2 A. The map's i_d is smaller for 50 Nm, larger for 200 Nm. */
+    /* With 400 A less 1/256 = 398.44 A. The trim is at most 121.2 A: an i_d setpoint of the map's
+     * for 50 Nm leaves room for it, one at the circle does not. */
     config = salient_vehicle();
-    const int32_t most_mA = 121216;
-    const int32_t little_mA = reference(100000, 50000).i_d_mA;
-    const int32_t much_mA = reference(100000, 200000).i_d_mA;
-    TEST_ASSERT_TRUE(little_mA > -most_mA && much_mA < -most_mA);
-    TEST_ASSERT_INT32_WITHIN(20, -most_mA, weakened(100000, 50000, -most_mA).i_d_mA - most_mA);
-    TEST_ASSERT_INT32_WITHIN(20, much_mA, weakened(100000, 200000, -most_mA).i_d_mA - most_mA);
+    const int32_t trim_mA = 121216;
+    const int32_t map_mA = reference(100000, 50000).i_d_mA;
+    TEST_ASSERT_TRUE(map_mA - trim_mA > -398437);
+    TEST_ASSERT_INT32_WITHIN(20, map_mA, weakened(100000, 50000, -trim_mA).i_d_mA);
+    config.motor.max_phase_current_mA = 130000;
+    const int32_t circle_mA = 130000 - 130000 / 256;
+    TEST_ASSERT_TRUE(map_mA - trim_mA < -circle_mA);
+    TEST_ASSERT_INT32_WITHIN(20, -circle_mA, weakened(100000, 50000, -trim_mA).i_d_mA - trim_mA);
 }
 
 void test_phase_current_limit_clamps_the_current_and_sets_limited(void)

@@ -34,20 +34,53 @@ static range_t voltage_range(const motor_model_t *model, int32_t phase_mV)
     return out;
 }
 
-/* The map's i_d at the bound's torque, where it is below the largest field weakening. */
+/* The map's i_d at the bound's torque, where it is below that of field weakening. */
 static double map_d_a;
+static double weakening_d_a;
 
-static double weakest_d_a(const reference_motor_t *m)
+/* Maximum torque per voltage without losses: largest torque on the circle of flux U/w, by trial. */
+static double voltage_best_d_a(const reference_motor_t *m, double phase_v)
 {
-    const double most_a =
+    const double flux_wb = phase_v / fabs(m->w_rad_s);
+    double best_a = 0.0;
+    double most = 0.0;
+    for (int n = 1; n < 20000; n++) {
+        const double angle = n * 3.14159265358979 / 20000.0;
+        const double d_a = (flux_wb * cos(angle) - m->psi_wb) / m->l_d_h;
+        const double torque =
+            (m->psi_wb + (m->l_d_h - m->l_q_h) * d_a) * flux_wb * sin(angle) / m->l_q_h;
+        if (torque > most) {
+            most = torque;
+            best_a = d_a;
+        }
+    }
+    return best_a;
+}
+
+/* Down to maximum torque per voltage, to the current circle less 0.4 %; above the derating
+ * temperature the part beyond the configured field weakening fades out. */
+static double end_of_weakening_a(const reference_motor_t *m, double phase_v, double winding_c)
+{
+    const config_motor_t *motor = &config.motor;
+    const double always_a =
         bases_current_mA(&config, config.current_loop.field_weakening_current_pu_q15) * 1e-3;
-    return fmin(-fmin(most_a, m->psi_wb / m->l_d_h), map_d_a);
+    const double circle_a = 1e-3 * motor->max_phase_current_mA * (1.0 - 1.0 / 256.0);
+    const double from_c = 0.01 * motor->derate_winding_temperature_cC;
+    const double to_c = 0.01 * motor->max_winding_temperature_cC;
+    const double share = fmin(fmax((to_c - winding_c) / (to_c - from_c), 0.0), 1.0);
+    const double most_a = always_a + share * fmax(circle_a - always_a, 0.0);
+    return fmax(-most_a, fmin(voltage_best_d_a(m, phase_v), 0.0));
+}
+
+static double weakest_d_a(void)
+{
+    return fmin(weakening_d_a, map_d_a);
 }
 
 /* Voltage of a torque current at the largest field weakening. */
 static double volts(const reference_motor_t *m, double i_qt_a)
 {
-    const double i_dt_a = weakest_d_a(m) + m->w_rad_s * m->l_q_h * m->iron_siemens * i_qt_a;
+    const double i_dt_a = weakest_d_a() + m->w_rad_s * m->l_q_h * m->iron_siemens * i_qt_a;
     const reference_point_t at = reference_point(m, i_dt_a, i_qt_a);
     return hypot(m->resistance_ohm * at.i_d_a - m->w_rad_s * m->l_q_h * i_qt_a,
                  m->resistance_ohm * at.i_q_a + m->w_rad_s * (m->l_d_h * i_dt_a + m->psi_wb));
@@ -55,7 +88,7 @@ static double volts(const reference_motor_t *m, double i_qt_a)
 
 static double shaft_mNm(const reference_motor_t *m, const motor_model_t *model, double i_qt_a)
 {
-    const double i_dt_a = weakest_d_a(m) + m->w_rad_s * m->l_q_h * m->iron_siemens * i_qt_a;
+    const double i_dt_a = weakest_d_a() + m->w_rad_s * m->l_q_h * m->iron_siemens * i_qt_a;
     return reference_point(m, i_dt_a, i_qt_a).torque_nm * 1e3 - model_friction_mNm(model);
 }
 
@@ -97,7 +130,7 @@ static double least_volts_at_a(const reference_motor_t *m)
 }
 
 /* The bound lies between those of a voltage 15 mV smaller and 15 mV larger (the model's roundings
- * are below 3 mV each), within the rounding of a torque, 0.1 % of rated. */
+ * are below 3 mV each), within the rounding of a torque, 0.2 % of rated. */
 static void assert_end(const reference_motor_t *m, const motor_model_t *model, double most_v,
                        double sign, int32_t found_mNm)
 {
@@ -111,14 +144,15 @@ static void assert_end(const reference_motor_t *m, const motor_model_t *model, d
     /* A bound on the other side of zero counts as zero. Where the current would cancel the flux of
      * the magnet, it is clamped far beyond any limit. */
     const double most_mNm = 2.0 * config.motor.max_torque_mNm;
-    const double rounding_mNm = 1e-3 * config.motor.rated_torque_mNm;
+    const double rounding_mNm = 2e-3 * config.motor.rated_torque_mNm;
     TEST_ASSERT_TRUE(found_mNm * sign >= fmin(inner_mNm - rounding_mNm, most_mNm));
     map_d_a = 0.0;
     TEST_ASSERT_TRUE(found_mNm * sign <= fmax(outer_mNm + rounding_mNm, rounding_mNm) ||
                      found_mNm * sign > most_mNm);
 }
 
-static void compare(double least_speed_mrad_s, double most_speed_mrad_s, int cases)
+static void compare(double least_speed_mrad_s, double most_speed_mrad_s, int cases,
+                    int least_without_torque)
 {
     random_t random = random_seeded(3);
     int bounded = 0;
@@ -133,6 +167,7 @@ static void compare(double least_speed_mrad_s, double most_speed_mrad_s, int cas
         const reference_motor_t m = reference_motor(&config, speed_mrad_s, temperature_cC);
         const range_t limit = voltage_range(&model, phase_mV);
         map_d_a = 0.0;
+        weakening_d_a = end_of_weakening_a(&m, phase_mV * 1e-3, temperature_cC * 1e-2);
         const double middle_a = least_volts_at_a(&m);
         if (volts(&m, middle_a) > phase_mV * 1e-3) {
             without_torque++;
@@ -145,19 +180,20 @@ static void compare(double least_speed_mrad_s, double most_speed_mrad_s, int cas
         assert_end(&m, &model, phase_mV * 1e-3, 1.0, limit.highest_mNm);
     }
     TEST_ASSERT_GREATER_THAN_INT(cases / 3, bounded);
-    TEST_ASSERT_GREATER_THAN_INT(cases / 50, without_torque);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT(least_without_torque, without_torque);
 }
 
 void test_voltage_bounds_of_a_surface_magnet_motor_match_the_circuit_in_double_precision(void)
 {
     config = paper_vehicle();
-    compare(30000.0, 90000.0, 150);
+    compare(30000.0, 90000.0, 150, 4);
 }
 
 void test_voltage_bounds_of_a_salient_motor_match_the_circuit_in_double_precision(void)
 {
     config = salient_vehicle();
-    compare(40000.0, 140000.0, 150);
+    /* At maximum torque per voltage there is always some torque, but for the losses. */
+    compare(40000.0, 400000.0, 150, 1);
 }
 
 void test_voltage_bound_is_above_max_torque_at_standstill(void)
