@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/loss_maps.h"
 
-#include <stddef.h>
-
 #include "core/grid.h"
 #include "core/q15.h"
 
@@ -31,57 +29,62 @@ loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
     const config_current_map_t *map = &config->current_map;
     const grid_position_t speed =
         grid_locate(q_abs(speed_mrad_s), map->speed_points, map->speed_step_log2);
-    const size_t layer_points = (size_t)map->speed_points * (size_t)map->torque_points;
-    /* The middle point is zero torque; at most 32 steps of 2^20 mNm before it. */
-    const int32_t half = (int32_t)(UINT32_C(1) << map->torque_step_log2);
-    loss_maps_row_t row = {
-        .line_mA = &map->current_d_mA[(size_t)speed.index * (size_t)map->torque_points],
-        .next_speed = map->torque_points,
-        .next_temperature = 0,
-        .speed_q20 = speed.fraction_q20,
-        .temperature_q20 = 0,
-        .points = map->torque_points,
-        .step_log2 = map->torque_step_log2,
-        .zero_mNm = (map->torque_points / 2) * half,
-    };
+    const int32_t layer_points = map->speed_points * map->torque_points;
+    grid_position_t temperature = {.index = 0, .fraction_q20 = 0};
     if (map->temperature_points > 1) {
-        const grid_position_t temperature =
+        temperature =
             grid_locate(q_saturate64((int64_t)winding_temperature_cC - map->temperature_origin_cC),
                         map->temperature_points, map->temperature_step_log2);
-        row.line_mA += (size_t)temperature.index * layer_points;
-        row.next_temperature = (int32_t)layer_points;
-        row.temperature_q20 = temperature.fraction_q20;
     }
+    /* The middle point is zero torque; at most 32 steps of 2^20 mNm before it. */
+    const int32_t step_mNm = (int32_t)(UINT32_C(1) << map->torque_step_log2);
+    const int32_t first = temperature.index * layer_points + speed.index * map->torque_points;
+    const loss_maps_row_t row = {
+        .cold_mA = &map->current_d_mA[first],
+        .hot_mA = &map->current_d_mA[first + (map->temperature_points > 1 ? layer_points : 0)],
+        .next_speed = map->torque_points,
+        .weights = grid_weights(speed.fraction_q20, temperature.fraction_q20),
+        .points = map->torque_points,
+        .step_log2 = map->torque_step_log2,
+        .zero_mNm = (map->torque_points / 2) * step_mNm,
+    };
     return row;
 }
 
-/* At one point along torque: between two speeds, then between two temperatures. */
-static inline int32_t at_torque_mA(const loss_maps_row_t *row, const int32_t *point_mA)
+/* At one point along torque: between two speeds and two temperatures. */
+static inline int32_t at_torque_mA(const loss_maps_row_t *row, int32_t point)
 {
-    const int32_t cold_mA =
-        grid_interpolate(point_mA[0], point_mA[row->next_speed], row->speed_q20);
-    if (row->temperature_q20 == 0) {
-        return cold_mA;
-    }
-    const int32_t *hot = point_mA + row->next_temperature;
-    const int32_t hot_mA = grid_interpolate(hot[0], hot[row->next_speed], row->speed_q20);
-    return grid_interpolate(cold_mA, hot_mA, row->temperature_q20);
+    const int32_t *cold_mA = &row->cold_mA[point];
+    const int32_t *hot_mA = &row->hot_mA[point];
+    return grid_weighted(&row->weights, cold_mA[0], cold_mA[row->next_speed], hot_mA[0],
+                         hot_mA[row->next_speed]);
 }
 
 int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm)
 {
-    const grid_position_t torque =
-        grid_locate(q_saturate64((int64_t)along_mNm + row->zero_mNm), row->points, row->step_log2);
-    const int32_t *point_mA = &row->line_mA[torque.index];
-    const int32_t below_mA = at_torque_mA(row, point_mA);
-    const int32_t above_mA = at_torque_mA(row, point_mA + 1);
-    return grid_interpolate(below_mA, above_mA, torque.fraction_q20);
+    const int32_t above_first_mNm = q_limit(along_mNm, row->zero_mNm) + row->zero_mNm;
+    const int32_t point = q_min(above_first_mNm >> row->step_log2, row->points - 2);
+    const int32_t part_mNm = above_first_mNm - (int32_t)((uint32_t)point << row->step_log2);
+    const int32_t below_mA = at_torque_mA(row, point);
+    const int32_t above_mA = at_torque_mA(row, point + 1);
+    return grid_interpolate(below_mA, above_mA,
+                            (int32_t)((uint32_t)part_mNm << (20 - row->step_log2)));
+}
+
+int32_t loss_maps_row_rise_mA(const loss_maps_row_t *row, int32_t along_mNm)
+{
+    if (q_limit(along_mNm, row->zero_mNm) != along_mNm) {
+        return 0;
+    }
+    const int32_t point = q_min((along_mNm + row->zero_mNm) >> row->step_log2, row->points - 2);
+    return at_torque_mA(row, point + 1) - at_torque_mA(row, point);
 }
 
 int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,
                                int32_t winding_temperature_cC, int32_t airgap_torque_mNm)
 {
     const loss_maps_row_t row = loss_maps_row_at(config, speed_mrad_s, winding_temperature_cC);
-    return loss_maps_row_d_mA(&row, speed_mrad_s >= 0 ? airgap_torque_mNm
-                                                      : -q_max(airgap_torque_mNm, -INT32_MAX));
+    const int32_t along_mNm =
+        speed_mrad_s >= 0 ? airgap_torque_mNm : -q_max(airgap_torque_mNm, -INT32_MAX);
+    return loss_maps_row_d_mA(&row, along_mNm);
 }

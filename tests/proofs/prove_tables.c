@@ -36,6 +36,15 @@ static int32_t any_interpolation(const int32_t *a, const int32_t *b)
     return any_within(-largest, largest);
 }
 
+static int32_t any_weighted(const int32_t *a, const int32_t *b, const int32_t *c, const int32_t *d)
+{
+    check_read(a);
+    check_read(b);
+    check_read(c);
+    check_read(d);
+    return any_within(-largest, largest);
+}
+
 static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2)
 {
     (void)x;
@@ -47,7 +56,9 @@ static grid_position_t any_position(int32_t x, int32_t points, int32_t step_log2
 
 #define grid_locate any_position
 #define grid_interpolate(a, b, fraction_q20) any_interpolation(&(a), &(b))
+#define grid_weighted(weights, a, b, c, d) any_weighted(&(a), &(b), &(c), &(d))
 #include "loss_maps.c"
+#undef grid_weighted
 #undef grid_interpolate
 #undef grid_locate
 

@@ -32,4 +32,29 @@ static inline int32_t grid_interpolate(int32_t a, int32_t b, int32_t fraction_q2
     return a + (int32_t)(((int64_t)(b - a) * fraction_q20 + GRID_WHOLE_Q20 / 2) >> 20);
 }
 
+/* Weights of the four corners of a cell, 30 fraction bits: none negative, sum one. */
+typedef struct {
+    int32_t at_00, at_10, at_01, at_11;
+} grid_weights_t;
+
+static inline grid_weights_t grid_weights(int32_t x_q20, int32_t y_q20)
+{
+    const int32_t both = (int32_t)(((int64_t)x_q20 * y_q20) >> 10);
+    const int32_t x = x_q20 * (1 << 10);
+    const int32_t y = y_q20 * (1 << 10);
+    const grid_weights_t out = {
+        .at_00 = (1 << 30) - x - y + both, .at_10 = x - both, .at_01 = y - both, .at_11 = both};
+    return out;
+}
+
+/* Bilinear interpolation, rounded to nearest (halves upwards). The result lies between the smallest
+ * and the largest corner. */
+static inline int32_t grid_weighted(const grid_weights_t *weights, int32_t at_00, int32_t at_10,
+                                    int32_t at_01, int32_t at_11)
+{
+    const int64_t sum_q30 = (int64_t)weights->at_00 * at_00 + (int64_t)weights->at_10 * at_10 +
+                            (int64_t)weights->at_01 * at_01 + (int64_t)weights->at_11 * at_11;
+    return (int32_t)((sum_q30 + (1 << 29)) >> 30);
+}
+
 #endif

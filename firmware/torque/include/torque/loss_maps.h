@@ -26,11 +26,11 @@ int32_t loss_maps_torque_mNm(const config_t *config, int32_t speed_mrad_s,
  * entries zero: i_d = 0 control.
  */
 typedef struct {
-    const int32_t *line_mA; /* next lower speed and temperature, from the first torque on */
-    int32_t next_speed, next_temperature; /* entries between two of them */
-    int32_t speed_q20, temperature_q20;   /* share of the next one */
-    int32_t points, step_log2;            /* along torque */
-    int32_t zero_mNm;                     /* from the first point to zero torque */
+    const int32_t *cold_mA, *hot_mA; /* next lower speed, from the first torque on */
+    int32_t next_speed;              /* entries between two of them */
+    grid_weights_t weights;          /* over speed (10) and temperature (01) */
+    int32_t points, step_log2;       /* along torque */
+    int32_t zero_mNm;                /* from the first point to zero torque */
 } loss_maps_row_t;
 
 /* Position in the map for a speed and a winding temperature. Once per slow step. */
@@ -39,6 +39,10 @@ loss_maps_row_t loss_maps_row_at(const config_t *config, int32_t speed_mrad_s,
 
 /* The same for a torque along the rotation: driving positive, braking negative. */
 int32_t loss_maps_row_d_mA(const loss_maps_row_t *row, int32_t along_mNm);
+
+/* Its change over the step of torque, 2^step_log2 mN m, in which the torque lies; zero beyond the
+ * ends. */
+int32_t loss_maps_row_rise_mA(const loss_maps_row_t *row, int32_t along_mNm);
 
 int32_t loss_maps_d_current_mA(const config_t *config, int32_t speed_mrad_s,
                                int32_t winding_temperature_cC, int32_t airgap_torque_mNm);
