@@ -5,11 +5,11 @@
 #include "torque/limit.h"
 
 enum {
-    CORRECTIONS = 3,         /* of i_d, for a power; after the first only after a large change */
-    FAR_LOG2 = 5,            /* 3 % of the phase current */
-    NEWTON_STEPS = 3,        /* along the current circle */
-    TANGENTS = 2,            /* to the torque's hyperbola */
-    VOLTAGE_CORRECTIONS = 4, /* of i_d, where it is that of the map */
+    CORRECTIONS = 3,   /* of i_d, for a power; after the first only after a large change */
+    FAR_LOG2 = 5,      /* 3 % of the phase current */
+    NEWTON_STEPS = 3,  /* along the current circle */
+    TANGENTS = 2,      /* to the torque's hyperbola */
+    VOLTAGE_STEPS = 2, /* along the ellipse, where i_d is that of the map */
     CIRCLE_PASSES = 3,
     SMALL_b = 1 << 8,
     CIRCLE_RESERVE_LOG2 = 8, /* 0.4 % */
@@ -111,6 +111,16 @@ static int32_t map_d_b(const feasible_set_t *set, int32_t airgap_b)
         k, loss_maps_row_d_mA(&set->row, scaled_shift(airgap_b, -k->torque_shift)));
 }
 
+/* Derivative of the map's i_d with respect to the airgap torque, 24 fraction bits. */
+static int32_t map_d_per_torque(const feasible_set_t *set, int32_t airgap_b)
+{
+    const motor_constants_t *k = set->model->constants;
+    const int32_t rise_mA =
+        loss_maps_row_rise_mA(&set->row, scaled_shift(airgap_b, -k->torque_shift));
+    const int32_t shift = k->current_shift + 24 - k->torque_shift - set->row.step_log2;
+    return within(scaled_shift(rise_mA, q_min(shift, 30)));
+}
+
 /* i_d at the torque of a point: that of the map, or that of the voltage ellipse at this i_qt if
  * lower. */
 static int32_t d_at_b(const feasible_set_t *set, motor_point_t at)
@@ -152,37 +162,50 @@ static bool ellipse_end(const feasible_side_t *side, motor_point_t *at)
     return ellipse_root(side->set, &line, side->sign, &at->x_b);
 }
 
-int32_t feasible_by_voltage_mNm(const feasible_side_t *side)
+/* One step of Newton's method, from a point of the ellipse to the one at which i_d is that of the
+ * map: there the map is a straight line over the torque, and the torque is taken as one over the
+ * currents. False where this line does not meet the ellipse. */
+static bool towards_map(const feasible_side_t *side, motor_point_t *at, int32_t error_b,
+                        int32_t d_per_torque)
+{
+    const motor_model_t *m = side->set->model;
+    const int32_t by_torque = within(multiply64_b(d_per_torque, motor_model_airgap_per_d(m, *at)));
+    const int32_t inverse = scaled_ratio(SCALED_ONE, q_max(SCALED_ONE - by_torque, SCALED_ONE / 4));
+    const int32_t change = within(multiply64_b(d_per_torque, motor_model_airgap_per_x(m, *at)));
+    const int32_t d_per_x = within(scaled_multiply(inverse, change));
+    at->d_b = clamped_b(at->d_b + scaled_multiply(inverse, error_b));
+    const line_t line = line_from(m, *at, d_per_x, SCALED_ONE);
+    int32_t change_b = 0;
+    const bool meets = ellipse_root(side->set, &line, side->sign, &change_b);
+    at->d_b = clamped_b(at->d_b + scaled_multiply(d_per_x, change_b));
+    at->x_b = clamped_b(at->x_b + change_b);
+    return meets;
+}
+
+/* The end of the ellipse at the lowest i_d of field weakening, or at the map's where that is lower;
+ * false if the voltage suffices for no current. */
+static bool voltage_end(const feasible_side_t *side, motor_point_t *end, int32_t *airgap_b)
 {
     const feasible_set_t *set = side->set;
     const motor_model_t *m = set->model;
-    if (side->cap_has_voltage) {
-        return FEASIBLE_UNBOUNDED;
-    }
-    motor_point_t at = {.d_b = set->weakest_d_b, .x_b = 0};
-    bool exists = ellipse_end(side, &at);
-    int32_t before_b = at.d_b;
-    int32_t error_before_b = 0;
-    for (int pass = 0; exists && pass < VOLTAGE_CORRECTIONS; pass++) {
-        /* Where the map's i_d at this torque is below that of field weakening, the map's applies:
-         * the secant method on the difference. */
-        const int32_t map_b = map_d_b(set, motor_model_airgap_b(m, at));
-        const int32_t error_b = q_min(map_b, set->weakest_d_b) - at.d_b;
+    end->d_b = set->weakest_d_b;
+    bool exists = ellipse_end(side, end);
+    *airgap_b = motor_model_airgap_b(m, *end);
+    for (int pass = 0; exists && pass < VOLTAGE_STEPS; pass++) {
+        const int32_t map_b = map_d_b(set, *airgap_b);
+        const int32_t wanted_b = q_clamp(map_b, -m->constants->current_most_b, set->weakest_d_b);
+        const int32_t error_b = wanted_b - end->d_b;
         if (q_abs(error_b) < SMALL_b) {
             break;
         }
-        const int32_t change_b = error_before_b - error_b;
-        int32_t step_b = error_b;
-        if (pass > 0 && q_abs(change_b) > SMALL_b) {
-            const int32_t slope = scaled_ratio(at.d_b - before_b, q_abs(change_b));
-            step_b = clamped_b(multiply64_b(error_b, change_b > 0 ? slope : -slope));
+        const int32_t slope = map_b == wanted_b ? map_d_per_torque(set, *airgap_b) : 0;
+        if (!towards_map(side, end, error_b, slope)) {
+            end->d_b = wanted_b;
+            exists = ellipse_end(side, end);
         }
-        before_b = at.d_b;
-        error_before_b = error_b;
-        at.d_b = q_clamp(at.d_b + step_b, -m->constants->current_most_b, set->weakest_d_b);
-        exists = ellipse_end(side, &at);
+        *airgap_b = motor_model_airgap_b(m, *end);
     }
-    return exists ? feasible_magnitude_mNm(side, motor_model_airgap_b(m, at)) : 0;
+    return exists;
 }
 
 /* ---- the current circle ---- */
@@ -412,11 +435,26 @@ feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t
     const motor_model_t *m = set->model;
     const int32_t shaft_b = scaled_shift(cap_mNm, m->constants->torque_shift);
     const int32_t airgap_b = (int32_t)sign * q_min(shaft_b, MOST_TORQUE_b) + m->friction_b;
-    feasible_side_t out = {.set = set, .sign = (int32_t)sign, .cap = with_map(set, airgap_b)};
-    out.cap_has_voltage = voltage_suffices(set, out.cap);
-    if (!out.cap_has_voltage) {
+    feasible_side_t out = {.set = set,
+                           .sign = (int32_t)sign,
+                           .cap = with_map(set, airgap_b),
+                           .voltage_mNm = FEASIBLE_UNBOUNDED,
+                           .cap_has_voltage = true};
+    if (voltage_suffices(set, out.cap)) {
+        return out;
+    }
+    motor_point_t end;
+    int32_t end_b = 0;
+    const bool exists = voltage_end(&out, &end, &end_b);
+    if (exists && out.sign * (end_b - airgap_b) >= 0) {
         out.cap = weakened(set, airgap_b, out.cap, 1); /* first iteration */
         out.cap_has_voltage = voltage_suffices(set, out.cap);
+    } else {
+        out.cap = end;
+        out.cap_has_voltage = false;
+    }
+    if (!out.cap_has_voltage) {
+        out.voltage_mNm = exists ? feasible_magnitude_mNm(&out, end_b) : 0;
     }
     return out;
 }

@@ -203,6 +203,18 @@ int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, 
     return q_limit(scaled_ratio(per_pole_b, twice_b >> 1), MOST_CURRENT_b);
 }
 
+int32_t motor_model_airgap_per_x(const motor_model_t *model, motor_point_t at)
+{
+    const int32_t slope_b = flux_at_b(model, at) + scaled_multiply(model->flux_per_x, at.x_b);
+    return scaled_multiply(q_max(slope_b, model->flux_b / 4), model->constants->torque_factor_q24);
+}
+
+int32_t motor_model_airgap_per_d(const motor_model_t *model, motor_point_t at)
+{
+    return scaled_multiply(scaled_multiply(model->saliency_b, at.x_b),
+                           model->constants->torque_factor_q24);
+}
+
 int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at)
 {
     const int32_t least_b = model->flux_b / 4;

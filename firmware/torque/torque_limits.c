@@ -179,7 +179,7 @@ static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
         const feasible_side_t side = feasible_side_at(set, SIDES[k], cap_mNm);
         line[TORQUE_LINE_PHASE_CURRENT] =
             limit_init(feasible_by_current_mNm(&side), REASON_PHASE_CURRENT);
-        line[TORQUE_LINE_VOLTAGE] = limit_init(feasible_by_voltage_mNm(&side), REASON_VOLTAGE);
+        line[TORQUE_LINE_VOLTAGE] = limit_init(side.voltage_mNm, REASON_VOLTAGE);
         line[TORQUE_LINE_DRAWN] =
             limit_init(feasible_by_drawn_mNm(&side, drawn_b), discharge.reason);
         if (SIDES[k] == SIDE_BRAKING) {

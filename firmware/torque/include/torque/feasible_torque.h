@@ -38,12 +38,13 @@ typedef struct {
     int32_t best_d_b;        /* maximum torque per ampere on the current circle */
 } feasible_set_t;
 
-/* One direction of torque, with the point of the largest torque that the other limits permit:
- * bounds beyond it are not computed. */
+/* One direction of torque, with the point of the largest torque that the other limits permit, or
+ * the end of the voltage ellipse where that is less: bounds by power beyond it are not computed. */
 typedef struct {
     const feasible_set_t *set;
     int32_t sign; /* 1 driving, -1 braking */
     motor_point_t cap;
+    int32_t voltage_mNm; /* largest torque with a current inside the voltage circle */
     bool cap_has_voltage;
 } feasible_side_t;
 
@@ -52,9 +53,6 @@ feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage
 
 /* cap_mNm: magnitude of a shaft torque, >= 0. */
 feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t cap_mNm);
-
-/* Largest torque with a current whose voltage is inside the voltage circle. */
-int32_t feasible_by_voltage_mNm(const feasible_side_t *side);
 
 /* Largest torque with |i| within motor.max_phase_current: maximum torque per ampere on the current
  * circle, or where the voltage ellipse meets the circle. */

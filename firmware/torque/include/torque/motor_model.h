@@ -114,6 +114,10 @@ int32_t motor_model_airgap_b(const motor_model_t *model, motor_point_t at);
 /* i_qt that makes an airgap torque with a terminal i_d, both along the rotation. */
 int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, int32_t d_b);
 
+/* Derivatives of the airgap torque with respect to i_qt and to i_d, 24 fraction bits. */
+int32_t motor_model_airgap_per_x(const motor_model_t *model, motor_point_t at);
+int32_t motor_model_airgap_per_d(const motor_model_t *model, motor_point_t at);
+
 /* Derivative of i_qt with respect to i_d at constant torque; zero without saliency. */
 int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at);
 
