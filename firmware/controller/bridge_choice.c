@@ -19,7 +19,7 @@ static uint16_t counted(uint16_t steps, bool condition)
 /* Switching begins only from a current that it can control; an eighth is for the transient. */
 static bool current_controllable(const config_t *config, const bridge_choice_input_t *in)
 {
-    const int64_t most_mA = config->motor.max_phase_current_mA / 8 * 7;
+    const int64_t most_mA = (int64_t)config->motor.max_phase_current_mA * 7 / 8;
     const int64_t d_mA = q_limit(in->i_d_mA, MOST_CURRENT_mA);
     const int64_t q_mA = q_limit(in->i_q_mA, MOST_CURRENT_mA);
     return d_mA * d_mA + q_mA * q_mA <= most_mA * most_mA;

@@ -59,6 +59,33 @@ static void latch_warning(modes_state_t *state, const modes_input_t *in)
     }
 }
 
+static void calibrate(modes_state_t *state, const config_modes_t *config, const modes_input_t *in)
+{
+    if (in->emf_conducts) { /* no zero to be seen: after a while the stored offsets serve */
+        state->quiet_steps = 0;
+        if (state->steps >= config->offset_wait_ms) {
+            state->offsets_stored = true;
+            enter(state, MODE_READY);
+        }
+        return;
+    }
+    state->quiet_steps = (uint16_t)q_min(state->quiet_steps + 1, UINT16_MAX);
+    if (state->quiet_steps < MODES_CALIBRATION_SETTLE_STEPS) {
+        return; /* the fast loop has not read the request yet: its result would be that of the
+                   last calibration */
+    }
+    if (in->offsets_done) {
+        if (in->offsets_plausible) {
+            state->offsets_stored = false;
+            enter(state, MODE_READY);
+        } else {
+            fail(state, REASON_OFFSET_IMPLAUSIBLE);
+        }
+    } else if (state->quiet_steps >= MODES_CALIBRATION_TIMEOUT_STEPS) {
+        fail(state, REASON_OFFSET_IMPLAUSIBLE);
+    }
+}
+
 static void advance(modes_state_t *state, const config_modes_t *config, const modes_input_t *in,
                     bool acknowledged)
 {
@@ -76,29 +103,7 @@ static void advance(modes_state_t *state, const config_modes_t *config, const mo
         }
         break;
     case MODE_OFFSET_CAL:
-        if (in->emf_conducts) { /* no zero to be seen: after a while the stored offsets serve */
-            state->quiet_steps = 0;
-            if (state->steps >= config->offset_wait_ms) {
-                state->offsets_stored = true;
-                enter(state, MODE_READY);
-            }
-            break;
-        }
-        state->quiet_steps = (uint16_t)q_min(state->quiet_steps + 1, UINT16_MAX);
-        if (state->quiet_steps < MODES_CALIBRATION_SETTLE_STEPS) {
-            break; /* the fast loop has not read the request yet: its result would be that of the
-                      last calibration */
-        }
-        if (in->offsets_done) {
-            if (in->offsets_plausible) {
-                state->offsets_stored = false;
-                enter(state, MODE_READY);
-            } else {
-                fail(state, REASON_OFFSET_IMPLAUSIBLE);
-            }
-        } else if (state->quiet_steps >= MODES_CALIBRATION_TIMEOUT_STEPS) {
-            fail(state, REASON_OFFSET_IMPLAUSIBLE);
-        }
+        calibrate(state, config, in);
         break;
     case MODE_READY:
         if (in->enable && !in->demand_lost && !in->drive_demanded && in->rotor_valid) {

@@ -12,6 +12,11 @@ void torque_command_init(torque_command_state_t *state)
     state->braked = false;
 }
 
+static bool same_sign(int32_t a, int32_t b)
+{
+    return (a > 0 && b > 0) || (a < 0 && b < 0);
+}
+
 static bool is_against(int32_t torque_mNm, int32_t speed_mrad_s)
 {
     return (speed_mrad_s > 0 && torque_mNm < 0) || (speed_mrad_s < 0 && torque_mNm > 0);
@@ -25,10 +30,12 @@ static int32_t remaining_mNm(const torque_command_state_t *state, const torque_l
         const int32_t most_mNm = limits->braking[TORQUE_LINE_ABS].torque_mNm;
         return q_clamp(state->command_mNm, -most_mNm, most_mNm);
     }
-    const bool is_wanted = (state->command_mNm > 0 && in->drive_mNm > 0) ||
-                           (state->command_mNm < 0 && in->drive_mNm < 0);
-    const bool has_turned_round = state->braked && !is_wanted;
-    return in->drive_withdrawn || has_turned_round ? 0 : state->command_mNm;
+    const bool is_wanted = same_sign(state->command_mNm, in->drive_mNm);
+    /* At zero speed, which may be a stuck hall line, what braked still counts as braking. */
+    const bool is_withdrawn = in->drive_withdrawn && !state->braked;
+    const bool has_turned_round =
+        state->braked && is_against(-state->command_mNm, in->speed_mrad_s) && !is_wanted;
+    return is_withdrawn || has_turned_round ? 0 : state->command_mNm;
 }
 
 /* A driving demand against the rotation, by a wheel that rolls back, obeys the limits of braking
@@ -74,8 +81,11 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
     const int32_t growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15);
     const int32_t most_mNm = q_max(q_abs(state->command_mNm) + growth_mNm, 0);
     const int32_t within_mNm = q_clamp(target_mNm, -most_mNm, most_mNm);
-    state->command_mNm = ramp_step(state->command_mNm, within_mNm, rate_mNm);
-    state->braked = is_against(state->command_mNm, in->speed_mrad_s);
+    const int32_t before_mNm = state->command_mNm;
+    state->command_mNm = ramp_step(before_mNm, within_mNm, rate_mNm);
+    state->braked =
+        is_against(state->command_mNm, in->speed_mrad_s) ||
+        (state->braked && in->speed_mrad_s == 0 && same_sign(before_mNm, state->command_mNm));
     out.command_mNm = state->command_mNm;
     const bool by_voltage = within_mNm != target_mNm && growth_mNm <= 0;
     const reason_t on_the_way = by_voltage ? REASON_VOLTAGE : REASON_TORQUE_RATE;

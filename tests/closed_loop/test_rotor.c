@@ -210,6 +210,10 @@ void test_torque_follows_the_demand_with_an_encoder_up_to_base_speed(void)
     for (int s = 0; s < 3; s++) {
         for (int sign = -1; sign <= 1; sign += 2) {
             bench_t *bench = with_encoder(speeds_rpm[s], 77.0, 77.0, false);
+            /* Against the rotation it is lift-off braking, which ends at standstill. */
+            const bool backwards = speeds_rpm[s] == 0.0 && sign < 0;
+            bench->params.driver.direction =
+                backwards ? DRIVE_DIRECTION_REVERSE : DRIVE_DIRECTION_FORWARD;
             bench->params.driver.drive_demand_nm = sign * 20.0;
             for (int n = 0; n < 6000; n++) {
                 (void)period_torque_nm(bench);

@@ -5,7 +5,7 @@
  *
  * The rate is for comfort. At once, in one slow step, go: a driving torque that is withdrawn (brake
  * pedal, lost demand, neutral), braking torque above the limit ABS, and braking torque that would
- * drive because the wheel has come to rest or turned round.
+ * drive because the wheel has turned round.
  *
  * A rising torque needs voltage, which field weakening makes available only after some
  * milliseconds. The rate limit for rising torque therefore falls with u^2/U^2, the square of the
