@@ -214,7 +214,7 @@ def test_a_vehicle_that_does_not_reach_standstill_is_reported(
     hubsim: Hubsim, tmp_path: Path
 ) -> None:
     done = hubsim(
-        "run", "stop", "--set", "demand_nm=0", "--set", "max_duration_s=0.5", "--json", "out.json"
+        "run", "stop", "--set", "demand_nm=3", "--set", "max_duration_s=0.5", "--json", "out.json"
     )
     assert done.returncode == 0
     assert "still moving after 0.5 s" in done.stderr
