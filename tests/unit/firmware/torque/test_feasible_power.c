@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Torque bounds by battery power of all shipped configurations, against the circuit in double
+ * precision. The power at the bound must be the power limit within 0.1 % of rated torque and
+ * 0.1 % of the largest power, on the voltage ellipse 0.5 %.
+ */
+#include "reference_drive.h"
+#include "unity.h"
+
+void setUp(void) {}
+
+void tearDown(void) {}
+
+static double drawn_w(const drive_t *drive, double shaft_nm)
+{
+    return at_torque(drive, shaft_nm + friction_nm(drive)).power_w;
+}
+
+/* The tighter bound of voltage and phase current: beyond it no bound by power applies. */
+static int32_t by_currents_mNm(const feasible_side_t *side)
+{
+    return q_min(side->voltage_mNm, feasible_by_current_mNm(side));
+}
+
+/* The power crosses its limit between a slightly smaller and a slightly larger torque. */
+static void assert_bound(const drive_t *drive, double shaft_nm, double sign, double limit_w)
+{
+    const double step_nm = 1e-6 * drive->config->motor.rated_torque_mNm;
+    /* On the ellipse the corrections of i_d leave 0.5 %. */
+    const bool far = drive->phase_v < volts(drive, at_map(drive, shaft_nm + friction_nm(drive)));
+    const double power_w = (far ? 5e-6 : 1e-6) * drive->config->motor.max_power_mW;
+    const double inside_w = sign * drawn_w(drive, shaft_nm - sign * step_nm);
+    const double beyond_w = sign * drawn_w(drive, shaft_nm + sign * step_nm);
+    TEST_ASSERT_TRUE(inside_w <= sign * limit_w + power_w);
+    TEST_ASSERT_TRUE(beyond_w >= sign * limit_w - power_w);
+}
+
+static void compare(const config_t *config, uint64_t seed)
+{
+    random_t random = random_seeded(seed);
+    const config_battery_t *battery = &config->battery;
+    int driving = 0;
+    int braking = 0;
+    for (int n = 0; n < STATES; n++) {
+        drive_t drive = {
+            .config = config,
+            .speed_mrad_s = random_between(&random, 1000, config->motor.max_speed_mrad_s / 10 * 11),
+            .winding_cC = random_between(&random, -2000, 14000),
+        };
+        const int32_t bus_mV =
+            random_between(&random, battery->min_voltage_mV, battery->max_voltage_mV);
+        const int32_t phase_mV = (int32_t)(0.55 * bus_mV);
+        drive.motor = reference_motor(config, drive.speed_mrad_s, drive.winding_cC);
+        drive.phase_v = 1e-3 * phase_mV;
+        const motor_model_t model = model_at(config, drive.speed_mrad_s, drive.winding_cC);
+        const feasible_set_t set = feasible_set_at(&model, phase_mV);
+        drive.weakest_a = 1e-3 * model_current_mA(&model, set.weakest_d_b);
+        const int32_t cap_mNm = config->motor.max_torque_mNm;
+
+        const int32_t drawn_mA = random_between(&random, 0, battery->max_discharge_current_mA);
+        const feasible_side_t drives = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
+        const feasible_side_t brakes = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
+        const int32_t by_drawn_mNm =
+            feasible_by_drawn_mNm(&drives, feasible_power_b(&model, drawn_mA, bus_mV));
+        /* Above the largest speed nothing drives. */
+        if (drive.speed_mrad_s < config->motor.max_speed_mrad_s && by_drawn_mNm > 0 &&
+            by_drawn_mNm < q_min(by_currents_mNm(&drives), cap_mNm)) {
+            driving++;
+            assert_bound(&drive, 1e-3 * by_drawn_mNm, 1.0, 1e-6 * drawn_mA * bus_mV);
+        }
+        if (config->rotor.sensor == CONFIG_ROTOR_HALL) {
+            continue; /* power reserve for the angle error: test_torque_limits.c */
+        }
+        const int32_t returned_mA = random_between(&random, 0, battery->max_charge_current_mA);
+        const int32_t by_returned_mNm =
+            feasible_by_returned_mNm(&brakes, feasible_power_b(&model, returned_mA, bus_mV));
+        if (by_returned_mNm < q_min(by_currents_mNm(&brakes), cap_mNm)) {
+            braking++;
+            assert_bound(&drive, -1e-3 * by_returned_mNm, -1.0, -1e-6 * returned_mA * bus_mV);
+        }
+    }
+    TEST_ASSERT_GREATER_THAN_INT(STATES / 10, driving);
+    TEST_ASSERT_TRUE(config->rotor.sensor == CONFIG_ROTOR_HALL || braking > STATES / 10);
+}
+
+void test_bounds_by_battery_power_of_every_configuration_match_the_circuit(void)
+{
+    compare(&CONFIG_LU2013, 1);
+    compare(&CONFIG_EBIKE36V, 2);
+    compare(&CONFIG_SCOOTER48V, 3);
+    compare(&CONFIG_IPM400V, 4);
+}
+
+void test_charge_bounds_with_an_angle_sensor_match_the_circuit(void)
+{
+    const config_t *const configs[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V};
+    for (int c = 0; c < 3; c++) {
+        config_t config = *configs[c];
+        config.rotor.sensor = CONFIG_ROTOR_ANGLE;
+        compare(&config, (uint64_t)(10 + c));
+    }
+}
