@@ -39,7 +39,8 @@ void tearDown(void) {}
 
 static stand_t turning(const char *name, double share_of_speed, double winding_c)
 {
-    const config_t config = fixture_drive_config(name);
+    config_t config = fixture_drive_config(name);
+    config.modes.coast_delay_ms = 0; /* PWM also without demand: an open bridge leaves iron drag */
     bench_params_t params = fixture_one_wheel(fixture_drive(name));
     params.vehicle.mass_kg = HEAVY_KG;
     params.thermal.winding_temperature_c = winding_c;
