@@ -103,9 +103,11 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
     };
     const torque_command_out_t limited =
         torque_command_step(&state->command, config, &state->table, &wanted);
-    const current_setpoint_t current = loss_braking_setpoint(
+    current_setpoint_t current = loss_braking_setpoint(
         &set, &state->table.losses, limited.command_mNm,
         current_setpoint_step(&set, limited.command_mNm, in->i_d_weakening_mA));
+    /* The bounds are those of the present voltage; the command follows at the torque rate. */
+    current.feasible = current.feasible || limited.falling;
 
     const hill_hold_input_t standing = {
         .demand_mNm = demand.brake_mNm + demand.lift_off_mNm,

@@ -87,6 +87,8 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
         is_against(state->command_mNm, in->speed_mrad_s) ||
         (state->braked && in->speed_mrad_s == 0 && same_sign(before_mNm, state->command_mNm));
     out.command_mNm = state->command_mNm;
+    out.falling =
+        same_sign(out.command_mNm, target_mNm) && q_abs(out.command_mNm) > q_abs(target_mNm);
     const bool by_voltage = within_mNm != target_mNm && growth_mNm <= 0;
     const reason_t on_the_way = by_voltage ? REASON_VOLTAGE : REASON_TORQUE_RATE;
     out.reason = out.command_mNm != target_mNm ? on_the_way : driving.reason;

@@ -22,7 +22,7 @@ typedef struct {
     int32_t i_d_mA; /* without the trim, which the fast loop adds */
     int32_t i_q_mA; /* for the i_d with the trim */
     bool limited;   /* i_q reduced by the phase current limit */
-    bool feasible;  /* voltage and phase current suffice for the torque */
+    bool feasible;  /* voltage and phase current suffice for the torque, or the one it falls to */
 } current_setpoint_t;
 
 /*

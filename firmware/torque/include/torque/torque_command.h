@@ -41,6 +41,7 @@ typedef struct {
 typedef struct {
     int32_t command_mNm; /* signed, positive forward */
     reason_t reason;     /* of the limit of the command; REASON_NONE if it equals the demand */
+    bool falling;        /* at the torque rate, towards a smaller torque of the same sign */
 } torque_command_out_t;
 
 /* Permitted change of the torque's magnitude in one slow step; negative: it must fall. */

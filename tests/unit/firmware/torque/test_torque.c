@@ -197,6 +197,27 @@ void test_reason_is_voltage_only_while_no_other_limit_bounds_the_torque(void)
     TEST_ASSERT_EQUAL_INT(REASON_MAX_TORQUE, run(200).reason);
 }
 
+/* w = 361.28 /s: EMF 7.37 V, w L 27.5 mOhm, R 31 mOhm. With 75 A, 30 N m (42.6 A) take 7.0 V or
+ * more in the q-axis and 3.1 V in the d-axis, 10 A at most 5.7 V and 2.6 V: with 6.5 V a smaller
+ * torque is left, and the command falls to it at the torque rate. With 1 V none is: 75 A lower the
+ * EMF by 2.1 V. */
+void test_torque_that_falls_to_a_feasible_one_counts_as_feasible(void)
+{
+    in.drive_torque_mNm = 30000;
+    TEST_ASSERT_TRUE(run(200).current.feasible);
+    in.phase_voltage_mV = 6500;
+    torque_output_t out = step();
+    TEST_ASSERT_INT32_WITHIN(config.brake.torque_rate_mNm_s / 1000, 30000, out.command_mNm);
+    for (int n = 0; n < 200; n++) {
+        TEST_ASSERT_TRUE(out.current.feasible);
+        out = step();
+    }
+    TEST_ASSERT_GREATER_THAN_INT32(7000, out.command_mNm); /* 10 A */
+    TEST_ASSERT_LESS_THAN_INT32(30000, out.command_mNm);
+    in.phase_voltage_mV = 1000;
+    TEST_ASSERT_FALSE(step().current.feasible);
+}
+
 void test_torque_estimate_is_that_of_the_measured_current(void)
 {
     in.drive_torque_mNm = 30000;

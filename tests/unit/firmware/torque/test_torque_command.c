@@ -81,6 +81,21 @@ void test_torque_rises_and_falls_at_its_rate_with_reason_torque_rate(void)
     assert_command(0, REASON_NONE, step(FORWARD, 0, 0));
 }
 
+void test_the_torque_is_falling_until_a_smaller_one_of_the_same_sign_is_reached(void)
+{
+    static const int32_t SIGN[] = {1, -1};
+    for (int k = 0; k < 2; k++) {
+        torque_command_init(&state);
+        TEST_ASSERT_FALSE(step(FORWARD * SIGN[k], SIGN[k] * 1000, 0).falling); /* rises */
+        TEST_ASSERT_FALSE(settle(FORWARD * SIGN[k], SIGN[k] * 1000, 0).falling);
+        TEST_ASSERT_TRUE(step(FORWARD * SIGN[k], SIGN[k] * 500, 0).falling);  /* 600 */
+        TEST_ASSERT_FALSE(step(FORWARD * SIGN[k], SIGN[k] * 500, 0).falling); /* 500 */
+        TEST_ASSERT_FALSE(step(FORWARD * SIGN[k], 0, 0).falling);             /* to none */
+        settle(FORWARD * SIGN[k], SIGN[k] * 1000, 0);
+        TEST_ASSERT_FALSE(step(FORWARD * SIGN[k], 0, 1000).falling); /* to the opposite one */
+    }
+}
+
 void test_braking_acts_against_the_rotation(void)
 {
     assert_command(-10000, REASON_NONE, settle(FORWARD, 0, 10000));
