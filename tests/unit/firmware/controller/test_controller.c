@@ -201,14 +201,16 @@ void test_initial_bus_voltage_is_the_middle_of_the_battery_s_range(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
 }
 
-/* Voltage bound of the driving torque, at 560 r/min and 50 V: about 30 N m. */
+/* Voltage bound of the driving torque, at 588 r/min and 42 V: about 33 N m, less than the motor's
+ * 40 N m. w = 1416 /s, w L = 0.108 Ohm, EMF 28.9 V, i_d = -75 A; 47 A of i_q (33 N m) take u_q =
+ * 28.9 - 8.1 + 1.5 V and u_d = -2.3 - 5.1 V, 23.5 V of 0.969 * 42/sqrt(3) V. */
 static int32_t voltage_bound_mNm(int32_t target_q15, int32_t reserve_q15)
 {
     rig_start(&rig);
     rig.config.current_loop.modulation_target_pu_q15 = target_q15;
     rig.config.current_loop.modulation_reserve_pu_q15 = reserve_q15;
-    rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 50.0);
-    rig_set_speed_rpm(&rig, 560.0);
+    rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 42.0);
+    rig_set_speed_rpm(&rig, 588.0);
     rig_run(&rig, 100);
     return rig.controller.slow.torque.table.driving[TORQUE_LINE_VOLTAGE].torque_mNm;
 }
