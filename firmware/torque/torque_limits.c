@@ -40,15 +40,21 @@ limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque
     return *tightest;
 }
 
+static inline void sort_line(torque_limits_classes_t *out, torque_line_t line, bool deferrable,
+                             int32_t torque_mNm)
+{
+    if (line != TORQUE_LINE_ELECTRIC_SHARE) {
+        int32_t *const class_mNm = deferrable ? &out->deferrable_mNm : &out->hard_mNm;
+        *class_mNm = q_min(*class_mNm, torque_mNm);
+    }
+}
+
 torque_limits_classes_t torque_limits_classes(const limit_t braking[TORQUE_LINE_COUNT])
 {
     torque_limits_classes_t out = {.hard_mNm = FEASIBLE_UNBOUNDED,
                                    .deferrable_mNm = FEASIBLE_UNBOUNDED};
 #define TORQUE_LINE_SORT(name, deferrable)                                                         \
-    if (TORQUE_LINE_##name != TORQUE_LINE_ELECTRIC_SHARE) {                                        \
-        int32_t *const class_mNm = (deferrable) ? &out.deferrable_mNm : &out.hard_mNm;             \
-        *class_mNm = q_min(*class_mNm, braking[TORQUE_LINE_##name].torque_mNm);                    \
-    }
+    sort_line(&out, TORQUE_LINE_##name, (deferrable), braking[TORQUE_LINE_##name].torque_mNm);
     TORQUE_LINES(TORQUE_LINE_SORT)
 #undef TORQUE_LINE_SORT
     return out;

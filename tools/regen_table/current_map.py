@@ -151,8 +151,8 @@ def read(
 ) -> Array:
     """Read i_d in A in whole numbers, as the controller would.
 
-    Linear, between two speeds, then two temperatures, then two torques, each rounded; the edges
-    count beyond the grid.
+    Linear: bilinear over speed and temperature, rounded, then between two torques, rounded; the
+    edges count beyond the grid.
     """
     layers, rows, columns = table.current_d_mA.shape
     turning = np.where(np.asarray(speed_rad_s) < 0.0, -1.0, 1.0)
@@ -163,25 +163,41 @@ def read(
     t, t_part = audit.locate(from_edge, columns, table.torque_step_log2)
     entries = table.current_d_mA.astype(np.int64).ravel()
     corner = s * columns + t
-
-    def at_speed(first: audit.Whole) -> audit.Whole:
-        slow, fast = entries[first], entries[first + columns]
-        return audit.between(slow, fast, s_part, table.speed_step_log2)
-
-    def at_torque(first: audit.Whole) -> audit.Whole:
-        cold = at_speed(first)
-        if layers == 1:
-            return cold
-        hot = at_speed(first + rows * columns)
-        return audit.between(cold, hot, w_part, table.temperature_step_log2)
-
-    w_part = np.zeros_like(t_part)
+    speed_q20, warm_q20, hotter = s_part << (20 - table.speed_step_log2), np.zeros_like(t_part), 0
     if layers > 1:
         above = np.asarray(winding_temperature_c) * 100.0 - table.temperature_origin_cC
         w, w_part = audit.locate(above, layers, table.temperature_step_log2)
-        corner = corner + w * (rows * columns)
+        warm_q20, hotter = w_part << (20 - table.temperature_step_log2), rows * columns
+        corner = corner + w * hotter
+
+    def at_torque(first: audit.Whole) -> audit.Whole:
+        return _weighted(
+            speed_q20,
+            warm_q20,
+            (entries[first], entries[first + columns]),
+            (entries[first + hotter], entries[first + hotter + columns]),
+        )
+
     found = audit.between(at_torque(corner), at_torque(corner + 1), t_part, table.torque_step_log2)
     return np.asarray(found / 1000.0)
+
+
+def _weighted(
+    x_q20: audit.Whole,
+    y_q20: audit.Whole,
+    cold: tuple[audit.Whole, audit.Whole],
+    hot: tuple[audit.Whole, audit.Whole],
+) -> audit.Whole:
+    """Mirror grid_weights() and grid_weighted(): bilinear, rounded to nearest."""
+    both = (x_q20 * y_q20) >> 10
+    x, y = x_q20 << 10, y_q20 << 10
+    sum_q30 = (
+        ((1 << 30) - x - y + both) * cold[0]
+        + (x - both) * cold[1]
+        + (y - both) * hot[0]
+        + both * hot[1]
+    )
+    return np.asarray((sum_q30 + (1 << 29)) >> 30)
 
 
 def state(

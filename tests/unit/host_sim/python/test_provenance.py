@@ -96,7 +96,7 @@ def test_a_page_of_a_result_without_provenance_contains_that_of_the_call(
 
 def test_the_crc_equals_that_of_the_controllers_image(tmp_path: Path) -> None:
     path = tmp_path / "run.json"
-    changed = ("--set", "motor.max_phase_current_a=50", "--json", str(path))
+    changed = ("--set", "motor.max_phase_current_a=74", "--json", str(path))
     assert cli.main(["run", "stop", *QUICK, "--date", DATE, *changed]) == 0
     found = json.loads(path.read_text(encoding="utf-8"))["provenance"]
     assert found["configuration_crc32"] != expected()["configuration_crc32"]

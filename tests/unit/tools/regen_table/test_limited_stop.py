@@ -132,7 +132,8 @@ def test_blend_out_and_winding_temperature_take_their_shares() -> None:
 
 def test_phase_current_leaves_the_maximum_torque_per_ampere(change: Change) -> None:
     """46 A in 1.5 * 23 * 0.0204 N m/A, i_d = 0: 32.37 N m."""
-    drive = change({**COPPER_ONLY, "motor.max_phase_current_a": 46.0})
+    limits = {"motor.max_phase_current_a": 46.0, "control.field_weakening_current_a": 40.0}
+    drive = change({**COPPER_ONLY, **limits})
     trace = limited_stop.trace_of(drive, SERIES, 40.0, 40.0, 25.0)
     k = at_speed(trace, 30.0)
     assert trace.reason[k] == "phase_current"

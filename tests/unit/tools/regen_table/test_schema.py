@@ -418,7 +418,7 @@ def test_a_top_speed_beyond_field_weakening_at_min_voltage_gives_a_warning(
     line = loops.weakening_warning(change({}))
     assert line is not None
     emf = math.sqrt(3.0) * 0.0204 * 23 * 640.0 * math.pi / 30.0
-    left = emf - math.sqrt(3.0) * 76e-6 * 40.0 * 23 * 640.0 * math.pi / 30.0
+    left = emf - math.sqrt(3.0) * 76e-6 * 70.0 * 23 * 640.0 * math.pi / 30.0
     made = loops.modulation_limit(change({})) * 40.0
     for number in (
         f"{left:.4g} V of back-EMF",
