@@ -130,6 +130,7 @@ def test_events_of_a_scenario_are_applied_at_their_times(
     path.write_text(
         "initial_speed_kmh = 20\nmax_duration_s = 0.6\n[drive.brake]\nparallel_electric_share = "
         "0.5\n"
+        "[drive.control]\ncoast_delay_s = 0\n"  # an open bridge leaves the iron drag
         "[events.hill]\nat_s = 0.2\nover_s = 0.1\nset.road.slope = 0.1\n", encoding="utf-8",
     )  # fmt: skip
     with hubsim.Bench(config, path) as bench:
