@@ -213,6 +213,39 @@ void test_excess_torque_after_a_bus_voltage_drop_is_zero_within_100_ms(void)
     }
 }
 
+/* Above the EMF limit the bridge lets go by the active short circuit, 178 A of i_d at 200 A of
+ * phase current, and begins to switch from it: no fault, so no more than the trip's 260 A, and the
+ * torque equals its command. */
+void test_torque_returns_after_an_active_short_circuit(void)
+{
+    static const double SIGN[] = {1.0, -1.0};
+    for (int k = 0; k < 2; k++) {
+        const config_t config = fixture_drive_config("ipm400v");
+        const stand_t stand =
+            turning("ipm400v", SIGN[k] * 995.0 / (config.motor.max_speed_mrad_s * 1e-3), 25.0);
+        bench_t *bench = stand.bench;
+        curve_t *open_v = &bench->params.battery.open_circuit_voltage_v;
+        for (int n = 0; n < open_v->points; n++) {
+            open_v->y[n] *= 0.9;
+        }
+        wheel_t *wheel = &bench->wheel[0];
+        (void)settled(&stand, -60.0);
+        wheel->controller.slow.bridge_choice.retry_steps = BRIDGE_CHOICE_RETRY_STEPS;
+        fixture_run(bench, 0.1);
+        TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, wheel->active.bridge);
+        fixture_run(bench, 0.2);
+        const mean_t mean = settled(&stand, -60.0);
+        char text[160];
+        snprintf(text, sizeof(text), "%.0f rad/s: %.2f for %.2f N m", stand.speed_rad_s,
+                 mean.torque_nm, mean.command_nm);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(REASON_NONE, wheel->first_fault, text);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(BRIDGE_PWM, wheel->active.bridge, text);
+        TEST_ASSERT_TRUE_MESSAGE(fabs(mean.torque_nm - mean.command_nm) <=
+                                     SHARE_OF_RATED * fmax(stand.rated_nm, fabs(mean.command_nm)),
+                                 text);
+    }
+}
+
 /* A larger inductance than configured takes more voltage than the torque bound assumes: the
  * measured voltage use then stops the rise of the torque. The hydraulic brake covers the shortfall.
  * Excess torque must be no more than the parameter error itself gives. */

@@ -123,6 +123,17 @@ void test_an_infeasible_torque_takes_the_safe_state_and_warns_and_comes_back(voi
     TEST_ASSERT_FALSE(state.overspeed);
 }
 
+/* Its current does not decay: with less than the limit switching would never begin. */
+void test_switching_begins_on_the_settled_current_of_a_short_circuit(void)
+{
+    in.safe_bridge = BRIDGE_SHORT;
+    in.bridge = BRIDGE_SHORT;
+    in.i_d_mA = -75001;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, run(100));
+    in.i_d_mA = -75000;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
+}
+
 /* 7/8 of 75 A are 65.6 A. */
 void test_switching_does_not_begin_on_a_current_near_the_limit(void)
 {
