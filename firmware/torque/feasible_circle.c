@@ -3,8 +3,9 @@
 #include "feasible_ellipse.h"
 
 enum {
-    NEWTON_STEPS = 3, /* along the circle to the ellipse */
-    CIRCLE_PASSES = 3 /* to the torque */
+    CIRCLE_STEPS = 4,              /* to the ellipse; up to a short one */
+    SHORT_ANGLE = SCALED_ONE >> 3, /* rad; the error left is of the third order */
+    CIRCLE_PASSES = 3              /* to the torque */
 };
 
 /* The point on the circle at an i_d; *i_q_b its i_q, signed. */
@@ -16,22 +17,50 @@ static motor_point_t on_circle(const motor_model_t *m, int32_t sign, int32_t d_b
     return out;
 }
 
-/* Where circle and ellipse meet without resistance and iron loss: the root of
- * (X_d^2 - X_q^2) d^2 + 2 w psi X_d d + (w psi)^2 + (X_q I)^2 - U^2 for which i_d is highest. */
-static int32_t lossless_d_b(const feasible_set_t *set)
+/* Maximum torque per ampere on the circle: the i_d at which (psi + (L_d - L_q) i_d) i_q is
+ * largest. */
+static int32_t best_d_b(const motor_model_t *m)
+{
+    if (m->saliency_b == 0) {
+        return 0;
+    }
+    const int32_t per_flux_b = scaled_multiply(m->saliency_b, m->constants->current_most_b);
+    const int32_t root_b = scaled_root(square(m->flux_b) + 8 * square(per_flux_b));
+    const int32_t d_of_most = scaled_ratio(root_b - m->flux_b, q_max(q_abs(4 * per_flux_b), 1));
+    const int32_t d_b = scaled_multiply(d_of_most, m->constants->current_most_b);
+    return m->saliency_b < 0 ? -d_b : d_b;
+}
+
+/* README, Phase current: the quadratic of both sides, and its change by the resistive power. */
+static feasible_circle_t circle_start(const feasible_set_t *set)
 {
     const motor_model_t *m = set->model;
-    const int32_t u_d_most_b = clamped_b(scaled_multiply(m->reactance_q_b, circle_b(m)));
-    const int32_t u_q_most_b = clamped_b(scaled_multiply(m->reactance_d_b, circle_b(m)));
+    const int32_t most_b = circle_b(m);
+    const int32_t reactive_b = clamped_b(scaled_multiply(m->reactance_q_b, most_b));
+    const int32_t resistive_b = clamped_b(scaled_multiply(m->resistance_b, most_b));
     const int32_t emf_b = clamped_b(m->emf_b);
-    const int64_t a = (square(u_d_most_b) - square(u_q_most_b)) >> 23;
-    const int64_t b = ((int64_t)emf_b * u_q_most_b) >> 23;
-    const int64_t c = (square(emf_b) + square(u_d_most_b) - set->voltage_squared) >> 23;
-    const int32_t sum =
-        coefficient(b + scaled_root(square(coefficient(b)) +
-                                    (int64_t)coefficient(a) * q_max(coefficient(c), 0)));
-    const int32_t share = scaled_ratio(coefficient(c), q_max(sum, 1));
-    return -scaled_multiply(q_clamp(share, 0, SCALED_ONE - SCALED_ONE / 64), circle_b(m));
+    const int32_t excess = coefficient(
+        (square(emf_b) + square(reactive_b) + square(resistive_b) - set->voltage_squared) >> 24);
+    const int32_t half = coefficient(((int64_t)m->reactance_d_b * emf_b) >> 24);
+    const int32_t squared =
+        coefficient((square(m->reactance_d_b) - square(m->reactance_q_b)) >> 24);
+    const int32_t root = q_max(scaled_root(square(half) - (int64_t)squared * excess), 1);
+    const int32_t best_b = best_d_b(m);
+    const int32_t lowest_b = q_max(q_min(set->weakest_d_b, best_b), -most_b);
+    const int32_t d_b = q_limit(-scaled_ratio(excess, q_max(half + root, 1)), most_b - most_b / 64);
+    const int32_t at_b = q_clamp(d_b, lowest_b, best_b);
+    const int32_t i_q_b = scaled_root(square(most_b) - square(at_b));
+    const int32_t across_b =
+        clamped_b(emf_b + scaled_multiply(m->reactance_d_b - m->reactance_q_b, at_b));
+    const int32_t power_b = scaled_multiply(scaled_multiply(m->resistance_b, i_q_b), across_b);
+    const feasible_circle_t out = {
+        .known = true,
+        .best_b = best_b,
+        .lowest_b = lowest_b,
+        .d_b = d_b,
+        .by_side_b = q_limit(scaled_ratio(power_b, root), most_b / 8),
+    };
+    return out;
 }
 
 /* The angle along the circle to the ellipse, towards higher |u|, at most half a radian: on the line
@@ -53,18 +82,18 @@ static int32_t circle_root(const feasible_set_t *set, const line_t *line)
     return q_limit(t, SCALED_ONE / 2);
 }
 
-/* Along the circle from the best i_d down to where the voltage suffices: from the lossless point
- * to the second order. */
-static motor_point_t circle_and_ellipse(const feasible_side_t *side)
+/* Along the circle from its start to the ellipse, between the lowest i_d and the best: steps to the
+ * second order, up to a short one. */
+static motor_point_t circle_and_ellipse(const feasible_side_t *side,
+                                        const feasible_circle_t *circle)
 {
     const feasible_set_t *set = side->set;
     const motor_model_t *m = set->model;
-    const int32_t highest_b = set->best_d_b;
-    const int32_t lowest_b = q_max(q_min(set->weakest_d_b, highest_b), -circle_b(m));
+    const int32_t start_b = circle->d_b - side->sign * circle->by_side_b;
     int32_t i_q_b = 0;
     motor_point_t at =
-        on_circle(m, side->sign, q_clamp(lossless_d_b(set), lowest_b, highest_b), &i_q_b);
-    for (int pass = 0; pass < NEWTON_STEPS; pass++) {
+        on_circle(m, side->sign, q_clamp(start_b, circle->lowest_b, circle->best_b), &i_q_b);
+    for (int pass = 0; pass < CIRCLE_STEPS; pass++) {
         /* Along the tangent, as long as i_q. */
         const int32_t d_per_t = q_abs(i_q_b);
         const int32_t q_per_t = -side->sign * at.d_b;
@@ -80,35 +109,29 @@ static motor_point_t circle_and_ellipse(const feasible_side_t *side)
             const int32_t q_b = q_clamp(side->sign * (i_q_b + change_b), 1, circle_b(m));
             d_b = -scaled_root(square(circle_b(m)) - square(q_b));
         }
-        at = on_circle(m, side->sign, q_clamp(d_b, lowest_b, highest_b), &i_q_b);
+        const int32_t to_b = q_clamp(d_b, circle->lowest_b, circle->best_b);
+        if (to_b == at.d_b) {
+            break; /* at an end */
+        }
+        at = on_circle(m, side->sign, to_b, &i_q_b);
+        if (q_abs(t) < SHORT_ANGLE) {
+            break;
+        }
     }
     return at;
 }
 
-int32_t feasible_by_current_mNm(const feasible_side_t *side)
+int32_t feasible_by_current_mNm(const feasible_side_t *side, feasible_circle_t *circle)
 {
     const motor_model_t *m = side->set->model;
-    int32_t i_q_b = motor_model_i_q_b(m, side->cap);
+    const int32_t i_q_b = motor_model_i_q_b(m, side->cap);
     if (side->cap_has_voltage && square(side->cap.d_b) + square(i_q_b) <= square(circle_b(m))) {
         return FEASIBLE_UNBOUNDED;
     }
-    motor_point_t at = on_circle(m, side->sign, side->set->best_d_b, &i_q_b);
-    if (!voltage_suffices(side->set, at)) {
-        at = circle_and_ellipse(side);
+    if (!circle->known) {
+        *circle = circle_start(side->set);
     }
-    return feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
-}
-
-int32_t feasible_circle_best_d_b(const motor_model_t *m)
-{
-    if (m->saliency_b == 0) {
-        return 0;
-    }
-    const int32_t per_flux_b = scaled_multiply(m->saliency_b, m->constants->current_most_b);
-    const int32_t root_b = scaled_root(square(m->flux_b) + 8 * square(per_flux_b));
-    const int32_t d_of_most = scaled_ratio(root_b - m->flux_b, q_max(q_abs(4 * per_flux_b), 1));
-    const int32_t d_b = scaled_multiply(d_of_most, m->constants->current_most_b);
-    return m->saliency_b < 0 ? -d_b : d_b;
+    return feasible_magnitude_mNm(side, motor_model_airgap_b(m, circle_and_ellipse(side, circle)));
 }
 
 /* Near its maximum the torque is a parabola over i_d. */
@@ -116,7 +139,7 @@ int32_t feasible_circle_d_b(const feasible_set_t *set, int32_t airgap_b, int32_t
 {
     const motor_model_t *m = set->model;
     const int32_t sign = airgap_b >= 0 ? 1 : -1;
-    const int32_t best_b = set->best_d_b;
+    const int32_t best_b = best_d_b(m);
     const int32_t lowest_b = q_min(q_limit(map_b, m->constants->current_most_b), best_b);
     int32_t i_q_b = 0;
     const int32_t most_b = sign * motor_model_airgap_b(m, on_circle(m, sign, best_b, &i_q_b));

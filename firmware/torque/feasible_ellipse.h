@@ -87,10 +87,6 @@ static inline int32_t circle_b(const motor_model_t *m)
            (m->constants->current_most_b >> ELLIPSE_CIRCLE_RESERVE_LOG2);
 }
 
-/* Maximum torque per ampere on the circle: the i_d at which (psi + (L_d - L_q) i_d) i_q is
- * largest. */
-int32_t feasible_circle_best_d_b(const motor_model_t *m);
-
 /* The i_d on the circle for a torque above the one at the map's i_d, between the map's i_d and that
  * of maximum torque per ampere. */
 int32_t feasible_circle_d_b(const feasible_set_t *set, int32_t airgap_b, int32_t map_b);

@@ -167,7 +167,6 @@ feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage
         .row = loss_maps_row_at(model->config, model->speed_mrad_s, model->winding_temperature_cC),
         .voltage_squared = square(voltage_b),
         .weakest_d_b = weakest_d_b(model, voltage_b),
-        .best_d_b = feasible_circle_best_d_b(model),
     };
     return out;
 }

@@ -179,12 +179,13 @@ static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
     const int32_t returned_b = feasible_power_b(model, charge.current_mA, bus_mV);
     const int32_t cap_mNm = q_min(out->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm,
                                   out->driving[TORQUE_LINE_MAX_POWER].torque_mNm);
+    feasible_circle_t circle = {.known = false};
     static const side_t SIDES[2] = {SIDE_DRIVING, SIDE_BRAKING};
     for (int k = 0; k < 2; k++) {
         limit_t *line = k == 0 ? out->driving : out->braking;
         const feasible_side_t side = feasible_side_at(set, SIDES[k], cap_mNm);
         line[TORQUE_LINE_PHASE_CURRENT] =
-            limit_init(feasible_by_current_mNm(&side), REASON_PHASE_CURRENT);
+            limit_init(feasible_by_current_mNm(&side, &circle), REASON_PHASE_CURRENT);
         line[TORQUE_LINE_VOLTAGE] = limit_init(side.voltage_mNm, REASON_VOLTAGE);
         line[TORQUE_LINE_DRAWN] =
             limit_init(feasible_by_drawn_mNm(&side, drawn_b), discharge.reason);

@@ -35,7 +35,6 @@ typedef struct {
     loss_maps_row_t row;
     int64_t voltage_squared; /* of the largest |u|, binary scale */
     int32_t weakest_d_b;     /* lowest i_d, <= 0: README, Feasible torque */
-    int32_t best_d_b;        /* maximum torque per ampere on the current circle */
 } feasible_set_t;
 
 /* One direction of torque, with the point of the largest torque that the other limits permit, or
@@ -48,6 +47,13 @@ typedef struct {
     bool cap_has_voltage;
 } feasible_side_t;
 
+/* i_d on the current circle, of both sides: best_b for maximum torque per ampere, lowest_b of field
+ * weakening; near d_b the voltage ellipse meets it, lower by by_side_b driving, higher braking. */
+typedef struct {
+    bool known;
+    int32_t best_b, lowest_b, d_b, by_side_b;
+} feasible_circle_t;
+
 /* phase_voltage_mV: peak phase, mean over the period, >= 0. */
 feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage_mV);
 
@@ -55,8 +61,9 @@ feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage
 feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t cap_mNm);
 
 /* Largest torque with |i| within motor.max_phase_current: maximum torque per ampere on the current
- * circle, or where the voltage ellipse meets the circle. */
-int32_t feasible_by_current_mNm(const feasible_side_t *side);
+ * circle, or where the voltage ellipse meets the circle. circle: made by the first side that needs
+ * it, for both; {.known = false} before. */
+int32_t feasible_by_current_mNm(const feasible_side_t *side, feasible_circle_t *circle);
 
 /* Power that a point draws, negative where it returns power, less what an uncertain angle may
  * return; scale of feasible_power_b(). */

@@ -64,10 +64,11 @@ void test_phase_current_bounds_of_every_configuration_match_a_bisection_on_the_c
             drive.weakest_a = 1e-3 * model_current_mA(&model, set.weakest_d_b);
             const int32_t most_mNm = configs[c]->motor.max_torque_mNm;
             const int32_t cap_mNm = n % 2 == 0 ? most_mNm : 3 * most_mNm;
+            feasible_circle_t circle = {.known = false};
             for (int sign = -1; sign <= 1; sign += 2) {
                 const feasible_side_t side =
                     feasible_side_at(&set, sign > 0 ? SIDE_DRIVING : SIDE_BRAKING, cap_mNm);
-                const int32_t found_mNm = feasible_by_current_mNm(&side);
+                const int32_t found_mNm = feasible_by_current_mNm(&side, &circle);
                 const double wanted_mNm = 1e3 * by_current_nm(&drive, sign);
                 if (wanted_mNm < 0.0) {
                     continue;

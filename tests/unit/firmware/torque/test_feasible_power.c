@@ -19,7 +19,8 @@ static double drawn_w(const drive_t *drive, double shaft_nm)
 /* The tighter bound of voltage and phase current: beyond it no bound by power applies. */
 static int32_t by_currents_mNm(const feasible_side_t *side)
 {
-    return q_min(side->voltage_mNm, feasible_by_current_mNm(side));
+    feasible_circle_t circle = {.known = false};
+    return q_min(side->voltage_mNm, feasible_by_current_mNm(side, &circle));
 }
 
 /* The power crosses its limit between a slightly smaller and a slightly larger torque. */

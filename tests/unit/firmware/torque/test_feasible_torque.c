@@ -260,8 +260,9 @@ void test_bounds_of_an_extreme_reactance_are_magnitudes(void)
             feasible_power_b(&model, random_between(&random, 0, 500000), 400000);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, driving.voltage_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, braking.voltage_mNm);
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_current_mNm(&driving));
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_current_mNm(&braking));
+        feasible_circle_t circle = {.known = false};
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_current_mNm(&driving, &circle));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_current_mNm(&braking, &circle));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_drawn_mNm(&driving, power_b));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_drawn_mNm(&braking, power_b));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_returned_mNm(&braking, power_b));
