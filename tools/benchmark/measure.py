@@ -59,9 +59,9 @@ BUDGETS = (
     Budget("cortex-m3", CURRENT_LOOP, 168),
     Budget("cortex-m0plus", CURRENT_LOOP, 349),
 )
-SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 7000, max_at_most=11300)
+SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 9000, max_at_most=16000)
 """Of a configuration in every state of the envelope."""
-SLOW_BUDGETS = {"ipm400v": Budget("cortex-m4", SLOW_STEP, 10000, max_at_most=13700)}
+SLOW_BUDGETS = {"ipm400v": Budget("cortex-m4", SLOW_STEP, 11500, max_at_most=16500)}
 """Of the configurations with another one: salient, and a map over temperature."""
 LOOP_BYTES_AT_MOST = 2048
 REFERENCE_GCC = 12
