@@ -104,7 +104,8 @@ static bool arrived(hydraulic_feedback_state_t *state, const hydraulic_feedback_
         report->age_ms < (uint32_t)INT32_MAX ? (int32_t)report->age_ms : INT32_MAX;
     const bool is_new = report->valid && (!state->seen || age_ms <= state->since_ms);
     if (is_new) {
-        state->between_ms = q_clamp(state->since_ms + 1 - age_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms);
+        const int32_t between_ms = q_saturate64((int64_t)state->since_ms + 1 - age_ms);
+        state->between_ms = q_clamp(between_ms, 1, HYDRAULIC_FEEDBACK_PAST_ms);
         state->since_ms = age_ms;
         const int32_t torque_mNm = q_clamp(report->torque_mNm, 0, MOST_mNm);
         state->change_mNm = state->seen ? torque_mNm - state->report_mNm : 0;
