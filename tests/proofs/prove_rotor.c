@@ -115,10 +115,13 @@ void prove_angle_tracker(void)
     state.tracker.speed_q32 = nondet_int32();
     state.tracker.started = nondet_bool();
     state.sensor = CONFIG_ROTOR_ANGLE;
+    hall_init(&state.hall, &config);
     const foc_input_t in = {.rotor_angle_turn = nondet_uint16(), .hall_state = nondet_uint8()};
     rotor_out_t out;
     rotor_step(&state, &config, &in, &out);
     PROVE(out.valid && out.faults == 0);
+    /* The next period reads the sensor again. */
+    PROVE(state.hall.periods_since_edge >= state.hall.overdue_periods);
     PROOF_END();
 }
 
