@@ -13,7 +13,8 @@ enum {
     MOST_b = 1 << 26,           /* of any coefficient: products and sums stay within 32 bits */
     MOST_CURRENT_b = MOTOR_MODEL_MOST_CURRENT_b,
     SIZE_LOG2 = 22, /* the largest value of a quantity lies in [2^22, 2^23) */
-    LARGEST_RISE_cK = 100000
+    LARGEST_RISE_cK = 100000,
+    LEAST_FLUX_b = 4 /* a quarter of it divides */
 };
 
 static int32_t within_b(int32_t x)
@@ -129,15 +130,15 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
     const int32_t rise_cK =
         q_clamp(q_saturate64((int64_t)winding_temperature_cC - motor->reference_temperature_cC),
                 -LARGEST_RISE_cK, LARGEST_RISE_cK);
+    const int32_t flux_change_b =
+        motor->flux_coefficient_ppm_K < 0 ? -k->flux_fall_b : k->flux_fall_b;
     motor_model_t m = {
         .constants = k,
         .config = config,
         .speed_mrad_s = speed_mrad_s,
         .winding_temperature_cC = winding_temperature_cC,
         .speed_b = w_b,
-        .flux_b = at_temperature_b(
-            k->flux_b, motor->flux_coefficient_ppm_K < 0 ? -k->flux_fall_b : k->flux_fall_b,
-            rise_cK),
+        .flux_b = q_max(at_temperature_b(k->flux_b, flux_change_b, rise_cK), LEAST_FLUX_b),
         .saliency_b = within_b(k->inductance_d_b - k->inductance_q_b),
         .reactance_d_b = within_b(scaled_multiply(w_b, k->inductance_d_b)),
         .reactance_q_b = within_b(scaled_multiply(w_b, k->inductance_q_b)),
@@ -145,8 +146,7 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
         .one_plus_a2 = SCALED_ONE,
         .inverse_one_plus_a2 = SCALED_ONE,
     };
-    m.x_per_airgap_q23 =
-        scaled_multiply(k->torque_inverse_q24, scaled_ratio(1 << 23, q_max(m.flux_b, 1)));
+    m.x_per_airgap_q23 = scaled_multiply(k->torque_inverse_q24, scaled_ratio(1 << 23, m.flux_b));
     m.emf_b = within_b(scaled_multiply(w_b, m.flux_b));
     const int64_t iron_q16_b = k->iron_q16_b + (((int64_t)w_b * k->iron_slope_q16_b) >> 24);
     if (iron_q16_b > 0) {

@@ -314,3 +314,27 @@ void test_any_input_gives_one_of_the_two_states(void)
         TEST_ASSERT_TRUE(out.torque_mNm >= 0 && out.freewheel.current_mA >= 0);
     }
 }
+
+/* Down to L_q/L_d = 1e-7, two units of its number format. */
+void test_states_of_any_accepted_inductances_are_bounded(void)
+{
+    random_t random = random_seeded(7);
+    config = CONFIG_IPM400V;
+    for (int n = 0; n < STATES; n++) {
+        const bool extreme = random_chance(&random, 0.1);
+        const double most = extreme ? 9.0 : random_real(&random, 2.0, 9.0);
+        const double least = extreme ? 2.0 : random_real(&random, 2.0, 9.0);
+        config.motor.d_inductance_nH = (int32_t)pow(10.0, most);
+        config.motor.q_inductance_nH = (int32_t)pow(10.0, least);
+        config.drive.diode_drop_mV = random_between(&random, 0, 2) * 500;
+        in.speed_mrad_s = random_between(&random, -2000000, 2000000);
+        in.bus_voltage_mV = random_chance(&random, 0.2) ? 0 : random_between(&random, 1, 450000);
+        const letting_go_t states[] = {safe_state_short(&config, &in),
+                                       safe_state_freewheel(&config, &in)};
+        for (int k = 0; k < 2; k++) {
+            TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, states[k].torque_mNm);
+            TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, states[k].current_mA);
+            TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, states[k].charging_mA);
+        }
+    }
+}

@@ -56,6 +56,15 @@ static int32_t random_in(random_t *random, const field_t *field)
     return (int32_t)exp(random_real(random, low, log((double)field->highest)));
 }
 
+static const field_t *field_at(size_t offset)
+{
+    int f = 0;
+    while (FIELDS[f].offset != offset) {
+        f++;
+    }
+    return &FIELDS[f];
+}
+
 /* Returns whether the validator accepts the configuration. */
 static bool random_configuration(random_t *random, double changed, config_t *config)
 {
@@ -65,6 +74,11 @@ static bool random_configuration(random_t *random, double changed, config_t *con
             const int32_t value = random_in(random, &FIELDS[f]);
             memcpy((char *)config + FIELDS[f].offset, &value, sizeof value);
         }
+    }
+    if (random_chance(random, 0.5)) { /* weak magnets with reluctance, down to no flux at all */
+        config->motor.type = CONFIG_MOTOR_IPMSM;
+        config->motor.flux_linkage_nWb =
+            random_in(random, field_at(offsetof(config_t, motor.flux_linkage_nWb)));
     }
     if (config->motor.type == CONFIG_MOTOR_SPMSM) {
         config->motor.q_inductance_nH = config->motor.d_inductance_nH;
