@@ -44,12 +44,12 @@ static machine_t machine_at(const config_t *config, const safe_state_input_t *in
                                                         in->winding_temperature_cC);
     const int32_t infinite_mA =
         q_saturate64((int64_t)motor->flux_linkage_nWb * 1000 / motor->d_inductance_nH);
-    const int64_t flux_mA_nWb = (int64_t)motor->flux_linkage_nWb * infinite_mA; /* 1e-12 N m */
+    const int64_t flux_uA_Wb = divide_by_million((int64_t)motor->flux_linkage_nWb * infinite_mA);
     const machine_t out = {
         .emf_mV = emf_mV,
         .line_mV = line_mV_of(emf_mV),
         .infinite_mA = infinite_mA,
-        .stall_mNm = q_saturate64(divide_by_billion(flux_mA_nWb * 3 / 2 * motor->pole_pairs)),
+        .stall_mNm = q_saturate64(divide_by_thousand(flux_uA_Wb * 3 / 2 * motor->pole_pairs)),
         .rho_q24 = scaled_ratio(r_uOhm, q_max(x_uOhm, 1)),
         .sigma_q24 = scaled_ratio(motor->q_inductance_nH, motor->d_inductance_nH),
     };

@@ -316,7 +316,7 @@ void test_any_input_gives_one_of_the_two_states(void)
 }
 
 /* Down to L_q/L_d = 1e-7, two units of its number format. */
-void test_states_of_any_accepted_inductances_are_bounded(void)
+void test_states_of_any_accepted_motor_are_bounded(void)
 {
     random_t random = random_seeded(7);
     config = CONFIG_IPM400V;
@@ -326,9 +326,17 @@ void test_states_of_any_accepted_inductances_are_bounded(void)
         const double least = extreme ? 2.0 : random_real(&random, 2.0, 9.0);
         config.motor.d_inductance_nH = (int32_t)pow(10.0, most);
         config.motor.q_inductance_nH = (int32_t)pow(10.0, least);
+        config.motor.flux_linkage_nWb = (int32_t)pow(10.0, random_real(&random, 3.0, 9.3));
+        config.motor.pole_pairs = random_between(&random, 1, 60);
         config.drive.diode_drop_mV = random_between(&random, 0, 2) * 500;
-        in.speed_mrad_s = random_between(&random, -2000000, 2000000);
+        in.winding_temperature_cC = random_between(&random, -10000, 50000);
+        in.speed_mrad_s = random_wild(&random);
         in.bus_voltage_mV = random_chance(&random, 0.2) ? 0 : random_between(&random, 1, 450000);
+        in.i_d_mA = random_wild(&random);
+        in.i_q_mA = random_wild(&random);
+        in.bridge = random_chance(&random, 0.5) ? BRIDGE_SHORT : BRIDGE_OFF;
+        const safe_state_t chosen = safe_state_step(&config, &in);
+        TEST_ASSERT_TRUE(chosen.bridge == BRIDGE_SHORT || chosen.bridge == BRIDGE_OFF);
         const letting_go_t states[] = {safe_state_short(&config, &in),
                                        safe_state_freewheel(&config, &in)};
         for (int k = 0; k < 2; k++) {
