@@ -1,47 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include <math.h>
-#include <string.h>
 
-#include "paper_vehicle.h"
 #include "random_values.h"
-#include "reference_motor.h"
-#include "torque/torque.h"
+#include "torque_rig.h"
 #include "unity.h"
-
-static config_t config;
-static torque_state_t state;
-static torque_input_t in;
-
-static const torque_enable_t FULL_ENABLE = {
-    .drive_q15 = Q15_ONE, .brake_q15 = Q15_ONE, .reason = REASON_NONE};
 
 void setUp(void)
 {
-    config = paper_vehicle();
-    config.brake.loss_braking = 0;
-    torque_init(&state, &config);
-    memset(&in, 0, sizeof in);
-    in.speed_mrad_s = mrad_s_of_rpm(150.0);
-    in.bus_voltage_mV = 53000;
-    in.phase_voltage_mV = 1000000;
-    in.bms_charge_current_mA = 1000000;
-    in.bms_discharge_current_mA = 1000000;
-    in.winding_temperature_cC = 2500;
-    in.switch_temperature_cC = 2500;
-    in.rotor_valid = true;
-    in.torque_enable = FULL_ENABLE;
+    torque_rig_reset();
 }
 
 void tearDown(void) {}
-
-/* One step; the measured current of the next step is this step's setpoint. */
-static torque_output_t step(void)
-{
-    const torque_output_t out = torque_step(&state, &config, &in);
-    in.current.d_mA = out.current.i_d_mA + in.i_d_weakening_mA;
-    in.current.q_mA = out.current.i_q_mA;
-    return out;
-}
 
 static torque_output_t run(int milliseconds)
 {
