@@ -28,6 +28,9 @@ typedef struct {
 #define BRAKE(name, lowest, highest, unit, text) SCALAR(brake, name, lowest, highest)
 #define VEHICLE(name, lowest, highest, unit, text) SCALAR(vehicle, name, lowest, highest)
 #define DRIVER(name, lowest, highest, unit, text) SCALAR(driver, name, lowest, highest)
+#define PEDALS(name, lowest, highest, unit, text) SCALAR(pedals, name, lowest, highest)
+#define PEDALS_ARRAY(name, count, lowest, highest, unit, text)                                     \
+    ARRAY(pedals, name, count, lowest, highest)
 #define MODES(name, lowest, highest, unit, text) SCALAR(modes, name, lowest, highest)
 #define MONITOR(name, lowest, highest, unit, text) SCALAR(monitor, name, lowest, highest)
 #define REGEN_MAP(name, lowest, highest, unit, text) SCALAR(regen_map, name, lowest, highest)
@@ -41,10 +44,11 @@ static const field_range_t FIELDS[] = {
     CONFIG_MOTOR_FIELDS(MOTOR) CONFIG_DRIVE_FIELDS(DRIVE) CONFIG_CURRENT_LOOP_FIELDS(CURRENT_LOOP)
         CONFIG_ROTOR_FIELDS(ROTOR) CONFIG_HALL_ARRAY(HALL) CONFIG_BATTERY_FIELDS(BATTERY)
             CONFIG_BRAKE_FIELDS(BRAKE) CONFIG_VEHICLE_FIELDS(VEHICLE) CONFIG_DRIVER_FIELDS(DRIVER)
-                CONFIG_MODES_FIELDS(MODES) CONFIG_MONITOR_FIELDS(MONITOR)
-                    CONFIG_REGEN_MAP_FIELDS(REGEN_MAP) CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY)
-                        CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
-                            CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
+                CONFIG_PEDALS_FIELDS(PEDALS) CONFIG_PEDALS_ARRAY(PEDALS_ARRAY)
+                    CONFIG_MODES_FIELDS(MODES) CONFIG_MONITOR_FIELDS(MONITOR)
+                        CONFIG_REGEN_MAP_FIELDS(REGEN_MAP) CONFIG_REGEN_MAP_ARRAY(REGEN_ARRAY)
+                            CONFIG_CURRENT_MAP_FIELDS(CURRENT_MAP)
+                                CONFIG_CURRENT_MAP_ARRAY(CURRENT_MAP_POINTS)};
 
 _Static_assert(sizeof(config_t) % sizeof(int32_t) == 0, "no padding at the end");
 _Static_assert(offsetof(config_t, crc32) == sizeof(config_t) - sizeof(uint32_t),
@@ -212,6 +216,28 @@ static bool stored_offsets_plausible(const config_t *c)
     return good;
 }
 
+/* A wired channel: both ends of the travel inside its valid range, a tenth of the supply apart. */
+static bool pedal_channel_calibrated(const config_pedals_t *pedals, int channel)
+{
+    const int32_t released = pedals->released_q15[channel];
+    const int32_t pressed = pedals->pressed_q15[channel];
+    const int32_t low = released < pressed ? released : pressed;
+    const int32_t high = released < pressed ? pressed : released;
+    return pedals->lowest_q15[channel] < low && high < pedals->highest_q15[channel] &&
+           high - low >= 3277;
+}
+
+static bool pedal_channels_calibrated(const config_pedals_t *pedals)
+{
+    bool good = true;
+    for (int k = 0; k < CONFIG_PEDAL_CHANNELS / 2; k++) {
+        good = good && (k >= pedals->accelerator_channels || pedal_channel_calibrated(pedals, k)) &&
+               (k >= pedals->brake_channels ||
+                pedal_channel_calibrated(pedals, CONFIG_PEDAL_CHANNELS / 2 + k));
+    }
+    return good;
+}
+
 static int32_t square_q15(int32_t x_q15)
 {
     return (x_q15 * x_q15) >> 15;
@@ -298,6 +324,10 @@ static config_result_t check_relations(const config_t *c)
          "brake.stop_lamp_off_mm_s2 <= brake.stop_lamp_on_mm_s2"},
         {c->driver.hold_torque_mNm <= c->brake.max_hydraulic_torque_mNm,
          "driver.hold_torque_mNm <= brake.max_hydraulic_torque_mNm"},
+        {pedal_channels_calibrated(&c->pedals),
+         "pedals.lowest_q15 < released_q15 and pressed_q15 < highest_q15, 0.1 apart"},
+        {c->pedals.free_travel_torque_mNm <= c->pedals.brake_torque_mNm,
+         "pedals.free_travel_torque_mNm <= pedals.brake_torque_mNm"},
         {c->monitor.coasting_mm_s2 <= c->monitor.tyre_grip_mm_s2,
          "monitor.coasting_mm_s2 <= monitor.tyre_grip_mm_s2"},
         {c->regen_map.speed_points * c->regen_map.temperature_points <= CONFIG_REGEN_POINTS_MAX,

@@ -83,6 +83,26 @@ def hydraulic_tolerance_nm(drive: Drive) -> float:
     return 0.05 * drive.brake.max_hydraulic_torque_nm if wanted is None else wanted
 
 
+def pedal_drive_torque_nm(drive: Drive) -> float:
+    """Driving torque in N m of the whole accelerator at a wheel of share 1."""
+    wanted = drive.pedals.drive_torque_nm
+    return drive.motor.max_torque_nm if wanted is None else wanted
+
+
+def pedal_brake_torque_nm(drive: Drive) -> float:
+    """Braking torque in N m of the whole brake pedal at a wheel of share 1."""
+    wanted = drive.pedals.brake_torque_nm
+    both = drive.motor.max_torque_nm + drive.brake.max_hydraulic_torque_nm
+    return both if wanted is None else wanted
+
+
+def free_travel_torque_nm(drive: Drive) -> float:
+    """Braking torque in N m at the end of the friction brake's free travel."""
+    wanted = drive.pedals.free_travel_torque_nm
+    rated = min(drive.brake.electric_rated_torque_nm, pedal_brake_torque_nm(drive))
+    return rated if wanted is None else wanted
+
+
 def lowest_open_circuit_v(drive: Drive) -> float:
     """Open-circuit voltage in V, at the lowest listed state of charge where it depends on it."""
     voltage = drive.battery.open_circuit_voltage_v

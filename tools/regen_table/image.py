@@ -18,6 +18,7 @@ from regen_table.schema import Drive
 Values = dict[str, dict[str, int | list[int]]]
 SWITCH_TEMPERATURE_OFF_CC = 30000
 STRATEGIES = {"parallel_ratio": 0, "parallel_free_travel": 1, "series_optimal": 2}
+_WHEELS = ("front_left", "front_right", "rear_left", "rear_right")
 RPM_TO_MRAD_S = 1000.0 * 3.141592653589793 / 30.0
 
 
@@ -97,6 +98,7 @@ def fields(drive: Drive) -> Values:
         "brake": _brake(drive),
         "vehicle": _vehicle(drive),
         "driver": _driver(drive),
+        "pedals": _pedals(drive),
         "modes": {
             "limp_drive_share_q15": loops.fixed(drive.control.limp_drive_share, 15),
             "selftest_timeout_ms": nearest(drive.control.selftest_timeout_s * 1e3),
@@ -254,9 +256,7 @@ def _vehicle(drive: Drive) -> dict[str, Any]:
     return {
         "wheel_radius_um": nearest(vehicle.wheel_radius_m * 1e6),
         "mass_g": nearest(vehicle.mass_kg * 1e3),
-        "wheel_position": {"front_left": 0, "front_right": 1, "rear_left": 2, "rear_right": 3}[
-            vehicle.wheel_position
-        ],
+        "wheel_position": _WHEELS.index(vehicle.wheel_position),
     }
 
 
@@ -269,6 +269,36 @@ def _driver(drive: Drive) -> dict[str, Any]:
         "direction_change_mrad_s": nearest(turning * 1e3),
         "hold_torque_mNm": nearest((driver.hold_torque_nm or 0.0) * 1e3),
         "hold_release_ms": nearest(driver.hold_release_s * 1e3),
+    }
+
+
+def _pedals(drive: Drive) -> dict[str, Any]:
+    pedals = drive.pedals
+
+    def shares(values: tuple[float, ...]) -> list[int]:
+        return [nearest(value * 32768.0) for value in values]
+
+    return {
+        "accelerator_channels": pedals.accelerator_channels,
+        "brake_channels": pedals.brake_channels,
+        "interpretation": ("proportional", "free_travel").index(pedals.interpretation),
+        "drive_torque_mNm": nearest(derived.pedal_drive_torque_nm(drive) * 1e3),
+        "lift_off_torque_mNm": nearest(pedals.lift_off_torque_nm * 1e3),
+        "lift_off_travel_q15": nearest(pedals.lift_off_travel * 32768.0),
+        "brake_torque_mNm": nearest(derived.pedal_brake_torque_nm(drive) * 1e3),
+        "free_travel_q15": nearest(pedals.free_travel * 32768.0),
+        "free_travel_torque_mNm": nearest(derived.free_travel_torque_nm(drive) * 1e3),
+        "dead_band_q15": nearest(pedals.dead_band * 32768.0),
+        "difference_q15": nearest(pedals.difference * 32768.0),
+        "fault_time_ms": nearest(pedals.fault_time_s * 1e3),
+        "override_q15": nearest(pedals.override * 32768.0),
+        "other_wheels": sum(1 << _WHEELS.index(wheel) for wheel in set(pedals.other_wheels)),
+        "lowest_q15": shares(pedals.lowest),
+        "highest_q15": shares(pedals.highest),
+        "released_q15": shares(pedals.released),
+        "pressed_q15": shares(pedals.pressed),
+        "drive_share_q15": shares(pedals.drive_share),
+        "brake_share_q15": shares(pedals.brake_share),
     }
 
 

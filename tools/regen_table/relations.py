@@ -220,6 +220,28 @@ def _hold(drive: Drive) -> Iterator[str]:
         )
 
 
+def _pedals(drive: Drive) -> Iterator[str]:
+    pedals = drive.pedals
+    wired = [
+        *range(pedals.accelerator_channels),
+        *range(2, 2 + pedals.brake_channels),
+    ]
+    for k in wired:
+        low, high = sorted((pedals.released[k], pedals.pressed[k]))
+        if not (pedals.lowest[k] < low and high < pedals.highest[k] and high - low >= 0.1001):
+            yield (
+                f"pedals.released: channel {k} goes from {pedals.released[k]:g} to"
+                f" {pedals.pressed[k]:g}, accepted: at least 0.1001 apart and between lowest ="
+                f" {pedals.lowest[k]:g} and highest = {pedals.highest[k]:g}"
+            )
+    end, full = derived.free_travel_torque_nm(drive), derived.pedal_brake_torque_nm(drive)
+    if end > full:
+        yield (
+            f"pedals.free_travel_torque_nm: {end:g} N m, accepted: at most brake_torque_nm ="
+            f" {full:g} N m"
+        )
+
+
 def _trips(drive: Drive) -> Iterator[str]:
     battery, monitor, inverter = drive.battery, drive.monitor, drive.inverter
     seen = 0.999 * inverter.voltage_full_scale_v
@@ -429,6 +451,6 @@ def _regeneration(drive: Drive) -> Iterator[str]:
 
 _CHECKS: tuple[Callable[[Drive], Iterator[str]], ...] = (
     _inductances, _iron, _torques, _currents, _battery, _foldback, _derating, _stop_lamp, _hold,
-    _trips, _devices, _torque_growth, _grid, _temperatures, _handover, _hall, _hall_hand_over,
-    _encoder, _emf, _regeneration,
+    _pedals, _trips, _devices, _torque_growth, _grid, _temperatures, _handover, _hall,
+    _hall_hand_over, _encoder, _emf, _regeneration,
 )  # fmt: skip

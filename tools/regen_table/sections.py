@@ -2,10 +2,10 @@
 """A drive and the sections of its TOML file: every key, its unit, its accepted range.
 
 One class a section, one line a key; [brake] is in ``brake_section``, [driver] in
-``driver_section``, [monitor] in ``monitor_section``, what only the simulated plant reads in
-``plant_sections``. All classes are strict (no text taken for a number), frozen, and refuse unknown
-keys and non-finite numbers. An optional key that is absent switches its feature off or has the
-default given in its line; no key is ever guessed.
+``driver_section``, [pedals] in ``pedals_section``, [monitor] in ``monitor_section``, what only the
+simulated plant reads in ``plant_sections``. All classes are strict (no text taken for a number),
+frozen, and refuse unknown keys and non-finite numbers. An optional key that is absent switches its
+feature off or has the default given in its line; no key is ever guessed.
 """
 
 import re
@@ -17,6 +17,7 @@ from regen_table.brake_section import Brake
 from regen_table.driver_section import Driver
 from regen_table.errors import ConfigurationError
 from regen_table.monitor_section import Monitor
+from regen_table.pedals_section import Pedals
 from regen_table.plant_sections import (
     Bms,
     Bus,
@@ -373,6 +374,7 @@ class Drive(Section):
     table: Table
     rotor: Rotor = Rotor()
     driver: Driver = Driver()
+    pedals: Pedals = Pedals()
     monitor: Monitor = Monitor()
     sensors: Sensors = Sensors()
     bus: Bus = Bus()

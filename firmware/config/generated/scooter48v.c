@@ -16,7 +16,7 @@ extern const config_t CONFIG_SCOOTER48V;
 
 CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
     .magic = CONFIG_MAGIC,
-    .format_version = 10,
+    .format_version = 11,
     .size_bytes = sizeof(config_t),
     .generator_version = 0x00000100,
     .name = "scooter48v",
@@ -244,6 +244,40 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
          * vehicle rolls back; default 1000 */
         .hold_release_ms         = 1000,
     },
+    .pedals = {
+        .accelerator_channels   = 0, /* 0: the driving demand comes by CAN */
+        .brake_channels         = 0, /* 0: the braking demand comes by CAN */
+        .interpretation         = 0, /* brake pedal: 0 proportional, 1 free travel */
+        /* [mNm] whole accelerator, wheel of share 1; default motor.max_torque_mNm */
+        .drive_torque_mNm       = 19000,
+        /* [mNm] braking torque of the released accelerator, wheel of share 1; 0: it coasts */
+        .lift_off_torque_mNm    = 0,
+        /* share of the accelerator over which lift-off braking fades out; default 0.15 */
+        .lift_off_travel_q15    = 4915,
+        /* [mNm] whole brake pedal, motor and hydraulic, wheel of share 1; default both
+         * limits' sum */
+        .brake_torque_mNm       = 69000,
+        /* share of the brake pedal that is the friction brake's free travel; default 0.3 */
+        .free_travel_q15        = 9830,
+        /* [mNm] braking torque at its end; default brake.electric_rated_torque_mNm */
+        .free_travel_torque_mNm = 10000,
+        .dead_band_q15          = 1638, /* travel of a released pedal; default 0.05 */
+        /* of the travel: two channels farther apart are implausible; default 0.1 */
+        .difference_q15         = 3277,
+        /* [ms] qualify and heal time of a channel that is implausible or out of range;
+         * default 100 */
+        .fault_time_ms          = 100,
+        /* accelerator beyond it with the brake pressed must be released; 1: never; default
+         * 0.25 */
+        .override_q15           = 8192,
+        .other_wheels           = 0, /* bit of each wheel position to send Demand to */
+        .lowest_q15 = {1638, 983, 1638, 983},
+        .highest_q15 = {31130, 16384, 31130, 16384},
+        .released_q15 = {4915, 2458, 4915, 2458},
+        .pressed_q15 = {27853, 13926, 27853, 13926},
+        .drive_share_q15 = {32768, 32768, 32768, 32768},
+        .brake_share_q15 = {32768, 32768, 32768, 32768},
+    },
     .modes = {
         /* share of motor.max_torque_mNm enabled for driving in LIMP, after a warning; braking
          * is not reduced; default 0.3 */
@@ -358,5 +392,5 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
             -5218, -5966, -6796, -7744, -8823, -10033, -11370, -12827, -14396,
         },
     },
-    .crc32 = 0x4E4D3FC4,
+    .crc32 = 0xC17A88BF,
 };

@@ -24,12 +24,14 @@
 #include <stdint.h>
 
 #define CONFIG_MAGIC 0x434F4648 /* "HFOC" in memory, little endian */
-#define CONFIG_FORMAT_VERSION 10
+#define CONFIG_FORMAT_VERSION 11
 #define CONFIG_NAME_LENGTH 32
 #define CONFIG_REGEN_POINTS_MAX 833 /* such as 49 speeds at 17 temperatures, or 65 at 12 */
 /* such as 33 torques and 19 speeds at 2 temperatures */
 #define CONFIG_CURRENT_MAP_POINTS_MAX 1280
 #define CONFIG_HALL_EDGES 6
+#define CONFIG_PEDAL_CHANNELS 4 /* accelerator a and b, brake pedal a and b */
+#define CONFIG_WHEELS 4         /* in the order of vehicle.wheel_position */
 
 #define CONFIG_MOTOR_SPMSM 0
 #define CONFIG_MOTOR_IPMSM 1
@@ -42,6 +44,9 @@
 #define CONFIG_ROTOR_ANGLE 0
 #define CONFIG_ROTOR_HALL 1    /* three hall sensors */
 #define CONFIG_ROTOR_ENCODER 2 /* incremental encoder with index */
+
+#define CONFIG_PEDAL_PROPORTIONAL 0
+#define CONFIG_PEDAL_FREE_TRAVEL 1
 
 /* clang-format off */
 
@@ -82,8 +87,7 @@
     X(speed_fade_share_q15,                  0,         16384,      "1", \
       "last part of the speed range over which driving torque fades out; 0: a step at its end; " \
       "default 1/32") \
-    X(derate_winding_temperature_cC,         0,         30000,      "cC", \
-      "start of the derating") \
+    X(derate_winding_temperature_cC,         0,         30000,      "cC", "start of the derating") \
     X(max_winding_temperature_cC,            1000,      30000,      "cC", \
       "end of the derating: torque limit zero")
 
@@ -102,8 +106,7 @@
       "forward voltage of the freewheeling diodes, opposes the current during the dead time") \
     X(min_pulse_counts,                      0,         4096,       "1", \
       "shortest low-side pulse: sampling window of the shunts") \
-    X(derate_switch_temperature_cC,          0,         30000,      "cC", \
-      "start of the derating") \
+    X(derate_switch_temperature_cC,          0,         30000,      "cC", "start of the derating") \
     X(max_switch_temperature_cC,             1000,      30000,      "cC", \
       "end of the derating: torque limit zero") \
     X(device_voltage_mV,                     1000,      2000000,    "mV", \
@@ -117,8 +120,7 @@
       "it; default the middle, 32768") \
     X(offset_b_q4,                           0,         65520,      "code/16", \
       "likewise, phase b") \
-    X(offset_c_q4,                           0,         65520,      "code/16", \
-      "likewise, phase c")
+    X(offset_c_q4,                           0,         65520,      "code/16", "likewise, phase c")
 
 #define CONFIG_CURRENT_LOOP_FIELDS(X) \
     X(bandwidth_Hz,                          10,        10000,      "Hz", \
@@ -268,8 +270,7 @@
 
 #define CONFIG_VEHICLE_FIELDS(X) \
     X(wheel_radius_um,                       10000,     2000000,    "um",     "rolling radius") \
-    X(mass_g,                                1000,      100000000,  "g", \
-      "for plausibility only") \
+    X(mass_g,                                1000,      100000000,  "g", "for plausibility only") \
     X(wheel_position,                        0,         3,          "", \
       "address on CAN: 0 front left, 1 front right, 2 rear left, 3 rear right")
 
@@ -286,6 +287,40 @@
     X(hold_release_ms,                       10,        10000,      "ms", \
       "from the driving demand until the hold is gone at the latest, unless the vehicle rolls " \
       "back; default 1000")
+
+#define CONFIG_PEDALS_FIELDS(X) \
+    X(accelerator_channels,   0,   2,        "1",   "0: the driving demand comes by CAN") \
+    X(brake_channels,         0,   2,        "1",   "0: the braking demand comes by CAN") \
+    X(interpretation,         0,   1,        "",    "brake pedal: 0 proportional, 1 free travel") \
+    X(drive_torque_mNm,       0,   20000000, "mNm", \
+      "whole accelerator, wheel of share 1; default motor.max_torque_mNm") \
+    X(lift_off_torque_mNm,    0,   20000000, "mNm", \
+      "braking torque of the released accelerator, wheel of share 1; 0: it coasts") \
+    X(lift_off_travel_q15,    328, 16384,    "1", \
+      "share of the accelerator over which lift-off braking fades out; default 0.15") \
+    X(brake_torque_mNm,       0,   20000000, "mNm", \
+      "whole brake pedal, motor and hydraulic, wheel of share 1; default both limits' sum") \
+    X(free_travel_q15,        328, 32440,    "1", \
+      "share of the brake pedal that is the friction brake's free travel; default 0.3") \
+    X(free_travel_torque_mNm, 0,   20000000, "mNm", \
+      "braking torque at its end; default brake.electric_rated_torque_mNm") \
+    X(dead_band_q15,          164, 8192,     "1",   "travel of a released pedal; default 0.05") \
+    X(difference_q15,         328, 16384,    "1", \
+      "of the travel: two channels farther apart are implausible; default 0.1") \
+    X(fault_time_ms,          1,   1000,     "ms", \
+      "qualify and heal time of a channel that is implausible or out of range; default 100") \
+    X(override_q15,           0,   32768,    "1", \
+      "accelerator beyond it with the brake pressed must be released; 1: never; default 0.25") \
+    X(other_wheels,           0,   15,       "",    "bit of each wheel position to send Demand to")
+
+/* Channels: accelerator a and b, brake pedal a and b; ratios are of the sensors' supply. */
+#define CONFIG_PEDALS_ARRAY(Y) \
+    Y(lowest_q15,      CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "below: shorted to ground, or open") \
+    Y(highest_q15,     CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "above: shorted to the supply") \
+    Y(released_q15,    CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "ratio at 0 % travel") \
+    Y(pressed_q15,     CONFIG_PEDAL_CHANNELS, 0, 32768, "1", "ratio at 100 % travel") \
+    Y(drive_share_q15, CONFIG_WHEELS,         0, 32768, "1", "of drive and lift-off torque") \
+    Y(brake_share_q15, CONFIG_WHEELS,         0, 32768, "1", "of the braking torque")
 
 #define CONFIG_MODES_FIELDS(X) \
     X(limp_drive_share_q15,                  0,         32767,      "1", \
@@ -388,61 +423,35 @@
     Y(current_d_mA, CONFIG_CURRENT_MAP_POINTS_MAX, -3000000, 3000000, "mA", \
       "terminal i_d of least loss, before field weakening; all 0: i_d = 0")
 
-/* clang-format on */
-
 #define CONFIG_SCALAR_MEMBER(name, lowest, highest, unit, text) int32_t name;
 #define CONFIG_ARRAY_MEMBER(name, count, lowest, highest, unit, text) int32_t name[count];
 
-typedef struct {
-    CONFIG_MOTOR_FIELDS(CONFIG_SCALAR_MEMBER)
-} config_motor_t;
-
-typedef struct {
-    CONFIG_DRIVE_FIELDS(CONFIG_SCALAR_MEMBER)
-} config_drive_t;
-
-typedef struct {
-    CONFIG_CURRENT_LOOP_FIELDS(CONFIG_SCALAR_MEMBER)
-} config_current_loop_t;
-
+typedef struct { CONFIG_MOTOR_FIELDS(CONFIG_SCALAR_MEMBER) } config_motor_t;
+typedef struct { CONFIG_DRIVE_FIELDS(CONFIG_SCALAR_MEMBER) } config_drive_t;
+typedef struct { CONFIG_CURRENT_LOOP_FIELDS(CONFIG_SCALAR_MEMBER) } config_current_loop_t;
 typedef struct {
     CONFIG_ROTOR_FIELDS(CONFIG_SCALAR_MEMBER)
     CONFIG_HALL_ARRAY(CONFIG_ARRAY_MEMBER)
 } config_rotor_t;
-
+typedef struct { CONFIG_BATTERY_FIELDS(CONFIG_SCALAR_MEMBER) } config_battery_t;
+typedef struct { CONFIG_BRAKE_FIELDS(CONFIG_SCALAR_MEMBER) } config_brake_t;
+typedef struct { CONFIG_VEHICLE_FIELDS(CONFIG_SCALAR_MEMBER) } config_vehicle_t;
+typedef struct { CONFIG_DRIVER_FIELDS(CONFIG_SCALAR_MEMBER) } config_driver_t;
 typedef struct {
-    CONFIG_BATTERY_FIELDS(CONFIG_SCALAR_MEMBER)
-} config_battery_t;
-
-typedef struct {
-    CONFIG_BRAKE_FIELDS(CONFIG_SCALAR_MEMBER)
-} config_brake_t;
-
-typedef struct {
-    CONFIG_VEHICLE_FIELDS(CONFIG_SCALAR_MEMBER)
-} config_vehicle_t;
-
-typedef struct {
-    CONFIG_DRIVER_FIELDS(CONFIG_SCALAR_MEMBER)
-} config_driver_t;
-
-typedef struct {
-    CONFIG_MODES_FIELDS(CONFIG_SCALAR_MEMBER)
-} config_modes_t;
-
-typedef struct {
-    CONFIG_MONITOR_FIELDS(CONFIG_SCALAR_MEMBER)
-} config_monitor_t;
-
+    CONFIG_PEDALS_FIELDS(CONFIG_SCALAR_MEMBER)
+    CONFIG_PEDALS_ARRAY(CONFIG_ARRAY_MEMBER)
+} config_pedals_t;
+typedef struct { CONFIG_MODES_FIELDS(CONFIG_SCALAR_MEMBER) } config_modes_t;
+typedef struct { CONFIG_MONITOR_FIELDS(CONFIG_SCALAR_MEMBER) } config_monitor_t;
 typedef struct {
     CONFIG_REGEN_MAP_FIELDS(CONFIG_SCALAR_MEMBER)
     CONFIG_REGEN_MAP_ARRAY(CONFIG_ARRAY_MEMBER)
 } config_regen_map_t;
-
 typedef struct {
     CONFIG_CURRENT_MAP_FIELDS(CONFIG_SCALAR_MEMBER)
     CONFIG_CURRENT_MAP_ARRAY(CONFIG_ARRAY_MEMBER)
 } config_current_map_t;
+/* clang-format on */
 
 typedef struct {
     uint32_t magic; /* CONFIG_MAGIC */
@@ -459,6 +468,7 @@ typedef struct {
     config_brake_t brake;
     config_vehicle_t vehicle;
     config_driver_t driver;
+    config_pedals_t pedals;
     config_modes_t modes;
     config_monitor_t monitor;
     config_regen_map_t regen_map;

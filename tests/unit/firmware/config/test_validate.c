@@ -137,6 +137,10 @@ static void assert_range(const char *field, int32_t *value, int32_t lowest, int3
 #define CHECK_BRAKE(name, lowest, highest, unit, text) CHECK_SCALAR(brake, name, lowest, highest)
 #define CHECK_VEHICLE(name, lowest, highest, unit, text)                                           \
     CHECK_SCALAR(vehicle, name, lowest, highest)
+#define CHECK_DRIVER(name, lowest, highest, unit, text) CHECK_SCALAR(driver, name, lowest, highest)
+#define CHECK_PEDALS(name, lowest, highest, unit, text) CHECK_SCALAR(pedals, name, lowest, highest)
+#define CHECK_PEDALS_ARRAY(name, count, lowest, highest, unit, text)                               \
+    CHECK_ARRAY(pedals, name, count, lowest, highest)
 #define CHECK_MODES(name, lowest, highest, unit, text) CHECK_SCALAR(modes, name, lowest, highest)
 #define CHECK_MONITOR(name, lowest, highest, unit, text)                                           \
     CHECK_SCALAR(monitor, name, lowest, highest)
@@ -158,6 +162,9 @@ void test_every_field_is_checked_against_the_range_of_the_header(void)
     CONFIG_BATTERY_FIELDS(CHECK_BATTERY)
     CONFIG_BRAKE_FIELDS(CHECK_BRAKE)
     CONFIG_VEHICLE_FIELDS(CHECK_VEHICLE)
+    CONFIG_DRIVER_FIELDS(CHECK_DRIVER)
+    CONFIG_PEDALS_FIELDS(CHECK_PEDALS)
+    CONFIG_PEDALS_ARRAY(CHECK_PEDALS_ARRAY)
     CONFIG_MODES_FIELDS(CHECK_MODES)
     CONFIG_MONITOR_FIELDS(CHECK_MONITOR)
     CONFIG_REGEN_MAP_FIELDS(CHECK_MAP)

@@ -43,7 +43,18 @@ def test_an_integer_is_accepted_for_a_real_key(change: Change) -> None:
             "motor.polepairs: unknown key, did you mean pole_pairs?",
         ),
         ({"moter": {"name": "x"}}, "moter: unknown section, did you mean motor?"),
-        ({"speed": 3}, "speed: unknown key, known are motor, inverter"),
+        (
+            {"pedals.accelerator_channels": 2, "pedals.highest": [0.95, 0.4, 0.95, 0.5]},
+            (
+                "pedals.released: channel 1 goes from 0.075 to 0.425, accepted: at least 0.1001"
+                " apart and between lowest = 0.03 and highest = 0.4"
+            ),
+        ),
+        (
+            {"pedals.brake_torque_nm": 30.0, "pedals.free_travel_torque_nm": 30.5},
+            "pedals.free_travel_torque_nm: 30.5 N m, accepted: at most brake_torque_nm = 30 N m",
+        ),
+        ({"x": 3}, "x: unknown key, known are motor, inverter"),
         (
             {"motor.pole_pairs": None},
             "motor.pole_pairs: missing, accepted: a whole number from 1 to 60",
