@@ -118,6 +118,18 @@ static int32_t command_mNm(const hydraulic_feedback_state_t *brake, int32_t requ
     return q_saturate64((int64_t)nominal_mNm + q_min(uncertain_mNm, motor_mNm) / 2);
 }
 
+/* What the motor may make beside the torque that the hydraulic brake makes now; beside one that
+ * takes its own path, what that does not make yet. */
+static int32_t beside_hydraulic_mNm(const config_brake_t *brake, const brake_blending_input_t *in,
+                                    int32_t demand_mNm, int32_t taken_mNm)
+{
+    if (!in->handed_over) {
+        return demand_mNm - taken_mNm;
+    }
+    const int32_t made_mNm = braking_part(in->motor_command_mNm, in->speed_mrad_s);
+    return q_max(made_mNm - made_mNm / (brake->hydraulic_time_constant_ms + 1) - 1, 0);
+}
+
 brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const config_t *config,
                                          const torque_limits_t *limits,
                                          const brake_blending_input_t *in)
@@ -148,7 +160,8 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     limit_tighten(&electric, bound_mNm, available.reason);
     /* Hydraulic torque that covers a motor shortfall does not reduce the motor command. */
     const int32_t taken_mNm = q_max(now.torque_mNm - motor.shortfall_mNm - state->added_mNm, 0);
-    limit_tighten(&electric, demand_mNm - taken_mNm, REASON_TORQUE_RATE);
+    limit_tighten(&electric, beside_hydraulic_mNm(brake, in, demand_mNm, taken_mNm),
+                  REASON_TORQUE_RATE);
 
     const bool beyond = commanded_mNm > brake->max_hydraulic_torque_mNm;
     const brake_blending_out_t out = {

@@ -29,10 +29,13 @@ static drive_direction_t engage(drive_direction_t engaged, const demand_input_t 
     return accepted ? in->direction : DRIVE_DIRECTION_NEUTRAL;
 }
 
-/* Lift-off braking falls first, then what the pedal demands; together no faster than the torque
- * rate. */
-static void fall(demand_state_t *state, int32_t step_mNm)
+/* Lift-off braking falls first, then what the pedal demands; together with the lag of the hydraulic
+ * brake, which arrives alike, and no faster than the torque rate. */
+static void fall(demand_state_t *state, const config_t *config)
 {
+    const int32_t lag_ms = config->brake.hydraulic_time_constant_ms;
+    const int32_t arrives_mNm = (state->brake_mNm + state->lift_off_mNm) / (lag_ms + 1) + 1;
+    const int32_t step_mNm = q_min(arrives_mNm, demand_rate_mNm_per_step(config));
     const int32_t lift_off_mNm = ramp_step(state->lift_off_mNm, 0, step_mNm);
     const int32_t left_mNm = step_mNm - (state->lift_off_mNm - lift_off_mNm);
     state->lift_off_mNm = lift_off_mNm;
@@ -46,9 +49,10 @@ static demand_t lost_demand(demand_state_t *state, const config_t *config, const
     const bool until_standstill = driver->no_other_brake != 0 && !in->standstill;
     const bool kept = state->lost_ms <= driver->lost_hold_ms || until_standstill;
     /* The brake system's own path has a dead time as well. */
-    const int32_t handed_over_ms = driver->lost_hold_ms + config->brake.hydraulic_dead_time_ms;
-    if (!kept && state->lost_ms > handed_over_ms) {
-        fall(state, demand_rate_mNm_per_step(config));
+    const int32_t dead_time_ms = config->brake.hydraulic_dead_time_ms;
+    const bool handed_over = !kept && state->lost_ms > driver->lost_hold_ms + dead_time_ms;
+    if (handed_over) {
+        fall(state, config);
     }
     const demand_t out = {
         .lift_off_mNm = in->abs_active ? 0 : state->lift_off_mNm,
@@ -58,6 +62,7 @@ static demand_t lost_demand(demand_state_t *state, const config_t *config, const
         .drive_withdrawn = true,
         .lost = true,
         .hydraulic_valid = kept,
+        .handed_over = handed_over,
     };
     return out;
 }
@@ -86,6 +91,8 @@ static demand_t valid_demand(demand_state_t *state, const config_t *config,
         out.reason = REASON_DRIVE_DIRECTION;
     } else if (withdrawn && along_mNm > 0) {
         out.reason = REASON_BRAKE_PRIORITY;
+    } else if (along_mNm < 0 && in->abs_active) {
+        out.reason = REASON_ABS;
     }
     return out;
 }

@@ -60,6 +60,7 @@ static demand_input_t demand_input(const torque_input_t *in)
 
 torque_output_t torque_step(torque_state_t *state, const config_t *config, const torque_input_t *in)
 {
+    static const hydraulic_feedback_t NO_REPORT = {.age_ms = UINT32_MAX};
     const motor_model_t model =
         motor_model_at(&state->motor, config, in->speed_mrad_s, in->winding_temperature_cC);
     const feasible_set_t set = feasible_set_at(&model, in->phase_voltage_mV);
@@ -86,7 +87,8 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .motor_command_mNm = state->command.command_mNm,
         .motor_growth_mNm = torque_command_growth_mNm(config, in->voltage_use_q15),
         .motor_achieved_mNm = achieved_mNm,
-        .hydraulic = in->hydraulic,
+        .hydraulic = demand.hydraulic_valid ? in->hydraulic : NO_REPORT,
+        .handed_over = demand.handed_over,
         .torque_enable = in->torque_enable,
     };
     const brake_blending_out_t split =

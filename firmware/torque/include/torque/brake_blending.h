@@ -17,6 +17,8 @@
  *     lag, extrapolated with its slope of the last 64 ms;
  *   - the available motor torque is that reached within brake.motor_arrival; it is the present
  *     command if the voltage permits no rise;
+ *   - where the brake system takes its own path, the motor torque falls with the lag with which
+ * that arrives, and no report says anything of the command;
  *   - with feedback the command is divided by the learned gain, and larger while the gain may be
  *     less, by up to half the motor torque: the motor takes back at once what is too much.
  *
@@ -54,6 +56,7 @@ typedef struct {
     int32_t motor_achieved_mNm; /* estimated from measured currents, signed */
     torque_enable_t torque_enable;
     hydraulic_feedback_t hydraulic;
+    bool handed_over; /* the brake system makes the demand by itself, with its own lag */
 } brake_blending_input_t;
 
 typedef struct {

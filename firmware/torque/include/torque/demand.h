@@ -4,8 +4,9 @@
  *
  * A demand older than brake.demand_timeout is lost. Its driving torque is zero at once. Its braking
  * torque is kept for driver.lost_hold_ms, then the hydraulic command is no longer valid: the brake
- * system takes its own path, and after the hydraulic dead time the braking torque falls to zero at
- * the torque rate. With driver.no_other_brake it is kept until standstill instead.
+ * system takes its own path, and after the hydraulic dead time the braking torque falls to zero
+ * with the lag with which that path arrives. With driver.no_other_brake it is kept until standstill
+ * instead.
  *
  * Braking has priority over driving. Driving torque acts only in the engaged direction; a driving
  * demand against it is lift-off braking, a magnitude. README, Demand.
@@ -45,7 +46,8 @@ typedef struct {
     reason_t reason; /* why driving torque is not as demanded, or why the demand is an old one */
     bool drive_withdrawn; /* no driving torque is allowed: it must go at once, not at its rate */
     bool lost;
-    bool hydraulic_valid;
+    bool hydraulic_valid; /* false: the brake system takes its own path */
+    bool handed_over;     /* it arrives there, and the braking torque falls */
 } demand_t;
 
 void demand_init(demand_state_t *state);

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+#include <math.h>
+
 #include "core/q15.h"
 #include "paper_vehicle.h"
 #include "random_values.h"
@@ -18,6 +20,7 @@ void setUp(void)
     config.brake.demand_timeout_ms = TIMEOUT;
     config.brake.torque_rate_mNm_s = RATE * 1000; /* in a step of 1 ms */
     config.brake.hydraulic_dead_time_ms = 0;
+    config.brake.hydraulic_time_constant_ms = 0;
     config.driver.lost_hold_ms = HOLD;
     config.driver.no_other_brake = 0;
     config.driver.direction_change_mrad_s = 3000;
@@ -109,6 +112,8 @@ void test_anti_lock_intervention_ends_lift_off_braking_only(void)
     in.abs_active = true;
     TEST_ASSERT_EQUAL_INT32(0, fresh(-20000, 5000).lift_off_mNm);
     TEST_ASSERT_EQUAL_INT32(5000, fresh(-20000, 5000).brake_mNm);
+    TEST_ASSERT_EQUAL_INT(REASON_ABS, fresh(-20000, 0).reason);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, fresh(0, 5000).reason);
     in.abs_active = false;
     fresh(-20000, 5000);
     in.abs_active = true;
@@ -204,6 +209,22 @@ void test_braking_demand_stays_for_the_dead_time_of_the_path_that_replaces_it(vo
     TEST_ASSERT_EQUAL_INT32(20000, out.brake_mNm);
     TEST_ASSERT_FALSE(out.hydraulic_valid);
     TEST_ASSERT_EQUAL_INT32(20000 - RATE, silent(1).brake_mNm);
+}
+
+/* A first-order lag of 50 ms leaves exp(-t/50 ms) of the demand to the motor; a recurrence of 1 ms
+ * differs by half a step, 1 %. From 2 N m on, which 400 mN m a step do not delay. */
+void test_lost_braking_demand_falls_as_the_path_that_replaces_it_arrives(void)
+{
+    config.brake.hydraulic_time_constant_ms = 50;
+    config.brake.hydraulic_dead_time_ms = 20;
+    fresh(0, 2000);
+    TEST_ASSERT_FALSE(silent(HOLD + 20).handed_over);
+    for (int n = 1; n <= 150; n++) {
+        const demand_t out = silent(1);
+        TEST_ASSERT_TRUE(out.handed_over);
+        TEST_ASSERT_DOUBLE_WITHIN(60.0, 2000.0 * exp(-n / 50.0), out.brake_mNm);
+    }
+    TEST_ASSERT_EQUAL_INT32(0, silent(150).brake_mNm);
 }
 
 /* The accelerator beneath a brake pedal that is released by the loss of the link. */

@@ -128,20 +128,24 @@ void test_demand_beyond_both_brakes_has_reason_hydraulic_limit(void)
     TEST_ASSERT_EQUAL_INT32(50000, out.hydraulic_mNm);
 }
 
-void test_both_brakes_are_kept_and_then_release_at_the_torque_rate_when_the_demand_is_lost(void)
+/* The motor of 24 to 40 N m leaves with the lag of the path that arrives: exp(-1) of it is left
+ * after the time constant, and a command of no more than the falling demand beside it. */
+void test_both_brakes_are_kept_and_the_motor_then_leaves_as_the_brake_systems_own_path_arrives(void)
 {
-    in.brake_torque_mNm = 60000;
+    in.brake_torque_mNm = 20000;
     in.drive_torque_mNm = 40000; /* beneath it */
     run(200);
     in.demand_age_ms = 1000;
     const torque_output_t kept = run(config.driver.lost_hold_ms);
-    TEST_ASSERT_EQUAL_INT32(60000, kept.hydraulic_mNm - kept.command_mNm);
+    TEST_ASSERT_EQUAL_INT32(20000, kept.hydraulic_mNm - kept.command_mNm);
     TEST_ASSERT_TRUE(kept.hydraulic_valid);
-    TEST_ASSERT_FALSE(run(config.brake.hydraulic_dead_time_ms).hydraulic_valid);
-    const torque_output_t first = step();
-    /* The motor gives way at once, the hydraulic command by as much as the motor cannot. */
-    TEST_ASSERT_INT32_WITHIN(200, 60000 - 600, first.hydraulic_mNm - first.command_mNm);
-    const torque_output_t last = run(200);
+    const torque_output_t waiting = run(config.brake.hydraulic_dead_time_ms);
+    TEST_ASSERT_FALSE(waiting.hydraulic_valid);
+    TEST_ASSERT_EQUAL_INT32(kept.command_mNm, waiting.command_mNm);
+    const torque_output_t later = run(config.brake.hydraulic_time_constant_ms);
+    TEST_ASSERT_DOUBLE_WITHIN(-0.02 * kept.command_mNm, exp(-1.0) * kept.command_mNm,
+                              later.command_mNm);
+    const torque_output_t last = run(600);
     TEST_ASSERT_EQUAL_INT32(0, last.hydraulic_mNm);
     TEST_ASSERT_EQUAL_INT32(0, last.command_mNm);
     TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, last.reason);
