@@ -68,9 +68,9 @@ static inline int32_t scaled_ratio(int32_t n, int32_t d)
     const uint32_t n_zeros = scaled_leading_zeros(magnitude | 1U);
     const uint32_t d_zeros = scaled_leading_zeros((uint32_t)d);
     const uint32_t by = (uint32_t)d << d_zeros;
-    const uint32_t rough = UINT32_MAX / (by >> 16);                      /* 2^48 / by (1 + e) */
-    const uint32_t less = 0U - (uint32_t)(((uint64_t)rough * by) >> 17); /* 2^31 (1 - e) */
-    const uint32_t inverse = (uint32_t)(((uint64_t)rough * less) >> 16); /* 2^63 / by */
+    const uint32_t rough = (UINT32_MAX / (by >> 16)) << 14;  /* 2^62 / by (1 + e) */
+    const uint32_t less = 0U - 2U * scaled_upper(rough, by); /* 2^31 (1 - e) */
+    const uint32_t inverse = scaled_upper(rough, less) << 2; /* 2^63 / by */
     const uint32_t product = scaled_upper(magnitude << n_zeros, inverse);
     const uint32_t shift = n_zeros - d_zeros + 5U; /* wraps below zero */
     if (shift >= 31U) {
