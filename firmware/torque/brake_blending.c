@@ -137,10 +137,11 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const config_brake_t *brake = &config->brake;
     const int32_t demand_mNm = q_max(in->demand_mNm, 0);
     const torque_limits_classes_t bounds = torque_limits_classes(limits->braking);
-    const limit_t available = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_COUNT);
-
+    const int32_t share_mNm = limits->braking[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm;
     /* Tightest of the lines that do not depend on the demand. */
     const int32_t independent_mNm = q_min(bounds.hard_mNm, bounds.deferrable_mNm);
+    const limit_t available =
+        torque_limits_at_most(limits->braking, q_min(independent_mNm, share_mNm));
     const int32_t fall_mNm = expected_fall_mNm(state, brake, independent_mNm);
     const int32_t expected_limit_mNm =
         q_min(q_min(demand_mNm, available.torque_mNm), q_max(independent_mNm - fall_mNm, 0));
@@ -153,7 +154,6 @@ brake_blending_out_t brake_blending_step(brake_blending_state_t *state, const co
     const hydraulic_feedback_out_t now =
         hydraulic_feedback_step(&state->feedback, config, &state->hydraulic, &in->hydraulic);
 
-    const int32_t share_mNm = limits->braking[TORQUE_LINE_ELECTRIC_SHARE].torque_mNm;
     const int32_t bound_mNm = q_min(q_min(bounds.hard_mNm, share_mNm),
                                     bridged_mNm(state, brake, bounds.deferrable_mNm, in, now.used));
     limit_t electric = limit_init(demand_mNm, REASON_NONE);

@@ -39,11 +39,12 @@ static int32_t remaining_mNm(const torque_command_state_t *state, const torque_l
 }
 
 /* A driving demand against the rotation, by a wheel that rolls back, obeys the limits of braking
- * but those of the strategy; one along the rotation, or at standstill, obeys those of driving. */
+ * but those of the strategy; one along the rotation, or at standstill, obeys those of driving, of
+ * which strategy and anti-lock have none. */
 static limit_t drive_limit(const torque_limits_t *limits, int32_t speed_mrad_s, int32_t drive_mNm)
 {
     if (!is_against(drive_mNm, speed_mrad_s)) {
-        return torque_limits_tightest(limits->driving, 0, TORQUE_LINE_COUNT);
+        return torque_limits_tightest(limits->driving, 0, TORQUE_LINE_LOSS_OPTIMUM);
     }
     limit_t out = torque_limits_tightest(limits->braking, 0, TORQUE_LINE_LOSS_OPTIMUM);
     const limit_t anti_lock = limits->braking[TORQUE_LINE_ABS];

@@ -31,6 +31,14 @@ bool torque_limits_deferrable(torque_line_t line)
     return line < TORQUE_LINE_COUNT && DEFERRABLE[line];
 }
 
+limit_t torque_limits_at_most(const limit_t *lines, int32_t torque_mNm)
+{
+    while (lines->torque_mNm > torque_mNm) {
+        lines++;
+    }
+    return *lines;
+}
+
 limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end)
 {
     const limit_t *tightest = &lines[begin];

@@ -90,6 +90,9 @@ limit_t torque_limits_anti_lock(torque_limits_state_t *state, const config_t *co
 /* The tightest of the lines from `begin` to the one before `end`; on a tie the first. */
 limit_t torque_limits_tightest(const limit_t *lines, torque_line_t begin, torque_line_t end);
 
+/* The first line with a bound of at most torque_mNm, which one of them must have. */
+limit_t torque_limits_at_most(const limit_t *lines, int32_t torque_mNm);
+
 /* Tightest bounds of the braking side by class, mN m. */
 typedef struct {
     int32_t hard_mNm;       /* applies at once */
