@@ -39,11 +39,11 @@ static feasible_circle_t circle_start(const feasible_set_t *set)
     const int32_t reactive_b = clamped_b(scaled_multiply(m->reactance_q_b, most_b));
     const int32_t resistive_b = clamped_b(scaled_multiply(m->resistance_b, most_b));
     const int32_t emf_b = clamped_b(m->emf_b);
-    const int32_t excess = coefficient(
-        (square(emf_b) + square(reactive_b) + square(resistive_b) - set->voltage_squared) >> 24);
-    const int32_t half = coefficient(((int64_t)m->reactance_d_b * emf_b) >> 24);
+    const int32_t excess = coefficient_of_products(square(emf_b) + square(reactive_b) +
+                                                   square(resistive_b) - set->voltage_squared);
+    const int32_t half = coefficient_of_products((int64_t)m->reactance_d_b * emf_b);
     const int32_t squared =
-        coefficient((square(m->reactance_d_b) - square(m->reactance_q_b)) >> 24);
+        coefficient_of_products(square(m->reactance_d_b) - square(m->reactance_q_b));
     const int32_t root = q_max(scaled_root(square(half) - (int64_t)squared * excess), 1);
     const int32_t best_b = best_d_b(m);
     const int32_t lowest_b = q_max(q_min(set->weakest_d_b, best_b), -most_b);
@@ -69,13 +69,13 @@ static feasible_circle_t circle_start(const feasible_set_t *set)
 static int32_t circle_root(const feasible_set_t *set, const line_t *line)
 {
     const motor_model_t *m = set->model;
-    const int32_t half = coefficient(
-        ((int64_t)line->slope_d * line->u_d + (int64_t)line->slope_q * line->u_q) >> 24);
+    const int32_t half = coefficient_of_products((int64_t)line->slope_d * line->u_d +
+                                                 (int64_t)line->slope_q * line->u_q);
     const int32_t excess =
-        coefficient((square(line->u_d) + square(line->u_q) - set->voltage_squared) >> 24);
+        coefficient_of_products(square(line->u_d) + square(line->u_q) - set->voltage_squared);
     const int64_t inwards = square(line->u_d) + (int64_t)line->u_q * (line->u_q - m->voltage_q_b);
     const int32_t squared =
-        coefficient((square(line->slope_d) + square(line->slope_q) - inwards) >> 24);
+        coefficient_of_products(square(line->slope_d) + square(line->slope_q) - inwards);
     const int32_t root = scaled_root(square(half) - (int64_t)squared * excess);
     const int32_t t = half > 0 ? scaled_ratio(-excess, q_max(half + root, 1))
                                : scaled_ratio(root - half, q_max(squared, 1));
@@ -121,7 +121,7 @@ static motor_point_t circle_and_ellipse(const feasible_side_t *side,
     return at;
 }
 
-int32_t feasible_by_current_mNm(const feasible_side_t *side, feasible_circle_t *circle)
+int32_t feasible_by_current_mNm(feasible_side_t *side, feasible_circle_t *circle)
 {
     const motor_model_t *m = side->set->model;
     const int32_t i_q_b = motor_model_i_q_b(m, side->cap);
@@ -131,7 +131,30 @@ int32_t feasible_by_current_mNm(const feasible_side_t *side, feasible_circle_t *
     if (!circle->known) {
         *circle = circle_start(side->set);
     }
-    return feasible_magnitude_mNm(side, motor_model_airgap_b(m, circle_and_ellipse(side, circle)));
+    const motor_point_t end = circle_and_ellipse(side, circle);
+    const int32_t end_mNm = feasible_magnitude_mNm(side, motor_model_airgap_b(m, end));
+    if (end_mNm < side->cap_mNm) {
+        side->cap = end;
+        side->cap_mNm = end_mNm;
+    } else if (!side->cap_has_voltage) {
+        feasible_weaken_cap(side);
+    }
+    return end_mNm;
+}
+
+/* Where the voltage suffices on the circle at the lowest i_d, the ellipse meets the circle there or
+ * at a higher one: no need to know where the ellipse ends. */
+feasible_bounds_t feasible_by_voltage_and_current(feasible_side_t *side, feasible_circle_t *circle)
+{
+    const feasible_set_t *set = side->set;
+    feasible_bounds_t out = {.voltage_mNm = FEASIBLE_UNBOUNDED};
+    int32_t i_q_b = 0;
+    if (!side->cap_has_voltage &&
+        !voltage_suffices(set, on_circle(set->model, side->sign, set->weakest_d_b, &i_q_b))) {
+        out.voltage_mNm = feasible_by_voltage_mNm(side);
+    }
+    out.current_mNm = feasible_by_current_mNm(side, circle);
+    return out;
 }
 
 /* Near its maximum the torque is a parabola over i_d. */

@@ -37,6 +37,17 @@ static inline int32_t coefficient(int64_t x)
     return q_limit(q_saturate64(x), ELLIPSE_MOST_COEFFICIENT);
 }
 
+/* The same of a sum of products, x / 2^24. */
+static inline int32_t coefficient_of_products(int64_t x)
+{
+    const int32_t most = ELLIPSE_MOST_COEFFICIENT >> 8;
+    const int32_t upper = (int32_t)(x >> 32);
+    if ((uint32_t)upper + (uint32_t)most < 2U * (uint32_t)most) {
+        return (int32_t)(x >> 24);
+    }
+    return upper < 0 ? -ELLIPSE_MOST_COEFFICIENT : ELLIPSE_MOST_COEFFICIENT;
+}
+
 static inline int64_t square(int32_t x)
 {
     return (int64_t)x * x;
@@ -79,6 +90,9 @@ static inline int32_t map_d_b(const feasible_set_t *set, int32_t airgap_b)
     return motor_model_current_b(
         k, loss_maps_row_d_mA(&set->row, scaled_shift(airgap_b, -k->torque_shift)));
 }
+
+/* The cap's torque with the i_d of the voltage ellipse. */
+void feasible_weaken_cap(feasible_side_t *side);
 
 /* The phase current limit, less a reserve for the fast loop's field weakening. */
 static inline int32_t circle_b(const motor_model_t *m)

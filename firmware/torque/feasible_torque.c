@@ -24,12 +24,12 @@ int32_t feasible_magnitude_mNm(const feasible_side_t *side, int32_t airgap_b)
 bool feasible_ellipse_root(const feasible_set_t *set, const line_t *line, int32_t sign,
                            int32_t *t_b)
 {
-    const int32_t half = coefficient(
-        ((int64_t)line->slope_d * line->u_d + (int64_t)line->slope_q * line->u_q) >> 24);
+    const int32_t half = coefficient_of_products((int64_t)line->slope_d * line->u_d +
+                                                 (int64_t)line->slope_q * line->u_q);
     const int32_t squared =
-        q_max(coefficient((square(line->slope_d) + square(line->slope_q)) >> 24), 1);
+        q_max(coefficient_of_products(square(line->slope_d) + square(line->slope_q)), 1);
     const int32_t excess =
-        coefficient((square(line->u_d) + square(line->u_q) - set->voltage_squared) >> 24);
+        coefficient_of_products(square(line->u_d) + square(line->u_q) - set->voltage_squared);
     const int64_t under_root = square(half) - (int64_t)squared * excess;
     const int32_t distance = sign * scaled_root(under_root);
     *t_b = clamped_b(scaled_ratio(distance - half, squared));
@@ -136,8 +136,9 @@ static int32_t voltage_best_d_b(const motor_model_t *m, int32_t voltage_b)
     }
     const int32_t flux_b =
         q_min(scaled_ratio(voltage_b, q_max(m->speed_b, 1)), MOTOR_MODEL_MOST_CURRENT_b);
-    const int32_t magnet = coefficient(((int64_t)m->flux_b * m->constants->inductance_q_b) >> 24);
-    const int32_t reluctance = coefficient(((int64_t)m->saliency_b * flux_b) >> 24);
+    const int32_t magnet =
+        coefficient_of_products((int64_t)m->flux_b * m->constants->inductance_q_b);
+    const int32_t reluctance = coefficient_of_products((int64_t)m->saliency_b * flux_b);
     const int32_t sum = magnet + scaled_root(square(magnet) + 8 * square(reluctance));
     const int32_t d_flux_b =
         scaled_multiply(2 * flux_b, q_limit(scaled_ratio(reluctance, q_max(sum, 1)), SCALED_ONE));
@@ -173,6 +174,12 @@ feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage
 
 /* ---- points ---- */
 
+static int32_t cap_airgap_b(const motor_model_t *m, int32_t sign, int32_t cap_mNm)
+{
+    const int32_t shaft_b = scaled_shift(cap_mNm, m->constants->torque_shift);
+    return sign * q_min(shaft_b, MOST_TORQUE_b) + m->friction_b;
+}
+
 static motor_point_t with_map(const feasible_set_t *set, int32_t airgap_b)
 {
     const int32_t map_b = map_d_b(set, airgap_b);
@@ -195,28 +202,43 @@ motor_point_t feasible_point(const feasible_set_t *set, int32_t airgap_b)
 feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t cap_mNm)
 {
     const motor_model_t *m = set->model;
-    const int32_t shaft_b = scaled_shift(cap_mNm, m->constants->torque_shift);
-    const int32_t airgap_b = (int32_t)sign * q_min(shaft_b, MOST_TORQUE_b) + m->friction_b;
-    feasible_side_t out = {.set = set,
-                           .sign = (int32_t)sign,
-                           .cap = with_map(set, airgap_b),
-                           .voltage_mNm = FEASIBLE_UNBOUNDED,
-                           .cap_has_voltage = true};
-    if (voltage_suffices(set, out.cap)) {
-        return out;
+    const motor_point_t cap = with_map(set, cap_airgap_b(m, (int32_t)sign, cap_mNm));
+    const feasible_side_t out = {.set = set,
+                                 .sign = (int32_t)sign,
+                                 .cap_mNm = cap_mNm,
+                                 .cap = cap,
+                                 .cap_has_voltage = voltage_suffices(set, cap)};
+    return out;
+}
+
+/* First iteration: the point only tells whether other bounds are needed. */
+void feasible_weaken_cap(feasible_side_t *side)
+{
+    const feasible_set_t *set = side->set;
+    const int32_t airgap_b = cap_airgap_b(set->model, side->sign, side->cap_mNm);
+    side->cap = weakened(set, airgap_b, side->cap, 1);
+    side->cap_has_voltage = voltage_suffices(set, side->cap);
+}
+
+int32_t feasible_by_voltage_mNm(feasible_side_t *side)
+{
+    if (side->cap_has_voltage) {
+        return FEASIBLE_UNBOUNDED;
     }
     motor_point_t end;
     int32_t end_b = 0;
-    const bool exists = voltage_end(&out, &end, &end_b);
-    if (exists && out.sign * (end_b - airgap_b) >= 0) {
-        out.cap = weakened(set, airgap_b, out.cap, 1); /* first iteration */
-        out.cap_has_voltage = voltage_suffices(set, out.cap);
+    const bool exists = voltage_end(side, &end, &end_b);
+    const int32_t end_mNm = exists ? feasible_magnitude_mNm(side, end_b) : 0;
+    end.x_b = exists ? end.x_b : 0;
+    if (end_mNm >= side->cap_mNm) {
+        feasible_weaken_cap(side);
+        if (side->cap_has_voltage) {
+            return FEASIBLE_UNBOUNDED;
+        }
     } else {
-        out.cap = end;
-        out.cap_has_voltage = false;
+        side->cap = end;
+        side->cap_mNm = end_mNm;
     }
-    if (!out.cap_has_voltage) {
-        out.voltage_mNm = exists ? feasible_magnitude_mNm(&out, end_b) : 0;
-    }
-    return out;
+    side->cap_has_voltage = true;
+    return end_mNm;
 }

@@ -191,10 +191,10 @@ static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
     static const side_t SIDES[2] = {SIDE_DRIVING, SIDE_BRAKING};
     for (int k = 0; k < 2; k++) {
         limit_t *line = k == 0 ? out->driving : out->braking;
-        const feasible_side_t side = feasible_side_at(set, SIDES[k], cap_mNm);
-        line[TORQUE_LINE_PHASE_CURRENT] =
-            limit_init(feasible_by_current_mNm(&side, &circle), REASON_PHASE_CURRENT);
-        line[TORQUE_LINE_VOLTAGE] = limit_init(side.voltage_mNm, REASON_VOLTAGE);
+        feasible_side_t side = feasible_side_at(set, SIDES[k], cap_mNm);
+        const feasible_bounds_t ends = feasible_by_voltage_and_current(&side, &circle);
+        line[TORQUE_LINE_PHASE_CURRENT] = limit_init(ends.current_mNm, REASON_PHASE_CURRENT);
+        line[TORQUE_LINE_VOLTAGE] = limit_init(ends.voltage_mNm, REASON_VOLTAGE);
         line[TORQUE_LINE_DRAWN] =
             limit_init(feasible_by_drawn_mNm(&side, drawn_b), discharge.reason);
         if (SIDES[k] == SIDE_BRAKING) {

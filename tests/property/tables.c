@@ -38,11 +38,11 @@ tables_voltage_t tables_voltage_limit(const config_t *config, int32_t speed_mrad
         motor_model_at(&constants, config, speed_mrad_s, winding_temperature_cC);
     const feasible_set_t set = feasible_set_at(&model, phase_voltage_mV);
     const int32_t cap_mNm = 3 * config->motor.max_torque_mNm;
-    const feasible_side_t driving = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
-    const feasible_side_t braking = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
+    feasible_side_t driving = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
+    feasible_side_t braking = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
     /* Unbounded stands for three times the largest torque. */
-    const int32_t driving_mNm = q_min(driving.voltage_mNm, cap_mNm);
-    const int32_t braking_mNm = q_min(braking.voltage_mNm, cap_mNm);
+    const int32_t driving_mNm = q_min(feasible_by_voltage_mNm(&driving), cap_mNm);
+    const int32_t braking_mNm = q_min(feasible_by_voltage_mNm(&braking), cap_mNm);
     const int32_t friction_mNm = scaled_shift(model.friction_b, -constants.torque_shift);
     const bool forward = speed_mrad_s >= 0;
     const int32_t along_mNm = forward ? friction_mNm : -friction_mNm;

@@ -37,15 +37,19 @@ typedef struct {
     int32_t weakest_d_b;     /* lowest i_d, <= 0: README, Feasible torque */
 } feasible_set_t;
 
-/* One direction of torque, with the point of the largest torque that the other limits permit, or
- * the end of the voltage ellipse where that is less: bounds by power beyond it are not computed. */
+/* One direction of torque up to its cap, the point of the largest torque that the other limits
+ * permit. Voltage and phase current lower it: no bound beyond it is solved. */
 typedef struct {
     const feasible_set_t *set;
     int32_t sign; /* 1 driving, -1 braking */
+    int32_t cap_mNm;
     motor_point_t cap;
-    int32_t voltage_mNm; /* largest torque with a current inside the voltage circle */
-    bool cap_has_voltage;
+    bool cap_has_voltage; /* at the cap's i_d */
 } feasible_side_t;
+
+typedef struct {
+    int32_t voltage_mNm, current_mNm;
+} feasible_bounds_t;
 
 /* i_d on the current circle, of both sides: best_b for maximum torque per ampere, lowest_b of field
  * weakening; near d_b the voltage ellipse meets it, lower by by_side_b driving, higher braking. */
@@ -57,13 +61,19 @@ typedef struct {
 /* phase_voltage_mV: peak phase, mean over the period, >= 0. */
 feasible_set_t feasible_set_at(const motor_model_t *model, int32_t phase_voltage_mV);
 
-/* cap_mNm: magnitude of a shaft torque, >= 0. */
+/* cap_mNm: magnitude of a shaft torque, >= 0; with the map's i_d. */
 feasible_side_t feasible_side_at(const feasible_set_t *set, side_t sign, int32_t cap_mNm);
 
-/* Largest torque with |i| within motor.max_phase_current: maximum torque per ampere on the current
- * circle, or where the voltage ellipse meets the circle. circle: made by the first side that needs
- * it, for both; {.known = false} before. */
-int32_t feasible_by_current_mNm(const feasible_side_t *side, feasible_circle_t *circle);
+/* Largest torque with |u| within the available voltage: an end of the voltage ellipse. */
+int32_t feasible_by_voltage_mNm(feasible_side_t *side);
+
+/* Largest torque with |i| within motor.max_phase_current, the voltage sufficing: maximum torque per
+ * ampere on the current circle, or where the voltage ellipse meets the circle. circle: made by the
+ * first side that needs it, for both; {.known = false} before. */
+int32_t feasible_by_current_mNm(feasible_side_t *side, feasible_circle_t *circle);
+
+/* Both, but only the one that bounds the torque is solved. */
+feasible_bounds_t feasible_by_voltage_and_current(feasible_side_t *side, feasible_circle_t *circle);
 
 /* Power that a point draws, negative where it returns power, less what an uncertain angle may
  * return; scale of feasible_power_b(). */

@@ -201,9 +201,10 @@ void test_initial_bus_voltage_is_the_middle_of_the_battery_s_range(void)
     TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
 }
 
-/* Voltage bound of the driving torque, at 588 r/min and 42 V: about 33 N m, less than the motor's
- * 40 N m. w = 1416 /s, w L = 0.108 Ohm, EMF 28.9 V, i_d = -75 A; 47 A of i_q (33 N m) take u_q =
- * 28.9 - 8.1 + 1.5 V and u_d = -2.3 - 5.1 V, 23.5 V of 0.969 * 42/sqrt(3) V. */
+/* Bound of the driving torque by voltage, on the circle of the phase current or inside it, at
+ * 588 r/min and 42 V: about 33 N m, less than the motor's 40 N m. w = 1416 /s, w L = 0.108 Ohm,
+ * EMF 28.9 V, i_d = -75 A; 47 A of i_q (33 N m) take u_q = 28.9 - 8.1 + 1.5 V and u_d = -2.3 - 5.1
+ * V, 23.5 V of 0.969 * 42/sqrt(3) V. */
 static int32_t voltage_bound_mNm(int32_t target_q15, int32_t reserve_q15)
 {
     rig_start(&rig);
@@ -212,7 +213,8 @@ static int32_t voltage_bound_mNm(int32_t target_q15, int32_t reserve_q15)
     rig.fast_in.bus_voltage_code = rig_bus_code(&rig, 42.0);
     rig_set_speed_rpm(&rig, 588.0);
     rig_run(&rig, 100);
-    return rig.controller.slow.torque.table.driving[TORQUE_LINE_VOLTAGE].torque_mNm;
+    const limit_t *lines = rig.controller.slow.torque.table.driving;
+    return torque_limits_tightest(lines, TORQUE_LINE_PHASE_CURRENT, TORQUE_LINE_DRAWN).torque_mNm;
 }
 
 void test_torque_limits_use_the_modulation_target_less_its_reserve(void)

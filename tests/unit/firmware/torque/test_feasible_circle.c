@@ -49,6 +49,25 @@ static double by_current_nm(const drive_t *drive, double sign)
     return fmax(sign * (of_terminal(drive, d_a, q_a).torque_nm - friction_nm(drive)), 0.0);
 }
 
+/* Voltage and current together leave no less torque than both leave one after the other: more where
+ * the ellipse meets the circle beyond its end at the lowest i_d, but no more than the circle. */
+static void assert_leaves_as_much(feasible_side_t side, int32_t most_mNm)
+{
+    const int32_t cap_mNm = side.cap_mNm;
+    feasible_circle_t circle = {.known = false};
+    feasible_side_t other = side;
+    const feasible_bounds_t ends = feasible_by_voltage_and_current(&other, &circle);
+    const int32_t by_voltage_mNm = feasible_by_voltage_mNm(&side);
+    const int32_t by_current_mNm = feasible_by_current_mNm(&side, &circle);
+    const int32_t wanted_mNm = q_min(q_min(by_voltage_mNm, by_current_mNm), cap_mNm);
+    const int32_t found_mNm = q_min(q_min(ends.voltage_mNm, ends.current_mNm), cap_mNm);
+    TEST_ASSERT_GREATER_OR_EQUAL_INT32(wanted_mNm - most_mNm / 500, found_mNm);
+    if (by_voltage_mNm != FEASIBLE_UNBOUNDED && ends.voltage_mNm == FEASIBLE_UNBOUNDED) {
+        TEST_ASSERT_LESS_OR_EQUAL_INT32(by_current_mNm, found_mNm);
+    }
+    TEST_ASSERT_EQUAL_INT32(q_min(found_mNm, cap_mNm), other.cap_mNm);
+}
+
 void test_phase_current_bounds_of_every_configuration_match_a_bisection_on_the_circuit(void)
 {
     const config_t *const configs[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CONFIG_SCOOTER48V,
@@ -66,8 +85,9 @@ void test_phase_current_bounds_of_every_configuration_match_a_bisection_on_the_c
             const int32_t cap_mNm = n % 2 == 0 ? most_mNm : 3 * most_mNm;
             feasible_circle_t circle = {.known = false};
             for (int sign = -1; sign <= 1; sign += 2) {
-                const feasible_side_t side =
+                feasible_side_t side =
                     feasible_side_at(&set, sign > 0 ? SIDE_DRIVING : SIDE_BRAKING, cap_mNm);
+                assert_leaves_as_much(side, most_mNm);
                 const int32_t found_mNm = feasible_by_current_mNm(&side, &circle);
                 const double wanted_mNm = 1e3 * by_current_nm(&drive, sign);
                 if (wanted_mNm < 0.0) {

@@ -23,12 +23,12 @@ void test_setpoints_on_the_voltage_ellipse_make_the_torque_with_the_voltage_ther
             const feasible_set_t set = feasible_set_at(&model, phase_mV);
             drive.weakest_a = 1e-3 * model_current_mA(&model, set.weakest_d_b);
             const double sign = random_chance(&random, 0.5) ? 1.0 : -1.0;
-            const feasible_side_t side = feasible_side_at(
-                &set, sign > 0.0 ? SIDE_DRIVING : SIDE_BRAKING, configs[c]->motor.max_torque_mNm);
+            feasible_side_t side = feasible_side_at(&set, sign > 0.0 ? SIDE_DRIVING : SIDE_BRAKING,
+                                                    configs[c]->motor.max_torque_mNm);
             feasible_circle_t circle = {.known = false};
+            const feasible_bounds_t ends = feasible_by_voltage_and_current(&side, &circle);
             const int32_t bound_mNm =
-                q_min(q_min(side.voltage_mNm, feasible_by_current_mNm(&side, &circle)),
-                      configs[c]->motor.max_torque_mNm);
+                q_min(q_min(ends.voltage_mNm, ends.current_mNm), configs[c]->motor.max_torque_mNm);
             const int32_t torque_mNm = (int32_t)(sign * random_fraction(&random) * bound_mNm);
             const current_setpoint_t i = current_setpoint_step(&set, torque_mNm, 0);
             const double airgap_nm = 1e-3 * torque_mNm + friction_nm(&drive);

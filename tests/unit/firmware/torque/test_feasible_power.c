@@ -17,10 +17,11 @@ static double drawn_w(const drive_t *drive, double shaft_nm)
 }
 
 /* The tighter bound of voltage and phase current: beyond it no bound by power applies. */
-static int32_t by_currents_mNm(const feasible_side_t *side)
+static int32_t by_currents_mNm(feasible_side_t *side)
 {
     feasible_circle_t circle = {.known = false};
-    return q_min(side->voltage_mNm, feasible_by_current_mNm(side, &circle));
+    const feasible_bounds_t ends = feasible_by_voltage_and_current(side, &circle);
+    return q_min(ends.voltage_mNm, ends.current_mNm);
 }
 
 /* The power crosses its limit between a slightly smaller and a slightly larger torque. */
@@ -59,13 +60,15 @@ static void compare(const config_t *config, uint64_t seed)
         const int32_t cap_mNm = config->motor.max_torque_mNm;
 
         const int32_t drawn_mA = random_between(&random, 0, battery->max_discharge_current_mA);
-        const feasible_side_t drives = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
-        const feasible_side_t brakes = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
+        feasible_side_t drives = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
+        feasible_side_t brakes = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
+        const int32_t drives_mNm = q_min(by_currents_mNm(&drives), cap_mNm);
+        const int32_t brakes_mNm = q_min(by_currents_mNm(&brakes), cap_mNm);
         const int32_t by_drawn_mNm =
             feasible_by_drawn_mNm(&drives, feasible_power_b(&model, drawn_mA, bus_mV));
         /* Above the largest speed nothing drives. */
         if (drive.speed_mrad_s < config->motor.max_speed_mrad_s && by_drawn_mNm > 0 &&
-            by_drawn_mNm < q_min(by_currents_mNm(&drives), cap_mNm)) {
+            by_drawn_mNm < drives_mNm) {
             driving++;
             assert_bound(&drive, 1e-3 * by_drawn_mNm, 1.0, 1e-6 * drawn_mA * bus_mV);
         }
@@ -75,7 +78,7 @@ static void compare(const config_t *config, uint64_t seed)
         const int32_t returned_mA = random_between(&random, 0, battery->max_charge_current_mA);
         const int32_t by_returned_mNm =
             feasible_by_returned_mNm(&brakes, feasible_power_b(&model, returned_mA, bus_mV));
-        if (by_returned_mNm < q_min(by_currents_mNm(&brakes), cap_mNm)) {
+        if (by_returned_mNm < brakes_mNm) {
             braking++;
             assert_bound(&drive, -1e-3 * by_returned_mNm, -1.0, -1e-6 * returned_mA * bus_mV);
         }

@@ -24,10 +24,10 @@ static range_t voltage_range(const motor_model_t *model, int32_t phase_mV)
 {
     const feasible_set_t set = feasible_set_at(model, phase_mV);
     const int32_t cap_mNm = 2 * config.motor.max_torque_mNm;
-    const feasible_side_t driving = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
-    const feasible_side_t braking = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
-    const int32_t driving_mNm = driving.voltage_mNm;
-    const int32_t braking_mNm = braking.voltage_mNm;
+    feasible_side_t driving = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
+    feasible_side_t braking = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
+    const int32_t driving_mNm = feasible_by_voltage_mNm(&driving);
+    const int32_t braking_mNm = feasible_by_voltage_mNm(&braking);
     const bool forward = model->speed_mrad_s >= 0;
     const range_t out = {.lowest_mNm = forward ? -braking_mNm : -driving_mNm,
                          .highest_mNm = forward ? driving_mNm : braking_mNm};
@@ -254,15 +254,16 @@ void test_bounds_of_an_extreme_reactance_are_magnitudes(void)
         const motor_model_t model = model_at(&config, random_wild(&random), random_wild(&random));
         const feasible_set_t set = feasible_set_at(&model, random_between(&random, 0, 400000));
         const int32_t cap_mNm = random_between(&random, 0, 10 * config.motor.max_torque_mNm);
-        const feasible_side_t driving = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
-        const feasible_side_t braking = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
+        feasible_side_t driving = feasible_side_at(&set, SIDE_DRIVING, cap_mNm);
+        feasible_side_t braking = feasible_side_at(&set, SIDE_BRAKING, cap_mNm);
         const int32_t power_b =
             feasible_power_b(&model, random_between(&random, 0, 500000), 400000);
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, driving.voltage_mNm);
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, braking.voltage_mNm);
         feasible_circle_t circle = {.known = false};
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_voltage_mNm(&driving));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_current_mNm(&driving, &circle));
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_current_mNm(&braking, &circle));
+        const feasible_bounds_t ends = feasible_by_voltage_and_current(&braking, &circle);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, ends.voltage_mNm);
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, ends.current_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_drawn_mNm(&driving, power_b));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_drawn_mNm(&braking, power_b));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_returned_mNm(&braking, power_b));
