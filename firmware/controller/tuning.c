@@ -22,6 +22,11 @@ static int64_t scaled(int32_t gain, unsigned bits, int32_t factor_q22, unsigned 
     return ((int64_t)gain * factor_q22) >> (bits + 22U - out);
 }
 
+static int32_t share_of(int32_t share_q24, int32_t x)
+{
+    return q_saturate64(((int64_t)x * share_q24) >> 24);
+}
+
 static int32_t gain_within(int64_t x, int32_t largest)
 {
     return q_clamp(q_saturate64(x), 1, largest);
@@ -56,10 +61,10 @@ current_tuning_t current_tuning(const config_t *config, int32_t modulation_limit
         (int32_t)(((int64_t)q_clamp(v_dc_pu, LOWEST_BUS_PU, 32768) * modulation_limit_q15) >> 3);
     const int32_t factor_q22 = scaled_ratio(SQRT3_Q25, circle_q27);
     const config_current_loop_t *loop = &config->current_loop;
-    const int32_t integral_d_q24 =
-        bases_at_winding_temperature(config, loop->integral_d_pu_q24, winding_temperature_cC);
-    const int32_t integral_q_q24 =
-        bases_at_winding_temperature(config, loop->integral_q_pu_q24, winding_temperature_cC);
+    const int32_t winding_q24 = bases_share_at_q24(
+        config, config->motor.resistance_coefficient_ppm_K, winding_temperature_cC);
+    const int32_t integral_d_q24 = share_of(winding_q24, loop->integral_d_pu_q24);
+    const int32_t integral_q_q24 = share_of(winding_q24, loop->integral_q_pu_q24);
     /* Speed in units of its base, 1/16 turn per period = 2^28 in Q32; kept to 24 fraction bits. */
     const int32_t speed_q24 = speed_q32 >> 4;
     const int64_t l_d_q16 = scaled(loop->inductance_d_pu_q16, 16, factor_q22, 16);
