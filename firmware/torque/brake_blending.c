@@ -2,6 +2,7 @@
 #include "torque/brake_blending.h"
 
 #include "core/q15.h"
+#include "core/scaled.h"
 #include "torque/demand.h"
 
 enum {
@@ -109,7 +110,7 @@ static int32_t bridged_mNm(brake_blending_state_t *state, const config_brake_t *
 static int32_t command_mNm(const hydraulic_feedback_state_t *brake, int32_t required_mNm,
                            int32_t motor_mNm)
 {
-    const int32_t nominal_mNm = q_saturate64(((int64_t)required_mNm << 15) / brake->gain_q15);
+    const int32_t nominal_mNm = scaled_ratio(required_mNm, brake->gain_q15 * 512);
     if (!hydraulic_feedback_used(brake)) {
         return nominal_mNm;
     }

@@ -22,7 +22,9 @@ current_setpoint_t current_setpoint_step(const feasible_set_t *set, int32_t torq
     }
     const int32_t along_mA = motor_model_current_mA(k, motor_model_i_q_b(model, at));
     const int32_t q_mA = model->speed_mrad_s >= 0 ? along_mA : -along_mA;
-    const int32_t left_mA = scaled_root((int64_t)most_mA * most_mA - (int64_t)d_mA * d_mA);
+    const int64_t left_squared = (int64_t)most_mA * most_mA - (int64_t)d_mA * d_mA;
+    const bool inside = (int64_t)q_mA * q_mA <= left_squared;
+    const int32_t left_mA = inside ? q_abs(q_mA) : scaled_root(left_squared);
     const bool limited = q_abs(q_mA) > left_mA + most_mA / 256;
     const current_setpoint_t out = {
         .i_d_mA = q_limit(d_mA - trim_mA, most_mA),

@@ -19,7 +19,7 @@ enum {
 
 static int32_t within_b(int32_t x)
 {
-    return q_clamp(x, -MOST_b, MOST_b);
+    return q_limit(x, MOST_b);
 }
 
 /* The shift that brings x > 0 into [2^22, 2^23). */

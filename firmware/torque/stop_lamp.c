@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/stop_lamp.h"
 
-#include "core/divide.h"
 #include "core/q15.h"
+#include "core/scaled.h"
 
 enum {
-    STEPS_PER_S = 1000,
+    THOUSANDTH_q24 = 16777,    /* 2^24 / 1000 */
     DECEL_MOST_MM_S2 = 1000000 /* 100 g: a wheel that jumps, not a vehicle that brakes */
 };
 
@@ -27,11 +27,11 @@ bool stop_lamp_step(stop_lamp_state_t *state, const config_t *config, int32_t sp
     }
     const int32_t before_q8 = state->speed_lp_q8_mrad_s;
     state->speed_lp_q8_mrad_s += (speed_q8 - before_q8) / filter_steps; /* both are >= 0 */
-    /* mrad/s per step * steps/s * um = nm/s^2 */
-    const int64_t decel_nm_s2 = ((int64_t)before_q8 - state->speed_lp_q8_mrad_s) * STEPS_PER_S /
-                                256 * config->vehicle.wheel_radius_um;
+    /* mrad/s in a millisecond, times um: um/s^2 */
+    const int64_t decel_um_s2 =
+        ((int64_t)before_q8 - state->speed_lp_q8_mrad_s) * config->vehicle.wheel_radius_um >> 8;
     const int32_t raw_mm_s2 =
-        q_clamp(q_saturate64(divide_by_million(decel_nm_s2)), -DECEL_MOST_MM_S2, DECEL_MOST_MM_S2);
+        q_limit(scaled_multiply(q_saturate64(decel_um_s2), THOUSANDTH_q24), DECEL_MOST_MM_S2);
     const int32_t decel_mm_s2 =
         filter_step(&state->decel_lp_mm_s2, raw_mm_s2, (unsigned)brake->stop_lamp_filter_log2);
 
