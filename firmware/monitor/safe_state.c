@@ -13,47 +13,44 @@ enum {
     MOST_mA = 10000000
 };
 
-/* One speed and temperature: EMF, and the ratios that the equations are written in. */
+/* One speed and temperature: EMF, and the ratios that the equations are written in, made by the
+ * first of short circuit and conducting diodes. */
 typedef struct {
-    int32_t emf_mV;      /* w psi, peak phase */
-    int32_t line_mV;     /* sqrt(3) w psi */
+    int32_t emf_mV;  /* w psi, peak phase */
+    int32_t line_mV; /* sqrt(3) w psi */
+    bool has_ratios;
     int32_t infinite_mA; /* psi / L_d: the short circuit's current at high speed */
     int32_t stall_mNm;   /* 3/2 p psi^2 / L_d: twice the largest torque of the short circuit */
     int32_t rho_q24;     /* R / (w L_d), at most 64 */
     int32_t sigma_q24;   /* L_q / L_d */
 } machine_t;
 
-static int32_t emf_mV_at(const config_t *config, int32_t speed_mrad_s)
+static machine_t machine_at(const config_t *config, int32_t speed_mrad_s)
 {
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(speed_mrad_s));
-    return q_saturate64(divide_by_billion(w_mrad_s * config->motor.flux_linkage_nWb));
+    const int32_t emf_mV =
+        q_saturate64(divide_by_billion(w_mrad_s * config->motor.flux_linkage_nWb));
+    const machine_t out = {.emf_mV = emf_mV,
+                           .line_mV = q_saturate64(divide_by_thousand((int64_t)emf_mV * 1732))};
+    return out;
 }
 
-static int32_t line_mV_of(int32_t emf_mV)
+static void make_ratios(machine_t *m, const config_t *config, const safe_state_input_t *in)
 {
-    return q_saturate64(divide_by_thousand((int64_t)emf_mV * 1732));
-}
-
-static machine_t machine_at(const config_t *config, const safe_state_input_t *in)
-{
+    if (m->has_ratios) {
+        return;
+    }
     const config_motor_t *motor = &config->motor;
     const int64_t w_mrad_s = bases_electrical_mrad_s(config, q_abs(in->speed_mrad_s));
-    const int32_t emf_mV = emf_mV_at(config, in->speed_mrad_s);
     const int32_t x_uOhm = q_saturate64(divide_by_million(w_mrad_s * motor->d_inductance_nH));
     const int32_t r_uOhm = bases_at_winding_temperature(config, motor->phase_resistance_uOhm,
                                                         in->winding_temperature_cC);
-    const int32_t infinite_mA =
-        q_saturate64((int64_t)motor->flux_linkage_nWb * 1000 / motor->d_inductance_nH);
-    const int64_t flux_uA_Wb = divide_by_million((int64_t)motor->flux_linkage_nWb * infinite_mA);
-    const machine_t out = {
-        .emf_mV = emf_mV,
-        .line_mV = line_mV_of(emf_mV),
-        .infinite_mA = infinite_mA,
-        .stall_mNm = q_saturate64(divide_by_thousand(flux_uA_Wb * 3 / 2 * motor->pole_pairs)),
-        .rho_q24 = scaled_ratio(r_uOhm, q_max(x_uOhm, 1)),
-        .sigma_q24 = scaled_ratio(motor->q_inductance_nH, motor->d_inductance_nH),
-    };
-    return out;
+    m->infinite_mA = q_saturate64((int64_t)motor->flux_linkage_nWb * 1000 / motor->d_inductance_nH);
+    const int64_t flux_uA_Wb = divide_by_million((int64_t)motor->flux_linkage_nWb * m->infinite_mA);
+    m->stall_mNm = q_saturate64(divide_by_thousand(flux_uA_Wb * 3 / 2 * motor->pole_pairs));
+    m->rho_q24 = scaled_ratio(r_uOhm, q_max(x_uOhm, 1));
+    m->sigma_q24 = scaled_ratio(motor->q_inductance_nH, motor->d_inductance_nH);
+    m->has_ratios = true;
 }
 
 static int32_t square_q24(int32_t x_q24)
@@ -73,20 +70,26 @@ static int32_t root_q24(int64_t x_q24)
 
 /* I / I_infinite of the short circuit, and its torque over 3/2 p psi^2/L_d:
  * sqrt(rho^2 + sigma^2)/(rho^2 + sigma), rho times the square of that. */
-letting_go_t safe_state_short(const config_t *config, const safe_state_input_t *in)
+static letting_go_t shorted_at(machine_t *m, const config_t *config, const safe_state_input_t *in)
 {
-    const machine_t m = machine_at(config, in);
-    const int64_t rho2 = square_q24(m.rho_q24);
-    const int64_t sigma2 = square_q24(m.sigma_q24);
+    make_ratios(m, config, in);
+    const int64_t rho2 = square_q24(m->rho_q24);
+    const int64_t sigma2 = square_q24(m->sigma_q24);
     const int32_t y_q24 =
-        scaled_ratio(root_q24(rho2 + sigma2), q_max(q_saturate64(rho2 + m.sigma_q24), 1));
+        scaled_ratio(root_q24(rho2 + sigma2), q_max(q_saturate64(rho2 + m->sigma_q24), 1));
     const letting_go_t out = {
-        .torque_mNm = share_of(share_of(m.stall_mNm, m.rho_q24), square_q24(y_q24)),
-        .current_mA = share_of(m.infinite_mA, y_q24),
+        .torque_mNm = share_of(share_of(m->stall_mNm, m->rho_q24), square_q24(y_q24)),
+        .current_mA = share_of(m->infinite_mA, y_q24),
         .charging_mA = 0,
         .bus_mV = in->bus_voltage_mV,
     };
     return out;
+}
+
+letting_go_t safe_state_short(const config_t *config, const safe_state_input_t *in)
+{
+    machine_t m = machine_at(config, in->speed_mrad_s);
+    return shorted_at(&m, config, in);
 }
 
 /* I / I_infinite on the diodes at u = U/E below one. L_d = L_q:
@@ -114,29 +117,33 @@ static bool bus_is_known(const config_t *config, int32_t bus_mV)
     return (int64_t)bus_mV * 4096 < (int64_t)config->drive.voltage_full_scale_mV * LAST_CODE;
 }
 
-letting_go_t safe_state_freewheel(const config_t *config, const safe_state_input_t *in)
+static letting_go_t freewheel_at(machine_t *m, const config_t *config, const safe_state_input_t *in)
 {
-    const int32_t emf_mV = emf_mV_at(config, in->speed_mrad_s);
-    const int32_t line_mV = line_mV_of(emf_mV);
     const int32_t drops_mV = 2 * config->drive.diode_drop_mV;
     const bool fixed_bus = !in->battery_open && bus_is_known(config, in->bus_voltage_mV);
     letting_go_t out = {.bus_mV = in->bus_voltage_mV};
-    if ((int64_t)line_mV <= (int64_t)q_max(in->bus_voltage_mV, 0) + drops_mV) {
+    if ((int64_t)m->line_mV <= (int64_t)q_max(in->bus_voltage_mV, 0) + drops_mV) {
         return out;
     }
     if (!fixed_bus) { /* nothing takes a current: the capacitors settle at the EMF */
-        out.bus_mV = line_mV - drops_mV;
+        out.bus_mV = m->line_mV - drops_mV;
         return out;
     }
-    const machine_t m = machine_at(config, in);
+    make_ratios(m, config, in);
     const int32_t u_mV = q_scale(in->bus_voltage_mV + drops_mV, INVERSE_SQRT3_Q16, 65536);
-    const int32_t u_q24 = q_clamp(scaled_ratio(u_mV, q_max(m.emf_mV, 1)), 0, SCALED_ONE);
-    const int32_t y_q24 = rectified_q24(&m, u_q24);
-    const int32_t ry_u = q_saturate64((int64_t)share_of(m.rho_q24, y_q24) + u_q24);
-    out.torque_mNm = share_of(m.stall_mNm, share_of(ry_u, y_q24));
-    out.current_mA = share_of(m.infinite_mA, y_q24);
+    const int32_t u_q24 = q_clamp(scaled_ratio(u_mV, q_max(m->emf_mV, 1)), 0, SCALED_ONE);
+    const int32_t y_q24 = rectified_q24(m, u_q24);
+    const int32_t ry_u = q_saturate64((int64_t)share_of(m->rho_q24, y_q24) + u_q24);
+    out.torque_mNm = share_of(m->stall_mNm, share_of(ry_u, y_q24));
+    out.current_mA = share_of(m->infinite_mA, y_q24);
     out.charging_mA = q_scale(out.current_mA, SQRT3_HALF_Q15, 32768);
     return out;
+}
+
+letting_go_t safe_state_freewheel(const config_t *config, const safe_state_input_t *in)
+{
+    machine_t m = machine_at(config, in->speed_mrad_s);
+    return freewheel_at(&m, config, in);
 }
 
 /* The current's 3/4 L i^2, and half as much from the EMF while it falls, raise C v^2/2: the bus
@@ -182,21 +189,21 @@ static bool prefers_short(const config_t *config, const safe_state_input_t *in,
 safe_state_t safe_state_step(const config_t *config, const safe_state_input_t *in)
 {
     const bool was_short = in->bridge == BRIDGE_SHORT;
-    safe_state_t out = {.bridge = BRIDGE_OFF,
-                        .emf_mV = emf_mV_at(config, in->speed_mrad_s),
-                        .freewheel = safe_state_freewheel(config, in)};
+    machine_t m = machine_at(config, in->speed_mrad_s);
+    safe_state_t out = {
+        .bridge = BRIDGE_OFF, .emf_mV = m.emf_mV, .freewheel = freewheel_at(&m, config, in)};
     letting_go_t off = out.freewheel;
     if (was_short) {
         safe_state_input_t lower = *in;
         lower.bus_voltage_mV =
             q_scale(in->bus_voltage_mV, config->monitor.short_release_permille, 1000);
-        off = safe_state_freewheel(config, &lower);
+        off = freewheel_at(&m, config, &lower);
     }
     const bool quiet = off.current_mA == 0 && off.bus_mV < config->drive.device_voltage_mV;
     if (quiet && !was_short) {
         return out;
     }
-    const letting_go_t shorted = safe_state_short(config, in);
+    const letting_go_t shorted = shorted_at(&m, config, in);
     const bool better = !quiet && prefers_short(config, in, &off, &shorted);
     if (better || (was_short && !energy_fits(config, in))) {
         out.bridge = BRIDGE_SHORT;
