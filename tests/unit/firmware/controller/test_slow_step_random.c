@@ -383,8 +383,7 @@ static void check_sum(void)
         rig.out.speed_mrad_s == 0) {
         return;
     }
-    const int32_t motor_mNm =
-        rig.report.bridge == BRIDGE_PWM ? -sign_of_speed() * rig.out.motor_torque_command_mNm : 0;
+    const int32_t motor_mNm = -sign_of_speed() * rig.out.motor_torque_command_mNm;
     const int32_t demand_mNm = q_min(demand->brake_torque_mNm, most_mNm);
     if (!runs()) {
         check(rig.out.hydraulic_torque_mNm == demand_mNm || has_feedback,
@@ -392,15 +391,15 @@ static void check_sum(void)
     }
     /* A vehicle that gains speed under the brake finds limits at the rate of its acceleration. */
     const bool slows = phase.acceleration_rad_s2 * sign_of_speed() <= 0.0;
-    if (slows && reference.quiet_ms > settling_ms() && phase.feedback == has_feedback &&
+    /* Where no currents exist the bridge is open, and less than brake.shortfall_band is missing. */
+    const bool switches = rig.report.bridge == BRIDGE_PWM;
+    if (slows && switches && reference.quiet_ms > settling_ms() && phase.feedback == has_feedback &&
         rig.config.brake.bridging_time_ms > 0) {
         const double sum_mNm = motor_mNm + rig.brake.torque_mNm;
         const double off_mNm = fabs(sum_mNm - demand_mNm);
         counts.settled++;
         /* Below a 64th of the largest torque the gain, 0.8 to 1.2, is not learned. */
-        const int32_t band_mNm =
-            rig.report.bridge == BRIDGE_PWM ? 0 : rig.config.brake.shortfall_band_mNm;
-        check(off_mNm <= 0.1 * demand_mNm + 0.2 / 64.0 * most_mNm + band_mNm ||
+        check(off_mNm <= 0.1 * demand_mNm + 0.2 / 64.0 * most_mNm ||
                   rig.out.hydraulic_torque_mNm == most_mNm,
               "the brakes together miss the demand");
         const double share = off_mNm / fmax(demand_mNm, most_mNm / 64.0);
