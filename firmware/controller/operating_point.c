@@ -58,21 +58,20 @@ static int32_t bus_current_mA(const operating_point_state_t *state, const config
     return q15_product(in_circle_mA, SQRT3_HALF_Q15);
 }
 
-/* A share of the voltage circle in volts: u = m limit v_dc/sqrt 3. */
-static int32_t phase_mV(const operating_point_state_t *state, int32_t share_q15, int32_t bus_mV)
+/* Radius of the voltage circle: limit v_dc/sqrt 3. */
+static int32_t circle_mV(const operating_point_state_t *state, int32_t bus_mV)
 {
-    const int32_t share_of_bus_q15 = q15_product(share_q15, state->modulation_limit_q15);
-    return q15_product(q15_product(share_of_bus_q15, bus_mV), INVERSE_SQRT3_Q15);
+    return q15_product(q15_product(state->modulation_limit_q15, bus_mV), INVERSE_SQRT3_Q15);
 }
 
 /* With a reserve below the index at which the fast loop begins to weaken the field (README,
  * Voltage reserve). */
 static int32_t phase_voltage_mV(const operating_point_state_t *state, const config_t *config,
-                                int32_t bus_mV)
+                                int32_t radius_mV)
 {
     const int32_t index_q15 = config->current_loop.modulation_target_pu_q15 -
                               config->current_loop.modulation_reserve_pu_q15;
-    return sampling_correction_mean_voltage(&state->sampling, phase_mV(state, index_q15, bus_mV));
+    return sampling_correction_mean_voltage(&state->sampling, q15_product(index_q15, radius_mV));
 }
 
 operating_point_t operating_point_of(operating_point_state_t *state, const config_t *config,
@@ -86,6 +85,7 @@ operating_point_t operating_point_of(operating_point_state_t *state, const confi
     const sampling_correction_t *sampling = &state->sampling;
     const dq_t i_pu = sampling_correction_to_mean(sampling, state->i_pu);
     const int32_t bus_mV = bases_bus_voltage_mV(config, state->v_dc_pu);
+    const int32_t radius_mV = circle_mV(state, bus_mV);
     const dq_t latest_i = dq_of(report->i_pu);
     const dq_t latest_u = dq_of(report->u_pu);
     const operating_point_t out = {
@@ -96,11 +96,11 @@ operating_point_t operating_point_of(operating_point_state_t *state, const confi
         .bus_current_mA = bus_current_mA(state, config),
         .i_d_weakening_mA = bases_current_mA(
             config, sampling_correction_mean_change(sampling, report->i_d_weakening_pu)),
-        .phase_voltage_mV = phase_voltage_mV(state, config, bus_mV),
+        .phase_voltage_mV = phase_voltage_mV(state, config, radius_mV),
         .latest_i_d_mA = bases_current_mA(config, latest_i.d),
         .latest_i_q_mA = bases_current_mA(config, latest_i.q),
-        .latest_u_d_mV = phase_mV(state, latest_u.d, bus_mV),
-        .latest_u_q_mV = phase_mV(state, latest_u.q, bus_mV),
+        .latest_u_d_mV = q15_product(latest_u.d, radius_mV),
+        .latest_u_q_mV = q15_product(latest_u.q, radius_mV),
     };
     return out;
 }

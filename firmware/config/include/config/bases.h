@@ -38,12 +38,13 @@ static inline int32_t bases_bus_voltage_mV(const config_t *config, int32_t volta
 }
 
 /* Electrical speed as the fast loop keeps it, turns per PWM period in Q32, to mechanical mrad/s.
- *     omega_m = turns/period * f_pwm * 2 pi / pole_pairs;   2 pi * 1000 = 6283.19 mrad a turn */
+ *     omega_m = turns/period * f_pwm * 2 pi / pole_pairs;   2000 pi / 2^16 is 6433982 / 2^26 */
 static inline int32_t bases_speed_mrad_s(const config_t *config, int32_t speed_turn_q32)
 {
     const int64_t turns_per_s_q16 =
         ((int64_t)speed_turn_q32 * config->drive.pwm_frequency_Hz) / 65536;
-    return q_saturate64(turns_per_s_q16 * 628319 / (INT64_C(6553600) * config->motor.pole_pairs));
+    const int64_t electrical_mrad_s = turns_per_s_q16 * 6433982 / (1 << 26);
+    return (int32_t)electrical_mrad_s / config->motor.pole_pairs;
 }
 
 /* Mechanical mrad/s to electrical mrad/s; saturates. */

@@ -73,7 +73,7 @@ void test_speed_is_turns_per_period_times_pwm_frequency_over_pole_pairs(void)
                 const int32_t speed_q32 = (int32_t)lround(ldexp(turns, 32));
                 const double exact =
                     fmax(fmin(mechanical_mrad_s(ldexp(speed_q32, -32)), INT32_MAX), INT32_MIN);
-                /* 2 pi has seven digits, turns per second 16 fraction bits: 96 mrad/s over 65 536 a
+                /* 2 pi has eight digits, turns per second 16 fraction bits: 96 mrad/s over 65 536 a
                  * pole pair. */
                 TEST_ASSERT_DOUBLE_WITHIN(fabs(exact) * 1e-6 + 1.1, exact,
                                           bases_speed_mrad_s(&config, speed_q32));
