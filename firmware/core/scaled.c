@@ -5,7 +5,7 @@
  * rounding of 16 bits. */
 static uint32_t root_of_normalised(uint32_t n)
 {
-    uint32_t y = 21845U + (n >> 16) / 3U * 2U;
+    uint32_t y = 21845U + (((n >> 16) * 43690U) >> 16);
     y = (y + n / y) >> 1;
     return (y + n / y) >> 1;
 }

@@ -146,7 +146,10 @@ motor_model_t motor_model_at(const motor_constants_t *constants, const config_t 
         .one_plus_a2 = SCALED_ONE,
         .inverse_one_plus_a2 = SCALED_ONE,
     };
-    m.x_per_airgap_q23 = scaled_multiply(k->torque_inverse_q24, scaled_ratio(1 << 23, m.flux_b));
+    if (m.saliency_b == 0) {
+        m.x_per_airgap_q23 =
+            scaled_multiply(k->torque_inverse_q24, scaled_ratio(1 << 23, m.flux_b));
+    }
     m.emf_b = within_b(scaled_multiply(w_b, m.flux_b));
     const int64_t iron_q16_b = k->iron_q16_b + (((int64_t)w_b * k->iron_slope_q16_b) >> 24);
     if (iron_q16_b > 0) {
@@ -194,7 +197,7 @@ int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, 
     }
     /* (flux + change x) x = per_pole: the root that is zero at zero torque. */
     const int32_t per_pole_b = scaled_multiply(airgap_b, model->constants->torque_inverse_q24);
-    const int32_t least_b = model->flux_b / 4;
+    const int32_t least_b = model->flux_b >> 2;
     const motor_point_t without_x = {.d_b = d_b, .x_b = 0};
     const int32_t flux_b = q_max(flux_at_b(model, without_x), least_b);
     const int32_t root_b =
@@ -206,7 +209,7 @@ int32_t motor_model_x_of_airgap_b(const motor_model_t *model, int32_t airgap_b, 
 int32_t motor_model_airgap_per_x(const motor_model_t *model, motor_point_t at)
 {
     const int32_t slope_b = flux_at_b(model, at) + scaled_multiply(model->flux_per_x, at.x_b);
-    return scaled_multiply(q_max(slope_b, model->flux_b / 4), model->constants->torque_factor_q24);
+    return scaled_multiply(q_max(slope_b, model->flux_b >> 2), model->constants->torque_factor_q24);
 }
 
 int32_t motor_model_airgap_per_d(const motor_model_t *model, motor_point_t at)
@@ -217,7 +220,7 @@ int32_t motor_model_airgap_per_d(const motor_model_t *model, motor_point_t at)
 
 int32_t motor_model_x_per_d(const motor_model_t *model, motor_point_t at)
 {
-    const int32_t least_b = model->flux_b / 4;
+    const int32_t least_b = model->flux_b >> 2;
     const int32_t slope_b =
         q_max(flux_at_b(model, at) + scaled_multiply(model->flux_per_x, at.x_b), least_b);
     return q_limit(scaled_ratio(-scaled_multiply(model->saliency_b, at.x_b), slope_b), MOST_b);

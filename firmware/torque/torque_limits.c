@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "torque/torque_limits.h"
 
-#include <stddef.h>
-
 #include "core/q15.h"
 #include "core/scaled.h"
 #include "torque/loss_maps.h"
@@ -169,12 +167,12 @@ static int32_t common_lines(torque_limits_t *out, const config_t *config,
     line[TORQUE_LINE_SWITCH] = share_line(config, switch_q15, REASON_SWITCH_TEMPERATURE);
     line[TORQUE_LINE_ROTOR] =
         limit_init(in->rotor_valid ? FEASIBLE_UNBOUNDED : 0, REASON_ROTOR_UNCERTAIN);
-    static const torque_line_t COMMON[] = {TORQUE_LINE_MAX_TORQUE, TORQUE_LINE_MAX_POWER,
-                                           TORQUE_LINE_WINDING, TORQUE_LINE_SWITCH,
-                                           TORQUE_LINE_ROTOR};
-    for (size_t i = 0; i < sizeof COMMON / sizeof COMMON[0]; i++) {
-        out->braking[COMMON[i]] = line[COMMON[i]];
-    }
+    limit_t *braking = out->braking;
+    braking[TORQUE_LINE_MAX_TORQUE] = line[TORQUE_LINE_MAX_TORQUE];
+    braking[TORQUE_LINE_MAX_POWER] = line[TORQUE_LINE_MAX_POWER];
+    braking[TORQUE_LINE_WINDING] = line[TORQUE_LINE_WINDING];
+    braking[TORQUE_LINE_SWITCH] = line[TORQUE_LINE_SWITCH];
+    braking[TORQUE_LINE_ROTOR] = line[TORQUE_LINE_ROTOR];
     return q_min(winding_q15, switch_q15);
 }
 
