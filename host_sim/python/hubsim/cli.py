@@ -30,7 +30,9 @@ RECORDINGS = {
     "layout": "write a PlotJuggler layout for the recorded signals",
 }
 _SHOWN_REPORT = "hubsim_report" if installation.INSTALLED else "build/report"
-_REPORT = Path(_SHOWN_REPORT) if installation.INSTALLED else installation.ROOT / _SHOWN_REPORT
+_REPORT = (
+    Path(_SHOWN_REPORT) if installation.INSTALLED else installation.ROOT / _SHOWN_REPORT
+)
 
 EXAMPLES = (
     "hubsim list --criteria",
@@ -76,7 +78,9 @@ def _cannot_print(error: OSError) -> int:
     """Say that standard output takes no more; a pipe that was closed needs no message."""
     if not isinstance(error, BrokenPipeError):
         print(f"hubsim: standard output: {error.strerror or error}", file=sys.stderr)
-    with contextlib.suppress(OSError):  # what is buffered goes nowhere when the process ends
+    with contextlib.suppress(
+        OSError
+    ):  # what is buffered goes nowhere when the process ends
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return 1
 
@@ -91,9 +95,22 @@ def parser() -> Parser:
     )
     out.add_argument("--version", action=ShowVersion)
     commands = out.add_subparsers(
-        title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
+        title="commands",
+        required=True,
+        metavar="COMMAND",
+        parser_class=Parser,
+        dest="command",
     )
-    for add in (_add_run, _add_sim, _add_sweep, _add_stops, _add_compare, _add_list, _add_report):
+    for add in (
+        _add_run,
+        _add_sim,
+        _add_sweep,
+        _add_stops,
+        _add_envelope,
+        _add_compare,
+        _add_list,
+        _add_report,
+    ):
         add(commands)
     return out
 
@@ -164,7 +181,9 @@ def _add_run(commands: Commands) -> None:
 
 def _add_sim(commands: Commands) -> None:
     text = "the urban cycle under the three strategies, table and report"
-    command = commands.add_parser("sim", help=text, description=f"{text[0].upper()}{text[1:]}.")
+    command = commands.add_parser(
+        "sim", help=text, description=f"{text[0].upper()}{text[1:]}."
+    )
     _add_common(command)
     command.add_argument(
         "--scenario",
@@ -173,7 +192,11 @@ def _add_sim(commands: Commands) -> None:
         help="a scenario with a cycle; default: ece15",
     )
     command.add_argument(
-        "--output", type=Path, default=_REPORT, metavar="DIR", help=f"default: {_SHOWN_REPORT}"
+        "--output",
+        type=Path,
+        default=_REPORT,
+        metavar="DIR",
+        help=f"default: {_SHOWN_REPORT}",
     )
     _add_date(command)
 
@@ -203,7 +226,9 @@ def _add_sweep(commands: Commands) -> None:
             " repeatable"
         ),
     )
-    command.add_argument("--runs", type=int, metavar="N", help="draws, for each point of the grid")
+    command.add_argument(
+        "--runs", type=int, metavar="N", help="draws, for each point of the grid"
+    )
     command.add_argument(
         "--seed", type=int, default=1, metavar="N", help="of the draws; default: 1"
     )
@@ -252,7 +277,11 @@ def _add_stops(commands: Commands) -> None:
         ),
     )
     command.add_argument(
-        "--count", type=int, default=1040, metavar="N", help="of all drives; default: 1040"
+        "--count",
+        type=int,
+        default=1040,
+        metavar="N",
+        help="of all drives; default: 1040",
     )
     command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
     command.add_argument(
@@ -271,6 +300,42 @@ def _add_stops(commands: Commands) -> None:
     _add_date(command)
 
 
+def _add_envelope(commands: Commands) -> None:
+    text = "the drives that come along at the edges of their envelope"
+    command = commands.add_parser(
+        "envelope",
+        help=text,
+        description=(
+            f"{text[0].upper()}{text[1:]}: speed to 110 %, driving and braking demand, battery, "
+            "charge limit and temperatures in a Latin hypercube for each drive, from every start: "
+            "standing, rolling, full, cold, rotor sensor dead. Exit status 1 if a run with a good "
+            "sensor has a fault."
+        ),
+    )
+    command.add_argument(
+        "--count",
+        type=int,
+        default=480,
+        metavar="N",
+        help="of all drives; default: 480",
+    )
+    command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
+    command.add_argument(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes on this machine; default: one for each core",
+    )
+    command.add_argument(
+        "--output",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="for envelope.csv, its origin envelope.json, envelope.svg, envelope.png",
+    )
+    _add_date(command)
+
+
 def _add_compare(commands: Commands) -> None:
     command = commands.add_parser(
         "compare",
@@ -282,7 +347,9 @@ def _add_compare(commands: Commands) -> None:
         ),
     )
     command.add_argument(
-        "first", metavar="A", help="a file that 'hubsim run' wrote, or a scenario to run"
+        "first",
+        metavar="A",
+        help="a file that 'hubsim run' wrote, or a scenario to run",
     )
     command.add_argument("second", metavar="B", help="another one")
     _add_common(command)
@@ -316,7 +383,9 @@ def _add_compare(commands: Commands) -> None:
     command.add_argument(
         "--all", action="store_true", help="show also what is within the tolerances"
     )
-    command.add_argument("--json", type=Path, metavar="FILE", help="write the differences")
+    command.add_argument(
+        "--json", type=Path, metavar="FILE", help="write the differences"
+    )
     _add_date(command)
 
 
@@ -331,7 +400,9 @@ def _add_list(commands: Commands) -> None:
         action="store_true",
         help="everything that events and --set plant.NAME=VALUE can change",
     )
-    command.add_argument("--signals", action="store_true", help="everything that can be recorded")
+    command.add_argument(
+        "--signals", action="store_true", help="everything that can be recorded"
+    )
     command.add_argument(
         "--layout",
         action="store_true",
@@ -362,7 +433,12 @@ def _add_report(commands: Commands) -> None:
         help="what 'hubsim run --json' wrote",
     )
     command.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="FILE", help="the page to write"
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="FILE",
+        help="the page to write",
     )
     command.add_argument(
         "--config",

@@ -16,7 +16,13 @@ from regen_table import installation
 from regen_table.schema import Drive
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeRemainingColumn,
+)
 from rich.table import Table
 
 from hubsim import (
@@ -90,7 +96,11 @@ def warn_of(result: RunResult) -> None:
 
 def run_scenario(options: argparse.Namespace) -> int:
     """Do ``hubsim run``: one run, its energies, its criteria, its recordings."""
-    wanted = {name: path for name in cli.RECORDINGS if (path := getattr(options, name)) is not None}
+    wanted = {
+        name: path
+        for name in cli.RECORDINGS
+        if (path := getattr(options, name)) is not None
+    }
     outputs_of = [*wanted.values(), *filter(None, [options.json])]
     for path in outputs_of:
         files.check_writable(path)
@@ -147,7 +157,10 @@ def run_strategies(options: argparse.Namespace) -> int:
     name, chosen, beside = scenario.load(options.scenario, settings.scenario)
     if not chosen.follows:
         raise HubsimError(f"sim: scenario {name} has no cycle, accepted: one that has")
-    drives = [drive_of(options.config, settings, strategy, chosen) for strategy in run.STRATEGIES]
+    drives = [
+        drive_of(options.config, settings, strategy, chosen)
+        for strategy in run.STRATEGIES
+    ]
     comparison.check_output(options.output)
     with progress_bar() as bar:
         results = comparison.simulate_all(
@@ -218,7 +231,10 @@ def sweep_runs(options: argparse.Namespace) -> int:
                 lambda done, planned: bar.update(task, completed=done, total=planned),
             )
         except KeyboardInterrupt:
-            print("hubsim: interrupted; the same command goes on where it stopped", file=sys.stderr)
+            print(
+                "hubsim: interrupted; the same command goes on where it stopped",
+                file=sys.stderr,
+            )
             raise
     for line in conduct.summary(table, [v.key for v in found.varied], options.output):
         print(line)
@@ -235,6 +251,18 @@ def compare_stops(options: argparse.Namespace) -> int:
     for line in stored_share_report.summary(found):
         print(line)
     return 0 if all(o.within for o in found if o.comparable) else 1
+
+
+def sweep_envelope(options: argparse.Namespace) -> int:
+    """Do ``hubsim envelope``: every drive at the edges of its envelope."""
+    # Matplotlib takes longer to load than most commands take.
+    from hubsim import envelope_report  # noqa: PLC0415
+
+    with progress_bar("envelope") as bar:
+        found = envelope_report.make(options, bar)
+    for line in envelope_report.summary(found):
+        print(line)
+    return 1 if any(o.first_fault for o in envelope_report.healthy(found)) else 0
 
 
 def _place(name: str) -> str:
@@ -269,14 +297,21 @@ def compare_runs(options: argparse.Namespace) -> int:
     """Do ``hubsim compare``: two results, or two runs, side by side."""
     for name in ("absolute", "relative"):
         if not 0.0 <= getattr(options, name) < float("inf"):
-            raise HubsimError(f"--{name} {getattr(options, name)}: accepted: a number from 0")
+            raise HubsimError(
+                f"--{name} {getattr(options, name)}: accepted: a number from 0"
+            )
     if options.json:
         files.check_writable(options.json)
     first, second = (
         _side(options, name, extra)
-        for name, extra in ((options.first, options.set_a), (options.second, options.set_b))
+        for name, extra in (
+            (options.first, options.set_a),
+            (options.second, options.set_b),
+        )
     )
-    found = difference.compare(first, second, Tolerance(options.absolute, options.relative))
+    found = difference.compare(
+        first, second, Tolerance(options.absolute, options.relative)
+    )
     if options.only:
         found = [
             d
@@ -284,11 +319,15 @@ def compare_runs(options: argparse.Namespace) -> int:
             if any(fnmatchcase(d.name, pattern) for pattern in options.only.split(","))
         ]
     if not found:
-        raise HubsimError(f"{options.first} and {options.second}: nothing in common to compare")
+        raise HubsimError(
+            f"{options.first} and {options.second}: nothing in common to compare"
+        )
     if options.json:
         written = {
             "provenance": installation.provenance(date=options.date),
-            "sides": [{"name": s.name, "provenance": s.origin} for s in (first, second)],
+            "sides": [
+                {"name": s.name, "provenance": s.origin} for s in (first, second)
+            ],
             "differences": [d.as_object() for d in found],
         }
         files.write_text(options.json, as_json(written))
@@ -301,7 +340,9 @@ def compare_runs(options: argparse.Namespace) -> int:
             f"{', '.join(alone[:8])}{' ...' if len(alone) > 8 else ''}",
             file=sys.stderr,
         )
-    print(f"{len(found) - len(apart)} of {len(found)} figures and signals within the tolerances")
+    print(
+        f"{len(found) - len(apart)} of {len(found)} figures and signals within the tolerances"
+    )
     return 1 if apart else 0
 
 
@@ -321,14 +362,19 @@ def _side(options: argparse.Namespace, name: str, extra: Sequence[str]) -> Side:
     warn_of(result)
     signals = {signal: result.signal(signal) for signal in result.names}
     label = " ".join([title, *extra]) if extra else title
-    return Side(label, difference.figures_of(json_object(result)), signals, result.origin)
+    return Side(
+        label, difference.figures_of(json_object(result)), signals, result.origin
+    )
 
 
 def _print_differences(first: str, second: str, found: Sequence[Difference]) -> None:
     if not found:
         return
     table = Table(
-        title=f"A: {first}\nB: {second}", title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD
+        title=f"A: {first}\nB: {second}",
+        title_justify="left",
+        pad_edge=False,
+        box=box.SIMPLE_HEAD,
     )
     table.add_column("figure, or signal (means)")
     for heading in ("A", "B", "largest difference", "at s", "rms"):
@@ -430,9 +476,12 @@ def write_report(options: argparse.Namespace) -> int:
     found = [_with_origin(load_result(path), options.date) for path in options.results]
     names = list(dict.fromkeys(result.vehicle for result in found))
     configs = {
-        name: options.config or engine.ROOT / "tools" / "motors" / f"{name}.toml" for name in names
+        name: options.config or engine.ROOT / "tools" / "motors" / f"{name}.toml"
+        for name in names
     }
-    known = {name: path for name, path in configs.items() if options.config or path.is_file()}
+    known = {
+        name: path for name, path in configs.items() if options.config or path.is_file()
+    }
     no_overrides = overrides.Overrides()
     maps = {
         name: stops.optimum_map(overrides.load_drive(path, no_overrides))
@@ -451,7 +500,9 @@ def write_report(options: argparse.Namespace) -> int:
         ]
         with progress_bar("stops") as bar:
             curves = list(comparison.extras(drives, bar).stops)
-    report.write_page(found, options.output, report.Extras(maps, curves, "hubsim report"))
+    report.write_page(
+        found, options.output, report.Extras(maps, curves, "hubsim report")
+    )
     print(f"report: {options.output}")
     return 0
 
@@ -469,6 +520,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "sim": run_strategies,
     "sweep": sweep_runs,
     "stops": compare_stops,
+    "envelope": sweep_envelope,
     "compare": compare_runs,
     "list": list_names,
     "report": write_report,

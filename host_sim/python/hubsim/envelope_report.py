@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a sweep over the envelope leaves behind: table, origin and picture, and what it says."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from regen_table import installation, plotting
+from rich.progress import Progress
+
+from hubsim import envelope, files
+from hubsim.envelope import SENSOR_STARTS, Outcome
+from hubsim.errors import HubsimError
+from hubsim.results import as_json
+from hubsim.stored_share import DRIVES
+
+DEVIATION_MAX = 0.01  # of the rated torque
+SHOWN = 0.05  # what lies beyond is drawn on the edge
+COLOURS = (
+    plotting.BLUE,
+    plotting.ORANGE,
+)
+
+
+def make(options: argparse.Namespace, bar: Progress) -> list[Outcome]:
+    """Measure the runs that the command asks for and write everything into its folder."""
+    for name, value, least in (
+        ("--count", options.count, 1),
+        ("--workers", options.workers, 1),
+        ("--seed", options.seed, 0),
+    ):
+        if value is not None and value < least:
+            raise HubsimError(f"{name} {value}: accepted: a whole number from {least}")
+    files.make_directory(options.output)
+    cases = envelope.draw(DRIVES, options.count, options.seed)
+    task = bar.add_task("envelope", total=len(cases))
+    found = envelope.sweep(cases, options.workers, lambda: bar.advance(task))
+    origin = installation.provenance(
+        scenario="envelope", seed=options.seed, date=options.date
+    )
+    content = {"provenance": origin, "summary": summary(found)}
+    files.write_text(options.output / "envelope.csv", envelope.as_csv(found))
+    files.write_text(options.output / "envelope.json", as_json(content))
+    draw(found, options.output)
+    return found
+
+
+def healthy(outcomes: Sequence[Outcome]) -> list[Outcome]:
+    """Return the runs with a sensor that works, of controllers that got to their speed."""
+    return [
+        o
+        for o in outcomes
+        if o.start not in SENSOR_STARTS and o.first_fault != envelope.NOT_STARTED
+    ]
+
+
+def worst(outcomes: Sequence[Outcome], count: int = 5) -> list[Outcome]:
+    """Return the runs that are furthest from the command, the demand or zero driving torque."""
+    return sorted(outcomes, key=badness, reverse=True)[:count]
+
+
+def badness(o: Outcome) -> float:
+    """Return by how much a run misses, in tolerances: a fault counts as ten."""
+    missed = max(o.deviation, o.sum_deviation, o.ripple) / DEVIATION_MAX
+    return missed + (10.0 if o.first_fault and o.start not in SENSOR_STARTS else 0.0)
+
+
+def summary(outcomes: Sequence[Outcome]) -> list[str]:
+    """Return what there is to say about a sweep, a line each."""
+    lines = []
+    for name in dict.fromkeys(o.drive for o in outcomes):
+        here = [o for o in outcomes if o.drive == name]
+        sound = healthy(here)
+        within = sum(badness(o) <= 1.0 for o in sound)
+        lines.append(
+            f"{name}: {within} of {len(sound)} runs with a good sensor within 1 % of rated; "
+            f"torque - command at most {max(o.deviation for o in sound):.2%}, sum - demand at most "
+            f"{max(o.sum_deviation for o in sound):.2%}, ripple at most "
+            f"{max(o.ripple for o in sound):.2%} of rated; phase current at most "
+            f"{max(o.current_share for o in here):.2f} of its limit, bus at most "
+            f"{max(o.bus_share for o in here):.3f} of its; "
+            f"{sum(bool(o.first_fault) for o in sound)} with a fault, "
+            f"{sum(o.first_fault == envelope.NOT_STARTED for o in here)} not started; driving "
+            f"under the brake at most {max(o.drove_nm for o in here):.2f} N m, "
+            f"{max(o.drove_s for o in here):.3f} s"
+        )
+    lines.extend(f"worst: {described(o)}" for o in worst(healthy(outcomes)))
+    return lines
+
+
+def described(o: Outcome) -> str:
+    """Return one run in words."""
+    return (
+        f"run {o.number}, {o.drive}, {o.start}, {o.speed_share:.0%} of the largest speed, "
+        f"{o.demand_nm:.1f} N m, {o.open_circuit_v:.1f} V, winding {o.winding_c:.0f} degC, switch "
+        f"{o.switch_c:.0f} degC, charge {o.charge_share:.2f}: torque {o.torque_nm:.2f}, command "
+        f"{o.command_nm:.2f} N m, ripple {o.ripple:.2%}, sum off {o.sum_deviation:.2%}, "
+        f"{o.first_fault or o.reason or 'no limit'}"
+    )
+
+
+def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
+    """Write envelope.svg and envelope.png: deviation over speed, driving and braking."""
+    names = list(dict.fromkeys(o.drive for o in outcomes))
+    made, panels = plotting.figure(
+        "Largest of |torque - command|, |sum - demand| and ripple over speed", 2,
+        (len(names) + 1) // 2, 10.0, 7.0,
+    )  # fmt: skip
+    for name, axes in zip(names, panels, strict=False):
+        for text, brakes, colour in (
+            ("driving", False, COLOURS[0]),
+            ("braking", True, COLOURS[1]),
+        ):
+            here = [
+                o
+                for o in healthy(outcomes)
+                if o.drive == name and (o.demand_nm < 0.0) == brakes
+            ]
+            missed = [
+                min(max(o.deviation, o.sum_deviation, o.ripple), SHOWN) for o in here
+            ]
+            axes.plot(
+                [o.speed_share for o in here],
+                [100.0 * m for m in missed],
+                ".",
+                color=colour,
+                label=text,
+            )
+        axes.axhline(100.0 * DEVIATION_MAX, color="gray", linewidth=0.8)
+        axes.set(
+            title=name,
+            xlabel="share of the largest speed",
+            ylabel="% of the rated torque",
+        )
+        axes.set_ylim(0.0, 105.0 * SHOWN)
+    plotting.legend_below(made, panels[0], 2)
+    return plotting.save({"envelope": made}, directory)
