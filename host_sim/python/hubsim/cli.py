@@ -30,9 +30,7 @@ RECORDINGS = {
     "layout": "write a PlotJuggler layout for the recorded signals",
 }
 _SHOWN_REPORT = "hubsim_report" if installation.INSTALLED else "build/report"
-_REPORT = (
-    Path(_SHOWN_REPORT) if installation.INSTALLED else installation.ROOT / _SHOWN_REPORT
-)
+_REPORT = Path(_SHOWN_REPORT) if installation.INSTALLED else installation.ROOT / _SHOWN_REPORT
 
 EXAMPLES = (
     "hubsim list --criteria",
@@ -78,9 +76,7 @@ def _cannot_print(error: OSError) -> int:
     """Say that standard output takes no more; a pipe that was closed needs no message."""
     if not isinstance(error, BrokenPipeError):
         print(f"hubsim: standard output: {error.strerror or error}", file=sys.stderr)
-    with contextlib.suppress(
-        OSError
-    ):  # what is buffered goes nowhere when the process ends
+    with contextlib.suppress(OSError):  # what is buffered goes nowhere when the process ends
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return 1
 
@@ -95,21 +91,11 @@ def parser() -> Parser:
     )
     out.add_argument("--version", action=ShowVersion)
     commands = out.add_subparsers(
-        title="commands",
-        required=True,
-        metavar="COMMAND",
-        parser_class=Parser,
-        dest="command",
+        title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
     )
     for add in (
-        _add_run,
-        _add_sim,
-        _add_sweep,
-        _add_stops,
-        _add_envelope,
-        _add_compare,
-        _add_list,
-        _add_report,
+        *(_add_run, _add_sim, _add_sweep, _add_stops, _add_envelope),
+        *(_add_compare, _add_list, _add_report),
     ):
         add(commands)
     return out
@@ -181,9 +167,7 @@ def _add_run(commands: Commands) -> None:
 
 def _add_sim(commands: Commands) -> None:
     text = "the urban cycle under the three strategies, table and report"
-    command = commands.add_parser(
-        "sim", help=text, description=f"{text[0].upper()}{text[1:]}."
-    )
+    command = commands.add_parser("sim", help=text, description=f"{text[0].upper()}{text[1:]}.")
     _add_common(command)
     command.add_argument(
         "--scenario",
@@ -192,11 +176,7 @@ def _add_sim(commands: Commands) -> None:
         help="a scenario with a cycle; default: ece15",
     )
     command.add_argument(
-        "--output",
-        type=Path,
-        default=_REPORT,
-        metavar="DIR",
-        help=f"default: {_SHOWN_REPORT}",
+        "--output", type=Path, default=_REPORT, metavar="DIR", help=f"default: {_SHOWN_REPORT}"
     )
     _add_date(command)
 
@@ -226,9 +206,7 @@ def _add_sweep(commands: Commands) -> None:
             " repeatable"
         ),
     )
-    command.add_argument(
-        "--runs", type=int, metavar="N", help="draws, for each point of the grid"
-    )
+    command.add_argument("--runs", type=int, metavar="N", help="draws, for each point of the grid")
     command.add_argument(
         "--seed", type=int, default=1, metavar="N", help="of the draws; default: 1"
     )
@@ -277,11 +255,7 @@ def _add_stops(commands: Commands) -> None:
         ),
     )
     command.add_argument(
-        "--count",
-        type=int,
-        default=1040,
-        metavar="N",
-        help="of all drives; default: 1040",
+        "--count", type=int, default=1040, metavar="N", help="of all drives; default: 1040"
     )
     command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
     command.add_argument(
@@ -313,11 +287,7 @@ def _add_envelope(commands: Commands) -> None:
         ),
     )
     command.add_argument(
-        "--count",
-        type=int,
-        default=480,
-        metavar="N",
-        help="of all drives; default: 480",
+        "--count", type=int, default=480, metavar="N", help="of all drives; default: 480"
     )
     command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
     command.add_argument(
@@ -347,9 +317,7 @@ def _add_compare(commands: Commands) -> None:
         ),
     )
     command.add_argument(
-        "first",
-        metavar="A",
-        help="a file that 'hubsim run' wrote, or a scenario to run",
+        "first", metavar="A", help="a file that 'hubsim run' wrote, or a scenario to run"
     )
     command.add_argument("second", metavar="B", help="another one")
     _add_common(command)
@@ -383,9 +351,7 @@ def _add_compare(commands: Commands) -> None:
     command.add_argument(
         "--all", action="store_true", help="show also what is within the tolerances"
     )
-    command.add_argument(
-        "--json", type=Path, metavar="FILE", help="write the differences"
-    )
+    command.add_argument("--json", type=Path, metavar="FILE", help="write the differences")
     _add_date(command)
 
 
@@ -400,9 +366,7 @@ def _add_list(commands: Commands) -> None:
         action="store_true",
         help="everything that events and --set plant.NAME=VALUE can change",
     )
-    command.add_argument(
-        "--signals", action="store_true", help="everything that can be recorded"
-    )
+    command.add_argument("--signals", action="store_true", help="everything that can be recorded")
     command.add_argument(
         "--layout",
         action="store_true",
@@ -433,12 +397,7 @@ def _add_report(commands: Commands) -> None:
         help="what 'hubsim run --json' wrote",
     )
     command.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="FILE",
-        help="the page to write",
+        "-o", "--output", type=Path, required=True, metavar="FILE", help="the page to write"
     )
     command.add_argument(
         "--config",

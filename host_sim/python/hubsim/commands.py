@@ -16,13 +16,7 @@ from regen_table import installation
 from regen_table.schema import Drive
 from rich import box
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
 from hubsim import (
@@ -96,11 +90,7 @@ def warn_of(result: RunResult) -> None:
 
 def run_scenario(options: argparse.Namespace) -> int:
     """Do ``hubsim run``: one run, its energies, its criteria, its recordings."""
-    wanted = {
-        name: path
-        for name in cli.RECORDINGS
-        if (path := getattr(options, name)) is not None
-    }
+    wanted = {name: path for name in cli.RECORDINGS if (path := getattr(options, name)) is not None}
     outputs_of = [*wanted.values(), *filter(None, [options.json])]
     for path in outputs_of:
         files.check_writable(path)
@@ -157,10 +147,7 @@ def run_strategies(options: argparse.Namespace) -> int:
     name, chosen, beside = scenario.load(options.scenario, settings.scenario)
     if not chosen.follows:
         raise HubsimError(f"sim: scenario {name} has no cycle, accepted: one that has")
-    drives = [
-        drive_of(options.config, settings, strategy, chosen)
-        for strategy in run.STRATEGIES
-    ]
+    drives = [drive_of(options.config, settings, strategy, chosen) for strategy in run.STRATEGIES]
     comparison.check_output(options.output)
     with progress_bar() as bar:
         results = comparison.simulate_all(
@@ -231,10 +218,7 @@ def sweep_runs(options: argparse.Namespace) -> int:
                 lambda done, planned: bar.update(task, completed=done, total=planned),
             )
         except KeyboardInterrupt:
-            print(
-                "hubsim: interrupted; the same command goes on where it stopped",
-                file=sys.stderr,
-            )
+            print("hubsim: interrupted; the same command goes on where it stopped", file=sys.stderr)
             raise
     for line in conduct.summary(table, [v.key for v in found.varied], options.output):
         print(line)
@@ -242,27 +226,16 @@ def sweep_runs(options: argparse.Namespace) -> int:
 
 
 def compare_stops(options: argparse.Namespace) -> int:
-    """Do ``hubsim stops``: many stops beside the ideal inside the same limits."""
+    """Do ``hubsim stops`` and ``hubsim envelope``: many runs of every drive."""
     # Matplotlib takes longer to load than most commands take.
-    from hubsim import stored_share_report  # noqa: PLC0415
+    from hubsim import envelope_report, stored_share_report  # noqa: PLC0415
 
-    with progress_bar("stops") as bar:
-        found = stored_share_report.make(options, bar)
-    for line in stored_share_report.summary(found):
-        print(line)
-    return 0 if all(o.within for o in found if o.comparable) else 1
-
-
-def sweep_envelope(options: argparse.Namespace) -> int:
-    """Do ``hubsim envelope``: every drive at the edges of its envelope."""
-    # Matplotlib takes longer to load than most commands take.
-    from hubsim import envelope_report  # noqa: PLC0415
-
-    with progress_bar("envelope") as bar:
-        found = envelope_report.make(options, bar)
-    for line in envelope_report.summary(found):
-        print(line)
-    return 1 if any(o.first_fault for o in envelope_report.healthy(found)) else 0
+    of_stops = options.command == "stops"
+    conclude = stored_share_report.conclude if of_stops else envelope_report.conclude
+    with progress_bar(options.command) as bar:
+        lines, passed = conclude(options, bar)
+    print(*lines, sep="\n")
+    return 0 if passed else 1
 
 
 def _place(name: str) -> str:
@@ -297,21 +270,14 @@ def compare_runs(options: argparse.Namespace) -> int:
     """Do ``hubsim compare``: two results, or two runs, side by side."""
     for name in ("absolute", "relative"):
         if not 0.0 <= getattr(options, name) < float("inf"):
-            raise HubsimError(
-                f"--{name} {getattr(options, name)}: accepted: a number from 0"
-            )
+            raise HubsimError(f"--{name} {getattr(options, name)}: accepted: a number from 0")
     if options.json:
         files.check_writable(options.json)
     first, second = (
         _side(options, name, extra)
-        for name, extra in (
-            (options.first, options.set_a),
-            (options.second, options.set_b),
-        )
+        for name, extra in ((options.first, options.set_a), (options.second, options.set_b))
     )
-    found = difference.compare(
-        first, second, Tolerance(options.absolute, options.relative)
-    )
+    found = difference.compare(first, second, Tolerance(options.absolute, options.relative))
     if options.only:
         found = [
             d
@@ -319,15 +285,11 @@ def compare_runs(options: argparse.Namespace) -> int:
             if any(fnmatchcase(d.name, pattern) for pattern in options.only.split(","))
         ]
     if not found:
-        raise HubsimError(
-            f"{options.first} and {options.second}: nothing in common to compare"
-        )
+        raise HubsimError(f"{options.first} and {options.second}: nothing in common to compare")
     if options.json:
         written = {
             "provenance": installation.provenance(date=options.date),
-            "sides": [
-                {"name": s.name, "provenance": s.origin} for s in (first, second)
-            ],
+            "sides": [{"name": s.name, "provenance": s.origin} for s in (first, second)],
             "differences": [d.as_object() for d in found],
         }
         files.write_text(options.json, as_json(written))
@@ -340,9 +302,7 @@ def compare_runs(options: argparse.Namespace) -> int:
             f"{', '.join(alone[:8])}{' ...' if len(alone) > 8 else ''}",
             file=sys.stderr,
         )
-    print(
-        f"{len(found) - len(apart)} of {len(found)} figures and signals within the tolerances"
-    )
+    print(f"{len(found) - len(apart)} of {len(found)} figures and signals within the tolerances")
     return 1 if apart else 0
 
 
@@ -362,19 +322,14 @@ def _side(options: argparse.Namespace, name: str, extra: Sequence[str]) -> Side:
     warn_of(result)
     signals = {signal: result.signal(signal) for signal in result.names}
     label = " ".join([title, *extra]) if extra else title
-    return Side(
-        label, difference.figures_of(json_object(result)), signals, result.origin
-    )
+    return Side(label, difference.figures_of(json_object(result)), signals, result.origin)
 
 
 def _print_differences(first: str, second: str, found: Sequence[Difference]) -> None:
     if not found:
         return
     table = Table(
-        title=f"A: {first}\nB: {second}",
-        title_justify="left",
-        pad_edge=False,
-        box=box.SIMPLE_HEAD,
+        title=f"A: {first}\nB: {second}", title_justify="left", pad_edge=False, box=box.SIMPLE_HEAD
     )
     table.add_column("figure, or signal (means)")
     for heading in ("A", "B", "largest difference", "at s", "rms"):
@@ -476,12 +431,9 @@ def write_report(options: argparse.Namespace) -> int:
     found = [_with_origin(load_result(path), options.date) for path in options.results]
     names = list(dict.fromkeys(result.vehicle for result in found))
     configs = {
-        name: options.config or engine.ROOT / "tools" / "motors" / f"{name}.toml"
-        for name in names
+        name: options.config or engine.ROOT / "tools" / "motors" / f"{name}.toml" for name in names
     }
-    known = {
-        name: path for name, path in configs.items() if options.config or path.is_file()
-    }
+    known = {name: path for name, path in configs.items() if options.config or path.is_file()}
     no_overrides = overrides.Overrides()
     maps = {
         name: stops.optimum_map(overrides.load_drive(path, no_overrides))
@@ -500,9 +452,7 @@ def write_report(options: argparse.Namespace) -> int:
         ]
         with progress_bar("stops") as bar:
             curves = list(comparison.extras(drives, bar).stops)
-    report.write_page(
-        found, options.output, report.Extras(maps, curves, "hubsim report")
-    )
+    report.write_page(found, options.output, report.Extras(maps, curves, "hubsim report"))
     print(f"report: {options.output}")
     return 0
 
@@ -520,7 +470,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "sim": run_strategies,
     "sweep": sweep_runs,
     "stops": compare_stops,
-    "envelope": sweep_envelope,
+    "envelope": compare_stops,
     "compare": compare_runs,
     "list": list_names,
     "report": write_report,

@@ -120,16 +120,14 @@ class Outcome:
 
 
 def draw(drives: Sequence[str], count: int, seed: int) -> list[Case]:
-    """Return so many runs, the drives in turn, each drive's a Latin hypercube, the starts in turn."""
+    """Return so many runs, drives and starts in turn, each drive's a Latin hypercube."""
     found: list[list[Case]] = []
     for k, name in enumerate(drives):
         here = (count + len(drives) - 1 - k) // len(drives)
         source = np.random.default_rng([seed, *name.encode()])
         cells = np.stack([source.permutation(here) for _ in range(6)])
         shares = (cells + source.random(cells.shape)) / max(here, 1)
-        found.append(
-            [_case(name, STARTS[j % len(STARTS)], shares[:, j]) for j in range(here)]
-        )
+        found.append([_case(name, STARTS[j % len(STARTS)], shares[:, j]) for j in range(here)])
     return [cases[j] for j in range(len(found[0])) for cases in found if j < len(cases)]
 
 
@@ -170,9 +168,7 @@ def measure(number: int, case: Case) -> Outcome:
 
 def _simulated(case: Case) -> Rows:
     plain = drive_named(case.drive)
-    charge = Battery(
-        case.drive, 0.0, 0.0, case.winding_c, case.soc, case.open_circuit_v
-    )
+    charge = Battery(case.drive, 0.0, 0.0, case.winding_c, case.soc, case.open_circuit_v)
     drive = with_battery(plain, charge)
     top = plain.motor.max_speed_rpm * np.pi / 30.0 * plain.vehicle.wheel_radius_m
     scenario = Scenario(
@@ -213,29 +209,19 @@ def _phases(engine: Engine, case: Case) -> Iterable[Rows]:
 def _outcome(number: int, case: Case, rows: Rows, fault: str) -> Outcome:
     drive = drive_named(case.drive)
     rated = drive.motor.rated_torque_nm
-    time_s, airgap, command, hydraulic, i_d, i_q, bus_v, mode, reason, _, warning = (
-        rows.T
-    )
+    time_s, airgap, command, hydraulic, i_d, i_q, bus_v, mode, reason, _, warning = rows.T
     speed = case.speed_share * drive.motor.max_speed_rpm * np.pi / 30.0
-    friction = (
-        drive.motor.friction_torque_nm + drive.motor.viscous_friction_nm_s * speed
-    )
+    friction = drive.motor.friction_torque_nm + drive.motor.viscous_friction_nm_s * speed
     steady = time_s > STEADY_S
     if not np.any(steady):
         steady[:] = True
     torque = airgap - (friction if speed > 0.0 else 0.0)
     brakes = case.demand_nm < 0.0
     missing = hydraulic - torque + case.demand_nm if brakes else np.zeros_like(torque)
-    over = np.where(
-        brakes & (time_s > DEMAND_S + BRAKES_AFTER_S), airgap - friction, 0.0
-    )
+    over = np.where(brakes & (time_s > DEMAND_S + BRAKES_AFTER_S), airgap - friction, 0.0)
     whole = torque[steady]
     if len(whole) >= MEAN_ROWS:
-        whole = (
-            whole[: len(whole) // MEAN_ROWS * MEAN_ROWS]
-            .reshape(-1, MEAN_ROWS)
-            .mean(axis=1)
-        )
+        whole = whole[: len(whole) // MEAN_ROWS * MEAN_ROWS].reshape(-1, MEAN_ROWS).mean(axis=1)
     return Outcome(
         number=number,
         **asdict(case),
@@ -256,11 +242,7 @@ def _outcome(number: int, case: Case, rows: Rows, fault: str) -> Outcome:
 
 
 def _name(code: float) -> str:
-    return (
-        {number: name for name, number in reasons.codes().items()}[int(code)]
-        if code
-        else ""
-    )
+    return {number: name for name, number in reasons.codes().items()}[int(code)] if code else ""
 
 
 def sweep(
@@ -277,9 +259,7 @@ def sweep(
         return list(_counted(pool.map(measure, numbers, cases, chunksize=4), progress))
 
 
-def _counted(
-    found: Iterable[Outcome], progress: Callable[[], None] | None
-) -> Iterable[Outcome]:
+def _counted(found: Iterable[Outcome], progress: Callable[[], None] | None) -> Iterable[Outcome]:
     for outcome in found:
         if progress is not None:
             progress()

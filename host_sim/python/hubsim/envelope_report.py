@@ -16,10 +16,6 @@ from hubsim.stored_share import DRIVES
 
 DEVIATION_MAX = 0.01  # of the rated torque
 SHOWN = 0.05  # what lies beyond is drawn on the edge
-COLOURS = (
-    plotting.BLUE,
-    plotting.ORANGE,
-)
 
 
 def make(options: argparse.Namespace, bar: Progress) -> list[Outcome]:
@@ -35,14 +31,18 @@ def make(options: argparse.Namespace, bar: Progress) -> list[Outcome]:
     cases = envelope.draw(DRIVES, options.count, options.seed)
     task = bar.add_task("envelope", total=len(cases))
     found = envelope.sweep(cases, options.workers, lambda: bar.advance(task))
-    origin = installation.provenance(
-        scenario="envelope", seed=options.seed, date=options.date
-    )
+    origin = installation.provenance(scenario="envelope", seed=options.seed, date=options.date)
     content = {"provenance": origin, "summary": summary(found)}
     files.write_text(options.output / "envelope.csv", envelope.as_csv(found))
     files.write_text(options.output / "envelope.json", as_json(content))
     draw(found, options.output)
     return found
+
+
+def conclude(options: argparse.Namespace, bar: Progress) -> tuple[list[str], bool]:
+    """Do what the command asks for; return what it says, and whether no sound run has a fault."""
+    found = make(options, bar)
+    return summary(found), not any(o.first_fault for o in healthy(found))
 
 
 def healthy(outcomes: Sequence[Outcome]) -> list[Outcome]:
@@ -108,17 +108,13 @@ def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
     )  # fmt: skip
     for name, axes in zip(names, panels, strict=False):
         for text, brakes, colour in (
-            ("driving", False, COLOURS[0]),
-            ("braking", True, COLOURS[1]),
+            ("driving", False, plotting.BLUE),
+            ("braking", True, plotting.ORANGE),
         ):
             here = [
-                o
-                for o in healthy(outcomes)
-                if o.drive == name and (o.demand_nm < 0.0) == brakes
+                o for o in healthy(outcomes) if o.drive == name and (o.demand_nm < 0.0) == brakes
             ]
-            missed = [
-                min(max(o.deviation, o.sum_deviation, o.ripple), SHOWN) for o in here
-            ]
+            missed = [min(max(o.deviation, o.sum_deviation, o.ripple), SHOWN) for o in here]
             axes.plot(
                 [o.speed_share for o in here],
                 [100.0 * m for m in missed],

@@ -39,6 +39,12 @@ def make(options: argparse.Namespace, bar: Progress) -> list[Outcome]:
     return found
 
 
+def conclude(options: argparse.Namespace, bar: Progress) -> tuple[list[str], bool]:
+    """Do what the command asks for; return what it says, and whether all stops are within."""
+    found = make(options, bar)
+    return summary(found), all(o.within for o in found if o.comparable)
+
+
 def worst(outcomes: Sequence[Outcome], count: int = 5) -> list[Outcome]:
     """Return the comparable stops with the largest |difference| for their tolerance."""
     compared = [outcome for outcome in outcomes if outcome.comparable]
