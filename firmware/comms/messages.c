@@ -105,6 +105,7 @@ bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand)
     demand->enable = raw.enable != 0;
     demand->abs_active = raw.abs_active != 0;
     demand->fault_reset = raw.fault_reset != 0;
+    demand->reason = REASON_NONE;
     return true;
 }
 

@@ -112,13 +112,26 @@ static monitor_slow_input_t monitor_input(const controller_slow_t *slow, const c
     return out;
 }
 
+/* Lift-off braking, against the direction, is no driving: a released accelerator may demand it. */
+static bool drive_demanded(const wheel_demand_t *demand)
+{
+    const int32_t sign = drive_direction_sign(demand->direction);
+    const int32_t drive_mNm = demand->drive_torque_mNm;
+    return sign > 0 ? drive_mNm > 0 : sign < 0 ? drive_mNm < 0 : drive_mNm != 0;
+}
+
 static modes_output_t decide_mode(controller_slow_t *slow, const config_t *config,
                                   const fast_report_t *report, const slow_input_t *in,
                                   const monitor_output_t *watch, int32_t speed_mrad_s)
 {
-    const reason_t warning = watch->warning == REASON_NONE && slow->bridge_choice.overspeed
-                                 ? REASON_OVERSPEED
-                                 : watch->warning;
+    const wheel_demand_t *demand = &in->demand;
+    const reason_t demand_warning =
+        (int)demand->reason >= REASON_FIRST_FAULT ? demand->reason : REASON_NONE;
+    reason_t warning = watch->warning;
+    if (warning == REASON_NONE && slow->bridge_choice.overspeed) {
+        warning = REASON_OVERSPEED;
+    }
+    warning = warning == REASON_NONE ? demand_warning : warning;
     const modes_input_t modes_in = {
         .config_accepted = in->config_accepted,
         .selftest_passed = in->selftest_passed,
@@ -126,11 +139,12 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         .offsets_plausible = watch->offsets_plausible,
         .rotor_valid = report->rotor_valid,
         .rolling = q_abs(speed_mrad_s) > config->brake.blend_out_end_mrad_s,
-        .enable = in->demand.enable,
+        .enable = demand->enable,
         .demand_lost = demand_is_lost(config, in->demand_age_ms),
-        .drive_demanded = in->demand.drive_torque_mNm != 0,
-        .torque_demanded = in->demand.drive_torque_mNm != 0 || in->demand.brake_torque_mNm > 0,
-        .fault_reset = in->demand.fault_reset,
+        .lost_reason = demand_warning == REASON_NONE ? REASON_DEMAND_TIMEOUT : demand_warning,
+        .drive_demanded = drive_demanded(demand),
+        .torque_demanded = drive_demanded(demand) || demand->brake_torque_mNm > 0,
+        .fault_reset = demand->fault_reset,
         .warning = warning != REASON_NONE,
         .warning_reason = warning,
         .fault = watch->fault,
@@ -150,6 +164,7 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .drive_torque_mNm = in->demand.drive_torque_mNm,
         .brake_torque_mNm = in->demand.brake_torque_mNm,
         .demand_age_ms = in->demand_age_ms,
+        .demand_reason = in->demand.reason,
         .direction = in->demand.direction,
         .abs_active = in->demand.abs_active,
         .standstill = standstill,

@@ -55,7 +55,7 @@ static void latch_warning(modes_state_t *state, const modes_input_t *in)
 {
     const bool runs = state->mode == MODE_RUN || state->mode == MODE_LIMP;
     if (runs && in->enable && in->demand_lost) {
-        state->warning = REASON_DEMAND_TIMEOUT;
+        state->warning = in->lost_reason;
     }
 }
 

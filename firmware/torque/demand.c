@@ -83,7 +83,7 @@ static demand_t valid_demand(demand_state_t *state, const config_t *config,
         .lift_off_mNm = state->lift_off_mNm,
         .brake_mNm = state->brake_mNm,
         .engaged = state->engaged,
-        .reason = REASON_NONE,
+        .reason = in->reason,
         .drive_withdrawn = withdrawn,
         .hydraulic_valid = true,
     };

@@ -54,6 +54,7 @@ static demand_input_t demand_input(const torque_input_t *in)
         .abs_active = in->abs_active,
         .standstill = in->standstill,
         .speed_mrad_s = in->speed_mrad_s,
+        .reason = in->demand_reason,
     };
     return out;
 }

@@ -22,7 +22,7 @@ void controller_instance_fast_step(controller_instance_t *instance, const int32_
 
 void controller_instance_slow_step(controller_instance_t *instance, const int32_t *in, int32_t *out)
 {
-    slow_input_t input;
+    slow_input_t input = {.demand = {.reason = REASON_NONE}}; /* no variable of the port */
     variables_to_message(EXCHANGE_PORT_SLOW_INPUT, in, &input);
     fast_report_t report;
     controller_fast_report(&instance->controller.fast, &report);

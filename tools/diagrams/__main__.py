@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write the diagrams beside this script, or check with ``--check`` that they are current.
 
-The block diagram and the timing diagram of the firmware.
+The block diagram and the timing diagram of the firmware, and the plots of its modules.
 """
 
 import argparse
 import sys
 from pathlib import Path
 
+from diagrams.pedals import pedal_interpretations
 from diagrams.svg import GREY, Box, Sheet
 
 FOLDER = Path(__file__).resolve().parent
@@ -162,6 +163,8 @@ def timing() -> Sheet:
 
 
 DIAGRAMS = {"signal_flow.svg": signal_flow, "timing.svg": timing}
+# By the module whose README shows it.
+PLOTS = {"pedal_interpretations.svg": ("torque", pedal_interpretations)}
 
 
 def main() -> int:
@@ -170,7 +173,8 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="compare only, write no file")
     check = parser.parse_args().check
     status = 0
-    for name, draw in DIAGRAMS.items():
+    plots = {name: draw for name, (_, draw) in PLOTS.items()}
+    for name, draw in (DIAGRAMS | plots).items():
         path, text = FOLDER / name, draw().svg()
         if not check:
             path.write_text(text, encoding="utf-8")

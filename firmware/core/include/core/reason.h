@@ -42,6 +42,7 @@
     X(27, OVERSPEED, "too fast for the bus voltage: no torque can be controlled")                  \
     X(28, BATTERY_DISCONNECTED, "no battery on the bus")                                           \
     X(29, OFFSETS_STORED, "current sensors: stored offsets, none measured yet")                    \
+    X(30, ACCELERATOR_LOCKED, "accelerator must be released before it drives")                     \
     X(64, CONFIG_INVALID, "configuration refused")                                                 \
     X(65, SELFTEST_FAILED, "self-test failed")                                                     \
     X(66, OFFSET_IMPLAUSIBLE, "current sensor offset out of range")                                \
@@ -59,7 +60,9 @@
     X(78, CURRENT_SENSOR, "current sensor saturated or stuck")                                     \
     X(79, ROTOR_IMPLAUSIBLE, "rotor angle contradicts the back-EMF")                               \
     X(80, WINDING_SENSOR, "winding temperature sensor broken")                                     \
-    X(81, SWITCH_SENSOR, "inverter temperature sensor broken")
+    X(81, SWITCH_SENSOR, "inverter temperature sensor broken")                                     \
+    X(82, ACCELERATOR_SENSOR, "accelerator channels implausible or out of range")                  \
+    X(83, BRAKE_PEDAL_SENSOR, "brake pedal channels implausible or out of range")
 
 #define REASON_ENUM_LINE(number, identifier, text) REASON_##identifier = (number),
 typedef enum { REASON_LIST(REASON_ENUM_LINE) } reason_t;

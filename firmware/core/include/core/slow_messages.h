@@ -28,6 +28,9 @@ typedef struct {
     bool abs_active;  /* the anti-lock system intervenes: electric braking must stop */
     bool fault_reset; /* rising edge acknowledges a latched fault; honoured only without
                          torque demand */
+    /* Why a torque is not what the pedal says, REASON_NONE: it is. From REASON_FIRST_FAULT on it is
+     * a warning. */
+    reason_t reason;
 } wheel_demand_t;
 
 /* State of the pack's main contactor; the numbers are part of the protocol. */

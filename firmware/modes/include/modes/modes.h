@@ -40,8 +40,9 @@ typedef struct {
     bool rolling;           /* faster than the hand-over speed */
     bool enable;
     bool demand_lost;     /* older than its timeout */
+    reason_t lost_reason; /* REASON_DEMAND_TIMEOUT, or the sensor that made it be lost */
     bool torque_demanded; /* driving or braking */
-    bool drive_demanded;  /* the drive pedal alone: must be released once before RUN */
+    bool drive_demanded;  /* driving alone, no lift-off braking: must end once before RUN */
     bool fault_reset;
     bool warning; /* monitor: an error that does not forbid braking */
     reason_t warning_reason;
@@ -54,7 +55,7 @@ typedef struct {
 typedef struct {
     operating_mode_t mode;
     reason_t fault;       /* latched, the first one */
-    reason_t warning;     /* latched, REASON_NONE or REASON_DEMAND_TIMEOUT */
+    reason_t warning;     /* latched, REASON_NONE or why the demand was lost */
     uint16_t steps;       /* in this mode, saturating */
     uint16_t quiet_steps; /* of OFFSET_CAL without a current that the EMF drives */
     bool offsets_stored;  /* the stored offsets are in use: a warning until others are measured */

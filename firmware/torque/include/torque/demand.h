@@ -29,6 +29,7 @@ typedef struct {
     bool abs_active;      /* lift-off braking ends */
     bool standstill;      /* by the monitor's speed upper bound */
     int32_t speed_mrad_s; /* mechanical, signed */
+    reason_t reason;      /* why the pedals give another torque than they are pressed for */
 } demand_input_t;
 
 typedef struct {

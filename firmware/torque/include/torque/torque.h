@@ -28,6 +28,7 @@ typedef struct {
     int32_t drive_torque_mNm; /* signed, positive forward */
     int32_t brake_torque_mNm; /* magnitude >= 0 */
     uint32_t demand_age_ms;
+    reason_t demand_reason; /* why a demand is not what the pedal says; REASON_NONE: it is */
     drive_direction_t direction;
     bool abs_active;
     bool standstill; /* by the monitor's speed upper bound */

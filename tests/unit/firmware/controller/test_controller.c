@@ -35,7 +35,7 @@ void test_start_up_passes_self_test_calibration_and_ready_before_run(void)
 void test_run_waits_for_a_zero_drive_demand(void)
 {
     rig.slow_in.demand.enable = true;
-    rig.slow_in.demand.drive_torque_mNm = -1;
+    rig.slow_in.demand.drive_torque_mNm = 1;
     rig_run(&rig, 500);
     TEST_ASSERT_EQUAL_INT(MODE_READY, rig.out.mode);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, rig.pwm.bridge);
@@ -307,6 +307,55 @@ void test_lost_driving_demand_ends_at_once_with_a_warning(void)
     TEST_ASSERT_EQUAL_INT32(10000, rig.out.motor_torque_command_mNm);
     TEST_ASSERT_TRUE(rig.out.hydraulic_valid);
     TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, rig.out.warning_reason); /* latched */
+}
+
+void test_a_broken_pedal_sensor_is_a_warning_and_limits_the_drive_while_it_lasts(void)
+{
+    rig_start_running(&rig);
+    rig.follows = true;
+    rig.slow_in.demand.drive_torque_mNm = 40000;
+    rig.slow_in.demand.reason = REASON_BRAKE_PEDAL_SENSOR;
+    rig_run(&rig, 200);
+    TEST_ASSERT_EQUAL_INT(MODE_LIMP, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_BRAKE_PEDAL_SENSOR, rig.out.warning_reason);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.fault_reason);
+    TEST_ASSERT_INT32_WITHIN(2, 12000, rig.out.motor_torque_command_mNm); /* 0.3 of 40 N m */
+    rig.slow_in.demand.reason = REASON_ACCELERATOR_LOCKED;                /* a limit, no warning */
+    rig_run(&rig, 200);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    TEST_ASSERT_EQUAL_INT(REASON_NONE, rig.out.warning_reason);
+    TEST_ASSERT_EQUAL_INT32(40000, rig.out.motor_torque_command_mNm);
+}
+
+void test_lift_off_braking_of_a_released_accelerator_does_not_keep_the_drive_from_starting(void)
+{
+    rig_start(&rig);
+    rig.slow_in.demand.enable = true;
+    rig.slow_in.demand.drive_torque_mNm = -10000;
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+    rig_start(&rig);
+    rig.slow_in.demand.enable = true;
+    rig.slow_in.demand.direction = DRIVE_DIRECTION_REVERSE; /* the same torque drives */
+    rig.slow_in.demand.drive_torque_mNm = -10000;
+    rig_run(&rig, 100);
+    TEST_ASSERT_EQUAL_INT(MODE_READY, rig.out.mode);
+    rig.slow_in.demand.drive_torque_mNm = 0;
+    rig_run(&rig, 2);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, rig.out.mode);
+}
+
+void test_the_sensor_that_made_the_demand_be_lost_is_the_latched_warning(void)
+{
+    rig_start_running(&rig);
+    rig.slow_in.demand_age_ms = UINT32_MAX;
+    rig.slow_in.demand.reason = REASON_BRAKE_PEDAL_SENSOR;
+    rig_run(&rig, 2);
+    TEST_ASSERT_EQUAL_INT(REASON_BRAKE_PEDAL_SENSOR, rig.out.warning_reason);
+    rig.slow_in.demand_age_ms = 0;
+    rig.slow_in.demand.reason = REASON_NONE;
+    rig_run(&rig, 1000);
+    TEST_ASSERT_EQUAL_INT(REASON_BRAKE_PEDAL_SENSOR, rig.out.warning_reason);
 }
 
 void test_disable_while_rolling_keeps_electric_braking(void)

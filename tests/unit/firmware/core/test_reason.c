@@ -55,6 +55,8 @@ static const frozen_t FROZEN[] = {
     {79, REASON_ROTOR_IMPLAUSIBLE},
     {80, REASON_WINDING_SENSOR},
     {81, REASON_SWITCH_SENSOR},
+    {82, REASON_ACCELERATOR_SENSOR},
+    {83, REASON_BRAKE_PEDAL_SENSOR},
 };
 enum { FROZEN_COUNT = sizeof(FROZEN) / sizeof(FROZEN[0]) };
 

@@ -17,6 +17,7 @@ static modes_input_t in;
 
 /* No fault, no demand, standstill. */
 static const modes_input_t CALM = {
+    .lost_reason = REASON_DEMAND_TIMEOUT,
     .config_accepted = true,
     .selftest_passed = true,
     .offsets_done = true,

@@ -77,6 +77,15 @@ void test_braking_has_priority_over_driving_with_reason_brake_priority(void)
     TEST_ASSERT_EQUAL_INT32(30000, fresh(30000, 0).drive_mNm);
 }
 
+void test_the_reason_of_the_pedals_is_shown_unless_the_demand_has_one_of_its_own(void)
+{
+    in.reason = REASON_ACCELERATOR_LOCKED;
+    TEST_ASSERT_EQUAL_INT(REASON_ACCELERATOR_LOCKED, fresh(0, 0).reason);
+    TEST_ASSERT_EQUAL_INT(REASON_ACCELERATOR_LOCKED, fresh(0, 1).reason);
+    TEST_ASSERT_EQUAL_INT(REASON_BRAKE_PRIORITY, fresh(30000, 1).reason);
+    TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, silent(1).reason);
+}
+
 void test_negative_braking_demand_counts_as_zero(void)
 {
     const demand_t out = fresh(5000, -20000);

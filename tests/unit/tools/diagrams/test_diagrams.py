@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 from itertools import combinations
 
 import pytest
-from diagrams.__main__ import DIAGRAMS, FOLDER
+from diagrams.__main__ import DIAGRAMS, FOLDER, PLOTS
 
 FIRMWARE = FOLDER.parents[1] / "firmware"
 
@@ -42,6 +42,14 @@ def test_the_readme_contains_the_picture(name: str) -> None:
     """By its path from firmware/."""
     readme = FIRMWARE / "README.md"
     assert f"](../tools/diagrams/{name})" in readme.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", PLOTS)
+def test_a_plot_is_up_to_date_and_shown_by_its_module(name: str) -> None:
+    module, draw = PLOTS[name]
+    assert (FOLDER / name).read_text(encoding="utf-8") == draw().svg()
+    readme = (FIRMWARE / module / "README.md").read_text(encoding="utf-8")
+    assert f"](../../tools/diagrams/{name})" in readme
 
 
 def test_messages_and_modules_of_the_picture_exist() -> None:
