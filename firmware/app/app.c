@@ -7,6 +7,7 @@
 #include "app/can_link.h"
 #include "app/console.h"
 #include "app/double_buffer.h"
+#include "app/pedal_link.h"
 #include "app/report_timer.h"
 #include "app/supervisor.h"
 #include "controller/controller.h"
@@ -31,6 +32,7 @@ typedef struct {
     supervisor_counts_t counts;
     wheel_temperatures_t temperature;
     torque_limits_t limits;
+    pedals_output_t pedals; /* with wired pedals only */
 } snapshot_t;
 
 /* The one instance: interrupts have no other way to find their data. Each member has one writer,
@@ -53,9 +55,12 @@ static struct {
     snapshot_t snapshot[2];
 
     fast_input_t fast_input;             /* PWM period; zero what the rotor sensor does not give */
+    pedal_link_t pedals;                 /* millisecond */
+    slow_input_t slow_input;             /* millisecond */
     volatile uint32_t fast_cycles_worst; /* PWM period */
     supervisor_t supervisor;             /* background, like everything below */
     can_link_t can;
+    pedal_sender_t pedal_sender;
     console_t console;
     bool restarting; /* the watchdog is no longer fed */
 } app;
@@ -85,6 +90,8 @@ static void start_control(const config_t *config)
     /* Without CAN the demand counts as lost, which is safe. */
     (void)can_link_init(&app.can, (messages_wheel_t)config->vehicle.wheel_position,
                         pack_limits(config), time_ms());
+    pedal_link_init(&app.pedals);
+    pedal_sender_init(&app.pedal_sender, time_ms());
     app.commands[0] = app.can.node.command;
     app.commands[1] = app.can.node.command;
     app.config = config;
@@ -93,7 +100,8 @@ static void start_control(const config_t *config)
 
 void app_boot(void)
 {
-    static const snapshot_t empty = {.counts = {0}}; /* too large for the stack */
+    /* Too large for the stack. */
+    static const snapshot_t empty = {.pedals = {.age_ms = UINT32_MAX}};
     const fast_input_t no_input = {.power_stage_fault = false};
     app.config = NULL;
     app.fast_cycles_worst = 0;
@@ -231,11 +239,16 @@ void app_millisecond_isr(void)
         double_buffer_take(&app.from_fast)); /* the monitor checks the step count as well */
     const fast_report_t *from_fast = &app.fast_report[double_buffer_low(&app.from_fast)];
     fast_setpoint_t *to_fast = &app.fast_setpoint[double_buffer_low(&app.to_fast)];
-    const slow_input_t in = slow_input(&app.commands[double_buffer_high(&app.to_slow)]);
+    app.slow_input = slow_input(&app.commands[double_buffer_high(&app.to_slow)]);
 
     snapshot_t *snapshot = &app.snapshot[double_buffer_high(&app.from_slow)];
-    snapshot->output = controller_slow_step(&app.controller.slow, config, from_fast, &in, to_fast);
-    snapshot->temperature = in.temperature;
+    if (pedals_wired(config)) {
+        pedal_link_step(&app.pedals, config, &app.slow_input);
+        snapshot->pedals = app.pedals.out;
+    }
+    snapshot->output =
+        controller_slow_step(&app.controller.slow, config, from_fast, &app.slow_input, to_fast);
+    snapshot->temperature = app.slow_input.temperature;
     snapshot->limits = *controller_limits(&app.controller.slow);
     snapshot->counts.fast_steps = from_fast->sequence;
     snapshot->counts.slow_steps = to_fast->sequence;
@@ -308,6 +321,9 @@ void app_background(void)
         if (can_link_receive(&app.can, now_ms)) {
             app.commands[double_buffer_low(&app.to_slow)] = app.can.node.command;
             double_buffer_swap(&app.to_slow);
+        }
+        if (pedals_wired(app.config)) {
+            pedal_sender_transmit(&app.pedal_sender, app.config, &snapshot->pedals, now_ms);
         }
         can_link_transmit(&app.can, now_ms, &snapshot->output, &snapshot->temperature);
     }

@@ -143,6 +143,12 @@ int32_t analog_switch_temperature_cC(void)
     return board.sample.switch_temperature_cC;
 }
 
+bool analog_pedals(uint16_t code[ANALOG_PEDAL_CHANNELS])
+{
+    memcpy(code, board.sample.pedal_code, sizeof board.sample.pedal_code);
+    return true;
+}
+
 bool rotor_sensor_init(rotor_sensor_kind_t kind)
 {
     board.sensor = kind;

@@ -120,6 +120,12 @@ int32_t analog_switch_temperature_cC(void)
     return MAILBOX->switch_temperature_cC;
 }
 
+bool analog_pedals(uint16_t code[ANALOG_PEDAL_CHANNELS])
+{
+    (void)code; /* the mailbox has no pedals */
+    return false;
+}
+
 bool rotor_sensor_init(rotor_sensor_kind_t kind)
 {
     sensor = kind;

@@ -9,6 +9,10 @@
  * 21 MHz: 3 cycles of sampling, 12 of conversion for the currents (0.7 us, sampled 0.14 us), 15 +
  * 12 for the slow quantities, whose dividers are stiffened by capacitors. The interrupt comes 2 us
  * after the top.
+ *
+ * The two pedal inputs are regular conversions of ADC1 and ADC2, one a millisecond, started by
+ * software; an injected sequence interrupts and restarts them (section 13.3.9). The board has none
+ * for a brake pedal.
  */
 #include "hal/analog.h"
 
@@ -24,6 +28,7 @@
 enum {
     MULTI_TRIPLE_INJECTED_SIMULTANEOUS = 0x15,
     PRESCALER_BY_4 = 1,      /* 84 MHz / 4 */
+    SAMPLE_84_CYCLES = 4,    /* pedals: 4 us behind a divider */
     SAMPLE_15_CYCLES = 1,    /* code of the sampling time; 0 is 3 cycles */
     TRIGGER_TIM1_TRGO = 1,   /* JEXTSEL */
     TRIGGER_RISING_EDGE = 1, /* JEXTEN */
@@ -38,7 +43,9 @@ static void configure(adc_registers_t *adc, uint32_t first_channel, uint32_t sec
     adc->CR1 = ADC_CR1_SCAN;
     adc->SMPR1 = ((uint32_t)SAMPLE_15_CYCLES << 3 * (BOARD_CHANNEL_BUS_VOLTAGE - 10)) |
                  ((uint32_t)SAMPLE_15_CYCLES << 3 * (BOARD_CHANNEL_WINDING_TEMPERATURE - 10));
-    adc->SMPR2 = (uint32_t)SAMPLE_15_CYCLES << 3 * BOARD_CHANNEL_SWITCH_TEMPERATURE;
+    adc->SMPR2 = ((uint32_t)SAMPLE_15_CYCLES << 3 * BOARD_CHANNEL_SWITCH_TEMPERATURE) |
+                 ((uint32_t)SAMPLE_84_CYCLES << 3 * BOARD_CHANNEL_ACCELERATOR_A) |
+                 ((uint32_t)SAMPLE_84_CYCLES << 3 * BOARD_CHANNEL_ACCELERATOR_B);
     adc->JSQR = ((uint32_t)TWO_CONVERSIONS << ADC_JSQR_JL_Pos) |
                 (first_channel << ADC_JSQR_JSQ3_Pos) | (second_channel << ADC_JSQR_JSQ4_Pos);
     adc->CR2 = ADC_CR2_ADON;
@@ -52,6 +59,8 @@ bool analog_init(void)
     gpio_make_analog(BOARD_BUS_VOLTAGE);
     gpio_make_analog(BOARD_WINDING_TEMPERATURE);
     gpio_make_analog(BOARD_SWITCH_TEMPERATURE);
+    gpio_make_analog(BOARD_ACCELERATOR_A);
+    gpio_make_analog(BOARD_ACCELERATOR_B);
     RCC->APB2ENR |= RCC_APB2ENR_ADC1EN | RCC_APB2ENR_ADC2EN | RCC_APB2ENR_ADC3EN;
     (void)RCC->APB2ENR;
     ADC_COMMON->CCR = ((uint32_t)MULTI_TRIPLE_INJECTED_SIMULTANEOUS << ADC_COMMON_CCR_MULTI_Pos) |
@@ -59,6 +68,8 @@ bool analog_init(void)
     configure(ADC1, BOARD_CHANNEL_CURRENT_A, BOARD_CHANNEL_BUS_VOLTAGE);
     configure(ADC2, BOARD_CHANNEL_CURRENT_B, BOARD_CHANNEL_WINDING_TEMPERATURE);
     configure(ADC3, BOARD_CHANNEL_CURRENT_C, BOARD_CHANNEL_SWITCH_TEMPERATURE);
+    ADC1->SQR3 = (uint32_t)BOARD_CHANNEL_ACCELERATOR_A << ADC_SQR3_SQ1_Pos;
+    ADC2->SQR3 = (uint32_t)BOARD_CHANNEL_ACCELERATOR_B << ADC_SQR3_SQ1_Pos;
     /* The converters need 3 us from ADON to the first start (data sheet t_STAB): what they convert
      * before that is only looked at after analog_start(), much later. */
     ADC1->CR2 |= ((uint32_t)TRIGGER_TIM1_TRGO << ADC_CR2_JEXTSEL_Pos) |
@@ -101,4 +112,19 @@ int32_t analog_winding_temperature_cC(void)
 int32_t analog_switch_temperature_cC(void)
 {
     return ntc_temperature_cC(CODE_RANGE - (int32_t)ADC3->JDR2, ANALOG_TEMPERATURE_BROKEN_cC);
+}
+
+/* Takes the conversions started a millisecond ago; reading clears their flags. */
+bool analog_pedals(uint16_t code[ANALOG_PEDAL_CHANNELS])
+{
+    const bool converted = (ADC1->SR & ADC2->SR & ADC_SR_EOC) != 0;
+    if (converted) {
+        code[0] = (uint16_t)ADC1->DR;
+        code[1] = (uint16_t)ADC2->DR;
+        code[2] = 0;
+        code[3] = 0;
+    }
+    ADC1->CR2 |= ADC_CR2_SWSTART;
+    ADC2->CR2 |= ADC_CR2_SWSTART;
+    return converted;
 }

@@ -11,6 +11,7 @@
  *     PC3               ADC123_IN13      bus voltage through a divider
  *     PA3               ADC123_IN3       switch temperature: NTC to supply, 10 kOhm to ground
  *     PC4               ADC12_IN14       winding temperature: NTC to ground, 10 kOhm to supply
+ *     PA5 PA6           ADC12_IN5, IN6   pedals: accelerator a and b, 0 .. V_ref, pulled down
  *     PC6 PC7 PC8       halls A, B, C; encoder A, B, index: TIM3_CH1..3   AF2
  *     PB10 PB11         USART3 transmit, receive   AF7
  *     PB8 PB9           CAN1 receive, transmit     AF9
@@ -36,6 +37,8 @@ enum {
     BOARD_CHANNEL_BUS_VOLTAGE = 13,
     BOARD_CHANNEL_WINDING_TEMPERATURE = 14,
     BOARD_CHANNEL_SWITCH_TEMPERATURE = 3,
+    BOARD_CHANNEL_ACCELERATOR_A = 5,
+    BOARD_CHANNEL_ACCELERATOR_B = 6,
     BOARD_HALL_FIRST_PIN = 6 /* A; B and C are the next two, so that one read has all three */
 };
 
@@ -56,6 +59,8 @@ enum { BOARD_AF_TIM1 = 1, BOARD_AF_TIM3 = 2, BOARD_AF_USART3 = 7, BOARD_AF_CAN1 
 #define BOARD_BUS_VOLTAGE ((pin_t){GPIOC, 3})
 #define BOARD_SWITCH_TEMPERATURE ((pin_t){GPIOA, 3})
 #define BOARD_WINDING_TEMPERATURE ((pin_t){GPIOC, 4})
+#define BOARD_ACCELERATOR_A ((pin_t){GPIOA, 5})
+#define BOARD_ACCELERATOR_B ((pin_t){GPIOA, 6})
 #define BOARD_HALL_PORT GPIOC
 #define BOARD_ROTOR_A ((pin_t){GPIOC, 6})
 #define BOARD_ROTOR_B ((pin_t){GPIOC, 7})

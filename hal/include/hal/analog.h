@@ -10,6 +10,7 @@
 #ifndef HAL_ANALOG_H
 #define HAL_ANALOG_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* Reported for a temperature sensor that is broken or not connected: above any active limit, so
@@ -30,5 +31,13 @@ void analog_read(analog_sample_t *sample);
  * sample, unfiltered. Any context. */
 int32_t analog_winding_temperature_cC(void);
 int32_t analog_switch_temperature_cC(void);
+
+enum { ANALOG_PEDAL_CHANNELS = 4 };
+
+/* Codes of accelerator a and b, brake pedal a and b, 4096 = the sensors' supply, which is the
+ * converters' reference as well. A channel that the board lacks is 0, as an open one. False, and
+ * the codes untouched, if there is no new sample since the last call. Only from
+ * app_millisecond_isr(). */
+bool analog_pedals(uint16_t code[ANALOG_PEDAL_CHANNELS]);
 
 #endif

@@ -40,6 +40,7 @@ typedef struct {
 #define ADC3 ((adc_registers_t *)0x40012200U)
 #define ADC_COMMON ((adc_common_registers_t *)0x40012300U)
 
+#define ADC_SR_EOC (1U << 1)
 #define ADC_SR_JEOC (1U << 2)
 #define ADC_SR_JSTRT (1U << 3)
 #define ADC_CR1_JEOCIE (1U << 7)
@@ -49,6 +50,9 @@ typedef struct {
 #define ADC_CR2_JEXTSEL (0xFU << 16)
 #define ADC_CR2_JEXTEN_Pos 20
 #define ADC_CR2_JEXTEN (0x3U << 20)
+#define ADC_CR2_SWSTART (1U << 30)
+#define ADC_SQR3_SQ1_Pos 0
+#define ADC_SQR3_SQ1 (0x1FU << 0)
 #define ADC_JSQR_JSQ3_Pos 10
 #define ADC_JSQR_JSQ3 (0x1FU << 10)
 #define ADC_JSQR_JSQ4_Pos 15

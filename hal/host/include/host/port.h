@@ -34,6 +34,7 @@ typedef struct {
     bool power_stage_fault;
     int32_t winding_temperature_cC;
     int32_t switch_temperature_cC;
+    uint16_t pedal_code[4]; /* accelerator a and b, brake pedal a and b */
 } host_sample_t;
 
 /* The plant: two functions and their context. */

@@ -28,9 +28,11 @@ static struct {
     uint16_t compare_counts[3];
     can_frame_t waiting;
     can_frame_t last_state;
+    can_frame_t demands[8]; /* to other wheels */
+    uint16_t pedal_code[ANALOG_PEDAL_CHANNELS];
     uint32_t now_ms, firmware_crc32;
-    int sets, feedings, clearings, trips;
-    bool fault, at_index, frame_waits, inverter_started;
+    int sets, feedings, clearings, trips, demand_count;
+    bool fault, at_index, frame_waits, inverter_started, pedals_sampled;
 } board;
 
 static volatile uint32_t window[4];
@@ -139,7 +141,19 @@ static bool transmit(const can_frame_t *frame, int calls)
                             (messages_wheel_t)CONFIG_IMAGE.vehicle.wheel_position)) {
         board.last_state = *frame;
     }
+    if (frame->identifier < 0x104) { /* hubfoc.dbc: Demand, 0x100 to 0x103 */
+        board.demands[board.demand_count++ % 8] = *frame;
+    }
     return true;
+}
+
+static bool pedals(uint16_t code[ANALOG_PEDAL_CHANNELS], int calls)
+{
+    (void)calls;
+    if (board.pedals_sampled) {
+        memcpy(code, board.pedal_code, sizeof board.pedal_code);
+    }
+    return board.pedals_sampled;
 }
 
 void setUp(void)
@@ -223,6 +237,75 @@ static operating_mode_t mode_on_can(void)
 {
     /* hubfoc.dbc: WheelState.mode, bits 12 .. 15 */
     return (operating_mode_t)(board.last_state.data[1] >> 4);
+}
+
+/* Travel of either pedal to codes by the calibration of the configuration. */
+static void press(double accelerator, double brake)
+{
+    for (int k = 0; k < ANALOG_PEDAL_CHANNELS; k++) {
+        const config_pedals_t *c = &board.config.pedals;
+        const double span_q15 = c->pressed_q15[k] - c->released_q15[k];
+        const double above_q15 = (k < 2 ? accelerator : brake) * span_q15;
+        board.pedal_code[k] = (uint16_t)((c->released_q15[k] + above_q15) / 8.0 + 0.5);
+    }
+}
+
+/* The image with pedals on this controller, wheel 0, which sends Demand to wheel 1 as well. */
+static void wire_pedals(void)
+{
+    config_pedals_t *c = &board.config.pedals;
+    c->accelerator_channels = 2;
+    c->brake_channels = 2;
+    c->drive_torque_mNm = 10000;
+    c->brake_torque_mNm = 20000;
+    c->free_travel_torque_mNm = 0;
+    c->brake_share_q15[1] = 16384;
+    c->other_wheels = 3; /* also its own bit */
+    board.config.vehicle.wheel_position = 0;
+    board.config.crc32 = config_crc32(&board.config, (uint32_t)offsetof(config_t, crc32));
+    analog_pedals_StubWithCallback(pedals);
+    board.pedals_sampled = true;
+}
+
+/* Without a CAN message: a vehicle of its own, on and forward. At a standing wheel the whole
+ * braking demand is the hydraulic command, 20 N m x (0.24 - 0.05)/0.95 = 4 N m; wheel 1 has half.
+ */
+void test_wired_pedals_give_the_demand_of_this_wheel_and_of_the_others(void)
+{
+    wire_pedals();
+    press(0.0, 0.24);
+    app_boot();
+    milliseconds(400);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, mode_on_can());
+    TEST_ASSERT_INT_WITHIN(1, 40, board.demand_count); /* every 10 ms, to wheel 1 */
+    e2e_receiver_t receiver;
+    e2e_receiver_init(&receiver, 50);
+    for (int k = 0; k < 8; k++) {
+        const can_frame_t *sent = &board.demands[(board.demand_count + k) % 8];
+        messages_frame_t frame = {.identifier = sent->identifier, .length = sent->length};
+        memcpy(frame.data, sent->data, sizeof frame.data);
+        wheel_demand_t demand;
+        TEST_ASSERT_TRUE(messages_read_demand(&frame, &demand) && demand.enable);
+        TEST_ASSERT_INT32_WITHIN(100, 2000, demand.brake_torque_mNm);
+        const e2e_status_t status =
+            e2e_receive(&receiver, frame.data, 0x101, true, 10U * (uint32_t)k);
+        TEST_ASSERT_TRUE(k < 3 || status == E2E_OK); /* qualified after the first ones */
+    }
+}
+
+/* An input that is no longer converted is an open one: the brake pedal is lost after its timeout
+ * and fault time, and no Demand is sent. */
+void test_pedals_that_are_not_sampled_are_lost(void)
+{
+    wire_pedals();
+    press(0.0, 0.24);
+    app_boot();
+    milliseconds(400);
+    board.pedals_sampled = false;
+    milliseconds(board.config.brake.demand_timeout_ms + board.config.pedals.fault_time_ms + 2);
+    const int before = board.demand_count;
+    milliseconds(100);
+    TEST_ASSERT_EQUAL_INT(before, board.demand_count);
 }
 
 void test_bridge_is_off_from_boot_to_ready(void)
