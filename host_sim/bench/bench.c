@@ -6,6 +6,7 @@
 
 #include "plant/numbers.h"
 
+enum { MILLI = 1000, LOST_S = 1000000 };
 static const double SLOW_STEP_S = 1.0 / CONTROLLER_SLOW_RATE_HZ;
 static const double ROUNDING =
     1e-6; /* of a slow step: periods and milliseconds are counted, not added up */
@@ -60,6 +61,9 @@ const char *bench_objection(const bench_t *bench, const bench_params_t *changed)
     }
     if (changed->inverter.switching > 0.5 && bench->pieces > 1) {
         return "inverter.switching: accepted: 0 as long as run.pieces is more than 1";
+    }
+    if (changed->driver.uses_pedals > 0.5 && !pedals_wired(&bench->config)) {
+        return "driver.uses_pedals: accepted: 0, because no pedal is wired in the configuration";
     }
     if (changed->bus.contactor_open > 0.0 && changed->bus.capacitance_f <= 0.0) {
         return "bus.contactor_open: accepted: 0 as long as bus.capacitance_f is 0";
@@ -120,6 +124,7 @@ void bench_init(bench_t *bench, const bench_params_t *params, const config_t *co
     bench->pieces = (int)plant_max(floor(params->run.pieces), 1.0);
     bench->wheels = (int)plant_clamp(floor(params->vehicle.driven_wheels), 1.0, BENCH_WHEELS_MAX);
     bench_refresh(bench);
+    bench->cockpit = cockpit_init();
     for (int k = 0; k < bench->wheels; k++) {
         wheel_init(&bench->wheel[k], &bench->world, k);
     }
@@ -148,10 +153,56 @@ static void note_braking(bench_t *bench)
     bench->is_braking = brakes;
 }
 
+static bool has_pedals(const bench_t *bench)
+{
+    return bench->params.driver.uses_pedals > 0.5;
+}
+
+/* The pedals give the demand; what comes by CAN, and its age, is one of their inputs. */
+static void press_pedals(bench_t *bench)
+{
+    driver_params_t feet = bench->params.driver;
+    if (bench->speed_prescribed) {
+        feet.accelerator = 0.0;
+        feet.brake_pedal = 0.0;
+    }
+    const wheel_demand_t received = {
+        .drive_torque_mNm = (int32_t)lround(bench->demand.drive_nm * MILLI),
+        .brake_torque_mNm = (int32_t)lround(bench->demand.brake_nm * MILLI),
+        .direction = (drive_direction_t)feet.direction,
+        .enable = bench->speed_prescribed || feet.enable > 0.5,
+    };
+    cockpit_step(&bench->cockpit, &bench->config, &feet, &bench->params.pedal_sensors, &received,
+                 bench->demand_age_s);
+    bench->demand.drive_nm = bench->cockpit.out.demand.drive_torque_mNm / (double)MILLI;
+    bench->demand.brake_nm = bench->cockpit.out.demand.brake_torque_mNm / (double)MILLI;
+}
+
+/* The order of one wheel: its share of the pedals, or the message that is the same for all. */
+static wheel_order_t order_of(const bench_t *bench, const wheel_order_t *message, int wheel)
+{
+    wheel_order_t out = *message;
+    if (has_pedals(bench)) {
+        const pedals_output_t *pedals = &bench->cockpit.out;
+        const wheel_demand_t own =
+            pedals_wheel_demand(&bench->config, &pedals->demand, wheel % CONFIG_WHEELS);
+        out.drive_nm = own.drive_torque_mNm / (double)MILLI;
+        out.brake_nm = own.brake_torque_mNm / (double)MILLI;
+        out.direction = own.direction;
+        out.enable = own.enable;
+        out.demand_reason = own.reason;
+        out.demand_age_s = pedals->age_ms == UINT32_MAX ? LOST_S : pedals->age_ms / (double)MILLI;
+    }
+    return out;
+}
+
 /* The brake pedal as the brake system itself sees it, also while no demand is sent. */
 static double pedal_nm(const bench_t *bench)
 {
     const driver_params_t *driver = &bench->params.driver;
+    if (has_pedals(bench)) {
+        return cockpit_brake_nm(&bench->config, driver);
+    }
     return driver->follow_trace > 0.5 ? bench->demand.brake_nm : driver->brake_demand_nm;
 }
 
@@ -169,6 +220,9 @@ static void slow_step(bench_t *bench)
         bench->demand =
             driver_step(&params->driver, &bench->driver, &bench->trace, &bench->road.vehicle,
                         bench->wheels, bench->vehicle.speed_m_per_s, bench->time_s, SLOW_STEP_S);
+    }
+    if (has_pedals(bench)) {
+        press_pedals(bench);
     }
     note_braking(bench);
     abs_unit_step(&bench->abs_unit, &bench->world, bench->wheel, bench->wheels, &bench->vehicle,
@@ -195,7 +249,8 @@ static void slow_step(bench_t *bench)
                       (params->driver.abs_active > 0.5 || bench->abs_unit.anti_lock.at_work),
     };
     for (int k = 0; k < bench->wheels; k++) {
-        wheel_slow(&bench->wheel[k], &bench->world, &order);
+        const wheel_order_t own = order_of(bench, &order, k);
+        wheel_slow(&bench->wheel[k], &bench->world, &own);
     }
 }
 

@@ -31,6 +31,8 @@ typedef struct {
 #define RUN(name, lowest, highest, unit, text) LINE(run, name, lowest, highest, unit, text)
 #define BRAKE_SENSOR(name, lowest, highest, unit, text)                                            \
     LINE(brake_sensor, name, lowest, highest, unit, text)
+#define PEDAL_SENSORS(name, lowest, highest, unit, text)                                           \
+    LINE(pedal_sensors, name, lowest, highest, unit, text)
 #define BMS(name, lowest, highest, unit, text) LINE(bms, name, lowest, highest, unit, text)
 #define CHASSIS(name, lowest, highest, unit, text) LINE(chassis, name, lowest, highest, unit, text)
 #define TYRE(name, lowest, highest, unit, text) LINE(tyre, name, lowest, highest, unit, text)
@@ -52,12 +54,12 @@ typedef struct {
 #define WHEEL(k) ONE_WHEEL_PARAMETERS(ONE_WHEEL, k)
 
 static const line_t LINES[] = {
-    BRAKE_SENSOR_PARAMETERS(BRAKE_SENSOR) PMSM_PARAMETERS(MOTOR) INVERTER_PARAMETERS(INVERTER)
-        BATTERY_PARAMETERS(BATTERY) VEHICLE_PARAMETERS(VEHICLE) ROAD_PARAMETERS(ROAD)
-            HYDRAULIC_BRAKE_PARAMETERS(BRAKE) SENSORS_PARAMETERS(SENSORS)
-                ENCODER_PARAMETERS(ENCODER) THERMAL_PARAMETERS(THERMAL) DRIVER_PARAMETERS(DRIVER)
-                    RUN_PARAMETERS(RUN) BUS_PARAMETERS(BUS) BMS_PARAMETERS(BMS)
-                        CHASSIS_PARAMETERS(CHASSIS) TYRE_PARAMETERS(TYRE)
+    BRAKE_SENSOR_PARAMETERS(BRAKE_SENSOR) PEDAL_SENSORS_PARAMETERS(PEDAL_SENSORS)
+        PMSM_PARAMETERS(MOTOR) INVERTER_PARAMETERS(INVERTER) BATTERY_PARAMETERS(BATTERY)
+            VEHICLE_PARAMETERS(VEHICLE) ROAD_PARAMETERS(ROAD) HYDRAULIC_BRAKE_PARAMETERS(BRAKE)
+                SENSORS_PARAMETERS(SENSORS) ENCODER_PARAMETERS(ENCODER) THERMAL_PARAMETERS(THERMAL)
+                    DRIVER_PARAMETERS(DRIVER) RUN_PARAMETERS(RUN) BUS_PARAMETERS(BUS)
+                        BMS_PARAMETERS(BMS) CHASSIS_PARAMETERS(CHASSIS) TYRE_PARAMETERS(TYRE)
                             WINDING_SENSOR_PARAMETERS(WINDING_SENSOR)
                                 WHEEL_SPEED_PARAMETERS(WHEEL_SPEED) ANTI_LOCK_PARAMETERS(ANTI_LOCK)
                                     WHEEL(0) WHEEL(1) WHEEL(2) WHEEL(3) WHEEL(4) WHEEL(5) WHEEL(6)

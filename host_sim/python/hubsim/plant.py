@@ -10,6 +10,7 @@ STANDARD_AIR_KG_PER_M3 = 1.204  # dry, 20 degC, 1013 hPa
 STANDARD_GRAVITY_M_PER_S2 = 9.80665
 FULL_SOC = 1.0
 SWITCH_REFERENCE_C = 25.0
+PEDAL_CHANNELS = ("accelerator_a", "accelerator_b", "brake_a", "brake_b")
 # What can happen to a vehicle under way, by how the names begin.
 EVENTS = (
     "encoder.lost_counts",
@@ -26,6 +27,8 @@ EVENTS = (
     "winding_sensor.open",
     "winding_sensor.shorted",
     "wheel_speed.dead",
+    *(f"pedal_sensors.{channel}_offset" for channel in PEDAL_CHANNELS),
+    *(f"pedal_sensors.{channel}_broken" for channel in PEDAL_CHANNELS),
     *(f"wheel{k}." for k in range(16)),
 )
 # Effects that are not in a drive file; a scenario or --set plant.… switches them on. All are
@@ -135,6 +138,9 @@ def parameters(drive: Drive) -> dict[str, float]:
         "encoder.index_width_counts": min(1, drive.rotor.encoder_index_tolerance_counts),
         "encoder.reversed": drive.rotor.encoder_reversed,
     }
+    for channel, name in enumerate(PEDAL_CHANNELS):
+        found[f"pedal_sensors.{name}_released"] = drive.pedals.released[channel]
+        found[f"pedal_sensors.{name}_pressed"] = drive.pedals.pressed[channel]
     found |= _bms(drive)
     for name in ("thermal", "chassis", "tyre"):
         section = getattr(drive, name)

@@ -37,6 +37,12 @@ def prepare(
 
     Returns it and the planned duration in s.
     """
+    wired = drive.pedals.accelerator_channels + drive.pedals.brake_channels
+    if scenario.uses_pedals and wired == 0:
+        raise HubsimError(
+            f"{scenario.source}: accelerator, brake_pedal: accepted with a drive whose [pedals] has"
+            " accelerator_channels or brake_channels"
+        )
     engine = Engine()
     trace = followed(scenario, beside)
     if trace is not None:
@@ -77,6 +83,8 @@ def timeline(scenario: Scenario) -> Timeline:
     pedals = {
         "driver.brake_demand_nm": scenario.demand_trace_nm,
         "driver.drive_demand_nm": scenario.drive_trace_nm,
+        "driver.accelerator": scenario.accelerator_trace,
+        "driver.brake_pedal": scenario.brake_pedal_trace,
     }
     return Timeline(
         scenario.events, {name: points for name, points in pedals.items() if points is not None}
@@ -95,6 +103,9 @@ def _scenario_parameters(drive: Drive, scenario: Scenario) -> dict[str, float]:
         "driver.follow_trace": float(scenario.follows),
         "driver.brake_demand_nm": scenario.demand_nm,
         "driver.drive_demand_nm": scenario.drive_nm,
+        "driver.uses_pedals": float(scenario.uses_pedals),
+        "driver.accelerator": scenario.accelerator or 0.0,
+        "driver.brake_pedal": scenario.brake_pedal or 0.0,
         "driver.bandwidth_rad_per_s": scenario.driver_bandwidth_rad_per_s,
         "driver.preview_s": scenario.driver_preview_s,
         "driver.most_drive_nm": drive.motor.max_torque_nm,

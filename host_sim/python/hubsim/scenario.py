@@ -59,6 +59,20 @@ class Scenario(Section):
     drive_trace_nm: Annotated[
         Points | None, listing("instead of drive_nm: drive pedal over time, N m", _POINTS)
     ] = None
+    accelerator: Annotated[
+        float | None,
+        number(0.0, 1.0, "travel of the accelerator, with [drive.pedals] instead of drive_nm"),
+    ] = None
+    brake_pedal: Annotated[
+        float | None,
+        number(0.0, 1.0, "travel of the brake pedal, with [drive.pedals] instead of demand_nm"),
+    ] = None
+    accelerator_trace: Annotated[
+        Points | None, listing("instead of accelerator: its travel over time", _POINTS)
+    ] = None
+    brake_pedal_trace: Annotated[
+        Points | None, listing("instead of brake_pedal: its travel over time", _POINTS)
+    ] = None
     boots_rolling: Annotated[
         bool,
         Field(
@@ -125,7 +139,15 @@ class Scenario(Section):
             )
         if self.cycle is not None and self.speed_trace_kmh is not None:
             raise ValueError("speed_trace_kmh: accepted: either cycle or speed_trace_kmh")
-        for key in ("speed_trace_kmh", "demand_trace_nm", "drive_trace_nm"):
+        if self.uses_pedals and self.follows:
+            raise ValueError("accelerator: accepted without cycle and speed_trace_kmh")
+        for key in (
+            "speed_trace_kmh",
+            "demand_trace_nm",
+            "drive_trace_nm",
+            "accelerator_trace",
+            "brake_pedal_trace",
+        ):
             if (points := getattr(self, key)) is not None:
                 rising(points, key)
         for name, value in self.plant.items():
@@ -153,6 +175,17 @@ class Scenario(Section):
     def follows(self) -> bool:
         """Whether the driver follows a speed over time."""
         return self.cycle is not None or self.speed_trace_kmh is not None
+
+    @property
+    def uses_pedals(self) -> bool:
+        """Whether the demands come from pedals wired to a controller instead of messages."""
+        given = (
+            self.accelerator,
+            self.brake_pedal,
+            self.accelerator_trace,
+            self.brake_pedal_trace,
+        )
+        return any(value is not None for value in given)
 
     @property
     def constants(self) -> dict[str, float]:

@@ -19,6 +19,7 @@
 #include <stdint.h>
 
 #include "bench/abs_unit.h"
+#include "bench/cockpit.h"
 #include "bench/ledger.h"
 #include "bench/motion.h"
 #include "bench/parameters.h"
@@ -50,6 +51,7 @@ typedef struct {
     abs_unit_t abs_unit;
     driver_state_t driver;
     driver_demand_t demand;
+    cockpit_t cockpit;
     double demand_age_s;     /* of the message the controllers have */
     ledger_t booked;         /* what only the bench can count; bench_ledger() has everything */
     double kinetic_before_j; /* when the run began */

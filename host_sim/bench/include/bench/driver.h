@@ -38,6 +38,10 @@
       "age of the demands when they arrive at the controllers") \
     X(silent,               0.0,  1.0,   "", \
       "1: no more messages, the controllers see the last demand grow old") \
+    X(uses_pedals,          0.0,  1.0,   "", \
+      "1: the demands come from pedals wired to a controller, 0: as messages") \
+    X(accelerator,          0.0,  1.0,   "1",     "travel of the accelerator") \
+    X(brake_pedal,          0.0,  1.0,   "1",     "travel of the brake pedal") \
     X(direction,            0.0,  2.0,   "", \
       "drive direction selected: 0 forward, 1 reverse, 2 neutral") \
     X(own_brake_path,       0.0,  1.0,   "", \

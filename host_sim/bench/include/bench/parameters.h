@@ -22,6 +22,7 @@
 #include "plant/encoder.h"
 #include "plant/hydraulic_brake.h"
 #include "plant/inverter.h"
+#include "plant/pedal_sensors.h"
 #include "plant/pmsm.h"
 #include "plant/sensors.h"
 #include "plant/temperature_sensor.h"
@@ -86,6 +87,7 @@ typedef struct {
     road_params_t road;
     hydraulic_brake_params_t brake;
     brake_sensor_params_t brake_sensor;
+    pedal_sensors_params_t pedal_sensors;
     sensors_params_t sensors;
     encoder_params_t encoder;
     thermal_params_t thermal;

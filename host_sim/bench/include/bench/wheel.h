@@ -132,7 +132,8 @@ typedef struct {
     double time_s;
     drive_direction_t direction;
     bool enable, abs_active;
-    double pedal_nm; /* what the brake system makes of the pedal without a valid command */
+    reason_t demand_reason; /* of the pedals */
+    double pedal_nm;        /* what the brake system makes of the pedal without a valid command */
 } wheel_order_t;
 
 void wheel_slow(wheel_t *wheel, const wheel_world_t *world, const wheel_order_t *order);
