@@ -61,7 +61,7 @@ BUDGETS = (
 )
 SLOW_BUDGET = Budget("cortex-m4", SLOW_STEP, 9000, max_at_most=16000)
 """Of a configuration in every state of the envelope."""
-SLOW_BUDGETS = {"ipm400v": Budget("cortex-m4", SLOW_STEP, 11500, max_at_most=16500)}
+SLOW_BUDGETS = {"ipm400v": Budget("cortex-m4", SLOW_STEP, 11000, max_at_most=16000)}
 """Of the configurations with another one: salient, and a map over temperature."""
 LOOP_BYTES_AT_MOST = 2048
 REFERENCE_GCC = 12
