@@ -74,7 +74,23 @@ static bool set_everything(model_t *model, const double *values)
     return out;
 }
 
-/* The signals are sampled in the order of the library; the table may have them in another. */
+/* Number of the signal with a name, or their count. The search begins at `from` and wraps. */
+static int signal_of(const model_t *model, const char *wanted, int from)
+{
+    const int count = hubsim_signal_count(model->sim);
+    for (int k = 0; k < count; k++) {
+        const int signal = (from + k) % count;
+        char name[NAME_LENGTH];
+        if (hubsim_signal_name(model->sim, signal, name, NAME_LENGTH) == HUBSIM_OK &&
+            strcmp(name, wanted) == 0) {
+            return signal;
+        }
+    }
+    return count;
+}
+
+/* The signals are sampled in the order of the library; the table may have them in another. It
+ * rarely does, so each search begins after the signal that was found before. */
 static bool choose_outputs(model_t *model)
 {
     int *chosen = calloc((size_t)MODEL_VARIABLE_COUNT, sizeof(*chosen));
@@ -82,17 +98,13 @@ static bool choose_outputs(model_t *model)
         model->error = "no memory";
         return false;
     }
+    int signal = -1;
     model->outputs = 0;
     for (int k = 0; k < MODEL_VARIABLE_COUNT; k++) {
         if (MODEL_VARIABLES[k].role != MODEL_OUTPUT) {
             continue;
         }
-        char name[NAME_LENGTH];
-        int signal = 0;
-        while (hubsim_signal_name(model->sim, signal, name, NAME_LENGTH) == HUBSIM_OK &&
-               strcmp(name, MODEL_VARIABLES[k].name) != 0) {
-            signal++;
-        }
+        signal = signal_of(model, MODEL_VARIABLES[k].name, signal + 1);
         chosen[model->outputs] = signal; /* one that is not there is out of range, and refused */
         model->indices[model->outputs] = k;
         model->outputs++;
