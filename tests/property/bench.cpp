@@ -26,9 +26,9 @@ Vector2d to_stator(const Vector2d &dq, double cos, double sin)
     return {cos * dq.x() - sin * dq.y(), sin * dq.x() + cos * dq.y()};
 }
 
-Vector2d to_rotor(const Vector2d &ab, double cos, double sin)
+double limited(double x)
 {
-    return {cos * ab.x() + sin * ab.y(), cos * ab.y() - sin * ab.x()};
+    return x > 1.0 ? 1.0 : x < -1.0 ? -1.0 : x;
 }
 
 uint16_t code_of(double x)
@@ -124,54 +124,59 @@ double Bench::torque_Nm() const
            sampled_.y();
 }
 
-Vector2d Bench::derivative(const Vector2d &i, const Vector2d &u_stator, double cos,
-                           double sin) const
-{
-    Vector2d u = to_rotor(u_stator, cos, sin);
-    const double dead_share = plant.dead_time_s / period_s_;
-    if (mode_ == Mode::pwm && dead_share > 0.0) {
-        // In both dead intervals of a period a diode conducts: the leg misses half of them at the
-        // bus, and the diode's drop.
-        const double lost_V = dead_share * (plant.v_dc_V + 2.0 * plant.diode_forward_voltage_V);
-        // The lost voltage cannot carry a current beyond zero: within one period it takes away this
-        // much.
-        const double zone_A = lost_V * period_s_ / plant.q_inductance_H;
-        Vector3d lost = phases(to_stator(i, cos, sin));
-        for (int x = 0; x < 3; x++) {
-            lost[x] = lost_V * std::clamp(lost[x] / zone_A, -1.0, 1.0);
-        }
-        u -= to_rotor(clarke(lost), cos, sin);
-    }
-    const double w = plant.speed_rad_s;
-    const double resistance = plant.resistance_ohm + plant.switch_resistance_ohm;
-    return {(u.x() - resistance * i.x() + w * plant.q_inductance_H * i.y()) / plant.d_inductance_H,
-            (u.y() - resistance * i.y() - w * (plant.d_inductance_H * i.x() + plant.flux_Wb)) /
-                plant.q_inductance_H};
-}
-
+// Runge-Kutta of fourth order in scalars: with sanitizers each access to a vector is a checked
+// call, and this takes most of the time of the tests.
 void Bench::integrate()
 {
-    const double h = period_s_ / SUBSTEPS;
-    const double half = plant.speed_rad_s * h / 2.0;
     if (mode_ == Mode::off) {
         i_.setZero(); // below the rectifying speed a bridge that is off carries nothing
         theta_ = std::fmod(theta_ + plant.speed_rad_s * period_s_, 2.0 * PI);
         return;
     }
+    const double h = period_s_ / SUBSTEPS;
+    const double w = plant.speed_rad_s, L_d = plant.d_inductance_H, L_q = plant.q_inductance_H;
+    const double resistance = plant.resistance_ohm + plant.switch_resistance_ohm;
+    const double emf = w * plant.flux_Wb;
     const Vector2d u =
         mode_ == Mode::pwm ? Vector2d(plant.v_dc_V * clarke(duty_)) : Vector2d::Zero();
+    const double u_alpha = u.x(), u_beta = u.y();
+    // In both dead intervals of a period a diode conducts: the leg misses half of them at the bus,
+    // and the diode's drop. This cannot carry a current beyond zero: within one period it takes
+    // away `zone_A`.
+    const double dead_share = mode_ == Mode::pwm ? plant.dead_time_s / period_s_ : 0.0;
+    const double lost_V = dead_share * (plant.v_dc_V + 2.0 * plant.diode_forward_voltage_V);
+    const double zone_A = lost_V * period_s_ / L_q;
+    double i_d = i_.x(), i_q = i_.y(), theta = theta_;
     for (int n = 0; n < SUBSTEPS; n++) {
-        const double c[3] = {std::cos(theta_), std::cos(theta_ + half),
-                             std::cos(theta_ + 2.0 * half)};
-        const double s[3] = {std::sin(theta_), std::sin(theta_ + half),
-                             std::sin(theta_ + 2.0 * half)};
-        const Vector2d k1 = derivative(i_, u, c[0], s[0]);
-        const Vector2d k2 = derivative(i_ + h / 2.0 * k1, u, c[1], s[1]);
-        const Vector2d k3 = derivative(i_ + h / 2.0 * k2, u, c[1], s[1]);
-        const Vector2d k4 = derivative(i_ + h * k3, u, c[2], s[2]);
-        i_ += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-        theta_ = std::fmod(theta_ + 2.0 * half, 2.0 * PI);
+        double rate_d = 0.0, rate_q = 0.0, sum_d = 0.0, sum_q = 0.0, cos = 1.0, sin = 0.0;
+        for (int stage = 0; stage < 4; stage++) {
+            const double after = stage == 0 ? 0.0 : stage == 3 ? h : h / 2.0;
+            if (stage != 2) { // which is at the time of stage 1
+                cos = std::cos(theta + w * after);
+                sin = std::sin(theta + w * after);
+            }
+            const double d = i_d + after * rate_d, q = i_q + after * rate_q;
+            double alpha = u_alpha, beta = u_beta;
+            if (lost_V > 0.0) {
+                const double a = cos * d - sin * q, b = SQRT3_2 * (sin * d + cos * q);
+                const double lost[3] = {lost_V * limited(a / zone_A),
+                                        lost_V * limited((b - 0.5 * a) / zone_A),
+                                        lost_V * limited((-b - 0.5 * a) / zone_A)};
+                alpha -= (2.0 * lost[0] - lost[1] - lost[2]) / 3.0;
+                beta -= (lost[1] - lost[2]) / (2.0 * SQRT3_2);
+            }
+            rate_d = (cos * alpha + sin * beta - resistance * d + w * L_q * q) / L_d;
+            rate_q = (cos * beta - sin * alpha - resistance * q - w * L_d * d - emf) / L_q;
+            const double weight = stage == 1 || stage == 2 ? h / 3.0 : h / 6.0;
+            sum_d += weight * rate_d;
+            sum_q += weight * rate_q;
+        }
+        i_d += sum_d;
+        i_q += sum_q;
+        theta = std::fmod(theta + w * h, 2.0 * PI);
     }
+    i_ = {i_d, i_q};
+    theta_ = theta;
 }
 
 loop_output_t Bench::step(Mode mode)

@@ -81,7 +81,6 @@ class Bench {
     Plant plant; // may be changed between steps
 
   private:
-    Vector2d derivative(const Vector2d &i, const Vector2d &u_stator, double cos, double sin) const;
     void integrate();
 
     config_t config_;

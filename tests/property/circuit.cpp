@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace circuit {
 
@@ -10,6 +12,60 @@ namespace {
 
 constexpr int STEPS = 60;
 constexpr double FEASIBLE = 1e-9;
+
+// Two currents and at most two active constraints.
+constexpr int UNKNOWNS = 4;
+using System = Eigen::Matrix<double, UNKNOWNS, UNKNOWNS>;
+using Unknowns = Eigen::Matrix<double, UNKNOWNS, 1>;
+
+// Gaussian elimination with full pivoting of the first `count` equations. Unknowns that they do not
+// determine are zero. In plain loops: the compiler needs twenty seconds for Eigen's decomposition.
+Unknowns solution(System a, Unknowns b, int count)
+{
+    int place[UNKNOWNS] = {0, 1, 2, 3}; // of each column
+    int rank = 0;
+    double largest = 0.0;
+    for (; rank < count; rank++) {
+        int row = rank, column = rank;
+        for (int r = rank; r < count; r++) {
+            for (int c = rank; c < count; c++) {
+                if (std::abs(a(r, c)) > std::abs(a(row, column))) {
+                    row = r;
+                    column = c;
+                }
+            }
+        }
+        const double pivot = std::abs(a(row, column));
+        largest = std::max(largest, pivot);
+        if (!(pivot > largest * count * std::numeric_limits<double>::epsilon())) {
+            break;
+        }
+        for (int c = 0; c < count; c++) {
+            std::swap(a(rank, c), a(row, c));
+        }
+        std::swap(b[rank], b[row]);
+        for (int r = 0; r < count; r++) {
+            std::swap(a(r, rank), a(r, column));
+        }
+        std::swap(place[rank], place[column]);
+        for (int r = rank + 1; r < count; r++) {
+            const double factor = a(r, rank) / a(rank, rank);
+            for (int c = rank + 1; c < count; c++) {
+                a(r, c) -= factor * a(rank, c);
+            }
+            b[r] -= factor * b[rank];
+        }
+    }
+    Unknowns x = Unknowns::Zero();
+    for (int r = rank - 1; r >= 0; r--) {
+        double rest = b[r];
+        for (int c = r + 1; c < rank; c++) {
+            rest -= a(r, c) * x[place[c]];
+        }
+        x[place[r]] = rest / a(r, r);
+    }
+    return x;
+}
 
 // A form of y where y = slope x + offset.
 Form substituted(const Form &form, const Matrix2d &slope, const Vector2d &offset)
@@ -32,34 +88,41 @@ Form square_of_length(double factor)
 std::optional<Vector2d> stationary(const Form &objective, const std::vector<const Form *> &active,
                                    const Vector2d &start, double scale)
 {
-    const auto count = static_cast<Eigen::Index>(active.size());
+    const int count = static_cast<int>(active.size());
     Vector2d x = start;
-    Eigen::VectorXd multipliers = Eigen::VectorXd::Zero(count);
+    double multipliers[2] = {0.0, 0.0};
     const double size =
         std::abs(objective(start)) + objective.gradient(start).norm() * scale + 1e-300;
     for (int step = 0; step < STEPS; step++) {
-        Eigen::MatrixXd system = Eigen::MatrixXd::Zero(2 + count, 2 + count);
-        Eigen::VectorXd rest = Eigen::VectorXd::Zero(2 + count);
+        System system = System::Zero();
+        Unknowns rest = Unknowns::Zero();
         Matrix2d curvature = objective.curvature(x) / size;
-        rest.head<2>() = objective.gradient(x) / size;
-        for (Eigen::Index k = 0; k < count; k++) {
+        Vector2d balance = objective.gradient(x) / size;
+        for (int k = 0; k < count; k++) {
             const Form &constraint = *active[static_cast<size_t>(k)];
             const Vector2d gradient = constraint.gradient(x);
             curvature += multipliers[k] * constraint.curvature(x);
-            rest.head<2>() += multipliers[k] * gradient;
-            rest[2 + k] = constraint(x);
-            system.block<2, 1>(0, 2 + k) = scale * gradient;
-            system.block<1, 2>(2 + k, 0) = scale * gradient.transpose();
+            balance += multipliers[k] * gradient;
+            rest[2 + k] = -constraint(x);
+            for (int axis = 0; axis < 2; axis++) {
+                system(axis, 2 + k) = system(2 + k, axis) = scale * gradient[axis];
+            }
         }
-        system.topLeftCorner<2, 2>() = scale * scale * curvature;
-        rest.head<2>() *= scale;
-        const Eigen::VectorXd move = system.fullPivLu().solve(-rest);
-        if (!move.allFinite() || move.head<2>().norm() > 1e3) {
+        for (int axis = 0; axis < 2; axis++) {
+            system(axis, 0) = scale * scale * curvature(axis, 0);
+            system(axis, 1) = scale * scale * curvature(axis, 1);
+            rest[axis] = -scale * balance[axis];
+        }
+        const Unknowns move = solution(system, rest, 2 + count);
+        const double length = std::hypot(move[0], move[1]);
+        if (!move.allFinite() || length > 1e3) {
             return std::nullopt;
         }
-        x += scale * move.head<2>();
-        multipliers += move.tail(count);
-        if (move.head<2>().norm() < 1e-13) {
+        x += scale * Vector2d(move[0], move[1]);
+        for (int k = 0; k < count; k++) {
+            multipliers[k] += move[2 + k];
+        }
+        if (length < 1e-13) {
             return rest.norm() < 1e-9 ? std::optional<Vector2d>(x) : std::nullopt;
         }
     }
@@ -142,10 +205,8 @@ Circuit::Circuit(const values::Drive &drive, double speed_rad_s, double winding_
     Matrix2d reactance;
     reactance << 0.0, -omega * drive.q_inductance_H, omega * drive.d_inductance_H, 0.0;
     const Vector2d emf(0.0, omega * flux);
-    const Matrix2d whole = Matrix2d::Identity() + iron_S * reactance;
-    const Eigen::PartialPivLU<Matrix2d> solver(whole);
-    const Matrix2d slope = solver.solve(Matrix2d(Matrix2d::Identity()));
-    const Vector2d offset = solver.solve(Vector2d(-iron_S * emf));
+    const Matrix2d slope = (Matrix2d::Identity() + iron_S * reactance).inverse();
+    const Vector2d offset = slope * (-iron_S * emf);
     const Matrix2d inner_slope = reactance * slope;
     const Vector2d inner_offset = reactance * offset + emf;
     voltage_slope_ = resistance * Matrix2d::Identity() + inner_slope;
