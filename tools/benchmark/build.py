@@ -80,38 +80,25 @@ def configurations() -> list[str]:
     return sorted(path.stem for path in IMAGES.glob("*.c"))
 
 
-def sources(program: str) -> list[Path]:
-    """Everything that goes into a measured program, besides a configuration."""
+def shared_sources() -> list[Path]:
+    """Everything that goes into both measured programs, besides a configuration."""
     modules = [
         path for module in MODULES for path in sorted((ROOT / "firmware" / module).glob("*.c"))
     ]
     port = ROOT / "hal" / "qemu_mps2"
-    return [
-        *modules,
-        port / "semihost.c",
-        port / "startup.c",
-        *sorted((HERE / program).glob("*.c")),
-    ]
+    return [*modules, port / "semihost.c", port / "startup.c"]
 
 
-def compile_program(core: Core, program: str, configs: list[str], directory: Path) -> list[Path]:
-    """Compile a program for one core and link it with each of the configurations.
+def compile_sources(core: Core, sources: list[Path], directory: Path) -> list[str]:
+    """Compile sources for one core into an empty directory and return the objects, in their order.
 
-    Returns the ELFs, in the order of the configurations. The compiler leaves its stack figures in
-    the same directory.
+    The compiler leaves its stack figures in the same directory.
     """
     compiler = tool(PREFIX + "gcc", "gcc-arm-none-eabi")
-    images = [IMAGES / f"{config}.c" for config in configs]
-    for config, image in zip(configs, images, strict=True):
-        if not image.is_file():
-            raise BenchError(
-                f"no configuration firmware/config/generated/{config}.c; ./tools/dev table makes it"
-            )
     shutil.rmtree(directory, ignore_errors=True)
     directory.mkdir(parents=True)
-    port = ROOT / "hal" / "qemu_mps2"
     includes = [ROOT / "firmware" / module / "include" for module in MODULES] + [
-        port,
+        ROOT / "hal" / "qemu_mps2",
         ROOT / "tests" / "unit" / "firmware" / "support",
     ]
     common = [
@@ -135,22 +122,42 @@ def compile_program(core: Core, program: str, configs: list[str], directory: Pat
         return str(target)
 
     with ThreadPoolExecutor(max_workers=2) as pool:
-        objects = list(pool.map(compile_one, sources(program)))
-        config_objects = list(pool.map(compile_one, images))
+        return list(pool.map(compile_one, sources))
+
+
+def compile_program(
+    core: Core, program: str, configs: list[str], directory: Path, shared: list[str]
+) -> list[Path]:
+    """Compile a program for one core and link it with each of the configurations.
+
+    shared: the objects of `shared_sources` for this core. Returns the ELFs, in the order of the
+    configurations.
+    """
+    compiler = tool(PREFIX + "gcc", "gcc-arm-none-eabi")
+    images = [IMAGES / f"{config}.c" for config in configs]
+    for config, image in zip(configs, images, strict=True):
+        if not image.is_file():
+            raise BenchError(
+                f"no configuration firmware/config/generated/{config}.c; ./tools/dev table makes it"
+            )
+    own = sorted((HERE / program).glob("*.c"))
+    objects = compile_sources(core, [*own, *images], directory)
+    script = ROOT / "hal" / "qemu_mps2" / "link.ld"
     link = [
         "-nostartfiles",
         "--specs=nano.specs",
-        f"-T{port / 'link.ld'}",
+        f"-T{script}",
         "-Wl,--gc-sections",
         "-Wl,--defsym=link_stack_size=0x4000",
     ]
     programs = []
-    for config, config_object in zip(configs, config_objects, strict=True):
+    for config, config_object in zip(configs, objects[len(own) :], strict=True):
         elf = directory / f"{program}_{config}.elf"
         symbol = "".join(c if c.isalnum() else "_" for c in config).upper()
         alias = f"-Wl,--defsym=CONFIG_IMAGE=CONFIG_{symbol}"
+        parts = [*shared, *objects[: len(own)], config_object]
         run(
-            [compiler, *core.flags, *link, alias, *objects, config_object, "-lm", "-o", str(elf)],
+            [compiler, *core.flags, *link, alias, *parts, "-lm", "-o", str(elf)],
             f"linking {program} with {config} for {core.name}",
         )
         programs.append(elf)

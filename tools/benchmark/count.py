@@ -8,6 +8,7 @@ import statistics
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from benchmark import build
 from benchmark.elf import Function
@@ -104,12 +105,15 @@ def calls(
     names: list[str],
     begin: str,
     arguments: Sequence[str] = (),
-) -> dict[str, list[int]]:
-    """Return instructions of every call of the functions after ``begin`` was called, in order."""
+) -> tuple[dict[str, list[int]], str]:
+    """Return instructions of every call of the functions after ``begin`` was called, in order.
+
+    And what the program printed.
+    """
     result = elf.with_suffix(".counts")
     options = [str(plugin), f"out={result}", f"from={functions[begin].address:#x}"]
     options += [f"fn={_window(name, functions)}" for name in names]
-    build.run(
+    text = build.run(
         [*emulator_command(core, elf, arguments), "-plugin", ",".join(options)],
         f"{elf.stem} on {core.name}",
         timeout_s=SECONDS_AT_MOST,
@@ -124,7 +128,7 @@ def calls(
                 f"{name}: counted {len(values)} calls on {core.name}, fewer than {CALLS_AT_LEAST}"
                 " prove nothing"
             )
-    return found
+    return found, text
 
 
 def count(
@@ -136,17 +140,15 @@ def count(
     begin: str,
 ) -> dict[str, Count]:
     """Summary of every call of the named functions after ``begin`` was called."""
-    found = calls(core, elf, plugin, functions, names, begin)
+    found, _ = calls(core, elf, plugin, functions, names, begin)
     return {name: summary(values) for name, values in found.items()}
 
 
-def by_reason(core: build.Core, elf: Path, instructions: list[int]) -> dict[str, dict[str, int]]:
-    """Summarise the states of the envelope that show the same reason, by its name."""
-    text = build.run(
-        emulator_command(core, elf, [f"states={len(instructions)}", "reasons=1"]),
-        "the reasons of the states",
-        timeout_s=SECONDS_AT_MOST,
-    )
+def by_reason(text: str, instructions: list[int]) -> dict[str, dict[str, int]]:
+    """Summarise the states of the envelope that show the same reason, by its name.
+
+    text: what the program printed with ``reasons=1``.
+    """
     shown = [line[7:] for line in text.splitlines() if line.startswith("reason=")]
     found = {
         name: [n for n, reason in zip(instructions, shown, strict=True) if reason == number]
@@ -164,3 +166,10 @@ def state_with(core: build.Core, elf: Path, index: int) -> dict[str, int]:
     )
     fields = [line.partition("=") for line in text.splitlines()]
     return {name: int(value) for name, _, value in fields}
+
+
+def describe_worst(core: build.Core, directory: Path, each: dict[str, Any]) -> None:
+    """Add to each configuration's envelope how its program describes the worst state."""
+    for config, value in each.items():
+        worst = value["worst_state"]
+        worst |= state_with(core, directory / f"envelope_{config}.elf", worst["index"])

@@ -87,18 +87,18 @@ def size_of(
 
 
 def measure_ride(
-    core: build.Core, config: str, directory: Path, plugin: Path | None
+    core: build.Core, config: str, directory: Path, shared: list[str], plugin: Path | None
 ) -> tuple[dict[str, Any], Path]:
     """Measure the fast loop on one core, in a closed loop.
 
     Return also the plugin, which the next core can use.
     """
-    program = build.compile_program(core, "ride", [config], directory)[0]
+    program = build.compile_program(core, "ride", [config], directory, shared)[0]
     functions = elf.functions(program)
     symbols = elf.symbols(program)
     plugin = plugin or count.loadable_plugin(core, program, directory)
     counts = count.count(core, program, plugin, functions, RIDE_FUNCTIONS, BEGIN)
-    frames = stack_report.compiled_frames([program.parent])
+    frames = stack_report.compiled_frames([program.parent, Path(shared[0]).parent])
     result = {
         "flags": " ".join([*core.flags, core.optimise]),
         "machine": core.machine,
@@ -112,34 +112,31 @@ def measure_ride(
 
 
 def measure_envelope(
-    core: build.Core, directory: Path, plugin: Path, states: int
+    core: build.Core, directory: Path, shared: list[str], plugin: Path, states: int
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Measure the slow step in random states.
 
-    Of all configurations together, and of each with its worst state and by the reason shown.
+    Of all configurations together, and of each by the reason shown.
     """
     configs = build.configurations()
     everything: list[int] = []
     each: dict[str, Any] = {}
-    for config, program in zip(
-        configs, build.compile_program(core, "envelope", configs, directory), strict=True
-    ):
-        found = count.calls(
+    programs = build.compile_program(core, "envelope", configs, directory, shared)
+    for config, program in zip(configs, programs, strict=True):
+        found, text = count.calls(
             core,
             program,
             plugin,
             elf.functions(program),
             [SLOW_STEP],
             BEGIN,
-            [f"states={states}"],
-        )[SLOW_STEP]
-        worst = max(range(len(found)), key=found.__getitem__)
-        each[config] = {
-            **asdict(count.summary(found)),
-            "worst_state": {"index": worst, **count.state_with(core, program, worst)},
-        }
-        each[config]["by_reason"] = count.by_reason(core, program, found)
-        everything += found
+            [f"states={states}", "reasons=1"],
+        )
+        counts = found[SLOW_STEP]
+        worst = {"index": max(range(len(counts)), key=counts.__getitem__)}
+        each[config] = {**asdict(count.summary(counts)), "worst_state": worst}
+        each[config]["by_reason"] = count.by_reason(text, counts)
+        everything += counts
     return asdict(count.summary(everything)), each
 
 
@@ -383,12 +380,17 @@ def bench(options: argparse.Namespace) -> int:
     envelope: dict[str, Any] = {}
     for core in build.CORES:
         console.print(f"{core.name} ...", style="dim")
-        result, plugin = measure_ride(core, options.config, directory / core.name, plugin)
+        shared = build.compile_sources(
+            core, build.shared_sources(), directory / f"{core.name}-shared"
+        )
+        result, plugin = measure_ride(core, options.config, directory / core.name, shared, plugin)
         states = options.states if core is build.CORES[0] else min(FEW_STATES, options.states)
         result["instructions"][SLOW_STEP], each = measure_envelope(
-            core, directory / f"{core.name}-envelope", plugin, states
+            core, directory / f"{core.name}-envelope", shared, plugin, states
         )
-        envelope = envelope or each
+        if core is build.CORES[0]:
+            count.describe_worst(core, directory / f"{core.name}-envelope", each)
+            envelope = each
         cores[core.name] = result
     images = {
         port: build.ROOT / "build" / port / f"hubfoc_{port}.elf" for port in ("stm32f405", "qemu")
