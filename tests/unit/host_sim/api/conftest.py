@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """What the tests of the Python API share: the paper's vehicle, read once."""
 
+import sys
+
 import hubsim
 import pytest
 from hubsim.engine import ROOT
+
+# The command that test_report_command.py calls.
+sys.path.append(str(ROOT / "tests" / "unit" / "host_sim" / "support"))
 
 LU2013 = ROOT / "tools" / "motors" / "lu2013.toml"
 WITH_ANGLE = {"rotor.sensor": "angle"}

@@ -2,9 +2,6 @@
 """``hubsim report``: one page from result files, and errors in one line."""
 
 import json
-import subprocess
-import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,9 +10,8 @@ import pytest
 from hubsim import evaluation, run, scenario, stops
 from hubsim.engine import ROOT
 from hubsim.results import load_result
+from hubsim_command import Hubsim, hubsim_in
 from regen_table import schema
-
-Call = Callable[..., subprocess.CompletedProcess[str]]
 
 
 @pytest.fixture(scope="module")
@@ -24,16 +20,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def call(folder: Path) -> Call:
-    def run_it(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-        command = [sys.executable, "-m", "hubsim", *map(str, arguments)]
-        return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-
-    return run_it
+def call(folder: Path) -> Hubsim:
+    return hubsim_in(folder)
 
 
 @pytest.fixture(scope="module")
-def result(call: Call) -> str:
+def result(call: Hubsim) -> str:
     made = call(
         "run", "stop", "--set", "initial_speed_kmh=20", "--set", "demand_nm=60", "--strategy",
         "series_optimal", "--signals", "*", "--json", "one.json", "--parquet", "one.parquet",
@@ -61,7 +53,7 @@ def test_a_result_read_back_equals_the_run(result: str, folder: Path) -> None:
     assert np.allclose(load_result(folder / "two.json").rows, expected.rows, rtol=1e-8, atol=0.0)
 
 
-def test_a_page_is_written_from_result_files(result: str, call: Call, folder: Path) -> None:
+def test_a_page_is_written_from_result_files(result: str, call: Hubsim, folder: Path) -> None:
     made = call("report", result, "-o", "page.html")
     assert made.returncode == 0, made.stderr
     text = (folder / "page.html").read_text(encoding="utf-8")
@@ -77,7 +69,7 @@ def test_a_page_is_written_from_result_files(result: str, call: Call, folder: Pa
 
 
 def test_a_result_without_a_recording_shows_its_energies(
-    result: str, call: Call, folder: Path
+    result: str, call: Hubsim, folder: Path
 ) -> None:
     (folder / "alone.json").write_text(
         (folder / result).read_text(encoding="utf-8"), encoding="utf-8"
@@ -98,7 +90,7 @@ def test_a_result_without_a_recording_shows_its_energies(
     ],
 )
 def test_an_invalid_result_is_an_error_that_names_it_and_no_page_is_written(
-    name: str, content: str | None, message: str, call: Call, folder: Path
+    name: str, content: str | None, message: str, call: Hubsim, folder: Path
 ) -> None:
     if content is not None:
         (folder / name).write_text(content, encoding="utf-8")
@@ -110,7 +102,7 @@ def test_an_invalid_result_is_an_error_that_names_it_and_no_page_is_written(
 
 
 def test_a_damaged_recording_is_an_error_that_names_the_file(
-    result: str, call: Call, folder: Path
+    result: str, call: Hubsim, folder: Path
 ) -> None:
     for suffix, content in ((".csv", "time_s,x\n1,2\nthree,4\n"), (".parquet", "no table")):
         (folder / "bad.json").write_text(

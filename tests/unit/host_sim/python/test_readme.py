@@ -9,6 +9,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 from hubsim import scenario
 from hubsim.engine import ROOT
+from hubsim_command import Hubsim
 
 README = ROOT / "host_sim" / "python" / "README.md"
 COMMAND = "    ./tools/dev hubsim "
@@ -32,7 +33,7 @@ def commands() -> list[list[str]]:
     return [shlex.split(line.partition("   ")[0]) for line in lines]
 
 
-def test_every_command_of_the_readme_works(tmp_path: Path) -> None:
+def test_every_command_of_the_readme_works(hubsim: Hubsim, tmp_path: Path) -> None:
     (tmp_path / "my_scenario.toml").write_text(block("my_scenario.toml"), encoding="utf-8")
     (tmp_path / "tools").symlink_to(ROOT / "tools")
     found = commands()
@@ -45,14 +46,17 @@ def test_every_command_of_the_readme_works(tmp_path: Path) -> None:
         "report",
     }
     for arguments in found:
-        done = subprocess.run(
-            [sys.executable, "-m", "hubsim", *arguments],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        done = hubsim(*arguments)
         assert done.returncode == 0, f"{arguments}\n{done.stdout}\n{done.stderr}"
+    first = subprocess.run(
+        [sys.executable, "-m", "hubsim", *found[0]],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert first.returncode == 0, first.stderr
+    assert first.stdout == hubsim(*found[0]).stdout
     for name in (
         "stop.json",
         "ece15.csv",
