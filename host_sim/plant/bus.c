@@ -6,6 +6,8 @@
 #include "plant/numbers.h"
 
 static const double OPEN = 0.5; /* a switch given as a number */
+/* Energy flows into a capacitor in proportion to its voltage: from none at all it never would. */
+static const double EMPTY_V = 0.1;
 
 bus_state_t bus_init(const battery_state_t *battery)
 {
@@ -39,11 +41,11 @@ static bus_flow_t disconnected(const bus_params_t *params, bus_state_t *state,
                                double dc_j)
 {
     const double square = state->voltage_v * state->voltage_v - 2.0 * dc_j / params->capacitance_f;
-    state->collapsed = state->collapsed || square < 0.0;
-    state->voltage_v = sqrt(plant_max(square, 0.0));
+    state->voltage_v = sqrt(plant_max(square, EMPTY_V * EMPTY_V));
     const battery_source_t source = battery_source(battery_params, battery);
+    const double missing_v2 = plant_min(square - EMPTY_V * EMPTY_V, 0.0);
     const bus_flow_t out = {.battery = battery_carry(battery_params, battery, &source, 0.0),
-                            .cable_j = 0.0};
+                            .cable_j = 0.5 * params->capacitance_f * missing_v2};
     return out;
 }
 

@@ -18,8 +18,8 @@
  *
  * Capacitance 0: no capacitor, the bridges are connected to the end of the cable; the contactor
  * must then be closed. With the contactor open the bridges' energy comes out of the capacitor and
- * goes into it, v^2 = v0^2 - 2 W / C; a request beyond its energy empties the capacitor and sets
- * `collapsed`.
+ * goes into it, v^2 = v0^2 - 2 W / C, v at least 0.1 V; a request beyond its energy empties it, and
+ * what is missing, of one step, is booked as negative heat of the cable.
  */
 #ifndef PLANT_BUS_H
 #define PLANT_BUS_H
@@ -43,7 +43,7 @@ typedef struct {
 typedef struct {
     double
         voltage_v;  /* at the bridges: at the end of the last step; without a capacitor its mean */
-    bool collapsed; /* the requested energy has exceeded that of capacitor and pack */
+    bool collapsed; /* with a pack: more power was requested than it can give */
 } bus_state_t;
 
 typedef struct {
