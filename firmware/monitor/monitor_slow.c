@@ -84,30 +84,39 @@ static bool flow_broken(monitor_slow_state_t *state, const config_t *config,
     return q_abs(counted - expected) > expected / FLOW_TOLERANCE_SHARE;
 }
 
-static bool undervoltage(const config_t *config, const monitor_slow_input_t *in)
+/* A bus that collapses under a motor takes the control of its current away. */
+static bool overcurrent_of_bus(const monitor_slow_state_t *state, const monitor_slow_input_t *in)
 {
-    return in->bridge == BRIDGE_PWM && !in->battery_open &&
-           in->bus_voltage_mV < config->battery.undervoltage_trip_mV;
+    return in->fast_trip == REASON_OVERCURRENT && state->return_steps > 0 && state->bus_was_low;
 }
 
-/* A bus that rises above its trip puts the bridge into its safe state at once, here or by the fast
- * trip. An opening contactor does that, and the battery's message explains it later. */
-static bool overvoltage_unexplained(monitor_slow_state_t *state, const config_t *config,
-                                    const monitor_slow_input_t *in)
+/* A bus beyond a trip puts the bridge into its safe state at once, here or by the fast trip. A
+ * contactor that opens on braking or driving motors does that, and the battery's message explains
+ * it later. True where none has and the bus is not back either. */
+static bool bus_unexplained(monitor_slow_state_t *state, const config_t *config,
+                            const monitor_slow_input_t *in)
 {
     const config_battery_t *battery = &config->battery;
+    const config_monitor_t *monitor = &config->monitor;
+    const bool high = in->bus_voltage_mV > battery->overvoltage_trip_mV ||
+                      in->fast_trip == REASON_BUS_OVERVOLTAGE;
+    const bool overcurrent = in->fast_trip == REASON_OVERCURRENT;
+    const bool low = (in->bridge == BRIDGE_PWM || overcurrent) && !in->battery_open &&
+                     in->bus_voltage_mV < battery->undervoltage_trip_mV;
     const bool back =
-        in->bus_voltage_mV < (battery->max_voltage_mV + battery->overvoltage_trip_mV) / 2;
-    if (in->bus_voltage_mV > battery->overvoltage_trip_mV ||
-        in->fast_trip == REASON_BUS_OVERVOLTAGE) {
+        in->bus_voltage_mV < (battery->max_voltage_mV + battery->overvoltage_trip_mV) / 2 &&
+        in->bus_voltage_mV >= battery->undervoltage_trip_mV && !overcurrent;
+    if (high || low) {
+        state->bus_was_low = low || (state->bus_was_low && state->return_steps > 0);
         state->return_steps = MONITOR_BUS_RETURN_STEPS;
     } else if (back && state->return_steps > 0) {
         state->return_steps--;
     }
-    state->release_trip = back && in->fast_trip == REASON_BUS_OVERVOLTAGE;
-    return qualified(&state->overvoltage_steps,
-                     state->return_steps > 0 && !back && !in->battery_open,
-                     config->monitor.battery_message_time_ms);
+    state->release_trip = (back && in->fast_trip == REASON_BUS_OVERVOLTAGE) ||
+                          (in->battery_open && overcurrent_of_bus(state, in));
+    return qualified(&state->bus_steps, state->return_steps > 0 && !back && !in->battery_open,
+                     monitor->battery_message_time_ms +
+                         (state->bus_was_low ? monitor->voltage_fault_time_ms : 0));
 }
 
 static reason_t one_temperature_fault(const config_monitor_t *config, int32_t temperature_cC,
@@ -200,7 +209,7 @@ static safe_state_input_t safe_state_input(const monitor_slow_state_t *state,
         .speed_mrad_s = speed_mrad_s,
         .winding_temperature_cC = in->winding_temperature_cC,
         .bus_voltage_mV = in->bus_voltage_mV,
-        .battery_open = in->battery_open,
+        .battery_open = in->battery_open || state->return_steps > 0,
         .charge_current_mA = in->charge_current_mA,
         .i_d_mA = in->i_d_mA,
         .i_q_mA = in->i_q_mA,
@@ -230,9 +239,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                   config->monitor.torque_fault_time_ms);
     const bool flow_wrong = qualified(
         &state->flow_steps, flow_broken(state, config, in->fast_step_count), MONITOR_FLOW_STEPS);
-    const bool undervoltage_wrong = qualified(&state->voltage_steps, undervoltage(config, in),
-                                              config->monitor.voltage_fault_time_ms);
-    const bool overvoltage_wrong = overvoltage_unexplained(state, config, in);
+    const bool bus_wrong = bus_unexplained(state, config, in);
+    const bool battery_lost = in->battery_open || state->return_steps > 0;
     const reason_t temperature = temperature_fault(config, in);
     const bool temperature_wrong =
         qualified(&state->temperature_steps, temperature != REASON_NONE, sensor_time_ms);
@@ -243,7 +251,6 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     const safe_state_input_t letting_go = safe_state_input(state, in, speed_mrad_s);
     const safe_state_t safe = safe_state_step(config, &letting_go);
     const bool rotor_warns = rotor_warning(state, config, in->rotor_faults);
-    const bool battery_lost = in->battery_open || state->return_steps > 0;
 
     monitor_output_t out = {
         .fault = REASON_NONE,
@@ -252,6 +259,7 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
                                  : REASON_NONE,
         .safe_bridge = safe.bridge,
         .emf_conducts = safe.bridge != BRIDGE_OFF || safe.freewheel.current_mA > 0,
+        .charging_mA = safe.bridge == BRIDGE_OFF ? safe.freewheel.charging_mA : 0,
         .emf_mV = safe.emf_mV,
         .safe_torque_mNm = safe.torque_mNm,
         .battery_lost = battery_lost,
@@ -262,7 +270,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
     state->safe_bridge = out.safe_bridge;
     state->steps++;
     /* The first line that applies names the fault: causes before consequences. */
-    if (in->fast_trip != REASON_NONE && in->fast_trip != REASON_BUS_OVERVOLTAGE) {
+    if (in->fast_trip != REASON_NONE && in->fast_trip != REASON_BUS_OVERVOLTAGE &&
+        !overcurrent_of_bus(state, in)) {
         out.fault = in->fast_trip;
     } else if (flow_wrong) {
         out.fault = REASON_PROGRAM_FLOW;
@@ -270,10 +279,8 @@ monitor_output_t monitor_slow_step(monitor_slow_state_t *state, const config_t *
         out.fault = REASON_CURRENT_SENSOR;
     } else if (sum_wrong) {
         out.fault = REASON_CURRENT_SUM;
-    } else if (overvoltage_wrong) {
-        out.fault = REASON_BUS_OVERVOLTAGE;
-    } else if (undervoltage_wrong) {
-        out.fault = REASON_BUS_UNDERVOLTAGE;
+    } else if (bus_wrong) {
+        out.fault = state->bus_was_low ? REASON_BUS_UNDERVOLTAGE : REASON_BUS_OVERVOLTAGE;
     } else if (rotor_wrong) {
         out.fault = REASON_ROTOR_LOST;
     } else if (angle_wrong) {

@@ -117,10 +117,16 @@ static bool bus_is_known(const config_t *config, int32_t bus_mV)
     return (int64_t)bus_mV * 4096 < (int64_t)config->drive.voltage_full_scale_mV * LAST_CODE;
 }
 
+/* A bus below its trip has no battery any more, whatever the last message says. */
+static bool battery_may_hold(const config_t *config, int32_t bus_mV)
+{
+    return bus_is_known(config, bus_mV) && bus_mV >= config->battery.undervoltage_trip_mV;
+}
+
 static letting_go_t freewheel_at(machine_t *m, const config_t *config, const safe_state_input_t *in)
 {
     const int32_t drops_mV = 2 * config->drive.diode_drop_mV;
-    const bool fixed_bus = !in->battery_open && bus_is_known(config, in->bus_voltage_mV);
+    const bool fixed_bus = !in->battery_open && battery_may_hold(config, in->bus_voltage_mV);
     letting_go_t out = {.bus_mV = in->bus_voltage_mV};
     if ((int64_t)m->line_mV <= (int64_t)q_max(in->bus_voltage_mV, 0) + drops_mV) {
         return out;

@@ -71,7 +71,10 @@ class Monitor(Section):
         number(0.001, 1.0, "s", "of current sum, saturated current sensor and temperature"),
     ] = 0.02
     voltage_fault_time_s: Annotated[
-        float, number(0.001, 1.0, "s", "of the low-passed bus voltage")
+        float,
+        number(
+            0.001, 1.0, "s", "a bus below its trip is a fault after it and battery_message_time_s"
+        ),
     ] = 0.005
     rotor_fault_time_s: Annotated[
         float, number(0.001, 10.0, "s", "of an invalid rotor angle, once the torque is zero")
@@ -88,7 +91,7 @@ class Monitor(Section):
             0.005,
             10.0,
             "s",
-            "an over-voltage waits this long for the message that the battery is disconnected"
+            "a bus beyond a trip waits this long for the message that the battery is disconnected"
             " before it is a fault",
         ),
     ] = 0.3

@@ -306,7 +306,8 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         /* [ms] qualify time of current sum, saturated current sensor and temperature; default
          * 20 */
         .sensor_fault_time_ms      = 20,
-        /* [ms] qualify time of the low-passed bus voltage; default 5 */
+        /* [ms] a bus below its trip is a fault after it and battery_message_time_ms; default
+         * 5 */
         .voltage_fault_time_ms     = 5,
         /* [ms] qualify time of an invalid rotor angle, from zero torque on; default 250 */
         .rotor_fault_time_ms       = 250,
@@ -315,7 +316,7 @@ CONFIG_SECTION const config_t CONFIG_SCOOTER48V = {
         .angle_fault_time_ms       = 20,
         /* [ms] heal time of the rotor sensor's warning, and so of LIMP; default 10000 */
         .rotor_warning_time_ms     = 10000,
-        /* [ms] an over-voltage waits this long for the message that the battery is
+        /* [ms] a bus beyond a trip waits this long for the message that the battery is
          * disconnected before it is a fault; default 300 */
         .battery_message_time_ms   = 300,
         /* [ms] qualify time of a diode current in freewheel, which shows a turning wheel;

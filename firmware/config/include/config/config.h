@@ -352,7 +352,7 @@
     X(sensor_fault_time_ms,                  1,         1000,       "ms", \
       "qualify time of current sum, saturated current sensor and temperature; default 20") \
     X(voltage_fault_time_ms,                 1,         1000,       "ms", \
-      "qualify time of the low-passed bus voltage; default 5") \
+      "a bus below its trip is a fault after it and battery_message_time_ms; default 5") \
     X(rotor_fault_time_ms,                   1,         10000,      "ms", \
       "qualify time of an invalid rotor angle, from zero torque on; default " \
       "250") \
@@ -361,8 +361,8 @@
     X(rotor_warning_time_ms,                 1,         60000,      "ms", \
       "heal time of the rotor sensor's warning, and so of LIMP; default 10000") \
     X(battery_message_time_ms,               5,         10000,      "ms", \
-      "an over-voltage waits this long for the message that the battery is disconnected before " \
-      "it is a fault; default 300") \
+      "a bus beyond a trip waits this long for the message that the battery is disconnected " \
+      "before it is a fault; default 300") \
     X(diode_fault_time_ms,                   1,         1000,       "ms", \
       "qualify time of a diode current in freewheel, which shows a turning wheel; default 20") \
     X(overtemperature_margin_cC,             0,         5000,       "cC", \

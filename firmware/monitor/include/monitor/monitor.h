@@ -66,9 +66,8 @@ void monitor_fast_init(monitor_fast_state_t *state, const config_t *config);
 /* ---- slow ---- */
 
 typedef struct {
-    uint16_t overvoltage_steps; /* since the bus rose above the trip */
-    uint16_t sum_steps, sensor_steps, rotor_steps, torque_steps, flow_steps, voltage_steps,
-        temperature_steps;
+    uint16_t bus_steps; /* beyond a trip and not back */
+    uint16_t sum_steps, sensor_steps, rotor_steps, torque_steps, flow_steps, temperature_steps;
     uint16_t last_fast_step;
     uint16_t last_rotor_faults;
     uint16_t warning_steps; /* left of the warning's heal time */
@@ -78,6 +77,7 @@ typedef struct {
     bridge_mode_t safe_bridge;
     monitor_emf_state_t emf;
     monitor_speed_state_t speed;
+    bool bus_was_low; /* of the latest bus beyond a trip */
     bool started;
 } monitor_slow_state_t;
 
@@ -113,9 +113,10 @@ typedef struct {
     reason_t warning; /* REASON_NONE, or the reason for reduced driving torque (LIMP) */
     bridge_mode_t safe_bridge;
     bool emf_conducts;       /* the EMF drives a current in the safe state: no zero to be seen */
+    int32_t charging_mA;     /* into the bus, in the safe state */
     int32_t emf_mV;          /* w psi at the speed upper bound, peak phase */
     int32_t safe_torque_mNm; /* braking torque of the safe state, magnitude */
-    bool battery_lost;       /* no torque: the battery is disconnected, or the bus above its trip */
+    bool battery_lost;       /* no torque: the battery is disconnected, or the bus beyond a trip */
     bool release_trip;       /* the bus is back: the fast loop forgets its over-voltage trip */
     bool offsets_plausible;
     bool standstill; /* the speed upper bound is below monitor.standstill */
