@@ -44,16 +44,34 @@ static bool coasts(bridge_choice_state_t *state, const config_t *config,
     return delay_ms > 0 && state->idle_steps >= (in->bridge == BRIDGE_OFF ? 1 : delay_ms);
 }
 
-/* Voltage or phase current do not suffice: the bridge leaves PWM and tries again after a while. */
+/* Of three ways to let go the one with the least torque. PWM, which may be forced to brake as well,
+ * is left where no current holds the voltage, or where the safe state brakes with half as much. */
+static bool pwm_is_worse(const bridge_choice_input_t *in)
+{
+    return !in->torque_feasible ||
+           (in->bridge == BRIDGE_PWM ? in->forced_mNm / 2 : in->forced_mNm) > in->safe_torque_mNm;
+}
+
 static bool torque_lost(bridge_choice_state_t *state, const bridge_choice_input_t *in)
 {
-    state->infeasible_steps = counted(state->infeasible_steps, !in->torque_feasible);
-    if (state->infeasible_steps >= BRIDGE_CHOICE_INFEASIBLE_STEPS) {
-        state->retry_steps = BRIDGE_CHOICE_RETRY_STEPS;
-    } else if (state->retry_steps > 0) {
-        state->retry_steps--;
+    const bool worse = pwm_is_worse(in);
+    state->infeasible_steps = counted(state->infeasible_steps, worse);
+    if (state->infeasible_steps >= BRIDGE_CHOICE_INFEASIBLE_STEPS ||
+        (worse && state->return_steps > 0)) {
+        state->return_steps = BRIDGE_CHOICE_RETURN_STEPS;
+    } else if (state->return_steps > 0) {
+        state->return_steps--;
     }
-    return state->retry_steps > 0;
+    return state->return_steps > 0;
+}
+
+int32_t bridge_choice_phase_mV(const config_t *config, int32_t phase_mV, int32_t bus_mV,
+                               int32_t charging_mA)
+{
+    const int64_t lift_uV = (int64_t)charging_mA * config->battery.resistance_uOhm / 1000;
+    const int32_t lift_mV = q_min(q_saturate64(lift_uV / 1000), q_max(bus_mV, 1) / 2);
+    const int32_t lowered_mV = phase_mV - q_scale(phase_mV, lift_mV, q_max(bus_mV, 1));
+    return lowered_mV - (lowered_mV >> BRIDGE_CHOICE_HYSTERESIS_LOG2);
 }
 
 static void warn_of_overspeed(bridge_choice_state_t *state, bool lost)
@@ -71,7 +89,7 @@ bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *c
 {
     const bool idle = coasts(state, config, in);
     const bool lost = torque_lost(state, in);
-    warn_of_overspeed(state, lost && in->torque_enabled);
+    warn_of_overspeed(state, (lost || in->forced_mNm > 0) && in->torque_enabled);
     if (!in->torque_enabled) {
         return in->safe_bridge;
     }

@@ -174,6 +174,7 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .voltage_limited = report->voltage_limited,
         .voltage_use_q15 = report->voltage_use_q15,
         .rotor_valid = report->rotor_valid,
+        .bridge_open = report->bridge != BRIDGE_PWM,
         .bus_voltage_mV = at->bus_voltage_mV,
         .phase_voltage_mV = at->phase_voltage_mV,
         .bms_charge_current_mA = in->bms.charge_current_mA,
@@ -196,11 +197,16 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
                                    const fast_report_t *report, const slow_input_t *in,
                                    fast_setpoint_t *setpoint)
 {
-    const operating_point_t at =
+    operating_point_t at =
         operating_point_of(&slow->operating_point, config, report, in->temperature.winding_cC);
     const monitor_slow_input_t watched = monitor_input(slow, config, report, in, &at);
     const monitor_output_t watch = monitor_slow_step(&slow->monitor, config, &watched);
     const modes_output_t modes = decide_mode(slow, config, report, in, &watch, at.speed_mrad_s);
+    if (report->bridge != BRIDGE_PWM && watch.charging_mA > 0 &&
+        torque_enable_any(modes.torque_enable)) {
+        at.phase_voltage_mV = bridge_choice_phase_mV(config, at.phase_voltage_mV, at.bus_voltage_mV,
+                                                     watch.charging_mA);
+    }
     const torque_output_t torque =
         step_torque(slow, config, report, in, &modes.torque_enable, &at, watch.standstill);
 
@@ -209,6 +215,7 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         .torque_wanted = torque.command_mNm != 0 || in->demand.drive_torque_mNm != 0 ||
                          in->demand.brake_torque_mNm > 0,
         .torque_feasible = torque.current.feasible,
+        .forced_mNm = torque.current.forced_mNm,
         .rotor_valid = report->rotor_valid,
         .bridge = report->bridge,
         .safe_bridge = watch.safe_bridge,

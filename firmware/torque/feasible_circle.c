@@ -5,7 +5,8 @@
 enum {
     CIRCLE_STEPS = 4,              /* to the ellipse; up to a short one */
     SHORT_ANGLE = SCALED_ONE >> 3, /* rad; the error left is of the third order */
-    CIRCLE_PASSES = 3              /* to the torque */
+    CIRCLE_PASSES = 3,             /* to the torque */
+    FORCED_RESERVE_LOG2 = 8        /* of the squared voltage, for the second order */
 };
 
 /* The point on the circle at an i_d; *i_q_b its i_q, signed. */
@@ -155,6 +156,44 @@ feasible_bounds_t feasible_by_voltage_and_current(feasible_side_t *side, feasibl
     }
     out.current_mNm = feasible_by_current_mNm(side, circle);
     return out;
+}
+
+/* README, Forced torque: |u|^2 along the circle to the second order, from zero torque towards
+ * braking; its root nearest zero torque, or its least. */
+static motor_point_t least_forced(const feasible_set_t *set, motor_point_t at, int32_t i_q_b)
+{
+    const motor_model_t *m = set->model;
+    const int32_t most_b = q_min(circle_b(m), -set->weakest_d_b);
+    const int32_t d_per_t = -i_q_b;
+    const int32_t x_per_t =
+        scaled_multiply(m->inverse_one_plus_a2, at.d_b - scaled_multiply(m->cross_d, d_per_t));
+    const line_t line = line_from(m, at, d_per_t, x_per_t);
+    const int32_t half =
+        coefficient(((int64_t)line.slope_d * line.u_d + (int64_t)line.slope_q * line.u_q) >> 24);
+    const int64_t within =
+        feasible_most_squared(set) - (set->voltage_squared >> FORCED_RESERVE_LOG2);
+    const int32_t excess = coefficient((square(line.u_d) + square(line.u_q) - within) >> 24);
+    const int64_t inwards = square(line.u_d) + (int64_t)line.u_q * (line.u_q - m->voltage_q_b);
+    const int32_t squared =
+        coefficient((square(line.slope_d) + square(line.slope_q) - inwards) >> 24);
+    const int32_t root = scaled_root(square(half) - (int64_t)squared * excess);
+    const int32_t t = q_clamp(scaled_ratio(-half - root, q_max(squared, 1)), 0, SCALED_ONE / 2);
+    const int32_t q_b = q_limit(i_q_b + scaled_multiply(t, at.d_b), most_b);
+    const int32_t d_b = -scaled_root(square(most_b) - square(q_b));
+    const motor_point_t out = {.d_b = d_b, .x_b = motor_model_x_of_i_q_b(m, q_b, d_b)};
+    return out;
+}
+
+bool feasible_forced(const feasible_set_t *set, motor_point_t *at)
+{
+    const motor_model_t *m = set->model;
+    motor_point_t none = {.d_b = set->weakest_d_b, .x_b = 0};
+    if (feasible_holds(set, *at) || feasible_holds(set, none)) {
+        return false;
+    }
+    const int32_t i_q_b = clamped_b(motor_model_i_q_b(m, none));
+    *at = least_forced(set, none, i_q_b);
+    return true;
 }
 
 /* Near its maximum the torque is a parabola over i_d. */

@@ -12,6 +12,7 @@
 
 enum {
     ELLIPSE_SMALL_b = 1 << 8,        /* differences of no consequence */
+    ELLIPSE_HOLDS_LOG2 = 4,          /* 3 % of the voltage: less than the fast loop's own reserve */
     ELLIPSE_CIRCLE_RESERVE_LOG2 = 8, /* 0.4 % */
     ELLIPSE_MOST_COEFFICIENT = 1 << 29
 };
@@ -82,6 +83,12 @@ static inline bool voltage_suffices(const feasible_set_t *set, motor_point_t at)
     const motor_model_t *m = set->model;
     return square(motor_model_u_d_b(m, at)) + square(motor_model_u_q_b(m, at)) <=
            set->voltage_squared;
+}
+
+/* With the fast loop's own reserve. */
+static inline int64_t feasible_most_squared(const feasible_set_t *set)
+{
+    return set->voltage_squared + (set->voltage_squared >> ELLIPSE_HOLDS_LOG2);
 }
 
 static inline int32_t map_d_b(const feasible_set_t *set, int32_t airgap_b)

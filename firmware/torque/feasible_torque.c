@@ -7,7 +7,6 @@
 enum {
     TANGENTS = 2,      /* to the torque's hyperbola */
     VOLTAGE_STEPS = 2, /* along the ellipse, where i_d is that of the map */
-    HOLDS_LOG2 = 4,    /* 3 % of the voltage: less than the fast loop's own reserve */
     MOST_TORQUE_b = 1 << 29
 };
 
@@ -40,7 +39,7 @@ bool feasible_holds(const feasible_set_t *set, motor_point_t at)
 {
     const motor_model_t *m = set->model;
     return square(motor_model_u_d_b(m, at)) + square(motor_model_u_q_b(m, at)) <=
-           set->voltage_squared + (set->voltage_squared >> HOLDS_LOG2);
+           feasible_most_squared(set);
 }
 
 /* Derivative of the map's i_d with respect to the airgap torque, 24 fraction bits. */

@@ -103,6 +103,7 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .drive_mNm = demand.drive_mNm,
         .electric_mNm = split.electric_mNm + lift_off.motor_mNm,
         .drive_withdrawn = demand.drive_withdrawn,
+        .bridge_open = in->bridge_open,
     };
     const torque_command_out_t limited =
         torque_command_step(&state->command, config, &state->table, &wanted);

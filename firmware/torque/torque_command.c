@@ -73,7 +73,7 @@ torque_command_out_t torque_command_step(torque_command_state_t *state, const co
         torque_command_init(state);
         return out;
     }
-    state->command_mNm = remaining_mNm(state, limits, in);
+    state->command_mNm = in->bridge_open ? 0 : remaining_mNm(state, limits, in);
     const int32_t drive_part_mNm = in->drive_mNm >= 0 ? driving.torque_mNm : -driving.torque_mNm;
     const int32_t brake_part_mNm = in->speed_mrad_s >= 0 ? -in->electric_mNm : in->electric_mNm;
     const int32_t target_mNm = drive_part_mNm + brake_part_mNm;

@@ -230,7 +230,7 @@ void test_torque_returns_after_an_active_short_circuit(void)
         }
         wheel_t *wheel = &bench->wheel[0];
         (void)settled(&stand, -60.0);
-        wheel->controller.slow.bridge_choice.retry_steps = BRIDGE_CHOICE_RETRY_STEPS;
+        wheel->controller.slow.bridge_choice.return_steps = 200;
         fixture_run(bench, 0.1);
         TEST_ASSERT_EQUAL_INT(BRIDGE_SHORT, wheel->active.bridge);
         fixture_run(bench, 0.2);

@@ -19,8 +19,10 @@
 enum {
     /* Steps without a feasible torque before the bridge leaves PWM: one may be a disturbed mean. */
     BRIDGE_CHOICE_INFEASIBLE_STEPS = 2,
-    /* Steps until it tries PWM again: in freewheel the charging current lifts the bus. */
-    BRIDGE_CHOICE_RETRY_STEPS = 250,
+    /* Steps with a feasible one before it returns. */
+    BRIDGE_CHOICE_RETURN_STEPS = 5,
+    /* What PWM must have more of the voltage before it returns, 1/2^7: the hysteresis. */
+    BRIDGE_CHOICE_HYSTERESIS_LOG2 = 7,
     /* Heal time of the warning. */
     BRIDGE_CHOICE_OVERSPEED_STEPS = 1000
 };
@@ -28,7 +30,7 @@ enum {
 typedef struct {
     uint16_t idle_steps;       /* that fit coasting, saturating */
     uint16_t infeasible_steps; /* saturating */
-    uint16_t retry_steps;      /* left until PWM is tried again */
+    uint16_t return_steps;     /* left until PWM is taken again */
     uint16_t overspeed_steps;  /* left of the warning's heal time */
     bool overspeed;            /* warning: no current makes the commanded torque */
 } bridge_choice_state_t;
@@ -36,7 +38,8 @@ typedef struct {
 typedef struct {
     bool torque_enabled;  /* any share of torque */
     bool torque_wanted;   /* demand or torque command is not zero */
-    bool torque_feasible; /* voltage and phase current suffice for it */
+    bool torque_feasible; /* voltage and phase current suffice for PWM, forced torque or not */
+    int32_t forced_mNm;   /* braking torque that PWM makes whatever is commanded, magnitude */
     bool rotor_valid;     /* without it the bridge keeps switching, so that an observer sees */
     bridge_mode_t bridge; /* actual mode */
     bridge_mode_t safe_bridge;
@@ -47,6 +50,11 @@ typedef struct {
 } bridge_choice_input_t;
 
 void bridge_choice_init(bridge_choice_state_t *state);
+
+/* The phase voltage that PWM would have instead of a bridge whose diodes charge the battery and so
+ * lift its voltage, less the hysteresis. charging_mA >= 0: of this motor. */
+int32_t bridge_choice_phase_mV(const config_t *config, int32_t phase_mV, int32_t bus_mV,
+                               int32_t charging_mA);
 
 /* BRIDGE_PWM or safe_bridge. */
 bridge_mode_t bridge_choice_step(bridge_choice_state_t *state, const config_t *config,

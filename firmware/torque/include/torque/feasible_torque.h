@@ -97,6 +97,11 @@ int32_t feasible_by_returned_mNm(const feasible_side_t *side, int32_t power_b);
 /* Whether the voltage suffices for a point, the fast loop's own reserve included. */
 bool feasible_holds(const feasible_set_t *set, motor_point_t at);
 
+/* Where the voltage, reserve included, suffices neither for the point nor for zero torque at the
+ * lowest i_d: replaces it by the one of least braking torque on the current circle for which it
+ * suffices, or by the one of least voltage, and returns true. README, Forced torque. */
+bool feasible_forced(const feasible_set_t *set, motor_point_t *at);
+
 /* The point of an airgap torque within the bounds, along the rotation: the map's i_d; on the
  * current circle one between the map's and that of maximum torque per ampere; on the voltage
  * ellipse the ellipse's. */

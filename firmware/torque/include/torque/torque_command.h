@@ -36,6 +36,7 @@ typedef struct {
     int32_t drive_mNm;       /* demand, signed */
     int32_t electric_mNm;    /* braking magnitude, against the rotation */
     bool drive_withdrawn;    /* a torque that drives goes at once */
+    bool bridge_open;        /* since the last step: there is no torque, whatever was commanded */
 } torque_command_input_t;
 
 typedef struct {

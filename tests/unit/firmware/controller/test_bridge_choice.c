@@ -116,11 +116,62 @@ void test_an_infeasible_torque_takes_the_safe_state_and_warns_and_comes_back(voi
     TEST_ASSERT_TRUE(state.overspeed);
     TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(1000));
     in.torque_feasible = true;
-    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(BRIDGE_CHOICE_RETRY_STEPS - 1));
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(BRIDGE_CHOICE_RETURN_STEPS - 1));
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, step());
     TEST_ASSERT_TRUE(state.overspeed);
     TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(BRIDGE_CHOICE_OVERSPEED_STEPS));
     TEST_ASSERT_FALSE(state.overspeed);
+}
+
+/* A feasible step among infeasible ones is a disturbed mean as well. */
+void test_pwm_returns_after_consecutive_feasible_steps_only(void)
+{
+    in.torque_feasible = false;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(2));
+    for (int n = 0; n < 100; n++) {
+        in.torque_feasible = true;
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(BRIDGE_CHOICE_RETURN_STEPS - 1));
+        in.torque_feasible = false;
+        TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, step());
+    }
+}
+
+/* PWM that brakes with 13 N m whatever is commanded beside a freewheel with 40, and the other way
+ * round; the warning names both. */
+void test_of_pwm_and_the_safe_state_the_one_that_brakes_less_is_taken(void)
+{
+    in.forced_mNm = 13000;
+    in.safe_torque_mNm = 40000;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
+    TEST_ASSERT_TRUE(state.overspeed);
+    in.safe_torque_mNm = 6500; /* half as much: hysteresis */
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(1000));
+    in.safe_torque_mNm = 6499;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(2));
+    in.safe_torque_mNm = 12999;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_OFF, run(1000));
+    in.safe_torque_mNm = 13000;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(BRIDGE_CHOICE_RETURN_STEPS));
+    TEST_ASSERT_TRUE(state.overspeed);
+    in.forced_mNm = 0;
+    TEST_ASSERT_EQUAL_INT(BRIDGE_PWM, run(BRIDGE_CHOICE_OVERSPEED_STEPS));
+    TEST_ASSERT_FALSE(state.overspeed);
+}
+
+/* 48 mOhm of pack for a motor: 50 A of charging lift 46 V by 2.4 V, so PWM has 43.6/46 of the
+ * voltage, and a 128th less for the hysteresis. */
+void test_voltage_of_pwm_is_that_without_the_charging_current_of_the_diodes(void)
+{
+    config.battery.resistance_uOhm = 48000;
+    TEST_ASSERT_INT32_WITHIN(2, 20000 * 127 / 128,
+                             bridge_choice_phase_mV(&config, 20000, 46000, 0));
+    TEST_ASSERT_INT32_WITHIN(3, (int32_t)(20000 * 43.6 / 46.0 * 127.0 / 128.0),
+                             bridge_choice_phase_mV(&config, 20000, 46000, 50000));
+    const int32_t bus_mV[] = {-1000, 0, 1, 46000, INT32_MAX};
+    for (int k = 0; k < 5; k++) { /* no input is trusted */
+        const int32_t found = bridge_choice_phase_mV(&config, 20000, bus_mV[k], INT32_MAX);
+        TEST_ASSERT_TRUE(found >= 0 && found <= 20000);
+    }
 }
 
 /* Its current does not decay: with less than the limit switching would never begin. */
