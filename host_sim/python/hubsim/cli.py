@@ -42,6 +42,7 @@ EXAMPLES = (
         "--vary brake.strategy=series_optimal,parallel_ratio --output grid.parquet"
     ),
     "hubsim stops --count 40 --output stops",
+    "hubsim coast --count 40 --output coast",
     (
         "hubsim sweep stop --vary 'plant.vehicle.mass_kg=normal(660,30)' --runs 1000 --output "
         "draws.csv"
@@ -94,7 +95,7 @@ def parser() -> Parser:
         title="commands", required=True, metavar="COMMAND", parser_class=Parser, dest="command"
     )
     for add in (
-        *(_add_run, _add_sim, _add_sweep, _add_stops, _add_envelope),
+        *(_add_run, _add_sim, _add_sweep, _add_stops, _add_envelope, _add_coast),
         *(_add_compare, _add_list, _add_report),
     ):
         add(commands)
@@ -302,6 +303,38 @@ def _add_envelope(commands: Commands) -> None:
         required=True,
         metavar="DIR",
         help="for envelope.csv, its origin envelope.json, envelope.svg, envelope.png",
+    )
+    _add_date(command)
+
+
+def _add_coast(commands: Commands) -> None:
+    text = "motor torque without a demand beside the least that physics allows"
+    command = commands.add_parser(
+        "coast",
+        help=text,
+        description=(
+            f"{text[0].upper()}{text[1:]}: speed up to 110 % of the largest, battery and slope in "
+            "a Latin hypercube for each drive that comes along, the battery connected or "
+            "disconnecting while the vehicle coasts, brakes or drives. Exit status 1 if a case "
+            "has more torque or bus voltage than it should, or a fault."
+        ),
+    )
+    command.add_argument(
+        "--count", type=int, default=2000, metavar="N", help="of all drives; default: 2000"
+    )
+    command.add_argument("--seed", type=int, default=1, metavar="N", help="default: 1")
+    command.add_argument(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes on this machine; default: one for each core",
+    )
+    command.add_argument(
+        "--output",
+        type=Path,
+        required=True,
+        metavar="DIR",
+        help="for coast.csv, its origin coast.json, coast.svg and coast.png",
     )
     _add_date(command)
 

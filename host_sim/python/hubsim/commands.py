@@ -225,13 +225,16 @@ def sweep_runs(options: argparse.Namespace) -> int:
     return 0 if conduct.is_clean(table) else 1
 
 
-def compare_stops(options: argparse.Namespace) -> int:
-    """Do ``hubsim stops`` and ``hubsim envelope``: many runs of every drive."""
+def measure_many(options: argparse.Namespace) -> int:
+    """Do ``hubsim stops``, ``envelope`` and ``coast``: many runs of every drive."""
     # Matplotlib takes longer to load than most commands take.
-    from hubsim import envelope_report, stored_share_report  # noqa: PLC0415
+    from hubsim import coast_report, envelope_report, stored_share_report  # noqa: PLC0415
 
-    of_stops = options.command == "stops"
-    conclude = stored_share_report.conclude if of_stops else envelope_report.conclude
+    conclude = {
+        "stops": stored_share_report.conclude,
+        "envelope": envelope_report.conclude,
+        "coast": coast_report.conclude,
+    }[options.command]
     with progress_bar(options.command) as bar:
         lines, passed = conclude(options, bar)
     print(*lines, sep="\n")
@@ -469,8 +472,7 @@ COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "run": run_scenario,
     "sim": run_strategies,
     "sweep": sweep_runs,
-    "stops": compare_stops,
-    "envelope": compare_stops,
+    **dict.fromkeys(("stops", "envelope", "coast"), measure_many),
     "compare": compare_runs,
     "list": list_names,
     "report": write_report,

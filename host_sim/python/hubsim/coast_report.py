@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a sweep of coasting leaves behind: table, origin and picture, and what there is to say."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from regen_table import installation, plotting
+from rich.progress import Progress
+
+from hubsim import coast, files
+from hubsim.coast import BRAKE, COAST, DRIVE, Outcome
+from hubsim.errors import HubsimError
+from hubsim.results import as_json
+
+SHOWN_NM = -2.0  # what lies below, inside the feasible minimum, is drawn on the edge
+
+
+def make(options: argparse.Namespace, bar: Progress) -> list[Outcome]:
+    """Measure the cases that the command asks for and write everything into its folder."""
+    for name, value, least in (
+        ("--count", options.count, 1),
+        ("--workers", options.workers, 1),
+        ("--seed", options.seed, 0),
+    ):
+        if value is not None and value < least:
+            raise HubsimError(f"{name} {value}: accepted: a whole number from {least}")
+    files.make_directory(options.output)
+    cases = coast.draw(coast.DRIVES, options.count, options.seed)
+    task = bar.add_task("coast", total=len(cases))
+    found = coast.sweep(cases, options.workers, lambda: bar.advance(task))
+    origin = installation.provenance(scenario="coast", seed=options.seed, date=options.date)
+    content = {"provenance": origin, "summary": summary(found)}
+    files.write_text(options.output / "coast.csv", coast.as_csv(found))
+    files.write_text(options.output / "coast.json", as_json(content))
+    draw(found, options.output)
+    return found
+
+
+def conclude(options: argparse.Namespace, bar: Progress) -> tuple[list[str], bool]:
+    """Do the command, and return what there is to say and whether all cases are as they should."""
+    found = make(options, bar)
+    return summary(found), all(o.within for o in found)
+
+
+def worst(outcomes: Sequence[Outcome], count: int = 5) -> list[Outcome]:
+    """Return the cases with the largest excess for their tolerance."""
+    return sorted(outcomes, key=lambda o: o.excess_nm / o.tolerance_nm, reverse=True)[:count]
+
+
+def summary(outcomes: Sequence[Outcome]) -> list[str]:
+    """Return what there is to say about a sweep, a line each."""
+    lines = []
+    for name in dict.fromkeys(outcome.drive for outcome in outcomes):
+        here = [outcome for outcome in outcomes if outcome.drive == name]
+        stays = [o.excess_nm for o in here if not np.isfinite(o.cut_s)]
+        leaves = [o.excess_nm for o in here if np.isfinite(o.cut_s)]
+        lines.append(
+            f"{name}: {sum(o.within for o in here)} of {len(here)} within "
+            f"{here[0].tolerance_nm:g} N m beyond the feasible minimum; worst "
+            f"{max(stays, default=0.0):.2f} N m with the battery, {max(leaves, default=0.0):.2f} "
+            f"N m where it leaves; bus at most {100.0 * max(o.highest_bus_share for o in here):.0f}"
+            f" % of the rating; {sum(bool(o.first_fault) for o in here)} with a fault"
+        )
+        lines.extend(f"worst: {_sentence(o)}" for o in worst(here, 2))
+    return lines
+
+
+def _sentence(o: Outcome) -> str:
+    cut = f"battery leaves at {o.cut_s:g} s" if np.isfinite(o.cut_s) else "battery stays"
+    return (
+        f"case {o.number}, {o.drive}, {o.demand} from {o.initial_speed_kmh:.1f} km/h, slope "
+        f"{o.slope_percent:.1f} %, {o.open_circuit_v:.1f} V, {cut}: {o.torque_nm:.1f} N m at "
+        f"{o.at_s:.3f} s, {o.speed_kmh:.1f} km/h and {o.bus_v:.1f} V where {o.way} takes "
+        f"{o.least_nm:.1f}, {o.excess_nm:.2f} beyond; {o.first_fault or o.warning or 'no warning'}"
+    )
+
+
+def draw(outcomes: Sequence[Outcome], directory: Path) -> list[Path]:
+    """Write coast.svg and coast.png."""
+    names = list(dict.fromkeys(outcome.drive for outcome in outcomes))
+    made, panels = plotting.figure(
+        "Motor torque beyond iron drag and feasible minimum",
+        2,
+        (len(names) + 1) // 2,
+        10.0,
+        7.0,
+    )
+    groups = (
+        ("coasting, battery stays", COAST, False, plotting.BLUE),
+        ("coasting, battery leaves", COAST, True, plotting.GREEN),
+        ("braking, battery leaves", BRAKE, True, plotting.ORANGE),
+        ("driving, battery leaves", DRIVE, True, plotting.RED),
+    )
+    for name, axes in zip(names, panels, strict=False):
+        for text, demand, leaves, colour in groups:
+            here = [
+                o
+                for o in outcomes
+                if (o.drive, o.demand, bool(np.isfinite(o.cut_s))) == (name, demand, leaves)
+            ]
+            axes.plot(
+                [100.0 * o.speed_share_of_top for o in here],
+                [max(o.excess_nm, SHOWN_NM) for o in here],
+                ".",
+                color=colour,
+                label=text,
+            )
+        tolerance = max((o.tolerance_nm for o in outcomes if o.drive == name), default=0.0)
+        axes.axhline(tolerance, color="0.3", linewidth=0.8)
+        axes.set(title=name, xlabel="initial speed, % of the largest", ylabel="N m")
+    plotting.legend_below(made, panels[0], 2)
+    return plotting.save({"coast": made}, directory)
