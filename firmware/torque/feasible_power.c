@@ -3,28 +3,35 @@
 #include "feasible_ellipse.h"
 
 enum {
-    CORRECTIONS = 3, /* of i_d, for a power; after the first only after a large change */
-    FAR_LOG2 = 5     /* 3 % of the phase current */
+    CORRECTIONS = 2,   /* of i_d, for a power; the second only after a large change */
+    FAR_LOG2 = 5,      /* 3 % of the phase current */
+    STEEPEST = 1 << 25 /* i_d over i_qt, 24 fraction bits */
 };
 
+/* The resistance of the conducting switches counts as the winding's. */
 feasible_power_t feasible_power_of(const motor_model_t *m)
 {
+    const int32_t switches_b = m->constants->loss_resistance_b;
+    const int32_t per_x = m->voltage_q_per_x + scaled_multiply(switches_b, m->one_plus_a2);
+    const int32_t per_d = m->voltage_q_per_d + scaled_multiply(switches_b, m->cross_d);
+    const int32_t at_zero_b = m->voltage_q_b + scaled_multiply(switches_b, m->iron_current_b);
     const feasible_power_t out = {
-        .a = within(scaled_multiply(m->voltage_q_per_x, m->one_plus_a2)),
-        .b = within(scaled_multiply(m->voltage_q_per_x, m->iron_current_b) +
-                    scaled_multiply(m->voltage_q_b, m->one_plus_a2)),
-        .b_d = within(scaled_multiply(m->voltage_q_per_x, m->cross_d) +
-                      scaled_multiply(m->voltage_q_per_d, m->one_plus_a2) - m->reactance_q_b),
-        .c = within(scaled_multiply(m->voltage_q_b, m->iron_current_b)),
-        .c_d = within(scaled_multiply(m->voltage_q_b, m->cross_d) +
-                      scaled_multiply(m->voltage_q_per_d, m->iron_current_b)),
-        .c_dd = within(m->resistance_b + scaled_multiply(m->voltage_q_per_d, m->cross_d)),
+        .a = within(scaled_multiply(per_x, m->one_plus_a2)),
+        .b = within(scaled_multiply(per_x, m->iron_current_b) +
+                    scaled_multiply(at_zero_b, m->one_plus_a2)),
+        .b_d = within(scaled_multiply(per_x, m->cross_d) + scaled_multiply(per_d, m->one_plus_a2) -
+                      m->reactance_q_b),
+        .c = within(scaled_multiply(at_zero_b, m->iron_current_b)),
+        .c_d = within(scaled_multiply(at_zero_b, m->cross_d) +
+                      scaled_multiply(per_d, m->iron_current_b)),
+        .c_dd = within(m->resistance_b + switches_b + scaled_multiply(per_d, m->cross_d)),
     };
     return out;
 }
 
-/* At a fixed i_d: a x^2 + b x + c. */
+/* Along a straight line of currents, i_d = offset + slope x: a x^2 + b x + c. */
 typedef struct {
+    int32_t offset_b, slope; /* slope: 24 fraction bits */
     int32_t a, b, c;
 } power_t;
 
@@ -32,10 +39,23 @@ static power_t power_at(const feasible_set_t *set, int32_t d_b)
 {
     const feasible_power_t *p = &set->power;
     const power_t out = {
+        .offset_b = d_b,
+        .slope = 0,
         .a = p->a,
         .b = p->b + scaled_multiply(p->b_d, d_b),
         .c = p->c + scaled_multiply(p->c_d + scaled_multiply(p->c_dd, d_b), d_b),
     };
+    return out;
+}
+
+static power_t power_along(const feasible_set_t *set, motor_point_t at, int32_t slope)
+{
+    const feasible_power_t *p = &set->power;
+    const int32_t by_slope = scaled_multiply(p->c_dd, slope);
+    power_t out = power_at(set, clamped_b(at.d_b - scaled_multiply(slope, at.x_b)));
+    out.slope = slope;
+    out.a = within(p->a + scaled_multiply(p->b_d + by_slope, slope));
+    out.b += scaled_multiply(2 * by_slope, out.offset_b) + scaled_multiply(p->c_d, slope);
     return out;
 }
 
@@ -55,12 +75,8 @@ int32_t feasible_power_b(const motor_model_t *model, int32_t current_mA, int32_t
 }
 
 /* Additional returned power by the angle error: README, Uncertain angle. */
-static int32_t uncertain_b(const motor_model_t *m, motor_point_t at)
+static int32_t uncertain_b(const motor_model_t *m, motor_point_t at, int32_t i_q_b)
 {
-    if (m->constants->hall_angle_b == 0) {
-        return 0;
-    }
-    const int32_t i_q_b = clamped_b(motor_model_i_q_b(m, at));
     const int32_t saliency = m->reactance_d_b - m->reactance_q_b;
     const int32_t u_q_b = clamped_b(m->emf_b + scaled_multiply(saliency, at.d_b));
     const int32_t u_d_b = clamped_b(scaled_multiply(saliency, i_q_b));
@@ -69,85 +85,149 @@ static int32_t uncertain_b(const motor_model_t *m, motor_point_t at)
     return multiply64_b(q_abs(across_b), angle_b);
 }
 
-int32_t feasible_drawn_b(const feasible_set_t *set, motor_point_t at)
+/* Switching loss of the bridge, c |i|, as a straight line over x: that of a point, with the slope
+ * of |i_q|. */
+typedef struct {
+    int32_t slope_b, offset_b;
+} switching_t;
+
+static switching_t switching_at(const motor_model_t *m, motor_point_t at, int32_t i_q_b)
 {
-    const power_t p = power_at(set, at.d_b);
-    return q_saturate64(power_of_x_b(&p, at.x_b) - uncertain_b(set->model, at));
+    const int32_t per_ampere_b = m->constants->loss_b;
+    const int32_t slope_b = i_q_b < 0 ? -per_ampere_b : per_ampere_b;
+    const int32_t current_b = motor_model_magnitude_b(at.d_b, i_q_b);
+    const switching_t out = {
+        .slope_b = slope_b,
+        .offset_b = scaled_multiply(per_ampere_b, current_b) - scaled_multiply(slope_b, at.x_b),
+    };
+    return out;
 }
 
-/* i_d at the torque of a point: that of the map, or that of the voltage ellipse at this i_qt if
- * lower. */
-static int32_t d_at_b(const feasible_set_t *set, motor_point_t at)
+static void add_switching(power_t *p, switching_t s)
 {
-    at.d_b = map_d_b(set, motor_model_airgap_b(set->model, at));
-    if (voltage_suffices(set, at)) {
-        return at.d_b;
+    p->b += s.slope_b;
+    p->c = coefficient((int64_t)p->c + s.offset_b);
+}
+
+/* What the battery takes, less what an uncertain angle may return beyond the margin: but no draw by
+ * that. */
+static int32_t taken_b(const motor_model_t *m, motor_point_t at, int32_t i_q_b,
+                       feasible_returned_t returned)
+{
+    if (m->constants->hall_angle_b == 0) {
+        return returned.power_b;
     }
-    const line_t line = line_from(set->model, at, SCALED_ONE, 0);
-    int32_t change_b = 0;
-    (void)feasible_ellipse_root(set, &line, 1, &change_b);
-    return q_clamp(at.d_b + change_b, q_min(set->weakest_d_b, at.d_b), at.d_b);
+    const int32_t beyond_b = uncertain_b(m, at, i_q_b) - returned.margin_b;
+    return returned.power_b - q_clamp(beyond_b, 0, returned.power_b);
 }
 
-/* i_d follows the torque; true where it moves so far that the power needs another correction. */
-static bool corrected(const feasible_set_t *set, motor_point_t *at)
+int32_t feasible_excess_b(const feasible_set_t *set, motor_point_t at, feasible_returned_t returned)
+{
+    const motor_model_t *m = set->model;
+    const power_t p = power_at(set, at.d_b);
+    const int32_t i_q_b = clamped_b(motor_model_i_q_b(m, at));
+    const int32_t switching_b =
+        scaled_multiply(m->constants->loss_b, motor_model_magnitude_b(at.d_b, i_q_b));
+    return q_saturate64(power_of_x_b(&p, at.x_b) + switching_b + taken_b(m, at, i_q_b, returned));
+}
+
+/* i_d over i_qt along the voltage ellipse, at a point on it. */
+static int32_t ellipse_slope(const motor_model_t *m, motor_point_t at)
+{
+    const int32_t u_d = motor_model_u_d_b(m, at);
+    const int32_t u_q = motor_model_u_q_b(m, at);
+    const int32_t per_x =
+        scaled_multiply(u_q, m->voltage_q_per_x) - scaled_multiply(u_d, m->reactance_q_b);
+    const int32_t per_d =
+        scaled_multiply(u_q, m->voltage_q_per_d) + scaled_multiply(u_d, m->resistance_b);
+    return q_limit(scaled_ratio(-per_x, q_max(per_d, 1)), STEEPEST);
+}
+
+/* i_d follows the torque: that of the map, or that of the voltage ellipse at this i_qt if lower.
+ * True where it moves so far that the power needs another correction. */
+static bool corrected(const feasible_set_t *set, motor_point_t *at, bool straight, power_t *power)
 {
     const int32_t before_b = at->d_b;
-    at->d_b = d_at_b(set, *at);
-    return q_abs(at->d_b - before_b) > set->model->constants->current_most_b >> FAR_LOG2;
+    bool on_ellipse = false;
+    at->d_b = map_d_b(set, motor_model_airgap_b(set->model, *at));
+    if (!voltage_suffices(set, *at)) {
+        const line_t line = line_from(set->model, *at, SCALED_ONE, 0);
+        const int32_t lowest_b = q_min(set->weakest_d_b, at->d_b);
+        int32_t change_b = 0;
+        (void)feasible_ellipse_root(set, &line, 1, &change_b);
+        at->d_b = q_clamp(at->d_b + change_b, lowest_b, at->d_b);
+        on_ellipse = at->d_b > lowest_b;
+    }
+    const bool far = q_abs(at->d_b - before_b) > set->model->constants->current_most_b >> FAR_LOG2;
+    *power = far && straight && on_ellipse ? power_along(set, *at, ellipse_slope(set->model, *at))
+                                           : power_at(set, at->d_b);
+    return far;
+}
+
+/* Of a x^2 + b x = left, b > 0, the root nearest zero; zero if that has the other sign. */
+static int32_t near_root_b(const power_t *p, int32_t left, int32_t sign)
+{
+    const int64_t under_root = square(p->b) + 4 * (int64_t)p->a * left;
+    const int32_t sum = q_max(p->b + scaled_root(under_root), 1);
+    return (left > 0) == (sign > 0) ? clamped_b(scaled_ratio(2 * left, sum)) : 0;
 }
 
 int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b)
 {
     const motor_model_t *m = side->set->model;
-    const int32_t most_b =
-        side->sign > 0 ? power_b : q_max(power_b, m->constants->negligible_power_b);
+    const bool drives = side->sign > 0;
+    const int32_t most_b = drives ? power_b : q_max(power_b, m->constants->negligible_power_b);
     motor_point_t at = side->cap;
     power_t p = power_at(side->set, at.d_b);
+    add_switching(&p, switching_at(m, at, clamped_b(motor_model_i_q_b(m, at))));
     if (power_of_x_b(&p, at.x_b) <= most_b) {
         return FEASIBLE_UNBOUNDED;
     }
     bool last = false;
     for (int pass = 0;; pass++) {
         const int32_t left = coefficient((int64_t)most_b - p.c);
-        const int32_t sum = p.b + scaled_root(square(p.b) + 4 * (int64_t)p.a * left);
-        if (side->sign > 0) {
-            at.x_b = left <= 0 ? 0 : scaled_ratio(2 * left, q_max(sum, 1));
+        if (drives) {
+            at.x_b = near_root_b(&p, left, 1);
         } else {
-            at.x_b = -scaled_ratio(sum, q_max(2 * p.a, 1));
+            const int32_t sum = p.b + scaled_root(square(p.b) + 4 * (int64_t)p.a * left);
+            at.x_b = clamped_b(-scaled_ratio(sum, q_max(2 * p.a, 1)));
         }
-        at.x_b = clamped_b(at.x_b);
+        at.d_b = clamped_b(p.offset_b + scaled_multiply(p.slope, at.x_b));
         if (last) {
             return feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
-        last = !corrected(side->set, &at) || pass == CORRECTIONS - 1;
-        p = power_at(side->set, at.d_b);
+        last = !corrected(side->set, &at, drives, &p) || pass == CORRECTIONS - 1;
+        add_switching(&p, switching_at(m, at, clamped_b(motor_model_i_q_b(m, at))));
     }
 }
 
-int32_t feasible_by_returned_mNm(const feasible_side_t *side, int32_t power_b)
+int32_t feasible_by_returned_mNm(const feasible_side_t *side, feasible_returned_t returned)
 {
     const motor_model_t *m = side->set->model;
     motor_point_t at = side->cap;
     power_t p = power_at(side->set, at.d_b);
+    int32_t i_q_b = clamped_b(motor_model_i_q_b(m, at));
+    add_switching(&p, switching_at(m, at, i_q_b));
+    p.c = coefficient((int64_t)p.c + taken_b(m, at, i_q_b, returned));
     const int64_t vertex_b = 2 * (((int64_t)p.a * at.x_b) >> 24) + p.b;
-    if (vertex_b >= 0 && power_of_x_b(&p, at.x_b) - uncertain_b(m, at) >= -(int64_t)power_b) {
+    if (vertex_b >= 0 && power_of_x_b(&p, at.x_b) >= 0) {
         return FEASIBLE_UNBOUNDED; /* the power returned up to the cap is below the bound */
     }
     bool last = false;
     for (int pass = 0;; pass++) {
-        const int32_t left = coefficient((int64_t)p.c + power_b - uncertain_b(m, at));
-        const int64_t under_root = square(p.b) - 4 * (int64_t)p.a * left;
-        const int32_t sum = q_max(p.b + scaled_root(under_root), 1);
-        at.x_b = left <= 0 ? 0 : -clamped_b(scaled_ratio(2 * left, sum));
+        at.x_b = near_root_b(&p, -p.c, -1);
+        at.d_b = clamped_b(p.offset_b + scaled_multiply(p.slope, at.x_b));
         if (last) {
-            const int32_t least =
-                coefficient((int64_t)p.c + q_max(power_b, m->constants->negligible_power_b));
-            return p.b <= 0 || under_root < 0 || square(p.b) < 4 * (int64_t)p.a * least
+            const int32_t missing_b = m->constants->negligible_power_b - returned.power_b;
+            const int32_t least_b = coefficient((int64_t)p.c + q_max(missing_b, 0));
+            return p.b <= 0 || square(p.b) < 4 * (int64_t)p.a * least_b
                        ? FEASIBLE_UNBOUNDED
                        : feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
         }
-        last = !corrected(side->set, &at) || pass == CORRECTIONS - 1;
-        p = power_at(side->set, at.d_b);
+        at.x_b = q_max(at.x_b, side->cap.x_b);
+        last = !corrected(side->set, &at, true, &p) || pass == CORRECTIONS - 1;
+        i_q_b = clamped_b(motor_model_i_q_b(m, at));
+        add_switching(&p, switching_at(m, at, i_q_b));
+        p.c = coefficient((int64_t)p.c + taken_b(m, at, i_q_b, returned));
     }
 }

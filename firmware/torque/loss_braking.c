@@ -6,8 +6,9 @@
 #include "core/q15.h"
 
 enum {
-    CIRCLE_PASSES = 2, /* Newton's method along the circle; the slope is that of the EMF */
-    SETPOINT_PASSES = 2,
+    CIRCLE_PASSES = 2,      /* Newton's method along the circle; the slope is that of the EMF */
+    SETPOINT_PASSES = 2,    /* the loss of the bridge follows i_d */
+    UNCERTAIN_PASSES = 3,   /* and what an uncertain angle may return */
     CIRCLE_RESERVE_LOG2 = 8 /* as the other bounds keep it */
 };
 
@@ -16,7 +17,8 @@ static int64_t square(int32_t x)
     return (int64_t)x * x;
 }
 
-loss_braking_t loss_braking_at(const feasible_set_t *set, int32_t power_b, int32_t share_q15)
+loss_braking_t loss_braking_at(const feasible_set_t *set, feasible_returned_t returned,
+                               int32_t share_q15)
 {
     const motor_constants_t *k = set->model->constants;
     const int32_t whole_b = k->current_most_b - (k->current_most_b >> CIRCLE_RESERVE_LOG2);
@@ -24,7 +26,7 @@ loss_braking_t loss_braking_at(const feasible_set_t *set, int32_t power_b, int32
         share_q15 < Q15_ONE ? (int32_t)(((int64_t)whole_b * share_q15) >> 15) : whole_b;
     const loss_braking_t out = {
         .current_b = set->model->config->brake.loss_braking != 0 ? derated_b : 0,
-        .power_b = power_b,
+        .returned = returned,
         .by_map_mNm = FEASIBLE_UNBOUNDED,
     };
     return out;
@@ -37,12 +39,6 @@ static int32_t on_circle_d_b(const motor_model_t *m, int32_t current_b, motor_po
     return left > 0 ? -scaled_root(left) : 0;
 }
 
-/* Power that a point draws, and what it may return more by the angle error. */
-static int32_t excess_b(const feasible_set_t *set, const loss_braking_t *losses, motor_point_t at)
-{
-    return q_saturate64((int64_t)feasible_drawn_b(set, at) + losses->power_b);
-}
-
 int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *losses,
                                 int32_t by_map_mNm)
 {
@@ -50,16 +46,17 @@ int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *los
     const motor_model_t *m = set->model;
     losses->by_map_mNm = by_map_mNm;
     const int32_t copper_b = (int32_t)((square(losses->current_b) >> 24) * m->resistance_b >> 24);
-    if (losses->power_b > copper_b || by_map_mNm == FEASIBLE_UNBOUNDED) {
+    const int32_t loss_b = copper_b + motor_model_bridge_loss_b(m->constants, losses->current_b);
+    if (losses->returned.power_b > loss_b || by_map_mNm == FEASIBLE_UNBOUNDED) {
         return by_map_mNm;
     }
-    const loss_braking_t zero_power = {.current_b = losses->current_b, .power_b = 0};
+    static const feasible_returned_t ZERO = {.power_b = 0, .margin_b = 0};
     motor_point_t at = {.d_b = -losses->current_b, .x_b = 0};
     for (int pass = 0; pass < CIRCLE_PASSES; pass++) {
         at.d_b = on_circle_d_b(m, losses->current_b, at);
         const int32_t slope_b =
             m->emf_b + scaled_multiply(m->reactance_d_b - m->reactance_q_b, at.d_b);
-        const int32_t change_b = scaled_ratio(excess_b(set, &zero_power, at), q_max(slope_b, 1));
+        const int32_t change_b = scaled_ratio(feasible_excess_b(set, at, ZERO), q_max(slope_b, 1));
         at.x_b = q_clamp(at.x_b - change_b, -losses->current_b, 0);
     }
     return q_max(by_map_mNm, feasible_magnitude_mNm(side, motor_model_airgap_b(m, at)));
@@ -76,18 +73,21 @@ current_setpoint_t loss_braking_setpoint(const feasible_set_t *set, const loss_b
     const int32_t shaft_mNm = q_abs(torque_mNm);
     const bool by_map = shaft_mNm <= losses->by_map_mNm ||
                         shaft_mNm - losses->by_map_mNm < m->config->motor.max_torque_mNm >> 8;
-    if (losses->current_b == 0 || airgap_b >= 0 || by_map || excess_b(set, losses, at) >= 0) {
+    if (losses->current_b == 0 || airgap_b >= 0 || by_map) {
         return current;
     }
     const int32_t highest_b = at.d_b;
-    const int passes = m->saliency_b != 0 ? SETPOINT_PASSES : 1;
+    const int32_t twice_q = q_max(2 * set->power.c_dd, 1);
+    const int passes = k->hall_angle_b != 0 ? UNCERTAIN_PASSES : SETPOINT_PASSES;
     for (int pass = 0; pass < passes; pass++) {
-        /* q d^2 + e d + c draws what may be returned: the root below the map's i_d. */
-        const int32_t twice_q = q_max(2 * set->power.c_dd, 1);
+        const int32_t excess_b = feasible_excess_b(set, at, losses->returned);
+        if (pass == 0 && excess_b >= 0) {
+            return current;
+        }
+        /* q d^2 + e d + c returns what the battery takes: the root below the map's i_d. */
         const int32_t e = set->power.c_d + scaled_multiply(set->power.b_d, at.x_b) +
                           scaled_multiply(twice_q, at.d_b);
-        const int64_t under_root =
-            square(e) - 2 * (int64_t)twice_q * q_min(excess_b(set, losses, at), 0);
+        const int64_t under_root = square(e) - 2 * (int64_t)twice_q * excess_b;
         at.d_b -= scaled_ratio(q_saturate64((int64_t)e + scaled_root(under_root)), twice_q);
         at.d_b =
             q_clamp(at.d_b, q_min(on_circle_d_b(m, losses->current_b, at), highest_b), highest_b);

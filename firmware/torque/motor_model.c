@@ -97,6 +97,10 @@ void motor_constants_init(motor_constants_t *constants, const config_t *config)
         .weakening_most_b = scaled_shift(
             bases_current_mA(config, config->current_loop.field_weakening_current_pu_q15), c),
         .negligible_power_b = scaled_constant(INT64_C(2) * motor->max_power_mW, 3, v + c - 24),
+        .loss_b =
+            within_b(scaled_constant(INT64_C(2) * config->drive.loss_per_ampere_uW_A, 3000, v)),
+        .loss_resistance_b =
+            within_b(scaled_constant(config->drive.loss_resistance_uOhm, MILLION, 24 + v - c)),
         .hall_angle_b =
             config->rotor.sensor == CONFIG_ROTOR_HALL
                 ? scaled_constant(1, INT64_C(2000) * config->drive.pwm_frequency_Hz, 48 - w)
@@ -267,9 +271,11 @@ int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm,
 int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at, int32_t bus_mV)
 {
     const motor_constants_t *k = model->constants;
+    const int32_t i_q_b = motor_model_i_q_b(model, at);
     const int64_t sum = (int64_t)motor_model_u_d_b(model, at) * at.d_b +
-                        (int64_t)motor_model_u_q_b(model, at) * motor_model_i_q_b(model, at);
-    const int32_t power_b = q_saturate64((sum >> 24) * 3 / 2);
+                        (int64_t)motor_model_u_q_b(model, at) * i_q_b;
+    const int32_t loss_b = motor_model_bridge_loss_b(k, motor_model_magnitude_b(at.d_b, i_q_b));
+    const int32_t power_b = q_saturate64(((sum >> 24) + loss_b) * 3 / 2);
     const int32_t bus_b = q_max(scaled_shift(bus_mV, k->voltage_shift), 1);
     return motor_model_current_mA(k, scaled_ratio(power_b, bus_b));
 }

@@ -110,7 +110,8 @@ static int32_t power_torque_mNm(const config_t *config, int32_t speed_abs_mrad_s
 
 /* A current limit of the battery for this motor, and its reason. */
 typedef struct {
-    int32_t current_mA, peak_mA; /* lasting; for a short time, >= current_mA */
+    int32_t current_mA, peak_mA;       /* lasting; for a short time, >= current_mA */
+    int32_t margin_mA, peak_margin_mA; /* of the management's limit beyond these */
     reason_t reason, peak_reason;
 } battery_limit_t;
 
@@ -141,6 +142,8 @@ static battery_limit_t battery_limit(foldback_state_t *state, const config_batte
     const battery_limit_t out = {
         .current_mA = q_min(by_voltage_mA, by_bms_mA),
         .peak_mA = q_min(by_voltage_mA, by_peak_mA),
+        .margin_mA = q_max(by_bms_mA - by_voltage_mA, 0),
+        .peak_margin_mA = q_max(by_peak_mA - by_voltage_mA, 0),
         .reason = by_voltage_mA < by_bms_mA ? reasons[1] : reasons[0],
         .peak_reason = by_voltage_mA < by_peak_mA ? reasons[1] : reasons[0],
     };
@@ -176,13 +179,24 @@ static int32_t common_lines(torque_limits_t *out, const config_t *config,
     return q_min(winding_q15, switch_q15);
 }
 
+static feasible_returned_t returned_at(const motor_model_t *model, int32_t current_mA,
+                                       int32_t margin_mA, int32_t bus_mV)
+{
+    const feasible_returned_t out = {
+        .power_b = feasible_power_b(model, current_mA, bus_mV),
+        .margin_b = feasible_power_b(model, margin_mA, bus_mV),
+    };
+    return out;
+}
+
 static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
                            battery_limit_t discharge, battery_limit_t charge, int32_t bus_mV,
                            int32_t derating_q15)
 {
     const motor_model_t *model = set->model;
     const int32_t drawn_b = feasible_power_b(model, discharge.current_mA, bus_mV);
-    const int32_t returned_b = feasible_power_b(model, charge.current_mA, bus_mV);
+    const feasible_returned_t returned =
+        returned_at(model, charge.current_mA, charge.margin_mA, bus_mV);
     const int32_t cap_mNm = q_min(out->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm,
                                   out->driving[TORQUE_LINE_MAX_POWER].torque_mNm);
     feasible_circle_t circle = {.known = false};
@@ -196,14 +210,15 @@ static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
         line[TORQUE_LINE_DRAWN] =
             limit_init(feasible_by_drawn_mNm(&side, drawn_b), discharge.reason);
         if (SIDES[k] == SIDE_BRAKING) {
-            out->losses = loss_braking_at(set, returned_b, derating_q15);
-            const int32_t by_map_mNm = feasible_by_returned_mNm(&side, returned_b);
+            out->losses = loss_braking_at(set, returned, derating_q15);
+            const int32_t by_map_mNm = feasible_by_returned_mNm(&side, returned);
             line[TORQUE_LINE_RETURNED] =
                 limit_init(loss_braking_torque_mNm(&side, &out->losses, by_map_mNm), charge.reason);
             line[TORQUE_LINE_RETURNED_PEAK] = line[TORQUE_LINE_RETURNED];
             if (charge.peak_mA != charge.current_mA) {
-                const int32_t peak_b = feasible_power_b(model, charge.peak_mA, bus_mV);
-                const int32_t most_mNm = feasible_by_returned_mNm(&side, peak_b);
+                const feasible_returned_t peak =
+                    returned_at(model, charge.peak_mA, charge.peak_margin_mA, bus_mV);
+                const int32_t most_mNm = feasible_by_returned_mNm(&side, peak);
                 line[TORQUE_LINE_RETURNED_PEAK] = limit_init(
                     q_max(most_mNm, line[TORQUE_LINE_RETURNED].torque_mNm), charge.peak_reason);
             }

@@ -10,7 +10,16 @@ import math
 import zlib
 from typing import Any
 
-from regen_table import __version__, current_audit, derived, envelope, layout, loops, margins
+from regen_table import (
+    __version__,
+    current_audit,
+    derived,
+    envelope,
+    layout,
+    loops,
+    margins,
+    models,
+)
 from regen_table.errors import ConfigurationError
 from regen_table.loops import nearest
 from regen_table.schema import Drive
@@ -158,7 +167,7 @@ def _motor(drive: Drive) -> dict[str, Any]:
 
 
 def _drive(drive: Drive) -> dict[str, Any]:
-    inverter = drive.inverter
+    inverter, bridge = drive.inverter, models.bridge(drive)
     start = derived.derate_switch_temperature_c(drive)
     hottest = inverter.max_switch_temperature_c
     return {
@@ -177,6 +186,8 @@ def _drive(drive: Drive) -> dict[str, Any]:
         ),
         "device_voltage_mV": nearest(derived.device_voltage_v(drive) * 1e3),
         "bus_capacitance_nF": nearest(inverter.bus_capacitance_f * 1e9),
+        "loss_per_ampere_uW_A": nearest(bridge.linear_w_per_a * 1e6),
+        "loss_resistance_uOhm": nearest(bridge.square_w_per_a2 / 1.5 * 1e6),
         **{
             f"offset_{phase}_q4": nearest(code * 16.0)
             for phase, code in zip("abc", inverter.current_offset_codes, strict=True)

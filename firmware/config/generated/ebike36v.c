@@ -78,14 +78,16 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
         /* [mV] rating of the bridge's devices and capacitors, which the bus must never reach;
          * not given: battery.overvoltage_trip_mV */
         .device_voltage_mV            = 60000,
-        /* [nF] of this bridge's own bus capacitors, into which a short circuit that ends
-         * releases its energy; 0: unknown, a short circuit ends only without current */
+        /* [nF] bus capacitors of this bridge; 0: unknown, a short circuit ends only without
+         * current */
         .bus_capacitance_nF           = 660000,
+        .loss_per_ampere_uW_A         = 116119, /* [uW/A] of the bridge */
+        .loss_resistance_uOhm         = 6064, /* [uOhm] of the switches */
         /* [code/16] stored zero-current code of phase a, times 16: for a start on a wheel too
          * fast to measure it; default the middle, 32768 */
         .offset_a_q4                  = 32768,
-        .offset_b_q4                  = 32768, /* [code/16] likewise, phase b */
-        .offset_c_q4                  = 32768, /* [code/16] likewise, phase c */
+        .offset_b_q4                  = 32768, /* [code/16] same, phase b */
+        .offset_c_q4                  = 32768, /* [code/16] same, phase c */
     },
     .current_loop = {
         /* [Hz] closed loop, first order after 1.5 periods of delay; determines the gains
@@ -380,5 +382,5 @@ CONFIG_SECTION const config_t CONFIG_EBIKE36V = {
             -282, -352, -283, -480, -539,
         },
     },
-    .crc32 = 0xA1BF0E06,
+    .crc32 = 0x6A9CE58D,
 };

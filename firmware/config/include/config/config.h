@@ -113,14 +113,14 @@
       "rating of the bridge's devices and capacitors, which the bus must never reach; not " \
       "given: battery.overvoltage_trip_mV") \
     X(bus_capacitance_nF,                    0,         1000000000, "nF", \
-      "of this bridge's own bus capacitors, into which a short circuit that ends releases its " \
-      "energy; 0: unknown, a short circuit ends only without current") \
+      "bus capacitors of this bridge; 0: unknown, a short circuit ends only without current") \
+    X(loss_per_ampere_uW_A,                  0,         2000000000, "uW/A",   "of the bridge") \
+    X(loss_resistance_uOhm,                  0,         100000000,  "uOhm",   "of the switches") \
     X(offset_a_q4,                           0,         65520,      "code/16", \
       "stored zero-current code of phase a, times 16: for a start on a wheel too fast to measure " \
       "it; default the middle, 32768") \
-    X(offset_b_q4,                           0,         65520,      "code/16", \
-      "likewise, phase b") \
-    X(offset_c_q4,                           0,         65520,      "code/16", "likewise, phase c")
+    X(offset_b_q4,                           0,         65520,      "code/16", "same, phase b") \
+    X(offset_c_q4,                           0,         65520,      "code/16", "same, phase c")
 
 #define CONFIG_CURRENT_LOOP_FIELDS(X) \
     X(bandwidth_Hz,                          10,        10000,      "Hz", \

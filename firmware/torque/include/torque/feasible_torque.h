@@ -75,24 +75,32 @@ int32_t feasible_by_current_mNm(feasible_side_t *side, feasible_circle_t *circle
 /* Both, but only the one that bounds the torque is solved. */
 feasible_bounds_t feasible_by_voltage_and_current(feasible_side_t *side, feasible_circle_t *circle);
 
-/* Power that a point draws, negative where it returns power, less what an uncertain angle may
- * return; scale of feasible_power_b(). */
-int32_t feasible_drawn_b(const feasible_set_t *set, motor_point_t at);
+/* What a battery takes, scale of feasible_power_b(), >= 0. The margin is what its management
+ * permits beyond that where the bus voltage is the tighter limit: the fold-back regulates the
+ * measured voltage, so that an uncertain angle counts only beyond the margin. */
+typedef struct {
+    int32_t power_b, margin_b;
+} feasible_returned_t;
+
+/* By how much less a point returns than the battery takes, the loss of the bridge and the uncertain
+ * angle included; negative where it returns more. */
+int32_t feasible_excess_b(const feasible_set_t *set, motor_point_t at,
+                          feasible_returned_t returned);
 
 /* Magnitude of the shaft torque on a side, mN m, of an airgap torque along the rotation. */
 int32_t feasible_magnitude_mNm(const feasible_side_t *side, int32_t airgap_b);
 
-/* The power of a battery current, for the two bounds below. */
+/* The power of a battery current, for the two bounds below. Both count the loss of the bridge. */
 int32_t feasible_power_b(const motor_model_t *model, int32_t current_mA, int32_t bus_mV);
 
 /* Largest torque, in driving or in braking beyond the torque of largest regeneration, at which the
  * motor draws at most power_b or a thousandth of motor.max_power, whichever is larger. */
 int32_t feasible_by_drawn_mNm(const feasible_side_t *side, int32_t power_b);
 
-/* Largest braking torque that returns at most power_b. Unbounded where even the torque of largest
- * regeneration returns a negligible power. With hall sensors the additional power that the angle
- * error of a late edge may return is included. */
-int32_t feasible_by_returned_mNm(const feasible_side_t *side, int32_t power_b);
+/* Largest braking torque that returns no more than the battery takes. Unbounded where even the
+ * torque of largest regeneration returns a negligible power. With hall sensors the power that the
+ * angle error of a late edge may return is included. */
+int32_t feasible_by_returned_mNm(const feasible_side_t *side, feasible_returned_t returned);
 
 /* Whether the voltage suffices for a point, the fast loop's own reserve included. */
 bool feasible_holds(const feasible_set_t *set, motor_point_t at);

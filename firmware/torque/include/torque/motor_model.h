@@ -29,13 +29,14 @@ typedef struct {
     int32_t flux_b, flux_fall_b;          /* at the reference; a hundredth of a kelvin, 2^16 */
     int32_t iron_q16_b, iron_slope_q16_b; /* R_i at standstill, and a unit of speed's part */
     int32_t coulomb_step_q8_b,
-        viscous_b;              /* friction a mrad/s of the first half; of a unit of speed */
-    int32_t torque_factor_q24;  /* torque_b = flux_b i_qt_b torque_factor */
-    int32_t torque_inverse_q24; /* 1 / torque_factor */
-    int32_t current_most_b;     /* motor.max_phase_current */
-    int32_t weakening_most_b;   /* current_loop.field_weakening_current */
-    int32_t negligible_power_b; /* a thousandth of motor.max_power, two thirds of it */
-    int32_t hall_angle_b;       /* half a period's turn for a unit of speed; 0: no halls */
+        viscous_b;                     /* friction a mrad/s of the first half; of a unit of speed */
+    int32_t torque_factor_q24;         /* torque_b = flux_b i_qt_b torque_factor */
+    int32_t torque_inverse_q24;        /* 1 / torque_factor */
+    int32_t current_most_b;            /* motor.max_phase_current */
+    int32_t weakening_most_b;          /* current_loop.field_weakening_current */
+    int32_t negligible_power_b;        /* a thousandth of motor.max_power, two thirds of it */
+    int32_t loss_b, loss_resistance_b; /* two thirds of the bridge's loss, an ampere; switches */
+    int32_t hall_angle_b;              /* half a period's turn for a unit of speed; 0: no halls */
 } motor_constants_t;
 
 /* The motor at one speed and temperature. Ratios, reactances and the iron conductance carry 24
@@ -90,8 +91,8 @@ int32_t motor_model_torque_mNm(const motor_model_t *model, motor_point_t at);
  * torque. */
 int32_t motor_model_current_q_mA(const motor_model_t *model, int32_t torque_mNm, int32_t i_d_mA);
 
-/* Direct current of a point at a bus voltage, positive out of the battery; the inverter's loss not
- * included. */
+/* Direct current of a point at a bus voltage, positive out of the battery, with the inverter's
+ * loss. */
 int32_t motor_model_bus_current_mA(const motor_model_t *model, motor_point_t at, int32_t bus_mV);
 
 /* ---- in binary scales ---- */
@@ -106,6 +107,22 @@ static inline int32_t motor_model_current_b(const motor_constants_t *constants, 
 static inline int32_t motor_model_current_mA(const motor_constants_t *constants, int32_t current_b)
 {
     return current_b >> constants->current_shift;
+}
+
+/* Magnitude of a current, within 3 %. */
+static inline int32_t motor_model_magnitude_b(int32_t i_d_b, int32_t i_q_b)
+{
+    const int32_t large_b = q_max(q_abs(i_d_b), q_abs(i_q_b));
+    const int32_t small_b = q_min(q_abs(i_d_b), q_abs(i_q_b));
+    return q_max(large_b, large_b - (large_b >> 3) + (small_b >> 1));
+}
+
+/* Two thirds of the bridge's loss at a current >= 0, in the scale of u_d i_d + u_q i_q. */
+static inline int32_t motor_model_bridge_loss_b(const motor_constants_t *constants,
+                                                int32_t current_b)
+{
+    const int32_t volts_b = scaled_multiply(constants->loss_resistance_b, current_b);
+    return scaled_multiply(current_b, constants->loss_b + volts_b);
 }
 
 /* Airgap torque of a point, along the rotation. */

@@ -61,6 +61,14 @@ static inline reference_point_t reference_point(const reference_motor_t *m, doub
     return out;
 }
 
+/* Loss of the bridge at a point: an ampere's, and the conducting switches'. */
+static inline double reference_bridge_w(const config_t *config, reference_point_t at)
+{
+    const double current_a = hypot(at.i_d_a, at.i_q_a);
+    return 1e-6 * config->drive.loss_per_ampere_uW_A * current_a +
+           1.5e-6 * config->drive.loss_resistance_uOhm * current_a * current_a;
+}
+
 /* The point with terminal i_d = 0: there i_dt = w L_q / R_i * i_qt. */
 static inline reference_point_t reference_point_without_i_d(const reference_motor_t *m,
                                                             double i_qt_a)

@@ -70,7 +70,9 @@ static inline void open_foldback(void)
 static inline void rig_up(config_t vehicle)
 {
     config = vehicle;
-    config.battery.resistance_uOhm = 0; /* the bus voltage is what a test says */
+    config.battery.resistance_uOhm = 0;    /* the bus voltage is what a test says */
+    config.drive.loss_per_ampere_uW_A = 0; /* test_feasible_power.c */
+    config.drive.loss_resistance_uOhm = 0;
     winding_temperature_cC = 2500;
     phase_mV = 1000000; /* no voltage limit: test_feasible_torque.c */
     const torque_limits_input_t calm = {

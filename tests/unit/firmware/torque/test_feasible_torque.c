@@ -266,6 +266,7 @@ void test_bounds_of_an_extreme_reactance_are_magnitudes(void)
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, ends.current_mNm);
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_drawn_mNm(&driving, power_b));
         TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_drawn_mNm(&braking, power_b));
-        TEST_ASSERT_GREATER_OR_EQUAL_INT32(0, feasible_by_returned_mNm(&braking, power_b));
+        TEST_ASSERT_GREATER_OR_EQUAL_INT32(
+            0, feasible_by_returned_mNm(&braking, (feasible_returned_t){.power_b = power_b}));
     }
 }

@@ -309,7 +309,8 @@ static double drawn_w(void)
         i_dt = in.current.d_mA * 1e-3 - v_d * m.iron_siemens;
         i_qt = in.current.q_mA * 1e-3 - v_q * m.iron_siemens;
     }
-    return reference_point(&m, i_dt, i_qt).power_w;
+    const reference_point_t at = reference_point(&m, i_dt, i_qt);
+    return at.power_w + reference_bridge_w(&config, at);
 }
 
 /* Half of the fold-back's width inside the end of the voltage, half of the current is allowed.

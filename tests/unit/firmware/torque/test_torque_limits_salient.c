@@ -22,8 +22,8 @@ static motor_current_t currents_of(const motor_model_t *model, int32_t torque_mN
     return out;
 }
 
-/* Terminal power, W, of a shaft torque with the current setpoint of current_setpoint_step(), from
- * the circuit in double precision. */
+/* Power from the battery, W, of a shaft torque with the current setpoint of
+ * current_setpoint_step(), from the circuit in double precision. */
 static double power_of_torque_w(const motor_model_t *model, int32_t torque_mNm)
 {
     const motor_current_t i = currents_of(model, torque_mNm);
@@ -32,7 +32,8 @@ static double power_of_torque_w(const motor_model_t *model, int32_t torque_mNm)
     const double g = m.w_rad_s * m.iron_siemens;
     const double i_qt_a = (i.q_mA * 1e-3 - g * (m.l_d_h * i.d_mA * 1e-3 + m.psi_wb)) /
                           (1.0 + g * g * m.l_d_h * m.l_q_h);
-    return reference_point(&m, i.d_mA * 1e-3 + g * m.l_q_h * i_qt_a, i_qt_a).power_w;
+    const reference_point_t at = reference_point(&m, i.d_mA * 1e-3 + g * m.l_q_h * i_qt_a, i_qt_a);
+    return at.power_w + reference_bridge_w(&config, at);
 }
 
 static void random_salient_conditions(random_t *random)

@@ -325,6 +325,13 @@ def test_an_optional_key_replaces_its_default(
     assert getattr(getattr(unpack(image.build(change({key: value}))), section), name) == expected
 
 
+def test_the_loss_of_the_bridge_is_that_of_the_paper(change: Change) -> None:
+    """delta = 2 t_d f_s = 0.04: 6/pi 0.8 V delta + 3/pi 20 kHz 10 uJ/A; 3.3 and 5 milliohm."""
+    drive = unpack(image.build(change({}))).drive
+    assert drive.loss_per_ampere_uW_A == 252101
+    assert drive.loss_resistance_uOhm == 3368
+
+
 def test_the_configured_resistance_is_that_of_the_pack_times_the_wheels(change: Change) -> None:
     """12 milliohm, four wheels that all take the same: 48 mV for an ampere of one motor."""
     assert unpack(image.build(change({}))).battery.resistance_uOhm == 48000
