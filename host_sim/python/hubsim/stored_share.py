@@ -33,6 +33,7 @@ TOLERANCE, TOLERANCE_SLOW = 0.01, 0.02  # of the kinetic energy
 RIPPLE_MAX = 0.01  # of the rated torque
 RECORD_S = 0.001
 WINDOW_ROWS = 100  # in which torque is compared with a straight line
+STEADY_SHARE = 0.02  # of the rated torque: a line that rises more in a window is no steady state
 SETTLED_S = 0.3  # after the beginning
 LONGEST_S = 3000.0
 NOT_STARTED = "NOT_STARTED"
@@ -68,7 +69,7 @@ class Outcome:
     ----------
     ripple_share_of_rated : float
         Largest deviation of the motor's torque from a straight line over a tenth of a second, where
-        one reason bounds it.
+        one reason bounds it and that line is level.
     first_fault : str
         Of the run; NOT_STARTED where the controllers reach the initial speed only with a fault.
     reason, ideal_reason : str
@@ -197,7 +198,7 @@ def measure(number: int, case: Case) -> Outcome:
         stored=stored,
         ideal=ideal.stored_share_of_kinetic,
         difference=stored - ideal.stored_share_of_kinetic,
-        ripple_share_of_rated=ripple_nm(rows) / rated,
+        ripple_share_of_rated=ripple_nm(rows, rated) / rated,
         first_fault=fault,
         reason=_name(_most_missing(rows, case.demand_nm)),
         ideal_reason=max(by_reason, key=lambda name: by_reason[name], default=""),
@@ -230,11 +231,12 @@ def _simulated(drive: Drive, case: Case) -> tuple[float, Rows]:
     return chemical / kinetic, np.concatenate(parts)
 
 
-def ripple_nm(rows: Rows) -> float:
+def ripple_nm(rows: Rows, rated_nm: float) -> float:
     """Return the largest deviation of the torque from a straight line, N m.
 
-    Over windows of WINDOW_ROWS in which one reason bounds the torque and neither rate nor blend-out
-    moves it.
+    Over windows of WINDOW_ROWS in which one reason bounds the torque, neither rate nor blend-out
+    moves it, and the line moves by STEADY_SHARE at most: at low speed the loss optimum falls with
+    the speed, and the bend where it begins is no ripple.
     """
     first = round(SETTLED_S / RECORD_S)
     count = (len(rows) - first) // WINDOW_ROWS
@@ -250,7 +252,9 @@ def ripple_nm(rows: Rows) -> float:
     x = np.arange(WINDOW_ROWS) - 0.5 * (WINDOW_ROWS - 1)
     torque = torque[steady] - torque[steady].mean(axis=1, keepdims=True)
     slope = torque @ x / (x @ x)
-    return float(np.max(np.abs(torque - slope[:, np.newaxis] * x)))
+    level = np.abs(slope) * WINDOW_ROWS <= STEADY_SHARE * rated_nm
+    deviation = np.abs(torque - slope[:, np.newaxis] * x)
+    return float(np.max(deviation[level], initial=0.0))
 
 
 def _most_missing(rows: Rows, demand_nm: float) -> float:

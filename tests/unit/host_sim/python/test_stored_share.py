@@ -64,11 +64,17 @@ def test_ripple_is_the_deviation_from_a_straight_line_while_none_changes() -> No
     time = np.arange(1000)
     ramp = 0.01 * time
     wave = 0.2 * np.sin(2.0 * np.pi * time / 20.0)
-    assert stored_share.ripple_nm(rows_of(list(ramp), "NONE")) == pytest.approx(0.0, abs=1e-9)
-    found = stored_share.ripple_nm(rows_of(list(ramp + wave), "LOSS_OPTIMUM"))
+
+    def ripple(torque: Rows, reason: str, rated_nm: float) -> float:
+        return stored_share.ripple_nm(rows_of(list(torque), reason), rated_nm)
+
+    assert ripple(ramp, "NONE", 100.0) == pytest.approx(0.0, abs=1e-9)
+    found = ripple(ramp + wave, "LOSS_OPTIMUM", 100.0)
     assert found == pytest.approx(0.2, rel=0.15)  # a line through a wave leans a little
-    assert stored_share.ripple_nm(rows_of(list(ramp + wave), "TORQUE_RATE")) == 0.0
-    assert stored_share.ripple_nm(rows_of(list(wave[:250]), "NONE")) == 0.0  # not yet settled
+    assert ripple(ramp + wave, "TORQUE_RATE", 100.0) == 0.0
+    assert ripple(wave[:250], "NONE", 100.0) == 0.0  # not yet settled
+    # 1 N m in a window is 2.5 % of 40 N m: no steady state.
+    assert ripple(ramp + wave, "LOSS_OPTIMUM", 40.0) == 0.0
 
 
 def test_a_stop_stores_what_the_whole_vehicle_stores() -> None:
