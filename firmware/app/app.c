@@ -40,25 +40,27 @@ typedef struct {
 static struct {
     boot_report_t boot; /* boot */
     const config_t
-        *volatile config;    /* boot, background; NULL when the control steps must not run */
-    controller_t controller; /* .fast: PWM period, .slow: millisecond */
+        *volatile config; /* boot, background; NULL when the control steps must not run */
 
+    /* Near the beginning, where one instruction of the PWM period reaches them. */
     double_buffer_t to_fast; /* low side millisecond, high side PWM period */
     fast_setpoint_t fast_setpoint[2];
     double_buffer_t from_fast; /* low side millisecond, high side PWM period */
     fast_report_t fast_report[2];
-    report_timer_t report_timer; /* PWM period */
-    uint32_t fast_missing_ms;    /* millisecond; consecutive ones without a fast step */
-    double_buffer_t to_slow;     /* low side background, high side millisecond */
+    report_timer_t report_timer;         /* PWM period */
+    fast_input_t fast_input;             /* PWM period; zero what the rotor sensor does not give */
+    volatile uint32_t fast_cycles_worst; /* PWM period */
+    controller_t controller;             /* .fast: PWM period, .slow: millisecond */
+
+    uint32_t fast_missing_ms; /* millisecond; consecutive ones without a fast step */
+    double_buffer_t to_slow;  /* low side background, high side millisecond */
     node_command_t commands[2];
     double_buffer_t from_slow; /* low side background, high side millisecond */
     snapshot_t snapshot[2];
 
-    fast_input_t fast_input;             /* PWM period; zero what the rotor sensor does not give */
-    pedal_link_t pedals;                 /* millisecond */
-    slow_input_t slow_input;             /* millisecond */
-    volatile uint32_t fast_cycles_worst; /* PWM period */
-    supervisor_t supervisor;             /* background, like everything below */
+    pedal_link_t pedals;     /* millisecond */
+    slow_input_t slow_input; /* millisecond */
+    supervisor_t supervisor; /* background, like everything below */
     can_link_t can;
     pedal_sender_t pedal_sender;
     console_t console;

@@ -135,6 +135,10 @@ void report_status(const report_status_t *status, text_t *line)
     text_add(line, ", ");
     text_add(line,
              reason_text(o->fault_reason != REASON_NONE ? o->fault_reason : o->torque_reason));
+    if (o->waits_for != WAITS_FOR_NONE) {
+        text_add(line, ", waits for ");
+        text_add(line, waits_for_text(o->waits_for));
+    }
     text_add(line, "; ");
     text_add_decimal(line, o->motor_torque_estimate_mNm, 3);
     text_add(line, " N m of ");
@@ -260,6 +264,12 @@ bool report_can(const report_status_t *status, uint32_t number, text_t *line)
         add_sender("battery ", &status->node->battery, line);
         return true;
     case 2:
+        add_sender("battery peak ", &status->node->peak, line);
+        return true;
+    case 3:
+        add_sender("hydraulic ", &status->node->hydraulic, line);
+        return true;
+    case 4:
         text_add(line, status->bus_off ? "bus off" : "bus on");
         add_count(line, ", foreign frames ", status->node->foreign);
         return true;

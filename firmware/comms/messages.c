@@ -43,6 +43,9 @@ static const kind_t KINDS[MESSAGES_KINDS] = {
     [MESSAGES_WHEEL_POWER] = {HUBFOC_WHEEL_POWER_FRAME_ID, HUBFOC_WHEEL_POWER_CYCLE_TIME_MS, true},
     [MESSAGES_WHEEL_HEALTH] = {HUBFOC_WHEEL_HEALTH_FRAME_ID, HUBFOC_WHEEL_HEALTH_CYCLE_TIME_MS,
                                true},
+    [MESSAGES_WHEEL_AHEAD] = {HUBFOC_WHEEL_AHEAD_FRAME_ID, HUBFOC_WHEEL_AHEAD_CYCLE_TIME_MS, true},
+    [MESSAGES_WHEEL_AVAILABLE] = {HUBFOC_WHEEL_AVAILABLE_FRAME_ID,
+                                  HUBFOC_WHEEL_AVAILABLE_CYCLE_TIME_MS, true},
 };
 
 const char *messages_wheel_text(messages_wheel_t wheel)
@@ -87,6 +90,12 @@ static int32_t signed_steps(int32_t milli, int32_t step, int32_t highest)
 static uint32_t magnitude_steps(int32_t milli, int32_t step, int32_t highest)
 {
     return (uint32_t)steps(milli, step, 0, highest);
+}
+
+/* Of an available torque: whole steps, rounded down. */
+static uint32_t available_steps(int32_t torque_mNm)
+{
+    return (uint32_t)q_clamp(torque_mNm / TORQUE_STEP_mNm, 0, TORQUE_MAX);
 }
 
 bool messages_read_demand(const messages_frame_t *frame, wheel_demand_t *demand)
@@ -273,8 +282,7 @@ static void put_brake(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
     const struct hubfoc_wheel_brake_t raw = {
         .hydraulic_torque_nm =
             magnitude_steps(o->hydraulic_torque_mNm, TORQUE_STEP_mNm, TORQUE_MAX),
-        .electric_brake_available_nm =
-            (uint32_t)q_clamp(o->electric_brake_available_mNm / TORQUE_STEP_mNm, 0, TORQUE_MAX),
+        .electric_brake_available_nm = available_steps(o->electric_brake_available_mNm),
         .hydraulic_reason = (uint8_t)((uint32_t)o->hydraulic_reason & HYDRAULIC_REASON_MASK),
         .hydraulic_valid = o->hydraulic_valid ? 1 : 0,
         .available_reason = (uint8_t)o->available_reason,
@@ -315,12 +323,35 @@ static void put_health(uint8_t data[E2E_FRAME_BYTES], const wheel_temperatures_t
     const struct hubfoc_wheel_health_t raw = {
         .demand_link = (uint8_t)links->demand,
         .battery_link = (uint8_t)links->battery,
+        .hydraulic_link = (uint8_t)links->hydraulic,
+        .peak_link = (uint8_t)links->peak,
         .winding_temperature_c = temperature_steps(temperature->winding_cC),
         .switch_temperature_c = temperature_steps(temperature->switch_cC),
         .demand_errors = (uint8_t)(links->demand_errors & 0xFFU),
         .battery_errors = (uint8_t)(links->battery_errors & 0xFFU),
     };
     (void)hubfoc_wheel_health_pack(data, &raw, E2E_FRAME_BYTES);
+}
+
+static void put_ahead(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
+{
+    const struct hubfoc_wheel_ahead_t raw = {
+        .electric_brake_ahead_nm = available_steps(o->electric_brake_ahead_mNm),
+        .ahead_reason = (uint8_t)o->ahead_reason,
+        .drive_ahead_nm = available_steps(o->drive_ahead_mNm),
+        .drive_ahead_reason = (uint8_t)o->drive_ahead_reason,
+    };
+    (void)hubfoc_wheel_ahead_pack(data, &raw, E2E_FRAME_BYTES);
+}
+
+static void put_available(uint8_t data[E2E_FRAME_BYTES], const slow_output_t *o)
+{
+    const struct hubfoc_wheel_available_t raw = {
+        .drive_available_nm = available_steps(o->drive_available_mNm),
+        .drive_available_reason = (uint8_t)o->drive_available_reason,
+        .waits_for = (uint8_t)o->waits_for,
+    };
+    (void)hubfoc_wheel_available_pack(data, &raw, E2E_FRAME_BYTES);
 }
 
 messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *values,
@@ -346,6 +377,12 @@ messages_frame_t messages_output(messages_kind_t kind, const messages_values_t *
         break;
     case MESSAGES_WHEEL_HEALTH:
         put_health(frame.data, values->temperature, &values->links);
+        break;
+    case MESSAGES_WHEEL_AHEAD:
+        put_ahead(frame.data, values->output);
+        break;
+    case MESSAGES_WHEEL_AVAILABLE:
+        put_available(frame.data, values->output);
         break;
     case MESSAGES_DEMAND:
     case MESSAGES_HYDRAULIC_FEEDBACK:

@@ -154,6 +154,8 @@ bool node_next(node_t *node, uint32_t now_ms, const slow_output_t *output,
             .temperature = temperature,
             .links = {.demand = node->demand.link,
                       .battery = node->battery.link,
+                      .hydraulic = node->hydraulic.link,
+                      .peak = node->peak.link,
                       .demand_errors = e2e_errors(&node->demand.counts),
                       .battery_errors = e2e_errors(&node->battery.counts)},
         };

@@ -143,6 +143,7 @@ static modes_output_t decide_mode(controller_slow_t *slow, const config_t *confi
         .demand_lost = demand_is_lost(config, in->demand_age_ms),
         .lost_reason = demand_warning == REASON_NONE ? REASON_DEMAND_TIMEOUT : demand_warning,
         .drive_demanded = drive_demanded(demand),
+        .neutral = slow->torque.demand.engaged == DRIVE_DIRECTION_NEUTRAL,
         .torque_demanded = drive_demanded(demand) || demand->brake_torque_mNm > 0,
         .fault_reset = demand->fault_reset,
         .warning = warning != REASON_NONE,
@@ -185,7 +186,9 @@ static torque_output_t step_torque(controller_slow_t *slow, const config_t *conf
         .switch_temperature_cC = in->temperature.switch_cC,
         .torque_enable = *torque_enable,
     };
-    return torque_step(&slow->torque, config, &torque_in);
+    const torque_output_t out = torque_step(&slow->torque, config, &torque_in);
+    torque_look_ahead(&slow->torque, config, &torque_in);
+    return out;
 }
 
 const torque_limits_t *controller_limits(const controller_slow_t *slow)
@@ -237,11 +240,16 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
     setpoint->safe_bridge = watch.safe_bridge;
     setpoint->clear_trip = modes.clear_trip || watch.release_trip;
 
+    const available_t *now = &slow->torque.ahead.now;
+    const available_t *ahead = &slow->torque.ahead.ahead;
     const slow_output_t out = {
         .motor_torque_command_mNm = torque.command_mNm,
         .motor_torque_estimate_mNm = torque.estimate_mNm,
         .hydraulic_torque_mNm = torque.hydraulic_mNm,
         .electric_brake_available_mNm = torque.available.torque_mNm,
+        .electric_brake_ahead_mNm = ahead->braking.torque_mNm,
+        .drive_available_mNm = now->driving.torque_mNm,
+        .drive_ahead_mNm = ahead->driving.torque_mNm,
         .speed_mrad_s = at.speed_mrad_s,
         .i_d_mA = at.i_d_mA,
         .i_q_mA = at.i_q_mA,
@@ -249,10 +257,14 @@ slow_output_t controller_slow_step(controller_slow_t *slow, const config_t *conf
         .bus_current_mA = at.bus_current_mA,
         .torque_reason = torque.reason,
         .available_reason = torque.available.reason,
+        .ahead_reason = ahead->braking.reason,
+        .drive_available_reason = now->driving.reason,
+        .drive_ahead_reason = ahead->driving.reason,
         .hydraulic_reason = torque.hydraulic_reason,
         .fault_reason = modes.fault,
         .warning_reason = modes.warning,
         .mode = modes.mode,
+        .waits_for = modes.waits_for,
         .direction = torque.engaged,
         .hydraulic_valid = torque.hydraulic_valid,
         .stop_lamp = torque.stop_lamp,

@@ -11,6 +11,7 @@ void modes_init(modes_state_t *state)
     state->steps = 0;
     state->acknowledge_steps = 0;
     state->reset_before = false;
+    state->fault_persists = false;
     state->offsets_stored = false;
 }
 
@@ -25,6 +26,7 @@ static void fail(modes_state_t *state, reason_t fault)
 {
     if (state->fault == REASON_NONE) {
         state->fault = fault;
+        state->fault_persists = false;
     }
     enter(state, MODE_FAULT);
 }
@@ -45,8 +47,10 @@ static bool acknowledgement_pending(modes_state_t *state, const modes_input_t *i
         state->acknowledge_steps = 0;
     } else if (edge) {
         state->acknowledge_steps = MODES_ACKNOWLEDGE_STEPS;
+        state->fault_persists = false;
     } else if (state->acknowledge_steps > 0) {
         state->acknowledge_steps--;
+        state->fault_persists = state->acknowledge_steps == 0;
     }
     return state->acknowledge_steps > 0;
 }
@@ -177,6 +181,44 @@ static torque_enable_t torque_enable_of(const modes_state_t *state, const config
     return out;
 }
 
+/* What keeps READY from RUN, and then what keeps RUN from driving. */
+static waits_for_t of_the_driver(const modes_input_t *in)
+{
+    if (!in->enable) {
+        return WAITS_FOR_ENABLE;
+    }
+    return in->demand_lost ? WAITS_FOR_DEMAND_LINK : WAITS_FOR_NONE;
+}
+
+static waits_for_t waits_for(const modes_state_t *state, const modes_input_t *in)
+{
+    waits_for_t out = WAITS_FOR_NONE;
+    switch (state->mode) {
+    case MODE_BOOT:
+        return WAITS_FOR_CONFIGURATION;
+    case MODE_SELFTEST:
+        return WAITS_FOR_SELFTEST;
+    case MODE_OFFSET_CAL:
+        return in->emf_conducts ? WAITS_FOR_LOWER_SPEED : WAITS_FOR_OFFSETS;
+    case MODE_READY:
+        out = of_the_driver(in);
+        if (out == WAITS_FOR_NONE && in->drive_demanded) {
+            out = WAITS_FOR_PEDAL_RELEASE;
+        }
+        return out == WAITS_FOR_NONE && !in->rotor_valid ? WAITS_FOR_ROTOR_ANGLE : out;
+    case MODE_RUN:
+    case MODE_LIMP:
+        out = in->battery_lost ? WAITS_FOR_BATTERY : of_the_driver(in);
+        return out == WAITS_FOR_NONE && in->neutral ? WAITS_FOR_DIRECTION : out;
+    case MODE_FAULT:
+        if (in->torque_demanded || in->rolling) {
+            return WAITS_FOR_REST;
+        }
+        return state->fault_persists ? WAITS_FOR_FAULT_CAUSE : WAITS_FOR_ACKNOWLEDGEMENT;
+    }
+    return out;
+}
+
 /* Stored offsets are replaced by measured ones as soon as the open bridge of a coasting wheel shows
  * zero current. */
 static bool calibrates_offsets(const modes_state_t *state, const modes_input_t *in)
@@ -203,6 +245,7 @@ modes_output_t modes_step(modes_state_t *state, const config_t *config, const mo
         .fault = state->fault,
         .warning = state->warning != REASON_NONE ? state->warning : present_warning(state, in),
         .torque_enable = torque_enable_of(state, &config->modes, in),
+        .waits_for = waits_for(state, in),
         .calibrate_offsets = calibrates_offsets(state, in),
         .clear_trip = acknowledged,
     };

@@ -45,6 +45,7 @@ int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *los
     const feasible_set_t *set = side->set;
     const motor_model_t *m = set->model;
     losses->by_map_mNm = by_map_mNm;
+    losses->torque_mNm = 0;
     const int32_t copper_b = (int32_t)((square(losses->current_b) >> 24) * m->resistance_b >> 24);
     const int32_t loss_b = copper_b + motor_model_bridge_loss_b(m->constants, losses->current_b);
     if (losses->returned.power_b > loss_b || by_map_mNm == FEASIBLE_UNBOUNDED) {
@@ -59,7 +60,8 @@ int32_t loss_braking_torque_mNm(const feasible_side_t *side, loss_braking_t *los
         const int32_t change_b = scaled_ratio(feasible_excess_b(set, at, ZERO), q_max(slope_b, 1));
         at.x_b = q_clamp(at.x_b - change_b, -losses->current_b, 0);
     }
-    return q_max(by_map_mNm, feasible_magnitude_mNm(side, motor_model_airgap_b(m, at)));
+    losses->torque_mNm = feasible_magnitude_mNm(side, motor_model_airgap_b(m, at));
+    return q_max(by_map_mNm, losses->torque_mNm);
 }
 
 current_setpoint_t loss_braking_setpoint(const feasible_set_t *set, const loss_braking_t *losses,
@@ -67,15 +69,18 @@ current_setpoint_t loss_braking_setpoint(const feasible_set_t *set, const loss_b
 {
     const motor_model_t *m = set->model;
     const motor_constants_t *k = m->constants;
-    const int32_t airgap_b = motor_model_airgap_of_shaft_b(m, torque_mNm);
-    const motor_current_t flowing = {.d_mA = current.i_d_mA, .q_mA = current.i_q_mA};
-    motor_point_t at = motor_model_point(m, flowing);
     const int32_t shaft_mNm = q_abs(torque_mNm);
     const bool by_map = shaft_mNm <= losses->by_map_mNm ||
                         shaft_mNm - losses->by_map_mNm < m->config->motor.max_torque_mNm >> 8;
-    if (losses->current_b == 0 || airgap_b >= 0 || by_map) {
+    if (losses->current_b == 0 || by_map) {
         return current;
     }
+    const int32_t airgap_b = motor_model_airgap_of_shaft_b(m, torque_mNm);
+    if (airgap_b >= 0) {
+        return current;
+    }
+    const motor_current_t flowing = {.d_mA = current.i_d_mA, .q_mA = current.i_q_mA};
+    motor_point_t at = motor_model_point(m, flowing);
     const int32_t highest_b = at.d_b;
     const int32_t twice_q = q_max(2 * set->power.c_dd, 1);
     const int passes = k->hall_angle_b != 0 ? UNCERTAIN_PASSES : SETPOINT_PASSES;

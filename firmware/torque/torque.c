@@ -13,6 +13,7 @@ void torque_init(torque_state_t *state, const config_t *config)
     hill_hold_init(&state->hold);
     torque_command_init(&state->command);
     stop_lamp_init(&state->lamp);
+    available_ahead_init(&state->ahead);
 }
 
 /* Reason shown on CAN, shell and log: that of the table's tightest line, braking side while
@@ -138,4 +139,16 @@ torque_output_t torque_step(torque_state_t *state, const config_t *config, const
         .stop_lamp = stop_lamp_step(&state->lamp, config, in->speed_mrad_s, demand.brake_mNm),
     };
     return out;
+}
+
+void torque_look_ahead(torque_state_t *state, const config_t *config, const torque_input_t *in)
+{
+    const available_ahead_input_t now = {
+        .speed_mrad_s = in->speed_mrad_s,
+        .phase_voltage_mV = in->phase_voltage_mV,
+        .winding_temperature_cC = in->winding_temperature_cC,
+        .switch_temperature_cC = in->switch_temperature_cC,
+        .brake_demand_mNm = state->demand.brake_mNm,
+    };
+    available_ahead_step(&state->ahead, &state->motor, config, &state->table, &now);
 }

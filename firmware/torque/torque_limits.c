@@ -13,6 +13,7 @@ void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table)
     *state = fresh;
     const loss_braking_t no_losses = {.current_b = 0};
     table->losses = no_losses;
+    table->drawn_b = 0;
     for (torque_line_t line = 0; line < TORQUE_LINE_COUNT; line++) {
         table->driving[line] = limit_init(FEASIBLE_UNBOUNDED, REASON_NONE);
         table->braking[line] = table->driving[line];
@@ -94,6 +95,41 @@ static limit_t share_line(const config_t *config, int32_t share_q15, reason_t re
     return limit_init(share_q15 < Q15_ONE ? part_mNm : FEASIBLE_UNBOUNDED, reason);
 }
 
+static int32_t winding_share_q15(const config_t *config, int32_t temperature_cC)
+{
+    const config_motor_t *motor = &config->motor;
+    return limit_fade_q15(temperature_cC, motor->derate_winding_temperature_cC,
+                          motor->max_winding_temperature_cC);
+}
+
+static int32_t switch_share_q15(const config_t *config, int32_t temperature_cC)
+{
+    const config_drive_t *drive = &config->drive;
+    return limit_fade_q15(temperature_cC, drive->derate_switch_temperature_cC,
+                          drive->max_switch_temperature_cC);
+}
+
+limit_t torque_limits_winding(const config_t *config, int32_t temperature_cC)
+{
+    return share_line(config, winding_share_q15(config, temperature_cC),
+                      REASON_WINDING_TEMPERATURE);
+}
+
+limit_t torque_limits_switch(const config_t *config, int32_t temperature_cC)
+{
+    return share_line(config, switch_share_q15(config, temperature_cC), REASON_SWITCH_TEMPERATURE);
+}
+
+limit_t torque_limits_max_speed(const config_t *config, int32_t speed_mrad_s)
+{
+    const int32_t top_mrad_s = config->motor.max_speed_mrad_s;
+    const int32_t fade_mrad_s =
+        q15_share_of(top_mrad_s, (int16_t)config->motor.speed_fade_share_q15);
+    return share_line(config,
+                      limit_fade_q15(q_abs(speed_mrad_s), top_mrad_s - fade_mrad_s, top_mrad_s),
+                      REASON_MAX_SPEED);
+}
+
 /* mW / (mrad/s) = N m; the quotient of two 32-bit numbers in thousandths. */
 static int32_t power_torque_mNm(const config_t *config, int32_t speed_abs_mrad_s)
 {
@@ -155,17 +191,12 @@ static int32_t common_lines(torque_limits_t *out, const config_t *config,
                             const motor_model_t *model, const torque_limits_input_t *in)
 {
     const config_motor_t *motor = &config->motor;
-    const config_drive_t *drive = &config->drive;
     limit_t *line = out->driving;
     line[TORQUE_LINE_MAX_TORQUE] = limit_init(motor->max_torque_mNm, REASON_MAX_TORQUE);
     line[TORQUE_LINE_MAX_POWER] =
         limit_init(power_torque_mNm(config, q_abs(model->speed_mrad_s)), REASON_MAX_POWER);
-    const int32_t winding_q15 =
-        limit_fade_q15(model->winding_temperature_cC, motor->derate_winding_temperature_cC,
-                       motor->max_winding_temperature_cC);
-    const int32_t switch_q15 =
-        limit_fade_q15(in->switch_temperature_cC, drive->derate_switch_temperature_cC,
-                       drive->max_switch_temperature_cC);
+    const int32_t winding_q15 = winding_share_q15(config, model->winding_temperature_cC);
+    const int32_t switch_q15 = switch_share_q15(config, in->switch_temperature_cC);
     line[TORQUE_LINE_WINDING] = share_line(config, winding_q15, REASON_WINDING_TEMPERATURE);
     line[TORQUE_LINE_SWITCH] = share_line(config, switch_q15, REASON_SWITCH_TEMPERATURE);
     line[TORQUE_LINE_ROTOR] =
@@ -197,6 +228,7 @@ static void feasible_lines(torque_limits_t *out, const feasible_set_t *set,
     const int32_t drawn_b = feasible_power_b(model, discharge.current_mA, bus_mV);
     const feasible_returned_t returned =
         returned_at(model, charge.current_mA, charge.margin_mA, bus_mV);
+    out->drawn_b = drawn_b;
     const int32_t cap_mNm = q_min(out->driving[TORQUE_LINE_MAX_TORQUE].torque_mNm,
                                   out->driving[TORQUE_LINE_MAX_POWER].torque_mNm);
     feasible_circle_t circle = {.known = false};
@@ -297,12 +329,7 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
 
     const int32_t derating_q15 = common_lines(table, config, model, in);
     feasible_lines(table, set, discharge, charge, bus_mV, derating_q15);
-    const int32_t top_mrad_s = config->motor.max_speed_mrad_s;
-    const int32_t fade_mrad_s =
-        q15_share_of(top_mrad_s, (int16_t)config->motor.speed_fade_share_q15);
-    table->driving[TORQUE_LINE_MAX_SPEED] = share_line(
-        config, limit_fade_q15(q_abs(model->speed_mrad_s), top_mrad_s - fade_mrad_s, top_mrad_s),
-        REASON_MAX_SPEED);
+    table->driving[TORQUE_LINE_MAX_SPEED] = torque_limits_max_speed(config, model->speed_mrad_s);
     table->driving[TORQUE_LINE_ENABLE] =
         share_line(config, in->torque_enable.drive_q15, in->torque_enable.reason);
     table->braking[TORQUE_LINE_ENABLE] =

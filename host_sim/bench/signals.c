@@ -133,6 +133,13 @@ static const struct {
     X("available_nm", VALUE, "N.m", \
       OUTPUT_TEXT.electric_brake_available_nm, \
       1e-3 * w->slow.electric_brake_available_mNm) \
+    X("available_ahead_nm", VALUE, "N.m", \
+      OUTPUT_TEXT.electric_brake_ahead_nm, \
+      1e-3 * w->slow.electric_brake_ahead_mNm) \
+    X("drive_available_nm", VALUE, "N.m", \
+      OUTPUT_TEXT.drive_available_nm, 1e-3 * w->slow.drive_available_mNm) \
+    X("drive_ahead_nm", VALUE, "N.m", \
+      OUTPUT_TEXT.drive_ahead_nm, 1e-3 * w->slow.drive_ahead_mNm) \
     X("speed_estimate_rad_per_s", VALUE, "rad/s", \
       OUTPUT_TEXT.speed_rad_per_s, 1e-3 * w->slow.speed_mrad_s) \
     X("theta_estimate_turn", VALUE, "turn", \
@@ -149,6 +156,13 @@ static const struct {
       OUTPUT_TEXT.torque_reason, (double)w->slow.torque_reason) \
     X("available_reason", VALUE, "", \
       OUTPUT_TEXT.available_reason, (double)w->slow.available_reason) \
+    X("ahead_reason", VALUE, "", \
+      OUTPUT_TEXT.ahead_reason, (double)w->slow.ahead_reason) \
+    X("drive_available_reason", VALUE, "", \
+      OUTPUT_TEXT.drive_available_reason, (double)w->slow.drive_available_reason) \
+    X("drive_ahead_reason", VALUE, "", \
+      OUTPUT_TEXT.drive_ahead_reason, (double)w->slow.drive_ahead_reason) \
+    X("waits_for", VALUE, "", OUTPUT_TEXT.waits_for, (double)w->slow.waits_for) \
     X("fault_reason", VALUE, "", \
       OUTPUT_TEXT.fault_reason, (double)w->slow.fault_reason) \
     X("first_fault_reason", VALUE, "", \

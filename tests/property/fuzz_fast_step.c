@@ -244,6 +244,11 @@ static void check_slow(const config_t *config, const slow_output_t *out)
 {
     promise(out->hydraulic_torque_mNm >= 0, "hydraulic torque is a magnitude");
     promise(out->electric_brake_available_mNm >= 0, "so is what the motor could take over");
+    promise(out->electric_brake_ahead_mNm >= 0, "so is what it will");
+    promise(out->drive_available_mNm >= 0 && out->drive_ahead_mNm >= 0, "so is driving");
+    promise(out->electric_brake_ahead_mNm <= config->motor.max_torque_mNm &&
+                out->drive_ahead_mNm <= config->motor.max_torque_mNm,
+            "and within the motor's limit");
     promise(q_abs(out->motor_torque_command_mNm) <= config->motor.max_torque_mNm,
             "torque stays inside the motor's limit");
 }

@@ -120,6 +120,9 @@ void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint
     add(digest, out->motor_torque_estimate_mNm);
     add(digest, out->hydraulic_torque_mNm);
     add(digest, out->electric_brake_available_mNm);
+    add(digest, out->electric_brake_ahead_mNm);
+    add(digest, out->drive_available_mNm);
+    add(digest, out->drive_ahead_mNm);
     add(digest, out->speed_mrad_s);
     add(digest, out->i_d_mA);
     add(digest, out->i_q_mA);
@@ -127,6 +130,10 @@ void digest_slow(digest_t *digest, const slow_output_t *out, const fast_setpoint
     add(digest, out->bus_current_mA);
     add(digest, (int32_t)out->torque_reason);
     add(digest, (int32_t)out->available_reason);
+    add(digest, (int32_t)out->ahead_reason);
+    add(digest, (int32_t)out->drive_available_reason);
+    add(digest, (int32_t)out->drive_ahead_reason);
+    add(digest, (int32_t)out->waits_for);
     add(digest, (int32_t)out->hydraulic_reason);
     add(digest, (int32_t)out->fault_reason);
     add(digest, (int32_t)out->mode);

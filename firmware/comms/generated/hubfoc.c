@@ -58,6 +58,14 @@ static inline uint8_t pack_left_shift_u32(
     return (uint8_t)((uint8_t)(value << shift) & mask);
 }
 
+static inline uint8_t pack_right_shift_u8(
+    uint8_t value,
+    uint8_t shift,
+    uint8_t mask)
+{
+    return (uint8_t)((uint8_t)(value >> shift) & mask);
+}
+
 static inline uint8_t pack_right_shift_u16(
     uint16_t value,
     uint8_t shift,
@@ -72,6 +80,14 @@ static inline uint8_t pack_right_shift_u32(
     uint8_t mask)
 {
     return (uint8_t)((uint8_t)(value >> shift) & mask);
+}
+
+static inline uint8_t unpack_left_shift_u8(
+    uint8_t value,
+    uint8_t shift,
+    uint8_t mask)
+{
+    return (uint8_t)((uint8_t)(value & mask) << shift);
 }
 
 static inline uint16_t unpack_left_shift_u16(
@@ -886,9 +902,11 @@ int hubfoc_wheel_health_pack(
     winding_temperature_c = (uint16_t)src_p->winding_temperature_c;
     dst_p[2] |= pack_left_shift_u16(winding_temperature_c, 0u, 0xffu);
     dst_p[3] |= pack_right_shift_u16(winding_temperature_c, 8u, 0x1fu);
+    dst_p[3] |= pack_left_shift_u8(src_p->hydraulic_link, 5u, 0x60u);
     switch_temperature_c = (uint16_t)src_p->switch_temperature_c;
     dst_p[4] |= pack_left_shift_u16(switch_temperature_c, 0u, 0xffu);
     dst_p[5] |= pack_right_shift_u16(switch_temperature_c, 8u, 0x1fu);
+    dst_p[5] |= pack_left_shift_u8(src_p->peak_link, 5u, 0x60u);
     dst_p[6] |= pack_left_shift_u8(src_p->demand_errors, 0u, 0xffu);
     dst_p[7] |= pack_left_shift_u8(src_p->battery_errors, 0u, 0xffu);
 
@@ -919,6 +937,7 @@ int hubfoc_wheel_health_unpack(
     }
 
     dst_p->winding_temperature_c = (int16_t)winding_temperature_c;
+    dst_p->hydraulic_link = unpack_right_shift_u8(src_p[3], 5u, 0x60u);
     switch_temperature_c = unpack_right_shift_u16(src_p[4], 0u, 0xffu);
     switch_temperature_c |= unpack_left_shift_u16(src_p[5], 8u, 0x1fu);
 
@@ -927,6 +946,7 @@ int hubfoc_wheel_health_unpack(
     }
 
     dst_p->switch_temperature_c = (int16_t)switch_temperature_c;
+    dst_p->peak_link = unpack_right_shift_u8(src_p[5], 5u, 0x60u);
     dst_p->demand_errors = unpack_right_shift_u8(src_p[6], 0u, 0xffu);
     dst_p->battery_errors = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
 
@@ -969,9 +989,19 @@ bool hubfoc_wheel_health_winding_temperature_c_is_in_range(int16_t value)
     return ((value >= -1000) && (value <= 3000));
 }
 
+bool hubfoc_wheel_health_hydraulic_link_is_in_range(uint8_t value)
+{
+    return (value <= 3u);
+}
+
 bool hubfoc_wheel_health_switch_temperature_c_is_in_range(int16_t value)
 {
     return ((value >= -1000) && (value <= 3000));
+}
+
+bool hubfoc_wheel_health_peak_link_is_in_range(uint8_t value)
+{
+    return (value <= 3u);
 }
 
 bool hubfoc_wheel_health_demand_errors_is_in_range(uint8_t value)
@@ -982,6 +1012,187 @@ bool hubfoc_wheel_health_demand_errors_is_in_range(uint8_t value)
 }
 
 bool hubfoc_wheel_health_battery_errors_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+int hubfoc_wheel_ahead_pack(
+    uint8_t *dst_p,
+    const struct hubfoc_wheel_ahead_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u32(src_p->electric_brake_ahead_nm, 4u, 0xf0u);
+    dst_p[2] |= pack_right_shift_u32(src_p->electric_brake_ahead_nm, 4u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->electric_brake_ahead_nm, 12u, 0x3fu);
+    dst_p[3] |= pack_left_shift_u8(src_p->ahead_reason, 6u, 0xc0u);
+    dst_p[4] |= pack_right_shift_u8(src_p->ahead_reason, 2u, 0x3fu);
+    dst_p[4] |= pack_left_shift_u32(src_p->drive_ahead_nm, 6u, 0xc0u);
+    dst_p[5] |= pack_right_shift_u32(src_p->drive_ahead_nm, 2u, 0xffu);
+    dst_p[6] |= pack_right_shift_u32(src_p->drive_ahead_nm, 10u, 0xffu);
+    dst_p[7] |= pack_left_shift_u8(src_p->drive_ahead_reason, 0u, 0xffu);
+
+    return (8);
+}
+
+int hubfoc_wheel_ahead_unpack(
+    struct hubfoc_wheel_ahead_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->electric_brake_ahead_nm = unpack_right_shift_u32(src_p[1], 4u, 0xf0u);
+    dst_p->electric_brake_ahead_nm |= unpack_left_shift_u32(src_p[2], 4u, 0xffu);
+    dst_p->electric_brake_ahead_nm |= unpack_left_shift_u32(src_p[3], 12u, 0x3fu);
+    dst_p->ahead_reason = unpack_right_shift_u8(src_p[3], 6u, 0xc0u);
+    dst_p->ahead_reason |= unpack_left_shift_u8(src_p[4], 2u, 0x3fu);
+    dst_p->drive_ahead_nm = unpack_right_shift_u32(src_p[4], 6u, 0xc0u);
+    dst_p->drive_ahead_nm |= unpack_left_shift_u32(src_p[5], 2u, 0xffu);
+    dst_p->drive_ahead_nm |= unpack_left_shift_u32(src_p[6], 10u, 0xffu);
+    dst_p->drive_ahead_reason = unpack_right_shift_u8(src_p[7], 0u, 0xffu);
+
+    return (0);
+}
+
+int hubfoc_wheel_ahead_init(struct hubfoc_wheel_ahead_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct hubfoc_wheel_ahead_t));
+
+    return 0;
+}
+
+bool hubfoc_wheel_ahead_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool hubfoc_wheel_ahead_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool hubfoc_wheel_ahead_electric_brake_ahead_nm_is_in_range(uint32_t value)
+{
+    return (value <= 200000u);
+}
+
+bool hubfoc_wheel_ahead_ahead_reason_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool hubfoc_wheel_ahead_drive_ahead_nm_is_in_range(uint32_t value)
+{
+    return (value <= 200000u);
+}
+
+bool hubfoc_wheel_ahead_drive_ahead_reason_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+int hubfoc_wheel_available_pack(
+    uint8_t *dst_p,
+    const struct hubfoc_wheel_available_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    memset(&dst_p[0], 0, 8);
+
+    dst_p[0] |= pack_left_shift_u8(src_p->crc, 0u, 0xffu);
+    dst_p[1] |= pack_left_shift_u8(src_p->counter, 0u, 0x0fu);
+    dst_p[1] |= pack_left_shift_u32(src_p->drive_available_nm, 4u, 0xf0u);
+    dst_p[2] |= pack_right_shift_u32(src_p->drive_available_nm, 4u, 0xffu);
+    dst_p[3] |= pack_right_shift_u32(src_p->drive_available_nm, 12u, 0x3fu);
+    dst_p[3] |= pack_left_shift_u8(src_p->drive_available_reason, 6u, 0xc0u);
+    dst_p[4] |= pack_right_shift_u8(src_p->drive_available_reason, 2u, 0x3fu);
+    dst_p[4] |= pack_left_shift_u8(src_p->waits_for, 6u, 0xc0u);
+    dst_p[5] |= pack_right_shift_u8(src_p->waits_for, 2u, 0x3fu);
+
+    return (8);
+}
+
+int hubfoc_wheel_available_unpack(
+    struct hubfoc_wheel_available_t *dst_p,
+    const uint8_t *src_p,
+    size_t size)
+{
+    if (size < 8u) {
+        return (-EINVAL);
+    }
+
+    dst_p->crc = unpack_right_shift_u8(src_p[0], 0u, 0xffu);
+    dst_p->counter = unpack_right_shift_u8(src_p[1], 0u, 0x0fu);
+    dst_p->drive_available_nm = unpack_right_shift_u32(src_p[1], 4u, 0xf0u);
+    dst_p->drive_available_nm |= unpack_left_shift_u32(src_p[2], 4u, 0xffu);
+    dst_p->drive_available_nm |= unpack_left_shift_u32(src_p[3], 12u, 0x3fu);
+    dst_p->drive_available_reason = unpack_right_shift_u8(src_p[3], 6u, 0xc0u);
+    dst_p->drive_available_reason |= unpack_left_shift_u8(src_p[4], 2u, 0x3fu);
+    dst_p->waits_for = unpack_right_shift_u8(src_p[4], 6u, 0xc0u);
+    dst_p->waits_for |= unpack_left_shift_u8(src_p[5], 2u, 0x3fu);
+
+    return (0);
+}
+
+int hubfoc_wheel_available_init(struct hubfoc_wheel_available_t *msg_p)
+{
+    if (msg_p == NULL) return -1;
+
+    memset(msg_p, 0, sizeof(struct hubfoc_wheel_available_t));
+
+    return 0;
+}
+
+bool hubfoc_wheel_available_crc_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool hubfoc_wheel_available_counter_is_in_range(uint8_t value)
+{
+    return (value <= 15u);
+}
+
+bool hubfoc_wheel_available_drive_available_nm_is_in_range(uint32_t value)
+{
+    return (value <= 200000u);
+}
+
+bool hubfoc_wheel_available_drive_available_reason_is_in_range(uint8_t value)
+{
+    (void)value;
+
+    return (true);
+}
+
+bool hubfoc_wheel_available_waits_for_is_in_range(uint8_t value)
 {
     (void)value;
 

@@ -55,6 +55,8 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_FRAME_ID (0x188u)
 #define HUBFOC_WHEEL_POWER_FRAME_ID (0x18cu)
 #define HUBFOC_WHEEL_HEALTH_FRAME_ID (0x190u)
+#define HUBFOC_WHEEL_AHEAD_FRAME_ID (0x194u)
+#define HUBFOC_WHEEL_AVAILABLE_FRAME_ID (0x198u)
 
 /* Frame lengths in bytes. */
 #define HUBFOC_DEMAND_LENGTH (8u)
@@ -66,6 +68,8 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_LENGTH (8u)
 #define HUBFOC_WHEEL_POWER_LENGTH (8u)
 #define HUBFOC_WHEEL_HEALTH_LENGTH (8u)
+#define HUBFOC_WHEEL_AHEAD_LENGTH (8u)
+#define HUBFOC_WHEEL_AVAILABLE_LENGTH (8u)
 
 /* Extended or standard frame types. */
 #define HUBFOC_DEMAND_IS_EXTENDED (0)
@@ -77,6 +81,8 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_IS_EXTENDED (0)
 #define HUBFOC_WHEEL_POWER_IS_EXTENDED (0)
 #define HUBFOC_WHEEL_HEALTH_IS_EXTENDED (0)
+#define HUBFOC_WHEEL_AHEAD_IS_EXTENDED (0)
+#define HUBFOC_WHEEL_AVAILABLE_IS_EXTENDED (0)
 
 /* Frame cycle times in milliseconds. */
 #define HUBFOC_DEMAND_CYCLE_TIME_MS (10u)
@@ -88,6 +94,8 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_CYCLE_TIME_MS (20u)
 #define HUBFOC_WHEEL_POWER_CYCLE_TIME_MS (100u)
 #define HUBFOC_WHEEL_HEALTH_CYCLE_TIME_MS (100u)
+#define HUBFOC_WHEEL_AHEAD_CYCLE_TIME_MS (50u)
+#define HUBFOC_WHEEL_AVAILABLE_CYCLE_TIME_MS (100u)
 
 /* Signal choices. */
 #define HUBFOC_DEMAND_DIRECTION_FORWARD_CHOICE (0u)
@@ -370,6 +378,181 @@ extern "C" {
 #define HUBFOC_WHEEL_HEALTH_BATTERY_LINK_VALID_CHOICE (2u)
 #define HUBFOC_WHEEL_HEALTH_BATTERY_LINK_TIMED_OUT_CHOICE (3u)
 
+#define HUBFOC_WHEEL_HEALTH_HYDRAULIC_LINK_NO_DATA_CHOICE (0u)
+#define HUBFOC_WHEEL_HEALTH_HYDRAULIC_LINK_QUALIFYING_CHOICE (1u)
+#define HUBFOC_WHEEL_HEALTH_HYDRAULIC_LINK_VALID_CHOICE (2u)
+#define HUBFOC_WHEEL_HEALTH_HYDRAULIC_LINK_TIMED_OUT_CHOICE (3u)
+
+#define HUBFOC_WHEEL_HEALTH_PEAK_LINK_NO_DATA_CHOICE (0u)
+#define HUBFOC_WHEEL_HEALTH_PEAK_LINK_QUALIFYING_CHOICE (1u)
+#define HUBFOC_WHEEL_HEALTH_PEAK_LINK_VALID_CHOICE (2u)
+#define HUBFOC_WHEEL_HEALTH_PEAK_LINK_TIMED_OUT_CHOICE (3u)
+
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_NONE_CHOICE (0u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_LOSS_OPTIMUM_CHOICE (1u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_MAX_TORQUE_CHOICE (2u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_MAX_POWER_CHOICE (3u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_PHASE_CURRENT_CHOICE (4u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_CHARGE_CURRENT_CHOICE (5u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_DISCHARGE_CURRENT_CHOICE (6u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_BUS_VOLTAGE_HIGH_CHOICE (7u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_BUS_VOLTAGE_LOW_CHOICE (8u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_WINDING_TEMPERATURE_CHOICE (9u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_SWITCH_TEMPERATURE_CHOICE (10u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_BLEND_OUT_CHOICE (11u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_TORQUE_RATE_CHOICE (12u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_VOLTAGE_CHOICE (13u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_ELECTRIC_SHARE_CHOICE (14u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_ELECTRIC_RATED_CHOICE (15u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_ABS_CHOICE (16u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_TORQUE_ENABLE_CHOICE (17u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_MAX_SPEED_CHOICE (18u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_BRAKE_PRIORITY_CHOICE (21u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_DRIVE_DIRECTION_CHOICE (22u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_HILL_HOLD_CHOICE (23u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_OVERSPEED_CHOICE (27u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_BATTERY_DISCONNECTED_CHOICE (28u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_OFFSETS_STORED_CHOICE (29u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_ACCELERATOR_LOCKED_CHOICE (30u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_CONFIG_INVALID_CHOICE (64u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_SELFTEST_FAILED_CHOICE (65u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_OFFSET_IMPLAUSIBLE_CHOICE (66u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_OVERCURRENT_CHOICE (67u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_BUS_OVERVOLTAGE_CHOICE (68u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_BUS_UNDERVOLTAGE_CHOICE (69u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_WINDING_OVERTEMPERATURE_CHOICE (70u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_SWITCH_OVERTEMPERATURE_CHOICE (71u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_CURRENT_SUM_CHOICE (72u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_ROTOR_LOST_CHOICE (73u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_TORQUE_IMPLAUSIBLE_CHOICE (74u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_PROGRAM_FLOW_CHOICE (75u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_DEMAND_TIMEOUT_CHOICE (76u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_HARDWARE_BREAK_CHOICE (77u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_CURRENT_SENSOR_CHOICE (78u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_ROTOR_IMPLAUSIBLE_CHOICE (79u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_WINDING_SENSOR_CHOICE (80u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_SWITCH_SENSOR_CHOICE (81u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_ACCELERATOR_SENSOR_CHOICE (82u)
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_BRAKE_PEDAL_SENSOR_CHOICE (83u)
+
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_NONE_CHOICE (0u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_LOSS_OPTIMUM_CHOICE (1u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_MAX_TORQUE_CHOICE (2u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_MAX_POWER_CHOICE (3u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_PHASE_CURRENT_CHOICE (4u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_CHARGE_CURRENT_CHOICE (5u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_DISCHARGE_CURRENT_CHOICE (6u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_BUS_VOLTAGE_HIGH_CHOICE (7u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_BUS_VOLTAGE_LOW_CHOICE (8u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_WINDING_TEMPERATURE_CHOICE (9u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_SWITCH_TEMPERATURE_CHOICE (10u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_BLEND_OUT_CHOICE (11u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_TORQUE_RATE_CHOICE (12u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_VOLTAGE_CHOICE (13u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_ELECTRIC_SHARE_CHOICE (14u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_ELECTRIC_RATED_CHOICE (15u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_ABS_CHOICE (16u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_TORQUE_ENABLE_CHOICE (17u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_MAX_SPEED_CHOICE (18u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_BRAKE_PRIORITY_CHOICE (21u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_DRIVE_DIRECTION_CHOICE (22u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_HILL_HOLD_CHOICE (23u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_OVERSPEED_CHOICE (27u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_BATTERY_DISCONNECTED_CHOICE (28u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_OFFSETS_STORED_CHOICE (29u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_ACCELERATOR_LOCKED_CHOICE (30u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_CONFIG_INVALID_CHOICE (64u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_SELFTEST_FAILED_CHOICE (65u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_OFFSET_IMPLAUSIBLE_CHOICE (66u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_OVERCURRENT_CHOICE (67u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_BUS_OVERVOLTAGE_CHOICE (68u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_BUS_UNDERVOLTAGE_CHOICE (69u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_WINDING_OVERTEMPERATURE_CHOICE (70u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_SWITCH_OVERTEMPERATURE_CHOICE (71u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_CURRENT_SUM_CHOICE (72u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_ROTOR_LOST_CHOICE (73u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_TORQUE_IMPLAUSIBLE_CHOICE (74u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_PROGRAM_FLOW_CHOICE (75u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_DEMAND_TIMEOUT_CHOICE (76u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_HARDWARE_BREAK_CHOICE (77u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_CURRENT_SENSOR_CHOICE (78u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_ROTOR_IMPLAUSIBLE_CHOICE (79u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_WINDING_SENSOR_CHOICE (80u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_SWITCH_SENSOR_CHOICE (81u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_ACCELERATOR_SENSOR_CHOICE (82u)
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_BRAKE_PEDAL_SENSOR_CHOICE (83u)
+
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_NONE_CHOICE (0u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_LOSS_OPTIMUM_CHOICE (1u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_MAX_TORQUE_CHOICE (2u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_MAX_POWER_CHOICE (3u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_PHASE_CURRENT_CHOICE (4u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_CHARGE_CURRENT_CHOICE (5u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_DISCHARGE_CURRENT_CHOICE (6u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_BUS_VOLTAGE_HIGH_CHOICE (7u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_BUS_VOLTAGE_LOW_CHOICE (8u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_WINDING_TEMPERATURE_CHOICE (9u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_SWITCH_TEMPERATURE_CHOICE (10u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_BLEND_OUT_CHOICE (11u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_TORQUE_RATE_CHOICE (12u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_VOLTAGE_CHOICE (13u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_ELECTRIC_SHARE_CHOICE (14u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_ELECTRIC_RATED_CHOICE (15u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_ABS_CHOICE (16u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_TORQUE_ENABLE_CHOICE (17u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_MAX_SPEED_CHOICE (18u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_ROTOR_UNCERTAIN_CHOICE (19u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_HYDRAULIC_LIMIT_CHOICE (20u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_BRAKE_PRIORITY_CHOICE (21u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_DRIVE_DIRECTION_CHOICE (22u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_HILL_HOLD_CHOICE (23u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_HYDRAULIC_FEEDBACK_CHOICE (26u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_OVERSPEED_CHOICE (27u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_BATTERY_DISCONNECTED_CHOICE (28u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_OFFSETS_STORED_CHOICE (29u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_ACCELERATOR_LOCKED_CHOICE (30u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_CONFIG_INVALID_CHOICE (64u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_SELFTEST_FAILED_CHOICE (65u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_OFFSET_IMPLAUSIBLE_CHOICE (66u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_OVERCURRENT_CHOICE (67u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_BUS_OVERVOLTAGE_CHOICE (68u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_BUS_UNDERVOLTAGE_CHOICE (69u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_WINDING_OVERTEMPERATURE_CHOICE (70u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_SWITCH_OVERTEMPERATURE_CHOICE (71u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_CURRENT_SUM_CHOICE (72u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_ROTOR_LOST_CHOICE (73u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_TORQUE_IMPLAUSIBLE_CHOICE (74u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_PROGRAM_FLOW_CHOICE (75u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_DEMAND_TIMEOUT_CHOICE (76u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_HARDWARE_BREAK_CHOICE (77u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_CURRENT_SENSOR_CHOICE (78u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_ROTOR_IMPLAUSIBLE_CHOICE (79u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_WINDING_SENSOR_CHOICE (80u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_SWITCH_SENSOR_CHOICE (81u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_ACCELERATOR_SENSOR_CHOICE (82u)
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_BRAKE_PEDAL_SENSOR_CHOICE (83u)
+
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_NONE_CHOICE (0u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_CONFIGURATION_CHOICE (1u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_SELFTEST_CHOICE (2u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_LOWER_SPEED_CHOICE (3u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_OFFSETS_CHOICE (4u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_ENABLE_CHOICE (5u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_DEMAND_LINK_CHOICE (6u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_PEDAL_RELEASE_CHOICE (7u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_ROTOR_ANGLE_CHOICE (8u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_BATTERY_CHOICE (9u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_DIRECTION_CHOICE (10u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_FAULT_CAUSE_CHOICE (11u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_REST_CHOICE (12u)
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_ACKNOWLEDGEMENT_CHOICE (13u)
+
 /* Frame Names. */
 #define HUBFOC_DEMAND_NAME "Demand"
 #define HUBFOC_HYDRAULIC_FEEDBACK_NAME "HydraulicFeedback"
@@ -380,6 +563,8 @@ extern "C" {
 #define HUBFOC_WHEEL_DRIVE_NAME "WheelDrive"
 #define HUBFOC_WHEEL_POWER_NAME "WheelPower"
 #define HUBFOC_WHEEL_HEALTH_NAME "WheelHealth"
+#define HUBFOC_WHEEL_AHEAD_NAME "WheelAhead"
+#define HUBFOC_WHEEL_AVAILABLE_NAME "WheelAvailable"
 
 /* Signal Names. */
 #define HUBFOC_DEMAND_CRC_NAME "crc"
@@ -432,9 +617,22 @@ extern "C" {
 #define HUBFOC_WHEEL_HEALTH_DEMAND_LINK_NAME "demand_link"
 #define HUBFOC_WHEEL_HEALTH_BATTERY_LINK_NAME "battery_link"
 #define HUBFOC_WHEEL_HEALTH_WINDING_TEMPERATURE_C_NAME "winding_temperature_c"
+#define HUBFOC_WHEEL_HEALTH_HYDRAULIC_LINK_NAME "hydraulic_link"
 #define HUBFOC_WHEEL_HEALTH_SWITCH_TEMPERATURE_C_NAME "switch_temperature_c"
+#define HUBFOC_WHEEL_HEALTH_PEAK_LINK_NAME "peak_link"
 #define HUBFOC_WHEEL_HEALTH_DEMAND_ERRORS_NAME "demand_errors"
 #define HUBFOC_WHEEL_HEALTH_BATTERY_ERRORS_NAME "battery_errors"
+#define HUBFOC_WHEEL_AHEAD_CRC_NAME "crc"
+#define HUBFOC_WHEEL_AHEAD_COUNTER_NAME "counter"
+#define HUBFOC_WHEEL_AHEAD_ELECTRIC_BRAKE_AHEAD_NM_NAME "electric_brake_ahead_nm"
+#define HUBFOC_WHEEL_AHEAD_AHEAD_REASON_NAME "ahead_reason"
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_NM_NAME "drive_ahead_nm"
+#define HUBFOC_WHEEL_AHEAD_DRIVE_AHEAD_REASON_NAME "drive_ahead_reason"
+#define HUBFOC_WHEEL_AVAILABLE_CRC_NAME "crc"
+#define HUBFOC_WHEEL_AVAILABLE_COUNTER_NAME "counter"
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_NM_NAME "drive_available_nm"
+#define HUBFOC_WHEEL_AVAILABLE_DRIVE_AVAILABLE_REASON_NAME "drive_available_reason"
+#define HUBFOC_WHEEL_AVAILABLE_WAITS_FOR_NAME "waits_for"
 
 /**
  * Signals in message Demand.
@@ -967,6 +1165,15 @@ struct hubfoc_wheel_health_t {
     int16_t winding_temperature_c;
 
     /**
+     * Receiver of HydraulicFeedback.
+     *
+     * Range: 0..3 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t hydraulic_link;
+
+    /**
      * Of the power stage. 300: the sensor is broken or not connected.
      *
      * Range: -1000..3000 (-100..300 degC)
@@ -974,6 +1181,15 @@ struct hubfoc_wheel_health_t {
      * Offset: 0
      */
     int16_t switch_temperature_c;
+
+    /**
+     * Receiver of BatteryPeak.
+     *
+     * Range: 0..3 (0..3 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t peak_link;
 
     /**
      * Demand frames refused and timeouts since the start; wraps at 256.
@@ -992,6 +1208,123 @@ struct hubfoc_wheel_health_t {
      * Offset: 0
      */
     uint8_t battery_errors;
+};
+
+/**
+ * Signals in message WheelAhead.
+ *
+ * Available torques expected 300 ms later, from the slopes of speed, voltage, temperatures and limits.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct hubfoc_wheel_ahead_t {
+    /**
+     * CRC-8, polynomial 0x2F, initial and final 0xFF, over bytes 1 to 7 and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * One more with every frame, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Electric braking torque expected to be available; a magnitude, rounded down.
+     *
+     * Range: 0..200000 (0..20000 Nm)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    uint32_t electric_brake_ahead_nm;
+
+    /**
+     * What will limit electric_brake_ahead_nm.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t ahead_reason;
+
+    /**
+     * Driving torque expected to be available; a magnitude, rounded down.
+     *
+     * Range: 0..200000 (0..20000 Nm)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    uint32_t drive_ahead_nm;
+
+    /**
+     * What will limit drive_ahead_nm.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t drive_ahead_reason;
+};
+
+/**
+ * Signals in message WheelAvailable.
+ *
+ * Available driving torque, and what it waits for.
+ *
+ * All signal values are as on the CAN bus.
+ */
+struct hubfoc_wheel_available_t {
+    /**
+     * CRC-8, polynomial 0x2F, initial and final 0xFF, over bytes 1 to 7 and the data id.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t crc;
+
+    /**
+     * One more with every frame, 15 is followed by 0.
+     *
+     * Range: 0..15 (0..15 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t counter;
+
+    /**
+     * Available driving torque; a magnitude, rounded down.
+     *
+     * Range: 0..200000 (0..20000 Nm)
+     * Scale: 0.1
+     * Offset: 0
+     */
+    uint32_t drive_available_nm;
+
+    /**
+     * What limits drive_available_nm.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t drive_available_reason;
+
+    /**
+     * What has to happen before the wheel drives; the first of several.
+     *
+     * Range: 0..255 (0..255 -)
+     * Scale: 1
+     * Offset: 0
+     */
+    uint8_t waits_for;
 };
 
 /**
@@ -1784,7 +2117,25 @@ bool hubfoc_wheel_health_winding_temperature_c_is_in_range(int16_t value);
  *
  * @return true if in range, false otherwise.
  */
+bool hubfoc_wheel_health_hydraulic_link_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
 bool hubfoc_wheel_health_switch_temperature_c_is_in_range(int16_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_health_peak_link_is_in_range(uint8_t value);
 
 /**
  * Check that given signal is in allowed range.
@@ -1803,6 +2154,179 @@ bool hubfoc_wheel_health_demand_errors_is_in_range(uint8_t value);
  * @return true if in range, false otherwise.
  */
 bool hubfoc_wheel_health_battery_errors_is_in_range(uint8_t value);
+
+/**
+ * Pack message WheelAhead.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int hubfoc_wheel_ahead_pack(
+    uint8_t *dst_p,
+    const struct hubfoc_wheel_ahead_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message WheelAhead.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int hubfoc_wheel_ahead_unpack(
+    struct hubfoc_wheel_ahead_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from WheelAhead.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int hubfoc_wheel_ahead_init(struct hubfoc_wheel_ahead_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_ahead_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_ahead_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_ahead_electric_brake_ahead_nm_is_in_range(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_ahead_ahead_reason_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_ahead_drive_ahead_nm_is_in_range(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_ahead_drive_ahead_reason_is_in_range(uint8_t value);
+
+/**
+ * Pack message WheelAvailable.
+ *
+ * @param[out] dst_p Buffer to pack the message into.
+ * @param[in] src_p Data to pack.
+ * @param[in] size Size of dst_p.
+ *
+ * @return Size of packed data, or negative error code.
+ */
+int hubfoc_wheel_available_pack(
+    uint8_t *dst_p,
+    const struct hubfoc_wheel_available_t *src_p,
+    size_t size);
+
+/**
+ * Unpack message WheelAvailable.
+ *
+ * @param[out] dst_p Object to unpack the message into.
+ * @param[in] src_p Message to unpack.
+ * @param[in] size Size of src_p.
+ *
+ * @return zero(0) or negative error code.
+ */
+int hubfoc_wheel_available_unpack(
+    struct hubfoc_wheel_available_t *dst_p,
+    const uint8_t *src_p,
+    size_t size);
+
+/**
+ * Init message fields to default values from WheelAvailable.
+ *
+ * @param[in] msg_p Message to init.
+ *
+ * @return zero(0) on success or (-1) in case of nullptr argument.
+ */
+int hubfoc_wheel_available_init(struct hubfoc_wheel_available_t *msg_p);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_available_crc_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_available_counter_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_available_drive_available_nm_is_in_range(uint32_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_available_drive_available_reason_is_in_range(uint8_t value);
+
+/**
+ * Check that given signal is in allowed range.
+ *
+ * @param[in] value Signal to check.
+ *
+ * @return true if in range, false otherwise.
+ */
+bool hubfoc_wheel_available_waits_for_is_in_range(uint8_t value);
 
 
 #ifdef __cplusplus

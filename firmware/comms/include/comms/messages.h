@@ -7,7 +7,7 @@
  * e2e.h), so one DBC is for all of them. The structures are the controller's own
  * (core/slow_messages.h), in SI milli-units; a frame holds whole steps of 0.1 N m, 0.1 A, 0.1 V,
  * 0.1 degrees and 0.01 rad/s. What is sent is rounded to the nearest step and kept within the DBC's
- * range, except that the available braking torque is rounded down, so that it is never overstated.
+ * range, except that available torques are rounded down, so that they are never overstated.
  *
  * Signs: torque, speed and current are positive when they drive forward; braking torques are
  * magnitudes >= 0; the bus current is positive out of the battery. Pure; any context.
@@ -41,6 +41,8 @@ typedef enum {
     MESSAGES_WHEEL_DRIVE,
     MESSAGES_WHEEL_POWER,
     MESSAGES_WHEEL_HEALTH,
+    MESSAGES_WHEEL_AHEAD,
+    MESSAGES_WHEEL_AVAILABLE,
     MESSAGES_KINDS
 } messages_kind_t;
 
@@ -60,6 +62,8 @@ typedef struct {
 typedef struct {
     e2e_link_t demand;
     e2e_link_t battery;
+    e2e_link_t hydraulic;
+    e2e_link_t peak;
     uint32_t demand_errors;
     uint32_t battery_errors;
 } messages_links_t;

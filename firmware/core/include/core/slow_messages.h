@@ -17,6 +17,7 @@
 #include "core/drive_direction.h"
 #include "core/operating_mode.h"
 #include "core/reason.h"
+#include "core/waits_for.h"
 
 /* What the vehicle demands of this wheel: the CAN message Demand, or a pedal. */
 typedef struct {
@@ -81,16 +82,22 @@ typedef struct {
     int32_t motor_torque_estimate_mNm;    /* signed: from measured currents, at the shaft */
     int32_t hydraulic_torque_mNm;         /* command to the hydraulic brake, magnitude >= 0 */
     int32_t electric_brake_available_mNm; /* braking torque limit of the motor, magnitude >= 0 */
+    int32_t electric_brake_ahead_mNm;     /* expected 300 ms later, magnitude >= 0 */
+    int32_t drive_available_mNm;          /* driving torque limit, magnitude >= 0 */
+    int32_t drive_ahead_mNm;              /* expected 300 ms later, magnitude >= 0 */
     int32_t speed_mrad_s;                 /* mechanical, signed */
     int32_t i_d_mA, i_q_mA;               /* mean over the latest millisecond, peak phase values */
     int32_t bus_voltage_mV;
     int32_t bus_current_mA;    /* estimate from applied voltage and measured current */
     reason_t torque_reason;    /* what bounds the motor torque in the demanded direction */
     reason_t available_reason; /* what bounds electric_brake_available_mNm */
+    reason_t ahead_reason;     /* what will bound electric_brake_ahead_mNm */
+    reason_t drive_available_reason, drive_ahead_reason;
     reason_t hydraulic_reason; /* REASON_HYDRAULIC_LIMIT: motor and hydraulic brake together
                                   cannot meet the demand */
     reason_t fault_reason;     /* the latched fault, REASON_NONE when healthy */
     operating_mode_t mode;
+    waits_for_t waits_for;       /* what driving torque waits for */
     reason_t warning_reason;     /* the latched warning, else the present one; REASON_NONE: none */
     drive_direction_t direction; /* in which driving torque is made now; NEUTRAL: none is */
     bool hydraulic_valid;        /* false: the demand is lost, the brake system must use its own

@@ -22,6 +22,7 @@
 #include "core/operating_mode.h"
 #include "core/reason.h"
 #include "core/torque_enable.h"
+#include "core/waits_for.h"
 
 enum {
     /* 0.5 s; averaging over 1024 PWM periods takes at most 256 ms. */
@@ -41,6 +42,7 @@ typedef struct {
     bool enable;
     bool demand_lost;     /* older than its timeout */
     reason_t lost_reason; /* REASON_DEMAND_TIMEOUT, or the sensor that made it be lost */
+    bool neutral;         /* no drive direction is engaged */
     bool torque_demanded; /* driving or braking */
     bool drive_demanded;  /* driving alone, no lift-off braking: must end once before RUN */
     bool fault_reset;
@@ -60,6 +62,7 @@ typedef struct {
     uint16_t quiet_steps; /* of OFFSET_CAL without a current that the EMF drives */
     bool offsets_stored;  /* the stored offsets are in use: a warning until others are measured */
     uint16_t acknowledge_steps; /* left of a pending acknowledgement */
+    bool fault_persists;        /* the last acknowledgement found the fault still there */
     bool reset_before;
 } modes_state_t;
 
@@ -68,6 +71,7 @@ typedef struct {
     reason_t fault;   /* latched, REASON_NONE when healthy */
     reason_t warning; /* the latched one, else the monitor's present one */
     torque_enable_t torque_enable;
+    waits_for_t waits_for; /* what driving torque waits for */
     bool calibrate_offsets;
     bool clear_trip; /* an acknowledgement is pending: the fast loop clears its latched trip and
                         checks again */

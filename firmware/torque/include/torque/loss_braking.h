@@ -23,6 +23,7 @@ typedef struct {
     int32_t current_b;            /* up to which i_d may raise |i|; 0: no loss braking */
     feasible_returned_t returned; /* what the battery takes comes first */
     int32_t by_map_mNm;           /* the torque that returns it with the i_d of the map */
+    int32_t torque_mNm;           /* that returns nothing on the circle; 0: not computed */
 } loss_braking_t;
 
 /* share_q15: derating of winding and switches, 32 767 = none. */

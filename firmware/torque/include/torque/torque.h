@@ -14,6 +14,7 @@
 
 #include "config/config.h"
 #include "core/torque_enable.h"
+#include "torque/available_ahead.h"
 #include "torque/brake_blending.h"
 #include "torque/current_setpoint.h"
 #include "torque/demand.h"
@@ -77,6 +78,7 @@ typedef struct {
     hill_hold_state_t hold;
     torque_command_state_t command;
     stop_lamp_state_t lamp;
+    available_ahead_state_t ahead; /* its results are outputs as well */
 } torque_state_t;
 
 /* config: must stay valid as long as the state is used. */
@@ -84,5 +86,9 @@ void torque_init(torque_state_t *state, const config_t *config);
 
 torque_output_t torque_step(torque_state_t *state, const config_t *config,
                             const torque_input_t *in);
+
+/* After torque_step(), with the same input: state->ahead. Apart from it for the sake of the stack.
+ */
+void torque_look_ahead(torque_state_t *state, const config_t *config, const torque_input_t *in);
 
 #endif

@@ -68,6 +68,7 @@ typedef struct {
     /* Torque against the direction of rotation. */
     limit_t braking[TORQUE_LINE_COUNT];
     loss_braking_t losses; /* for the current setpoint */
+    int32_t drawn_b;       /* feasible_power_b() of the discharge current */
 } torque_limits_t;
 
 void torque_limits_init(torque_limits_state_t *state, torque_limits_t *table);
@@ -81,6 +82,11 @@ void torque_limits_step(torque_limits_state_t *state, const feasible_set_t *set,
  * returns the most energy now; demand_mNm: of both brakes together; >= 0. */
 void torque_limits_strategy(limit_t line[TORQUE_LINE_COUNT], const config_t *config,
                             int32_t speed_mrad_s, int32_t optimum_mNm, int32_t demand_mNm);
+
+/* The lines of temperatures and, driving, of the highest speed. */
+limit_t torque_limits_winding(const config_t *config, int32_t temperature_cC);
+limit_t torque_limits_switch(const config_t *config, int32_t temperature_cC);
+limit_t torque_limits_max_speed(const config_t *config, int32_t speed_mrad_s);
 
 /* The line ABS: zero while the anti-lock system intervenes and for brake.abs_hold_ms afterwards.
  * Slow loop, once per step. */

@@ -119,6 +119,15 @@
     X(electric_brake_available_nm, electric_brake_available_mNm, electric_brake_available_mNm, \
       REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
       "present limit of the electric braking torque, magnitude") \
+    X(electric_brake_ahead_nm, electric_brake_ahead_mNm, electric_brake_ahead_mNm, \
+      REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
+      "limit of the electric braking torque expected 0.3 s later, magnitude") \
+    X(drive_available_nm, drive_available_mNm, drive_available_mNm, \
+      REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
+      "present limit of the driving torque, magnitude") \
+    X(drive_ahead_nm, drive_ahead_mNm, drive_ahead_mNm, \
+      REAL, MILLI, INT32_MIN, INT32_MAX, 0, "N.m", \
+      "limit of the driving torque expected 0.3 s later, magnitude") \
     X(speed_rad_per_s, speed_mrad_s, speed_mrad_s, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "rad/s", \
       "mechanical speed, estimated") \
     X(current_d_a, i_d_mA, i_d_mA, REAL, MILLI, INT32_MIN, INT32_MAX, 0, "A", \
@@ -133,6 +142,13 @@
       "reason of the limit of the motor torque; 0: no limit") \
     X(available_reason, available_reason, available_reason, CODE, PLAIN, 0, 255, 0, "", \
       "reason of the limit of the electric braking torque") \
+    X(ahead_reason, ahead_reason, ahead_reason, CODE, PLAIN, 0, 255, 0, "", \
+      "reason of the limit of the electric braking torque expected 0.3 s later") \
+    X(drive_available_reason, drive_available_reason, drive_available_reason, \
+      CODE, PLAIN, 0, 255, 0, "", "reason of the limit of the driving torque") \
+    X(drive_ahead_reason, drive_ahead_reason, drive_ahead_reason, \
+      CODE, PLAIN, 0, 255, 0, "", \
+      "reason of the limit of the driving torque expected 0.3 s later") \
     X(hydraulic_reason, hydraulic_reason, hydraulic_reason, CODE, PLAIN, 0, 255, 0, "", \
       "reason of a demand beyond motor and hydraulic brake; 0: demand met") \
     X(fault_reason, fault_reason, fault_reason, CODE, PLAIN, 0, 255, 0, "", \
@@ -141,6 +157,8 @@
       "the latched warning, else the present one; 0: none") \
     X(mode, mode, mode, CODE, PLAIN, 0, 6, 0, "", \
       "0 boot, 1 self-test, 2 offset calibration, 3 ready, 4 run, 5 limp, 6 fault") \
+    X(waits_for, waits_for, waits_for, CODE, PLAIN, 0, 255, 0, "", \
+      "what driving torque waits for, by firmware/core/include/core/waits_for.h; 0: none") \
     X(direction, direction, direction, CODE, PLAIN, 0, 2, 0, "", \
       "in which driving torque is made: 0 forward, 1 reverse, 2 neutral") \
     X(hydraulic_valid, hydraulic_valid, hydraulic_valid, FLAG, PLAIN, 0, 1, 0, "", \

@@ -117,11 +117,11 @@ void test_number_of_frames_per_call_is_bounded(void)
     TEST_ASSERT_TRUE(delivered > 0 && delivered < 16);
 }
 
-/* In a second: state and brake 100 times, drive 50 times, power and health 10 times each. */
+/* In a second: state and brake 100 times, drive 50, ahead 20, the others 10 times each. */
 void test_every_message_is_sent_in_its_cycle_with_free_mailboxes(void)
 {
     const slow_output_t output = {.mode = MODE_READY};
-    int count[5] = {0};
+    int count[MESSAGES_SENT] = {0};
     for (uint32_t ms = 1; ms <= 1000; ms++) {
         sent_count = 0;
         free_mailboxes = 64;
@@ -129,7 +129,7 @@ void test_every_message_is_sent_in_its_cycle_with_free_mailboxes(void)
         can_link_transmit(&can_link, ms, &output, &TEMPERATURE);
         for (int i = 0; i < sent_count; i++) {
             TEST_ASSERT_EQUAL_UINT8(8, sent[i].length);
-            TEST_ASSERT_TRUE(sent[i].identifier >= 0x182 && sent[i].identifier <= 0x192);
+            TEST_ASSERT_TRUE(sent[i].identifier >= 0x182 && sent[i].identifier <= 0x19A);
             TEST_ASSERT_EQUAL_HEX16(2, sent[i].identifier & 3);
             count[(sent[i].identifier - 0x180) / 4]++;
         }
@@ -139,9 +139,11 @@ void test_every_message_is_sent_in_its_cycle_with_free_mailboxes(void)
     TEST_ASSERT_EQUAL_INT(50, count[2]);
     TEST_ASSERT_EQUAL_INT(10, count[3]);
     TEST_ASSERT_EQUAL_INT(10, count[4]);
+    TEST_ASSERT_EQUAL_INT(20, count[5]);
+    TEST_ASSERT_EQUAL_INT(10, count[6]);
 }
 
-/* Three mailboxes and five messages due: the three most urgent are sent first, the others when the
+/* Three mailboxes and seven messages due: the three most urgent are sent first, the others when the
  * mailboxes are empty again. */
 void test_messages_without_a_free_mailbox_are_sent_in_the_next_call(void)
 {
@@ -154,9 +156,10 @@ void test_messages_without_a_free_mailbox_are_sent_in_the_next_call(void)
     TEST_ASSERT_EQUAL_HEX16(0x18A, sent[2].identifier);
     free_mailboxes = 3;
     can_link_transmit(&can_link, 101, &output, &TEMPERATURE);
-    TEST_ASSERT_EQUAL_INT(5, sent_count);
+    TEST_ASSERT_EQUAL_INT(6, sent_count);
     TEST_ASSERT_EQUAL_HEX16(0x18E, sent[3].identifier);
     TEST_ASSERT_EQUAL_HEX16(0x192, sent[4].identifier);
+    TEST_ASSERT_EQUAL_HEX16(0x196, sent[5].identifier);
 }
 
 /* The transceiver may be supplied later than the controller. Until then the port accepts no frame.

@@ -167,6 +167,19 @@ void test_status_prints_mode_reason_and_values_in_si_units(void)
     assert_in_line("demand NO_DATA");
 }
 
+void test_status_names_what_the_mode_waits_for_and_only_then(void)
+{
+    output.mode = MODE_READY;
+    output.torque_reason = REASON_TORQUE_ENABLE;
+    output.waits_for = WAITS_FOR_PEDAL_RELEASE;
+    report_status(&status, &line);
+    assert_in_line("READY, torque not enabled in this mode, waits for the drive pedal's release; ");
+    text_clear(&line);
+    output.waits_for = WAITS_FOR_NONE;
+    report_status(&status, &line);
+    TEST_ASSERT_NULL(strstr(line.chars, "waits"));
+}
+
 void test_latched_fault_is_printed_instead_of_the_limit(void)
 {
     output.mode = MODE_FAULT;
@@ -285,6 +298,7 @@ void test_longest_status_is_complete(void)
 {
     output.mode = MODE_OFFSET_CAL;
     output.torque_reason = REASON_ELECTRIC_RATED; /* the longest text of all */
+    output.waits_for = WAITS_FOR_LOWER_SPEED;     /* here too */
     output.motor_torque_estimate_mNm = -20000000;
     output.motor_torque_command_mNm = -20000000;
     output.speed_mrad_s = -5000000;
@@ -310,13 +324,15 @@ void test_every_kind_of_frame_error_has_its_count(void)
     assert_on_page("demand VALID; used 1, lost 0, repeated 3, out of sequence 0, damaged 0, "
                    "implausible 0, timeouts 0\n");
     assert_on_page("battery NO_DATA; used 0, ");
+    assert_on_page("battery peak NO_DATA; used 0, ");
+    assert_on_page("hydraulic NO_DATA; used 0, ");
     assert_on_page("bus on, foreign frames 0\n");
 }
 
 void test_bus_off_is_printed(void)
 {
     status.bus_off = true;
-    TEST_ASSERT_TRUE(report_can(&status, 2, &line));
+    TEST_ASSERT_TRUE(report_can(&status, 4, &line));
     assert_in_line("bus off");
 }
 

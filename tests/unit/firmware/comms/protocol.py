@@ -68,13 +68,18 @@ class Comms:
         return int(getattr(self.lib, name))
 
 
-def reasons() -> dict[int, str]:
-    """Return number and name of every reason of core/reason.h."""
-    text = (FIRMWARE / "core/include/core/reason.h").read_text(encoding="utf-8")
-    found = {
+def listed_in(header: str) -> dict[int, str]:
+    """Return number and name of every line of a header's list."""
+    text = (FIRMWARE / header).read_text(encoding="utf-8")
+    return {
         int(number): name
         for number, name in re.findall(r"^\s*X\((\d+), (\w+), \"", text, re.MULTILINE)
     }
+
+
+def reasons() -> dict[int, str]:
+    """Return number and name of every reason of core/reason.h."""
+    found = listed_in("core/include/core/reason.h")
     assert found[0] == "NONE"
     assert len(found) > 20
     return found

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import pytest
 from cantools.database.can import Database, Message, Signal
-from protocol import DBC, WHEELS, enumerators, reasons
+from protocol import DBC, WHEELS, enumerators, listed_in, reasons
 
 # Suffix of a name and its unit.
 UNITS = {"_nm": "Nm", "_rad_s": "rad/s", "_v": "V", "_a": "A", "_c": "degC"}
@@ -31,6 +31,8 @@ def test_the_messages_are_those_of_the_protocol(database: Database) -> None:
         "WheelDrive",
         "WheelPower",
         "WheelHealth",
+        "WheelAhead",
+        "WheelAvailable",
     ]
 
 
@@ -165,6 +167,9 @@ def choices(message: str, signal: str, database: Database) -> dict[int, str]:
         ("WheelBrake", "hydraulic_reason"),
         ("WheelBrake", "available_reason"),
         ("WheelDrive", "torque_reason"),
+        ("WheelAhead", "ahead_reason"),
+        ("WheelAhead", "drive_ahead_reason"),
+        ("WheelAvailable", "drive_available_reason"),
     ],
 )
 def test_reasons_have_the_firmware_s_numbers_and_names(
@@ -186,7 +191,13 @@ def test_modes_have_the_firmware_s_numbers_and_names(database: Database) -> None
     assert choices("WheelState", "mode", database) == modes
 
 
-@pytest.mark.parametrize("signal", ["demand_link", "battery_link"])
+def test_what_is_waited_for_has_the_firmware_s_numbers_and_names(database: Database) -> None:
+    listed = listed_in("core/include/core/waits_for.h")
+    assert len(listed) >= 14
+    assert choices("WheelAvailable", "waits_for", database) == listed
+
+
+@pytest.mark.parametrize("signal", ["demand_link", "battery_link", "hydraulic_link", "peak_link"])
 def test_link_states_have_the_firmware_s_numbers_and_names(signal: str, database: Database) -> None:
     links = enumerators("comms/include/comms/e2e.h", "E2E")
     expected = {

@@ -16,7 +16,10 @@ from protocol import DBC, MODULE, WHEELS, Comms, CValue
 # The list of e2e.c, derived from four entries as in its comment.
 BASIS = {1: 0x90, 2: 0xAA, 4: 0xC0, 8: 0x60}
 
-SENT = ["WheelState", "WheelBrake", "WheelDrive", "WheelPower", "WheelHealth"]
+SENT = [
+    *("WheelState", "WheelBrake", "WheelDrive", "WheelPower", "WheelHealth"),
+    *("WheelAhead", "WheelAvailable"),
+]
 KINDS = {
     "Demand": "MESSAGES_DEMAND",
     "HydraulicFeedback": "MESSAGES_HYDRAULIC_FEEDBACK",
@@ -27,6 +30,8 @@ KINDS = {
     "WheelDrive": "MESSAGES_WHEEL_DRIVE",
     "WheelPower": "MESSAGES_WHEEL_POWER",
     "WheelHealth": "MESSAGES_WHEEL_HEALTH",
+    "WheelAhead": "MESSAGES_WHEEL_AHEAD",
+    "WheelAvailable": "MESSAGES_WHEEL_AVAILABLE",
 }
 
 # Member of slow_output_t or, with a dot, of messages_values_t; and the signal it becomes: message,
@@ -37,6 +42,9 @@ PHYSICAL = {
     "motor_torque_estimate_mNm": ("WheelState", "motor_torque_estimate_nm", 1000),
     "hydraulic_torque_mNm": ("WheelBrake", "hydraulic_torque_nm", 1000),
     "electric_brake_available_mNm": ("WheelBrake", "electric_brake_available_nm", 1000),
+    "electric_brake_ahead_mNm": ("WheelAhead", "electric_brake_ahead_nm", 1000),
+    "drive_ahead_mNm": ("WheelAhead", "drive_ahead_nm", 1000),
+    "drive_available_mNm": ("WheelAvailable", "drive_available_nm", 1000),
     "speed_mrad_s": ("WheelState", "speed_rad_s", 1000),
     "i_q_mA": ("WheelDrive", "current_q_a", 1000),
     "bus_voltage_mV": ("WheelPower", "bus_voltage_v", 1000),
@@ -44,10 +52,18 @@ PHYSICAL = {
     "temperature.winding_cC": ("WheelHealth", "winding_temperature_c", 100),
     "temperature.switch_cC": ("WheelHealth", "switch_temperature_c", 100),
 }
+ROUNDED_DOWN = {
+    *("electric_brake_available_mNm", "electric_brake_ahead_mNm"),
+    *("drive_available_mNm", "drive_ahead_mNm"),
+}
 NUMBERS = {
     "torque_reason": ("WheelDrive", "torque_reason"),
     "available_reason": ("WheelBrake", "available_reason"),
     "hydraulic_reason": ("WheelBrake", "hydraulic_reason"),
+    "ahead_reason": ("WheelAhead", "ahead_reason"),
+    "drive_ahead_reason": ("WheelAhead", "drive_ahead_reason"),
+    "drive_available_reason": ("WheelAvailable", "drive_available_reason"),
+    "waits_for": ("WheelAvailable", "waits_for"),
     "fault_reason": ("WheelState", "fault_reason"),
     "warning_reason": ("WheelPower", "warning_reason"),
     "hydraulic_valid": ("WheelBrake", "hydraulic_valid"),
@@ -56,6 +72,8 @@ NUMBERS = {
     "stop_lamp": ("WheelState", "stop_lamp"),
     "links.demand": ("WheelHealth", "demand_link"),
     "links.battery": ("WheelHealth", "battery_link"),
+    "links.hydraulic": ("WheelHealth", "hydraulic_link"),
+    "links.peak": ("WheelHealth", "peak_link"),
     "links.demand_errors": ("WheelHealth", "demand_errors"),
     "links.battery_errors": ("WheelHealth", "battery_errors"),
 }
@@ -144,7 +162,7 @@ def test_every_message_of_every_wheel_passes_an_independent_profile_2_check(comm
         assert data[1] & 0x0F == counter, name
         assert check_profile2_crc(data, data_id(frame.identifier, counter)), (name, counter)
         count += 1
-    assert count == 16 * (2 + 4 * 7)
+    assert count == 16 * (2 + 4 * 9)
 
 
 def test_checksums_of_random_content_equal_an_independent_implementation(comms: Comms) -> None:
@@ -248,7 +266,7 @@ def test_a_quantity_is_transferred_within_half_a_step_and_changes_no_other(
     for value in [0, int(lowest * per_unit), int(highest * per_unit), *values]:
         got = decoded(comms, database, message, **{member: value})
         error = got[name] - value / per_unit
-        if member == "electric_brake_available_mNm":
+        if member in ROUNDED_DOWN:
             assert -step - 1e-9 < error <= 1e-9, "a promise may not be larger than what is there"
         else:
             assert abs(error) <= step / 2 + 1e-9

@@ -110,6 +110,9 @@ static void assert_same_slow(const slow_output_t *a, const slow_output_t *b)
     TEST_ASSERT_EQUAL_INT32(a->motor_torque_estimate_mNm, b->motor_torque_estimate_mNm);
     TEST_ASSERT_EQUAL_INT32(a->hydraulic_torque_mNm, b->hydraulic_torque_mNm);
     TEST_ASSERT_EQUAL_INT32(a->electric_brake_available_mNm, b->electric_brake_available_mNm);
+    TEST_ASSERT_EQUAL_INT32(a->electric_brake_ahead_mNm, b->electric_brake_ahead_mNm);
+    TEST_ASSERT_EQUAL_INT32(a->drive_available_mNm, b->drive_available_mNm);
+    TEST_ASSERT_EQUAL_INT32(a->drive_ahead_mNm, b->drive_ahead_mNm);
     TEST_ASSERT_EQUAL_INT32(a->speed_mrad_s, b->speed_mrad_s);
     TEST_ASSERT_EQUAL_INT32(a->i_d_mA, b->i_d_mA);
     TEST_ASSERT_EQUAL_INT32(a->i_q_mA, b->i_q_mA);
@@ -117,6 +120,10 @@ static void assert_same_slow(const slow_output_t *a, const slow_output_t *b)
     TEST_ASSERT_EQUAL_INT32(a->bus_current_mA, b->bus_current_mA);
     TEST_ASSERT_EQUAL_INT(a->torque_reason, b->torque_reason);
     TEST_ASSERT_EQUAL_INT(a->available_reason, b->available_reason);
+    TEST_ASSERT_EQUAL_INT(a->ahead_reason, b->ahead_reason);
+    TEST_ASSERT_EQUAL_INT(a->drive_available_reason, b->drive_available_reason);
+    TEST_ASSERT_EQUAL_INT(a->drive_ahead_reason, b->drive_ahead_reason);
+    TEST_ASSERT_EQUAL_INT(a->waits_for, b->waits_for);
     TEST_ASSERT_EQUAL_INT(a->hydraulic_reason, b->hydraulic_reason);
     TEST_ASSERT_EQUAL_INT(a->fault_reason, b->fault_reason);
     TEST_ASSERT_EQUAL_INT(a->mode, b->mode);

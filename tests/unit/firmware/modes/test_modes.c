@@ -363,3 +363,72 @@ void test_monitor_s_warning_is_shown_beneath_the_latched_one(void)
     in.warning_reason = REASON_NONE;
     TEST_ASSERT_EQUAL_INT(REASON_DEMAND_TIMEOUT, step().warning);
 }
+
+static void assert_waits_for(waits_for_t expected)
+{
+    TEST_ASSERT_EQUAL_INT(expected, step().waits_for);
+}
+
+void test_on_the_way_to_driving_every_mode_names_what_it_waits_for(void)
+{
+    start_in(MODE_BOOT);
+    assert_waits_for(WAITS_FOR_CONFIGURATION);
+    start_in(MODE_SELFTEST);
+    assert_waits_for(WAITS_FOR_SELFTEST);
+    start_in(MODE_OFFSET_CAL);
+    assert_waits_for(WAITS_FOR_OFFSETS);
+    in.emf_conducts = true;
+    assert_waits_for(WAITS_FOR_LOWER_SPEED);
+    start_in(MODE_READY);
+    in.rotor_valid = false;
+    in.drive_demanded = true;
+    in.demand_lost = true;
+    in.neutral = true;
+    assert_waits_for(WAITS_FOR_ENABLE);
+    in.enable = true;
+    assert_waits_for(WAITS_FOR_DEMAND_LINK);
+    in.demand_lost = false;
+    assert_waits_for(WAITS_FOR_PEDAL_RELEASE);
+    in.drive_demanded = false;
+    assert_waits_for(WAITS_FOR_ROTOR_ANGLE);
+    in.rotor_valid = true;
+    assert_waits_for(WAITS_FOR_DIRECTION);
+    TEST_ASSERT_EQUAL_INT(MODE_RUN, state.mode);
+    in.neutral = false;
+    assert_waits_for(WAITS_FOR_NONE);
+    in.battery_lost = true;
+    assert_waits_for(WAITS_FOR_BATTERY);
+}
+
+/* READY that waits for nothing has become RUN in the same step, and the other way round. */
+void test_ready_waits_for_something_exactly_as_long_as_it_stays(void)
+{
+    for (unsigned flags = 0; flags < 32U; flags++) {
+        start_in(MODE_READY);
+        in.enable = (flags & 1U) != 0;
+        in.demand_lost = (flags & 2U) != 0;
+        in.drive_demanded = (flags & 4U) != 0;
+        in.rotor_valid = (flags & 8U) != 0;
+        in.rolling = (flags & 16U) != 0;
+        const modes_output_t out = step();
+        TEST_ASSERT_EQUAL(out.mode == MODE_READY, out.waits_for != WAITS_FOR_NONE);
+    }
+}
+
+void test_a_fault_waits_for_rest_then_for_an_acknowledgement_or_for_its_cause(void)
+{
+    start_in(MODE_RUN);
+    in.fault = REASON_WINDING_OVERTEMPERATURE;
+    in.rolling = true;
+    assert_waits_for(WAITS_FOR_REST);
+    in.rolling = false;
+    assert_waits_for(WAITS_FOR_ACKNOWLEDGEMENT);
+    in.fault_reset = true;
+    (void)run(MODES_ACKNOWLEDGE_STEPS + 1);
+    assert_waits_for(WAITS_FOR_FAULT_CAUSE);
+    in.fault = REASON_NONE;
+    in.fault_reset = false;
+    (void)step();
+    in.fault_reset = true;
+    TEST_ASSERT_EQUAL_INT(MODE_SELFTEST, step().mode);
+}
