@@ -104,7 +104,9 @@
     X(selftest_passed, selftest_passed, selftest_passed, FLAG, PLAIN, 0, 1, 1, "", \
       "the hardware's power-up checks have passed") \
     X(config_accepted, config_accepted, config_accepted, FLAG, PLAIN, 0, 1, 1, "", \
-      "the configuration was accepted at boot")
+      "the configuration was accepted at boot") \
+    X(demand_reason, demand_reason, demand.reason, CODE, PLAIN, 0, 255, 0, "", \
+      "why a torque is not what the pedal says; 0: it is")
 
 #define EXCHANGE_SLOW_OUTPUTS(X) \
     X(motor_torque_command_nm, motor_torque_command_mNm, motor_torque_command_mNm, \

@@ -63,6 +63,7 @@ static slow_input_t slow_input(uint32_t n)
         .demand.fault_reset = n % 900 == 0,
         .selftest_passed = true,
         .config_accepted = true,
+        .demand.reason = n % 1100 == 0 ? REASON_ACCELERATOR_LOCKED : REASON_NONE,
     };
     return out;
 }
@@ -97,7 +98,8 @@ static void slow_array(const slow_input_t *in, int32_t *out)
                               in->demand.abs_active,
                               in->demand.fault_reset,
                               in->selftest_passed,
-                              in->config_accepted};
+                              in->config_accepted,
+                              (int32_t)in->demand.reason};
     memcpy(out, values, sizeof(values));
 }
 
