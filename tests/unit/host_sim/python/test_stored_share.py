@@ -61,7 +61,7 @@ def rows_of(torque: list[float], reason: str) -> Rows:
 
 
 def test_ripple_is_the_deviation_from_a_straight_line_while_none_changes() -> None:
-    time = np.arange(1000)
+    time = np.arange(1000, dtype=np.float64)
     ramp = 0.01 * time
     wave = 0.2 * np.sin(2.0 * np.pi * time / 20.0)
 
