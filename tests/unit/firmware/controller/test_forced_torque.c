@@ -17,6 +17,15 @@ static const config_t *const CONFIGS[] = {&CONFIG_LU2013, &CONFIG_EBIKE36V, &CON
                                           &CONFIG_IPM400V};
 enum { CONFIGS_COUNT = 4, STATES = 20000 };
 
+static motor_constants_t constants[CONFIGS_COUNT];
+
+static void init_constants(void)
+{
+    for (int k = 0; k < CONFIGS_COUNT; k++) {
+        motor_constants_init(&constants[k], CONFIGS[k]);
+    }
+}
+
 void setUp(void) {}
 
 void tearDown(void) {}
@@ -35,17 +44,17 @@ void test_where_zero_torque_is_not_feasible_the_monitor_tolerates_braking(void)
 {
     random_t random = random_seeded(1);
     int infeasible = 0;
+    init_constants();
     for (int n = 0; n < CONFIGS_COUNT * STATES; n++) {
         const config_t *config = CONFIGS[n % CONFIGS_COUNT];
-        motor_constants_t constants;
-        motor_constants_init(&constants, config);
         const int32_t direction = random_chance(&random, 0.5) ? 1 : -1;
         const int32_t speed_mrad_s =
             direction * random_between(&random, 0, 2 * config->motor.max_speed_mrad_s);
         const int32_t bus_mV =
             random_between(&random, config->battery.min_voltage_mV, config->battery.max_voltage_mV);
         const motor_model_t model =
-            motor_model_at(&constants, config, speed_mrad_s, random_between(&random, -2000, 14000));
+            motor_model_at(&constants[n % CONFIGS_COUNT], config, speed_mrad_s,
+                           random_between(&random, -2000, 14000));
         const feasible_set_t set = feasible_set_at(&model, phase_mV(config, bus_mV));
         const current_setpoint_t none = current_setpoint_step(&set, 0, 0);
         const bool feasible = none.feasible && none.forced_mNm == 0;
@@ -65,15 +74,14 @@ void test_where_zero_torque_is_not_feasible_the_monitor_tolerates_braking(void)
 void test_no_setpoint_exceeds_the_monitor_s_current(void)
 {
     random_t random = random_seeded(3);
+    init_constants();
     for (int n = 0; n < CONFIGS_COUNT * STATES; n++) {
         const config_t *config = CONFIGS[n % CONFIGS_COUNT];
         const int32_t most_mNm = config->motor.max_torque_mNm;
-        motor_constants_t constants;
-        motor_constants_init(&constants, config);
         const int32_t top_mrad_s = config->motor.max_speed_mrad_s / 10 * 11;
-        const motor_model_t model =
-            motor_model_at(&constants, config, random_between(&random, -top_mrad_s, top_mrad_s),
-                           random_between(&random, -2000, 14000));
+        const motor_model_t model = motor_model_at(&constants[n % CONFIGS_COUNT], config,
+                                                   random_between(&random, -top_mrad_s, top_mrad_s),
+                                                   random_between(&random, -2000, 14000));
         const int32_t bus_mV =
             random_between(&random, config->battery.min_voltage_mV, config->battery.max_voltage_mV);
         const feasible_set_t set = feasible_set_at(&model, phase_mV(config, bus_mV));
@@ -100,10 +108,17 @@ static double voltage_of(const reference_motor_t *m, double i_d_a, double i_q_a)
  * suffices, or is least; by steps of a milliradian in the circuit. */
 static double first_angle(const reference_motor_t *m, double most_a, double begin, double limit_v)
 {
+    const double along = cos(1e-3);
+    const double across = sin(1e-3);
     double least_v = INFINITY;
     double least_at = begin;
+    double d_a = -most_a * cos(begin);
+    double q_a = -most_a * sin(begin);
     for (double at = begin; at < begin + 0.6; at += 1e-3) {
-        const double u_v = voltage_of(m, -most_a * cos(at), -most_a * sin(at));
+        const double u_v = voltage_of(m, d_a, q_a);
+        const double turned_a = d_a * along - q_a * across;
+        q_a = d_a * across + q_a * along;
+        d_a = turned_a;
         if (u_v <= limit_v) {
             return at;
         }
@@ -121,16 +136,16 @@ void test_forced_torque_is_the_least_that_the_voltage_allows(void)
     random_t random = random_seeded(4);
     int forced = 0;
     int within = 0;
+    init_constants();
     for (int n = 0; n < 10 * STATES; n++) {
         const config_t *config = CONFIGS[n % 3]; /* ipm400v's circle covers -psi/L_d */
-        motor_constants_t constants;
-        motor_constants_init(&constants, config);
         const int32_t bus_mV =
             random_between(&random, config->battery.min_voltage_mV, config->battery.max_voltage_mV);
         const int32_t top_mrad_s = config->motor.max_speed_mrad_s;
         const int32_t speed_mrad_s = random_between(&random, top_mrad_s / 2, 2 * top_mrad_s);
         const int32_t winding_cC = random_between(&random, -2000, 9000);
-        const motor_model_t model = motor_model_at(&constants, config, speed_mrad_s, winding_cC);
+        const motor_model_t model =
+            motor_model_at(&constants[n % 3], config, speed_mrad_s, winding_cC);
         const feasible_set_t set = feasible_set_at(&model, phase_mV(config, bus_mV));
         const current_setpoint_t out = current_setpoint_step(&set, 0, 0);
         if (out.forced_mNm == 0) {
