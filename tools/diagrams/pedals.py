@@ -109,8 +109,8 @@ def pedal_interpretations() -> Sheet:
     )
     speeds = ", dashed ".join(f"{speed:.0f} r/min" for speed, _, _ in optima)
     sheet.text((60, 318), "N m at one wheel over brake pedal travel:", "start", INK)
-    sheet.text((330, 318), "motor", "start", BLUE, "bold")
-    sheet.text((385, 318), "friction brake", "start", RED, "bold")
-    sheet.text((485, 318), "both", "start", GREY, "bold")
-    sheet.text((730, 318), f"(c): {speeds}, 62 degC", "start", INK)
+    sheet.text((370, 318), "motor", "start", BLUE, "bold")
+    sheet.text((430, 318), "friction brake", "start", RED, "bold")
+    sheet.text((550, 318), "both", "start", GREY, "bold")
+    sheet.text((700, 318), f"(c): {speeds}, 62 degC", "start", INK)
     return sheet
