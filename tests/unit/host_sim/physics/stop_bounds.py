@@ -22,9 +22,9 @@ KNOWN_RIPPLE = {
     ("lu2013", "WINDING_TEMPERATURE"): 0.065,
     ("lu2013", "PHASE_CURRENT"): 0.055,
     ("lu2013", "BUS_VOLTAGE_HIGH"): 0.015,
-    ("ebike36v", "BUS_VOLTAGE_HIGH"): 0.025,
+    ("ebike36v", "BUS_VOLTAGE_HIGH"): 0.03,
     ("ebike36v", "LOSS_OPTIMUM"): 0.016,
-    ("scooter48v", "CHARGE_CURRENT"): 0.07,
+    ("scooter48v", "CHARGE_CURRENT"): 0.02,
 }
 
 
