@@ -6,20 +6,15 @@ or disconnecting at any of twenty instants: while the vehicle coasts, brakes wit
 have, or drives so. One wheel with its share of mass and battery stands for the vehicle (stops).
 """
 
-import csv
-import io
-import os
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from regen_table import models
 from regen_table.schema import Drive
 
-from hubsim import let_go, reasons, run, stops, stored_share
+from hubsim import cases, let_go, reasons, run, stops, stored_share
 from hubsim.engine import Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario
@@ -129,18 +124,12 @@ def draw(drives: Sequence[str], count: int, seed: int) -> list[Case]:
     Half of them with a battery that stays; the others with one that leaves at INSTANTS instants,
     coasting, braking and driving in turn.
     """
-    cases: list[list[Case]] = []
-    for k, name in enumerate(drives):
-        drive = stored_share.drive_named(name)
-        here = (count + len(drives) - 1 - k) // len(drives)
-        source = np.random.default_rng([seed, *name.encode()])
-        cells = np.stack([source.permutation(here) for _ in range(3)])
-        shares = (cells + source.random(cells.shape)) / max(here, 1)
-        cases.append([_case(name, drive, j, shares[:, j]) for j in range(here)])
-    return [found[j] for j in range(len(cases[0])) for found in cases if j < len(found)]
+    return cases.hypercube(drives, count, seed, 3, _case)
 
 
-def _case(name: str, drive: Drive, number: int, share: Rows) -> Case:
+def _case(name: str, number: int, share: Rows) -> Case:
+    drive = stored_share.drive_named(name)
+
     def within(k: int, low: float, high: float) -> float:
         return float(low + (high - low) * share[k])
 
@@ -175,7 +164,9 @@ def measure(number: int, case: Case) -> Outcome:
     except HubsimError:
         rows = np.zeros((1, len(SIGNALS)))
         return _outcome(number, case, drive, rows, (0.0, 0.0, let_go.PWM, 0), NOT_STARTED)
-    return _outcome(number, case, drive, rows, worst(drive, case, rows), _name(rows[-1, FAULT]))
+    return _outcome(
+        number, case, drive, rows, worst(drive, case, rows), reasons.shown(rows[-1, FAULT])
+    )
 
 
 def simulated(drive: Drive, case: Case) -> Rows:
@@ -271,8 +262,8 @@ def _outcome(
 ) -> Outcome:
     excess, least, way, k = found
     row = rows[k]
-    warned = {_name(code) for code in np.unique(rows[:, WARNING])} - set(WARNINGS)
-    shown = warned or ({_name(code) for code in np.unique(rows[:, WARNING])} - {""})
+    warned = {reasons.shown(code) for code in np.unique(rows[:, WARNING])} - set(WARNINGS)
+    shown = warned or ({reasons.shown(code) for code in np.unique(rows[:, WARNING])} - {""})
     return Outcome(
         number=number,
         **asdict(case),
@@ -294,52 +285,3 @@ def _outcome(
 def _rating_v(drive: Drive) -> float:
     rating_v = drive.inverter.device_voltage_v
     return float("inf") if rating_v is None else rating_v
-
-
-def _name(code: float) -> str:
-    return {number: name for name, number in reasons.codes().items()}[int(code)] if code else ""
-
-
-def sweep(
-    cases: Sequence[Case],
-    processes: int | None = None,
-    progress: Callable[[], None] | None = None,
-) -> list[Outcome]:
-    """Measure all cases, in as many processes as there are cores; order and result are the same."""
-    count = processes or os.cpu_count() or 1
-    numbers = range(len(cases))
-    if count == 1:
-        return list(_counted(map(measure, numbers, cases), progress))
-    with ProcessPoolExecutor(count) as pool:
-        return list(_counted(pool.map(measure, numbers, cases, chunksize=4), progress))
-
-
-def _counted(found: Iterable[Outcome], progress: Callable[[], None] | None) -> Iterable[Outcome]:
-    for outcome in found:
-        if progress is not None:
-            progress()
-        yield outcome
-
-
-def as_csv(outcomes: Sequence[Outcome]) -> str:
-    """Return a table, a line for each case."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([field.name for field in fields(Outcome)])
-    for outcome in outcomes:
-        writer.writerow(
-            f"{value:.6g}" if isinstance(value, float) else value
-            for value in asdict(outcome).values()
-        )
-    return text.getvalue()
-
-
-def read_csv(text: str) -> list[Outcome]:
-    """Read back what ``as_csv`` wrote."""
-    kinds = {field.name: field.type for field in fields(Outcome)}
-    readers: dict[object, Callable[[str], Any]] = {int: int, float: float, str: str}
-    rows = csv.DictReader(io.StringIO(text))
-    return [
-        Outcome(**{name: readers[kinds[name]](value) for name, value in row.items()})
-        for row in rows
-    ]

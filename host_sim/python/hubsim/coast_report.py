@@ -3,39 +3,23 @@
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from regen_table import installation, plotting
+from regen_table import plotting
 from rich.progress import Progress
 
-from hubsim import coast, files
+from hubsim import cases, coast
 from hubsim.coast import BRAKE, COAST, DRIVE, Outcome
-from hubsim.errors import HubsimError
-from hubsim.results import as_json
 
 SHOWN_NM = -2.0  # what lies below, inside the feasible minimum, is drawn on the edge
 
 
 def make(options: argparse.Namespace, bar: Progress) -> list[Outcome]:
     """Measure the cases that the command asks for and write everything into its folder."""
-    for name, value, least in (
-        ("--count", options.count, 1),
-        ("--workers", options.workers, 1),
-        ("--seed", options.seed, 0),
-    ):
-        if value is not None and value < least:
-            raise HubsimError(f"{name} {value}: accepted: a whole number from {least}")
-    files.make_directory(options.output)
-    cases = coast.draw(coast.DRIVES, options.count, options.seed)
-    task = bar.add_task("coast", total=len(cases))
-    found = coast.sweep(cases, options.workers, lambda: bar.advance(task))
-    origin = installation.provenance(scenario="coast", seed=options.seed, date=options.date)
-    content = {"provenance": origin, "summary": summary(found)}
-    files.write_text(options.output / "coast.csv", coast.as_csv(found))
-    files.write_text(options.output / "coast.json", as_json(content))
-    draw(found, options.output)
-    return found
+    drawn = partial(coast.draw, coast.DRIVES)
+    return cases.make("coast", options, bar, drawn, coast.measure, summary, draw)
 
 
 def conclude(options: argparse.Namespace, bar: Progress) -> tuple[list[str], bool]:

@@ -7,19 +7,14 @@ the beginning, the hall plug off while torque is made. One wheel with its share 
 stands for the vehicle (stops); its mass is so large that the speed stays.
 """
 
-import csv
-import io
-import os
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from regen_table import models
 
-from hubsim import reasons, run, stops
+from hubsim import cases, reasons, run, stops
 from hubsim.engine import Engine, Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario
@@ -121,18 +116,11 @@ class Outcome:
 
 def draw(drives: Sequence[str], count: int, seed: int) -> list[Case]:
     """Return so many runs, drives and starts in turn, each drive's a Latin hypercube."""
-    found: list[list[Case]] = []
-    for k, name in enumerate(drives):
-        here = (count + len(drives) - 1 - k) // len(drives)
-        source = np.random.default_rng([seed, *name.encode()])
-        cells = np.stack([source.permutation(here) for _ in range(6)])
-        shares = (cells + source.random(cells.shape)) / max(here, 1)
-        found.append([_case(name, STARTS[j % len(STARTS)], shares[:, j]) for j in range(here)])
-    return [cases[j] for j in range(len(found[0])) for cases in found if j < len(cases)]
+    return cases.hypercube(drives, count, seed, 6, _case)
 
 
-def _case(name: str, start: str, share: Rows) -> Case:
-    drive = drive_named(name)
+def _case(name: str, number: int, share: Rows) -> Case:
+    drive, start = drive_named(name), STARTS[number % len(STARTS)]
     battery, motor = drive.battery, drive.motor
 
     def within(k: int, low: float, high: float, digits: int) -> float:
@@ -163,7 +151,7 @@ def measure(number: int, case: Case) -> Outcome:
         rows = _simulated(case)
     except HubsimError:  # the controllers do not get to the speed without a fault
         return _outcome(number, case, np.zeros((2, len(SIGNALS))), NOT_STARTED)
-    return _outcome(number, case, rows, _name(rows[-1, 9]))
+    return _outcome(number, case, rows, reasons.shown(rows[-1, 9]))
 
 
 def _simulated(case: Case) -> Rows:
@@ -236,54 +224,6 @@ def _outcome(number: int, case: Case, rows: Rows, fault: str) -> Outcome:
         drove_s=float(np.sum(over > DRIVES_SHARE * rated)) * RECORD_S,
         mode=int(mode[-1]),
         first_fault=fault,
-        warning=_name(warning[-1]),
-        reason=_name(reason[-1]),
+        warning=reasons.shown(warning[-1]),
+        reason=reasons.shown(reason[-1]),
     )
-
-
-def _name(code: float) -> str:
-    return {number: name for name, number in reasons.codes().items()}[int(code)] if code else ""
-
-
-def sweep(
-    cases: Sequence[Case],
-    processes: int | None = None,
-    progress: Callable[[], None] | None = None,
-) -> list[Outcome]:
-    """Measure all runs, in as many processes as there are cores; order and result are the same."""
-    count = processes or os.cpu_count() or 1
-    numbers = range(len(cases))
-    if count == 1:
-        return list(_counted(map(measure, numbers, cases), progress))
-    with ProcessPoolExecutor(count) as pool:
-        return list(_counted(pool.map(measure, numbers, cases, chunksize=4), progress))
-
-
-def _counted(found: Iterable[Outcome], progress: Callable[[], None] | None) -> Iterable[Outcome]:
-    for outcome in found:
-        if progress is not None:
-            progress()
-        yield outcome
-
-
-def as_csv(outcomes: Sequence[Outcome]) -> str:
-    """Return a table, a line for each run."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([field.name for field in fields(Outcome)])
-    for outcome in outcomes:
-        writer.writerow(
-            f"{value:.6g}" if isinstance(value, float) else value
-            for value in asdict(outcome).values()
-        )
-    return text.getvalue()
-
-
-def read_csv(text: str) -> list[Outcome]:
-    """Read back what ``as_csv`` wrote."""
-    kinds = {field.name: field.type for field in fields(Outcome)}
-    readers: dict[object, Callable[[str], Any]] = {int: int, float: float, str: str}
-    return [
-        Outcome(**{name: readers[kinds[name]](value) for name, value in row.items()})
-        for row in csv.DictReader(io.StringIO(text))
-    ]

@@ -3,15 +3,14 @@
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
-from regen_table import installation, plotting
+from regen_table import plotting
 from rich.progress import Progress
 
-from hubsim import envelope, files
+from hubsim import cases, envelope
 from hubsim.envelope import SENSOR_STARTS, Outcome
-from hubsim.errors import HubsimError
-from hubsim.results import as_json
 from hubsim.stored_share import DRIVES
 
 DEVIATION_MAX = 0.01  # of the rated torque
@@ -20,23 +19,8 @@ SHOWN = 0.05  # what lies beyond is drawn on the edge
 
 def make(options: argparse.Namespace, bar: Progress) -> list[Outcome]:
     """Measure the runs that the command asks for and write everything into its folder."""
-    for name, value, least in (
-        ("--count", options.count, 1),
-        ("--workers", options.workers, 1),
-        ("--seed", options.seed, 0),
-    ):
-        if value is not None and value < least:
-            raise HubsimError(f"{name} {value}: accepted: a whole number from {least}")
-    files.make_directory(options.output)
-    cases = envelope.draw(DRIVES, options.count, options.seed)
-    task = bar.add_task("envelope", total=len(cases))
-    found = envelope.sweep(cases, options.workers, lambda: bar.advance(task))
-    origin = installation.provenance(scenario="envelope", seed=options.seed, date=options.date)
-    content = {"provenance": origin, "summary": summary(found)}
-    files.write_text(options.output / "envelope.csv", envelope.as_csv(found))
-    files.write_text(options.output / "envelope.json", as_json(content))
-    draw(found, options.output)
-    return found
+    drawn = partial(envelope.draw, DRIVES)
+    return cases.make("envelope", options, bar, drawn, envelope.measure, summary, draw)
 
 
 def conclude(options: argparse.Namespace, bar: Progress) -> tuple[list[str], bool]:

@@ -36,6 +36,11 @@ def identifier(code: float) -> str:
     )
 
 
+def shown(code: float) -> str:
+    """Return the identifier of a code, empty for 0."""
+    return identifier(code) if code else ""
+
+
 def meant(name: str) -> frozenset[int]:
     """Return the codes that a name in a criterion stands for.
 

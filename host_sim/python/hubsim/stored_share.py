@@ -6,21 +6,16 @@ temperature of every drive, against ``regen_table.limited_stop``. One wheel with
 and battery stands for the vehicle (stops).
 """
 
-import csv
-import io
-import os
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from regen_table import limited_stop, models
 from regen_table.schema import Drive
 
-from hubsim import overrides, reasons, run, stops
+from hubsim import cases, overrides, reasons, run, stops
 from hubsim.engine import ROOT, Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario
@@ -125,18 +120,12 @@ def draw(drives: Sequence[str], count: int, seed: int) -> list[Case]:
     State of charge 0 to 1 where the voltage depends on it, else open-circuit voltage from the
     pack's lowest to its largest; winding temperature over the range of the drive's table.
     """
-    cases: list[list[Case]] = []
-    for k, name in enumerate(drives):
-        drive, stops_here = drive_named(name), (count + len(drives) - 1 - k) // len(drives)
-        source = np.random.default_rng([seed, *name.encode()])
-        cells = np.stack([source.permutation(stops_here) for _ in range(4)])
-        shares = (cells + source.random(cells.shape)) / max(stops_here, 1)
-        cases.append([_case(name, drive, shares[:, j]) for j in range(stops_here)])
-    return [found[j] for j in range(len(cases[0])) for found in cases if j < len(found)]
+    return cases.hypercube(drives, count, seed, 4, _case)
 
 
-def _case(name: str, drive: Drive, share: Rows) -> Case:
+def _case(name: str, _number: int, share: Rows) -> Case:
     """Return the stop at shares 0 to 1 of the ranges."""
+    drive = drive_named(name)
 
     def within(k: int, low: float, high: float) -> float:
         return float(low + (high - low) * share[k])
@@ -179,7 +168,7 @@ def measure(number: int, case: Case) -> Outcome:
     )
     try:
         stored, rows = _simulated(plain, case)
-        fault = _name(float(rows[-1, 3]))
+        fault = reasons.shown(float(rows[-1, 3]))
     except HubsimError:  # the controllers do not get to the initial speed without a fault
         stored, rows, fault = 0.0, np.zeros((1, len(SIGNALS))), NOT_STARTED
     rated = drive.motor.rated_torque_nm
@@ -200,7 +189,7 @@ def measure(number: int, case: Case) -> Outcome:
         difference=stored - ideal.stored_share_of_kinetic,
         ripple_share_of_rated=ripple_nm(rows, rated) / rated,
         first_fault=fault,
-        reason=_name(_most_missing(rows, case.demand_nm)),
+        reason=reasons.shown(_most_missing(rows, case.demand_nm)),
         ideal_reason=max(by_reason, key=lambda name: by_reason[name], default=""),
         impossible_s=ideal.impossible_s,
     )
@@ -262,52 +251,3 @@ def _most_missing(rows: Rows, demand_nm: float) -> float:
     missing = np.maximum(demand_nm + rows[:, 0], 0.0) * rows[:, 2]
     found = {code: float(np.sum(missing[rows[:, 4] == code])) for code in np.unique(rows[:, 4])}
     return max(found, key=lambda code: found[code], default=0.0)
-
-
-def _name(code: float) -> str:
-    return {number: name for name, number in reasons.codes().items()}[int(code)] if code else ""
-
-
-def sweep(
-    cases: Sequence[Case],
-    processes: int | None = None,
-    progress: Callable[[], None] | None = None,
-) -> list[Outcome]:
-    """Measure all stops, in as many processes as there are cores; order and result are the same."""
-    count = processes or os.cpu_count() or 1
-    numbers = range(len(cases))
-    if count == 1:
-        return list(_counted(map(measure, numbers, cases), progress))
-    with ProcessPoolExecutor(count) as pool:
-        return list(_counted(pool.map(measure, numbers, cases, chunksize=4), progress))
-
-
-def _counted(found: Iterable[Outcome], progress: Callable[[], None] | None) -> Iterable[Outcome]:
-    for outcome in found:
-        if progress is not None:
-            progress()
-        yield outcome
-
-
-def as_csv(outcomes: Sequence[Outcome]) -> str:
-    """Return a table, a line for each stop."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([field.name for field in fields(Outcome)])
-    for outcome in outcomes:
-        writer.writerow(
-            f"{value:.6g}" if isinstance(value, float) else value
-            for value in asdict(outcome).values()
-        )
-    return text.getvalue()
-
-
-def read_csv(text: str) -> list[Outcome]:
-    """Read back what ``as_csv`` wrote."""
-    kinds = {field.name: field.type for field in fields(Outcome)}
-    readers: dict[object, Callable[[str], Any]] = {int: int, float: float, str: str}
-    rows = csv.DictReader(io.StringIO(text))
-    return [
-        Outcome(**{name: readers[kinds[name]](value) for name, value in row.items()})
-        for row in rows
-    ]

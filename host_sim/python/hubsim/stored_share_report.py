@@ -3,15 +3,14 @@
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
-from regen_table import installation, plotting
+from regen_table import plotting
 from rich.progress import Progress
 
-from hubsim import files, stored_share
-from hubsim.errors import HubsimError
-from hubsim.results import as_json
+from hubsim import cases, stored_share
 from hubsim.stored_share import NOT_STARTED, SLOW_SHARE, TOLERANCE, TOLERANCE_SLOW, Outcome
 
 SHOWN_PERCENT = 3.0  # what lies beyond is drawn on the edge
@@ -20,23 +19,8 @@ PERCENT = 100.0
 
 def make(options: argparse.Namespace, bar: Progress) -> list[Outcome]:
     """Measure the stops that the command asks for and write everything into its folder."""
-    for name, value, least in (
-        ("--count", options.count, 1),
-        ("--workers", options.workers, 1),
-        ("--seed", options.seed, 0),
-    ):
-        if value is not None and value < least:
-            raise HubsimError(f"{name} {value}: accepted: a whole number from {least}")
-    files.make_directory(options.output)
-    cases = stored_share.draw(stored_share.DRIVES, options.count, options.seed)
-    task = bar.add_task("stops", total=len(cases))
-    found = stored_share.sweep(cases, options.workers, lambda: bar.advance(task))
-    origin = installation.provenance(scenario="stops", seed=options.seed, date=options.date)
-    content = {"provenance": origin, "summary": summary(found)}
-    files.write_text(options.output / "stops.csv", stored_share.as_csv(found))
-    files.write_text(options.output / "stops.json", as_json(content))
-    draw(found, options.output)
-    return found
+    drawn = partial(stored_share.draw, stored_share.DRIVES)
+    return cases.make("stops", options, bar, drawn, stored_share.measure, summary, draw)
 
 
 def conclude(options: argparse.Namespace, bar: Progress) -> tuple[list[str], bool]:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from coast_bounds import misses
-from hubsim import coast, let_go, run, stops, stored_share
+from hubsim import cases, coast, let_go, run, stops, stored_share
 from hubsim.let_go import FREEWHEEL, PWM, SHORT, State
 from hubsim.scenario import Scenario
 
@@ -21,7 +21,7 @@ RECORD_S = 1e-4
 
 
 def test_a_vehicle_that_is_left_to_itself_is_let_go() -> None:
-    found = coast.sweep(coast.draw(coast.DRIVES, COUNT, SEED), processes=1)
+    found = cases.measured(coast.measure, coast.draw(coast.DRIVES, COUNT, SEED), processes=1)
     assert misses(found) == []
     # Most of them are inside the tolerance that is the aim of all, some at over-speed.
     assert sum(outcome.within for outcome in found) >= 0.95 * len(found)

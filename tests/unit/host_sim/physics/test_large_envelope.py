@@ -4,7 +4,7 @@
 from pathlib import Path
 
 from envelope_bounds import misses
-from hubsim import envelope
+from hubsim import cases, envelope
 from hubsim.engine import ROOT
 from hubsim.stored_share import DRIVES
 
@@ -12,6 +12,6 @@ TABLE: Path = ROOT / "host_sim" / "envelope" / "envelope.csv"
 
 
 def test_no_more_edges_of_the_envelope_are_missed_than_the_table_names() -> None:
-    recorded = envelope.read_csv(TABLE.read_text(encoding="utf-8"))
-    found = envelope.sweep(envelope.draw(DRIVES, len(recorded), 1))
+    recorded = cases.read_csv(envelope.Outcome, TABLE.read_text(encoding="utf-8"))
+    found = cases.measured(envelope.measure, envelope.draw(DRIVES, len(recorded), 1))
     assert set(misses(found)) <= set(misses(recorded))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hubsim import cli, reasons, run, stops, stored_share, stored_share_report
+from hubsim import cases, cli, reasons, run, stops, stored_share, stored_share_report
 from hubsim.engine import ROOT, Rows
 from hubsim.errors import HubsimError
 from hubsim.scenario import Scenario
@@ -26,12 +26,12 @@ OUTCOME = Outcome(
 def test_every_drive_gets_a_latin_hypercube_over_its_whole_range() -> None:
     """So many stops, so many slices of each range: one stop in each slice."""
     count = 50
-    cases = stored_share.draw(stored_share.DRIVES, 4 * count, 9)
-    assert cases == stored_share.draw(stored_share.DRIVES, 4 * count, 9)
-    assert cases != stored_share.draw(stored_share.DRIVES, 4 * count, 10)
+    drawn = stored_share.draw(stored_share.DRIVES, 4 * count, 9)
+    assert drawn == stored_share.draw(stored_share.DRIVES, 4 * count, 9)
+    assert drawn != stored_share.draw(stored_share.DRIVES, 4 * count, 10)
     for name in stored_share.DRIVES:
         drive = stored_share.drive_named(name)
-        here = [case for case in cases if case.drive == name]
+        here = [case for case in drawn if case.drive == name]
         flat = name == "lu2013"
         battery = (
             [(case.open_circuit_v - 40.0) / 18.4 for case in here]
@@ -49,7 +49,7 @@ def test_every_drive_gets_a_latin_hypercube_over_its_whole_range() -> None:
             # A hair inside, because the values are rounded.
             slices = np.floor(np.clip(shares, 1e-6, 1.0 - 1e-6) * count + 1e-3)
             assert len(set(slices)) >= count - 2
-    with_charge = next(case for case in cases if case.drive == "ipm400v")
+    with_charge = next(case for case in drawn if case.drive == "ipm400v")
     drive = stored_share.drive_named("ipm400v")
     assert stored_share.with_battery(drive, with_charge) is drive
 
@@ -117,8 +117,8 @@ def test_a_vehicle_that_cannot_reach_its_speed_without_a_fault_is_outside(
 
 
 def test_the_table_reads_back() -> None:
-    text = stored_share.as_csv([OUTCOME, replace(OUTCOME, number=4, first_fault="OVERCURRENT")])
-    back = stored_share.read_csv(text)
+    text = cases.as_csv([OUTCOME, replace(OUTCOME, number=4, first_fault="OVERCURRENT")])
+    back = cases.read_csv(stored_share.Outcome, text)
     assert [outcome.number for outcome in back] == [3, 4]
     assert back[0] == OUTCOME
     assert [outcome.within for outcome in back] == [True, False]
@@ -161,7 +161,7 @@ def test_the_command_writes_table_origin_and_picture(
 
 def test_the_readme_names_the_worst_stops_of_the_table() -> None:
     folder = ROOT / "host_sim" / "stored_share"
-    found = stored_share.read_csv((folder / "stops.csv").read_text(encoding="utf-8"))
+    found = cases.read_csv(stored_share.Outcome, (folder / "stops.csv").read_text(encoding="utf-8"))
     text = (folder / "README.md").read_text(encoding="utf-8")
     assert len(found) >= 1000
     for o in stored_share_report.worst(found):
